@@ -1,0 +1,130 @@
+//! What every command shares: flags, exit codes, machine output.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use barbule::{Error, Result};
+use clap::Args;
+
+/// Flags that every command takes.
+#[derive(Debug, Clone, Args)]
+pub struct Common {
+    /// Seed of everything random
+    #[arg(long, default_value_t = 1, global = true, value_name = "N")]
+    pub seed: u64,
+    /// Threads to use [default: all cores]
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Memory to stay within, as in 8GiB or 500MB
+    #[arg(long, global = true, value_name = "SIZE", value_parser = memory)]
+    pub memory: Option<u64>,
+    /// No progress, no messages
+    #[arg(long, global = true)]
+    pub quiet: bool,
+    /// Say what was decided
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+    /// One JSON document on standard output
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Folder for computed materials [default: the system's cache folder]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// A medium of your own from a table of n and k: NAME=FILE (repeatable)
+    #[arg(long, global = true, value_name = "NAME=FILE")]
+    pub medium: Vec<String>,
+}
+
+impl Common {
+    /// Sets the number of threads of the process, once, before any work.
+    ///
+    /// # Errors
+    /// `--threads` is 0 or over 4096, or the pool cannot start.
+    pub fn start_threads(&self) -> Result<()> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        if !(1..=4096).contains(&threads) {
+            return Err(Error::input(format!("--threads {threads}: give a number from 1 to 4096")));
+        }
+        // A second call in one process (tests) keeps the first pool; results do not depend on it.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        Ok(())
+    }
+
+    /// Writes a message for people to standard error, unless `--quiet`.
+    pub fn say(&self, message: &str) {
+        if !self.quiet {
+            let _ = writeln!(std::io::stderr(), "{message}");
+        }
+    }
+
+    /// Writes what was decided to standard error, with `--verbose`.
+    pub fn explain(&self, message: &str) {
+        if self.verbose {
+            self.say(message);
+        }
+    }
+}
+
+/// The exit code of an error: 2 for what the user can mend, 130 after Ctrl-C, else 1.
+#[must_use]
+pub fn exit_code(error: &Error) -> u8 {
+    match error {
+        e if e.is_input() => 2,
+        e if e.is_interrupted() => 130,
+        _ => 1,
+    }
+}
+
+/// Writes one line of text to a command's output; a closed pipe ends the program quietly.
+///
+/// # Errors
+/// Standard output cannot be written.
+pub fn print(out: &mut dyn Write, text: &str) -> Result<()> {
+    match writeln!(out, "{text}") {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
+        Err(error) => Err(Error::machine(format!("standard output cannot be written: {error}"))),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// Writes one JSON document to a command's output.
+///
+/// # Errors
+/// The value has no JSON form, or standard output cannot be written.
+pub fn print_json(out: &mut dyn Write, value: &impl serde::Serialize) -> Result<()> {
+    let text = serde_json::to_string(value).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
+    print(out, &text)
+}
+
+/// A memory size: a number with an optional unit B, kB, MB, GB, KiB, MiB, GiB.
+fn memory(text: &str) -> Result<u64, String> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let unit = match text[split..].to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kb" => 1e3,
+        "m" | "mb" => 1e6,
+        "g" | "gb" => 1e9,
+        "kib" => 1024.0,
+        "mib" => 1024.0 * 1024.0,
+        "gib" => 1024.0 * 1024.0 * 1024.0,
+        other => return Err(format!("unknown unit '{other}': write for example 8GiB or 500MB")),
+    };
+    match text[..split].trim().parse::<f64>() {
+        Ok(value) if value.is_finite() && value * unit >= 1.0 => Ok((value * unit) as u64),
+        _ => Err("write a size such as 8GiB or 500MB".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_sizes_are_read_in_both_kinds_of_units() {
+        assert_eq!(memory("8GiB"), Ok(8 << 30));
+        assert_eq!(memory("500 MB"), Ok(500_000_000));
+        assert!(memory("lots").is_err());
+        assert!(memory("0").is_err());
+        assert!(memory("5XB").is_err());
+    }
+}

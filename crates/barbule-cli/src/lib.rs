@@ -1,0 +1,62 @@
+//! Barbule's command line as a library: typed arguments → checked values → the library's calls.
+//!
+//! Nothing is computed here. Each command is one file in [`commands`]; what all share is in [`common`] (flags, exit
+//! codes, output), [`sets`] (sets of numbers) and [`progress`].
+
+pub mod commands;
+pub mod common;
+pub mod progress;
+pub mod sets;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+
+/// Turns the nanostructure of a bird's feather into its picture.
+#[derive(Debug, Parser)]
+#[command(name = "barbule", version, propagate_version = true, max_term_width = 100)]
+#[command(after_help = "Example:\n  barbule render starling -o starling.png")]
+struct Cli {
+    #[command(subcommand)]
+    command: commands::Command,
+}
+
+/// Runs the program on the process's arguments.
+pub fn main() -> ExitCode {
+    let mut out = std::io::stdout().lock();
+    run(std::env::args_os(), &mut out, &mut std::io::stderr())
+}
+
+/// Runs one command line: results to `out`, messages to `err`.
+///
+/// Exit codes: 0 done, 2 what the user can mend, 1 failures of the machine or of convergence, 130 after Ctrl-C.
+pub fn run<I, T>(args: I, out: &mut dyn Write, err: &mut dyn Write) -> ExitCode
+where
+    I: IntoIterator<Item = T>,
+    T: Into<std::ffi::OsString> + Clone,
+{
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => {
+            let code = if error.use_stderr() { 2 } else { 0 };
+            let stream: &mut dyn Write = if error.use_stderr() { err } else { out };
+            // A closed pipe on the other side is not an error of ours.
+            let _ = write!(stream, "{}", error.render());
+            return ExitCode::from(code);
+        }
+    };
+    match cli.command.run(out) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(err, "barbule: {error}");
+            ExitCode::from(common::exit_code(&error))
+        }
+    }
+}
+
+/// The command-line definition, for shell completions and tests.
+#[must_use]
+pub fn command() -> clap::Command {
+    Cli::command()
+}

@@ -1,0 +1,7 @@
+//! The `barbule` program.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    barbule_cli::main()
+}

@@ -1,0 +1,101 @@
+//! Sets of numbers as people type them: `520`, `400,442,484`, `400:694:6` (start:stop:step, stop included).
+
+use barbule::{Error, Result};
+
+/// No command can use more values than this.
+const MOST_VALUES: usize = 100_000;
+
+/// Reads a set; `flag` names it in messages. The result keeps the order typed and is never empty.
+///
+/// # Errors
+/// Not a number, not finite, a step of the wrong sign or zero, or over 100,000 values.
+pub fn parse(flag: &str, text: &str) -> Result<Vec<f64>> {
+    let mut values = Vec::new();
+    for part in text.split(',') {
+        let numbers = part
+            .split(':')
+            .map(|t| t.trim().parse::<f64>().ok().filter(|v| v.is_finite()))
+            .collect::<Option<Vec<_>>>()
+            .ok_or_else(|| {
+                Error::input(format!(
+                    "{flag} {text}: '{part}' is not a number or start:stop:step, as in 400:694:6"
+                ))
+            })?;
+        match numbers[..] {
+            [value] => values.push(value),
+            [start, stop, step] => {
+                let count = (stop - start) / step;
+                if !(count >= 0.0 && step != 0.0) {
+                    return Err(Error::input(format!(
+                        "{flag} {text}: the step {step} does not lead from {start} to {stop}"
+                    )));
+                }
+                if count > MOST_VALUES as f64 {
+                    return Err(Error::input(format!("{flag} {text}: over {MOST_VALUES} values")));
+                }
+                // Half a millionth of a step forgives decimal steps such as 0.1.
+                values.extend((0..=(count + 1e-6).floor() as usize).map(|i| start + i as f64 * step));
+            }
+            _ => {
+                return Err(Error::input(format!(
+                    "{flag} {text}: '{part}' is not a number or start:stop:step"
+                )));
+            }
+        }
+        if values.len() > MOST_VALUES {
+            return Err(Error::input(format!("{flag} {text}: over {MOST_VALUES} values")));
+        }
+    }
+    Ok(values)
+}
+
+/// A set of wavelengths in nm: sorted, within 300–830, none twice.
+///
+/// # Errors
+/// As [`parse`], or a wavelength out of range.
+pub fn wavelengths(text: &str) -> Result<Vec<f64>> {
+    let mut values = parse("--wavelengths", text)?;
+    if let Some(bad) = values.iter().find(|v| !(300.0..=830.0).contains(*v)) {
+        return Err(Error::input(format!("--wavelengths: {bad} nm is outside 300 to 830 nm")));
+    }
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    Ok(values)
+}
+
+/// A set of angles in degrees, each with |angle| < 90.
+///
+/// # Errors
+/// As [`parse`], or an angle at or past grazing.
+pub fn angles(flag: &str, text: &str) -> Result<Vec<f64>> {
+    let values = parse(flag, text)?;
+    match values.iter().find(|v| v.abs() >= 90.0) {
+        Some(bad) => Err(Error::input(format!(
+            "{flag}: {bad}° is at or past grazing; give an angle between -90 and 90"
+        ))),
+        None => Ok(values),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_three_forms_are_read() {
+        assert_eq!(parse("-x", "520").unwrap(), [520.0]);
+        assert_eq!(parse("-x", "400,442,484").unwrap(), [400.0, 442.0, 484.0]);
+        let range = parse("-x", "400:694:6").unwrap();
+        assert_eq!((range.len(), range[49]), (50, 694.0));
+        assert_eq!(parse("-x", "0:0.3:0.1").unwrap().len(), 4);
+    }
+
+    #[test]
+    fn bad_sets_are_refused() {
+        for bad in ["", "a", "1:2", "1:2:-1", "1:2:0", "1:2:3:4", "nan", "inf", "0:1:1e-9"] {
+            assert!(parse("--wavelengths", bad).unwrap_err().is_input(), "{bad}");
+        }
+        assert!(wavelengths("299").is_err());
+        assert!(angles("--angle", "-90").is_err());
+    }
+}

@@ -1,0 +1,12 @@
+//! The feather materials that ship with Barbule: data only, embedded in the program.
+//!
+//! Each is a `.barbule` file as `barbule characterize` writes it, read through the same reader as users' files.
+
+/// The shipped materials: name (`species-variant`, as in `starling-green`) and the bytes of the file.
+pub const MATERIALS: &[(&str, &[u8])] = &[];
+
+/// The bytes of a shipped material.
+#[must_use]
+pub fn material(name: &str) -> Option<&'static [u8]> {
+    MATERIALS.iter().find(|(n, _)| *n == name).map(|(_, bytes)| *bytes)
+}

@@ -1,0 +1,1 @@
+//! Feather BRDFs: the smooth lobe, its random instances, evaluation and sampling.

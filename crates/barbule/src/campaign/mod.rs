@@ -1,0 +1,1 @@
+//! Many illuminations of many instances: units of work, statistics, resumption.

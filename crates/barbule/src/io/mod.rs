@@ -1,0 +1,5 @@
+//! The only module that opens files.
+
+mod whole;
+
+pub use whole::{LARGEST_INPUT, check_writable, read_bytes, read_text, write_whole};

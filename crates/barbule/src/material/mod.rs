@@ -1,0 +1,1 @@
+//! Refractive indices of media against wavelength.

@@ -1,0 +1,3 @@
+//! Mathematics without physics: seeded random streams, transforms, quadrature, small kernels.
+
+pub mod rng;

@@ -1,0 +1,23 @@
+//! How long work reports its progress and learns that it should stop. The library itself never prints.
+
+/// Watches a long computation. Called from any thread.
+pub trait Observer: Sync {
+    /// A stage with `total` equal steps begins; `label` says what it is in a few words.
+    fn begin(&self, label: &str, total: u64);
+    /// `steps` more steps are done.
+    fn advance(&self, steps: u64);
+    /// Whether to stop: work then ends with [`Error::interrupted`](crate::Error::interrupted) and a resumable state.
+    fn is_cancelled(&self) -> bool;
+}
+
+/// Watches nothing and never stops.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Unobserved;
+
+impl Observer for Unobserved {
+    fn begin(&self, _label: &str, _total: u64) {}
+    fn advance(&self, _steps: u64) {}
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,4 @@
+//! Directions, far fields, their statistics and the lobe that is fitted to them.
+
+pub mod directions;
+pub mod statistics;

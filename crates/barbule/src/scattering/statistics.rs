@@ -1,0 +1,69 @@
+//! What a campaign keeps of its fields: the narrow waist between wave simulation and BRDF.
+
+/// Outgoing azimuths on which U and V are tabulated: (n + ½)·180°/400 − 90°.
+pub const AZIMUTHS: usize = 400;
+
+/// Points of the noise process over x ∈ (−1, 1); lags are multiples of 2/NOISE_POINTS (S.44).
+pub const NOISE_POINTS: usize = 1024;
+
+/// Lags 0 … LAGS − 1 of the autocovariance that are kept.
+pub const LAGS: usize = NOISE_POINTS / 2;
+
+/// The axes shared by every array of a campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axes {
+    /// Vacuum wavelengths, nm, rising.
+    pub wavelengths_nm: Vec<f64>,
+    /// cosθ_i of the simulated directions, rising, in (0, 1].
+    pub cos_theta: Vec<f64>,
+    /// cosφ_i of the simulated directions, rising, in (0, 1]; φ_i ≥ 0.
+    pub cos_phi: Vec<f64>,
+}
+
+impl Axes {
+    /// Number of (λ, θ_i, φ_i) triples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.wavelengths_nm.len() * self.cos_theta.len() * self.cos_phi.len()
+    }
+
+    /// Whether any axis is empty.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Position of a triple in arrays of shape `[λ, θ_i, φ_i]`.
+    #[must_use]
+    pub fn index(&self, wavelength: usize, theta: usize, phi: usize) -> usize {
+        (wavelength * self.cos_theta.len() + theta) * self.cos_phi.len() + phi
+    }
+}
+
+/// The statistics of one campaign. All arrays are row-major.
+///
+/// Index of polarization 0 means the page's polarization 1 (E along e₁), 1 means polarization 2.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Statistics {
+    /// Wavelengths and directions.
+    pub axes: Axes,
+    /// Number of instances M.
+    pub instances: usize,
+    /// U of S.12, rad⁻¹. Shape `[λ, θ_i, φ_i, polarization, AZIMUTHS]`.
+    pub u: Vec<f32>,
+    /// V of S.21 without its bias, not clipped, so values may be slightly negative. Shape of `u`.
+    pub v: Vec<f32>,
+    /// Autocovariance of the weighted field (S.29, S.30), mean over instances and over real and imaginary parts, in
+    /// units of its own. Shape `[λ, θ_i, φ_i, polarization, LAGS]`, lag k ↔ Δx = 2k/NOISE_POINTS.
+    pub autocovariance: Vec<f32>,
+    /// Reflected fraction Φ_r/Φ_i, mean over instances. Shape `[λ, θ_i, φ_i, polarization]`.
+    pub reflected: Vec<f64>,
+    /// Standard deviation of the reflected fraction over instances. Shape of `reflected`.
+    pub reflected_std: Vec<f64>,
+    /// Correlation over instances and azimuths of the two polarizations' intensity patterns, each divided by its
+    /// mean. Shape `[λ, θ_i, φ_i]`.
+    pub pattern_correlation: Vec<f64>,
+    /// Contrast (standard deviation over mean, weighted by the mean intensity over azimuths) of the unpolarized
+    /// intensity over instances. Shape `[λ, θ_i, φ_i]`.
+    pub contrast: Vec<f64>,
+}

@@ -1,0 +1,1 @@
+//! Feathers, lights and cameras.

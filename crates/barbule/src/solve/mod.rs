@@ -1,0 +1,1 @@
+//! Wave solvers: each takes a structure and gives scattered fields.

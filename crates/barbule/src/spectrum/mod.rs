@@ -1,0 +1,1 @@
+//! Wavelengths, spectra and colour.

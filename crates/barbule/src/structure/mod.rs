@@ -1,0 +1,1 @@
+//! What a barbule is made of: sections, stacks, species and their random instances.
