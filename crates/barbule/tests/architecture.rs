@@ -44,19 +44,23 @@ fn used(text: &str) -> Vec<String> {
         match rest.strip_prefix('{') {
             Some(list) => {
                 let mut depth = 0;
-                for item in list
-                    .split(|c| {
-                        depth += i32::from(c == '{') - i32::from(c == '}');
-                        depth < 0 || (depth == 0 && c == ',')
-                    })
-                    .take_while(|item| !item.contains(';'))
-                {
-                    found.push(name(item));
+                let mut start = 0;
+                for (at, c) in list.char_indices() {
+                    let ends = depth == 0 && matches!(c, ',' | '}');
+                    if ends {
+                        found.push(name(&list[start..at]));
+                        start = at + 1;
+                    }
+                    depth += i32::from(c == '{') - i32::from(c == '}');
+                    if depth < 0 {
+                        break;
+                    }
                 }
             }
             None => found.push(name(rest)),
         }
     }
+    found.retain(|name| !name.is_empty());
     found
 }
 
