@@ -281,6 +281,8 @@ struct Profile<'a> {
     /// The same of the points from each on.
     low_after: Vec<f64>,
     high_after: Vec<f64>,
+    /// Slopes of the first and the last segment.
+    end_slopes: [f64; 2],
 }
 
 impl<'a> Profile<'a> {
@@ -296,8 +298,11 @@ impl<'a> Profile<'a> {
             }
             out
         };
+        let last = curve.x_um.len() - 1;
+        let slope = |i: usize| (curve.z_um[i + 1] - curve.z_um[i]) / (curve.x_um[i + 1] - curve.x_um[i]);
         Self {
             curve,
+            end_slopes: [slope(0), slope(last - 1)],
             low_before: scan(f64::INFINITY, f64::min, false),
             high_before: scan(f64::NEG_INFINITY, f64::max, false),
             low_after: scan(f64::INFINITY, f64::min, true),
@@ -312,34 +317,43 @@ impl<'a> Profile<'a> {
     fn cross(&self, ray: &Ray, direction: [f64; 2], on_it: bool, out: &mut Vec<(f64, Change)>) -> bool {
         let (xs, zs) = (&self.curve.x_um, &self.curve.z_um);
         let last = xs.len() - 1;
-        let segment = xs.partition_point(|&x| x <= ray.x_um).clamp(1, last) - 1;
-        let line = |i: usize, x: f64| zs[i] + (zs[i + 1] - zs[i]) * ((x - xs[i]) / (xs[i + 1] - xs[i]));
-        let start = if on_it { 0.0 } else { ray.z_um - line(segment, ray.x_um) };
-        let starts_below = start <= 0.0;
-        let mut below = starts_below;
-        // Height over the boundary at the parameter reached, and that parameter.
-        let (mut over, mut reached) = (start, 0.0);
         let [dx, dz] = direction;
+        let find = |x: f64| xs.partition_point(|&at| at <= x).clamp(1, last) - 1;
+        let line = |i: usize, x: f64| zs[i] + (zs[i + 1] - zs[i]) * ((x - xs[i]) / (xs[i + 1] - xs[i]));
+        let mut i = find(ray.x_um);
+        // Height over the boundary at the parameter reached, and that parameter.
+        let (mut over, mut reached) = (if on_it { 0.0 } else { ray.z_um - line(i, ray.x_um) }, 0.0);
+        let starts_below = over <= 0.0;
+        let mut below = starts_below;
+        let highest = self.high_after[0];
+        if !below && dz < 0.0 && ray.z_um > highest {
+            // Nothing happens above the highest point, as long as that stretch is within the section.
+            let t = (ray.z_um - highest) / -dz;
+            let x = ray.x_um + t * dx;
+            if ray.x_um.min(x) >= xs[0] && ray.x_um.max(x) <= xs[last] {
+                i = find(x);
+                (over, reached) = ((ray.z_um + t * dz - line(i, x)).max(0.0), t);
+            }
+        }
         let mut emit = |t: f64, below: bool| out.push((t, if below { Change::Below } else { Change::Above }));
         let right = dx > 0.0;
-        let mut i = segment;
-        // Whether the ray is inside the section's extent, where walking to the next vertex makes sense.
+        let per_dx = 1.0 / dx;
         loop {
             let vertex = if right { i + 1 } else { i };
-            let t_end = if dx == 0.0 { f64::INFINITY } else { (xs[vertex] - ray.x_um) / dx };
-            let slope = (zs[i + 1] - zs[i]) / (xs[i + 1] - xs[i]);
-            let outermost = dx == 0.0 || (right && i + 1 == last) || (!right && i == 0);
-            if outermost || !t_end.is_finite() {
+            let outermost = dx == 0.0 || vertex == if right { last } else { 0 };
+            let t_end = if outermost { f64::INFINITY } else { ((xs[vertex] - ray.x_um) * per_dx).max(reached) };
+            if t_end == f64::INFINITY {
                 // One line from here on: at most one crossing.
-                let rate = dz - slope * dx;
+                let rate = dz - (zs[i + 1] - zs[i]) / (xs[i + 1] - xs[i]) * dx;
                 let t = reached - over / rate;
-                if (if below { rate > 0.0 } else { rate < 0.0 }) && t.is_finite() && (t > reached || over != 0.0) {
+                let comes = if below { rate > 0.0 } else { rate < 0.0 };
+                if comes && t.is_finite() && (t > reached || over != 0.0) {
                     emit(t.max(reached), !below);
                 }
                 return starts_below;
             }
-            let t_end = t_end.max(reached);
-            let end_over = ray.z_um + t_end * dz - zs[vertex];
+            let height = ray.z_um + t_end * dz;
+            let end_over = height - zs[vertex];
             // At the point where it starts on the top the ray goes inwards; rounding must not bring it out again.
             let now_below = if on_it && below { end_over <= NO_THICKNESS_UM } else { end_over <= 0.0 };
             if now_below != below {
@@ -348,16 +362,15 @@ impl<'a> Profile<'a> {
                 below = now_below;
             }
             (over, reached) = (end_over, t_end);
-            let height = ray.z_um + t_end * dz;
             let (low, high, end_slope) = if right {
-                (self.low_after[vertex], self.high_after[vertex], (zs[last] - zs[last - 1]) / (xs[last] - xs[last - 1]))
+                (self.low_after[vertex], self.high_after[vertex], self.end_slopes[1])
             } else {
-                (self.low_before[vertex], self.high_before[vertex], (zs[1] - zs[0]) / (xs[1] - xs[0]))
+                (self.low_before[vertex], self.high_before[vertex], self.end_slopes[0])
             };
             // Past the last vertex the end line may still catch up with the ray.
             let rate = dz - end_slope * dx;
-            if (below && dz <= 0.0 && height < low && rate <= 0.0) || (!below && dz >= 0.0 && height > high && rate >= 0.0)
-            {
+            let stays_below = below && dz <= 0.0 && height < low && rate <= 0.0;
+            if stays_below || (!below && dz >= 0.0 && height > high && rate >= 0.0) {
                 return starts_below;
             }
             i = if right { i + 1 } else { i - 1 };
