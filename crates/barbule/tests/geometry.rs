@@ -2,7 +2,7 @@
 
 use barbule::math::rng::Stream;
 use barbule::structure::{
-    Columns, Loop, Medium, Polyline, Ray, Section, SpeciesFile, SpeciesModel, cast, species_names,
+    Columns, Medium, Polyline, Ray, Section, SpeciesFile, SpeciesModel, cast, species_names,
 };
 use barbule::material::Library;
 
@@ -61,6 +61,9 @@ fn brute_force(section: &Section, ray: &Ray) -> Vec<(Medium, f64)> {
         }
     }
     crossings.sort_by(f64::total_cmp);
+    let heights = section.boundaries.iter().flat_map(|b| &b.z_um).copied();
+    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+    crossings.retain(|&t| t <= 2.0 * (high - low));
     crossings.push(f64::INFINITY);
     let mut layers: Vec<(Medium, f64)> = Vec::new();
     for pair in crossings.windows(2) {
@@ -106,9 +109,10 @@ fn rays_through_every_species_agree_with_brute_force() {
     for name in species_names() {
         for instance in 0..3 {
             let section = model(name, None).section(1, instance).unwrap();
-            agrees_with_brute_force(&section, 150, 0.0);
+            let few = if section.inclusions.is_empty() { 1 } else { 4 };
+            agrees_with_brute_force(&section, 120 / few, 0.0);
             // Tilted rays cross notches several times and leave through the ends.
-            agrees_with_brute_force(&section, 80, 1.4);
+            agrees_with_brute_force(&section, 80 / few, 1.2);
         }
     }
 }
@@ -130,15 +134,22 @@ fn fifty_instances_of_every_variant_are_valid() {
 fn timings() {
     for name in species_names() {
         let model = model(name, None);
-        let start = std::time::Instant::now();
+        let quickest = |act: &dyn Fn()| {
+            (0..7)
+                .map(|_| {
+                    let start = std::time::Instant::now();
+                    act();
+                    start.elapsed()
+                })
+                .min()
+        };
         let section = model.section(1, 0).unwrap();
-        let made = start.elapsed();
+        let made = quickest(&|| drop(model.section(1, 0)));
         let points: usize = section.boundaries.iter().map(|b| b.x_um.len()).sum::<usize>()
             + section.inclusions.iter().map(|i| i.outline.points()).sum::<usize>();
         let rays = rays(&section, 3000, 0.0, 1);
-        let start = std::time::Instant::now();
         let columns = cast(&section, &rays).unwrap();
-        println!("{name}: made in {made:?}, {points} points, cast in {:?}, {} slots", start.elapsed(), columns.slots);
-        let _ = Loop::Circle { x_um: 0.0, z_um: 0.0, radius_um: 1.0 };
+        let casting = quickest(&|| drop(cast(&section, &rays)));
+        println!("{name}: made in {made:?}, {points} points, cast in {casting:?}, {} slots", columns.slots);
     }
 }

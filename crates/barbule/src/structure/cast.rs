@@ -49,8 +49,10 @@ pub struct Columns {
 
 /// Finds the layers under each ray: distances along −normal between consecutive changes of the medium.
 ///
-/// Exact for polylines and circles. Beyond the ends of the section the end segments' lines go on. A mixture's
-/// fraction is that at the ray's own x, the point on the top, all the way down.
+/// Exact for polylines and circles. Beyond the ends of the section the end segments' lines go on, until the ray is
+/// above or below all of them. A ray ends at twice the height of the section (which only rays inclined by over 60°
+/// reach, where no layered description holds): the medium there goes on as its substrate. A mixture's fraction is that
+/// at the ray's own x, the point on the top, all the way down.
 ///
 /// # Errors
 /// The section has no boundaries, or over 65,535 media.
@@ -67,7 +69,7 @@ pub fn cast(section: &Section, rays: &[Ray]) -> Result<Columns> {
     let mut slots = Slots::default();
     let mut found: Vec<Found> = Vec::new();
     let mut ends = Vec::with_capacity(rays.len());
-    let mut state = State::default();
+    let mut state = State { limits: Limits::new(section), ..State::default() };
     for ray in rays {
         layers_below(&profiles, &hulls, ray, &mut state);
         state.emit(&kinds, section.boundaries.len(), &mut found);
@@ -197,9 +199,37 @@ enum Change {
     Loop(u32),
 }
 
+/// Where rays end.
+#[derive(Debug, Clone, Copy, Default)]
+struct Limits {
+    longest: f64,
+    left: f64,
+    right: f64,
+}
+
+impl Limits {
+    fn new(section: &Section) -> Self {
+        let heights = section.boundaries.iter().flat_map(|boundary| &boundary.z_um);
+        let (low, high) =
+            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &z| (low.min(z), high.max(z)));
+        let xs = &section.top().x_um;
+        Self { longest: 2.0 * (high - low), left: xs[0], right: xs[xs.len() - 1] }
+    }
+
+    /// The parameter at which a ray leaves the section's extent in x.
+    fn leaves(&self, ray: &Ray) -> f64 {
+        let dx = -ray.normal[0];
+        let end = if dx > 0.0 { self.right } else { self.left };
+        if dx == 0.0 { f64::INFINITY } else { (end - ray.x_um) / dx }
+    }
+}
+
 /// Buffers of one ray.
 #[derive(Debug, Default)]
 struct State {
+    limits: Limits,
+    /// Where the current ray leaves the section's extent in x.
+    leaves: f64,
     /// Boundaries above the start.
     above: usize,
     crossings: Vec<(f64, Change)>,
@@ -213,6 +243,7 @@ struct State {
 fn layers_below(profiles: &[Profile<'_>], hulls: &Hulls<'_>, ray: &Ray, state: &mut State) {
     let direction = [-ray.normal[0], -ray.normal[1]];
     state.crossings.clear();
+    state.leaves = state.limits.leaves(ray);
     state.above = 1;
     for (index, profile) in profiles.iter().enumerate() {
         let below = profile.cross(ray, direction, index == 0, &mut state.crossings);
@@ -236,7 +267,10 @@ impl State {
         self.inside.clear();
         let (mut from, mut index) = (0.0, 0);
         loop {
-            let last = index == self.crossings.len();
+            let last = self.crossings.get(index).is_none_or(|&(t, _)| {
+                let outside = above <= 0 || above >= boundaries as isize;
+                t > self.limits.longest || (outside && t > self.leaves)
+            });
             let to = if last { f64::INFINITY } else { self.crossings[index].0.max(from) };
             if to - from > NO_THICKNESS_UM {
                 let deepest = self.inside.iter().max_by_key(|entry| entry.0).and_then(|entry| entry.2);
