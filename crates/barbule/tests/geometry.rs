@@ -70,12 +70,23 @@ fn brute_force(section: &Section, ray: &Ray) -> Vec<(Medium, f64)> {
         if pair[1] - pair[0] < 2e-9 {
             continue;
         }
-        let middle = if pair[1].is_finite() { 0.5 * (pair[0] + pair[1]) } else { pair[0] + 1.0 };
+        let middle = if pair[1].is_finite() { 0.5 * (pair[0] + pair[1]) } else { pair[0] + 1e-7 };
+        let above = section.boundaries.iter().filter(|b| b.height(ray.x_um + middle * dx) > ray.z_um + middle * dz);
+        // Beyond the ends a ray that is above or below everything has left.
+        let end = if dx > 0.0 { section.top().x_um.last() } else { section.top().x_um.first() };
+        let has_left = [0, section.boundaries.len()].contains(&above.count())
+            && pair[1] > (end.unwrap() - ray.x_um) / dx;
         let medium = section.medium_at(ray.x_um + middle * dx, ray.z_um + middle * dz);
         match layers.last_mut() {
             Some((before, thickness)) if before == medium => *thickness += pair[1] - pair[0],
             _ => layers.push((medium.clone(), pair[1] - pair[0])),
         }
+        if has_left {
+            break;
+        }
+    }
+    if let Some(substrate) = layers.last_mut() {
+        substrate.1 = f64::INFINITY;
     }
     layers
 }

@@ -317,6 +317,9 @@ struct Profile<'a> {
     high_after: Vec<f64>,
     /// Slopes of the first and the last segment.
     end_slopes: [f64; 2],
+    /// The first segment that reaches into each of as many equal stretches as there are segments.
+    stretches: Vec<u32>,
+    per_stretch: f64,
 }
 
 impl<'a> Profile<'a> {
@@ -334,14 +337,43 @@ impl<'a> Profile<'a> {
         };
         let last = curve.x_um.len() - 1;
         let slope = |i: usize| (curve.z_um[i + 1] - curve.z_um[i]) / (curve.x_um[i + 1] - curve.x_um[i]);
+        let xs = &curve.x_um;
+        let per_stretch = (xs[last] - xs[0]) / last as f64;
+        let mut segment = 0;
+        let stretches = (0..last)
+            .map(|stretch| {
+                let start = xs[0] + per_stretch * stretch as f64;
+                while segment + 1 < last && xs[segment + 1] <= start {
+                    segment += 1;
+                }
+                segment as u32
+            })
+            .collect();
         Self {
             curve,
+            stretches,
+            per_stretch,
             end_slopes: [slope(0), slope(last - 1)],
             low_before: scan(f64::INFINITY, f64::min, false),
             high_before: scan(f64::NEG_INFINITY, f64::max, false),
             low_after: scan(f64::INFINITY, f64::min, true),
             high_after: scan(f64::NEG_INFINITY, f64::max, true),
         }
+    }
+
+    /// The segment over x; the outermost ones go on past the ends.
+    fn segment(&self, x: f64) -> usize {
+        let xs = &self.curve.x_um;
+        // A cast of a negative number gives 0.
+        let stretch = (((x - xs[0]) / self.per_stretch) as usize).min(self.stretches.len() - 1);
+        let mut i = self.stretches[stretch] as usize;
+        while i + 2 < xs.len() && xs[i + 1] <= x {
+            i += 1;
+        }
+        while i > 0 && xs[i] > x {
+            i -= 1;
+        }
+        i
     }
 
     /// Adds the crossings of a ray; returns whether the ray starts below the boundary (on it counts as below).
@@ -352,23 +384,21 @@ impl<'a> Profile<'a> {
         let (xs, zs) = (&self.curve.x_um, &self.curve.z_um);
         let last = xs.len() - 1;
         let [dx, dz] = direction;
-        let find = |x: f64| xs.partition_point(|&at| at <= x).clamp(1, last) - 1;
         let line = |i: usize, x: f64| zs[i] + (zs[i + 1] - zs[i]) * ((x - xs[i]) / (xs[i + 1] - xs[i]));
-        let mut i = find(ray.x_um);
-        // Height over the boundary at the parameter reached, and that parameter.
-        let (mut over, mut reached) = (if on_it { 0.0 } else { ray.z_um - line(i, ray.x_um) }, 0.0);
+        // Nothing happens above the highest point, as long as that stretch is within the section.
+        let highest = self.high_after[0];
+        let skip = if !on_it && dz < 0.0 && ray.z_um > highest { (ray.z_um - highest) / -dz } else { 0.0 };
+        let x = ray.x_um + skip * dx;
+        let skips = skip > 0.0 && ray.x_um.min(x) >= xs[0] && ray.x_um.max(x) <= xs[last];
+        let (x, mut reached) = if skips { (x, skip) } else { (ray.x_um, 0.0) };
+        let mut i = self.segment(x);
+        // Height over the boundary at the parameter reached.
+        let mut over = if on_it { 0.0 } else { ray.z_um + reached * dz - line(i, x) };
+        if skips {
+            over = over.max(f64::MIN_POSITIVE);
+        }
         let starts_below = over <= 0.0;
         let mut below = starts_below;
-        let highest = self.high_after[0];
-        if !below && dz < 0.0 && ray.z_um > highest {
-            // Nothing happens above the highest point, as long as that stretch is within the section.
-            let t = (ray.z_um - highest) / -dz;
-            let x = ray.x_um + t * dx;
-            if ray.x_um.min(x) >= xs[0] && ray.x_um.max(x) <= xs[last] {
-                i = find(x);
-                (over, reached) = ((ray.z_um + t * dz - line(i, x)).max(0.0), t);
-            }
-        }
         let mut emit = |t: f64, below: bool| out.push((t, if below { Change::Below } else { Change::Above }));
         let right = dx > 0.0;
         let per_dx = 1.0 / dx;
@@ -411,6 +441,9 @@ impl<'a> Profile<'a> {
         }
     }
 }
+
+/// Columns hold about this many pieces: fewer, and inclined rays visit too many; more, and each tests too many.
+const PIECES_PER_COLUMN: usize = 128;
 
 /// The closed loops, sorted into columns along x.
 struct Hulls<'a> {
@@ -465,7 +498,7 @@ impl<'a> Hulls<'a> {
             let [x0, x1, z0, z1] = piece.extent();
             all = [all[0].min(x0), all[1].max(x1), all[2].min(z0), all[3].max(z1)];
         }
-        let count = (pieces.len() / 16).clamp(1, 4096);
+        let count = (pieces.len() / PIECES_PER_COLUMN).clamp(1, 65536);
         let per_column = (all[1] - all[0]) / count as f64;
         let mut hulls = Self {
             nested,
