@@ -448,10 +448,10 @@ const PIECES_PER_COLUMN: usize = 128;
 /// The closed loops, sorted into columns along x.
 struct Hulls<'a> {
     nested: Vec<(u32, Option<usize>)>,
+    /// Column by column, so that a ray reads them in one go; a piece is in each column that it reaches.
     pieces: Vec<Piece<'a>>,
-    /// Start of each column in `members`.
+    /// Start of each column in `pieces`.
     starts: Vec<u32>,
-    members: Vec<u32>,
     left: f64,
     per_column: f64,
     low: f64,
@@ -459,6 +459,7 @@ struct Hulls<'a> {
 }
 
 /// An edge of a polygon or a whole circle.
+#[derive(Clone, Copy)]
 enum Piece<'a> {
     Edge { id: u32, from: [f64; 2], to: [f64; 2] },
     Circle { id: u32, shape: &'a Loop },
@@ -504,7 +505,6 @@ impl<'a> Hulls<'a> {
             nested,
             pieces,
             starts: vec![0; count + 1],
-            members: Vec::new(),
             left: all[0],
             per_column,
             low: all[2],
@@ -529,14 +529,15 @@ impl<'a> Hulls<'a> {
         for column in 0..count {
             hulls.starts[column + 1] += hulls.starts[column];
         }
-        hulls.members = vec![0; hulls.starts[count] as usize];
+        let mut members = vec![0; hulls.starts[count] as usize];
         let mut next = hulls.starts.clone();
         for (piece, &(from, to)) in ranges.iter().enumerate() {
             for place in &mut next[from..=to] {
-                hulls.members[*place as usize] = piece as u32;
+                members[*place as usize] = piece;
                 *place += 1;
             }
         }
+        hulls.pieces = members.into_iter().map(|piece| hulls.pieces[piece]).collect();
         hulls
     }
 
@@ -570,8 +571,7 @@ impl<'a> Hulls<'a> {
         };
         for column in first..=last {
             let (from, to) = (self.starts[column] as usize, self.starts[column + 1] as usize);
-            for &member in &self.members[from..to] {
-                let piece = &self.pieces[member as usize];
+            for piece in &self.pieces[from..to] {
                 match piece {
                     Piece::Edge { id, from, to } => {
                         let side = |p: &[f64; 2]| dx * (p[1] - ray.z_um) - dz * (p[0] - ray.x_um);
