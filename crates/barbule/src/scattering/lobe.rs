@@ -24,6 +24,9 @@ pub const SMALLEST_M: f64 = 0.001;
 /// cos φ_eff never falls below this, so that ω_eff stays above the horizon.
 const SMALLEST_COS_PHI: f64 = 0.02;
 
+/// A fit with a larger relative residual is tried again from another start.
+const SECOND_START: f64 = 0.2;
+
 /// Between these values of cosθ_i cosφ_i the fitted φ_eff passes over into φ_i.
 const BLEND: (f64, f64) = (0.05, 0.1);
 
@@ -65,17 +68,18 @@ impl Lobe {
     pub fn shape(&self, kind: FitKind, theta_i: f64, phi_o: f64) -> f64 {
         let (sin_o, cos_o) = libm::sincos(0.5 * phi_o);
         let cos_z = libm::cos(theta_i) * libm::cos(phi_o);
-        Azimuth { sin: sin_o, cos: cos_o, slope: (1.0 - cos_z * cos_z) / (cos_z * cos_z) }
-            .shape(kind, &Parameters::new(*self))
+        let slope = (1.0 - cos_z * cos_z) / (cos_z * cos_z);
+        Parameters::new(*self).shape(kind, sin_o, cos_o, slope)
     }
 }
 
-/// What does not change between trials at one outgoing azimuth: sin and cos of φ_o/2, (1 − ω_z²)/ω_z².
-#[derive(Debug, Clone, Copy)]
-struct Azimuth {
-    sin: f64,
-    cos: f64,
-    slope: f64,
+/// What does not change between trials: per outgoing azimuth sin and cos of φ_o/2 and (1 − ω_z²)/ω_z². Arrays apart,
+/// so that the loops over azimuths are vectorized.
+#[derive(Debug, Clone)]
+struct Azimuths {
+    sin: Vec<f64>,
+    cos: Vec<f64>,
+    slope: Vec<f64>,
 }
 
 /// m² and the sine and cosine of φ_eff/2.
@@ -91,43 +95,54 @@ impl Parameters {
         let (sin, cos) = libm::sincos(0.5 * lobe.phi);
         Self { m2: lobe.m * lobe.m, sin, cos }
     }
-}
 
-impl Azimuth {
+    /// The shape at one azimuth.
     #[inline(always)]
-    fn shape(&self, kind: FitKind, p: &Parameters) -> f64 {
-        let hx = self.sin * p.cos + self.cos * p.sin;
-        let q = p.m2 + (1.0 - p.m2) * hx * hx;
-        let root = (1.0 + p.m2 * self.slope).sqrt();
-        let value = p.m2 / (PI * q * q) * (2.0 / (1.0 + root));
+    fn shape(&self, kind: FitKind, sin: f64, cos: f64, slope: f64) -> f64 {
+        let hx = sin * self.cos + cos * self.sin;
+        let q = self.m2 + (1.0 - self.m2) * hx * hx;
+        let root = (1.0 + self.m2 * slope).sqrt();
+        let value = 2.0 / PI * self.m2 / (q * q * (1.0 + root));
         match kind {
-            FitKind::Marginal => value * (self.cos * p.cos + self.sin * p.sin),
+            FitKind::Marginal => value * (cos * self.cos + sin * self.sin),
             FitKind::Cone => value,
         }
     }
 
     /// The shape and its derivatives by ln m and by φ_eff.
     #[inline(always)]
-    fn derivatives(&self, kind: FitKind, p: &Parameters) -> (f64, f64, f64) {
-        let hx = self.sin * p.cos + self.cos * p.sin;
-        let hx_by_phi = 0.5 * (self.cos * p.cos - self.sin * p.sin);
-        let q = p.m2 + (1.0 - p.m2) * hx * hx;
-        let inverse_q = 1.0 / q;
-        let root = (1.0 + p.m2 * self.slope).sqrt();
+    fn derivatives(&self, kind: FitKind, sin: f64, cos: f64, slope: f64) -> [f64; 3] {
+        let hx = sin * self.cos + cos * self.sin;
+        let hx_by_phi = 0.5 * (cos * self.cos - sin * self.sin);
+        let inverse_q = 1.0 / (self.m2 + (1.0 - self.m2) * hx * hx);
+        let root = (1.0 + self.m2 * slope).sqrt();
         let g = 2.0 / (1.0 + root);
-        let value = p.m2 / PI * inverse_q * inverse_q * g;
-        let by_ln_m =
-            2.0 - 4.0 * p.m2 * (1.0 - hx * hx) * inverse_q - 0.5 * g * p.m2 * self.slope / root;
-        let by_phi = -4.0 * (1.0 - p.m2) * hx * inverse_q * hx_by_phi;
+        let value = self.m2 / PI * inverse_q * inverse_q * g;
+        let by_ln_m = 2.0 - 4.0 * self.m2 * (1.0 - hx * hx) * inverse_q - 0.5 * g * self.m2 * slope / root;
+        let by_phi = -4.0 * (1.0 - self.m2) * hx * inverse_q * hx_by_phi;
         match kind {
             FitKind::Marginal => {
-                let cosine = self.cos * p.cos + self.sin * p.sin;
-                let cosine_by_phi = 0.5 * (self.sin * p.cos - self.cos * p.sin);
-                (value * cosine, value * cosine * by_ln_m, value * (cosine * by_phi + cosine_by_phi))
+                let cosine = cos * self.cos + sin * self.sin;
+                let cosine_by_phi = 0.5 * (sin * self.cos - cos * self.sin);
+                [value * cosine, value * cosine * by_ln_m, value * (cosine * by_phi + cosine_by_phi)]
             }
-            FitKind::Cone => (value, value * by_ln_m, value * by_phi),
+            FitKind::Cone => [value, value * by_ln_m, value * by_phi],
         }
     }
+}
+
+/// Sum of products in four lanes, which the compiler vectorizes.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 4];
+    let (fours_a, rest_a) = a.as_chunks::<4>();
+    let (fours_b, rest_b) = b.as_chunks::<4>();
+    for (x, y) in fours_a.iter().zip(fours_b) {
+        for lane in 0..4 {
+            lanes[lane] += x[lane] * y[lane];
+        }
+    }
+    let rest: f64 = rest_a.iter().zip(rest_b).map(|(x, y)| x * y).sum();
+    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]) + rest
 }
 
 /// Fits lobes at one θ_i: keeps what all fits at that angle share.
@@ -135,7 +150,7 @@ impl Azimuth {
 pub struct Fitter {
     kind: FitKind,
     cos_theta: f64,
-    azimuths: Vec<Azimuth>,
+    azimuths: Azimuths,
     step: f64,
 }
 
@@ -144,13 +159,14 @@ impl Fitter {
     #[must_use]
     pub fn new(kind: FitKind, theta_i: f64, count: usize) -> Self {
         let cos_theta = libm::cos(theta_i);
-        let azimuths = directions::azimuths(count)
+        let (sin, cos) = directions::azimuths(count).map(|phi_o| libm::sincos(0.5 * phi_o)).unzip();
+        let slope = directions::azimuths(count)
             .map(|phi_o| {
-                let (sin, cos) = libm::sincos(0.5 * phi_o);
                 let cos_z = cos_theta * libm::cos(phi_o);
-                Azimuth { sin, cos, slope: (1.0 - cos_z * cos_z) / (cos_z * cos_z) }
+                (1.0 - cos_z * cos_z) / (cos_z * cos_z)
             })
             .collect();
+        let azimuths = Azimuths { sin, cos, slope };
         Self { kind, cos_theta, azimuths, step: PI / count.max(1) as f64 }
     }
 
@@ -162,7 +178,7 @@ impl Fitter {
     #[must_use]
     pub fn fit(&self, phi_i: f64, values: &[f64]) -> Fit {
         let norm = values.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let usable = values.len() == self.azimuths.len() && norm.is_finite();
+        let usable = values.len() == self.azimuths.sin.len() && norm.is_finite();
         if !usable || norm == 0.0 {
             let residual = if usable { 0.0 } else { f64::NAN };
             let lobe = Lobe { m: 1.0, phi: bounded_phi(phi_i) };
@@ -186,7 +202,7 @@ impl Fitter {
     pub fn fit_m(&self, phi: f64, values: &[f64]) -> Fit {
         let norm = values.iter().map(|v| v * v).sum::<f64>().sqrt();
         let phi = bounded_phi(phi);
-        if norm == 0.0 || !norm.is_finite() || values.len() != self.azimuths.len() {
+        if norm == 0.0 || !norm.is_finite() || values.len() != self.azimuths.sin.len() {
             return Fit { lobe: Lobe { m: 1.0, phi }, scale: 0.0, residual: norm, converged: norm == 0.0 };
         }
         let starts = [0.004, 0.03, 0.1, 0.4].map(|m| Lobe { m, phi });
@@ -194,42 +210,57 @@ impl Fitter {
         self.best(&starts, values, norm, false).unwrap_or(fixed)
     }
 
-    /// Refines the two best of the starts, and keeps the better result.
+    /// Refines the best of the starts, and where it fits badly the best one elsewhere too.
     fn best(&self, starts: &[Lobe], values: &[f64], norm: f64, free_phi: bool) -> Option<Fit> {
+        let mut shape = vec![0.0; values.len()];
         let mut ranked: Vec<(f64, Lobe)> =
-            starts.iter().map(|&lobe| (self.match_of(lobe, values).1, lobe)).collect();
+            starts.iter().map(|&lobe| (self.match_of(lobe, values, &mut shape).1, lobe)).collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-        // The second start must be another place, not a near copy of the first.
-        let first = ranked.first()?.1;
-        let second = ranked[1..]
-            .iter()
-            .map(|r| r.1)
-            .find(|l| (l.phi - first.phi).abs() > 0.3 * first.m.max(l.m) || !free_phi);
-        let fits = [Some(first), second].into_iter().flatten().map(|start| {
+        let mut refine = |start: Lobe| {
             let problem = Problem::new(self, values, norm, start, free_phi);
             let (problem, report) = LevenbergMarquardt::new()
-                .with_ftol(1e-10)
-                .with_xtol(1e-8)
-                .with_gtol(1e-10)
-                .with_patience(20)
+                .with_ftol(1e-9)
+                .with_xtol(1e-7)
+                .with_gtol(1e-9)
+                .with_patience(15)
                 .minimize(problem);
             let lobe = problem.lobe();
-            let (scale, explained) = self.match_of(lobe, values);
+            let (scale, explained) = self.match_of(lobe, values, &mut shape);
             let residual = (1.0 - explained / (norm * norm)).max(0.0).sqrt();
             Fit { lobe, scale, residual, converged: report.termination.was_successful() }
-        });
-        fits.min_by(|a, b| a.residual.total_cmp(&b.residual))
+        };
+        let first_start = ranked.first()?.1;
+        let first = refine(first_start);
+        if first.converged && first.residual < SECOND_START {
+            return Some(first);
+        }
+        let elsewhere = |l: &Lobe| !free_phi || (l.phi - first_start.phi).abs() > 0.3 * first_start.m.max(l.m);
+        let second = ranked[1..].iter().map(|r| r.1).find(elsewhere).map(refine);
+        Some(second.filter(|fit| fit.residual < first.residual).unwrap_or(first))
     }
 
-    /// The best scale ≥ 0 of a lobe, and the squared norm that it explains.
-    fn match_of(&self, lobe: Lobe, values: &[f64]) -> (f64, f64) {
-        let parameters = Parameters::new(lobe);
-        let (mut product, mut square) = (0.0, 0.0);
-        for (azimuth, value) in self.azimuths.iter().zip(values) {
-            let shape = azimuth.shape(self.kind, &parameters);
-            product += shape * value;
-            square += shape * shape;
+    /// Fills `shape`.
+    fn evaluate(&self, parameters: &Parameters, shape: &mut [f64]) {
+        let Azimuths { sin, cos, slope } = &self.azimuths;
+        // One loop per kind, so that the choice is not made per azimuth.
+        match self.kind {
+            FitKind::Marginal => {
+                for (((out, s), c), slope) in shape.iter_mut().zip(sin).zip(cos).zip(slope) {
+                    *out = parameters.shape(FitKind::Marginal, *s, *c, *slope);
+                }
+            }
+            FitKind::Cone => {
+                for (((out, s), c), slope) in shape.iter_mut().zip(sin).zip(cos).zip(slope) {
+                    *out = parameters.shape(FitKind::Cone, *s, *c, *slope);
+                }
+            }
         }
+    }
+
+    /// The best scale ≥ 0 of a lobe, and the squared norm that it explains; `shape` is room to work in.
+    fn match_of(&self, lobe: Lobe, values: &[f64], shape: &mut [f64]) -> (f64, f64) {
+        self.evaluate(&Parameters::new(lobe), shape);
+        let (product, square) = (dot(shape, values), dot(shape, shape));
         if product > 0.0 { (product / square, product * product / square) } else { (0.0, 0.0) }
     }
 
@@ -323,18 +354,12 @@ impl LeastSquaresProblem<f64, Dyn, U2> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<Matrix<f64, Dyn, nalgebra::U1, Self::ResidualStorage>> {
-        let parameters = Parameters::new(self.lobe());
-        let kind = self.fitter.kind;
         let mut shape = DVector::zeros(self.values.len());
-        let (mut product, mut square) = (0.0, 0.0);
-        for ((out, azimuth), value) in shape.iter_mut().zip(&self.fitter.azimuths).zip(self.values) {
-            *out = azimuth.shape(kind, &parameters);
-            product += *out * value;
-            square += *out * *out;
-        }
-        let scale = product / square;
+        self.fitter.evaluate(&Parameters::new(self.lobe()), shape.as_mut_slice());
+        let scale = dot(shape.as_slice(), self.values) / dot(shape.as_slice(), shape.as_slice());
+        let inverse = 1.0 / self.norm;
         for (out, value) in shape.iter_mut().zip(self.values) {
-            *out = (*out * scale - value) / self.norm;
+            *out = (*out * scale - value) * inverse;
         }
         Some(shape)
     }
@@ -345,32 +370,22 @@ impl LeastSquaresProblem<f64, Dyn, U2> for Problem<'_> {
         let count = self.values.len();
         let mut shape = vec![0.0; count];
         let mut jacobian = OMatrix::<f64, Dyn, U2>::zeros(count);
-        // Sums of value·shape, shape², and of either with each derivative.
-        let (mut product, mut square) = (0.0, 0.0);
-        let (mut product_by, mut square_by) = ([0.0; 2], [0.0; 2]);
-        let (columns_m, columns_phi) = jacobian.as_mut_slice().split_at_mut(count);
+        let (by_m, by_phi) = jacobian.as_mut_slice().split_at_mut(count);
+        let Azimuths { sin, cos, slope } = &self.fitter.azimuths;
         for k in 0..count {
-            let (g, by_m, by_phi) = self.fitter.azimuths[k].derivatives(kind, &parameters);
-            let value = self.values[k];
-            shape[k] = g;
-            columns_m[k] = by_m;
-            columns_phi[k] = by_phi;
-            product += value * g;
-            square += g * g;
-            product_by[0] += value * by_m;
-            product_by[1] += value * by_phi;
-            square_by[0] += g * by_m;
-            square_by[1] += g * by_phi;
+            [shape[k], by_m[k], by_phi[k]] = parameters.derivatives(kind, sin[k], cos[k], slope[k]);
         }
-        let scale = product / square;
+        let square = dot(&shape, &shape);
+        let scale = dot(&shape, self.values) / square;
         let chain = [
             0.5 * -SMALLEST_M.ln() * libm::cos(self.parameters.x),
             if self.free_phi { largest_phi() * libm::cos(self.parameters.y) } else { 0.0 },
         ];
-        for (p, column) in [columns_m, columns_phi].into_iter().enumerate() {
-            let scale_by = (product_by[p] - 2.0 * scale * square_by[p]) / square;
+        for (chain, column) in chain.into_iter().zip([by_m, by_phi]) {
+            let scale_by = (dot(column, self.values) - 2.0 * scale * dot(column, &shape)) / square;
+            let factor = chain / self.norm;
             for (out, g) in column.iter_mut().zip(&shape) {
-                *out = (*out * scale + g * scale_by) * chain[p] / self.norm;
+                *out = (*out * scale + g * scale_by) * factor;
             }
         }
         Some(jacobian)
