@@ -1,5 +1,7 @@
 //! The thin-film solver against the published `tmm` package, closed forms and the laws of optics.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use barbule::Complex64;
 use barbule::material::{Library, Material};
 use barbule::solve::film::{Polarization, Response, reflect, response, response_at};
