@@ -290,6 +290,8 @@ pub struct SpeciesFile {
     pub coloration: String,
     /// The variant of a bare name.
     pub default: String,
+    /// The table of the file's own materials, which lie in other files.
+    pub(crate) materials: Option<Value>,
     variants: Vec<Variant>,
     generator: String,
     parameters: Value,
@@ -311,13 +313,13 @@ impl SpeciesFile {
     pub fn parse(text: &str) -> Result<Self> {
         let value: Value = toml::from_str::<toml::Table>(text)
             .map_err(|error| {
-                let line = error.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+                let line = error.span().map_or(0, |span| text.as_bytes()[..span.start.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1);
                 Error::input(format!("line {line} is not TOML: {}", shortened(error.message())))
             })
             .and_then(|table| {
                 serde_json::to_value(table).map_err(|e| Error::input(format!("cannot be read: {}", shortened(&e.to_string()))))
             })?;
-        let keys = ["barbule", "name", "latin", "coloration", "source", "generator", "default", "parameters", "variants"];
+        let keys = ["barbule", "name", "latin", "coloration", "source", "generator", "default", "parameters", "variants", "materials"];
         if value.get("lattice").is_some() {
             return Err(Error::input(
                 "lattice: photonic crystals are not simulated yet by this version; describe the barbule by layers",
@@ -354,6 +356,7 @@ impl SpeciesFile {
             coloration: optional("coloration")?,
             generator: text("generator", "starling, rock-dove, bronzewing or hummingbird")?,
             parameters: fields.need("parameters", "the table of the generator's parameters")?.clone(),
+            materials: fields.get("materials").cloned(),
             default,
             variants,
         };
