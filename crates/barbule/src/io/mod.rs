@@ -4,6 +4,7 @@ mod section;
 mod species;
 mod stack;
 pub mod tables;
+pub mod store;
 mod whole;
 
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
