@@ -176,10 +176,11 @@ impl Slots {
         let mut next = 0;
         let layers = ray.len().saturating_sub(1);
         for layer in &mut ray[..layers] {
-            let slot = (next..self.kinds.len()).find(|&slot| self.kinds[slot] == layer.kind).unwrap_or_else(|| {
-                self.kinds.push(layer.kind);
-                self.kinds.len() - 1
-            });
+            let slot =
+                (next..self.kinds.len()).find(|&slot| self.kinds[slot] == layer.kind).unwrap_or_else(|| {
+                    self.kinds.push(layer.kind);
+                    self.kinds.len() - 1
+                });
             layer.slot = Some(slot);
             next = slot + 1;
         }
@@ -242,7 +243,8 @@ impl State {
                 let deepest = self.inside.iter().max_by_key(|entry| entry.0).and_then(|entry| entry.2);
                 let layer = above.clamp(0, boundaries as isize) as usize;
                 let filling = fillings[deepest.unwrap_or(inclusions + layer)];
-                let found = Found { kind: filling.kind, medium: filling.mixed, thickness_um: to - from, slot: None };
+                let found =
+                    Found { kind: filling.kind, medium: filling.mixed, thickness_um: to - from, slot: None };
                 match into[start..].last_mut() {
                     Some(before) if (before.kind, before.medium) == (found.kind, found.medium) => {
                         before.thickness_um += found.thickness_um;
@@ -333,7 +335,10 @@ impl<'a> Profile<'a> {
                 // One line from here on: at most one crossing.
                 let rate = dz - slope * dx;
                 let t = reached - over / rate;
-                if (if below { rate > 0.0 } else { rate < 0.0 }) && t.is_finite() && (t > reached || over != 0.0) {
+                if (if below { rate > 0.0 } else { rate < 0.0 })
+                    && t.is_finite()
+                    && (t > reached || over != 0.0)
+                {
                     emit(t.max(reached), !below);
                 }
                 return starts_below;
@@ -350,13 +355,18 @@ impl<'a> Profile<'a> {
             (over, reached) = (end_over, t_end);
             let height = ray.z_um + t_end * dz;
             let (low, high, end_slope) = if right {
-                (self.low_after[vertex], self.high_after[vertex], (zs[last] - zs[last - 1]) / (xs[last] - xs[last - 1]))
+                (
+                    self.low_after[vertex],
+                    self.high_after[vertex],
+                    (zs[last] - zs[last - 1]) / (xs[last] - xs[last - 1]),
+                )
             } else {
                 (self.low_before[vertex], self.high_before[vertex], (zs[1] - zs[0]) / (xs[1] - xs[0]))
             };
             // Past the last vertex the end line may still catch up with the ray.
             let rate = dz - end_slope * dx;
-            if (below && dz <= 0.0 && height < low && rate <= 0.0) || (!below && dz >= 0.0 && height > high && rate >= 0.0)
+            if (below && dz <= 0.0 && height < low && rate <= 0.0)
+                || (!below && dz >= 0.0 && height > high && rate >= 0.0)
             {
                 return starts_below;
             }
@@ -407,7 +417,11 @@ impl<'a> Hulls<'a> {
                 Loop::Polygon(corners) => {
                     let point = |i: usize| [corners.x_um[i], corners.z_um[i]];
                     let count = corners.x_um.len();
-                    pieces.extend((0..count).map(|i| Piece::Edge { id, from: point(i), to: point((i + 1) % count) }));
+                    pieces.extend((0..count).map(|i| Piece::Edge {
+                        id,
+                        from: point(i),
+                        to: point((i + 1) % count),
+                    }));
                 }
                 shape @ Loop::Circle { .. } => pieces.push(Piece::Circle { id, shape }),
             }

@@ -13,7 +13,8 @@ mod sweep;
 
 pub use cast::{Columns, Mixture, Ray, cast};
 pub use section::{
-    Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts, Polyline, Section, Substance,
+    Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts, Polyline, Section,
+    Substance,
 };
 pub use species::{Parameters, SpeciesFile, SpeciesModel, Starling, species_names, species_toml};
 

@@ -268,7 +268,6 @@ fn the_campaigns_way_equals_direct_to_a_thousandth() {
             }
         }
     }
-    eprintln!("{worst:?}");
     assert!(worst.0 < 1e-3 && worst.1 < 2e-4, "{worst:?}");
 }
 
