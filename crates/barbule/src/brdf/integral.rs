@@ -19,7 +19,9 @@ pub fn lobe_integral(lobe: Lobe, theta_i: f64, sigma: f64) -> Result<f64> {
     let incident = omega(theta_i, lobe.phi);
     let positive = incident.z > 1e-6 && (0.001..=1.0).contains(&lobe.m);
     if !positive {
-        return Err(Error::input("the lobe's direction must lie above the horizon and m between 0.001 and 1"));
+        return Err(Error::input(
+            "the lobe's direction must lie above the horizon and m between 0.001 and 1",
+        ));
     }
     let scaled = Quadrature::new().scaled_integral(lobe.m, incident, sigma);
     let z = incident.z;

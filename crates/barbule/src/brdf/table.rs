@@ -294,8 +294,7 @@ impl Layer<'_> {
             put(base + INTEGRAL, &self.integrals(&m, &tilt));
         }
         put(INVERSE_LENGTH, &fine(&set.length, 1.0 / 64.0, 64.0, |v| 1.0 / v));
-        for (fractions, column) in
-            [(&set.fraction_1, SHARE), (&set.stationary_fraction_1, STATIONARY_SHARE)]
+        for (fractions, column) in [(&set.fraction_1, SHARE), (&set.stationary_fraction_1, STATIONARY_SHARE)]
         {
             if fractions.is_empty() {
                 put(column, &vec![1.0; count]);

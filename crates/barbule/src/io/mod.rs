@@ -3,8 +3,8 @@
 mod section;
 mod species;
 mod stack;
-pub mod tables;
 pub mod store;
+pub mod tables;
 mod whole;
 
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};

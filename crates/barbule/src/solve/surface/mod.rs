@@ -32,7 +32,7 @@ pub const FINE_ELEMENT_UM: f64 = 0.01;
 
 /// Longest quadrature element, µm, where many instances are averaged: fields differ from converged ones by less than
 /// 1e-3 (relative L2).
-pub const CAMPAIGN_ELEMENT_UM: f64 = 0.036;
+pub const CAMPAIGN_ELEMENT_UM: f64 = 0.02;
 
 /// The far field of one instance for one incident direction and both incident polarizations.
 #[derive(Debug, Clone)]
