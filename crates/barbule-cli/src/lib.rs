@@ -7,7 +7,9 @@ pub mod commands;
 pub mod common;
 pub mod progress;
 pub mod provenance;
+mod section_figure;
 pub mod sets;
+pub mod structure_arg;
 
 use std::io::Write;
 use std::process::ExitCode;

@@ -7,12 +7,18 @@ use clap::Subcommand;
 
 mod completions;
 mod film;
+mod geometry;
+mod species;
 
 /// A command with its arguments.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Reflection, transmission and absorption of a stack of flat layers
     Film(film::Args),
+    /// A cross section, drawn to scale or as JSON
+    Geometry(geometry::Args),
+    /// The species that are built in, with their colours
+    Species(species::Args),
     /// Print completions for a shell
     Completions(completions::Args),
 }
@@ -21,6 +27,8 @@ impl Command {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         match self {
             Self::Film(args) => args.run(out),
+            Self::Geometry(args) => args.run(out),
+            Self::Species(args) => args.run(out),
             Self::Completions(args) => args.run(out),
         }
     }
