@@ -1,6 +1,7 @@
 //! The only module that opens files.
 
 mod stack;
+pub mod store;
 pub mod tables;
 mod whole;
 
