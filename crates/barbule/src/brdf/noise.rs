@@ -25,8 +25,7 @@ const PURPOSE: u64 = 0x6e6f_6973_65;
 pub fn spectrum(autocovariance: &[f64]) -> Vec<f64> {
     let n = NOISE_POINTS;
     let lag = |k: usize| autocovariance.get(k).copied().unwrap_or(0.0);
-    let mut circle: Vec<Complex<f64>> =
-        (0..n).map(|k| Complex::new(lag(k.min(n - k).min(n / 2 - 1)), 0.0)).collect();
+    let mut circle: Vec<Complex<f64>> = (0..n).map(|k| Complex::new(lag(k.min(n - k).min(n / 2 - 1)), 0.0)).collect();
     // Dropping P₀ is the constant that makes the lags sum to zero.
     FftPlanner::new().plan_fft_forward(n).process(&mut circle);
     let power: Vec<f64> = circle[1..n / 2].iter().map(|c| c.re.max(0.0)).collect();
@@ -110,7 +109,7 @@ impl Noise {
 
     /// The draw that belongs to an instance.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn draw(&self, instance: u64) -> Draw {
         let bits = hash(self.seed, &[instance]);
         let [cosine, sine] = self.rotations[(bits >> 40) as usize % ROTATIONS];
@@ -125,7 +124,7 @@ impl Noise {
 
     /// (q_r, q_i) at x, interpolated with the weights of S.47, which keep the variance; the period is 2.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, draw: &Draw, x: f32) -> [f32; 2] {
         // x_k = (2k + 1 − N)/N. The clamp keeps the conversion exact far outside (−1, 1).
         let position = (x.clamp(-512.0, 512.0) + 1024.0) * (0.5 * NOISE_POINTS as f32) - 0.5;
@@ -199,10 +198,13 @@ mod tests {
     #[test]
     fn interpolation_loses_no_variance_for_a_rough_process() {
         // Correlation length 0.6 of a spacing: plain linear interpolation would lose 40 % of the variance midway.
-        let lags: Vec<f64> = (0..512).map(|k| libm::exp(-(f64::from(k) / 0.6).powi(2))).collect();
+        let lags: Vec<f64> =
+            (0..512).map(|k| libm::exp(-(f64::from(k) / 0.6).powi(2))).collect();
         let noise = Noise::new(&spectrum(&lags), 1);
         let count = 40_000;
-        let mid: f64 = (0..count).map(|i| f64::from(noise.at(&noise.draw(i), 0.0)[0]).powi(2)).sum::<f64>();
+        let mid: f64 = (0..count)
+            .map(|i| f64::from(noise.at(&noise.draw(i), 0.0)[0]).powi(2))
+            .sum::<f64>();
         assert!((mid / count as f64 - 1.0).abs() < 0.02, "{}", mid / count as f64);
     }
 

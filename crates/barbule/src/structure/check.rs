@@ -94,18 +94,15 @@ pub(super) fn bounding_width(inclusions: &[Inclusion]) -> f64 {
 fn extent(shape: &Loop) -> (f64, f64) {
     match shape {
         Loop::Circle { x_um, radius_um, .. } => (x_um - radius_um, x_um + radius_um),
-        Loop::Polygon(corners) => corners
-            .x_um
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x))),
+        Loop::Polygon(corners) => {
+            corners.x_um.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)))
+        }
     }
 }
 
 fn check_size(parts: &Parts) -> Result<()> {
     if parts.boundaries.is_empty() && parts.inclusions.is_empty() {
-        return refuse(
-            "boundaries and inclusions are both missing or empty; give at least a top boundary".into(),
-        );
+        return refuse("boundaries and inclusions are both missing or empty; give at least a top boundary".into());
     }
     let of_media = |medium: &Medium| if let Medium::Mixture { x_um, .. } = medium { x_um.len() } else { 0 };
     let of_inclusion = |inclusion: &Inclusion| {
@@ -207,9 +204,7 @@ fn check_points(place: &str, curve: &Polyline) -> Result<()> {
         return refuse(format!("{place}: x has {xs} values and z {zs}; give one z for each x"));
     }
     if xs < 3 {
-        return refuse(format!(
-            "{place} has {xs} points, fewer than 3; add points (a straight line may hold any number)"
-        ));
+        return refuse(format!("{place} has {xs} points, fewer than 3; add points (a straight line may hold any number)"));
     }
     Ok(())
 }
@@ -238,26 +233,61 @@ fn check_width(parts: &Parts) -> Result<()> {
 /// The lower of two boundaries is nowhere above the upper one over the extent of the top.
 fn check_order(index: usize, upper: &Polyline, lower: &Polyline, top: &Polyline) -> Result<()> {
     let (from, to) = (top.x_um[0], top.x_um[top.x_um.len() - 1]);
-    let mut xs: Vec<f64> =
-        upper.x_um.iter().chain(&lower.x_um).copied().filter(|x| (from..=to).contains(x)).collect();
-    xs.extend([from, to]);
-    xs.sort_by(f64::total_cmp);
-    xs.dedup();
-    let gap = |x: f64| upper.height(x) - lower.height(x);
-    let Some(at) = xs.iter().position(|&x| gap(x) < -ROUNDING_UM) else { return Ok(()) };
+    let (mut upper_walk, mut lower_walk) = (Walk::new(upper), Walk::new(lower));
+    // The points of both curves in order, without a list of them.
+    let mut x0 = from;
+    let mut before = upper_walk.height(from) - lower_walk.height(from);
+    let mut x = from;
+    let gap = loop {
+        let gap = upper_walk.height(x) - lower_walk.height(x);
+        if gap < -ROUNDING_UM {
+            break gap;
+        }
+        if x >= to {
+            return Ok(());
+        }
+        (x0, before) = (x, gap);
+        x = upper_walk.next_point().min(lower_walk.next_point()).min(to);
+    };
     let (above, below) = (format!("boundaries[{index}]"), format!("boundaries[{}]", index + 1));
-    if at == 0 {
+    if x == from {
         return refuse(format!(
-            "{below} lies above {above} at x = {:.4} µm; list the boundaries from the top down",
-            xs[0]
+            "{below} lies above {above} at x = {x:.4} µm; list the boundaries from the top down"
         ));
     }
-    let (x0, x1) = (xs[at - 1], xs[at]);
-    let x = x0 + (x1 - x0) * (gap(x0) / (gap(x0) - gap(x1)));
+    let x = x0 + (x - x0) * (before / (before - gap));
     refuse(format!(
         "{below} crosses {above} at x = {x:.4}, z = {:.4} µm; keep every boundary below the one before it",
         upper.height(x)
     ))
+}
+
+/// Heights of a curve at increasing x.
+struct Walk<'a> {
+    curve: &'a Polyline,
+    segment: usize,
+}
+
+impl<'a> Walk<'a> {
+    fn new(curve: &'a Polyline) -> Self {
+        Self { curve, segment: 0 }
+    }
+
+    fn height(&mut self, x: f64) -> f64 {
+        let (xs, zs) = (&self.curve.x_um, &self.curve.z_um);
+        while self.segment + 2 < xs.len() && xs[self.segment + 1] <= x {
+            self.segment += 1;
+        }
+        let i = self.segment;
+        zs[i] + (zs[i + 1] - zs[i]) * ((x - xs[i]) / (xs[i + 1] - xs[i]))
+    }
+
+    /// The next point after the last height asked for, or ∞.
+    fn next_point(&self) -> f64 {
+        let xs = &self.curve.x_um;
+        // Before the first point, which the end segment's line reaches, it comes next.
+        xs[self.segment + 1..].first().copied().filter(|_| self.segment + 2 < xs.len()).unwrap_or(f64::INFINITY)
+    }
 }
 
 fn check_loop(place: &str, shape: &Loop, parts: &Parts) -> Result<()> {
@@ -312,8 +342,7 @@ fn nest(parts: &Parts) -> Result<Nesting> {
             |hole| format!("inclusions[{}].holes[{hole}]", nested.inclusion),
         )
     };
-    let shapes: Vec<Polyline> =
-        loops.iter().map(|nested| nested.shape(&parts.inclusions).corners()).collect();
+    let shapes: Vec<Polyline> = loops.iter().map(|nested| nested.shape(&parts.inclusions).corners()).collect();
     let parents = match sweep::nesting(&parts.boundaries, &shapes) {
         Ok(parents) => parents,
         Err(conflict) => {
@@ -328,8 +357,7 @@ fn nest(parts: &Parts) -> Result<Nesting> {
                     name(a.min(b)),
                     name(a.max(b))
                 ),
-                (sweep::Owner::Loop(a), sweep::Owner::Boundary(b))
-                | (sweep::Owner::Boundary(b), sweep::Owner::Loop(a)) => {
+                (sweep::Owner::Loop(a), sweep::Owner::Boundary(b)) | (sweep::Owner::Boundary(b), sweep::Owner::Loop(a)) => {
                     format!(
                         "{} crosses or touches boundaries[{b}] at x = {x:.4}, z = {z:.4} µm; an inclusion must lie between two boundaries",
                         name(a)

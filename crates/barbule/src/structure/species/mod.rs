@@ -1,5 +1,8 @@
 //! The species: files of generator parameters with colour variants, and the generators.
 
+mod bronzewing;
+mod hummingbird;
+mod rock_dove;
 mod starling;
 
 use serde::Serialize;
@@ -13,7 +16,12 @@ use crate::math::rng::Stream;
 use crate::{Error, Result};
 
 /// A built-in species: its name and the text of its file.
-const BUILTIN: &[(&str, &str)] = &[("starling", include_str!("starling.toml"))];
+const BUILTIN: &[(&str, &str)] = &[
+    ("rock-dove", include_str!("rock-dove.toml")),
+    ("starling", include_str!("starling.toml")),
+    ("bronzewing", include_str!("bronzewing.toml")),
+    ("hummingbird", include_str!("hummingbird.toml")),
+];
 
 /// Species that a photonic crystal colours, each with its variants, the default first.
 const LATTICES: &[(&str, &[&str])] = &[
@@ -62,34 +70,82 @@ macro_rules! parameters {
 }
 use parameters;
 
+pub use bronzewing::Bronzewing;
+pub use hummingbird::Hummingbird;
+pub use rock_dove::RockDove;
 pub use starling::Starling;
 
 /// The parameters of one species and variant, by generator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "generator", rename_all = "kebab-case")]
 pub enum Parameters {
+    /// A keratin cortex between air outside and inside.
+    RockDove(RockDove),
     /// A keratin film over a layer of melanosomes.
     Starling(Starling),
+    /// Two stacks of melanosome layers.
+    Bronzewing(Bronzewing),
+    /// Layers of air-filled pancake melanosomes.
+    Hummingbird(Hummingbird),
 }
 
 impl Parameters {
     fn keys(generator: &str) -> Result<&'static [&'static str]> {
         match generator {
+            "rock-dove" => Ok(RockDove::KEYS),
             "starling" => Ok(Starling::KEYS),
+            "bronzewing" => Ok(Bronzewing::KEYS),
+            "hummingbird" => Ok(Hummingbird::KEYS),
             other => {
                 let near = did_you_mean(other, GENERATORS.iter().copied());
-                let help =
-                    if near.is_empty() { format!("; known are {}", GENERATORS.join(", ")) } else { near };
+                let help = if near.is_empty() { format!("; known are {}", GENERATORS.join(", ")) } else { near };
                 Err(Error::input(format!("generator: there is no '{}'{help}", shortened(other))))
             }
         }
     }
 
+    /// Of a generator that [`Self::keys`] knows.
     fn read(generator: &str, fields: &Fields<'_>) -> Result<Self> {
-        match generator {
-            _ => Starling::read(fields).map(Self::Starling),
+        Ok(match generator {
+            "rock-dove" => {
+                let parameters = RockDove::read(fields)?;
+                parameters.check()?;
+                Self::RockDove(parameters)
+            }
+            "bronzewing" => {
+                let parameters = Bronzewing::read(fields)?;
+                parameters.check()?;
+                Self::Bronzewing(parameters)
+            }
+            "hummingbird" => {
+                let parameters = Hummingbird::read(fields)?;
+                parameters.check()?;
+                Self::Hummingbird(parameters)
+            }
+            _ => {
+                let parameters = Starling::read(fields)?;
+                parameters.check()?;
+                Self::Starling(parameters)
+            }
+        })
+    }
+
+    fn width_um(&self) -> f64 {
+        match self {
+            Self::RockDove(p) => p.width_um,
+            Self::Starling(p) => p.width_um,
+            Self::Bronzewing(p) => p.width_um,
+            Self::Hummingbird(p) => p.width_um,
         }
     }
+}
+
+/// Refuses a range whose low end is above its high end.
+fn ordered(low_key: &str, low: f64, high_key: &str, high: f64) -> Result<()> {
+    if low <= high {
+        return Ok(());
+    }
+    Err(Error::input(format!("parameters.{low_key} is {low}, above {high_key}, {high}; swap them")))
 }
 
 /// One species in one colour variant: makes random sections.
@@ -127,11 +183,8 @@ impl SpeciesModel {
             }
             let known = species_names().chain(LATTICES.iter().map(|(name, _)| *name));
             let near = did_you_mean(name, known.clone());
-            let help = if near.is_empty() {
-                format!("; known are {}", known.collect::<Vec<_>>().join(", "))
-            } else {
-                near
-            };
+            let help =
+                if near.is_empty() { format!("; known are {}", known.collect::<Vec<_>>().join(", ")) } else { near };
             return Err(Error::input(format!("there is no species '{}'{help}", shortened(name))));
         };
         Self::from_toml(text, variant, library)
@@ -153,7 +206,10 @@ impl SpeciesModel {
     pub fn section(&self, seed: u64, index: usize) -> Result<Section> {
         let random = Random { seed, instance: index as u64 };
         let mut parts = match &self.parameters {
+            Parameters::RockDove(p) => p.parts(&random),
             Parameters::Starling(p) => p.parts(&random),
+            Parameters::Bronzewing(p) => p.parts(&random),
+            Parameters::Hummingbird(p) => p.parts(&random),
         };
         parts.name = format!("{} {index}", self.title());
         parts.source = format!("barbule {}, seed {seed}, instance {index}", self.title());
@@ -171,15 +227,13 @@ impl SpeciesModel {
     /// The barbule's width.
     #[must_use]
     pub fn width_um(&self) -> f64 {
-        match &self.parameters {
-            Parameters::Starling(p) => p.width_um,
-        }
+        self.parameters.width_um()
     }
 
     /// Whether the outline is an arch rather than a slab.
     #[must_use]
     pub fn is_curved(&self) -> bool {
-        false
+        matches!(self.parameters, Parameters::RockDove(_))
     }
 }
 
@@ -217,7 +271,11 @@ impl Random {
 }
 
 /// What a generator leaves to the caller: name and source.
-pub(super) fn parts(width_um: f64, boundaries: Vec<super::Polyline>, media: Vec<super::Medium>) -> Parts {
+pub(super) fn parts(
+    width_um: f64,
+    boundaries: Vec<super::Polyline>,
+    media: Vec<super::Medium>,
+) -> Parts {
     Parts { width_um: Some(width_um), boundaries, media, ..Parts::default() }
 }
 
@@ -232,6 +290,8 @@ pub struct SpeciesFile {
     pub coloration: String,
     /// The variant of a bare name.
     pub default: String,
+    /// The table of the file's own materials, which lie in other files.
+    pub(crate) materials: Option<Value>,
     variants: Vec<Variant>,
     generator: String,
     parameters: Value,
@@ -253,26 +313,13 @@ impl SpeciesFile {
     pub fn parse(text: &str) -> Result<Self> {
         let value: Value = toml::from_str::<toml::Table>(text)
             .map_err(|error| {
-                let line = error
-                    .span()
-                    .map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+                let line = error.span().map_or(0, |span| text.as_bytes()[..span.start.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1);
                 Error::input(format!("line {line} is not TOML: {}", shortened(error.message())))
             })
             .and_then(|table| {
-                serde_json::to_value(table)
-                    .map_err(|e| Error::input(format!("cannot be read: {}", shortened(&e.to_string()))))
+                serde_json::to_value(table).map_err(|e| Error::input(format!("cannot be read: {}", shortened(&e.to_string()))))
             })?;
-        let keys = [
-            "barbule",
-            "name",
-            "latin",
-            "coloration",
-            "source",
-            "generator",
-            "default",
-            "parameters",
-            "variants",
-        ];
+        let keys = ["barbule", "name", "latin", "coloration", "source", "generator", "default", "parameters", "variants", "materials"];
         if value.get("lattice").is_some() {
             return Err(Error::input(
                 "lattice: photonic crystals are not simulated yet by this version; describe the barbule by layers",
@@ -284,14 +331,9 @@ impl SpeciesFile {
             return Err(Error::input(format!("barbule is {version}, but this version reads format 1 only")));
         }
         let text = |key: &str, what: &str| -> Result<String> {
-            let text =
-                fields.text(key)?.ok_or_else(|| Error::input(format!("{key} is missing; give {what}")))?;
+            let text = fields.text(key)?.ok_or_else(|| Error::input(format!("{key} is missing; give {what}")))?;
             let plain = !text.is_empty() && text.len() <= 200 && !text.contains(char::is_control);
-            if plain {
-                Ok(text.to_owned())
-            } else {
-                Err(Error::input(format!("{key} must be one line of 1 to 200 letters")))
-            }
+            if plain { Ok(text.to_owned()) } else { Err(Error::input(format!("{key} must be one line of 1 to 200 letters"))) }
         };
         fields.text("source")?;
         let mut variants = Vec::new();
@@ -303,13 +345,8 @@ impl SpeciesFile {
         if variants.is_empty() {
             variants.push(Variant { name: "default".to_owned(), overrides: Map::new() });
         }
-        if let Some(at) =
-            (1..variants.len()).find(|&i| variants[..i].iter().any(|v| v.name == variants[i].name))
-        {
-            return Err(Error::input(format!(
-                "variants[{at}].name is '{}' a second time",
-                variants[at].name
-            )));
+        if let Some(at) = (1..variants.len()).find(|&i| variants[..i].iter().any(|v| v.name == variants[i].name)) {
+            return Err(Error::input(format!("variants[{at}].name is '{}' a second time", variants[at].name)));
         }
         let default = fields.text("default")?.unwrap_or(&variants[0].name).to_owned();
         let optional = |key: &str| Ok(fields.text(key)?.unwrap_or_default().to_owned());
@@ -319,6 +356,7 @@ impl SpeciesFile {
             coloration: optional("coloration")?,
             generator: text("generator", "starling, rock-dove, bronzewing or hummingbird")?,
             parameters: fields.need("parameters", "the table of the generator's parameters")?.clone(),
+            materials: fields.get("materials").cloned(),
             default,
             variants,
         };
@@ -356,9 +394,7 @@ impl SpeciesFile {
             table.extend(variant.overrides.clone());
         }
         let parameters = Parameters::read(&self.generator, &Fields::new(&merged, "parameters", keys)?)
-            .map_err(|error| {
-                if self.variants.len() > 1 { error.at(format!("variant {}", variant.name)) } else { error }
-            })?;
+            .map_err(|error| if self.variants.len() > 1 { error.at(format!("variant {}", variant.name)) } else { error })?;
         Ok(SpeciesModel {
             name: self.name.clone(),
             variant: variant.name.clone(),
@@ -380,17 +416,13 @@ struct Variant {
 impl Variant {
     fn read(entry: &Value, place: &str) -> Result<Self> {
         let Value::Object(table) = entry else {
-            return Err(Error::input(format!(
-                "{place} must be a table, as in {{ name = \"green\", cortex_um = 0.32 }}"
-            )));
+            return Err(Error::input(format!("{place} must be a table, as in {{ name = \"green\", cortex_um = 0.32 }}")));
         };
         let mut overrides = table.clone();
         let name = match overrides.remove("name") {
             Some(Value::String(name)) if is_variant_name(&name) => name,
             Some(_) => {
-                return Err(Error::input(format!(
-                    "{place}.name must be a text of up to 64 letters, digits and -"
-                )));
+                return Err(Error::input(format!("{place}.name must be a text of up to 64 letters, digits and -")));
             }
             None => return Err(Error::input(format!("{place}.name is missing; give the variant's name"))),
         };
@@ -406,5 +438,5 @@ fn no_variant<'a>(name: &str, wanted: &str, known: impl Iterator<Item = &'a str>
     let wanted = shortened(wanted);
     let near = did_you_mean(&wanted, known.clone());
     let all = shortened(&known.collect::<Vec<_>>().join(", "));
-    Error::input(format!("{name} has no variant '{wanted}'{near} (known are {all})",))
+    Error::input(format!("{name} has no variant '{wanted}'{near} (known are {all})", ))
 }
