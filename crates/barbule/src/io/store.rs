@@ -23,8 +23,18 @@ const SCHEMA: u64 = 1;
 
 /// Arrays in the order in which a unit writes them: name, whether f32 (else f64), axes after φ_i, what it holds.
 const ARRAYS: [(&str, bool, &[(&str, usize)], &str); 7] = [
-    ("u", true, &[("polarization", 2), ("azimuth", AZIMUTHS)], "mean of |E|^2/Phi_i over instances, 1/rad (S.12)"),
-    ("v", true, &[("polarization", 2), ("azimuth", AZIMUTHS)], "|mean of E|^2/Phi_i without bias, 1/rad (S.21)"),
+    (
+        "u",
+        true,
+        &[("polarization", 2), ("azimuth", AZIMUTHS)],
+        "mean of |E|^2/Phi_i over instances, 1/rad (S.12)",
+    ),
+    (
+        "v",
+        true,
+        &[("polarization", 2), ("azimuth", AZIMUTHS)],
+        "|mean of E|^2/Phi_i without bias, 1/rad (S.21)",
+    ),
     (
         "autocovariance",
         true,
@@ -83,7 +93,8 @@ impl Store {
             } else {
                 ArrayBuilder::new(extents, chunk, data_type::float64(), f64::NAN)
             };
-            let names = ["wavelength", "theta_i", "phi_i"].into_iter().chain(trailing.iter().map(|(n, _)| *n));
+            let names =
+                ["wavelength", "theta_i", "phi_i"].into_iter().chain(trailing.iter().map(|(n, _)| *n));
             let mut attributes = serde_json::Map::new();
             attributes.insert("meaning".into(), json!(meaning));
             let array = builder
@@ -124,7 +135,8 @@ impl Store {
             return Err(refuse("is not a campaign store (no zarr.json in it)"));
         }
         let storage = storage(path)?;
-        let group = Group::open(storage.clone(), "/").map_err(|e| refuse(&format!("is not readable ({e})")))?;
+        let group =
+            Group::open(storage.clone(), "/").map_err(|e| refuse(&format!("is not readable ({e})")))?;
         let attributes = group.attributes();
         if attributes.get("barbule_store").and_then(Value::as_u64) != Some(SCHEMA) {
             return Err(refuse("is not a campaign store of this version"));
@@ -224,7 +236,13 @@ impl Store {
         Ok(())
     }
 
-    fn write_chunk<T: Element>(&self, array: usize, wavelength: usize, theta: usize, values: &[T]) -> Result<()>
+    fn write_chunk<T: Element>(
+        &self,
+        array: usize,
+        wavelength: usize,
+        theta: usize,
+        values: &[T],
+    ) -> Result<()>
     where
         Vec<T>: zarrs::array::IntoArrayBytes<'static>,
         T: Clone,
@@ -259,7 +277,10 @@ impl Store {
     where
         Vec<T>: zarrs::array::FromArrayBytes,
     {
-        self.arrays[array].retrieve_chunk_if_exists::<Vec<T>>(&Self::chunk(array, wavelength, theta)).ok().flatten()
+        self.arrays[array]
+            .retrieve_chunk_if_exists::<Vec<T>>(&Self::chunk(array, wavelength, theta))
+            .ok()
+            .flatten()
     }
 
     /// All statistics of a finished store.

@@ -110,7 +110,11 @@ fn quadrature(section: &Section, element_um: f64) -> (Vec<Ray>, Vec<f64>) {
         for element in 0..elements as usize {
             for side in [-0.5, 0.5] {
                 let t = (element as f64 + 0.5 + side / 3f64.sqrt()) / elements;
-                rays.push(Ray { x_um: x[0] + t * dx, z_um: z[0] + t * dz, normal: [-dz / length, dx / length] });
+                rays.push(Ray {
+                    x_um: x[0] + t * dx,
+                    z_um: z[0] + t * dz,
+                    normal: [-dz / length, dx / length],
+                });
                 lengths.push(length / (2.0 * elements));
             }
         }
