@@ -212,7 +212,9 @@ fn directions(text: &str) -> Result<(usize, usize)> {
     text.split_once('x')
         .and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)))
         .filter(|(a, b)| (2..=200).contains(a) && (2..=200).contains(b))
-        .ok_or_else(|| Error::input(format!("--directions {text}: write NxM with 2 to 200 each, as in 20x20")))
+        .ok_or_else(|| {
+            Error::input(format!("--directions {text}: write NxM with 2 to 200 each, as in 20x20"))
+        })
 }
 
 /// i/count for i = 1 … count.

@@ -9,6 +9,7 @@ pub mod common;
 mod materials;
 pub mod progress;
 pub mod provenance;
+mod section_figure;
 pub mod sets;
 pub mod structure_arg;
 

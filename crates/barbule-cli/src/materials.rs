@@ -57,7 +57,10 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
     {
         return Ok((material, barbule::io::hash_file(&cached)?));
     }
-    common.say(&format!("the material {name} is not there yet: characterizing it takes about {}", expected(&planned)));
+    common.say(&format!(
+        "the material {name} is not there yet: characterizing it takes about {}",
+        expected(&planned)
+    ));
     let observer = Terminal::new(common);
     let campaign = planned.campaign(defaults.campaign.width()?, &observer)?;
     let statistics = statistics(&campaign, &observer)?;
@@ -68,7 +71,8 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
 
 /// The duration to expect of a campaign, in words.
 pub(crate) fn expected(planned: &Planned) -> String {
-    let layers = planned.structure.instance(planned.parameters.seed, 0).map_or(6, |s| s.boundaries.len().max(6));
+    let layers =
+        planned.structure.instance(planned.parameters.seed, 0).map_or(6, |s| s.boundaries.len().max(6));
     let work = planned.structure.width_um() / TYPICAL_WIDTH_UM * (0.4 + 0.1 * layers as f64);
     let cores = rayon::current_num_threads() as f64;
     let seconds = planned.illuminations() as f64 * work / (TYPICAL_SPEED * cores);
@@ -81,8 +85,11 @@ pub(crate) fn expected(planned: &Planned) -> String {
 /// A file name for a structure: `starling:green` → `starling-green`.
 pub(crate) fn file_stem(name: &str) -> String {
     let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    let stem: String =
-        last.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).take(100).collect();
+    let stem: String = last
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' })
+        .take(100)
+        .collect();
     if stem.is_empty() { "material".into() } else { stem }
 }
 

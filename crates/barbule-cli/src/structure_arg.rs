@@ -33,11 +33,8 @@ pub fn parse(text: &str, common: &Common) -> Result<Structure> {
         return read_structure_toml(Path::new(file), Some(variant), &library);
     }
     let (name, variant) = text.split_once(':').map_or((text, None), |(name, variant)| (name, Some(variant)));
-    let species = if text.contains('/') {
-        None
-    } else {
-        Some(SpeciesModel::builtin(name, variant, library.clone()))
-    };
+    let species =
+        if text.contains('/') { None } else { Some(SpeciesModel::builtin(name, variant, library.clone())) };
     match species {
         Some(Ok(model)) => Ok(Structure::Species(Box::new(model))),
         _ if path.is_dir() => {

@@ -27,7 +27,8 @@ impl Args {
             barbule::io::delete_materials(&files)?;
         }
         if self.common.json {
-            let list: Vec<_> = files.iter().map(|(path, bytes)| json!({ "file": path, "bytes": bytes })).collect();
+            let list: Vec<_> =
+                files.iter().map(|(path, bytes)| json!({ "file": path, "bytes": bytes })).collect();
             return print_json(out, &json!({ "folder": folder, "materials": list, "cleared": self.clear }));
         }
         let mut text = format!("{}: {} materials", folder.display(), files.len());

@@ -74,7 +74,10 @@ impl Args {
         let theta_deg = single("--theta", &self.theta, sets::angles("--theta", &self.theta)?)?;
         let phi_deg = single("--phi", &self.phi, sets::angles("--phi", &self.phi)?)?;
         if !(2..=100_000).contains(&self.azimuths) {
-            return Err(Error::input(format!("--azimuths {}: give a number from 2 to 100000", self.azimuths)));
+            return Err(Error::input(format!(
+                "--azimuths {}: give a number from 2 to 100000",
+                self.azimuths
+            )));
         }
         if self.solver == Solver::FullWave {
             return Err(Error::input(
@@ -89,9 +92,15 @@ impl Args {
             structure_arg::parse(&self.structure, &self.common)?.instance(self.common.seed, self.instance)?;
         let (theta_i, phi_i) = (theta_deg.to_radians(), phi_deg.to_radians());
         let far = match self.solver {
-            Solver::Direct => {
-                direct::far_field(&section, window, FINE_ELEMENT_UM, wavelength_nm, theta_i, phi_i, self.azimuths)?
-            }
+            Solver::Direct => direct::far_field(
+                &section,
+                window,
+                FINE_ELEMENT_UM,
+                wavelength_nm,
+                theta_i,
+                phi_i,
+                self.azimuths,
+            )?,
             _ => {
                 let surface = Surface::new(&section, FINE_ELEMENT_UM, window)?;
                 far_field(&surface, window, wavelength_nm, theta_i, phi_i, self.azimuths, Width::best())?
@@ -132,7 +141,10 @@ fn table(far: &FarField) -> String {
             "incident power {power:.6} µm, reflected fraction {:.6} (polarization 1), {:.6} (2)\n",
             far.reflected[0], far.reflected[1]
         ),
-        None => format!("reflected width {:.6} µm (polarization 1), {:.6} µm (2)\n", far.reflected[0], far.reflected[1]),
+        None => format!(
+            "reflected width {:.6} µm (polarization 1), {:.6} µm (2)\n",
+            far.reflected[0], far.reflected[1]
+        ),
     };
     text += &format!("phi_out_deg  intensity_1 ({unit})  intensity_2 ({unit})");
     for (n, phi) in far.phi_o.iter().enumerate() {

@@ -11,8 +11,11 @@ mod completions;
 mod far_field;
 mod film;
 mod fit;
+mod geometry;
 mod simulate;
 mod spectrum;
+
+mod species;
 
 /// A command with its arguments.
 #[derive(Debug, Subcommand)]
@@ -31,6 +34,10 @@ pub(crate) enum Command {
     Characterize(characterize::Args),
     /// List or clear the materials computed on first use
     Cache(cache::Args),
+    /// A cross section, drawn to scale or as JSON
+    Geometry(geometry::Args),
+    /// The species that are built in, with their colours
+    Species(species::Args),
     /// Print completions for a shell
     Completions(completions::Args),
 }
@@ -45,6 +52,8 @@ impl Command {
             Self::Fit(args) => args.run(out),
             Self::Characterize(args) => args.run(out),
             Self::Cache(args) => args.run(out),
+            Self::Geometry(args) => args.run(out),
+            Self::Species(args) => args.run(out),
             Self::Completions(args) => args.run(out),
         }
     }

@@ -52,7 +52,15 @@ impl Args {
         let kept = self.keep_fields.as_deref().map_or(Ok(Vec::new()), crate::sets::wavelengths)?;
         let width = self.campaign.width()?;
         let axes = &planned.parameters.axes;
-        let store = Store::create(path, axes, planned.parameters.instances, &name, &planned.description, &kept, width.name())?;
+        let store = Store::create(
+            path,
+            axes,
+            planned.parameters.instances,
+            &name,
+            &planned.description,
+            &kept,
+            width.name(),
+        )?;
         if store.width() != width.name() {
             return Err(Error::input(format!(
                 "{}: was computed with {} instructions, this run would use {}; give --simd {} to continue it with the same bits",

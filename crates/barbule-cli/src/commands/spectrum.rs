@@ -20,7 +20,9 @@ use crate::{sets, structure_arg};
 
 /// Arguments of `barbule spectrum`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  barbule spectrum starling --angle 0,30,60 -o starling.svg --csv starling.csv")]
+#[command(
+    after_help = "Example:\n  barbule spectrum starling --angle 0,30,60 -o starling.svg --csv starling.csv"
+)]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
     structure: String,
@@ -72,7 +74,10 @@ impl Args {
         let collect = collect(&self.collect)?;
         let polarization = polarization(&self.polarization)?;
         if !(1..=10_000).contains(&self.instances) {
-            return Err(Error::input(format!("--instances {}: give a number from 1 to 10000", self.instances)));
+            return Err(Error::input(format!(
+                "--instances {}: give a number from 1 to 10000",
+                self.instances
+            )));
         }
         check_outputs(self.output.as_deref(), self.csv.as_deref())?;
         let structure = structure_arg::parse(&self.structure, &self.common)?;
@@ -139,7 +144,8 @@ impl Args {
                 })
             })
             .collect::<Result<Vec<_>>>()?;
-        let measured: Vec<_> = measured.into_iter().map(|spectrum| ("measured".to_owned(), spectrum)).collect();
+        let measured: Vec<_> =
+            measured.into_iter().map(|spectrum| ("measured".to_owned(), spectrum)).collect();
         Ok(barbule::plot::spectra(title, &bands, &measured).draw())
     }
 }
@@ -164,7 +170,9 @@ fn collect(text: &str) -> Result<Collect> {
         .filter(|half| *half > 0.0 && *half <= 90.0)
         .map(|half| Collect::Cone(half.to_radians()))
         .ok_or_else(|| {
-            Error::input(format!("--collect {text}: write hemisphere, or cone:HALF with HALF up to 90 degrees, as in cone:5"))
+            Error::input(format!(
+                "--collect {text}: write hemisphere, or cone:HALF with HALF up to 90 degrees, as in cone:5"
+            ))
         })
 }
 

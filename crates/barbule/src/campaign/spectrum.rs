@@ -6,7 +6,9 @@ use rayon::prelude::*;
 use crate::math::simd::Width;
 use crate::observer::Observer;
 use crate::scattering::statistics::AZIMUTHS;
-use crate::solve::surface::{CAMPAIGN_ELEMENT_UM, Cone, Nodes, Surface, Window, Workspace, inverse_root, refinement};
+use crate::solve::surface::{
+    CAMPAIGN_ELEMENT_UM, Cone, Nodes, Surface, Window, Workspace, inverse_root, refinement,
+};
 use crate::structure::Structure;
 use crate::{Error, Result};
 
@@ -64,7 +66,8 @@ pub fn spectra(
     let mut spectra = Spectra { mean: Vec::new(), std: Vec::new() };
     let columns = request.wavelengths_nm.len();
     for direction in 0..request.directions.len() {
-        let values = |wavelength: usize| per_instance.iter().map(move |v| v[direction * columns + wavelength]);
+        let values =
+            |wavelength: usize| per_instance.iter().map(move |v| v[direction * columns + wavelength]);
         let mean: Vec<f64> = (0..columns).map(|w| values(w).sum::<f64>() / count).collect();
         let std = (0..columns)
             .map(|w| (values(w).map(|v| (v - mean[w]).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt())

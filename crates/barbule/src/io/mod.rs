@@ -13,6 +13,6 @@ pub use section::{parse_section, read_section, read_sections, section_json, writ
 pub use species::{read_species, read_structure_toml};
 pub use stack::{parse_stack, read_stack};
 pub use whole::{
-    LARGEST_INPUT, check_writable, delete_materials, hash_bytes, hash_file, list_materials, make_folder, read_bytes,
-    read_text, write_whole,
+    LARGEST_INPUT, check_writable, delete_materials, hash_bytes, hash_file, list_materials, make_folder,
+    read_bytes, read_text, write_whole,
 };

@@ -85,7 +85,9 @@ impl Store {
         width: &str,
     ) -> Result<Self> {
         if let Some(nm) = kept_nm.iter().find(|nm| !axes.wavelengths_nm.contains(nm)) {
-            return Err(Error::input(format!("fields are to be kept at {nm} nm, which the campaign does not simulate")));
+            return Err(Error::input(format!(
+                "fields are to be kept at {nm} nm, which the campaign does not simulate"
+            )));
         }
         if path.exists() {
             let store = Self::open(path)?;
@@ -327,7 +329,13 @@ impl Store {
         Ok(())
     }
 
-    fn write_chunk<T: Element + Clone>(&self, array: usize, wavelength: usize, theta: usize, values: &[T]) -> Result<()>
+    fn write_chunk<T: Element + Clone>(
+        &self,
+        array: usize,
+        wavelength: usize,
+        theta: usize,
+        values: &[T],
+    ) -> Result<()>
     where
         Vec<T>: IntoArrayBytes<'static>,
     {
@@ -418,7 +426,10 @@ fn create_fields(
     let names = ["kept_wavelength", "theta_i", "phi_i", "polarization", "component", "instance", "azimuth"];
     let array = ArrayBuilder::new(extents.to_vec(), chunk.to_vec(), data_type::complex64(), nan.as_slice())
         .dimension_names(Some(names))
-        .bytes_to_bytes_codecs(vec![Arc::new(codec::ZstdCodec::new(3, false)), Arc::new(codec::Crc32cCodec::new())])
+        .bytes_to_bytes_codecs(vec![
+            Arc::new(codec::ZstdCodec::new(3, false)),
+            Arc::new(codec::Crc32cCodec::new()),
+        ])
         .build(storage.clone(), &format!("/{FIELDS}"))?;
     array.store_metadata()?;
     Ok(())

@@ -17,8 +17,8 @@ pub use section::{
     Polyline, Section, Substance,
 };
 pub use species::{
-    Bronzewing, Hummingbird, Parameters, RockDove, SpeciesFile, SpeciesModel, Starling, species_names,
-    species_toml,
+    Bronzewing, Hummingbird, LATTICE_SPECIES, Parameters, RockDove, SpeciesFile, SpeciesModel, Starling,
+    species_names, species_toml,
 };
 
 use crate::{Error, Result};

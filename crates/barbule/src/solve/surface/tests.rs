@@ -76,10 +76,7 @@ fn peak(values: &[f64]) -> f64 {
 }
 
 /// ‖a − b‖/‖b‖ over both components.
-fn relative_l2<'a>(
-    a: impl Iterator<Item = &'a Complex64>,
-    b: impl Iterator<Item = &'a Complex64>,
-) -> f64 {
+fn relative_l2<'a>(a: impl Iterator<Item = &'a Complex64>, b: impl Iterator<Item = &'a Complex64>) -> f64 {
     let (mut difference, mut norm) = (0.0, 0.0);
     for (a, b) in a.zip(b) {
         difference += (a - b).norm_sqr();

@@ -122,6 +122,26 @@ impl Hummingbird {
         Parts { inclusions, ..parts(width, boundaries, vec![named("air"), named("keratin"), named("air")]) }
     }
 
+    /// The first three layers of the same hummingbird with mean values in place of random ones, for sketches.
+    #[must_use]
+    pub fn without_randomness(&self) -> Self {
+        let width_um = 2.0 * self.melanosome_length_um + 2.0 * self.cortex_um + 4.0 * CLEARANCE_UM;
+        Self {
+            width_um: width_um.clamp(1.0, 200.0),
+            layers: self.layers.min(3),
+            roughness_amplitude_um: 0.0,
+            bottom_amplitude_um: 0.0,
+            end_radius_um: 0.0,
+            air_spread: 0.0,
+            gap_spread: 0.0,
+            melanosome_length_spread: 0.0,
+            bubble_length_spread: 0.0,
+            bubble_height_spread_um: 0.0,
+            point_spacing_um: self.point_spacing_um.min(0.01),
+            ..self.clone()
+        }
+    }
+
     /// The radius that rounds the ends of a barbule of this thickness.
     fn end_radius(&self, thickness: f64) -> f64 {
         self.end_radius_um.min(LARGEST_ROUNDING * thickness).min(0.25 * self.width_um)

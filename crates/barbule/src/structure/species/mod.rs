@@ -24,7 +24,7 @@ const BUILTIN: &[(&str, &str)] = &[
 ];
 
 /// Species that a photonic crystal colours, each with its variants, the default first.
-const LATTICES: &[(&str, &[&str])] = &[
+pub const LATTICE_SPECIES: &[(&str, &[&str])] = &[
     ("mallard", &["lime", "blue"]),
     ("magpie", &["violet", "forest", "lime", "yellow", "rose", "purple", "blue", "teal"]),
     ("peafowl", &["yellow"]),
@@ -173,7 +173,7 @@ impl SpeciesModel {
     /// Unknown names (the nearest is offered), or a species that this version cannot simulate.
     pub fn builtin(name: &str, variant: Option<&str>, library: Library) -> Result<Self> {
         let Some((_, text)) = BUILTIN.iter().find(|(known, _)| *known == name) else {
-            if let Some((_, variants)) = LATTICES.iter().find(|(known, _)| *known == name) {
+            if let Some((_, variants)) = LATTICE_SPECIES.iter().find(|(known, _)| *known == name) {
                 if let Some(variant) = variant.filter(|v| !variants.contains(v)) {
                     return Err(no_variant(name, variant, variants.iter().copied()));
                 }
@@ -182,7 +182,7 @@ impl SpeciesModel {
                     species_names().collect::<Vec<_>>().join(", ")
                 )));
             }
-            let known = species_names().chain(LATTICES.iter().map(|(name, _)| *name));
+            let known = species_names().chain(LATTICE_SPECIES.iter().map(|(name, _)| *name));
             let near = did_you_mean(name, known.clone());
             let help = if near.is_empty() {
                 format!("; known are {}", known.collect::<Vec<_>>().join(", "))
