@@ -6,6 +6,7 @@
 pub mod commands;
 pub mod common;
 pub mod progress;
+pub mod provenance;
 pub mod sets;
 
 use std::io::Write;

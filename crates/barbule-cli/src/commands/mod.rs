@@ -6,10 +6,13 @@ use barbule::Result;
 use clap::Subcommand;
 
 mod completions;
+mod film;
 
 /// A command with its arguments.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Reflection, transmission and absorption of a stack of flat layers
+    Film(film::Args),
     /// Print completions for a shell
     Completions(completions::Args),
 }
@@ -17,6 +20,7 @@ pub(crate) enum Command {
 impl Command {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         match self {
+            Self::Film(args) => args.run(out),
             Self::Completions(args) => args.run(out),
         }
     }

@@ -98,8 +98,8 @@ impl Campaign {
             (surfaces.first(), parameters.axes.wavelengths_nm.first(), parameters.axes.wavelengths_nm.last())
         {
             // Tables that do not reach are refused before any work.
-            surface.optics(*first)?;
-            surface.optics(*last)?;
+            surface.optics::<f32>(*first)?;
+            surface.optics::<f32>(*last)?;
         }
         let tilts = parameters.tilts();
         Ok(Self { parameters, surfaces, tilts, width })

@@ -8,18 +8,19 @@
 
 use super::points::Surface;
 use crate::math::band_limited::{NODES_PER_PERIOD, TAPS, weights};
+use crate::math::simd::Real;
 
 /// cosφ_o for which deviations from the node curve are exact: the middle of what the lobes use.
 const MEAN_COS_PHI: f64 = 0.75;
 
 /// Positions at which currents radiate.
-pub(crate) struct Nodes {
+pub(crate) struct Nodes<T> {
     pub(crate) x_um: Vec<f64>,
     pub(crate) z_um: Vec<f64>,
     /// How points are moved onto nodes; `None` where nodes are the points.
     pub(crate) taps: Option<Taps>,
     /// Phase per point that makes up for the move, rad.
-    pub(crate) extra_phase: Vec<f64>,
+    pub(crate) extra_phase: Vec<T>,
 }
 
 /// For each point, the first of its [`TAPS`] nodes and their weights.
@@ -28,14 +29,14 @@ pub(crate) struct Taps {
     pub(crate) weights: Vec<[f32; TAPS]>,
 }
 
-impl Nodes {
+impl<T: Real> Nodes<T> {
     /// The points themselves: exact.
     pub(crate) fn at_points(surface: &Surface) -> Self {
         Self {
-            x_um: surface.x_um.clone(),
-            z_um: surface.z_um.clone(),
+            x_um: surface.double.x_um.clone(),
+            z_um: surface.double.z_um.clone(),
             taps: None,
-            extra_phase: vec![0.0; surface.padded()],
+            extra_phase: vec![T::of(0.0); surface.padded()],
         }
     }
 
@@ -44,7 +45,7 @@ impl Nodes {
         let step = std::f64::consts::TAU / (NODES_PER_PERIOD * kappa);
         let padded = surface.padded();
         let lead = TAPS / 2 - 1;
-        let mut nodes = Self { x_um: Vec::new(), z_um: Vec::new(), taps: None, extra_phase: vec![0.0; padded] };
+        let mut nodes = Self { x_um: Vec::new(), z_um: Vec::new(), taps: None, extra_phase: vec![T::of(0.0); padded] };
         let mut taps = Taps { first: vec![0; padded], weights: vec![[0.0; TAPS]; padded] };
         let mut start = 0;
         for &end in &surface.pieces {
@@ -72,8 +73,8 @@ impl Nodes {
                 let w = weights(u - cell as f64);
                 let first = base + cell - lead;
                 let rise: f64 =
-                    (0..TAPS).map(|k| f64::from(w[k]) * (surface.z_um[p] - nodes.z_um[first + k])).sum();
-                nodes.extra_phase[p] = -kappa * MEAN_COS_PHI * rise;
+                    (0..TAPS).map(|k| f64::from(w[k]) * (surface.double.z_um[p] - nodes.z_um[first + k])).sum();
+                nodes.extra_phase[p] = T::of(-kappa * MEAN_COS_PHI * rise);
                 taps.first[p] = first as u32;
                 taps.weights[p] = w;
             }
@@ -99,7 +100,7 @@ impl Nodes {
 fn position(surface: &Surface, start: usize, end: usize, right: usize, arc: f64) -> (f64, f64) {
     let along = |p: usize| {
         let d = arc - surface.arc_um[p];
-        (surface.x_um[p] + d * surface.tangent_x[p], surface.z_um[p] + d * surface.tangent_z[p])
+        (surface.double.x_um[p] + d * surface.double.tangent_x[p], surface.double.z_um[p] + d * surface.double.tangent_z[p])
     };
     if right == start {
         return along(start);
@@ -110,5 +111,5 @@ fn position(surface: &Surface, start: usize, end: usize, right: usize, arc: f64)
     let left = right - 1;
     let t = (arc - surface.arc_um[left]) / (surface.arc_um[right] - surface.arc_um[left]);
     let mix = |values: &[f64]| values[left] + t * (values[right] - values[left]);
-    (mix(&surface.x_um), mix(&surface.z_um))
+    (mix(&surface.double.x_um), mix(&surface.double.z_um))
 }

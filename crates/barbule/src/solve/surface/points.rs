@@ -3,7 +3,8 @@
 use num_complex::Complex64;
 
 use super::reflection::{BLOCK, Incidence};
-use crate::structure::{Columns, Ray, Section, cast};
+use crate::math::simd::Real;
+use crate::structure::{Columns, Mixture, Ray, Section, cast};
 use crate::{Error, Result};
 
 /// How the light falls on the section.
@@ -21,12 +22,9 @@ pub enum Window {
 /// arrays are padded to a multiple of [`BLOCK`] with points of no weight.
 #[derive(Debug, Clone)]
 pub struct Surface {
-    pub(crate) x_um: Vec<f64>,
-    pub(crate) z_um: Vec<f64>,
-    pub(crate) tangent_x: Vec<f64>,
-    pub(crate) tangent_z: Vec<f64>,
-    /// g·dl
-    pub(crate) window_length_um: Vec<f64>,
+    /// What kernels read, in both precisions.
+    pub(crate) double: Arrays<f64>,
+    pub(crate) single: Arrays<f32>,
     /// g²·dl
     power_length_um: Vec<f64>,
     /// Arc length from the left end.
@@ -35,7 +33,6 @@ pub struct Surface {
     pub(crate) count: usize,
     /// Layers and substrate.
     pub(crate) slots: usize,
-    thickness_um: Vec<f64>,
     columns: Columns,
     /// Corners of the top that turn by more than [`SMOOTH_TURN`]: first point after each, then `count`.
     pub(crate) pieces: Vec<usize>,
@@ -43,22 +40,49 @@ pub struct Surface {
     pub(crate) radius_um: f64,
 }
 
+/// Arrays over the quadrature points, padded.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Arrays<T> {
+    pub(crate) x_um: Vec<T>,
+    pub(crate) z_um: Vec<T>,
+    pub(crate) tangent_x: Vec<T>,
+    pub(crate) tangent_z: Vec<T>,
+    /// g·dl
+    pub(crate) window_length_um: Vec<T>,
+    /// `[slot][point]`
+    pub(crate) thickness_um: Vec<T>,
+}
+
+impl Arrays<f64> {
+    fn rounded(&self) -> Arrays<f32> {
+        let round = |values: &[f64]| values.iter().map(|&v| v as f32).collect();
+        Arrays {
+            x_um: round(&self.x_um),
+            z_um: round(&self.z_um),
+            tangent_x: round(&self.tangent_x),
+            tangent_z: round(&self.tangent_z),
+            window_length_um: round(&self.window_length_um),
+            thickness_um: round(&self.thickness_um),
+        }
+    }
+}
+
 /// The turn of the top at a vertex, rad, up to which the radiation kernel is interpolated across it.
 const SMOOTH_TURN: f64 = 0.12;
 
 /// Permittivities of one slot at one wavelength.
 #[derive(Debug, Clone)]
-pub(crate) enum SlotIndex {
+pub(crate) enum SlotIndex<T> {
     Uniform(Complex64),
-    Varying { re: Vec<f64>, im: Vec<f64> },
+    Varying { re: Vec<T>, im: Vec<T> },
 }
 
 /// A surface's media at one wavelength.
 #[derive(Debug, Clone)]
-pub struct Optics {
+pub(crate) struct Optics<T> {
     /// Vacuum wave number 2π/λ, rad/µm.
     pub(crate) k: f64,
-    pub(crate) slots: Vec<SlotIndex>,
+    pub(crate) slots: Vec<SlotIndex<T>>,
 }
 
 impl Surface {
@@ -108,17 +132,21 @@ impl Surface {
         }
         pieces.push(rays.len());
         let columns = cast(section, &rays)?;
-        Self {
+        let double = Arrays {
             x_um: rays.iter().map(|ray| ray.x_um).collect(),
             z_um: rays.iter().map(|ray| ray.z_um).collect(),
             tangent_x,
             tangent_z,
             window_length_um,
+            thickness_um: Vec::new(),
+        };
+        Self {
+            double,
+            single: Arrays::default(),
             power_length_um,
             arc_um,
             count: rays.len(),
             slots: columns.slots,
-            thickness_um: Vec::new(),
             columns,
             pieces,
             radius_um,
@@ -132,36 +160,32 @@ impl Surface {
             return Err(Error::input("the top boundary has no length"));
         };
         let padded = self.count.next_multiple_of(BLOCK);
-        for values in [&mut self.x_um, &mut self.z_um, &mut self.tangent_x, &mut self.tangent_z, &mut self.arc_um] {
+        let Arrays { x_um, z_um, tangent_x, tangent_z, window_length_um, thickness_um } = &mut self.double;
+        for values in [x_um, z_um, tangent_x, tangent_z, &mut self.arc_um] {
             let value = values[last];
             values.resize(padded, value);
         }
-        self.window_length_um.resize(padded, 0.0);
-        self.thickness_um = Vec::with_capacity(self.slots * padded);
+        window_length_um.resize(padded, 0.0);
+        thickness_um.reserve_exact(self.slots * padded);
         for row in self.columns.thickness_um.chunks_exact(self.count) {
-            self.thickness_um.extend_from_slice(row);
-            self.thickness_um.resize(self.thickness_um.len() + padded - self.count, row[last]);
+            thickness_um.extend_from_slice(row);
+            thickness_um.resize(thickness_um.len() + padded - self.count, row[last]);
         }
         self.columns.thickness_um = Vec::new();
+        self.single = self.double.rounded();
         Ok(self)
     }
 
     /// Points including padding.
     pub(crate) fn padded(&self) -> usize {
-        self.x_um.len()
-    }
-
-    #[inline(always)]
-    pub(crate) fn thickness(&self, slot: usize, at: usize, lanes: usize) -> &[f64] {
-        let start = slot * self.padded() + at;
-        &self.thickness_um[start..start + lanes]
+        self.double.x_um.len()
     }
 
     /// The media at a vacuum wavelength.
     ///
     /// # Errors
     /// A table of a medium does not reach the wavelength.
-    pub fn optics(&self, wavelength_nm: f64) -> Result<Optics> {
+    pub(crate) fn optics<T: Real>(&self, wavelength_nm: f64) -> Result<Optics<T>> {
         let indices =
             self.columns.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
         let padded = self.padded();
@@ -170,17 +194,17 @@ impl Surface {
             .mixture
             .chunks_exact(self.count)
             .map(|row| {
-                let permittivity = |m: &crate::structure::Mixture| {
+                let permittivity = |m: &Mixture| {
                     let (a, b) = (indices[usize::from(m.a)], indices[usize::from(m.b)]);
                     let n = a + (b - a) * m.fraction;
                     n * n
                 };
                 let first = &row[0];
-                if row.iter().all(|m| m.a == first.a && m.b == first.b && m.fraction == first.fraction) {
+                if row.iter().all(|m| m == first) {
                     return SlotIndex::Uniform(permittivity(first));
                 }
-                let (mut re, mut im): (Vec<f64>, Vec<f64>) =
-                    row.iter().map(permittivity).map(|eps| (eps.re, eps.im)).unzip();
+                let (mut re, mut im): (Vec<T>, Vec<T>) =
+                    row.iter().map(permittivity).map(|eps| (T::of(eps.re), T::of(eps.im))).unzip();
                 re.resize(padded, re[self.count - 1]);
                 im.resize(padded, im[self.count - 1]);
                 SlotIndex::Varying { re, im }
@@ -194,7 +218,7 @@ impl Surface {
     pub fn incident_power_um(&self, theta_i: f64, phi_i: f64) -> f64 {
         let incidence = Incidence::new(theta_i, phi_i);
         (0..self.count)
-            .map(|p| self.power_length_um[p] * incidence.cos_alpha(self.tangent_x[p], self.tangent_z[p]).max(0.0))
+            .map(|p| self.power_length_um[p] * incidence.cos_alpha(self.double.tangent_x[p], self.double.tangent_z[p]).max(0.0))
             .sum()
     }
 }

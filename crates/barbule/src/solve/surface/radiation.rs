@@ -14,28 +14,28 @@ use num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
 use super::nodes::{Nodes, Taps};
-use super::points::{Optics, Surface};
+use super::points::{Arrays, Optics, Surface};
 use super::reflection::{BLOCK, COMPONENTS, Currents, Incidence, reflect_block};
 use crate::math::band_limited::TAPS;
-use crate::math::simd::{Width, sin_cos};
+use crate::math::simd::{Real, Width, sin_cos};
 
 /// Nodes whose kernel is formed at a time; bounds memory when every point is a node.
 const NODE_CHUNK: usize = 512;
 
 /// The precision of kernel, currents and fields.
-pub(crate) trait Scalar: rustfft::FftNum + faer::traits::ComplexField {
-    /// Rounded from f64.
-    fn narrow(value: f64) -> Self;
+pub(crate) trait Scalar: Real + rustfft::FftNum + faer::traits::ComplexField {
+    /// A surface's arrays in this precision.
+    fn arrays(surface: &Surface) -> &Arrays<Self>;
     /// Adds a block of currents to the nodes around their points; `out` is `[component][node]` of row length `stride`.
-    fn spread(width: Width, taps: &Taps, start: usize, currents: &Currents, stride: usize, out: &mut [Self]);
+    fn spread(width: Width, taps: &Taps, start: usize, currents: &Currents<Self>, stride: usize, out: &mut [Self]);
 }
 
 impl Scalar for f64 {
-    fn narrow(value: f64) -> Self {
-        value
+    fn arrays(surface: &Surface) -> &Arrays<Self> {
+        &surface.double
     }
 
-    fn spread(_width: Width, taps: &Taps, start: usize, currents: &Currents, stride: usize, out: &mut [Self]) {
+    fn spread(_width: Width, taps: &Taps, start: usize, currents: &Currents<Self>, stride: usize, out: &mut [Self]) {
         for (component, row) in currents.iter().enumerate() {
             for (p, current) in row.iter().enumerate() {
                 let at = component * stride + taps.first[start + p] as usize;
@@ -48,32 +48,40 @@ impl Scalar for f64 {
 }
 
 impl Scalar for f32 {
-    fn narrow(value: f64) -> Self {
-        value as f32
+    fn arrays(surface: &Surface) -> &Arrays<Self> {
+        &surface.single
     }
 
-    fn spread(width: Width, taps: &Taps, start: usize, currents: &Currents, stride: usize, out: &mut [Self]) {
+    fn spread(width: Width, taps: &Taps, start: usize, currents: &Currents<Self>, stride: usize, out: &mut [Self]) {
         dispatch!(width.0, simd => spread_f32(simd, taps, start, currents, stride, out));
     }
 }
 
+/// Components that are summed side by side, to hide the latency of one sum.
+const GROUP: usize = 8;
+
 /// Points with the same first node are gathered in registers before the nodes are touched.
 #[inline(always)]
-fn spread_f32<S: Simd>(simd: S, taps: &Taps, start: usize, currents: &Currents, stride: usize, out: &mut [f32]) {
+fn spread_f32<S: Simd>(simd: S, taps: &Taps, start: usize, currents: &Currents<f32>, stride: usize, out: &mut [f32]) {
     let firsts = &taps.first[start..start + BLOCK];
     let weights = &taps.weights[start..start + BLOCK];
     let mut run = 0;
     while run < BLOCK {
         let first = firsts[run];
         let end = run + firsts[run..].iter().take_while(|&&other| other == first).count();
-        for (component, row) in currents.iter().enumerate() {
-            let at = component * stride + first as usize;
-            let nodes = &mut out[at..at + TAPS];
-            let mut sum = f32x8::from_slice(simd, nodes);
-            for (weight, &current) in weights[run..end].iter().zip(&row[run..end]) {
-                sum = f32x8::from_slice(simd, weight).mul_add(f32x8::splat(simd, current as f32), sum);
+        for (group, rows) in currents.chunks_exact(GROUP).enumerate() {
+            let at = |member: usize| (group * GROUP + member) * stride + first as usize;
+            let mut sums = [f32x8::splat(simd, 0.0); GROUP];
+            for p in run..end {
+                let weight = f32x8::from_slice(simd, &weights[p]);
+                for (sum, row) in sums.iter_mut().zip(rows) {
+                    *sum = weight.mul_add(f32x8::splat(simd, row[p]), *sum);
+                }
             }
-            sum.store_slice(nodes);
+            for (member, sum) in sums.into_iter().enumerate() {
+                let nodes = &mut out[at(member)..at(member) + TAPS];
+                (sum + f32x8::from_slice(simd, nodes)).store_slice(nodes);
+            }
         }
         run = end;
     }
@@ -159,8 +167,8 @@ impl<T: Scalar> Workspace<T> {
     pub(crate) fn far_fields(
         &mut self,
         surface: &Surface,
-        optics: &Optics,
-        nodes: &Nodes,
+        optics: &Optics<T>,
+        nodes: &Nodes<T>,
         cone: &Cone,
         phi_i: &[f64],
         scales: &[f64],
@@ -173,8 +181,8 @@ impl<T: Scalar> Workspace<T> {
     pub(crate) fn timed_far_fields(
         &mut self,
         surface: &Surface,
-        optics: &Optics,
-        nodes: &Nodes,
+        optics: &Optics<T>,
+        nodes: &Nodes<T>,
         cone: &Cone,
         phi_i: &[f64],
         scales: &[f64],
@@ -211,28 +219,27 @@ impl<T: Scalar> Workspace<T> {
     fn gather_sources(
         &mut self,
         surface: &Surface,
-        optics: &Optics,
-        nodes: &Nodes,
+        optics: &Optics<T>,
+        nodes: &Nodes<T>,
         cone: &Cone,
         phi_i: &[f64],
         points: std::ops::Range<usize>,
         stride: usize,
     ) {
-        let mut currents: Currents = [[0.0; BLOCK]; COMPONENTS];
+        let arrays = T::arrays(surface);
+        let mut currents: Currents<T> = [[T::of(0.0); BLOCK]; COMPONENTS];
         for (phi, columns) in phi_i.iter().zip(self.sources.chunks_exact_mut(stride * COMPONENTS)) {
             let incidence = Incidence::new(cone.theta_i, *phi);
             for block in points.clone().step_by(BLOCK) {
                 dispatch!(self.width.0, simd => reflect_block(
-                    simd, surface, optics, &incidence, &nodes.extra_phase, block, &mut currents
+                    simd, arrays, optics, &incidence, &nodes.extra_phase, block, &mut currents
                 ));
                 match &nodes.taps {
                     Some(taps) => T::spread(self.width, taps, block, &currents, stride, columns),
                     None => {
                         for (row, column) in currents.iter().zip(columns.chunks_exact_mut(stride)) {
                             let at = block - points.start;
-                            for (target, value) in column[at..at + BLOCK].iter_mut().zip(row) {
-                                *target = T::narrow(*value);
-                            }
+                            column[at..at + BLOCK].copy_from_slice(row);
                         }
                     }
                 }
@@ -241,7 +248,7 @@ impl<T: Scalar> Workspace<T> {
     }
 
     /// cos and sin of κ(x sinφ + z cosφ), `[node][2][angle of the half circle]`.
-    fn form_kernel(&mut self, nodes: &Nodes, cone: &Cone, start: usize, end: usize) {
+    fn form_kernel(&mut self, nodes: &Nodes<T>, cone: &Cone, start: usize, end: usize) {
         let n = cone.angles;
         resize(&mut self.kernel, n * (end - start));
         self.row.resize(n, 0.0);
@@ -249,7 +256,7 @@ impl<T: Scalar> Workspace<T> {
             let (x, z) = (nodes.x_um[node] * cone.kappa, nodes.z_um[node] * cone.kappa);
             dispatch!(self.width.0, simd => kernel_row(simd, x, z, &cone.sin_phi, &cone.cos_phi, &mut self.row));
             for (value, exact) in target.iter_mut().zip(&self.row) {
-                *value = T::narrow(*exact);
+                *value = T::of(*exact);
             }
         }
     }
@@ -278,14 +285,14 @@ impl<T: Scalar> Workspace<T> {
         self.scratch.resize(transform.get_inplace_scratch_len(), zero);
         out.resize(incidences * 4 * n, zero);
         let size = -cone.k / 4.0 * (2.0 / (std::f64::consts::PI * cone.kappa)).sqrt() / n as f64;
-        let (cos_theta, sin_theta) = (T::narrow(cos_theta), T::narrow(sin_theta));
+        let (cos_theta, sin_theta) = (T::of(cos_theta), T::of(sin_theta));
         for (pair, fields) in out.chunks_exact_mut(2 * n).enumerate() {
             let factor = Complex::new(size, 0.0) * Complex::from_polar(scales[pair / 2], -std::f64::consts::FRAC_PI_4);
-            let factor = Complex { re: T::narrow(factor.re), im: T::narrow(factor.im) };
+            let factor = Complex { re: T::of(factor.re), im: T::of(factor.im) };
             let products = &self.products[pair * 12 * n..(pair + 1) * 12 * n];
             let (first, second) = fields.split_at_mut(n);
             for j in 0..half {
-                let (s, c) = (T::narrow(cone.sin_phi[j]), T::narrow(cone.cos_phi[j]));
+                let (s, c) = (T::of(cone.sin_phi[j]), T::of(cone.cos_phi[j]));
                 let [near, far] = transforms(products, n, half, j);
                 for (at, [jx, jy, jz, mx, my, mz], s, c) in [(j, near, s, c), (j + half, far, -s, -c)] {
                     let e1 = jy * cos_theta + (jx * s + jz * c) * sin_theta - (mx * c - mz * s);
@@ -369,7 +376,7 @@ impl<T: Scalar> Synthesis<T> {
             if order % 64 == 0 {
                 phase = Complex::from_polar(1.0, start * order as f64);
             }
-            let (re, im) = (T::narrow(phase.re), T::narrow(phase.im));
+            let (re, im) = (T::of(phase.re), T::of(phase.im));
             let bin = &mut circle[order % length];
             *bin = *bin + coefficients[order] * Complex { re, im };
             if order > 0 {

@@ -11,20 +11,21 @@
 
 use fearless_simd::prelude::*;
 
-use super::points::{Optics, SlotIndex, Surface};
-use crate::math::simd::{Complex, Lanes, decay, root, sin_cos};
+use super::points::{Arrays, Optics, SlotIndex};
+use crate::math::simd::{Complex, Lanes, Real, decay, load, root, sin_cos, splat};
 
-/// Points that are reflected together; every array of a [`Surface`] is padded to a multiple of it.
+/// Points that are reflected together; every array of a surface is padded to a multiple of it.
 pub(crate) const BLOCK: usize = 64;
 
 /// Real numbers per point: 2 polarizations × (J_x, J_y, J_z, M_x, M_y, M_z) × (re, im).
 pub(crate) const COMPONENTS: usize = 24;
 
 /// Currents of one block, `[component][point]`.
-pub(crate) type Currents = [[f64; BLOCK]; COMPONENTS];
+pub(crate) type Currents<T> = [[T; BLOCK]; COMPONENTS];
 
-/// Interfaces after which numerator and denominator of the reflectance are rescaled: (4·8)^24 is far from overflow.
-const RESCALE_EVERY: usize = 24;
+/// Interfaces after which numerator and denominator of the reflectance are rescaled: with magnitudes up to 20 per
+/// interface, six stay within single precision.
+const RESCALE_EVERY: usize = 6;
 
 /// The incident wave in numbers that do not depend on the point.
 #[derive(Debug, Clone, Copy)]
@@ -52,60 +53,66 @@ impl Incidence {
 ///
 /// `extra_phase` (rad, per point) is added to the phase of the incident wave.
 #[inline(always)]
-pub(crate) fn reflect_block<S: Simd>(
+pub(crate) fn reflect_block<S: Simd, T: Real>(
     simd: S,
-    surface: &Surface,
-    optics: &Optics,
+    arrays: &Arrays<T>,
+    optics: &Optics<T>,
     incidence: &Incidence,
-    extra_phase: &[f64],
+    extra_phase: &[T],
     start: usize,
-    out: &mut Currents,
+    out: &mut Currents<T>,
 ) {
-    let lanes = S::f64s::LEN;
-    let splat = |value: f64| S::f64s::splat(simd, value);
-    let zero = splat(0.0);
-    let load = |values: &[f64], at: usize| S::f64s::from_slice(simd, &values[at..at + lanes]);
-    let Incidence { sin_theta, cos_theta, sin_phi, cos_phi } = *incidence;
+    let lanes = T::Native::<S>::LEN;
+    let zero: T::Native<S> = splat(simd, 0.0);
+    let sin_theta: T::Native<S> = splat(simd, incidence.sin_theta);
+    let cos_theta: T::Native<S> = splat(simd, incidence.cos_theta);
+    let sin_phi: T::Native<S> = splat(simd, incidence.sin_phi);
+    let cos_phi: T::Native<S> = splat(simd, incidence.cos_phi);
+    let backward: T::Native<S> = splat(simd, -optics.k);
     for offset in (0..BLOCK).step_by(lanes) {
         let at = start + offset;
-        let (tangent_x, tangent_z) = (load(&surface.tangent_x, at), load(&surface.tangent_z, at));
+        let tangent_x: T::Native<S> = load(simd, &arrays.tangent_x, at);
+        let tangent_z: T::Native<S> = load(simd, &arrays.tangent_z, at);
         // ω_i in the local frame.
         let cos_alpha = (tangent_x * cos_phi - tangent_z * sin_phi) * cos_theta;
         let lit = cos_alpha.simd_gt(zero);
-        let cos_alpha = cos_alpha.max(splat(1e-9));
+        let cos_alpha = cos_alpha.max(splat::<S, T::Native<S>>(simd, 1e-9));
         let omega_t = (tangent_x * sin_phi + tangent_z * cos_phi) * cos_theta;
-        let omega_y = splat(sin_theta);
+        let omega_y = sin_theta;
         let sin_squared = omega_t.mul_add(omega_t, omega_y * omega_y);
         // ŝ; at exactly normal incidence any direction does.
-        let degenerate = sin_squared.simd_le(splat(1e-24));
-        let length = sin_squared.max(splat(1e-24)).sqrt();
+        let least: T::Native<S> = splat(simd, 1e-24);
+        let degenerate = sin_squared.simd_le(least);
+        let length = sin_squared.max(least).sqrt();
         let s_t = degenerate.select(zero, -omega_y / length);
-        let s_y = degenerate.select(splat(1.0), omega_t / length);
+        let s_y = degenerate.select(splat(simd, 1.0), omega_t / length);
 
-        let (r_s, r_p) = reflectances::<S, S::f64s>(simd, surface, optics, at, cos_alpha, sin_squared);
+        let (r_s, r_p) = reflectances::<S, T::Native<S>>(simd, arrays, optics, at, cos_alpha, sin_squared);
 
-        let path = (load(&surface.x_um, at) * sin_phi + load(&surface.z_um, at) * cos_phi) * cos_theta;
-        let phase = path.mul_add(splat(-optics.k), load(extra_phase, at));
-        let (sin, cos) = sin_cos::<S, S::f64s>(simd, phase);
-        let weight = lit.select(load(&surface.window_length_um, at), zero);
+        let x: T::Native<S> = load(simd, &arrays.x_um, at);
+        let z: T::Native<S> = load(simd, &arrays.z_um, at);
+        let path = (x * sin_phi + z * cos_phi) * cos_theta;
+        let phase = path * backward + load::<S, T::Native<S>>(simd, extra_phase, at);
+        let (sin, cos) = sin_cos::<S, T::Native<S>>(simd, phase);
+        let weight = lit.select(load(simd, &arrays.window_length_um, at), zero);
         let wave = Complex { re: cos * weight, im: sin * weight };
         let s_wave = r_s.mul::<S>(wave);
         let p_wave = r_p.mul::<S>(wave);
 
         // E_s and H_s of the two incident polarizations: (a, b) and (b, −a) with a = e₁·ŝ, b = e₂·ŝ.
-        let e1_t = (tangent_x * sin_phi + tangent_z * cos_phi) * -sin_theta;
+        let e1_t = (tangent_x * sin_phi + tangent_z * cos_phi) * (-sin_theta);
         let e2_t = tangent_x * cos_phi - tangent_z * sin_phi;
         let a = e1_t.mul_add(s_t, s_y * cos_theta);
         let b = e2_t * s_t;
-        for (polarization, (e_s, h_s)) in [(a, b), (b, -a)].into_iter().enumerate() {
+        let (c_t, c_y) = (cos_alpha * s_t, cos_alpha * s_y);
+        let (first, second) = out.split_at_mut(COMPONENTS / 2);
+        for (rows, e_s, h_s) in [(first, a, b), (second, b, -a)] {
             let electric = s_wave.scale::<S>(e_s);
             let magnetic = p_wave.scale::<S>(h_s);
-            let (c_t, c_y) = (cos_alpha * s_t, cos_alpha * s_y);
-            let combine = |m: S::f64s, e: S::f64s| magnetic.scale::<S>(m).add::<S>(electric.scale::<S>(e));
-            let j_t = combine(-s_y, -c_t);
-            let j_y = combine(s_t, -c_y);
-            let m_t = combine(-c_t, s_y);
-            let m_y = combine(-c_y, -s_t);
+            let j_t = weighted::<S, T::Native<S>>(magnetic, -s_y, electric, -c_t);
+            let j_y = weighted::<S, T::Native<S>>(magnetic, s_t, electric, -c_y);
+            let m_t = weighted::<S, T::Native<S>>(magnetic, -c_t, electric, s_y);
+            let m_y = weighted::<S, T::Native<S>>(magnetic, -c_y, electric, -s_t);
             let vectors = [
                 j_t.scale::<S>(tangent_x),
                 j_y,
@@ -114,13 +121,33 @@ pub(crate) fn reflect_block<S: Simd>(
                 m_y,
                 m_t.scale::<S>(tangent_z),
             ];
-            for (component, value) in vectors.into_iter().enumerate() {
-                let row = polarization * 12 + component * 2;
-                value.re.store_slice(&mut out[row][offset..offset + lanes]);
-                value.im.store_slice(&mut out[row + 1][offset..offset + lanes]);
+            for (pair, value) in rows.chunks_exact_mut(2).zip(vectors) {
+                value.re.store_slice(&mut pair[0][offset..offset + lanes]);
+                value.im.store_slice(&mut pair[1][offset..offset + lanes]);
             }
         }
     }
+}
+
+/// x·a + y·b for real a and b.
+#[inline(always)]
+fn weighted<S: Simd, V: Lanes<S>>(x: Complex<V>, a: V, y: Complex<V>, b: V) -> Complex<V> {
+    x.scale::<S>(a).add::<S>(y.scale::<S>(b))
+}
+
+/// The permittivity of a slot at the points `at` ….
+#[inline(always)]
+fn permittivity<S: Simd, V: Lanes<S>>(simd: S, slot: &SlotIndex<V::Element>, at: usize) -> Complex<V> {
+    match slot {
+        SlotIndex::Uniform(value) => Complex { re: splat(simd, value.re), im: splat(simd, value.im) },
+        SlotIndex::Varying { re, im } => Complex { re: load(simd, re, at), im: load(simd, im, at) },
+    }
+}
+
+/// q = √(ε − sin²α), the cosine times the index.
+#[inline(always)]
+fn transverse<S: Simd, V: Lanes<S>>(simd: S, eps: Complex<V>, sin_squared: V) -> Complex<V> {
+    root::<S, V>(simd, Complex { re: eps.re - sin_squared, im: eps.im })
 }
 
 /// r_s and r_p of the stacks under the points `at` …, as ratios of E and of H perpendicular to the plane of incidence.
@@ -130,41 +157,32 @@ pub(crate) fn reflect_block<S: Simd>(
 #[inline(always)]
 fn reflectances<S: Simd, V: Lanes<S>>(
     simd: S,
-    surface: &Surface,
-    optics: &Optics,
+    arrays: &Arrays<V::Element>,
+    optics: &Optics<V::Element>,
     at: usize,
     cos_alpha: V,
     sin_squared: V,
 ) -> (Complex<V>, Complex<V>) {
-    let lanes = V::LEN;
-    let splat = |value: f64| V::splat(simd, value);
-    let permittivity = |slot: usize| match &optics.slots[slot] {
-        SlotIndex::Uniform(value) => Complex { re: splat(value.re), im: splat(value.im) },
-        SlotIndex::Varying { re, im } => Complex {
-            re: V::from_slice(simd, &re[at..at + lanes]),
-            im: V::from_slice(simd, &im[at..at + lanes]),
-        },
-    };
-    let transverse = |eps: Complex<V>| root::<S, V>(simd, Complex { re: eps.re - sin_squared, im: eps.im });
-    let air = (Complex { re: splat(1.0), im: splat(0.0) }, Complex { re: cos_alpha, im: splat(0.0) });
-
-    let last = surface.slots - 1;
-    let mut below_eps = permittivity(last);
-    let mut below_q = transverse(below_eps);
-    let zero = Complex { re: splat(0.0), im: splat(0.0) };
-    let (mut s_top, mut s_bottom) = (zero, Complex { re: splat(1.0), im: splat(0.0) });
+    let one: V = splat(simd, 1.0);
+    let zero: V = splat(simd, 0.0);
+    let air = (Complex { re: one, im: zero }, Complex { re: cos_alpha, im: zero });
+    let last = optics.slots.len() - 1;
+    let padded = arrays.x_um.len();
+    let twice_k: V = splat(simd, 2.0 * optics.k);
+    let mut below_eps = permittivity::<S, V>(simd, &optics.slots[last], at);
+    let mut below_q = transverse::<S, V>(simd, below_eps, sin_squared);
+    let (mut s_top, mut s_bottom) = (Complex { re: zero, im: zero }, Complex { re: one, im: zero });
     let (mut p_top, mut p_bottom) = (s_top, s_bottom);
     for interface in (0..=last).rev() {
         let (eps, q) = if interface == 0 {
             air
         } else {
-            let eps = permittivity(interface - 1);
-            (eps, transverse(eps))
+            let eps = permittivity::<S, V>(simd, &optics.slots[interface - 1], at);
+            (eps, transverse::<S, V>(simd, eps, sin_squared))
         };
         if interface < last {
             // The layer just below this interface.
-            let thickness = V::from_slice(simd, surface.thickness(interface, at, lanes));
-            let twice = thickness * (2.0 * optics.k);
+            let twice = load::<S, V>(simd, &arrays.thickness_um, interface * padded + at) * twice_k;
             let (sin, cos) = sin_cos::<S, V>(simd, below_q.re * twice);
             let size = decay::<S, V>(simd, below_q.im * twice);
             let trip = Complex { re: cos * size, im: sin * size };
@@ -183,13 +201,17 @@ fn reflectances<S: Simd, V: Lanes<S>>(
             b.mul_add::<S>(p_bottom, a.mul::<S>(p_top)),
         );
         if interface % RESCALE_EVERY == 1 {
-            for (top, bottom) in [(&mut s_top, &mut s_bottom), (&mut p_top, &mut p_bottom)] {
-                let size = splat(1.0) / bottom.re.abs().max(bottom.im.abs());
-                *top = top.scale::<S>(size);
-                *bottom = bottom.scale::<S>(size);
-            }
+            (s_top, s_bottom) = rescaled::<S, V>(simd, s_top, s_bottom);
+            (p_top, p_bottom) = rescaled::<S, V>(simd, p_top, p_bottom);
         }
         (below_eps, below_q) = (eps, q);
     }
     (s_top.div::<S>(s_bottom), p_top.div::<S>(p_bottom))
+}
+
+/// A fraction with its denominator brought near 1.
+#[inline(always)]
+fn rescaled<S: Simd, V: Lanes<S>>(simd: S, top: Complex<V>, bottom: Complex<V>) -> (Complex<V>, Complex<V>) {
+    let size = splat::<S, V>(simd, 1.0) / bottom.re.abs().max(bottom.im.abs());
+    (top.scale::<S>(size), bottom.scale::<S>(size))
 }

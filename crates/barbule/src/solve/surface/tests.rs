@@ -318,7 +318,7 @@ fn corners_are_exact_too() {
     let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian).unwrap();
     let optics = surface.optics(450.0).unwrap();
     let cone = Cone::new(optics.k, 0.0, surface.radius_um);
-    let run = |nodes: &Nodes| {
+    let run = |nodes: &Nodes<f32>| {
         let mut workspace = Workspace::<f32>::new(Width::best());
         let mut out = Vec::new();
         workspace.far_fields(&surface, &optics, nodes, &cone, &[0.2], &[1.0], &mut out);
