@@ -3,8 +3,10 @@
 //! Nothing is computed here. Each command is one file in [`commands`]; what all share is in [`common`] (flags, exit
 //! codes, output), [`sets`] (sets of numbers) and [`progress`].
 
+mod campaign;
 pub mod commands;
 pub mod common;
+mod materials;
 pub mod progress;
 pub mod provenance;
 mod section_figure;

@@ -37,7 +37,7 @@ fn main() {
         let mut units = 0;
         for wavelength in 0..5 {
             for theta in 0..4 {
-                campaign.unit(wavelength, theta).expect("a unit");
+                campaign.unit(wavelength, theta, false).expect("a unit");
                 units += 1;
             }
         }

@@ -5,6 +5,7 @@
 
 mod reduce;
 mod run;
+pub mod spectrum;
 
 pub use run::{Outcome, run, statistics};
 
@@ -158,13 +159,17 @@ impl Campaign {
         Ok((Fields { values, points, refine }, cone))
     }
 
-    /// The statistics of one (λ, θ_i).
+    /// The statistics of one (λ, θ_i), with the fields themselves if they are to be kept.
     ///
     /// # Errors
     /// A medium's table does not reach the wavelength.
-    pub fn unit(&self, wavelength: usize, theta: usize) -> Result<Unit> {
+    pub fn unit(&self, wavelength: usize, theta: usize, keep_fields: bool) -> Result<Unit> {
         let (fields, cone) = self.fields(wavelength, theta)?;
-        Ok(reduce::unit(&self.parameters.axes, &fields, cone.theta_i))
+        let mut unit = reduce::unit(&self.parameters.axes, &fields, cone.theta_i);
+        if keep_fields {
+            unit.fields = reduce::kept(&fields, self.parameters.axes.cos_phi.len());
+        }
+        Ok(unit)
     }
 }
 

@@ -40,6 +40,21 @@ pub(super) fn unit(axes: &Axes, fields: &Fields, theta_i: f64) -> Unit {
     unit
 }
 
+/// The fields on the tabulated azimuths, `[φ_i, polarization, e₁ e₂, instance, AZIMUTHS]`.
+pub(super) fn kept(fields: &Fields, phis: usize) -> Vec<Complex<f32>> {
+    let mut kept = Vec::with_capacity(phis * 4 * fields.values.len() * AZIMUTHS);
+    for pair in 0..2 * phis {
+        for component in 0..2 {
+            for instance in 0..fields.values.len() {
+                let parts = components(fields, instance, pair);
+                let field = if component == 0 { parts.0 } else { parts.1 };
+                kept.extend(tabulated(fields).map(|at| field[at]));
+            }
+        }
+    }
+    kept
+}
+
 struct Direction {
     polarizations: [Polarization; 2],
     pattern_correlation: f64,

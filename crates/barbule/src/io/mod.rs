@@ -1,5 +1,6 @@
 //! The only module that opens files.
 
+mod material;
 mod section;
 mod species;
 mod stack;
@@ -7,7 +8,11 @@ pub mod store;
 pub mod tables;
 mod whole;
 
+pub use material::{decode_material, encode_material, read_material, write_material};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use species::{read_species, read_structure_toml};
 pub use stack::{parse_stack, read_stack};
-pub use whole::{LARGEST_INPUT, check_writable, read_bytes, read_text, write_whole};
+pub use whole::{
+    LARGEST_INPUT, check_writable, delete_materials, hash_bytes, hash_file, list_materials, make_folder,
+    read_bytes, read_text, write_whole,
+};
