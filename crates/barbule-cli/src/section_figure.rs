@@ -41,11 +41,14 @@ pub(crate) fn draw(section: &Section, title: &str, sketch: Option<&Drawing>) -> 
     let pad = 0.02 * (right - left);
     let wide = PAGE - 2.0 * MARGIN;
     let window = [left - pad, right + pad, low - pad, high + pad];
-    let whole = View { window, at: [MARGIN, 50.0], scale: wide / (window[1] - window[0]) };
+    let scale = wide / (window[1] - window[0]);
+    let window = whole_pixels(window, scale);
+    let whole = View { window, at: [MARGIN, 50.0], scale };
     let [x, y, _, tall] = whole.area();
     let zoom_window = zoom_window(section);
     let zoom_width = 0.62 * wide;
     let zoom_scale = zoom_width / (zoom_window[1] - zoom_window[0]);
+    let zoom_window = whole_pixels(zoom_window, zoom_scale);
     let zoom = View { window: zoom_window, at: [x, y + tall + 50.0], scale: zoom_scale };
     let [_, zoom_y, _, zoom_tall] = zoom.area();
     let legend = legend(section);
@@ -65,6 +68,11 @@ pub(crate) fn draw(section: &Section, title: &str, sketch: Option<&Drawing>) -> 
         page.place(sketch.clone(), [MARGIN, below]);
     }
     page
+}
+
+/// A window whose height is a whole number of px, so that its lower edge is sharp.
+fn whole_pixels([left, right, bottom, top]: [f64; 4], scale: f64) -> [f64; 4] {
+    [left, right, top - ((top - bottom) * scale).ceil() / scale, top]
 }
 
 /// Left, right, bottom, top of everything, µm.

@@ -407,10 +407,9 @@ fn nest(parts: &Parts) -> Result<Nesting> {
             chain.push(index);
             at = parents[index];
         }
-        let mut next = at.map_or(0, |i| depth[i] + 1);
-        for index in chain.into_iter().rev() {
-            depth[index] = next;
-            next += 1;
+        let outer = at.map_or(0, |i| depth[i] + 1);
+        for (deeper, index) in (outer..).zip(chain.into_iter().rev()) {
+            depth[index] = deeper;
         }
     }
     let shows: Vec<Option<usize>> = loops

@@ -50,8 +50,8 @@ impl Structure {
             Self::Species(model) => model.section(seed, index),
             Self::Sections { name, sections } => sections.get(index).cloned().ok_or_else(|| {
                 Error::input(format!(
-                    "{name} has {} instances, so there is no instance {index}; the first is 0",
-                    sections.len()
+                    "{name} has instances 0 to {}, so there is no instance {index}",
+                    sections.len().saturating_sub(1)
                 ))
             }),
         }
