@@ -1,4 +1,5 @@
 //! Directions, far fields, their statistics and the lobe that is fitted to them.
 
 pub mod directions;
+pub mod lobe;
 pub mod statistics;

@@ -1,0 +1,58 @@
+//! A made-up material for examples, tests and benchmarks.
+
+use super::material::{LobeSet, Material, ParameterSet};
+use super::noise::spectrum;
+use crate::scattering::lobe::FitKind;
+use crate::scattering::statistics::Axes;
+
+/// A plausible green feather from smooth formulas, on the default directions (20 × 20) and wavelengths 400 … 694 nm.
+///
+/// It stands in where a material is needed but no simulation is meant: `waves` wavelengths, nothing else to choose.
+#[must_use]
+pub fn example(waves: usize) -> Material {
+    let waves = waves.max(1);
+    let cosines: Vec<f64> = (1..=20).map(|k| f64::from(k) / 20.0).collect();
+    let step = 294.0 / waves.max(2).saturating_sub(1) as f64;
+    let wavelengths_nm: Vec<f64> = (0..waves).map(|k| 400.0 + k as f64 * step).collect();
+    let axes = Axes { wavelengths_nm, cos_theta: cosines.clone(), cos_phi: cosines };
+    let mut set = ParameterSet::default();
+    for &wave in &axes.wavelengths_nm {
+        for &ct in &axes.cos_theta {
+            for &cp in &axes.cos_phi {
+                let grazing = ct * cp;
+                let phi_i = libm::acos(cp);
+                // A band that moves to shorter waves with incidence, over Fresnel-like reflection at grazing.
+                let centre = 460.0 + 90.0 * grazing;
+                let band = libm::exp(-((wave - centre) / 45.0).powi(2));
+                let reflected = (0.03 + 0.25 * band + 0.7 * (1.0 - grazing).powi(5)).min(0.98);
+                let coherent = 0.15 + 0.6 * (1.0 - grazing).powi(2);
+                push(
+                    &mut set.mean,
+                    0.06 + 0.25 * (1.0 - ct) * cp + 0.02 * wave / 550.0,
+                    0.95 * phi_i + 0.05 * phi_i.powi(3) / 2.467,
+                    reflected,
+                );
+                push(&mut set.stationary, 0.03 + 0.05 * (1.0 - cp), phi_i, coherent * reflected);
+                set.length.push((wave / 400.0 * (0.8 + 0.2 * cp)) as f32);
+                set.fraction_1.push((0.5 + 0.3 * (1.0 - grazing)) as f32);
+                set.stationary_fraction_1.push((0.5 + 0.2 * (1.0 - grazing)) as f32);
+            }
+        }
+    }
+    let lags: Vec<f64> = (0..512).map(|k| libm::exp(-(f64::from(k) / 8.0).powi(2))).collect();
+    Material {
+        axes,
+        kind: FitKind::Marginal,
+        sigma: 0.04,
+        sets: vec![set],
+        noise_power: spectrum(&lags),
+        seed: 1,
+        info: serde_json::json!({ "species": "example", "variant": "green" }),
+    }
+}
+
+fn push(lobe: &mut LobeSet, m: f64, phi: f64, reflected: f64) {
+    lobe.m.push(m as f32);
+    lobe.phi.push(phi as f32);
+    lobe.reflected.push(reflected as f32);
+}

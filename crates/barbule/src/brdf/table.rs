@@ -1,0 +1,397 @@
+//! A material's parameters on a fine regular grid, ready for lookup.
+//!
+//! At load every array is extended to grazing (linearly from the two lowest nodes), interpolated by monotone cubics
+//! onto a regular grid in (cosθ_i, cosφ_i) at half the spacing of the stored nodes, and looked up bilinearly there,
+//! linearly in λ. φ_eff is kept as sinφ_eff/sinφ_i, which is even and smooth at normal incidence, where φ_i itself has
+//! an infinite slope against cosφ_i.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::integral::Quadrature;
+use super::material::{LobeSet, Material, ParameterSet};
+use crate::scattering::lobe::SMALLEST_M;
+
+/// Parameters of a node: see the constants below.
+pub(super) const WIDTH: usize = 12;
+
+/// Roughness, sinφ_eff/sinφ_i, ρ and J of the mean lobe; the stationary lobe's follow at [`STATIONARY`].
+pub(super) const M: usize = 0;
+pub(super) const TILT: usize = 1;
+pub(super) const REFLECTED: usize = 2;
+pub(super) const INTEGRAL: usize = 3;
+pub(super) const STATIONARY: usize = 4;
+/// 1/l.
+pub(super) const INVERSE_LENGTH: usize = 8;
+/// Twice the fraction of polarization 1, of the mean and of the stationary part.
+pub(super) const SHARE: usize = 9;
+pub(super) const STATIONARY_SHARE: usize = 10;
+
+/// |sinφ_eff| never exceeds this, so that ω_eff stays above the horizon.
+const LARGEST_SINE: f64 = 0.9998;
+
+/// Lookup table of one parameter set.
+#[derive(Debug, Clone)]
+pub(super) struct Table {
+    /// Shape `[θ, φ, λ, WIDTH]`.
+    values: Vec<f32>,
+    wavelengths_nm: Vec<f32>,
+    /// 1/spacing where the wavelengths are evenly spaced.
+    inverse_spacing: Option<f32>,
+    theta_cells: usize,
+    phi_cells: usize,
+}
+
+/// Where a wavelength falls: lower index and weight of the upper one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    index: usize,
+    weight: f32,
+}
+
+/// One row of a table's cell: offsets of its four corners and their weights.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cell {
+    corners: [usize; 4],
+    weights: [f32; 4],
+}
+
+impl Table {
+    pub(super) fn new(material: &Material, set: &ParameterSet, sigma: f64) -> Self {
+        let axes = &material.axes;
+        let theta = Axis::new(&axes.cos_theta);
+        let phi = Axis::new(&axes.cos_phi);
+        let (thetas, phis, waves) = (theta.fine(), phi.fine(), axes.wavelengths_nm.len());
+        let quadrature = Quadrature::new();
+        let layers: Vec<Vec<[f32; WIDTH]>> = (0..waves)
+            .into_par_iter()
+            .map(|wave| {
+                let nodes = axes.cos_theta.len() * axes.cos_phi.len();
+                let range = wave * nodes..(wave + 1) * nodes;
+                let layer = Layer { theta: &theta, phi: &phi, range, sigma, quadrature: &quadrature };
+                layer.parameters(set)
+            })
+            .collect();
+        let mut values = vec![0.0; thetas.len() * phis.len() * waves * WIDTH];
+        for (at, node) in values.chunks_exact_mut(waves * WIDTH).enumerate() {
+            for (out, layer) in node.chunks_exact_mut(WIDTH).zip(&layers) {
+                out.copy_from_slice(&layer[at]);
+            }
+        }
+        let wavelengths_nm: Vec<f32> = axes.wavelengths_nm.iter().map(|&w| w as f32).collect();
+        let spacing = (axes.wavelengths_nm[waves - 1] - axes.wavelengths_nm[0]) / (waves.max(2) - 1) as f64;
+        let even = waves > 1
+            && axes
+                .wavelengths_nm
+                .iter()
+                .enumerate()
+                .all(|(k, w)| (axes.wavelengths_nm[0] + k as f64 * spacing - w).abs() < 1e-4 * spacing);
+        Self {
+            values,
+            wavelengths_nm,
+            inverse_spacing: even.then_some((1.0 / spacing) as f32),
+            theta_cells: thetas.len() - 1,
+            phi_cells: phis.len() - 1,
+        }
+    }
+
+    /// Beyond the ends the end values hold.
+    #[inline]
+    pub(super) fn place(&self, wavelength_nm: f32) -> Place {
+        let waves = &self.wavelengths_nm;
+        if waves.len() == 1 {
+            return Place { index: 0, weight: 0.0 };
+        }
+        let last = waves.len() - 2;
+        match self.inverse_spacing {
+            Some(inverse) => {
+                let position = ((wavelength_nm - waves[0]) * inverse).clamp(0.0, (last + 1) as f32);
+                let index = (position as usize).min(last);
+                Place { index, weight: position - index as f32 }
+            }
+            None => {
+                let index = waves.partition_point(|w| *w <= wavelength_nm).clamp(1, last + 1) - 1;
+                let weight = (wavelength_nm - waves[index]) / (waves[index + 1] - waves[index]);
+                Place { index, weight: weight.clamp(0.0, 1.0) }
+            }
+        }
+    }
+
+    /// The cell of an incident direction with these cosines.
+    #[inline]
+    pub(super) fn cell(&self, cos_theta: f32, cos_phi: f32) -> Cell {
+        let split = |cosine: f32, cells: usize| {
+            let position = cosine.clamp(0.0, 1.0) * cells as f32;
+            let index = (position as usize).min(cells - 1);
+            (index, position - index as f32)
+        };
+        let (t, wt) = split(cos_theta, self.theta_cells);
+        let (p, wp) = split(cos_phi, self.phi_cells);
+        let node = self.wavelengths_nm.len() * WIDTH;
+        let row = (self.phi_cells + 1) * node;
+        let first = t * row + p * node;
+        Cell {
+            corners: [first, first + node, first + row, first + row + node],
+            weights: [(1.0 - wt) * (1.0 - wp), (1.0 - wt) * wp, wt * (1.0 - wp), wt * wp],
+        }
+    }
+
+    /// All parameters there.
+    #[inline]
+    pub(super) fn lookup(&self, cell: &Cell, place: Place) -> [f32; WIDTH] {
+        let mut sum = [0.0; WIDTH];
+        let offset = place.index * WIDTH;
+        let upper = if self.wavelengths_nm.len() == 1 { 0 } else { WIDTH };
+        for (corner, weight) in cell.corners.iter().zip(cell.weights) {
+            let low = &self.values[corner + offset..][..WIDTH];
+            let high = &self.values[corner + offset + upper..][..WIDTH];
+            let (weight_low, weight_high) = (weight * (1.0 - place.weight), weight * place.weight);
+            for k in 0..WIDTH {
+                sum[k] += weight_low * low[k] + weight_high * high[k];
+            }
+        }
+        sum
+    }
+}
+
+/// One axis: the stored nodes, extended to 0 and 1, and the regular fine nodes.
+struct Axis {
+    /// Stored nodes with 0 in front and 1 behind where they are missing.
+    nodes: Vec<f64>,
+    prepended: bool,
+    appended: bool,
+    cells: usize,
+}
+
+impl Axis {
+    fn new(stored: &[f64]) -> Self {
+        let prepended = stored[0] > 1e-9;
+        let appended = stored[stored.len() - 1] < 1.0 - 1e-9;
+        let mut nodes = Vec::with_capacity(stored.len() + 2);
+        if prepended {
+            nodes.push(0.0);
+        }
+        nodes.extend_from_slice(stored);
+        if appended {
+            nodes.push(1.0);
+        }
+        // The coarsest regular grid that holds every node, then half its spacing; else a fine one that holds none.
+        let holds = |n: usize| nodes.iter().all(|c| (c * n as f64 - (c * n as f64).round()).abs() < 1e-6);
+        let coarse = (1..=64).find(|&n| holds(n));
+        let cells = coarse.map_or(64, |n| n * 40_usize.div_ceil(n).max(1));
+        Self { nodes, prepended, appended, cells }
+    }
+
+    fn fine(&self) -> Vec<f64> {
+        (0..=self.cells).map(|k| k as f64 / self.cells as f64).collect()
+    }
+
+    /// Values at the extended nodes.
+    fn extend(&self, stored: &[f64], low: f64, high: f64) -> Vec<f64> {
+        let mut values = Vec::with_capacity(self.nodes.len());
+        if self.prepended {
+            let extrapolated = match (stored, &self.nodes[..]) {
+                ([a, b, ..], [_, x, y, ..]) => a - (b - a) * x / (y - x),
+                _ => stored[0],
+            };
+            values.push(extrapolated.clamp(low, high));
+        }
+        values.extend_from_slice(stored);
+        if self.appended {
+            values.push(stored[stored.len() - 1]);
+        }
+        values
+    }
+
+    /// Monotone cubic (Fritsch and Butland's slopes) through the extended nodes, at the fine ones.
+    fn refine(&self, values: &[f64]) -> Vec<f64> {
+        let x = &self.nodes;
+        let count = x.len();
+        if count == 1 {
+            return vec![values[0]; self.cells + 1];
+        }
+        let secant: Vec<f64> =
+            (0..count - 1).map(|k| (values[k + 1] - values[k]) / (x[k + 1] - x[k])).collect();
+        let slope: Vec<f64> = (0..count)
+            .map(|k| {
+                if k == 0 || k == count - 1 {
+                    return end_slope(k == 0, x, &secant);
+                }
+                let (a, b) = (secant[k - 1], secant[k]);
+                if a * b <= 0.0 {
+                    return 0.0;
+                }
+                let (left, right) = (x[k] - x[k - 1], x[k + 1] - x[k]);
+                let (wa, wb) = (2.0 * right + left, right + 2.0 * left);
+                (wa + wb) / (wa / a + wb / b)
+            })
+            .collect();
+        (0..=self.cells)
+            .map(|k| {
+                let at = k as f64 / self.cells as f64;
+                let i = x.partition_point(|n| *n <= at + 1e-9).clamp(1, count - 1) - 1;
+                let h = x[i + 1] - x[i];
+                let t = ((at - x[i]) / h).clamp(0.0, 1.0);
+                let (u, t2) = (1.0 - t, t * t);
+                values[i] * u * u * (1.0 + 2.0 * t)
+                    + values[i + 1] * t2 * (3.0 - 2.0 * t)
+                    + h * t * u * (slope[i] * u - slope[i + 1] * t)
+            })
+            .collect()
+    }
+}
+
+/// The three-point slope at an end, limited so that the piece stays monotone.
+fn end_slope(first: bool, x: &[f64], secant: &[f64]) -> f64 {
+    let last = secant.len() - 1;
+    if last == 0 {
+        return secant[0];
+    }
+    let (near, next, h, h_next) = if first {
+        (secant[0], secant[1], x[1] - x[0], x[2] - x[1])
+    } else {
+        (secant[last], secant[last - 1], x[last + 1] - x[last], x[last] - x[last - 1])
+    };
+    let slope = ((2.0 * h + h_next) * near - h * next) / (h + h_next);
+    if slope * near <= 0.0 {
+        0.0
+    } else if near * next <= 0.0 && slope.abs() > 3.0 * near.abs() {
+        3.0 * near
+    } else {
+        slope
+    }
+}
+
+/// One wavelength of one set on its way to the fine grid.
+struct Layer<'a> {
+    theta: &'a Axis,
+    phi: &'a Axis,
+    range: std::ops::Range<usize>,
+    sigma: f64,
+    quadrature: &'a Quadrature,
+}
+
+impl Layer<'_> {
+    /// Parameters of all fine nodes, `[θ, φ]`.
+    fn parameters(&self, set: &ParameterSet) -> Vec<[f32; WIDTH]> {
+        let fine = |values: &[f32], low: f64, high: f64, map: fn(f64) -> f64| {
+            let values: Vec<f64> = values[self.range.clone()].iter().map(|&v| map(f64::from(v))).collect();
+            self.refine(&values, low, high, None)
+        };
+        let count = (self.theta.cells + 1) * (self.phi.cells + 1);
+        let mut out = vec![[0.0_f32; WIDTH]; count];
+        let mut put = |column: usize, values: &[f64]| {
+            for (node, value) in out.iter_mut().zip(values) {
+                node[column] = *value as f32;
+            }
+        };
+        for (lobe, base) in [(&set.mean, 0), (&set.stationary, STATIONARY)] {
+            let m: Vec<f64> = fine(&lobe.m, SMALLEST_M.ln(), 0.0, f64::ln).iter().map(|v| v.exp()).collect();
+            let tilt = self.tilt(lobe);
+            put(base + M, &m);
+            put(base + TILT, &tilt);
+            put(base + REFLECTED, &fine(&lobe.reflected, 0.0, 1.0, |v| v));
+            put(base + INTEGRAL, &self.integrals(&m, &tilt));
+        }
+        put(INVERSE_LENGTH, &fine(&set.length, 1.0 / 64.0, 64.0, |v| 1.0 / v));
+        for (fractions, column) in
+            [(&set.fraction_1, SHARE), (&set.stationary_fraction_1, STATIONARY_SHARE)]
+        {
+            if fractions.is_empty() {
+                put(column, &vec![1.0; count]);
+            } else {
+                put(column, &fine(fractions, 0.0, 2.0, |v| 2.0 * v));
+            }
+        }
+        out
+    }
+
+    /// A stored array `[θ, φ]` on the fine grid; `grazing` is the value at cosφ = 0, else extrapolated.
+    fn refine(&self, stored: &[f64], low: f64, high: f64, grazing: Option<f64>) -> Vec<f64> {
+        let rows: Vec<Vec<f64>> = stored
+            .chunks_exact(stored.len() / self.stored_thetas())
+            .map(|row| {
+                let mut extended = self.phi.extend(row, low, high);
+                if let (true, Some(value)) = (self.phi.prepended, grazing) {
+                    extended[0] = value;
+                }
+                self.phi.refine(&extended)
+            })
+            .collect();
+        let (thetas, phis) = (self.theta.cells + 1, self.phi.cells + 1);
+        let mut out = vec![0.0; thetas * phis];
+        for p in 0..phis {
+            let column: Vec<f64> = rows.iter().map(|row| row[p]).collect();
+            let fine = self.theta.refine(&self.theta.extend(&column, low, high));
+            for (t, value) in fine.into_iter().enumerate() {
+                out[t * phis + p] = value.clamp(low, high);
+            }
+        }
+        out
+    }
+
+    fn stored_thetas(&self) -> usize {
+        self.theta.nodes.len() - usize::from(self.theta.prepended) - usize::from(self.theta.appended)
+    }
+
+    /// sinφ_eff/sinφ_i on the fine grid. At φ_i = 0 the ratio is extrapolated from the two nodes beside it; at grazing
+    /// azimuth it is 1.
+    fn tilt(&self, lobe: &LobeSet) -> Vec<f64> {
+        let axis = self.phi;
+        let skip = usize::from(axis.prepended);
+        let end = axis.nodes.len() - usize::from(axis.appended);
+        let cosines = &axis.nodes[skip..end];
+        let ratios: Vec<f64> = lobe.phi[self.range.clone()]
+            .chunks_exact(cosines.len())
+            .flat_map(|row| {
+                let mut ratio: Vec<f64> = row
+                    .iter()
+                    .zip(cosines)
+                    .map(|(&phi, &c)| libm::sin(f64::from(phi)) / (1.0 - c * c).max(1e-12).sqrt())
+                    .collect();
+                if cosines[cosines.len() - 1] > 1.0 - 1e-9 {
+                    let last = ratio.len() - 1;
+                    ratio[last] = match ratio[..last] {
+                        [.., a, b] => {
+                            let (x, y) = (cosines[last - 2], cosines[last - 1]);
+                            b + (b - a) * (1.0 - y) / (y - x)
+                        }
+                        [a] => a,
+                        [] => 1.0,
+                    };
+                }
+                ratio
+            })
+            .collect();
+        self.refine(&ratios, -LARGEST_TILT, LARGEST_TILT, Some(1.0))
+    }
+
+    /// J of every fine node.
+    fn integrals(&self, m: &[f64], tilt: &[f64]) -> Vec<f64> {
+        let phis = self.phi.cells + 1;
+        (0..m.len())
+            .map(|at| {
+                let cos_theta = ((at / phis) as f64 / self.theta.cells as f64).max(GRAZING);
+                let cos_phi = ((at % phis) as f64 / self.phi.cells as f64).max(GRAZING);
+                let incident = effective(cos_theta, cos_phi, tilt[at]);
+                self.quadrature.scaled_integral(m[at], incident, self.sigma).max(SMALLEST_INTEGRAL)
+            })
+            .collect()
+    }
+}
+
+/// Bound of sinφ_eff/sinφ_i, met only where noise in a fit is divided by a small sinφ_i.
+const LARGEST_TILT: f64 = 10.0;
+
+/// Nodes at cos = 0 are evaluated this far above the horizon.
+const GRAZING: f64 = 1e-3;
+
+/// A smaller J could only come from rounding.
+const SMALLEST_INTEGRAL: f64 = 1e-7;
+
+/// ω_eff of a positive (θ_i, φ_i) with this sinφ_eff/sinφ_i.
+pub(super) fn effective(cos_theta: f64, cos_phi: f64, tilt: f64) -> DVec3 {
+    let sine = (tilt * (1.0 - cos_phi * cos_phi).max(0.0).sqrt()).clamp(-LARGEST_SINE, LARGEST_SINE);
+    let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
+    DVec3::new(cos_theta * sine, sin_theta, cos_theta * (1.0 - sine * sine).sqrt())
+}
