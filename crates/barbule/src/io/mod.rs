@@ -1,5 +1,6 @@
 //! The only module that opens files.
 
+pub mod image;
 mod whole;
 
 pub use whole::{LARGEST_INPUT, check_writable, read_bytes, read_text, write_whole};

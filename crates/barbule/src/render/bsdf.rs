@@ -5,7 +5,9 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::point::SurfacePoint;
+use crate::brdf::Prepared;
 use crate::scene::frame::Frame;
+use crate::scene::keratin::{Keratin, Reflectance};
 use crate::scene::surface::Surface;
 
 /// The scattering function of one surface point seen from one direction at four wavelengths.
@@ -13,12 +15,18 @@ use crate::scene::surface::Surface;
 /// Directions are unit vectors of the scene that point away from the surface. `f` is in 1/sr without the cosine. The
 /// camera's side is the incident one of models that are not reciprocal: light paths are followed backwards.
 pub struct Bsdf<'a> {
-    surface: &'a Surface,
+    model: Model<'a>,
     frame: Frame,
     normal: DVec3,
-    towards: DVec3,
+    /// Towards the camera, in the frame.
     local: DVec3,
     wavelengths_nm: [f64; 4],
+}
+
+enum Model<'a> {
+    Lambertian(&'a Reflectance),
+    Keratin(&'a Keratin),
+    Feather(Prepared<'a>, Option<u64>),
 }
 
 /// Value and densities for one direction.
@@ -28,7 +36,7 @@ pub struct Evaluation {
     pub f: [f64; 4],
     /// Density of the direction if that wavelength were the hero, 1/sr.
     pub pdf: [f64; 4],
-    /// |cos| between the direction and the shading normal.
+    /// Cosine between the direction and the shading normal.
     pub cosine: f64,
 }
 
@@ -51,13 +59,16 @@ impl<'a> Bsdf<'a> {
             frame = Frame::new(normal, frame.y);
         }
         let local = frame.to_local(towards);
-        Self { surface, frame, normal, towards, local, wavelengths_nm }
-    }
-
-    /// Share of the light that passes the surface unchanged in direction, 0 … 1.
-    #[must_use]
-    pub fn straight_through(&self) -> f64 {
-        0.0
+        let model = match surface {
+            Surface::Lambertian(reflectance) => Model::Lambertian(reflectance),
+            Surface::Keratin(keratin) => Model::Keratin(keratin),
+            Surface::Barbule(barbule) if upper && local.z > 0.0 => {
+                let prepared = barbule.brdf.prepare(wavelengths_nm.map(|w| w as f32), local);
+                Model::Feather(prepared, barbule.instances.then_some(point.instance))
+            }
+            Surface::Barbule(barbule) => Model::Keratin(&barbule.under),
+        };
+        Self { model, frame, normal, local, wavelengths_nm }
     }
 
     /// The shading normal on the camera's side.
@@ -69,35 +80,38 @@ impl<'a> Bsdf<'a> {
     /// Scattering into `direction`.
     #[must_use]
     pub fn eval(&self, direction: DVec3) -> Evaluation {
-        if direction.dot(self.normal) <= 0.0 || self.towards.dot(self.normal) <= 0.0 {
-            return NOTHING;
-        }
         let local = self.frame.to_local(direction);
-        if local.z <= 0.0 {
+        if direction.dot(self.normal) <= 0.0 || local.z <= 0.0 || self.local.z <= 0.0 {
             return NOTHING;
         }
-        match self.surface {
-            Surface::Lambertian(reflectance) => Evaluation {
+        match &self.model {
+            Model::Lambertian(reflectance) => Evaluation {
                 f: self.wavelengths_nm.map(|w| reflectance.at(w) / PI),
                 pdf: [local.z / PI; 4],
                 cosine: local.z,
             },
-            Surface::Keratin(keratin) => {
+            Model::Keratin(keratin) => {
                 let (f, pdf) = keratin.eval(self.local, local, self.wavelengths_nm);
                 Evaluation { f, pdf: [pdf; 4], cosine: local.z }
             }
+            Model::Feather(prepared, instance) => Evaluation {
+                f: prepared.eval(local, *instance).map(f64::from),
+                pdf: std::array::from_fn(|lane| prepared.pdf(lane, local)),
+                cosine: local.z,
+            },
         }
     }
 
     /// Draws a direction from three uniform numbers; `None` where nothing is scattered.
     #[must_use]
     pub fn sample(&self, u: [f64; 3]) -> Option<(DVec3, Evaluation)> {
-        let local = match self.surface {
-            Surface::Lambertian(_) => {
+        let local = match &self.model {
+            Model::Lambertian(_) => {
                 let (sine, azimuth) = (u[0].sqrt(), TAU * u[1]);
                 DVec3::new(sine * azimuth.cos(), sine * azimuth.sin(), (1.0 - u[0]).max(0.0).sqrt())
             }
-            Surface::Keratin(keratin) => keratin.sample(self.local, u),
+            Model::Keratin(keratin) => keratin.sample(self.local, u),
+            Model::Feather(prepared, _) => prepared.sample(0, [u[0], u[1]])?.0,
         };
         let direction = self.frame.to_world(local).normalize();
         let evaluation = self.eval(direction);

@@ -168,7 +168,7 @@ impl<'a> Integrator<'a> {
                 return None;
             };
             let surface = &self.scene.surfaces[point.surface as usize];
-            let through = Bsdf::new(surface, &point, -path.direction, path.hero.nm).straight_through();
+            let through = surface.passes();
             point.footprint = path.footprint[0] + path.footprint[1] * (path.travelled + point.distance);
             if pass >= through {
                 path.travelled += point.distance;
@@ -266,7 +266,7 @@ impl<'a> Integrator<'a> {
                 return share;
             };
             let surface = &self.scene.surfaces[point.surface as usize];
-            share *= Bsdf::new(surface, &point, -direction, [550.0; 4]).straight_through();
+            share *= surface.passes();
             if share == 0.0 {
                 return 0.0;
             }

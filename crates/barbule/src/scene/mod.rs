@@ -10,6 +10,7 @@ pub mod frame;
 pub mod geometry;
 pub mod keratin;
 pub mod light;
+pub mod preset;
 pub mod sky;
 pub mod surface;
 
@@ -79,6 +80,6 @@ impl Scene {
     /// Whether any surface lets light pass straight through.
     #[must_use]
     pub fn passes_light(&self) -> bool {
-        false
+        self.surfaces.iter().any(|surface| surface.passes() > 0.0)
     }
 }

@@ -1,0 +1,221 @@
+//! Close-ups of one feather that need no file.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::camera::{Camera, Projection, direction};
+use super::emission::Emission;
+use super::feather::{Counts, Feather, Parts, Window, species};
+use super::geometry::Geometry;
+use super::keratin::{Keratin, Reflectance};
+use super::light::{Light, Sun, disc_radiance};
+use super::sky::Sky;
+use super::surface::{Barbule, Surface};
+use super::{Lamp, Scene};
+use crate::brdf::FeatherBrdf;
+use crate::error::did_you_mean;
+use crate::math::rng::hash;
+use crate::{Error, Result};
+
+/// An azimuth and elevation over the vane, degrees: azimuth in its plane from the shaft's tip, clockwise seen from the
+/// camera's side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bearing {
+    /// Azimuth, degrees.
+    pub azimuth: f64,
+    /// Elevation over the vane's plane, degrees.
+    pub elevation: f64,
+}
+
+/// A close-up of one feather.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Preset {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// The structure that it shows unless told otherwise.
+    pub material: &'static str,
+    /// The feather.
+    pub feather: Feather,
+    /// The part of it that is grown.
+    pub window: Window,
+    /// Where the camera stands.
+    pub view: Bearing,
+    /// Direction in the vane's plane that is upwards in the picture, degrees from the shaft's tip, clockwise.
+    pub roll: f64,
+    /// Width of the picture in the plane of focus, mm.
+    pub width_mm: f64,
+    /// Where the key light stands.
+    pub light: Bearing,
+    /// Angular radius of the key light, degrees.
+    pub light_radius: f64,
+    /// Key light: irradiance over that of a sky of radiance 1.
+    pub key: f64,
+    /// Radiance of the sky at the zenith.
+    pub sky: f64,
+    /// Factor from radiance to the picture's linear values.
+    pub exposure: f64,
+    /// Melanin in the shaft and in the rami: absorption over scattering at 550 nm.
+    pub pigment: [f64; 2],
+}
+
+/// What to change of a preset.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Changes {
+    /// Another direction of the key light.
+    pub light: Option<Bearing>,
+    /// Another view.
+    pub view: Option<Bearing>,
+    /// Another width of the picture, mm.
+    pub width_mm: Option<f64>,
+    /// Turn the key light by this azimuth, degrees: one frame of a turntable.
+    pub turn: f64,
+}
+
+/// All presets.
+#[must_use]
+pub fn all() -> [Preset; 4] {
+    let usual = Preset {
+        name: "starling",
+        material: "starling",
+        feather: species::starling(),
+        window: Window { along_mm: 18.0, half_length_mm: 3.0, half_width_mm: 3.2 },
+        view: Bearing { azimuth: 190.0, elevation: 58.0 },
+        roll: -38.0,
+        width_mm: 4.4,
+        light: Bearing { azimuth: 20.0, elevation: 60.0 },
+        light_radius: 7.0,
+        key: 2.2,
+        sky: 0.7,
+        exposure: 1.0,
+        pigment: [1.5, 6.0],
+    };
+    [
+        Preset { name: "rock-dove", material: "rock-dove", feather: species::rock_dove(), ..usual },
+        usual,
+        Preset {
+            name: "bronzewing",
+            material: "bronzewing",
+            feather: species::bronzewing(),
+            window: Window { along_mm: 30.0, half_length_mm: 3.2, half_width_mm: 3.4 },
+            ..usual
+        },
+        Preset {
+            name: "hummingbird",
+            material: "hummingbird",
+            feather: species::hummingbird(),
+            window: Window { along_mm: 4.8, half_length_mm: 2.1, half_width_mm: 2.2 },
+            width_mm: 3.0,
+            ..usual
+        },
+    ]
+}
+
+/// The preset of a name.
+///
+/// # Errors
+/// There is none; the message offers the nearest.
+pub fn named(name: &str) -> Result<Preset> {
+    let presets = all();
+    presets.iter().find(|p| p.name == name).copied().ok_or_else(|| {
+        Error::input(format!("there is no preset '{name}'{}", did_you_mean(name, presets.map(|p| p.name))))
+    })
+}
+
+impl Preset {
+    /// Grows the feather and sets up lights and camera. `daylight`: the spectrum of all lights at radiance 1.
+    ///
+    /// # Errors
+    /// A bearing or width out of range.
+    pub fn scene(
+        &self,
+        brdf: Arc<FeatherBrdf>,
+        daylight: &Emission,
+        changes: &Changes,
+        seed: u64,
+    ) -> Result<(Scene, Counts)> {
+        let view = changes.view.unwrap_or(self.view);
+        let mut light = changes.light.unwrap_or(self.light);
+        light.azimuth += changes.turn;
+        view.check("view")?;
+        light.check("light")?;
+        let width_mm = changes.width_mm.unwrap_or(self.width_mm);
+        if !(0.05..=50.0).contains(&width_mm) {
+            return Err(Error::input(format!("the picture is {width_mm} mm wide, but 0.05 to 50 mm can be shown")));
+        }
+        let mut geometry = Geometry::default();
+        let parts = Parts { shaft: 0, ramus: 1, barbule: 2 };
+        let counts = self.feather.grow(&mut geometry, parts, self.window, seed, hash(seed, &[1]))?;
+        let surfaces = vec![
+            Surface::Keratin(Keratin::new(0.22, 1.56, Reflectance::melanin(self.pigment[0])?)?),
+            Surface::Keratin(Keratin::new(0.25, 1.56, Reflectance::melanin(self.pigment[1])?)?),
+            Surface::Barbule(Barbule {
+                brdf,
+                instances: true,
+                under: Keratin::new(0.35, 1.56, Reflectance::melanin(20.0)?)?,
+                passes: 0.0,
+            }),
+        ];
+        let sun = self.sun(light, daylight);
+        let sky = self.sky_light(daylight)?;
+        let lights = vec![
+            Lamp { light: Light::Sun(sun), weight: 0.6 },
+            Lamp { light: Light::Sky(sky), weight: 0.4 },
+        ];
+        let camera = self.camera(view, width_mm);
+        let scene = Scene { geometry, surfaces, lights, camera, max_depth: 6 };
+        scene.check()?;
+        Ok((scene, counts))
+    }
+
+    fn sun(&self, light: Bearing, daylight: &Emission) -> Sun {
+        let radius = self.light_radius.to_radians();
+        Sun {
+            direction: light.direction(),
+            cos_radius: radius.cos(),
+            emission: daylight.scaled(disc_radiance(radius, self.key)),
+        }
+    }
+
+    /// Brightest at the zenith, half at the horizon, dark below.
+    fn sky_light(&self, daylight: &Emission) -> Result<Sky> {
+        let zenith = self.sky;
+        Sky::grey(64, 32, daylight.clone(), |d| {
+            if d.z >= 0.0 { zenith * (0.35 + 0.65 * d.z) } else { 0.02 * zenith }
+        })
+    }
+
+    fn camera(&self, view: Bearing, width_mm: f64) -> Camera {
+        let distance = 4.0 * width_mm;
+        let roll = self.roll.to_radians();
+        let up = DVec3::new(roll.sin(), roll.cos(), 0.0);
+        let towards = view.direction();
+        // Straight along the picture's own upward direction the vane's normal is upwards.
+        let up = if towards.cross(up).length() < 1e-3 { DVec3::Z } else { up };
+        Camera {
+            eye: towards * distance,
+            target: DVec3::ZERO,
+            up,
+            width_mm,
+            projection: Projection::Perspective { lens_radius: 0.02 * distance },
+        }
+    }
+}
+
+impl Bearing {
+    /// Unit vector towards it.
+    #[must_use]
+    pub fn direction(&self) -> DVec3 {
+        direction(self.azimuth.to_radians(), self.elevation.to_radians())
+    }
+
+    fn check(&self, what: &str) -> Result<()> {
+        if self.azimuth.is_finite() && (-90.0..=90.0).contains(&self.elevation) {
+            return Ok(());
+        }
+        Err(Error::input(format!(
+            "the {what} is at azimuth {} and elevation {} degrees; the elevation must be -90 to 90",
+            self.azimuth, self.elevation
+        )))
+    }
+}
