@@ -87,7 +87,7 @@ pub fn all() -> [Preset; 4] {
         light_radius: 7.0,
         key: 2.2,
         sky: 0.7,
-        exposure: 1.0,
+        exposure: 0.5,
         pigment: [1.5, 6.0],
     };
     [
@@ -197,7 +197,7 @@ impl Preset {
             target: DVec3::ZERO,
             up,
             width_mm,
-            projection: Projection::Perspective { lens_radius: 0.02 * distance },
+            projection: Projection::Perspective { lens_radius: 0.005 * distance },
         }
     }
 }
