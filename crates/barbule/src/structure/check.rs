@@ -1,0 +1,378 @@
+//! What a section must satisfy, each refusal with its field, index and remedy.
+
+use super::section::{
+    Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, Medium, Parts, Polyline, Section, material, refuse,
+};
+use super::sweep;
+use crate::Result;
+use crate::material::Library;
+
+/// Boundaries may overlap by this much (rounding of interpolated heights), µm.
+const ROUNDING_UM: f64 = 1e-11;
+
+/// Which loop lies directly in which.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Nesting {
+    pub(super) loops: Vec<Nested>,
+}
+
+/// One closed loop of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Nested {
+    pub(super) inclusion: usize,
+    pub(super) hole: Option<usize>,
+    /// How many loops hold it.
+    pub(super) depth: u32,
+    /// The inclusion whose medium shows directly inside; `None`: that of the layers.
+    pub(super) shows: Option<usize>,
+}
+
+impl Nested {
+    pub(super) fn shape<'a>(&self, inclusions: &'a [Inclusion]) -> &'a Loop {
+        let inclusion = &inclusions[self.inclusion];
+        self.hole.map_or(&inclusion.outline, |hole| &inclusion.holes[hole])
+    }
+}
+
+impl Nesting {
+    /// The inclusion whose medium a point sees, if not the layers'.
+    pub(super) fn innermost(&self, section: &Section, x: f64, z: f64) -> Option<usize> {
+        let holds = |nested: &&Nested| contains(nested.shape(&section.inclusions), x, z);
+        self.loops.iter().filter(holds).max_by_key(|nested| nested.depth).and_then(|nested| nested.shows)
+    }
+}
+
+/// Whether a loop holds a point (even-odd rule).
+fn contains(shape: &Loop, x: f64, z: f64) -> bool {
+    let corners = match shape {
+        Loop::Circle { x_um, z_um, radius_um } => return libm::hypot(x - x_um, z - z_um) < *radius_um,
+        Loop::Polygon(corners) => corners,
+    };
+    let (xs, zs) = (&corners.x_um, &corners.z_um);
+    let mut inside = false;
+    let mut before = xs.len() - 1;
+    for i in 0..xs.len() {
+        let (x0, z0, x1, z1) = (xs[before], zs[before], xs[i], zs[i]);
+        if (x0 > x) != (x1 > x) && z < z0 + (z1 - z0) * ((x - x0) / (x1 - x0)) {
+            inside = !inside;
+        }
+        before = i;
+    }
+    inside
+}
+
+/// Checks everything.
+pub(super) fn check(parts: &Parts, library: &Library) -> Result<Nesting> {
+    check_size(parts)?;
+    check_media(parts, library)?;
+    for (index, boundary) in parts.boundaries.iter().enumerate() {
+        check_boundary(&format!("boundaries[{index}]"), boundary)?;
+    }
+    check_width(parts)?;
+    for (index, pair) in parts.boundaries.windows(2).enumerate() {
+        check_order(index, &pair[0], &pair[1], &parts.boundaries[0])?;
+    }
+    for (index, inclusion) in parts.inclusions.iter().enumerate() {
+        check_loop(&format!("inclusions[{index}]"), &inclusion.outline, parts)?;
+        for (hole, shape) in inclusion.holes.iter().enumerate() {
+            check_loop(&format!("inclusions[{index}].holes[{hole}]"), shape, parts)?;
+        }
+    }
+    nest(parts)
+}
+
+/// The width of the inclusions' bounding box; 0 without inclusions.
+pub(super) fn bounding_width(inclusions: &[Inclusion]) -> f64 {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for inclusion in inclusions {
+        let (from, to) = extent(&inclusion.outline);
+        (low, high) = (low.min(from), high.max(to));
+    }
+    (high - low).max(0.0)
+}
+
+fn extent(shape: &Loop) -> (f64, f64) {
+    match shape {
+        Loop::Circle { x_um, radius_um, .. } => (x_um - radius_um, x_um + radius_um),
+        Loop::Polygon(corners) => {
+            corners.x_um.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)))
+        }
+    }
+}
+
+fn check_size(parts: &Parts) -> Result<()> {
+    if parts.boundaries.is_empty() && parts.inclusions.is_empty() {
+        return refuse("boundaries and inclusions are both missing or empty; give at least a top boundary".into());
+    }
+    let of_media = |medium: &Medium| if let Medium::Mixture { x_um, .. } = medium { x_um.len() } else { 0 };
+    let of_inclusion = |inclusion: &Inclusion| {
+        inclusion.outline.points()
+            + inclusion.holes.iter().map(Loop::points).sum::<usize>()
+            + of_media(&inclusion.medium)
+    };
+    let points = parts.boundaries.iter().map(|b| b.x_um.len()).sum::<usize>()
+        + parts.media.iter().map(of_media).sum::<usize>()
+        + parts.inclusions.iter().map(of_inclusion).sum::<usize>();
+    if points > MOST_POINTS {
+        return refuse(format!(
+            "the section has {points} points, over the limit of 1000000 (a circle counts 64); sample its curves more coarsely"
+        ));
+    }
+    Ok(())
+}
+
+fn check_media(parts: &Parts, library: &Library) -> Result<()> {
+    let (boundaries, media) = (parts.boundaries.len(), parts.media.len());
+    if media != boundaries + 1 {
+        return refuse(format!(
+            "media has {media} entries for {boundaries} boundaries, but there must be one more medium than boundaries; \
+             list what is above the top, between the boundaries and below the last, {} in all",
+            boundaries + 1
+        ));
+    }
+    for (index, medium) in parts.media.iter().enumerate() {
+        check_medium(&format!("media[{index}]"), medium, library)?;
+    }
+    for (index, inclusion) in parts.inclusions.iter().enumerate() {
+        check_medium(&format!("inclusions[{index}].medium"), &inclusion.medium, library)?;
+    }
+    Ok(())
+}
+
+fn check_medium(place: &str, medium: &Medium, library: &Library) -> Result<()> {
+    for substance in medium.substances() {
+        material(substance, library).map_err(|error| error.at(place))?;
+    }
+    let Medium::Mixture { x_um, fraction, .. } = medium else { return Ok(()) };
+    if x_um.len() != fraction.len() {
+        return refuse(format!(
+            "{place}: x has {} values and fraction {}; give one fraction for each x",
+            x_um.len(),
+            fraction.len()
+        ));
+    }
+    if x_um.is_empty() {
+        return refuse(format!("{place}: x and fraction are empty; give at least one of each"));
+    }
+    check_increasing(&format!("{place}.x"), x_um)?;
+    match fraction.iter().position(|f| !(0.0..=1.0).contains(f)) {
+        Some(at) => refuse(format!(
+            "{place}.fraction[{at}] is {}, outside 0 to 1; it is the part of the volume that is the second medium",
+            fraction[at]
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Finite, within the largest coordinate, increasing strictly.
+fn check_increasing(place: &str, xs: &[f64]) -> Result<()> {
+    check_coordinates(place, xs)?;
+    match xs.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(at) => refuse(format!(
+            "{place}[{}] is {} after {}, but x must increase; sort the points by x and leave out repeated ones",
+            at + 1,
+            xs[at + 1],
+            xs[at]
+        )),
+        None => Ok(()),
+    }
+}
+
+fn check_coordinates(place: &str, values: &[f64]) -> Result<()> {
+    for (index, value) in values.iter().enumerate() {
+        if !value.is_finite() {
+            return refuse(format!("{place}[{index}] is not a finite number; give a length in µm"));
+        }
+        if value.abs() > LARGEST_COORDINATE_UM {
+            return refuse(format!(
+                "{place}[{index}] is {value} µm, outside -1000 to 1000 µm; coordinates are in µm, not nm"
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn check_boundary(place: &str, boundary: &Polyline) -> Result<()> {
+    check_points(place, boundary)?;
+    check_increasing(&format!("{place}.x"), &boundary.x_um)?;
+    check_coordinates(&format!("{place}.z"), &boundary.z_um)
+}
+
+fn check_points(place: &str, curve: &Polyline) -> Result<()> {
+    let (xs, zs) = (curve.x_um.len(), curve.z_um.len());
+    if xs != zs {
+        return refuse(format!("{place}: x has {xs} values and z {zs}; give one z for each x"));
+    }
+    if xs < 3 {
+        return refuse(format!("{place} has {xs} points, fewer than 3; add points (a straight line may hold any number)"));
+    }
+    Ok(())
+}
+
+fn check_width(parts: &Parts) -> Result<()> {
+    let Some(width) = parts.width_um else {
+        return if parts.boundaries.is_empty() {
+            Ok(())
+        } else {
+            refuse("width is missing; give the barbule's width in µm".into())
+        };
+    };
+    if !(width.is_finite() && width > 0.0 && width <= 2.0 * LARGEST_COORDINATE_UM) {
+        return refuse(format!("width is {width} µm, but must be above 0 and at most 2000 µm"));
+    }
+    let Some(top) = parts.boundaries.first() else { return Ok(()) };
+    let span = top.x_um[top.x_um.len() - 1] - top.x_um[0];
+    if (span - width).abs() > 0.01 * width {
+        return refuse(format!(
+            "width is {width} µm but boundaries[0] spans {span} µm in x; make the two equal within 1 %"
+        ));
+    }
+    Ok(())
+}
+
+/// The lower of two boundaries is nowhere above the upper one over the extent of the top.
+fn check_order(index: usize, upper: &Polyline, lower: &Polyline, top: &Polyline) -> Result<()> {
+    let (from, to) = (top.x_um[0], top.x_um[top.x_um.len() - 1]);
+    let mut xs: Vec<f64> = upper.x_um.iter().chain(&lower.x_um).copied().filter(|x| (from..=to).contains(x)).collect();
+    xs.extend([from, to]);
+    xs.sort_by(f64::total_cmp);
+    xs.dedup();
+    let gap = |x: f64| upper.height(x) - lower.height(x);
+    let Some(at) = xs.iter().position(|&x| gap(x) < -ROUNDING_UM) else { return Ok(()) };
+    let (above, below) = (format!("boundaries[{index}]"), format!("boundaries[{}]", index + 1));
+    if at == 0 {
+        return refuse(format!(
+            "{below} lies above {above} at x = {:.4} µm; list the boundaries from the top down",
+            xs[0]
+        ));
+    }
+    let (x0, x1) = (xs[at - 1], xs[at]);
+    let x = x0 + (x1 - x0) * (gap(x0) / (gap(x0) - gap(x1)));
+    refuse(format!(
+        "{below} crosses {above} at x = {x:.4}, z = {:.4} µm; keep every boundary below the one before it",
+        upper.height(x)
+    ))
+}
+
+fn check_loop(place: &str, shape: &Loop, parts: &Parts) -> Result<()> {
+    match shape {
+        Loop::Circle { x_um, z_um, radius_um } => {
+            check_coordinates(&format!("{place}.circle (x, z)"), &[*x_um, *z_um])?;
+            if !(radius_um.is_finite() && *radius_um >= 1e-6 && *radius_um <= LARGEST_COORDINATE_UM) {
+                return refuse(format!(
+                    "{place}.circle.radius is {radius_um} µm, but must be from 0.000001 to 1000 µm"
+                ));
+            }
+        }
+        Loop::Polygon(corners) => {
+            check_points(place, corners)?;
+            check_coordinates(&format!("{place}.x"), &corners.x_um)?;
+            check_coordinates(&format!("{place}.z"), &corners.z_um)?;
+        }
+    }
+    let Some(top) = parts.boundaries.first() else { return Ok(()) };
+    let (from, to) = extent(shape);
+    let (left, right) = (top.x_um[0], top.x_um[top.x_um.len() - 1]);
+    if from < left || to > right {
+        let beyond = if from < left { from } else { to };
+        return refuse(format!(
+            "{place} reaches x = {beyond:.4} µm, past the end of the top boundary ({left} to {right} µm); cut or move it"
+        ));
+    }
+    Ok(())
+}
+
+/// Finds crossings, touches and containment with exact predicates.
+fn nest(parts: &Parts) -> Result<Nesting> {
+    let mut loops = Vec::new();
+    let mut outlines = Vec::new();
+    for (inclusion, region) in parts.inclusions.iter().enumerate() {
+        outlines.push(loops.len());
+        loops.push(Nested { inclusion, hole: None, depth: 0, shows: Some(inclusion) });
+        loops.extend((0..region.holes.len()).map(|hole| Nested {
+            inclusion,
+            hole: Some(hole),
+            depth: 0,
+            shows: None,
+        }));
+    }
+    if loops.is_empty() {
+        return Ok(Nesting::default());
+    }
+    let name = |index: usize| {
+        let nested: &Nested = &loops[index];
+        nested.hole.map_or_else(
+            || format!("inclusions[{}]", nested.inclusion),
+            |hole| format!("inclusions[{}].holes[{hole}]", nested.inclusion),
+        )
+    };
+    let shapes: Vec<Polyline> = loops.iter().map(|nested| nested.shape(&parts.inclusions).corners()).collect();
+    let parents = match sweep::nesting(&parts.boundaries, &shapes) {
+        Ok(parents) => parents,
+        Err(conflict) => {
+            let (x, z) = (conflict.x_um, conflict.z_um);
+            return refuse(match (conflict.a, conflict.b) {
+                (sweep::Owner::Loop(a), sweep::Owner::Loop(b)) if a == b => format!(
+                    "{} crosses or touches itself at x = {x:.4}, z = {z:.4} µm; give a simple outline",
+                    name(a)
+                ),
+                (sweep::Owner::Loop(a), sweep::Owner::Loop(b)) => format!(
+                    "{} and {} cross or touch at x = {x:.4}, z = {z:.4} µm; move them apart or nest one in the other",
+                    name(a.min(b)),
+                    name(a.max(b))
+                ),
+                (sweep::Owner::Loop(a), sweep::Owner::Boundary(b)) | (sweep::Owner::Boundary(b), sweep::Owner::Loop(a)) => {
+                    format!(
+                        "{} crosses or touches boundaries[{b}] at x = {x:.4}, z = {z:.4} µm; an inclusion must lie between two boundaries",
+                        name(a)
+                    )
+                }
+                (sweep::Owner::Boundary(a), sweep::Owner::Boundary(b)) => {
+                    format!("boundaries[{a}] and boundaries[{b}] cross at x = {x:.4}, z = {z:.4} µm")
+                }
+            });
+        }
+    };
+    for (index, nested) in loops.iter().enumerate() {
+        if nested.hole.is_some() && parents[index] != Some(outlines[nested.inclusion]) {
+            return refuse(format!(
+                "{} does not lie directly inside its inclusion; move it there, or make it an inclusion of its own",
+                name(index)
+            ));
+        }
+    }
+    // A chain of parents has no circle, so each loop's depth and medium follow by walking outwards.
+    let around = |outline: usize| -> Option<usize> {
+        let mut at = parents[outline];
+        while let Some(index) = at {
+            match loops[index].hole {
+                None => return Some(loops[index].inclusion),
+                Some(_) => at = parents[outlines[loops[index].inclusion]],
+            }
+        }
+        None
+    };
+    let mut depth = vec![u32::MAX; loops.len()];
+    for start in 0..loops.len() {
+        let mut chain = Vec::new();
+        let mut at = Some(start);
+        while let Some(index) = at.filter(|&i| depth[i] == u32::MAX) {
+            chain.push(index);
+            at = parents[index];
+        }
+        let mut next = at.map_or(0, |i| depth[i] + 1);
+        for index in chain.into_iter().rev() {
+            depth[index] = next;
+            next += 1;
+        }
+    }
+    let shows: Vec<Option<usize>> = loops
+        .iter()
+        .map(|nested| if nested.hole.is_some() { around(outlines[nested.inclusion]) } else { nested.shows })
+        .collect();
+    for (index, nested) in loops.iter_mut().enumerate() {
+        nested.depth = depth[index];
+        nested.shows = shows[index];
+    }
+    Ok(Nesting { loops })
+}

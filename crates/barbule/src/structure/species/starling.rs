@@ -1,0 +1,79 @@
+//! The European starling (seed, §1.2): a keratin film over a chain of melanosomes, and its mirror image at the bottom.
+
+use super::super::chain::chain;
+use super::super::curve::{Roughness, grid, point_count};
+use super::super::outline::rounded;
+use super::super::section::{Medium, Parts, Polyline, Substance};
+use super::{Random, parameters, parts};
+use crate::math::rng::Stream;
+
+/// How far chains go on past the ends before they are cut, µm.
+const PAST_ENDS_UM: f64 = 2.0;
+
+parameters! {
+    /// Parameters of the starling generator.
+    Starling {
+        /// Width of the barbule.
+        width_um: f64 = 1 to 200,
+        /// Mean distance of top and bottom.
+        thickness_um: f64 = 0.1 to 50,
+        /// Correlation length of the outline's roughness.
+        roughness_correlation_um: f64 = 0.05 to 100,
+        /// The outline's roughness spans ± this.
+        roughness_amplitude_um: f64 = 0 to 10,
+        /// Keratin between the surface and the melanosomes.
+        cortex_um: f64 = 0.001 to 10,
+        /// Mean diameter of the melanosomes.
+        melanosome_diameter_um: f64 = 0.02 to 5,
+        /// Diameters are D·U(1−this, 1+this).
+        melanosome_spread: f64 = 0 to 0.5,
+        /// Correlation length of the melanin fraction between the chains.
+        core_correlation_um: f64 = 0.05 to 100,
+        /// Least melanin fraction between the chains.
+        core_fraction_low: f64 = 0 to 1,
+        /// Largest melanin fraction between the chains.
+        core_fraction_high: f64 = 0 to 1,
+        /// Distance of points along the shapes.
+        point_spacing_um: f64 = 0.005 to 1,
+    }
+}
+
+impl Starling {
+    pub(super) fn parts(&self, random: &Random) -> Parts {
+        let roughness = Roughness::symmetric(self.roughness_correlation_um, self.roughness_amplitude_um);
+        let spacing = self.point_spacing_um;
+        let (top, bottom) = rounded(&mut random.stream(0), self.width_um, self.thickness_um, roughness, spacing);
+        let (upper, lower) = self.layer(&mut random.stream(1), &top);
+        let (mirrored_upper, mirrored_lower) = self.layer(&mut random.stream(2), &bottom.flipped());
+        let core = Roughness {
+            correlation_um: self.core_correlation_um,
+            low: self.core_fraction_low,
+            high: self.core_fraction_high,
+        };
+        let core = mixture(&mut random.stream(3), core, self.width_um, spacing);
+        let named = Medium::named;
+        parts(
+            self.width_um,
+            vec![top, upper, lower, mirrored_lower.flipped(), mirrored_upper.flipped(), bottom],
+            vec![named("air"), named("keratin"), named("melanin"), core, named("melanin"), named("keratin"), named("air")],
+        )
+    }
+
+    /// The two boundaries of the chain under a surface.
+    fn layer(&self, stream: &mut Stream, surface: &Polyline) -> (Polyline, Polyline) {
+        let depth = self.cortex_um + 0.5 * self.melanosome_diameter_um;
+        let guide = surface.extended(PAST_ENDS_UM + depth).below(|_| depth);
+        let (upper, lower) =
+            chain(stream, &guide, self.melanosome_diameter_um, self.melanosome_spread, self.point_spacing_um);
+        (upper.cut(self.width_um), lower.cut(self.width_um))
+    }
+}
+
+/// Keratin and melanin in a fraction that varies along the barbule.
+pub(super) fn mixture(stream: &mut Stream, fraction: Roughness, width: f64, spacing: f64) -> Medium {
+    let count = point_count(width, spacing);
+    let x_um = grid(width, count);
+    let step = width / (count - 1) as f64;
+    let fraction = fraction.along(stream, count, step);
+    Medium::Mixture { first: Substance::named("keratin"), second: Substance::named("melanin"), x_um, fraction }
+}
