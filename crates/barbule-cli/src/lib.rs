@@ -5,6 +5,7 @@
 
 pub mod commands;
 pub mod common;
+pub mod materials;
 pub mod progress;
 pub mod sets;
 

@@ -31,44 +31,26 @@ pub fn write_png(path: &Path, size: [u32; 2], rgb: &[u8], facts: &Facts<'_>) -> 
     write_whole(path, &bytes)
 }
 
-/// One channel of an EXR.
-#[derive(Debug, Clone)]
-pub struct Channel {
-    /// Its name, as in `normal.X`.
-    pub name: &'static str,
-    /// Its values, row by row.
-    pub values: ChannelValues,
-}
-
-/// Values of an EXR's channel.
-#[derive(Debug, Clone)]
-pub enum ChannelValues {
-    /// 32-bit floats.
-    Float(Vec<f32>),
-    /// 32-bit unsigned integers: identities.
-    Count(Vec<u32>),
-}
-
-/// Writes an EXR (ZIP compression, 32-bit channels) with text attributes.
+/// Writes an EXR (ZIP compression) with named planes of 32-bit floats and of 32-bit integers, and text attributes.
 ///
 /// # Errors
-/// A channel of another size, or the file cannot be written.
-pub fn write_exr(path: &Path, size: [u32; 2], channels: Vec<Channel>, facts: &Facts<'_>) -> Result<()> {
+/// A plane of another size, or the file cannot be written.
+pub fn write_exr(
+    path: &Path,
+    size: [u32; 2],
+    floats: Vec<(&str, Vec<f32>)>,
+    counts: Vec<(&str, Vec<u32>)>,
+    facts: &Facts<'_>,
+) -> Result<()> {
     let pixels = size[0] as usize * size[1] as usize;
+    let floats = floats.into_iter().map(|(name, values)| (name, FlatSamples::F32(values)));
+    let counts = counts.into_iter().map(|(name, values)| (name, FlatSamples::U32(values)));
     let mut list = SmallVec::new();
-    for channel in channels {
-        let samples = match channel.values {
-            ChannelValues::Float(values) => FlatSamples::F32(values),
-            ChannelValues::Count(values) => FlatSamples::U32(values),
-        };
+    for (name, samples) in floats.chain(counts) {
         if samples.len() != pixels {
-            return Err(Error::input(format!(
-                "channel {} has {} values for {pixels} pixels",
-                channel.name,
-                samples.len()
-            )));
+            return Err(Error::input(format!("plane {name} has {} values for {pixels} pixels", samples.len())));
         }
-        list.push(AnyChannel::new(channel.name, samples));
+        list.push(AnyChannel::new(name, samples));
     }
     let mut attributes = LayerAttributes::named("barbule");
     for (name, text) in facts {

@@ -3,4 +3,4 @@
 pub mod image;
 mod whole;
 
-pub use whole::{LARGEST_INPUT, check_writable, read_bytes, read_text, write_whole};
+pub use whole::{LARGEST_INPUT, check_writable, read_at_most, read_bytes, read_text, write_whole};

@@ -2,28 +2,28 @@
 
 use std::sync::LazyLock;
 
-use super::colour::{d65, xyz_bar};
 use super::integrator::Sample;
 use crate::scene::emission::{LONGEST_NM, SHORTEST_NM, TABLE};
+use crate::spectrum::colour::{Illuminant, matching, rgb_from_xyz, xyz_from_rgb};
 use crate::{Error, Result};
 
 /// Side of a tile, pixels.
 pub const TILE: u32 = 32;
 
-/// The colour-matching functions at the renderer's wavelengths, scaled so that daylight (D65) of radiance 1, cut to
-/// 380 … 720 nm, has X = Y = Z's white of sRGB.
+/// The colour-matching functions at the renderer's wavelengths, each scaled so that daylight (D65, 1 at 560 nm) cut to
+/// 380 … 720 nm has exactly the X, Y and Z of sRGB's white.
 static MATCHING: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     let nm = |i: usize| SHORTEST_NM + i as f64;
-    let mut table: Vec<[f64; 3]> = (0..TABLE).map(|i| xyz_bar(nm(i))).collect();
-    let relative = relative_daylight();
+    let mut table: Vec<[f64; 3]> = (0..TABLE).map(|i| matching(nm(i))).collect();
     let mut sums = [0.0; 3];
     for (i, row) in table.iter().enumerate() {
         let weight = if i == 0 || i + 1 == TABLE { 0.5 } else { 1.0 };
+        let daylight = weight * Illuminant::D65.power(nm(i)) / Illuminant::D65.power(560.0);
         for (sum, value) in sums.iter_mut().zip(row) {
-            *sum += weight * relative[i] * value;
+            *sum += daylight * value;
         }
     }
-    let white = [0.950_456, 1.0, 1.089_058];
+    let white = xyz_from_rgb([1.0; 3]);
     for row in &mut table {
         for k in 0..3 {
             row[k] *= white[k] / sums[k];
@@ -31,11 +31,6 @@ static MATCHING: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     }
     table
 });
-
-/// D65 over its value at 560 nm, at the renderer's wavelengths.
-fn relative_daylight() -> Vec<f64> {
-    (0..TABLE).map(|i| d65(SHORTEST_NM + i as f64) / d65(560.0)).collect()
-}
 
 /// One pixel's sums.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -147,7 +142,7 @@ impl Film {
         let [width, height] = self.size;
         (0..height)
             .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .map(|(x, y)| to_srgb(self.xyz(x, y)).map(|v| v as f32))
+            .map(|(x, y)| rgb_from_xyz(self.xyz(x, y)).map(|v| v as f32))
             .collect()
     }
 }
@@ -194,12 +189,53 @@ impl Pixel {
     }
 }
 
-/// XYZ (D65) to linear sRGB (IEC 61966-2-1, with the matrix at full precision).
-#[must_use]
-pub fn to_srgb([x, y, z]: [f64; 3]) -> [f64; 3] {
-    [
-        3.240_970 * x - 1.537_383 * y - 0.498_611 * z,
-        -0.969_244 * x + 1.875_968 * y + 0.041_555 * z,
-        0.055_630 * x - 0.203_977 * y + 1.056_972 * z,
-    ]
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::integrator::{FirstHit, NO_HIT};
+    use crate::render::wavelengths::Hero;
+
+    #[test]
+    fn daylight_of_radiance_1_is_white() {
+        let mut pixel = Pixel::default();
+        let count = 4096;
+        for i in 0..count {
+            let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
+            let daylight = |w: f64| Illuminant::D65.power(w) / Illuminant::D65.power(560.0);
+            let radiance = std::array::from_fn(|k| daylight(hero.nm[k]) / hero.pdf[k]);
+            pixel.add(&Sample { radiance, hero, first: NO_HIT }, i == 0);
+        }
+        let rgb = rgb_from_xyz(pixel.xyz.map(|v| v / f64::from(count)));
+        // Quadrature of the sharp lines of D65's table: 1e-4.
+        assert!(rgb.iter().all(|v| (v - 1.0).abs() < 1e-4), "{rgb:?}");
+    }
+
+    #[test]
+    fn tiles_cover_every_pixel_once() {
+        let film = Film::new([70, 33]).unwrap();
+        let mut seen = vec![0; 70 * 33];
+        for tile in 0..film.tiles() {
+            let [x0, y0, x1, y1] = film.bounds(tile);
+            for y in y0..y1 {
+                for x in x0..x1 {
+                    seen[(y * 70 + x) as usize] += 1;
+                }
+            }
+        }
+        assert!(seen.iter().all(|s| *s == 1));
+        assert!(Film::new([0, 5]).is_err() && Film::new([20_000, 5]).is_err());
+    }
+
+    #[test]
+    fn the_variance_is_that_of_the_mean() {
+        let mut pixel = Pixel::default();
+        for y in [1.0, 3.0] {
+            pixel.xyz[1] += y;
+            pixel.squares += y * y;
+        }
+        // Samples 1 and 3: variance 2, of their mean 1.
+        assert!((pixel.variance(2) - 1.0).abs() < 1e-12);
+        let first = FirstHit { id: 3, ..NO_HIT };
+        assert_eq!((first.id, pixel.variance(1)), (3, 0.0));
+    }
 }

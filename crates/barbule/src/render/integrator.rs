@@ -63,7 +63,8 @@ pub struct Sample {
     pub first: FirstHit,
 }
 
-const NO_HIT: FirstHit = FirstHit { normal: DVec3::ZERO, depth: 0.0, id: 0 };
+/// Nothing was hit.
+pub(super) const NO_HIT: FirstHit = FirstHit { normal: DVec3::ZERO, depth: 0.0, id: 0 };
 
 impl<'a> Integrator<'a> {
     /// Builds the hierarchy of a scene.

@@ -2,9 +2,10 @@
 
 pub mod accelerator;
 pub mod bsdf;
-pub mod colour;
+pub mod checkpoint;
 pub mod film;
 pub mod integrator;
+pub mod picture;
 pub mod point;
 pub mod run;
 pub mod sampler;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::spectrum::colour::Illuminant;
 use crate::{Error, Result};
 
 /// Shortest wavelength that the renderer samples, nm.
@@ -28,6 +29,13 @@ impl Emission {
             return Err(Error::input("a light's spectrum has a value that is negative or not finite"));
         }
         Ok(Self { table })
+    }
+
+    /// Daylight (D65) of radiance 1: its value at 560 nm.
+    #[must_use]
+    pub fn daylight() -> Self {
+        let at = |i: usize| Illuminant::D65.power(SHORTEST_NM + i as f64) / Illuminant::D65.power(560.0);
+        Self { table: (0..TABLE).map(at).collect() }
     }
 
     /// The same spectrum times a factor.

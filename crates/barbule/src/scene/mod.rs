@@ -4,6 +4,7 @@
 //! Lengths are mm.
 
 pub mod camera;
+pub mod description;
 pub mod emission;
 pub mod feather;
 pub mod frame;

@@ -45,6 +45,8 @@ pub struct Preset {
     pub roll: f64,
     /// Width of the picture in the plane of focus, mm.
     pub width_mm: f64,
+    /// Radius of the lens over its distance: 0 is sharp everywhere.
+    pub lens: f64,
     /// Where the key light stands.
     pub light: Bearing,
     /// Angular radius of the key light, degrees.
@@ -59,19 +61,6 @@ pub struct Preset {
     pub pigment: [f64; 2],
 }
 
-/// What to change of a preset.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Changes {
-    /// Another direction of the key light.
-    pub light: Option<Bearing>,
-    /// Another view.
-    pub view: Option<Bearing>,
-    /// Another width of the picture, mm.
-    pub width_mm: Option<f64>,
-    /// Turn the key light by this azimuth, degrees: one frame of a turntable.
-    pub turn: f64,
-}
-
 /// All presets.
 #[must_use]
 pub fn all() -> [Preset; 4] {
@@ -83,6 +72,7 @@ pub fn all() -> [Preset; 4] {
         view: Bearing { azimuth: 190.0, elevation: 58.0 },
         roll: -38.0,
         width_mm: 4.4,
+        lens: 0.005,
         light: Bearing { azimuth: 20.0, elevation: 60.0 },
         light_radius: 7.0,
         key: 2.2,
@@ -123,26 +113,41 @@ pub fn named(name: &str) -> Result<Preset> {
 }
 
 impl Preset {
-    /// Grows the feather and sets up lights and camera. `daylight`: the spectrum of all lights at radiance 1.
+    /// Refuses numbers that make no picture.
+    ///
+    /// # Errors
+    /// The first number out of range.
+    pub fn check(&self) -> Result<()> {
+        self.view.check("camera")?;
+        self.light.check("light")?;
+        let ranges = [
+            ("the picture's width in mm", self.width_mm, 0.05, 50.0),
+            ("the lens", self.lens, 0.0, 0.2),
+            ("the light's radius in degrees", self.light_radius, 0.1, 60.0),
+            ("the light's strength", self.key, 0.0, 1e4),
+            ("the sky's radiance", self.sky, 0.0, 1e4),
+            ("the exposure", self.exposure, 1e-6, 1e6),
+            ("the roll in degrees", self.roll, -360.0, 360.0),
+        ];
+        for (name, value, low, high) in ranges {
+            if !(low..=high).contains(&value) {
+                return Err(Error::input(format!("{name} is {value}, but must be {low} to {high}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Grows the feather and sets up lights and camera. All lights have the spectrum of daylight (D65).
     ///
     /// # Errors
     /// A bearing or width out of range.
     pub fn scene(
         &self,
         brdf: Arc<FeatherBrdf>,
-        daylight: &Emission,
-        changes: &Changes,
         seed: u64,
     ) -> Result<(Scene, Counts)> {
-        let view = changes.view.unwrap_or(self.view);
-        let mut light = changes.light.unwrap_or(self.light);
-        light.azimuth += changes.turn;
-        view.check("view")?;
-        light.check("light")?;
-        let width_mm = changes.width_mm.unwrap_or(self.width_mm);
-        if !(0.05..=50.0).contains(&width_mm) {
-            return Err(Error::input(format!("the picture is {width_mm} mm wide, but 0.05 to 50 mm can be shown")));
-        }
+        self.check()?;
+        let daylight = Emission::daylight();
         let mut geometry = Geometry::default();
         let parts = Parts { shaft: 0, ramus: 1, barbule: 2 };
         let counts = self.feather.grow(&mut geometry, parts, self.window, seed, hash(seed, &[1]))?;
@@ -156,22 +161,21 @@ impl Preset {
                 passes: 0.0,
             }),
         ];
-        let sun = self.sun(light, daylight);
-        let sky = self.sky_light(daylight)?;
+        let sun = self.sun(&daylight);
+        let sky = self.sky_light(&daylight)?;
         let lights = vec![
             Lamp { light: Light::Sun(sun), weight: 0.6 },
             Lamp { light: Light::Sky(sky), weight: 0.4 },
         ];
-        let camera = self.camera(view, width_mm);
-        let scene = Scene { geometry, surfaces, lights, camera, max_depth: 6 };
+        let scene = Scene { geometry, surfaces, lights, camera: self.camera(), max_depth: 6 };
         scene.check()?;
         Ok((scene, counts))
     }
 
-    fn sun(&self, light: Bearing, daylight: &Emission) -> Sun {
+    fn sun(&self, daylight: &Emission) -> Sun {
         let radius = self.light_radius.to_radians();
         Sun {
-            direction: light.direction(),
+            direction: self.light.direction(),
             cos_radius: radius.cos(),
             emission: daylight.scaled(disc_radiance(radius, self.key)),
         }
@@ -185,19 +189,19 @@ impl Preset {
         })
     }
 
-    fn camera(&self, view: Bearing, width_mm: f64) -> Camera {
-        let distance = 4.0 * width_mm;
+    fn camera(&self) -> Camera {
+        let distance = 4.0 * self.width_mm;
         let roll = self.roll.to_radians();
         let up = DVec3::new(roll.sin(), roll.cos(), 0.0);
-        let towards = view.direction();
+        let towards = self.view.direction();
         // Straight along the picture's own upward direction the vane's normal is upwards.
         let up = if towards.cross(up).length() < 1e-3 { DVec3::Z } else { up };
         Camera {
             eye: towards * distance,
             target: DVec3::ZERO,
             up,
-            width_mm,
-            projection: Projection::Perspective { lens_radius: 0.005 * distance },
+            width_mm: self.width_mm,
+            projection: Projection::Perspective { lens_radius: self.lens * distance },
         }
     }
 }
