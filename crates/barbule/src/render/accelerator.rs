@@ -321,11 +321,11 @@ fn ribbon_point(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Surf
     let [a, b, c, d] = primitive.data;
     let flat = if at.v > 2.0 * u - 1.0 { (b - a).cross(d - a) } else { (d - a).cross(c - a) };
     let arc = f64::from(start.arc + (end.arc - start.arc) * u);
-    let cell = if ribbon.cell > 0.0 {
-        (arc / f64::from(ribbon.cell) + f64::from(ribbon.phase)).floor() as u64
-    } else {
-        0
-    };
+    let place =
+        if ribbon.cell > 0.0 { arc / f64::from(ribbon.cell) + f64::from(ribbon.phase) } else { 0.5 };
+    let cell = place.floor();
+    let (sin, cos) = (f64::from(ribbon.swelling) * (1.0 - 2.0 * (place - cell))).sin_cos();
+    let frame = Frame { x: frame.x, y: frame.y * cos + frame.z * sin, z: frame.z * cos - frame.y * sin };
     let (w, half) = (u, 0.5 * (at.v + 1.0));
     let position = (a * (1.0 - half) + b * half) * (1.0 - w) + (c * (1.0 - half) + d * half) * w;
     SurfacePoint {
@@ -335,7 +335,7 @@ fn ribbon_point(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Surf
         uv: [arc, f64::from(at.v)],
         surface: ribbon.surface,
         object: ribbon.id,
-        instance: split_mix(ribbon.id ^ split_mix(cell)),
+        instance: split_mix(ribbon.id ^ split_mix(cell as u64)),
         ..SurfacePoint::default()
     }
 }

@@ -38,7 +38,7 @@ pub struct RibbonNode {
 }
 
 /// A flat, bent, tapering ribbon: one barbule. Flat across; the curvature across a barbule is in its BRDF.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Ribbon {
     /// First of its nodes in [`Geometry::ribbon_nodes`].
     pub first: u32,
@@ -52,6 +52,8 @@ pub struct Ribbon {
     pub cell: f32,
     /// Where in its first cell the barbule begins, as a fraction of a cell.
     pub phase: f32,
+    /// Cells are low arches: slope at their ends, rad. Shades only; the ribbon itself is smooth.
+    pub swelling: f32,
 }
 
 /// One point of a round curve.
@@ -92,14 +94,14 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Adds a ribbon. Fewer than two nodes add nothing.
-    pub fn add_ribbon(&mut self, nodes: &[RibbonNode], surface: u32, id: u64, cell: f32, phase: f32) {
+    /// Adds a ribbon through these nodes (`first` and `count` are set here). Fewer than two nodes add nothing.
+    pub fn add_ribbon(&mut self, nodes: &[RibbonNode], ribbon: Ribbon) {
         if nodes.len() < 2 {
             return;
         }
         let first = self.ribbon_nodes.len() as u32;
         self.ribbon_nodes.extend_from_slice(nodes);
-        self.ribbons.push(Ribbon { first, count: nodes.len() as u32, surface, id, cell, phase });
+        self.ribbons.push(Ribbon { first, count: nodes.len() as u32, ..ribbon });
     }
 
     /// Adds a round curve. Fewer than two nodes add nothing.

@@ -1,16 +1,14 @@
 //! Barbules: bent ribbons along both sides of a barb.
 
-use std::f64::consts::TAU;
-
 use glam::DVec3;
 
 use super::barb::Barb;
 use super::{BarbuleShape, Disorder, Window};
 use crate::math::rng::{Stream, hash};
-use crate::scene::geometry::{Geometry, RibbonNode};
+use crate::scene::geometry::{Geometry, Ribbon, RibbonNode};
 
-/// Nodes per cell where cells swell, so that the swelling has a shape.
-const NODES_PER_CELL: f64 = 4.0;
+/// Segments of a barbule.
+const STEPS: usize = 8;
 
 /// Adds the barbules of one side of a barb (0: towards the feather's tip, 1: the other) whose bases lie in the window;
 /// returns how many.
@@ -38,8 +36,15 @@ pub(super) fn along(
         }
         nodes.clear();
         grow(&mut nodes, barb, shape, disorder, which, along, origin, &mut stream);
-        let cell = (1e-3 * shape.cell_um) as f32;
-        geometry.add_ribbon(&nodes, surface, id, cell, stream.unit() as f32);
+        let ribbon = Ribbon {
+            surface,
+            id,
+            cell: (1e-3 * shape.cell_um) as f32,
+            phase: stream.unit() as f32,
+            swelling: shape.swelling as f32,
+            ..Ribbon::default()
+        };
+        geometry.add_ribbon(&nodes, ribbon);
         grown += 1;
     }
     grown
@@ -69,17 +74,10 @@ fn grow(
     let grown = (0.6 + 0.4 * libm::sin(std::f64::consts::PI * libm::pow(share.clamp(0.0, 1.0), 0.7)))
         * ((1.0 - share) / 0.15).clamp(0.15, 1.0);
     let length = 1e-3 * shape.length_um * grown * (1.0 + length_noise * stream.normal()).clamp(0.5, 1.5);
-    let cells = length / (1e-3 * shape.cell_um);
-    let swelling_phase = stream.unit();
-    let steps = if shape.swelling > 0.0 {
-        (cells * NODES_PER_CELL).ceil().clamp(6.0, 80.0) as usize
-    } else {
-        10
-    };
-    let step = length / steps as f64;
+    let step = length / STEPS as f64;
     let mut at = base + sideways * (0.8 * barb.half_width(share));
-    for i in 0..=steps {
-        let t = i as f64 / steps as f64;
+    for i in 0..=STEPS {
+        let t = i as f64 / STEPS as f64;
         let mix = |pair: [f64; 2]| pair[0] + (pair[1] - pair[0]) * t;
         let angle = mix(shape.angle) + turn_angle;
         let lift = mix(shape.lift) + turn_lift + bow * (2.0 * t - 1.0);
@@ -92,11 +90,8 @@ fn grow(
         let plate = up * libm::cos(tilt) + ahead * libm::sin(tilt);
         let x = direction.cross(plate);
         let half = 0.5e-3 * shape.width_um * width_profile(t);
-        let phase = TAU * (t * cells + swelling_phase);
-        // A swollen cell is a low arch: its slope is the swelling times the sine of the place in the cell.
-        let height = shape.swelling * 1e-3 * shape.cell_um / TAU * (1.0 - libm::cos(phase));
         nodes.push(RibbonNode {
-            point: (at + plate * height - origin).as_vec3(),
+            point: (at - origin).as_vec3(),
             across: (x * half).as_vec3(),
             arc: (t * length) as f32,
         });

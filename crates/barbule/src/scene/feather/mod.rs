@@ -77,7 +77,7 @@ pub struct BarbuleShape {
     pub root_tilt: f64,
     /// Length of a cell, µm: structure is constant within it.
     pub cell_um: f64,
-    /// Swelling of cells: largest turn of the normal along the barbule within a cell, rad.
+    /// Swelling of cells, low arches along the barbule: slope at their ends, rad.
     pub swelling: f64,
 }
 
