@@ -1,5 +1,6 @@
 //! Evaluation of a feather material: what renderers call.
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -7,7 +8,7 @@ use super::integral::Quadrature;
 use super::material::{Material, check_sigma};
 use super::noise::{Draw, Noise};
 use super::sample::SampledLobe;
-use super::table::{self, STATIONARY, Table, WIDTH, effective};
+use super::table::{self, LARGEST_SINE, STATIONARY, Table, WIDTH, effective};
 use crate::Result;
 
 /// How a material is prepared.
@@ -40,6 +41,7 @@ pub struct FeatherBrdf {
     noise: Noise,
     sigma: f64,
     options: Options,
+    level: Level,
     range_nm: (f64, f64),
 }
 
@@ -55,7 +57,6 @@ struct Lobes {
     z: Lanes,
     amplitude: Lanes,
     inverse_length: [f32; 4],
-    reflected: [f32; 4],
 }
 
 /// A [`FeatherBrdf`] at four wavelengths and one incident direction.
@@ -84,10 +85,11 @@ impl FeatherBrdf {
         };
         let waves = &material.axes.wavelengths_nm;
         Ok(Self {
-            tables: only.iter().map(|set| Table::new(material, set, sigma)).collect(),
+            tables: only.iter().map(|set| Table::new(material, set, sigma, options.polarization)).collect(),
             noise: Noise::new(&material.noise_power, material.seed),
             sigma,
             options,
+            level: Level::new(),
             range_nm: (waves[0], waves[waves.len() - 1]),
         })
     }
@@ -100,7 +102,8 @@ impl FeatherBrdf {
         if !(wi.z > 0.0 && wo.z > 0.0) {
             return [0.0; 4];
         }
-        self.prepare(wavelengths_nm, wi).eval(wo, instance)
+        let draw = instance.map(|instance| self.noise.draw(instance));
+        dispatch!(self.level, simd => self.eval_wide(simd, wavelengths_nm, wi, wo, draw.as_ref()))
     }
 
     /// An outgoing direction drawn from the mean lobe at this wavelength, with its density per sr; none where the draw
@@ -153,17 +156,43 @@ impl FeatherBrdf {
             .map(|(p, incident)| {
                 let m = f64::from(p[table::M]);
                 let integral = quadrature.scaled_integral(m, incident, self.sigma);
-                f64::from(p[table::REFLECTED] * self.share(&p, table::SHARE)) * integral
-                    / f64::from(p[table::INTEGRAL])
+                f64::from(p[table::STRENGTH]) * integral / incident.z
             })
             .sum();
         sum / self.tables.len() as f64
     }
 
+    /// Prepares and evaluates in one piece of code, compiled for each width of vector registers.
+    #[inline(always)]
+    fn eval_wide<S: Simd>(
+        &self,
+        _simd: S,
+        wavelengths_nm: [f32; 4],
+        wi: DVec3,
+        wo: DVec3,
+        draw: Option<&Draw>,
+    ) -> [f32; 4] {
+        let forward = self.prepare_inline(wavelengths_nm, wi).forward(wo, draw);
+        if !self.options.reciprocal {
+            return forward;
+        }
+        let backward = self.prepare_inline(wavelengths_nm, wo).forward(wi, draw);
+        std::array::from_fn(|lane| 0.5 * (forward[lane] + backward[lane]))
+    }
+
+    #[inline(always)]
+    fn prepare_wide<S: Simd>(&self, _simd: S, wavelengths_nm: [f32; 4], wi: DVec3) -> Prepared<'_> {
+        self.prepare_inline(wavelengths_nm, wi)
+    }
+
     /// Everything about four wavelengths and one incident direction, to be used with many outgoing ones.
     #[must_use]
-    #[inline]
     pub fn prepare(&self, wavelengths_nm: [f32; 4], wi: DVec3) -> Prepared<'_> {
+        dispatch!(self.level, simd => self.prepare_wide(simd, wavelengths_nm, wi))
+    }
+
+    #[inline(always)]
+    fn prepare_inline(&self, wavelengths_nm: [f32; 4], wi: DVec3) -> Prepared<'_> {
         let mut sets = [Lobes::NONE; 2];
         if wi.z > 0.0 {
             for (lobes, table) in sets.iter_mut().zip(&self.tables) {
@@ -173,15 +202,18 @@ impl FeatherBrdf {
         Prepared { brdf: self, wavelengths_nm, incident: wi, sets }
     }
 
-    #[inline]
+    #[inline(always)]
     fn lobes(&self, table: &Table, wavelengths_nm: [f32; 4], wi: DVec3) -> Lobes {
         let (x, z) = (wi.x as f32, wi.z as f32);
         let cos_theta = (x * x + z * z).sqrt().max(1e-6);
         let inverse = 1.0 / cos_theta;
         let sin_phi = x * inverse;
         let cell = table.cell(cos_theta, z * inverse);
-        let rows: [[f32; WIDTH]; 4] =
-            std::array::from_fn(|lane| table.lookup(&cell, table.place(wavelengths_nm[lane])));
+        // Plain loops here and below: closures would not be compiled for the wider registers.
+        let mut rows = [[0.0; WIDTH]; 4];
+        for lane in 0..4 {
+            rows[lane] = table.lookup(&cell, table.place(wavelengths_nm[lane]));
+        }
         let mut lobes = Lobes::NONE;
         // f̂ = ρ m/(2σ√π J) · D₁ D₂ · 2/(z + root): all constant factors.
         let factor = (1.0 / (self.sigma * PI.sqrt() * PI)) as f32;
@@ -189,31 +221,16 @@ impl FeatherBrdf {
             let row = &rows[lane % 4];
             let base = if lane < 4 { 0 } else { STATIONARY };
             let m = row[base + table::M];
-            let sine = (row[base + table::TILT] * sin_phi).clamp(-0.9998, 0.9998);
+            let sine = (row[base + table::TILT] * sin_phi).clamp(-LARGEST_SINE, LARGEST_SINE);
             lobes.m2[lane] = m * m;
             lobes.x[lane] = cos_theta * sine;
             lobes.z[lane] = cos_theta * (1.0 - sine * sine).sqrt();
-            lobes.amplitude[lane] =
-                factor * row[base + table::REFLECTED] * m * m * m / row[base + table::INTEGRAL];
+            lobes.amplitude[lane] = factor * row[base + table::STRENGTH] * m * m * m / lobes.z[lane];
         }
         for (lane, row) in rows.iter().enumerate() {
             lobes.inverse_length[lane] = row[table::INVERSE_LENGTH];
-            lobes.reflected[lane] = row[table::REFLECTED];
-            lobes.amplitude[lane] *= self.share(row, table::SHARE);
-            lobes.amplitude[lane + 4] *= self.share(row, table::STATIONARY_SHARE);
         }
         lobes
-    }
-
-    /// What the chosen polarization changes about ρ.
-    #[inline]
-    fn share(&self, parameters: &[f32; WIDTH], column: usize) -> f32 {
-        match self.options.polarization {
-            Polarization::Mean => 1.0,
-            Polarization::First => parameters[column],
-            // A set of one polarization has share 1 either way.
-            Polarization::Second => 2.0 - parameters[column],
-        }
     }
 
     /// Parameters and ω_eff of each set.
@@ -238,11 +255,10 @@ impl Lobes {
         z: [1.0; 8],
         amplitude: [0.0; 8],
         inverse_length: [1.0; 4],
-        reflected: [0.0; 4],
     };
 
     /// f̂ and s ≤ f̂.
-    #[inline]
+    #[inline(always)]
     fn values(&self, sin_theta: f32, wo: [f32; 3], inverse_sigma2: f32) -> ([f32; 4], [f32; 4]) {
         let [x, y, z] = wo;
         let sy2 = (sin_theta + y) * (sin_theta + y);
@@ -258,8 +274,12 @@ impl Lobes {
             let spread = exp_of_negative(sy2 * inverse_sigma2 / n2);
             values[lane] = self.amplitude[lane] * spread * (n2 * n2) / (q * q * root);
         }
-        let mean = [values[0], values[1], values[2], values[3]];
-        (mean, std::array::from_fn(|lane| values[lane + 4].min(mean[lane])))
+        let (mut mean, mut stationary) = ([0.0; 4], [0.0; 4]);
+        for lane in 0..4 {
+            mean[lane] = values[lane];
+            stationary[lane] = values[lane + 4].min(values[lane]);
+        }
+        (mean, stationary)
     }
 }
 
@@ -279,18 +299,22 @@ fn exp_of_negative(u: f32) -> f32 {
 impl Prepared<'_> {
     /// f in 1/sr without the cosine; see [`FeatherBrdf::eval`].
     #[must_use]
-    #[inline]
     pub fn eval(&self, wo: DVec3, instance: Option<u64>) -> [f32; 4] {
         let draw = instance.map(|instance| self.brdf.noise.draw(instance));
-        let forward = self.forward(wo, draw.as_ref());
+        dispatch!(self.brdf.level, simd => self.eval_wide(simd, wo, draw.as_ref()))
+    }
+
+    #[inline(always)]
+    fn eval_wide<S: Simd>(&self, _simd: S, wo: DVec3, draw: Option<&Draw>) -> [f32; 4] {
+        let forward = self.forward(wo, draw);
         if !self.brdf.options.reciprocal {
             return forward;
         }
-        let backward = self.brdf.prepare(self.wavelengths_nm, wo).forward(self.incident, draw.as_ref());
+        let backward = self.brdf.prepare_inline(self.wavelengths_nm, wo).forward(self.incident, draw);
         std::array::from_fn(|lane| 0.5 * (forward[lane] + backward[lane]))
     }
 
-    #[inline]
+    #[inline(always)]
     fn forward(&self, wo: DVec3, draw: Option<&Draw>) -> [f32; 4] {
         if !(self.incident.z > 0.0 && wo.z > 0.0) {
             return [0.0; 4];
@@ -303,7 +327,11 @@ impl Prepared<'_> {
         for lobes in sets {
             let (mean, stationary) = lobes.values(self.incident.y as f32, outgoing, inverse_sigma2);
             match draw {
-                None => (0..4).for_each(|lane| sum[lane] += mean[lane]),
+                None => {
+                    for lane in 0..4 {
+                        sum[lane] += mean[lane];
+                    }
+                }
                 Some(draw) => {
                     for lane in 0..4 {
                         let [qr, qi] = self.brdf.noise.at(draw, x * lobes.inverse_length[lane]);
@@ -314,7 +342,11 @@ impl Prepared<'_> {
                 }
             }
         }
-        if sets.len() == 2 { sum.map(|v| 0.5 * v) } else { sum }
+        let factor = if sets.len() == 2 { 0.5 } else { 1.0 };
+        for value in &mut sum {
+            *value *= factor;
+        }
+        sum
     }
 
     /// See [`FeatherBrdf::sample`]; `lane` chooses the wavelength.
@@ -351,8 +383,15 @@ impl Prepared<'_> {
         if self.brdf.tables.len() == 1 {
             return 1.0;
         }
-        let [a, b] = [0, 1].map(|set| f64::from(self.sets[set].reflected[lane]) + 1e-9);
+        let [a, b] = [0, 1].map(|set| self.weight(set, lane));
         a / (a + b)
+    }
+
+    /// Roughly the reflected fraction of a set.
+    fn weight(&self, set: usize, lane: usize) -> f64 {
+        let lobes = &self.sets[set];
+        let m2 = f64::from(lobes.m2[lane]);
+        f64::from(lobes.amplitude[lane] * lobes.z[lane]) / (m2 * m2.sqrt()) + 1e-9
     }
 
     fn lobe(&self, set: usize, lane: usize) -> SampledLobe {

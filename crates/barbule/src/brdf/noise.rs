@@ -109,7 +109,7 @@ impl Noise {
 
     /// The draw that belongs to an instance.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn draw(&self, instance: u64) -> Draw {
         let bits = hash(self.seed, &[instance]);
         let [cosine, sine] = self.rotations[(bits >> 40) as usize % ROTATIONS];
@@ -124,7 +124,7 @@ impl Noise {
 
     /// (q_r, q_i) at x, interpolated with the weights of S.47, which keep the variance; the period is 2.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, draw: &Draw, x: f32) -> [f32; 2] {
         // x_k = (2k + 1 − N)/N. The clamp keeps the conversion exact far outside (−1, 1).
         let position = (x.clamp(-512.0, 512.0) + 1024.0) * (0.5 * NOISE_POINTS as f32) - 0.5;

@@ -8,33 +8,32 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::evaluate::Polarization;
 use super::integral::Quadrature;
 use super::material::{LobeSet, Material, ParameterSet};
 use crate::scattering::lobe::SMALLEST_M;
 
-/// Parameters of a node: see the constants below.
-pub(super) const WIDTH: usize = 12;
-
-/// Roughness, sinφ_eff/sinφ_i, ρ and J of the mean lobe; the stationary lobe's follow at [`STATIONARY`].
+/// Columns of a node, twice: of the mean lobe and, from [`STATIONARY`] on, of the stationary one.
+pub(super) const WIDTH: usize = 8;
+/// Roughness.
 pub(super) const M: usize = 0;
+/// sinφ_eff/sinφ_i.
 pub(super) const TILT: usize = 1;
-pub(super) const REFLECTED: usize = 2;
-pub(super) const INTEGRAL: usize = 3;
+/// ρ (z·ω_eff)/J, smooth up to grazing; J and ρ themselves are not needed apart.
+pub(super) const STRENGTH: usize = 2;
+/// 1/l in the first half.
+pub(super) const INVERSE_LENGTH: usize = 3;
+/// Where the stationary lobe's columns begin.
 pub(super) const STATIONARY: usize = 4;
-/// 1/l.
-pub(super) const INVERSE_LENGTH: usize = 8;
-/// Twice the fraction of polarization 1, of the mean and of the stationary part.
-pub(super) const SHARE: usize = 9;
-pub(super) const STATIONARY_SHARE: usize = 10;
 
 /// |sinφ_eff| never exceeds this, so that ω_eff stays above the horizon.
-const LARGEST_SINE: f64 = 0.9998;
+pub(super) const LARGEST_SINE: f32 = 0.9998;
 
 /// Lookup table of one parameter set.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
-    /// Shape `[θ, φ, λ, WIDTH]`.
-    values: Vec<f32>,
+    /// Shape `[θ, φ, λ]`.
+    nodes: Vec<[f32; WIDTH]>,
     wavelengths_nm: Vec<f32>,
     /// 1/spacing where the wavelengths are evenly spaced.
     inverse_spacing: Option<f32>,
@@ -57,11 +56,12 @@ pub(super) struct Cell {
 }
 
 impl Table {
-    pub(super) fn new(material: &Material, set: &ParameterSet, sigma: f64) -> Self {
+    /// Prepares one set; `polarization` scales ρ by the share of one incident polarization.
+    pub(super) fn new(material: &Material, set: &ParameterSet, sigma: f64, polarization: Polarization) -> Self {
         let axes = &material.axes;
         let theta = Axis::new(&axes.cos_theta);
         let phi = Axis::new(&axes.cos_phi);
-        let (thetas, phis, waves) = (theta.fine(), phi.fine(), axes.wavelengths_nm.len());
+        let (thetas, phis, waves) = (theta.cells + 1, phi.cells + 1, axes.wavelengths_nm.len());
         let quadrature = Quadrature::new();
         let layers: Vec<Vec<[f32; WIDTH]>> = (0..waves)
             .into_par_iter()
@@ -69,14 +69,12 @@ impl Table {
                 let nodes = axes.cos_theta.len() * axes.cos_phi.len();
                 let range = wave * nodes..(wave + 1) * nodes;
                 let layer = Layer { theta: &theta, phi: &phi, range, sigma, quadrature: &quadrature };
-                layer.parameters(set)
+                layer.parameters(set, polarization)
             })
             .collect();
-        let mut values = vec![0.0; thetas.len() * phis.len() * waves * WIDTH];
-        for (at, node) in values.chunks_exact_mut(waves * WIDTH).enumerate() {
-            for (out, layer) in node.chunks_exact_mut(WIDTH).zip(&layers) {
-                out.copy_from_slice(&layer[at]);
-            }
+        let mut nodes = Vec::with_capacity(thetas * phis * waves);
+        for at in 0..thetas * phis {
+            nodes.extend(layers.iter().map(|layer| layer[at]));
         }
         let wavelengths_nm: Vec<f32> = axes.wavelengths_nm.iter().map(|&w| w as f32).collect();
         let spacing = (axes.wavelengths_nm[waves - 1] - axes.wavelengths_nm[0]) / (waves.max(2) - 1) as f64;
@@ -87,16 +85,16 @@ impl Table {
                 .enumerate()
                 .all(|(k, w)| (axes.wavelengths_nm[0] + k as f64 * spacing - w).abs() < 1e-4 * spacing);
         Self {
-            values,
+            nodes,
             wavelengths_nm,
             inverse_spacing: even.then_some((1.0 / spacing) as f32),
-            theta_cells: thetas.len() - 1,
-            phi_cells: phis.len() - 1,
+            theta_cells: theta.cells,
+            phi_cells: phi.cells,
         }
     }
 
     /// Beyond the ends the end values hold.
-    #[inline]
+    #[inline(always)]
     pub(super) fn place(&self, wavelength_nm: f32) -> Place {
         let waves = &self.wavelengths_nm;
         if waves.len() == 1 {
@@ -118,16 +116,11 @@ impl Table {
     }
 
     /// The cell of an incident direction with these cosines.
-    #[inline]
+    #[inline(always)]
     pub(super) fn cell(&self, cos_theta: f32, cos_phi: f32) -> Cell {
-        let split = |cosine: f32, cells: usize| {
-            let position = cosine.clamp(0.0, 1.0) * cells as f32;
-            let index = (position as usize).min(cells - 1);
-            (index, position - index as f32)
-        };
         let (t, wt) = split(cos_theta, self.theta_cells);
         let (p, wp) = split(cos_phi, self.phi_cells);
-        let node = self.wavelengths_nm.len() * WIDTH;
+        let node = self.wavelengths_nm.len();
         let row = (self.phi_cells + 1) * node;
         let first = t * row + p * node;
         Cell {
@@ -137,14 +130,14 @@ impl Table {
     }
 
     /// All parameters there.
-    #[inline]
+    #[inline(always)]
     pub(super) fn lookup(&self, cell: &Cell, place: Place) -> [f32; WIDTH] {
         let mut sum = [0.0; WIDTH];
-        let offset = place.index * WIDTH;
-        let upper = if self.wavelengths_nm.len() == 1 { 0 } else { WIDTH };
-        for (corner, weight) in cell.corners.iter().zip(cell.weights) {
-            let low = &self.values[corner + offset..][..WIDTH];
-            let high = &self.values[corner + offset + upper..][..WIDTH];
+        let upper = usize::from(self.wavelengths_nm.len() > 1);
+        for corner in 0..4 {
+            let at = cell.corners[corner] + place.index;
+            let weight = cell.weights[corner];
+            let (low, high) = (&self.nodes[at], &self.nodes[at + upper]);
             let (weight_low, weight_high) = (weight * (1.0 - place.weight), weight * place.weight);
             for k in 0..WIDTH {
                 sum[k] += weight_low * low[k] + weight_high * high[k];
@@ -152,6 +145,14 @@ impl Table {
         }
         sum
     }
+}
+
+/// The cell of a cosine and the weight of its upper node.
+#[inline(always)]
+fn split(cosine: f32, cells: usize) -> (usize, f32) {
+    let position = cosine.clamp(0.0, 1.0) * cells as f32;
+    let index = (position as usize).min(cells - 1);
+    (index, position - index as f32)
 }
 
 /// One axis: the stored nodes, extended to 0 and 1, and the regular fine nodes.
@@ -180,10 +181,6 @@ impl Axis {
         let coarse = (1..=64).find(|&n| holds(n));
         let cells = coarse.map_or(64, |n| n * 40_usize.div_ceil(n).max(1));
         Self { nodes, prepended, appended, cells }
-    }
-
-    fn fine(&self) -> Vec<f64> {
-        (0..=self.cells).map(|k| k as f64 / self.cells as f64).collect()
     }
 
     /// Values at the extended nodes.
@@ -273,11 +270,7 @@ struct Layer<'a> {
 
 impl Layer<'_> {
     /// Parameters of all fine nodes, `[θ, φ]`.
-    fn parameters(&self, set: &ParameterSet) -> Vec<[f32; WIDTH]> {
-        let fine = |values: &[f32], low: f64, high: f64, map: fn(f64) -> f64| {
-            let values: Vec<f64> = values[self.range.clone()].iter().map(|&v| map(f64::from(v))).collect();
-            self.refine(&values, low, high, None)
-        };
+    fn parameters(&self, set: &ParameterSet, polarization: Polarization) -> Vec<[f32; WIDTH]> {
         let count = (self.theta.cells + 1) * (self.phi.cells + 1);
         let mut out = vec![[0.0_f32; WIDTH]; count];
         let mut put = |column: usize, values: &[f64]| {
@@ -285,25 +278,31 @@ impl Layer<'_> {
                 node[column] = *value as f32;
             }
         };
-        for (lobe, base) in [(&set.mean, 0), (&set.stationary, STATIONARY)] {
-            let m: Vec<f64> = fine(&lobe.m, SMALLEST_M.ln(), 0.0, f64::ln).iter().map(|v| v.exp()).collect();
+        for (lobe, fractions, base) in [
+            (&set.mean, &set.fraction_1, 0),
+            (&set.stationary, &set.stationary_fraction_1, STATIONARY),
+        ] {
+            let ln_m = self.refine(&self.stored(&lobe.m, f64::ln), SMALLEST_M.ln(), 0.0, None);
+            let m: Vec<f64> = ln_m.iter().map(|v| v.exp()).collect();
             let tilt = self.tilt(lobe);
+            let mut reflected = self.refine(&self.stored(&lobe.reflected, |v| v), 0.0, 1.0, None);
+            if polarization != Polarization::Mean && !fractions.is_empty() {
+                let first = self.refine(&self.stored(fractions, |v| v), 0.0, 1.0, None);
+                for (rho, first) in reflected.iter_mut().zip(first) {
+                    *rho *= 2.0 * if polarization == Polarization::First { first } else { 1.0 - first };
+                }
+            }
             put(base + M, &m);
             put(base + TILT, &tilt);
-            put(base + REFLECTED, &fine(&lobe.reflected, 0.0, 1.0, |v| v));
-            put(base + INTEGRAL, &self.integrals(&m, &tilt));
+            put(base + STRENGTH, &self.strengths(&m, &tilt, &reflected));
         }
-        put(INVERSE_LENGTH, &fine(&set.length, 1.0 / 64.0, 64.0, |v| 1.0 / v));
-        for (fractions, column) in
-            [(&set.fraction_1, SHARE), (&set.stationary_fraction_1, STATIONARY_SHARE)]
-        {
-            if fractions.is_empty() {
-                put(column, &vec![1.0; count]);
-            } else {
-                put(column, &fine(fractions, 0.0, 2.0, |v| 2.0 * v));
-            }
-        }
+        put(INVERSE_LENGTH, &self.refine(&self.stored(&set.length, |v| 1.0 / v), 1.0 / 64.0, 64.0, None));
         out
+    }
+
+    /// A stored array of this wavelength, mapped.
+    fn stored(&self, values: &[f32], map: fn(f64) -> f64) -> Vec<f64> {
+        values[self.range.clone()].iter().map(|&v| map(f64::from(v))).collect()
     }
 
     /// A stored array `[θ, φ]` on the fine grid; `grazing` is the value at cosφ = 0, else extrapolated.
@@ -366,15 +365,19 @@ impl Layer<'_> {
         self.refine(&ratios, -LARGEST_TILT, LARGEST_TILT, Some(1.0))
     }
 
-    /// J of every fine node.
-    fn integrals(&self, m: &[f64], tilt: &[f64]) -> Vec<f64> {
+    /// ρ (z·ω_eff)/J of every fine node.
+    fn strengths(&self, m: &[f64], tilt: &[f64], reflected: &[f64]) -> Vec<f64> {
         let phis = self.phi.cells + 1;
         (0..m.len())
             .map(|at| {
+                if reflected[at] == 0.0 {
+                    return 0.0;
+                }
                 let cos_theta = ((at / phis) as f64 / self.theta.cells as f64).max(GRAZING);
                 let cos_phi = ((at % phis) as f64 / self.phi.cells as f64).max(GRAZING);
                 let incident = effective(cos_theta, cos_phi, tilt[at]);
-                self.quadrature.scaled_integral(m[at], incident, self.sigma).max(SMALLEST_INTEGRAL)
+                let integral = self.quadrature.scaled_integral(m[at], incident, self.sigma);
+                reflected[at] * incident.z / integral.max(SMALLEST_INTEGRAL)
             })
             .collect()
     }
@@ -391,7 +394,7 @@ const SMALLEST_INTEGRAL: f64 = 1e-7;
 
 /// ω_eff of a positive (θ_i, φ_i) with this sinφ_eff/sinφ_i.
 pub(super) fn effective(cos_theta: f64, cos_phi: f64, tilt: f64) -> DVec3 {
-    let sine = (tilt * (1.0 - cos_phi * cos_phi).max(0.0).sqrt()).clamp(-LARGEST_SINE, LARGEST_SINE);
+    let sine = (tilt * (1.0 - cos_phi * cos_phi).max(0.0).sqrt()).clamp(-f64::from(LARGEST_SINE), f64::from(LARGEST_SINE));
     let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
     DVec3::new(cos_theta * sine, sin_theta, cos_theta * (1.0 - sine * sine).sqrt())
 }
