@@ -68,7 +68,7 @@ pub fn all() -> [Preset; 4] {
         name: "starling",
         material: "starling",
         feather: species::starling(),
-        window: Window { along_mm: 18.0, half_length_mm: 3.0, half_width_mm: 3.2 },
+        window: Window { along_mm: 18.0, half_length_mm: 2.5, half_width_mm: 2.6 },
         view: Bearing { azimuth: 190.0, elevation: 58.0 },
         roll: -38.0,
         width_mm: 4.4,
@@ -87,7 +87,7 @@ pub fn all() -> [Preset; 4] {
             name: "bronzewing",
             material: "bronzewing",
             feather: species::bronzewing(),
-            window: Window { along_mm: 30.0, half_length_mm: 3.2, half_width_mm: 3.4 },
+            window: Window { along_mm: 30.0, half_length_mm: 2.6, half_width_mm: 2.6 },
             ..usual
         },
         Preset {

@@ -71,7 +71,7 @@ fn grow(
     let turn = disorder.turn * stream.normal();
     let bow = 0.5 * lift_noise * stream.normal();
     // Shorter where the barb begins and near its end.
-    let grown = (0.6 + 0.4 * libm::sin(std::f64::consts::PI * libm::pow(share.clamp(0.0, 1.0), 0.7)))
+    let grown = (0.75 + 0.25 * libm::sin(std::f64::consts::PI * libm::pow(share.clamp(0.0, 1.0), 0.7)))
         * ((1.0 - share) / 0.15).clamp(0.15, 1.0);
     let length = 1e-3 * shape.length_um * grown * (1.0 + length_noise * stream.normal()).clamp(0.5, 1.5);
     let step = length / STEPS as f64;

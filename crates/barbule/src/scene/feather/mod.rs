@@ -215,3 +215,154 @@ impl Window {
         point.x.abs() <= self.half_width_mm && point.y.abs() <= self.half_length_mm
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::geometry::RibbonNode;
+
+    const PARTS: Parts = Parts { shaft: 0, ramus: 1, barbule: 2 };
+
+    fn species() -> [(&'static str, Feather); 4] {
+        [
+            ("rock dove", species::rock_dove()),
+            ("starling", species::starling()),
+            ("bronzewing", species::bronzewing()),
+            ("hummingbird", species::hummingbird()),
+        ]
+    }
+
+    fn window(feather: &Feather) -> Window {
+        Window { along_mm: 0.6 * feather.shaft.length_mm, half_length_mm: 1.0, half_width_mm: 1.0 }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_feather_and_another_does_not() {
+        let grow = |seed| {
+            let feather = species::starling();
+            let mut geometry = Geometry::default();
+            feather.grow(&mut geometry, PARTS, window(&feather), seed, 5).unwrap();
+            geometry.ribbon_nodes
+        };
+        assert_eq!(grow(1), grow(1));
+        assert_ne!(grow(1), grow(2));
+    }
+
+    #[test]
+    fn barbs_are_as_many_as_their_perpendicular_spacing_says() {
+        for (name, feather) in species() {
+            let shaft = Shaft::new(&feather.shaft);
+            let everything = Window {
+                along_mm: 0.5 * feather.shaft.length_mm,
+                half_length_mm: feather.shaft.length_mm,
+                half_width_mm: 100.0,
+            };
+            let barbs = barb::along(&feather, &shaft, 1.0, everything, 1, 1);
+            // ∫ ds sin(angle)/p over the vane.
+            let [first, last] = shaft.vane_range();
+            let steps = 2000;
+            let step = (last - first) / f64::from(steps);
+            let expected: f64 = (0..steps)
+                .map(|i| {
+                    let t = shaft.vane(first + (f64::from(i) + 0.5) * step);
+                    let smooth = t * t * (3.0 - 2.0 * t);
+                    let angle = feather.barb.angle[0] + (feather.barb.angle[1] - feather.barb.angle[0]) * smooth;
+                    step * angle.sin() / (1e-3 * feather.barb.spacing_um)
+                })
+                .sum();
+            assert!((barbs.len() as f64 - expected).abs() < 2.0, "{name}: {} {expected}", barbs.len());
+        }
+    }
+
+    /// Barbs are curved and of random length (3 %), so their ends scatter about the outline of straight ones.
+    #[test]
+    fn ends_of_straight_barbs_lie_on_the_outline() {
+        let mut feather = species::starling();
+        feather.barb.curl = 0.0;
+        feather.barb.camber = 0.0;
+        feather.shaft.arch = [0.0; 2];
+        feather.shaft.radius_mm = 1e-6;
+        feather.shaft.tip_radius_mm = 1e-6;
+        feather.disorder.barb = [0.0; 3];
+        let shaft = Shaft::new(&feather.shaft);
+        let everything = Window { along_mm: 15.0, half_length_mm: 30.0, half_width_mm: 30.0 };
+        for barb in barb::along(&feather, &shaft, 1.0, everything, 1, 1) {
+            let end = barb.points[barb.points.len() - 1];
+            let t = shaft.vane(end.y);
+            if t > 0.98 {
+                continue;
+            }
+            let [a, b] = feather.barb.outline;
+            let m = a / (a + b);
+            let w = feather.barb.half_width_mm * (t / m).powf(a) * ((1.0 - t) / (1.0 - m)).powf(b);
+            // The slow wave of a barb moves its end by some hundredths of its length.
+            assert!((end.x - w).abs() < 0.05 * barb.length_mm + 0.05, "{end} {w}");
+        }
+    }
+
+    #[test]
+    fn barbules_of_the_two_vanes_mirror_each_other_without_disorder() {
+        let mut feather = species::bronzewing();
+        feather.disorder = Disorder { barb: [0.0; 3], barbule: [0.0; 4], turn: 0.0 };
+        let shaft = Shaft::new(&feather.shaft);
+        let grow = |side: f64| {
+            let window = window(&feather);
+            let mut barb = barb::along(&feather, &shaft, side, window, 1, 1).remove(3);
+            // The slow wave is the barb's own: lay both barbs straight.
+            let tangent = DVec3::new(side * 0.6, 0.8, 0.0);
+            let steps = barb.points.len();
+            for (i, point) in barb.points.iter_mut().enumerate() {
+                *point = DVec3::new(side * 0.2, 0.0, 0.0) + tangent * (0.1 * i as f64);
+            }
+            barb.tangents = vec![tangent; steps];
+            barb.normals = vec![DVec3::Z; steps];
+            barb.length_mm = 0.1 * (steps - 1) as f64;
+            let mut geometry = Geometry::default();
+            let wide = Window { along_mm: 0.0, half_length_mm: 50.0, half_width_mm: 50.0 };
+            barbule::along(
+                &mut geometry,
+                &barb,
+                &feather.barbule[0],
+                &feather.disorder,
+                0,
+                2,
+                (DVec3::ZERO, wide),
+                1,
+            );
+            geometry.ribbon_nodes
+        };
+        let (left, right) = (grow(-1.0), grow(1.0));
+        assert!(right.len() > 100);
+        let mirrored = |n: &RibbonNode| glam::Vec3::new(-n.point.x, n.point.y, n.point.z);
+        for (l, r) in left.iter().zip(&right) {
+            assert!((mirrored(l) - r.point).length() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn frames_across_a_barbule_face_upwards() {
+        for (name, feather) in species() {
+            let mut geometry = Geometry::default();
+            let counts = feather.grow(&mut geometry, PARTS, window(&feather), 1, 1).unwrap();
+            assert!(counts.barbs > 4 && counts.barbules > 400, "{name}: {counts:?}");
+            geometry.check(3).unwrap();
+            let mut upward = 0;
+            for ribbon in &geometry.ribbons {
+                let nodes = geometry.nodes_of(ribbon);
+                let along = nodes[5].point - nodes[4].point;
+                upward += usize::from(nodes[4].across.cross(along).z > 0.0);
+            }
+            assert!(upward == geometry.ribbons.len(), "{name}: {upward} of {}", geometry.ribbons.len());
+        }
+    }
+
+    #[test]
+    fn impossible_parameters_are_refused() {
+        let mut feather = species::starling();
+        feather.barbule[0].spacing_um = 0.0;
+        assert!(feather.check().unwrap_err().to_string().contains("distal barbules' spacing"));
+        feather = species::starling();
+        feather.shaft.calamus = 1.0;
+        assert!(feather.check().is_err());
+    }
+}

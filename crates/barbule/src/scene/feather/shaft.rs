@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 use glam::{DVec3, Vec2};
 
 use super::{ShaftShape, Window};
-use crate::math::rng::hash;
+use crate::math::rng::{Stream, hash};
 use crate::scene::geometry::{Geometry, Mesh};
 
 /// Steps of the centre line.
 const STEPS: usize = 256;
 /// Corners of the surface around the shaft.
-const AROUND: usize = 32;
+const AROUND: usize = 128;
 
 /// A point of the shaft with the vane's frame there.
 #[derive(Debug, Clone, Copy)]
@@ -99,6 +99,7 @@ impl Shaft {
         let from = (window.along_mm - 1.3 * window.half_length_mm).max(0.0);
         let to = (window.along_mm + 1.3 * window.half_length_mm).min(self.shape.length_mm);
         let rings = 96;
+        let ridges = Ridges::new(identity);
         let mut mesh = Mesh { surface, id: hash(identity, &[0]), ..Mesh::default() };
         for ring in 0..=rings {
             let s = from + (to - from) * ring as f64 / rings as f64;
@@ -108,16 +109,44 @@ impl Shaft {
                 let angle = TAU * corner as f64 / AROUND as f64;
                 let (cos, sin) = (libm::cos(angle), libm::sin(angle));
                 let height = self.shape.height * if sin < 0.0 { 0.7 } else { 1.0 };
-                let place = station.right * (radius * cos) + station.normal * (radius * height * sin);
-                let normal = station.right * cos + station.normal * (sin / height);
+                let (ridge, slope) = ridges.at(angle, s / self.shape.length_mm);
+                let out = radius * (1.0 + ridge);
+                let place = station.right * (out * cos) + station.normal * (out * height * sin);
+                let round = (station.right * cos + station.normal * (sin / height)).normalize();
+                let around = (station.normal * (cos * height) - station.right * sin).normalize();
                 mesh.positions.push((station.point + place - origin).as_vec3());
-                mesh.normals.push(normal.normalize().as_vec3());
+                mesh.normals.push((round - around * slope).normalize().as_vec3());
                 mesh.tangents.push(station.tip.as_vec3());
                 mesh.uvs.push(Vec2::new(angle as f32, s as f32));
             }
         }
         mesh.triangles = tube_triangles(rings, AROUND);
         geometry.meshes.push(mesh);
+    }
+}
+
+/// Fine ridges along a shaft: waves around it of random phase that drift slowly along it.
+struct Ridges {
+    /// Waves around the shaft, height over the radius, phase, turns of phase over the shaft's length.
+    waves: [(f64, f64, f64, f64); 5],
+}
+
+impl Ridges {
+    fn new(identity: u64) -> Self {
+        let mut stream = Stream::new(identity, &[0, 1]);
+        let waves = [9.0, 14.0, 21.0, 27.0, 33.0].map(|count| {
+            let drift = stream.uniform(-3.0, 3.0);
+            (count, 0.06 / count * stream.uniform(0.6, 1.4), TAU * stream.unit(), TAU * drift)
+        });
+        Self { waves }
+    }
+
+    /// Height over the radius, and its slope around the shaft.
+    fn at(&self, angle: f64, along: f64) -> (f64, f64) {
+        self.waves.iter().fold((0.0, 0.0), |(height, slope), &(count, size, phase, drift)| {
+            let at = count * angle + phase + drift * along;
+            (height + size * libm::sin(at), slope + size * count * libm::cos(at))
+        })
     }
 }
 
