@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use barbule::io::tables::read_index_table;
+use barbule::material::Library;
 use barbule::{Error, Result};
 use clap::Args;
 
@@ -48,6 +50,23 @@ impl Common {
         // A second call in one process (tests) keeps the first pool; results do not depend on it.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         Ok(())
+    }
+
+    /// The media that structures may name: those built in, and those of `--medium`.
+    ///
+    /// # Errors
+    /// A `--medium` is not NAME=FILE, its name cannot be one, or its table cannot be read.
+    pub fn library(&self) -> Result<Library> {
+        let mut library = Library::builtin();
+        for given in &self.medium {
+            let (name, file) =
+                given.split_once('=').filter(|(_, file)| !file.is_empty()).ok_or_else(|| {
+                    Error::input(format!("--medium {given}: write NAME=FILE, as in chitin=chitin.csv"))
+                })?;
+            let table = read_index_table(file.as_ref())?;
+            library.insert_table(name.trim(), table).map_err(|e| e.at("--medium"))?;
+        }
+        Ok(library)
     }
 
     /// Writes a message for people to standard error, unless `--quiet`.

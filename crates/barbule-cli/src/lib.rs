@@ -7,6 +7,7 @@ pub mod commands;
 pub mod common;
 pub mod materials;
 pub mod progress;
+pub mod provenance;
 pub mod sets;
 
 use std::io::Write;

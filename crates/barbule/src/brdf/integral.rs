@@ -16,15 +16,10 @@ use crate::{Error, Result};
 /// σ out of range, or a lobe or θ_i at or past grazing.
 pub fn lobe_integral(lobe: Lobe, theta_i: f64, sigma: f64) -> Result<f64> {
     check_sigma(sigma)?;
-    let incident = omega(theta_i, lobe.phi);
-    let positive = incident.z > 1e-6 && (0.001..=1.0).contains(&lobe.m);
-    if !positive {
+    if !(omega(theta_i, lobe.phi).z > 1e-6 && (0.001..=1.0).contains(&lobe.m)) {
         return Err(Error::input("the lobe's direction must lie above the horizon and m between 0.001 and 1"));
     }
-    let scaled = Quadrature::new().scaled_integral(lobe.m, incident, sigma);
-    let z = incident.z;
-    let g = 2.0 * z / (z + (z * z + lobe.m * lobe.m * (1.0 - z * z)).sqrt());
-    Ok(sigma * PI.sqrt() / (2.0 * lobe.m) * g * scaled / z)
+    Ok(Quadrature::new().integral(lobe, theta_i, sigma))
 }
 
 /// Nodes and weights of a rule on \[0, 1\].
@@ -55,6 +50,14 @@ impl Quadrature {
             hermite: gauss_hermite_8(),
             part: gauss_legendre(20),
         }
+    }
+
+    /// I of a lobe above the horizon.
+    pub(super) fn integral(&self, lobe: Lobe, theta_i: f64, sigma: f64) -> f64 {
+        let (m, incident) = (lobe.m, omega(theta_i, lobe.phi));
+        let z = incident.z;
+        let g = 2.0 * z / (z + (z * z + m * m * (1.0 - z * z)).sqrt());
+        sigma * PI.sqrt() / (2.0 * m) * g * self.scaled_integral(m, incident, sigma) / z
     }
 
     /// J = 2m/(σ√π) ∫∫ D₁ D₂ G₁(ω_o) (ω_eff·h) dβ dh_y over h = (r sinβ, h_y, r cosβ), r² = 1 − h_y², where ω_o is above

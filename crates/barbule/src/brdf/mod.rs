@@ -6,9 +6,12 @@
 
 mod evaluate;
 mod example;
+pub mod fit;
 mod integral;
+mod length;
 mod material;
 mod noise;
+mod patterns;
 mod sample;
 mod table;
 

@@ -1,6 +1,14 @@
 //! The only module that opens files.
 
 pub mod image;
+mod section;
+mod species;
+mod stack;
+pub mod store;
+pub mod tables;
 mod whole;
 
+pub use section::{parse_section, read_section, read_sections, section_json, write_section};
+pub use species::{read_species, read_structure_toml};
+pub use stack::{parse_stack, read_stack};
 pub use whole::{LARGEST_INPUT, check_writable, read_at_most, read_bytes, read_text, write_whole};

@@ -19,7 +19,7 @@ use std::sync::Arc;
 use crate::{Complex64, Error, Result};
 
 /// The largest |n| or k of any medium: beyond it the formulas lose their digits.
-const LARGEST_INDEX: f64 = 1000.0;
+const LARGEST_INDEX: f64 = 1e9;
 /// The smallest |n + jk| of any medium.
 const SMALLEST_INDEX: f64 = 1e-3;
 

@@ -1,4 +1,6 @@
-//! Mathematics without physics: seeded random streams, transforms, quadrature, small kernels.
+//! Mathematics without physics: seeded random streams, SIMD kernels, interpolation, elementary statistics.
 
+pub mod band_limited;
 pub mod normal;
 pub mod rng;
+pub mod simd;

@@ -2,6 +2,9 @@
 
 use glam::DVec3;
 
+/// Azimuths that fields keep beyond either horizon, for interpolation next to it.
+pub const AZIMUTH_MARGIN: usize = 4;
+
 /// ω = (cosθ sinφ, sinθ, cosθ cosφ), away from the surface; θ the longitudinal angle, φ the azimuth, rad.
 #[must_use]
 pub fn omega(theta: f64, phi: f64) -> DVec3 {

@@ -67,3 +67,51 @@ pub struct Statistics {
     /// intensity over instances. Shape `[λ, θ_i, φ_i]`.
     pub contrast: Vec<f64>,
 }
+
+impl Statistics {
+    /// No unit yet; [`Self::append`] adds them in the order of the axes.
+    #[must_use]
+    pub fn empty(axes: Axes, instances: usize) -> Self {
+        Self {
+            axes,
+            instances,
+            u: Vec::new(),
+            v: Vec::new(),
+            autocovariance: Vec::new(),
+            reflected: Vec::new(),
+            reflected_std: Vec::new(),
+            pattern_correlation: Vec::new(),
+            contrast: Vec::new(),
+        }
+    }
+
+    /// Adds the next unit, λ slowest, then θ_i.
+    pub fn append(&mut self, unit: Unit) {
+        self.u.extend(unit.u);
+        self.v.extend(unit.v);
+        self.autocovariance.extend(unit.autocovariance);
+        self.reflected.extend(unit.reflected);
+        self.reflected_std.extend(unit.reflected_std);
+        self.pattern_correlation.extend(unit.pattern_correlation);
+        self.contrast.extend(unit.contrast);
+    }
+}
+
+/// The statistics of one (λ, θ_i), the unit of work: rows of the arrays of [`Statistics`] from the axis φ_i on.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Unit {
+    /// Shape `[φ_i, polarization, AZIMUTHS]`.
+    pub u: Vec<f32>,
+    /// Shape `[φ_i, polarization, AZIMUTHS]`.
+    pub v: Vec<f32>,
+    /// Shape `[φ_i, polarization, LAGS]`.
+    pub autocovariance: Vec<f32>,
+    /// Shape `[φ_i, polarization]`.
+    pub reflected: Vec<f64>,
+    /// Shape `[φ_i, polarization]`.
+    pub reflected_std: Vec<f64>,
+    /// Shape `[φ_i]`.
+    pub pattern_correlation: Vec<f64>,
+    /// Shape `[φ_i]`.
+    pub contrast: Vec<f64>,
+}

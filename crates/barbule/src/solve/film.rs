@@ -7,6 +7,10 @@
 //! Amplitudes of s belong to E, those of p to H̃, both perpendicular to the plane of incidence, so at normal
 //! incidence r_p = −r_s.
 
+mod sweep;
+
+pub use sweep::{Sweep, Tables, bytes, sweep};
+
 use crate::structure::stack::Stack;
 use crate::{Complex64, Error, Result};
 

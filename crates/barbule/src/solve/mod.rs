@@ -1,2 +1,5 @@
 //! Wave solvers: each takes a structure and gives scattered fields.
+
+pub mod direct;
 pub mod film;
+pub mod surface;

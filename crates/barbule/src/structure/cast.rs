@@ -49,8 +49,10 @@ pub struct Columns {
 
 /// Finds the layers under each ray: distances along −normal between consecutive changes of the medium.
 ///
-/// Exact for polylines and circles. Beyond the ends of the section the end segments' lines go on. A mixture's
-/// fraction is that at the ray's own x, the point on the top, all the way down.
+/// Exact for polylines and circles. Beyond the ends of the section the end segments' lines go on, until the ray is
+/// above or below all of them. A ray ends at twice the height of the section (which only rays inclined by over 60°
+/// reach, where no layered description holds): the medium there goes on as its substrate. A mixture's fraction is that
+/// at the ray's own x, the point on the top, all the way down.
 ///
 /// # Errors
 /// The section has no boundaries, or over 65,535 media.
@@ -67,7 +69,7 @@ pub fn cast(section: &Section, rays: &[Ray]) -> Result<Columns> {
     let mut slots = Slots::default();
     let mut found: Vec<Found> = Vec::new();
     let mut ends = Vec::with_capacity(rays.len());
-    let mut state = State::default();
+    let mut state = State { limits: Limits::new(section), ..State::default() };
     for ray in rays {
         layers_below(&profiles, &hulls, ray, &mut state);
         state.emit(&kinds, section.boundaries.len(), &mut found);
@@ -197,9 +199,37 @@ enum Change {
     Loop(u32),
 }
 
+/// Where rays end.
+#[derive(Debug, Clone, Copy, Default)]
+struct Limits {
+    longest: f64,
+    left: f64,
+    right: f64,
+}
+
+impl Limits {
+    fn new(section: &Section) -> Self {
+        let heights = section.boundaries.iter().flat_map(|boundary| &boundary.z_um);
+        let (low, high) =
+            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &z| (low.min(z), high.max(z)));
+        let xs = &section.top().x_um;
+        Self { longest: 2.0 * (high - low), left: xs[0], right: xs[xs.len() - 1] }
+    }
+
+    /// The parameter at which a ray leaves the section's extent in x.
+    fn leaves(&self, ray: &Ray) -> f64 {
+        let dx = -ray.normal[0];
+        let end = if dx > 0.0 { self.right } else { self.left };
+        if dx == 0.0 { f64::INFINITY } else { (end - ray.x_um) / dx }
+    }
+}
+
 /// Buffers of one ray.
 #[derive(Debug, Default)]
 struct State {
+    limits: Limits,
+    /// Where the current ray leaves the section's extent in x.
+    leaves: f64,
     /// Boundaries above the start.
     above: usize,
     crossings: Vec<(f64, Change)>,
@@ -213,6 +243,7 @@ struct State {
 fn layers_below(profiles: &[Profile<'_>], hulls: &Hulls<'_>, ray: &Ray, state: &mut State) {
     let direction = [-ray.normal[0], -ray.normal[1]];
     state.crossings.clear();
+    state.leaves = state.limits.leaves(ray);
     state.above = 1;
     for (index, profile) in profiles.iter().enumerate() {
         let below = profile.cross(ray, direction, index == 0, &mut state.crossings);
@@ -236,7 +267,10 @@ impl State {
         self.inside.clear();
         let (mut from, mut index) = (0.0, 0);
         loop {
-            let last = index == self.crossings.len();
+            let last = self.crossings.get(index).is_none_or(|&(t, _)| {
+                let outside = above <= 0 || above >= boundaries as isize;
+                t > self.limits.longest || (outside && t > self.leaves)
+            });
             let to = if last { f64::INFINITY } else { self.crossings[index].0.max(from) };
             if to - from > NO_THICKNESS_UM {
                 let deepest = self.inside.iter().max_by_key(|entry| entry.0).and_then(|entry| entry.2);
@@ -281,6 +315,11 @@ struct Profile<'a> {
     /// The same of the points from each on.
     low_after: Vec<f64>,
     high_after: Vec<f64>,
+    /// Slopes of the first and the last segment.
+    end_slopes: [f64; 2],
+    /// The first segment that reaches into each of as many equal stretches as there are segments.
+    stretches: Vec<u32>,
+    per_stretch: f64,
 }
 
 impl<'a> Profile<'a> {
@@ -296,13 +335,45 @@ impl<'a> Profile<'a> {
             }
             out
         };
+        let last = curve.x_um.len() - 1;
+        let slope = |i: usize| (curve.z_um[i + 1] - curve.z_um[i]) / (curve.x_um[i + 1] - curve.x_um[i]);
+        let xs = &curve.x_um;
+        let per_stretch = (xs[last] - xs[0]) / last as f64;
+        let mut segment = 0;
+        let stretches = (0..last)
+            .map(|stretch| {
+                let start = xs[0] + per_stretch * stretch as f64;
+                while segment + 1 < last && xs[segment + 1] <= start {
+                    segment += 1;
+                }
+                segment as u32
+            })
+            .collect();
         Self {
             curve,
+            stretches,
+            per_stretch,
+            end_slopes: [slope(0), slope(last - 1)],
             low_before: scan(f64::INFINITY, f64::min, false),
             high_before: scan(f64::NEG_INFINITY, f64::max, false),
             low_after: scan(f64::INFINITY, f64::min, true),
             high_after: scan(f64::NEG_INFINITY, f64::max, true),
         }
+    }
+
+    /// The segment over x; the outermost ones go on past the ends.
+    fn segment(&self, x: f64) -> usize {
+        let xs = &self.curve.x_um;
+        // A cast of a negative number gives 0.
+        let stretch = (((x - xs[0]) / self.per_stretch) as usize).min(self.stretches.len() - 1);
+        let mut i = self.stretches[stretch] as usize;
+        while i + 2 < xs.len() && xs[i + 1] <= x {
+            i += 1;
+        }
+        while i > 0 && xs[i] > x {
+            i -= 1;
+        }
+        i
     }
 
     /// Adds the crossings of a ray; returns whether the ray starts below the boundary (on it counts as below).
@@ -312,34 +383,41 @@ impl<'a> Profile<'a> {
     fn cross(&self, ray: &Ray, direction: [f64; 2], on_it: bool, out: &mut Vec<(f64, Change)>) -> bool {
         let (xs, zs) = (&self.curve.x_um, &self.curve.z_um);
         let last = xs.len() - 1;
-        let segment = xs.partition_point(|&x| x <= ray.x_um).clamp(1, last) - 1;
-        let line = |i: usize, x: f64| zs[i] + (zs[i + 1] - zs[i]) * ((x - xs[i]) / (xs[i + 1] - xs[i]));
-        let start = if on_it { 0.0 } else { ray.z_um - line(segment, ray.x_um) };
-        let starts_below = start <= 0.0;
-        let mut below = starts_below;
-        // Height over the boundary at the parameter reached, and that parameter.
-        let (mut over, mut reached) = (start, 0.0);
         let [dx, dz] = direction;
+        let line = |i: usize, x: f64| zs[i] + (zs[i + 1] - zs[i]) * ((x - xs[i]) / (xs[i + 1] - xs[i]));
+        // Nothing happens above the highest point, as long as that stretch is within the section.
+        let highest = self.high_after[0];
+        let skip = if !on_it && dz < 0.0 && ray.z_um > highest { (ray.z_um - highest) / -dz } else { 0.0 };
+        let x = ray.x_um + skip * dx;
+        let skips = skip > 0.0 && ray.x_um.min(x) >= xs[0] && ray.x_um.max(x) <= xs[last];
+        let (x, mut reached) = if skips { (x, skip) } else { (ray.x_um, 0.0) };
+        let mut i = self.segment(x);
+        // Height over the boundary at the parameter reached.
+        let mut over = if on_it { 0.0 } else { ray.z_um + reached * dz - line(i, x) };
+        if skips {
+            over = over.max(f64::MIN_POSITIVE);
+        }
+        let starts_below = over <= 0.0;
+        let mut below = starts_below;
         let mut emit = |t: f64, below: bool| out.push((t, if below { Change::Below } else { Change::Above }));
         let right = dx > 0.0;
-        let mut i = segment;
-        // Whether the ray is inside the section's extent, where walking to the next vertex makes sense.
+        let per_dx = 1.0 / dx;
         loop {
             let vertex = if right { i + 1 } else { i };
-            let t_end = if dx == 0.0 { f64::INFINITY } else { (xs[vertex] - ray.x_um) / dx };
-            let slope = (zs[i + 1] - zs[i]) / (xs[i + 1] - xs[i]);
-            let outermost = dx == 0.0 || (right && i + 1 == last) || (!right && i == 0);
-            if outermost || !t_end.is_finite() {
+            let outermost = dx == 0.0 || vertex == if right { last } else { 0 };
+            let t_end = if outermost { f64::INFINITY } else { ((xs[vertex] - ray.x_um) * per_dx).max(reached) };
+            if t_end == f64::INFINITY {
                 // One line from here on: at most one crossing.
-                let rate = dz - slope * dx;
+                let rate = dz - (zs[i + 1] - zs[i]) / (xs[i + 1] - xs[i]) * dx;
                 let t = reached - over / rate;
-                if (if below { rate > 0.0 } else { rate < 0.0 }) && t.is_finite() && (t > reached || over != 0.0) {
+                let comes = if below { rate > 0.0 } else { rate < 0.0 };
+                if comes && t.is_finite() && (t > reached || over != 0.0) {
                     emit(t.max(reached), !below);
                 }
                 return starts_below;
             }
-            let t_end = t_end.max(reached);
-            let end_over = ray.z_um + t_end * dz - zs[vertex];
+            let height = ray.z_um + t_end * dz;
+            let end_over = height - zs[vertex];
             // At the point where it starts on the top the ray goes inwards; rounding must not bring it out again.
             let now_below = if on_it && below { end_over <= NO_THICKNESS_UM } else { end_over <= 0.0 };
             if now_below != below {
@@ -348,16 +426,15 @@ impl<'a> Profile<'a> {
                 below = now_below;
             }
             (over, reached) = (end_over, t_end);
-            let height = ray.z_um + t_end * dz;
             let (low, high, end_slope) = if right {
-                (self.low_after[vertex], self.high_after[vertex], (zs[last] - zs[last - 1]) / (xs[last] - xs[last - 1]))
+                (self.low_after[vertex], self.high_after[vertex], self.end_slopes[1])
             } else {
-                (self.low_before[vertex], self.high_before[vertex], (zs[1] - zs[0]) / (xs[1] - xs[0]))
+                (self.low_before[vertex], self.high_before[vertex], self.end_slopes[0])
             };
             // Past the last vertex the end line may still catch up with the ray.
             let rate = dz - end_slope * dx;
-            if (below && dz <= 0.0 && height < low && rate <= 0.0) || (!below && dz >= 0.0 && height > high && rate >= 0.0)
-            {
+            let stays_below = below && dz <= 0.0 && height < low && rate <= 0.0;
+            if stays_below || (!below && dz >= 0.0 && height > high && rate >= 0.0) {
                 return starts_below;
             }
             i = if right { i + 1 } else { i - 1 };
@@ -365,13 +442,16 @@ impl<'a> Profile<'a> {
     }
 }
 
+/// Columns hold about this many pieces: fewer, and inclined rays visit too many; more, and each tests too many.
+const PIECES_PER_COLUMN: usize = 128;
+
 /// The closed loops, sorted into columns along x.
 struct Hulls<'a> {
     nested: Vec<(u32, Option<usize>)>,
+    /// Column by column, so that a ray reads them in one go; a piece is in each column that it reaches.
     pieces: Vec<Piece<'a>>,
-    /// Start of each column in `members`.
+    /// Start of each column in `pieces`.
     starts: Vec<u32>,
-    members: Vec<u32>,
     left: f64,
     per_column: f64,
     low: f64,
@@ -379,6 +459,7 @@ struct Hulls<'a> {
 }
 
 /// An edge of a polygon or a whole circle.
+#[derive(Clone, Copy)]
 enum Piece<'a> {
     Edge { id: u32, from: [f64; 2], to: [f64; 2] },
     Circle { id: u32, shape: &'a Loop },
@@ -418,13 +499,12 @@ impl<'a> Hulls<'a> {
             let [x0, x1, z0, z1] = piece.extent();
             all = [all[0].min(x0), all[1].max(x1), all[2].min(z0), all[3].max(z1)];
         }
-        let count = (pieces.len() / 16).clamp(1, 4096);
+        let count = (pieces.len() / PIECES_PER_COLUMN).clamp(1, 65536);
         let per_column = (all[1] - all[0]) / count as f64;
         let mut hulls = Self {
             nested,
             pieces,
             starts: vec![0; count + 1],
-            members: Vec::new(),
             left: all[0],
             per_column,
             low: all[2],
@@ -449,14 +529,15 @@ impl<'a> Hulls<'a> {
         for column in 0..count {
             hulls.starts[column + 1] += hulls.starts[column];
         }
-        hulls.members = vec![0; hulls.starts[count] as usize];
+        let mut members = vec![0; hulls.starts[count] as usize];
         let mut next = hulls.starts.clone();
         for (piece, &(from, to)) in ranges.iter().enumerate() {
             for place in &mut next[from..=to] {
-                hulls.members[*place as usize] = piece as u32;
+                members[*place as usize] = piece;
                 *place += 1;
             }
         }
+        hulls.pieces = members.into_iter().map(|piece| hulls.pieces[piece]).collect();
         hulls
     }
 
@@ -490,8 +571,7 @@ impl<'a> Hulls<'a> {
         };
         for column in first..=last {
             let (from, to) = (self.starts[column] as usize, self.starts[column + 1] as usize);
-            for &member in &self.members[from..to] {
-                let piece = &self.pieces[member as usize];
+            for piece in &self.pieces[from..to] {
                 match piece {
                     Piece::Edge { id, from, to } => {
                         let side = |p: &[f64; 2]| dx * (p[1] - ray.z_um) - dz * (p[0] - ray.x_um);

@@ -233,25 +233,61 @@ fn check_width(parts: &Parts) -> Result<()> {
 /// The lower of two boundaries is nowhere above the upper one over the extent of the top.
 fn check_order(index: usize, upper: &Polyline, lower: &Polyline, top: &Polyline) -> Result<()> {
     let (from, to) = (top.x_um[0], top.x_um[top.x_um.len() - 1]);
-    let mut xs: Vec<f64> = upper.x_um.iter().chain(&lower.x_um).copied().filter(|x| (from..=to).contains(x)).collect();
-    xs.extend([from, to]);
-    xs.sort_by(f64::total_cmp);
-    xs.dedup();
-    let gap = |x: f64| upper.height(x) - lower.height(x);
-    let Some(at) = xs.iter().position(|&x| gap(x) < -ROUNDING_UM) else { return Ok(()) };
+    let (mut upper_walk, mut lower_walk) = (Walk::new(upper), Walk::new(lower));
+    // The points of both curves in order, without a list of them.
+    let mut x0 = from;
+    let mut before = upper_walk.height(from) - lower_walk.height(from);
+    let mut x = from;
+    let gap = loop {
+        let gap = upper_walk.height(x) - lower_walk.height(x);
+        if gap < -ROUNDING_UM {
+            break gap;
+        }
+        if x >= to {
+            return Ok(());
+        }
+        (x0, before) = (x, gap);
+        x = upper_walk.next_point().min(lower_walk.next_point()).min(to);
+    };
     let (above, below) = (format!("boundaries[{index}]"), format!("boundaries[{}]", index + 1));
-    if at == 0 {
+    if x == from {
         return refuse(format!(
-            "{below} lies above {above} at x = {:.4} µm; list the boundaries from the top down",
-            xs[0]
+            "{below} lies above {above} at x = {x:.4} µm; list the boundaries from the top down"
         ));
     }
-    let (x0, x1) = (xs[at - 1], xs[at]);
-    let x = x0 + (x1 - x0) * (gap(x0) / (gap(x0) - gap(x1)));
+    let x = x0 + (x - x0) * (before / (before - gap));
     refuse(format!(
         "{below} crosses {above} at x = {x:.4}, z = {:.4} µm; keep every boundary below the one before it",
         upper.height(x)
     ))
+}
+
+/// Heights of a curve at increasing x.
+struct Walk<'a> {
+    curve: &'a Polyline,
+    segment: usize,
+}
+
+impl<'a> Walk<'a> {
+    fn new(curve: &'a Polyline) -> Self {
+        Self { curve, segment: 0 }
+    }
+
+    fn height(&mut self, x: f64) -> f64 {
+        let (xs, zs) = (&self.curve.x_um, &self.curve.z_um);
+        while self.segment + 2 < xs.len() && xs[self.segment + 1] <= x {
+            self.segment += 1;
+        }
+        let i = self.segment;
+        zs[i] + (zs[i + 1] - zs[i]) * ((x - xs[i]) / (xs[i + 1] - xs[i]))
+    }
+
+    /// The next point after the last height asked for, or ∞.
+    fn next_point(&self) -> f64 {
+        let xs = &self.curve.x_um;
+        // Before the first point, which the end segment's line reaches, it comes next.
+        xs[self.segment + 1..].first().copied().filter(|_| self.segment + 2 < xs.len()).unwrap_or(f64::INFINITY)
+    }
 }
 
 fn check_loop(place: &str, shape: &Loop, parts: &Parts) -> Result<()> {

@@ -13,9 +13,11 @@ mod sweep;
 
 pub use cast::{Columns, Mixture, Ray, cast};
 pub use section::{
-    Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts, Polyline, Section, Substance,
+    FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts, Polyline, Section, Substance,
 };
-pub use species::{Parameters, SpeciesFile, SpeciesModel, Starling, species_names, species_toml};
+pub use species::{
+    Bronzewing, Hummingbird, Parameters, RockDove, SpeciesFile, SpeciesModel, Starling, species_names, species_toml,
+};
 
 use crate::{Error, Result};
 

@@ -6,11 +6,15 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use super::check;
-use crate::material::{Library, Material};
+use super::stack::Stack;
+use crate::material::{Library, Material, shortened};
 use crate::{Complex64, Error, Result};
 
 /// No coordinate of a section is larger than this.
 pub const LARGEST_COORDINATE_UM: f64 = 1000.0;
+
+/// The width of a planar stack as a section.
+pub const FLAT_WIDTH_UM: f64 = 25.0;
 
 /// No section has more points than this.
 pub const MOST_POINTS: usize = 1_000_000;
@@ -242,6 +246,24 @@ impl Section {
         let Parts { name, boundaries, media, inclusions, source, .. } = parts;
         let materials = BTreeMap::new();
         Ok(Self { name, width_um, boundaries, media, inclusions, source, library, materials, nesting })
+    }
+
+    /// A planar stack as a flat section, [`FLAT_WIDTH_UM`] wide.
+    ///
+    /// # Errors
+    /// The stack is over 1 mm thick, or names media that `library` does not have.
+    pub fn flat(name: &str, stack: &Stack, library: Library) -> Result<Self> {
+        let half = 0.5 * FLAT_WIDTH_UM;
+        let mut height = 0.0;
+        let mut boundaries = Vec::with_capacity(stack.layers() + 1);
+        for layer in 0..=stack.layers() {
+            boundaries.push(Polyline { x_um: vec![-half, 0.0, half], z_um: vec![height; 3] });
+            height -= stack.thickness_nm().get(layer).map_or(0.0, |nm| nm * 1e-3);
+        }
+        let media = (0..stack.layers() + 2).map(|region| Medium::named(stack.medium(region))).collect();
+        let source = format!("stack {}", shortened(name));
+        let (name, width_um) = (name.to_owned(), Some(FLAT_WIDTH_UM));
+        Self::new(Parts { name, width_um, boundaries, media, source, ..Parts::default() }, library)
     }
 
     /// The top boundary; empty in a section of inclusions alone.

@@ -1,5 +1,8 @@
 //! The species: files of generator parameters with colour variants, and the generators.
 
+mod bronzewing;
+mod hummingbird;
+mod rock_dove;
 mod starling;
 
 use serde::Serialize;
@@ -13,7 +16,12 @@ use crate::math::rng::Stream;
 use crate::{Error, Result};
 
 /// A built-in species: its name and the text of its file.
-const BUILTIN: &[(&str, &str)] = &[("starling", include_str!("starling.toml"))];
+const BUILTIN: &[(&str, &str)] = &[
+    ("rock-dove", include_str!("rock-dove.toml")),
+    ("starling", include_str!("starling.toml")),
+    ("bronzewing", include_str!("bronzewing.toml")),
+    ("hummingbird", include_str!("hummingbird.toml")),
+];
 
 /// Species that a photonic crystal colours, each with its variants, the default first.
 const LATTICES: &[(&str, &[&str])] = &[
@@ -62,20 +70,32 @@ macro_rules! parameters {
 }
 use parameters;
 
+pub use bronzewing::Bronzewing;
+pub use hummingbird::Hummingbird;
+pub use rock_dove::RockDove;
 pub use starling::Starling;
 
 /// The parameters of one species and variant, by generator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "generator", rename_all = "kebab-case")]
 pub enum Parameters {
+    /// A keratin cortex between air outside and inside.
+    RockDove(RockDove),
     /// A keratin film over a layer of melanosomes.
     Starling(Starling),
+    /// Two stacks of melanosome layers.
+    Bronzewing(Bronzewing),
+    /// Layers of air-filled pancake melanosomes.
+    Hummingbird(Hummingbird),
 }
 
 impl Parameters {
     fn keys(generator: &str) -> Result<&'static [&'static str]> {
         match generator {
+            "rock-dove" => Ok(RockDove::KEYS),
             "starling" => Ok(Starling::KEYS),
+            "bronzewing" => Ok(Bronzewing::KEYS),
+            "hummingbird" => Ok(Hummingbird::KEYS),
             other => {
                 let near = did_you_mean(other, GENERATORS.iter().copied());
                 let help = if near.is_empty() { format!("; known are {}", GENERATORS.join(", ")) } else { near };
@@ -84,11 +104,48 @@ impl Parameters {
         }
     }
 
+    /// Of a generator that [`Self::keys`] knows.
     fn read(generator: &str, fields: &Fields<'_>) -> Result<Self> {
-        match generator {
-            _ => Starling::read(fields).map(Self::Starling),
+        Ok(match generator {
+            "rock-dove" => {
+                let parameters = RockDove::read(fields)?;
+                parameters.check()?;
+                Self::RockDove(parameters)
+            }
+            "bronzewing" => {
+                let parameters = Bronzewing::read(fields)?;
+                parameters.check()?;
+                Self::Bronzewing(parameters)
+            }
+            "hummingbird" => {
+                let parameters = Hummingbird::read(fields)?;
+                parameters.check()?;
+                Self::Hummingbird(parameters)
+            }
+            _ => {
+                let parameters = Starling::read(fields)?;
+                parameters.check()?;
+                Self::Starling(parameters)
+            }
+        })
+    }
+
+    fn width_um(&self) -> f64 {
+        match self {
+            Self::RockDove(p) => p.width_um,
+            Self::Starling(p) => p.width_um,
+            Self::Bronzewing(p) => p.width_um,
+            Self::Hummingbird(p) => p.width_um,
         }
     }
+}
+
+/// Refuses a range whose low end is above its high end.
+fn ordered(low_key: &str, low: f64, high_key: &str, high: f64) -> Result<()> {
+    if low <= high {
+        return Ok(());
+    }
+    Err(Error::input(format!("parameters.{low_key} is {low}, above {high_key}, {high}; swap them")))
 }
 
 /// One species in one colour variant: makes random sections.
@@ -149,7 +206,10 @@ impl SpeciesModel {
     pub fn section(&self, seed: u64, index: usize) -> Result<Section> {
         let random = Random { seed, instance: index as u64 };
         let mut parts = match &self.parameters {
+            Parameters::RockDove(p) => p.parts(&random),
             Parameters::Starling(p) => p.parts(&random),
+            Parameters::Bronzewing(p) => p.parts(&random),
+            Parameters::Hummingbird(p) => p.parts(&random),
         };
         parts.name = format!("{} {index}", self.title());
         parts.source = format!("barbule {}, seed {seed}, instance {index}", self.title());
@@ -167,15 +227,13 @@ impl SpeciesModel {
     /// The barbule's width.
     #[must_use]
     pub fn width_um(&self) -> f64 {
-        match &self.parameters {
-            Parameters::Starling(p) => p.width_um,
-        }
+        self.parameters.width_um()
     }
 
     /// Whether the outline is an arch rather than a slab.
     #[must_use]
     pub fn is_curved(&self) -> bool {
-        false
+        matches!(self.parameters, Parameters::RockDove(_))
     }
 }
 
@@ -232,6 +290,8 @@ pub struct SpeciesFile {
     pub coloration: String,
     /// The variant of a bare name.
     pub default: String,
+    /// The table of the file's own materials, which lie in other files.
+    pub(crate) materials: Option<Value>,
     variants: Vec<Variant>,
     generator: String,
     parameters: Value,
@@ -253,13 +313,13 @@ impl SpeciesFile {
     pub fn parse(text: &str) -> Result<Self> {
         let value: Value = toml::from_str::<toml::Table>(text)
             .map_err(|error| {
-                let line = error.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+                let line = error.span().map_or(0, |span| text.as_bytes()[..span.start.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1);
                 Error::input(format!("line {line} is not TOML: {}", shortened(error.message())))
             })
             .and_then(|table| {
                 serde_json::to_value(table).map_err(|e| Error::input(format!("cannot be read: {}", shortened(&e.to_string()))))
             })?;
-        let keys = ["barbule", "name", "latin", "coloration", "source", "generator", "default", "parameters", "variants"];
+        let keys = ["barbule", "name", "latin", "coloration", "source", "generator", "default", "parameters", "variants", "materials"];
         if value.get("lattice").is_some() {
             return Err(Error::input(
                 "lattice: photonic crystals are not simulated yet by this version; describe the barbule by layers",
@@ -296,6 +356,7 @@ impl SpeciesFile {
             coloration: optional("coloration")?,
             generator: text("generator", "starling, rock-dove, bronzewing or hummingbird")?,
             parameters: fields.need("parameters", "the table of the generator's parameters")?.clone(),
+            materials: fields.get("materials").cloned(),
             default,
             variants,
         };

@@ -59,6 +59,10 @@ impl Starling {
         )
     }
 
+    pub(super) fn check(&self) -> crate::Result<()> {
+        super::ordered("core_fraction_low", self.core_fraction_low, "core_fraction_high", self.core_fraction_high)
+    }
+
     /// The two boundaries of the chain under a surface.
     fn layer(&self, stream: &mut Stream, surface: &Polyline) -> (Polyline, Polyline) {
         let depth = self.cortex_um + 0.5 * self.melanosome_diameter_um;

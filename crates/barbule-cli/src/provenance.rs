@@ -1,0 +1,131 @@
+//! Where an output comes from: version, command and seed, inside figures and beside CSV files.
+
+use std::path::{Path, PathBuf};
+
+use barbule::io::{check_writable, write_whole};
+use barbule::plot::{Drawing, Format};
+use barbule::{Error, Result};
+
+use crate::common::Common;
+
+/// What made an output.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Provenance {
+    notes: Vec<(String, String)>,
+}
+
+impl Provenance {
+    /// This version, this process's command line and its seed.
+    #[must_use]
+    pub fn new(common: &Common) -> Self {
+        let words = std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy()));
+        let command = std::iter::once("barbule".to_owned()).chain(words).collect::<Vec<_>>().join(" ");
+        let notes = [
+            ("version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("command", command),
+            ("seed", common.seed.to_string()),
+        ];
+        Self { notes: notes.into_iter().map(|(name, text)| (name.to_owned(), text)).collect() }
+    }
+
+    /// The same with a further note, for example `material_hash`.
+    #[must_use]
+    pub fn with(mut self, name: &str, text: impl Into<String>) -> Self {
+        self.notes.push((name.to_owned(), text.into()));
+        self
+    }
+
+    /// All notes (name, text), for formats that carry them inside.
+    #[must_use]
+    pub fn notes(&self) -> Vec<(&str, &str)> {
+        self.notes.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect()
+    }
+
+    /// The notes as one JSON object.
+    #[must_use]
+    pub fn json(&self) -> serde_json::Value {
+        let value = |(name, text): &(String, String)| {
+            let number = (name == "seed").then(|| text.parse::<u64>().ok()).flatten();
+            (name.clone(), number.map_or_else(|| text.clone().into(), serde_json::Value::from))
+        };
+        serde_json::Value::Object(self.notes.iter().map(value).collect())
+    }
+
+    /// Writes a figure, SVG or PNG by its extension, with the notes inside.
+    ///
+    /// # Errors
+    /// Another extension, or the file cannot be written.
+    pub fn write_figure(&self, path: &Path, drawing: &Drawing) -> Result<()> {
+        write_whole(path, &drawing.encode(Format::of(path)?, &self.notes())?)
+    }
+
+    /// Writes a CSV file and, beside it, the notes as `FILE.json`.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write_csv(&self, path: &Path, text: &str) -> Result<()> {
+        write_whole(path, text.as_bytes())?;
+        write_whole(&sidecar(path), format!("{}\n", self.json()).as_bytes())
+    }
+}
+
+/// The file beside a CSV file that says where it comes from.
+#[must_use]
+pub fn sidecar(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".json");
+    name.into()
+}
+
+/// Refuses, before any work, outputs that could not be written: unknown extensions of figures, missing folders, one
+/// file for two purposes.
+///
+/// # Errors
+/// As above.
+pub fn check_outputs(figure: Option<&Path>, csv: Option<&Path>) -> Result<()> {
+    if let Some(path) = figure {
+        Format::of(path)?;
+        check_writable(path)?;
+    }
+    if let Some(path) = csv {
+        check_writable(path)?;
+        check_writable(&sidecar(path))?;
+    }
+    match (figure, csv) {
+        (Some(a), Some(b)) if a == b => Err(Error::input(format!(
+            "{}: is named for the figure and for the CSV; give two names",
+            a.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// A word as a shell needs it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_quoted_where_a_shell_would_read_them_otherwise() {
+        assert_eq!(quoted("--angle=-20"), "--angle=-20");
+        assert_eq!(quoted("air/6*(keratin:5)/air"), "'air/6*(keratin:5)/air'");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+    }
+
+    #[test]
+    fn sidecars_stand_beside_their_file() {
+        assert_eq!(sidecar(Path::new("a/b.csv")), Path::new("a/b.csv.json"));
+        assert!(check_outputs(Some(Path::new("a.svg")), Some(Path::new("a.svg"))).is_err());
+        assert!(
+            check_outputs(Some(Path::new("a.pdf")), None).unwrap_err().to_string().contains(".svg or .png")
+        );
+    }
+}

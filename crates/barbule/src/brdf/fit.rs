@@ -1,0 +1,478 @@
+//! From the statistics of a campaign to a material.
+
+use rayon::prelude::*;
+
+use super::integral::Quadrature;
+use super::length;
+use super::material::{LobeSet, Material, ParameterSet, check_sigma};
+use super::noise::spectrum;
+use crate::observer::Observer;
+use crate::scattering::directions;
+use crate::scattering::lobe::{Fit, FitKind, Fitter, Lobe};
+use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, Statistics};
+use crate::{Error, Result};
+
+/// A mean lobe with a larger relative residual is flagged.
+pub const LARGEST_RESIDUAL: f64 = 0.5;
+
+/// A stationary part with less than this share of the energy takes the mean lobe's shape: its own would be noise.
+const SMALLEST_STATIONARY: f64 = 2e-3;
+
+/// How a material is fitted.
+#[derive(Debug, Clone)]
+pub struct FitOptions {
+    /// What the lobe's shape is fitted to.
+    pub kind: FitKind,
+    /// Longitudinal spread σ that the material proposes.
+    pub sigma: f64,
+    /// Whether both incident polarizations keep sets of their own.
+    pub polarized: bool,
+    /// Seed of the material's noise.
+    pub seed: u64,
+    /// What the maker records: species, variant, parameters.
+    pub info: serde_json::Value,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self {
+            kind: FitKind::Marginal,
+            sigma: 0.04,
+            polarized: false,
+            seed: 1,
+            info: serde_json::Value::Object(serde_json::Map::new()),
+        }
+    }
+}
+
+/// How well a fit went, over all (λ, ω_i) of all sets.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct FitReport {
+    /// Median of ‖U' − U‖/‖U‖ over the azimuths.
+    pub residual_median: f64,
+    /// 95th percentile of the same.
+    pub residual_95: f64,
+    /// Fits that did not settle or whose residual exceeds [`LARGEST_RESIDUAL`].
+    pub flagged: Vec<Flagged>,
+    /// Number of mean lobes fitted.
+    pub fits: usize,
+    /// Largest part of V's total that the clip to \[0, U\] took away, relative to U's.
+    pub largest_clip: f64,
+    /// l at the longest wavelength and normal incidence, by least squares and by ratio of 1/e lengths.
+    pub longest_length: [f64; 2],
+    /// Median of |l_least squares / l_ratio − 1| over all (λ, ω_i).
+    pub length_disagreement: f64,
+    /// Correlation of both polarizations' intensity patterns, and contrast of the unpolarized intensity.
+    pub patterns: Vec<Pattern>,
+}
+
+/// One fit that should not be trusted.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Flagged {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// θ_i, degrees.
+    pub theta_deg: f64,
+    /// φ_i, degrees.
+    pub phi_deg: f64,
+    /// Relative residual.
+    pub residual: f64,
+    /// Whether the least squares settled.
+    pub converged: bool,
+}
+
+/// Simulated against synthesized patterns at one (λ, ω_i).
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Pattern {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// θ_i, degrees.
+    pub theta_deg: f64,
+    /// φ_i, degrees.
+    pub phi_deg: f64,
+    /// Correlation between the two incident polarizations, simulated and synthesized.
+    pub correlation: [f64; 2],
+    /// Standard deviation over mean, simulated and synthesized.
+    pub contrast: [f64; 2],
+}
+
+/// The fits of one (λ, ω_i).
+struct Node {
+    mean: Fit,
+    stationary: Lobe,
+    reflected: f64,
+    reflected_stationary: f64,
+    fraction: [f64; 2],
+    clipped: f64,
+}
+
+/// Which polarizations a set stands for.
+type Chosen = &'static [usize];
+
+/// Fits a material.
+///
+/// # Errors
+/// Statistics whose arrays do not match their axes, σ out of range, or a stop by the observer.
+pub fn fit(
+    statistics: &Statistics,
+    options: &FitOptions,
+    observer: &dyn Observer,
+) -> Result<(Material, FitReport)> {
+    check(statistics)?;
+    check_sigma(options.sigma)?;
+    let axes = &statistics.axes;
+    let chosen: &[Chosen] = if options.polarized { &[&[0], &[1]] } else { &[&[0, 1]] };
+    observer.begin("fitting", (axes.len() * chosen.len()) as u64);
+    let noise_power = spectrum(&length::reference(statistics));
+    let mut sets = Vec::new();
+    let mut nodes = Vec::new();
+    let mut ratios = Vec::new();
+    for &polarizations in chosen {
+        let fitted = fit_nodes(statistics, options, polarizations, observer)?;
+        let lengths = length::lengths(statistics, polarizations);
+        sets.push(parameter_set(&fitted, &lengths, polarizations.len() == 2));
+        ratios.extend(lengths);
+        nodes.extend(fitted);
+    }
+    let info = options.info.clone();
+    let material = Material {
+        axes: axes.clone(),
+        kind: options.kind,
+        sigma: options.sigma,
+        sets,
+        noise_power,
+        seed: options.seed,
+        info,
+    };
+    let report = report(statistics, options, &material, &nodes, &ratios);
+    Ok((material, report))
+}
+
+fn check(statistics: &Statistics) -> Result<()> {
+    let nodes = statistics.axes.len();
+    if nodes == 0 {
+        return Err(Error::input("the statistics hold no wavelength or direction"));
+    }
+    for (name, found, expected) in [
+        ("u", statistics.u.len(), nodes * 2 * AZIMUTHS),
+        ("v", statistics.v.len(), nodes * 2 * AZIMUTHS),
+        ("autocovariance", statistics.autocovariance.len(), nodes * 2 * LAGS),
+        ("reflected", statistics.reflected.len(), nodes * 2),
+        ("pattern_correlation", statistics.pattern_correlation.len(), nodes),
+        ("contrast", statistics.contrast.len(), nodes),
+    ] {
+        if found != expected {
+            return Err(Error::input(format!("{name} has {found} values, but the axes ask for {expected}")));
+        }
+    }
+    Ok(())
+}
+
+fn fit_nodes(
+    statistics: &Statistics,
+    options: &FitOptions,
+    polarizations: Chosen,
+    observer: &dyn Observer,
+) -> Result<Vec<Node>> {
+    let axes = &statistics.axes;
+    let phis = axes.cos_phi.len();
+    let fitters: Vec<Fitter> =
+        axes.cos_theta.iter().map(|&c| Fitter::new(options.kind, libm::acos(c), AZIMUTHS)).collect();
+    let quadrature = Quadrature::new();
+    let rows: Vec<Vec<Node>> = (0..axes.wavelengths_nm.len() * axes.cos_theta.len())
+        .into_par_iter()
+        .map(|row| {
+            let theta = row % axes.cos_theta.len();
+            let nodes = (0..phis)
+                .map(|phi| {
+                    let node = row * phis + phi;
+                    let place = Place { statistics, node, polarizations, quadrature: &quadrature, sigma: options.sigma };
+                    place.fit(&fitters[theta], axes.cos_theta[theta], axes.cos_phi[phi])
+                })
+                .collect();
+            observer.advance(phis as u64);
+            if observer.is_cancelled() { Err(Error::interrupted()) } else { Ok(nodes) }
+        })
+        .collect::<Result<_>>()?;
+    Ok(rows.into_iter().flatten().collect())
+}
+
+/// One (λ, ω_i) of the statistics.
+struct Place<'a> {
+    statistics: &'a Statistics,
+    node: usize,
+    polarizations: Chosen,
+    quadrature: &'a Quadrature,
+    sigma: f64,
+}
+
+impl Place<'_> {
+    /// The mean over the chosen polarizations, and at normal azimuth over both sides, which are mirror images.
+    fn values(&self, array: &[f32], cos_phi: f64) -> Vec<f64> {
+        let mut mean = vec![0.0; AZIMUTHS];
+        for &p in self.polarizations {
+            let from = &array[(self.node * 2 + p) * AZIMUTHS..][..AZIMUTHS];
+            for (sum, value) in mean.iter_mut().zip(from) {
+                *sum += f64::from(*value) / self.polarizations.len() as f64;
+            }
+        }
+        if cos_phi > 1.0 - 1e-12 {
+            let mirrored: Vec<f64> = mean.iter().rev().copied().collect();
+            for (value, other) in mean.iter_mut().zip(mirrored) {
+                *value = 0.5 * (*value + other);
+            }
+        }
+        mean
+    }
+
+    fn fit(&self, fitter: &Fitter, cos_theta: f64, cos_phi: f64) -> Node {
+        let phi_i = libm::acos(cos_phi);
+        let step = std::f64::consts::PI / AZIMUTHS as f64;
+        let u = self.values(&self.statistics.u, cos_phi);
+        let v = self.values(&self.statistics.v, cos_phi);
+        let lobe_of = |values: &[f64]| {
+            // By symmetry the azimuth is 0 there, even where two modes would pull it to one of them.
+            if cos_phi > 1.0 - 1e-12 { fitter.fit_m(0.0, values) } else { fitter.fit(phi_i, values) }
+        };
+        let mean = lobe_of(&u);
+        let total = |values: &[f64]| cos_theta * step * values.iter().sum::<f64>();
+        let reflected = total(&u).clamp(0.0, 1.0);
+        let unclipped = total(&v);
+        let own = lobe_of(&v);
+        let weak = unclipped < SMALLEST_STATIONARY * reflected || own.scale == 0.0;
+        let stationary = if weak { mean.lobe } else { own.lobe };
+        // F_sta ≤ F_eff, with F = ρ/I.
+        let integral = |lobe: Lobe| self.quadrature.integral(lobe, libm::acos(cos_theta), self.sigma);
+        let highest = reflected * (integral(stationary) / integral(mean.lobe)).min(1.0);
+        let reflected_stationary = unclipped.clamp(0.0, highest);
+        Node {
+            mean,
+            stationary,
+            reflected,
+            reflected_stationary,
+            fraction: [self.fraction(&self.statistics.u), self.fraction(&self.statistics.v)],
+            clipped: (unclipped - reflected_stationary).abs() / reflected.max(f64::MIN_POSITIVE),
+        }
+    }
+
+    /// Polarization 1's part of the energy.
+    fn fraction(&self, array: &[f32]) -> f64 {
+        let [first, second] = [0, 1].map(|p| {
+            let from = &array[(self.node * 2 + p) * AZIMUTHS..][..AZIMUTHS];
+            from.iter().map(|&v| f64::from(v)).sum::<f64>().max(0.0)
+        });
+        if first + second > 0.0 { first / (first + second) } else { 0.5 }
+    }
+}
+
+fn parameter_set(nodes: &[Node], lengths: &[length::Length], fractions: bool) -> ParameterSet {
+    let gather = |value: fn(&Node) -> f64| nodes.iter().map(|n| value(n) as f32).collect::<Vec<f32>>();
+    ParameterSet {
+        mean: LobeSet {
+            m: gather(|n| n.mean.lobe.m),
+            phi: gather(|n| n.mean.lobe.phi),
+            reflected: gather(|n| n.reflected),
+        },
+        stationary: LobeSet {
+            m: gather(|n| n.stationary.m),
+            phi: gather(|n| n.stationary.phi),
+            reflected: gather(|n| n.reflected_stationary),
+        },
+        length: lengths.iter().map(|l| l.fitted as f32).collect(),
+        fraction_1: if fractions { gather(|n| n.fraction[0]) } else { Vec::new() },
+        stationary_fraction_1: if fractions { gather(|n| n.fraction[1]) } else { Vec::new() },
+    }
+}
+
+fn report(
+    statistics: &Statistics,
+    options: &FitOptions,
+    material: &Material,
+    nodes: &[Node],
+    lengths: &[length::Length],
+) -> FitReport {
+    let axes = &statistics.axes;
+    let mut residuals: Vec<f64> = nodes.iter().map(|n| n.mean.residual).collect();
+    residuals.sort_by(f64::total_cmp);
+    let quantile = |values: &[f64], q: f64| values[((values.len() - 1) as f64 * q).round() as usize];
+    let bad = |n: &Node| !n.mean.converged || !(n.mean.residual <= LARGEST_RESIDUAL);
+    let flagged = nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, n)| bad(n))
+        .map(|(at, n)| {
+            let (wavelength_nm, theta_deg, phi_deg) = direction(axes, at % axes.len());
+            Flagged {
+                wavelength_nm,
+                theta_deg,
+                phi_deg,
+                residual: n.mean.residual,
+                converged: n.mean.converged,
+            }
+        })
+        .collect();
+    let mut apart: Vec<f64> = lengths.iter().map(|l| (l.fitted / l.ratio - 1.0).abs()).collect();
+    apart.sort_by(f64::total_cmp);
+    let last = &lengths[axes.len() - 1];
+    FitReport {
+        residual_median: quantile(&residuals, 0.5),
+        residual_95: quantile(&residuals, 0.95),
+        flagged,
+        fits: nodes.len(),
+        largest_clip: nodes.iter().map(|n| n.clipped).fold(0.0, f64::max),
+        longest_length: [last.fitted, last.ratio],
+        length_disagreement: quantile(&apart, 0.5),
+        patterns: super::patterns::compare(statistics, options.kind, material),
+    }
+}
+
+/// Wavelength in nm and θ_i, φ_i in degrees of a node.
+pub(super) fn direction(axes: &Axes, node: usize) -> (f64, f64, f64) {
+    let phis = axes.cos_phi.len();
+    let thetas = axes.cos_theta.len();
+    (
+        axes.wavelengths_nm[node / phis / thetas],
+        libm::acos(axes.cos_theta[node / phis % thetas]).to_degrees(),
+        libm::acos(axes.cos_phi[node % phis]).to_degrees(),
+    )
+}
+
+/// U' or V' of a lobe: the shape on the azimuths, scaled to reflect `reflected`.
+#[must_use]
+pub fn fitted_values(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> Vec<f64> {
+    let shape: Vec<f64> =
+        directions::azimuths(AZIMUTHS).map(|phi_o| lobe.shape(kind, theta_i, phi_o)).collect();
+    let step = std::f64::consts::PI / AZIMUTHS as f64;
+    let total = libm::cos(theta_i) * step * shape.iter().sum::<f64>();
+    shape.iter().map(|s| s * reflected / total.max(f64::MIN_POSITIVE)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::example;
+    use crate::observer::Unobserved;
+
+    /// Statistics that a material's own lobes would give, with the biased fluctuation of `noise` on V.
+    fn statistics_of(material: &Material) -> Statistics {
+        let axes = Axes {
+            wavelengths_nm: material.axes.wavelengths_nm.clone(),
+            cos_theta: vec![0.3, 0.7, 1.0],
+            cos_phi: vec![0.05, 0.25, 0.6, 1.0],
+        };
+        let mut out = Statistics {
+            instances: 50,
+            u: vec![],
+            v: vec![],
+            autocovariance: vec![],
+            reflected: vec![],
+            reflected_std: vec![],
+            pattern_correlation: vec![1.0; axes.len()],
+            contrast: vec![0.9; axes.len()],
+            axes,
+        };
+        let set = &material.sets[0];
+        let from = |axis: &[f64], c: f64| axis.iter().position(|v| (v - c).abs() < 1e-9).unwrap();
+        for (wave, &nm) in out.axes.wavelengths_nm.iter().enumerate() {
+            for &ct in &out.axes.cos_theta {
+                for &cp in &out.axes.cos_phi {
+                    let at = material.axes.index(
+                        wave,
+                        from(&material.axes.cos_theta, ct),
+                        from(&material.axes.cos_phi, cp),
+                    );
+                    let values = |lobe: &LobeSet| {
+                        let shape = Lobe { m: f64::from(lobe.m[at]), phi: f64::from(lobe.phi[at]) };
+                        fitted_values(FitKind::Marginal, shape, ct.acos(), f64::from(lobe.reflected[at]))
+                    };
+                    for share in [1.2_f32, 0.8] {
+                        out.u.extend(values(&set.mean).iter().map(|v| share * *v as f32));
+                        out.v.extend(values(&set.stationary).iter().map(|v| share * *v as f32));
+                        out.reflected.push(f64::from(set.mean.reflected[at]) * f64::from(share));
+                        out.reflected_std.push(0.0);
+                        let scale = 8.0 * nm / 400.0 * (0.8 + 0.2 * cp);
+                        out.autocovariance
+                            .extend((0..LAGS).map(|k| libm::exp(-(k as f64 / scale).powi(2)) as f32 * share));
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn a_material_is_found_again_from_its_statistics() {
+        let material = example(3);
+        let statistics = statistics_of(&material);
+        let (fitted, report) = fit(&statistics, &FitOptions::default(), &Unobserved).unwrap();
+        fitted.check().unwrap();
+        // Where the azimuth passes over to φ_i the shape is no longer free.
+        assert!(report.residual_median < 1e-6 && report.residual_95 < 0.03, "{report:?}");
+        assert!(report.flagged.is_empty() && report.largest_clip < 1e-6, "{report:?}");
+        assert!((report.longest_length[0] - 1.735).abs() < 0.01, "{report:?}");
+        let set = &fitted.sets[0];
+        let axes = &fitted.axes;
+        for wave in 0..3 {
+            for (t, ct) in axes.cos_theta.iter().enumerate() {
+                for (p, cp) in axes.cos_phi.iter().enumerate() {
+                    let from = |axis: &[f64], c: f64| axis.iter().position(|v| (v - c).abs() < 1e-9).unwrap();
+                    let other = material.axes.index(
+                        wave,
+                        from(&material.axes.cos_theta, *ct),
+                        from(&material.axes.cos_phi, *cp),
+                    );
+                    let at = axes.index(wave, t, p);
+                    let close = |a: f32, b: f32| (a / b - 1.0).abs() < 2e-3 || (a - b).abs() < 2e-4;
+                    let grazing = ct * cp < 0.1;
+                    let expected = &material.sets[0];
+                    assert!(grazing || close(set.mean.m[at], expected.mean.m[other]));
+                    assert!(grazing || (set.mean.phi[at] - expected.mean.phi[other]).abs() < 1e-3);
+                    assert!(close(set.mean.reflected[at], expected.mean.reflected[other]));
+                    assert!(close(set.stationary.reflected[at], expected.stationary.reflected[other]));
+                    assert!(close(set.length[at], expected.length[other]));
+                    assert!(close(set.fraction_1[at], 0.6));
+                }
+            }
+        }
+        for pattern in &report.patterns {
+            // Contrast of a field of which a share s/f̂ is common: √(1 − (s/f̂)²), here averaged over azimuths.
+            assert!((0.3..1.05).contains(&pattern.contrast[1]), "{pattern:?}");
+            assert!(pattern.correlation[1] > 0.98, "{pattern:?}");
+        }
+        let polarized = FitOptions { polarized: true, ..FitOptions::default() };
+        let (both, _) = fit(&statistics, &polarized, &Unobserved).unwrap();
+        both.check().unwrap();
+        assert!((both.sets[0].mean.reflected[7] / both.sets[1].mean.reflected[7] - 1.5).abs() < 1e-4);
+    }
+
+    #[test]
+    fn noise_in_the_mean_field_is_not_clipped_before_its_total() {
+        let material = example(1);
+        let mut statistics = statistics_of(&material);
+        let mut stream = crate::math::rng::Stream::new(1, &[]);
+        for (v, u) in statistics.v.iter_mut().zip(&statistics.u) {
+            *v = 0.02 * u * stream.normal() as f32;
+        }
+        let (fitted, report) = fit(&statistics, &FitOptions::default(), &Unobserved).unwrap();
+        fitted.check().unwrap();
+        // Zero mean with either sign: what remains after clipping the total is 0.02 √(2/π)/2 of U over √(azimuths).
+        let share: f32 =
+            fitted.sets[0].stationary.reflected.iter().zip(&fitted.sets[0].mean.reflected).map(|(s, u)| s / u).sum();
+        assert!(share / 12.0 < 3e-3, "{share} {report:?}");
+    }
+
+    #[test]
+    fn broken_statistics_are_refused_and_empty_ones_survive() {
+        let mut statistics = statistics_of(&example(1));
+        for values in [&mut statistics.u, &mut statistics.v, &mut statistics.autocovariance] {
+            values.fill(0.0);
+        }
+        let (dark, _) = fit(&statistics, &FitOptions::default(), &Unobserved).unwrap();
+        dark.check().unwrap();
+        statistics.u.pop();
+        let error = fit(&statistics, &FitOptions::default(), &Unobserved).unwrap_err();
+        assert!(error.to_string().contains("u has"), "{error}");
+        let wide = FitOptions { sigma: 1.0, ..FitOptions::default() };
+        assert!(fit(&statistics_of(&example(1)), &wide, &Unobserved).unwrap_err().is_input());
+    }
+}

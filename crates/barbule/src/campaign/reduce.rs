@@ -1,0 +1,252 @@
+//! Statistics of one unit's fields.
+
+use std::sync::Arc;
+
+use num_complex::{Complex, Complex64};
+use rayon::prelude::*;
+use rustfft::{Fft, FftPlanner};
+
+use super::Fields;
+use crate::math::band_limited::{TAPS, weights};
+use crate::scattering::directions::AZIMUTH_MARGIN;
+use crate::scattering::lobe::{FitKind, fit};
+use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, NOISE_POINTS, Unit};
+
+/// Length of the transform of a pattern: twice the points, so that lags do not wrap.
+const PADDED: usize = 2 * NOISE_POINTS;
+
+/// Forms the statistics of the fields of one (λ, θ_i), φ_i in parallel, instances in order.
+pub(super) fn unit(axes: &Axes, fields: &Fields, theta_i: f64) -> Unit {
+    let grid = NoiseGrid::new(theta_i, fields.refine);
+    let transform = FftPlanner::new().plan_fft_forward(PADDED);
+    let parts: Vec<Direction> = (0..axes.cos_phi.len())
+        .into_par_iter()
+        .map(|phi| direction(fields, theta_i, axes.cos_phi[phi].clamp(0.0, 1.0).acos(), phi, &grid, &transform))
+        .collect();
+    let mut unit = Unit::default();
+    for part in parts {
+        for polarization in part.polarizations {
+            unit.u.extend(polarization.u.iter().map(|&v| v as f32));
+            unit.v.extend(polarization.v.iter().map(|&v| v as f32));
+            unit.autocovariance.extend(polarization.autocovariance);
+            unit.reflected.push(polarization.reflected);
+            unit.reflected_std.push(polarization.reflected_std);
+        }
+        unit.pattern_correlation.push(part.pattern_correlation);
+        unit.contrast.push(part.contrast);
+    }
+    unit
+}
+
+struct Direction {
+    polarizations: [Polarization; 2],
+    pattern_correlation: f64,
+    contrast: f64,
+}
+
+struct Polarization {
+    u: Vec<f64>,
+    v: Vec<f64>,
+    autocovariance: Vec<f32>,
+    reflected: f64,
+    reflected_std: f64,
+}
+
+fn direction(
+    fields: &Fields,
+    theta_i: f64,
+    phi_i: f64,
+    phi: usize,
+    grid: &NoiseGrid,
+    transform: &Arc<dyn Fft<f32>>,
+) -> Direction {
+    let polarizations =
+        [0, 1].map(|polarization| statistics(fields, theta_i, phi_i, 2 * phi + polarization, grid, transform));
+    let (pattern_correlation, contrast) = patterns(fields, phi, [&polarizations[0].u, &polarizations[1].u]);
+    Direction { polarizations, pattern_correlation, contrast }
+}
+
+/// The two components of one instance, margins included; `pair` counts (φ_i, polarization).
+fn components(fields: &Fields, instance: usize, pair: usize) -> (&[Complex<f32>], &[Complex<f32>]) {
+    let start = 2 * pair * fields.points;
+    fields.values[instance][start..start + 2 * fields.points].split_at(fields.points)
+}
+
+/// Indices of the tabulated azimuths in the fine ones.
+fn tabulated(fields: &Fields) -> impl Iterator<Item = usize> + use<> {
+    let refine = fields.refine;
+    (0..AZIMUTHS).map(move |n| AZIMUTH_MARGIN + refine / 2 + n * refine)
+}
+
+fn statistics(
+    fields: &Fields,
+    theta_i: f64,
+    phi_i: f64,
+    pair: usize,
+    grid: &NoiseGrid,
+    transform: &Arc<dyn Fft<f32>>,
+) -> Polarization {
+    let instances = fields.values.len();
+    let count = instances as f64;
+    let fine = AZIMUTHS * fields.refine;
+    let step = std::f64::consts::PI / fine as f64;
+    let mut u = vec![0.0; AZIMUTHS];
+    let mut means = vec![[Complex64::ZERO; 2]; AZIMUTHS];
+    let mut energy = [0.0; 2];
+    let mut fractions = Vec::with_capacity(instances);
+    for instance in 0..instances {
+        let (e1, e2) = components(fields, instance, pair);
+        for (n, at) in tabulated(fields).enumerate() {
+            let (a, b) = (widen(e1[at]), widen(e2[at]));
+            u[n] += a.norm_sqr() + b.norm_sqr();
+            means[n][0] += a;
+            means[n][1] += b;
+        }
+        let inner = AZIMUTH_MARGIN..AZIMUTH_MARGIN + fine;
+        let powers = [e1, e2].map(|e| e[inner.clone()].iter().map(|v| f64::from(v.norm_sqr())).sum::<f64>());
+        energy[0] += powers[0];
+        energy[1] += powers[1];
+        fractions.push(theta_i.cos() * step * (powers[0] + powers[1]));
+    }
+    for value in &mut u {
+        *value /= count;
+    }
+    let v = u
+        .iter()
+        .zip(&means)
+        .map(|(&u, mean)| {
+            let coherent = (mean[0].norm_sqr() + mean[1].norm_sqr()) / (count * count);
+            // M instances leave (U − V)/M of the incoherent part in |mean|².
+            if instances == 1 { coherent } else { (count * coherent - u) / (count - 1.0) }
+        })
+        .collect();
+    let reflected = fractions.iter().sum::<f64>() / count;
+    let spread = fractions.iter().map(|f| (f - reflected).powi(2)).sum::<f64>();
+    let larger = usize::from(energy[1] > energy[0]);
+    let lobe = fit(FitKind::Marginal, theta_i, phi_i, &u);
+    let envelope: Vec<f32> = grid
+        .points
+        .iter()
+        .map(|p| (lobe.scale * lobe.lobe.shape(FitKind::Marginal, theta_i, p.phi_o)).max(0.0).sqrt() as f32)
+        .collect();
+    Polarization {
+        autocovariance: autocovariance(fields, pair, larger, &envelope, grid, transform),
+        u,
+        v,
+        reflected,
+        reflected_std: (spread / (count - 1.0).max(1.0)).sqrt(),
+    }
+}
+
+fn widen(value: Complex<f32>) -> Complex64 {
+    Complex64::new(f64::from(value.re), f64::from(value.im))
+}
+
+/// S.29 and S.30 for the larger component: mean over instances and over real and imaginary parts.
+///
+/// By Wiener and Khinchin: the mean of |DFT|² of the weighted complex patterns, padded to twice their length, is the
+/// transform of the sum of the two parts' covariances.
+fn autocovariance(
+    fields: &Fields,
+    pair: usize,
+    component: usize,
+    envelope: &[f32],
+    grid: &NoiseGrid,
+    transform: &Arc<dyn Fft<f32>>,
+) -> Vec<f32> {
+    let mut power = vec![0f64; PADDED];
+    let mut pattern = vec![Complex::new(0f32, 0.0); PADDED];
+    let mut scratch = vec![Complex::new(0f32, 0.0); transform.get_inplace_scratch_len()];
+    for instance in 0..fields.values.len() {
+        let parts = components(fields, instance, pair);
+        let field = if component == 0 { parts.0 } else { parts.1 };
+        pattern.fill(Complex::new(0.0, 0.0));
+        let mut mean = Complex::new(0.0, 0.0);
+        for (point, weight) in grid.points.iter().zip(envelope) {
+            let mut value = Complex::new(0.0, 0.0);
+            for (sample, tap) in field[point.first..point.first + TAPS].iter().zip(point.weights) {
+                value += sample * tap;
+            }
+            value *= weight;
+            mean += value;
+            pattern[point.index] = value;
+        }
+        mean /= grid.points.len().max(1) as f32;
+        for point in &grid.points {
+            pattern[point.index] -= mean;
+        }
+        transform.process_with_scratch(&mut pattern, &mut scratch);
+        for (sum, value) in power.iter_mut().zip(&pattern) {
+            *sum += f64::from(value.norm_sqr());
+        }
+    }
+    for (value, sum) in pattern.iter_mut().zip(&power) {
+        *value = Complex::new(*sum as f32, 0.0);
+    }
+    // The power spectrum is real, so the forward transform of it is, conjugated, the inverse.
+    transform.process_with_scratch(&mut pattern, &mut scratch);
+    let scale = 1.0 / (2.0 * PADDED as f32 * (NOISE_POINTS - 1) as f32 * fields.values.len() as f32);
+    pattern[..LAGS].iter().map(|value| value.re * scale).collect()
+}
+
+/// The points x_j = (2j + 1 − N)/N of S.44 on the cone, with interpolation from the fine azimuths.
+struct NoiseGrid {
+    points: Vec<NoisePoint>,
+}
+
+struct NoisePoint {
+    index: usize,
+    phi_o: f64,
+    first: usize,
+    weights: [f32; TAPS],
+}
+
+impl NoiseGrid {
+    fn new(theta_i: f64, refine: usize) -> Self {
+        let step = std::f64::consts::PI / (AZIMUTHS * refine) as f64;
+        let points = (0..NOISE_POINTS)
+            .filter_map(|index| {
+                let x = (2.0 * index as f64 + 1.0 - NOISE_POINTS as f64) / NOISE_POINTS as f64;
+                let sine = x / theta_i.cos();
+                (sine.abs() < 1.0).then(|| {
+                    let phi_o = sine.asin();
+                    let position = (phi_o + std::f64::consts::FRAC_PI_2) / step - 0.5 + AZIMUTH_MARGIN as f64;
+                    let cell = position.floor();
+                    NoisePoint {
+                        index,
+                        phi_o,
+                        first: cell as usize - (TAPS / 2 - 1),
+                        weights: weights(position - cell),
+                    }
+                })
+            })
+            .collect();
+        Self { points }
+    }
+}
+
+/// Correlation of the two polarizations' relative intensities, and contrast of their mean, over instances; azimuths
+/// are weighted by mean intensity.
+fn patterns(fields: &Fields, phi: usize, u: [&[f64]; 2]) -> (f64, f64) {
+    let floor = u.map(|u| 1e-12 * u.iter().fold(0.0, |a: f64, &b| a.max(b)));
+    let (mut cross, mut squares, mut unpolarized, mut total) = (0.0, [0.0; 2], 0.0, 0.0);
+    for instance in 0..fields.values.len() {
+        let pairs = [0, 1].map(|polarization| components(fields, instance, 2 * phi + polarization));
+        for (n, at) in tabulated(fields).enumerate() {
+            if u[0][n] <= floor[0] || u[1][n] <= floor[1] {
+                continue;
+            }
+            let intensity = pairs.map(|(e1, e2)| f64::from(e1[at].norm_sqr() + e2[at].norm_sqr()));
+            let deviation = [intensity[0] / u[0][n] - 1.0, intensity[1] / u[1][n] - 1.0];
+            let mean = u[0][n] + u[1][n];
+            cross += mean * deviation[0] * deviation[1];
+            squares[0] += mean * deviation[0] * deviation[0];
+            squares[1] += mean * deviation[1] * deviation[1];
+            unpolarized += mean * ((intensity[0] + intensity[1]) / mean - 1.0).powi(2);
+            total += mean;
+        }
+    }
+    let spread = (squares[0] * squares[1]).sqrt();
+    let correlation = if spread > 0.0 { cross / spread } else { 1.0 };
+    (correlation, if total > 0.0 { (unpolarized / total).sqrt() } else { 0.0 })
+}

@@ -1,0 +1,318 @@
+//! Cross sections as JSON: reading with the place of every mistake, writing so that the same bits come back.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use super::tables::{MediumSource, add_media};
+use super::{read_text, write_whole};
+use crate::material::{Library, shortened};
+use crate::structure::fields::{Fields, list, number};
+use crate::structure::{Inclusion, Loop, MOST_POINTS, MaterialSource, Medium, Parts, Polyline, Section, Substance};
+use crate::{Complex64, Error, Result};
+
+/// A folder of sections has no more files than this.
+const MOST_SECTIONS: usize = 10_000;
+
+/// Reads a section.
+///
+/// # Errors
+/// The file cannot be read, or anything that `docs/formats/section.md` lists; the message names the file, the field and
+/// the index.
+pub fn read_section(path: &Path, library: &Library) -> Result<Section> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let text = read_text(path)?;
+    let mut section = parse_section(&text, folder, library).map_err(|error| error.at(path.display()))?;
+    if section.name.is_empty() {
+        section.name = stem(path);
+    }
+    Ok(section)
+}
+
+/// Reads every `.json` of a folder, in the order of their names: instances of one structure.
+///
+/// # Errors
+/// No such file, over 10,000 of them, widths that differ by over 1 %, or as [`read_section`].
+pub fn read_sections(folder: &Path, library: &Library) -> Result<Vec<Section>> {
+    let refuse = |what: String| Error::input(format!("{}: {what}", folder.display()));
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(|e| refuse(format!("cannot be read ({e})")))? {
+        let path = entry.map_err(|e| refuse(format!("cannot be read ({e})")))?.path();
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) && path.is_file() {
+            files.push(path);
+        }
+        if files.len() > MOST_SECTIONS {
+            return Err(refuse(format!("has over {MOST_SECTIONS} sections; split it")));
+        }
+    }
+    if files.is_empty() {
+        return Err(refuse("has no .json file; put the sections of a structure's instances there".into()));
+    }
+    files.sort();
+    let sections = files.iter().map(|path| read_section(path, library)).collect::<Result<Vec<_>>>()?;
+    let width = sections[0].width_um;
+    if let Some(other) = sections.iter().position(|s| (s.width_um - width).abs() > 0.01 * width) {
+        return Err(refuse(format!(
+            "{} is {} µm wide but {} is {width} µm; instances of one structure must have one width",
+            stem(&files[other]),
+            sections[other].width_um,
+            stem(&files[0])
+        )));
+    }
+    Ok(sections)
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+/// As [`read_section`], from text; `folder` is where the files of materials lie.
+///
+/// # Errors
+/// As [`read_section`], without the file's name.
+pub fn parse_section(text: &str, folder: &Path, library: &Library) -> Result<Section> {
+    // Two numbers for each of at most a million points, and as many for mixtures: more need not be read.
+    if text.bytes().filter(|&b| b == b',').count() > 5 * MOST_POINTS {
+        return Err(Error::input("has over 5000000 values, but a section may have 1000000 points; sample it more coarsely"));
+    }
+    let value: Value = serde_json::from_str(text).map_err(|error| {
+        let hint = if text.contains("NaN") || text.contains("Infinity") {
+            " (JSON has no NaN or infinity; leave such points out)"
+        } else {
+            ""
+        };
+        Error::input(format!("is not JSON: {}{hint}", shortened(&error.to_string())))
+    })?;
+    section(&value, folder, library)
+}
+
+fn section(value: &Value, folder: &Path, library: &Library) -> Result<Section> {
+    let known =
+        ["barbule", "units", "width", "name", "boundaries", "media", "inclusions", "source", "materials", "lattice"];
+    let fields = Fields::new(value, "", &known)?;
+    let version = fields.need_number("barbule", "the format's version, \"barbule\": 1")?;
+    if version != 1.0 {
+        return Err(Error::input(format!("barbule is {version}, but this version reads format 1 only")));
+    }
+    match fields.text("units")? {
+        Some("um") => {}
+        None => return Err(Error::input("units is missing; give \"units\": \"um\", lengths are in µm")),
+        Some(other) => {
+            return Err(Error::input(format!("units is '{}', but must be 'um'; convert lengths to µm", shortened(other))));
+        }
+    }
+    if fields.get("lattice").is_some() {
+        return Err(Error::input(
+            "lattice: photonic crystals are not simulated yet by this version; describe the barbule by boundaries and inclusions",
+        ));
+    }
+    let mut library = library.clone();
+    let materials = materials(fields.get("materials"), folder, &mut library)?;
+    let mut parts = Parts {
+        name: fields.text("name")?.unwrap_or_default().to_owned(),
+        source: fields.text("source")?.unwrap_or_default().to_owned(),
+        width_um: fields.number("width")?,
+        ..Parts::default()
+    };
+    if let Some(value) = fields.get("boundaries") {
+        for (index, boundary) in list(value, "boundaries")?.iter().enumerate() {
+            let fields = Fields::new(boundary, &format!("boundaries[{index}]"), &["x", "z"])?;
+            parts.boundaries.push(Polyline { x_um: fields.numbers("x")?, z_um: fields.numbers("z")? });
+        }
+    }
+    match fields.get("media") {
+        Some(value) => {
+            for (index, entry) in list(value, "media")?.iter().enumerate() {
+                parts.media.push(medium(entry, &format!("media[{index}]"))?);
+            }
+        }
+        None if parts.boundaries.is_empty() => parts.media.push(Medium::named("air")),
+        None => {
+            return Err(Error::input(format!(
+                "media is missing; list {} media, from above the top to below the last boundary",
+                parts.boundaries.len() + 1
+            )));
+        }
+    }
+    if let Some(value) = fields.get("inclusions") {
+        for (index, entry) in list(value, "inclusions")?.iter().enumerate() {
+            parts.inclusions.push(inclusion(entry, &format!("inclusions[{index}]"))?);
+        }
+    }
+    let mut section = Section::new(parts, library)?;
+    section.materials = materials;
+    Ok(section)
+}
+
+/// Reads `materials` into the library; also where each came from, with absolute paths.
+pub(super) fn materials(
+    value: Option<&Value>,
+    folder: &Path,
+    library: &mut Library,
+) -> Result<BTreeMap<String, MaterialSource>> {
+    let Some(value) = value else { return Ok(BTreeMap::new()) };
+    let Value::Object(table) = value else {
+        return Err(Error::input("materials must be a table of names, each with a file or [n, k]"));
+    };
+    let mut media = BTreeMap::new();
+    let mut sources = BTreeMap::new();
+    for (name, value) in table {
+        let place = format!("materials.{}", shortened(name));
+        let source = match value {
+            Value::String(file) => {
+                let path = folder.join(file);
+                sources.insert(name.clone(), MaterialSource::File(std::path::absolute(&path).unwrap_or(path)));
+                MediumSource::File(file.clone())
+            }
+            Value::Array(_) => {
+                let index = index(value, &place)?;
+                sources.insert(name.clone(), MaterialSource::Index(index));
+                MediumSource::Index([index.re, index.im])
+            }
+            _ => return Err(Error::input(format!("{place} must be the name of a file, or an index [n, k]"))),
+        };
+        media.insert(name.clone(), source);
+    }
+    add_media(&media, folder, library)?;
+    Ok(sources)
+}
+
+fn index(value: &Value, place: &str) -> Result<Complex64> {
+    match list(value, place)? {
+        [n, k] => Ok(Complex64::new(number(n, &format!("{place}[0]"))?, number(k, &format!("{place}[1]"))?)),
+        other => Err(Error::input(format!("{place} has {} numbers, but an index is [n, k]", other.len()))),
+    }
+}
+
+fn medium(value: &Value, place: &str) -> Result<Medium> {
+    if let Value::Object(table) = value
+        && !table.contains_key("index")
+    {
+        let fields = Fields::new(value, place, &["mix", "x", "fraction", "index"])?;
+        let path = fields.path("mix");
+        let [first, second] = fields.list("mix", "two media, as in \"mix\": [\"keratin\", \"melanin\"]")? else {
+            return Err(Error::input(format!("{path} must list two media")));
+        };
+        return Ok(Medium::Mixture {
+            first: substance(first, &format!("{path}[0]"))?,
+            second: substance(second, &format!("{path}[1]"))?,
+            x_um: fields.numbers("x")?,
+            fraction: fields.numbers("fraction")?,
+        });
+    }
+    substance(value, place).map(Medium::Pure)
+}
+
+fn substance(value: &Value, place: &str) -> Result<Substance> {
+    match value {
+        Value::String(name) => Ok(Substance::Named(name.clone())),
+        Value::Object(_) => {
+            let fields = Fields::new(value, place, &["index"])?;
+            Ok(Substance::Index(index(fields.need("index", "[n, k]")?, &fields.path("index"))?))
+        }
+        _ => Err(Error::input(format!(
+            "{place} must be a medium: a name, {{\"index\": [n, k]}}, or {{\"mix\": [a, b], \"x\": …, \"fraction\": …}}"
+        ))),
+    }
+}
+
+fn inclusion(value: &Value, place: &str) -> Result<Inclusion> {
+    let fields = Fields::new(value, place, &["x", "z", "circle", "medium", "holes"])?;
+    let mut holes = Vec::new();
+    if let Some(value) = fields.get("holes") {
+        let path = fields.path("holes");
+        for (index, hole) in list(value, &path)?.iter().enumerate() {
+            holes.push(closed(&Fields::new(hole, &format!("{path}[{index}]"), &["x", "z", "circle"])?)?);
+        }
+    }
+    let medium = medium(fields.need("medium", "the medium inside, as in \"melanin\"")?, &fields.path("medium"))?;
+    Ok(Inclusion { outline: closed(&fields)?, medium, holes })
+}
+
+fn closed(fields: &Fields<'_>) -> Result<Loop> {
+    let Some(circle) = fields.get("circle") else {
+        return Ok(Loop::polygon(fields.numbers("x")?, fields.numbers("z")?));
+    };
+    if fields.get("x").is_some() || fields.get("z").is_some() {
+        return Err(Error::input(format!("{} stands beside x or z; give one of the two", fields.path("circle"))));
+    }
+    let circle = Fields::new(circle, &fields.path("circle"), &["x", "z", "radius"])?;
+    Ok(Loop::Circle {
+        x_um: circle.need_number("x", "the centre in µm")?,
+        z_um: circle.need_number("z", "the centre in µm")?,
+        radius_um: circle.need_number("radius", "the radius in µm")?,
+    })
+}
+
+/// The section's JSON, which [`parse_section`] reads back to the same bits. Files of materials have absolute paths.
+#[must_use]
+pub fn section_json(section: &Section) -> Value {
+    let mut out = Map::new();
+    out.insert("barbule".into(), 1.into());
+    out.insert("units".into(), "um".into());
+    out.insert("width".into(), section.width_um.into());
+    out.insert("name".into(), section.name.as_str().into());
+    out.insert("boundaries".into(), section.boundaries.iter().map(|b| json!({"x": b.x_um, "z": b.z_um})).collect());
+    out.insert("media".into(), section.media.iter().map(medium_json).collect());
+    if !section.inclusions.is_empty() {
+        out.insert("inclusions".into(), section.inclusions.iter().map(inclusion_json).collect());
+    }
+    if !section.materials.is_empty() {
+        let source = |source: &MaterialSource| match source {
+            MaterialSource::File(path) => json!(path.to_string_lossy()),
+            MaterialSource::Index(n) => json!([n.re, n.im]),
+        };
+        let table: Map<String, Value> = section.materials.iter().map(|(n, s)| (n.clone(), source(s))).collect();
+        out.insert("materials".into(), table.into());
+    }
+    out.insert("source".into(), section.source.as_str().into());
+    out.into()
+}
+
+fn substance_json(substance: &Substance) -> Value {
+    match substance {
+        Substance::Named(name) => json!(name),
+        Substance::Index(n) => json!({"index": [n.re, n.im]}),
+    }
+}
+
+fn medium_json(medium: &Medium) -> Value {
+    match medium {
+        Medium::Pure(substance) => substance_json(substance),
+        Medium::Mixture { first, second, x_um, fraction } => {
+            json!({"mix": [substance_json(first), substance_json(second)], "x": x_um, "fraction": fraction})
+        }
+    }
+}
+
+fn loop_json(shape: &Loop) -> Map<String, Value> {
+    let value = match shape {
+        Loop::Polygon(corners) => json!({"x": corners.x_um, "z": corners.z_um}),
+        Loop::Circle { x_um, z_um, radius_um } => json!({"circle": {"x": x_um, "z": z_um, "radius": radius_um}}),
+    };
+    if let Value::Object(table) = value { table } else { Map::new() }
+}
+
+fn inclusion_json(inclusion: &Inclusion) -> Value {
+    let mut out = loop_json(&inclusion.outline);
+    out.insert("medium".into(), medium_json(&inclusion.medium));
+    if !inclusion.holes.is_empty() {
+        out.insert("holes".into(), inclusion.holes.iter().map(|hole| Value::Object(loop_json(hole))).collect());
+    }
+    out.into()
+}
+
+/// Writes a section's JSON.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_section(path: &Path, section: &Section) -> Result<()> {
+    let mut text = section_json(section).to_string();
+    text.push('\n');
+    write_whole(path, text.as_bytes())
+}
+
+#[cfg(test)]
+#[path = "section_tests.rs"]
+mod tests;

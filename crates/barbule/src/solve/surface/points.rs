@@ -1,0 +1,224 @@
+//! One barbule prepared for illumination: quadrature points on its top with what lies under each.
+
+use num_complex::Complex64;
+
+use super::reflection::{BLOCK, Incidence};
+use crate::math::simd::Real;
+use crate::structure::{Columns, Mixture, Ray, Section, cast};
+use crate::{Error, Result};
+
+/// How the light falls on the section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Window {
+    /// g(x) = exp(−x²/(W/4)²): light of limited coherence on a finite barbule.
+    Gaussian,
+    /// A plane wave on the whole section.
+    None,
+}
+
+/// One instance of a barbule, prepared: independent of wavelength and direction.
+///
+/// Each straight piece of the top is divided into elements of at most the given length with two Gauss points each;
+/// arrays are padded to a multiple of [`BLOCK`] with points of no weight.
+#[derive(Debug, Clone)]
+pub struct Surface {
+    /// What kernels read, in both precisions.
+    pub(crate) double: Arrays<f64>,
+    pub(crate) single: Arrays<f32>,
+    /// g²·dl
+    power_length_um: Vec<f64>,
+    /// Arc length from the left end.
+    pub(crate) arc_um: Vec<f64>,
+    /// Points before padding.
+    pub(crate) count: usize,
+    /// Layers and substrate.
+    pub(crate) slots: usize,
+    columns: Columns,
+    /// Corners of the top that turn by more than [`SMOOTH_TURN`]: first point after each, then `count`.
+    pub(crate) pieces: Vec<usize>,
+    /// Largest distance of a point from the origin.
+    pub(crate) radius_um: f64,
+}
+
+/// Arrays over the quadrature points, padded.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Arrays<T> {
+    pub(crate) x_um: Vec<T>,
+    pub(crate) z_um: Vec<T>,
+    pub(crate) tangent_x: Vec<T>,
+    pub(crate) tangent_z: Vec<T>,
+    /// g·dl
+    pub(crate) window_length_um: Vec<T>,
+    /// `[slot][point]`
+    pub(crate) thickness_um: Vec<T>,
+}
+
+impl Arrays<f64> {
+    fn rounded(&self) -> Arrays<f32> {
+        let round = |values: &[f64]| values.iter().map(|&v| v as f32).collect();
+        Arrays {
+            x_um: round(&self.x_um),
+            z_um: round(&self.z_um),
+            tangent_x: round(&self.tangent_x),
+            tangent_z: round(&self.tangent_z),
+            window_length_um: round(&self.window_length_um),
+            thickness_um: round(&self.thickness_um),
+        }
+    }
+}
+
+/// The turn of the top at a vertex, rad, up to which the radiation kernel is interpolated across it.
+const SMOOTH_TURN: f64 = 0.12;
+
+/// Permittivities of one slot at one wavelength.
+#[derive(Debug, Clone)]
+pub(crate) enum SlotIndex<T> {
+    Uniform(Complex64),
+    Varying { re: Vec<T>, im: Vec<T> },
+}
+
+/// A surface's media at one wavelength.
+#[derive(Debug, Clone)]
+pub(crate) struct Optics<T> {
+    /// Vacuum wave number 2π/λ, rad/µm.
+    pub(crate) k: f64,
+    pub(crate) slots: Vec<SlotIndex<T>>,
+}
+
+impl Surface {
+    /// Prepares a section with elements of at most `element_um`.
+    ///
+    /// # Errors
+    /// The light does not come through air, or the top has no length.
+    pub fn new(section: &Section, element_um: f64, window: Window) -> Result<Self> {
+        let top = section.top();
+        let quarter = section.width_um / 4.0;
+        let gauss = 0.5 / 3f64.sqrt();
+        let mut rays = Vec::new();
+        let (mut tangent_x, mut tangent_z) = (Vec::new(), Vec::new());
+        let (mut window_length_um, mut power_length_um, mut arc_um) = (Vec::new(), Vec::new(), Vec::new());
+        let mut pieces = Vec::new();
+        let mut radius_um = 0f64;
+        let mut arc = 0.0;
+        let mut before: Option<(f64, f64)> = None;
+        for (x, z) in top.x_um.windows(2).zip(top.z_um.windows(2)) {
+            let (dx, dz) = (x[1] - x[0], z[1] - z[0]);
+            let length = dx.hypot(dz);
+            let (tx, tz) = (dx / length, dz / length);
+            if before.is_some_and(|(bx, bz)| (bx * tz - bz * tx).abs() > SMOOTH_TURN.sin()) {
+                pieces.push(rays.len());
+            }
+            before = Some((tx, tz));
+            let elements = (length / element_um).ceil().max(1.0) as usize;
+            for element in 0..elements {
+                for side in [-gauss, gauss] {
+                    let t = (element as f64 + 0.5 + side) / elements as f64;
+                    let (px, pz) = (x[0] + t * dx, z[0] + t * dz);
+                    let weight = length / (2.0 * elements as f64);
+                    let g = match window {
+                        Window::Gaussian => (-(px / quarter).powi(2)).exp(),
+                        Window::None => 1.0,
+                    };
+                    rays.push(Ray { x_um: px, z_um: pz, normal: [-tz, tx] });
+                    tangent_x.push(tx);
+                    tangent_z.push(tz);
+                    window_length_um.push(g * weight);
+                    power_length_um.push(g * g * weight);
+                    arc_um.push(arc + t * length);
+                    radius_um = radius_um.max(px.hypot(pz));
+                }
+            }
+            arc += length;
+        }
+        pieces.push(rays.len());
+        let columns = cast(section, &rays)?;
+        let double = Arrays {
+            x_um: rays.iter().map(|ray| ray.x_um).collect(),
+            z_um: rays.iter().map(|ray| ray.z_um).collect(),
+            tangent_x,
+            tangent_z,
+            window_length_um,
+            thickness_um: Vec::new(),
+        };
+        Self {
+            double,
+            single: Arrays::default(),
+            power_length_um,
+            arc_um,
+            count: rays.len(),
+            slots: columns.slots,
+            columns,
+            pieces,
+            radius_um,
+        }
+        .pad()
+    }
+
+    /// Repeats the last point without weight until the arrays fill whole blocks.
+    fn pad(mut self) -> Result<Self> {
+        let Some(last) = self.count.checked_sub(1) else {
+            return Err(Error::input("the top boundary has no length"));
+        };
+        let padded = self.count.next_multiple_of(BLOCK);
+        let Arrays { x_um, z_um, tangent_x, tangent_z, window_length_um, thickness_um } = &mut self.double;
+        for values in [x_um, z_um, tangent_x, tangent_z, &mut self.arc_um] {
+            let value = values[last];
+            values.resize(padded, value);
+        }
+        window_length_um.resize(padded, 0.0);
+        thickness_um.reserve_exact(self.slots * padded);
+        for row in self.columns.thickness_um.chunks_exact(self.count) {
+            thickness_um.extend_from_slice(row);
+            thickness_um.resize(thickness_um.len() + padded - self.count, row[last]);
+        }
+        self.columns.thickness_um = Vec::new();
+        self.single = self.double.rounded();
+        Ok(self)
+    }
+
+    /// Points including padding.
+    pub(crate) fn padded(&self) -> usize {
+        self.double.x_um.len()
+    }
+
+    /// The media at a vacuum wavelength.
+    ///
+    /// # Errors
+    /// A table of a medium does not reach the wavelength.
+    pub(crate) fn optics<T: Real>(&self, wavelength_nm: f64) -> Result<Optics<T>> {
+        let indices =
+            self.columns.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
+        let padded = self.padded();
+        let slots = self
+            .columns
+            .mixture
+            .chunks_exact(self.count)
+            .map(|row| {
+                let permittivity = |m: &Mixture| {
+                    let (a, b) = (indices[usize::from(m.a)], indices[usize::from(m.b)]);
+                    let n = a + (b - a) * m.fraction;
+                    n * n
+                };
+                let first = &row[0];
+                if row.iter().all(|m| m == first) {
+                    return SlotIndex::Uniform(permittivity(first));
+                }
+                let (mut re, mut im): (Vec<T>, Vec<T>) =
+                    row.iter().map(permittivity).map(|eps| (T::of(eps.re), T::of(eps.im))).unzip();
+                re.resize(padded, re[self.count - 1]);
+                im.resize(padded, im[self.count - 1]);
+                SlotIndex::Varying { re, im }
+            })
+            .collect();
+        Ok(Optics { k: std::f64::consts::TAU / (wavelength_nm * 1e-3), slots })
+    }
+
+    /// Φ_i = ∫ g² max(0, n·ω_i) dl, the incident power per length for unit |E| and c₀ = 1, µm.
+    #[must_use]
+    pub fn incident_power_um(&self, theta_i: f64, phi_i: f64) -> f64 {
+        let incidence = Incidence::new(theta_i, phi_i);
+        (0..self.count)
+            .map(|p| self.power_length_um[p] * incidence.cos_alpha(self.double.tangent_x[p], self.double.tangent_z[p]).max(0.0))
+            .sum()
+    }
+}

@@ -1,0 +1,217 @@
+//! Local reflection: at each point of the top, the currents that the ideal stack under it would carry.
+//!
+//! With t the tangent, y the barbule's axis and n the outward normal (t, y, n right-handed), S = n × ω_i =
+//! (−ω_y, ω_t) in (t, y). The s part of the incident field lies along ŝ = S/|S|; the p part has its magnetic field
+//! there. The reflected currents are
+//!
+//! ```text
+//! J =  n × H̃_r =  r_p H_s (n × ŝ) − r_s E_s cosα ŝ
+//! M = −n × E_r = −r_s E_s (n × ŝ) − r_p H_s cosα ŝ,      n × ŝ = (−s_y, s_t)
+//! ```
+
+use fearless_simd::prelude::*;
+
+use super::points::{Arrays, Optics, SlotIndex};
+use crate::math::simd::{Complex, Lanes, Real, decay, load, root, sin_cos, splat};
+
+/// Points that are reflected together; every array of a surface is padded to a multiple of it.
+pub(crate) const BLOCK: usize = 64;
+
+/// Real numbers per point: 2 polarizations × (J_x, J_y, J_z, M_x, M_y, M_z) × (re, im).
+pub(crate) const COMPONENTS: usize = 24;
+
+/// Currents of one block, `[component][point]`.
+pub(crate) type Currents<T> = [[T; BLOCK]; COMPONENTS];
+
+/// Interfaces after which numerator and denominator of the reflectance are rescaled: with magnitudes up to 20 per
+/// interface, six stay within single precision.
+const RESCALE_EVERY: usize = 6;
+
+/// The incident wave in numbers that do not depend on the point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Incidence {
+    sin_theta: f64,
+    cos_theta: f64,
+    sin_phi: f64,
+    cos_phi: f64,
+}
+
+impl Incidence {
+    pub(crate) fn new(theta_i: f64, phi_i: f64) -> Self {
+        let (sin_theta, cos_theta) = theta_i.sin_cos();
+        let (sin_phi, cos_phi) = phi_i.sin_cos();
+        Self { sin_theta, cos_theta, sin_phi, cos_phi }
+    }
+
+    /// n·ω_i at a point whose tangent is (t_x, t_z), so n = (−t_z, t_x).
+    pub(crate) fn cos_alpha(&self, tangent_x: f64, tangent_z: f64) -> f64 {
+        self.cos_theta * (self.cos_phi * tangent_x - self.sin_phi * tangent_z)
+    }
+}
+
+/// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations.
+///
+/// `extra_phase` (rad, per point) is added to the phase of the incident wave.
+#[inline(always)]
+pub(crate) fn reflect_block<S: Simd, T: Real>(
+    simd: S,
+    arrays: &Arrays<T>,
+    optics: &Optics<T>,
+    incidence: &Incidence,
+    extra_phase: &[T],
+    start: usize,
+    out: &mut Currents<T>,
+) {
+    let lanes = T::Native::<S>::LEN;
+    let zero: T::Native<S> = splat(simd, 0.0);
+    let sin_theta: T::Native<S> = splat(simd, incidence.sin_theta);
+    let cos_theta: T::Native<S> = splat(simd, incidence.cos_theta);
+    let sin_phi: T::Native<S> = splat(simd, incidence.sin_phi);
+    let cos_phi: T::Native<S> = splat(simd, incidence.cos_phi);
+    let backward: T::Native<S> = splat(simd, -optics.k);
+    for offset in (0..BLOCK).step_by(lanes) {
+        let at = start + offset;
+        let tangent_x: T::Native<S> = load(simd, &arrays.tangent_x, at);
+        let tangent_z: T::Native<S> = load(simd, &arrays.tangent_z, at);
+        // ω_i in the local frame.
+        let cos_alpha = (tangent_x * cos_phi - tangent_z * sin_phi) * cos_theta;
+        let lit = cos_alpha.simd_gt(zero);
+        let cos_alpha = cos_alpha.max(splat::<S, T::Native<S>>(simd, 1e-9));
+        let omega_t = (tangent_x * sin_phi + tangent_z * cos_phi) * cos_theta;
+        let omega_y = sin_theta;
+        let sin_squared = omega_t.mul_add(omega_t, omega_y * omega_y);
+        // ŝ; at exactly normal incidence any direction does.
+        let least: T::Native<S> = splat(simd, 1e-24);
+        let degenerate = sin_squared.simd_le(least);
+        let length = sin_squared.max(least).sqrt();
+        let s_t = degenerate.select(zero, -omega_y / length);
+        let s_y = degenerate.select(splat(simd, 1.0), omega_t / length);
+
+        let (r_s, r_p) = reflectances::<S, T::Native<S>>(simd, arrays, optics, at, cos_alpha, sin_squared);
+
+        let x: T::Native<S> = load(simd, &arrays.x_um, at);
+        let z: T::Native<S> = load(simd, &arrays.z_um, at);
+        let path = (x * sin_phi + z * cos_phi) * cos_theta;
+        let phase = path * backward + load::<S, T::Native<S>>(simd, extra_phase, at);
+        let (sin, cos) = sin_cos::<S, T::Native<S>>(simd, phase);
+        let weight = lit.select(load(simd, &arrays.window_length_um, at), zero);
+        let wave = Complex { re: cos * weight, im: sin * weight };
+        let s_wave = r_s.mul::<S>(wave);
+        let p_wave = r_p.mul::<S>(wave);
+
+        // E_s and H_s of the two incident polarizations: (a, b) and (b, −a) with a = e₁·ŝ, b = e₂·ŝ.
+        let e1_t = (tangent_x * sin_phi + tangent_z * cos_phi) * (-sin_theta);
+        let e2_t = tangent_x * cos_phi - tangent_z * sin_phi;
+        let a = e1_t.mul_add(s_t, s_y * cos_theta);
+        let b = e2_t * s_t;
+        let (c_t, c_y) = (cos_alpha * s_t, cos_alpha * s_y);
+        let (first, second) = out.split_at_mut(COMPONENTS / 2);
+        for (rows, e_s, h_s) in [(first, a, b), (second, b, -a)] {
+            let electric = s_wave.scale::<S>(e_s);
+            let magnetic = p_wave.scale::<S>(h_s);
+            let j_t = weighted::<S, T::Native<S>>(magnetic, -s_y, electric, -c_t);
+            let j_y = weighted::<S, T::Native<S>>(magnetic, s_t, electric, -c_y);
+            let m_t = weighted::<S, T::Native<S>>(magnetic, -c_t, electric, s_y);
+            let m_y = weighted::<S, T::Native<S>>(magnetic, -c_y, electric, -s_t);
+            let vectors = [
+                j_t.scale::<S>(tangent_x),
+                j_y,
+                j_t.scale::<S>(tangent_z),
+                m_t.scale::<S>(tangent_x),
+                m_y,
+                m_t.scale::<S>(tangent_z),
+            ];
+            for (pair, value) in rows.chunks_exact_mut(2).zip(vectors) {
+                value.re.store_slice(&mut pair[0][offset..offset + lanes]);
+                value.im.store_slice(&mut pair[1][offset..offset + lanes]);
+            }
+        }
+    }
+}
+
+/// x·a + y·b for real a and b.
+#[inline(always)]
+fn weighted<S: Simd, V: Lanes<S>>(x: Complex<V>, a: V, y: Complex<V>, b: V) -> Complex<V> {
+    x.scale::<S>(a).add::<S>(y.scale::<S>(b))
+}
+
+/// The permittivity of a slot at the points `at` ….
+#[inline(always)]
+fn permittivity<S: Simd, V: Lanes<S>>(simd: S, slot: &SlotIndex<V::Element>, at: usize) -> Complex<V> {
+    match slot {
+        SlotIndex::Uniform(value) => Complex { re: splat(simd, value.re), im: splat(simd, value.im) },
+        SlotIndex::Varying { re, im } => Complex { re: load(simd, re, at), im: load(simd, im, at) },
+    }
+}
+
+/// q = √(ε − sin²α), the cosine times the index.
+#[inline(always)]
+fn transverse<S: Simd, V: Lanes<S>>(simd: S, eps: Complex<V>, sin_squared: V) -> Complex<V> {
+    root::<S, V>(simd, Complex { re: eps.re - sin_squared, im: eps.im })
+}
+
+/// r_s and r_p of the stacks under the points `at` …, as ratios of E and of H perpendicular to the plane of incidence.
+///
+/// The recursion of the theory page, from the substrate up, kept as numerator and denominator so that an interface
+/// costs no division: Γ = N/D → (a D + b N e)/(b D + a N e) with r = a/b and e the round trip through the layer below.
+#[inline(always)]
+fn reflectances<S: Simd, V: Lanes<S>>(
+    simd: S,
+    arrays: &Arrays<V::Element>,
+    optics: &Optics<V::Element>,
+    at: usize,
+    cos_alpha: V,
+    sin_squared: V,
+) -> (Complex<V>, Complex<V>) {
+    let one: V = splat(simd, 1.0);
+    let zero: V = splat(simd, 0.0);
+    let air = (Complex { re: one, im: zero }, Complex { re: cos_alpha, im: zero });
+    let last = optics.slots.len() - 1;
+    let padded = arrays.x_um.len();
+    let twice_k: V = splat(simd, 2.0 * optics.k);
+    let mut below_eps = permittivity::<S, V>(simd, &optics.slots[last], at);
+    let mut below_q = transverse::<S, V>(simd, below_eps, sin_squared);
+    let (mut s_top, mut s_bottom) = (Complex { re: zero, im: zero }, Complex { re: one, im: zero });
+    let (mut p_top, mut p_bottom) = (s_top, s_bottom);
+    for interface in (0..=last).rev() {
+        let (eps, q) = if interface == 0 {
+            air
+        } else {
+            let eps = permittivity::<S, V>(simd, &optics.slots[interface - 1], at);
+            (eps, transverse::<S, V>(simd, eps, sin_squared))
+        };
+        if interface < last {
+            // The layer just below this interface.
+            let twice = load::<S, V>(simd, &arrays.thickness_um, interface * padded + at) * twice_k;
+            let (sin, cos) = sin_cos::<S, V>(simd, below_q.re * twice);
+            let size = decay::<S, V>(simd, below_q.im * twice);
+            let trip = Complex { re: cos * size, im: sin * size };
+            s_top = s_top.mul::<S>(trip);
+            p_top = p_top.mul::<S>(trip);
+        }
+        let (a, b) = (q.sub::<S>(below_q), q.add::<S>(below_q));
+        (s_top, s_bottom) = (
+            a.mul_add::<S>(s_bottom, b.mul::<S>(s_top)),
+            b.mul_add::<S>(s_bottom, a.mul::<S>(s_top)),
+        );
+        let (x, y) = (below_eps.mul::<S>(q), eps.mul::<S>(below_q));
+        let (a, b) = (x.sub::<S>(y), x.add::<S>(y));
+        (p_top, p_bottom) = (
+            a.mul_add::<S>(p_bottom, b.mul::<S>(p_top)),
+            b.mul_add::<S>(p_bottom, a.mul::<S>(p_top)),
+        );
+        if interface % RESCALE_EVERY == 1 {
+            (s_top, s_bottom) = rescaled::<S, V>(simd, s_top, s_bottom);
+            (p_top, p_bottom) = rescaled::<S, V>(simd, p_top, p_bottom);
+        }
+        (below_eps, below_q) = (eps, q);
+    }
+    (s_top.div::<S>(s_bottom), p_top.div::<S>(p_bottom))
+}
+
+/// A fraction with its denominator brought near 1.
+#[inline(always)]
+fn rescaled<S: Simd, V: Lanes<S>>(simd: S, top: Complex<V>, bottom: Complex<V>) -> (Complex<V>, Complex<V>) {
+    let size = splat::<S, V>(simd, 1.0) / bottom.re.abs().max(bottom.im.abs());
+    (top.scale::<S>(size), bottom.scale::<S>(size))
+}

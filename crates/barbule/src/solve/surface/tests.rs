@@ -1,0 +1,330 @@
+//! The fast simulation against closed forms, laws and the plain evaluation.
+
+use num_complex::{Complex, Complex64};
+use std::f64::consts::PI;
+
+use super::*;
+use crate::material::Library;
+use crate::math::rng::Stream;
+use crate::scattering::directions::{e1, e2, omega};
+use crate::solve::direct;
+use crate::solve::film::{Polarization, reflect};
+use crate::structure::{Medium, Parts, Polyline, Section, Substance};
+
+/// A perfect conductor to 2e-6: r_s = −1, r_p = +1.
+fn mirror() -> Medium {
+    Medium::Pure(Substance::Index(Complex64::new(0.0, 1e6)))
+}
+
+fn section(width_um: f64, boundaries: Vec<Polyline>, media: Vec<Medium>) -> Section {
+    let parts = Parts {
+        name: "test".into(),
+        width_um: Some(width_um),
+        boundaries,
+        media,
+        inclusions: Vec::new(),
+        source: String::new(),
+    };
+    Section::new(parts, Library::builtin()).unwrap()
+}
+
+fn flat(width_um: f64, depth_um: f64) -> Polyline {
+    Polyline { x_um: vec![-width_um / 2.0, 0.0, width_um / 2.0], z_um: vec![-depth_um; 3] }
+}
+
+/// A smooth random height with correlation length `tau`, of amplitude `height`, sampled each 0.03 µm.
+fn rough(width_um: f64, tau: f64, height: f64, depth: f64, seed: u64) -> Polyline {
+    let mut stream = Stream::new(seed, &[1]);
+    let waves: Vec<(f64, f64, f64)> = (1..80)
+        .map(|n| {
+            let f = f64::from(n) / (1.5 * width_um);
+            ((-(PI * f * tau).powi(2)).exp(), 2.0 * PI * f, stream.uniform(0.0, 2.0 * PI))
+        })
+        .collect();
+    let count = (width_um / 0.03).round() as usize;
+    let x_um: Vec<f64> = (0..=count).map(|i| width_um * (i as f64 / count as f64 - 0.5)).collect();
+    let raw: Vec<f64> = x_um.iter().map(|x| waves.iter().map(|(a, k, p)| a * (k * x + p).cos()).sum()).collect();
+    let top = raw.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    Polyline { x_um, z_um: raw.iter().map(|v| v / top * height - depth).collect() }
+}
+
+/// A rough keratin film over melanin with a scalloped lower boundary, like a starling's.
+fn scalloped(width_um: f64, seed: u64) -> Section {
+    let top = rough(width_um, 1.5, 0.3, 0.0, seed);
+    let lower = |depth: f64, size: f64| Polyline {
+        x_um: top.x_um.clone(),
+        z_um: top
+            .x_um
+            .iter()
+            .zip(&top.z_um)
+            .map(|(x, z)| z - depth - size * (2.0 * (x / 0.25 - (x / 0.25).floor()) - 1.0).powi(2))
+            .collect(),
+    };
+    let boundaries = vec![top.clone(), lower(0.32, 0.04), lower(0.60, -0.04)];
+    let media = ["air", "keratin", "melanin", "keratin"].map(Medium::named).to_vec();
+    section(width_um, boundaries, media)
+}
+
+fn fields(section: &Section, wavelength_nm: f64, theta: f64, phi: f64) -> FarField {
+    let surface = Surface::new(section, FINE_ELEMENT_UM, Window::Gaussian).unwrap();
+    far_field(&surface, Window::Gaussian, wavelength_nm, theta, phi, 400, Width::best()).unwrap()
+}
+
+fn peak(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |a, &b| a.max(b))
+}
+
+/// ‖a − b‖/‖b‖ over both components.
+fn relative_l2<'a>(
+    a: impl Iterator<Item = &'a Complex64>,
+    b: impl Iterator<Item = &'a Complex64>,
+    scale_b: f64,
+) -> f64 {
+    let (mut difference, mut norm) = (0.0, 0.0);
+    for (a, b) in a.zip(b) {
+        difference += (a - b * scale_b).norm_sqr();
+        norm += (b * scale_b).norm_sqr();
+    }
+    (difference / norm).sqrt()
+}
+
+#[test]
+fn a_flat_mirror_returns_all_light_in_the_lobe_of_its_window() {
+    let width = 25.0;
+    let section = section(width, vec![flat(width, 0.0)], vec![Medium::named("air"), mirror()]);
+    let far = fields(&section, 500.0, 0.0, 0.0);
+    let k = 2.0 * PI / 0.5;
+    // The window's transform by a fine trapezoidal rule with its end correction.
+    let transform = |q: f64| {
+        let n = 40_000;
+        let h = width / f64::from(n);
+        let g = |x: f64| (-(4.0 * x / width).powi(2)).exp();
+        (0..n).map(|i| { let x = -width / 2.0 + (f64::from(i) + 0.5) * h; g(x) * (q * x).cos() * h }).sum::<f64>()
+    };
+    let shape: Vec<f64> = far
+        .phi_o
+        .iter()
+        .map(|phi| transform(k * phi.sin()).powi(2) * (0.5 * (1.0 + phi.cos())).powi(2))
+        .collect();
+    for polarization in 0..2 {
+        assert!((far.reflected[polarization] - 1.0).abs() < 1e-5, "{}", far.reflected[polarization] - 1.0);
+        let intensity = far.intensity(polarization);
+        let scale = k / (2.0 * PI) / far.incident_power_um.unwrap();
+        let top = peak(&intensity);
+        for (i, s) in intensity.iter().zip(&shape) {
+            assert!((i - s * scale).abs() < 1e-6 * top, "{} {}", i / top, s * scale / top);
+        }
+    }
+}
+
+#[test]
+fn a_flat_stack_reflects_what_fresnel_says_in_both_polarizations() {
+    let width = 25.0;
+    let depth = 0.595;
+    let media = ["air", "keratin", "melanin"].map(Medium::named).to_vec();
+    let section = section(width, vec![flat(width, 0.0), flat(width, depth)], media);
+    let indices = ["air", "keratin", "melanin"]
+        .map(|name| Library::builtin().get(name).unwrap().index(480.0).unwrap());
+    for (theta, phi) in [(0.0f64, 0.0f64), (30.0, 20.0), (-20.0, 45.0), (45.0, -30.0), (10.0, 55.0)] {
+        let (theta, phi) = (theta.to_radians(), phi.to_radians());
+        let far = fields(&section, 480.0, theta, phi);
+        let w = omega(theta, phi);
+        let s = glam::DVec3::Z.cross(w).try_normalize().unwrap_or(glam::DVec3::Y);
+        let r = [Polarization::S, Polarization::P]
+            .map(|p| reflect(&indices, &[depth * 1e3], 480.0, w.z.acos(), p).unwrap().norm_sqr());
+        for (polarization, e) in [e1(theta, phi), e2(phi)].into_iter().enumerate() {
+            let along_s = e.dot(s).powi(2);
+            let expected = along_s * r[0] + (1.0 - along_s) * r[1];
+            let error = far.reflected[polarization] / expected - 1.0;
+            assert!(error.abs() < 2e-3, "{theta} {phi} {polarization}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn a_turned_flat_top_is_an_unturned_one_seen_from_a_turned_place() {
+    let (width, delta, phi) = (25.0, 0.1f64, 0.35);
+    let media = || vec![Medium::named("air"), Medium::named("keratin")];
+    let straight = section(width, vec![flat(width, 0.0)], media());
+    let half = width / 2.0;
+    let turned_top = Polyline {
+        x_um: vec![-half * delta.cos(), 0.0, half * delta.cos()],
+        z_um: vec![-half * delta.sin(), 0.0, half * delta.sin()],
+    };
+    let turned = section(width * delta.cos(), vec![turned_top], media());
+    let at = |section: &Section, phi_i: f64, view: f64| {
+        let surface = Surface::new(section, FINE_ELEMENT_UM, Window::Gaussian).unwrap();
+        let optics = surface.optics(500.0).unwrap();
+        let cone = Cone::new(optics.k, 0.2, surface.radius_um);
+        let mut workspace = Workspace::<f64>::new(Width::best());
+        let mut coefficients = Vec::new();
+        let scale = inverse_root(surface.incident_power_um(0.2, phi_i));
+        workspace.far_fields(&surface, &optics, &Nodes::at_points(&surface), &cone, &[phi_i], &[scale], &mut coefficients);
+        let synthesis = workspace.synthesis(&cone, 400, 0);
+        let mut values = vec![Complex::new(0.0, 0.0); 400];
+        let mut all = Vec::new();
+        for component in coefficients.chunks_exact(cone.angles) {
+            synthesis.evaluate(component, view, &mut Vec::new(), &mut Vec::new(), &mut values);
+            all.extend_from_slice(&values);
+        }
+        all
+    };
+    // The top turned by δ from x towards z: its normal leans to −x, so light and view turn by −δ.
+    let (a, b) = (at(&straight, phi, 0.0), at(&turned, phi - delta, -delta));
+    let error = relative_l2(a.iter(), b.iter(), 1.0);
+    assert!(error < 1e-9, "{error:e}");
+}
+
+#[test]
+fn rough_mirrors_conserve_energy() {
+    for (tau, height, width) in [(1.0, 0.08, 20.0), (1.5, 0.3, 25.0), (1.5, 0.2, 40.0), (1.5, 0.25, 40.0)] {
+        let mut sum = 0.0;
+        let seeds = 10;
+        for seed in 0..seeds {
+            let section =
+                section(width, vec![rough(width, tau, height, 0.0, seed)], vec![Medium::named("air"), mirror()]);
+            let phi = [0.0f64, 20.0, 45.0][seed as usize % 3].to_radians();
+            let far = fields(&section, 450.0 + 20.0 * seed as f64, 0.0, phi);
+            assert!((far.reflected[0] - 1.0).abs() < 0.02, "{tau} {seed}: {:?}", far.reflected);
+            sum += far.reflected[0] / seeds as f64;
+        }
+        assert!((sum - 1.0).abs() < 8e-3, "{tau} {height}: {sum}");
+    }
+}
+
+#[test]
+fn halving_the_elements_changes_nothing_that_matters() {
+    let section = scalloped(25.0, 3);
+    let at = |element: f64| {
+        let surface = Surface::new(&section, element, Window::Gaussian).unwrap();
+        far_field(&surface, Window::Gaussian, 430.0, 0.3, 0.6, 400, Width::best()).unwrap()
+    };
+    let (coarse, fine) = (at(FINE_ELEMENT_UM), at(FINE_ELEMENT_UM / 2.0));
+    for polarization in 0..2 {
+        let (a, b) = (coarse.intensity(polarization), fine.intensity(polarization));
+        let top = peak(&b);
+        let worst = a.iter().zip(&b).fold(0f64, |w, (a, b)| w.max((a - b).abs())) / top;
+        assert!(worst < 1e-4, "{worst:e}");
+    }
+}
+
+#[test]
+fn fast_equals_direct() {
+    for (seed, wavelength, theta, phi) in
+        [(1, 400.0, 0.0f64, 0.0f64), (2, 550.0, 40.0, 30.0), (3, 694.0, -60.0, -20.0), (4, 450.0, 10.0, 80.0)]
+    {
+        let section = scalloped(10.0, seed);
+        let (theta, phi) = (theta.to_radians(), phi.to_radians());
+        let fast = fields(&section, wavelength, theta, phi);
+        let plain = direct::far_field(&section, Window::Gaussian, FINE_ELEMENT_UM, wavelength, theta, phi, 400).unwrap();
+        let scale = inverse_root(plain.incident_power_um);
+        assert!((plain.incident_power_um / fast.incident_power_um.unwrap() - 1.0).abs() < 1e-12);
+        for polarization in 0..2 {
+            for along in 0..2 {
+                let error = relative_l2(
+                    fast.fields[polarization].iter().flatten(),
+                    plain.fields[polarization].iter().flatten(),
+                    scale,
+                );
+                assert!(error < 1e-10, "{seed} {polarization} {along}: {error:e}");
+            }
+        }
+    }
+}
+
+/// The campaign's way: single precision, nodes, coarser elements, all φ_i at once.
+#[test]
+fn the_campaigns_way_equals_direct_to_a_thousandth() {
+    let mut worst = (0f64, 0f64);
+    for (seed, wavelength, theta) in [(1, 400.0, 0.0f64), (2, 550.0, 40.0), (3, 694.0, 60.0), (4, 430.0, 80.0)] {
+        let section = scalloped(25.0, seed);
+        let theta = theta.to_radians();
+        let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian).unwrap();
+        let optics = surface.optics(wavelength).unwrap();
+        let cone = Cone::new(optics.k, theta, surface.radius_um);
+        let nodes = Nodes::equidistant(&surface, cone.kappa);
+        assert!(nodes.taps.is_some());
+        let phis = [0.0, 0.5, 1.2, 1.5];
+        let scales = phis.map(|phi| inverse_root(surface.incident_power_um(theta, phi)));
+        let mut workspace = Workspace::<f32>::new(Width::best());
+        let mut coefficients = Vec::new();
+        workspace.far_fields(&surface, &optics, &nodes, &cone, &phis, &scales, &mut coefficients);
+        let synthesis = workspace.synthesis(&cone, 400, 0);
+        let mut values = vec![Complex::new(0f32, 0.0); 400];
+        let fine = Surface::new(&section, FINE_ELEMENT_UM / 2.0, Window::Gaussian).unwrap();
+        for (i, phi) in phis.into_iter().enumerate() {
+            let exact = far_field(&fine, Window::Gaussian, wavelength, theta, phi, 400, Width::best()).unwrap();
+            for polarization in 0..2 {
+                let mut fast = Vec::new();
+                for along in 0..2 {
+                    let at = ((i * 2 + polarization) * 2 + along) * cone.angles;
+                    synthesis.evaluate(&coefficients[at..at + cone.angles], 0.0, &mut Vec::new(), &mut Vec::new(), &mut values);
+                    fast.extend(values.iter().map(|v| Complex64::new(f64::from(v.re), f64::from(v.im))));
+                }
+                let error = relative_l2(fast.iter(), exact.fields[polarization].iter().flatten(), 1.0);
+                let power = |v: &mut dyn Iterator<Item = &Complex64>| v.map(Complex64::norm_sqr).sum::<f64>();
+                let ratio = power(&mut fast.iter()) / power(&mut exact.fields[polarization].iter().flatten());
+                worst = (worst.0.max(error), worst.1.max((ratio - 1.0).abs()));
+            }
+        }
+    }
+    assert!(worst.0 < 1e-3 && worst.1 < 2e-4, "{worst:?}");
+}
+
+#[test]
+fn mirror_images_scatter_mirrored() {
+    let section_a = scalloped(15.0, 5);
+    let flip = |line: &Polyline| Polyline {
+        x_um: line.x_um.iter().rev().map(|x| -x).collect(),
+        z_um: line.z_um.iter().rev().copied().collect(),
+    };
+    let section_b = section(15.0, section_a.boundaries.iter().map(flip).collect(), section_a.media.clone());
+    let (a, b) = (fields(&section_a, 500.0, 0.4, 0.3), fields(&section_b, 500.0, 0.4, -0.3));
+    let opposite = fields(&section_a, 500.0, -0.4, 0.3);
+    for polarization in 0..2 {
+        let (a, b) = (a.intensity(polarization), b.intensity(polarization));
+        let c = opposite.intensity(polarization);
+        let top = peak(&a);
+        for n in 0..400 {
+            assert!((a[n] - b[399 - n]).abs() < 1e-10 * top);
+            assert!((a[n] - c[n]).abs() < 1e-10 * top);
+        }
+    }
+}
+
+#[test]
+fn every_simd_width_gives_the_same_field() {
+    let section = scalloped(10.0, 6);
+    let surface = Surface::new(&section, 0.02, Window::Gaussian).unwrap();
+    let at = |width| far_field(&surface, Window::Gaussian, 450.0, 0.3, 0.4, 400, width).unwrap();
+    let reference = at(Width::scalar());
+    for width in Width::available() {
+        for polarization in 0..2 {
+            let error = relative_l2(
+                at(width).fields[polarization].iter().flatten(),
+                reference.fields[polarization].iter().flatten(),
+                1.0,
+            );
+            assert!(error < 1e-12, "{}: {error:e}", width.name());
+        }
+    }
+}
+
+/// A roof: its corner must not be interpolated across.
+#[test]
+fn corners_are_exact_too() {
+    let top = Polyline { x_um: vec![-10.0, -2.0, 4.0, 10.0], z_um: vec![0.0, 1.5, 1.0, -0.5] };
+    let section = section(20.0, vec![top], vec![Medium::named("air"), Medium::named("melanin")]);
+    let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian).unwrap();
+    let optics = surface.optics(450.0).unwrap();
+    let cone = Cone::new(optics.k, 0.0, surface.radius_um);
+    let run = |nodes: &Nodes<f32>| {
+        let mut workspace = Workspace::<f32>::new(Width::best());
+        let mut out = Vec::new();
+        workspace.far_fields(&surface, &optics, nodes, &cone, &[0.2], &[1.0], &mut out);
+        out.into_iter().map(|v| Complex64::new(f64::from(v.re), f64::from(v.im))).collect::<Vec<_>>()
+    };
+    let error =
+        relative_l2(run(&Nodes::equidistant(&surface, cone.kappa)).iter(), run(&Nodes::at_points(&surface)).iter(), 1.0);
+    assert!(error < 2e-4, "{error:e}");
+}
