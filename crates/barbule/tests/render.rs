@@ -268,8 +268,7 @@ fn lights_are_sampled_with_their_density() {
 fn starling() -> Scene {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
     let mut preset = preset::named("starling").unwrap();
-    preset.window.half_length_mm = 0.6;
-    preset.window.half_width_mm = 0.6;
+    preset.window.radius_mm = 0.7;
     preset.width_mm = 1.0;
     preset.scene(brdf, 7).unwrap().0
 }

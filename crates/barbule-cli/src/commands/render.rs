@@ -14,12 +14,13 @@ use barbule::render::integrator::Integrator;
 use barbule::render::run::{Ended, Goal, run};
 use barbule::render::{checkpoint, picture};
 use barbule::scene::description::Description;
-use barbule::scene::preset::Bearing;
+use barbule::scene::preset::{Bearing, Preset};
 use barbule::{Error, Result};
 
 use crate::common::{Common, print_json};
 use crate::materials;
 use crate::progress::Terminal;
+use crate::provenance::Provenance;
 use crate::sets;
 
 /// Arguments of `barbule render`.
@@ -163,7 +164,7 @@ impl Args {
 
     fn picture(
         &self,
-        preset: &barbule::scene::preset::Preset,
+        preset: &Preset,
         brdf: &Arc<FeatherBrdf>,
         job: &Job<'_>,
         terminal: &Terminal,
@@ -207,9 +208,9 @@ impl Args {
         if self.resume {
             write_whole(&kept, &checkpoint::write(&film, &name))?;
         }
-        let facts = self.facts(preset, job, &film);
+        let provenance = self.provenance(preset, job, &film);
         if film.samples() > 0 {
-            write(job.file, &film, preset.exposure, &facts)?;
+            write(job.file, &film, preset.exposure, &provenance.notes())?;
         }
         if ended == Ended::Stopped || terminal.is_cancelled() {
             return Err(Error::interrupted());
@@ -222,57 +223,23 @@ impl Args {
             "paths": paths, "seconds": seconds, "paths_per_second": paths as f64 / seconds.max(1e-9),
             "ended": if ended == Ended::OutOfTime { "time" } else { "done" },
         });
-        for (key, value) in facts {
-            report[key] = value.into();
+        if let (Some(report), serde_json::Value::Object(notes)) = (report.as_object_mut(), provenance.json()) {
+            report.extend(notes);
         }
         Ok(report)
     }
 
     /// What a picture says about itself.
-    fn facts(
-        &self,
-        preset: &barbule::scene::preset::Preset,
-        job: &Job<'_>,
-        film: &Film,
-    ) -> Vec<(&'static str, String)> {
+    fn provenance(&self, preset: &Preset, job: &Job<'_>, film: &Film) -> Provenance {
         let pixels = f64::from(job.size[0]) * f64::from(job.size[1]);
-        vec![
-            ("version", env!("CARGO_PKG_VERSION").to_owned()),
-            ("command", self.command()),
-            ("seed", self.common.seed.to_string()),
-            ("material", job.material.to_owned()),
-            ("material_hash", job.hash.to_owned()),
-            ("samples", format!("{:.1}", film.samples() as f64 / pixels)),
-            ("light", format!("{},{}", preset.light.azimuth, preset.light.elevation)),
-            (
-                "view",
-                format!("{},{},{}", preset.view.azimuth, preset.view.elevation, preset.width_mm),
-            ),
-            ("exposure", preset.exposure.to_string()),
-        ]
-    }
-
-    /// The command line that makes this picture again; paths are left to their last part.
-    fn command(&self) -> String {
-        let last = |path: &str| {
-            Path::new(path).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned())
-        };
-        let mut text = format!("barbule render {} -o {}", last(&self.scene), last(&self.output.to_string_lossy()));
-        let mut flag = |name: &str, value: Option<String>| {
-            if let Some(value) = value {
-                text.push_str(&format!(" --{name} {value}"));
-            }
-        };
-        flag("material", self.material.as_deref().map(last));
-        flag("size", self.size.clone());
-        flag("samples", self.samples.map(|n| n.to_string()));
-        flag("time", self.time.clone());
-        flag("noise", self.noise.map(|p| p.to_string()));
-        flag("light", self.light.clone());
-        flag("view", self.view.clone());
-        flag("frames", (self.frames > 1).then(|| self.frames.to_string()));
-        flag("seed", Some(self.common.seed.to_string()));
-        text
+        let Preset { light, view, width_mm, exposure, .. } = preset;
+        Provenance::new(&self.common)
+            .with("material", job.material)
+            .with("material_hash", job.hash)
+            .with("samples", format!("{:.1}", film.samples() as f64 / pixels))
+            .with("light", format!("{},{}", light.azimuth, light.elevation))
+            .with("view", format!("{},{},{width_mm}", view.azimuth, view.elevation))
+            .with("exposure", exposure.to_string())
     }
 }
 

@@ -96,6 +96,23 @@ pub struct Pattern {
     pub contrast: [f64; 2],
 }
 
+impl FitReport {
+    /// What a material's file records: everything but the list of flagged fits, of which the number.
+    #[must_use]
+    pub fn summary(&self) -> serde_json::Value {
+        serde_json::json!({
+            "residual_median": self.residual_median,
+            "residual_95": self.residual_95,
+            "fits": self.fits,
+            "flagged": self.flagged.len(),
+            "largest_clip": self.largest_clip,
+            "longest_length": self.longest_length,
+            "length_disagreement": self.length_disagreement,
+            "patterns": self.patterns,
+        })
+    }
+}
+
 /// The fits of one (λ, ω_i).
 struct Node {
     mean: Fit,
@@ -135,7 +152,7 @@ pub fn fit(
         nodes.extend(fitted);
     }
     let info = options.info.clone();
-    let material = Material {
+    let mut material = Material {
         axes: axes.clone(),
         kind: options.kind,
         sigma: options.sigma,
@@ -145,6 +162,9 @@ pub fn fit(
         info,
     };
     let report = report(statistics, options, &material, &nodes, &ratios);
+    if let Some(info) = material.info.as_object_mut() {
+        info.insert("fit".into(), report.summary());
+    }
     Ok((material, report))
 }
 

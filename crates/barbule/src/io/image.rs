@@ -9,7 +9,7 @@ use super::write_whole;
 use crate::{Error, Result};
 
 /// Facts about a picture: name and text.
-pub type Facts<'a> = [(&'a str, String)];
+pub type Facts<'a> = [(&'a str, &'a str)];
 
 /// Writes an 8-bit RGB PNG with text chunks.
 ///
@@ -23,7 +23,7 @@ pub fn write_png(path: &Path, size: [u32; 2], rgb: &[u8], facts: &Facts<'_>) -> 
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let refuse = |e: png::EncodingError| Error::machine(format!("{}: no PNG ({e})", path.display()));
     for (name, text) in facts {
-        encoder.add_itxt_chunk((*name).to_owned(), text.clone()).map_err(refuse)?;
+        encoder.add_itxt_chunk((*name).to_owned(), (*text).to_owned()).map_err(refuse)?;
     }
     let mut writer = encoder.write_header().map_err(refuse)?;
     writer.write_image_data(rgb).map_err(refuse)?;

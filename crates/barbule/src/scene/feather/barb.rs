@@ -55,9 +55,8 @@ pub(super) fn along(
         let smooth = t * t * (3.0 - 2.0 * t);
         let angle = shape.angle[0] + (shape.angle[1] - shape.angle[0]) * smooth;
         let id = hash(seed, &[identity, 1, side_name, index]);
-        if s > window.along_mm - 3.0 * window.half_length_mm - window.half_width_mm / angle.tan()
-            && s < window.along_mm + 1.2 * window.half_length_mm
-        {
+        let before = window.along_mm - (3.0 + 1.0 / angle.tan()) * window.radius_mm;
+        if s > before && s < window.along_mm + 1.2 * window.radius_mm {
             barbs.push(grow(feather, shaft, side, s, angle, id));
         }
         s += 1e-3 * shape.spacing_um / libm::sin(angle).max(LEAST_SINE);

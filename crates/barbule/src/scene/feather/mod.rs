@@ -105,15 +105,13 @@ pub struct Feather {
     pub disorder: Disorder,
 }
 
-/// The part of a feather to grow: a box in the plane of the vane about a point of the shaft.
+/// The part of a feather to grow: a disc in the plane of the vane about a point of the shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
     /// Arc length of its middle on the shaft, mm.
     pub along_mm: f64,
-    /// Half its extent along the shaft, mm.
-    pub half_length_mm: f64,
-    /// Half its extent across, mm.
-    pub half_width_mm: f64,
+    /// Its radius, mm.
+    pub radius_mm: f64,
 }
 
 /// Surfaces of the parts, as indices into a scene's list.
@@ -212,7 +210,7 @@ impl Feather {
 
 impl Window {
     fn holds(&self, point: DVec3) -> bool {
-        point.x.abs() <= self.half_width_mm && point.y.abs() <= self.half_length_mm
+        point.x * point.x + point.y * point.y <= self.radius_mm * self.radius_mm
     }
 }
 
@@ -233,7 +231,7 @@ mod tests {
     }
 
     fn window(feather: &Feather) -> Window {
-        Window { along_mm: 0.6 * feather.shaft.length_mm, half_length_mm: 1.0, half_width_mm: 1.0 }
+        Window { along_mm: 0.6 * feather.shaft.length_mm, radius_mm: 1.1 }
     }
 
     #[test]
@@ -254,8 +252,7 @@ mod tests {
             let shaft = Shaft::new(&feather.shaft);
             let everything = Window {
                 along_mm: 0.5 * feather.shaft.length_mm,
-                half_length_mm: feather.shaft.length_mm,
-                half_width_mm: 100.0,
+                radius_mm: 100.0,
             };
             let barbs = barb::along(&feather, &shaft, 1.0, everything, 1, 1);
             // ∫ ds sin(angle)/p over the vane.
@@ -285,7 +282,7 @@ mod tests {
         feather.shaft.tip_radius_mm = 1e-6;
         feather.disorder.barb = [0.0; 3];
         let shaft = Shaft::new(&feather.shaft);
-        let everything = Window { along_mm: 15.0, half_length_mm: 30.0, half_width_mm: 30.0 };
+        let everything = Window { along_mm: 15.0, radius_mm: 30.0 };
         for barb in barb::along(&feather, &shaft, 1.0, everything, 1, 1) {
             let end = barb.points[barb.points.len() - 1];
             let t = shaft.vane(end.y);
@@ -318,7 +315,7 @@ mod tests {
             barb.normals = vec![DVec3::Z; steps];
             barb.length_mm = 0.1 * (steps - 1) as f64;
             let mut geometry = Geometry::default();
-            let wide = Window { along_mm: 0.0, half_length_mm: 50.0, half_width_mm: 50.0 };
+            let wide = Window { along_mm: 0.0, radius_mm: 50.0 };
             barbule::along(
                 &mut geometry,
                 &barb,

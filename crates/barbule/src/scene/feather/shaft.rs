@@ -96,8 +96,8 @@ impl Shaft {
         origin: DVec3,
         identity: u64,
     ) {
-        let from = (window.along_mm - 1.3 * window.half_length_mm).max(0.0);
-        let to = (window.along_mm + 1.3 * window.half_length_mm).min(self.shape.length_mm);
+        let from = (window.along_mm - 1.3 * window.radius_mm).max(0.0);
+        let to = (window.along_mm + 1.3 * window.radius_mm).min(self.shape.length_mm);
         let rings = 96;
         let ridges = Ridges::new(identity);
         let mut mesh = Mesh { surface, id: hash(identity, &[0]), ..Mesh::default() };

@@ -1,0 +1,359 @@
+//! Feather materials as `.barbule` files: *safetensors* containers with a JSON description.
+//!
+//! `docs/formats/material.md` describes the layout. Parameters are 16-bit codes, so that a material of the default
+//! sampling stays under 400 kB; each array has the map that suits it.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+use safetensors::{Dtype, SafeTensors, tensor::TensorView};
+use serde::{Deserialize, Serialize};
+
+use super::{read_bytes, write_whole};
+use crate::brdf::{LobeSet, Material, ParameterSet};
+use crate::scattering::lobe::FitKind;
+use crate::scattering::statistics::Axes;
+use crate::{Error, Result};
+
+/// Version of the layout.
+const SCHEMA: u32 = 1;
+
+/// The one entry of the container's metadata.
+const ENTRY: &str = "barbule";
+
+/// The description inside the container.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Description {
+    schema: u32,
+    program: String,
+    kind: String,
+    sigma: f64,
+    seed: u64,
+    /// How a code k of each array becomes a value.
+    maps: BTreeMap<String, String>,
+    info: serde_json::Value,
+    /// BLAKE3 of this description without the checksum, then of each tensor's name and bytes in the order of names.
+    checksum: String,
+}
+
+/// How a 16-bit code k stands for a value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Map {
+    /// 0.001^(1 − k/65535), relative step 1.1e-4.
+    Roughness,
+    /// (k − 32768)/32767 · π/2, so that 0 is exact.
+    Azimuth,
+    /// (k/65535)², finer where little is reflected.
+    Fraction,
+    /// 64^((k − 32768)/32767), so that 1 is exact.
+    Length,
+    /// k/65535.
+    Share,
+}
+
+impl Map {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Roughness => "0.001^(1 - k/65535)",
+            Self::Azimuth => "(k - 32768)/32767 * pi/2",
+            Self::Fraction => "(k/65535)^2",
+            Self::Length => "64^((k - 32768)/32767)",
+            Self::Share => "k/65535",
+        }
+    }
+
+    fn value(self, code: u16) -> f32 {
+        let unit = f64::from(code) / 65535.0;
+        let signed = ((f64::from(code) - 32768.0) / 32767.0).max(-1.0);
+        (match self {
+            Self::Roughness => libm::pow(0.001, 1.0 - unit),
+            Self::Azimuth => signed * std::f64::consts::FRAC_PI_2 * (1.0 - 1e-7),
+            Self::Fraction => unit * unit,
+            Self::Length => libm::pow(64.0, signed),
+            Self::Share => unit,
+        }) as f32
+    }
+
+    fn code(self, value: f32) -> u16 {
+        let v = f64::from(value);
+        let signed = |s: f64| 32768.0 + 32767.0 * s.clamp(-1.0, 1.0);
+        let code = match self {
+            Self::Roughness => 65535.0 * (1.0 - libm::log(v.max(1e-9)) / libm::log(0.001)),
+            Self::Azimuth => signed(v / std::f64::consts::FRAC_PI_2),
+            Self::Fraction => 65535.0 * v.max(0.0).sqrt(),
+            Self::Length => signed(libm::log(v.max(1e-9)) / libm::log(64.0)),
+            Self::Share => 65535.0 * v,
+        };
+        code.round().clamp(0.0, 65535.0) as u16
+    }
+}
+
+/// Names of a set's arrays with their maps; the last two are absent from a set of one polarization.
+const ARRAYS: [(&str, Map); 9] = [
+    ("m", Map::Roughness),
+    ("phi", Map::Azimuth),
+    ("rho", Map::Fraction),
+    ("m_sta", Map::Roughness),
+    ("phi_sta", Map::Azimuth),
+    ("rho_sta", Map::Fraction),
+    ("length", Map::Length),
+    ("fraction_1", Map::Share),
+    ("fraction_1_sta", Map::Share),
+];
+
+fn arrays(set: &ParameterSet) -> [&[f32]; 9] {
+    [
+        &set.mean.m,
+        &set.mean.phi,
+        &set.mean.reflected,
+        &set.stationary.m,
+        &set.stationary.phi,
+        &set.stationary.reflected,
+        &set.length,
+        &set.fraction_1,
+        &set.stationary_fraction_1,
+    ]
+}
+
+/// Prefix of a set's arrays.
+fn prefix(set: usize, sets: usize) -> String {
+    if sets == 1 { String::new() } else { format!("p{}.", set + 1) }
+}
+
+/// Writes a material.
+///
+/// # Errors
+/// A material that fails [`Material::check`], or a path that cannot be written.
+pub fn write_material(path: &Path, material: &Material) -> Result<()> {
+    write_whole(path, &encode_material(material)?)
+}
+
+/// Reads a material.
+///
+/// # Errors
+/// The file is missing or too large, or no valid material; the message begins with the file's name.
+pub fn read_material(path: &Path) -> Result<Material> {
+    decode_material(&read_bytes(path)?).map_err(|error| error.at(path.display()))
+}
+
+/// The bytes of a material's file. Equal materials give equal bytes.
+///
+/// # Errors
+/// A material that fails [`Material::check`].
+pub fn encode_material(material: &Material) -> Result<Vec<u8>> {
+    material.check()?;
+    let axes = &material.axes;
+    let shape = vec![axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
+    let doubles = |values: &[f64]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let mut tensors: BTreeMap<String, (Dtype, Vec<usize>, Vec<u8>)> = BTreeMap::new();
+    for (name, values) in [
+        ("wavelengths_nm", &axes.wavelengths_nm),
+        ("cos_theta", &axes.cos_theta),
+        ("cos_phi", &axes.cos_phi),
+        ("noise_power", &material.noise_power),
+    ] {
+        tensors.insert(name.into(), (Dtype::F64, vec![values.len()], doubles(values)));
+    }
+    for (number, set) in material.sets.iter().enumerate() {
+        let place = prefix(number, material.sets.len());
+        for ((name, map), values) in ARRAYS.iter().zip(arrays(set)) {
+            if !values.is_empty() {
+                let bytes = values.iter().flat_map(|&v| map.code(v).to_le_bytes()).collect();
+                tensors.insert(format!("{place}{name}"), (Dtype::U16, shape.clone(), bytes));
+            }
+        }
+    }
+    let mut description = Description {
+        schema: SCHEMA,
+        program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
+        kind: kind_name(material.kind).into(),
+        sigma: material.sigma,
+        seed: material.seed,
+        maps: ARRAYS.iter().map(|(name, map)| ((*name).to_owned(), map.text().to_owned())).collect(),
+        info: material.info.clone(),
+        checksum: String::new(),
+    };
+    let bytes = tensors.iter().map(|(name, (_, _, bytes))| (name.as_str(), bytes.as_slice()));
+    description.checksum = checksum(&description, bytes)?;
+    let json = serde_json::to_string(&description).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
+    let views = tensors
+        .iter()
+        .map(|(name, (dtype, shape, bytes))| {
+            TensorView::new(*dtype, shape.clone(), bytes)
+                .map(|view| (name.as_str(), view))
+                .map_err(|e| Error::machine(format!("array {name} cannot be stored: {e}")))
+        })
+        .collect::<Result<Vec<_>>>()?;
+    safetensors::serialize(views, Some(HashMap::from([(ENTRY.to_owned(), json)])))
+        .map_err(|e| Error::machine(format!("the material cannot be stored: {e}")))
+}
+
+/// A material from the bytes of its file. Never allocates more than a few times the bytes given.
+///
+/// # Errors
+/// Anything but a complete, undamaged material of a known schema, in one sentence.
+pub fn decode_material(bytes: &[u8]) -> Result<Material> {
+    let damaged = |what: String| Error::input(format!("is not a material file: {what}"));
+    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|e| damaged(short(&e.to_string())))?;
+    let json = metadata
+        .metadata()
+        .as_ref()
+        .and_then(|entries| entries.get(ENTRY))
+        .ok_or_else(|| damaged(format!("its metadata has no entry '{ENTRY}' (another kind of safetensors?)")))?;
+    let description = describe(json)?;
+    let container = SafeTensors::deserialize(bytes).map_err(|e| damaged(short(&e.to_string())))?;
+    let mut names = container.names();
+    names.sort_unstable();
+    let views = names
+        .iter()
+        .map(|name| container.tensor(name).map(|view| (*name, view)))
+        .collect::<Result<BTreeMap<_, _>, _>>()
+        .map_err(|e| damaged(short(&e.to_string())))?;
+    let found = checksum(&description, views.iter().map(|(name, view)| (*name, view.data())))?;
+    if found != description.checksum {
+        return Err(Error::input(
+            "the checksum does not match the contents: the file was damaged or edited; fetch or fit it again",
+        ));
+    }
+    let axes = Axes {
+        wavelengths_nm: doubles(&views, "wavelengths_nm")?,
+        cos_theta: doubles(&views, "cos_theta")?,
+        cos_phi: doubles(&views, "cos_phi")?,
+    };
+    let sets = if views.contains_key("p1.m") { 2 } else { 1 };
+    let material = Material {
+        sets: (0..sets)
+            .map(|set| decode_set(&views, &axes, &prefix(set, sets), sets == 1))
+            .collect::<Result<_>>()?,
+        axes,
+        kind: kind_of(&description.kind)?,
+        sigma: description.sigma,
+        noise_power: doubles(&views, "noise_power")?,
+        seed: description.seed,
+        info: description.info,
+    };
+    material.check()?;
+    Ok(material)
+}
+
+/// Reads the description, its schema first: later versions may have other fields.
+fn describe(json: &str) -> Result<Description> {
+    #[derive(Deserialize)]
+    struct Schema {
+        schema: u32,
+    }
+    let refuse = |e: serde_json::Error| {
+        Error::input(format!("the description in its metadata is not valid: {}", short(&e.to_string())))
+    };
+    let Schema { schema } = serde_json::from_str(json).map_err(refuse)?;
+    if schema != SCHEMA {
+        return Err(Error::input(format!(
+            "has schema {schema}, but this program reads schema {SCHEMA}; fit it again or use another version of barbule"
+        )));
+    }
+    let description: Description = serde_json::from_str(json).map_err(refuse)?;
+    for (name, map) in ARRAYS {
+        if description.maps.get(name).map(String::as_str) != Some(map.text()) {
+            return Err(Error::input(format!("array {name} has another map than '{}'; fit it again", map.text())));
+        }
+    }
+    Ok(description)
+}
+
+fn decode_set(
+    views: &BTreeMap<&str, TensorView<'_>>,
+    axes: &Axes,
+    place: &str,
+    fractions: bool,
+) -> Result<ParameterSet> {
+    let shape = [axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
+    let array = |number: usize| -> Result<Vec<f32>> {
+        let (name, map) = ARRAYS[number];
+        let name = format!("{place}{name}");
+        let view = view(views, &name, Dtype::U16)?;
+        if view.shape() != shape {
+            return Err(Error::input(format!(
+                "array {name} has shape {}, but the axes ask for {}",
+                short(&format!("{:?}", view.shape())),
+                short(&format!("{shape:?}"))
+            )));
+        }
+        Ok(view.data().as_chunks::<2>().0.iter().map(|b| map.value(u16::from_le_bytes(*b))).collect())
+    };
+    let lobe = |first: usize| -> Result<LobeSet> {
+        Ok(LobeSet { m: array(first)?, phi: array(first + 1)?, reflected: array(first + 2)? })
+    };
+    Ok(ParameterSet {
+        mean: lobe(0)?,
+        stationary: lobe(3)?,
+        length: array(6)?,
+        fraction_1: if fractions { array(7)? } else { Vec::new() },
+        stationary_fraction_1: if fractions { array(8)? } else { Vec::new() },
+    })
+}
+
+fn view<'a, 'b>(
+    views: &'a BTreeMap<&str, TensorView<'b>>,
+    name: &str,
+    dtype: Dtype,
+) -> Result<&'a TensorView<'b>> {
+    let view = views.get(name).ok_or_else(|| {
+        Error::input(format!("array {name} is missing; the file is incomplete, fit the material again"))
+    })?;
+    if view.dtype() != dtype {
+        return Err(Error::input(format!("array {name} has type {:?}, but must be {dtype:?}", view.dtype())));
+    }
+    Ok(view)
+}
+
+fn doubles(views: &BTreeMap<&str, TensorView<'_>>, name: &str) -> Result<Vec<f64>> {
+    let view = view(views, name, Dtype::F64)?;
+    if view.shape().len() != 1 {
+        return Err(Error::input(format!(
+            "array {name} has {} dimensions, but must have one",
+            view.shape().len()
+        )));
+    }
+    Ok(view.data().as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect())
+}
+
+fn checksum<'a>(
+    description: &Description,
+    tensors: impl Iterator<Item = (&'a str, &'a [u8])>,
+) -> Result<String> {
+    let bare = Description { checksum: String::new(), ..description.clone() };
+    let json = serde_json::to_string(&bare).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(json.as_bytes());
+    for (name, bytes) in tensors {
+        hasher.update(name.as_bytes()).update(&[0]).update(bytes);
+    }
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+fn kind_name(kind: FitKind) -> &'static str {
+    match kind {
+        FitKind::Marginal => "marginal",
+        FitKind::Cone => "cone",
+    }
+}
+
+fn kind_of(name: &str) -> Result<FitKind> {
+    match name {
+        "marginal" => Ok(FitKind::Marginal),
+        "cone" => Ok(FitKind::Cone),
+        other => Err(Error::input(format!(
+            "the fit's kind is '{}', but must be 'marginal' or 'cone'",
+            short(other)
+        ))),
+    }
+}
+
+/// A message of another library, or a user's text, in a length that fits a sentence.
+fn short(text: &str) -> String {
+    let line: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).take(160).collect();
+    if text.chars().count() > 160 { format!("{line}…") } else { line }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,208 @@
+use super::*;
+use crate::brdf::example;
+
+/// A container with the given header and data.
+fn container(header: &str, data: &[u8]) -> Vec<u8> {
+    let mut bytes = (header.len() as u64).to_le_bytes().to_vec();
+    bytes.extend(header.as_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+/// The header of a valid file as JSON, its data, and the description.
+fn open(bytes: &[u8]) -> (serde_json::Value, Vec<u8>, serde_json::Value) {
+    let length = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
+    let header: serde_json::Value = serde_json::from_slice(&bytes[8..8 + length]).unwrap();
+    let description = serde_json::from_str(header["__metadata__"][ENTRY].as_str().unwrap()).unwrap();
+    (header, bytes[8 + length..].to_vec(), description)
+}
+
+/// A valid file with its material changed in memory, its description by `edit`, and a checksum that matches.
+fn remade(change: impl Fn(&mut Vec<u8>, &mut serde_json::Value, &mut serde_json::Value)) -> Vec<u8> {
+    let (mut header, mut data, mut description) = open(&encode_material(&example(2)).unwrap());
+    change(&mut data, &mut header, &mut description);
+    let parsed: Option<Description> = serde_json::from_value(description.clone()).ok();
+    if let Some(parsed) = parsed {
+        let mut tensors: Vec<(String, Vec<u8>)> = header
+            .as_object()
+            .unwrap()
+            .iter()
+            .filter(|(name, _)| *name != "__metadata__")
+            .filter_map(|(name, info)| {
+                let at = |k: usize| info["data_offsets"][k].as_u64().map(|v| v as usize);
+                Some((name.clone(), data.get(at(0)?..at(1)?)?.to_vec()))
+            })
+            .collect();
+        tensors.sort();
+        let sum = checksum(&parsed, tensors.iter().map(|(n, b)| (n.as_str(), b.as_slice()))).unwrap();
+        description["checksum"] = sum.into();
+    }
+    header["__metadata__"][ENTRY] = serde_json::to_string(&description).unwrap().into();
+    container(&header.to_string(), &data)
+}
+
+fn put_double(data: &mut [u8], header: &serde_json::Value, name: &str, index: usize, value: f64) {
+    let at = header[name]["data_offsets"][0].as_u64().unwrap() as usize + 8 * index;
+    data[at..at + 8].copy_from_slice(&value.to_le_bytes());
+}
+
+#[test]
+fn a_material_survives_its_file() {
+    let mut material = example(5);
+    material.info = serde_json::json!({ "species": "starling", "list": [1, 2.5, "λ"] });
+    let bytes = encode_material(&material).unwrap();
+    let back = decode_material(&bytes).unwrap();
+    assert_eq!((&back.axes, &back.info, back.seed), (&material.axes, &material.info, material.seed));
+    assert_eq!(back.noise_power, material.noise_power);
+    for (a, b) in arrays(&back.sets[0]).iter().zip(arrays(&material.sets[0])) {
+        for (x, y) in a.iter().zip(b) {
+            // Half a step of the length.
+            assert!((x / y - 1.0).abs() < 6.5e-5 || (x - y).abs() < 3e-5, "{x} {y}");
+        }
+    }
+    // What was read once is stored exactly.
+    assert_eq!(encode_material(&back).unwrap(), bytes);
+    let mut two = material.clone();
+    two.sets[0].fraction_1.clear();
+    two.sets[0].stationary_fraction_1.clear();
+    two.sets.push(two.sets[0].clone());
+    assert_eq!(decode_material(&encode_material(&two).unwrap()).unwrap().sets.len(), 2);
+}
+
+#[test]
+fn the_default_sampling_fits_into_400_kb() {
+    let size = encode_material(&example(50)).unwrap().len();
+    assert!(size < 400_000, "{size}");
+}
+
+#[test]
+fn codes_keep_zero_one_and_the_ends() {
+    assert_eq!(Map::Azimuth.value(Map::Azimuth.code(0.0)), 0.0);
+    assert_eq!(Map::Length.value(Map::Length.code(1.0)), 1.0);
+    for (map, value) in [(Map::Roughness, 1.0), (Map::Roughness, 0.001), (Map::Fraction, 0.0), (Map::Fraction, 1.0)] {
+        assert!((map.value(map.code(value)) - value).abs() < 1e-9);
+    }
+}
+
+/// Every malformed file is refused in one sentence that names the fault.
+#[test]
+fn malformed_files_are_refused_by_name() {
+    type Json = serde_json::Value;
+    let good = encode_material(&example(2)).unwrap();
+    let (header, data, _) = open(&good);
+    let edit = |path: &'static str, value: Json| remade(move |_, _, d| d[path] = value.clone());
+    let drop_array = |name: &'static str| {
+        remade(move |data, header, _| {
+            // Another name keeps the container valid.
+            let info = header.as_object_mut().unwrap().remove(name).unwrap();
+            header["spare"] = info;
+            data.truncate(data.len());
+        })
+    };
+    let double = |name: &'static str, index: usize, value: f64| {
+        remade(move |data, header, _| put_double(data, header, name, index, value))
+    };
+    let code = |name: &'static str, code: u16| {
+        remade(move |data, header, _| {
+            let at = header[name]["data_offsets"][0].as_u64().unwrap() as usize;
+            data[at..at + 2].copy_from_slice(&code.to_le_bytes());
+        })
+    };
+    let shape = |name: &'static str, shape: Json| remade(move |_, h, _| h[name]["shape"] = shape.clone());
+    let flip = |at: usize| {
+        let mut bytes = good.clone();
+        bytes[at] ^= 0x10;
+        bytes
+    };
+    let mut edited = good.clone();
+    let at = good.windows(8).position(|w| w == b"seed\\\":1").unwrap() + 7;
+    edited[at] = b'2';
+    let with_header = |text: &str| container(text, &data);
+    let mut long = good.clone();
+    long.extend([0; 9]);
+    let deep = format!("{{\"schema\":1,\"info\":{}1{}}}", "[".repeat(5000), "]".repeat(5000));
+    let cases: Vec<(&str, Vec<u8>, &str)> = vec![
+        ("empty", vec![], "not a material file"),
+        ("one byte", vec![1], "not a material file"),
+        ("text", b"hello, this is no material".to_vec(), "not a material file"),
+        ("png", b"\x89PNG\r\n\x1a\n0000000000000".to_vec(), "not a material file"),
+        ("header too long", u64::MAX.to_le_bytes().to_vec(), "not a material file"),
+        ("header past the end", 4096_u64.to_le_bytes().to_vec(), "not a material file"),
+        ("half a file", good[..good.len() / 2].to_vec(), "not a material file"),
+        ("a byte short", good[..good.len() - 1].to_vec(), "not a material file"),
+        ("bytes appended", long, "not a material file"),
+        ("empty header", with_header("{}"), "not a material file"),
+        ("header no JSON", with_header("{"), "not a material file"),
+        ("header a list", with_header("[1]"), "not a material file"),
+        ("no metadata", container("{\"a\":{\"dtype\":\"F32\",\"shape\":[0],\"data_offsets\":[0,0]}}", &[]), "no entry 'barbule'"),
+        ("other metadata", container("{\"__metadata__\":{\"format\":\"pt\"}}", &[]), "no entry 'barbule'"),
+        ("description no JSON", container("{\"__metadata__\":{\"barbule\":\"x\"}}", &[]), "not valid"),
+        ("description empty", container("{\"__metadata__\":{\"barbule\":\"{}\"}}", &[]), "missing field `schema`"),
+        ("description deep", container(&serde_json::json!({"__metadata__": {ENTRY: deep}}).to_string(), &[]), "not valid"),
+        ("schema 2", edit("schema", 2.into()), "schema 2"),
+        ("schema text", edit("schema", "one".into()), "not valid"),
+        ("schema negative", edit("schema", (-1).into()), "not valid"),
+        ("no sigma", remade(|_, _, d| drop(d.as_object_mut().unwrap().remove("sigma"))), "missing field `sigma`"),
+        ("sigma text", edit("sigma", "wide".into()), "not valid"),
+        ("sigma zero", edit("sigma", 0.0.into()), "sigma is 0"),
+        ("sigma large", edit("sigma", 3.0.into()), "sigma is 3"),
+        ("sigma null", edit("sigma", Json::Null), "not valid"),
+        ("seed negative", edit("seed", (-3).into()), "not valid"),
+        ("kind unknown", edit("kind", "ggx".into()), "'ggx'"),
+        ("kind long", edit("kind", "x".repeat(5000).into()), "must be 'marginal' or 'cone'"),
+        ("map unknown", remade(|_, _, d| d["maps"]["m"] = "k".into()), "array m has another map"),
+        ("no maps", edit("maps", serde_json::json!({})), "has another map"),
+        ("seed edited", edited, "checksum"),
+        ("data flipped", flip(good.len() - 5), "checksum"),
+        ("data flipped early", flip(good.len() - data.len() + 3), "checksum"),
+        ("no m", drop_array("m"), "array m is missing"),
+        ("no rho_sta", drop_array("rho_sta"), "array rho_sta is missing"),
+        ("no fraction_1", drop_array("fraction_1"), "array fraction_1 is missing"),
+        ("no wavelengths", drop_array("wavelengths_nm"), "array wavelengths_nm is missing"),
+        ("no noise", drop_array("noise_power"), "array noise_power is missing"),
+        ("wrong type", remade(|_, h, _| h["m"]["dtype"] = "I16".into()), "array m has type I16"),
+        ("axis of wrong type", remade(|_, h, _| h["cos_phi"]["dtype"] = "I64".into()), "array cos_phi has type I64"),
+        ("shape transposed", shape("m", serde_json::json!([20, 20, 2])), "array m has shape"),
+        ("shape flat", shape("phi", serde_json::json!([800])), "array phi has shape"),
+        ("shape huge", shape("phi", serde_json::json!([1_u64 << 62, 1_u64 << 62, 4])), "not a material file"),
+        ("axis of two dimensions", shape("cos_theta", serde_json::json!([4, 5])), "array cos_theta has 2 dimensions"),
+        ("wavelength nan", double("wavelengths_nm", 0, f64::NAN), "wavelengths_nm[0] = NaN"),
+        ("wavelength negative", double("wavelengths_nm", 0, -400.0), "wavelengths_nm[0] = -400"),
+        ("wavelengths fall", double("wavelengths_nm", 1, 300.0), "wavelengths_nm[1] = 300 does not exceed"),
+        ("cosine zero", double("cos_theta", 0, 0.0), "cos_theta[0] = 0"),
+        ("cosine over one", double("cos_phi", 19, 1.5), "cos_phi[19] = 1.5"),
+        ("cosine infinite", double("cos_phi", 19, f64::INFINITY), "cos_phi[19] = inf"),
+        ("cosines equal", double("cos_theta", 3, 0.15), "cos_theta[3]"),
+        ("noise negative", double("noise_power", 7, -0.1), "noise_power[7] = -0.1"),
+        ("noise nan", double("noise_power", 0, f64::NAN), "noise_power[0] = NaN"),
+        ("noise without unit variance", double("noise_power", 0, 0.4), "noise_power sums to"),
+    ];
+    assert!(cases.len() >= 40);
+    for (name, bytes, fragment) in cases {
+        let error = decode_material(&bytes).map(|_| ()).expect_err(name).at("bad.barbule");
+        let text = error.to_string();
+        assert!(error.is_input(), "{name}: {text}");
+        assert!(text.contains(fragment), "{name}: '{text}' lacks '{fragment}'");
+        assert!(text.len() < 600 && !text.ends_with('.') && !text.contains('\n'), "{name}: {text}");
+    }
+    // Codes at their ends are valid values.
+    for (name, value) in [("m", 0), ("m", 65535), ("phi", 0), ("length", 0), ("rho", 65535)] {
+        decode_material(&code(name, value)).unwrap();
+    }
+    assert!(open(&good).0 == header);
+}
+
+#[test]
+fn random_damage_never_panics() {
+    let good = encode_material(&example(1)).unwrap();
+    let mut stream = crate::math::rng::Stream::new(4, &[]);
+    for _ in 0..3000 {
+        let mut bytes = good[..good.len().min(4000 + (stream.unit() * good.len() as f64) as usize)].to_vec();
+        for _ in 0..1 + (stream.unit() * 4.0) as usize {
+            let header_first = if stream.unit() < 0.7 { 1500.0_f64.min(bytes.len() as f64) } else { bytes.len() as f64 };
+            let at = (stream.unit() * header_first) as usize;
+            bytes[at] = stream.bits() as u8;
+        }
+        let _ = decode_material(&bytes);
+    }
+}
