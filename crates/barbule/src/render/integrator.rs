@@ -27,8 +27,9 @@ pub enum Technique {
 
 /// Points that a path may pass straight through without scattering.
 const MOST_PASSES: u32 = 256;
-/// Scatterings after which a path may be ended at random.
-const ROULETTE_FROM: u32 = 3;
+/// Paths go on surely while their weight is above this and in proportion to it below: feathers absorb most light at
+/// each bounce, and what is left is rarely worth a ray.
+const ROULETTE_BELOW: f64 = 0.3;
 
 /// A scene ready for rays.
 pub struct Integrator<'a> {
@@ -140,14 +141,13 @@ impl<'a> Integrator<'a> {
         }
         path.origin = point.position;
         path.direction = direction;
-        if depth >= ROULETTE_FROM {
-            let keep = (path.weight.iter().copied().fold(0.0, f64::max) / mean(&path.through)).min(1.0);
-            if roulette >= keep {
-                return false;
-            }
-            path.weight = path.weight.map(|w| w / keep);
+        let weight = path.weight.iter().copied().fold(0.0, f64::max) / mean(&path.through);
+        let keep = (weight / ROULETTE_BELOW).min(1.0);
+        if roulette >= keep {
+            return false;
         }
-        path.weight.iter().any(|w| *w > 0.0)
+        path.weight = path.weight.map(|w| w / keep);
+        true
     }
 
     /// The next surface that scatters; adds the light seen when there is none or a light stands in front.

@@ -94,8 +94,8 @@ pub fn all() -> [Preset; 4] {
             name: "hummingbird",
             material: "hummingbird",
             feather: species::hummingbird(),
-            window: Window { along_mm: 4.8, radius_mm: 1.9 },
-            width_mm: 3.0,
+            window: Window { along_mm: 4.8, radius_mm: 2.2 },
+            width_mm: 2.9,
             ..usual
         },
     ]

@@ -8,7 +8,7 @@ use crate::math::rng::{Stream, hash};
 use crate::scene::geometry::{Geometry, Ribbon, RibbonNode};
 
 /// Segments of a barbule.
-const STEPS: usize = 8;
+const STEPS: usize = 6;
 
 /// Adds the barbules of one side of a barb (0: towards the feather's tip, 1: the other) whose bases lie in the window;
 /// returns how many.

@@ -346,8 +346,8 @@ mod tests {
             let mut upward = 0;
             for ribbon in &geometry.ribbons {
                 let nodes = geometry.nodes_of(ribbon);
-                let along = nodes[5].point - nodes[4].point;
-                upward += usize::from(nodes[4].across.cross(along).z > 0.0);
+                let along = nodes[4].point - nodes[3].point;
+                upward += usize::from(nodes[3].across.cross(along).z > 0.0);
             }
             assert!(upward == geometry.ribbons.len(), "{name}: {upward} of {}", geometry.ribbons.len());
         }
