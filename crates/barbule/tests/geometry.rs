@@ -1,10 +1,10 @@
 //! Laws of cross sections, their rays and the random species.
 
+use barbule::material::Library;
 use barbule::math::rng::Stream;
 use barbule::structure::{
     Columns, Medium, Polyline, Ray, Section, SpeciesFile, SpeciesModel, cast, species_names,
 };
-use barbule::material::Library;
 
 fn model(name: &str, variant: Option<&str>) -> SpeciesModel {
     SpeciesModel::builtin(name, variant, Library::builtin()).unwrap()
@@ -71,7 +71,8 @@ fn brute_force(section: &Section, ray: &Ray) -> Vec<(Medium, f64)> {
             continue;
         }
         let middle = if pair[1].is_finite() { 0.5 * (pair[0] + pair[1]) } else { pair[0] + 1e-7 };
-        let above = section.boundaries.iter().filter(|b| b.height(ray.x_um + middle * dx) > ray.z_um + middle * dz);
+        let above =
+            section.boundaries.iter().filter(|b| b.height(ray.x_um + middle * dx) > ray.z_um + middle * dz);
         // Beyond the ends a ray that is above or below everything has left.
         let end = if dx > 0.0 { section.top().x_um.last() } else { section.top().x_um.first() };
         let has_left = [0, section.boundaries.len()].contains(&above.count())
@@ -107,8 +108,13 @@ fn agrees_with_brute_force(section: &Section, count: usize, tilt: f64) {
     for (index, ray) in rays.iter().enumerate() {
         let expected = brute_force(section, ray);
         let found = layers(&columns, index);
-        assert_eq!(expected.len(), found.len(), "{} {ray:?}\n{found:?}\n{:?}", section.name,
-            expected.iter().map(|l| l.1).collect::<Vec<_>>());
+        assert_eq!(
+            expected.len(),
+            found.len(),
+            "{} {ray:?}\n{found:?}\n{:?}",
+            section.name,
+            expected.iter().map(|l| l.1).collect::<Vec<_>>()
+        );
         for ((_, a), b) in expected.iter().zip(&found) {
             assert!(a == b || (a - b).abs() < 4e-9, "{} {ray:?}: {a} and {b}", section.name);
         }

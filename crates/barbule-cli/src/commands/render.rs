@@ -79,7 +79,7 @@ impl Args {
         Film::new(size)?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
         files.iter().try_for_each(|file| is_picture(file).and_then(|()| check_writable(file)))?;
-        let (material, hash) = materials::find(&description.material)?;
+        let (material, hash) = materials::find(&description.material, &self.common)?;
         let brdf = Arc::new(FeatherBrdf::new(&material, Options::default())?);
         let terminal = Terminal::new(&self.common);
         let mut reports = Vec::new();

@@ -17,7 +17,12 @@ pub fn read_species(path: &Path, variant: Option<&str>, library: &Library) -> Re
     parse_species(&read_text(path)?, variant, folder, library).map_err(|error| error.at(path.display()))
 }
 
-fn parse_species(text: &str, variant: Option<&str>, folder: &Path, library: &Library) -> Result<SpeciesModel> {
+fn parse_species(
+    text: &str,
+    variant: Option<&str>,
+    folder: &Path,
+    library: &Library,
+) -> Result<SpeciesModel> {
     let file = SpeciesFile::parse(text)?;
     let mut library = library.clone();
     materials(file.materials.as_ref(), folder, &mut library)?;
@@ -35,7 +40,9 @@ pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library
     let table: toml::Table = toml::from_str(&text).unwrap_or_default();
     let is_stack = ["stack", "layers", "entry", "exit"].iter().any(|key| table.contains_key(*key));
     if !is_stack {
-        return parse_species(&text, variant, folder, library).map(|m| Structure::Species(Box::new(m))).map_err(at);
+        return parse_species(&text, variant, folder, library)
+            .map(|m| Structure::Species(Box::new(m)))
+            .map_err(at);
     }
     if let Some(variant) = variant {
         return Err(at(Error::input(format!("a stack has no variants, so no '{}'", shortened(variant)))));

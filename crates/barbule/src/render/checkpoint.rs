@@ -19,12 +19,6 @@ pub fn name(settings: &str) -> [u8; 32] {
     *blake3::hash(settings.as_bytes()).as_bytes()
 }
 
-/// A BLAKE3 hash in hexadecimal, as metadata carry it.
-#[must_use]
-pub fn fingerprint(bytes: &[u8]) -> String {
-    blake3::hash(bytes).to_hex().to_string()
-}
-
 /// Bytes of a checkpoint of this size of picture, at most.
 #[must_use]
 pub fn largest(size: [u32; 2]) -> u64 {
