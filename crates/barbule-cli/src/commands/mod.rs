@@ -12,10 +12,10 @@ mod far_field;
 mod film;
 mod fit;
 mod geometry;
+mod render;
 mod simulate;
-mod spectrum;
-
 mod species;
+mod spectrum;
 
 /// A command with its arguments.
 #[derive(Debug, Subcommand)]
@@ -40,6 +40,8 @@ pub(crate) enum Command {
     Species(species::Args),
     /// Print completions for a shell
     Completions(completions::Args),
+    /// Render a picture of a feather
+    Render(render::Args),
 }
 
 impl Command {
@@ -55,6 +57,7 @@ impl Command {
             Self::Geometry(args) => args.run(out),
             Self::Species(args) => args.run(out),
             Self::Completions(args) => args.run(out),
+            Self::Render(args) => args.run(out),
         }
     }
 }
