@@ -273,6 +273,7 @@ impl Layer<'_> {
     fn parameters(&self, set: &ParameterSet, polarization: Polarization) -> Vec<[f32; WIDTH]> {
         let count = (self.theta.cells + 1) * (self.phi.cells + 1);
         let mut out = vec![[0.0_f32; WIDTH]; count];
+        let mut bright = Vec::new();
         let mut put = |column: usize, values: &[f64]| {
             for (node, value) in out.iter_mut().zip(values) {
                 node[column] = *value as f32;
@@ -295,9 +296,48 @@ impl Layer<'_> {
             put(base + M, &m);
             put(base + TILT, &tilt);
             put(base + STRENGTH, &self.strengths(&m, &tilt, &reflected));
+            if base != STATIONARY {
+                bright = reflected;
+            }
         }
         put(INVERSE_LENGTH, &self.refine(&self.stored(&set.length, |v| 1.0 / v), 1.0 / 64.0, 64.0, None));
+        self.limit(&mut out, &bright);
         out
+    }
+
+    /// Scales down the nodes of cells inside which interpolation would reflect more than all light. Next to grazing J
+    /// bends within σ, which no table follows; only where ρ itself comes close to 1 does that matter.
+    fn limit(&self, nodes: &mut [[f32; WIDTH]], reflected: &[f64]) {
+        let phis = self.phi.cells + 1;
+        let mut factors = vec![1.0_f64; nodes.len()];
+        for t in 0..self.theta.cells {
+            for p in 0..self.phi.cells {
+                let corners = [t * phis + p, t * phis + p + 1, (t + 1) * phis + p, (t + 1) * phis + p + 1];
+                if corners.iter().all(|&c| reflected[c] < BRIGHT) {
+                    continue;
+                }
+                let inside = [0.02, 0.08, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95];
+                let albedos = inside.iter().flat_map(|&x| inside.map(|y| (x, y))).map(|(x, y)| {
+                    let weights = [(1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y];
+                    let mix = |column: usize| -> f64 {
+                        corners.iter().zip(weights).map(|(&c, w)| w * f64::from(nodes[c][column])).sum()
+                    };
+                    let cos_theta = (t as f64 + x) / self.theta.cells as f64;
+                    let cos_phi = (p as f64 + y) / self.phi.cells as f64;
+                    let incident = effective(cos_theta, cos_phi, mix(TILT));
+                    mix(STRENGTH) * self.quadrature.scaled_integral(mix(M), incident, self.sigma) / incident.z
+                });
+                let largest = albedos.fold(0.0, f64::max);
+                // Between the points tried there may be slightly more.
+                let largest = if largest > 1.0 { 1.005 * largest } else { 1.0 };
+                for corner in corners {
+                    factors[corner] = factors[corner].max(largest);
+                }
+            }
+        }
+        for (node, factor) in nodes.iter_mut().zip(factors) {
+            node[STRENGTH] = (f64::from(node[STRENGTH]) / factor) as f32;
+        }
     }
 
     /// A stored array of this wavelength, mapped.
@@ -382,6 +422,9 @@ impl Layer<'_> {
             .collect()
     }
 }
+
+/// Cells whose corners all reflect less than this cannot exceed 1 inside.
+const BRIGHT: f64 = 0.8;
 
 /// Bound of sinφ_eff/sinφ_i, met only where noise in a fit is divided by a small sinφ_i.
 const LARGEST_TILT: f64 = 10.0;
