@@ -183,6 +183,11 @@ impl Axis {
         Self { nodes, prepended, appended, cells }
     }
 
+    /// The fine nodes at (or next to) the extended ones.
+    fn places(&self) -> Vec<usize> {
+        self.nodes.iter().map(|c| (c * self.cells as f64).round() as usize).collect()
+    }
+
     /// Values at the extended nodes.
     fn extend(&self, stored: &[f64], low: f64, high: f64) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.nodes.len());
@@ -316,7 +321,7 @@ impl Layer<'_> {
                 if corners.iter().all(|&c| reflected[c] < BRIGHT) {
                     continue;
                 }
-                let inside = [0.02, 0.08, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95];
+                let inside = [0.03, 0.12, 0.3, 0.6, 0.9];
                 let albedos = inside.iter().flat_map(|&x| inside.map(|y| (x, y))).map(|(x, y)| {
                     let weights = [(1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y];
                     let mix = |column: usize| -> f64 {
@@ -405,21 +410,33 @@ impl Layer<'_> {
         self.refine(&ratios, -LARGEST_TILT, LARGEST_TILT, Some(1.0))
     }
 
-    /// ρ (z·ω_eff)/J of every fine node.
+    /// ρ (z·ω_eff)/J on the fine grid: exact at the stored nodes and at cos = 0, between them interpolated.
     fn strengths(&self, m: &[f64], tilt: &[f64], reflected: &[f64]) -> Vec<f64> {
-        let phis = self.phi.cells + 1;
-        (0..m.len())
-            .map(|at| {
-                if reflected[at] == 0.0 {
-                    return 0.0;
-                }
-                let cos_theta = ((at / phis) as f64 / self.theta.cells as f64).max(GRAZING);
-                let cos_phi = ((at % phis) as f64 / self.phi.cells as f64).max(GRAZING);
-                let incident = effective(cos_theta, cos_phi, tilt[at]);
-                let integral = self.quadrature.scaled_integral(m[at], incident, self.sigma);
-                reflected[at] * incident.z / integral.max(SMALLEST_INTEGRAL)
-            })
-            .collect()
+        let (thetas, phis) = (self.theta.cells + 1, self.phi.cells + 1);
+        let exact = |t: usize, p: usize| {
+            let at = t * phis + p;
+            if reflected[at] == 0.0 {
+                return 0.0;
+            }
+            let cos_theta = (t as f64 / self.theta.cells as f64).max(GRAZING);
+            let cos_phi = (p as f64 / self.phi.cells as f64).max(GRAZING);
+            let incident = effective(cos_theta, cos_phi, tilt[at]);
+            let integral = self.quadrature.scaled_integral(m[at], incident, self.sigma);
+            reflected[at] * incident.z / integral.max(SMALLEST_INTEGRAL)
+        };
+        let (rows, columns) = (self.theta.places(), self.phi.places());
+        let fine_rows: Vec<Vec<f64>> = rows
+            .iter()
+            .map(|&t| self.phi.refine(&columns.iter().map(|&p| exact(t, p)).collect::<Vec<_>>()))
+            .collect();
+        let mut out = vec![0.0; thetas * phis];
+        for p in 0..phis {
+            let column: Vec<f64> = fine_rows.iter().map(|row| row[p]).collect();
+            for (t, value) in self.theta.refine(&column).into_iter().enumerate() {
+                out[t * phis + p] = value.max(0.0);
+            }
+        }
+        out
     }
 }
 
