@@ -12,6 +12,7 @@ mod far_field;
 mod film;
 mod fit;
 mod geometry;
+mod lobes;
 mod render;
 mod simulate;
 mod species;
@@ -22,6 +23,8 @@ mod spectrum;
 pub(crate) enum Command {
     /// Reflection, transmission and absorption of a stack of flat layers
     Film(film::Args),
+    /// Pictures of a material's BRDF, parameters, noise and fits
+    Lobes(lobes::Args),
     /// The far field of one instance at one wavelength and direction
     FarField(far_field::Args),
     /// Reflectance against wavelength, mean and spread over instances
@@ -48,6 +51,7 @@ impl Command {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         match self {
             Self::Film(args) => args.run(out),
+            Self::Lobes(args) => args.run(out),
             Self::FarField(args) => args.run(out),
             Self::Spectrum(args) => args.run(out),
             Self::Simulate(args) => args.run(out),
