@@ -48,7 +48,10 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
     let stem = file_stem(&structure.name());
     if let (Structure::Species(_), Some(bytes)) = (&structure, barbule_materials::material(&stem)) {
         let material = decode_material(bytes).map_err(|e| e.at(format!("the shipped material {stem}")))?;
-        return Ok((material, barbule::io::hash_bytes(bytes)));
+        // A user's own species may bear the name of a built-in one.
+        if material.info["campaign"]["structure"] == structure.description() {
+            return Ok((material, barbule::io::hash_bytes(bytes)));
+        }
     }
     let cached = cache_path(common, &structure.name())?;
     let defaults = Defaults::try_parse_from(["defaults"]).map_err(|e| Error::machine(e.to_string()))?;

@@ -136,8 +136,11 @@ fn regions(page: &mut Drawing, section: &Section, view: &View) {
     let [left, right, bottom, top] = view.window;
     let mut items = Vec::new();
     fill(&mut items, &section.media[0], view, &[[left, top], [right, top]]);
-    for (boundary, medium) in section.boundaries.iter().zip(&section.media[1..]) {
+    for (index, (boundary, medium)) in section.boundaries.iter().zip(&section.media[1..]).enumerate() {
         let (from, to) = (boundary.x_um[0].max(left), boundary.x_um[boundary.x_um.len() - 1].min(right));
+        // The last medium reaches over the soft edges of what it covers.
+        let over = if index + 1 == section.boundaries.len() { 2.0 / view.scale } else { 0.0 };
+        let (from, to) = (from - over, to + over);
         if from >= to {
             continue;
         }
@@ -192,7 +195,8 @@ fn thinned(corners: &Polyline, view: &View) -> Vec<[f64; 2]> {
 
 /// Paints everything below a curve, to the view's bottom, in strips where the medium varies.
 fn fill(items: &mut Vec<Item>, medium: &Medium, view: &View, curve: &[[f64; 2]]) {
-    let bottom = view.window[2];
+    // Past the clip's edge, so that no soft edge shows there.
+    let bottom = view.window[2] - 3.0 / view.scale;
     let mut paint = |run: &[[f64; 2]], ink: [u8; 3]| {
         let mut path: Vec<[f64; 2]> = run.iter().map(|p| view.place(p[0], p[1])).collect();
         let (first, last) = (run[0][0], run[run.len() - 1][0]);
