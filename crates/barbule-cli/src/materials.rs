@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use barbule::brdf::Material;
+use barbule::brdf::{Material, example};
 use barbule::campaign::statistics;
 use barbule::io::{decode_material, read_material, write_material};
 use barbule::structure::Structure;
@@ -30,11 +30,14 @@ struct Defaults {
 }
 
 /// The material of a name or file, and BLAKE3 of its bytes: `FILE.barbule`, or SPECIES[:VARIANT], shipped or else
-/// characterized into the cache on first use (its duration is said first).
+/// characterized into the cache on first use (its duration is said first), or `example`, a made-up one.
 ///
 /// # Errors
 /// Unknown name, unreadable file, or a characterization that fails or is interrupted.
 pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
+    if name == "example" {
+        return Ok((example(50), barbule::io::hash_bytes(name.as_bytes())));
+    }
     let path = Path::new(name);
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("barbule")) || path.is_file() {
         let material = read_material(path)?;
@@ -45,7 +48,10 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
     let stem = file_stem(&structure.name());
     if let (Structure::Species(_), Some(bytes)) = (&structure, barbule_materials::material(&stem)) {
         let material = decode_material(bytes).map_err(|e| e.at(format!("the shipped material {stem}")))?;
-        return Ok((material, barbule::io::hash_bytes(bytes)));
+        // A user's own species may bear the name of a built-in one.
+        if material.info["campaign"]["structure"] == structure.description() {
+            return Ok((material, barbule::io::hash_bytes(bytes)));
+        }
     }
     let cached = cache_path(common, &structure.name())?;
     let defaults = Defaults::try_parse_from(["defaults"]).map_err(|e| Error::machine(e.to_string()))?;

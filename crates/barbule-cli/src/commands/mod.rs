@@ -12,16 +12,19 @@ mod far_field;
 mod film;
 mod fit;
 mod geometry;
+mod lobes;
+mod render;
 mod simulate;
-mod spectrum;
-
 mod species;
+mod spectrum;
 
 /// A command with its arguments.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Reflection, transmission and absorption of a stack of flat layers
     Film(film::Args),
+    /// Pictures of a material's BRDF, parameters, noise and fits
+    Lobes(lobes::Args),
     /// The far field of one instance at one wavelength and direction
     FarField(far_field::Args),
     /// Reflectance against wavelength, mean and spread over instances
@@ -40,12 +43,15 @@ pub(crate) enum Command {
     Species(species::Args),
     /// Print completions for a shell
     Completions(completions::Args),
+    /// Render a picture of a feather
+    Render(render::Args),
 }
 
 impl Command {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         match self {
             Self::Film(args) => args.run(out),
+            Self::Lobes(args) => args.run(out),
             Self::FarField(args) => args.run(out),
             Self::Spectrum(args) => args.run(out),
             Self::Simulate(args) => args.run(out),
@@ -55,6 +61,7 @@ impl Command {
             Self::Geometry(args) => args.run(out),
             Self::Species(args) => args.run(out),
             Self::Completions(args) => args.run(out),
+            Self::Render(args) => args.run(out),
         }
     }
 }

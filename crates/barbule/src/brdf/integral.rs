@@ -33,11 +33,14 @@ const END: f64 = 4.5;
 /// A cut beyond this many σ leaves the Gauss–Hermite rule accurate.
 const HERMITE: f64 = 3.4;
 
+/// Nodes in each half of the transverse range.
+const HALF: usize = 16;
+
 /// Rules that are made once.
 #[derive(Debug, Clone)]
 pub(super) struct Quadrature {
     /// For each half of the transverse range: s/s_end and the weight, crowded where s comes to its end.
-    half: Rule,
+    half: [(f64, f64); HALF],
     /// For the longitudinal range where the horizon does not cut it: h_y/σ and weights of exp(−t²)/√π.
     hermite: Rule,
     /// For each of its two parts where the horizon does.
@@ -46,9 +49,10 @@ pub(super) struct Quadrature {
 
 impl Quadrature {
     pub(super) fn new() -> Self {
+        let half = gauss_legendre(HALF);
         let crowd = |(u, w): (f64, f64)| (u * (2.0 - u), 2.0 * w * (1.0 - u));
         Self {
-            half: gauss_legendre(20).into_iter().map(crowd).collect(),
+            half: std::array::from_fn(|k| crowd(half[k])),
             hermite: gauss_hermite_8(),
             part: gauss_legendre(20),
         }
@@ -88,7 +92,7 @@ impl Quadrature {
 
 /// The integral across the barbule at one h_y.
 struct Transverse<'a> {
-    rule: &'a [(f64, f64)],
+    rule: &'a [(f64, f64); HALF],
     m: f64,
     incident: DVec3,
 }
@@ -110,20 +114,23 @@ impl Transverse<'_> {
         let (x, z) = (self.incident.x, self.incident.z);
         let fixed = self.incident.y * hy;
         let mut sum = 0.0;
-        for (start, end) in [(middle, first), (middle, last)] {
-            let width = end - start;
-            let mut half = 0.0;
-            for &(u, w) in self.rule {
-                let s = start + width * u;
+        for end in [first, last] {
+            let width = end - middle;
+            // Terms first, then their sum, so that the terms are computed side by side.
+            let mut terms = [0.0; HALF];
+            for (term, &(u, w)) in terms.iter_mut().zip(self.rule) {
+                let s = middle + width * u;
                 let rest = (1.0 - s * s).max(1e-300);
-                let hx = a * s / rest.sqrt();
-                let hz = (r2 - hx * hx).max(1e-30).sqrt();
-                let aligned = x * hx + z * hz + fixed;
-                let out = (2.0 * aligned * hz - z).max(0.0);
-                let g = out / (out + (out * out + m2 * (1.0 - out * out)).sqrt());
-                half += w * rest.sqrt() * g * aligned / hz;
+                // h_x √rest, h_z √rest and ω_eff·h √rest, of which the root is divided out once.
+                let hx = a * s;
+                let hz = (r2 * rest - hx * hx).max(1e-30).sqrt();
+                let root = rest.sqrt();
+                let aligned = x * hx + z * hz + fixed * root;
+                let out = (2.0 * aligned * hz / rest - z).max(0.0);
+                let g = (out * out + m2 * (1.0 - out * out)).sqrt() + out;
+                *term = w * root * out * aligned / (g * hz);
             }
-            sum += half * width.abs();
+            sum += terms.iter().sum::<f64>() * width.abs();
         }
         // 2m · a/(π m²) · the 2 of G₁.
         4.0 * a / (PI * self.m) * sum

@@ -12,6 +12,7 @@ mod length;
 mod material;
 mod noise;
 mod patterns;
+pub mod pictures;
 mod sample;
 mod table;
 

@@ -188,6 +188,11 @@ impl Axis {
         Self { nodes, prepended, appended, cells }
     }
 
+    /// The fine nodes at (or next to) the extended ones.
+    fn places(&self) -> Vec<usize> {
+        self.nodes.iter().map(|c| (c * self.cells as f64).round() as usize).collect()
+    }
+
     /// Values at the extended nodes.
     fn extend(&self, stored: &[f64], low: f64, high: f64) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.nodes.len());
@@ -278,6 +283,7 @@ impl Layer<'_> {
     fn parameters(&self, set: &ParameterSet, polarization: Polarization) -> Vec<[f32; WIDTH]> {
         let count = (self.theta.cells + 1) * (self.phi.cells + 1);
         let mut out = vec![[0.0_f32; WIDTH]; count];
+        let mut bright = Vec::new();
         let mut put = |column: usize, values: &[f64]| {
             for (node, value) in out.iter_mut().zip(values) {
                 node[column] = *value as f32;
@@ -299,9 +305,48 @@ impl Layer<'_> {
             put(base + M, &m);
             put(base + TILT, &tilt);
             put(base + STRENGTH, &self.strengths(&m, &tilt, &reflected));
+            if base != STATIONARY {
+                bright = reflected;
+            }
         }
         put(INVERSE_LENGTH, &self.refine(&self.stored(&set.length, |v| 1.0 / v), 1.0 / 64.0, 64.0, None));
+        self.limit(&mut out, &bright);
         out
+    }
+
+    /// Scales down the nodes of cells inside which interpolation would reflect more than all light. Next to grazing J
+    /// bends within σ, which no table follows; only where ρ itself comes close to 1 does that matter.
+    fn limit(&self, nodes: &mut [[f32; WIDTH]], reflected: &[f64]) {
+        let phis = self.phi.cells + 1;
+        let mut factors = vec![1.0_f64; nodes.len()];
+        for t in 0..self.theta.cells {
+            for p in 0..self.phi.cells {
+                let corners = [t * phis + p, t * phis + p + 1, (t + 1) * phis + p, (t + 1) * phis + p + 1];
+                if corners.iter().all(|&c| reflected[c] < BRIGHT) {
+                    continue;
+                }
+                let inside = [0.03, 0.12, 0.3, 0.6, 0.9];
+                let albedos = inside.iter().flat_map(|&x| inside.map(|y| (x, y))).map(|(x, y)| {
+                    let weights = [(1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y];
+                    let mix = |column: usize| -> f64 {
+                        corners.iter().zip(weights).map(|(&c, w)| w * f64::from(nodes[c][column])).sum()
+                    };
+                    let cos_theta = (t as f64 + x) / self.theta.cells as f64;
+                    let cos_phi = (p as f64 + y) / self.phi.cells as f64;
+                    let incident = effective(cos_theta, cos_phi, mix(TILT));
+                    mix(STRENGTH) * self.quadrature.scaled_integral(mix(M), incident, self.sigma) / incident.z
+                });
+                let largest = albedos.fold(0.0, f64::max);
+                // Between the points tried there may be slightly more.
+                let largest = if largest > 1.0 { 1.005 * largest } else { 1.0 };
+                for corner in corners {
+                    factors[corner] = factors[corner].max(largest);
+                }
+            }
+        }
+        for (node, factor) in nodes.iter_mut().zip(factors) {
+            node[STRENGTH] = (f64::from(node[STRENGTH]) / factor) as f32;
+        }
     }
 
     /// A stored array of this wavelength, mapped.
@@ -369,23 +414,38 @@ impl Layer<'_> {
         self.refine(&ratios, -LARGEST_TILT, LARGEST_TILT, Some(1.0))
     }
 
-    /// ρ (z·ω_eff)/J of every fine node.
+    /// ρ (z·ω_eff)/J on the fine grid: exact at the stored nodes and at cos = 0, between them interpolated.
     fn strengths(&self, m: &[f64], tilt: &[f64], reflected: &[f64]) -> Vec<f64> {
-        let phis = self.phi.cells + 1;
-        (0..m.len())
-            .map(|at| {
-                if reflected[at] == 0.0 {
-                    return 0.0;
-                }
-                let cos_theta = ((at / phis) as f64 / self.theta.cells as f64).max(GRAZING);
-                let cos_phi = ((at % phis) as f64 / self.phi.cells as f64).max(GRAZING);
-                let incident = effective(cos_theta, cos_phi, tilt[at]);
-                let integral = self.quadrature.scaled_integral(m[at], incident, self.sigma);
-                reflected[at] * incident.z / integral.max(SMALLEST_INTEGRAL)
-            })
-            .collect()
+        let (thetas, phis) = (self.theta.cells + 1, self.phi.cells + 1);
+        let exact = |t: usize, p: usize| {
+            let at = t * phis + p;
+            if reflected[at] == 0.0 {
+                return 0.0;
+            }
+            let cos_theta = (t as f64 / self.theta.cells as f64).max(GRAZING);
+            let cos_phi = (p as f64 / self.phi.cells as f64).max(GRAZING);
+            let incident = effective(cos_theta, cos_phi, tilt[at]);
+            let integral = self.quadrature.scaled_integral(m[at], incident, self.sigma);
+            reflected[at] * incident.z / integral.max(SMALLEST_INTEGRAL)
+        };
+        let (rows, columns) = (self.theta.places(), self.phi.places());
+        let fine_rows: Vec<Vec<f64>> = rows
+            .iter()
+            .map(|&t| self.phi.refine(&columns.iter().map(|&p| exact(t, p)).collect::<Vec<_>>()))
+            .collect();
+        let mut out = vec![0.0; thetas * phis];
+        for p in 0..phis {
+            let column: Vec<f64> = fine_rows.iter().map(|row| row[p]).collect();
+            for (t, value) in self.theta.refine(&column).into_iter().enumerate() {
+                out[t * phis + p] = value.max(0.0);
+            }
+        }
+        out
     }
 }
+
+/// Cells whose corners all reflect less than this cannot exceed 1 inside.
+const BRIGHT: f64 = 0.8;
 
 /// Bound of sinφ_eff/sinφ_i, met only where noise in a fit is divided by a small sinφ_i.
 const LARGEST_TILT: f64 = 10.0;

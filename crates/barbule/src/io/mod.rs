@@ -1,5 +1,6 @@
 //! The only module that opens files.
 
+pub mod image;
 mod material;
 mod section;
 mod species;
@@ -14,5 +15,5 @@ pub use species::{read_species, read_structure_toml};
 pub use stack::{parse_stack, read_stack};
 pub use whole::{
     LARGEST_INPUT, check_writable, delete_materials, hash_bytes, hash_file, list_materials, make_folder,
-    read_bytes, read_text, write_whole,
+    read_at_most, read_bytes, read_text, write_whole,
 };

@@ -14,6 +14,14 @@ pub const LARGEST_INPUT: u64 = 64 << 20;
 /// # Errors
 /// Missing, a folder, unreadable, or too large.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    read_at_most(path, LARGEST_INPUT)
+}
+
+/// Reads a file of at most `largest` bytes, for formats with a limit of their own.
+///
+/// # Errors
+/// As [`read_bytes`].
+pub fn read_at_most(path: &Path, largest: u64) -> Result<Vec<u8>> {
     let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
     let metadata = fs::metadata(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => refuse("no such file"),
@@ -22,15 +30,16 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     if metadata.is_dir() {
         return Err(refuse("is a folder, but a file is needed"));
     }
-    if metadata.len() > LARGEST_INPUT {
-        return Err(refuse(&format!("has {} bytes, over the limit of 64 MiB", metadata.len())));
+    let limit = format!("over the limit of {} MiB", largest.div_ceil(1 << 20));
+    if metadata.len() > largest {
+        return Err(refuse(&format!("has {} bytes, {limit}", metadata.len())));
     }
     let mut bytes = Vec::new();
     fs::File::open(path)
-        .and_then(|file| file.take(LARGEST_INPUT + 1).read_to_end(&mut bytes))
+        .and_then(|file| file.take(largest + 1).read_to_end(&mut bytes))
         .map_err(|error| refuse(&format!("cannot be read ({error})")))?;
-    if bytes.len() as u64 > LARGEST_INPUT {
-        return Err(refuse("is over the limit of 64 MiB"));
+    if bytes.len() as u64 > largest {
+        return Err(refuse(&format!("is {limit}")));
     }
     Ok(bytes)
 }
