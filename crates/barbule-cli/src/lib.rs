@@ -3,11 +3,15 @@
 //! Nothing is computed here. Each command is one file in [`commands`]; what all share is in [`common`] (flags, exit
 //! codes, output), [`sets`] (sets of numbers) and [`progress`].
 
+mod campaign;
 pub mod commands;
 pub mod common;
+mod materials;
 pub mod progress;
 pub mod provenance;
+mod section_figure;
 pub mod sets;
+pub mod structure_arg;
 
 use std::io::Write;
 use std::process::ExitCode;

@@ -3,7 +3,8 @@
 //! Each is a `.barbule` file as `barbule characterize` writes it, read through the same reader as users' files.
 
 /// The shipped materials: name (`species-variant`, as in `starling-green`) and the bytes of the file.
-pub const MATERIALS: &[(&str, &[u8])] = &[];
+pub const MATERIALS: &[(&str, &[u8])] =
+    &[("starling-green", include_bytes!("../materials/starling-green.barbule").as_slice())];
 
 /// The bytes of a shipped material.
 #[must_use]

@@ -16,7 +16,9 @@ const INSTANCES: usize = 8;
 
 fn main() {
     let species = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_else(|| "starling".into());
-    let structure = Structure::Species(Box::new(SpeciesModel::builtin(&species, None, Library::builtin()).expect("a known species")));
+    let structure = Structure::Species(Box::new(
+        SpeciesModel::builtin(&species, None, Library::builtin()).expect("a known species"),
+    ));
     let cosines: Vec<f64> = (1..=20).map(|i| f64::from(i) * 0.05).collect();
     let axes = Axes {
         // Spread over the band, so that the mean over units is the campaign's.
@@ -35,7 +37,7 @@ fn main() {
         let mut units = 0;
         for wavelength in 0..5 {
             for theta in 0..4 {
-                campaign.unit(wavelength, theta).expect("a unit");
+                campaign.unit(wavelength, theta, false).expect("a unit");
                 units += 1;
             }
         }
@@ -56,8 +58,12 @@ fn main() {
             println!("  {name:<28} {:5.1} %", 100.0 * stage / total);
         }
         let begun = Instant::now();
-        direct::far_field(&section, Window::Gaussian, CAMPAIGN_ELEMENT_UM, 550.0, 0.8, 0.4, 400).expect("a field");
+        direct::far_field(&section, Window::Gaussian, CAMPAIGN_ELEMENT_UM, 550.0, 0.8, 0.4, 400)
+            .expect("a field");
         let plain = begun.elapsed().as_secs_f64() / 2.0;
-        println!("plain evaluation: {:.0} times slower per illumination", plain * 2.0 * phis.len() as f64 / total);
+        println!(
+            "plain evaluation: {:.0} times slower per illumination",
+            plain * 2.0 * phis.len() as f64 / total
+        );
     });
 }

@@ -28,14 +28,11 @@ fn colours_agree_with_colour_science() {
         let observer = Observer::under(Illuminant::named(&case.illuminant).unwrap());
         let xyz = observer.xyz(&spectrum);
         let xy = chromaticity(xyz);
-        for c in 0..2 {
-            worst_xy = worst_xy.max((xy[c] - case.xy[c]).abs());
-        }
-        for c in 0..3 {
-            worst_xyz = worst_xyz.max((xyz[c] - case.xyz[c]).abs());
-            if let Some(rgb) = case.linear_srgb {
-                worst_rgb = worst_rgb.max((observer.linear_rgb(&spectrum)[c] - rgb[c]).abs());
-            }
+        let largest = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        worst_xy = worst_xy.max(largest(&xy, &case.xy));
+        worst_xyz = worst_xyz.max(largest(&xyz, &case.xyz));
+        if let Some(rgb) = case.linear_srgb {
+            worst_rgb = worst_rgb.max(largest(&observer.linear_rgb(&spectrum), &rgb));
         }
         assert!(worst_xy < 1e-6, "{} under {}: {xy:?}, not {:?}", case.spectrum, case.illuminant, case.xy);
     }

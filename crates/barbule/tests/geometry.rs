@@ -1,10 +1,10 @@
 //! Laws of cross sections, their rays and the random species.
 
+use barbule::material::Library;
 use barbule::math::rng::Stream;
 use barbule::structure::{
     Columns, Medium, Polyline, Ray, Section, SpeciesFile, SpeciesModel, cast, species_names,
 };
-use barbule::material::Library;
 
 fn model(name: &str, variant: Option<&str>) -> SpeciesModel {
     SpeciesModel::builtin(name, variant, Library::builtin()).unwrap()
@@ -71,7 +71,8 @@ fn brute_force(section: &Section, ray: &Ray) -> Vec<(Medium, f64)> {
             continue;
         }
         let middle = if pair[1].is_finite() { 0.5 * (pair[0] + pair[1]) } else { pair[0] + 1e-7 };
-        let above = section.boundaries.iter().filter(|b| b.height(ray.x_um + middle * dx) > ray.z_um + middle * dz);
+        let above =
+            section.boundaries.iter().filter(|b| b.height(ray.x_um + middle * dx) > ray.z_um + middle * dz);
         // Beyond the ends a ray that is above or below everything has left.
         let end = if dx > 0.0 { section.top().x_um.last() } else { section.top().x_um.first() };
         let has_left = [0, section.boundaries.len()].contains(&above.count())
@@ -107,8 +108,13 @@ fn agrees_with_brute_force(section: &Section, count: usize, tilt: f64) {
     for (index, ray) in rays.iter().enumerate() {
         let expected = brute_force(section, ray);
         let found = layers(&columns, index);
-        assert_eq!(expected.len(), found.len(), "{} {ray:?}\n{found:?}\n{:?}", section.name,
-            expected.iter().map(|l| l.1).collect::<Vec<_>>());
+        assert_eq!(
+            expected.len(),
+            found.len(),
+            "{} {ray:?}\n{found:?}\n{:?}",
+            section.name,
+            expected.iter().map(|l| l.1).collect::<Vec<_>>()
+        );
         for ((_, a), b) in expected.iter().zip(&found) {
             assert!(a == b || (a - b).abs() < 4e-9, "{} {ray:?}: {a} and {b}", section.name);
         }
@@ -138,6 +144,98 @@ fn fifty_instances_of_every_variant_are_valid() {
             }
         }
     }
+}
+
+/// Mean over instances and rays of the sum of some slots' thicknesses, away from the ends.
+fn mean_thickness(model: &SpeciesModel, slots: std::ops::Range<usize>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0);
+    for instance in 0..8 {
+        let section = model.section(11, instance).unwrap();
+        let rays: Vec<Ray> = rays(&section, 600, 0.0, 3)
+            .into_iter()
+            .filter(|r| r.x_um.abs() < 0.3 * section.width_um)
+            .collect();
+        let columns = cast(&section, &rays).unwrap();
+        for slot in slots.clone() {
+            sum += columns.thickness_um[slot * columns.rays..][..columns.rays].iter().sum::<f64>();
+        }
+        count += rays.len();
+    }
+    sum / count as f64
+}
+
+/// A chain's upper side lies on average below its circles' tops: over a circle of radius r, arcs reach to 0.745 r from
+/// the middle and notches are (2/3) r high, so the mean height is 0.8385 r, and E(r²)/E(r) = r (1 + spread²/3).
+fn cortex_over_chain(cortex: f64, diameter: f64, spread: f64) -> f64 {
+    cortex + 0.5 * diameter * (1.0 - 0.8385 * (1.0 + spread * spread / 3.0))
+}
+
+#[test]
+fn layers_have_their_nominal_thickness_on_average() {
+    for (variant, cortex) in [("aqua", 0.300), ("green", 0.320), ("teal", 0.440)] {
+        let model = model("starling", Some(variant));
+        let expected = cortex_over_chain(cortex, 0.25, 0.2);
+        // Notches are those of the smaller of two neighbours, and arcs are chords: up to 4 nm more.
+        let found = mean_thickness(&model, 0..1) - expected;
+        assert!((0.0..0.004).contains(&found), "{variant}: {found}");
+    }
+    for (variant, cortex) in [("forest", 0.595), ("purple", 0.530)] {
+        // The offset of a curve is exact up to its curvature.
+        assert!((mean_thickness(&model("rock-dove", Some(variant)), 0..1) - cortex).abs() < 5e-4);
+    }
+    // Five melanin layers and five gaps under the first are five periods.
+    assert!((mean_thickness(&model("bronzewing", Some("pink")), 1..11) - 5.0 * 0.199).abs() < 0.004);
+}
+
+#[test]
+fn a_hummingbird_is_as_thick_as_its_layers_together() {
+    let air = [0.030, 0.2 * 0.030 + 0.8 * 0.100].into_iter().chain([0.100; 10]).sum::<f64>();
+    let gaps = 0.060 * (0.90 + 0.95 + 9.0);
+    let expected = 2.0 * 0.010 + 12.0 * 2.0 * 0.030 + air + gaps;
+    let model = model("hummingbird", None);
+    let mut sum = 0.0;
+    for instance in 0..20 {
+        let section = model.section(2, instance).unwrap();
+        let thickness = |x: f64| section.boundaries[0].height(x) - section.boundaries[1].height(x);
+        sum += (0..100).map(|i| thickness(-15.0 + 0.3 * f64::from(i))).sum::<f64>() / 100.0;
+    }
+    // R(2.0; ±0.05) of the bottom has a mean that differs from 0 by up to about 0.01 for one individual.
+    assert!((sum / 20.0 - expected).abs() < 0.008, "{} {expected}", sum / 20.0);
+}
+
+#[test]
+fn the_bottom_of_a_starling_is_the_mirror_image_of_its_top() {
+    let section = model("starling", None).section(4, 0).unwrap();
+    let [top, upper, .., lower, bottom] = &section.boundaries[..] else { panic!("six boundaries") };
+    let middle = |a: &Polyline, b: &Polyline| {
+        let gap = |i: i32| a.height(-8.0 + 0.02 * f64::from(i)) - b.height(-8.0 + 0.02 * f64::from(i));
+        (0..800).map(gap).sum::<f64>() / 800.0
+    };
+    assert!((middle(top, upper) - middle(lower, bottom)).abs() < 0.01);
+    let mean = |curve: &Polyline| curve.z_um.iter().sum::<f64>() / curve.z_um.len() as f64;
+    assert!(mean(top).abs() < 1e-12 && (mean(bottom) + 4.0).abs() < 1e-12);
+}
+
+/// Starts of the hashes of the written sections: a change of any bit of any coordinate shows here.
+const BITS: [(&str, &str); 4] = [
+    ("rock-dove", "e16da1755ebc900e"),
+    ("starling", "STAR"),
+    ("bronzewing", "BRON"),
+    ("hummingbird", "HUMM"),
+];
+
+#[test]
+fn the_same_parameters_seed_and_index_give_the_same_bits() {
+    let found = BITS.map(|(name, _)| {
+        let model = model(name, None);
+        let section = model.section(1, 5).unwrap();
+        assert_eq!(section, model.section(1, 5).unwrap());
+        assert_ne!(section.boundaries, model.section(1, 6).unwrap().boundaries);
+        assert_ne!(section.boundaries, model.section(2, 5).unwrap().boundaries);
+        let hash = blake3::hash(barbule::io::section_json(&section).to_string().as_bytes()).to_hex();
+        (name, hash[..16].to_owned())
+    });
+    assert_eq!(found, BITS.map(|(name, hash)| (name, hash.to_owned())));
 }
 
 #[test]

@@ -5,9 +5,18 @@ use std::io::Write;
 use barbule::Result;
 use clap::Subcommand;
 
+mod cache;
+mod characterize;
 mod completions;
+mod far_field;
 mod film;
+mod fit;
+mod geometry;
 mod lobes;
+mod render;
+mod simulate;
+mod species;
+mod spectrum;
 
 /// A command with its arguments.
 #[derive(Debug, Subcommand)]
@@ -16,8 +25,26 @@ pub(crate) enum Command {
     Film(film::Args),
     /// Pictures of a material's BRDF, parameters, noise and fits
     Lobes(lobes::Args),
+    /// The far field of one instance at one wavelength and direction
+    FarField(far_field::Args),
+    /// Reflectance against wavelength, mean and spread over instances
+    Spectrum(spectrum::Args),
+    /// Simulate a whole campaign into a store that survives interruptions
+    Simulate(simulate::Args),
+    /// Fit a material to a finished store
+    Fit(fit::Args),
+    /// Simulate and fit: from a structure to its material
+    Characterize(characterize::Args),
+    /// List or clear the materials computed on first use
+    Cache(cache::Args),
+    /// A cross section, drawn to scale or as JSON
+    Geometry(geometry::Args),
+    /// The species that are built in, with their colours
+    Species(species::Args),
     /// Print completions for a shell
     Completions(completions::Args),
+    /// Render a picture of a feather
+    Render(render::Args),
 }
 
 impl Command {
@@ -25,7 +52,16 @@ impl Command {
         match self {
             Self::Film(args) => args.run(out),
             Self::Lobes(args) => args.run(out),
+            Self::FarField(args) => args.run(out),
+            Self::Spectrum(args) => args.run(out),
+            Self::Simulate(args) => args.run(out),
+            Self::Fit(args) => args.run(out),
+            Self::Characterize(args) => args.run(out),
+            Self::Cache(args) => args.run(out),
+            Self::Geometry(args) => args.run(out),
+            Self::Species(args) => args.run(out),
             Self::Completions(args) => args.run(out),
+            Self::Render(args) => args.run(out),
         }
     }
 }

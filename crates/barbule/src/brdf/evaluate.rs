@@ -249,13 +249,8 @@ impl FeatherBrdf {
 }
 
 impl Lobes {
-    const NONE: Self = Self {
-        m2: [1.0; 8],
-        x: [0.0; 8],
-        z: [1.0; 8],
-        amplitude: [0.0; 8],
-        inverse_length: [1.0; 4],
-    };
+    const NONE: Self =
+        Self { m2: [1.0; 8], x: [0.0; 8], z: [1.0; 8], amplitude: [0.0; 8], inverse_length: [1.0; 4] };
 
     /// f̂ and s ≤ f̂.
     #[inline(always)]
@@ -302,7 +297,8 @@ fn exp_of_negative(u: f32) -> f32 {
     let shifted = y + MAGIC;
     let f = (y - (shifted - MAGIC)) * std::f32::consts::LN_2;
     let power = f32::from_bits(shifted.to_bits().wrapping_add(127) << 23);
-    let series = 1.0 + f * (1.0 + f * (0.5 + f * (1.0 / 6.0 + f * (1.0 / 24.0 + f * (1.0 / 120.0 + f / 720.0)))));
+    let series =
+        1.0 + f * (1.0 + f * (0.5 + f * (1.0 / 6.0 + f * (1.0 / 24.0 + f * (1.0 / 120.0 + f / 720.0)))));
     if u > 86.0 { 0.0 } else { series * power }
 }
 
@@ -412,7 +408,8 @@ impl Prepared<'_> {
         let lobes = &self.sets[set];
         SampledLobe {
             m: f64::from(lobes.m2[lane]).sqrt(),
-            incident: DVec3::new(f64::from(lobes.x[lane]), self.incident.y, f64::from(lobes.z[lane])).normalize(),
+            incident: DVec3::new(f64::from(lobes.x[lane]), self.incident.y, f64::from(lobes.z[lane]))
+                .normalize(),
             sigma: self.brdf.sigma,
         }
     }

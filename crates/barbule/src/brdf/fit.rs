@@ -206,7 +206,13 @@ fn fit_nodes(
             let nodes = (0..phis)
                 .map(|phi| {
                     let node = row * phis + phi;
-                    let place = Place { statistics, node, polarizations, quadrature: &quadrature, sigma: options.sigma };
+                    let place = Place {
+                        statistics,
+                        node,
+                        polarizations,
+                        quadrature: &quadrature,
+                        sigma: options.sigma,
+                    };
                     place.fit(&fitters[theta], axes.cos_theta[theta], axes.cos_phi[phi])
                 })
                 .collect();
@@ -476,8 +482,13 @@ mod tests {
         let (fitted, report) = fit(&statistics, &FitOptions::default(), &Unobserved).unwrap();
         fitted.check().unwrap();
         // Zero mean with either sign: what remains after clipping the total is 0.02 √(2/π)/2 of U over √(azimuths).
-        let share: f32 =
-            fitted.sets[0].stationary.reflected.iter().zip(&fitted.sets[0].mean.reflected).map(|(s, u)| s / u).sum();
+        let share: f32 = fitted.sets[0]
+            .stationary
+            .reflected
+            .iter()
+            .zip(&fitted.sets[0].mean.reflected)
+            .map(|(s, u)| s / u)
+            .sum();
         assert!(share / 12.0 < 3e-3, "{share} {report:?}");
     }
 

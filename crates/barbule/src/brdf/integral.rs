@@ -17,7 +17,9 @@ use crate::{Error, Result};
 pub fn lobe_integral(lobe: Lobe, theta_i: f64, sigma: f64) -> Result<f64> {
     check_sigma(sigma)?;
     if !(omega(theta_i, lobe.phi).z > 1e-6 && (0.001..=1.0).contains(&lobe.m)) {
-        return Err(Error::input("the lobe's direction must lie above the horizon and m between 0.001 and 1"));
+        return Err(Error::input(
+            "the lobe's direction must lie above the horizon and m between 0.001 and 1",
+        ));
     }
     Ok(Quadrature::new().integral(lobe, theta_i, sigma))
 }
@@ -154,8 +156,7 @@ impl Transverse<'_> {
         }
         let edge = |side: f64| {
             // φ/2 ± 45°, moved outwards to β = ±90° at most, where the reflected direction is always below.
-            let (mut s, mut c) =
-                ((sin + side * cos) * FRAC_1_SQRT_2, (cos - side * sin) * FRAC_1_SQRT_2);
+            let (mut s, mut c) = ((sin + side * cos) * FRAC_1_SQRT_2, (cos - side * sin) * FRAC_1_SQRT_2);
             let (mut inside, mut outside) = (0.0, side * (PI / 2.0 - side * sin.atan2(cos)));
             let mut at = side * 0.25 * PI;
             for _ in 0..30 {
@@ -163,7 +164,11 @@ impl Transverse<'_> {
                 if value.abs() < 1e-7 {
                     break;
                 }
-                if value > 0.0 { inside = at } else { outside = at }
+                if value > 0.0 {
+                    inside = at
+                } else {
+                    outside = at
+                }
                 let next = at - value / slope;
                 let bracketed = (next - inside) * (next - outside) < 0.0;
                 at = if bracketed { next } else { 0.5 * (inside + outside) };
@@ -261,7 +266,8 @@ mod tests {
                 (0.6, 0.6, 1.5),
             ] {
                 let incident = omega(f64::acos(ct), phi);
-                let (fast, slow) = (quadrature.scaled_integral(m, incident, sigma), plain(m, incident, sigma));
+                let (fast, slow) =
+                    (quadrature.scaled_integral(m, incident, sigma), plain(m, incident, sigma));
                 let error = (fast / slow - 1.0).abs();
                 println!("{sigma} {m} {ct} {phi}: {fast} {slow} {error:e}");
                 worst = worst.max(error);

@@ -66,7 +66,9 @@ impl Material {
         check_axis("cos_phi", &self.axes.cos_phi, 1e-6, 1.0)?;
         let nodes = self.axes.len();
         if nodes > MOST_NODES {
-            return Err(Error::input(format!("the tables have {nodes} nodes, over the limit of {MOST_NODES}")));
+            return Err(Error::input(format!(
+                "the tables have {nodes} nodes, over the limit of {MOST_NODES}"
+            )));
         }
         check_sigma(self.sigma)?;
         if !(1..=2).contains(&self.sets.len()) {
@@ -139,7 +141,10 @@ fn check_range<T: Copy + PartialOrd + std::fmt::Display>(
     high: T,
 ) -> Result<()> {
     if values.len() != count {
-        return Err(Error::input(format!("{name} has {} values, but the axes ask for {count}", values.len())));
+        return Err(Error::input(format!(
+            "{name} has {} values, but the axes ask for {count}",
+            values.len()
+        )));
     }
     match values.iter().position(|v| !(low <= *v && *v <= high)) {
         Some(at) => Err(Error::input(format!(

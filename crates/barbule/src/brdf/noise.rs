@@ -25,7 +25,8 @@ const PURPOSE: u64 = 0x6e6f_6973_65;
 pub fn spectrum(autocovariance: &[f64]) -> Vec<f64> {
     let n = NOISE_POINTS;
     let lag = |k: usize| autocovariance.get(k).copied().unwrap_or(0.0);
-    let mut circle: Vec<Complex<f64>> = (0..n).map(|k| Complex::new(lag(k.min(n - k).min(n / 2 - 1)), 0.0)).collect();
+    let mut circle: Vec<Complex<f64>> =
+        (0..n).map(|k| Complex::new(lag(k.min(n - k).min(n / 2 - 1)), 0.0)).collect();
     // Dropping P₀ is the constant that makes the lags sum to zero.
     FftPlanner::new().plan_fft_forward(n).process(&mut circle);
     let power: Vec<f64> = circle[1..n / 2].iter().map(|c| c.re.max(0.0)).collect();
@@ -226,13 +227,10 @@ mod tests {
     #[test]
     fn interpolation_loses_no_variance_for_a_rough_process() {
         // Correlation length 0.6 of a spacing: plain linear interpolation would lose 40 % of the variance midway.
-        let lags: Vec<f64> =
-            (0..512).map(|k| libm::exp(-(f64::from(k) / 0.6).powi(2))).collect();
+        let lags: Vec<f64> = (0..512).map(|k| libm::exp(-(f64::from(k) / 0.6).powi(2))).collect();
         let noise = Noise::new(&spectrum(&lags), 1);
         let count = 40_000;
-        let mid: f64 = (0..count)
-            .map(|i| f64::from(noise.at(&noise.draw(i), 0.0)[0]).powi(2))
-            .sum::<f64>();
+        let mid: f64 = (0..count).map(|i| f64::from(noise.at(&noise.draw(i), 0.0)[0]).powi(2)).sum::<f64>();
         assert!((mid / count as f64 - 1.0).abs() < 0.02, "{}", mid / count as f64);
     }
 

@@ -25,7 +25,8 @@ impl SampledLobe {
     pub(super) fn sample(&self, u: [f64; 2]) -> (DVec3, f64) {
         let inside = libm::erf(1.0 / self.sigma);
         let u_y = 0.5 + (u[0] - 0.5) * inside;
-        let hy = self.sigma * std::f64::consts::FRAC_1_SQRT_2
+        let hy = self.sigma
+            * std::f64::consts::FRAC_1_SQRT_2
             * normal::quantile(u_y.clamp(1e-300, 1.0 - f64::EPSILON / 2.0));
         let hy = hy.clamp(-1.0 + 1e-12, 1.0 - 1e-12);
         let end = (1.0 - hy * hy).sqrt();

@@ -57,7 +57,12 @@ pub(super) struct Cell {
 
 impl Table {
     /// Prepares one set; `polarization` scales ρ by the share of one incident polarization.
-    pub(super) fn new(material: &Material, set: &ParameterSet, sigma: f64, polarization: Polarization) -> Self {
+    pub(super) fn new(
+        material: &Material,
+        set: &ParameterSet,
+        sigma: f64,
+        polarization: Polarization,
+    ) -> Self {
         let axes = &material.axes;
         let theta = Axis::new(&axes.cos_theta);
         let phi = Axis::new(&axes.cos_phi);
@@ -284,10 +289,9 @@ impl Layer<'_> {
                 node[column] = *value as f32;
             }
         };
-        for (lobe, fractions, base) in [
-            (&set.mean, &set.fraction_1, 0),
-            (&set.stationary, &set.stationary_fraction_1, STATIONARY),
-        ] {
+        for (lobe, fractions, base) in
+            [(&set.mean, &set.fraction_1, 0), (&set.stationary, &set.stationary_fraction_1, STATIONARY)]
+        {
             let ln_m = self.refine(&self.stored(&lobe.m, f64::ln), SMALLEST_M.ln(), 0.0, None);
             let m: Vec<f64> = ln_m.iter().map(|v| v.exp()).collect();
             let tilt = self.tilt(lobe);
@@ -454,7 +458,8 @@ const SMALLEST_INTEGRAL: f64 = 1e-7;
 
 /// ω_eff of a positive (θ_i, φ_i) with this sinφ_eff/sinφ_i.
 pub(super) fn effective(cos_theta: f64, cos_phi: f64, tilt: f64) -> DVec3 {
-    let sine = (tilt * (1.0 - cos_phi * cos_phi).max(0.0).sqrt()).clamp(-f64::from(LARGEST_SINE), f64::from(LARGEST_SINE));
+    let sine = (tilt * (1.0 - cos_phi * cos_phi).max(0.0).sqrt())
+        .clamp(-f64::from(LARGEST_SINE), f64::from(LARGEST_SINE));
     let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
     DVec3::new(cos_theta * sine, sin_theta, cos_theta * (1.0 - sine * sine).sqrt())
 }

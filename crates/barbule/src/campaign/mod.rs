@@ -5,6 +5,7 @@
 
 mod reduce;
 mod run;
+pub mod spectrum;
 
 pub use run::{Outcome, run, statistics};
 
@@ -76,7 +77,12 @@ impl Campaign {
     ///
     /// # Errors
     /// An instance cannot be made, or a medium's table does not cover the wavelengths.
-    pub fn new(structure: &Structure, parameters: Parameters, width: Width, observer: &dyn Observer) -> Result<Self> {
+    pub fn new(
+        structure: &Structure,
+        parameters: Parameters,
+        width: Width,
+        observer: &dyn Observer,
+    ) -> Result<Self> {
         let distinct = if structure.count() == Some(1) { 1 } else { parameters.instances };
         observer.begin("preparing instances", distinct as u64);
         let mut surfaces = (0..distinct)
@@ -131,13 +137,17 @@ impl Campaign {
                     let optics = surface.optics(wavelength_nm)?;
                     let nodes = Nodes::equidistant(surface, cone.kappa);
                     let turned: Vec<f64> = phi_i.iter().map(|phi| phi + tilt).collect();
-                    let scales: Vec<f64> =
-                        turned.iter().map(|&phi| inverse_root(surface.incident_power_um(theta_i, phi))).collect();
+                    let scales: Vec<f64> = turned
+                        .iter()
+                        .map(|&phi| inverse_root(surface.incident_power_um(theta_i, phi)))
+                        .collect();
                     workspace.far_fields(surface, &optics, &nodes, &cone, &turned, &scales, coefficients);
                     let synthesis = workspace.synthesis(&cone, AZIMUTHS * refine, AZIMUTH_MARGIN);
                     let points = synthesis.points();
                     let mut fields = vec![Complex::new(0.0, 0.0); coefficients.len() / cone.angles * points];
-                    for (component, out) in coefficients.chunks_exact(cone.angles).zip(fields.chunks_exact_mut(points)) {
+                    for (component, out) in
+                        coefficients.chunks_exact(cone.angles).zip(fields.chunks_exact_mut(points))
+                    {
                         synthesis.evaluate(component, tilt, circle, scratch, out);
                         hide_below_horizon(out, tilt, refine);
                     }
@@ -149,13 +159,17 @@ impl Campaign {
         Ok((Fields { values, points, refine }, cone))
     }
 
-    /// The statistics of one (λ, θ_i).
+    /// The statistics of one (λ, θ_i), with the fields themselves if they are to be kept.
     ///
     /// # Errors
     /// A medium's table does not reach the wavelength.
-    pub fn unit(&self, wavelength: usize, theta: usize) -> Result<Unit> {
+    pub fn unit(&self, wavelength: usize, theta: usize, keep_fields: bool) -> Result<Unit> {
         let (fields, cone) = self.fields(wavelength, theta)?;
-        Ok(reduce::unit(&self.parameters.axes, &fields, cone.theta_i))
+        let mut unit = reduce::unit(&self.parameters.axes, &fields, cone.theta_i);
+        if keep_fields {
+            unit.fields = reduce::kept(&fields, self.parameters.axes.cos_phi.len());
+        }
+        Ok(unit)
     }
 }
 

@@ -21,7 +21,9 @@ pub(super) fn unit(axes: &Axes, fields: &Fields, theta_i: f64) -> Unit {
     let transform = FftPlanner::new().plan_fft_forward(PADDED);
     let parts: Vec<Direction> = (0..axes.cos_phi.len())
         .into_par_iter()
-        .map(|phi| direction(fields, theta_i, axes.cos_phi[phi].clamp(0.0, 1.0).acos(), phi, &grid, &transform))
+        .map(|phi| {
+            direction(fields, theta_i, axes.cos_phi[phi].clamp(0.0, 1.0).acos(), phi, &grid, &transform)
+        })
         .collect();
     let mut unit = Unit::default();
     for part in parts {
@@ -36,6 +38,21 @@ pub(super) fn unit(axes: &Axes, fields: &Fields, theta_i: f64) -> Unit {
         unit.contrast.push(part.contrast);
     }
     unit
+}
+
+/// The fields on the tabulated azimuths, `[φ_i, polarization, e₁ e₂, instance, AZIMUTHS]`.
+pub(super) fn kept(fields: &Fields, phis: usize) -> Vec<Complex<f32>> {
+    let mut kept = Vec::with_capacity(phis * 4 * fields.values.len() * AZIMUTHS);
+    for pair in 0..2 * phis {
+        for component in 0..2 {
+            for instance in 0..fields.values.len() {
+                let parts = components(fields, instance, pair);
+                let field = if component == 0 { parts.0 } else { parts.1 };
+                kept.extend(tabulated(fields).map(|at| field[at]));
+            }
+        }
+    }
+    kept
 }
 
 struct Direction {
@@ -60,8 +77,8 @@ fn direction(
     grid: &NoiseGrid,
     transform: &Arc<dyn Fft<f32>>,
 ) -> Direction {
-    let polarizations =
-        [0, 1].map(|polarization| statistics(fields, theta_i, phi_i, 2 * phi + polarization, grid, transform));
+    let polarizations = [0, 1]
+        .map(|polarization| statistics(fields, theta_i, phi_i, 2 * phi + polarization, grid, transform));
     let (pattern_correlation, contrast) = patterns(fields, phi, [&polarizations[0].u, &polarizations[1].u]);
     Direction { polarizations, pattern_correlation, contrast }
 }

@@ -40,14 +40,15 @@ pub fn run(
             return Err(Error::interrupted());
         }
         if store.is_done(wavelength, theta) {
-            if store.read(wavelength, theta).is_some() {
+            if store.is_whole(wavelength, theta) {
                 found.fetch_add(1, Ordering::Relaxed);
                 observer.advance(1);
                 return Ok(());
             }
             repaired.fetch_add(1, Ordering::Relaxed);
         }
-        store.write(wavelength, theta, &campaign.unit(wavelength, theta)?)?;
+        let unit = campaign.unit(wavelength, theta, store.keeps(wavelength))?;
+        store.write(wavelength, theta, &unit)?;
         observer.advance(1);
         Ok(())
     })?;
@@ -71,7 +72,7 @@ pub fn statistics(campaign: &Campaign, observer: &dyn Observer) -> Result<Statis
             if observer.is_cancelled() {
                 return Err(Error::interrupted());
             }
-            let result = campaign.unit(unit / thetas, unit % thetas)?;
+            let result = campaign.unit(unit / thetas, unit % thetas, false)?;
             observer.advance(1);
             Ok(result)
         })

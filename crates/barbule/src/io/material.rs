@@ -175,7 +175,8 @@ pub fn encode_material(material: &Material) -> Result<Vec<u8>> {
     };
     let bytes = tensors.iter().map(|(name, (_, _, bytes))| (name.as_str(), bytes.as_slice()));
     description.checksum = checksum(&description, bytes)?;
-    let json = serde_json::to_string(&description).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
+    let json =
+        serde_json::to_string(&description).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
     let views = tensors
         .iter()
         .map(|(name, (dtype, shape, bytes))| {
@@ -195,11 +196,9 @@ pub fn encode_material(material: &Material) -> Result<Vec<u8>> {
 pub fn decode_material(bytes: &[u8]) -> Result<Material> {
     let damaged = |what: String| Error::input(format!("is not a material file: {what}"));
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|e| damaged(short(&e.to_string())))?;
-    let json = metadata
-        .metadata()
-        .as_ref()
-        .and_then(|entries| entries.get(ENTRY))
-        .ok_or_else(|| damaged(format!("its metadata has no entry '{ENTRY}' (another kind of safetensors?)")))?;
+    let json = metadata.metadata().as_ref().and_then(|entries| entries.get(ENTRY)).ok_or_else(|| {
+        damaged(format!("its metadata has no entry '{ENTRY}' (another kind of safetensors?)"))
+    })?;
     let description = describe(json)?;
     let container = SafeTensors::deserialize(bytes).map_err(|e| damaged(short(&e.to_string())))?;
     let mut names = container.names();
@@ -254,7 +253,10 @@ fn describe(json: &str) -> Result<Description> {
     let description: Description = serde_json::from_str(json).map_err(refuse)?;
     for (name, map) in ARRAYS {
         if description.maps.get(name).map(String::as_str) != Some(map.text()) {
-            return Err(Error::input(format!("array {name} has another map than '{}'; fit it again", map.text())));
+            return Err(Error::input(format!(
+                "array {name} has another map than '{}'; fit it again",
+                map.text()
+            )));
         }
     }
     Ok(description)

@@ -1,5 +1,6 @@
 //! The only module that opens files.
 
+pub mod image;
 mod material;
 mod section;
 mod species;
@@ -12,4 +13,7 @@ pub use material::{decode_material, encode_material, read_material, write_materi
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use species::{read_species, read_structure_toml};
 pub use stack::{parse_stack, read_stack};
-pub use whole::{LARGEST_INPUT, check_writable, read_bytes, read_text, write_whole};
+pub use whole::{
+    LARGEST_INPUT, check_writable, delete_materials, hash_bytes, hash_file, list_materials, make_folder,
+    read_at_most, read_bytes, read_text, write_whole,
+};

@@ -9,7 +9,9 @@ use super::tables::{MediumSource, add_media};
 use super::{read_text, write_whole};
 use crate::material::{Library, shortened};
 use crate::structure::fields::{Fields, list, number};
-use crate::structure::{Inclusion, Loop, MOST_POINTS, MaterialSource, Medium, Parts, Polyline, Section, Substance};
+use crate::structure::{
+    Inclusion, Loop, MOST_POINTS, MaterialSource, Medium, Parts, Polyline, Section, Substance,
+};
 use crate::{Complex64, Error, Result};
 
 /// A folder of sections has no more files than this.
@@ -74,7 +76,9 @@ fn stem(path: &Path) -> String {
 pub fn parse_section(text: &str, folder: &Path, library: &Library) -> Result<Section> {
     // Two numbers for each of at most a million points, and as many for mixtures: more need not be read.
     if text.bytes().filter(|&b| b == b',').count() > 5 * MOST_POINTS {
-        return Err(Error::input("has over 5000000 values, but a section may have 1000000 points; sample it more coarsely"));
+        return Err(Error::input(
+            "has over 5000000 values, but a section may have 1000000 points; sample it more coarsely",
+        ));
     }
     let value: Value = serde_json::from_str(text).map_err(|error| {
         let hint = if text.contains("NaN") || text.contains("Infinity") {
@@ -88,8 +92,18 @@ pub fn parse_section(text: &str, folder: &Path, library: &Library) -> Result<Sec
 }
 
 fn section(value: &Value, folder: &Path, library: &Library) -> Result<Section> {
-    let known =
-        ["barbule", "units", "width", "name", "boundaries", "media", "inclusions", "source", "materials", "lattice"];
+    let known = [
+        "barbule",
+        "units",
+        "width",
+        "name",
+        "boundaries",
+        "media",
+        "inclusions",
+        "source",
+        "materials",
+        "lattice",
+    ];
     let fields = Fields::new(value, "", &known)?;
     let version = fields.need_number("barbule", "the format's version, \"barbule\": 1")?;
     if version != 1.0 {
@@ -99,7 +113,10 @@ fn section(value: &Value, folder: &Path, library: &Library) -> Result<Section> {
         Some("um") => {}
         None => return Err(Error::input("units is missing; give \"units\": \"um\", lengths are in µm")),
         Some(other) => {
-            return Err(Error::input(format!("units is '{}', but must be 'um'; convert lengths to µm", shortened(other))));
+            return Err(Error::input(format!(
+                "units is '{}', but must be 'um'; convert lengths to µm",
+                shortened(other)
+            )));
         }
     }
     if fields.get("lattice").is_some() {
@@ -162,7 +179,8 @@ pub(super) fn materials(
         let source = match value {
             Value::String(file) => {
                 let path = folder.join(file);
-                sources.insert(name.clone(), MaterialSource::File(std::path::absolute(&path).unwrap_or(path)));
+                sources
+                    .insert(name.clone(), MaterialSource::File(std::path::absolute(&path).unwrap_or(path)));
                 MediumSource::File(file.clone())
             }
             Value::Array(_) => {
@@ -191,7 +209,8 @@ fn medium(value: &Value, place: &str) -> Result<Medium> {
     {
         let fields = Fields::new(value, place, &["mix", "x", "fraction", "index"])?;
         let path = fields.path("mix");
-        let [first, second] = fields.list("mix", "two media, as in \"mix\": [\"keratin\", \"melanin\"]")? else {
+        let [first, second] = fields.list("mix", "two media, as in \"mix\": [\"keratin\", \"melanin\"]")?
+        else {
             return Err(Error::input(format!("{path} must list two media")));
         };
         return Ok(Medium::Mixture {
@@ -226,7 +245,8 @@ fn inclusion(value: &Value, place: &str) -> Result<Inclusion> {
             holes.push(closed(&Fields::new(hole, &format!("{path}[{index}]"), &["x", "z", "circle"])?)?);
         }
     }
-    let medium = medium(fields.need("medium", "the medium inside, as in \"melanin\"")?, &fields.path("medium"))?;
+    let medium =
+        medium(fields.need("medium", "the medium inside, as in \"melanin\"")?, &fields.path("medium"))?;
     Ok(Inclusion { outline: closed(&fields)?, medium, holes })
 }
 
@@ -235,7 +255,10 @@ fn closed(fields: &Fields<'_>) -> Result<Loop> {
         return Ok(Loop::polygon(fields.numbers("x")?, fields.numbers("z")?));
     };
     if fields.get("x").is_some() || fields.get("z").is_some() {
-        return Err(Error::input(format!("{} stands beside x or z; give one of the two", fields.path("circle"))));
+        return Err(Error::input(format!(
+            "{} stands beside x or z; give one of the two",
+            fields.path("circle")
+        )));
     }
     let circle = Fields::new(circle, &fields.path("circle"), &["x", "z", "radius"])?;
     Ok(Loop::Circle {
@@ -253,7 +276,10 @@ pub fn section_json(section: &Section) -> Value {
     out.insert("units".into(), "um".into());
     out.insert("width".into(), section.width_um.into());
     out.insert("name".into(), section.name.as_str().into());
-    out.insert("boundaries".into(), section.boundaries.iter().map(|b| json!({"x": b.x_um, "z": b.z_um})).collect());
+    out.insert(
+        "boundaries".into(),
+        section.boundaries.iter().map(|b| json!({"x": b.x_um, "z": b.z_um})).collect(),
+    );
     out.insert("media".into(), section.media.iter().map(medium_json).collect());
     if !section.inclusions.is_empty() {
         out.insert("inclusions".into(), section.inclusions.iter().map(inclusion_json).collect());
@@ -263,7 +289,8 @@ pub fn section_json(section: &Section) -> Value {
             MaterialSource::File(path) => json!(path.to_string_lossy()),
             MaterialSource::Index(n) => json!([n.re, n.im]),
         };
-        let table: Map<String, Value> = section.materials.iter().map(|(n, s)| (n.clone(), source(s))).collect();
+        let table: Map<String, Value> =
+            section.materials.iter().map(|(n, s)| (n.clone(), source(s))).collect();
         out.insert("materials".into(), table.into());
     }
     out.insert("source".into(), section.source.as_str().into());
@@ -289,7 +316,9 @@ fn medium_json(medium: &Medium) -> Value {
 fn loop_json(shape: &Loop) -> Map<String, Value> {
     let value = match shape {
         Loop::Polygon(corners) => json!({"x": corners.x_um, "z": corners.z_um}),
-        Loop::Circle { x_um, z_um, radius_um } => json!({"circle": {"x": x_um, "z": z_um, "radius": radius_um}}),
+        Loop::Circle { x_um, z_um, radius_um } => {
+            json!({"circle": {"x": x_um, "z": z_um, "radius": radius_um}})
+        }
     };
     if let Value::Object(table) = value { table } else { Map::new() }
 }
@@ -298,7 +327,10 @@ fn inclusion_json(inclusion: &Inclusion) -> Value {
     let mut out = loop_json(&inclusion.outline);
     out.insert("medium".into(), medium_json(&inclusion.medium));
     if !inclusion.holes.is_empty() {
-        out.insert("holes".into(), inclusion.holes.iter().map(|hole| Value::Object(loop_json(hole))).collect());
+        out.insert(
+            "holes".into(),
+            inclusion.holes.iter().map(|hole| Value::Object(loop_json(hole))).collect(),
+        );
     }
     out.into()
 }

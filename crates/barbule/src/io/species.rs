@@ -17,7 +17,12 @@ pub fn read_species(path: &Path, variant: Option<&str>, library: &Library) -> Re
     parse_species(&read_text(path)?, variant, folder, library).map_err(|error| error.at(path.display()))
 }
 
-fn parse_species(text: &str, variant: Option<&str>, folder: &Path, library: &Library) -> Result<SpeciesModel> {
+fn parse_species(
+    text: &str,
+    variant: Option<&str>,
+    folder: &Path,
+    library: &Library,
+) -> Result<SpeciesModel> {
     let file = SpeciesFile::parse(text)?;
     let mut library = library.clone();
     materials(file.materials.as_ref(), folder, &mut library)?;
@@ -35,7 +40,9 @@ pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library
     let table: toml::Table = toml::from_str(&text).unwrap_or_default();
     let is_stack = ["stack", "layers", "entry", "exit"].iter().any(|key| table.contains_key(*key));
     if !is_stack {
-        return parse_species(&text, variant, folder, library).map(|m| Structure::Species(Box::new(m))).map_err(at);
+        return parse_species(&text, variant, folder, library)
+            .map(|m| Structure::Species(Box::new(m)))
+            .map_err(at);
     }
     if let Some(variant) = variant {
         return Err(at(Error::input(format!("a stack has no variants, so no '{}'", shortened(variant)))));
@@ -48,4 +55,122 @@ pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library
     let mut section = Section::flat(&name, &stack, library).map_err(at)?;
     section.materials = sources;
     Ok(Structure::Sections { name, sections: vec![section] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::structure::species_toml;
+
+    fn parse(text: &str, variant: Option<&str>) -> Result<SpeciesModel> {
+        parse_species(text, variant, Path::new("."), &Library::builtin())
+    }
+
+    #[test]
+    fn a_copied_and_edited_species_works() {
+        let text = species_toml("starling").unwrap().replace("thickness_um = 4.0", "thickness_um = 5.0");
+        let model = parse(&text, Some("pink")).unwrap();
+        let section = model.section(1, 0).unwrap();
+        let bottom = section.boundaries.last().unwrap();
+        let mean = bottom.z_um.iter().sum::<f64>() / bottom.z_um.len() as f64;
+        assert!((mean + 5.0).abs() < 1e-12);
+        assert_eq!(parse(species_toml("starling").unwrap(), None).unwrap().variant, "green");
+    }
+
+    #[test]
+    fn materials_of_a_species_file_take_the_place_of_the_built_in_ones() {
+        let text = format!("{}\n[materials]\nkeratin = [1.6, 0.0]\n", species_toml("starling").unwrap());
+        let model = parse(&text, None).unwrap();
+        assert_eq!(model.library.get("keratin").unwrap().index(500.0).unwrap(), 1.6.into());
+        assert_ne!(
+            Structure::Species(Box::new(model)).hash(),
+            Structure::Species(Box::new(parse(species_toml("starling").unwrap(), None).unwrap())).hash()
+        );
+    }
+
+    /// The species, what is replaced in its file, by what, and what the refusal must say.
+    const BAD: &[(&str, &str, &str, &str)] = &[
+        ("starling", "barbule = 1", "", "barbule is missing"),
+        ("starling", "barbule = 1", "barbule = 3", "reads format 1 only"),
+        ("starling", "barbule = 1", "barbule = ", "line 3 is not TOML"),
+        ("starling", "name = \"starling\"", "", "name is missing"),
+        ("starling", "name = \"starling\"", "name = \"\"", "name must be one line"),
+        ("starling", "name = \"starling\"", "name = 3", "name is the number 3"),
+        ("starling", "generator = \"starling\"", "", "generator is missing"),
+        ("starling", "generator = \"starling\"", "generator = \"starlin\"", "did you mean 'starling'"),
+        ("starling", "generator = \"starling\"", "generator = \"bronzewing\"", "unknown key 'thickness_um'"),
+        ("starling", "default = \"green\"", "default = \"grey\"", "no variant 'grey', did you mean 'green'?"),
+        ("starling", "latin =", "latn =", "did you mean 'latin'"),
+        ("starling", "[parameters]", "[parameter]", "unknown key 'parameter', did you mean 'parameters'?"),
+        ("starling", "width_um = 25.0", "width_um = 0.0", "parameters.width_um is 0, outside 1 to 200"),
+        ("starling", "width_um = 25.0", "width_um = inf", "width_um is not a finite number"),
+        ("starling", "width_um = 25.0", "width_um = nan", "width_um is not a finite number"),
+        ("starling", "width_um = 25.0", "width_um = \"25\"", "width_um is the text '25'"),
+        ("starling", "width_um = 25.0", "widht_um = 25.0", "did you mean 'width_um'"),
+        ("starling", "width_um = 25.0", "", "parameters.width_um is missing; give a number from 1 to 200"),
+        (
+            "starling",
+            "core_fraction_low = 0.3",
+            "core_fraction_low = 0.9",
+            "above core_fraction_high, 0.7; swap them",
+        ),
+        ("starling", "core_fraction_high = 0.7", "core_fraction_high = 1.7", "outside 0 to 1"),
+        (
+            "starling",
+            "cortex_um = 0.440",
+            "cortex_nm = 440",
+            "variants[7]: unknown key 'cortex_nm', did you mean 'cortex_um'?",
+        ),
+        ("starling", "name = \"teal\"", "name = \"aqua\"", "variants[7].name is 'aqua' a second time"),
+        ("starling", "name = \"teal\"", "name = \"a b\"", "variants[7].name must be a text"),
+        ("starling", "name = \"teal\"", "", "variants[7].name is missing"),
+        ("starling", "[parameters]", "[lattice]\n[parameters]", "not simulated yet"),
+        ("starling", "point_spacing_um = 0.03", "point_spacing_um = 1e-9", "outside 0.005 to 1"),
+        (
+            "rock-dove",
+            "arc_low_deg = 30.0",
+            "arc_low_deg = 80.0",
+            "arc_low_deg is 80, above arc_high_deg, 75",
+        ),
+        ("rock-dove", "gap_low_um = 0.25", "gap_low_um = 0.85", "above gap_high_um"),
+        ("rock-dove", "slope_high_deg = 30.0", "slope_high_deg = 90.0", "outside 0 to 60"),
+        ("bronzewing", "rows = 6 ", "rows = 6.5 ", "rows is 6.5, but must be a whole number"),
+        ("bronzewing", "rows = 6 ", "rows = 0 ", "rows is 0, outside 1 to 40"),
+        ("bronzewing", "spacing_um = 0.063", "spacing_um = 0.005", "touch those of the next layer"),
+        ("hummingbird", "width_um = 40.0", "width_um = 3.0", "too narrow for one melanosome"),
+        (
+            "hummingbird",
+            "melanosome_length_um = 2.0",
+            "melanosome_length_um = 0.06",
+            "under half as long as thick",
+        ),
+        ("hummingbird", "coverage = 0.90", "coverage = 1.0", "coverage is 1, outside 0.05 to 0.99"),
+    ];
+
+    #[test]
+    fn bad_species_are_refused_each_with_its_key_and_remedy() {
+        for (species, good, bad, expected) in BAD {
+            let text = species_toml(species).unwrap();
+            assert!(text.contains(good), "{good}");
+            let error = parse(&text.replacen(good, bad, 1), None).expect_err(bad);
+            let message = error.to_string();
+            assert!(error.is_input() && message.contains(expected), "{bad}\n{message}\nexpected: {expected}");
+            assert!(message.len() < 600 && !message.contains('\n'), "{message}");
+        }
+    }
+
+    #[test]
+    fn more_bubbles_than_a_section_holds_are_refused_before_they_are_made() {
+        let text = species_toml("hummingbird").unwrap();
+        let text =
+            text.replace("width_um = 40.0", "width_um = 200.0").replace("layers = 12 ", "layers = 60 ");
+        assert!(parse(&text, None).unwrap_err().to_string().contains("bubbles, over the limit"));
+    }
+
+    #[test]
+    fn parameters_without_room_are_refused_with_the_place_where_regions_meet() {
+        let text = species_toml("starling").unwrap().replace("thickness_um = 4.0", "thickness_um = 0.5");
+        let message = parse(&text, None).unwrap().section(1, 0).unwrap_err().to_string();
+        assert!(message.contains("too little room") && message.contains("µm"), "{message}");
+    }
 }

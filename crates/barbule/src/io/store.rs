@@ -7,8 +7,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use num_complex::Complex;
 use serde_json::{Value, json};
-use zarrs::array::{Array, ArrayBuilder, Element, ElementOwned, codec, data_type};
+use zarrs::array::{Array, ArrayBuilder, Element, ElementOwned, IntoArrayBytes, codec, data_type};
 use zarrs::filesystem::FilesystemStore;
 use zarrs::group::{Group, GroupBuilder};
 use zarrs::storage::storage_adapter::atomic_write::AtomicWriteStorageAdapter;
@@ -23,8 +24,18 @@ const SCHEMA: u64 = 1;
 
 /// Arrays in the order in which a unit writes them: name, whether f32 (else f64), axes after φ_i, what it holds.
 const ARRAYS: [(&str, bool, &[(&str, usize)], &str); 7] = [
-    ("u", true, &[("polarization", 2), ("azimuth", AZIMUTHS)], "mean of |E|^2/Phi_i over instances, 1/rad (S.12)"),
-    ("v", true, &[("polarization", 2), ("azimuth", AZIMUTHS)], "|mean of E|^2/Phi_i without bias, 1/rad (S.21)"),
+    (
+        "u",
+        true,
+        &[("polarization", 2), ("azimuth", AZIMUTHS)],
+        "mean of |E|^2/Phi_i over instances, 1/rad (S.12)",
+    ),
+    (
+        "v",
+        true,
+        &[("polarization", 2), ("azimuth", AZIMUTHS)],
+        "|mean of E|^2/Phi_i without bias, 1/rad (S.21)",
+    ),
     (
         "autocovariance",
         true,
@@ -41,22 +52,48 @@ const ARRAYS: [(&str, bool, &[(&str, usize)], &str); 7] = [
 pub struct Store {
     path: PathBuf,
     arrays: Vec<Array<Storage>>,
+    /// Fields of every instance, where the campaign keeps them.
+    fields: Option<Array<Storage>>,
+    kept_nm: Vec<f64>,
     axes: Axes,
     instances: usize,
+    name: String,
+    width: String,
     description: Value,
 }
+
+/// Name of the array of kept fields.
+const FIELDS: &str = "fields";
 
 impl Store {
     /// Creates a store, or opens the one that is there if it was made with the same description.
     ///
-    /// `description` holds every parameter of the campaign; it is kept in the group's attributes with its hash.
+    /// `description` holds every parameter of the campaign; it is kept in the group's attributes with its hash, beside
+    /// the structure's `name` and the SIMD `width` that computes it. The fields of all instances are kept at the
+    /// wavelengths `kept_nm`.
     ///
     /// # Errors
-    /// The path cannot be written, holds something else, or a store with other parameters.
-    pub fn create(path: &Path, axes: &Axes, instances: usize, description: &Value) -> Result<Self> {
+    /// The path cannot be written, holds something else, or a store with other parameters; a kept wavelength that the
+    /// campaign does not have.
+    pub fn create(
+        path: &Path,
+        axes: &Axes,
+        instances: usize,
+        name: &str,
+        description: &Value,
+        kept_nm: &[f64],
+        width: &str,
+    ) -> Result<Self> {
+        if let Some(nm) = kept_nm.iter().find(|nm| !axes.wavelengths_nm.contains(nm)) {
+            return Err(Error::input(format!(
+                "fields are to be kept at {nm} nm, which the campaign does not simulate"
+            )));
+        }
         if path.exists() {
             let store = Self::open(path)?;
-            if let Some(difference) = difference(&store.description, description, "") {
+            let there = json!({"campaign": store.description, "kept_nm": store.kept_nm});
+            let here = json!({"campaign": description, "kept_nm": kept_nm});
+            if let Some(difference) = difference(&there, &here, "") {
                 return Err(Error::input(format!(
                     "{}: this store was made with other parameters ({difference}); give another name, or the same parameters to resume",
                     path.display()
@@ -83,7 +120,8 @@ impl Store {
             } else {
                 ArrayBuilder::new(extents, chunk, data_type::float64(), f64::NAN)
             };
-            let names = ["wavelength", "theta_i", "phi_i"].into_iter().chain(trailing.iter().map(|(n, _)| *n));
+            let names =
+                ["wavelength", "theta_i", "phi_i"].into_iter().chain(trailing.iter().map(|(n, _)| *n));
             let mut attributes = serde_json::Map::new();
             attributes.insert("meaning".into(), json!(meaning));
             let array = builder
@@ -97,6 +135,9 @@ impl Store {
                 .map_err(|e| refuse(&e))?;
             array.store_metadata().map_err(|e| refuse(&e))?;
         }
+        if !kept_nm.is_empty() {
+            create_fields(&storage, &shape, kept_nm.len(), instances).map_err(|e| refuse(&e))?;
+        }
         // The group comes last: a store without it was never finished and is not opened.
         let mut group = GroupBuilder::new().build(storage, "/").map_err(|e| refuse(&e))?;
         let attributes = group.attributes_mut();
@@ -105,6 +146,9 @@ impl Store {
         attributes.insert("cos_theta_i".into(), json!(axes.cos_theta));
         attributes.insert("cos_phi_i".into(), json!(axes.cos_phi));
         attributes.insert("instances".into(), json!(instances));
+        attributes.insert("name".into(), json!(name));
+        attributes.insert("simd".into(), json!(width));
+        attributes.insert("kept_nm".into(), json!(kept_nm));
         attributes.insert("campaign".into(), description.clone());
         attributes.insert("campaign_hash".into(), json!(hash(description)));
         group.store_metadata().map_err(|e| refuse(&e))?;
@@ -124,7 +168,8 @@ impl Store {
             return Err(refuse("is not a campaign store (no zarr.json in it)"));
         }
         let storage = storage(path)?;
-        let group = Group::open(storage.clone(), "/").map_err(|e| refuse(&format!("is not readable ({e})")))?;
+        let group =
+            Group::open(storage.clone(), "/").map_err(|e| refuse(&format!("is not readable ({e})")))?;
         let attributes = group.attributes();
         if attributes.get("barbule_store").and_then(Value::as_u64) != Some(SCHEMA) {
             return Err(refuse("is not a campaign store of this version"));
@@ -159,7 +204,61 @@ impl Store {
             }
             arrays.push(array);
         }
-        Ok(Self { path: path.to_owned(), arrays, axes, instances, description })
+        let kept_nm = attributes
+            .get("kept_nm")
+            .and_then(Value::as_array)
+            .map(|values| values.iter().filter_map(Value::as_f64).collect::<Vec<_>>())
+            .unwrap_or_default();
+        let fields = if kept_nm.is_empty() {
+            None
+        } else {
+            let array = Array::open(storage, &format!("/{FIELDS}"))
+                .map_err(|e| refuse(&format!("its array '{FIELDS}' is not readable ({e})")))?;
+            Some(array)
+        };
+        let text = |key: &str| attributes.get(key).and_then(Value::as_str).unwrap_or_default().to_owned();
+        let (name, width) = (text("name"), text("simd"));
+        Ok(Self { path: path.to_owned(), arrays, fields, kept_nm, axes, instances, name, width, description })
+    }
+
+    /// The structure's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The SIMD width that computes this store.
+    #[must_use]
+    pub fn width(&self) -> &str {
+        &self.width
+    }
+
+    /// The wavelengths, nm, at which the fields of all instances are kept.
+    #[must_use]
+    pub fn kept_nm(&self) -> &[f64] {
+        &self.kept_nm
+    }
+
+    /// Whether the fields of this wavelength are kept.
+    #[must_use]
+    pub fn keeps(&self, wavelength: usize) -> bool {
+        self.kept_nm.contains(&self.axes.wavelengths_nm[wavelength])
+    }
+
+    /// Whether a unit is there and every checksum in it holds.
+    #[must_use]
+    pub fn is_whole(&self, wavelength: usize, theta: usize) -> bool {
+        self.read(wavelength, theta).is_some()
+            && (!self.keeps(wavelength) || self.fields(wavelength, theta).is_some())
+    }
+
+    /// Kept fields of a unit, over √Φ_i, shape `[φ_i, polarization, e₁ e₂, instance, AZIMUTHS]`; `None` when they are
+    /// missing or damaged.
+    #[must_use]
+    pub fn fields(&self, wavelength: usize, theta: usize) -> Option<Vec<Complex<f32>>> {
+        let kept = self.kept_nm.iter().position(|nm| *nm == self.axes.wavelengths_nm[wavelength])?;
+        let chunk = [kept as u64, theta as u64, 0, 0, 0, 0, 0];
+        self.fields.as_ref()?.retrieve_chunk_if_exists::<Vec<Complex<f32>>>(&chunk).ok().flatten()
     }
 
     /// The axes of the campaign.
@@ -213,6 +312,12 @@ impl Store {
     /// # Errors
     /// The disk is full or the store is not writable.
     pub fn write(&self, wavelength: usize, theta: usize, unit: &Unit) -> Result<()> {
+        if let (Some(array), Some(kept)) =
+            (&self.fields, self.kept_nm.iter().position(|nm| *nm == self.axes.wavelengths_nm[wavelength]))
+        {
+            let chunk = [kept as u64, theta as u64, 0, 0, 0, 0, 0];
+            self.replace(array, &chunk, &unit.fields)?;
+        }
         let singles = [&unit.u, &unit.v, &unit.autocovariance];
         let doubles = [&unit.reflected, &unit.reflected_std, &unit.pattern_correlation, &unit.contrast];
         for (index, values) in singles.into_iter().enumerate() {
@@ -224,17 +329,31 @@ impl Store {
         Ok(())
     }
 
-    fn write_chunk<T: Element>(&self, array: usize, wavelength: usize, theta: usize, values: &[T]) -> Result<()>
+    fn write_chunk<T: Element + Clone>(
+        &self,
+        array: usize,
+        wavelength: usize,
+        theta: usize,
+        values: &[T],
+    ) -> Result<()>
     where
-        Vec<T>: zarrs::array::IntoArrayBytes<'static>,
-        T: Clone,
+        Vec<T>: IntoArrayBytes<'static>,
+    {
+        self.replace(&self.arrays[array], &Self::chunk(array, wavelength, theta), values)
+    }
+
+    fn replace<T: Element + Clone>(&self, array: &Array<Storage>, chunk: &[u64], values: &[T]) -> Result<()>
+    where
+        Vec<T>: IntoArrayBytes<'static>,
     {
         // What an interrupted writer left aside would block this one.
-        let mut aside = self.chunk_path(array, wavelength, theta).into_os_string();
+        let mut aside = self.path.join(array.path().as_str().trim_start_matches('/')).join("c");
+        aside.extend(chunk.iter().map(u64::to_string));
+        let mut aside = aside.into_os_string();
         aside.push(".tmp");
         let _ = std::fs::remove_file(aside);
-        self.arrays[array]
-            .store_chunk(&Self::chunk(array, wavelength, theta), values.to_vec())
+        array
+            .store_chunk(chunk, values.to_vec())
             .map_err(|e| Error::machine(format!("{}: a chunk cannot be written ({e})", self.path.display())))
     }
 
@@ -252,6 +371,7 @@ impl Store {
             reflected_std: self.read_chunk(4, wavelength, theta)?,
             pattern_correlation: self.read_chunk(5, wavelength, theta)?,
             contrast: self.read_chunk(6, wavelength, theta)?,
+            fields: Vec::new(),
         })
     }
 
@@ -259,7 +379,10 @@ impl Store {
     where
         Vec<T>: zarrs::array::FromArrayBytes,
     {
-        self.arrays[array].retrieve_chunk_if_exists::<Vec<T>>(&Self::chunk(array, wavelength, theta)).ok().flatten()
+        self.arrays[array]
+            .retrieve_chunk_if_exists::<Vec<T>>(&Self::chunk(array, wavelength, theta))
+            .ok()
+            .flatten()
     }
 
     /// All statistics of a finished store.
@@ -287,6 +410,29 @@ impl Store {
             ))),
         }
     }
+}
+
+/// Makes the array of kept fields, one chunk per (kept wavelength, θ_i).
+fn create_fields(
+    storage: &Arc<Storage>,
+    shape: &[usize; 3],
+    kept: usize,
+    instances: usize,
+) -> std::result::Result<(), Box<dyn std::error::Error>> {
+    let extents = [kept, shape[1], shape[2], 2, 2, instances, AZIMUTHS].map(|n| n as u64);
+    let mut chunk = extents;
+    chunk[..2].fill(1);
+    let nan: Vec<u8> = [f32::NAN.to_ne_bytes(), f32::NAN.to_ne_bytes()].concat();
+    let names = ["kept_wavelength", "theta_i", "phi_i", "polarization", "component", "instance", "azimuth"];
+    let array = ArrayBuilder::new(extents.to_vec(), chunk.to_vec(), data_type::complex64(), nan.as_slice())
+        .dimension_names(Some(names))
+        .bytes_to_bytes_codecs(vec![
+            Arc::new(codec::ZstdCodec::new(3, false)),
+            Arc::new(codec::Crc32cCodec::new()),
+        ])
+        .build(storage.clone(), &format!("/{FIELDS}"))?;
+    array.store_metadata()?;
+    Ok(())
 }
 
 fn storage(path: &Path) -> Result<Arc<Storage>> {

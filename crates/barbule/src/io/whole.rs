@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{Read as _, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::{Error, Result};
 
@@ -14,6 +14,14 @@ pub const LARGEST_INPUT: u64 = 64 << 20;
 /// # Errors
 /// Missing, a folder, unreadable, or too large.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    read_at_most(path, LARGEST_INPUT)
+}
+
+/// Reads a file of at most `largest` bytes, for formats with a limit of their own.
+///
+/// # Errors
+/// As [`read_bytes`].
+pub fn read_at_most(path: &Path, largest: u64) -> Result<Vec<u8>> {
     let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
     let metadata = fs::metadata(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => refuse("no such file"),
@@ -22,15 +30,16 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     if metadata.is_dir() {
         return Err(refuse("is a folder, but a file is needed"));
     }
-    if metadata.len() > LARGEST_INPUT {
-        return Err(refuse(&format!("has {} bytes, over the limit of 64 MiB", metadata.len())));
+    let limit = format!("over the limit of {} MiB", largest.div_ceil(1 << 20));
+    if metadata.len() > largest {
+        return Err(refuse(&format!("has {} bytes, {limit}", metadata.len())));
     }
     let mut bytes = Vec::new();
     fs::File::open(path)
-        .and_then(|file| file.take(LARGEST_INPUT + 1).read_to_end(&mut bytes))
+        .and_then(|file| file.take(largest + 1).read_to_end(&mut bytes))
         .map_err(|error| refuse(&format!("cannot be read ({error})")))?;
-    if bytes.len() as u64 > LARGEST_INPUT {
-        return Err(refuse("is over the limit of 64 MiB"));
+    if bytes.len() as u64 > largest {
+        return Err(refuse(&format!("is {limit}")));
     }
     Ok(bytes)
 }
@@ -98,6 +107,58 @@ pub fn check_writable(path: &Path) -> Result<()> {
         .tempfile_in(folder)
         .map(|_| ())
         .map_err(|e| refuse(format!("cannot be written ({e})")))
+}
+
+/// BLAKE3 of bytes, in hexadecimal.
+#[must_use]
+pub fn hash_bytes(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
+}
+
+/// BLAKE3 of a file's bytes, in hexadecimal.
+///
+/// # Errors
+/// As [`read_bytes`].
+pub fn hash_file(path: &Path) -> Result<String> {
+    Ok(hash_bytes(&read_bytes(path)?))
+}
+
+/// Makes a folder with those it lies in.
+///
+/// # Errors
+/// It cannot be made.
+pub fn make_folder(path: &Path) -> Result<()> {
+    fs::create_dir_all(path).map_err(|e| Error::input(format!("{}: cannot be made ({e})", path.display())))
+}
+
+/// The `.barbule` files in a folder with their sizes in bytes, sorted by name.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn list_materials(folder: &Path) -> Result<Vec<(PathBuf, u64)>> {
+    let refuse = |e: std::io::Error| Error::input(format!("{}: cannot be read ({e})", folder.display()));
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(refuse)? {
+        let entry = entry.map_err(refuse)?;
+        let path = entry.path();
+        if path.extension().is_some_and(|e| e == "barbule") {
+            files.push((path, entry.metadata().map_err(refuse)?.len()));
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Deletes files that [`list_materials`] found.
+///
+/// # Errors
+/// One cannot be deleted.
+pub fn delete_materials(files: &[(PathBuf, u64)]) -> Result<()> {
+    for (path, _) in files {
+        fs::remove_file(path)
+            .map_err(|e| Error::input(format!("{}: cannot be deleted ({e})", path.display())))?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

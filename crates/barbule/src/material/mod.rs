@@ -161,7 +161,7 @@ mod tests {
     fn gain_and_unusable_indices_are_refused() {
         let refused = |re, im| Material::constant(Complex64::new(re, im)).unwrap_err().to_string();
         assert!(refused(1.5, -0.1).contains("gain"));
-        for (re, im) in [(-1.0, 0.0), (0.0, 0.0), (f64::NAN, 0.0), (1.0, f64::INFINITY), (1e9, 0.0)] {
+        for (re, im) in [(-1.0, 0.0), (0.0, 0.0), (f64::NAN, 0.0), (1.0, f64::INFINITY), (2e9, 0.0)] {
             assert!(refused(re, im).contains("not usable"), "{re} {im}");
         }
         assert!(Material::constant(Complex64::new(0.05, 3.0)).is_ok(), "a metal is a medium");

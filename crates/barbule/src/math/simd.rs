@@ -51,9 +51,13 @@ impl Width {
         let mut levels = vec![best];
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         levels.extend(
-            [best.as_avx2().map(Level::Avx2), best.as_sse4_2().map(Level::Sse4_2), best.as_sse2().map(Level::Sse2)]
-                .into_iter()
-                .flatten(),
+            [
+                best.as_avx2().map(Level::Avx2),
+                best.as_sse4_2().map(Level::Sse4_2),
+                best.as_sse2().map(Level::Sse2),
+            ]
+            .into_iter()
+            .flatten(),
         );
         levels.push(Level::fallback());
         let mut widths: Vec<Self> = levels.into_iter().map(Self).collect();
@@ -70,7 +74,10 @@ impl Width {
         available.iter().copied().find(|width| width.name() == name).ok_or_else(|| {
             let names: Vec<_> = available.iter().map(|width| width.name()).collect();
             let hint = did_you_mean(name, names.iter().copied());
-            Error::input(format!("SIMD width '{name}' is not one of this processor's: {}{hint}", names.join(", ")))
+            Error::input(format!(
+                "SIMD width '{name}' is not one of this processor's: {}{hint}",
+                names.join(", ")
+            ))
         })
     }
 }
@@ -130,7 +137,8 @@ impl Real for f64 {
     ];
     const DECAY_END: f64 = 40.0;
     const DECAY_SQUARINGS: i32 = 7;
-    const TWO_PI: [f64; 3] = [6.283_185_306_936_502_5, 2.430_840_202_521_586_4e-10, 8.089_064_995_183_803e-21];
+    const TWO_PI: [f64; 3] =
+        [6.283_185_306_936_502_5, 2.430_840_202_521_586_4e-10, 8.089_064_995_183_803e-21];
     const TINY: f64 = 1e-150;
     #[inline(always)]
     fn of(value: f64) -> Self {
@@ -281,7 +289,8 @@ pub(crate) fn sin_cos<S: Simd, V: Lanes<S>>(simd: S, x: V) -> (V, V) {
 #[inline(always)]
 pub(crate) fn decay<S: Simd, V: Lanes<S>>(simd: S, x: V) -> V {
     let squarings = V::Element::DECAY_SQUARINGS;
-    let y = x.min(splat::<S, V>(simd, V::Element::DECAY_END)) * splat::<S, V>(simd, -(0.5f64.powi(squarings)));
+    let y =
+        x.min(splat::<S, V>(simd, V::Element::DECAY_END)) * splat::<S, V>(simd, -(0.5f64.powi(squarings)));
     let mut sum = polynomial::<S, V>(simd, V::Element::EXP, y);
     for _ in 0..squarings {
         sum = sum * sum;
@@ -325,11 +334,21 @@ mod tests {
         for width in Width::available() {
             let (sin, cos, decay) = dispatch!(width.0, simd => evaluate(simd, &x));
             for (i, &v) in x.iter().enumerate() {
-                assert!((sin[i] - libm::sin(v)).abs() < 3e-15, "{} sin {v}: {}", width.name(), sin[i] - libm::sin(v));
+                assert!(
+                    (sin[i] - libm::sin(v)).abs() < 3e-15,
+                    "{} sin {v}: {}",
+                    width.name(),
+                    sin[i] - libm::sin(v)
+                );
                 assert!((cos[i] - libm::cos(v)).abs() < 3e-15, "{} cos {v}", width.name());
                 if v.abs() < 39.0 {
                     let exact = libm::exp(-v.abs());
-                    assert!((decay[i] - exact).abs() < 3e-14 * exact, "{} exp {v}: {}", width.name(), decay[i] / exact);
+                    assert!(
+                        (decay[i] - exact).abs() < 3e-14 * exact,
+                        "{} exp {v}: {}",
+                        width.name(),
+                        decay[i] / exact
+                    );
                 }
             }
         }
@@ -357,7 +376,11 @@ mod tests {
                 assert!((f64::from(sin) - v.sin()).abs() < 2e-6, "{} {v}", width.name());
                 assert!((f64::from(cos) - v.cos()).abs() < 2e-6, "{} {v}", width.name());
                 if v.abs() < 19.0 {
-                    assert!((f64::from(decay) / (-v.abs()).exp() - 1.0).abs() < 6e-6, "{} {v} {decay}", width.name());
+                    assert!(
+                        (f64::from(decay) / (-v.abs()).exp() - 1.0).abs() < 6e-6,
+                        "{} {v} {decay}",
+                        width.name()
+                    );
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Reflectance spectra with the colours that they are.
 
-use super::axes::Axis;
+use super::axes::{Axis, covering};
 use super::figure::{Curve, Figure};
 use crate::spectrum::Spectrum;
 use crate::spectrum::colour::{Observer, display, held};
@@ -34,6 +34,14 @@ pub fn spectra(title: &str, bands: &[Band], measured: &[(String, Spectrum)]) -> 
         curve.swatch = Some(display(observer.linear_rgb(spectrum)));
         figure.curves.push(curve);
     }
+    // A band may reach below zero where individuals differ much, but reflectance does not.
+    if figure.curves.iter().flat_map(|c| &c.points).all(|p| p[1] >= 0.0) {
+        let tops = figure.curves.iter().flat_map(|c| {
+            let spread = |i: usize| c.spread.as_ref().and_then(|s| s.get(i)).copied().unwrap_or(0.0);
+            c.points.iter().enumerate().map(move |(i, p)| p[1] + spread(i))
+        });
+        figure.y.range = Some([0.0, covering(tops.chain([0.0]))[1]]);
+    }
     figure.legend = if bands.iter().any(|b| b.std.is_some()) {
         "mean ± 1 std, colour under D65".into()
     } else {
@@ -60,5 +68,6 @@ mod tests {
         let [r, g, b] = figure.curves[1].swatch.unwrap();
         assert!(r > 150 && g < 100 && b < 50);
         assert!(figure.footnote.unwrap().contains("held"));
+        assert_eq!(figure.y.range.unwrap()[0], 0.0);
     }
 }

@@ -234,7 +234,8 @@ impl Fitter {
         if first.converged && first.residual < SECOND_START {
             return Some(first);
         }
-        let elsewhere = |l: &Lobe| !free_phi || (l.phi - first_start.phi).abs() > 0.3 * first_start.m.max(l.m);
+        let elsewhere =
+            |l: &Lobe| !free_phi || (l.phi - first_start.phi).abs() > 0.3 * first_start.m.max(l.m);
         let second = ranked[1..].iter().map(|r| r.1).find(elsewhere).map(refine);
         Some(second.filter(|fit| fit.residual < first.residual).unwrap_or(first))
     }
@@ -278,7 +279,9 @@ impl Fitter {
             let near = count / 30;
             (0..count)
                 .filter(|&k| far_from.is_none_or(|other| k.abs_diff(other) > near))
-                .filter(|&k| (k == 0 || smooth[k] >= smooth[k - 1]) && (k + 1 == count || smooth[k] > smooth[k + 1]))
+                .filter(|&k| {
+                    (k == 0 || smooth[k] >= smooth[k - 1]) && (k + 1 == count || smooth[k] > smooth[k + 1])
+                })
                 .max_by(|&a, &b| smooth[a].total_cmp(&smooth[b]))
         };
         let peak = top(None);
@@ -293,7 +296,9 @@ impl Fitter {
         phis.extend(peak.map(|k| -azimuth(k)));
         phis.extend(peak.and_then(|k| top(Some(k))).map(|k| -azimuth(k)));
         phis.iter()
-            .flat_map(|&phi| [0.4, 1.0, 2.2].map(|f| Lobe { m: (f * width).clamp(0.003, 0.95), phi: bounded_phi(phi) }))
+            .flat_map(|&phi| {
+                [0.4, 1.0, 2.2].map(|f| Lobe { m: (f * width).clamp(0.003, 0.95), phi: bounded_phi(phi) })
+            })
             .collect()
     }
 }
@@ -419,8 +424,7 @@ mod tests {
         let one = values(FitKind::Marginal, 0.0, Lobe { m: 0.05, phi: 0.7 }, 400);
         let two = values(FitKind::Marginal, 0.0, Lobe { m: 0.05, phi: -0.4 }, 400);
         let mut stream = crate::math::rng::Stream::new(3, &[]);
-        let sum: Vec<f64> =
-            one.iter().zip(&two).map(|(a, b)| a + 0.4 * b + 0.02 * stream.normal()).collect();
+        let sum: Vec<f64> = one.iter().zip(&two).map(|(a, b)| a + 0.4 * b + 0.02 * stream.normal()).collect();
         let fit = fit(FitKind::Marginal, 0.0, 0.1, &sum);
         assert!((fit.lobe.phi - 0.7).abs() < 0.05, "{fit:?}");
         assert!(fit.residual < 0.5);
@@ -428,7 +432,9 @@ mod tests {
 
     #[test]
     fn input_without_light_does_not_fail() {
-        for values in [vec![0.0; 400], vec![-1.0; 400], vec![f64::NAN; 400], vec![], vec![1.0], vec![1e-300; 7]] {
+        for values in
+            [vec![0.0; 400], vec![-1.0; 400], vec![f64::NAN; 400], vec![], vec![1.0], vec![1e-300; 7]]
+        {
             let fit = fit(FitKind::Marginal, 0.3, 0.4, &values);
             assert!((SMALLEST_M..=1.0).contains(&fit.lobe.m), "{fit:?}");
             assert!(fit.lobe.phi.is_finite() && fit.scale >= 0.0, "{fit:?}");

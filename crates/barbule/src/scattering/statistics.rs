@@ -1,5 +1,7 @@
 //! What a campaign keeps of its fields: the narrow waist between wave simulation and BRDF.
 
+use num_complex::Complex;
+
 /// Outgoing azimuths on which U and V are tabulated: (n + ½)·180°/400 − 90°.
 pub const AZIMUTHS: usize = 400;
 
@@ -114,4 +116,6 @@ pub struct Unit {
     pub pattern_correlation: Vec<f64>,
     /// Shape `[φ_i]`.
     pub contrast: Vec<f64>,
+    /// Fields over √Φ_i where they are kept, else empty. Shape `[φ_i, polarization, e₁ e₂, instance, AZIMUTHS]`.
+    pub fields: Vec<Complex<f32>>,
 }

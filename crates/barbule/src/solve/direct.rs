@@ -7,7 +7,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use super::film::{Polarization, reflect};
-use super::surface::Window;
+use super::surface::{Cone, FarField, Window, inverse_root, refinement};
 use crate::scattering::directions::{azimuths as azimuth_grid, e1, e2, omega};
 use crate::structure::{Columns, Ray, Section, cast};
 use crate::{Error, Result};
@@ -15,16 +15,8 @@ use crate::{Error, Result};
 /// A complex 3-vector.
 type Field = [Complex64; 3];
 
-/// The far field of a section for one incident direction, computed plainly.
-#[derive(Debug, Clone)]
-pub struct DirectField {
-    /// Components along the outgoing e₁ and e₂, `[incident polarization][e₁, e₂][azimuth]`, for unit |E|.
-    pub fields: [[Vec<Complex64>; 2]; 2],
-    /// Φ_i, µm, for c₀ = 1 and unit |E|.
-    pub incident_power_um: f64,
-}
-
-/// Evaluates steps 1 to 5 of the simulation by Gauss's two-point rule on elements of at most `element_um`.
+/// Evaluates the far field by Gauss's two-point rule on elements of at most `element_um`; arguments and result as for
+/// [`surface::far_field`](super::surface::far_field).
 ///
 /// # Errors
 /// As [`cast`], or a medium's table does not reach the wavelength.
@@ -36,7 +28,7 @@ pub fn far_field(
     theta_i: f64,
     phi_i: f64,
     azimuths: usize,
-) -> Result<DirectField> {
+) -> Result<FarField> {
     let k = std::f64::consts::TAU / (wavelength_nm * 1e-3);
     let (rays, lengths) = quadrature(section, element_um);
     let columns = cast(section, &rays)?;
@@ -77,9 +69,17 @@ pub fn far_field(
         * (j * k)
         * (2.0 / (std::f64::consts::PI * kappa)).sqrt()
         * Complex64::from_polar(1.0, -std::f64::consts::FRAC_PI_4);
-    for phi_o in azimuth_grid(azimuths) {
+    let radius_um = rays.iter().fold(0f64, |r, ray| r.max(ray.x_um.hypot(ray.z_um)));
+    let refine = refinement(&Cone::new(k, theta_i, radius_um), azimuths);
+    let scale = match window {
+        Window::Gaussian => inverse_root(incident_power_um),
+        Window::None => 1.0,
+    };
+    let mut reflected = [0.0; 2];
+    let step = std::f64::consts::PI / (azimuths * refine) as f64;
+    for (n, phi_o) in azimuth_grid(azimuths * refine).enumerate() {
         let w_o = omega(-theta_i, phi_o);
-        for (currents, fields) in currents.iter().zip(&mut fields) {
+        for ((currents, fields), reflected) in currents.iter().zip(&mut fields).zip(&mut reflected) {
             let mut electric = [Complex64::ZERO; 3];
             let mut magnetic = [Complex64::ZERO; 3];
             for (x, z, current, magnetic_current) in currents {
@@ -90,13 +90,23 @@ pub fn far_field(
                 }
             }
             let turned = cross(w_o, &magnetic);
-            let far: Field = std::array::from_fn(|axis| factor * (electric[axis] - turned[axis]));
+            let far: Field = std::array::from_fn(|axis| factor * scale * (electric[axis] - turned[axis]));
             // The part of J̃ along ω_o has no component along e₁ or e₂.
-            fields[0].push(dot(e1(-theta_i, phi_o), &far));
-            fields[1].push(dot(e2(phi_o), &far));
+            let components = [dot(e1(-theta_i, phi_o), &far), dot(e2(phi_o), &far)];
+            *reflected += theta_i.cos() * step * (components[0].norm_sqr() + components[1].norm_sqr());
+            if n % refine == refine / 2 {
+                fields[0].push(components[0]);
+                fields[1].push(components[1]);
+            }
         }
     }
-    Ok(DirectField { fields, incident_power_um })
+    Ok(FarField {
+        phi_o: azimuth_grid(azimuths).collect(),
+        fields,
+        incident_power_um: (window == Window::Gaussian).then_some(incident_power_um),
+        reflected,
+        cos_theta: theta_i.cos(),
+    })
 }
 
 /// Gauss points on the straight pieces of the top, with their lengths.
@@ -110,7 +120,11 @@ fn quadrature(section: &Section, element_um: f64) -> (Vec<Ray>, Vec<f64>) {
         for element in 0..elements as usize {
             for side in [-0.5, 0.5] {
                 let t = (element as f64 + 0.5 + side / 3f64.sqrt()) / elements;
-                rays.push(Ray { x_um: x[0] + t * dx, z_um: z[0] + t * dz, normal: [-dz / length, dx / length] });
+                rays.push(Ray {
+                    x_um: x[0] + t * dx,
+                    z_um: z[0] + t * dz,
+                    normal: [-dz / length, dx / length],
+                });
                 lengths.push(length / (2.0 * elements));
             }
         }

@@ -3,3 +3,4 @@
 pub mod direct;
 pub mod film;
 pub mod surface;
+pub mod swatch;

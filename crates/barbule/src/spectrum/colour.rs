@@ -111,7 +111,8 @@ impl Observer {
         for value in xyz.iter_mut().flatten() {
             *value /= luminance;
         }
-        let matrix = self.to_rgb(xyz.iter().fold([0.0; 3], |sum, w| std::array::from_fn(|c| sum[c] + w[c])));
+        let matrix =
+            self.rgb_matrix(xyz.iter().fold([0.0; 3], |sum, w| std::array::from_fn(|c| sum[c] + w[c])));
         let rgb = xyz.iter().map(|w| times(&matrix, *w)).collect();
         Weights { xyz, rgb }
     }
@@ -140,7 +141,7 @@ impl Observer {
     }
 
     /// XYZ under this light → linear sRGB, where `white` (XYZ of a perfect white) becomes (1, 1, 1).
-    fn to_rgb(&self, white: [f64; 3]) -> [[f64; 3]; 3] {
+    fn rgb_matrix(self, white: [f64; 3]) -> [[f64; 3]; 3] {
         let from = times(&BRADFORD, white);
         let to = times(&BRADFORD, D65_WHITE);
         let mut scaled = BRADFORD;

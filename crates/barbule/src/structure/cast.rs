@@ -178,10 +178,11 @@ impl Slots {
         let mut next = 0;
         let layers = ray.len().saturating_sub(1);
         for layer in &mut ray[..layers] {
-            let slot = (next..self.kinds.len()).find(|&slot| self.kinds[slot] == layer.kind).unwrap_or_else(|| {
-                self.kinds.push(layer.kind);
-                self.kinds.len() - 1
-            });
+            let slot =
+                (next..self.kinds.len()).find(|&slot| self.kinds[slot] == layer.kind).unwrap_or_else(|| {
+                    self.kinds.push(layer.kind);
+                    self.kinds.len() - 1
+                });
             layer.slot = Some(slot);
             next = slot + 1;
         }
@@ -276,7 +277,8 @@ impl State {
                 let deepest = self.inside.iter().max_by_key(|entry| entry.0).and_then(|entry| entry.2);
                 let layer = above.clamp(0, boundaries as isize) as usize;
                 let filling = fillings[deepest.unwrap_or(inclusions + layer)];
-                let found = Found { kind: filling.kind, medium: filling.mixed, thickness_um: to - from, slot: None };
+                let found =
+                    Found { kind: filling.kind, medium: filling.mixed, thickness_um: to - from, slot: None };
                 match into[start..].last_mut() {
                     Some(before) if (before.kind, before.medium) == (found.kind, found.medium) => {
                         before.thickness_um += found.thickness_um;
@@ -405,7 +407,8 @@ impl<'a> Profile<'a> {
         loop {
             let vertex = if right { i + 1 } else { i };
             let outermost = dx == 0.0 || vertex == if right { last } else { 0 };
-            let t_end = if outermost { f64::INFINITY } else { ((xs[vertex] - ray.x_um) * per_dx).max(reached) };
+            let t_end =
+                if outermost { f64::INFINITY } else { ((xs[vertex] - ray.x_um) * per_dx).max(reached) };
             if t_end == f64::INFINITY {
                 // One line from here on: at most one crossing.
                 let rate = dz - (zs[i + 1] - zs[i]) / (xs[i + 1] - xs[i]) * dx;
@@ -488,7 +491,11 @@ impl<'a> Hulls<'a> {
                 Loop::Polygon(corners) => {
                     let point = |i: usize| [corners.x_um[i], corners.z_um[i]];
                     let count = corners.x_um.len();
-                    pieces.extend((0..count).map(|i| Piece::Edge { id, from: point(i), to: point((i + 1) % count) }));
+                    pieces.extend((0..count).map(|i| Piece::Edge {
+                        id,
+                        from: point(i),
+                        to: point((i + 1) % count),
+                    }));
                 }
                 shape @ Loop::Circle { .. } => pieces.push(Piece::Circle { id, shape }),
             }

@@ -33,7 +33,9 @@ pub(super) fn chain(
     }
     let (mut upper, mut lower) = (Increasing::default(), Increasing::default());
     for (i, (&radius, frame)) in radii.iter().zip(&frames).enumerate() {
-        let notch = |neighbour: Option<&f64>| libm::asin(neighbour.map_or(1.0, |n| n.min(radius) / radius) * (2.0 / 3.0));
+        let notch = |neighbour: Option<&f64>| {
+            libm::asin(neighbour.map_or(1.0, |n| n.min(radius) / radius) * (2.0 / 3.0))
+        };
         let from = std::f64::consts::PI - notch(if i == 0 { None } else { radii.get(i - 1) });
         let to = notch(radii.get(i + 1));
         let segments = (((from - to) * radius / spacing).ceil() as usize).max(FEWEST_SEGMENTS);

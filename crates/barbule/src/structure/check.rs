@@ -94,15 +94,18 @@ pub(super) fn bounding_width(inclusions: &[Inclusion]) -> f64 {
 fn extent(shape: &Loop) -> (f64, f64) {
     match shape {
         Loop::Circle { x_um, radius_um, .. } => (x_um - radius_um, x_um + radius_um),
-        Loop::Polygon(corners) => {
-            corners.x_um.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)))
-        }
+        Loop::Polygon(corners) => corners
+            .x_um
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x))),
     }
 }
 
 fn check_size(parts: &Parts) -> Result<()> {
     if parts.boundaries.is_empty() && parts.inclusions.is_empty() {
-        return refuse("boundaries and inclusions are both missing or empty; give at least a top boundary".into());
+        return refuse(
+            "boundaries and inclusions are both missing or empty; give at least a top boundary".into(),
+        );
     }
     let of_media = |medium: &Medium| if let Medium::Mixture { x_um, .. } = medium { x_um.len() } else { 0 };
     let of_inclusion = |inclusion: &Inclusion| {
@@ -204,7 +207,9 @@ fn check_points(place: &str, curve: &Polyline) -> Result<()> {
         return refuse(format!("{place}: x has {xs} values and z {zs}; give one z for each x"));
     }
     if xs < 3 {
-        return refuse(format!("{place} has {xs} points, fewer than 3; add points (a straight line may hold any number)"));
+        return refuse(format!(
+            "{place} has {xs} points, fewer than 3; add points (a straight line may hold any number)"
+        ));
     }
     Ok(())
 }
@@ -286,7 +291,11 @@ impl<'a> Walk<'a> {
     fn next_point(&self) -> f64 {
         let xs = &self.curve.x_um;
         // Before the first point, which the end segment's line reaches, it comes next.
-        xs[self.segment + 1..].first().copied().filter(|_| self.segment + 2 < xs.len()).unwrap_or(f64::INFINITY)
+        xs[self.segment + 1..]
+            .first()
+            .copied()
+            .filter(|_| self.segment + 2 < xs.len())
+            .unwrap_or(f64::INFINITY)
     }
 }
 
@@ -342,7 +351,8 @@ fn nest(parts: &Parts) -> Result<Nesting> {
             |hole| format!("inclusions[{}].holes[{hole}]", nested.inclusion),
         )
     };
-    let shapes: Vec<Polyline> = loops.iter().map(|nested| nested.shape(&parts.inclusions).corners()).collect();
+    let shapes: Vec<Polyline> =
+        loops.iter().map(|nested| nested.shape(&parts.inclusions).corners()).collect();
     let parents = match sweep::nesting(&parts.boundaries, &shapes) {
         Ok(parents) => parents,
         Err(conflict) => {
@@ -357,7 +367,8 @@ fn nest(parts: &Parts) -> Result<Nesting> {
                     name(a.min(b)),
                     name(a.max(b))
                 ),
-                (sweep::Owner::Loop(a), sweep::Owner::Boundary(b)) | (sweep::Owner::Boundary(b), sweep::Owner::Loop(a)) => {
+                (sweep::Owner::Loop(a), sweep::Owner::Boundary(b))
+                | (sweep::Owner::Boundary(b), sweep::Owner::Loop(a)) => {
                     format!(
                         "{} crosses or touches boundaries[{b}] at x = {x:.4}, z = {z:.4} µm; an inclusion must lie between two boundaries",
                         name(a)

@@ -41,7 +41,13 @@ impl Roughness {
 }
 
 /// A random periodic function with amplitude spectrum exp(−π² f² τ²) and uniform phases, at 0, step, 2·step, …
-pub(super) fn periodic(stream: &mut Stream, correlation: f64, period: f64, count: usize, step: f64) -> Vec<f64> {
+pub(super) fn periodic(
+    stream: &mut Stream,
+    correlation: f64,
+    period: f64,
+    count: usize,
+    step: f64,
+) -> Vec<f64> {
     // Beyond this frequency amplitudes are below 1e-12 of the first.
     let highest = (1.68 * period / correlation).ceil().max(1.0) as usize;
     let mut values = vec![0.0; count];

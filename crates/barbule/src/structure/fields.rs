@@ -55,9 +55,11 @@ impl<'a> Fields<'a> {
         match self.get(key) {
             None => Ok(None),
             Some(Value::String(text)) => Ok(Some(text)),
-            Some(other) => {
-                Err(Error::input(format!("{} is {}, but must be a text in quotes", self.path(key), kind(other))))
-            }
+            Some(other) => Err(Error::input(format!(
+                "{} is {}, but must be a text in quotes",
+                self.path(key),
+                kind(other)
+            ))),
         }
     }
 

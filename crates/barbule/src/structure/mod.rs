@@ -13,10 +13,12 @@ mod sweep;
 
 pub use cast::{Columns, Mixture, Ray, cast};
 pub use section::{
-    FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts, Polyline, Section, Substance,
+    FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,
+    Polyline, Section, Substance,
 };
 pub use species::{
-    Bronzewing, Hummingbird, Parameters, RockDove, SpeciesFile, SpeciesModel, Starling, species_names, species_toml,
+    Bronzewing, Hummingbird, LATTICE_SPECIES, Parameters, RockDove, SpeciesFile, SpeciesModel, Starling,
+    species_names, species_toml,
 };
 
 use crate::{Error, Result};

@@ -31,7 +31,8 @@ pub(super) fn rounded(
         .iter()
         .map(|x| {
             let along = (x / width + 0.5) * total;
-            let past = |axis: f64, reach: f64| half * libm::sqrt((1.0 - (reach / axis) * (reach / axis)).max(0.0));
+            let past =
+                |axis: f64, reach: f64| half * libm::sqrt((1.0 - (reach / axis) * (reach / axis)).max(0.0));
             if along < kept * left {
                 past(left, kept * left - along)
             } else if along > kept * left + width {
@@ -90,7 +91,8 @@ pub(super) fn arched(
     let b = a * (sin / cos) * tan_beta;
     // A fine sampling in the angle, then points at equal arc length on it.
     let fine = 4 * point_count(width, spacing);
-    let angle = |i: usize| std::f64::consts::PI - phi - (std::f64::consts::PI - 2.0 * phi) * i as f64 / fine as f64;
+    let angle =
+        |i: usize| std::f64::consts::PI - phi - (std::f64::consts::PI - 2.0 * phi) * i as f64 / fine as f64;
     let mut lengths = vec![0.0; fine + 1];
     for i in 1..=fine {
         let (s, t) = (angle(i - 1), angle(i));

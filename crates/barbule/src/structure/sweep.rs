@@ -58,7 +58,9 @@ impl Segment {
 
     /// Whether they share a point that they may not share.
     fn conflicts(&self, other: &Self) -> bool {
-        if matches!((self.owner, other.owner), (Owner::Boundary(_), Owner::Boundary(_))) || self.adjoins(other) {
+        if matches!((self.owner, other.owner), (Owner::Boundary(_), Owner::Boundary(_)))
+            || self.adjoins(other)
+        {
             return false;
         }
         let (a, b, c, d) = (self.left, self.right, other.left, other.right);
@@ -122,7 +124,8 @@ impl Eq for Segment {}
 
 fn rounded(curve: &Polyline) -> Vec<Point> {
     let unit = |v: f64| (v * UNITS_PER_UM).round() as i64;
-    let mut points: Vec<Point> = curve.x_um.iter().zip(&curve.z_um).map(|(&x, &z)| (unit(x), unit(z))).collect();
+    let mut points: Vec<Point> =
+        curve.x_um.iter().zip(&curve.z_um).map(|(&x, &z)| (unit(x), unit(z))).collect();
     points.dedup();
     points
 }
@@ -216,7 +219,8 @@ fn add_loop(segments: &mut Vec<Segment>, shape: &Polyline, index: usize) -> Resu
     for place in 0..count {
         let (p, q, r) = (points[place], points[(place + 1) % count], points[(place + 2) % count]);
         area += i128::from(p.0) * i128::from(q.1) - i128::from(p.1) * i128::from(q.0);
-        let dot = i128::from(p.0 - q.0) * i128::from(r.0 - q.0) + i128::from(p.1 - q.1) * i128::from(r.1 - q.1);
+        let dot =
+            i128::from(p.0 - q.0) * i128::from(r.0 - q.0) + i128::from(p.1 - q.1) * i128::from(r.1 - q.1);
         if orientation(p, q, r) == 0 && dot > 0 {
             // A spike: the outline runs back on itself.
             return Err(degenerate(q));

@@ -79,7 +79,9 @@ fn the_default_sampling_fits_into_400_kb() {
 fn codes_keep_zero_one_and_the_ends() {
     assert_eq!(Map::Azimuth.value(Map::Azimuth.code(0.0)), 0.0);
     assert_eq!(Map::Length.value(Map::Length.code(1.0)), 1.0);
-    for (map, value) in [(Map::Roughness, 1.0), (Map::Roughness, 0.001), (Map::Fraction, 0.0), (Map::Fraction, 1.0)] {
+    for (map, value) in
+        [(Map::Roughness, 1.0), (Map::Roughness, 0.001), (Map::Fraction, 0.0), (Map::Fraction, 1.0)]
+    {
         assert!((map.value(map.code(value)) - value).abs() < 1e-9);
     }
 }
@@ -134,15 +136,31 @@ fn malformed_files_are_refused_by_name() {
         ("empty header", with_header("{}"), "not a material file"),
         ("header no JSON", with_header("{"), "not a material file"),
         ("header a list", with_header("[1]"), "not a material file"),
-        ("no metadata", container("{\"a\":{\"dtype\":\"F32\",\"shape\":[0],\"data_offsets\":[0,0]}}", &[]), "no entry 'barbule'"),
+        (
+            "no metadata",
+            container("{\"a\":{\"dtype\":\"F32\",\"shape\":[0],\"data_offsets\":[0,0]}}", &[]),
+            "no entry 'barbule'",
+        ),
         ("other metadata", container("{\"__metadata__\":{\"format\":\"pt\"}}", &[]), "no entry 'barbule'"),
         ("description no JSON", container("{\"__metadata__\":{\"barbule\":\"x\"}}", &[]), "not valid"),
-        ("description empty", container("{\"__metadata__\":{\"barbule\":\"{}\"}}", &[]), "missing field `schema`"),
-        ("description deep", container(&serde_json::json!({"__metadata__": {ENTRY: deep}}).to_string(), &[]), "not valid"),
+        (
+            "description empty",
+            container("{\"__metadata__\":{\"barbule\":\"{}\"}}", &[]),
+            "missing field `schema`",
+        ),
+        (
+            "description deep",
+            container(&serde_json::json!({"__metadata__": {ENTRY: deep}}).to_string(), &[]),
+            "not valid",
+        ),
         ("schema 2", edit("schema", 2.into()), "schema 2"),
         ("schema text", edit("schema", "one".into()), "not valid"),
         ("schema negative", edit("schema", (-1).into()), "not valid"),
-        ("no sigma", remade(|_, _, d| drop(d.as_object_mut().unwrap().remove("sigma"))), "missing field `sigma`"),
+        (
+            "no sigma",
+            remade(|_, _, d| drop(d.as_object_mut().unwrap().remove("sigma"))),
+            "missing field `sigma`",
+        ),
         ("sigma text", edit("sigma", "wide".into()), "not valid"),
         ("sigma zero", edit("sigma", 0.0.into()), "sigma is 0"),
         ("sigma large", edit("sigma", 3.0.into()), "sigma is 3"),
@@ -161,11 +179,19 @@ fn malformed_files_are_refused_by_name() {
         ("no wavelengths", drop_array("wavelengths_nm"), "array wavelengths_nm is missing"),
         ("no noise", drop_array("noise_power"), "array noise_power is missing"),
         ("wrong type", remade(|_, h, _| h["m"]["dtype"] = "I16".into()), "array m has type I16"),
-        ("axis of wrong type", remade(|_, h, _| h["cos_phi"]["dtype"] = "I64".into()), "array cos_phi has type I64"),
+        (
+            "axis of wrong type",
+            remade(|_, h, _| h["cos_phi"]["dtype"] = "I64".into()),
+            "array cos_phi has type I64",
+        ),
         ("shape transposed", shape("m", serde_json::json!([20, 20, 2])), "array m has shape"),
         ("shape flat", shape("phi", serde_json::json!([800])), "array phi has shape"),
         ("shape huge", shape("phi", serde_json::json!([1_u64 << 62, 1_u64 << 62, 4])), "not a material file"),
-        ("axis of two dimensions", shape("cos_theta", serde_json::json!([4, 5])), "array cos_theta has 2 dimensions"),
+        (
+            "axis of two dimensions",
+            shape("cos_theta", serde_json::json!([4, 5])),
+            "array cos_theta has 2 dimensions",
+        ),
         ("wavelength nan", double("wavelengths_nm", 0, f64::NAN), "wavelengths_nm[0] = NaN"),
         ("wavelength negative", double("wavelengths_nm", 0, -400.0), "wavelengths_nm[0] = -400"),
         ("wavelengths fall", double("wavelengths_nm", 1, 300.0), "wavelengths_nm[1] = 300 does not exceed"),
@@ -199,7 +225,8 @@ fn random_damage_never_panics() {
     for _ in 0..3000 {
         let mut bytes = good[..good.len().min(4000 + (stream.unit() * good.len() as f64) as usize)].to_vec();
         for _ in 0..1 + (stream.unit() * 4.0) as usize {
-            let header_first = if stream.unit() < 0.7 { 1500.0_f64.min(bytes.len() as f64) } else { bytes.len() as f64 };
+            let header_first =
+                if stream.unit() < 0.7 { 1500.0_f64.min(bytes.len() as f64) } else { bytes.len() as f64 };
             let at = (stream.unit() * header_first) as usize;
             bytes[at] = stream.bits() as u8;
         }

@@ -46,7 +46,7 @@ pub struct FarField {
     pub incident_power_um: Option<f64>,
     /// Φ_r/Φ_i by incident polarization; without window the reflected width in µm.
     pub reflected: [f64; 2],
-    cos_theta: f64,
+    pub(crate) cos_theta: f64,
 }
 
 impl FarField {

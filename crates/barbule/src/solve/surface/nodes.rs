@@ -45,7 +45,8 @@ impl<T: Real> Nodes<T> {
         let step = std::f64::consts::TAU / (NODES_PER_PERIOD * kappa);
         let padded = surface.padded();
         let lead = TAPS / 2 - 1;
-        let mut nodes = Self { x_um: Vec::new(), z_um: Vec::new(), taps: None, extra_phase: vec![T::of(0.0); padded] };
+        let mut nodes =
+            Self { x_um: Vec::new(), z_um: Vec::new(), taps: None, extra_phase: vec![T::of(0.0); padded] };
         let mut taps = Taps { first: vec![0; padded], weights: vec![[0.0; TAPS]; padded] };
         let mut start = 0;
         for &end in &surface.pieces {
@@ -72,8 +73,9 @@ impl<T: Real> Nodes<T> {
                 let cell = u as usize;
                 let w = weights(u - cell as f64);
                 let first = base + cell - lead;
-                let rise: f64 =
-                    (0..TAPS).map(|k| f64::from(w[k]) * (surface.double.z_um[p] - nodes.z_um[first + k])).sum();
+                let rise: f64 = (0..TAPS)
+                    .map(|k| f64::from(w[k]) * (surface.double.z_um[p] - nodes.z_um[first + k]))
+                    .sum();
                 nodes.extra_phase[p] = T::of(-kappa * MEAN_COS_PHI * rise);
                 taps.first[p] = first as u32;
                 taps.weights[p] = w;
@@ -100,7 +102,10 @@ impl<T: Real> Nodes<T> {
 fn position(surface: &Surface, start: usize, end: usize, right: usize, arc: f64) -> (f64, f64) {
     let along = |p: usize| {
         let d = arc - surface.arc_um[p];
-        (surface.double.x_um[p] + d * surface.double.tangent_x[p], surface.double.z_um[p] + d * surface.double.tangent_z[p])
+        (
+            surface.double.x_um[p] + d * surface.double.tangent_x[p],
+            surface.double.z_um[p] + d * surface.double.tangent_z[p],
+        )
     };
     if right == start {
         return along(start);

@@ -186,8 +186,12 @@ impl Surface {
     /// # Errors
     /// A table of a medium does not reach the wavelength.
     pub(crate) fn optics<T: Real>(&self, wavelength_nm: f64) -> Result<Optics<T>> {
-        let indices =
-            self.columns.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
+        let indices = self
+            .columns
+            .palette
+            .iter()
+            .map(|medium| medium.index(wavelength_nm))
+            .collect::<Result<Vec<_>>>()?;
         let padded = self.padded();
         let slots = self
             .columns
@@ -218,7 +222,10 @@ impl Surface {
     pub fn incident_power_um(&self, theta_i: f64, phi_i: f64) -> f64 {
         let incidence = Incidence::new(theta_i, phi_i);
         (0..self.count)
-            .map(|p| self.power_length_um[p] * incidence.cos_alpha(self.double.tangent_x[p], self.double.tangent_z[p]).max(0.0))
+            .map(|p| {
+                self.power_length_um[p]
+                    * incidence.cos_alpha(self.double.tangent_x[p], self.double.tangent_z[p]).max(0.0)
+            })
             .sum()
     }
 }

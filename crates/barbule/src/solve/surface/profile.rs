@@ -40,9 +40,18 @@ pub fn stage_seconds(
         let scales: Vec<f64> =
             phi_i.iter().map(|&phi| inverse_root(surface.incident_power_um(theta_i, phi))).collect();
         lap("media, nodes, powers", &mut stages);
-        workspace.timed_far_fields(surface, &optics, &nodes, &cone, phi_i, &scales, &mut coefficients, |name| {
-            lap(name, &mut stages);
-        });
+        workspace.timed_far_fields(
+            surface,
+            &optics,
+            &nodes,
+            &cone,
+            phi_i,
+            &scales,
+            &mut coefficients,
+            |name| {
+                lap(name, &mut stages);
+            },
+        );
         let synthesis = workspace.synthesis(&cone, AZIMUTHS * refinement(&cone, AZIMUTHS), 4);
         let mut out = vec![Complex::new(0f32, 0.0); synthesis.points()];
         for component in coefficients.chunks_exact(cone.angles) {

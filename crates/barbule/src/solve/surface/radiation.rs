@@ -27,7 +27,14 @@ pub(crate) trait Scalar: Real + rustfft::FftNum + faer::traits::ComplexField {
     /// A surface's arrays in this precision.
     fn arrays(surface: &Surface) -> &Arrays<Self>;
     /// Adds a block of currents to the nodes around their points; `out` is `[component][node]` of row length `stride`.
-    fn spread(width: Width, taps: &Taps, start: usize, currents: &Currents<Self>, stride: usize, out: &mut [Self]);
+    fn spread(
+        width: Width,
+        taps: &Taps,
+        start: usize,
+        currents: &Currents<Self>,
+        stride: usize,
+        out: &mut [Self],
+    );
 }
 
 impl Scalar for f64 {
@@ -35,7 +42,14 @@ impl Scalar for f64 {
         &surface.double
     }
 
-    fn spread(_width: Width, taps: &Taps, start: usize, currents: &Currents<Self>, stride: usize, out: &mut [Self]) {
+    fn spread(
+        _width: Width,
+        taps: &Taps,
+        start: usize,
+        currents: &Currents<Self>,
+        stride: usize,
+        out: &mut [Self],
+    ) {
         for (component, row) in currents.iter().enumerate() {
             for (p, current) in row.iter().enumerate() {
                 let at = component * stride + taps.first[start + p] as usize;
@@ -52,7 +66,14 @@ impl Scalar for f32 {
         &surface.single
     }
 
-    fn spread(width: Width, taps: &Taps, start: usize, currents: &Currents<Self>, stride: usize, out: &mut [Self]) {
+    fn spread(
+        width: Width,
+        taps: &Taps,
+        start: usize,
+        currents: &Currents<Self>,
+        stride: usize,
+        out: &mut [Self],
+    ) {
         dispatch!(width.0, simd => spread_f32(simd, taps, start, currents, stride, out));
     }
 }
@@ -62,7 +83,14 @@ const GROUP: usize = 8;
 
 /// Points with the same first node are gathered in registers before the nodes are touched.
 #[inline(always)]
-fn spread_f32<S: Simd>(simd: S, taps: &Taps, start: usize, currents: &Currents<f32>, stride: usize, out: &mut [f32]) {
+fn spread_f32<S: Simd>(
+    simd: S,
+    taps: &Taps,
+    start: usize,
+    currents: &Currents<f32>,
+    stride: usize,
+    out: &mut [f32],
+) {
     let firsts = &taps.first[start..start + BLOCK];
     let weights = &taps.weights[start..start + BLOCK];
     let mut run = 0;
@@ -287,7 +315,8 @@ impl<T: Scalar> Workspace<T> {
         let size = -cone.k / 4.0 * (2.0 / (std::f64::consts::PI * cone.kappa)).sqrt() / n as f64;
         let (cos_theta, sin_theta) = (T::of(cos_theta), T::of(sin_theta));
         for (pair, fields) in out.chunks_exact_mut(2 * n).enumerate() {
-            let factor = Complex::new(size, 0.0) * Complex::from_polar(scales[pair / 2], -std::f64::consts::FRAC_PI_4);
+            let factor =
+                Complex::new(size, 0.0) * Complex::from_polar(scales[pair / 2], -std::f64::consts::FRAC_PI_4);
             let factor = Complex { re: T::of(factor.re), im: T::of(factor.im) };
             let products = &self.products[pair * 12 * n..(pair + 1) * 12 * n];
             let (first, second) = fields.split_at_mut(n);

@@ -190,16 +190,12 @@ fn reflectances<S: Simd, V: Lanes<S>>(
             p_top = p_top.mul::<S>(trip);
         }
         let (a, b) = (q.sub::<S>(below_q), q.add::<S>(below_q));
-        (s_top, s_bottom) = (
-            a.mul_add::<S>(s_bottom, b.mul::<S>(s_top)),
-            b.mul_add::<S>(s_bottom, a.mul::<S>(s_top)),
-        );
+        (s_top, s_bottom) =
+            (a.mul_add::<S>(s_bottom, b.mul::<S>(s_top)), b.mul_add::<S>(s_bottom, a.mul::<S>(s_top)));
         let (x, y) = (below_eps.mul::<S>(q), eps.mul::<S>(below_q));
         let (a, b) = (x.sub::<S>(y), x.add::<S>(y));
-        (p_top, p_bottom) = (
-            a.mul_add::<S>(p_bottom, b.mul::<S>(p_top)),
-            b.mul_add::<S>(p_bottom, a.mul::<S>(p_top)),
-        );
+        (p_top, p_bottom) =
+            (a.mul_add::<S>(p_bottom, b.mul::<S>(p_top)), b.mul_add::<S>(p_bottom, a.mul::<S>(p_top)));
         if interface % RESCALE_EVERY == 1 {
             (s_top, s_bottom) = rescaled::<S, V>(simd, s_top, s_bottom);
             (p_top, p_bottom) = rescaled::<S, V>(simd, p_top, p_bottom);

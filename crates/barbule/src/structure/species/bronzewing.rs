@@ -86,14 +86,20 @@ impl Bronzewing {
             let depth = self.cortex_um + 0.5 * diameter + row as f64 * (diameter + self.spacing_um);
             let guide = surface.extended(PAST_ENDS_UM * rows as f64 + depth).below(|_| depth);
             let stream = &mut random.part(purpose, row);
-            let (upper, lower) = chain(stream, &guide, diameter, self.melanosome_spread, self.point_spacing_um);
+            let (upper, lower) =
+                chain(stream, &guide, diameter, self.melanosome_spread, self.point_spacing_um);
             boundaries.extend([upper.cut(self.width_um), lower.cut(self.width_um)]);
         }
         boundaries
     }
 
     pub(super) fn check(&self) -> crate::Result<()> {
-        super::ordered("core_fraction_low", self.core_fraction_low, "core_fraction_high", self.core_fraction_high)?;
+        super::ordered(
+            "core_fraction_low",
+            self.core_fraction_low,
+            "core_fraction_high",
+            self.core_fraction_high,
+        )?;
         let room = self.spacing_um - self.melanosome_spread * self.melanosome_diameter_um;
         if room <= 0.0 {
             return Err(crate::Error::input(format!(

@@ -111,13 +111,35 @@ impl Hummingbird {
         let mut inclusions = Vec::new();
         for (index, layer) in layers.iter().enumerate() {
             let weight = layer.depth / thickness;
-            let z_um = top.z_um.iter().zip(&bottom.z_um).map(|(t, b)| t * (1.0 - weight) + b * weight).collect();
+            let z_um =
+                top.z_um.iter().zip(&bottom.z_um).map(|(t, b)| t * (1.0 - weight) + b * weight).collect();
             let guide = Polyline { x_um: x_um.clone(), z_um };
             self.melanosomes(&mut random.part(3, index), index, layer, thickness, guide, &mut inclusions);
         }
         let named = Medium::named;
-        let boundaries = vec![rounded_ends(&top, radius, -1.0, spacing), rounded_ends(&bottom, radius, 1.0, spacing)];
+        let boundaries =
+            vec![rounded_ends(&top, radius, -1.0, spacing), rounded_ends(&bottom, radius, 1.0, spacing)];
         Parts { inclusions, ..parts(width, boundaries, vec![named("air"), named("keratin"), named("air")]) }
+    }
+
+    /// The first three layers of the same hummingbird with mean values in place of random ones, for sketches.
+    #[must_use]
+    pub fn without_randomness(&self) -> Self {
+        let width_um = 2.0 * self.melanosome_length_um + 2.0 * self.cortex_um + 4.0 * CLEARANCE_UM;
+        Self {
+            width_um: width_um.clamp(1.0, 200.0),
+            layers: self.layers.min(3),
+            roughness_amplitude_um: 0.0,
+            bottom_amplitude_um: 0.0,
+            end_radius_um: 0.0,
+            air_spread: 0.0,
+            gap_spread: 0.0,
+            melanosome_length_spread: 0.0,
+            bubble_length_spread: 0.0,
+            bubble_height_spread_um: 0.0,
+            point_spacing_um: self.point_spacing_um.min(0.01),
+            ..self.clone()
+        }
     }
 
     /// The radius that rounds the ends of a barbule of this thickness.
@@ -167,7 +189,8 @@ impl Hummingbird {
         let inset = radius - libm::sqrt(radius * radius - (radius - room) * (radius - room));
         let inset = inset + self.cortex_um + CLEARANCE_UM;
         let path = Path::new(guide);
-        let (start, end) = (path.length_at(inset - 0.5 * self.width_um), path.length_at(0.5 * self.width_um - inset));
+        let (start, end) =
+            (path.length_at(inset - 0.5 * self.width_um), path.length_at(0.5 * self.width_um - inset));
         let length = end - start;
         let coverage = if index == 0 { self.coverage_first } else { self.coverage };
         let count = (coverage * length / self.melanosome_length_um).round().max(1.0) as usize;
@@ -213,7 +236,8 @@ impl Hummingbird {
         let mean = air * self.bubble_aspect;
         let count = ((inner + self.membrane_um) / (mean + self.membrane_um)).round().max(1.0);
         let membrane = if count > 1.0 { self.membrane_um.min(0.5 * inner / (count - 1.0)) } else { 0.0 };
-        let lengths = shares(stream, count as usize, self.bubble_length_spread, inner - (count - 1.0) * membrane);
+        let lengths =
+            shares(stream, count as usize, self.bubble_length_spread, inner - (count - 1.0) * membrane);
         let heights: Vec<f64> = lengths
             .iter()
             .map(|_| {
@@ -225,7 +249,9 @@ impl Hummingbird {
         let mut at = start + wall;
         let mut bubbles = Vec::with_capacity(lengths.len());
         for (i, &long) in lengths.iter().enumerate() {
-            let neck = |other: Option<&f64>| other.map_or(0.0, |b| libm::asin(NECK * b.min(heights[i]) / heights[i]));
+            let neck = |other: Option<&f64>| {
+                other.map_or(0.0, |b| libm::asin(NECK * b.min(heights[i]) / heights[i]))
+            };
             let left = neck(if i == 0 { None } else { heights.get(i - 1) });
             bubbles.push((at + 0.5 * long, 0.5 * long, heights[i], PI - left, neck(heights.get(i + 1))));
             at += long + membrane;

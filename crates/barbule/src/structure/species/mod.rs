@@ -24,7 +24,7 @@ const BUILTIN: &[(&str, &str)] = &[
 ];
 
 /// Species that a photonic crystal colours, each with its variants, the default first.
-const LATTICES: &[(&str, &[&str])] = &[
+pub const LATTICE_SPECIES: &[(&str, &[&str])] = &[
     ("mallard", &["lime", "blue"]),
     ("magpie", &["violet", "forest", "lime", "yellow", "rose", "purple", "blue", "teal"]),
     ("peafowl", &["yellow"]),
@@ -98,7 +98,8 @@ impl Parameters {
             "hummingbird" => Ok(Hummingbird::KEYS),
             other => {
                 let near = did_you_mean(other, GENERATORS.iter().copied());
-                let help = if near.is_empty() { format!("; known are {}", GENERATORS.join(", ")) } else { near };
+                let help =
+                    if near.is_empty() { format!("; known are {}", GENERATORS.join(", ")) } else { near };
                 Err(Error::input(format!("generator: there is no '{}'{help}", shortened(other))))
             }
         }
@@ -172,7 +173,7 @@ impl SpeciesModel {
     /// Unknown names (the nearest is offered), or a species that this version cannot simulate.
     pub fn builtin(name: &str, variant: Option<&str>, library: Library) -> Result<Self> {
         let Some((_, text)) = BUILTIN.iter().find(|(known, _)| *known == name) else {
-            if let Some((_, variants)) = LATTICES.iter().find(|(known, _)| *known == name) {
+            if let Some((_, variants)) = LATTICE_SPECIES.iter().find(|(known, _)| *known == name) {
                 if let Some(variant) = variant.filter(|v| !variants.contains(v)) {
                     return Err(no_variant(name, variant, variants.iter().copied()));
                 }
@@ -181,10 +182,13 @@ impl SpeciesModel {
                     species_names().collect::<Vec<_>>().join(", ")
                 )));
             }
-            let known = species_names().chain(LATTICES.iter().map(|(name, _)| *name));
+            let known = species_names().chain(LATTICE_SPECIES.iter().map(|(name, _)| *name));
             let near = did_you_mean(name, known.clone());
-            let help =
-                if near.is_empty() { format!("; known are {}", known.collect::<Vec<_>>().join(", ")) } else { near };
+            let help = if near.is_empty() {
+                format!("; known are {}", known.collect::<Vec<_>>().join(", "))
+            } else {
+                near
+            };
             return Err(Error::input(format!("there is no species '{}'{help}", shortened(name))));
         };
         Self::from_toml(text, variant, library)
@@ -271,11 +275,7 @@ impl Random {
 }
 
 /// What a generator leaves to the caller: name and source.
-pub(super) fn parts(
-    width_um: f64,
-    boundaries: Vec<super::Polyline>,
-    media: Vec<super::Medium>,
-) -> Parts {
+pub(super) fn parts(width_um: f64, boundaries: Vec<super::Polyline>, media: Vec<super::Medium>) -> Parts {
     Parts { width_um: Some(width_um), boundaries, media, ..Parts::default() }
 }
 
@@ -313,13 +313,27 @@ impl SpeciesFile {
     pub fn parse(text: &str) -> Result<Self> {
         let value: Value = toml::from_str::<toml::Table>(text)
             .map_err(|error| {
-                let line = error.span().map_or(0, |span| text.as_bytes()[..span.start.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1);
+                let line = error.span().map_or(0, |span| {
+                    text.as_bytes()[..span.start.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1
+                });
                 Error::input(format!("line {line} is not TOML: {}", shortened(error.message())))
             })
             .and_then(|table| {
-                serde_json::to_value(table).map_err(|e| Error::input(format!("cannot be read: {}", shortened(&e.to_string()))))
+                serde_json::to_value(table)
+                    .map_err(|e| Error::input(format!("cannot be read: {}", shortened(&e.to_string()))))
             })?;
-        let keys = ["barbule", "name", "latin", "coloration", "source", "generator", "default", "parameters", "variants", "materials"];
+        let keys = [
+            "barbule",
+            "name",
+            "latin",
+            "coloration",
+            "source",
+            "generator",
+            "default",
+            "parameters",
+            "variants",
+            "materials",
+        ];
         if value.get("lattice").is_some() {
             return Err(Error::input(
                 "lattice: photonic crystals are not simulated yet by this version; describe the barbule by layers",
@@ -331,9 +345,14 @@ impl SpeciesFile {
             return Err(Error::input(format!("barbule is {version}, but this version reads format 1 only")));
         }
         let text = |key: &str, what: &str| -> Result<String> {
-            let text = fields.text(key)?.ok_or_else(|| Error::input(format!("{key} is missing; give {what}")))?;
+            let text =
+                fields.text(key)?.ok_or_else(|| Error::input(format!("{key} is missing; give {what}")))?;
             let plain = !text.is_empty() && text.len() <= 200 && !text.contains(char::is_control);
-            if plain { Ok(text.to_owned()) } else { Err(Error::input(format!("{key} must be one line of 1 to 200 letters"))) }
+            if plain {
+                Ok(text.to_owned())
+            } else {
+                Err(Error::input(format!("{key} must be one line of 1 to 200 letters")))
+            }
         };
         fields.text("source")?;
         let mut variants = Vec::new();
@@ -345,8 +364,13 @@ impl SpeciesFile {
         if variants.is_empty() {
             variants.push(Variant { name: "default".to_owned(), overrides: Map::new() });
         }
-        if let Some(at) = (1..variants.len()).find(|&i| variants[..i].iter().any(|v| v.name == variants[i].name)) {
-            return Err(Error::input(format!("variants[{at}].name is '{}' a second time", variants[at].name)));
+        if let Some(at) =
+            (1..variants.len()).find(|&i| variants[..i].iter().any(|v| v.name == variants[i].name))
+        {
+            return Err(Error::input(format!(
+                "variants[{at}].name is '{}' a second time",
+                variants[at].name
+            )));
         }
         let default = fields.text("default")?.unwrap_or(&variants[0].name).to_owned();
         let optional = |key: &str| Ok(fields.text(key)?.unwrap_or_default().to_owned());
@@ -394,7 +418,9 @@ impl SpeciesFile {
             table.extend(variant.overrides.clone());
         }
         let parameters = Parameters::read(&self.generator, &Fields::new(&merged, "parameters", keys)?)
-            .map_err(|error| if self.variants.len() > 1 { error.at(format!("variant {}", variant.name)) } else { error })?;
+            .map_err(|error| {
+                if self.variants.len() > 1 { error.at(format!("variant {}", variant.name)) } else { error }
+            })?;
         Ok(SpeciesModel {
             name: self.name.clone(),
             variant: variant.name.clone(),
@@ -416,13 +442,17 @@ struct Variant {
 impl Variant {
     fn read(entry: &Value, place: &str) -> Result<Self> {
         let Value::Object(table) = entry else {
-            return Err(Error::input(format!("{place} must be a table, as in {{ name = \"green\", cortex_um = 0.32 }}")));
+            return Err(Error::input(format!(
+                "{place} must be a table, as in {{ name = \"green\", cortex_um = 0.32 }}"
+            )));
         };
         let mut overrides = table.clone();
         let name = match overrides.remove("name") {
             Some(Value::String(name)) if is_variant_name(&name) => name,
             Some(_) => {
-                return Err(Error::input(format!("{place}.name must be a text of up to 64 letters, digits and -")));
+                return Err(Error::input(format!(
+                    "{place}.name must be a text of up to 64 letters, digits and -"
+                )));
             }
             None => return Err(Error::input(format!("{place}.name is missing; give the variant's name"))),
         };
@@ -438,5 +468,5 @@ fn no_variant<'a>(name: &str, wanted: &str, known: impl Iterator<Item = &'a str>
     let wanted = shortened(wanted);
     let near = did_you_mean(&wanted, known.clone());
     let all = shortened(&known.collect::<Vec<_>>().join(", "));
-    Error::input(format!("{name} has no variant '{wanted}'{near} (known are {all})", ))
+    Error::input(format!("{name} has no variant '{wanted}'{near} (known are {all})",))
 }

@@ -58,7 +58,8 @@ impl RockDove {
         let tan_beta = libm::tan(shape.uniform(self.slope_low_deg, self.slope_high_deg).to_radians());
         let roughness = Roughness::symmetric(self.roughness_correlation_um, self.roughness_amplitude_um);
         let top = arched(&mut random.stream(1), width, upper_arc, tan_beta, roughness, spacing, 0.0);
-        let lower = Roughness::symmetric(self.lower_roughness_correlation_um, self.lower_roughness_amplitude_um);
+        let lower =
+            Roughness::symmetric(self.lower_roughness_correlation_um, self.lower_roughness_amplitude_um);
         let lower_slope = tan_beta * self.lower_slope;
         let lower_inner =
             arched(&mut random.stream(2), width, lower_arc, lower_slope, lower, spacing, -self.thickness_um);
@@ -66,7 +67,11 @@ impl RockDove {
             outside.extended(1.0 + 2.0 * self.cortex_um).below(|_| self.cortex_um).cut(width)
         };
         let (inner, lower_outer) = (cortex(&top), cortex(&lower_inner));
-        let gap = Roughness { correlation_um: self.gap_correlation_um, low: self.gap_low_um, high: self.gap_high_um };
+        let gap = Roughness {
+            correlation_um: self.gap_correlation_um,
+            low: self.gap_low_um,
+            high: self.gap_high_um,
+        };
         let count = inner.x_um.len();
         let step = width / (count - 1) as f64;
         let gaps = gap.along(&mut random.stream(3), count, step);

@@ -42,7 +42,8 @@ impl Starling {
     pub(super) fn parts(&self, random: &Random) -> Parts {
         let roughness = Roughness::symmetric(self.roughness_correlation_um, self.roughness_amplitude_um);
         let spacing = self.point_spacing_um;
-        let (top, bottom) = rounded(&mut random.stream(0), self.width_um, self.thickness_um, roughness, spacing);
+        let (top, bottom) =
+            rounded(&mut random.stream(0), self.width_um, self.thickness_um, roughness, spacing);
         let (upper, lower) = self.layer(&mut random.stream(1), &top);
         let (mirrored_upper, mirrored_lower) = self.layer(&mut random.stream(2), &bottom.flipped());
         let core = Roughness {
@@ -55,12 +56,25 @@ impl Starling {
         parts(
             self.width_um,
             vec![top, upper, lower, mirrored_lower.flipped(), mirrored_upper.flipped(), bottom],
-            vec![named("air"), named("keratin"), named("melanin"), core, named("melanin"), named("keratin"), named("air")],
+            vec![
+                named("air"),
+                named("keratin"),
+                named("melanin"),
+                core,
+                named("melanin"),
+                named("keratin"),
+                named("air"),
+            ],
         )
     }
 
     pub(super) fn check(&self) -> crate::Result<()> {
-        super::ordered("core_fraction_low", self.core_fraction_low, "core_fraction_high", self.core_fraction_high)
+        super::ordered(
+            "core_fraction_low",
+            self.core_fraction_low,
+            "core_fraction_high",
+            self.core_fraction_high,
+        )
     }
 
     /// The two boundaries of the chain under a surface.
@@ -79,5 +93,10 @@ pub(super) fn mixture(stream: &mut Stream, fraction: Roughness, width: f64, spac
     let x_um = grid(width, count);
     let step = width / (count - 1) as f64;
     let fraction = fraction.along(stream, count, step);
-    Medium::Mixture { first: Substance::named("keratin"), second: Substance::named("melanin"), x_um, fraction }
+    Medium::Mixture {
+        first: Substance::named("keratin"),
+        second: Substance::named("melanin"),
+        x_um,
+        fraction,
+    }
 }

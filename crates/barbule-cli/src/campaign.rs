@@ -1,0 +1,223 @@
+//! What `simulate`, `fit` and `characterize` share: flags, the campaign they describe, the material they make.
+
+use barbule::brdf::Material;
+use barbule::brdf::fit::{FitOptions, FitReport, Pattern, fit};
+use barbule::campaign::{Campaign, Parameters};
+use barbule::math::simd::Width;
+use barbule::observer::Observer;
+use barbule::scattering::lobe::FitKind;
+use barbule::scattering::statistics::{Axes, Statistics};
+use barbule::structure::Structure;
+use barbule::{Error, Result};
+use clap::ValueEnum;
+use serde_json::{Value, json};
+
+use crate::common::Common;
+use crate::sets;
+
+/// Instances of a thinned campaign.
+const THINNED_INSTANCES: usize = 12;
+
+/// Version of what a campaign computes: raised when its numbers change, so that old results are not mistaken for new.
+const CAMPAIGN_VERSION: u64 = 1;
+
+/// Flags that say what is simulated.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct CampaignArgs {
+    /// Wavelengths in nm
+    #[arg(long, value_name = "SET", default_value = "400:694:6")]
+    wavelengths: String,
+    /// Directions: cosθ_i in N equal steps up to 1, cosφ_i in M
+    #[arg(long, value_name = "NxM", default_value = "20x20")]
+    directions: String,
+    /// Random instances
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    instances: usize,
+    /// Keep both incident polarizations apart in the material
+    #[arg(long)]
+    polarized: bool,
+    /// Largest tilt of an instance about its axis, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 2.0)]
+    tilt: f64,
+    /// Every N-th wavelength and direction only, and 12 instances: a quick look
+    #[arg(long, value_name = "N")]
+    thin: Option<usize>,
+    /// SIMD instructions to compute with [default: the widest of this processor]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) simd: Option<String>,
+}
+
+/// Flags that say how a material is fitted.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct FitArgs {
+    /// Longitudinal spread of the lobe
+    #[arg(long, value_name = "S", default_value_t = 0.04)]
+    sigma: f64,
+    /// What the lobe is fitted to
+    #[arg(long, value_enum, default_value_t = Kind::Marginal)]
+    fit: Kind,
+}
+
+/// Readings of the fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Kind {
+    /// What the lobe radiates per azimuth
+    Marginal,
+    /// The lobe on the specular cone itself, as published
+    Cone,
+}
+
+/// A campaign that has been checked.
+pub(crate) struct Planned {
+    pub(crate) structure: Structure,
+    pub(crate) parameters: Parameters,
+    /// Everything that decides the numbers.
+    pub(crate) description: Value,
+}
+
+impl CampaignArgs {
+    /// Checks the flags and describes the campaign.
+    pub(crate) fn plan(&self, structure: Structure, common: &Common) -> Result<Planned> {
+        let (thetas, phis) = directions(&self.directions)?;
+        let mut axes = Axes {
+            wavelengths_nm: sets::wavelengths(&self.wavelengths)?,
+            cos_theta: steps(thetas),
+            cos_phi: steps(phis),
+        };
+        let mut instances = self.instances;
+        if !(1..=10_000).contains(&instances) {
+            return Err(Error::input(format!("--instances {instances}: give a number from 1 to 10000")));
+        }
+        if !(0.0..=30.0).contains(&self.tilt) {
+            return Err(Error::input(format!("--tilt {}: give degrees from 0 to 30", self.tilt)));
+        }
+        if let Some(thin) = self.thin {
+            if !(1..=20).contains(&thin) {
+                return Err(Error::input(format!("--thin {thin}: give a number from 1 to 20")));
+            }
+            axes.wavelengths_nm = axes.wavelengths_nm.into_iter().step_by(thin).collect();
+            // From the end, so that normal incidence stays.
+            let keep = |values: &[f64]| {
+                let mut kept: Vec<f64> = values.iter().rev().step_by(thin).copied().collect();
+                kept.reverse();
+                kept
+            };
+            axes.cos_theta = keep(&axes.cos_theta);
+            axes.cos_phi = keep(&axes.cos_phi);
+            instances = instances.min(THINNED_INSTANCES);
+        }
+        match structure.count() {
+            Some(1) => common.say("one section: its instances differ by their tilts only"),
+            Some(given) if given < instances => {
+                common.say(&format!("{given} sections are all the instances there are"));
+                instances = given;
+            }
+            _ => {}
+        }
+        let description = json!({
+            "campaign_version": CAMPAIGN_VERSION,
+            "structure": structure.description(),
+            "wavelengths_nm": axes.wavelengths_nm,
+            "cos_theta_i": axes.cos_theta,
+            "cos_phi_i": axes.cos_phi,
+            "instances": instances,
+            "seed": common.seed,
+            "tilt_deg": self.tilt,
+            "polarized": self.polarized,
+            "thinned": self.thin,
+        });
+        let parameters = Parameters { axes, instances, seed: common.seed, tilt: self.tilt.to_radians() };
+        Ok(Planned { structure, parameters, description })
+    }
+
+    /// The SIMD width asked for.
+    pub(crate) fn width(&self) -> Result<Width> {
+        self.simd.as_deref().map_or_else(|| Ok(Width::best()), Width::named)
+    }
+}
+
+impl Planned {
+    /// Prepares the instances.
+    pub(crate) fn campaign(&self, width: Width, observer: &dyn Observer) -> Result<Campaign> {
+        Campaign::new(&self.structure, self.parameters.clone(), width, observer)
+    }
+
+    /// Illuminations of the whole campaign.
+    pub(crate) fn illuminations(&self) -> usize {
+        self.parameters.axes.len() * self.parameters.instances * 2
+    }
+}
+
+impl FitArgs {
+    /// Fits a material to statistics; `description` is the campaign's.
+    pub(crate) fn fit(
+        &self,
+        statistics: &Statistics,
+        name: &str,
+        description: &Value,
+        observer: &dyn Observer,
+    ) -> Result<(Material, FitReport)> {
+        if !(0.005..=0.5).contains(&self.sigma) {
+            return Err(Error::input(format!("--sigma {}: give a number from 0.005 to 0.5", self.sigma)));
+        }
+        let options = FitOptions {
+            kind: match self.fit {
+                Kind::Marginal => FitKind::Marginal,
+                Kind::Cone => FitKind::Cone,
+            },
+            sigma: self.sigma,
+            polarized: description["polarized"] == json!(true),
+            seed: description["seed"].as_u64().unwrap_or(1),
+            info: Value::Null,
+        };
+        let (mut material, report) = fit(statistics, &options, observer)?;
+        material.info = json!({
+            "name": name,
+            "species": description["structure"]["species"],
+            "variant": description["structure"]["variant"],
+            "tilt_deg": description["tilt_deg"],
+            "version": env!("CARGO_PKG_VERSION"),
+            "campaign": description,
+            "residual_median": report.residual_median,
+            "residual_95": report.residual_95,
+        });
+        Ok((material, report))
+    }
+}
+
+/// What a fit says to people.
+pub(crate) fn summary(report: &FitReport) -> String {
+    let mean = |pick: &dyn Fn(&Pattern) -> f64| {
+        report.patterns.iter().map(pick).sum::<f64>() / report.patterns.len().max(1) as f64
+    };
+    format!(
+        "{} lobes fitted: residual {:.3} (median), {:.3} (95th percentile), {} flagged\n\
+         l at the longest wavelength, normal incidence: {:.3} (by 1/e lengths {:.3})\n\
+         correlation of the polarizations' patterns: {:.3} simulated, {:.3} synthesized\n\
+         contrast of unpolarized intensity: {:.3} simulated, {:.3} synthesized",
+        report.fits,
+        report.residual_median,
+        report.residual_95,
+        report.flagged.len(),
+        report.longest_length[0],
+        report.longest_length[1],
+        mean(&|p| p.correlation[0]),
+        mean(&|p| p.correlation[1]),
+        mean(&|p| p.contrast[0]),
+        mean(&|p| p.contrast[1]),
+    )
+}
+
+fn directions(text: &str) -> Result<(usize, usize)> {
+    text.split_once('x')
+        .and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)))
+        .filter(|(a, b)| (2..=200).contains(a) && (2..=200).contains(b))
+        .ok_or_else(|| {
+            Error::input(format!("--directions {text}: write NxM with 2 to 200 each, as in 20x20"))
+        })
+}
+
+/// i/count for i = 1 … count.
+fn steps(count: usize) -> Vec<f64> {
+    (1..=count).map(|i| i as f64 / count as f64).collect()
+}

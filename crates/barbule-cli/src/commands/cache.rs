@@ -1,0 +1,43 @@
+//! `barbule cache`: the materials computed on first use.
+
+use std::io::Write;
+
+use barbule::Result;
+use serde_json::json;
+
+use crate::common::{Common, print, print_json};
+use crate::materials;
+
+/// Arguments of `barbule cache`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  barbule cache --clear")]
+pub(crate) struct Args {
+    /// Delete the cached materials
+    #[arg(long)]
+    clear: bool,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Args {
+    pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
+        let folder = materials::cache_folder(&self.common)?;
+        let files = barbule::io::list_materials(&folder)?;
+        if self.clear {
+            barbule::io::delete_materials(&files)?;
+        }
+        if self.common.json {
+            let list: Vec<_> =
+                files.iter().map(|(path, bytes)| json!({ "file": path, "bytes": bytes })).collect();
+            return print_json(out, &json!({ "folder": folder, "materials": list, "cleared": self.clear }));
+        }
+        let mut text = format!("{}: {} materials", folder.display(), files.len());
+        for (path, bytes) in &files {
+            text += &format!("\n{:>8} kB  {}", bytes.div_ceil(1000), path.display());
+        }
+        if self.clear {
+            text += "\ncleared";
+        }
+        print(out, &text)
+    }
+}

@@ -1,0 +1,45 @@
+//! `barbule fit`: a material from a campaign store.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use barbule::Result;
+use barbule::io::store::Store;
+use barbule::io::{check_writable, write_material};
+
+use crate::campaign::{FitArgs, summary};
+use crate::common::{Common, print_json};
+use crate::progress::Terminal;
+
+/// Arguments of `barbule fit`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  barbule fit starling.zarr -o starling.barbule --sigma 0.06")]
+pub(crate) struct Args {
+    /// A store that `barbule simulate` has finished
+    store: PathBuf,
+    /// The material to write
+    #[arg(short, long, value_name = "M.barbule")]
+    output: PathBuf,
+    #[command(flatten)]
+    fit: FitArgs,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Args {
+    pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
+        self.common.start_threads()?;
+        check_writable(&self.output)?;
+        let store = Store::open(&self.store)?;
+        let statistics = store.statistics()?;
+        let observer = Terminal::new(&self.common);
+        let (material, report) = self.fit.fit(&statistics, store.name(), store.description(), &observer)?;
+        drop(observer);
+        write_material(&self.output, &material)?;
+        if self.common.json {
+            return print_json(out, &report);
+        }
+        self.common.say(&summary(&report));
+        Ok(())
+    }
+}

@@ -1,0 +1,310 @@
+//! `barbule render`: a picture of a preset or a scene.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use barbule::brdf::{FeatherBrdf, Options};
+use barbule::io::image::{self, write_exr, write_png};
+use barbule::io::{check_writable, read_at_most, read_text, write_whole};
+use barbule::observer::Observer as _;
+use barbule::render::film::Film;
+use barbule::render::integrator::Integrator;
+use barbule::render::run::{Ended, Goal, run};
+use barbule::render::{checkpoint, picture};
+use barbule::scene::description::Description;
+use barbule::scene::preset::{Bearing, Preset};
+use barbule::{Error, Result};
+
+use crate::common::{Common, print_json};
+use crate::materials;
+use crate::progress::Terminal;
+use crate::provenance::Provenance;
+use crate::sets;
+
+/// Arguments of `barbule render`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  barbule render starling -o starling.png")]
+pub(crate) struct Args {
+    /// A preset, SPECIES:VARIANT, or a scene file (.toml)
+    #[arg(value_name = "PRESET|SPECIES:VARIANT|SCENE")]
+    scene: String,
+    /// The picture: .png or .exr
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Another material: its name or a .barbule file
+    #[arg(long, value_name = "NAME|FILE")]
+    material: Option<String>,
+    /// Width and height in pixels [default: 1280x800]
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+    /// Most samples per pixel [default: 32; 4096 with --noise or --time]
+    #[arg(long, value_name = "N")]
+    samples: Option<u32>,
+    /// Stop after this time, as in 30s, 5m or 1h
+    #[arg(long, value_name = "TIME")]
+    time: Option<String>,
+    /// Stop where the noise is below this many percent of the brightness
+    #[arg(long, value_name = "P")]
+    noise: Option<f64>,
+    /// Azimuth and elevation of the key light, degrees
+    #[arg(long, value_name = "AZ,EL", allow_hyphen_values = true)]
+    light: Option<String>,
+    /// Azimuth and elevation of the camera, degrees, and the width of the picture in mm
+    #[arg(long, value_name = "AZ,EL[,MM]", allow_hyphen_values = true)]
+    view: Option<String>,
+    /// This many pictures F-0000, F-0001 … with the light going round
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    frames: u32,
+    /// Go on from F.checkpoint if it is there, and keep one
+    #[arg(long)]
+    resume: bool,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// How often a checkpoint is written.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(15);
+
+impl Args {
+    pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
+        self.common.start_threads()?;
+        let description = self.description()?;
+        let size = self.size(description.size)?;
+        let goal = self.goal()?;
+        if !(1..=9999).contains(&self.frames) {
+            return Err(Error::input(format!("--frames {}: give 1 to 9999", self.frames)));
+        }
+        Film::new(size)?;
+        let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
+        files.iter().try_for_each(|file| is_picture(file).and_then(|()| check_writable(file)))?;
+        let (material, hash) = materials::find(&description.material, &self.common)?;
+        let brdf = Arc::new(FeatherBrdf::new(&material, Options::default())?);
+        let terminal = Terminal::new(&self.common);
+        let mut reports = Vec::new();
+        for (frame, file) in files.iter().enumerate() {
+            let mut preset = description.preset;
+            preset.light.azimuth += 360.0 * frame as f64 / f64::from(self.frames);
+            let job = Job { file, size, goal, material: &description.material, hash: &hash };
+            reports.push(self.picture(&preset, &brdf, &job, &terminal)?);
+        }
+        if self.common.json {
+            print_json(out, &reports)?;
+        }
+        Ok(())
+    }
+
+    /// The scene with the changes that the flags ask for.
+    fn description(&self) -> Result<Description> {
+        let path = Path::new(&self.scene);
+        let mut description = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+            Description::parse(&read_text(path)?).map_err(|e| e.at(&self.scene))?
+        } else {
+            Description::named(&self.scene)?
+        };
+        if let Some(material) = &self.material {
+            description.material.clone_from(material);
+        }
+        if let Some(text) = &self.light {
+            let numbers = sets::parse("--light", text)?;
+            let [azimuth, elevation] = numbers[..] else {
+                return Err(Error::input(format!("--light {text}: give azimuth and elevation, as in 40,60")));
+            };
+            description.preset.light = Bearing { azimuth, elevation };
+        }
+        if let Some(text) = &self.view {
+            let numbers = sets::parse("--view", text)?;
+            let ([azimuth, elevation] | [azimuth, elevation, _]) = numbers[..] else {
+                return Err(Error::input(format!(
+                    "--view {text}: give azimuth, elevation and perhaps the width in mm, as in 190,58,4.4"
+                )));
+            };
+            description.preset.view = Bearing { azimuth, elevation };
+            if let Some(width) = numbers.get(2) {
+                description.preset.width_mm = *width;
+            }
+        }
+        description.preset.check()?;
+        Ok(description)
+    }
+
+    fn size(&self, of_scene: Option<[u32; 2]>) -> Result<[u32; 2]> {
+        let Some(text) = &self.size else { return Ok(of_scene.unwrap_or([1280, 800])) };
+        let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+        sides.ok_or_else(|| {
+            Error::input(format!("--size {text}: give width and height in pixels, as in 1280x800"))
+        })
+    }
+
+    fn goal(&self) -> Result<Goal> {
+        let time = self.time.as_deref().map(duration).transpose()?;
+        if let Some(noise) = self.noise
+            && !(noise > 0.0 && noise <= 100.0)
+        {
+            return Err(Error::input(format!("--noise {noise}: give percent, over 0 and up to 100")));
+        }
+        let open_ended = time.is_some() || self.noise.is_some();
+        let samples = self.samples.unwrap_or(if open_ended { 4096 } else { 32 });
+        if !(1..=1 << 24).contains(&samples) {
+            return Err(Error::input(format!("--samples {samples}: give 1 to 16777216")));
+        }
+        Ok(Goal { samples, noise: self.noise.map(|percent| percent / 100.0), time })
+    }
+
+    /// The file of a frame: `F.png`, or `F-0007.png` in a sequence.
+    fn file(&self, frame: u32) -> PathBuf {
+        if self.frames == 1 {
+            return self.output.clone();
+        }
+        let part = |s: Option<&std::ffi::OsStr>| s.unwrap_or_default().to_string_lossy().into_owned();
+        let name = format!("{}-{frame:04}.{}", part(self.output.file_stem()), part(self.output.extension()));
+        self.output.with_file_name(name)
+    }
+
+    fn picture(
+        &self,
+        preset: &Preset,
+        brdf: &Arc<FeatherBrdf>,
+        job: &Job<'_>,
+        terminal: &Terminal,
+    ) -> Result<serde_json::Value> {
+        let begun = Instant::now();
+        let seed = self.common.seed;
+        let (scene, counts) = preset.scene(Arc::clone(brdf), seed)?;
+        let integrator = Integrator::new(&scene);
+        self.common.explain(&format!(
+            "{} barbs, {} barbules, {} primitives; light {},{}; view {},{},{}; ready in {:.2} s",
+            counts.barbs,
+            counts.barbules,
+            scene.geometry.primitives(),
+            preset.light.azimuth,
+            preset.light.elevation,
+            preset.view.azimuth,
+            preset.view.elevation,
+            preset.width_mm,
+            begun.elapsed().as_secs_f64()
+        ));
+        let settings = format!("{preset:?} {} {seed} {}", job.hash, env!("CARGO_PKG_VERSION"));
+        let name = checkpoint::name(&settings);
+        let kept = job.checkpoint();
+        let mut film = if self.resume && kept.exists() {
+            let bytes = read_at_most(&kept, checkpoint::largest(job.size))?;
+            checkpoint::read(&bytes, &name, job.size).map_err(|e| e.at(kept.display()))?
+        } else {
+            Film::new(job.size)?
+        };
+        let before = film.samples();
+        let begun = Instant::now();
+        let mut last = Instant::now();
+        let ended = run(&integrator, &mut film, seed, job.goal, terminal, &mut |film| {
+            if self.resume && last.elapsed() > CHECKPOINT_EVERY {
+                write_whole(&kept, &checkpoint::write(film, &name))?;
+                last = Instant::now();
+            }
+            Ok(())
+        })?;
+        let seconds = begun.elapsed().as_secs_f64();
+        if self.resume {
+            write_whole(&kept, &checkpoint::write(&film, &name))?;
+        }
+        let provenance = self.provenance(preset, job, &film);
+        if film.samples() > 0 {
+            write(job.file, &film, preset.exposure, &provenance.notes())?;
+        }
+        if ended == Ended::Stopped || terminal.is_cancelled() {
+            return Err(Error::interrupted());
+        }
+        let paths = film.samples() - before;
+        self.common.explain(&format!("{paths} paths in {seconds:.1} s"));
+        let mut report = serde_json::json!({
+            "output": job.file, "width": job.size[0], "height": job.size[1],
+            "barbs": counts.barbs, "barbules": counts.barbules, "primitives": scene.geometry.primitives(),
+            "paths": paths, "seconds": seconds, "paths_per_second": paths as f64 / seconds.max(1e-9),
+            "ended": if ended == Ended::OutOfTime { "time" } else { "done" },
+        });
+        if let (Some(report), serde_json::Value::Object(notes)) = (report.as_object_mut(), provenance.json()) {
+            report.extend(notes);
+        }
+        Ok(report)
+    }
+
+    /// What a picture says about itself.
+    fn provenance(&self, preset: &Preset, job: &Job<'_>, film: &Film) -> Provenance {
+        let pixels = f64::from(job.size[0]) * f64::from(job.size[1]);
+        let Preset { light, view, width_mm, exposure, .. } = preset;
+        Provenance::new(&self.common)
+            .with("material", job.material)
+            .with("material_hash", job.hash)
+            .with("samples", format!("{:.1}", film.samples() as f64 / pixels))
+            .with("light", format!("{},{}", light.azimuth, light.elevation))
+            .with("view", format!("{},{},{width_mm}", view.azimuth, view.elevation))
+            .with("exposure", exposure.to_string())
+    }
+}
+
+/// One picture to be made.
+struct Job<'a> {
+    file: &'a Path,
+    size: [u32; 2],
+    goal: Goal,
+    material: &'a str,
+    hash: &'a str,
+}
+
+impl Job<'_> {
+    fn checkpoint(&self) -> PathBuf {
+        let mut name = self.file.as_os_str().to_owned();
+        name.push(".checkpoint");
+        name.into()
+    }
+}
+
+fn extension(file: &Path) -> String {
+    file.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase())
+}
+
+fn is_picture(file: &Path) -> Result<()> {
+    match extension(file).as_str() {
+        "png" | "exr" => Ok(()),
+        _ => Err(Error::input(format!("-o {}: pictures are written as .png or .exr", file.display()))),
+    }
+}
+
+fn write(file: &Path, film: &Film, exposure: f64, facts: &image::Facts<'_>) -> Result<()> {
+    if extension(file) == "exr" {
+        let (floats, ids) = picture::planes(film);
+        let floats = floats.into_iter().map(|plane| (plane.name, plane.values)).collect();
+        return write_exr(file, film.size(), floats, vec![(ids.name, ids.values)], facts);
+    }
+    write_png(file, film.size(), &picture::bytes(film, exposure), facts)
+}
+
+/// A time: a number with an optional unit s, m or h.
+fn duration(text: &str) -> Result<Duration> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let unit = match &text[split..] {
+        "" | "s" => 1.0,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => f64::NAN,
+    };
+    match text[..split].trim().parse::<f64>().map(|value| value * unit) {
+        Ok(seconds) if seconds > 0.0 && seconds < 1e7 => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err(Error::input(format!("--time {text}: give a time such as 30s, 5m or 1h"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_read_with_their_units() {
+        assert_eq!(duration("30s").unwrap(), Duration::from_secs(30));
+        assert_eq!(duration("1.5m").unwrap(), Duration::from_secs(90));
+        for bad in ["", "s", "-3s", "0", "5d", "inf"] {
+            assert!(duration(bad).unwrap_err().is_input(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! `barbule simulate`: a campaign into a store that survives interruptions.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use barbule::campaign::run;
+use barbule::io::store::Store;
+use barbule::{Error, Result};
+use serde_json::json;
+
+use crate::campaign::CampaignArgs;
+use crate::common::{Common, print, print_json};
+use crate::progress::Terminal;
+use crate::structure_arg;
+
+/// Arguments of `barbule simulate`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  barbule simulate starling --thin 4 -o starling.zarr\n  \
+    barbule simulate starling.zarr --status")]
+pub(crate) struct Args {
+    #[arg(help = structure_arg::HELP, long_help = "The structure, or with --status a store")]
+    structure: String,
+    /// The store to fill, or to resume
+    #[arg(short, long, value_name = "S.zarr", required_unless_present = "status")]
+    output: Option<PathBuf>,
+    /// Only the units i, i + n, i + 2n, … (i from 0), for several processes on one store
+    #[arg(long, value_name = "i/n")]
+    shard: Option<String>,
+    /// Say what of a store is done
+    #[arg(long)]
+    status: bool,
+    /// Keep the fields of every instance at these wavelengths (nm)
+    #[arg(long, value_name = "SET")]
+    keep_fields: Option<String>,
+    #[command(flatten)]
+    campaign: CampaignArgs,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Args {
+    pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
+        self.common.start_threads()?;
+        if self.status {
+            return self.report(out);
+        }
+        let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
+        let (shard, shards) = self.shard.as_deref().map_or(Ok((0, 1)), shard)?;
+        let structure = structure_arg::parse(&self.structure, &self.common)?;
+        let name = structure.name();
+        let planned = self.campaign.plan(structure, &self.common)?;
+        let kept = self.keep_fields.as_deref().map_or(Ok(Vec::new()), crate::sets::wavelengths)?;
+        let width = self.campaign.width()?;
+        let axes = &planned.parameters.axes;
+        let store = Store::create(
+            path,
+            axes,
+            planned.parameters.instances,
+            &name,
+            &planned.description,
+            &kept,
+            width.name(),
+        )?;
+        if store.width() != width.name() {
+            return Err(Error::input(format!(
+                "{}: was computed with {} instructions, this run would use {}; give --simd {} to continue it with the same bits",
+                path.display(),
+                store.width(),
+                width.name(),
+                store.width()
+            )));
+        }
+        let units: Vec<_> = store.units().skip(shard).step_by(shards).collect();
+        if units.iter().all(|&(w, t)| store.is_whole(w, t)) {
+            self.common.say("everything is there already: nothing to do");
+        } else {
+            let observer = Terminal::new(&self.common);
+            let campaign = planned.campaign(width, &observer)?;
+            let outcome = run(&campaign, &store, shard, shards, &observer)?;
+            drop(observer);
+            if outcome.repaired > 0 {
+                self.common.say(&format!("{} damaged units were computed again", outcome.repaired));
+            }
+            self.common.explain(&format!("{} units computed, {} found", outcome.computed, outcome.found));
+        }
+        if self.common.json {
+            return print_json(out, &status(&store));
+        }
+        Ok(())
+    }
+
+    fn report(&self, out: &mut dyn Write) -> Result<()> {
+        let store = Store::open(self.output.as_deref().unwrap_or(self.structure.as_ref()))?;
+        let status = status(&store);
+        if self.common.json {
+            return print_json(out, &status);
+        }
+        let text = format!("{}: {} of {} units done", store.name(), status["done"], status["units"]);
+        print(out, &text)
+    }
+}
+
+fn status(store: &Store) -> serde_json::Value {
+    let units = store.units().count();
+    let done = store.units().filter(|&(w, t)| store.is_done(w, t)).count();
+    json!({ "name": store.name(), "units": units, "done": done, "missing": units - done, "simd": store.width() })
+}
+
+/// `i/n` with 0 ≤ i < n.
+fn shard(text: &str) -> Result<(usize, usize)> {
+    text.split_once('/')
+        .and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)))
+        .filter(|(i, n)| i < n && *n <= 100_000)
+        .ok_or_else(|| Error::input(format!("--shard {text}: write i/n with 0 <= i < n, as in 0/4")))
+}

@@ -1,0 +1,123 @@
+//! Finding a material: shipped with the program, computed into the cache, or a user's file.
+
+use std::path::{Path, PathBuf};
+
+use barbule::brdf::{Material, example};
+use barbule::campaign::statistics;
+use barbule::io::{decode_material, read_material, write_material};
+use barbule::structure::Structure;
+use barbule::{Error, Result};
+use clap::Parser;
+
+use crate::campaign::{CampaignArgs, FitArgs, Planned};
+use crate::common::Common;
+use crate::progress::Terminal;
+use crate::structure_arg;
+
+/// Illuminations per second and core of a starling's barbule, to foretell durations.
+const TYPICAL_SPEED: f64 = 4000.0;
+
+/// The width that [`TYPICAL_SPEED`] was measured with, µm.
+const TYPICAL_WIDTH_UM: f64 = 25.0;
+
+/// The defaults of the flags of a campaign and a fit.
+#[derive(Debug, Parser)]
+struct Defaults {
+    #[command(flatten)]
+    campaign: CampaignArgs,
+    #[command(flatten)]
+    fit: FitArgs,
+}
+
+/// The material of a name or file, and BLAKE3 of its bytes: `FILE.barbule`, or SPECIES[:VARIANT], shipped or else
+/// characterized into the cache on first use (its duration is said first), or `example`, a made-up one.
+///
+/// # Errors
+/// Unknown name, unreadable file, or a characterization that fails or is interrupted.
+pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
+    if name == "example" {
+        return Ok((example(50), barbule::io::hash_bytes(name.as_bytes())));
+    }
+    let path = Path::new(name);
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("barbule")) || path.is_file() {
+        let material = read_material(path)?;
+        let hash = barbule::io::hash_file(path)?;
+        return Ok((material, hash));
+    }
+    let structure = structure_arg::parse(name, common)?;
+    let stem = file_stem(&structure.name());
+    if let (Structure::Species(_), Some(bytes)) = (&structure, barbule_materials::material(&stem)) {
+        let material = decode_material(bytes).map_err(|e| e.at(format!("the shipped material {stem}")))?;
+        // A user's own species may bear the name of a built-in one.
+        if material.info["campaign"]["structure"] == structure.description() {
+            return Ok((material, barbule::io::hash_bytes(bytes)));
+        }
+    }
+    let cached = cache_path(common, &structure.name())?;
+    let defaults = Defaults::try_parse_from(["defaults"]).map_err(|e| Error::machine(e.to_string()))?;
+    let name = structure.name();
+    let planned = defaults.campaign.plan(structure, common)?;
+    if cached.is_file()
+        && let Ok(material) = read_material(&cached)
+        && material.info["campaign"] == planned.description
+    {
+        return Ok((material, barbule::io::hash_file(&cached)?));
+    }
+    common.say(&format!(
+        "the material {name} is not there yet: characterizing it takes about {}",
+        expected(&planned)
+    ));
+    let observer = Terminal::new(common);
+    let campaign = planned.campaign(defaults.campaign.width()?, &observer)?;
+    let statistics = statistics(&campaign, &observer)?;
+    let (material, _) = defaults.fit.fit(&statistics, &name, &planned.description, &observer)?;
+    write_material(&cached, &material)?;
+    Ok((material, barbule::io::hash_file(&cached)?))
+}
+
+/// The duration to expect of a campaign, in words.
+pub(crate) fn expected(planned: &Planned) -> String {
+    let layers =
+        planned.structure.instance(planned.parameters.seed, 0).map_or(6, |s| s.boundaries.len().max(6));
+    let work = planned.structure.width_um() / TYPICAL_WIDTH_UM * (0.4 + 0.1 * layers as f64);
+    let cores = rayon::current_num_threads() as f64;
+    let seconds = planned.illuminations() as f64 * work / (TYPICAL_SPEED * cores);
+    match seconds {
+        s if s < 60.0 => format!("{:.0} s", s.max(1.0)),
+        s => format!("{:.0} min", (s / 60.0).ceil()),
+    }
+}
+
+/// A file name for a structure: `starling:green` → `starling-green`.
+pub(crate) fn file_stem(name: &str) -> String {
+    let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let stem: String = last
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' })
+        .take(100)
+        .collect();
+    if stem.is_empty() { "material".into() } else { stem }
+}
+
+/// Where a computed material goes.
+pub(crate) fn cache_path(common: &Common, name: &str) -> Result<PathBuf> {
+    Ok(cache_folder(common)?.join(format!("{}.barbule", file_stem(name))))
+}
+
+/// The cache folder, which is made when it is not there: `--cache`, else `$XDG_CACHE_HOME/barbule`,
+/// `~/.cache/barbule`, or `%LOCALAPPDATA%\barbule`.
+pub(crate) fn cache_folder(common: &Common) -> Result<PathBuf> {
+    let folder = match &common.cache {
+        Some(folder) => folder.clone(),
+        None => {
+            let variable = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+            variable("XDG_CACHE_HOME")
+                .or_else(|| variable("LOCALAPPDATA"))
+                .or_else(|| variable("HOME").map(|home| home.join(".cache")))
+                .map(|base| base.join("barbule"))
+                .ok_or_else(|| Error::input("no cache folder is known here; give one with --cache"))?
+        }
+    };
+    barbule::io::make_folder(&folder)?;
+    Ok(folder)
+}

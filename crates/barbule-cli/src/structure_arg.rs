@@ -1,0 +1,136 @@
+//! STRUCTURE as people type it: a stack, a species, a file, or a folder of sections.
+
+use std::path::Path;
+
+use barbule::io::{read_section, read_sections, read_structure_toml};
+use barbule::structure::stack::Stack;
+use barbule::structure::{MaterialSource, Section, SpeciesModel, Structure, Substance};
+use barbule::{Error, Result};
+
+use crate::common::Common;
+
+/// What every STRUCTURE argument says in `--help`.
+pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], a section .json, a species .toml, or a folder of sections";
+
+/// Finds a structure: `SPECIES[:VARIANT]`, a stack, `FILE.json`, `FILE.toml[:VARIANT]`, or a folder of sections.
+///
+/// # Errors
+/// An unknown name (the nearest known one is offered), a file that is missing or not of such a kind, or one that
+/// describes no valid structure.
+pub fn parse(text: &str, common: &Common) -> Result<Structure> {
+    let library = common.library()?;
+    let path = Path::new(text);
+    let ends_with = |text: &str, end: &str| text.to_lowercase().ends_with(end);
+    if ends_with(text, ".json") {
+        let mut section = read_section(path, &library)?;
+        remember_media(std::slice::from_mut(&mut section), common);
+        return Ok(Structure::Sections { name: section.name.clone(), sections: vec![section] });
+    }
+    if ends_with(text, ".toml") {
+        return read_structure_toml(path, None, &library);
+    }
+    if let Some((file, variant)) = text.rsplit_once(':').filter(|(file, _)| ends_with(file, ".toml")) {
+        return read_structure_toml(Path::new(file), Some(variant), &library);
+    }
+    let (name, variant) = text.split_once(':').map_or((text, None), |(name, variant)| (name, Some(variant)));
+    let species =
+        if text.contains('/') { None } else { Some(SpeciesModel::builtin(name, variant, library.clone())) };
+    match species {
+        Some(Ok(model)) => Ok(Structure::Species(Box::new(model))),
+        _ if path.is_dir() => {
+            let mut sections = read_sections(path, &library)?;
+            remember_media(&mut sections, common);
+            Ok(Structure::Sections { name: text.to_owned(), sections })
+        }
+        _ if path.exists() => Err(Error::input(format!(
+            "{text}: is no structure; sections are .json files, species and stacks .toml files"
+        ))),
+        Some(Err(error)) => Err(error),
+        None if text.ends_with('/') => Err(Error::input(format!("{text}: no such folder"))),
+        None => {
+            let stack = Stack::parse(text, &library)?;
+            let mut section = Section::flat(text, &stack, library)?;
+            remember_media(std::slice::from_mut(&mut section), common);
+            Ok(Structure::Sections { name: text.to_owned(), sections: vec![section] })
+        }
+    }
+}
+
+/// Keeps the files of `--medium` with sections that name them, so that a written section finds them again.
+fn remember_media(sections: &mut [Section], common: &Common) {
+    for given in &common.medium {
+        let Some((name, file)) = given.split_once('=') else { continue };
+        let path = std::path::absolute(file).unwrap_or_else(|_| file.into());
+        for section in &mut *sections {
+            let named = |s: &Substance| matches!(s, Substance::Named(text) if text.contains(name.trim()));
+            if section.all_media().flat_map(|medium| medium.substances()).any(named) {
+                let source = MaterialSource::File(path.clone());
+                section.materials.entry(name.trim().to_owned()).or_insert(source);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        common: Common,
+    }
+
+    fn common(words: &[&str]) -> Common {
+        Line::try_parse_from(std::iter::once(&"x").chain(words)).unwrap().common
+    }
+
+    fn refusal(text: &str) -> String {
+        let error = parse(text, &common(&[])).unwrap_err();
+        assert!(error.is_input() && error.to_string().len() < 600, "{error}");
+        error.to_string()
+    }
+
+    #[test]
+    fn every_kind_of_structure_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let usual = common(&[]);
+        assert_eq!(parse("starling", &usual).unwrap().name(), "starling:green");
+        assert_eq!(parse("rock-dove:purple", &usual).unwrap().name(), "rock-dove:purple");
+        let flat = parse("air/keratin:595/air", &usual).unwrap();
+        assert_eq!((flat.count(), flat.width_um()), (Some(1), 25.0));
+        let path = folder.path().join("mine.toml");
+        std::fs::write(&path, barbule::structure::species_toml("bronzewing").unwrap()).unwrap();
+        let text = path.to_string_lossy().into_owned();
+        assert_eq!(parse(&text, &usual).unwrap().name(), "bronzewing:green");
+        assert_eq!(parse(&format!("{text}:pink"), &usual).unwrap().name(), "bronzewing:pink");
+        let stack = folder.path().join("stack.toml");
+        std::fs::write(&stack, "stack = 'air/keratin:595/air'").unwrap();
+        assert_eq!(parse(&stack.to_string_lossy(), &usual).unwrap().count(), Some(1));
+        for k in 0..3 {
+            let section = flat.instance(1, 0).unwrap();
+            barbule::io::write_section(&folder.path().join(format!("{k}.json")), &section).unwrap();
+        }
+        assert_eq!(parse(&folder.path().to_string_lossy(), &usual).unwrap().count(), Some(3));
+        let one = folder.path().join("1.json");
+        assert_eq!(parse(&one.to_string_lossy(), &usual).unwrap().count(), Some(1));
+    }
+
+    #[test]
+    fn what_is_no_structure_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let other = folder.path().join("a.txt");
+        std::fs::write(&other, "x").unwrap();
+        assert!(refusal("starlign").contains("did you mean 'starling'"));
+        assert!(refusal("starling:grean").contains("did you mean 'green'"));
+        assert!(refusal("magpie").contains("not simulate yet"));
+        assert!(refusal("mallard:pink").contains("no variant 'pink'"));
+        assert!(refusal("nowhere.json").contains("no such file"));
+        assert!(refusal("nowhere.toml").contains("no such file"));
+        assert!(refusal("nowhere/").contains("no such folder"));
+        assert!(refusal("air/keratine:5/air").contains("did you mean 'keratin'"));
+        assert!(refusal(&other.to_string_lossy()).contains("is no structure"));
+        assert!(refusal(&folder.path().to_string_lossy()).contains("no .json file"));
+    }
+}

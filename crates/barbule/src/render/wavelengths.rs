@@ -1,0 +1,61 @@
+//! The four wavelengths of a path.
+//!
+//! Drawn between 380 and 720 nm with density ∝ sech²(0.0072 (λ − 538)), close to the eye's sensitivity (Radziszewski et
+//! al. 2009), stratified: one in each quarter of the distribution, the first one (the hero, which decides directions)
+//! in any of them (Wilkie et al. 2014).
+
+use crate::scene::emission::{LONGEST_NM, SHORTEST_NM};
+
+const SLOPE: f64 = 0.0072;
+const MIDDLE: f64 = 538.0;
+
+/// Four wavelengths, nm, the hero first, with their densities, 1/nm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hero {
+    /// Wavelengths, nm.
+    pub nm: [f64; 4],
+    /// Densities, 1/nm.
+    pub pdf: [f64; 4],
+}
+
+impl Hero {
+    /// From one uniform number.
+    #[must_use]
+    pub fn new(u: f64) -> Self {
+        let (low, high) = (edge(SHORTEST_NM), edge(LONGEST_NM));
+        let nm = [0.0, 0.25, 0.5, 0.75].map(|shift| {
+            let v = (u + shift).fract();
+            MIDDLE + (low + (high - low) * v).atanh() / SLOPE
+        });
+        let pdf = nm.map(|w| {
+            let cosh = (SLOPE * (w - MIDDLE)).cosh();
+            SLOPE / (cosh * cosh * (high - low))
+        });
+        Self { nm, pdf }
+    }
+}
+
+fn edge(nm: f64) -> f64 {
+    (SLOPE * (nm - MIDDLE)).tanh()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_over_the_wavelengths_are_integrals() {
+        let count = 1000;
+        let (mut length, mut moment) = (0.0, 0.0);
+        for i in 0..count {
+            let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
+            for (w, p) in hero.nm.iter().zip(hero.pdf) {
+                assert!((SHORTEST_NM..=LONGEST_NM).contains(w));
+                length += 0.25 / p / f64::from(count);
+                moment += 0.25 * w / p / f64::from(count);
+            }
+        }
+        assert!((length - 340.0).abs() < 0.01);
+        assert!((moment / 340.0 - 550.0).abs() < 0.01);
+    }
+}

@@ -1,0 +1,183 @@
+//! Shapes of a scene: triangle meshes, ribbons (barbules) and round curves (fibres).
+//!
+//! Lengths are mm. Single precision: a scene of a few mm resolves a nanometre, and memory stays small. Every shape
+//! carries the index of its surface and an identity from which instances of a material are drawn.
+
+use glam::{Vec2, Vec3};
+
+use crate::{Error, Result};
+
+/// A triangle mesh with one surface.
+#[derive(Debug, Clone, Default)]
+pub struct Mesh {
+    /// Positions, mm.
+    pub positions: Vec<Vec3>,
+    /// Unit normals, one a position, or none: then faces are flat.
+    pub normals: Vec<Vec3>,
+    /// Unit tangents (the fibre's or barb's long axis), one a position, or none.
+    pub tangents: Vec<Vec3>,
+    /// Texture coordinates, one a position, or none.
+    pub uvs: Vec<Vec2>,
+    /// Corners of each triangle; counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index into the scene's surfaces.
+    pub surface: u32,
+    /// Identity of the object.
+    pub id: u64,
+}
+
+/// One point of a ribbon's middle line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RibbonNode {
+    /// On the middle line, mm.
+    pub point: Vec3,
+    /// From the middle line to the +x edge: half the width times the unit vector across, mm.
+    pub across: Vec3,
+    /// Arc length from the ribbon's base, mm.
+    pub arc: f32,
+}
+
+/// A flat, bent, tapering ribbon: one barbule. Flat across; the curvature across a barbule is in its BRDF.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Ribbon {
+    /// First of its nodes in [`Geometry::ribbon_nodes`].
+    pub first: u32,
+    /// Number of nodes, at least 2.
+    pub count: u32,
+    /// Index into the scene's surfaces.
+    pub surface: u32,
+    /// Identity of the barbule.
+    pub id: u64,
+    /// Length of a cell along the barbule, mm: structure is constant within it.
+    pub cell: f32,
+    /// Where in its first cell the barbule begins, as a fraction of a cell.
+    pub phase: f32,
+    /// Cells are low arches: slope at their ends, rad. Shades only; the ribbon itself is smooth.
+    pub swelling: f32,
+}
+
+/// One point of a round curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveNode {
+    /// On the axis, mm.
+    pub point: Vec3,
+    /// Radius, mm.
+    pub radius: f32,
+}
+
+/// A round, tapering fibre of conical segments.
+#[derive(Debug, Clone, Copy)]
+pub struct Curve {
+    /// First of its nodes in [`Geometry::curve_nodes`].
+    pub first: u32,
+    /// Number of nodes, at least 2.
+    pub count: u32,
+    /// Index into the scene's surfaces.
+    pub surface: u32,
+    /// Identity of the fibre.
+    pub id: u64,
+}
+
+/// All shapes of a scene.
+#[derive(Debug, Clone, Default)]
+pub struct Geometry {
+    /// Triangle meshes.
+    pub meshes: Vec<Mesh>,
+    /// Ribbons.
+    pub ribbons: Vec<Ribbon>,
+    /// Points of all ribbons.
+    pub ribbon_nodes: Vec<RibbonNode>,
+    /// Round curves.
+    pub curves: Vec<Curve>,
+    /// Points of all curves.
+    pub curve_nodes: Vec<CurveNode>,
+}
+
+impl Geometry {
+    /// Adds a ribbon through these nodes (`first` and `count` are set here). Fewer than two nodes add nothing.
+    pub fn add_ribbon(&mut self, nodes: &[RibbonNode], ribbon: Ribbon) {
+        if nodes.len() < 2 {
+            return;
+        }
+        let first = self.ribbon_nodes.len() as u32;
+        self.ribbon_nodes.extend_from_slice(nodes);
+        self.ribbons.push(Ribbon { first, count: nodes.len() as u32, ..ribbon });
+    }
+
+    /// Adds a round curve. Fewer than two nodes add nothing.
+    pub fn add_curve(&mut self, nodes: &[CurveNode], surface: u32, id: u64) {
+        if nodes.len() < 2 {
+            return;
+        }
+        let first = self.curve_nodes.len() as u32;
+        self.curve_nodes.extend_from_slice(nodes);
+        self.curves.push(Curve { first, count: nodes.len() as u32, surface, id });
+    }
+
+    /// The nodes of a ribbon.
+    #[must_use]
+    pub fn nodes_of(&self, ribbon: &Ribbon) -> &[RibbonNode] {
+        &self.ribbon_nodes[ribbon.first as usize..(ribbon.first + ribbon.count) as usize]
+    }
+
+    /// Number of primitives that rays are tested against.
+    #[must_use]
+    pub fn primitives(&self) -> usize {
+        self.meshes.iter().map(|m| m.triangles.len()).sum::<usize>()
+            + self.ribbon_nodes.len()
+            - self.ribbons.len()
+            + self.curve_nodes.len()
+            - self.curves.len()
+    }
+
+    /// Refuses what would break the renderer: corners that do not exist, numbers that are not finite, surfaces
+    /// that are not there.
+    ///
+    /// # Errors
+    /// The first such fault.
+    pub fn check(&self, surfaces: usize) -> Result<()> {
+        for (index, mesh) in self.meshes.iter().enumerate() {
+            let refuse = |what: &str| Err(Error::input(format!("mesh {index}: {what}")));
+            let count = mesh.positions.len();
+            if mesh.triangles.iter().flatten().any(|&corner| corner as usize >= count) {
+                return refuse("a triangle has a corner that does not exist");
+            }
+            let whole = |length: usize| length == 0 || length == count;
+            if !(whole(mesh.normals.len()) && whole(mesh.tangents.len()) && whole(mesh.uvs.len())) {
+                return refuse("normals, tangents and texture coordinates must be as many as positions");
+            }
+            if !mesh.positions.iter().all(|p| p.is_finite()) {
+                return refuse("a position is not finite");
+            }
+            if mesh.surface as usize >= surfaces {
+                return refuse("its surface does not exist");
+            }
+        }
+        let finite = self.ribbon_nodes.iter().all(|n| n.point.is_finite() && n.across.is_finite())
+            && self.curve_nodes.iter().all(|n| n.point.is_finite() && n.radius.is_finite());
+        let present = self.ribbons.iter().all(|r| (r.surface as usize) < surfaces)
+            && self.curves.iter().all(|c| (c.surface as usize) < surfaces);
+        if finite && present {
+            return Ok(());
+        }
+        Err(Error::input("a ribbon or curve has a point that is not finite or a surface that does not exist"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missing_corners_and_surfaces_are_refused() {
+        let mesh = Mesh { positions: vec![Vec3::ZERO; 3], triangles: vec![[0, 1, 3]], ..Mesh::default() };
+        let geometry = Geometry { meshes: vec![mesh], ..Geometry::default() };
+        assert!(geometry.check(1).unwrap_err().to_string().contains("corner that does not exist"));
+        let mut geometry = Geometry::default();
+        let node = |x: f32| CurveNode { point: Vec3::new(x, 0.0, 0.0), radius: 0.1 };
+        geometry.add_curve(&[node(0.0), node(1.0)], 2, 0);
+        assert!(geometry.check(2).is_err());
+        assert!(geometry.check(3).is_ok());
+        assert_eq!(geometry.primitives(), 1);
+    }
+}

@@ -1,0 +1,209 @@
+//! A sky: radiance on an equirectangular grid, sampled in proportion to it.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec2, DVec3};
+
+use super::emission::Emission;
+use super::light::LightSample;
+use crate::{Error, Result};
+
+/// Radiance from all directions. Row 0 is at the zenith (+z), the last at the nadir; columns go clockwise from +y
+/// seen from above, as azimuths of lights do. Constant within a texel.
+#[derive(Debug, Clone)]
+pub struct Sky {
+    width: usize,
+    height: usize,
+    /// Weights of the three emissions, per texel.
+    texels: Vec<[f32; 3]>,
+    /// Spectra of the three weights: one alone (a grey sky) or those of red, green and blue.
+    basis: Vec<Emission>,
+    /// Cumulative distribution over rows, `height` + 1 values.
+    rows: Vec<f64>,
+    /// Cumulative distribution over columns in each row, `width` + 1 values a row.
+    columns: Vec<f64>,
+}
+
+impl Sky {
+    /// A sky without colour of its own: `luminance(direction)` times one spectrum.
+    ///
+    /// # Errors
+    /// Negative, not finite or everywhere zero.
+    pub fn grey(
+        width: usize,
+        height: usize,
+        emission: Emission,
+        luminance: impl Fn(DVec3) -> f64,
+    ) -> Result<Self> {
+        let texels = (0..height * width)
+            .map(|i| {
+                let u = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+                [luminance(direction_of(u / DVec2::new(width as f64, height as f64))) as f32, 0.0, 0.0]
+            })
+            .collect();
+        Self::build(width, height, texels, vec![emission])
+    }
+
+    /// A sky from an image of linear RGB, with the spectra of its three primaries.
+    ///
+    /// # Errors
+    /// The size is not `width` × `height`, or a value is negative, not finite, or all are zero.
+    pub fn image(width: usize, height: usize, rgb: Vec<[f32; 3]>, primaries: [Emission; 3]) -> Result<Self> {
+        Self::build(width, height, rgb, primaries.to_vec())
+    }
+
+    fn build(width: usize, height: usize, texels: Vec<[f32; 3]>, basis: Vec<Emission>) -> Result<Self> {
+        if width == 0 || height == 0 || texels.len() != width * height {
+            return Err(Error::input(format!(
+                "a sky of {width} x {height} needs as many texels, not {}",
+                texels.len()
+            )));
+        }
+        if texels.iter().flatten().any(|v| !v.is_finite() || *v < 0.0) {
+            return Err(Error::input("a sky's radiance must be finite and not negative"));
+        }
+        let mut rows = vec![0.0; height + 1];
+        let mut columns = vec![0.0; (width + 1) * height];
+        for row in 0..height {
+            let line = &mut columns[row * (width + 1)..][..=width];
+            for column in 0..width {
+                let weight: f64 = texels[row * width + column].iter().map(|&v| f64::from(v)).sum();
+                line[column + 1] = line[column] + weight;
+            }
+            let total = line[width];
+            if total > 0.0 {
+                line.iter_mut().for_each(|v| *v /= total);
+            }
+            rows[row + 1] = rows[row] + total * solid_angle(row, width, height);
+        }
+        let total = rows[height];
+        if total <= 0.0 {
+            return Err(Error::input("a sky must shine somewhere"));
+        }
+        rows.iter_mut().for_each(|v| *v /= total);
+        Ok(Self { width, height, texels, basis, rows, columns })
+    }
+
+    /// Radiance from a direction.
+    #[must_use]
+    pub fn radiance(&self, direction: DVec3, wavelengths_nm: [f64; 4]) -> [f64; 4] {
+        let (row, column) = self.texel(direction);
+        self.spectrum(row, column, wavelengths_nm)
+    }
+
+    /// A direction drawn in proportion to the radiance.
+    #[must_use]
+    pub fn sample(&self, u: DVec2, wavelengths_nm: [f64; 4]) -> Option<LightSample> {
+        let (row, v) = invert(&self.rows, u.y);
+        let (column, h) = invert(&self.columns[row * (self.width + 1)..][..=self.width], u.x);
+        // Uniform in solid angle within the texel: uniform in azimuth and in the cosine.
+        let cos_top = (PI * row as f64 / self.height as f64).cos();
+        let cos_bottom = (PI * (row + 1) as f64 / self.height as f64).cos();
+        let z = cos_top + (cos_bottom - cos_top) * v;
+        let azimuth = TAU * (column as f64 + h) / self.width as f64;
+        let sine = (1.0 - z * z).max(0.0).sqrt();
+        let direction = DVec3::new(sine * azimuth.sin(), sine * azimuth.cos(), z);
+        let pdf = self.texel_pdf(row, column);
+        (pdf > 0.0).then(|| LightSample {
+            direction,
+            distance: f64::INFINITY,
+            pdf,
+            radiance: self.spectrum(row, column, wavelengths_nm),
+        })
+    }
+
+    /// Density with which [`Sky::sample`] draws a direction, 1/sr.
+    #[must_use]
+    pub fn pdf(&self, direction: DVec3) -> f64 {
+        let (row, column) = self.texel(direction);
+        self.texel_pdf(row, column)
+    }
+
+    fn texel_pdf(&self, row: usize, column: usize) -> f64 {
+        let line = &self.columns[row * (self.width + 1)..];
+        let share = (self.rows[row + 1] - self.rows[row]) * (line[column + 1] - line[column]);
+        share / solid_angle(row, self.width, self.height)
+    }
+
+    fn texel(&self, direction: DVec3) -> (usize, usize) {
+        let row = (direction.z.clamp(-1.0, 1.0).acos() / PI * self.height as f64) as usize;
+        let azimuth = direction.x.atan2(direction.y).rem_euclid(TAU);
+        let column = (azimuth / TAU * self.width as f64) as usize;
+        (row.min(self.height - 1), column.min(self.width - 1))
+    }
+
+    fn spectrum(&self, row: usize, column: usize, wavelengths_nm: [f64; 4]) -> [f64; 4] {
+        let texel = &self.texels[row * self.width + column];
+        let mut radiance = [0.0; 4];
+        for (weight, emission) in texel.iter().zip(&self.basis) {
+            for (sum, value) in radiance.iter_mut().zip(emission.at4(wavelengths_nm)) {
+                *sum += f64::from(*weight) * value;
+            }
+        }
+        radiance
+    }
+}
+
+/// Solid angle of a texel, sr.
+fn solid_angle(row: usize, width: usize, height: usize) -> f64 {
+    let cosine = |edge: usize| (PI * edge as f64 / height as f64).cos();
+    TAU / width as f64 * (cosine(row) - cosine(row + 1))
+}
+
+/// The direction of a point of the map, both coordinates 0 … 1.
+fn direction_of(point: DVec2) -> DVec3 {
+    let (sin_polar, cos_polar) = (PI * point.y).sin_cos();
+    let (sin_azimuth, cos_azimuth) = (TAU * point.x).sin_cos();
+    DVec3::new(sin_polar * sin_azimuth, sin_polar * cos_azimuth, cos_polar)
+}
+
+/// The interval of a cumulative distribution that holds `u`, and where in it, 0 … 1.
+fn invert(cumulative: &[f64], u: f64) -> (usize, f64) {
+    let last = cumulative.len() - 2;
+    let mut index = (cumulative.partition_point(|&c| c <= u).max(1) - 1).min(last);
+    // Rounding may end in an interval of no weight; the one before has some.
+    while index > 0 && cumulative[index + 1] <= cumulative[index] {
+        index -= 1;
+    }
+    let width = cumulative[index + 1] - cumulative[index];
+    (index, if width > 0.0 { ((u - cumulative[index]) / width).clamp(0.0, 1.0) } else { 0.5 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sky() -> Sky {
+        let emission = Emission::new(|_| 1.0).unwrap();
+        Sky::grey(32, 16, emission, |d| (1.2 + d.z + 0.5 * d.x).max(0.0)).unwrap()
+    }
+
+    #[test]
+    fn samples_have_the_stated_density_and_radiance() {
+        let sky = sky();
+        let mut stream = crate::math::rng::Stream::new(1, &[]);
+        for _ in 0..2000 {
+            let u = DVec2::new(stream.unit(), stream.unit());
+            let sample = sky.sample(u, [500.0; 4]).unwrap();
+            assert!((sample.direction.length() - 1.0).abs() < 1e-12);
+            assert!((sky.pdf(sample.direction) / sample.pdf - 1.0).abs() < 1e-9);
+            assert_eq!(sky.radiance(sample.direction, [500.0; 4]), sample.radiance);
+        }
+    }
+
+    #[test]
+    fn the_density_integrates_to_one() {
+        let sky = sky();
+        let total: f64 = (0..16)
+            .flat_map(|row| (0..32).map(move |column| (row, column)))
+            .map(|(row, column)| sky.texel_pdf(row, column) * solid_angle(row, 32, 16))
+            .sum();
+        assert!((total - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_dark_sky_is_refused() {
+        let emission = Emission::new(|_| 1.0).unwrap();
+        assert!(Sky::grey(4, 2, emission, |_| 0.0).is_err());
+    }
+}
