@@ -141,11 +141,7 @@ impl Preset {
     ///
     /// # Errors
     /// A bearing or width out of range.
-    pub fn scene(
-        &self,
-        brdf: Arc<FeatherBrdf>,
-        seed: u64,
-    ) -> Result<(Scene, Counts)> {
+    pub fn scene(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Scene, Counts)> {
         self.check()?;
         let daylight = Emission::daylight();
         let mut geometry = Geometry::default();
@@ -163,10 +159,8 @@ impl Preset {
         ];
         let sun = self.sun(&daylight);
         let sky = self.sky_light(&daylight)?;
-        let lights = vec![
-            Lamp { light: Light::Sun(sun), weight: 0.6 },
-            Lamp { light: Light::Sky(sky), weight: 0.4 },
-        ];
+        let lights =
+            vec![Lamp { light: Light::Sun(sun), weight: 0.6 }, Lamp { light: Light::Sky(sky), weight: 0.4 }];
         let scene = Scene { geometry, surfaces, lights, camera: self.camera(), max_depth: 6 };
         scene.check()?;
         Ok((scene, counts))
