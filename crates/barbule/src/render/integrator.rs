@@ -112,8 +112,7 @@ impl<'a> Integrator<'a> {
 
     /// Follows the path to its next scattering; `false` when it ends.
     fn step(&self, path: &mut Path, depth: u32, sampler: &mut Sampler, first: &mut FirstHit) -> bool {
-        let [light_choice, light_u, light_v, pass] = sampler.next4();
-        let [u, v, component, roulette] = sampler.next4();
+        let pass = if self.scene.passes_light() { sampler.next4()[0] } else { 1.0 };
         let Some(point) = self.next_surface(path, pass) else {
             return false;
         };
@@ -126,6 +125,8 @@ impl<'a> Integrator<'a> {
         if depth == self.scene.max_depth {
             return false;
         }
+        let [light_choice, light_u, light_v, roulette] = sampler.next4();
+        let [u, v, component, _] = sampler.next4();
         if self.technique != Technique::BsdfOnly {
             self.light(path, &point, &bsdf, light_choice, DVec2::new(light_u, light_v));
         }

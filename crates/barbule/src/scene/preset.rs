@@ -68,7 +68,7 @@ pub fn all() -> [Preset; 4] {
         name: "starling",
         material: "starling",
         feather: species::starling(),
-        window: Window { along_mm: 18.0, radius_mm: 2.75 },
+        window: Window { along_mm: 18.0, radius_mm: 3.0 },
         view: Bearing { azimuth: 190.0, elevation: 58.0 },
         roll: -38.0,
         width_mm: 4.2,
@@ -77,8 +77,8 @@ pub fn all() -> [Preset; 4] {
         light_radius: 7.0,
         key: 2.2,
         sky: 0.7,
-        exposure: 0.5,
-        pigment: [1.5, 6.0],
+        exposure: 0.4,
+        pigment: [5.0, 10.0],
     };
     [
         Preset { name: "rock-dove", material: "rock-dove", feather: species::rock_dove(), ..usual },
@@ -87,7 +87,7 @@ pub fn all() -> [Preset; 4] {
             name: "bronzewing",
             material: "bronzewing",
             feather: species::bronzewing(),
-            window: Window { along_mm: 30.0, radius_mm: 2.75 },
+            window: Window { along_mm: 30.0, radius_mm: 3.0 },
             ..usual
         },
         Preset {
@@ -141,7 +141,11 @@ impl Preset {
     ///
     /// # Errors
     /// A bearing or width out of range.
-    pub fn scene(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Scene, Counts)> {
+    pub fn scene(
+        &self,
+        brdf: Arc<FeatherBrdf>,
+        seed: u64,
+    ) -> Result<(Scene, Counts)> {
         self.check()?;
         let daylight = Emission::daylight();
         let mut geometry = Geometry::default();
@@ -159,9 +163,11 @@ impl Preset {
         ];
         let sun = self.sun(&daylight);
         let sky = self.sky_light(&daylight)?;
-        let lights =
-            vec![Lamp { light: Light::Sun(sun), weight: 0.6 }, Lamp { light: Light::Sky(sky), weight: 0.4 }];
-        let scene = Scene { geometry, surfaces, lights, camera: self.camera(), max_depth: 6 };
+        let lights = vec![
+            Lamp { light: Light::Sun(sun), weight: 0.6 },
+            Lamp { light: Light::Sky(sky), weight: 0.4 },
+        ];
+        let scene = Scene { geometry, surfaces, lights, camera: self.camera(), max_depth: 5 };
         scene.check()?;
         Ok((scene, counts))
     }

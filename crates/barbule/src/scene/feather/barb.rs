@@ -10,9 +10,9 @@ use crate::math::rng::{Stream, hash};
 use crate::scene::geometry::{Geometry, Mesh};
 
 /// Steps of a barb's curve.
-const STEPS: usize = 48;
+const STEPS: usize = 24;
 /// Corners of the surface around a ramus.
-const AROUND: usize = 10;
+const AROUND: usize = 8;
 /// Least sine of the insertion angle: barbs parallel to the shaft would never leave it.
 const LEAST_SINE: f64 = 0.15;
 

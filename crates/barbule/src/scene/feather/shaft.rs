@@ -11,7 +11,7 @@ use crate::scene::geometry::{Geometry, Mesh};
 /// Steps of the centre line.
 const STEPS: usize = 256;
 /// Corners of the surface around the shaft.
-const AROUND: usize = 128;
+const AROUND: usize = 96;
 
 /// A point of the shaft with the vane's frame there.
 #[derive(Debug, Clone, Copy)]
@@ -98,7 +98,7 @@ impl Shaft {
     ) {
         let from = (window.along_mm - 1.3 * window.radius_mm).max(0.0);
         let to = (window.along_mm + 1.3 * window.radius_mm).min(self.shape.length_mm);
-        let rings = 96;
+        let rings = 40;
         let ridges = Ridges::new(identity);
         let mut mesh = Mesh { surface, id: hash(identity, &[0]), ..Mesh::default() };
         for ring in 0..=rings {
