@@ -83,7 +83,11 @@ impl Args {
 /// Species and variant as the material's maker recorded them.
 fn name(material: &Material) -> String {
     let word = |key: &str| material.info.get(key).and_then(|v| v.as_str()).unwrap_or("").to_owned();
-    let thinned = if material.info.get("thin").and_then(|v| v.as_u64()).is_some_and(|t| t > 1) { " (thinned)" } else { "" };
+    let thinned = if material.info.get("thin").and_then(|v| v.as_u64()).is_some_and(|t| t > 1) {
+        " (thinned)"
+    } else {
+        ""
+    };
     format!("{} {}{thinned}", word("species"), word("variant")).trim().to_owned()
 }
 
@@ -142,7 +146,10 @@ fn parameters(material: &Material) -> Result<Drawing> {
         let nm = axes.wavelengths_nm[wave];
         let node = |at: usize| {
             let (theta, phi_i) = (axes.cos_theta[at / columns].acos(), axes.cos_phi[at % columns].acos());
-            let shape = Lobe { m: f64::from(lobe.m[wave * per_wave + at]), phi: f64::from(lobe.phi[wave * per_wave + at]) };
+            let shape = Lobe {
+                m: f64::from(lobe.m[wave * per_wave + at]),
+                phi: f64::from(lobe.phi[wave * per_wave + at]),
+            };
             (theta, phi_i, shape, f64::from(lobe.reflected[wave * per_wave + at]))
         };
         let m = (0..per_wave).map(|at| node(at).2.m).collect();
@@ -155,10 +162,10 @@ fn parameters(material: &Material) -> Result<Drawing> {
         let f = (0..per_wave)
             .map(|at| {
                 let (theta, _, shape, reflected) = node(at);
-                Ok(reflected / lobe_integral(shape, theta, material.sigma)?)
+                Ok((reflected / lobe_integral(shape, theta, material.sigma)?).max(1e-6).log10())
             })
             .collect::<Result<Vec<f64>>>()?;
-        for (label, values) in [("m_eff", m), ("φ_eff − φ_i (°)", phi), ("F_eff", f)] {
+        for (label, values) in [("m_eff", m), ("φ_eff − φ_i (°)", phi), ("log₁₀ F_eff", f)] {
             let mut map = HeatMap::new(
                 format!("{label}, {nm:.0} nm"),
                 Axis::with_range("cosφ_i", axes.cos_phi[0], axes.cos_phi[columns - 1]),
@@ -230,8 +237,11 @@ fn fits(material: &Material, statistics: &Statistics) -> Drawing {
     for &wave in &waves {
         for phi in [nearest(1.0), nearest(70.0_f64.to_radians().cos())] {
             let node = axes.index(wave, theta, phi);
-            let title =
-                format!("{:.0} nm, φ_i = {:.0}°", axes.wavelengths_nm[wave], axes.cos_phi[phi].acos().to_degrees());
+            let title = format!(
+                "{:.0} nm, φ_i = {:.0}°",
+                axes.wavelengths_nm[wave],
+                axes.cos_phi[phi].acos().to_degrees()
+            );
             let mut figure = Figure::new(title, Axis::new("φ_o (°)"), Axis::new("per radian"));
             for (label, array, part) in [("U", &statistics.u, 0), ("V", &statistics.v, 1)] {
                 let simulated = mean_over_polarizations(array, node);

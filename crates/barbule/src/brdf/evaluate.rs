@@ -147,7 +147,7 @@ impl FeatherBrdf {
     /// ∫ f (z·ω_o) dω_o of the smooth mean (before any symmetrization), by quadrature.
     #[must_use]
     pub fn albedo(&self, wavelength_nm: f32, wi: DVec3) -> f64 {
-        if !(wi.z > 0.0) {
+        if wi.z <= 0.0 || wi.z.is_nan() {
             return 0.0;
         }
         let quadrature = Quadrature::new();
@@ -259,7 +259,7 @@ impl Lobes {
         let sy2 = (sin_theta + y) * (sin_theta + y);
         let slope = 1.0 - z * z;
         let mut values = [0.0; 8];
-        for lane in 0..8 {
+        for (lane, value) in values.iter_mut().enumerate() {
             let (sx, sz) = (self.x[lane] + x, self.z[lane] + z);
             let (sx2, m2) = (sx * sx, self.m2[lane]);
             let n2 = sx2 + sy2 + sz * sz;
@@ -267,7 +267,7 @@ impl Lobes {
             let q = m2 * n2 + (1.0 - m2) * sx2;
             let root = z + (z * z + m2 * slope).sqrt();
             let spread = exp_of_negative(sy2 * inverse_sigma2 / n2);
-            values[lane] = self.amplitude[lane] * spread * (n2 * n2) / (q * q * root);
+            *value = self.amplitude[lane] * spread * (n2 * n2) / (q * q * root);
         }
         let (mut mean, mut stationary) = ([0.0; 4], [0.0; 4]);
         for lane in 0..4 {
@@ -362,7 +362,7 @@ impl Prepared<'_> {
     /// See [`FeatherBrdf::sample`]; `lane` chooses the wavelength.
     #[must_use]
     pub fn sample(&self, lane: usize, mut u: [f64; 2]) -> Option<(DVec3, f64)> {
-        if !(self.incident.z > 0.0) {
+        if self.incident.z <= 0.0 || self.incident.z.is_nan() {
             return None;
         }
         let share = self.first_share(lane);

@@ -321,7 +321,7 @@ fn report(
     let mut residuals: Vec<f64> = nodes.iter().map(|n| n.mean.residual).collect();
     residuals.sort_by(f64::total_cmp);
     let quantile = |values: &[f64], q: f64| values[((values.len() - 1) as f64 * q).round() as usize];
-    let bad = |n: &Node| !n.mean.converged || !(n.mean.residual <= LARGEST_RESIDUAL);
+    let bad = |n: &Node| !n.mean.converged || n.mean.residual > LARGEST_RESIDUAL || n.mean.residual.is_nan();
     let flagged = nodes
         .iter()
         .enumerate()

@@ -14,7 +14,7 @@ const BASES: usize = 512;
 const ROTATIONS: usize = 1024;
 
 /// Purpose of the random streams of this file.
-const PURPOSE: u64 = 0x6e6f_6973_65;
+const PURPOSE: u64 = 0x006e_6f69_7365;
 
 /// The power spectrum P₁ … P_{N/2−1} of an autocovariance at lags 0 … N/2 − 1 of spacing 2/N.
 ///
@@ -138,7 +138,7 @@ impl Noise {
         let (mut index, mut r1, mut r2) = ([0_i32; 4], [0.0_f32; 4], [0.0_f32; 4]);
         for lane in 0..4 {
             // x_k = (2k + 1 − N)/N. The bounds keep the conversion exact far outside (−1, 1), where it is periodic.
-            let position = (x[lane].max(-512.0).min(512.0) + 1024.0) * (0.5 * NOISE_POINTS as f32) - 0.5;
+            let position = (x[lane].clamp(-512.0, 512.0) + 1024.0) * (0.5 * NOISE_POINTS as f32) - 0.5;
             index[lane] = truncated(position);
             let t = position - index[lane] as f32;
             // (1−t)² + t² + 2 t (1−t) C₁ = 1 − 2 t (1−t)(1 − C₁).

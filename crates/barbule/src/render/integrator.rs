@@ -157,8 +157,7 @@ impl<'a> Integrator<'a> {
         for _ in 0..MOST_PASSES {
             let lamp = self.nearest_lamp(path.origin, path.direction, from);
             let farthest = lamp.map_or(f64::INFINITY, |(_, distance)| distance);
-            let hit =
-                self.accelerator.hit(&self.scene.geometry, path.origin, path.direction, from, farthest);
+            let hit = self.accelerator.hit(&self.scene.geometry, path.origin, path.direction, from, farthest);
             let Some(mut point) = hit else {
                 match lamp {
                     Some((index, _)) => {
@@ -262,8 +261,7 @@ impl<'a> Integrator<'a> {
         let mut share = 1.0;
         let mut from = self.nearest;
         for _ in 0..MOST_PASSES {
-            let Some(point) =
-                self.accelerator.hit(&self.scene.geometry, origin, direction, from, farthest)
+            let Some(point) = self.accelerator.hit(&self.scene.geometry, origin, direction, from, farthest)
             else {
                 return share;
             };

@@ -206,7 +206,6 @@ fn fresnel(cosine: f64, index: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;
