@@ -41,7 +41,8 @@ fn a_picture_is_a_png_that_says_where_it_comes_from() {
 #[test]
 fn exr_frames_and_scene_files_are_written() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = "preset = \"hummingbird\"\nmaterial = \"example\"\nsize = [40, 24]\n[light]\nazimuth = 10.0\n";
+    let scene =
+        "preset = \"hummingbird\"\nmaterial = \"example\"\nsize = [40, 24]\n[light]\nazimuth = 10.0\n";
     std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
     let arguments = ["scene.toml", "-o", "h.exr", "--frames", "2", "--samples", "2"];
     barbule(folder.path(), &arguments).assert().success();
@@ -68,7 +69,8 @@ fn a_resumed_picture_has_the_same_bits() {
     let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     assert_eq!(read("a.png.checkpoint"), read("b.png.checkpoint"));
     // Another light is another picture.
-    let other = ["starling", "--material", "example", "--size", "40x24", "--resume", "-o", "a.png", "--light=1,50"];
+    let other =
+        ["starling", "--material", "example", "--size", "40x24", "--resume", "-o", "a.png", "--light=1,50"];
     let refused = barbule(folder.path(), &other).assert().code(2);
     assert!(String::from_utf8_lossy(&refused.get_output().stderr).contains("another picture"));
 }

@@ -39,7 +39,13 @@ fn square(half: f32) -> Geometry {
 /// Looks down at the origin from an elevation over the x–y plane, rad.
 fn camera(elevation: f64, width_mm: f64) -> Camera {
     let towards = DVec3::new(elevation.cos() * 0.6, elevation.cos() * 0.8, elevation.sin());
-    Camera { eye: towards * 20.0, target: DVec3::ZERO, up: DVec3::Z, width_mm, projection: Projection::Orthographic }
+    Camera {
+        eye: towards * 20.0,
+        target: DVec3::ZERO,
+        up: DVec3::Z,
+        width_mm,
+        projection: Projection::Orthographic,
+    }
 }
 
 fn scene(geometry: Geometry, surface: Surface, lights: Vec<Lamp>, camera: Camera) -> Scene {
@@ -139,7 +145,8 @@ fn feathers_in_the_furnace_have_their_own_albedo() {
                     across: Vec3::new(0.025, 0.0, 0.0),
                     arc: y + 2.0,
                 };
-                geometry.add_ribbon(&[node(-2.0), node(2.0)], Ribbon { id: i, cell: 0.01, ..Ribbon::default() });
+                geometry
+                    .add_ribbon(&[node(-2.0), node(2.0)], Ribbon { id: i, cell: 0.01, ..Ribbon::default() });
             }
             let feather = scene(geometry, surface, vec![sky(1.0)], camera);
             let film = film(&Integrator::new(&feather), [24, 24], 256);
@@ -311,7 +318,8 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
     let name = checkpoint::name("starling");
     let mut part = Film::new([70, 40]).unwrap();
     for patience in [30, 50, 20] {
-        let ended = run(&integrator, &mut part, 3, goal, &Impatient(AtomicU64::new(patience)), &mut |_| Ok(()));
+        let ended =
+            run(&integrator, &mut part, 3, goal, &Impatient(AtomicU64::new(patience)), &mut |_| Ok(()));
         assert_eq!(ended.unwrap(), Ended::Stopped);
         part = checkpoint::read(&checkpoint::write(&part, &name), &name, [70, 40]).unwrap();
     }

@@ -223,7 +223,8 @@ impl Args {
             "paths": paths, "seconds": seconds, "paths_per_second": paths as f64 / seconds.max(1e-9),
             "ended": if ended == Ended::OutOfTime { "time" } else { "done" },
         });
-        if let (Some(report), serde_json::Value::Object(notes)) = (report.as_object_mut(), provenance.json()) {
+        if let (Some(report), serde_json::Value::Object(notes)) = (report.as_object_mut(), provenance.json())
+        {
             report.extend(notes);
         }
         Ok(report)

@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use exr::meta::attribute::AttributeValue;
-use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, Text, Vec2, WritableImage as _};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, Text, Vec2,
+    WritableImage as _,
+};
 
 use super::write_whole;
 use crate::{Error, Result};
@@ -48,7 +51,10 @@ pub fn write_exr(
     let mut list = SmallVec::new();
     for (name, samples) in floats.chain(counts) {
         if samples.len() != pixels {
-            return Err(Error::input(format!("plane {name} has {} values for {pixels} pixels", samples.len())));
+            return Err(Error::input(format!(
+                "plane {name} has {} values for {pixels} pixels",
+                samples.len()
+            )));
         }
         list.push(AnyChannel::new(name, samples));
     }

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::{Ray, RayHit};
-use obvhs::{BvhBuildParams, Boundable};
+use obvhs::{Boundable, BvhBuildParams};
 
 use super::point::SurfacePoint;
 use crate::math::rng::split_mix;
@@ -161,12 +161,7 @@ fn collect(geometry: &Geometry) -> Vec<Primitive> {
             let edges = |n: &RibbonNode| (n.point - n.across, n.point + n.across);
             let ((a, b), (c, d)) = (edges(&pair[0]), edges(&pair[1]));
             let data = [a, b, c, d];
-            primitives.push(Primitive {
-                data,
-                kind: Kind::Ribbon,
-                object: object as u32,
-                part: part as u32,
-            });
+            primitives.push(Primitive { data, kind: Kind::Ribbon, object: object as u32, part: part as u32 });
         }
     }
     for (object, curve) in geometry.curves.iter().enumerate() {
@@ -174,12 +169,7 @@ fn collect(geometry: &Geometry) -> Vec<Primitive> {
         for (part, pair) in nodes.windows(2).enumerate() {
             let radii = Vec3::new(pair[0].radius, pair[1].radius, 0.0);
             let data = [pair[0].point, pair[1].point, radii, Vec3::ZERO];
-            primitives.push(Primitive {
-                data,
-                kind: Kind::Curve,
-                object: object as u32,
-                part: part as u32,
-            });
+            primitives.push(Primitive { data, kind: Kind::Curve, object: object as u32, part: part as u32 });
         }
     }
     primitives
@@ -321,8 +311,7 @@ fn ribbon_point(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Surf
     let [a, b, c, d] = primitive.data;
     let flat = if at.v > 2.0 * u - 1.0 { (b - a).cross(d - a) } else { (d - a).cross(c - a) };
     let arc = f64::from(start.arc + (end.arc - start.arc) * u);
-    let place =
-        if ribbon.cell > 0.0 { arc / f64::from(ribbon.cell) + f64::from(ribbon.phase) } else { 0.5 };
+    let place = if ribbon.cell > 0.0 { arc / f64::from(ribbon.cell) + f64::from(ribbon.phase) } else { 0.5 };
     let cell = place.floor();
     let (sin, cos) = (f64::from(ribbon.swelling) * (1.0 - 2.0 * (place - cell))).sin_cos();
     let frame = Frame { x: frame.x, y: frame.y * cos + frame.z * sin, z: frame.z * cos - frame.y * sin };
@@ -361,7 +350,10 @@ fn curve_point(
         position,
         normal,
         frame: Frame::new(normal, axis),
-        uv: [(f64::from(primitive.part) + u) / f64::from(curve.count - 1), (offset / radius).clamp(-1.0, 1.0)],
+        uv: [
+            (f64::from(primitive.part) + u) / f64::from(curve.count - 1),
+            (offset / radius).clamp(-1.0, 1.0),
+        ],
         surface: curve.surface,
         object: curve.id,
         instance: curve.id,

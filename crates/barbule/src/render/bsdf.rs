@@ -23,6 +23,7 @@ pub struct Bsdf<'a> {
     wavelengths_nm: [f64; 4],
 }
 
+#[allow(clippy::large_enum_variant)] // lives on the stack for one point; a box would be an allocation a hit
 enum Model<'a> {
     Lambertian(&'a Reflectance),
     Keratin(&'a Keratin),
@@ -45,12 +46,7 @@ const NOTHING: Evaluation = Evaluation { f: [0.0; 4], pdf: [0.0; 4], cosine: 0.0
 impl<'a> Bsdf<'a> {
     /// At a point, for light that leaves in the direction `towards` (the camera's side).
     #[must_use]
-    pub fn new(
-        surface: &'a Surface,
-        point: &SurfacePoint,
-        towards: DVec3,
-        wavelengths_nm: [f64; 4],
-    ) -> Self {
+    pub fn new(surface: &'a Surface, point: &SurfacePoint, towards: DVec3, wavelengths_nm: [f64; 4]) -> Self {
         let upper = towards.dot(point.normal) >= 0.0;
         let (normal, mut frame) =
             if upper { (point.normal, point.frame) } else { (-point.normal, point.frame.flipped()) };

@@ -171,7 +171,10 @@ mod tests {
     fn bad_scenes_are_refused_in_a_sentence() {
         let message = |text: &str| Description::parse(text).unwrap_err().to_string();
         assert!(message("preset = \"starlign\"").contains("did you mean 'starling'"));
-        assert!(message("preset = \"starling\"\nexposre = 1.0").contains("line 2: there is no key 'exposre', did you mean 'exposure'"));
+        assert!(
+            message("preset = \"starling\"\nexposre = 1.0")
+                .contains("line 2: there is no key 'exposre', did you mean 'exposure'")
+        );
         assert!(message("preset = 3").contains("invalid type"));
         assert!(message("preset = \"starling\"\nexposure = -1.0").contains("must be"));
         assert!(message("preset = \"starling\"\n[light]\nelevation = 100.0").contains("elevation must be"));

@@ -123,8 +123,7 @@ impl Geometry {
     /// Number of primitives that rays are tested against.
     #[must_use]
     pub fn primitives(&self) -> usize {
-        self.meshes.iter().map(|m| m.triangles.len()).sum::<usize>()
-            + self.ribbon_nodes.len()
+        self.meshes.iter().map(|m| m.triangles.len()).sum::<usize>() + self.ribbon_nodes.len()
             - self.ribbons.len()
             + self.curve_nodes.len()
             - self.curves.len()

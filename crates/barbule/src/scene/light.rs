@@ -115,12 +115,7 @@ impl Light {
                 let direction = cone(to / squared.sqrt(), 1.0 - one_minus_cos, u);
                 let distance = self.hit(point, direction).unwrap_or_else(|| to.dot(direction));
                 let pdf = 1.0 / (TAU * one_minus_cos);
-                Some(LightSample {
-                    direction,
-                    distance,
-                    pdf,
-                    radiance: sphere.emission.at4(wavelengths_nm),
-                })
+                Some(LightSample { direction, distance, pdf, radiance: sphere.emission.at4(wavelengths_nm) })
             }
         }
     }

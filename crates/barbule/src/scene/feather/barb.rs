@@ -92,9 +92,8 @@ fn grow(feather: &Feather, shaft: &Shaft, side: f64, s: f64, angle: f64, id: u64
         x += sin * step;
         y += cos * step;
     }
-    let tangents: Vec<DVec3> = (0..=STEPS)
-        .map(|i| (points[(i + 1).min(STEPS)] - points[i.saturating_sub(1)]).normalize())
-        .collect();
+    let tangents: Vec<DVec3> =
+        (0..=STEPS).map(|i| (points[(i + 1).min(STEPS)] - points[i.saturating_sub(1)]).normalize()).collect();
     let normals = tangents
         .iter()
         .map(|t| {

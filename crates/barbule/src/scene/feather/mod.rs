@@ -250,10 +250,7 @@ mod tests {
     fn barbs_are_as_many_as_their_perpendicular_spacing_says() {
         for (name, feather) in species() {
             let shaft = Shaft::new(&feather.shaft);
-            let everything = Window {
-                along_mm: 0.5 * feather.shaft.length_mm,
-                radius_mm: 100.0,
-            };
+            let everything = Window { along_mm: 0.5 * feather.shaft.length_mm, radius_mm: 100.0 };
             let barbs = barb::along(&feather, &shaft, 1.0, everything, 1, 1);
             // ∫ ds sin(angle)/p over the vane.
             let [first, last] = shaft.vane_range();
@@ -263,7 +260,8 @@ mod tests {
                 .map(|i| {
                     let t = shaft.vane(first + (f64::from(i) + 0.5) * step);
                     let smooth = t * t * (3.0 - 2.0 * t);
-                    let angle = feather.barb.angle[0] + (feather.barb.angle[1] - feather.barb.angle[0]) * smooth;
+                    let angle =
+                        feather.barb.angle[0] + (feather.barb.angle[1] - feather.barb.angle[0]) * smooth;
                     step * angle.sin() / (1e-3 * feather.barb.spacing_um)
                 })
                 .sum();
