@@ -23,6 +23,7 @@ pub struct Bsdf<'a> {
     wavelengths_nm: [f64; 4],
 }
 
+#[allow(clippy::large_enum_variant)] // lives on the stack for one point; a box would be an allocation a hit
 enum Model<'a> {
     Lambertian(&'a Reflectance),
     Keratin(&'a Keratin),

@@ -161,8 +161,8 @@ impl Pixel {
                 xyz[k] += 0.25 * radiance * value;
             }
         }
-        for k in 0..3 {
-            self.xyz[k] += xyz[k];
+        for (sum, value) in self.xyz.iter_mut().zip(xyz) {
+            *sum += value;
         }
         self.squares += xyz[1] * xyz[1];
         if sample.first.id != 0 {

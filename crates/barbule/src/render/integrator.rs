@@ -238,14 +238,11 @@ impl<'a> Integrator<'a> {
             return;
         }
         let pdf = chance * sample.pdf;
-        let mut density = 0.0;
-        let mut radiance = [0.0; 4];
-        for k in 0..4 {
-            let other = if self.technique == Technique::Both { evaluation.pdf[k] / pdf } else { 0.0 };
-            density += 0.25 * path.through[k] * (1.0 + other);
-            radiance[k] = sample.radiance[k] * evaluation.f[k] * evaluation.cosine * passed / pdf;
-        }
-        path.add(radiance, density);
+        let both = if self.technique == Technique::Both { 1.0 / pdf } else { 0.0 };
+        let densities: [f64; 4] = std::array::from_fn(|k| path.through[k] * (1.0 + both * evaluation.pdf[k]));
+        let share = evaluation.cosine * passed / pdf;
+        let radiance = std::array::from_fn(|k| sample.radiance[k] * evaluation.f[k] * share);
+        path.add(radiance, mean(&densities));
     }
 
     /// Share of light that passes along a straight line: 1 free, 0 blocked.
@@ -310,8 +307,8 @@ impl Path {
     }
 
     fn add(&mut self, radiance: [f64; 4], density: f64) {
-        for k in 0..4 {
-            self.sum[k] += self.weight[k] * radiance[k] / density;
+        for (sum, (weight, value)) in self.sum.iter_mut().zip(self.weight.iter().zip(radiance)) {
+            *sum += weight * value / density;
         }
     }
 }

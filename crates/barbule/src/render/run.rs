@@ -138,7 +138,7 @@ fn is_done(film: &Film, tile: usize, goal: &Goal) -> bool {
         return true;
     }
     let Some(noise) = goal.noise else { return false };
-    if count < 2 * ROUND || count % ROUND != 0 {
+    if count < 2 * ROUND || !count.is_multiple_of(ROUND) {
         return false;
     }
     let [x0, y0, x1, y1] = film.bounds(tile);

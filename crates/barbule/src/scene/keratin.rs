@@ -86,7 +86,8 @@ impl Keratin {
     /// # Errors
     /// A parameter out of range.
     pub fn new(roughness: f64, index: f64, body: Reflectance) -> Result<Self> {
-        if !(0.02..=1.0).contains(&roughness) || !(index > 1.0 && index < 4.0) {
+        let allowed = (0.02..=1.0).contains(&roughness) && index > 1.0 && index < 4.0;
+        if !allowed {
             return Err(Error::input(format!(
                 "keratin of roughness {roughness} and index {index}: give a roughness of 0.02 to 1 and an index of 1 to 4"
             )));

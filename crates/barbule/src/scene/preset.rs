@@ -69,16 +69,16 @@ pub fn all() -> [Preset; 4] {
         material: "starling",
         feather: species::starling(),
         window: Window { along_mm: 18.0, radius_mm: 3.0 },
-        view: Bearing { azimuth: 190.0, elevation: 58.0 },
-        roll: -38.0,
-        width_mm: 4.2,
+        view: Bearing { azimuth: 190.0, elevation: 60.0 },
+        roll: -35.0,
+        width_mm: 3.9,
         lens: 0.005,
-        light: Bearing { azimuth: 20.0, elevation: 60.0 },
-        light_radius: 7.0,
-        key: 2.2,
-        sky: 0.7,
-        exposure: 0.4,
-        pigment: [5.0, 10.0],
+        light: Bearing { azimuth: 20.0, elevation: 62.0 },
+        light_radius: 8.0,
+        key: 2.5,
+        sky: 0.8,
+        exposure: 0.28,
+        pigment: [4.0, 8.0],
     };
     [
         Preset { name: "rock-dove", material: "rock-dove", feather: species::rock_dove(), ..usual },
@@ -141,11 +141,7 @@ impl Preset {
     ///
     /// # Errors
     /// A bearing or width out of range.
-    pub fn scene(
-        &self,
-        brdf: Arc<FeatherBrdf>,
-        seed: u64,
-    ) -> Result<(Scene, Counts)> {
+    pub fn scene(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Scene, Counts)> {
         self.check()?;
         let daylight = Emission::daylight();
         let mut geometry = Geometry::default();
@@ -163,10 +159,8 @@ impl Preset {
         ];
         let sun = self.sun(&daylight);
         let sky = self.sky_light(&daylight)?;
-        let lights = vec![
-            Lamp { light: Light::Sun(sun), weight: 0.6 },
-            Lamp { light: Light::Sky(sky), weight: 0.4 },
-        ];
+        let lights =
+            vec![Lamp { light: Light::Sun(sun), weight: 0.6 }, Lamp { light: Light::Sky(sky), weight: 0.4 }];
         let scene = Scene { geometry, surfaces, lights, camera: self.camera(), max_depth: 5 };
         scene.check()?;
         Ok((scene, counts))

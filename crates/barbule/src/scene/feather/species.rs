@@ -30,7 +30,7 @@ const BARB: BarbShape = BarbShape {
     spacing_um: 270.0,
     angle: [60.0 * DEG, 25.0 * DEG],
     curl: 15.0 * DEG,
-    camber: 0.12,
+    camber: 0.18,
     width_um: 34.0,
     height: 1.6,
     half_width_mm: 8.0,
@@ -76,7 +76,7 @@ pub fn starling() -> Feather {
     let barbule = BarbuleShape { length_um: 280.0, ..BARBULE };
     Feather {
         shaft: ShaftShape { radius_mm: 0.2, ..SHAFT },
-        barb: BarbShape { spacing_um: 230.0, half_width_mm: 5.0, outline: [0.5, 0.8], ..BARB },
+        barb: BarbShape { spacing_um: 250.0, half_width_mm: 5.0, outline: [0.5, 0.8], ..BARB },
         barbule: [barbule, BarbuleShape { lift: [8.0 * DEG, -10.0 * DEG], ..barbule }],
         disorder: DISORDER,
     }
