@@ -149,6 +149,14 @@ impl Planned {
 }
 
 impl FitArgs {
+    /// Refuses values that no fit takes, before any work.
+    pub(crate) fn check(&self) -> Result<()> {
+        if (0.005..=0.5).contains(&self.sigma) {
+            return Ok(());
+        }
+        Err(Error::input(format!("--sigma {}: give a number from 0.005 to 0.5", self.sigma)))
+    }
+
     /// Fits a material to statistics; `description` is the campaign's.
     pub(crate) fn fit(
         &self,
@@ -157,9 +165,7 @@ impl FitArgs {
         description: &Value,
         observer: &dyn Observer,
     ) -> Result<(Material, FitReport)> {
-        if !(0.005..=0.5).contains(&self.sigma) {
-            return Err(Error::input(format!("--sigma {}: give a number from 0.005 to 0.5", self.sigma)));
-        }
+        self.check()?;
         let options = FitOptions {
             kind: match self.fit {
                 Kind::Marginal => FitKind::Marginal,

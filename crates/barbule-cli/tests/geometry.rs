@@ -1,5 +1,7 @@
 //! The geometry and species commands on files.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use std::path::Path;
 
 fn run(words: &[&str]) -> (i32, String, String) {

@@ -3,8 +3,10 @@
 //! Each is a `.barbule` file as `barbule characterize` writes it, read through the same reader as users' files.
 
 /// The shipped materials: name (`species-variant`, as in `starling-green`) and the bytes of the file.
-pub const MATERIALS: &[(&str, &[u8])] =
-    &[("starling-green", include_bytes!("../materials/starling-green.barbule").as_slice())];
+pub const MATERIALS: &[(&str, &[u8])] = &[
+    ("rock-dove-forest", include_bytes!("../materials/rock-dove-forest.barbule")),
+    ("starling-green", include_bytes!("../materials/starling-green.barbule")),
+];
 
 /// The bytes of a shipped material.
 #[must_use]

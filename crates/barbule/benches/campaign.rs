@@ -1,6 +1,8 @@
 //! The fast simulation in figures: illuminations per second and core, share of time per stage, ratio to the plain
 //! evaluation, all from one run. `cargo bench -p barbule --bench campaign [SPECIES]`
 
+#![allow(clippy::print_stdout)] // its output is its result
+
 use std::time::Instant;
 
 use barbule::campaign::{Campaign, Parameters};

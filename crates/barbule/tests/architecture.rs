@@ -1,5 +1,7 @@
 //! Modules use each other only along the arrows of `ARCHITECTURE.md`.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

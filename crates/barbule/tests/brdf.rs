@@ -1,6 +1,8 @@
 //! The feather BRDF against what it promises: sampling follows its density, energy is conserved, instances average to
 //! the smooth lobe, and the lobe radiates what was fitted.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use barbule::brdf::fit::fitted_values;
 use barbule::brdf::{FeatherBrdf, Material, Options, Polarization, example};
 use barbule::math::rng::Stream;

@@ -1,5 +1,7 @@
 //! Colours against the `colour-science` package.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use barbule::spectrum::colour::{Illuminant, Observer, chromaticity};
 use barbule::spectrum::{Spectrum, Wavelengths};
 

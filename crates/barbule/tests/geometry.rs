@@ -1,5 +1,7 @@
 //! Laws of cross sections, their rays and the random species.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use barbule::material::Library;
 use barbule::math::rng::Stream;
 use barbule::structure::{

@@ -1,6 +1,8 @@
 //! The renderer against what must hold for any renderer: furnaces, known radiances, agreement of its techniques, and
 //! the same bits however it is run.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -45,17 +45,18 @@ impl Args {
             None => materials::cache_path(&self.common, &name)?,
         };
         check_writable(&output)?;
+        self.fit.check()?;
+        let store = self.keep_store.as_deref().map(|folder| store_path(folder, &name)).transpose()?;
         let width = self.campaign.width()?;
         self.common.say(&format!("characterizing {name}: about {}", materials::expected(&planned)));
         let observer = Terminal::new(&self.common);
         let campaign = planned.campaign(width, &observer)?;
-        let statistics = match &self.keep_store {
+        let statistics = match &store {
             None => statistics(&campaign, &observer)?,
-            Some(folder) => {
-                let path = store_path(folder, &name)?;
+            Some(path) => {
                 let parameters = &planned.parameters;
                 let store = Store::create(
-                    &path,
+                    path,
                     &parameters.axes,
                     parameters.instances,
                     &name,

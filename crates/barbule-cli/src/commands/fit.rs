@@ -30,6 +30,7 @@ impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
         check_writable(&self.output)?;
+        self.fit.check()?;
         let store = Store::open(&self.store)?;
         let statistics = store.statistics()?;
         let observer = Terminal::new(&self.common);

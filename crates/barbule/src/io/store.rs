@@ -22,30 +22,62 @@ type Storage = AtomicWriteStorageAdapter<FilesystemStore>;
 /// Version of the store's layout.
 const SCHEMA: u64 = 1;
 
-/// Arrays in the order in which a unit writes them: name, whether f32 (else f64), axes after φ_i, what it holds.
-const ARRAYS: [(&str, bool, &[(&str, usize)], &str); 7] = [
-    (
-        "u",
-        true,
-        &[("polarization", 2), ("azimuth", AZIMUTHS)],
-        "mean of |E|^2/Phi_i over instances, 1/rad (S.12)",
-    ),
-    (
-        "v",
-        true,
-        &[("polarization", 2), ("azimuth", AZIMUTHS)],
-        "|mean of E|^2/Phi_i without bias, 1/rad (S.21)",
-    ),
-    (
-        "autocovariance",
-        true,
-        &[("polarization", 2), ("lag", LAGS)],
-        "autocovariance of the weighted field at lags 2k/1024 in x_o (S.30)",
-    ),
-    ("reflected", false, &[("polarization", 2)], "mean of Phi_r/Phi_i over instances"),
-    ("reflected_std", false, &[("polarization", 2)], "standard deviation of Phi_r/Phi_i over instances"),
-    ("pattern_correlation", false, &[], "correlation of the two polarizations' intensity patterns"),
-    ("contrast", false, &[], "contrast of the unpolarized intensity over instances"),
+/// An array of the store.
+struct ArrayKind {
+    name: &'static str,
+    /// f32, else f64.
+    single: bool,
+    /// Axes after φ_i.
+    trailing: &'static [(&'static str, usize)],
+    meaning: &'static str,
+}
+
+const POLARIZATION: (&str, usize) = ("polarization", 2);
+
+/// Arrays in the order in which a unit writes them.
+const ARRAYS: [ArrayKind; 7] = [
+    ArrayKind {
+        name: "u",
+        single: true,
+        trailing: &[POLARIZATION, ("azimuth", AZIMUTHS)],
+        meaning: "mean of |E|^2/Phi_i over instances, 1/rad (S.12)",
+    },
+    ArrayKind {
+        name: "v",
+        single: true,
+        trailing: &[POLARIZATION, ("azimuth", AZIMUTHS)],
+        meaning: "|mean of E|^2/Phi_i without bias, 1/rad (S.21)",
+    },
+    ArrayKind {
+        name: "autocovariance",
+        single: true,
+        trailing: &[POLARIZATION, ("lag", LAGS)],
+        meaning: "autocovariance of the weighted field at lags 2k/1024 in x_o (S.30)",
+    },
+    ArrayKind {
+        name: "reflected",
+        single: false,
+        trailing: &[POLARIZATION],
+        meaning: "mean of Phi_r/Phi_i over instances",
+    },
+    ArrayKind {
+        name: "reflected_std",
+        single: false,
+        trailing: &[POLARIZATION],
+        meaning: "standard deviation of Phi_r/Phi_i over instances",
+    },
+    ArrayKind {
+        name: "pattern_correlation",
+        single: false,
+        trailing: &[],
+        meaning: "correlation of the two polarizations' intensity patterns",
+    },
+    ArrayKind {
+        name: "contrast",
+        single: false,
+        trailing: &[],
+        meaning: "contrast of the unpolarized intensity over instances",
+    },
 ];
 
 /// An open campaign store.
@@ -110,7 +142,7 @@ impl Store {
         }
         let storage = storage(path)?;
         let shape = [axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
-        for (name, single, trailing, meaning) in ARRAYS {
+        for ArrayKind { name, single, trailing, meaning } in ARRAYS {
             let extents: Vec<u64> =
                 shape.iter().copied().chain(trailing.iter().map(|(_, n)| *n)).map(|n| n as u64).collect();
             let mut chunk = extents.clone();
@@ -194,7 +226,7 @@ impl Store {
         }
         let shape = [axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
         let mut arrays = Vec::new();
-        for (name, _, trailing, _) in ARRAYS {
+        for ArrayKind { name, trailing, .. } in ARRAYS {
             let array = Array::open(storage.clone(), &format!("/{name}"))
                 .map_err(|e| refuse(&format!("its array '{name}' is not readable ({e})")))?;
             let extents: Vec<u64> =
@@ -293,7 +325,7 @@ impl Store {
     }
 
     fn chunk_path(&self, array: usize, wavelength: usize, theta: usize) -> PathBuf {
-        let (name, _, trailing, _) = ARRAYS[array];
+        let ArrayKind { name, trailing, .. } = ARRAYS[array];
         let mut path = self.path.join(name).join("c").join(wavelength.to_string()).join(theta.to_string());
         for _ in 0..=trailing.len() {
             path.push("0");
@@ -303,7 +335,7 @@ impl Store {
 
     fn chunk(array: usize, wavelength: usize, theta: usize) -> Vec<u64> {
         let mut chunk = vec![wavelength as u64, theta as u64];
-        chunk.resize(3 + ARRAYS[array].2.len(), 0);
+        chunk.resize(3 + ARRAYS[array].trailing.len(), 0);
         chunk
     }
 

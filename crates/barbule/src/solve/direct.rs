@@ -1,6 +1,6 @@
 //! The fast simulation's formulas, evaluated plainly: its reference.
 //!
-//! One loop over points, one over azimuths, vectors in three dimensions, reflectances from [`film`]. Slow on purpose:
+//! One loop over points, one over azimuths, vectors in three dimensions, reflectances from [`film`](super::film). Slow on purpose:
 //! no tables, no transforms, no matrix products, no vector instructions.
 
 use glam::DVec3;

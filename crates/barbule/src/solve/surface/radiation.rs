@@ -239,7 +239,7 @@ impl<T: Scalar> Workspace<T> {
             self.multiply(n, end - start, columns, if start == 0 { Accum::Replace } else { Accum::Add });
             lap("matrix product");
         }
-        self.to_coefficients(cone, phi_i.len(), scales, out);
+        self.form_coefficients(cone, phi_i.len(), scales, out);
         lap("components and transform");
     }
 
@@ -304,7 +304,13 @@ impl<T: Scalar> Workspace<T> {
     ///
     /// e₁·[(1 − ωωᵀ)J̃ − ω × M̃] = e₁·J̃ − e₂·M̃ and e₂·[…] = e₂·J̃ + e₁·M̃, times
     /// (j/4)·jk·√(2/(πκ))·e^{−jπ/4}.
-    fn to_coefficients(&mut self, cone: &Cone, incidences: usize, scales: &[f64], out: &mut Vec<Complex<T>>) {
+    fn form_coefficients(
+        &mut self,
+        cone: &Cone,
+        incidences: usize,
+        scales: &[f64],
+        out: &mut Vec<Complex<T>>,
+    ) {
         let n = cone.angles;
         let half = n / 2;
         let (sin_theta, cos_theta) = cone.theta_i.sin_cos();
@@ -407,10 +413,10 @@ impl<T: Scalar> Synthesis<T> {
             }
             let (re, im) = (T::of(phase.re), T::of(phase.im));
             let bin = &mut circle[order % length];
-            *bin = *bin + coefficients[order] * Complex { re, im };
+            *bin += coefficients[order] * Complex { re, im };
             if order > 0 {
                 let bin = &mut circle[(length - order % length) % length];
-                *bin = *bin + coefficients[self.angles - order] * Complex { re, im: -im };
+                *bin += coefficients[self.angles - order] * Complex { re, im: -im };
             }
             phase *= turn;
         }

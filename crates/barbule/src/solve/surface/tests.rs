@@ -347,7 +347,6 @@ fn corners_are_exact_too() {
     let error = relative_l2(
         run(&Nodes::equidistant(&surface, cone.kappa)).iter(),
         run(&Nodes::at_points(&surface)).iter(),
-        1.0,
     );
     assert!(error < 2e-4, "{error:e}");
 }
