@@ -1,6 +1,8 @@
 //! The renderer in figures: paths per second and core on a close-up of barbules, and how they divide.
 //! `cargo bench -p barbule --bench render [PRESET]`
 
+#![allow(clippy::print_stdout)] // its output is its result
+
 use std::sync::Arc;
 use std::time::Instant;
 

@@ -185,6 +185,12 @@ fn check(statistics: &Statistics) -> Result<()> {
             return Err(Error::input(format!("{name} has {found} values, but the axes ask for {expected}")));
         }
     }
+    let finite = |values: &[f32]| values.iter().all(|v| v.is_finite());
+    if !(finite(&statistics.u) && finite(&statistics.v) && finite(&statistics.autocovariance)) {
+        return Err(Error::not_settled(
+            "the statistics hold values that are not finite, so nothing can be fitted",
+        ));
+    }
     Ok(())
 }
 

@@ -97,6 +97,8 @@ pub(crate) trait Real: SimdFloatElement {
     const TWO_PI: [f64; 3];
     /// Smallest divisors that do not overflow.
     const TINY: f64;
+    /// cosα of a direction that counts as grazing: products of several such numbers must not underflow.
+    const GRAZING: f64;
     fn of(value: f64) -> Self;
 }
 
@@ -140,6 +142,7 @@ impl Real for f64 {
     const TWO_PI: [f64; 3] =
         [6.283_185_306_936_502_5, 2.430_840_202_521_586_4e-10, 8.089_064_995_183_803e-21];
     const TINY: f64 = 1e-150;
+    const GRAZING: f64 = 1e-6;
     #[inline(always)]
     fn of(value: f64) -> Self {
         value
@@ -155,6 +158,7 @@ impl Real for f32 {
     const DECAY_SQUARINGS: i32 = 5;
     const TWO_PI: [f64; 3] = [6.2822265625, 0.0009586811065673828, 6.357301884918343e-08];
     const TINY: f64 = 1e-15;
+    const GRAZING: f64 = 1e-3;
     #[inline(always)]
     fn of(value: f64) -> Self {
         value as f32

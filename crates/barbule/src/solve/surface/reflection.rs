@@ -76,7 +76,7 @@ pub(crate) fn reflect_block<S: Simd, T: Real>(
         // ω_i in the local frame.
         let cos_alpha = (tangent_x * cos_phi - tangent_z * sin_phi) * cos_theta;
         let lit = cos_alpha.simd_gt(zero);
-        let cos_alpha = cos_alpha.max(splat::<S, T::Native<S>>(simd, 1e-9));
+        let cos_alpha = cos_alpha.max(splat::<S, T::Native<S>>(simd, T::GRAZING));
         let omega_t = (tangent_x * sin_phi + tangent_z * cos_phi) * cos_theta;
         let omega_y = sin_theta;
         let sin_squared = omega_t.mul_add(omega_t, omega_y * omega_y);
@@ -87,7 +87,8 @@ pub(crate) fn reflect_block<S: Simd, T: Real>(
         let s_t = degenerate.select(zero, -omega_y / length);
         let s_y = degenerate.select(splat(simd, 1.0), omega_t / length);
 
-        let (r_s, r_p) = reflectances::<S, T::Native<S>>(simd, arrays, optics, at, cos_alpha, sin_squared);
+        let below_grazing = sin_squared.min(splat::<S, T::Native<S>>(simd, 1.0 - T::GRAZING * T::GRAZING));
+        let (r_s, r_p) = reflectances::<S, T::Native<S>>(simd, arrays, optics, at, cos_alpha, below_grazing);
 
         let x: T::Native<S> = load(simd, &arrays.x_um, at);
         let z: T::Native<S> = load(simd, &arrays.z_um, at);

@@ -9,7 +9,7 @@ use crate::math::rng::Stream;
 use crate::scattering::directions::{e1, e2, omega};
 use crate::solve::direct;
 use crate::solve::film::{Polarization, reflect};
-use crate::structure::{Medium, Parts, Polyline, Section, Substance};
+use crate::structure::{Medium, Parts, Polyline, Section, SpeciesModel, Substance};
 
 /// A perfect conductor to 2e-6: r_s = −1, r_p = +1.
 fn mirror() -> Medium {
@@ -349,4 +349,29 @@ fn corners_are_exact_too() {
         run(&Nodes::at_points(&surface)).iter(),
     );
     assert!(error < 2e-4, "{error:e}");
+}
+
+/// Steep ends are lit at grazing angles, where every air-filled layer carries a vanishing q.
+#[test]
+fn single_precision_survives_grazing_light_on_many_voids() {
+    let model = SpeciesModel::builtin("hummingbird", None, Library::builtin()).unwrap();
+    for instance in 0..3 {
+        let section = model.section(1, instance).unwrap();
+        let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian).unwrap();
+        let single = surface.optics::<f32>(484.0).unwrap();
+        let double = surface.optics::<f64>(484.0).unwrap();
+        let cone = Cone::new(double.k, 0.3, surface.radius_um);
+        let phis = [0.7, 1.45];
+        let (mut fast, mut exact) = (Vec::new(), Vec::new());
+        let nodes = Nodes::equidistant(&surface, cone.kappa);
+        Workspace::<f32>::new(Width::best())
+            .far_fields(&surface, &single, &nodes, &cone, &phis, &[1.0; 2], &mut fast);
+        let nodes = Nodes::at_points(&surface);
+        Workspace::<f64>::new(Width::best())
+            .far_fields(&surface, &double, &nodes, &cone, &phis, &[1.0; 2], &mut exact);
+        let fast: Vec<Complex64> =
+            fast.iter().map(|v| Complex64::new(f64::from(v.re), f64::from(v.im))).collect();
+        let error = relative_l2(fast.iter(), exact.iter());
+        assert!(error < 1e-3, "{instance}: {error:e}");
+    }
 }
