@@ -5,6 +5,7 @@
 /// The shipped materials: name (`species-variant`, as in `starling-green`) and the bytes of the file.
 pub const MATERIALS: &[(&str, &[u8])] = &[
     ("bronzewing-green", include_bytes!("../materials/bronzewing-green.barbule")),
+    ("hummingbird-anna", include_bytes!("../materials/hummingbird-anna.barbule")),
     ("rock-dove-forest", include_bytes!("../materials/rock-dove-forest.barbule")),
     ("starling-green", include_bytes!("../materials/starling-green.barbule")),
 ];

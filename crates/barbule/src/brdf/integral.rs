@@ -34,7 +34,7 @@ const END: f64 = 4.5;
 const HERMITE: f64 = 3.4;
 
 /// Nodes in each half of the transverse range.
-const HALF: usize = 16;
+const HALF: usize = 20;
 
 /// Rules that are made once.
 #[derive(Debug, Clone)]
@@ -54,7 +54,7 @@ impl Quadrature {
         Self {
             half: std::array::from_fn(|k| crowd(half[k])),
             hermite: gauss_hermite_8(),
-            part: gauss_legendre(20),
+            part: gauss_legendre(24),
         }
     }
 
@@ -228,7 +228,7 @@ mod tests {
 
     /// J by a plain sum over h, no substitution: slow, and only as good as its cells are small.
     fn plain(m: f64, incident: DVec3, sigma: f64) -> f64 {
-        let (rows, columns) = (400, 4_000);
+        let (rows, columns) = (400, 16_000);
         let mut sum = 0.0;
         for i in 0..rows {
             let hy = 5.0 * sigma * (2.0 * (f64::from(i) + 0.5) / f64::from(rows) - 1.0);
