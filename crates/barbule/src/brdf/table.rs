@@ -325,8 +325,13 @@ impl Layer<'_> {
                 if corners.iter().all(|&c| reflected[c] < BRIGHT) {
                     continue;
                 }
-                let inside = [0.03, 0.12, 0.3, 0.6, 0.9];
-                let albedos = inside.iter().flat_map(|&x| inside.map(|y| (x, y))).map(|(x, y)| {
+                // The lowest cells bend most.
+                let inside: &[f64] = if t == 0 || p == 0 {
+                    &[0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.95]
+                } else {
+                    &[0.1, 0.3, 0.5, 0.7, 0.9]
+                };
+                let albedos = inside.iter().flat_map(|&x| inside.iter().map(move |&y| (x, y))).map(|(x, y)| {
                     let weights = [(1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y];
                     let mix = |column: usize| -> f64 {
                         corners.iter().zip(weights).map(|(&c, w)| w * f64::from(nodes[c][column])).sum()
