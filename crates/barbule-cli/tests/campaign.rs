@@ -203,6 +203,9 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_nothing() {
     let file = folder.path().join("m.barbule").to_string_lossy().into_owned();
     let nowhere = folder.path().join("no/where.zarr").to_string_lossy().into_owned();
     let here = folder.path().to_string_lossy().into_owned();
+    let other = tempfile::tempdir().unwrap();
+    std::fs::write(other.path().join("mine.txt"), "x").unwrap();
+    let occupied = other.path().to_string_lossy().into_owned();
     let far = ["far-field", "starling", "--wavelength", "520", "--theta", "0", "--phi", "0"];
     let with = |more: &[&'static str]| [&far[..], more].concat();
     let simulate = |more: &[&'static str]| {
@@ -245,7 +248,7 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_nothing() {
         (simulate(&["--wavelengths", "900"]), "outside 300 to 830"),
         (simulate(&["--keep-fields", "401"]), "does not simulate"),
         (vec!["simulate", "starling", "-o", &nowhere], "does not exist"),
-        (vec!["simulate", "starling", "-o", &here], "not a campaign store"),
+        (vec!["simulate", "starling", "-o", &occupied], "not a campaign store"),
         (vec!["simulate", "starling"], "--output"),
         (vec!["simulate", &nowhere, "--status"], "no such store"),
         (vec!["fit", &nowhere, "-o", &file], "no such store"),

@@ -24,7 +24,7 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "S.zarr", required_unless_present = "status")]
     output: Option<PathBuf>,
     /// Only the units i, i + n, i + 2n, … (i from 0), for several processes on one store
-    #[arg(long, value_name = "i/n")]
+    #[arg(long, value_name = "i/n", allow_hyphen_values = true)]
     shard: Option<String>,
     /// Say what of a store is done
     #[arg(long)]

@@ -331,16 +331,18 @@ impl Layer<'_> {
                 } else {
                     &[0.1, 0.3, 0.5, 0.7, 0.9]
                 };
-                let albedos = inside.iter().flat_map(|&x| inside.iter().map(move |&y| (x, y))).map(|(x, y)| {
-                    let weights = [(1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y];
-                    let mix = |column: usize| -> f64 {
-                        corners.iter().zip(weights).map(|(&c, w)| w * f64::from(nodes[c][column])).sum()
-                    };
-                    let cos_theta = (t as f64 + x) / self.theta.cells as f64;
-                    let cos_phi = (p as f64 + y) / self.phi.cells as f64;
-                    let incident = effective(cos_theta, cos_phi, mix(TILT));
-                    mix(STRENGTH) * self.quadrature.scaled_integral(mix(M), incident, self.sigma) / incident.z
-                });
+                let albedos =
+                    inside.iter().flat_map(|&x| inside.iter().map(move |&y| (x, y))).map(|(x, y)| {
+                        let weights = [(1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y];
+                        let mix = |column: usize| -> f64 {
+                            corners.iter().zip(weights).map(|(&c, w)| w * f64::from(nodes[c][column])).sum()
+                        };
+                        let cos_theta = (t as f64 + x) / self.theta.cells as f64;
+                        let cos_phi = (p as f64 + y) / self.phi.cells as f64;
+                        let incident = effective(cos_theta, cos_phi, mix(TILT));
+                        mix(STRENGTH) * self.quadrature.scaled_integral(mix(M), incident, self.sigma)
+                            / incident.z
+                    });
                 let largest = albedos.fold(0.0, f64::max);
                 // Between the points tried there may be slightly more.
                 let largest = if largest > 1.0 { 1.005 * largest } else { 1.0 };

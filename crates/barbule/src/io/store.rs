@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use num_complex::Complex;
 use serde_json::{Value, json};
-use zarrs::array::{Array, ArrayBuilder, Element, ElementOwned, IntoArrayBytes, codec, data_type};
+use zarrs::array::{Array, ArrayBuilder, Element, ElementOwned, FillValue, IntoArrayBytes, codec, data_type};
 use zarrs::filesystem::FilesystemStore;
 use zarrs::group::{Group, GroupBuilder};
 use zarrs::storage::storage_adapter::atomic_write::AtomicWriteStorageAdapter;
@@ -121,7 +121,7 @@ impl Store {
                 "fields are to be kept at {nm} nm, which the campaign does not simulate"
             )));
         }
-        if path.exists() {
+        if path.exists() && !is_abandoned(path) {
             let store = Self::open(path)?;
             let there = json!({"campaign": store.description, "kept_nm": store.kept_nm});
             let here = json!({"campaign": description, "kept_nm": kept_nm});
@@ -454,9 +454,9 @@ fn create_fields(
     let extents = [kept, shape[1], shape[2], 2, 2, instances, AZIMUTHS].map(|n| n as u64);
     let mut chunk = extents;
     chunk[..2].fill(1);
-    let nan: Vec<u8> = [f32::NAN.to_ne_bytes(), f32::NAN.to_ne_bytes()].concat();
+    let nan = FillValue::from([f32::NAN.to_ne_bytes(), f32::NAN.to_ne_bytes()].concat());
     let names = ["kept_wavelength", "theta_i", "phi_i", "polarization", "component", "instance", "azimuth"];
-    let array = ArrayBuilder::new(extents.to_vec(), chunk.to_vec(), data_type::complex64(), nan.as_slice())
+    let array = ArrayBuilder::new(extents.to_vec(), chunk.to_vec(), data_type::complex64(), nan)
         .dimension_names(Some(names))
         .bytes_to_bytes_codecs(vec![
             Arc::new(codec::ZstdCodec::new(3, false)),
@@ -471,6 +471,16 @@ fn storage(path: &Path) -> Result<Arc<Storage>> {
     let store = FilesystemStore::new(path)
         .map_err(|e| Error::input(format!("{}: is not a usable store folder ({e})", path.display())))?;
     Ok(Arc::new(AtomicWriteStorageAdapter::new(Arc::new(store))))
+}
+
+/// Whether a folder is what a creation leaves that was killed before its last file, the group's `zarr.json`.
+fn is_abandoned(path: &Path) -> bool {
+    let ours = |name: &std::ffi::OsStr| ARRAYS.iter().any(|kind| name == kind.name) || name == FIELDS;
+    std::fs::read_dir(path).is_ok_and(|entries| {
+        entries
+            .into_iter()
+            .all(|entry| entry.is_ok_and(|e| ours(&e.file_name()) || e.file_name() == "zarr.json.tmp"))
+    })
 }
 
 /// Hash of a description, independent of the order of its keys.
