@@ -39,7 +39,7 @@ pub(crate) struct Args {
     /// Width and height in pixels [default: 1280x800]
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
-    /// Most samples per pixel [default: 32; 4096 with --noise or --time]
+    /// Most samples per pixel [default: 16; 4096 with --noise or --time]
     #[arg(long, value_name = "N")]
     samples: Option<u32>,
     /// Stop after this time, as in 30s, 5m or 1h
@@ -145,7 +145,7 @@ impl Args {
             return Err(Error::input(format!("--noise {noise}: give percent, over 0 and up to 100")));
         }
         let open_ended = time.is_some() || self.noise.is_some();
-        let samples = self.samples.unwrap_or(if open_ended { 4096 } else { 32 });
+        let samples = self.samples.unwrap_or(if open_ended { 4096 } else { 16 });
         if !(1..=1 << 24).contains(&samples) {
             return Err(Error::input(format!("--samples {samples}: give 1 to 16777216")));
         }

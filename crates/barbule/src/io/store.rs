@@ -1,7 +1,7 @@
 //! The campaign store: a Zarr v3 group with one chunk per unit of work in each array.
 //!
 //! A chunk is written aside and renamed, so it exists whole or not at all; its checksum (CRC-32C) is verified on
-//! reading. The arrays of a unit are written in the order of [`ARRAYS`], so the unit is done when the last has its
+//! reading. The arrays of a unit are written in a fixed order, so the unit is done when the last has its
 //! chunk. The group's attributes hold every parameter and their hash.
 
 use std::path::{Path, PathBuf};

@@ -87,6 +87,7 @@ pub fn all() -> [Preset; 4] {
             name: "bronzewing",
             material: "bronzewing",
             feather: species::bronzewing(),
+            exposure: 0.2,
             window: Window { along_mm: 30.0, radius_mm: 3.0 },
             ..usual
         },
@@ -94,8 +95,9 @@ pub fn all() -> [Preset; 4] {
             name: "hummingbird",
             material: "hummingbird",
             feather: species::hummingbird(),
-            window: Window { along_mm: 4.8, radius_mm: 2.2 },
-            width_mm: 2.9,
+            window: Window { along_mm: 4.7, radius_mm: 2.2 },
+            width_mm: 2.7,
+            exposure: 0.3,
             ..usual
         },
     ]

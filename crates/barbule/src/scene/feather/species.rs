@@ -106,7 +106,7 @@ pub fn bronzewing() -> Feather {
 #[must_use]
 pub fn hummingbird() -> Feather {
     let barbule = BarbuleShape {
-        length_um: 140.0,
+        length_um: 150.0,
         width_um: 24.0,
         spacing_um: 19.0,
         angle: [48.0 * DEG, 40.0 * DEG],
@@ -118,7 +118,7 @@ pub fn hummingbird() -> Feather {
     Feather {
         shaft: ShaftShape { length_mm: 7.0, radius_mm: 0.11, calamus: 0.1, ..SHAFT },
         barb: BarbShape {
-            spacing_um: 165.0,
+            spacing_um: 155.0,
             half_width_mm: 2.4,
             width_um: 26.0,
             angle: [55.0 * DEG, 25.0 * DEG],

@@ -19,7 +19,7 @@ pub enum Window {
 /// One instance of a barbule, prepared: independent of wavelength and direction.
 ///
 /// Each straight piece of the top is divided into elements of at most the given length with two Gauss points each;
-/// arrays are padded to a multiple of [`BLOCK`] with points of no weight.
+/// arrays are padded to a multiple of 64 with points of no weight.
 #[derive(Debug, Clone)]
 pub struct Surface {
     /// What kernels read, in both precisions.
