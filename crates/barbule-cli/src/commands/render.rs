@@ -46,7 +46,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "TIME")]
     time: Option<String>,
     /// Stop where the noise is below this many percent of the brightness
-    #[arg(long, value_name = "P")]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
     noise: Option<f64>,
     /// Azimuth and elevation of the key light, degrees
     #[arg(long, value_name = "AZ,EL", allow_hyphen_values = true)]

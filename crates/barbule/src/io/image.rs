@@ -60,9 +60,10 @@ pub fn write_exr(
     }
     let mut attributes = LayerAttributes::named("barbule");
     for (name, text) in facts {
-        // The format knows Latin letters only.
+        // The format keeps names such as `version` for itself, and knows Latin letters only.
+        let name = format!("barbule_{name}");
         let latin: String = text.chars().map(|c| if c.is_ascii() { c } else { '?' }).collect();
-        if let (Some(name), Some(text)) = (Text::new_or_none(name), Text::new_or_none(&latin)) {
+        if let (Some(name), Some(text)) = (Text::new_or_none(&name), Text::new_or_none(&latin)) {
             attributes.other.insert(name, AttributeValue::Text(text));
         }
     }
