@@ -5,6 +5,7 @@
 
 mod reduce;
 mod run;
+pub mod single;
 pub mod spectrum;
 
 pub use run::{Outcome, run, statistics};
