@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use barbule::brdf::fit::fitted_values;
+use barbule::brdf::fit::{fitted_scale, fitted_values};
 use barbule::brdf::{LobeSet, Material, Noise, Synthesis};
 use barbule::campaign::single::{Patterns, intensities};
 use barbule::campaign::statistics;
@@ -192,10 +192,8 @@ fn fitted_at(material: &Material, phi_o: &[f64]) -> Vec<f64> {
     let node = material.axes.index(0, material.axes.cos_theta.len() - 1, material.axes.cos_phi.len() - 1);
     let set = &material.sets[0].mean;
     let lobe = Lobe { m: f64::from(set.m[node]), phi: f64::from(set.phi[node]) };
-    let shape = |phi: f64| lobe.shape(material.kind, 0.0, phi);
-    let step = std::f64::consts::PI / AZIMUTHS as f64;
-    let total = step * azimuths(AZIMUTHS).map(shape).sum::<f64>();
-    phi_o.iter().map(|phi| f64::from(set.reflected[node]) * shape(*phi) / total).collect()
+    let scale = fitted_scale(material.kind, lobe, 0.0, f64::from(set.reflected[node]));
+    phi_o.iter().map(|phi| scale * lobe.shape(material.kind, 0.0, *phi)).collect()
 }
 
 fn curve(name: &str, pattern: &Patterns, place: impl Fn(f64) -> f64) -> Curve {

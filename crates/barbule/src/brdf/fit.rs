@@ -392,11 +392,16 @@ pub(super) fn direction(axes: &Axes, node: usize) -> (f64, f64, f64) {
 /// U' or V' of a lobe: the shape on the azimuths, scaled to reflect `reflected`.
 #[must_use]
 pub fn fitted_values(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> Vec<f64> {
-    let shape: Vec<f64> =
-        directions::azimuths(AZIMUTHS).map(|phi_o| lobe.shape(kind, theta_i, phi_o)).collect();
+    let scale = fitted_scale(kind, lobe, theta_i, reflected);
+    directions::azimuths(AZIMUTHS).map(|phi_o| scale * lobe.shape(kind, theta_i, phi_o)).collect()
+}
+
+/// The factor on a lobe's shape with which it reflects `reflected`.
+#[must_use]
+pub fn fitted_scale(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> f64 {
     let step = std::f64::consts::PI / AZIMUTHS as f64;
-    let total = libm::cos(theta_i) * step * shape.iter().sum::<f64>();
-    shape.iter().map(|s| s * reflected / total.max(f64::MIN_POSITIVE)).collect()
+    let sum: f64 = directions::azimuths(AZIMUTHS).map(|phi_o| lobe.shape(kind, theta_i, phi_o)).sum();
+    reflected / (libm::cos(theta_i) * step * sum).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -420,7 +425,7 @@ mod tests {
             reflected: vec![],
             reflected_std: vec![],
             pattern_correlation: vec![1.0; axes.len()],
-            contrast: vec![0.9; axes.len()],
+            contrast: vec![1.0; axes.len()],
             axes,
         };
         let set = &material.sets[0];
@@ -531,5 +536,30 @@ mod tests {
         assert!(error.to_string().contains("u has"), "{error}");
         let wide = FitOptions { sigma: 1.0, ..FitOptions::default() };
         assert!(fit(&statistics_of(&example(1)), &wide, &Unobserved).unwrap_err().is_input());
+    }
+
+    #[test]
+    fn intensities_that_hardly_vary_leave_instances_that_hardly_vary() {
+        for contrast in [0.4, 0.6, 0.75] {
+            let mut statistics = statistics_of(&example(2));
+            statistics.contrast.fill(contrast);
+            let (_, report) = fit(&statistics, &FitOptions::default(), &Unobserved).unwrap();
+            for pattern in &report.patterns {
+                // The ramp above the campaign's own noise weakens a steady part of less than half.
+                let [wanted, found] = pattern.contrast;
+                assert!((found - wanted).abs() < 0.06, "{wanted} {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn speckle_has_no_steady_part_even_in_few_instances() {
+        for instances in [1, 7, 12, 50] {
+            let count = instances as f64;
+            let found = ((count - 1.0) / (count + 1.0)).sqrt();
+            assert!(steady_share(found, instances) < 1e-12);
+        }
+        assert!((steady_share(0.5, 1000) - 0.75_f64.sqrt()).abs() < 1e-3);
+        assert!(steady_share(0.0, 50) > 0.999 && steady_share(2.0, 50) == 0.0);
     }
 }

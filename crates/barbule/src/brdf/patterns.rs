@@ -1,6 +1,6 @@
 //! Synthesized patterns beside simulated ones: the check that instances vary as the simulated barbules do.
 
-use super::fit::{Pattern, direction, fitted_values};
+use super::fit::{Pattern, direction, fitted_scale};
 use super::material::{LobeSet, Material};
 use super::noise::Noise;
 use crate::scattering::directions;
@@ -19,9 +19,16 @@ pub struct Synthesis {
 }
 
 impl Synthesis {
-    /// Prepares node number `node` of the tables.
+    /// Prepares node number `node` of the tables, on the azimuths of U.
     #[must_use]
     pub fn new(material: &Material, node: usize) -> Self {
+        let phi_o: Vec<f64> = directions::azimuths(AZIMUTHS).collect();
+        Self::on(material, node, &phi_o)
+    }
+
+    /// The same on other azimuths φ_o, rad.
+    #[must_use]
+    pub fn on(material: &Material, node: usize, phi_o: &[f64]) -> Self {
         let (_, theta_deg, phi_deg) = direction(&material.axes, node);
         let (theta, phi_i) = (theta_deg.to_radians(), phi_deg.to_radians());
         let sides = [0, 1].map(|polarization| {
@@ -31,9 +38,11 @@ impl Synthesis {
                 Some(&first) => 2.0 - 2.0 * f64::from(first),
                 None => 1.0,
             };
-            let values = |lobe: &LobeSet, share: f64| {
+            let values = |lobe: &LobeSet, share: f64| -> Vec<f64> {
                 let shape = Lobe { m: f64::from(lobe.m[node]), phi: f64::from(lobe.phi[node]) };
-                fitted_values(material.kind, shape, theta, share * f64::from(lobe.reflected[node]))
+                let scale =
+                    fitted_scale(material.kind, shape, theta, share * f64::from(lobe.reflected[node]));
+                phi_o.iter().map(|phi| scale * shape.shape(material.kind, theta, *phi)).collect()
             };
             [
                 values(&set.mean, share(&set.fraction_1)),
@@ -42,8 +51,9 @@ impl Synthesis {
         });
         let length = f64::from(material.sets[0].length[node]);
         let cosine = libm::cos(theta);
-        let positions = directions::azimuths(AZIMUTHS)
-            .map(|phi_o| (cosine * (libm::sin(phi_i) + libm::sin(phi_o)) / length) as f32)
+        let positions = phi_o
+            .iter()
+            .map(|phi_o| (cosine * (libm::sin(phi_i) + libm::sin(*phi_o)) / length) as f32)
             .collect();
         Self { sides, positions }
     }
