@@ -182,6 +182,8 @@ pub(crate) fn fields(material: &Material, common: &Common) -> Result<Vec<Drawing
     weighted.fields = vec![weighted.weighted(0)];
     let below =
         panel("weighted for its autocovariance, r = √U′ R".into(), "r (1/rad)", &weighted, None).draw();
+    // A material of fewer wavelengths leaves places empty.
+    let right = right.into_iter().chain(std::iter::repeat_with(|| Drawing::new(0.0, 0.0)));
     let mut page: Vec<Drawing> = left.into_iter().zip(right).flat_map(|(a, b)| [a, b]).collect();
     page.extend([plain, below]);
     Ok(page)
@@ -269,16 +271,16 @@ fn covariances(material: &Material, noise: &Noise, common: &Common) -> Result<Ve
     let normal = (from.cos_theta[from.cos_theta.len() - 1], from.cos_phi[from.cos_phi.len() - 1]);
     let mut means = Vec::new();
     let mut single = covariance_figure(&format!("single barbules and their mean, {:.0} nm", waves[0]));
-    for (number, nm) in waves.into_iter().enumerate() {
-        let axes = Axes { wavelengths_nm: vec![nm], cos_theta: vec![normal.0], cos_phi: vec![normal.1] };
-        let campaign = campaign_of(material, axes, None, true, common)?;
+    let axes = Axes { wavelengths_nm: waves.to_vec(), cos_theta: vec![normal.0], cos_phi: vec![normal.1] };
+    let campaign = campaign_of(material, axes, None, true, common)?;
+    for number in 0..2 {
         let mut mean = vec![0.0; LAGS];
         for polarization in 0..2 {
-            let patterns = campaign.patterns(0, 0, 0, polarization)?;
+            let patterns = campaign.patterns(number, 0, 0, polarization)?;
             for instance in 0..patterns.fields.len() {
                 let own = patterns.autocovariance(instance);
                 if number == 0 && polarization == 0 && instance < 3 {
-                    single.curves.push(lags(&format!("barbule {instance}"), &own, 1.0));
+                    single.curves.push(lags(&format!("barbule {}", instance + 1), &own, 1.0));
                 }
                 for (sum, value) in mean.iter_mut().zip(own) {
                     *sum += value;

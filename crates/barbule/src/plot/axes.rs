@@ -155,7 +155,7 @@ impl Frame {
     }
 
     fn y_ticks(&self) -> Vec<(f64, String)> {
-        ticks(self.y, (self.area[3] / 45.0) as usize)
+        ticks(self.y, ((self.area[3] / 45.0) as usize).max(5))
     }
 }
 
