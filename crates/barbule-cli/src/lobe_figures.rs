@@ -387,15 +387,15 @@ impl Column<'_> {
             let count = side[0].len();
             page.text([left, y + 4.0], 12.0, Anchor::Start, format!("{name} barbules: colour over φ_o"));
             y += 12.0;
-            for instance in 0..count {
-                let rgba = (0..AZIMUTHS)
-                    .map(|k| {
-                        let rgb = colour(&|w| side[w][instance][k]);
-                        let [r, g, b] = display(rgb.map(|v| v * exposure));
-                        [r, g, b, 255]
-                    })
-                    .collect();
-                let picture = Picture { width: AZIMUTHS, height: 1, rgba };
+            let strip = |instance: usize| {
+                let rgba = (0..AZIMUTHS).map(|k| {
+                    let rgb = colour(&|w| side[w][instance][k]);
+                    let [r, g, b] = display(rgb.map(|v| v * exposure));
+                    [r, g, b, 255]
+                });
+                Picture { width: AZIMUTHS, height: 1, rgba: rgba.collect() }
+            };
+            for picture in (0..count).map(strip) {
                 page.items.push(Item::Picture { area: [left, y, width, STRIP[0]], picture });
                 y += STRIP[0] + STRIP[1];
             }
