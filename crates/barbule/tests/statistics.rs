@@ -331,6 +331,8 @@ fn synthesized(species: &Species) {
     // Near Brewster's angle the weaker polarization has a pattern of its own, which shared noise does not know.
     assert!(correlation(1) - correlation(0) < if arch { 0.15 } else { 0.06 });
     assert!((energy - 1.0).abs() < 0.01);
+    // The seed finds 1.70 (S.31); pure scaling with the wavelength would give 1.735.
+    assert!((1.6..1.8).contains(&report.longest_length[0]));
     for [fields, intensities] in found {
         let apart = |[a, b]: [f64; 2]| (b / a - 1.0).abs();
         // An arch's steady part changes its phase over the lobe, which only fields show.
