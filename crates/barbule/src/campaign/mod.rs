@@ -6,6 +6,7 @@
 mod reduce;
 mod resolution;
 mod run;
+pub mod single;
 pub mod spectrum;
 
 pub use run::{Outcome, run, statistics};
