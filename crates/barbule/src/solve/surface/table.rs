@@ -282,3 +282,76 @@ fn needed(terms: &[Term]) -> Option<usize> {
     // Terms at the end stand for all that were not computed, so some of them must be negligible.
     (kept + 2 <= terms.len()).then_some(kept.max(1))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Library;
+    use crate::structure::SpeciesModel;
+
+    /// r_s and r_p of every point at one angle, `[point][r_s, r_p][re, im]`.
+    #[inline(always)]
+    fn evaluate<S: Simd>(
+        simd: S,
+        from: &impl Reflectances<f32>,
+        arrays: &Arrays<f32>,
+        cos_alpha: f64,
+    ) -> Vec<[f32; SERIES]> {
+        let mut values = Vec::new();
+        for at in (0..arrays.x_um.len()).step_by(S::f32s::LEN) {
+            let [s, p] = from.at(simd, arrays, at, splat(simd, cos_alpha));
+            values.extend((0..S::f32s::LEN).map(|i| [s.re[i], s.im[i], p.re[i], p.im[i]]));
+        }
+        values
+    }
+
+    #[test]
+    fn series_give_what_the_stacks_give_at_any_angle() {
+        for species in ["rock-dove", "starling", "bronzewing", "hummingbird"] {
+            let model = SpeciesModel::builtin(species, None, Library::builtin()).unwrap();
+            let section = model.section(1, 0).unwrap();
+            let surface = Surface::new(&section, 0.1, Window::Gaussian).unwrap();
+            // One ray per point: nothing is averaged.
+            let rays = Rays::cast(&section, 0.1, 1).unwrap();
+            let table = ReflectanceTable::new(Width::best(), &surface, &rays, 437.0).unwrap();
+            let optics = surface.optics::<f32>(437.0).unwrap();
+            for cos_alpha in [0.0015, 0.01, 0.1, 0.3, 0.55, 0.8, 0.97, 1.0] {
+                let arrays = &surface.single;
+                let series = dispatch!(Width::best().0, simd => evaluate(simd, &table, arrays, cos_alpha));
+                let exact = dispatch!(Width::best().0, simd => evaluate(simd, &optics, arrays, cos_alpha));
+                let worst = series[..surface.count]
+                    .iter()
+                    .flatten()
+                    .zip(exact.iter().flatten())
+                    .fold(0f32, |worst, (a, b)| worst.max((a - b).abs()));
+                // What series leave out, and the rounding of single precision on both sides.
+                assert!(worst < 1e-4, "{species} {cos_alpha}: {worst}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_carry_the_integral_of_their_rays_and_its_first_moment() {
+        let model = SpeciesModel::builtin("starling", None, Library::builtin()).unwrap();
+        let section = model.section(1, 0).unwrap();
+        for parts in [1, 2, 4, 8] {
+            let rays = Rays::cast(&section, 0.04, parts).unwrap();
+            let gauss = 1.0 / 3f32.sqrt();
+            let ends = (0..2 * parts).map(|ray| {
+                let side = if ray % 2 == 0 { -gauss } else { gauss };
+                ((2 * (ray / 2) + 1) as f32 + side) / parts as f32 - 1.0
+            });
+            let (mut mean, mut moment, mut square) = (0.0, 0.0, 0.0);
+            for (ray, xi) in ends.enumerate() {
+                let (a, b) = (rays.weights[0][ray], rays.weights[1][ray]);
+                // The two points' values for a reflectance that is 1, or ξ, or 1 on this ray alone.
+                mean += a + b;
+                moment += (b - a) * gauss * xi;
+                square += a + b - 1.0 / parts as f32;
+            }
+            assert!((mean - 2.0).abs() < 1e-5 && square.abs() < 1e-5, "{parts}: {mean}");
+            // ∫ξ² dξ over [−1, 1], as two Gauss points give it.
+            assert!((moment - 2.0 / 3.0).abs() < 1e-5, "{parts}: {moment}");
+        }
+    }
+}
