@@ -250,7 +250,7 @@ impl FeatherBrdf {
         self.tables.iter().map(move |table| {
             let cos_theta = wi.x.hypot(wi.z).max(1e-6);
             let cos_phi = wi.z / cos_theta;
-            let cell = table.cell(cos_theta as f32, cos_phi as f32);
+            let cell = table.cell_plain(cos_theta, cos_phi);
             let p = table.lookup_plain(&cell, table.place(wavelength_nm));
             let mut incident = effective(cos_theta, cos_phi, f64::from(p[table::TILT]));
             incident.x = incident.x.copysign(wi.x * incident.x);

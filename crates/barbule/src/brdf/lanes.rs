@@ -56,7 +56,7 @@ impl<S: Simd> Lobes<S> {
         let cos_theta = (x * x + z * z).sqrt().max(1e-6);
         let inverse = 1.0 / cos_theta;
         let sin_phi = x * inverse;
-        let cell = table.cell(cos_theta, z * inverse);
+        let cell = table.cell(simd, cos_theta, z * inverse);
         let (index, weight) = table.places(simd, wavelengths_nm);
         let (a_mean, a_rest) = table.lookup(simd, &cell, index[0], weight[0]).split();
         let (b_mean, b_rest) = table.lookup(simd, &cell, index[1], weight[1]).split();

@@ -5,7 +5,7 @@
 //! linearly in λ. φ_eff is kept as sinφ_eff/sinφ_i, which is even and smooth at normal incidence, where φ_i itself has
 //! an infinite slope against cosφ_i.
 
-use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
+use fearless_simd::{Fallback, Simd, f32x4, f32x8, i32x4, prelude::*};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -138,12 +138,21 @@ impl Table {
     pub(super) fn places<S: Simd>(&self, simd: S, wavelengths_nm: [f32; 4]) -> ([usize; 4], [f32; 4]) {
         let waves = &self.wavelengths_nm;
         if let (Some(inverse), [first, _, ..]) = (self.inverse_spacing, &waves[..]) {
-            let last = (waves.len() - 2) as f32;
+            let last = waves.len() - 2;
             let position = (f32x4::from_slice(simd, &wavelengths_nm) - *first) * inverse;
-            let position = position.min(last + 1.0).max(0.0);
-            let index = position.floor().min(last);
-            let weight: [f32; 4] = (position - index).into();
-            return ([index[0] as usize, index[1] as usize, index[2] as usize, index[3] as usize], weight);
+            let position = position.min((last + 1) as f32).max(0.0);
+            let whole = position.floor().min(last as f32);
+            let weight: [f32; 4] = (position - whole).into();
+            let index = whole.to_int::<i32x4<S>>();
+            return (
+                [
+                    at_most(index[0], last),
+                    at_most(index[1], last),
+                    at_most(index[2], last),
+                    at_most(index[3], last),
+                ],
+                weight,
+            );
         }
         let (mut index, mut weight) = ([0; 4], [0.0; 4]);
         for lane in 0..4 {
@@ -155,13 +164,24 @@ impl Table {
 
     /// The cell of an incident direction with these cosines.
     #[inline(always)]
-    pub(super) fn cell(&self, cos_theta: f32, cos_phi: f32) -> Cell {
-        let (t, wt) = split(cos_theta, self.theta_cells);
-        let (p, wp) = split(cos_phi, self.phi_cells);
+    pub(super) fn cell<S: Simd>(&self, simd: S, cos_theta: f32, cos_phi: f32) -> Cell {
+        let cells = [self.theta_cells as f32, self.phi_cells as f32, 1.0, 1.0];
+        let position = f32x4::simd_from(simd, [cos_theta, cos_phi, 0.0, 0.0]).min(1.0).max(0.0)
+            * f32x4::simd_from(simd, cells);
+        let whole = position.floor().min(f32x4::simd_from(simd, cells) - 1.0);
+        let index = whole.to_int::<i32x4<S>>();
+        let rest = position - whole;
+        let (t, p) = (at_most(index[0], self.theta_cells - 1), at_most(index[1], self.phi_cells - 1));
+        let (wt, wp) = (rest[0], rest[1]);
         Cell {
             first: (t * self.phi_cells + p) * self.wavelengths_nm.len().max(2),
             weights: [(1.0 - wt) * (1.0 - wp), (1.0 - wt) * wp, wt * (1.0 - wp), wt * wp],
         }
+    }
+
+    /// The same outside vector code.
+    pub(super) fn cell_plain(&self, cos_theta: f64, cos_phi: f64) -> Cell {
+        self.cell(Fallback::new(), cos_theta as f32, cos_phi as f32)
     }
 
     /// All parameters there, at a wavelength's index and the weight of the next.
@@ -197,12 +217,10 @@ fn mixed<S: Simd>(simd: S, patch: &Patch, [a, b, c, d]: [f32; 4]) -> f32x8<S> {
     first + second
 }
 
-/// The cell of a cosine and the weight of its upper node.
+/// An index bounded, whatever the conversion made of a number that is not one.
 #[inline(always)]
-fn split(cosine: f32, cells: usize) -> (usize, f32) {
-    let position = cosine.clamp(0.0, 1.0) * cells as f32;
-    let index = (position as usize).min(cells - 1);
-    (index, position - index as f32)
+fn at_most(index: i32, last: usize) -> usize {
+    (index as u32 as usize).min(last)
 }
 
 /// One axis: the stored nodes, extended to 0 and 1, and the regular fine nodes.

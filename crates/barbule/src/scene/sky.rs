@@ -18,6 +18,8 @@ pub struct Sky {
     texels: Vec<[f32; 3]>,
     /// Spectra of the three weights: one alone (a grey sky) or those of red, green and blue.
     basis: Vec<Emission>,
+    /// Cosines of the polar angles between rows, `height` + 1 values.
+    edges: Vec<f64>,
     /// Cumulative distribution over rows, `height` + 1 values.
     rows: Vec<f64>,
     /// Cumulative distribution over columns in each row, `width` + 1 values a row.
@@ -62,6 +64,7 @@ impl Sky {
         if texels.iter().flatten().any(|v| !v.is_finite() || *v < 0.0) {
             return Err(Error::input("a sky's radiance must be finite and not negative"));
         }
+        let edges: Vec<f64> = (0..=height).map(|row| (PI * row as f64 / height as f64).cos()).collect();
         let mut rows = vec![0.0; height + 1];
         let mut columns = vec![0.0; (width + 1) * height];
         for row in 0..height {
@@ -74,14 +77,14 @@ impl Sky {
             if total > 0.0 {
                 line.iter_mut().for_each(|v| *v /= total);
             }
-            rows[row + 1] = rows[row] + total * solid_angle(row, width, height);
+            rows[row + 1] = rows[row] + total * solid_angle(&edges, row, width);
         }
         let total = rows[height];
         if total <= 0.0 {
             return Err(Error::input("a sky must shine somewhere"));
         }
         rows.iter_mut().for_each(|v| *v /= total);
-        Ok(Self { width, height, texels, basis, rows, columns })
+        Ok(Self { width, height, texels, basis, edges, rows, columns })
     }
 
     /// Radiance from a direction.
@@ -97,12 +100,10 @@ impl Sky {
         let (row, v) = invert(&self.rows, u.y);
         let (column, h) = invert(&self.columns[row * (self.width + 1)..][..=self.width], u.x);
         // Uniform in solid angle within the texel: uniform in azimuth and in the cosine.
-        let cos_top = (PI * row as f64 / self.height as f64).cos();
-        let cos_bottom = (PI * (row + 1) as f64 / self.height as f64).cos();
-        let z = cos_top + (cos_bottom - cos_top) * v;
-        let azimuth = TAU * (column as f64 + h) / self.width as f64;
+        let z = self.edges[row] + (self.edges[row + 1] - self.edges[row]) * v;
+        let (sin, cos) = (TAU * (column as f64 + h) / self.width as f64).sin_cos();
         let sine = (1.0 - z * z).max(0.0).sqrt();
-        let direction = DVec3::new(sine * azimuth.sin(), sine * azimuth.cos(), z);
+        let direction = DVec3::new(sine * sin, sine * cos, z);
         let pdf = self.texel_pdf(row, column);
         (pdf > 0.0).then(|| LightSample {
             direction,
@@ -122,7 +123,7 @@ impl Sky {
     fn texel_pdf(&self, row: usize, column: usize) -> f64 {
         let line = &self.columns[row * (self.width + 1)..];
         let share = (self.rows[row + 1] - self.rows[row]) * (line[column + 1] - line[column]);
-        share / solid_angle(row, self.width, self.height)
+        share / solid_angle(&self.edges, row, self.width)
     }
 
     fn texel(&self, direction: DVec3) -> (usize, usize) {
@@ -145,9 +146,8 @@ impl Sky {
 }
 
 /// Solid angle of a texel, sr.
-fn solid_angle(row: usize, width: usize, height: usize) -> f64 {
-    let cosine = |edge: usize| (PI * edge as f64 / height as f64).cos();
-    TAU / width as f64 * (cosine(row) - cosine(row + 1))
+fn solid_angle(edges: &[f64], row: usize, width: usize) -> f64 {
+    TAU / width as f64 * (edges[row] - edges[row + 1])
 }
 
 /// The direction of a point of the map, both coordinates 0 … 1.
@@ -196,7 +196,7 @@ mod tests {
         let sky = sky();
         let total: f64 = (0..16)
             .flat_map(|row| (0..32).map(move |column| (row, column)))
-            .map(|(row, column)| sky.texel_pdf(row, column) * solid_angle(row, 32, 16))
+            .map(|(row, column)| sky.texel_pdf(row, column) * solid_angle(&sky.edges, row, 32))
             .sum();
         assert!((total - 1.0).abs() < 1e-12);
     }

@@ -7,7 +7,7 @@ use crate::math::rng::Stream;
 fn plain(brdf: &FeatherBrdf, wave: f32, wi: DVec3, wo: DVec3, instance: u64) -> [f64; 3] {
     let sigma = brdf.sigma;
     let cos_theta = wi.x.hypot(wi.z).max(1e-6);
-    let cell = brdf.tables[0].cell(cos_theta as f32, (wi.z / cos_theta) as f32);
+    let cell = brdf.tables[0].cell_plain(cos_theta, wi.z / cos_theta);
     let p = brdf.tables[0].lookup_plain(&cell, brdf.tables[0].place(wave)).map(f64::from);
     let value = |base: usize| {
         let (m, sine) = (p[base + M], (p[base + TILT] * wi.x / cos_theta).clamp(-0.9998, 0.9998));
