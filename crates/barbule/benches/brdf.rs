@@ -1,5 +1,5 @@
 //! Cost of one evaluation, sample and density of a feather material, four wavelengths at a time.
-//! `cargo bench -p barbule --bench brdf`
+//! `cargo bench -p barbule --bench brdf [-- FILE.barbule]`
 //!
 //! Every call has its own directions, instance and wavelengths, so that tables come from the caches in which they
 //! would be in a renderer. Figures are the lower quartile of many short runs: what else runs on the machine lengthens
@@ -59,11 +59,30 @@ fn measure<R>(name: &str, calls: &[Call], mut call: impl FnMut(&Call, u64) -> R)
     println!("{name:45} {:7.1} ns", times[times.len() / 4]);
 }
 
+/// CPU seconds of this process so far; 0 where the system does not tell.
+fn cpu_seconds() -> f64 {
+    let ticks = || -> Option<f64> {
+        let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+        let fields: Vec<f64> =
+            stat.rsplit(')').next()?.split_whitespace().filter_map(|f| f.parse().ok()).collect();
+        // After the name and the state (a letter): utime and stime are the 11th and 12th numbers, in 1/100 s.
+        Some((fields.get(10)? + fields.get(11)?) / 100.0)
+    };
+    ticks().unwrap_or(0.0)
+}
+
 fn main() {
     let material = example(50);
-    let begun = Instant::now();
+    let (begun, before) = (Instant::now(), cpu_seconds());
     let brdf = FeatherBrdf::new(&material, Options::default()).expect("a material");
-    println!("{:45} {:7.2} s", "load", begun.elapsed().as_secs_f64());
+    let (wall, cpu) = (begun.elapsed().as_secs_f64(), cpu_seconds() - before);
+    println!("{:45} {cpu:7.2} CPU s, {wall:.2} s", "load");
+    if let Some(file) = std::env::args().skip(1).find(|a| !a.starts_with('-')) {
+        let material = barbule::io::read_material(file.as_ref()).expect("a material");
+        let before = cpu_seconds();
+        black_box(FeatherBrdf::new(&material, Options::default()).expect("a material"));
+        println!("{:45} {:7.2} CPU s", format!("load of {file}"), cpu_seconds() - before);
+    }
     let calls = calls(&brdf);
     measure("eval of 4 wavelengths with instance", &calls, |c, n| brdf.eval(c.waves, c.wi, c.wo, Some(n)));
     measure("eval of 4 wavelengths, smooth", &calls, |c, _| brdf.eval(c.waves, c.wi, c.wo, None));
