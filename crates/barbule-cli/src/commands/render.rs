@@ -80,9 +80,9 @@ impl Args {
         Film::new(size)?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
         files.iter().try_for_each(|file| is_picture(file).and_then(|()| check_writable(file)))?;
+        let sky = description.sky_image.as_ref().map(|sky| self.sky(sky)).transpose()?;
         let (material, hash) = materials::find(&description.material, &self.common)?;
         let brdf = Arc::new(FeatherBrdf::new(&material, Options::default())?);
-        let sky = description.sky_image.as_ref().map(|sky| self.sky(sky)).transpose()?;
         let terminal = Terminal::new(&self.common);
         let mut reports = Vec::new();
         for (frame, file) in files.iter().enumerate() {
