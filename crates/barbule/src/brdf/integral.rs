@@ -87,25 +87,32 @@ impl<const HALF: usize> Quadrature<HALF> {
         // At this h_y the lobe's centre reflects into the horizon.
         let cut = -0.5 * incident.z * incident.y.signum() / incident.y.abs().max(1e-9);
         if cut.abs() > HERMITE * sigma {
-            let mut sum = 0.0;
-            for &(t, w) in &self.hermite {
-                sum += w * transverse.at(sigma * t);
+            let (mut hy, mut weights) = ([0.0; BATCH], [0.0; BATCH]);
+            for (k, &(t, w)) in self.hermite.iter().enumerate() {
+                (hy[k], weights[k]) = (sigma * t, w);
             }
-            return sum;
+            return transverse.batch(&hy, &weights);
         }
         let end = (END * sigma).min(0.99);
         let mut sum = 0.0;
         for width in [-end - cut, end - cut] {
-            for &(u, w) in &self.part {
-                // Nodes crowd at the cut, where narrow lobes bend.
-                let y = cut + width * u * u;
-                let t = y / sigma;
-                sum += 2.0 * u * w * width.abs() * libm::exp(-t * t) * transverse.at(y);
+            for nodes in self.part.chunks(BATCH) {
+                let (mut hy, mut weights) = ([0.0; BATCH], [0.0; BATCH]);
+                for (k, &(u, w)) in nodes.iter().enumerate() {
+                    // Nodes crowd at the cut, where narrow lobes bend.
+                    hy[k] = cut + width * u * u;
+                    let t = hy[k] / sigma;
+                    weights[k] = 2.0 * u * w * width.abs() * libm::exp(-t * t);
+                }
+                sum += transverse.batch(&hy, &weights);
             }
         }
         sum / (sigma * PI.sqrt())
     }
 }
+
+/// Longitudinal nodes whose horizons are found side by side.
+const BATCH: usize = 8;
 
 /// The integral across the barbule at one h_y.
 struct Transverse<'a, const HALF: usize> {
@@ -115,12 +122,74 @@ struct Transverse<'a, const HALF: usize> {
 }
 
 impl<const HALF: usize> Transverse<'_, HALF> {
-    /// 2m ∫ D₁ G₁ (ω_eff·h) dβ.
+    /// The weighted sum over several h_y; weights of 0 take no time.
     #[inline(always)]
-    fn at(&self, hy: f64) -> f64 {
+    fn batch(&self, hy: &[f64; BATCH], weights: &[f64; BATCH]) -> f64 {
+        let (sines, found) = self.horizons(hy);
+        let mut sum = 0.0;
+        for k in 0..BATCH {
+            if weights[k] == 0.0 {
+                continue;
+            }
+            let r = (1.0 - hy[k] * hy[k]).sqrt();
+            let ends = if found[k] && found[BATCH + k] {
+                Some((sines[k], sines[BATCH + k]))
+            } else {
+                self.horizon(r, hy[k])
+            };
+            if let Some((low, high)) = ends {
+                sum += weights[k] * self.at(hy[k], low, high);
+            }
+        }
+        sum
+    }
+
+    /// Both ends of [`horizon`](Self::horizon) for several h_y, low ends first, and whether they were found.
+    #[inline(always)]
+    fn horizons(&self, hy: &[f64; BATCH]) -> ([f64; 2 * BATCH], [bool; 2 * BATCH]) {
+        let DVec3 { x, y, z } = self.incident;
+        let (cos, sin) = half_angle(z / (x * x + z * z).sqrt(), x);
+        let (mut s, mut c) = ([0.0; 2 * BATCH], [0.0; 2 * BATCH]);
+        let (mut r, mut fixed) = ([0.0; 2 * BATCH], [0.0; 2 * BATCH]);
+        for k in 0..2 * BATCH {
+            let side = if k < BATCH { -1.0 } else { 1.0 };
+            (s[k], c[k]) = ((sin + side * cos) * FRAC_1_SQRT_2, (cos - side * sin) * FRAC_1_SQRT_2);
+            let h = hy[k % BATCH];
+            (r[k], fixed[k]) = ((1.0 - h * h).sqrt(), y * h);
+        }
+        // Newton's method, turning sine and cosine by the small angle itself; nearly always enough.
+        for _ in 0..4 {
+            for k in 0..2 * BATCH {
+                let aligned = r[k] * (x * s[k] + z * c[k]) + fixed[k];
+                let value = 2.0 * aligned * r[k] * c[k] - z;
+                let slope = 2.0 * r[k] * (r[k] * (x * c[k] - z * s[k]) * c[k] - aligned * s[k]);
+                let turn = (-value / slope).clamp(-0.5, 0.5);
+                let (turned_s, turned_c) = (s[k] + turn * c[k], c[k] - turn * s[k]);
+                // One step of Newton's method towards 1/length; the next turns are small and their steps exact.
+                let scale = 1.5 - 0.5 * (turned_s * turned_s + turned_c * turned_c);
+                (s[k], c[k]) = (turned_s * scale, turned_c * scale);
+            }
+        }
+        let mut found = [false; 2 * BATCH];
+        for k in 0..2 * BATCH {
+            let side = if k < BATCH { -1.0 } else { 1.0 };
+            let value = 2.0 * (r[k] * (x * s[k] + z * c[k]) + fixed[k]) * r[k] * c[k] - z;
+            let middle = 2.0 * (r[k] * (x * sin + z * cos) + fixed[k]) * r[k] * cos - z;
+            let length = s[k] * s[k] + c[k] * c[k];
+            found[k] = (value.abs() < 1e-6)
+                & ((length - 1.0).abs() < 1e-6)
+                & (middle > 0.0)
+                & (c[k] > 0.0)
+                & (side * (s[k] * cos - c[k] * sin) > 0.0);
+        }
+        (s, found)
+    }
+
+    /// 2m ∫ D₁ G₁ (ω_eff·h) dβ between these sinβ.
+    #[inline(always)]
+    fn at(&self, hy: f64, low: f64, high: f64) -> f64 {
         let r2 = 1.0 - hy * hy;
         let r = r2.sqrt();
-        let Some((low, high)) = self.horizon(r, hy) else { return 0.0 };
         let m2 = self.m * self.m;
         // h_x = r sinβ = a s/√(1−s²) flattens D₁: D₁ dh_x = a/(π m²) √(1−s²) ds. a grows without bound as m → 1, where
         // s stays small.
@@ -158,7 +227,8 @@ impl<const HALF: usize> Transverse<'_, HALF> {
     /// sinβ at the ends of the range in which reflection about h leaves ω_o above the horizon, where
     /// cosθ r² cos(2β − φ) + 2 r sinθ h_y cosβ − cosθ (1−r²) cosφ > 0.
     ///
-    /// The integrand falls to zero linearly at the ends, so an error of 1e-4 there costs 1e-8.
+    /// The integrand falls to zero linearly at the ends, so an error of 1e-4 there costs 1e-8. The sure way, for the few
+    /// that [`horizons`](Self::horizons) does not find.
     fn horizon(&self, r: f64, hy: f64) -> Option<(f64, f64)> {
         let DVec3 { x, y, z } = self.incident;
         // Height of ω_o and its slope against β.
@@ -174,22 +244,6 @@ impl<const HALF: usize> Transverse<'_, HALF> {
             return None;
         }
         let edge = |side: f64| {
-            // Newton's method, turning sine and cosine by the small angle itself; nearly always enough.
-            let (mut s, mut c) = ((sin + side * cos) * FRAC_1_SQRT_2, (cos - side * sin) * FRAC_1_SQRT_2);
-            for _ in 0..6 {
-                let (value, slope) = height(s, c);
-                if value.abs() < 1e-7 {
-                    if c > 0.0 && side * (s * cos - c * sin) > 0.0 {
-                        return s;
-                    }
-                    break;
-                }
-                let turn = (-value / slope).clamp(-0.5, 0.5);
-                let (turned_s, turned_c) = (s + turn * c, c - turn * s);
-                // One step of Newton's method towards 1/length; the next turns are small and their steps exact.
-                let scale = 1.5 - 0.5 * (turned_s * turned_s + turned_c * turned_c);
-                (s, c) = (turned_s * scale, turned_c * scale);
-            }
             // φ/2 ± 45°, moved outwards to β = ±90° at most, where the reflected direction is always below.
             let (mut s, mut c) = ((sin + side * cos) * FRAC_1_SQRT_2, (cos - side * sin) * FRAC_1_SQRT_2);
             let (mut inside, mut outside) = (0.0, side * (PI / 2.0 - side * sin.atan2(cos)));

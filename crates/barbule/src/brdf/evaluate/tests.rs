@@ -76,3 +76,9 @@ fn registers_agree_with_the_plain_formulas_at_every_width() {
         assert!(worst[0] < 3e-4 && worst[1] < 2e-4 && worst[2] < 2e-4, "{level:?}: {worst:?}");
     }
 }
+
+#[test]
+fn tables_stay_in_proportion_to_what_is_seen() {
+    let refused = FeatherBrdf::new(&example(513), Options::default()).unwrap_err();
+    assert!(refused.to_string().contains("limit of 512"), "{refused}");
+}
