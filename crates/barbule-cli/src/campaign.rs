@@ -196,6 +196,8 @@ pub(crate) fn summary(report: &FitReport) -> String {
     let mean = |pick: &dyn Fn(&Pattern) -> f64| {
         report.patterns.iter().map(pick).sum::<f64>() / report.patterns.len().max(1) as f64
     };
+    let balance = mean(&|p| p.balance).max(f64::MIN_POSITIVE);
+    let correlation = |side: usize| mean(&|p| p.balance * p.correlation[side]) / balance;
     format!(
         "{} lobes fitted: residual {:.3} (median), {:.3} (95th percentile), {} flagged\n\
          l at the longest wavelength, normal incidence: {:.3} (by 1/e lengths {:.3})\n\
@@ -207,8 +209,8 @@ pub(crate) fn summary(report: &FitReport) -> String {
         report.flagged.len(),
         report.longest_length[0],
         report.longest_length[1],
-        mean(&|p| p.correlation[0]),
-        mean(&|p| p.correlation[1]),
+        correlation(0),
+        correlation(1),
         mean(&|p| p.contrast[0]),
         mean(&|p| p.contrast[1]),
     )

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use barbule::brdf::{Material, example};
-use barbule::campaign::statistics;
+use barbule::campaign::{Campaign, Parameters, statistics};
 use barbule::io::{decode_material, read_material, write_material};
-use barbule::structure::Structure;
+use barbule::math::simd::Width;
+use barbule::scattering::statistics::Axes;
+use barbule::structure::{SpeciesModel, Structure};
 use barbule::{Error, Result};
 use clap::Parser;
 
@@ -73,6 +75,56 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
     let (material, _) = defaults.fit.fit(&statistics, &name, &planned.description, &observer)?;
     write_material(&cached, &material)?;
     Ok((material, barbule::io::hash_file(&cached)?))
+}
+
+/// The structure that a material was made of, from what the material records.
+///
+/// # Errors
+/// It records too little, or its sections or media are not to be had any more or have changed.
+pub(crate) fn structure_of(material: &Material, common: &Common) -> Result<Structure> {
+    let recorded = &material.info["campaign"]["structure"];
+    let text = |key: &str| recorded[key].as_str().unwrap_or_default();
+    let structure = if recorded["parameters"].is_object() {
+        let model = SpeciesModel::from_parameters(
+            text("species"),
+            text("variant"),
+            &recorded["parameters"],
+            common.library()?,
+        );
+        model.ok().map(|model| Structure::Species(Box::new(model)))
+    } else {
+        Some(text("sections"))
+            .filter(|name| !name.is_empty())
+            .and_then(|name| structure_arg::parse(name, common).ok())
+    };
+    structure.filter(|structure| structure.description() == *recorded).ok_or_else(|| {
+        Error::input(
+            "the barbules that this material was simulated from cannot be made again from what it records; characterize \
+             the structure again, or give its sections and --medium as they were then",
+        )
+    })
+}
+
+/// The campaign that a material was made in, on other axes; with fewer instances or without tilt where asked.
+pub(crate) fn campaign_of(
+    material: &Material,
+    axes: Axes,
+    instances: Option<usize>,
+    tilted: bool,
+    common: &Common,
+) -> Result<Campaign> {
+    let structure = structure_of(material, common)?;
+    let made = &material.info["campaign"];
+    let recorded =
+        made["instances"].as_u64().and_then(|n| usize::try_from(n).ok()).unwrap_or(1).clamp(1, 10_000);
+    let mut instances = instances.unwrap_or(recorded).max(1);
+    if let Some(count) = structure.count().filter(|count| *count > 1) {
+        instances = instances.min(count);
+    }
+    let tilt =
+        if tilted { made["tilt_deg"].as_f64().unwrap_or(0.0).clamp(0.0, 30.0).to_radians() } else { 0.0 };
+    let parameters = Parameters { axes, instances, seed: made["seed"].as_u64().unwrap_or(1), tilt };
+    Campaign::new(&structure, parameters, Width::best(), &Terminal::new(common))
 }
 
 /// The duration to expect of a campaign, in words.

@@ -268,3 +268,34 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_nothing() {
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn every_picture_of_a_material_is_drawn_from_the_material_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let (material, figure) = (path("a.barbule"), path("a.svg"));
+    succeed(&[&["characterize", "starling:teal", "-o", &material, "--quiet"], SMALL].concat());
+    for (flag, words) in [
+        ("--parameters", &["m_eff", "cosθ_i"][..]),
+        ("--fits", &["U (simulated)", "steady part", "550 nm"]),
+        ("--fields", &["the pattern shifts", "the pattern stretches", "√U′ R"]),
+        ("--noise", &["single barbules", "mean of all", "power spectrum"]),
+        ("--instances=2", &["instance 2", "simulated barbules", "synthesized barbules"]),
+    ] {
+        succeed(&["lobes", &material, flag, "-o", &figure, "--quiet"]);
+        let text = std::fs::read_to_string(&figure).unwrap();
+        for word in words {
+            assert!(text.contains(word), "{flag}: {word}");
+        }
+        // Pictures inside are base64, which may spell anything.
+        assert!(flag.starts_with("--instances") || !text.contains("NaN"), "{flag}");
+    }
+    // A made-up material has no barbules: what does not need them is drawn.
+    for flag in ["--fields", "--fits"] {
+        let (code, _, message) = run(&["lobes", "example", flag, "-o", &figure]);
+        assert_eq!(code, 2);
+        assert!(message.contains("cannot be made again") && message.len() < 600, "{message}");
+    }
+    let (code, _, message) = run(&["lobes", "example", "--noise", "-o", &figure]);
+    assert!(code == 0 && message.contains("no single barbules"), "{message}");
+}

@@ -3,20 +3,17 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use barbule::brdf::fit::fitted_values;
 use barbule::brdf::pictures::hemisphere;
-use barbule::brdf::{FeatherBrdf, LobeSet, Material, Noise, Options, lobe_integral};
-use barbule::io::read_material;
-use barbule::io::store::Store;
-use barbule::plot::{Anchor, Axis, Curve, Drawing, Figure, HeatMap, Item, Picture};
-use barbule::scattering::directions::{azimuths, omega};
+use barbule::brdf::{FeatherBrdf, Material, Options, lobe_integral};
+use barbule::plot::{Anchor, Axis, Drawing, HeatMap, Item, Map, Picture};
+use barbule::scattering::directions::omega;
 use barbule::scattering::lobe::Lobe;
-use barbule::scattering::statistics::{AZIMUTHS, NOISE_POINTS, Statistics};
 use barbule::spectrum::colour::{display, luminance};
 use barbule::{Error, Result};
 
 use crate::common::Common;
 use crate::provenance::{Provenance, check_outputs};
+use crate::{lobe_figures, materials};
 
 /// Incident directions of the hemispheres, θ_i and φ_i in degrees.
 const INCIDENT: [(f64, f64); 7] =
@@ -31,23 +28,26 @@ const MOST_INSTANCES: usize = 20;
 
 /// Arguments of `barbule lobes`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  barbule lobes starling.barbule -o lobes.png --instances 3")]
+#[command(after_help = "Example:\n  barbule lobes starling -o lobes.png --instances 3")]
 pub(crate) struct Args {
-    /// A material file
-    material: PathBuf,
+    /// A material file, or SPECIES[:VARIANT]
+    material: String,
     /// The figure: .svg or .png
     #[arg(short, long, value_name = "FIG")]
     output: PathBuf,
     /// Draw maps of m_eff, φ_eff − φ_i and F_eff over cosθ_i and cosφ_i
     #[arg(long, group = "what")]
     parameters: bool,
-    /// Draw simulated and fitted U and V at 0° and 70°; reads the campaign store of the same name ending in .zarr
+    /// Draw simulated and fitted U and V at 0° and 70°
     #[arg(long, group = "what")]
     fits: bool,
-    /// Draw the noise: autocovariance, spectrum and some functions
+    /// Draw a single barbule's field over x_o for three φ_i and three wavelengths
+    #[arg(long, group = "what")]
+    fields: bool,
+    /// Draw the noise: autocovariances, spectrum and some functions
     #[arg(long, group = "what")]
     noise: bool,
-    /// How many synthesized instances to draw below the smooth lobes [default: 3]
+    /// Instances below the smooth lobes, and as many simulated beside synthesized ones [default: 3, synthesized only]
     #[arg(long, value_name = "N", conflicts_with = "what")]
     instances: Option<usize>,
     #[command(flatten)]
@@ -64,20 +64,43 @@ impl Args {
                 "--instances {instances}: give at most {MOST_INSTANCES}, one row of the picture each"
             )));
         }
-        let material = read_material(&self.material)?;
+        let (material, hash) = materials::find(&self.material, &self.common)?;
+        let title = name(&material);
         let drawing = if self.parameters {
-            parameters(&material)?
+            tiled(parameters(&material)?, 3, &title)
         } else if self.noise {
-            noise(&material)
+            tiled(lobe_figures::noise(&material, &self.common)?, 2, &title)
+        } else if self.fields {
+            tiled(lobe_figures::fields(&material, &self.common)?, 2, &title)
         } else if self.fits {
-            fits(&material, &statistics(&self.material, &material)?)
+            let beside = Path::new(&self.material).with_extension("zarr");
+            tiled(lobe_figures::fits(&material, &beside, &self.common)?, 2, &title)
         } else {
-            hemispheres(&material, instances)?
+            let above = hemispheres(&material, instances)?;
+            match self.instances {
+                Some(count) if count > 0 => with_simulated(above, &material, count, &self.common)?,
+                _ => above,
+            }
         };
         Provenance::new(&self.common)
-            .with("material", self.material.display().to_string())
+            .with("material", &self.material)
+            .with("material_hash", hash)
             .write_figure(&self.output, &drawing)
     }
+}
+
+/// The hemispheres, and below them simulated beside synthesized instances where the barbules can be made again.
+fn with_simulated(above: Drawing, material: &Material, count: usize, common: &Common) -> Result<Drawing> {
+    if let Err(error) = materials::structure_of(material, common) {
+        common.say(&format!("synthesized instances only: {error}"));
+        return Ok(above);
+    }
+    let below = lobe_figures::instances(material, count, common)?;
+    let mut page = Drawing::new(above.width.max(below.width), above.height + below.height);
+    let height = above.height;
+    page.place(above, [0.0, 0.0]);
+    page.place(below, [0.0, height]);
+    Ok(page)
 }
 
 /// Species and variant as the material's maker recorded them.
@@ -133,7 +156,7 @@ fn pixel(value: Option<[f64; 3]>, exposure: f64) -> [u8; 4] {
 }
 
 /// Maps of the parameters at the shortest, the middle and the longest wavelength.
-fn parameters(material: &Material) -> Result<Drawing> {
+fn parameters(material: &Material) -> Result<Vec<Drawing>> {
     let axes = &material.axes;
     let count = axes.wavelengths_nm.len();
     let mut waves = vec![0, count / 2, count - 1];
@@ -166,6 +189,8 @@ fn parameters(material: &Material) -> Result<Drawing> {
             })
             .collect::<Result<Vec<f64>>>()?;
         for (label, values) in [("m_eff", m), ("φ_eff − φ_i (°)", phi), ("log₁₀ F_eff", f)] {
+            let signed = values.iter().any(|v| *v < 0.0) && label.contains('°');
+            let largest = values.iter().fold(0.1, |a: f64, v| a.max(v.abs()));
             let mut map = HeatMap::new(
                 format!("{label}, {nm:.0} nm"),
                 Axis::with_range("cosφ_i", axes.cos_phi[0], axes.cos_phi[columns - 1]),
@@ -173,108 +198,15 @@ fn parameters(material: &Material) -> Result<Drawing> {
                 columns,
                 values,
             );
-            map.size = [230.0, 210.0];
+            map.size = [240.0, 240.0];
+            if signed {
+                // White where the lobe's azimuth is the mirror direction's.
+                (map.map, map.range) = (Map::Diverging, Some([-largest, largest]));
+            }
             maps.push(map.draw());
         }
     }
-    Ok(tiled(maps, 3, &name(material)))
-}
-
-/// Autocovariance and spectrum of the noise, and three functions of it.
-fn noise(material: &Material) -> Drawing {
-    let noise = Noise::new(&material.noise_power, material.seed);
-    let spacing = 2.0 / NOISE_POINTS as f64;
-    let lags = noise.autocovariance().iter().enumerate().take(NOISE_POINTS / 8);
-    let mut covariance = Figure::new("autocovariance C₀", Axis::new("Δx"), Axis::new("C₀"));
-    covariance.curves.push(Curve::line("C₀", lags.map(|(k, c)| [k as f64 * spacing, *c]).collect()));
-    let mut power = Figure::new("power spectrum P", Axis::new("term l"), Axis::new("P"));
-    let terms = material.noise_power.iter().enumerate();
-    power.curves.push(Curve::line("P", terms.map(|(l, p)| [(l + 1) as f64, *p]).collect()));
-    let mut functions = Figure::new("q_r of three instances", Axis::new("x"), Axis::new("q"));
-    for instance in 0..3 {
-        let draw = noise.draw(instance);
-        let points = (0..800).map(|k| {
-            let x = f64::from(k) / 400.0 - 1.0;
-            [x, f64::from(noise.at(&draw, x as f32)[0])]
-        });
-        functions.curves.push(Curve::line(format!("instance {instance}"), points.collect()));
-    }
-    tiled(vec![covariance.draw(), power.draw(), functions.draw()], 1, &name(material))
-}
-
-/// The statistics that a material was fitted to: the store beside it.
-fn statistics(path: &Path, material: &Material) -> Result<Statistics> {
-    let beside = path.with_extension("zarr");
-    if !beside.is_dir() {
-        return Err(Error::input(format!(
-            "{}: --fits compares with the campaign's store, which is not there; keep it beside the material under this name",
-            beside.display()
-        )));
-    }
-    let statistics = Store::open(&beside)?.statistics()?;
-    if statistics.axes != material.axes {
-        return Err(Error::input(format!(
-            "{}: has other wavelengths or directions than {}; fit the material from this store",
-            beside.display(),
-            path.display()
-        )));
-    }
-    Ok(statistics)
-}
-
-/// Simulated and fitted U and V over φ_o, at θ_i nearest to 0 and φ_i nearest to 0° and 70°, at three wavelengths.
-fn fits(material: &Material, statistics: &Statistics) -> Drawing {
-    let axes = &material.axes;
-    let theta = axes.cos_theta.len() - 1;
-    let nearest = |cosine: f64| {
-        let apart = |k: &usize| (axes.cos_phi[*k] - cosine).abs();
-        (0..axes.cos_phi.len()).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(0)
-    };
-    let count = axes.wavelengths_nm.len();
-    let mut waves = vec![0, count / 2, count - 1];
-    waves.dedup();
-    let mut charts = Vec::new();
-    for &wave in &waves {
-        for phi in [nearest(1.0), nearest(70.0_f64.to_radians().cos())] {
-            let node = axes.index(wave, theta, phi);
-            let title = format!(
-                "{:.0} nm, φ_i = {:.0}°",
-                axes.wavelengths_nm[wave],
-                axes.cos_phi[phi].acos().to_degrees()
-            );
-            let mut figure = Figure::new(title, Axis::new("φ_o (°)"), Axis::new("per radian"));
-            for (label, array, part) in [("U", &statistics.u, 0), ("V", &statistics.v, 1)] {
-                let simulated = mean_over_polarizations(array, node);
-                let fitted = fitted_mean(material, node, axes.cos_theta[theta].acos(), part);
-                let degrees = |values: Vec<f64>| {
-                    azimuths(AZIMUTHS).map(f64::to_degrees).zip(values).map(|(x, y)| [x, y]).collect()
-                };
-                figure.curves.push(Curve::line(format!("{label} simulated"), degrees(simulated)));
-                figure.curves.push(Curve::line(format!("{label} fitted"), degrees(fitted)));
-            }
-            charts.push(figure.draw());
-        }
-    }
-    tiled(charts, 2, &name(material))
-}
-
-fn mean_over_polarizations(array: &[f32], node: usize) -> Vec<f64> {
-    let part = |p: usize| &array[(node * 2 + p) * AZIMUTHS..][..AZIMUTHS];
-    part(0).iter().zip(part(1)).map(|(a, b)| 0.5 * f64::from(a + b)).collect()
-}
-
-/// U' (`part` 0) or V' (1) of the material, mean over its sets.
-fn fitted_mean(material: &Material, node: usize, theta: f64, part: usize) -> Vec<f64> {
-    let mut sum = vec![0.0; AZIMUTHS];
-    for set in &material.sets {
-        let lobe: &LobeSet = if part == 0 { &set.mean } else { &set.stationary };
-        let shape = Lobe { m: f64::from(lobe.m[node]), phi: f64::from(lobe.phi[node]) };
-        let values = fitted_values(material.kind, shape, theta, f64::from(lobe.reflected[node]));
-        for (sum, value) in sum.iter_mut().zip(values) {
-            *sum += value / material.sets.len() as f64;
-        }
-    }
-    sum
+    Ok(maps)
 }
 
 /// Drawings in rows of `columns`, under a title.

@@ -70,7 +70,7 @@ impl Args {
                 store.width()
             )));
         }
-        let units: Vec<_> = store.units().skip(shard).step_by(shards).collect();
+        let units = store.shard(shard, shards);
         if units.iter().all(|&(w, t)| store.is_whole(w, t)) {
             self.common.say("everything is there already: nothing to do");
         } else {

@@ -94,6 +94,9 @@ pub struct Pattern {
     pub correlation: [f64; 2],
     /// Standard deviation over mean, simulated and synthesized.
     pub contrast: [f64; 2],
+    /// 4 f (1 − f) with polarization 1's part f of the energy: what the correlation weighs in the variance of
+    /// unpolarized light.
+    pub balance: f64,
 }
 
 impl FitReport {
@@ -161,7 +164,7 @@ pub fn fit(
         seed: options.seed,
         info,
     };
-    let report = report(statistics, options, &material, &nodes, &ratios);
+    let report = report(statistics, &material, &nodes, &ratios);
     if let Some(info) = material.info.as_object_mut() {
         info.insert("fit".into(), report.summary());
     }
@@ -277,14 +280,15 @@ impl Place<'_> {
         let integral = |lobe: Lobe| self.quadrature.integral(lobe, libm::acos(cos_theta), self.sigma);
         let highest = reflected * (integral(stationary) / integral(mean.lobe)).min(1.0);
         let reflected_stationary = unclipped.clamp(0.0, highest);
-        Node {
-            mean,
-            stationary,
-            reflected,
-            reflected_stationary,
-            fraction: [self.fraction(&self.statistics.u), self.fraction(&self.statistics.v)],
-            clipped: (unclipped - reflected_stationary).abs() / reflected.max(f64::MIN_POSITIVE),
+        let clipped = (unclipped - reflected_stationary).abs() / reflected.max(f64::MIN_POSITIVE);
+        let mut fraction = [self.fraction(&self.statistics.u), self.fraction(&self.statistics.v)];
+        let (mut stationary, mut reflected_stationary) = (stationary, reflected_stationary);
+        let steady = steady_share(self.statistics.contrast[self.node], self.statistics.instances);
+        if steady * reflected > reflected_stationary {
+            (stationary, reflected_stationary) = (mean.lobe, steady * reflected);
+            fraction[1] = fraction[0];
         }
+        Node { mean, stationary, reflected, reflected_stationary, fraction, clipped }
     }
 
     /// Polarization 1's part of the energy.
@@ -295,6 +299,23 @@ impl Place<'_> {
         });
         if first + second > 0.0 { first / (first + second) } else { 0.5 }
     }
+}
+
+/// The part s/f̂ of a lobe's intensity that does not fluctuate, from the contrast of M instances.
+///
+/// Fields A e^{jψ} + n with a phase ψ of each instance's own have V = 0 although their intensity varies by
+/// U² − A⁴ only: A² = U √(1 − contrast²). Speckle alone gives 1 − contrast² = 0 ± 1/√M or so, so values up to
+/// 0.75/√M count as none, those from three times that on in full.
+fn steady_share(contrast: f64, instances: usize) -> f64 {
+    if instances < 8 {
+        return 0.0;
+    }
+    let count = instances as f64;
+    // The mean of M draws stands for the true one: of fully developed speckle (M − 1)/(M + 1) is found.
+    let part = 1.0 - contrast * contrast * (count + 1.0) / (count - 1.0);
+    let noise = 0.75 / count.sqrt();
+    let t = ((part - noise) / (2.0 * noise)).clamp(0.0, 1.0);
+    (part.clamp(0.0, 1.0) * t * t * (3.0 - 2.0 * t)).sqrt()
 }
 
 fn parameter_set(nodes: &[Node], lengths: &[length::Length], fractions: bool) -> ParameterSet {
@@ -318,7 +339,6 @@ fn parameter_set(nodes: &[Node], lengths: &[length::Length], fractions: bool) ->
 
 fn report(
     statistics: &Statistics,
-    options: &FitOptions,
     material: &Material,
     nodes: &[Node],
     lengths: &[length::Length],
@@ -354,7 +374,7 @@ fn report(
         largest_clip: nodes.iter().map(|n| n.clipped).fold(0.0, f64::max),
         longest_length: [last.fitted, last.ratio],
         length_disagreement: quantile(&apart, 0.5),
-        patterns: super::patterns::compare(statistics, options.kind, material),
+        patterns: super::patterns::compare(statistics, material),
     }
 }
 
@@ -372,11 +392,16 @@ pub(super) fn direction(axes: &Axes, node: usize) -> (f64, f64, f64) {
 /// U' or V' of a lobe: the shape on the azimuths, scaled to reflect `reflected`.
 #[must_use]
 pub fn fitted_values(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> Vec<f64> {
-    let shape: Vec<f64> =
-        directions::azimuths(AZIMUTHS).map(|phi_o| lobe.shape(kind, theta_i, phi_o)).collect();
+    let scale = fitted_scale(kind, lobe, theta_i, reflected);
+    directions::azimuths(AZIMUTHS).map(|phi_o| scale * lobe.shape(kind, theta_i, phi_o)).collect()
+}
+
+/// The factor on a lobe's shape with which it reflects `reflected`.
+#[must_use]
+pub fn fitted_scale(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> f64 {
     let step = std::f64::consts::PI / AZIMUTHS as f64;
-    let total = libm::cos(theta_i) * step * shape.iter().sum::<f64>();
-    shape.iter().map(|s| s * reflected / total.max(f64::MIN_POSITIVE)).collect()
+    let sum: f64 = directions::azimuths(AZIMUTHS).map(|phi_o| lobe.shape(kind, theta_i, phi_o)).sum();
+    reflected / (libm::cos(theta_i) * step * sum).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -400,7 +425,7 @@ mod tests {
             reflected: vec![],
             reflected_std: vec![],
             pattern_correlation: vec![1.0; axes.len()],
-            contrast: vec![0.9; axes.len()],
+            contrast: vec![1.0; axes.len()],
             axes,
         };
         let set = &material.sets[0];
@@ -511,5 +536,30 @@ mod tests {
         assert!(error.to_string().contains("u has"), "{error}");
         let wide = FitOptions { sigma: 1.0, ..FitOptions::default() };
         assert!(fit(&statistics_of(&example(1)), &wide, &Unobserved).unwrap_err().is_input());
+    }
+
+    #[test]
+    fn intensities_that_hardly_vary_leave_instances_that_hardly_vary() {
+        for contrast in [0.4, 0.6, 0.75] {
+            let mut statistics = statistics_of(&example(2));
+            statistics.contrast.fill(contrast);
+            let (_, report) = fit(&statistics, &FitOptions::default(), &Unobserved).unwrap();
+            for pattern in &report.patterns {
+                // The ramp above the campaign's own noise weakens a steady part of less than half.
+                let [wanted, found] = pattern.contrast;
+                assert!((found - wanted).abs() < 0.06, "{wanted} {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn speckle_has_no_steady_part_even_in_few_instances() {
+        for instances in [1, 7, 12, 50] {
+            let count = instances as f64;
+            let found = ((count - 1.0) / (count + 1.0)).sqrt();
+            assert!(steady_share(found, instances) < 1e-12);
+        }
+        assert!((steady_share(0.5, 1000) - 0.75_f64.sqrt()).abs() < 1e-3);
+        assert!(steady_share(0.0, 50) > 0.999 && steady_share(2.0, 50) == 0.0);
     }
 }

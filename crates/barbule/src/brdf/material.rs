@@ -23,7 +23,7 @@ pub struct LobeSet {
 pub struct ParameterSet {
     /// The mean intensity's lobe.
     pub mean: LobeSet,
-    /// The lobe of the mean field (V), the part that all instances share.
+    /// The lobe s of what does not fluctuate from instance to instance: that of the mean field (V), or more.
     pub stationary: LobeSet,
     /// Length l of S.26 relative to the shortest wavelength at normal incidence. Shape `[λ, θ_i, φ_i]`.
     pub length: Vec<f32>,

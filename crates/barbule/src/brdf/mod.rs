@@ -22,3 +22,4 @@ pub use example::example;
 pub use integral::lobe_integral;
 pub use material::{LobeSet, Material, NOISE_TERMS, ParameterSet};
 pub use noise::{Noise, spectrum as noise_spectrum};
+pub use patterns::Synthesis;

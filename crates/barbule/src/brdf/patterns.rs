@@ -1,17 +1,95 @@
 //! Synthesized patterns beside simulated ones: the check that instances vary as the simulated barbules do.
 
-use super::fit::{Pattern, direction, fitted_values};
-use super::material::Material;
+use super::fit::{Pattern, direction, fitted_scale};
+use super::material::{LobeSet, Material};
 use super::noise::Noise;
 use crate::scattering::directions;
-use crate::scattering::lobe::{FitKind, Lobe};
+use crate::scattering::lobe::Lobe;
 use crate::scattering::statistics::{AZIMUTHS, Statistics};
 
-/// Instances drawn per (λ, ω_i).
+/// Least number of instances drawn per (λ, ω_i).
 const DRAWS: usize = 64;
 
+/// What a material's instances send to the azimuths of one node of its tables.
+pub struct Synthesis {
+    /// Mean and steady intensity by incident polarization, each on the azimuths.
+    sides: [[Vec<f64>; 2]; 2],
+    /// Arguments of the noise.
+    positions: Vec<f32>,
+}
+
+impl Synthesis {
+    /// Prepares node number `node` of the tables, on the azimuths of U.
+    #[must_use]
+    pub fn new(material: &Material, node: usize) -> Self {
+        let phi_o: Vec<f64> = directions::azimuths(AZIMUTHS).collect();
+        Self::on(material, node, &phi_o)
+    }
+
+    /// The same on other azimuths φ_o, rad.
+    #[must_use]
+    pub fn on(material: &Material, node: usize, phi_o: &[f64]) -> Self {
+        let (_, theta_deg, phi_deg) = direction(&material.axes, node);
+        let (theta, phi_i) = (theta_deg.to_radians(), phi_deg.to_radians());
+        let sides = [0, 1].map(|polarization| {
+            let set = &material.sets[polarization.min(material.sets.len() - 1)];
+            let share = |fractions: &[f32]| match fractions.get(node) {
+                Some(&first) if polarization == 0 => 2.0 * f64::from(first),
+                Some(&first) => 2.0 - 2.0 * f64::from(first),
+                None => 1.0,
+            };
+            let values = |lobe: &LobeSet, share: f64| -> Vec<f64> {
+                let shape = Lobe { m: f64::from(lobe.m[node]), phi: f64::from(lobe.phi[node]) };
+                let scale =
+                    fitted_scale(material.kind, shape, theta, share * f64::from(lobe.reflected[node]));
+                phi_o.iter().map(|phi| scale * shape.shape(material.kind, theta, *phi)).collect()
+            };
+            [
+                values(&set.mean, share(&set.fraction_1)),
+                values(&set.stationary, share(&set.stationary_fraction_1)),
+            ]
+        });
+        let length = f64::from(material.sets[0].length[node]);
+        let cosine = libm::cos(theta);
+        let positions = phi_o
+            .iter()
+            .map(|phi_o| (cosine * (libm::sin(phi_i) + libm::sin(*phi_o)) / length) as f32)
+            .collect();
+        Self { sides, positions }
+    }
+
+    /// The fitted mean intensity, by incident polarization.
+    #[must_use]
+    pub fn mean(&self) -> [&[f64]; 2] {
+        [0, 1].map(|p| &self.sides[p][0][..])
+    }
+
+    /// The real and imaginary part of an instance's field, by incident polarization, on the azimuths; the squared
+    /// modulus is the intensity (S.25).
+    pub fn fields<'a>(&'a self, noise: &'a Noise, instance: u64) -> impl Iterator<Item = [[f64; 2]; 2]> + 'a {
+        let draw = noise.draw(instance);
+        self.positions.iter().enumerate().map(move |(k, &x)| {
+            let [qr, qi] = noise.at(&draw, x).map(f64::from);
+            [0, 1].map(|p| {
+                let mean = self.sides[p][0][k];
+                let steady = self.sides[p][1][k].min(mean);
+                let spread = (0.5 * (mean - steady)).sqrt();
+                [spread * qr + steady.sqrt(), spread * qi]
+            })
+        })
+    }
+
+    /// The intensity of an instance in unpolarized light.
+    #[must_use]
+    pub fn intensity(&self, noise: &Noise, instance: u64) -> Vec<f64> {
+        self.fields(noise, instance)
+            .map(|sides| 0.5 * sides.iter().flatten().map(|v| v * v).sum::<f64>())
+            .collect()
+    }
+}
+
 /// Correlation and contrast, simulated and synthesized, at up to three wavelengths and four azimuths of θ_i near 0.
-pub(super) fn compare(statistics: &Statistics, kind: FitKind, material: &Material) -> Vec<Pattern> {
+pub(super) fn compare(statistics: &Statistics, material: &Material) -> Vec<Pattern> {
     let axes = &statistics.axes;
     let noise = Noise::new(&material.noise_power, material.seed);
     let theta = axes.cos_theta.len() - 1;
@@ -29,107 +107,85 @@ pub(super) fn compare(statistics: &Statistics, kind: FitKind, material: &Materia
     for &wave in &waves {
         for &phi in &phis {
             let node = axes.index(wave, theta, phi);
-            let (correlation, contrast) = synthesize(material, kind, &noise, node);
+            let synthesis = Synthesis::new(material, node);
+            let (correlation, contrast) = synthesis.drawn(&noise, statistics.instances);
             let (wavelength_nm, theta_deg, phi_deg) = direction(axes, node);
+            let [first, second] = [0, 1].map(|p| statistics.reflected[node * 2 + p].max(0.0));
+            let whole = (first + second).max(f64::MIN_POSITIVE);
             patterns.push(Pattern {
                 wavelength_nm,
                 theta_deg,
                 phi_deg,
                 correlation: [statistics.pattern_correlation[node], correlation],
                 contrast: [statistics.contrast[node], contrast],
+                balance: 4.0 * first * second / (whole * whole),
             });
         }
     }
     patterns
 }
 
-/// Mean of the two polarizations' correlation over instances and azimuths (each divided by its
-/// mean), and contrast of their mean, of drawn instances.
-fn synthesize(material: &Material, kind: FitKind, noise: &Noise, node: usize) -> (f64, f64) {
-    let axes = &material.axes;
-    let (_, theta_deg, phi_deg) = direction(axes, node);
-    let (theta, phi_i) = (theta_deg.to_radians(), phi_deg.to_radians());
-    let sides: Vec<(Vec<f64>, Vec<f64>)> = (0..2)
-        .map(|polarization| {
-            let set = &material.sets[polarization.min(material.sets.len() - 1)];
-            let share = |fractions: &[f32]| match fractions.get(node) {
-                Some(&first) if polarization == 0 => 2.0 * f64::from(first),
-                Some(&first) => 2.0 - 2.0 * f64::from(first),
-                None => 1.0,
-            };
-            let values = |lobe: &super::LobeSet, share: f64| {
-                let shape = Lobe { m: f64::from(lobe.m[node]), phi: f64::from(lobe.phi[node]) };
-                fitted_values(kind, shape, theta, share * f64::from(lobe.reflected[node]))
-            };
-            (
-                values(&set.mean, share(&set.fraction_1)),
-                values(&set.stationary, share(&set.stationary_fraction_1)),
-            )
-        })
-        .collect();
-    let length = f64::from(material.sets[0].length[node]);
-    let cosine = libm::cos(theta);
-    let positions: Vec<f32> = directions::azimuths(AZIMUTHS)
-        .map(|phi_o| (cosine * (libm::sin(phi_i) + libm::sin(phi_o)) / length) as f32)
-        .collect();
-    let mut moments = Moments::new();
-    for instance in 0..DRAWS {
-        let draw = noise.draw(instance as u64);
-        for (k, &x) in positions.iter().enumerate() {
-            let [qr, qi] = noise.at(&draw, x).map(f64::from);
-            let [first, second] = [0, 1].map(|p| {
-                let mean = sides[p].0[k];
-                let stationary = sides[p].1[k].min(mean);
-                let spread = (0.5 * (mean - stationary)).sqrt();
-                (spread * qr + stationary.sqrt()).powi(2) + (spread * qi).powi(2)
-            });
-            moments.add(k, first, second);
+impl Synthesis {
+    /// Correlation of the polarizations' patterns and contrast of the unpolarized intensity over drawn instances, in
+    /// groups as large as the campaign, so that both sides of the comparison have the bias of a finite number.
+    fn drawn(&self, noise: &Noise, instances: usize) -> (f64, f64) {
+        let instances = instances.max(2);
+        let groups = DRAWS.div_ceil(instances);
+        let (mut correlation, mut contrast) = (0.0, 0.0);
+        for group in 0..groups {
+            let mut moments = Moments::new();
+            for instance in group * instances..(group + 1) * instances {
+                for (k, sides) in self.fields(noise, instance as u64).enumerate() {
+                    let [first, second] = sides.map(|[re, im]| re * re + im * im);
+                    moments.add(k, first, second);
+                }
+            }
+            let (a, b) = moments.result(instances as f64);
+            correlation += a / groups as f64;
+            contrast += b / groups as f64;
         }
+        (correlation, contrast)
     }
-    (moments.correlation(), moments.contrast())
 }
 
 /// Sums over instances, per azimuth.
 struct Moments {
-    sums: Vec<[f64; 7]>,
-    count: f64,
+    sums: Vec<[f64; 5]>,
 }
 
 impl Moments {
     fn new() -> Self {
-        Self { sums: vec![[0.0; 7]; AZIMUTHS], count: DRAWS as f64 }
+        Self { sums: vec![[0.0; 5]; AZIMUTHS] }
     }
 
     fn add(&mut self, azimuth: usize, first: f64, second: f64) {
-        let both = 0.5 * (first + second);
-        let terms = [first, second, first * first, second * second, first * second, both, both * both];
+        let terms = [first, second, first * first, second * second, first * second];
         for (sum, term) in self.sums[azimuth].iter_mut().zip(terms) {
             *sum += term;
         }
     }
 
-    /// Correlation of the intensities, each divided by its mean, over instances and azimuths.
-    fn correlation(&self) -> f64 {
-        let (mut a, mut b, mut ab) = (0.0, 0.0, 0.0);
-        for s in &self.sums {
-            let [m1, m2, s1, s2, s12, ..] = s.map(|v| v / self.count);
-            if m1 > 0.0 && m2 > 0.0 {
-                a += s1 / (m1 * m1) - 1.0;
-                b += s2 / (m2 * m2) - 1.0;
-                ab += s12 / (m1 * m2) - 1.0;
+    /// Correlation of the two intensities, each divided by its mean, and contrast of their sum. As the campaign does,
+    /// azimuths are weighted by mean intensity and the contrast is a root of a mean square.
+    fn result(&self, count: f64) -> (f64, f64) {
+        let (mut cross, mut squares, mut sum, mut total) = (0.0, [0.0; 2], 0.0, 0.0);
+        for terms in &self.sums {
+            let [m1, m2, s1, s2, s12] = terms.map(|v| v / count);
+            if m1 <= 0.0 || m2 <= 0.0 {
+                continue;
             }
+            let mean = m1 + m2;
+            cross += mean * (s12 / (m1 * m2) - 1.0);
+            squares[0] += mean * (s1 / (m1 * m1) - 1.0);
+            squares[1] += mean * (s2 / (m2 * m2) - 1.0);
+            sum += mean * ((s1 + s2 + 2.0 * s12) / (mean * mean) - 1.0);
+            total += mean;
         }
-        if a > 1e-9 && b > 1e-9 { ab / (a * b).sqrt() } else { 1.0 }
-    }
-
-    /// Standard deviation over mean of the unpolarized intensity, weighted by the mean.
-    fn contrast(&self) -> f64 {
-        let (mut sum, mut weight) = (0.0, 0.0);
-        for s in &self.sums {
-            let (mean, square) = (s[5] / self.count, s[6] / self.count);
-            sum += (square - mean * mean).max(0.0).sqrt();
-            weight += mean;
-        }
-        if weight > 0.0 { sum / weight } else { 0.0 }
+        let correlation = if squares.iter().all(|s| *s > 1e-9 * total) {
+            cross / (squares[0] * squares[1]).sqrt()
+        } else {
+            1.0
+        };
+        (correlation, if total > 0.0 { (sum / total).max(0.0).sqrt() } else { 0.0 })
     }
 }

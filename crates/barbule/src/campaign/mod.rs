@@ -4,12 +4,12 @@
 //! are formed in instance order (so that bits do not depend on threads), and the fields are dropped.
 
 mod reduce;
+mod resolution;
 mod run;
+pub mod single;
 pub mod spectrum;
 
 pub use run::{Outcome, run, statistics};
-
-use std::sync::Arc;
 
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -20,7 +20,8 @@ use crate::observer::Observer;
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::statistics::{AZIMUTHS, Axes, Unit};
 use crate::solve::surface::{
-    CAMPAIGN_ELEMENT_UM, Cone, Nodes, Surface, Window, Workspace, inverse_root, refinement,
+    CAMPAIGN_ELEMENT_UM, Cone, Nodes, Rays, ReflectanceTable, Surface, Window, Workspace, inverse_root,
+    refinement,
 };
 use crate::structure::Structure;
 use crate::{Error, Result};
@@ -57,9 +58,26 @@ impl Parameters {
 /// A structure's instances, prepared for any unit of work.
 pub struct Campaign {
     parameters: Parameters,
-    surfaces: Vec<Arc<Surface>>,
+    /// One per instance, or a single one that serves all.
+    surfaces: Vec<(Surface, Rays)>,
     tilts: Vec<f64>,
+    /// Incident power at θ_i = 0 per instance and φ_i, µm.
+    powers_um: Vec<Vec<f64>>,
     width: Width,
+}
+
+/// What all units of one wavelength share: the reflectances of every surface.
+pub struct Wavelength {
+    index: usize,
+    tables: Vec<ReflectanceTable>,
+}
+
+impl Wavelength {
+    /// Bytes of its tables.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.tables.iter().map(ReflectanceTable::bytes).sum()
+    }
 }
 
 /// Fields of one unit: `[instance][φ_i][polarization][e₁, e₂][azimuth with margins]`, over √Φ_i.
@@ -85,7 +103,9 @@ impl Campaign {
     ) -> Result<Self> {
         let distinct = if structure.count() == Some(1) { 1 } else { parameters.instances };
         observer.begin("preparing instances", distinct as u64);
-        let mut surfaces = (0..distinct)
+        let shortest_nm = parameters.axes.wavelengths_nm.first().copied().unwrap_or(400.0);
+        let parts = resolution::ray_parts(structure, parameters.seed, distinct, shortest_nm, width)?;
+        let surfaces = (0..distinct)
             .into_par_iter()
             .map(|instance| {
                 if observer.is_cancelled() {
@@ -93,14 +113,12 @@ impl Campaign {
                 }
                 let section = structure.instance(parameters.seed, instance)?;
                 let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
+                let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, parts)?;
                 observer.advance(1);
-                Ok(Arc::new(surface))
+                Ok((surface, rays))
             })
             .collect::<Result<Vec<_>>>()?;
-        if let [only] = &surfaces[..] {
-            surfaces = vec![only.clone(); parameters.instances];
-        }
-        if let (Some(surface), Some(first), Some(last)) =
+        if let (Some((surface, _)), Some(first), Some(last)) =
             (surfaces.first(), parameters.axes.wavelengths_nm.first(), parameters.axes.wavelengths_nm.last())
         {
             // Tables that do not reach are refused before any work.
@@ -108,7 +126,35 @@ impl Campaign {
             surface.optics::<f32>(*last)?;
         }
         let tilts = parameters.tilts();
-        Ok(Self { parameters, surfaces, tilts, width })
+        let powers_um = tilts
+            .par_iter()
+            .enumerate()
+            .map(|(instance, tilt)| {
+                let (surface, _) = &surfaces[instance % distinct];
+                azimuths(&parameters.axes).map(|phi| surface.incident_power_um(0.0, phi + tilt)).collect()
+            })
+            .collect();
+        Ok(Self { parameters, surfaces, tilts, powers_um, width })
+    }
+
+    /// Prepares the units of one wavelength.
+    ///
+    /// # Errors
+    /// A medium's table does not reach the wavelength.
+    pub fn wavelength(&self, index: usize) -> Result<Wavelength> {
+        let wavelength_nm = self.parameters.axes.wavelengths_nm[index];
+        let tables = self
+            .surfaces
+            .par_iter()
+            .map(|(surface, rays)| ReflectanceTable::new(self.width, surface, rays, wavelength_nm))
+            .collect::<Result<_>>()?;
+        Ok(Wavelength { index, tables })
+    }
+
+    /// Parts into which elements are cut for the rays under them.
+    #[must_use]
+    pub fn ray_parts(&self) -> usize {
+        self.surfaces.first().map_or(1, |(_, rays)| rays.parts())
     }
 
     /// What is simulated.
@@ -118,30 +164,28 @@ impl Campaign {
     }
 
     /// The fields of one (λ, θ_i).
-    pub(crate) fn fields(&self, wavelength: usize, theta: usize) -> Result<(Fields, Cone)> {
+    pub(crate) fn fields(&self, wavelength: &Wavelength, theta: usize) -> (Fields, Cone) {
         let axes = &self.parameters.axes;
-        let wavelength_nm = axes.wavelengths_nm[wavelength];
         let theta_i = axes.cos_theta[theta].clamp(0.0, 1.0).acos();
-        let phi_i: Vec<f64> = axes.cos_phi.iter().map(|c| c.clamp(0.0, 1.0).acos()).collect();
-        let radius = self.surfaces.iter().fold(0f64, |r, surface| r.max(surface.radius_um));
-        let k = std::f64::consts::TAU / (wavelength_nm * 1e-3);
+        let radius = self.surfaces.iter().fold(0f64, |r, (surface, _)| r.max(surface.radius_um));
+        let k = std::f64::consts::TAU / (axes.wavelengths_nm[wavelength.index] * 1e-3);
         let cone = Cone::new(k, theta_i, radius);
         let refine = refinement(&cone, AZIMUTHS);
-        let values = self
-            .surfaces
-            .par_iter()
-            .zip(&self.tilts)
+        let values = (0..self.parameters.instances)
+            .into_par_iter()
             .map_init(
                 || (Workspace::<f32>::new(self.width), Vec::new(), Vec::new(), Vec::new()),
-                |(workspace, coefficients, circle, scratch), (surface, &tilt)| {
-                    let optics = surface.optics(wavelength_nm)?;
+                |(workspace, coefficients, circle, scratch), instance| {
+                    let distinct = instance % self.surfaces.len();
+                    let (surface, table) = (&self.surfaces[distinct].0, &wavelength.tables[distinct]);
+                    let tilt = self.tilts[instance];
                     let nodes = Nodes::equidistant(surface, cone.kappa);
-                    let turned: Vec<f64> = phi_i.iter().map(|phi| phi + tilt).collect();
-                    let scales: Vec<f64> = turned
+                    let turned: Vec<f64> = azimuths(axes).map(|phi| phi + tilt).collect();
+                    let scales: Vec<f64> = self.powers_um[instance]
                         .iter()
-                        .map(|&phi| inverse_root(surface.incident_power_um(theta_i, phi)))
+                        .map(|&power_um| inverse_root(power_um * theta_i.cos()))
                         .collect();
-                    workspace.far_fields(surface, &optics, &nodes, &cone, &turned, &scales, coefficients);
+                    workspace.far_fields(surface, table, &nodes, &cone, &turned, &scales, coefficients);
                     let synthesis = workspace.synthesis(&cone, AZIMUTHS * refine, AZIMUTH_MARGIN);
                     let points = synthesis.points();
                     let mut fields = vec![Complex::new(0.0, 0.0); coefficients.len() / cone.angles * points];
@@ -151,26 +195,29 @@ impl Campaign {
                         synthesis.evaluate(component, tilt, circle, scratch, out);
                         hide_below_horizon(out, tilt, refine);
                     }
-                    Ok(fields)
+                    fields
                 },
             )
-            .collect::<Result<Vec<_>>>()?;
+            .collect();
         let points = AZIMUTHS * refine + 2 * AZIMUTH_MARGIN;
-        Ok((Fields { values, points, refine }, cone))
+        (Fields { values, points, refine }, cone)
     }
 
     /// The statistics of one (λ, θ_i), with the fields themselves if they are to be kept.
-    ///
-    /// # Errors
-    /// A medium's table does not reach the wavelength.
-    pub fn unit(&self, wavelength: usize, theta: usize, keep_fields: bool) -> Result<Unit> {
-        let (fields, cone) = self.fields(wavelength, theta)?;
+    #[must_use]
+    pub fn unit(&self, wavelength: &Wavelength, theta: usize, keep_fields: bool) -> Unit {
+        let (fields, cone) = self.fields(wavelength, theta);
         let mut unit = reduce::unit(&self.parameters.axes, &fields, cone.theta_i);
         if keep_fields {
             unit.fields = reduce::kept(&fields, self.parameters.axes.cos_phi.len());
         }
-        Ok(unit)
+        unit
     }
+}
+
+/// The incident azimuths, rad.
+fn azimuths(axes: &Axes) -> impl Iterator<Item = f64> + '_ {
+    axes.cos_phi.iter().map(|c| c.clamp(0.0, 1.0).acos())
 }
 
 /// Zeroes what a tilted instance would send below its own horizon.

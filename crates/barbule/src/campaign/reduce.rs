@@ -55,6 +55,18 @@ pub(super) fn kept(fields: &Fields, phis: usize) -> Vec<Complex<f32>> {
     kept
 }
 
+/// U of S.12 of one (φ_i, polarization).
+pub(super) fn mean_intensity(fields: &Fields, pair: usize) -> Vec<f64> {
+    let mut u = vec![0.0; AZIMUTHS];
+    for instance in 0..fields.values.len() {
+        let (e1, e2) = components(fields, instance, pair);
+        for (n, at) in tabulated(fields).enumerate() {
+            u[n] += f64::from(e1[at].norm_sqr() + e2[at].norm_sqr()) / fields.values.len() as f64;
+        }
+    }
+    u
+}
+
 struct Direction {
     polarizations: [Polarization; 2],
     pattern_correlation: f64,
@@ -84,7 +96,11 @@ fn direction(
 }
 
 /// The two components of one instance, margins included; `pair` counts (φ_i, polarization).
-fn components(fields: &Fields, instance: usize, pair: usize) -> (&[Complex<f32>], &[Complex<f32>]) {
+pub(super) fn components(
+    fields: &Fields,
+    instance: usize,
+    pair: usize,
+) -> (&[Complex<f32>], &[Complex<f32>]) {
     let start = 2 * pair * fields.points;
     fields.values[instance][start..start + 2 * fields.points].split_at(fields.points)
 }
@@ -155,7 +171,7 @@ fn statistics(
     }
 }
 
-fn widen(value: Complex<f32>) -> Complex64 {
+pub(super) fn widen(value: Complex<f32>) -> Complex64 {
     Complex64::new(f64::from(value.re), f64::from(value.im))
 }
 
@@ -180,11 +196,7 @@ fn autocovariance(
         pattern.fill(Complex::new(0.0, 0.0));
         let mut mean = Complex::new(0.0, 0.0);
         for (point, weight) in grid.points.iter().zip(envelope) {
-            let mut value = Complex::new(0.0, 0.0);
-            for (sample, tap) in field[point.first..point.first + TAPS].iter().zip(point.weights) {
-                value += sample * tap;
-            }
-            value *= weight;
+            let value = point.interpolate(field) * weight;
             mean += value;
             pattern[point.index] = value;
         }
@@ -207,19 +219,30 @@ fn autocovariance(
 }
 
 /// The points x_j = (2j + 1 − N)/N of S.44 on the cone, with interpolation from the fine azimuths.
-struct NoiseGrid {
-    points: Vec<NoisePoint>,
+pub(super) struct NoiseGrid {
+    pub(super) points: Vec<NoisePoint>,
 }
 
-struct NoisePoint {
-    index: usize,
-    phi_o: f64,
+pub(super) struct NoisePoint {
+    pub(super) index: usize,
+    pub(super) phi_o: f64,
     first: usize,
     weights: [f32; TAPS],
 }
 
+impl NoisePoint {
+    /// The field here, from the fine azimuths.
+    pub(super) fn interpolate(&self, field: &[Complex<f32>]) -> Complex<f32> {
+        let mut value = Complex::new(0.0, 0.0);
+        for (sample, tap) in field[self.first..self.first + TAPS].iter().zip(self.weights) {
+            value += sample * tap;
+        }
+        value
+    }
+}
+
 impl NoiseGrid {
-    fn new(theta_i: f64, refine: usize) -> Self {
+    pub(super) fn new(theta_i: f64, refine: usize) -> Self {
         let step = std::f64::consts::PI / (AZIMUTHS * refine) as f64;
         let points = (0..NOISE_POINTS)
             .filter_map(|index| {

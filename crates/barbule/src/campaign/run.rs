@@ -1,7 +1,5 @@
 //! Running a campaign's units into a store, or straight into statistics.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use rayon::prelude::*;
 
 use super::Campaign;
@@ -32,52 +30,53 @@ pub fn run(
     shards: usize,
     observer: &dyn Observer,
 ) -> Result<Outcome> {
-    let units: Vec<(usize, usize)> = store.units().skip(shard).step_by(shards.max(1)).collect();
+    let units = store.shard(shard, shards);
     observer.begin("simulating", units.len() as u64);
-    let (found, repaired) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    units.par_iter().with_max_len(1).try_for_each(|&(wavelength, theta)| {
-        if observer.is_cancelled() {
-            return Err(Error::interrupted());
-        }
-        if store.is_done(wavelength, theta) {
-            if store.is_whole(wavelength, theta) {
-                found.fetch_add(1, Ordering::Relaxed);
-                observer.advance(1);
-                return Ok(());
+    let whole: Vec<bool> = units.par_iter().map(|&(w, t)| store.is_whole(w, t)).collect();
+    let missing: Vec<_> =
+        units.iter().zip(whole).filter(|(_, whole)| !whole).map(|(unit, _)| *unit).collect();
+    let found = units.len() - missing.len();
+    let repaired = missing.iter().filter(|&&(w, t)| store.is_done(w, t)).count();
+    observer.advance(found as u64);
+    // Units of one wavelength share its tables, of which there is room for one wavelength at a time.
+    for group in missing.chunk_by(|a, b| a.0 == b.0) {
+        let wavelength = campaign.wavelength(group[0].0)?;
+        group.par_iter().with_max_len(1).try_for_each(|&(index, theta)| {
+            if observer.is_cancelled() {
+                return Err(Error::interrupted());
             }
-            repaired.fetch_add(1, Ordering::Relaxed);
-        }
-        let unit = campaign.unit(wavelength, theta, store.keeps(wavelength))?;
-        store.write(wavelength, theta, &unit)?;
-        observer.advance(1);
-        Ok(())
-    })?;
-    let (found, repaired) = (found.into_inner(), repaired.into_inner());
-    Ok(Outcome { computed: units.len() - found, found, repaired })
+            store.write(index, theta, &campaign.unit(&wavelength, theta, store.keeps(index)))?;
+            observer.advance(1);
+            Ok(())
+        })?;
+    }
+    Ok(Outcome { computed: missing.len(), found, repaired })
 }
 
 /// Computes all units in memory.
 ///
 /// # Errors
-/// As [`run`].
+/// A medium's table does not reach a wavelength, or the observer cancelled.
 pub fn statistics(campaign: &Campaign, observer: &dyn Observer) -> Result<Statistics> {
     let axes = &campaign.parameters().axes;
     let thetas = axes.cos_theta.len();
-    let count = axes.wavelengths_nm.len() * thetas;
-    observer.begin("simulating", count as u64);
-    let units = (0..count)
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|unit| {
-            if observer.is_cancelled() {
-                return Err(Error::interrupted());
-            }
-            let result = campaign.unit(unit / thetas, unit % thetas, false)?;
-            observer.advance(1);
-            Ok(result)
-        })
-        .collect::<Result<Vec<_>>>()?;
+    observer.begin("simulating", (axes.wavelengths_nm.len() * thetas) as u64);
     let mut statistics = Statistics::empty(axes.clone(), campaign.parameters().instances);
-    units.into_iter().for_each(|unit| statistics.append(unit));
+    for index in 0..axes.wavelengths_nm.len() {
+        let wavelength = campaign.wavelength(index)?;
+        let units = (0..thetas)
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|theta| {
+                if observer.is_cancelled() {
+                    return Err(Error::interrupted());
+                }
+                let unit = campaign.unit(&wavelength, theta, false);
+                observer.advance(1);
+                Ok(unit)
+            })
+            .collect::<Result<Vec<_>>>()?;
+        units.into_iter().for_each(|unit| statistics.append(unit));
+    }
     Ok(statistics)
 }

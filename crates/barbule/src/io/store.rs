@@ -317,6 +317,14 @@ impl Store {
         (0..self.axes.wavelengths_nm.len()).flat_map(move |w| (0..thetas).map(move |t| (w, t)))
     }
 
+    /// The units of shard `shard` of `shards`: neighbours, so that those of one wavelength mostly fall together.
+    #[must_use]
+    pub fn shard(&self, shard: usize, shards: usize) -> Vec<(usize, usize)> {
+        let count = self.units().count();
+        let bound = |shard: usize| count * shard / shards.max(1);
+        self.units().skip(bound(shard)).take(bound(shard + 1) - bound(shard)).collect()
+    }
+
     /// Whether a unit is there, by the presence of its last chunk.
     #[must_use]
     pub fn is_done(&self, wavelength: usize, theta: usize) -> bool {

@@ -151,11 +151,11 @@ impl Frame {
     }
 
     fn x_ticks(&self) -> Vec<(f64, String)> {
-        ticks(self.x, (self.area[2] / 80.0) as usize)
+        ticks(self.x, (self.area[2] / 60.0) as usize)
     }
 
     fn y_ticks(&self) -> Vec<(f64, String)> {
-        ticks(self.y, (self.area[3] / 55.0) as usize)
+        ticks(self.y, ((self.area[3] / 45.0) as usize).max(5))
     }
 }
 

@@ -4,10 +4,8 @@ use super::axes::{Axis, Frame, LARGE, MEDIUM, SMALL, covering};
 use super::drawing::{Anchor, Drawing, Ink, Item, Stroke};
 use super::{palette, text};
 
-/// The width of the plotted area in px.
-const WIDTH: f64 = 520.0;
-/// The height of the plotted area in px.
-const HEIGHT: f64 = 330.0;
+/// Usual width and height of the plotted area in px.
+const SIZE: [f64; 2] = [520.0, 330.0];
 /// Curves that the legend names; more are counted.
 const MOST_NAMED: usize = 18;
 
@@ -67,18 +65,29 @@ pub struct Figure {
     pub legend: String,
     /// Small print below.
     pub footnote: Option<String>,
+    /// Width and height of the plane in px.
+    pub size: [f64; 2],
 }
 
 impl Figure {
     /// A chart without curves.
     #[must_use]
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
-        Self { title: title.into(), x, y, curves: Vec::new(), legend: String::new(), footnote: None }
+        Self {
+            title: title.into(),
+            x,
+            y,
+            curves: Vec::new(),
+            legend: String::new(),
+            footnote: None,
+            size: SIZE,
+        }
     }
 
     /// Draws the chart.
     #[must_use]
     pub fn draw(&self) -> Drawing {
+        let [plane_width, plane_height] = self.size;
         let named = self.curves.iter().take(MOST_NAMED);
         let swatches = self.curves.iter().any(|c| c.swatch.is_some());
         let sample = if swatches { 56.0 } else { 36.0 };
@@ -88,11 +97,11 @@ impl Figure {
         let legend_width = if has_legend { longest + sample + 24.0 } else { 20.0 };
         let below = if self.footnote.is_some() { 62.0 } else { 46.0 };
         let (left, top) = (64.0, if self.title.is_empty() { 16.0 } else { 34.0 });
-        let title_width = 2.0 * (text::width(&self.title, LARGE) / 2.0 - WIDTH / 2.0);
+        let title_width = 2.0 * (text::width(&self.title, LARGE) / 2.0 - plane_width / 2.0);
         let note_width = self.footnote.as_ref().map_or(0.0, |note| text::width(note, SMALL));
-        let width = (left + WIDTH + legend_width.max(title_width)).max(left + note_width + 16.0);
-        let mut drawing = Drawing::new(width.ceil(), top + HEIGHT + below);
-        let frame = self.frame([left, top, WIDTH, HEIGHT]);
+        let width = (left + plane_width + legend_width.max(title_width)).max(left + note_width + 16.0);
+        let mut drawing = Drawing::new(width.ceil(), top + plane_height + below);
+        let frame = self.frame([left, top, plane_width, plane_height]);
         frame.grid(&mut drawing);
         let mut items = Vec::new();
         for (i, curve) in self.curves.iter().enumerate() {
@@ -104,10 +113,10 @@ impl Figure {
         drawing.items.push(Item::Clip { area: frame.area, items });
         frame.outline(&mut drawing, &self.x.label, &self.y.label, &self.title);
         if has_legend {
-            self.legend_at(&mut drawing, [left + WIDTH + 14.0, top + 10.0], sample);
+            self.legend_at(&mut drawing, [left + plane_width + 14.0, top + 10.0], sample);
         }
         if let Some(note) = &self.footnote {
-            drawing.text([left, top + HEIGHT + 54.0], SMALL, Anchor::Start, note.clone());
+            drawing.text([left, top + plane_height + 54.0], SMALL, Anchor::Start, note.clone());
         }
         drawing
     }

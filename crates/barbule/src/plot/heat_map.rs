@@ -51,7 +51,7 @@ impl HeatMap {
         let range = self.range.unwrap_or_else(|| self.covered());
         let (left, top) = (64.0, if self.title.is_empty() { 16.0 } else { 34.0 });
         let [width, height] = self.size;
-        let marks = ticks(range, (height / 55.0) as usize);
+        let marks = ticks(range, (height / 40.0) as usize);
         let widest = marks.iter().map(|(_, t)| text::width(t, SMALL)).fold(0.0, f64::max);
         let bar = [left + width + 18.0, top, 14.0, height];
         let label_at = bar[0] + bar[2] + 8.0 + widest + 18.0;

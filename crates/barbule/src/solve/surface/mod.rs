@@ -10,6 +10,7 @@ mod points;
 mod profile;
 mod radiation;
 mod reflection;
+mod table;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,7 @@ pub use points::{Surface, Window};
 pub use profile::stage_seconds;
 
 pub(crate) use radiation::{Cone, Workspace};
+pub(crate) use table::{Rays, ReflectanceTable};
 
 use crate::Result;
 use crate::math::band_limited::NODES_PER_PERIOD;
@@ -30,9 +32,9 @@ use crate::math::simd::Width;
 /// by more than 1e-4 of the peak.
 pub const FINE_ELEMENT_UM: f64 = 0.01;
 
-/// Longest quadrature element, µm, where many instances are averaged: fields differ from converged ones by less than
-/// 1e-3 (relative L2).
-pub const CAMPAIGN_ELEMENT_UM: f64 = 0.02;
+/// Longest quadrature element, µm, where many instances are lit from many directions; structure below it is averaged by
+/// rays. Fields differ from converged ones by less than 1e-3 (relative L2).
+pub const CAMPAIGN_ELEMENT_UM: f64 = 0.04;
 
 /// The far field of one instance for one incident direction and both incident polarizations.
 #[derive(Debug, Clone)]

@@ -70,9 +70,9 @@ impl Arrays<f64> {
 /// The turn of the top at a vertex, rad, up to which the radiation kernel is interpolated across it.
 const SMOOTH_TURN: f64 = 0.12;
 
-/// Permittivities of one slot at one wavelength.
+/// Permittivities of one slot at one wavelength, less 1.
 #[derive(Debug, Clone)]
-pub(crate) enum SlotIndex<T> {
+pub(crate) enum SlotMedium<T> {
     Uniform(Complex64),
     Varying { re: Vec<T>, im: Vec<T> },
 }
@@ -82,7 +82,7 @@ pub(crate) enum SlotIndex<T> {
 pub(crate) struct Optics<T> {
     /// Vacuum wave number 2π/λ, rad/µm.
     pub(crate) k: f64,
-    pub(crate) slots: Vec<SlotIndex<T>>,
+    pub(crate) slots: Vec<SlotMedium<T>>,
 }
 
 impl Surface {
@@ -91,6 +91,19 @@ impl Surface {
     /// # Errors
     /// The light does not come through air, or the top has no length.
     pub fn new(section: &Section, element_um: f64, window: Window) -> Result<Self> {
+        Self::subdivided(section, element_um, 1, window)
+    }
+
+    /// Prepares a section with each element of at most `element_um` cut into `parts`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn subdivided(
+        section: &Section,
+        element_um: f64,
+        parts: usize,
+        window: Window,
+    ) -> Result<Self> {
         let top = section.top();
         let quarter = section.width_um / 4.0;
         let gauss = 0.5 / 3f64.sqrt();
@@ -109,7 +122,7 @@ impl Surface {
                 pieces.push(rays.len());
             }
             before = Some((tx, tz));
-            let elements = (length / element_um).ceil().max(1.0) as usize;
+            let elements = (length / element_um).ceil().max(1.0) as usize * parts;
             for element in 0..elements {
                 for side in [-gauss, gauss] {
                     let t = (element as f64 + 0.5 + side) / elements as f64;
@@ -198,20 +211,20 @@ impl Surface {
             .mixture
             .chunks_exact(self.count)
             .map(|row| {
-                let permittivity = |m: &Mixture| {
+                let contrast = |m: &Mixture| {
                     let (a, b) = (indices[usize::from(m.a)], indices[usize::from(m.b)]);
                     let n = a + (b - a) * m.fraction;
-                    n * n
+                    (n - 1.0) * (n + 1.0)
                 };
                 let first = &row[0];
                 if row.iter().all(|m| m == first) {
-                    return SlotIndex::Uniform(permittivity(first));
+                    return SlotMedium::Uniform(contrast(first));
                 }
                 let (mut re, mut im): (Vec<T>, Vec<T>) =
-                    row.iter().map(permittivity).map(|eps| (T::of(eps.re), T::of(eps.im))).unzip();
+                    row.iter().map(contrast).map(|value| (T::of(value.re), T::of(value.im))).unzip();
                 re.resize(padded, re[self.count - 1]);
                 im.resize(padded, im[self.count - 1]);
-                SlotIndex::Varying { re, im }
+                SlotMedium::Varying { re, im }
             })
             .collect();
         Ok(Optics { k: std::f64::consts::TAU / (wavelength_nm * 1e-3), slots })

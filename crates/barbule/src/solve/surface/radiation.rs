@@ -14,8 +14,8 @@ use num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
 use super::nodes::{Nodes, Taps};
-use super::points::{Arrays, Optics, Surface};
-use super::reflection::{BLOCK, COMPONENTS, Currents, Incidence, reflect_block};
+use super::points::{Arrays, Surface};
+use super::reflection::{BLOCK, COMPONENTS, Currents, Incidence, Reflectances, reflect_block};
 use crate::math::band_limited::TAPS;
 use crate::math::simd::{Real, Width, sin_cos};
 
@@ -195,21 +195,21 @@ impl<T: Scalar> Workspace<T> {
     pub(crate) fn far_fields(
         &mut self,
         surface: &Surface,
-        optics: &Optics<T>,
+        reflectances: &impl Reflectances<T>,
         nodes: &Nodes<T>,
         cone: &Cone,
         phi_i: &[f64],
         scales: &[f64],
         out: &mut Vec<Complex<T>>,
     ) {
-        self.timed_far_fields(surface, optics, nodes, cone, phi_i, scales, out, |_| {});
+        self.timed_far_fields(surface, reflectances, nodes, cone, phi_i, scales, out, |_| {});
     }
 
     /// [`Self::far_fields`], calling `lap` with its name after each stage.
     pub(crate) fn timed_far_fields(
         &mut self,
         surface: &Surface,
-        optics: &Optics<T>,
+        reflectances: &impl Reflectances<T>,
         nodes: &Nodes<T>,
         cone: &Cone,
         phi_i: &[f64],
@@ -232,7 +232,7 @@ impl<T: Scalar> Workspace<T> {
             } else {
                 start..end
             };
-            self.gather_sources(surface, optics, nodes, cone, phi_i, points, end - start);
+            self.gather_sources(surface, reflectances, nodes, cone, phi_i, points, end - start);
             lap("reflection and spreading");
             self.form_kernel(nodes, cone, start, end);
             lap("radiation kernel");
@@ -247,7 +247,7 @@ impl<T: Scalar> Workspace<T> {
     fn gather_sources(
         &mut self,
         surface: &Surface,
-        optics: &Optics<T>,
+        reflectances: &impl Reflectances<T>,
         nodes: &Nodes<T>,
         cone: &Cone,
         phi_i: &[f64],
@@ -256,11 +256,14 @@ impl<T: Scalar> Workspace<T> {
     ) {
         let arrays = T::arrays(surface);
         let mut currents: Currents<T> = [[T::of(0.0); BLOCK]; COMPONENTS];
-        for (phi, columns) in phi_i.iter().zip(self.sources.chunks_exact_mut(stride * COMPONENTS)) {
-            let incidence = Incidence::new(cone.theta_i, *phi);
-            for block in points.clone().step_by(BLOCK) {
+        let incidences: Vec<_> = phi_i.iter().map(|&phi| Incidence::new(cone.theta_i, phi)).collect();
+        // Blocks outside, so that what is known of a block's points stays near.
+        for block in points.clone().step_by(BLOCK) {
+            for (incidence, columns) in
+                incidences.iter().zip(self.sources.chunks_exact_mut(stride * COMPONENTS))
+            {
                 dispatch!(self.width.0, simd => reflect_block(
-                    simd, arrays, optics, &incidence, &nodes.extra_phase, block, &mut currents
+                    simd, arrays, reflectances, cone.k, incidence, &nodes.extra_phase, block, &mut currents
                 ));
                 match &nodes.taps {
                     Some(taps) => T::spread(self.width, taps, block, &currents, stride, columns),

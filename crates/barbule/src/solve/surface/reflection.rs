@@ -10,9 +10,36 @@
 //! ```
 
 use fearless_simd::prelude::*;
+use num_complex::Complex64;
 
-use super::points::{Arrays, Optics, SlotIndex};
+use super::points::{Arrays, Optics, SlotMedium};
 use crate::math::simd::{Complex, Lanes, Real, decay, load, root, sin_cos, splat};
+
+/// What gives the reflectances r_s and r_p of the stacks under points, as ratios of E and of H perpendicular to the
+/// plane of incidence.
+pub(crate) trait Reflectances<T: Real> {
+    /// Of the points `at` …, for light at local incidence angles α.
+    fn at<S: Simd>(
+        &self,
+        simd: S,
+        arrays: &Arrays<T>,
+        at: usize,
+        cos_alpha: T::Native<S>,
+    ) -> [Complex<T::Native<S>>; 2];
+}
+
+impl<T: Real> Reflectances<T> for Optics<T> {
+    #[inline(always)]
+    fn at<S: Simd>(
+        &self,
+        simd: S,
+        arrays: &Arrays<T>,
+        at: usize,
+        cos_alpha: T::Native<S>,
+    ) -> [Complex<T::Native<S>>; 2] {
+        stack_reflectances::<S, T::Native<S>>(simd, arrays, self, at, cos_alpha)
+    }
+}
 
 /// Points that are reflected together; every array of a surface is padded to a multiple of it.
 pub(crate) const BLOCK: usize = 64;
@@ -26,6 +53,9 @@ pub(crate) type Currents<T> = [[T; BLOCK]; COMPONENTS];
 /// Interfaces after which numerator and denominator of the reflectance are rescaled: with magnitudes up to 20 per
 /// interface, six stay within single precision.
 const RESCALE_EVERY: usize = 6;
+
+/// r_s and r_p as numerators and denominators.
+type Fractions<V> = [(Complex<V>, Complex<V>); 2];
 
 /// The incident wave in numbers that do not depend on the point.
 #[derive(Debug, Clone, Copy)]
@@ -56,7 +86,8 @@ impl Incidence {
 pub(crate) fn reflect_block<S: Simd, T: Real>(
     simd: S,
     arrays: &Arrays<T>,
-    optics: &Optics<T>,
+    reflectances: &impl Reflectances<T>,
+    k: f64,
     incidence: &Incidence,
     extra_phase: &[T],
     start: usize,
@@ -68,7 +99,7 @@ pub(crate) fn reflect_block<S: Simd, T: Real>(
     let cos_theta: T::Native<S> = splat(simd, incidence.cos_theta);
     let sin_phi: T::Native<S> = splat(simd, incidence.sin_phi);
     let cos_phi: T::Native<S> = splat(simd, incidence.cos_phi);
-    let backward: T::Native<S> = splat(simd, -optics.k);
+    let backward: T::Native<S> = splat(simd, -k);
     for offset in (0..BLOCK).step_by(lanes) {
         let at = start + offset;
         let tangent_x: T::Native<S> = load(simd, &arrays.tangent_x, at);
@@ -87,8 +118,7 @@ pub(crate) fn reflect_block<S: Simd, T: Real>(
         let s_t = degenerate.select(zero, -omega_y / length);
         let s_y = degenerate.select(splat(simd, 1.0), omega_t / length);
 
-        let below_grazing = sin_squared.min(splat::<S, T::Native<S>>(simd, 1.0 - T::GRAZING * T::GRAZING));
-        let (r_s, r_p) = reflectances::<S, T::Native<S>>(simd, arrays, optics, at, cos_alpha, below_grazing);
+        let [r_s, r_p] = reflectances.at(simd, arrays, at, cos_alpha);
 
         let x: T::Native<S> = load(simd, &arrays.x_um, at);
         let z: T::Native<S> = load(simd, &arrays.z_um, at);
@@ -136,79 +166,211 @@ fn weighted<S: Simd, V: Lanes<S>>(x: Complex<V>, a: V, y: Complex<V>, b: V) -> C
     x.scale::<S>(a).add::<S>(y.scale::<S>(b))
 }
 
-/// The permittivity of a slot at the points `at` ….
+/// The permittivity and q = √(ε − sin²α) of a slot at the points `at` ….
+///
+/// In terms of ε − 1, so that nothing cancels in air at grazing angles.
 #[inline(always)]
-fn permittivity<S: Simd, V: Lanes<S>>(simd: S, slot: &SlotIndex<V::Element>, at: usize) -> Complex<V> {
-    match slot {
-        SlotIndex::Uniform(value) => Complex { re: splat(simd, value.re), im: splat(simd, value.im) },
-        SlotIndex::Varying { re, im } => Complex { re: load(simd, re, at), im: load(simd, im, at) },
-    }
+fn layer<S: Simd, V: Lanes<S>>(
+    simd: S,
+    slot: &SlotMedium<V::Element>,
+    at: usize,
+    cos_squared: V,
+) -> (Complex<V>, Complex<V>) {
+    let contrast = match slot {
+        SlotMedium::Uniform(value) => Complex { re: splat(simd, value.re), im: splat(simd, value.im) },
+        SlotMedium::Varying { re, im } => Complex { re: load(simd, re, at), im: load(simd, im, at) },
+    };
+    let eps = Complex { re: contrast.re + splat::<S, V>(simd, 1.0), im: contrast.im };
+    (eps, root::<S, V>(simd, Complex { re: contrast.re + cos_squared, im: contrast.im }))
 }
 
-/// q = √(ε − sin²α), the cosine times the index.
-#[inline(always)]
-fn transverse<S: Simd, V: Lanes<S>>(simd: S, eps: Complex<V>, sin_squared: V) -> Complex<V> {
-    root::<S, V>(simd, Complex { re: eps.re - sin_squared, im: eps.im })
-}
-
-/// r_s and r_p of the stacks under the points `at` …, as ratios of E and of H perpendicular to the plane of incidence.
+/// r_s and r_p of the stacks under the points `at` ….
 ///
 /// The recursion of the theory page, from the substrate up, kept as numerator and denominator so that an interface
 /// costs no division: Γ = N/D → (a D + b N e)/(b D + a N e) with r = a/b and e the round trip through the layer below.
 #[inline(always)]
-fn reflectances<S: Simd, V: Lanes<S>>(
+fn stack_reflectances<S: Simd, V: Lanes<S>>(
     simd: S,
     arrays: &Arrays<V::Element>,
     optics: &Optics<V::Element>,
     at: usize,
     cos_alpha: V,
-    sin_squared: V,
-) -> (Complex<V>, Complex<V>) {
+) -> [Complex<V>; 2] {
     let one: V = splat(simd, 1.0);
     let zero: V = splat(simd, 0.0);
-    let air = (Complex { re: one, im: zero }, Complex { re: cos_alpha, im: zero });
     let last = optics.slots.len() - 1;
     let padded = arrays.x_um.len();
     let twice_k: V = splat(simd, 2.0 * optics.k);
-    let mut below_eps = permittivity::<S, V>(simd, &optics.slots[last], at);
-    let mut below_q = transverse::<S, V>(simd, below_eps, sin_squared);
-    let (mut s_top, mut s_bottom) = (Complex { re: zero, im: zero }, Complex { re: one, im: zero });
-    let (mut p_top, mut p_bottom) = (s_top, s_bottom);
+    let cos_squared = cos_alpha * cos_alpha;
+    let air = (Complex { re: one, im: zero }, Complex { re: cos_alpha, im: zero });
+    let (mut below_eps, mut below_q) = layer::<S, V>(simd, &optics.slots[last], at, cos_squared);
+    let mut fractions = [(Complex { re: zero, im: zero }, Complex { re: one, im: zero }); 2];
     for interface in (0..=last).rev() {
         let (eps, q) = if interface == 0 {
             air
         } else {
-            let eps = permittivity::<S, V>(simd, &optics.slots[interface - 1], at);
-            (eps, transverse::<S, V>(simd, eps, sin_squared))
+            layer::<S, V>(simd, &optics.slots[interface - 1], at, cos_squared)
         };
         if interface < last {
             // The layer just below this interface.
             let twice = load::<S, V>(simd, &arrays.thickness_um, interface * padded + at) * twice_k;
-            let (sin, cos) = sin_cos::<S, V>(simd, below_q.re * twice);
-            let size = decay::<S, V>(simd, below_q.im * twice);
-            let trip = Complex { re: cos * size, im: sin * size };
-            s_top = s_top.mul::<S>(trip);
-            p_top = p_top.mul::<S>(trip);
+            let trip = round_trip::<S, V>(simd, below_q, twice, false);
+            for (top, _) in &mut fractions {
+                *top = top.mul::<S>(trip);
+            }
         }
-        let (a, b) = (q.sub::<S>(below_q), q.add::<S>(below_q));
-        (s_top, s_bottom) =
-            (a.mul_add::<S>(s_bottom, b.mul::<S>(s_top)), b.mul_add::<S>(s_bottom, a.mul::<S>(s_top)));
-        let (x, y) = (below_eps.mul::<S>(q), eps.mul::<S>(below_q));
-        let (a, b) = (x.sub::<S>(y), x.add::<S>(y));
-        (p_top, p_bottom) =
-            (a.mul_add::<S>(p_bottom, b.mul::<S>(p_top)), b.mul_add::<S>(p_bottom, a.mul::<S>(p_top)));
+        cross::<S, V>((eps, q), (below_eps, below_q), &mut fractions);
         if interface % RESCALE_EVERY == 1 {
-            (s_top, s_bottom) = rescaled::<S, V>(simd, s_top, s_bottom);
-            (p_top, p_bottom) = rescaled::<S, V>(simd, p_top, p_bottom);
+            rescale::<S, V>(simd, &mut fractions);
         }
         (below_eps, below_q) = (eps, q);
     }
-    (s_top.div::<S>(s_bottom), p_top.div::<S>(p_bottom))
+    reflectances_of::<S, V>(fractions)
 }
 
-/// A fraction with its denominator brought near 1.
+/// A surface's media at one local angle: what is the same under all its points is known once for all.
+pub(super) struct AtAngle {
+    cos_alpha: f64,
+    /// ε and q of each slot that holds one medium.
+    slots: Vec<Option<(Complex64, Complex64)>>,
+    /// r_s and r_p of the interface above each slot, where both its media are known.
+    interfaces: Vec<Option<[Complex64; 2]>>,
+}
+
+impl AtAngle {
+    pub(super) fn new<T: Real>(optics: &Optics<T>, cos_alpha: f64) -> Self {
+        let slots: Vec<_> = optics
+            .slots
+            .iter()
+            .map(|slot| match slot {
+                SlotMedium::Uniform(contrast) => {
+                    Some((contrast + 1.0, (contrast + cos_alpha * cos_alpha).sqrt()))
+                }
+                SlotMedium::Varying { .. } => None,
+            })
+            .collect();
+        let air = Some((Complex64::ONE, Complex64::from(cos_alpha)));
+        let interfaces = std::iter::once(&air)
+            .chain(&slots)
+            .zip(&slots)
+            .map(|(above, below)| {
+                let ((eps, q), (below_eps, below_q)) = ((*above)?, (*below)?);
+                let (x, y) = (below_eps * q, eps * below_q);
+                Some([(q - below_q) / (q + below_q), (x - y) / (x + y)])
+            })
+            .collect();
+        Self { cos_alpha, slots, interfaces }
+    }
+
+    /// As [`Reflectances::at`] of the same media, for light at this angle on all points.
+    #[inline(always)]
+    pub(super) fn reflectances<S: Simd, V: Lanes<S>>(
+        &self,
+        simd: S,
+        arrays: &Arrays<V::Element>,
+        optics: &Optics<V::Element>,
+        at: usize,
+    ) -> [Complex<V>; 2] {
+        let last = self.slots.len() - 1;
+        let padded = arrays.x_um.len();
+        let air = (Complex64::ONE, Complex64::from(self.cos_alpha));
+        let (zero, one): (V, V) = (splat(simd, 0.0), splat(simd, 1.0));
+        let mut fractions = [(Complex { re: zero, im: zero }, Complex { re: one, im: zero }); 2];
+        for interface in (0..=last).rev() {
+            if interface < last {
+                let thickness = load::<S, V>(simd, &arrays.thickness_um, interface * padded + at);
+                let (_, q) = self.medium::<S, V>(simd, &optics.slots, interface, at);
+                let transparent = self.slots[interface].is_some_and(|(_, q)| q.im == 0.0);
+                let trip =
+                    round_trip::<S, V>(simd, q, thickness * splat::<S, V>(simd, 2.0 * optics.k), transparent);
+                for (top, _) in &mut fractions {
+                    *top = top.mul::<S>(trip);
+                }
+            }
+            if let Some(known) = self.interfaces[interface] {
+                for ((top, bottom), r) in fractions.iter_mut().zip(known) {
+                    let r = Complex { re: splat(simd, r.re), im: splat(simd, r.im) };
+                    (*top, *bottom) = (r.mul_add::<S>(*bottom, *top), r.mul_add::<S>(*top, *bottom));
+                }
+            } else {
+                let above = if interface == 0 {
+                    lanes::<S, V>(simd, air)
+                } else {
+                    self.medium::<S, V>(simd, &optics.slots, interface - 1, at)
+                };
+                let below = self.medium::<S, V>(simd, &optics.slots, interface, at);
+                cross::<S, V>(above, below, &mut fractions);
+            }
+            if interface % RESCALE_EVERY == 1 {
+                rescale::<S, V>(simd, &mut fractions);
+            }
+        }
+        reflectances_of::<S, V>(fractions)
+    }
+
+    /// ε and q of a slot at the points `at` ….
+    #[inline(always)]
+    fn medium<S: Simd, V: Lanes<S>>(
+        &self,
+        simd: S,
+        slots: &[SlotMedium<V::Element>],
+        slot: usize,
+        at: usize,
+    ) -> (Complex<V>, Complex<V>) {
+        match self.slots[slot] {
+            Some(known) => lanes::<S, V>(simd, known),
+            None => layer::<S, V>(simd, &slots[slot], at, splat(simd, self.cos_alpha * self.cos_alpha)),
+        }
+    }
+}
+
+/// The same ε and q in every lane.
 #[inline(always)]
-fn rescaled<S: Simd, V: Lanes<S>>(simd: S, top: Complex<V>, bottom: Complex<V>) -> (Complex<V>, Complex<V>) {
-    let size = splat::<S, V>(simd, 1.0) / bottom.re.abs().max(bottom.im.abs());
-    (top.scale::<S>(size), bottom.scale::<S>(size))
+fn lanes<S: Simd, V: Lanes<S>>(simd: S, (eps, q): (Complex64, Complex64)) -> (Complex<V>, Complex<V>) {
+    (
+        Complex { re: splat(simd, eps.re), im: splat(simd, eps.im) },
+        Complex { re: splat(simd, q.re), im: splat(simd, q.im) },
+    )
+}
+
+/// e^{2jkqd}, with 2kd given; `transparent` if q is real everywhere.
+#[inline(always)]
+fn round_trip<S: Simd, V: Lanes<S>>(simd: S, q: Complex<V>, twice: V, transparent: bool) -> Complex<V> {
+    let (sin, cos) = sin_cos::<S, V>(simd, q.re * twice);
+    if transparent {
+        return Complex { re: cos, im: sin };
+    }
+    let size = decay::<S, V>(simd, q.im * twice);
+    Complex { re: cos * size, im: sin * size }
+}
+
+/// Takes the fractions of r_s and r_p through the interface between two media.
+#[inline(always)]
+fn cross<S: Simd, V: Lanes<S>>(
+    (eps, q): (Complex<V>, Complex<V>),
+    (below_eps, below_q): (Complex<V>, Complex<V>),
+    fractions: &mut Fractions<V>,
+) {
+    let (x, y) = (below_eps.mul::<S>(q), eps.mul::<S>(below_q));
+    let pairs = [(q.sub::<S>(below_q), q.add::<S>(below_q)), (x.sub::<S>(y), x.add::<S>(y))];
+    for ((top, bottom), (a, b)) in fractions.iter_mut().zip(pairs) {
+        (*top, *bottom) =
+            (a.mul_add::<S>(*bottom, b.mul::<S>(*top)), b.mul_add::<S>(*bottom, a.mul::<S>(*top)));
+    }
+}
+
+/// Brings the denominators of fractions near 1.
+#[inline(always)]
+fn rescale<S: Simd, V: Lanes<S>>(simd: S, fractions: &mut Fractions<V>) {
+    for (top, bottom) in fractions {
+        let size = splat::<S, V>(simd, 1.0) / bottom.re.abs().max(bottom.im.abs());
+        (*top, *bottom) = (top.scale::<S>(size), bottom.scale::<S>(size));
+    }
+}
+
+#[inline(always)]
+fn reflectances_of<S: Simd, V: Lanes<S>>(
+    [(s_top, s_bottom), (p_top, p_bottom)]: Fractions<V>,
+) -> [Complex<V>; 2] {
+    [s_top.div::<S>(s_bottom), p_top.div::<S>(p_bottom)]
 }

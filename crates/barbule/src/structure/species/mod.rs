@@ -203,6 +203,29 @@ impl SpeciesModel {
         file.model(variant, library)
     }
 
+    /// A species from what results recorded of it: name, variant, and all parameters with their generator.
+    ///
+    /// # Errors
+    /// Unknown generators, missing parameters, or values out of range; the message starts with the key.
+    pub fn from_parameters(name: &str, variant: &str, parameters: &Value, library: Library) -> Result<Self> {
+        let generator = parameters["generator"].as_str().unwrap_or_default();
+        let mut table = parameters.clone();
+        if let Value::Object(table) = &mut table {
+            table.remove("generator");
+        }
+        let fields = Fields::new(&table, "parameters", Parameters::keys(generator)?)?;
+        let about = SpeciesFile::builtin(name).ok();
+        let about = |pick: fn(&SpeciesFile) -> &str| about.as_ref().map_or("", pick).to_owned();
+        Ok(Self {
+            name: name.to_owned(),
+            variant: variant.to_owned(),
+            latin: about(|file| &file.latin),
+            coloration: about(|file| &file.coloration),
+            parameters: Parameters::read(generator, &fields)?,
+            library,
+        })
+    }
+
     /// One random section. The same parameters, seed and index give the same bits everywhere.
     ///
     /// # Errors

@@ -1,0 +1,118 @@
+//! What single barbules do at one wavelength and direction, beside what their statistics say.
+
+use num_complex::Complex64;
+use rustfft::FftPlanner;
+
+use super::Campaign;
+use super::reduce::{NoiseGrid, components, widen};
+use crate::Result;
+use crate::scattering::lobe::{FitKind, fit};
+use crate::scattering::statistics::{AZIMUTHS, LAGS, NOISE_POINTS};
+
+/// The fields of all instances over x_o, for one wavelength, incident direction and polarization.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Patterns {
+    /// x_o = cosθ_i sinφ_o: those of the points of S.44 that lie on the cone.
+    pub x: Vec<f64>,
+    /// φ_o of these, rad.
+    pub phi_o: Vec<f64>,
+    /// The component of the field with more energy over √Φ_i, `[instance][x_o]`.
+    pub fields: Vec<Vec<Complex64>>,
+    /// U' of the lobe fitted to the mean intensity of the instances, at the same points.
+    pub fitted: Vec<f64>,
+    /// Which of S.44's points the first one is.
+    first: usize,
+}
+
+impl Campaign {
+    /// The fields of wavelength, θ_i and φ_i number `wavelength`, `theta` and `phi` of the axes, `polarization` 0 or 1.
+    ///
+    /// # Errors
+    /// A medium's table does not reach the wavelength.
+    pub fn patterns(
+        &self,
+        wavelength: usize,
+        theta: usize,
+        phi: usize,
+        polarization: usize,
+    ) -> Result<Patterns> {
+        let (fields, cone) = self.fields(wavelength, theta)?;
+        let phi_i = self.parameters.axes.cos_phi[phi].clamp(0.0, 1.0).acos();
+        let grid = NoiseGrid::new(cone.theta_i, fields.refine);
+        let pair = 2 * phi + polarization.min(1);
+        let on_grid = |component: usize| -> Vec<Vec<Complex64>> {
+            (0..fields.values.len())
+                .map(|instance| {
+                    let parts = components(&fields, instance, pair);
+                    let field = if component == 0 { parts.0 } else { parts.1 };
+                    grid.points.iter().map(|point| widen(point.interpolate(field))).collect()
+                })
+                .collect()
+        };
+        let both = [on_grid(0), on_grid(1)];
+        let energy = |part: &[Vec<Complex64>]| part.iter().flatten().map(Complex64::norm_sqr).sum::<f64>();
+        let [first, second] = both;
+        let larger = if energy(&second) > energy(&first) { second } else { first };
+        let u = super::reduce::mean_intensity(&fields, pair);
+        let lobe = fit(FitKind::Marginal, cone.theta_i, phi_i, &u);
+        let shape = |phi_o: f64| lobe.scale * lobe.lobe.shape(FitKind::Marginal, cone.theta_i, phi_o);
+        Ok(Patterns {
+            x: grid.points.iter().map(|p| cone.theta_i.cos() * p.phi_o.sin()).collect(),
+            phi_o: grid.points.iter().map(|p| p.phi_o).collect(),
+            fitted: grid.points.iter().map(|p| shape(p.phi_o).max(0.0)).collect(),
+            fields: larger,
+            first: grid.points.first().map_or(0, |p| p.index),
+        })
+    }
+}
+
+impl Patterns {
+    /// r = √U' · 𝓔 of S.29, `[x_o]`.
+    #[must_use]
+    pub fn weighted(&self, instance: usize) -> Vec<Complex64> {
+        self.fields[instance].iter().zip(&self.fitted).map(|(value, u)| value * u.sqrt()).collect()
+    }
+
+    /// The autocovariance C_m of S.30 of one instance at lags 0 … [`LAGS`] − 1, mean of the real and the imaginary part.
+    #[must_use]
+    pub fn autocovariance(&self, instance: usize) -> Vec<f64> {
+        autocovariance(&self.weighted(instance), self.first)
+    }
+}
+
+/// S.30 of values on consecutive points of S.44 from `first` on; zero elsewhere.
+#[must_use]
+pub fn autocovariance(values: &[Complex64], first: usize) -> Vec<f64> {
+    let padded = 2 * NOISE_POINTS;
+    let mean = values.iter().sum::<Complex64>() / values.len().max(1) as f64;
+    let mut pattern = vec![Complex64::ZERO; padded];
+    for (place, value) in pattern.iter_mut().skip(first).zip(values) {
+        *place = value - mean;
+    }
+    let mut planner = FftPlanner::new();
+    planner.plan_fft_forward(padded).process(&mut pattern);
+    for value in &mut pattern {
+        *value = Complex64::new(value.norm_sqr(), 0.0);
+    }
+    planner.plan_fft_inverse(padded).process(&mut pattern);
+    let scale = 1.0 / (2.0 * padded as f64 * (NOISE_POINTS - 1) as f64);
+    pattern[..LAGS].iter().map(|value| value.re * scale).collect()
+}
+
+/// Intensities of unpolarized light c₀|𝓔|²/Φ_i from the fields that a unit keeps, `[instance][AZIMUTHS]`, of φ_i number
+/// `phi`.
+#[must_use]
+pub fn intensities(kept: &[num_complex::Complex<f32>], phi: usize, instances: usize) -> Vec<Vec<f64>> {
+    (0..instances)
+        .map(|instance| {
+            let mut sum = vec![0.0; AZIMUTHS];
+            for part in 0..4 {
+                let start = ((phi * 4 + part) * instances + instance) * AZIMUTHS;
+                for (sum, value) in sum.iter_mut().zip(&kept[start..start + AZIMUTHS]) {
+                    *sum += 0.5 * f64::from(value.norm_sqr());
+                }
+            }
+            sum
+        })
+        .collect()
+}
