@@ -150,9 +150,11 @@ pub(crate) fn fields(material: &Material, common: &Common) -> Result<Vec<Drawing
         cos_phi: angles.iter().map(|a| a.to_radians().cos()).collect(),
     };
     let campaign = campaign_of(material, axes, Some(1), false, common)?;
-    let at_normal =
-        nm.iter().enumerate().map(|(w, _)| campaign.patterns(w, 0, 2, 0)).collect::<Result<Vec<_>>>()?;
-    let oblique = [1, 0].map(|phi| campaign.patterns(0, 0, phi, 0));
+    let at_normal = (0..nm.len())
+        .map(|w| Ok(campaign.patterns(&campaign.wavelength(w)?, 0, 2, 0)))
+        .collect::<Result<Vec<_>>>()?;
+    let shortest = campaign.wavelength(0)?;
+    let oblique = [1, 0].map(|phi| campaign.patterns(&shortest, 0, phi, 0));
     let first = &at_normal[0];
     let mut left = vec![panel(format!("{:.0} nm, φ_i = 0°", nm[0]), "R (1/√rad)", first, None).draw()];
     for (pattern, angle) in oblique.into_iter().zip([20.0_f64, 40.0]) {
@@ -161,7 +163,7 @@ pub(crate) fn fields(material: &Material, common: &Common) -> Result<Vec<Drawing
             ..curve("φ_i = 0°, shifted", first, |x| x - angle.to_radians().sin())
         };
         let title = format!("{:.0} nm, φ_i = {angle:.0}°: the pattern shifts by −Δx_i", nm[0]);
-        left.push(panel(title, "R (1/√rad)", &pattern?, Some(moved)).draw());
+        left.push(panel(title, "R (1/√rad)", &pattern, Some(moved)).draw());
     }
     let mut right = Vec::new();
     for (pattern, wave) in at_normal.iter().zip(&nm) {
@@ -275,8 +277,9 @@ fn covariances(material: &Material, noise: &Noise, common: &Common) -> Result<Ve
     let campaign = campaign_of(material, axes, None, true, common)?;
     for number in 0..2 {
         let mut mean = vec![0.0; LAGS];
+        let wavelength = campaign.wavelength(number)?;
         for polarization in 0..2 {
-            let patterns = campaign.patterns(number, 0, 0, polarization)?;
+            let patterns = campaign.patterns(&wavelength, 0, 0, polarization);
             for instance in 0..patterns.fields.len() {
                 let own = patterns.autocovariance(instance);
                 if number == 0 && polarization == 0 && instance < 3 {
@@ -322,7 +325,9 @@ pub(crate) fn instances(material: &Material, count: usize, common: &Common) -> R
     };
     let campaign = campaign_of(material, axes, Some(count), true, common)?;
     let count = campaign.parameters().instances;
-    let kept = (0..waves.len()).map(|w| Ok(campaign.unit(w, 0, true)?.fields)).collect::<Result<Vec<_>>>()?;
+    let kept = (0..waves.len())
+        .map(|w| Ok(campaign.unit(&campaign.wavelength(w)?, 0, true).fields))
+        .collect::<Result<Vec<_>>>()?;
     let noise = Noise::new(&material.noise_power, material.seed);
     let mut columns = Vec::new();
     for place in (0..phis.len()).rev() {

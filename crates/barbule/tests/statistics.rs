@@ -66,8 +66,9 @@ fn simulate(name: &'static str) -> Species {
     let mut statistics = Statistics::empty(axes, INSTANCES);
     let mut fields = Vec::new();
     for wave in 0..3 {
+        let wavelength = campaign.wavelength(wave).unwrap();
         for theta in 0..3 {
-            let mut unit = campaign.unit(wave, theta, true).unwrap();
+            let mut unit = campaign.unit(&wavelength, theta, true);
             fields.push(std::mem::take(&mut unit.fields));
             statistics.append(unit);
         }
@@ -199,7 +200,7 @@ fn decay(lags: &[f64]) -> f64 {
 fn lengths(species: &Species, material: &Material, wave: usize, phi: usize) -> [[f64; 2]; 2] {
     let axes = &species.statistics.axes;
     let theta = axes.cos_theta.len() - 1;
-    let patterns = species.campaign.patterns(wave, theta, phi, 0).unwrap();
+    let patterns = species.campaign.patterns(&species.campaign.wavelength(wave).unwrap(), theta, phi, 0);
     let first = ((patterns.x[0] + 1.0) * 0.5 * NOISE_POINTS as f64) as usize;
     let synthesis = Synthesis::on(material, axes.index(wave, theta, phi), &patterns.phi_o);
     let noise = Noise::new(&material.noise_power, material.seed);

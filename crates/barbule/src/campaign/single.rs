@@ -3,9 +3,8 @@
 use num_complex::Complex64;
 use rustfft::FftPlanner;
 
-use super::Campaign;
 use super::reduce::{NoiseGrid, components, widen};
-use crate::Result;
+use super::{Campaign, Wavelength};
 use crate::scattering::lobe::{FitKind, fit};
 use crate::scattering::statistics::{AZIMUTHS, LAGS, NOISE_POINTS};
 
@@ -25,18 +24,16 @@ pub struct Patterns {
 }
 
 impl Campaign {
-    /// The fields of wavelength, θ_i and φ_i number `wavelength`, `theta` and `phi` of the axes, `polarization` 0 or 1.
-    ///
-    /// # Errors
-    /// A medium's table does not reach the wavelength.
+    /// The fields at one wavelength for θ_i and φ_i number `theta` and `phi` of the axes, `polarization` 0 or 1.
+    #[must_use]
     pub fn patterns(
         &self,
-        wavelength: usize,
+        wavelength: &Wavelength,
         theta: usize,
         phi: usize,
         polarization: usize,
-    ) -> Result<Patterns> {
-        let (fields, cone) = self.fields(wavelength, theta)?;
+    ) -> Patterns {
+        let (fields, cone) = self.fields(wavelength, theta);
         let phi_i = self.parameters.axes.cos_phi[phi].clamp(0.0, 1.0).acos();
         let grid = NoiseGrid::new(cone.theta_i, fields.refine);
         let pair = 2 * phi + polarization.min(1);
@@ -56,13 +53,13 @@ impl Campaign {
         let u = super::reduce::mean_intensity(&fields, pair);
         let lobe = fit(FitKind::Marginal, cone.theta_i, phi_i, &u);
         let shape = |phi_o: f64| lobe.scale * lobe.lobe.shape(FitKind::Marginal, cone.theta_i, phi_o);
-        Ok(Patterns {
+        Patterns {
             x: grid.points.iter().map(|p| cone.theta_i.cos() * p.phi_o.sin()).collect(),
             phi_o: grid.points.iter().map(|p| p.phi_o).collect(),
             fitted: grid.points.iter().map(|p| shape(p.phi_o).max(0.0)).collect(),
             fields: larger,
             first: grid.points.first().map_or(0, |p| p.index),
-        })
+        }
     }
 }
 
