@@ -54,6 +54,14 @@ fn exr_frames_and_scene_files_are_written() {
             assert!(text.contains(plane), "{plane}");
         }
     }
+    // A picture is an image of a sky as any other.
+    let under =
+        "preset = \"starling\"\n[sky_image]\nfile = \"h-0000.exr\"\nturn = 30.0\n[light]\nstrength = 0.0\n";
+    std::fs::write(folder.path().join("under.toml"), under).unwrap();
+    barbule(folder.path(), &[&["under.toml", "-o", "u.png"], QUICK].concat()).assert().success();
+    std::fs::write(folder.path().join("under.toml"), under.replace("h-0000", "none")).unwrap();
+    let refused = barbule(folder.path(), &[&["under.toml", "-o", "u.png"], QUICK].concat()).assert().code(2);
+    assert!(String::from_utf8_lossy(&refused.get_output().stderr).contains("none.exr: no such file"));
 }
 
 #[test]

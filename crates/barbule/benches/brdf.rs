@@ -1,70 +1,95 @@
 //! Cost of one evaluation, sample and density of a feather material, four wavelengths at a time.
+//! `cargo bench -p barbule --bench brdf [-- FILE.barbule]`
+//!
+//! Every call has its own directions, instance and wavelengths, so that tables come from the caches in which they
+//! would be in a renderer. Figures are the lower quartile of many short runs: what else runs on the machine lengthens
+//! some of them and shortens none.
+
+#![allow(clippy::print_stdout)] // its output is its result
 
 use barbule::brdf::{FeatherBrdf, Options, example};
 use barbule::math::rng::Stream;
-use criterion::{Criterion, criterion_group, criterion_main};
 use glam::DVec3;
 use std::hint::black_box;
+use std::time::Instant;
 
-/// Random incident directions, each with an outgoing one that the lobe sends light to (no zeros to skip).
-fn directions(brdf: &FeatherBrdf, count: usize) -> Vec<(DVec3, DVec3)> {
+const COUNT: usize = 4096;
+
+/// One call's arguments; the lobe sends light from the one direction to the other (no zeros to skip).
+struct Call {
+    wi: DVec3,
+    wo: DVec3,
+    waves: [f32; 4],
+    u: [f64; 2],
+}
+
+fn calls(brdf: &FeatherBrdf) -> Vec<Call> {
     let mut stream = Stream::new(1, &[]);
-    let mut pairs = Vec::new();
-    while pairs.len() < count {
+    let mut calls = Vec::new();
+    while calls.len() < COUNT {
         let z = stream.uniform(0.1, 1.0);
         let (sin, cos) = stream.uniform(0.0, std::f64::consts::TAU).sin_cos();
         let r = (1.0 - z * z).sqrt();
         let wi = DVec3::new(r * cos, r * sin, z);
-        if let Some((wo, _)) = brdf.sample(550.0, wi, [stream.unit(), stream.unit()]) {
-            pairs.push((wi, wo));
+        let u = [stream.unit(), stream.unit()];
+        let first = stream.uniform(400.0, 470.0);
+        let waves = [0.0, 75.0, 150.0, 220.0].map(|step| (first + step) as f32);
+        if let Some((wo, _)) = brdf.sample(waves[0], wi, u) {
+            calls.push(Call { wi, wo, waves, u });
         }
     }
-    pairs
+    calls
 }
 
-fn bench(c: &mut Criterion) {
-    let material = example(50);
-    let Ok(brdf) = FeatherBrdf::new(&material, Options::default()) else { return };
-    let pairs = directions(&brdf, 4096);
-    let waves = [420.0, 490.0, 565.0, 640.0];
-    let mut at = 0;
-    let mut next = move || {
-        at = (at + 1) % pairs.len();
-        (pairs[at], at as u64)
+/// Lower quartile of ns per call over runs of 256 calls.
+fn measure<R>(name: &str, calls: &[Call], mut call: impl FnMut(&Call, u64) -> R) {
+    let mut times = Vec::new();
+    let mut instance = 0;
+    for _ in 0..100 {
+        for run in calls.chunks(256) {
+            let begun = Instant::now();
+            for arguments in run {
+                instance += 1;
+                black_box(call(black_box(arguments), instance));
+            }
+            times.push(begun.elapsed().as_secs_f64() * 1e9 / run.len() as f64);
+        }
+    }
+    times.sort_by(f64::total_cmp);
+    println!("{name:45} {:7.1} ns", times[times.len() / 4]);
+}
+
+/// CPU seconds of this process so far; 0 where the system does not tell.
+fn cpu_seconds() -> f64 {
+    let ticks = || -> Option<f64> {
+        let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+        let fields: Vec<f64> =
+            stat.rsplit(')').next()?.split_whitespace().filter_map(|f| f.parse().ok()).collect();
+        // After the name and the state (a letter): utime and stime are the 11th and 12th numbers, in 1/100 s.
+        Some((fields.get(10)? + fields.get(11)?) / 100.0)
     };
-    c.bench_function("eval of 4 wavelengths with instance", |b| {
-        b.iter(|| {
-            let ((wi, wo), instance) = next();
-            black_box(brdf.eval(waves, wi, wo, Some(instance)))
-        });
-    });
-    c.bench_function("eval of 4 wavelengths, smooth", |b| {
-        b.iter(|| {
-            let ((wi, wo), _) = next();
-            black_box(brdf.eval(waves, wi, wo, None))
-        });
-    });
-    c.bench_function("prepare", |b| b.iter(|| black_box(brdf.prepare(waves, next().0.0))));
-    c.bench_function("sample with density", |b| {
-        b.iter(|| {
-            let ((wi, _), instance) = next();
-            let u = (instance as f64 + 0.5) / 4096.0;
-            black_box(brdf.sample(550.0, wi, [u, (97.0 * u).fract()]))
-        });
-    });
-    c.bench_function("densities of 4 wavelengths", |b| {
-        b.iter(|| {
-            let ((wi, wo), _) = next();
-            black_box(brdf.pdf4(waves, wi, wo))
-        });
-    });
-    c.bench_function("load", |b| b.iter(|| black_box(FeatherBrdf::new(&material, Options::default()))));
+    ticks().unwrap_or(0.0)
 }
 
-criterion_group! {
-    name = benches;
-    config = Criterion::default().sample_size(10).warm_up_time(std::time::Duration::from_millis(200))
-        .measurement_time(std::time::Duration::from_millis(800));
-    targets = bench
+fn main() {
+    let material = example(50);
+    let (begun, before) = (Instant::now(), cpu_seconds());
+    let brdf = FeatherBrdf::new(&material, Options::default()).expect("a material");
+    let (wall, cpu) = (begun.elapsed().as_secs_f64(), cpu_seconds() - before);
+    println!("{:45} {cpu:7.2} CPU s, {wall:.2} s", "load");
+    if let Some(file) = std::env::args().skip(1).find(|a| !a.starts_with('-')) {
+        let material = barbule::io::read_material(file.as_ref()).expect("a material");
+        let before = cpu_seconds();
+        black_box(FeatherBrdf::new(&material, Options::default()).expect("a material"));
+        println!("{:45} {:7.2} CPU s", format!("load of {file}"), cpu_seconds() - before);
+    }
+    let calls = calls(&brdf);
+    measure("eval of 4 wavelengths with instance", &calls, |c, n| brdf.eval(c.waves, c.wi, c.wo, Some(n)));
+    measure("eval of 4 wavelengths, smooth", &calls, |c, _| brdf.eval(c.waves, c.wi, c.wo, None));
+    measure("prepare", &calls, |c, _| brdf.prepare(c.waves, c.wi));
+    measure("sample with density", &calls, |c, _| brdf.sample(c.waves[0], c.wi, c.u));
+    measure("densities of 4 wavelengths", &calls, |c, _| brdf.pdf4(c.waves, c.wi, c.wo));
+    let few = &calls[..16];
+    measure("eval with instance, tables in L1", few, |c, n| brdf.eval(c.waves, c.wi, c.wo, Some(n % 4)));
+    measure("eval smooth, tables in L1", few, |c, _| brdf.eval(c.waves, c.wi, c.wo, None));
 }
-criterion_main!(benches);

@@ -1,4 +1,5 @@
-//! The renderer in figures: paths per second and core on a close-up of barbules, and how they divide.
+//! The renderer in figures: camera paths per CPU second on a preset, on 60,000 round barbules of keratin and on a plane
+//! of a tabulated barbule BRDF.
 //! `cargo bench -p barbule --bench render [PRESET]`
 
 #![allow(clippy::print_stdout)] // its output is its result
@@ -7,41 +8,121 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use barbule::brdf::{FeatherBrdf, Options, example};
+use barbule::math::rng::Stream;
 use barbule::observer::Unobserved;
 use barbule::render::film::Film;
 use barbule::render::integrator::Integrator;
 use barbule::render::run::{Goal, run};
-use barbule::scene::preset;
+use barbule::scene::camera::{Camera, Projection};
+use barbule::scene::emission::Emission;
+use barbule::scene::geometry::{CurveNode, Geometry, Mesh};
+use barbule::scene::keratin::{Keratin, Reflectance};
+use barbule::scene::light::{Light, Sun, disc_radiance};
+use barbule::scene::sky::Sky;
+use barbule::scene::surface::{Barbule, Surface};
+use barbule::scene::{Lamp, Scene, preset};
+use glam::{DVec3, Vec3};
 
-/// Paths per second of wall time.
-fn measure(threads: usize, size: [u32; 2], samples: u32, integrator: &Integrator<'_>) -> f64 {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-    let mut film = Film::new(size).expect("a film");
-    let goal = Goal { samples, noise: None, time: None };
+const SIZE: [u32; 2] = [320, 200];
+
+/// CPU seconds of this process so far, or wall seconds where the system does not tell.
+fn cpu_seconds(begun: Instant) -> f64 {
+    let ticks = || -> Option<f64> {
+        let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+        let fields: Vec<f64> =
+            stat.rsplit(')').next()?.split_whitespace().filter_map(|f| f.parse().ok()).collect();
+        // After the name and the state (a letter): utime and stime are the 11th and 12th numbers, in 1/100 s.
+        Some((fields.get(10)? + fields.get(11)?) / 100.0)
+    };
+    ticks().unwrap_or_else(|| begun.elapsed().as_secs_f64())
+}
+
+/// Millions of camera paths per CPU second on one thread.
+fn measure(name: &str, samples: u32, scene: &Scene) {
     let begun = Instant::now();
-    pool.install(|| run(integrator, &mut film, 1, goal, &Unobserved, &mut |_| Ok(()))).expect("a picture");
-    film.samples() as f64 / begun.elapsed().as_secs_f64()
+    scene.check().expect("a sound scene");
+    let integrator = Integrator::new(scene);
+    let built = begun.elapsed().as_secs_f64();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+    let mut film = Film::new(SIZE).expect("a film");
+    let goal = Goal { samples, noise: None, time: None };
+    let before = cpu_seconds(begun);
+    pool.install(|| run(&integrator, &mut film, 1, goal, &Unobserved, &mut |_| Ok(()))).expect("a picture");
+    let speed = 1e-6 * film.samples() as f64 / (cpu_seconds(begun) - before);
+    println!(
+        "{name}: {speed:.3} M paths/CPU s ({} primitives, hierarchy in {built:.2} s)",
+        scene.geometry.primitives()
+    );
+}
+
+/// A plain sky and a sun.
+fn lights() -> Vec<Lamp> {
+    let daylight = Emission::daylight();
+    let sky = Sky::grey(64, 32, daylight.clone(), |d| 0.35 + 0.65 * d.z.abs()).expect("a sky");
+    let sun = Sun {
+        direction: DVec3::new(0.3, 0.5, 0.8).normalize(),
+        cos_radius: 0.1_f64.cos(),
+        emission: daylight.scaled(disc_radiance(0.1, 2.0)),
+    };
+    vec![Lamp { light: Light::Sky(sky), weight: 1.0 }, Lamp { light: Light::Sun(sun), weight: 1.0 }]
+}
+
+fn camera() -> Camera {
+    let projection = Projection::Perspective { lens_radius: 0.0 };
+    let (target, up) = (DVec3::ZERO, DVec3::Y);
+    Camera { eye: DVec3::new(2.0, -4.0, 12.0), target, up, width_mm: 4.0, projection }
+}
+
+fn keratin() -> Keratin {
+    Keratin::new(0.3, 1.56, Reflectance::melanin(1.0).expect("pigment")).expect("keratin")
+}
+
+/// 60 barbs with 500 barbules on each side, five segments each.
+fn barbules() -> Scene {
+    let mut geometry = Geometry::default();
+    let mut stream = Stream::new(1, &[]);
+    for barb in 0..60_u32 {
+        for place in 0..500_u32 {
+            for side in [-1.0_f64, 1.0] {
+                let (x, y) = (f64::from(barb) * 0.1 - 3.0, f64::from(place) * 0.012 - 3.0);
+                let (turn, lift) = (0.6 + 0.05 * stream.normal(), 0.15 * stream.unit());
+                let nodes: Vec<CurveNode> = (0..6_u32)
+                    .map(|k| {
+                        let along = 0.04 * f64::from(k);
+                        let point = DVec3::new(
+                            x + side * along * turn.cos(),
+                            y + along * turn.sin(),
+                            lift * along * (1.0 - 4.0 * along),
+                        );
+                        CurveNode { point: point.as_vec3(), radius: (0.006 - 0.02 * along) as f32 }
+                    })
+                    .collect();
+                geometry.add_curve(&nodes, 0, u64::from(barb * 1000 + place));
+            }
+        }
+    }
+    let surfaces = vec![Surface::Keratin(keratin())];
+    Scene { geometry, surfaces, lights: lights(), camera: camera(), max_depth: 8 }
+}
+
+/// A square that fills the picture.
+fn plane(brdf: Arc<FeatherBrdf>) -> Scene {
+    let corners = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)];
+    let mesh = Mesh {
+        positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let surface = Surface::Barbule(Barbule { brdf, instances: true, under: keratin(), passes: 0.0 });
+    let geometry = Geometry { meshes: vec![mesh], ..Geometry::default() };
+    Scene { geometry, surfaces: vec![surface], lights: lights(), camera: camera(), max_depth: 8 }
 }
 
 fn main() {
     let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_else(|| "starling".into());
-    let begun = Instant::now();
     let brdf = Arc::new(FeatherBrdf::new(&example(50), Options::default()).expect("a material"));
-    println!("material ready in {:.2} s", begun.elapsed().as_secs_f64());
-    let begun = Instant::now();
-    let (scene, counts) = preset::named(&wanted).expect("a preset").scene(brdf, 1).expect("a scene");
-    println!(
-        "{wanted}: {} barbs, {} barbules, {} primitives grown in {:.2} s",
-        counts.barbs,
-        counts.barbules,
-        scene.geometry.primitives(),
-        begun.elapsed().as_secs_f64()
-    );
-    let begun = Instant::now();
-    let integrator = Integrator::new(&scene);
-    println!("hierarchy built in {:.2} s", begun.elapsed().as_secs_f64());
-    for threads in [1, 2] {
-        let speed = measure(threads, [640, 400], 8, &integrator);
-        println!("{threads} thread(s): {:.3} M paths/s", 1e-6 * speed);
-    }
+    let (scene, _) = preset::named(&wanted).expect("a preset").scene(brdf.clone(), 1).expect("a scene");
+    measure(&format!("close-up of {wanted}"), 16, &scene);
+    measure("60,000 round barbules of keratin", 16, &barbules());
+    measure("plane of a tabulated barbule", 32, &plane(brdf));
 }

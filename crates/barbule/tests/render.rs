@@ -213,6 +213,44 @@ fn techniques_agree_with_each_other() {
     }
 }
 
+/// An image of uneven colours, half of its light from one of its pixels.
+fn bright_pixel(width: usize, height: usize) -> Sky {
+    let mut rgb: Vec<[f32; 3]> =
+        (0..width * height).map(|i| [0.5 + 0.3 * (i % 3) as f32, 0.5, 0.2 + 0.1 * (i % 5) as f32]).collect();
+    rgb[width * height / 4 + width / 3] = [0.3 * (width * height) as f32; 3];
+    Sky::image(width, height, rgb, 0.8, 25.0).unwrap()
+}
+
+#[test]
+fn techniques_agree_under_an_image_with_a_bright_pixel() {
+    let under = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0).unwrap()).unwrap();
+    let lights = vec![Lamp { light: Light::Sky(bright_pixel(24, 12)), weight: 1.0 }];
+    for surface in [white(), Surface::Keratin(under)] {
+        let scene = scene(square(2.0), surface, lights.clone(), camera(0.9, 1.0));
+        let means: Vec<(f64, f64)> = [Technique::Both, Technique::BsdfOnly, Technique::LightsOnly]
+            .into_iter()
+            .map(|technique| luminance(&film(&Integrator::with_technique(&scene, technique), [16, 16], 512)))
+            .collect();
+        for (mean, error) in &means[1..] {
+            let allowed = 4.0 * error.hypot(means[0].1) + 1e-3 * means[0].0;
+            assert!((mean - means[0].0).abs() < allowed, "{means:?}");
+        }
+    }
+}
+
+/// A white image is daylight, so it must do what the plain sky does.
+#[test]
+fn a_white_image_lights_as_the_plain_sky_does() {
+    let image = Sky::image(8, 4, vec![[0.7; 3]; 32], 1.0, 0.0).unwrap();
+    let lamps = [Lamp { light: Light::Sky(image), weight: 1.0 }, sky(0.7)];
+    let films = lamps.map(|lamp| {
+        let scene = scene(square(2.0), white(), vec![lamp], camera(0.9, 1.0));
+        film(&Integrator::new(&scene), [8, 8], 64)
+    });
+    let [image, plain] = films.map(|film| luminance(&film).0);
+    assert!((image / plain - 1.0).abs() < 1e-6, "{image} {plain}");
+}
+
 /// Counts of samples in bins against the integral of the stated density.
 #[test]
 fn lights_are_sampled_with_their_density() {
@@ -228,6 +266,7 @@ fn lights_are_sampled_with_their_density() {
             emission: emission.clone(),
         }),
         Light::Sky(Sky::grey(16, 8, emission, |d| (1.3 + d.x).powi(2)).unwrap()),
+        Light::Sky(bright_pixel(24, 12)),
     ];
     const SIDE: usize = 12;
     for (which, light) in lights.iter().enumerate() {

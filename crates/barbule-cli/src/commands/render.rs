@@ -6,15 +6,16 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use barbule::brdf::{FeatherBrdf, Options};
-use barbule::io::image::{self, write_exr, write_png};
-use barbule::io::{check_writable, read_at_most, read_text, write_whole};
+use barbule::io::image::{self, RgbImage, read_exr, write_exr, write_png};
+use barbule::io::{check_writable, hash_file, read_at_most, read_text, write_whole};
 use barbule::observer::Observer as _;
 use barbule::render::film::Film;
 use barbule::render::integrator::Integrator;
 use barbule::render::run::{Ended, Goal, run};
 use barbule::render::{checkpoint, picture};
-use barbule::scene::description::Description;
+use barbule::scene::description::{Description, SkyImage};
 use barbule::scene::preset::{Bearing, Preset};
+use barbule::scene::sky::Sky;
 use barbule::{Error, Result};
 
 use crate::common::{Common, print_json};
@@ -79,6 +80,7 @@ impl Args {
         Film::new(size)?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
         files.iter().try_for_each(|file| is_picture(file).and_then(|()| check_writable(file)))?;
+        let sky = description.sky_image.as_ref().map(|sky| self.sky(sky)).transpose()?;
         let (material, hash) = materials::find(&description.material, &self.common)?;
         let brdf = Arc::new(FeatherBrdf::new(&material, Options::default())?);
         let terminal = Terminal::new(&self.common);
@@ -86,7 +88,8 @@ impl Args {
         for (frame, file) in files.iter().enumerate() {
             let mut preset = description.preset;
             preset.light.azimuth += 360.0 * frame as f64 / f64::from(self.frames);
-            let job = Job { file, size, goal, material: &description.material, hash: &hash };
+            let sky = sky.as_ref().map(|(sky, name)| (sky, name.as_str()));
+            let job = Job { file, size, goal, material: &description.material, hash: &hash, sky };
             reports.push(self.picture(&preset, &brdf, &job, &terminal)?);
         }
         if self.common.json {
@@ -127,6 +130,15 @@ impl Args {
         }
         description.preset.check()?;
         Ok(description)
+    }
+
+    /// A scene's image of the sky, and a name that changes with it.
+    fn sky(&self, image: &SkyImage) -> Result<(Sky, String)> {
+        let path = Path::new(&self.scene).with_file_name(&image.file);
+        let RgbImage { size: [width, height], pixels } = read_exr(&path)?;
+        let sky = Sky::image(width, height, pixels, image.strength, image.turn)
+            .map_err(|e| e.at(path.display()))?;
+        Ok((sky, format!("{} {} {}", hash_file(&path)?, image.strength, image.turn)))
     }
 
     fn size(&self, of_scene: Option<[u32; 2]>) -> Result<[u32; 2]> {
@@ -171,7 +183,8 @@ impl Args {
     ) -> Result<serde_json::Value> {
         let begun = Instant::now();
         let seed = self.common.seed;
-        let (scene, counts) = preset.scene(Arc::clone(brdf), seed)?;
+        let (sky, sky_name) = job.sky.unzip();
+        let (scene, counts) = preset.scene_under(sky, Arc::clone(brdf), seed)?;
         let integrator = Integrator::new(&scene);
         self.common.explain(&format!(
             "{} barbs, {} barbules, {} primitives; light {},{}; view {},{},{}; ready in {:.2} s",
@@ -185,7 +198,12 @@ impl Args {
             preset.width_mm,
             begun.elapsed().as_secs_f64()
         ));
-        let settings = format!("{preset:?} {} {seed} {}", job.hash, env!("CARGO_PKG_VERSION"));
+        let settings = format!(
+            "{preset:?} {} {seed} {} {}",
+            job.hash,
+            env!("CARGO_PKG_VERSION"),
+            sky_name.unwrap_or_default()
+        );
         let name = checkpoint::name(&settings);
         let kept = job.checkpoint();
         let mut film = if self.resume && kept.exists() {
@@ -251,6 +269,8 @@ struct Job<'a> {
     goal: Goal,
     material: &'a str,
     hash: &'a str,
+    /// Instead of the preset's sky, with its name.
+    sky: Option<(&'a Sky, &'a str)>,
 }
 
 impl Job<'_> {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::integral::Quadrature;
+use super::integral::Fine;
 use super::length;
 use super::material::{LobeSet, Material, ParameterSet, check_sigma};
 use super::noise::spectrum;
@@ -207,7 +207,7 @@ fn fit_nodes(
     let phis = axes.cos_phi.len();
     let fitters: Vec<Fitter> =
         axes.cos_theta.iter().map(|&c| Fitter::new(options.kind, libm::acos(c), AZIMUTHS)).collect();
-    let quadrature = Quadrature::new();
+    let quadrature = Fine::new();
     let rows: Vec<Vec<Node>> = (0..axes.wavelengths_nm.len() * axes.cos_theta.len())
         .into_par_iter()
         .map(|row| {
@@ -237,7 +237,7 @@ struct Place<'a> {
     statistics: &'a Statistics,
     node: usize,
     polarizations: Chosen,
-    quadrature: &'a Quadrature,
+    quadrature: &'a Fine,
     sigma: f64,
 }
 

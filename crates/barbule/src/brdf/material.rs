@@ -52,6 +52,9 @@ pub struct Material {
     pub info: serde_json::Value,
 }
 
+/// No material has more wavelengths than this: each takes 0.2 to 0.8 MB of tables however few directions it has.
+const MOST_WAVELENGTHS: usize = 512;
+
 /// No material has more table nodes than this.
 const MOST_NODES: usize = 4_000_000;
 
@@ -68,6 +71,12 @@ impl Material {
         if nodes > MOST_NODES {
             return Err(Error::input(format!(
                 "the tables have {nodes} nodes, over the limit of {MOST_NODES}"
+            )));
+        }
+        let waves = self.axes.wavelengths_nm.len();
+        if waves > MOST_WAVELENGTHS {
+            return Err(Error::input(format!(
+                "wavelengths_nm has {waves} values, over the limit of {MOST_WAVELENGTHS}; simulate fewer wavelengths"
             )));
         }
         check_sigma(self.sigma)?;

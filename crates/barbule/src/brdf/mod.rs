@@ -8,6 +8,7 @@ mod evaluate;
 mod example;
 pub mod fit;
 mod integral;
+mod lanes;
 mod length;
 mod material;
 mod noise;

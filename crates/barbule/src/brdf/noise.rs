@@ -1,14 +1,19 @@
 //! The Gaussian process whose draws tell one barbule from another (S.32–S.49).
 
+use fearless_simd::{Level, Simd, dispatch, f32x4, i16x8, i32x4, prelude::*};
 use rustfft::{FftPlanner, num_complex::Complex};
 use std::f64::consts::TAU;
 
+use super::lanes::{transposed, whole_and_rest};
 use super::material::NOISE_TERMS;
 use crate::math::rng::{Stream, hash};
 use crate::scattering::statistics::NOISE_POINTS;
 
 /// Base functions; rotated, shifted and mirrored they give every instance a function of its own.
-const BASES: usize = 512;
+const BASES: usize = 256;
+
+/// Numbers of a base: (q_r, q_i) at each point and at the first again, and what a load of eight may read past them.
+const ROW: usize = 2 * (NOISE_POINTS + 1) + 4;
 
 /// Rotations of (q_r, q_i) in their plane.
 const ROTATIONS: usize = 1024;
@@ -41,9 +46,10 @@ pub fn spectrum(autocovariance: &[f64]) -> Vec<f64> {
 /// Draws of the process, ready for lookup.
 #[derive(Debug, Clone)]
 pub struct Noise {
-    /// (q_r, q_i) of each base at each point. Shape `[base, point]`.
-    values: Vec<[[f32; 2]; NOISE_POINTS]>,
-    /// Cosine and sine of evenly spread angles.
+    /// (q_r, q_i) of each base at each point, in sixteen bits, so that all fit into a core's cache (1 MB). Shape
+    /// `[base, point, 2]`.
+    values: Vec<[i16; ROW]>,
+    /// Cosine and sine of evenly spread angles, times the step of `values`.
     rotations: Vec<[f32; 2]>,
     /// Autocovariance of the final process at lags 0 … N/2.
     autocovariance: Vec<f64>,
@@ -70,7 +76,7 @@ impl Noise {
         let mut planner = FftPlanner::new();
         let inverse = planner.plan_fft_inverse(n);
         let mut scratch = vec![Complex::new(0.0, 0.0); inverse.get_inplace_scratch_len()];
-        let mut values = vec![[[0.0; 2]; NOISE_POINTS]; BASES];
+        let mut values = vec![[0.0_f32; 2 * NOISE_POINTS]; BASES];
         let mut terms = vec![Complex::new(0.0, 0.0); n];
         for (base, values) in values.iter_mut().enumerate() {
             let mut stream = Stream::new(seed, &[PURPOSE, base as u64]);
@@ -83,11 +89,11 @@ impl Noise {
                 terms[n - l - 1] = Complex::new(stream.normal(), stream.normal()) * amplitude;
             }
             inverse.process_with_scratch(&mut terms, &mut scratch);
-            for (value, c) in values.iter_mut().zip(&terms) {
-                *value = [c.re as f32, c.im as f32];
+            for (value, c) in values.chunks_exact_mut(2).zip(&terms) {
+                value.copy_from_slice(&[c.re as f32, c.im as f32]);
             }
         }
-        normalize(values.as_flattened_mut());
+        let (values, step) = quantized(&values);
         let autocovariance: Vec<f64> = (0..=n / 2)
             .map(|k| {
                 let term = |l: usize, p: &f64| p * libm::cos(TAU * ((k * (l + 1)) % n) as f64 / n as f64);
@@ -97,7 +103,7 @@ impl Noise {
         let rotations = (0..ROTATIONS)
             .map(|k| {
                 let (sin, cos) = libm::sincos(TAU * (k as f64 + 0.5) / ROTATIONS as f64);
-                [cos as f32, sin as f32]
+                [(step * cos) as f32, (step * sin) as f32]
             })
             .collect();
         let loss = (2.0 * (1.0 - autocovariance[1])) as f32;
@@ -128,59 +134,66 @@ impl Noise {
     /// (q_r, q_i) at x, interpolated with the weights of S.47, which keep the variance; the period is 2.
     #[must_use]
     pub fn at(&self, draw: &Draw, x: f32) -> [f32; 2] {
-        let [real, imaginary] = self.at_four(draw, [x; 4]);
+        let [real, imaginary] = dispatch!(Level::new(), simd => self.at_one(simd, draw, x));
+        [real, imaginary]
+    }
+
+    #[inline(always)]
+    fn at_one<S: Simd>(&self, simd: S, draw: &Draw, x: f32) -> [f32; 2] {
+        let [real, imaginary] = self.at_four(simd, draw, f32x4::splat(simd, x));
         [real[0], imaginary[0]]
     }
 
-    /// q_r and q_i at four places. Loops apart, so that all but the lookups is done four at a time.
+    /// q_r and q_i at four places.
     #[inline(always)]
-    pub(super) fn at_four(&self, draw: &Draw, x: [f32; 4]) -> [[f32; 4]; 2] {
-        let (mut index, mut r1, mut r2) = ([0_i32; 4], [0.0_f32; 4], [0.0_f32; 4]);
-        for lane in 0..4 {
-            // x_k = (2k + 1 − N)/N. The bounds keep the conversion exact far outside (−1, 1), where it is periodic.
-            let position = (x[lane].clamp(-512.0, 512.0) + 1024.0) * (0.5 * NOISE_POINTS as f32) - 0.5;
-            index[lane] = truncated(position);
-            let t = position - index[lane] as f32;
-            // (1−t)² + t² + 2 t (1−t) C₁ = 1 − 2 t (1−t)(1 − C₁).
-            let scale = 1.0 / (1.0 - t * (1.0 - t) * self.loss).sqrt();
-            (r1[lane], r2[lane]) = ((1.0 - t) * scale, t * scale);
-        }
+    pub(super) fn at_four<S: Simd>(&self, simd: S, draw: &Draw, x: f32x4<S>) -> [f32x4<S>; 2] {
+        let one = f32x4::splat(simd, 1.0);
+        // x_k = (2k + 1 − N)/N, up to half a period. The bounds keep the index exact far outside (−1, 1).
+        let position = x.max(-512.0).min(512.0) * (0.5 * NOISE_POINTS as f32) - 0.5;
+        let (index, t) = whole_and_rest(position);
+        // (1−t)² + t² + 2 t (1−t) C₁ = 1 − 2 t (1−t)(1 − C₁).
+        let rest = one - t;
+        let scale = one / (one - t * rest * self.loss).sqrt();
+        let (near, far) = (rest * scale, t * scale);
+        // Mirrored functions go downwards: both points are still read together.
+        let mirrored = draw.direction < 0;
+        let (low, high) = if mirrored { (far, near) } else { (near, far) };
+        let shift = draw.shift - i32::from(mirrored);
+        let index = index * i32x4::splat(simd, draw.direction) + i32x4::splat(simd, shift);
         let base = &self.values[draw.base];
-        let (mut near, mut far) = ([[0.0_f32; 2]; 4], [[0.0_f32; 2]; 4]);
-        for lane in 0..4 {
-            let first = index[lane] * draw.direction + draw.shift;
-            near[lane] = base[first as usize & (NOISE_POINTS - 1)];
-            far[lane] = base[(first + draw.direction) as usize & (NOISE_POINTS - 1)];
-        }
-        let (mut real, mut imaginary) = ([0.0; 4], [0.0; 4]);
-        for lane in 0..4 {
-            let a = r1[lane] * near[lane][0] + r2[lane] * far[lane][0];
-            let b = r1[lane] * near[lane][1] + r2[lane] * far[lane][1];
-            real[lane] = draw.cosine * a - draw.sine * b;
-            imaginary[lane] = draw.sine * a + draw.cosine * b;
-        }
-        [real, imaginary]
+        let [low_r, low_i, high_r, high_i] = transposed(
+            pair(simd, base, index[0]),
+            pair(simd, base, index[1]),
+            pair(simd, base, index[2]),
+            pair(simd, base, index[3]),
+        );
+        let (a, b) = (low * low_r + high * high_r, low * low_i + high * high_i);
+        [a * draw.cosine - b * draw.sine, a * draw.sine + b * draw.cosine]
     }
 }
 
-/// The integer below a positive number under 2²²; by adding 2²³, which also serves vector registers.
+/// (q_r, q_i) at a point and at the next.
 #[inline(always)]
-fn truncated(positive: f32) -> i32 {
-    const MAGIC: f32 = 8_388_608.0;
-    let nearest = positive - 0.5 + MAGIC;
-    // Integers may round either way, so the weight runs over [0, 1] inclusive.
-    (nearest.to_bits() & 0x007f_ffff) as i32
+fn pair<S: Simd>(simd: S, base: &[i16; ROW], index: i32) -> f32x4<S> {
+    let at = 2 * (index as usize & (NOISE_POINTS - 1));
+    let (two, _) = i16x8::from_slice(simd, &base[at..at + 8]).widen();
+    f32x4::float_from(two)
 }
 
-/// Makes the variance over all bases and points exactly 1, so that E[f] = f̂ over the instances that exist.
-fn normalize(values: &mut [[f32; 2]]) {
-    let sum: f64 = values.iter().map(|[r, i]| f64::from(*r).powi(2) + f64::from(*i).powi(2)).sum();
-    let scale = (2.0 * values.len() as f64 / sum).sqrt() as f32;
-    if scale.is_finite() {
-        for value in values.iter_mut() {
-            *value = value.map(|v| v * scale);
-        }
-    }
+/// In sixteen bits, with the step that makes the variance over all bases and points exactly 1, so that E[f] = f̂ over
+/// the instances that exist.
+fn quantized(values: &[[f32; 2 * NOISE_POINTS]]) -> (Vec<[i16; ROW]>, f64) {
+    let largest = values.as_flattened().iter().fold(1e-30_f32, |largest, v| largest.max(v.abs()));
+    let scale = f32::from(i16::MAX) / largest;
+    let whole = |row: &[f32; 2 * NOISE_POINTS]| -> [i16; ROW] {
+        std::array::from_fn(|k| (row[k % (2 * NOISE_POINTS)] * scale).round() as i16)
+    };
+    let rows: Vec<[i16; ROW]> = values.iter().map(whole).collect();
+    let squares =
+        |row: &[i16; ROW]| -> f64 { row[..2 * NOISE_POINTS].iter().map(|v| f64::from(*v).powi(2)).sum() };
+    let sum: f64 = rows.iter().map(squares).sum();
+    let step = ((2 * NOISE_POINTS * rows.len()) as f64 / sum.max(1.0)).sqrt();
+    (rows, step)
 }
 
 #[cfg(test)]

@@ -5,11 +5,12 @@
 //! linearly in λ. φ_eff is kept as sinφ_eff/sinφ_i, which is even and smooth at normal incidence, where φ_i itself has
 //! an infinite slope against cosφ_i.
 
+use fearless_simd::{Fallback, Simd, f32x4, f32x8, i32x4, prelude::*};
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::evaluate::Polarization;
-use super::integral::Quadrature;
+use super::integral::{Fine, Rough};
 use super::material::{LobeSet, Material, ParameterSet};
 use crate::scattering::lobe::SMALLEST_M;
 
@@ -29,11 +30,17 @@ pub(super) const STATIONARY: usize = 4;
 /// |sinφ_eff| never exceeds this, so that ω_eff stays above the horizon.
 pub(super) const LARGEST_SINE: f32 = 0.9998;
 
+/// A cell's four corners at one wavelength: two cache lines that are read together. Nodes are stored up to four times,
+/// which costs memory (10 MB for a full material) and halves the lines that an evaluation touches.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+struct Patch([[f32; WIDTH]; 4]);
+
 /// Lookup table of one parameter set.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
-    /// Shape `[θ, φ, λ]`.
-    nodes: Vec<[f32; WIDTH]>,
+    /// Shape `[θ cell, φ cell, λ]`.
+    patches: Vec<Patch>,
     wavelengths_nm: Vec<f32>,
     /// 1/spacing where the wavelengths are evenly spaced.
     inverse_spacing: Option<f32>,
@@ -48,10 +55,10 @@ pub(super) struct Place {
     weight: f32,
 }
 
-/// One row of a table's cell: offsets of its four corners and their weights.
+/// A cell: its first patch and the weights of its corners.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cell {
-    corners: [usize; 4],
+    first: usize,
     weights: [f32; 4],
 }
 
@@ -66,20 +73,26 @@ impl Table {
         let axes = &material.axes;
         let theta = Axis::new(&axes.cos_theta);
         let phi = Axis::new(&axes.cos_phi);
-        let (thetas, phis, waves) = (theta.cells + 1, phi.cells + 1, axes.wavelengths_nm.len());
-        let quadrature = Quadrature::new();
+        let (phis, waves) = (phi.cells + 1, axes.wavelengths_nm.len());
+        let (fine, rough) = (Fine::new(), Rough::new());
         let layers: Vec<Vec<[f32; WIDTH]>> = (0..waves)
             .into_par_iter()
             .map(|wave| {
                 let nodes = axes.cos_theta.len() * axes.cos_phi.len();
                 let range = wave * nodes..(wave + 1) * nodes;
-                let layer = Layer { theta: &theta, phi: &phi, range, sigma, quadrature: &quadrature };
+                let layer = Layer { theta: &theta, phi: &phi, range, sigma, fine: &fine, rough: &rough };
                 layer.parameters(set, polarization)
             })
             .collect();
-        let mut nodes = Vec::with_capacity(thetas * phis * waves);
-        for at in 0..thetas * phis {
-            nodes.extend(layers.iter().map(|layer| layer[at]));
+        let mut patches = Vec::with_capacity(theta.cells * phi.cells * waves.max(2));
+        for t in 0..theta.cells {
+            for p in 0..phi.cells {
+                let first = t * phis + p;
+                let corners = [first, first + 1, first + phis, first + phis + 1];
+                // One wavelength alone is its own neighbour.
+                let again = layers.iter().filter(|_| waves == 1);
+                patches.extend(layers.iter().chain(again).map(|layer| Patch(corners.map(|at| layer[at]))));
+            }
         }
         let wavelengths_nm: Vec<f32> = axes.wavelengths_nm.iter().map(|&w| w as f32).collect();
         let spacing = (axes.wavelengths_nm[waves - 1] - axes.wavelengths_nm[0]) / (waves.max(2) - 1) as f64;
@@ -90,7 +103,7 @@ impl Table {
                 .enumerate()
                 .all(|(k, w)| (axes.wavelengths_nm[0] + k as f64 * spacing - w).abs() < 1e-4 * spacing);
         Self {
-            nodes,
+            patches,
             wavelengths_nm,
             inverse_spacing: even.then_some((1.0 / spacing) as f32),
             theta_cells: theta.cells,
@@ -99,7 +112,7 @@ impl Table {
     }
 
     /// Beyond the ends the end values hold.
-    #[inline(always)]
+    #[inline]
     pub(super) fn place(&self, wavelength_nm: f32) -> Place {
         let waves = &self.wavelengths_nm;
         if waves.len() == 1 {
@@ -120,44 +133,94 @@ impl Table {
         }
     }
 
+    /// [`place`](Self::place) of four wavelengths: indices and weights.
+    #[inline(always)]
+    pub(super) fn places<S: Simd>(&self, simd: S, wavelengths_nm: [f32; 4]) -> ([usize; 4], [f32; 4]) {
+        let waves = &self.wavelengths_nm;
+        if let (Some(inverse), [first, _, ..]) = (self.inverse_spacing, &waves[..]) {
+            let last = waves.len() - 2;
+            let position = (f32x4::from_slice(simd, &wavelengths_nm) - *first) * inverse;
+            let position = position.min((last + 1) as f32).max(0.0);
+            let whole = position.floor().min(last as f32);
+            let weight: [f32; 4] = (position - whole).into();
+            let index = whole.to_int::<i32x4<S>>();
+            return (
+                [
+                    at_most(index[0], last),
+                    at_most(index[1], last),
+                    at_most(index[2], last),
+                    at_most(index[3], last),
+                ],
+                weight,
+            );
+        }
+        let (mut index, mut weight) = ([0; 4], [0.0; 4]);
+        for lane in 0..4 {
+            let place = self.place(wavelengths_nm[lane]);
+            (index[lane], weight[lane]) = (place.index, place.weight);
+        }
+        (index, weight)
+    }
+
     /// The cell of an incident direction with these cosines.
     #[inline(always)]
-    pub(super) fn cell(&self, cos_theta: f32, cos_phi: f32) -> Cell {
-        let (t, wt) = split(cos_theta, self.theta_cells);
-        let (p, wp) = split(cos_phi, self.phi_cells);
-        let node = self.wavelengths_nm.len();
-        let row = (self.phi_cells + 1) * node;
-        let first = t * row + p * node;
+    pub(super) fn cell<S: Simd>(&self, simd: S, cos_theta: f32, cos_phi: f32) -> Cell {
+        let cells = [self.theta_cells as f32, self.phi_cells as f32, 1.0, 1.0];
+        let position = f32x4::simd_from(simd, [cos_theta, cos_phi, 0.0, 0.0]).min(1.0).max(0.0)
+            * f32x4::simd_from(simd, cells);
+        let whole = position.floor().min(f32x4::simd_from(simd, cells) - 1.0);
+        let index = whole.to_int::<i32x4<S>>();
+        let rest = position - whole;
+        let (t, p) = (at_most(index[0], self.theta_cells - 1), at_most(index[1], self.phi_cells - 1));
+        let (wt, wp) = (rest[0], rest[1]);
         Cell {
-            corners: [first, first + node, first + row, first + row + node],
+            first: (t * self.phi_cells + p) * self.wavelengths_nm.len().max(2),
             weights: [(1.0 - wt) * (1.0 - wp), (1.0 - wt) * wp, wt * (1.0 - wp), wt * wp],
         }
     }
 
-    /// All parameters there.
+    /// The same outside vector code.
+    pub(super) fn cell_plain(&self, cos_theta: f64, cos_phi: f64) -> Cell {
+        self.cell(Fallback::new(), cos_theta as f32, cos_phi as f32)
+    }
+
+    /// All parameters there, at a wavelength's index and the weight of the next.
     #[inline(always)]
-    pub(super) fn lookup(&self, cell: &Cell, place: Place) -> [f32; WIDTH] {
-        let mut sum = [0.0; WIDTH];
-        let upper = usize::from(self.wavelengths_nm.len() > 1);
-        for corner in 0..4 {
-            let at = cell.corners[corner] + place.index;
-            let weight = cell.weights[corner];
-            let (low, high) = (&self.nodes[at], &self.nodes[at + upper]);
-            let (weight_low, weight_high) = (weight * (1.0 - place.weight), weight * place.weight);
-            for k in 0..WIDTH {
-                sum[k] += weight_low * low[k] + weight_high * high[k];
-            }
-        }
-        sum
+    pub(super) fn lookup<S: Simd>(&self, simd: S, cell: &Cell, index: usize, weight: f32) -> f32x8<S> {
+        let at = cell.first + index;
+        let [low, high] = &self.patches[at..at + 2] else { return f32x8::splat(simd, 0.0) };
+        let [a, b, c, d] = cell.weights;
+        let low = mixed(simd, low, [a, b, c, d]);
+        let high = mixed(simd, high, [a, b, c, d]);
+        low + (high - low) * weight
+    }
+
+    /// The same one parameter after another.
+    pub(super) fn lookup_plain(&self, cell: &Cell, place: Place) -> [f32; WIDTH] {
+        let at = cell.first + place.index;
+        let (low, high) = (&self.patches[at], &self.patches[at + 1]);
+        std::array::from_fn(|k| {
+            let mix =
+                |patch: &Patch| -> f32 { patch.0.iter().zip(cell.weights).map(|(c, w)| c[k] * w).sum() };
+            (1.0 - place.weight) * mix(low) + place.weight * mix(high)
+        })
     }
 }
 
-/// The cell of a cosine and the weight of its upper node.
 #[inline(always)]
-fn split(cosine: f32, cells: usize) -> (usize, f32) {
-    let position = cosine.clamp(0.0, 1.0) * cells as f32;
-    let index = (position as usize).min(cells - 1);
-    (index, position - index as f32)
+fn mixed<S: Simd>(simd: S, patch: &Patch, [a, b, c, d]: [f32; 4]) -> f32x8<S> {
+    let corners = &patch.0;
+    let first = f32x8::from_slice(simd, &corners[1])
+        .mul_add(f32x8::splat(simd, b), f32x8::from_slice(simd, &corners[0]) * a);
+    let second = f32x8::from_slice(simd, &corners[3])
+        .mul_add(f32x8::splat(simd, d), f32x8::from_slice(simd, &corners[2]) * c);
+    first + second
+}
+
+/// An index bounded, whatever the conversion made of a number that is not one.
+#[inline(always)]
+fn at_most(index: i32, last: usize) -> usize {
+    (index as u32 as usize).min(last)
 }
 
 /// One axis: the stored nodes, extended to 0 and 1, and the regular fine nodes.
@@ -275,7 +338,8 @@ struct Layer<'a> {
     phi: &'a Axis,
     range: std::ops::Range<usize>,
     sigma: f64,
-    quadrature: &'a Quadrature,
+    fine: &'a Fine,
+    rough: &'a Rough,
 }
 
 impl Layer<'_> {
@@ -325,14 +389,18 @@ impl Layer<'_> {
                 if corners.iter().all(|&c| reflected[c] < BRIGHT) {
                     continue;
                 }
-                // The lowest cells bend most.
-                let inside: &[f64] = if t == 0 || p == 0 {
-                    &[0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.95]
+                // The lowest cells bend most. A few points tell whether more are needed.
+                let (few, many): (&[f64], &[f64]) = if t == 0 || p == 0 {
+                    (
+                        &[0.01, 0.1, 0.3, 0.7],
+                        &[0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.95],
+                    )
                 } else {
-                    &[0.1, 0.3, 0.5, 0.7, 0.9]
+                    (&[0.1, 0.5, 0.9], &[0.1, 0.3, 0.5, 0.7, 0.9])
                 };
-                let albedos =
-                    inside.iter().flat_map(|&x| inside.iter().map(move |&y| (x, y))).map(|(x, y)| {
+                let largest = |inside: &[f64]| {
+                    let mut largest = 0.0_f64;
+                    for (x, y) in inside.iter().flat_map(|&x| inside.iter().map(move |&y| (x, y))) {
                         let weights = [(1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y];
                         let mix = |column: usize| -> f64 {
                             corners.iter().zip(weights).map(|(&c, w)| w * f64::from(nodes[c][column])).sum()
@@ -340,12 +408,14 @@ impl Layer<'_> {
                         let cos_theta = (t as f64 + x) / self.theta.cells as f64;
                         let cos_phi = (p as f64 + y) / self.phi.cells as f64;
                         let incident = effective(cos_theta, cos_phi, mix(TILT));
-                        mix(STRENGTH) * self.quadrature.scaled_integral(mix(M), incident, self.sigma)
-                            / incident.z
-                    });
-                let largest = albedos.fold(0.0, f64::max);
+                        let integral = self.rough.scaled_integral(mix(M), incident, self.sigma);
+                        largest = largest.max(mix(STRENGTH) * integral / incident.z);
+                    }
+                    largest
+                };
+                let largest = if largest(few) < NEARLY_ALL { 0.0 } else { largest(many) };
                 // Between the points tried there may be slightly more.
-                let largest = if largest > 1.0 { 1.005 * largest } else { 1.0 };
+                let largest = if largest > 1.0 { 1.01 * largest } else { 1.0 };
                 for corner in corners {
                     factors[corner] = factors[corner].max(largest);
                 }
@@ -432,7 +502,7 @@ impl Layer<'_> {
             let cos_theta = (t as f64 / self.theta.cells as f64).max(GRAZING);
             let cos_phi = (p as f64 / self.phi.cells as f64).max(GRAZING);
             let incident = effective(cos_theta, cos_phi, tilt[at]);
-            let integral = self.quadrature.scaled_integral(m[at], incident, self.sigma);
+            let integral = self.fine.scaled_integral(m[at], incident, self.sigma);
             reflected[at] * incident.z / integral.max(SMALLEST_INTEGRAL)
         };
         let (rows, columns) = (self.theta.places(), self.phi.places());
@@ -453,6 +523,9 @@ impl Layer<'_> {
 
 /// Cells whose corners all reflect less than this cannot exceed 1 inside.
 const BRIGHT: f64 = 0.8;
+
+/// Cells that reflect less than this at a few points do not exceed 1 anywhere.
+const NEARLY_ALL: f64 = 0.93;
 
 /// Bound of sinφ_eff/sinφ_i, met only where noise in a fit is divided by a small sinφ_i.
 const LARGEST_TILT: f64 = 10.0;

@@ -1,14 +1,14 @@
-//! PNG and EXR.
+//! PNG and EXR: pictures are written, skies are read.
 
 use std::path::Path;
 
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, Text, Vec2,
-    WritableImage as _,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, MetaData,
+    ReadChannels as _, ReadLayers as _, SmallVec, Text, Vec2, WritableImage as _, read,
 };
 
-use super::write_whole;
+use super::{read_bytes, write_whole};
 use crate::{Error, Result};
 
 /// Facts about a picture: name and text.
@@ -79,4 +79,96 @@ pub fn write_exr(
         .to_buffered(&mut bytes)
         .map_err(|e| Error::machine(format!("{}: no EXR ({e})", path.display())))?;
     write_whole(path, bytes.get_ref())
+}
+
+/// A picture in linear RGB.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RgbImage {
+    /// Width and height, pixels.
+    pub size: [usize; 2],
+    /// Row by row from the top.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// Largest picture that is read: 4096 × 2048 pixels, as much as a sky needs.
+const MOST_PIXELS: usize = 4096 * 2048;
+
+/// Compression never gains more than this; a header that claims more pixels per byte of file is not believed.
+const MOST_PIXELS_PER_BYTE: usize = 1100;
+
+/// Reads planes R, G and B of the first layer of an EXR that has them.
+///
+/// # Errors
+/// Missing, over 64 MiB, not an EXR, without these planes, or over 4096 × 2048 pixels.
+pub fn read_exr(path: &Path) -> Result<RgbImage> {
+    let bytes = read_bytes(path)?;
+    let refuse = |what: String| Error::input(format!("{}: {what}", path.display()));
+    let sentence = |error: exr::error::Error| {
+        let text: String = error.to_string().chars().take(200).collect();
+        refuse(format!("cannot be read as an EXR with planes R, G and B ({text})"))
+    };
+    let headers = MetaData::read_from_buffered(&bytes[..], false).map_err(sentence)?.headers;
+    for header in &headers {
+        let Vec2(width, height) = header.layer_size;
+        let pixels = width.saturating_mul(height);
+        if pixels > MOST_PIXELS || pixels > bytes.len().saturating_mul(MOST_PIXELS_PER_BYTE) {
+            return Err(refuse(format!(
+                "says that it has {width} x {height} pixels; give a sky of at most 4096 x 2048"
+            )));
+        }
+    }
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size, _| RgbImage { size: [size.0, size.1], pixels: vec![[0.0; 3]; size.area()] },
+            |image, at, (r, g, b): (f32, f32, f32)| image.pixels[at.1 * image.size[0] + at.0] = [r, g, b],
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(std::io::Cursor::new(&bytes))
+        .map_err(sentence)?;
+    Ok(image.layer_data.channel_data.pixels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_come_back_and_what_is_none_is_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sky.exr");
+        let plane = |k: usize| (0..12).map(|i| (i * 3 + k) as f32).collect::<Vec<f32>>();
+        let planes = vec![("R", plane(0)), ("G", plane(1)), ("B", plane(2)), ("depth.Z", plane(0))];
+        write_exr(&path, [4, 3], planes, vec![("id.N", vec![1; 12])], &[]).unwrap();
+        let image = read_exr(&path).unwrap();
+        assert_eq!(image.size, [4, 3]);
+        assert_eq!(image.pixels[5], [15.0, 16.0, 17.0]);
+        let message = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            let message = read_exr(&path).unwrap_err().to_string();
+            assert!(message.contains("sky.exr") && message.len() < 600, "{message}");
+            message
+        };
+        let whole = std::fs::read(&path).unwrap();
+        assert!(message(b"no picture").contains("cannot be read as an EXR"));
+        for cut in (0..whole.len()).step_by(37) {
+            message(&whole[..cut]);
+        }
+        write_exr(&path, [4, 3], vec![("Y", plane(0))], vec![], &[]).unwrap();
+        assert!(message(&std::fs::read(&path).unwrap()).contains("R, G and B"));
+        assert!(read_exr(&folder.path().join("none.exr")).is_err());
+    }
+
+    #[test]
+    fn too_many_pixels_are_refused_before_they_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("wide.exr");
+        let size = [5000, 2000];
+        let plane = vec![0.0; 10_000_000];
+        write_exr(&path, size, vec![("R", plane.clone()), ("G", plane.clone()), ("B", plane)], vec![], &[])
+            .unwrap();
+        assert!(read_exr(&path).unwrap_err().to_string().contains("5000 x 2000"));
+    }
 }

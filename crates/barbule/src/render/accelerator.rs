@@ -1,12 +1,13 @@
 //! Rays against a scene's shapes, through obvhs's compressed eight-wide hierarchy.
 //!
-//! Ribbons and curves enter as their segments, so leaves are split along the length. Each primitive is one cache line,
+//! Ribbons and curves enter as their segments, so leaves are split along the length, and slanting segments again. Each primitive is one cache line,
 //! in the order of the hierarchy's leaves. Nothing is allocated per ray.
 
-use glam::{DVec3, Vec3, Vec3A};
+use fearless_simd::{Level, Simd, dispatch};
+use glam::{DVec3, UVec2, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
-use obvhs::ray::{Ray, RayHit};
+use obvhs::ray::Ray;
 use obvhs::{Boundable, BvhBuildParams};
 
 use super::point::SurfacePoint;
@@ -32,17 +33,65 @@ struct Primitive {
     part: u32,
 }
 
-impl Boundable for Primitive {
-    fn aabb(&self) -> Aabb {
+impl Primitive {
+    /// The box about the piece from `start` to `end`, fractions of its length; triangles have no pieces.
+    fn aabb(&self, start: f32, end: f32) -> Aabb {
         let [a, b, c, d] = self.data;
         let (low, high) = match self.kind {
             Kind::Triangle => (a.min(b).min(c), a.max(b).max(c)),
-            Kind::Ribbon => (a.min(b).min(c).min(d), a.max(b).max(c).max(d)),
-            Kind::Curve => ((a - c.x).min(b - c.y), (a + c.x).max(b + c.y)),
+            Kind::Ribbon => {
+                // Across, both triangles meet on the diagonal.
+                let at = |t: f32| [a.lerp(c, t), a.lerp(d, t), b.lerp(d, t)];
+                let ([p, q, r], [s, t, u]) = (at(start), at(end));
+                (p.min(q).min(r).min(s).min(t).min(u), p.max(q).max(r).max(s).max(t).max(u))
+            }
+            Kind::Curve => {
+                let at = |t: f32| (a.lerp(b, t), c.x + (c.y - c.x) * t);
+                let ((p, rp), (q, rq)) = (at(start), at(end));
+                ((p - rp).min(q - rq), (p + rp).max(q + rq))
+            }
         };
         // Flat boxes are missed by rays in their plane; a billionth of a metre is nothing to a feather.
         let pad = Vec3A::splat(1e-6);
         Aabb::new(Vec3A::from(low) - pad, Vec3A::from(high) + pad)
+    }
+
+    /// How many pieces to enter: the box about a slanting segment is mostly empty, and halves of it are less so.
+    fn pieces(&self) -> u32 {
+        if self.kind == Kind::Triangle {
+            return 1;
+        }
+        let area = |count: u32| -> f32 { (0..count).map(|k| self.piece(k, count).half_area()).sum() };
+        let (one, two, four) = (area(1), area(2), area(4));
+        if four < WORTHWHILE * two {
+            4
+        } else if two < WORTHWHILE * one {
+            2
+        } else {
+            1
+        }
+    }
+
+    fn piece(&self, index: u32, count: u32) -> Aabb {
+        self.aabb(index as f32 / count as f32, (index + 1) as f32 / count as f32)
+    }
+}
+
+/// Boxes of twice as many pieces must shrink to this in total.
+const WORTHWHILE: f32 = 0.75;
+
+/// More primitives than this are entered whole, to save memory.
+const MOST_IN_PIECES: usize = 2_000_000;
+
+/// What the hierarchy is built of: the box about a piece of a primitive.
+struct Piece {
+    aabb: Aabb,
+    primitive: u32,
+}
+
+impl Boundable for Piece {
+    fn aabb(&self) -> Aabb {
+        self.aabb
     }
 }
 
@@ -60,6 +109,7 @@ struct Meeting {
 pub struct Accelerator {
     hierarchy: CwBvh,
     primitives: Vec<Primitive>,
+    level: Level,
 }
 
 impl Accelerator {
@@ -68,13 +118,25 @@ impl Accelerator {
     pub fn new(geometry: &Geometry) -> Self {
         let primitives = collect(geometry);
         if primitives.is_empty() {
-            return Self { hierarchy: CwBvh::default(), primitives };
+            return Self { hierarchy: CwBvh::default(), primitives, level: Level::new() };
         }
+        let whole = primitives.len() > MOST_IN_PIECES;
+        let pieces: Vec<Piece> = (0_u32..)
+            .zip(&primitives)
+            .flat_map(|(index, primitive)| {
+                let count = if whole { 1 } else { primitive.pieces() };
+                (0..count).map(move |k| Piece { aabb: primitive.piece(k, count), primitive: index })
+            })
+            .collect();
         let mut time = std::time::Duration::ZERO;
-        let hierarchy = build_cwbvh(&primitives, BvhBuildParams::medium_build(), &mut time);
-        let primitives =
-            hierarchy.primitive_indices.iter().map(|&index| primitives[index as usize]).collect();
-        Self { hierarchy, primitives }
+        let hierarchy = build_cwbvh(&pieces, BvhBuildParams::slow_build(), &mut time);
+        // A primitive of several pieces is stored with each of them.
+        let primitives = hierarchy
+            .primitive_indices
+            .iter()
+            .map(|&index| primitives[pieces[index as usize].primitive as usize])
+            .collect();
+        Self { hierarchy, primitives, level: Level::new() }
     }
 
     /// The nearest hit between `nearest` and `farthest`, mm along the unit direction.
@@ -91,18 +153,8 @@ impl Accelerator {
             return None;
         }
         let ray = ray(origin, direction, nearest, farthest);
-        let mut hit = RayHit::none();
-        let mut best = Meeting { distance: f32::INFINITY, u: 0.0, v: 0.0 };
-        let found = self.hierarchy.ray_traverse(ray, &mut hit, |ray, index| {
-            match meet(&self.primitives[index], ray) {
-                Some(meeting) => {
-                    best = meeting;
-                    meeting.distance
-                }
-                None => f32::INFINITY,
-            }
-        });
-        found.then(|| self.point(geometry, hit.primitive_id, best, origin, direction))
+        let (index, meeting) = dispatch!(self.level, simd => self.first(simd, ray))?;
+        Some(self.point(geometry, index, meeting, origin, direction))
     }
 
     /// Whether anything stands between `nearest` and `farthest`.
@@ -112,9 +164,34 @@ impl Accelerator {
             return false;
         }
         let ray = ray(origin, direction, nearest, farthest);
-        !self.hierarchy.ray_traverse_miss(ray, |ray, index| {
-            meet(&self.primitives[index], ray).map_or(f32::INFINITY, |m| m.distance)
-        })
+        dispatch!(self.level, simd => self.any(simd, ray))
+    }
+
+    /// The nearest hit. Compiled for each instruction set: traversal counts and finds bits.
+    #[inline(always)]
+    fn first<S: Simd>(&self, _simd: S, mut ray: Ray) -> Option<(u32, Meeting)> {
+        let mut best = None;
+        let mut state = self.hierarchy.new_traversal(ray.direction);
+        let mut node;
+        obvhs::traverse!(self.hierarchy, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+            if let Some(meeting) = meet(&self.primitives[state.primitive_id as usize], &ray) {
+                ray.tmax = meeting.distance;
+                best = Some((state.primitive_id, meeting));
+            }
+        });
+        best
+    }
+
+    #[inline(always)]
+    fn any<S: Simd>(&self, _simd: S, ray: Ray) -> bool {
+        let mut state = self.hierarchy.new_traversal(ray.direction);
+        let mut node;
+        obvhs::traverse!(self.hierarchy, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+            if meet(&self.primitives[state.primitive_id as usize], &ray).is_some() {
+                return true;
+            }
+        });
+        false
     }
 
     fn point(
@@ -175,7 +252,7 @@ fn collect(geometry: &Geometry) -> Vec<Primitive> {
     primitives
 }
 
-#[inline]
+#[inline(always)]
 fn meet(primitive: &Primitive, ray: &Ray) -> Option<Meeting> {
     let [a, b, c, d] = primitive.data;
     match primitive.kind {
@@ -191,12 +268,23 @@ fn meet(primitive: &Primitive, ray: &Ray) -> Option<Meeting> {
             let (distance, u, v) = triangle(ray, a, d, c)?;
             Some(Meeting { distance, u: u + v, v: 2.0 * u - 1.0 })
         }
+        Kind::Curve if passes_by(ray, a, b, c.x.max(c.y)) => None,
         Kind::Curve => cone(ray, a, b, c.x, c.y),
     }
 }
 
+/// Whether a ray's line surely passes the axis' line at more than the radius; most do. Rounding is allowed for.
+#[inline(always)]
+fn passes_by(ray: &Ray, a: Vec3, b: Vec3, radius: f32) -> bool {
+    let to = a - Vec3::from(ray.origin);
+    let normal = (b - a).cross(Vec3::from(ray.direction));
+    let reach = 1.01 * radius + 1e-6 * to.length();
+    let apart = to.dot(normal);
+    apart * apart > reach * reach * normal.length_squared()
+}
+
 /// Möller and Trumbore 1997, both sides.
-#[inline]
+#[inline(always)]
 fn triangle(ray: &Ray, a: Vec3, b: Vec3, c: Vec3) -> Option<(f32, f32, f32)> {
     let (origin, direction) = (Vec3::from(ray.origin), Vec3::from(ray.direction));
     let (ab, ac) = (b - a, c - a);

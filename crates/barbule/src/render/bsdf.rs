@@ -92,7 +92,7 @@ impl<'a> Bsdf<'a> {
             }
             Model::Feather(prepared, instance) => Evaluation {
                 f: prepared.eval(local, *instance).map(f64::from),
-                pdf: std::array::from_fn(|lane| prepared.pdf(lane, local)),
+                pdf: prepared.pdf4(local),
                 cosine: local.z,
             },
         }
@@ -107,7 +107,7 @@ impl<'a> Bsdf<'a> {
                 DVec3::new(sine * azimuth.cos(), sine * azimuth.sin(), (1.0 - u[0]).max(0.0).sqrt())
             }
             Model::Keratin(keratin) => keratin.sample(self.local, u),
-            Model::Feather(prepared, _) => prepared.sample(0, [u[0], u[1]])?.0,
+            Model::Feather(prepared, _) => prepared.direction(0, [u[0], u[1]])?,
         };
         let direction = self.frame.to_world(local).normalize();
         let evaluation = self.eval(direction);

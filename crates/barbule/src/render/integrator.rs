@@ -31,6 +31,11 @@ const MOST_PASSES: u32 = 256;
 /// each bounce, and what is left is rarely worth a ray.
 const ROULETTE_BELOW: f64 = 0.3;
 
+/// Light that would add less radiance than this to its path (white under daylight has about 1) gets a shadow ray only
+/// in proportion: most lamps lie far off a feather's narrow lobe. It adds at most this times the radiance itself to
+/// the variance.
+const SHADOW_BELOW: f64 = 0.02;
+
 /// A scene ready for rays.
 pub struct Integrator<'a> {
     scene: &'a Scene,
@@ -126,9 +131,9 @@ impl<'a> Integrator<'a> {
             return false;
         }
         let [light_choice, light_u, light_v, roulette] = sampler.next4();
-        let [u, v, component, _] = sampler.next4();
+        let [u, v, component, shadow] = sampler.next4();
         if self.technique != Technique::BsdfOnly {
-            self.light(path, &point, &bsdf, light_choice, DVec2::new(light_u, light_v));
+            self.light(path, &point, &bsdf, light_choice, DVec2::new(light_u, light_v), shadow);
         }
         let Some((direction, evaluation)) = bsdf.sample([u, v, component]) else {
             return false;
@@ -219,8 +224,16 @@ impl<'a> Integrator<'a> {
         path.add(radiance, density);
     }
 
-    /// Adds the light of one lamp, chosen by its weight.
-    fn light(&self, path: &mut Path, point: &SurfacePoint, bsdf: &Bsdf<'_>, mut choice: f64, u: DVec2) {
+    /// Adds the light of one lamp, chosen by its weight. `shadow` decides whether little light is worth a ray.
+    fn light(
+        &self,
+        path: &mut Path,
+        point: &SurfacePoint,
+        bsdf: &Bsdf<'_>,
+        mut choice: f64,
+        u: DVec2,
+        shadow: f64,
+    ) {
         let mut index = 0;
         while index + 1 < self.chances.len() && choice >= self.chances[index] {
             choice -= self.chances[index];
@@ -233,16 +246,21 @@ impl<'a> Integrator<'a> {
         if evaluation.f == [0.0; 4] || sample.radiance == [0.0; 4] {
             return;
         }
-        let passed = self.passed(point.position, sample.direction, sample.distance);
-        if passed == 0.0 {
-            return;
-        }
         let pdf = chance * sample.pdf;
         let both = if self.technique == Technique::Both { 1.0 / pdf } else { 0.0 };
         let densities: [f64; 4] = std::array::from_fn(|k| path.through[k] * (1.0 + both * evaluation.pdf[k]));
-        let share = evaluation.cosine * passed / pdf;
-        let radiance = std::array::from_fn(|k| sample.radiance[k] * evaluation.f[k] * share);
-        path.add(radiance, mean(&densities));
+        let density = mean(&densities);
+        let share = evaluation.cosine / pdf;
+        let radiance: [f64; 4] = std::array::from_fn(|k| sample.radiance[k] * evaluation.f[k] * share);
+        let most = (0..4).fold(0.0, |most, k| f64::max(most, radiance[k] * path.weight[k])) / density;
+        let keep = (most / SHADOW_BELOW).min(1.0);
+        if shadow >= keep {
+            return;
+        }
+        let passed = self.passed(point.position, sample.direction, sample.distance);
+        if passed > 0.0 {
+            path.add(radiance.map(|r| r * passed / keep), density);
+        }
     }
 
     /// Share of light that passes along a straight line: 1 free, 0 blocked.

@@ -4,8 +4,6 @@
 //! al. 2009), stratified: one in each quarter of the distribution, the first one (the hero, which decides directions)
 //! in any of them (Wilkie et al. 2014).
 
-use crate::scene::emission::{LONGEST_NM, SHORTEST_NM};
-
 const SLOPE: f64 = 0.0072;
 const MIDDLE: f64 = 538.0;
 
@@ -22,26 +20,33 @@ impl Hero {
     /// From one uniform number.
     #[must_use]
     pub fn new(u: f64) -> Self {
-        let (low, high) = (edge(SHORTEST_NM), edge(LONGEST_NM));
-        let nm = [0.0, 0.25, 0.5, 0.75].map(|shift| {
-            let v = (u + shift).fract();
-            MIDDLE + (low + (high - low) * v).atanh() / SLOPE
+        // tanh(SLOPE (λ − MIDDLE)) is uniform, and sech² is one less its square.
+        let steep = [0.0, 0.25, 0.5, 0.75].map(|shift| {
+            let v = u + shift;
+            LOW + (HIGH - LOW) * if v < 1.0 { v } else { v - 1.0 }
         });
-        let pdf = nm.map(|w| {
-            let cosh = (SLOPE * (w - MIDDLE)).cosh();
-            SLOPE / (cosh * cosh * (high - low))
-        });
-        Self { nm, pdf }
+        Self {
+            nm: steep.map(|t| MIDDLE + 0.5 / SLOPE * ((1.0 + t) / (1.0 - t)).ln()),
+            pdf: steep.map(|t| SLOPE * (1.0 - t * t) / (HIGH - LOW)),
+        }
     }
 }
 
-fn edge(nm: f64) -> f64 {
-    (SLOPE * (nm - MIDDLE)).tanh()
-}
+/// tanh(SLOPE (λ − MIDDLE)) at the shortest and the longest wavelength.
+const LOW: f64 = -0.8136043613811508;
+const HIGH: f64 = 0.8643765890672668;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::emission::{LONGEST_NM, SHORTEST_NM};
+
+    #[test]
+    fn the_ends_are_those_of_the_visible_range() {
+        for (edge, nm) in [(LOW, SHORTEST_NM), (HIGH, LONGEST_NM)] {
+            assert!((edge - (SLOPE * (nm - MIDDLE)).tanh()).abs() < 1e-15);
+        }
+    }
 
     #[test]
     fn means_over_the_wavelengths_are_integrals() {

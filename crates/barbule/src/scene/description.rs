@@ -6,6 +6,11 @@
 //! size = [1280, 800]
 //! exposure = 0.5
 //! sky = 0.7
+//! # in place of `sky`:
+//! # [sky_image]
+//! # file = "studio.exr"
+//! # strength = 1.0
+//! # turn = 0.0
 //! [light]
 //! azimuth = 20.0
 //! elevation = 60.0
@@ -35,6 +40,26 @@ pub struct Description {
     pub material: String,
     /// Width and height in pixels, if the scene says so.
     pub size: Option<[u32; 2]>,
+    /// An image in place of the preset's plain sky.
+    pub sky_image: Option<SkyImage>,
+}
+
+/// A sky from a file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkyImage {
+    /// Equirectangular EXR, relative to the scene's folder.
+    pub file: String,
+    /// Factor to the image's radiance.
+    #[serde(default = "one")]
+    pub strength: f64,
+    /// By how much it is turned clockwise seen from above, degrees.
+    #[serde(default)]
+    pub turn: f64,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 #[derive(Debug, Deserialize)]
@@ -45,6 +70,7 @@ struct File {
     size: Option<[u32; 2]>,
     exposure: Option<f64>,
     sky: Option<f64>,
+    sky_image: Option<SkyImage>,
     #[serde(default)]
     light: LightFile,
     #[serde(default)]
@@ -71,7 +97,7 @@ struct CameraFile {
 }
 
 /// Keys of a scene file, for suggestions.
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 19] = [
     "preset",
     "material",
     "size",
@@ -88,6 +114,9 @@ const KEYS: [&str; 16] = [
     "lens",
     "light.radius",
     "camera.width_mm",
+    "sky_image",
+    "file",
+    "turn",
 ];
 
 impl Description {
@@ -98,7 +127,7 @@ impl Description {
     pub fn named(name: &str) -> Result<Self> {
         let preset = preset::named(name.split_once(':').map_or(name, |(species, _)| species))?;
         let material = if name.contains(':') { name.to_owned() } else { preset.material.to_owned() };
-        Ok(Self { preset, material, size: None })
+        Ok(Self { preset, material, size: None, sky_image: None })
     }
 
     /// A scene file's text.
@@ -112,6 +141,10 @@ impl Description {
             description.material = material;
         }
         description.size = file.size;
+        if file.sky.is_some() && file.sky_image.is_some() {
+            return Err(Error::input("sky and [sky_image] are both given; leave one out"));
+        }
+        description.sky_image = file.sky_image;
         let preset = &mut description.preset;
         let fields = [
             (&mut preset.exposure, file.exposure),
@@ -179,6 +212,10 @@ mod tests {
         assert!(message("preset = \"starling\"\nexposure = -1.0").contains("must be"));
         assert!(message("preset = \"starling\"\n[light]\nelevation = 100.0").contains("elevation must be"));
         assert!(message("material = \"x\"").contains("preset"));
+        assert!(message("preset = \"starling\"\nsky = 1.0\n[sky_image]\nfile = \"a.exr\"").contains("both"));
+        assert!(
+            message("preset = \"starling\"\n[sky_image]\nfiel = \"a.exr\"").contains("did you mean 'file'")
+        );
         assert!(message("[[[").len() < 400);
     }
 }

@@ -12,6 +12,7 @@ pub mod geometry;
 pub mod keratin;
 pub mod light;
 pub mod preset;
+pub mod primaries;
 pub mod sky;
 pub mod surface;
 

@@ -144,6 +144,19 @@ impl Preset {
     /// # Errors
     /// A bearing or width out of range.
     pub fn scene(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Scene, Counts)> {
+        self.scene_under(None, brdf, seed)
+    }
+
+    /// The same under another sky, if there is one.
+    ///
+    /// # Errors
+    /// As [`Preset::scene`].
+    pub fn scene_under(
+        &self,
+        sky: Option<&Sky>,
+        brdf: Arc<FeatherBrdf>,
+        seed: u64,
+    ) -> Result<(Scene, Counts)> {
         self.check()?;
         let daylight = Emission::daylight();
         let mut geometry = Geometry::default();
@@ -159,10 +172,11 @@ impl Preset {
                 passes: 0.0,
             }),
         ];
-        let sun = self.sun(&daylight);
-        let sky = self.sky_light(&daylight)?;
-        let lights =
-            vec![Lamp { light: Light::Sun(sun), weight: 0.6 }, Lamp { light: Light::Sky(sky), weight: 0.4 }];
+        let sky = sky.map_or_else(|| self.sky_light(&daylight), |sky| Ok(sky.clone()))?;
+        let mut lights = vec![Lamp { light: Light::Sky(sky), weight: 0.4 }];
+        if self.key > 0.0 {
+            lights.insert(0, Lamp { light: Light::Sun(self.sun(&daylight)), weight: 0.6 });
+        }
         let scene = Scene { geometry, surfaces, lights, camera: self.camera(), max_depth: 5 };
         scene.check()?;
         Ok((scene, counts))
