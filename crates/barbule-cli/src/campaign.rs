@@ -2,7 +2,7 @@
 
 use barbule::brdf::Material;
 use barbule::brdf::fit::{FitOptions, FitReport, Pattern, fit};
-use barbule::campaign::{Campaign, Parameters};
+use barbule::campaign::{Campaign, Demand, Parameters};
 use barbule::math::simd::Width;
 use barbule::observer::Observer;
 use barbule::scattering::lobe::FitKind;
@@ -137,9 +137,28 @@ impl CampaignArgs {
 }
 
 impl Planned {
-    /// Prepares the instances.
-    pub(crate) fn campaign(&self, width: Width, observer: &dyn Observer) -> Result<Campaign> {
-        Campaign::new(&self.structure, self.parameters.clone(), width, observer)
+    /// Prepares the instances, after `--memory` has been held against what the campaign will take: fewer units are in
+    /// work at once where that helps, else it is refused. `kept` says that fields are kept, `gathered` that all
+    /// statistics end in memory.
+    pub(crate) fn campaign(
+        &self,
+        width: Width,
+        (kept, gathered): (bool, bool),
+        common: &Common,
+        observer: &dyn Observer,
+    ) -> Result<Campaign> {
+        let mut at_once = usize::MAX;
+        if common.memory.is_some() || common.verbose {
+            let demand = Demand::predict(&self.structure, &self.parameters, width, kept, gathered)?;
+            at_once = demand.units_within(common.memory.unwrap_or(u64::MAX))?;
+            common.explain(&format!(
+                "up to {at_once} units at once, {} MB of memory at most",
+                demand.bytes(at_once).div_ceil(1_000_000)
+            ));
+        }
+        let mut campaign = Campaign::new(&self.structure, self.parameters.clone(), width, observer)?;
+        campaign.limit_units(at_once);
+        Ok(campaign)
     }
 
     /// Illuminations of the whole campaign.
@@ -188,6 +207,13 @@ impl FitArgs {
             "residual_95": report.residual_95,
         });
         Ok((material, report))
+    }
+}
+
+/// Says that units were damaged and are computed again.
+pub(crate) fn say_repaired(repaired: usize, common: &Common) {
+    if repaired > 0 {
+        common.say(&format!("{repaired} damaged units were computed again"));
     }
 }
 

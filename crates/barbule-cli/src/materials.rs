@@ -70,7 +70,7 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
         expected(&planned)
     ));
     let observer = Terminal::new(common);
-    let campaign = planned.campaign(defaults.campaign.width()?, &observer)?;
+    let campaign = planned.campaign(defaults.campaign.width()?, (false, true), common, &observer)?;
     let statistics = statistics(&campaign, &observer)?;
     let (material, _) = defaults.fit.fit(&statistics, &name, &planned.description, &observer)?;
     write_material(&cached, &material)?;

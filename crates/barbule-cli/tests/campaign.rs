@@ -71,7 +71,10 @@ fn stores_are_the_same_bytes_whole_sharded_interrupted_or_repaired() {
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     std::fs::write(&damaged, bytes).unwrap();
-    std::fs::write(chunk("v", "0/0/0/0/0.tmp"), b"half").unwrap();
+    std::fs::create_dir(folder.path().join("b.zarr/.aside")).unwrap();
+    std::fs::write(folder.path().join("b.zarr/.aside/new-dead"), b"half").unwrap();
+    let status = succeed(&["simulate", &path("b.zarr"), "--status"]);
+    assert!(status.contains("4 of 6 units done, 1 missing, 1 damaged"), "{status}");
     let (code, _, message) = simulate("b.zarr", &[]);
     assert_eq!(code, 0);
     assert!(message.contains("1 damaged units were computed again"), "{message}");

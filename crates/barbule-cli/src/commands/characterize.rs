@@ -8,7 +8,7 @@ use barbule::io::store::Store;
 use barbule::io::{check_writable, write_material};
 use barbule::{Error, Result};
 
-use crate::campaign::{CampaignArgs, FitArgs, summary};
+use crate::campaign::{CampaignArgs, FitArgs, say_repaired, summary};
 use crate::common::{Common, print, print_json};
 use crate::progress::Terminal;
 use crate::{materials, structure_arg};
@@ -50,7 +50,7 @@ impl Args {
         let width = self.campaign.width()?;
         self.common.say(&format!("characterizing {name}: about {}", materials::expected(&planned)));
         let observer = Terminal::new(&self.common);
-        let campaign = planned.campaign(width, &observer)?;
+        let campaign = planned.campaign(width, (false, true), &self.common, &observer)?;
         let statistics = match &store {
             None => statistics(&campaign, &observer)?,
             Some(path) => {
@@ -64,7 +64,8 @@ impl Args {
                     &[],
                     width.name(),
                 )?;
-                run(&campaign, &store, 0, 1, &observer)?;
+                let outcome = run(&campaign, &store, 0, 1, &observer)?;
+                say_repaired(outcome.repaired, &self.common);
                 store.statistics()?
             }
         };

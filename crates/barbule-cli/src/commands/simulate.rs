@@ -4,11 +4,11 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use barbule::campaign::run;
-use barbule::io::store::Store;
+use barbule::io::store::{Status, Store};
 use barbule::{Error, Result};
 use serde_json::json;
 
-use crate::campaign::CampaignArgs;
+use crate::campaign::{CampaignArgs, say_repaired};
 use crate::common::{Common, print, print_json};
 use crate::progress::Terminal;
 use crate::structure_arg;
@@ -23,7 +23,7 @@ pub(crate) struct Args {
     /// The store to fill, or to resume
     #[arg(short, long, value_name = "S.zarr", required_unless_present = "status")]
     output: Option<PathBuf>,
-    /// Only the units i, i + n, i + 2n, … (i from 0), for several processes on one store
+    /// Only part i of n (i from 0) of the units, for several processes on one store
     #[arg(long, value_name = "i/n", allow_hyphen_values = true)]
     shard: Option<String>,
     /// Say what of a store is done
@@ -61,26 +61,16 @@ impl Args {
             &kept,
             width.name(),
         )?;
-        if store.width() != width.name() {
-            return Err(Error::input(format!(
-                "{}: was computed with {} instructions, this run would use {}; give --simd {} to continue it with the same bits",
-                path.display(),
-                store.width(),
-                width.name(),
-                store.width()
-            )));
-        }
         let units = store.shard(shard, shards);
         if units.iter().all(|&(w, t)| store.is_whole(w, t)) {
             self.common.say("everything is there already: nothing to do");
         } else {
+            store.prepare_writing()?;
             let observer = Terminal::new(&self.common);
-            let campaign = planned.campaign(width, &observer)?;
+            let campaign = planned.campaign(width, (!kept.is_empty(), false), &self.common, &observer)?;
             let outcome = run(&campaign, &store, shard, shards, &observer)?;
             drop(observer);
-            if outcome.repaired > 0 {
-                self.common.say(&format!("{} damaged units were computed again", outcome.repaired));
-            }
+            say_repaired(outcome.repaired, &self.common);
             self.common.explain(&format!("{} units computed, {} found", outcome.computed, outcome.found));
         }
         if self.common.json {
@@ -91,19 +81,29 @@ impl Args {
 
     fn report(&self, out: &mut dyn Write) -> Result<()> {
         let store = Store::open(self.output.as_deref().unwrap_or(self.structure.as_ref()))?;
-        let status = status(&store);
         if self.common.json {
-            return print_json(out, &status);
+            return print_json(out, &status(&store));
         }
-        let text = format!("{}: {} of {} units done", store.name(), status["done"], status["units"]);
+        let Status { units, done, damaged } = store.status();
+        let text = format!(
+            "{}: {done} of {units} units done, {} missing, {damaged} damaged",
+            store.name(),
+            units - done - damaged
+        );
         print(out, &text)
     }
 }
 
 fn status(store: &Store) -> serde_json::Value {
-    let units = store.units().count();
-    let done = store.units().filter(|&(w, t)| store.is_done(w, t)).count();
-    json!({ "name": store.name(), "units": units, "done": done, "missing": units - done, "simd": store.width() })
+    let status = store.status();
+    json!({
+        "name": store.name(),
+        "units": status.units,
+        "done": status.done,
+        "missing": status.missing(),
+        "damaged": status.damaged,
+        "simd": store.width(),
+    })
 }
 
 /// `i/n` with 0 ≤ i < n.

@@ -3,12 +3,14 @@
 //! A unit of work is one (λ, θ_i): all φ_i, polarizations and instances. Its fields stay in memory, their statistics
 //! are formed in instance order (so that bits do not depend on threads), and the fields are dropped.
 
+mod memory;
 mod reduce;
 mod resolution;
 mod run;
 pub mod single;
 pub mod spectrum;
 
+pub use memory::Demand;
 pub use run::{Outcome, run, statistics};
 
 use num_complex::Complex;
@@ -64,6 +66,7 @@ pub struct Campaign {
     /// Incident power at θ_i = 0 per instance and φ_i, µm.
     powers_um: Vec<Vec<f64>>,
     width: Width,
+    units_at_once: usize,
 }
 
 /// What all units of one wavelength share: the reflectances of every surface.
@@ -134,7 +137,7 @@ impl Campaign {
                 azimuths(&parameters.axes).map(|phi| surface.incident_power_um(0.0, phi + tilt)).collect()
             })
             .collect();
-        Ok(Self { parameters, surfaces, tilts, powers_um, width })
+        Ok(Self { parameters, surfaces, tilts, powers_um, width, units_at_once: usize::MAX })
     }
 
     /// Prepares the units of one wavelength.
@@ -155,6 +158,17 @@ impl Campaign {
     #[must_use]
     pub fn ray_parts(&self) -> usize {
         self.surfaces.first().map_or(1, |(_, rays)| rays.parts())
+    }
+
+    /// Units of a wavelength that are computed at the same time, at most; any number unless limited.
+    #[must_use]
+    pub fn units_at_once(&self) -> usize {
+        self.units_at_once
+    }
+
+    /// Limits the units that are computed, and so kept in memory, at the same time; bits do not depend on it.
+    pub fn limit_units(&mut self, at_once: usize) {
+        self.units_at_once = at_once.max(1);
     }
 
     /// What is simulated.

@@ -1,8 +1,10 @@
 //! Running a campaign's units into a store, or straight into statistics.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 
-use super::Campaign;
+use super::{Campaign, Wavelength};
 use crate::io::store::Store;
 use crate::observer::Observer;
 use crate::scattering::statistics::Statistics;
@@ -30,27 +32,47 @@ pub fn run(
     shards: usize,
     observer: &dyn Observer,
 ) -> Result<Outcome> {
+    store.prepare_writing()?;
     let units = store.shard(shard, shards);
     observer.begin("simulating", units.len() as u64);
     let whole: Vec<bool> = units.par_iter().map(|&(w, t)| store.is_whole(w, t)).collect();
-    let missing: Vec<_> =
-        units.iter().zip(whole).filter(|(_, whole)| !whole).map(|(unit, _)| *unit).collect();
+    let missing: Vec<_> = units
+        .iter()
+        .zip(whole)
+        .filter(|(_, whole)| !whole)
+        .map(|(&(w, t), _)| (w, t, store.is_done(w, t)))
+        .collect();
     let found = units.len() - missing.len();
-    let repaired = missing.iter().filter(|&&(w, t)| store.is_done(w, t)).count();
+    let repaired = missing.iter().filter(|(_, _, damaged)| *damaged).count();
     observer.advance(found as u64);
+    let elsewhere = AtomicUsize::new(0);
+    let compute = |wavelength: &Wavelength, index: usize, theta: usize, damaged: bool| {
+        if observer.is_cancelled() {
+            return Err(Error::interrupted());
+        }
+        // Another process may have been here since.
+        if !damaged && store.is_whole(index, theta) {
+            elsewhere.fetch_add(1, Ordering::Relaxed);
+        } else {
+            store.write(index, theta, &campaign.unit(wavelength, theta, store.keeps(index)))?;
+        }
+        observer.advance(1);
+        Ok(())
+    };
     // Units of one wavelength share its tables, of which there is room for one wavelength at a time.
-    for group in missing.chunk_by(|a, b| a.0 == b.0) {
+    let work = missing.chunk_by(|a, b| a.0 == b.0).try_for_each(|group| {
         let wavelength = campaign.wavelength(group[0].0)?;
-        group.par_iter().with_max_len(1).try_for_each(|&(index, theta)| {
-            if observer.is_cancelled() {
-                return Err(Error::interrupted());
-            }
-            store.write(index, theta, &campaign.unit(&wavelength, theta, store.keeps(index)))?;
-            observer.advance(1);
-            Ok(())
-        })?;
-    }
-    Ok(Outcome { computed: missing.len(), found, repaired })
+        group.chunks(campaign.units_at_once()).try_for_each(|units| {
+            units
+                .par_iter()
+                .with_max_len(1)
+                .try_for_each(|&(index, theta, damaged)| compute(&wavelength, index, theta, damaged))
+        })
+    });
+    store.end_writing();
+    work?;
+    let elsewhere = elsewhere.into_inner();
+    Ok(Outcome { computed: missing.len() - elsewhere, found: found + elsewhere, repaired })
 }
 
 /// Computes all units in memory.
@@ -64,19 +86,22 @@ pub fn statistics(campaign: &Campaign, observer: &dyn Observer) -> Result<Statis
     let mut statistics = Statistics::empty(axes.clone(), campaign.parameters().instances);
     for index in 0..axes.wavelengths_nm.len() {
         let wavelength = campaign.wavelength(index)?;
-        let units = (0..thetas)
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|theta| {
-                if observer.is_cancelled() {
-                    return Err(Error::interrupted());
-                }
-                let unit = campaign.unit(&wavelength, theta, false);
-                observer.advance(1);
-                Ok(unit)
-            })
-            .collect::<Result<Vec<_>>>()?;
-        units.into_iter().for_each(|unit| statistics.append(unit));
+        let all: Vec<usize> = (0..thetas).collect();
+        for some in all.chunks(campaign.units_at_once()) {
+            let units = some
+                .par_iter()
+                .with_max_len(1)
+                .map(|&theta| {
+                    if observer.is_cancelled() {
+                        return Err(Error::interrupted());
+                    }
+                    let unit = campaign.unit(&wavelength, theta, false);
+                    observer.advance(1);
+                    Ok(unit)
+                })
+                .collect::<Result<Vec<_>>>()?;
+            units.into_iter().for_each(|unit| statistics.append(unit));
+        }
     }
     Ok(statistics)
 }

@@ -1,26 +1,33 @@
 //! The campaign store: a Zarr v3 group with one chunk per unit of work in each array.
 //!
-//! A chunk is written aside and renamed, so it exists whole or not at all; its checksum (CRC-32C) is verified on
-//! reading. The arrays of a unit are written in a fixed order, so the unit is done when the last has its
+//! The whole empty store is built aside and renamed into place. A chunk is written aside and renamed, so it exists whole
+//! or not at all, however many processes write; its checksum (CRC-32C) is verified on reading. The arrays of a unit are written in a fixed order, so the unit is done when the last has its
 //! chunk. The group's attributes hold every parameter and their hash.
+
+mod aside;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use num_complex::Complex;
+use rayon::prelude::*;
 use serde_json::{Value, json};
-use zarrs::array::{Array, ArrayBuilder, Element, ElementOwned, FillValue, IntoArrayBytes, codec, data_type};
-use zarrs::filesystem::FilesystemStore;
-use zarrs::group::{Group, GroupBuilder};
-use zarrs::storage::storage_adapter::atomic_write::AtomicWriteStorageAdapter;
+use zarrs::array::{
+    Array, ArrayBuilder, ArrayCreateError, ArrayError, BytesToBytesCodecTraits, Element, ElementOwned,
+    FillValue, IntoArrayBytes, codec, data_type,
+};
+use zarrs::group::GroupBuilder;
 
+use self::aside::Files;
+use super::whole::read_text;
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, Statistics, Unit};
 use crate::{Error, Result};
 
-type Storage = AtomicWriteStorageAdapter<FilesystemStore>;
-
 /// Version of the store's layout.
 const SCHEMA: u64 = 1;
+
+/// Name of the array of kept fields.
+const FIELDS: &str = "fields";
 
 /// An array of the store.
 struct ArrayKind {
@@ -80,12 +87,32 @@ const ARRAYS: [ArrayKind; 7] = [
     },
 ];
 
+/// How far a store is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Status {
+    /// All units.
+    pub units: usize,
+    /// Units that are there and whole.
+    pub done: usize,
+    /// Units that are there but fail their checksums.
+    pub damaged: usize,
+}
+
+impl Status {
+    /// Units that are not there.
+    #[must_use]
+    pub fn missing(&self) -> usize {
+        self.units - self.done - self.damaged
+    }
+}
+
 /// An open campaign store.
 pub struct Store {
     path: PathBuf,
-    arrays: Vec<Array<Storage>>,
+    files: Arc<Files>,
+    arrays: Vec<Array<Files>>,
     /// Fields of every instance, where the campaign keeps them.
-    fields: Option<Array<Storage>>,
+    fields: Option<Array<Files>>,
     kept_nm: Vec<f64>,
     axes: Axes,
     instances: usize,
@@ -93,9 +120,6 @@ pub struct Store {
     width: String,
     description: Value,
 }
-
-/// Name of the array of kept fields.
-const FIELDS: &str = "fields";
 
 impl Store {
     /// Creates a store, or opens the one that is there if it was made with the same description.
@@ -105,8 +129,8 @@ impl Store {
     /// wavelengths `kept_nm`.
     ///
     /// # Errors
-    /// The path cannot be written, holds something else, or a store with other parameters; a kept wavelength that the
-    /// campaign does not have.
+    /// The path cannot be written, holds something else, or a store with other parameters or of another width; a kept
+    /// wavelength that the campaign does not have.
     pub fn create(
         path: &Path,
         axes: &Axes,
@@ -121,70 +145,52 @@ impl Store {
                 "fields are to be kept at {nm} nm, which the campaign does not simulate"
             )));
         }
-        if path.exists() && !is_abandoned(path) {
-            let store = Self::open(path)?;
-            let there = json!({"campaign": store.description, "kept_nm": store.kept_nm});
-            let here = json!({"campaign": description, "kept_nm": kept_nm});
-            if let Some(difference) = difference(&there, &here, "") {
+        let is_empty =
+            |folder: &Path| std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+        if !path.exists() || is_empty(path) {
+            let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            if !folder.is_dir() {
                 return Err(Error::input(format!(
-                    "{}: this store was made with other parameters ({difference}); give another name, or the same parameters to resume",
-                    path.display()
+                    "{}: the store cannot be created (the folder {} does not exist)",
+                    path.display(),
+                    folder.display()
                 )));
             }
-            return Ok(store);
+            let attributes = json!({
+                "barbule_store": SCHEMA,
+                "wavelengths_nm": axes.wavelengths_nm,
+                "cos_theta_i": axes.cos_theta,
+                "cos_phi_i": axes.cos_phi,
+                "instances": instances,
+                "name": name,
+                "simd": width,
+                "kept_nm": kept_nm,
+                "campaign": description,
+                "campaign_hash": hash(description),
+            });
+            // Processes that create one store at the same instant each build their own; the first rename wins.
+            aside::create_folder(path, |made| {
+                build(path, made, axes, instances, kept_nm.len(), &attributes)
+            })?;
         }
-        let refuse = |what: &dyn std::fmt::Display| {
-            Error::input(format!("{}: the store cannot be created ({what})", path.display()))
-        };
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if !folder.is_dir() {
-            return Err(refuse(&format!("the folder {} does not exist", folder.display())));
+        let store = Self::open(path)?;
+        let there = json!({"campaign": store.description, "kept_nm": store.kept_nm});
+        let here = json!({"campaign": description, "kept_nm": kept_nm});
+        if let Some(difference) = difference(&there, &here, "") {
+            return Err(Error::input(format!(
+                "{}: this store was made with other parameters ({difference}); give another name, or the same parameters to resume",
+                path.display()
+            )));
         }
-        let storage = storage(path)?;
-        let shape = [axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
-        for ArrayKind { name, single, trailing, meaning } in ARRAYS {
-            let extents: Vec<u64> =
-                shape.iter().copied().chain(trailing.iter().map(|(_, n)| *n)).map(|n| n as u64).collect();
-            let mut chunk = extents.clone();
-            chunk[..2].fill(1);
-            let mut builder = if single {
-                ArrayBuilder::new(extents, chunk, data_type::float32(), f32::NAN)
-            } else {
-                ArrayBuilder::new(extents, chunk, data_type::float64(), f64::NAN)
-            };
-            let names =
-                ["wavelength", "theta_i", "phi_i"].into_iter().chain(trailing.iter().map(|(n, _)| *n));
-            let mut attributes = serde_json::Map::new();
-            attributes.insert("meaning".into(), json!(meaning));
-            let array = builder
-                .dimension_names(Some(names.collect::<Vec<_>>()))
-                .attributes(attributes)
-                .bytes_to_bytes_codecs(vec![
-                    Arc::new(codec::ZstdCodec::new(3, false)),
-                    Arc::new(codec::Crc32cCodec::new()),
-                ])
-                .build(storage.clone(), &format!("/{name}"))
-                .map_err(|e| refuse(&e))?;
-            array.store_metadata().map_err(|e| refuse(&e))?;
+        if store.width != width {
+            return Err(Error::input(format!(
+                "{}: was computed with {} instructions, this run would use {width}; give --simd {} to continue it with the same bits",
+                path.display(),
+                store.width,
+                store.width
+            )));
         }
-        if !kept_nm.is_empty() {
-            create_fields(&storage, &shape, kept_nm.len(), instances).map_err(|e| refuse(&e))?;
-        }
-        // The group comes last: a store without it was never finished and is not opened.
-        let mut group = GroupBuilder::new().build(storage, "/").map_err(|e| refuse(&e))?;
-        let attributes = group.attributes_mut();
-        attributes.insert("barbule_store".into(), json!(SCHEMA));
-        attributes.insert("wavelengths_nm".into(), json!(axes.wavelengths_nm));
-        attributes.insert("cos_theta_i".into(), json!(axes.cos_theta));
-        attributes.insert("cos_phi_i".into(), json!(axes.cos_phi));
-        attributes.insert("instances".into(), json!(instances));
-        attributes.insert("name".into(), json!(name));
-        attributes.insert("simd".into(), json!(width));
-        attributes.insert("kept_nm".into(), json!(kept_nm));
-        attributes.insert("campaign".into(), description.clone());
-        attributes.insert("campaign_hash".into(), json!(hash(description)));
-        group.store_metadata().map_err(|e| refuse(&e))?;
-        Self::open(path)
+        Ok(store)
     }
 
     /// Opens a store.
@@ -196,61 +202,72 @@ impl Store {
         if !path.exists() {
             return Err(refuse("no such store"));
         }
-        if !path.join("zarr.json").is_file() {
+        let metadata = path.join("zarr.json");
+        if !metadata.is_file() {
             return Err(refuse("is not a campaign store (no zarr.json in it)"));
         }
-        let storage = storage(path)?;
-        let group =
-            Group::open(storage.clone(), "/").map_err(|e| refuse(&format!("is not readable ({e})")))?;
-        let attributes = group.attributes();
-        if attributes.get("barbule_store").and_then(Value::as_u64) != Some(SCHEMA) {
+        let group: Value = serde_json::from_str(&read_text(&metadata)?)
+            .map_err(|e| refuse(&format!("its zarr.json is damaged ({e})")))?;
+        let attributes = &group["attributes"];
+        if group["node_type"] != json!("group") || attributes["barbule_store"].as_u64() != Some(SCHEMA) {
             return Err(refuse("is not a campaign store of this version"));
         }
-        let numbers = |key: &str| -> Result<Vec<f64>> {
-            attributes
-                .get(key)
-                .and_then(Value::as_array)
-                .and_then(|values| values.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>())
-                .filter(|values| !values.is_empty())
-                .ok_or_else(|| refuse(&format!("its attribute '{key}' is missing or damaged")))
-        };
-        let axes = Axes {
-            wavelengths_nm: numbers("wavelengths_nm")?,
-            cos_theta: numbers("cos_theta_i")?,
-            cos_phi: numbers("cos_phi_i")?,
-        };
-        let instances = attributes.get("instances").and_then(Value::as_u64).unwrap_or(0) as usize;
-        let description = attributes.get("campaign").cloned().unwrap_or(Value::Null);
-        if attributes.get("campaign_hash") != Some(&json!(hash(&description))) {
+        let (axes, instances) = checked_axes(attributes).map_err(|what| refuse(&what))?;
+        let description = attributes["campaign"].clone();
+        if attributes["campaign_hash"] != json!(hash(&description)) {
             return Err(refuse("its parameters do not match their checksum"));
         }
-        let shape = [axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
-        let mut arrays = Vec::new();
-        for ArrayKind { name, trailing, .. } in ARRAYS {
-            let array = Array::open(storage.clone(), &format!("/{name}"))
-                .map_err(|e| refuse(&format!("its array '{name}' is not readable ({e})")))?;
-            let extents: Vec<u64> =
-                shape.iter().copied().chain(trailing.iter().map(|(_, n)| *n)).map(|n| n as u64).collect();
-            if array.shape() != extents.as_slice() {
-                return Err(refuse(&format!("its array '{name}' does not have the shape of its axes")));
-            }
-            arrays.push(array);
+        let kept_nm = numbers(attributes, "kept_nm").map_err(|what| refuse(&what))?;
+        if let Some(nm) = kept_nm.iter().find(|nm| !axes.wavelengths_nm.contains(nm)) {
+            return Err(refuse(&format!("its attribute 'kept_nm' has {nm}, which is no wavelength of it")));
         }
-        let kept_nm = attributes
-            .get("kept_nm")
-            .and_then(Value::as_array)
-            .map(|values| values.iter().filter_map(Value::as_f64).collect::<Vec<_>>())
-            .unwrap_or_default();
-        let fields = if kept_nm.is_empty() {
-            None
-        } else {
-            let array = Array::open(storage, &format!("/{FIELDS}"))
-                .map_err(|e| refuse(&format!("its array '{FIELDS}' is not readable ({e})")))?;
-            Some(array)
-        };
-        let text = |key: &str| attributes.get(key).and_then(Value::as_str).unwrap_or_default().to_owned();
+        let files = Arc::new(Files::new(path)?);
+        // What the arrays are follows from the axes alone. Their own descriptions must say the same.
+        let (arrays, fields) = arrays(&files, &axes, instances, kept_nm.len())
+            .map_err(|e| refuse(&format!("its axes make no arrays ({e})")))?;
+        for array in arrays.iter().chain(&fields) {
+            let name = array.path().as_str().trim_start_matches('/');
+            let text = read_text(&path.join(name).join("zarr.json"))?;
+            let there: Value = serde_json::from_str(&text)
+                .map_err(|e| refuse(&format!("the zarr.json of its array '{name}' is damaged ({e})")))?;
+            let here = serde_json::to_value(array.metadata()).map_err(|e| refuse(&e.to_string()))?;
+            for key in ["shape", "data_type", "chunk_grid", "chunk_key_encoding", "codecs"] {
+                if there[key] != here[key] {
+                    return Err(refuse(&format!("its array '{name}' has another {key} than its axes say")));
+                }
+            }
+        }
+        let text = |key: &str| attributes[key].as_str().unwrap_or_default().to_owned();
         let (name, width) = (text("name"), text("simd"));
-        Ok(Self { path: path.to_owned(), arrays, fields, kept_nm, axes, instances, name, width, description })
+        let path = path.to_owned();
+        Ok(Self { path, files, arrays, fields, kept_nm, axes, instances, name, width, description })
+    }
+
+    /// Makes ready for writing: deletes what writers left that are no more, and tries whether files can be written.
+    ///
+    /// # Errors
+    /// The store is not writable, or the disk is full.
+    pub fn prepare_writing(&self) -> Result<()> {
+        self.files.sweep();
+        self.files.probe().map_err(|e| aside::failure(&self.path, "the store cannot be written", &e))
+    }
+
+    /// Ends writing: removes what it needed, unless other processes still write.
+    pub fn end_writing(&self) {
+        self.files.sweep();
+        self.files.tidy();
+    }
+
+    /// How many units are done, missing and damaged; reads them all.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        let units: Vec<_> = self.units().collect();
+        let count = |pick: &(dyn Fn(usize, usize) -> bool + Sync)| {
+            units.par_iter().filter(|&&(w, t)| pick(w, t)).count()
+        };
+        let present = count(&|w, t| self.is_done(w, t));
+        let done = count(&|w, t| self.is_whole(w, t));
+        Status { units: units.len(), done, damaged: present.saturating_sub(done) }
     }
 
     /// The structure's name.
@@ -382,19 +399,16 @@ impl Store {
         self.replace(&self.arrays[array], &Self::chunk(array, wavelength, theta), values)
     }
 
-    fn replace<T: Element + Clone>(&self, array: &Array<Storage>, chunk: &[u64], values: &[T]) -> Result<()>
+    fn replace<T: Element + Clone>(&self, array: &Array<Files>, chunk: &[u64], values: &[T]) -> Result<()>
     where
         Vec<T>: IntoArrayBytes<'static>,
     {
-        // What an interrupted writer left aside would block this one.
-        let mut aside = self.path.join(array.path().as_str().trim_start_matches('/')).join("c");
-        aside.extend(chunk.iter().map(u64::to_string));
-        let mut aside = aside.into_os_string();
-        aside.push(".tmp");
-        let _ = std::fs::remove_file(aside);
-        array
-            .store_chunk(chunk, values.to_vec())
-            .map_err(|e| Error::machine(format!("{}: a chunk cannot be written ({e})", self.path.display())))
+        array.store_chunk(chunk, values.to_vec()).map_err(|e| match e {
+            ArrayError::StorageError(e) => {
+                aside::storage_failure(&self.path, "a chunk cannot be written", &e)
+            }
+            other => Error::machine(format!("{}: a chunk cannot be encoded ({other})", self.path.display())),
+        })
     }
 
     /// Reads a unit; `None` when it is missing or damaged (its checksum fails), so that it can be computed again.
@@ -452,43 +466,111 @@ impl Store {
     }
 }
 
-/// Makes the array of kept fields, one chunk per (kept wavelength, θ_i).
-fn create_fields(
-    storage: &Arc<Storage>,
-    shape: &[usize; 3],
-    kept: usize,
+/// The arrays of a store as its axes say, and that of kept fields; nothing is read or written.
+fn arrays(
+    files: &Arc<Files>,
+    axes: &Axes,
     instances: usize,
-) -> std::result::Result<(), Box<dyn std::error::Error>> {
+    kept: usize,
+) -> std::result::Result<(Vec<Array<Files>>, Option<Array<Files>>), ArrayCreateError> {
+    let shape = [axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
+    let codecs = || -> Vec<Arc<dyn BytesToBytesCodecTraits>> {
+        vec![Arc::new(codec::ZstdCodec::new(3, false)), Arc::new(codec::Crc32cCodec::new())]
+    };
+    let unit = |extents: &[u64]| {
+        let mut chunk = extents.to_vec();
+        chunk[..2].fill(1);
+        chunk
+    };
+    let mut arrays = Vec::new();
+    for ArrayKind { name, single, trailing, meaning } in ARRAYS {
+        let extents: Vec<u64> =
+            shape.iter().copied().chain(trailing.iter().map(|(_, n)| *n)).map(|n| n as u64).collect();
+        let chunk = unit(&extents);
+        let mut builder = if single {
+            ArrayBuilder::new(extents, chunk, data_type::float32(), f32::NAN)
+        } else {
+            ArrayBuilder::new(extents, chunk, data_type::float64(), f64::NAN)
+        };
+        let names = ["wavelength", "theta_i", "phi_i"].into_iter().chain(trailing.iter().map(|(n, _)| *n));
+        let mut attributes = serde_json::Map::new();
+        attributes.insert("meaning".into(), json!(meaning));
+        let array = builder
+            .dimension_names(Some(names.collect::<Vec<_>>()))
+            .attributes(attributes)
+            .bytes_to_bytes_codecs(codecs())
+            .build(files.clone(), &format!("/{name}"))?;
+        arrays.push(array);
+    }
+    if kept == 0 {
+        return Ok((arrays, None));
+    }
     let extents = [kept, shape[1], shape[2], 2, 2, instances, AZIMUTHS].map(|n| n as u64);
-    let mut chunk = extents;
-    chunk[..2].fill(1);
     let nan = FillValue::from([f32::NAN.to_ne_bytes(), f32::NAN.to_ne_bytes()].concat());
     let names = ["kept_wavelength", "theta_i", "phi_i", "polarization", "component", "instance", "azimuth"];
-    let array = ArrayBuilder::new(extents.to_vec(), chunk.to_vec(), data_type::complex64(), nan)
+    let fields = ArrayBuilder::new(extents.to_vec(), unit(&extents), data_type::complex64(), nan)
         .dimension_names(Some(names))
-        .bytes_to_bytes_codecs(vec![
-            Arc::new(codec::ZstdCodec::new(3, false)),
-            Arc::new(codec::Crc32cCodec::new()),
-        ])
-        .build(storage.clone(), &format!("/{FIELDS}"))?;
-    array.store_metadata()?;
+        .bytes_to_bytes_codecs(codecs())
+        .build(files.clone(), &format!("/{FIELDS}"))?;
+    Ok((arrays, Some(fields)))
+}
+
+/// Writes the store `path` without units into the folder `made`.
+fn build(
+    path: &Path,
+    made: &Path,
+    axes: &Axes,
+    instances: usize,
+    kept: usize,
+    attributes: &Value,
+) -> Result<()> {
+    const WHAT: &str = "the store cannot be created";
+    let refuse = |e: &dyn std::fmt::Display| Error::input(format!("{}: {WHAT} ({e})", path.display()));
+    let files = Arc::new(Files::new(made)?);
+    let (arrays, fields) = arrays(&files, axes, instances, kept).map_err(|e| refuse(&e))?;
+    for array in arrays.iter().chain(&fields) {
+        array.store_metadata().map_err(|e| aside::storage_failure(path, WHAT, &e))?;
+    }
+    let mut group = GroupBuilder::new().build(files.clone(), "/").map_err(|e| refuse(&e))?;
+    if let Value::Object(attributes) = attributes {
+        group.attributes_mut().extend(attributes.clone());
+    }
+    group.store_metadata().map_err(|e| aside::storage_failure(path, WHAT, &e))?;
+    files.tidy();
     Ok(())
 }
 
-fn storage(path: &Path) -> Result<Arc<Storage>> {
-    let store = FilesystemStore::new(path)
-        .map_err(|e| Error::input(format!("{}: is not a usable store folder ({e})", path.display())))?;
-    Ok(Arc::new(AtomicWriteStorageAdapter::new(Arc::new(store))))
+/// A list of numbers in a store's attributes.
+fn numbers(attributes: &Value, key: &str) -> std::result::Result<Vec<f64>, String> {
+    attributes[key]
+        .as_array()
+        .and_then(|values| values.iter().map(Value::as_f64).collect())
+        .ok_or_else(|| format!("its attribute '{key}' is missing or damaged"))
 }
 
-/// Whether a folder is what a creation leaves that was killed before its last file, the group's `zarr.json`.
-fn is_abandoned(path: &Path) -> bool {
-    let ours = |name: &std::ffi::OsStr| ARRAYS.iter().any(|kind| name == kind.name) || name == FIELDS;
-    std::fs::read_dir(path).is_ok_and(|entries| {
-        entries
-            .into_iter()
-            .all(|entry| entry.is_ok_and(|e| ours(&e.file_name()) || e.file_name() == "zarr.json.tmp"))
-    })
+/// Axes and number of instances, within what a campaign can have: a made-up store must not claim memory.
+fn checked_axes(attributes: &Value) -> std::result::Result<(Axes, usize), String> {
+    let axis = |key: &str, most: usize, from: f64, to: f64| {
+        let values = numbers(attributes, key)?;
+        if values.is_empty() || values.len() > most {
+            return Err(format!("its attribute '{key}' has {} values; 1 to {most} can be", values.len()));
+        }
+        match values.iter().find(|v| !(from..=to).contains(*v)) {
+            Some(bad) => Err(format!("its attribute '{key}' has {bad}, outside {from} to {to}")),
+            None => Ok(values),
+        }
+    };
+    let axes = Axes {
+        wavelengths_nm: axis("wavelengths_nm", 100_000, 300.0, 830.0)?,
+        cos_theta: axis("cos_theta_i", 200, 0.0, 1.0)?,
+        cos_phi: axis("cos_phi_i", 200, 0.0, 1.0)?,
+    };
+    let instances = attributes["instances"]
+        .as_u64()
+        .and_then(|n| usize::try_from(n).ok())
+        .filter(|n| (1..=10_000).contains(n))
+        .ok_or("its attribute 'instances' is no number from 1 to 10000")?;
+    Ok((axes, instances))
 }
 
 /// Hash of a description, independent of the order of its keys.

@@ -67,27 +67,29 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     if !folder.is_dir() {
         return Err(refuse(format!("the folder {} does not exist", folder.display())));
     }
-    let mut file = tempfile::Builder::new()
+    let mut file = shared_temporaries(false)
         .prefix(".barbule-")
         .tempfile_in(folder)
         .map_err(|e| refuse(format!("cannot be written ({e})")))?;
     let written = file.write_all(bytes).and_then(|()| file.as_file().sync_all());
     written.map_err(|e| Error::machine(format!("{}: cannot be written ({e})", path.display())))?;
-    make_readable(file.path());
     file.persist(path).map_err(|e| refuse(format!("cannot be written ({})", e.error)))?;
     Ok(())
 }
 
-/// Temporary files are private; a result gets the usual permissions.
-#[cfg(unix)]
-fn make_readable(path: &Path) {
-    use std::os::unix::fs::PermissionsExt as _;
-    // Where permissions cannot be set the file stays private, which loses nothing.
-    let _ = fs::set_permissions(path, fs::Permissions::from_mode(0o644));
+/// Makes temporary files, or folders, with the permissions of any new one: they become results.
+pub(super) fn shared_temporaries(folders: bool) -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        // The system takes the user's mask off.
+        builder.permissions(fs::Permissions::from_mode(if folders { 0o777 } else { 0o666 }));
+    }
+    #[cfg(not(unix))]
+    let _ = folders;
+    builder
 }
-
-#[cfg(not(unix))]
-fn make_readable(_path: &Path) {}
 
 /// Refuses early, before long work, a path that [`write_whole`] would refuse.
 ///

@@ -1,0 +1,155 @@
+//! The memory that a campaign will take, before it takes it.
+//!
+//! Peak = program + instances + tables of one wavelength + statistics kept + threads · workspace + units at once · unit.
+//! Units of a wavelength run at the same time, all of them if there is room, and each keeps the fields of all its
+//! instances; with less room fewer run at once.
+
+use std::f64::consts::TAU;
+
+use crate::math::simd::Width;
+use crate::scattering::directions::AZIMUTH_MARGIN;
+use crate::scattering::statistics::{AZIMUTHS, LAGS};
+use crate::solve::surface::{
+    CAMPAIGN_ELEMENT_UM, Cone, Nodes, Rays, ReflectanceTable, Surface, Window, refinement,
+};
+use crate::structure::Structure;
+use crate::{Error, Result};
+
+use super::{Parameters, resolution};
+
+/// The program itself with its data, and what allocators keep.
+const PROGRAM: u64 = 48 << 20;
+
+/// Instances differ; this is how much larger than the first one the mean of them may be.
+const MARGIN: f64 = 1.1;
+
+/// Bytes of the statistics of one (λ, θ_i, φ_i), both polarizations.
+const STATISTICS: u64 = (2 * (2 * AZIMUTHS + LAGS) * 4 + 6 * 8) as u64;
+
+/// What a campaign needs in memory, bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Demand {
+    /// Whatever runs at once.
+    pub fixed: u64,
+    /// Each unit in work.
+    pub unit: u64,
+    /// Units that may be in work at the same time: those of a wavelength.
+    pub most_units: usize,
+}
+
+impl Demand {
+    /// Predicts from the first instance at the ends and the middle of the wavelengths.
+    ///
+    /// `kept` says that fields are kept, `gathered` that all statistics are in memory at the end (as for a fit).
+    ///
+    /// # Errors
+    /// The instance cannot be made, or a medium's table does not cover the wavelengths.
+    pub fn predict(
+        structure: &Structure,
+        parameters: &Parameters,
+        width: Width,
+        kept: bool,
+        gathered: bool,
+    ) -> Result<Self> {
+        let axes = &parameters.axes;
+        let (Some(&shortest), Some(&longest)) = (axes.wavelengths_nm.first(), axes.wavelengths_nm.last())
+        else {
+            return Err(Error::input("the campaign has no wavelength"));
+        };
+        let distinct = if structure.count() == Some(1) { 1 } else { parameters.instances };
+        let parts = resolution::ray_parts(structure, parameters.seed, distinct, shortest, width)?;
+        let section = structure.instance(parameters.seed, 0)?;
+        let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
+        let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, parts)?;
+        let (points, slots) = (surface.padded(), surface.slots);
+        // Both precisions of positions and thicknesses, mixtures, powers and arc lengths.
+        let instance = (1 + parts) * points * (12 * (5 + slots) + 16 * slots + 16);
+        let mut table = 0;
+        for wavelength_nm in [shortest, 0.5 * (shortest + longest), longest] {
+            table = table.max(ReflectanceTable::new(width, &surface, &rays, wavelength_nm)?.bytes());
+        }
+        // Media that vary along the top are kept beside the series; those of the rays only while a table is made.
+        let optics = 8 * points * slots;
+        let cone = Cone::new(TAU / (shortest * 1e-3), 0.0, surface.radius_um);
+        let directions = 4 * axes.cos_phi.len();
+        let fields = AZIMUTHS * refinement(&cone, AZIMUTHS) + 2 * AZIMUTH_MARGIN;
+        let (angles, nodes) = (cone.angles, Nodes::<f32>::equidistant(&surface, cone.kappa).x_um.len());
+        // Kernel, currents and products of the matrix product with their packed copies; coefficients.
+        let workspace = 2 * 4 * (angles * nodes + 3 * directions * (angles + nodes))
+            + 8 * directions * angles
+            + 4 * points * 16
+            + 2 * table
+            + optics * parts;
+        let kept = if kept { 3 * 8 * directions * parameters.instances * AZIMUTHS } else { 0 };
+        let phis = axes.cos_phi.len() as u64;
+        let threads = rayon::current_num_threads() as u64;
+        let gathered = if gathered { 2 * STATISTICS * axes.len() as u64 } else { 0 };
+        let scaled = |bytes: usize| (distinct as f64 * MARGIN * bytes as f64) as u64;
+        Ok(Self {
+            fixed: PROGRAM + scaled(instance + table + optics) + gathered + threads * workspace as u64,
+            unit: (8 * directions * parameters.instances * fields + kept) as u64 + 2 * STATISTICS * phis,
+            most_units: axes.cos_theta.len(),
+        })
+    }
+
+    /// Peak memory, bytes, with so many units in work.
+    #[must_use]
+    pub fn bytes(&self, units: usize) -> u64 {
+        self.fixed + self.unit * units.min(self.most_units) as u64
+    }
+
+    /// The units that can be in work at once within `allowed` bytes.
+    ///
+    /// # Errors
+    /// Not even one can be.
+    pub fn units_within(&self, allowed: u64) -> Result<usize> {
+        let units = allowed.saturating_sub(self.fixed) / self.unit.max(1);
+        if units == 0 {
+            return Err(Error::input(format!(
+                "this campaign needs {} MB of memory with one unit of work at a time, but {} MB are allowed; raise --memory, or give fewer --instances, --threads or --directions",
+                self.bytes(1).div_ceil(1_000_000),
+                allowed / 1_000_000
+            )));
+        }
+        Ok(usize::try_from(units).unwrap_or(usize::MAX).min(self.most_units))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Library;
+    use crate::scattering::statistics::Axes;
+    use crate::structure::SpeciesModel;
+
+    #[test]
+    fn the_cap_lowers_the_units_at_once_and_one_byte_too_few_is_refused() {
+        let demand = Demand { fixed: 1_000_000, unit: 300_000, most_units: 5 };
+        assert_eq!(demand.units_within(1_300_000).unwrap(), 1);
+        assert_eq!(demand.units_within(1_899_999).unwrap(), 2);
+        assert_eq!(demand.units_within(1_900_000).unwrap(), 3);
+        assert_eq!(demand.units_within(u64::MAX).unwrap(), 5);
+        let refusal = demand.units_within(1_299_999).unwrap_err();
+        assert!(refusal.is_input() && refusal.to_string().contains("needs 2 MB"), "{refusal}");
+    }
+
+    #[test]
+    fn demand_grows_with_instances_directions_and_what_is_kept() {
+        let model = SpeciesModel::builtin("starling", None, Library::builtin()).unwrap();
+        let structure = Structure::Species(Box::new(model));
+        let demand = |instances: usize, phis: usize, kept: bool| {
+            let axes = Axes {
+                wavelengths_nm: vec![450.0, 650.0],
+                cos_theta: vec![0.5, 1.0],
+                cos_phi: (1..=phis).map(|i| i as f64 / phis as f64).collect(),
+            };
+            let parameters = Parameters { axes, instances, seed: 1, tilt: 0.0 };
+            Demand::predict(&structure, &parameters, Width::best(), kept, false).unwrap()
+        };
+        let small = demand(2, 2, false);
+        // 2 instances × 2 φ_i × 4 components of at least 400 values of 8 bytes.
+        assert!(small.unit >= 2 * 2 * 4 * 400 * 8);
+        assert!(demand(4, 2, false).fixed > small.fixed && demand(4, 2, false).unit > small.unit);
+        assert!(demand(2, 4, false).unit > small.unit && demand(2, 2, true).unit > small.unit);
+    }
+}
