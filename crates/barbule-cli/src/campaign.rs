@@ -137,27 +137,36 @@ impl CampaignArgs {
 }
 
 impl Planned {
-    /// Prepares the instances, after `--memory` has been held against what the campaign will take: fewer units are in
-    /// work at once where that helps, else it is refused. `kept` says that fields are kept, `gathered` that all
-    /// statistics end in memory.
+    /// Holds `--memory` against what the campaign will take, before any work: the number of units that may be in work
+    /// at once. `kept` says that fields are kept, `gathered` that all statistics end in memory.
+    pub(crate) fn units_at_once(
+        &self,
+        width: Width,
+        kept: bool,
+        gathered: bool,
+        common: &Common,
+    ) -> Result<usize> {
+        if common.memory.is_none() && !common.verbose {
+            return Ok(usize::MAX);
+        }
+        let demand = Demand::predict(&self.structure, &self.parameters, width, kept, gathered)?;
+        let at_once = demand.units_within(common.memory.unwrap_or(u64::MAX))?;
+        common.explain(&format!(
+            "up to {at_once} units at once, {} MB of memory at most",
+            demand.bytes(at_once).div_ceil(1_000_000)
+        ));
+        Ok(at_once)
+    }
+
+    /// Prepares the instances, and that so many units are in work at once.
     pub(crate) fn campaign(
         &self,
         width: Width,
-        (kept, gathered): (bool, bool),
-        common: &Common,
+        units_at_once: usize,
         observer: &dyn Observer,
     ) -> Result<Campaign> {
-        let mut at_once = usize::MAX;
-        if common.memory.is_some() || common.verbose {
-            let demand = Demand::predict(&self.structure, &self.parameters, width, kept, gathered)?;
-            at_once = demand.units_within(common.memory.unwrap_or(u64::MAX))?;
-            common.explain(&format!(
-                "up to {at_once} units at once, {} MB of memory at most",
-                demand.bytes(at_once).div_ceil(1_000_000)
-            ));
-        }
         let mut campaign = Campaign::new(&self.structure, self.parameters.clone(), width, observer)?;
-        campaign.limit_units(at_once);
+        campaign.limit_units(units_at_once);
         Ok(campaign)
     }
 

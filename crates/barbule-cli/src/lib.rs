@@ -45,11 +45,14 @@ where
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
         Err(error) => {
-            let code = if error.use_stderr() { 2 } else { 0 };
-            let stream: &mut dyn Write = if error.use_stderr() { err } else { out };
+            use clap::error::ErrorKind;
             // A closed pipe on the other side is not an error of ours.
-            let _ = write!(stream, "{}", error.render());
-            return ExitCode::from(code);
+            let _ = match error.kind() {
+                ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => write!(err, "{}", error.render()),
+                _ if error.use_stderr() => writeln!(err, "barbule: {}", sentence(&error)),
+                _ => write!(out, "{}", error.render()),
+            };
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
     match cli.command.run(out) {
@@ -59,6 +62,19 @@ where
             ExitCode::from(common::exit_code(&error))
         }
     }
+}
+
+/// What is wrong with the arguments, in one sentence: clap's lines without its summary of the usage.
+fn sentence(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let lines = text
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .filter(|line| !line.is_empty());
+    let joined = lines.collect::<Vec<_>>().join(" ").replace(" tip: ", "; ");
+    let short: String = joined.trim_start_matches("error: ").chars().take(500).collect();
+    format!("{}; --help says what can be given", short.trim_end_matches(['.', ' ']))
 }
 
 /// The command-line definition, for shell completions and tests.

@@ -69,8 +69,10 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
         "the material {name} is not there yet: characterizing it takes about {}",
         expected(&planned)
     ));
+    let width = defaults.campaign.width()?;
+    let at_once = planned.units_at_once(width, false, true, common)?;
     let observer = Terminal::new(common);
-    let campaign = planned.campaign(defaults.campaign.width()?, (false, true), common, &observer)?;
+    let campaign = planned.campaign(width, at_once, &observer)?;
     let statistics = statistics(&campaign, &observer)?;
     let (material, _) = defaults.fit.fit(&statistics, &name, &planned.description, &observer)?;
     write_material(&cached, &material)?;

@@ -48,9 +48,10 @@ impl Args {
         self.fit.check()?;
         let store = self.keep_store.as_deref().map(|folder| store_path(folder, &name)).transpose()?;
         let width = self.campaign.width()?;
+        let at_once = planned.units_at_once(width, false, true, &self.common)?;
         self.common.say(&format!("characterizing {name}: about {}", materials::expected(&planned)));
         let observer = Terminal::new(&self.common);
-        let campaign = planned.campaign(width, (false, true), &self.common, &observer)?;
+        let campaign = planned.campaign(width, at_once, &observer)?;
         let statistics = match &store {
             None => statistics(&campaign, &observer)?,
             Some(path) => {

@@ -51,6 +51,7 @@ impl Args {
         let planned = self.campaign.plan(structure, &self.common)?;
         let kept = self.keep_fields.as_deref().map_or(Ok(Vec::new()), crate::sets::wavelengths)?;
         let width = self.campaign.width()?;
+        let at_once = planned.units_at_once(width, !kept.is_empty(), false, &self.common)?;
         let axes = &planned.parameters.axes;
         let store = Store::create(
             path,
@@ -63,11 +64,12 @@ impl Args {
         )?;
         let units = store.shard(shard, shards);
         if units.iter().all(|&(w, t)| store.is_whole(w, t)) {
+            store.end_writing();
             self.common.say("everything is there already: nothing to do");
         } else {
             store.prepare_writing()?;
             let observer = Terminal::new(&self.common);
-            let campaign = planned.campaign(width, (!kept.is_empty(), false), &self.common, &observer)?;
+            let campaign = planned.campaign(width, at_once, &observer)?;
             let outcome = run(&campaign, &store, shard, shards, &observer)?;
             drop(observer);
             say_repaired(outcome.repaired, &self.common);
