@@ -205,6 +205,7 @@ impl FitArgs {
             info: Value::Null,
         };
         let (mut material, report) = fit(statistics, &options, observer)?;
+        let [correlation, contrast] = mean_patterns(&report);
         material.info = json!({
             "name": name,
             "species": description["structure"]["species"],
@@ -214,6 +215,11 @@ impl FitArgs {
             "campaign": description,
             "residual_median": report.residual_median,
             "residual_95": report.residual_95,
+            "lobes": report.fits,
+            "flagged": report.flagged.len(),
+            "longest_length": report.longest_length,
+            "pattern_correlation": correlation,
+            "pattern_contrast": contrast,
         });
         Ok((material, report))
     }
@@ -228,11 +234,7 @@ pub(crate) fn say_repaired(repaired: usize, common: &Common) {
 
 /// What a fit says to people.
 pub(crate) fn summary(report: &FitReport) -> String {
-    let mean = |pick: &dyn Fn(&Pattern) -> f64| {
-        report.patterns.iter().map(pick).sum::<f64>() / report.patterns.len().max(1) as f64
-    };
-    let balance = mean(&|p| p.balance).max(f64::MIN_POSITIVE);
-    let correlation = |side: usize| mean(&|p| p.balance * p.correlation[side]) / balance;
+    let [correlation, contrast] = mean_patterns(report);
     format!(
         "{} lobes fitted: residual {:.3} (median), {:.3} (95th percentile), {} flagged\n\
          l at the longest wavelength, normal incidence: {:.3} (by 1/e lengths {:.3})\n\
@@ -244,11 +246,22 @@ pub(crate) fn summary(report: &FitReport) -> String {
         report.flagged.len(),
         report.longest_length[0],
         report.longest_length[1],
-        correlation(0),
-        correlation(1),
-        mean(&|p| p.contrast[0]),
-        mean(&|p| p.contrast[1]),
+        correlation[0],
+        correlation[1],
+        contrast[0],
+        contrast[1],
     )
+}
+
+/// Correlation and contrast of the report's patterns, each simulated and synthesized; correlations weighted as they
+/// enter the variance of unpolarized light.
+fn mean_patterns(report: &FitReport) -> [[f64; 2]; 2] {
+    let mean = |value: &dyn Fn(&Pattern) -> f64| {
+        report.patterns.iter().map(value).sum::<f64>() / report.patterns.len().max(1) as f64
+    };
+    let balance = mean(&|p| p.balance).max(f64::MIN_POSITIVE);
+    let correlation = [0, 1].map(|side| mean(&|p| p.balance * p.correlation[side]) / balance);
+    [correlation, [0, 1].map(|side| mean(&|p| p.contrast[side]))]
 }
 
 fn directions(text: &str) -> Result<(usize, usize)> {

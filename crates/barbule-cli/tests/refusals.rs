@@ -241,7 +241,11 @@ const SECTIONS: &[Change] = &[
     ("\"radius\": 0.2", "\"radius\": 0", "circle.radius is 0"),
     ("\"radius\": 0.2", "\"radius\": 0.7", "crosses or touches boundaries[0]"),
     (", \"medium\": \"melanin\"", "", "the medium inside"),
-    ("\"circle\": {\"x\": 0.0, \"z\": -0.5, \"radius\": 0.2}", "\"x\": [0, 1], \"z\": [0, 1]", "fewer than 3"),
+    (
+        "\"circle\": {\"x\": 0.0, \"z\": -0.5, \"radius\": 0.2}",
+        "\"x\": [0, 1], \"z\": [0, 1]",
+        "fewer than 3",
+    ),
     ("\"name\": \"a\"", "\"name\": \"a\", \"materials\": {\"chitin\": \"no.csv\"}", "no such file"),
     ("\"name\": \"a\"", "\"name\": \"a\", \"lattice\": {}", "photonic crystals"),
 ];
@@ -306,7 +310,8 @@ const TABLES: &[(&str, &str, &str)] = &[
     ("yml", "a: &x 1\nDATA: *x\n", "no list DATA"),
 ];
 
-const SCENE: &str = "preset = \"starling\"\nexposure = 0.5\nsky = 0.7\n[light]\nelevation = 60.0\n[camera]\nwidth_mm = 4.4\n";
+const SCENE: &str =
+    "preset = \"starling\"\nexposure = 0.5\nsky = 0.7\n[light]\nelevation = 60.0\n[camera]\nwidth_mm = 4.4\n";
 
 /// Read by `render`.
 const SCENES: &[Change] = &[
@@ -477,6 +482,6 @@ fn every_refusal_is_one_sentence_with_exit_code_2_and_leaves_no_file() {
         }
     }
     let left: Vec<_> = names(folder.path()).difference(&before).cloned().collect();
-    assert!(left.is_empty(), "{left:?}");
     assert!(wrong.is_empty(), "{} of {} lines:\n{}", wrong.len(), lines.len(), wrong.join("\n"));
+    assert!(left.is_empty(), "{left:?}");
 }

@@ -5,6 +5,7 @@ use std::io::Write;
 use barbule::Result;
 use clap::Subcommand;
 
+mod bench;
 mod cache;
 mod characterize;
 mod completions;
@@ -45,6 +46,8 @@ pub(crate) enum Command {
     Completions(completions::Args),
     /// Render a picture of a feather
     Render(render::Args),
+    /// Speed in figures
+    Bench(bench::Args),
 }
 
 impl Command {
@@ -62,6 +65,7 @@ impl Command {
             Self::Species(args) => args.run(out),
             Self::Completions(args) => args.run(out),
             Self::Render(args) => args.run(out),
+            Self::Bench(args) => args.run(out),
         }
     }
 }

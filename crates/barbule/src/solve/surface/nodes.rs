@@ -3,15 +3,12 @@
 //!
 //! Along a smooth top the kernel e^{−jκ(x sinφ_o + z cosφ_o)} is, as a function of arc length, band-limited to κ. So
 //! a current at any point radiates like weighted currents at the [`TAPS`] nodes around it. What the node curve misses
-//! of the true position (the sagitta between vertices) enters as a phase for the mean direction. A top with corners is
+//! of the true position (the sagitta between vertices) enters as a phase for the mirror direction. A top with corners is
 //! cut there; every piece has nodes of its own that run past its ends along the end tangents.
 
 use super::points::Surface;
 use crate::math::band_limited::{NODES_PER_PERIOD, TAPS, weights};
 use crate::math::simd::Real;
-
-/// cosφ_o for which deviations from the node curve are exact: the middle of what the lobes use.
-const MEAN_COS_PHI: f64 = 0.75;
 
 /// Positions at which currents radiate.
 pub(crate) struct Nodes<T> {
@@ -19,8 +16,8 @@ pub(crate) struct Nodes<T> {
     pub(crate) z_um: Vec<f64>,
     /// How points are moved onto nodes; `None` where nodes are the points.
     pub(crate) taps: Option<Taps>,
-    /// Phase per point that makes up for the move, rad.
-    pub(crate) extra_phase: Vec<T>,
+    /// How far each point lies above where its nodes stand for it, µm.
+    pub(crate) rise_um: Vec<T>,
 }
 
 /// For each point, the first of its [`TAPS`] nodes and their weights.
@@ -36,7 +33,7 @@ impl<T: Real> Nodes<T> {
             x_um: surface.double.x_um.clone(),
             z_um: surface.double.z_um.clone(),
             taps: None,
-            extra_phase: vec![T::of(0.0); surface.padded()],
+            rise_um: vec![T::of(0.0); surface.padded()],
         }
     }
 
@@ -46,7 +43,7 @@ impl<T: Real> Nodes<T> {
         let padded = surface.padded();
         let lead = TAPS / 2 - 1;
         let mut nodes =
-            Self { x_um: Vec::new(), z_um: Vec::new(), taps: None, extra_phase: vec![T::of(0.0); padded] };
+            Self { x_um: Vec::new(), z_um: Vec::new(), taps: None, rise_um: vec![T::of(0.0); padded] };
         let mut taps = Taps { first: vec![0; padded], weights: vec![[0.0; TAPS]; padded] };
         let mut start = 0;
         for &end in &surface.pieces {
@@ -76,7 +73,7 @@ impl<T: Real> Nodes<T> {
                 let rise: f64 = (0..TAPS)
                     .map(|k| f64::from(w[k]) * (surface.double.z_um[p] - nodes.z_um[first + k]))
                     .sum();
-                nodes.extra_phase[p] = T::of(-kappa * MEAN_COS_PHI * rise);
+                nodes.rise_um[p] = T::of(rise);
                 taps.first[p] = first as u32;
                 taps.weights[p] = w;
             }

@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 
 use super::reflection::{BLOCK, Incidence};
+use crate::material::Material;
 use crate::math::simd::Real;
 use crate::structure::{Columns, Mixture, Ray, Section, cast};
 use crate::{Error, Result};
@@ -33,7 +34,8 @@ pub struct Surface {
     pub(crate) count: usize,
     /// Layers and substrate.
     pub(crate) slots: usize,
-    columns: Columns,
+    palette: Vec<Material>,
+    mixtures: Vec<SlotMixture>,
     /// Corners of the top that turn by more than [`SMOOTH_TURN`]: first point after each, then `count`.
     pub(crate) pieces: Vec<usize>,
     /// Largest distance of a point from the origin.
@@ -65,6 +67,13 @@ impl Arrays<f64> {
             thickness_um: round(&self.thickness_um),
         }
     }
+}
+
+/// What fills a slot: one mixture for all points, or one for each.
+#[derive(Debug, Clone)]
+enum SlotMixture {
+    Uniform(Mixture),
+    Varying(Vec<Mixture>),
 }
 
 /// The turn of the top at a vertex, rad, up to which the radiation kernel is interpolated across it.
@@ -144,7 +153,14 @@ impl Surface {
             arc += length;
         }
         pieces.push(rays.len());
-        let columns = cast(section, &rays)?;
+        let Columns { slots, thickness_um, mixture, palette, .. } = cast(section, &rays)?;
+        let mixtures = mixture
+            .chunks_exact(rays.len())
+            .map(|row| match row {
+                [first, rest @ ..] if rest.iter().all(|m| m == first) => SlotMixture::Uniform(*first),
+                _ => SlotMixture::Varying(row.to_vec()),
+            })
+            .collect();
         let double = Arrays {
             x_um: rays.iter().map(|ray| ray.x_um).collect(),
             z_um: rays.iter().map(|ray| ray.z_um).collect(),
@@ -159,16 +175,17 @@ impl Surface {
             power_length_um,
             arc_um,
             count: rays.len(),
-            slots: columns.slots,
-            columns,
+            slots,
+            palette,
+            mixtures,
             pieces,
             radius_um,
         }
-        .pad()
+        .pad(&thickness_um)
     }
 
-    /// Repeats the last point without weight until the arrays fill whole blocks.
-    fn pad(mut self) -> Result<Self> {
+    /// Repeats the last point without weight until the arrays fill whole blocks; `thickness` (µm) is `[slot][point]`.
+    fn pad(mut self, thickness: &[f64]) -> Result<Self> {
         let Some(last) = self.count.checked_sub(1) else {
             return Err(Error::input("the top boundary has no length"));
         };
@@ -180,18 +197,17 @@ impl Surface {
         }
         window_length_um.resize(padded, 0.0);
         thickness_um.reserve_exact(self.slots * padded);
-        for row in self.columns.thickness_um.chunks_exact(self.count) {
+        for row in thickness.chunks_exact(self.count) {
             thickness_um.extend_from_slice(row);
             thickness_um.resize(thickness_um.len() + padded - self.count, row[last]);
         }
-        self.columns.thickness_um = Vec::new();
         self.single = self.double.rounded();
         Ok(self)
     }
 
     /// Points including padding.
     pub(crate) fn padded(&self) -> usize {
-        self.double.x_um.len()
+        self.single.x_um.len()
     }
 
     /// The media at a vacuum wavelength.
@@ -199,32 +215,26 @@ impl Surface {
     /// # Errors
     /// A table of a medium does not reach the wavelength.
     pub(crate) fn optics<T: Real>(&self, wavelength_nm: f64) -> Result<Optics<T>> {
-        let indices = self
-            .columns
-            .palette
-            .iter()
-            .map(|medium| medium.index(wavelength_nm))
-            .collect::<Result<Vec<_>>>()?;
+        let indices =
+            self.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
         let padded = self.padded();
+        let contrast = |m: &Mixture| {
+            let (a, b) = (indices[usize::from(m.a)], indices[usize::from(m.b)]);
+            let n = a + (b - a) * m.fraction;
+            (n - 1.0) * (n + 1.0)
+        };
         let slots = self
-            .columns
-            .mixture
-            .chunks_exact(self.count)
-            .map(|row| {
-                let contrast = |m: &Mixture| {
-                    let (a, b) = (indices[usize::from(m.a)], indices[usize::from(m.b)]);
-                    let n = a + (b - a) * m.fraction;
-                    (n - 1.0) * (n + 1.0)
-                };
-                let first = &row[0];
-                if row.iter().all(|m| m == first) {
-                    return SlotMedium::Uniform(contrast(first));
+            .mixtures
+            .iter()
+            .map(|slot| match slot {
+                SlotMixture::Uniform(mixture) => SlotMedium::Uniform(contrast(mixture)),
+                SlotMixture::Varying(row) => {
+                    let (mut re, mut im): (Vec<T>, Vec<T>) =
+                        row.iter().map(contrast).map(|value| (T::of(value.re), T::of(value.im))).unzip();
+                    re.resize(padded, re[self.count - 1]);
+                    im.resize(padded, im[self.count - 1]);
+                    SlotMedium::Varying { re, im }
                 }
-                let (mut re, mut im): (Vec<T>, Vec<T>) =
-                    row.iter().map(contrast).map(|value| (T::of(value.re), T::of(value.im))).unzip();
-                re.resize(padded, re[self.count - 1]);
-                im.resize(padded, im[self.count - 1]);
-                SlotMedium::Varying { re, im }
             })
             .collect();
         Ok(Optics { k: std::f64::consts::TAU / (wavelength_nm * 1e-3), slots })

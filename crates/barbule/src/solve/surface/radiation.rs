@@ -263,7 +263,7 @@ impl<T: Scalar> Workspace<T> {
                 incidences.iter().zip(self.sources.chunks_exact_mut(stride * COMPONENTS))
             {
                 dispatch!(self.width.0, simd => reflect_block(
-                    simd, arrays, reflectances, cone.k, incidence, &nodes.extra_phase, block, &mut currents
+                    simd, arrays, reflectances, cone.k, incidence, &nodes.rise_um, block, &mut currents
                 ));
                 match &nodes.taps {
                     Some(taps) => T::spread(self.width, taps, block, &currents, stride, columns),

@@ -81,7 +81,8 @@ impl Incidence {
 
 /// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations.
 ///
-/// `extra_phase` (rad, per point) is added to the phase of the incident wave.
+/// `rise_um` is the height of each point over the place from which its current radiates; it counts as a phase for light
+/// to the mirror direction φ_o = −φ_i.
 #[inline(always)]
 pub(crate) fn reflect_block<S: Simd, T: Real>(
     simd: S,
@@ -89,7 +90,7 @@ pub(crate) fn reflect_block<S: Simd, T: Real>(
     reflectances: &impl Reflectances<T>,
     k: f64,
     incidence: &Incidence,
-    extra_phase: &[T],
+    rise_um: &[T],
     start: usize,
     out: &mut Currents<T>,
 ) {
@@ -123,7 +124,8 @@ pub(crate) fn reflect_block<S: Simd, T: Real>(
         let x: T::Native<S> = load(simd, &arrays.x_um, at);
         let z: T::Native<S> = load(simd, &arrays.z_um, at);
         let path = (x * sin_phi + z * cos_phi) * cos_theta;
-        let phase = path * backward + load::<S, T::Native<S>>(simd, extra_phase, at);
+        let rise: T::Native<S> = load(simd, rise_um, at);
+        let phase = rise.mul_add(cos_theta * cos_phi, path) * backward;
         let (sin, cos) = sin_cos::<S, T::Native<S>>(simd, phase);
         let weight = lit.select(load(simd, &arrays.window_length_um, at), zero);
         let wave = Complex { re: cos * weight, im: sin * weight };

@@ -45,7 +45,9 @@ impl Rays {
     /// # Errors
     /// As [`Surface::new`].
     pub(crate) fn cast(section: &Section, element_um: f64, parts: usize) -> Result<Self> {
-        let surface = Surface::subdivided(section, element_um, parts, Window::Gaussian)?;
+        let mut surface = Surface::subdivided(section, element_um, parts, Window::Gaussian)?;
+        // Only kernels in single precision read rays.
+        surface.double = Arrays::default();
         let gauss = 1.0 / 3f64.sqrt();
         // The position of each ray on [−1, 1]; the points are at ∓1/√3.
         let positions = (0..parts).flat_map(|part| {

@@ -1,0 +1,117 @@
+//! A campaign's speed in figures, from a sample of its units.
+
+use std::time::Duration;
+
+use cpu_time::ProcessTime;
+
+use super::{Campaign, Parameters};
+use crate::math::simd::Width;
+use crate::observer::{Observer, Unobserved};
+use crate::scattering::statistics::Axes;
+use crate::solve::direct;
+use crate::solve::surface::{FINE_ELEMENT_UM, Window, stage_seconds};
+use crate::structure::Structure;
+use crate::{Error, Result};
+
+/// Wavelengths of the sample, nm: the middles of four equal parts of 400 to 694.
+const SAMPLE_NM: [f64; 4] = [437.0, 510.0, 584.0, 657.0];
+
+/// cosθ_i of the sample: the middles of four equal parts.
+const SAMPLE_COS_THETA: [f64; 4] = [0.15, 0.4, 0.65, 0.9];
+
+/// Wavelengths, θ_i, φ_i and instances of a full campaign.
+const FULL: [usize; 4] = [50, 20, 20, 50];
+
+/// What a campaign costs on one core, in CPU seconds, so that other work on the machine does not count.
+#[derive(Debug, Clone)]
+pub struct Figures {
+    /// Rays under each element.
+    pub rays: usize,
+    /// Preparing one instance.
+    pub instance_seconds: f64,
+    /// The reflectance tables of one wavelength, all instances.
+    pub table_seconds: f64,
+    /// Bytes of these tables.
+    pub table_bytes: usize,
+    /// One unit (λ, θ_i): 20 φ_i, 2 polarizations, all instances, with its statistics.
+    pub unit_seconds: f64,
+    /// Illuminations of a full campaign.
+    pub illuminations: usize,
+    /// CPU seconds of a full campaign.
+    pub full_seconds: f64,
+    /// Seconds per stage of the fields of one instance in one unit, the table's share of a unit first.
+    pub stages: Vec<(&'static str, f64)>,
+    /// How many times longer the plain evaluation takes per illumination.
+    pub plain_ratio: f64,
+}
+
+impl Figures {
+    /// Illuminations per CPU second in a full campaign.
+    #[must_use]
+    pub fn illuminations_per_second(&self) -> f64 {
+        self.illuminations as f64 / self.full_seconds
+    }
+}
+
+/// Measures a sample of units on one thread.
+///
+/// # Errors
+/// An instance cannot be made, a medium's table does not cover 400 to 700 nm, or the observer cancelled.
+pub fn measure(structure: &Structure, seed: u64, width: Width, observer: &dyn Observer) -> Result<Figures> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .map_err(|e| Error::machine(format!("no thread for the benchmark: {e}")))?;
+    pool.install(|| sample(structure, seed, width, observer))
+}
+
+fn sample(structure: &Structure, seed: u64, width: Width, observer: &dyn Observer) -> Result<Figures> {
+    let [wavelengths, thetas, phis, instances] = FULL;
+    let cos_phi: Vec<f64> = (1..=phis).map(|i| i as f64 / phis as f64).collect();
+    let phi_i: Vec<f64> = cos_phi.iter().map(|c| c.acos()).collect();
+    let axes = Axes { wavelengths_nm: SAMPLE_NM.to_vec(), cos_theta: SAMPLE_COS_THETA.to_vec(), cos_phi };
+    let parameters = Parameters { axes, instances, seed, tilt: 2f64.to_radians() };
+    observer.begin("measuring", (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as u64);
+    let begun = ProcessTime::now();
+    let campaign = Campaign::new(structure, parameters, width, &Unobserved)?;
+    let preparing = begun.elapsed();
+    let (mut tables, mut units, mut table_bytes) = (Duration::ZERO, Duration::ZERO, 0);
+    for index in 0..SAMPLE_NM.len() {
+        let begun = ProcessTime::now();
+        let wavelength = campaign.wavelength(index)?;
+        tables += begun.elapsed();
+        table_bytes = table_bytes.max(wavelength.bytes());
+        for theta in 0..SAMPLE_COS_THETA.len() {
+            if observer.is_cancelled() {
+                return Err(Error::interrupted());
+            }
+            let begun = ProcessTime::now();
+            std::hint::black_box(campaign.unit(&wavelength, theta, false));
+            units += begun.elapsed();
+            observer.advance(1);
+        }
+    }
+    let section = structure.instance(seed, 0)?;
+    let theta_i = SAMPLE_COS_THETA[2].acos();
+    let mut stages = stage_seconds(&section, SAMPLE_NM[1], theta_i, &phi_i, campaign.ray_parts(), 5)?;
+    // The first is the table, which serves all θ_i of a wavelength.
+    stages[0].1 /= thetas as f64;
+    let fields: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
+    let begun = ProcessTime::now();
+    direct::far_field(&section, Window::Gaussian, FINE_ELEMENT_UM, SAMPLE_NM[1], theta_i, phi_i[10], 400)?;
+    let plain = begun.elapsed().as_secs_f64();
+    let table_seconds = tables.as_secs_f64() / SAMPLE_NM.len() as f64;
+    let unit_seconds = units.as_secs_f64() / (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as f64;
+    Ok(Figures {
+        rays: 2 * campaign.ray_parts(),
+        instance_seconds: preparing.as_secs_f64() / instances as f64,
+        table_seconds,
+        table_bytes,
+        unit_seconds,
+        illuminations: wavelengths * thetas * phis * instances * 2,
+        full_seconds: preparing.as_secs_f64()
+            + wavelengths as f64 * (table_seconds + thetas as f64 * unit_seconds),
+        stages,
+        plain_ratio: plain * phi_i.len() as f64 / fields,
+    })
+}
