@@ -67,7 +67,7 @@ const LINES: &[(&str, &str)] = &[
     ("film melanin/keratin:5/air", "absorbs"),
     ("film @none.toml", "none.toml: no such file"),
     ("film @good.json", "is not a stack"),
-    ("film air/keratin:5/air -o @", "is a folder"),
+    ("film air/keratin:5/air -o @", ".svg or .png"),
     ("film air/keratin:5/air -o @no/f.svg", "does not exist"),
     ("film air/keratin:5/air -o @f.pdf", ".svg or .png"),
     ("film air/keratin:5/air --csv @no/f.csv", "does not exist"),
@@ -88,14 +88,14 @@ const LINES: &[(&str, &str)] = &[
     ("geometry @none.toml -o @f.svg", "no such file"),
     ("geometry @good.toml:puce -o @f.svg", "no variant 'puce'"),
     ("geometry @none/ -o @f.svg", "no such folder"),
-    ("geometry @ -o @f.svg", "is no structure"),
+    ("geometry @sections/ -o @f.svg", "one width"),
     ("geometry @empty/ -o @f.svg", "has no .json file"),
     ("geometry @good.csv -o @f.svg", "is no structure"),
     ("geometry @folder.json -o @f.svg", "is a folder"),
     // Species.
     ("species sparrow", "there is no species 'sparrow'"),
     ("species starling:puce", "no variant 'puce'"),
-    ("species starling --toml -o @f.svg", ""),
+    ("species starling --toml -o @f.svg", "cannot be used with"),
     ("species -o @f.bmp", ".svg or .png"),
     // Far fields.
     ("far-field starling", "--wavelength"),
@@ -204,7 +204,7 @@ const LINES: &[(&str, &str)] = &[
 type Change = (&'static str, &'static str, &'static str);
 
 const SECTION: &str = r#"{"barbule": 1, "units": "um", "width": 2.0, "name": "a",
- "boundaries": [{"x": [-1, 0, 1], "z": [0, 0, 0]}, {"x": [-1, 1], "z": [-1, -1]}],
+ "boundaries": [{"x": [-1, 0, 1], "z": [0, 0, 0]}, {"x": [-1, 0, 1], "z": [-1, -1, -1]}],
  "media": ["air", "keratin", "melanin"],
  "inclusions": [{"circle": {"x": 0.0, "z": -0.5, "radius": 0.2}, "medium": "melanin"}]}"#;
 
@@ -228,7 +228,7 @@ const SECTIONS: &[Change] = &[
     ("\"z\": [0, 0, 0]", "\"z\": [-3, -3, -3]", "from the top down"),
     ("\"x\": [-1, 0, 1]", "\"x\": [-1, 1, 0]", "x must increase"),
     ("\"x\": [-1, 0, 1]", "\"x\": [-1, 0, 5000]", "outside -1000 to 1000"),
-    ("[\"air\", \"keratin\", \"melanin\"]", "[\"air\", \"keratin\"]", "3 media"),
+    ("[\"air\", \"keratin\", \"melanin\"]", "[\"air\", \"keratin\"]", "3 in all"),
     ("[\"air\", \"keratin\"", "[\"air\", \"keratine\"", "did you mean 'keratin'"),
     ("[\"air\", \"keratin\"", "[\"air\", {\"index\": [1.5]}", "an index is [n, k]"),
     ("[\"air\", \"keratin\"", "[\"air\", {\"index\": [1.5, -1]}", "gain"),
@@ -239,7 +239,7 @@ const SECTIONS: &[Change] = &[
         "outside 0 to 1",
     ),
     ("\"radius\": 0.2", "\"radius\": 0", "circle.radius is 0"),
-    ("\"radius\": 0.2", "\"radius\": 0.7", "crosses or touches boundaries[0]"),
+    ("\"radius\": 0.2", "\"radius\": 0.7", "crosses or touches boundaries[1]"),
     (", \"medium\": \"melanin\"", "", "the medium inside"),
     (
         "\"circle\": {\"x\": 0.0, \"z\": -0.5, \"radius\": 0.2}",
@@ -264,7 +264,7 @@ const SPECIES: &[Change] = &[
     ("width_um = 25.0", "widht_um = 25.0", "did you mean 'width_um'"),
     ("core_fraction_low = 0.3", "core_fraction_low = 0.8", "swap them"),
     ("point_spacing_um = 0.03", "point_spacing_um = 1e-9", "outside 0.005 to 1"),
-    ("thickness_um = 4.0", "thickness_um = 0.5", ""),
+    ("thickness_um = 4.0", "thickness_um = 0.5", "too little room"),
     ("[parameters]", "[lattice]\n[parameters]", "not simulated yet"),
     ("name = \"aqua\"\n", "", "variants[0].name is missing"),
     ("name = \"aqua\"", "name = \"green\"", "a second time"),
@@ -286,7 +286,7 @@ const STACKS: &[Change] = &[
     ("repeat = 2, ", "", "give either medium and thickness_nm, or repeat and layers"),
     ("{ medium = \"keratin\"", "{ medium = \"kreatin\"", "did you mean 'keratin'"),
     ("entry", "materials = { glass = \"no.csv\" }\nentry", "no such file"),
-    ("entry", "materials = { glass = [1.5] }\nentry", "materials.glass"),
+    ("entry", "materials = { glass = [1.5] }\nentry", "the name of a file or an index [n, k]"),
     ("entry", "[[[", "is not a stack in TOML"),
 ];
 
@@ -307,7 +307,7 @@ const TABLES: &[(&str, &str, &str)] = &[
     ("yml", "DATA: []", "DATA is empty"),
     ("yml", "DATA:\n - {type: formula 1}\n", "tabulate the formula"),
     ("yml", "DATA:\n - {type: tabulated nk, data: \"0.4 1.5\"}\n", "is not 3 numbers"),
-    ("yml", "a: &x 1\nDATA: *x\n", "no list DATA"),
+    ("yml", "a: &x 1\nDATA: *x\n", "uses YAML aliases"),
 ];
 
 const SCENE: &str =
@@ -381,10 +381,12 @@ fn prepared(folder: &Path) -> Vec<(String, &'static str)> {
         "inclusions.json",
         br#"{"barbule": 1, "units": "um", "inclusions": [{"circle": {"x": 1, "z": 0, "radius": 0.5}, "medium": "melanin"}]}"#,
     );
-    for name in ["empty", "folder.json", "full"] {
+    for name in ["empty", "folder.json", "full", "sections"] {
         std::fs::create_dir(folder.join(name)).unwrap();
     }
     write("full/mine.txt", b"x");
+    write("sections/a.json", SECTION.as_bytes());
+    write("sections/b.json", SECTION.replace("2.0", "4.0").replace("[-1, 0, 1]", "[-2, 0, 2]").as_bytes());
     make_store(&folder.join("good.zarr"));
     let mut lines: Vec<(String, &'static str)> =
         LINES.iter().map(|(line, part)| (line.replace("@empty/full", "@full"), *part)).collect();
@@ -402,7 +404,7 @@ fn prepared(folder: &Path) -> Vec<(String, &'static str)> {
     add("section", "json", SECTION, SECTIONS, "geometry FILE -o @f.svg");
     add("species", "toml", &species, SPECIES, "geometry FILE -o @f.svg");
     add("stack", "toml", STACK, STACKS, "film FILE -o @f.svg");
-    add("scene", "toml", SCENE, SCENES, "render FILE -o @f.png --size 8x8 --samples 1");
+    add("scene", "toml", SCENE, SCENES, "render FILE -o @f.png --samples 1");
     for (index, (end, text, part)) in TABLES.iter().enumerate() {
         write(&format!("table-{index}.{end}"), text.as_bytes());
         lines.push((format!("film air/chitin:5/air --medium chitin=@table-{index}.{end} -o @f.svg"), part));
@@ -421,8 +423,10 @@ fn prepared(folder: &Path) -> Vec<(String, &'static str)> {
     let text = std::fs::read_to_string(array.join("u/zarr.json")).unwrap();
     std::fs::write(array.join("u/zarr.json"), text.replace("zstd", "gzip")).unwrap();
     lines.push(("simulate @array.zarr --status".into(), "'u' has another codecs"));
-    std::fs::remove_file(array.join("u/zarr.json")).unwrap();
-    lines.push(("fit @array.zarr -o @f.barbule".into(), "no such file"));
+    let lacking = folder.join("lacking.zarr");
+    make_store(&lacking);
+    std::fs::remove_file(lacking.join("v/zarr.json")).unwrap();
+    lines.push(("fit @lacking.zarr -o @f.barbule".into(), "v/zarr.json: no such file"));
     let good = encode_material(&barbule::brdf::example(2)).unwrap();
     let altered = |at: usize| {
         let mut bytes = good.clone();

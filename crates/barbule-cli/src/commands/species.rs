@@ -26,7 +26,7 @@ pub(crate) struct Args {
     #[arg(value_name = "NAME[:VARIANT]")]
     name: Option<String>,
     /// Print the species' file, to start your own from
-    #[arg(long)]
+    #[arg(long, conflicts_with = "output")]
     toml: bool,
     /// Draw the swatches: .svg or .png
     #[arg(short, long, value_name = "FIG")]

@@ -349,7 +349,7 @@ fn value_done(open: &mut [(bool, Option<String>)], scalar: Option<&str>) {
 
 /// A medium as a structure's file gives it: the name of a table's file, or an index [n, k].
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a medium is the name of a file or an index [n, k]")]
 pub enum MediumSource {
     /// A table's file, relative to the file that names it.
     File(String),

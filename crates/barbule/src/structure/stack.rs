@@ -263,6 +263,9 @@ fn part(item: &str, depth: usize) -> Result<Part> {
     if let Some((count, rest)) = item.split_once('*') {
         return repetition(item, count.trim(), rest.trim(), depth);
     }
+    if item.is_empty() {
+        return Err(Error::input("a medium is missing between two /; leave one of them out"));
+    }
     let Some((medium, thickness)) = item.rsplit_once(':') else {
         return Err(Error::input(format!(
             "'{}' needs a thickness in nm, as in keratin:595; only the first and the last medium have none",
@@ -348,7 +351,7 @@ mod tests {
             ("air", "at least two media"),
             ("air/", "a medium is missing"),
             ("/air", "a medium is missing"),
-            ("air//air", "needs a thickness"),
+            ("air//air", "a medium is missing"),
             ("air/keratin/air", "needs a thickness"),
             ("air/:5/air", "a medium is missing"),
             ("air/keratin:thick/air", "is not a thickness"),
