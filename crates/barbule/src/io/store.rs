@@ -466,13 +466,16 @@ impl Store {
     }
 }
 
+/// The arrays of [`ARRAYS`], and that of kept fields.
+type UnitArrays = (Vec<Array<Files>>, Option<Array<Files>>);
+
 /// The arrays of a store as its axes say, and that of kept fields; nothing is read or written.
 fn arrays(
     files: &Arc<Files>,
     axes: &Axes,
     instances: usize,
     kept: usize,
-) -> std::result::Result<(Vec<Array<Files>>, Option<Array<Files>>), ArrayCreateError> {
+) -> std::result::Result<UnitArrays, ArrayCreateError> {
     let shape = [axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
     let codecs = || -> Vec<Arc<dyn BytesToBytesCodecTraits>> {
         vec![Arc::new(codec::ZstdCodec::new(3, false)), Arc::new(codec::Crc32cCodec::new())]
