@@ -181,7 +181,7 @@ impl Disk {
             .status()
             .is_ok_and(|s| s.success());
         if !mounted {
-            writeln!(std::io::stderr(), "skipped: a small disk cannot be mounted here").unwrap();
+            let _ = writeln!(std::io::stderr(), "skipped: a small disk cannot be mounted here");
         }
         mounted.then_some(Self(folder))
     }
