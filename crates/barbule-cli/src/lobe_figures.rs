@@ -151,9 +151,9 @@ pub(crate) fn fields(material: &Material, common: &Common) -> Result<Vec<Drawing
     };
     let campaign = campaign_of(material, axes, Some(1), false, common)?;
     let at_normal = (0..nm.len())
-        .map(|w| Ok(campaign.patterns(&campaign.wavelength(w)?, 0, 2, 0)))
+        .map(|w| Ok(campaign.patterns(&campaign.wavelength(w, &Terminal::new(common))?, 0, 2, 0)))
         .collect::<Result<Vec<_>>>()?;
-    let shortest = campaign.wavelength(0)?;
+    let shortest = campaign.wavelength(0, &Terminal::new(common))?;
     let oblique = [1, 0].map(|phi| campaign.patterns(&shortest, 0, phi, 0));
     let first = &at_normal[0];
     let mut left = vec![panel(format!("{:.0} nm, φ_i = 0°", nm[0]), "R (1/√rad)", first, None).draw()];
@@ -277,7 +277,7 @@ fn covariances(material: &Material, noise: &Noise, common: &Common) -> Result<Ve
     let campaign = campaign_of(material, axes, None, true, common)?;
     for number in 0..2 {
         let mut mean = vec![0.0; LAGS];
-        let wavelength = campaign.wavelength(number)?;
+        let wavelength = campaign.wavelength(number, &Terminal::new(common))?;
         for polarization in 0..2 {
             let patterns = campaign.patterns(&wavelength, 0, 0, polarization);
             for instance in 0..patterns.fields.len() {
@@ -326,7 +326,7 @@ pub(crate) fn instances(material: &Material, count: usize, common: &Common) -> R
     let campaign = campaign_of(material, axes, Some(count), true, common)?;
     let count = campaign.parameters().instances;
     let kept = (0..waves.len())
-        .map(|w| Ok(campaign.unit(&campaign.wavelength(w)?, 0, true).fields))
+        .map(|w| Ok(campaign.unit(&campaign.wavelength(w, &Terminal::new(common))?, 0, true).fields))
         .collect::<Result<Vec<_>>>()?;
     let noise = Noise::new(&material.noise_power, material.seed);
     let mut columns = Vec::new();

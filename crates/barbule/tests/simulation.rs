@@ -201,7 +201,7 @@ fn campaigns_equal_converged_fields_for_random_barbules() {
         let structure = Structure::Sections { name: name.clone(), sections: vec![section.clone()] };
         let parameters = Parameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0 };
         let campaign = Campaign::new(&structure, parameters, Width::best(), &Unobserved).unwrap();
-        let unit = campaign.unit(&campaign.wavelength(0).unwrap(), 0, true);
+        let unit = campaign.unit(&campaign.wavelength(0, &Unobserved).unwrap(), 0, true);
         // Voids have sharp ends: their fields settle last.
         let element = FINE_ELEMENT_UM * if name.starts_with("hummingbird") { 0.25 } else { 0.5 };
         let surface = Surface::new(&section, element, Window::Gaussian).unwrap();

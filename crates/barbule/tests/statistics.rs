@@ -66,7 +66,7 @@ fn simulate(name: &'static str) -> Species {
     let mut statistics = Statistics::empty(axes, INSTANCES);
     let mut fields = Vec::new();
     for wave in 0..3 {
-        let wavelength = campaign.wavelength(wave).unwrap();
+        let wavelength = campaign.wavelength(wave, &Unobserved).unwrap();
         for theta in 0..3 {
             let mut unit = campaign.unit(&wavelength, theta, true);
             fields.push(std::mem::take(&mut unit.fields));
@@ -200,7 +200,8 @@ fn decay(lags: &[f64]) -> f64 {
 fn lengths(species: &Species, material: &Material, wave: usize, phi: usize) -> [[f64; 2]; 2] {
     let axes = &species.statistics.axes;
     let theta = axes.cos_theta.len() - 1;
-    let patterns = species.campaign.patterns(&species.campaign.wavelength(wave).unwrap(), theta, phi, 0);
+    let patterns =
+        species.campaign.patterns(&species.campaign.wavelength(wave, &Unobserved).unwrap(), theta, phi, 0);
     let first = ((patterns.x[0] + 1.0) * 0.5 * NOISE_POINTS as f64) as usize;
     let synthesis = Synthesis::on(material, axes.index(wave, theta, phi), &patterns.phi_o);
     let noise = Noise::new(&material.noise_power, material.seed);

@@ -78,7 +78,7 @@ fn sample(structure: &Structure, seed: u64, width: Width, observer: &dyn Observe
     let (mut tables, mut units, mut table_bytes) = (Duration::ZERO, Duration::ZERO, 0);
     for index in 0..SAMPLE_NM.len() {
         let begun = ProcessTime::now();
-        let wavelength = campaign.wavelength(index)?;
+        let wavelength = campaign.wavelength(index, observer)?;
         tables += begun.elapsed();
         table_bytes = table_bytes.max(wavelength.bytes());
         for theta in 0..SAMPLE_COS_THETA.len() {

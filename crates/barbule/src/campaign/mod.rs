@@ -144,13 +144,18 @@ impl Campaign {
     /// Prepares the units of one wavelength.
     ///
     /// # Errors
-    /// A medium's table does not reach the wavelength.
-    pub fn wavelength(&self, index: usize) -> Result<Wavelength> {
+    /// A medium's table does not reach the wavelength, or the observer cancelled.
+    pub fn wavelength(&self, index: usize, observer: &dyn Observer) -> Result<Wavelength> {
         let wavelength_nm = self.parameters.axes.wavelengths_nm[index];
         let tables = self
             .surfaces
             .par_iter()
-            .map(|(surface, rays)| ReflectanceTable::new(self.width, surface, rays, wavelength_nm))
+            .map(|(surface, rays)| {
+                if observer.is_cancelled() {
+                    return Err(Error::interrupted());
+                }
+                ReflectanceTable::new(self.width, surface, rays, wavelength_nm)
+            })
             .collect::<Result<_>>()?;
         Ok(Wavelength { index, tables })
     }

@@ -61,7 +61,7 @@ pub fn run(
     };
     // Units of one wavelength share its tables, of which there is room for one wavelength at a time.
     let work = missing.chunk_by(|a, b| a.0 == b.0).try_for_each(|group| {
-        let wavelength = campaign.wavelength(group[0].0)?;
+        let wavelength = campaign.wavelength(group[0].0, observer)?;
         group.chunks(campaign.units_at_once()).try_for_each(|units| {
             units
                 .par_iter()
@@ -85,7 +85,7 @@ pub fn statistics(campaign: &Campaign, observer: &dyn Observer) -> Result<Statis
     observer.begin("simulating", (axes.wavelengths_nm.len() * thetas) as u64);
     let mut statistics = Statistics::empty(axes.clone(), campaign.parameters().instances);
     for index in 0..axes.wavelengths_nm.len() {
-        let wavelength = campaign.wavelength(index)?;
+        let wavelength = campaign.wavelength(index, observer)?;
         let all: Vec<usize> = (0..thetas).collect();
         for some in all.chunks(campaign.units_at_once()) {
             let units = some
