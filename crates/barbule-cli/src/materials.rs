@@ -7,6 +7,7 @@ use barbule::campaign::{Campaign, Parameters, statistics};
 use barbule::io::{decode_material, read_material, write_material};
 use barbule::math::simd::Width;
 use barbule::scattering::statistics::Axes;
+use barbule::solve::surface::{CAMPAIGN_ELEMENT_UM, Surface, Window};
 use barbule::structure::{SpeciesModel, Structure};
 use barbule::{Error, Result};
 use clap::Parser;
@@ -16,8 +17,8 @@ use crate::common::Common;
 use crate::progress::Terminal;
 use crate::structure_arg;
 
-/// Illuminations per second and core of a starling's barbule, to foretell durations.
-const TYPICAL_SPEED: f64 = 4000.0;
+/// Illuminations per second and core of a starling's barbule, to foretell durations (`barbule bench campaign`).
+const TYPICAL_SPEED: f64 = 10_000.0;
 
 /// The width that [`TYPICAL_SPEED`] was measured with, µm.
 const TYPICAL_WIDTH_UM: f64 = 25.0;
@@ -131,9 +132,14 @@ pub(crate) fn campaign_of(
 
 /// The duration to expect of a campaign, in words.
 pub(crate) fn expected(planned: &Planned) -> String {
-    let layers =
-        planned.structure.instance(planned.parameters.seed, 0).map_or(6, |s| s.boundaries.len().max(6));
-    let work = planned.structure.width_um() / TYPICAL_WIDTH_UM * (0.4 + 0.1 * layers as f64);
+    let slots = planned
+        .structure
+        .instance(planned.parameters.seed, 0)
+        .and_then(|section| Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian))
+        .map_or(6, |surface| surface.slots());
+    // Each ray crosses all layers, and structures of many layers need many rays.
+    let layers = 0.9 + 0.001 * (slots * slots) as f64;
+    let work = planned.structure.width_um() / TYPICAL_WIDTH_UM * layers;
     let cores = rayon::current_num_threads() as f64;
     let seconds = planned.illuminations() as f64 * work / (TYPICAL_SPEED * cores);
     match seconds {

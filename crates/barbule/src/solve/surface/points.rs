@@ -205,6 +205,12 @@ impl Surface {
         Ok(self)
     }
 
+    /// Layers and substrate under a point, those of no thickness included.
+    #[must_use]
+    pub fn slots(&self) -> usize {
+        self.slots
+    }
+
     /// Points including padding.
     pub(crate) fn padded(&self) -> usize {
         self.single.x_um.len()
