@@ -2,9 +2,11 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-use std::collections::BTreeMap;
+mod common;
+
 use std::path::Path;
 
+use common::bytes_of;
 use serde_json::Value;
 
 fn run(words: &[&str]) -> (i32, String, String) {
@@ -21,23 +23,6 @@ fn succeed(words: &[&str]) -> String {
 
 /// A campaign of a second.
 const SMALL: &[&str] = &["--wavelengths", "450:650:100", "--directions", "2x2", "--instances", "3"];
-
-fn bytes_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut open = vec![folder.to_owned()];
-    while let Some(path) = open.pop() {
-        for entry in std::fs::read_dir(path).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else {
-                let name = path.strip_prefix(folder).unwrap().to_string_lossy().into_owned();
-                found.insert(name, std::fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
-}
 
 #[test]
 fn stores_are_the_same_bytes_whole_sharded_interrupted_or_repaired() {

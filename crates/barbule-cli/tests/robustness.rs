@@ -2,12 +2,14 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-use std::collections::BTreeMap;
+mod common;
+
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use barbule::math::rng::Stream;
+use common::bytes_of;
 
 /// A campaign of half a second.
 const TINY: &[&str] = &["--wavelengths", "450:650:50", "--directions", "3x2", "--instances", "3"];
@@ -29,24 +31,6 @@ fn message(output: &Output) -> String {
 
 fn start(store: &Path, more: &[&str]) -> Child {
     command(store, more).spawn().unwrap()
-}
-
-/// Everything in a folder, hidden files too.
-fn bytes_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut open = vec![folder.to_owned()];
-    while let Some(path) = open.pop() {
-        for entry in std::fs::read_dir(path).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else {
-                let name = path.strip_prefix(folder).unwrap().to_string_lossy().into_owned();
-                found.insert(name, std::fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
 }
 
 /// Kills campaigns at random moments and holds the resumed store against an uninterrupted one.

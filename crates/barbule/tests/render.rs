@@ -190,6 +190,19 @@ fn a_disc_at_infinity_lights_a_white_plane_by_its_irradiance() {
     assert_luminance(&film(&Integrator::new(&scene), [8, 8], 128), 0.7, "sun");
 }
 
+/// Mean luminance and its error with both techniques, with the BSDF's alone and with the lights' alone, which agree.
+fn agreeing(scene: &Scene, name: &str) -> Vec<(f64, f64)> {
+    let means: Vec<(f64, f64)> = [Technique::Both, Technique::BsdfOnly, Technique::LightsOnly]
+        .into_iter()
+        .map(|technique| luminance(&film(&Integrator::with_technique(scene, technique), [16, 16], 512)))
+        .collect();
+    for (mean, error) in &means[1..] {
+        let allowed = 4.0 * error.hypot(means[0].1) + 1e-3 * means[0].0;
+        assert!((mean - means[0].0).abs() < allowed, "{name}: {means:?}");
+    }
+    means
+}
+
 #[test]
 fn techniques_agree_with_each_other() {
     let brdf = Arc::new(FeatherBrdf::new(&example(12), Options::default()).unwrap());
@@ -201,14 +214,7 @@ fn techniques_agree_with_each_other() {
     let lights = vec![Lamp { light: Light::Sun(sun), weight: 0.7 }, sky(0.4)];
     for (name, surface) in [("feather", feather), ("keratin", Surface::Keratin(under)), ("white", white())] {
         let scene = scene(square(2.0), surface, lights.clone(), camera);
-        let means: Vec<(f64, f64)> = [Technique::Both, Technique::BsdfOnly, Technique::LightsOnly]
-            .into_iter()
-            .map(|technique| luminance(&film(&Integrator::with_technique(&scene, technique), [16, 16], 512)))
-            .collect();
-        for (mean, error) in &means[1..] {
-            let allowed = 4.0 * error.hypot(means[0].1) + 1e-3 * means[0].0;
-            assert!((mean - means[0].0).abs() < allowed, "{name}: {means:?}");
-        }
+        let means = agreeing(&scene, name);
         assert!(means[0].1 <= means[1].1.max(means[2].1), "{name}: {means:?}");
     }
 }
@@ -227,14 +233,7 @@ fn techniques_agree_under_an_image_with_a_bright_pixel() {
     let lights = vec![Lamp { light: Light::Sky(bright_pixel(24, 12)), weight: 1.0 }];
     for surface in [white(), Surface::Keratin(under)] {
         let scene = scene(square(2.0), surface, lights.clone(), camera(0.9, 1.0));
-        let means: Vec<(f64, f64)> = [Technique::Both, Technique::BsdfOnly, Technique::LightsOnly]
-            .into_iter()
-            .map(|technique| luminance(&film(&Integrator::with_technique(&scene, technique), [16, 16], 512)))
-            .collect();
-        for (mean, error) in &means[1..] {
-            let allowed = 4.0 * error.hypot(means[0].1) + 1e-3 * means[0].0;
-            assert!((mean - means[0].0).abs() < allowed, "{means:?}");
-        }
+        agreeing(&scene, "image");
     }
 }
 

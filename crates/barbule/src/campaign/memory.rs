@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 
 use crate::math::simd::Width;
+use crate::observer::Unobserved;
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::statistics::{AZIMUTHS, LAGS};
 use crate::solve::surface::{
@@ -57,13 +58,13 @@ impl Demand {
             return Err(Error::input("the campaign has no wavelength"));
         };
         let distinct = if structure.count() == Some(1) { 1 } else { parameters.instances };
-        let parts = resolution::ray_parts(structure, parameters.seed, distinct, shortest, width)?;
+        let parts =
+            resolution::ray_parts(structure, parameters.seed, distinct, shortest, width, &Unobserved)?;
         let section = structure.instance(parameters.seed, 0)?;
         let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
         let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, parts)?;
         let (points, slots) = (surface.padded(), surface.slots);
-        // Both precisions of positions and thicknesses, mixtures, powers and arc lengths.
-        let instance = (1 + parts) * points * (12 * (5 + slots) + 16 * slots + 16);
+        let instance = surface.bytes() + rays.bytes();
         let mut table = 0;
         for wavelength_nm in [shortest, 0.5 * (shortest + longest), longest] {
             table = table.max(ReflectanceTable::new(width, &surface, &rays, wavelength_nm)?.bytes());

@@ -98,7 +98,7 @@ impl Campaign {
     /// by their tilts only.
     ///
     /// # Errors
-    /// An instance cannot be made, or a medium's table does not cover the wavelengths.
+    /// An instance cannot be made, a medium's table does not cover the wavelengths, or the observer cancelled.
     pub fn new(
         structure: &Structure,
         parameters: Parameters,
@@ -108,7 +108,8 @@ impl Campaign {
         let distinct = if structure.count() == Some(1) { 1 } else { parameters.instances };
         observer.begin("preparing instances", distinct as u64);
         let shortest_nm = parameters.axes.wavelengths_nm.first().copied().unwrap_or(400.0);
-        let parts = resolution::ray_parts(structure, parameters.seed, distinct, shortest_nm, width)?;
+        let parts =
+            resolution::ray_parts(structure, parameters.seed, distinct, shortest_nm, width, observer)?;
         let surfaces = (0..distinct)
             .into_par_iter()
             .map(|instance| {

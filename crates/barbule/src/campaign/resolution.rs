@@ -2,12 +2,13 @@
 
 use num_complex::Complex;
 
-use crate::Result;
 use crate::math::simd::Width;
+use crate::observer::Observer;
 use crate::solve::surface::{
     CAMPAIGN_ELEMENT_UM, Cone, Nodes, Rays, ReflectanceTable, Surface, Window, Workspace,
 };
 use crate::structure::{Section, Structure};
+use crate::{Error, Result};
 
 /// Change of a field (relative L2) under halving from which on rays are dense enough. What is left is a third of it,
 /// and other instances and directions have up to thrice as much.
@@ -20,18 +21,25 @@ const MOST_PARTS: usize = 8;
 const ASKED: usize = 2;
 
 /// The parts into which elements must be cut for rays, at the campaign's shortest wavelength and normal incidence.
+///
+/// # Errors
+/// An instance cannot be made, a medium's table does not reach, or the observer cancelled.
 pub(super) fn ray_parts(
     structure: &Structure,
     seed: u64,
     distinct: usize,
     shortest_nm: f64,
     width: Width,
+    observer: &dyn Observer,
 ) -> Result<usize> {
     let mut parts = 1;
     for instance in 0..distinct.min(ASKED) {
         let section = structure.instance(seed, instance)?;
         let mut coarse = field(&section, parts, shortest_nm, width)?;
         while parts < MOST_PARTS {
+            if observer.is_cancelled() {
+                return Err(Error::interrupted());
+            }
             let fine = field(&section, 2 * parts, shortest_nm, width)?;
             let change: f64 = coarse.iter().zip(&fine).map(|(a, b)| f64::from((a - b).norm_sqr())).sum();
             let whole: f64 = fine.iter().map(|v| f64::from(v.norm_sqr())).sum();

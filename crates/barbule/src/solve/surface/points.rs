@@ -55,6 +55,13 @@ pub(crate) struct Arrays<T> {
     pub(crate) thickness_um: Vec<T>,
 }
 
+impl<T> Arrays<T> {
+    fn bytes(&self) -> usize {
+        let values = 5 * self.x_um.capacity() + self.thickness_um.capacity();
+        values * size_of::<T>()
+    }
+}
+
 impl Arrays<f64> {
     fn rounded(&self) -> Arrays<f32> {
         let round = |values: &[f64]| values.iter().map(|&v| v as f32).collect();
@@ -209,6 +216,20 @@ impl Surface {
     #[must_use]
     pub fn slots(&self) -> usize {
         self.slots
+    }
+
+    /// Bytes that it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        let mixtures: usize = self
+            .mixtures
+            .iter()
+            .map(|slot| match slot {
+                SlotMixture::Uniform(_) => 0,
+                SlotMixture::Varying(row) => size_of_val(&row[..]),
+            })
+            .sum();
+        let lengths = (self.power_length_um.capacity() + self.arc_um.capacity()) * size_of::<f64>();
+        self.double.bytes() + self.single.bytes() + lengths + mixtures
     }
 
     /// Points including padding.

@@ -66,6 +66,11 @@ impl Rays {
         self.parts
     }
 
+    /// Bytes that they take.
+    pub(crate) fn bytes(&self) -> usize {
+        self.surface.bytes()
+    }
+
     /// The media of the rays at a vacuum wavelength.
     ///
     /// # Errors
