@@ -1,5 +1,7 @@
 //! What lies below points of the top surface, along the inward normal, in the true regions.
 
+use num_complex::Complex64;
+
 use super::section::{Loop, Medium, Polyline, Section, Substance};
 use crate::material::Material;
 use crate::{Error, Result};
@@ -27,6 +29,15 @@ pub struct Mixture {
     pub b: u16,
     /// The fraction of b, 0 to 1; 0 in a pure medium.
     pub fraction: f64,
+}
+
+impl Mixture {
+    /// ε − 1, given the palette's indices.
+    pub(crate) fn contrast(&self, indices: &[Complex64]) -> Complex64 {
+        let (a, b) = (indices[usize::from(self.a)], indices[usize::from(self.b)]);
+        let n = a + (b - a) * self.fraction;
+        (n - 1.0) * (n + 1.0)
+    }
 }
 
 /// The layers below each ray, in slots that all rays share.

@@ -9,6 +9,7 @@ mod nodes;
 mod points;
 mod profile;
 mod radiation;
+mod rays;
 mod reflection;
 mod table;
 #[cfg(test)]
@@ -22,7 +23,8 @@ pub use points::{Surface, Window};
 pub use profile::stage_seconds;
 
 pub(crate) use radiation::{Cone, Workspace};
-pub(crate) use table::{Rays, ReflectanceTable};
+pub(crate) use rays::Rays;
+pub(crate) use table::ReflectanceTable;
 
 use crate::Result;
 use crate::math::band_limited::NODES_PER_PERIOD;

@@ -34,7 +34,7 @@ pub struct Surface {
     pub(crate) count: usize,
     /// Layers and substrate.
     pub(crate) slots: usize,
-    palette: Vec<Material>,
+    pub(super) palette: Vec<Material>,
     mixtures: Vec<SlotMixture>,
     /// Corners of the top that turn by more than [`SMOOTH_TURN`]: first point after each, then `count`.
     pub(crate) pieces: Vec<usize>,
@@ -218,6 +218,14 @@ impl Surface {
         self.slots
     }
 
+    /// What fills a slot at a point.
+    pub(super) fn mixture(&self, slot: usize, point: usize) -> Mixture {
+        match &self.mixtures[slot] {
+            SlotMixture::Uniform(mixture) => *mixture,
+            SlotMixture::Varying(row) => row[point],
+        }
+    }
+
     /// Bytes that it takes.
     pub(crate) fn bytes(&self) -> usize {
         let mixtures: usize = self
@@ -245,11 +253,7 @@ impl Surface {
         let indices =
             self.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
         let padded = self.padded();
-        let contrast = |m: &Mixture| {
-            let (a, b) = (indices[usize::from(m.a)], indices[usize::from(m.b)]);
-            let n = a + (b - a) * m.fraction;
-            (n - 1.0) * (n + 1.0)
-        };
+        let contrast = |m: &Mixture| m.contrast(&indices);
         let slots = self
             .mixtures
             .iter()

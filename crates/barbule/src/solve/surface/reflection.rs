@@ -52,10 +52,10 @@ pub(crate) type Currents<T> = [[T; BLOCK]; COMPONENTS];
 
 /// Interfaces after which numerator and denominator of the reflectance are rescaled: with magnitudes up to 20 per
 /// interface, six stay within single precision.
-const RESCALE_EVERY: usize = 6;
+pub(super) const RESCALE_EVERY: usize = 6;
 
 /// r_s and r_p as numerators and denominators.
-type Fractions<V> = [(Complex<V>, Complex<V>); 2];
+pub(super) type Fractions<V> = [(Complex<V>, Complex<V>); 2];
 
 /// The incident wave in numbers that do not depend on the point.
 #[derive(Debug, Clone, Copy)]
@@ -168,22 +168,24 @@ fn weighted<S: Simd, V: Lanes<S>>(x: Complex<V>, a: V, y: Complex<V>, b: V) -> C
     x.scale::<S>(a).add::<S>(y.scale::<S>(b))
 }
 
-/// The permittivity and q = √(ε − sin²α) of a slot at the points `at` ….
-///
-/// In terms of ε − 1, so that nothing cancels in air at grazing angles.
+/// The permittivity and q = √(ε − sin²α) of a medium given as ε − 1, so that nothing cancels in air at grazing angles.
 #[inline(always)]
-fn layer<S: Simd, V: Lanes<S>>(
+pub(super) fn layer<S: Simd, V: Lanes<S>>(
     simd: S,
-    slot: &SlotMedium<V::Element>,
-    at: usize,
+    contrast: Complex<V>,
     cos_squared: V,
 ) -> (Complex<V>, Complex<V>) {
-    let contrast = match slot {
-        SlotMedium::Uniform(value) => Complex { re: splat(simd, value.re), im: splat(simd, value.im) },
-        SlotMedium::Varying { re, im } => Complex { re: load(simd, re, at), im: load(simd, im, at) },
-    };
     let eps = Complex { re: contrast.re + splat::<S, V>(simd, 1.0), im: contrast.im };
     (eps, root::<S, V>(simd, Complex { re: contrast.re + cos_squared, im: contrast.im }))
+}
+
+/// ε − 1 of a slot at the points `at` ….
+#[inline(always)]
+fn contrast<S: Simd, V: Lanes<S>>(simd: S, slot: &SlotMedium<V::Element>, at: usize) -> Complex<V> {
+    match slot {
+        SlotMedium::Uniform(value) => Complex { re: splat(simd, value.re), im: splat(simd, value.im) },
+        SlotMedium::Varying { re, im } => Complex { re: load(simd, re, at), im: load(simd, im, at) },
+    }
 }
 
 /// r_s and r_p of the stacks under the points `at` ….
@@ -205,18 +207,18 @@ fn stack_reflectances<S: Simd, V: Lanes<S>>(
     let twice_k: V = splat(simd, 2.0 * optics.k);
     let cos_squared = cos_alpha * cos_alpha;
     let air = (Complex { re: one, im: zero }, Complex { re: cos_alpha, im: zero });
-    let (mut below_eps, mut below_q) = layer::<S, V>(simd, &optics.slots[last], at, cos_squared);
+    let (mut below_eps, mut below_q) = layer(simd, contrast(simd, &optics.slots[last], at), cos_squared);
     let mut fractions = [(Complex { re: zero, im: zero }, Complex { re: one, im: zero }); 2];
     for interface in (0..=last).rev() {
         let (eps, q) = if interface == 0 {
             air
         } else {
-            layer::<S, V>(simd, &optics.slots[interface - 1], at, cos_squared)
+            layer(simd, contrast(simd, &optics.slots[interface - 1], at), cos_squared)
         };
         if interface < last {
             // The layer just below this interface.
             let twice = load::<S, V>(simd, &arrays.thickness_um, interface * padded + at) * twice_k;
-            let trip = round_trip::<S, V>(simd, below_q, twice, false);
+            let trip = round_trip::<S, V>(simd, below_q, twice);
             for (top, _) in &mut fractions {
                 *top = top.mul::<S>(trip);
             }
@@ -230,125 +232,29 @@ fn stack_reflectances<S: Simd, V: Lanes<S>>(
     reflectances_of::<S, V>(fractions)
 }
 
-/// A surface's media at one local angle: what is the same under all its points is known once for all.
-pub(super) struct AtAngle {
-    cos_alpha: f64,
-    /// ε and q of each slot that holds one medium.
-    slots: Vec<Option<(Complex64, Complex64)>>,
-    /// r_s and r_p of the interface above each slot, where both its media are known.
-    interfaces: Vec<Option<[Complex64; 2]>>,
-}
-
-impl AtAngle {
-    pub(super) fn new<T: Real>(optics: &Optics<T>, cos_alpha: f64) -> Self {
-        let slots: Vec<_> = optics
-            .slots
-            .iter()
-            .map(|slot| match slot {
-                SlotMedium::Uniform(contrast) => {
-                    Some((contrast + 1.0, (contrast + cos_alpha * cos_alpha).sqrt()))
-                }
-                SlotMedium::Varying { .. } => None,
-            })
-            .collect();
-        let air = Some((Complex64::ONE, Complex64::from(cos_alpha)));
-        let interfaces = std::iter::once(&air)
-            .chain(&slots)
-            .zip(&slots)
-            .map(|(above, below)| {
-                let ((eps, q), (below_eps, below_q)) = ((*above)?, (*below)?);
-                let (x, y) = (below_eps * q, eps * below_q);
-                Some([(q - below_q) / (q + below_q), (x - y) / (x + y)])
-            })
-            .collect();
-        Self { cos_alpha, slots, interfaces }
-    }
-
-    /// As [`Reflectances::at`] of the same media, for light at this angle on all points.
-    #[inline(always)]
-    pub(super) fn reflectances<S: Simd, V: Lanes<S>>(
-        &self,
-        simd: S,
-        arrays: &Arrays<V::Element>,
-        optics: &Optics<V::Element>,
-        at: usize,
-    ) -> [Complex<V>; 2] {
-        let last = self.slots.len() - 1;
-        let padded = arrays.x_um.len();
-        let air = (Complex64::ONE, Complex64::from(self.cos_alpha));
-        let (zero, one): (V, V) = (splat(simd, 0.0), splat(simd, 1.0));
-        let mut fractions = [(Complex { re: zero, im: zero }, Complex { re: one, im: zero }); 2];
-        for interface in (0..=last).rev() {
-            if interface < last {
-                let thickness = load::<S, V>(simd, &arrays.thickness_um, interface * padded + at);
-                let (_, q) = self.medium::<S, V>(simd, &optics.slots, interface, at);
-                let transparent = self.slots[interface].is_some_and(|(_, q)| q.im == 0.0);
-                let trip =
-                    round_trip::<S, V>(simd, q, thickness * splat::<S, V>(simd, 2.0 * optics.k), transparent);
-                for (top, _) in &mut fractions {
-                    *top = top.mul::<S>(trip);
-                }
-            }
-            if let Some(known) = self.interfaces[interface] {
-                for ((top, bottom), r) in fractions.iter_mut().zip(known) {
-                    let r = Complex { re: splat(simd, r.re), im: splat(simd, r.im) };
-                    (*top, *bottom) = (r.mul_add::<S>(*bottom, *top), r.mul_add::<S>(*top, *bottom));
-                }
-            } else {
-                let above = if interface == 0 {
-                    lanes::<S, V>(simd, air)
-                } else {
-                    self.medium::<S, V>(simd, &optics.slots, interface - 1, at)
-                };
-                let below = self.medium::<S, V>(simd, &optics.slots, interface, at);
-                cross::<S, V>(above, below, &mut fractions);
-            }
-            if interface % RESCALE_EVERY == 1 {
-                rescale::<S, V>(simd, &mut fractions);
-            }
-        }
-        reflectances_of::<S, V>(fractions)
-    }
-
-    /// ε and q of a slot at the points `at` ….
-    #[inline(always)]
-    fn medium<S: Simd, V: Lanes<S>>(
-        &self,
-        simd: S,
-        slots: &[SlotMedium<V::Element>],
-        slot: usize,
-        at: usize,
-    ) -> (Complex<V>, Complex<V>) {
-        match self.slots[slot] {
-            Some(known) => lanes::<S, V>(simd, known),
-            None => layer::<S, V>(simd, &slots[slot], at, splat(simd, self.cos_alpha * self.cos_alpha)),
-        }
-    }
-}
-
 /// The same ε and q in every lane.
 #[inline(always)]
-fn lanes<S: Simd, V: Lanes<S>>(simd: S, (eps, q): (Complex64, Complex64)) -> (Complex<V>, Complex<V>) {
+pub(super) fn lanes<S: Simd, V: Lanes<S>>(
+    simd: S,
+    (eps, q): (Complex64, Complex64),
+) -> (Complex<V>, Complex<V>) {
     (
         Complex { re: splat(simd, eps.re), im: splat(simd, eps.im) },
         Complex { re: splat(simd, q.re), im: splat(simd, q.im) },
     )
 }
 
-/// e^{2jkqd}, with 2kd given; `transparent` if q is real everywhere.
+/// e^{2jkqd}, with 2kd given.
 #[inline(always)]
-fn round_trip<S: Simd, V: Lanes<S>>(simd: S, q: Complex<V>, twice: V, transparent: bool) -> Complex<V> {
+fn round_trip<S: Simd, V: Lanes<S>>(simd: S, q: Complex<V>, twice: V) -> Complex<V> {
     let (sin, cos) = sin_cos::<S, V>(simd, q.re * twice);
-    if transparent {
-        return Complex { re: cos, im: sin };
-    }
     let size = decay::<S, V>(simd, q.im * twice);
     Complex { re: cos * size, im: sin * size }
 }
 
 /// Takes the fractions of r_s and r_p through the interface between two media.
 #[inline(always)]
-fn cross<S: Simd, V: Lanes<S>>(
+pub(super) fn cross<S: Simd, V: Lanes<S>>(
     (eps, q): (Complex<V>, Complex<V>),
     (below_eps, below_q): (Complex<V>, Complex<V>),
     fractions: &mut Fractions<V>,
@@ -363,7 +269,7 @@ fn cross<S: Simd, V: Lanes<S>>(
 
 /// Brings the denominators of fractions near 1.
 #[inline(always)]
-fn rescale<S: Simd, V: Lanes<S>>(simd: S, fractions: &mut Fractions<V>) {
+pub(super) fn rescale<S: Simd, V: Lanes<S>>(simd: S, fractions: &mut Fractions<V>) {
     for (top, bottom) in fractions {
         let size = splat::<S, V>(simd, 1.0) / bottom.re.abs().max(bottom.im.abs());
         (*top, *bottom) = (top.scale::<S>(size), bottom.scale::<S>(size));
@@ -371,7 +277,7 @@ fn rescale<S: Simd, V: Lanes<S>>(simd: S, fractions: &mut Fractions<V>) {
 }
 
 #[inline(always)]
-fn reflectances_of<S: Simd, V: Lanes<S>>(
+pub(super) fn reflectances_of<S: Simd, V: Lanes<S>>(
     [(s_top, s_bottom), (p_top, p_bottom)]: Fractions<V>,
 ) -> [Complex<V>; 2] {
     [s_top.div::<S>(s_bottom), p_top.div::<S>(p_bottom)]

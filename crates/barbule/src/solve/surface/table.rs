@@ -7,14 +7,11 @@
 
 use fearless_simd::{dispatch, prelude::*};
 
-use super::points::{Arrays, Optics, SlotMedium, Surface, Window};
-use super::reflection::{AtAngle, BLOCK, Reflectances};
+use super::points::{Arrays, Optics, SlotMedium, Surface};
+use super::rays::{AtAngle, Media, Rays, SERIES};
+use super::reflection::{BLOCK, Reflectances};
 use crate::Result;
 use crate::math::simd::{Complex, Real, Width, load, splat};
-use crate::structure::Section;
-
-/// Series per point: real and imaginary parts of r_s and r_p.
-const SERIES: usize = 4;
 
 /// Centre and half of the range of cosα, from [`Real::GRAZING`] to 1.
 const CENTRE: f64 = 0.5 * (1.0 + <f32 as Real>::GRAZING);
@@ -25,60 +22,6 @@ const TOLERANCE: f32 = 3e-5;
 
 /// Longer series are no gain; such blocks are reflected from anew.
 const MOST_TERMS: usize = 256;
-
-/// Rays under one element of a surface, which has two Gauss points: `parts` sub-elements (a power of two of them, at
-/// most half a block) with two rays each.
-///
-/// Structure finer than an element is averaged: a point's reflectance is not that of the one ray under it but the value
-/// with which the element's two points give the integrals over all its rays, of the reflectance and of its product with
-/// the position.
-pub(crate) struct Rays {
-    surface: Surface,
-    parts: usize,
-    /// `[point of the element][ray of the element]`
-    weights: [Vec<f32>; 2],
-}
-
-impl Rays {
-    /// Casts rays for elements of at most `element_um`.
-    ///
-    /// # Errors
-    /// As [`Surface::new`].
-    pub(crate) fn cast(section: &Section, element_um: f64, parts: usize) -> Result<Self> {
-        let mut surface = Surface::subdivided(section, element_um, parts, Window::Gaussian)?;
-        // Only kernels in single precision read rays.
-        surface.double = Arrays::default();
-        let gauss = 1.0 / 3f64.sqrt();
-        // The position of each ray on [−1, 1]; the points are at ∓1/√3.
-        let positions = (0..parts).flat_map(|part| {
-            [-gauss, gauss].map(|side| (2.0 * part as f64 + 1.0 + side) / parts as f64 - 1.0)
-        });
-        let positions: Vec<f64> = positions.collect();
-        let weights = [-1.0, 1.0].map(|side| {
-            let weight = |xi: &f64| ((1.0 + side * xi / gauss) / (2 * parts) as f64) as f32;
-            positions.iter().map(weight).collect()
-        });
-        Ok(Self { surface, parts, weights })
-    }
-
-    /// Parts into which elements are cut.
-    pub(crate) fn parts(&self) -> usize {
-        self.parts
-    }
-
-    /// Bytes that they take.
-    pub(crate) fn bytes(&self) -> usize {
-        self.surface.bytes()
-    }
-
-    /// The media of the rays at a vacuum wavelength.
-    ///
-    /// # Errors
-    /// A table of a medium does not reach the wavelength.
-    pub(crate) fn optics(&self, wavelength_nm: f64) -> Result<Optics<f32>> {
-        self.surface.optics(wavelength_nm)
-    }
-}
 
 /// Reflectances of a surface at one wavelength.
 pub(crate) struct ReflectanceTable {
@@ -99,7 +42,7 @@ impl ReflectanceTable {
     /// # Errors
     /// A table of a medium does not reach the wavelength.
     pub(crate) fn new(width: Width, surface: &Surface, rays: &Rays, wavelength_nm: f64) -> Result<Self> {
-        let below = rays.optics(wavelength_nm)?;
+        let media = rays.media(wavelength_nm)?;
         let optics = surface.optics(wavelength_nm)?;
         let mut table = Self { optics, blocks: Vec::new(), coefficients: Vec::new() };
         let (mut angles, mut samples, mut terms) = (Vec::new(), Vec::new(), Vec::new());
@@ -110,9 +53,9 @@ impl ReflectanceTable {
             let mut count = expected;
             while count <= MOST_TERMS {
                 if angles.len() != count {
-                    angles = nodes(count).map(|cos_alpha| AtAngle::new(&below, cos_alpha)).collect();
+                    angles = nodes(count).map(|cos_alpha| AtAngle::new(rays, &media, cos_alpha)).collect();
                 }
-                dispatch!(width.0, simd => sample_block(simd, rays, &below, start, &angles, &mut samples));
+                dispatch!(width.0, simd => sample_block(simd, rays, &media, start, &angles, &mut samples));
                 dispatch!(width.0, simd => transform(simd, &samples, &mut terms));
                 if let Some(kept) = needed(&terms) {
                     table.coefficients.extend(terms[..kept].as_flattened());
@@ -200,29 +143,20 @@ fn nodes(count: usize) -> impl Iterator<Item = f64> {
 fn sample_block<S: Simd>(
     simd: S,
     rays: &Rays,
-    optics: &Optics<f32>,
+    media: &Media,
     start: usize,
     angles: &[AtAngle],
     samples: &mut Vec<Term>,
 ) {
     samples.clear();
     samples.resize(angles.len(), [0.0; SERIES * BLOCK]);
-    let arrays = &rays.surface.single;
-    for (angle, sample) in angles.iter().zip(samples) {
-        // As many blocks of rays as an element has parts; past the last there are only points without weight.
-        for part in 0..rays.parts {
-            let from = (start / BLOCK * rays.parts + part) * BLOCK;
-            if from >= rays.surface.padded() {
-                break;
-            }
-            let mut below = [[0f32; BLOCK]; SERIES];
-            for offset in (0..BLOCK).step_by(S::f32s::LEN) {
-                let [s, p] = angle.reflectances::<S, S::f32s>(simd, arrays, optics, from + offset);
-                for (row, values) in below.iter_mut().zip([s.re, s.im, p.re, p.im]) {
-                    values.store_slice(&mut row[offset..offset + S::f32s::LEN]);
-                }
-            }
-            add_to_points(&rays.weights, part, &below, sample);
+    let (mut trips, mut below) = (Vec::new(), [[0f32; BLOCK]; SERIES]);
+    // As many blocks of rays as an element has parts; past the last there are only points without weight.
+    let first = start / BLOCK * rays.parts();
+    for block in first..(first + rays.parts()).min(rays.blocks()) {
+        for (angle, sample) in angles.iter().zip(&mut *samples) {
+            rays.reflect(simd, media, angle, block, &mut trips, &mut below);
+            add_to_points(rays.weights(), block - first, &below, sample);
         }
     }
 }
@@ -294,6 +228,7 @@ fn needed(terms: &[Term]) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::material::Library;
+    use crate::solve::surface::Window;
     use crate::structure::SpeciesModel;
 
     /// r_s and r_p of every point at one angle, `[point][r_s, r_p][re, im]`.
@@ -334,31 +269,6 @@ mod tests {
                 // What series leave out, and the rounding of single precision on both sides.
                 assert!(worst < 1e-4, "{species} {cos_alpha}: {worst}");
             }
-        }
-    }
-
-    #[test]
-    fn points_carry_the_integral_of_their_rays_and_its_first_moment() {
-        let model = SpeciesModel::builtin("starling", None, Library::builtin()).unwrap();
-        let section = model.section(1, 0).unwrap();
-        for parts in [1, 2, 4, 8] {
-            let rays = Rays::cast(&section, 0.04, parts).unwrap();
-            let gauss = 1.0 / 3f32.sqrt();
-            let ends = (0..2 * parts).map(|ray| {
-                let side = if ray % 2 == 0 { -gauss } else { gauss };
-                ((2 * (ray / 2) + 1) as f32 + side) / parts as f32 - 1.0
-            });
-            let (mut mean, mut moment, mut square) = (0.0, 0.0, 0.0);
-            for (ray, xi) in ends.enumerate() {
-                let (a, b) = (rays.weights[0][ray], rays.weights[1][ray]);
-                // The two points' values for a reflectance that is 1, or ξ, or 1 on this ray alone.
-                mean += a + b;
-                moment += (b - a) * gauss * xi;
-                square += a + b - 1.0 / parts as f32;
-            }
-            assert!((mean - 2.0).abs() < 1e-5 && square.abs() < 1e-5, "{parts}: {mean}");
-            // ∫ξ² dξ over [−1, 1], as two Gauss points give it.
-            assert!((moment - 2.0 / 3.0).abs() < 1e-5, "{parts}: {moment}");
         }
     }
 }
