@@ -89,7 +89,7 @@ impl Demand {
         Ok(Self {
             fixed: PROGRAM + scaled(instance + table + optics) + gathered + threads * workspace as u64,
             unit: (8 * directions * parameters.instances * fields + kept) as u64 + 2 * STATISTICS * phis,
-            most_units: axes.cos_theta.len(),
+            most_units: axes.cos_theta.len().min(super::most_units()),
         })
     }
 

@@ -139,7 +139,7 @@ impl Campaign {
                 azimuths(&parameters.axes).map(|phi| surface.incident_power_um(0.0, phi + tilt)).collect()
             })
             .collect();
-        Ok(Self { parameters, surfaces, tilts, powers_um, width, units_at_once: usize::MAX })
+        Ok(Self { parameters, surfaces, tilts, powers_um, width, units_at_once: most_units() })
     }
 
     /// Prepares the units of one wavelength.
@@ -167,7 +167,7 @@ impl Campaign {
         self.surfaces.first().map_or(1, |(_, rays)| rays.parts())
     }
 
-    /// Units of a wavelength that are computed at the same time, at most; any number unless limited.
+    /// Units of a wavelength that are computed at the same time, at most.
     #[must_use]
     pub fn units_at_once(&self) -> usize {
         self.units_at_once
@@ -175,7 +175,7 @@ impl Campaign {
 
     /// Limits the units that are computed, and so kept in memory, at the same time; bits do not depend on it.
     pub fn limit_units(&mut self, at_once: usize) {
-        self.units_at_once = at_once.max(1);
+        self.units_at_once = at_once.clamp(1, most_units());
     }
 
     /// What is simulated.
@@ -234,6 +234,11 @@ impl Campaign {
         }
         unit
     }
+}
+
+/// Units at once that keep all threads busy, since the instances of a unit are shared out too; more only take memory.
+fn most_units() -> usize {
+    2 * rayon::current_num_threads()
 }
 
 /// The incident azimuths, rad.
