@@ -7,6 +7,11 @@ pub const MATERIALS: &[(&str, &[u8])] = &[
     ("bronzewing-green", include_bytes!("../materials/bronzewing-green.barbule")),
     ("hummingbird-anna", include_bytes!("../materials/hummingbird-anna.barbule")),
     ("rock-dove-forest", include_bytes!("../materials/rock-dove-forest.barbule")),
+    ("rock-dove-jade", include_bytes!("../materials/rock-dove-jade.barbule")),
+    ("rock-dove-purple", include_bytes!("../materials/rock-dove-purple.barbule")),
+    ("rock-dove-sea", include_bytes!("../materials/rock-dove-sea.barbule")),
+    ("rock-dove-teal", include_bytes!("../materials/rock-dove-teal.barbule")),
+    ("rock-dove-violet", include_bytes!("../materials/rock-dove-violet.barbule")),
     ("starling-green", include_bytes!("../materials/starling-green.barbule")),
 ];
 
