@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use barbule::io::{read_section, read_sections, read_structure_toml};
+use barbule::io::{is_lattice, read_lattice, read_section, read_sections, read_structure_toml};
 use barbule::structure::stack::Stack;
-use barbule::structure::{MaterialSource, Section, SpeciesModel, Structure, Substance};
+use barbule::structure::{Lattice, MaterialSource, Section, SpeciesModel, Structure, Substance};
 use barbule::{Error, Result};
 
 use crate::common::Common;
@@ -18,6 +18,18 @@ pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], 
 /// An unknown name (the nearest known one is offered), a file that is missing or not of such a kind, or one that
 /// describes no valid structure.
 pub fn parse(text: &str, common: &Common) -> Result<Structure> {
+    let structure = find(text, common)?;
+    if let Structure::Species(model) = &structure
+        && model.lattice().is_some()
+    {
+        // Refused here, before anything is written: it has no section.
+        model.section(common.seed, 0)?;
+    }
+    Ok(structure)
+}
+
+/// Finds a structure, a photonic crystal too.
+fn find(text: &str, common: &Common) -> Result<Structure> {
     let library = common.library()?;
     let path = Path::new(text);
     let ends_with = |text: &str, end: &str| text.to_lowercase().ends_with(end);
@@ -55,6 +67,30 @@ pub fn parse(text: &str, common: &Common) -> Result<Structure> {
         }
     }
 }
+
+/// Finds a photonic crystal: `SPECIES[:VARIANT]`, a species file of one, or a lattice in TOML or JSON.
+///
+/// # Errors
+/// As [`parse`], or a structure that is no photonic crystal.
+pub(crate) fn lattice(text: &str, common: &Common) -> Result<Lattice> {
+    let library = common.library()?;
+    let path = Path::new(text);
+    let ends_with = |end: &str| text.to_lowercase().ends_with(end);
+    if ends_with(".json") || (ends_with(".toml") && is_lattice(path)?) {
+        return read_lattice(path, &library);
+    }
+    let Structure::Species(model) = find(text, common)? else {
+        return Err(Error::input(format!("{text}: is no photonic crystal; {LATTICES}")));
+    };
+    model.lattice().ok_or_else(|| {
+        Error::input(format!(
+            "{} barbules are made of layers, not of a photonic crystal; {LATTICES}",
+            model.name
+        ))
+    })
+}
+
+const LATTICES: &str = "give mallard, magpie, peafowl, or a file with a [lattice]";
 
 /// Keeps the files of `--medium` with sections that name them, so that a written section finds them again.
 fn remember_media(sections: &mut [Section], common: &Common) {
@@ -115,6 +151,29 @@ mod tests {
         assert_eq!(parse(&folder.path().to_string_lossy(), &usual).unwrap().count(), Some(3));
         let one = folder.path().join("1.json");
         assert_eq!(parse(&one.to_string_lossy(), &usual).unwrap().count(), Some(1));
+    }
+
+    #[test]
+    fn crystals_are_species_or_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let usual = common(&[]);
+        assert_eq!(lattice("magpie", &usual).unwrap().rows, 3);
+        assert_eq!(lattice("peafowl:yellow", &usual).unwrap().placed().count(), 11);
+        let path = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            path.to_string_lossy().into_owned()
+        };
+        let species = path("duck.toml", barbule::structure::species_toml("mallard").unwrap());
+        assert_eq!(lattice(&format!("{species}:blue"), &usual).unwrap().period_um, 0.17);
+        let alone = path(
+            "alone.toml",
+            "[lattice]\nperiod = 0.2\ncortex = 0.1\n[[lattice.rod]]\ncircles = [{ diameter = 0.1, medium = 'melanin' }]",
+        );
+        assert_eq!(lattice(&alone, &usual).unwrap().rows, 1);
+        for none in ["starling", "air/keratin:500/air"] {
+            assert!(lattice(none, &usual).unwrap_err().to_string().contains("[lattice]"), "{none}");
+        }
     }
 
     #[test]

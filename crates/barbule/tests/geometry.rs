@@ -5,7 +5,7 @@
 use barbule::material::Library;
 use barbule::math::rng::Stream;
 use barbule::structure::{
-    Columns, Medium, Polyline, Ray, Section, SpeciesFile, SpeciesModel, cast, species_names,
+    Columns, Medium, Polyline, Ray, Section, SpeciesFile, SpeciesModel, cast, layered_species,
 };
 
 fn model(name: &str, variant: Option<&str>) -> SpeciesModel {
@@ -125,7 +125,7 @@ fn agrees_with_brute_force(section: &Section, count: usize, tilt: f64) {
 
 #[test]
 fn rays_through_every_species_agree_with_brute_force() {
-    for name in species_names() {
+    for name in layered_species() {
         for instance in 0..3 {
             let section = model(name, None).section(1, instance).unwrap();
             let few = if section.inclusions.is_empty() { 1 } else { 4 };
@@ -138,7 +138,7 @@ fn rays_through_every_species_agree_with_brute_force() {
 
 #[test]
 fn fifty_instances_of_every_variant_are_valid() {
-    for name in species_names() {
+    for name in layered_species() {
         for variant in SpeciesFile::builtin(name).unwrap().variants() {
             let model = model(name, Some(variant));
             for instance in 0..50 {
@@ -243,7 +243,7 @@ fn the_same_parameters_seed_and_index_give_the_same_bits() {
 #[test]
 #[ignore = "prints timings"]
 fn timings() {
-    for name in species_names() {
+    for name in layered_species() {
         let model = model(name, None);
         let quickest = |act: &dyn Fn()| {
             (0..7)

@@ -17,7 +17,7 @@ use barbule::scattering::statistics::{AZIMUTHS, Axes};
 use barbule::solve::direct;
 use barbule::solve::surface::{FINE_ELEMENT_UM, Surface, Window, far_field};
 use barbule::structure::{
-    Medium, Parts, Polyline, Section, SpeciesFile, SpeciesModel, Structure, Substance, species_names,
+    Medium, Parts, Polyline, Section, SpeciesFile, SpeciesModel, Structure, Substance, layered_species,
 };
 use num_complex::Complex64;
 
@@ -115,7 +115,7 @@ fn rough_mirrors_conserve_energy() {
 
 /// A random section of a random variant of each species, `count` of each.
 fn sections(count: u64) -> impl Iterator<Item = (String, Section, Stream)> {
-    species_names().flat_map(move |species| {
+    layered_species().flat_map(move |species| {
         (0..count).map(move |number| {
             let mut stream = Stream::new(number, &[77, species.len() as u64]);
             let file = SpeciesFile::builtin(species).unwrap();

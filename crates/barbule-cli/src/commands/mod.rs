@@ -9,6 +9,7 @@ mod bench;
 mod cache;
 mod characterize;
 mod completions;
+mod crystal;
 mod far_field;
 mod film;
 mod fit;
@@ -30,6 +31,8 @@ pub(crate) enum Command {
     FarField(far_field::Args),
     /// Reflectance against wavelength, mean and spread over instances
     Spectrum(spectrum::Args),
+    /// What a photonic crystal reflects: one point, a map, or the field inside
+    Crystal(crystal::Args),
     /// Simulate a whole campaign into a store that survives interruptions
     Simulate(simulate::Args),
     /// Fit a material to a finished store
@@ -57,6 +60,7 @@ impl Command {
             Self::Lobes(args) => args.run(out),
             Self::FarField(args) => args.run(out),
             Self::Spectrum(args) => args.run(out),
+            Self::Crystal(args) => args.run(out),
             Self::Simulate(args) => args.run(out),
             Self::Fit(args) => args.run(out),
             Self::Characterize(args) => args.run(out),

@@ -4,11 +4,13 @@ use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
 use barbule::Result;
+use barbule::observer::Unobserved;
 use barbule::plot::{Anchor, Drawing, Format, Ink, Stroke};
+use barbule::solve::crystal::{Multipole, sweep};
 use barbule::solve::swatch::normal_reflectance;
-use barbule::spectrum::Wavelengths;
 use barbule::spectrum::colour::{Observer, display};
-use barbule::structure::{LATTICE_SPECIES, SpeciesFile, species_names, species_toml};
+use barbule::spectrum::{Spectrum, Wavelengths};
+use barbule::structure::{SpeciesFile, SpeciesModel, crystal_species, species_names, species_toml};
 use serde_json::json;
 
 use crate::common::{Common, print, print_json};
@@ -82,17 +84,7 @@ impl Args {
         }
         for variant in file.variants().filter(|v| wanted.is_none_or(|w| w == *v)) {
             let model = file.model(Some(variant), self.common.library()?)?;
-            let at = Wavelengths::new((0..=40).map(|i| 380.0 + 10.0 * f64::from(i)).collect::<Vec<_>>())?;
-            let (mut rgb, mut luminance) = ([0.0; 3], 0.0);
-            for instance in 0..INSTANCES {
-                let section = model.section(self.common.seed, instance)?;
-                let spectrum = normal_reflectance(&section, POINTS, &at)?;
-                let part = Observer::default().linear_rgb(&spectrum);
-                luminance += Observer::default().xyz(&spectrum)[1] / INSTANCES as f64;
-                for (sum, c) in rgb.iter_mut().zip(part) {
-                    *sum += c / INSTANCES as f64;
-                }
-            }
+            let (rgb, luminance) = self.colour(&model)?;
             // As bright as a screen can show it, so that hues can be compared.
             let most = rgb.into_iter().fold(1e-6, f64::max);
             variants.push((variant.to_owned(), display(rgb.map(|c| 0.9 * c / most)), luminance));
@@ -104,6 +96,28 @@ impl Args {
             default: file.default.clone(),
             variants,
         })
+    }
+
+    /// Linear sRGB and luminous reflectance at normal incidence.
+    fn colour(&self, model: &SpeciesModel) -> Result<([f64; 3], f64)> {
+        let at = Wavelengths::new((0..=40).map(|i| 380.0 + 10.0 * f64::from(i)).collect::<Vec<_>>())?;
+        let observer = Observer::default();
+        if let Some(lattice) = model.lattice() {
+            let found = sweep(&Multipole::default(), &lattice, at.nm(), 0.0, &[0.0], &Unobserved)?;
+            let spectrum = Spectrum::new(at, found.into_iter().map(|[a, b]| 0.5 * (a + b)).collect())?;
+            return Ok((observer.linear_rgb(&spectrum), observer.xyz(&spectrum)[1]));
+        }
+        let (mut rgb, mut luminance) = ([0.0; 3], 0.0);
+        for instance in 0..INSTANCES {
+            let section = model.section(self.common.seed, instance)?;
+            let spectrum = normal_reflectance(&section, POINTS, &at)?;
+            let part = observer.linear_rgb(&spectrum);
+            luminance += observer.xyz(&spectrum)[1] / INSTANCES as f64;
+            for (sum, c) in rgb.iter_mut().zip(part) {
+                *sum += c / INSTANCES as f64;
+            }
+        }
+        Ok((rgb, luminance))
     }
 }
 
@@ -125,8 +139,8 @@ fn list(out: &mut dyn Write, entries: &[Entry], all: bool) -> Result<()> {
         }
     }
     if all {
-        let names: Vec<&str> = LATTICE_SPECIES.iter().map(|(name, _)| *name).collect();
-        print(out, &format!("Not simulated yet: {} (photonic crystals)", names.join(", ")))?;
+        let names: Vec<&str> = crystal_species().collect();
+        print(out, &format!("Not simulated yet as barbules: {} (barbule crystal)", names.join(", ")))?;
     }
     Ok(())
 }
@@ -148,7 +162,7 @@ fn document(entries: &[Entry], all: bool) -> serde_json::Value {
         .collect();
     let mut out = json!({ "species": species });
     if all {
-        out["not_simulated_yet"] = LATTICE_SPECIES.iter().map(|(name, _)| *name).collect();
+        out["not_simulated_yet"] = crystal_species().collect();
     }
     out
 }

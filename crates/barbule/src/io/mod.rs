@@ -1,6 +1,7 @@
 //! The only module that opens files.
 
 pub mod image;
+mod lattice;
 mod material;
 mod section;
 mod species;
@@ -9,6 +10,7 @@ pub mod store;
 pub mod tables;
 mod whole;
 
+pub use lattice::{is_lattice, read_lattice};
 pub use material::{decode_material, encode_material, read_material, write_material};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use species::{read_species, read_structure_toml};

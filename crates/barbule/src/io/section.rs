@@ -223,7 +223,7 @@ fn medium(value: &Value, place: &str) -> Result<Medium> {
     substance(value, place).map(Medium::Pure)
 }
 
-fn substance(value: &Value, place: &str) -> Result<Substance> {
+pub(super) fn substance(value: &Value, place: &str) -> Result<Substance> {
     match value {
         Value::String(name) => Ok(Substance::Named(name.clone())),
         Value::Object(_) => {

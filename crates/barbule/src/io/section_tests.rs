@@ -1,5 +1,5 @@
 use super::*;
-use crate::structure::{SpeciesModel, species_names};
+use crate::structure::{SpeciesModel, layered_species};
 
 const GOOD: &str = r#"{"barbule": 1, "units": "um", "width": 2.0, "name": "a",
   "boundaries": [{"x": [-1, 0, 1], "z": [0, 0, 0]}, {"x": [-1, 0, 1], "z": [-1, -1, -1]}],
@@ -47,7 +47,7 @@ fn inclusions_alone_make_a_section_without_a_top() {
 
 #[test]
 fn written_sections_come_back_to_the_same_bits() {
-    for name in species_names() {
+    for name in layered_species() {
         let section = SpeciesModel::builtin(name, None, Library::builtin()).unwrap().section(3, 1).unwrap();
         assert_eq!(parse(&section_json(&section).to_string()).unwrap(), section, "{name}");
     }

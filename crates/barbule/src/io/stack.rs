@@ -89,7 +89,7 @@ fn parts(layers: Vec<Layer>, place: &str, depth: usize) -> Result<Vec<Part>> {
 }
 
 /// A TOML error as one line with its place.
-fn one_line(error: &toml::de::Error, text: &str) -> String {
+pub(super) fn one_line(error: &toml::de::Error, text: &str) -> String {
     let message = shortened(error.message());
     match error.span() {
         Some(span) => {

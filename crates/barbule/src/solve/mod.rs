@@ -1,5 +1,6 @@
 //! Wave solvers: each takes a structure and gives scattered fields.
 
+pub mod crystal;
 pub mod direct;
 pub mod film;
 pub mod surface;

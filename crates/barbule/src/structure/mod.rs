@@ -5,6 +5,7 @@ mod chain;
 mod check;
 mod curve;
 pub(crate) mod fields;
+mod lattice;
 mod outline;
 mod section;
 mod species;
@@ -12,13 +13,14 @@ pub mod stack;
 mod sweep;
 
 pub use cast::{Columns, Mixture, Ray, cast};
+pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};
 pub use section::{
     FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,
     Polyline, Section, Substance,
 };
 pub use species::{
-    Bronzewing, Hummingbird, LATTICE_SPECIES, Parameters, RockDove, SpeciesFile, SpeciesModel, Starling,
-    species_names, species_toml,
+    Bronzewing, Crystal, Hummingbird, Parameters, RockDove, SpeciesFile, SpeciesModel, Starling,
+    crystal_species, layered_species, species_names, species_toml,
 };
 
 use crate::{Error, Result};

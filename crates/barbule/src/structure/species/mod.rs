@@ -1,6 +1,7 @@
 //! The species: files of generator parameters with colour variants, and the generators.
 
 mod bronzewing;
+mod crystal;
 mod hummingbird;
 mod rock_dove;
 mod starling;
@@ -9,6 +10,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::fields::{Fields, list};
+use super::lattice::Lattice;
 use super::section::{Parts, Section};
 use crate::error::did_you_mean;
 use crate::material::{Library, shortened};
@@ -16,21 +18,24 @@ use crate::math::rng::Stream;
 use crate::{Error, Result};
 
 /// A built-in species: its name and the text of its file.
-const BUILTIN: &[(&str, &str)] = &[
+type Builtin = (&'static str, &'static str);
+
+/// Species made of layers.
+const LAYERED: &[Builtin] = &[
     ("rock-dove", include_str!("rock-dove.toml")),
     ("starling", include_str!("starling.toml")),
     ("bronzewing", include_str!("bronzewing.toml")),
     ("hummingbird", include_str!("hummingbird.toml")),
 ];
 
-/// Species that a photonic crystal colours, each with its variants, the default first.
-pub const LATTICE_SPECIES: &[(&str, &[&str])] = &[
-    ("mallard", &["lime", "blue"]),
-    ("magpie", &["violet", "forest", "lime", "yellow", "rose", "purple", "blue", "teal"]),
-    ("peafowl", &["yellow"]),
+/// Species coloured by a photonic crystal.
+const CRYSTALS: &[Builtin] = &[
+    ("mallard", include_str!("mallard.toml")),
+    ("magpie", include_str!("magpie.toml")),
+    ("peafowl", include_str!("peafowl.toml")),
 ];
 
-const GENERATORS: &[&str] = &["rock-dove", "starling", "bronzewing", "hummingbird"];
+const GENERATORS: &[&str] = &["rock-dove", "starling", "bronzewing", "hummingbird", "crystal"];
 
 /// Reads the values of one generator's parameters.
 pub(super) trait Parameter: Sized {
@@ -71,6 +76,7 @@ macro_rules! parameters {
 use parameters;
 
 pub use bronzewing::Bronzewing;
+pub use crystal::Crystal;
 pub use hummingbird::Hummingbird;
 pub use rock_dove::RockDove;
 pub use starling::Starling;
@@ -87,6 +93,8 @@ pub enum Parameters {
     Bronzewing(Bronzewing),
     /// Layers of air-filled pancake melanosomes.
     Hummingbird(Hummingbird),
+    /// A photonic crystal of melanosomes.
+    Crystal(Crystal),
 }
 
 impl Parameters {
@@ -96,6 +104,7 @@ impl Parameters {
             "starling" => Ok(Starling::KEYS),
             "bronzewing" => Ok(Bronzewing::KEYS),
             "hummingbird" => Ok(Hummingbird::KEYS),
+            "crystal" => Ok(Crystal::KEYS),
             other => {
                 let near = did_you_mean(other, GENERATORS.iter().copied());
                 let help =
@@ -123,6 +132,11 @@ impl Parameters {
                 parameters.check()?;
                 Self::Hummingbird(parameters)
             }
+            "crystal" => {
+                let parameters = Crystal::read(fields)?;
+                parameters.check()?;
+                Self::Crystal(parameters)
+            }
             _ => {
                 let parameters = Starling::read(fields)?;
                 parameters.check()?;
@@ -137,6 +151,7 @@ impl Parameters {
             Self::Starling(p) => p.width_um,
             Self::Bronzewing(p) => p.width_um,
             Self::Hummingbird(p) => p.width_um,
+            Self::Crystal(p) => p.width_um,
         }
     }
 }
@@ -170,19 +185,10 @@ impl SpeciesModel {
     /// A built-in species; without a variant its default one.
     ///
     /// # Errors
-    /// Unknown names (the nearest is offered), or a species that this version cannot simulate.
+    /// Unknown names; the nearest is offered.
     pub fn builtin(name: &str, variant: Option<&str>, library: Library) -> Result<Self> {
-        let Some((_, text)) = BUILTIN.iter().find(|(known, _)| *known == name) else {
-            if let Some((_, variants)) = LATTICE_SPECIES.iter().find(|(known, _)| *known == name) {
-                if let Some(variant) = variant.filter(|v| !variants.contains(v)) {
-                    return Err(no_variant(name, variant, variants.iter().copied()));
-                }
-                return Err(Error::input(format!(
-                    "{name} barbules are photonic crystals, which this version does not simulate yet; use one of {}",
-                    species_names().collect::<Vec<_>>().join(", ")
-                )));
-            }
-            let known = species_names().chain(LATTICE_SPECIES.iter().map(|(name, _)| *name));
+        let Some((_, text)) = builtin().find(|(known, _)| *known == name) else {
+            let known = species_names();
             let near = did_you_mean(name, known.clone());
             let help = if near.is_empty() {
                 format!("; known are {}", known.collect::<Vec<_>>().join(", "))
@@ -237,12 +243,28 @@ impl SpeciesModel {
             Parameters::Starling(p) => p.parts(&random),
             Parameters::Bronzewing(p) => p.parts(&random),
             Parameters::Hummingbird(p) => p.parts(&random),
+            Parameters::Crystal(_) => {
+                return Err(Error::input(format!(
+                    "{} barbules are photonic crystals, which this version does not simulate yet beyond the flat crystal (barbule crystal); use one of {}",
+                    self.name,
+                    layered_species().collect::<Vec<_>>().join(", ")
+                )));
+            }
         };
         parts.name = format!("{} {index}", self.title());
         parts.source = format!("barbule {}, seed {seed}, instance {index}", self.title());
         Section::new(parts, self.library.clone()).map_err(|error| {
             error.at(format!("{}, instance {index} (its parameters leave too little room)", self.title()))
         })
+    }
+
+    /// The photonic crystal under a flat top, where the species has one.
+    #[must_use]
+    pub fn lattice(&self) -> Option<Lattice> {
+        match &self.parameters {
+            Parameters::Crystal(p) => Some(p.lattice(self.library.clone())),
+            _ => None,
+        }
     }
 
     /// `species:variant`.
@@ -264,9 +286,23 @@ impl SpeciesModel {
     }
 }
 
-/// The names of the built-in species that this version simulates.
+/// The names of the built-in species that are made of layers.
+pub fn layered_species() -> impl Iterator<Item = &'static str> + Clone {
+    LAYERED.iter().map(|(name, _)| *name)
+}
+
+/// The names of the built-in species that a photonic crystal colours.
+pub fn crystal_species() -> impl Iterator<Item = &'static str> + Clone {
+    CRYSTALS.iter().map(|(name, _)| *name)
+}
+
+/// The names of the built-in species.
 pub fn species_names() -> impl Iterator<Item = &'static str> + Clone {
-    BUILTIN.iter().map(|(name, _)| *name)
+    builtin().map(|(name, _)| *name)
+}
+
+fn builtin() -> impl Iterator<Item = &'static Builtin> + Clone {
+    LAYERED.iter().chain(CRYSTALS)
 }
 
 /// The text of a built-in species' file.
@@ -274,7 +310,7 @@ pub fn species_names() -> impl Iterator<Item = &'static str> + Clone {
 /// # Errors
 /// As [`SpeciesModel::builtin`].
 pub fn species_toml(name: &str) -> Result<&'static str> {
-    match BUILTIN.iter().find(|(known, _)| *known == name) {
+    match builtin().find(|(known, _)| *known == name) {
         Some((_, text)) => Ok(text),
         None => SpeciesModel::builtin(name, None, Library::builtin()).map(|_| ""),
     }
@@ -359,7 +395,7 @@ impl SpeciesFile {
         ];
         if value.get("lattice").is_some() {
             return Err(Error::input(
-                "lattice: photonic crystals are not simulated yet by this version; describe the barbule by layers",
+                "lattice: a species' crystal is described by the parameters of generator \"crystal\"; a lattice alone is a file for barbule crystal",
             ));
         }
         let fields = Fields::new(&value, "", &keys)?;
@@ -401,7 +437,7 @@ impl SpeciesFile {
             name: text("name", "the species' name")?,
             latin: optional("latin")?,
             coloration: optional("coloration")?,
-            generator: text("generator", "starling, rock-dove, bronzewing or hummingbird")?,
+            generator: text("generator", "starling, rock-dove, bronzewing, hummingbird or crystal")?,
             parameters: fields.need("parameters", "the table of the generator's parameters")?.clone(),
             materials: fields.get("materials").cloned(),
             default,

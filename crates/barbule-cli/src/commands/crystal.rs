@@ -1,0 +1,246 @@
+//! `barbule crystal`: what a photonic crystal reflects.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use barbule::plot::{Axis, Drawing, Format, HeatMap};
+use barbule::solve::crystal::{Cell, Crystal, Fdtd, Incidence, Multipole, Rcwa, Response, sweep};
+use barbule::spectrum::Wavelengths;
+use barbule::structure::Lattice;
+use barbule::{Complex64, Error, Result};
+use clap::ValueEnum;
+use serde_json::{Value, json};
+
+use crate::common::{Common, print, print_json};
+use crate::progress::Terminal;
+use crate::provenance::Provenance;
+use crate::{sets, structure_arg};
+
+/// Angles of a map, degrees: −89 to 89 in steps of 2.
+const MAP_ANGLES: usize = 90;
+
+/// Resolution of pictures of the field, how far they reach above the surface, and their height in px.
+const FIELD_CELLS_PER_UM: f64 = 200.0;
+const FIELD_ABOVE_UM: f64 = 0.15;
+const PANEL_HEIGHT: f64 = 420.0;
+
+/// Arguments of `barbule crystal`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  barbule crystal mallard:green --wavelength 520 --theta 20 --phi 30\n  barbule crystal magpie --map -o map.png\n  barbule crystal peafowl --field --wavelength 560 -o field.png"
+)]
+pub(crate) struct Args {
+    /// mallard, magpie or peafowl[:VARIANT], a species .toml of a crystal, or a lattice in TOML or JSON
+    structure: String,
+    /// Wavelength in nm
+    #[arg(long, value_name = "NM", default_value_t = 550.0)]
+    wavelength: f64,
+    /// Longitudinal angle of incidence in degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
+    theta: f64,
+    /// Azimuth of incidence in degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
+    phi: f64,
+    /// How it is solved
+    #[arg(long, value_enum, default_value_t = Method::Multipole)]
+    solver: Method,
+    /// Draw reflectance against wavelength and φ_i at θ, both polarizations
+    #[arg(long, conflicts_with = "field", requires = "output")]
+    map: bool,
+    /// Wavelengths of the map in nm
+    #[arg(long, value_name = "SET", default_value = "300:800:5", requires = "map")]
+    wavelengths: String,
+    /// Draw |E|² of both polarizations and the permittivity in the unit cell
+    #[arg(long, requires = "output")]
+    field: bool,
+    /// The figure: .svg or .png
+    #[arg(short, long, value_name = "FIG")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// Cylinder multipoles: exact for circular rods
+    Multipole,
+    /// The Fourier modal method
+    Rcwa,
+    /// Finite differences in time, 100 cells/µm
+    Fdtd,
+}
+
+impl Args {
+    pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
+        self.common.start_threads()?;
+        if let Some(path) = &self.output {
+            Format::of(path)?;
+            barbule::io::check_writable(path)?;
+            if !self.map && !self.field {
+                return Err(Error::input("-o draws a map or a field; give --map or --field"));
+            }
+        }
+        let lattice = structure_arg::lattice(&self.structure, &self.common)?;
+        let angle = |flag: &str, degrees: f64| {
+            if degrees.abs() < 90.0 {
+                Ok(degrees.to_radians())
+            } else {
+                Err(Error::input(format!("{flag} {degrees} must lie between -90 and 90 degrees")))
+            }
+        };
+        let incidence = Incidence {
+            wavelength_nm: self.wavelength,
+            theta_i: angle("--theta", self.theta)?,
+            phi_i: angle("--phi", self.phi)?,
+        };
+        match &self.output {
+            Some(path) if self.map => self.draw_map(out, path, &lattice, incidence.theta_i),
+            Some(path) => self.draw_field(path, &lattice, &incidence),
+            None => self.point(out, &lattice, &incidence),
+        }
+    }
+
+    fn point(&self, out: &mut dyn Write, lattice: &Lattice, incidence: &Incidence) -> Result<()> {
+        let cell = Cell::new(lattice, incidence.wavelength_nm)?;
+        let response = match self.solver {
+            Method::Multipole => Multipole::default().respond(&cell, incidence)?,
+            Method::Rcwa => Rcwa::default().respond(&cell, incidence)?,
+            Method::Fdtd => Fdtd::default().respond(&cell, incidence)?,
+        };
+        if self.common.json {
+            return print_json(out, &document(&response, incidence.phi_i));
+        }
+        print(out, &table(&response, incidence.phi_i))
+    }
+
+    fn draw_map(&self, out: &mut dyn Write, path: &Path, lattice: &Lattice, theta_i: f64) -> Result<()> {
+        if self.solver == Method::Fdtd {
+            return Err(Error::input("a map takes thousands of points; use --solver multipole or rcwa"));
+        }
+        let at = Wavelengths::new(sets::wavelengths(&self.wavelengths)?)?;
+        let phi_deg: Vec<f64> = (0..MAP_ANGLES).map(|i| 2.0 * i as f64 - (MAP_ANGLES - 1) as f64).collect();
+        let phi_i: Vec<f64> = phi_deg.iter().map(|d| d.to_radians()).collect();
+        let observer = Terminal::new(&self.common);
+        let found = match self.solver {
+            Method::Rcwa => sweep(&Rcwa::default(), lattice, at.nm(), theta_i, &phi_i, &observer)?,
+            _ => sweep(&Multipole::default(), lattice, at.nm(), theta_i, &phi_i, &observer)?,
+        };
+        Provenance::new(&self.common).write_figure(path, &self.map_figure(&at, &found))?;
+        if self.common.json {
+            let rows = |polarization: usize| {
+                found
+                    .chunks_exact(at.len())
+                    .map(|row| row.iter().map(|r| r[polarization]).collect::<Vec<_>>())
+                    .collect::<Vec<_>>()
+            };
+            let document = json!({
+                "wavelength_nm": at.nm(), "theta_deg": self.theta, "phi_deg": phi_deg,
+                "R_1": rows(0), "R_2": rows(1),
+            });
+            return print_json(out, &document);
+        }
+        Ok(())
+    }
+
+    /// Both polarizations side by side; `found` is `[φ_i][wavelength]`.
+    fn map_figure(&self, at: &Wavelengths, found: &[[f64; 2]]) -> Drawing {
+        let most = found.iter().flatten().fold(0.0, |a: f64, &b| a.max(b));
+        let (first, last) = at.range_nm();
+        let panels = [0, 1].map(|polarization| {
+            let title =
+                format!("{}, θ_i = {}°, polarization {}", self.structure, self.theta, polarization + 1);
+            let x = Axis::with_range("wavelength in vacuum (nm)", first, last);
+            let y = Axis::with_range("φ_i (°)", -90.0, 90.0);
+            let values = found.iter().map(|r| r[polarization]).collect();
+            let mut map = HeatMap::new(title, x, y, at.len(), values);
+            map.label = "reflectance, all orders".into();
+            map.range = Some([0.0, most]);
+            map.draw()
+        });
+        beside(panels)
+    }
+
+    fn draw_field(&self, path: &Path, lattice: &Lattice, incidence: &Incidence) -> Result<()> {
+        let cell = Cell::new(lattice, incidence.wavelength_nm)?;
+        let solver = Fdtd { cells_per_um: FIELD_CELLS_PER_UM, ..Fdtd::default() };
+        let field = solver.near_field(&cell, incidence, FIELD_ABOVE_UM)?;
+        let (top, bottom) = (1e3 * field.top_um, 1e3 * field.bottom_um);
+        // As many periods as make a picture to scale that is not too narrow.
+        let periods = (0.3 * (field.top_um - field.bottom_um) / field.period_um).ceil().clamp(1.0, 8.0);
+        let right = periods * field.period_um * 1e3;
+        let panel = |title: String, label: &str, values: &[f64]| {
+            let x = Axis::with_range("x (nm)", 0.0, right);
+            let y = Axis::with_range("height above the surface (nm)", bottom, top);
+            let rows = values.chunks_exact(field.columns);
+            let repeated: Vec<f64> = rows.flat_map(|row| row.repeat(periods as usize)).collect();
+            let mut heat = HeatMap::new(title, x, y, periods as usize * field.columns, repeated);
+            heat.label = label.into();
+            heat.size = [PANEL_HEIGHT * right / (top - bottom), PANEL_HEIGHT];
+            heat.draw()
+        };
+        let title = |polarization: usize| format!("polarization {}", polarization + 1);
+        let drawing = beside([
+            panel("permittivity".into(), "Re ε", &field.permittivity),
+            panel(title(0), "|E|²/|E_i|²", &field.intensity[0]),
+            panel(title(1), "|E|²/|E_i|²", &field.intensity[1]),
+        ]);
+        Provenance::new(&self.common).write_figure(path, &drawing)
+    }
+}
+
+/// Drawings in a row.
+fn beside<const N: usize>(panels: [Drawing; N]) -> Drawing {
+    let height = panels.iter().map(|p| p.height).fold(0.0, f64::max);
+    let width = panels.iter().map(|p| p.width).sum();
+    let mut drawing = Drawing::new(width, height);
+    let mut x = 0.0;
+    for panel in panels {
+        let next = x + panel.width;
+        drawing.place(panel, [x, 0.0]);
+        x = next;
+    }
+    drawing
+}
+
+/// The contract's JSON.
+fn document(response: &Response, phi_i: f64) -> Value {
+    let complex = |z: &Complex64| json!([z.re, z.im]);
+    let orders: Vec<_> = response
+        .orders
+        .iter()
+        .map(|order| {
+            json!({
+                "m": order.m,
+                "phi_deg": order.phi_o.to_degrees(),
+                "R": order.reflectance(phi_i),
+                "J": order.jones.each_ref().map(|row| row.each_ref().map(complex)),
+            })
+        })
+        .collect();
+    json!({
+        "orders": orders,
+        "transmitted": response.transmitted,
+        "absorbed": response.absorbed,
+        "convergence": if response.convergence.is_finite() { json!(response.convergence) } else { Value::Null },
+    })
+}
+
+fn table(response: &Response, phi_i: f64) -> String {
+    let mut text = format!("{:>12} {:>9} {:>10} {:>10}", "", "φ_o (°)", "1", "2");
+    for order in &response.orders {
+        let [first, second] = order.reflectance(phi_i);
+        // Writing to a String cannot fail, here and below.
+        let _ = write!(
+            text,
+            "\nR, order {:>3} {:>9.3} {first:>10.6} {second:>10.6}",
+            order.m,
+            order.phi_o.to_degrees()
+        );
+    }
+    for (name, [first, second]) in [("transmitted", response.transmitted), ("absorbed", response.absorbed)] {
+        let _ = write!(text, "\n{name:>12} {:>9} {first:>10.6} {second:>10.6}", "");
+    }
+    let _ = write!(text, "\nestimated error of R: {:.1e}", response.convergence);
+    text
+}

@@ -1,0 +1,78 @@
+//! `barbule crystal` from words to figures.
+
+#![allow(clippy::unwrap_used)] // helpers of tests
+
+use std::path::Path;
+
+use serde_json::Value;
+
+fn run(words: &[&str]) -> String {
+    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn point(words: &[&str]) -> Value {
+    serde_json::from_str(&run(&[&["crystal"], words, &["--json"]].concat())).unwrap()
+}
+
+/// R of both polarizations, all orders.
+fn reflected(point: &Value) -> [f64; 2] {
+    [0, 1].map(|q| point["orders"].as_array().unwrap().iter().map(|o| o["R"][q].as_f64().unwrap()).sum())
+}
+
+#[test]
+fn a_point_has_the_contracts_keys_and_its_power_adds_up() {
+    let found = point(&["magpie:violet", "--wavelength", "330", "--theta", "20", "--phi", "30"]);
+    let orders = found["orders"].as_array().unwrap();
+    // λ < 2Δ cosθ…: a diffraction order beside the mirror's.
+    assert_eq!(orders.len(), 2);
+    let reflectance = reflected(&found);
+    for q in 0..2 {
+        let rest = found["transmitted"][q].as_f64().unwrap() + found["absorbed"][q].as_f64().unwrap();
+        assert!((reflectance[q] + rest - 1.0).abs() < 1e-9, "{found}");
+    }
+    for order in orders {
+        let cosines = order["phi_deg"].as_f64().unwrap().to_radians().cos() / 30f64.to_radians().cos();
+        let j = |out: usize| {
+            let z = &order["J"][out][0];
+            z[0].as_f64().unwrap().hypot(z[1].as_f64().unwrap())
+        };
+        assert!((order["R"][0].as_f64().unwrap() - (j(0).powi(2) + j(1).powi(2)) * cosines).abs() < 1e-12);
+    }
+    assert!(found["convergence"].as_f64().unwrap() < 1e-8);
+}
+
+#[test]
+fn solvers_agree_on_a_lattice_from_a_file() {
+    let file = file_of("square-holes");
+    let with = |solver: &str| {
+        let words = [&file, "--wavelength", "520", "--theta", "15", "--phi", "25", "--solver", solver];
+        reflected(&point(&words.map(|w| w as &str)))
+    };
+    let exact = with("multipole");
+    for (solver, allowed) in [("rcwa", 1e-3), ("fdtd", 3e-3)] {
+        let other = with(solver);
+        for q in 0..2 {
+            assert!((other[q] - exact[q]).abs() < allowed, "{solver}: {other:?} {exact:?}");
+        }
+    }
+}
+
+#[test]
+fn maps_and_fields_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let (map, field) = (path("map.svg"), path("field.png"));
+    let text = run(&["crystal", "mallard", "--map", "--wavelengths", "400:700:100", "-o", &map, "--json"]);
+    let document: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["R_1"].as_array().unwrap().len(), document["phi_deg"].as_array().unwrap().len());
+    assert!(std::fs::read_to_string(&map).unwrap().contains("φ_i (°)"));
+    run(&["crystal", &file_of("square-holes"), "--field", "-o", &field]);
+    assert!(std::fs::read(&field).unwrap().starts_with(b"\x89PNG"));
+}
+
+fn file_of(name: &str) -> String {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../examples/lattices/{name}.toml"));
+    file.to_string_lossy().into_owned()
+}

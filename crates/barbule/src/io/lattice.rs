@@ -1,0 +1,205 @@
+//! Photonic crystals in TOML or JSON.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::read_text;
+use super::section::{materials, substance};
+use super::stack::one_line;
+use crate::material::Library;
+use crate::structure::fields::{Fields, list, number};
+use crate::structure::{Circle, Lattice, Rod, Substance};
+use crate::{Error, Result};
+
+const KEYS: &[&str] =
+    &["period", "host", "incidence", "cortex", "depth_to_center", "rows", "row_pitch", "row_shift", "rod"];
+
+/// Reads a lattice: a table `lattice` in TOML or JSON, `materials` beside it.
+///
+/// # Errors
+/// The file cannot be read, or anything that `docs/formats/lattice.md` lists; the message names the file and the key.
+pub fn read_lattice(path: &Path, library: &Library) -> Result<Lattice> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let is_json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    parse(&read_text(path)?, is_json, folder, library).map_err(|error| error.at(path.display()))
+}
+
+/// Whether a TOML file has a table `lattice`.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn is_lattice(path: &Path) -> Result<bool> {
+    let table: toml::Table = toml::from_str(&read_text(path)?).unwrap_or_default();
+    Ok(table.contains_key("lattice") && !table.contains_key("generator"))
+}
+
+fn parse(text: &str, is_json: bool, folder: &Path, library: &Library) -> Result<Lattice> {
+    let value: Value = if is_json {
+        serde_json::from_str(text).map_err(|e| Error::input(format!("is not JSON: {e}")))?
+    } else {
+        let table: toml::Table =
+            toml::from_str(text).map_err(|e| Error::input(format!("is not TOML: {}", one_line(&e, text))))?;
+        serde_json::to_value(table).map_err(|e| Error::input(format!("is not a lattice: {e}")))?
+    };
+    let mut library = library.clone();
+    materials(value.get("materials"), folder, &mut library)?;
+    let Some(lattice) = value.get("lattice") else {
+        return Err(Error::input("lattice is missing; give a table [lattice]"));
+    };
+    lattice_from(lattice, library)
+}
+
+/// A lattice from its table, whose media are found in `library`.
+///
+/// # Errors
+/// An unknown or missing key, a value of the wrong kind, or as [`Lattice::check`].
+pub(super) fn lattice_from(value: &Value, library: Library) -> Result<Lattice> {
+    let fields = Fields::new(value, "lattice", KEYS)?;
+    let medium = |key: &str, usual: &str| match fields.get(key) {
+        None => Ok(Substance::named(usual)),
+        Some(value) => substance(value, &fields.path(key)),
+    };
+    let rods = fields
+        .list("rod", "at least one [[lattice.rod]]")?
+        .iter()
+        .enumerate()
+        .map(|(index, value)| rod(value, &format!("lattice.rod[{index}]")))
+        .collect::<Result<Vec<_>>>()?;
+    let rows = if fields.get("rows").is_some() { fields.count_within("rows", 1, 1000)? } else { 1 };
+    let depth_to_center_um = match (fields.number("cortex")?, fields.number("depth_to_center")?) {
+        (Some(cortex_um), None) if cortex_um >= 0.0 => Lattice::depth_under_cortex(cortex_um, &rods),
+        (Some(cortex_um), None) => {
+            return Err(Error::input(format!("lattice.cortex is {cortex_um}, but cannot be negative")));
+        }
+        (None, Some(depth_um)) => depth_um,
+        (None, None) => {
+            return Err(Error::input("lattice: give cortex (above the first row) or depth_to_center"));
+        }
+        (Some(_), Some(_)) => return Err(Error::input("lattice: give cortex or depth_to_center, not both")),
+    };
+    let row_pitch_um = match fields.number("row_pitch")? {
+        Some(pitch_um) => pitch_um,
+        // One row has no next one.
+        None if rows == 1 => 0.0,
+        None => fields.need_number("row_pitch", "the distance of rows in µm")?,
+    };
+    let lattice = Lattice {
+        period_um: fields.need_number("period", "the period in µm")?,
+        host: medium("host", "keratin")?,
+        incidence: medium("incidence", "air")?,
+        depth_to_center_um,
+        rows,
+        row_pitch_um,
+        row_shift: fields.number("row_shift")?.unwrap_or(0.0),
+        rods,
+        library,
+    };
+    lattice.check()?;
+    Ok(lattice)
+}
+
+fn rod(value: &Value, place: &str) -> Result<Rod> {
+    let fields = Fields::new(value, place, &["x", "z", "rows_of_this", "circles"])?;
+    let circles = list(fields.need("circles", "a list of { diameter, medium }")?, &fields.path("circles"))?
+        .iter()
+        .enumerate()
+        .map(|(index, value)| {
+            let fields = Fields::new(value, &format!("{place}.circles[{index}]"), &["diameter", "medium"])?;
+            let medium = fields.need("medium", "a medium, as in \"melanin\"")?;
+            Ok(Circle {
+                diameter_um: number(fields.need("diameter", "a diameter in µm")?, &fields.path("diameter"))?,
+                medium: substance(medium, &fields.path("medium"))?,
+            })
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let rows = match fields.get("rows_of_this") {
+        None => None,
+        Some(_) => Some(fields.count_within("rows_of_this", 1, 1000)?),
+    };
+    Ok(Rod {
+        x_um: fields.number("x")?.unwrap_or(0.0),
+        z_um: fields.number("z")?.unwrap_or(0.0),
+        rows,
+        circles,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MALLARD: &str = r#"
+        [lattice]
+        period = 0.19
+        host = "keratin"
+        incidence = "air"
+        cortex = 0.28
+        rows = 6
+        row_pitch = 0.17
+        row_shift = 0.5
+        [[lattice.rod]]
+        x = 0.0
+        circles = [ { diameter = 0.13, medium = "melanin" } ]
+    "#;
+
+    fn read(text: &str) -> Result<Lattice> {
+        parse(text, false, Path::new("."), &Library::builtin())
+    }
+
+    fn refusal(from: &str, to: &str) -> String {
+        assert!(MALLARD.contains(from), "{from}");
+        let error = read(&MALLARD.replace(from, to)).unwrap_err();
+        assert!(error.is_input() && error.to_string().len() < 600, "{error}");
+        error.to_string()
+    }
+
+    #[test]
+    fn toml_and_json_give_the_same_lattice() {
+        let lattice = read(MALLARD).unwrap();
+        assert!((lattice.depth_to_center_um - 0.345).abs() < 1e-15);
+        assert_eq!((lattice.rows, lattice.placed().count()), (6, 6));
+        let table: toml::Table = toml::from_str(MALLARD).unwrap();
+        let json = serde_json::to_string(&table).unwrap();
+        assert_eq!(parse(&json, true, Path::new("."), &Library::builtin()).unwrap(), lattice);
+        let centre = MALLARD.replace("cortex = 0.28", "depth_to_center = 0.345");
+        assert!((read(&centre).unwrap().depth_to_center_um - 0.345).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_stack_may_be_listed_as_one_row() {
+        let text = MALLARD
+            .replace("rows = 6", "rows = 1")
+            .replace("row_pitch = 0.17", "")
+            .replace("cortex = 0.28", "depth_to_center = 0.345");
+        let second =
+            "\n[[lattice.rod]]\nx = 0.095\nz = 0.17\ncircles = [ { diameter = 0.13, medium = \"melanin\" } ]";
+        let lattice = read(&(text + second)).unwrap();
+        let two = Lattice { rows: 2, ..read(MALLARD).unwrap() };
+        let places = |l: &Lattice| l.placed().map(|p| (p.x_um, p.depth_um)).collect::<Vec<_>>();
+        for (a, b) in places(&lattice).into_iter().zip(places(&two)) {
+            assert!((a.0 - b.0).abs() < 1e-15 && (a.1 - b.1).abs() < 1e-15, "{a:?} {b:?}");
+        }
+        assert_eq!(lattice.placed().count(), 2);
+    }
+
+    #[test]
+    fn what_is_no_lattice_is_refused_by_key() {
+        assert!(refusal("period = 0.19", "").contains("lattice.period is missing"));
+        assert!(refusal("period = 0.19", "period = \"x\"").contains("lattice.period is the text 'x'"));
+        assert!(refusal("period = 0.19", "period = 0").contains("lattice.period is 0"));
+        assert!(refusal("period = 0.19", "perod = 0.19").contains("did you mean 'period'"));
+        assert!(refusal("diameter = 0.13", "diameter = -0.13").contains("diameter is -0.13"));
+        assert!(refusal("diameter = 0.13", "diameter = 0.3").contains("wider than the period"));
+        assert!(refusal("rows = 6", "rows = 0").contains("lattice.rows is 0"));
+        assert!(refusal("rows = 6", "rows = 2.5").contains("whole number"));
+        assert!(refusal("cortex = 0.28", "cortex = -1").contains("lattice.cortex is -1"));
+        assert!(refusal("cortex = 0.28", "").contains("give cortex"));
+        assert!(refusal("cortex = 0.28", "cortex = 0.28\ndepth_to_center = 1").contains("not both"));
+        assert!(refusal("row_pitch = 0.17", "").contains("lattice.row_pitch is missing"));
+        assert!(refusal("row_pitch = 0.17", "row_pitch = 0.05").contains("overlap"));
+        assert!(refusal("\"melanin\"", "\"melamin\"").contains("did you mean 'melanin'"));
+        assert!(refusal("[lattice]", "[latice]").contains("lattice"));
+        assert!(refusal("[lattice]", "[lattice").contains("is not TOML"));
+    }
+}

@@ -1,0 +1,251 @@
+//! Finite differences in time (2.5D FDTD) for rods and flat layers.
+//!
+//! The grid has all six components, complex by two real grids (`fields`), with Bloch's boundary along x and the factor
+//! e^{jβy} carried analytically, so that the fields' k_x and k_y are fixed. The incident wave enters at a plane above
+//! the surface as a Gaussian pulse about the wavelength at hand, and every result is the running Fourier transform
+//! there: a pulse ends, so the end of a run shows in the fields, where a steady state only creeps nearer. At fixed
+//! (k_x, k_y) other frequencies of the pulse come in at other angles; its band therefore stays clear of the frequency
+//! at which the incident wave would graze, and runs get longer as the incident wave nears the horizon (past about 87°
+//! they are refused: [`Error::not_settled`]).
+//!
+//! Steps and media are exact at the wavelength (`grid`); the error is of second order in the spacing.
+
+mod fields;
+mod grid;
+mod medium;
+mod near;
+mod spectrum;
+#[cfg(test)]
+mod tests;
+
+pub use medium::Layer;
+pub use near::NearField;
+
+use super::grating::{Grating, check_rods, passive, positive};
+use super::{Cell, Crystal, Incidence, Response};
+use crate::math::simd::Width;
+use crate::{Complex64, Error, Result};
+use fields::{Fields, Source};
+use grid::Grid;
+use medium::{Material, Medium};
+use spectrum::Spectrum;
+
+/// Samples of the running Fourier transform per period.
+const SAMPLES: f64 = 6.0;
+/// Samples between looks at how much it changed: three periods.
+const CHECK: usize = 18;
+
+/// The solver and its accuracy.
+#[derive(Debug, Clone, Copy)]
+pub struct Fdtd {
+    /// Resolution; the period is rounded to a whole number of cells.
+    pub cells_per_um: f64,
+    /// A run ends when the Fourier transforms at the wavelength change by less than this part over three periods.
+    pub tolerance: f64,
+    /// Thickness of the absorbing layers above and below, µm.
+    pub absorber_um: f64,
+    /// Longest run, periods of the wave.
+    pub periods: usize,
+    /// How far above a plane of the grid the surface lies, cells.
+    pub offset: f64,
+    /// Whether [`Response::convergence`] is found, by a second run at 2/3 of the resolution; otherwise it is not a
+    /// number.
+    pub estimate: bool,
+    /// Instruction set.
+    pub width: Width,
+}
+
+impl Default for Fdtd {
+    fn default() -> Self {
+        Self {
+            cells_per_um: 100.0,
+            tolerance: 3e-4,
+            absorber_um: 0.2,
+            periods: 3000,
+            offset: 0.0,
+            estimate: true,
+            width: Width::best(),
+        }
+    }
+}
+
+impl Crystal for Fdtd {
+    /// `transmitted` is measured two cells below the lowest rods; `absorbed` over all of the rows.
+    fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response> {
+        self.respond_to(cell, &[], incidence)
+    }
+}
+
+impl Fdtd {
+    /// The response of a cell with flat layers below its surface, too.
+    ///
+    /// # Errors
+    /// Media, rods or waves that have no meaning, media with Re ε ≤ 0, or fields that do not decay.
+    pub fn respond_to(&self, cell: &Cell, layers: &[Layer], incidence: &Incidence) -> Result<Response> {
+        let medium = Medium { cell, layers };
+        let grating = self.grating(&medium, incidence)?;
+        let mut response = self.solve(&medium, &grating)?;
+        if self.estimate {
+            let coarse = Self { cells_per_um: self.cells_per_um / 1.5, ..*self };
+            let rough = coarse.solve(&medium, &grating)?;
+            response.convergence = grating.difference(&response, &rough);
+        }
+        Ok(response)
+    }
+
+    /// |E|² and the permittivity in a period, from below the rods to `above_um` (µm) over the surface.
+    ///
+    /// # Errors
+    /// As [`Self::respond_to`].
+    pub fn near_field(&self, cell: &Cell, incidence: &Incidence, above_um: f64) -> Result<NearField> {
+        let medium = Medium { cell, layers: &[] };
+        let grating = self.grating(&medium, incidence)?;
+        let (grid, material) =
+            Grid::new(&medium, &grating, self.cells_per_um, self.absorber_um, self.offset, Some(above_um))?;
+        let runs = [self.run(&material, &grating, &grid, 0)?, self.run(&material, &grating, &grid, 1)?];
+        Ok(NearField::new(&medium, &grid, &runs))
+    }
+
+    /// The wave on a medium that this solver can take.
+    fn grating(&self, medium: &Medium, incidence: &Incidence) -> Result<Grating> {
+        check_rods(medium.cell)?;
+        positive("number of cells per µm", self.cells_per_um)?;
+        positive("thickness of the absorbing layers", self.absorber_um)?;
+        for layer in medium.layers {
+            if !(layer.top_um >= 0.0 && layer.bottom_um > layer.top_um && layer.bottom_um.is_finite()) {
+                return Err(Error::input(format!(
+                    "the layer from {} to {} µm must have a thickness and lie below the surface",
+                    layer.top_um, layer.bottom_um
+                )));
+            }
+        }
+        for eps in medium.materials() {
+            passive("layer", eps)?;
+            if eps.re <= 0.0 {
+                return Err(Error::input(format!(
+                    "FDTD needs media with a positive real permittivity, not {eps}; use RCWA"
+                )));
+            }
+        }
+        let Cell { period_um, incidence_eps, host_eps, .. } = *medium.cell;
+        Grating::new(period_um, incidence_eps, host_eps, incidence)
+    }
+
+    fn solve(&self, medium: &Medium, grating: &Grating) -> Result<Response> {
+        let (grid, material) =
+            Grid::new(medium, grating, self.cells_per_um, self.absorber_um, self.offset, None)?;
+        let runs = [self.run(&material, grating, &grid, 0)?, self.run(&material, grating, &grid, 1)?];
+        let orders = grating
+            .propagating()
+            .into_iter()
+            .map(|m| grating.order(m, std::array::from_fn(|q| runs[q].order(grating, &grid, m))))
+            .collect();
+        let (mut transmitted, mut absorbed) = ([0.0; 2], [0.0; 2]);
+        for q in 0..2 {
+            let incident = incident_flux(grating, &grid, q);
+            transmitted[q] = runs[q].transmitted(&grid) / incident;
+            absorbed[q] = runs[q].absorbed(&material, grating, &grid) / incident;
+        }
+        Ok(Response { orders, transmitted, absorbed, convergence: f64::NAN })
+    }
+
+    /// One polarization, until the fields have gone.
+    fn run(
+        &self,
+        material: &Material,
+        grating: &Grating,
+        grid: &Grid,
+        polarization: usize,
+    ) -> Result<Spectrum> {
+        let (beta, kx) = (grating.b * grating.k, grating.a0 * grating.k);
+        let mut fields = Fields::new(grid, material, beta, kx, self.width);
+        let source = source(grating, grid, polarization);
+        // Grazing frequency over this one's: the band ends there.
+        let index = grating.n;
+        let graze = ((grating.a0 / index).hypot(grating.b / index)).min(1.0 - 1e-9);
+        let tau = (PULSE / (1.0 - graze)).max(SHORTEST) / grid.omega;
+        let start = 4.5 * tau;
+        if 2.0 * start * grid.omega > self.periods as f64 * std::f64::consts::TAU {
+            return Err(Error::not_settled(format!(
+                "the incident wave is so near the horizon that its pulse takes {:.0} periods, past the limit of {}; use RCWA there",
+                2.0 * start * grid.omega / std::f64::consts::TAU,
+                self.periods
+            )));
+        }
+        let pulse = |t: f64| (-0.5 * ((t - start) / tau).powi(2)).exp();
+        let period = std::f64::consts::TAU / grid.omega;
+        let stride = ((period / SAMPLES / grid.dt) as usize).max(1);
+        let mut spectrum = Spectrum::new(grid);
+        let mut before = spectrum.clone();
+        let mut factors = Vec::with_capacity(stride);
+        let last = (2.0 * start / grid.dt) as usize / stride + self.periods * SAMPLES as usize;
+        for sample in 1..=last {
+            let n = (sample - 1) * stride;
+            factors.clear();
+            factors.extend((n..n + stride).map(|n| {
+                [n as f64, n as f64 + 0.5].map(|step| {
+                    let t = step * grid.dt;
+                    Complex64::from_polar(pulse(t), -grid.omega * t)
+                })
+            }));
+            fields.advance(&source, &factors);
+            let t = (n + stride) as f64 * grid.dt;
+            spectrum.add(grid, &fields, t, [pulse(t), pulse(t - 0.5 * grid.dt)]);
+            if !sample.is_multiple_of(CHECK) {
+                continue;
+            }
+            let change = spectrum.change(&before);
+            if !change.is_finite() && t > start {
+                return Err(Error::not_settled("the fields on the grid grew without bound"));
+            }
+            if t > start + 4.0 * tau && change < self.tolerance {
+                spectrum.normalize();
+                return Ok(spectrum);
+            }
+            before.clone_from(&spectrum);
+        }
+        Err(Error::not_settled(format!(
+            "fields still change by more than {} after {} periods; allow more, or use another solver near grazing",
+            self.tolerance, self.periods
+        )))
+    }
+}
+
+/// Distance of the grazing frequency from the pulse's, in widths of its spectrum.
+const PULSE: f64 = 2.0;
+/// Shortest pulse, τω.
+const SHORTEST: f64 = 4.0;
+
+/// Incident (E_x, E_y, H̃_x, H̃_y) at z = 0, travelling down.
+fn incident_fields(grating: &Grating, polarization: usize) -> [Complex64; 4] {
+    let [e, h] = grating.incident(polarization);
+    let (eps, kappa, q) = (grating.n * grating.n, grating.kappa(), grating.q_above(0).re);
+    let ba = grating.b * grating.a0;
+    [(-q * h - ba * e) / kappa, e, (eps * q * e - ba * h) / kappa, h].map(Complex64::from)
+}
+
+fn source(grating: &Grating, grid: &Grid, polarization: usize) -> Source {
+    let [ex, ey, hx, hy] = incident_fields(grating, polarization);
+    let kz = grid.kz(grating, 0).re;
+    let at = |value: Complex64, half_x: f64, half_z: f64| {
+        let phase = |i: usize| {
+            grating.a0 * grating.k * (i as f64 + half_x) * grid.spacing
+                - kz * grid.z(grid.source as f64 + half_z)
+        };
+        (0..grid.nx).map(|i| value * Complex64::from_polar(1.0, phase(i))).collect()
+    };
+    Source {
+        plane: grid.source,
+        e_x: at(ex, 0.5, 0.0),
+        e_y: at(ey, 0.0, 0.0),
+        h_x: at(hx, 0.0, 0.5),
+        h_y: at(hy, 0.5, 0.5),
+    }
+}
+
+/// Power of the incident wave through a row of cells, E at a plane and H̃ half a cell below.
+fn incident_flux(grating: &Grating, grid: &Grid, polarization: usize) -> f64 {
+    let [ex, ey, hx, hy] = incident_fields(grating, polarization);
+    let lag = Complex64::from_polar(1.0, grid.kz(grating, 0).re * grid.spacing / 2.0);
+    grid.nx as f64 * (ey * (hx * lag).conj() - ex * (hy * lag).conj()).re
+}

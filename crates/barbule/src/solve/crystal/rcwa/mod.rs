@@ -1,0 +1,221 @@
+//! Rigorous coupled-wave analysis (Fourier modal method) of gratings of any outline, in conical mount.
+//!
+//! The cross section is cut into slices with vertical walls ([`profile`]); each slice's fields are expanded in its own
+//! modes (`modes`), and slices are joined by scattering matrices (`scattering`, `stack`). At Rayleigh anomalies (an
+//! order exactly at grazing above or below) |q| is held at 1e-7; nothing else is nudged.
+
+mod modes;
+pub mod profile;
+mod scattering;
+mod stack;
+#[cfg(test)]
+mod tests;
+
+use faer::prelude::Solve;
+use faer::{Mat, c64};
+
+use super::grating::{Grating, check_rods, passive, positive};
+use super::{Cell, Crystal, Incidence, Response};
+use crate::{Complex64, Error, Result};
+use modes::Harmonics;
+use profile::{Body, Outline, bodies};
+use stack::Stack;
+
+/// The solver and its accuracy.
+#[derive(Debug, Clone, Copy)]
+pub struct Rcwa {
+    /// Orders −orders … orders are kept.
+    pub orders: usize,
+    /// Slices per rod (per greatest height of a body), rounded to an even number.
+    pub slices: usize,
+    /// Whether [`Response::convergence`] is found, by a second run with 2/3 of the orders and half of the slices;
+    /// otherwise it is not a number.
+    pub estimate: bool,
+}
+
+impl Default for Rcwa {
+    fn default() -> Self {
+        Self { orders: 20, slices: 24, estimate: true }
+    }
+}
+
+/// What surrounds the bodies of a grating.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings {
+    /// Period along x, µm.
+    pub period_um: f64,
+    /// Relative permittivity above the surface, positive.
+    pub incidence_eps: f64,
+    /// Relative permittivity between and below the bodies.
+    pub host_eps: Complex64,
+}
+
+impl Crystal for Rcwa {
+    /// For an absorbing host, `transmitted` is what passes the lowest rods' lower edge, and `absorbed` includes the
+    /// host's share within the slices that cut rods.
+    fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response> {
+        check_rods(cell)?;
+        let surroundings = Surroundings {
+            period_um: cell.period_um,
+            incidence_eps: cell.incidence_eps,
+            host_eps: cell.host_eps,
+        };
+        self.respond_to(&surroundings, &bodies(cell), incidence)
+    }
+}
+
+impl Rcwa {
+    /// The response of bodies of any outline.
+    ///
+    /// # Errors
+    /// Media, bodies or waves that have no meaning, or eigenvalues that were not found.
+    pub fn respond_to(
+        &self,
+        surroundings: &Surroundings,
+        bodies: &[Body],
+        incidence: &Incidence,
+    ) -> Result<Response> {
+        check_bodies(bodies)?;
+        let Surroundings { period_um, incidence_eps, host_eps } = *surroundings;
+        let grating = Grating::new(period_um, incidence_eps, host_eps, incidence)?;
+        if self.orders == 0 || self.slices == 0 {
+            return Err(Error::input("RCWA needs at least one order to each side and one slice per rod"));
+        }
+        let mut response = self.solve(&grating, period_um, bodies)?;
+        if self.estimate {
+            let coarse =
+                Self { orders: (2 * self.orders).div_ceil(3), slices: self.slices.div_ceil(2), ..*self };
+            let rough = coarse.solve(&grating, period_um, bodies)?;
+            response.convergence = grating.difference(&response, &rough);
+        }
+        Ok(response)
+    }
+
+    fn solve(&self, grating: &Grating, period_um: f64, bodies: &[Body]) -> Result<Response> {
+        let propagating = grating.propagating();
+        let reach = propagating.iter().map(|m| m.abs()).max().unwrap_or(0);
+        let limit = reach.max(i32::try_from(self.orders).unwrap_or(i32::MAX));
+        let harmonics = Harmonics::new(grating, limit);
+        let stack = Stack::solve(&harmonics, bodies, period_um, grating.host_eps, self.slices)?;
+        let surface = Surface::new(grating, &harmonics);
+        let count = harmonics.len();
+        let size = 2 * count;
+        let under = stack.reflection();
+        let echo = Mat::from_fn(size, size, |i, j| {
+            let bounced: c64 = (0..2)
+                .map(|part| surface.bottom[i % count][i / count][part] * under[(i % count + part * count, j)])
+                .sum();
+            c64::from(f64::from(u8::from(i == j))) - bounced
+        });
+        let zeroth = limit as usize;
+        let entering = Mat::from_fn(size, 2, |i, polarization| {
+            let wave = grating.incident(polarization);
+            let [e, h] = surface.down[zeroth][i / count];
+            if i % count == zeroth { e * wave[0] + h * wave[1] } else { c64::ZERO }
+        });
+        let down = echo.partial_piv_lu().solve(&entering);
+        let up = under * &down;
+        let reflected = |m: i32, polarization: usize| -> [c64; 2] {
+            let order = (m + limit) as usize;
+            let wave = grating.incident(polarization);
+            std::array::from_fn(|field| {
+                let through = &surface.up[order][field];
+                let direct = &surface.top[order][field];
+                let own = if m == 0 { direct[0] * wave[0] + direct[1] * wave[1] } else { c64::ZERO };
+                own + through[0] * up[(order, polarization)] + through[1] * up[(order + count, polarization)]
+            })
+        };
+        let orders = propagating
+            .iter()
+            .map(|&m| grating.order(m, std::array::from_fn(|polarization| reflected(m, polarization))))
+            .collect();
+        let (mut transmitted, mut absorbed) = ([0.0; 2], [0.0; 2]);
+        // Power along −z of both incident polarizations: n cosθ cosφ.
+        let incident = grating.q_above(0).re;
+        for polarization in 0..2 {
+            let budget = stack.budget(&harmonics, down.col_as_slice(polarization));
+            absorbed[polarization] = budget.absorbed / incident;
+            transmitted[polarization] = budget.transmitted / incident;
+        }
+        Ok(Response { orders, transmitted, absorbed, convergence: f64::NAN })
+    }
+}
+
+fn check_bodies(bodies: &[Body]) -> Result<()> {
+    for (index, body) in bodies.iter().enumerate() {
+        let place = |error: Error| error.at(format!("body {index}"));
+        passive("body", body.eps).map_err(place)?;
+        if !body.x_um.is_finite() || !body.depth_um.is_finite() {
+            return Err(place(Error::input("its position is not a number")));
+        }
+        match &body.outline {
+            Outline::Ellipse { width_um, height_um } => {
+                positive("width", *width_um).map_err(place)?;
+                positive("height", *height_um).map_err(place)?;
+            }
+            Outline::Polygon(points) => {
+                if points.len() < 3 || points.iter().flatten().any(|value| !value.is_finite()) {
+                    return Err(place(Error::input("its outline needs three points or more, all finite")));
+                }
+            }
+        }
+        let (top, bottom) = body.outline.extent();
+        if body.depth_um + top < 0.0 || top >= bottom {
+            return Err(place(Error::input(format!(
+                "it reaches from {} to {} µm below the surface; it must have a height and lie below the surface",
+                body.depth_um + top,
+                body.depth_um + bottom
+            ))));
+        }
+    }
+    Ok(())
+}
+
+/// The flat surface between the incidence medium (waves as (E_y, H̃_y)) and the reference medium (as (E_x, E_y)), per order.
+struct Surface {
+    /// From above back up.
+    top: Vec<[[c64; 2]; 2]>,
+    /// From below back down.
+    bottom: Vec<[[c64; 2]; 2]>,
+    /// From above to below.
+    down: Vec<[[c64; 2]; 2]>,
+    /// From below to above.
+    up: Vec<[[c64; 2]; 2]>,
+}
+
+impl Surface {
+    fn new(grating: &Grating, harmonics: &Harmonics) -> Self {
+        let mut surface = Self { top: vec![], bottom: vec![], down: vec![], up: vec![] };
+        let (eps, kappa, b) = (grating.n * grating.n, grating.kappa(), grating.b);
+        for order in 0..harmonics.len() {
+            let m = order as i32 - harmonics.limit;
+            let ba = c64::from(b * grating.a(m) / kappa);
+            let q = grating.q_above(m) / kappa;
+            let v = harmonics.admittance(order);
+            // Rows E_x, E_y, H_x, H_y of waves that leave: above (E_y, H_y), below (E_x, E_y).
+            let (one, zero) = (c64::ONE, c64::ZERO);
+            let leaving = [
+                [-ba, q, -one, zero],
+                [one, zero, zero, -one],
+                [-eps * q, -ba, v[0][0], v[0][1]],
+                [zero, one, v[1][0], v[1][1]],
+            ];
+            let arriving = [
+                [ba, q, one, zero],
+                [-one, zero, zero, one],
+                [-eps * q, ba, v[0][0], v[0][1]],
+                [zero, -one, v[1][0], v[1][1]],
+            ];
+            let leaving = Mat::from_fn(4, 4, |i, j| leaving[i][j]);
+            let s = leaving.partial_piv_lu().solve(Mat::from_fn(4, 4, |i, j| arriving[i][j]));
+            let block = |row: usize, column: usize| {
+                [[s[(row, column)], s[(row, column + 1)]], [s[(row + 1, column)], s[(row + 1, column + 1)]]]
+            };
+            surface.top.push(block(0, 0));
+            surface.up.push(block(0, 2));
+            surface.down.push(block(2, 0));
+            surface.bottom.push(block(2, 2));
+        }
+        surface
+    }
+}
