@@ -76,3 +76,25 @@ fn file_of(name: &str) -> String {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../examples/lattices/{name}.toml"));
     file.to_string_lossy().into_owned()
 }
+
+#[test]
+fn bad_crystals_are_refused_before_any_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = std::fs::read_to_string(file_of("square-holes")).unwrap();
+    let path = folder.path().join("bad.toml");
+    for (from, to, said) in [
+        ("period = 0.22", "period = 900", "orders at 550 nm"),
+        ("period = 0.22", "period = 0", "lattice.period is 0"),
+        ("diameter = 0.12", "diameter = -0.12", "diameter is -0.12"),
+        ("diameter = 0.12", "diameter = 0.23", "wider than the period"),
+        ("row_pitch = 0.22", "row_pitch = 0.1", "overlap"),
+        ("rows = 4", "rows = 400", "lattice.rows is 400"),
+        ("cortex = 0.1", "cortex = 0.1\nincidence = 'melanin'", "does not absorb"),
+    ] {
+        std::fs::write(&path, good.replace(from, to)).unwrap();
+        let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").arg("crystal").arg(&path).output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{to}: {message}");
+        assert!(message.contains(said) && message.trim().lines().count() == 1, "{to}: {message}");
+    }
+}

@@ -9,7 +9,7 @@ use super::section::{materials, substance};
 use super::stack::one_line;
 use crate::material::Library;
 use crate::structure::fields::{Fields, list, number};
-use crate::structure::{Circle, Lattice, Rod, Substance};
+use crate::structure::{Circle, Lattice, MOST_RODS, Rod, Substance};
 use crate::{Error, Result};
 
 const KEYS: &[&str] =
@@ -66,7 +66,7 @@ pub(super) fn lattice_from(value: &Value, library: Library) -> Result<Lattice> {
         .enumerate()
         .map(|(index, value)| rod(value, &format!("lattice.rod[{index}]")))
         .collect::<Result<Vec<_>>>()?;
-    let rows = if fields.get("rows").is_some() { fields.count_within("rows", 1, 1000)? } else { 1 };
+    let rows = if fields.get("rows").is_some() { fields.count_within("rows", 1, MOST_RODS)? } else { 1 };
     let depth_to_center_um = match (fields.number("cortex")?, fields.number("depth_to_center")?) {
         (Some(cortex_um), None) if cortex_um >= 0.0 => Lattice::depth_under_cortex(cortex_um, &rods),
         (Some(cortex_um), None) => {
@@ -115,7 +115,7 @@ fn rod(value: &Value, place: &str) -> Result<Rod> {
         .collect::<Result<Vec<_>>>()?;
     let rows = match fields.get("rows_of_this") {
         None => None,
-        Some(_) => Some(fields.count_within("rows_of_this", 1, 1000)?),
+        Some(_) => Some(fields.count_within("rows_of_this", 1, MOST_RODS)?),
     };
     Ok(Rod {
         x_um: fields.number("x")?.unwrap_or(0.0),

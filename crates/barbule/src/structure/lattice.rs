@@ -8,7 +8,7 @@ use crate::{Error, Result};
 pub const TOUCHING_UM: f64 = 1e-5;
 
 /// A period has no more rods than this, over all rows.
-pub const MOST_RODS: usize = 1000;
+pub const MOST_RODS: usize = 200;
 
 /// Lengths that can be meant, µm.
 const LENGTHS_UM: std::ops::RangeInclusive<f64> = 1e-4..=1e3;

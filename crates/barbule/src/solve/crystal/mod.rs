@@ -25,6 +25,9 @@ use crate::observer::Observer;
 use crate::structure::Lattice;
 use crate::{Complex64, Error, Result};
 
+/// Orders that may propagate in the host; solvers take memory with their square and time with their cube.
+const MOST_ORDERS: f64 = 300.0;
+
 /// A crystal at one wavelength: rods along y, periodic in x, in a host that fills everything below the flat surface
 /// z = 0 and goes on below as a half-space; a lossless incidence medium above.
 #[derive(Debug, Clone)]
@@ -153,6 +156,14 @@ impl Cell {
                 "lattice.incidence has the index {incidence} at {wavelength_nm} nm, but light must come through a medium that does not absorb"
             )));
         }
+        let host_eps = eps(&lattice.host)?;
+        let orders = 2.0 * lattice.period_um * host_eps.sqrt().re.max(incidence.re) / (wavelength_nm * 1e-3);
+        if orders > MOST_ORDERS {
+            return Err(Error::input(format!(
+                "lattice.period of {} µm carries {orders:.0} orders at {wavelength_nm} nm, over {MOST_ORDERS}; give a shorter period",
+                lattice.period_um
+            )));
+        }
         let shells = lattice
             .rods
             .iter()
@@ -166,7 +177,7 @@ impl Cell {
         Ok(Self {
             period_um: lattice.period_um,
             incidence_eps: incidence.re * incidence.re,
-            host_eps: eps(&lattice.host)?,
+            host_eps,
             rods: lattice
                 .placed()
                 .map(|placed| Rod {

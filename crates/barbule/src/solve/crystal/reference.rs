@@ -18,9 +18,8 @@ pub(crate) struct Case {
 
 /// All kept cases.
 pub(crate) fn cases() -> Vec<Case> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/crystals.json");
-    let text = std::fs::read_to_string(path).expect("the reference values");
-    let values: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let text = include_str!("../../../tests/data/crystals.json");
+    let values: serde_json::Value = serde_json::from_str(text).expect("JSON");
     let number = |value: &serde_json::Value| value.as_f64().expect("a number");
     let pair = |value: &serde_json::Value| [number(&value[0]), number(&value[1])];
     let list = values["cases"].as_array().expect("a list");
