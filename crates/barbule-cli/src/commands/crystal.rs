@@ -167,7 +167,7 @@ impl Args {
         let field = solver.near_field(&cell, incidence, FIELD_ABOVE_UM)?;
         let (top, bottom) = (1e3 * field.top_um, 1e3 * field.bottom_um);
         // As many periods as make a picture to scale that is not too narrow.
-        let periods = (0.3 * (field.top_um - field.bottom_um) / field.period_um).ceil().clamp(1.0, 8.0);
+        let periods = (0.5 * (field.top_um - field.bottom_um) / field.period_um).ceil().clamp(1.0, 8.0);
         let right = periods * field.period_um * 1e3;
         let panel = |title: String, label: &str, values: &[f64]| {
             let x = Axis::with_range("x (nm)", 0.0, right);
