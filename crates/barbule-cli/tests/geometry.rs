@@ -47,7 +47,6 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_no_file() {
         (vec!["geometry", "air/keratin:5/air", "--instance", "3", "-o", &output], "no instance 3"),
         (vec!["geometry", "starling:cyan", "-o", &output], "no variant 'cyan'"),
         (vec!["species", "starlin"], "did you mean 'starling'"),
-        (vec!["species", "magpie", "--toml"], "not simulate yet"),
     ] {
         let (code, out, message) = run(&words);
         assert_eq!((code, out.as_str()), (2, ""), "{words:?}: {message}");
