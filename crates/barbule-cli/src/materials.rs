@@ -138,7 +138,7 @@ pub(crate) fn expected(planned: &Planned) -> String {
         .and_then(|section| Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian))
         .map_or(6, |surface| surface.slots());
     // Each ray crosses all layers, and structures of many layers need many rays.
-    let layers = 0.9 + 0.001 * (slots * slots) as f64;
+    let layers = 0.9 + 0.000_33 * (slots * slots) as f64;
     let work = planned.structure.width_um() / TYPICAL_WIDTH_UM * layers;
     let cores = rayon::current_num_threads() as f64;
     let seconds = planned.illuminations() as f64 * work / (TYPICAL_SPEED * cores);
