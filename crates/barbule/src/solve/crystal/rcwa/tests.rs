@@ -108,9 +108,6 @@ fn power_is_kept() {
     }
 }
 
-/// The direction of an order, seen as an incident wave, gives back the same amplitude: with E·E' unchanged by a swap
-/// of source and receiver, J_m(ω → ω') cosφ_m = J_m(ω' → ω)ᵀ cosφ_i but for the sign of e₁ against e₂, as ω' is on
-/// the other cone.
 #[test]
 fn overlaps_dense_incidence_media_and_lossy_hosts_are_fine() {
     for theta in [0.0, 50.0, -85.0] {
@@ -139,6 +136,9 @@ fn overlaps_dense_incidence_media_and_lossy_hosts_are_fine() {
     }
 }
 
+/// The direction of an order, seen as an incident wave, gives back the same amplitude: with E·E' unchanged by a swap
+/// of source and receiver, J_m(ω → ω') cosφ_m = J_m(ω' → ω)ᵀ cosφ_i but for the sign of e₁ against e₂, as ω' is on
+/// the other cone.
 #[test]
 fn source_and_receiver_may_be_swapped() {
     let mut cell = magpie(310.0);
@@ -301,7 +301,7 @@ fn slices_and_orders_converge() {
 }
 
 #[test]
-fn the_estimate_bounds_the_error() {
+fn the_estimate_covers_the_error_of_few_orders() {
     let cell = magpie(450.0);
     let incidence = wave(450.0, 0.0, 30.0);
     let response = respond(Rcwa { orders: 8, slices: 12, estimate: true }, &cell, &incidence);
