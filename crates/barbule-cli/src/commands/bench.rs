@@ -85,16 +85,17 @@ impl CampaignArgs {
 
 fn table(name: &str, width: Width, figures: &Figures) -> String {
     let tables = 50.0 * figures.table_seconds;
+    let rays = figures.rays.map_or(String::new(), |rays| format!(", {rays} rays per element"));
+    let what = if figures.rays.is_some() { "reflectance tables" } else { "orders of the crystal" };
     format!(
-        "{name}, {} instructions, {} rays per element\n\
+        "{name}, {} instructions{rays}\n\
          illuminations per CPU second     {:>8.0}\n\
          a full campaign ({} million)      {:>8.0} CPU s\n\
-         \u{20} of these reflectance tables    {:>8.0} CPU s\n\
+         \u{20} of these {what:<20}  {:>8.0} CPU s\n\
          preparing one instance           {:>8.1} CPU ms\n\
          tables of one wavelength         {:>8.0} MB\n\
          the fields of one unit:",
         width.name(),
-        figures.rays,
         figures.illuminations_per_second(),
         figures.illuminations / 1_000_000,
         figures.full_seconds,

@@ -14,12 +14,14 @@ mod planar;
 pub mod rcwa;
 #[cfg(test)]
 mod reference;
+mod table;
 
 use rayon::prelude::*;
 
 pub use fdtd::{Fdtd, NearField};
 pub use multipole::Multipole;
 pub use rcwa::Rcwa;
+pub use table::{order_series, order_table};
 
 use crate::observer::Observer;
 use crate::structure::Lattice;
