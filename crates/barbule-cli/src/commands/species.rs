@@ -8,7 +8,8 @@ use barbule::observer::Unobserved;
 use barbule::plot::{Anchor, Drawing, Format, Ink, Stroke};
 use barbule::solve::crystal::{Multipole, sweep};
 use barbule::solve::swatch::normal_reflectance;
-use barbule::spectrum::colour::{Observer, display};
+use barbule::spectrum::colour::{Observer, chromaticity, display};
+use barbule::spectrum::hue::{Dominant, dominant, hue_deg};
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{SpeciesFile, SpeciesModel, crystal_species, species_names, species_toml};
 use serde_json::json;
@@ -19,6 +20,9 @@ use crate::provenance::Provenance;
 /// Points of the top whose colours are averaged, and random individuals.
 const POINTS: usize = 120;
 const INSTANCES: usize = 2;
+
+/// Swatches in a line of the figure.
+const SWATCHES_ABREAST: usize = 8;
 
 /// Arguments of `barbule species`.
 #[derive(Debug, clap::Args)]
@@ -43,8 +47,47 @@ struct Entry {
     latin: String,
     coloration: String,
     default: String,
-    /// Name, sRGB (brightened), luminous reflectance.
-    variants: Vec<(String, [u8; 3], f64)>,
+    variants: Vec<(String, Look)>,
+}
+
+/// How a variant looks along the normal of a flat barbule.
+struct Look {
+    /// Brightened: as bright as a screen can show it, so that hues can be compared.
+    srgb: [u8; 3],
+    /// Luminous reflectance.
+    luminance: f64,
+    /// The highest local maximum of the reflectance in nm, and its height.
+    peak: Option<[f64; 2]>,
+    dominant: Option<Dominant>,
+    hue_deg: f64,
+}
+
+impl Look {
+    /// Of a mean reflectance.
+    fn of(spectrum: &Spectrum) -> Self {
+        let observer = Observer::default();
+        let (rgb, xyz) = (observer.linear_rgb(spectrum), observer.xyz(spectrum));
+        let most = rgb.into_iter().fold(1e-6, f64::max);
+        Self {
+            srgb: display(rgb.map(|c| 0.9 * c / most)),
+            luminance: xyz[1],
+            peak: peak(spectrum),
+            dominant: dominant(chromaticity(xyz)),
+            hue_deg: hue_deg(rgb),
+        }
+    }
+}
+
+/// The highest local maximum, by a parabola through three samples at equal distances.
+fn peak(spectrum: &Spectrum) -> Option<[f64; 2]> {
+    let (nm, values) = (spectrum.wavelengths().nm(), spectrum.values());
+    let (at, three) = values
+        .windows(3)
+        .enumerate()
+        .filter(|(_, w)| w[1] > w[0] && w[1] >= w[2])
+        .max_by(|(_, a), (_, b)| a[1].total_cmp(&b[1]))?;
+    let shift = 0.5 * (three[0] - three[2]) / (three[0] - 2.0 * three[1] + three[2]);
+    Some([nm[at + 1] + shift * (nm[at + 2] - nm[at + 1]), three[1] - 0.25 * (three[0] - three[2]) * shift])
 }
 
 impl Args {
@@ -84,10 +127,7 @@ impl Args {
         }
         for variant in file.variants().filter(|v| wanted.is_none_or(|w| w == *v)) {
             let model = file.model(Some(variant), self.common.library()?)?;
-            let (rgb, luminance) = self.colour(&model)?;
-            // As bright as a screen can show it, so that hues can be compared.
-            let most = rgb.into_iter().fold(1e-6, f64::max);
-            variants.push((variant.to_owned(), display(rgb.map(|c| 0.9 * c / most)), luminance));
+            variants.push((variant.to_owned(), Look::of(&self.reflectance(&model)?)));
         }
         Ok(Entry {
             name: name.to_owned(),
@@ -98,26 +138,21 @@ impl Args {
         })
     }
 
-    /// Linear sRGB and luminous reflectance at normal incidence.
-    fn colour(&self, model: &SpeciesModel) -> Result<([f64; 3], f64)> {
+    /// Mean reflectance at normal incidence.
+    fn reflectance(&self, model: &SpeciesModel) -> Result<Spectrum> {
         let at = Wavelengths::new((0..=40).map(|i| 380.0 + 10.0 * f64::from(i)).collect::<Vec<_>>())?;
-        let observer = Observer::default();
         if let Some(lattice) = model.lattice() {
             let found = sweep(&Multipole::default(), &lattice, at.nm(), 0.0, &[0.0], &Unobserved)?;
-            let spectrum = Spectrum::new(at, found.into_iter().map(|[a, b]| 0.5 * (a + b)).collect())?;
-            return Ok((observer.linear_rgb(&spectrum), observer.xyz(&spectrum)[1]));
+            return Spectrum::new(at, found.into_iter().map(|[a, b]| 0.5 * (a + b)).collect());
         }
-        let (mut rgb, mut luminance) = ([0.0; 3], 0.0);
+        let mut mean = vec![0.0; at.len()];
         for instance in 0..INSTANCES {
             let section = model.section(self.common.seed, instance)?;
-            let spectrum = normal_reflectance(&section, POINTS, &at)?;
-            let part = observer.linear_rgb(&spectrum);
-            luminance += observer.xyz(&spectrum)[1] / INSTANCES as f64;
-            for (sum, c) in rgb.iter_mut().zip(part) {
-                *sum += c / INSTANCES as f64;
+            for (sum, value) in mean.iter_mut().zip(normal_reflectance(&section, POINTS, &at)?.values()) {
+                *sum += value / INSTANCES as f64;
             }
         }
-        Ok((rgb, luminance))
+        Spectrum::new(at, mean)
     }
 }
 
@@ -129,13 +164,17 @@ fn list(out: &mut dyn Write, entries: &[Entry], all: bool) -> Result<()> {
     let blocks = std::io::stdout().is_terminal();
     for entry in entries {
         print(out, &format!("{} ({}): {}", entry.name, entry.latin, entry.coloration))?;
-        for (variant, rgb, luminance) in &entry.variants {
-            let [r, g, b] = rgb;
+        for (variant, look) in &entry.variants {
+            let [r, g, b] = look.srgb;
             let block =
                 if blocks { format!("\u{1b}[48;2;{r};{g};{b}m    \u{1b}[0m ") } else { String::new() };
             let mark = if *variant == entry.default { " (default)" } else { "" };
-            let percent = 100.0 * luminance;
-            print(out, &format!("  {block}{}  {variant:<10} reflects {percent:4.1} %{mark}", hex(*rgb)))?;
+            let percent = 100.0 * look.luminance;
+            let peak = look.peak.map_or(String::new(), |[nm, _]| format!(", peak {nm:.0} nm"));
+            print(
+                out,
+                &format!("  {block}{}  {variant:<16} reflects {percent:4.1} %{peak}{mark}", hex(look.srgb)),
+            )?;
         }
     }
     if all {
@@ -152,7 +191,19 @@ fn document(entries: &[Entry], all: bool) -> serde_json::Value {
             let variants: Vec<_> = entry
                 .variants
                 .iter()
-                .map(|(name, rgb, y)| json!({"name": name, "srgb": hex(*rgb), "luminous_reflectance": y}))
+                .map(|(name, look)| {
+                    json!({
+                        "name": name,
+                        "srgb": hex(look.srgb),
+                        "luminous_reflectance": look.luminance,
+                        "peak_nm": look.peak.map(|[nm, _]| nm),
+                        "peak_reflectance": look.peak.map(|[_, height]| height),
+                        "dominant_nm": look.dominant.map(|d| d.nm),
+                        "dominant_is_complementary": look.dominant.is_some_and(|d| d.is_complementary),
+                        "purity": look.dominant.map(|d| d.purity),
+                        "hue_deg": look.hue_deg,
+                    })
+                })
                 .collect();
             json!({
                 "name": entry.name, "latin": entry.latin, "coloration": entry.coloration,
@@ -168,17 +219,24 @@ fn document(entries: &[Entry], all: bool) -> serde_json::Value {
 }
 
 fn figure(entries: &[Entry]) -> Drawing {
-    let mut drawing = Drawing::new(1000.0, 20.0 + 130.0 * entries.len() as f64);
-    for (row, entry) in entries.iter().enumerate() {
-        let y = 20.0 + 130.0 * row as f64;
+    let lines = |entry: &Entry| entry.variants.len().div_ceil(SWATCHES_ABREAST).max(1);
+    let height: usize = entries.iter().map(|entry| 20 + 30 + 80 * lines(entry)).sum();
+    let mut drawing = Drawing::new(1000.0, 20.0 + height as f64);
+    let mut y = 20.0;
+    for entry in entries {
         let title = format!("{} ({}): {}", entry.name, entry.latin, entry.coloration);
         drawing.text([20.0, y + 16.0], 16.0, Anchor::Start, title);
-        for (i, (variant, rgb, _)) in entry.variants.iter().enumerate() {
-            let x = 20.0 + 120.0 * i as f64;
+        for (i, (variant, look)) in entry.variants.iter().enumerate() {
+            let x = 20.0 + 120.0 * (i % SWATCHES_ABREAST) as f64;
+            let top = y + 28.0 + 80.0 * (i / SWATCHES_ABREAST) as f64;
             let edge = Stroke::solid(Ink::of([120, 120, 120]), 0.8);
-            drawing.rectangle([x, y + 28.0, 108.0, 50.0], Some(Ink::of(*rgb)), Some(edge));
-            drawing.text([x + 54.0, y + 95.0], 13.0, Anchor::Middle, format!("{variant} {}", hex(*rgb)));
+            drawing.rectangle([x, top, 108.0, 50.0], Some(Ink::of(look.srgb)), Some(edge));
+            // A long name leaves no room for the number.
+            let words =
+                if variant.len() > 9 { variant.clone() } else { format!("{variant} {}", hex(look.srgb)) };
+            drawing.text([x + 54.0, top + 67.0], 13.0, Anchor::Middle, words);
         }
+        y += 50.0 + 80.0 * lines(entry) as f64;
     }
     drawing
 }
