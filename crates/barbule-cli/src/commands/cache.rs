@@ -31,7 +31,7 @@ impl Args {
                 files.iter().map(|(path, bytes)| json!({ "file": path, "bytes": bytes })).collect();
             return print_json(out, &json!({ "folder": folder, "materials": list, "cleared": self.clear }));
         }
-        let mut text = format!("{}: {} files", folder.display(), files.len());
+        let mut text = format!("{}: {} cached", folder.display(), files.len());
         for (path, bytes) in &files {
             text += &format!("\n{:>8} kB  {}", bytes.div_ceil(1000), path.display());
         }

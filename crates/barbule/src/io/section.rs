@@ -153,7 +153,7 @@ fn section(value: &Value, folder: &Path, library: &Library) -> Result<Section> {
             }
         }
         None if parts.boundaries.is_empty() => parts.media.push(Medium::named("air")),
-        None if parts.crystal.is_some() => {
+        None if parts.crystal.is_some() && parts.boundaries.len() == 1 => {
             parts.media = parts
                 .crystal
                 .iter()

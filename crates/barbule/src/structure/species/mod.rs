@@ -399,7 +399,7 @@ impl SpeciesFile {
         ];
         if value.get("lattice").is_some() {
             return Err(Error::input(
-                "lattice: a species' crystal is described by the parameters of generator \"crystal\"; a lattice alone is a file for barbule crystal",
+                "lattice: a species' crystal is described by the parameters of generator \"crystal\"; a lattice alone is a file of its own",
             ));
         }
         let fields = Fields::new(&value, "", &keys)?;
