@@ -68,10 +68,7 @@ pub fn parse(text: &str, common: &Common) -> Result<Structure> {
 pub(crate) fn lattice(text: &str, common: &Common) -> Result<Lattice> {
     let structure = parse(text, common)?;
     structure.lattice().ok_or_else(|| {
-        Error::input(format!(
-            "{} is made of layers, not of a photonic crystal; {LATTICES}",
-            structure.name()
-        ))
+        Error::input(format!("{} is made of layers, not of a photonic crystal; {LATTICES}", structure.name()))
     })
 }
 

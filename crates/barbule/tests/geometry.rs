@@ -224,9 +224,9 @@ const BITS: [(&str, &str); 7] = [
     ("starling", "44ed2dde86071eb1"),
     ("bronzewing", "7a7e13dca87feb3a"),
     ("hummingbird", "818b0ad01ddf3496"),
-    ("mallard", ""),
-    ("magpie", ""),
-    ("peafowl", ""),
+    ("mallard", "ded1cbafc364c7dd"),
+    ("magpie", "a80a52edef5a0374"),
+    ("peafowl", "e3802e7df76843a5"),
 ];
 
 #[test]

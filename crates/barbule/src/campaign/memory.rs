@@ -97,7 +97,11 @@ impl Demand {
         let gathered = if gathered { 2 * STATISTICS * axes.len() as u64 } else { 0 };
         let scaled = |bytes: usize| (distinct as f64 * MARGIN * bytes as f64) as u64;
         Ok(Self {
-            fixed: PROGRAM + scaled(instance + table + optics) + shared as u64 + gathered + threads * workspace as u64,
+            fixed: PROGRAM
+                + scaled(instance + table + optics)
+                + shared as u64
+                + gathered
+                + threads * workspace as u64,
             unit: (8 * directions * parameters.instances * fields + kept) as u64 + 2 * STATISTICS * phis,
             most_units: axes.cos_theta.len().min(super::most_units()),
         })

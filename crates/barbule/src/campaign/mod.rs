@@ -21,8 +21,8 @@ use crate::math::rng::Stream;
 use crate::math::simd::Width;
 use crate::observer::Observer;
 use crate::scattering::directions::AZIMUTH_MARGIN;
-use crate::scattering::statistics::{AZIMUTHS, Axes, Unit};
 use crate::scattering::orders::OrderTable;
+use crate::scattering::statistics::{AZIMUTHS, Axes, Unit};
 use crate::solve::crystal::{Multipole, order_table};
 use crate::solve::surface::{
     CAMPAIGN_ELEMENT_UM, Cone, CrystalOrders, Nodes, Rays, ReflectanceTable, Stacks, Surface, Window,
@@ -301,13 +301,27 @@ impl Campaign {
                     match &wavelength.reflectors {
                         Reflectors::Layers(tables) => {
                             let stacks = Stacks(&tables[distinct]);
-                            workspace
-                                .far_fields(surface, &stacks, &nodes, &cone, &turned, &scales, coefficients);
+                            workspace.far_fields(
+                                surface,
+                                &stacks,
+                                &nodes,
+                                &cone,
+                                &turned,
+                                &scales,
+                                coefficients,
+                            );
                         }
                         Reflectors::Crystal(orders) => {
                             let orders = &orders[theta];
-                            workspace
-                                .far_fields(surface, orders, &nodes, &cone, &turned, &scales, coefficients);
+                            workspace.far_fields(
+                                surface,
+                                orders,
+                                &nodes,
+                                &cone,
+                                &turned,
+                                &scales,
+                                coefficients,
+                            );
                         }
                     }
                     let synthesis = workspace.synthesis(&cone, AZIMUTHS * refine, AZIMUTH_MARGIN);

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use crate::math::simd::Width;
 use crate::observer::Observer;
-use crate::scattering::statistics::AZIMUTHS;
 use crate::scattering::orders::OrderTable;
+use crate::scattering::statistics::AZIMUTHS;
 use crate::solve::crystal::{Multipole, order_table};
 use crate::solve::surface::{
     Cone, CrystalOrders, Nodes, Stacks, Surface, Window, Workspace, inverse_root, refinement,
@@ -91,8 +91,7 @@ fn crystal(lattice: &Lattice, request: &SpectrumRequest, observer: &dyn Observer
     let mut cos_theta: Vec<f64> = request.directions.iter().map(|d| d.0.cos()).collect();
     cos_theta.sort_by(f64::total_cmp);
     cos_theta.dedup();
-    let table =
-        order_table(&Multipole::default(), lattice, &request.wavelengths_nm, &cos_theta, observer)?;
+    let table = order_table(&Multipole::default(), lattice, &request.wavelengths_nm, &cos_theta, observer)?;
     Ok(Crystal { table, depth_um: lattice.bottom_um() })
 }
 
@@ -138,12 +137,12 @@ fn of_instance(
             let scales: Vec<f64> =
                 phis.iter().map(|&phi| inverse_root(surface.incident_power_um(theta_i, phi))).collect();
             match crystal.map(|crystal| crystal.at(column, theta_i)) {
-                Some(orders) => workspace
-                    .far_fields(&surface, &orders, &nodes, &cone, &phis, &scales, &mut coefficients),
+                Some(orders) => {
+                    workspace.far_fields(&surface, &orders, &nodes, &cone, &phis, &scales, &mut coefficients)
+                }
                 None => {
                     let stacks = Stacks(&optics);
-                    workspace
-                        .far_fields(&surface, &stacks, &nodes, &cone, &phis, &scales, &mut coefficients);
+                    workspace.far_fields(&surface, &stacks, &nodes, &cone, &phis, &scales, &mut coefficients);
                 }
             }
             let synthesis = workspace.synthesis(&cone, AZIMUTHS * refinement(&cone, AZIMUTHS), 0);

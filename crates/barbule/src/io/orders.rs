@@ -96,8 +96,11 @@ fn decode(bytes: &[u8], key: &str) -> Option<OrderTable> {
         }
         series.push(OrderSeries { step, mirrored: mirrored != 0.0, pieces: own });
     }
-    (series.len() == wavelengths_nm.len().checked_mul(cos_theta.len())?)
-        .then_some(OrderTable { wavelengths_nm, cos_theta, series })
+    (series.len() == wavelengths_nm.len().checked_mul(cos_theta.len())?).then_some(OrderTable {
+        wavelengths_nm,
+        cos_theta,
+        series,
+    })
 }
 
 fn checksum<'a>(key: &str, arrays: impl Iterator<Item = &'a [u8]>) -> String {

@@ -37,7 +37,8 @@ pub fn far_field(
     let palette = columns.palette.iter().map(|m| m.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
     let w_i = omega(theta_i, phi_i);
     let incident = [(e1(theta_i, phi_i), e2(phi_i)), (e2(phi_i), -e1(theta_i, phi_i))];
-    let crystal = section.crystal.as_ref().map(|layer| Crystalline::new(layer, section, wavelength_nm, theta_i));
+    let crystal =
+        section.crystal.as_ref().map(|layer| Crystalline::new(layer, section, wavelength_nm, theta_i));
     let crystal = crystal.transpose()?;
     let mut incident_power_um = 0.0;
     // Currents with their positions, per incident polarization.

@@ -72,8 +72,7 @@ impl CrystalLayer {
             while s <= total {
                 let right = arc.partition_point(|&a| a <= s).clamp(1, arc.len() - 1);
                 let length = arc[right] - arc[right - 1];
-                let (dx, dz) =
-                    (top.x_um[right] - top.x_um[right - 1], top.z_um[right] - top.z_um[right - 1]);
+                let (dx, dz) = (top.x_um[right] - top.x_um[right - 1], top.z_um[right] - top.z_um[right - 1]);
                 let t = (s - arc[right - 1]) / length;
                 let x_um = top.x_um[right - 1] + t * dx + placed.depth_um * dz / length;
                 let z_um = top.z_um[right - 1] + t * dz - placed.depth_um * dx / length;

@@ -252,7 +252,18 @@ impl Section {
         };
         let Parts { name, boundaries, media, inclusions, crystal, source, .. } = parts;
         let materials = BTreeMap::new();
-        Ok(Self { name, width_um, boundaries, media, inclusions, crystal, source, library, materials, nesting })
+        Ok(Self {
+            name,
+            width_um,
+            boundaries,
+            media,
+            inclusions,
+            crystal,
+            source,
+            library,
+            materials,
+            nesting,
+        })
     }
 
     /// A planar stack as a flat section, [`FLAT_WIDTH_UM`] wide.

@@ -72,13 +72,14 @@ pub fn order_series(
         pieces: Vec::new(),
     };
     // κ of the host over that of the incidence medium.
-    let host = (cell.host_eps.re - cell.incidence_eps * sin_theta * sin_theta).max(0.0).sqrt() / (n * cos_theta);
-    let depth_um =
-        cell.rods.iter().map(|r| r.depth_um + 0.5 * r.shells[0].diameter_um).fold(0.0, f64::max);
+    let host =
+        (cell.host_eps.re - cell.incidence_eps * sin_theta * sin_theta).max(0.0).sqrt() / (n * cos_theta);
+    let depth_um = cell.rods.iter().map(|r| r.depth_um + 0.5 * r.shells[0].diameter_um).fold(0.0, f64::max);
     // Twice the depth's phase in the host at normal incidence over that at another angle, per unit of its cosine.
     let twice = 2.0 * depth_um * n * cos_theta * std::f64::consts::TAU / (wavelength_nm * 1e-3);
     for between in intervals(series.step, host).array_windows::<2>() {
-        let whole = Piece { between: *between, part: [0.0, 1.0], first: 0, orders: 0, coefficients: Vec::new() };
+        let whole =
+            Piece { between: *between, part: [0.0, 1.0], first: 0, orders: 0, coefficients: Vec::new() };
         let Some(part) = part_kept(&whole, series.mirrored) else { continue };
         let mut waiting = vec![([part, 1.0], 0)];
         while let Some((part, halvings)) = waiting.pop() {
@@ -232,7 +233,13 @@ mod tests {
             Multipole::default().respond(cell, incidence)
         }
 
-        fn respond_to_azimuths(&self, cell: &Cell, nm: f64, theta: f64, phi: &[f64]) -> Result<Vec<Response>> {
+        fn respond_to_azimuths(
+            &self,
+            cell: &Cell,
+            nm: f64,
+            theta: f64,
+            phi: &[f64],
+        ) -> Result<Vec<Response>> {
             self.0.set(self.0.get() + phi.len());
             Multipole::default().respond_to_azimuths(cell, nm, theta, phi)
         }

@@ -110,7 +110,8 @@ impl<T: Real> Reflector<T> for CrystalOrders<T> {
         let per_rad = self.steps as f64 / std::f64::consts::PI;
         for offset in (0..BLOCK).step_by(lanes) {
             let slope: T::Native<S> = load(simd, &arrays.slope, start + offset);
-            let from_left = slope + splat::<S, T::Native<S>>(simd, incidence.phi + std::f64::consts::FRAC_PI_2);
+            let from_left =
+                slope + splat::<S, T::Native<S>>(simd, incidence.phi + std::f64::consts::FRAC_PI_2);
             let at = (from_left * splat::<S, T::Native<S>>(simd, per_rad))
                 .max(splat::<S, T::Native<S>>(simd, 0.0))
                 .min(splat::<S, T::Native<S>>(simd, self.steps as f64));

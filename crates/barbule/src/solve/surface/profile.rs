@@ -36,11 +36,8 @@ pub fn stage_seconds(
     let width = Width::best();
     let surface = Surface::new(section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
     let batch = Batch { surface: &surface, wavelength_nm, theta_i, phi_i };
-    let rays = if surface.lattice.is_none() {
-        Some(Rays::cast(section, CAMPAIGN_ELEMENT_UM, parts)?)
-    } else {
-        None
-    };
+    let rays =
+        if surface.lattice.is_none() { Some(Rays::cast(section, CAMPAIGN_ELEMENT_UM, parts)?) } else { None };
     let mut best: Vec<(&'static str, f64)> = Vec::new();
     let mut workspace = Workspace::new(width);
     for _ in 0..repeats.max(1) {

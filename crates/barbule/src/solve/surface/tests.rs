@@ -17,13 +17,8 @@ fn mirror() -> Medium {
 }
 
 fn section(width_um: f64, boundaries: Vec<Polyline>, media: Vec<Medium>) -> Section {
-    let parts = Parts {
-        name: "test".into(),
-        width_um: Some(width_um),
-        boundaries,
-        media,
-        ..Parts::default()
-    };
+    let parts =
+        Parts { name: "test".into(), width_um: Some(width_um), boundaries, media, ..Parts::default() };
     Section::new(parts, Library::builtin()).unwrap()
 }
 
@@ -344,11 +339,25 @@ fn single_precision_survives_grazing_light_on_many_voids() {
         let phis = [0.7, 1.45];
         let (mut fast, mut exact) = (Vec::new(), Vec::new());
         let nodes = Nodes::equidistant(&surface, cone.kappa);
-        Workspace::<f32>::new(Width::best())
-            .far_fields(&surface, &Stacks(&single), &nodes, &cone, &phis, &[1.0; 2], &mut fast);
+        Workspace::<f32>::new(Width::best()).far_fields(
+            &surface,
+            &Stacks(&single),
+            &nodes,
+            &cone,
+            &phis,
+            &[1.0; 2],
+            &mut fast,
+        );
         let nodes = Nodes::at_points(&surface);
-        Workspace::<f64>::new(Width::best())
-            .far_fields(&surface, &Stacks(&double), &nodes, &cone, &phis, &[1.0; 2], &mut exact);
+        Workspace::<f64>::new(Width::best()).far_fields(
+            &surface,
+            &Stacks(&double),
+            &nodes,
+            &cone,
+            &phis,
+            &[1.0; 2],
+            &mut exact,
+        );
         let fast: Vec<Complex64> =
             fast.iter().map(|v| Complex64::new(f64::from(v.re), f64::from(v.im))).collect();
         let error = relative_l2(fast.iter(), exact.iter());
