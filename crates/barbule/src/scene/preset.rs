@@ -119,6 +119,7 @@ pub fn all() -> [Preset; 7] {
             material: "peafowl",
             feather: species::peafowl(),
             window: Window { along_mm: 85.0, radius_mm: 3.4 },
+            exposure: 0.22,
             ..usual
         },
     ]
