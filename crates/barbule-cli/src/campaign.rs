@@ -2,10 +2,12 @@
 
 use barbule::brdf::Material;
 use barbule::brdf::fit::{FitOptions, FitReport, Pattern, fit};
-use barbule::campaign::{Campaign, Demand, Parameters};
+use barbule::campaign::{Campaign, Demand, Parameters, orders};
+use barbule::io::{read_orders, write_orders};
 use barbule::math::simd::Width;
 use barbule::observer::Observer;
 use barbule::scattering::lobe::FitKind;
+use barbule::scattering::orders::OrderTable;
 use barbule::scattering::statistics::{Axes, Statistics};
 use barbule::structure::Structure;
 use barbule::{Error, Result};
@@ -13,6 +15,7 @@ use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use crate::common::Common;
+use crate::materials::{cache_folder, file_stem};
 use crate::sets;
 
 /// Instances of a thinned campaign.
@@ -163,9 +166,12 @@ impl Planned {
         &self,
         width: Width,
         units_at_once: usize,
+        common: &Common,
         observer: &dyn Observer,
     ) -> Result<Campaign> {
-        let mut campaign = Campaign::new(&self.structure, self.parameters.clone(), width, observer)?;
+        let orders = crystal_orders(&self.structure, &self.parameters.axes, common, observer)?;
+        let mut campaign =
+            Campaign::with_orders(&self.structure, self.parameters.clone(), orders, width, observer)?;
         campaign.limit_units(units_at_once);
         Ok(campaign)
     }
@@ -174,6 +180,32 @@ impl Planned {
     pub(crate) fn illuminations(&self) -> usize {
         self.parameters.axes.len() * self.parameters.instances * 2
     }
+}
+
+/// The orders of a structure's crystal on these axes: from the cache, or solved and kept there.
+pub(crate) fn crystal_orders(
+    structure: &Structure,
+    axes: &Axes,
+    common: &Common,
+    observer: &dyn Observer,
+) -> Result<Option<OrderTable>> {
+    let Some(lattice) = structure.lattice() else { return Ok(None) };
+    let key = format!("{CAMPAIGN_VERSION} {} {:?} {:?}", lattice.hash(), axes.wavelengths_nm, axes.cos_theta);
+    let key = barbule::io::hash_bytes(key.as_bytes());
+    // Without a cache the orders are solved every time.
+    let folder = cache_folder(common).ok();
+    let path = folder.map(|f| f.join(format!("{}-{}.orders", file_stem(&structure.name()), &key[..16])));
+    if let Some(found) = path.as_ref().and_then(|path| read_orders(path, &key).ok()) {
+        common.explain("the orders of the crystal are in the cache");
+        return Ok(Some(found));
+    }
+    let table = orders(structure, axes, observer)?;
+    if let (Some(path), Some(table)) = (&path, &table)
+        && let Err(error) = write_orders(path, &key, table)
+    {
+        common.explain(&format!("the orders of the crystal are not kept: {error}"));
+    }
+    Ok(table)
 }
 
 impl FitArgs {

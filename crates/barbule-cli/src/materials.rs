@@ -12,7 +12,7 @@ use barbule::structure::{SpeciesModel, Structure};
 use barbule::{Error, Result};
 use clap::Parser;
 
-use crate::campaign::{CampaignArgs, FitArgs, Planned};
+use crate::campaign::{CampaignArgs, FitArgs, Planned, crystal_orders};
 use crate::common::Common;
 use crate::progress::Terminal;
 use crate::structure_arg;
@@ -73,7 +73,7 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
     let width = defaults.campaign.width()?;
     let at_once = planned.units_at_once(width, false, true, common)?;
     let observer = Terminal::new(common);
-    let campaign = planned.campaign(width, at_once, &observer)?;
+    let campaign = planned.campaign(width, at_once, common, &observer)?;
     let statistics = statistics(&campaign, &observer)?;
     let (material, _) = defaults.fit.fit(&statistics, &name, &planned.description, &observer)?;
     write_material(&cached, &material)?;
@@ -127,7 +127,9 @@ pub(crate) fn campaign_of(
     let tilt =
         if tilted { made["tilt_deg"].as_f64().unwrap_or(0.0).clamp(0.0, 30.0).to_radians() } else { 0.0 };
     let parameters = Parameters { axes, instances, seed: made["seed"].as_u64().unwrap_or(1), tilt };
-    Campaign::new(&structure, parameters, Width::best(), &Terminal::new(common))
+    let observer = Terminal::new(common);
+    let orders = crystal_orders(&structure, &parameters.axes, common, &observer)?;
+    Campaign::with_orders(&structure, parameters, orders, Width::best(), &observer)
 }
 
 /// The duration to expect of a campaign, in words.

@@ -1,13 +1,16 @@
 //! Cross sections drawn to scale: the whole barbule, a zoom, a legend, and the parameters of hummingbirds.
 
 use barbule::plot::{Anchor, Drawing, Ink, Item, PALETTE, Stroke};
-use barbule::structure::{Hummingbird, Medium, Polyline, Section, Substance};
+use barbule::structure::{CrystalLayer, Hummingbird, Loop, Medium, Polyline, Section, Substance};
 
 const PAGE: f64 = 1000.0;
 const MARGIN: f64 = 30.0;
 const FONT: f64 = 15.0;
-/// Zooms show at most this much, µm.
+/// Zooms show at most this much, µm; of a crystal, whose rods are small, less.
 const ZOOM_UM: f64 = 5.0;
+const CRYSTAL_ZOOM_UM: f64 = 3.0;
+/// What is shown below a crystal, as a part of its depth.
+const BELOW_CRYSTAL: f64 = 0.15;
 /// Points closer than this on the page are left out, px.
 const DETAIL: f64 = 0.3;
 /// Width of the strips in which a mixture's shade is constant, px.
@@ -85,16 +88,23 @@ fn extent(section: &Section) -> [f64; 4] {
     };
     section.boundaries.iter().for_each(&mut cover);
     section.inclusions.iter().for_each(|inclusion| cover(&inclusion.outline.corners()));
-    let [left, right, low, high] = all;
+    let [left, right, mut low, high] = all;
+    low -= shown_depth(section);
     // A flat interface alone still shows what is on both sides.
     let least = 0.04 * (right - left);
-    if high - low < least { [left, right, low - least, high + least] } else { all }
+    if high - low < least { [left, right, low - least, high + least] } else { [left, right, low, high] }
+}
+
+/// How far below its top a section's crystal is shown, µm; 0 without one.
+fn shown_depth(section: &Section) -> f64 {
+    section.crystal.as_ref().map_or(0.0, |c| c.lattice.bottom_um() * (1.0 + BELOW_CRYSTAL))
 }
 
 /// A part near the middle that shows the layers under the top.
 fn zoom_window(section: &Section) -> [f64; 4] {
     let [left, right, low, high] = extent(section);
-    let wide = (0.25 * (right - left)).min(ZOOM_UM);
+    let most = if section.crystal.is_some() { CRYSTAL_ZOOM_UM } else { ZOOM_UM };
+    let wide = (0.25 * (right - left)).min(most);
     let middle = 0.5 * (left + right);
     let [from, to] = [middle - 0.5 * wide, middle + 0.5 * wide];
     let top = section.top();
@@ -104,7 +114,7 @@ fn zoom_window(section: &Section) -> [f64; 4] {
             |curve: &Polyline| (0..=50).map(|i| curve.height(from + wide * f64::from(i) / 50.0)).collect();
         let (tops, bottoms): (Vec<f64>, Vec<f64>) = (heights(top), heights(bottom));
         upper = tops.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        lower = bottoms.into_iter().fold(f64::INFINITY, f64::min);
+        lower = bottoms.into_iter().fold(f64::INFINITY, f64::min) - shown_depth(section);
     }
     let pad = 0.03 * wide;
     let tall = (upper - lower + 2.0 * pad).clamp(0.2 * wide, 0.85 * wide);
@@ -186,7 +196,31 @@ fn regions(page: &mut Drawing, section: &Section, view: &View) {
     }
     loops.sort_by_key(|(order, _)| *order);
     items.extend(loops.into_iter().map(|(_, item)| item));
+    items.extend(section.crystal.iter().flat_map(|crystal| rods(crystal, section.top(), view)));
     page.items.push(Item::Clip { area: view.area(), items });
+}
+
+/// The rods of a crystal that a view shows.
+fn rods(crystal: &CrystalLayer, top: &Polyline, view: &View) -> Vec<Item> {
+    let [left, right, bottom, high] = view.window;
+    crystal
+        .circles(top)
+        .into_iter()
+        .filter(|c| {
+            let (x, z, r) = (c.x_um, c.z_um, c.radius_um);
+            x + r > left && x - r < right && z + r > bottom && z - r < high
+        })
+        .map(|c| {
+            let outline = Loop::Circle { x_um: c.x_um, z_um: c.z_um, radius_um: c.radius_um };
+            let ink = Ink::of(shade(&crystal.lattice.rods[c.rod].circles[c.circle].medium));
+            Item::Path {
+                runs: vec![thinned(&outline.corners(), view)],
+                closed: true,
+                fill: Some(ink),
+                stroke: None,
+            }
+        })
+        .collect()
 }
 
 fn thinned(corners: &Polyline, view: &View) -> Vec<[f64; 2]> {
@@ -250,7 +284,13 @@ fn scale_bar(page: &mut Drawing, view: &View) {
 /// One swatch for each medium.
 fn legend(section: &Section) -> Drawing {
     let mut entries: Vec<(String, [u8; 3], [u8; 3])> = Vec::new();
-    for medium in section.all_media() {
+    let of_rods: Vec<Medium> = section
+        .crystal
+        .iter()
+        .flat_map(|crystal| crystal.lattice.rods.iter().flat_map(|rod| &rod.circles))
+        .map(|circle| Medium::Pure(circle.medium.clone()))
+        .collect();
+    for medium in section.all_media().chain(&of_rods) {
         let entry = match medium {
             Medium::Pure(substance) => (substance.label(), shade(substance), shade(substance)),
             Medium::Mixture { first, second, fraction, .. } => {

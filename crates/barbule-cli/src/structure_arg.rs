@@ -10,29 +10,22 @@ use barbule::{Error, Result};
 use crate::common::Common;
 
 /// What every STRUCTURE argument says in `--help`.
-pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], a section .json, a species .toml, or a folder of sections";
+pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], a section .json, a species or lattice .toml, or a folder of sections";
 
-/// Finds a structure: `SPECIES[:VARIANT]`, a stack, `FILE.json`, `FILE.toml[:VARIANT]`, or a folder of sections.
+/// Finds a structure: `SPECIES[:VARIANT]`, a stack, `FILE.json`, `FILE.toml[:VARIANT]`, or a folder of sections; a stack
+/// or lattice alone lies flat.
 ///
 /// # Errors
 /// An unknown name (the nearest known one is offered), a file that is missing or not of such a kind, or one that
 /// describes no valid structure.
 pub fn parse(text: &str, common: &Common) -> Result<Structure> {
-    let structure = find(text, common)?;
-    if let Structure::Species(model) = &structure
-        && model.lattice().is_some()
-    {
-        // Refused here, before anything is written: it has no section.
-        model.section(common.seed, 0)?;
-    }
-    Ok(structure)
-}
-
-/// Finds a structure, a photonic crystal too.
-fn find(text: &str, common: &Common) -> Result<Structure> {
     let library = common.library()?;
     let path = Path::new(text);
     let ends_with = |text: &str, end: &str| text.to_lowercase().ends_with(end);
+    if (ends_with(text, ".json") || ends_with(text, ".toml")) && is_lattice(path)? {
+        let section = Section::flat_crystal(text, read_lattice(path, &library)?)?;
+        return Ok(Structure::Sections { name: text.to_owned(), sections: vec![section] });
+    }
     if ends_with(text, ".json") {
         let mut section = read_section(path, &library)?;
         remember_media(std::slice::from_mut(&mut section), common);
@@ -55,7 +48,7 @@ fn find(text: &str, common: &Common) -> Result<Structure> {
             Ok(Structure::Sections { name: text.to_owned(), sections })
         }
         _ if path.exists() => Err(Error::input(format!(
-            "{text}: is no structure; sections are .json files, species and stacks .toml files"
+            "{text}: is no structure; sections are .json files, species, stacks and lattices .toml files"
         ))),
         Some(Err(error)) => Err(error),
         None if text.ends_with('/') => Err(Error::input(format!("{text}: no such folder"))),
@@ -68,25 +61,14 @@ fn find(text: &str, common: &Common) -> Result<Structure> {
     }
 }
 
-/// Finds a photonic crystal: `SPECIES[:VARIANT]`, a species file of one, or a lattice in TOML or JSON.
+/// Finds a photonic crystal: that of any structure that has one.
 ///
 /// # Errors
 /// As [`parse`], or a structure that is no photonic crystal.
 pub(crate) fn lattice(text: &str, common: &Common) -> Result<Lattice> {
-    let library = common.library()?;
-    let path = Path::new(text);
-    let ends_with = |end: &str| text.to_lowercase().ends_with(end);
-    if ends_with(".json") || (ends_with(".toml") && is_lattice(path)?) {
-        return read_lattice(path, &library);
-    }
-    let Structure::Species(model) = find(text, common)? else {
-        return Err(Error::input(format!("{text}: is no photonic crystal; {LATTICES}")));
-    };
-    model.lattice().ok_or_else(|| {
-        Error::input(format!(
-            "{} barbules are made of layers, not of a photonic crystal; {LATTICES}",
-            model.name
-        ))
+    let structure = parse(text, common)?;
+    structure.lattice().ok_or_else(|| {
+        Error::input(format!("{} is made of layers, not of a photonic crystal; {LATTICES}", structure.name()))
     })
 }
 
@@ -183,7 +165,6 @@ mod tests {
         std::fs::write(&other, "x").unwrap();
         assert!(refusal("starlign").contains("did you mean 'starling'"));
         assert!(refusal("starling:grean").contains("did you mean 'green'"));
-        assert!(refusal("magpie").contains("not simulate yet"));
         assert!(refusal("mallard:pink").contains("no variant 'pink'"));
         assert!(refusal("nowhere.json").contains("no such file"));
         assert!(refusal("nowhere.toml").contains("no such file"));

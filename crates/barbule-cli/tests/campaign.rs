@@ -108,9 +108,47 @@ fn simulate_then_fit_equals_characterize() {
     let cache = path("cache");
     let printed = succeed(&[&["characterize", "rock-dove", "--cache", &cache], SMALL].concat());
     assert_eq!(std::fs::read(printed.trim()).unwrap(), std::fs::read(path("b.barbule")).unwrap());
-    assert!(succeed(&["cache", "--cache", &cache]).contains("1 materials"));
+    assert!(succeed(&["cache", "--cache", &cache]).contains(": 1 cached"));
     succeed(&["cache", "--cache", &cache, "--clear"]);
-    assert!(succeed(&["cache", "--cache", &cache]).contains("0 materials"));
+    assert!(succeed(&["cache", "--cache", &cache]).contains(": 0 cached"));
+}
+
+#[test]
+fn a_strangers_crystal_goes_the_same_way_and_is_solved_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let lattice = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/lattices/square-holes.toml");
+    let far = |structure: &str| {
+        succeed(&["far-field", structure, "--wavelength", "420", "--theta", "10", "--phi=-30", "--json"])
+    };
+    // Alone it lies flat; the written section has it under its top.
+    succeed(&["geometry", lattice, "-o", &path("flat.json")]);
+    assert_eq!(far(lattice), far(&path("flat.json")));
+    succeed(&["geometry", "magpie", "--instance", "2", "-o", &path("magpie.json")]);
+    let instance = ["far-field", "magpie", "--instance", "2", "--wavelength", "420", "--theta", "10"];
+    let instance = succeed(&[&instance[..], &["--phi=-30", "--json"]].concat());
+    assert_eq!(far(&path("magpie.json")), instance);
+
+    let cache = path("cache");
+    let make = |name: &str| {
+        let words = ["characterize", "peafowl", "-v", "--cache", &cache, "-o", &path(name)];
+        let (code, _, message) = run(&[&words[..], SMALL].concat());
+        assert_eq!(code, 0, "{message}");
+        (message, std::fs::read(path(name)).unwrap())
+    };
+    let (first, again) = (make("a.barbule"), make("b.barbule"));
+    assert!(!first.0.contains("in the cache") && again.0.contains("in the cache"), "{}", again.0);
+    assert!(first.1 == again.1);
+    // A damaged table is made anew.
+    let table = bytes_of(&folder.path().join("cache")).into_keys().next().unwrap();
+    let table = folder.path().join("cache").join(table);
+    let mut bytes = std::fs::read(&table).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&table, bytes).unwrap();
+    let third = make("c.barbule");
+    assert!(!third.0.contains("in the cache") && third.1 == first.1);
+    assert!(succeed(&["cache", "--cache", &cache]).contains(": 1 cached"));
 }
 
 /// The shipped starling, made again at a few of its nodes: what ships is what the program computes.
@@ -224,7 +262,6 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_nothing() {
         (vec!["spectrum", "starling", "--angle", "89:91:1"], "past grazing"),
         (vec!["spectrum", "starling", "--measured", "no.csv"], "no such file"),
         (vec!["spectrum", "starling", "-o", "s.pdf"], ".svg or .png"),
-        (vec!["spectrum", "mallard"], "not simulate yet"),
         (simulate(&["--directions", "20"]), "NxM"),
         (simulate(&["--directions", "1x20"]), "NxM"),
         (simulate(&["--instances", "0"]), "from 1 to 10000"),

@@ -99,3 +99,18 @@ fn bad_crystals_are_refused_before_any_work() {
         assert!(message.contains(said) && message.trim().lines().count() == 1, "{to}: {message}");
     }
 }
+
+#[test]
+fn the_bench_has_figures_of_every_solver() {
+    let found: Value =
+        serde_json::from_str(&run(&["bench", "crystal", "mallard", "--quick", "--json"])).unwrap();
+    let crystal = &found["crystals"][0];
+    let solvers = crystal["solvers"].as_array().unwrap();
+    assert_eq!((solvers.len(), &crystal["structure"]), (3, &"mallard".into()));
+    assert!(crystal["table_cpu_seconds"].as_f64().unwrap() > 0.0);
+    for solver in solvers {
+        let figure = |name: &str| solver[name].as_f64().unwrap();
+        assert!(figure("cpu_seconds") > 0.0 && figure("ratio") >= 1.0, "{solver}");
+        assert!(figure("largest_difference") < 5e-3 && figure("largest_imbalance") < 1e-3, "{solver}");
+    }
+}

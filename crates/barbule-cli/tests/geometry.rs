@@ -43,7 +43,6 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_no_file() {
         (vec!["geometry", "starling", "--three-d", "-o", &output], "three dimensions"),
         (vec!["geometry", "starling"], "say where to write"),
         (vec!["geometry", "starling", "-o", "x.pdf"], ".svg, .png or .json"),
-        (vec!["geometry", "peafowl", "-o", &output], "not simulate yet"),
         (vec!["geometry", "air/keratin:5/air", "--instance", "3", "-o", &output], "no instance 3"),
         (vec!["geometry", "starling:cyan", "-o", &output], "no variant 'cyan'"),
         (vec!["species", "starlin"], "did you mean 'starling'"),

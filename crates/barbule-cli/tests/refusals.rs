@@ -258,7 +258,7 @@ const SECTIONS: &[Change] = &[
         "fewer than 3",
     ),
     ("\"name\": \"a\"", "\"name\": \"a\", \"materials\": {\"chitin\": \"no.csv\"}", "no such file"),
-    ("\"name\": \"a\"", "\"name\": \"a\", \"lattice\": {}", "photonic crystals"),
+    ("\"name\": \"a\"", "\"name\": \"a\", \"lattice\": {}", "lattice.rod is missing"),
 ];
 
 /// Changes of the starling's species file, read by `geometry`.
@@ -276,7 +276,7 @@ const SPECIES: &[Change] = &[
     ("core_fraction_low = 0.3", "core_fraction_low = 0.8", "swap them"),
     ("point_spacing_um = 0.03", "point_spacing_um = 1e-9", "outside 0.005 to 1"),
     ("thickness_um = 4.0", "thickness_um = 0.5", "too little room"),
-    ("[parameters]", "[lattice]\n[parameters]", "barbule crystal"),
+    ("[parameters]", "[lattice]\n[parameters]", "a lattice alone"),
     ("name = \"aqua\"\n", "", "variants[0].name is missing"),
     ("name = \"aqua\"", "name = \"green\"", "a second time"),
 ];

@@ -1,10 +1,13 @@
 //! `barbule bench`: speed in figures, as ratios from one run.
 
+use std::fmt::Write as _;
 use std::io::Write;
 
 use barbule::Result;
 use barbule::campaign::figures::{Figures, measure};
 use barbule::math::simd::Width;
+use barbule::solve::crystal::figures as crystal;
+use barbule::structure::crystal_species;
 use serde_json::json;
 
 use crate::common::{Common, print, print_json};
@@ -13,7 +16,7 @@ use crate::structure_arg;
 
 /// Arguments of `barbule bench`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  barbule bench campaign starling")]
+#[command(after_help = "Examples:\n  barbule bench campaign starling\n  barbule bench crystal mallard")]
 pub(crate) struct Args {
     #[command(subcommand)]
     what: What,
@@ -23,6 +26,8 @@ pub(crate) struct Args {
 enum What {
     /// Simulation: illuminations per second, shares of stages, a full campaign extrapolated, the plain evaluation
     Campaign(CampaignArgs),
+    /// Photonic crystals: seconds of each solver, ratios and differences to the multipoles, a full table extrapolated
+    Crystal(CrystalArgs),
 }
 
 #[derive(Debug, clap::Args)]
@@ -36,10 +41,22 @@ struct CampaignArgs {
     common: Common,
 }
 
+#[derive(Debug, clap::Args)]
+struct CrystalArgs {
+    /// mallard, magpie or peafowl[:VARIANT], a species .toml of a crystal, or a lattice [default: these three]
+    structure: Vec<String>,
+    /// One point only
+    #[arg(long)]
+    quick: bool,
+    #[command(flatten)]
+    common: Common,
+}
+
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         match &self.what {
             What::Campaign(args) => args.run(out),
+            What::Crystal(args) => args.run(out),
         }
     }
 }
@@ -83,18 +100,96 @@ impl CampaignArgs {
     }
 }
 
+impl CrystalArgs {
+    fn run(&self, out: &mut dyn Write) -> Result<()> {
+        let names = match &self.structure[..] {
+            [] => crystal_species().map(str::to_owned).collect(),
+            given => given.to_vec(),
+        };
+        let lattices = names
+            .iter()
+            .map(|name| structure_arg::lattice(name, &self.common))
+            .collect::<Result<Vec<_>>>()?;
+        let effort = if self.quick { crystal::Effort::Least } else { crystal::Effort::Usual };
+        let mut found = Vec::new();
+        for (name, lattice) in names.iter().zip(&lattices) {
+            let observer = Terminal::new(&self.common);
+            let figures = crystal::measure(lattice, effort, &observer)?;
+            drop(observer);
+            if self.common.json {
+                found.push(crystal_document(name, &figures));
+            } else {
+                print(out, &crystal_table(name, &figures))?;
+            }
+        }
+        if self.common.json { print_json(out, &json!({ "crystals": found })) } else { Ok(()) }
+    }
+}
+
+fn crystal_document(name: &str, figures: &crystal::Figures) -> serde_json::Value {
+    let solvers: Vec<_> = figures
+        .solvers
+        .iter()
+        .map(|solver| {
+            json!({
+                "solver": solver.name,
+                "points": solver.points,
+                "cpu_seconds": solver.seconds,
+                "cpu_seconds_per_polarization": 0.5 * solver.seconds,
+                "ratio": solver.ratio,
+                "largest_difference": solver.difference,
+                "largest_imbalance": solver.imbalance,
+            })
+        })
+        .collect();
+    json!({
+        "structure": name,
+        "solvers": solvers,
+        "table_point_cpu_seconds": figures.table_point_seconds,
+        "table_points": crystal::TABLE,
+        "table_cpu_seconds": figures.table_seconds(),
+    })
+}
+
+fn crystal_table(name: &str, figures: &crystal::Figures) -> String {
+    let mut text = format!(
+        "{name}\n  {:<39} {:>6} {:>11} {:>8} {:>11} {:>11}",
+        "one λ and direction, both polarizations", "points", "CPU ms", "ratio", "error of R", "balance"
+    );
+    for solver in &figures.solvers {
+        // Writing to a String cannot fail.
+        let _ = write!(
+            text,
+            "\n  {:<39} {:>6} {:>11.3} {:>8.1} {:>11.1e} {:>11.1e}",
+            solver.name,
+            solver.points,
+            1e3 * solver.seconds,
+            solver.ratio,
+            solver.difference,
+            solver.imbalance
+        );
+    }
+    let [wavelengths, thetas, azimuths] = crystal::TABLE;
+    text + &format!(
+        "\n  table by multipoles, {wavelengths} λ × {thetas} θ × {azimuths} φ: {:.3} CPU ms a point, {:.0} CPU s",
+        1e3 * figures.table_point_seconds,
+        figures.table_seconds()
+    )
+}
+
 fn table(name: &str, width: Width, figures: &Figures) -> String {
     let tables = 50.0 * figures.table_seconds;
+    let rays = figures.rays.map_or(String::new(), |rays| format!(", {rays} rays per element"));
+    let what = if figures.rays.is_some() { "reflectance tables" } else { "orders of the crystal" };
     format!(
-        "{name}, {} instructions, {} rays per element\n\
+        "{name}, {} instructions{rays}\n\
          illuminations per CPU second     {:>8.0}\n\
          a full campaign ({} million)      {:>8.0} CPU s\n\
-         \u{20} of these reflectance tables    {:>8.0} CPU s\n\
+         \u{20} of these {what:<20}  {:>8.0} CPU s\n\
          preparing one instance           {:>8.1} CPU ms\n\
          tables of one wavelength         {:>8.0} MB\n\
          the fields of one unit:",
         width.name(),
-        figures.rays,
         figures.illuminations_per_second(),
         figures.illuminations / 1_000_000,
         figures.full_seconds,

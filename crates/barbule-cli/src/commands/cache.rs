@@ -1,4 +1,4 @@
-//! `barbule cache`: the materials computed on first use.
+//! `barbule cache`: the materials computed on first use, and tables of crystals.
 
 use std::io::Write;
 
@@ -12,7 +12,7 @@ use crate::materials;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  barbule cache --clear")]
 pub(crate) struct Args {
-    /// Delete the cached materials
+    /// Delete what is cached
     #[arg(long)]
     clear: bool,
     #[command(flatten)]
@@ -22,16 +22,16 @@ pub(crate) struct Args {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         let folder = materials::cache_folder(&self.common)?;
-        let files = barbule::io::list_materials(&folder)?;
+        let files = barbule::io::list_cached(&folder)?;
         if self.clear {
-            barbule::io::delete_materials(&files)?;
+            barbule::io::delete_cached(&files)?;
         }
         if self.common.json {
             let list: Vec<_> =
                 files.iter().map(|(path, bytes)| json!({ "file": path, "bytes": bytes })).collect();
             return print_json(out, &json!({ "folder": folder, "materials": list, "cleared": self.clear }));
         }
-        let mut text = format!("{}: {} materials", folder.display(), files.len());
+        let mut text = format!("{}: {} cached", folder.display(), files.len());
         for (path, bytes) in &files {
             text += &format!("\n{:>8} kB  {}", bytes.div_ceil(1000), path.display());
         }

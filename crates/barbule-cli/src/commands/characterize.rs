@@ -51,7 +51,7 @@ impl Args {
         let at_once = planned.units_at_once(width, false, true, &self.common)?;
         self.common.say(&format!("characterizing {name}: about {}", materials::expected(&planned)));
         let observer = Terminal::new(&self.common);
-        let campaign = planned.campaign(width, at_once, &observer)?;
+        let campaign = planned.campaign(width, at_once, &self.common, &observer)?;
         let statistics = match &store {
             None => statistics(&campaign, &observer)?,
             Some(path) => {

@@ -69,7 +69,7 @@ impl Args {
         } else {
             store.prepare_writing()?;
             let observer = Terminal::new(&self.common);
-            let campaign = planned.campaign(width, at_once, &observer)?;
+            let campaign = planned.campaign(width, at_once, &self.common, &observer)?;
             let outcome = run(&campaign, &store, shard, shards, &observer)?;
             drop(observer);
             say_repaired(outcome.repaired, &self.common);

@@ -11,7 +11,7 @@ use barbule::solve::swatch::normal_reflectance;
 use barbule::spectrum::colour::{Observer, chromaticity, display};
 use barbule::spectrum::hue::{Dominant, dominant, hue_deg};
 use barbule::spectrum::{Spectrum, Wavelengths};
-use barbule::structure::{SpeciesFile, SpeciesModel, crystal_species, species_names, species_toml};
+use barbule::structure::{SpeciesFile, SpeciesModel, species_names, species_toml};
 use serde_json::json;
 
 use crate::common::{Common, print, print_json};
@@ -112,11 +112,7 @@ impl Args {
         if let Some(path) = &self.output {
             Provenance::new(&self.common).write_figure(path, &figure(&entries))?;
         }
-        if self.common.json {
-            print_json(out, &document(&entries, name.is_none()))
-        } else {
-            list(out, &entries, name.is_none())
-        }
+        if self.common.json { print_json(out, &document(&entries)) } else { list(out, &entries) }
     }
 
     fn entry(&self, name: &str, wanted: Option<&str>) -> Result<Entry> {
@@ -160,7 +156,7 @@ fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-fn list(out: &mut dyn Write, entries: &[Entry], all: bool) -> Result<()> {
+fn list(out: &mut dyn Write, entries: &[Entry]) -> Result<()> {
     let blocks = std::io::stdout().is_terminal();
     for entry in entries {
         print(out, &format!("{} ({}): {}", entry.name, entry.latin, entry.coloration))?;
@@ -177,14 +173,10 @@ fn list(out: &mut dyn Write, entries: &[Entry], all: bool) -> Result<()> {
             )?;
         }
     }
-    if all {
-        let names: Vec<&str> = crystal_species().collect();
-        print(out, &format!("Not simulated yet as barbules: {} (barbule crystal)", names.join(", ")))?;
-    }
     Ok(())
 }
 
-fn document(entries: &[Entry], all: bool) -> serde_json::Value {
+fn document(entries: &[Entry]) -> serde_json::Value {
     let species: Vec<_> = entries
         .iter()
         .map(|entry| {
@@ -211,11 +203,7 @@ fn document(entries: &[Entry], all: bool) -> serde_json::Value {
             })
         })
         .collect();
-    let mut out = json!({ "species": species });
-    if all {
-        out["not_simulated_yet"] = crystal_species().collect();
-    }
-    out
+    json!({ "species": species })
 }
 
 fn figure(entries: &[Entry]) -> Drawing {

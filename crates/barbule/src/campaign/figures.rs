@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use super::{Campaign, Parameters};
+use super::{Campaign, Parameters, orders};
 use crate::math::simd::Width;
 use crate::observer::{Observer, Unobserved};
 use crate::scattering::statistics::Axes;
@@ -25,11 +25,11 @@ const FULL: [usize; 4] = [50, 20, 20, 50];
 /// What a campaign costs on one core, in CPU seconds, so that other work on the machine does not count.
 #[derive(Debug, Clone)]
 pub struct Figures {
-    /// Rays under each element.
-    pub rays: usize,
+    /// Rays under each element; `None` over a crystal.
+    pub rays: Option<usize>,
     /// Preparing one instance.
     pub instance_seconds: f64,
-    /// The reflectance tables of one wavelength, all instances.
+    /// The reflectance tables of one wavelength, all instances, or the orders of a crystal, all θ_i.
     pub table_seconds: f64,
     /// Bytes of these tables.
     pub table_bytes: usize,
@@ -73,9 +73,13 @@ fn sample(structure: &Structure, seed: u64, width: Width, observer: &dyn Observe
     let parameters = Parameters { axes, instances, seed, tilt: 2f64.to_radians() };
     observer.begin("measuring", (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as u64);
     let begun = ProcessTime::now();
-    let campaign = Campaign::new(structure, parameters, width, &Unobserved)?;
+    let orders = orders(structure, &parameters.axes, &Unobserved)?;
+    // Those of the sampled θ_i stand for all.
+    let mut tables = begun.elapsed() * (thetas / SAMPLE_COS_THETA.len()) as u32;
+    let begun = ProcessTime::now();
+    let campaign = Campaign::with_orders(structure, parameters, orders, width, &Unobserved)?;
     let preparing = begun.elapsed();
-    let (mut tables, mut units, mut table_bytes) = (Duration::ZERO, Duration::ZERO, 0);
+    let (mut units, mut table_bytes) = (Duration::ZERO, 0);
     for index in 0..SAMPLE_NM.len() {
         let begun = ProcessTime::now();
         let wavelength = campaign.wavelength(index, observer)?;
@@ -93,9 +97,10 @@ fn sample(structure: &Structure, seed: u64, width: Width, observer: &dyn Observe
     }
     let section = structure.instance(seed, 0)?;
     let theta_i = SAMPLE_COS_THETA[2].acos();
-    let mut stages = stage_seconds(&section, SAMPLE_NM[1], theta_i, &phi_i, campaign.ray_parts(), 5)?;
-    // The first is the table, which serves all θ_i of a wavelength.
-    stages[0].1 /= thetas as f64;
+    // Tables serve all θ_i of a wavelength, a crystal's orders all instances.
+    let parts = campaign.ray_parts();
+    let shared_by = if parts.is_some() { thetas } else { instances };
+    let stages = stage_seconds(&section, SAMPLE_NM[1], theta_i, &phi_i, parts.unwrap_or(1), shared_by, 5)?;
     let fields: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
     let begun = ProcessTime::now();
     direct::far_field(&section, Window::Gaussian, FINE_ELEMENT_UM, SAMPLE_NM[1], theta_i, phi_i[10], 400)?;
@@ -103,7 +108,7 @@ fn sample(structure: &Structure, seed: u64, width: Width, observer: &dyn Observe
     let table_seconds = tables.as_secs_f64() / SAMPLE_NM.len() as f64;
     let unit_seconds = units.as_secs_f64() / (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as f64;
     Ok(Figures {
-        rays: 2 * campaign.ray_parts(),
+        rays: parts.map(|parts| 2 * parts),
         instance_seconds: preparing.as_secs_f64() / instances as f64,
         table_seconds,
         table_bytes,

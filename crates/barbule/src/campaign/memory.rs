@@ -10,8 +10,9 @@ use crate::math::simd::Width;
 use crate::observer::Unobserved;
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::statistics::{AZIMUTHS, LAGS};
+use crate::solve::crystal::{Cell, Multipole, order_series};
 use crate::solve::surface::{
-    CAMPAIGN_ELEMENT_UM, Cone, Nodes, Rays, ReflectanceTable, Surface, Window, refinement,
+    CAMPAIGN_ELEMENT_UM, Cone, CrystalOrders, Nodes, Rays, ReflectanceTable, Surface, Window, refinement,
 };
 use crate::structure::Structure;
 use crate::{Error, Result};
@@ -58,19 +59,28 @@ impl Demand {
             return Err(Error::input("the campaign has no wavelength"));
         };
         let distinct = if structure.count() == Some(1) { 1 } else { parameters.instances };
-        let parts =
-            resolution::ray_parts(structure, parameters.seed, distinct, shortest, width, &Unobserved)?;
         let section = structure.instance(parameters.seed, 0)?;
         let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
-        let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, parts)?;
-        let (points, slots) = (surface.padded(), surface.slots);
-        let instance = surface.bytes() + rays.bytes();
+        let wavelengths = [shortest, 0.5 * (shortest + longest), longest];
         let mut table = 0;
-        for wavelength_nm in [shortest, 0.5 * (shortest + longest), longest] {
-            table = table.max(ReflectanceTable::new(width, &surface, &rays, wavelength_nm)?.bytes());
-        }
+        let (instance, parts, shared) = if let Some(lattice) = structure.lattice() {
+            // The table over all wavelengths, and one wavelength's sampled; most orders propagate at the shortest.
+            let series = order_series(&Multipole::default(), &Cell::new(&lattice, shortest)?, shortest, 0.0)?;
+            let sampled = CrystalOrders::<f32>::new(&series, 0.0, lattice.bottom_um()).bytes();
+            let whole = axes.wavelengths_nm.len() * series.bytes();
+            (surface.bytes(), 0, axes.cos_theta.len() * (whole + sampled))
+        } else {
+            let parts =
+                resolution::ray_parts(structure, parameters.seed, distinct, shortest, width, &Unobserved)?;
+            let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, parts)?;
+            for wavelength_nm in wavelengths {
+                table = table.max(ReflectanceTable::new(width, &surface, &rays, wavelength_nm)?.bytes());
+            }
+            (surface.bytes() + rays.bytes(), parts, 0)
+        };
+        let (points, slots) = (surface.padded(), surface.slots);
         // Media that vary along the top are kept beside the series; those of the rays only while a table is made.
-        let optics = 8 * points * slots;
+        let optics = if parts > 0 { 8 * points * slots } else { 0 };
         let cone = Cone::new(TAU / (shortest * 1e-3), 0.0, surface.radius_um);
         let directions = 4 * axes.cos_phi.len();
         let fields = AZIMUTHS * refinement(&cone, AZIMUTHS) + 2 * AZIMUTH_MARGIN;
@@ -87,7 +97,11 @@ impl Demand {
         let gathered = if gathered { 2 * STATISTICS * axes.len() as u64 } else { 0 };
         let scaled = |bytes: usize| (distinct as f64 * MARGIN * bytes as f64) as u64;
         Ok(Self {
-            fixed: PROGRAM + scaled(instance + table + optics) + gathered + threads * workspace as u64,
+            fixed: PROGRAM
+                + scaled(instance + table + optics)
+                + shared as u64
+                + gathered
+                + threads * workspace as u64,
             unit: (8 * directions * parameters.instances * fields + kept) as u64 + 2 * STATISTICS * phis,
             most_units: axes.cos_theta.len().min(super::most_units()),
         })

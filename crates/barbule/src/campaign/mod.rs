@@ -21,12 +21,14 @@ use crate::math::rng::Stream;
 use crate::math::simd::Width;
 use crate::observer::Observer;
 use crate::scattering::directions::AZIMUTH_MARGIN;
+use crate::scattering::orders::OrderTable;
 use crate::scattering::statistics::{AZIMUTHS, Axes, Unit};
+use crate::solve::crystal::{Multipole, order_table};
 use crate::solve::surface::{
-    CAMPAIGN_ELEMENT_UM, Cone, Nodes, Rays, ReflectanceTable, Surface, Window, Workspace, inverse_root,
-    refinement,
+    CAMPAIGN_ELEMENT_UM, Cone, CrystalOrders, Nodes, Rays, ReflectanceTable, Stacks, Surface, Window,
+    Workspace, inverse_root, refinement,
 };
-use crate::structure::Structure;
+use crate::structure::{Lattice, Structure};
 use crate::{Error, Result};
 
 /// Stream path of the permutation that spreads tilts over instances.
@@ -62,7 +64,8 @@ impl Parameters {
 pub struct Campaign {
     parameters: Parameters,
     /// One per instance, or a single one that serves all.
-    surfaces: Vec<(Surface, Rays)>,
+    surfaces: Vec<Surface>,
+    under: Under,
     tilts: Vec<f64>,
     /// Incident power at θ_i = 0 per instance and φ_i, µm.
     powers_um: Vec<Vec<f64>>,
@@ -70,18 +73,47 @@ pub struct Campaign {
     units_at_once: usize,
 }
 
-/// What all units of one wavelength share: the reflectances of every surface.
+/// What reflects under the tops.
+enum Under {
+    /// Layers: the rays through those of each surface.
+    Layers(Vec<Rays>),
+    /// The same photonic crystal under all, and how deep it is.
+    Crystal { orders: OrderTable, depth_um: f64 },
+}
+
+/// What all units of one wavelength share.
 pub struct Wavelength {
     index: usize,
-    tables: Vec<ReflectanceTable>,
+    reflectors: Reflectors,
+}
+
+enum Reflectors {
+    /// Of each surface.
+    Layers(Vec<ReflectanceTable>),
+    /// At each θ_i.
+    Crystal(Vec<CrystalOrders<f32>>),
 }
 
 impl Wavelength {
     /// Bytes of its tables.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.tables.iter().map(ReflectanceTable::bytes).sum()
+        match &self.reflectors {
+            Reflectors::Layers(tables) => tables.iter().map(ReflectanceTable::bytes).sum(),
+            Reflectors::Crystal(orders) => orders.iter().map(CrystalOrders::bytes).sum(),
+        }
     }
+}
+
+/// The orders of a structure's crystal on the axes of a campaign; `None` for layers.
+///
+/// # Errors
+/// The crystal cannot be solved, or the observer cancelled.
+pub fn orders(structure: &Structure, axes: &Axes, observer: &dyn Observer) -> Result<Option<OrderTable>> {
+    let table = |lattice: Lattice| {
+        order_table(&Multipole::default(), &lattice, &axes.wavelengths_nm, &axes.cos_theta, observer)
+    };
+    structure.lattice().map(table).transpose()
 }
 
 /// Fields of one unit: `[instance][φ_i][polarization][e₁, e₂][azimuth with margins]`, over √Φ_i.
@@ -94,37 +126,85 @@ pub(crate) struct Fields {
 }
 
 impl Campaign {
-    /// Generates the instances and casts their layers; a single given section serves all instances, which then differ
-    /// by their tilts only.
+    /// Generates the instances and casts their layers, or solves their crystal; a single given section serves all
+    /// instances, which then differ by their tilts only.
     ///
     /// # Errors
-    /// An instance cannot be made, a medium's table does not cover the wavelengths, or the observer cancelled.
+    /// An instance cannot be made, a medium's table does not cover the wavelengths, the crystal cannot be solved, or the
+    /// observer cancelled.
     pub fn new(
         structure: &Structure,
         parameters: Parameters,
         width: Width,
         observer: &dyn Observer,
     ) -> Result<Self> {
+        let orders = orders(structure, &parameters.axes, observer)?;
+        Self::with_orders(structure, parameters, orders, width, observer)
+    }
+
+    /// As [`Self::new`], with what [`orders`] gave for the structure and the axes.
+    ///
+    /// # Errors
+    /// As [`Self::new`], or the orders belong to other axes.
+    pub fn with_orders(
+        structure: &Structure,
+        parameters: Parameters,
+        orders: Option<OrderTable>,
+        width: Width,
+        observer: &dyn Observer,
+    ) -> Result<Self> {
         let distinct = if structure.count() == Some(1) { 1 } else { parameters.instances };
+        let axes = &parameters.axes;
         observer.begin("preparing instances", distinct as u64);
-        let shortest_nm = parameters.axes.wavelengths_nm.first().copied().unwrap_or(400.0);
-        let parts =
-            resolution::ray_parts(structure, parameters.seed, distinct, shortest_nm, width, observer)?;
-        let surfaces = (0..distinct)
-            .into_par_iter()
-            .map(|instance| {
-                if observer.is_cancelled() {
-                    return Err(Error::interrupted());
+        let sections = |instance: usize| {
+            if observer.is_cancelled() {
+                return Err(Error::interrupted());
+            }
+            structure.instance(parameters.seed, instance)
+        };
+        let (surfaces, under) = match orders {
+            Some(orders) => {
+                if orders.wavelengths_nm != axes.wavelengths_nm || orders.cos_theta != axes.cos_theta {
+                    return Err(Error::machine("the orders of the crystal belong to other axes"));
                 }
-                let section = structure.instance(parameters.seed, instance)?;
-                let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
-                let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, parts)?;
-                observer.advance(1);
-                Ok((surface, rays))
-            })
-            .collect::<Result<Vec<_>>>()?;
-        if let (Some((surface, _)), Some(first), Some(last)) =
-            (surfaces.first(), parameters.axes.wavelengths_nm.first(), parameters.axes.wavelengths_nm.last())
+                let surfaces = (0..distinct)
+                    .into_par_iter()
+                    .map(|instance| {
+                        let surface =
+                            Surface::new(&sections(instance)?, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
+                        observer.advance(1);
+                        Ok(surface)
+                    })
+                    .collect::<Result<Vec<_>>>()?;
+                let depth_um = structure.lattice().map_or(0.0, |lattice| lattice.bottom_um());
+                (surfaces, Under::Crystal { orders, depth_um })
+            }
+            None => {
+                let shortest_nm = axes.wavelengths_nm.first().copied().unwrap_or(400.0);
+                let parts = resolution::ray_parts(
+                    structure,
+                    parameters.seed,
+                    distinct,
+                    shortest_nm,
+                    width,
+                    observer,
+                )?;
+                let pairs = (0..distinct)
+                    .into_par_iter()
+                    .map(|instance| {
+                        let section = sections(instance)?;
+                        let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
+                        let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, parts)?;
+                        observer.advance(1);
+                        Ok((surface, rays))
+                    })
+                    .collect::<Result<Vec<_>>>()?;
+                let (surfaces, rays) = pairs.into_iter().unzip();
+                (surfaces, Under::Layers(rays))
+            }
+        };
+        if let (Some(surface), Some(first), Some(last)) =
+            (surfaces.first(), axes.wavelengths_nm.first(), axes.wavelengths_nm.last())
         {
             // Tables that do not reach are refused before any work.
             surface.optics::<f32>(*first)?;
@@ -135,11 +215,11 @@ impl Campaign {
             .par_iter()
             .enumerate()
             .map(|(instance, tilt)| {
-                let (surface, _) = &surfaces[instance % distinct];
+                let surface = &surfaces[instance % distinct];
                 azimuths(&parameters.axes).map(|phi| surface.incident_power_um(0.0, phi + tilt)).collect()
             })
             .collect();
-        Ok(Self { parameters, surfaces, tilts, powers_um, width, units_at_once: most_units() })
+        Ok(Self { parameters, surfaces, under, tilts, powers_um, width, units_at_once: most_units() })
     }
 
     /// Prepares the units of one wavelength.
@@ -148,23 +228,35 @@ impl Campaign {
     /// A medium's table does not reach the wavelength, or the observer cancelled.
     pub fn wavelength(&self, index: usize, observer: &dyn Observer) -> Result<Wavelength> {
         let wavelength_nm = self.parameters.axes.wavelengths_nm[index];
-        let tables = self
-            .surfaces
-            .par_iter()
-            .map(|(surface, rays)| {
-                if observer.is_cancelled() {
-                    return Err(Error::interrupted());
-                }
-                ReflectanceTable::new(self.width, surface, rays, wavelength_nm)
-            })
-            .collect::<Result<_>>()?;
-        Ok(Wavelength { index, tables })
+        let reflectors = match &self.under {
+            Under::Layers(rays) => {
+                let table = |(surface, rays)| {
+                    if observer.is_cancelled() {
+                        return Err(Error::interrupted());
+                    }
+                    ReflectanceTable::new(self.width, surface, rays, wavelength_nm)
+                };
+                Reflectors::Layers(self.surfaces.par_iter().zip(rays).map(table).collect::<Result<_>>()?)
+            }
+            Under::Crystal { orders, depth_um } => {
+                let cos_theta = &self.parameters.axes.cos_theta;
+                let at = |theta: usize| {
+                    let theta_i = cos_theta[theta].clamp(0.0, 1.0).acos();
+                    CrystalOrders::new(orders.at(index, theta), theta_i, *depth_um)
+                };
+                Reflectors::Crystal((0..cos_theta.len()).into_par_iter().map(at).collect())
+            }
+        };
+        Ok(Wavelength { index, reflectors })
     }
 
-    /// Parts into which elements are cut for the rays under them.
+    /// Parts into which elements are cut for the rays under them; `None` over a crystal.
     #[must_use]
-    pub fn ray_parts(&self) -> usize {
-        self.surfaces.first().map_or(1, |(_, rays)| rays.parts())
+    pub fn ray_parts(&self) -> Option<usize> {
+        match &self.under {
+            Under::Layers(rays) => rays.first().map(Rays::parts),
+            Under::Crystal { .. } => None,
+        }
     }
 
     /// Units of a wavelength that are computed at the same time, at most.
@@ -188,7 +280,7 @@ impl Campaign {
     pub(crate) fn fields(&self, wavelength: &Wavelength, theta: usize) -> (Fields, Cone) {
         let axes = &self.parameters.axes;
         let theta_i = axes.cos_theta[theta].clamp(0.0, 1.0).acos();
-        let radius = self.surfaces.iter().fold(0f64, |r, (surface, _)| r.max(surface.radius_um));
+        let radius = self.surfaces.iter().fold(0f64, |r, surface| r.max(surface.radius_um));
         let k = std::f64::consts::TAU / (axes.wavelengths_nm[wavelength.index] * 1e-3);
         let cone = Cone::new(k, theta_i, radius);
         let refine = refinement(&cone, AZIMUTHS);
@@ -198,7 +290,7 @@ impl Campaign {
                 || (Workspace::<f32>::new(self.width), Vec::new(), Vec::new(), Vec::new()),
                 |(workspace, coefficients, circle, scratch), instance| {
                     let distinct = instance % self.surfaces.len();
-                    let (surface, table) = (&self.surfaces[distinct].0, &wavelength.tables[distinct]);
+                    let surface = &self.surfaces[distinct];
                     let tilt = self.tilts[instance];
                     let nodes = Nodes::equidistant(surface, cone.kappa);
                     let turned: Vec<f64> = azimuths(axes).map(|phi| phi + tilt).collect();
@@ -206,7 +298,32 @@ impl Campaign {
                         .iter()
                         .map(|&power_um| inverse_root(power_um * theta_i.cos()))
                         .collect();
-                    workspace.far_fields(surface, table, &nodes, &cone, &turned, &scales, coefficients);
+                    match &wavelength.reflectors {
+                        Reflectors::Layers(tables) => {
+                            let stacks = Stacks(&tables[distinct]);
+                            workspace.far_fields(
+                                surface,
+                                &stacks,
+                                &nodes,
+                                &cone,
+                                &turned,
+                                &scales,
+                                coefficients,
+                            );
+                        }
+                        Reflectors::Crystal(orders) => {
+                            let orders = &orders[theta];
+                            workspace.far_fields(
+                                surface,
+                                orders,
+                                &nodes,
+                                &cone,
+                                &turned,
+                                &scales,
+                                coefficients,
+                            );
+                        }
+                    }
                     let synthesis = workspace.synthesis(&cone, AZIMUTHS * refine, AZIMUTH_MARGIN);
                     let points = synthesis.points();
                     let mut fields = vec![Complex::new(0.0, 0.0); coefficients.len() / cone.angles * points];

@@ -5,7 +5,7 @@ use num_complex::Complex;
 use crate::math::simd::Width;
 use crate::observer::Observer;
 use crate::solve::surface::{
-    CAMPAIGN_ELEMENT_UM, Cone, Nodes, Rays, ReflectanceTable, Surface, Window, Workspace,
+    CAMPAIGN_ELEMENT_UM, Cone, Nodes, Rays, ReflectanceTable, Stacks, Surface, Window, Workspace,
 };
 use crate::structure::{Section, Structure};
 use crate::{Error, Result};
@@ -61,6 +61,14 @@ fn field(section: &Section, parts: usize, wavelength_nm: f64, width: Width) -> R
     let cone = Cone::new(std::f64::consts::TAU / (wavelength_nm * 1e-3), 0.0, surface.radius_um);
     let nodes = Nodes::equidistant(&surface, cone.kappa);
     let mut coefficients = Vec::new();
-    Workspace::new(width).far_fields(&surface, &table, &nodes, &cone, &[0.0], &[1.0], &mut coefficients);
+    Workspace::new(width).far_fields(
+        &surface,
+        &Stacks(&table),
+        &nodes,
+        &cone,
+        &[0.0],
+        &[1.0],
+        &mut coefficients,
+    );
     Ok(coefficients)
 }

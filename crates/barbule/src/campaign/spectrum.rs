@@ -5,9 +5,13 @@ use rayon::prelude::*;
 
 use crate::math::simd::Width;
 use crate::observer::Observer;
+use crate::scattering::orders::OrderTable;
 use crate::scattering::statistics::AZIMUTHS;
-use crate::solve::surface::{Cone, Nodes, Surface, Window, Workspace, inverse_root, refinement};
-use crate::structure::Structure;
+use crate::solve::crystal::{Multipole, order_table};
+use crate::solve::surface::{
+    Cone, CrystalOrders, Nodes, Stacks, Surface, Window, Workspace, inverse_root, refinement,
+};
+use crate::structure::{Lattice, Structure};
 use crate::{Error, Result};
 
 /// Which part of the reflected light a spectrum collects.
@@ -55,10 +59,11 @@ pub fn spectra(
     width: Width,
     observer: &dyn Observer,
 ) -> Result<Spectra> {
+    let crystal = structure.lattice().map(|lattice| crystal(&lattice, request, observer)).transpose()?;
     observer.begin("simulating", (request.instances * request.wavelengths_nm.len()) as u64);
     let per_instance = (0..request.instances)
         .into_par_iter()
-        .map(|instance| of_instance(structure, request, instance, width, observer))
+        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, width, observer))
         .collect::<Result<Vec<_>>>()?;
     let count = request.instances as f64;
     let mut spectra = Spectra { mean: Vec::new(), std: Vec::new() };
@@ -76,6 +81,28 @@ pub fn spectra(
     Ok(spectra)
 }
 
+/// A crystal's orders at the request's wavelengths and θ_i, and its depth.
+struct Crystal {
+    table: OrderTable,
+    depth_um: f64,
+}
+
+fn crystal(lattice: &Lattice, request: &SpectrumRequest, observer: &dyn Observer) -> Result<Crystal> {
+    let mut cos_theta: Vec<f64> = request.directions.iter().map(|d| d.0.cos()).collect();
+    cos_theta.sort_by(f64::total_cmp);
+    cos_theta.dedup();
+    let table = order_table(&Multipole::default(), lattice, &request.wavelengths_nm, &cos_theta, observer)?;
+    Ok(Crystal { table, depth_um: lattice.bottom_um() })
+}
+
+impl Crystal {
+    /// The orders at a wavelength by its number and a θ_i of the request, rad.
+    fn at(&self, wavelength: usize, theta_i: f64) -> CrystalOrders<f32> {
+        let theta = self.table.cos_theta.partition_point(|&c| c < theta_i.cos());
+        CrystalOrders::new(self.table.at(wavelength, theta), theta_i, self.depth_um)
+    }
+}
+
 /// Longest quadrature element, µm: reflected fractions of means over instances are then good to 1e-3.
 const ELEMENT_UM: f64 = 0.02;
 
@@ -83,6 +110,7 @@ const ELEMENT_UM: f64 = 0.02;
 fn of_instance(
     structure: &Structure,
     request: &SpectrumRequest,
+    crystal: Option<&Crystal>,
     instance: usize,
     width: Width,
     observer: &dyn Observer,
@@ -108,7 +136,15 @@ fn of_instance(
             let nodes = Nodes::equidistant(&surface, cone.kappa);
             let scales: Vec<f64> =
                 phis.iter().map(|&phi| inverse_root(surface.incident_power_um(theta_i, phi))).collect();
-            workspace.far_fields(&surface, &optics, &nodes, &cone, &phis, &scales, &mut coefficients);
+            match crystal.map(|crystal| crystal.at(column, theta_i)) {
+                Some(orders) => {
+                    workspace.far_fields(&surface, &orders, &nodes, &cone, &phis, &scales, &mut coefficients)
+                }
+                None => {
+                    let stacks = Stacks(&optics);
+                    workspace.far_fields(&surface, &stacks, &nodes, &cone, &phis, &scales, &mut coefficients);
+                }
+            }
             let synthesis = workspace.synthesis(&cone, AZIMUTHS * refinement(&cone, AZIMUTHS), 0);
             let mut values = vec![Complex::new(0f32, 0.0); synthesis.points()];
             for (index, component) in coefficients.chunks_exact(cone.angles).enumerate() {

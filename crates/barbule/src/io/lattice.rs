@@ -2,18 +2,21 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::read_text;
-use super::section::{materials, substance};
+use super::section::{materials, substance, substance_json};
 use super::stack::one_line;
 use crate::material::Library;
 use crate::structure::fields::{Fields, list, number};
-use crate::structure::{Circle, Lattice, MOST_RODS, Rod, Substance};
+use crate::structure::{Circle, CrystalLayer, Lattice, MOST_RODS, Regularity, Rod, Substance};
 use crate::{Error, Result};
 
 const KEYS: &[&str] =
     &["period", "host", "incidence", "cortex", "depth_to_center", "rows", "row_pitch", "row_shift", "rod"];
+
+/// Keys that only a lattice inside a section has.
+const UNDER_A_TOP: &[&str] = &["offset", "regularity"];
 
 /// Reads a lattice: a table `lattice` in TOML or JSON, `materials` beside it.
 ///
@@ -25,12 +28,17 @@ pub fn read_lattice(path: &Path, library: &Library) -> Result<Lattice> {
     parse(&read_text(path)?, is_json, folder, library).map_err(|error| error.at(path.display()))
 }
 
-/// Whether a TOML file has a table `lattice`.
+/// Whether a file, TOML or JSON by its name, is a lattice alone.
 ///
 /// # Errors
 /// The file cannot be read.
 pub fn is_lattice(path: &Path) -> Result<bool> {
-    let table: toml::Table = toml::from_str(&read_text(path)?).unwrap_or_default();
+    let text = read_text(path)?;
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        let value: Value = serde_json::from_str(&text).unwrap_or_default();
+        return Ok(value.get("lattice").is_some() && value.get("boundaries").is_none());
+    }
+    let table: toml::Table = toml::from_str(&text).unwrap_or_default();
     Ok(table.contains_key("lattice") && !table.contains_key("generator"))
 }
 
@@ -47,7 +55,67 @@ fn parse(text: &str, is_json: bool, folder: &Path, library: &Library) -> Result<
     let Some(lattice) = value.get("lattice") else {
         return Err(Error::input("lattice is missing; give a table [lattice]"));
     };
+    // A section's lattice is as good, where it lies under the top apart.
+    let alone = value.get("boundaries").is_none();
+    if let Some(key) = UNDER_A_TOP.iter().find(|key| alone && lattice.get(key).is_some()) {
+        return Err(Error::input(format!(
+            "lattice.{key} is for a lattice inside a section; leave it out of a lattice alone"
+        )));
+    }
     lattice_from(lattice, library)
+}
+
+/// The crystal of a section from its table `lattice`: a lattice with `offset` and `regularity`.
+///
+/// # Errors
+/// As [`lattice_from`].
+pub(super) fn crystal_from(value: &Value, library: Library) -> Result<CrystalLayer> {
+    let lattice = lattice_from(value, library)?;
+    let fields = Fields::new(value, "lattice", &keys())?;
+    let regularity = match fields.get("regularity") {
+        None => None,
+        Some(value) => {
+            let fields = Fields::new(value, "lattice.regularity", &["x", "value"])?;
+            Some(Regularity { x_um: fields.numbers("x")?, value: fields.numbers("value")? })
+        }
+    };
+    Ok(CrystalLayer { lattice, offset_um: fields.number("offset")?.unwrap_or(0.0), regularity })
+}
+
+/// What [`crystal_from`] reads back to the same bits.
+pub(super) fn crystal_json(crystal: &CrystalLayer) -> Value {
+    let lattice = &crystal.lattice;
+    let circle = |c: &Circle| json!({"diameter": c.diameter_um, "medium": substance_json(&c.medium)});
+    let rod = |rod: &Rod| {
+        let mut out = json!({
+            "x": rod.x_um,
+            "z": rod.z_um,
+            "circles": rod.circles.iter().map(circle).collect::<Vec<_>>(),
+        });
+        if let Some(rows) = rod.rows {
+            out["rows_of_this"] = rows.into();
+        }
+        out
+    };
+    let mut out = json!({
+        "period": lattice.period_um,
+        "host": substance_json(&lattice.host),
+        "incidence": substance_json(&lattice.incidence),
+        "depth_to_center": lattice.depth_to_center_um,
+        "rows": lattice.rows,
+        "row_pitch": lattice.row_pitch_um,
+        "row_shift": lattice.row_shift,
+        "rod": lattice.rods.iter().map(rod).collect::<Vec<_>>(),
+        "offset": crystal.offset_um,
+    });
+    if let Some(Regularity { x_um, value }) = &crystal.regularity {
+        out["regularity"] = json!({"x": x_um, "value": value});
+    }
+    out
+}
+
+fn keys() -> Vec<&'static str> {
+    KEYS.iter().chain(UNDER_A_TOP).copied().collect()
 }
 
 /// A lattice from its table, whose media are found in `library`.
@@ -55,7 +123,7 @@ fn parse(text: &str, is_json: bool, folder: &Path, library: &Library) -> Result<
 /// # Errors
 /// An unknown or missing key, a value of the wrong kind, or as [`Lattice::check`].
 pub(super) fn lattice_from(value: &Value, library: Library) -> Result<Lattice> {
-    let fields = Fields::new(value, "lattice", KEYS)?;
+    let fields = Fields::new(value, "lattice", &keys())?;
     let medium = |key: &str, usual: &str| match fields.get(key) {
         None => Ok(Substance::named(usual)),
         Some(value) => substance(value, &fields.path(key)),

@@ -3,6 +3,7 @@
 pub mod image;
 mod lattice;
 mod material;
+mod orders;
 mod section;
 mod species;
 mod stack;
@@ -12,10 +13,11 @@ mod whole;
 
 pub use lattice::{is_lattice, read_lattice};
 pub use material::{decode_material, encode_material, read_material, write_material};
+pub use orders::{read_orders, write_orders};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use species::{read_species, read_structure_toml};
 pub use stack::{parse_stack, read_stack};
 pub use whole::{
-    LARGEST_INPUT, check_writable, delete_materials, hash_bytes, hash_file, list_materials, make_folder,
+    LARGEST_INPUT, check_writable, delete_cached, hash_bytes, hash_file, list_cached, make_folder,
     read_at_most, read_bytes, read_text, write_whole,
 };

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use super::lattice::{crystal_from, crystal_json};
 use super::tables::{MediumSource, add_media};
 use super::{read_text, write_whole};
 use crate::material::{Library, shortened};
@@ -35,7 +36,7 @@ pub fn read_section(path: &Path, library: &Library) -> Result<Section> {
 /// Reads every `.json` of a folder, in the order of their names: instances of one structure.
 ///
 /// # Errors
-/// No such file, over 10,000 of them, widths that differ by over 1 %, or as [`read_section`].
+/// No such file, over 10,000 of them, widths that differ by over 1 %, lattices that differ, or as [`read_section`].
 pub fn read_sections(folder: &Path, library: &Library) -> Result<Vec<Section>> {
     let refuse = |what: String| Error::input(format!("{}: {what}", folder.display()));
     let mut files = Vec::new();
@@ -59,6 +60,15 @@ pub fn read_sections(folder: &Path, library: &Library) -> Result<Vec<Section>> {
             "{} is {} µm wide but {} is {width} µm; instances of one structure must have one width",
             stem(&files[other]),
             sections[other].width_um,
+            stem(&files[0])
+        )));
+    }
+    let lattice = |section: &Section| section.crystal.as_ref().map(|crystal| crystal.lattice.hash());
+    let first = lattice(&sections[0]);
+    if let Some(other) = sections.iter().position(|s| lattice(s) != first) {
+        return Err(refuse(format!(
+            "{} has another lattice than {}; instances of one structure must have the same one",
+            stem(&files[other]),
             stem(&files[0])
         )));
     }
@@ -119,11 +129,6 @@ fn section(value: &Value, folder: &Path, library: &Library) -> Result<Section> {
             )));
         }
     }
-    if fields.get("lattice").is_some() {
-        return Err(Error::input(
-            "lattice: photonic crystals are not simulated yet by this version; describe the barbule by boundaries and inclusions",
-        ));
-    }
     let mut library = library.clone();
     let materials = materials(fields.get("materials"), folder, &mut library)?;
     let mut parts = Parts {
@@ -138,6 +143,9 @@ fn section(value: &Value, folder: &Path, library: &Library) -> Result<Section> {
             parts.boundaries.push(Polyline { x_um: fields.numbers("x")?, z_um: fields.numbers("z")? });
         }
     }
+    if let Some(value) = fields.get("lattice") {
+        parts.crystal = Some(crystal_from(value, library.clone())?);
+    }
     match fields.get("media") {
         Some(value) => {
             for (index, entry) in list(value, "media")?.iter().enumerate() {
@@ -145,6 +153,14 @@ fn section(value: &Value, folder: &Path, library: &Library) -> Result<Section> {
             }
         }
         None if parts.boundaries.is_empty() => parts.media.push(Medium::named("air")),
+        None if parts.crystal.is_some() && parts.boundaries.len() == 1 => {
+            parts.media = parts
+                .crystal
+                .iter()
+                .flat_map(|crystal| [&crystal.lattice.incidence, &crystal.lattice.host])
+                .map(|medium| Medium::Pure(medium.clone()))
+                .collect();
+        }
         None => {
             return Err(Error::input(format!(
                 "media is missing; list {} media, from above the top to below the last boundary",
@@ -284,6 +300,9 @@ pub fn section_json(section: &Section) -> Value {
     if !section.inclusions.is_empty() {
         out.insert("inclusions".into(), section.inclusions.iter().map(inclusion_json).collect());
     }
+    if let Some(crystal) = &section.crystal {
+        out.insert("lattice".into(), crystal_json(crystal));
+    }
     if !section.materials.is_empty() {
         let source = |source: &MaterialSource| match source {
             MaterialSource::File(path) => json!(path.to_string_lossy()),
@@ -297,7 +316,7 @@ pub fn section_json(section: &Section) -> Value {
     out.into()
 }
 
-fn substance_json(substance: &Substance) -> Value {
+pub(super) fn substance_json(substance: &Substance) -> Value {
     match substance {
         Substance::Named(name) => json!(name),
         Substance::Index(n) => json!({"index": [n.re, n.im]}),

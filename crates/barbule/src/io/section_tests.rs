@@ -1,5 +1,5 @@
 use super::*;
-use crate::structure::{SpeciesModel, layered_species};
+use crate::structure::{SpeciesModel, species_names};
 
 const GOOD: &str = r#"{"barbule": 1, "units": "um", "width": 2.0, "name": "a",
   "boundaries": [{"x": [-1, 0, 1], "z": [0, 0, 0]}, {"x": [-1, 0, 1], "z": [-1, -1, -1]}],
@@ -47,7 +47,7 @@ fn inclusions_alone_make_a_section_without_a_top() {
 
 #[test]
 fn written_sections_come_back_to_the_same_bits() {
-    for name in layered_species() {
+    for name in species_names() {
         let section = SpeciesModel::builtin(name, None, Library::builtin()).unwrap().section(3, 1).unwrap();
         assert_eq!(parse(&section_json(&section).to_string()).unwrap(), section, "{name}");
     }
@@ -106,7 +106,7 @@ const BAD: &[(&str, &str, &str)] = &[
     ("\"width\": 2.0,", "", "width is missing"),
     ("\"width\": 2.0", "\"width\": null", "width is not a finite number"),
     ("\"name\": \"a\"", "\"name\": []", "name is a list"),
-    ("\"name\": \"a\"", "\"lattice\": {}", "not simulated yet"),
+    ("\"name\": \"a\"", "\"lattice\": {}", "lattice.rod is missing"),
     ("\"name\": \"a\"", "\"name\": \"a\" \"b\"", "is not JSON"),
     (
         "\"x\": [-1, 0, 1], \"z\": [0, 0, 0]",
@@ -247,4 +247,57 @@ fn a_million_points_are_checked_in_seconds_and_more_are_refused() {
     Section::new(comb(200_000), Library::builtin()).unwrap();
     let message = Section::new(comb(1_000_000), Library::builtin()).unwrap_err().to_string();
     assert!(message.contains("over the limit of 1000000"), "{message}");
+}
+
+const CRYSTAL: &str = r#"{"barbule": 1, "units": "um", "width": 2.0, "name": "a",
+  "boundaries": [{"x": [-1, 0, 1], "z": [0, 0.1, 0]}],
+  "lattice": {"period": 0.2, "cortex": 0.1, "rod": [{"circles": [{"diameter": 0.1, "medium": "melanin"}]}],
+              "offset": 0.05, "regularity": {"x": [-1, 1], "value": [0.2, 0.6]}}}"#;
+
+#[test]
+fn a_section_may_have_a_lattice_under_its_top() {
+    let section = parse(CRYSTAL).unwrap();
+    let crystal = section.crystal.as_ref().unwrap();
+    assert_eq!((crystal.offset_um, crystal.lattice.rows), (0.05, 1));
+    assert_eq!(crystal.regularity.as_ref().unwrap().at(0.5), 0.5);
+    assert_eq!(section.media, [Medium::named("air"), Medium::named("keratin")]);
+    assert_eq!(parse(&section_json(&section).to_string()).unwrap(), section);
+    // One rod for each period of the arc length, on the normal below the top.
+    let circles = crystal.circles(section.top());
+    assert_eq!(circles.len(), 10);
+    let nearest = circles.iter().min_by(|a, b| a.x_um.abs().total_cmp(&b.x_um.abs())).unwrap();
+    let slope = 0.1f64.atan();
+    let along = [0.05 * slope.cos(), 0.1 - 0.05 * slope.sin()];
+    let expected = [along[0] - 0.15 * slope.sin(), along[1] - 0.15 * slope.cos()];
+    assert!((nearest.x_um - expected[0]).hypot(nearest.z_um - expected[1]) < 1e-12, "{nearest:?}");
+}
+
+#[test]
+fn what_does_not_go_with_a_lattice_is_refused() {
+    let second = r#"[{"x": [-1, 0, 1], "z": [0, 0.1, 0]}, {"x": [-1, 0, 1], "z": [-2, -2, -2]}]"#;
+    for (from, to, said) in [
+        (r#""offset": 0.05"#, r#""ofset": 0.05"#, "did you mean 'offset'"),
+        ("[0.2, 0.6]", "[0.2]", "has 2 x but 1 values"),
+        ("[0.2, 0.6]", "[0.2, 1.6]", "regularity.value[1] is 1.6"),
+        ("\"x\": [-1, 1]", "\"x\": [1, 1]", "regularity.x[1] is not larger"),
+        (r#""cortex": 0.1"#, r#""cortex": 0.1, "host": "keratine""#, "did you mean 'keratin'"),
+        (r#"[{"x": [-1, 0, 1], "z": [0, 0.1, 0]}]"#, second, "media is missing"),
+        (r#""name": "a""#, r#""media": ["air", "melanin"]"#, "the lattice's own, [air, keratin]"),
+        (r#""diameter": 0.1"#, r#""diameter": 0.3"#, "wider than the period"),
+    ] {
+        assert!(CRYSTAL.contains(from), "{from}");
+        let error = parse(&CRYSTAL.replace(from, to)).unwrap_err();
+        assert!(error.is_input() && error.to_string().contains(said), "{to}: {error}");
+    }
+}
+
+#[test]
+fn instances_of_one_structure_have_one_lattice() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.json"), CRYSTAL).unwrap();
+    std::fs::write(folder.path().join("b.json"), CRYSTAL).unwrap();
+    assert_eq!(read_sections(folder.path(), &Library::builtin()).unwrap().len(), 2);
+    std::fs::write(folder.path().join("b.json"), CRYSTAL.replace("0.2,", "0.21,")).unwrap();
+    let error = read_sections(folder.path(), &Library::builtin()).unwrap_err();
+    assert!(error.to_string().contains("b has another lattice than a"), "{error}");
 }

@@ -100,6 +100,8 @@ pub(crate) trait Real: SimdFloatElement {
     /// cosα of a direction that counts as grazing: products of several such numbers must not underflow.
     const GRAZING: f64;
     fn of(value: f64) -> Self;
+    /// Its whole part; 0 for negative numbers.
+    fn index(self) -> usize;
 }
 
 impl Real for f64 {
@@ -147,6 +149,10 @@ impl Real for f64 {
     fn of(value: f64) -> Self {
         value
     }
+    #[inline(always)]
+    fn index(self) -> usize {
+        self as usize
+    }
 }
 
 impl Real for f32 {
@@ -162,6 +168,10 @@ impl Real for f32 {
     #[inline(always)]
     fn of(value: f64) -> Self {
         value as f32
+    }
+    #[inline(always)]
+    fn index(self) -> usize {
+        self as usize
     }
 }
 

@@ -18,19 +18,27 @@ pub struct Axis {
     pub label: String,
     /// Exactly what is drawn, or from the data.
     pub range: Option<[f64; 2]>,
+    /// Whether equal ratios are equally long; only positive values then show.
+    pub logarithmic: bool,
 }
 
 impl Axis {
     /// An axis whose range follows from the data.
     #[must_use]
     pub fn new(label: impl Into<String>) -> Self {
-        Self { label: label.into(), range: None }
+        Self { label: label.into(), range: None, logarithmic: false }
     }
 
     /// An axis with an exact range.
     #[must_use]
     pub fn with_range(label: impl Into<String>, from: f64, to: f64) -> Self {
-        Self { label: label.into(), range: Some([from, to]) }
+        Self { range: Some([from, to]), ..Self::new(label) }
+    }
+
+    /// A logarithmic axis whose range follows from the data.
+    #[must_use]
+    pub fn logarithmic(label: impl Into<String>) -> Self {
+        Self { logarithmic: true, ..Self::new(label) }
     }
 }
 
@@ -58,6 +66,25 @@ pub fn ticks(range: [f64; 2], wanted: usize) -> Vec<(f64, String)> {
         .map(|i| (first + i as f64) * step)
         .filter(|at| *at >= low - 1e-6 * step && *at <= high + 1e-6 * step)
         .map(|at| (at, label(at, step)))
+        .collect()
+}
+
+/// As [`ticks`] for a logarithmic axis: powers of ten, or where these are few 2 and 5 times them too.
+fn log_ticks(range: [f64; 2], wanted: usize) -> Vec<(f64, String)> {
+    let [low, high] = [range[0].min(range[1]), range[0].max(range[1])].map(f64::log10);
+    if !(high > low && (high - low).is_finite()) {
+        return ticks(range, wanted);
+    }
+    let factors: &[f64] = if high - low < 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let every = ((high - low) / wanted.max(1) as f64).ceil().max(1.0) as usize;
+    (low.floor() as i32..=high.ceil() as i32)
+        .step_by(every)
+        .flat_map(|decade| factors.iter().map(move |factor| factor * 10.0_f64.powi(decade)))
+        .filter(|at| (low - 1e-6..=high + 1e-6).contains(&at.log10()))
+        .map(|at| {
+            let plain = (1e-2..1e5).contains(&at);
+            (at, if plain { label(at, at) } else { format!("{at:.0e}").replace('-', "−") })
+        })
         .collect()
 }
 
@@ -92,6 +119,20 @@ pub(super) fn covering(values: impl Iterator<Item = f64>) -> [f64; 2] {
     [(low / step + 1e-6).floor() * step, (high / step - 1e-6).ceil() * step]
 }
 
+/// As [`covering`] for a logarithmic axis: whole powers of ten about the positive values.
+pub(super) fn log_covering(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let (low, high) = values
+        .filter(|v| v.is_finite() && *v > 0.0)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), v| {
+            (low.min(v.log10()), high.max(v.log10()))
+        });
+    if low.is_infinite() {
+        return [1.0, 10.0];
+    }
+    let (low, high) = ((low + 1e-6).floor(), (high - 1e-6).ceil());
+    [low, high.max(low + 1.0)].map(|decade| 10.0_f64.powf(decade))
+}
+
 /// A rectangle of the page and what it shows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
@@ -99,14 +140,20 @@ pub(super) struct Frame {
     pub(super) area: [f64; 4],
     pub(super) x: [f64; 2],
     pub(super) y: [f64; 2],
+    /// Whether x and y are logarithmic.
+    pub(super) logarithmic: [bool; 2],
 }
 
 impl Frame {
-    /// A point of the data on the page.
+    /// A point of the data on the page; not finite where a logarithm is not.
     pub(super) fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, width, height] = self.area;
-        let part = |v: f64, range: [f64; 2]| (v - range[0]) / (range[1] - range[0]);
-        [left + width * part(x, self.x), top + height * (1.0 - part(y, self.y))]
+        let part = |v: f64, range: [f64; 2], logarithmic: bool| {
+            let [v, from, to] = [v, range[0], range[1]].map(|v| if logarithmic { v.log10() } else { v });
+            (v - from) / (to - from)
+        };
+        let [log_x, log_y] = self.logarithmic;
+        [left + width * part(x, self.x, log_x), top + height * (1.0 - part(y, self.y, log_y))]
     }
 
     /// Grid lines, to be drawn below the data.
@@ -151,11 +198,13 @@ impl Frame {
     }
 
     fn x_ticks(&self) -> Vec<(f64, String)> {
-        ticks(self.x, (self.area[2] / 60.0) as usize)
+        let wanted = (self.area[2] / 60.0) as usize;
+        if self.logarithmic[0] { log_ticks(self.x, wanted) } else { ticks(self.x, wanted) }
     }
 
     fn y_ticks(&self) -> Vec<(f64, String)> {
-        ticks(self.y, ((self.area[3] / 45.0) as usize).max(5))
+        let wanted = ((self.area[3] / 45.0) as usize).max(5);
+        if self.logarithmic[1] { log_ticks(self.y, wanted) } else { ticks(self.y, wanted) }
     }
 }
 
@@ -171,6 +220,26 @@ mod tests {
         assert_eq!(ticks([0.0, 0.3], 3)[1].1, "0.1");
         assert_eq!(ticks([-90.0, 90.0], 4)[0].1, "−50");
         assert!(ticks([1.0, 1.0], 5).len() == 1 && ticks([0.0, f64::INFINITY], 5).len() == 1);
+    }
+
+    #[test]
+    fn logarithmic_axes_have_decades() {
+        let labels =
+            |range, wanted| log_ticks(range, wanted).into_iter().map(|(_, text)| text).collect::<Vec<_>>();
+        assert_eq!(labels([1e-4, 1.0], 5), ["1e−4", "1e−3", "0.01", "0.1", "1"]);
+        assert_eq!(labels([50.0, 200.0], 5), ["50", "100", "200"]);
+        assert_eq!(labels([1e-12, 1.0], 5).len(), 5);
+        assert_eq!(log_covering([0.0, 3e-4, f64::NAN, 0.02].into_iter()), [1e-4, 0.1]);
+        assert_eq!(log_covering([10.0].into_iter()), [10.0, 100.0]);
+        assert_eq!(log_covering([-1.0].into_iter()), [1.0, 10.0]);
+        let frame = Frame {
+            area: [0.0, 0.0, 100.0, 100.0],
+            x: [1.0, 100.0],
+            y: [1.0, 100.0],
+            logarithmic: [true; 2],
+        };
+        assert_eq!(frame.place([10.0, 100.0]), [50.0, 0.0]);
+        assert!(!frame.place([0.0, 1.0])[0].is_finite());
     }
 
     #[test]

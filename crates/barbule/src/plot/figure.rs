@@ -1,6 +1,6 @@
 //! Line charts.
 
-use super::axes::{Axis, Frame, LARGE, MEDIUM, SMALL, covering};
+use super::axes::{Axis, Frame, LARGE, MEDIUM, SMALL, covering, log_covering};
 use super::drawing::{Anchor, Drawing, Ink, Item, Stroke};
 use super::{palette, text};
 
@@ -17,6 +17,8 @@ pub enum Mark {
     Line,
     /// A sign at each.
     Points,
+    /// A line and signs.
+    Both,
 }
 
 /// One curve.
@@ -24,7 +26,7 @@ pub enum Mark {
 pub struct Curve {
     /// What the legend says.
     pub name: String,
-    /// (x, y); a y that is not finite interrupts the line.
+    /// (x, y); a y that is not finite, or not positive on a logarithmic axis, interrupts the line.
     pub points: Vec<[f64; 2]>,
     /// Half the height of a band about the line, one number per point.
     pub spread: Option<Vec<f64>>,
@@ -126,12 +128,15 @@ impl Figure {
     }
 
     fn frame(&self, area: [f64; 4]) -> Frame {
-        let xs = self.curves.iter().flat_map(|c| c.points.iter().map(|p| p[0])).filter(|x| x.is_finite());
+        let shows = |x: &f64| x.is_finite() && (*x > 0.0 || !self.x.logarithmic);
+        let xs = self.curves.iter().flat_map(|c| c.points.iter().map(|p| p[0])).filter(shows);
         let (low, high) = xs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         let x = match self.x.range {
             Some(range) => range,
             None if low < high => [low, high],
+            None if low == high && self.x.logarithmic => [0.5 * low, 2.0 * low],
             None if low == high => [low - 1.0, low + 1.0],
+            None if self.x.logarithmic => [1.0, 10.0],
             None => [0.0, 1.0],
         };
         let ys = self.curves.iter().flat_map(|curve| {
@@ -140,7 +145,9 @@ impl Figure {
                 [p[1] - spread, p[1] + spread]
             })
         });
-        Frame { area, x, y: self.y.range.unwrap_or_else(|| covering(ys)) }
+        let logarithmic = [self.x.logarithmic, self.y.logarithmic];
+        let y = self.y.range.unwrap_or_else(|| if logarithmic[1] { log_covering(ys) } else { covering(ys) });
+        Frame { area, x, y, logarithmic }
     }
 
     fn legend_at(&self, drawing: &mut Drawing, [x, mut y]: [f64; 2], sample: f64) {
@@ -150,9 +157,11 @@ impl Figure {
         }
         for (i, curve) in self.curves.iter().take(MOST_NAMED).enumerate() {
             let stroke = self.stroke(i);
-            match curve.mark {
-                Mark::Line => drawing.line([x, y - 4.0], [x + 28.0, y - 4.0], stroke),
-                Mark::Points => drawing.items.push(sign([x + 14.0, y - 4.0], i, &stroke)),
+            if curve.mark != Mark::Line {
+                drawing.items.push(sign([x + 14.0, y - 4.0], i, &stroke));
+            }
+            if curve.mark != Mark::Points {
+                drawing.line([x, y - 4.0], [x + 28.0, y - 4.0], stroke);
             }
             if let Some(rgb) = curve.swatch {
                 let edge = Some(Stroke::solid(Ink::of([120, 120, 120]), 0.7));
@@ -183,9 +192,11 @@ fn band(items: &mut Vec<Item>, frame: &Frame, curve: &Curve, stroke: &Stroke) {
 }
 
 fn trace(items: &mut Vec<Item>, frame: &Frame, curve: &Curve, stroke: &Stroke, i: usize) {
-    let finite = |p: &[f64; 2]| p[0].is_finite() && p[1].is_finite();
-    if curve.mark == Mark::Points {
+    let finite = |p: &[f64; 2]| frame.place(*p).iter().all(|at| at.is_finite());
+    if curve.mark != Mark::Line {
         items.extend(curve.points.iter().filter(|p| finite(p)).map(|p| sign(frame.place(*p), i, stroke)));
+    }
+    if curve.mark == Mark::Points {
         return;
     }
     let mut runs = Vec::new();
@@ -233,6 +244,15 @@ mod tests {
             assert!(svg.contains(part), "{part}");
         }
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn logarithmic_charts_leave_out_what_is_not_positive() {
+        let mut figure = Figure::new("", Axis::logarithmic("N"), Axis::logarithmic("error"));
+        let points = vec![[0.0, 1.0], [50.0, 1e-3], [100.0, 0.0], [200.0, 1e-5]];
+        figure.curves.push(Curve { mark: Mark::Both, ..Curve::line("one", points) });
+        let svg = String::from_utf8(figure.draw().encode(Format::Svg, &[]).unwrap()).unwrap();
+        assert!(svg.contains(">1e−4<") && !svg.contains("NaN") && !svg.contains("inf"));
     }
 
     #[test]

@@ -61,6 +61,7 @@ impl HeatMap {
             area: [left, top, width, height],
             x: self.x.range.unwrap_or(unit),
             y: self.y.range.unwrap_or(unit),
+            logarithmic: [false; 2],
         };
         drawing.items.push(Item::Picture { area: frame.area, picture: self.picture(range) });
         frame.outline(&mut drawing, &self.x.label, &self.y.label, &self.title);

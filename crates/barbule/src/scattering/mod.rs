@@ -1,5 +1,6 @@
-//! Directions, far fields, their statistics and the lobe that is fitted to them.
+//! Directions, orders of crystals, far fields, their statistics and the lobe that is fitted to them.
 
 pub mod directions;
 pub mod lobe;
+pub mod orders;
 pub mod statistics;

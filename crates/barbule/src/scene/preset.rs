@@ -63,7 +63,7 @@ pub struct Preset {
 
 /// All presets.
 #[must_use]
-pub fn all() -> [Preset; 4] {
+pub fn all() -> [Preset; 7] {
     let usual = Preset {
         name: "starling",
         material: "starling",
@@ -98,6 +98,27 @@ pub fn all() -> [Preset; 4] {
             window: Window { along_mm: 4.7, radius_mm: 2.2 },
             width_mm: 2.7,
             exposure: 0.3,
+            ..usual
+        },
+        Preset {
+            name: "mallard",
+            material: "mallard",
+            feather: species::mallard(),
+            window: Window { along_mm: 9.0, radius_mm: 3.0 },
+            ..usual
+        },
+        Preset {
+            name: "magpie",
+            material: "magpie",
+            feather: species::magpie(),
+            window: Window { along_mm: 150.0, radius_mm: 3.4 },
+            ..usual
+        },
+        Preset {
+            name: "peafowl",
+            material: "peafowl",
+            feather: species::peafowl(),
+            window: Window { along_mm: 85.0, radius_mm: 3.4 },
             ..usual
         },
     ]

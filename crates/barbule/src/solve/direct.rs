@@ -1,15 +1,17 @@
 //! The fast simulation's formulas, evaluated plainly: its reference.
 //!
-//! One loop over points, one over azimuths, vectors in three dimensions, reflectances from [`film`](super::film). Slow on purpose:
-//! no tables, no transforms, no matrix products, no vector instructions.
+//! One loop over points, one over azimuths, vectors in three dimensions, reflectances from [`film`](super::film), crystals
+//! solved for every point. Slow on purpose: no tables, no transforms, no matrix products, no vector instructions.
 
 use glam::DVec3;
 use num_complex::Complex64;
 
+use super::crystal::multipole::Prepared;
+use super::crystal::{Cell, Multipole};
 use super::film::{Polarization, reflect};
 use super::surface::{Cone, FarField, Window, inverse_root, refinement};
 use crate::scattering::directions::{azimuths as azimuth_grid, e1, e2, omega};
-use crate::structure::{Columns, Ray, Section, cast};
+use crate::structure::{Columns, CrystalLayer, Polyline, Ray, Section, cast};
 use crate::{Error, Result};
 
 /// A complex 3-vector.
@@ -35,6 +37,9 @@ pub fn far_field(
     let palette = columns.palette.iter().map(|m| m.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
     let w_i = omega(theta_i, phi_i);
     let incident = [(e1(theta_i, phi_i), e2(phi_i)), (e2(phi_i), -e1(theta_i, phi_i))];
+    let crystal =
+        section.crystal.as_ref().map(|layer| Crystalline::new(layer, section, wavelength_nm, theta_i));
+    let crystal = crystal.transpose()?;
     let mut incident_power_um = 0.0;
     // Currents with their positions, per incident polarization.
     let mut currents: [Vec<(f64, f64, Field, Field)>; 2] = Default::default();
@@ -49,8 +54,15 @@ pub fn far_field(
             Window::None => 1.0,
         };
         incident_power_um += g * g * cos_alpha * length;
-        let [r_s, r_p] = reflectances(&columns, &palette, p, wavelength_nm, cos_alpha)?;
         let phase = Complex64::from_polar(g * length, -k * (w_i.x * ray.x_um + w_i.z * ray.z_um));
+        if let Some(crystal) = &crystal {
+            for (polarization, (e, h)) in crystal.reflect(ray, phi_i)?.into_iter().enumerate() {
+                let [e, h] = [e, h].map(|field| field.map(|part| part * phase));
+                currents[polarization].push((ray.x_um, ray.z_um, cross(normal, &h), cross(-normal, &e)));
+            }
+            continue;
+        }
+        let [r_s, r_p] = reflectances(&columns, &palette, p, wavelength_nm, cos_alpha)?;
         let reflected = 2.0 * cos_alpha * normal - w_i;
         let s = normal.cross(w_i).try_normalize().unwrap_or(DVec3::Y);
         for (polarization, (electric, magnetic)) in incident.iter().enumerate() {
@@ -159,6 +171,51 @@ fn reflectances(
         reflect(&indices, &thickness_nm, wavelength_nm, angle, Polarization::S)?,
         reflect(&indices, &thickness_nm, wavelength_nm, angle, Polarization::P)?,
     ])
+}
+
+/// A crystal under the top at one wavelength and one θ_i, solved anew for every point.
+struct Crystalline<'a> {
+    layer: &'a CrystalLayer,
+    prepared: Prepared,
+    theta_i: f64,
+    top: &'a Polyline,
+    arc_um: Vec<f64>,
+}
+
+impl<'a> Crystalline<'a> {
+    fn new(layer: &'a CrystalLayer, section: &'a Section, wavelength_nm: f64, theta_i: f64) -> Result<Self> {
+        let cell = Cell::new(&layer.lattice, wavelength_nm)?;
+        let prepared = Multipole::default().prepare(&cell, wavelength_nm, theta_i)?;
+        let top = section.top();
+        Ok(Self { layer, prepared, theta_i, top, arc_um: top.arc_um() })
+    }
+
+    /// E and H̃ of all reflected orders at a point, for incident fields along e₁ and e₂ with phase 0 there.
+    fn reflect(&self, ray: &Ray, phi_i: f64) -> Result<[(Field, Field); 2]> {
+        let [across, up] = ray.normal;
+        // The normal's angle against z, clockwise: azimuths in the frame of the top are larger by the slope.
+        let slope = (-across).atan2(up);
+        let right = self.top.x_um.partition_point(|&x| x <= ray.x_um).clamp(1, self.top.x_um.len() - 1);
+        let along = (ray.x_um - self.top.x_um[right - 1]).hypot(ray.z_um - self.top.z_um[right - 1]);
+        let s = self.arc_um[right - 1] + along - self.top.arc_at_zero(&self.arc_um) - self.layer.offset_um;
+        let regularity = self.layer.regularity.as_ref().map_or(1.0, |regularity| regularity.at(ray.x_um));
+        let mut fields = [([Complex64::ZERO; 3], [Complex64::ZERO; 3]); 2];
+        for order in self.prepared.respond(phi_i + slope)?.orders {
+            let turn = std::f64::consts::TAU * f64::from(order.m) * s / self.layer.lattice.period_um;
+            let phase = Complex64::from_polar(regularity, turn);
+            let phi_o = order.phi_o - slope;
+            let (w_o, e1, e2) = (omega(-self.theta_i, phi_o), e1(-self.theta_i, phi_o), e2(phi_o));
+            for (q, (electric, magnetic)) in fields.iter_mut().enumerate() {
+                let e = sum(e1, order.jones[0][q] * phase, e2, order.jones[1][q] * phase);
+                let turned = cross(w_o, &e);
+                for axis in 0..3 {
+                    electric[axis] += e[axis];
+                    magnetic[axis] += turned[axis];
+                }
+            }
+        }
+        Ok(fields)
+    }
 }
 
 fn sum(u: DVec3, a: Complex64, v: DVec3, b: Complex64) -> Field {

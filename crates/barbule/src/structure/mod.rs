@@ -3,6 +3,7 @@
 mod cast;
 mod chain;
 mod check;
+mod crystal;
 mod curve;
 pub(crate) mod fields;
 mod lattice;
@@ -13,6 +14,7 @@ pub mod stack;
 mod sweep;
 
 pub use cast::{Columns, Mixture, Ray, cast};
+pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
 pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};
 pub use section::{
     FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,
@@ -74,6 +76,17 @@ impl Structure {
         match self {
             Self::Species(model) => model.title(),
             Self::Sections { name, .. } => name.clone(),
+        }
+    }
+
+    /// The photonic crystal under the top, where there is one; all given sections have the same.
+    #[must_use]
+    pub fn lattice(&self) -> Option<Lattice> {
+        match self {
+            Self::Species(model) => model.lattice(),
+            Self::Sections { sections, .. } => {
+                sections.first().and_then(|s| s.crystal.as_ref()).map(|c| c.lattice.clone())
+            }
         }
     }
 
@@ -140,7 +153,10 @@ fn section_hash(section: &Section) -> String {
         Substance::Index(_) => None,
     });
     let shape = (&section.width_um, &section.boundaries, &section.media, &section.inclusions);
-    let text = format!("{shape:?} {:?}", materials(&section.library, names));
+    let mut text = format!("{shape:?} {:?}", materials(&section.library, names));
+    if let Some(CrystalLayer { lattice, offset_um, regularity }) = &section.crystal {
+        text += &format!(" {} {offset_um:?} {regularity:?}", lattice.hash());
+    }
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }
 

@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use super::check;
+use super::crystal::{self, CrystalLayer};
+use super::lattice::Lattice;
 use super::stack::Stack;
 use crate::material::{Library, Material, shortened};
 use crate::{Complex64, Error, Result};
@@ -202,6 +204,8 @@ pub struct Parts {
     pub media: Vec<Medium>,
     /// Closed regions.
     pub inclusions: Vec<Inclusion>,
+    /// A photonic crystal under the top, which is then the only boundary.
+    pub crystal: Option<CrystalLayer>,
     /// Where it came from.
     pub source: String,
 }
@@ -223,6 +227,8 @@ pub struct Section {
     pub media: Vec<Medium>,
     /// Closed regions.
     pub inclusions: Vec<Inclusion>,
+    /// A photonic crystal under the top, which is then the only boundary.
+    pub crystal: Option<CrystalLayer>,
     /// Where it came from.
     pub source: String,
     /// The materials that names mean.
@@ -239,13 +245,25 @@ impl Section {
     /// Anything that `docs/formats/section.md` lists; the message starts with the field and its index.
     pub fn new(parts: Parts, library: Library) -> Result<Self> {
         let nesting = check::check(&parts, &library)?;
+        crystal::check(&parts)?;
         let width_um = match parts.width_um {
             Some(width) => width,
             None => check::bounding_width(&parts.inclusions),
         };
-        let Parts { name, boundaries, media, inclusions, source, .. } = parts;
+        let Parts { name, boundaries, media, inclusions, crystal, source, .. } = parts;
         let materials = BTreeMap::new();
-        Ok(Self { name, width_um, boundaries, media, inclusions, source, library, materials, nesting })
+        Ok(Self {
+            name,
+            width_um,
+            boundaries,
+            media,
+            inclusions,
+            crystal,
+            source,
+            library,
+            materials,
+            nesting,
+        })
     }
 
     /// A planar stack as a flat section, [`FLAT_WIDTH_UM`] wide.
@@ -266,6 +284,25 @@ impl Section {
         Self::new(Parts { name, width_um, boundaries, media, source, ..Parts::default() }, library)
     }
 
+    /// A photonic crystal under a flat top, [`FLAT_WIDTH_UM`] wide.
+    ///
+    /// # Errors
+    /// As [`Lattice::check`].
+    pub fn flat_crystal(name: &str, lattice: Lattice) -> Result<Self> {
+        let half = 0.5 * FLAT_WIDTH_UM;
+        let library = lattice.library.clone();
+        let parts = Parts {
+            name: name.to_owned(),
+            width_um: Some(FLAT_WIDTH_UM),
+            boundaries: vec![Polyline { x_um: vec![-half, 0.0, half], z_um: vec![0.0; 3] }],
+            media: [&lattice.incidence, &lattice.host].map(|medium| Medium::Pure(medium.clone())).to_vec(),
+            crystal: Some(CrystalLayer { lattice, offset_um: 0.0, regularity: None }),
+            source: format!("lattice {}", shortened(name)),
+            ..Parts::default()
+        };
+        Self::new(parts, library)
+    }
+
     /// The top boundary; empty in a section of inclusions alone.
     #[must_use]
     pub fn top(&self) -> &Polyline {
@@ -281,7 +318,7 @@ impl Section {
         material(substance, &self.library)
     }
 
-    /// Every medium: between boundaries, then of the inclusions.
+    /// Every medium: between boundaries, then of the inclusions; the rods of a crystal have theirs in its lattice.
     pub fn all_media(&self) -> impl Iterator<Item = &Medium> {
         self.media.iter().chain(self.inclusions.iter().map(|i| &i.medium))
     }

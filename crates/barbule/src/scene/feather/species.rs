@@ -128,3 +128,61 @@ pub fn hummingbird() -> Feather {
         disorder: DISORDER,
     }
 }
+
+/// Head feather of a mallard: small, dense as velvet.
+#[must_use]
+pub fn mallard() -> Feather {
+    let barbule = BarbuleShape {
+        length_um: 290.0,
+        width_um: 40.0,
+        spacing_um: 30.0,
+        angle: [44.0 * DEG, 34.0 * DEG],
+        lift: [16.0 * DEG, -12.0 * DEG],
+        ..BARBULE
+    };
+    Feather {
+        shaft: ShaftShape { length_mm: 15.0, radius_mm: 0.14, calamus: 0.1, ..SHAFT },
+        barb: BarbShape { spacing_um: 245.0, half_width_mm: 3.6, outline: [0.6, 0.5], ..BARB },
+        barbule: [barbule, BarbuleShape { lift: [10.0 * DEG, -10.0 * DEG], ..barbule }],
+        disorder: DISORDER,
+    }
+}
+
+/// Tail feather of a magpie: long, with flat barbules.
+#[must_use]
+pub fn magpie() -> Feather {
+    let barbule = BarbuleShape {
+        length_um: 340.0,
+        width_um: 40.0,
+        spacing_um: 31.0,
+        angle: [44.0 * DEG, 34.0 * DEG],
+        tilt: -10.0 * DEG,
+        ..BARBULE
+    };
+    Feather {
+        shaft: ShaftShape { length_mm: 230.0, radius_mm: 0.9, tip_radius_mm: 0.05, ..SHAFT },
+        barb: BarbShape { spacing_um: 255.0, half_width_mm: 15.0, angle: [45.0 * DEG, 30.0 * DEG], ..BARB },
+        barbule: [barbule, BarbuleShape { lift: [8.0 * DEG, -10.0 * DEG], ..barbule }],
+        disorder: DISORDER,
+    }
+}
+
+/// The eye of a peacock's train feather: long barbules of many cells. Their arched top is part of the simulation, not of
+/// the geometry.
+#[must_use]
+pub fn peafowl() -> Feather {
+    let barbule = BarbuleShape {
+        length_um: 480.0,
+        width_um: 40.0,
+        spacing_um: 32.0,
+        angle: [42.0 * DEG, 36.0 * DEG],
+        cell_um: 25.0,
+        ..BARBULE
+    };
+    Feather {
+        shaft: ShaftShape { length_mm: 120.0, radius_mm: 0.6, tip_radius_mm: 0.05, ..SHAFT },
+        barb: BarbShape { spacing_um: 330.0, half_width_mm: 25.0, width_um: 40.0, ..BARB },
+        barbule: [barbule, BarbuleShape { lift: [8.0 * DEG, -10.0 * DEG], ..barbule }],
+        disorder: DISORDER,
+    }
+}

@@ -20,7 +20,8 @@ pub(crate) fn rod(x_um: f64, depth_um: f64, shells: &[(f64, Complex64)]) -> Rod 
     Rod { x_um, depth_um, shells }
 }
 
-fn in_keratin(period_um: f64, wavelength_nm: f64, rods: Vec<Rod>) -> Cell {
+/// Rods in keratin under air.
+pub(crate) fn in_keratin(period_um: f64, wavelength_nm: f64, rods: Vec<Rod>) -> Cell {
     Cell { period_um, incidence_eps: 1.0, host_eps: keratin(wavelength_nm), rods }
 }
 

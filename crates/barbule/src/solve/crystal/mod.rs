@@ -4,22 +4,25 @@
 //! any shape, and finite differences in time. Time dependence e^{−jωt}, waves e^{+jk·r}, absorbing media have Im ε > 0,
 //! H̃ = η₀H.
 
+pub mod balance;
 #[cfg(test)]
 mod cells;
 pub mod fdtd;
+pub mod figures;
 mod grating;
 pub mod multipole;
-#[cfg(test)]
-mod planar;
+pub mod planar;
 pub mod rcwa;
 #[cfg(test)]
 mod reference;
+mod table;
 
 use rayon::prelude::*;
 
 pub use fdtd::{Fdtd, NearField};
 pub use multipole::Multipole;
 pub use rcwa::Rcwa;
+pub use table::{order_series, order_table};
 
 use crate::observer::Observer;
 use crate::structure::Lattice;
@@ -137,6 +140,28 @@ impl Response {
             let [first, second] = order.reflectance(phi_i);
             [a + first, b + second]
         })
+    }
+
+    /// The larger |R + T + A − 1| of both polarizations.
+    #[must_use]
+    pub fn imbalance(&self, phi_i: f64) -> f64 {
+        let reflected = self.reflectance(phi_i);
+        [0, 1]
+            .map(|q| (reflected[q] + self.transmitted[q] + self.absorbed[q] - 1.0).abs())
+            .into_iter()
+            .fold(0.0, f64::max)
+    }
+
+    /// The largest difference of an order's reflectance from that of another response to the same wave.
+    #[must_use]
+    pub fn distance(&self, other: &Self, phi_i: f64) -> f64 {
+        let pairs = self.orders.iter().zip(&other.orders);
+        pairs
+            .flat_map(|(a, b)| {
+                let (a, b) = (a.reflectance(phi_i), b.reflectance(phi_i));
+                [(a[0] - b[0]).abs(), (a[1] - b[1]).abs()]
+            })
+            .fold(0.0, f64::max)
     }
 }
 

@@ -1,7 +1,9 @@
-//! Flat layers at any incidence, for tests: Fresnel's formulas and the recursion from the substrate up.
+//! Flat layers at any incidence as a Jones matrix: what crystals must become whose rods are of the host's own index or
+//! fill the period. The amplitudes are those of [`film`](crate::solve::film).
 
 use super::Incidence;
-use crate::Complex64;
+use crate::solve::film::{Polarization, reflect};
+use crate::{Complex64, Result};
 
 type Vector = [Complex64; 3];
 
@@ -19,33 +21,25 @@ fn frame(theta: f64, phi: f64) -> [Vector; 3] {
     [[ct * sp, st, ct * cp], [-st * sp, ct, -st * cp], [cp, 0.0, -sp]].map(|v| v.map(Complex64::from))
 }
 
-/// The Jones matrix `[out][in]` of layers (ε, thickness in µm) on a substrate, seen from a medium of index n.
-pub(crate) fn jones(
+/// The Jones matrix `[out][in]` of `layers` (ε, thickness in µm) on a substrate, seen from a medium of index `n`.
+///
+/// # Errors
+/// As [`reflect`].
+pub fn jones(
     n: f64,
     layers: &[(Complex64, f64)],
     substrate: Complex64,
     incidence: &Incidence,
-) -> [[Complex64; 2]; 2] {
+) -> Result<[[Complex64; 2]; 2]> {
     let [omega, e1, e2] = frame(incidence.theta_i, incidence.phi_i);
     let [out, o1, o2] = frame(-incidence.theta_i, -incidence.phi_i);
-    // n² cos²α, without the digits that 1 − cos²α loses near grazing.
-    let cosine_squared = n * n * omega[2] * omega[2];
-    let k = std::f64::consts::TAU / (incidence.wavelength_nm * 1e-3);
-    let q = |eps: Complex64| (eps - n * n + cosine_squared).sqrt();
-    let gamma = |p: bool| {
-        let admittance = |eps: Complex64| if p { q(eps) / eps } else { q(eps) };
-        let mut below = substrate;
-        let mut gamma = Complex64::ZERO;
-        for &(eps, thickness) in layers.iter().rev() {
-            let r = (admittance(eps) - admittance(below)) / (admittance(eps) + admittance(below));
-            gamma = (r + gamma) / (1.0 + r * gamma) * (2.0 * Complex64::I * q(eps) * k * thickness).exp();
-            below = eps;
-        }
-        let top = Complex64::from(n * n);
-        let r = (admittance(top) - admittance(below)) / (admittance(top) + admittance(below));
-        (r + gamma) / (1.0 + r * gamma)
-    };
-    let (r_s, r_p) = (gamma(false), gamma(true));
+    let inner = layers.iter().map(|layer| layer.0).chain([substrate]).map(Complex64::sqrt);
+    let indices: Vec<Complex64> = std::iter::once(n.into()).chain(inner).collect();
+    let thickness_nm: Vec<f64> = layers.iter().map(|layer| 1e3 * layer.1).collect();
+    let angle = omega[2].re.acos();
+    let amplitude =
+        |polarization| reflect(&indices, &thickness_nm, incidence.wavelength_nm, angle, polarization);
+    let (r_s, r_p) = (amplitude(Polarization::S)?, amplitude(Polarization::P)?);
     let side = (omega[0] * omega[0] + omega[1] * omega[1]).sqrt();
     let s: Vector = if side.norm() < 1e-12 {
         [Complex64::ZERO, Complex64::ONE, Complex64::ZERO]
@@ -59,5 +53,5 @@ pub(crate) fn jones(
         let reflected: Vector = std::array::from_fn(|i| r_s * dot(e, s) * s[i] + p[i]);
         [dot(reflected, o1), dot(reflected, o2)]
     });
-    [[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]]
+    Ok([[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]])
 }

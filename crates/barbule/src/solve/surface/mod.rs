@@ -1,10 +1,11 @@
 //! Fast 2.5D wave simulation of one barbule.
 //!
-//! At each point of the top the barbule reflects like the ideal stack that lies under it; the reflected field there is
-//! an equivalent current, and the currents radiate to the far field. [`direct`](crate::solve::direct) evaluates the
+//! At each point of the top the barbule reflects like the ideal stack, or crystal, that lies under it; the reflected field
+//! there is an equivalent current, and the currents radiate to the far field. [`direct`](crate::solve::direct) evaluates the
 //! same formulas plainly and is what this module is tested against. Source: the feather paper's section 4 and the
 //! theory page on the simulation.
 
+mod crystal;
 mod nodes;
 mod points;
 mod profile;
@@ -17,6 +18,7 @@ mod tests;
 
 use num_complex::{Complex, Complex64};
 
+pub(crate) use crystal::CrystalOrders;
 pub(crate) use nodes::Nodes;
 
 pub use points::{Surface, Window};
@@ -24,8 +26,10 @@ pub use profile::stage_seconds;
 
 pub(crate) use radiation::{Cone, Workspace};
 pub(crate) use rays::Rays;
+pub(crate) use reflection::Stacks;
 pub(crate) use table::ReflectanceTable;
 
+use super::crystal::{Cell, Multipole, order_series};
 use crate::Result;
 use crate::math::band_limited::NODES_PER_PERIOD;
 use crate::math::simd::Width;
@@ -76,7 +80,7 @@ pub(crate) fn refinement(cone: &Cone, azimuths: usize) -> usize {
 /// `phi_o` are the azimuths (n + ½)·π/`azimuths` − π/2.
 ///
 /// # Errors
-/// A medium's table does not reach the wavelength.
+/// A medium's table does not reach the wavelength, or a crystal cannot be solved.
 pub fn far_field(
     surface: &Surface,
     window: Window,
@@ -93,7 +97,14 @@ pub fn far_field(
     let mut workspace = Workspace::<f64>::new(width);
     let mut coefficients = Vec::new();
     let nodes = Nodes::at_points(surface);
-    workspace.far_fields(surface, &optics, &nodes, &cone, &[phi_i], &[scale], &mut coefficients);
+    if let Some(lattice) = &surface.lattice {
+        let cell = Cell::new(lattice, wavelength_nm)?;
+        let series = order_series(&Multipole::default(), &cell, wavelength_nm, theta_i)?;
+        let orders = CrystalOrders::new(&series, theta_i, lattice.bottom_um());
+        workspace.far_fields(surface, &orders, &nodes, &cone, &[phi_i], &[scale], &mut coefficients);
+    } else {
+        workspace.far_fields(surface, &Stacks(&optics), &nodes, &cone, &[phi_i], &[scale], &mut coefficients);
+    }
     let refine = refinement(&cone, azimuths);
     let synthesis = workspace.synthesis(&cone, azimuths * refine, 0);
     let (mut circle, mut scratch) = (Vec::new(), Vec::new());

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use super::reflection::{BLOCK, Incidence};
 use crate::material::Material;
 use crate::math::simd::Real;
-use crate::structure::{Columns, Mixture, Ray, Section, cast};
+use crate::structure::{Columns, CrystalLayer, Lattice, Mixture, Polyline, Ray, Section, cast};
 use crate::{Error, Result};
 
 /// How the light falls on the section.
@@ -40,6 +40,8 @@ pub struct Surface {
     pub(crate) pieces: Vec<usize>,
     /// Largest distance of a point from the origin.
     pub(crate) radius_um: f64,
+    /// The crystal under the top.
+    pub(super) lattice: Option<Lattice>,
 }
 
 /// Arrays over the quadrature points, padded.
@@ -53,11 +55,18 @@ pub(crate) struct Arrays<T> {
     pub(crate) window_length_um: Vec<T>,
     /// `[slot][point]`
     pub(crate) thickness_um: Vec<T>,
+    /// Over a crystal: the angle of the tangent against x, rad.
+    pub(crate) slope: Vec<T>,
+    /// Over a crystal: the part of its period at which the point lies, 0 to 1.
+    pub(crate) lattice_turns: Vec<T>,
 }
 
 impl<T> Arrays<T> {
     fn bytes(&self) -> usize {
-        let values = 5 * self.x_um.capacity() + self.thickness_um.capacity();
+        let values = 5 * self.x_um.capacity()
+            + self.thickness_um.capacity()
+            + self.slope.capacity()
+            + self.lattice_turns.capacity();
         values * size_of::<T>()
     }
 }
@@ -72,6 +81,8 @@ impl Arrays<f64> {
             tangent_z: round(&self.tangent_z),
             window_length_um: round(&self.window_length_um),
             thickness_um: round(&self.thickness_um),
+            slope: round(&self.slope),
+            lattice_turns: round(&self.lattice_turns),
         }
     }
 }
@@ -174,9 +185,9 @@ impl Surface {
             tangent_x,
             tangent_z,
             window_length_um,
-            thickness_um: Vec::new(),
+            ..Arrays::default()
         };
-        Self {
+        let mut surface = Self {
             double,
             single: Arrays::default(),
             power_length_um,
@@ -187,8 +198,28 @@ impl Surface {
             mixtures,
             pieces,
             radius_um,
+            lattice: None,
+        };
+        if let Some(crystal) = &section.crystal {
+            surface.bury(crystal, top);
         }
-        .pad(&thickness_um)
+        surface.pad(&thickness_um)
+    }
+
+    /// Adds what a crystal under the top says of each point.
+    fn bury(&mut self, crystal: &CrystalLayer, top: &Polyline) {
+        let arrays = &mut self.double;
+        let origin = top.arc_at_zero(&top.arc_um()) + crystal.offset_um;
+        let turns = |s: f64| ((s - origin) / crystal.lattice.period_um).rem_euclid(1.0);
+        arrays.lattice_turns = self.arc_um.iter().map(|&s| turns(s)).collect();
+        arrays.slope = arrays.tangent_x.iter().zip(&arrays.tangent_z).map(|(x, z)| z.atan2(*x)).collect();
+        if let Some(regularity) = &crystal.regularity {
+            // Of the reflected field alone: the incident power has its own weights.
+            for (weight, x) in arrays.window_length_um.iter_mut().zip(&arrays.x_um) {
+                *weight *= regularity.at(*x);
+            }
+        }
+        self.lattice = Some(crystal.lattice.clone());
     }
 
     /// Repeats the last point without weight until the arrays fill whole blocks; `thickness` (µm) is `[slot][point]`.
@@ -197,7 +228,14 @@ impl Surface {
             return Err(Error::input("the top boundary has no length"));
         };
         let padded = self.count.next_multiple_of(BLOCK);
-        let Arrays { x_um, z_um, tangent_x, tangent_z, window_length_um, thickness_um } = &mut self.double;
+        let Arrays { x_um, z_um, tangent_x, tangent_z, window_length_um, thickness_um, slope, lattice_turns } =
+            &mut self.double;
+        if self.lattice.is_some() {
+            for values in [slope, lattice_turns] {
+                let value = values[last];
+                values.resize(padded, value);
+            }
+        }
         for values in [x_um, z_um, tangent_x, tangent_z, &mut self.arc_um] {
             let value = values[last];
             values.resize(padded, value);

@@ -15,7 +15,7 @@ use rustfft::{Fft, FftPlanner};
 
 use super::nodes::{Nodes, Taps};
 use super::points::{Arrays, Surface};
-use super::reflection::{BLOCK, COMPONENTS, Currents, Incidence, Reflectances, reflect_block};
+use super::reflection::{BLOCK, COMPONENTS, Currents, Incidence, Reflector};
 use crate::math::band_limited::TAPS;
 use crate::math::simd::{Real, Width, sin_cos};
 
@@ -195,21 +195,21 @@ impl<T: Scalar> Workspace<T> {
     pub(crate) fn far_fields(
         &mut self,
         surface: &Surface,
-        reflectances: &impl Reflectances<T>,
+        reflector: &impl Reflector<T>,
         nodes: &Nodes<T>,
         cone: &Cone,
         phi_i: &[f64],
         scales: &[f64],
         out: &mut Vec<Complex<T>>,
     ) {
-        self.timed_far_fields(surface, reflectances, nodes, cone, phi_i, scales, out, |_| {});
+        self.timed_far_fields(surface, reflector, nodes, cone, phi_i, scales, out, |_| {});
     }
 
     /// [`Self::far_fields`], calling `lap` with its name after each stage.
     pub(crate) fn timed_far_fields(
         &mut self,
         surface: &Surface,
-        reflectances: &impl Reflectances<T>,
+        reflector: &impl Reflector<T>,
         nodes: &Nodes<T>,
         cone: &Cone,
         phi_i: &[f64],
@@ -232,7 +232,7 @@ impl<T: Scalar> Workspace<T> {
             } else {
                 start..end
             };
-            self.gather_sources(surface, reflectances, nodes, cone, phi_i, points, end - start);
+            self.gather_sources(surface, reflector, nodes, cone, phi_i, points, end - start);
             lap("reflection and spreading");
             self.form_kernel(nodes, cone, start, end);
             lap("radiation kernel");
@@ -247,7 +247,7 @@ impl<T: Scalar> Workspace<T> {
     fn gather_sources(
         &mut self,
         surface: &Surface,
-        reflectances: &impl Reflectances<T>,
+        reflector: &impl Reflector<T>,
         nodes: &Nodes<T>,
         cone: &Cone,
         phi_i: &[f64],
@@ -262,8 +262,8 @@ impl<T: Scalar> Workspace<T> {
             for (incidence, columns) in
                 incidences.iter().zip(self.sources.chunks_exact_mut(stride * COMPONENTS))
             {
-                dispatch!(self.width.0, simd => reflect_block(
-                    simd, arrays, reflectances, cone.k, incidence, &nodes.rise_um, block, &mut currents
+                dispatch!(self.width.0, simd => reflector.currents(
+                    simd, arrays, cone.k, incidence, &nodes.rise_um, block, &mut currents
                 ));
                 match &nodes.taps {
                     Some(taps) => T::spread(self.width, taps, block, &currents, stride, columns),

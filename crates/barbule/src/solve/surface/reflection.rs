@@ -41,6 +41,41 @@ impl<T: Real> Reflectances<T> for Optics<T> {
     }
 }
 
+/// What gives the currents that the top of a surface carries.
+pub(crate) trait Reflector<T: Real> {
+    /// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations, times the
+    /// phase of `rise_um` towards where each point sends its light.
+    fn currents<S: Simd>(
+        &self,
+        simd: S,
+        arrays: &Arrays<T>,
+        k: f64,
+        incidence: &Incidence,
+        rise_um: &[T],
+        start: usize,
+        out: &mut Currents<T>,
+    );
+}
+
+/// Stacks under the points.
+pub(crate) struct Stacks<'a, R>(pub(crate) &'a R);
+
+impl<T: Real, R: Reflectances<T>> Reflector<T> for Stacks<'_, R> {
+    #[inline(always)]
+    fn currents<S: Simd>(
+        &self,
+        simd: S,
+        arrays: &Arrays<T>,
+        k: f64,
+        incidence: &Incidence,
+        rise_um: &[T],
+        start: usize,
+        out: &mut Currents<T>,
+    ) {
+        reflect_block(simd, arrays, self.0, k, incidence, rise_um, start, out);
+    }
+}
+
 /// Points that are reflected together; every array of a surface is padded to a multiple of it.
 pub(crate) const BLOCK: usize = 64;
 
@@ -60,6 +95,8 @@ pub(super) type Fractions<V> = [(Complex<V>, Complex<V>); 2];
 /// The incident wave in numbers that do not depend on the point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Incidence {
+    /// φ_i, rad.
+    pub(super) phi: f64,
     sin_theta: f64,
     cos_theta: f64,
     sin_phi: f64,
@@ -70,7 +107,15 @@ impl Incidence {
     pub(crate) fn new(theta_i: f64, phi_i: f64) -> Self {
         let (sin_theta, cos_theta) = theta_i.sin_cos();
         let (sin_phi, cos_phi) = phi_i.sin_cos();
-        Self { sin_theta, cos_theta, sin_phi, cos_phi }
+        Self { phi: phi_i, sin_theta, cos_theta, sin_phi, cos_phi }
+    }
+
+    pub(super) fn sin_phi(&self) -> f64 {
+        self.sin_phi
+    }
+
+    pub(super) fn cos_phi(&self) -> f64 {
+        self.cos_phi
     }
 
     /// n·ω_i at a point whose tangent is (t_x, t_z), so n = (−t_z, t_x).
@@ -84,7 +129,7 @@ impl Incidence {
 /// `rise_um` is the height of each point over the place from which its current radiates; it counts as a phase for light
 /// to the mirror direction φ_o = −φ_i.
 #[inline(always)]
-pub(crate) fn reflect_block<S: Simd, T: Real>(
+fn reflect_block<S: Simd, T: Real>(
     simd: S,
     arrays: &Arrays<T>,
     reflectances: &impl Reflectances<T>,

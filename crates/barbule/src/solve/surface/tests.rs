@@ -17,14 +17,8 @@ fn mirror() -> Medium {
 }
 
 fn section(width_um: f64, boundaries: Vec<Polyline>, media: Vec<Medium>) -> Section {
-    let parts = Parts {
-        name: "test".into(),
-        width_um: Some(width_um),
-        boundaries,
-        media,
-        inclusions: Vec::new(),
-        source: String::new(),
-    };
+    let parts =
+        Parts { name: "test".into(), width_um: Some(width_um), boundaries, media, ..Parts::default() };
     Section::new(parts, Library::builtin()).unwrap()
 }
 
@@ -163,7 +157,7 @@ fn a_turned_flat_top_is_an_unturned_one_seen_from_a_turned_place() {
         let scale = inverse_root(surface.incident_power_um(0.2, phi_i));
         workspace.far_fields(
             &surface,
-            &optics,
+            &Stacks(&optics),
             &Nodes::at_points(&surface),
             &cone,
             &[phi_i],
@@ -243,7 +237,7 @@ fn the_campaigns_way_equals_direct_to_a_thousandth() {
         let scales = phis.map(|phi| inverse_root(surface.incident_power_um(theta, phi)));
         let mut workspace = Workspace::<f32>::new(Width::best());
         let mut coefficients = Vec::new();
-        workspace.far_fields(&surface, &table, &nodes, &cone, &phis, &scales, &mut coefficients);
+        workspace.far_fields(&surface, &Stacks(&table), &nodes, &cone, &phis, &scales, &mut coefficients);
         let synthesis = workspace.synthesis(&cone, 400, 0);
         let mut values = vec![Complex::new(0f32, 0.0); 400];
         let fine = Surface::new(&section, FINE_ELEMENT_UM / 2.0, Window::Gaussian).unwrap();
@@ -322,7 +316,7 @@ fn corners_are_exact_too() {
     let run = |nodes: &Nodes<f32>| {
         let mut workspace = Workspace::<f32>::new(Width::best());
         let mut out = Vec::new();
-        workspace.far_fields(&surface, &optics, nodes, &cone, &[0.2], &[1.0], &mut out);
+        workspace.far_fields(&surface, &Stacks(&optics), nodes, &cone, &[0.2], &[1.0], &mut out);
         out.into_iter().map(|v| Complex64::new(f64::from(v.re), f64::from(v.im))).collect::<Vec<_>>()
     };
     let error = relative_l2(
@@ -345,11 +339,25 @@ fn single_precision_survives_grazing_light_on_many_voids() {
         let phis = [0.7, 1.45];
         let (mut fast, mut exact) = (Vec::new(), Vec::new());
         let nodes = Nodes::equidistant(&surface, cone.kappa);
-        Workspace::<f32>::new(Width::best())
-            .far_fields(&surface, &single, &nodes, &cone, &phis, &[1.0; 2], &mut fast);
+        Workspace::<f32>::new(Width::best()).far_fields(
+            &surface,
+            &Stacks(&single),
+            &nodes,
+            &cone,
+            &phis,
+            &[1.0; 2],
+            &mut fast,
+        );
         let nodes = Nodes::at_points(&surface);
-        Workspace::<f64>::new(Width::best())
-            .far_fields(&surface, &double, &nodes, &cone, &phis, &[1.0; 2], &mut exact);
+        Workspace::<f64>::new(Width::best()).far_fields(
+            &surface,
+            &Stacks(&double),
+            &nodes,
+            &cone,
+            &phis,
+            &[1.0; 2],
+            &mut exact,
+        );
         let fast: Vec<Complex64> =
             fast.iter().map(|v| Complex64::new(f64::from(v.re), f64::from(v.im))).collect();
         let error = relative_l2(fast.iter(), exact.iter());

@@ -1,9 +1,12 @@
 //! Barbules coloured by photonic crystals (seed, §1.5–1.7): rods of melanin under the cortex, hexagonal or rectangular,
-//! solid or hollow, with or without air channels between them.
+//! solid or hollow, with or without air channels between them, below a flat top with rounded ends or an arched one.
 
+use super::super::crystal::{CrystalLayer, Regularity};
+use super::super::curve::{Roughness, grid, point_count};
 use super::super::lattice::{Circle, Lattice, Rod};
-use super::super::section::Substance;
-use super::parameters;
+use super::super::outline::{arched, rounded};
+use super::super::section::{Medium, Parts, Substance};
+use super::{Random, parameters, parts};
 use crate::Result;
 use crate::material::Library;
 
@@ -16,6 +19,22 @@ parameters! {
         roughness_correlation_um: f64 = 0.05 to 100,
         /// The top's roughness spans ± this.
         roughness_amplitude_um: f64 = 0 to 10,
+        /// Mean thickness of a flat barbule with rounded ends; 0: an arch.
+        thickness_um: f64 = 0 to 50 or 0.0,
+        /// An arch ends at an angle Φ of at least this.
+        arc_low_deg: f64 = 5 to 85 or 30.0,
+        /// An arch ends at an angle Φ of at most this.
+        arc_high_deg: f64 = 5 to 85 or 75.0,
+        /// The ends of an arch slope by an angle β of at least this.
+        slope_low_deg: f64 = 0 to 60 or 15.0,
+        /// The ends of an arch slope by an angle β of at most this.
+        slope_high_deg: f64 = 0 to 60 or 27.0,
+        /// Correlation length of the crystal's regularity.
+        regularity_correlation_um: f64 = 0.05 to 100 or 0.5,
+        /// Least regularity: the part of the ideal crystal's reflected field that a place gives.
+        regularity_low: f64 = 0 to 1 or 1.0,
+        /// Largest regularity; what comes out over 1 counts as 1.
+        regularity_high: f64 = 0 to 2 or 1.0,
         /// Distance of points along the top.
         point_spacing_um: f64 = 0.005 to 1,
         /// Period across the barbule.
@@ -68,7 +87,45 @@ impl Crystal {
         }
     }
 
+    pub(super) fn is_arched(&self) -> bool {
+        self.thickness_um == 0.0
+    }
+
+    /// The crystal under a random top, from a random place of its period on.
+    pub(super) fn parts(&self, random: &Random, library: Library) -> Parts {
+        let roughness = Roughness::symmetric(self.roughness_correlation_um, self.roughness_amplitude_um);
+        let (width, spacing) = (self.width_um, self.point_spacing_um);
+        let mut shape = random.stream(0);
+        let top = if self.is_arched() {
+            let arc = shape.uniform(self.arc_low_deg, self.arc_high_deg).to_radians();
+            let tan_beta = libm::tan(shape.uniform(self.slope_low_deg, self.slope_high_deg).to_radians());
+            arched(&mut random.stream(1), width, arc, tan_beta, roughness, spacing, 0.0)
+        } else {
+            rounded(&mut shape, width, self.thickness_um, roughness, spacing).0
+        };
+        let regularity = (self.regularity_low < 1.0).then(|| {
+            let profile = Roughness {
+                correlation_um: self.regularity_correlation_um,
+                low: self.regularity_low,
+                high: self.regularity_high,
+            };
+            let count = point_count(width, spacing);
+            let value = profile.along(&mut random.stream(3), count, width / (count - 1) as f64);
+            Regularity { x_um: grid(width, count), value: value.into_iter().map(|v| v.min(1.0)).collect() }
+        });
+        let crystal = CrystalLayer {
+            lattice: self.lattice(library),
+            offset_um: random.stream(2).uniform(0.0, self.period_um),
+            regularity,
+        };
+        let media = vec![Medium::named("air"), Medium::named("keratin")];
+        Parts { crystal: Some(crystal), ..parts(width, vec![top], media) }
+    }
+
     pub(super) fn check(&self) -> Result<()> {
+        super::ordered("arc_low_deg", self.arc_low_deg, "arc_high_deg", self.arc_high_deg)?;
+        super::ordered("slope_low_deg", self.slope_low_deg, "slope_high_deg", self.slope_high_deg)?;
+        super::ordered("regularity_low", self.regularity_low, "regularity_high", self.regularity_high)?;
         self.lattice(Library::builtin()).check()
     }
 }

@@ -54,9 +54,12 @@ impl Parameter for usize {
     }
 }
 
-/// A generator's parameters: a struct whose fields are the keys of its species files, with their ranges.
+/// A generator's parameters: a struct whose fields are the keys of its species files, with their ranges, and for keys that
+/// may be left out what they then are.
 macro_rules! parameters {
-    ($(#[$about:meta])* $name:ident { $($(#[$doc:meta])* $field:ident: $kind:ty = $low:literal to $high:literal,)* }) => {
+    ($(#[$about:meta])* $name:ident {
+        $($(#[$doc:meta])* $field:ident: $kind:ty = $low:literal to $high:literal $(or $usual:literal)?,)*
+    }) => {
         $(#[$about])*
         #[derive(Debug, Clone, PartialEq, serde::Serialize)]
         pub struct $name { $($(#[$doc])* pub $field: $kind,)* }
@@ -66,8 +69,11 @@ macro_rules! parameters {
 
             pub(super) fn read(fields: &$crate::structure::fields::Fields<'_>) -> $crate::Result<Self> {
                 Ok(Self {
-                    $($field: $crate::structure::species::Parameter::read(
-                        fields, stringify!($field), f64::from($low), f64::from($high))?,)*
+                    $($field: match (<[$kind]>::first(&[$($usual)?]), fields.get(stringify!($field))) {
+                        (Some(&usual), None) => usual,
+                        _ => $crate::structure::species::Parameter::read(
+                            fields, stringify!($field), f64::from($low), f64::from($high))?,
+                    },)*
                 })
             }
         }
@@ -243,13 +249,7 @@ impl SpeciesModel {
             Parameters::Starling(p) => p.parts(&random),
             Parameters::Bronzewing(p) => p.parts(&random),
             Parameters::Hummingbird(p) => p.parts(&random),
-            Parameters::Crystal(_) => {
-                return Err(Error::input(format!(
-                    "{} barbules are photonic crystals, which this version does not simulate yet beyond the flat crystal (barbule crystal); use one of {}",
-                    self.name,
-                    layered_species().collect::<Vec<_>>().join(", ")
-                )));
-            }
+            Parameters::Crystal(p) => p.parts(&random, self.library.clone()),
         };
         parts.name = format!("{} {index}", self.title());
         parts.source = format!("barbule {}, seed {seed}, instance {index}", self.title());
@@ -282,7 +282,11 @@ impl SpeciesModel {
     /// Whether the outline is an arch rather than a slab.
     #[must_use]
     pub fn is_curved(&self) -> bool {
-        matches!(self.parameters, Parameters::RockDove(_))
+        match &self.parameters {
+            Parameters::RockDove(_) => true,
+            Parameters::Crystal(p) => p.is_arched(),
+            _ => false,
+        }
     }
 }
 
@@ -395,7 +399,7 @@ impl SpeciesFile {
         ];
         if value.get("lattice").is_some() {
             return Err(Error::input(
-                "lattice: a species' crystal is described by the parameters of generator \"crystal\"; a lattice alone is a file for barbule crystal",
+                "lattice: a species' crystal is described by the parameters of generator \"crystal\"; a lattice alone is a file of its own",
             ));
         }
         let fields = Fields::new(&value, "", &keys)?;

@@ -108,7 +108,7 @@ impl Grid {
             line,
             absorber,
             sigma: [grating.q_host(0).re, grating.q_above(0).re]
-                .map(|q| 4.0 * DECAY / (q.max(0.1) * absorber as f64 * spacing)),
+                .map(|q| 4.0 * DECAY / (q.max(0.01) * absorber as f64 * spacing)),
         };
         let heights: Vec<f64> = (0..grid.nz).map(|k| grid.z(k as f64)).collect();
         let material = Material::new(medium, nx, &heights, spacing);

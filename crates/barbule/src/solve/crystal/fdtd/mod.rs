@@ -5,8 +5,8 @@
 //! the surface as a Gaussian pulse about the wavelength at hand, and every result is the running Fourier transform
 //! there: a pulse ends, so the end of a run shows in the fields, where a steady state only creeps nearer. At fixed
 //! (k_x, k_y) other frequencies of the pulse come in at other angles; its band therefore stays clear of the frequency
-//! at which the incident wave would graze, and runs get longer as the incident wave nears the horizon (past about 87°
-//! they are refused: [`Error::not_settled`]).
+//! at which the incident wave would graze, and runs get longer as the incident wave nears the horizon: twenty thousand
+//! periods at 89° (past that they are refused: [`Error::not_settled`]).
 //!
 //! Steps and media are exact at the wavelength (`grid`); the error is of second order in the spacing.
 
@@ -44,7 +44,7 @@ pub struct Fdtd {
     pub tolerance: f64,
     /// Thickness of the absorbing layers above and below, µm.
     pub absorber_um: f64,
-    /// Longest run, periods of the wave.
+    /// Longest run after the pulse, periods of the wave.
     pub periods: usize,
     /// How far above a plane of the grid the surface lies, cells.
     pub offset: f64,
@@ -165,11 +165,11 @@ impl Fdtd {
         let graze = ((grating.a0 / index).hypot(grating.b / index)).min(1.0 - 1e-9);
         let tau = (PULSE / (1.0 - graze)).max(SHORTEST) / grid.omega;
         let start = 4.5 * tau;
-        if 2.0 * start * grid.omega > self.periods as f64 * std::f64::consts::TAU {
+        if 2.0 * start * grid.omega > LONGEST_PULSE * std::f64::consts::TAU {
             return Err(Error::not_settled(format!(
                 "the incident wave is so near the horizon that its pulse takes {:.0} periods, past the limit of {}; use RCWA there",
                 2.0 * start * grid.omega / std::f64::consts::TAU,
-                self.periods
+                LONGEST_PULSE
             )));
         }
         let pulse = |t: f64| (-0.5 * ((t - start) / tau).powi(2)).exp();
@@ -213,6 +213,8 @@ impl Fdtd {
 
 /// Distance of the grazing frequency from the pulse's, in widths of its spectrum.
 const PULSE: f64 = 2.0;
+/// Longest pulse, periods of the wave: to 89.1° from the normal.
+const LONGEST_PULSE: f64 = 25_000.0;
 /// Shortest pulse, τω.
 const SHORTEST: f64 = 4.0;
 

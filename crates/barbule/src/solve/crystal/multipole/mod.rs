@@ -146,9 +146,7 @@ impl Prepared {
     /// # Errors
     /// `phi_i` beyond ±π/2, or expansions that did not settle.
     pub fn respond(&self, phi_i: f64) -> Result<Response> {
-        if phi_i.is_nan() || phi_i.abs() > std::f64::consts::FRAC_PI_2 {
-            return Err(Error::input(format!("phi {phi_i} rad must lie within ±π/2")));
-        }
+        check_azimuth(phi_i)?;
         let (response, estimate) = self.evaluate(&self.sizes, &self.tables, phi_i)?;
         if estimate.worst() <= self.tolerance {
             return Ok(response);
@@ -168,6 +166,17 @@ impl Prepared {
             estimate.worst(),
             sizes.multipoles.iter().max().unwrap_or(&0)
         )))
+    }
+
+    /// The response with exactly this many multipoles per rod, whatever the error: for studies of convergence.
+    ///
+    /// # Errors
+    /// `phi_i` beyond ±π/2, or cylinder functions that leave the range of numbers.
+    pub fn respond_with(&self, multipoles: usize, phi_i: f64) -> Result<Response> {
+        check_azimuth(phi_i)?;
+        let sizes = Sizes { multipoles: vec![multipoles; self.sizes.multipoles.len()], ..self.sizes };
+        let tables = self.plan.tables(&self.wave, &sizes)?;
+        Ok(self.evaluate(&sizes, &tables, phi_i)?.0)
     }
 
     fn evaluate(&self, sizes: &Sizes, tables: &[RodTable], phi_i: f64) -> Result<(Response, Estimate)> {
@@ -289,6 +298,13 @@ impl Prepared {
         }
         found
     }
+}
+
+fn check_azimuth(phi_i: f64) -> Result<()> {
+    if phi_i.abs() <= std::f64::consts::FRAC_PI_2 {
+        return Ok(());
+    }
+    Err(Error::input(format!("phi {phi_i} rad must lie within ±π/2")))
 }
 
 /// Σ|γ D U| over the orders beyond the last on either side.

@@ -9,9 +9,9 @@ use super::stack::Level;
 use crate::solve::crystal::{Cell, Rod, Shell};
 use crate::{Error, Result};
 
-/// Rods whose depths differ by less than this part of the sum of their radii belong to one layer: plane waves between
-/// them would grow before they fall.
-const INTERLEAVED: f64 = 0.8;
+/// Rods that overlap in depth by more than this part of the smaller radius belong to one layer: plane waves between
+/// them would grow before they fall. Touching rods of hexagonal rows overlap by 0.27.
+const INTERLEAVED: f64 = 0.3;
 
 /// Rods whose depths differ by less than this part of the period belong to one layer: plane waves fall too slowly.
 const SHALLOW: f64 = 0.25;
@@ -222,7 +222,8 @@ impl Plan {
         });
         let apart = |a: usize, b: usize| {
             let (a, b) = (&cell.rods[a], &cell.rods[b]);
-            b.depth_um - a.depth_um >= (INTERLEAVED * (radius(a) + radius(b))).max(SHALLOW * cell.period_um)
+            let (r, s) = (radius(a), radius(b));
+            b.depth_um - a.depth_um >= (r + s - INTERLEAVED * r.min(s)).max(SHALLOW * cell.period_um)
         };
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for (i, &rod) in sorted.iter().enumerate() {

@@ -3,46 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::*;
-use crate::solve::crystal::{Rod, Shell};
+use crate::solve::crystal::cells::{in_keratin, keratin, magpie, mallard, melanin, peafowl, rod};
 
 const AIR: Complex64 = Complex64::new(1.0, 0.0);
-
-/// Index of keratin, wavelength in nm.
-fn keratin(nm: f64) -> Complex64 {
-    Complex64::new(1.532 + 5890.0 / (nm * nm), 0.0)
-}
-
-fn melanin(nm: f64) -> Complex64 {
-    Complex64::new(1.648 + 23700.0 / (nm * nm), 0.56 * (-nm / 270.0).exp())
-}
-
-fn rod(x_um: f64, depth_um: f64, shells: &[(f64, Complex64)]) -> Rod {
-    let shells = shells.iter().map(|&(diameter_um, n)| Shell { diameter_um, eps: n * n });
-    Rod { x_um, depth_um, shells: shells.collect() }
-}
-
-fn cell(nm: f64, period_um: f64, rods: Vec<Rod>) -> Cell {
-    Cell { period_um, incidence_eps: 1.0, host_eps: keratin(nm) * keratin(nm), rods }
-}
-
-fn mallard(nm: f64) -> Cell {
-    let x = |i: u32| if i.is_multiple_of(2) { 0.0 } else { 0.1 };
-    cell(nm, 0.2, (0..6).map(|i| rod(x(i), 0.345 + 0.18 * f64::from(i), &[(0.13, melanin(nm))])).collect())
-}
-
-fn magpie(nm: f64) -> Cell {
-    let pitch = 0.18 * 0.75f64.sqrt();
-    let x = |i: u32| if i.is_multiple_of(2) { 0.0 } else { 0.09 };
-    let shells = [(0.18, melanin(nm)), (0.09, AIR)];
-    cell(nm, 0.18, (0..3).map(|i| rod(x(i), 0.22 + pitch * f64::from(i), &shells)).collect())
-}
-
-fn peafowl(nm: f64) -> Cell {
-    let mut rods: Vec<_> =
-        (0..6).map(|i| rod(0.0, 0.15 + 0.19 * f64::from(i), &[(0.12, melanin(nm))])).collect();
-    rods.extend((0..5).map(|i| rod(0.08, 0.245 + 0.19 * f64::from(i), &[(0.055, AIR)])));
-    cell(nm, 0.16, rods)
-}
 
 /// Rods of several kinds at odd places, without any symmetry, in one layer of two depths and another layer.
 fn irregular(nm: f64) -> Cell {
@@ -51,7 +14,7 @@ fn irregular(nm: f64) -> Cell {
         rod(0.21, 0.15, &[(0.07, AIR)]),
         rod(0.15, 0.33, &[(0.1, melanin(nm))]),
     ];
-    cell(nm, 0.29, rods)
+    in_keratin(0.29, nm, rods)
 }
 
 const CELLS: [fn(f64) -> Cell; 4] = [mallard, magpie, peafowl, irregular];
@@ -73,10 +36,6 @@ fn order(response: &Response, m: i32) -> &Order {
     response.orders.iter().find(|order| order.m == m).unwrap()
 }
 
-fn reflected(order: &Order, phi_i: f64, q: usize) -> f64 {
-    (order.jones[0][q].norm_sqr() + order.jones[1][q].norm_sqr()) * order.phi_o.cos() / phi_i.cos()
-}
-
 fn apart(a: &Order, b: &Order) -> f64 {
     (0..4).map(|i| (a.jones[i / 2][i % 2] - b.jones[i / 2][i % 2]).norm()).fold(0.0, f64::max)
 }
@@ -87,7 +46,7 @@ fn energy_is_kept_from_the_zenith_to_the_horizon() {
         for (nm, theta, phi) in points(40) {
             let response = respond(&make(nm), nm, theta, phi);
             for q in 0..2 {
-                let sum: f64 = response.orders.iter().map(|order| reflected(order, phi, q)).sum();
+                let sum: f64 = response.orders.iter().map(|order| order.reflectance(phi)[q]).sum();
                 let error = sum + response.transmitted[q] + response.absorbed[q] - 1.0;
                 // rounding of fluxes over cosφ·cosθ
                 assert!(error.abs() < 1e-12 + 1e-14 / phi.cos(), "{nm} {theta} {phi} {q}: {error:e}");
@@ -105,11 +64,11 @@ fn rods_of_the_host_leave_the_flat_surface() {
         }
         let response = respond(&crystal, nm, theta, phi);
         // Fresnel in the plane of incidence, from the angles alone; s lies along ω × z
-        let (n, cosine) = (keratin(nm).re, theta.cos() * phi.cos());
+        let (n, cosine) = (keratin(nm).re.sqrt(), theta.cos() * phi.cos());
         let inner = (1.0 - (1.0 - cosine * cosine) / (n * n)).sqrt();
         let s = (cosine - n * inner) / (cosine + n * inner);
         let p = (n * cosine - inner) / (n * cosine + inner);
-        let power: f64 = (0..2).map(|q| reflected(order(&response, 0), phi, q)).sum();
+        let power: f64 = (0..2).map(|q| order(&response, 0).reflectance(phi)[q]).sum();
         assert!((power - s * s - p * p).abs() < 1e-13, "{nm} {theta} {phi}");
         let jones = order(&response, 0).jones;
         let determinant = jones[0][0] * jones[1][1] - jones[0][1] * jones[1][0];
@@ -145,7 +104,7 @@ fn larger_expansions_change_nothing_beyond_the_estimate() {
                 Multipole { tolerance: 1e-11 }.prepare(&make(nm), nm, theta).unwrap().respond(phi).unwrap();
             for (a, b) in found.orders.iter().zip(&fine.orders) {
                 for q in 0..2 {
-                    let error = (reflected(a, phi, q) - reflected(b, phi, q)).abs();
+                    let error = (a.reflectance(phi)[q] - b.reflectance(phi)[q]).abs();
                     // the estimate is of the right size, no bound
                     assert!(error < 5e-9 && found.convergence <= TOLERANCE, "{nm} {theta} {phi}: {error:e}");
                 }
@@ -159,11 +118,7 @@ fn every_multipole_gains_the_same_factor() {
     let (nm, theta, phi) = (420.0, 0.4, 0.7);
     let crystal = mallard(nm);
     let prepared = Multipole { tolerance: 1e-13 }.prepare(&crystal, nm, theta).unwrap();
-    let with = |m: usize| {
-        let sizes = Sizes { multipoles: vec![m], ..prepared.sizes };
-        let tables = prepared.plan.tables(&prepared.wave, &sizes).unwrap();
-        prepared.evaluate(&sizes, &tables, phi).unwrap().0
-    };
+    let with = |m: usize| prepared.respond_with(m, phi).unwrap();
     let exact = with(20);
     let errors: Vec<f64> = [2, 4, 6, 8].map(|m| apart(&with(m).orders[0], &exact.orders[0])).to_vec();
     assert!(errors.windows(2).all(|pair| pair[1] < 0.1 * pair[0]) && errors[3] < 1e-8, "{errors:?}");
@@ -280,7 +235,7 @@ fn one_cluster_and_separate_layers_agree() {
     let nm = 480.0;
     let close = |gap: f64| {
         let shells = [(0.06, melanin(nm))];
-        cell(nm, 0.2, vec![rod(0.0, 0.1, &shells), rod(0.07, 0.1 + gap, &shells)])
+        in_keratin(0.2, nm, vec![rod(0.0, 0.1, &shells), rod(0.07, 0.1 + gap, &shells)])
     };
     // either side of the depth at which rods go into layers of their own
     let (near, far) =
@@ -325,7 +280,7 @@ fn orders_at_their_cut_off_are_no_obstacle() {
                     let change = apart(order(&found, 0), order(&beside, 0));
                     // R has a root at the cut-off: √(2·1e-11) of an amplitude at most
                     assert!(change < 3e-5, "{theta} {m} {kappa}: {change:e}");
-                    let total = found.orders.iter().map(|o| reflected(o, exact, 0)).sum::<f64>();
+                    let total = found.orders.iter().map(|o| o.reflectance(exact)[0]).sum::<f64>();
                     assert!((total + found.transmitted[0] + found.absorbed[0] - 1.0).abs() < 1e-6);
                 }
             }
@@ -347,7 +302,7 @@ fn an_absorbing_host_is_a_limit_of_a_lossless_one() {
         assert!(apart(&lossless.orders[0], &lossy.orders[0]) < 1e-7);
         crystal.host_eps += Complex64::new(0.0, 0.2);
         let dark = respond(&crystal, nm, theta, phi);
-        let reflected = reflected(&dark.orders[0], phi, 0);
+        let reflected = dark.orders[0].reflectance(phi)[0];
         let total = reflected + dark.transmitted[0] + dark.absorbed[0];
         assert!(total < 1.0 && dark.absorbed[0] > 0.0 && dark.transmitted[0] > 0.0, "{total}");
     }
