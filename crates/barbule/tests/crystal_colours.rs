@@ -1,5 +1,7 @@
 //! The crystals' variants: lattices that can exist, and colours that carry their names.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests; the figures are their result
+
 use barbule::material::Library;
 use barbule::observer::Unobserved;
 use barbule::solve::crystal::{Multipole, sweep};
