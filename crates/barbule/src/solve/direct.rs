@@ -21,7 +21,7 @@ type Field = [Complex64; 3];
 /// [`surface::far_field`](super::surface::far_field).
 ///
 /// # Errors
-/// As [`cast`], or a medium's table does not reach the wavelength.
+/// As [`cast`] and [`Section::check_lit_through_air`], or a medium's table does not reach the wavelength.
 pub fn far_field(
     section: &Section,
     window: Window,
@@ -31,6 +31,7 @@ pub fn far_field(
     phi_i: f64,
     azimuths: usize,
 ) -> Result<FarField> {
+    section.check_lit_through_air()?;
     let k = std::f64::consts::TAU / (wavelength_nm * 1e-3);
     let (rays, lengths) = quadrature(section, element_um);
     let columns = cast(section, &rays)?;

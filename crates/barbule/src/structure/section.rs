@@ -318,6 +318,25 @@ impl Section {
         material(substance, &self.library)
     }
 
+    /// Refuses a section whose light would not come through air, which simulations take for granted.
+    ///
+    /// # Errors
+    /// The first medium has an index other than 1 (by over 1e-3) at 550 nm, or varies along x.
+    pub fn check_lit_through_air(&self) -> Result<()> {
+        let index = match self.media.first() {
+            Some(Medium::Pure(above)) => self.material(above)?.index(550.0)?,
+            _ => Complex64::ZERO,
+        };
+        if (index - 1.0).norm() <= 1e-3 {
+            return Ok(());
+        }
+        let above = self.media.first().and_then(|medium| medium.substances().next());
+        let above = above.map_or_else(String::new, Substance::label);
+        refuse(format!(
+            "the light comes through {above}, but barbules are simulated in air; let the first medium be air"
+        ))
+    }
+
     /// Every medium: between boundaries, then of the inclusions; the rods of a crystal have theirs in its lattice.
     pub fn all_media(&self) -> impl Iterator<Item = &Medium> {
         self.media.iter().chain(self.inclusions.iter().map(|i| &i.medium))

@@ -131,6 +131,7 @@ impl Surface {
         parts: usize,
         window: Window,
     ) -> Result<Self> {
+        section.check_lit_through_air()?;
         let top = section.top();
         let quarter = section.width_um / 4.0;
         let gauss = 0.5 / 3f64.sqrt();
