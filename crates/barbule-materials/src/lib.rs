@@ -6,6 +6,9 @@
 pub const MATERIALS: &[(&str, &[u8])] = &[
     ("bronzewing-green", include_bytes!("../materials/bronzewing-green.barbule")),
     ("hummingbird-anna", include_bytes!("../materials/hummingbird-anna.barbule")),
+    ("magpie-violet", include_bytes!("../materials/magpie-violet.barbule")),
+    ("mallard-lime", include_bytes!("../materials/mallard-lime.barbule")),
+    ("peafowl-yellow", include_bytes!("../materials/peafowl-yellow.barbule")),
     ("rock-dove-forest", include_bytes!("../materials/rock-dove-forest.barbule")),
     ("rock-dove-jade", include_bytes!("../materials/rock-dove-jade.barbule")),
     ("rock-dove-purple", include_bytes!("../materials/rock-dove-purple.barbule")),

@@ -180,7 +180,8 @@ fn agreement() -> Result<()> {
     );
     println!("| --- | --- | --- | --- |");
     planar_rods()?;
-    planar_layers()
+    planar_layers()?;
+    estimates()
 }
 
 /// How the errors of R compare with the solvers' own estimates.
