@@ -255,7 +255,7 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_nothing() {
         (vec!["far-field", "starling", "--wavelength", "500", "--theta", "90", "--phi", "0"], "past grazing"),
         (vec!["far-field", "starling", "--wavelength", "500", "--theta", "0", "--phi=-90"], "past grazing"),
         (vec!["far-field", "sparrow", "--wavelength", "500", "--theta", "0", "--phi", "0"], "sparrow"),
-        (vec!["spectrum", "1.5/keratin:300/air"], "comes through n = 1.5"),
+        (vec!["spectrum", "1.5/keratin:300/air"], "comes through 1.5"),
         (vec!["spectrum", "starling", "--collect", "cone"], "cone:5"),
         (vec!["spectrum", "starling", "--collect", "cone:0"], "cone:5"),
         (vec!["spectrum", "starling", "--polarization", "3"], "write mean, 1 or 2"),

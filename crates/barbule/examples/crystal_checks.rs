@@ -1,7 +1,7 @@
 //! The crystal solvers against each other and against laws, as docs/theory/crystals.md shows them.
 //!
 //! `cargo run --release -p barbule --example crystal_checks -- WHAT`, where WHAT is
-//! - `convergence FOLDER`: figures of the error of R against multipoles, orders, slices and cells, a few minutes
+//! - `convergence FIGURE`: a figure of the error of R against multipoles, orders, slices and cells, a few minutes
 //! - `agreement`: tables of the three solvers against each other and against flat layers, a few minutes
 //! - `energy SOLVER POINTS`: |R + T + A − 1| over random waves on random crystals
 
@@ -31,10 +31,10 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     match words[..] {
-        ["convergence", folder] => convergence(Path::new(folder)),
+        ["convergence", figure] => convergence(Path::new(figure)),
         ["agreement"] => agreement(),
         ["energy", solver, points] => energy(solver, points),
-        _ => Err(Error::input("give 'convergence FOLDER', 'agreement' or 'energy SOLVER POINTS'")),
+        _ => Err(Error::input("give 'convergence FIGURE', 'agreement' or 'energy SOLVER POINTS'")),
     }
 }
 
@@ -59,8 +59,8 @@ fn fdtd(cells_per_um: f64) -> Fdtd {
 /// Orders and slices at which the other is fine.
 const FINE: [usize; 2] = [40, 128];
 
-/// Errors of R at 500 nm, θ = 20°, φ = 30°.
-fn convergence(folder: &Path) -> Result<()> {
+/// Errors of R at 500 nm, θ = 20°, φ = 30°, against multipoles, orders, slices and cells.
+fn convergence(path: &Path) -> Result<()> {
     let incidence = wave(500.0, 20.0, 30.0);
     let label = |text: &str| (Axis::logarithmic(text), Axis::logarithmic("largest error of R"));
     let chart = |title: &str, (x, y): (Axis, Axis)| {
@@ -102,13 +102,14 @@ fn convergence(folder: &Path) -> Result<()> {
             figure.curves.push(Curve { mark: Mark::Both, ..Curve::line(title, points) });
         }
     }
-    for (figure, file) in figures.iter_mut().zip(["multipoles", "orders", "slices", "cells"]) {
-        figure.footnote = Some("500 nm, θ_i = 20°, φ_i = 30°, both polarizations".into());
-        let path = folder.join(format!("crystal-convergence-{file}.svg"));
-        let drawing: Drawing = figure.draw();
-        write_whole(&path, &drawing.encode(Format::of(&path)?, &[])?)?;
+    let panels = figures.map(|figure| figure.draw());
+    let widest = panels.iter().map(|p| p.width).fold(0.0, f64::max);
+    let highest = panels.iter().map(|p| p.height).fold(0.0, f64::max);
+    let mut page = Drawing::new(2.0 * widest, 2.0 * highest);
+    for (index, panel) in panels.into_iter().enumerate() {
+        page.place(panel, [(index % 2) as f64 * widest, (index / 2) as f64 * highest]);
     }
-    Ok(())
+    write_whole(path, &page.encode(Format::of(path)?, &[])?)
 }
 
 /// Slope of a line through points, least squares.

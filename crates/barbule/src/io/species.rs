@@ -124,7 +124,7 @@ mod tests {
         ("starling", "name = \"teal\"", "name = \"aqua\"", "variants[7].name is 'aqua' a second time"),
         ("starling", "name = \"teal\"", "name = \"a b\"", "variants[7].name must be a text"),
         ("starling", "name = \"teal\"", "", "variants[7].name is missing"),
-        ("starling", "[parameters]", "[lattice]\n[parameters]", "barbule crystal"),
+        ("starling", "[parameters]", "[lattice]\n[parameters]", "a lattice alone"),
         ("starling", "point_spacing_um = 0.03", "point_spacing_um = 1e-9", "outside 0.005 to 1"),
         (
             "rock-dove",
