@@ -98,7 +98,12 @@ fn convergence(path: &Path) -> Result<()> {
             let errors: Vec<String> =
                 points.iter().map(|[size, error]| format!("{size} {error:.1e}")).collect();
             println!("{name}, {}: {}", figure.title, errors.join(", "));
-            let title = if panel == 0 { exponential(name, &points) } else { power(name, &points) };
+            let title = match panel {
+                0 => exponential(name, &points),
+                // The orders, which are not infinite, leave a floor.
+                2 => power(name, &points, 2.5 * points[points.len() - 1][1]),
+                _ => power(name, &points, 0.0),
+            };
             figure.curves.push(Curve { mark: Mark::Both, ..Curve::line(title, points) });
         }
     }
@@ -128,9 +133,10 @@ fn exponential(name: &str, points: &[[f64; 2]]) -> String {
     format!("{name}: ×{:.2} per multipole", slope(shown).exp())
 }
 
-/// A curve's name with its order of convergence.
-fn power(name: &str, points: &[[f64; 2]]) -> String {
-    format!("{name}: order {:.1}", -slope(points.iter().map(|p| p.map(f64::ln))))
+/// A curve's name with its order of convergence where errors are above a floor.
+fn power(name: &str, points: &[[f64; 2]], floor: f64) -> String {
+    let above = points.iter().filter(|p| p[1] > floor).map(|p| p.map(f64::ln));
+    format!("{name}: order {:.1}", -slope(above))
 }
 
 /// Points at which solvers are compared.
@@ -302,6 +308,7 @@ fn energy(solver: &str, points: &str) -> Result<()> {
     for part in [0.5, 0.9, 0.99, 0.999, 1.0] {
         println!("{:>5} % of |R + T + A − 1| ≤ {:.1e}", 100.0 * part, found.quantile(part));
     }
+    println!("largest: {}", found.worst);
     for reason in found.refused.iter().take(5) {
         println!("refused: {reason}");
     }

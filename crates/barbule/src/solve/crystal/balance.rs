@@ -15,6 +15,8 @@ pub const WAVELENGTHS_NM: [f64; 2] = [300.0, 830.0];
 pub struct Balance {
     /// Ascending, one number per point that was solved, the larger of both polarizations.
     pub imbalance: Vec<f64>,
+    /// The wave and the crystal of the largest.
+    pub worst: String,
     /// Points that the solver refused, with their reasons.
     pub refused: Vec<String>,
 }
@@ -42,7 +44,8 @@ pub fn balance(
 ) -> Result<Balance> {
     let known = built_in()?;
     observer.begin("balancing", points as u64);
-    let mut found = Balance { imbalance: Vec::new(), refused: Vec::new() };
+    let mut found = Balance { imbalance: Vec::new(), worst: String::new(), refused: Vec::new() };
+    let mut largest = 0.0;
     for point in 0..points {
         if observer.is_cancelled() {
             return Err(Error::interrupted());
@@ -58,13 +61,32 @@ pub fn balance(
         let response =
             Cell::new(&lattice, incidence.wavelength_nm).and_then(|cell| solver.respond(&cell, &incidence));
         match response {
-            Ok(response) => found.imbalance.push(response.imbalance(incidence.phi_i)),
-            Err(error) => found.refused.push(format!("{error} ({incidence:?}, {lattice:?})")),
+            Ok(response) => {
+                let imbalance = response.imbalance(incidence.phi_i);
+                if imbalance > largest {
+                    (largest, found.worst) = (imbalance, format!("{incidence:?}, {}", described(&lattice)));
+                }
+                found.imbalance.push(imbalance);
+            }
+            Err(error) => found.refused.push(format!("{error} ({incidence:?}, {})", described(&lattice))),
         }
         observer.advance(1);
     }
     found.imbalance.sort_by(f64::total_cmp);
     Ok(found)
+}
+
+/// The numbers of a lattice.
+fn described(lattice: &Lattice) -> String {
+    format!(
+        "period {} µm, {} rows of {} µm, shift {}, depth {} µm, {:?}",
+        lattice.period_um,
+        lattice.rows,
+        lattice.row_pitch_um,
+        lattice.row_shift,
+        lattice.depth_to_center_um,
+        lattice.rods
+    )
 }
 
 /// The crystals of all variants of all built-in species.

@@ -11,7 +11,7 @@ use crate::{Error, Result};
 
 /// Rods that overlap in depth by more than this part of the smaller radius belong to one layer: plane waves between
 /// them would grow before they fall. Touching rods of hexagonal rows overlap by 0.27.
-const INTERLEAVED: f64 = 0.45;
+const INTERLEAVED: f64 = 0.3;
 
 /// Rods whose depths differ by less than this part of the period belong to one layer: plane waves fall too slowly.
 const SHALLOW: f64 = 0.25;
