@@ -151,29 +151,32 @@ fn a_strangers_crystal_goes_the_same_way_and_is_solved_once() {
     assert!(succeed(&["cache", "--cache", &cache]).contains(": 1 cached"));
 }
 
-/// The shipped starling, made again at a few of its nodes: what ships is what the program computes.
+/// A shipped species with layers and one with a crystal, made again at a few of their nodes: what ships is what the program
+/// computes.
 #[test]
-fn the_shipped_material_is_what_the_command_makes() {
+fn the_shipped_materials_are_what_the_command_makes() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("s.barbule").to_string_lossy().into_owned();
-    // Nodes that the shipped tables have too: cosines 0.5 and 1, two wavelengths, all 50 instances.
-    succeed(&["characterize", "starling", "-o", &file, "--wavelengths", "400,520", "--directions", "2x2"]);
-    let thinned = barbule::io::read_material(file.as_ref()).unwrap();
-    let shipped =
-        barbule::io::decode_material(barbule_materials::material("starling-green").unwrap()).unwrap();
-    assert_eq!(thinned.info["campaign"]["structure"], shipped.info["campaign"]["structure"]);
-    for (w, wavelength) in [(0, 0), (1, 20)] {
-        for theta in 0..2 {
-            for phi in 0..2 {
-                let a = thinned.axes.index(w, theta, phi);
-                let b = shipped.axes.index(wavelength, 10 * theta + 9, 10 * phi + 9);
-                let pairs = [
-                    (thinned.sets[0].mean.reflected[a], shipped.sets[0].mean.reflected[b], 1e-4),
-                    (thinned.sets[0].mean.m[a], shipped.sets[0].mean.m[b], 1e-3),
-                    (thinned.sets[0].length[a], shipped.sets[0].length[b], 5e-3),
-                ];
-                for (x, y, tolerance) in pairs {
-                    assert!((x - y).abs() < tolerance, "{w} {theta} {phi}: {x} {y}");
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    for (species, stem) in [("starling", "starling-green"), ("magpie", "magpie-violet")] {
+        // Nodes that the shipped tables have too: cosines 0.5 and 1, two wavelengths, all 50 instances.
+        let words = ["characterize", species, "-o", &path(stem), "--cache", &path("cache")];
+        succeed(&[&words[..], &["--wavelengths", "400,520", "--directions", "2x2"]].concat());
+        let thinned = barbule::io::read_material(path(stem).as_ref()).unwrap();
+        let shipped = barbule::io::decode_material(barbule_materials::material(stem).unwrap()).unwrap();
+        assert_eq!(thinned.info["campaign"]["structure"], shipped.info["campaign"]["structure"]);
+        for (w, wavelength) in [(0, 0), (1, 20)] {
+            for theta in 0..2 {
+                for phi in 0..2 {
+                    let a = thinned.axes.index(w, theta, phi);
+                    let b = shipped.axes.index(wavelength, 10 * theta + 9, 10 * phi + 9);
+                    let pairs = [
+                        (thinned.sets[0].mean.reflected[a], shipped.sets[0].mean.reflected[b], 1e-4),
+                        (thinned.sets[0].mean.m[a], shipped.sets[0].mean.m[b], 1e-3),
+                        (thinned.sets[0].length[a], shipped.sets[0].length[b], 5e-3),
+                    ];
+                    for (x, y, tolerance) in pairs {
+                        assert!((x - y).abs() < tolerance, "{stem} {w} {theta} {phi}: {x} {y}");
+                    }
                 }
             }
         }

@@ -29,7 +29,7 @@ impl Args {
         if self.common.json {
             let list: Vec<_> =
                 files.iter().map(|(path, bytes)| json!({ "file": path, "bytes": bytes })).collect();
-            return print_json(out, &json!({ "folder": folder, "materials": list, "cleared": self.clear }));
+            return print_json(out, &json!({ "folder": folder, "files": list, "cleared": self.clear }));
         }
         let mut text = format!("{}: {} cached", folder.display(), files.len());
         for (path, bytes) in &files {

@@ -25,6 +25,9 @@ const FIELD_CELLS_PER_UM: f64 = 200.0;
 const FIELD_ABOVE_UM: f64 = 0.15;
 const PANEL_HEIGHT: f64 = 420.0;
 
+/// Cosine of the angle from the normal below which a pulse takes over a minute.
+const NEAR_THE_HORIZON: f64 = 0.035;
+
 /// Arguments of `barbule crystal`.
 #[derive(Debug, clap::Args)]
 #[command(
@@ -103,6 +106,9 @@ impl Args {
 
     fn point(&self, out: &mut dyn Write, lattice: &Lattice, incidence: &Incidence) -> Result<()> {
         let cell = Cell::new(lattice, incidence.wavelength_nm)?;
+        if self.solver == Method::Fdtd && incidence.theta_i.cos() * incidence.phi_i.cos() < NEAR_THE_HORIZON {
+            self.common.say("so near the horizon finite differences in time take minutes");
+        }
         let response = match self.solver {
             Method::Multipole => Multipole::default().respond(&cell, incidence)?,
             Method::Rcwa => Rcwa::default().respond(&cell, incidence)?,

@@ -42,7 +42,7 @@ struct Tabulated<T> {
     m: i32,
     /// Node of the first row.
     first: usize,
-    /// Jones matrices at nodes; zero at the first and the last, where the order does not propagate.
+    /// Jones matrices at nodes from there on; the order does not propagate elsewhere.
     rows: Vec<[T; JONES]>,
 }
 
