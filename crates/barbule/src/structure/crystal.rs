@@ -1,7 +1,7 @@
 //! A photonic crystal under the top of a section.
 
 use super::lattice::Lattice;
-use super::section::{Medium, Parts, Polyline, refuse};
+use super::section::{Medium, Parts, Polyline, profile, refuse};
 use crate::Result;
 
 /// Rows of rods that follow the top: at arc length s from x = 0 the crystal looks like the flat one at x = s − offset.
@@ -43,15 +43,7 @@ impl Regularity {
     /// The value at `x_um`.
     #[must_use]
     pub fn at(&self, x_um: f64) -> f64 {
-        let right = self.x_um.partition_point(|&x| x <= x_um);
-        if right == 0 {
-            return self.value[0];
-        }
-        if right == self.x_um.len() {
-            return self.value[right - 1];
-        }
-        let part = (x_um - self.x_um[right - 1]) / (self.x_um[right] - self.x_um[right - 1]);
-        self.value[right - 1] + (self.value[right] - self.value[right - 1]) * part
+        profile(&self.x_um, &self.value, x_um)
     }
 }
 

@@ -101,15 +101,7 @@ impl Medium {
     #[must_use]
     pub fn fraction(&self, x_um: f64) -> f64 {
         let Self::Mixture { x_um: xs, fraction, .. } = self else { return 0.0 };
-        let right = xs.partition_point(|&x| x <= x_um);
-        if right == 0 {
-            return fraction[0];
-        }
-        if right == xs.len() {
-            return fraction[right - 1];
-        }
-        let part = (x_um - xs[right - 1]) / (xs[right] - xs[right - 1]);
-        fraction[right - 1] + (fraction[right] - fraction[right - 1]) * part
+        profile(xs, fraction, x_um)
     }
 
     /// Its substances: one, or two for a mixture.
@@ -350,6 +342,19 @@ impl Section {
             None => &self.media[self.boundaries.iter().filter(|b| b.height(x_um) > z_um).count()],
         }
     }
+}
+
+/// Values over increasing positions: linear between them, constant beyond the ends.
+pub(super) fn profile(x_um: &[f64], values: &[f64], at_um: f64) -> f64 {
+    let right = x_um.partition_point(|&x| x <= at_um);
+    if right == 0 {
+        return values[0];
+    }
+    if right == x_um.len() {
+        return values[right - 1];
+    }
+    let part = (at_um - x_um[right - 1]) / (x_um[right] - x_um[right - 1]);
+    values[right - 1] + (values[right] - values[right - 1]) * part
 }
 
 pub(super) fn material(substance: &Substance, library: &Library) -> Result<Material> {
