@@ -15,20 +15,11 @@
 //! ω = (cosθ sinφ, sinθ, cosθ cosφ). Lengths are µm in structures and simulations, wavelengths nm in vacuum, angles
 //! radians; feather-scale lengths are mm. Magnetic fields are scaled by the vacuum impedance.
 
-pub mod brdf;
 pub mod campaign;
-pub mod error;
 pub mod io;
-pub mod material;
-pub mod math;
-pub mod observer;
 pub mod plot;
-pub mod render;
-pub mod scattering;
-pub mod scene;
-pub mod solve;
-pub mod spectrum;
-pub mod structure;
 
-pub use error::{Error, Result};
-pub use num_complex::Complex64;
+pub use barbule_appearance::{brdf, render, scene};
+pub use barbule_base::{Complex64, Error, Result, error, fields, math, observer};
+pub use barbule_light::{scattering, spectrum};
+pub use barbule_optics::{material, solve, structure};

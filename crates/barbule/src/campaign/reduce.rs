@@ -1,13 +1,11 @@
 //! Statistics of one unit's fields.
 
-use std::sync::Arc;
-
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
-use rustfft::{Fft, FftPlanner};
 
 use super::Fields;
 use crate::math::band_limited::{TAPS, weights};
+use crate::math::fft::{Transform, Transformable as _};
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::lobe::{FitKind, fit};
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, NOISE_POINTS, Unit};
@@ -18,7 +16,7 @@ const PADDED: usize = 2 * NOISE_POINTS;
 /// Forms the statistics of the fields of one (λ, θ_i), φ_i in parallel, instances in order.
 pub(super) fn unit(axes: &Axes, fields: &Fields, theta_i: f64) -> Unit {
     let grid = NoiseGrid::new(theta_i, fields.refine);
-    let transform = FftPlanner::new().plan_fft_forward(PADDED);
+    let transform = f32::forward(PADDED);
     let parts: Vec<Direction> = (0..axes.cos_phi.len())
         .into_par_iter()
         .map(|phi| {
@@ -87,7 +85,7 @@ fn direction(
     phi_i: f64,
     phi: usize,
     grid: &NoiseGrid,
-    transform: &Arc<dyn Fft<f32>>,
+    transform: &Transform<f32>,
 ) -> Direction {
     let polarizations = [0, 1]
         .map(|polarization| statistics(fields, theta_i, phi_i, 2 * phi + polarization, grid, transform));
@@ -117,7 +115,7 @@ fn statistics(
     phi_i: f64,
     pair: usize,
     grid: &NoiseGrid,
-    transform: &Arc<dyn Fft<f32>>,
+    transform: &Transform<f32>,
 ) -> Polarization {
     let instances = fields.values.len();
     let count = instances as f64;
@@ -185,11 +183,11 @@ fn autocovariance(
     component: usize,
     envelope: &[f32],
     grid: &NoiseGrid,
-    transform: &Arc<dyn Fft<f32>>,
+    transform: &Transform<f32>,
 ) -> Vec<f32> {
     let mut power = vec![0f64; PADDED];
     let mut pattern = vec![Complex::new(0f32, 0.0); PADDED];
-    let mut scratch = vec![Complex::new(0f32, 0.0); transform.get_inplace_scratch_len()];
+    let mut scratch = vec![Complex::new(0f32, 0.0); transform.scratch_len()];
     for instance in 0..fields.values.len() {
         let parts = components(fields, instance, pair);
         let field = if component == 0 { parts.0 } else { parts.1 };
@@ -204,7 +202,7 @@ fn autocovariance(
         for point in &grid.points {
             pattern[point.index] -= mean;
         }
-        transform.process_with_scratch(&mut pattern, &mut scratch);
+        transform.process(&mut pattern, &mut scratch);
         for (sum, value) in power.iter_mut().zip(&pattern) {
             *sum += f64::from(value.norm_sqr());
         }
@@ -213,7 +211,7 @@ fn autocovariance(
         *value = Complex::new(*sum as f32, 0.0);
     }
     // The power spectrum is real, so the forward transform of it is, conjugated, the inverse.
-    transform.process_with_scratch(&mut pattern, &mut scratch);
+    transform.process(&mut pattern, &mut scratch);
     let scale = 1.0 / (2.0 * PADDED as f32 * (NOISE_POINTS - 1) as f32 * fields.values.len() as f32);
     pattern[..LAGS].iter().map(|value| value.re * scale).collect()
 }

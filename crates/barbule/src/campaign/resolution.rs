@@ -12,7 +12,7 @@ use crate::{Error, Result};
 
 /// Change of a field (relative L2) under halving from which on rays are dense enough. What is left is a third of it,
 /// and other instances and directions have up to thrice as much.
-const SETTLED: f64 = 6e-4;
+const SETTLED: f64 = 6.0e-4;
 
 /// The most parts that elements are cut into.
 const MOST_PARTS: usize = 8;

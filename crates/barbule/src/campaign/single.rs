@@ -1,10 +1,10 @@
 //! What single barbules do at one wavelength and direction, beside what their statistics say.
 
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 
 use super::reduce::{NoiseGrid, components, widen};
 use super::{Campaign, Wavelength};
+use crate::math::fft::Transformable as _;
 use crate::scattering::lobe::{FitKind, fit};
 use crate::scattering::statistics::{AZIMUTHS, LAGS, NOISE_POINTS};
 
@@ -86,12 +86,11 @@ pub fn autocovariance(values: &[Complex64], first: usize) -> Vec<f64> {
     for (place, value) in pattern.iter_mut().skip(first).zip(values) {
         *place = value - mean;
     }
-    let mut planner = FftPlanner::new();
-    planner.plan_fft_forward(padded).process(&mut pattern);
+    f64::forward(padded).process_once(&mut pattern);
     for value in &mut pattern {
         *value = Complex64::new(value.norm_sqr(), 0.0);
     }
-    planner.plan_fft_inverse(padded).process(&mut pattern);
+    f64::inverse(padded).process_once(&mut pattern);
     let scale = 1.0 / (2.0 * padded as f64 * (NOISE_POINTS - 1) as f64);
     pattern[..LAGS].iter().map(|value| value.re * scale).collect()
 }

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use super::read_text;
 use super::section::{materials, substance, substance_json};
 use super::stack::one_line;
+use crate::fields::{Fields, list, number};
 use crate::material::Library;
-use crate::structure::fields::{Fields, list, number};
 use crate::structure::{Circle, CrystalLayer, Lattice, MOST_RODS, Regularity, Rod, Substance};
 use crate::{Error, Result};
 

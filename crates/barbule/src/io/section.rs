@@ -8,8 +8,9 @@ use serde_json::{Map, Value, json};
 use super::lattice::{crystal_from, crystal_json};
 use super::tables::{MediumSource, add_media};
 use super::{read_text, write_whole};
-use crate::material::{Library, shortened};
-use crate::structure::fields::{Fields, list, number};
+use crate::error::shortened;
+use crate::fields::{Fields, list, number};
+use crate::material::Library;
 use crate::structure::{
     Inclusion, Loop, MOST_POINTS, MaterialSource, Medium, Parts, Polyline, Section, Substance,
 };

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::section::materials;
 use super::{parse_stack, read_text};
-use crate::material::{Library, shortened};
+use crate::error::shortened;
+use crate::material::Library;
 use crate::structure::{Section, SpeciesFile, SpeciesModel, Structure};
 use crate::{Error, Result};
 

@@ -7,7 +7,8 @@ use serde::Deserialize;
 
 use super::read_text;
 use super::tables::{MediumSource, add_media};
-use crate::material::{Library, shortened};
+use crate::error::shortened;
+use crate::material::Library;
 use crate::structure::stack::{DEEPEST_REPETITION, Part, Stack};
 use crate::{Error, Result};
 

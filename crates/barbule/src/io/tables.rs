@@ -6,7 +6,8 @@ use std::path::Path;
 use saphyr_parser::{Event, Parser};
 
 use super::read_text;
-use crate::material::{Library, Material, Table, shortened};
+use crate::error::shortened;
+use crate::material::{Library, Material, Table};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::{Complex64, Error, Result};
 

@@ -1,0 +1,165 @@
+//! The tables of a feather material, as a file holds them.
+
+use crate::scattering::lobe::{FitKind, SMALLEST_M};
+use crate::scattering::statistics::{Axes, NOISE_POINTS};
+use crate::{Error, Result};
+
+/// Power terms P₁ … P_{N/2−1} of the noise process; P₀ and P_{N/2} are zero and the rest mirrors these.
+pub const NOISE_TERMS: usize = NOISE_POINTS / 2 - 1;
+
+/// One lobe for every (λ, θ_i, φ_i): arrays of shape `[λ, θ_i, φ_i]`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LobeSet {
+    /// Roughness, in \[0.001, 1\].
+    pub m: Vec<f32>,
+    /// Effective azimuth, rad, in (−π/2, π/2).
+    pub phi: Vec<f32>,
+    /// Reflected fraction ρ = cosθ_i ∫ U dφ_o, in \[0, 1\].
+    pub reflected: Vec<f32>,
+}
+
+/// The parameters of one kind of light: unpolarized, or one incident polarization.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ParameterSet {
+    /// The mean intensity's lobe.
+    pub mean: LobeSet,
+    /// The lobe s of what does not fluctuate from instance to instance: that of the mean field (V), or more.
+    pub stationary: LobeSet,
+    /// Length l of S.26 relative to the shortest wavelength at normal incidence. Shape `[λ, θ_i, φ_i]`.
+    pub length: Vec<f32>,
+    /// Fraction of incident polarization 1 in the reflected energy; empty in a set of one polarization.
+    pub fraction_1: Vec<f32>,
+    /// The same of the stationary part.
+    pub stationary_fraction_1: Vec<f32>,
+}
+
+/// A feather material: everything that a renderer needs, and where it came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Wavelengths and directions of the tables.
+    pub axes: Axes,
+    /// How the lobes were fitted.
+    pub kind: FitKind,
+    /// Longitudinal spread σ that applies unless the user gives another.
+    pub sigma: f64,
+    /// One set (unpolarized light), or two (incident polarizations 1 and 2).
+    pub sets: Vec<ParameterSet>,
+    /// P₁ … P_{N/2−1} of the noise process (S.34), Σ = ½. Length [`NOISE_TERMS`].
+    pub noise_power: Vec<f64>,
+    /// Seed of the noise that is drawn from `noise_power` when the material is prepared.
+    pub seed: u64,
+    /// Species, variant, parameters of generator and simulation, residuals: whatever the maker recorded.
+    pub info: serde_json::Value,
+}
+
+/// No material has more wavelengths than this: each takes 0.2 to 0.8 MB of tables however few directions it has.
+const MOST_WAVELENGTHS: usize = 512;
+
+/// No material has more table nodes than this.
+const MOST_NODES: usize = 4_000_000;
+
+impl Material {
+    /// Checks shapes, ranges and finiteness; the message names the array and the index.
+    ///
+    /// # Errors
+    /// Anything that a renderer could not use.
+    pub fn check(&self) -> Result<()> {
+        check_axis("wavelengths_nm", &self.axes.wavelengths_nm, 100.0, 20_000.0)?;
+        check_axis("cos_theta", &self.axes.cos_theta, 1e-6, 1.0)?;
+        check_axis("cos_phi", &self.axes.cos_phi, 1e-6, 1.0)?;
+        let nodes = self.axes.len();
+        if nodes > MOST_NODES {
+            return Err(Error::input(format!(
+                "the tables have {nodes} nodes, over the limit of {MOST_NODES}"
+            )));
+        }
+        let waves = self.axes.wavelengths_nm.len();
+        if waves > MOST_WAVELENGTHS {
+            return Err(Error::input(format!(
+                "wavelengths_nm has {waves} values, over the limit of {MOST_WAVELENGTHS}; simulate fewer wavelengths"
+            )));
+        }
+        check_sigma(self.sigma)?;
+        if !(1..=2).contains(&self.sets.len()) {
+            return Err(Error::input(format!("{} parameter sets, but 1 or 2 are possible", self.sets.len())));
+        }
+        for (number, set) in self.sets.iter().enumerate() {
+            let place = if self.sets.len() == 1 { String::new() } else { format!("p{}.", number + 1) };
+            set.check(&place, nodes, self.sets.len() == 1)?;
+        }
+        check_range("noise_power", &self.noise_power, NOISE_TERMS, 0.0, 0.5 + 1e-6)?;
+        let sum: f64 = self.noise_power.iter().sum();
+        if (sum - 0.5).abs() > 1e-4 {
+            return Err(Error::input(format!(
+                "noise_power sums to {sum:.6}, but a process of unit variance has 0.5; fit the material again"
+            )));
+        }
+        Ok(())
+    }
+}
+
+impl ParameterSet {
+    fn check(&self, place: &str, nodes: usize, fractions: bool) -> Result<()> {
+        let check = |name: &str, values: &[f32], low: f32, high: f32| {
+            check_range(&format!("{place}{name}"), values, nodes, low, high)
+        };
+        let right = std::f32::consts::FRAC_PI_2;
+        for (lobe, suffix) in [(&self.mean, ""), (&self.stationary, "_sta")] {
+            check(&format!("m{suffix}"), &lobe.m, 0.999 * SMALLEST_M as f32, 1.0)?;
+            check(&format!("phi{suffix}"), &lobe.phi, -right, right)?;
+            check(&format!("rho{suffix}"), &lobe.reflected, 0.0, 1.0)?;
+        }
+        check("length", &self.length, LENGTHS.0, LENGTHS.1)?;
+        let nodes = if fractions { nodes } else { 0 };
+        check_range(&format!("{place}fraction_1"), &self.fraction_1, nodes, 0.0, 1.0)?;
+        check_range(&format!("{place}fraction_1_sta"), &self.stationary_fraction_1, nodes, 0.0, 1.0)
+    }
+}
+
+/// Lengths l that a material may have.
+pub(super) const LENGTHS: (f32, f32) = (1.0 / 64.0, 64.0);
+
+/// The longitudinal spread must be narrow for the lobe's integral to hold, and wide enough to be seen.
+pub(super) fn check_sigma(sigma: f64) -> Result<()> {
+    if (0.002..=0.25).contains(&sigma) {
+        return Ok(());
+    }
+    Err(Error::input(format!("sigma is {sigma}, but must lie between 0.002 and 0.25 (0.04 is the default)")))
+}
+
+fn check_axis(name: &str, values: &[f64], low: f64, high: f64) -> Result<()> {
+    if values.is_empty() {
+        return Err(Error::input(format!("{name} is empty, but needs at least one value")));
+    }
+    check_range(name, values, values.len(), low, high)?;
+    match values.windows(2).position(|pair| pair[0] >= pair[1]) {
+        Some(at) => Err(Error::input(format!(
+            "{name}[{}] = {} does not exceed the value before it; sort the axis",
+            at + 1,
+            values[at + 1]
+        ))),
+        None => Ok(()),
+    }
+}
+
+fn check_range<T: Copy + PartialOrd + std::fmt::Display>(
+    name: &str,
+    values: &[T],
+    count: usize,
+    low: T,
+    high: T,
+) -> Result<()> {
+    if values.len() != count {
+        return Err(Error::input(format!(
+            "{name} has {} values, but the axes ask for {count}",
+            values.len()
+        )));
+    }
+    match values.iter().position(|v| !(low <= *v && *v <= high)) {
+        Some(at) => Err(Error::input(format!(
+            "{name}[{at}] = {} is not in {low} to {high}; the file is damaged, fit the material again",
+            values[at]
+        ))),
+        None => Ok(()),
+    }
+}

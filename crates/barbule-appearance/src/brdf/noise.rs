@@ -1,0 +1,261 @@
+//! The Gaussian process whose draws tell one barbule from another (S.32–S.49).
+
+use fearless_simd::{Level, Simd, dispatch, f32x4, i16x8, i32x4, prelude::*};
+use num_complex::Complex;
+use std::f64::consts::TAU;
+
+use super::lanes::{transposed, whole_and_rest};
+use super::material::NOISE_TERMS;
+use crate::math::fft::Transformable as _;
+use crate::math::rng::{Stream, hash};
+use crate::scattering::statistics::NOISE_POINTS;
+
+/// Base functions; rotated, shifted and mirrored they give every instance a function of its own.
+const BASES: usize = 512;
+
+/// Numbers of a base: (q_r, q_i) at each point and at the first again, and what a load of eight may read past them.
+const ROW: usize = 2 * (NOISE_POINTS + 1) + 4;
+
+/// Rotations of (q_r, q_i) in their plane.
+const ROTATIONS: usize = 1024;
+
+/// Purpose of the random streams of this file.
+const PURPOSE: u64 = 0x006e_6f69_7365;
+
+/// The power spectrum P₁ … P_{N/2−1} of an autocovariance at lags 0 … N/2 − 1 of spacing 2/N.
+///
+/// The lags are normalized to C(0) = 1 and shifted by a constant so that they sum to zero over the period (S.34), tiny
+/// negative P are clipped, P₀ = P_{N/2} = 0, and the result is normalized to Σ P = ½ over these terms. Without any
+/// positive power (or with something not finite) the process is white.
+#[must_use]
+pub fn spectrum(autocovariance: &[f64]) -> Vec<f64> {
+    let n = NOISE_POINTS;
+    let lag = |k: usize| autocovariance.get(k).copied().unwrap_or(0.0);
+    let mut circle: Vec<Complex<f64>> =
+        (0..n).map(|k| Complex::new(lag(k.min(n - k).min(n / 2 - 1)), 0.0)).collect();
+    // Dropping P₀ is the constant that makes the lags sum to zero.
+    f64::forward(n).process_once(&mut circle);
+    let power: Vec<f64> = circle[1..n / 2].iter().map(|c| c.re.max(0.0)).collect();
+    let sum: f64 = power.iter().sum();
+    if sum > 0.0 && sum.is_finite() {
+        power.iter().map(|p| 0.5 * p / sum).collect()
+    } else {
+        vec![0.5 / NOISE_TERMS as f64; NOISE_TERMS]
+    }
+}
+
+/// Draws of the process, ready for lookup.
+#[derive(Debug, Clone)]
+pub struct Noise {
+    /// (q_r, q_i) of each base at each point, in sixteen bits, so that all fit into a core's cache (2 MB). Shape
+    /// `[base, point, 2]`.
+    values: Vec<[i16; ROW]>,
+    /// Cosine and sine of evenly spread angles, times the step of `values`.
+    rotations: Vec<[f32; 2]>,
+    /// Autocovariance of the final process at lags 0 … N/2.
+    autocovariance: Vec<f64>,
+    /// 1 − C₁, twice: the interpolation's loss of variance at t.
+    loss: f32,
+    seed: u64,
+}
+
+/// One instance: which base, and how it is turned, shifted and mirrored.
+#[derive(Debug, Clone, Copy)]
+pub struct Draw {
+    base: usize,
+    shift: i32,
+    direction: i32,
+    cosine: f32,
+    sine: f32,
+}
+
+impl Noise {
+    /// Draws the base functions of P₁ … P_{N/2−1}.
+    #[must_use]
+    pub fn new(power: &[f64], seed: u64) -> Self {
+        let n = NOISE_POINTS;
+
+        let inverse = f64::inverse(n);
+        let mut scratch = vec![Complex::new(0.0, 0.0); inverse.scratch_len()];
+        let mut values = vec![[0.0_f32; 2 * NOISE_POINTS]; BASES];
+        let mut terms = vec![Complex::new(0.0, 0.0); n];
+        for (base, values) in values.iter_mut().enumerate() {
+            let mut stream = Stream::new(seed, &[PURPOSE, base as u64]);
+            // One complex transform makes two real functions: with independent normal terms at ±l of power 2 P_l each
+            // (real and imaginary parts of P_l), real and imaginary parts are independent and follow S.36.
+            terms.fill(Complex::new(0.0, 0.0));
+            for (l, p) in power.iter().enumerate().take(NOISE_TERMS) {
+                let amplitude = p.sqrt();
+                terms[l + 1] = Complex::new(stream.normal(), stream.normal()) * amplitude;
+                terms[n - l - 1] = Complex::new(stream.normal(), stream.normal()) * amplitude;
+            }
+            inverse.process(&mut terms, &mut scratch);
+            for (value, c) in values.chunks_exact_mut(2).zip(&terms) {
+                value.copy_from_slice(&[c.re as f32, c.im as f32]);
+            }
+        }
+        let (values, step) = quantized(&values);
+        let autocovariance: Vec<f64> = (0..=n / 2)
+            .map(|k| {
+                let term = |l: usize, p: &f64| p * libm::cos(TAU * ((k * (l + 1)) % n) as f64 / n as f64);
+                2.0 * power.iter().enumerate().map(|(l, p)| term(l, p)).sum::<f64>()
+            })
+            .collect();
+        let rotations = (0..ROTATIONS)
+            .map(|k| {
+                let (sin, cos) = libm::sincos(TAU * (k as f64 + 0.5) / ROTATIONS as f64);
+                [(step * cos) as f32, (step * sin) as f32]
+            })
+            .collect();
+        let loss = (2.0 * (1.0 - autocovariance[1])) as f32;
+        Self { values, rotations, autocovariance, loss, seed }
+    }
+
+    /// The autocovariance of the process at lags 0 … N/2, spacing 2/N.
+    #[must_use]
+    pub fn autocovariance(&self) -> &[f64] {
+        &self.autocovariance
+    }
+
+    /// The draw that belongs to an instance.
+    #[must_use]
+    #[inline(always)]
+    pub fn draw(&self, instance: u64) -> Draw {
+        let bits = hash(self.seed, &[instance]);
+        let [cosine, sine] = self.rotations[(bits >> 40) as usize % ROTATIONS];
+        Draw {
+            base: bits as usize % BASES,
+            shift: (bits >> 16) as i32 & (NOISE_POINTS as i32 - 1),
+            direction: if bits >> 63 == 0 { 1 } else { -1 },
+            cosine,
+            sine,
+        }
+    }
+
+    /// (q_r, q_i) at x, interpolated with the weights of S.47, which keep the variance; the period is 2.
+    #[must_use]
+    pub fn at(&self, draw: &Draw, x: f32) -> [f32; 2] {
+        let [real, imaginary] = dispatch!(Level::new(), simd => self.at_one(simd, draw, x));
+        [real, imaginary]
+    }
+
+    #[inline(always)]
+    fn at_one<S: Simd>(&self, simd: S, draw: &Draw, x: f32) -> [f32; 2] {
+        let [real, imaginary] = self.at_four(simd, draw, f32x4::splat(simd, x));
+        [real[0], imaginary[0]]
+    }
+
+    /// q_r and q_i at four places.
+    #[inline(always)]
+    pub(super) fn at_four<S: Simd>(&self, simd: S, draw: &Draw, x: f32x4<S>) -> [f32x4<S>; 2] {
+        let one = f32x4::splat(simd, 1.0);
+        // x_k = (2k + 1 − N)/N, up to half a period. The bounds keep the index exact far outside (−1, 1).
+        let position = x.max(-512.0).min(512.0) * (0.5 * NOISE_POINTS as f32) - 0.5;
+        let (index, t) = whole_and_rest(position);
+        // (1−t)² + t² + 2 t (1−t) C₁ = 1 − 2 t (1−t)(1 − C₁).
+        let rest = one - t;
+        let scale = one / (one - t * rest * self.loss).sqrt();
+        let (near, far) = (rest * scale, t * scale);
+        // Mirrored functions go downwards: both points are still read together.
+        let mirrored = draw.direction < 0;
+        let (low, high) = if mirrored { (far, near) } else { (near, far) };
+        let shift = draw.shift - i32::from(mirrored);
+        let index = index * i32x4::splat(simd, draw.direction) + i32x4::splat(simd, shift);
+        let base = &self.values[draw.base];
+        let [low_r, low_i, high_r, high_i] = transposed(
+            pair(simd, base, index[0]),
+            pair(simd, base, index[1]),
+            pair(simd, base, index[2]),
+            pair(simd, base, index[3]),
+        );
+        let (a, b) = (low * low_r + high * high_r, low * low_i + high * high_i);
+        [a * draw.cosine - b * draw.sine, a * draw.sine + b * draw.cosine]
+    }
+}
+
+/// (q_r, q_i) at a point and at the next.
+#[inline(always)]
+fn pair<S: Simd>(simd: S, base: &[i16; ROW], index: i32) -> f32x4<S> {
+    let at = 2 * (index as usize & (NOISE_POINTS - 1));
+    let (two, _) = i16x8::from_slice(simd, &base[at..at + 8]).widen();
+    f32x4::float_from(two)
+}
+
+/// In sixteen bits, with the step that makes the variance over all bases and points exactly 1, so that E[f] = f̂ over
+/// the instances that exist.
+fn quantized(values: &[[f32; 2 * NOISE_POINTS]]) -> (Vec<[i16; ROW]>, f64) {
+    let largest = values.as_flattened().iter().fold(1e-30_f32, |largest, v| largest.max(v.abs()));
+    let scale = f32::from(i16::MAX) / largest;
+    let whole = |row: &[f32; 2 * NOISE_POINTS]| -> [i16; ROW] {
+        std::array::from_fn(|k| (row[k % (2 * NOISE_POINTS)] * scale).round() as i16)
+    };
+    let rows: Vec<[i16; ROW]> = values.iter().map(whole).collect();
+    let squares =
+        |row: &[i16; ROW]| -> f64 { row[..2 * NOISE_POINTS].iter().map(|v| f64::from(*v).powi(2)).sum() };
+    let sum: f64 = rows.iter().map(squares).sum();
+    let step = ((2 * NOISE_POINTS * rows.len()) as f64 / sum.max(1.0)).sqrt();
+    (rows, step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A band-limited process with correlation length 0.02.
+    fn noise() -> Noise {
+        let lags: Vec<f64> =
+            (0..512).map(|k| libm::exp(-(2.0 * f64::from(k) / 1024.0 / 0.02).powi(2))).collect();
+        Noise::new(&spectrum(&lags), 5)
+    }
+
+    #[test]
+    fn values_have_zero_mean_unit_variance_and_the_autocovariance_also_between_points() {
+        let noise = noise();
+        let count = 40_000;
+        for x in [0.0_f32, 0.000_488, 0.1003, -0.77] {
+            let (mut mean, mut variance, mut cross) = (0.0, 0.0, 0.0);
+            let mut lag = [0.0; 3];
+            for instance in 0..count {
+                let draw = noise.draw(instance);
+                let [r, i] = noise.at(&draw, x).map(f64::from);
+                mean += r + i;
+                variance += 0.5 * (r * r + i * i);
+                cross += r * i;
+                for (k, sum) in lag.iter_mut().enumerate() {
+                    let [r2, i2] = noise.at(&draw, x + (5 * (k + 1)) as f32 / 512.0).map(f64::from);
+                    *sum += 0.5 * (r * r2 + i * i2);
+                }
+            }
+            let n = count as f64;
+            // Three standard deviations of the sums: √(2/n), √(1/n), …
+            assert!((mean / n).abs() < 0.03, "{x} mean {}", mean / n);
+            assert!((variance / n - 1.0).abs() < 0.02, "{x} variance {}", variance / n);
+            assert!((cross / n).abs() < 0.02);
+            for (k, sum) in lag.iter().enumerate() {
+                let expected = noise.autocovariance()[5 * (k + 1)];
+                assert!((sum / n - expected).abs() < 0.02, "{x} lag {k}: {} {expected}", sum / n);
+            }
+        }
+    }
+
+    #[test]
+    fn interpolation_loses_no_variance_for_a_rough_process() {
+        // Correlation length 0.6 of a spacing: plain linear interpolation would lose 40 % of the variance midway.
+        let lags: Vec<f64> = (0..512).map(|k| libm::exp(-(f64::from(k) / 0.6).powi(2))).collect();
+        let noise = Noise::new(&spectrum(&lags), 1);
+        let count = 40_000;
+        let mid: f64 = (0..count).map(|i| f64::from(noise.at(&noise.draw(i), 0.0)[0]).powi(2)).sum::<f64>();
+        assert!((mid / count as f64 - 1.0).abs() < 0.02, "{}", mid / count as f64);
+    }
+
+    #[test]
+    fn the_spectrum_is_that_of_the_autocovariance() {
+        let lags: Vec<f64> = (0..512).map(|k| libm::cos(TAU * 7.0 * f64::from(k) / 1024.0)).collect();
+        let power = spectrum(&lags);
+        assert_eq!(power.len(), NOISE_TERMS);
+        // Lag N/2 repeats none of the 512 given: a thousandth of the power leaks.
+        assert!((power[6] - 0.5).abs() < 2e-3, "{}", power[6]);
+        assert!((power.iter().sum::<f64>() - 0.5).abs() < 1e-12);
+        assert!(spectrum(&[]).iter().chain(&spectrum(&[f64::NAN; 4])).all(|p| *p > 0.0));
+    }
+}

@@ -1,0 +1,12 @@
+//! The picture side of Barbule: BRDFs, scenes and the spectral renderer.
+//!
+//! ```text
+//! scattering (barbule-light) ──► brdf ──► scene ──► render
+//! ```
+
+pub mod brdf;
+pub mod render;
+pub mod scene;
+
+use barbule_base::{Error, Result, error, math, observer};
+use barbule_light::{scattering, spectrum};

@@ -1,0 +1,121 @@
+//! The one error type of the library.
+//!
+//! A message is one sentence in lower case without a full stop: the user's own file and field first, then what was
+//! found, what is allowed, and what to do.
+
+use std::fmt;
+
+/// What went wrong, with a sentence for the user.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Error {
+    kind: Kind,
+    message: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Input,
+    Machine,
+    NotSettled,
+    Interrupted,
+}
+
+/// The result of anything in this library that can fail.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+impl Error {
+    /// Something that the user can mend: an argument, a file's contents, a missing or unwritable file.
+    pub fn input(message: impl Into<String>) -> Self {
+        Self { kind: Kind::Input, message: message.into() }
+    }
+
+    /// The machine's fault: a full disk, a failed read in the middle of a file.
+    pub fn machine(message: impl Into<String>) -> Self {
+        Self { kind: Kind::Machine, message: message.into() }
+    }
+
+    /// A computation that did not reach its accuracy.
+    pub fn not_settled(message: impl Into<String>) -> Self {
+        Self { kind: Kind::NotSettled, message: message.into() }
+    }
+
+    /// The user asked to stop.
+    #[must_use]
+    pub fn interrupted() -> Self {
+        Self { kind: Kind::Interrupted, message: "interrupted".into() }
+    }
+
+    /// The same error with a place in front of its message: `name: message`.
+    #[must_use]
+    pub fn at(self, place: impl fmt::Display) -> Self {
+        Self { kind: self.kind, message: format!("{place}: {}", self.message) }
+    }
+
+    /// Whether the user can mend it.
+    #[must_use]
+    pub fn is_input(&self) -> bool {
+        self.kind == Kind::Input
+    }
+
+    /// Whether a computation did not reach its accuracy.
+    #[must_use]
+    pub fn is_not_settled(&self) -> bool {
+        self.kind == Kind::NotSettled
+    }
+
+    /// Whether the user asked to stop.
+    #[must_use]
+    pub fn is_interrupted(&self) -> bool {
+        self.kind == Kind::Interrupted
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// `, did you mean 'x'?` with the known name nearest to `given`, or nothing when none is near.
+#[must_use]
+pub fn did_you_mean<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let given = given.to_lowercase();
+    known
+        .into_iter()
+        .map(|name| (strsim::damerau_levenshtein(&given, &name.to_lowercase()), name))
+        .min_by_key(|(distance, _)| *distance)
+        .filter(|(distance, name)| *distance <= 2.max(name.chars().count() / 2))
+        .map_or_else(String::new, |(_, name)| format!(", did you mean '{name}'?"))
+}
+
+/// A user's text short enough for a message, without line breaks.
+#[must_use]
+pub fn shortened(text: &str) -> String {
+    const LONGEST: usize = 80;
+    let clean: String =
+        text.chars().take(LONGEST + 1).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if clean.chars().count() <= LONGEST {
+        return clean;
+    }
+    clean.chars().take(LONGEST - 1).chain(['…']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearest_name_is_offered_and_far_ones_are_not() {
+        assert_eq!(did_you_mean("starlign", ["mallard", "starling"]), ", did you mean 'starling'?");
+        assert_eq!(did_you_mean("qqqqqqqqqqqq", ["mallard", "starling"]), "");
+    }
+
+    #[test]
+    fn a_place_goes_in_front_and_keeps_the_kind() {
+        let error = Error::input("width is 0").at("a.json");
+        assert_eq!(error.to_string(), "a.json: width is 0");
+        assert!(error.is_input());
+    }
+}

@@ -1,0 +1,178 @@
+//! Dense matrices, column by column: complex ones with what solvers ask of them, and products of real ones.
+
+use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::{PartialPivLu, Solve};
+use faer::{Accum, MatMut, MatRef, Par};
+use num_complex::Complex64;
+
+/// Real numbers that matrices are multiplied of: `f32` or `f64`.
+pub trait Factor: Sized {
+    /// C = A·B, or C += A·B if `add`; A is `rows`×`inner`, B `inner`×`columns`, all column by column.
+    ///
+    /// # Panics
+    /// A slice is shorter than its matrix.
+    fn multiply(c: &mut [Self], add: bool, a: &[Self], b: &[Self], rows: usize, inner: usize, columns: usize);
+}
+
+macro_rules! factor {
+    ($($real:ty)*) => {$(
+        impl Factor for $real {
+            fn multiply(
+                c: &mut [Self],
+                add: bool,
+                a: &[Self],
+                b: &[Self],
+                rows: usize,
+                inner: usize,
+                columns: usize,
+            ) {
+                matmul(
+                    MatMut::from_column_major_slice_mut(&mut c[..rows * columns], rows, columns),
+                    if add { Accum::Add } else { Accum::Replace },
+                    MatRef::from_column_major_slice(&a[..rows * inner], rows, inner),
+                    MatRef::from_column_major_slice(&b[..inner * columns], inner, columns),
+                    1.0,
+                    Par::Seq,
+                );
+            }
+        }
+    )*};
+}
+
+factor!(f32 f64);
+
+/// A complex matrix whose columns follow one another.
+#[derive(Debug, Clone)]
+pub struct Dense {
+    rows: usize,
+    columns: usize,
+    data: Vec<Complex64>,
+}
+
+impl Dense {
+    /// All elements 0.
+    #[must_use]
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        Self { rows, columns, data: vec![Complex64::new(0.0, 0.0); rows * columns] }
+    }
+
+    /// Element by element from (row, column).
+    #[must_use]
+    pub fn from_fn(rows: usize, columns: usize, mut element: impl FnMut(usize, usize) -> Complex64) -> Self {
+        let mut data = Vec::with_capacity(rows * columns);
+        for k in 0..columns {
+            data.extend((0..rows).map(|i| element(i, k)));
+        }
+        Self { rows, columns, data }
+    }
+
+    /// How many rows it has.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// How many columns it has.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Column `k`.
+    #[must_use]
+    pub fn column(&self, k: usize) -> &[Complex64] {
+        &self.data[k * self.rows..(k + 1) * self.rows]
+    }
+
+    /// Column `k`.
+    pub fn column_mut(&mut self, k: usize) -> &mut [Complex64] {
+        &mut self.data[k * self.rows..(k + 1) * self.rows]
+    }
+
+    fn view(&self) -> MatRef<'_, Complex64> {
+        MatRef::from_column_major_slice(&self.data, self.rows, self.columns)
+    }
+
+    fn view_mut(&mut self) -> MatMut<'_, Complex64> {
+        MatMut::from_column_major_slice_mut(&mut self.data, self.rows, self.columns)
+    }
+
+    /// A·B.
+    #[must_use]
+    pub fn times(&self, b: &Self) -> Self {
+        let mut product = Self::zeros(self.rows, b.columns);
+        matmul(product.view_mut(), Accum::Replace, self.view(), b.view(), Complex64::new(1.0, 0.0), Par::Seq);
+        product
+    }
+
+    /// Adds A·B.
+    pub fn add_product(&mut self, a: &Self, b: &Self) {
+        matmul(self.view_mut(), Accum::Add, a.view(), b.view(), Complex64::new(1.0, 0.0), Par::Seq);
+    }
+
+    /// A ← 1 − A.
+    pub fn one_less(&mut self) {
+        for element in &mut self.data {
+            *element = -*element;
+        }
+        self.add_one();
+    }
+
+    /// A ← A + 1.
+    pub fn add_one(&mut self) {
+        for k in 0..self.columns {
+            self.data[k * self.rows + k] += 1.0;
+        }
+    }
+
+    /// diag(left)·A·diag(right).
+    #[must_use]
+    pub fn scaled(&self, left: &[Complex64], right: &[Complex64]) -> Self {
+        let mut data = Vec::with_capacity(self.data.len());
+        for (column, by) in self.data.chunks_exact(self.rows.max(1)).zip(right) {
+            data.extend(column.iter().zip(left).map(|(x, y)| x * y * by));
+        }
+        Self { data, ..*self }
+    }
+
+    /// b ← A⁻¹ b.
+    pub fn solve(&self, b: &mut Self) {
+        PartialPivLu::new(self.view()).solve_in_place(b.view_mut());
+    }
+
+    /// The matrices side by side, all with the same number of rows.
+    #[must_use]
+    pub fn beside<'a>(parts: impl Iterator<Item = &'a Self>) -> Self {
+        let mut all = Self::zeros(0, 0);
+        for part in parts {
+            all.rows = part.rows;
+            all.columns += part.columns;
+            all.data.extend_from_slice(&part.data);
+        }
+        all
+    }
+
+    /// `rows`×`columns` elements from (row, column) on.
+    #[must_use]
+    pub fn block(&self, row: usize, column: usize, rows: usize, columns: usize) -> Self {
+        let mut data = Vec::with_capacity(rows * columns);
+        for k in column..column + columns {
+            data.extend_from_slice(&self.column(k)[row..row + rows]);
+        }
+        Self { rows, columns, data }
+    }
+}
+
+impl std::ops::Index<(usize, usize)> for Dense {
+    type Output = Complex64;
+
+    fn index(&self, (row, column): (usize, usize)) -> &Complex64 {
+        &self.data[column * self.rows + row]
+    }
+}
+
+impl std::ops::IndexMut<(usize, usize)> for Dense {
+    fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut Complex64 {
+        &mut self.data[column * self.rows + row]
+    }
+}

@@ -1,0 +1,11 @@
+//! Mathematics without physics: seeded random streams, SIMD kernels, transforms, dense algebra, special functions.
+//!
+//! Libraries that are generic over their number types stand here behind functions of concrete ones.
+
+pub mod band_limited;
+pub mod bessel;
+pub mod dense;
+pub mod fft;
+pub mod normal;
+pub mod rng;
+pub mod simd;

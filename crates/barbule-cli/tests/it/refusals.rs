@@ -1,0 +1,500 @@
+//! What is refused, how it is said, and that nothing is left behind: bad arguments and bad files of every kind.
+//!
+//! Words that start with `@` are names in the test's own folder.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use barbule::io::encode_material;
+use barbule::io::store::Store;
+use barbule::scattering::statistics::Axes;
+
+/// Command lines and a part of what must be said.
+const LINES: &[(&str, &str)] = &[
+    // The program.
+    ("flim air/keratin:5/air", "'film'"),
+    ("film", "STACK"),
+    ("film air/keratin:5/air extra", "unexpected argument 'extra'"),
+    ("film air/keratin:5/air --angels 3", "--angles"),
+    ("film air/keratin:5/air --seed -1", "'-1'"),
+    ("film air/keratin:5/air --seed x", "invalid value 'x' for '--seed"),
+    ("film air/keratin:5/air --threads 0", "--threads 0: give a number from 1 to 4096"),
+    ("film air/keratin:5/air --threads 5000", "from 1 to 4096"),
+    ("film air/keratin:5/air --threads many", "invalid value 'many'"),
+    ("film air/keratin:5/air --memory lots", "unknown unit 'lots'"),
+    ("film air/keratin:5/air --memory 5XB", "unknown unit 'xb'"),
+    ("film air/keratin:5/air --memory 0", "write a size such as 8GiB"),
+    ("film air/keratin:5/air --memory 1kB", "raise --memory"),
+    ("film air/keratin:5/air --medium chitin", "write NAME=FILE"),
+    ("film air/keratin:5/air --medium chitin=", "write NAME=FILE"),
+    ("film air/keratin:5/air --medium chitin=@none.csv", "none.csv: no such file"),
+    ("film air/keratin:5/air --medium chitin=@", "is a folder"),
+    ("film air/keratin:5/air --medium 5x=@good.csv", "cannot name a medium"),
+    ("film air/keratin:5/air --medium mix=@good.csv", "cannot name a medium"),
+    // Sets of numbers.
+    ("film air/keratin:5/air --wavelengths 299", "299 nm is outside 300 to 830 nm"),
+    ("film air/keratin:5/air --wavelengths 831", "outside 300 to 830"),
+    ("film air/keratin:5/air --wavelengths 400:700", "start:stop:step"),
+    ("film air/keratin:5/air --wavelengths 400:700:0", "the step 0 does not lead"),
+    ("film air/keratin:5/air --wavelengths 400:700:-5", "the step -5 does not lead from 400 to 700"),
+    ("film air/keratin:5/air --wavelengths 400:700:0.0001", "over 100000 values"),
+    ("film air/keratin:5/air --wavelengths 400,,500", "'' is not a number"),
+    ("film air/keratin:5/air --wavelengths nan", "'nan' is not a number"),
+    ("film air/keratin:5/air --angles 90", "90° is at or past grazing"),
+    ("film air/keratin:5/air --angles=-95", "past grazing"),
+    ("film air/keratin:5/air --angles inf", "'inf' is not a number"),
+    // Stacks.
+    ("film air", "write at least two media"),
+    ("film keratin:5", "at least two media"),
+    ("film air//air", "a medium is missing"),
+    ("film air/keratin/air", "'keratin' needs a thickness in nm"),
+    ("film air/keratine:5/air", "did you mean 'keratin'"),
+    ("film air/keratin:-5/air", "the thickness -5 nm is not usable"),
+    ("film air/keratin:1e300/air", "is not usable"),
+    ("film air/keratin:x/air", "'x' is not a thickness"),
+    ("film air/6*(keratin:5/air", "a bracket is not closed"),
+    ("film air/keratin:5)/air", "never opened"),
+    ("film air/0*(keratin:5)/air", "the count of a repetition"),
+    ("film air/999999999*(keratin:5)/air", "the count of a repetition"),
+    ("film air/99999*(keratin:5/air:5)/air", "over 100000 layers"),
+    ("film air/mix(keratin,melanin):5/air", "a mixture is mix("),
+    ("film air/mix(keratin,melanin,1.5):5/air", "outside 0 to 1"),
+    ("film air/mix(keratin,melanin,0.5,cubic):5/air", "no mixing rule 'cubic'"),
+    ("film air/1.5-0.2j:5/air", "has gain"),
+    ("film melanin/keratin:5/air", "absorbs"),
+    ("film @none.toml", "none.toml: no such file"),
+    ("film @good.json", "is not a stack"),
+    ("film air/keratin:5/air -o @", ".svg or .png"),
+    ("film air/keratin:5/air -o @no/f.svg", "does not exist"),
+    ("film air/keratin:5/air -o @f.pdf", ".svg or .png"),
+    ("film air/keratin:5/air --csv @no/f.csv", "does not exist"),
+    ("film air/keratin:5/air --csv @f.svg -o @f.svg", "give two names"),
+    // Geometry.
+    ("geometry", "STRUCTURE"),
+    ("geometry starling", "say where to write"),
+    ("geometry starling -o @f.jpg", ".svg, .png or .json"),
+    ("geometry starling -o @no/f.svg", "does not exist"),
+    ("geometry starlign -o @f.svg", "did you mean 'starling'"),
+    ("geometry starling:grean -o @f.svg", "did you mean 'green'"),
+    ("geometry starling: -o @f.svg", "no variant ''"),
+    ("crystal starling", "made of layers"),
+    ("crystal @none.toml", "no such file"),
+    ("crystal mallard:gren", "did you mean 'green'"),
+    ("crystal mallard --theta 90", "--theta 90 must lie between"),
+    ("crystal mallard --phi -91", "--phi -91 must lie between"),
+    ("crystal mallard --wavelength 0", "wavelength"),
+    ("crystal mallard --solver magic", "possible values"),
+    ("crystal mallard -o @f.png", "give --map or --field"),
+    ("crystal mallard --map -o @f.txt", ".svg"),
+    ("crystal mallard --map --solver fdtd -o @f.png", "multipole or rcwa"),
+    ("crystal mallard --map --wavelengths 0 -o @f.png", "wavelength"),
+    ("geometry mallard:gren -o @f.svg", "did you mean 'green'"),
+    ("geometry starling --three-d -o @f.svg", "leave --three-d out"),
+    ("geometry starling --instance -1 -o @f.svg", "'-1'"),
+    ("geometry @good.json --instance 1 -o @f.svg", "no instance 1"),
+    ("geometry @none.json -o @f.svg", "no such file"),
+    ("geometry @none.toml -o @f.svg", "no such file"),
+    ("geometry @good.toml:puce -o @f.svg", "no variant 'puce'"),
+    ("geometry @none/ -o @f.svg", "no such folder"),
+    ("geometry @sections/ -o @f.svg", "one width"),
+    ("geometry @empty/ -o @f.svg", "has no .json file"),
+    ("geometry @good.csv -o @f.svg", "is no structure"),
+    ("geometry @folder.json -o @f.svg", "is a folder"),
+    // Species.
+    ("species sparrow", "there is no species 'sparrow'"),
+    ("species starling:puce", "no variant 'puce'"),
+    ("species starling --toml -o @f.svg", "cannot be used with"),
+    ("species -o @f.bmp", ".svg or .png"),
+    // Far fields.
+    ("far-field starling", "--wavelength"),
+    ("far-field starling --wavelength 500 --theta 0", "--phi"),
+    ("far-field starling --wavelength 200 --theta 0 --phi 0", "outside 300 to 830"),
+    ("far-field starling --wavelength 400,500 --theta 0 --phi 0", "give one value"),
+    ("far-field starling --wavelength 500 --theta 0,1 --phi 0", "give one value"),
+    ("far-field starling --wavelength 500 --theta 90 --phi 0", "past grazing"),
+    ("far-field starling --wavelength 500 --theta 0 --phi=-91", "past grazing"),
+    ("far-field starling --wavelength 500 --theta 0 --phi 0 --azimuths 1", "from 2 to 100000"),
+    ("far-field starling --wavelength 500 --theta 0 --phi 0 --azimuths 100001", "from 2 to 100000"),
+    ("far-field starling --wavelength 500 --theta 0 --phi 0 --solver exact", "fast"),
+    ("far-field starling --wavelength 500 --theta 0 --phi 0 --window hann", "gaussian"),
+    ("far-field @good.json --wavelength 500 --theta 0 --phi 0 --instance 2", "no instance 2"),
+    ("far-field @inclusions.json --wavelength 500 --theta 0 --phi 0", "no top boundary"),
+    ("far-field nobody --wavelength 500 --theta 0 --phi 0", "nobody"),
+    ("far-field short:x --wavelength 500 --theta 0 --phi 0", "short"),
+    // Spectra.
+    ("spectrum", "STRUCTURE"),
+    ("spectrum starling --angle 95", "past grazing"),
+    ("spectrum starling --plane beside", "across"),
+    ("spectrum starling --collect cone:91", "cone:5"),
+    ("spectrum starling --collect sphere", "hemisphere"),
+    ("spectrum starling --polarization 0", "write mean, 1 or 2"),
+    ("spectrum starling --instances 0", "from 1 to 10000"),
+    ("spectrum starling --instances 10001", "from 1 to 10000"),
+    ("spectrum starling --wavelengths 900", "outside 300 to 830"),
+    ("spectrum starling --measured @none.csv", "no such file"),
+    ("spectrum starling --measured @words.csv", "no lines of numbers"),
+    ("spectrum starling -o @f.gif", ".svg or .png"),
+    ("spectrum starling --csv @no/f.csv", "does not exist"),
+    // Campaigns.
+    ("simulate starling", "--output"),
+    ("simulate starling -o @no/s.zarr", "does not exist"),
+    ("simulate starling -o @good.csv", "is not a campaign store"),
+    ("simulate starling -o @empty/full", "is not a campaign store"),
+    ("simulate starling -o @s.zarr --directions 20", "write NxM"),
+    ("simulate starling -o @s.zarr --directions 1x9", "write NxM"),
+    ("simulate starling -o @s.zarr --directions 201x9", "write NxM"),
+    ("simulate starling -o @s.zarr --instances 0", "from 1 to 10000"),
+    ("simulate starling -o @s.zarr --tilt 31", "degrees from 0 to 30"),
+    ("simulate starling -o @s.zarr --tilt=-1", "degrees from 0 to 30"),
+    ("simulate starling -o @s.zarr --tilt nan", "degrees from 0 to 30"),
+    ("simulate starling -o @s.zarr --thin 21", "from 1 to 20"),
+    ("simulate starling -o @s.zarr --shard 2/2", "0 <= i < n"),
+    ("simulate starling -o @s.zarr --shard -1/2", "0 <= i < n"),
+    ("simulate starling -o @s.zarr --shard 0/0", "0 <= i < n"),
+    ("simulate starling -o @s.zarr --shard 1", "0 <= i < n"),
+    ("simulate starling -o @s.zarr --shard 1/2/3", "0 <= i < n"),
+    ("simulate starling -o @s.zarr --shard 0/100001", "0 <= i < n"),
+    ("simulate starling -o @s.zarr --simd mmx", "mmx"),
+    ("simulate starling -o @s.zarr --keep-fields 401", "does not simulate"),
+    ("simulate starling -o @s.zarr --keep-fields x", "not a number"),
+    ("simulate starling -o @s.zarr --memory 1MB", "raise --memory"),
+    ("simulate magpie:vilet -o @s.zarr", "did you mean 'violet'"),
+    ("simulate starling -o @good.zarr", "made with other parameters"),
+    ("simulate @none.zarr --status", "no such store"),
+    ("simulate @good.csv --status", "is not a campaign store"),
+    ("simulate @ --status", "is not a campaign store"),
+    ("fit @none.zarr -o @f.barbule", "no such store"),
+    ("fit @good.zarr", "--output"),
+    ("fit @good.zarr -o @f.barbule", "4 of 4 units are missing or damaged"),
+    ("fit @good.zarr -o @", "is a folder"),
+    ("fit @good.zarr -o @f.barbule --sigma 0", "from 0.005 to 0.5"),
+    ("fit @good.zarr -o @f.barbule --fit best", "marginal"),
+    ("characterize starling -o @no/f.barbule", "does not exist"),
+    ("characterize starling -o @f.barbule --sigma 1", "from 0.005 to 0.5"),
+    ("characterize starling -o @f.barbule --keep-store @none", "no such folder"),
+    ("characterize starling -o @f.barbule --memory 1MB", "raise --memory"),
+    ("characterize starling --cache @good.csv", "cannot be made"),
+    ("cache --cache @good.csv", "cannot be made"),
+    ("cache mallard", "unexpected argument"),
+    // Lobes.
+    ("lobes example", "--output"),
+    ("lobes example -o @f.doc", ".svg or .png"),
+    ("lobes example --parameters --fits -o @f.svg", "cannot be used with"),
+    ("lobes example --instances 1000 -o @f.svg", "give at most"),
+    ("lobes @none.barbule -o @f.svg", "no such file"),
+    ("lobes nobody -o @f.svg", "nobody"),
+    // Pictures.
+    ("render starling", "--output"),
+    ("render starling -o @f.bmp", "written as .png or .exr"),
+    ("render starling -o @no/f.png", "does not exist"),
+    ("render starlign -o @f.png", "did you mean 'starling'"),
+    ("render starling:puce -o @f.png", "no variant 'puce'"),
+    ("render starling -o @f.png --size 100", "as in 1280x800"),
+    ("render starling -o @f.png --size 0x5", "0"),
+    ("render starling -o @f.png --size 999999x999999", "999999"),
+    ("render starling -o @f.png --samples 0", "give 1 to 16777216"),
+    ("render starling -o @f.png --time soon", "30s, 5m or 1h"),
+    ("render starling -o @f.png --time=-3s", "30s, 5m or 1h"),
+    ("render starling -o @f.png --noise 0", "over 0 and up to 100"),
+    ("render starling -o @f.png --noise nan", "over 0 and up to 100"),
+    ("render starling -o @f.png --light 10", "azimuth and elevation"),
+    ("render starling -o @f.png --light 10,100", "elevation must be"),
+    ("render starling -o @f.png --view 1,2,3,4", "give azimuth, elevation"),
+    ("render starling -o @f.png --view 1,2,-3", "width in mm"),
+    ("render starling -o @f.png --frames 0", "give 1 to 9999"),
+    ("render starling -o @f.png --material @none.barbule", "no such file"),
+    ("render starling -o @f.png --material sparrow", "sparrow"),
+    ("render @none.toml -o @f.png", "no such file"),
+    ("completions fishbowl", "fishbowl"),
+];
+
+/// A file of a kind with one change, and a part of what must be said of it.
+type Change = (&'static str, &'static str, &'static str);
+
+const SECTION: &str = r#"{"barbule": 1, "units": "um", "width": 2.0, "name": "a",
+ "boundaries": [{"x": [-1, 0, 1], "z": [0, 0, 0]}, {"x": [-1, 0, 1], "z": [-1, -1, -1]}],
+ "media": ["air", "keratin", "melanin"],
+ "inclusions": [{"circle": {"x": 0.0, "z": -0.5, "radius": 0.2}, "medium": "melanin"}]}"#;
+
+/// Read by `geometry`.
+const SECTIONS: &[Change] = &[
+    ("{\"barbule\": 1", "[{\"barbule\": 1", "is not JSON"),
+    ("\"barbule\": 1", "\"barbule\": 2", "reads format 1 only"),
+    ("\"barbule\": 1, ", "", "the format's version"),
+    ("\"um\"", "\"nm\"", "must be 'um'"),
+    ("\"units\": \"um\", ", "", "units is missing"),
+    ("\"width\": 2.0", "\"width\": -2.0", "width is -2"),
+    ("\"width\": 2.0", "\"width\": 3.0", "boundaries[0] spans 2"),
+    ("\"width\": 2.0", "\"widht\": 2.0", "did you mean 'width'"),
+    ("\"width\": 2.0", "\"width\": \"2\"", "width"),
+    ("\"x\": [-1, 0, 1], ", "", "boundaries[0]"),
+    ("\"z\": [0, 0, 0]", "\"z\": [0, 0]", "x has 3 values and z 2"),
+    ("\"z\": [0, 0, 0]", "\"z\": [0, NaN, 0]", "JSON has no NaN"),
+    ("\"z\": [0, 0, 0]", "\"z\": [0, 1e400, 0]", "is not JSON"),
+    ("\"z\": [0, 0, 0]", "\"z\": [0, \"a\", 0]", "z[1]"),
+    ("\"z\": [0, 0, 0]", "\"z\": [0, -2, 0]", "crosses boundaries[0]"),
+    ("\"z\": [0, 0, 0]", "\"z\": [-3, -3, -3]", "from the top down"),
+    ("\"x\": [-1, 0, 1]", "\"x\": [-1, 1, 0]", "x must increase"),
+    ("\"x\": [-1, 0, 1]", "\"x\": [-1, 0, 5000]", "outside -1000 to 1000"),
+    ("[\"air\", \"keratin\", \"melanin\"]", "[\"air\", \"keratin\"]", "3 in all"),
+    ("[\"air\", \"keratin\"", "[\"air\", \"keratine\"", "did you mean 'keratin'"),
+    ("[\"air\", \"keratin\"", "[\"air\", {\"index\": [1.5]}", "an index is [n, k]"),
+    ("[\"air\", \"keratin\"", "[\"air\", {\"index\": [1.5, -1]}", "gain"),
+    ("[\"air\", \"keratin\"", "[\"air\", {\"mix\": [\"air\"], \"x\": [0], \"fraction\": [0]}", "two media"),
+    (
+        "[\"air\", \"keratin\"",
+        "[\"air\", {\"mix\": [\"air\", \"keratin\"], \"x\": [0], \"fraction\": [2]}",
+        "outside 0 to 1",
+    ),
+    ("\"radius\": 0.2", "\"radius\": 0", "circle.radius is 0"),
+    ("\"radius\": 0.2", "\"radius\": 0.7", "crosses or touches boundaries[1]"),
+    (", \"medium\": \"melanin\"", "", "the medium inside"),
+    (
+        "\"circle\": {\"x\": 0.0, \"z\": -0.5, \"radius\": 0.2}",
+        "\"x\": [0, 1], \"z\": [0, 1]",
+        "fewer than 3",
+    ),
+    ("\"name\": \"a\"", "\"name\": \"a\", \"materials\": {\"chitin\": \"no.csv\"}", "no such file"),
+    ("\"name\": \"a\"", "\"name\": \"a\", \"lattice\": {}", "lattice.rod is missing"),
+];
+
+/// Changes of the starling's species file, read by `geometry`.
+const SPECIES: &[Change] = &[
+    ("barbule = 1", "barbule = 7", "reads format 1 only"),
+    ("barbule = 1", "barbule == 1", "is not TOML"),
+    ("name = \"starling\"", "nmae = \"starling\"", "did you mean 'name'"),
+    ("generator = \"starling\"", "generator = \"starlign\"", "did you mean 'starling'"),
+    ("default = \"green\"", "default = \"grene\"", "did you mean 'green'"),
+    ("width_um = 25.0", "width_um = 0.0", "outside 1 to 200"),
+    ("width_um = 25.0", "width_um = nan", "not a finite number"),
+    ("width_um = 25.0", "width_um = \"25\"", "the text '25'"),
+    ("width_um = 25.0\n", "", "width_um is missing"),
+    ("width_um = 25.0", "widht_um = 25.0", "did you mean 'width_um'"),
+    ("core_fraction_low = 0.3", "core_fraction_low = 0.8", "swap them"),
+    ("point_spacing_um = 0.03", "point_spacing_um = 1e-9", "outside 0.005 to 1"),
+    ("thickness_um = 4.0", "thickness_um = 0.5", "too little room"),
+    ("[parameters]", "[lattice]\n[parameters]", "a lattice alone"),
+    ("name = \"aqua\"\n", "", "variants[0].name is missing"),
+    ("name = \"aqua\"", "name = \"green\"", "a second time"),
+];
+
+const STACK: &str = "entry = \"air\"\nexit = \"keratin\"\n\
+    layers = [{ medium = \"keratin\", thickness_nm = 5 }, { repeat = 2, layers = [{ medium = \"air\", thickness_nm = 9 }] }]\n";
+
+/// Read by `film`.
+const STACKS: &[Change] = &[
+    ("entry = \"air\"\n", "", "give either stack"),
+    ("entry", "stack = \"air/keratin\"\nentry", "and not both"),
+    ("exit", "exti", "unknown field `exti`"),
+    ("thickness_nm = 5", "thickness_nm = -5", "the thickness -5 nm"),
+    ("thickness_nm = 5", "thickness_nm = nan", "the thickness NaN nm"),
+    ("thickness_nm = 5", "thickness_nm = \"5\"", "invalid type"),
+    ("repeat = 2", "repeat = 0", "a count of 1 or more"),
+    ("repeat = 2", "repeat = 99999999", "over 100000 layers"),
+    ("repeat = 2, ", "", "give either medium and thickness_nm, or repeat and layers"),
+    ("{ medium = \"keratin\"", "{ medium = \"kreatin\"", "did you mean 'keratin'"),
+    ("entry", "materials = { glass = \"no.csv\" }\nentry", "no such file"),
+    ("entry", "materials = { glass = [1.5] }\nentry", "the name of a file or an index [n, k]"),
+    ("entry", "[[[", "is not a stack in TOML"),
+];
+
+/// Tables of a medium, read by `film --medium`.
+const TABLES: &[(&str, &str, &str)] = &[
+    ("csv", "", "no lines of numbers"),
+    ("csv", "400,1.5,0\n500,x,0", "line 2, column 2: 'x'"),
+    ("csv", "400,1.5,0\n500,1.5", "but line 1 has 3"),
+    ("csv", "400,1.5,0,7", "has 4 columns"),
+    ("csv", "500,1.5,0\n400,1.5,0", "wavelengths rise"),
+    ("csv", "0.4,1.5,0\n0.5,1.5,0", "look like micrometres"),
+    ("csv", "400,1.5,-1", "has gain"),
+    ("csv", "400,nan,0", "not a finite number"),
+    ("csv", "400,1.5,0\n401,1.5,0", "outside the table"),
+    ("csv", "\u{0}\u{1}", "no lines of numbers"),
+    ("yml", "DATA: [", "is not YAML"),
+    ("yml", "a: 1", "no list DATA"),
+    ("yml", "DATA: []", "DATA is empty"),
+    ("yml", "DATA:\n - {type: formula 1}\n", "tabulate the formula"),
+    ("yml", "DATA:\n - {type: tabulated nk, data: \"0.4 1.5\"}\n", "is not 3 numbers"),
+    ("yml", "a: &x 1\nDATA: *x\n", "uses YAML aliases"),
+];
+
+const SCENE: &str =
+    "preset = \"starling\"\nexposure = 0.5\nsky = 0.7\n[light]\nelevation = 60.0\n[camera]\nwidth_mm = 4.4\n";
+
+/// Read by `render`.
+const SCENES: &[Change] = &[
+    ("preset = \"starling\"\n", "", "preset"),
+    ("\"starling\"", "\"starlign\"", "did you mean 'starling'"),
+    ("exposure = 0.5", "exposre = 0.5", "did you mean 'exposure'"),
+    ("exposure = 0.5", "exposure = nan", "exposure"),
+    ("exposure = 0.5", "exposure = \"a\"", "invalid type"),
+    ("sky = 0.7", "sky = -1.0", "sky"),
+    ("elevation = 60.0", "elevation = 91.0", "elevation must be"),
+    ("width_mm = 4.4", "width_mm = 0.0", "width in mm"),
+    ("sky = 0.7", "size = [0, 5]", "0"),
+    ("sky = 0.7", "size = [10]", "line 3"),
+    ("sky = 0.7", "material = \"no.barbule\"", "no such file"),
+    ("[light]", "[sky_image]\nfile = \"no.exr\"\n[light]", "leave one out"),
+    ("sky = 0.7\n[light]", "[sky_image]\nfile = \"no.exr\"\n[light]", "no such file"),
+    ("sky = 0.7\n[light]", "[sky_image]\nfile = \"good.csv\"\n[light]", "good.csv"),
+    ("[light]", "[light", "line 4"),
+];
+
+/// Changes of a store's zarr.json, read by `simulate --status`.
+const STORES: &[Change] = &[
+    ("\"barbule_store\": 1", "\"barbule_store\": 9", "not a campaign store of this version"),
+    ("\"barbule_store\": 1,", "", "not a campaign store of this version"),
+    ("{", "", "zarr.json is damaged"),
+    ("\"instances\": 2", "\"instances\": 0", "'instances' is no number from 1 to 10000"),
+    ("\"instances\": 2", "\"instances\": 99999999999", "'instances' is no number from 1 to 10000"),
+    ("\"cos_theta_i\"", "\"cos_theta\"", "'cos_theta_i' is missing or damaged"),
+    ("450.0", "4500.0", "4500, outside 300 to 830"),
+    ("450.0", "\"x\"", "'wavelengths_nm' is missing or damaged"),
+    ("450.0,", "450.0, 451.0,", "another shape than its axes say"),
+    ("\"campaign\": {", "\"campaign\": {\"seed\": 7,", "do not match their checksum"),
+    ("\"kept_nm\": []", "\"kept_nm\": [500.0]", "no wavelength of it"),
+    ("\"kept_nm\": []", "\"kept_nm\": [450.0]", "no such file"),
+];
+
+/// The program's exit code and message, as a panic would be seen.
+fn run(words: &[String]) -> (ExitCode, String, String) {
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let all = std::iter::once("barbule".to_owned()).chain(words.iter().cloned());
+    let code = barbule_cli::run(all, &mut out, &mut err);
+    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+    (code, text(out), text(err))
+}
+
+fn changed(good: &str, (from, to, _): &Change) -> String {
+    assert!(good.contains(from), "{from}");
+    good.replacen(from, to, 1)
+}
+
+fn axes() -> Axes {
+    Axes { wavelengths_nm: vec![450.0, 550.0], cos_theta: vec![0.5, 1.0], cos_phi: vec![0.5, 1.0] }
+}
+
+fn make_store(path: &Path) {
+    let description = serde_json::json!({"structure": {"species": "nobody"}});
+    Store::create(path, &axes(), 2, "nobody", &description, &[], "scalar").unwrap();
+}
+
+/// Makes all files and gives the command lines that read them.
+fn prepared(folder: &Path) -> Vec<(String, &'static str)> {
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).unwrap();
+    write("good.csv", b"300,1.5,0\n830,1.5,0\n");
+    write("words.csv", b"no numbers\n");
+    write("good.json", SECTION.as_bytes());
+    write(
+        "inclusions.json",
+        br#"{"barbule": 1, "units": "um", "inclusions": [{"circle": {"x": 1, "z": 0, "radius": 0.5}, "medium": "melanin"}]}"#,
+    );
+    for name in ["empty", "folder.json", "full", "sections"] {
+        std::fs::create_dir(folder.join(name)).unwrap();
+    }
+    write("full/mine.txt", b"x");
+    write("sections/a.json", SECTION.as_bytes());
+    write("sections/b.json", SECTION.replace("2.0", "4.0").replace("[-1, 0, 1]", "[-2, 0, 2]").as_bytes());
+    make_store(&folder.join("good.zarr"));
+    let mut lines: Vec<(String, &'static str)> =
+        LINES.iter().map(|(line, part)| (line.replace("@empty/full", "@full"), *part)).collect();
+    let mut species = Vec::new();
+    barbule_cli::run(["barbule", "species", "starling", "--toml"], &mut species, &mut Vec::new());
+    let species = String::from_utf8(species).unwrap();
+    write("good.toml", species.as_bytes());
+    let mut add = |kind: &str, end: &str, good: &str, changes: &'static [Change], command: &str| {
+        for (index, change) in changes.iter().enumerate() {
+            let name = format!("{kind}-{index}.{end}");
+            write(&name, changed(good, change).as_bytes());
+            lines.push((command.replace("FILE", &format!("@{name}")), change.2));
+        }
+    };
+    add("section", "json", SECTION, SECTIONS, "geometry FILE -o @f.svg");
+    add("species", "toml", &species, SPECIES, "geometry FILE -o @f.svg");
+    add("stack", "toml", STACK, STACKS, "film FILE -o @f.svg");
+    add("scene", "toml", SCENE, SCENES, "render FILE -o @f.png --samples 1");
+    for (index, (end, text, part)) in TABLES.iter().enumerate() {
+        write(&format!("table-{index}.{end}"), text.as_bytes());
+        lines.push((format!("film air/chitin:5/air --medium chitin=@table-{index}.{end} -o @f.svg"), part));
+    }
+    for (index, change) in STORES.iter().enumerate() {
+        let store = folder.join(format!("store-{index}.zarr"));
+        make_store(&store);
+        let file = store.join("zarr.json");
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, changed(&text, change)).unwrap();
+        lines.push((format!("simulate @store-{index}.zarr --status"), change.2));
+        lines.push((format!("fit @store-{index}.zarr -o @f.barbule"), change.2));
+    }
+    let array = folder.join("array.zarr");
+    make_store(&array);
+    let text = std::fs::read_to_string(array.join("u/zarr.json")).unwrap();
+    std::fs::write(array.join("u/zarr.json"), text.replace("zstd", "gzip")).unwrap();
+    lines.push(("simulate @array.zarr --status".into(), "'u' has another codecs"));
+    let lacking = folder.join("lacking.zarr");
+    make_store(&lacking);
+    std::fs::remove_file(lacking.join("v/zarr.json")).unwrap();
+    lines.push(("fit @lacking.zarr -o @f.barbule".into(), "v/zarr.json: no such file"));
+    let good = encode_material(&barbule::brdf::example(2)).unwrap();
+    let altered = |at: usize| {
+        let mut bytes = good.clone();
+        bytes[at] ^= 1;
+        bytes
+    };
+    let materials: [(&str, Vec<u8>, &'static str); 6] = [
+        ("nothing", Vec::new(), "is not a material file"),
+        ("text", b"this is a text, not a material".to_vec(), "is not a material file"),
+        ("long-header", [&u64::MAX.to_le_bytes()[..], b"{}"].concat(), "is not a material file"),
+        ("cut", good[..good.len() / 2].to_vec(), "is not a material file"),
+        ("last-byte", altered(good.len() - 1), "checksum does not match"),
+        ("middle", altered(good.len() * 3 / 4), "checksum does not match"),
+    ];
+    for (name, bytes, part) in materials {
+        write(&format!("{name}.barbule"), &bytes);
+        lines.push((format!("lobes @{name}.barbule -o @f.svg"), part));
+        lines.push((format!("render starling --material @{name}.barbule -o @f.png"), part));
+    }
+    lines
+}
+
+fn names(folder: &Path) -> BTreeSet<PathBuf> {
+    let mut found = BTreeSet::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(path) = open.pop() {
+        for entry in std::fs::read_dir(path).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path.clone());
+            }
+            found.insert(path);
+        }
+    }
+    found
+}
+
+#[test]
+fn every_refusal_is_one_sentence_with_exit_code_2_and_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let lines = prepared(folder.path());
+    assert!(lines.len() >= 150, "{}", lines.len());
+    let before = names(folder.path());
+    let here = format!("{}/", folder.path().display());
+    let mut wrong = Vec::new();
+    for (line, part) in &lines {
+        let words: Vec<String> = line.split_whitespace().map(|w| w.replace('@', &here)).collect();
+        let outcome = std::panic::catch_unwind(|| run(&words));
+        let Ok((code, out, message)) = outcome else {
+            wrong.push(format!("{line}\n    panics"));
+            continue;
+        };
+        let sentence = message.trim_end();
+        let is_one = sentence.starts_with("barbule: ") && !sentence.contains('\n') && sentence.len() < 600;
+        if code != ExitCode::from(2) || !is_one || !sentence.contains(part) || !out.is_empty() {
+            wrong.push(format!("{line}\n    expected: {part}\n    {code:?} {}: {message}", out.len()));
+        }
+    }
+    let left: Vec<_> = names(folder.path()).difference(&before).cloned().collect();
+    assert!(wrong.is_empty(), "{} of {} lines:\n{}", wrong.len(), lines.len(), wrong.join("\n"));
+    assert!(left.is_empty(), "{left:?}");
+}

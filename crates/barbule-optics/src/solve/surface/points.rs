@@ -1,0 +1,320 @@
+//! One barbule prepared for illumination: quadrature points on its top with what lies under each.
+
+use num_complex::Complex64;
+
+use super::reflection::{BLOCK, Incidence};
+use crate::material::Material;
+use crate::math::simd::Real;
+use crate::structure::{Columns, CrystalLayer, Lattice, Mixture, Polyline, Ray, Section, cast};
+use crate::{Error, Result};
+
+/// How the light falls on the section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Window {
+    /// g(x) = exp(−x²/(W/4)²): light of limited coherence on a finite barbule.
+    Gaussian,
+    /// A plane wave on the whole section.
+    None,
+}
+
+/// One instance of a barbule, prepared: independent of wavelength and direction.
+///
+/// Each straight piece of the top is divided into elements of at most the given length with two Gauss points each;
+/// arrays are padded to a multiple of 64 with points of no weight.
+#[derive(Debug, Clone)]
+pub struct Surface {
+    /// What kernels read, in double precision.
+    pub double: Arrays<f64>,
+    /// The same in single precision.
+    pub single: Arrays<f32>,
+    /// g²·dl
+    power_length_um: Vec<f64>,
+    /// Arc length from the left end.
+    pub arc_um: Vec<f64>,
+    /// Points before padding.
+    pub count: usize,
+    /// Layers and substrate.
+    pub slots: usize,
+    pub(super) palette: Vec<Material>,
+    mixtures: Vec<SlotMixture>,
+    /// Corners of the top that turn by more than [`SMOOTH_TURN`]: first point after each, then `count`.
+    pub pieces: Vec<usize>,
+    /// Largest distance of a point from the origin.
+    pub radius_um: f64,
+    /// The crystal under the top.
+    pub(super) lattice: Option<Lattice>,
+}
+
+/// Arrays over the quadrature points, padded.
+#[derive(Debug, Clone, Default)]
+pub struct Arrays<T> {
+    pub x_um: Vec<T>,
+    pub z_um: Vec<T>,
+    pub tangent_x: Vec<T>,
+    pub tangent_z: Vec<T>,
+    /// g·dl
+    pub window_length_um: Vec<T>,
+    /// `[slot][point]`
+    pub thickness_um: Vec<T>,
+    /// Over a crystal: the angle of the tangent against x, rad.
+    pub slope: Vec<T>,
+    /// Over a crystal: the part of its period at which the point lies, 0 to 1.
+    pub lattice_turns: Vec<T>,
+}
+
+impl<T> Arrays<T> {
+    fn bytes(&self) -> usize {
+        let values = 5 * self.x_um.capacity()
+            + self.thickness_um.capacity()
+            + self.slope.capacity()
+            + self.lattice_turns.capacity();
+        values * size_of::<T>()
+    }
+}
+
+impl Arrays<f64> {
+    fn rounded(&self) -> Arrays<f32> {
+        let round = |values: &[f64]| values.iter().map(|&v| v as f32).collect();
+        Arrays {
+            x_um: round(&self.x_um),
+            z_um: round(&self.z_um),
+            tangent_x: round(&self.tangent_x),
+            tangent_z: round(&self.tangent_z),
+            window_length_um: round(&self.window_length_um),
+            thickness_um: round(&self.thickness_um),
+            slope: round(&self.slope),
+            lattice_turns: round(&self.lattice_turns),
+        }
+    }
+}
+
+/// What fills a slot: one mixture for all points, or one for each.
+#[derive(Debug, Clone)]
+enum SlotMixture {
+    Uniform(Mixture),
+    Varying(Vec<Mixture>),
+}
+
+/// The turn of the top at a vertex, rad, up to which the radiation kernel is interpolated across it.
+const SMOOTH_TURN: f64 = 0.12;
+
+/// Permittivities of one slot at one wavelength, less 1.
+#[derive(Debug, Clone)]
+pub enum SlotMedium<T> {
+    Uniform(Complex64),
+    Varying { re: Vec<T>, im: Vec<T> },
+}
+
+/// A surface's media at one wavelength.
+#[derive(Debug, Clone)]
+pub struct Optics<T> {
+    /// Vacuum wave number 2π/λ, rad/µm.
+    pub k: f64,
+    pub slots: Vec<SlotMedium<T>>,
+}
+
+impl Surface {
+    /// Prepares a section with elements of at most `element_um`.
+    ///
+    /// # Errors
+    /// The light does not come through air, or the top has no length.
+    pub fn new(section: &Section, element_um: f64, window: Window) -> Result<Self> {
+        Self::subdivided(section, element_um, 1, window)
+    }
+
+    /// Prepares a section with each element of at most `element_um` cut into `parts`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn subdivided(section: &Section, element_um: f64, parts: usize, window: Window) -> Result<Self> {
+        section.check_lit_through_air()?;
+        let top = section.top();
+        let quarter = section.width_um / 4.0;
+        let gauss = 0.5 / 3f64.sqrt();
+        let mut rays = Vec::new();
+        let (mut tangent_x, mut tangent_z) = (Vec::new(), Vec::new());
+        let (mut window_length_um, mut power_length_um, mut arc_um) = (Vec::new(), Vec::new(), Vec::new());
+        let mut pieces = Vec::new();
+        let mut radius_um = 0f64;
+        let mut arc = 0.0;
+        let mut before: Option<(f64, f64)> = None;
+        for (x, z) in top.x_um.windows(2).zip(top.z_um.windows(2)) {
+            let (dx, dz) = (x[1] - x[0], z[1] - z[0]);
+            let length = dx.hypot(dz);
+            let (tx, tz) = (dx / length, dz / length);
+            if before.is_some_and(|(bx, bz)| (bx * tz - bz * tx).abs() > SMOOTH_TURN.sin()) {
+                pieces.push(rays.len());
+            }
+            before = Some((tx, tz));
+            let elements = (length / element_um).ceil().max(1.0) as usize * parts;
+            for element in 0..elements {
+                for side in [-gauss, gauss] {
+                    let t = (element as f64 + 0.5 + side) / elements as f64;
+                    let (px, pz) = (x[0] + t * dx, z[0] + t * dz);
+                    let weight = length / (2.0 * elements as f64);
+                    let g = match window {
+                        Window::Gaussian => (-(px / quarter).powi(2)).exp(),
+                        Window::None => 1.0,
+                    };
+                    rays.push(Ray { x_um: px, z_um: pz, normal: [-tz, tx] });
+                    tangent_x.push(tx);
+                    tangent_z.push(tz);
+                    window_length_um.push(g * weight);
+                    power_length_um.push(g * g * weight);
+                    arc_um.push(arc + t * length);
+                    radius_um = radius_um.max(px.hypot(pz));
+                }
+            }
+            arc += length;
+        }
+        pieces.push(rays.len());
+        let Columns { slots, thickness_um, mixture, palette, .. } = cast(section, &rays)?;
+        let mixtures = mixture
+            .chunks_exact(rays.len())
+            .map(|row| match row {
+                [first, rest @ ..] if rest.iter().all(|m| m == first) => SlotMixture::Uniform(*first),
+                _ => SlotMixture::Varying(row.to_vec()),
+            })
+            .collect();
+        let double = Arrays {
+            x_um: rays.iter().map(|ray| ray.x_um).collect(),
+            z_um: rays.iter().map(|ray| ray.z_um).collect(),
+            tangent_x,
+            tangent_z,
+            window_length_um,
+            ..Arrays::default()
+        };
+        let mut surface = Self {
+            double,
+            single: Arrays::default(),
+            power_length_um,
+            arc_um,
+            count: rays.len(),
+            slots,
+            palette,
+            mixtures,
+            pieces,
+            radius_um,
+            lattice: None,
+        };
+        if let Some(crystal) = &section.crystal {
+            surface.bury(crystal, top);
+        }
+        surface.pad(&thickness_um)
+    }
+
+    /// Adds what a crystal under the top says of each point.
+    fn bury(&mut self, crystal: &CrystalLayer, top: &Polyline) {
+        let arrays = &mut self.double;
+        let origin = top.arc_at_zero(&top.arc_um()) + crystal.offset_um;
+        let turns = |s: f64| ((s - origin) / crystal.lattice.period_um).rem_euclid(1.0);
+        arrays.lattice_turns = self.arc_um.iter().map(|&s| turns(s)).collect();
+        arrays.slope = arrays.tangent_x.iter().zip(&arrays.tangent_z).map(|(x, z)| z.atan2(*x)).collect();
+        if let Some(regularity) = &crystal.regularity {
+            // Of the reflected field alone: the incident power has its own weights.
+            for (weight, x) in arrays.window_length_um.iter_mut().zip(&arrays.x_um) {
+                *weight *= regularity.at(*x);
+            }
+        }
+        self.lattice = Some(crystal.lattice.clone());
+    }
+
+    /// Repeats the last point without weight until the arrays fill whole blocks; `thickness` (µm) is `[slot][point]`.
+    fn pad(mut self, thickness: &[f64]) -> Result<Self> {
+        let Some(last) = self.count.checked_sub(1) else {
+            return Err(Error::input("the top boundary has no length"));
+        };
+        let padded = self.count.next_multiple_of(BLOCK);
+        let Arrays { x_um, z_um, tangent_x, tangent_z, window_length_um, thickness_um, slope, lattice_turns } =
+            &mut self.double;
+        if self.lattice.is_some() {
+            for values in [slope, lattice_turns] {
+                let value = values[last];
+                values.resize(padded, value);
+            }
+        }
+        for values in [x_um, z_um, tangent_x, tangent_z, &mut self.arc_um] {
+            let value = values[last];
+            values.resize(padded, value);
+        }
+        window_length_um.resize(padded, 0.0);
+        thickness_um.reserve_exact(self.slots * padded);
+        for row in thickness.chunks_exact(self.count) {
+            thickness_um.extend_from_slice(row);
+            thickness_um.resize(thickness_um.len() + padded - self.count, row[last]);
+        }
+        self.single = self.double.rounded();
+        Ok(self)
+    }
+
+    /// Layers and substrate under a point, those of no thickness included.
+    #[must_use]
+    pub fn slots(&self) -> usize {
+        self.slots
+    }
+
+    /// What fills a slot at a point.
+    pub(super) fn mixture(&self, slot: usize, point: usize) -> Mixture {
+        match &self.mixtures[slot] {
+            SlotMixture::Uniform(mixture) => *mixture,
+            SlotMixture::Varying(row) => row[point],
+        }
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        let mixtures: usize = self
+            .mixtures
+            .iter()
+            .map(|slot| match slot {
+                SlotMixture::Uniform(_) => 0,
+                SlotMixture::Varying(row) => size_of_val(&row[..]),
+            })
+            .sum();
+        let lengths = (self.power_length_um.capacity() + self.arc_um.capacity()) * size_of::<f64>();
+        self.double.bytes() + self.single.bytes() + lengths + mixtures
+    }
+
+    /// Points including padding.
+    pub fn padded(&self) -> usize {
+        self.single.x_um.len()
+    }
+
+    /// The media at a vacuum wavelength.
+    ///
+    /// # Errors
+    /// A table of a medium does not reach the wavelength.
+    pub fn optics<T: Real>(&self, wavelength_nm: f64) -> Result<Optics<T>> {
+        let indices =
+            self.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
+        let padded = self.padded();
+        let contrast = |m: &Mixture| m.contrast(&indices);
+        let slots = self
+            .mixtures
+            .iter()
+            .map(|slot| match slot {
+                SlotMixture::Uniform(mixture) => SlotMedium::Uniform(contrast(mixture)),
+                SlotMixture::Varying(row) => {
+                    let (mut re, mut im): (Vec<T>, Vec<T>) =
+                        row.iter().map(contrast).map(|value| (T::of(value.re), T::of(value.im))).unzip();
+                    re.resize(padded, re[self.count - 1]);
+                    im.resize(padded, im[self.count - 1]);
+                    SlotMedium::Varying { re, im }
+                }
+            })
+            .collect();
+        Ok(Optics { k: std::f64::consts::TAU / (wavelength_nm * 1e-3), slots })
+    }
+
+    /// Φ_i = ∫ g² max(0, n·ω_i) dl, the incident power per length for unit |E| and c₀ = 1, µm.
+    #[must_use]
+    pub fn incident_power_um(&self, theta_i: f64, phi_i: f64) -> f64 {
+        let incidence = Incidence::new(theta_i, phi_i);
+        (0..self.count)
+            .map(|p| {
+                self.power_length_um[p]
+                    * incidence.cos_alpha(self.double.tangent_x[p], self.double.tangent_z[p]).max(0.0)
+            })
+            .sum()
+    }
+}

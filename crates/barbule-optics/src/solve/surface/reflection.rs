@@ -1,0 +1,329 @@
+//! Local reflection: at each point of the top, the currents that the ideal stack under it would carry.
+//!
+//! With t the tangent, y the barbule's axis and n the outward normal (t, y, n right-handed), S = n × ω_i =
+//! (−ω_y, ω_t) in (t, y). The s part of the incident field lies along ŝ = S/|S|; the p part has its magnetic field
+//! there. The reflected currents are
+//!
+//! ```text
+//! J =  n × H̃_r =  r_p H_s (n × ŝ) − r_s E_s cosα ŝ
+//! M = −n × E_r = −r_s E_s (n × ŝ) − r_p H_s cosα ŝ,      n × ŝ = (−s_y, s_t)
+//! ```
+
+use fearless_simd::prelude::*;
+use num_complex::Complex64;
+
+use super::points::{Arrays, Optics, SlotMedium};
+use crate::math::simd::{Complex, Lanes, Real, decay, load, root, sin_cos, splat};
+
+/// What gives the reflectances r_s and r_p of the stacks under points, as ratios of E and of H perpendicular to the
+/// plane of incidence.
+pub trait Reflectances<T: Real> {
+    /// Of the points `at` …, for light at local incidence angles α.
+    fn at<S: Simd>(
+        &self,
+        simd: S,
+        arrays: &Arrays<T>,
+        at: usize,
+        cos_alpha: T::Native<S>,
+    ) -> [Complex<T::Native<S>>; 2];
+}
+
+impl<T: Real> Reflectances<T> for Optics<T> {
+    #[inline(always)]
+    fn at<S: Simd>(
+        &self,
+        simd: S,
+        arrays: &Arrays<T>,
+        at: usize,
+        cos_alpha: T::Native<S>,
+    ) -> [Complex<T::Native<S>>; 2] {
+        stack_reflectances::<S, T::Native<S>>(simd, arrays, self, at, cos_alpha)
+    }
+}
+
+/// What gives the currents that the top of a surface carries.
+pub trait Reflector<T: Real> {
+    /// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations, times the
+    /// phase of `rise_um` towards where each point sends its light.
+    fn currents<S: Simd>(
+        &self,
+        simd: S,
+        arrays: &Arrays<T>,
+        k: f64,
+        incidence: &Incidence,
+        rise_um: &[T],
+        start: usize,
+        out: &mut Currents<T>,
+    );
+}
+
+/// Stacks under the points.
+pub struct Stacks<'a, R>(pub &'a R);
+
+impl<T: Real, R: Reflectances<T>> Reflector<T> for Stacks<'_, R> {
+    #[inline(always)]
+    fn currents<S: Simd>(
+        &self,
+        simd: S,
+        arrays: &Arrays<T>,
+        k: f64,
+        incidence: &Incidence,
+        rise_um: &[T],
+        start: usize,
+        out: &mut Currents<T>,
+    ) {
+        reflect_block(simd, arrays, self.0, k, incidence, rise_um, start, out);
+    }
+}
+
+/// Points that are reflected together; every array of a surface is padded to a multiple of it.
+pub(super) const BLOCK: usize = 64;
+
+/// Real numbers per point: 2 polarizations × (J_x, J_y, J_z, M_x, M_y, M_z) × (re, im).
+pub(super) const COMPONENTS: usize = 24;
+
+/// Currents of one block, `[component][point]`.
+pub(super) type Currents<T> = [[T; BLOCK]; COMPONENTS];
+
+/// Interfaces after which numerator and denominator of the reflectance are rescaled: with magnitudes up to 20 per
+/// interface, six stay within single precision.
+pub(super) const RESCALE_EVERY: usize = 6;
+
+/// r_s and r_p as numerators and denominators.
+pub(super) type Fractions<V> = [(Complex<V>, Complex<V>); 2];
+
+/// The incident wave in numbers that do not depend on the point.
+#[derive(Debug, Clone, Copy)]
+pub struct Incidence {
+    /// φ_i, rad.
+    pub(super) phi: f64,
+    sin_theta: f64,
+    cos_theta: f64,
+    sin_phi: f64,
+    cos_phi: f64,
+}
+
+impl Incidence {
+    pub fn new(theta_i: f64, phi_i: f64) -> Self {
+        let (sin_theta, cos_theta) = theta_i.sin_cos();
+        let (sin_phi, cos_phi) = phi_i.sin_cos();
+        Self { phi: phi_i, sin_theta, cos_theta, sin_phi, cos_phi }
+    }
+
+    pub(super) fn sin_phi(&self) -> f64 {
+        self.sin_phi
+    }
+
+    pub(super) fn cos_phi(&self) -> f64 {
+        self.cos_phi
+    }
+
+    /// n·ω_i at a point whose tangent is (t_x, t_z), so n = (−t_z, t_x).
+    pub fn cos_alpha(&self, tangent_x: f64, tangent_z: f64) -> f64 {
+        self.cos_theta * (self.cos_phi * tangent_x - self.sin_phi * tangent_z)
+    }
+}
+
+/// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations.
+///
+/// `rise_um` is the height of each point over the place from which its current radiates; it counts as a phase for light
+/// to the mirror direction φ_o = −φ_i.
+#[inline(always)]
+fn reflect_block<S: Simd, T: Real>(
+    simd: S,
+    arrays: &Arrays<T>,
+    reflectances: &impl Reflectances<T>,
+    k: f64,
+    incidence: &Incidence,
+    rise_um: &[T],
+    start: usize,
+    out: &mut Currents<T>,
+) {
+    let lanes = T::Native::<S>::LEN;
+    let zero: T::Native<S> = splat(simd, 0.0);
+    let sin_theta: T::Native<S> = splat(simd, incidence.sin_theta);
+    let cos_theta: T::Native<S> = splat(simd, incidence.cos_theta);
+    let sin_phi: T::Native<S> = splat(simd, incidence.sin_phi);
+    let cos_phi: T::Native<S> = splat(simd, incidence.cos_phi);
+    let backward: T::Native<S> = splat(simd, -k);
+    for offset in (0..BLOCK).step_by(lanes) {
+        let at = start + offset;
+        let tangent_x: T::Native<S> = load(simd, &arrays.tangent_x, at);
+        let tangent_z: T::Native<S> = load(simd, &arrays.tangent_z, at);
+        // ω_i in the local frame.
+        let cos_alpha = (tangent_x * cos_phi - tangent_z * sin_phi) * cos_theta;
+        let lit = cos_alpha.simd_gt(zero);
+        let cos_alpha = cos_alpha.max(splat::<S, T::Native<S>>(simd, T::GRAZING));
+        let omega_t = (tangent_x * sin_phi + tangent_z * cos_phi) * cos_theta;
+        let omega_y = sin_theta;
+        let sin_squared = omega_t.mul_add(omega_t, omega_y * omega_y);
+        // ŝ; at exactly normal incidence any direction does.
+        let least: T::Native<S> = splat(simd, 1e-24);
+        let degenerate = sin_squared.simd_le(least);
+        let length = sin_squared.max(least).sqrt();
+        let s_t = degenerate.select(zero, -omega_y / length);
+        let s_y = degenerate.select(splat(simd, 1.0), omega_t / length);
+
+        let [r_s, r_p] = reflectances.at(simd, arrays, at, cos_alpha);
+
+        let x: T::Native<S> = load(simd, &arrays.x_um, at);
+        let z: T::Native<S> = load(simd, &arrays.z_um, at);
+        let path = (x * sin_phi + z * cos_phi) * cos_theta;
+        let rise: T::Native<S> = load(simd, rise_um, at);
+        let phase = rise.mul_add(cos_theta * cos_phi, path) * backward;
+        let (sin, cos) = sin_cos::<S, T::Native<S>>(simd, phase);
+        let weight = lit.select(load(simd, &arrays.window_length_um, at), zero);
+        let wave = Complex { re: cos * weight, im: sin * weight };
+        let s_wave = r_s.times::<S>(wave);
+        let p_wave = r_p.times::<S>(wave);
+
+        // E_s and H_s of the two incident polarizations: (a, b) and (b, −a) with a = e₁·ŝ, b = e₂·ŝ.
+        let e1_t = (tangent_x * sin_phi + tangent_z * cos_phi) * (-sin_theta);
+        let e2_t = tangent_x * cos_phi - tangent_z * sin_phi;
+        let a = e1_t.mul_add(s_t, s_y * cos_theta);
+        let b = e2_t * s_t;
+        let (c_t, c_y) = (cos_alpha * s_t, cos_alpha * s_y);
+        let (first, second) = out.split_at_mut(COMPONENTS / 2);
+        for (rows, e_s, h_s) in [(first, a, b), (second, b, -a)] {
+            let electric = s_wave.scale::<S>(e_s);
+            let magnetic = p_wave.scale::<S>(h_s);
+            let j_t = weighted::<S, T::Native<S>>(magnetic, -s_y, electric, -c_t);
+            let j_y = weighted::<S, T::Native<S>>(magnetic, s_t, electric, -c_y);
+            let m_t = weighted::<S, T::Native<S>>(magnetic, -c_t, electric, s_y);
+            let m_y = weighted::<S, T::Native<S>>(magnetic, -c_y, electric, -s_t);
+            let vectors = [
+                j_t.scale::<S>(tangent_x),
+                j_y,
+                j_t.scale::<S>(tangent_z),
+                m_t.scale::<S>(tangent_x),
+                m_y,
+                m_t.scale::<S>(tangent_z),
+            ];
+            for (pair, value) in rows.chunks_exact_mut(2).zip(vectors) {
+                value.re.store_slice(&mut pair[0][offset..offset + lanes]);
+                value.im.store_slice(&mut pair[1][offset..offset + lanes]);
+            }
+        }
+    }
+}
+
+/// x·a + y·b for real a and b.
+#[inline(always)]
+fn weighted<S: Simd, V: Lanes<S>>(x: Complex<V>, a: V, y: Complex<V>, b: V) -> Complex<V> {
+    x.scale::<S>(a).plus::<S>(y.scale::<S>(b))
+}
+
+/// The permittivity and q = √(ε − sin²α) of a medium given as ε − 1, so that nothing cancels in air at grazing angles.
+#[inline(always)]
+pub(super) fn layer<S: Simd, V: Lanes<S>>(
+    simd: S,
+    contrast: Complex<V>,
+    cos_squared: V,
+) -> (Complex<V>, Complex<V>) {
+    let eps = Complex { re: contrast.re + splat::<S, V>(simd, 1.0), im: contrast.im };
+    (eps, root::<S, V>(simd, Complex { re: contrast.re + cos_squared, im: contrast.im }))
+}
+
+/// ε − 1 of a slot at the points `at` ….
+#[inline(always)]
+fn contrast<S: Simd, V: Lanes<S>>(simd: S, slot: &SlotMedium<V::Element>, at: usize) -> Complex<V> {
+    match slot {
+        SlotMedium::Uniform(value) => Complex { re: splat(simd, value.re), im: splat(simd, value.im) },
+        SlotMedium::Varying { re, im } => Complex { re: load(simd, re, at), im: load(simd, im, at) },
+    }
+}
+
+/// r_s and r_p of the stacks under the points `at` ….
+///
+/// The recursion of the theory page, from the substrate up, kept as numerator and denominator so that an interface
+/// costs no division: Γ = N/D → (a D + b N e)/(b D + a N e) with r = a/b and e the round trip through the layer below.
+#[inline(always)]
+fn stack_reflectances<S: Simd, V: Lanes<S>>(
+    simd: S,
+    arrays: &Arrays<V::Element>,
+    optics: &Optics<V::Element>,
+    at: usize,
+    cos_alpha: V,
+) -> [Complex<V>; 2] {
+    let one: V = splat(simd, 1.0);
+    let zero: V = splat(simd, 0.0);
+    let last = optics.slots.len() - 1;
+    let padded = arrays.x_um.len();
+    let twice_k: V = splat(simd, 2.0 * optics.k);
+    let cos_squared = cos_alpha * cos_alpha;
+    let air = (Complex { re: one, im: zero }, Complex { re: cos_alpha, im: zero });
+    let (mut below_eps, mut below_q) = layer(simd, contrast(simd, &optics.slots[last], at), cos_squared);
+    let mut fractions = [(Complex { re: zero, im: zero }, Complex { re: one, im: zero }); 2];
+    for interface in (0..=last).rev() {
+        let (eps, q) = if interface == 0 {
+            air
+        } else {
+            layer(simd, contrast(simd, &optics.slots[interface - 1], at), cos_squared)
+        };
+        if interface < last {
+            // The layer just below this interface.
+            let twice = load::<S, V>(simd, &arrays.thickness_um, interface * padded + at) * twice_k;
+            let trip = round_trip::<S, V>(simd, below_q, twice);
+            for (top, _) in &mut fractions {
+                *top = top.times::<S>(trip);
+            }
+        }
+        cross::<S, V>((eps, q), (below_eps, below_q), &mut fractions);
+        if interface % RESCALE_EVERY == 1 {
+            rescale::<S, V>(simd, &mut fractions);
+        }
+        (below_eps, below_q) = (eps, q);
+    }
+    reflectances_of::<S, V>(fractions)
+}
+
+/// The same ε and q in every lane.
+#[inline(always)]
+pub(super) fn lanes<S: Simd, V: Lanes<S>>(
+    simd: S,
+    (eps, q): (Complex64, Complex64),
+) -> (Complex<V>, Complex<V>) {
+    (
+        Complex { re: splat(simd, eps.re), im: splat(simd, eps.im) },
+        Complex { re: splat(simd, q.re), im: splat(simd, q.im) },
+    )
+}
+
+/// e^{2jkqd}, with 2kd given.
+#[inline(always)]
+fn round_trip<S: Simd, V: Lanes<S>>(simd: S, q: Complex<V>, twice: V) -> Complex<V> {
+    let (sin, cos) = sin_cos::<S, V>(simd, q.re * twice);
+    let size = decay::<S, V>(simd, q.im * twice);
+    Complex { re: cos * size, im: sin * size }
+}
+
+/// Takes the fractions of r_s and r_p through the interface between two media.
+#[inline(always)]
+pub(super) fn cross<S: Simd, V: Lanes<S>>(
+    (eps, q): (Complex<V>, Complex<V>),
+    (below_eps, below_q): (Complex<V>, Complex<V>),
+    fractions: &mut Fractions<V>,
+) {
+    let (x, y) = (below_eps.times::<S>(q), eps.times::<S>(below_q));
+    let pairs = [(q.minus::<S>(below_q), q.plus::<S>(below_q)), (x.minus::<S>(y), x.plus::<S>(y))];
+    for ((top, bottom), (a, b)) in fractions.iter_mut().zip(pairs) {
+        (*top, *bottom) =
+            (a.mul_add::<S>(*bottom, b.times::<S>(*top)), b.mul_add::<S>(*bottom, a.times::<S>(*top)));
+    }
+}
+
+/// Brings the denominators of fractions near 1.
+#[inline(always)]
+pub(super) fn rescale<S: Simd, V: Lanes<S>>(simd: S, fractions: &mut Fractions<V>) {
+    for (top, bottom) in fractions {
+        let size = splat::<S, V>(simd, 1.0) / bottom.re.abs().max(bottom.im.abs());
+        (*top, *bottom) = (top.scale::<S>(size), bottom.scale::<S>(size));
+    }
+}
+
+#[inline(always)]
+pub(super) fn reflectances_of<S: Simd, V: Lanes<S>>(
+    [(s_top, s_bottom), (p_top, p_bottom)]: Fractions<V>,
+) -> [Complex<V>; 2] {
+    [s_top.over::<S>(s_bottom), p_top.over::<S>(p_bottom)]
+}

@@ -1,0 +1,619 @@
+//! What lies below points of the top surface, along the inward normal, in the true regions.
+
+use num_complex::Complex64;
+
+use super::section::{Loop, Medium, Polyline, Section, Substance};
+use crate::material::Material;
+use crate::{Error, Result};
+
+/// Layers thinner than this are rounding, µm: 1e-6 nm.
+const NO_THICKNESS_UM: f64 = 1e-9;
+
+/// A point on the top boundary.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Position across the barbule.
+    pub x_um: f64,
+    /// Height.
+    pub z_um: f64,
+    /// Outward unit normal (n_x, n_z).
+    pub normal: [f64; 2],
+}
+
+/// A medium made of up to two of a palette: index (1−f)·n_a + f·n_b.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mixture {
+    /// Palette entry where the fraction is 0.
+    pub a: u16,
+    /// Palette entry where the fraction is 1; equal to `a` in a pure medium.
+    pub b: u16,
+    /// The fraction of b, 0 to 1; 0 in a pure medium.
+    pub fraction: f64,
+}
+
+impl Mixture {
+    /// ε − 1, given the palette's indices.
+    pub fn contrast(&self, indices: &[Complex64]) -> Complex64 {
+        let (a, b) = (indices[usize::from(self.a)], indices[usize::from(self.b)]);
+        let n = a + (b - a) * self.fraction;
+        (n - 1.0) * (n + 1.0)
+    }
+}
+
+/// The layers below each ray, in slots that all rays share.
+///
+/// Slots are filled so that each holds one kind of medium (or one kind of mixture) over all rays; the last is the
+/// substrate. A ray that lacks a slot's layer has thickness 0 there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Columns {
+    /// Number of rays.
+    pub rays: usize,
+    /// Number of slots: layers from the top down, then the substrate.
+    pub slots: usize,
+    /// Shape: `[slot][ray]`; 0 for the substrate and where a ray has no such layer.
+    pub thickness_um: Vec<f64>,
+    /// Shape: `[slot][ray]`.
+    pub mixture: Vec<Mixture>,
+    /// The materials that mixtures point at.
+    pub palette: Vec<Material>,
+}
+
+/// Finds the layers under each ray: distances along −normal between consecutive changes of the medium.
+///
+/// Exact for polylines and circles. Beyond the ends of the section the end segments' lines go on, until the ray is
+/// above or below all of them. A ray ends at twice the height of the section (which only rays inclined by over 60°
+/// reach, where no layered description holds): the medium there goes on as its substrate. A mixture's fraction is that
+/// at the ray's own x, the point on the top, all the way down.
+///
+/// # Errors
+/// The section has no boundaries, or over 65,535 media.
+pub fn cast(section: &Section, rays: &[Ray]) -> Result<Columns> {
+    if section.boundaries.is_empty() {
+        return Err(Error::input(format!(
+            "the section '{}' has no top boundary, so that nothing lies below it; add boundaries, or use the full-wave solver",
+            section.name
+        )));
+    }
+    let (palette, kinds) = palette(section)?;
+    let profiles: Vec<Profile<'_>> = section.boundaries.iter().map(Profile::new).collect();
+    let hulls = Hulls::new(section);
+    let mut slots = Slots::default();
+    let mut found: Vec<Found> = Vec::new();
+    let mut ends = Vec::with_capacity(rays.len());
+    let mut state = State { limits: Limits::new(section), ..State::default() };
+    for ray in rays {
+        layers_below(&profiles, &hulls, ray, &mut state);
+        state.emit(&kinds, section.boundaries.len(), &mut found);
+        ends.push(found.len());
+    }
+    // The longest sequence first: most others are parts of it.
+    let span = |ray: usize| if ray == 0 { 0 } else { ends[ray - 1] }..ends[ray];
+    if let Some(longest) = (0..rays.len()).max_by_key(|&ray| (span(ray).len(), std::cmp::Reverse(ray))) {
+        slots.place(&mut found[span(longest)]);
+    }
+    for ray in 0..rays.len() {
+        slots.place(&mut found[span(ray)]);
+    }
+    let layers = slots.kinds.len();
+    let blank = |kind: Kind| Mixture { a: kind.a, b: kind.b, fraction: 0.0 };
+    let mut columns = Columns {
+        rays: rays.len(),
+        slots: layers + 1,
+        thickness_um: vec![0.0; (layers + 1) * rays.len()],
+        mixture: Vec::with_capacity((layers + 1) * rays.len()),
+        palette,
+    };
+    for &kind in &slots.kinds {
+        columns.mixture.extend((0..rays.len()).map(|_| blank(kind)));
+    }
+    columns.mixture.extend((0..rays.len()).map(|_| blank(kinds[kinds.len() - 1].kind)));
+    for (index, ray) in rays.iter().enumerate() {
+        for layer in &found[span(index)] {
+            let slot = layer.slot.unwrap_or(layers);
+            let at = slot * rays.len() + index;
+            if layer.slot.is_some() {
+                columns.thickness_um[at] = layer.thickness_um;
+            }
+            let fraction = layer.medium.map_or(0.0, |medium| all_media(section, medium).fraction(ray.x_um));
+            columns.mixture[at] = Mixture { fraction, ..blank(layer.kind) };
+        }
+    }
+    Ok(columns)
+}
+
+/// Two palette entries, equal for a pure medium.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Kind {
+    a: u16,
+    b: u16,
+}
+
+/// What the layer under a boundary, or an inclusion, is made of.
+#[derive(Debug, Clone, Copy)]
+struct Filling {
+    kind: Kind,
+    /// The medium, where its fraction varies.
+    mixed: Option<usize>,
+}
+
+/// A medium by number: inclusions first, then from the top down.
+fn all_media(section: &Section, index: usize) -> &Medium {
+    let inclusions = section.inclusions.len();
+    if index < inclusions { &section.inclusions[index].medium } else { &section.media[index - inclusions] }
+}
+
+/// The distinct materials, and the filling of each inclusion and then of each layer.
+fn palette(section: &Section) -> Result<(Vec<Material>, Vec<Filling>)> {
+    let mut substances: Vec<&Substance> = Vec::new();
+    let mut entry = |substance| -> Result<u16> {
+        let at = substances.iter().position(|known| *known == substance).unwrap_or_else(|| {
+            substances.push(substance);
+            substances.len() - 1
+        });
+        u16::try_from(at).map_err(|_| Error::input("the section has over 65535 different media".to_owned()))
+    };
+    let mut fillings = Vec::new();
+    for index in 0..section.inclusions.len() + section.media.len() {
+        fillings.push(match all_media(section, index) {
+            Medium::Pure(substance) => {
+                let a = entry(substance)?;
+                Filling { kind: Kind { a, b: a }, mixed: None }
+            }
+            Medium::Mixture { first, second, .. } => {
+                Filling { kind: Kind { a: entry(first)?, b: entry(second)? }, mixed: Some(index) }
+            }
+        });
+    }
+    let materials = substances.into_iter().map(|s| section.material(s)).collect::<Result<Vec<_>>>()?;
+    Ok((materials, fillings))
+}
+
+/// One layer under one ray; the substrate has no slot.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    kind: Kind,
+    medium: Option<usize>,
+    thickness_um: f64,
+    slot: Option<usize>,
+}
+
+/// The kinds of the shared slots, grown as rays need it.
+#[derive(Debug, Default)]
+struct Slots {
+    kinds: Vec<Kind>,
+}
+
+impl Slots {
+    /// Puts each layer of a ray (its last is the substrate) into the first free slot of its kind.
+    fn place(&mut self, ray: &mut [Found]) {
+        let mut next = 0;
+        let layers = ray.len().saturating_sub(1);
+        for layer in &mut ray[..layers] {
+            let slot =
+                (next..self.kinds.len()).find(|&slot| self.kinds[slot] == layer.kind).unwrap_or_else(|| {
+                    self.kinds.push(layer.kind);
+                    self.kinds.len() - 1
+                });
+            layer.slot = Some(slot);
+            next = slot + 1;
+        }
+    }
+}
+
+/// What a crossing changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Change {
+    /// The ray goes below a boundary.
+    Below,
+    /// The ray comes above a boundary.
+    Above,
+    /// The ray goes into or out of a loop.
+    Loop(u32),
+}
+
+/// Where rays end.
+#[derive(Debug, Clone, Copy, Default)]
+struct Limits {
+    longest: f64,
+    left: f64,
+    right: f64,
+}
+
+impl Limits {
+    fn new(section: &Section) -> Self {
+        let heights = section.boundaries.iter().flat_map(|boundary| &boundary.z_um);
+        let (low, high) =
+            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &z| (low.min(z), high.max(z)));
+        let xs = &section.top().x_um;
+        Self { longest: 2.0 * (high - low), left: xs[0], right: xs[xs.len() - 1] }
+    }
+
+    /// The parameter at which a ray leaves the section's extent in x.
+    fn leaves(&self, ray: &Ray) -> f64 {
+        let dx = -ray.normal[0];
+        let end = if dx > 0.0 { self.right } else { self.left };
+        if dx == 0.0 { f64::INFINITY } else { (end - ray.x_um) / dx }
+    }
+}
+
+/// Buffers of one ray.
+#[derive(Debug, Default)]
+struct State {
+    limits: Limits,
+    /// Where the current ray leaves the section's extent in x.
+    leaves: f64,
+    /// Boundaries above the start.
+    above: usize,
+    crossings: Vec<(f64, Change)>,
+    /// (depth, loop, filling if not the layers') of the loops that hold the current point.
+    inside: Vec<(u32, u32, Option<usize>)>,
+    /// Per loop: its depth and the inclusion that shows in it.
+    nested: Vec<(u32, Option<usize>)>,
+}
+
+/// All crossings of a ray in order.
+fn layers_below(profiles: &[Profile<'_>], hulls: &Hulls<'_>, ray: &Ray, state: &mut State) {
+    let direction = [-ray.normal[0], -ray.normal[1]];
+    state.crossings.clear();
+    state.leaves = state.limits.leaves(ray);
+    state.above = 1;
+    for (index, profile) in profiles.iter().enumerate() {
+        let below = profile.cross(ray, direction, index == 0, &mut state.crossings);
+        if index > 0 {
+            state.above += usize::from(below);
+        }
+    }
+    if state.nested.len() != hulls.nested.len() {
+        state.nested.clone_from(&hulls.nested);
+    }
+    hulls.cross(ray, direction, &mut state.crossings);
+    state.crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+}
+
+impl State {
+    /// Turns crossings into layers, the substrate last, merging what has no thickness or the same medium.
+    fn emit(&mut self, fillings: &[Filling], boundaries: usize, into: &mut Vec<Found>) {
+        let inclusions = fillings.len() - boundaries - 1;
+        let start = into.len();
+        let mut above = self.above as isize;
+        self.inside.clear();
+        let (mut from, mut index) = (0.0, 0);
+        loop {
+            let last = self.crossings.get(index).is_none_or(|&(t, _)| {
+                let outside = above <= 0 || above >= boundaries as isize;
+                t > self.limits.longest || (outside && t > self.leaves)
+            });
+            let to = if last { f64::INFINITY } else { self.crossings[index].0.max(from) };
+            if to - from > NO_THICKNESS_UM {
+                let deepest = self.inside.iter().max_by_key(|entry| entry.0).and_then(|entry| entry.2);
+                let layer = above.clamp(0, boundaries as isize) as usize;
+                let filling = fillings[deepest.unwrap_or(inclusions + layer)];
+                let found =
+                    Found { kind: filling.kind, medium: filling.mixed, thickness_um: to - from, slot: None };
+                match into[start..].last_mut() {
+                    Some(before) if (before.kind, before.medium) == (found.kind, found.medium) => {
+                        before.thickness_um += found.thickness_um;
+                    }
+                    _ => into.push(found),
+                }
+                from = to;
+            }
+            if last {
+                break;
+            }
+            match self.crossings[index].1 {
+                Change::Below => above += 1,
+                Change::Above => above -= 1,
+                Change::Loop(id) => match self.inside.iter().position(|entry| entry.1 == id) {
+                    Some(at) => {
+                        self.inside.swap_remove(at);
+                    }
+                    None => {
+                        let (depth, shows) = self.nested[id as usize];
+                        self.inside.push((depth, id, shows));
+                    }
+                },
+            }
+            index += 1;
+        }
+    }
+}
+
+/// A boundary with what lets a search along it stop early.
+struct Profile<'a> {
+    curve: &'a Polyline,
+    /// Lowest and highest z of the points before and including each.
+    low_before: Vec<f64>,
+    high_before: Vec<f64>,
+    /// The same of the points from each on.
+    low_after: Vec<f64>,
+    high_after: Vec<f64>,
+    /// Slopes of the first and the last segment.
+    end_slopes: [f64; 2],
+    /// The first segment that reaches into each of as many equal stretches as there are segments.
+    stretches: Vec<u32>,
+    per_stretch: f64,
+}
+
+impl<'a> Profile<'a> {
+    fn new(curve: &'a Polyline) -> Self {
+        let scan = |start: f64, pick: fn(f64, f64) -> f64, backwards: bool| -> Vec<f64> {
+            let mut best = start;
+            let mut out = vec![0.0; curve.z_um.len()];
+            let count = out.len();
+            for step in 0..count {
+                let i = if backwards { count - 1 - step } else { step };
+                best = pick(best, curve.z_um[i]);
+                out[i] = best;
+            }
+            out
+        };
+        let last = curve.x_um.len() - 1;
+        let slope = |i: usize| (curve.z_um[i + 1] - curve.z_um[i]) / (curve.x_um[i + 1] - curve.x_um[i]);
+        let xs = &curve.x_um;
+        let per_stretch = (xs[last] - xs[0]) / last as f64;
+        let mut segment = 0;
+        let stretches = (0..last)
+            .map(|stretch| {
+                let start = xs[0] + per_stretch * stretch as f64;
+                while segment + 1 < last && xs[segment + 1] <= start {
+                    segment += 1;
+                }
+                segment as u32
+            })
+            .collect();
+        Self {
+            curve,
+            stretches,
+            per_stretch,
+            end_slopes: [slope(0), slope(last - 1)],
+            low_before: scan(f64::INFINITY, f64::min, false),
+            high_before: scan(f64::NEG_INFINITY, f64::max, false),
+            low_after: scan(f64::INFINITY, f64::min, true),
+            high_after: scan(f64::NEG_INFINITY, f64::max, true),
+        }
+    }
+
+    /// The segment over x; the outermost ones go on past the ends.
+    fn segment(&self, x: f64) -> usize {
+        let xs = &self.curve.x_um;
+        // A cast of a negative number gives 0.
+        let stretch = (((x - xs[0]) / self.per_stretch) as usize).min(self.stretches.len() - 1);
+        let mut i = self.stretches[stretch] as usize;
+        while i + 2 < xs.len() && xs[i + 1] <= x {
+            i += 1;
+        }
+        while i > 0 && xs[i] > x {
+            i -= 1;
+        }
+        i
+    }
+
+    /// Adds the crossings of a ray; returns whether the ray starts below the boundary (on it counts as below).
+    ///
+    /// The boundary is a function of x, so a ray is below it or above it at each of its points: the sign of
+    /// z_ray − z_boundary is followed from segment to segment.
+    fn cross(&self, ray: &Ray, direction: [f64; 2], on_it: bool, out: &mut Vec<(f64, Change)>) -> bool {
+        let (xs, zs) = (&self.curve.x_um, &self.curve.z_um);
+        let last = xs.len() - 1;
+        let [dx, dz] = direction;
+        let line = |i: usize, x: f64| zs[i] + (zs[i + 1] - zs[i]) * ((x - xs[i]) / (xs[i + 1] - xs[i]));
+        // Nothing happens above the highest point, as long as that stretch is within the section.
+        let highest = self.high_after[0];
+        let skip = if !on_it && dz < 0.0 && ray.z_um > highest { (ray.z_um - highest) / -dz } else { 0.0 };
+        let x = ray.x_um + skip * dx;
+        let skips = skip > 0.0 && ray.x_um.min(x) >= xs[0] && ray.x_um.max(x) <= xs[last];
+        let (x, mut reached) = if skips { (x, skip) } else { (ray.x_um, 0.0) };
+        let mut i = self.segment(x);
+        // Height over the boundary at the parameter reached.
+        let mut over = if on_it { 0.0 } else { ray.z_um + reached * dz - line(i, x) };
+        if skips {
+            over = over.max(f64::MIN_POSITIVE);
+        }
+        let starts_below = over <= 0.0;
+        let mut below = starts_below;
+        let mut emit = |t: f64, below: bool| out.push((t, if below { Change::Below } else { Change::Above }));
+        let right = dx > 0.0;
+        let per_dx = 1.0 / dx;
+        loop {
+            let vertex = if right { i + 1 } else { i };
+            let outermost = dx == 0.0 || vertex == if right { last } else { 0 };
+            let t_end =
+                if outermost { f64::INFINITY } else { ((xs[vertex] - ray.x_um) * per_dx).max(reached) };
+            if t_end == f64::INFINITY {
+                // One line from here on: at most one crossing.
+                let rate = dz - (zs[i + 1] - zs[i]) / (xs[i + 1] - xs[i]) * dx;
+                let t = reached - over / rate;
+                let comes = if below { rate > 0.0 } else { rate < 0.0 };
+                if comes && t.is_finite() && (t > reached || over != 0.0) {
+                    emit(t.max(reached), !below);
+                }
+                return starts_below;
+            }
+            let height = ray.z_um + t_end * dz;
+            let end_over = height - zs[vertex];
+            // At the point where it starts on the top the ray goes inwards; rounding must not bring it out again.
+            let now_below = if on_it && below { end_over <= NO_THICKNESS_UM } else { end_over <= 0.0 };
+            if now_below != below {
+                let part = if over == end_over { 0.0 } else { (over / (over - end_over)).clamp(0.0, 1.0) };
+                emit(reached + (t_end - reached) * part, now_below);
+                below = now_below;
+            }
+            (over, reached) = (end_over, t_end);
+            let (low, high, end_slope) = if right {
+                (self.low_after[vertex], self.high_after[vertex], self.end_slopes[1])
+            } else {
+                (self.low_before[vertex], self.high_before[vertex], self.end_slopes[0])
+            };
+            // Past the last vertex the end line may still catch up with the ray.
+            let rate = dz - end_slope * dx;
+            let stays_below = below && dz <= 0.0 && height < low && rate <= 0.0;
+            if stays_below || (!below && dz >= 0.0 && height > high && rate >= 0.0) {
+                return starts_below;
+            }
+            i = if right { i + 1 } else { i - 1 };
+        }
+    }
+}
+
+/// Columns hold about this many pieces: fewer, and inclined rays visit too many; more, and each tests too many.
+const PIECES_PER_COLUMN: usize = 128;
+
+/// The closed loops, sorted into columns along x.
+struct Hulls<'a> {
+    nested: Vec<(u32, Option<usize>)>,
+    /// Column by column, so that a ray reads them in one go; a piece is in each column that it reaches.
+    pieces: Vec<Piece<'a>>,
+    /// Start of each column in `pieces`.
+    starts: Vec<u32>,
+    left: f64,
+    per_column: f64,
+    low: f64,
+    high: f64,
+}
+
+/// An edge of a polygon or a whole circle.
+#[derive(Clone, Copy)]
+enum Piece<'a> {
+    Edge { id: u32, from: [f64; 2], to: [f64; 2] },
+    Circle { id: u32, shape: &'a Loop },
+}
+
+impl Piece<'_> {
+    fn extent(&self) -> [f64; 4] {
+        match self {
+            Self::Edge { from, to, .. } => {
+                [from[0].min(to[0]), from[0].max(to[0]), from[1].min(to[1]), from[1].max(to[1])]
+            }
+            Self::Circle { shape: Loop::Circle { x_um, z_um, radius_um }, .. } => {
+                [x_um - radius_um, x_um + radius_um, z_um - radius_um, z_um + radius_um]
+            }
+            Self::Circle { .. } => [0.0; 4],
+        }
+    }
+}
+
+impl<'a> Hulls<'a> {
+    fn new(section: &'a Section) -> Self {
+        let mut pieces = Vec::new();
+        for (id, nested) in section.nesting.loops.iter().enumerate() {
+            let id = id as u32;
+            match nested.shape(&section.inclusions) {
+                Loop::Polygon(corners) => {
+                    let point = |i: usize| [corners.x_um[i], corners.z_um[i]];
+                    let count = corners.x_um.len();
+                    pieces.extend((0..count).map(|i| Piece::Edge {
+                        id,
+                        from: point(i),
+                        to: point((i + 1) % count),
+                    }));
+                }
+                shape @ Loop::Circle { .. } => pieces.push(Piece::Circle { id, shape }),
+            }
+        }
+        let nested = section.nesting.loops.iter().map(|n| (n.depth, n.shows)).collect();
+        let mut all = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+        for piece in &pieces {
+            let [x0, x1, z0, z1] = piece.extent();
+            all = [all[0].min(x0), all[1].max(x1), all[2].min(z0), all[3].max(z1)];
+        }
+        let count = (pieces.len() / PIECES_PER_COLUMN).clamp(1, 65536);
+        let per_column = (all[1] - all[0]) / count as f64;
+        let mut hulls = Self {
+            nested,
+            pieces,
+            starts: vec![0; count + 1],
+            left: all[0],
+            per_column,
+            low: all[2],
+            high: all[3],
+        };
+        if hulls.pieces.is_empty() {
+            return hulls;
+        }
+        let ranges: Vec<(usize, usize)> = hulls
+            .pieces
+            .iter()
+            .map(|piece| {
+                let extent = piece.extent();
+                (hulls.column(extent[0]), hulls.column(extent[1]))
+            })
+            .collect();
+        for &(from, to) in &ranges {
+            for column in from..=to {
+                hulls.starts[column + 1] += 1;
+            }
+        }
+        for column in 0..count {
+            hulls.starts[column + 1] += hulls.starts[column];
+        }
+        let mut members = vec![0; hulls.starts[count] as usize];
+        let mut next = hulls.starts.clone();
+        for (piece, &(from, to)) in ranges.iter().enumerate() {
+            for place in &mut next[from..=to] {
+                members[*place as usize] = piece;
+                *place += 1;
+            }
+        }
+        hulls.pieces = members.into_iter().map(|piece| hulls.pieces[piece]).collect();
+        hulls
+    }
+
+    fn column(&self, x: f64) -> usize {
+        // A cast of a negative number gives 0.
+        (((x - self.left) / self.per_column) as usize).min(self.starts.len() - 2)
+    }
+
+    /// Adds the crossings of a ray with all loops. Each piece counts in one column only: that of the crossing.
+    fn cross(&self, ray: &Ray, direction: [f64; 2], out: &mut Vec<(f64, Change)>) {
+        if self.pieces.is_empty() {
+            return;
+        }
+        let [dx, dz] = direction;
+        let enough = |from: f64, to: f64, start: f64, rate: f64| {
+            if rate == 0.0 { f64::INFINITY } else { ((from - start) / rate).max((to - start) / rate) }
+        };
+        let right = self.left + self.per_column * (self.starts.len() - 1) as f64;
+        let end = enough(self.low, self.high, ray.z_um, dz).min(enough(self.left, right, ray.x_um, dx));
+        if end < 0.0 {
+            return;
+        }
+        let end_x = if dx == 0.0 { ray.x_um } else { ray.x_um + end * dx };
+        let (first, last) = (self.column(ray.x_um.min(end_x)), self.column(ray.x_um.max(end_x)));
+        let mut emit = |column: usize, t: f64, extent: [f64; 4], id: u32| {
+            let (from, to) = (self.column(extent[0]).max(first), self.column(extent[1]).min(last));
+            let own = self.column(ray.x_um + t * dx);
+            if t > 0.0 && from <= to && own.clamp(from, to) == column {
+                out.push((t, Change::Loop(id)));
+            }
+        };
+        for column in first..=last {
+            let (from, to) = (self.starts[column] as usize, self.starts[column + 1] as usize);
+            for piece in &self.pieces[from..to] {
+                match piece {
+                    Piece::Edge { id, from, to } => {
+                        let side = |p: &[f64; 2]| dx * (p[1] - ray.z_um) - dz * (p[0] - ray.x_um);
+                        let (a, b) = (side(from), side(to));
+                        if (a > 0.0) == (b > 0.0) {
+                            continue;
+                        }
+                        let along = |p: &[f64; 2]| dx * (p[0] - ray.x_um) + dz * (p[1] - ray.z_um);
+                        let (s, e) = (along(from), along(to));
+                        emit(column, s + (e - s) * (a / (a - b)), piece.extent(), *id);
+                    }
+                    Piece::Circle { id, shape: Loop::Circle { x_um, z_um, radius_um } } => {
+                        let (cx, cz) = (x_um - ray.x_um, z_um - ray.z_um);
+                        let (along, across) = (dx * cx + dz * cz, dx * cz - dz * cx);
+                        let half = radius_um * radius_um - across * across;
+                        if half > 0.0 {
+                            let half = half.sqrt();
+                            emit(column, along - half, piece.extent(), *id);
+                            emit(column, along + half, piece.extent(), *id);
+                        }
+                    }
+                    Piece::Circle { .. } => {}
+                }
+            }
+        }
+    }
+}

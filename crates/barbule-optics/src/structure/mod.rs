@@ -1,0 +1,172 @@
+//! What a barbule is made of: sections, stacks, species and their random instances.
+
+mod cast;
+mod chain;
+mod check;
+mod crystal;
+mod curve;
+mod lattice;
+mod outline;
+mod section;
+mod species;
+pub mod stack;
+mod sweep;
+
+pub use cast::{Columns, Mixture, Ray, cast};
+pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
+pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};
+pub use section::{
+    FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,
+    Polyline, Section, Substance,
+};
+pub use species::{
+    Bronzewing, Crystal, Hummingbird, Parameters, RockDove, SpeciesFile, SpeciesModel, Starling,
+    crystal_species, layered_species, species_names, species_toml,
+};
+
+use crate::{Error, Result};
+
+/// Top boundaries whose ends slope by more than this against each other are curved, as tangents.
+const CURVED_SLOPE: f64 = 0.3;
+
+/// What a command works on: endless random individuals of a species, or given sections.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Structure {
+    /// Random instances.
+    Species(Box<SpeciesModel>),
+    /// Given instances, at least one.
+    Sections {
+        /// What they are called together.
+        name: String,
+        /// The instances.
+        sections: Vec<Section>,
+    },
+}
+
+impl Structure {
+    /// Instance number `index`. The same seed and index give the same bits everywhere.
+    ///
+    /// # Errors
+    /// There is no such instance, or a user's species whose regions do not fit.
+    pub fn instance(&self, seed: u64, index: usize) -> Result<Section> {
+        match self {
+            Self::Species(model) => model.section(seed, index),
+            Self::Sections { name, sections } => sections.get(index).cloned().ok_or_else(|| {
+                Error::input(format!(
+                    "{name} has instances 0 to {}, so there is no instance {index}",
+                    sections.len().saturating_sub(1)
+                ))
+            }),
+        }
+    }
+
+    /// How many instances there are; `None`: endlessly many random ones.
+    #[must_use]
+    pub fn count(&self) -> Option<usize> {
+        match self {
+            Self::Species(_) => None,
+            Self::Sections { sections, .. } => Some(sections.len()),
+        }
+    }
+
+    /// What it is called.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self {
+            Self::Species(model) => model.title(),
+            Self::Sections { name, .. } => name.clone(),
+        }
+    }
+
+    /// The photonic crystal under the top, where there is one; all given sections have the same.
+    #[must_use]
+    pub fn lattice(&self) -> Option<Lattice> {
+        match self {
+            Self::Species(model) => model.lattice(),
+            Self::Sections { sections, .. } => {
+                sections.first().and_then(|s| s.crystal.as_ref()).map(|c| c.lattice.clone())
+            }
+        }
+    }
+
+    /// The width of a barbule; of given instances, the first one's.
+    #[must_use]
+    pub fn width_um(&self) -> f64 {
+        match self {
+            Self::Species(model) => model.width_um(),
+            Self::Sections { sections, .. } => sections.first().map_or(0.0, |section| section.width_um),
+        }
+    }
+
+    /// Whether the barbule is an arch rather than flat.
+    #[must_use]
+    pub fn is_curved(&self) -> bool {
+        match self {
+            Self::Species(model) => model.is_curved(),
+            Self::Sections { sections, .. } => sections.first().is_some_and(|section| is_arch(section.top())),
+        }
+    }
+
+    /// Everything that decides the instances, for the metadata of results: generator parameters or sections, and the
+    /// materials.
+    #[must_use]
+    pub fn description(&self) -> serde_json::Value {
+        match self {
+            Self::Species(model) => serde_json::json!({
+                "species": model.name,
+                "variant": model.variant,
+                "parameters": model.parameters,
+                "materials": materials(&model.library, ["air", "keratin", "melanin"].into_iter()),
+            }),
+            Self::Sections { name, sections } => serde_json::json!({
+                "sections": name,
+                "hashes": sections.iter().map(section_hash).collect::<Vec<_>>(),
+            }),
+        }
+    }
+
+    /// BLAKE3 of the canonical description, in hexadecimal.
+    #[must_use]
+    pub fn hash(&self) -> String {
+        blake3::hash(self.description().to_string().as_bytes()).to_hex().to_string()
+    }
+}
+
+/// Each named material in words that change when its index does.
+fn materials<'a>(
+    library: &crate::material::Library,
+    names: impl Iterator<Item = &'a str>,
+) -> serde_json::Map<String, serde_json::Value> {
+    names
+        .filter_map(|name| {
+            let material = crate::material::parse(name, library).ok()?;
+            let hash = blake3::hash(format!("{material:?}").as_bytes()).to_hex().to_string();
+            Some((name.to_owned(), hash.into()))
+        })
+        .collect()
+}
+
+fn section_hash(section: &Section) -> String {
+    let names = section.all_media().flat_map(Medium::substances).filter_map(|substance| match substance {
+        Substance::Named(name) => Some(name.as_str()),
+        Substance::Index(_) => None,
+    });
+    let shape = (&section.width_um, &section.boundaries, &section.media, &section.inclusions);
+    let mut text = format!("{shape:?} {:?}", materials(&section.library, names));
+    if let Some(CrystalLayer { lattice, offset_um, regularity }) = &section.crystal {
+        text += &format!(" {} {offset_um:?} {regularity:?}", lattice.hash());
+    }
+    blake3::hash(text.as_bytes()).to_hex().to_string()
+}
+
+/// Whether the slopes of the left and the right third of a curve differ as an arch's do.
+fn is_arch(top: &Polyline) -> bool {
+    let count = top.x_um.len();
+    if count < 3 {
+        return false;
+    }
+    let (left, right) = (top.x_um[0], top.x_um[count - 1]);
+    let third = (right - left) / 3.0;
+    let slope = |from: f64, to: f64| (top.height(to) - top.height(from)) / (to - from);
+    slope(left, left + third) - slope(right - third, right) > CURVED_SLOPE
+}

@@ -1,0 +1,15 @@
+//! The library against references, laws, statistics and pictures; one program, so that it is linked once.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests; some print the figures that they hold
+
+mod architecture;
+mod brdf;
+mod colour;
+mod crystal_colours;
+mod crystals;
+mod film;
+mod geometry;
+mod picture;
+mod render;
+mod simulation;
+mod statistics;
