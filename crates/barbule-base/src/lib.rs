@@ -6,7 +6,7 @@
 pub mod error;
 pub mod fields;
 pub mod math;
-pub mod observer;
+pub mod progress;
 
 pub use error::{Error, Result};
 pub use num_complex::Complex64;

@@ -1,11 +1,11 @@
 //! What `simulate`, `fit` and `characterize` share: flags, the campaign they describe, the material they make.
 
-use barbule::brdf::Material;
+use barbule::brdf::FeatherMaterial;
 use barbule::brdf::fit::{FitOptions, FitReport, Pattern, fit};
 use barbule::campaign::{Campaign, Demand, Parameters, orders};
 use barbule::io::{read_orders, write_orders};
 use barbule::math::simd::Width;
-use barbule::observer::Observer;
+use barbule::progress::Progress;
 use barbule::scattering::lobe::FitKind;
 use barbule::scattering::orders::OrderTable;
 use barbule::scattering::statistics::{Axes, Statistics};
@@ -167,11 +167,11 @@ impl Planned {
         width: Width,
         units_at_once: usize,
         common: &Common,
-        observer: &dyn Observer,
+        progress: &dyn Progress,
     ) -> Result<Campaign> {
-        let orders = crystal_orders(&self.structure, &self.parameters.axes, common, observer)?;
+        let orders = crystal_orders(&self.structure, &self.parameters.axes, common, progress)?;
         let mut campaign =
-            Campaign::with_orders(&self.structure, self.parameters.clone(), orders, width, observer)?;
+            Campaign::with_orders(&self.structure, self.parameters.clone(), orders, width, progress)?;
         campaign.limit_units(units_at_once);
         Ok(campaign)
     }
@@ -187,7 +187,7 @@ pub(crate) fn crystal_orders(
     structure: &Structure,
     axes: &Axes,
     common: &Common,
-    observer: &dyn Observer,
+    progress: &dyn Progress,
 ) -> Result<Option<OrderTable>> {
     let Some(lattice) = structure.lattice() else { return Ok(None) };
     let key = format!("{CAMPAIGN_VERSION} {} {:?} {:?}", lattice.hash(), axes.wavelengths_nm, axes.cos_theta);
@@ -199,7 +199,7 @@ pub(crate) fn crystal_orders(
         common.explain("the orders of the crystal are in the cache");
         return Ok(Some(found));
     }
-    let table = orders(structure, axes, observer)?;
+    let table = orders(structure, axes, progress)?;
     if let (Some(path), Some(table)) = (&path, &table)
         && let Err(error) = write_orders(path, &key, table)
     {
@@ -223,8 +223,8 @@ impl FitArgs {
         statistics: &Statistics,
         name: &str,
         description: &Value,
-        observer: &dyn Observer,
-    ) -> Result<(Material, FitReport)> {
+        progress: &dyn Progress,
+    ) -> Result<(FeatherMaterial, FitReport)> {
         self.check()?;
         let options = FitOptions {
             kind: match self.fit {
@@ -236,7 +236,7 @@ impl FitArgs {
             seed: description["seed"].as_u64().unwrap_or(1),
             info: Value::Null,
         };
-        let (mut material, report) = fit(statistics, &options, observer)?;
+        let (mut material, report) = fit(statistics, &options, progress)?;
         let [correlation, contrast] = mean_patterns(&report);
         material.info = json!({
             "name": name,

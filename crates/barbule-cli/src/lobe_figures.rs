@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use barbule::brdf::fit::{fitted_scale, fitted_values};
-use barbule::brdf::{LobeSet, Material, Noise, Synthesis};
+use barbule::brdf::{FeatherMaterial, LobeSet, Noise, Synthesis};
 use barbule::campaign::single::{Patterns, intensities};
 use barbule::campaign::statistics;
 use barbule::io::store::Store;
@@ -52,7 +52,7 @@ fn ghost() -> Option<Stroke> {
 
 /// Simulated and fitted U and V over φ_o, at θ_i nearest to 0 and φ_i nearest to 0° and 70°, at three wavelengths;
 /// from the store beside the material if it is there, else simulated again.
-pub(crate) fn fits(material: &Material, beside: &Path, common: &Common) -> Result<Vec<Drawing>> {
+pub(crate) fn fits(material: &FeatherMaterial, beside: &Path, common: &Common) -> Result<Vec<Drawing>> {
     let axes = &material.axes;
     let theta = axes.cos_theta.len() - 1;
     let mut phis = vec![nearest(&axes.cos_phi, 70.0_f64.to_radians().cos()), nearest(&axes.cos_phi, 1.0)];
@@ -96,7 +96,7 @@ pub(crate) fn fits(material: &Material, beside: &Path, common: &Common) -> Resul
 }
 
 /// The statistics of the store that a material was fitted to.
-fn stored(material: &Material, beside: &Path) -> Result<Statistics> {
+fn stored(material: &FeatherMaterial, beside: &Path) -> Result<Statistics> {
     let statistics = Store::open(beside)?.statistics()?;
     if statistics.axes != material.axes {
         return Err(Error::input(format!(
@@ -107,7 +107,7 @@ fn stored(material: &Material, beside: &Path) -> Result<Statistics> {
     Ok(statistics)
 }
 
-fn simulated(material: &Material, phis: &[usize], common: &Common) -> Result<Statistics> {
+fn simulated(material: &FeatherMaterial, phis: &[usize], common: &Common) -> Result<Statistics> {
     let from = &material.axes;
     let axes = Axes {
         wavelengths_nm: three(from).into_iter().map(|k| from.wavelengths_nm[k]).collect(),
@@ -123,7 +123,7 @@ fn mean_over_polarizations(array: &[f32], node: usize) -> Vec<f64> {
 }
 
 /// U' (`part` 0) or s (1) of the material, mean over its sets.
-fn fitted_mean(material: &Material, node: usize, part: usize) -> Vec<f64> {
+fn fitted_mean(material: &FeatherMaterial, node: usize, part: usize) -> Vec<f64> {
     let axes = &material.axes;
     let theta = axes.cos_theta[node / axes.cos_phi.len() % axes.cos_theta.len()].acos();
     let mut sum = vec![0.0; AZIMUTHS];
@@ -140,7 +140,7 @@ fn fitted_mean(material: &Material, node: usize, part: usize) -> Vec<f64> {
 
 /// R of one barbule against x_o for three φ_i (left) and three wavelengths (right), grey the first pattern shifted or
 /// stretched; below R as it is and weighted.
-pub(crate) fn fields(material: &Material, common: &Common) -> Result<Vec<Drawing>> {
+pub(crate) fn fields(material: &FeatherMaterial, common: &Common) -> Result<Vec<Drawing>> {
     let waves = three(&material.axes);
     let nm: Vec<f64> = waves.iter().map(|k| material.axes.wavelengths_nm[*k]).collect();
     let angles = [40.0_f64, 20.0, 0.0];
@@ -192,7 +192,7 @@ pub(crate) fn fields(material: &Material, common: &Common) -> Result<Vec<Drawing
 }
 
 /// U' of the shortest wavelength at normal incidence, at other azimuths than those of the tables.
-fn fitted_at(material: &Material, phi_o: &[f64]) -> Vec<f64> {
+fn fitted_at(material: &FeatherMaterial, phi_o: &[f64]) -> Vec<f64> {
     let node = material.axes.index(0, material.axes.cos_theta.len() - 1, material.axes.cos_phi.len() - 1);
     let set = &material.sets[0].mean;
     let lobe = Lobe { m: f64::from(set.m[node]), phi: f64::from(set.phi[node]) };
@@ -216,7 +216,7 @@ fn panel(title: String, label: &str, pattern: &Patterns, below: Option<Curve>) -
 
 /// Autocovariances of single barbules and their mean, the stretched C₀, the spectrum and some functions of the noise;
 /// only what the material itself holds where its barbules cannot be made again.
-pub(crate) fn noise(material: &Material, common: &Common) -> Result<Vec<Drawing>> {
+pub(crate) fn noise(material: &FeatherMaterial, common: &Common) -> Result<Vec<Drawing>> {
     let noise = Noise::new(&material.noise_power, material.seed);
     let mut charts = match structure_of(material, common) {
         Ok(_) => covariances(material, &noise, common)?,
@@ -267,7 +267,7 @@ fn lags(name: &str, values: &[f64], scale: f64) -> Curve {
 
 /// Single barbules' autocovariances with their mean at the shortest wavelength, and the mean at the longest one with
 /// C₀ stretched to it; normal incidence.
-fn covariances(material: &Material, noise: &Noise, common: &Common) -> Result<Vec<Drawing>> {
+fn covariances(material: &FeatherMaterial, noise: &Noise, common: &Common) -> Result<Vec<Drawing>> {
     let from = &material.axes;
     let waves = [0, from.wavelengths_nm.len() - 1].map(|k| from.wavelengths_nm[k]);
     let normal = (from.cos_theta[from.cos_theta.len() - 1], from.cos_phi[from.cos_phi.len() - 1]);
@@ -309,7 +309,7 @@ fn covariances(material: &Material, noise: &Noise, common: &Common) -> Result<Ve
 
 /// `count` simulated beside `count` synthesized instances on their specular cones, for two incident directions: colours
 /// over φ_o, and the intensity at the middle wavelength.
-pub(crate) fn instances(material: &Material, count: usize, common: &Common) -> Result<Drawing> {
+pub(crate) fn instances(material: &FeatherMaterial, count: usize, common: &Common) -> Result<Drawing> {
     let from = &material.axes;
     let theta = from.cos_theta.len() - 1;
     let mut phis = vec![nearest(&from.cos_phi, 45.0_f64.to_radians().cos()), nearest(&from.cos_phi, 1.0)];

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use barbule::brdf::{Material, example};
+use barbule::brdf::{FeatherMaterial, example};
 use barbule::campaign::{Campaign, Parameters, statistics};
 use barbule::io::{decode_material, read_material, write_material};
 use barbule::math::simd::Width;
@@ -37,7 +37,7 @@ struct Defaults {
 ///
 /// # Errors
 /// Unknown name, unreadable file, or a characterization that fails or is interrupted.
-pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
+pub(crate) fn find(name: &str, common: &Common) -> Result<(FeatherMaterial, String)> {
     if name == "example" {
         return Ok((example(50), barbule::io::hash_bytes(name.as_bytes())));
     }
@@ -72,10 +72,10 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
     ));
     let width = defaults.campaign.width()?;
     let at_once = planned.units_at_once(width, false, true, common)?;
-    let observer = Terminal::new(common);
-    let campaign = planned.campaign(width, at_once, common, &observer)?;
-    let statistics = statistics(&campaign, &observer)?;
-    let (material, _) = defaults.fit.fit(&statistics, &name, &planned.description, &observer)?;
+    let progress = Terminal::new(common);
+    let campaign = planned.campaign(width, at_once, common, &progress)?;
+    let statistics = statistics(&campaign, &progress)?;
+    let (material, _) = defaults.fit.fit(&statistics, &name, &planned.description, &progress)?;
     write_material(&cached, &material)?;
     Ok((material, barbule::io::hash_file(&cached)?))
 }
@@ -84,7 +84,7 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(Material, String)> {
 ///
 /// # Errors
 /// It records too little, or its sections or media are not to be had any more or have changed.
-pub(crate) fn structure_of(material: &Material, common: &Common) -> Result<Structure> {
+pub(crate) fn structure_of(material: &FeatherMaterial, common: &Common) -> Result<Structure> {
     let recorded = &material.info["campaign"]["structure"];
     let text = |key: &str| recorded[key].as_str().unwrap_or_default();
     let structure = if recorded["parameters"].is_object() {
@@ -110,7 +110,7 @@ pub(crate) fn structure_of(material: &Material, common: &Common) -> Result<Struc
 
 /// The campaign that a material was made in, on other axes; with fewer instances or without tilt where asked.
 pub(crate) fn campaign_of(
-    material: &Material,
+    material: &FeatherMaterial,
     axes: Axes,
     instances: Option<usize>,
     tilted: bool,
@@ -127,9 +127,9 @@ pub(crate) fn campaign_of(
     let tilt =
         if tilted { made["tilt_deg"].as_f64().unwrap_or(0.0).clamp(0.0, 30.0).to_radians() } else { 0.0 };
     let parameters = Parameters { axes, instances, seed: made["seed"].as_u64().unwrap_or(1), tilt };
-    let observer = Terminal::new(common);
-    let orders = crystal_orders(&structure, &parameters.axes, common, &observer)?;
-    Campaign::with_orders(&structure, parameters, orders, Width::best(), &observer)
+    let progress = Terminal::new(common);
+    let orders = crystal_orders(&structure, &parameters.axes, common, &progress)?;
+    Campaign::with_orders(&structure, parameters, orders, Width::best(), &progress)
 }
 
 /// The duration to expect of a campaign, in words.

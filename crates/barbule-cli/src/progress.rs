@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock};
 use std::time::Duration;
 
-use barbule::observer::Observer;
+use barbule::progress::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::common::Common;
@@ -40,7 +40,7 @@ impl Terminal {
     }
 }
 
-impl Observer for Terminal {
+impl Progress for Terminal {
     fn begin(&self, label: &str, total: u64) {
         if !self.visible {
             return;

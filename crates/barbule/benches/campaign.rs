@@ -6,7 +6,7 @@
 use barbule::campaign::figures::measure;
 use barbule::material::Library;
 use barbule::math::simd::Width;
-use barbule::observer::Unobserved;
+use barbule::progress::Unobserved;
 use barbule::structure::{SpeciesModel, Structure};
 
 fn main() {

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use barbule::brdf::{FeatherBrdf, Options, example};
 use barbule::math::rng::Stream;
-use barbule::observer::Unobserved;
+use barbule::progress::Unobserved;
 use barbule::render::film::Film;
 use barbule::render::integrator::Integrator;
 use barbule::render::run::{Goal, run};

@@ -11,8 +11,8 @@ use std::path::Path;
 
 use barbule::io::write_whole;
 use barbule::material::Library;
-use barbule::observer::Unobserved;
 use barbule::plot::{Axis, Curve, Drawing, Figure, Format, Mark};
+use barbule::progress::Unobserved;
 use barbule::solve::crystal::balance::balance;
 use barbule::solve::crystal::fdtd::Layer;
 use barbule::solve::crystal::planar::jones;

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use super::integral::Fine;
 use super::lanes::{Lobes, StoredLobes};
-use super::material::{Material, check_sigma};
+use super::material::{FeatherMaterial, check_sigma};
 use super::noise::{Draw, Noise};
 use super::sample::{HalfVectors, SampledLobe};
 use super::table::{self, Table, WIDTH, effective};
@@ -73,8 +73,8 @@ impl FeatherBrdf {
     /// Checks the material, extends and refines its tables and draws its noise: about a second per two million nodes.
     ///
     /// # Errors
-    /// A material that fails [`Material::check`], or σ out of range.
-    pub fn new(material: &Material, options: Options) -> Result<Self> {
+    /// A material that fails [`FeatherMaterial::check`], or σ out of range.
+    pub fn new(material: &FeatherMaterial, options: Options) -> Result<Self> {
         material.check()?;
         let sigma = options.sigma.unwrap_or(material.sigma);
         check_sigma(sigma)?;

@@ -1,6 +1,6 @@
 //! A made-up material for examples, tests and benchmarks.
 
-use super::material::{LobeSet, Material, ParameterSet};
+use super::material::{FeatherMaterial, LobeSet, ParameterSet};
 use super::noise::spectrum;
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::Axes;
@@ -9,7 +9,7 @@ use crate::scattering::statistics::Axes;
 ///
 /// It stands in where a material is needed but no simulation is meant: `waves` wavelengths, nothing else to choose.
 #[must_use]
-pub fn example(waves: usize) -> Material {
+pub fn example(waves: usize) -> FeatherMaterial {
     let waves = waves.max(1);
     let cosines: Vec<f64> = (1..=20).map(|k| f64::from(k) / 20.0).collect();
     let step = 294.0 / waves.max(2).saturating_sub(1) as f64;
@@ -40,7 +40,7 @@ pub fn example(waves: usize) -> Material {
         }
     }
     let lags: Vec<f64> = (0..512).map(|k| libm::exp(-(f64::from(k) / 8.0).powi(2))).collect();
-    Material {
+    FeatherMaterial {
         axes,
         kind: FitKind::Marginal,
         sigma: 0.04,

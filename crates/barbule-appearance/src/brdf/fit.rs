@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::integral::Fine;
 use super::length;
-use super::material::{LobeSet, Material, ParameterSet, check_sigma};
+use super::material::{FeatherMaterial, LobeSet, ParameterSet, check_sigma};
 use super::noise::spectrum;
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::scattering::directions;
 use crate::scattering::lobe::{Fit, FitKind, Fitter, Lobe};
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, Statistics};
@@ -132,30 +132,30 @@ type Chosen = &'static [usize];
 /// Fits a material.
 ///
 /// # Errors
-/// Statistics whose arrays do not match their axes, σ out of range, or a stop by the observer.
+/// Statistics whose arrays do not match their axes, σ out of range, or a stop by the progress.
 pub fn fit(
     statistics: &Statistics,
     options: &FitOptions,
-    observer: &dyn Observer,
-) -> Result<(Material, FitReport)> {
+    progress: &dyn Progress,
+) -> Result<(FeatherMaterial, FitReport)> {
     check(statistics)?;
     check_sigma(options.sigma)?;
     let axes = &statistics.axes;
     let chosen: &[Chosen] = if options.polarized { &[&[0], &[1]] } else { &[&[0, 1]] };
-    observer.begin("fitting", (axes.len() * chosen.len()) as u64);
+    progress.begin("fitting", (axes.len() * chosen.len()) as u64);
     let noise_power = spectrum(&length::reference(statistics));
     let mut sets = Vec::new();
     let mut nodes = Vec::new();
     let mut ratios = Vec::new();
     for &polarizations in chosen {
-        let fitted = fit_nodes(statistics, options, polarizations, observer)?;
+        let fitted = fit_nodes(statistics, options, polarizations, progress)?;
         let lengths = length::lengths(statistics, polarizations);
         sets.push(parameter_set(&fitted, &lengths, polarizations.len() == 2));
         ratios.extend(lengths);
         nodes.extend(fitted);
     }
     let info = options.info.clone();
-    let mut material = Material {
+    let mut material = FeatherMaterial {
         axes: axes.clone(),
         kind: options.kind,
         sigma: options.sigma,
@@ -201,7 +201,7 @@ fn fit_nodes(
     statistics: &Statistics,
     options: &FitOptions,
     polarizations: Chosen,
-    observer: &dyn Observer,
+    progress: &dyn Progress,
 ) -> Result<Vec<Node>> {
     let axes = &statistics.axes;
     let phis = axes.cos_phi.len();
@@ -225,8 +225,8 @@ fn fit_nodes(
                     place.fit(&fitters[theta], axes.cos_theta[theta], axes.cos_phi[phi])
                 })
                 .collect();
-            observer.advance(phis as u64);
-            if observer.is_cancelled() { Err(Error::interrupted()) } else { Ok(nodes) }
+            progress.advance(phis as u64);
+            if progress.is_cancelled() { Err(Error::interrupted()) } else { Ok(nodes) }
         })
         .collect::<Result<_>>()?;
     Ok(rows.into_iter().flatten().collect())
@@ -339,7 +339,7 @@ fn parameter_set(nodes: &[Node], lengths: &[length::Length], fractions: bool) ->
 
 fn report(
     statistics: &Statistics,
-    material: &Material,
+    material: &FeatherMaterial,
     nodes: &[Node],
     lengths: &[length::Length],
 ) -> FitReport {
@@ -408,10 +408,10 @@ pub fn fitted_scale(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> 
 mod tests {
     use super::*;
     use crate::brdf::example;
-    use crate::observer::Unobserved;
+    use crate::progress::Unobserved;
 
     /// Statistics that a material's own lobes would give, with the biased fluctuation of `noise` on V.
-    fn statistics_of(material: &Material) -> Statistics {
+    fn statistics_of(material: &FeatherMaterial) -> Statistics {
         let axes = Axes {
             wavelengths_nm: material.axes.wavelengths_nm.clone(),
             cos_theta: vec![0.3, 0.7, 1.0],

@@ -35,7 +35,7 @@ pub struct ParameterSet {
 
 /// A feather material: everything that a renderer needs, and where it came from.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Material {
+pub struct FeatherMaterial {
     /// Wavelengths and directions of the tables.
     pub axes: Axes,
     /// How the lobes were fitted.
@@ -58,7 +58,7 @@ const MOST_WAVELENGTHS: usize = 512;
 /// No material has more table nodes than this.
 const MOST_NODES: usize = 4_000_000;
 
-impl Material {
+impl FeatherMaterial {
     /// Checks shapes, ranges and finiteness; the message names the array and the index.
     ///
     /// # Errors

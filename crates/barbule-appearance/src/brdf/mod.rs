@@ -1,6 +1,6 @@
 //! Feather BRDFs: the smooth lobe, its random instances, evaluation and sampling.
 //!
-//! [`fit::fit`] turns the [`Statistics`](crate::scattering::statistics::Statistics) of a campaign into a [`Material`],
+//! [`fit::fit`] turns the [`Statistics`](crate::scattering::statistics::Statistics) of a campaign into a [`FeatherMaterial`],
 //! the tables that a `.barbule` file holds; [`FeatherBrdf`] prepares one for evaluation. Directions are in the
 //! barbule's frame (x across, y along, z up) and point away from the surface; values are in 1/sr without the cosine.
 
@@ -20,6 +20,6 @@ mod table;
 pub use evaluate::{FeatherBrdf, Options, Polarization, Prepared};
 pub use example::example;
 pub use integral::lobe_integral;
-pub use material::{LobeSet, Material, NOISE_TERMS, ParameterSet};
+pub use material::{FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet};
 pub use noise::{Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;

@@ -1,7 +1,7 @@
 //! Synthesized patterns beside simulated ones: the check that instances vary as the simulated barbules do.
 
 use super::fit::{Pattern, direction, fitted_scale};
-use super::material::{LobeSet, Material};
+use super::material::{FeatherMaterial, LobeSet};
 use super::noise::Noise;
 use crate::scattering::directions;
 use crate::scattering::lobe::Lobe;
@@ -21,14 +21,14 @@ pub struct Synthesis {
 impl Synthesis {
     /// Prepares node number `node` of the tables, on the azimuths of U.
     #[must_use]
-    pub fn new(material: &Material, node: usize) -> Self {
+    pub fn new(material: &FeatherMaterial, node: usize) -> Self {
         let phi_o: Vec<f64> = directions::azimuths(AZIMUTHS).collect();
         Self::on(material, node, &phi_o)
     }
 
     /// The same on other azimuths φ_o, rad.
     #[must_use]
-    pub fn on(material: &Material, node: usize, phi_o: &[f64]) -> Self {
+    pub fn on(material: &FeatherMaterial, node: usize, phi_o: &[f64]) -> Self {
         let (_, theta_deg, phi_deg) = direction(&material.axes, node);
         let (theta, phi_i) = (theta_deg.to_radians(), phi_deg.to_radians());
         let sides = [0, 1].map(|polarization| {
@@ -89,7 +89,7 @@ impl Synthesis {
 }
 
 /// Correlation and contrast, simulated and synthesized, at up to three wavelengths and four azimuths of θ_i near 0.
-pub(super) fn compare(statistics: &Statistics, material: &Material) -> Vec<Pattern> {
+pub(super) fn compare(statistics: &Statistics, material: &FeatherMaterial) -> Vec<Pattern> {
     let axes = &statistics.axes;
     let noise = Noise::new(&material.noise_power, material.seed);
     let theta = axes.cos_theta.len() - 1;

@@ -16,7 +16,7 @@ const SAMPLES: usize = 32;
 /// diffuser has 1/π.
 ///
 /// # Errors
-/// None for a prepared BRDF; wavelengths that the observer does not accept would be refused.
+/// None for a prepared BRDF; wavelengths that the progress does not accept would be refused.
 pub fn hemisphere(
     brdf: &FeatherBrdf,
     wi: DVec3,

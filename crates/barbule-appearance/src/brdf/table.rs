@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::evaluate::Polarization;
 use super::integral::{Fine, Rough};
-use super::material::{LobeSet, Material, ParameterSet};
+use super::material::{FeatherMaterial, LobeSet, ParameterSet};
 use crate::scattering::lobe::SMALLEST_M;
 
 /// Columns of a node, twice: of the mean lobe and, from [`STATIONARY`] on, of the stationary one.
@@ -65,7 +65,7 @@ pub(super) struct Cell {
 impl Table {
     /// Prepares one set; `polarization` scales ρ by the share of one incident polarization.
     pub(super) fn new(
-        material: &Material,
+        material: &FeatherMaterial,
         set: &ParameterSet,
         sigma: f64,
         polarization: Polarization,

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::film::{Film, Pixel};
 use super::integrator::Integrator;
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::{Error, Result};
 
 /// When a picture is done.
@@ -31,7 +31,7 @@ pub enum Ended {
     Done,
     /// The time was over.
     OutOfTime,
-    /// The observer asked to stop.
+    /// The progress asked to stop.
     Stopped,
 }
 
@@ -45,7 +45,7 @@ pub fn run(
     film: &mut Film,
     seed: u64,
     goal: Goal,
-    observer: &dyn Observer,
+    progress: &dyn Progress,
     after_round: &mut dyn FnMut(&Film) -> Result<()>,
 ) -> Result<Ended> {
     if goal.samples == 0 || goal.samples > 1 << 24 {
@@ -54,20 +54,20 @@ pub fn run(
     let start = Instant::now();
     let mut slowest = Duration::ZERO;
     let most = film.counts.iter().map(|c| u64::from(goal.samples.saturating_sub(*c))).sum();
-    observer.begin("rendering", most);
+    progress.begin("rendering", most);
     loop {
         let open: Vec<usize> = (0..film.tiles()).filter(|&t| !is_done(film, t, &goal)).collect();
         if open.is_empty() {
             return Ok(Ended::Done);
         }
-        if observer.is_cancelled() {
+        if progress.is_cancelled() {
             return Ok(Ended::Stopped);
         }
         if goal.time.is_some_and(|time| slowest > Duration::ZERO && start.elapsed() + slowest > time) {
             return Ok(Ended::OutOfTime);
         }
         let begun = Instant::now();
-        round(integrator, film, seed, &goal, &open, observer);
+        round(integrator, film, seed, &goal, &open, progress);
         slowest = slowest.max(begun.elapsed());
         after_round(film)?;
     }
@@ -80,18 +80,18 @@ fn round(
     seed: u64,
     goal: &Goal,
     open: &[usize],
-    observer: &dyn Observer,
+    progress: &dyn Progress,
 ) {
     let done: Vec<Option<(Vec<Pixel>, u32)>> = open
         .par_iter()
         .map(|&tile| {
-            if observer.is_cancelled() {
+            if progress.is_cancelled() {
                 return None;
             }
             let from = film.counts[tile];
             let to = goal.samples.min((from / ROUND + 1) * ROUND);
             let pixels = tile_samples(integrator, film, tile, seed, from..to);
-            observer.advance(u64::from(to - from));
+            progress.advance(u64::from(to - from));
             Some((pixels, to))
         })
         .collect();

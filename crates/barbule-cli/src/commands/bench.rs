@@ -66,9 +66,9 @@ impl CampaignArgs {
         let structure = structure_arg::parse(&self.structure, &self.common)?;
         let name = structure.name();
         let width = self.simd.as_deref().map_or_else(|| Ok(Width::best()), Width::named)?;
-        let observer = Terminal::new(&self.common);
-        let figures = measure(&structure, self.common.seed, width, &observer)?;
-        drop(observer);
+        let progress = Terminal::new(&self.common);
+        let figures = measure(&structure, self.common.seed, width, &progress)?;
+        drop(progress);
         let total: f64 = figures.stages.iter().map(|(_, seconds)| seconds).sum();
         let share = |seconds: f64| seconds / total;
         if self.common.json {
@@ -113,9 +113,9 @@ impl CrystalArgs {
         let effort = if self.quick { crystal::Effort::Least } else { crystal::Effort::Usual };
         let mut found = Vec::new();
         for (name, lattice) in names.iter().zip(&lattices) {
-            let observer = Terminal::new(&self.common);
-            let figures = crystal::measure(lattice, effort, &observer)?;
-            drop(observer);
+            let progress = Terminal::new(&self.common);
+            let figures = crystal::measure(lattice, effort, &progress)?;
+            drop(progress);
             if self.common.json {
                 found.push(crystal_document(name, &figures));
             } else {

@@ -50,10 +50,10 @@ impl Args {
         let width = self.campaign.width()?;
         let at_once = planned.units_at_once(width, false, true, &self.common)?;
         self.common.say(&format!("characterizing {name}: about {}", materials::expected(&planned)));
-        let observer = Terminal::new(&self.common);
-        let campaign = planned.campaign(width, at_once, &self.common, &observer)?;
+        let progress = Terminal::new(&self.common);
+        let campaign = planned.campaign(width, at_once, &self.common, &progress)?;
         let statistics = match &store {
-            None => statistics(&campaign, &observer)?,
+            None => statistics(&campaign, &progress)?,
             Some(path) => {
                 let parameters = &planned.parameters;
                 let store = Store::create(
@@ -65,13 +65,13 @@ impl Args {
                     &[],
                     width.name(),
                 )?;
-                let outcome = run(&campaign, &store, 0, 1, &observer)?;
+                let outcome = run(&campaign, &store, 0, 1, &progress)?;
                 say_repaired(outcome.repaired, &self.common);
                 store.statistics()?
             }
         };
-        let (material, report) = self.fit.fit(&statistics, &name, &planned.description, &observer)?;
-        drop(observer);
+        let (material, report) = self.fit.fit(&statistics, &name, &planned.description, &progress)?;
+        drop(progress);
         write_material(&output, &material)?;
         self.common.explain(&summary(&report));
         if self.common.json {

@@ -127,10 +127,10 @@ impl Args {
         let at = Wavelengths::new(sets::wavelengths(&self.wavelengths)?)?;
         let phi_deg: Vec<f64> = (0..MAP_ANGLES).map(|i| 2.0 * i as f64 - (MAP_ANGLES - 1) as f64).collect();
         let phi_i: Vec<f64> = phi_deg.iter().map(|d| d.to_radians()).collect();
-        let observer = Terminal::new(&self.common);
+        let progress = Terminal::new(&self.common);
         let found = match self.solver {
-            Method::Rcwa => sweep(&Rcwa::default(), lattice, at.nm(), theta_i, &phi_i, &observer)?,
-            _ => sweep(&Multipole::default(), lattice, at.nm(), theta_i, &phi_i, &observer)?,
+            Method::Rcwa => sweep(&Rcwa::default(), lattice, at.nm(), theta_i, &phi_i, &progress)?,
+            _ => sweep(&Multipole::default(), lattice, at.nm(), theta_i, &phi_i, &progress)?,
         };
         Provenance::new(&self.common).write_figure(path, &self.map_figure(&at, &found))?;
         if self.common.json {

@@ -33,9 +33,9 @@ impl Args {
         self.fit.check()?;
         let store = Store::open(&self.store)?;
         let statistics = store.statistics()?;
-        let observer = Terminal::new(&self.common);
-        let (material, report) = self.fit.fit(&statistics, store.name(), store.description(), &observer)?;
-        drop(observer);
+        let progress = Terminal::new(&self.common);
+        let (material, report) = self.fit.fit(&statistics, store.name(), store.description(), &progress)?;
+        drop(progress);
         write_material(&self.output, &material)?;
         if self.common.json {
             return print_json(out, &report);

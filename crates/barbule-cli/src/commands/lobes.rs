@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::brdf::pictures::hemisphere;
-use barbule::brdf::{FeatherBrdf, Material, Options, lobe_integral};
+use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options, lobe_integral};
 use barbule::plot::{Anchor, Axis, Drawing, HeatMap, Item, Map, Picture};
 use barbule::scattering::directions::omega;
 use barbule::scattering::lobe::Lobe;
@@ -90,7 +90,12 @@ impl Args {
 }
 
 /// The hemispheres, and below them simulated beside synthesized instances where the barbules can be made again.
-fn with_simulated(above: Drawing, material: &Material, count: usize, common: &Common) -> Result<Drawing> {
+fn with_simulated(
+    above: Drawing,
+    material: &FeatherMaterial,
+    count: usize,
+    common: &Common,
+) -> Result<Drawing> {
     if let Err(error) = materials::structure_of(material, common) {
         common.say(&format!("synthesized instances only: {error}"));
         return Ok(above);
@@ -104,7 +109,7 @@ fn with_simulated(above: Drawing, material: &Material, count: usize, common: &Co
 }
 
 /// Species and variant as the material's maker recorded them.
-fn name(material: &Material) -> String {
+fn name(material: &FeatherMaterial) -> String {
     let word = |key: &str| material.info.get(key).and_then(|v| v.as_str()).unwrap_or("").to_owned();
     let thinned = if material.info.get("thin").and_then(|v| v.as_u64()).is_some_and(|t| t > 1) {
         " (thinned)"
@@ -115,7 +120,7 @@ fn name(material: &Material) -> String {
 }
 
 /// The smooth lobe and instances (rows) for incident directions (columns), with one exposure per column.
-fn hemispheres(material: &Material, instances: usize) -> Result<Drawing> {
+fn hemispheres(material: &FeatherMaterial, instances: usize) -> Result<Drawing> {
     let brdf = FeatherBrdf::new(material, Options::default())?;
     let (left, top) = (86.0, 52.0);
     let rows = instances + 1;
@@ -156,7 +161,7 @@ fn pixel(value: Option<[f64; 3]>, exposure: f64) -> [u8; 4] {
 }
 
 /// Maps of the parameters at the shortest, the middle and the longest wavelength.
-fn parameters(material: &Material) -> Result<Vec<Drawing>> {
+fn parameters(material: &FeatherMaterial) -> Result<Vec<Drawing>> {
     let axes = &material.axes;
     let count = axes.wavelengths_nm.len();
     let mut waves = vec![0, count / 2, count - 1];

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::io::image::{self, RgbImage, read_exr, write_exr, write_png};
 use barbule::io::{check_writable, hash_file, read_at_most, read_text, write_whole};
-use barbule::observer::Observer as _;
+use barbule::progress::Progress as _;
 use barbule::render::film::Film;
 use barbule::render::integrator::Integrator;
 use barbule::render::run::{Ended, Goal, run};

@@ -68,10 +68,10 @@ impl Args {
             self.common.say("everything is there already: nothing to do");
         } else {
             store.prepare_writing()?;
-            let observer = Terminal::new(&self.common);
-            let campaign = planned.campaign(width, at_once, &self.common, &observer)?;
-            let outcome = run(&campaign, &store, shard, shards, &observer)?;
-            drop(observer);
+            let progress = Terminal::new(&self.common);
+            let campaign = planned.campaign(width, at_once, &self.common, &progress)?;
+            let outcome = run(&campaign, &store, shard, shards, &progress)?;
+            drop(progress);
             say_repaired(outcome.repaired, &self.common);
             self.common.explain(&format!("{} units computed, {} found", outcome.computed, outcome.found));
         }

@@ -4,8 +4,8 @@ use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
 use barbule::Result;
-use barbule::observer::Unobserved;
 use barbule::plot::{Anchor, Drawing, Format, Ink, Stroke};
+use barbule::progress::Unobserved;
 use barbule::solve::crystal::{Multipole, sweep};
 use barbule::solve::swatch::normal_reflectance;
 use barbule::spectrum::colour::{Observer, chromaticity, display};
@@ -65,8 +65,8 @@ struct Look {
 impl Look {
     /// Of a mean reflectance.
     fn of(spectrum: &Spectrum) -> Self {
-        let observer = Observer::default();
-        let (rgb, xyz) = (observer.linear_rgb(spectrum), observer.xyz(spectrum));
+        let progress = Observer::default();
+        let (rgb, xyz) = (progress.linear_rgb(spectrum), progress.xyz(spectrum));
         let most = rgb.into_iter().fold(1e-6, f64::max);
         Self {
             srgb: display(rgb.map(|c| 0.9 * c / most)),

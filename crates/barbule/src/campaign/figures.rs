@@ -6,7 +6,7 @@ use cpu_time::ProcessTime;
 
 use super::{Campaign, Parameters, orders};
 use crate::math::simd::Width;
-use crate::observer::{Observer, Unobserved};
+use crate::progress::{Progress, Unobserved};
 use crate::scattering::statistics::Axes;
 use crate::solve::direct;
 use crate::solve::surface::{FINE_ELEMENT_UM, Window, stage_seconds};
@@ -56,22 +56,22 @@ impl Figures {
 /// Measures a sample of units on one thread.
 ///
 /// # Errors
-/// An instance cannot be made, a medium's table does not cover 400 to 700 nm, or the observer cancelled.
-pub fn measure(structure: &Structure, seed: u64, width: Width, observer: &dyn Observer) -> Result<Figures> {
+/// An instance cannot be made, a medium's table does not cover 400 to 700 nm, or the user cancelled.
+pub fn measure(structure: &Structure, seed: u64, width: Width, progress: &dyn Progress) -> Result<Figures> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build()
         .map_err(|e| Error::machine(format!("no thread for the benchmark: {e}")))?;
-    pool.install(|| sample(structure, seed, width, observer))
+    pool.install(|| sample(structure, seed, width, progress))
 }
 
-fn sample(structure: &Structure, seed: u64, width: Width, observer: &dyn Observer) -> Result<Figures> {
+fn sample(structure: &Structure, seed: u64, width: Width, progress: &dyn Progress) -> Result<Figures> {
     let [wavelengths, thetas, phis, instances] = FULL;
     let cos_phi: Vec<f64> = (1..=phis).map(|i| i as f64 / phis as f64).collect();
     let phi_i: Vec<f64> = cos_phi.iter().map(|c| c.acos()).collect();
     let axes = Axes { wavelengths_nm: SAMPLE_NM.to_vec(), cos_theta: SAMPLE_COS_THETA.to_vec(), cos_phi };
     let parameters = Parameters { axes, instances, seed, tilt: 2f64.to_radians() };
-    observer.begin("measuring", (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as u64);
+    progress.begin("measuring", (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as u64);
     let begun = ProcessTime::now();
     let orders = orders(structure, &parameters.axes, &Unobserved)?;
     // Those of the sampled θ_i stand for all.
@@ -82,17 +82,17 @@ fn sample(structure: &Structure, seed: u64, width: Width, observer: &dyn Observe
     let (mut units, mut table_bytes) = (Duration::ZERO, 0);
     for index in 0..SAMPLE_NM.len() {
         let begun = ProcessTime::now();
-        let wavelength = campaign.wavelength(index, observer)?;
+        let wavelength = campaign.wavelength(index, progress)?;
         tables += begun.elapsed();
         table_bytes = table_bytes.max(wavelength.bytes());
         for theta in 0..SAMPLE_COS_THETA.len() {
-            if observer.is_cancelled() {
+            if progress.is_cancelled() {
                 return Err(Error::interrupted());
             }
             let begun = ProcessTime::now();
             std::hint::black_box(campaign.unit(&wavelength, theta, false));
             units += begun.elapsed();
-            observer.advance(1);
+            progress.advance(1);
         }
     }
     let section = structure.instance(seed, 0)?;

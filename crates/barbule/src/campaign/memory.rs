@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 
 use crate::math::simd::Width;
-use crate::observer::Unobserved;
+use crate::progress::Unobserved;
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::statistics::{AZIMUTHS, LAGS};
 use crate::solve::crystal::{Cell, Multipole, order_series};

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use crate::math::rng::Stream;
 use crate::math::simd::Width;
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::orders::OrderTable;
 use crate::scattering::statistics::{AZIMUTHS, Axes, Unit};
@@ -108,10 +108,10 @@ impl Wavelength {
 /// The orders of a structure's crystal on the axes of a campaign; `None` for layers.
 ///
 /// # Errors
-/// The crystal cannot be solved, or the observer cancelled.
-pub fn orders(structure: &Structure, axes: &Axes, observer: &dyn Observer) -> Result<Option<OrderTable>> {
+/// The crystal cannot be solved, or the user cancelled.
+pub fn orders(structure: &Structure, axes: &Axes, progress: &dyn Progress) -> Result<Option<OrderTable>> {
     let table = |lattice: Lattice| {
-        order_table(&Multipole::default(), &lattice, &axes.wavelengths_nm, &axes.cos_theta, observer)
+        order_table(&Multipole::default(), &lattice, &axes.wavelengths_nm, &axes.cos_theta, progress)
     };
     structure.lattice().map(table).transpose()
 }
@@ -131,15 +131,15 @@ impl Campaign {
     ///
     /// # Errors
     /// An instance cannot be made, a medium's table does not cover the wavelengths, the crystal cannot be solved, or the
-    /// observer cancelled.
+    /// progress cancelled.
     pub fn new(
         structure: &Structure,
         parameters: Parameters,
         width: Width,
-        observer: &dyn Observer,
+        progress: &dyn Progress,
     ) -> Result<Self> {
-        let orders = orders(structure, &parameters.axes, observer)?;
-        Self::with_orders(structure, parameters, orders, width, observer)
+        let orders = orders(structure, &parameters.axes, progress)?;
+        Self::with_orders(structure, parameters, orders, width, progress)
     }
 
     /// As [`Self::new`], with what [`orders`] gave for the structure and the axes.
@@ -151,13 +151,13 @@ impl Campaign {
         parameters: Parameters,
         orders: Option<OrderTable>,
         width: Width,
-        observer: &dyn Observer,
+        progress: &dyn Progress,
     ) -> Result<Self> {
         let distinct = if structure.count() == Some(1) { 1 } else { parameters.instances };
         let axes = &parameters.axes;
-        observer.begin("preparing instances", distinct as u64);
+        progress.begin("preparing instances", distinct as u64);
         let sections = |instance: usize| {
-            if observer.is_cancelled() {
+            if progress.is_cancelled() {
                 return Err(Error::interrupted());
             }
             structure.instance(parameters.seed, instance)
@@ -172,7 +172,7 @@ impl Campaign {
                     .map(|instance| {
                         let surface =
                             Surface::new(&sections(instance)?, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
-                        observer.advance(1);
+                        progress.advance(1);
                         Ok(surface)
                     })
                     .collect::<Result<Vec<_>>>()?;
@@ -187,7 +187,7 @@ impl Campaign {
                     distinct,
                     shortest_nm,
                     width,
-                    observer,
+                    progress,
                 )?;
                 let pairs = (0..distinct)
                     .into_par_iter()
@@ -195,7 +195,7 @@ impl Campaign {
                         let section = sections(instance)?;
                         let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
                         let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, parts)?;
-                        observer.advance(1);
+                        progress.advance(1);
                         Ok((surface, rays))
                     })
                     .collect::<Result<Vec<_>>>()?;
@@ -225,13 +225,13 @@ impl Campaign {
     /// Prepares the units of one wavelength.
     ///
     /// # Errors
-    /// A medium's table does not reach the wavelength, or the observer cancelled.
-    pub fn wavelength(&self, index: usize, observer: &dyn Observer) -> Result<Wavelength> {
+    /// A medium's table does not reach the wavelength, or the user cancelled.
+    pub fn wavelength(&self, index: usize, progress: &dyn Progress) -> Result<Wavelength> {
         let wavelength_nm = self.parameters.axes.wavelengths_nm[index];
         let reflectors = match &self.under {
             Under::Layers(rays) => {
                 let table = |(surface, rays)| {
-                    if observer.is_cancelled() {
+                    if progress.is_cancelled() {
                         return Err(Error::interrupted());
                     }
                     ReflectanceTable::new(self.width, surface, rays, wavelength_nm)

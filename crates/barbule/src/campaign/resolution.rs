@@ -3,7 +3,7 @@
 use num_complex::Complex;
 
 use crate::math::simd::Width;
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::solve::surface::{
     CAMPAIGN_ELEMENT_UM, Cone, Nodes, Rays, ReflectanceTable, Stacks, Surface, Window, Workspace,
 };
@@ -23,21 +23,21 @@ const ASKED: usize = 2;
 /// The parts into which elements must be cut for rays, at the campaign's shortest wavelength and normal incidence.
 ///
 /// # Errors
-/// An instance cannot be made, a medium's table does not reach, or the observer cancelled.
+/// An instance cannot be made, a medium's table does not reach, or the user cancelled.
 pub(super) fn ray_parts(
     structure: &Structure,
     seed: u64,
     distinct: usize,
     shortest_nm: f64,
     width: Width,
-    observer: &dyn Observer,
+    progress: &dyn Progress,
 ) -> Result<usize> {
     let mut parts = 1;
     for instance in 0..distinct.min(ASKED) {
         let section = structure.instance(seed, instance)?;
         let mut coarse = field(&section, parts, shortest_nm, width)?;
         while parts < MOST_PARTS {
-            if observer.is_cancelled() {
+            if progress.is_cancelled() {
                 return Err(Error::interrupted());
             }
             let fine = field(&section, 2 * parts, shortest_nm, width)?;

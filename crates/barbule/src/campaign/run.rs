@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{Campaign, Wavelength};
 use crate::io::store::Store;
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::scattering::statistics::Statistics;
 use crate::{Error, Result};
 
@@ -24,17 +24,17 @@ pub struct Outcome {
 /// Computes the units of shard `shard` of `shards` that the store lacks.
 ///
 /// # Errors
-/// A unit cannot be computed or written, or the observer cancelled; what was written stays and is found next time.
+/// A unit cannot be computed or written, or the user cancelled; what was written stays and is found next time.
 pub fn run(
     campaign: &Campaign,
     store: &Store,
     shard: usize,
     shards: usize,
-    observer: &dyn Observer,
+    progress: &dyn Progress,
 ) -> Result<Outcome> {
     store.prepare_writing()?;
     let units = store.shard(shard, shards);
-    observer.begin("simulating", units.len() as u64);
+    progress.begin("simulating", units.len() as u64);
     let whole: Vec<bool> = units.par_iter().map(|&(w, t)| store.is_whole(w, t)).collect();
     let missing: Vec<_> = units
         .iter()
@@ -44,10 +44,10 @@ pub fn run(
         .collect();
     let found = units.len() - missing.len();
     let repaired = missing.iter().filter(|(_, _, damaged)| *damaged).count();
-    observer.advance(found as u64);
+    progress.advance(found as u64);
     let elsewhere = AtomicUsize::new(0);
     let compute = |wavelength: &Wavelength, index: usize, theta: usize, damaged: bool| {
-        if observer.is_cancelled() {
+        if progress.is_cancelled() {
             return Err(Error::interrupted());
         }
         // Another process may have been here since.
@@ -56,12 +56,12 @@ pub fn run(
         } else {
             store.write(index, theta, &campaign.unit(wavelength, theta, store.keeps(index)))?;
         }
-        observer.advance(1);
+        progress.advance(1);
         Ok(())
     };
     // Units of one wavelength share its tables, of which there is room for one wavelength at a time.
     let work = missing.chunk_by(|a, b| a.0 == b.0).try_for_each(|group| {
-        let wavelength = campaign.wavelength(group[0].0, observer)?;
+        let wavelength = campaign.wavelength(group[0].0, progress)?;
         group.chunks(campaign.units_at_once()).try_for_each(|units| {
             units
                 .par_iter()
@@ -78,25 +78,25 @@ pub fn run(
 /// Computes all units in memory.
 ///
 /// # Errors
-/// A medium's table does not reach a wavelength, or the observer cancelled.
-pub fn statistics(campaign: &Campaign, observer: &dyn Observer) -> Result<Statistics> {
+/// A medium's table does not reach a wavelength, or the user cancelled.
+pub fn statistics(campaign: &Campaign, progress: &dyn Progress) -> Result<Statistics> {
     let axes = &campaign.parameters().axes;
     let thetas = axes.cos_theta.len();
-    observer.begin("simulating", (axes.wavelengths_nm.len() * thetas) as u64);
+    progress.begin("simulating", (axes.wavelengths_nm.len() * thetas) as u64);
     let mut statistics = Statistics::empty(axes.clone(), campaign.parameters().instances);
     for index in 0..axes.wavelengths_nm.len() {
-        let wavelength = campaign.wavelength(index, observer)?;
+        let wavelength = campaign.wavelength(index, progress)?;
         let all: Vec<usize> = (0..thetas).collect();
         for some in all.chunks(campaign.units_at_once()) {
             let units = some
                 .par_iter()
                 .with_max_len(1)
                 .map(|&theta| {
-                    if observer.is_cancelled() {
+                    if progress.is_cancelled() {
                         return Err(Error::interrupted());
                     }
                     let unit = campaign.unit(&wavelength, theta, false);
-                    observer.advance(1);
+                    progress.advance(1);
                     Ok(unit)
                 })
                 .collect::<Result<Vec<_>>>()?;

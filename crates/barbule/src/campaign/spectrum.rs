@@ -4,7 +4,7 @@ use num_complex::Complex;
 use rayon::prelude::*;
 
 use crate::math::simd::Width;
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::scattering::orders::OrderTable;
 use crate::scattering::statistics::AZIMUTHS;
 use crate::solve::crystal::{Multipole, order_table};
@@ -57,7 +57,7 @@ pub fn spectra(
     structure: &Structure,
     request: &SpectrumRequest,
     width: Width,
-    observer: &dyn Observer,
+    observer: &dyn Progress,
 ) -> Result<Spectra> {
     let crystal = structure.lattice().map(|lattice| crystal(&lattice, request, observer)).transpose()?;
     observer.begin("simulating", (request.instances * request.wavelengths_nm.len()) as u64);
@@ -87,7 +87,7 @@ struct Crystal {
     depth_um: f64,
 }
 
-fn crystal(lattice: &Lattice, request: &SpectrumRequest, observer: &dyn Observer) -> Result<Crystal> {
+fn crystal(lattice: &Lattice, request: &SpectrumRequest, observer: &dyn Progress) -> Result<Crystal> {
     let mut cos_theta: Vec<f64> = request.directions.iter().map(|d| d.0.cos()).collect();
     cos_theta.sort_by(f64::total_cmp);
     cos_theta.dedup();
@@ -113,7 +113,7 @@ fn of_instance(
     crystal: Option<&Crystal>,
     instance: usize,
     width: Width,
-    observer: &dyn Observer,
+    observer: &dyn Progress,
 ) -> Result<Vec<f64>> {
     let section = structure.instance(request.seed, instance)?;
     let surface = Surface::new(&section, ELEMENT_UM, Window::Gaussian)?;

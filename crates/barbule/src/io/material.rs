@@ -10,7 +10,7 @@ use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 
 use super::{read_bytes, write_whole};
-use crate::brdf::{LobeSet, Material, ParameterSet};
+use crate::brdf::{FeatherMaterial, LobeSet, ParameterSet};
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::Axes;
 use crate::{Error, Result};
@@ -123,8 +123,8 @@ fn prefix(set: usize, sets: usize) -> String {
 /// Writes a material.
 ///
 /// # Errors
-/// A material that fails [`Material::check`], or a path that cannot be written.
-pub fn write_material(path: &Path, material: &Material) -> Result<()> {
+/// A material that fails [`FeatherMaterial::check`], or a path that cannot be written.
+pub fn write_material(path: &Path, material: &FeatherMaterial) -> Result<()> {
     write_whole(path, &encode_material(material)?)
 }
 
@@ -132,15 +132,15 @@ pub fn write_material(path: &Path, material: &Material) -> Result<()> {
 ///
 /// # Errors
 /// The file is missing or too large, or no valid material; the message begins with the file's name.
-pub fn read_material(path: &Path) -> Result<Material> {
+pub fn read_material(path: &Path) -> Result<FeatherMaterial> {
     decode_material(&read_bytes(path)?).map_err(|error| error.at(path.display()))
 }
 
 /// The bytes of a material's file. Equal materials give equal bytes.
 ///
 /// # Errors
-/// A material that fails [`Material::check`].
-pub fn encode_material(material: &Material) -> Result<Vec<u8>> {
+/// A material that fails [`FeatherMaterial::check`].
+pub fn encode_material(material: &FeatherMaterial) -> Result<Vec<u8>> {
     material.check()?;
     let axes = &material.axes;
     let shape = vec![axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
@@ -193,7 +193,7 @@ pub fn encode_material(material: &Material) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// Anything but a complete, undamaged material of a known schema, in one sentence.
-pub fn decode_material(bytes: &[u8]) -> Result<Material> {
+pub fn decode_material(bytes: &[u8]) -> Result<FeatherMaterial> {
     let damaged = |what: String| Error::input(format!("is not a material file: {what}"));
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|e| damaged(short(&e.to_string())))?;
     let json = metadata.metadata().as_ref().and_then(|entries| entries.get(ENTRY)).ok_or_else(|| {
@@ -220,7 +220,7 @@ pub fn decode_material(bytes: &[u8]) -> Result<Material> {
         cos_phi: doubles(&views, "cos_phi")?,
     };
     let sets = if views.contains_key("p1.m") { 2 } else { 1 };
-    let material = Material {
+    let material = FeatherMaterial {
         sets: (0..sets)
             .map(|set| decode_set(&views, &axes, &prefix(set, sets), sets == 1))
             .collect::<Result<_>>()?,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Module → what it may use. Every module may also use `error`, `math`, `observer` and itself.
+/// Module → what it may use. Every module may also use `error`, `math`, `progress` and itself.
 const ARROWS: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("spectrum", &[]),
@@ -20,7 +20,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("io", &["spectrum", "material", "structure", "scattering", "brdf", "scene", "plot"]),
 ];
 
-const COMMON: &[&str] = &["error", "math", "observer", "Error", "Result", "Complex64"];
+const COMMON: &[&str] = &["error", "math", "progress", "Error", "Result", "Complex64"];
 
 fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {

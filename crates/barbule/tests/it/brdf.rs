@@ -2,7 +2,7 @@
 //! the smooth lobe, and the lobe radiates what was fitted.
 
 use barbule::brdf::fit::fitted_values;
-use barbule::brdf::{FeatherBrdf, Material, Options, Polarization, example};
+use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options, Polarization, example};
 use barbule::math::rng::Stream;
 use barbule::scattering::directions::{azimuths, omega};
 use barbule::scattering::lobe::{FitKind, Lobe};
@@ -10,7 +10,7 @@ use glam::DVec3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// A material with the same roughness, fractions and φ_eff/φ_i everywhere.
-fn constant(m: f32, reflected: f32, stationary: f32) -> Material {
+fn constant(m: f32, reflected: f32, stationary: f32) -> FeatherMaterial {
     let mut material = example(2);
     let phis: Vec<f32> = material.axes.cos_phi.iter().map(|c| c.acos() as f32).collect();
     let set = &mut material.sets[0];
@@ -25,7 +25,7 @@ fn constant(m: f32, reflected: f32, stationary: f32) -> Material {
     material
 }
 
-fn brdf(material: &Material) -> FeatherBrdf {
+fn brdf(material: &FeatherMaterial) -> FeatherBrdf {
     FeatherBrdf::new(material, Options::default()).unwrap()
 }
 

@@ -1,7 +1,7 @@
 //! The crystals' variants: lattices that can exist, and colours that carry their names.
 
 use barbule::material::Library;
-use barbule::observer::Unobserved;
+use barbule::progress::Unobserved;
 use barbule::solve::crystal::{Multipole, sweep};
 use barbule::spectrum::colour::Observer;
 use barbule::spectrum::hue::{hue_deg, oklab};

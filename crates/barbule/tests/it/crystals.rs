@@ -7,7 +7,7 @@ use barbule::campaign::{Campaign, Parameters};
 use barbule::material::Library;
 use barbule::math::rng::Stream;
 use barbule::math::simd::Width;
-use barbule::observer::Unobserved;
+use barbule::progress::Unobserved;
 use barbule::scattering::statistics::{AZIMUTHS, Axes};
 use barbule::solve::crystal::{Cell, Crystal, Incidence, Multipole, Response};
 use barbule::solve::direct;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use barbule::brdf::{FeatherBrdf, Options, example};
 use barbule::io::image::{read_exr, write_exr};
-use barbule::observer::Unobserved;
+use barbule::progress::Unobserved;
 use barbule::render::film::Film;
 use barbule::render::integrator::Integrator;
 use barbule::render::run::{Goal, run};

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use barbule::brdf::{FeatherBrdf, Options, example};
 use barbule::math::rng::Stream;
-use barbule::observer::{Observer, Unobserved};
+use barbule::progress::{Progress, Unobserved};
 use barbule::render::checkpoint;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Technique};
@@ -336,7 +336,7 @@ fn the_picture_is_the_same_bits_for_any_number_of_threads() {
 /// Stops after some steps of progress.
 struct Impatient(AtomicU64);
 
-impl Observer for Impatient {
+impl Progress for Impatient {
     fn begin(&self, _label: &str, _total: u64) {}
     fn advance(&self, steps: u64) {
         self.0.fetch_sub(steps.min(self.0.load(Ordering::SeqCst)), Ordering::SeqCst);

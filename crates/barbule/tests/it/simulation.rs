@@ -10,7 +10,7 @@ use barbule::campaign::{Campaign, Parameters};
 use barbule::material::Library;
 use barbule::math::rng::Stream;
 use barbule::math::simd::Width;
-use barbule::observer::Unobserved;
+use barbule::progress::Unobserved;
 use barbule::scattering::statistics::{AZIMUTHS, Axes};
 use barbule::solve::direct;
 use barbule::solve::surface::{FINE_ELEMENT_UM, Surface, Window, far_field};

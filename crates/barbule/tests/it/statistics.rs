@@ -7,13 +7,13 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use barbule::brdf::fit::{FitOptions, FitReport, fit};
-use barbule::brdf::{Material, Noise, Synthesis, lobe_integral};
+use barbule::brdf::{FeatherMaterial, Noise, Synthesis, lobe_integral};
 use barbule::campaign::single::autocovariance;
 use barbule::campaign::{Campaign, Parameters};
 use barbule::material::Library;
 use barbule::math::simd::Width;
-use barbule::observer::Unobserved;
 use barbule::plot::{Axis, Curve, Drawing, Figure, Format, Ink, Stroke};
+use barbule::progress::Unobserved;
 use barbule::scattering::lobe::Lobe;
 use barbule::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, Statistics};
 use barbule::structure::{SpeciesModel, Structure};
@@ -111,7 +111,7 @@ impl Species {
         axes.cos_phi[node % phis] * axes.cos_theta[node / phis % axes.cos_theta.len()] > 0.65
     }
 
-    fn fitted(&self, polarized: bool) -> (Material, FitReport) {
+    fn fitted(&self, polarized: bool) -> (FeatherMaterial, FitReport) {
         fit(&self.statistics, &FitOptions { polarized, ..FitOptions::default() }, &Unobserved).unwrap()
     }
 }
@@ -195,7 +195,7 @@ fn decay(lags: &[f64]) -> f64 {
 
 /// 1/e lengths at polarization 1, simulated and synthesized: of the weighted fields (S.30) and of the intensities
 /// about their mean over instances.
-fn lengths(species: &Species, material: &Material, wave: usize, phi: usize) -> [[f64; 2]; 2] {
+fn lengths(species: &Species, material: &FeatherMaterial, wave: usize, phi: usize) -> [[f64; 2]; 2] {
     let axes = &species.statistics.axes;
     let theta = axes.cos_theta.len() - 1;
     let patterns =

@@ -3,7 +3,7 @@
 use super::{Cell, Crystal, Incidence};
 use crate::material::Library;
 use crate::math::rng::Stream;
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::structure::{Circle, Lattice, Rod, SpeciesFile, Substance, crystal_species};
 use crate::{Error, Result};
 
@@ -34,20 +34,20 @@ impl Balance {
 /// within ± `reach` (rad), wavelengths within [`WAVELENGTHS_NM`].
 ///
 /// # Errors
-/// The built-in crystals cannot be read, or the observer cancelled.
+/// The built-in crystals cannot be read, or the user cancelled.
 pub fn balance(
     solver: &dyn Crystal,
     points: usize,
     reach: f64,
     seed: u64,
-    observer: &dyn Observer,
+    progress: &dyn Progress,
 ) -> Result<Balance> {
     let known = built_in()?;
-    observer.begin("balancing", points as u64);
+    progress.begin("balancing", points as u64);
     let mut found = Balance { imbalance: Vec::new(), worst: String::new(), refused: Vec::new() };
     let mut largest = 0.0;
     for point in 0..points {
-        if observer.is_cancelled() {
+        if progress.is_cancelled() {
             return Err(Error::interrupted());
         }
         let mut stream = Stream::new(seed, &[point as u64]);
@@ -70,7 +70,7 @@ pub fn balance(
             }
             Err(error) => found.refused.push(format!("{error} ({incidence:?}, {})", described(&lattice))),
         }
-        observer.advance(1);
+        progress.advance(1);
     }
     found.imbalance.sort_by(f64::total_cmp);
     Ok(found)
@@ -153,7 +153,7 @@ pub fn lattice(stream: &mut Stream) -> Lattice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::observer::Unobserved;
+    use crate::progress::Unobserved;
     use crate::solve::crystal::{Multipole, Rcwa};
 
     #[test]

@@ -5,7 +5,7 @@ use std::time::Duration;
 use cpu_time::ProcessTime;
 
 use super::{Cell, Crystal, Fdtd, Incidence, Multipole, Rcwa, Response};
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::structure::Lattice;
 use crate::{Error, Result};
 
@@ -78,16 +78,16 @@ impl Figures {
 /// Measures a crystal on one thread.
 ///
 /// # Errors
-/// A medium has no index at 400 to 694 nm, a solver fails, or the observer cancelled.
-pub fn measure(lattice: &Lattice, effort: Effort, observer: &dyn Observer) -> Result<Figures> {
+/// A medium has no index at 400 to 694 nm, a solver fails, or the user cancelled.
+pub fn measure(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Result<Figures> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build()
         .map_err(|e| Error::machine(format!("no thread for the benchmark: {e}")))?;
-    pool.install(|| sample(lattice, effort, observer))
+    pool.install(|| sample(lattice, effort, progress))
 }
 
-fn sample(lattice: &Lattice, effort: Effort, observer: &dyn Observer) -> Result<Figures> {
+fn sample(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Result<Figures> {
     let cells = WAVELENGTHS_NM.map(|nm| Cell::new(lattice, nm)).into_iter().collect::<Result<Vec<_>>>()?;
     let directions = ANGLES.iter().flat_map(|&theta| ANGLES.iter().map(move |&phi| [theta, phi]));
     let points: Vec<(&Cell, Incidence)> = WAVELENGTHS_NM
@@ -107,7 +107,7 @@ fn sample(lattice: &Lattice, effort: Effort, observer: &dyn Observer) -> Result<
     ];
     let total: usize =
         effort.steps().iter().map(|&(first, step)| (points.len() - first).div_ceil(step)).sum();
-    observer.begin("measuring", (total + WAVELENGTHS_NM.len()) as u64);
+    progress.begin("measuring", (total + WAVELENGTHS_NM.len()) as u64);
     let mut exact: Vec<(Response, f64)> = Vec::new();
     let mut found = Vec::new();
     for ((name, solver), (first, step)) in solvers.iter().zip(effort.steps()) {
@@ -115,13 +115,13 @@ fn sample(lattice: &Lattice, effort: Effort, observer: &dyn Observer) -> Result<
             Solver { name, points: 0, seconds: 0.0, ratio: 0.0, difference: 0.0, imbalance: 0.0 };
         let mut multipole_seconds = 0.0;
         for (index, (cell, incidence)) in points.iter().enumerate().skip(first).step_by(step) {
-            if observer.is_cancelled() {
+            if progress.is_cancelled() {
                 return Err(Error::interrupted());
             }
             let begun = ProcessTime::now();
             let response = solver.respond(cell, incidence)?;
             let seconds = begun.elapsed().as_secs_f64();
-            observer.advance(1);
+            progress.advance(1);
             figures.points += 1;
             figures.seconds += seconds;
             figures.imbalance = figures.imbalance.max(response.imbalance(incidence.phi_i));
@@ -139,19 +139,19 @@ fn sample(lattice: &Lattice, effort: Effort, observer: &dyn Observer) -> Result<
         figures.seconds /= figures.points as f64;
         found.push(figures);
     }
-    let table_point_seconds = table_point(&cells, effort, observer)?;
+    let table_point_seconds = table_point(&cells, effort, progress)?;
     Ok(Figures { solvers: found, table_point_seconds })
 }
 
 /// CPU seconds of one wavelength and direction of a table.
-fn table_point(cells: &[Cell], effort: Effort, observer: &dyn Observer) -> Result<f64> {
+fn table_point(cells: &[Cell], effort: Effort, progress: &dyn Progress) -> Result<f64> {
     let azimuths = TABLE[2];
     let phi_i: Vec<f64> = (1..=azimuths).map(|i| (i as f64 / azimuths as f64).acos()).collect();
     let cosines = if effort == Effort::Least { &TABLE_COS_THETA[2..3] } else { &TABLE_COS_THETA };
     let mut spent = Duration::ZERO;
     for (cell, &nm) in cells.iter().zip(&WAVELENGTHS_NM) {
         for cosine in cosines {
-            if observer.is_cancelled() {
+            if progress.is_cancelled() {
                 return Err(Error::interrupted());
             }
             let begun = ProcessTime::now();
@@ -163,7 +163,7 @@ fn table_point(cells: &[Cell], effort: Effort, observer: &dyn Observer) -> Resul
             )?);
             spent += begun.elapsed();
         }
-        observer.advance(1);
+        progress.advance(1);
     }
     Ok(spent.as_secs_f64() / (cells.len() * cosines.len() * azimuths) as f64)
 }
@@ -172,7 +172,7 @@ fn table_point(cells: &[Cell], effort: Effort, observer: &dyn Observer) -> Resul
 mod tests {
     use super::*;
     use crate::material::Library;
-    use crate::observer::Unobserved;
+    use crate::progress::Unobserved;
     use crate::structure::SpeciesModel;
 
     #[test]

@@ -24,7 +24,7 @@ pub use multipole::Multipole;
 pub use rcwa::Rcwa;
 pub use table::{order_series, order_table};
 
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::structure::Lattice;
 use crate::{Complex64, Error, Result};
 
@@ -218,25 +218,25 @@ impl Cell {
 /// Reflectance of all orders by polarization, `[phi_i][wavelength]`, wavelengths in parallel.
 ///
 /// # Errors
-/// As [`Cell::new`] and [`Crystal::respond`], or the observer cancelled.
+/// As [`Cell::new`] and [`Crystal::respond`], or the user cancelled.
 pub fn sweep(
     solver: &(impl Crystal + Sync),
     lattice: &Lattice,
     wavelengths_nm: &[f64],
     theta_i: f64,
     phi_i: &[f64],
-    observer: &dyn Observer,
+    progress: &dyn Progress,
 ) -> Result<Vec<[f64; 2]>> {
-    observer.begin("solving", wavelengths_nm.len() as u64);
+    progress.begin("solving", wavelengths_nm.len() as u64);
     let columns = wavelengths_nm
         .par_iter()
         .with_max_len(1)
         .map(|&nm| {
-            if observer.is_cancelled() {
+            if progress.is_cancelled() {
                 return Err(Error::interrupted());
             }
             let responses = solver.respond_to_azimuths(&Cell::new(lattice, nm)?, nm, theta_i, phi_i)?;
-            observer.advance(1);
+            progress.advance(1);
             Ok(responses.iter().zip(phi_i).map(|(r, &phi)| r.reflectance(phi)).collect::<Vec<_>>())
         })
         .collect::<Result<Vec<_>>>()?;

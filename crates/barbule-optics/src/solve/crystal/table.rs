@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Cell, Crystal};
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::scattering::orders::{JONES, OrderSeries, OrderTable, Piece};
 use crate::structure::Lattice;
 use crate::{Error, Result};
@@ -26,28 +26,28 @@ const MIRROR_UM: f64 = 1e-9;
 /// Solves a lattice for all wavelengths (nm), cosθ_i and azimuths; every (λ, θ_i) in parallel.
 ///
 /// # Errors
-/// As [`Cell::new`] and [`Crystal::respond`], or the observer cancelled.
+/// As [`Cell::new`] and [`Crystal::respond`], or the user cancelled.
 pub fn order_table(
     solver: &(impl Crystal + Sync),
     lattice: &Lattice,
     wavelengths_nm: &[f64],
     cos_theta: &[f64],
-    observer: &dyn Observer,
+    progress: &dyn Progress,
 ) -> Result<OrderTable> {
     let units = wavelengths_nm.len() * cos_theta.len();
-    observer.begin("solving the crystal", units as u64);
+    progress.begin("solving the crystal", units as u64);
     let cells = wavelengths_nm.iter().map(|&nm| Cell::new(lattice, nm)).collect::<Result<Vec<_>>>()?;
     let series = (0..units)
         .into_par_iter()
         .with_max_len(1)
         .map(|unit| {
-            if observer.is_cancelled() {
+            if progress.is_cancelled() {
                 return Err(Error::interrupted());
             }
             let (wavelength, theta) = (unit / cos_theta.len(), unit % cos_theta.len());
             let theta_i = cos_theta[theta].clamp(0.0, 1.0).acos();
             let series = order_series(solver, &cells[wavelength], wavelengths_nm[wavelength], theta_i)?;
-            observer.advance(1);
+            progress.advance(1);
             Ok(series)
         })
         .collect::<Result<_>>()?;
@@ -220,7 +220,7 @@ mod tests {
     use crate::Complex64;
     use crate::material::Library;
     use crate::math::rng::Stream;
-    use crate::observer::Unobserved;
+    use crate::progress::Unobserved;
     use crate::scattering::orders::Jones;
     use crate::solve::crystal::{Incidence, Multipole, Response, cells};
     use crate::structure::{SpeciesFile, crystal_species};

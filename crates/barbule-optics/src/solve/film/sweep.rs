@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Polarization, Response, response_at};
-use crate::observer::Observer;
+use crate::progress::Progress;
 use crate::spectrum::Wavelengths;
 use crate::structure::stack::Stack;
 use crate::{Complex64, Error, Result};
@@ -47,11 +47,11 @@ pub fn bytes(layers: usize, wavelengths: usize, angles: usize) -> u64 {
 /// The response at every wavelength and angle (rad), in parallel over wavelengths.
 ///
 /// # Errors
-/// As [`super::response`], or the observer cancelled.
-pub fn sweep(stack: &Stack, at: &Wavelengths, angle: &[f64], observer: &dyn Observer) -> Result<Sweep> {
-    observer.begin("film", at.len() as u64);
+/// As [`super::response`], or the user cancelled.
+pub fn sweep(stack: &Stack, at: &Wavelengths, angle: &[f64], progress: &dyn Progress) -> Result<Sweep> {
+    progress.begin("film", at.len() as u64);
     let columns: Vec<Vec<[Response; 2]>> =
-        at.par_iter().map(|&nm| column(stack, nm, angle, observer)).collect::<Result<_>>()?;
+        at.par_iter().map(|&nm| column(stack, nm, angle, progress)).collect::<Result<_>>()?;
     let tables = |which: usize| {
         let points = || (0..angle.len()).flat_map(|a| columns.iter().map(move |column| &column[a][which]));
         let layers = stack.layers();
@@ -71,17 +71,17 @@ pub fn sweep(stack: &Stack, at: &Wavelengths, angle: &[f64], observer: &dyn Obse
 }
 
 /// All angles at one wavelength.
-fn column(stack: &Stack, nm: f64, angle: &[f64], observer: &dyn Observer) -> Result<Vec<[Response; 2]>> {
+fn column(stack: &Stack, nm: f64, angle: &[f64], progress: &dyn Progress) -> Result<Vec<[Response; 2]>> {
     let indices = stack.indices(nm)?;
     let mut points = Vec::with_capacity(angle.len());
     for &angle in angle {
-        if observer.is_cancelled() {
+        if progress.is_cancelled() {
             return Err(Error::interrupted());
         }
         let at = |polarization| response_at(&indices, stack.thickness_nm(), nm, angle, polarization);
         points.push([at(Polarization::S)?, at(Polarization::P)?]);
     }
-    observer.advance(1);
+    progress.advance(1);
     Ok(points)
 }
 
@@ -98,7 +98,7 @@ impl Sweep {
 mod tests {
     use super::*;
     use crate::material::Library;
-    use crate::observer::Unobserved;
+    use crate::progress::Unobserved;
     use crate::solve::film::response;
 
     #[test]

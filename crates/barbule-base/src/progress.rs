@@ -1,7 +1,7 @@
 //! How long work reports its progress and learns that it should stop. The library itself never prints.
 
 /// Watches a long computation. Called from any thread.
-pub trait Observer: Sync {
+pub trait Progress: Sync {
     /// A stage with `total` equal steps begins; `label` says what it is in a few words.
     fn begin(&self, label: &str, total: u64);
     /// `steps` more steps are done.
@@ -14,7 +14,7 @@ pub trait Observer: Sync {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Unobserved;
 
-impl Observer for Unobserved {
+impl Progress for Unobserved {
     fn begin(&self, _label: &str, _total: u64) {}
     fn advance(&self, _steps: u64) {}
     fn is_cancelled(&self) -> bool {
