@@ -33,7 +33,7 @@ fn parse_species(
 /// Reads a structure in TOML: a species, or a stack, which becomes a flat section.
 ///
 /// # Errors
-/// As [`read_species`] or [`super::read_stack`]; a lattice, which this version does not simulate.
+/// As [`read_species`] or [`super::read_stack`]; a lattice alone has a reader of its own, [`super::read_lattice`].
 pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library) -> Result<Structure> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let text = read_text(path)?;

@@ -4,8 +4,9 @@ use super::super::chain::chain;
 use super::super::curve::Roughness;
 use super::super::outline::rounded;
 use super::super::section::{Medium, Parts, Polyline};
+use super::generator::{Generator, Random, ordered, parameters, parts};
 use super::starling::mixture;
-use super::{Random, parameters, parts};
+use crate::material::Library;
 
 /// How far chains go on past the ends before they are cut, µm for each row.
 const PAST_ENDS_UM: f64 = 1.0;
@@ -43,8 +44,25 @@ parameters! {
     }
 }
 
-impl Bronzewing {
-    pub(super) fn parts(&self, random: &Random) -> Parts {
+impl Generator for Bronzewing {
+    fn width_um(&self) -> f64 {
+        self.width_um
+    }
+
+    fn check(&self) -> crate::Result<()> {
+        ordered("core_fraction_low", self.core_fraction_low, "core_fraction_high", self.core_fraction_high)?;
+        let room = self.spacing_um - self.melanosome_spread * self.melanosome_diameter_um;
+        if room <= 0.0 {
+            return Err(crate::Error::input(format!(
+                "parameters.spacing_um is {}, so that melanosomes that are larger by melanosome_spread touch those of the next layer; make it over {}",
+                self.spacing_um,
+                self.melanosome_spread * self.melanosome_diameter_um
+            )));
+        }
+        Ok(())
+    }
+
+    fn parts(&self, random: &Random, _library: &Library) -> Parts {
         let (width, spacing) = (self.width_um, self.point_spacing_um);
         let period = self.melanosome_diameter_um + self.spacing_um;
         let thickness = 2.0 * self.cortex_um + STACKS * self.rows as f64 * period;
@@ -77,7 +95,9 @@ impl Bronzewing {
         boundaries.push(bottom);
         parts(width, boundaries, media)
     }
+}
 
+impl Bronzewing {
     /// The boundaries of a stack under a surface, from the top down.
     fn stack(&self, random: &Random, purpose: u64, surface: &Polyline) -> Vec<Polyline> {
         let (diameter, rows) = (self.melanosome_diameter_um, self.rows);
@@ -91,23 +111,5 @@ impl Bronzewing {
             boundaries.extend([upper.cut(self.width_um), lower.cut(self.width_um)]);
         }
         boundaries
-    }
-
-    pub(super) fn check(&self) -> crate::Result<()> {
-        super::ordered(
-            "core_fraction_low",
-            self.core_fraction_low,
-            "core_fraction_high",
-            self.core_fraction_high,
-        )?;
-        let room = self.spacing_um - self.melanosome_spread * self.melanosome_diameter_um;
-        if room <= 0.0 {
-            return Err(crate::Error::input(format!(
-                "parameters.spacing_um is {}, so that melanosomes that are larger by melanosome_spread touch those of the next layer; make it over {}",
-                self.spacing_um,
-                self.melanosome_spread * self.melanosome_diameter_um
-            )));
-        }
-        Ok(())
     }
 }

@@ -6,7 +6,7 @@ use super::super::curve::{Roughness, grid, point_count};
 use super::super::lattice::{Circle, Lattice, Rod};
 use super::super::outline::{arched, rounded};
 use super::super::section::{Medium, Parts, Substance};
-use super::{Random, parameters, parts};
+use super::generator::{Generator, Random, ordered, parameters, parts};
 use crate::Result;
 use crate::material::Library;
 
@@ -58,7 +58,7 @@ parameters! {
 
 impl Crystal {
     /// The crystal under a flat top.
-    pub(super) fn lattice(&self, library: Library) -> Lattice {
+    fn cells(&self, library: Library) -> Lattice {
         let circle =
             |diameter_um: f64, medium: &str| Circle { diameter_um, medium: Substance::named(medium) };
         let mut circles = vec![circle(self.rod_diameter_um, "melanin")];
@@ -86,17 +86,26 @@ impl Crystal {
             library,
         }
     }
+}
 
-    pub(super) fn is_arched(&self) -> bool {
-        self.thickness_um == 0.0
+impl Generator for Crystal {
+    fn width_um(&self) -> f64 {
+        self.width_um
+    }
+
+    fn check(&self) -> Result<()> {
+        ordered("arc_low_deg", self.arc_low_deg, "arc_high_deg", self.arc_high_deg)?;
+        ordered("slope_low_deg", self.slope_low_deg, "slope_high_deg", self.slope_high_deg)?;
+        ordered("regularity_low", self.regularity_low, "regularity_high", self.regularity_high)?;
+        self.cells(Library::builtin()).check()
     }
 
     /// The crystal under a random top, from a random place of its period on.
-    pub(super) fn parts(&self, random: &Random, library: Library) -> Parts {
+    fn parts(&self, random: &Random, library: &Library) -> Parts {
         let roughness = Roughness::symmetric(self.roughness_correlation_um, self.roughness_amplitude_um);
         let (width, spacing) = (self.width_um, self.point_spacing_um);
         let mut shape = random.stream(0);
-        let top = if self.is_arched() {
+        let top = if self.is_curved() {
             let arc = shape.uniform(self.arc_low_deg, self.arc_high_deg).to_radians();
             let tan_beta = libm::tan(shape.uniform(self.slope_low_deg, self.slope_high_deg).to_radians());
             arched(&mut random.stream(1), width, arc, tan_beta, roughness, spacing, 0.0)
@@ -114,7 +123,7 @@ impl Crystal {
             Regularity { x_um: grid(width, count), value: value.into_iter().map(|v| v.min(1.0)).collect() }
         });
         let crystal = CrystalLayer {
-            lattice: self.lattice(library),
+            lattice: self.cells(library.clone()),
             offset_um: random.stream(2).uniform(0.0, self.period_um),
             regularity,
         };
@@ -122,10 +131,11 @@ impl Crystal {
         Parts { crystal: Some(crystal), ..parts(width, vec![top], media) }
     }
 
-    pub(super) fn check(&self) -> Result<()> {
-        super::ordered("arc_low_deg", self.arc_low_deg, "arc_high_deg", self.arc_high_deg)?;
-        super::ordered("slope_low_deg", self.slope_low_deg, "slope_high_deg", self.slope_high_deg)?;
-        super::ordered("regularity_low", self.regularity_low, "regularity_high", self.regularity_high)?;
-        self.lattice(Library::builtin()).check()
+    fn lattice(&self, library: &Library) -> Option<Lattice> {
+        Some(self.cells(library.clone()))
+    }
+
+    fn is_curved(&self) -> bool {
+        self.thickness_um == 0.0
     }
 }

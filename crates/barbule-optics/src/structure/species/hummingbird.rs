@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use super::super::curve::{Roughness, grid, point_count};
 use super::super::section::{Inclusion, Loop, Medium, Parts, Polyline};
-use super::{Random, parameters, parts};
+use super::generator::{Generator, Random, parameters, parts};
+use crate::material::Library;
 use crate::math::rng::Stream;
 use crate::{Error, Result};
 
@@ -89,8 +90,37 @@ struct Layer {
     depth: f64,
 }
 
-impl Hummingbird {
-    pub(super) fn parts(&self, random: &Random) -> Parts {
+impl Generator for Hummingbird {
+    fn width_um(&self) -> f64 {
+        self.width_um
+    }
+
+    fn check(&self) -> Result<()> {
+        let bubble = self.air_um.min(self.air_first_um) * self.bubble_aspect + self.membrane_um;
+        let bubbles = self.width_um * self.layers as f64 / bubble;
+        if bubbles > MOST_BUBBLES {
+            return Err(Error::input(format!(
+                "parameters: about {bubbles:.0} bubbles, over the limit of {MOST_BUBBLES}; make bubbles longer, or the barbule narrower"
+            )));
+        }
+        let inset = self.end_radius_um.min(0.25 * self.width_um) + self.cortex_um + CLEARANCE_UM;
+        if self.width_um - 2.0 * inset < self.melanosome_length_um {
+            return Err(Error::input(format!(
+                "parameters.width_um is {}, too narrow for one melanosome between its rounded ends",
+                self.width_um
+            )));
+        }
+        let outer = self.air_um.max(self.air_first_um) * (1.0 + self.air_spread) + 2.0 * self.wall_um;
+        let shortest = self.melanosome_length_um * (1.0 - self.melanosome_length_spread);
+        if shortest < 0.5 * outer {
+            return Err(Error::input(format!(
+                "parameters.melanosome_length_um: the shortest melanosome, {shortest:.3} µm, is under half as long as thick ({outer:.3} µm)"
+            )));
+        }
+        Ok(())
+    }
+
+    fn parts(&self, random: &Random, _library: &Library) -> Parts {
         let (width, spacing) = (self.width_um, self.point_spacing_um);
         let (layers, thickness) = self.layers(&mut random.stream(0));
         let count = point_count(width, spacing);
@@ -121,7 +151,9 @@ impl Hummingbird {
             vec![rounded_ends(&top, radius, -1.0, spacing), rounded_ends(&bottom, radius, 1.0, spacing)];
         Parts { inclusions, ..parts(width, boundaries, vec![named("air"), named("keratin"), named("air")]) }
     }
+}
 
+impl Hummingbird {
     /// The first three layers of the same hummingbird with mean values in place of random ones, for sketches.
     #[must_use]
     pub fn without_randomness(&self) -> Self {
@@ -276,31 +308,6 @@ impl Hummingbird {
             }
         }
         outline.close()
-    }
-
-    pub(super) fn check(&self) -> Result<()> {
-        let bubble = self.air_um.min(self.air_first_um) * self.bubble_aspect + self.membrane_um;
-        let bubbles = self.width_um * self.layers as f64 / bubble;
-        if bubbles > MOST_BUBBLES {
-            return Err(Error::input(format!(
-                "parameters: about {bubbles:.0} bubbles, over the limit of {MOST_BUBBLES}; make bubbles longer, or the barbule narrower"
-            )));
-        }
-        let inset = self.end_radius_um.min(0.25 * self.width_um) + self.cortex_um + CLEARANCE_UM;
-        if self.width_um - 2.0 * inset < self.melanosome_length_um {
-            return Err(Error::input(format!(
-                "parameters.width_um is {}, too narrow for one melanosome between its rounded ends",
-                self.width_um
-            )));
-        }
-        let outer = self.air_um.max(self.air_first_um) * (1.0 + self.air_spread) + 2.0 * self.wall_um;
-        let shortest = self.melanosome_length_um * (1.0 - self.melanosome_length_spread);
-        if shortest < 0.5 * outer {
-            return Err(Error::input(format!(
-                "parameters.melanosome_length_um: the shortest melanosome, {shortest:.3} µm, is under half as long as thick ({outer:.3} µm)"
-            )));
-        }
-        Ok(())
     }
 }
 

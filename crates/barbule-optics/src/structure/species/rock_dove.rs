@@ -3,7 +3,8 @@
 use super::super::curve::{Roughness, grid, point_count};
 use super::super::outline::arched;
 use super::super::section::{Medium, Parts, Polyline, Substance};
-use super::{Random, parameters, parts};
+use super::generator::{Generator, Random, ordered, parameters, parts};
+use crate::material::Library;
 
 parameters! {
     /// Parameters of the rock dove generator.
@@ -49,8 +50,19 @@ parameters! {
     }
 }
 
-impl RockDove {
-    pub(super) fn parts(&self, random: &Random) -> Parts {
+impl Generator for RockDove {
+    fn width_um(&self) -> f64 {
+        self.width_um
+    }
+
+    fn check(&self) -> crate::Result<()> {
+        ordered("arc_low_deg", self.arc_low_deg, "arc_high_deg", self.arc_high_deg)?;
+        ordered("slope_low_deg", self.slope_low_deg, "slope_high_deg", self.slope_high_deg)?;
+        ordered("gap_low_um", self.gap_low_um, "gap_high_um", self.gap_high_um)?;
+        ordered("melanin_low", self.melanin_low, "melanin_high", self.melanin_high)
+    }
+
+    fn parts(&self, random: &Random, _library: &Library) -> Parts {
         let (width, spacing) = (self.width_um, self.point_spacing_um);
         let mut shape = random.stream(0);
         let mut arc = || shape.uniform(self.arc_low_deg, self.arc_high_deg).to_radians();
@@ -98,10 +110,7 @@ impl RockDove {
         )
     }
 
-    pub(super) fn check(&self) -> crate::Result<()> {
-        super::ordered("arc_low_deg", self.arc_low_deg, "arc_high_deg", self.arc_high_deg)?;
-        super::ordered("slope_low_deg", self.slope_low_deg, "slope_high_deg", self.slope_high_deg)?;
-        super::ordered("gap_low_um", self.gap_low_um, "gap_high_um", self.gap_high_um)?;
-        super::ordered("melanin_low", self.melanin_low, "melanin_high", self.melanin_high)
+    fn is_curved(&self) -> bool {
+        true
     }
 }

@@ -4,7 +4,8 @@ use super::super::chain::chain;
 use super::super::curve::{Roughness, grid, point_count};
 use super::super::outline::rounded;
 use super::super::section::{Medium, Parts, Polyline, Substance};
-use super::{Random, parameters, parts};
+use super::generator::{Generator, Random, ordered, parameters, parts};
+use crate::material::Library;
 use crate::math::rng::Stream;
 
 /// How far chains go on past the ends before they are cut, µm.
@@ -38,8 +39,16 @@ parameters! {
     }
 }
 
-impl Starling {
-    pub(super) fn parts(&self, random: &Random) -> Parts {
+impl Generator for Starling {
+    fn width_um(&self) -> f64 {
+        self.width_um
+    }
+
+    fn check(&self) -> crate::Result<()> {
+        ordered("core_fraction_low", self.core_fraction_low, "core_fraction_high", self.core_fraction_high)
+    }
+
+    fn parts(&self, random: &Random, _library: &Library) -> Parts {
         let roughness = Roughness::symmetric(self.roughness_correlation_um, self.roughness_amplitude_um);
         let spacing = self.point_spacing_um;
         let (top, bottom) =
@@ -67,16 +76,9 @@ impl Starling {
             ],
         )
     }
+}
 
-    pub(super) fn check(&self) -> crate::Result<()> {
-        super::ordered(
-            "core_fraction_low",
-            self.core_fraction_low,
-            "core_fraction_high",
-            self.core_fraction_high,
-        )
-    }
-
+impl Starling {
     /// The two boundaries of the chain under a surface.
     fn layer(&self, stream: &mut Stream, surface: &Polyline) -> (Polyline, Polyline) {
         let depth = self.cortex_um + 0.5 * self.melanosome_diameter_um;
