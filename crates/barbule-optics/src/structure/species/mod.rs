@@ -14,6 +14,7 @@ use super::section::{Parts, Section};
 use crate::error::did_you_mean;
 use crate::error::shortened;
 use crate::fields::{Fields, list};
+use crate::identity::{Hasher, Identify};
 use crate::material::Library;
 use crate::math::rng::Stream;
 use crate::{Error, Result};
@@ -76,6 +77,13 @@ macro_rules! parameters {
                             fields, stringify!($field), f64::from($low), f64::from($high))?,
                     },)*
                 })
+            }
+        }
+
+        impl $crate::identity::Identify for $name {
+            fn feed(&self, to: &mut $crate::identity::Hasher) {
+                // The keys of species files, which stay.
+                $(to.number(stringify!($field), self.$field as f64);)*
             }
         }
     };
@@ -160,6 +168,18 @@ impl Parameters {
             Self::Hummingbird(p) => p.width_um,
             Self::Crystal(p) => p.width_um,
         }
+    }
+}
+
+impl Identify for Parameters {
+    fn feed(&self, to: &mut Hasher) {
+        match self {
+            Self::RockDove(p) => to.part("rock-dove", p),
+            Self::Starling(p) => to.part("starling", p),
+            Self::Bronzewing(p) => to.part("bronzewing", p),
+            Self::Hummingbird(p) => to.part("hummingbird", p),
+            Self::Crystal(p) => to.part("crystal", p),
+        };
     }
 }
 
