@@ -8,5 +8,5 @@ pub mod brdf;
 pub mod render;
 pub mod scene;
 
-use barbule_base::{Error, Result, error, math, progress};
+use barbule_base::{Error, Result, error, identity, math, progress};
 use barbule_light::{scattering, spectrum};

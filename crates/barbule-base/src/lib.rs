@@ -5,6 +5,7 @@
 
 pub mod error;
 pub mod fields;
+pub mod identity;
 pub mod math;
 pub mod progress;
 

@@ -1,8 +1,12 @@
 //! What `simulate`, `fit` and `characterize` share: flags, the campaign they describe, the material they make.
 
+use std::path::Path;
+
 use barbule::brdf::FeatherMaterial;
 use barbule::brdf::fit::{FitOptions, FitReport, Pattern, fit};
 use barbule::campaign::{Campaign, Demand, Parameters, orders};
+use barbule::identity::Hasher;
+use barbule::io::store::Store;
 use barbule::io::{read_orders, write_orders};
 use barbule::math::simd::Width;
 use barbule::progress::Progress;
@@ -176,6 +180,23 @@ impl Planned {
         Ok(campaign)
     }
 
+    /// The description with the hashes of the version that `recorded`, an earlier result's description, has.
+    pub(crate) fn description_like(&self, recorded: &Value) -> Value {
+        let mut description = self.description.clone();
+        description["structure"] = self.structure.description_like(&recorded["structure"]);
+        description
+    }
+
+    /// Creates the campaign's store, or opens it to go on, also one of an earlier version.
+    pub(crate) fn store(&self, path: &Path, kept_nm: &[f64], width: Width) -> Result<Store> {
+        // What cannot be opened is refused, or made, by the creation.
+        let there = Store::open(path).ok();
+        let description =
+            there.map_or_else(|| self.description.clone(), |s| self.description_like(s.description()));
+        let Parameters { axes, instances, .. } = &self.parameters;
+        Store::create(path, axes, *instances, &self.structure.name(), &description, kept_nm, width.name())
+    }
+
     /// Illuminations of the whole campaign.
     pub(crate) fn illuminations(&self) -> usize {
         self.parameters.axes.len() * self.parameters.instances * 2
@@ -190,18 +211,27 @@ pub(crate) fn crystal_orders(
     progress: &dyn Progress,
 ) -> Result<Option<OrderTable>> {
     let Some(lattice) = structure.lattice() else { return Ok(None) };
-    let key = format!("{CAMPAIGN_VERSION} {} {:?} {:?}", lattice.hash(), axes.wavelengths_nm, axes.cos_theta);
-    let key = barbule::io::hash_bytes(key.as_bytes());
+    let key = Hasher::new("orders")
+        .count("campaign", CAMPAIGN_VERSION)
+        .part("lattice", &lattice)
+        .numbers("wavelengths_nm", &axes.wavelengths_nm)
+        .numbers("cos_theta", &axes.cos_theta)
+        .hex();
+    let (legacy, nm) = (lattice.legacy_hash(), &axes.wavelengths_nm);
+    let legacy = format!("{CAMPAIGN_VERSION} {legacy} {nm:?} {:?}", axes.cos_theta);
+    let legacy = barbule::io::hash_bytes(legacy.as_bytes());
     // Without a cache the orders are solved every time.
     let folder = cache_folder(common).ok();
-    let path = folder.map(|f| f.join(format!("{}-{}.orders", file_stem(&structure.name()), &key[..16])));
-    if let Some(found) = path.as_ref().and_then(|path| read_orders(path, &key).ok()) {
+    let stem = file_stem(&structure.name());
+    let path = |key: &str| folder.as_ref().map(|f| f.join(format!("{stem}-{}.orders", &key[..16])));
+    let read = |key: &str| path(key).and_then(|path| read_orders(&path, key).ok());
+    if let Some(found) = read(&key).or_else(|| read(&legacy)) {
         common.explain("the orders of the crystal are in the cache");
         return Ok(Some(found));
     }
     let table = orders(structure, axes, progress)?;
-    if let (Some(path), Some(table)) = (&path, &table)
-        && let Err(error) = write_orders(path, &key, table)
+    if let (Some(path), Some(table)) = (path(&key), &table)
+        && let Err(error) = write_orders(&path, &key, table)
     {
         common.explain(&format!("the orders of the crystal are not kept: {error}"));
     }

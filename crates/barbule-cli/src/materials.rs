@@ -52,7 +52,8 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(FeatherMaterial, Stri
     if let (Structure::Species(_), Some(bytes)) = (&structure, barbule_materials::material(&stem)) {
         let material = decode_material(bytes).map_err(|e| e.at(format!("the shipped material {stem}")))?;
         // A user's own species may bear the name of a built-in one.
-        if material.info["campaign"]["structure"] == structure.description() {
+        let recorded = &material.info["campaign"]["structure"];
+        if *recorded == structure.description_like(recorded) {
             return Ok((material, barbule::io::hash_bytes(bytes)));
         }
     }
@@ -62,7 +63,7 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(FeatherMaterial, Stri
     let planned = defaults.campaign.plan(structure, common)?;
     if cached.is_file()
         && let Ok(material) = read_material(&cached)
-        && material.info["campaign"] == planned.description
+        && material.info["campaign"] == planned.description_like(&material.info["campaign"])
     {
         return Ok((material, barbule::io::hash_file(&cached)?));
     }
@@ -100,7 +101,7 @@ pub(crate) fn structure_of(material: &FeatherMaterial, common: &Common) -> Resul
             .filter(|name| !name.is_empty())
             .and_then(|name| structure_arg::parse(name, common).ok())
     };
-    structure.filter(|structure| structure.description() == *recorded).ok_or_else(|| {
+    structure.filter(|structure| structure.description_like(recorded) == *recorded).ok_or_else(|| {
         Error::input(
             "the barbules that this material was simulated from cannot be made again from what it records; characterize \
              the structure again, or give its sections and --medium as they were then",

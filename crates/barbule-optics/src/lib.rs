@@ -8,5 +8,5 @@ pub mod material;
 pub mod solve;
 pub mod structure;
 
-use barbule_base::{Complex64, Error, Result, error, fields, math, progress};
+use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};
 use barbule_light::{scattering, spectrum};

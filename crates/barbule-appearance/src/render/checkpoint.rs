@@ -5,18 +5,22 @@
 //! (u32), and a BLAKE3 checksum of all before it.
 
 use super::film::{Film, Pixel};
+use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
 
 const MAGIC: &[u8; 8] = b"BARBFILM";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEAD: usize = 8 + 3 * 4 + 32;
 const PIXEL: usize = 8 * 8 + 2 * 4;
 const SUM: usize = 32;
 
-/// Names a picture: whatever decides its samples.
+/// Names a picture by all that decides its samples: the scene, BLAKE3 of its material's bytes, the seed, the program's
+/// version, and what names the sky's image (empty without one).
 #[must_use]
-pub fn name(settings: &str) -> [u8; 32] {
-    *blake3::hash(settings.as_bytes()).as_bytes()
+pub fn name(scene: &impl Identify, material: &str, seed: u64, program: &str, sky: &str) -> [u8; 32] {
+    let mut hasher = Hasher::new("picture");
+    hasher.part("scene", scene).text("material", material).count("seed", seed);
+    hasher.text("program", program).text("sky", sky).finish()
 }
 
 /// Bytes of a checkpoint of this size of picture, at most.
@@ -129,20 +133,20 @@ mod tests {
 
     #[test]
     fn a_checkpoint_gives_the_same_film_back() {
-        let bytes = write(&film(), &name("a"));
-        assert_eq!(read(&bytes, &name("a"), [40, 10]).unwrap(), film());
+        let bytes = write(&film(), &[1; 32]);
+        assert_eq!(read(&bytes, &[1; 32], [40, 10]).unwrap(), film());
     }
 
     #[test]
     fn damaged_and_foreign_checkpoints_are_refused() {
-        let bytes = write(&film(), &name("a"));
-        let message = |bytes: &[u8], n: &str, size| read(bytes, &name(n), size).unwrap_err().to_string();
-        assert!(message(&bytes, "b", [40, 10]).contains("another picture"));
-        assert!(message(&bytes, "a", [40, 11]).contains("another size"));
-        assert!(message(b"hello", "a", [40, 10]).contains("not one of this program"));
+        let bytes = write(&film(), &[1; 32]);
+        let message = |bytes: &[u8], n: u8, size| read(bytes, &[n; 32], size).unwrap_err().to_string();
+        assert!(message(&bytes, 2, [40, 10]).contains("another picture"));
+        assert!(message(&bytes, 1, [40, 11]).contains("another size"));
+        assert!(message(b"hello", 1, [40, 10]).contains("not one of this program"));
         let mut flipped = bytes.clone();
         flipped[100] ^= 1;
-        assert!(message(&flipped, "a", [40, 10]).contains("checksum"));
-        assert!(message(&bytes[..bytes.len() - 1], "a", [40, 10]).contains("checksum"));
+        assert!(message(&flipped, 1, [40, 10]).contains("checksum"));
+        assert!(message(&bytes[..bytes.len() - 1], 1, [40, 10]).contains("checksum"));
     }
 }

@@ -9,6 +9,7 @@ pub mod emission;
 pub mod feather;
 pub mod frame;
 pub mod geometry;
+mod identify;
 pub mod keratin;
 pub mod light;
 pub mod preset;

@@ -4,7 +4,6 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::campaign::{run, statistics};
-use barbule::io::store::Store;
 use barbule::io::{check_writable, write_material};
 use barbule::{Error, Result};
 
@@ -55,16 +54,7 @@ impl Args {
         let statistics = match &store {
             None => statistics(&campaign, &progress)?,
             Some(path) => {
-                let parameters = &planned.parameters;
-                let store = Store::create(
-                    path,
-                    &parameters.axes,
-                    parameters.instances,
-                    &name,
-                    &planned.description,
-                    &[],
-                    width.name(),
-                )?;
+                let store = planned.store(path, &[], width)?;
                 let outcome = run(&campaign, &store, 0, 1, &progress)?;
                 say_repaired(outcome.repaired, &self.common);
                 store.statistics()?

@@ -198,13 +198,8 @@ impl Args {
             preset.width_mm,
             begun.elapsed().as_secs_f64()
         ));
-        let settings = format!(
-            "{preset:?} {} {seed} {} {}",
-            job.hash,
-            env!("CARGO_PKG_VERSION"),
-            sky_name.unwrap_or_default()
-        );
-        let name = checkpoint::name(&settings);
+        let program = env!("CARGO_PKG_VERSION");
+        let name = checkpoint::name(preset, job.hash, seed, program, sky_name.unwrap_or_default());
         let kept = job.checkpoint();
         let mut film = if self.resume && kept.exists() {
             let bytes = read_at_most(&kept, checkpoint::largest(job.size))?;

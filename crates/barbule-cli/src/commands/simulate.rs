@@ -47,21 +47,11 @@ impl Args {
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
         let (shard, shards) = self.shard.as_deref().map_or(Ok((0, 1)), shard)?;
         let structure = structure_arg::parse(&self.structure, &self.common)?;
-        let name = structure.name();
         let planned = self.campaign.plan(structure, &self.common)?;
         let kept = self.keep_fields.as_deref().map_or(Ok(Vec::new()), crate::sets::wavelengths)?;
         let width = self.campaign.width()?;
         let at_once = planned.units_at_once(width, !kept.is_empty(), false, &self.common)?;
-        let axes = &planned.parameters.axes;
-        let store = Store::create(
-            path,
-            axes,
-            planned.parameters.instances,
-            &name,
-            &planned.description,
-            &kept,
-            width.name(),
-        )?;
+        let store = planned.store(path, &kept, width)?;
         let units = store.shard(shard, shards);
         if units.iter().all(|&(w, t)| store.is_whole(w, t)) {
             store.end_writing();

@@ -1,6 +1,7 @@
 //! Effective indices of media mixed on a scale far below the wavelength.
 
 use super::Material;
+use crate::identity::{Hasher, Identify};
 use crate::{Complex64, Error, Result};
 
 /// Mixtures of mixtures go no deeper than this.
@@ -96,12 +97,25 @@ impl Mixture {
         self.rule
     }
 
+    /// How deep mixtures are nested in it, itself included.
+    #[must_use]
+    pub fn depth(&self) -> usize {
+        self.depth
+    }
+
     pub(super) fn is_constant(&self) -> bool {
         self.a.is_constant() && self.b.is_constant()
     }
 
     pub(super) fn index(&self, wavelength_nm: f64) -> Result<Complex64> {
         Ok(mixed(self.a.index(wavelength_nm)?, self.b.index(wavelength_nm)?, self.fraction, self.rule))
+    }
+}
+
+impl Identify for Mixture {
+    fn feed(&self, to: &mut Hasher) {
+        let Self { a, b, fraction, rule, depth: _ } = self;
+        to.part("a", a).part("b", b).number("fraction", *fraction).text("rule", rule.name());
     }
 }
 

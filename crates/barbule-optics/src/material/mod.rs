@@ -15,6 +15,7 @@ pub use table::Table;
 
 use std::sync::Arc;
 
+use crate::identity::{Hasher, Identify};
 use crate::{Complex64, Error, Result};
 
 /// The largest |n| or k of any medium: beyond it the formulas lose their digits.
@@ -115,6 +116,20 @@ impl Material {
             Self::Mixture(mixture) => mixture.is_constant(),
             _ => false,
         }
+    }
+}
+
+impl Identify for Material {
+    fn feed(&self, to: &mut Hasher) {
+        match self {
+            Self::Constant(Complex64 { re, im }) => to.numbers("constant", &[*re, *im]),
+            Self::Cauchy { a, b_nm2 } => to.numbers("cauchy", &[*a, *b_nm2]),
+            Self::AbsorbingCauchy { a, b_nm2, c, decay_nm } => {
+                to.numbers("absorbing cauchy", &[*a, *b_nm2, *c, *decay_nm])
+            }
+            Self::Table(table) => to.part("table", &**table),
+            Self::Mixture(mixture) => to.part("mixture", &**mixture),
+        };
     }
 }
 

@@ -1,5 +1,6 @@
 //! Tabulated indices.
 
+use crate::identity::{Hasher, Identify};
 use crate::{Complex64, Error, Result};
 
 /// n and k against the wavelength, interpolated linearly and never extrapolated.
@@ -59,6 +60,12 @@ impl Table {
         &self.wavelength_nm
     }
 
+    /// The indices n + jk of the rows.
+    #[must_use]
+    pub fn indices(&self) -> &[Complex64] {
+        &self.index
+    }
+
     pub(super) fn index(&self, wavelength_nm: f64) -> Result<Complex64> {
         let (first, last) = self.range_nm();
         let after = self.wavelength_nm.partition_point(|&w| w < wavelength_nm);
@@ -74,6 +81,16 @@ impl Table {
         let (low, high) = (self.wavelength_nm[after - 1], self.wavelength_nm[after]);
         let part = (wavelength_nm - low) / (high - low);
         Ok(self.index[after - 1] * (1.0 - part) + self.index[after] * part)
+    }
+}
+
+impl Identify for Table {
+    fn feed(&self, to: &mut Hasher) {
+        // Where a table was read from changes nothing.
+        let Self { name: _, wavelength_nm, index } = self;
+        let parts = |part: fn(&Complex64) -> f64| index.iter().map(part).collect::<Vec<_>>();
+        to.numbers("wavelength_nm", wavelength_nm);
+        to.numbers("n", &parts(|index| index.re)).numbers("k", &parts(|index| index.im));
     }
 }
 

@@ -108,15 +108,16 @@ impl Lattice {
             .fold(0.0, f64::max)
     }
 
-    /// BLAKE3 of everything that decides what it reflects, its materials included, in hexadecimal.
+    /// The identity of everything that decides what it reflects, BLAKE3 in hexadecimal.
     #[must_use]
     pub fn hash(&self) -> String {
-        let circles = self.rods.iter().flat_map(|rod| &rod.circles).map(|circle| &circle.medium);
-        let materials: Vec<_> =
-            [&self.host, &self.incidence].into_iter().chain(circles).map(|m| self.material(m).ok()).collect();
-        let places: Vec<_> = self.placed().collect();
-        let text = format!("{:?} {places:?} {:?} {materials:?}", self.period_um, self.rods);
-        blake3::hash(text.as_bytes()).to_hex().to_string()
+        crate::identity::hash("lattice", self)
+    }
+
+    /// The hash by which tables of earlier versions name it.
+    #[must_use]
+    pub fn legacy_hash(&self) -> String {
+        super::legacy::lattice_hash(self)
     }
 
     /// The material of a substance of this lattice.

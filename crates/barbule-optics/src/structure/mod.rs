@@ -5,7 +5,9 @@ mod chain;
 mod check;
 mod crystal;
 mod curve;
+mod identify;
 mod lattice;
+mod legacy;
 mod outline;
 mod section;
 mod species;
@@ -24,7 +26,9 @@ pub use species::{
     crystal_species, layered_species, species_names, species_toml,
 };
 
-use crate::{Error, Result};
+use serde_json::{Map, Value, json};
+
+use crate::{Error, Result, identity};
 
 /// Top boundaries whose ends slope by more than this against each other are curved, as tangents.
 const CURVED_SLOPE: f64 = 0.3;
@@ -107,56 +111,51 @@ impl Structure {
         }
     }
 
-    /// Everything that decides the instances, for the metadata of results: generator parameters or sections, and the
-    /// materials.
+    /// Everything that decides the instances, for the metadata of results: generator parameters or sections, the hashes
+    /// of their materials, and `identity`, the version of these hashes.
     #[must_use]
-    pub fn description(&self) -> serde_json::Value {
+    pub fn description(&self) -> Value {
         match self {
-            Self::Species(model) => serde_json::json!({
-                "species": model.name,
-                "variant": model.variant,
-                "parameters": model.parameters,
-                "materials": materials(&model.library, ["air", "keratin", "melanin"].into_iter()),
-            }),
-            Self::Sections { name, sections } => serde_json::json!({
+            Self::Species(model) => {
+                let hash = |name: &&str| {
+                    let material = crate::material::parse(name, &model.library).ok()?;
+                    Some(((*name).to_owned(), identity::hash("material", &material).into()))
+                };
+                let materials: Map<String, Value> =
+                    ["air", "keratin", "melanin"].iter().filter_map(hash).collect();
+                json!({
+                    "identity": identity::VERSION,
+                    "species": model.name,
+                    "variant": model.variant,
+                    "parameters": model.parameters,
+                    "materials": materials,
+                })
+            }
+            Self::Sections { name, sections } => json!({
+                "identity": identity::VERSION,
                 "sections": name,
-                "hashes": sections.iter().map(section_hash).collect::<Vec<_>>(),
+                "hashes": sections.iter().map(|s| identity::hash("section", s)).collect::<Vec<_>>(),
             }),
         }
     }
 
-    /// BLAKE3 of the canonical description, in hexadecimal.
+    /// [`Self::description`] with hashes of the version that `recorded`, a description in an earlier result, has: equal
+    /// to it where the result is of this structure.
+    #[must_use]
+    pub fn description_like(&self, recorded: &Value) -> Value {
+        if recorded.get("identity").is_none() { legacy::description(self) } else { self.description() }
+    }
+
+    /// The identity of everything that decides the instances, BLAKE3 in hexadecimal.
     #[must_use]
     pub fn hash(&self) -> String {
-        blake3::hash(self.description().to_string().as_bytes()).to_hex().to_string()
+        match self {
+            Self::Species(model) => identity::hash("species", &**model),
+            Self::Sections { name: _, sections } => {
+                identity::Hasher::new("sections").list("sections", sections).hex()
+            }
+        }
     }
-}
-
-/// Each named material in words that change when its index does.
-fn materials<'a>(
-    library: &crate::material::Library,
-    names: impl Iterator<Item = &'a str>,
-) -> serde_json::Map<String, serde_json::Value> {
-    names
-        .filter_map(|name| {
-            let material = crate::material::parse(name, library).ok()?;
-            let hash = blake3::hash(format!("{material:?}").as_bytes()).to_hex().to_string();
-            Some((name.to_owned(), hash.into()))
-        })
-        .collect()
-}
-
-fn section_hash(section: &Section) -> String {
-    let names = section.all_media().flat_map(Medium::substances).filter_map(|substance| match substance {
-        Substance::Named(name) => Some(name.as_str()),
-        Substance::Index(_) => None,
-    });
-    let shape = (&section.width_um, &section.boundaries, &section.media, &section.inclusions);
-    let mut text = format!("{shape:?} {:?}", materials(&section.library, names));
-    if let Some(CrystalLayer { lattice, offset_um, regularity }) = &section.crystal {
-        text += &format!(" {} {offset_um:?} {regularity:?}", lattice.hash());
-    }
-    blake3::hash(text.as_bytes()).to_hex().to_string()
 }
 
 /// Whether the slopes of the left and the right third of a curve differ as an arch's do.

@@ -353,7 +353,7 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
     let goal = Goal { samples: 36, noise: Some(0.08), time: None };
     let mut whole = Film::new([70, 40]).unwrap();
     run(&integrator, &mut whole, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap();
-    let name = checkpoint::name("starling");
+    let name = checkpoint::name(&preset::named("starling").unwrap(), "", 1, "", "");
     let mut part = Film::new([70, 40]).unwrap();
     for patience in [30, 50, 20] {
         let ended =

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::{Bronzewing, Crystal, Hummingbird, RockDove, Starling};
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
+use crate::identity::{Hasher, Identify};
 use crate::material::Library;
 use crate::math::rng::Stream;
 use crate::structure::lattice::Lattice;
@@ -62,6 +63,12 @@ macro_rules! generators {
 
             pub(super) fn generator(&self) -> &dyn Generator {
                 match self { $(Self::$kind(parameters) => parameters,)* }
+            }
+        }
+
+        impl Identify for Parameters {
+            fn feed(&self, to: &mut Hasher) {
+                match self { $(Self::$kind(parameters) => to.part($name, parameters),)* };
             }
         }
     };
@@ -135,6 +142,13 @@ macro_rules! parameters {
                             fields, stringify!($field), f64::from($low), f64::from($high))?,
                     },)*
                 })
+            }
+        }
+
+        impl $crate::identity::Identify for $name {
+            fn feed(&self, to: &mut $crate::identity::Hasher) {
+                // The keys of species files, which stay.
+                $(to.number(stringify!($field), self.$field as f64);)*
             }
         }
     };

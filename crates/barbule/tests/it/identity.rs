@@ -1,0 +1,136 @@
+//! Identities are what they were: in files of earlier versions, and from now on.
+
+use barbule::Complex64;
+use barbule::identity;
+use barbule::io::{decode_material, parse_section, read_lattice};
+use barbule::material::{Library, Table};
+use barbule::render::checkpoint;
+use barbule::scene::preset;
+use barbule::structure::stack::Stack;
+use barbule::structure::{Section, SpeciesModel, Structure, species_names};
+use serde_json::json;
+
+/// A structure like those that earlier versions recorded: without the version of its hashes.
+fn legacy_hash(section: Section) -> String {
+    let structure = Structure::Sections { name: "x".into(), sections: vec![section] };
+    let described = structure.description_like(&json!({}));
+    described["hashes"][0].as_str().unwrap().to_owned()
+}
+
+fn with_chitin() -> Library {
+    let rows = [(300.0, 1.5, 0.0), (450.5, 1.52, 0.001), (830.0, 1.48, 0.0)];
+    let rows = rows.map(|(nm, n, k)| (nm, Complex64::new(n, k)));
+    let mut library = Library::builtin();
+    library.insert_table("chitin", Table::new("chitin.csv", &rows).unwrap()).unwrap();
+    library
+}
+
+fn stack() -> Section {
+    let text = "air/mix(keratin,melanin,0.25,bruggeman):120/1.56+0.02j:80/chitin:300/air";
+    Section::flat(text, &Stack::parse(text, &with_chitin()).unwrap(), with_chitin()).unwrap()
+}
+
+fn lattice() -> barbule::structure::Lattice {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/lattices/square-holes.toml");
+    read_lattice(path.as_ref(), &Library::builtin()).unwrap()
+}
+
+fn granules() -> Section {
+    let text = include_str!("../../../../examples/granules.json");
+    parse_section(text, "granules.json".as_ref(), &Library::builtin()).unwrap()
+}
+
+/// An instance as it comes back from a file.
+fn instance(species: &str) -> Section {
+    SpeciesModel::builtin(species, None, Library::builtin()).unwrap().section(1, 1).unwrap()
+}
+
+fn model(species: &str) -> Structure {
+    Structure::Species(Box::new(SpeciesModel::builtin(species, None, Library::builtin()).unwrap()))
+}
+
+#[test]
+fn what_ships_is_recognised_by_what_it_recorded_when_it_was_made() {
+    for (stem, bytes) in barbule_materials::MATERIALS {
+        let recorded = &decode_material(bytes).unwrap().info["campaign"]["structure"];
+        let text = |key: &str| recorded[key].as_str().unwrap();
+        let model =
+            SpeciesModel::builtin(text("species"), Some(text("variant")), Library::builtin()).unwrap();
+        let structure = Structure::Species(Box::new(model));
+        assert_eq!(structure.description_like(recorded), *recorded, "{stem}");
+        assert_ne!(structure.description(), *recorded, "{stem}");
+    }
+}
+
+/// Hashes that version 0.1.0 wrote into stores.
+#[test]
+fn hashes_of_version_1_are_still_made() {
+    let found = [
+        legacy_hash(stack()),
+        legacy_hash(Section::flat_crystal("x", lattice()).unwrap()),
+        legacy_hash(granules()),
+        legacy_hash(instance("bronzewing")),
+        legacy_hash(instance("rock-dove")),
+        legacy_hash(instance("peafowl")),
+        legacy_hash(instance("magpie")),
+    ];
+    assert_eq!(
+        found,
+        [
+            "4c071791c6c2fa2354e008b8dfbf0ac6dc660f935ff0c07b4cdf76b51fcb5a87",
+            "6ee276142d73c1e718b9f11e96146e9efca3433c49f9db0e92c55aecb2c6591f",
+            "535b2d5c84b727934c939b0ab2209ee9d3bc89083475d10222225a2cff979e83",
+            "dceeb089e4f55b07315351978f11b0cc5b94d33f0f92c09d5aa355b1cb7dfd62",
+            "a4288c56b141cfb5a957f6e8454cca624c7af6a19e121fae3309ed0c7383d84a",
+            "734457dc2ae1728b1c787bb9b522803a65da7baaf9025d959c7ff8da1873c12c",
+            "11407e2e2d12dcd72dfc4522698462ff8077ba9065daf3653a1165d659bd548b",
+        ]
+    );
+}
+
+#[test]
+fn identities_stay_what_they_are() {
+    let library = with_chitin();
+    let mut found: Vec<(String, String)> = Vec::new();
+    let mut add = |name: &str, hash: String| found.push((name.to_owned(), hash[..16].to_owned()));
+    species_names().for_each(|species| add(species, model(species).hash()));
+    add("stack", identity::hash("section", &stack()));
+    add("granules", identity::hash("section", &granules()));
+    add("curved crystal", identity::hash("section", &instance("magpie")));
+    add("lattice", lattice().hash());
+    add("table", identity::hash("material", library.get("chitin").unwrap()));
+    let name = checkpoint::name(&preset::named("starling").unwrap(), "ab", 1, "0.1.0", "");
+    add("checkpoint", name.iter().map(|byte| format!("{byte:02x}")).collect());
+    let found: Vec<(&str, &str)> = found.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
+    assert_eq!(
+        found,
+        [
+            ("rock-dove", "5ecc5588a7126a92"),
+            ("starling", "ecf98d19e538f965"),
+            ("bronzewing", "b426f2a1fb3ae362"),
+            ("hummingbird", "815bdcd9f7692f2f"),
+            ("mallard", "8c1e4134067c452a"),
+            ("magpie", "be1c9067c95c843b"),
+            ("peafowl", "e8b1a749c342605d"),
+            ("stack", "849f3aaf7f1c9343"),
+            ("granules", "cf80b2a3cafec3c9"),
+            ("curved crystal", "a5f14a203906b847"),
+            ("lattice", "e597d260f809822d"),
+            ("table", "41da704f7c7b2660"),
+            ("checkpoint", "614b564880bfdac1"),
+        ]
+    );
+}
+
+#[test]
+fn only_what_decides_the_light_counts() {
+    let mut renamed = stack();
+    (renamed.name, renamed.source) = ("another".into(), "elsewhere".into());
+    assert_eq!(identity::hash("section", &renamed), identity::hash("section", &stack()));
+    let mut deeper = stack();
+    deeper.boundaries[1].z_um[0] -= 1e-9;
+    assert_ne!(identity::hash("section", &deeper), identity::hash("section", &stack()));
+    let mut other = lattice();
+    other.rods[0].circles[0].diameter_um *= 1.001;
+    assert_ne!(other.hash(), lattice().hash());
+}
