@@ -45,9 +45,9 @@ fn stores_are_the_same_bytes_whole_sharded_interrupted_or_repaired() {
     assert_eq!(whole, bytes_of(&folder.path().join("b.zarr")));
 
     // A lost chunk, a damaged chunk, and what a killed writer leaves.
-    let chunk = |array: &str, tail: &str| folder.path().join("b.zarr").join(array).join("c").join(tail);
-    std::fs::remove_file(chunk("contrast", "0/0/0")).unwrap();
-    let damaged = chunk("u", "1/1/0/0/0");
+    let chunk = |name: &str| folder.path().join("b.zarr").join(name);
+    std::fs::remove_file(chunk("contrast/c.0.0.0")).unwrap();
+    let damaged = chunk("u/c.1.1.0.0.0");
     let mut bytes = std::fs::read(&damaged).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;

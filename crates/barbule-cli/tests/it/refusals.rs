@@ -343,14 +343,18 @@ const SCENES: &[Change] = &[
 
 /// Changes of a store's zarr.json, read by `simulate --status`.
 const STORES: &[Change] = &[
-    ("\"barbule_store\": 1", "\"barbule_store\": 9", "not a campaign store of this version"),
-    ("\"barbule_store\": 1,", "", "not a campaign store of this version"),
+    ("\"barbule_store\": 2", "\"barbule_store\": 9", "not a campaign store of this version (its layout is 9"),
+    ("\"barbule_store\": 2,", "", "not a campaign store of this version"),
+    ("\"barbule_store\": 2", "\"barbule_store\": 1", "another chunk_key_encoding than its axes say"),
     ("{", "", "zarr.json is damaged"),
     ("\"instances\": 2", "\"instances\": 0", "'instances' is no number from 1 to 10000"),
     ("\"instances\": 2", "\"instances\": 99999999999", "'instances' is no number from 1 to 10000"),
     ("\"cos_theta_i\"", "\"cos_theta\"", "'cos_theta_i' is missing or damaged"),
     ("450.0", "4500.0", "4500, outside 300 to 830"),
     ("450.0", "\"x\"", "'wavelengths_nm' is missing or damaged"),
+    ("450.0", "451.0", "do not match their checksum"),
+    ("0.5", "0.6", "do not match their checksum"),
+    ("\"simd\": \"scalar\"", "\"simd\": \"avx2\"", "do not match their checksum"),
     ("450.0,", "450.0, 451.0,", "another shape than its axes say"),
     ("\"campaign\": {", "\"campaign\": {\"seed\": 7,", "do not match their checksum"),
     ("\"kept_nm\": []", "\"kept_nm\": [500.0]", "no wavelength of it"),
@@ -430,7 +434,7 @@ fn prepared(folder: &Path) -> Vec<(String, &'static str)> {
     let array = folder.join("array.zarr");
     make_store(&array);
     let text = std::fs::read_to_string(array.join("u/zarr.json")).unwrap();
-    std::fs::write(array.join("u/zarr.json"), text.replace("zstd", "gzip")).unwrap();
+    std::fs::write(array.join("u/zarr.json"), text.replace("crc32c", "gzip")).unwrap();
     lines.push(("simulate @array.zarr --status".into(), "'u' has another codecs"));
     let lacking = folder.join("lacking.zarr");
     make_store(&lacking);

@@ -24,7 +24,8 @@ pub struct Outcome {
 /// Computes the units of shard `shard` of `shards` that the store lacks.
 ///
 /// # Errors
-/// A unit cannot be computed or written, or the user cancelled; what was written stays and is found next time.
+/// The store has other axes than the campaign, a unit cannot be computed or written, or the user cancelled; what was
+/// written stays and is found next time.
 pub fn run(
     campaign: &Campaign,
     store: &Store,
@@ -32,6 +33,7 @@ pub fn run(
     shards: usize,
     progress: &dyn Progress,
 ) -> Result<Outcome> {
+    store.check_belongs(&campaign.parameters().axes, campaign.parameters().instances)?;
     store.prepare_writing()?;
     let units = store.shard(shard, shards);
     progress.begin("simulating", units.len() as u64);

@@ -10,6 +10,7 @@ mod stack;
 pub mod store;
 pub mod tables;
 mod whole;
+mod zarr;
 
 pub use lattice::{is_lattice, read_lattice};
 pub use material::{decode_material, encode_material, read_material, write_material};

@@ -5,17 +5,9 @@
 //! the file system knows no locks, age decides.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, ErrorKind, Write as _};
+use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Duration;
-
-use zarrs::filesystem::FilesystemStore;
-use zarrs::storage::byte_range::ByteRangeIterator;
-use zarrs::storage::{
-    Bytes, MaybeBytesIterator, OffsetBytesIterator, ReadableStorageTraits, StorageError, StoreKey,
-    StorePrefix, WritableStorageTraits,
-};
 
 use crate::io::whole::shared_temporaries;
 use crate::{Error, Result};
@@ -29,33 +21,43 @@ const ABANDONED: Duration = Duration::from_secs(600);
 /// A write whose temporary was swept in the instant between its making and its lock is tried again so often.
 const ATTEMPTS: usize = 20;
 
-/// The files of a store.
+/// The files of a store; their keys are relative paths with `/`.
 #[derive(Debug)]
 pub(super) struct Files {
-    inner: FilesystemStore,
+    folder: PathBuf,
     aside: PathBuf,
 }
 
 impl Files {
     /// The files in the folder `path`.
-    ///
-    /// # Errors
-    /// It cannot be made or is no folder.
-    pub(super) fn new(path: &Path) -> Result<Self> {
-        let inner = FilesystemStore::new(path)
-            .map_err(|e| Error::input(format!("{}: is not a usable store folder ({e})", path.display())))?;
-        Ok(Self { inner, aside: path.join(FOLDER) })
+    pub(super) fn new(path: &Path) -> Self {
+        Self { folder: path.to_owned(), aside: path.join(FOLDER) }
+    }
+
+    /// Whether there is a file of this key.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.folder.join(key).is_file()
+    }
+
+    /// Reads a file; `None` where there is none, it cannot be read, or has more than `most` bytes.
+    pub(super) fn read(&self, key: &str, most: usize) -> Option<Vec<u8>> {
+        let path = self.folder.join(key);
+        let metadata = fs::metadata(&path).ok().filter(fs::Metadata::is_file)?;
+        let length = usize::try_from(metadata.len()).ok().filter(|length| *length <= most)?;
+        let mut bytes = Vec::with_capacity(length);
+        File::open(path).ok()?.take(most as u64 + 1).read_to_end(&mut bytes).ok()?;
+        (bytes.len() <= most).then_some(bytes)
     }
 
     /// Writes a file aside, then renames it over what is there.
-    fn write(&self, key: &StoreKey, bytes: &[u8]) -> io::Result<()> {
-        let path = self.inner.key_to_fspath(key);
+    pub(super) fn write(&self, key: &str, bytes: &[u8]) -> io::Result<()> {
+        let path = self.folder.join(key);
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder)?;
         }
         // What describes the store is synced. Chunks are not (7 ms each on a common disk): one that a power failure
         // damages is found by its checksum and computed again.
-        let synced = key.as_str().ends_with("zarr.json");
+        let synced = key.ends_with("zarr.json");
         again(|| {
             let mut file = self.temporary()?;
             file.write_all(bytes)?;
@@ -168,58 +170,6 @@ pub(super) fn failure(path: &Path, what: &str, error: &io::Error) -> Error {
     }
 }
 
-/// As [`failure`], of what goes through zarrs.
-pub(super) fn storage_failure(path: &Path, what: &str, error: &StorageError) -> Error {
-    match error {
-        StorageError::IOError(error) => failure(path, what, error),
-        other => Error::machine(format!("{}: {what} ({other})", path.display())),
-    }
-}
-
-impl ReadableStorageTraits for Files {
-    fn get_partial_many<'a>(
-        &'a self,
-        key: &StoreKey,
-        ranges: ByteRangeIterator<'a>,
-    ) -> std::result::Result<MaybeBytesIterator<'a>, StorageError> {
-        self.inner.get_partial_many(key, ranges)
-    }
-
-    fn size_key(&self, key: &StoreKey) -> std::result::Result<Option<u64>, StorageError> {
-        self.inner.size_key(key)
-    }
-
-    fn supports_get_partial(&self) -> bool {
-        self.inner.supports_get_partial()
-    }
-}
-
-impl WritableStorageTraits for Files {
-    fn set(&self, key: &StoreKey, value: Bytes) -> std::result::Result<(), StorageError> {
-        self.write(key, &value).map_err(|e| StorageError::IOError(Arc::new(e)))
-    }
-
-    fn set_partial_many(
-        &self,
-        _: &StoreKey,
-        _: OffsetBytesIterator,
-    ) -> std::result::Result<(), StorageError> {
-        Err(StorageError::Unsupported("chunks are written whole".into()))
-    }
-
-    fn erase(&self, key: &StoreKey) -> std::result::Result<(), StorageError> {
-        self.inner.erase(key)
-    }
-
-    fn erase_prefix(&self, prefix: &StorePrefix) -> std::result::Result<(), StorageError> {
-        self.inner.erase_prefix(prefix)
-    }
-
-    fn supports_set_partial(&self) -> bool {
-        false
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -227,7 +177,7 @@ mod tests {
     #[test]
     fn only_what_nobody_writes_is_swept() {
         let folder = tempfile::tempdir().unwrap();
-        let files = Files::new(folder.path()).unwrap();
+        let files = Files::new(folder.path());
         let busy = files.temporary().unwrap();
         fs::write(folder.path().join(FOLDER).join("new-dead"), b"half").unwrap();
         assert_eq!(files.sweep(), 1);
@@ -242,12 +192,11 @@ mod tests {
     #[test]
     fn a_file_survives_sweepers_at_work() {
         let folder = tempfile::tempdir().unwrap();
-        let files = Files::new(folder.path()).unwrap();
-        let key = StoreKey::new("a/b").unwrap();
+        let files = Files::new(folder.path());
         std::thread::scope(|scope| {
             for _ in 0..2 {
                 scope.spawn(|| (0..200).for_each(|_| _ = files.sweep()));
-                scope.spawn(|| (0..100).for_each(|_| files.write(&key, b"whole").unwrap()));
+                scope.spawn(|| (0..100).for_each(|_| files.write("a/b", b"whole").unwrap()));
             }
         });
         assert_eq!(fs::read(folder.path().join("a/b")).unwrap(), b"whole");

@@ -1,0 +1,298 @@
+//! What a store is made of: its arrays and its attributes.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use super::aside::{Files, failure};
+use crate::io::whole::hash_bytes;
+use crate::io::zarr::{Array, Coding, DataType, group_metadata};
+use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS};
+use crate::{Error, Result};
+
+/// Version of the layout that is written.
+pub(super) const WRITTEN: u64 = 2;
+
+/// Version of the layout of compressed chunks, which is read.
+const COMPRESSED: u64 = 1;
+
+/// An array of the store.
+struct ArrayKind {
+    name: &'static str,
+    data_type: DataType,
+    /// Axes after φ_i.
+    trailing: &'static [(&'static str, usize)],
+    meaning: &'static str,
+}
+
+const POLARIZATION: (&str, usize) = ("polarization", 2);
+
+/// Number of arrays that every unit writes.
+pub(super) const ARRAYS: usize = 7;
+
+/// Arrays in the order in which a unit writes them.
+const KINDS: [ArrayKind; ARRAYS] = [
+    ArrayKind {
+        name: "u",
+        data_type: DataType::Float32,
+        trailing: &[POLARIZATION, ("azimuth", AZIMUTHS)],
+        meaning: "mean of |E|^2/Phi_i over instances, 1/rad (S.12)",
+    },
+    ArrayKind {
+        name: "v",
+        data_type: DataType::Float32,
+        trailing: &[POLARIZATION, ("azimuth", AZIMUTHS)],
+        meaning: "|mean of E|^2/Phi_i without bias, 1/rad (S.21)",
+    },
+    ArrayKind {
+        name: "autocovariance",
+        data_type: DataType::Float32,
+        trailing: &[POLARIZATION, ("lag", LAGS)],
+        meaning: "autocovariance of the weighted field at lags 2k/1024 in x_o (S.30)",
+    },
+    ArrayKind {
+        name: "reflected",
+        data_type: DataType::Float64,
+        trailing: &[POLARIZATION],
+        meaning: "mean of Phi_r/Phi_i over instances",
+    },
+    ArrayKind {
+        name: "reflected_std",
+        data_type: DataType::Float64,
+        trailing: &[POLARIZATION],
+        meaning: "standard deviation of Phi_r/Phi_i over instances",
+    },
+    ArrayKind {
+        name: "pattern_correlation",
+        data_type: DataType::Float64,
+        trailing: &[],
+        meaning: "correlation of the two polarizations' intensity patterns",
+    },
+    ArrayKind {
+        name: "contrast",
+        data_type: DataType::Float64,
+        trailing: &[],
+        meaning: "contrast of the unpolarized intensity over instances",
+    },
+];
+
+/// The arrays of a store.
+pub(super) struct Arrays {
+    /// Those of every unit, in the order in which it writes them.
+    pub(super) unit: [Array; ARRAYS],
+    /// Fields of every instance, where the campaign keeps them.
+    pub(super) fields: Option<Array>,
+}
+
+impl Arrays {
+    /// As the axes say; `kept` wavelengths keep their fields.
+    fn new(axes: &Axes, instances: usize, kept: usize, coding: Coding) -> Self {
+        let shape = [axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
+        let array = |name, data_type, meaning, dimensions: &[(&'static str, usize)]| {
+            let (dimension_names, shape): (_, Vec<usize>) = dimensions.iter().copied().unzip();
+            let mut chunk_shape = shape.clone();
+            chunk_shape[..2].fill(1);
+            Array { name, data_type, shape, chunk_shape, dimension_names, meaning, coding }
+        };
+        let unit = KINDS.map(|ArrayKind { name, data_type, trailing, meaning }| {
+            let first = [("wavelength", shape[0]), ("theta_i", shape[1]), ("phi_i", shape[2])];
+            array(name, data_type, meaning, &[&first, trailing].concat())
+        });
+        let fields = (kept > 0).then(|| {
+            let dimensions = [
+                ("kept_wavelength", kept),
+                ("theta_i", shape[1]),
+                ("phi_i", shape[2]),
+                POLARIZATION,
+                ("component", 2),
+                ("instance", instances),
+                ("azimuth", AZIMUTHS),
+            ];
+            array("fields", DataType::Complex64, "E along e1, e2 over sqrt(Phi_i)", &dimensions)
+        });
+        Self { unit, fields }
+    }
+
+    /// Whether this program writes such arrays, not only reads them.
+    pub(super) fn are_written(&self) -> bool {
+        self.all().all(|array| array.coding == Coding::Plain)
+    }
+
+    /// All of them.
+    pub(super) fn all(&self) -> impl Iterator<Item = &Array> {
+        self.unit.iter().chain(&self.fields)
+    }
+}
+
+/// What a store's attributes say.
+pub(super) struct Attributes {
+    pub(super) axes: Axes,
+    pub(super) instances: usize,
+    pub(super) name: String,
+    pub(super) width: String,
+    /// Wavelengths, nm, at which the fields of all instances are kept.
+    pub(super) kept_nm: Vec<f64>,
+    /// Every parameter of structure and simulation.
+    pub(super) description: Value,
+}
+
+impl Attributes {
+    /// Reads the attributes of a group and says which arrays they ask for. The checksum is left to [`Self::matches`].
+    pub(super) fn read(attributes: &Value) -> std::result::Result<(Self, Arrays), String> {
+        let version = attributes["barbule_store"].as_u64();
+        let coding = match version {
+            Some(WRITTEN) => Coding::Plain,
+            Some(COMPRESSED) => Coding::Zstandard,
+            Some(other) => {
+                return Err(format!(
+                    "is not a campaign store of this version (its layout is {other}, those to be read are 1 and {WRITTEN}); simulate again under another name"
+                ));
+            }
+            None => return Err("is not a campaign store of this version".into()),
+        };
+        let (axes, instances) = checked_axes(attributes)?;
+        let text = |key: &str| attributes[key].as_str().unwrap_or_default().to_owned();
+        let kept_nm = numbers(attributes, "kept_nm")?;
+        if let Some(nm) = kept_nm.iter().find(|nm| !axes.wavelengths_nm.contains(nm)) {
+            return Err(format!("its attribute 'kept_nm' has {nm}, which is no wavelength of it"));
+        }
+        let (name, width, description) = (text("name"), text("simd"), attributes["campaign"].clone());
+        let arrays = Arrays::new(&axes, instances, kept_nm.len(), coding);
+        Ok((Self { axes, instances, name, width, kept_nm, description }, arrays))
+    }
+
+    /// Whether the checksum among a group's attributes is that of what was read from them.
+    pub(super) fn matches(&self, attributes: &Value) -> bool {
+        let found = if attributes["barbule_store"] == json!(COMPRESSED) {
+            // That layout's checksum is of the parameters alone, with their keys in the order of the file.
+            hash_bytes(self.description.to_string().as_bytes())
+        } else {
+            self.hash()
+        };
+        attributes["campaign_hash"] == json!(found)
+    }
+
+    /// Checksum of all attributes, independent of the order of their keys.
+    fn hash(&self) -> String {
+        let mut covered = self.covered();
+        covered.sort_all_objects();
+        hash_bytes(covered.to_string().as_bytes())
+    }
+
+    /// What the checksum is of.
+    fn covered(&self) -> Value {
+        json!({
+            "barbule_store": WRITTEN,
+            "wavelengths_nm": self.axes.wavelengths_nm,
+            "cos_theta_i": self.axes.cos_theta,
+            "cos_phi_i": self.axes.cos_phi,
+            "instances": self.instances,
+            "name": self.name,
+            "simd": self.width,
+            "kept_nm": self.kept_nm,
+            "campaign": self.description,
+        })
+    }
+
+    /// Writes the store `path` without units into the folder `made`.
+    pub(super) fn build(&self, path: &Path, made: &Path) -> Result<()> {
+        let mut attributes = match self.covered() {
+            Value::Object(attributes) => attributes,
+            _ => Map::new(),
+        };
+        attributes.insert("campaign_hash".into(), json!(self.hash()));
+        let arrays = Arrays::new(&self.axes, self.instances, self.kept_nm.len(), Coding::Plain);
+        let files = Files::new(made);
+        let write = |key: &str, metadata: &Value| {
+            files
+                .write(key, format!("{metadata:#}\n").as_bytes())
+                .map_err(|e| failure(path, "the store cannot be created", &e))
+        };
+        for array in arrays.all() {
+            write(&format!("{}/zarr.json", array.name), &array.metadata())?;
+        }
+        write("zarr.json", &group_metadata(&attributes))?;
+        files.tidy();
+        Ok(())
+    }
+
+    /// Refuses, at the store `path`, to continue it with what `here` says; the first difference is named.
+    pub(super) fn check_same(&self, path: &Path, here: &Self) -> Result<()> {
+        let parts = |a: &Self| json!({"campaign": a.description, "kept_nm": a.kept_nm});
+        // The axes follow from the description, unless somebody changed the file.
+        let axes = |a: &Self| {
+            json!({
+                "wavelengths_nm": a.axes.wavelengths_nm,
+                "cos_theta_i": a.axes.cos_theta,
+                "cos_phi_i": a.axes.cos_phi,
+                "instances": a.instances,
+            })
+        };
+        let found =
+            difference(&parts(self), &parts(here), "").or_else(|| difference(&axes(self), &axes(here), ""));
+        if let Some(difference) = found {
+            return Err(Error::input(format!(
+                "{}: this store was made with other parameters ({difference}); give another name, or the same parameters to resume",
+                path.display()
+            )));
+        }
+        if self.width != here.width {
+            return Err(Error::input(format!(
+                "{}: was computed with {} instructions, this run would use {}; give --simd {} to continue it with the same bits",
+                path.display(),
+                self.width,
+                here.width,
+                self.width
+            )));
+        }
+        Ok(())
+    }
+}
+
+/// A list of numbers in a store's attributes.
+fn numbers(attributes: &Value, key: &str) -> std::result::Result<Vec<f64>, String> {
+    attributes[key]
+        .as_array()
+        .and_then(|values| values.iter().map(Value::as_f64).collect())
+        .ok_or_else(|| format!("its attribute '{key}' is missing or damaged"))
+}
+
+/// Axes and number of instances, within what a campaign can have: a made-up store must not claim memory.
+fn checked_axes(attributes: &Value) -> std::result::Result<(Axes, usize), String> {
+    let axis = |key: &str, most: usize, from: f64, to: f64| {
+        let values = numbers(attributes, key)?;
+        if values.is_empty() || values.len() > most {
+            return Err(format!("its attribute '{key}' has {} values; 1 to {most} can be", values.len()));
+        }
+        match values.iter().find(|v| !(from..=to).contains(*v)) {
+            Some(bad) => Err(format!("its attribute '{key}' has {bad}, outside {from} to {to}")),
+            None => Ok(values),
+        }
+    };
+    let axes = Axes {
+        wavelengths_nm: axis("wavelengths_nm", 100_000, 300.0, 830.0)?,
+        cos_theta: axis("cos_theta_i", 200, 0.0, 1.0)?,
+        cos_phi: axis("cos_phi_i", 200, 0.0, 1.0)?,
+    };
+    let instances = attributes["instances"]
+        .as_u64()
+        .and_then(|n| usize::try_from(n).ok())
+        .filter(|n| (1..=10_000).contains(n))
+        .ok_or("its attribute 'instances' is no number from 1 to 10000")?;
+    Ok((axes, instances))
+}
+
+/// The first place where two descriptions differ: `key: there → here`.
+fn difference(there: &Value, here: &Value, place: &str) -> Option<String> {
+    match (there, here) {
+        (Value::Object(a), Value::Object(b)) => a.keys().chain(b.keys()).find_map(|key| {
+            let place = if place.is_empty() { key.clone() } else { format!("{place}.{key}") };
+            difference(a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null), &place)
+        }),
+        _ if there == here => None,
+        _ => {
+            let short = |v: &Value| v.to_string().chars().take(60).collect::<String>();
+            Some(format!("{place}: {} there, {} here", short(there), short(here)))
+        }
+    }
+}

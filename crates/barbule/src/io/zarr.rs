@@ -1,0 +1,366 @@
+//! Arrays of Zarr version 3 in regular chunks of floats, as far as campaign stores need them.
+//!
+//! A chunk is its values in C order, little endian, with a CRC-32C checksum behind. Nothing compresses it: floats of a
+//! campaign hardly shrink, and a chunk whose length is known cannot ask for more memory than its shape. Chunks of stores
+//! made before were compressed by Zstandard; they are read, never past their shape.
+//!
+//! Specification: <https://zarr-specs.readthedocs.io/en/latest/v3/core/index.html>.
+
+use std::io::Read as _;
+
+use num_complex::Complex;
+use serde_json::{Map, Value, json};
+
+/// Length of a checksum, bytes.
+const CHECKSUM: usize = 4;
+
+/// What an element of an array is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum DataType {
+    Float32,
+    Float64,
+    Complex64,
+}
+
+impl DataType {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Float32 => "float32",
+            Self::Float64 => "float64",
+            Self::Complex64 => "complex64",
+        }
+    }
+
+    fn bytes(self) -> usize {
+        if self == Self::Float32 { 4 } else { 8 }
+    }
+
+    /// What readers put where a chunk is missing.
+    fn fill_value(self) -> Value {
+        if self == Self::Complex64 { json!(["NaN", "NaN"]) } else { json!("NaN") }
+    }
+}
+
+/// A number that arrays hold.
+pub(super) trait Element: Copy {
+    const DATA_TYPE: DataType;
+
+    /// Appends the little-endian bytes.
+    fn put(self, bytes: &mut Vec<u8>);
+
+    /// The number whose little-endian bytes these are: as many as [`Self::DATA_TYPE`] has, else `None`.
+    fn get(bytes: &[u8]) -> Option<Self>;
+}
+
+impl Element for f32 {
+    const DATA_TYPE: DataType = DataType::Float32;
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        bytes.extend_from_slice(&self.to_le_bytes());
+    }
+
+    fn get(bytes: &[u8]) -> Option<Self> {
+        bytes.try_into().ok().map(Self::from_le_bytes)
+    }
+}
+
+impl Element for f64 {
+    const DATA_TYPE: DataType = DataType::Float64;
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        bytes.extend_from_slice(&self.to_le_bytes());
+    }
+
+    fn get(bytes: &[u8]) -> Option<Self> {
+        bytes.try_into().ok().map(Self::from_le_bytes)
+    }
+}
+
+impl Element for Complex<f32> {
+    const DATA_TYPE: DataType = DataType::Complex64;
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        self.re.put(bytes);
+        self.im.put(bytes);
+    }
+
+    fn get(bytes: &[u8]) -> Option<Self> {
+        let (re, im) = bytes.split_at_checked(4)?;
+        Some(Self::new(f32::get(re)?, f32::get(im)?))
+    }
+}
+
+/// How the chunks of an array are named and coded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Coding {
+    /// Files `c.0.1…` of values and checksum.
+    Plain,
+    /// Files `c/0/1/…`, compressed by Zstandard before the checksum; read only.
+    Zstandard,
+}
+
+/// What an array is; where it lies is its owner's concern.
+#[derive(Debug, Clone)]
+pub(super) struct Array {
+    pub(super) name: &'static str,
+    pub(super) data_type: DataType,
+    pub(super) shape: Vec<usize>,
+    pub(super) chunk_shape: Vec<usize>,
+    pub(super) dimension_names: Vec<&'static str>,
+    /// What the values mean, for people.
+    pub(super) meaning: &'static str,
+    pub(super) coding: Coding,
+}
+
+impl Array {
+    /// The content of the array's `zarr.json`.
+    pub(super) fn metadata(&self) -> Value {
+        let mut codecs = vec![json!({"name": "bytes", "configuration": {"endian": "little"}})];
+        if self.coding == Coding::Zstandard {
+            codecs.push(json!({"name": "zstd", "configuration": {"level": 3, "checksum": false}}));
+        }
+        codecs.push(json!({"name": "crc32c"}));
+        json!({
+            "zarr_format": 3,
+            "node_type": "array",
+            "shape": self.shape,
+            "data_type": self.data_type.name(),
+            "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": self.chunk_shape}},
+            "chunk_key_encoding": {"name": "default", "configuration": {"separator": self.separator()}},
+            "fill_value": self.data_type.fill_value(),
+            "codecs": codecs,
+            "attributes": {"meaning": self.meaning},
+            "dimension_names": self.dimension_names,
+        })
+    }
+
+    fn separator(&self) -> &'static str {
+        if self.coding == Coding::Plain { "." } else { "/" }
+    }
+
+    /// Path, from the store's folder, of the file of the chunk with these indices along the first axes and 0 along
+    /// the others.
+    pub(super) fn chunk_path(&self, first: &[usize]) -> String {
+        let indices = first.iter().chain(std::iter::repeat(&0)).take(self.shape.len());
+        let indices: Vec<String> = indices.map(usize::to_string).collect();
+        let separator = self.separator();
+        format!("{}/c{separator}{}", self.name, indices.join(separator))
+    }
+
+    /// Values in a chunk.
+    pub(super) fn chunk_len(&self) -> usize {
+        self.chunk_shape.iter().product()
+    }
+
+    /// The most bytes that a chunk's file can have.
+    pub(super) fn most_bytes(&self) -> usize {
+        let values = self.chunk_len() * self.data_type.bytes();
+        let compressed = match self.coding {
+            Coding::Plain => 0,
+            // Zstandard's own bound of what does not shrink.
+            Coding::Zstandard => values / 256 + 64,
+        };
+        values + compressed + CHECKSUM
+    }
+
+    /// The bytes of a plain chunk; `None` where `values` are not as many or not of the type that the array has.
+    pub(super) fn encode<T: Element>(&self, values: &[T]) -> Option<Vec<u8>> {
+        if T::DATA_TYPE != self.data_type || values.len() != self.chunk_len() || self.coding != Coding::Plain
+        {
+            return None;
+        }
+        let mut bytes = Vec::with_capacity(self.most_bytes());
+        for value in values {
+            value.put(&mut bytes);
+        }
+        let checksum = crc32c(&bytes);
+        bytes.extend_from_slice(&checksum.to_le_bytes());
+        Some(bytes)
+    }
+
+    /// The values of a chunk; `None` where its checksum fails or it holds anything but as many values as its shape says.
+    pub(super) fn decode<T: Element>(&self, bytes: &[u8]) -> Option<Vec<T>> {
+        let (content, checksum) = bytes.split_last_chunk::<CHECKSUM>()?;
+        if T::DATA_TYPE != self.data_type || crc32c(content) != u32::from_le_bytes(*checksum) {
+            return None;
+        }
+        let size = self.data_type.bytes();
+        let needed = self.chunk_len() * size;
+        let inflated;
+        let values = match self.coding {
+            Coding::Plain => content,
+            Coding::Zstandard => {
+                inflated = inflate(content, needed)?;
+                &inflated
+            }
+        };
+        if values.len() != needed {
+            return None;
+        }
+        values.chunks_exact(size).map(T::get).collect()
+    }
+}
+
+/// The content of a group's `zarr.json`.
+pub(super) fn group_metadata(attributes: &Map<String, Value>) -> Value {
+    json!({"zarr_format": 3, "node_type": "group", "attributes": attributes})
+}
+
+/// Decompresses one frame of Zstandard of at most `most` bytes; one byte more is read, so that longer ones show.
+fn inflate(content: &[u8], most: usize) -> Option<Vec<u8>> {
+    let frame = ruzstd::decoding::StreamingDecoder::new(content).ok()?;
+    let mut bytes = Vec::new();
+    frame.take(most as u64 + 1).read_to_end(&mut bytes).ok()?;
+    Some(bytes)
+}
+
+/// CRC-32C (Castagnoli) of bytes: RFC 3720, appendix B.4; eight bytes a step ("slicing by 8").
+fn crc32c(bytes: &[u8]) -> u32 {
+    let (steps, rest) = bytes.as_chunks::<8>();
+    let mut state = !0u32;
+    for step in steps {
+        let word = u64::from_le_bytes(*step) ^ u64::from(state);
+        state = 0;
+        for (table, byte) in TABLES.iter().rev().zip(word.to_le_bytes()) {
+            state ^= table[usize::from(byte)];
+        }
+    }
+    for byte in rest {
+        state = (state >> 8) ^ TABLES[0][usize::from(state as u8 ^ byte)];
+    }
+    !state
+}
+
+/// `TABLES[k][b]`: what the byte b does to the state when k zero bytes follow it.
+static TABLES: [[u32; 256]; 8] = {
+    let mut tables = [[0u32; 256]; 8];
+    let mut byte = 0;
+    while byte < 256 {
+        let mut state = byte as u32;
+        let mut bit = 0;
+        while bit < 8 {
+            state = (state >> 1) ^ (if state & 1 == 1 { 0x82f6_3b78 } else { 0 });
+            bit += 1;
+        }
+        tables[0][byte] = state;
+        byte += 1;
+    }
+    let mut index = 256;
+    while index < 8 * 256 {
+        let before = tables[index / 256 - 1][index % 256];
+        tables[index / 256][index % 256] = (before >> 8) ^ tables[0][(before & 0xff) as usize];
+        index += 1;
+    }
+    tables
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn array(coding: Coding) -> Array {
+        Array {
+            name: "a",
+            data_type: DataType::Float32,
+            shape: vec![4, 3],
+            chunk_shape: vec![1, 3],
+            dimension_names: vec!["x", "y"],
+            meaning: "test",
+            coding,
+        }
+    }
+
+    fn sealed(content: &[u8]) -> Vec<u8> {
+        [content, &crc32c(content).to_le_bytes()].concat()
+    }
+
+    /// A frame of 128 KiB blocks, each one zero repeated: 4 bytes a block.
+    fn bomb(blocks: usize) -> Vec<u8> {
+        // Magic number, no content size, window of 128 KiB.
+        let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x38];
+        for block in 1..=blocks {
+            let header = (1u32 << 17) << 3 | 1 << 1 | u32::from(block == blocks);
+            frame.extend_from_slice(&header.to_le_bytes()[..3]);
+            frame.push(0);
+        }
+        frame
+    }
+
+    /// A frame of one block with these bytes as they are.
+    fn stored(content: &[u8]) -> Vec<u8> {
+        let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x38];
+        frame.extend_from_slice(&((content.len() as u32) << 3 | 1).to_le_bytes()[..3]);
+        frame.extend_from_slice(content);
+        frame
+    }
+
+    #[test]
+    fn checksums_are_those_of_rfc_3720() {
+        assert_eq!(crc32c(b"123456789"), 0xe306_9283);
+        assert_eq!(crc32c(&[0; 32]), 0x8a91_36aa);
+        assert_eq!(crc32c(&[0xff; 32]), 0x62a8_ab43);
+        let ascending: Vec<u8> = (0..32).collect();
+        assert_eq!(crc32c(&ascending), 0x46dd_794e);
+        assert_eq!(crc32c(b""), 0);
+    }
+
+    #[test]
+    fn values_come_back_with_all_their_bits() {
+        let array = array(Coding::Plain);
+        let values = [1.5f32, f32::from_bits(0x7fc0_1234), -0.0];
+        let bytes = array.encode(&values).unwrap();
+        assert_eq!(bytes.len(), array.most_bytes());
+        let back: Vec<u32> = array.decode::<f32>(&bytes).unwrap().into_iter().map(f32::to_bits).collect();
+        assert_eq!(back, values.map(f32::to_bits));
+        let complex = Array { data_type: DataType::Complex64, ..array };
+        let values = [Complex::new(1.0, 2.0), Complex::new(-3.0, 4.0), Complex::new(0.0, -0.5)];
+        assert_eq!(complex.decode::<Complex<f32>>(&complex.encode(&values).unwrap()).unwrap(), values);
+    }
+
+    #[test]
+    fn chunks_of_other_lengths_and_types_are_refused() {
+        let array = array(Coding::Plain);
+        assert!(array.encode(&[1f32, 2.0]).is_none() && array.encode(&[1f64, 2.0, 3.0]).is_none());
+        for length in [0, 8, 16, 1 << 20] {
+            assert!(array.decode::<f32>(&sealed(&vec![0; length])).is_none(), "{length}");
+        }
+        assert!(array.decode::<f32>(&sealed(&[0; 12])).is_some());
+        assert!(array.decode::<f64>(&sealed(&[0; 24])).is_none());
+    }
+
+    #[test]
+    fn every_cut_and_every_flipped_bit_is_found() {
+        for coding in [Coding::Plain, Coding::Zstandard] {
+            let array = array(coding);
+            let content = if coding == Coding::Plain { vec![7; 12] } else { stored(&[7; 12]) };
+            let good = sealed(&content);
+            assert!(array.decode::<f32>(&good).is_some());
+            for length in 0..good.len() {
+                assert!(array.decode::<f32>(&good[..length]).is_none());
+            }
+            for bit in 0..8 * good.len() {
+                let mut bad = good.clone();
+                bad[bit / 8] ^= 1 << (bit % 8);
+                assert!(array.decode::<f32>(&bad).is_none(), "{coding:?} {bit}");
+            }
+        }
+    }
+
+    #[test]
+    fn compressed_chunks_are_never_inflated_past_their_shape() {
+        let array = array(Coding::Zstandard);
+        // 1 MiB of 38 bytes, then 64 GiB of 2 MiB: no more than a block and a byte are made of either.
+        for blocks in [8, 1 << 19] {
+            let frame = bomb(blocks);
+            assert_eq!(inflate(&frame, 12).unwrap().len(), 13);
+            assert!(array.decode::<f32>(&sealed(&frame)).is_none());
+        }
+        // Sealed, but cut or nonsense inside.
+        let frame = stored(&[7; 12]);
+        for length in 0..frame.len() {
+            assert!(array.decode::<f32>(&sealed(&frame[..length])).is_none(), "{length}");
+        }
+        assert!(array.decode::<f32>(&sealed(&stored(&[7; 11]))).is_none());
+        assert!(array.decode::<f32>(&sealed(&[0xff; 30])).is_none());
+    }
+}
