@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use super::integral::Fine;
 use super::lanes::{Lobes, StoredLobes};
-use super::material::{FeatherMaterial, check_sigma};
+use super::material::{FeatherMaterial, Polarization, check_sigma};
 use super::noise::{Draw, Noise};
 use super::sample::{HalfVectors, SampledLobe};
 use super::table::{self, Table, WIDTH, effective};
@@ -21,18 +21,6 @@ pub struct Options {
     pub reciprocal: bool,
     /// Which incident light.
     pub polarization: Polarization,
-}
-
-/// Incident polarization.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Polarization {
-    /// Unpolarized light.
-    #[default]
-    Mean,
-    /// E along e₁.
-    First,
-    /// E along e₂.
-    Second,
 }
 
 /// A feather material that is ready for evaluation. Shared between threads; nothing in it changes.

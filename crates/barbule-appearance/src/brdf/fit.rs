@@ -2,14 +2,17 @@
 
 use rayon::prelude::*;
 
+pub use super::fitted::{fitted_scale, fitted_values};
+pub use super::patterns::Pattern;
+
+use super::fitted::direction;
 use super::integral::Fine;
 use super::length;
 use super::material::{FeatherMaterial, LobeSet, ParameterSet, check_sigma};
 use super::noise::spectrum;
 use crate::progress::Progress;
-use crate::scattering::directions;
 use crate::scattering::lobe::{Fit, FitKind, Fitter, Lobe};
-use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, Statistics};
+use crate::scattering::statistics::{AZIMUTHS, LAGS, Statistics};
 use crate::{Error, Result};
 
 /// A mean lobe with a larger relative residual is flagged.
@@ -79,24 +82,6 @@ pub struct Flagged {
     pub residual: f64,
     /// Whether the least squares settled.
     pub converged: bool,
-}
-
-/// Simulated against synthesized patterns at one (λ, ω_i).
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Pattern {
-    /// Vacuum wavelength, nm.
-    pub wavelength_nm: f64,
-    /// θ_i, degrees.
-    pub theta_deg: f64,
-    /// φ_i, degrees.
-    pub phi_deg: f64,
-    /// Correlation between the two incident polarizations, simulated and synthesized.
-    pub correlation: [f64; 2],
-    /// Standard deviation over mean, simulated and synthesized.
-    pub contrast: [f64; 2],
-    /// 4 f (1 − f) with polarization 1's part f of the energy: what the correlation weighs in the variance of
-    /// unpolarized light.
-    pub balance: f64,
 }
 
 impl FitReport {
@@ -215,14 +200,14 @@ fn fit_nodes(
             let nodes = (0..phis)
                 .map(|phi| {
                     let node = row * phis + phi;
-                    let place = Place {
+                    let node_fit = NodeFit {
                         statistics,
                         node,
                         polarizations,
                         quadrature: &quadrature,
                         sigma: options.sigma,
                     };
-                    place.fit(&fitters[theta], axes.cos_theta[theta], axes.cos_phi[phi])
+                    node_fit.fit(&fitters[theta], axes.cos_theta[theta], axes.cos_phi[phi])
                 })
                 .collect();
             progress.advance(phis as u64);
@@ -233,7 +218,7 @@ fn fit_nodes(
 }
 
 /// One (λ, ω_i) of the statistics.
-struct Place<'a> {
+struct NodeFit<'a> {
     statistics: &'a Statistics,
     node: usize,
     polarizations: Chosen,
@@ -241,7 +226,7 @@ struct Place<'a> {
     sigma: f64,
 }
 
-impl Place<'_> {
+impl NodeFit<'_> {
     /// The mean over the chosen polarizations, and at normal azimuth over both sides, which are mirror images.
     fn values(&self, array: &[f32], cos_phi: f64) -> Vec<f64> {
         let mut mean = vec![0.0; AZIMUTHS];
@@ -378,37 +363,12 @@ fn report(
     }
 }
 
-/// Wavelength in nm and θ_i, φ_i in degrees of a node.
-pub(super) fn direction(axes: &Axes, node: usize) -> (f64, f64, f64) {
-    let phis = axes.cos_phi.len();
-    let thetas = axes.cos_theta.len();
-    (
-        axes.wavelengths_nm[node / phis / thetas],
-        libm::acos(axes.cos_theta[node / phis % thetas]).to_degrees(),
-        libm::acos(axes.cos_phi[node % phis]).to_degrees(),
-    )
-}
-
-/// U' or V' of a lobe: the shape on the azimuths, scaled to reflect `reflected`.
-#[must_use]
-pub fn fitted_values(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> Vec<f64> {
-    let scale = fitted_scale(kind, lobe, theta_i, reflected);
-    directions::azimuths(AZIMUTHS).map(|phi_o| scale * lobe.shape(kind, theta_i, phi_o)).collect()
-}
-
-/// The factor on a lobe's shape with which it reflects `reflected`.
-#[must_use]
-pub fn fitted_scale(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> f64 {
-    let step = std::f64::consts::PI / AZIMUTHS as f64;
-    let sum: f64 = directions::azimuths(AZIMUTHS).map(|phi_o| lobe.shape(kind, theta_i, phi_o)).sum();
-    reflected / (libm::cos(theta_i) * step * sum).max(f64::MIN_POSITIVE)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::brdf::example;
     use crate::progress::Unobserved;
+    use crate::scattering::statistics::Axes;
 
     /// Statistics that a material's own lobes would give, with the biased fluctuation of `noise` on V.
     fn statistics_of(material: &FeatherMaterial) -> Statistics {

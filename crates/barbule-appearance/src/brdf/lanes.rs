@@ -3,9 +3,10 @@
 //! Everything here is inlined into one dispatched function, so it has neither closures nor calls that the compiler
 //! could leave outside. The plain formulas, in double precision, are the tests' reference.
 
-use fearless_simd::{Simd, f32x4, f32x8, i32x4, i32x8, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, i32x8, prelude::*};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, LN_2, LOG2_E, PI};
 
+use super::simd::transposed;
 use super::table::{LARGEST_SINE, Table};
 
 /// Lobe parameters of one set at four wavelengths and one incident direction: the mean lobes of the four wavelengths,
@@ -188,19 +189,4 @@ fn exp_of_negative<S: Simd>(simd: S, u: f32x8<S>) -> f32x8<S> {
     }
     let zero = f32x8::splat(simd, 0.0);
     u.simd_gt(f32x8::splat(simd, 86.0)).select(zero, series * bits.bitcast::<f32x8<S>>())
-}
-
-/// Rows as columns.
-#[inline(always)]
-pub(super) fn transposed<S: Simd>(a: f32x4<S>, b: f32x4<S>, c: f32x4<S>, d: f32x4<S>) -> [f32x4<S>; 4] {
-    let (ac, bd) = (a.zip_low(c), b.zip_low(d));
-    let (ac_high, bd_high) = (a.zip_high(c), b.zip_high(d));
-    [ac.zip_low(bd), ac.zip_high(bd), ac_high.zip_low(bd_high), ac_high.zip_high(bd_high)]
-}
-
-/// Whole part (towards zero) of each lane below 2²², and the rest.
-#[inline(always)]
-pub(super) fn whole_and_rest<S: Simd>(x: f32x4<S>) -> (i32x4<S>, f32x4<S>) {
-    let floor = x.floor();
-    (floor.to_int::<i32x4<S>>(), x - floor)
 }

@@ -7,6 +7,7 @@
 mod evaluate;
 mod example;
 pub mod fit;
+mod fitted;
 mod integral;
 mod lanes;
 mod length;
@@ -15,11 +16,12 @@ mod noise;
 mod patterns;
 pub mod pictures;
 mod sample;
+mod simd;
 mod table;
 
-pub use evaluate::{FeatherBrdf, Options, Polarization, Prepared};
+pub use evaluate::{FeatherBrdf, Options, Prepared};
 pub use example::example;
 pub use integral::lobe_integral;
-pub use material::{FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet};
+pub use material::{FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, Polarization};
 pub use noise::{Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;

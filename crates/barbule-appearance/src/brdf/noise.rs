@@ -4,8 +4,8 @@ use fearless_simd::{Level, Simd, dispatch, f32x4, i16x8, i32x4, prelude::*};
 use num_complex::Complex;
 use std::f64::consts::TAU;
 
-use super::lanes::{transposed, whole_and_rest};
 use super::material::NOISE_TERMS;
+use super::simd::{transposed, whole_and_rest};
 use crate::math::fft::Transformable as _;
 use crate::math::rng::{Stream, hash};
 use crate::scattering::statistics::NOISE_POINTS;

@@ -1,6 +1,6 @@
 //! Synthesized patterns beside simulated ones: the check that instances vary as the simulated barbules do.
 
-use super::fit::{Pattern, direction, fitted_scale};
+use super::fitted::{direction, fitted_scale};
 use super::material::{FeatherMaterial, LobeSet};
 use super::noise::Noise;
 use crate::scattering::directions;
@@ -9,6 +9,24 @@ use crate::scattering::statistics::{AZIMUTHS, Statistics};
 
 /// Least number of instances drawn per (λ, ω_i).
 const DRAWS: usize = 64;
+
+/// Simulated against synthesized patterns at one (λ, ω_i).
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Pattern {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// θ_i, degrees.
+    pub theta_deg: f64,
+    /// φ_i, degrees.
+    pub phi_deg: f64,
+    /// Correlation between the two incident polarizations, simulated and synthesized.
+    pub correlation: [f64; 2],
+    /// Standard deviation over mean, simulated and synthesized.
+    pub contrast: [f64; 2],
+    /// 4 f (1 − f) with polarization 1's part f of the energy: what the correlation weighs in the variance of
+    /// unpolarized light.
+    pub balance: f64,
+}
 
 /// What a material's instances send to the azimuths of one node of its tables.
 pub struct Synthesis {

@@ -9,9 +9,8 @@ use fearless_simd::{Fallback, Simd, f32x4, f32x8, i32x4, prelude::*};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::evaluate::Polarization;
 use super::integral::{Fine, Rough};
-use super::material::{FeatherMaterial, LobeSet, ParameterSet};
+use super::material::{FeatherMaterial, LobeSet, ParameterSet, Polarization};
 use crate::scattering::lobe::SMALLEST_M;
 
 /// Columns of a node, twice: of the mean lobe and, from [`STATIONARY`] on, of the stationary one.
