@@ -41,6 +41,17 @@ macro_rules! factor {
 
 factor!(f32 f64);
 
+/// A square matrix as the product of two triangular ones, with its rows in another order.
+#[derive(Debug, Clone)]
+pub struct Factors(PartialPivLu<Complex64>);
+
+impl Factors {
+    /// b ← A⁻¹ b.
+    pub fn solve(&self, b: &mut Dense) {
+        self.0.solve_in_place(b.view_mut());
+    }
+}
+
 /// A complex matrix whose columns follow one another.
 #[derive(Debug, Clone)]
 pub struct Dense {
@@ -54,6 +65,14 @@ impl Dense {
     #[must_use]
     pub fn zeros(rows: usize, columns: usize) -> Self {
         Self { rows, columns, data: vec![Complex64::new(0.0, 0.0); rows * columns] }
+    }
+
+    /// 1 on the diagonal, 0 elsewhere.
+    #[must_use]
+    pub fn identity(size: usize) -> Self {
+        let mut one = Self::zeros(size, size);
+        one.add_one();
+        one
     }
 
     /// Element by element from (row, column).
@@ -105,6 +124,13 @@ impl Dense {
         product
     }
 
+    /// A + B.
+    #[must_use]
+    pub fn plus(&self, b: &Self) -> Self {
+        let data = self.data.iter().zip(&b.data).map(|(x, y)| x + y).collect();
+        Self { data, ..*self }
+    }
+
     /// Adds A·B.
     pub fn add_product(&mut self, a: &Self, b: &Self) {
         matmul(self.view_mut(), Accum::Add, a.view(), b.view(), Complex64::new(1.0, 0.0), Par::Seq);
@@ -137,7 +163,47 @@ impl Dense {
 
     /// b ← A⁻¹ b.
     pub fn solve(&self, b: &mut Self) {
-        PartialPivLu::new(self.view()).solve_in_place(b.view_mut());
+        self.factor().solve(b);
+    }
+
+    /// Factors for several solutions.
+    #[must_use]
+    pub fn factor(&self) -> Factors {
+        Factors(PartialPivLu::new(self.view()))
+    }
+
+    /// A⁻¹ B.
+    #[must_use]
+    pub fn under(&self, mut b: Self) -> Self {
+        self.solve(&mut b);
+        b
+    }
+
+    /// A B⁻¹.
+    #[must_use]
+    pub fn over(&self, b: &Self) -> Self {
+        b.transposed().under(self.transposed()).transposed()
+    }
+
+    /// Rows for columns.
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        Self::from_fn(self.columns, self.rows, |i, k| self[(k, i)])
+    }
+
+    /// Eigenvalues and the matrix whose columns are the eigenvectors; `None` if they were not found.
+    #[must_use]
+    pub fn eigen(&self) -> Option<(Vec<Complex64>, Self)> {
+        let pairs = self.view().eigen().ok()?;
+        let values = pairs.S().column_vector().iter().copied().collect();
+        let vectors = pairs.U();
+        Some((values, Self::from_fn(self.rows, self.columns, |i, k| vectors[(i, k)])))
+    }
+
+    /// Whether every element is finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.data.iter().all(|element| element.is_finite())
     }
 
     /// The matrices side by side, all with the same number of rows.
@@ -174,5 +240,47 @@ impl std::ops::Index<(usize, usize)> for Dense {
 impl std::ops::IndexMut<(usize, usize)> for Dense {
     fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut Complex64 {
         &mut self.data[column * self.rows + row]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Dense {
+        Dense::from_fn(5, 5, |i, k| {
+            let (i, k) = (i as f64, k as f64);
+            Complex64::new(
+                (1.7 * i - 0.3 * k * i).sin() + if i == k { 3.0 } else { 0.0 },
+                (i * k + 0.4 * k).cos(),
+            )
+        })
+    }
+
+    fn apart(a: &Dense, b: &Dense) -> f64 {
+        (0..a.columns())
+            .flat_map(|k| a.column(k).iter().zip(b.column(k)))
+            .map(|(x, y)| (x - y).norm())
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn quotients_give_back_what_was_multiplied() {
+        let (a, b) = (example(), example().times(&example()));
+        assert!(apart(&a.times(&a.under(b.clone())), &b) < 1e-13);
+        assert!(apart(&b.over(&a).times(&a), &b) < 1e-13);
+        assert!(apart(&a.under(a.clone()), &Dense::identity(5)) < 1e-14);
+        let mut sum = Dense::identity(5);
+        sum.add_product(&a, &b);
+        assert!(apart(&sum, &a.times(&b).plus(&Dense::identity(5))) < 1e-12);
+        assert!(a.is_finite() && !Dense::from_fn(1, 1, |_, _| Complex64::new(0.0, f64::NAN)).is_finite());
+    }
+
+    #[test]
+    fn eigenvectors_are_stretched_alone() {
+        let a = example();
+        let (values, vectors) = a.eigen().unwrap();
+        let stretched = Dense::from_fn(5, 5, |i, k| vectors[(i, k)] * values[k]);
+        assert!(apart(&a.times(&vectors), &stretched) < 1e-12);
     }
 }

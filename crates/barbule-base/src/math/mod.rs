@@ -4,8 +4,10 @@
 
 pub mod band_limited;
 pub mod bessel;
+pub mod chebyshev;
 pub mod dense;
 pub mod fft;
 pub mod normal;
 pub mod rng;
+pub mod roots;
 pub mod simd;
