@@ -237,6 +237,28 @@ mod tests {
     }
 
     #[test]
+    fn stores_of_version_0_1_are_continued() {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = CampaignOptions { thin: Some(20), ..CampaignOptions::default() }.plan(starling()).unwrap();
+        let Parameters { axes, instances, .. } = &plan.parameters;
+        let earlier = plan.description.like(&serde_json::json!({"structure": {}}), &plan.structure);
+        assert_ne!(earlier, plan.description);
+        let create = |path: &Path| {
+            let description = earlier.to_json().unwrap();
+            Store::create(path, axes, *instances, "x", &description, &[], Width::best().name()).unwrap()
+        };
+        let path = folder.path().join("s.zarr");
+        create(&path);
+        let store = plan.store(&path, &[], Width::best()).unwrap();
+        assert!(store.description()["structure"].get("identity").is_none());
+        assert!(plan.description.is_recorded(store.description(), &plan.structure));
+        let mut other = plan.clone();
+        (other.description.seed, other.parameters.seed) = (2, 2);
+        let refused = other.store(&path, &[], Width::best()).err().unwrap().to_string();
+        assert!(refused.contains("campaign.seed: 1 there, 2 here"), "{refused}");
+    }
+
+    #[test]
     fn descriptions_come_back_from_json() {
         let description = CampaignOptions::default().plan(starling()).unwrap().description;
         let json = description.to_json().unwrap();
