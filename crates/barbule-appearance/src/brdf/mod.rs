@@ -22,6 +22,8 @@ mod table;
 pub use evaluate::{FeatherBrdf, Options, Prepared};
 pub use example::example;
 pub use integral::lobe_integral;
-pub use material::{FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, Polarization};
+pub use material::{
+    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, Polarization, check_axes, check_sigma,
+};
 pub use noise::{Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;
