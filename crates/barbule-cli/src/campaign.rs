@@ -2,7 +2,7 @@
 
 use barbule::brdf::FeatherMaterial;
 use barbule::brdf::fit::{FitOptions, FitReport, Pattern, fit};
-use barbule::campaign::{Campaign, Demand, Parameters, orders};
+use barbule::campaign::{Campaign, Demand, Keep, Parameters, Results, orders};
 use barbule::io::{read_orders, write_orders};
 use barbule::math::simd::Width;
 use barbule::progress::Progress;
@@ -141,18 +141,18 @@ impl CampaignArgs {
 
 impl Planned {
     /// Holds `--memory` against what the campaign will take, before any work: the number of units that may be in work
-    /// at once. `kept` says that fields are kept, `gathered` that all statistics end in memory.
+    /// at once.
     pub(crate) fn units_at_once(
         &self,
         width: Width,
-        kept: bool,
-        gathered: bool,
+        keep: Keep,
+        results: Results,
         common: &Common,
     ) -> Result<usize> {
         if common.memory.is_none() && !common.verbose {
             return Ok(usize::MAX);
         }
-        let demand = Demand::predict(&self.structure, &self.parameters, width, kept, gathered)?;
+        let demand = Demand::predict(&self.structure, &self.parameters, width, keep, results)?;
         let at_once = demand.units_within(common.memory.unwrap_or(u64::MAX))?;
         common.explain(&format!(
             "up to {at_once} units at once, {} MB of memory at most",

@@ -5,10 +5,11 @@ use std::path::Path;
 use barbule::brdf::fit::{fitted_scale, fitted_values};
 use barbule::brdf::{FeatherMaterial, LobeSet, Noise, Synthesis};
 use barbule::campaign::single::{Patterns, intensities};
-use barbule::campaign::statistics;
+use barbule::campaign::{Keep, statistics};
 use barbule::io::store::Store;
 use barbule::plot::{Anchor, Axis, Curve, Drawing, Figure, Ink, Item, Picture, Stroke};
 use barbule::scattering::directions::azimuths;
+use barbule::scattering::far_field::Polarization;
 use barbule::scattering::lobe::Lobe;
 use barbule::scattering::statistics::{AZIMUTHS, Axes, LAGS, NOISE_POINTS, Statistics};
 use barbule::spectrum::Wavelengths;
@@ -151,10 +152,12 @@ pub(crate) fn fields(material: &FeatherMaterial, common: &Common) -> Result<Vec<
     };
     let campaign = campaign_of(material, axes, Some(1), false, common)?;
     let at_normal = (0..nm.len())
-        .map(|w| Ok(campaign.patterns(&campaign.wavelength(w, &Terminal::new(common))?, 0, 2, 0)))
+        .map(|w| {
+            Ok(campaign.patterns(&campaign.tables(w, &Terminal::new(common))?, 0, 2, Polarization::First))
+        })
         .collect::<Result<Vec<_>>>()?;
-    let shortest = campaign.wavelength(0, &Terminal::new(common))?;
-    let oblique = [1, 0].map(|phi| campaign.patterns(&shortest, 0, phi, 0));
+    let shortest = campaign.tables(0, &Terminal::new(common))?;
+    let oblique = [1, 0].map(|phi| campaign.patterns(&shortest, 0, phi, Polarization::First));
     let first = &at_normal[0];
     let mut left = vec![panel(format!("{:.0} nm, φ_i = 0°", nm[0]), "R (1/√rad)", first, None).draw()];
     for (pattern, angle) in oblique.into_iter().zip([20.0_f64, 40.0]) {
@@ -277,12 +280,12 @@ fn covariances(material: &FeatherMaterial, noise: &Noise, common: &Common) -> Re
     let campaign = campaign_of(material, axes, None, true, common)?;
     for number in 0..2 {
         let mut mean = vec![0.0; LAGS];
-        let wavelength = campaign.wavelength(number, &Terminal::new(common))?;
-        for polarization in 0..2 {
-            let patterns = campaign.patterns(&wavelength, 0, 0, polarization);
+        let tables = campaign.tables(number, &Terminal::new(common))?;
+        for polarization in Polarization::BOTH {
+            let patterns = campaign.patterns(&tables, 0, 0, polarization);
             for instance in 0..patterns.fields.len() {
                 let own = patterns.autocovariance(instance);
-                if number == 0 && polarization == 0 && instance < 3 {
+                if number == 0 && polarization == Polarization::First && instance < 3 {
                     single.curves.push(lags(&format!("barbule {}", instance + 1), &own, 1.0));
                 }
                 for (sum, value) in mean.iter_mut().zip(own) {
@@ -326,7 +329,7 @@ pub(crate) fn instances(material: &FeatherMaterial, count: usize, common: &Commo
     let campaign = campaign_of(material, axes, Some(count), true, common)?;
     let count = campaign.parameters().instances;
     let kept = (0..waves.len())
-        .map(|w| Ok(campaign.unit(&campaign.wavelength(w, &Terminal::new(common))?, 0, true).fields))
+        .map(|w| Ok(campaign.unit(&campaign.tables(w, &Terminal::new(common))?, 0, Keep::Fields).fields))
         .collect::<Result<Vec<_>>>()?;
     let noise = Noise::new(&material.noise_power, material.seed);
     let mut columns = Vec::new();

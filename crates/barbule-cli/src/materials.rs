@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use barbule::brdf::{FeatherMaterial, example};
-use barbule::campaign::{Campaign, Parameters, statistics};
+use barbule::campaign::{Campaign, Keep, Parameters, Results, statistics};
 use barbule::io::{decode_material, read_material, write_material};
 use barbule::math::simd::Width;
+use barbule::scattering::far_field::Window;
 use barbule::scattering::statistics::Axes;
-use barbule::solve::surface::{CAMPAIGN_ELEMENT_UM, Surface, Window};
+use barbule::solve::surface::{Barbule, CAMPAIGN_ELEMENT_UM};
 use barbule::structure::{SpeciesModel, Structure};
 use barbule::{Error, Result};
 use clap::Parser;
@@ -71,7 +72,7 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(FeatherMaterial, Stri
         expected(&planned)
     ));
     let width = defaults.campaign.width()?;
-    let at_once = planned.units_at_once(width, false, true, common)?;
+    let at_once = planned.units_at_once(width, Keep::Statistics, Results::Gathered, common)?;
     let progress = Terminal::new(common);
     let campaign = planned.campaign(width, at_once, common, &progress)?;
     let statistics = statistics(&campaign, &progress)?;
@@ -137,8 +138,8 @@ pub(crate) fn expected(planned: &Planned) -> String {
     let slots = planned
         .structure
         .instance(planned.parameters.seed, 0)
-        .and_then(|section| Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian))
-        .map_or(6, |surface| surface.slots());
+        .and_then(|section| Barbule::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian))
+        .map_or(6, |barbule| barbule.slots());
     // Each ray crosses all layers, and structures of many layers need many rays.
     let layers = 0.9 + 0.000_33 * (slots * slots) as f64;
     let work = planned.structure.width_um() / TYPICAL_WIDTH_UM * layers;

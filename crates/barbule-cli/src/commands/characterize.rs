@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use barbule::campaign::{run, statistics};
+use barbule::campaign::{Keep, Results, run, statistics};
 use barbule::io::store::Store;
 use barbule::io::{check_writable, write_material};
 use barbule::{Error, Result};
@@ -48,7 +48,7 @@ impl Args {
         self.fit.check()?;
         let store = self.keep_store.as_deref().map(|folder| store_path(folder, &name)).transpose()?;
         let width = self.campaign.width()?;
-        let at_once = planned.units_at_once(width, false, true, &self.common)?;
+        let at_once = planned.units_at_once(width, Keep::Statistics, Results::Gathered, &self.common)?;
         self.common.say(&format!("characterizing {name}: about {}", materials::expected(&planned)));
         let progress = Terminal::new(&self.common);
         let campaign = planned.campaign(width, at_once, &self.common, &progress)?;

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use barbule::campaign::run;
+use barbule::campaign::{Keep, Results, run};
 use barbule::io::store::{Status, Store};
 use barbule::{Error, Result};
 use serde_json::json;
@@ -51,7 +51,8 @@ impl Args {
         let planned = self.campaign.plan(structure, &self.common)?;
         let kept = self.keep_fields.as_deref().map_or(Ok(Vec::new()), crate::sets::wavelengths)?;
         let width = self.campaign.width()?;
-        let at_once = planned.units_at_once(width, !kept.is_empty(), false, &self.common)?;
+        let keep = if kept.is_empty() { Keep::Statistics } else { Keep::Fields };
+        let at_once = planned.units_at_once(width, keep, Results::Stored, &self.common)?;
         let axes = &planned.parameters.axes;
         let store = Store::create(
             path,

@@ -35,11 +35,27 @@ impl Axes {
         self.len() == 0
     }
 
+    /// θ_i number `theta`, rad, 0 to π/2.
+    #[must_use]
+    pub fn theta_i(&self, theta: usize) -> f64 {
+        angle(self.cos_theta[theta])
+    }
+
+    /// φ_i number `phi`, rad, 0 to π/2.
+    #[must_use]
+    pub fn phi_i(&self, phi: usize) -> f64 {
+        angle(self.cos_phi[phi])
+    }
+
     /// Position of a triple in arrays of shape `[λ, θ_i, φ_i]`.
     #[must_use]
     pub fn index(&self, wavelength: usize, theta: usize, phi: usize) -> usize {
         (wavelength * self.cos_theta.len() + theta) * self.cos_phi.len() + phi
     }
+}
+
+fn angle(cosine: f64) -> f64 {
+    cosine.clamp(0.0, 1.0).acos()
 }
 
 /// The statistics of one campaign. All arrays are row-major.
