@@ -187,16 +187,29 @@ impl<T: Scalar> Radiator<T> {
 /// The six Fourier transforms of the currents at angle j and at its opposite.
 #[inline(always)]
 fn transforms<T: Scalar>(products: &[T], n: usize, half: usize, j: usize) -> [[Complex<T>; 6]; 2] {
-    let pick = |component: usize| {
-        let re = &products[2 * component * n..(2 * component + 1) * n];
-        let im = &products[(2 * component + 1) * n..(2 * component + 2) * n];
-        (re[j], re[j + half], im[j], im[j + half])
-    };
-    let parts: [_; 6] = std::array::from_fn(pick);
-    [
-        parts.map(|(re_cos, re_sin, im_cos, im_sin)| Complex { re: re_cos + im_sin, im: im_cos - re_sin }),
-        parts.map(|(re_cos, re_sin, im_cos, im_sin)| Complex { re: re_cos - im_sin, im: im_cos + re_sin }),
-    ]
+    // Written out, since `array::from_fn` and `array::map` are not always inlined, which doubles the time of this stage.
+    let parts = [
+        part(products, n, half, j, 0),
+        part(products, n, half, j, 1),
+        part(products, n, half, j, 2),
+        part(products, n, half, j, 3),
+        part(products, n, half, j, 4),
+        part(products, n, half, j, 5),
+    ];
+    let mut both = [[Complex { re: T::of(0.0), im: T::of(0.0) }; 6]; 2];
+    for (component, (re_cos, re_sin, im_cos, im_sin)) in parts.into_iter().enumerate() {
+        both[0][component] = Complex { re: re_cos + im_sin, im: im_cos - re_sin };
+        both[1][component] = Complex { re: re_cos - im_sin, im: im_cos + re_sin };
+    }
+    both
+}
+
+/// The cosine and the sine sum of the real part of one component, then those of its imaginary part, at angle j.
+#[inline(always)]
+fn part<T: Scalar>(products: &[T], n: usize, half: usize, j: usize, component: usize) -> (T, T, T, T) {
+    let re = &products[2 * component * n..(2 * component + 1) * n];
+    let im = &products[(2 * component + 1) * n..(2 * component + 2) * n];
+    (re[j], re[j + half], im[j], im[j + half])
 }
 
 #[inline(always)]
