@@ -12,6 +12,7 @@ use crate::scattering::statistics::{AZIMUTHS, Axes};
 use crate::solve::direct;
 use crate::solve::surface::FINE_ELEMENT_UM;
 use crate::solve::surface::bench::{Timed, stage_seconds};
+use crate::spectrum::Wavelengths;
 use crate::structure::Structure;
 use crate::{Error, Result};
 
@@ -70,8 +71,9 @@ pub fn measure(structure: &Structure, seed: u64, width: Width, progress: &dyn Pr
 fn sample(structure: &Structure, seed: u64, width: Width, progress: &dyn Progress) -> Result<Figures> {
     let [wavelengths, thetas, phis, instances] = FULL;
     let cos_phi: Vec<f64> = (1..=phis).map(|i| i as f64 / phis as f64).collect();
-    let phi_i: Vec<f64> = cos_phi.iter().map(|c| c.acos()).collect();
-    let axes = Axes { wavelengths_nm: SAMPLE_NM.to_vec(), cos_theta: SAMPLE_COS_THETA.to_vec(), cos_phi };
+    let axes = Axes::new(&Wavelengths::new(SAMPLE_NM)?, SAMPLE_COS_THETA.to_vec(), cos_phi)?;
+    let phi_i: Vec<f64> = (0..phis).map(|phi| axes.phi_i(phi)).collect();
+    let theta_i = axes.theta_i(2);
     let parameters = Parameters { axes, instances, seed, tilt: 2f64.to_radians() };
     progress.begin("measuring", (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as u64);
     let begun = ProcessTime::now();
@@ -98,7 +100,6 @@ fn sample(structure: &Structure, seed: u64, width: Width, progress: &dyn Progres
         }
     }
     let section = structure.instance(seed, 0)?;
-    let theta_i = SAMPLE_COS_THETA[2].acos();
     // Tables serve all θ_i of a wavelength, a crystal's orders all instances.
     let parts = campaign.ray_parts();
     let shared_by = if parts.is_some() { thetas } else { instances };

@@ -132,6 +132,7 @@ mod tests {
     use super::*;
     use crate::material::Library;
     use crate::scattering::statistics::Axes;
+    use crate::spectrum::Wavelengths;
     use crate::structure::SpeciesModel;
 
     #[test]
@@ -150,11 +151,9 @@ mod tests {
         let model = SpeciesModel::builtin("starling", None, Library::builtin()).unwrap();
         let structure = Structure::Species(Box::new(model));
         let demand = |instances: usize, phis: usize, keep: Keep| {
-            let axes = Axes {
-                wavelengths_nm: vec![450.0, 650.0],
-                cos_theta: vec![0.5, 1.0],
-                cos_phi: (1..=phis).map(|i| i as f64 / phis as f64).collect(),
-            };
+            let cos_phi = (1..=phis).map(|i| i as f64 / phis as f64).collect();
+            let axes =
+                Axes::new(&Wavelengths::new([450.0, 650.0]).unwrap(), vec![0.5, 1.0], cos_phi).unwrap();
             let parameters = Parameters { axes, instances, seed: 1, tilt: 0.0 };
             Demand::predict(&structure, &parameters, Width::best(), keep, Results::Stored).unwrap()
         };

@@ -149,8 +149,9 @@ impl Campaign {
         let distinct = distinct(structure, &parameters);
         progress.begin("preparing instances", distinct as u64);
         let crystal = match (orders, structure.lattice()) {
+            (None, None) => None,
             (Some(orders), Some(lattice)) => Some(Crystal::new(orders, &lattice, axes)?),
-            _ => None,
+            _ => return Err(Error::machine("the orders of a crystal belong to another structure")),
         };
         let (sections, parts) = match &crystal {
             Some(_) => (Vec::new(), 1),

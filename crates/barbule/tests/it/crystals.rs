@@ -13,6 +13,7 @@ use barbule::scattering::statistics::{AZIMUTHS, Axes};
 use barbule::solve::crystal::{Cell, Crystal, Incidence, Multipole, Response};
 use barbule::solve::direct;
 use barbule::solve::surface::{FINE_ELEMENT_UM, far_field};
+use barbule::spectrum::Wavelengths;
 use barbule::structure::{
     CrystalLayer, Parts, Polyline, Section, SpeciesFile, SpeciesModel, Structure, crystal_species,
 };
@@ -100,6 +101,10 @@ fn ideal(crystal: &CrystalLayer, nm: f64, theta: f64, phi: f64) -> Response {
     Multipole::default().respond(&cell, &Incidence { wavelength_nm: nm, theta_i: theta, phi_i: phi }).unwrap()
 }
 
+/// Error of fields and powers whose orders come from series, of which up to 3e-5 of each element is left out: 9.5e-5 and
+/// 7.3e-5 are reached.
+const SERIES: f64 = 1.1e-4;
+
 #[test]
 fn far_fields_equal_the_plain_evaluation() {
     let mut worst = [0f64; 2];
@@ -125,8 +130,14 @@ fn far_fields_equal_the_plain_evaluation() {
         }
     }
     println!("fast against plain (field, power): {worst:?}");
-    assert!(worst[0] < 2e-4 && worst[1] < 2e-4, "{worst:?}");
+    assert!(worst.into_iter().all(|worst| worst < SERIES), "{worst:?}");
 }
+
+/// Error of a campaign's field (relative L2): 2.1e-4 is reached, by elements of 0.04 µm and nodes.
+const CAMPAIGN_FIELD: f64 = 2.3e-4;
+
+/// Relative error of its reflected power: 1.9e-4 is reached.
+const CAMPAIGN_POWER: f64 = 2e-4;
 
 #[test]
 fn campaigns_equal_converged_fields() {
@@ -134,18 +145,15 @@ fn campaigns_equal_converged_fields() {
     for (name, section, mut stream) in barbules(3) {
         for nm in [stream.uniform(300.0, 400.0), stream.uniform(400.0, 694.0)] {
             let cosines = [stream.uniform(0.1, 1.0), stream.uniform(0.1, 1.0)];
-            let axes = Axes {
-                wavelengths_nm: vec![nm],
-                cos_theta: vec![cosines[0]],
-                cos_phi: vec![cosines[1], 1.0],
-            };
+            let wavelengths = Wavelengths::new([nm]).unwrap();
+            let axes = Axes::new(&wavelengths, vec![cosines[0]], vec![cosines[1], 1.0]).unwrap();
             let structure = Structure::Sections { name: name.clone(), sections: vec![section.clone()] };
             let parameters = Parameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0 };
             let campaign = Campaign::new(&structure, parameters, Width::best(), &Unobserved).unwrap();
             let unit = campaign.unit(&campaign.tables(0, &Unobserved).unwrap(), 0, Keep::Fields);
-            for (number, cosine) in axes.cos_phi.iter().enumerate() {
-                let exact =
-                    fast(&section, 0.5 * FINE_ELEMENT_UM, nm, cosines[0].acos(), cosine.acos(), AZIMUTHS);
+            for number in 0..axes.cos_phi.len() {
+                let (theta, phi) = (axes.theta_i(0), axes.phi_i(number));
+                let exact = fast(&section, 0.5 * FINE_ELEMENT_UM, nm, theta, phi, AZIMUTHS);
                 for p in 0..2 {
                     let at = (number * 2 + p) * 2 * AZIMUTHS;
                     let single: Vec<Complex64> = unit.fields[at..at + 2 * AZIMUTHS]
@@ -161,7 +169,7 @@ fn campaigns_equal_converged_fields() {
         }
     }
     println!("campaigns against converged fields (field, power): {worst:?}");
-    assert!(worst[0] < 1e-3 && worst[1] < 2e-4, "{worst:?}");
+    assert!(worst[0] < CAMPAIGN_FIELD && worst[1] < CAMPAIGN_POWER, "{worst:?}");
 }
 
 #[test]

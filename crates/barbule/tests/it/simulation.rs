@@ -193,22 +193,29 @@ fn double_precision_equals_the_plain_evaluation_for_random_barbules() {
     println!("\ndouble precision against plain: {worst:?}");
 }
 
+/// Error of a campaign's field (relative L2): 3.8e-4 is reached, of which what rays average is the largest part;
+/// reflectance tables (3e-5) and nodes (8e-5) are smaller ones.
+const CAMPAIGN_FIELD: f64 = 4e-4;
+
+/// Relative error of its reflected power: 2.3e-4 is reached.
+const CAMPAIGN_POWER: f64 = 2.5e-4;
+
 #[test]
 fn campaigns_equal_converged_fields_for_random_barbules() {
     let mut worst = [0f64; 2];
     for (name, section, mut stream) in sections(3) {
         let nm = stream.uniform(400.0, 694.0);
         let cosines = [stream.uniform(0.1, 1.0), stream.uniform(0.1, 1.0)];
-        let axes =
-            Axes { wavelengths_nm: vec![nm], cos_theta: vec![cosines[0]], cos_phi: vec![cosines[1], 1.0] };
+        let wavelengths = Wavelengths::new([nm]).unwrap();
+        let axes = Axes::new(&wavelengths, vec![cosines[0]], vec![cosines[1], 1.0]).unwrap();
         let structure = Structure::Sections { name: name.clone(), sections: vec![section.clone()] };
         let parameters = Parameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0 };
         let campaign = Campaign::new(&structure, parameters, Width::best(), &Unobserved).unwrap();
         let unit = campaign.unit(&campaign.tables(0, &Unobserved).unwrap(), 0, Keep::Fields);
         // Voids have sharp ends: their fields settle last.
         let element = FINE_ELEMENT_UM * if name.starts_with("hummingbird") { 0.25 } else { 0.5 };
-        for (number, cosine) in axes.cos_phi.iter().enumerate() {
-            let (theta, phi) = (cosines[0].acos(), cosine.acos());
+        for number in 0..axes.cos_phi.len() {
+            let (theta, phi) = (axes.theta_i(0), axes.phi_i(number));
             let exact = far_field(&section, element, &beam(nm, theta, phi), AZIMUTHS, Width::best()).unwrap();
             for p in 0..2 {
                 let at = (number * 2 + p) * 2 * AZIMUTHS;
@@ -227,5 +234,5 @@ fn campaigns_equal_converged_fields_for_random_barbules() {
         }
     }
     println!("\ncampaigns against converged fields (field, power): {worst:.6?}");
-    assert!(worst[0] < 1e-3 && worst[1] < 3e-4, "{worst:?}");
+    assert!(worst[0] < CAMPAIGN_FIELD && worst[1] < CAMPAIGN_POWER, "{worst:?}");
 }

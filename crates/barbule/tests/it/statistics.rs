@@ -17,6 +17,7 @@ use barbule::progress::Unobserved;
 use barbule::scattering::far_field::Polarization;
 use barbule::scattering::lobe::Lobe;
 use barbule::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, Statistics};
+use barbule::spectrum::Wavelengths;
 use barbule::structure::{SpeciesModel, Structure};
 use num_complex::Complex64;
 
@@ -53,11 +54,8 @@ struct Species {
 
 fn simulate(name: &'static str) -> Species {
     let model = SpeciesModel::builtin(name, None, Library::builtin()).unwrap();
-    let axes = Axes {
-        wavelengths_nm: vec![400.0, 550.0, 694.0],
-        cos_theta: vec![0.1, 0.5, 1.0],
-        cos_phi: vec![0.1, 0.35, 0.7, 1.0],
-    };
+    let wavelengths = Wavelengths::new([400.0, 550.0, 694.0]).unwrap();
+    let axes = Axes::new(&wavelengths, vec![0.1, 0.5, 1.0], vec![0.1, 0.35, 0.7, 1.0]).unwrap();
     let parameters =
         Parameters { axes: axes.clone(), instances: INSTANCES, seed: 1, tilt: 2f64.to_radians() };
     let structure = Structure::Species(Box::new(model));
