@@ -5,4 +5,4 @@
 pub mod scattering;
 pub mod spectrum;
 
-use barbule_base::{Error, Result, error};
+use barbule_base::{Error, Result, error, math};

@@ -3,7 +3,7 @@
 
 #![allow(clippy::print_stdout)] // its output is its result
 
-use barbule::campaign::figures::measure;
+use barbule::campaign::bench::measure;
 use barbule::material::Library;
 use barbule::math::simd::Width;
 use barbule::progress::Unobserved;

@@ -16,6 +16,23 @@ pub trait Transformable: FftNum {
     fn inverse(length: usize) -> Transform<Self>;
 }
 
+/// The least multiple of 16 that is ≥ `least` and has no prime factor over 5: a length that transforms fast.
+#[must_use]
+pub fn fast_length(least: usize) -> usize {
+    (least.div_ceil(16)..)
+        .map(|n| n * 16)
+        .find(|&length| {
+            let mut rest = length;
+            for prime in [2, 3, 5] {
+                while rest % prime == 0 {
+                    rest /= prime;
+                }
+            }
+            rest == 1
+        })
+        .unwrap_or(least)
+}
+
 /// One planned transform; clones share the plan.
 #[derive(Clone)]
 pub struct Transform<T>(Arc<dyn Fft<T>>);

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use barbule::Result;
-use barbule::campaign::figures::{Figures, measure};
+use barbule::campaign::bench::{Figures, measure};
 use barbule::math::simd::Width;
 use barbule::solve::crystal::figures as crystal;
 use barbule::structure::crystal_species;

@@ -3,8 +3,9 @@
 use std::io::Write;
 
 use barbule::math::simd::Width;
+use barbule::scattering::far_field::{FarField, Illumination, Light, Polarization, Window};
 use barbule::solve::direct;
-use barbule::solve::surface::{FINE_ELEMENT_UM, FarField, Surface, Window, far_field};
+use barbule::solve::surface::{FINE_ELEMENT_UM, far_field};
 use barbule::{Complex64, Error, Result};
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -37,8 +38,8 @@ pub(crate) struct Args {
     #[arg(long, value_enum, default_value_t = Solver::Fast)]
     solver: Solver,
     /// How the light falls on the section
-    #[arg(long, value_enum, default_value_t = Illumination::Gaussian)]
-    window: Illumination,
+    #[arg(long, value_enum, default_value_t = WindowArg::Gaussian)]
+    window: WindowArg,
     #[command(flatten)]
     common: Common,
 }
@@ -56,7 +57,7 @@ enum Solver {
 
 /// Windows of the incident light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Illumination {
+enum WindowArg {
     /// Light of limited coherence
     Gaussian,
     /// A plane wave
@@ -85,26 +86,16 @@ impl Args {
             ));
         }
         let window = match self.window {
-            Illumination::Gaussian => Window::Gaussian,
-            Illumination::None => Window::None,
+            WindowArg::Gaussian => Window::Gaussian,
+            WindowArg::None => Window::PlaneWave,
         };
         let section =
             structure_arg::parse(&self.structure, &self.common)?.instance(self.common.seed, self.instance)?;
         let (theta_i, phi_i) = (theta_deg.to_radians(), phi_deg.to_radians());
+        let illumination = Illumination { wavelength_nm, theta_i, phi_i, window };
         let far = match self.solver {
-            Solver::Direct => direct::far_field(
-                &section,
-                window,
-                FINE_ELEMENT_UM,
-                wavelength_nm,
-                theta_i,
-                phi_i,
-                self.azimuths,
-            )?,
-            _ => {
-                let surface = Surface::new(&section, FINE_ELEMENT_UM, window)?;
-                far_field(&surface, window, wavelength_nm, theta_i, phi_i, self.azimuths, Width::best())?
-            }
+            Solver::Direct => direct::far_field(&section, FINE_ELEMENT_UM, &illumination, self.azimuths)?,
+            _ => far_field(&section, FINE_ELEMENT_UM, &illumination, self.azimuths, Width::best())?,
         };
         if self.common.json {
             return print_json(out, &document(&far));
@@ -113,41 +104,52 @@ impl Args {
     }
 }
 
+/// c₀|𝓔|²/Φ_i in 1/rad of a beam, the differential width in µm/rad of a plane wave.
+fn per_radian(far: &FarField, polarization: Polarization) -> Vec<f64> {
+    far.intensity(polarization).unwrap_or_else(|| far.differential_width_um(polarization))
+}
+
 /// The contract's JSON.
 fn document(far: &FarField) -> Value {
     let complex = |values: &[Complex64]| values.iter().map(|z| json!([z.re, z.im])).collect::<Vec<_>>();
-    let polarization = |p: usize| {
+    let polarization = |p: Polarization| {
+        let [e1, e2] = &far.amplitudes[p.index()];
         json!({
-            "intensity": far.intensity(p),
-            "e1": complex(&far.fields[p][0]),
-            "e2": complex(&far.fields[p][1]),
-            "reflected_fraction": far.incident_power_um.map(|_| far.reflected[p]),
+            "intensity": per_radian(far, p),
+            "e1": complex(e1),
+            "e2": complex(e2),
+            "reflected_fraction": far.reflected_fraction(p),
         })
     };
+    let incident_power_um = match far.light {
+        Light::Beam { power_um } => Some(power_um),
+        Light::PlaneWave => None,
+    };
     json!({
-        "phi_out_deg": far.phi_o.iter().map(|phi| phi.to_degrees()).collect::<Vec<_>>(),
-        "incident_power": far.incident_power_um,
-        "polarization_1": polarization(0),
-        "polarization_2": polarization(1),
+        "phi_out_deg": far.azimuths.phi_o().iter().map(|phi| phi.to_degrees()).collect::<Vec<_>>(),
+        "incident_power": incident_power_um,
+        "polarization_1": polarization(Polarization::First),
+        "polarization_2": polarization(Polarization::Second),
     })
 }
 
 /// Azimuths and intensities as columns.
 fn table(far: &FarField) -> String {
-    let intensity = [far.intensity(0), far.intensity(1)];
-    let unit = if far.incident_power_um.is_some() { "1/rad" } else { "µm/rad" };
-    let mut text = match far.incident_power_um {
-        Some(power) => format!(
-            "incident power {power:.6} µm, reflected fraction {:.6} (polarization 1), {:.6} (2)\n",
-            far.reflected[0], far.reflected[1]
+    let intensity = Polarization::BOTH.map(|p| per_radian(far, p));
+    let [first, second] = far.radiated;
+    let (unit, mut text) = match far.light {
+        Light::Beam { power_um } => (
+            "1/rad",
+            format!(
+                "incident power {power_um:.6} µm, reflected fraction {first:.6} (polarization 1), {second:.6} (2)\n"
+            ),
         ),
-        None => format!(
-            "reflected width {:.6} µm (polarization 1), {:.6} µm (2)\n",
-            far.reflected[0], far.reflected[1]
-        ),
+        Light::PlaneWave => {
+            ("µm/rad", format!("reflected width {first:.6} µm (polarization 1), {second:.6} µm (2)\n"))
+        }
     };
     text += &format!("phi_out_deg  intensity_1 ({unit})  intensity_2 ({unit})");
-    for (n, phi) in far.phi_o.iter().enumerate() {
+    for (n, phi) in far.azimuths.phi_o().iter().enumerate() {
         text += &format!("\n{:11.4}  {:20.6e}  {:20.6e}", phi.to_degrees(), intensity[0][n], intensity[1][n]);
     }
     text

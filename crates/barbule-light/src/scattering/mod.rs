@@ -1,6 +1,7 @@
 //! Directions, orders of crystals, far fields, their statistics and the lobe that is fitted to them.
 
 pub mod directions;
+pub mod far_field;
 pub mod lobe;
 pub mod orders;
 pub mod statistics;

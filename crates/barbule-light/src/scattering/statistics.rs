@@ -2,6 +2,9 @@
 
 use num_complex::Complex;
 
+use crate::spectrum::Wavelengths;
+use crate::{Error, Result};
+
 /// Outgoing azimuths on which U and V are tabulated: (n + ½)·180°/400 − 90°.
 pub const AZIMUTHS: usize = 400;
 
@@ -23,6 +26,28 @@ pub struct Axes {
 }
 
 impl Axes {
+    /// Axes that a campaign can have.
+    ///
+    /// # Errors
+    /// Cosines that do not rise or do not lie in (0, 1], or none.
+    pub fn new(wavelengths: &Wavelengths, cos_theta: Vec<f64>, cos_phi: Vec<f64>) -> Result<Self> {
+        for (name, values) in [("cosθ_i", &cos_theta), ("cosφ_i", &cos_phi)] {
+            if values.is_empty() {
+                return Err(Error::input(format!("the axis {name} is empty; give one or more cosines")));
+            }
+            if let Some(bad) = values.iter().find(|c| !(**c > 0.0 && **c <= 1.0)) {
+                return Err(Error::input(format!("{name} {bad} is not in (0, 1]")));
+            }
+            if let Some(pair) = values.windows(2).find(|pair| pair[1] <= pair[0]) {
+                return Err(Error::input(format!(
+                    "{name} {} follows {}; cosines must rise",
+                    pair[1], pair[0]
+                )));
+            }
+        }
+        Ok(Self { wavelengths_nm: wavelengths.to_vec(), cos_theta, cos_phi })
+    }
+
     /// Number of (λ, θ_i, φ_i) triples.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -35,11 +60,27 @@ impl Axes {
         self.len() == 0
     }
 
+    /// θ_i number `theta`, rad, 0 to π/2.
+    #[must_use]
+    pub fn theta_i(&self, theta: usize) -> f64 {
+        angle(self.cos_theta[theta])
+    }
+
+    /// φ_i number `phi`, rad, 0 to π/2.
+    #[must_use]
+    pub fn phi_i(&self, phi: usize) -> f64 {
+        angle(self.cos_phi[phi])
+    }
+
     /// Position of a triple in arrays of shape `[λ, θ_i, φ_i]`.
     #[must_use]
     pub fn index(&self, wavelength: usize, theta: usize, phi: usize) -> usize {
         (wavelength * self.cos_theta.len() + theta) * self.cos_phi.len() + phi
     }
+}
+
+fn angle(cosine: f64) -> f64 {
+    cosine.clamp(0.0, 1.0).acos()
 }
 
 /// The statistics of one campaign. All arrays are row-major.

@@ -83,6 +83,12 @@ impl std::ops::Deref for Wavelengths {
     }
 }
 
+/// The vacuum wave number k = 2π/λ of a wavelength in nm, rad/µm.
+#[must_use]
+pub fn wave_number_per_um(wavelength_nm: f64) -> f64 {
+    std::f64::consts::TAU / (wavelength_nm * 1e-3)
+}
+
 /// One value per wavelength, linear between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {

@@ -6,45 +6,70 @@
 use glam::DVec3;
 use num_complex::Complex64;
 
+use super::crystal::Cell;
 use super::crystal::multipole::Prepared;
-use super::crystal::{Cell, Multipole};
 use super::film::{Polarization, reflect};
-use super::surface::{Cone, FarField, Window, inverse_root, refinement};
-use crate::scattering::directions::{azimuths as azimuth_grid, e1, e2, omega};
+use super::surface::solver;
+use crate::scattering::directions::{e1, e2, omega};
+use crate::scattering::far_field::{
+    Azimuths, FarField, Illumination, Light, Window, coefficients, refinement,
+};
 use crate::structure::{Columns, CrystalLayer, Polyline, Ray, Section, cast};
 use crate::{Error, Result};
 
 /// A complex 3-vector.
 type Field = [Complex64; 3];
 
-/// Evaluates the far field by Gauss's two-point rule on elements of at most `element_um`; arguments and result as for
-/// [`surface::far_field`](super::surface::far_field).
+/// E and H̃ at a point.
+type Wave = (Field, Field);
+
+/// The far field of a section on so many azimuths of the upper half, by Gauss's two-point rule on elements of at most
+/// `element_um`: what [`surface::far_field`](super::surface::far_field) computes too.
 ///
 /// # Errors
-/// As [`cast`] and [`Section::check_lit_through_air`], or a medium's table does not reach the wavelength.
+/// As [`cast`] and [`Section::check_lit_through_air`], a medium's table does not reach the wavelength, or a crystal cannot
+/// be solved.
 pub fn far_field(
     section: &Section,
-    window: Window,
     element_um: f64,
-    wavelength_nm: f64,
-    theta_i: f64,
-    phi_i: f64,
+    illumination: &Illumination,
     azimuths: usize,
 ) -> Result<FarField> {
     section.check_lit_through_air()?;
-    let k = std::f64::consts::TAU / (wavelength_nm * 1e-3);
-    let (rays, lengths) = quadrature(section, element_um);
-    let columns = cast(section, &rays)?;
-    let palette = columns.palette.iter().map(|m| m.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
-    let w_i = omega(theta_i, phi_i);
-    let incident = [(e1(theta_i, phi_i), e2(phi_i)), (e2(phi_i), -e1(theta_i, phi_i))];
+    let lit = illuminate(section, element_um, illumination)?;
+    Ok(radiate(&lit, illumination, azimuths))
+}
+
+/// The top of a section under light.
+struct Lit {
+    /// Per incident polarization.
+    currents: [Vec<Current>; 2],
+    incident_power_um: f64,
+    /// Largest distance of a point from the origin.
+    radius_um: f64,
+}
+
+/// The equivalent currents J dl and M dl of one point.
+struct Current {
+    x_um: f64,
+    z_um: f64,
+    electric: Field,
+    magnetic: Field,
+}
+
+/// The currents that the top carries: at each lit point those of the wave that the stack or crystal under it reflects.
+fn illuminate(section: &Section, element_um: f64, illumination: &Illumination) -> Result<Lit> {
+    let Illumination { wavelength_nm, theta_i, phi_i, window } = *illumination;
+    let k = illumination.wave_number_per_um();
+    let (rays, lengths_um) = quadrature(section, element_um);
+    let stacks = Stacks::new(section, &rays, wavelength_nm)?;
     let crystal =
         section.crystal.as_ref().map(|layer| Crystalline::new(layer, section, wavelength_nm, theta_i));
     let crystal = crystal.transpose()?;
-    let mut incident_power_um = 0.0;
-    // Currents with their positions, per incident polarization.
-    let mut currents: [Vec<(f64, f64, Field, Field)>; 2] = Default::default();
-    for (p, (ray, length)) in rays.iter().zip(&lengths).enumerate() {
+    let w_i = omega(theta_i, phi_i);
+    let mut lit = Lit { currents: Default::default(), incident_power_um: 0.0, radius_um: 0.0 };
+    for (p, (ray, length)) in rays.iter().zip(&lengths_um).enumerate() {
+        lit.radius_um = lit.radius_um.max(ray.x_um.hypot(ray.z_um));
         let normal = DVec3::new(ray.normal[0], 0.0, ray.normal[1]);
         let cos_alpha = normal.dot(w_i);
         if cos_alpha <= 0.0 {
@@ -52,74 +77,68 @@ pub fn far_field(
         }
         let g = match window {
             Window::Gaussian => (-(ray.x_um / (section.width_um / 4.0)).powi(2)).exp(),
-            Window::None => 1.0,
+            Window::PlaneWave => 1.0,
         };
-        incident_power_um += g * g * cos_alpha * length;
+        lit.incident_power_um += g * g * cos_alpha * length;
         let phase = Complex64::from_polar(g * length, -k * (w_i.x * ray.x_um + w_i.z * ray.z_um));
-        if let Some(crystal) = &crystal {
-            for (polarization, (e, h)) in crystal.reflect(ray, phi_i)?.into_iter().enumerate() {
-                let [e, h] = [e, h].map(|field| field.map(|part| part * phase));
-                currents[polarization].push((ray.x_um, ray.z_um, cross(normal, &h), cross(-normal, &e)));
-            }
-            continue;
-        }
-        let [r_s, r_p] = reflectances(&columns, &palette, p, wavelength_nm, cos_alpha)?;
-        let reflected = 2.0 * cos_alpha * normal - w_i;
-        let s = normal.cross(w_i).try_normalize().unwrap_or(DVec3::Y);
-        for (polarization, (electric, magnetic)) in incident.iter().enumerate() {
-            let (e_s, h_s) = (r_s * electric.dot(s) * phase, r_p * magnetic.dot(s) * phase);
-            // E = E_s ŝ − H_s d × ŝ and H̃ = H_s ŝ + E_s d × ŝ for a wave along d.
-            let across = reflected.cross(s);
-            let e = sum(s, e_s, across, -h_s);
-            let h = sum(s, h_s, across, e_s);
-            currents[polarization].push((ray.x_um, ray.z_um, cross(normal, &h), cross(-normal, &e)));
+        let reflected = match &crystal {
+            Some(crystal) => crystal.reflect(ray, phi_i, phase)?,
+            None => stacks.reflect(p, normal, illumination, phase)?,
+        };
+        for (currents, (e, h)) in lit.currents.iter_mut().zip(reflected) {
+            let (electric, magnetic) = (cross(normal, &h), cross(-normal, &e));
+            currents.push(Current { x_um: ray.x_um, z_um: ray.z_um, electric, magnetic });
         }
     }
-    let mut fields: [[Vec<Complex64>; 2]; 2] = Default::default();
+    Ok(lit)
+}
+
+/// The far field of currents: E = (j/4)·jk·√(2/(πκ))·e^{−jπ/4}·[(1 − ωωᵀ)J̃ − ω × M̃] with J̃ and M̃ the currents' sums
+/// over e^{−jκ(x sinφ + z cosφ)}.
+fn radiate(lit: &Lit, illumination: &Illumination, azimuths: usize) -> FarField {
+    let theta_i = illumination.theta_i;
+    let k = illumination.wave_number_per_um();
     let kappa = k * theta_i.cos();
     let j = Complex64::i();
     let factor = j / 4.0
         * (j * k)
         * (2.0 / (std::f64::consts::PI * kappa)).sqrt()
         * Complex64::from_polar(1.0, -std::f64::consts::FRAC_PI_4);
-    let radius_um = rays.iter().fold(0f64, |r, ray| r.max(ray.x_um.hypot(ray.z_um)));
-    let refine = refinement(&Cone::new(k, theta_i, radius_um), azimuths);
-    let scale = match window {
-        Window::Gaussian => inverse_root(incident_power_um),
-        Window::None => 1.0,
+    let light = match illumination.window {
+        Window::Gaussian => Light::Beam { power_um: lit.incident_power_um },
+        Window::PlaneWave => Light::PlaneWave,
     };
-    let mut reflected = [0.0; 2];
-    let step = std::f64::consts::PI / (azimuths * refine) as f64;
-    for (n, phi_o) in azimuth_grid(azimuths * refine).enumerate() {
+    let scale = light.scale();
+    let mut amplitudes: [[Vec<Complex64>; 2]; 2] = Default::default();
+    let mut radiated = [0.0; 2];
+    let refine = refinement(coefficients(kappa, lit.radius_um), azimuths);
+    let fine = Azimuths::UpperHalf(azimuths * refine);
+    for (n, phi_o) in fine.phi_o().into_iter().enumerate() {
         let w_o = omega(-theta_i, phi_o);
-        for ((currents, fields), reflected) in currents.iter().zip(&mut fields).zip(&mut reflected) {
+        for ((currents, amplitudes), radiated) in lit.currents.iter().zip(&mut amplitudes).zip(&mut radiated)
+        {
             let mut electric = [Complex64::ZERO; 3];
             let mut magnetic = [Complex64::ZERO; 3];
-            for (x, z, current, magnetic_current) in currents {
-                let kernel = Complex64::from_polar(1.0, -kappa * (x * phi_o.sin() + z * phi_o.cos()));
+            for current in currents {
+                let path = current.x_um * phi_o.sin() + current.z_um * phi_o.cos();
+                let kernel = Complex64::from_polar(1.0, -kappa * path);
                 for axis in 0..3 {
-                    electric[axis] += current[axis] * kernel;
-                    magnetic[axis] += magnetic_current[axis] * kernel;
+                    electric[axis] += current.electric[axis] * kernel;
+                    magnetic[axis] += current.magnetic[axis] * kernel;
                 }
             }
             let turned = cross(w_o, &magnetic);
             let far: Field = std::array::from_fn(|axis| factor * scale * (electric[axis] - turned[axis]));
             // The part of J̃ along ω_o has no component along e₁ or e₂.
             let components = [dot(e1(-theta_i, phi_o), &far), dot(e2(phi_o), &far)];
-            *reflected += theta_i.cos() * step * (components[0].norm_sqr() + components[1].norm_sqr());
+            *radiated += theta_i.cos() * fine.step() * (components[0].norm_sqr() + components[1].norm_sqr());
             if n % refine == refine / 2 {
-                fields[0].push(components[0]);
-                fields[1].push(components[1]);
+                amplitudes[0].push(components[0]);
+                amplitudes[1].push(components[1]);
             }
         }
     }
-    Ok(FarField {
-        phi_o: azimuth_grid(azimuths).collect(),
-        fields,
-        incident_power_um: (window == Window::Gaussian).then_some(incident_power_um),
-        reflected,
-        cos_theta: theta_i.cos(),
-    })
+    FarField { light, theta_i, azimuths: Azimuths::UpperHalf(azimuths), amplitudes, radiated }
 }
 
 /// Gauss points on the straight pieces of the top, with their lengths.
@@ -145,33 +164,65 @@ fn quadrature(section: &Section, element_um: f64) -> (Vec<Ray>, Vec<f64>) {
     (rays, lengths)
 }
 
-/// r_s and r_p of the stack under ray `p`.
-fn reflectances(
-    columns: &Columns,
-    palette: &[Complex64],
-    p: usize,
+/// The stacks under all points at one wavelength.
+struct Stacks {
+    columns: Columns,
+    /// Indices of the columns' palette.
+    palette: Vec<Complex64>,
     wavelength_nm: f64,
-    cos_alpha: f64,
-) -> Result<[Complex64; 2]> {
-    let rays = columns.rays;
-    let mut indices = vec![Complex64::ONE];
-    let mut thickness_nm = Vec::new();
-    for slot in 0..columns.slots {
-        let m = columns.mixture[slot * rays + p];
-        let (a, b) = (palette[usize::from(m.a)], palette[usize::from(m.b)]);
-        indices.push(a * (1.0 - m.fraction) + b * m.fraction);
-        if slot + 1 < columns.slots {
-            thickness_nm.push(columns.thickness_um[slot * rays + p] * 1e3);
+}
+
+impl Stacks {
+    fn new(section: &Section, rays: &[Ray], wavelength_nm: f64) -> Result<Self> {
+        let columns = cast(section, rays)?;
+        let palette = columns.palette.iter().map(|m| m.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
+        Ok(Self { columns, palette, wavelength_nm })
+    }
+
+    /// The reflected waves at point `p`, for incident fields along e₁ and e₂ of this phase there.
+    fn reflect(
+        &self,
+        p: usize,
+        normal: DVec3,
+        illumination: &Illumination,
+        phase: Complex64,
+    ) -> Result<[Wave; 2]> {
+        let Illumination { theta_i, phi_i, .. } = *illumination;
+        let (w_i, e1, e2) = (omega(theta_i, phi_i), e1(theta_i, phi_i), e2(phi_i));
+        let cos_alpha = normal.dot(w_i);
+        let [r_s, r_p] = self.reflectances(p, cos_alpha)?;
+        let reflected = 2.0 * cos_alpha * normal - w_i;
+        let s = normal.cross(w_i).try_normalize().unwrap_or(DVec3::Y);
+        Ok([(e1, e2), (e2, -e1)].map(|(electric, magnetic)| {
+            let (e_s, h_s) = (r_s * electric.dot(s) * phase, r_p * magnetic.dot(s) * phase);
+            // E = E_s ŝ − H_s d × ŝ and H̃ = H_s ŝ + E_s d × ŝ for a wave along d.
+            let across = reflected.cross(s);
+            (sum(s, e_s, across, -h_s), sum(s, h_s, across, e_s))
+        }))
+    }
+
+    /// r_s and r_p of the stack under point `p`.
+    fn reflectances(&self, p: usize, cos_alpha: f64) -> Result<[Complex64; 2]> {
+        let Columns { rays, slots, .. } = self.columns;
+        let mut indices = vec![Complex64::ONE];
+        let mut thickness_nm = Vec::new();
+        for slot in 0..slots {
+            let m = self.columns.mixture[slot * rays + p];
+            let (a, b) = (self.palette[usize::from(m.a)], self.palette[usize::from(m.b)]);
+            indices.push(a * (1.0 - m.fraction) + b * m.fraction);
+            if slot + 1 < slots {
+                thickness_nm.push(self.columns.thickness_um[slot * rays + p] * 1e3);
+            }
         }
+        let angle = cos_alpha.clamp(0.0, 1.0).acos();
+        if !angle.is_finite() {
+            return Err(Error::machine("a direction is not finite"));
+        }
+        Ok([
+            reflect(&indices, &thickness_nm, self.wavelength_nm, angle, Polarization::S)?,
+            reflect(&indices, &thickness_nm, self.wavelength_nm, angle, Polarization::P)?,
+        ])
     }
-    let angle = cos_alpha.clamp(0.0, 1.0).acos();
-    if !angle.is_finite() {
-        return Err(Error::machine("a direction is not finite"));
-    }
-    Ok([
-        reflect(&indices, &thickness_nm, wavelength_nm, angle, Polarization::S)?,
-        reflect(&indices, &thickness_nm, wavelength_nm, angle, Polarization::P)?,
-    ])
 }
 
 /// A crystal under the top at one wavelength and one θ_i, solved anew for every point.
@@ -186,13 +237,13 @@ struct Crystalline<'a> {
 impl<'a> Crystalline<'a> {
     fn new(layer: &'a CrystalLayer, section: &'a Section, wavelength_nm: f64, theta_i: f64) -> Result<Self> {
         let cell = Cell::new(&layer.lattice, wavelength_nm)?;
-        let prepared = Multipole::default().prepare(&cell, wavelength_nm, theta_i)?;
+        let prepared = solver().prepare(&cell, wavelength_nm, theta_i)?;
         let top = section.top();
         Ok(Self { layer, prepared, theta_i, top, arc_um: top.arc_um() })
     }
 
-    /// E and H̃ of all reflected orders at a point, for incident fields along e₁ and e₂ with phase 0 there.
-    fn reflect(&self, ray: &Ray, phi_i: f64) -> Result<[(Field, Field); 2]> {
+    /// All reflected orders at a point, for incident fields along e₁ and e₂ of this phase there.
+    fn reflect(&self, ray: &Ray, phi_i: f64, phase: Complex64) -> Result<[Wave; 2]> {
         let [across, up] = ray.normal;
         // The normal's angle against z, clockwise: azimuths in the frame of the top are larger by the slope.
         let slope = (-across).atan2(up);
@@ -203,11 +254,11 @@ impl<'a> Crystalline<'a> {
         let mut fields = [([Complex64::ZERO; 3], [Complex64::ZERO; 3]); 2];
         for order in self.prepared.respond(phi_i + slope)?.orders {
             let turn = std::f64::consts::TAU * f64::from(order.m) * s / self.layer.lattice.period_um;
-            let phase = Complex64::from_polar(regularity, turn);
+            let place = Complex64::from_polar(regularity, turn);
             let phi_o = order.phi_o - slope;
             let (w_o, e1, e2) = (omega(-self.theta_i, phi_o), e1(-self.theta_i, phi_o), e2(phi_o));
             for (q, (electric, magnetic)) in fields.iter_mut().enumerate() {
-                let e = sum(e1, order.jones[0][q] * phase, e2, order.jones[1][q] * phase);
+                let e = sum(e1, order.jones[0][q] * place, e2, order.jones[1][q] * place);
                 let turned = cross(w_o, &e);
                 for axis in 0..3 {
                     electric[axis] += e[axis];
@@ -215,7 +266,7 @@ impl<'a> Crystalline<'a> {
                 }
             }
         }
-        Ok(fields)
+        Ok(fields.map(|(e, h)| (e.map(|part| part * phase), h.map(|part| part * phase))))
     }
 }
 

@@ -4,20 +4,15 @@
 //! Units of a wavelength run at the same time, all of them if there is room, and each keeps the fields of all its
 //! instances; with less room fewer run at once.
 
-use std::f64::consts::TAU;
-
 use crate::math::simd::Width;
 use crate::progress::Unobserved;
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::statistics::{AZIMUTHS, LAGS};
-use crate::solve::crystal::{Cell, Multipole, order_series};
-use crate::solve::surface::{
-    CAMPAIGN_ELEMENT_UM, Cone, CrystalOrders, Nodes, Rays, ReflectanceTable, Surface, Window, refinement,
-};
+use crate::solve::surface::{Barbule, Cone, Underside, orders};
 use crate::structure::Structure;
 use crate::{Error, Result};
 
-use super::{Parameters, resolution};
+use super::{Keep, Parameters};
 
 /// The program itself with its data, and what allocators keep.
 const PROGRAM: u64 = 48 << 20;
@@ -27,6 +22,15 @@ const MARGIN: f64 = 1.25;
 
 /// Bytes of the statistics of one (λ, θ_i, φ_i), both polarizations.
 const STATISTICS: u64 = (2 * (2 * AZIMUTHS + LAGS) * 4 + 6 * 8) as u64;
+
+/// Where the statistics of a campaign go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Results {
+    /// Into a store, unit by unit.
+    Stored,
+    /// All into memory, as for a fit.
+    Gathered,
+}
 
 /// What a campaign needs in memory, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,63 +46,56 @@ pub struct Demand {
 impl Demand {
     /// Predicts from the first instance at the ends and the middle of the wavelengths.
     ///
-    /// `kept` says that fields are kept, `gathered` that all statistics are in memory at the end (as for a fit).
-    ///
     /// # Errors
     /// The instance cannot be made, or a medium's table does not cover the wavelengths.
     pub fn predict(
         structure: &Structure,
         parameters: &Parameters,
         width: Width,
-        kept: bool,
-        gathered: bool,
+        keep: Keep,
+        results: Results,
     ) -> Result<Self> {
         let axes = &parameters.axes;
         let (Some(&shortest), Some(&longest)) = (axes.wavelengths_nm.first(), axes.wavelengths_nm.last())
         else {
             return Err(Error::input("the campaign has no wavelength"));
         };
-        let distinct = if structure.count() == Some(1) { 1 } else { parameters.instances };
-        let section = structure.instance(parameters.seed, 0)?;
-        let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
-        let wavelengths = [shortest, 0.5 * (shortest + longest), longest];
-        let mut table = 0;
-        let (instance, parts, shared) = if let Some(lattice) = structure.lattice() {
+        let distinct = super::distinct(structure, parameters);
+        let (barbule, table, shared) = if let Some(lattice) = structure.lattice() {
+            let barbule = Barbule::for_campaign(&structure.instance(parameters.seed, 0)?, 1)?;
             // The table over all wavelengths, and one wavelength's sampled; most orders propagate at the shortest.
-            let series = order_series(&Multipole::default(), &Cell::new(&lattice, shortest)?, shortest, 0.0)?;
-            let sampled = CrystalOrders::<f32>::new(&series, 0.0, lattice.bottom_um()).bytes();
+            let solved = orders(&lattice, &[shortest], &[1.0], &Unobserved)?;
+            let series = solved.at(0, 0);
+            let sampled = Underside::crystal(series, 0.0, lattice.bottom_um()).bytes();
             let whole = axes.wavelengths_nm.len() * series.bytes();
-            (surface.bytes(), 0, axes.cos_theta.len() * (whole + sampled))
+            (barbule, 0, axes.cos_theta.len() * (whole + sampled))
         } else {
-            let parts =
-                resolution::ray_parts(structure, parameters.seed, distinct, shortest, width, &Unobserved)?;
-            let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, parts)?;
-            for wavelength_nm in wavelengths {
-                table = table.max(ReflectanceTable::new(width, &surface, &rays, wavelength_nm)?.bytes());
+            let (sections, parts) = super::ray_parts(structure, parameters, width, &Unobserved)?;
+            let first = sections.first().ok_or_else(|| Error::input("the campaign has no instance"))?;
+            let barbule = Barbule::for_campaign(first, parts)?;
+            let mut table = 0;
+            for wavelength_nm in [shortest, 0.5 * (shortest + longest), longest] {
+                table = table.max(barbule.table(wavelength_nm, width)?.bytes());
             }
-            (surface.bytes() + rays.bytes(), parts, 0)
+            (barbule, table, 0)
         };
-        let (points, slots) = (surface.padded(), surface.slots);
         // Media that vary along the top are kept beside the series; those of the rays only while a table is made.
-        let optics = if parts > 0 { 8 * points * slots } else { 0 };
-        let cone = Cone::new(TAU / (shortest * 1e-3), 0.0, surface.radius_um);
+        let media = barbule.media_bytes();
+        let cone = Cone::around(std::slice::from_ref(&barbule), shortest, 0.0);
         let directions = 4 * axes.cos_phi.len();
-        let fields = AZIMUTHS * refinement(&cone, AZIMUTHS) + 2 * AZIMUTH_MARGIN;
-        let (angles, nodes) = (cone.angles, Nodes::<f32>::equidistant(&surface, cone.kappa).x_um.len());
-        // Kernel, currents and products of the matrix product with their packed copies; coefficients.
-        let workspace = 2 * 4 * (angles * nodes + 3 * directions * (angles + nodes))
-            + 8 * directions * angles
-            + 4 * points * 16
+        let fields = AZIMUTHS * cone.refinement(AZIMUTHS) + 2 * AZIMUTH_MARGIN;
+        let workspace = barbule.workspace_bytes(&cone, axes.cos_phi.len())
             + 2 * table
-            + optics * parts;
-        let kept = if kept { 3 * 8 * directions * parameters.instances * AZIMUTHS } else { 0 };
+            + media * barbule.ray_parts().unwrap_or(0);
+        let kept =
+            if keep == Keep::Fields { 3 * 8 * directions * parameters.instances * AZIMUTHS } else { 0 };
         let phis = axes.cos_phi.len() as u64;
         let threads = rayon::current_num_threads() as u64;
-        let gathered = if gathered { 2 * STATISTICS * axes.len() as u64 } else { 0 };
+        let gathered = if results == Results::Gathered { 2 * STATISTICS * axes.len() as u64 } else { 0 };
         let scaled = |bytes: usize| (distinct as f64 * MARGIN * bytes as f64) as u64;
         Ok(Self {
             fixed: PROGRAM
-                + scaled(instance + table + optics)
+                + scaled(barbule.bytes() + table + media)
                 + shared as u64
                 + gathered
                 + threads * workspace as u64,
@@ -135,6 +132,7 @@ mod tests {
     use super::*;
     use crate::material::Library;
     use crate::scattering::statistics::Axes;
+    use crate::spectrum::Wavelengths;
     use crate::structure::SpeciesModel;
 
     #[test]
@@ -152,19 +150,22 @@ mod tests {
     fn demand_grows_with_instances_directions_and_what_is_kept() {
         let model = SpeciesModel::builtin("starling", None, Library::builtin()).unwrap();
         let structure = Structure::Species(Box::new(model));
-        let demand = |instances: usize, phis: usize, kept: bool| {
-            let axes = Axes {
-                wavelengths_nm: vec![450.0, 650.0],
-                cos_theta: vec![0.5, 1.0],
-                cos_phi: (1..=phis).map(|i| i as f64 / phis as f64).collect(),
-            };
+        let demand = |instances: usize, phis: usize, keep: Keep| {
+            let cos_phi = (1..=phis).map(|i| i as f64 / phis as f64).collect();
+            let axes =
+                Axes::new(&Wavelengths::new([450.0, 650.0]).unwrap(), vec![0.5, 1.0], cos_phi).unwrap();
             let parameters = Parameters { axes, instances, seed: 1, tilt: 0.0 };
-            Demand::predict(&structure, &parameters, Width::best(), kept, false).unwrap()
+            Demand::predict(&structure, &parameters, Width::best(), keep, Results::Stored).unwrap()
         };
-        let small = demand(2, 2, false);
+        let small = demand(2, 2, Keep::Statistics);
         // 2 instances × 2 φ_i × 4 components of at least 400 values of 8 bytes.
         assert!(small.unit >= 2 * 2 * 4 * 400 * 8);
-        assert!(demand(4, 2, false).fixed > small.fixed && demand(4, 2, false).unit > small.unit);
-        assert!(demand(2, 4, false).unit > small.unit && demand(2, 2, true).unit > small.unit);
+        assert!(
+            demand(4, 2, Keep::Statistics).fixed > small.fixed
+                && demand(4, 2, Keep::Statistics).unit > small.unit
+        );
+        assert!(
+            demand(2, 4, Keep::Statistics).unit > small.unit && demand(2, 2, Keep::Fields).unit > small.unit
+        );
     }
 }

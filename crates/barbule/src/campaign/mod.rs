@@ -3,15 +3,16 @@
 //! A unit of work is one (λ, θ_i): all φ_i, polarizations and instances. Its fields stay in memory, their statistics
 //! are formed in instance order (so that bits do not depend on threads), and the fields are dropped.
 
-pub mod figures;
+pub mod bench;
+mod covariance;
+mod crystal;
 mod memory;
 mod reduce;
-mod resolution;
 mod run;
 pub mod single;
 pub mod spectrum;
 
-pub use memory::Demand;
+pub use memory::{Demand, Results};
 pub use run::{Outcome, run, statistics};
 
 use num_complex::Complex;
@@ -21,15 +22,13 @@ use crate::math::rng::Stream;
 use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::directions::AZIMUTH_MARGIN;
+use crate::scattering::far_field::Light;
 use crate::scattering::orders::OrderTable;
 use crate::scattering::statistics::{AZIMUTHS, Axes, Unit};
-use crate::solve::crystal::{Multipole, order_table};
-use crate::solve::surface::{
-    CAMPAIGN_ELEMENT_UM, Cone, CrystalOrders, Nodes, Rays, ReflectanceTable, Stacks, Surface, Window,
-    Workspace, inverse_root, refinement,
-};
-use crate::structure::{Lattice, Structure};
+use crate::solve::surface::{self, Barbule, Batch, Cone, Grid, Underside, Workspace};
+use crate::structure::{Section, Structure};
 use crate::{Error, Result};
+use crystal::Crystal;
 
 /// Stream path of the permutation that spreads tilts over instances.
 const TILT_STREAM: u64 = 0x7469_6c74;
@@ -60,12 +59,22 @@ impl Parameters {
     }
 }
 
+/// What a unit keeps beside its statistics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Keep {
+    /// Nothing.
+    Statistics,
+    /// The fields on the tabulated azimuths.
+    Fields,
+}
+
 /// A structure's instances, prepared for any unit of work.
 pub struct Campaign {
     parameters: Parameters,
     /// One per instance, or a single one that serves all.
-    surfaces: Vec<Surface>,
-    under: Under,
+    barbules: Vec<Barbule>,
+    /// The crystal under all of them.
+    crystal: Option<Crystal>,
     tilts: Vec<f64>,
     /// Incident power at θ_i = 0 per instance and φ_i, µm.
     powers_um: Vec<Vec<f64>>,
@@ -73,35 +82,18 @@ pub struct Campaign {
     units_at_once: usize,
 }
 
-/// What reflects under the tops.
-enum Under {
-    /// Layers: the rays through those of each surface.
-    Layers(Vec<Rays>),
-    /// The same photonic crystal under all, and how deep it is.
-    Crystal { orders: OrderTable, depth_um: f64 },
-}
-
 /// What all units of one wavelength share.
-pub struct Wavelength {
-    index: usize,
-    reflectors: Reflectors,
+pub struct Tables {
+    wavelength: usize,
+    /// Layers: of each barbule, for all θ_i. A crystal: at each θ_i, for all barbules.
+    undersides: Vec<Underside>,
 }
 
-enum Reflectors {
-    /// Of each surface.
-    Layers(Vec<ReflectanceTable>),
-    /// At each θ_i.
-    Crystal(Vec<CrystalOrders<f32>>),
-}
-
-impl Wavelength {
-    /// Bytes of its tables.
+impl Tables {
+    /// Bytes that they take.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        match &self.reflectors {
-            Reflectors::Layers(tables) => tables.iter().map(ReflectanceTable::bytes).sum(),
-            Reflectors::Crystal(orders) => orders.iter().map(CrystalOrders::bytes).sum(),
-        }
+        self.undersides.iter().map(Underside::bytes).sum()
     }
 }
 
@@ -110,10 +102,8 @@ impl Wavelength {
 /// # Errors
 /// The crystal cannot be solved, or the user cancelled.
 pub fn orders(structure: &Structure, axes: &Axes, progress: &dyn Progress) -> Result<Option<OrderTable>> {
-    let table = |lattice: Lattice| {
-        order_table(&Multipole::default(), &lattice, &axes.wavelengths_nm, &axes.cos_theta, progress)
-    };
-    structure.lattice().map(table).transpose()
+    let lattice = structure.lattice();
+    lattice.map(|l| surface::orders(&l, &axes.wavelengths_nm, &axes.cos_theta, progress)).transpose()
 }
 
 /// Fields of one unit: `[instance][φ_i][polarization][e₁, e₂][azimuth with margins]`, over √Φ_i.
@@ -123,6 +113,8 @@ pub(crate) struct Fields {
     pub(crate) points: usize,
     /// How many times finer than [`AZIMUTHS`] the azimuths are.
     pub(crate) refine: usize,
+    /// rad
+    pub(crate) theta_i: f64,
 }
 
 impl Campaign {
@@ -153,110 +145,80 @@ impl Campaign {
         width: Width,
         progress: &dyn Progress,
     ) -> Result<Self> {
-        let distinct = if structure.count() == Some(1) { 1 } else { parameters.instances };
         let axes = &parameters.axes;
+        let distinct = distinct(structure, &parameters);
         progress.begin("preparing instances", distinct as u64);
-        let sections = |instance: usize| {
-            if progress.is_cancelled() {
-                return Err(Error::interrupted());
-            }
-            structure.instance(parameters.seed, instance)
+        let crystal = match (orders, structure.lattice()) {
+            (None, None) => None,
+            (Some(orders), Some(lattice)) => Some(Crystal::new(orders, &lattice, axes)?),
+            _ => return Err(Error::machine("the orders of a crystal belong to another structure")),
         };
-        let (surfaces, under) = match orders {
-            Some(orders) => {
-                if orders.wavelengths_nm != axes.wavelengths_nm || orders.cos_theta != axes.cos_theta {
-                    return Err(Error::machine("the orders of the crystal belong to other axes"));
+        let (sections, parts) = match &crystal {
+            Some(_) => (Vec::new(), 1),
+            None => ray_parts(structure, &parameters, width, progress)?,
+        };
+        let barbules = (0..distinct)
+            .into_par_iter()
+            .map(|instance| {
+                if progress.is_cancelled() {
+                    return Err(Error::interrupted());
                 }
-                let surfaces = (0..distinct)
-                    .into_par_iter()
-                    .map(|instance| {
-                        let surface =
-                            Surface::new(&sections(instance)?, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
-                        progress.advance(1);
-                        Ok(surface)
-                    })
-                    .collect::<Result<Vec<_>>>()?;
-                let depth_um = structure.lattice().map_or(0.0, |lattice| lattice.bottom_um());
-                (surfaces, Under::Crystal { orders, depth_um })
-            }
-            None => {
-                let shortest_nm = axes.wavelengths_nm.first().copied().unwrap_or(400.0);
-                let parts = resolution::ray_parts(
-                    structure,
-                    parameters.seed,
-                    distinct,
-                    shortest_nm,
-                    width,
-                    progress,
-                )?;
-                let pairs = (0..distinct)
-                    .into_par_iter()
-                    .map(|instance| {
-                        let section = sections(instance)?;
-                        let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
-                        let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, parts)?;
-                        progress.advance(1);
-                        Ok((surface, rays))
-                    })
-                    .collect::<Result<Vec<_>>>()?;
-                let (surfaces, rays) = pairs.into_iter().unzip();
-                (surfaces, Under::Layers(rays))
-            }
-        };
-        if let (Some(surface), Some(first), Some(last)) =
-            (surfaces.first(), axes.wavelengths_nm.first(), axes.wavelengths_nm.last())
+                let barbule = match sections.get(instance) {
+                    Some(section) => Barbule::for_campaign(section, parts)?,
+                    None => Barbule::for_campaign(&structure.instance(parameters.seed, instance)?, parts)?,
+                };
+                progress.advance(1);
+                Ok(barbule)
+            })
+            .collect::<Result<Vec<_>>>()?;
+        if let (Some(barbule), Some(first), Some(last)) =
+            (barbules.first(), axes.wavelengths_nm.first(), axes.wavelengths_nm.last())
         {
             // Tables that do not reach are refused before any work.
-            surface.optics::<f32>(*first)?;
-            surface.optics::<f32>(*last)?;
+            barbule.stacks(*first)?;
+            barbule.stacks(*last)?;
         }
         let tilts = parameters.tilts();
         let powers_um = tilts
             .par_iter()
             .enumerate()
             .map(|(instance, tilt)| {
-                let surface = &surfaces[instance % distinct];
-                azimuths(&parameters.axes).map(|phi| surface.incident_power_um(0.0, phi + tilt)).collect()
+                let barbule = &barbules[instance % distinct];
+                azimuths(&parameters.axes).map(|phi| barbule.incident_power_um(0.0, phi + tilt)).collect()
             })
             .collect();
-        Ok(Self { parameters, surfaces, under, tilts, powers_um, width, units_at_once: most_units() })
+        Ok(Self { parameters, barbules, crystal, tilts, powers_um, width, units_at_once: most_units() })
     }
 
-    /// Prepares the units of one wavelength.
+    /// Prepares the units of a wavelength by its number.
     ///
     /// # Errors
     /// A medium's table does not reach the wavelength, or the user cancelled.
-    pub fn wavelength(&self, index: usize, progress: &dyn Progress) -> Result<Wavelength> {
-        let wavelength_nm = self.parameters.axes.wavelengths_nm[index];
-        let reflectors = match &self.under {
-            Under::Layers(rays) => {
-                let table = |(surface, rays)| {
+    pub fn tables(&self, wavelength: usize, progress: &dyn Progress) -> Result<Tables> {
+        let axes = &self.parameters.axes;
+        let undersides = match &self.crystal {
+            None => self
+                .barbules
+                .par_iter()
+                .map(|barbule| {
                     if progress.is_cancelled() {
                         return Err(Error::interrupted());
                     }
-                    ReflectanceTable::new(self.width, surface, rays, wavelength_nm)
-                };
-                Reflectors::Layers(self.surfaces.par_iter().zip(rays).map(table).collect::<Result<_>>()?)
-            }
-            Under::Crystal { orders, depth_um } => {
-                let cos_theta = &self.parameters.axes.cos_theta;
-                let at = |theta: usize| {
-                    let theta_i = cos_theta[theta].clamp(0.0, 1.0).acos();
-                    CrystalOrders::new(orders.at(index, theta), theta_i, *depth_um)
-                };
-                Reflectors::Crystal((0..cos_theta.len()).into_par_iter().map(at).collect())
-            }
+                    barbule.table(axes.wavelengths_nm[wavelength], self.width)
+                })
+                .collect::<Result<_>>()?,
+            Some(crystal) => (0..axes.cos_theta.len())
+                .into_par_iter()
+                .map(|theta| crystal.underside(wavelength, theta, axes.theta_i(theta)))
+                .collect(),
         };
-        Ok(Wavelength { index, reflectors })
+        Ok(Tables { wavelength, undersides })
     }
 
     /// Parts into which elements are cut for the rays under them; `None` over a crystal.
     #[must_use]
     pub fn ray_parts(&self) -> Option<usize> {
-        match &self.under {
-            Under::Layers(rays) => rays.first().map(Rays::parts),
-            Under::Crystal { .. } => None,
-        }
+        self.barbules.first().and_then(Barbule::ray_parts)
     }
 
     /// Units of a wavelength that are computed at the same time, at most.
@@ -277,80 +239,69 @@ impl Campaign {
     }
 
     /// The fields of one (λ, θ_i).
-    pub(crate) fn fields(&self, wavelength: &Wavelength, theta: usize) -> (Fields, Cone) {
+    pub(crate) fn fields(&self, tables: &Tables, theta: usize) -> Fields {
         let axes = &self.parameters.axes;
-        let theta_i = axes.cos_theta[theta].clamp(0.0, 1.0).acos();
-        let radius = self.surfaces.iter().fold(0f64, |r, surface| r.max(surface.radius_um));
-        let k = std::f64::consts::TAU / (axes.wavelengths_nm[wavelength.index] * 1e-3);
-        let cone = Cone::new(k, theta_i, radius);
-        let refine = refinement(&cone, AZIMUTHS);
+        let theta_i = axes.theta_i(theta);
+        let cone = Cone::around(&self.barbules, axes.wavelengths_nm[tables.wavelength], theta_i);
+        let refine = cone.refinement(AZIMUTHS);
+        let grid = Grid { azimuths: AZIMUTHS * refine, margin: AZIMUTH_MARGIN, shift: 0.0 };
         let values = (0..self.parameters.instances)
             .into_par_iter()
             .map_init(
-                || (Workspace::<f32>::new(self.width), Vec::new(), Vec::new(), Vec::new()),
-                |(workspace, coefficients, circle, scratch), instance| {
-                    let distinct = instance % self.surfaces.len();
-                    let surface = &self.surfaces[distinct];
+                || Workspace::new(self.width),
+                |workspace, instance| {
+                    let distinct = instance % self.barbules.len();
                     let tilt = self.tilts[instance];
-                    let nodes = Nodes::equidistant(surface, cone.kappa);
                     let turned: Vec<f64> = azimuths(axes).map(|phi| phi + tilt).collect();
-                    let scales: Vec<f64> = self.powers_um[instance]
-                        .iter()
-                        .map(|&power_um| inverse_root(power_um * theta_i.cos()))
-                        .collect();
-                    match &wavelength.reflectors {
-                        Reflectors::Layers(tables) => {
-                            let stacks = Stacks(&tables[distinct]);
-                            workspace.far_fields(
-                                surface,
-                                &stacks,
-                                &nodes,
-                                &cone,
-                                &turned,
-                                &scales,
-                                coefficients,
-                            );
-                        }
-                        Reflectors::Crystal(orders) => {
-                            let orders = &orders[theta];
-                            workspace.far_fields(
-                                surface,
-                                orders,
-                                &nodes,
-                                &cone,
-                                &turned,
-                                &scales,
-                                coefficients,
-                            );
-                        }
-                    }
-                    let synthesis = workspace.synthesis(&cone, AZIMUTHS * refine, AZIMUTH_MARGIN);
-                    let points = synthesis.points();
-                    let mut fields = vec![Complex::new(0.0, 0.0); coefficients.len() / cone.angles * points];
-                    for (component, out) in
-                        coefficients.chunks_exact(cone.angles).zip(fields.chunks_exact_mut(points))
-                    {
-                        synthesis.evaluate(component, tilt, circle, scratch, out);
-                        hide_below_horizon(out, tilt, refine);
+                    let beam = |power_um: &f64| Light::Beam { power_um: power_um * theta_i.cos() };
+                    let lights: Vec<Light> = self.powers_um[instance].iter().map(beam).collect();
+                    let batch = Batch { cone: &cone, phi_i: &turned, lights: &lights };
+                    let underside = &tables.undersides[if self.crystal.is_some() { theta } else { distinct }];
+                    let grid = Grid { shift: tilt, ..grid };
+                    let mut fields = workspace.scatter(&self.barbules[distinct], underside, &batch, grid);
+                    for component in fields.chunks_exact_mut(grid.points()) {
+                        hide_below_horizon(component, tilt, refine);
                     }
                     fields
                 },
             )
             .collect();
-        let points = AZIMUTHS * refine + 2 * AZIMUTH_MARGIN;
-        (Fields { values, points, refine }, cone)
+        Fields { values, points: grid.points(), refine, theta_i }
     }
 
-    /// The statistics of one (λ, θ_i), with the fields themselves if they are to be kept.
+    /// The statistics of one (λ, θ_i), with what else is kept of it.
     #[must_use]
-    pub fn unit(&self, wavelength: &Wavelength, theta: usize, keep_fields: bool) -> Unit {
-        let (fields, cone) = self.fields(wavelength, theta);
-        let mut unit = reduce::unit(&self.parameters.axes, &fields, cone.theta_i);
-        if keep_fields {
+    pub fn unit(&self, tables: &Tables, theta: usize, keep: Keep) -> Unit {
+        let fields = self.fields(tables, theta);
+        let mut unit = reduce::unit(&self.parameters.axes, &fields);
+        if keep == Keep::Fields {
             unit.fields = reduce::kept(&fields, self.parameters.axes.cos_phi.len());
         }
         unit
     }
+}
+
+/// Instances that differ by more than their tilts.
+fn distinct(structure: &Structure, parameters: &Parameters) -> usize {
+    if structure.count() == Some(1) { 1 } else { parameters.instances }
+}
+
+/// Instances that are asked how densely rays must lie.
+const ASKED: usize = 2;
+
+/// The first instances of layers, and the parts into which elements must be cut for rays under them.
+fn ray_parts(
+    structure: &Structure,
+    parameters: &Parameters,
+    width: Width,
+    progress: &dyn Progress,
+) -> Result<(Vec<Section>, usize)> {
+    let asked = 0..distinct(structure, parameters).min(ASKED);
+    let sections =
+        asked.map(|instance| structure.instance(parameters.seed, instance)).collect::<Result<Vec<_>>>()?;
+    let shortest_nm = parameters.axes.wavelengths_nm.first().copied().unwrap_or(400.0);
+    let parts = surface::ray_parts(&sections, shortest_nm, width, progress)?;
+    Ok((sections, parts))
 }
 
 /// Units at once that keep all threads busy, since the instances of a unit are shared out too; more only take memory.
@@ -360,7 +311,7 @@ fn most_units() -> usize {
 
 /// The incident azimuths, rad.
 fn azimuths(axes: &Axes) -> impl Iterator<Item = f64> + '_ {
-    axes.cos_phi.iter().map(|c| c.clamp(0.0, 1.0).acos())
+    (0..axes.cos_phi.len()).map(|phi| axes.phi_i(phi))
 }
 
 /// Zeroes what a tilted instance would send below its own horizon.

@@ -4,24 +4,19 @@ use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 
 use super::Fields;
+use super::covariance::Covariance;
 use crate::math::band_limited::{TAPS, weights};
-use crate::math::fft::{Transform, Transformable as _};
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::lobe::{FitKind, fit};
-use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, NOISE_POINTS, Unit};
-
-/// Length of the transform of a pattern: twice the points, so that lags do not wrap.
-const PADDED: usize = 2 * NOISE_POINTS;
+use crate::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, Unit};
 
 /// Forms the statistics of the fields of one (λ, θ_i), φ_i in parallel, instances in order.
-pub(super) fn unit(axes: &Axes, fields: &Fields, theta_i: f64) -> Unit {
-    let grid = NoiseGrid::new(theta_i, fields.refine);
-    let transform = f32::forward(PADDED);
+pub(super) fn unit(axes: &Axes, fields: &Fields) -> Unit {
+    let grid = NoiseGrid::new(fields.theta_i, fields.refine);
+    let covariance = Covariance::<f32>::new();
     let parts: Vec<Direction> = (0..axes.cos_phi.len())
         .into_par_iter()
-        .map(|phi| {
-            direction(fields, theta_i, axes.cos_phi[phi].clamp(0.0, 1.0).acos(), phi, &grid, &transform)
-        })
+        .map(|phi| direction(fields, axes.phi_i(phi), phi, &grid, &covariance))
         .collect();
     let mut unit = Unit::default();
     for part in parts {
@@ -81,14 +76,13 @@ struct Polarization {
 
 fn direction(
     fields: &Fields,
-    theta_i: f64,
     phi_i: f64,
     phi: usize,
     grid: &NoiseGrid,
-    transform: &Transform<f32>,
+    covariance: &Covariance<f32>,
 ) -> Direction {
-    let polarizations = [0, 1]
-        .map(|polarization| statistics(fields, theta_i, phi_i, 2 * phi + polarization, grid, transform));
+    let polarizations =
+        [0, 1].map(|polarization| statistics(fields, phi_i, 2 * phi + polarization, grid, covariance));
     let (pattern_correlation, contrast) = patterns(fields, phi, [&polarizations[0].u, &polarizations[1].u]);
     Direction { polarizations, pattern_correlation, contrast }
 }
@@ -111,12 +105,12 @@ fn tabulated(fields: &Fields) -> impl Iterator<Item = usize> + use<> {
 
 fn statistics(
     fields: &Fields,
-    theta_i: f64,
     phi_i: f64,
     pair: usize,
     grid: &NoiseGrid,
-    transform: &Transform<f32>,
+    covariance: &Covariance<f32>,
 ) -> Polarization {
+    let theta_i = fields.theta_i;
     let instances = fields.values.len();
     let count = instances as f64;
     let fine = AZIMUTHS * fields.refine;
@@ -161,7 +155,7 @@ fn statistics(
         .map(|p| (lobe.scale * lobe.lobe.shape(FitKind::Marginal, theta_i, p.phi_o)).max(0.0).sqrt() as f32)
         .collect();
     Polarization {
-        autocovariance: autocovariance(fields, pair, larger, &envelope, grid, transform),
+        autocovariance: autocovariance(fields, pair, larger, &envelope, grid, covariance),
         u,
         v,
         reflected,
@@ -174,46 +168,24 @@ pub(super) fn widen(value: Complex<f32>) -> Complex64 {
 }
 
 /// S.29 and S.30 for the larger component: mean over instances and over real and imaginary parts.
-///
-/// By Wiener and Khinchin: the mean of |DFT|² of the weighted complex patterns, padded to twice their length, is the
-/// transform of the sum of the two parts' covariances.
 fn autocovariance(
     fields: &Fields,
     pair: usize,
     component: usize,
     envelope: &[f32],
     grid: &NoiseGrid,
-    transform: &Transform<f32>,
+    covariance: &Covariance<f32>,
 ) -> Vec<f32> {
-    let mut power = vec![0f64; PADDED];
-    let mut pattern = vec![Complex::new(0f32, 0.0); PADDED];
-    let mut scratch = vec![Complex::new(0f32, 0.0); transform.scratch_len()];
+    let first = grid.points.first().map_or(0, |point| point.index);
+    let mut sum = covariance.sum();
     for instance in 0..fields.values.len() {
         let parts = components(fields, instance, pair);
         let field = if component == 0 { parts.0 } else { parts.1 };
-        pattern.fill(Complex::new(0.0, 0.0));
-        let mut mean = Complex::new(0.0, 0.0);
-        for (point, weight) in grid.points.iter().zip(envelope) {
-            let value = point.interpolate(field) * weight;
-            mean += value;
-            pattern[point.index] = value;
-        }
-        mean /= grid.points.len().max(1) as f32;
-        for point in &grid.points {
-            pattern[point.index] -= mean;
-        }
-        transform.process(&mut pattern, &mut scratch);
-        for (sum, value) in power.iter_mut().zip(&pattern) {
-            *sum += f64::from(value.norm_sqr());
-        }
+        let weighted =
+            grid.points.iter().zip(envelope).map(|(point, weight)| point.interpolate(field) * weight);
+        sum.add(first, weighted);
     }
-    for (value, sum) in pattern.iter_mut().zip(&power) {
-        *value = Complex::new(*sum as f32, 0.0);
-    }
-    // The power spectrum is real, so the forward transform of it is, conjugated, the inverse.
-    transform.process(&mut pattern, &mut scratch);
-    let scale = 1.0 / (2.0 * PADDED as f32 * (NOISE_POINTS - 1) as f32 * fields.values.len() as f32);
-    pattern[..LAGS].iter().map(|value| value.re * scale).collect()
+    sum.mean()
 }
 
 /// The points x_j = (2j + 1 − N)/N of S.44 on the cone, with interpolation from the fine azimuths.

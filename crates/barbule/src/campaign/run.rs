@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{Campaign, Wavelength};
+use super::{Campaign, Keep, Tables};
 use crate::io::store::Store;
 use crate::progress::Progress;
 use crate::scattering::statistics::Statistics;
@@ -48,7 +48,7 @@ pub fn run(
     let repaired = missing.iter().filter(|(_, _, damaged)| *damaged).count();
     progress.advance(found as u64);
     let elsewhere = AtomicUsize::new(0);
-    let compute = |wavelength: &Wavelength, index: usize, theta: usize, damaged: bool| {
+    let compute = |tables: &Tables, index: usize, theta: usize, damaged: bool| {
         if progress.is_cancelled() {
             return Err(Error::interrupted());
         }
@@ -56,19 +56,20 @@ pub fn run(
         if !damaged && store.is_whole(index, theta) {
             elsewhere.fetch_add(1, Ordering::Relaxed);
         } else {
-            store.write(index, theta, &campaign.unit(wavelength, theta, store.keeps(index)))?;
+            let keep = if store.keeps(index) { Keep::Fields } else { Keep::Statistics };
+            store.write(index, theta, &campaign.unit(tables, theta, keep))?;
         }
         progress.advance(1);
         Ok(())
     };
     // Units of one wavelength share its tables, of which there is room for one wavelength at a time.
     let work = missing.chunk_by(|a, b| a.0 == b.0).try_for_each(|group| {
-        let wavelength = campaign.wavelength(group[0].0, progress)?;
+        let tables = campaign.tables(group[0].0, progress)?;
         group.chunks(campaign.units_at_once()).try_for_each(|units| {
             units
                 .par_iter()
                 .with_max_len(1)
-                .try_for_each(|&(index, theta, damaged)| compute(&wavelength, index, theta, damaged))
+                .try_for_each(|&(index, theta, damaged)| compute(&tables, index, theta, damaged))
         })
     });
     store.end_writing();
@@ -87,7 +88,7 @@ pub fn statistics(campaign: &Campaign, progress: &dyn Progress) -> Result<Statis
     progress.begin("simulating", (axes.wavelengths_nm.len() * thetas) as u64);
     let mut statistics = Statistics::empty(axes.clone(), campaign.parameters().instances);
     for index in 0..axes.wavelengths_nm.len() {
-        let wavelength = campaign.wavelength(index, progress)?;
+        let tables = campaign.tables(index, progress)?;
         let all: Vec<usize> = (0..thetas).collect();
         for some in all.chunks(campaign.units_at_once()) {
             let units = some
@@ -97,7 +98,7 @@ pub fn statistics(campaign: &Campaign, progress: &dyn Progress) -> Result<Statis
                     if progress.is_cancelled() {
                         return Err(Error::interrupted());
                     }
-                    let unit = campaign.unit(&wavelength, theta, false);
+                    let unit = campaign.unit(&tables, theta, Keep::Statistics);
                     progress.advance(1);
                     Ok(unit)
                 })

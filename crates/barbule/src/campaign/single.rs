@@ -2,11 +2,12 @@
 
 use num_complex::Complex64;
 
+use super::covariance::Covariance;
 use super::reduce::{NoiseGrid, components, widen};
-use super::{Campaign, Wavelength};
-use crate::math::fft::Transformable as _;
+use super::{Campaign, Tables};
+use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::{FitKind, fit};
-use crate::scattering::statistics::{AZIMUTHS, LAGS, NOISE_POINTS};
+use crate::scattering::statistics::AZIMUTHS;
 
 /// The fields of all instances over x_o, for one wavelength, incident direction and polarization.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,19 +25,20 @@ pub struct Patterns {
 }
 
 impl Campaign {
-    /// The fields at one wavelength for θ_i and φ_i number `theta` and `phi` of the axes, `polarization` 0 or 1.
+    /// The fields at one wavelength for θ_i and φ_i number `theta` and `phi` of the axes.
     #[must_use]
     pub fn patterns(
         &self,
-        wavelength: &Wavelength,
+        tables: &Tables,
         theta: usize,
         phi: usize,
-        polarization: usize,
+        polarization: Polarization,
     ) -> Patterns {
-        let (fields, cone) = self.fields(wavelength, theta);
-        let phi_i = self.parameters.axes.cos_phi[phi].clamp(0.0, 1.0).acos();
-        let grid = NoiseGrid::new(cone.theta_i, fields.refine);
-        let pair = 2 * phi + polarization.min(1);
+        let fields = self.fields(tables, theta);
+        let theta_i = fields.theta_i;
+        let phi_i = self.parameters.axes.phi_i(phi);
+        let grid = NoiseGrid::new(theta_i, fields.refine);
+        let pair = 2 * phi + polarization.index();
         let on_grid = |component: usize| -> Vec<Vec<Complex64>> {
             (0..fields.values.len())
                 .map(|instance| {
@@ -51,10 +53,10 @@ impl Campaign {
         let [first, second] = both;
         let larger = if energy(&second) > energy(&first) { second } else { first };
         let u = super::reduce::mean_intensity(&fields, pair);
-        let lobe = fit(FitKind::Marginal, cone.theta_i, phi_i, &u);
-        let shape = |phi_o: f64| lobe.scale * lobe.lobe.shape(FitKind::Marginal, cone.theta_i, phi_o);
+        let lobe = fit(FitKind::Marginal, theta_i, phi_i, &u);
+        let shape = |phi_o: f64| lobe.scale * lobe.lobe.shape(FitKind::Marginal, theta_i, phi_o);
         Patterns {
-            x: grid.points.iter().map(|p| cone.theta_i.cos() * p.phi_o.sin()).collect(),
+            x: grid.points.iter().map(|p| theta_i.cos() * p.phi_o.sin()).collect(),
             phi_o: grid.points.iter().map(|p| p.phi_o).collect(),
             fitted: grid.points.iter().map(|p| shape(p.phi_o).max(0.0)).collect(),
             fields: larger,
@@ -70,7 +72,7 @@ impl Patterns {
         self.fields[instance].iter().zip(&self.fitted).map(|(value, u)| value * u.sqrt()).collect()
     }
 
-    /// The autocovariance C_m of S.30 of one instance at lags 0 … [`LAGS`] − 1, mean of the real and the imaginary part.
+    /// The autocovariance C_m of S.30 of one instance at lags 0 … [`LAGS`](crate::scattering::statistics::LAGS) − 1, mean of the real and the imaginary part.
     #[must_use]
     pub fn autocovariance(&self, instance: usize) -> Vec<f64> {
         autocovariance(&self.weighted(instance), self.first)
@@ -80,19 +82,10 @@ impl Patterns {
 /// S.30 of values on consecutive points of S.44 from `first` on; zero elsewhere.
 #[must_use]
 pub fn autocovariance(values: &[Complex64], first: usize) -> Vec<f64> {
-    let padded = 2 * NOISE_POINTS;
-    let mean = values.iter().sum::<Complex64>() / values.len().max(1) as f64;
-    let mut pattern = vec![Complex64::ZERO; padded];
-    for (place, value) in pattern.iter_mut().skip(first).zip(values) {
-        *place = value - mean;
-    }
-    f64::forward(padded).process_once(&mut pattern);
-    for value in &mut pattern {
-        *value = Complex64::new(value.norm_sqr(), 0.0);
-    }
-    f64::inverse(padded).process_once(&mut pattern);
-    let scale = 1.0 / (2.0 * padded as f64 * (NOISE_POINTS - 1) as f64);
-    pattern[..LAGS].iter().map(|value| value.re * scale).collect()
+    let covariance = Covariance::<f64>::new();
+    let mut sum = covariance.sum();
+    sum.add(first, values.iter().copied());
+    sum.mean()
 }
 
 /// Intensities of unpolarized light c₀|𝓔|²/Φ_i from the fields that a unit keeps, `[instance][AZIMUTHS]`, of φ_i number

@@ -3,14 +3,13 @@
 use num_complex::Complex;
 use rayon::prelude::*;
 
+use super::crystal::Crystal;
 use crate::math::simd::Width;
 use crate::progress::Progress;
-use crate::scattering::orders::OrderTable;
+use crate::scattering::far_field::{Light, Window};
 use crate::scattering::statistics::AZIMUTHS;
-use crate::solve::crystal::{Multipole, order_table};
-use crate::solve::surface::{
-    Cone, CrystalOrders, Nodes, Stacks, Surface, Window, Workspace, inverse_root, refinement,
-};
+use crate::solve::surface::{self, Barbule, Batch, Cone, Grid, Workspace};
+use crate::spectrum::Wavelengths;
 use crate::structure::{Lattice, Structure};
 use crate::{Error, Result};
 
@@ -26,8 +25,8 @@ pub enum Collect {
 /// What a spectrum is asked of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectrumRequest {
-    /// Vacuum wavelengths, nm.
-    pub wavelengths_nm: Vec<f64>,
+    /// Vacuum wavelengths.
+    pub wavelengths: Wavelengths,
     /// Incident directions (θ_i, φ_i), rad.
     pub directions: Vec<(f64, f64)>,
     /// Number of instances.
@@ -52,22 +51,22 @@ pub struct Spectra {
 /// Simulates the spectra; instances in parallel, none tilted.
 ///
 /// # Errors
-/// An instance cannot be made, a table does not reach a wavelength, or the observer cancelled.
+/// An instance cannot be made, a table does not reach a wavelength, or the user cancelled.
 pub fn spectra(
     structure: &Structure,
     request: &SpectrumRequest,
     width: Width,
-    observer: &dyn Progress,
+    progress: &dyn Progress,
 ) -> Result<Spectra> {
-    let crystal = structure.lattice().map(|lattice| crystal(&lattice, request, observer)).transpose()?;
-    observer.begin("simulating", (request.instances * request.wavelengths_nm.len()) as u64);
+    let crystal = structure.lattice().map(|lattice| crystal(&lattice, request, progress)).transpose()?;
+    progress.begin("simulating", (request.instances * request.wavelengths.len()) as u64);
     let per_instance = (0..request.instances)
         .into_par_iter()
-        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, width, observer))
+        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, width, progress))
         .collect::<Result<Vec<_>>>()?;
     let count = request.instances as f64;
     let mut spectra = Spectra { mean: Vec::new(), std: Vec::new() };
-    let columns = request.wavelengths_nm.len();
+    let columns = request.wavelengths.len();
     for direction in 0..request.directions.len() {
         let values =
             |wavelength: usize| per_instance.iter().map(move |v| v[direction * columns + wavelength]);
@@ -81,26 +80,12 @@ pub fn spectra(
     Ok(spectra)
 }
 
-/// A crystal's orders at the request's wavelengths and θ_i, and its depth.
-struct Crystal {
-    table: OrderTable,
-    depth_um: f64,
-}
-
-fn crystal(lattice: &Lattice, request: &SpectrumRequest, observer: &dyn Progress) -> Result<Crystal> {
+/// A crystal's orders at the request's wavelengths and θ_i.
+fn crystal(lattice: &Lattice, request: &SpectrumRequest, progress: &dyn Progress) -> Result<Crystal> {
     let mut cos_theta: Vec<f64> = request.directions.iter().map(|d| d.0.cos()).collect();
     cos_theta.sort_by(f64::total_cmp);
     cos_theta.dedup();
-    let table = order_table(&Multipole::default(), lattice, &request.wavelengths_nm, &cos_theta, observer)?;
-    Ok(Crystal { table, depth_um: lattice.bottom_um() })
-}
-
-impl Crystal {
-    /// The orders at a wavelength by its number and a θ_i of the request, rad.
-    fn at(&self, wavelength: usize, theta_i: f64) -> CrystalOrders<f32> {
-        let theta = self.table.cos_theta.partition_point(|&c| c < theta_i.cos());
-        CrystalOrders::new(self.table.at(wavelength, theta), theta_i, self.depth_um)
-    }
+    Ok(Crystal::of(surface::orders(lattice, &request.wavelengths, &cos_theta, progress)?, lattice))
 }
 
 /// Longest quadrature element, µm: reflected fractions of means over instances are then good to 1e-3.
@@ -113,50 +98,43 @@ fn of_instance(
     crystal: Option<&Crystal>,
     instance: usize,
     width: Width,
-    observer: &dyn Progress,
+    progress: &dyn Progress,
 ) -> Result<Vec<f64>> {
     let section = structure.instance(request.seed, instance)?;
-    let surface = Surface::new(&section, ELEMENT_UM, Window::Gaussian)?;
-    let columns = request.wavelengths_nm.len();
+    let barbule = Barbule::new(&section, ELEMENT_UM, Window::Gaussian)?;
+    let columns = request.wavelengths.len();
     let mut result = vec![0.0; request.directions.len() * columns];
-    let mut workspace = Workspace::<f32>::new(width);
-    let (mut coefficients, mut circle, mut scratch) = (Vec::new(), Vec::new(), Vec::new());
-    for (column, &wavelength_nm) in request.wavelengths_nm.iter().enumerate() {
-        if observer.is_cancelled() {
+    let mut workspace = Workspace::new(width);
+    for (column, &wavelength_nm) in request.wavelengths.iter().enumerate() {
+        if progress.is_cancelled() {
             return Err(Error::interrupted());
         }
-        let optics = surface.optics(wavelength_nm)?;
+        let stacks = barbule.stacks(wavelength_nm)?;
         let mut start = 0;
         while start < request.directions.len() {
             // Directions of the same θ_i share a cone.
             let theta_i = request.directions[start].0;
             let run = request.directions[start..].iter().take_while(|d| d.0 == theta_i).count();
             let phis: Vec<f64> = request.directions[start..start + run].iter().map(|d| d.1).collect();
-            let cone = Cone::new(optics.k, theta_i, surface.radius_um);
-            let nodes = Nodes::equidistant(&surface, cone.kappa);
-            let scales: Vec<f64> =
-                phis.iter().map(|&phi| inverse_root(surface.incident_power_um(theta_i, phi))).collect();
-            match crystal.map(|crystal| crystal.at(column, theta_i)) {
-                Some(orders) => {
-                    workspace.far_fields(&surface, &orders, &nodes, &cone, &phis, &scales, &mut coefficients)
-                }
-                None => {
-                    let stacks = Stacks(&optics);
-                    workspace.far_fields(&surface, &stacks, &nodes, &cone, &phis, &scales, &mut coefficients);
-                }
-            }
-            let synthesis = workspace.synthesis(&cone, AZIMUTHS * refinement(&cone, AZIMUTHS), 0);
-            let mut values = vec![Complex::new(0f32, 0.0); synthesis.points()];
-            for (index, component) in coefficients.chunks_exact(cone.angles).enumerate() {
+            let cone = Cone::around(std::slice::from_ref(&barbule), wavelength_nm, theta_i);
+            let beam = |&phi: &f64| Light::Beam { power_um: barbule.incident_power_um(theta_i, phi) };
+            let lights: Vec<Light> = phis.iter().map(beam).collect();
+            let batch = Batch { cone: &cone, phi_i: &phis, lights: &lights };
+            let grid = Grid { azimuths: AZIMUTHS * cone.refinement(AZIMUTHS), margin: 0, shift: 0.0 };
+            let orders = crystal.map(|crystal| {
+                let theta = crystal.orders.cos_theta.partition_point(|&c| c < theta_i.cos());
+                crystal.underside(column, theta, theta_i)
+            });
+            let fields = workspace.scatter(&barbule, orders.as_ref().unwrap_or(&stacks), &batch, grid);
+            for (index, component) in fields.chunks_exact(grid.points()).enumerate() {
                 let (direction, polarization) = (index / 4, index / 2 % 2);
-                synthesis.evaluate(component, 0.0, &mut circle, &mut scratch, &mut values);
-                let collected = collected(&values, request.collect, theta_i, phis[direction]);
+                let collected = collected(component, request.collect, theta_i, phis[direction]);
                 result[(start + direction) * columns + column] +=
                     request.polarization[polarization] * theta_i.cos() * collected;
             }
             start += run;
         }
-        observer.advance(1);
+        progress.advance(1);
     }
     Ok(result)
 }

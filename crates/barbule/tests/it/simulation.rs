@@ -6,14 +6,16 @@
 use std::f64::consts::PI;
 
 use barbule::campaign::spectrum::{Collect, SpectrumRequest, spectra};
-use barbule::campaign::{Campaign, Parameters};
+use barbule::campaign::{Campaign, Keep, Parameters};
 use barbule::material::Library;
 use barbule::math::rng::Stream;
 use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
+use barbule::scattering::far_field::{Illumination, Window};
 use barbule::scattering::statistics::{AZIMUTHS, Axes};
 use barbule::solve::direct;
-use barbule::solve::surface::{FINE_ELEMENT_UM, Surface, Window, far_field};
+use barbule::solve::surface::{FINE_ELEMENT_UM, far_field};
+use barbule::spectrum::Wavelengths;
 use barbule::structure::{
     Medium, Parts, Polyline, Section, SpeciesFile, SpeciesModel, Structure, Substance, layered_species,
 };
@@ -63,7 +65,7 @@ fn reflected(
 ) -> Vec<Vec<f64>> {
     let structure = Structure::Sections { name: "one".into(), sections: vec![section.clone()] };
     let request = SpectrumRequest {
-        wavelengths_nm: wavelengths_nm.to_vec(),
+        wavelengths: Wavelengths::new(wavelengths_nm).unwrap(),
         directions: directions.to_vec(),
         instances: 1,
         seed: 1,
@@ -160,6 +162,10 @@ fn no_barbule_reflects_more_than_it_receives() {
     assert!(worst.0 <= 1.01, "{worst:?}");
 }
 
+fn beam(wavelength_nm: f64, theta_i: f64, phi_i: f64) -> Illumination {
+    Illumination { wavelength_nm, theta_i, phi_i, window: Window::Gaussian }
+}
+
 /// ‖a − b‖/‖b‖.
 fn relative_l2(a: &[Complex64], b: &[Complex64]) -> f64 {
     let difference: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_sqr()).sum();
@@ -174,12 +180,12 @@ fn double_precision_equals_the_plain_evaluation_for_random_barbules() {
         let (theta, phi) = (stream.uniform(-1.3, 1.3), stream.uniform(-1.3, 1.3));
         // A coarse sum of both: they must agree whatever the elements.
         let element = 0.05;
-        let surface = Surface::new(&section, element, Window::Gaussian).unwrap();
-        let fast = far_field(&surface, Window::Gaussian, nm, theta, phi, 100, Width::best()).unwrap();
-        let plain = direct::far_field(&section, Window::Gaussian, element, nm, theta, phi, 100).unwrap();
+        let light = beam(nm, theta, phi);
+        let fast = far_field(&section, element, &light, 100, Width::best()).unwrap();
+        let plain = direct::far_field(&section, element, &light, 100).unwrap();
         for p in 0..2 {
-            let error = relative_l2(&fast.fields[p].concat(), &plain.fields[p].concat());
-            let power = (fast.reflected[p] / plain.reflected[p] - 1.0).abs();
+            let error = relative_l2(&fast.amplitudes[p].concat(), &plain.amplitudes[p].concat());
+            let power = (fast.radiated[p] / plain.radiated[p] - 1.0).abs();
             worst = (worst.0.max(error), worst.1.max(power));
             assert!(error < 1e-9 && power < 1e-9, "{name} {nm} {theta} {phi}: {error:e} {power:e}");
         }
@@ -187,33 +193,38 @@ fn double_precision_equals_the_plain_evaluation_for_random_barbules() {
     println!("\ndouble precision against plain: {worst:?}");
 }
 
+/// Error of a campaign's field (relative L2): 3.8e-4 is reached, of which what rays average is the largest part;
+/// reflectance tables (3e-5) and nodes (8e-5) are smaller ones.
+const CAMPAIGN_FIELD: f64 = 4e-4;
+
+/// Relative error of its reflected power: 2.3e-4 is reached.
+const CAMPAIGN_POWER: f64 = 2.5e-4;
+
 #[test]
 fn campaigns_equal_converged_fields_for_random_barbules() {
     let mut worst = [0f64; 2];
     for (name, section, mut stream) in sections(3) {
         let nm = stream.uniform(400.0, 694.0);
         let cosines = [stream.uniform(0.1, 1.0), stream.uniform(0.1, 1.0)];
-        let axes =
-            Axes { wavelengths_nm: vec![nm], cos_theta: vec![cosines[0]], cos_phi: vec![cosines[1], 1.0] };
+        let wavelengths = Wavelengths::new([nm]).unwrap();
+        let axes = Axes::new(&wavelengths, vec![cosines[0]], vec![cosines[1], 1.0]).unwrap();
         let structure = Structure::Sections { name: name.clone(), sections: vec![section.clone()] };
         let parameters = Parameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0 };
         let campaign = Campaign::new(&structure, parameters, Width::best(), &Unobserved).unwrap();
-        let unit = campaign.unit(&campaign.wavelength(0, &Unobserved).unwrap(), 0, true);
+        let unit = campaign.unit(&campaign.tables(0, &Unobserved).unwrap(), 0, Keep::Fields);
         // Voids have sharp ends: their fields settle last.
         let element = FINE_ELEMENT_UM * if name.starts_with("hummingbird") { 0.25 } else { 0.5 };
-        let surface = Surface::new(&section, element, Window::Gaussian).unwrap();
-        for (number, cosine) in axes.cos_phi.iter().enumerate() {
-            let (theta, phi) = (cosines[0].acos(), cosine.acos());
-            let exact =
-                far_field(&surface, Window::Gaussian, nm, theta, phi, AZIMUTHS, Width::best()).unwrap();
+        for number in 0..axes.cos_phi.len() {
+            let (theta, phi) = (axes.theta_i(0), axes.phi_i(number));
+            let exact = far_field(&section, element, &beam(nm, theta, phi), AZIMUTHS, Width::best()).unwrap();
             for p in 0..2 {
                 let at = (number * 2 + p) * 2 * AZIMUTHS;
                 let single: Vec<Complex64> = unit.fields[at..at + 2 * AZIMUTHS]
                     .iter()
                     .map(|v| Complex64::new(f64::from(v.re), f64::from(v.im)))
                     .collect();
-                let error = relative_l2(&single, &exact.fields[p].concat());
-                let power = (unit.reflected[number * 2 + p] / exact.reflected[p] - 1.0).abs();
+                let error = relative_l2(&single, &exact.amplitudes[p].concat());
+                let power = (unit.reflected[number * 2 + p] / exact.radiated[p] - 1.0).abs();
                 println!(
                     "{name} {nm:.0} nm, {} rays per element: {error:.1e} {power:.1e}",
                     2 * campaign.ray_parts().unwrap_or(0)
@@ -223,5 +234,5 @@ fn campaigns_equal_converged_fields_for_random_barbules() {
         }
     }
     println!("\ncampaigns against converged fields (field, power): {worst:.6?}");
-    assert!(worst[0] < 1e-3 && worst[1] < 3e-4, "{worst:?}");
+    assert!(worst[0] < CAMPAIGN_FIELD && worst[1] < CAMPAIGN_POWER, "{worst:?}");
 }

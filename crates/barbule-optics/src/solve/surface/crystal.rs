@@ -14,10 +14,13 @@
 
 use fearless_simd::prelude::*;
 
-use super::points::Arrays;
-use super::reflection::{BLOCK, COMPONENTS, Currents, Incidence, Reflector};
+use super::super::crystal::{Cell, Multipole, order_series, order_table};
+use super::reflection::{BLOCK, COMPONENTS, Currents, Lit};
+use crate::Result;
 use crate::math::simd::{Complex, Real, load, sin_cos, splat};
-use crate::scattering::orders::{JONES, OrderSeries};
+use crate::progress::Progress;
+use crate::scattering::orders::{JONES, OrderSeries, OrderTable};
+use crate::structure::Lattice;
 
 /// Azimuths at which orders are tabulated for linear interpolation, per µm of the crystal's depth, and at least: then
 /// the interpolation is off by less than 3e-5 in single precision, 2e-6 in double.
@@ -26,8 +29,34 @@ const NODES: [(f64, f64); 2] = [(4096.0, 4096.0), (16384.0, 16384.0)];
 /// Never more than this.
 const MOST_NODES: f64 = 262_144.0;
 
+/// The solver of the crystals under barbules.
+pub(in crate::solve) fn solver() -> Multipole {
+    Multipole::default()
+}
+
+/// The orders of a crystal under barbules at vacuum wavelengths (nm) and cosθ_i.
+///
+/// # Errors
+/// The crystal cannot be solved, or the user cancelled.
+pub fn orders(
+    lattice: &Lattice,
+    wavelengths_nm: &[f64],
+    cos_theta: &[f64],
+    progress: &dyn Progress,
+) -> Result<OrderTable> {
+    order_table(&solver(), lattice, wavelengths_nm, cos_theta, progress)
+}
+
+/// The orders of a crystal at one vacuum wavelength (nm) and θ_i (rad).
+///
+/// # Errors
+/// The crystal cannot be solved.
+pub(super) fn series(lattice: &Lattice, wavelength_nm: f64, theta_i: f64) -> Result<OrderSeries> {
+    order_series(&solver(), &Cell::new(lattice, wavelength_nm)?, wavelength_nm, theta_i)
+}
+
 /// The orders of a crystal at one wavelength and one θ_i, tabulated over the azimuth.
-pub struct CrystalOrders<T> {
+pub(super) struct CrystalOrders<T> {
     sin_theta: f64,
     cos_theta: f64,
     /// λ/(Δ cosθ_i)
@@ -48,7 +77,7 @@ struct Tabulated<T> {
 
 impl<T: Real> CrystalOrders<T> {
     /// Tabulates a series for a crystal that is `depth_um` deep.
-    pub fn new(series: &OrderSeries, theta_i: f64, depth_um: f64) -> Self {
+    pub(super) fn new(series: &OrderSeries, theta_i: f64, depth_um: f64) -> Self {
         let (per_um, least) = NODES[usize::from(size_of::<T>() == 8)];
         let steps = (per_um * depth_um).clamp(least, MOST_NODES) as usize;
         let (sin_theta, cos_theta) = theta_i.sin_cos();
@@ -75,7 +104,7 @@ impl<T: Real> CrystalOrders<T> {
     }
 
     /// Bytes that the rows take.
-    pub fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         self.orders.iter().map(|order| size_of_val(&order.rows[..])).sum()
     }
 }
@@ -89,15 +118,23 @@ impl<T> Tabulated<T> {
     }
 }
 
-impl<T: Real> Reflector<T> for CrystalOrders<T> {
+/// One order's matrices around each point of a block.
+struct Near<T> {
+    m: i32,
+    /// At the nodes on either side, `[side][element][point]`.
+    sides: [[[T; BLOCK]; JONES]; 2],
+    /// The part of a step from the first side at which each point's azimuth lies.
+    part: [T; BLOCK],
+}
+
+impl<T: Real> CrystalOrders<T> {
+    /// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations, times the
+    /// phase of the rise towards where each point sends an order.
     #[inline(always)]
-    fn currents<S: Simd>(
+    pub(super) fn reflect_block<S: Simd>(
         &self,
         simd: S,
-        arrays: &Arrays<T>,
-        k: f64,
-        incidence: &Incidence,
-        rise_um: &[T],
+        lit: &Lit<'_, T>,
         start: usize,
         out: &mut Currents<T>,
     ) {
@@ -106,53 +143,41 @@ impl<T: Real> Reflector<T> for CrystalOrders<T> {
         for row in out.iter_mut() {
             row.fill(zero);
         }
-        let (mut whole, mut part) = ([zero; BLOCK], [zero; BLOCK]);
+        let mut whole = [zero; BLOCK];
+        let mut near = Near { m: 0, sides: [[[zero; BLOCK]; JONES]; 2], part: [zero; BLOCK] };
         let per_rad = self.steps as f64 / std::f64::consts::PI;
         for offset in (0..BLOCK).step_by(lanes) {
-            let slope: T::Native<S> = load(simd, &arrays.slope, start + offset);
+            let slope: T::Native<S> = load(simd, &lit.arrays.slope, start + offset);
             let from_left =
-                slope + splat::<S, T::Native<S>>(simd, incidence.phi + std::f64::consts::FRAC_PI_2);
+                slope + splat::<S, T::Native<S>>(simd, lit.incidence.phi + std::f64::consts::FRAC_PI_2);
             let at = (from_left * splat::<S, T::Native<S>>(simd, per_rad))
                 .max(splat::<S, T::Native<S>>(simd, 0.0))
                 .min(splat::<S, T::Native<S>>(simd, self.steps as f64));
             let floor = at.floor();
             floor.store_slice(&mut whole[offset..offset + lanes]);
-            (at - floor).store_slice(&mut part[offset..offset + lanes]);
+            (at - floor).store_slice(&mut near.part[offset..offset + lanes]);
         }
-        let mut near = [[[zero; BLOCK]; JONES]; 2];
         for order in &self.orders {
             let mut any = false;
             for (p, node) in whole.iter().enumerate() {
                 for (side, row) in order.pair(node.index()).into_iter().enumerate() {
                     any |= row.is_some();
                     for c in 0..JONES {
-                        near[side][c][p] = row.map_or(zero, |row| row[c]);
+                        near.sides[side][c][p] = row.map_or(zero, |row| row[c]);
                     }
                 }
             }
             if any {
-                self.add(simd, arrays, k, incidence, rise_um, start, order.m, &near, &part, out);
+                near.m = order.m;
+                self.add(simd, lit, start, &near, out);
             }
         }
     }
-}
 
-impl<T: Real> CrystalOrders<T> {
-    /// Adds the currents of one order, whose matrices at the nodes around each point are `near`, `part` of a step apart.
+    /// Adds the currents of one order.
     #[inline(always)]
-    fn add<S: Simd>(
-        &self,
-        simd: S,
-        arrays: &Arrays<T>,
-        k: f64,
-        incidence: &Incidence,
-        rise_um: &[T],
-        start: usize,
-        m: i32,
-        near: &[[[T; BLOCK]; JONES]; 2],
-        part: &[T; BLOCK],
-        out: &mut Currents<T>,
-    ) {
+    fn add<S: Simd>(&self, simd: S, lit: &Lit<'_, T>, start: usize, near: &Near<T>, out: &mut Currents<T>) {
+        let Lit { arrays, rise_um, k, incidence } = *lit;
         let lanes = T::Native::<S>::LEN;
         let zero: T::Native<S> = splat(simd, 0.0);
         let one: T::Native<S> = splat(simd, 1.0);
@@ -161,8 +186,8 @@ impl<T: Real> CrystalOrders<T> {
         let sin_theta: T::Native<S> = splat(simd, self.sin_theta);
         let cos_theta: T::Native<S> = splat(simd, self.cos_theta);
         let backward: T::Native<S> = splat(simd, -k * self.cos_theta);
-        let shift: T::Native<S> = splat(simd, f64::from(m) * self.step);
-        let turn: T::Native<S> = splat(simd, f64::from(m) * std::f64::consts::TAU);
+        let shift: T::Native<S> = splat(simd, f64::from(near.m) * self.step);
+        let turn: T::Native<S> = splat(simd, f64::from(near.m) * std::f64::consts::TAU);
         for offset in (0..BLOCK).step_by(lanes) {
             let at = start + offset;
             let tangent_x: T::Native<S> = load(simd, &arrays.tangent_x, at);
@@ -170,7 +195,7 @@ impl<T: Real> CrystalOrders<T> {
             let sin_i = tangent_x * sin_phi + tangent_z * cos_phi;
             let cos_i = tangent_x * cos_phi - tangent_z * sin_phi;
             let sin_o = (shift - sin_i).max(-one).min(one);
-            let cos_o = if m == 0 { cos_i } else { (one - sin_o * sin_o).max(zero).sqrt() };
+            let cos_o = if near.m == 0 { cos_i } else { (one - sin_o * sin_o).max(zero).sqrt() };
             let x: T::Native<S> = load(simd, &arrays.x_um, at);
             let z: T::Native<S> = load(simd, &arrays.z_um, at);
             let rise: T::Native<S> = load(simd, rise_um, at);
@@ -181,11 +206,11 @@ impl<T: Real> CrystalOrders<T> {
             let lit = cos_i.simd_gt(zero);
             let weight = lit.select(load(simd, &arrays.window_length_um, at), zero);
             let wave = Complex { re: cos * weight, im: sin * weight };
-            let between: T::Native<S> = load(simd, part, offset);
+            let between: T::Native<S> = load(simd, &near.part, offset);
             let (first, second) = out.split_at_mut(COMPONENTS / 2);
             for (q, rows) in [first, second].into_iter().enumerate() {
-                let a = element::<S, T>(simd, near, 2 * q, between, offset).times::<S>(wave);
-                let b = element::<S, T>(simd, near, 4 + 2 * q, between, offset).times::<S>(wave);
+                let a = element::<S, T>(simd, &near.sides, 2 * q, between, offset).times::<S>(wave);
+                let b = element::<S, T>(simd, &near.sides, 4 + 2 * q, between, offset).times::<S>(wave);
                 let tilted = sin_theta * sin_o;
                 let j_t = b.scale::<S>(-cos_theta);
                 let j_y = b.scale::<S>(tilted).minus::<S>(a.scale::<S>(cos_o));
@@ -213,14 +238,14 @@ impl<T: Real> CrystalOrders<T> {
 #[inline(always)]
 fn element<S: Simd, T: Real>(
     simd: S,
-    near: &[[[T; BLOCK]; JONES]; 2],
+    sides: &[[[T; BLOCK]; JONES]; 2],
     c: usize,
     between: T::Native<S>,
     offset: usize,
 ) -> Complex<T::Native<S>> {
     let [re, im] = [c, c + 1].map(|c| {
-        let low: T::Native<S> = load(simd, &near[0][c], offset);
-        let high: T::Native<S> = load(simd, &near[1][c], offset);
+        let low: T::Native<S> = load(simd, &sides[0][c], offset);
+        let high: T::Native<S> = load(simd, &sides[1][c], offset);
         (high - low).mul_add(between, low)
     });
     Complex { re, im }

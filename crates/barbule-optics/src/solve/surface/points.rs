@@ -5,61 +5,54 @@ use num_complex::Complex64;
 use super::reflection::{BLOCK, Incidence};
 use crate::material::Material;
 use crate::math::simd::Real;
+use crate::scattering::far_field::Window;
+use crate::spectrum::wave_number_per_um;
 use crate::structure::{Columns, CrystalLayer, Lattice, Mixture, Polyline, Ray, Section, cast};
 use crate::{Error, Result};
 
-/// How the light falls on the section.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Window {
-    /// g(x) = exp(−x²/(W/4)²): light of limited coherence on a finite barbule.
-    Gaussian,
-    /// A plane wave on the whole section.
-    None,
-}
-
-/// One instance of a barbule, prepared: independent of wavelength and direction.
+/// The quadrature points of one instance, which do not depend on wavelength and direction.
 ///
 /// Each straight piece of the top is divided into elements of at most the given length with two Gauss points each;
 /// arrays are padded to a multiple of 64 with points of no weight.
 #[derive(Debug, Clone)]
-pub struct Surface {
+pub(super) struct Points {
     /// What kernels read, in double precision.
-    pub double: Arrays<f64>,
+    pub(super) double: Arrays<f64>,
     /// The same in single precision.
-    pub single: Arrays<f32>,
+    pub(super) single: Arrays<f32>,
     /// g²·dl
     power_length_um: Vec<f64>,
     /// Arc length from the left end.
-    pub arc_um: Vec<f64>,
+    pub(super) arc_um: Vec<f64>,
     /// Points before padding.
-    pub count: usize,
-    /// Layers and substrate.
-    pub slots: usize,
+    pub(super) count: usize,
+    /// Layers and substrate under a point, those of no thickness included.
+    pub(super) slots: usize,
     pub(super) palette: Vec<Material>,
     mixtures: Vec<SlotMixture>,
     /// Corners of the top that turn by more than [`SMOOTH_TURN`]: first point after each, then `count`.
-    pub pieces: Vec<usize>,
+    pub(super) pieces: Vec<usize>,
     /// Largest distance of a point from the origin.
-    pub radius_um: f64,
+    pub(super) radius_um: f64,
     /// The crystal under the top.
     pub(super) lattice: Option<Lattice>,
 }
 
 /// Arrays over the quadrature points, padded.
 #[derive(Debug, Clone, Default)]
-pub struct Arrays<T> {
-    pub x_um: Vec<T>,
-    pub z_um: Vec<T>,
-    pub tangent_x: Vec<T>,
-    pub tangent_z: Vec<T>,
+pub(super) struct Arrays<T> {
+    pub(super) x_um: Vec<T>,
+    pub(super) z_um: Vec<T>,
+    pub(super) tangent_x: Vec<T>,
+    pub(super) tangent_z: Vec<T>,
     /// g·dl
-    pub window_length_um: Vec<T>,
+    pub(super) window_length_um: Vec<T>,
     /// `[slot][point]`
-    pub thickness_um: Vec<T>,
+    pub(super) thickness_um: Vec<T>,
     /// Over a crystal: the angle of the tangent against x, rad.
-    pub slope: Vec<T>,
+    pub(super) slope: Vec<T>,
     /// Over a crystal: the part of its period at which the point lies, 0 to 1.
-    pub lattice_turns: Vec<T>,
+    pub(super) lattice_turns: Vec<T>,
 }
 
 impl<T> Arrays<T> {
@@ -100,25 +93,25 @@ const SMOOTH_TURN: f64 = 0.12;
 
 /// Permittivities of one slot at one wavelength, less 1.
 #[derive(Debug, Clone)]
-pub enum SlotMedium<T> {
+pub(super) enum SlotMedium<T> {
     Uniform(Complex64),
     Varying { re: Vec<T>, im: Vec<T> },
 }
 
-/// A surface's media at one wavelength.
+/// The points' media at one wavelength.
 #[derive(Debug, Clone)]
-pub struct Optics<T> {
+pub(super) struct Optics<T> {
     /// Vacuum wave number 2π/λ, rad/µm.
-    pub k: f64,
-    pub slots: Vec<SlotMedium<T>>,
+    pub(super) k: f64,
+    pub(super) slots: Vec<SlotMedium<T>>,
 }
 
-impl Surface {
+impl Points {
     /// Prepares a section with elements of at most `element_um`.
     ///
     /// # Errors
     /// The light does not come through air, or the top has no length.
-    pub fn new(section: &Section, element_um: f64, window: Window) -> Result<Self> {
+    pub(super) fn new(section: &Section, element_um: f64, window: Window) -> Result<Self> {
         Self::subdivided(section, element_um, 1, window)
     }
 
@@ -126,7 +119,12 @@ impl Surface {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn subdivided(section: &Section, element_um: f64, parts: usize, window: Window) -> Result<Self> {
+    pub(super) fn subdivided(
+        section: &Section,
+        element_um: f64,
+        parts: usize,
+        window: Window,
+    ) -> Result<Self> {
         section.check_lit_through_air()?;
         let top = section.top();
         let quarter = section.width_um / 4.0;
@@ -154,7 +152,7 @@ impl Surface {
                     let weight = length / (2.0 * elements as f64);
                     let g = match window {
                         Window::Gaussian => (-(px / quarter).powi(2)).exp(),
-                        Window::None => 1.0,
+                        Window::PlaneWave => 1.0,
                     };
                     rays.push(Ray { x_um: px, z_um: pz, normal: [-tz, tx] });
                     tangent_x.push(tx);
@@ -184,7 +182,7 @@ impl Surface {
             window_length_um,
             ..Arrays::default()
         };
-        let mut surface = Self {
+        let mut points = Self {
             double,
             single: Arrays::default(),
             power_length_um,
@@ -198,9 +196,9 @@ impl Surface {
             lattice: None,
         };
         if let Some(crystal) = &section.crystal {
-            surface.bury(crystal, top);
+            points.bury(crystal, top);
         }
-        surface.pad(&thickness_um)
+        points.pad(&thickness_um)
     }
 
     /// Adds what a crystal under the top says of each point.
@@ -247,12 +245,6 @@ impl Surface {
         Ok(self)
     }
 
-    /// Layers and substrate under a point, those of no thickness included.
-    #[must_use]
-    pub fn slots(&self) -> usize {
-        self.slots
-    }
-
     /// What fills a slot at a point.
     pub(super) fn mixture(&self, slot: usize, point: usize) -> Mixture {
         match &self.mixtures[slot] {
@@ -262,7 +254,7 @@ impl Surface {
     }
 
     /// Bytes that it takes.
-    pub fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         let mixtures: usize = self
             .mixtures
             .iter()
@@ -276,7 +268,7 @@ impl Surface {
     }
 
     /// Points including padding.
-    pub fn padded(&self) -> usize {
+    pub(super) fn padded(&self) -> usize {
         self.single.x_um.len()
     }
 
@@ -284,7 +276,7 @@ impl Surface {
     ///
     /// # Errors
     /// A table of a medium does not reach the wavelength.
-    pub fn optics<T: Real>(&self, wavelength_nm: f64) -> Result<Optics<T>> {
+    pub(super) fn optics<T: Real>(&self, wavelength_nm: f64) -> Result<Optics<T>> {
         let indices =
             self.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
         let padded = self.padded();
@@ -303,12 +295,11 @@ impl Surface {
                 }
             })
             .collect();
-        Ok(Optics { k: std::f64::consts::TAU / (wavelength_nm * 1e-3), slots })
+        Ok(Optics { k: wave_number_per_um(wavelength_nm), slots })
     }
 
     /// Φ_i = ∫ g² max(0, n·ω_i) dl, the incident power per length for unit |E| and c₀ = 1, µm.
-    #[must_use]
-    pub fn incident_power_um(&self, theta_i: f64, phi_i: f64) -> f64 {
+    pub(super) fn incident_power_um(&self, theta_i: f64, phi_i: f64) -> f64 {
         let incidence = Incidence::new(theta_i, phi_i);
         (0..self.count)
             .map(|p| {

@@ -6,11 +6,13 @@
 use fearless_simd::prelude::*;
 use num_complex::{Complex32, Complex64};
 
-use super::points::{Surface, Window};
+use super::points::Points;
 use super::reflection::{BLOCK, Fractions, RESCALE_EVERY, cross, lanes, layer, reflectances_of, rescale};
 use crate::Result;
 use crate::material::Material;
 use crate::math::simd::{Complex, SLIGHT, decay, load, slight_decay, splat, turn};
+use crate::scattering::far_field::Window;
+use crate::spectrum::wave_number_per_um;
 use crate::structure::{Mixture, Section};
 
 /// Real numbers per ray: real and imaginary parts of r_s and r_p.
@@ -19,13 +21,13 @@ pub(super) const SERIES: usize = 4;
 /// Vectors of rays whose recursions run side by side, to hide the latency of one.
 const TOGETHER: usize = 2;
 
-/// Rays under one element of a surface, which has two Gauss points: `parts` sub-elements (a power of two of them, at
+/// Rays under one element of a points, which has two Gauss points: `parts` sub-elements (a power of two of them, at
 /// most half a block) with two rays each.
 ///
 /// Structure finer than an element is averaged: a point's reflectance is not that of the one ray under it but the value
 /// with which the element's two points give the integrals over all its rays, of the reflectance and of its product with
 /// the position.
-pub struct Rays {
+pub(super) struct Rays {
     parts: usize,
     /// `[point of the element][ray of the element]`
     weights: [Vec<f32>; 2],
@@ -70,13 +72,13 @@ impl Rays {
     /// Casts rays for elements of at most `element_um`.
     ///
     /// # Errors
-    /// As [`Surface::new`].
-    pub fn cast(section: &Section, element_um: f64, parts: usize) -> Result<Self> {
-        let surface = Surface::subdivided(section, element_um, parts, Window::Gaussian)?;
+    /// As [`Points::new`].
+    pub(super) fn cast(section: &Section, element_um: f64, parts: usize) -> Result<Self> {
+        let points = Points::subdivided(section, element_um, parts, Window::Gaussian)?;
         let mut rays = Self {
             parts,
             weights: moments(parts),
-            palette: surface.palette.clone(),
+            palette: points.palette.clone(),
             uniform: Vec::new(),
             varying: Vec::new(),
             meetings: Vec::new(),
@@ -84,8 +86,8 @@ impl Rays {
             thickness_um: Vec::new(),
             blocks: Vec::new(),
         };
-        for start in (0..surface.padded()).step_by(BLOCK) {
-            rays.add_block(&surface, start);
+        for start in (0..points.padded()).step_by(BLOCK) {
+            rays.add_block(&points, start);
         }
         rays.varying.shrink_to_fit();
         rays.layers.shrink_to_fit();
@@ -94,21 +96,21 @@ impl Rays {
     }
 
     /// Lists the layers of the rays `start` … `start + BLOCK`.
-    fn add_block(&mut self, surface: &Surface, start: usize) {
+    fn add_block(&mut self, points: &Points, start: usize) {
         let first = self.layers.len();
-        let padded = surface.padded();
-        for slot in 0..surface.slots {
-            let substrate = slot + 1 == surface.slots;
+        let padded = points.padded();
+        for slot in 0..points.slots {
+            let substrate = slot + 1 == points.slots;
             let mut thickness = [0f32; BLOCK];
             if !substrate {
                 let from = slot * padded + start;
-                thickness.copy_from_slice(&surface.single.thickness_um[from..from + BLOCK]);
+                thickness.copy_from_slice(&points.single.thickness_um[from..from + BLOCK]);
             }
             let thickest_um = thickness.iter().fold(0f32, |a, &b| a.max(b));
             if thickest_um <= 0.0 && !substrate {
                 continue;
             }
-            let medium = self.fill(surface, slot, start);
+            let medium = self.fill(points, slot, start);
             // Layers of one medium on each other are one layer.
             let above = self.layers[first..].last().map(|above| above.medium);
             if let (Fill::Uniform(_), false) = (medium, substrate)
@@ -128,9 +130,9 @@ impl Rays {
     }
 
     /// What fills a slot under the rays `start` ….
-    fn fill(&mut self, surface: &Surface, slot: usize, start: usize) -> Fill {
+    fn fill(&mut self, points: &Points, slot: usize, start: usize) -> Fill {
         let media: [Mixture; BLOCK] =
-            std::array::from_fn(|ray| surface.mixture(slot, (start + ray).min(surface.count - 1)));
+            std::array::from_fn(|ray| points.mixture(slot, (start + ray).min(points.count - 1)));
         if media.iter().any(|m| *m != media[0]) {
             self.varying.push(media);
             return Fill::Varying(self.varying.len() - 1);
@@ -157,7 +159,7 @@ impl Rays {
     }
 
     /// Parts into which elements are cut.
-    pub fn parts(&self) -> usize {
+    pub(super) fn parts(&self) -> usize {
         self.parts
     }
 
@@ -172,7 +174,7 @@ impl Rays {
     }
 
     /// Bytes that they take.
-    pub fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         size_of_val(&self.thickness_um[..]) + size_of_val(&self.layers[..]) + size_of_val(&self.varying[..])
     }
 
@@ -189,7 +191,7 @@ impl Rays {
             [values.map(|v| v.re as f32), values.map(|v| v.im as f32)]
         };
         Ok(Media {
-            k: std::f64::consts::TAU / (wavelength_nm * 1e-3),
+            k: wave_number_per_um(wavelength_nm),
             uniform,
             varying: self.varying.iter().map(split).collect(),
         })

@@ -17,7 +17,7 @@ use crate::math::simd::{Complex, Lanes, Real, decay, load, root, sin_cos, splat}
 
 /// What gives the reflectances r_s and r_p of the stacks under points, as ratios of E and of H perpendicular to the
 /// plane of incidence.
-pub trait Reflectances<T: Real> {
+pub(super) trait Reflectances<T: Real> {
     /// Of the points `at` …, for light at local incidence angles α.
     fn at<S: Simd>(
         &self,
@@ -41,42 +41,7 @@ impl<T: Real> Reflectances<T> for Optics<T> {
     }
 }
 
-/// What gives the currents that the top of a surface carries.
-pub trait Reflector<T: Real> {
-    /// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations, times the
-    /// phase of `rise_um` towards where each point sends its light.
-    fn currents<S: Simd>(
-        &self,
-        simd: S,
-        arrays: &Arrays<T>,
-        k: f64,
-        incidence: &Incidence,
-        rise_um: &[T],
-        start: usize,
-        out: &mut Currents<T>,
-    );
-}
-
-/// Stacks under the points.
-pub struct Stacks<'a, R>(pub &'a R);
-
-impl<T: Real, R: Reflectances<T>> Reflector<T> for Stacks<'_, R> {
-    #[inline(always)]
-    fn currents<S: Simd>(
-        &self,
-        simd: S,
-        arrays: &Arrays<T>,
-        k: f64,
-        incidence: &Incidence,
-        rise_um: &[T],
-        start: usize,
-        out: &mut Currents<T>,
-    ) {
-        reflect_block(simd, arrays, self.0, k, incidence, rise_um, start, out);
-    }
-}
-
-/// Points that are reflected together; every array of a surface is padded to a multiple of it.
+/// Points that are reflected together; every array over the points is padded to a multiple of it.
 pub(super) const BLOCK: usize = 64;
 
 /// Real numbers per point: 2 polarizations × (J_x, J_y, J_z, M_x, M_y, M_z) × (re, im).
@@ -94,7 +59,7 @@ pub(super) type Fractions<V> = [(Complex<V>, Complex<V>); 2];
 
 /// The incident wave in numbers that do not depend on the point.
 #[derive(Debug, Clone, Copy)]
-pub struct Incidence {
+pub(super) struct Incidence {
     /// φ_i, rad.
     pub(super) phi: f64,
     sin_theta: f64,
@@ -104,7 +69,7 @@ pub struct Incidence {
 }
 
 impl Incidence {
-    pub fn new(theta_i: f64, phi_i: f64) -> Self {
+    pub(super) fn new(theta_i: f64, phi_i: f64) -> Self {
         let (sin_theta, cos_theta) = theta_i.sin_cos();
         let (sin_phi, cos_phi) = phi_i.sin_cos();
         Self { phi: phi_i, sin_theta, cos_theta, sin_phi, cos_phi }
@@ -119,26 +84,34 @@ impl Incidence {
     }
 
     /// n·ω_i at a point whose tangent is (t_x, t_z), so n = (−t_z, t_x).
-    pub fn cos_alpha(&self, tangent_x: f64, tangent_z: f64) -> f64 {
+    pub(super) fn cos_alpha(&self, tangent_x: f64, tangent_z: f64) -> f64 {
         self.cos_theta * (self.cos_phi * tangent_x - self.sin_phi * tangent_z)
     }
 }
 
-/// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations.
+/// Points under light from one direction.
+pub(super) struct Lit<'a, T> {
+    pub(super) arrays: &'a Arrays<T>,
+    /// Height of each point over the place from which its current radiates.
+    pub(super) rise_um: &'a [T],
+    /// Vacuum wave number, rad/µm.
+    pub(super) k: f64,
+    pub(super) incidence: Incidence,
+}
+
+/// The currents g·J·dl and g·M·dl of the stacks under the points `start` … `start + BLOCK`, for both incident
+/// polarizations.
 ///
-/// `rise_um` is the height of each point over the place from which its current radiates; it counts as a phase for light
-/// to the mirror direction φ_o = −φ_i.
+/// The rise counts as a phase for light to the mirror direction φ_o = −φ_i.
 #[inline(always)]
-fn reflect_block<S: Simd, T: Real>(
+pub(super) fn reflect_block<S: Simd, T: Real>(
     simd: S,
-    arrays: &Arrays<T>,
+    lit: &Lit<'_, T>,
     reflectances: &impl Reflectances<T>,
-    k: f64,
-    incidence: &Incidence,
-    rise_um: &[T],
     start: usize,
     out: &mut Currents<T>,
 ) {
+    let Lit { arrays, rise_um, k, incidence } = *lit;
     let lanes = T::Native::<S>::LEN;
     let zero: T::Native<S> = splat(simd, 0.0);
     let sin_theta: T::Native<S> = splat(simd, incidence.sin_theta);

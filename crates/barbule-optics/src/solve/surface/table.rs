@@ -7,7 +7,7 @@
 
 use fearless_simd::{dispatch, prelude::*};
 
-use super::points::{Arrays, Optics, SlotMedium, Surface};
+use super::points::{Arrays, Optics, Points, SlotMedium};
 use super::rays::{AtAngle, Media, Rays, SERIES};
 use super::reflection::{BLOCK, Reflectances};
 use crate::Result;
@@ -24,7 +24,7 @@ const TOLERANCE: f32 = 3e-5;
 const MOST_TERMS: usize = 256;
 
 /// Reflectances of a surface at one wavelength.
-pub struct ReflectanceTable {
+pub(super) struct ReflectanceTable {
     /// For blocks without series.
     optics: Optics<f32>,
     /// First coefficient of each block and number of its terms; none where the block has no series.
@@ -41,14 +41,14 @@ impl ReflectanceTable {
     ///
     /// # Errors
     /// A table of a medium does not reach the wavelength.
-    pub fn new(width: Width, surface: &Surface, rays: &Rays, wavelength_nm: f64) -> Result<Self> {
+    pub(super) fn new(width: Width, points: &Points, rays: &Rays, wavelength_nm: f64) -> Result<Self> {
         let media = rays.media(wavelength_nm)?;
-        let optics = surface.optics(wavelength_nm)?;
+        let optics = points.optics(wavelength_nm)?;
         let mut table = Self { optics, blocks: Vec::new(), coefficients: Vec::new() };
         let (mut angles, mut samples, mut terms) = (Vec::new(), Vec::new(), Vec::new());
         // Neighbours need about as many terms as each other.
-        let mut expected = table.expected_terms(&surface.single, surface.count / 2 / BLOCK * BLOCK);
-        for start in (0..surface.padded()).step_by(BLOCK) {
+        let mut expected = table.expected_terms(&points.single, points.count / 2 / BLOCK * BLOCK);
+        for start in (0..points.padded()).step_by(BLOCK) {
             let begin = table.coefficients.len();
             let mut count = expected;
             while count <= MOST_TERMS {
@@ -71,7 +71,7 @@ impl ReflectanceTable {
     }
 
     /// Bytes that the series take.
-    pub fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         self.coefficients.len() * size_of::<f32>()
     }
 
@@ -252,16 +252,16 @@ mod tests {
         for species in ["rock-dove", "starling", "bronzewing", "hummingbird"] {
             let model = SpeciesModel::builtin(species, None, Library::builtin()).unwrap();
             let section = model.section(1, 0).unwrap();
-            let surface = Surface::new(&section, 0.1, Window::Gaussian).unwrap();
+            let points = Points::new(&section, 0.1, Window::Gaussian).unwrap();
             // One ray per point: nothing is averaged.
             let rays = Rays::cast(&section, 0.1, 1).unwrap();
-            let table = ReflectanceTable::new(Width::best(), &surface, &rays, 437.0).unwrap();
-            let optics = surface.optics::<f32>(437.0).unwrap();
+            let table = ReflectanceTable::new(Width::best(), &points, &rays, 437.0).unwrap();
+            let optics = points.optics::<f32>(437.0).unwrap();
             for cos_alpha in [0.0015, 0.01, 0.1, 0.3, 0.55, 0.8, 0.97, 1.0] {
-                let arrays = &surface.single;
+                let arrays = &points.single;
                 let series = dispatch!(Width::best().0, simd => evaluate(simd, &table, arrays, cos_alpha));
                 let exact = dispatch!(Width::best().0, simd => evaluate(simd, &optics, arrays, cos_alpha));
-                let worst = series[..surface.count]
+                let worst = series[..points.count]
                     .iter()
                     .flatten()
                     .zip(exact.iter().flatten())

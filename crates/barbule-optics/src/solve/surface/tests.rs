@@ -3,12 +3,18 @@
 use num_complex::{Complex, Complex64};
 use std::f64::consts::PI;
 
+use super::nodes::Nodes;
+use super::points::Points;
+use super::radiation::Radiator;
+use super::reflector::Reflector;
+use super::scalar::Scalar;
 use super::*;
 use crate::material::Library;
 use crate::math::rng::Stream;
 use crate::scattering::directions::{e1, e2, omega};
+use crate::scattering::far_field::Polarization;
 use crate::solve::direct;
-use crate::solve::film::{Polarization, reflect};
+use crate::solve::film::{self, reflect};
 use crate::structure::{Medium, Parts, Polyline, Section, SpeciesModel, Substance};
 
 /// A perfect conductor to 2e-6: r_s = −1, r_p = +1.
@@ -61,8 +67,30 @@ fn scalloped(width_um: f64, seed: u64) -> Section {
 }
 
 fn fields(section: &Section, wavelength_nm: f64, theta: f64, phi: f64) -> FarField {
-    let surface = Surface::new(section, FINE_ELEMENT_UM, Window::Gaussian).unwrap();
-    far_field(&surface, Window::Gaussian, wavelength_nm, theta, phi, 400, Width::best()).unwrap()
+    far_field(section, FINE_ELEMENT_UM, &beam(wavelength_nm, theta, phi), 400, Width::best()).unwrap()
+}
+
+fn beam(wavelength_nm: f64, theta_i: f64, phi_i: f64) -> Illumination {
+    Illumination { wavelength_nm, theta_i, phi_i, window: Window::Gaussian }
+}
+
+/// Fourier coefficients, `[phi_i][incident polarization][e₁, e₂][order]`, for unit |E|.
+fn radiated<T: Scalar>(
+    points: &Points,
+    reflector: &Reflector<T>,
+    nodes: &Nodes<T>,
+    cone: &Cone,
+    phi_i: &[f64],
+) -> Vec<Complex<T>> {
+    let mut out = Vec::new();
+    let scales = vec![1.0; phi_i.len()];
+    let mut radiator = Radiator::<T>::new(Width::best());
+    radiator.far_fields(points, reflector, nodes, cone, phi_i, &scales, &mut out, &mut |_| {});
+    out
+}
+
+fn widened(values: &[Complex<f32>]) -> Vec<Complex64> {
+    values.iter().map(|v| Complex64::new(f64::from(v.re), f64::from(v.im))).collect()
 }
 
 fn peak(values: &[f64]) -> f64 {
@@ -98,14 +126,19 @@ fn a_flat_mirror_returns_all_light_in_the_lobe_of_its_window() {
             .sum::<f64>()
     };
     let shape: Vec<f64> = far
-        .phi_o
+        .azimuths
+        .phi_o()
         .iter()
         .map(|phi| transform(k * phi.sin()).powi(2) * (0.5 * (1.0 + phi.cos())).powi(2))
         .collect();
-    for polarization in 0..2 {
-        assert!((far.reflected[polarization] - 1.0).abs() < 1e-5, "{}", far.reflected[polarization] - 1.0);
-        let intensity = far.intensity(polarization);
-        let scale = k / (2.0 * PI) / far.incident_power_um.unwrap();
+    for polarization in Polarization::BOTH {
+        assert!(
+            (far.radiated[polarization.index()] - 1.0).abs() < 1e-5,
+            "{}",
+            far.radiated[polarization.index()] - 1.0
+        );
+        let intensity = far.intensity(polarization).unwrap();
+        let scale = k / (2.0 * PI) * far.light.scale().powi(2);
         let top = peak(&intensity);
         for (i, s) in intensity.iter().zip(&shape) {
             assert!((i - s * scale).abs() < 1e-6 * top, "{} {}", i / top, s * scale / top);
@@ -126,12 +159,12 @@ fn a_flat_stack_reflects_what_fresnel_says_in_both_polarizations() {
         let far = fields(&section, 480.0, theta, phi);
         let w = omega(theta, phi);
         let s = glam::DVec3::Z.cross(w).try_normalize().unwrap_or(glam::DVec3::Y);
-        let r = [Polarization::S, Polarization::P]
+        let r = [film::Polarization::S, film::Polarization::P]
             .map(|p| reflect(&indices, &[depth * 1e3], 480.0, w.z.acos(), p).unwrap().norm_sqr());
         for (polarization, e) in [e1(theta, phi), e2(phi)].into_iter().enumerate() {
             let along_s = e.dot(s).powi(2);
             let expected = along_s * r[0] + (1.0 - along_s) * r[1];
-            let error = far.reflected[polarization] / expected - 1.0;
+            let error = far.radiated[polarization] / expected - 1.0;
             assert!(error.abs() < 2e-3, "{theta} {phi} {polarization}: {error:e}");
         }
     }
@@ -149,28 +182,14 @@ fn a_turned_flat_top_is_an_unturned_one_seen_from_a_turned_place() {
     };
     let turned = section(width * delta.cos(), vec![turned_top], media());
     let at = |section: &Section, phi_i: f64, view: f64| {
-        let surface = Surface::new(section, FINE_ELEMENT_UM, Window::Gaussian).unwrap();
-        let optics = surface.optics(500.0).unwrap();
-        let cone = Cone::new(optics.k, 0.2, surface.radius_um);
-        let mut workspace = Workspace::<f64>::new(Width::best());
-        let mut coefficients = Vec::new();
-        let scale = inverse_root(surface.incident_power_um(0.2, phi_i));
-        workspace.far_fields(
-            &surface,
-            &Stacks(&optics),
-            &Nodes::at_points(&surface),
-            &cone,
-            &[phi_i],
-            &[scale],
-            &mut coefficients,
-        );
-        let synthesis = workspace.synthesis(&cone, 400, 0);
-        let mut values = vec![Complex::new(0.0, 0.0); 400];
+        let barbule = Barbule::new(section, FINE_ELEMENT_UM, Window::Gaussian).unwrap();
+        let cone = Cone::around(std::slice::from_ref(&barbule), 500.0, 0.2);
+        let light = Light::Beam { power_um: barbule.incident_power_um(0.2, phi_i) };
+        let batch = Batch { cone: &cone, phi_i: &[phi_i], lights: &[light] };
+        let mut buffers = Buffers::<f64>::new(Width::best());
+        buffers.radiate(&barbule.points, &barbule.exactly(500.0, 0.2).unwrap(), &batch, &mut |_| {});
         let mut all = Vec::new();
-        for component in coefficients.chunks_exact(cone.angles) {
-            synthesis.evaluate(component, view, &mut Vec::new(), &mut Vec::new(), &mut values);
-            all.extend_from_slice(&values);
-        }
+        buffers.synthesize(&cone, Grid { azimuths: 400, margin: 0, shift: view }, &mut all);
         all
     };
     // The top turned by δ from x towards z: its normal leans to −x, so light and view turn by −δ.
@@ -182,13 +201,10 @@ fn a_turned_flat_top_is_an_unturned_one_seen_from_a_turned_place() {
 #[test]
 fn halving_the_elements_changes_nothing_that_matters() {
     let section = scalloped(25.0, 3);
-    let at = |element: f64| {
-        let surface = Surface::new(&section, element, Window::Gaussian).unwrap();
-        far_field(&surface, Window::Gaussian, 430.0, 0.3, 0.6, 400, Width::best()).unwrap()
-    };
+    let at = |element: f64| far_field(&section, element, &beam(430.0, 0.3, 0.6), 400, Width::best()).unwrap();
     let (coarse, fine) = (at(FINE_ELEMENT_UM), at(FINE_ELEMENT_UM / 2.0));
-    for polarization in 0..2 {
-        let (a, b) = (coarse.intensity(polarization), fine.intensity(polarization));
+    for polarization in Polarization::BOTH {
+        let (a, b) = (coarse.intensity(polarization).unwrap(), fine.intensity(polarization).unwrap());
         let top = peak(&b);
         let worst = a.iter().zip(&b).fold(0f64, |w, (a, b)| w.max((a - b).abs())) / top;
         assert!(worst < 1e-4, "{worst:e}");
@@ -203,17 +219,18 @@ fn fast_equals_direct() {
         let section = scalloped(10.0, seed);
         let (theta, phi) = (theta.to_radians(), phi.to_radians());
         let fast = fields(&section, wavelength, theta, phi);
-        let plain =
-            direct::far_field(&section, Window::Gaussian, FINE_ELEMENT_UM, wavelength, theta, phi, 400)
-                .unwrap();
-        assert!((plain.incident_power_um.unwrap() / fast.incident_power_um.unwrap() - 1.0).abs() < 1e-12);
-        for polarization in 0..2 {
+        let plain = direct::far_field(&section, FINE_ELEMENT_UM, &beam(wavelength, theta, phi), 400).unwrap();
+        assert!((plain.light.scale() / fast.light.scale() - 1.0).abs() < 1e-12);
+        for polarization in Polarization::BOTH {
             let error = relative_l2(
-                fast.fields[polarization].iter().flatten(),
-                plain.fields[polarization].iter().flatten(),
+                fast.amplitudes[polarization.index()].iter().flatten(),
+                plain.amplitudes[polarization.index()].iter().flatten(),
             );
-            assert!(error < 1e-10, "{seed} {polarization}: {error:e}");
-            assert!((fast.reflected[polarization] / plain.reflected[polarization] - 1.0).abs() < 1e-10);
+            assert!(error < 1e-10, "{seed} {polarization:?}: {error:e}");
+            assert!(
+                (fast.radiated[polarization.index()] / plain.radiated[polarization.index()] - 1.0).abs()
+                    < 1e-10
+            );
         }
     }
 }
@@ -227,39 +244,24 @@ fn the_campaigns_way_equals_direct_to_a_thousandth() {
     {
         let section = scalloped(25.0, seed);
         let theta = theta.to_radians();
-        let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian).unwrap();
-        let rays = Rays::cast(&section, CAMPAIGN_ELEMENT_UM, 2).unwrap();
-        let table = ReflectanceTable::new(Width::best(), &surface, &rays, wavelength).unwrap();
-        let cone = Cone::new(2e3 * PI / wavelength, theta, surface.radius_um);
-        let nodes = Nodes::equidistant(&surface, cone.kappa);
-        assert!(nodes.taps.is_some());
+        let barbule = Barbule::for_campaign(&section, 2).unwrap();
+        let cone = Cone::around(std::slice::from_ref(&barbule), wavelength, theta);
+        assert!(Nodes::<f32>::equidistant(&barbule.points, cone.kappa).taps.is_some());
         let phis = [0.0, 0.5, 1.2, 1.5];
-        let scales = phis.map(|phi| inverse_root(surface.incident_power_um(theta, phi)));
-        let mut workspace = Workspace::<f32>::new(Width::best());
-        let mut coefficients = Vec::new();
-        workspace.far_fields(&surface, &Stacks(&table), &nodes, &cone, &phis, &scales, &mut coefficients);
-        let synthesis = workspace.synthesis(&cone, 400, 0);
-        let mut values = vec![Complex::new(0f32, 0.0); 400];
-        let fine = Surface::new(&section, FINE_ELEMENT_UM / 2.0, Window::Gaussian).unwrap();
+        let lights = phis.map(|phi| Light::Beam { power_um: barbule.incident_power_um(theta, phi) });
+        let batch = Batch { cone: &cone, phi_i: &phis, lights: &lights };
+        let table = barbule.table(wavelength, Width::best()).unwrap();
+        let grid = Grid { azimuths: 400, margin: 0, shift: 0.0 };
+        let fields = Workspace::new(Width::best()).scatter(&barbule, &table, &batch, grid);
         for (i, phi) in phis.into_iter().enumerate() {
-            let exact =
-                far_field(&fine, Window::Gaussian, wavelength, theta, phi, 400, Width::best()).unwrap();
+            let light = beam(wavelength, theta, phi);
+            let exact = far_field(&section, FINE_ELEMENT_UM / 2.0, &light, 400, Width::best()).unwrap();
             for polarization in 0..2 {
-                let mut fast = Vec::new();
-                for along in 0..2 {
-                    let at = ((i * 2 + polarization) * 2 + along) * cone.angles;
-                    synthesis.evaluate(
-                        &coefficients[at..at + cone.angles],
-                        0.0,
-                        &mut Vec::new(),
-                        &mut Vec::new(),
-                        &mut values,
-                    );
-                    fast.extend(values.iter().map(|v| Complex64::new(f64::from(v.re), f64::from(v.im))));
-                }
-                let error = relative_l2(fast.iter(), exact.fields[polarization].iter().flatten());
+                let fast = widened(&fields[(i * 2 + polarization) * 800..][..800]);
+                let exact = &exact.amplitudes[polarization];
+                let error = relative_l2(fast.iter(), exact.iter().flatten());
                 let power = |v: &mut dyn Iterator<Item = &Complex64>| v.map(Complex64::norm_sqr).sum::<f64>();
-                let ratio = power(&mut fast.iter()) / power(&mut exact.fields[polarization].iter().flatten());
+                let ratio = power(&mut fast.iter()) / power(&mut exact.iter().flatten());
                 worst = (worst.0.max(error), worst.1.max((ratio - 1.0).abs()));
             }
         }
@@ -277,9 +279,9 @@ fn mirror_images_scatter_mirrored() {
     let section_b = section(15.0, section_a.boundaries.iter().map(flip).collect(), section_a.media.clone());
     let (a, b) = (fields(&section_a, 500.0, 0.4, 0.3), fields(&section_b, 500.0, 0.4, -0.3));
     let opposite = fields(&section_a, 500.0, -0.4, 0.3);
-    for polarization in 0..2 {
-        let (a, b) = (a.intensity(polarization), b.intensity(polarization));
-        let c = opposite.intensity(polarization);
+    for polarization in Polarization::BOTH {
+        let (a, b) = (a.intensity(polarization).unwrap(), b.intensity(polarization).unwrap());
+        let c = opposite.intensity(polarization).unwrap();
         let top = peak(&a);
         for n in 0..400 {
             assert!((a[n] - b[399 - n]).abs() < 1e-10 * top);
@@ -291,14 +293,13 @@ fn mirror_images_scatter_mirrored() {
 #[test]
 fn every_simd_width_gives_the_same_field() {
     let section = scalloped(10.0, 6);
-    let surface = Surface::new(&section, 0.02, Window::Gaussian).unwrap();
-    let at = |width| far_field(&surface, Window::Gaussian, 450.0, 0.3, 0.4, 400, width).unwrap();
+    let at = |width| far_field(&section, 0.02, &beam(450.0, 0.3, 0.4), 400, width).unwrap();
     let reference = at(Width::scalar());
     for width in Width::available() {
-        for polarization in 0..2 {
+        for polarization in Polarization::BOTH {
             let error = relative_l2(
-                at(width).fields[polarization].iter().flatten(),
-                reference.fields[polarization].iter().flatten(),
+                at(width).amplitudes[polarization.index()].iter().flatten(),
+                reference.amplitudes[polarization.index()].iter().flatten(),
             );
             assert!(error < 1e-12, "{}: {error:e}", width.name());
         }
@@ -310,18 +311,13 @@ fn every_simd_width_gives_the_same_field() {
 fn corners_are_exact_too() {
     let top = Polyline { x_um: vec![-10.0, -2.0, 4.0, 10.0], z_um: vec![0.0, 1.5, 1.0, -0.5] };
     let section = section(20.0, vec![top], vec![Medium::named("air"), Medium::named("melanin")]);
-    let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian).unwrap();
-    let optics = surface.optics(450.0).unwrap();
-    let cone = Cone::new(optics.k, 0.0, surface.radius_um);
-    let run = |nodes: &Nodes<f32>| {
-        let mut workspace = Workspace::<f32>::new(Width::best());
-        let mut out = Vec::new();
-        workspace.far_fields(&surface, &Stacks(&optics), nodes, &cone, &[0.2], &[1.0], &mut out);
-        out.into_iter().map(|v| Complex64::new(f64::from(v.re), f64::from(v.im))).collect::<Vec<_>>()
-    };
+    let points = Points::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian).unwrap();
+    let stacks = Reflector::<f32>::Stacks(points.optics(450.0).unwrap());
+    let cone = Cone::new(450.0, 0.0, points.radius_um);
+    let run = |nodes: &Nodes<f32>| widened(&radiated(&points, &stacks, nodes, &cone, &[0.2]));
     let error = relative_l2(
-        run(&Nodes::equidistant(&surface, cone.kappa)).iter(),
-        run(&Nodes::at_points(&surface)).iter(),
+        run(&Nodes::equidistant(&points, cone.kappa)).iter(),
+        run(&Nodes::at_points(&points)).iter(),
     );
     assert!(error < 2e-4, "{error:e}");
 }
@@ -332,34 +328,14 @@ fn single_precision_survives_grazing_light_on_many_voids() {
     let model = SpeciesModel::builtin("hummingbird", None, Library::builtin()).unwrap();
     for instance in 0..3 {
         let section = model.section(1, instance).unwrap();
-        let surface = Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian).unwrap();
-        let single = surface.optics::<f32>(484.0).unwrap();
-        let double = surface.optics::<f64>(484.0).unwrap();
-        let cone = Cone::new(double.k, 0.3, surface.radius_um);
+        let points = Points::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian).unwrap();
+        let single = Reflector::<f32>::Stacks(points.optics(484.0).unwrap());
+        let double = Reflector::<f64>::Stacks(points.optics(484.0).unwrap());
+        let cone = Cone::new(484.0, 0.3, points.radius_um);
         let phis = [0.7, 1.45];
-        let (mut fast, mut exact) = (Vec::new(), Vec::new());
-        let nodes = Nodes::equidistant(&surface, cone.kappa);
-        Workspace::<f32>::new(Width::best()).far_fields(
-            &surface,
-            &Stacks(&single),
-            &nodes,
-            &cone,
-            &phis,
-            &[1.0; 2],
-            &mut fast,
-        );
-        let nodes = Nodes::at_points(&surface);
-        Workspace::<f64>::new(Width::best()).far_fields(
-            &surface,
-            &Stacks(&double),
-            &nodes,
-            &cone,
-            &phis,
-            &[1.0; 2],
-            &mut exact,
-        );
-        let fast: Vec<Complex64> =
-            fast.iter().map(|v| Complex64::new(f64::from(v.re), f64::from(v.im))).collect();
+        let nodes = Nodes::equidistant(&points, cone.kappa);
+        let fast = widened(&radiated(&points, &single, &nodes, &cone, &phis));
+        let exact = radiated(&points, &double, &Nodes::at_points(&points), &cone, &phis);
         let error = relative_l2(fast.iter(), exact.iter());
         assert!(error < 1e-3, "{instance}: {error:e}");
     }

@@ -98,7 +98,7 @@ impl Wave {
         if !(theta_i.abs() < std::f64::consts::FRAC_PI_2 && theta_i.cos() > 1e-7) {
             return Err(Error::input(format!("theta {theta_i} rad must lie within ±π/2")));
         }
-        let k0 = std::f64::consts::TAU / (wavelength_nm * 1e-3);
+        let k0 = crate::spectrum::wave_number_per_um(wavelength_nm);
         let n = cell.incidence_eps.sqrt();
         let kappa0 = k0 * n * theta_i.cos();
         let square = k0 * k0 * (cell.host_eps - cell.incidence_eps) + kappa0 * kappa0;

@@ -4,12 +4,15 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use super::{Campaign, Parameters, orders};
+use super::{Campaign, Keep, Parameters, orders};
 use crate::math::simd::Width;
 use crate::progress::{Progress, Unobserved};
-use crate::scattering::statistics::Axes;
+use crate::scattering::far_field::{Illumination, Window};
+use crate::scattering::statistics::{AZIMUTHS, Axes};
 use crate::solve::direct;
-use crate::solve::surface::{FINE_ELEMENT_UM, Window, stage_seconds};
+use crate::solve::surface::FINE_ELEMENT_UM;
+use crate::solve::surface::bench::{Timed, stage_seconds};
+use crate::spectrum::Wavelengths;
 use crate::structure::Structure;
 use crate::{Error, Result};
 
@@ -68,8 +71,9 @@ pub fn measure(structure: &Structure, seed: u64, width: Width, progress: &dyn Pr
 fn sample(structure: &Structure, seed: u64, width: Width, progress: &dyn Progress) -> Result<Figures> {
     let [wavelengths, thetas, phis, instances] = FULL;
     let cos_phi: Vec<f64> = (1..=phis).map(|i| i as f64 / phis as f64).collect();
-    let phi_i: Vec<f64> = cos_phi.iter().map(|c| c.acos()).collect();
-    let axes = Axes { wavelengths_nm: SAMPLE_NM.to_vec(), cos_theta: SAMPLE_COS_THETA.to_vec(), cos_phi };
+    let axes = Axes::new(&Wavelengths::new(SAMPLE_NM)?, SAMPLE_COS_THETA.to_vec(), cos_phi)?;
+    let phi_i: Vec<f64> = (0..phis).map(|phi| axes.phi_i(phi)).collect();
+    let theta_i = axes.theta_i(2);
     let parameters = Parameters { axes, instances, seed, tilt: 2f64.to_radians() };
     progress.begin("measuring", (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as u64);
     let begun = ProcessTime::now();
@@ -82,28 +86,37 @@ fn sample(structure: &Structure, seed: u64, width: Width, progress: &dyn Progres
     let (mut units, mut table_bytes) = (Duration::ZERO, 0);
     for index in 0..SAMPLE_NM.len() {
         let begun = ProcessTime::now();
-        let wavelength = campaign.wavelength(index, progress)?;
+        let shared = campaign.tables(index, progress)?;
         tables += begun.elapsed();
-        table_bytes = table_bytes.max(wavelength.bytes());
+        table_bytes = table_bytes.max(shared.bytes());
         for theta in 0..SAMPLE_COS_THETA.len() {
             if progress.is_cancelled() {
                 return Err(Error::interrupted());
             }
             let begun = ProcessTime::now();
-            std::hint::black_box(campaign.unit(&wavelength, theta, false));
+            std::hint::black_box(campaign.unit(&shared, theta, Keep::Statistics));
             units += begun.elapsed();
             progress.advance(1);
         }
     }
     let section = structure.instance(seed, 0)?;
-    let theta_i = SAMPLE_COS_THETA[2].acos();
     // Tables serve all θ_i of a wavelength, a crystal's orders all instances.
     let parts = campaign.ray_parts();
     let shared_by = if parts.is_some() { thetas } else { instances };
-    let stages = stage_seconds(&section, SAMPLE_NM[1], theta_i, &phi_i, parts.unwrap_or(1), shared_by, 5)?;
+    let timed = Timed {
+        section: &section,
+        wavelength_nm: SAMPLE_NM[1],
+        theta_i,
+        phi_i: &phi_i,
+        ray_parts: parts.unwrap_or(1),
+        shared_by,
+    };
+    let stages = stage_seconds(&timed, 5)?;
     let fields: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
     let begun = ProcessTime::now();
-    direct::far_field(&section, Window::Gaussian, FINE_ELEMENT_UM, SAMPLE_NM[1], theta_i, phi_i[10], 400)?;
+    let illumination =
+        Illumination { wavelength_nm: SAMPLE_NM[1], theta_i, phi_i: phi_i[10], window: Window::Gaussian };
+    direct::far_field(&section, FINE_ELEMENT_UM, &illumination, AZIMUTHS)?;
     let plain = begun.elapsed().as_secs_f64();
     let table_seconds = tables.as_secs_f64() / SAMPLE_NM.len() as f64;
     let unit_seconds = units.as_secs_f64() / (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as f64;

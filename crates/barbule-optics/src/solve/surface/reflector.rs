@@ -1,0 +1,31 @@
+//! The one place that knows all that can lie under a top.
+
+use fearless_simd::dispatch;
+
+use super::crystal::CrystalOrders;
+use super::points::Optics;
+use super::reflection::{Currents, Lit, reflect_block};
+use super::scalar::Scalar;
+use crate::math::simd::Width;
+
+/// What reflects under a barbule's top at one wavelength.
+pub(super) enum Reflector<T: Scalar> {
+    /// The stacks under the points, reflected from anew at each angle.
+    Stacks(Optics<T>),
+    /// Their reflectances, tabulated for all angles.
+    Tabulated(T::Table),
+    /// A photonic crystal at one θ_i.
+    Crystal(CrystalOrders<T>),
+}
+
+impl<T: Scalar> Reflector<T> {
+    /// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations, times the
+    /// phase of the rise towards where each point sends its light.
+    pub(super) fn currents(&self, width: Width, lit: &Lit<'_, T>, start: usize, out: &mut Currents<T>) {
+        match self {
+            Self::Stacks(optics) => dispatch!(width.0, simd => reflect_block(simd, lit, optics, start, out)),
+            Self::Tabulated(table) => dispatch!(width.0, simd => reflect_block(simd, lit, table, start, out)),
+            Self::Crystal(orders) => dispatch!(width.0, simd => orders.reflect_block(simd, lit, start, out)),
+        }
+    }
+}
