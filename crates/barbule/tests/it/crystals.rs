@@ -9,7 +9,7 @@ use barbule::math::rng::Stream;
 use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
 use barbule::scattering::statistics::{AZIMUTHS, Axes};
-use barbule::solve::crystal::{Cell, Crystal, Incidence, Multipole, Response};
+use barbule::solve::crystal::{Cell, CrystalSolver, Incidence, Multipole, Response};
 use barbule::solve::direct;
 use barbule::solve::surface::{FINE_ELEMENT_UM, FarField, Surface, Window, far_field};
 use barbule::structure::{
