@@ -87,10 +87,9 @@ impl Case {
                 *absorbed -= scale * (jones[0][q].norm_sqr() + jones[1][q].norm_sqr());
             }
         }
-        for q in 0..2 {
-            largest = largest.max((response.transmitted[q] - self.transmitted[q]).abs());
-            largest = largest.max((response.absorbed[q] - absorbed[q]).abs());
-        }
+        let [passed, taken] = [(response.transmitted, self.transmitted), (response.absorbed, absorbed)]
+            .map(|(a, b)| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()));
+        largest = largest.max(passed).max(taken);
         largest
     }
 }

@@ -71,8 +71,7 @@ pub(crate) struct Case {
 
 /// All crystals at all points.
 pub(crate) fn cases() -> Vec<Case> {
-    let crystals: [(&str, fn(f64) -> Cell); 3] =
-        [("mallard", mallard), ("magpie", magpie), ("peafowl", peafowl)];
+    let crystals = [("mallard", mallard as fn(f64) -> Cell), ("magpie", magpie), ("peafowl", peafowl)];
     let case = |name, make: fn(f64) -> Cell, [wavelength_nm, theta, phi]: [f64; 3]| {
         let incidence = Incidence { wavelength_nm, theta_i: theta.to_radians(), phi_i: phi.to_radians() };
         let cell = make(wavelength_nm);

@@ -212,7 +212,7 @@ mod tests {
     use crate::math::rng::Stream;
     use crate::progress::Unobserved;
     use crate::scattering::orders::Jones;
-    use crate::solve::crystal::{Incidence, Multipole, Response, cells};
+    use crate::solve::crystal::{Incidence, Multipole, Order, Response, cells};
     use crate::structure::{SpeciesFile, crystal_species};
 
     /// Counts the azimuths that a solver is asked for.
@@ -350,6 +350,26 @@ mod tests {
         let cell = cells::mallard(400.0);
         let series = order_series(&Multipole::default(), &cell, 400.0, 0.0).unwrap();
         assert!(series.pieces.iter().all(|piece| (piece.first, piece.orders) == (0, 1)));
+    }
+
+    /// One order whose amplitude jumps at φ_i = 0.1.
+    struct Jump;
+
+    impl CrystalSolver for Jump {
+        fn respond(&self, _: &Cell, incidence: &Incidence) -> Result<Response> {
+            let side = Complex64::from((incidence.phi_i - 0.1).signum());
+            let order = Order { m: 0, phi_o: -incidence.phi_i, jones: [[side; 2]; 2] };
+            Ok(Response { orders: vec![order], transmitted: [0.0; 2], absorbed: [0.0; 2], convergence: None })
+        }
+    }
+
+    #[test]
+    fn what_a_series_cannot_follow_is_refused() {
+        let error = order_series(&Jump, &cells::mallard(600.0), 600.0, 0.0).unwrap_err();
+        assert!(error.is_not_settled(), "{error}");
+        let text = error.to_string();
+        // 0.1 rad are 5.73 degrees.
+        assert!(text.contains("too fast for a table at 600 nm, theta 0.0000°, between phi 5."), "{text}");
     }
 
     #[test]
