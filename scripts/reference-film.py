@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes crates/barbule/tests/data/tmm.json: reflection and transmission of random stacks by the published tmm package.
+"""Writes crates/barbule/tests/it/data/tmm.json: reflection and transmission of random stacks by the published tmm package.
 
 Needs: pip install tmm==0.2.0. Run from the root of the repository: python3 scripts/reference-film.py
 """
@@ -62,6 +62,6 @@ document = {
               "amplitudes of s are of E, of p of H",
     "cases": cases,
 }
-path = pathlib.Path("crates/barbule/tests/data/tmm.json")
+path = pathlib.Path("crates/barbule/tests/it/data/tmm.json")
 path.write_text(json.dumps(document, separators=(",", ":")) + "\n")
 print(len(cases), "cases,", path.stat().st_size, "bytes")

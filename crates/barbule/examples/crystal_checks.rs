@@ -13,12 +13,13 @@ use barbule::io::write_whole;
 use barbule::material::Library;
 use barbule::plot::{Axis, Curve, Drawing, Figure, Format, Mark};
 use barbule::progress::Unobserved;
-use barbule::solve::crystal::balance::balance;
+use barbule::solve::crystal::bench::balance::balance;
 use barbule::solve::crystal::fdtd::Layer;
 use barbule::solve::crystal::planar::jones;
-use barbule::solve::crystal::rcwa::Surroundings;
 use barbule::solve::crystal::rcwa::profile::{Body, Outline};
-use barbule::solve::crystal::{Cell, Crystal, Fdtd, Incidence, Multipole, Rcwa, Response};
+use barbule::solve::crystal::{
+    Cell, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa, Response, Rod, Shell, Surroundings,
+};
 use barbule::structure::SpeciesModel;
 use barbule::{Complex64, Error, Result};
 
@@ -147,7 +148,7 @@ fn waves() -> Vec<Incidence> {
 }
 
 /// The largest differences of R against the reference and of R + T + A from 1.
-fn largest(solver: &dyn Crystal, name: &str) -> Result<[f64; 2]> {
+fn largest(solver: &dyn CrystalSolver, name: &str) -> Result<[f64; 2]> {
     let mut found = [0.0_f64; 2];
     for incidence in waves() {
         let cell = cell(name, incidence.wavelength_nm)?;
@@ -165,7 +166,7 @@ fn agreement() -> Result<()> {
     };
     println!("| largest difference of R / of R + T + A from 1 | {} |", CRYSTALS.join(" | "));
     println!("| --- | --- | --- | --- |");
-    let row = |title: &str, solver: &dyn Crystal| -> Result<()> {
+    let row = |title: &str, solver: &dyn CrystalSolver| -> Result<()> {
         let cells = CRYSTALS.map(|name| largest(solver, name));
         let mut text = format!("| {title} |");
         for cell in cells {
@@ -194,7 +195,7 @@ fn agreement() -> Result<()> {
 /// How the errors of R compare with the solvers' own estimates.
 fn estimates() -> Result<()> {
     println!();
-    let solvers: [(&str, &dyn Crystal); 4] = [
+    let solvers: [(&str, &dyn CrystalSolver); 4] = [
         ("Fourier modes 8/16", &Rcwa { estimate: true, ..rcwa(8, 16) }),
         ("Fourier modes 12/24", &Rcwa { estimate: true, ..rcwa(12, 24) }),
         ("Fourier modes 20/24", &Rcwa { estimate: true, ..rcwa(20, 24) }),
@@ -207,7 +208,9 @@ fn estimates() -> Result<()> {
                 let cell = cell(name, incidence.wavelength_nm)?;
                 let exact = REFERENCE.respond(&cell, &incidence)?;
                 let response = solver.respond(&cell, &incidence)?;
-                ratios.push(response.distance(&exact, incidence.phi_i) / response.convergence);
+                ratios.push(
+                    response.distance(&exact, incidence.phi_i) / response.convergence.unwrap_or(f64::NAN),
+                );
             }
         }
         ratios.sort_by(f64::total_cmp);
@@ -241,11 +244,14 @@ fn planar_rods() -> Result<()> {
     for name in CRYSTALS {
         let (mut multipole, mut modes, mut cells) = (0.0_f64, 0.0_f64, [0.0_f64; 3]);
         for incidence in waves() {
-            let mut cell = cell(name, incidence.wavelength_nm)?;
-            for shell in cell.rods.iter_mut().flat_map(|rod| &mut rod.shells) {
-                shell.eps = cell.host_eps;
-            }
-            let flat = jones(1.0, &[], cell.host_eps, &incidence)?;
+            let crystal = cell(name, incidence.wavelength_nm)?;
+            let eps = crystal.host_eps();
+            let of_host = |rod: &Rod| Rod {
+                shells: rod.shells.iter().map(|shell| Shell { eps, ..*shell }).collect(),
+                ..rod.clone()
+            };
+            let cell = Cell::from_rods(crystal.surroundings(), crystal.rods().iter().map(of_host).collect())?;
+            let flat = jones(1.0, &[], eps, &incidence)?;
             multipole = multipole.max(apart(&REFERENCE.respond(&cell, &incidence)?, &flat));
             modes = modes.max(apart(&rcwa(8, 16).respond(&cell, &incidence)?, &flat));
             for (error, per_um) in cells.iter_mut().zip([50.0, 100.0, 150.0]) {
@@ -262,8 +268,8 @@ fn planar_layers() -> Result<()> {
     let (mut modes, mut cells) = (0.0_f64, [0.0_f64; 3]);
     for incidence in waves() {
         let crystal = cell("mallard:lime", incidence.wavelength_nm)?;
-        let melanin = crystal.rods[0].shells[0].eps;
-        let host = crystal.host_eps;
+        let melanin = crystal.rods()[0].shells[0].eps;
+        let host = crystal.host_eps();
         let stack =
             [(host, 0.2801), (melanin, 0.1303), (host, 0.0502), (Complex64::ONE, 0.0604), (melanin, 0.0505)];
         let flat = jones(1.0, &stack, host, &incidence)?;
@@ -283,9 +289,9 @@ fn planar_layers() -> Result<()> {
             layers.push(Layer { top_um: depth, bottom_um: depth + thickness, eps });
             depth += thickness;
         }
-        let around = Surroundings { period_um: 0.2, incidence_eps: 1.0, host_eps: host };
+        let around = Surroundings::new(0.2, 1.0, host)?;
         modes = modes.max(apart(&rcwa(8, 16).respond_to(&around, &bodies, &incidence)?, &flat));
-        let empty = Cell { rods: Vec::new(), period_um: 0.05, ..crystal };
+        let empty = Cell::from_rods(Surroundings::new(0.05, 1.0, host)?, Vec::new())?;
         for (error, per_um) in cells.iter_mut().zip([50.0, 100.0, 150.0]) {
             *error = error.max(apart(&fdtd(per_um).respond_to(&empty, &layers, &incidence)?, &flat));
         }
@@ -297,7 +303,7 @@ fn planar_layers() -> Result<()> {
 fn energy(solver: &str, points: &str) -> Result<()> {
     let points = points.parse().map_err(|_| Error::input(format!("'{points}' is no number of points")))?;
     // FDTD refuses what is nearer to the horizon.
-    let (solver, reach): (Box<dyn Crystal>, f64) = match solver {
+    let (solver, reach): (Box<dyn CrystalSolver>, f64) = match solver {
         "multipole" => (Box::new(Multipole::default()), 89.9),
         "rcwa" => (Box::new(rcwa(8, 12)), 89.9),
         "fdtd" => (Box::new(Fdtd { estimate: false, ..Fdtd::default() }), 60.0),

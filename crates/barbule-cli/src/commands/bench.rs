@@ -6,7 +6,7 @@ use std::io::Write;
 use barbule::Result;
 use barbule::campaign::bench::{Figures, measure};
 use barbule::math::simd::Width;
-use barbule::solve::crystal::figures as crystal;
+use barbule::solve::crystal::bench as crystal;
 use barbule::structure::crystal_species;
 use serde_json::json;
 

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::plot::{Axis, Drawing, Format, HeatMap};
-use barbule::solve::crystal::{Cell, Crystal, Fdtd, Incidence, Multipole, Rcwa, Response, sweep};
+use barbule::solve::crystal::{Cell, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa, Response, sweep};
 use barbule::spectrum::Wavelengths;
 use barbule::structure::Lattice;
 use barbule::{Complex64, Error, Result};
@@ -74,6 +74,16 @@ enum Method {
     Fdtd,
 }
 
+impl Method {
+    fn solver(self) -> Box<dyn CrystalSolver> {
+        match self {
+            Self::Multipole => Box::new(Multipole::default()),
+            Self::Rcwa => Box::new(Rcwa::default()),
+            Self::Fdtd => Box::new(Fdtd::default()),
+        }
+    }
+}
+
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
@@ -109,11 +119,7 @@ impl Args {
         if self.solver == Method::Fdtd && incidence.theta_i.cos() * incidence.phi_i.cos() < NEAR_THE_HORIZON {
             self.common.say("so near the horizon finite differences in time take minutes");
         }
-        let response = match self.solver {
-            Method::Multipole => Multipole::default().respond(&cell, incidence)?,
-            Method::Rcwa => Rcwa::default().respond(&cell, incidence)?,
-            Method::Fdtd => Fdtd::default().respond(&cell, incidence)?,
-        };
+        let response = self.solver.solver().respond(&cell, incidence)?;
         if self.common.json {
             return print_json(out, &document(&response, incidence.phi_i));
         }
@@ -128,10 +134,7 @@ impl Args {
         let phi_deg: Vec<f64> = (0..MAP_ANGLES).map(|i| 2.0 * i as f64 - (MAP_ANGLES - 1) as f64).collect();
         let phi_i: Vec<f64> = phi_deg.iter().map(|d| d.to_radians()).collect();
         let progress = Terminal::new(&self.common);
-        let found = match self.solver {
-            Method::Rcwa => sweep(&Rcwa::default(), lattice, at.nm(), theta_i, &phi_i, &progress)?,
-            _ => sweep(&Multipole::default(), lattice, at.nm(), theta_i, &phi_i, &progress)?,
-        };
+        let found = sweep(&*self.solver.solver(), lattice, at.nm(), theta_i, &phi_i, &progress)?;
         Provenance::new(&self.common).write_figure(path, &self.map_figure(&at, &found))?;
         if self.common.json {
             let rows = |polarization: usize| {
@@ -228,7 +231,7 @@ fn document(response: &Response, phi_i: f64) -> Value {
         "orders": orders,
         "transmitted": response.transmitted,
         "absorbed": response.absorbed,
-        "convergence": if response.convergence.is_finite() { json!(response.convergence) } else { Value::Null },
+        "convergence": response.convergence,
     })
 }
 
@@ -247,6 +250,8 @@ fn table(response: &Response, phi_i: f64) -> String {
     for (name, [first, second]) in [("transmitted", response.transmitted), ("absorbed", response.absorbed)] {
         let _ = write!(text, "\n{name:>12} {:>9} {first:>10.6} {second:>10.6}", "");
     }
-    let _ = write!(text, "\nestimated error of R: {:.1e}", response.convergence);
+    if let Some(error) = response.convergence {
+        let _ = write!(text, "\nestimated error of R: {error:.1e}");
+    }
     text
 }

@@ -6,9 +6,10 @@
 //! the interval is a sine or cosine of ψ/2. So Chebyshev series in ψ converge geometrically right up to the ends, and an
 //! order that appears there does so without ringing.
 
-use num_complex::Complex64;
-
 use std::f64::consts::PI;
+
+use barbule_base::math::chebyshev;
+use num_complex::Complex64;
 
 /// `[out][in]` along e₁, e₂ of the outgoing and of the incident direction.
 pub type Jones = [[Complex64; 2]; 2];
@@ -82,13 +83,7 @@ impl OrderSeries {
         let piece = &self.pieces[at];
         let x = piece.position(s);
         let mut sums = vec![0.0; piece.orders * JONES];
-        let (mut before, mut now) = (x, 1.0);
-        for term in piece.coefficients.chunks_exact(sums.len()) {
-            for (sum, c) in sums.iter_mut().zip(term) {
-                *sum += c * now;
-            }
-            (before, now) = (now, 2.0 * x * now - before);
-        }
+        chebyshev::add_at(&piece.coefficients, x, &mut sums);
         for (m, values) in (piece.first..).zip(sums.as_chunks::<JONES>().0) {
             let [a, b, c, d, e, f, g, h] = *values;
             // In the mirror e₂ points the other way.

@@ -10,7 +10,7 @@ use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
 use barbule::scattering::far_field::{FarField, Illumination, Polarization, Window};
 use barbule::scattering::statistics::{AZIMUTHS, Axes};
-use barbule::solve::crystal::{Cell, Crystal, Incidence, Multipole, Response};
+use barbule::solve::crystal::{Cell, CrystalSolver, Incidence, Multipole, Response};
 use barbule::solve::direct;
 use barbule::solve::surface::{FINE_ELEMENT_UM, far_field};
 use barbule::spectrum::Wavelengths;

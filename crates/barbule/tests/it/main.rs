@@ -6,6 +6,7 @@ mod architecture;
 mod brdf;
 mod colour;
 mod crystal_colours;
+mod crystal_values;
 mod crystals;
 mod film;
 mod geometry;

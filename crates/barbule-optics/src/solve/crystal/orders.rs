@@ -1,18 +1,16 @@
-//! The plane-wave orders of a grating: wave vectors over k, and Jones matrices from the fields along y.
+//! The plane-wave orders of a periodic structure: wave vectors over k, and Jones matrices from the fields along y.
 
-use super::{Cell, Incidence, Order, Response};
-use crate::{Complex64, Error, Result};
+use super::{Incidence, Order, Response, Surroundings};
+use crate::math::roots::decaying_root;
+use crate::{Complex64, Result};
 
 /// Below this q² (over k²) an order counts as evanescent, and |q| as its root: at a Rayleigh anomaly waves that go up
 /// and down are one and the same. Whatever q is used, the flux of the fields built from it stays balanced.
 const GRAZING_Q_SQUARED: f64 = 1e-14;
 
-/// Longest period, in wavelengths of the incidence medium: orders as many on either side are solved for.
-const LONGEST_PERIOD: f64 = 100.0;
-
 /// Wave vectors over k = 2π/λ of the orders of one incident wave: (a_m, b, ±q_m).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Grating {
+pub(super) struct DiffractionOrders {
     /// 2π/λ, 1/µm.
     pub k: f64,
     /// Refractive index of the incidence medium.
@@ -28,33 +26,16 @@ pub(super) struct Grating {
     pub host_eps: Complex64,
 }
 
-impl Grating {
-    /// The orders of a cell's medium, with everything checked that both solvers need.
-    pub(super) fn new(
-        period_um: f64,
-        incidence_eps: f64,
-        host_eps: Complex64,
-        incidence: &Incidence,
-    ) -> Result<Self> {
-        positive("period", period_um)?;
-        positive("permittivity of the incidence medium", incidence_eps)?;
-        passive("host", host_eps)?;
-        positive("wavelength", incidence.wavelength_nm)?;
-        for (name, angle) in [("theta", incidence.theta_i), ("phi", incidence.phi_i)] {
-            if angle.is_nan() || angle.abs() >= std::f64::consts::FRAC_PI_2 {
-                return Err(Error::input(format!(
-                    "{name} is {}°, at or past grazing; give an angle between -90 and 90",
-                    angle.to_degrees()
-                )));
-            }
-        }
+impl DiffractionOrders {
+    /// The orders of a wave that is checked here.
+    ///
+    /// # Errors
+    /// The wave has no meaning for any solver.
+    pub(super) fn new(surroundings: &Surroundings, incidence: &Incidence) -> Result<Self> {
+        incidence.check(surroundings)?;
+        let Surroundings { period_um, incidence_eps, host_eps } = *surroundings;
         let n = incidence_eps.sqrt();
         let wavelength_um = incidence.wavelength_nm * 1e-3;
-        if period_um * n > LONGEST_PERIOD * wavelength_um {
-            return Err(Error::input(format!(
-                "the period of {period_um} µm is more than {LONGEST_PERIOD} wavelengths, too long for a periodic solver"
-            )));
-        }
         let (sin_theta, cos_theta) = incidence.theta_i.sin_cos();
         let (sin_phi, cos_phi) = incidence.phi_i.sin_cos();
         Ok(Self {
@@ -131,60 +112,10 @@ impl Grating {
     }
 }
 
-/// The root with Im ≥ 0 (and Re ≥ 0 where it is real), away from zero.
+/// The root of a wave that decays or goes forth, away from zero.
 pub(super) fn root(q_squared: Complex64) -> Complex64 {
     if q_squared.norm() < GRAZING_Q_SQUARED {
         return Complex64::new(0.0, GRAZING_Q_SQUARED.sqrt());
     }
-    let q = q_squared.sqrt();
-    if q.im < 0.0 || (q.im == 0.0 && q.re < 0.0) { -q } else { q }
-}
-
-/// Refuses all but positive finite numbers.
-pub(super) fn positive(name: &str, value: f64) -> Result<()> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(Error::input(format!("the {name} is {value}, but it must be a positive number")))
-}
-
-/// Refuses media that are not finite, amplify, or have ε = 0.
-pub(super) fn passive(name: &str, eps: Complex64) -> Result<()> {
-    if eps.is_finite() && eps.im >= 0.0 && eps.norm() > 1e-12 {
-        return Ok(());
-    }
-    Err(Error::input(format!(
-        "the {name}'s relative permittivity is {eps}, but it must be finite, not 0, and have an imaginary part of at least 0"
-    )))
-}
-
-/// Refuses rods that have no meaning or stick out of the surface.
-pub(super) fn check_rods(cell: &Cell) -> Result<()> {
-    for (index, rod) in cell.rods.iter().enumerate() {
-        let place = |error: Error| error.at(format!("rod {index}"));
-        positive("depth", rod.depth_um).map_err(place)?;
-        if !rod.x_um.is_finite() || rod.shells.is_empty() {
-            return Err(place(Error::input("it needs a finite position and at least one shell")));
-        }
-        let mut outer = f64::INFINITY;
-        for shell in &rod.shells {
-            positive("diameter", shell.diameter_um).map_err(place)?;
-            passive("shell", shell.eps).map_err(place)?;
-            if shell.diameter_um >= outer {
-                return Err(place(Error::input(format!(
-                    "its shells must be given outermost first, but {} follows {outer}",
-                    shell.diameter_um
-                ))));
-            }
-            outer = shell.diameter_um;
-        }
-        if rod.shells[0].diameter_um >= 2.0 * rod.depth_um {
-            return Err(place(Error::input(format!(
-                "its radius {} µm reaches the surface from a depth of {} µm; bury it deeper",
-                rod.shells[0].diameter_um / 2.0,
-                rod.depth_um
-            ))));
-        }
-    }
-    Ok(())
+    decaying_root(q_squared)
 }

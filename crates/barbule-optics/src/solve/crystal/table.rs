@@ -2,8 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::{Cell, Crystal};
-use crate::progress::Progress;
+use super::solver::unless_cancelled;
+use super::{Cell, CrystalSolver};
+use crate::math::chebyshev;
+use crate::progress::{Progress, Unobserved};
 use crate::scattering::orders::{JONES, OrderSeries, OrderTable, Piece};
 use crate::structure::Lattice;
 use crate::{Error, Result};
@@ -14,7 +16,7 @@ const TOLERANCE: f64 = 3e-5;
 /// Longer series are cut in two.
 const MOST_TERMS: usize = 48;
 
-/// A piece is halved so often at most: narrower resonances are smoothed over.
+/// A piece is halved so often at most; narrower resonances are refused.
 const MOST_HALVINGS: usize = 6;
 
 /// Rayleigh angles nearer to each other than this (in sinφ_i) count as one.
@@ -26,9 +28,9 @@ const MIRROR_UM: f64 = 1e-9;
 /// Solves a lattice for all wavelengths (nm), cosθ_i and azimuths; every (λ, θ_i) in parallel.
 ///
 /// # Errors
-/// As [`Cell::new`] and [`Crystal::respond`], or the user cancelled.
+/// As [`Cell::new`] and [`order_series`], or the user cancelled.
 pub fn order_table(
-    solver: &(impl Crystal + Sync),
+    solver: &dyn CrystalSolver,
     lattice: &Lattice,
     wavelengths_nm: &[f64],
     cos_theta: &[f64],
@@ -41,9 +43,7 @@ pub fn order_table(
         .into_par_iter()
         .with_max_len(1)
         .map(|unit| {
-            if progress.is_cancelled() {
-                return Err(Error::interrupted());
-            }
+            unless_cancelled(progress)?;
             let (wavelength, theta) = (unit / cos_theta.len(), unit % cos_theta.len());
             let theta_i = cos_theta[theta].clamp(0.0, 1.0).acos();
             let series = order_series(solver, &cells[wavelength], wavelengths_nm[wavelength], theta_i)?;
@@ -57,9 +57,9 @@ pub fn order_table(
 /// Solves a cell for all azimuths at one wavelength (nm) and θ_i (rad).
 ///
 /// # Errors
-/// As [`Crystal::respond`].
+/// As [`CrystalSolver::respond`], or a resonance over azimuths that the series cannot follow.
 pub fn order_series(
-    solver: &impl Crystal,
+    solver: &dyn CrystalSolver,
     cell: &Cell,
     wavelength_nm: f64,
     theta_i: f64,
@@ -92,9 +92,14 @@ pub fn order_series(
             let kept = loop {
                 count = count.min(MOST_TERMS);
                 let terms = coefficients(solver, cell, wavelength_nm, theta_i, &piece, count)?;
-                match needed(&terms, piece.orders * JONES) {
-                    Some(kept) => break Some(terms[..kept * piece.orders * JONES].to_vec()),
-                    None if last && count == MOST_TERMS => break Some(terms),
+                let row = piece.orders * JONES;
+                let largest =
+                    terms.chunks_exact(row).map(|term| term.iter().fold(0.0, |m: f64, c| m.max(c.abs())));
+                match chebyshev::needed(largest, TOLERANCE) {
+                    Some(kept) => break Some(terms[..kept * row].to_vec()),
+                    None if last && count == MOST_TERMS => {
+                        return Err(unsettled(&piece, wavelength_nm, theta_i));
+                    }
                     None if count == MOST_TERMS => break None,
                     None => count += count / 2,
                 }
@@ -164,57 +169,42 @@ fn is_mirrored(cell: &Cell) -> bool {
 
 /// Chebyshev coefficients `[term][order][JONES]` of a piece from as many nodes.
 fn coefficients(
-    solver: &impl Crystal,
+    solver: &dyn CrystalSolver,
     cell: &Cell,
     wavelength_nm: f64,
     theta_i: f64,
     piece: &Piece,
     count: usize,
 ) -> Result<Vec<f64>> {
-    let cosine = |m: usize| (std::f64::consts::PI * m as f64 / (2 * count) as f64).cos();
-    let phi_i: Vec<f64> = (0..count).map(|j| piece.sine(cosine(2 * j + 1)).asin()).collect();
-    let responses = solver.respond_to_azimuths(cell, wavelength_nm, theta_i, &phi_i)?;
+    let phi_i: Vec<f64> = chebyshev::nodes(count).map(|x| piece.sine(x).asin()).collect();
+    let responses = solver.respond_to_azimuths(cell, wavelength_nm, theta_i, &phi_i, &Unobserved)?;
     let row = piece.orders * JONES;
-    let mut terms = vec![0.0; count * row];
-    for (j, response) in responses.iter().enumerate() {
+    let mut samples = vec![0.0; count * row];
+    for (sample, response) in samples.chunks_exact_mut(row).zip(&responses) {
         for order in &response.orders {
             let Ok(at) = usize::try_from(order.m - piece.first) else { continue };
-            if at >= piece.orders {
-                continue;
-            }
-            let values = order.jones.as_flattened().iter().flat_map(|z| [z.re, z.im]);
-            for (index, value) in values.enumerate() {
-                for k in 0..count {
-                    let weight = if k == 0 { 1.0 } else { 2.0 } / count as f64;
-                    terms[k * row + at * JONES + index] +=
-                        weight * value * cosine(k * (2 * j + 1) % (4 * count));
-                }
+            let Some(own) = sample.as_chunks_mut::<JONES>().0.get_mut(at) else { continue };
+            for (value, z) in own.as_chunks_mut::<2>().0.iter_mut().zip(order.jones.as_flattened()) {
+                *value = [z.re, z.im];
             }
         }
     }
-    Ok(terms)
+    Ok(chebyshev::coefficients(&samples, row))
 }
 
-/// How many terms to keep so that what is left out stays below the tolerance, or `None` if the series has not settled.
-fn needed(terms: &[f64], row: usize) -> Option<usize> {
-    let count = terms.len() / row;
-    let mut rest = 0.0;
-    let mut kept = count;
-    for term in terms.chunks_exact(row).rev() {
-        rest += term.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
-        if rest.is_nan() || rest > TOLERANCE {
-            break;
-        }
-        kept -= 1;
-    }
-    // The last terms stand for all that were not computed, so some must be negligible.
-    (kept + 2 <= count).then_some(kept.max(1))
+/// What is said of a resonance narrower than the smallest piece.
+fn unsettled(piece: &Piece, wavelength_nm: f64, theta_i: f64) -> Error {
+    let [from, to] = [-1.0, 1.0].map(|x| piece.sine(x).asin().to_degrees());
+    Error::not_settled(format!(
+        "the orders of the crystal change too fast for a table at {wavelength_nm} nm, theta {:.4}°, between phi {from:.4}° and {to:.4}°; change the lattice or give a medium some absorption",
+        theta_i.to_degrees()
+    ))
 }
 
 #[cfg(test)]
 mod tests {
-    use std::cell::Cell as Counter;
     use std::f64::consts::FRAC_PI_2;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
     use crate::Complex64;
@@ -222,13 +212,13 @@ mod tests {
     use crate::math::rng::Stream;
     use crate::progress::Unobserved;
     use crate::scattering::orders::Jones;
-    use crate::solve::crystal::{Incidence, Multipole, Response, cells};
+    use crate::solve::crystal::{Incidence, Multipole, Order, Response, cells};
     use crate::structure::{SpeciesFile, crystal_species};
 
     /// Counts the azimuths that a solver is asked for.
-    struct Counted(Counter<usize>);
+    struct Counted(AtomicUsize);
 
-    impl Crystal for Counted {
+    impl CrystalSolver for Counted {
         fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response> {
             Multipole::default().respond(cell, incidence)
         }
@@ -239,9 +229,10 @@ mod tests {
             nm: f64,
             theta: f64,
             phi: &[f64],
+            progress: &dyn Progress,
         ) -> Result<Vec<Response>> {
-            self.0.set(self.0.get() + phi.len());
-            Multipole::default().respond_to_azimuths(cell, nm, theta, phi)
+            self.0.fetch_add(phi.len(), Ordering::Relaxed);
+            Multipole::default().respond_to_azimuths(cell, nm, theta, phi, progress)
         }
     }
 
@@ -289,10 +280,10 @@ mod tests {
             for nm in [stream.uniform(300.0, 400.0), stream.uniform(400.0, 694.0)] {
                 let theta = stream.uniform(0.05, 1.0).acos();
                 let cell = Cell::new(&lattice, nm).unwrap();
-                let counted = Counted(Counter::new(0));
+                let counted = Counted(AtomicUsize::new(0));
                 let series = order_series(&counted, &cell, nm, theta).unwrap();
                 assert!(series.mirrored, "{name}");
-                (solved, count) = (solved + counted.0.get(), count + 1);
+                (solved, count) = (solved + counted.0.load(Ordering::Relaxed), count + 1);
                 for _ in 0..12 {
                     let phi = stream.uniform(-FRAC_PI_2, FRAC_PI_2);
                     let found = error(&series, &cell, nm, theta, phi);
@@ -359,6 +350,26 @@ mod tests {
         let cell = cells::mallard(400.0);
         let series = order_series(&Multipole::default(), &cell, 400.0, 0.0).unwrap();
         assert!(series.pieces.iter().all(|piece| (piece.first, piece.orders) == (0, 1)));
+    }
+
+    /// One order whose amplitude jumps at φ_i = 0.1.
+    struct Jump;
+
+    impl CrystalSolver for Jump {
+        fn respond(&self, _: &Cell, incidence: &Incidence) -> Result<Response> {
+            let side = Complex64::from((incidence.phi_i - 0.1).signum());
+            let order = Order { m: 0, phi_o: -incidence.phi_i, jones: [[side; 2]; 2] };
+            Ok(Response { orders: vec![order], transmitted: [0.0; 2], absorbed: [0.0; 2], convergence: None })
+        }
+    }
+
+    #[test]
+    fn what_a_series_cannot_follow_is_refused() {
+        let error = order_series(&Jump, &cells::mallard(600.0), 600.0, 0.0).unwrap_err();
+        assert!(error.is_not_settled(), "{error}");
+        let text = error.to_string();
+        // 0.1 rad are 5.73 degrees.
+        assert!(text.contains("too fast for a table at 600 nm, theta 0.0000°, between phi 5."), "{text}");
     }
 
     #[test]

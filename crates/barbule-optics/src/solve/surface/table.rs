@@ -11,6 +11,7 @@ use super::points::{Arrays, Optics, Points, SlotMedium};
 use super::rays::{AtAngle, Media, Rays, SERIES};
 use super::reflection::{BLOCK, Reflectances};
 use crate::Result;
+use crate::math::chebyshev;
 use crate::math::simd::{Complex, Real, Width, load, splat};
 
 /// Centre and half of the range of cosα, from [`Real::GRAZING`] to 1.
@@ -134,8 +135,7 @@ impl Reflectances<f32> for ReflectanceTable {
 
 /// The Chebyshev nodes of cosα.
 fn nodes(count: usize) -> impl Iterator<Item = f64> {
-    (0..count)
-        .map(move |node| CENTRE + HALF * (std::f64::consts::PI * (node as f64 + 0.5) / count as f64).cos())
+    chebyshev::nodes(count).map(|x| CENTRE + HALF * x)
 }
 
 /// Reflectances of a block's points at the Chebyshev nodes.
@@ -183,9 +183,7 @@ fn transform<S: Simd>(simd: S, samples: &[Term], terms: &mut Vec<Term>) {
     let count = samples.len();
     terms.clear();
     terms.resize(count, [0.0; SERIES * BLOCK]);
-    // cos(πm/2n) for every multiple that occurs, whose period is 4n.
-    let cosines: Vec<f64> =
-        (0..4 * count).map(|m| (std::f64::consts::FRAC_PI_2 * m as f64 / count as f64).cos()).collect();
+    let cosines = chebyshev::cosines(count);
     for (k, term) in terms.iter_mut().enumerate() {
         let scale = if k == 0 { 1.0 } else { 2.0 } / count as f64;
         // A few registers of sums at a time.
@@ -209,19 +207,10 @@ fn transform<S: Simd>(simd: S, samples: &[Term], terms: &mut Vec<Term>) {
 /// How many terms to keep so that what is left out stays below the tolerance at every point, or `None` if the series
 /// has not converged (or is not finite).
 fn needed(terms: &[Term]) -> Option<usize> {
-    let mut rest = 0.0;
-    let mut kept = terms.len();
-    for term in terms.iter().rev() {
-        let largest =
-            term.iter().fold(0f32, |m, c| if c.is_finite() { m.max(c.abs()) } else { f32::INFINITY });
-        rest += largest;
-        if rest > TOLERANCE {
-            break;
-        }
-        kept -= 1;
-    }
-    // Terms at the end stand for all that were not computed, so some of them must be negligible.
-    (kept + 2 <= terms.len()).then_some(kept.max(1))
+    let largest = |term: &Term| {
+        term.iter().fold(0f32, |m, c| if c.is_finite() { m.max(c.abs()) } else { f32::INFINITY })
+    };
+    chebyshev::needed(terms.iter().map(largest), TOLERANCE)
 }
 
 #[cfg(test)]

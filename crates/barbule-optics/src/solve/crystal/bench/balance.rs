@@ -1,9 +1,9 @@
 //! Energy balance over random waves on random crystals: R + T + A = 1, whatever the rods and the direction.
 
-use super::{Cell, Crystal, Incidence};
 use crate::material::Library;
 use crate::math::rng::Stream;
 use crate::progress::Progress;
+use crate::solve::crystal::{Cell, CrystalSolver, Incidence};
 use crate::structure::{Circle, Lattice, Rod, SpeciesFile, Substance, crystal_species};
 use crate::{Error, Result};
 
@@ -36,7 +36,7 @@ impl Balance {
 /// # Errors
 /// The built-in crystals cannot be read, or the user cancelled.
 pub fn balance(
-    solver: &dyn Crystal,
+    solver: &dyn CrystalSolver,
     points: usize,
     reach: f64,
     seed: u64,

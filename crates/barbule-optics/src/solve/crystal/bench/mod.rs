@@ -1,11 +1,14 @@
-//! The crystal solvers' speed and accuracy in figures, from a sample of points.
+//! The crystal solvers' speed and accuracy in figures, from a sample of points: what `barbule bench crystal` prints.
+//! Not part of solving anything.
+
+pub mod balance;
 
 use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use super::{Cell, Crystal, Fdtd, Incidence, Multipole, Rcwa, Response};
-use crate::progress::Progress;
+use super::{Cell, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa, Response};
+use crate::progress::{Progress, Unobserved};
 use crate::structure::Lattice;
 use crate::{Error, Result};
 
@@ -43,7 +46,7 @@ impl Effort {
 
 /// One solver at points (one wavelength, one direction, both polarizations).
 #[derive(Debug, Clone)]
-pub struct Solver {
+pub struct SolverFigures {
     /// What it is and how finely it computes.
     pub name: &'static str,
     /// How many points were measured.
@@ -62,7 +65,7 @@ pub struct Solver {
 #[derive(Debug, Clone)]
 pub struct Figures {
     /// Multipoles, Fourier modal method, finite differences.
-    pub solvers: Vec<Solver>,
+    pub solvers: Vec<SolverFigures>,
     /// Multipoles: one wavelength and direction of a table, both polarizations.
     pub table_point_seconds: f64,
 }
@@ -100,10 +103,10 @@ fn sample(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Result<
             })
         })
         .collect();
-    let solvers: [(&'static str, Box<dyn Crystal>); 3] = [
-        ("multipoles", Box::new(Multipole::default())),
-        ("Fourier modes, 20 orders, 24 slices", Box::new(Rcwa { estimate: false, ..Rcwa::default() })),
-        ("FDTD, 100 cells/µm", Box::new(Fdtd { estimate: false, ..Fdtd::default() })),
+    let solvers: [(&'static str, &dyn CrystalSolver); 3] = [
+        ("multipoles", &Multipole::default()),
+        ("Fourier modes, 20 orders, 24 slices", &Rcwa { estimate: false, ..Rcwa::default() }),
+        ("FDTD, 100 cells/µm", &Fdtd { estimate: false, ..Fdtd::default() }),
     ];
     let total: usize =
         effort.steps().iter().map(|&(first, step)| (points.len() - first).div_ceil(step)).sum();
@@ -112,7 +115,7 @@ fn sample(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Result<
     let mut found = Vec::new();
     for ((name, solver), (first, step)) in solvers.iter().zip(effort.steps()) {
         let mut figures =
-            Solver { name, points: 0, seconds: 0.0, ratio: 0.0, difference: 0.0, imbalance: 0.0 };
+            SolverFigures { name, points: 0, seconds: 0.0, ratio: 0.0, difference: 0.0, imbalance: 0.0 };
         let mut multipole_seconds = 0.0;
         for (index, (cell, incidence)) in points.iter().enumerate().skip(first).step_by(step) {
             if progress.is_cancelled() {
@@ -160,6 +163,7 @@ fn table_point(cells: &[Cell], effort: Effort, progress: &dyn Progress) -> Resul
                 nm,
                 cosine.acos(),
                 &phi_i,
+                &Unobserved,
             )?);
             spent += begun.elapsed();
         }

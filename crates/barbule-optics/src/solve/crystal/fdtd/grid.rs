@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use super::medium::{Material, Medium};
-use crate::solve::crystal::grating::Grating;
+use crate::solve::crystal::orders::DiffractionOrders;
 use crate::{Complex64, Error, Result};
 
 /// Number in which fields are kept.
@@ -57,7 +57,7 @@ impl Grid {
     /// field is kept; without it none is.
     pub(super) fn new(
         medium: &Medium,
-        grating: &Grating,
+        diffraction: &DiffractionOrders,
         cells_per_um: f64,
         absorber_um: f64,
         offset: f64,
@@ -66,13 +66,13 @@ impl Grid {
         let period = medium.cell.period_um;
         let nx = (period * cells_per_um - 1e-9).ceil().max(1.0) as usize;
         let spacing = period / nx as f64;
-        let k = grating.k;
+        let k = diffraction.k;
         let stretch = |wave: f64| {
             let half = wave * spacing / 2.0;
             if half.abs() < 1e-9 { 1.0 } else { half / half.sin() }
         };
-        let (fx, fz) = (stretch(grating.a0 * k), stretch(grating.q_host(0).re * k));
-        if grating.q_host(0).norm() * k * spacing > 1.0 || grating.n * k * spacing > 1.0 {
+        let (fx, fz) = (stretch(diffraction.a0 * k), stretch(diffraction.q_host(0).re * k));
+        if diffraction.q_host(0).norm() * k * spacing > 1.0 || diffraction.n * k * spacing > 1.0 {
             return Err(Error::input(format!(
                 "{cells_per_um} cells per µm are less than six per wavelength; give more"
             )));
@@ -107,12 +107,12 @@ impl Grid {
             source,
             line,
             absorber,
-            sigma: [grating.q_host(0).re, grating.q_above(0).re]
+            sigma: [diffraction.q_host(0).re, diffraction.q_above(0).re]
                 .map(|q| 4.0 * DECAY / (q.max(0.01) * absorber as f64 * spacing)),
         };
         let heights: Vec<f64> = (0..grid.nz).map(|k| grid.z(k as f64)).collect();
         let material = Material::new(medium, nx, &heights, spacing);
-        grid.set_time_step(&material, grating);
+        grid.set_time_step(&material, diffraction);
         Ok((grid, material))
     }
 
@@ -122,12 +122,12 @@ impl Grid {
     /// |ξ''|/sin(ω dt), each mode of the discrete equations obeys z² + (s + n − 2)z + 1 − n = 0 with s and n the values
     /// of dt²·curl S curl and dt²·curl N curl in it: it decays for all s > 0, n ≥ 0, s + 2n < 4. The last is dt² times
     /// the largest eigenvalues of curl curl and of S + 2N = ξ' + |ξ''|cot(ω dt/2).
-    fn set_time_step(&mut self, material: &Material, grating: &Grating) {
+    fn set_time_step(&mut self, material: &Material, diffraction: &DiffractionOrders) {
         let square = |f: f64| (2.0 * f / self.spacing).powi(2);
-        let curl = square(self.fx) + square(self.fz) + (grating.b * grating.k).powi(2);
+        let curl = square(self.fx) + square(self.fz) + (diffraction.b * diffraction.k).powi(2);
         let mut dt = self.spacing;
         loop {
-            let half = (grating.k * dt / 2.0).min(0.9).asin();
+            let half = (diffraction.k * dt / 2.0).min(0.9).asin();
             let (stiff, least) = material.bounds(self.nx, self.nz, half.tan().recip(), half.tan());
             if curl * dt * dt * stiff < 4.0 * COURANT * COURANT && least > 0.0 {
                 self.dt = dt;
@@ -144,11 +144,12 @@ impl Grid {
     }
 
     /// k_z of an order in the incidence medium on this grid.
-    pub(super) fn kz(&self, grating: &Grating, m: i32) -> Complex64 {
-        let kx = self.fx * 2.0 / self.spacing * (grating.a(m) * grating.k * self.spacing / 2.0).sin();
-        let kz =
-            crate::solve::crystal::grating::root(Complex64::from(grating.kappa() - (kx / grating.k).powi(2)));
-        (kz * grating.k * self.spacing / (2.0 * self.fz)).asin() * (2.0 / self.spacing)
+    pub(super) fn kz(&self, diffraction: &DiffractionOrders, m: i32) -> Complex64 {
+        let kx = self.fx * 2.0 / self.spacing * (diffraction.a(m) * diffraction.k * self.spacing / 2.0).sin();
+        let kz = crate::solve::crystal::orders::root(Complex64::from(
+            diffraction.kappa() - (kx / diffraction.k).powi(2),
+        ));
+        (kz * diffraction.k * self.spacing / (2.0 * self.fz)).asin() * (2.0 / self.spacing)
     }
 
     /// Convolutional absorbing layers (Roden & Gedney 2000, Microw. Opt. Technol. Lett. 27, 334): per plane, shifted

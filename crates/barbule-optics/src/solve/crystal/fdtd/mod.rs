@@ -21,8 +21,9 @@ mod tests;
 pub use medium::Layer;
 pub use near::NearField;
 
-use super::grating::{Grating, check_rods, passive, positive};
-use super::{Cell, Crystal, Incidence, Response};
+use super::cell::{passive, positive};
+use super::orders::DiffractionOrders;
+use super::{Cell, CrystalSolver, Incidence, Response};
 use crate::math::simd::Width;
 use crate::{Complex64, Error, Result};
 use fields::{Fields, Source};
@@ -48,8 +49,7 @@ pub struct Fdtd {
     pub periods: usize,
     /// How far above a plane of the grid the surface lies, cells.
     pub offset: f64,
-    /// Whether [`Response::convergence`] is found, by a second run at 2/3 of the resolution; otherwise it is not a
-    /// number.
+    /// Whether [`Response::convergence`] is found, by a second run at 2/3 of the resolution.
     pub estimate: bool,
     /// Instruction set.
     pub width: Width,
@@ -69,7 +69,7 @@ impl Default for Fdtd {
     }
 }
 
-impl Crystal for Fdtd {
+impl CrystalSolver for Fdtd {
     /// `transmitted` is measured two cells below the lowest rods; `absorbed` over all of the rows.
     fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response> {
         self.respond_to(cell, &[], incidence)
@@ -83,15 +83,15 @@ impl Fdtd {
     /// Media, rods or waves that have no meaning, media with Re ε ≤ 0, or fields that do not decay.
     pub fn respond_to(&self, cell: &Cell, layers: &[Layer], incidence: &Incidence) -> Result<Response> {
         let medium = Medium { cell, layers };
-        let grating = self.grating(&medium, incidence)?;
-        let mut response = self.solve(&medium, &grating)?;
+        let diffraction = self.diffraction(&medium, incidence)?;
+        let mut response = self.solve(&medium, &diffraction)?;
         if self.estimate {
             let coarse = Self { cells_per_um: self.cells_per_um / 1.5, ..*self };
-            let rough = coarse.solve(&medium, &grating)?;
+            let rough = coarse.solve(&medium, &diffraction)?;
             // An order that hardly fades above the surface (just past its Rayleigh angle) is absorbed badly at any
             // resolution; the balance of power shows it, unless the host takes some.
             let unbalanced = if cell.host_eps.im == 0.0 { response.imbalance(incidence.phi_i) } else { 0.0 };
-            response.convergence = grating.difference(&response, &rough).max(unbalanced);
+            response.convergence = Some(diffraction.difference(&response, &rough).max(unbalanced));
         }
         Ok(response)
     }
@@ -102,16 +102,23 @@ impl Fdtd {
     /// As [`Self::respond_to`].
     pub fn near_field(&self, cell: &Cell, incidence: &Incidence, above_um: f64) -> Result<NearField> {
         let medium = Medium { cell, layers: &[] };
-        let grating = self.grating(&medium, incidence)?;
-        let (grid, material) =
-            Grid::new(&medium, &grating, self.cells_per_um, self.absorber_um, self.offset, Some(above_um))?;
-        let runs = [self.run(&material, &grating, &grid, 0)?, self.run(&material, &grating, &grid, 1)?];
+        let diffraction = self.diffraction(&medium, incidence)?;
+        let (grid, material) = Grid::new(
+            &medium,
+            &diffraction,
+            self.cells_per_um,
+            self.absorber_um,
+            self.offset,
+            Some(above_um),
+        )?;
+        let runs =
+            [self.run(&material, &diffraction, &grid, 0)?, self.run(&material, &diffraction, &grid, 1)?];
         Ok(NearField::new(&medium, &grid, &runs))
     }
 
     /// The wave on a medium that this solver can take.
-    fn grating(&self, medium: &Medium, incidence: &Incidence) -> Result<Grating> {
-        check_rods(medium.cell)?;
+    fn diffraction(&self, medium: &Medium, incidence: &Incidence) -> Result<DiffractionOrders> {
+        let diffraction = DiffractionOrders::new(&medium.cell.surroundings(), incidence)?;
         positive("number of cells per µm", self.cells_per_um)?;
         positive("thickness of the absorbing layers", self.absorber_um)?;
         for layer in medium.layers {
@@ -130,42 +137,41 @@ impl Fdtd {
                 )));
             }
         }
-        let Cell { period_um, incidence_eps, host_eps, .. } = *medium.cell;
-        Grating::new(period_um, incidence_eps, host_eps, incidence)
+        Ok(diffraction)
     }
 
-    fn solve(&self, medium: &Medium, grating: &Grating) -> Result<Response> {
+    fn solve(&self, medium: &Medium, diffraction: &DiffractionOrders) -> Result<Response> {
         let (grid, material) =
-            Grid::new(medium, grating, self.cells_per_um, self.absorber_um, self.offset, None)?;
-        let runs = [self.run(&material, grating, &grid, 0)?, self.run(&material, grating, &grid, 1)?];
-        let orders = grating
+            Grid::new(medium, diffraction, self.cells_per_um, self.absorber_um, self.offset, None)?;
+        let runs = [self.run(&material, diffraction, &grid, 0)?, self.run(&material, diffraction, &grid, 1)?];
+        let orders = diffraction
             .propagating()
             .into_iter()
-            .map(|m| grating.order(m, std::array::from_fn(|q| runs[q].order(grating, &grid, m))))
+            .map(|m| diffraction.order(m, std::array::from_fn(|q| runs[q].order(diffraction, &grid, m))))
             .collect();
         let (mut transmitted, mut absorbed) = ([0.0; 2], [0.0; 2]);
         for q in 0..2 {
-            let incident = incident_flux(grating, &grid, q);
+            let incident = incident_flux(diffraction, &grid, q);
             transmitted[q] = runs[q].transmitted(&grid) / incident;
-            absorbed[q] = runs[q].absorbed(&material, grating, &grid) / incident;
+            absorbed[q] = runs[q].absorbed(&material, diffraction, &grid) / incident;
         }
-        Ok(Response { orders, transmitted, absorbed, convergence: f64::NAN })
+        Ok(Response { orders, transmitted, absorbed, convergence: None })
     }
 
     /// One polarization, until the fields have gone.
     fn run(
         &self,
         material: &Material,
-        grating: &Grating,
+        diffraction: &DiffractionOrders,
         grid: &Grid,
         polarization: usize,
     ) -> Result<Spectrum> {
-        let (beta, kx) = (grating.b * grating.k, grating.a0 * grating.k);
+        let (beta, kx) = (diffraction.b * diffraction.k, diffraction.a0 * diffraction.k);
         let mut fields = Fields::new(grid, material, beta, kx, self.width);
-        let source = source(grating, grid, polarization);
+        let source = source(diffraction, grid, polarization);
         // Grazing frequency over this one's: the band ends there.
-        let index = grating.n;
-        let graze = ((grating.a0 / index).hypot(grating.b / index)).min(1.0 - 1e-9);
+        let index = diffraction.n;
+        let graze = ((diffraction.a0 / index).hypot(diffraction.b / index)).min(1.0 - 1e-9);
         let tau = (PULSE / (1.0 - graze)).max(SHORTEST) / grid.omega;
         let start = 4.5 * tau;
         if 2.0 * start * grid.omega > LONGEST_PULSE * std::f64::consts::TAU {
@@ -222,19 +228,19 @@ const LONGEST_PULSE: f64 = 25_000.0;
 const SHORTEST: f64 = 4.0;
 
 /// Incident (E_x, E_y, H̃_x, H̃_y) at z = 0, travelling down.
-fn incident_fields(grating: &Grating, polarization: usize) -> [Complex64; 4] {
-    let [e, h] = grating.incident(polarization);
-    let (eps, kappa, q) = (grating.n * grating.n, grating.kappa(), grating.q_above(0).re);
-    let ba = grating.b * grating.a0;
+fn incident_fields(diffraction: &DiffractionOrders, polarization: usize) -> [Complex64; 4] {
+    let [e, h] = diffraction.incident(polarization);
+    let (eps, kappa, q) = (diffraction.n * diffraction.n, diffraction.kappa(), diffraction.q_above(0).re);
+    let ba = diffraction.b * diffraction.a0;
     [(-q * h - ba * e) / kappa, e, (eps * q * e - ba * h) / kappa, h].map(Complex64::from)
 }
 
-fn source(grating: &Grating, grid: &Grid, polarization: usize) -> Source {
-    let [ex, ey, hx, hy] = incident_fields(grating, polarization);
-    let kz = grid.kz(grating, 0).re;
+fn source(diffraction: &DiffractionOrders, grid: &Grid, polarization: usize) -> Source {
+    let [ex, ey, hx, hy] = incident_fields(diffraction, polarization);
+    let kz = grid.kz(diffraction, 0).re;
     let at = |value: Complex64, half_x: f64, half_z: f64| {
         let phase = |i: usize| {
-            grating.a0 * grating.k * (i as f64 + half_x) * grid.spacing
+            diffraction.a0 * diffraction.k * (i as f64 + half_x) * grid.spacing
                 - kz * grid.z(grid.source as f64 + half_z)
         };
         (0..grid.nx).map(|i| value * Complex64::from_polar(1.0, phase(i))).collect()
@@ -249,8 +255,8 @@ fn source(grating: &Grating, grid: &Grid, polarization: usize) -> Source {
 }
 
 /// Power of the incident wave through a row of cells, E at a plane and H̃ half a cell below.
-fn incident_flux(grating: &Grating, grid: &Grid, polarization: usize) -> f64 {
-    let [ex, ey, hx, hy] = incident_fields(grating, polarization);
-    let lag = Complex64::from_polar(1.0, grid.kz(grating, 0).re * grid.spacing / 2.0);
+fn incident_flux(diffraction: &DiffractionOrders, grid: &Grid, polarization: usize) -> f64 {
+    let [ex, ey, hx, hy] = incident_fields(diffraction, polarization);
+    let lag = Complex64::from_polar(1.0, grid.kz(diffraction, 0).re * grid.spacing / 2.0);
     grid.nx as f64 * (ey * (hx * lag).conj() - ex * (hy * lag).conj()).re
 }

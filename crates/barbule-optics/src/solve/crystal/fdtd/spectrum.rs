@@ -4,7 +4,7 @@ use super::fields::Fields;
 use super::grid::Grid;
 use super::medium::Material;
 use crate::Complex64;
-use crate::solve::crystal::grating::Grating;
+use crate::solve::crystal::orders::DiffractionOrders;
 
 /// The running Fourier transform at the wavelength, where results are read.
 #[derive(Clone)]
@@ -91,9 +91,9 @@ impl Spectrum {
     }
 
     /// (E_y, H̃_y) of a reflected order, referred to x = z = 0.
-    pub(super) fn order(&self, grating: &Grating, grid: &Grid, m: i32) -> [Complex64; 2] {
-        let kz = grid.kz(grating, m);
-        let kx = grating.a(m) * grating.k;
+    pub(super) fn order(&self, diffraction: &DiffractionOrders, grid: &Grid, m: i32) -> [Complex64; 2] {
+        let kz = grid.kz(diffraction, m);
+        let kx = diffraction.a(m) * diffraction.k;
         std::array::from_fn(|field| {
             let half = 0.5 * field as f64;
             let sum: Complex64 = (0..grid.nx)
@@ -113,11 +113,11 @@ impl Spectrum {
     }
 
     /// k Σ Im(D·E*) over the cells, with E = ξD.
-    pub(super) fn absorbed(&self, material: &Material, grating: &Grating, grid: &Grid) -> f64 {
+    pub(super) fn absorbed(&self, material: &Material, diffraction: &DiffractionOrders, grid: &Grid) -> f64 {
         let count = grid.matter.len();
         let (nx, nz) = (grid.nx, grid.nz);
         // From one end of the period to the other.
-        let turn = Complex64::from_polar(1.0, -grating.a0 * grating.k * nx as f64 * grid.spacing);
+        let turn = Complex64::from_polar(1.0, -diffraction.a0 * diffraction.k * nx as f64 * grid.spacing);
         let mut sum = 0.0;
         for (d, xi) in self.matter.iter().zip(&material.diagonal) {
             for i in 0..nx {
@@ -137,6 +137,6 @@ impl Spectrum {
                 + if k > grid.matter.start { self.matter[2][here - 1] } else { Complex64::ZERO };
             sum -= 0.5 * xz.im * (x * z.conj()).re;
         }
-        sum * grating.k * grid.spacing / grid.fz
+        sum * diffraction.k * grid.spacing / grid.fz
     }
 }

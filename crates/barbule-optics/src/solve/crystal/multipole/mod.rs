@@ -18,8 +18,12 @@ mod tests;
 
 use num_complex::Complex64;
 
-use super::{Cell, Crystal, Incidence, Order, Response};
+use super::cell::{check_angle, check_wavelength};
+use super::solver::unless_cancelled;
+use super::{Cell, CrystalSolver, Incidence, Order, Response};
 use crate::math::dense::Dense;
+use crate::math::roots::decaying_root;
+use crate::progress::Progress;
 use crate::{Error, Result};
 
 use lattice::LatticeSums;
@@ -31,6 +35,9 @@ use stack::Fields;
 
 /// The error of R that the solver asks of itself by default.
 pub const TOLERANCE: f64 = 1e-9;
+
+/// Waves with a smaller cosθ are refused: κ in air is too small beside k.
+const LEAST_COSINE: f64 = 1e-7;
 
 /// The solver; see the module.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +52,7 @@ impl Default for Multipole {
     }
 }
 
-impl Crystal for Multipole {
+impl CrystalSolver for Multipole {
     fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response> {
         self.prepare(cell, incidence.wavelength_nm, incidence.theta_i)?.respond(incidence.phi_i)
     }
@@ -56,9 +63,14 @@ impl Crystal for Multipole {
         wavelength_nm: f64,
         theta_i: f64,
         phi_i: &[f64],
+        progress: &dyn Progress,
     ) -> Result<Vec<Response>> {
         let prepared = self.prepare(cell, wavelength_nm, theta_i)?;
-        phi_i.iter().map(|&phi_i| prepared.respond(phi_i)).collect()
+        let one = |&phi_i: &f64| {
+            unless_cancelled(progress)?;
+            prepared.respond(phi_i)
+        };
+        phi_i.iter().map(one).collect()
     }
 }
 
@@ -66,9 +78,11 @@ impl Multipole {
     /// What depends on wavelength and θ_i alone, for use with many φ_i. θ_i in rad.
     ///
     /// # Errors
-    /// The cell or the wave has no meaning, or cylinder functions leave the range of numbers.
+    /// The wave has no meaning or is too near the horizon, or cylinder functions leave the range of numbers.
     pub fn prepare(&self, cell: &Cell, wavelength_nm: f64, theta_i: f64) -> Result<Prepared> {
-        let plan = Plan::new(cell)?;
+        check_wavelength(&cell.surroundings(), wavelength_nm)?;
+        check_angle("theta", theta_i)?;
+        let plan = Plan::new(cell);
         let wave = Wave::new(cell, wavelength_nm, theta_i)?;
         let sizes = plan.sizes(&wave, self.tolerance);
         let tables = plan.tables(&wave, &sizes)?;
@@ -92,18 +106,18 @@ struct Wave {
 
 impl Wave {
     fn new(cell: &Cell, wavelength_nm: f64, theta_i: f64) -> Result<Self> {
-        if !(wavelength_nm.is_finite() && wavelength_nm > 0.0) {
-            return Err(Error::input(format!("wavelength {wavelength_nm} nm must be positive")));
-        }
-        if !(theta_i.abs() < std::f64::consts::FRAC_PI_2 && theta_i.cos() > 1e-7) {
-            return Err(Error::input(format!("theta {theta_i} rad must lie within ±π/2")));
+        if theta_i.cos() <= LEAST_COSINE {
+            return Err(Error::input(format!(
+                "theta is {}°, too near the horizon for multipoles; use the Fourier modal solver",
+                theta_i.to_degrees()
+            )));
         }
         let k0 = crate::spectrum::wave_number_per_um(wavelength_nm);
         let n = cell.incidence_eps.sqrt();
         let kappa0 = k0 * n * theta_i.cos();
         let square = k0 * k0 * (cell.host_eps - cell.incidence_eps) + kappa0 * kappa0;
         let least = 1e-14 * k0 * k0;
-        let kappa = rod::root(if square.norm() < least { Complex64::new(least, 0.0) } else { square });
+        let kappa = decaying_root(if square.norm() < least { Complex64::new(least, 0.0) } else { square });
         Ok(Self {
             k0,
             ky: -k0 * n * theta_i.sin(),
@@ -143,9 +157,9 @@ impl Prepared {
     /// enough; they start anew for every call, so that results do not depend on what was asked before.
     ///
     /// # Errors
-    /// `phi_i` beyond ±π/2, or expansions that did not settle.
+    /// `phi_i` not within ±π/2, or expansions that did not settle.
     pub fn respond(&self, phi_i: f64) -> Result<Response> {
-        check_azimuth(phi_i)?;
+        check_angle("phi", phi_i)?;
         let (response, estimate) = self.evaluate(&self.sizes, &self.tables, phi_i)?;
         if estimate.worst() <= self.tolerance {
             return Ok(response);
@@ -170,9 +184,9 @@ impl Prepared {
     /// The response with exactly this many multipoles per rod, whatever the error: for studies of convergence.
     ///
     /// # Errors
-    /// `phi_i` beyond ±π/2, or cylinder functions that leave the range of numbers.
+    /// `phi_i` not within ±π/2, or cylinder functions that leave the range of numbers.
     pub fn respond_with(&self, multipoles: usize, phi_i: f64) -> Result<Response> {
-        check_azimuth(phi_i)?;
+        check_angle("phi", phi_i)?;
         let sizes = Sizes { multipoles: vec![multipoles; self.sizes.multipoles.len()], ..self.sizes };
         let tables = self.plan.tables(&self.wave, &sizes)?;
         Ok(self.evaluate(&sizes, &tables, phi_i)?.0)
@@ -267,7 +281,7 @@ impl Prepared {
         let kinds = beyond[0].iter().zip(&beyond[1]).map(|(a, b): (&f64, &f64)| a.max(*b)).collect();
         let estimate = Estimate { kinds, orders: left_out[0].max(left_out[1]) };
         let reflected = self.reflected(orders, surfaces, &fields.surface[1], phi_i);
-        (Response { orders: reflected, transmitted, absorbed, convergence: estimate.worst() }, estimate)
+        (Response { orders: reflected, transmitted, absorbed, convergence: Some(estimate.worst()) }, estimate)
     }
 
     /// Propagating orders above the surface.
@@ -297,13 +311,6 @@ impl Prepared {
         }
         found
     }
-}
-
-fn check_azimuth(phi_i: f64) -> Result<()> {
-    if phi_i.abs() <= std::f64::consts::FRAC_PI_2 {
-        return Ok(());
-    }
-    Err(Error::input(format!("phi {phi_i} rad must lie within ±π/2")))
 }
 
 /// Σ|γ D U| over the orders beyond the last on either side.

@@ -1,13 +1,11 @@
 //! How a cell is taken apart: kinds of rods, layers, and the sizes of the expansions.
 
-use num_complex::Complex64;
-
 use super::Wave;
 use super::layer::Place;
 use super::rod::RodTable;
 use super::stack::Level;
+use crate::Result;
 use crate::solve::crystal::{Cell, Rod, Shell};
-use crate::{Error, Result};
 
 /// Rods that overlap in depth by more than this part of the smaller radius belong to one layer: plane waves between
 /// them would grow before they fall. Touching rods of hexagonal rows overlap by 0.27.
@@ -83,83 +81,17 @@ impl Sizes {
     }
 }
 
-fn radius(rod: &Rod) -> f64 {
-    rod.shells[0].diameter_um * 0.5
-}
-
-/// Refuses what has no meaning.
-fn check(cell: &Cell) -> Result<()> {
-    let positive = |value: f64, name: &str| {
-        if value.is_finite() && value > 0.0 {
-            Ok(())
-        } else {
-            Err(Error::input(format!("{name} {value} must be positive")))
-        }
-    };
-    let passive = |eps: Complex64, name: &str| {
-        let meaningful = eps.is_finite() && eps.norm() > 0.0 && eps.im >= 0.0;
-        if meaningful {
-            Ok(())
-        } else {
-            Err(Error::input(format!("{name} {eps} must be finite, not 0 and without gain")))
-        }
-    };
-    positive(cell.period_um, "period_um")?;
-    positive(cell.incidence_eps, "incidence_eps")?;
-    passive(cell.host_eps, "host_eps")?;
-    for (i, rod) in cell.rods.iter().enumerate() {
-        let place = |error: Error| error.at(format!("rods[{i}]"));
-        if rod.shells.is_empty() || !rod.x_um.is_finite() {
-            return Err(place(Error::input("a rod needs at least one shell and a finite x_um")));
-        }
-        for shell in &rod.shells {
-            positive(shell.diameter_um, "diameter_um").map_err(place)?;
-            passive(shell.eps, "eps").map_err(place)?;
-        }
-        if rod.shells.windows(2).any(|pair| pair[1].diameter_um >= pair[0].diameter_um) {
-            return Err(place(Error::input(
-                "shells go from the outermost to the innermost, with falling diameters",
-            )));
-        }
-        if !(rod.depth_um.is_finite() && rod.depth_um > radius(rod)) {
-            return Err(place(Error::input(format!(
-                "depth_um {} must exceed the radius {}",
-                rod.depth_um,
-                radius(rod)
-            ))));
-        }
-        let slack = 1e-5 + 1e-9 * cell.period_um;
-        if 2.0 * radius(rod) > cell.period_um + slack {
-            return Err(place(Error::input("the rod overlaps its own copy in the next period")));
-        }
-        for (k, other) in cell.rods[..i].iter().enumerate() {
-            if distance(cell, rod, other) < radius(rod) + radius(other) - slack {
-                return Err(place(Error::input(format!(
-                    "the rod overlaps rods[{k}]; rods may touch, not overlap"
-                ))));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Least distance between axes, over all periods.
-fn distance(cell: &Cell, a: &Rod, b: &Rod) -> f64 {
-    let dx = a.x_um - b.x_um;
-    (dx - (dx / cell.period_um).round() * cell.period_um).hypot(a.depth_um - b.depth_um)
-}
-
 /// How far from its axis towards another rod the images of that rod lie at most in a rod: r²/(d − r′), µm.
 fn image(distance: f64, rod: &Rod, other: &Rod) -> f64 {
-    let nearest = (distance - radius(other)).max(radius(rod));
-    radius(rod).powi(2) / nearest
+    let nearest = (distance - other.radius_um()).max(rod.radius_um());
+    rod.radius_um().powi(2) / nearest
 }
 
 /// The height between images in two rods of different layers, µm; touching rods keep 0.42 of the height, as the
 /// images near the point of contact are weak.
 fn image_height(cell: &Cell, upper: &Rod, lower: &Rod) -> f64 {
     let height = lower.depth_um - upper.depth_um;
-    let distance = distance(cell, upper, lower);
+    let distance = cell.distance_um(upper, lower);
     let taken = (image(distance, upper, lower) + image(distance, lower, upper)) / distance;
     height * (1.0 - taken).max(0.42)
 }
@@ -172,11 +104,7 @@ fn image_depth(rod: &Rod) -> f64 {
 
 impl Plan {
     /// Takes a cell apart.
-    ///
-    /// # Errors
-    /// The cell has no meaning.
-    pub(super) fn new(cell: &Cell) -> Result<Self> {
-        check(cell)?;
+    pub(super) fn new(cell: &Cell) -> Self {
         let mut kinds: Vec<Vec<Shell>> = Vec::new();
         let mut kind_of = Vec::new();
         for rod in &cell.rods {
@@ -195,7 +123,7 @@ impl Plan {
             let free_of = |distance: f64, other: &Rod| distance - image(distance, other, rod);
             let mut free = free_of(cell.period_um, rod).min(free_of(2.0 * rod.depth_um, rod));
             for (_, other) in cell.rods.iter().enumerate().filter(|(k, _)| *k != i) {
-                free = free.min(free_of(distance(cell, rod, other), other));
+                free = free.min(free_of(cell.distance_um(rod, other), other));
             }
             clearance[kind_of[i]] = clearance[kind_of[i]].min(free);
         }
@@ -210,7 +138,7 @@ impl Plan {
             least_height: f64::INFINITY,
         };
         plan.split(cell, &kind_of);
-        Ok(plan)
+        plan
     }
 
     /// Makes the layers.
@@ -222,7 +150,7 @@ impl Plan {
         });
         let apart = |a: usize, b: usize| {
             let (a, b) = (&cell.rods[a], &cell.rods[b]);
-            let (r, s) = (radius(a), radius(b));
+            let (r, s) = (a.radius_um(), b.radius_um());
             b.depth_um - a.depth_um >= (r + s - INTERLEAVED * r.min(s)).max(SHALLOW * cell.period_um)
         };
         let mut groups: Vec<Vec<usize>> = Vec::new();
@@ -275,7 +203,7 @@ impl Plan {
         for (i, group) in groups.iter().enumerate() {
             let upper = if i == 0 { 0.5 * top(group) } else { 0.5 * (bottom(&groups[i - 1]) + top(group)) };
             let edge =
-                group.iter().map(|&k| cell.rods[k].depth_um + radius(&cell.rods[k])).fold(0.0, f64::max);
+                group.iter().map(|&k| cell.rods[k].depth_um + cell.rods[k].radius_um()).fold(0.0, f64::max);
             let lower = groups.get(i + 1).map_or(edge, |next| 0.5 * (bottom(group) + top(next)));
             let layer = &mut self.layers[i];
             layer.level.above = layer.depth - upper;

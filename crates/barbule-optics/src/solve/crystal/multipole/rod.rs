@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use super::Wave;
 use super::orders::Pair;
 use crate::math::bessel::Cylinder;
+use crate::math::roots::decaying_root;
 use crate::solve::crystal::Shell;
 use crate::{Error, Result};
 
@@ -105,7 +106,7 @@ impl RodTable {
         let mut sides = Vec::new();
         for (i, shell) in shells.iter().enumerate() {
             let radius = shell.diameter_um * 0.5;
-            let [outer, inner] = [media[i], media[i + 1]].map(|(_, kappa2)| root(kappa2));
+            let [outer, inner] = [media[i], media[i + 1]].map(|(_, kappa2)| decaying_root(kappa2));
             sides.push((
                 radius,
                 Cylinder::new(outer * radius, m + 1)?,
@@ -189,12 +190,6 @@ pub(super) fn series(last: f64, before: f64) -> f64 {
     last * ratio / (1.0 - ratio)
 }
 
-/// The root with Im ≥ 0 (and Re ≥ 0 on the real axis).
-pub(super) fn root(square: Complex64) -> Complex64 {
-    let value = square.sqrt();
-    if value.im < 0.0 || value.im == 0.0 && value.re < 0.0 { -value } else { value }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,8 +214,9 @@ mod tests {
         let (wave, inside) = (wave(0.0), shell(0.2, 3.1, 0.4));
         let rod = RodTable::new(&wave, &[inside], 8).unwrap();
         let (x, y) = (wave.kappa * 0.1, wave.k0 * inside.eps.sqrt() * 0.1);
-        let j = |n: usize, z| complex_bessel::besselj(n as f64, z).unwrap();
-        let h = |n: usize, z| complex_bessel::hankel1(n as f64, z).unwrap();
+        let [at_x, at_y] = [x, y].map(|z| Cylinder::new(z, 9).unwrap());
+        let table = |z| if z == x { &at_x } else { &at_y };
+        let (j, h) = (|n: usize, z| table(z).j[n], |n: usize, z| table(z).h[n]);
         let ratio = (inside.eps / wave.eps).sqrt();
         for n in 1..=8 {
             let (dj, dh) = (|z| (j(n - 1, z) - j(n + 1, z)) / 2.0, |z| (h(n - 1, z) - h(n + 1, z)) / 2.0);
@@ -242,7 +238,7 @@ mod tests {
     fn fields_tangential_to_the_rod_are_continuous_at_oblique_incidence() {
         let (wave, inside, radius) = (wave(0.9), shell(0.2, 3.1, 0.4), 0.1);
         let rod = RodTable::new(&wave, &[inside], 8).unwrap();
-        let inner = root(wave.k0 * wave.k0 * (inside.eps - 1.0) + wave.kappa0 * wave.kappa0);
+        let inner = decaying_root(wave.k0 * wave.k0 * (inside.eps - 1.0) + wave.kappa0 * wave.kappa0);
         let a = [Complex64::new(0.3, -1.1), Complex64::new(0.8, 0.2)];
         for n in -7i32..=7 {
             let order = n.unsigned_abs() as usize;

@@ -1,4 +1,4 @@
-//! Laws that any solution must obey, and independent values.
+//! Laws that any solution must obey. Values of an independent program: `barbule/tests/it/crystal_values.rs`.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -106,7 +106,10 @@ fn larger_expansions_change_nothing_beyond_the_estimate() {
                 for q in 0..2 {
                     let error = (a.reflectance(phi)[q] - b.reflectance(phi)[q]).abs();
                     // the estimate is of the right size, no bound
-                    assert!(error < 5e-9 && found.convergence <= TOLERANCE, "{nm} {theta} {phi}: {error:e}");
+                    assert!(
+                        error < 5e-9 && found.convergence.unwrap() <= TOLERANCE,
+                        "{nm} {theta} {phi}: {error:e}"
+                    );
                 }
             }
         }
@@ -248,7 +251,7 @@ fn grazing_light_is_reflected_whole() {
     for make in CELLS {
         for theta in [0.0, 0.8, -1.5] {
             for side in [-1.0, 1.0] {
-                for phi in [FRAC_PI_2, 90.0f64.to_radians() - 1e-9] {
+                for phi in [FRAC_PI_2.next_down(), FRAC_PI_2 - 1e-9] {
                     let jones = order(&respond(&make(450.0), 450.0, theta, side * phi), 0).jones;
                     let expected = [[-1.0, 0.0], [0.0, 1.0]];
                     for (i, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
@@ -306,20 +309,4 @@ fn an_absorbing_host_is_a_limit_of_a_lossless_one() {
         let total = reflected + dark.transmitted[0] + dark.absorbed[0];
         assert!(total < 1.0 && dark.absorbed[0] > 0.0 && dark.transmitted[0] > 0.0, "{total}");
     }
-}
-
-#[test]
-fn meaningless_cells_are_refused() {
-    let refused = |change: fn(&mut Cell)| {
-        let mut crystal = mallard(500.0);
-        change(&mut crystal);
-        let incidence = Incidence { wavelength_nm: 500.0, theta_i: 0.1, phi_i: 0.1 };
-        Multipole::default().respond(&crystal, &incidence).is_err_and(|error| error.is_input())
-    };
-    assert!(refused(|cell| cell.period_um = 0.0));
-    assert!(refused(|cell| cell.host_eps.im = -0.1));
-    assert!(refused(|cell| cell.rods[1].depth_um = 0.05));
-    assert!(refused(|cell| cell.rods[1].depth_um = cell.rods[0].depth_um));
-    assert!(refused(|cell| cell.rods[0].shells[0].diameter_um = 0.3));
-    assert!(refused(|cell| cell.rods[0].shells.clear()));
 }

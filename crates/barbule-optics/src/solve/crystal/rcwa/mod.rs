@@ -11,11 +11,10 @@ mod stack;
 #[cfg(test)]
 mod tests;
 
-use faer::prelude::Solve;
-use faer::{Mat, c64};
-
-use super::grating::{Grating, check_rods, passive, positive};
-use super::{Cell, Crystal, Incidence, Response};
+use super::cell::{passive, positive};
+use super::orders::DiffractionOrders;
+use super::{Cell, CrystalSolver, Incidence, Response, Surroundings};
+use crate::math::dense::Dense;
 use crate::{Complex64, Error, Result};
 use modes::Harmonics;
 use profile::{Body, Outline, bodies};
@@ -29,7 +28,7 @@ pub struct Rcwa {
     /// Slices per rod (per greatest height of a body), rounded to an even number.
     pub slices: usize,
     /// Whether [`Response::convergence`] is found, by a second run with half of the orders and half of the slices, which
-    /// doubles an error that falls as 1/orders; otherwise it is not a number.
+    /// doubles an error that falls as 1/orders.
     pub estimate: bool,
 }
 
@@ -39,28 +38,11 @@ impl Default for Rcwa {
     }
 }
 
-/// What surrounds the bodies of a grating.
-#[derive(Debug, Clone, Copy)]
-pub struct Surroundings {
-    /// Period along x, µm.
-    pub period_um: f64,
-    /// Relative permittivity above the surface, positive.
-    pub incidence_eps: f64,
-    /// Relative permittivity between and below the bodies.
-    pub host_eps: Complex64,
-}
-
-impl Crystal for Rcwa {
+impl CrystalSolver for Rcwa {
     /// For an absorbing host, `transmitted` is what passes the lowest rods' lower edge, and `absorbed` includes the
     /// host's share within the slices that cut rods.
     fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response> {
-        check_rods(cell)?;
-        let surroundings = Surroundings {
-            period_um: cell.period_um,
-            incidence_eps: cell.incidence_eps,
-            host_eps: cell.host_eps,
-        };
-        self.respond_to(&surroundings, &bodies(cell), incidence)
+        self.respond_to(&cell.surroundings(), &bodies(cell), incidence)
     }
 }
 
@@ -76,67 +58,67 @@ impl Rcwa {
         incidence: &Incidence,
     ) -> Result<Response> {
         check_bodies(bodies)?;
-        let Surroundings { period_um, incidence_eps, host_eps } = *surroundings;
-        let grating = Grating::new(period_um, incidence_eps, host_eps, incidence)?;
+        let period_um = surroundings.period_um;
+        let diffraction = DiffractionOrders::new(surroundings, incidence)?;
         if self.orders == 0 || self.slices == 0 {
             return Err(Error::input("RCWA needs at least one order to each side and one slice per rod"));
         }
-        let mut response = self.solve(&grating, period_um, bodies)?;
+        let mut response = self.solve(&diffraction, period_um, bodies)?;
         if self.estimate {
             let coarse = Self { orders: self.orders.div_ceil(2), slices: self.slices.div_ceil(2), ..*self };
-            let rough = coarse.solve(&grating, period_um, bodies)?;
-            response.convergence = grating.difference(&response, &rough);
+            let rough = coarse.solve(&diffraction, period_um, bodies)?;
+            response.convergence = Some(diffraction.difference(&response, &rough));
         }
         Ok(response)
     }
 
-    fn solve(&self, grating: &Grating, period_um: f64, bodies: &[Body]) -> Result<Response> {
-        let propagating = grating.propagating();
+    fn solve(&self, diffraction: &DiffractionOrders, period_um: f64, bodies: &[Body]) -> Result<Response> {
+        let propagating = diffraction.propagating();
         let reach = propagating.iter().map(|m| m.abs()).max().unwrap_or(0);
         let limit = reach.max(i32::try_from(self.orders).unwrap_or(i32::MAX));
-        let harmonics = Harmonics::new(grating, limit);
-        let stack = Stack::solve(&harmonics, bodies, period_um, grating.host_eps, self.slices)?;
-        let surface = Surface::new(grating, &harmonics);
+        let harmonics = Harmonics::new(diffraction, limit);
+        let stack = Stack::solve(&harmonics, bodies, period_um, diffraction.host_eps, self.slices)?;
+        let surface = Surface::new(diffraction, &harmonics);
         let count = harmonics.len();
         let size = 2 * count;
         let under = stack.reflection();
-        let echo = Mat::from_fn(size, size, |i, j| {
-            let bounced: c64 = (0..2)
+        let mut echo = Dense::from_fn(size, size, |i, j| {
+            (0..2)
                 .map(|part| surface.bottom[i % count][i / count][part] * under[(i % count + part * count, j)])
-                .sum();
-            c64::from(f64::from(u8::from(i == j))) - bounced
+                .sum()
         });
+        echo.one_less();
         let zeroth = limit as usize;
-        let entering = Mat::from_fn(size, 2, |i, polarization| {
-            let wave = grating.incident(polarization);
+        let entering = Dense::from_fn(size, 2, |i, polarization| {
+            let wave = diffraction.incident(polarization);
             let [e, h] = surface.down[zeroth][i / count];
-            if i % count == zeroth { e * wave[0] + h * wave[1] } else { c64::ZERO }
+            if i % count == zeroth { e * wave[0] + h * wave[1] } else { Complex64::ZERO }
         });
-        let down = echo.partial_piv_lu().solve(&entering);
-        let up = under * &down;
-        let reflected = |m: i32, polarization: usize| -> [c64; 2] {
+        let down = echo.under(entering);
+        let up = under.times(&down);
+        let reflected = |m: i32, polarization: usize| -> [Complex64; 2] {
             let order = (m + limit) as usize;
-            let wave = grating.incident(polarization);
+            let wave = diffraction.incident(polarization);
             std::array::from_fn(|field| {
                 let through = &surface.up[order][field];
                 let direct = &surface.top[order][field];
-                let own = if m == 0 { direct[0] * wave[0] + direct[1] * wave[1] } else { c64::ZERO };
+                let own = if m == 0 { direct[0] * wave[0] + direct[1] * wave[1] } else { Complex64::ZERO };
                 own + through[0] * up[(order, polarization)] + through[1] * up[(order + count, polarization)]
             })
         };
         let orders = propagating
             .iter()
-            .map(|&m| grating.order(m, std::array::from_fn(|polarization| reflected(m, polarization))))
+            .map(|&m| diffraction.order(m, std::array::from_fn(|polarization| reflected(m, polarization))))
             .collect();
         let (mut transmitted, mut absorbed) = ([0.0; 2], [0.0; 2]);
         // Power along −z of both incident polarizations: n cosθ cosφ.
-        let incident = grating.q_above(0).re;
+        let incident = diffraction.q_above(0).re;
         for polarization in 0..2 {
-            let budget = stack.budget(&harmonics, down.col_as_slice(polarization));
+            let budget = stack.budget(&harmonics, down.column(polarization));
             absorbed[polarization] = budget.absorbed / incident;
             transmitted[polarization] = budget.transmitted / incident;
         }
-        Ok(Response { orders, transmitted, absorbed, convergence: f64::NAN })
+        Ok(Response { orders, transmitted, absorbed, convergence: None })
     }
 }
 
@@ -173,26 +155,26 @@ fn check_bodies(bodies: &[Body]) -> Result<()> {
 /// The flat surface between the incidence medium (waves as (E_y, H̃_y)) and the reference medium (as (E_x, E_y)), per order.
 struct Surface {
     /// From above back up.
-    top: Vec<[[c64; 2]; 2]>,
+    top: Vec<[[Complex64; 2]; 2]>,
     /// From below back down.
-    bottom: Vec<[[c64; 2]; 2]>,
+    bottom: Vec<[[Complex64; 2]; 2]>,
     /// From above to below.
-    down: Vec<[[c64; 2]; 2]>,
+    down: Vec<[[Complex64; 2]; 2]>,
     /// From below to above.
-    up: Vec<[[c64; 2]; 2]>,
+    up: Vec<[[Complex64; 2]; 2]>,
 }
 
 impl Surface {
-    fn new(grating: &Grating, harmonics: &Harmonics) -> Self {
+    fn new(diffraction: &DiffractionOrders, harmonics: &Harmonics) -> Self {
         let mut surface = Self { top: vec![], bottom: vec![], down: vec![], up: vec![] };
-        let (eps, kappa, b) = (grating.n * grating.n, grating.kappa(), grating.b);
+        let (eps, kappa, b) = (diffraction.n * diffraction.n, diffraction.kappa(), diffraction.b);
         for order in 0..harmonics.len() {
             let m = order as i32 - harmonics.limit;
-            let ba = c64::from(b * grating.a(m) / kappa);
-            let q = grating.q_above(m) / kappa;
+            let ba = Complex64::from(b * diffraction.a(m) / kappa);
+            let q = diffraction.q_above(m) / kappa;
             let v = harmonics.admittance(order);
             // Rows E_x, E_y, H_x, H_y of waves that leave: above (E_y, H_y), below (E_x, E_y).
-            let (one, zero) = (c64::ONE, c64::ZERO);
+            let (one, zero) = (Complex64::ONE, Complex64::ZERO);
             let leaving = [
                 [-ba, q, -one, zero],
                 [one, zero, zero, -one],
@@ -205,8 +187,8 @@ impl Surface {
                 [-eps * q, ba, v[0][0], v[0][1]],
                 [zero, -one, v[1][0], v[1][1]],
             ];
-            let leaving = Mat::from_fn(4, 4, |i, j| leaving[i][j]);
-            let s = leaving.partial_piv_lu().solve(Mat::from_fn(4, 4, |i, j| arriving[i][j]));
+            let leaving = Dense::from_fn(4, 4, |i, j| leaving[i][j]);
+            let s = leaving.under(Dense::from_fn(4, 4, |i, j| arriving[i][j]));
             let block = |row: usize, column: usize| {
                 [[s[(row, column)], s[(row, column + 1)]], [s[(row + 1, column)], s[(row + 1, column + 1)]]]
             };

@@ -15,13 +15,11 @@
 //! Sources: Moharam, Grann, Pommet & Gaylord 1995 (conical mount), Li 1996 (factorization, J. Opt. Soc. Am. A 13, 1870,
 //! and scattering matrices, 13, 1024).
 
-use faer::prelude::Solve;
-use faer::{Mat, c64};
-
 use super::profile::Slice;
 use super::scattering::Scattering;
-use crate::solve::crystal::grating::{Grating, root};
-use crate::{Error, Result};
+use crate::math::dense::Dense;
+use crate::solve::crystal::orders::{DiffractionOrders, root};
+use crate::{Complex64, Error, Result};
 
 /// The orders kept, in units of k, with the reference medium between all parts of the stack.
 ///
@@ -32,27 +30,27 @@ pub(super) struct Harmonics {
     pub limit: i32,
     a: Vec<f64>,
     b: f64,
-    q_host: Vec<c64>,
-    host_eps: c64,
-    q_reference: Vec<c64>,
-    reference_eps: c64,
+    q_host: Vec<Complex64>,
+    host_eps: Complex64,
+    q_reference: Vec<Complex64>,
+    reference_eps: Complex64,
     k: f64,
 }
 
 impl Harmonics {
-    pub(super) fn new(grating: &Grating, limit: i32) -> Self {
-        let a: Vec<f64> = (-limit..=limit).map(|m| grating.a(m)).collect();
-        let b = grating.b;
-        let reference_eps = grating.host_eps.norm() * c64::new(1.0, 0.5);
+    pub(super) fn new(diffraction: &DiffractionOrders, limit: i32) -> Self {
+        let a: Vec<f64> = (-limit..=limit).map(|m| diffraction.a(m)).collect();
+        let b = diffraction.b;
+        let reference_eps = diffraction.host_eps.norm() * Complex64::new(1.0, 0.5);
         Self {
             limit,
             b,
-            q_host: (-limit..=limit).map(|m| grating.q_host(m)).collect(),
-            host_eps: grating.host_eps,
+            q_host: (-limit..=limit).map(|m| diffraction.q_host(m)).collect(),
+            host_eps: diffraction.host_eps,
             q_reference: a.iter().map(|a| root(reference_eps - b * b - a * a)).collect(),
             reference_eps,
             a,
-            k: grating.k,
+            k: diffraction.k,
         }
     }
 
@@ -62,12 +60,12 @@ impl Harmonics {
     }
 
     /// H̃ of a wave that goes up in the reference medium from its E, per order: (H_x, H_y) = V₀ (E_x, E_y).
-    pub(super) fn admittance(&self, order: usize) -> [[c64; 2]; 2] {
+    pub(super) fn admittance(&self, order: usize) -> [[Complex64; 2]; 2] {
         admittance(self.a[order], self.b, self.reference_eps, self.q_reference[order])
     }
 
     /// The inverse of [`admittance`](Self::admittance).
-    fn impedance(&self, order: usize) -> [[c64; 2]; 2] {
+    fn impedance(&self, order: usize) -> [[Complex64; 2]; 2] {
         let (a, b, eps) = (self.a[order], self.b, self.reference_eps);
         let ba = b * a / eps;
         [[ba, 1.0 - a * a / eps], [b * b / eps - 1.0, -ba]]
@@ -75,7 +73,7 @@ impl Harmonics {
     }
 
     /// Power that flows down through a plane in the reference medium, from the waves' E that go down and up there.
-    pub(super) fn flux(&self, down: &[c64], up: &[c64]) -> f64 {
+    pub(super) fn flux(&self, down: &[Complex64], up: &[Complex64]) -> f64 {
         let count = self.len();
         (0..count)
             .map(|order| {
@@ -90,14 +88,14 @@ impl Harmonics {
     /// The half-space of the host under a plane in the reference medium; nothing comes from below.
     pub(super) fn exit(&self) -> Scattering {
         let count = self.len();
-        let zero = Mat::zeros(2 * count, 2 * count);
+        let zero = Dense::zeros(2 * count, 2 * count);
         let mut top = zero.clone();
         for order in 0..count {
             let host = admittance(self.a[order], self.b, self.host_eps, self.q_host[order]);
             let own = self.admittance(order);
             // V₀(up − down) = −V(up + down).
-            let sum = Mat::from_fn(2, 2, |i, j| own[i][j] + host[i][j]);
-            let reflection = sum.partial_piv_lu().solve(Mat::from_fn(2, 2, |i, j| own[i][j] - host[i][j]));
+            let sum = Dense::from_fn(2, 2, |i, j| own[i][j] + host[i][j]);
+            let reflection = sum.under(Dense::from_fn(2, 2, |i, j| own[i][j] - host[i][j]));
             for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                 top[(order + i * count, order + j * count)] = reflection[(i, j)];
             }
@@ -110,7 +108,7 @@ impl Harmonics {
         let count = self.len();
         let size = 2 * count;
         let mut modes =
-            Modes { q: vec![c64::ZERO; size], e: Mat::identity(size, size), h: Mat::zeros(size, size) };
+            Modes { q: vec![Complex64::ZERO; size], e: Dense::identity(size), h: Dense::zeros(size, size) };
         for order in 0..count {
             let host = admittance(self.a[order], self.b, self.host_eps, self.q_host[order]);
             for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
@@ -135,8 +133,9 @@ impl Harmonics {
     fn layer(&self, modes: &Modes, thickness_um: f64) -> Result<Scattering> {
         let count = self.len();
         let size = 2 * count;
-        let growth: Vec<c64> = modes.q.iter().map(|q| (c64::I * q * (self.k * thickness_um)).exp()).collect();
-        let mut partner = Mat::<c64>::zeros(size, size);
+        let growth: Vec<Complex64> =
+            modes.q.iter().map(|q| (Complex64::I * q * (self.k * thickness_um)).exp()).collect();
+        let mut partner = Dense::zeros(size, size);
         for order in 0..count {
             let z = self.impedance(order);
             for j in 0..size {
@@ -146,17 +145,16 @@ impl Harmonics {
             }
         }
         let combine = |sign_e: f64, sign_h: f64| {
-            Mat::from_fn(size, size, |i, j| {
+            Dense::from_fn(size, size, |i, j| {
                 modes.e[(i, j)] * (1.0 + sign_e * growth[j])
                     + sign_h * partner[(i, j)] * (1.0 - sign_e * growth[j])
             })
         };
-        let even = divide(&combine(1.0, -1.0), &combine(1.0, 1.0));
-        let odd = divide(&combine(-1.0, -1.0), &combine(-1.0, 1.0));
-        let reflect = Mat::from_fn(size, size, |i, j| (even[(i, j)] + odd[(i, j)]) * 0.5);
-        let through = Mat::from_fn(size, size, |i, j| (even[(i, j)] - odd[(i, j)]) * 0.5);
-        let finite = (0..size).all(|j| (0..size).all(|i| reflect[(i, j)].is_finite()));
-        if !finite {
+        let even = combine(1.0, -1.0).over(&combine(1.0, 1.0));
+        let odd = combine(-1.0, -1.0).over(&combine(-1.0, 1.0));
+        let reflect = Dense::from_fn(size, size, |i, j| (even[(i, j)] + odd[(i, j)]) * 0.5);
+        let through = Dense::from_fn(size, size, |i, j| (even[(i, j)] - odd[(i, j)]) * 0.5);
+        if !reflect.is_finite() {
             return Err(Error::not_settled(
                 "a slice's modes are not independent at exactly this wavelength and angle; change either by a part in a million",
             ));
@@ -168,23 +166,26 @@ impl Harmonics {
         let count = self.len();
         let direct = toeplitz(count, &slice.pieces, |eps| eps);
         let inverse = toeplitz(count, &slice.pieces, |eps| eps.inv());
-        let identity = Mat::<c64>::identity(count, count);
-        let q_matrix = direct.partial_piv_lu().solve(&identity);
-        let s_matrix = inverse.partial_piv_lu().solve(&identity);
+        let identity = Dense::identity(count);
+        let q_matrix = direct.under(identity.clone());
+        let s_matrix = inverse.under(identity);
         let (a, b) = (&self.a, self.b);
-        let lse = Mat::from_fn(count, count, |i, j| {
-            direct[(i, j)] - if i == j { c64::from(a[i] * a[i]) } else { c64::ZERO }
+        let lse = Dense::from_fn(count, count, |i, j| {
+            direct[(i, j)] - if i == j { Complex64::from(a[i] * a[i]) } else { Complex64::ZERO }
         });
-        let curl = Mat::from_fn(count, count, |i, j| {
-            c64::from(f64::from(u8::from(i == j))) - a[i] * q_matrix[(i, j)] * a[j]
+        let curl = Dense::from_fn(count, count, |i, j| {
+            Complex64::from(f64::from(u8::from(i == j))) - a[i] * q_matrix[(i, j)] * a[j]
         });
         let (v_squares, v) = eigen(&lse)?;
-        let (u_squares, u) = eigen(&(curl * &s_matrix))?;
-        let su = s_matrix * &u;
-        let qasu = q_matrix * Mat::from_fn(count, count, |i, j| a[i] * su[(i, j)]);
+        let (u_squares, u) = eigen(&curl.times(&s_matrix))?;
+        let su = s_matrix.times(&u);
+        let qasu = q_matrix.times(&Dense::from_fn(count, count, |i, j| a[i] * su[(i, j)]));
         let size = 2 * count;
-        let mut modes =
-            Modes { q: vec![c64::ZERO; size], e: Mat::zeros(size, size), h: Mat::zeros(size, size) };
+        let mut modes = Modes {
+            q: vec![Complex64::ZERO; size],
+            e: Dense::zeros(size, size),
+            h: Dense::zeros(size, size),
+        };
         for j in 0..count {
             let q = root(v_squares[j] - b * b);
             modes.q[j] = q;
@@ -195,7 +196,7 @@ impl Harmonics {
             }
             let mut square = u_squares[j];
             if square.norm() < 1e-14 {
-                square = c64::from(1e-14);
+                square = Complex64::from(1e-14);
             }
             let q = root(square - b * b);
             modes.q[count + j] = q;
@@ -212,34 +213,25 @@ impl Harmonics {
 
 /// Modes as columns: E and H̃ (x, then y components) of those that go up, and q.
 struct Modes {
-    q: Vec<c64>,
-    e: Mat<c64>,
-    h: Mat<c64>,
+    q: Vec<Complex64>,
+    e: Dense,
+    h: Dense,
 }
 
 /// H̃ of a wave that goes up in a medium from its E: (H_x, H_y) = V (E_x, E_y).
-fn admittance(a: f64, b: f64, eps: c64, q: c64) -> [[c64; 2]; 2] {
-    let ba = c64::from(b * a);
+fn admittance(a: f64, b: f64, eps: Complex64, q: Complex64) -> [[Complex64; 2]; 2] {
+    let ba = Complex64::from(b * a);
     // −q² − b² for a² − ε, which would lose its digits at an anomaly.
     [[-ba, -q * q - b * b], [eps - b * b, ba]].map(|row| row.map(|value| value / q))
 }
 
-/// numerator · denominator⁻¹
-fn divide(numerator: &Mat<c64>, denominator: &Mat<c64>) -> Mat<c64> {
-    let transposed = denominator.transpose().to_owned().partial_piv_lu().solve(numerator.transpose());
-    transposed.transpose().to_owned()
-}
-
-fn eigen(matrix: &Mat<c64>) -> Result<(Vec<c64>, Mat<c64>)> {
-    let pairs =
-        matrix.eigen().map_err(|_| Error::not_settled("the eigenvalues of a slice were not found"))?;
-    let values = pairs.S().column_vector().iter().copied().collect();
-    Ok((values, pairs.U().to_owned()))
+fn eigen(matrix: &Dense) -> Result<(Vec<Complex64>, Dense)> {
+    matrix.eigen().ok_or_else(|| Error::not_settled("the eigenvalues of a slice were not found"))
 }
 
 /// The matrix of the Fourier coefficients c_{m−n} of f(ε(x)).
-fn toeplitz(count: usize, pieces: &[(f64, c64)], f: impl Fn(c64) -> c64) -> Mat<c64> {
-    let mut coefficients = vec![c64::ZERO; 2 * count - 1];
+fn toeplitz(count: usize, pieces: &[(f64, Complex64)], f: impl Fn(Complex64) -> Complex64) -> Dense {
+    let mut coefficients = vec![Complex64::ZERO; 2 * count - 1];
     let mut begin = 0.0;
     for &(length, eps) in pieces {
         let value = f(eps);
@@ -248,9 +240,9 @@ fn toeplitz(count: usize, pieces: &[(f64, c64)], f: impl Fn(c64) -> c64) -> Mat<
             // ∫ e^{−jgx} dx over the piece, from its middle.
             let half = g * length / 2.0;
             let sinc = if half == 0.0 { 1.0 } else { half.sin() / half };
-            *coefficient += value * c64::from_polar(length * sinc, -g * (begin + length / 2.0));
+            *coefficient += value * Complex64::from_polar(length * sinc, -g * (begin + length / 2.0));
         }
         begin += length;
     }
-    Mat::from_fn(count, count, |i, j| coefficients[i + count - 1 - j])
+    Dense::from_fn(count, count, |i, j| coefficients[i + count - 1 - j])
 }

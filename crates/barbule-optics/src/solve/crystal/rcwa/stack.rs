@@ -5,12 +5,11 @@
 
 use std::collections::HashMap;
 
-use faer::{Mat, c64};
-
 use super::modes::Harmonics;
 use super::profile::{Body, Slice, slices};
 use super::scattering::{Join, Scattering, phases};
-use crate::Result;
+use crate::math::dense::Dense;
+use crate::{Complex64, Result};
 
 /// A part of the stack, where it stands and whether it is upside down.
 #[derive(Debug, Clone, Copy)]
@@ -63,7 +62,7 @@ impl Stack {
         harmonics: &Harmonics,
         bodies: &[Body],
         period_um: f64,
-        host_eps: c64,
+        host_eps: Complex64,
         per_rod: usize,
     ) -> Result<Self> {
         let (top_um, mut slices) = slices(bodies, period_um, host_eps, per_rod);
@@ -83,7 +82,12 @@ impl Stack {
     }
 
     /// The slices as parts, one for all that differ in position alone.
-    fn leaves(&mut self, harmonics: &Harmonics, slices: &[Slice], host_eps: c64) -> Result<Vec<Placed>> {
+    fn leaves(
+        &mut self,
+        harmonics: &Harmonics,
+        slices: &[Slice],
+        host_eps: Complex64,
+    ) -> Result<Vec<Placed>> {
         let mut known = HashMap::new();
         let mut sequence: Vec<Placed> = Vec::with_capacity(slices.len());
         for slice in slices {
@@ -178,24 +182,31 @@ impl Stack {
     }
 
     /// How waves that come down on the stack go back up.
-    pub(super) fn reflection(&self) -> Mat<c64> {
+    pub(super) fn reflection(&self) -> Dense {
         self.placed(self.whole).top
     }
 
     /// Where the power goes of waves that come down on the stack.
     ///
     /// Amplitudes are found at every plane between slices, and each slice absorbs what flows in less what flows out.
-    pub(super) fn budget(&self, harmonics: &Harmonics, down: &[c64]) -> Budget {
+    pub(super) fn budget(&self, harmonics: &Harmonics, down: &[Complex64]) -> Budget {
         let mut budget = Budget::default();
-        self.descend(harmonics, self.whole, down, &vec![c64::ZERO; down.len()], &mut budget);
+        self.descend(harmonics, self.whole, down, &vec![Complex64::ZERO; down.len()], &mut budget);
         budget
     }
 
     /// Adds what becomes of the power in a part that is met by `down` from above and `up` from below.
-    fn descend(&self, harmonics: &Harmonics, placed: Placed, down: &[c64], up: &[c64], budget: &mut Budget) {
+    fn descend(
+        &self,
+        harmonics: &Harmonics,
+        placed: Placed,
+        down: &[Complex64],
+        up: &[Complex64],
+        budget: &mut Budget,
+    ) {
         // In the part's own frame.
         let turn = phases(down.len() / 2, -placed.shift);
-        let own = |wave: &[c64]| wave.iter().zip(&turn).map(|(w, t)| w * t).collect::<Vec<_>>();
+        let own = |wave: &[Complex64]| wave.iter().zip(&turn).map(|(w, t)| w * t).collect::<Vec<_>>();
         let (down, up) = if placed.flipped { (own(up), own(down)) } else { (own(down), own(up)) };
         let part = &self.parts[placed.part];
         match &part.kind {
@@ -226,17 +237,17 @@ impl Stack {
     }
 }
 
-fn apply(matrix: &Mat<c64>, wave: &[c64]) -> Vec<c64> {
-    let mut out = vec![c64::ZERO; matrix.nrows()];
+fn apply(matrix: &Dense, wave: &[Complex64]) -> Vec<Complex64> {
+    let mut out = vec![Complex64::ZERO; matrix.rows()];
     for (j, value) in wave.iter().enumerate() {
-        for (o, m) in out.iter_mut().zip(matrix.col_as_slice(j)) {
+        for (o, m) in out.iter_mut().zip(matrix.column(j)) {
             *o += m * value;
         }
     }
     out
 }
 
-fn sum(mut a: Vec<c64>, b: &[c64]) -> Vec<c64> {
+fn sum(mut a: Vec<Complex64>, b: &[Complex64]) -> Vec<Complex64> {
     for (a, b) in a.iter_mut().zip(b) {
         *a += b;
     }
