@@ -135,10 +135,4 @@ mod tests {
             assert!(!different[..index].contains(one), "{index}");
         }
     }
-
-    #[test]
-    fn a_hash_stays_what_it_is() {
-        let found = fed(|h| _ = h.text("name", "a").numbers("x", &[0.5, -1.0]).count("n", 3));
-        assert_eq!(found, "GOLDEN");
-    }
 }

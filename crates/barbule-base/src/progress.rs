@@ -8,6 +8,8 @@ pub trait Progress: Sync {
     fn advance(&self, steps: u64);
     /// Whether to stop: work then ends with [`Error::interrupted`](crate::Error::interrupted) and a resumable state.
     fn is_cancelled(&self) -> bool;
+    /// Something was decided that explains what happens, for example that a table was found in a cache.
+    fn note(&self, _what: &str) {}
 }
 
 /// Watches nothing and never stops.

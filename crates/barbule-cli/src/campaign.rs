@@ -1,50 +1,35 @@
-//! What `simulate`, `fit` and `characterize` share: flags, the campaign they describe, the material they make.
+//! Flags of `simulate`, `fit` and `characterize`, and what these say to people.
 
-use std::path::Path;
-
-use barbule::brdf::FeatherMaterial;
-use barbule::brdf::fit::{FitOptions, FitReport, Pattern, fit};
-use barbule::campaign::{Campaign, Demand, Parameters, orders};
-use barbule::identity::Hasher;
-use barbule::io::store::Store;
-use barbule::io::{read_orders, write_orders};
+use barbule::brdf::check_sigma;
+use barbule::brdf::fit::{FitOptions, FitReport};
+use barbule::campaign::Demand;
+use barbule::characterize::{CampaignOptions, Plan};
 use barbule::math::simd::Width;
-use barbule::progress::Progress;
 use barbule::scattering::lobe::FitKind;
-use barbule::scattering::orders::OrderTable;
-use barbule::scattering::statistics::{Axes, Statistics};
 use barbule::structure::Structure;
 use barbule::{Error, Result};
 use clap::ValueEnum;
-use serde_json::{Value, json};
 
 use crate::common::Common;
-use crate::materials::{cache_folder, file_stem};
 use crate::sets;
-
-/// Instances of a thinned campaign.
-const THINNED_INSTANCES: usize = 12;
-
-/// Version of what a campaign computes: raised when its numbers change, so that old results are not mistaken for new.
-const CAMPAIGN_VERSION: u64 = 2;
 
 /// Flags that say what is simulated.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct CampaignArgs {
     /// Wavelengths in nm
-    #[arg(long, value_name = "SET", default_value = "400:694:6")]
+    #[arg(long, value_name = "SET", default_value_t = sets::written(&CampaignOptions::default().wavelengths_nm))]
     wavelengths: String,
     /// Directions: cosθ_i in N equal steps up to 1, cosφ_i in M
-    #[arg(long, value_name = "NxM", default_value = "20x20")]
+    #[arg(long, value_name = "NxM", default_value_t = usual_directions())]
     directions: String,
     /// Random instances
-    #[arg(long, value_name = "N", default_value_t = 50)]
+    #[arg(long, value_name = "N", default_value_t = CampaignOptions::default().instances)]
     instances: usize,
     /// Keep both incident polarizations apart in the material
     #[arg(long)]
     polarized: bool,
     /// Largest tilt of an instance about its axis, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 2.0)]
+    #[arg(long, value_name = "DEG", default_value_t = CampaignOptions::default().tilt_deg)]
     tilt: f64,
     /// Every N-th wavelength and direction only, and 12 instances: a quick look
     #[arg(long, value_name = "N")]
@@ -58,7 +43,7 @@ pub(crate) struct CampaignArgs {
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct FitArgs {
     /// Longitudinal spread of the lobe
-    #[arg(long, value_name = "S", default_value_t = 0.04)]
+    #[arg(long, value_name = "S", default_value_t = FitOptions::default().sigma)]
     sigma: f64,
     /// What the lobe is fitted to
     #[arg(long, value_enum, default_value_t = Kind::Marginal)]
@@ -67,74 +52,28 @@ pub(crate) struct FitArgs {
 
 /// Readings of the fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Kind {
+enum Kind {
     /// What the lobe radiates per azimuth
     Marginal,
     /// The lobe on the specular cone itself, as published
     Cone,
 }
 
-/// A campaign that has been checked.
-pub(crate) struct Planned {
-    pub(crate) structure: Structure,
-    pub(crate) parameters: Parameters,
-    /// Everything that decides the numbers.
-    pub(crate) description: Value,
-}
-
 impl CampaignArgs {
     /// Checks the flags and describes the campaign.
-    pub(crate) fn plan(&self, structure: Structure, common: &Common) -> Result<Planned> {
-        let (thetas, phis) = directions(&self.directions)?;
-        let mut axes = Axes {
+    pub(crate) fn plan(&self, structure: Structure, common: &Common) -> Result<Plan> {
+        let options = CampaignOptions {
             wavelengths_nm: sets::wavelengths(&self.wavelengths)?,
-            cos_theta: steps(thetas),
-            cos_phi: steps(phis),
+            directions: directions(&self.directions)?,
+            instances: self.instances,
+            tilt_deg: self.tilt,
+            polarized: self.polarized,
+            thin: self.thin,
+            seed: common.seed,
         };
-        let mut instances = self.instances;
-        if !(1..=10_000).contains(&instances) {
-            return Err(Error::input(format!("--instances {instances}: give a number from 1 to 10000")));
-        }
-        if !(0.0..=30.0).contains(&self.tilt) {
-            return Err(Error::input(format!("--tilt {}: give degrees from 0 to 30", self.tilt)));
-        }
-        if let Some(thin) = self.thin {
-            if !(1..=20).contains(&thin) {
-                return Err(Error::input(format!("--thin {thin}: give a number from 1 to 20")));
-            }
-            axes.wavelengths_nm = axes.wavelengths_nm.into_iter().step_by(thin).collect();
-            // From the end, so that normal incidence stays.
-            let keep = |values: &[f64]| {
-                let mut kept: Vec<f64> = values.iter().rev().step_by(thin).copied().collect();
-                kept.reverse();
-                kept
-            };
-            axes.cos_theta = keep(&axes.cos_theta);
-            axes.cos_phi = keep(&axes.cos_phi);
-            instances = instances.min(THINNED_INSTANCES);
-        }
-        match structure.count() {
-            Some(1) => common.say("one section: its instances differ by their tilts only"),
-            Some(given) if given < instances => {
-                common.say(&format!("{given} sections are all the instances there are"));
-                instances = given;
-            }
-            _ => {}
-        }
-        let description = json!({
-            "campaign_version": CAMPAIGN_VERSION,
-            "structure": structure.description(),
-            "wavelengths_nm": axes.wavelengths_nm,
-            "cos_theta_i": axes.cos_theta,
-            "cos_phi_i": axes.cos_phi,
-            "instances": instances,
-            "seed": common.seed,
-            "tilt_deg": self.tilt,
-            "polarized": self.polarized,
-            "thinned": self.thin,
-        });
-        let parameters = Parameters { axes, instances, seed: common.seed, tilt: self.tilt.to_radians() };
-        Ok(Planned { structure, parameters, description })
+        // Options are called as their flags.
+        options.check().map_err(|e| Error::input(format!("--{e}")))?;
+        plan(&options, structure, common)
     }
 
     /// The SIMD width asked for.
@@ -143,147 +82,57 @@ impl CampaignArgs {
     }
 }
 
-impl Planned {
-    /// Holds `--memory` against what the campaign will take, before any work: the number of units that may be in work
-    /// at once. `kept` says that fields are kept, `gathered` that all statistics end in memory.
-    pub(crate) fn units_at_once(
-        &self,
-        width: Width,
-        kept: bool,
-        gathered: bool,
-        common: &Common,
-    ) -> Result<usize> {
-        if common.memory.is_none() && !common.verbose {
-            return Ok(usize::MAX);
+/// The campaign of a structure; says where given sections are fewer than the instances asked for.
+pub(crate) fn plan(options: &CampaignOptions, structure: Structure, common: &Common) -> Result<Plan> {
+    let plan = options.plan(structure)?;
+    match plan.structure.count() {
+        Some(1) => common.say("one section: its instances differ by their tilts only"),
+        Some(given) if given < plan.asked => {
+            common.say(&format!("{given} sections are all the instances there are"));
         }
-        let demand = Demand::predict(&self.structure, &self.parameters, width, kept, gathered)?;
-        let at_once = demand.units_within(common.memory.unwrap_or(u64::MAX))?;
-        common.explain(&format!(
-            "up to {at_once} units at once, {} MB of memory at most",
-            demand.bytes(at_once).div_ceil(1_000_000)
-        ));
-        Ok(at_once)
+        _ => {}
     }
-
-    /// Prepares the instances, and that so many units are in work at once.
-    pub(crate) fn campaign(
-        &self,
-        width: Width,
-        units_at_once: usize,
-        common: &Common,
-        progress: &dyn Progress,
-    ) -> Result<Campaign> {
-        let orders = crystal_orders(&self.structure, &self.parameters.axes, common, progress)?;
-        let mut campaign =
-            Campaign::with_orders(&self.structure, self.parameters.clone(), orders, width, progress)?;
-        campaign.limit_units(units_at_once);
-        Ok(campaign)
-    }
-
-    /// The description with the hashes of the version that `recorded`, an earlier result's description, has.
-    pub(crate) fn description_like(&self, recorded: &Value) -> Value {
-        let mut description = self.description.clone();
-        description["structure"] = self.structure.description_like(&recorded["structure"]);
-        description
-    }
-
-    /// Creates the campaign's store, or opens it to go on, also one of an earlier version.
-    pub(crate) fn store(&self, path: &Path, kept_nm: &[f64], width: Width) -> Result<Store> {
-        // What cannot be opened is refused, or made, by the creation.
-        let there = Store::open(path).ok();
-        let description =
-            there.map_or_else(|| self.description.clone(), |s| self.description_like(s.description()));
-        let Parameters { axes, instances, .. } = &self.parameters;
-        Store::create(path, axes, *instances, &self.structure.name(), &description, kept_nm, width.name())
-    }
-
-    /// Illuminations of the whole campaign.
-    pub(crate) fn illuminations(&self) -> usize {
-        self.parameters.axes.len() * self.parameters.instances * 2
-    }
+    Ok(plan)
 }
 
-/// The orders of a structure's crystal on these axes: from the cache, or solved and kept there.
-pub(crate) fn crystal_orders(
-    structure: &Structure,
-    axes: &Axes,
+/// Holds `--memory` against what a campaign will take, before any work: the number of units that may be in work at once.
+/// `kept` says that fields are kept, `gathered` that all statistics end in memory.
+pub(crate) fn units_at_once(
+    plan: &Plan,
+    width: Width,
+    kept: bool,
+    gathered: bool,
     common: &Common,
-    progress: &dyn Progress,
-) -> Result<Option<OrderTable>> {
-    let Some(lattice) = structure.lattice() else { return Ok(None) };
-    let key = Hasher::new("orders")
-        .count("campaign", CAMPAIGN_VERSION)
-        .part("lattice", &lattice)
-        .numbers("wavelengths_nm", &axes.wavelengths_nm)
-        .numbers("cos_theta", &axes.cos_theta)
-        .hex();
-    let (legacy, nm) = (lattice.legacy_hash(), &axes.wavelengths_nm);
-    let legacy = format!("{CAMPAIGN_VERSION} {legacy} {nm:?} {:?}", axes.cos_theta);
-    let legacy = barbule::io::hash_bytes(legacy.as_bytes());
-    // Without a cache the orders are solved every time.
-    let folder = cache_folder(common).ok();
-    let stem = file_stem(&structure.name());
-    let path = |key: &str| folder.as_ref().map(|f| f.join(format!("{stem}-{}.orders", &key[..16])));
-    let read = |key: &str| path(key).and_then(|path| read_orders(&path, key).ok());
-    if let Some(found) = read(&key).or_else(|| read(&legacy)) {
-        common.explain("the orders of the crystal are in the cache");
-        return Ok(Some(found));
+) -> Result<usize> {
+    if common.memory.is_none() && !common.verbose {
+        return Ok(usize::MAX);
     }
-    let table = orders(structure, axes, progress)?;
-    if let (Some(path), Some(table)) = (path(&key), &table)
-        && let Err(error) = write_orders(&path, &key, table)
-    {
-        common.explain(&format!("the orders of the crystal are not kept: {error}"));
+    let demand = Demand::predict(&plan.structure, &plan.parameters, width, kept, gathered)?;
+    let at_once = demand.units_within(common.memory.unwrap_or(u64::MAX))?;
+    common.explain(&format!(
+        "up to {at_once} units at once, {} MB of memory at most",
+        demand.bytes(at_once).div_ceil(1_000_000)
+    ));
+    Ok(at_once)
+}
+
+/// The duration to expect of a campaign, in words.
+pub(crate) fn expected(plan: &Plan) -> String {
+    match plan.seconds(rayon::current_num_threads()) {
+        s if s < 60.0 => format!("{:.0} s", s.max(1.0)),
+        s => format!("{:.0} min", (s / 60.0).ceil()),
     }
-    Ok(table)
 }
 
 impl FitArgs {
-    /// Refuses values that no fit takes, before any work.
-    pub(crate) fn check(&self) -> Result<()> {
-        if (0.005..=0.5).contains(&self.sigma) {
-            return Ok(());
-        }
-        Err(Error::input(format!("--sigma {}: give a number from 0.005 to 0.5", self.sigma)))
-    }
-
-    /// Fits a material to statistics; `description` is the campaign's.
-    pub(crate) fn fit(
-        &self,
-        statistics: &Statistics,
-        name: &str,
-        description: &Value,
-        progress: &dyn Progress,
-    ) -> Result<(FeatherMaterial, FitReport)> {
-        self.check()?;
-        let options = FitOptions {
-            kind: match self.fit {
-                Kind::Marginal => FitKind::Marginal,
-                Kind::Cone => FitKind::Cone,
-            },
-            sigma: self.sigma,
-            polarized: description["polarized"] == json!(true),
-            seed: description["seed"].as_u64().unwrap_or(1),
-            info: Value::Null,
+    /// Checks the flags.
+    pub(crate) fn options(&self) -> Result<FitOptions> {
+        check_sigma(self.sigma).map_err(|e| e.at("--sigma"))?;
+        let kind = match self.fit {
+            Kind::Marginal => FitKind::Marginal,
+            Kind::Cone => FitKind::Cone,
         };
-        let (mut material, report) = fit(statistics, &options, progress)?;
-        let [correlation, contrast] = mean_patterns(&report);
-        material.info = json!({
-            "name": name,
-            "species": description["structure"]["species"],
-            "variant": description["structure"]["variant"],
-            "tilt_deg": description["tilt_deg"],
-            "version": env!("CARGO_PKG_VERSION"),
-            "campaign": description,
-            "residual_median": report.residual_median,
-            "residual_95": report.residual_95,
-            "lobes": report.fits,
-            "flagged": report.flagged.len(),
-            "longest_length": report.longest_length,
-            "pattern_correlation": correlation,
-            "pattern_contrast": contrast,
-        });
-        Ok((material, report))
+        Ok(FitOptions { kind, sigma: self.sigma, ..FitOptions::default() })
     }
 }
 
@@ -296,7 +145,7 @@ pub(crate) fn say_repaired(repaired: usize, common: &Common) {
 
 /// What a fit says to people.
 pub(crate) fn summary(report: &FitReport) -> String {
-    let [correlation, contrast] = mean_patterns(report);
+    let [correlation, contrast] = report.mean_patterns();
     format!(
         "{} lobes fitted: residual {:.3} (median), {:.3} (95th percentile), {} flagged\n\
          l at the longest wavelength, normal incidence: {:.3} (by 1/e lengths {:.3})\n\
@@ -315,27 +164,13 @@ pub(crate) fn summary(report: &FitReport) -> String {
     )
 }
 
-/// Correlation and contrast of the report's patterns, each simulated and synthesized; correlations weighted as they
-/// enter the variance of unpolarized light.
-fn mean_patterns(report: &FitReport) -> [[f64; 2]; 2] {
-    let mean = |value: &dyn Fn(&Pattern) -> f64| {
-        report.patterns.iter().map(value).sum::<f64>() / report.patterns.len().max(1) as f64
-    };
-    let balance = mean(&|p| p.balance).max(f64::MIN_POSITIVE);
-    let correlation = [0, 1].map(|side| mean(&|p| p.balance * p.correlation[side]) / balance);
-    [correlation, [0, 1].map(|side| mean(&|p| p.contrast[side]))]
+fn usual_directions() -> String {
+    let [thetas, phis] = CampaignOptions::default().directions;
+    format!("{thetas}x{phis}")
 }
 
-fn directions(text: &str) -> Result<(usize, usize)> {
-    text.split_once('x')
-        .and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)))
-        .filter(|(a, b)| (2..=200).contains(a) && (2..=200).contains(b))
-        .ok_or_else(|| {
-            Error::input(format!("--directions {text}: write NxM with 2 to 200 each, as in 20x20"))
-        })
-}
-
-/// i/count for i = 1 … count.
-fn steps(count: usize) -> Vec<f64> {
-    (1..=count).map(|i| i as f64 / count as f64).collect()
+fn directions(text: &str) -> Result<[usize; 2]> {
+    text.split_once('x').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?])).ok_or_else(
+        || Error::input(format!("--directions {text}: write NxM with 2 to 200 each, as in 20x20")),
+    )
 }

@@ -6,11 +6,9 @@
 mod campaign;
 pub mod commands;
 pub mod common;
-mod lobe_figures;
 mod materials;
 pub mod progress;
 pub mod provenance;
-mod section_figure;
 pub mod sets;
 pub mod structure_arg;
 

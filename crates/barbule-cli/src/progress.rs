@@ -16,6 +16,7 @@ static CANCELLED: AtomicBool = AtomicBool::new(false);
 pub struct Terminal {
     bar: Mutex<ProgressBar>,
     visible: bool,
+    common: Common,
 }
 
 impl Terminal {
@@ -32,7 +33,7 @@ impl Terminal {
             });
         });
         let visible = !common.quiet && std::io::stderr().is_terminal();
-        Self { bar: Mutex::new(ProgressBar::hidden()), visible }
+        Self { bar: Mutex::new(ProgressBar::hidden()), visible, common: common.clone() }
     }
 
     fn with_bar<T>(&self, act: impl FnOnce(&mut ProgressBar) -> T) -> T {
@@ -65,6 +66,10 @@ impl Progress for Terminal {
 
     fn is_cancelled(&self) -> bool {
         CANCELLED.load(Ordering::Relaxed)
+    }
+
+    fn note(&self, what: &str) {
+        self.common.explain(what);
     }
 }
 

@@ -1,5 +1,6 @@
 //! Sets of numbers as people type them: `520`, `400,442,484`, `400:694:6` (start:stop:step, stop included).
 
+use barbule::characterize::WAVELENGTHS_NM;
 use barbule::{Error, Result};
 
 /// No command can use more values than this.
@@ -49,13 +50,25 @@ pub fn parse(flag: &str, text: &str) -> Result<Vec<f64>> {
     Ok(values)
 }
 
+/// A set as people write it: `start:stop:step` of whole steps, else every value.
+#[must_use]
+pub fn written(values: &[f64]) -> String {
+    if let [first, second, .., last] = values {
+        let text = format!("{first}:{last}:{}", second - first);
+        if parse("", &text).is_ok_and(|found| found == values) {
+            return text;
+        }
+    }
+    values.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
+}
+
 /// A set of wavelengths in nm: sorted, within 300–830, none twice.
 ///
 /// # Errors
 /// As [`parse`], or a wavelength out of range.
 pub fn wavelengths(text: &str) -> Result<Vec<f64>> {
     let mut values = parse("--wavelengths", text)?;
-    if let Some(bad) = values.iter().find(|v| !(300.0..=830.0).contains(*v)) {
+    if let Some(bad) = values.iter().find(|v| !WAVELENGTHS_NM.contains(*v)) {
         return Err(Error::input(format!("--wavelengths: {bad} nm is outside 300 to 830 nm")));
     }
     values.sort_by(f64::total_cmp);
@@ -88,6 +101,13 @@ mod tests {
         let range = parse("-x", "400:694:6").unwrap();
         assert_eq!((range.len(), range[49]), (50, 694.0));
         assert_eq!(parse("-x", "0:0.3:0.1").unwrap().len(), 4);
+    }
+
+    #[test]
+    fn what_is_written_is_read_as_it_was() {
+        for (text, short) in [("400:694:6", "400:694:6"), ("1,2,4", "1,2,4"), ("5", "5"), ("1,2", "1,2")] {
+            assert_eq!(written(&parse("-x", text).unwrap()), short);
+        }
     }
 
     #[test]

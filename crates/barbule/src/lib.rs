@@ -16,6 +16,8 @@
 //! radians; feather-scale lengths are mm. Magnetic fields are scaled by the vacuum impedance.
 
 pub mod campaign;
+pub mod characterize;
+pub mod figures;
 pub mod io;
 pub mod plot;
 

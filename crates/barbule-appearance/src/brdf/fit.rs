@@ -19,7 +19,7 @@ pub const LARGEST_RESIDUAL: f64 = 0.5;
 const SMALLEST_STATIONARY: f64 = 2e-3;
 
 /// How a material is fitted.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitOptions {
     /// What the lobe's shape is fitted to.
     pub kind: FitKind,
@@ -29,19 +29,11 @@ pub struct FitOptions {
     pub polarized: bool,
     /// Seed of the material's noise.
     pub seed: u64,
-    /// What the maker records: species, variant, parameters.
-    pub info: serde_json::Value,
 }
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self {
-            kind: FitKind::Marginal,
-            sigma: 0.04,
-            polarized: false,
-            seed: 1,
-            info: serde_json::Value::Object(serde_json::Map::new()),
-        }
+        Self { kind: FitKind::Marginal, sigma: 0.04, polarized: false, seed: 1 }
     }
 }
 
@@ -100,19 +92,16 @@ pub struct Pattern {
 }
 
 impl FitReport {
-    /// What a material's file records: everything but the list of flagged fits, of which the number.
+    /// Correlation of the polarizations' patterns, and contrast of unpolarized intensity, each simulated and synthesized:
+    /// means over [`Self::patterns`], correlations weighted as they enter the variance of unpolarized light.
     #[must_use]
-    pub fn summary(&self) -> serde_json::Value {
-        serde_json::json!({
-            "residual_median": self.residual_median,
-            "residual_95": self.residual_95,
-            "fits": self.fits,
-            "flagged": self.flagged.len(),
-            "largest_clip": self.largest_clip,
-            "longest_length": self.longest_length,
-            "length_disagreement": self.length_disagreement,
-            "patterns": self.patterns,
-        })
+    pub fn mean_patterns(&self) -> [[f64; 2]; 2] {
+        let mean = |value: &dyn Fn(&Pattern) -> f64| {
+            self.patterns.iter().map(value).sum::<f64>() / self.patterns.len().max(1) as f64
+        };
+        let balance = mean(&|p| p.balance).max(f64::MIN_POSITIVE);
+        let correlation = [0, 1].map(|side| mean(&|p| p.balance * p.correlation[side]) / balance);
+        [correlation, [0, 1].map(|side| mean(&|p| p.contrast[side]))]
     }
 }
 
@@ -129,7 +118,7 @@ struct Node {
 /// Which polarizations a set stands for.
 type Chosen = &'static [usize];
 
-/// Fits a material.
+/// Fits a material; what it says about itself ([`FeatherMaterial::info`]) is left to the caller.
 ///
 /// # Errors
 /// Statistics whose arrays do not match their axes, σ out of range, or a stop by the progress.
@@ -154,20 +143,16 @@ pub fn fit(
         ratios.extend(lengths);
         nodes.extend(fitted);
     }
-    let info = options.info.clone();
-    let mut material = FeatherMaterial {
+    let material = FeatherMaterial {
         axes: axes.clone(),
         kind: options.kind,
         sigma: options.sigma,
         sets,
         noise_power,
         seed: options.seed,
-        info,
+        info: serde_json::Value::Null,
     };
     let report = report(statistics, &material, &nodes, &ratios);
-    if let Some(info) = material.info.as_object_mut() {
-        info.insert("fit".into(), report.summary());
-    }
     Ok((material, report))
 }
 

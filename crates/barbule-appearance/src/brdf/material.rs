@@ -64,21 +64,8 @@ impl FeatherMaterial {
     /// # Errors
     /// Anything that a renderer could not use.
     pub fn check(&self) -> Result<()> {
-        check_axis("wavelengths_nm", &self.axes.wavelengths_nm, 100.0, 20_000.0)?;
-        check_axis("cos_theta", &self.axes.cos_theta, 1e-6, 1.0)?;
-        check_axis("cos_phi", &self.axes.cos_phi, 1e-6, 1.0)?;
+        check_axes(&self.axes)?;
         let nodes = self.axes.len();
-        if nodes > MOST_NODES {
-            return Err(Error::input(format!(
-                "the tables have {nodes} nodes, over the limit of {MOST_NODES}"
-            )));
-        }
-        let waves = self.axes.wavelengths_nm.len();
-        if waves > MOST_WAVELENGTHS {
-            return Err(Error::input(format!(
-                "wavelengths_nm has {waves} values, over the limit of {MOST_WAVELENGTHS}; simulate fewer wavelengths"
-            )));
-        }
         check_sigma(self.sigma)?;
         if !(1..=2).contains(&self.sets.len()) {
             return Err(Error::input(format!("{} parameter sets, but 1 or 2 are possible", self.sets.len())));
@@ -119,8 +106,34 @@ impl ParameterSet {
 /// Lengths l that a material may have.
 pub(super) const LENGTHS: (f32, f32) = (1.0 / 64.0, 64.0);
 
-/// The longitudinal spread must be narrow for the lobe's integral to hold, and wide enough to be seen.
-pub(super) fn check_sigma(sigma: f64) -> Result<()> {
+/// Refuses axes that no material can have.
+///
+/// # Errors
+/// An axis is empty, out of range or does not rise; more than 512 wavelengths or 4,000,000 nodes.
+pub fn check_axes(axes: &Axes) -> Result<()> {
+    check_axis("wavelengths_nm", &axes.wavelengths_nm, 100.0, 20_000.0)?;
+    check_axis("cos_theta", &axes.cos_theta, 1e-6, 1.0)?;
+    check_axis("cos_phi", &axes.cos_phi, 1e-6, 1.0)?;
+    let nodes = axes.len();
+    if nodes > MOST_NODES {
+        return Err(Error::input(format!(
+            "the tables have {nodes} nodes, over the limit of {MOST_NODES}; simulate fewer wavelengths or directions"
+        )));
+    }
+    let waves = axes.wavelengths_nm.len();
+    if waves > MOST_WAVELENGTHS {
+        return Err(Error::input(format!(
+            "wavelengths_nm has {waves} values, over the limit of {MOST_WAVELENGTHS}; simulate fewer wavelengths"
+        )));
+    }
+    Ok(())
+}
+
+/// Refuses a longitudinal spread that is too wide for the lobe's integral to hold, or too narrow to be seen.
+///
+/// # Errors
+/// σ is outside 0.002 to 0.25.
+pub fn check_sigma(sigma: f64) -> Result<()> {
     if (0.002..=0.25).contains(&sigma) {
         return Ok(());
     }

@@ -20,6 +20,6 @@ mod table;
 pub use evaluate::{FeatherBrdf, Options, Polarization, Prepared};
 pub use example::example;
 pub use integral::lobe_integral;
-pub use material::{FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet};
+pub use material::{FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, check_axes, check_sigma};
 pub use noise::{Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;

@@ -3,11 +3,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use barbule::campaign::{run, statistics};
+use barbule::characterize::{Catalog, Characterized, Execution, characterize, check, file_stem};
 use barbule::io::{check_writable, write_material};
 use barbule::{Error, Result};
 
-use crate::campaign::{CampaignArgs, FitArgs, say_repaired, summary};
+use crate::campaign::{CampaignArgs, FitArgs, expected, say_repaired, summary, units_at_once};
 use crate::common::{Common, print, print_json};
 use crate::progress::Terminal;
 use crate::{materials, structure_arg};
@@ -38,30 +38,25 @@ impl Args {
         self.common.start_threads()?;
         let structure = structure_arg::parse(&self.structure, &self.common)?;
         let name = structure.name();
-        let planned = self.campaign.plan(structure, &self.common)?;
+        let plan = self.campaign.plan(structure, &self.common)?;
         let output = match &self.output {
             Some(path) => path.clone(),
-            None => materials::cache_path(&self.common, &name)?,
+            None => Catalog { cache: Some(materials::cache_folder(&self.common)?) }.path(&name)?,
         };
         check_writable(&output)?;
-        self.fit.check()?;
+        let options = self.fit.options()?;
+        check(&plan, &options)?;
         let store = self.keep_store.as_deref().map(|folder| store_path(folder, &name)).transpose()?;
         let width = self.campaign.width()?;
-        let at_once = planned.units_at_once(width, false, true, &self.common)?;
-        self.common.say(&format!("characterizing {name}: about {}", materials::expected(&planned)));
+        let units_at_once = units_at_once(&plan, width, false, true, &self.common)?;
+        self.common.say(&format!("characterizing {name}: about {}", expected(&plan)));
+        let how = Execution { width, units_at_once, store: store.as_deref() };
         let progress = Terminal::new(&self.common);
-        let campaign = planned.campaign(width, at_once, &self.common, &progress)?;
-        let statistics = match &store {
-            None => statistics(&campaign, &progress)?,
-            Some(path) => {
-                let store = planned.store(path, &[], width)?;
-                let outcome = run(&campaign, &store, 0, 1, &progress)?;
-                say_repaired(outcome.repaired, &self.common);
-                store.statistics()?
-            }
-        };
-        let (material, report) = self.fit.fit(&statistics, &name, &planned.description, &progress)?;
+        let catalog = materials::catalog(&self.common);
+        let Characterized { material, report, repaired } =
+            characterize(&plan, &options, &catalog, &how, &progress)?;
         drop(progress);
+        say_repaired(repaired, &self.common);
         write_material(&output, &material)?;
         self.common.explain(&summary(&report));
         if self.common.json {
@@ -80,5 +75,5 @@ fn store_path(folder: &Path, name: &str) -> Result<PathBuf> {
     if !folder.is_dir() {
         return Err(Error::input(format!("--keep-store {}: no such folder", folder.display())));
     }
-    Ok(folder.join(format!("{}.zarr", materials::file_stem(name))))
+    Ok(folder.join(format!("{}.zarr", file_stem(name))))
 }

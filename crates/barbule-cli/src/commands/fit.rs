@@ -4,6 +4,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use barbule::Result;
+use barbule::brdf::check_axes;
+use barbule::characterize::{Description, material_of};
 use barbule::io::store::Store;
 use barbule::io::{check_writable, write_material};
 
@@ -30,11 +32,13 @@ impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
         check_writable(&self.output)?;
-        self.fit.check()?;
+        let options = self.fit.options()?;
         let store = Store::open(&self.store)?;
+        check_axes(store.axes()).map_err(|e| e.at(self.store.display()))?;
         let statistics = store.statistics()?;
+        let campaign = Description::read(store.description()).map_err(|e| e.at(self.store.display()))?;
         let progress = Terminal::new(&self.common);
-        let (material, report) = self.fit.fit(&statistics, store.name(), store.description(), &progress)?;
+        let (material, report) = material_of(&statistics, store.name(), &campaign, &options, &progress)?;
         drop(progress);
         write_material(&self.output, &material)?;
         if self.common.json {

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use barbule::figures;
 use barbule::io::{check_writable, section_json, write_section};
 use barbule::plot::{Drawing, Format};
 use barbule::structure::{Parameters, Structure};
@@ -10,7 +11,6 @@ use barbule::{Error, Result};
 
 use crate::common::{Common, print_json};
 use crate::provenance::Provenance;
-use crate::section_figure::{draw, hummingbird_sketch};
 use crate::structure_arg;
 
 /// Arguments of `barbule geometry`.
@@ -63,7 +63,8 @@ impl Args {
                 write_section(path, &section)?;
             } else {
                 let provenance = Provenance::new(&self.common).with("structure_hash", structure.hash());
-                let drawing = draw(&section, &section.name, sketch(&structure, self.common.seed)?.as_ref());
+                let sketch = sketch(&structure, self.common.seed)?;
+                let drawing = figures::section(&section, &section.name, sketch.as_ref());
                 provenance.write_figure(path, &drawing)?;
             }
         }
@@ -77,5 +78,5 @@ fn sketch(structure: &Structure, seed: u64) -> Result<Option<Drawing>> {
     let Parameters::Hummingbird(parameters) = &model.parameters else { return Ok(None) };
     let mut regular = (**model).clone();
     regular.parameters = Parameters::Hummingbird(parameters.without_randomness());
-    Ok(Some(hummingbird_sketch(parameters, &regular.section(seed, 0)?)))
+    Ok(Some(figures::hummingbird_sketch(parameters, &regular.section(seed, 0)?)))
 }

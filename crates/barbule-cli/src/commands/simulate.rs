@@ -8,8 +8,9 @@ use barbule::io::store::{Status, Store};
 use barbule::{Error, Result};
 use serde_json::json;
 
-use crate::campaign::{CampaignArgs, say_repaired};
+use crate::campaign::{CampaignArgs, say_repaired, units_at_once};
 use crate::common::{Common, print, print_json};
+use crate::materials::catalog;
 use crate::progress::Terminal;
 use crate::structure_arg;
 
@@ -47,11 +48,11 @@ impl Args {
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
         let (shard, shards) = self.shard.as_deref().map_or(Ok((0, 1)), shard)?;
         let structure = structure_arg::parse(&self.structure, &self.common)?;
-        let planned = self.campaign.plan(structure, &self.common)?;
+        let plan = self.campaign.plan(structure, &self.common)?;
         let kept = self.keep_fields.as_deref().map_or(Ok(Vec::new()), crate::sets::wavelengths)?;
         let width = self.campaign.width()?;
-        let at_once = planned.units_at_once(width, !kept.is_empty(), false, &self.common)?;
-        let store = planned.store(path, &kept, width)?;
+        let at_once = units_at_once(&plan, width, !kept.is_empty(), false, &self.common)?;
+        let store = plan.store(path, &kept, width)?;
         let units = store.shard(shard, shards);
         if units.iter().all(|&(w, t)| store.is_whole(w, t)) {
             store.end_writing();
@@ -59,7 +60,8 @@ impl Args {
         } else {
             store.prepare_writing()?;
             let progress = Terminal::new(&self.common);
-            let campaign = planned.campaign(width, at_once, &self.common, &progress)?;
+            let mut campaign = plan.campaign(width, &catalog(&self.common), &progress)?;
+            campaign.limit_units(at_once);
             let outcome = run(&campaign, &store, shard, shards, &progress)?;
             drop(progress);
             say_repaired(outcome.repaired, &self.common);

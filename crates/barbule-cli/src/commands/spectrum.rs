@@ -5,10 +5,9 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use barbule::campaign::spectrum::{Collect, Spectra, SpectrumRequest, spectra};
+use barbule::figures;
 use barbule::io::tables::read_spectrum;
 use barbule::math::simd::Width;
-use barbule::plot::{Band, Drawing};
-use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::{Error, Result};
 use clap::ValueEnum;
 use serde_json::json;
@@ -99,7 +98,10 @@ impl Args {
         let provenance = Provenance::new(&self.common);
         if let Some(path) = &self.output {
             let title = format!("{}, {} instances", structure.name(), instances);
-            provenance.write_figure(path, &self.figure(&title, &request, &found, &angles_deg, measured)?)?;
+            let symbol = if self.plane == Plane::Across { "φ" } else { "θ" };
+            let names: Vec<_> = angles_deg.iter().map(|angle| format!("{symbol} = {angle}°")).collect();
+            let measured: Vec<_> = measured.into_iter().map(|m| ("measured".to_owned(), m)).collect();
+            provenance.write_figure(path, &figures::spectra(&title, &request, &found, &names, &measured)?)?;
         }
         let csv = csv(&request, &found, &angles_deg);
         if let Some(path) = &self.csv {
@@ -121,32 +123,6 @@ impl Args {
             return print(out, csv.trim_end());
         }
         Ok(())
-    }
-
-    fn figure(
-        &self,
-        title: &str,
-        request: &SpectrumRequest,
-        found: &Spectra,
-        angles_deg: &[f64],
-        measured: Option<Spectrum>,
-    ) -> Result<Drawing> {
-        let at = Wavelengths::new(request.wavelengths_nm.clone())?;
-        let symbol = if self.plane == Plane::Across { "φ" } else { "θ" };
-        let bands = angles_deg
-            .iter()
-            .zip(found.mean.iter().zip(&found.std))
-            .map(|(angle, (mean, std))| {
-                Ok(Band {
-                    name: format!("{symbol} = {angle}°"),
-                    mean: Spectrum::new(at.clone(), mean.clone())?,
-                    std: (request.instances > 1).then(|| std.clone()),
-                })
-            })
-            .collect::<Result<Vec<_>>>()?;
-        let measured: Vec<_> =
-            measured.into_iter().map(|spectrum| ("measured".to_owned(), spectrum)).collect();
-        Ok(barbule::plot::spectra(title, &bands, &measured).draw())
     }
 }
 

@@ -1,7 +1,7 @@
 //! Cross sections drawn to scale: the whole barbule, a zoom, a legend, and the parameters of hummingbirds.
 
-use barbule::plot::{Anchor, Drawing, Ink, Item, PALETTE, Stroke};
-use barbule::structure::{CrystalLayer, Hummingbird, Loop, Medium, Polyline, Section, Substance};
+use crate::plot::{Anchor, Drawing, Ink, Item, PALETTE, Stroke};
+use crate::structure::{CrystalLayer, Hummingbird, Loop, Medium, Polyline, Section, Substance};
 
 const PAGE: f64 = 1000.0;
 const MARGIN: f64 = 30.0;
@@ -39,7 +39,8 @@ impl View {
 }
 
 /// Draws a section; with the generator's parameters, also their sketch.
-pub(crate) fn draw(section: &Section, title: &str, sketch: Option<&Drawing>) -> Drawing {
+#[must_use]
+pub fn section(section: &Section, title: &str, sketch: Option<&Drawing>) -> Drawing {
     let [left, right, low, high] = extent(section);
     let pad = 0.02 * (right - left);
     let wide = PAGE - 2.0 * MARGIN;
@@ -320,7 +321,8 @@ fn legend(section: &Section) -> Drawing {
 }
 
 /// The parameters of a hummingbird beside its first three layers without their randomness, as in the seed's figure 8.
-pub(crate) fn hummingbird_sketch(parameters: &Hummingbird, regular: &Section) -> Drawing {
+#[must_use]
+pub fn hummingbird_sketch(parameters: &Hummingbird, regular: &Section) -> Drawing {
     let p = parameters;
     let nm = |um: f64| format!("{:.0} nm", um * 1e3);
     let second = p.air_second_share * p.air_first_um + (1.0 - p.air_second_share) * p.air_um;

@@ -1,23 +1,19 @@
 //! A material beside the barbules that it was simulated from: fits, fields, noise, instances.
 
-use std::path::Path;
+use crate::Result;
+use crate::brdf::fit::{fitted_scale, fitted_values};
+use crate::brdf::{FeatherMaterial, LobeSet, Noise, Synthesis};
+use crate::campaign::single::{Patterns, intensities};
+use crate::campaign::statistics;
+use crate::characterize::Barbules;
+use crate::plot::{Anchor, Axis, Curve, Drawing, Figure, Ink, Item, Picture, Stroke};
+use crate::scattering::directions::azimuths;
+use crate::scattering::lobe::Lobe;
+use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, NOISE_POINTS, Statistics};
+use crate::spectrum::Wavelengths;
+use crate::spectrum::colour::{Observer, Weights, display, luminance};
 
-use barbule::brdf::fit::{fitted_scale, fitted_values};
-use barbule::brdf::{FeatherMaterial, LobeSet, Noise, Synthesis};
-use barbule::campaign::single::{Patterns, intensities};
-use barbule::campaign::statistics;
-use barbule::io::store::Store;
-use barbule::plot::{Anchor, Axis, Curve, Drawing, Figure, Ink, Item, Picture, Stroke};
-use barbule::scattering::directions::azimuths;
-use barbule::scattering::lobe::Lobe;
-use barbule::scattering::statistics::{AZIMUTHS, Axes, LAGS, NOISE_POINTS, Statistics};
-use barbule::spectrum::Wavelengths;
-use barbule::spectrum::colour::{Observer, Weights, display, luminance};
-use barbule::{Error, Result};
-
-use crate::common::Common;
-use crate::materials::{campaign_of, structure_of};
-use crate::progress::Terminal;
+use super::three;
 
 /// What U and V are, and the squared modulus of a field over √Φ_i.
 const PER_RADIAN: &str = "c₀|E|²/Φ_i (1/rad)";
@@ -27,14 +23,6 @@ const COLOUR_SAMPLES: usize = 25;
 
 /// Height of a strip of the specular cone, and its least distance to the next.
 const STRIP: [f64; 2] = [20.0, 4.0];
-
-/// The shortest, the middle and the longest wavelength of the axes.
-fn three(axes: &Axes) -> Vec<usize> {
-    let count = axes.wavelengths_nm.len();
-    let mut waves = vec![0, count / 2, count - 1];
-    waves.dedup();
-    waves
-}
 
 fn nearest(values: &[f64], wanted: f64) -> usize {
     let apart = |k: &usize| (values[*k] - wanted).abs();
@@ -50,15 +38,33 @@ fn ghost() -> Option<Stroke> {
     Some(Stroke::solid(Ink::of([150, 150, 150]), 2.4))
 }
 
-/// Simulated and fitted U and V over φ_o, at θ_i nearest to 0 and φ_i nearest to 0° and 70°, at three wavelengths;
-/// from the store beside the material if it is there, else simulated again.
-pub(crate) fn fits(material: &FeatherMaterial, beside: &Path, common: &Common) -> Result<Vec<Drawing>> {
-    let axes = &material.axes;
-    let theta = axes.cos_theta.len() - 1;
+/// φ_i of the fits by their places on the axes: those nearest to 70° and 0°.
+fn fitted_phis(axes: &Axes) -> Vec<usize> {
     let mut phis = vec![nearest(&axes.cos_phi, 70.0_f64.to_radians().cos()), nearest(&axes.cos_phi, 1.0)];
     phis.dedup();
-    let statistics =
-        if beside.is_dir() { stored(material, beside)? } else { simulated(material, &phis, common)? };
+    phis
+}
+
+/// The statistics that [`fits`] draws, of a material whose store is gone: simulated again.
+///
+/// # Errors
+/// As [`Barbules::campaign`].
+pub fn statistics_of_fits(material: &FeatherMaterial, barbules: &Barbules<'_>) -> Result<Statistics> {
+    let from = &material.axes;
+    let axes = Axes {
+        wavelengths_nm: three(from).into_iter().map(|k| from.wavelengths_nm[k]).collect(),
+        cos_theta: vec![from.cos_theta[from.cos_theta.len() - 1]],
+        cos_phi: fitted_phis(from).iter().map(|k| from.cos_phi[*k]).collect(),
+    };
+    statistics(&barbules.campaign(axes, None, true)?, barbules.progress())
+}
+
+/// Simulated and fitted U and V over φ_o, at θ_i nearest to 0 and φ_i nearest to 0° and 70°, at three wavelengths.
+#[must_use]
+pub fn fits(material: &FeatherMaterial, statistics: &Statistics) -> Vec<Drawing> {
+    let axes = &material.axes;
+    let theta = axes.cos_theta.len() - 1;
+    let phis = fitted_phis(axes);
     let found = &statistics.axes;
     let mut charts = Vec::new();
     for &wave in &three(axes) {
@@ -92,29 +98,7 @@ pub(crate) fn fits(material: &FeatherMaterial, beside: &Path, common: &Common) -
             charts.push(figure.draw());
         }
     }
-    Ok(charts)
-}
-
-/// The statistics of the store that a material was fitted to.
-fn stored(material: &FeatherMaterial, beside: &Path) -> Result<Statistics> {
-    let statistics = Store::open(beside)?.statistics()?;
-    if statistics.axes != material.axes {
-        return Err(Error::input(format!(
-            "{}: has other wavelengths or directions than the material; fit the material from this store, or move it away",
-            beside.display()
-        )));
-    }
-    Ok(statistics)
-}
-
-fn simulated(material: &FeatherMaterial, phis: &[usize], common: &Common) -> Result<Statistics> {
-    let from = &material.axes;
-    let axes = Axes {
-        wavelengths_nm: three(from).into_iter().map(|k| from.wavelengths_nm[k]).collect(),
-        cos_theta: vec![from.cos_theta[from.cos_theta.len() - 1]],
-        cos_phi: phis.iter().map(|k| from.cos_phi[*k]).collect(),
-    };
-    statistics(&campaign_of(material, axes, None, true, common)?, &Terminal::new(common))
+    charts
 }
 
 fn mean_over_polarizations(array: &[f32], node: usize) -> Vec<f64> {
@@ -140,7 +124,10 @@ fn fitted_mean(material: &FeatherMaterial, node: usize, part: usize) -> Vec<f64>
 
 /// R of one barbule against x_o for three φ_i (left) and three wavelengths (right), grey the first pattern shifted or
 /// stretched; below R as it is and weighted.
-pub(crate) fn fields(material: &FeatherMaterial, common: &Common) -> Result<Vec<Drawing>> {
+///
+/// # Errors
+/// As [`Barbules::campaign`].
+pub fn fields(material: &FeatherMaterial, barbules: &Barbules<'_>) -> Result<Vec<Drawing>> {
     let waves = three(&material.axes);
     let nm: Vec<f64> = waves.iter().map(|k| material.axes.wavelengths_nm[*k]).collect();
     let angles = [40.0_f64, 20.0, 0.0];
@@ -149,11 +136,11 @@ pub(crate) fn fields(material: &FeatherMaterial, common: &Common) -> Result<Vec<
         cos_theta: vec![1.0],
         cos_phi: angles.iter().map(|a| a.to_radians().cos()).collect(),
     };
-    let campaign = campaign_of(material, axes, Some(1), false, common)?;
+    let campaign = barbules.campaign(axes, Some(1), false)?;
     let at_normal = (0..nm.len())
-        .map(|w| Ok(campaign.patterns(&campaign.wavelength(w, &Terminal::new(common))?, 0, 2, 0)))
+        .map(|w| Ok(campaign.patterns(&campaign.wavelength(w, barbules.progress())?, 0, 2, 0)))
         .collect::<Result<Vec<_>>>()?;
-    let shortest = campaign.wavelength(0, &Terminal::new(common))?;
+    let shortest = campaign.wavelength(0, barbules.progress())?;
     let oblique = [1, 0].map(|phi| campaign.patterns(&shortest, 0, phi, 0));
     let first = &at_normal[0];
     let mut left = vec![panel(format!("{:.0} nm, φ_i = 0°", nm[0]), "R (1/√rad)", first, None).draw()];
@@ -209,19 +196,21 @@ fn panel(title: String, label: &str, pattern: &Patterns, below: Option<Curve>) -
     let mut figure = Figure::new(title, Axis::with_range("x_o", -1.0, 1.0), Axis::new(label));
     figure.size = [520.0, 150.0];
     figure.curves.extend(below);
-    let own = Curve { stroke: Some(barbule::plot::style(0)), ..curve("simulated", pattern, |x| x) };
+    let own = Curve { stroke: Some(crate::plot::style(0)), ..curve("simulated", pattern, |x| x) };
     figure.curves.push(own);
     figure
 }
 
 /// Autocovariances of single barbules and their mean, the stretched C₀, the spectrum and some functions of the noise;
-/// only what the material itself holds where its barbules cannot be made again.
-pub(crate) fn noise(material: &FeatherMaterial, common: &Common) -> Result<Vec<Drawing>> {
+/// only what the material itself holds without its barbules.
+///
+/// # Errors
+/// As [`Barbules::campaign`].
+pub fn noise(material: &FeatherMaterial, barbules: Option<&Barbules<'_>>) -> Result<Vec<Drawing>> {
     let noise = Noise::new(&material.noise_power, material.seed);
-    let mut charts = match structure_of(material, common) {
-        Ok(_) => covariances(material, &noise, common)?,
-        Err(error) => {
-            common.say(&format!("no single barbules: {error}"));
+    let mut charts = match barbules {
+        Some(barbules) => covariances(material, &noise, barbules)?,
+        None => {
             let mut figure = covariance_figure("autocovariance C₀");
             figure.curves.push(lags("C₀", noise.autocovariance(), 1.0));
             vec![figure.draw()]
@@ -267,17 +256,17 @@ fn lags(name: &str, values: &[f64], scale: f64) -> Curve {
 
 /// Single barbules' autocovariances with their mean at the shortest wavelength, and the mean at the longest one with
 /// C₀ stretched to it; normal incidence.
-fn covariances(material: &FeatherMaterial, noise: &Noise, common: &Common) -> Result<Vec<Drawing>> {
+fn covariances(material: &FeatherMaterial, noise: &Noise, barbules: &Barbules<'_>) -> Result<Vec<Drawing>> {
     let from = &material.axes;
     let waves = [0, from.wavelengths_nm.len() - 1].map(|k| from.wavelengths_nm[k]);
     let normal = (from.cos_theta[from.cos_theta.len() - 1], from.cos_phi[from.cos_phi.len() - 1]);
     let mut means = Vec::new();
     let mut single = covariance_figure(&format!("single barbules and their mean, {:.0} nm", waves[0]));
     let axes = Axes { wavelengths_nm: waves.to_vec(), cos_theta: vec![normal.0], cos_phi: vec![normal.1] };
-    let campaign = campaign_of(material, axes, None, true, common)?;
+    let campaign = barbules.campaign(axes, None, true)?;
     for number in 0..2 {
         let mut mean = vec![0.0; LAGS];
-        let wavelength = campaign.wavelength(number, &Terminal::new(common))?;
+        let wavelength = campaign.wavelength(number, barbules.progress())?;
         for polarization in 0..2 {
             let patterns = campaign.patterns(&wavelength, 0, 0, polarization);
             for instance in 0..patterns.fields.len() {
@@ -309,7 +298,10 @@ fn covariances(material: &FeatherMaterial, noise: &Noise, common: &Common) -> Re
 
 /// `count` simulated beside `count` synthesized instances on their specular cones, for two incident directions: colours
 /// over φ_o, and the intensity at the middle wavelength.
-pub(crate) fn instances(material: &FeatherMaterial, count: usize, common: &Common) -> Result<Drawing> {
+///
+/// # Errors
+/// As [`Barbules::campaign`].
+pub fn instances(material: &FeatherMaterial, count: usize, barbules: &Barbules<'_>) -> Result<Drawing> {
     let from = &material.axes;
     let theta = from.cos_theta.len() - 1;
     let mut phis = vec![nearest(&from.cos_phi, 45.0_f64.to_radians().cos()), nearest(&from.cos_phi, 1.0)];
@@ -323,10 +315,10 @@ pub(crate) fn instances(material: &FeatherMaterial, count: usize, common: &Commo
         cos_theta: vec![from.cos_theta[theta]],
         cos_phi: phis.iter().map(|k| from.cos_phi[*k]).collect(),
     };
-    let campaign = campaign_of(material, axes, Some(count), true, common)?;
+    let campaign = barbules.campaign(axes, Some(count), true)?;
     let count = campaign.parameters().instances;
     let kept = (0..waves.len())
-        .map(|w| Ok(campaign.unit(&campaign.wavelength(w, &Terminal::new(common))?, 0, true).fields))
+        .map(|w| Ok(campaign.unit(&campaign.wavelength(w, barbules.progress())?, 0, true).fields))
         .collect::<Result<Vec<_>>>()?;
     let noise = Noise::new(&material.noise_power, material.seed);
     let mut columns = Vec::new();

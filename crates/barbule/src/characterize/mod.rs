@@ -1,0 +1,136 @@
+//! From a structure to the material of a feather, with the product's defaults: what is simulated, what is recorded, and
+//! where finished materials are.
+//!
+//! [`CampaignOptions`] and a structure make a [`Plan`]; [`characterize`] simulates and fits it. A [`Catalog`] finds what
+//! is there already. [`Barbules`] are those that a material was made of, made again.
+
+mod again;
+mod catalog;
+mod description;
+mod options;
+
+pub use again::Barbules;
+pub use catalog::{Catalog, Found, file_stem};
+pub use description::Description;
+pub use options::{CampaignOptions, Plan, WAVELENGTHS_NM};
+
+use std::path::Path;
+
+use serde_json::json;
+
+use crate::brdf::fit::{FitOptions, FitReport, fit};
+use crate::brdf::{FeatherMaterial, check_axes, check_sigma};
+use crate::campaign::{run, statistics};
+use crate::math::simd::Width;
+use crate::progress::Progress;
+use crate::scattering::statistics::Statistics;
+use crate::{Error, Result};
+
+/// Version of what a campaign computes: raised when its numbers change, so that old results are not mistaken for new.
+pub const CAMPAIGN_VERSION: u64 = 2;
+
+/// How a characterization is run; what it computes depends on none of this, but on bits for the width.
+#[derive(Debug, Clone, Copy)]
+pub struct Execution<'a> {
+    /// SIMD instructions.
+    pub width: Width,
+    /// Units of one wavelength that may be in work at once, for their memory
+    /// ([`Demand`](crate::campaign::Demand) foretells it).
+    pub units_at_once: usize,
+    /// The campaign store to fill or to go on with; else statistics stay in memory.
+    pub store: Option<&'a Path>,
+}
+
+impl Default for Execution<'_> {
+    fn default() -> Self {
+        Self { width: Width::best(), units_at_once: usize::MAX, store: None }
+    }
+}
+
+/// A finished characterization.
+#[derive(Debug, Clone)]
+pub struct Characterized {
+    /// The material.
+    pub material: FeatherMaterial,
+    /// How well it fits.
+    pub report: FitReport,
+    /// Damaged units of the store that were computed again.
+    pub repaired: usize,
+}
+
+/// Simulates a plan and fits its material; orders of crystals come from the catalog's cache or go there.
+///
+/// # Errors
+/// What no material can have is refused before any work ([`check`]); media whose tables do not reach a wavelength, a store that
+/// cannot be written or holds another campaign, or a stop by `progress`.
+pub fn characterize(
+    plan: &Plan,
+    options: &FitOptions,
+    catalog: &Catalog,
+    how: &Execution<'_>,
+    progress: &dyn Progress,
+) -> Result<Characterized> {
+    check(plan, options)?;
+    let mut campaign = plan.campaign(how.width, catalog, progress)?;
+    campaign.limit_units(how.units_at_once);
+    let (statistics, repaired) = match how.store {
+        None => (statistics(&campaign, progress)?, 0),
+        Some(path) => {
+            let store = plan.store(path, &[], how.width)?;
+            let outcome = run(&campaign, &store, 0, 1, progress)?;
+            (store.statistics()?, outcome.repaired)
+        }
+    };
+    let name = plan.structure.name();
+    let (material, report) = material_of(&statistics, &name, &plan.description, options, progress)?;
+    Ok(Characterized { material, report, repaired })
+}
+
+/// Refuses, before any work, a plan of which no material can be made.
+///
+/// # Errors
+/// σ is outside 0.002 to 0.25; more than 512 wavelengths or 4,000,000 nodes.
+pub fn check(plan: &Plan, options: &FitOptions) -> Result<()> {
+    check_sigma(options.sigma)?;
+    check_axes(&plan.parameters.axes)
+}
+
+/// Fits the material of a campaign's statistics and records how it was made; polarizations and seed are the campaign's.
+///
+/// # Errors
+/// As [`fit`].
+pub fn material_of(
+    statistics: &Statistics,
+    name: &str,
+    campaign: &Description,
+    options: &FitOptions,
+    progress: &dyn Progress,
+) -> Result<(FeatherMaterial, FitReport)> {
+    let options = FitOptions { polarized: campaign.polarized, seed: campaign.seed, ..*options };
+    let (mut material, report) = fit(statistics, &options, progress)?;
+    let [correlation, contrast] = report.mean_patterns();
+    material.info = json!({
+        "name": name,
+        "species": campaign.structure["species"],
+        "variant": campaign.structure["variant"],
+        "tilt_deg": campaign.tilt_deg,
+        "version": env!("CARGO_PKG_VERSION"),
+        "campaign": campaign.to_json()?,
+        "residual_median": report.residual_median,
+        "residual_95": report.residual_95,
+        "lobes": report.fits,
+        "flagged": report.flagged.len(),
+        "longest_length": report.longest_length,
+        "pattern_correlation": correlation,
+        "pattern_contrast": contrast,
+    });
+    Ok((material, report))
+}
+
+/// An error where a result lacks what is asked for.
+fn unrecorded() -> Error {
+    Error::input(
+        "the barbules that this material was simulated from cannot be made again from what it records; characterize \
+         the structure again, or give its sections and --medium as they were then",
+    )
+}

@@ -1,0 +1,269 @@
+//! What a campaign simulates, as people choose it, and the plan that follows for a structure.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::{CAMPAIGN_VERSION, Catalog, Description};
+use crate::campaign::{Campaign, Parameters};
+use crate::io::store::Store;
+use crate::math::simd::Width;
+use crate::progress::Progress;
+use crate::scattering::statistics::Axes;
+use crate::solve::surface::{CAMPAIGN_ELEMENT_UM, Surface, Window};
+use crate::structure::Structure;
+use crate::{Error, Result};
+
+/// Wavelengths that can be simulated, nm.
+pub const WAVELENGTHS_NM: std::ops::RangeInclusive<f64> = 300.0..=830.0;
+
+/// Instances of a thinned campaign.
+const THINNED_INSTANCES: usize = 12;
+
+/// Illuminations per second and core of a starling's barbule, to foretell durations (`barbule bench campaign`).
+const TYPICAL_SPEED: f64 = 10_000.0;
+
+/// The width that [`TYPICAL_SPEED`] was measured with, µm.
+const TYPICAL_WIDTH_UM: f64 = 25.0;
+
+/// What a campaign simulates; the default is that of every command.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CampaignOptions {
+    /// Vacuum wavelengths, nm, rising.
+    pub wavelengths_nm: Vec<f64>,
+    /// Directions: cosθ_i in so many equal steps up to 1, cosφ_i likewise.
+    pub directions: [usize; 2],
+    /// Random instances; structures of given sections may have fewer.
+    pub instances: usize,
+    /// Largest tilt of an instance about its axis, degrees.
+    pub tilt_deg: f64,
+    /// Keep both incident polarizations apart in the material.
+    pub polarized: bool,
+    /// Every so many-th wavelength and direction only, and 12 instances.
+    pub thin: Option<usize>,
+    /// Seed of instances and tilts.
+    pub seed: u64,
+}
+
+impl Default for CampaignOptions {
+    fn default() -> Self {
+        Self {
+            wavelengths_nm: (0..50).map(|i| f64::from(400 + 6 * i)).collect(),
+            directions: [20, 20],
+            instances: 50,
+            tilt_deg: 2.0,
+            polarized: false,
+            thin: None,
+            seed: 1,
+        }
+    }
+}
+
+impl CampaignOptions {
+    /// Refuses what no campaign can be.
+    ///
+    /// # Errors
+    /// A value out of range; the message starts with its name.
+    pub fn check(&self) -> Result<()> {
+        let refuse = |message: String| Err(Error::input(message));
+        let Self { wavelengths_nm, directions: [thetas, phis], instances, tilt_deg, thin, .. } = self;
+        if wavelengths_nm.is_empty() || !wavelengths_nm.is_sorted_by(|a, b| a < b) {
+            return refuse("wavelengths: give at least one, rising".into());
+        }
+        if let Some(bad) = wavelengths_nm.iter().find(|nm| !WAVELENGTHS_NM.contains(*nm)) {
+            let (low, high) = (WAVELENGTHS_NM.start(), WAVELENGTHS_NM.end());
+            return refuse(format!("wavelengths: {bad} nm is outside {low} to {high} nm"));
+        }
+        if ![thetas, phis].into_iter().all(|n| (2..=200).contains(n)) {
+            return refuse(format!("directions {thetas}x{phis}: write NxM with 2 to 200 each, as in 20x20"));
+        }
+        if !(1..=10_000).contains(instances) {
+            return refuse(format!("instances {instances}: give a number from 1 to 10000"));
+        }
+        if !(0.0..=30.0).contains(tilt_deg) {
+            return refuse(format!("tilt {tilt_deg}: give degrees from 0 to 30"));
+        }
+        match thin {
+            Some(thin) if !(1..=20).contains(thin) => {
+                refuse(format!("thin {thin}: give a number from 1 to 20"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The campaign of a structure.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn plan(&self, structure: Structure) -> Result<Plan> {
+        self.check()?;
+        let thin = self.thin.unwrap_or(1);
+        let axes = Axes {
+            wavelengths_nm: self.wavelengths_nm.iter().copied().step_by(thin).collect(),
+            cos_theta: steps(self.directions[0], thin),
+            cos_phi: steps(self.directions[1], thin),
+        };
+        let asked = self.instances.min(if self.thin.is_some() { THINNED_INSTANCES } else { usize::MAX });
+        // A single section serves any number of instances, which differ by their tilts.
+        let instances = structure.count().filter(|count| *count > 1).map_or(asked, |count| asked.min(count));
+        let description = Description {
+            campaign_version: CAMPAIGN_VERSION,
+            structure: structure.description(),
+            wavelengths_nm: axes.wavelengths_nm.clone(),
+            cos_theta_i: axes.cos_theta.clone(),
+            cos_phi_i: axes.cos_phi.clone(),
+            instances,
+            seed: self.seed,
+            tilt_deg: self.tilt_deg,
+            polarized: self.polarized,
+            thinned: self.thin,
+        };
+        let parameters = Parameters { axes, instances, seed: self.seed, tilt: self.tilt_deg.to_radians() };
+        Ok(Plan { structure, parameters, description, asked })
+    }
+}
+
+/// i/count for i = 1 … count, every `thin`-th from the end, so that normal incidence stays.
+fn steps(count: usize, thin: usize) -> Vec<f64> {
+    let mut kept: Vec<f64> = (1..=count).rev().step_by(thin).map(|i| i as f64 / count as f64).collect();
+    kept.reverse();
+    kept
+}
+
+/// A campaign that has been checked.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// What is simulated.
+    pub structure: Structure,
+    /// On which axes, with how many instances.
+    pub parameters: Parameters,
+    /// Everything that decides the numbers, for results.
+    pub description: Description,
+    /// Instances that were asked for: given sections may be fewer.
+    pub asked: usize,
+}
+
+impl Plan {
+    /// Prepares the instances; orders of crystals come from the catalog's cache or go there.
+    ///
+    /// # Errors
+    /// An instance cannot be made, a medium's table does not reach a wavelength, or a stop by `progress`.
+    pub fn campaign(&self, width: Width, catalog: &Catalog, progress: &dyn Progress) -> Result<Campaign> {
+        let orders = catalog.orders(&self.structure, &self.parameters.axes, progress)?;
+        Campaign::with_orders(&self.structure, self.parameters.clone(), orders, width, progress)
+    }
+
+    /// Creates the campaign's store, or opens it to go on, also one of an earlier version; fields of all instances are
+    /// kept at wavelengths `kept_nm`.
+    ///
+    /// # Errors
+    /// As [`Store::create`].
+    pub fn store(&self, path: &Path, kept_nm: &[f64], width: Width) -> Result<Store> {
+        // What cannot be opened is refused, or made, by the creation.
+        let description = match Store::open(path) {
+            Ok(there) => self.description.like(there.description(), &self.structure),
+            Err(_) => self.description.clone(),
+        };
+        let (name, description) = (self.structure.name(), description.to_json()?);
+        let Parameters { axes, instances, .. } = &self.parameters;
+        Store::create(path, axes, *instances, &name, &description, kept_nm, width.name())
+    }
+
+    /// Illuminations of the whole campaign.
+    #[must_use]
+    pub fn illuminations(&self) -> usize {
+        self.parameters.axes.len() * self.parameters.instances * 2
+    }
+
+    /// Seconds that the simulation takes on so many cores, roughly.
+    #[must_use]
+    pub fn seconds(&self, cores: usize) -> f64 {
+        let slots = self
+            .structure
+            .instance(self.parameters.seed, 0)
+            .and_then(|section| Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian))
+            .map_or(6, |surface| surface.slots());
+        // Each ray crosses all layers, and structures of many layers need many rays.
+        let layers = 0.9 + 0.000_33 * (slots * slots) as f64;
+        let work = self.structure.width_um() / TYPICAL_WIDTH_UM * layers;
+        self.illuminations() as f64 * work / (TYPICAL_SPEED * cores as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::structure::SpeciesModel;
+
+    fn starling() -> Structure {
+        let model = SpeciesModel::builtin("starling", None, crate::material::Library::builtin());
+        Structure::Species(Box::new(model.unwrap()))
+    }
+
+    #[test]
+    fn defaults_are_those_of_the_shipped_materials() {
+        let plan = CampaignOptions::default().plan(starling()).unwrap();
+        let shipped = barbule_materials::material("starling-green").unwrap();
+        let shipped = crate::io::decode_material(shipped).unwrap();
+        assert!(plan.description.is_recorded(&shipped.info["campaign"], &plan.structure));
+        assert!((plan.seconds(1) / plan.seconds(4) - 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_thinned_campaign_keeps_normal_incidence() {
+        let options = CampaignOptions { thin: Some(10), ..CampaignOptions::default() };
+        let plan = options.plan(starling()).unwrap();
+        let axes = &plan.parameters.axes;
+        assert_eq!((axes.cos_theta.as_slice(), plan.parameters.instances), (&[0.5, 1.0][..], 12));
+        assert_eq!(axes.wavelengths_nm, [400.0, 460.0, 520.0, 580.0, 640.0]);
+    }
+
+    #[test]
+    fn options_out_of_range_are_refused_by_name() {
+        let usual = CampaignOptions::default;
+        for (bad, part) in [
+            (CampaignOptions { wavelengths_nm: vec![], ..usual() }, "wavelengths: give"),
+            (CampaignOptions { wavelengths_nm: vec![500.0, 400.0], ..usual() }, "rising"),
+            (CampaignOptions { wavelengths_nm: vec![900.0], ..usual() }, "900 nm is outside 300 to 830"),
+            (CampaignOptions { directions: [1, 20], ..usual() }, "directions 1x20"),
+            (CampaignOptions { instances: 0, ..usual() }, "instances 0"),
+            (CampaignOptions { tilt_deg: f64::NAN, ..usual() }, "tilt NaN"),
+            (CampaignOptions { thin: Some(21), ..usual() }, "thin 21"),
+        ] {
+            let message = bad.check().unwrap_err().to_string();
+            assert!(message.contains(part), "{message}");
+        }
+    }
+
+    #[test]
+    fn stores_of_version_0_1_are_continued() {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = CampaignOptions { thin: Some(20), ..CampaignOptions::default() }.plan(starling()).unwrap();
+        let Parameters { axes, instances, .. } = &plan.parameters;
+        let earlier = plan.description.like(&serde_json::json!({"structure": {}}), &plan.structure);
+        assert_ne!(earlier, plan.description);
+        let create = |path: &Path| {
+            let description = earlier.to_json().unwrap();
+            Store::create(path, axes, *instances, "x", &description, &[], Width::best().name()).unwrap()
+        };
+        let path = folder.path().join("s.zarr");
+        create(&path);
+        let store = plan.store(&path, &[], Width::best()).unwrap();
+        assert!(store.description()["structure"].get("identity").is_none());
+        assert!(plan.description.is_recorded(store.description(), &plan.structure));
+        let mut other = plan.clone();
+        (other.description.seed, other.parameters.seed) = (2, 2);
+        let refused = other.store(&path, &[], Width::best()).err().unwrap().to_string();
+        assert!(refused.contains("campaign.seed: 1 there, 2 here"), "{refused}");
+    }
+
+    #[test]
+    fn descriptions_come_back_from_json() {
+        let description = CampaignOptions::default().plan(starling()).unwrap().description;
+        let json = description.to_json().unwrap();
+        assert_eq!(Description::read(&json).unwrap(), description);
+        assert_eq!((&json["campaign_version"], &json["structure"]["identity"]), (&2.into(), &2.into()));
+        assert!(Description::read(&serde_json::json!({"seed": 1})).unwrap_err().is_input());
+    }
+}

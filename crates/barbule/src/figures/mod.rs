@@ -1,0 +1,21 @@
+//! Figures of sections, spectra and materials.
+
+mod lobes;
+mod section;
+mod simulated;
+mod spectrum;
+
+pub use lobes::{hemispheres, parameters, tiled, title};
+pub use section::{hummingbird_sketch, section};
+pub use simulated::{fields, fits, instances, noise, statistics_of_fits};
+pub use spectrum::spectra;
+
+use crate::scattering::statistics::Axes;
+
+/// The shortest, the middle and the longest wavelength of the axes.
+fn three(axes: &Axes) -> Vec<usize> {
+    let count = axes.wavelengths_nm.len();
+    let mut waves = vec![0, count / 2, count - 1];
+    waves.dedup();
+    waves
+}
