@@ -2,7 +2,7 @@
 
 use barbule::brdf::check_sigma;
 use barbule::brdf::fit::{FitOptions, FitReport};
-use barbule::campaign::Demand;
+use barbule::campaign::{Demand, Keep, Results};
 use barbule::characterize::{CampaignOptions, Plan};
 use barbule::math::simd::Width;
 use barbule::scattering::lobe::FitKind;
@@ -96,18 +96,17 @@ pub(crate) fn plan(options: &CampaignOptions, structure: Structure, common: &Com
 }
 
 /// Holds `--memory` against what a campaign will take, before any work: the number of units that may be in work at once.
-/// `kept` says that fields are kept, `gathered` that all statistics end in memory.
 pub(crate) fn units_at_once(
     plan: &Plan,
     width: Width,
-    kept: bool,
-    gathered: bool,
+    keep: Keep,
+    results: Results,
     common: &Common,
 ) -> Result<usize> {
     if common.memory.is_none() && !common.verbose {
         return Ok(usize::MAX);
     }
-    let demand = Demand::predict(&plan.structure, &plan.parameters, width, kept, gathered)?;
+    let demand = Demand::predict(&plan.structure, &plan.parameters, width, keep, results)?;
     let at_once = demand.units_within(common.memory.unwrap_or(u64::MAX))?;
     common.explain(&format!(
         "up to {at_once} units at once, {} MB of memory at most",

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use barbule::campaign::run;
+use barbule::campaign::{Keep, Results, run};
 use barbule::io::store::{Status, Store};
 use barbule::{Error, Result};
 use serde_json::json;
@@ -51,7 +51,8 @@ impl Args {
         let plan = self.campaign.plan(structure, &self.common)?;
         let kept = self.keep_fields.as_deref().map_or(Ok(Vec::new()), crate::sets::wavelengths)?;
         let width = self.campaign.width()?;
-        let at_once = units_at_once(&plan, width, !kept.is_empty(), false, &self.common)?;
+        let keep = if kept.is_empty() { Keep::Statistics } else { Keep::Fields };
+        let at_once = units_at_once(&plan, width, keep, Results::Stored, &self.common)?;
         let store = plan.store(path, &kept, width)?;
         let units = store.shard(shard, shards);
         if units.iter().all(|&(w, t)| store.is_whole(w, t)) {

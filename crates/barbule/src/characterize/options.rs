@@ -10,7 +10,8 @@ use crate::io::store::Store;
 use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::statistics::Axes;
-use crate::solve::surface::{CAMPAIGN_ELEMENT_UM, Surface, Window};
+use crate::scattering::far_field::Window;
+use crate::solve::surface::{Barbule, CAMPAIGN_ELEMENT_UM};
 use crate::structure::Structure;
 use crate::{Error, Result};
 
@@ -182,8 +183,8 @@ impl Plan {
         let slots = self
             .structure
             .instance(self.parameters.seed, 0)
-            .and_then(|section| Surface::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian))
-            .map_or(6, |surface| surface.slots());
+            .and_then(|section| Barbule::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian))
+            .map_or(6, |barbule| barbule.slots());
         // Each ray crosses all layers, and structures of many layers need many rays.
         let layers = 0.9 + 0.000_33 * (slots * slots) as f64;
         let work = self.structure.width_um() / TYPICAL_WIDTH_UM * layers;

@@ -4,10 +4,11 @@ use crate::Result;
 use crate::brdf::fit::{fitted_scale, fitted_values};
 use crate::brdf::{FeatherMaterial, LobeSet, Noise, Synthesis};
 use crate::campaign::single::{Patterns, intensities};
-use crate::campaign::statistics;
+use crate::campaign::{Keep, statistics};
 use crate::characterize::Barbules;
 use crate::plot::{Anchor, Axis, Curve, Drawing, Figure, Ink, Item, Picture, Stroke};
 use crate::scattering::directions::azimuths;
+use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::Lobe;
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, NOISE_POINTS, Statistics};
 use crate::spectrum::Wavelengths;
@@ -138,10 +139,10 @@ pub fn fields(material: &FeatherMaterial, barbules: &Barbules<'_>) -> Result<Vec
     };
     let campaign = barbules.campaign(axes, Some(1), false)?;
     let at_normal = (0..nm.len())
-        .map(|w| Ok(campaign.patterns(&campaign.wavelength(w, barbules.progress())?, 0, 2, 0)))
+        .map(|w| Ok(campaign.patterns(&campaign.tables(w, barbules.progress())?, 0, 2, Polarization::First)))
         .collect::<Result<Vec<_>>>()?;
-    let shortest = campaign.wavelength(0, barbules.progress())?;
-    let oblique = [1, 0].map(|phi| campaign.patterns(&shortest, 0, phi, 0));
+    let shortest = campaign.tables(0, barbules.progress())?;
+    let oblique = [1, 0].map(|phi| campaign.patterns(&shortest, 0, phi, Polarization::First));
     let first = &at_normal[0];
     let mut left = vec![panel(format!("{:.0} nm, φ_i = 0°", nm[0]), "R (1/√rad)", first, None).draw()];
     for (pattern, angle) in oblique.into_iter().zip([20.0_f64, 40.0]) {
@@ -266,12 +267,12 @@ fn covariances(material: &FeatherMaterial, noise: &Noise, barbules: &Barbules<'_
     let campaign = barbules.campaign(axes, None, true)?;
     for number in 0..2 {
         let mut mean = vec![0.0; LAGS];
-        let wavelength = campaign.wavelength(number, barbules.progress())?;
-        for polarization in 0..2 {
-            let patterns = campaign.patterns(&wavelength, 0, 0, polarization);
+        let tables = campaign.tables(number, barbules.progress())?;
+        for polarization in Polarization::BOTH {
+            let patterns = campaign.patterns(&tables, 0, 0, polarization);
             for instance in 0..patterns.fields.len() {
                 let own = patterns.autocovariance(instance);
-                if number == 0 && polarization == 0 && instance < 3 {
+                if number == 0 && polarization == Polarization::First && instance < 3 {
                     single.curves.push(lags(&format!("barbule {}", instance + 1), &own, 1.0));
                 }
                 for (sum, value) in mean.iter_mut().zip(own) {
@@ -318,7 +319,7 @@ pub fn instances(material: &FeatherMaterial, count: usize, barbules: &Barbules<'
     let campaign = barbules.campaign(axes, Some(count), true)?;
     let count = campaign.parameters().instances;
     let kept = (0..waves.len())
-        .map(|w| Ok(campaign.unit(&campaign.wavelength(w, barbules.progress())?, 0, true).fields))
+        .map(|w| Ok(campaign.unit(&campaign.tables(w, barbules.progress())?, 0, Keep::Fields).fields))
         .collect::<Result<Vec<_>>>()?;
     let noise = Noise::new(&material.noise_power, material.seed);
     let mut columns = Vec::new();

@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::campaign::spectrum::{Spectra, SpectrumRequest};
 use crate::plot::{self, Band, Drawing};
-use crate::spectrum::{Spectrum, Wavelengths};
+use crate::spectrum::Spectrum;
 
 /// Mean and spread of each direction, which `names` names, and measured spectra beside them.
 ///
@@ -16,7 +16,7 @@ pub fn spectra(
     names: &[String],
     measured: &[(String, Spectrum)],
 ) -> Result<Drawing> {
-    let at = Wavelengths::new(request.wavelengths_nm.clone())?;
+    let at = &request.wavelengths;
     let bands = names
         .iter()
         .zip(found.mean.iter().zip(&found.std))
