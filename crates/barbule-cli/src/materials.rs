@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use barbule::brdf::fit::FitOptions;
 use barbule::brdf::{FeatherMaterial, example};
+use barbule::campaign::{Keep, Results};
 use barbule::characterize::{Barbules, CampaignOptions, Catalog, Execution, Found, characterize};
 use barbule::io::read_material;
 use barbule::progress::Progress;
@@ -44,7 +45,7 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(FeatherMaterial, Stri
         expected(&plan)
     ));
     let usual = Execution::default();
-    let units_at_once = units_at_once(&plan, usual.width, false, true, common)?;
+    let units_at_once = units_at_once(&plan, usual.width, Keep::Statistics, Results::Gathered, common)?;
     let how = Execution { units_at_once, ..usual };
     let made = characterize(&plan, &FitOptions::default(), &catalog, &how, &Terminal::new(common))?;
     let Found { material, hash } = catalog.keep(&plan, made.material)?;

@@ -8,6 +8,7 @@ use barbule::campaign::spectrum::{Collect, Spectra, SpectrumRequest, spectra};
 use barbule::figures;
 use barbule::io::tables::read_spectrum;
 use barbule::math::simd::Width;
+use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
 use clap::ValueEnum;
 use serde_json::json;
@@ -69,7 +70,7 @@ impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
         let angles_deg = sets::angles("--angle", &self.angle)?;
-        let wavelengths_nm = sets::wavelengths(&self.wavelengths)?;
+        let wavelengths = Wavelengths::new(sets::wavelengths(&self.wavelengths)?)?;
         let collect = collect(&self.collect)?;
         let polarization = polarization(&self.polarization)?;
         if !(1..=10_000).contains(&self.instances) {
@@ -87,7 +88,7 @@ impl Args {
             Plane::Along => (angle.to_radians(), 0.0),
         };
         let request = SpectrumRequest {
-            wavelengths_nm,
+            wavelengths,
             directions: angles_deg.iter().map(direction).collect(),
             instances,
             seed: self.common.seed,
@@ -112,7 +113,7 @@ impl Args {
                 out,
                 &json!({
                     "angle_deg": angles_deg,
-                    "wavelength_nm": request.wavelengths_nm,
+                    "wavelength_nm": request.wavelengths.nm(),
                     "mean": found.mean,
                     "std": found.std,
                     "instances": instances,
@@ -129,7 +130,7 @@ impl Args {
 fn csv(request: &SpectrumRequest, found: &Spectra, angles_deg: &[f64]) -> String {
     let mut text = String::from("angle_deg,wavelength_nm,mean,std\n");
     for (a, angle) in angles_deg.iter().enumerate() {
-        for (w, nm) in request.wavelengths_nm.iter().enumerate() {
+        for (w, nm) in request.wavelengths.iter().enumerate() {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{angle},{nm},{},{}", found.mean[a][w], found.std[a][w]);
         }
