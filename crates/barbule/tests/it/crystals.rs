@@ -1,86 +1,15 @@
 //! Barbules over photonic crystals: the fast simulation against its plain reference, closed forms and laws.
-//!
-//! `cargo test --release -p barbule --test it crystals -- --nocapture --test-threads 1` prints the figures of
-//! `docs/theory/simulation.md`.
+//! `cargo run --release -p barbule --example simulation_tables` prints the figures that are held here.
 
-use barbule::campaign::{Campaign, Parameters};
-use barbule::material::Library;
-use barbule::math::rng::Stream;
-use barbule::math::simd::Width;
-use barbule::progress::Unobserved;
-use barbule::scattering::statistics::{AZIMUTHS, Axes};
 use barbule::solve::crystal::{Cell, Crystal, Incidence, Multipole, Response};
-use barbule::solve::direct;
-use barbule::solve::surface::{FINE_ELEMENT_UM, FarField, Surface, Window, far_field};
-use barbule::structure::{
-    CrystalLayer, Parts, Polyline, Section, SpeciesFile, SpeciesModel, Structure, crystal_species,
-};
+use barbule::solve::surface::FINE_ELEMENT_UM;
+use barbule::structure::{CrystalLayer, Polyline, Section, crystal_species};
 use num_complex::Complex64;
 
-/// ‖a − b‖/‖b‖.
-fn relative_l2(a: &[Complex64], b: &[Complex64]) -> f64 {
-    let difference: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_sqr()).sum();
-    (difference / b.iter().map(Complex64::norm_sqr).sum::<f64>()).sqrt()
-}
-
-/// A random variant of each species and one of its random instances.
-fn barbules(seed: u64) -> Vec<(String, Section, Stream)> {
-    crystal_species()
-        .map(|species| {
-            let mut stream = Stream::new(seed, &[species.len() as u64]);
-            let file = SpeciesFile::builtin(species).unwrap();
-            let variants: Vec<&str> = file.variants().collect();
-            let variant = variants[(stream.unit() * variants.len() as f64) as usize];
-            let model = file.model(Some(variant), Library::builtin()).unwrap();
-            (model.title(), model.section(seed, 0).unwrap(), stream)
-        })
-        .collect()
-}
-
-/// A section with its top cut to the middle `width_um`, so that the plain evaluation stays affordable.
-fn narrow(section: &Section, width_um: f64) -> Section {
-    let top = section.top();
-    let half = 0.5 * width_um;
-    let mut x_um = vec![-half];
-    x_um.extend(top.x_um.iter().copied().filter(|x| x.abs() < half));
-    x_um.push(half);
-    let z_um = x_um.iter().map(|&x| top.height(x)).collect();
-    under(Polyline { x_um, z_um }, section.crystal.clone().unwrap())
-}
-
-fn under(top: Polyline, crystal: CrystalLayer) -> Section {
-    let width = top.x_um[top.x_um.len() - 1] - top.x_um[0];
-    let media = [&crystal.lattice.incidence, &crystal.lattice.host]
-        .map(|medium| barbule::structure::Medium::Pure(medium.clone()))
-        .to_vec();
-    let library = crystal.lattice.library.clone();
-    let parts = Parts {
-        name: "test".into(),
-        width_um: Some(width),
-        boundaries: vec![top],
-        media,
-        crystal: Some(crystal),
-        ..Parts::default()
-    };
-    Section::new(parts, library).unwrap()
-}
-
-fn fast(section: &Section, element_um: f64, nm: f64, theta: f64, phi: f64, azimuths: usize) -> FarField {
-    let surface = Surface::new(section, element_um, Window::Gaussian).unwrap();
-    far_field(&surface, Window::Gaussian, nm, theta, phi, azimuths, Width::best()).unwrap()
-}
-
-fn layer(species: &str, offset_um: f64) -> CrystalLayer {
-    let model = SpeciesModel::builtin(species, None, Library::builtin()).unwrap();
-    CrystalLayer { lattice: model.lattice().unwrap(), offset_um, regularity: None }
-}
-
-/// The mallard's rods 2.5 times as far apart: at [`SPARSE`] two orders leave a flat top.
-fn sparse(offset_um: f64) -> CrystalLayer {
-    let mut crystal = layer("mallard", offset_um);
-    crystal.lattice.period_um *= 2.5;
-    crystal
-}
+use crate::measure::crystals::{
+    converged_errors, fast, largest_reflected, layer, plain_errors, sparse, under,
+};
+use crate::measure::fields::larger;
 
 /// A wavelength (nm), θ_i and φ_i (rad).
 const SPARSE: (f64, f64, f64) = (450.0, 0.3, 0.3);
@@ -98,66 +27,15 @@ fn ideal(crystal: &CrystalLayer, nm: f64, theta: f64, phi: f64) -> Response {
 
 #[test]
 fn far_fields_equal_the_plain_evaluation() {
-    let mut worst = [0f64; 2];
-    for seed in 1..=3 {
-        for (name, mut section, mut stream) in barbules(seed) {
-            let nm = if seed == 1 { stream.uniform(300.0, 360.0) } else { stream.uniform(400.0, 694.0) };
-            if seed == 3 {
-                // Several orders everywhere.
-                section.crystal = Some(sparse(0.1));
-            }
-            let section = narrow(&section, 12.0);
-            let (theta, phi) = (stream.uniform(-1.2, 1.2), stream.uniform(-1.2, 1.2));
-            // A coarse sum of both: they must agree whatever the elements.
-            let element = 0.05;
-            let found = fast(&section, element, nm, theta, phi, 200);
-            let plain = direct::far_field(&section, Window::Gaussian, element, nm, theta, phi, 200).unwrap();
-            for p in 0..2 {
-                let error = relative_l2(&found.fields[p].concat(), &plain.fields[p].concat());
-                let power = (found.reflected[p] / plain.reflected[p] - 1.0).abs();
-                println!("{name} {nm:.0} nm {theta:.2} {phi:.2}: {error:.1e} {power:.1e}");
-                worst = [worst[0].max(error), worst[1].max(power)];
-            }
-        }
-    }
-    println!("fast against plain (field, power): {worst:?}");
-    assert!(worst[0] < 2e-4 && worst[1] < 2e-4, "{worst:?}");
+    let [field, power] = plain_errors();
+    assert!(field < 2e-4 && power < 2e-4, "{field:e} {power:e}");
 }
 
 #[test]
 fn campaigns_equal_converged_fields() {
-    let mut worst = [0f64; 2];
-    for (name, section, mut stream) in barbules(3) {
-        for nm in [stream.uniform(300.0, 400.0), stream.uniform(400.0, 694.0)] {
-            let cosines = [stream.uniform(0.1, 1.0), stream.uniform(0.1, 1.0)];
-            let axes = Axes {
-                wavelengths_nm: vec![nm],
-                cos_theta: vec![cosines[0]],
-                cos_phi: vec![cosines[1], 1.0],
-            };
-            let structure = Structure::Sections { name: name.clone(), sections: vec![section.clone()] };
-            let parameters = Parameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0 };
-            let campaign = Campaign::new(&structure, parameters, Width::best(), &Unobserved).unwrap();
-            let unit = campaign.unit(&campaign.wavelength(0, &Unobserved).unwrap(), 0, true);
-            for (number, cosine) in axes.cos_phi.iter().enumerate() {
-                let exact =
-                    fast(&section, 0.5 * FINE_ELEMENT_UM, nm, cosines[0].acos(), cosine.acos(), AZIMUTHS);
-                for p in 0..2 {
-                    let at = (number * 2 + p) * 2 * AZIMUTHS;
-                    let single: Vec<Complex64> = unit.fields[at..at + 2 * AZIMUTHS]
-                        .iter()
-                        .map(|v| Complex64::new(f64::from(v.re), f64::from(v.im)))
-                        .collect();
-                    let error = relative_l2(&single, &exact.fields[p].concat());
-                    let power = (unit.reflected[number * 2 + p] / exact.reflected[p] - 1.0).abs();
-                    println!("{name} {nm:.0} nm: {error:.1e} {power:.1e}");
-                    worst = [worst[0].max(error), worst[1].max(power)];
-                }
-            }
-        }
-    }
-    println!("campaigns against converged fields (field, power): {worst:?}");
-    assert!(worst[0] < 1e-3 && worst[1] < 2e-4, "{worst:?}");
+    let found = converged_errors();
+    let [field, power] = found.iter().fold([0.0; 2], |worst, (_, errors)| larger(worst, *errors));
+    assert!(field < 1e-3 && power < 2e-4, "{found:?}");
 }
 
 #[test]
@@ -242,19 +120,8 @@ fn a_turned_barbule_is_the_same_barbule_seen_from_elsewhere() {
 
 #[test]
 fn no_barbule_reflects_more_than_it_gets() {
-    let mut worst = 0f64;
-    for (name, section, mut stream) in barbules(5) {
-        for _ in 0..6 {
-            let nm = stream.uniform(300.0, 700.0);
-            let (theta, phi) = (stream.uniform(-1.2, 1.2), stream.uniform(-1.2, 1.2));
-            let found = fast(&section, 0.02, nm, theta, phi, 400);
-            for reflected in found.reflected {
-                assert!(reflected <= 1.0, "{name} {nm} {theta} {phi}: {reflected}");
-                worst = worst.max(reflected);
-            }
-        }
-    }
-    println!("largest Φ_r/Φ_i: {worst:.3}");
+    let worst = largest_reflected();
+    assert!(worst.0 <= 1.0, "{worst:?}");
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod crystal_colours;
 mod crystals;
 mod film;
 mod geometry;
+mod measure;
 mod picture;
 mod render;
 mod simulation;
