@@ -108,9 +108,67 @@ fn expected(brdf: &FeatherBrdf, wi: DVec3, pilot: [&[f64]; 2], bins: [&[f64]; 2]
     sums
 }
 
+/// A χ² test of 20,000 samples at 500 nm against the density's integrals over 30 bins and what is below the horizon.
+fn assert_samples_follow_their_density(brdf: &FeatherBrdf, wi: DVec3, mut stream: Stream, place: &str) {
+    let count = 20_000;
+    let mut angles = |count: usize| -> Vec<Option<(f64, f64)>> {
+        (0..count)
+            .map(|_| {
+                let u = [stream.unit(), stream.unit()];
+                brdf.sample(500.0, wi, u).map(|(wo, _)| (wo.y.asin(), wo.x.atan2(wo.z)))
+            })
+            .collect()
+    };
+    // Bins from a pilot run, so that they resolve the lobe wherever it is.
+    let pilot: Vec<(f64, f64)> = angles(4000).into_iter().flatten().collect();
+    assert!(pilot.len() > 100, "{place}: {} of 4000 above the horizon", pilot.len());
+    let sorted = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values
+    };
+    let pilot_theta = sorted(pilot.iter().map(|a| a.0).collect());
+    let pilot_phi = sorted(pilot.iter().map(|a| a.1).collect());
+    let (thetas, phis) = (edges(&pilot_theta, 5), edges(&pilot_phi, 6));
+    let mut observed = vec![0.0; 31];
+    for angle in angles(count) {
+        let bin = angle.map_or(30, |(t, p)| {
+            let row = thetas[1..5].partition_point(|e| *e <= t);
+            row * 6 + phis[1..6].partition_point(|e| *e <= p)
+        });
+        observed[bin] += 1.0;
+    }
+    let mut expected: Vec<f64> = expected(brdf, wi, [&pilot_theta, &pilot_phi], [&thetas, &phis])
+        .iter()
+        .map(|share| share * count as f64)
+        .collect();
+    let above: f64 = expected.iter().sum();
+    assert!(above <= count as f64 * (1.0 + 1e-3), "∫pdf = {}", above / count as f64);
+    expected.push((count as f64 - above).max(0.0));
+    let mut statistic = 0.0;
+    let mut bins = 0;
+    let (mut rest_observed, mut rest_expected) = (0.0, 0.0);
+    for (o, e) in observed.iter().zip(&expected) {
+        if *e >= 8.0 {
+            statistic += (o - e) * (o - e) / e;
+            bins += 1;
+        } else {
+            rest_observed += o;
+            rest_expected += e;
+        }
+    }
+    if rest_expected >= 1.0 {
+        statistic += (rest_observed - rest_expected) * (rest_observed - rest_expected) / rest_expected;
+        bins += 1;
+    } else {
+        assert!(rest_observed < 12.0, "{place}: {rest_observed} where none belong");
+    }
+    let p = 1.0 - ChiSquared::new(f64::from(bins - 1)).unwrap().cdf(statistic);
+    // 18 cases: the smallest p of a true null falls below 1e-4 once in 600 suites, and seeds are fixed.
+    assert!(p > 1e-4, "{place}: χ² = {statistic:.1} in {bins} bins, p = {p:.2e}");
+}
+
 #[test]
 fn samples_follow_their_density() {
-    let count = 20_000;
     for m in [0.001, 0.1, 1.0] {
         let brdf = brdf(&constant(m, 0.5, 0.2));
         for (number, (theta, phi)) in DIRECTIONS.into_iter().enumerate() {
@@ -119,63 +177,19 @@ fn samples_follow_their_density() {
                 continue;
             }
             let wi = omega(theta.to_radians(), phi.to_radians());
-            let mut stream = Stream::new(7, &[number as u64, u64::from(m.to_bits())]);
-            let mut angles = |count: usize| -> Vec<Option<(f64, f64)>> {
-                (0..count)
-                    .map(|_| {
-                        let u = [stream.unit(), stream.unit()];
-                        brdf.sample(500.0, wi, u).map(|(wo, _)| (wo.y.asin(), wo.x.atan2(wo.z)))
-                    })
-                    .collect()
-            };
-            // Bins from a pilot run, so that they resolve the lobe wherever it is.
-            let pilot: Vec<(f64, f64)> = angles(4000).into_iter().flatten().collect();
-            assert!(pilot.len() > 100, "m {m}, {theta}°, {phi}°: {} of 4000 above the horizon", pilot.len());
-            let sorted = |mut values: Vec<f64>| {
-                values.sort_by(f64::total_cmp);
-                values
-            };
-            let pilot_theta = sorted(pilot.iter().map(|a| a.0).collect());
-            let pilot_phi = sorted(pilot.iter().map(|a| a.1).collect());
-            let (thetas, phis) = (edges(&pilot_theta, 5), edges(&pilot_phi, 6));
-            let mut observed = vec![0.0; 31];
-            for angle in angles(count) {
-                let bin = angle.map_or(30, |(t, p)| {
-                    let row = thetas[1..5].partition_point(|e| *e <= t);
-                    row * 6 + phis[1..6].partition_point(|e| *e <= p)
-                });
-                observed[bin] += 1.0;
-            }
-            let mut expected: Vec<f64> = expected(&brdf, wi, [&pilot_theta, &pilot_phi], [&thetas, &phis])
-                .iter()
-                .map(|share| share * count as f64)
-                .collect();
-            let above: f64 = expected.iter().sum();
-            assert!(above <= count as f64 * (1.0 + 1e-3), "∫pdf = {}", above / count as f64);
-            expected.push((count as f64 - above).max(0.0));
-            let mut statistic = 0.0;
-            let mut bins = 0;
-            let (mut rest_observed, mut rest_expected) = (0.0, 0.0);
-            for (o, e) in observed.iter().zip(&expected) {
-                if *e >= 8.0 {
-                    statistic += (o - e) * (o - e) / e;
-                    bins += 1;
-                } else {
-                    rest_observed += o;
-                    rest_expected += e;
-                }
-            }
-            if rest_expected >= 1.0 {
-                statistic +=
-                    (rest_observed - rest_expected) * (rest_observed - rest_expected) / rest_expected;
-                bins += 1;
-            } else {
-                assert!(rest_observed < 12.0, "m {m}, {theta}°, {phi}°: {rest_observed} where none belong");
-            }
-            let p = 1.0 - ChiSquared::new(f64::from(bins - 1)).unwrap().cdf(statistic);
-            // 16 cases: the smallest p of a true null falls below 1e-4 once in 600 suites, and seeds are fixed.
-            assert!(p > 1e-4, "m {m}, {theta}°, {phi}°: χ² = {statistic:.1} in {bins} bins, p = {p:.2e}");
+            let stream = Stream::new(7, &[number as u64, u64::from(m.to_bits())]);
+            assert_samples_follow_their_density(&brdf, wi, stream, &format!("m {m}, {theta}°, {phi}°"));
         }
+    }
+}
+
+#[test]
+fn samples_of_shipped_materials_follow_their_density() {
+    for stem in SHIPPED {
+        let brdf = brdf(&shipped(stem));
+        let (theta, phi) = DIRECTIONS[1];
+        let wi = omega(theta.to_radians(), phi.to_radians());
+        assert_samples_follow_their_density(&brdf, wi, Stream::new(7, &[]), stem);
     }
 }
 
@@ -280,9 +294,6 @@ fn a_white_furnace_gains_nothing_between_the_nodes() {
             let wi = DVec3::new(r * azimuth.cos(), r * azimuth.sin(), z);
             let albedo = brdf.albedo(stream.uniform(380.0, 720.0) as f32, wi);
             assert!(albedo.is_finite() && albedo > 0.2, "{albedo} at {wi}");
-            if albedo > 1.001 {
-                println!("albedo {albedo} at {wi}");
-            }
             largest = largest.max(albedo);
         }
     }
@@ -436,7 +447,8 @@ fn polarizations_average_to_unpolarized_light() {
 /// φ_eff breaks reciprocity: the measured size of it, over pairs drawn from the lobe, weighted by what they carry.
 #[test]
 fn the_deviation_from_reciprocity_is_known() {
-    for (name, material) in [("φ_eff = φ_i, constant", constant(0.1, 0.3, 0.0)), ("example", example(3))] {
+    let cases = [("φ_eff = φ_i, constant", constant(0.1, 0.3, 0.0), 0.0121), ("example", example(3), 0.2413)];
+    for (name, material, known) in cases {
         let brdf = brdf(&material);
         let mut stream = Stream::new(8, &[]);
         let (mut difference, mut sum) = (0.0, 0.0);
@@ -449,8 +461,7 @@ fn the_deviation_from_reciprocity_is_known() {
             sum += 0.5 * (there + back) * wo.z / pdf;
         }
         let deviation = difference / sum;
-        println!("{name}: |f(i,o) − f(o,i)| is {deviation:.3} of f");
-        assert!(deviation < 0.5, "{name}: {deviation}");
+        assert!((deviation / known - 1.0).abs() < 0.1, "{name}: {deviation}, known {known}");
     }
 }
 
@@ -473,7 +484,51 @@ fn albedos_of_instances_scatter_about_the_mean() {
     let ratios: Vec<f64> = (0..count).map(|n| albedo(Some(n)) / mean).collect();
     let average = ratios.iter().sum::<f64>() / count as f64;
     let spread = (ratios.iter().map(|r| (r - average).powi(2)).sum::<f64>() / count as f64).sqrt();
-    println!("albedo of instances over the mean's: {average:.3} ± {spread:.3}");
     assert!((average - 1.0).abs() < 4.0 * spread / (count as f64).sqrt() + 0.005, "{average} ± {spread}");
-    assert!(spread > 0.02 && spread < 0.6, "{spread}");
+    // 0.252 with these seeds.
+    assert!((spread - 0.252).abs() < 0.025, "{spread}");
 }
+
+/// A material that ships.
+fn shipped(stem: &str) -> FeatherMaterial {
+    barbule::io::decode_material(barbule_materials::material(stem).unwrap()).unwrap()
+}
+
+/// One of layers and one over a crystal.
+const SHIPPED: [&str; 2] = ["starling-green", "magpie-violet"];
+
+#[test]
+fn shipped_materials_gain_nothing_between_the_nodes() {
+    for stem in SHIPPED {
+        let mut material = shipped(stem);
+        for white in [false, true] {
+            if white {
+                material.sets.iter_mut().for_each(|set| set.mean.reflected.fill(1.0));
+            }
+            let brdf = brdf(&material);
+            let mut stream = Stream::new(12, &[]);
+            for _ in 0..500 {
+                let (z, azimuth) = (stream.unit().max(1e-4), stream.uniform(0.0, std::f64::consts::TAU));
+                let r = (1.0 - z * z).sqrt();
+                let wi = DVec3::new(r * azimuth.cos(), r * azimuth.sin(), z);
+                let albedo = brdf.albedo(stream.uniform(380.0, 720.0) as f32, wi);
+                let bound = match (white, z < NEAR_HORIZON) {
+                    (true, _) => 1.0 + WHITE_EXCESS,
+                    (false, true) => 1.0 + HORIZON_EXCESS,
+                    (false, false) => 1.0,
+                };
+                assert!(albedo > 0.0 && albedo <= bound, "{stem}, white {white}: {albedo} at {wi}");
+            }
+        }
+    }
+}
+
+/// What interpolation between nodes that reflect everything may add: 0.010 reached, starling.
+const WHITE_EXCESS: f64 = 0.012;
+
+/// Below this height of the source a shipped material's own lobe may reflect more than it receives, by the other
+/// constant: 0.030 reached at 0.0097, starling.
+const NEAR_HORIZON: f64 = 0.02;
+
+/// See [`NEAR_HORIZON`].
+const HORIZON_EXCESS: f64 = 0.035;

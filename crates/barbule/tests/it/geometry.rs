@@ -240,28 +240,3 @@ fn the_same_parameters_seed_and_index_give_the_same_bits() {
     });
     assert_eq!(found, BITS.map(|(name, hash)| (name, hash.to_owned())));
 }
-
-#[test]
-#[ignore = "prints timings"]
-fn timings() {
-    for name in layered_species() {
-        let model = model(name, None);
-        let quickest = |act: &dyn Fn()| {
-            (0..7)
-                .map(|_| {
-                    let start = std::time::Instant::now();
-                    act();
-                    start.elapsed()
-                })
-                .min()
-        };
-        let section = model.section(1, 0).unwrap();
-        let made = quickest(&|| drop(model.section(1, 0)));
-        let points: usize = section.boundaries.iter().map(|b| b.x_um.len()).sum::<usize>()
-            + section.inclusions.iter().map(|i| i.outline.points()).sum::<usize>();
-        let rays = rays(&section, 3000, 0.0, 1);
-        let columns = cast(&section, &rays).unwrap();
-        let casting = quickest(&|| drop(cast(&section, &rays)));
-        println!("{name}: made in {made:?}, {points} points, cast in {casting:?}, {} slots", columns.slots);
-    }
-}

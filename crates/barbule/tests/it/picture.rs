@@ -1,53 +1,13 @@
 //! A small picture against a stored one: whatever changes what is seen, on purpose or not, shows here.
 //!
-//! After an intended change the reference is made again with
-//! `cargo test --release -p barbule --test it picture -- --ignored`.
+//! After an intended change `cargo run --release -p barbule --example reference_picture` makes the stored one again.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use barbule::io::image::read_exr;
 
-use barbule::brdf::{FeatherBrdf, Options, example};
-use barbule::io::image::{read_exr, write_exr};
-use barbule::progress::Unobserved;
-use barbule::render::film::Film;
-use barbule::render::integrator::Integrator;
-use barbule::render::run::{Goal, run};
-use barbule::scene::preset;
-
-const SIZE: [u32; 2] = [64, 48];
-
-/// Samples per pixel of the test and of the reference.
-const SAMPLES: [u32; 2] = [64, 1024];
+use crate::measure::picture::{SAMPLES, SIZE, picture, reference};
 
 /// Side of the blocks that are compared, pixels.
 const BLOCK: u32 = 8;
-
-/// Part of the starling's close-up with the example's material.
-fn picture(samples: u32, seed: u64) -> Film {
-    let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let mut preset = preset::named("starling").unwrap();
-    preset.window.radius_mm = 1.0;
-    preset.width_mm = 1.2;
-    let (scene, _) = preset.scene(brdf, 1).unwrap();
-    let mut film = Film::new(SIZE).unwrap();
-    let goal = Goal { samples, noise: None, time: None };
-    run(&Integrator::new(&scene), &mut film, seed, goal, &Unobserved, &mut |_| Ok(())).unwrap();
-    film
-}
-
-fn reference() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/data/starling.exr")
-}
-
-#[test]
-#[ignore = "makes the stored picture again"]
-fn make_the_reference() {
-    let film = picture(SAMPLES[1], 1);
-    let rgb = film.linear_srgb();
-    let plane = |k: usize| rgb.iter().map(|p| p[k]).collect::<Vec<f32>>();
-    write_exr(&reference(), SIZE, vec![("R", plane(0)), ("G", plane(1)), ("B", plane(2))], vec![], &[])
-        .unwrap();
-}
 
 /// Blocks differ by their noise alone: the variance of the new picture plus the reference's, which has 16 times the
 /// samples. Colour is compared over the whole picture.

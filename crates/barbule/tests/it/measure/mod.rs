@@ -1,0 +1,7 @@
+//! Measuring that several tests and the programs in `examples/` share.
+
+pub(crate) mod crystals;
+pub(crate) mod fields;
+pub(crate) mod picture;
+pub(crate) mod simulation;
+pub(crate) mod speckle;

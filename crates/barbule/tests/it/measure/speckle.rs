@@ -1,0 +1,320 @@
+//! What single barbules do, in figures: shared by the tests that hold them and the program that prints them.
+
+use barbule::brdf::fit::{FitOptions, FitReport, fit};
+use barbule::brdf::{FeatherMaterial, Noise, Synthesis, lobe_integral};
+use barbule::campaign::single::autocovariance;
+use barbule::campaign::{Campaign, Parameters};
+use barbule::material::Library;
+use barbule::math::simd::Width;
+use barbule::progress::Unobserved;
+use barbule::scattering::lobe::Lobe;
+use barbule::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, Statistics};
+use barbule::structure::{SpeciesModel, Structure};
+use num_complex::Complex64;
+
+const INSTANCES: usize = 50;
+
+/// Directions weaker than this part of the lobe's peak are left out: there nothing is seen.
+const WEAKEST: f64 = 0.05;
+
+/// Share of (λ, ω_i, φ_o, part) at which normality is rejected at 1 %: that of A² (n → ∞ form) with mean and variance
+/// from the sample, D'Agostino & Stephens 1986, table 4.7.
+const CRITICAL: f64 = 1.035;
+
+/// Simulated barbules of a species.
+pub(crate) struct Species {
+    pub(crate) name: &'static str,
+    campaign: Campaign,
+    statistics: Statistics,
+    /// `[unit][φ_i, polarization, e₁ e₂, instance, AZIMUTHS]`.
+    fields: Vec<Vec<num_complex::Complex<f32>>>,
+}
+
+/// 50 instances with tilts, three wavelengths and θ_i, four φ_i.
+pub(crate) fn simulate(name: &'static str) -> Species {
+    let model = SpeciesModel::builtin(name, None, Library::builtin()).unwrap();
+    let axes = Axes {
+        wavelengths_nm: vec![400.0, 550.0, 694.0],
+        cos_theta: vec![0.1, 0.5, 1.0],
+        cos_phi: vec![0.1, 0.35, 0.7, 1.0],
+    };
+    let parameters =
+        Parameters { axes: axes.clone(), instances: INSTANCES, seed: 1, tilt: 2f64.to_radians() };
+    let structure = Structure::Species(Box::new(model));
+    let campaign = Campaign::new(&structure, parameters, Width::best(), &Unobserved).unwrap();
+    let mut statistics = Statistics::empty(axes, INSTANCES);
+    let mut fields = Vec::new();
+    for wave in 0..3 {
+        let wavelength = campaign.wavelength(wave, &Unobserved).unwrap();
+        for theta in 0..3 {
+            let mut unit = campaign.unit(&wavelength, theta, true);
+            fields.push(std::mem::take(&mut unit.fields));
+            statistics.append(unit);
+        }
+    }
+    Species { name, campaign, statistics, fields }
+}
+
+impl Species {
+    /// The stronger component's values over instances where the lobe is seen, `(node, [φ_o][instance])`.
+    pub(crate) fn samples(&self) -> impl Iterator<Item = (usize, Vec<Vec<Complex64>>)> + '_ {
+        let phis = self.statistics.axes.cos_phi.len();
+        (0..self.statistics.axes.len() * 2).map(move |at| {
+            let (node, polarization) = (at / 2, at % 2);
+            let fields = &self.fields[node / phis];
+            let component = |along: usize, instance: usize| {
+                let part = ((node % phis) * 2 + polarization) * 2 + along;
+                &fields[(part * INSTANCES + instance) * AZIMUTHS..][..AZIMUTHS]
+            };
+            let energy = |along: usize| -> f64 {
+                (0..INSTANCES).flat_map(|m| component(along, m)).map(|v| f64::from(v.norm_sqr())).sum()
+            };
+            let along = usize::from(energy(1) > energy(0));
+            let u = &self.statistics.u[at * AZIMUTHS..][..AZIMUTHS];
+            let peak = u.iter().fold(0.0_f32, |a, b| a.max(*b));
+            let seen = (0..AZIMUTHS).filter(|k| f64::from(u[*k]) > WEAKEST * f64::from(peak));
+            let of = |k: usize| {
+                (0..INSTANCES)
+                    .map(|m| {
+                        let value = component(along, m)[k];
+                        Complex64::new(f64::from(value.re), f64::from(value.im))
+                    })
+                    .collect()
+            };
+            (node, seen.map(of).collect())
+        })
+    }
+
+    /// Whether light comes from within about 45° of the normal.
+    pub(crate) fn is_steep(&self, node: usize) -> bool {
+        let axes = &self.statistics.axes;
+        let phis = axes.cos_phi.len();
+        axes.cos_phi[node % phis] * axes.cos_theta[node / phis % axes.cos_theta.len()] > 0.65
+    }
+
+    fn fitted(&self, polarized: bool) -> (FeatherMaterial, FitReport) {
+        fit(&self.statistics, &FitOptions { polarized, ..FitOptions::default() }, &Unobserved).unwrap()
+    }
+}
+
+/// Mean and standard deviation of a sample.
+pub(crate) fn moments(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt())
+}
+
+/// Anderson and Darling's A² against the normal distribution of the sample's own mean and variance.
+fn anderson_darling(values: &[f64]) -> f64 {
+    let (mean, deviation) = moments(values);
+    let mut sorted: Vec<f64> = values.iter().map(|v| (v - mean) / deviation).collect();
+    sorted.sort_by(f64::total_cmp);
+    let below = |z: f64| (0.5 * libm::erfc(-z / std::f64::consts::SQRT_2)).clamp(1e-300, 1.0);
+    let n = sorted.len() as f64;
+    let sum: f64 = (0..sorted.len())
+        .map(|i| {
+            let odd = 2.0 * i as f64 + 1.0;
+            odd * (below(sorted[i]).ln() + below(-sorted[sorted.len() - 1 - i]).ln())
+        })
+        .sum();
+    (-n - sum / n) * (1.0 + 0.75 / n + 2.25 / (n * n))
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Share of rejections of real and imaginary parts, for steep and for other incidence.
+fn rejected(species: &Species) -> [f64; 2] {
+    let mut counts = [[0.0; 2]; 2];
+    for (node, samples) in species.samples() {
+        let group = &mut counts[usize::from(!species.is_steep(node))];
+        // Every fourth azimuth: neighbours are the same speckle.
+        for values in samples.iter().step_by(4) {
+            for part in [|v: &Complex64| v.re, |v: &Complex64| v.im] {
+                let a = anderson_darling(&values.iter().map(part).collect::<Vec<_>>());
+                group[0] += 1.0;
+                group[1] += f64::from(u8::from(a > CRITICAL));
+            }
+        }
+    }
+    counts.map(|[all, bad]| bad / all)
+}
+
+/// σ_R/σ_I of each (λ, ω_i) and polarization, variances summed over the lobe.
+fn ratios(species: &Species, steep: bool) -> Vec<f64> {
+    let mut ratios = Vec::new();
+    for (_, samples) in species.samples().filter(|(node, _)| species.is_steep(*node) == steep) {
+        let mut sums = [0.0; 2];
+        for values in &samples {
+            for (sum, part) in sums.iter_mut().zip([|v: &Complex64| v.re, |v: &Complex64| v.im]) {
+                *sum += moments(&values.iter().map(part).collect::<Vec<_>>()).1.powi(2);
+            }
+        }
+        ratios.push((sums[0] / sums[1]).sqrt());
+    }
+    ratios
+}
+
+/// ∫V/∫U at a node, both polarizations.
+fn steady(statistics: &Statistics, node: usize) -> f64 {
+    let sum = |array: &[f32]| -> f64 {
+        array[node * 2 * AZIMUTHS..(node + 1) * 2 * AZIMUTHS].iter().map(|v| f64::from(*v)).sum()
+    };
+    sum(&statistics.v) / sum(&statistics.u)
+}
+
+/// The Δx at which an autocovariance falls to 1/e.
+fn decay(lags: &[f64]) -> f64 {
+    let level = (-1f64).exp() * lags[0];
+    let at = lags.iter().position(|v| *v < level).unwrap();
+    let (above, below) = (lags[at - 1], lags[at]);
+    ((at - 1) as f64 + (above - level) / (above - below)) * 2.0 / NOISE_POINTS as f64
+}
+
+/// 1/e lengths at polarization 1, simulated and synthesized: of the weighted fields (S.30) and of the intensities
+/// about their mean over instances.
+fn lengths(species: &Species, material: &FeatherMaterial, wave: usize, phi: usize) -> [[f64; 2]; 2] {
+    let axes = &species.statistics.axes;
+    let theta = axes.cos_theta.len() - 1;
+    let patterns =
+        species.campaign.patterns(&species.campaign.wavelength(wave, &Unobserved).unwrap(), theta, phi, 0);
+    let first = ((patterns.x[0] + 1.0) * 0.5 * NOISE_POINTS as f64) as usize;
+    let synthesis = Synthesis::on(material, axes.index(wave, theta, phi), &patterns.phi_o);
+    let noise = Noise::new(&material.noise_power, material.seed);
+    let synthesized: Vec<Vec<Complex64>> = (0..200)
+        .map(|n| synthesis.fields(&noise, n).map(|[[re, im], _]| Complex64::new(re, im)).collect())
+        .collect();
+    let decays = |fields: &[Vec<Complex64>]| {
+        let mean: Vec<f64> = (0..patterns.x.len())
+            .map(|k| fields.iter().map(|f| f[k].norm_sqr()).sum::<f64>() / fields.len() as f64)
+            .collect();
+        let of = |weigh: &dyn Fn(usize, Complex64) -> Complex64| {
+            let mut sum = vec![0.0; NOISE_POINTS / 2];
+            for field in fields {
+                let values: Vec<Complex64> = field.iter().enumerate().map(|(k, v)| weigh(k, *v)).collect();
+                for (sum, value) in sum.iter_mut().zip(autocovariance(&values, first)) {
+                    *sum += value;
+                }
+            }
+            decay(&sum)
+        };
+        [of(&|k, v| v * patterns.fitted[k].sqrt()), of(&|k, v| Complex64::new(v.norm_sqr() - mean[k], 0.0))]
+    };
+    let (a, b) = (decays(&patterns.fields), decays(&synthesized));
+    [[a[0], b[0]], [a[1], b[1]]]
+}
+
+/// Normality, equal parts, and a mean field that grows towards grazing incidence.
+pub(crate) struct Speckle {
+    /// Share of rejections of normality at 1 %, for steep and for other incidence.
+    pub(crate) rejected: [f64; 2],
+    /// σ_R/σ_I, for steep and for other incidence: median, lowest, highest.
+    pub(crate) ratio: [[f64; 3]; 2],
+    /// V/U at θ_i = 0 and φ_i = 0°, 46°, 70°, 84°, mean of the wavelengths.
+    pub(crate) steady: [f64; 4],
+}
+
+/// Measures [`Speckle`].
+pub(crate) fn speckle(species: &Species) -> Speckle {
+    let spread = |values: Vec<f64>| {
+        let low = values.iter().copied().fold(f64::MAX, f64::min);
+        let high = values.iter().copied().fold(0.0, f64::max);
+        [median(values), low, high]
+    };
+    let axes = &species.statistics.axes;
+    Speckle {
+        rejected: rejected(species),
+        ratio: [true, false].map(|steep| spread(ratios(species, steep))),
+        steady: [3, 2, 1, 0]
+            .map(|phi| (0..3).map(|w| steady(&species.statistics, axes.index(w, 2, phi)) / 3.0).sum()),
+    }
+}
+
+/// How fitted parameters lie to the directions and to each other; medians are over all λ and ω_i.
+pub(crate) struct Fitted {
+    /// |φ_eff − φ_i|, degrees: median and largest.
+    pub(crate) apart_deg: [f64; 2],
+    /// The least of F at grazing incidence over the largest elsewhere.
+    pub(crate) grazing: f64,
+    /// Medians of m₁/m₂, |φ₁ − φ₂| (degrees) and l₁/l₂ of the two polarizations.
+    pub(crate) polarizations: [f64; 3],
+}
+
+/// Measures [`Fitted`].
+pub(crate) fn fitted(species: &Species) -> Fitted {
+    let (material, _) = species.fitted(false);
+    let (polarized, _) = species.fitted(true);
+    let axes = &material.axes;
+    let phis = axes.cos_phi.len();
+    let lobe = |node: usize| {
+        let set = &material.sets[0].mean;
+        Lobe { m: f64::from(set.m[node]), phi: f64::from(set.phi[node]) }
+    };
+    let cosines = |node: usize| (axes.cos_theta[node / phis % 3], axes.cos_phi[node % phis]);
+    let off: Vec<f64> =
+        (0..axes.len()).map(|node| (lobe(node).phi - cosines(node).1.acos()).abs().to_degrees()).collect();
+    let f = |node: usize| {
+        let theta = cosines(node).0.acos();
+        let integral = lobe_integral(lobe(node), theta, material.sigma).unwrap();
+        f64::from(material.sets[0].mean.reflected[node]) / integral
+    };
+    let per_wave = axes.len() / 3;
+    let grazing = (0..3)
+        .map(|w| {
+            let rest = (1..per_wave).map(|n| f(w * per_wave + n)).fold(0.0, f64::max);
+            f(w * per_wave) / rest
+        })
+        .fold(f64::MAX, f64::min);
+    let [one, two] = [0, 1].map(|p| &polarized.sets[p]);
+    let middle = |pick: &dyn Fn(usize) -> f64| median((0..axes.len()).map(pick).collect());
+    Fitted {
+        apart_deg: [median(off.clone()), off.iter().copied().fold(0.0, f64::max)],
+        grazing,
+        polarizations: [
+            middle(&|n| f64::from(one.mean.m[n] / two.mean.m[n])),
+            middle(&|n| f64::from((one.mean.phi[n] - two.mean.phi[n]).abs()).to_degrees()),
+            middle(&|n| f64::from(one.length[n] / two.length[n])),
+        ],
+    }
+}
+
+/// Simulated instances beside synthesized ones, in this order in each pair.
+pub(crate) struct Synthesized {
+    /// Means of the contrast.
+    pub(crate) contrast: [f64; 2],
+    /// Largest difference of the contrasts.
+    pub(crate) contrast_apart: f64,
+    /// Means, weighted by ρ, of the correlation of the polarizations' patterns.
+    pub(crate) correlation: [f64; 2],
+    /// Energy of 2000 synthesized instances over the simulated mean's.
+    pub(crate) energy: f64,
+    /// 1/e lengths of fields and of intensities, at 400 nm, at 694 nm, and at 400 nm and φ_i = 46°.
+    pub(crate) lengths: [[[f64; 2]; 2]; 3],
+    /// Longest correlation length over the one at the shortest wavelength.
+    pub(crate) longest_length: f64,
+}
+
+/// Measures [`Synthesized`].
+pub(crate) fn synthesized(species: &Species) -> Synthesized {
+    let (material, report) = species.fitted(false);
+    let count = report.patterns.len() as f64;
+    let balance: f64 = report.patterns.iter().map(|p| p.balance).sum();
+    let noise = Noise::new(&material.noise_power, material.seed);
+    let node = material.axes.index(1, 2, 3);
+    let synthesis = Synthesis::new(&material, node);
+    let step = std::f64::consts::PI / AZIMUTHS as f64;
+    let drawn: f64 = (0..2000).map(|n| step * synthesis.intensity(&noise, n).iter().sum::<f64>()).sum();
+    let reflected = &species.statistics.reflected[2 * node..2 * node + 2];
+    let patterns = || report.patterns.iter();
+    Synthesized {
+        contrast: [0, 1].map(|side| patterns().map(|p| p.contrast[side]).sum::<f64>() / count),
+        contrast_apart: patterns().map(|p| (p.contrast[0] - p.contrast[1]).abs()).fold(0.0, f64::max),
+        correlation: [0, 1]
+            .map(|side| patterns().map(|p| p.balance * p.correlation[side]).sum::<f64>() / balance),
+        energy: drawn / 2000.0 / (0.5 * (reflected[0] + reflected[1])),
+        lengths: [(0, 3), (2, 3), (0, 2)].map(|(wave, phi)| lengths(species, &material, wave, phi)),
+        longest_length: report.longest_length[0],
+    }
+}
