@@ -2,6 +2,8 @@
 //! patterns, padded to twice their length so that lags do not wrap, is the transform of the sum of the covariances of
 //! their real and imaginary parts.
 
+use std::ops::{AddAssign, DivAssign, MulAssign, RemAssign, SubAssign};
+
 use num_complex::Complex;
 
 use crate::math::fft::{Transform, Transformable};
@@ -11,10 +13,19 @@ use crate::scattering::statistics::{LAGS, NOISE_POINTS};
 /// Length of the transform of a pattern.
 const PADDED: usize = 2 * NOISE_POINTS;
 
+/// `f32` or `f64`.
+pub(super) trait Number:
+    Transformable + Real + Into<f64> + AddAssign + SubAssign + MulAssign + DivAssign + RemAssign
+{
+}
+
+impl Number for f32 {}
+impl Number for f64 {}
+
 /// The transform that all covariances of one precision share.
 pub(super) struct Covariance<T>(Transform<T>);
 
-impl<T: Transformable + Real + Into<f64>> Covariance<T> {
+impl<T: Number> Covariance<T> {
     pub(super) fn new() -> Self {
         Self(T::forward(PADDED))
     }
@@ -41,20 +52,20 @@ pub(super) struct Sum<'a, T> {
     patterns: usize,
 }
 
-impl<T: Transformable + Real + Into<f64>> Sum<'_, T> {
+impl<T: Number> Sum<'_, T> {
     /// Adds a pattern with values on consecutive points from `first` on, less their mean; it is zero elsewhere.
     pub(super) fn add(&mut self, first: usize, values: impl Iterator<Item = Complex<T>>) {
         let zero = Complex { re: T::of(0.0), im: T::of(0.0) };
         self.pattern.fill(zero);
         let (mut mean, mut count) = (zero, 0);
         for (place, value) in self.pattern[first..].iter_mut().zip(values) {
-            mean = mean + value;
+            mean += value;
             *place = value;
             count += 1;
         }
-        mean = mean / T::of(count.max(1) as f64);
+        mean /= T::of(count.max(1) as f64);
         for place in &mut self.pattern[first..first + count] {
-            *place = *place - mean;
+            *place -= mean;
         }
         self.transform.process(&mut self.pattern, &mut self.scratch);
         for (sum, value) in self.power.iter_mut().zip(&self.pattern) {
