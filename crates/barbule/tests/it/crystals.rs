@@ -1,7 +1,8 @@
 //! Barbules over photonic crystals: the fast simulation against its plain reference, closed forms and laws.
 //! `cargo run --release -p barbule --example simulation_tables` prints the figures that are held here.
 
-use barbule::solve::crystal::{Cell, Crystal, Incidence, Multipole, Response};
+use barbule::scattering::far_field::Polarization;
+use barbule::solve::crystal::{Cell, CrystalSolver, Incidence, Multipole, Response};
 use barbule::solve::surface::FINE_ELEMENT_UM;
 use barbule::structure::{CrystalLayer, Polyline, Section, crystal_species};
 use num_complex::Complex64;
@@ -25,17 +26,27 @@ fn ideal(crystal: &CrystalLayer, nm: f64, theta: f64, phi: f64) -> Response {
     Multipole::default().respond(&cell, &Incidence { wavelength_nm: nm, theta_i: theta, phi_i: phi }).unwrap()
 }
 
+/// Error of fields and powers whose orders come from series, of which up to 3e-5 of each element is left out: 9.5e-5 and
+/// 7.3e-5 are reached.
+const SERIES: f64 = 1.1e-4;
+
+/// Error of a campaign's field (relative L2): 2.1e-4 is reached, by elements of 0.04 µm and nodes.
+const CAMPAIGN_FIELD: f64 = 2.3e-4;
+
+/// Relative error of its reflected power: 1.9e-4 is reached.
+const CAMPAIGN_POWER: f64 = 2e-4;
+
 #[test]
 fn far_fields_equal_the_plain_evaluation() {
     let [field, power] = plain_errors();
-    assert!(field < 2e-4 && power < 2e-4, "{field:e} {power:e}");
+    assert!(field < SERIES && power < SERIES, "{field:e} {power:e}");
 }
 
 #[test]
 fn campaigns_equal_converged_fields() {
     let found = converged_errors();
     let [field, power] = found.iter().fold([0.0; 2], |worst, (_, errors)| larger(worst, *errors));
-    assert!(field < 1e-3 && power < 2e-4, "{found:?}");
+    assert!(field < CAMPAIGN_FIELD && power < CAMPAIGN_POWER, "{found:?}");
 }
 
 #[test]
@@ -50,9 +61,9 @@ fn a_flat_barbule_reflects_what_its_crystal_does_into_each_order() {
             let found = fast(&section, FINE_ELEMENT_UM, nm, theta, phi, 3000);
             let total = exact.reflectance(phi);
             for (p, total) in total.into_iter().enumerate() {
-                let all = found.reflected[p];
+                let all = found.radiated[p];
                 assert!((all - total).abs() < 2e-3, "{species} {nm}: {all} {total}");
-                let intensity = found.intensity(p);
+                let intensity = found.intensity(Polarization::BOTH[p]).unwrap();
                 for order in &exact.orders {
                     // The lobe of an order that is not near the horizon, ±6°.
                     if order.phi_o.cos() < 0.4 {
@@ -60,7 +71,8 @@ fn a_flat_barbule_reflects_what_its_crystal_does_into_each_order() {
                     }
                     let step = std::f64::consts::PI / 3000.0;
                     let lobe: f64 = found
-                        .phi_o
+                        .azimuths
+                        .phi_o()
                         .iter()
                         .zip(&intensity)
                         .filter(|(phi_o, _)| (*phi_o - order.phi_o).abs() < 0.1)
@@ -89,9 +101,9 @@ fn moving_the_lattice_turns_the_phase_of_each_order() {
     let orders = ideal(&crystal, nm, theta, phi).orders;
     assert_eq!(orders.len(), 2);
     for order in orders {
-        let peak = here.phi_o.iter().position(|phi_o| *phi_o > order.phi_o).unwrap();
+        let peak = here.azimuths.phi_o().iter().position(|phi_o| *phi_o > order.phi_o).unwrap();
         let turn = -std::f64::consts::TAU * f64::from(order.m) * moved / crystal.lattice.period_um;
-        let (a, b) = (here.fields[0][0][peak], there.fields[0][0][peak]);
+        let (a, b) = (here.amplitudes[0][0][peak], there.amplitudes[0][0][peak]);
         assert!((b / a - Complex64::from_polar(1.0, turn)).norm() < 1e-3, "{}: {}", order.m, b / a);
     }
 }
@@ -107,11 +119,11 @@ fn a_turned_barbule_is_the_same_barbule_seen_from_elsewhere() {
     let turned = under(Polyline { x_um: ends(cos), z_um: ends(sin) }, sparse(0.05));
     let here = fast(&flat(20.0, sparse(0.05)), FINE_ELEMENT_UM, nm, theta, phi, azimuths);
     let there = fast(&turned, FINE_ELEMENT_UM, nm, theta, phi - turn, azimuths);
-    let largest = here.fields[0][0].iter().map(|v| v.norm()).fold(0.0, f64::max);
+    let largest = here.amplitudes[0][0].iter().map(|v| v.norm()).fold(0.0, f64::max);
     for p in 0..2 {
         for c in 0..2 {
             for n in shift..azimuths {
-                let (a, b) = (here.fields[p][c][n], there.fields[p][c][n - shift]);
+                let (a, b) = (here.amplitudes[p][c][n], there.amplitudes[p][c][n - shift]);
                 assert!((a - b).norm() < 1e-6 * largest, "{p} {c} {n}: {a} {b}");
             }
         }
@@ -130,8 +142,8 @@ fn half_the_regularity_gives_a_quarter_of_the_light() {
     let whole = fast(&flat(20.0, crystal.clone()), 0.02, 420.0, 0.1, 0.3, 100);
     crystal.regularity = Some(barbule::structure::Regularity { x_um: vec![-1.0, 1.0], value: vec![0.5; 2] });
     let half = fast(&flat(20.0, crystal), 0.02, 420.0, 0.1, 0.3, 100);
-    assert_eq!(whole.incident_power_um, half.incident_power_um);
+    assert_eq!(whole.light, half.light);
     for p in 0..2 {
-        assert!((half.reflected[p] / whole.reflected[p] - 0.25).abs() < 1e-12);
+        assert!((half.radiated[p] / whole.radiated[p] - 0.25).abs() < 1e-12);
     }
 }

@@ -30,9 +30,16 @@ fn double_precision_equals_the_plain_evaluation_for_random_barbules() {
     assert!(field < 1e-9 && power < 1e-9, "{field:e} {power:e}");
 }
 
+/// Error of a campaign's field (relative L2): 3.8e-4 is reached, of which what rays average is the largest part;
+/// reflectance tables (3e-5) and nodes (8e-5) are smaller ones.
+const CAMPAIGN_FIELD: f64 = 4e-4;
+
+/// Relative error of its reflected power: 2.3e-4 is reached.
+const CAMPAIGN_POWER: f64 = 2.5e-4;
+
 #[test]
 fn campaigns_equal_converged_fields_for_random_barbules() {
     let found = converged_errors();
     let [field, power] = found.iter().fold([0.0; 2], |worst, (_, errors)| larger(worst, *errors));
-    assert!(field < 1e-3 && power < 3e-4, "{found:?}");
+    assert!(field < CAMPAIGN_FIELD && power < CAMPAIGN_POWER, "{found:?}");
 }

@@ -3,13 +3,14 @@
 use barbule::material::Library;
 use barbule::math::rng::Stream;
 use barbule::math::simd::Width;
+use barbule::scattering::far_field::FarField;
 use barbule::solve::direct;
-use barbule::solve::surface::{FINE_ELEMENT_UM, FarField, Surface, Window, far_field};
+use barbule::solve::surface::{FINE_ELEMENT_UM, far_field};
 use barbule::structure::{
     CrystalLayer, Parts, Polyline, Section, SpeciesFile, SpeciesModel, crystal_species,
 };
 
-use super::fields::{campaign_errors, larger, relative_l2};
+use super::fields::{beam, campaign_errors, larger, relative_l2};
 
 /// A random variant of each species and one of its random instances.
 fn barbules(seed: u64) -> Vec<(String, Section, Stream)> {
@@ -63,8 +64,7 @@ pub(crate) fn fast(
     phi: f64,
     azimuths: usize,
 ) -> FarField {
-    let surface = Surface::new(section, element_um, Window::Gaussian).unwrap();
-    far_field(&surface, Window::Gaussian, nm, theta, phi, azimuths, Width::best()).unwrap()
+    far_field(section, element_um, &beam(nm, theta, phi), azimuths, Width::best()).unwrap()
 }
 
 /// A species' crystal.
@@ -95,10 +95,10 @@ pub(crate) fn plain_errors() -> [f64; 2] {
             // A coarse sum of both: they must agree whatever the elements.
             let element = 0.05;
             let found = fast(&section, element, nm, theta, phi, 200);
-            let plain = direct::far_field(&section, Window::Gaussian, element, nm, theta, phi, 200).unwrap();
+            let plain = direct::far_field(&section, element, &beam(nm, theta, phi), 200).unwrap();
             for p in 0..2 {
-                let error = relative_l2(&found.fields[p].concat(), &plain.fields[p].concat());
-                let power = (found.reflected[p] / plain.reflected[p] - 1.0).abs();
+                let error = relative_l2(&found.amplitudes[p].concat(), &plain.amplitudes[p].concat());
+                let power = (found.radiated[p] / plain.radiated[p] - 1.0).abs();
                 worst = larger(worst, [error, power]);
             }
         }
@@ -126,7 +126,7 @@ pub(crate) fn largest_reflected() -> (f64, String) {
         for _ in 0..6 {
             let nm = stream.uniform(300.0, 700.0);
             let (theta, phi) = (stream.uniform(-1.2, 1.2), stream.uniform(-1.2, 1.2));
-            for reflected in fast(&section, 0.02, nm, theta, phi, 400).reflected {
+            for reflected in fast(&section, 0.02, nm, theta, phi, 400).radiated {
                 if reflected > worst.0 {
                     worst = (reflected, format!("{name} {nm} {theta} {phi}"));
                 }

@@ -8,13 +8,14 @@ use barbule::math::rng::Stream;
 use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
 use barbule::solve::direct;
-use barbule::solve::surface::{FINE_ELEMENT_UM, Surface, Window, far_field};
+use barbule::solve::surface::{FINE_ELEMENT_UM, far_field};
+use barbule::spectrum::Wavelengths;
 use barbule::structure::{
     Medium, Parts, Polyline, Section, SpeciesFile, SpeciesModel, Structure, Substance, layered_species,
 };
 use num_complex::Complex64;
 
-use super::fields::{campaign_errors, larger, relative_l2};
+use super::fields::{beam, campaign_errors, larger, relative_l2};
 
 /// Roughness of the tops: τ, amplitude and width in µm, of which species.
 pub(crate) const ROUGHNESSES: [(f64, f64, f64, &str); 5] = [
@@ -60,7 +61,7 @@ fn reflected(
 ) -> Vec<Vec<f64>> {
     let structure = Structure::Sections { name: "one".into(), sections: vec![section.clone()] };
     let request = SpectrumRequest {
-        wavelengths_nm: wavelengths_nm.to_vec(),
+        wavelengths: Wavelengths::new(wavelengths_nm).unwrap(),
         directions: directions.to_vec(),
         instances: 1,
         seed: 1,
@@ -174,12 +175,12 @@ pub(crate) fn plain_errors() -> [f64; 2] {
         let (theta, phi) = (stream.uniform(-1.3, 1.3), stream.uniform(-1.3, 1.3));
         // A coarse sum of both: they must agree whatever the elements.
         let element = 0.05;
-        let surface = Surface::new(&section, element, Window::Gaussian).unwrap();
-        let fast = far_field(&surface, Window::Gaussian, nm, theta, phi, 100, Width::best()).unwrap();
-        let plain = direct::far_field(&section, Window::Gaussian, element, nm, theta, phi, 100).unwrap();
+        let light = beam(nm, theta, phi);
+        let fast = far_field(&section, element, &light, 100, Width::best()).unwrap();
+        let plain = direct::far_field(&section, element, &light, 100).unwrap();
         for p in 0..2 {
-            let error = relative_l2(&fast.fields[p].concat(), &plain.fields[p].concat());
-            worst = larger(worst, [error, (fast.reflected[p] / plain.reflected[p] - 1.0).abs()]);
+            let error = relative_l2(&fast.amplitudes[p].concat(), &plain.amplitudes[p].concat());
+            worst = larger(worst, [error, (fast.radiated[p] / plain.radiated[p] - 1.0).abs()]);
         }
     }
     worst

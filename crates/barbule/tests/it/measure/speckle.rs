@@ -3,12 +3,14 @@
 use barbule::brdf::fit::{FitOptions, FitReport, fit};
 use barbule::brdf::{FeatherMaterial, Noise, Synthesis, lobe_integral};
 use barbule::campaign::single::autocovariance;
-use barbule::campaign::{Campaign, Parameters};
+use barbule::campaign::{Campaign, Keep, Parameters};
 use barbule::material::Library;
 use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
+use barbule::scattering::far_field::Polarization;
 use barbule::scattering::lobe::Lobe;
 use barbule::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, Statistics};
+use barbule::spectrum::Wavelengths;
 use barbule::structure::{SpeciesModel, Structure};
 use num_complex::Complex64;
 
@@ -33,11 +35,8 @@ pub(crate) struct Species {
 /// 50 instances with tilts, three wavelengths and θ_i, four φ_i.
 pub(crate) fn simulate(name: &'static str) -> Species {
     let model = SpeciesModel::builtin(name, None, Library::builtin()).unwrap();
-    let axes = Axes {
-        wavelengths_nm: vec![400.0, 550.0, 694.0],
-        cos_theta: vec![0.1, 0.5, 1.0],
-        cos_phi: vec![0.1, 0.35, 0.7, 1.0],
-    };
+    let wavelengths = Wavelengths::new([400.0, 550.0, 694.0]).unwrap();
+    let axes = Axes::new(&wavelengths, vec![0.1, 0.5, 1.0], vec![0.1, 0.35, 0.7, 1.0]).unwrap();
     let parameters =
         Parameters { axes: axes.clone(), instances: INSTANCES, seed: 1, tilt: 2f64.to_radians() };
     let structure = Structure::Species(Box::new(model));
@@ -45,9 +44,9 @@ pub(crate) fn simulate(name: &'static str) -> Species {
     let mut statistics = Statistics::empty(axes, INSTANCES);
     let mut fields = Vec::new();
     for wave in 0..3 {
-        let wavelength = campaign.wavelength(wave, &Unobserved).unwrap();
+        let tables = campaign.tables(wave, &Unobserved).unwrap();
         for theta in 0..3 {
-            let mut unit = campaign.unit(&wavelength, theta, true);
+            let mut unit = campaign.unit(&tables, theta, Keep::Fields);
             fields.push(std::mem::take(&mut unit.fields));
             statistics.append(unit);
         }
@@ -179,7 +178,7 @@ fn lengths(species: &Species, material: &FeatherMaterial, wave: usize, phi: usiz
     let axes = &species.statistics.axes;
     let theta = axes.cos_theta.len() - 1;
     let patterns =
-        species.campaign.patterns(&species.campaign.wavelength(wave, &Unobserved).unwrap(), theta, phi, 0);
+        species.campaign.patterns(&species.campaign.tables(wave, &Unobserved).unwrap(), theta, phi, Polarization::First);
     let first = ((patterns.x[0] + 1.0) * 0.5 * NOISE_POINTS as f64) as usize;
     let synthesis = Synthesis::on(material, axes.index(wave, theta, phi), &patterns.phi_o);
     let noise = Noise::new(&material.noise_power, material.seed);
