@@ -19,7 +19,7 @@ pub mod campaign;
 pub mod io;
 pub mod plot;
 
-pub use barbule_appearance::{brdf, render, scene};
+pub use barbule_appearance::{brdf, bsdf, render, scene};
 pub use barbule_base::{Complex64, Error, Result, error, fields, math, progress};
 pub use barbule_light::{scattering, spectrum};
 pub use barbule_optics::{material, solve, structure};
