@@ -1,12 +1,13 @@
-//! The picture side of Barbule: BRDFs, scenes and the spectral renderer.
+//! The picture side of Barbule: BRDFs, surfaces, scenes and the spectral renderer.
 //!
 //! ```text
-//! scattering (barbule-light) ──► brdf ──► scene ──► render
+//! scattering (barbule-light) ──► brdf ──► bsdf ──► scene ──► render
 //! ```
 
 pub mod brdf;
+pub mod bsdf;
 pub mod render;
 pub mod scene;
 
-use barbule_base::{Error, Result, error, identity, math, progress};
+use barbule_base::{Error, Result, error, fields, identity, math, progress};
 use barbule_light::{scattering, spectrum};

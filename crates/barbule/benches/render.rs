@@ -8,19 +8,21 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use barbule::brdf::{FeatherBrdf, Options, example};
+use barbule::bsdf::{BarbuleSurface, Keratin, Reflectance, Surface};
 use barbule::math::rng::Stream;
 use barbule::progress::Unobserved;
 use barbule::render::film::Film;
-use barbule::render::integrator::Integrator;
+use barbule::render::integrator::{Integrator, Transport};
+use barbule::render::light::Lighting;
 use barbule::render::run::{Goal, run};
+use barbule::render::stage::Stage;
 use barbule::scene::camera::{Camera, Projection};
+use barbule::scene::description::Description;
 use barbule::scene::emission::Emission;
 use barbule::scene::geometry::{CurveNode, Geometry, Mesh};
-use barbule::scene::keratin::{Keratin, Reflectance};
-use barbule::scene::light::{Light, Sun, disc_radiance};
-use barbule::scene::sky::Sky;
-use barbule::scene::surface::{Barbule, Surface};
-use barbule::scene::{Lamp, Scene, preset};
+use barbule::scene::light::{Lamp, Light, Sun, disc_radiance};
+use barbule::scene::sky::{Environment, Sky};
+use barbule::scene::{Object, Scene};
 use glam::{DVec3, Vec3};
 
 const SIZE: [u32; 2] = [320, 200];
@@ -38,10 +40,13 @@ fn cpu_seconds(begun: Instant) -> f64 {
 }
 
 /// Millions of camera paths per CPU second on one thread.
-fn measure(name: &str, samples: u32, scene: &Scene) {
+fn measure(name: &str, samples: u32, most_scatterings: u32, scene: Scene) {
     let begun = Instant::now();
-    scene.check().expect("a sound scene");
-    let integrator = Integrator::new(scene);
+    let Scene { objects, lamps, environment, camera } = scene;
+    let stage = Stage::new(objects).expect("sound shapes");
+    let lighting = Lighting::new(lamps, environment.as_ref()).expect("lights");
+    let transport = Transport { most_scatterings, ..Transport::default() };
+    let integrator = Integrator::new(&stage, &lighting, &camera, transport);
     let built = begun.elapsed().as_secs_f64();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     let mut film = Film::new(SIZE).expect("a film");
@@ -51,12 +56,12 @@ fn measure(name: &str, samples: u32, scene: &Scene) {
     let speed = 1e-6 * film.samples() as f64 / (cpu_seconds(begun) - before);
     println!(
         "{name}: {speed:.3} M paths/CPU s ({} primitives, hierarchy in {built:.2} s)",
-        scene.geometry.primitives()
+        stage.primitives()
     );
 }
 
-/// A plain sky and a sun.
-fn lights() -> Vec<Lamp> {
+/// One object under a plain sky and a sun.
+fn scene(geometry: Geometry, surface: Surface) -> Scene {
     let daylight = Emission::daylight();
     let sky = Sky::grey(64, 32, daylight.clone(), |d| 0.35 + 0.65 * d.z.abs()).expect("a sky");
     let sun = Sun {
@@ -64,7 +69,12 @@ fn lights() -> Vec<Lamp> {
         cos_radius: 0.1_f64.cos(),
         emission: daylight.scaled(disc_radiance(0.1, 2.0)),
     };
-    vec![Lamp { light: Light::Sky(sky), weight: 1.0 }, Lamp { light: Light::Sun(sun), weight: 1.0 }]
+    Scene {
+        objects: vec![Object { geometry, surface }],
+        lamps: vec![Lamp { light: Light::Sun(sun), weight: 1.0 }],
+        environment: Some(Environment { sky, weight: 1.0 }),
+        camera: camera(),
+    }
 }
 
 fn camera() -> Camera {
@@ -94,15 +104,18 @@ fn barbules() -> Scene {
                             y + along * turn.sin(),
                             lift * along * (1.0 - 4.0 * along),
                         );
-                        CurveNode { point: point.as_vec3(), radius: (0.006 - 0.02 * along) as f32 }
+                        CurveNode {
+                            point: point.as_vec3(),
+                            radius: (0.006 - 0.02 * along) as f32,
+                            ..CurveNode::default()
+                        }
                     })
                     .collect();
-                geometry.add_curve(&nodes, 0, u64::from(barb * 1000 + place));
+                geometry.add_curve(&nodes, u64::from(barb * 1000 + place));
             }
         }
     }
-    let surfaces = vec![Surface::Keratin(keratin())];
-    Scene { geometry, surfaces, lights: lights(), camera: camera(), max_depth: 8 }
+    scene(geometry, Surface::Keratin(keratin()))
 }
 
 /// A square that fills the picture.
@@ -113,16 +126,15 @@ fn plane(brdf: Arc<FeatherBrdf>) -> Scene {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
     };
-    let surface = Surface::Barbule(Barbule { brdf, instances: true, under: keratin(), passes: 0.0 });
-    let geometry = Geometry { meshes: vec![mesh], ..Geometry::default() };
-    Scene { geometry, surfaces: vec![surface], lights: lights(), camera: camera(), max_depth: 8 }
+    let surface = Surface::Barbule(BarbuleSurface { brdf, instances: true, under: keratin(), opacity: 1.0 });
+    scene(Geometry { meshes: vec![mesh], ..Geometry::default() }, surface)
 }
 
 fn main() {
     let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_else(|| "starling".into());
     let brdf = Arc::new(FeatherBrdf::new(&example(50), Options::default()).expect("a material"));
-    let (scene, _) = preset::named(&wanted).expect("a preset").scene(brdf.clone(), 1).expect("a scene");
-    measure(&format!("close-up of {wanted}"), 16, &scene);
-    measure("60,000 round barbules of keratin", 16, &barbules());
-    measure("plane of a tabulated barbule", 32, &plane(brdf));
+    let (scene, _) = Description::named(&wanted).expect("a preset").scene(brdf.clone(), 1).expect("a scene");
+    measure(&format!("close-up of {wanted}"), 16, 5, scene);
+    measure("60,000 round barbules of keratin", 16, 8, barbules());
+    measure("plane of a tabulated barbule", 32, 8, plane(brdf));
 }

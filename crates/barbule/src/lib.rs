@@ -21,7 +21,7 @@ pub mod figures;
 pub mod io;
 pub mod plot;
 
-pub use barbule_appearance::{brdf, render, scene};
+pub use barbule_appearance::{brdf, bsdf, render, scene};
 pub use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};
 pub use barbule_light::{scattering, spectrum};
 pub use barbule_optics::{material, solve, structure};

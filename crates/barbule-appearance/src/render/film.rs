@@ -3,8 +3,8 @@
 use std::sync::LazyLock;
 
 use super::integrator::Sample;
-use crate::scene::emission::{LONGEST_NM, SHORTEST_NM, TABLE};
 use crate::spectrum::colour::{Illuminant, matching, rgb_from_xyz, xyz_from_rgb};
+use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, VALUES};
 use crate::{Error, Result};
 
 /// Side of a tile, pixels.
@@ -14,10 +14,10 @@ pub const TILE: u32 = 32;
 /// 380 … 720 nm has exactly the X, Y and Z of sRGB's white.
 static MATCHING: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     let nm = |i: usize| SHORTEST_NM + i as f64;
-    let mut table: Vec<[f64; 3]> = (0..TABLE).map(|i| matching(nm(i))).collect();
+    let mut table: Vec<[f64; 3]> = (0..VALUES).map(|i| matching(nm(i))).collect();
     let mut sums = [0.0; 3];
     for (i, row) in table.iter().enumerate() {
-        let weight = if i == 0 || i + 1 == TABLE { 0.5 } else { 1.0 };
+        let weight = if i == 0 || i + 1 == VALUES { 0.5 } else { 1.0 };
         let daylight = weight * Illuminant::D65.power(nm(i)) / Illuminant::D65.power(560.0);
         for (sum, value) in sums.iter_mut().zip(row) {
             *sum += daylight * value;
@@ -152,9 +152,9 @@ impl Pixel {
     pub fn add(&mut self, sample: &Sample, is_first: bool) {
         let matching = &*MATCHING;
         let mut xyz = [0.0; 3];
-        for (radiance, nm) in sample.radiance.iter().zip(sample.hero.nm) {
+        for (radiance, nm) in sample.radiance.iter().zip(sample.hero.wavelengths.nm()) {
             let at = (nm - SHORTEST_NM).clamp(0.0, LONGEST_NM - SHORTEST_NM);
-            let index = (at as usize).min(TABLE - 2);
+            let index = (at as usize).min(VALUES - 2);
             let rest = at - index as f64;
             for k in 0..3 {
                 let value = matching[index][k] + (matching[index + 1][k] - matching[index][k]) * rest;
@@ -202,7 +202,7 @@ mod tests {
         for i in 0..count {
             let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
             let daylight = |w: f64| Illuminant::D65.power(w) / Illuminant::D65.power(560.0);
-            let radiance = std::array::from_fn(|k| daylight(hero.nm[k]) / hero.pdf[k]);
+            let radiance = std::array::from_fn(|k| daylight(hero.wavelengths.nm()[k]) / hero.pdf[k]);
             pixel.add(&Sample { radiance, hero, first: NO_HIT }, i == 0);
         }
         let rgb = rgb_from_xyz(pixel.xyz.map(|v| v / f64::from(count)));

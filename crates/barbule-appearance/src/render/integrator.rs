@@ -6,13 +6,13 @@
 
 use glam::{DVec2, DVec3};
 
-use super::accelerator::Accelerator;
-use super::bsdf::Bsdf;
-use super::point::SurfacePoint;
+use super::light::Lighting;
 use super::sampler::Sampler;
+use super::stage::Stage;
 use super::wavelengths::Hero;
+use crate::bsdf::{Bsdf, Hit, Lobes};
 use crate::math::rng::split_mix;
-use crate::scene::Scene;
+use crate::scene::camera::Camera;
 
 /// Which techniques gather light: all for pictures, one alone for tests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,15 +36,28 @@ const ROULETTE_BELOW: f64 = 0.3;
 /// the variance.
 const SHADOW_BELOW: f64 = 0.02;
 
-/// A scene ready for rays.
+/// How light is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Transport {
+    /// Most scatterings of a path.
+    pub most_scatterings: u32,
+    /// Which techniques gather light.
+    pub technique: Technique,
+}
+
+impl Default for Transport {
+    fn default() -> Self {
+        Self { most_scatterings: 5, technique: Technique::Both }
+    }
+}
+
+/// A stage under a lighting, seen by a camera. Making one costs nothing.
+#[derive(Clone, Copy)]
 pub struct Integrator<'a> {
-    scene: &'a Scene,
-    accelerator: Accelerator,
-    /// Nearest distance at which a ray that leaves a surface may hit another, mm.
-    nearest: f64,
-    /// Probability of choosing each light, and their cumulative sums.
-    chances: Vec<f64>,
-    technique: Technique,
+    stage: &'a Stage,
+    lighting: &'a Lighting,
+    camera: &'a Camera,
+    transport: Transport,
 }
 
 /// What the first hit of a sample was.
@@ -73,19 +86,10 @@ pub struct Sample {
 pub(super) const NO_HIT: FirstHit = FirstHit { normal: DVec3::ZERO, depth: 0.0, id: 0 };
 
 impl<'a> Integrator<'a> {
-    /// Builds the hierarchy of a scene.
+    /// Puts them together.
     #[must_use]
-    pub fn new(scene: &'a Scene) -> Self {
-        Self::with_technique(scene, Technique::Both)
-    }
-
-    /// The same with a single technique.
-    #[must_use]
-    pub fn with_technique(scene: &'a Scene, technique: Technique) -> Self {
-        let accelerator = Accelerator::new(&scene.geometry);
-        let total: f64 = scene.lights.iter().map(|l| l.weight).sum();
-        let chances = scene.lights.iter().map(|l| l.weight / total).collect();
-        Self { scene, accelerator, nearest: scene.nearest_mm(), chances, technique }
+    pub fn new(stage: &'a Stage, lighting: &'a Lighting, camera: &'a Camera, transport: Transport) -> Self {
+        Self { stage, lighting, camera, transport }
     }
 
     /// One sample of a pixel; `size` in pixels.
@@ -100,10 +104,10 @@ impl<'a> Integrator<'a> {
             (f64::from(pixel[0]) + 0.5 + tent(x)) / f64::from(size[0]),
             (f64::from(pixel[1]) + 0.5 + tent(y)) / f64::from(size[1]),
         );
-        let ray = self.scene.camera.ray(point, DVec2::new(lens_u, lens_v), size);
+        let ray = self.camera.ray(point, DVec2::new(lens_u, lens_v), size);
         let mut path = Path::new(ray.origin, ray.direction, hero, [ray.footprint, ray.spread]);
         let mut first = NO_HIT;
-        for depth in 0..=self.scene.max_depth {
+        for depth in 0..=self.transport.most_scatterings {
             if !self.step(&mut path, depth, &mut sampler, &mut first) {
                 break;
             }
@@ -117,36 +121,38 @@ impl<'a> Integrator<'a> {
 
     /// Follows the path to its next scattering; `false` when it ends.
     fn step(&self, path: &mut Path, depth: u32, sampler: &mut Sampler, first: &mut FirstHit) -> bool {
-        let pass = if self.scene.passes_light() { sampler.next4()[0] } else { 1.0 };
-        let Some(point) = self.next_surface(path, pass) else {
+        let pass = if self.stage.is_opaque() { 1.0 } else { sampler.next4()[0] };
+        let Some(hit) = self.next_surface(path, pass) else {
             return false;
         };
-        let surface = &self.scene.surfaces[point.surface as usize];
-        let bsdf = Bsdf::new(surface, &point, -path.direction, path.hero.nm);
+        let bsdf = self.stage.surface(&hit).bind(&hit, -path.direction, path.hero.wavelengths);
         if depth == 0 {
-            let id = split_mix(point.object) as u32;
+            let id = split_mix(hit.id) as u32;
             *first = FirstHit { normal: bsdf.shading_normal(), depth: path.travelled, id: id.max(1) };
         }
-        if depth == self.scene.max_depth {
+        if depth == self.transport.most_scatterings {
             return false;
         }
         let [light_choice, light_u, light_v, roulette] = sampler.next4();
         let [u, v, component, shadow] = sampler.next4();
-        if self.technique != Technique::BsdfOnly {
-            self.light(path, &point, &bsdf, light_choice, DVec2::new(light_u, light_v), shadow);
+        if self.transport.technique != Technique::BsdfOnly {
+            self.light(path, &hit, &bsdf, light_choice, DVec2::new(light_u, light_v), shadow);
         }
-        let Some((direction, evaluation)) = bsdf.sample([u, v, component]) else {
+        let Some(drawn) = bsdf.sample([u, v, component]) else {
             return false;
         };
+        let evaluation = drawn.evaluation;
         let pdf = evaluation.pdf[0];
         path.scattered = true;
-        path.through_lights = path.through.map(|t| t / pdf);
+        // No light's sample could have found a single direction.
+        let is_delta = drawn.lobes.has(Lobes::DELTA);
+        path.through_lights = if is_delta { [0.0; 4] } else { path.through.map(|t| t / pdf) };
         for k in 0..4 {
             path.weight[k] *= evaluation.f[k] * evaluation.cosine / pdf;
             path.through[k] *= evaluation.pdf[k] / pdf;
         }
-        path.origin = point.position;
-        path.direction = direction;
+        path.origin = hit.position;
+        path.direction = drawn.wi;
         let weight = path.weight.iter().copied().fold(0.0, f64::max) / mean(&path.through);
         let keep = (weight / ROULETTE_BELOW).min(1.0);
         if roulette >= keep {
@@ -157,97 +163,74 @@ impl<'a> Integrator<'a> {
     }
 
     /// The next surface that scatters; adds the light seen when there is none or a light stands in front.
-    fn next_surface(&self, path: &mut Path, mut pass: f64) -> Option<SurfacePoint> {
-        let mut from = if path.scattered { self.nearest } else { 0.0 };
+    fn next_surface(&self, path: &mut Path, mut pass: f64) -> Option<Hit> {
+        let nearest = self.stage.nearest_mm();
+        let mut from = if path.scattered { nearest } else { 0.0 };
         for _ in 0..MOST_PASSES {
-            let lamp = self.nearest_lamp(path.origin, path.direction, from);
+            let lamp = self.lighting.hit(path.origin, path.direction, from);
             let farthest = lamp.map_or(f64::INFINITY, |(_, distance)| distance);
-            let hit = self.accelerator.hit(&self.scene.geometry, path.origin, path.direction, from, farthest);
-            let Some(mut point) = hit else {
+            let Some(mut hit) = self.stage.hit(path.origin, path.direction, from, farthest) else {
                 match lamp {
                     Some((index, _)) => {
-                        let radiance = self.scene.lights[index].light.emitted(path.hero.nm);
+                        let radiance = self.lighting.emitted(index, path.hero.wavelengths);
                         self.arrive(path, index, radiance);
                     }
                     None => self.escape(path),
                 }
                 return None;
             };
-            let surface = &self.scene.surfaces[point.surface as usize];
-            let through = surface.passes();
-            point.footprint = path.footprint[0] + path.footprint[1] * (path.travelled + point.distance);
+            hit.footprint = path.footprint[0] + path.footprint[1] * (path.travelled + hit.distance);
+            let through = self.transparency(&hit, path.direction);
             if pass >= through {
-                path.travelled += point.distance;
-                return Some(point);
+                path.travelled += hit.distance;
+                return Some(hit);
             }
             // One number decides every pass: what is left of it is uniform again.
             pass /= through;
-            from = point.distance + self.nearest;
+            from = hit.distance + nearest;
         }
         None
     }
 
-    fn nearest_lamp(&self, origin: DVec3, direction: DVec3, from: f64) -> Option<(usize, f64)> {
-        let mut best: Option<(usize, f64)> = None;
-        for (index, lamp) in self.scene.lights.iter().enumerate() {
-            if let Some(distance) = lamp.light.hit(origin, direction)
-                && distance > from
-                && best.is_none_or(|(_, nearest)| distance < nearest)
-            {
-                best = Some((index, distance));
-            }
+    /// Share of light that passes a hit unchanged.
+    fn transparency(&self, hit: &Hit, direction: DVec3) -> f64 {
+        if self.stage.is_opaque() {
+            return 0.0;
         }
-        best
+        1.0 - self.stage.surface(hit).opacity(hit, direction, -direction)
     }
 
     /// Adds what a path that leaves the scene sees.
     fn escape(&self, path: &mut Path) {
-        for index in 0..self.scene.lights.len() {
-            let light = &self.scene.lights[index].light;
-            if light.is_infinite() {
-                let radiance = light.escaped(path.direction, path.hero.nm);
-                self.arrive(path, index, radiance);
-            }
+        for (index, radiance) in self.lighting.escaped(path.direction, path.hero.wavelengths) {
+            self.arrive(path, index, radiance);
         }
     }
 
     /// Adds the radiance of a light that the path ran into.
     fn arrive(&self, path: &mut Path, index: usize, radiance: [f64; 4]) {
-        if radiance == [0.0; 4] || (path.scattered && self.technique == Technique::LightsOnly) {
+        if radiance == [0.0; 4] || (path.scattered && self.transport.technique == Technique::LightsOnly) {
             return;
         }
         let mut density = mean(&path.through);
-        if path.scattered && self.technique == Technique::Both {
-            let pdf = self.chances[index] * self.scene.lights[index].light.pdf(path.origin, path.direction);
+        if path.scattered && self.transport.technique == Technique::Both {
+            let pdf = self.lighting.pdf(index, path.origin, path.direction);
             density += mean(&path.through_lights) * pdf;
         }
         path.add(radiance, density);
     }
 
     /// Adds the light of one lamp, chosen by its weight. `shadow` decides whether little light is worth a ray.
-    fn light(
-        &self,
-        path: &mut Path,
-        point: &SurfacePoint,
-        bsdf: &Bsdf<'_>,
-        mut choice: f64,
-        u: DVec2,
-        shadow: f64,
-    ) {
-        let mut index = 0;
-        while index + 1 < self.chances.len() && choice >= self.chances[index] {
-            choice -= self.chances[index];
-            index += 1;
-        }
-        let Some(chance) = self.chances.get(index) else { return };
-        let light = &self.scene.lights[index].light;
-        let Some(sample) = light.sample(point.position, u, path.hero.nm) else { return };
+    fn light(&self, path: &mut Path, hit: &Hit, bsdf: &Bsdf<'_>, choice: f64, u: DVec2, shadow: f64) {
+        let (index, chance) = self.lighting.choose(choice);
+        let wavelengths = path.hero.wavelengths;
+        let Some(sample) = self.lighting.sample(index, hit.position, u, wavelengths) else { return };
         let evaluation = bsdf.eval(sample.direction);
         if evaluation.f == [0.0; 4] || sample.radiance == [0.0; 4] {
             return;
         }
         let pdf = chance * sample.pdf;
-        let both = if self.technique == Technique::Both { 1.0 / pdf } else { 0.0 };
+        let both = if self.transport.technique == Technique::Both { 1.0 / pdf } else { 0.0 };
         let densities: [f64; 4] = std::array::from_fn(|k| path.through[k] * (1.0 + both * evaluation.pdf[k]));
         let density = mean(&densities);
         let share = evaluation.cosine / pdf;
@@ -257,35 +240,35 @@ impl<'a> Integrator<'a> {
         if shadow >= keep {
             return;
         }
-        let passed = self.passed(point.position, sample.direction, sample.distance);
+        let passed = self.passed(hit, sample.direction, sample.distance);
         if passed > 0.0 {
             path.add(radiance.map(|r| r * passed / keep), density);
         }
     }
 
-    /// Share of light that passes along a straight line: 1 free, 0 blocked.
-    fn passed(&self, origin: DVec3, direction: DVec3, distance: f64) -> f64 {
-        let farthest = distance - self.nearest;
-        if self.nearest_lamp(origin, direction, self.nearest).is_some_and(|(_, d)| d < farthest) {
+    /// Share of light that passes along a straight line from a hit: 1 free, 0 blocked.
+    fn passed(&self, start: &Hit, direction: DVec3, distance: f64) -> f64 {
+        let (origin, nearest) = (start.position, self.stage.nearest_mm());
+        let farthest = distance - nearest;
+        if self.lighting.hit(origin, direction, nearest).is_some_and(|(_, d)| d < farthest) {
             return 0.0;
         }
-        if !self.scene.passes_light() {
-            let blocked = self.accelerator.is_blocked(origin, direction, self.nearest, farthest);
+        if self.stage.is_opaque() {
+            let blocked = self.stage.is_blocked(origin, direction, nearest, farthest);
             return if blocked { 0.0 } else { 1.0 };
         }
         let mut share = 1.0;
-        let mut from = self.nearest;
+        let mut from = nearest;
         for _ in 0..MOST_PASSES {
-            let Some(point) = self.accelerator.hit(&self.scene.geometry, origin, direction, from, farthest)
-            else {
+            let Some(mut hit) = self.stage.hit(origin, direction, from, farthest) else {
                 return share;
             };
-            let surface = &self.scene.surfaces[point.surface as usize];
-            share *= surface.passes();
+            hit.footprint = start.footprint;
+            share *= self.transparency(&hit, direction);
             if share == 0.0 {
                 return 0.0;
             }
-            from = point.distance + self.nearest;
+            from = hit.distance + nearest;
         }
         0.0
     }

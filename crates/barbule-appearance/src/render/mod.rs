@@ -1,13 +1,17 @@
-//! The renderer: spectral path tracing of a scene onto a film.
+//! The renderer: spectral path tracing onto a film.
+//!
+//! A [`Stage`](stage::Stage) (objects and their hierarchy), a [`Lighting`](light::Lighting) and a
+//! [`Camera`](crate::scene::camera::Camera) are made apart and meet in an [`Integrator`](integrator::Integrator), so
+//! that a lamp or the camera moves without a new hierarchy.
 
-pub mod accelerator;
-pub mod bsdf;
+mod accelerator;
 pub mod checkpoint;
 pub mod film;
 pub mod integrator;
+pub mod light;
 pub mod picture;
-pub mod point;
 pub mod run;
 pub mod sampler;
+pub mod stage;
 pub mod tone;
 pub mod wavelengths;

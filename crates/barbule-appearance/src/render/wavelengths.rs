@@ -4,14 +4,16 @@
 //! al. 2009), stratified: one in each quarter of the distribution, the first one (the hero, which decides directions)
 //! in any of them (Wilkie et al. 2014).
 
+use crate::spectrum::dense::Lambda4;
+
 const SLOPE: f64 = 0.0072;
 const MIDDLE: f64 = 538.0;
 
-/// Four wavelengths, nm, the hero first, with their densities, 1/nm.
+/// Four wavelengths, the hero first, with their densities, 1/nm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hero {
-    /// Wavelengths, nm.
-    pub nm: [f64; 4],
+    /// The wavelengths.
+    pub wavelengths: Lambda4,
     /// Densities, 1/nm.
     pub pdf: [f64; 4],
 }
@@ -26,7 +28,7 @@ impl Hero {
             LOW + (HIGH - LOW) * if v < 1.0 { v } else { v - 1.0 }
         });
         Self {
-            nm: steep.map(|t| MIDDLE + 0.5 / SLOPE * ((1.0 + t) / (1.0 - t)).ln()),
+            wavelengths: Lambda4::new(steep.map(|t| MIDDLE + 0.5 / SLOPE * ((1.0 + t) / (1.0 - t)).ln())),
             pdf: steep.map(|t| SLOPE * (1.0 - t * t) / (HIGH - LOW)),
         }
     }
@@ -39,7 +41,7 @@ const HIGH: f64 = 0.8643765890672668;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::emission::{LONGEST_NM, SHORTEST_NM};
+    use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM};
 
     #[test]
     fn the_ends_are_those_of_the_visible_range() {
@@ -54,7 +56,7 @@ mod tests {
         let (mut length, mut moment) = (0.0, 0.0);
         for i in 0..count {
             let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
-            for (w, p) in hero.nm.iter().zip(hero.pdf) {
+            for (w, p) in hero.wavelengths.nm().iter().zip(hero.pdf) {
                 assert!((SHORTEST_NM..=LONGEST_NM).contains(w));
                 length += 0.25 / p / f64::from(count);
                 moment += 0.25 * w / p / f64::from(count);

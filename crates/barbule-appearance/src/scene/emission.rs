@@ -1,21 +1,13 @@
-//! Spectra of lights, tabulated where the renderer samples them.
-
-use std::sync::Arc;
+//! Spectra of lights.
 
 use crate::spectrum::colour::Illuminant;
+use crate::spectrum::dense::{DenseSpectrum, Lambda4};
 use crate::{Error, Result};
 
-/// Shortest wavelength that the renderer samples, nm.
-pub const SHORTEST_NM: f64 = 380.0;
-/// Longest wavelength that the renderer samples, nm.
-pub const LONGEST_NM: f64 = 720.0;
-/// Values in a table: one per nm, both ends included.
-pub const TABLE: usize = 341;
-
-/// Spectral radiance, tabulated at 380, 381 … 720 nm, linear between and held outside.
+/// Spectral radiance, finite and not negative.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Emission {
-    table: Arc<[f64]>,
+    spectrum: DenseSpectrum,
 }
 
 impl Emission {
@@ -24,46 +16,38 @@ impl Emission {
     /// # Errors
     /// A value that is negative or not finite.
     pub fn new(radiance: impl Fn(f64) -> f64) -> Result<Self> {
-        let table: Arc<[f64]> = (0..TABLE).map(|i| radiance(SHORTEST_NM + i as f64)).collect();
-        if table.iter().any(|v| !v.is_finite() || *v < 0.0) {
+        let spectrum = DenseSpectrum::new(radiance);
+        if spectrum.values().iter().any(|v| !v.is_finite() || *v < 0.0) {
             return Err(Error::input("a light's spectrum has a value that is negative or not finite"));
         }
-        Ok(Self { table })
+        Ok(Self { spectrum })
     }
 
     /// Daylight (D65) of radiance 1: its value at 560 nm.
     #[must_use]
     pub fn daylight() -> Self {
-        let at = |i: usize| Illuminant::D65.power(SHORTEST_NM + i as f64) / Illuminant::D65.power(560.0);
-        Self { table: (0..TABLE).map(at).collect() }
+        let white = Illuminant::D65.power(560.0);
+        Self { spectrum: DenseSpectrum::new(|w| Illuminant::D65.power(w) / white) }
     }
 
     /// The same spectrum times a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        Self { table: self.table.iter().map(|v| v * factor).collect() }
+        Self { spectrum: self.spectrum.scaled(factor) }
     }
 
     /// At one wavelength, nm.
     #[must_use]
     pub fn at(&self, wavelength_nm: f64) -> f64 {
-        lookup(&self.table, wavelength_nm)
+        self.spectrum.at(wavelength_nm)
     }
 
-    /// At the four wavelengths of a path, nm.
+    /// At the wavelengths of a path.
+    #[inline]
     #[must_use]
-    pub fn at4(&self, wavelengths_nm: [f64; 4]) -> [f64; 4] {
-        wavelengths_nm.map(|w| self.at(w))
+    pub fn at4(&self, wavelengths: Lambda4) -> [f64; 4] {
+        self.spectrum.at4(wavelengths)
     }
-}
-
-/// Linear interpolation in a table of [`TABLE`] values, held outside.
-#[must_use]
-pub fn lookup(table: &[f64], wavelength_nm: f64) -> f64 {
-    let at = (wavelength_nm - SHORTEST_NM).clamp(0.0, (TABLE - 1) as f64);
-    let index = (at as usize).min(TABLE - 2);
-    let rest = at - index as f64;
-    table[index] + (table[index + 1] - table[index]) * rest
 }
 
 #[cfg(test)]
@@ -71,11 +55,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tables_are_linear_inside_and_held_outside() {
-        let emission = Emission::new(|w| w).unwrap();
-        assert_eq!(emission.at(500.25), 500.25);
-        assert_eq!(emission.at(300.0), 380.0);
-        assert_eq!(emission.at(800.0), 720.0);
+    fn negative_light_is_refused() {
         assert!(Emission::new(|w| w - 500.0).is_err());
+        assert!((Emission::daylight().at(560.0) - 1.0).abs() < 1e-15);
     }
 }

@@ -1,13 +1,13 @@
-//! Shapes of a scene: triangle meshes, ribbons (barbules) and round curves (fibres).
+//! Shapes of an object: triangle meshes, ribbons (barbules) and round curves (fibres).
 //!
 //! Lengths are mm. Single precision: a scene of a few mm resolves a nanometre, and memory stays small. Every shape
-//! carries the index of its surface and an identity from which instances of a material are drawn.
+//! carries an identity from which instances of a material are drawn.
 
 use glam::{Vec2, Vec3};
 
 use crate::{Error, Result};
 
-/// A triangle mesh with one surface.
+/// A triangle mesh.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
     /// Positions, mm.
@@ -20,8 +20,6 @@ pub struct Mesh {
     pub uvs: Vec<Vec2>,
     /// Corners of each triangle; counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Index into the scene's surfaces.
-    pub surface: u32,
     /// Identity of the object.
     pub id: u64,
 }
@@ -44,8 +42,6 @@ pub struct Ribbon {
     pub first: u32,
     /// Number of nodes, at least 2.
     pub count: u32,
-    /// Index into the scene's surfaces.
-    pub surface: u32,
     /// Identity of the barbule.
     pub id: u64,
     /// Length of a cell along the barbule, mm: structure is constant within it.
@@ -57,12 +53,14 @@ pub struct Ribbon {
 }
 
 /// One point of a round curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CurveNode {
     /// On the axis, mm.
     pub point: Vec3,
     /// Radius, mm.
     pub radius: f32,
+    /// Unit normal of the vane here; zero for a fibre of no vane.
+    pub vane_normal: Vec3,
 }
 
 /// A round, tapering fibre of conical segments.
@@ -72,13 +70,11 @@ pub struct Curve {
     pub first: u32,
     /// Number of nodes, at least 2.
     pub count: u32,
-    /// Index into the scene's surfaces.
-    pub surface: u32,
     /// Identity of the fibre.
     pub id: u64,
 }
 
-/// All shapes of a scene.
+/// All shapes of an object.
 #[derive(Debug, Clone, Default)]
 pub struct Geometry {
     /// Triangle meshes.
@@ -105,13 +101,13 @@ impl Geometry {
     }
 
     /// Adds a round curve. Fewer than two nodes add nothing.
-    pub fn add_curve(&mut self, nodes: &[CurveNode], surface: u32, id: u64) {
+    pub fn add_curve(&mut self, nodes: &[CurveNode], id: u64) {
         if nodes.len() < 2 {
             return;
         }
         let first = self.curve_nodes.len() as u32;
         self.curve_nodes.extend_from_slice(nodes);
-        self.curves.push(Curve { first, count: nodes.len() as u32, surface, id });
+        self.curves.push(Curve { first, count: nodes.len() as u32, id });
     }
 
     /// The nodes of a ribbon.
@@ -129,12 +125,29 @@ impl Geometry {
             - self.curves.len()
     }
 
-    /// Refuses what would break the renderer: corners that do not exist, numbers that are not finite, surfaces
-    /// that are not there.
+    /// The nodes of a curve.
+    #[must_use]
+    pub fn nodes_of_curve(&self, curve: &Curve) -> &[CurveNode] {
+        &self.curve_nodes[curve.first as usize..(curve.first + curve.count) as usize]
+    }
+
+    /// Smallest and largest coordinates of all points, mm; nothing where there are none.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        let points = (self.meshes.iter().flat_map(|m| &m.positions))
+            .chain(self.ribbon_nodes.iter().map(|n| &n.point))
+            .chain(self.curve_nodes.iter().map(|n| &n.point));
+        points.fold(None, |bounds: Option<[Vec3; 2]>, &point| {
+            let [low, high] = bounds.unwrap_or([point; 2]);
+            Some([low.min(point), high.max(point)])
+        })
+    }
+
+    /// Refuses what would break the renderer: corners that do not exist, numbers that are not finite.
     ///
     /// # Errors
     /// The first such fault.
-    pub fn check(&self, surfaces: usize) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         for (index, mesh) in self.meshes.iter().enumerate() {
             let refuse = |what: &str| Err(Error::input(format!("mesh {index}: {what}")));
             let count = mesh.positions.len();
@@ -148,18 +161,13 @@ impl Geometry {
             if !mesh.positions.iter().all(|p| p.is_finite()) {
                 return refuse("a position is not finite");
             }
-            if mesh.surface as usize >= surfaces {
-                return refuse("its surface does not exist");
-            }
         }
         let finite = self.ribbon_nodes.iter().all(|n| n.point.is_finite() && n.across.is_finite())
             && self.curve_nodes.iter().all(|n| n.point.is_finite() && n.radius.is_finite());
-        let present = self.ribbons.iter().all(|r| (r.surface as usize) < surfaces)
-            && self.curves.iter().all(|c| (c.surface as usize) < surfaces);
-        if finite && present {
+        if finite {
             return Ok(());
         }
-        Err(Error::input("a ribbon or curve has a point that is not finite or a surface that does not exist"))
+        Err(Error::input("a ribbon or curve has a point that is not finite"))
     }
 }
 
@@ -168,15 +176,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn missing_corners_and_surfaces_are_refused() {
+    fn missing_corners_and_points_that_are_not_finite_are_refused() {
         let mesh = Mesh { positions: vec![Vec3::ZERO; 3], triangles: vec![[0, 1, 3]], ..Mesh::default() };
         let geometry = Geometry { meshes: vec![mesh], ..Geometry::default() };
-        assert!(geometry.check(1).unwrap_err().to_string().contains("corner that does not exist"));
+        assert!(geometry.check().unwrap_err().to_string().contains("corner that does not exist"));
         let mut geometry = Geometry::default();
-        let node = |x: f32| CurveNode { point: Vec3::new(x, 0.0, 0.0), radius: 0.1 };
-        geometry.add_curve(&[node(0.0), node(1.0)], 2, 0);
-        assert!(geometry.check(2).is_err());
-        assert!(geometry.check(3).is_ok());
-        assert_eq!(geometry.primitives(), 1);
+        let node = |x: f32| CurveNode { point: Vec3::new(x, 0.0, 0.0), radius: 0.1, ..CurveNode::default() };
+        assert_eq!(geometry.bounds(), None);
+        geometry.add_curve(&[node(0.0), node(1.0)], 0);
+        assert!(geometry.check().is_ok());
+        assert_eq!((geometry.primitives(), geometry.bounds()), (1, Some([Vec3::ZERO, Vec3::X])));
+        geometry.add_curve(&[node(0.0), node(f32::NAN)], 0);
+        assert!(geometry.check().is_err());
     }
 }

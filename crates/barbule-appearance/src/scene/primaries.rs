@@ -1,7 +1,8 @@
 //! Spectra of lights that are given as colours.
 
-use super::emission::{Emission, SHORTEST_NM};
+use super::emission::Emission;
 use crate::Result;
+use crate::spectrum::dense::SHORTEST_NM;
 
 /// Step of the tables below, nm.
 const STEP_NM: f64 = 10.0;
@@ -50,15 +51,15 @@ fn between(table: &[f64; 35], nm: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::emission::{LONGEST_NM, TABLE};
     use crate::spectrum::colour::{matching, rgb_from_xyz, xyz_from_rgb};
+    use crate::spectrum::dense::{LONGEST_NM, VALUES};
 
     /// Linear sRGB of a light whose white is daylight, from the renderer's wavelengths.
     fn colour(light: &Emission) -> [f64; 3] {
         let daylight = Emission::daylight();
         let white = xyz_from_rgb([1.0; 3]);
         let (mut sums, mut whites) = ([0.0; 3], [0.0; 3]);
-        for i in 0..TABLE {
+        for i in 0..VALUES {
             let nm = SHORTEST_NM + i as f64;
             let weight = if nm == SHORTEST_NM || nm == LONGEST_NM { 0.5 } else { 1.0 };
             for (k, value) in matching(nm).into_iter().enumerate() {
@@ -79,7 +80,7 @@ mod tests {
                 assert!((value - expected).abs() < 3e-7, "{k} {j}: {value}");
             }
         }
-        for i in 0..TABLE {
+        for i in 0..VALUES {
             let nm = SHORTEST_NM + i as f64;
             let sum: f64 = primaries.iter().map(|p| p.at(nm)).sum();
             assert!((sum / daylight.at(nm) - 1.0).abs() < 1e-6, "{nm}: {sum}");

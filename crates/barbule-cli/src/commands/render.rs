@@ -10,11 +10,13 @@ use barbule::io::image::{self, RgbImage, read_exr, write_exr, write_png};
 use barbule::io::{check_writable, hash_file, read_at_most, read_text, write_whole};
 use barbule::progress::Progress as _;
 use barbule::render::film::Film;
-use barbule::render::integrator::Integrator;
+use barbule::render::integrator::{Integrator, Transport};
+use barbule::render::light::Lighting;
 use barbule::render::run::{Ended, Goal, run};
+use barbule::render::stage::Stage;
 use barbule::render::{checkpoint, picture};
-use barbule::scene::description::{Description, SkyImage};
-use barbule::scene::preset::{Bearing, Preset};
+use barbule::scene::description::{Bearing, Description, SkyDescription, SkyImage};
+use barbule::scene::feather::Counts;
 use barbule::scene::sky::Sky;
 use barbule::{Error, Result};
 
@@ -80,17 +82,21 @@ impl Args {
         Film::new(size)?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
         files.iter().try_for_each(|file| is_picture(file).and_then(|()| check_writable(file)))?;
-        let sky = description.sky_image.as_ref().map(|sky| self.sky(sky)).transpose()?;
+        let image = match &description.sky {
+            SkyDescription::Image(image) => Some(self.sky(image)?),
+            SkyDescription::Gradient(_) => None,
+        };
+        let (sky, sky_name) = image.unzip();
         let (material, hash) = materials::find(&description.material, &self.common)?;
         let brdf = Arc::new(FeatherBrdf::new(&material, Options::default())?);
         let terminal = Terminal::new(&self.common);
+        let set = self.set(&description, brdf, sky)?;
         let mut reports = Vec::new();
         for (frame, file) in files.iter().enumerate() {
-            let mut preset = description.preset;
-            preset.light.azimuth += 360.0 * frame as f64 / f64::from(self.frames);
-            let sky = sky.as_ref().map(|(sky, name)| (sky, name.as_str()));
-            let job = Job { file, size, goal, material: &description.material, hash: &hash, sky };
-            reports.push(self.picture(&preset, &brdf, &job, &terminal)?);
+            let mut description = description.clone();
+            description.light.bearing.azimuth_deg += 360.0 * frame as f64 / f64::from(self.frames);
+            let job = Job { file, size, goal, hash: &hash, sky_name: sky_name.as_deref() };
+            reports.push(self.picture(&description, &set, &job, &terminal)?);
         }
         if self.common.json {
             print_json(out, &reports)?;
@@ -114,7 +120,7 @@ impl Args {
             let [azimuth, elevation] = numbers[..] else {
                 return Err(Error::input(format!("--light {text}: give azimuth and elevation, as in 40,60")));
             };
-            description.preset.light = Bearing { azimuth, elevation };
+            description.light.bearing = Bearing { azimuth_deg: azimuth, elevation_deg: elevation };
         }
         if let Some(text) = &self.view {
             let numbers = sets::parse("--view", text)?;
@@ -123,12 +129,12 @@ impl Args {
                     "--view {text}: give azimuth, elevation and perhaps the width in mm, as in 190,58,4.4"
                 )));
             };
-            description.preset.view = Bearing { azimuth, elevation };
+            description.camera.bearing = Bearing { azimuth_deg: azimuth, elevation_deg: elevation };
             if let Some(width) = numbers.get(2) {
-                description.preset.width_mm = *width;
+                description.camera.width_mm = *width;
             }
         }
-        description.preset.check()?;
+        description.check()?;
         Ok(description)
     }
 
@@ -136,9 +142,9 @@ impl Args {
     fn sky(&self, image: &SkyImage) -> Result<(Sky, String)> {
         let path = Path::new(&self.scene).with_file_name(&image.file);
         let RgbImage { size: [width, height], pixels } = read_exr(&path)?;
-        let sky = Sky::image(width, height, pixels, image.strength, image.turn)
+        let sky = Sky::image(width, height, pixels, image.strength, image.turn_deg)
             .map_err(|e| e.at(path.display()))?;
-        Ok((sky, format!("{} {} {}", hash_file(&path)?, image.strength, image.turn)))
+        Ok((sky, format!("{} {} {}", hash_file(&path)?, image.strength, image.turn_deg)))
     }
 
     fn size(&self, of_scene: Option<[u32; 2]>) -> Result<[u32; 2]> {
@@ -174,32 +180,46 @@ impl Args {
         self.output.with_file_name(name)
     }
 
+    /// What all frames share: the feather with its hierarchy, and the sky.
+    fn set(&self, description: &Description, brdf: Arc<FeatherBrdf>, sky: Option<Sky>) -> Result<Set> {
+        let begun = Instant::now();
+        let (objects, counts) = description.objects(brdf, self.common.seed)?;
+        let stage = Stage::new(objects)?;
+        let lighting = Lighting::new(description.lamps(), Some(&description.environment(sky)?))?;
+        self.common.explain(&format!(
+            "{} barbs, {} barbules, {} primitives; ready in {:.2} s",
+            counts.barbs,
+            counts.barbules,
+            stage.primitives(),
+            begun.elapsed().as_secs_f64()
+        ));
+        Ok(Set { stage, counts, lighting })
+    }
+
     fn picture(
         &self,
-        preset: &Preset,
-        brdf: &Arc<FeatherBrdf>,
+        description: &Description,
+        set: &Set,
         job: &Job<'_>,
         terminal: &Terminal,
     ) -> Result<serde_json::Value> {
-        let begun = Instant::now();
         let seed = self.common.seed;
-        let (sky, sky_name) = job.sky.unzip();
-        let (scene, counts) = preset.scene_under(sky, Arc::clone(brdf), seed)?;
-        let integrator = Integrator::new(&scene);
+        let Set { stage, counts, .. } = set;
+        let lighting = set.lighting.with_lamps(description.lamps())?;
+        let camera = description.camera();
+        let transport = Transport { most_scatterings: description.scatterings, ..Transport::default() };
+        let integrator = Integrator::new(stage, &lighting, &camera, transport);
+        let (light, view) = (&description.light.bearing, &description.camera.bearing);
         self.common.explain(&format!(
-            "{} barbs, {} barbules, {} primitives; light {},{}; view {},{},{}; ready in {:.2} s",
-            counts.barbs,
-            counts.barbules,
-            scene.geometry.primitives(),
-            preset.light.azimuth,
-            preset.light.elevation,
-            preset.view.azimuth,
-            preset.view.elevation,
-            preset.width_mm,
-            begun.elapsed().as_secs_f64()
+            "light {},{}; view {},{},{}",
+            light.azimuth_deg,
+            light.elevation_deg,
+            view.azimuth_deg,
+            view.elevation_deg,
+            description.camera.width_mm
         ));
         let program = env!("CARGO_PKG_VERSION");
-        let name = checkpoint::name(preset, job.hash, seed, program, sky_name.unwrap_or_default());
+        let name = checkpoint::name(description, job.hash, seed, program, job.sky_name.unwrap_or_default());
         let kept = job.checkpoint();
         let mut film = if self.resume && kept.exists() {
             let bytes = read_at_most(&kept, checkpoint::largest(job.size))?;
@@ -221,9 +241,9 @@ impl Args {
         if self.resume {
             write_whole(&kept, &checkpoint::write(&film, &name))?;
         }
-        let provenance = self.provenance(preset, job, &film);
+        let provenance = self.provenance(description, job, &film);
         if film.samples() > 0 {
-            write(job.file, &film, preset.exposure, &provenance.notes())?;
+            write(job.file, &film, description.exposure, &provenance.notes())?;
         }
         if ended == Ended::Stopped || terminal.is_cancelled() {
             return Err(Error::interrupted());
@@ -232,7 +252,7 @@ impl Args {
         self.common.explain(&format!("{paths} paths in {seconds:.1} s"));
         let mut report = serde_json::json!({
             "output": job.file, "width": job.size[0], "height": job.size[1],
-            "barbs": counts.barbs, "barbules": counts.barbules, "primitives": scene.geometry.primitives(),
+            "barbs": counts.barbs, "barbules": counts.barbules, "primitives": stage.primitives(),
             "paths": paths, "seconds": seconds, "paths_per_second": paths as f64 / seconds.max(1e-9),
             "ended": if ended == Ended::OutOfTime { "time" } else { "done" },
         });
@@ -244,17 +264,26 @@ impl Args {
     }
 
     /// What a picture says about itself.
-    fn provenance(&self, preset: &Preset, job: &Job<'_>, film: &Film) -> Provenance {
+    fn provenance(&self, description: &Description, job: &Job<'_>, film: &Film) -> Provenance {
         let pixels = f64::from(job.size[0]) * f64::from(job.size[1]);
-        let Preset { light, view, width_mm, exposure, .. } = preset;
+        let (light, view) = (&description.light.bearing, &description.camera.bearing);
+        let width_mm = description.camera.width_mm;
         Provenance::new(&self.common)
-            .with("material", job.material)
+            .with("material", &description.material)
             .with("material_hash", job.hash)
             .with("samples", format!("{:.1}", film.samples() as f64 / pixels))
-            .with("light", format!("{},{}", light.azimuth, light.elevation))
-            .with("view", format!("{},{},{width_mm}", view.azimuth, view.elevation))
-            .with("exposure", exposure.to_string())
+            .with("light", format!("{},{}", light.azimuth_deg, light.elevation_deg))
+            .with("view", format!("{},{},{width_mm}", view.azimuth_deg, view.elevation_deg))
+            .with("exposure", description.exposure.to_string())
     }
+}
+
+/// What all frames share.
+struct Set {
+    stage: Stage,
+    counts: Counts,
+    /// Of the first frame; the others' lamps move under the same sky.
+    lighting: Lighting,
 }
 
 /// One picture to be made.
@@ -262,10 +291,9 @@ struct Job<'a> {
     file: &'a Path,
     size: [u32; 2],
     goal: Goal,
-    material: &'a str,
     hash: &'a str,
-    /// Instead of the preset's sky, with its name.
-    sky: Option<(&'a Sky, &'a str)>,
+    /// Of an image in place of the plain sky, a name that changes with it.
+    sky_name: Option<&'a str>,
 }
 
 impl Job<'_> {

@@ -62,6 +62,30 @@ fn exr_frames_and_scene_files_are_written() {
     assert!(String::from_utf8_lossy(&refused.get_output().stderr).contains("none.exr: no such file"));
 }
 
+/// Three frames of a turning light: one feather is grown, and each frame is the picture under its light alone.
+#[test]
+fn frames_share_one_feather_and_its_hierarchy() {
+    let folder = tempfile::tempdir().unwrap();
+    let common = ["starling", "--light=20,50", "-o", "f.png", "--frames", "3", "--verbose"];
+    let output = barbule(folder.path(), &[&common[..], QUICK].concat()).output().unwrap();
+    let log = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{log}");
+    assert_eq!(log.matches("primitives; ready in").count(), 1, "{log}");
+    assert_eq!(log.matches("light ").count(), 3, "{log}");
+    barbule(folder.path(), &[&["starling", "--light=140,50", "-o", "g.png"], QUICK].concat())
+        .assert()
+        .success();
+    // What is drawn is the same; the notes in the files tell of different commands.
+    let drawn = |name: &str| {
+        let bytes = std::fs::read(folder.path().join(name)).unwrap();
+        let at = bytes.windows(4).position(|w| w == b"IDAT").unwrap();
+        let length = u32::from_be_bytes(bytes[at - 4..at].try_into().unwrap()) as usize;
+        bytes[at..at + length].to_vec()
+    };
+    assert_eq!(drawn("f-0001.png"), drawn("g.png"));
+    assert_ne!(drawn("f-0000.png"), drawn("f-0001.png"));
+}
+
 #[test]
 fn a_resumed_picture_has_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,10 +1,11 @@
 //! Wavelengths, spectra and colour.
 //!
 //! [`Wavelengths`] are a sorted set in nm that is cheap to share; a [`Spectrum`] has one value for each and is linear
-//! between them. [`colour`] turns reflectances into what an observer sees, [`hue`] says which colour that is.
+//! between them, a [`dense::DenseSpectrum`] one for each nm. [`colour`] turns reflectances into what an observer sees, [`hue`] says which colour that is.
 
 mod cie;
 pub mod colour;
+pub mod dense;
 pub mod hue;
 
 use std::sync::Arc;

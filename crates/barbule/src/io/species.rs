@@ -6,6 +6,7 @@ use super::section::materials;
 use super::{parse_stack, read_text};
 use crate::error::shortened;
 use crate::material::Library;
+use crate::scene::feather::Feather;
 use crate::structure::{Section, SpeciesFile, SpeciesModel, Structure};
 use crate::{Error, Result};
 
@@ -27,7 +28,16 @@ fn parse_species(
     let file = SpeciesFile::parse(text)?;
     let mut library = library.clone();
     materials(file.materials.as_ref(), folder, &mut library)?;
+    feather_of(&file)?;
     file.model(variant, library)
+}
+
+/// The feather that a species file describes in its table `[feather]`, if it has one.
+///
+/// # Errors
+/// An unknown or missing key, or a size out of its range; the message names the key.
+pub fn feather_of(file: &SpeciesFile) -> Result<Option<Feather>> {
+    file.feather.as_ref().map(Feather::read).transpose()
 }
 
 /// Reads a structure in TOML: a species, or a stack, which becomes a flat section.
@@ -87,6 +97,32 @@ mod tests {
             Structure::Species(Box::new(model)).hash(),
             Structure::Species(Box::new(parse(species_toml("starling").unwrap(), None).unwrap())).hash()
         );
+    }
+
+    /// A preset's feather, as a species file may bring it.
+    fn with_feather() -> String {
+        let preset = crate::scene::preset::toml("starling").unwrap();
+        let feather = &preset[preset.find("[feather.shaft]").unwrap()..];
+        format!("{}\n{feather}", species_toml("starling").unwrap())
+    }
+
+    #[test]
+    fn the_feather_of_a_species_file_is_read_and_checked() {
+        let text = with_feather();
+        assert_eq!(parse(&text, None).unwrap(), parse(species_toml("starling").unwrap(), None).unwrap());
+        let feather = feather_of(&SpeciesFile::parse(&text).unwrap()).unwrap().unwrap();
+        assert_eq!((feather.distal.length_um, feather.barbs.spacing_um), (280.0, 250.0));
+        assert_eq!(feather_of(&SpeciesFile::builtin("starling").unwrap()).unwrap(), None);
+        for (good, bad, expected) in [
+            ("length_um = 280.0", "length_um = -1.0", "feather.distal.length_um is -1, outside 5 to 10000"),
+            ("length_um = 280.0", "length_mm = 0.28", "unknown key 'length_mm', did you mean 'length_um'?"),
+            ("[feather.barbs]", "[feather.barb]", "unknown key 'barb', did you mean 'barbs'?"),
+            ("calamus_share = 0.12", "", "feather.shaft.calamus_share is missing; give a number from 0"),
+        ] {
+            let line = text.lines().find(|line| line.starts_with(good)).unwrap();
+            let message = parse(&text.replacen(line, bad, 1), None).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        }
     }
 
     /// The species, what is replaced in its file, by what, and what the refusal must say.

@@ -44,7 +44,7 @@ pub(super) fn along(
     seed: u64,
     identity: u64,
 ) -> Vec<Barb> {
-    let shape = &feather.barb;
+    let shape = &feather.barbs;
     let [first, last] = shaft.vane_range();
     let side_name = u64::from(side > 0.0);
     let mut barbs = Vec::new();
@@ -53,7 +53,7 @@ pub(super) fn along(
     while s < last {
         let t = shaft.vane(s);
         let smooth = t * t * (3.0 - 2.0 * t);
-        let angle = shape.angle[0] + (shape.angle[1] - shape.angle[0]) * smooth;
+        let angle = shape.base_angle + (shape.tip_angle - shape.base_angle) * smooth;
         let id = hash(seed, &[identity, 1, side_name, index]);
         let before = window.along_mm - (3.0 + 1.0 / angle.tan()) * window.radius_mm;
         if s > before && s < window.along_mm + 1.2 * window.radius_mm {
@@ -66,13 +66,13 @@ pub(super) fn along(
 }
 
 fn grow(feather: &Feather, shaft: &Shaft, side: f64, s: f64, angle: f64, id: u64) -> Barb {
-    let shape = &feather.barb;
+    let shape = &feather.barbs;
     let mut stream = Stream::new(id, &[]);
-    let [length_noise, angle_noise, spacing_noise] = feather.disorder.barb;
-    let angle = angle + angle_noise * stream.normal();
-    let s = s + spacing_noise * 1e-3 * shape.spacing_um * stream.normal();
+    let disorder = &feather.disorder;
+    let angle = angle + disorder.barb_angle * stream.normal();
+    let s = s + disorder.barb_spacing * 1e-3 * shape.spacing_um * stream.normal();
     let station = shaft.at(s);
-    let length = outline_length(shape, shaft, s, angle) * (1.0 + length_noise * stream.normal());
+    let length = outline_length(shape, shaft, s, angle) * (1.0 + disorder.barb_length * stream.normal());
     let radius_mm = 0.5e-3 * shape.width_um;
     let step = length / STEPS as f64;
     // A slow wave keeps neighbouring barbs from being copies of each other.
@@ -109,7 +109,7 @@ fn outline_length(shape: &BarbShape, shaft: &Shaft, s: f64, angle: f64) -> f64 {
     let (sin, cos) = (libm::sin(angle).max(LEAST_SINE), libm::cos(angle));
     let outline = |along: f64| {
         let t = shaft.vane(along).clamp(0.0, 1.0);
-        let [a, b] = shape.outline;
+        let (a, b) = (shape.outline_base, shape.outline_tip);
         let middle = a / (a + b);
         shape.half_width_mm * libm::pow(t / middle, a) * libm::pow((1.0 - t) / (1.0 - middle), b)
     };
@@ -156,8 +156,8 @@ impl Barb {
     }
 
     /// Adds the ramus: a tube taller than wide.
-    pub(super) fn mesh(&self, geometry: &mut Geometry, shape: &BarbShape, surface: u32, origin: DVec3) {
-        let mut mesh = Mesh { surface, id: self.id, ..Mesh::default() };
+    pub(super) fn mesh(&self, geometry: &mut Geometry, shape: &BarbShape, origin: DVec3) {
+        let mut mesh = Mesh { id: self.id, ..Mesh::default() };
         for ring in 0..=STEPS {
             let share = ring as f64 / STEPS as f64;
             let (tangent, normal) = (self.tangents[ring], self.normals[ring]);

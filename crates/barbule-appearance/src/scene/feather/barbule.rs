@@ -10,26 +10,23 @@ use crate::scene::geometry::{Geometry, Ribbon, RibbonNode};
 /// Segments of a barbule.
 const STEPS: usize = 6;
 
-/// Adds the barbules of one side of a barb (0: towards the feather's tip, 1: the other) whose bases lie in the window;
-/// returns how many.
+/// Adds the barbules of one side of a barb (0: towards the feather's tip, 1: the other) whose bases lie in the window.
 pub(super) fn along(
     geometry: &mut Geometry,
     barb: &Barb,
     shape: &BarbuleShape,
     disorder: &Disorder,
     which: usize,
-    surface: u32,
     (origin, window): (DVec3, Window),
     seed: u64,
-) -> usize {
+) {
     let spacing = 1e-3 * shape.spacing_um;
     let count = (barb.length_mm / spacing) as usize;
-    let mut grown = 0;
     let mut nodes = Vec::new();
     for index in 0..count {
         let id = hash(seed, &[barb.id, 2, which as u64, index as u64]);
         let mut stream = Stream::new(id, &[]);
-        let along = (index as f64 + 0.5 + disorder.barbule[2] * stream.normal()) * spacing;
+        let along = (index as f64 + 0.5 + disorder.barbule_spacing * stream.normal()) * spacing;
         let (base, ..) = barb.at(along);
         if !window.holds(base - origin) {
             continue;
@@ -37,7 +34,6 @@ pub(super) fn along(
         nodes.clear();
         grow(&mut nodes, barb, shape, disorder, which, along, origin, &mut stream);
         let ribbon = Ribbon {
-            surface,
             id,
             cell: (1e-3 * shape.cell_um) as f32,
             phase: stream.unit() as f32,
@@ -45,9 +41,7 @@ pub(super) fn along(
             ..Ribbon::default()
         };
         geometry.add_ribbon(&nodes, ribbon);
-        grown += 1;
     }
-    grown
 }
 
 fn grow(
@@ -65,22 +59,22 @@ fn grow(
     // The side towards the feather's tip is to the left of a right barb and to the right of a left one.
     let distal = if which == 0 { 1.0 } else { -1.0 };
     let sideways = normal.cross(tangent) * (barb.side * distal);
-    let [angle_noise, lift_noise, _, length_noise] = disorder.barbule;
-    let turn_angle = angle_noise * stream.normal();
-    let turn_lift = lift_noise * stream.normal();
-    let turn = disorder.turn * stream.normal();
-    let bow = 0.5 * lift_noise * stream.normal();
+    let turn_angle = disorder.barbule_angle * stream.normal();
+    let turn_lift = disorder.barbule_lift * stream.normal();
+    let turn = disorder.barbule_turn * stream.normal();
+    let bow = 0.5 * disorder.barbule_lift * stream.normal();
     // Shorter where the barb begins and near its end.
     let grown = (0.75 + 0.25 * libm::sin(std::f64::consts::PI * libm::pow(share.clamp(0.0, 1.0), 0.7)))
         * ((1.0 - share) / 0.15).clamp(0.15, 1.0);
-    let length = 1e-3 * shape.length_um * grown * (1.0 + length_noise * stream.normal()).clamp(0.5, 1.5);
+    let length =
+        1e-3 * shape.length_um * grown * (1.0 + disorder.barbule_length * stream.normal()).clamp(0.5, 1.5);
     let step = length / STEPS as f64;
     let mut at = base + sideways * (0.8 * barb.half_width(share));
     for i in 0..=STEPS {
         let t = i as f64 / STEPS as f64;
-        let mix = |pair: [f64; 2]| pair[0] + (pair[1] - pair[0]) * t;
-        let angle = mix(shape.angle) + turn_angle;
-        let lift = mix(shape.lift) + turn_lift + bow * (2.0 * t - 1.0);
+        let mix = |base: f64, end: f64| base + (end - base) * t;
+        let angle = mix(shape.base_angle, shape.end_angle) + turn_angle;
+        let lift = mix(shape.base_lift, shape.end_lift) + turn_lift + bow * (2.0 * t - 1.0);
         let planar = tangent * libm::cos(angle) + sideways * libm::sin(angle);
         let direction = planar * libm::cos(lift) + normal * libm::sin(lift);
         let up = (normal - direction * normal.dot(direction)).normalize();

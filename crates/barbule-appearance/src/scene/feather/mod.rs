@@ -1,112 +1,24 @@
 //! Feathers grown from parameters: a shaft, barbs on both sides, barbules on both sides of every barb.
 //!
-//! Parameters follow the biological description of Streit & Heidrich 2002 and Chen et al. 2002; sizes per species are
-//! in [`species`]. Every draw is named by its place (barb, side, barbule), so one barbule never depends on another.
+//! Parameters follow the biological description of Streit & Heidrich 2002 and Chen et al. 2002; presets and species
+//! give their sizes in files. Every draw is named by its place (barb, side, barbule), so one barbule never depends on another.
 
 mod barb;
 mod barbule;
 mod shaft;
-pub mod species;
+mod sizes;
 
 use glam::DVec3;
 
 pub use barb::Barb;
 pub use shaft::{Shaft, Station};
+pub use sizes::{BarbShape, BarbuleShape, Disorder, Feather, ShaftShape};
 
 use super::geometry::Geometry;
 use crate::{Error, Result};
 
-/// The shaft of a feather. The centre line bends by angles that are quadratic in the arc length.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ShaftShape {
-    /// Length of the whole shaft, mm.
-    pub length_mm: f64,
-    /// Share of the length that bears no barbs (the quill).
-    pub calamus: f64,
-    /// Radius at the base, mm.
-    pub radius_mm: f64,
-    /// Radius at the tip, mm.
-    pub tip_radius_mm: f64,
-    /// Exponent of the taper.
-    pub taper: f64,
-    /// Height over width of the cross-section.
-    pub height: f64,
-    /// Bend in the vane's plane at the tip: linear and quadratic part, rad.
-    pub bend: [f64; 2],
-    /// Bend towards the dorsal side at the tip: linear and quadratic part, rad.
-    pub arch: [f64; 2],
-}
-
-/// The barbs of a feather.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BarbShape {
-    /// Distance between neighbours, perpendicular to them, µm.
-    pub spacing_um: f64,
-    /// Angle to the shaft at the vane's base and tip, opening towards the tip, rad.
-    pub angle: [f64; 2],
-    /// How much a barb turns towards the feather's tip from its base to its end, rad.
-    pub curl: f64,
-    /// Sag of the vane at its edge over its half width.
-    pub camber: f64,
-    /// Width of the ramus at its base, µm.
-    pub width_um: f64,
-    /// Height over width of the ramus.
-    pub height: f64,
-    /// Half width of the vane, mm.
-    pub half_width_mm: f64,
-    /// Exponents a, b of the outline w(t) = W (t/t_m)^a ((1 − t)/(1 − t_m))^b, t_m = a/(a + b).
-    pub outline: [f64; 2],
-}
-
-/// The barbules on one side of the barbs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BarbuleShape {
-    /// Length in the middle of a barb, µm.
-    pub length_um: f64,
-    /// Full width, µm.
-    pub width_um: f64,
-    /// Distance between neighbours along the ramus, µm.
-    pub spacing_um: f64,
-    /// Angle to the barb at the barbule's base and end, rad.
-    pub angle: [f64; 2],
-    /// Elevation over the vane at the base and end, rad.
-    pub lift: [f64; 2],
-    /// Turn about its own axis, rad: positive turns the upper side towards the barb's tip.
-    pub tilt: f64,
-    /// Further turn at the root, gone after a tenth of the length, rad.
-    pub root_tilt: f64,
-    /// Length of a cell, µm: structure is constant within it.
-    pub cell_um: f64,
-    /// Swelling of cells, low arches along the barbule: slope at their ends, rad.
-    pub swelling: f64,
-}
-
-/// Random differences.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Disorder {
-    /// Of barbs: length (share), angle (rad), spacing (share).
-    pub barb: [f64; 3],
-    /// Of barbules: planar angle (rad), lift (rad), spacing (share), length (share).
-    pub barbule: [f64; 4],
-    /// Turn of a barbule about its own axis, rad, beyond what its material holds.
-    pub turn: f64,
-}
-
-/// A whole feather.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Feather {
-    /// The shaft.
-    pub shaft: ShaftShape,
-    /// The barbs.
-    pub barb: BarbShape,
-    /// Barbules on the side of the feather's tip (distal), then on the other (proximal).
-    pub barbule: [BarbuleShape; 2],
-    /// Random differences.
-    pub disorder: Disorder,
-}
-
 /// The part of a feather to grow: a disc in the plane of the vane about a point of the shaft.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Window {
     /// Arc length of its middle on the shaft, mm.
     pub along_mm: f64,
@@ -114,15 +26,23 @@ pub struct Window {
     pub radius_mm: f64,
 }
 
-/// Surfaces of the parts, as indices into a scene's list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Parts {
-    /// Of the shaft.
-    pub shaft: u32,
-    /// Of the rami.
-    pub ramus: u32,
-    /// Of the barbules.
-    pub barbule: u32,
+/// The grown parts, apart by what they are made of.
+#[derive(Debug, Clone, Default)]
+pub struct Grown {
+    /// The shaft.
+    pub shaft: Geometry,
+    /// The barbs' rami.
+    pub rami: Geometry,
+    /// The barbules.
+    pub barbules: Geometry,
+}
+
+impl Grown {
+    /// How many barbs and barbules there are.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        Counts { barbs: self.rami.meshes.len(), barbules: self.barbules.ribbons.len() }
+    }
 }
 
 /// How many of each part were grown.
@@ -134,77 +54,43 @@ pub struct Counts {
     pub barbules: usize,
 }
 
-impl Feather {
-    /// Refuses parameters that make no feather.
-    ///
-    /// # Errors
-    /// A length, width or spacing that is not positive or not finite, or an angle out of range.
-    pub fn check(&self) -> Result<()> {
-        let positive = [
-            ("the shaft's length", self.shaft.length_mm),
-            ("the shaft's radius", self.shaft.radius_mm),
-            ("the shaft's radius at the tip", self.shaft.tip_radius_mm),
-            ("the barbs' spacing", self.barb.spacing_um),
-            ("the barbs' width", self.barb.width_um),
-            ("the vane's half width", self.barb.half_width_mm),
-            ("the distal barbules' length", self.barbule[0].length_um),
-            ("the distal barbules' width", self.barbule[0].width_um),
-            ("the distal barbules' spacing", self.barbule[0].spacing_um),
-            ("the proximal barbules' length", self.barbule[1].length_um),
-            ("the proximal barbules' width", self.barbule[1].width_um),
-            ("the proximal barbules' spacing", self.barbule[1].spacing_um),
-        ];
-        for (name, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::input(format!("{name} is {value}, but must be greater than zero")));
-            }
-        }
-        if !(0.0..1.0).contains(&self.shaft.calamus) {
-            return Err(Error::input("the quill's share of the shaft must be 0 to 1"));
-        }
-        Ok(())
-    }
+/// More barbules than this are not grown: each takes about a kilobyte.
+const MOST_BARBULES: f64 = 4e6;
 
+impl Feather {
     /// Grows the part of the feather within a window, moved so that the window's middle is the origin. `seed` and
     /// `identity` name every random draw.
     ///
     /// # Errors
-    /// As [`Feather::check`].
-    pub fn grow(
-        &self,
-        geometry: &mut Geometry,
-        parts: Parts,
-        window: Window,
-        seed: u64,
-        identity: u64,
-    ) -> Result<Counts> {
+    /// As [`Feather::check`]; a window that would hold more than 4 million barbules.
+    pub fn grow(&self, window: Window, seed: u64, identity: u64) -> Result<Grown> {
         self.check()?;
+        let area = std::f64::consts::PI * window.radius_mm * window.radius_mm;
+        let per_barb = 1e3 / self.distal.spacing_um + 1e3 / self.proximal.spacing_um;
+        let barbules = area * 1e3 / self.barbs.spacing_um * per_barb;
+        if barbules.is_nan() || barbules > MOST_BARBULES {
+            return Err(Error::input(format!(
+                "the window of radius {} mm may hold {barbules:.0} barbules, over the limit of {MOST_BARBULES:.0}; give a smaller radius_mm",
+                window.radius_mm
+            )));
+        }
         let shaft = Shaft::new(&self.shaft);
         let origin = shaft.at(window.along_mm).point;
-        shaft.mesh(geometry, parts.shaft, window, origin, identity);
-        let mut counts = Counts::default();
+        let mut grown = Grown::default();
+        shaft.mesh(&mut grown.shaft, window, origin, identity);
         for side in [-1.0, 1.0] {
             for barb in barb::along(self, &shaft, side, window, seed, identity) {
                 if !barb.is_within(origin, window) {
                     continue;
                 }
-                barb.mesh(geometry, &self.barb, parts.ramus, origin);
-                counts.barbs += 1;
-                for (which, shape) in self.barbule.iter().enumerate() {
-                    counts.barbules += barbule::along(
-                        geometry,
-                        &barb,
-                        shape,
-                        &self.disorder,
-                        which,
-                        parts.barbule,
-                        (origin, window),
-                        seed,
-                    );
+                barb.mesh(&mut grown.rami, &self.barbs, origin);
+                for (which, shape) in [&self.distal, &self.proximal].into_iter().enumerate() {
+                    let place = (origin, window);
+                    barbule::along(&mut grown.barbules, &barb, shape, &self.disorder, which, place, seed);
                 }
             }
         }
-        Ok(counts)
+        Ok(grown)
     }
 }
 
@@ -217,18 +103,28 @@ impl Window {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::description::Description;
     use crate::scene::geometry::RibbonNode;
+    use crate::scene::preset;
 
-    const PARTS: Parts = Parts { shaft: 0, ramus: 1, barbule: 2 };
-
-    fn species() -> [(&'static str, Feather); 4] {
-        [
-            ("rock dove", species::rock_dove()),
-            ("starling", species::starling()),
-            ("bronzewing", species::bronzewing()),
-            ("hummingbird", species::hummingbird()),
-        ]
+    fn feather(name: &str) -> Feather {
+        Description::named(name).unwrap().feather
     }
+
+    fn species() -> impl Iterator<Item = (&'static str, Feather)> {
+        preset::names().map(|name| (name, feather(name)))
+    }
+
+    const ORDERLY: Disorder = Disorder {
+        barb_length: 0.0,
+        barb_angle: 0.0,
+        barb_spacing: 0.0,
+        barbule_angle: 0.0,
+        barbule_lift: 0.0,
+        barbule_spacing: 0.0,
+        barbule_length: 0.0,
+        barbule_turn: 0.0,
+    };
 
     fn window(feather: &Feather) -> Window {
         Window { along_mm: 0.6 * feather.shaft.length_mm, radius_mm: 1.1 }
@@ -237,10 +133,8 @@ mod tests {
     #[test]
     fn the_same_seed_gives_the_same_feather_and_another_does_not() {
         let grow = |seed| {
-            let feather = species::starling();
-            let mut geometry = Geometry::default();
-            feather.grow(&mut geometry, PARTS, window(&feather), seed, 5).unwrap();
-            geometry.ribbon_nodes
+            let feather = feather("starling");
+            feather.grow(window(&feather), seed, 5).unwrap().barbules.ribbon_nodes
         };
         assert_eq!(grow(1), grow(1));
         assert_ne!(grow(1), grow(2));
@@ -260,9 +154,9 @@ mod tests {
                 .map(|i| {
                     let t = shaft.vane(first + (f64::from(i) + 0.5) * step);
                     let smooth = t * t * (3.0 - 2.0 * t);
-                    let angle =
-                        feather.barb.angle[0] + (feather.barb.angle[1] - feather.barb.angle[0]) * smooth;
-                    step * angle.sin() / (1e-3 * feather.barb.spacing_um)
+                    let angle = feather.barbs.base_angle
+                        + (feather.barbs.tip_angle - feather.barbs.base_angle) * smooth;
+                    step * angle.sin() / (1e-3 * feather.barbs.spacing_um)
                 })
                 .sum();
             assert!((barbs.len() as f64 - expected).abs() < 2.0, "{name}: {} {expected}", barbs.len());
@@ -272,13 +166,13 @@ mod tests {
     /// Barbs are curved and of random length (3 %), so their ends scatter about the outline of straight ones.
     #[test]
     fn ends_of_straight_barbs_lie_on_the_outline() {
-        let mut feather = species::starling();
-        feather.barb.curl = 0.0;
-        feather.barb.camber = 0.0;
-        feather.shaft.arch = [0.0; 2];
+        let mut feather = feather("starling");
+        feather.barbs.curl = 0.0;
+        feather.barbs.camber = 0.0;
+        feather.shaft.arch_quadratic = 0.0;
         feather.shaft.radius_mm = 1e-6;
         feather.shaft.tip_radius_mm = 1e-6;
-        feather.disorder.barb = [0.0; 3];
+        feather.disorder = ORDERLY;
         let shaft = Shaft::new(&feather.shaft);
         let everything = Window { along_mm: 15.0, radius_mm: 30.0 };
         for barb in barb::along(&feather, &shaft, 1.0, everything, 1, 1) {
@@ -287,9 +181,9 @@ mod tests {
             if t > 0.98 {
                 continue;
             }
-            let [a, b] = feather.barb.outline;
+            let (a, b) = (feather.barbs.outline_base, feather.barbs.outline_tip);
             let m = a / (a + b);
-            let w = feather.barb.half_width_mm * (t / m).powf(a) * ((1.0 - t) / (1.0 - m)).powf(b);
+            let w = feather.barbs.half_width_mm * (t / m).powf(a) * ((1.0 - t) / (1.0 - m)).powf(b);
             // The slow wave of a barb moves its end by some hundredths of its length.
             assert!((end.x - w).abs() < 0.05 * barb.length_mm + 0.05, "{end} {w}");
         }
@@ -297,8 +191,8 @@ mod tests {
 
     #[test]
     fn barbules_of_the_two_vanes_mirror_each_other_without_disorder() {
-        let mut feather = species::bronzewing();
-        feather.disorder = Disorder { barb: [0.0; 3], barbule: [0.0; 4], turn: 0.0 };
+        let mut feather = feather("bronzewing");
+        feather.disorder = ORDERLY;
         let shaft = Shaft::new(&feather.shaft);
         let grow = |side: f64| {
             let window = window(&feather);
@@ -314,16 +208,8 @@ mod tests {
             barb.length_mm = 0.1 * (steps - 1) as f64;
             let mut geometry = Geometry::default();
             let wide = Window { along_mm: 0.0, radius_mm: 50.0 };
-            barbule::along(
-                &mut geometry,
-                &barb,
-                &feather.barbule[0],
-                &feather.disorder,
-                0,
-                2,
-                (DVec3::ZERO, wide),
-                1,
-            );
+            let place = (DVec3::ZERO, wide);
+            barbule::along(&mut geometry, &barb, &feather.distal, &feather.disorder, 0, place, 1);
             geometry.ribbon_nodes
         };
         let (left, right) = (grow(-1.0), grow(1.0));
@@ -337,10 +223,13 @@ mod tests {
     #[test]
     fn frames_across_a_barbule_face_upwards() {
         for (name, feather) in species() {
-            let mut geometry = Geometry::default();
-            let counts = feather.grow(&mut geometry, PARTS, window(&feather), 1, 1).unwrap();
+            let grown = feather.grow(window(&feather), 1, 1).unwrap();
+            let counts = grown.counts();
             assert!(counts.barbs > 4 && counts.barbules > 400, "{name}: {counts:?}");
-            geometry.check(3).unwrap();
+            grown.shaft.check().unwrap();
+            grown.rami.check().unwrap();
+            let geometry = grown.barbules;
+            geometry.check().unwrap();
             let mut upward = 0;
             for ribbon in &geometry.ribbons {
                 let nodes = geometry.nodes_of(ribbon);
@@ -353,11 +242,17 @@ mod tests {
 
     #[test]
     fn impossible_parameters_are_refused() {
-        let mut feather = species::starling();
-        feather.barbule[0].spacing_um = 0.0;
-        assert!(feather.check().unwrap_err().to_string().contains("distal barbules' spacing"));
-        feather = species::starling();
+        let mut feather = feather("starling");
+        feather.distal.spacing_um = 0.0;
+        let message = feather.check().unwrap_err().to_string();
+        assert_eq!(message, "feather.distal.spacing_um is 0, outside 1 to 10000");
+        feather.distal.spacing_um = f64::NAN;
+        assert!(feather.check().is_err());
+        feather = self::feather("starling");
         feather.shaft.calamus = 1.0;
         assert!(feather.check().is_err());
+        feather = self::feather("starling");
+        let whole = Window { along_mm: 15.0, radius_mm: 500.0 };
+        assert!(feather.grow(whole, 1, 1).unwrap_err().to_string().contains("give a smaller radius_mm"));
     }
 }

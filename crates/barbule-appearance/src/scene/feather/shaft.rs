@@ -88,19 +88,12 @@ impl Shaft {
     }
 
     /// Adds the surface within a window: a tube whose underside is flattened, with fine ridges along it.
-    pub(super) fn mesh(
-        &self,
-        geometry: &mut Geometry,
-        surface: u32,
-        window: Window,
-        origin: DVec3,
-        identity: u64,
-    ) {
+    pub(super) fn mesh(&self, geometry: &mut Geometry, window: Window, origin: DVec3, identity: u64) {
         let from = (window.along_mm - 1.3 * window.radius_mm).max(0.0);
         let to = (window.along_mm + 1.3 * window.radius_mm).min(self.shape.length_mm);
         let rings = 40;
         let ridges = Ridges::new(identity);
-        let mut mesh = Mesh { surface, id: hash(identity, &[0]), ..Mesh::default() };
+        let mut mesh = Mesh { id: hash(identity, &[0]), ..Mesh::default() };
         for ring in 0..=rings {
             let s = from + (to - from) * ring as f64 / rings as f64;
             let station = self.at(s);
@@ -163,8 +156,8 @@ pub(super) fn tube_triangles(rings: usize, around: usize) -> Vec<[u32; 3]> {
 
 /// Direction of the shaft at a share t of its length.
 fn heading(shape: &ShaftShape, t: f64) -> DVec3 {
-    let turn = |k: [f64; 2]| k[0] * t + k[1] * t * t;
-    let (psi, chi) = (turn(shape.bend), turn(shape.arch));
+    let turn = |linear: f64, quadratic: f64| linear * t + quadratic * t * t;
+    let (psi, chi) = (turn(shape.bend, shape.bend_quadratic), turn(shape.arch, shape.arch_quadratic));
     let flat = libm::cos(chi);
     DVec3::new(libm::sin(psi) * flat, libm::cos(psi) * flat, libm::sin(chi))
 }

@@ -22,6 +22,8 @@ pub struct SpeciesFile {
     pub default: String,
     /// The table of the file's own materials, which lie in other files.
     pub materials: Option<Value>,
+    /// The table of the feather that bears the barbules, as it is written: whoever draws feathers reads it.
+    pub feather: Option<Value>,
     variants: Vec<Variant>,
     generator: String,
     parameters: Value,
@@ -63,6 +65,7 @@ impl SpeciesFile {
             "parameters",
             "variants",
             "materials",
+            "feather",
         ];
         if value.get("lattice").is_some() {
             return Err(Error::input(
@@ -111,6 +114,7 @@ impl SpeciesFile {
             generator: text("generator", &generator_names())?,
             parameters: fields.need("parameters", "the table of the generator's parameters")?.clone(),
             materials: fields.get("materials").cloned(),
+            feather: fields.get("feather").cloned(),
             default,
             variants,
         };

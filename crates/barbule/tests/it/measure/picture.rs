@@ -6,9 +6,11 @@ use std::sync::Arc;
 use barbule::brdf::{FeatherBrdf, Options, example};
 use barbule::progress::Unobserved;
 use barbule::render::film::Film;
-use barbule::render::integrator::Integrator;
+use barbule::render::integrator::{Integrator, Transport};
+use barbule::render::light::Lighting;
 use barbule::render::run::{Goal, run};
-use barbule::scene::preset;
+use barbule::render::stage::Stage;
+use barbule::scene::description::Description;
 
 /// Pixels.
 pub(crate) const SIZE: [u32; 2] = [64, 48];
@@ -19,13 +21,16 @@ pub(crate) const SAMPLES: [u32; 2] = [64, 1024];
 /// Part of the starling's close-up with the example's material.
 pub(crate) fn picture(samples: u32, seed: u64) -> Film {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let mut preset = preset::named("starling").unwrap();
-    preset.window.radius_mm = 1.0;
-    preset.width_mm = 1.2;
-    let (scene, _) = preset.scene(brdf, 1).unwrap();
+    let mut description = Description::named("starling").unwrap();
+    description.window.radius_mm = 1.0;
+    description.camera.width_mm = 1.2;
+    let (scene, _) = description.scene(brdf, 1).unwrap();
+    let stage = Stage::new(scene.objects).unwrap();
+    let lighting = Lighting::new(scene.lamps, scene.environment.as_ref()).unwrap();
+    let integrator = Integrator::new(&stage, &lighting, &scene.camera, Transport::default());
     let mut film = Film::new(SIZE).unwrap();
     let goal = Goal { samples, noise: None, time: None };
-    run(&Integrator::new(&scene), &mut film, seed, goal, &Unobserved, &mut |_| Ok(())).unwrap();
+    run(&integrator, &mut film, seed, goal, &Unobserved, &mut |_| Ok(())).unwrap();
     film
 }
 

@@ -137,7 +137,8 @@ fn sections(count: u64) -> impl Iterator<Item = (String, Section, Stream)> {
 pub(crate) fn largest_reflected() -> [(f64, String); 2] {
     let (mut worst, mut below) = ((0f64, String::new()), (0f64, String::new()));
     for (name, section, mut stream) in sections(6) {
-        let wavelengths = [0; 3].map(|_| stream.uniform(400.0, 694.0));
+        let mut wavelengths = [0; 3].map(|_| stream.uniform(400.0, 694.0));
+        wavelengths.sort_by(f64::total_cmp);
         // Every third direction near the limit, where mirrors of their own slopes would exceed it.
         let mut directions = Vec::new();
         while directions.len() < 12 {

@@ -177,8 +177,12 @@ fn decay(lags: &[f64]) -> f64 {
 fn lengths(species: &Species, material: &FeatherMaterial, wave: usize, phi: usize) -> [[f64; 2]; 2] {
     let axes = &species.statistics.axes;
     let theta = axes.cos_theta.len() - 1;
-    let patterns =
-        species.campaign.patterns(&species.campaign.tables(wave, &Unobserved).unwrap(), theta, phi, Polarization::First);
+    let patterns = species.campaign.patterns(
+        &species.campaign.tables(wave, &Unobserved).unwrap(),
+        theta,
+        phi,
+        Polarization::First,
+    );
     let first = ((patterns.x[0] + 1.0) * 0.5 * NOISE_POINTS as f64) as usize;
     let synthesis = Synthesis::on(material, axes.index(wave, theta, phi), &patterns.phi_o);
     let noise = Noise::new(&material.noise_power, material.seed);

@@ -4,69 +4,21 @@
 //! The boundary is a GGX microsurface with Fresnel reflectance (Walter et al. 2007, height-correlated Smith
 //! shadowing). What it lets in is scattered diffusely: (1 − E(ω_i)) (1 − E(ω_o)) ρ / (π (1 − Ē)), with E the
 //! boundary's directional albedo and Ē its mean (Kelemen & Szirmay-Kalos 2001). So the whole albedo is
-//! E + (1 − E) ρ ≤ 1, and the model is reciprocal. The body's ρ follows Kubelka and Munk for melanin, whose absorption
-//! falls as k/λ with k = 0.56 exp(−λ/270 nm) (Stavenga et al. 2015).
+//! E + (1 − E) ρ ≤ 1, and the model is reciprocal.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::emission::{SHORTEST_NM, TABLE, lookup};
+use super::hit::Hit;
+use super::lobes::Lobes;
+use super::reflectance::Reflectance;
+use super::{Bsdf, Model};
+use crate::spectrum::dense::Lambda4;
 use crate::{Error, Result};
 
 /// Nodes of the boundary's albedo in the cosine.
 const NODES: usize = 33;
-
-/// A diffuse reflectance: one value per nm.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Reflectance {
-    table: Arc<[f64]>,
-    mean: f64,
-}
-
-impl Reflectance {
-    /// From a function of the wavelength in nm.
-    ///
-    /// # Errors
-    /// A value outside 0 … 1.
-    pub fn new(value: impl Fn(f64) -> f64) -> Result<Self> {
-        let table: Arc<[f64]> = (0..TABLE).map(|i| value(SHORTEST_NM + i as f64)).collect();
-        if !table.iter().all(|v| (0.0..=1.0).contains(v)) {
-            return Err(Error::input("a reflectance must lie between 0 and 1 at every wavelength"));
-        }
-        let mean = table.iter().sum::<f64>() / TABLE as f64;
-        Ok(Self { table, mean })
-    }
-
-    /// Keratin pigmented with melanin. `absorption`: absorption over scattering at 550 nm; 0 is white, 1 brown, 20
-    /// nearly black.
-    ///
-    /// # Errors
-    /// Negative or not finite.
-    pub fn melanin(absorption: f64) -> Result<Self> {
-        if !(absorption.is_finite() && absorption >= 0.0) {
-            return Err(Error::input("melanin's absorption must be finite and not negative"));
-        }
-        let relative = |w: f64| libm::exp(-w / 270.0) / w;
-        Self::new(|w| {
-            let ratio = absorption * relative(w) / relative(550.0);
-            1.0 + ratio - (ratio * ratio + 2.0 * ratio).sqrt()
-        })
-    }
-
-    /// At one wavelength, nm.
-    #[must_use]
-    pub fn at(&self, wavelength_nm: f64) -> f64 {
-        lookup(&self.table, wavelength_nm)
-    }
-
-    /// Mean over the sampled wavelengths.
-    #[must_use]
-    pub fn mean(&self) -> f64 {
-        self.mean
-    }
-}
 
 /// Pigmented keratin.
 #[derive(Debug, Clone)]
@@ -116,7 +68,7 @@ impl Keratin {
     /// f in 1/sr at each wavelength and the density of [`Keratin::sample`], 1/sr. Both directions in the local frame,
     /// z > 0.
     #[must_use]
-    pub fn eval(&self, wi: DVec3, wo: DVec3, wavelengths_nm: [f64; 4]) -> ([f64; 4], f64) {
+    pub fn eval(&self, wi: DVec3, wo: DVec3, wavelengths: Lambda4) -> ([f64; 4], f64) {
         if wi.z <= 0.0 || wo.z <= 0.0 {
             return ([0.0; 4], 0.0);
         }
@@ -127,21 +79,29 @@ impl Keratin {
         let gloss = fresnel * d / (4.0 * wi.z * wo.z * (1.0 + lambda_i + lambda_o));
         let (in_i, in_o) = (1.0 - self.lookup(wi.z), 1.0 - self.lookup(wo.z));
         let diffuse = in_i * in_o / (PI * (1.0 - self.mean_albedo));
-        let f = wavelengths_nm.map(|w| gloss + diffuse * self.body.at(w));
+        let f = wavelengths.map(|w| gloss + diffuse * self.body.at(w));
         let share = self.gloss_share(wi.z);
         let visible = d / (4.0 * wi.z * (1.0 + lambda_i));
         (f, share * visible + (1.0 - share) * wo.z / PI)
     }
 
-    /// A direction for light that leaves towards `wi`, from three uniform numbers; it may lie below the horizon.
+    /// A direction for light that leaves towards `wi`, from three uniform numbers, and its lobe; the direction may lie
+    /// below the horizon.
     #[must_use]
-    pub fn sample(&self, wi: DVec3, u: [f64; 3]) -> DVec3 {
+    pub fn sample(&self, wi: DVec3, u: [f64; 3]) -> (DVec3, Lobes) {
         if u[2] < self.gloss_share(wi.z) {
             let h = self.visible_normal(wi, u[0], u[1]);
-            return 2.0 * wi.dot(h) * h - wi;
+            return (2.0 * wi.dot(h) * h - wi, Lobes::REFLECTION.and(Lobes::GLOSSY));
         }
         let (sine, azimuth) = (u[0].sqrt(), TAU * u[1]);
-        DVec3::new(sine * azimuth.cos(), sine * azimuth.sin(), (1.0 - u[0]).max(0.0).sqrt())
+        let wo = DVec3::new(sine * azimuth.cos(), sine * azimuth.sin(), (1.0 - u[0]).max(0.0).sqrt());
+        (wo, Lobes::REFLECTION.and(Lobes::DIFFUSE))
+    }
+
+    /// At a hit, seen from `wo`.
+    #[inline]
+    pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambda4) -> Bsdf<'a> {
+        Bsdf::new(Model::Keratin(Bound { keratin: self, wavelengths }), hit.side(wo))
     }
 
     /// Share of the samples spent on the boundary's reflection.
@@ -198,6 +158,30 @@ impl Keratin {
     }
 }
 
+/// Keratin at the wavelengths of a path.
+pub(super) struct Bound<'a> {
+    pub(super) keratin: &'a Keratin,
+    pub(super) wavelengths: Lambda4,
+}
+
+impl Bound<'_> {
+    #[inline]
+    pub(super) fn lobes(&self) -> Lobes {
+        Lobes::REFLECTION.and(Lobes::DIFFUSE).and(Lobes::GLOSSY)
+    }
+
+    #[inline]
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> ([f64; 4], [f64; 4]) {
+        let (f, pdf) = self.keratin.eval(wo, wi, self.wavelengths);
+        (f, [pdf; 4])
+    }
+
+    #[inline]
+    pub(super) fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<(DVec3, Lobes)> {
+        Some(self.keratin.sample(wo, u))
+    }
+}
+
 /// Unpolarized Fresnel reflectance from air onto a dielectric.
 fn fresnel(cosine: f64, index: f64) -> f64 {
     let c = cosine.clamp(0.0, 1.0);
@@ -218,8 +202,8 @@ mod tests {
         let count = 40_000;
         let mut sum = 0.0;
         for _ in 0..count {
-            let wo = keratin.sample(wi, [stream.unit(), stream.unit(), stream.unit()]);
-            let (f, pdf) = keratin.eval(wi, wo, [550.0; 4]);
+            let (wo, _) = keratin.sample(wi, [stream.unit(), stream.unit(), stream.unit()]);
+            let (f, pdf) = keratin.eval(wi, wo, Lambda4::splat(550.0));
             if pdf > 0.0 {
                 sum += f[0] * wo.z / pdf;
             }
@@ -246,17 +230,9 @@ mod tests {
         let keratin = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0).unwrap()).unwrap();
         let a = DVec3::new(0.3, 0.5, 0.7).normalize();
         let b = DVec3::new(-0.6, 0.1, 0.4).normalize();
-        let (ab, _) = keratin.eval(a, b, [450.0; 4]);
-        let (ba, _) = keratin.eval(b, a, [450.0; 4]);
+        let (ab, _) = keratin.eval(a, b, Lambda4::splat(450.0));
+        let (ba, _) = keratin.eval(b, a, Lambda4::splat(450.0));
         assert!((ab[0] / ba[0] - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn melanin_is_brown_and_darker_with_more_of_it() {
-        let body = Reflectance::melanin(1.0).unwrap();
-        assert!(body.at(650.0) > body.at(550.0) && body.at(550.0) > body.at(450.0));
-        assert!(Reflectance::melanin(10.0).unwrap().mean() < body.mean());
-        assert!(Reflectance::melanin(-1.0).is_err());
     }
 
     #[test]
@@ -271,7 +247,7 @@ mod tests {
             let azimuth = TAU * stream.unit();
             let sine = (1.0 - z * z).sqrt();
             let wo = DVec3::new(sine * azimuth.cos(), sine * azimuth.sin(), z);
-            sum += TAU * keratin.eval(wi, wo, [550.0; 4]).1;
+            sum += TAU * keratin.eval(wi, wo, Lambda4::splat(550.0)).1;
         }
         let total = sum / f64::from(count);
         assert!((0.97..1.02).contains(&total), "{total}");

@@ -1,0 +1,70 @@
+//! A barbule's surface: its tabulated BRDF above, dark keratin below.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::hit::Hit;
+use super::keratin::{self, Keratin};
+use super::lobes::Lobes;
+use super::{Bsdf, Model};
+use crate::brdf::{FeatherBrdf, Prepared};
+use crate::spectrum::dense::Lambda4;
+
+/// A barbule: its own BRDF above, dark keratin below. What neither reflects is absorbed by the melanin inside.
+#[derive(Debug, Clone)]
+pub struct BarbuleSurface {
+    /// Of the upper side.
+    pub brdf: Arc<FeatherBrdf>,
+    /// Whether every cell is a draw of its own (its glints), or all show the smooth mean.
+    pub instances: bool,
+    /// Of the underside.
+    pub under: Keratin,
+    /// Share of light that does not pass straight through, 0 … 1.
+    pub opacity: f64,
+}
+
+impl BarbuleSurface {
+    /// At a hit, seen from `wo`. The viewer's side is the incident one of the tabulated BRDF, which is not reciprocal:
+    /// light paths are followed backwards.
+    #[inline]
+    pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambda4) -> Bsdf<'a> {
+        let side = hit.side(wo);
+        let model = if side.is_upper && side.wo.z > 0.0 {
+            let prepared = self.brdf.prepare(wavelengths.single_nm(), side.wo);
+            Model::Feather(Bound { prepared, instance: self.instances.then_some(hit.instance) })
+        } else {
+            Model::Keratin(keratin::Bound { keratin: &self.under, wavelengths })
+        };
+        Bsdf::new(model, side)
+    }
+
+    /// See [`super::Surface::opacity`]; the same everywhere.
+    #[inline]
+    pub(super) fn opacity(&self, _hit: &Hit, _wi: DVec3, _wo: DVec3) -> f64 {
+        self.opacity
+    }
+}
+
+/// A barbule's BRDF at the wavelengths of a path and one direction of the viewer.
+pub(super) struct Bound<'a> {
+    prepared: Prepared<'a>,
+    instance: Option<u64>,
+}
+
+impl Bound<'_> {
+    #[inline]
+    pub(super) fn lobes(&self) -> Lobes {
+        Lobes::REFLECTION.and(Lobes::GLOSSY)
+    }
+
+    #[inline]
+    pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; 4], [f64; 4]) {
+        (self.prepared.eval(wi, self.instance).map(f64::from), self.prepared.pdf4(wi))
+    }
+
+    #[inline]
+    pub(super) fn sample(&self, _wo: DVec3, u: [f64; 3]) -> Option<(DVec3, Lobes)> {
+        Some((self.prepared.direction(0, [u[0], u[1]])?, self.lobes()))
+    }
+}

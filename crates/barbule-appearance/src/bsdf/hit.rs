@@ -1,0 +1,80 @@
+//! What a surface sees of the place that a ray hit.
+
+use glam::DVec3;
+
+use super::frame::Frame;
+
+/// A point of a surface where a ray met it.
+#[derive(Debug, Clone, Copy)]
+pub struct Hit {
+    /// In the scene, mm.
+    pub position: DVec3,
+    /// Geometric unit normal; for a ribbon on its upper side.
+    pub normal: DVec3,
+    /// Unit normal of the feather's vane: for curves that of their nodes, where they have one; else the shading normal.
+    pub vane_normal: DVec3,
+    /// Shading frame: y along the barbule, barb or fibre, z the shading normal.
+    pub frame: Frame,
+    /// Ribbon: arc length from its base in mm, and −1 … 1 across. Curve: 0 … 1 along, and the ray's signed distance
+    /// from the axis over the radius. Mesh: its texture coordinates.
+    pub uv: [f64; 2],
+    /// Index of the object.
+    pub object: u32,
+    /// Index of the primitive in the hierarchy.
+    pub primitive: u32,
+    /// Identity of the shape: one barbule, one barb.
+    pub id: u64,
+    /// Identity from which a material draws its instance: one cell of a barbule.
+    pub instance: u64,
+    /// Along the ray, mm.
+    pub distance: f64,
+    /// Radius of the ray's footprint here, mm; of a shadow ray where it began.
+    pub footprint: f64,
+}
+
+/// The side of a surface that is seen from a direction.
+#[derive(Debug, Clone, Copy)]
+pub struct Side {
+    /// Whether it is the one that the normal points out of.
+    pub is_upper: bool,
+    /// Geometric unit normal on this side.
+    pub normal: DVec3,
+    /// Shading frame; z on this side.
+    pub frame: Frame,
+    /// Towards the viewer, in the frame.
+    pub wo: DVec3,
+}
+
+impl Hit {
+    /// The side seen from `wo`, a unit vector towards the viewer.
+    #[inline]
+    #[must_use]
+    pub fn side(&self, wo: DVec3) -> Side {
+        let is_upper = wo.dot(self.normal) >= 0.0;
+        let (normal, mut frame) =
+            if is_upper { (self.normal, self.frame) } else { (-self.normal, self.frame.flipped()) };
+        if wo.dot(frame.z) <= 0.0 {
+            // The interpolated normal looks away although the face does not: shade the face itself.
+            frame = Frame::new(normal, frame.y);
+        }
+        Side { is_upper, normal, frame, wo: frame.to_local(wo) }
+    }
+}
+
+impl Default for Hit {
+    fn default() -> Self {
+        Self {
+            position: DVec3::ZERO,
+            normal: DVec3::Z,
+            vane_normal: DVec3::Z,
+            frame: Frame { x: DVec3::X, y: DVec3::Y, z: DVec3::Z },
+            uv: [0.0; 2],
+            object: 0,
+            primitive: 0,
+            id: 0,
+            instance: 0,
+            distance: 0.0,
+            footprint: 0.0,
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! What surfaces are made of and how they scatter light.
+//!
+//! A [`Surface`] is data. Bound to a [`Hit`], a direction of the viewer and the wavelengths of a path it is a [`Bsdf`],
+//! which is evaluated and sampled. A model is one file: its parameters with `bind`, and its bound form with `lobes`,
+//! `eval` and `sample` in the frame of the side that is seen. Light may leave on both sides.
+//!
+//! Directions are unit vectors that point away from the surface: `wo` towards the viewer, `wi` towards the light. Values
+//! are in 1/sr without the cosine.
+
+mod feather;
+mod frame;
+mod hit;
+mod keratin;
+mod lambertian;
+mod lobes;
+mod reflectance;
+#[cfg(test)]
+mod tests;
+
+use glam::DVec3;
+
+pub use feather::BarbuleSurface;
+pub use frame::Frame;
+pub use hit::{Hit, Side};
+pub use keratin::Keratin;
+pub use lambertian::Lambertian;
+pub use lobes::Lobes;
+pub use reflectance::Reflectance;
+
+use crate::spectrum::dense::Lambda4;
+
+/// What a surface is made of.
+#[derive(Debug, Clone)]
+pub enum Surface {
+    /// Perfectly diffuse.
+    Lambertian(Lambertian),
+    /// Pigmented keratin, the same on both sides: shafts, rami.
+    Keratin(Keratin),
+    /// A barbule's plate.
+    Barbule(BarbuleSurface),
+}
+
+impl Surface {
+    /// Its scattering function at a hit, for a viewer in the direction `wo`.
+    #[inline]
+    #[must_use]
+    pub fn bind(&self, hit: &Hit, wo: DVec3, wavelengths: Lambda4) -> Bsdf<'_> {
+        match self {
+            Self::Lambertian(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Keratin(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
+        }
+    }
+
+    /// Share of the light along a straight line that does not pass a hit unchanged, 0 … 1. `wo` points back along the
+    /// ray and `wi` onwards.
+    #[must_use]
+    pub fn opacity(&self, hit: &Hit, wi: DVec3, wo: DVec3) -> f64 {
+        match self {
+            Self::Barbule(surface) => surface.opacity(hit, wi, wo),
+            Self::Lambertian(_) | Self::Keratin(_) => 1.0,
+        }
+    }
+
+    /// Whether the opacity is 1 everywhere, so that nobody need ask.
+    #[must_use]
+    pub fn is_opaque(&self) -> bool {
+        match self {
+            Self::Barbule(surface) => surface.opacity >= 1.0,
+            Self::Lambertian(_) | Self::Keratin(_) => true,
+        }
+    }
+}
+
+/// The scattering function of one hit seen from one direction at four wavelengths.
+pub struct Bsdf<'a> {
+    model: Model<'a>,
+    side: Side,
+}
+
+/// A model bound to wavelengths. A surface may bind to different ones: a barbule's underside is keratin.
+#[allow(clippy::large_enum_variant)] // lives on the stack for one hit; a box would be an allocation a hit
+enum Model<'a> {
+    Lambertian(lambertian::Bound),
+    Keratin(keratin::Bound<'a>),
+    Feather(feather::Bound<'a>),
+}
+
+/// Calls a function that all models have.
+macro_rules! of_model {
+    ($model:expr, $function:ident($($argument:expr),*)) => {
+        match $model {
+            Model::Lambertian(model) => model.$function($($argument),*),
+            Model::Keratin(model) => model.$function($($argument),*),
+            Model::Feather(model) => model.$function($($argument),*),
+        }
+    };
+}
+
+/// Value and densities for one direction.
+#[derive(Debug, Clone, Copy)]
+pub struct Evaluation {
+    /// 1/sr, at each wavelength.
+    pub f: [f64; 4],
+    /// Density of the direction if that wavelength were the hero, 1/sr.
+    pub pdf: [f64; 4],
+    /// Modulus of the cosine between the direction and the shading normal.
+    pub cosine: f64,
+}
+
+const NOTHING: Evaluation = Evaluation { f: [0.0; 4], pdf: [0.0; 4], cosine: 0.0 };
+
+/// A direction drawn from a BSDF.
+#[derive(Debug, Clone, Copy)]
+pub struct BsdfSample {
+    /// Unit vector in the scene.
+    pub wi: DVec3,
+    /// The BSDF there; its density is over 0 at the hero.
+    pub evaluation: Evaluation,
+    /// From which kind of lobe it was drawn.
+    pub lobes: Lobes,
+}
+
+impl<'a> Bsdf<'a> {
+    #[inline]
+    fn new(model: Model<'a>, side: Side) -> Self {
+        Self { model, side }
+    }
+
+    /// The shading normal on the viewer's side.
+    #[inline]
+    #[must_use]
+    pub fn shading_normal(&self) -> DVec3 {
+        self.side.frame.z
+    }
+
+    /// The kinds of scattering that it has.
+    #[must_use]
+    pub fn lobes(&self) -> Lobes {
+        of_model!(&self.model, lobes())
+    }
+
+    /// Scattering of light from `wi` to the viewer; nothing where the face and the shading normal disagree on the side.
+    #[must_use]
+    pub fn eval(&self, wi: DVec3) -> Evaluation {
+        let local = self.side.frame.to_local(wi);
+        let face = wi.dot(self.side.normal);
+        let reflected = face > 0.0 && local.z > 0.0;
+        let scatters = reflected || (face < 0.0 && local.z < 0.0 && self.lobes().has(Lobes::TRANSMISSION));
+        if !scatters || self.side.wo.z <= 0.0 {
+            return NOTHING;
+        }
+        let (f, pdf) = of_model!(&self.model, eval(self.side.wo, local));
+        Evaluation { f, pdf, cosine: local.z.abs() }
+    }
+
+    /// Density of [`Bsdf::sample`] per sr if each wavelength were the hero.
+    #[must_use]
+    pub fn pdf(&self, wi: DVec3) -> [f64; 4] {
+        self.eval(wi).pdf
+    }
+
+    /// Draws a direction at the hero wavelength from three uniform numbers; `None` where nothing is scattered.
+    #[must_use]
+    pub fn sample(&self, u: [f64; 3]) -> Option<BsdfSample> {
+        let (local, lobes) = of_model!(&self.model, sample(self.side.wo, u))?;
+        let wi = self.side.frame.to_world(local).normalize();
+        let evaluation = self.eval(wi);
+        (evaluation.pdf[0] > 0.0).then_some(BsdfSample { wi, evaluation, lobes })
+    }
+}

@@ -1,0 +1,83 @@
+//! Diffuse reflectances, and those of pigmented keratin: Kubelka and Munk's for melanin, whose absorption falls as k/λ
+//! with k = 0.56 exp(−λ/270 nm) (Stavenga et al. 2015).
+
+use crate::spectrum::dense::{DenseSpectrum, Lambda4, VALUES};
+use crate::{Error, Result};
+
+/// A diffuse reflectance or transmittance: one value per nm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reflectance {
+    spectrum: DenseSpectrum,
+    mean: f64,
+}
+
+impl Reflectance {
+    /// From a function of the wavelength in nm.
+    ///
+    /// # Errors
+    /// A value outside 0 … 1.
+    pub fn new(value: impl Fn(f64) -> f64) -> Result<Self> {
+        let spectrum = DenseSpectrum::new(value);
+        if !spectrum.values().iter().all(|v| (0.0..=1.0).contains(v)) {
+            return Err(Error::input("a reflectance must lie between 0 and 1 at every wavelength"));
+        }
+        let mean = spectrum.values().iter().sum::<f64>() / VALUES as f64;
+        Ok(Self { spectrum, mean })
+    }
+
+    /// Keratin pigmented with melanin. `absorption`: absorption over scattering at 550 nm; 0 is white, 1 brown, 20
+    /// nearly black.
+    ///
+    /// # Errors
+    /// Negative or not finite.
+    pub fn melanin(absorption: f64) -> Result<Self> {
+        if !(absorption.is_finite() && absorption >= 0.0) {
+            return Err(Error::input("melanin's absorption must be finite and not negative"));
+        }
+        let relative = |w: f64| libm::exp(-w / 270.0) / w;
+        Self::new(|w| {
+            let ratio = absorption * relative(w) / relative(550.0);
+            1.0 + ratio - (ratio * ratio + 2.0 * ratio).sqrt()
+        })
+    }
+
+    /// The values, one per nm.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        self.spectrum.values()
+    }
+
+    /// At one wavelength, nm.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, wavelength_nm: f64) -> f64 {
+        self.spectrum.at(wavelength_nm)
+    }
+
+    /// At the wavelengths of a path.
+    #[inline]
+    #[must_use]
+    pub fn at4(&self, wavelengths: Lambda4) -> [f64; 4] {
+        self.spectrum.at4(wavelengths)
+    }
+
+    /// Mean over the sampled wavelengths.
+    #[inline]
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.mean
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn melanin_is_brown_and_darker_with_more_of_it() {
+        let body = Reflectance::melanin(1.0).unwrap();
+        assert!(body.at(650.0) > body.at(550.0) && body.at(550.0) > body.at(450.0));
+        assert!(Reflectance::melanin(10.0).unwrap().mean() < body.mean());
+        assert!(Reflectance::melanin(-1.0).is_err());
+    }
+}

@@ -1,0 +1,116 @@
+//! Hits: position, normals, frame and identities where a ray met a primitive.
+
+use glam::{DVec3, Vec3};
+
+use super::primitive::{Kind, Meeting, Primitive};
+use crate::bsdf::{Frame, Hit};
+use crate::math::rng::split_mix;
+use crate::scene::geometry::Geometry;
+
+/// The hit on a primitive of a geometry; its object and place in the hierarchy are the caller's.
+pub(super) fn hit(
+    geometry: &Geometry,
+    primitive: &Primitive,
+    at: Meeting,
+    origin: DVec3,
+    direction: DVec3,
+) -> Hit {
+    match primitive.kind {
+        Kind::Triangle => on_triangle(geometry, primitive, at),
+        Kind::Ribbon => on_ribbon(geometry, primitive, at),
+        Kind::Curve => on_curve(geometry, primitive, at, origin, direction),
+    }
+}
+
+fn on_triangle(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Hit {
+    let mesh = &geometry.meshes[primitive.shape as usize];
+    let corners = mesh.triangles[primitive.part as usize].map(|c| c as usize);
+    let weights = [1.0 - at.u - at.v, at.u, at.v];
+    let mix = |values: &[Vec3]| -> Vec3 { corners.iter().zip(weights).map(|(&c, w)| values[c] * w).sum() };
+    let [a, b, c, _] = primitive.data;
+    let normal = (b - a).cross(c - a).as_dvec3().normalize_or(DVec3::Z);
+    let shading =
+        if mesh.normals.is_empty() { normal } else { mix(&mesh.normals).as_dvec3().normalize_or(normal) };
+    let along = if mesh.tangents.is_empty() { (b - a).as_dvec3() } else { mix(&mesh.tangents).as_dvec3() };
+    let uv = if mesh.uvs.is_empty() {
+        [f64::from(at.u), f64::from(at.v)]
+    } else {
+        let uv: glam::Vec2 = corners.iter().zip(weights).map(|(&c, w)| mesh.uvs[c] * w).sum();
+        [f64::from(uv.x), f64::from(uv.y)]
+    };
+    Hit {
+        position: (a * weights[0] + b * weights[1] + c * weights[2]).as_dvec3(),
+        normal,
+        vane_normal: shading,
+        frame: Frame::new(shading, along),
+        uv,
+        id: mesh.id,
+        instance: mesh.id,
+        ..Hit::default()
+    }
+}
+
+fn on_ribbon(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Hit {
+    let ribbon = &geometry.ribbons[primitive.shape as usize];
+    let nodes = geometry.nodes_of(ribbon);
+    let part = primitive.part as usize;
+    let (start, end) = (&nodes[part], &nodes[part + 1]);
+    // Tangents at nodes are central differences, so the frame turns smoothly along the ribbon.
+    let tangent = |i: usize| {
+        let (low, high) = (i.saturating_sub(1), (i + 1).min(nodes.len() - 1));
+        (nodes[high].point - nodes[low].point).normalize_or(Vec3::Y)
+    };
+    let u = at.u;
+    let along = tangent(part).lerp(tangent(part + 1), u).as_dvec3().normalize_or(DVec3::Y);
+    let across = start.across.normalize_or(Vec3::X).lerp(end.across.normalize_or(Vec3::X), u).as_dvec3();
+    let z = across.cross(along).normalize_or(DVec3::Z);
+    let frame = Frame { x: along.cross(z), y: along, z };
+    let [a, b, c, d] = primitive.data;
+    let flat = if at.v > 2.0 * u - 1.0 { (b - a).cross(d - a) } else { (d - a).cross(c - a) };
+    let arc = f64::from(start.arc + (end.arc - start.arc) * u);
+    let place = if ribbon.cell > 0.0 { arc / f64::from(ribbon.cell) + f64::from(ribbon.phase) } else { 0.5 };
+    let cell = place.floor();
+    let (sin, cos) = (f64::from(ribbon.swelling) * (1.0 - 2.0 * (place - cell))).sin_cos();
+    let frame = Frame { x: frame.x, y: frame.y * cos + frame.z * sin, z: frame.z * cos - frame.y * sin };
+    let (w, half) = (u, 0.5 * (at.v + 1.0));
+    let position = (a * (1.0 - half) + b * half) * (1.0 - w) + (c * (1.0 - half) + d * half) * w;
+    Hit {
+        position: position.as_dvec3(),
+        normal: flat.as_dvec3().normalize_or(z),
+        vane_normal: frame.z,
+        frame,
+        uv: [arc, f64::from(at.v)],
+        id: ribbon.id,
+        instance: split_mix(ribbon.id ^ split_mix(cell as u64)),
+        ..Hit::default()
+    }
+}
+
+fn on_curve(geometry: &Geometry, primitive: &Primitive, at: Meeting, origin: DVec3, direction: DVec3) -> Hit {
+    let curve = &geometry.curves[primitive.shape as usize];
+    let [a, b, radii, _] = primitive.data;
+    let axis = (b - a).as_dvec3();
+    let position = origin + direction * f64::from(at.distance);
+    let u = f64::from(at.u);
+    let centre = a.as_dvec3() + axis * u;
+    let radius = f64::from(radii.x) + f64::from(radii.y - radii.x) * u;
+    // Of a cone the normal points from the axis point where the touching sphere has its centre; `u` is that point.
+    let normal = (position - centre).normalize_or(-direction);
+    let offset = axis.normalize_or(DVec3::Y).cross(direction).normalize_or(DVec3::X).dot(position - centre);
+    let nodes = geometry.nodes_of_curve(curve);
+    let part = primitive.part as usize;
+    let vane_normal = nodes[part].vane_normal.lerp(nodes[part + 1].vane_normal, at.u);
+    Hit {
+        position,
+        normal,
+        vane_normal: vane_normal.as_dvec3().normalize_or(normal),
+        frame: Frame::new(normal, axis),
+        uv: [
+            (f64::from(primitive.part) + u) / f64::from(curve.count - 1),
+            (offset / radius).clamp(-1.0, 1.0),
+        ],
+        id: curve.id,
+        instance: curve.id,
+        ..Hit::default()
+    }
+}

@@ -1,0 +1,136 @@
+//! Rays against a scene's shapes, through obvhs's compressed eight-wide hierarchy.
+//!
+//! Ribbons and curves enter as their segments, so leaves are split along the length, and slanting segments again. Each primitive is one cache line,
+//! in the order of the hierarchy's leaves. Nothing is allocated per ray.
+
+mod hits;
+mod primitive;
+
+use fearless_simd::{Level, Simd, dispatch};
+use glam::{DVec3, UVec2, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::ray::Ray;
+use obvhs::{Boundable, BvhBuildParams};
+
+use primitive::{Meeting, Primitive, collect, meet};
+
+use crate::bsdf::Hit;
+use crate::scene::Object;
+
+/// More primitives than this are entered whole, to save memory.
+const MOST_IN_PIECES: usize = 2_000_000;
+
+/// What the hierarchy is built of: the box about a piece of a primitive.
+struct Piece {
+    aabb: Aabb,
+    primitive: u32,
+}
+
+impl Boundable for Piece {
+    fn aabb(&self) -> Aabb {
+        self.aabb
+    }
+}
+
+/// A hierarchy over all primitives of a list of objects.
+pub(super) struct Accelerator {
+    hierarchy: CwBvh,
+    primitives: Vec<Primitive>,
+    level: Level,
+}
+
+impl Accelerator {
+    /// Builds the hierarchy of a list of objects.
+    #[must_use]
+    pub(super) fn new(objects: &[Object]) -> Self {
+        let primitives = collect(objects);
+        if primitives.is_empty() {
+            return Self { hierarchy: CwBvh::default(), primitives, level: Level::new() };
+        }
+        let whole = primitives.len() > MOST_IN_PIECES;
+        let pieces: Vec<Piece> = (0_u32..)
+            .zip(&primitives)
+            .flat_map(|(index, primitive)| {
+                let count = if whole { 1 } else { primitive.pieces() };
+                (0..count).map(move |k| Piece { aabb: primitive.piece(k, count), primitive: index })
+            })
+            .collect();
+        let mut time = std::time::Duration::ZERO;
+        let hierarchy = build_cwbvh(&pieces, BvhBuildParams::slow_build(), &mut time);
+        // A primitive of several pieces is stored with each of them.
+        let primitives = hierarchy
+            .primitive_indices
+            .iter()
+            .map(|&index| primitives[pieces[index as usize].primitive as usize])
+            .collect();
+        Self { hierarchy, primitives, level: Level::new() }
+    }
+
+    /// The nearest hit between `nearest` and `farthest`, mm along the unit direction.
+    #[must_use]
+    pub(super) fn hit(
+        &self,
+        objects: &[Object],
+        origin: DVec3,
+        direction: DVec3,
+        nearest: f64,
+        farthest: f64,
+    ) -> Option<Hit> {
+        if self.primitives.is_empty() {
+            return None;
+        }
+        let ray = ray(origin, direction, nearest, farthest);
+        let (index, meeting) = dispatch!(self.level, simd => self.first(simd, ray))?;
+        let primitive = &self.primitives[index as usize];
+        let geometry = &objects[primitive.object as usize].geometry;
+        Some(Hit {
+            object: primitive.object,
+            primitive: index,
+            distance: f64::from(meeting.distance),
+            ..hits::hit(geometry, primitive, meeting, origin, direction)
+        })
+    }
+
+    /// Whether anything stands between `nearest` and `farthest`.
+    #[must_use]
+    pub(super) fn is_blocked(&self, origin: DVec3, direction: DVec3, nearest: f64, farthest: f64) -> bool {
+        if self.primitives.is_empty() {
+            return false;
+        }
+        let ray = ray(origin, direction, nearest, farthest);
+        dispatch!(self.level, simd => self.any(simd, ray))
+    }
+
+    /// The nearest hit. Compiled for each instruction set: traversal counts and finds bits.
+    #[inline(always)]
+    fn first<S: Simd>(&self, _simd: S, mut ray: Ray) -> Option<(u32, Meeting)> {
+        let mut best = None;
+        let mut state = self.hierarchy.new_traversal(ray.direction);
+        let mut node;
+        obvhs::traverse!(self.hierarchy, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+            if let Some(meeting) = meet(&self.primitives[state.primitive_id as usize], &ray) {
+                ray.tmax = meeting.distance;
+                best = Some((state.primitive_id, meeting));
+            }
+        });
+        best
+    }
+
+    #[inline(always)]
+    fn any<S: Simd>(&self, _simd: S, ray: Ray) -> bool {
+        let mut state = self.hierarchy.new_traversal(ray.direction);
+        let mut node;
+        obvhs::traverse!(self.hierarchy, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+            if meet(&self.primitives[state.primitive_id as usize], &ray).is_some() {
+                return true;
+            }
+        });
+        false
+    }
+}
+
+fn ray(origin: DVec3, direction: DVec3, nearest: f64, farthest: f64) -> Ray {
+    let (o, d) = (origin.as_vec3(), direction.as_vec3());
+    Ray::new(Vec3A::from(o), Vec3A::from(d), nearest as f32, farthest.min(1e30) as f32)
+}

@@ -1,0 +1,86 @@
+//! What stands in a scene, with the hierarchy that rays search: built once, lit and looked at as often as one likes.
+
+use glam::DVec3;
+
+use super::accelerator::Accelerator;
+use crate::Result;
+use crate::bsdf::{Hit, Surface};
+use crate::scene::Object;
+
+/// Objects ready for rays.
+pub struct Stage {
+    objects: Vec<Object>,
+    accelerator: Accelerator,
+    nearest_mm: f64,
+    is_opaque: bool,
+}
+
+impl Stage {
+    /// Checks the objects and builds their hierarchy.
+    ///
+    /// # Errors
+    /// Broken geometry; the message names the object and the shape.
+    pub fn new(objects: Vec<Object>) -> Result<Self> {
+        for (index, object) in objects.iter().enumerate() {
+            object.geometry.check().map_err(|error| error.at(format!("object {index}")))?;
+        }
+        let accelerator = Accelerator::new(&objects);
+        let nearest_mm = nearest_mm(&objects);
+        let is_opaque = objects.iter().all(|object| object.surface.is_opaque());
+        Ok(Self { objects, accelerator, nearest_mm, is_opaque })
+    }
+
+    /// The objects.
+    #[must_use]
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
+    /// Number of primitives that rays are tested against.
+    #[must_use]
+    pub fn primitives(&self) -> usize {
+        self.objects.iter().map(|object| object.geometry.primitives()).sum()
+    }
+
+    /// Nearest distance at which a ray that leaves a surface may hit another, mm: a hundred-thousandth of the
+    /// stage's size, far less than a barbule's width and far more than rounding.
+    #[inline]
+    #[must_use]
+    pub fn nearest_mm(&self) -> f64 {
+        self.nearest_mm
+    }
+
+    /// Whether no surface lets light pass straight through.
+    #[inline]
+    #[must_use]
+    pub fn is_opaque(&self) -> bool {
+        self.is_opaque
+    }
+
+    /// The nearest hit between `nearest` and `farthest`, mm along the unit direction. Its footprint is 0.
+    #[inline]
+    #[must_use]
+    pub fn hit(&self, origin: DVec3, direction: DVec3, nearest: f64, farthest: f64) -> Option<Hit> {
+        self.accelerator.hit(&self.objects, origin, direction, nearest, farthest)
+    }
+
+    /// Whether anything stands between `nearest` and `farthest`, mm.
+    #[inline]
+    #[must_use]
+    pub fn is_blocked(&self, origin: DVec3, direction: DVec3, nearest: f64, farthest: f64) -> bool {
+        self.accelerator.is_blocked(origin, direction, nearest, farthest)
+    }
+
+    /// The surface that was hit.
+    #[inline]
+    #[must_use]
+    pub fn surface(&self, hit: &Hit) -> &Surface {
+        &self.objects[hit.object as usize].surface
+    }
+}
+
+fn nearest_mm(objects: &[Object]) -> f64 {
+    let bounds = objects.iter().filter_map(|object| object.geometry.bounds());
+    let whole = bounds.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)]);
+    whole.map_or(1e-5, |[low, high]| 1e-5 * f64::from((high - low).length()))
+}

@@ -1,0 +1,326 @@
+//! Scene files, in TOML: a whole scene, or a preset with changes.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Bearing, Description, KeyLight, SkyDescription, Surfaces, View};
+use crate::error::did_you_mean;
+use crate::scene::feather::{Feather, Window};
+use crate::scene::preset;
+use crate::{Error, Result};
+
+/// A sky from a file.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkyImage {
+    /// Equirectangular EXR, relative to the scene's folder.
+    #[serde(skip_serializing)]
+    pub file: String,
+    /// Factor to the image's radiance.
+    #[serde(default = "one")]
+    pub strength: f64,
+    /// By how much it is turned clockwise seen from above, degrees.
+    #[serde(default, alias = "turn")]
+    pub turn_deg: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// A table of a scene file whose keys may all be left out.
+macro_rules! layer {
+    ($name:ident { $($(#[$attribute:meta])* $field:ident: $kind:ty),* $(,)? }) => {
+        #[derive(Debug, Default, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct $name { $($(#[$attribute])* $field: Option<$kind>,)* }
+
+        impl $name {
+            /// These values, and the base's where there are none.
+            fn over(self, base: Self) -> Self {
+                Self { $($field: self.$field.or(base.$field),)* }
+            }
+        }
+    };
+}
+
+layer!(LightLayer {
+    #[serde(alias = "azimuth")]
+    azimuth_deg: f64,
+    #[serde(alias = "elevation")]
+    elevation_deg: f64,
+    #[serde(alias = "radius")]
+    radius_deg: f64,
+    strength: f64,
+});
+
+layer!(CameraLayer {
+    #[serde(alias = "azimuth")]
+    azimuth_deg: f64,
+    #[serde(alias = "elevation")]
+    elevation_deg: f64,
+    #[serde(alias = "roll")]
+    roll_deg: f64,
+    width_mm: f64,
+    lens: f64,
+});
+
+layer!(WindowLayer { along_mm: f64, radius_mm: f64 });
+
+/// A scene file as it is written.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Layer {
+    preset: Option<String>,
+    material: Option<String>,
+    size: Option<[u32; 2]>,
+    exposure: Option<f64>,
+    scatterings: Option<u32>,
+    sky: Option<f64>,
+    sky_image: Option<SkyImage>,
+    #[serde(default)]
+    light: LightLayer,
+    #[serde(default)]
+    camera: CameraLayer,
+    #[serde(default)]
+    window: WindowLayer,
+    surfaces: Option<Value>,
+    feather: Option<Value>,
+}
+
+/// Keys of a scene file, for suggestions; those of feathers and surfaces are known where they are read.
+const KEYS: [&str; 30] = [
+    "preset",
+    "material",
+    "size",
+    "exposure",
+    "scatterings",
+    "sky",
+    "sky_image",
+    "light",
+    "camera",
+    "window",
+    "surfaces",
+    "feather",
+    "azimuth",
+    "azimuth_deg",
+    "elevation",
+    "elevation_deg",
+    "radius",
+    "radius_deg",
+    "strength",
+    "width_mm",
+    "roll",
+    "roll_deg",
+    "lens",
+    "light.radius",
+    "camera.width_mm",
+    "along_mm",
+    "radius_mm",
+    "file",
+    "turn",
+    "turn_deg",
+];
+
+impl Description {
+    /// A preset by its name, or `SPECIES:VARIANT`: the species' preset with that variant's material.
+    ///
+    /// # Errors
+    /// No such preset.
+    pub fn named(name: &str) -> Result<Self> {
+        let species = name.split_once(':').map_or(name, |(species, _)| species);
+        let mut layer = Layer::of_preset(species)?;
+        if name.contains(':') {
+            layer.material = Some(name.to_owned());
+        }
+        layer.resolved()
+    }
+
+    /// A scene file's text.
+    ///
+    /// # Errors
+    /// Not TOML, an unknown key, a value that is missing, of the wrong kind or out of range.
+    pub fn parse(text: &str) -> Result<Self> {
+        let own = Layer::parse(text)?;
+        let base = own.preset.as_deref().map(Layer::of_preset).transpose()?;
+        own.over(base.unwrap_or_default()).resolved()
+    }
+}
+
+impl Layer {
+    fn of_preset(name: &str) -> Result<Self> {
+        Self::parse(preset::toml(name)?)
+    }
+
+    fn parse(text: &str) -> Result<Self> {
+        let layer: Self = toml::from_str(text).map_err(|error| refusal(text, &error))?;
+        if layer.sky.is_some() && layer.sky_image.is_some() {
+            return Err(Error::input("sky and [sky_image] are both given; leave one out"));
+        }
+        Ok(layer)
+    }
+
+    /// These values, and the base's where there are none.
+    fn over(self, base: Self) -> Self {
+        let has_sky = self.sky.is_some() || self.sky_image.is_some();
+        let (sky, sky_image) = if has_sky { (self.sky, self.sky_image) } else { (base.sky, base.sky_image) };
+        Self {
+            preset: self.preset,
+            material: self.material.or(base.material),
+            size: self.size.or(base.size),
+            exposure: self.exposure.or(base.exposure),
+            scatterings: self.scatterings.or(base.scatterings),
+            sky,
+            sky_image,
+            light: self.light.over(base.light),
+            camera: self.camera.over(base.camera),
+            window: self.window.over(base.window),
+            surfaces: merged(self.surfaces, base.surfaces),
+            feather: merged(self.feather, base.feather),
+        }
+    }
+
+    /// The description, of which nothing may be missing.
+    fn resolved(self) -> Result<Description> {
+        let Self { light, camera, window, .. } = self;
+        let sky = match (self.sky_image, self.sky) {
+            (Some(image), _) => SkyDescription::Image(image),
+            (None, sky) => SkyDescription::Gradient(need(sky, "sky")?),
+        };
+        let description = Description {
+            material: need(self.material, "material")?,
+            size: self.size,
+            exposure: need(self.exposure, "exposure")?,
+            scatterings: need(self.scatterings, "scatterings")?,
+            sky,
+            light: KeyLight {
+                bearing: Bearing {
+                    azimuth_deg: need(light.azimuth_deg, "light.azimuth_deg")?,
+                    elevation_deg: need(light.elevation_deg, "light.elevation_deg")?,
+                },
+                radius_deg: need(light.radius_deg, "light.radius_deg")?,
+                strength: need(light.strength, "light.strength")?,
+            },
+            camera: View {
+                bearing: Bearing {
+                    azimuth_deg: need(camera.azimuth_deg, "camera.azimuth_deg")?,
+                    elevation_deg: need(camera.elevation_deg, "camera.elevation_deg")?,
+                },
+                roll_deg: need(camera.roll_deg, "camera.roll_deg")?,
+                width_mm: need(camera.width_mm, "camera.width_mm")?,
+                lens: need(camera.lens, "camera.lens")?,
+            },
+            window: Window {
+                along_mm: need(window.along_mm, "window.along_mm")?,
+                radius_mm: need(window.radius_mm, "window.radius_mm")?,
+            },
+            surfaces: Surfaces::read(&need(self.surfaces, "surfaces")?)?,
+            feather: Feather::read(&need(self.feather, "feather")?)?,
+        };
+        description.check()?;
+        Ok(description)
+    }
+}
+
+fn need<T>(value: Option<T>, key: &str) -> Result<T> {
+    value.ok_or_else(|| {
+        Error::input(format!("{key} is missing; give it, or preset = \"starling\" to change a preset"))
+    })
+}
+
+/// A table with the keys of both; where both have one that is no table, this one's value holds.
+fn merged(own: Option<Value>, base: Option<Value>) -> Option<Value> {
+    match (own, base) {
+        (Some(Value::Object(own)), Some(Value::Object(mut base))) => {
+            for (key, value) in own {
+                let both = merged(Some(value), base.remove(&key));
+                base.extend(both.map(|value| (key, value)));
+            }
+            Some(Value::Object(base))
+        }
+        (own, base) => own.or(base),
+    }
+}
+
+/// One sentence of a TOML error: the line, what it is, and for an unknown key the nearest known.
+fn refusal(text: &str, error: &toml::de::Error) -> Error {
+    let place = error.span().map_or_else(String::new, |span| {
+        let line = text.get(..span.start).map_or(1, |before| before.matches('\n').count() + 1);
+        format!("line {line}: ")
+    });
+    let message: String = error.message().lines().next().unwrap_or("not TOML").chars().take(300).collect();
+    let unknown = message.strip_prefix("unknown field `").and_then(|rest| rest.split('`').next());
+    match unknown {
+        Some(key) => {
+            let key: String = key.chars().take(40).collect();
+            Error::input(format!("{place}there is no key '{key}'{}", did_you_mean(&key, KEYS)))
+        }
+        None => Error::input(format!("{place}{message}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identity::hash;
+
+    #[test]
+    fn a_scene_is_a_preset_with_changes() {
+        let text = "preset = \"starling\"\nmaterial = \"starling:pink\"\n[light]\nazimuth = 77.0\n";
+        let scene = Description::parse(text).unwrap();
+        let starling = Description::named("starling").unwrap();
+        assert_eq!(scene.material, "starling:pink");
+        assert_eq!(scene.light.bearing.azimuth_deg, 77.0);
+        assert_eq!((scene.camera, scene.feather), (starling.camera, starling.feather));
+        let identity = |scene: &Description| hash("scene", scene);
+        assert_eq!(identity(&Description::named("starling:pink").unwrap()), identity(&starling));
+        assert_ne!(identity(&scene), identity(&starling));
+        let other = Description::parse("preset = \"starling\"\n[light]\nazimuth_deg = 77.0").unwrap();
+        assert_eq!(identity(&other), identity(&scene));
+    }
+
+    #[test]
+    fn whatever_a_preset_sets_a_scene_can_set() {
+        for name in preset::names() {
+            let text = preset::toml(name).unwrap();
+            assert_eq!(Description::parse(text).unwrap(), Description::named(name).unwrap());
+            let other = if name == "magpie" { "mallard" } else { "magpie" };
+            let changed = Description::parse(&format!("preset = \"{other}\"\n{text}")).unwrap();
+            // Keys that a preset leaves out are those of the proximal barbules.
+            assert_eq!(changed.feather.distal, Description::named(name).unwrap().feather.distal);
+        }
+        let text = "preset = \"magpie\"\n[feather.proximal]\ntilt_deg = 5.0\n[surfaces.ramus]\nmelanin = 0.5\n\
+                    [window]\nradius_mm = 1.0\n";
+        let (scene, magpie) = (Description::parse(text).unwrap(), Description::named("magpie").unwrap());
+        assert_eq!(scene.feather.proximal.tilt, 5.0_f64.to_radians());
+        assert_eq!(scene.feather.proximal.base_lift, magpie.feather.proximal.base_lift);
+        assert_eq!(scene.feather.distal, magpie.feather.distal);
+        assert_eq!((scene.surfaces.ramus.melanin, scene.surfaces.ramus.index), (0.5, 1.56));
+        assert_eq!((scene.window.radius_mm, scene.window.along_mm), (1.0, 150.0));
+    }
+
+    #[test]
+    fn bad_scenes_are_refused_in_a_sentence() {
+        let message = |text: &str| Description::parse(text).unwrap_err().to_string();
+        let starling = |text: &str| message(&format!("preset = \"starling\"\n{text}"));
+        assert!(message("preset = \"starlign\"").contains("did you mean 'starling'"));
+        assert!(
+            starling("exposre = 1.0").contains("line 2: there is no key 'exposre', did you mean 'exposure'")
+        );
+        assert!(message("preset = 3").contains("invalid type"));
+        assert!(starling("exposure = -1.0").contains("must be"));
+        assert!(starling("[light]\nelevation = 100.0").contains("elevation must be"));
+        assert!(starling("[light]\nelevation = 10.0\nelevation_deg = 20.0").contains("duplicate"));
+        assert!(message("material = \"x\"").contains("preset"));
+        assert!(starling("sky = 1.0\n[sky_image]\nfile = \"a.exr\"").contains("both"));
+        assert!(starling("[sky_image]\nfiel = \"a.exr\"").contains("did you mean 'file'"));
+        assert!(starling("[feather.distal]\nlenght_um = 3").contains("did you mean 'length_um'"));
+        let range = "feather.distal.length_um is 0, outside 5 to 10000";
+        assert!(starling("[feather.distal]\nlength_um = 0").contains(range));
+        assert!(starling("[feather]\ndistal = 3").contains("feather.distal is the number 3"));
+        assert!(starling("[surfaces.shaft]\nroughness = nan").contains("surfaces.shaft.roughness"));
+        assert!(starling("[window]\nradius_mm = 0.0").contains("the window's radius"));
+        assert!(starling("scatterings = 0").contains("the number of scatterings"));
+        assert!(message("[[[").len() < 400);
+    }
+}

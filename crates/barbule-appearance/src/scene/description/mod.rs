@@ -1,0 +1,178 @@
+//! What a scene file says: one feather, its surfaces, a key light, a sky and a camera.
+//!
+//! Presets are such files, which a user's file may change (`docs/guide/render.md`). As in files, angles are degrees here.
+
+mod build;
+mod file;
+
+pub use file::SkyImage;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::feather::{Feather, Window};
+use crate::fields::Fields;
+use crate::identity::{Hasher, Identify};
+use crate::{Error, Result};
+
+/// A picture to be rendered.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Description {
+    /// Name or file of the barbules' material.
+    #[serde(skip)]
+    pub material: String,
+    /// Width and height in pixels, if the scene says so.
+    #[serde(skip)]
+    pub size: Option<[u32; 2]>,
+    /// Factor from radiance to the picture's linear values.
+    pub exposure: f64,
+    /// Most scatterings of a light path.
+    pub scatterings: u32,
+    /// What shines from everywhere.
+    pub sky: SkyDescription,
+    /// The key light.
+    pub light: KeyLight,
+    /// Where the camera stands.
+    pub camera: View,
+    /// The part of the feather that is grown.
+    pub window: Window,
+    /// What the feather's parts are made of, barbules' upper sides aside.
+    pub surfaces: Surfaces,
+    /// The feather.
+    pub feather: Feather,
+}
+
+/// An azimuth and elevation over the vane: azimuth in its plane from the shaft's tip, clockwise seen from the camera's
+/// side.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bearing {
+    /// Azimuth, degrees.
+    pub azimuth_deg: f64,
+    /// Elevation over the vane's plane, degrees.
+    pub elevation_deg: f64,
+}
+
+/// What shines from everywhere.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum SkyDescription {
+    /// Radiance at the zenith; about half at the horizon, dark below.
+    Gradient(f64),
+    /// An image.
+    Image(SkyImage),
+}
+
+/// A disc at infinity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct KeyLight {
+    /// Where it stands.
+    pub bearing: Bearing,
+    /// Angular radius, degrees.
+    pub radius_deg: f64,
+    /// Irradiance over that of a sky of radiance 1; 0: there is none.
+    pub strength: f64,
+}
+
+/// A camera that looks at the middle of the window.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct View {
+    /// Where it stands.
+    pub bearing: Bearing,
+    /// Direction in the vane's plane that is upwards in the picture, degrees from the shaft's tip, clockwise.
+    pub roll_deg: f64,
+    /// Width of the picture in the plane of focus, mm.
+    pub width_mm: f64,
+    /// Radius of the lens over its distance: 0 is sharp everywhere.
+    pub lens: f64,
+}
+
+/// Keratin with pigment.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PigmentedKeratin {
+    /// GGX α of the boundary.
+    pub roughness: f64,
+    /// Refractive index.
+    pub index: f64,
+    /// Melanin: absorption over scattering at 550 nm.
+    pub melanin: f64,
+}
+
+/// What the parts of a feather are made of.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Surfaces {
+    /// The shaft.
+    pub shaft: PigmentedKeratin,
+    /// The rami of the barbs.
+    pub ramus: PigmentedKeratin,
+    /// The undersides of the barbules.
+    pub underside: PigmentedKeratin,
+}
+
+impl Identify for Description {
+    /// Everything that decides a picture's samples, beside the material, the sky's image, the size and the seed: the same
+    /// for the same scene, however it was put together.
+    fn feed(&self, to: &mut Hasher) {
+        to.text("scene", &serde_json::to_string(self).unwrap_or_default());
+    }
+}
+
+impl Description {
+    /// Refuses numbers that make no picture.
+    ///
+    /// # Errors
+    /// The first number out of range.
+    pub fn check(&self) -> Result<()> {
+        self.camera.bearing.check("camera")?;
+        self.light.bearing.check("light")?;
+        let sky = match &self.sky {
+            SkyDescription::Gradient(radiance) => *radiance,
+            SkyDescription::Image(_) => 0.0,
+        };
+        let ranges = [
+            ("the picture's width in mm", self.camera.width_mm, 0.05, 50.0),
+            ("the lens", self.camera.lens, 0.0, 0.2),
+            ("the light's radius in degrees", self.light.radius_deg, 0.1, 60.0),
+            ("the light's strength", self.light.strength, 0.0, 1e4),
+            ("the sky's radiance", sky, 0.0, 1e4),
+            ("the exposure", self.exposure, 1e-6, 1e6),
+            ("the roll in degrees", self.camera.roll_deg, -360.0, 360.0),
+            ("the number of scatterings", f64::from(self.scatterings), 1.0, 1000.0),
+            ("the window's middle in mm", self.window.along_mm, 0.0, 2000.0),
+            ("the window's radius in mm", self.window.radius_mm, 0.01, 500.0),
+        ];
+        for (name, value, low, high) in ranges {
+            if !(low..=high).contains(&value) {
+                return Err(Error::input(format!("{name} is {value}, but must be {low} to {high}")));
+            }
+        }
+        self.feather.check()
+    }
+}
+
+impl Bearing {
+    fn check(&self, what: &str) -> Result<()> {
+        if self.azimuth_deg.is_finite() && (-90.0..=90.0).contains(&self.elevation_deg) {
+            return Ok(());
+        }
+        Err(Error::input(format!(
+            "the {what} is at azimuth {} and elevation {} degrees; the elevation must be -90 to 90",
+            self.azimuth_deg, self.elevation_deg
+        )))
+    }
+}
+
+impl Surfaces {
+    /// Reads the table `[surfaces]`.
+    fn read(table: &Value) -> Result<Self> {
+        let fields = Fields::new(table, "surfaces", &["shaft", "ramus", "underside"])?;
+        let keratin = |key: &str| -> Result<PigmentedKeratin> {
+            let table = fields.need(key, &format!("the table [surfaces.{key}]"))?;
+            let fields = Fields::new(table, &fields.path(key), &["roughness", "index", "melanin"])?;
+            Ok(PigmentedKeratin {
+                roughness: fields.number_within("roughness", 0.02, 1.0)?,
+                index: fields.number_within("index", 1.01, 3.9)?,
+                melanin: fields.number_within("melanin", 0.0, 1e6)?,
+            })
+        };
+        Ok(Self { shaft: keratin("shaft")?, ramus: keratin("ramus")?, underside: keratin("underside")? })
+    }
+}

@@ -1,0 +1,108 @@
+//! Spectra at every nanometre of the visible range, and the four wavelengths of a light path: what renderers sample.
+
+use std::sync::Arc;
+
+/// Shortest wavelength that is sampled, nm.
+pub const SHORTEST_NM: f64 = 380.0;
+/// Longest wavelength that is sampled, nm.
+pub const LONGEST_NM: f64 = 720.0;
+/// Values of a [`DenseSpectrum`]: one per nm, both ends included.
+pub const VALUES: usize = 341;
+
+/// Wavelengths of one light path, nm. The first, the hero, decides directions; the others go with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lambda4 {
+    nm: [f64; 4],
+}
+
+impl Lambda4 {
+    /// Four wavelengths, nm, the hero first.
+    #[must_use]
+    pub fn new(nm: [f64; 4]) -> Self {
+        Self { nm }
+    }
+
+    /// The same wavelength four times, nm.
+    #[inline]
+    #[must_use]
+    pub fn splat(nm: f64) -> Self {
+        Self { nm: [nm; 4] }
+    }
+
+    /// In nm, the hero first.
+    #[inline]
+    #[must_use]
+    pub fn nm(self) -> [f64; 4] {
+        self.nm
+    }
+
+    /// In nm and single precision, as tables of barbules are looked up.
+    #[inline]
+    #[must_use]
+    pub fn single_nm(self) -> [f32; 4] {
+        self.nm.map(|w| w as f32)
+    }
+
+    /// A function of the wavelength in nm at all four.
+    #[inline]
+    #[must_use]
+    pub fn map(self, value: impl FnMut(f64) -> f64) -> [f64; 4] {
+        self.nm.map(value)
+    }
+}
+
+/// A quantity at 380, 381 … 720 nm, linear between and held outside. A copy costs nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DenseSpectrum {
+    values: Arc<[f64]>,
+}
+
+impl DenseSpectrum {
+    /// From a function of the wavelength in nm.
+    #[must_use]
+    pub fn new(value: impl Fn(f64) -> f64) -> Self {
+        Self { values: (0..VALUES).map(|i| value(SHORTEST_NM + i as f64)).collect() }
+    }
+
+    /// The values, one per nm. Length [`VALUES`].
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The value at a wavelength, nm.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, wavelength_nm: f64) -> f64 {
+        let at = (wavelength_nm - SHORTEST_NM).clamp(0.0, (VALUES - 1) as f64);
+        let index = (at as usize).min(VALUES - 2);
+        let rest = at - index as f64;
+        self.values[index] + (self.values[index + 1] - self.values[index]) * rest
+    }
+
+    /// The values at the wavelengths of a path.
+    #[inline]
+    #[must_use]
+    pub fn at4(&self, wavelengths: Lambda4) -> [f64; 4] {
+        wavelengths.map(|w| self.at(w))
+    }
+
+    /// The same spectrum times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { values: self.values.iter().map(|v| v * factor).collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_linear_inside_and_held_outside() {
+        let spectrum = DenseSpectrum::new(|w| w);
+        assert_eq!(spectrum.at(500.25), 500.25);
+        assert_eq!(spectrum.at4(Lambda4::new([300.0, 800.0, 380.5, 719.5])), [380.0, 720.0, 380.5, 719.5]);
+        assert_eq!((spectrum.values().len(), spectrum.scaled(2.0).at(LONGEST_NM)), (VALUES, 1440.0));
+    }
+}
