@@ -1,12 +1,36 @@
 //! From the nanostructure of a bird's feather to its reflectance, its BRDF and its picture.
 //!
 //! ```text
-//! structure ──► solve ──► scattering ──► brdf ──► scene ──► render
-//! (sections)   (waves)   (statistics)  (material) (feather)  (picture)
+//! structure ──► solve ──► scattering ──► brdf ──► bsdf ──► scene ──► render
+//! (sections)   (waves)   (statistics)  (material)        (feather)  (picture)
 //! ```
 //!
-//! Modules only use those to their left, plus [`error`], [`math`], [`spectrum`] and [`material`]; `io` is the only
-//! one that touches files. `ARCHITECTURE.md` has the list of permitted arrows and a test enforces it.
+//! From a species to a picture, thinned so that it takes a second:
+//!
+//! ```
+//! use barbule::brdf::fit::FitOptions;
+//! use barbule::characterize::{CampaignOptions, Catalog, Execution, characterize};
+//! use barbule::{Picture, PictureOptions, SceneDescription, Structure, Unobserved};
+//!
+//! # fn main() -> barbule::Result<()> {
+//! let options = CampaignOptions { thin: Some(10), ..CampaignOptions::default() };
+//! let plan = options.plan(Structure::builtin("starling:pink")?)?;
+//! let made = characterize(&plan, &FitOptions::default(), &Catalog::default(), &Execution::default(), &Unobserved)?;
+//!
+//! let scene = SceneDescription::named("starling")?;
+//! let small = PictureOptions { size: [48, 30], samples: 4, ..PictureOptions::default() };
+//! let picture = Picture::of(&scene, &made.material, &small, &Unobserved)?;
+//! # let folder = tempfile::tempdir().unwrap();
+//! # std::env::set_current_dir(&folder).unwrap();
+//! picture.save("pink.png")?;
+//! # std::env::set_current_dir("/").unwrap();
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! This crate is the façade over four others, each of which compiles alone: what it re-exports from `barbule-base`,
+//! `barbule-light`, `barbule-optics` and `barbule-appearance` is all there is. Modules use each other along the arrows of
+//! `ARCHITECTURE.md`, which the compiler holds between crates and a test inside them; [`io`] alone touches files.
 //!
 //! # Conventions
 //!
@@ -19,9 +43,144 @@ pub mod campaign;
 pub mod characterize;
 pub mod figures;
 pub mod io;
+pub mod picture;
 pub mod plot;
 
 pub use barbule_appearance::{brdf, bsdf, render, scene};
 pub use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};
 pub use barbule_light::{scattering, spectrum};
 pub use barbule_optics::{material, solve, structure};
+pub use glam::DVec3;
+pub use progress::Unobserved;
+
+/// ```
+/// use barbule::{Progress, Structure};
+///
+/// struct Patience(std::time::Instant);
+///
+/// impl Progress for Patience {
+///     fn begin(&self, label: &str, total: u64) { eprintln!("{label}: {total} steps") }
+///     fn advance(&self, _steps: u64) {}
+///     fn is_cancelled(&self) -> bool { self.0.elapsed().as_secs() > 60 }
+/// }
+/// # let patience: Box<dyn Progress> = Box::new(Patience(std::time::Instant::now()));
+/// # assert!(!patience.is_cancelled());
+/// ```
+pub use progress::Progress;
+
+/// ```
+/// use barbule::{Complex64, Material};
+///
+/// let glass = Material::constant(Complex64::new(1.5, 0.0))?;
+/// assert_eq!(glass.index(550.0)?.re, 1.5);
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use material::Material;
+
+/// ```
+/// use barbule::{Structure, Unobserved};
+///
+/// // Endlessly many random barbules; the same seed and number are the same one everywhere.
+/// let mallard = Structure::builtin("mallard")?;
+/// assert_eq!(mallard.name(), "mallard:lime");
+/// assert_eq!(mallard.instance(1, 7)?, mallard.instance(1, 7)?);
+/// assert!(Structure::builtin("malard").unwrap_err().to_string().contains("did you mean 'mallard'?"));
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use structure::Structure;
+
+/// ```
+/// use barbule::Structure;
+///
+/// let section = Structure::builtin("starling")?.instance(1, 0)?;
+/// assert_eq!(section.width_um, 25.0);
+/// assert_eq!(section.boundaries.len() + 1, section.media.len());
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use structure::Section;
+
+/// ```
+/// use barbule::material::Library;
+/// use barbule::solve::film::{Polarization, response};
+/// use barbule::{Complex64, Stack};
+///
+/// // A quarter-wave layer whose index is the root of the glass's does not reflect.
+/// let coated = Stack::parse("1/1.224744871391589:112.268/1.5", &Library::builtin())?;
+/// assert!(response(&coated, 550.0, 0.0, Polarization::S)?.reflected < 1e-9);
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use structure::stack::Stack;
+
+/// ```
+/// let visible = barbule::Wavelengths::new([400.0, 550.0, 700.0])?;
+/// assert_eq!(visible.range_nm(), (400.0, 700.0));
+/// assert!(barbule::Wavelengths::new([550.0, 400.0]).is_err());
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use spectrum::Wavelengths;
+
+/// ```
+/// use barbule::scattering::far_field::{Polarization, Window};
+/// use barbule::solve::surface::{Accuracy, far_field};
+/// use barbule::{FarField, Illumination, Structure};
+///
+/// let section = Structure::flat("air/keratin:320/melanin")?.instance(1, 0)?;
+/// let light = Illumination { wavelength_nm: 532.0, theta_i: 0.0, phi_i: 0.5, window: Window::Gaussian };
+/// let far: FarField = far_field(&section, &light, 400, &Accuracy::default())?;
+/// let intensity = far.intensity(Polarization::First).unwrap();
+/// // The strongest light leaves in the mirror direction φ_o = −φ_i.
+/// let strongest = (0..400).max_by(|&a, &b| intensity[a].total_cmp(&intensity[b])).unwrap();
+/// assert!((far.azimuths.phi_o()[strongest] + 0.5).abs() < 0.02);
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use scattering::far_field::FarField;
+
+/// ```
+/// use barbule::Illumination;
+/// use barbule::scattering::far_field::Window;
+///
+/// let light = Illumination { wavelength_nm: 500.0, theta_i: 0.0, phi_i: 0.0, window: Window::PlaneWave };
+/// assert!((light.wave_number_per_um() - std::f64::consts::TAU / 0.5).abs() < 1e-12);
+/// ```
+pub use scattering::far_field::Illumination;
+
+/// ```
+/// use barbule::characterize::Catalog;
+/// use barbule::{FeatherMaterial, Structure};
+///
+/// let shipped = Catalog::default().shipped(&Structure::builtin("starling")?)?.unwrap();
+/// let material: FeatherMaterial = shipped.material;
+/// assert_eq!(material.wavelengths_nm.len(), 50);
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use brdf::FeatherMaterial;
+
+/// ```
+/// use barbule::brdf::Options;
+/// use barbule::characterize::Catalog;
+/// use barbule::{DVec3, FeatherBrdf, Structure};
+///
+/// let starling = Catalog::default().shipped(&Structure::builtin("starling")?)?.unwrap();
+/// let brdf = FeatherBrdf::new(&starling.material, Options::default())?;
+/// let (wi, wo) = (DVec3::new(0.3, 0.0, 1.0).normalize(), DVec3::new(-0.3, 0.0, 1.0).normalize());
+/// // Of four wavelengths at once, sr⁻¹: the mean over barbules, and what barbule number 7 does.
+/// let mean = brdf.eval([450.0, 500.0, 550.0, 600.0], wi, wo, None);
+/// let seventh = brdf.eval([450.0, 500.0, 550.0, 600.0], wi, wo, Some(7));
+/// assert!(mean[1] > 0.0 && mean != seventh);
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use brdf::FeatherBrdf;
+
+/// ```
+/// use barbule::SceneDescription;
+///
+/// let closer = SceneDescription::parse("preset = \"starling\"\n[camera]\nwidth_mm = 1.7\n")?;
+/// assert_eq!(closer.material, SceneDescription::named("starling")?.material);
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use scene::description::Description as SceneDescription;
+
+/// See the crate's first page for an example.
+pub use characterize::characterize;
+/// See the crate's first page for an example.
+pub use picture::{Picture, PictureOptions};

@@ -6,17 +6,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use barbule::brdf::{FeatherBrdf, Options};
-use barbule::io::image::{self, RgbImage, read_exr, write_exr, write_png};
+use barbule::io::image::{RgbImage, read_exr};
 use barbule::io::{check_writable, hash_file, read_at_most, read_text, write_whole};
+use barbule::picture::{Set, check_kind, write_picture};
 use barbule::progress::Progress as _;
+use barbule::render::checkpoint;
 use barbule::render::film::Film;
-use barbule::render::integrator::{Integrator, Transport};
-use barbule::render::light::Lighting;
-use barbule::render::run::{Ended, Goal, run};
-use barbule::render::stage::Stage;
-use barbule::render::{checkpoint, picture};
+use barbule::render::run::{Ended, Goal};
 use barbule::scene::description::{Bearing, Description, SkyDescription, SkyImage};
-use barbule::scene::feather::Counts;
 use barbule::scene::sky::Sky;
 use barbule::{Error, Result};
 
@@ -81,7 +78,7 @@ impl Args {
         }
         Film::new(size)?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
-        files.iter().try_for_each(|file| is_picture(file).and_then(|()| check_writable(file)))?;
+        files.iter().try_for_each(|file| check_kind(file).map_err(|e| e.at("-o")).and_then(|()| check_writable(file)))?;
         let image = match &description.sky {
             SkyDescription::Image(image) => Some(self.sky(image)?),
             SkyDescription::Gradient(_) => None,
@@ -183,17 +180,16 @@ impl Args {
     /// What all frames share: the feather with its hierarchy, and the sky.
     fn set(&self, description: &Description, brdf: Arc<FeatherBrdf>, sky: Option<Sky>) -> Result<Set> {
         let begun = Instant::now();
-        let (objects, counts) = description.objects(brdf, self.common.seed)?;
-        let stage = Stage::new(objects)?;
-        let lighting = Lighting::new(description.lamps(), Some(&description.environment(sky)?))?;
+        let set = Set::new(description, brdf, sky, self.common.seed)?;
+        let counts = set.counts();
         self.common.explain(&format!(
             "{} barbs, {} barbules, {} primitives; ready in {:.2} s",
             counts.barbs,
             counts.barbules,
-            stage.primitives(),
+            set.primitives(),
             begun.elapsed().as_secs_f64()
         ));
-        Ok(Set { stage, counts, lighting })
+        Ok(set)
     }
 
     fn picture(
@@ -204,11 +200,6 @@ impl Args {
         terminal: &Terminal,
     ) -> Result<serde_json::Value> {
         let seed = self.common.seed;
-        let Set { stage, counts, .. } = set;
-        let lighting = set.lighting.with_lamps(description.lamps())?;
-        let camera = description.camera();
-        let transport = Transport { most_scatterings: description.scatterings, ..Transport::default() };
-        let integrator = Integrator::new(stage, &lighting, &camera, transport);
         let (light, view) = (&description.light.bearing, &description.camera.bearing);
         self.common.explain(&format!(
             "light {},{}; view {},{},{}",
@@ -230,7 +221,7 @@ impl Args {
         let before = film.samples();
         let begun = Instant::now();
         let mut last = Instant::now();
-        let ended = run(&integrator, &mut film, seed, job.goal, terminal, &mut |film| {
+        let ended = set.render(description, &mut film, seed, job.goal, terminal, &mut |film| {
             if self.resume && last.elapsed() > CHECKPOINT_EVERY {
                 write_whole(&kept, &checkpoint::write(film, &name))?;
                 last = Instant::now();
@@ -243,16 +234,16 @@ impl Args {
         }
         let provenance = self.provenance(description, job, &film);
         if film.samples() > 0 {
-            write(job.file, &film, description.exposure, &provenance.notes())?;
+            write_picture(job.file, &film, description.exposure, &provenance.notes())?;
         }
         if ended == Ended::Stopped || terminal.is_cancelled() {
             return Err(Error::interrupted());
         }
-        let paths = film.samples() - before;
+        let (counts, paths) = (set.counts(), film.samples() - before);
         self.common.explain(&format!("{paths} paths in {seconds:.1} s"));
         let mut report = serde_json::json!({
             "output": job.file, "width": job.size[0], "height": job.size[1],
-            "barbs": counts.barbs, "barbules": counts.barbules, "primitives": stage.primitives(),
+            "barbs": counts.barbs, "barbules": counts.barbules, "primitives": set.primitives(),
             "paths": paths, "seconds": seconds, "paths_per_second": paths as f64 / seconds.max(1e-9),
             "ended": if ended == Ended::OutOfTime { "time" } else { "done" },
         });
@@ -278,14 +269,6 @@ impl Args {
     }
 }
 
-/// What all frames share.
-struct Set {
-    stage: Stage,
-    counts: Counts,
-    /// Of the first frame; the others' lamps move under the same sky.
-    lighting: Lighting,
-}
-
 /// One picture to be made.
 struct Job<'a> {
     file: &'a Path,
@@ -302,26 +285,6 @@ impl Job<'_> {
         name.push(".checkpoint");
         name.into()
     }
-}
-
-fn extension(file: &Path) -> String {
-    file.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase())
-}
-
-fn is_picture(file: &Path) -> Result<()> {
-    match extension(file).as_str() {
-        "png" | "exr" => Ok(()),
-        _ => Err(Error::input(format!("-o {}: pictures are written as .png or .exr", file.display()))),
-    }
-}
-
-fn write(file: &Path, film: &Film, exposure: f64, facts: &image::Facts<'_>) -> Result<()> {
-    if extension(file) == "exr" {
-        let (floats, ids) = picture::planes(film);
-        let floats = floats.into_iter().map(|plane| (plane.name, plane.values)).collect();
-        return write_exr(file, film.size(), floats, vec![(ids.name, ids.values)], facts);
-    }
-    write_png(file, film.size(), &picture::bytes(film, exposure), facts)
 }
 
 /// A time: a number with an optional unit s, m or h.

@@ -48,6 +48,29 @@ pub enum Structure {
 }
 
 impl Structure {
+    /// A built-in species, as in `starling` (its default variant) or `starling:pink`, of the built-in materials.
+    ///
+    /// # Errors
+    /// Unknown names; the nearest is offered.
+    pub fn builtin(name: &str) -> Result<Self> {
+        let (species, variant) = match name.split_once(':') {
+            Some((species, variant)) => (species, Some(variant)),
+            None => (name, None),
+        };
+        let model = SpeciesModel::builtin(species, variant, crate::material::Library::builtin())?;
+        Ok(Self::Species(Box::new(model)))
+    }
+
+    /// A flat barbule of a stack, as in `air/keratin:595/air` (nm), of the built-in materials.
+    ///
+    /// # Errors
+    /// Not a stack, or an unknown medium.
+    pub fn flat(stack: &str) -> Result<Self> {
+        let library = crate::material::Library::builtin();
+        let section = Section::flat(stack, &stack::Stack::parse(stack, &library)?, library)?;
+        Ok(Self::Sections { name: stack.to_owned(), sections: vec![section] })
+    }
+
     /// Instance number `index`. The same seed and index give the same bits everywhere.
     ///
     /// # Errors
