@@ -20,10 +20,7 @@
 //! let scene = SceneDescription::named("starling")?;
 //! let small = PictureOptions { size: [48, 30], samples: 4, ..PictureOptions::default() };
 //! let picture = Picture::of(&scene, &made.material, &small, &Unobserved)?;
-//! # let folder = tempfile::tempdir().unwrap();
-//! # std::env::set_current_dir(&folder).unwrap();
-//! picture.save("pink.png")?;
-//! # std::env::set_current_dir("/").unwrap();
+//! picture.save(std::env::temp_dir().join("pink.png"))?;
 //! # Ok(())
 //! # }
 //! ```
@@ -184,3 +181,7 @@ pub use scene::description::Description as SceneDescription;
 pub use characterize::characterize;
 /// See the crate's first page for an example.
 pub use picture::{Picture, PictureOptions};
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guide/rust.md")]
+struct GuideForRust;

@@ -78,7 +78,9 @@ impl Args {
         }
         Film::new(size)?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
-        files.iter().try_for_each(|file| check_kind(file).map_err(|e| e.at("-o")).and_then(|()| check_writable(file)))?;
+        files.iter().try_for_each(|file| {
+            check_kind(file).map_err(|e| e.at("-o")).and_then(|()| check_writable(file))
+        })?;
         let image = match &description.sky {
             SkyDescription::Image(image) => Some(self.sky(image)?),
             SkyDescription::Gradient(_) => None,

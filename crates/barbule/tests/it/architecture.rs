@@ -17,7 +17,7 @@ const BASE: &str = "barbule-base";
 const RESERVED: &[(&[&str], &[&str])] = &[
     (&["fs::", "File::", "OpenOptions", "tempfile::", "::to_file(", "::from_file("], &["io"]),
     (&["env::", "process::exit", "println!", "print!", "eprintln!", "eprint!", "stdout()", "stderr()"], &[]),
-    (&["build_global", "ThreadPoolBuilder"], &[]),
+    (&["build_global"], &[]),
 ];
 
 /// A module of a library: what it may use, in the words of the table.
@@ -68,7 +68,8 @@ fn sources(library: &str) -> Vec<(String, PathBuf)> {
             } else if path.extension().is_some_and(|e| e == "rs") {
                 let top = path.strip_prefix(&source).unwrap().iter().next().unwrap().to_string_lossy();
                 let module = top.trim_end_matches(".rs").to_owned();
-                if module != "lib" {
+                // `tests.rs` and `…_tests.rs` are test code.
+                if module != "lib" && !path.to_string_lossy().ends_with("tests.rs") {
                     found.push((module, path));
                 }
             }
