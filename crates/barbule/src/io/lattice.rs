@@ -4,8 +4,8 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
+use super::media::{materials, substance, substance_json};
 use super::read_text;
-use super::section::{materials, substance, substance_json};
 use super::stack::one_line;
 use crate::fields::{Fields, list, number};
 use crate::material::Library;

@@ -3,6 +3,7 @@
 pub mod image;
 mod lattice;
 mod material;
+mod media;
 mod orders;
 mod section;
 mod species;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::section::materials;
+use super::media::materials;
 use super::{parse_stack, read_text};
 use crate::error::shortened;
 use crate::material::Library;
