@@ -155,18 +155,12 @@ impl Plan {
         Campaign::with_orders(&self.structure, self.parameters.clone(), orders, width, progress)
     }
 
-    /// Creates the campaign's store, or opens it to go on, also one of an earlier version; fields of all instances are
-    /// kept at wavelengths `kept_nm`.
+    /// Creates the campaign's store, or opens it to go on; fields of all instances are kept at wavelengths `kept_nm`.
     ///
     /// # Errors
     /// As [`Store::create`].
     pub fn store(&self, path: &Path, kept_nm: &[f64], width: Width) -> Result<Store> {
-        // What cannot be opened is refused, or made, by the creation.
-        let description = match Store::open(path) {
-            Ok(there) => self.description.like(there.description(), &self.structure),
-            Err(_) => self.description.clone(),
-        };
-        let (name, description) = (self.structure.name(), description.to_json()?);
+        let (name, description) = (self.structure.name(), self.description.to_json()?);
         let Parameters { axes, instances, .. } = &self.parameters;
         Store::create(path, axes, *instances, &name, &description, kept_nm, width.name())
     }
@@ -235,28 +229,6 @@ mod tests {
             let message = bad.check().unwrap_err().to_string();
             assert!(message.contains(part), "{message}");
         }
-    }
-
-    #[test]
-    fn stores_of_version_0_1_are_continued() {
-        let folder = tempfile::tempdir().unwrap();
-        let plan = CampaignOptions { thin: Some(20), ..CampaignOptions::default() }.plan(starling()).unwrap();
-        let Parameters { axes, instances, .. } = &plan.parameters;
-        let earlier = plan.description.like(&serde_json::json!({"structure": {}}), &plan.structure);
-        assert_ne!(earlier, plan.description);
-        let create = |path: &Path| {
-            let description = earlier.to_json().unwrap();
-            Store::create(path, axes, *instances, "x", &description, &[], Width::best().name()).unwrap()
-        };
-        let path = folder.path().join("s.zarr");
-        create(&path);
-        let store = plan.store(&path, &[], Width::best()).unwrap();
-        assert!(store.description()["structure"].get("identity").is_none());
-        assert!(plan.description.is_recorded(store.description(), &plan.structure));
-        let mut other = plan.clone();
-        (other.description.seed, other.parameters.seed) = (2, 2);
-        let refused = other.store(&path, &[], Width::best()).err().unwrap().to_string();
-        assert!(refused.contains("campaign.seed: 1 there, 2 here"), "{refused}");
     }
 
     #[test]
