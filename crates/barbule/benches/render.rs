@@ -7,7 +7,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use barbule::brdf::{FeatherBrdf, Options, example};
+use barbule::brdf::fixtures::example;
+use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{BarbuleSurface, Keratin, Reflectance, Surface};
 use barbule::math::rng::Stream;
 use barbule::progress::Unobserved;

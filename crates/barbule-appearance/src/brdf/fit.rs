@@ -351,7 +351,7 @@ fn report(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::example;
+    use crate::brdf::fixtures::example;
     use crate::progress::Unobserved;
     use crate::scattering::statistics::Axes;
 

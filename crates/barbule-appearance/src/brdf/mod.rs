@@ -5,9 +5,11 @@
 //! barbule's frame (x across, y along, z up) and point away from the surface; values are in 1/sr without the cosine.
 
 mod evaluate;
-mod example;
 pub mod fit;
 mod fitted;
+// What tests and benchmarks of several crates need, but no user.
+#[doc(hidden)]
+pub mod fixtures;
 mod integral;
 mod lanes;
 mod length;
@@ -20,7 +22,6 @@ mod simd;
 mod table;
 
 pub use evaluate::{FeatherBrdf, Options, Prepared};
-pub use example::example;
 pub use integral::lobe_integral;
 pub use material::{
     FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, Polarization, check_axes, check_sigma,

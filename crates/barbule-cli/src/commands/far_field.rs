@@ -2,10 +2,9 @@
 
 use std::io::Write;
 
-use barbule::math::simd::Width;
 use barbule::scattering::far_field::{FarField, Illumination, Light, Polarization, Window};
 use barbule::solve::direct;
-use barbule::solve::surface::{FINE_ELEMENT_UM, far_field};
+use barbule::solve::surface::{Accuracy, FINE_ELEMENT_UM, far_field};
 use barbule::{Complex64, Error, Result};
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -94,8 +93,8 @@ impl Args {
         let (theta_i, phi_i) = (theta_deg.to_radians(), phi_deg.to_radians());
         let illumination = Illumination { wavelength_nm, theta_i, phi_i, window };
         let far = match self.solver {
-            Solver::Direct => direct::far_field(&section, FINE_ELEMENT_UM, &illumination, self.azimuths)?,
-            _ => far_field(&section, FINE_ELEMENT_UM, &illumination, self.azimuths, Width::best())?,
+            Solver::Direct => direct::far_field(&section, &illumination, self.azimuths, FINE_ELEMENT_UM)?,
+            _ => far_field(&section, &illumination, self.azimuths, &Accuracy::default())?,
         };
         if self.common.json {
             return print_json(out, &document(&far));

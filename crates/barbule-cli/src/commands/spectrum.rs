@@ -7,7 +7,6 @@ use std::path::PathBuf;
 use barbule::campaign::spectrum::{Collect, Spectra, SpectrumRequest, spectra};
 use barbule::figures;
 use barbule::io::tables::read_spectrum;
-use barbule::math::simd::Width;
 use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
 use clap::ValueEnum;
@@ -95,7 +94,7 @@ impl Args {
             collect,
             polarization,
         };
-        let found = spectra(&structure, &request, Width::best(), &Terminal::new(&self.common))?;
+        let found = spectra(&structure, &request, &Terminal::new(&self.common))?;
         let provenance = Provenance::new(&self.common);
         if let Some(path) = &self.output {
             let title = format!("{}, {} instances", structure.name(), instances);

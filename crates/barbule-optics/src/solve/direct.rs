@@ -31,9 +31,9 @@ type Wave = (Field, Field);
 /// be solved.
 pub fn far_field(
     section: &Section,
-    element_um: f64,
     illumination: &Illumination,
     azimuths: usize,
+    element_um: f64,
 ) -> Result<FarField> {
     section.check_lit_through_air()?;
     let lit = illuminate(section, element_um, illumination)?;

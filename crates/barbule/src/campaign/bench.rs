@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use super::{Campaign, Keep, Parameters, orders};
+use super::{Campaign, Keep, Parameters, Resources, orders};
 use crate::math::simd::Width;
 use crate::progress::{Progress, Unobserved};
 use crate::scattering::far_field::{Illumination, Window};
@@ -81,7 +81,8 @@ fn sample(structure: &Structure, seed: u64, width: Width, progress: &dyn Progres
     // Those of the sampled θ_i stand for all.
     let mut tables = begun.elapsed() * (thetas / SAMPLE_COS_THETA.len()) as u32;
     let begun = ProcessTime::now();
-    let campaign = Campaign::with_orders(structure, parameters, orders, width, &Unobserved)?;
+    let resources = Resources { width, ..Resources::default() };
+    let campaign = Campaign::with_orders(structure, parameters, orders, &resources, &Unobserved)?;
     let preparing = begun.elapsed();
     let (mut units, mut table_bytes) = (Duration::ZERO, 0);
     for index in 0..SAMPLE_NM.len() {
@@ -116,7 +117,7 @@ fn sample(structure: &Structure, seed: u64, width: Width, progress: &dyn Progres
     let begun = ProcessTime::now();
     let illumination =
         Illumination { wavelength_nm: SAMPLE_NM[1], theta_i, phi_i: phi_i[10], window: Window::Gaussian };
-    direct::far_field(&section, FINE_ELEMENT_UM, &illumination, AZIMUTHS)?;
+    direct::far_field(&section, &illumination, AZIMUTHS, FINE_ELEMENT_UM)?;
     let plain = begun.elapsed().as_secs_f64();
     let table_seconds = tables.as_secs_f64() / SAMPLE_NM.len() as f64;
     let unit_seconds = units.as_secs_f64() / (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as f64;

@@ -59,6 +59,21 @@ impl Parameters {
     }
 }
 
+/// What a campaign is computed with; nothing it computes depends on this, but roundings on the width.
+#[derive(Debug, Clone, Copy)]
+pub struct Resources {
+    /// SIMD instructions.
+    pub width: Width,
+    /// Units of one wavelength that may be in work, and so in memory, at once ([`Demand`] foretells what they take).
+    pub units_at_once: usize,
+}
+
+impl Default for Resources {
+    fn default() -> Self {
+        Self { width: Width::best(), units_at_once: usize::MAX }
+    }
+}
+
 /// What a unit keeps beside its statistics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Keep {
@@ -127,11 +142,11 @@ impl Campaign {
     pub fn new(
         structure: &Structure,
         parameters: Parameters,
-        width: Width,
+        resources: &Resources,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let orders = orders(structure, &parameters.axes, progress)?;
-        Self::with_orders(structure, parameters, orders, width, progress)
+        Self::with_orders(structure, parameters, orders, resources, progress)
     }
 
     /// As [`Self::new`], with what [`orders`] gave for the structure and the axes.
@@ -142,9 +157,11 @@ impl Campaign {
         structure: &Structure,
         parameters: Parameters,
         orders: Option<OrderTable>,
-        width: Width,
+        resources: &Resources,
         progress: &dyn Progress,
     ) -> Result<Self> {
+        let width = resources.width;
+        let units_at_once = resources.units_at_once.clamp(1, most_units());
         let axes = &parameters.axes;
         let distinct = distinct(structure, &parameters);
         progress.begin("preparing instances", distinct as u64);
@@ -187,7 +204,7 @@ impl Campaign {
                 azimuths(&parameters.axes).map(|phi| barbule.incident_power_um(0.0, phi + tilt)).collect()
             })
             .collect();
-        Ok(Self { parameters, barbules, crystal, tilts, powers_um, width, units_at_once: most_units() })
+        Ok(Self { parameters, barbules, crystal, tilts, powers_um, width, units_at_once })
     }
 
     /// Prepares the units of a wavelength by its number.
@@ -225,11 +242,6 @@ impl Campaign {
     #[must_use]
     pub fn units_at_once(&self) -> usize {
         self.units_at_once
-    }
-
-    /// Limits the units that are computed, and so kept in memory, at the same time; bits do not depend on it.
-    pub fn limit_units(&mut self, at_once: usize) {
-        self.units_at_once = at_once.clamp(1, most_units());
     }
 
     /// What is simulated.

@@ -52,17 +52,12 @@ pub struct Spectra {
 ///
 /// # Errors
 /// An instance cannot be made, a table does not reach a wavelength, or the user cancelled.
-pub fn spectra(
-    structure: &Structure,
-    request: &SpectrumRequest,
-    width: Width,
-    progress: &dyn Progress,
-) -> Result<Spectra> {
+pub fn spectra(structure: &Structure, request: &SpectrumRequest, progress: &dyn Progress) -> Result<Spectra> {
     let crystal = structure.lattice().map(|lattice| crystal(&lattice, request, progress)).transpose()?;
     progress.begin("simulating", (request.instances * request.wavelengths.len()) as u64);
     let per_instance = (0..request.instances)
         .into_par_iter()
-        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, width, progress))
+        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, progress))
         .collect::<Result<Vec<_>>>()?;
     let count = request.instances as f64;
     let mut spectra = Spectra { mean: Vec::new(), std: Vec::new() };
@@ -97,14 +92,13 @@ fn of_instance(
     request: &SpectrumRequest,
     crystal: Option<&Crystal>,
     instance: usize,
-    width: Width,
     progress: &dyn Progress,
 ) -> Result<Vec<f64>> {
     let section = structure.instance(request.seed, instance)?;
     let barbule = Barbule::new(&section, ELEMENT_UM, Window::Gaussian)?;
     let columns = request.wavelengths.len();
     let mut result = vec![0.0; request.directions.len() * columns];
-    let mut workspace = Workspace::new(width);
+    let mut workspace = Workspace::new(Width::best());
     for (column, &wavelength_nm) in request.wavelengths.iter().enumerate() {
         if progress.is_cancelled() {
             return Err(Error::interrupted());

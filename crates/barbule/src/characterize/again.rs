@@ -3,9 +3,8 @@
 use super::{Catalog, Description, unrecorded};
 use crate::Result;
 use crate::brdf::FeatherMaterial;
-use crate::campaign::{Campaign, Parameters};
+use crate::campaign::{Campaign, Parameters, Resources};
 use crate::material::Library;
-use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::statistics::Axes;
 use crate::structure::{SpeciesModel, Structure};
@@ -57,7 +56,7 @@ impl<'a> Barbules<'a> {
         let tilt = if tilted { self.campaign.tilt_deg.clamp(0.0, 30.0).to_radians() } else { 0.0 };
         let orders = self.catalog.orders(&self.structure, &axes, self.progress)?;
         let parameters = Parameters { axes, instances, seed: self.campaign.seed, tilt };
-        Campaign::with_orders(&self.structure, parameters, orders, Width::best(), self.progress)
+        Campaign::with_orders(&self.structure, parameters, orders, &Resources::default(), self.progress)
     }
 
     /// What watches the simulations.

@@ -5,9 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::{CAMPAIGN_VERSION, Catalog, Description};
-use crate::campaign::{Campaign, Parameters};
+use crate::campaign::{Campaign, Parameters, Resources};
 use crate::io::store::Store;
-use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::far_field::Window;
 use crate::scattering::statistics::Axes;
@@ -150,17 +149,22 @@ impl Plan {
     ///
     /// # Errors
     /// An instance cannot be made, a medium's table does not reach a wavelength, or a stop by `progress`.
-    pub fn campaign(&self, width: Width, catalog: &Catalog, progress: &dyn Progress) -> Result<Campaign> {
+    pub fn campaign(
+        &self,
+        resources: &Resources,
+        catalog: &Catalog,
+        progress: &dyn Progress,
+    ) -> Result<Campaign> {
         let orders = catalog.orders(&self.structure, &self.parameters.axes, progress)?;
-        Campaign::with_orders(&self.structure, self.parameters.clone(), orders, width, progress)
+        Campaign::with_orders(&self.structure, self.parameters.clone(), orders, resources, progress)
     }
 
     /// Creates the campaign's store, or opens it to go on, also one of an earlier version; fields of all instances are
-    /// kept at wavelengths `kept_nm`.
+    /// kept at wavelengths `kept_nm`. The store records the SIMD instructions of `resources`.
     ///
     /// # Errors
     /// As [`Store::create`].
-    pub fn store(&self, path: &Path, kept_nm: &[f64], width: Width) -> Result<Store> {
+    pub fn store(&self, path: &Path, kept_nm: &[f64], resources: &Resources) -> Result<Store> {
         // What cannot be opened is refused, or made, by the creation.
         let description = match Store::open(path) {
             Ok(there) => self.description.like(there.description(), &self.structure),
@@ -168,7 +172,7 @@ impl Plan {
         };
         let (name, description) = (self.structure.name(), description.to_json()?);
         let Parameters { axes, instances, .. } = &self.parameters;
-        Store::create(path, axes, *instances, &name, &description, kept_nm, width.name())
+        Store::create(path, axes, *instances, &name, &description, kept_nm, resources.width.name())
     }
 
     /// Illuminations of the whole campaign.
@@ -246,16 +250,16 @@ mod tests {
         assert_ne!(earlier, plan.description);
         let create = |path: &Path| {
             let description = earlier.to_json().unwrap();
-            Store::create(path, axes, *instances, "x", &description, &[], Width::best().name()).unwrap()
+            Store::create(path, axes, *instances, "x", &description, &[], "scalar").unwrap()
         };
         let path = folder.path().join("s.zarr");
         create(&path);
-        let store = plan.store(&path, &[], Width::best()).unwrap();
+        let store = plan.store(&path, &[], &Resources::default()).unwrap();
         assert!(store.description()["structure"].get("identity").is_none());
         assert!(plan.description.is_recorded(store.description(), &plan.structure));
         let mut other = plan.clone();
         (other.description.seed, other.parameters.seed) = (2, 2);
-        let refused = other.store(&path, &[], Width::best()).err().unwrap().to_string();
+        let refused = other.store(&path, &[], &Resources::default()).err().unwrap().to_string();
         assert!(refused.contains("campaign.seed: 1 there, 2 here"), "{refused}");
     }
 

@@ -2,7 +2,8 @@
 //! the smooth lobe, and the lobe radiates what was fitted.
 
 use barbule::brdf::fit::fitted_values;
-use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options, Polarization, example};
+use barbule::brdf::fixtures::example;
+use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options, Polarization};
 use barbule::math::rng::Stream;
 use barbule::scattering::directions::{azimuths, omega};
 use barbule::scattering::lobe::{FitKind, Lobe};

@@ -4,7 +4,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use barbule::brdf::{FeatherBrdf, Options, example};
+use barbule::brdf::fixtures::example;
+use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{BarbuleSurface, Keratin, Lambertian, Reflectance, Surface};
 use barbule::math::rng::Stream;
 use barbule::progress::{Progress, Unobserved};

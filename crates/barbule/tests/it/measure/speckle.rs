@@ -3,9 +3,8 @@
 use barbule::brdf::fit::{FitOptions, FitReport, fit};
 use barbule::brdf::{FeatherMaterial, Noise, Synthesis, lobe_integral};
 use barbule::campaign::single::autocovariance;
-use barbule::campaign::{Campaign, Keep, Parameters};
+use barbule::campaign::{Campaign, Keep, Parameters, Resources};
 use barbule::material::Library;
-use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
 use barbule::scattering::far_field::Polarization;
 use barbule::scattering::lobe::Lobe;
@@ -40,7 +39,7 @@ pub(crate) fn simulate(name: &'static str) -> Species {
     let parameters =
         Parameters { axes: axes.clone(), instances: INSTANCES, seed: 1, tilt: 2f64.to_radians() };
     let structure = Structure::Species(Box::new(model));
-    let campaign = Campaign::new(&structure, parameters, Width::best(), &Unobserved).unwrap();
+    let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
     let mut statistics = Statistics::empty(axes, INSTANCES);
     let mut fields = Vec::new();
     for wave in 0..3 {

@@ -1,4 +1,4 @@
-//! A made-up material for examples, tests and benchmarks.
+//! A made-up material for tests and benchmarks.
 
 use super::material::{FeatherMaterial, LobeSet, ParameterSet};
 use super::noise::spectrum;
