@@ -71,7 +71,7 @@ impl FeatherBrdf {
             Polarization::First if material.sets.len() == 2 => &material.sets[..1],
             _ => &material.sets[..],
         };
-        let waves = &material.axes.wavelengths_nm;
+        let waves = material.axes.wavelengths_nm();
         Ok(Self {
             tables: only.iter().map(|set| Table::new(material, set, sigma, options.polarization)).collect(),
             noise: Noise::new(&material.noise_power, material.seed),

@@ -24,7 +24,7 @@ mod table;
 pub use evaluate::{FeatherBrdf, Options, Prepared};
 pub use integral::lobe_integral;
 pub use material::{
-    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, Polarization, check_axes, check_sigma,
+    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, Polarization, check_axes, check_sigma, table_axes,
 };
 pub use noise::{Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;

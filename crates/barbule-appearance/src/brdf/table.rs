@@ -70,14 +70,14 @@ impl Table {
         polarization: Polarization,
     ) -> Self {
         let axes = &material.axes;
-        let theta = Axis::new(&axes.cos_theta);
-        let phi = Axis::new(&axes.cos_phi);
-        let (phis, waves) = (phi.cells + 1, axes.wavelengths_nm.len());
+        let theta = Axis::new(axes.cos_theta());
+        let phi = Axis::new(axes.cos_phi());
+        let (phis, waves) = (phi.cells + 1, axes.wavelengths_nm().len());
         let (fine, rough) = (Fine::new(), Rough::new());
         let layers: Vec<Vec<[f32; WIDTH]>> = (0..waves)
             .into_par_iter()
             .map(|wave| {
-                let nodes = axes.cos_theta.len() * axes.cos_phi.len();
+                let nodes = axes.cos_theta().len() * axes.cos_phi().len();
                 let range = wave * nodes..(wave + 1) * nodes;
                 let layer = Layer { theta: &theta, phi: &phi, range, sigma, fine: &fine, rough: &rough };
                 layer.parameters(set, polarization)
@@ -93,14 +93,15 @@ impl Table {
                 patches.extend(layers.iter().chain(again).map(|layer| Patch(corners.map(|at| layer[at]))));
             }
         }
-        let wavelengths_nm: Vec<f32> = axes.wavelengths_nm.iter().map(|&w| w as f32).collect();
-        let spacing = (axes.wavelengths_nm[waves - 1] - axes.wavelengths_nm[0]) / (waves.max(2) - 1) as f64;
+        let wavelengths_nm: Vec<f32> = axes.wavelengths_nm().iter().map(|&w| w as f32).collect();
+        let spacing =
+            (axes.wavelengths_nm()[waves - 1] - axes.wavelengths_nm()[0]) / (waves.max(2) - 1) as f64;
         let even = waves > 1
             && axes
-                .wavelengths_nm
+                .wavelengths_nm()
                 .iter()
                 .enumerate()
-                .all(|(k, w)| (axes.wavelengths_nm[0] + k as f64 * spacing - w).abs() < 1e-4 * spacing);
+                .all(|(k, w)| (axes.wavelengths_nm()[0] + k as f64 * spacing - w).abs() < 1e-4 * spacing);
         Self {
             patches,
             wavelengths_nm,

@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use barbule::io::encode_material;
 use barbule::io::store::Store;
 use barbule::scattering::statistics::Axes;
+use barbule::spectrum::Wavelengths;
 
 /// Command lines and a part of what must be said.
 const LINES: &[(&str, &str)] = &[
@@ -386,7 +387,7 @@ fn changed(good: &str, (from, to, _): &Change) -> String {
 }
 
 fn axes() -> Axes {
-    Axes { wavelengths_nm: vec![450.0, 550.0], cos_theta: vec![0.5, 1.0], cos_phi: vec![0.5, 1.0] }
+    Axes::new(&Wavelengths::new([450.0, 550.0]).unwrap(), vec![0.5, 1.0], vec![0.5, 1.0]).unwrap()
 }
 
 fn make_store(path: &Path) {

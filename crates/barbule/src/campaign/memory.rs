@@ -57,7 +57,7 @@ impl Demand {
     ) -> Result<Self> {
         let width = Width::best();
         let axes = &parameters.axes;
-        let (Some(&shortest), Some(&longest)) = (axes.wavelengths_nm.first(), axes.wavelengths_nm.last())
+        let (Some(&shortest), Some(&longest)) = (axes.wavelengths_nm().first(), axes.wavelengths_nm().last())
         else {
             return Err(Error::input("the campaign has no wavelength"));
         };
@@ -68,8 +68,8 @@ impl Demand {
             let solved = orders(&lattice, &[shortest], &[1.0], &Unobserved)?;
             let series = solved.at(0, 0);
             let sampled = Underside::crystal(series, 0.0, lattice.bottom_um()).bytes();
-            let whole = axes.wavelengths_nm.len() * series.bytes();
-            (barbule, 0, axes.cos_theta.len() * (whole + sampled))
+            let whole = axes.wavelengths_nm().len() * series.bytes();
+            (barbule, 0, axes.cos_theta().len() * (whole + sampled))
         } else {
             let (sections, parts) = super::ray_parts(structure, parameters, width, &Unobserved)?;
             let first = sections.first().ok_or_else(|| Error::input("the campaign has no instance"))?;
@@ -83,14 +83,14 @@ impl Demand {
         // Media that vary along the top are kept beside the series; those of the rays only while a table is made.
         let media = barbule.media_bytes();
         let cone = Cone::around(std::slice::from_ref(&barbule), shortest, 0.0);
-        let directions = 4 * axes.cos_phi.len();
+        let directions = 4 * axes.cos_phi().len();
         let fields = AZIMUTHS * cone.refinement(AZIMUTHS) + 2 * AZIMUTH_MARGIN;
-        let workspace = barbule.workspace_bytes(&cone, axes.cos_phi.len())
+        let workspace = barbule.workspace_bytes(&cone, axes.cos_phi().len())
             + 2 * table
             + media * barbule.ray_parts().unwrap_or(0);
         let kept =
             if keep == Keep::Fields { 3 * 8 * directions * parameters.instances * AZIMUTHS } else { 0 };
-        let phis = axes.cos_phi.len() as u64;
+        let phis = axes.cos_phi().len() as u64;
         let threads = rayon::current_num_threads() as u64;
         let gathered = if results == Results::Gathered { 2 * STATISTICS * axes.len() as u64 } else { 0 };
         let scaled = |bytes: usize| (distinct as f64 * MARGIN * bytes as f64) as u64;
@@ -101,7 +101,7 @@ impl Demand {
                 + gathered
                 + threads * workspace as u64,
             unit: (8 * directions * parameters.instances * fields + kept) as u64 + 2 * STATISTICS * phis,
-            most_units: axes.cos_theta.len().min(super::most_units()),
+            most_units: axes.cos_theta().len().min(super::most_units()),
         })
     }
 

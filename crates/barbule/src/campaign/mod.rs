@@ -118,7 +118,7 @@ impl Tables {
 /// The crystal cannot be solved, or the user cancelled.
 pub fn orders(structure: &Structure, axes: &Axes, progress: &dyn Progress) -> Result<Option<OrderTable>> {
     let lattice = structure.lattice();
-    lattice.map(|l| surface::orders(&l, &axes.wavelengths_nm, &axes.cos_theta, progress)).transpose()
+    lattice.map(|l| surface::orders(&l, axes.wavelengths_nm(), axes.cos_theta(), progress)).transpose()
 }
 
 /// Fields of one unit: `[instance][φ_i][polarization][e₁, e₂][azimuth with margins]`, over √Φ_i.
@@ -189,7 +189,7 @@ impl Campaign {
             })
             .collect::<Result<Vec<_>>>()?;
         if let (Some(barbule), Some(first), Some(last)) =
-            (barbules.first(), axes.wavelengths_nm.first(), axes.wavelengths_nm.last())
+            (barbules.first(), axes.wavelengths_nm().first(), axes.wavelengths_nm().last())
         {
             // Tables that do not reach are refused before any work.
             barbule.stacks(*first)?;
@@ -221,10 +221,10 @@ impl Campaign {
                     if progress.is_cancelled() {
                         return Err(Error::interrupted());
                     }
-                    barbule.table(axes.wavelengths_nm[wavelength], self.width)
+                    barbule.table(axes.wavelengths_nm()[wavelength], self.width)
                 })
                 .collect::<Result<_>>()?,
-            Some(crystal) => (0..axes.cos_theta.len())
+            Some(crystal) => (0..axes.cos_theta().len())
                 .into_par_iter()
                 .map(|theta| crystal.underside(wavelength, theta, axes.theta_i(theta)))
                 .collect(),
@@ -254,7 +254,7 @@ impl Campaign {
     pub(crate) fn fields(&self, tables: &Tables, theta: usize) -> Fields {
         let axes = &self.parameters.axes;
         let theta_i = axes.theta_i(theta);
-        let cone = Cone::around(&self.barbules, axes.wavelengths_nm[tables.wavelength], theta_i);
+        let cone = Cone::around(&self.barbules, axes.wavelengths_nm()[tables.wavelength], theta_i);
         let refine = cone.refinement(AZIMUTHS);
         let grid = Grid { azimuths: AZIMUTHS * refine, margin: AZIMUTH_MARGIN, shift: 0.0 };
         let values = (0..self.parameters.instances)
@@ -287,7 +287,7 @@ impl Campaign {
         let fields = self.fields(tables, theta);
         let mut unit = reduce::unit(&self.parameters.axes, &fields);
         if keep == Keep::Fields {
-            unit.fields = reduce::kept(&fields, self.parameters.axes.cos_phi.len());
+            unit.fields = reduce::kept(&fields, self.parameters.axes.cos_phi().len());
         }
         unit
     }
@@ -311,7 +311,7 @@ fn ray_parts(
     let asked = 0..distinct(structure, parameters).min(ASKED);
     let sections =
         asked.map(|instance| structure.instance(parameters.seed, instance)).collect::<Result<Vec<_>>>()?;
-    let shortest_nm = parameters.axes.wavelengths_nm.first().copied().unwrap_or(400.0);
+    let shortest_nm = parameters.axes.wavelengths_nm().first().copied().unwrap_or(400.0);
     let parts = surface::ray_parts(&sections, shortest_nm, width, progress)?;
     Ok((sections, parts))
 }
@@ -323,7 +323,7 @@ fn most_units() -> usize {
 
 /// The incident azimuths, rad.
 fn azimuths(axes: &Axes) -> impl Iterator<Item = f64> + '_ {
-    (0..axes.cos_phi.len()).map(|phi| axes.phi_i(phi))
+    (0..axes.cos_phi().len()).map(|phi| axes.phi_i(phi))
 }
 
 /// Zeroes what a tilted instance would send below its own horizon.

@@ -84,10 +84,10 @@ pub fn run(
 /// A medium's table does not reach a wavelength, or the user cancelled.
 pub fn statistics(campaign: &Campaign, progress: &dyn Progress) -> Result<Statistics> {
     let axes = &campaign.parameters().axes;
-    let thetas = axes.cos_theta.len();
-    progress.begin("simulating", (axes.wavelengths_nm.len() * thetas) as u64);
+    let thetas = axes.cos_theta().len();
+    progress.begin("simulating", (axes.wavelengths_nm().len() * thetas) as u64);
     let mut statistics = Statistics::empty(axes.clone(), campaign.parameters().instances);
-    for index in 0..axes.wavelengths_nm.len() {
+    for index in 0..axes.wavelengths_nm().len() {
         let tables = campaign.tables(index, progress)?;
         let all: Vec<usize> = (0..thetas).collect();
         for some in all.chunks(campaign.units_at_once()) {

@@ -11,6 +11,7 @@ use crate::progress::Progress;
 use crate::scattering::far_field::Window;
 use crate::scattering::statistics::Axes;
 use crate::solve::surface::{Barbule, CAMPAIGN_ELEMENT_UM};
+use crate::spectrum::Wavelengths;
 use crate::structure::Structure;
 use crate::{Error, Result};
 
@@ -99,20 +100,18 @@ impl CampaignOptions {
     pub fn plan(&self, structure: Structure) -> Result<Plan> {
         self.check()?;
         let thin = self.thin.unwrap_or(1);
-        let axes = Axes {
-            wavelengths_nm: self.wavelengths_nm.iter().copied().step_by(thin).collect(),
-            cos_theta: steps(self.directions[0], thin),
-            cos_phi: steps(self.directions[1], thin),
-        };
+        let nm: Vec<f64> = self.wavelengths_nm.iter().copied().step_by(thin).collect();
+        let [cos_theta, cos_phi] = self.directions.map(|count| steps(count, thin));
+        let axes = Axes::new(&Wavelengths::new(nm)?, cos_theta, cos_phi)?;
         let asked = self.instances.min(if self.thin.is_some() { THINNED_INSTANCES } else { usize::MAX });
         // A single section serves any number of instances, which differ by their tilts.
         let instances = structure.count().filter(|count| *count > 1).map_or(asked, |count| asked.min(count));
         let description = Description {
             campaign_version: CAMPAIGN_VERSION,
             structure: structure.description(),
-            wavelengths_nm: axes.wavelengths_nm.clone(),
-            cos_theta_i: axes.cos_theta.clone(),
-            cos_phi_i: axes.cos_phi.clone(),
+            wavelengths_nm: axes.wavelengths_nm().to_vec(),
+            cos_theta_i: axes.cos_theta().to_vec(),
+            cos_phi_i: axes.cos_phi().to_vec(),
             instances,
             seed: self.seed,
             tilt_deg: self.tilt_deg,
@@ -220,8 +219,8 @@ mod tests {
         let options = CampaignOptions { thin: Some(10), ..CampaignOptions::default() };
         let plan = options.plan(starling()).unwrap();
         let axes = &plan.parameters.axes;
-        assert_eq!((axes.cos_theta.as_slice(), plan.parameters.instances), (&[0.5, 1.0][..], 12));
-        assert_eq!(axes.wavelengths_nm, [400.0, 460.0, 520.0, 580.0, 640.0]);
+        assert_eq!((axes.cos_theta(), plan.parameters.instances), (&[0.5, 1.0][..], 12));
+        assert_eq!(axes.wavelengths_nm(), [400.0, 460.0, 520.0, 580.0, 640.0]);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 /// A material with the same roughness, fractions and φ_eff/φ_i everywhere.
 fn constant(m: f32, reflected: f32, stationary: f32) -> FeatherMaterial {
     let mut material = example(2);
-    let phis: Vec<f32> = material.axes.cos_phi.iter().map(|c| c.acos() as f32).collect();
+    let phis: Vec<f32> = material.axes.cos_phi().iter().map(|c| c.acos() as f32).collect();
     let set = &mut material.sets[0];
     for (lobe, share) in [(&mut set.mean, 1.0), (&mut set.stationary, stationary)] {
         lobe.m.fill(m);
@@ -244,11 +244,11 @@ fn the_lobe_reflects_the_stored_fraction_at_the_nodes() {
     let brdf = brdf(&material);
     let axes = &material.axes;
     for (w, t, p) in [(0, 19, 19), (1, 10, 5), (2, 4, 18), (1, 19, 3), (0, 8, 12), (2, 0, 0)] {
-        let (theta, phi) = (axes.cos_theta[t].acos(), axes.cos_phi[p].acos());
+        let (theta, phi) = (axes.theta_i(t), axes.phi_i(p));
         let stored = f64::from(material.sets[0].mean.reflected[axes.index(w, t, p)]);
         for sign in [1.0, -1.0] {
             let wi = omega(sign * theta, -sign * phi);
-            let albedo = brdf.albedo(axes.wavelengths_nm[w] as f32, wi);
+            let albedo = brdf.albedo(axes.wavelengths_nm()[w] as f32, wi);
             assert!((albedo / stored - 1.0).abs() < 1e-4, "{w} {t} {p}: {albedo} {stored}");
         }
     }
@@ -261,9 +261,9 @@ fn evaluated_values_integrate_to_the_stored_fraction() {
     let brdf = brdf(&material);
     let axes = &material.axes;
     for (t, p) in [(19, 19), (10, 9), (19, 7)] {
-        let (theta, phi) = (axes.cos_theta[t].acos(), axes.cos_phi[p].acos());
+        let (theta, phi) = (axes.theta_i(t), axes.phi_i(p));
         let stored = f64::from(material.sets[0].mean.reflected[axes.index(1, t, p)]);
-        let prepared = brdf.prepare([axes.wavelengths_nm[1] as f32; 4], omega(theta, phi));
+        let prepared = brdf.prepare([axes.wavelengths_nm()[1] as f32; 4], omega(theta, phi));
         let (rows, columns) = (300, 600);
         let right = std::f64::consts::FRAC_PI_2;
         let (low, high) = ((-theta - 0.7).max(-right), (-theta + 0.7).min(right));

@@ -30,7 +30,7 @@ pub(crate) fn campaign_errors(section: &Section, nm: f64, cosines: [f64; 2], ele
     let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
     let unit = campaign.unit(&campaign.tables(0, &Unobserved).unwrap(), 0, Keep::Fields);
     let mut worst = [0f64; 2];
-    for number in 0..axes.cos_phi.len() {
+    for number in 0..axes.cos_phi().len() {
         let light = beam(nm, axes.theta_i(0), axes.phi_i(number));
         let accuracy = Accuracy { element_um, ..Accuracy::default() };
         let exact = far_field(section, &light, AZIMUTHS, &accuracy).unwrap();

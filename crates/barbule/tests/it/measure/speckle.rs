@@ -56,7 +56,7 @@ pub(crate) fn simulate(name: &'static str) -> Species {
 impl Species {
     /// The stronger component's values over instances where the lobe is seen, `(node, [φ_o][instance])`.
     pub(crate) fn samples(&self) -> impl Iterator<Item = (usize, Vec<Vec<Complex64>>)> + '_ {
-        let phis = self.statistics.axes.cos_phi.len();
+        let phis = self.statistics.axes.cos_phi().len();
         (0..self.statistics.axes.len() * 2).map(move |at| {
             let (node, polarization) = (at / 2, at % 2);
             let fields = &self.fields[node / phis];
@@ -86,8 +86,8 @@ impl Species {
     /// Whether light comes from within about 45° of the normal.
     pub(crate) fn is_steep(&self, node: usize) -> bool {
         let axes = &self.statistics.axes;
-        let phis = axes.cos_phi.len();
-        axes.cos_phi[node % phis] * axes.cos_theta[node / phis % axes.cos_theta.len()] > 0.65
+        let phis = axes.cos_phi().len();
+        axes.cos_phi()[node % phis] * axes.cos_theta()[node / phis % axes.cos_theta().len()] > 0.65
     }
 
     fn fitted(&self, polarized: bool) -> (FeatherMaterial, FitReport) {
@@ -175,7 +175,7 @@ fn decay(lags: &[f64]) -> f64 {
 /// about their mean over instances.
 fn lengths(species: &Species, material: &FeatherMaterial, wave: usize, phi: usize) -> [[f64; 2]; 2] {
     let axes = &species.statistics.axes;
-    let theta = axes.cos_theta.len() - 1;
+    let theta = axes.cos_theta().len() - 1;
     let patterns = species.campaign.patterns(
         &species.campaign.tables(wave, &Unobserved).unwrap(),
         theta,
@@ -249,12 +249,12 @@ pub(crate) fn fitted(species: &Species) -> Fitted {
     let (material, _) = species.fitted(false);
     let (polarized, _) = species.fitted(true);
     let axes = &material.axes;
-    let phis = axes.cos_phi.len();
+    let phis = axes.cos_phi().len();
     let lobe = |node: usize| {
         let set = &material.sets[0].mean;
         Lobe { m: f64::from(set.m[node]), phi: f64::from(set.phi[node]) }
     };
-    let cosines = |node: usize| (axes.cos_theta[node / phis % 3], axes.cos_phi[node % phis]);
+    let cosines = |node: usize| (axes.cos_theta()[node / phis % 3], axes.cos_phi()[node % phis]);
     let off: Vec<f64> =
         (0..axes.len()).map(|node| (lobe(node).phi - cosines(node).1.acos()).abs().to_degrees()).collect();
     let f = |node: usize| {
