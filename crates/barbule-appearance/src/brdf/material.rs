@@ -34,18 +34,6 @@ pub struct ParameterSet {
     pub stationary_fraction_1: Vec<f32>,
 }
 
-/// Incident polarization.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Polarization {
-    /// Unpolarized light.
-    #[default]
-    Mean,
-    /// E along e₁.
-    First,
-    /// E along e₂.
-    Second,
-}
-
 /// A feather material: everything that a renderer needs, and where it came from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeatherMaterial {

@@ -21,10 +21,10 @@ mod sample;
 mod simd;
 mod table;
 
-pub use evaluate::{FeatherBrdf, Options, Prepared};
+pub use evaluate::{FeatherBrdf, Options, PreparedBrdf};
 pub use integral::lobe_integral;
 pub use material::{
-    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, Polarization, check_axes, check_sigma, table_axes,
+    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, check_axes, check_sigma, table_axes,
 };
 pub use noise::{Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;

@@ -10,7 +10,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::integral::{Fine, Rough};
-use super::material::{FeatherMaterial, LobeSet, ParameterSet, Polarization};
+use super::material::{FeatherMaterial, LobeSet, ParameterSet};
+use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::SMALLEST_M;
 
 /// Columns of a node, twice: of the mean lobe and, from [`STATIONARY`] on, of the stationary one.
@@ -67,7 +68,7 @@ impl Table {
         material: &FeatherMaterial,
         set: &ParameterSet,
         sigma: f64,
-        polarization: Polarization,
+        polarization: Option<Polarization>,
     ) -> Self {
         let axes = &material.axes;
         let theta = Axis::new(axes.cos_theta());
@@ -344,7 +345,7 @@ struct Layer<'a> {
 
 impl Layer<'_> {
     /// Parameters of all fine nodes, `[θ, φ]`.
-    fn parameters(&self, set: &ParameterSet, polarization: Polarization) -> Vec<[f32; WIDTH]> {
+    fn parameters(&self, set: &ParameterSet, polarization: Option<Polarization>) -> Vec<[f32; WIDTH]> {
         let count = (self.theta.cells + 1) * (self.phi.cells + 1);
         let mut out = vec![[0.0_f32; WIDTH]; count];
         let mut bright = Vec::new();
@@ -360,7 +361,7 @@ impl Layer<'_> {
             let m: Vec<f64> = ln_m.iter().map(|v| v.exp()).collect();
             let tilt = self.tilt(lobe);
             let mut reflected = self.refine(&self.stored(&lobe.reflected, |v| v), 0.0, 1.0, None);
-            if polarization != Polarization::Mean && !fractions.is_empty() {
+            if let Some(polarization) = polarization.filter(|_| !fractions.is_empty()) {
                 let first = self.refine(&self.stored(fractions, |v| v), 0.0, 1.0, None);
                 for (rho, first) in reflected.iter_mut().zip(first) {
                     *rho *= 2.0 * if polarization == Polarization::First { first } else { 1.0 - first };

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use barbule::scattering::far_field::{FarField, Illumination, Light, Polarization, Window};
+use barbule::scattering::far_field::{FarField, Illumination, IncidentLight, Polarization, Window};
 use barbule::solve::direct;
 use barbule::solve::surface::{Accuracy, FINE_ELEMENT_UM, far_field};
 use barbule::{Complex64, Error, Result};
@@ -121,8 +121,8 @@ fn document(far: &FarField) -> Value {
         })
     };
     let incident_power_um = match far.light {
-        Light::Beam { power_um } => Some(power_um),
-        Light::PlaneWave => None,
+        IncidentLight::Beam { power_um } => Some(power_um),
+        IncidentLight::PlaneWave => None,
     };
     json!({
         "phi_out_deg": far.azimuths.phi_o().iter().map(|phi| phi.to_degrees()).collect::<Vec<_>>(),
@@ -137,13 +137,13 @@ fn table(far: &FarField) -> String {
     let intensity = Polarization::BOTH.map(|p| per_radian(far, p));
     let [first, second] = far.radiated;
     let (unit, mut text) = match far.light {
-        Light::Beam { power_um } => (
+        IncidentLight::Beam { power_um } => (
             "1/rad",
             format!(
                 "incident power {power_um:.6} µm, reflected fraction {first:.6} (polarization 1), {second:.6} (2)\n"
             ),
         ),
-        Light::PlaneWave => {
+        IncidentLight::PlaneWave => {
             ("µm/rad", format!("reflected width {first:.6} µm (polarization 1), {second:.6} µm (2)\n"))
         }
     };

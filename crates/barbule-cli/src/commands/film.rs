@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use barbule::io::read_stack;
 use barbule::material::Library;
 use barbule::plot::{Axis, Curve, Drawing, Figure, HeatMap};
-use barbule::solve::film::{self, Sweep, Tables};
+use barbule::solve::film::{self, FilmTables, Sweep};
 use barbule::spectrum::Wavelengths;
 use barbule::spectrum::colour::{Observer, chromaticity, display, held};
 use barbule::structure::stack::Stack;
@@ -114,7 +114,7 @@ fn document(found: &Sweep, angle_deg: &[f64], layers: usize) -> Value {
         let row = |row: &[Complex64]| row.iter().map(|z| json!([z.re, z.im])).collect::<Vec<_>>();
         values.chunks_exact(columns).map(row).collect::<Vec<_>>()
     };
-    let per_layer = |t: &Tables| {
+    let per_layer = |t: &FilmTables| {
         let size = t.absorbed_per_layer.len() / layers.max(1);
         t.absorbed_per_layer.chunks_exact(size.max(1)).map(rows).collect::<Vec<_>>()
     };

@@ -15,7 +15,7 @@ use barbule::render::light::Lighting;
 use barbule::render::run::{Ended, Goal, run};
 use barbule::render::stage::Stage;
 use barbule::render::{checkpoint, picture};
-use barbule::scene::description::{Bearing, Description, SkyDescription, SkyImage};
+use barbule::scene::description::{Bearing, SceneDescription, SkyDescription, SkyImage};
 use barbule::scene::feather::Counts;
 use barbule::scene::sky::Sky;
 use barbule::{Error, Result};
@@ -105,12 +105,12 @@ impl Args {
     }
 
     /// The scene with the changes that the flags ask for.
-    fn description(&self) -> Result<Description> {
+    fn description(&self) -> Result<SceneDescription> {
         let path = Path::new(&self.scene);
         let mut description = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
-            Description::parse(&read_text(path)?).map_err(|e| e.at(&self.scene))?
+            SceneDescription::parse(&read_text(path)?).map_err(|e| e.at(&self.scene))?
         } else {
-            Description::named(&self.scene)?
+            SceneDescription::named(&self.scene)?
         };
         if let Some(material) = &self.material {
             description.material.clone_from(material);
@@ -181,7 +181,7 @@ impl Args {
     }
 
     /// What all frames share: the feather with its hierarchy, and the sky.
-    fn set(&self, description: &Description, brdf: Arc<FeatherBrdf>, sky: Option<Sky>) -> Result<Set> {
+    fn set(&self, description: &SceneDescription, brdf: Arc<FeatherBrdf>, sky: Option<Sky>) -> Result<Set> {
         let begun = Instant::now();
         let (objects, counts) = description.objects(brdf, self.common.seed)?;
         let stage = Stage::new(objects)?;
@@ -198,7 +198,7 @@ impl Args {
 
     fn picture(
         &self,
-        description: &Description,
+        description: &SceneDescription,
         set: &Set,
         job: &Job<'_>,
         terminal: &Terminal,
@@ -264,7 +264,7 @@ impl Args {
     }
 
     /// What a picture says about itself.
-    fn provenance(&self, description: &Description, job: &Job<'_>, film: &Film) -> Provenance {
+    fn provenance(&self, description: &SceneDescription, job: &Job<'_>, film: &Film) -> Provenance {
         let pixels = f64::from(job.size[0]) * f64::from(job.size[1]);
         let (light, view) = (&description.light.bearing, &description.camera.bearing);
         let width_mm = description.camera.width_mm;

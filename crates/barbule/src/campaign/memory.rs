@@ -12,7 +12,7 @@ use crate::solve::surface::{Barbule, Cone, Underside, orders};
 use crate::structure::Structure;
 use crate::{Error, Result};
 
-use super::{Keep, Parameters};
+use super::{CampaignParameters, Keep};
 
 /// The program itself with its data, and what allocators keep.
 const PROGRAM: u64 = 48 << 20;
@@ -51,7 +51,7 @@ impl Demand {
     /// The instance cannot be made, or a medium's table does not cover the wavelengths.
     pub fn predict(
         structure: &Structure,
-        parameters: &Parameters,
+        parameters: &CampaignParameters,
         keep: Keep,
         results: Results,
     ) -> Result<Self> {
@@ -155,7 +155,7 @@ mod tests {
             let cos_phi = (1..=phis).map(|i| i as f64 / phis as f64).collect();
             let axes =
                 Axes::new(&Wavelengths::new([450.0, 650.0]).unwrap(), vec![0.5, 1.0], cos_phi).unwrap();
-            let parameters = Parameters { axes, instances, seed: 1, tilt: 0.0 };
+            let parameters = CampaignParameters { axes, instances, seed: 1, tilt: 0.0 };
             Demand::predict(&structure, &parameters, keep, Results::Stored).unwrap()
         };
         let small = demand(2, 2, Keep::Statistics);

@@ -22,7 +22,7 @@ use crate::math::rng::Stream;
 use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::directions::AZIMUTH_MARGIN;
-use crate::scattering::far_field::Light;
+use crate::scattering::far_field::IncidentLight;
 use crate::scattering::orders::OrderTable;
 use crate::scattering::statistics::{AZIMUTHS, Axes, Unit};
 use crate::solve::surface::{self, Barbule, Batch, Cone, Grid, Underside, Workspace};
@@ -35,7 +35,7 @@ const TILT_STREAM: u64 = 0x7469_6c74;
 
 /// What a campaign simulates.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameters {
+pub struct CampaignParameters {
     /// Wavelengths and directions.
     pub axes: Axes,
     /// Number of instances M.
@@ -46,7 +46,7 @@ pub struct Parameters {
     pub tilt: f64,
 }
 
-impl Parameters {
+impl CampaignParameters {
     /// The tilt δ_m of each instance, rad: (−1 + 2π(m)/(M−1))·tilt with π a random permutation of 0 … M − 1.
     #[must_use]
     pub fn tilts(&self) -> Vec<f64> {
@@ -85,7 +85,7 @@ pub enum Keep {
 
 /// A structure's instances, prepared for any unit of work.
 pub struct Campaign {
-    parameters: Parameters,
+    parameters: CampaignParameters,
     /// One per instance, or a single one that serves all.
     barbules: Vec<Barbule>,
     /// The crystal under all of them.
@@ -98,13 +98,13 @@ pub struct Campaign {
 }
 
 /// What all units of one wavelength share.
-pub struct Tables {
+pub struct WavelengthTables {
     wavelength: usize,
     /// Layers: of each barbule, for all θ_i. A crystal: at each θ_i, for all barbules.
     undersides: Vec<Underside>,
 }
 
-impl Tables {
+impl WavelengthTables {
     /// Bytes that they take.
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -141,7 +141,7 @@ impl Campaign {
     /// progress cancelled.
     pub fn new(
         structure: &Structure,
-        parameters: Parameters,
+        parameters: CampaignParameters,
         resources: &Resources,
         progress: &dyn Progress,
     ) -> Result<Self> {
@@ -155,7 +155,7 @@ impl Campaign {
     /// As [`Self::new`], or the orders belong to other axes.
     pub fn with_orders(
         structure: &Structure,
-        parameters: Parameters,
+        parameters: CampaignParameters,
         orders: Option<OrderTable>,
         resources: &Resources,
         progress: &dyn Progress,
@@ -211,7 +211,7 @@ impl Campaign {
     ///
     /// # Errors
     /// A medium's table does not reach the wavelength, or the user cancelled.
-    pub fn tables(&self, wavelength: usize, progress: &dyn Progress) -> Result<Tables> {
+    pub fn tables(&self, wavelength: usize, progress: &dyn Progress) -> Result<WavelengthTables> {
         let axes = &self.parameters.axes;
         let undersides = match &self.crystal {
             None => self
@@ -229,7 +229,7 @@ impl Campaign {
                 .map(|theta| crystal.underside(wavelength, theta, axes.theta_i(theta)))
                 .collect(),
         };
-        Ok(Tables { wavelength, undersides })
+        Ok(WavelengthTables { wavelength, undersides })
     }
 
     /// Parts into which elements are cut for the rays under them; `None` over a crystal.
@@ -246,12 +246,12 @@ impl Campaign {
 
     /// What is simulated.
     #[must_use]
-    pub fn parameters(&self) -> &Parameters {
+    pub fn parameters(&self) -> &CampaignParameters {
         &self.parameters
     }
 
     /// The fields of one (λ, θ_i).
-    pub(crate) fn fields(&self, tables: &Tables, theta: usize) -> Fields {
+    pub(crate) fn fields(&self, tables: &WavelengthTables, theta: usize) -> Fields {
         let axes = &self.parameters.axes;
         let theta_i = axes.theta_i(theta);
         let cone = Cone::around(&self.barbules, axes.wavelengths_nm()[tables.wavelength], theta_i);
@@ -265,8 +265,8 @@ impl Campaign {
                     let distinct = instance % self.barbules.len();
                     let tilt = self.tilts[instance];
                     let turned: Vec<f64> = azimuths(axes).map(|phi| phi + tilt).collect();
-                    let beam = |power_um: &f64| Light::Beam { power_um: power_um * theta_i.cos() };
-                    let lights: Vec<Light> = self.powers_um[instance].iter().map(beam).collect();
+                    let beam = |power_um: &f64| IncidentLight::Beam { power_um: power_um * theta_i.cos() };
+                    let lights: Vec<IncidentLight> = self.powers_um[instance].iter().map(beam).collect();
                     let batch = Batch { cone: &cone, phi_i: &turned, lights: &lights };
                     let underside = &tables.undersides[if self.crystal.is_some() { theta } else { distinct }];
                     let grid = Grid { shift: tilt, ..grid };
@@ -283,7 +283,7 @@ impl Campaign {
 
     /// The statistics of one (λ, θ_i), with what else is kept of it.
     #[must_use]
-    pub fn unit(&self, tables: &Tables, theta: usize, keep: Keep) -> Unit {
+    pub fn unit(&self, tables: &WavelengthTables, theta: usize, keep: Keep) -> Unit {
         let fields = self.fields(tables, theta);
         let mut unit = reduce::unit(&self.parameters.axes, &fields);
         if keep == Keep::Fields {
@@ -294,7 +294,7 @@ impl Campaign {
 }
 
 /// Instances that differ by more than their tilts.
-fn distinct(structure: &Structure, parameters: &Parameters) -> usize {
+fn distinct(structure: &Structure, parameters: &CampaignParameters) -> usize {
     if structure.count() == Some(1) { 1 } else { parameters.instances }
 }
 
@@ -304,7 +304,7 @@ const ASKED: usize = 2;
 /// The first instances of layers, and the parts into which elements must be cut for rays under them.
 fn ray_parts(
     structure: &Structure,
-    parameters: &Parameters,
+    parameters: &CampaignParameters,
     width: Width,
     progress: &dyn Progress,
 ) -> Result<(Vec<Section>, usize)> {

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{Campaign, Keep, Tables};
+use super::{Campaign, Keep, WavelengthTables};
 use crate::io::store::Store;
 use crate::progress::Progress;
 use crate::scattering::statistics::Statistics;
@@ -48,7 +48,7 @@ pub fn run(
     let repaired = missing.iter().filter(|(_, _, damaged)| *damaged).count();
     progress.advance(found as u64);
     let elsewhere = AtomicUsize::new(0);
-    let compute = |tables: &Tables, index: usize, theta: usize, damaged: bool| {
+    let compute = |tables: &WavelengthTables, index: usize, theta: usize, damaged: bool| {
         if progress.is_cancelled() {
             return Err(Error::interrupted());
         }

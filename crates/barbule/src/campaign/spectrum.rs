@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::crystal::Crystal;
 use crate::math::simd::Width;
 use crate::progress::Progress;
-use crate::scattering::far_field::{Light, Window};
+use crate::scattering::far_field::{IncidentLight, Window};
 use crate::scattering::statistics::AZIMUTHS;
 use crate::solve::surface::{self, Barbule, Batch, Cone, Grid, Workspace};
 use crate::spectrum::Wavelengths;
@@ -111,8 +111,8 @@ fn of_instance(
             let run = request.directions[start..].iter().take_while(|d| d.0 == theta_i).count();
             let phis: Vec<f64> = request.directions[start..start + run].iter().map(|d| d.1).collect();
             let cone = Cone::around(std::slice::from_ref(&barbule), wavelength_nm, theta_i);
-            let beam = |&phi: &f64| Light::Beam { power_um: barbule.incident_power_um(theta_i, phi) };
-            let lights: Vec<Light> = phis.iter().map(beam).collect();
+            let beam = |&phi: &f64| IncidentLight::Beam { power_um: barbule.incident_power_um(theta_i, phi) };
+            let lights: Vec<IncidentLight> = phis.iter().map(beam).collect();
             let batch = Batch { cone: &cone, phi_i: &phis, lights: &lights };
             let grid = Grid { azimuths: AZIMUTHS * cone.refinement(AZIMUTHS), margin: 0, shift: 0.0 };
             let orders = crystal.map(|crystal| {

@@ -11,7 +11,7 @@ mod options;
 
 pub use again::Barbules;
 pub use catalog::{Catalog, Found, file_stem};
-pub use description::Description;
+pub use description::CampaignDescription;
 pub use options::{CampaignOptions, Plan, WAVELENGTHS_NM};
 
 use std::path::Path;
@@ -91,7 +91,7 @@ pub fn check(plan: &Plan, options: &FitOptions) -> Result<()> {
 pub fn material_of(
     statistics: &Statistics,
     name: &str,
-    campaign: &Description,
+    campaign: &CampaignDescription,
     options: &FitOptions,
     progress: &dyn Progress,
 ) -> Result<(FeatherMaterial, FitReport)> {

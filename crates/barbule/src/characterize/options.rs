@@ -4,8 +4,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{CAMPAIGN_VERSION, Catalog, Description};
-use crate::campaign::{Campaign, Parameters, Resources};
+use super::{CAMPAIGN_VERSION, CampaignDescription, Catalog};
+use crate::campaign::{Campaign, CampaignParameters, Resources};
 use crate::io::store::Store;
 use crate::progress::Progress;
 use crate::scattering::far_field::Window;
@@ -106,7 +106,7 @@ impl CampaignOptions {
         let asked = self.instances.min(if self.thin.is_some() { THINNED_INSTANCES } else { usize::MAX });
         // A single section serves any number of instances, which differ by their tilts.
         let instances = structure.count().filter(|count| *count > 1).map_or(asked, |count| asked.min(count));
-        let description = Description {
+        let description = CampaignDescription {
             campaign_version: CAMPAIGN_VERSION,
             structure: structure.description(),
             wavelengths_nm: axes.wavelengths_nm().to_vec(),
@@ -118,7 +118,8 @@ impl CampaignOptions {
             polarized: self.polarized,
             thinned: self.thin,
         };
-        let parameters = Parameters { axes, instances, seed: self.seed, tilt: self.tilt_deg.to_radians() };
+        let parameters =
+            CampaignParameters { axes, instances, seed: self.seed, tilt: self.tilt_deg.to_radians() };
         Ok(Plan { structure, parameters, description, asked })
     }
 }
@@ -136,9 +137,9 @@ pub struct Plan {
     /// What is simulated.
     pub structure: Structure,
     /// On which axes, with how many instances.
-    pub parameters: Parameters,
+    pub parameters: CampaignParameters,
     /// Everything that decides the numbers, for results.
-    pub description: Description,
+    pub description: CampaignDescription,
     /// Instances that were asked for: given sections may be fewer.
     pub asked: usize,
 }
@@ -170,7 +171,7 @@ impl Plan {
             Err(_) => self.description.clone(),
         };
         let (name, description) = (self.structure.name(), description.to_json()?);
-        let Parameters { axes, instances, .. } = &self.parameters;
+        let CampaignParameters { axes, instances, .. } = &self.parameters;
         Store::create(path, axes, *instances, &name, &description, kept_nm, resources.width.name())
     }
 
@@ -244,7 +245,7 @@ mod tests {
     fn stores_of_version_0_1_are_continued() {
         let folder = tempfile::tempdir().unwrap();
         let plan = CampaignOptions { thin: Some(20), ..CampaignOptions::default() }.plan(starling()).unwrap();
-        let Parameters { axes, instances, .. } = &plan.parameters;
+        let CampaignParameters { axes, instances, .. } = &plan.parameters;
         let earlier = plan.description.like(&serde_json::json!({"structure": {}}), &plan.structure);
         assert_ne!(earlier, plan.description);
         let create = |path: &Path| {
@@ -266,8 +267,8 @@ mod tests {
     fn descriptions_come_back_from_json() {
         let description = CampaignOptions::default().plan(starling()).unwrap().description;
         let json = description.to_json().unwrap();
-        assert_eq!(Description::read(&json).unwrap(), description);
+        assert_eq!(CampaignDescription::read(&json).unwrap(), description);
         assert_eq!((&json["campaign_version"], &json["structure"]["identity"]), (&2.into(), &2.into()));
-        assert!(Description::read(&serde_json::json!({"seed": 1})).unwrap_err().is_input());
+        assert!(CampaignDescription::read(&serde_json::json!({"seed": 1})).unwrap_err().is_input());
     }
 }

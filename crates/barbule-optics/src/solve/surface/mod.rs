@@ -38,7 +38,7 @@ use num_complex::Complex64;
 
 use crate::Result;
 use crate::math::simd::Width;
-use crate::scattering::far_field::{Azimuths, FarField, Illumination, Light, Window};
+use crate::scattering::far_field::{Azimuths, FarField, Illumination, IncidentLight, Window};
 use crate::structure::Section;
 use batch::Buffers;
 
@@ -82,8 +82,8 @@ pub fn far_field(
     let barbule = Barbule::new(section, element_um, window)?;
     let cone = Cone::around(std::slice::from_ref(&barbule), wavelength_nm, theta_i);
     let light = match window {
-        Window::Gaussian => Light::Beam { power_um: barbule.incident_power_um(theta_i, phi_i) },
-        Window::PlaneWave => Light::PlaneWave,
+        Window::Gaussian => IncidentLight::Beam { power_um: barbule.incident_power_um(theta_i, phi_i) },
+        Window::PlaneWave => IncidentLight::PlaneWave,
     };
     let reflector = barbule.exactly(wavelength_nm, theta_i)?;
     let batch = Batch { cone: &cone, phi_i: &[phi_i], lights: &[light] };

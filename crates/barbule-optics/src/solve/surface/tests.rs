@@ -184,7 +184,7 @@ fn a_turned_flat_top_is_an_unturned_one_seen_from_a_turned_place() {
     let at = |section: &Section, phi_i: f64, view: f64| {
         let barbule = Barbule::new(section, FINE_ELEMENT_UM, Window::Gaussian).unwrap();
         let cone = Cone::around(std::slice::from_ref(&barbule), 500.0, 0.2);
-        let light = Light::Beam { power_um: barbule.incident_power_um(0.2, phi_i) };
+        let light = IncidentLight::Beam { power_um: barbule.incident_power_um(0.2, phi_i) };
         let batch = Batch { cone: &cone, phi_i: &[phi_i], lights: &[light] };
         let mut buffers = Buffers::<f64>::new(Width::best());
         buffers.radiate(&barbule.points, &barbule.exactly(500.0, 0.2).unwrap(), &batch, &mut |_| {});
@@ -251,7 +251,7 @@ fn the_campaigns_way_equals_direct_to_a_thousandth() {
         let cone = Cone::around(std::slice::from_ref(&barbule), wavelength, theta);
         assert!(Nodes::<f32>::equidistant(&barbule.points, cone.kappa).taps.is_some());
         let phis = [0.0, 0.5, 1.2, 1.5];
-        let lights = phis.map(|phi| Light::Beam { power_um: barbule.incident_power_um(theta, phi) });
+        let lights = phis.map(|phi| IncidentLight::Beam { power_um: barbule.incident_power_um(theta, phi) });
         let batch = Batch { cone: &cone, phi_i: &phis, lights: &lights };
         let table = barbule.table(wavelength, Width::best()).unwrap();
         let grid = Grid { azimuths: 400, margin: 0, shift: 0.0 };

@@ -1,6 +1,6 @@
 //! Fields against fields, and campaigns against what they converge to.
 
-use barbule::campaign::{Campaign, Keep, Parameters, Resources};
+use barbule::campaign::{Campaign, CampaignParameters, Keep, Resources};
 use barbule::progress::Unobserved;
 use barbule::scattering::far_field::{Illumination, Window};
 use barbule::scattering::statistics::{AZIMUTHS, Axes};
@@ -26,7 +26,7 @@ pub(crate) fn campaign_errors(section: &Section, nm: f64, cosines: [f64; 2], ele
     let wavelengths = Wavelengths::new([nm]).unwrap();
     let axes = Axes::new(&wavelengths, vec![cosines[0]], vec![cosines[1], 1.0]).unwrap();
     let structure = Structure::Sections { name: section.name.clone(), sections: vec![section.clone()] };
-    let parameters = Parameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0 };
+    let parameters = CampaignParameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0 };
     let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
     let unit = campaign.unit(&campaign.tables(0, &Unobserved).unwrap(), 0, Keep::Fields);
     let mut worst = [0f64; 2];

@@ -3,7 +3,7 @@
 use barbule::brdf::fit::{FitOptions, FitReport, fit};
 use barbule::brdf::{FeatherMaterial, Noise, Synthesis, lobe_integral};
 use barbule::campaign::single::autocovariance;
-use barbule::campaign::{Campaign, Keep, Parameters, Resources};
+use barbule::campaign::{Campaign, CampaignParameters, Keep, Resources};
 use barbule::material::Library;
 use barbule::progress::Unobserved;
 use barbule::scattering::far_field::Polarization;
@@ -37,7 +37,7 @@ pub(crate) fn simulate(name: &'static str) -> Species {
     let wavelengths = Wavelengths::new([400.0, 550.0, 694.0]).unwrap();
     let axes = Axes::new(&wavelengths, vec![0.1, 0.5, 1.0], vec![0.1, 0.35, 0.7, 1.0]).unwrap();
     let parameters =
-        Parameters { axes: axes.clone(), instances: INSTANCES, seed: 1, tilt: 2f64.to_radians() };
+        CampaignParameters { axes: axes.clone(), instances: INSTANCES, seed: 1, tilt: 2f64.to_radians() };
     let structure = Structure::Species(Box::new(model));
     let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
     let mut statistics = Statistics::empty(axes, INSTANCES);
