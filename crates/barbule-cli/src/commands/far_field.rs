@@ -19,14 +19,16 @@ pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
     structure: String,
     /// Vacuum wavelength in nm
-    #[arg(long, value_name = "NM")]
-    wavelength: String,
+    #[arg(long, value_name = "NM", value_parser = |text: &str| sets::wavelength("--wavelength", text))]
+    wavelength: f64,
     /// Longitudinal angle of incidence in degrees
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
-    theta: String,
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true,
+        value_parser = |text: &str| sets::angle("--theta", text))]
+    theta: f64,
     /// Azimuth of incidence in degrees
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
-    phi: String,
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true,
+        value_parser = |text: &str| sets::angle("--phi", text))]
+    phi: f64,
     /// Which random instance, from 0
     #[arg(long, value_name = "K", default_value_t = 0)]
     instance: usize,
@@ -66,13 +68,6 @@ enum WindowArg {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        let single = |flag: &str, text: &str, values: Vec<f64>| match values[..] {
-            [value] => Ok(value),
-            _ => Err(Error::input(format!("{flag} {text}: give one value"))),
-        };
-        let wavelength_nm = single("--wavelength", &self.wavelength, sets::wavelengths(&self.wavelength)?)?;
-        let theta_deg = single("--theta", &self.theta, sets::angles("--theta", &self.theta)?)?;
-        let phi_deg = single("--phi", &self.phi, sets::angles("--phi", &self.phi)?)?;
         if !(2..=100_000).contains(&self.azimuths) {
             return Err(Error::input(format!(
                 "--azimuths {}: give a number from 2 to 100000",
@@ -90,8 +85,8 @@ impl Args {
         };
         let section =
             structure_arg::parse(&self.structure, &self.common)?.instance(self.common.seed, self.instance)?;
-        let (theta_i, phi_i) = (theta_deg.to_radians(), phi_deg.to_radians());
-        let illumination = Illumination { wavelength_nm, theta_i, phi_i, window };
+        let (theta_i, phi_i) = (self.theta.to_radians(), self.phi.to_radians());
+        let illumination = Illumination { wavelength_nm: self.wavelength, theta_i, phi_i, window };
         let far = match self.solver {
             Solver::Direct => direct::far_field(&section, &illumination, self.azimuths, FINE_ELEMENT_UM)?,
             _ => far_field(&section, &illumination, self.azimuths, &Accuracy::default())?,
