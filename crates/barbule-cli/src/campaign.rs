@@ -96,17 +96,11 @@ pub(crate) fn plan(options: &CampaignOptions, structure: Structure, common: &Com
 }
 
 /// Holds `--memory` against what a campaign will take, before any work: the number of units that may be in work at once.
-pub(crate) fn units_at_once(
-    plan: &Plan,
-    width: Width,
-    keep: Keep,
-    results: Results,
-    common: &Common,
-) -> Result<usize> {
+pub(crate) fn units_at_once(plan: &Plan, keep: Keep, results: Results, common: &Common) -> Result<usize> {
     if common.memory.is_none() && !common.verbose {
         return Ok(usize::MAX);
     }
-    let demand = Demand::predict(&plan.structure, &plan.parameters, width, keep, results)?;
+    let demand = Demand::predict(&plan.structure, &plan.parameters, keep, results)?;
     let at_once = demand.units_within(common.memory.unwrap_or(u64::MAX))?;
     common.explain(&format!(
         "up to {at_once} units at once, {} MB of memory at most",

@@ -62,8 +62,13 @@ where
     }
 }
 
-/// What is wrong with the arguments, in one sentence: clap's lines without its summary of the usage.
+/// What is wrong with the arguments, in one sentence: that of the value's reader where it is one of ours, else clap's lines
+/// without its summary of the usage.
 fn sentence(error: &clap::Error) -> String {
+    let reader = std::error::Error::source(error).and_then(|source| source.downcast_ref::<barbule::Error>());
+    if let Some(refused) = reader {
+        return refused.to_string();
+    }
     let text = error.render().to_string();
     let lines = text
         .lines()

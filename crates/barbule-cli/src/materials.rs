@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use barbule::brdf::FeatherMaterial;
 use barbule::brdf::fit::FitOptions;
-use barbule::brdf::{FeatherMaterial, example};
-use barbule::campaign::{Keep, Results};
+use barbule::campaign::{Keep, Resources, Results};
 use barbule::characterize::{Barbules, CampaignOptions, Catalog, Execution, Found, characterize};
 use barbule::io::read_material;
 use barbule::progress::Progress;
@@ -16,14 +16,11 @@ use crate::progress::Terminal;
 use crate::structure_arg;
 
 /// The material of a name or file, and BLAKE3 of its bytes: `FILE.barbule`, or SPECIES[:VARIANT], shipped or else
-/// characterized into the cache on first use (its duration is said first), or `example`, a made-up one.
+/// characterized into the cache on first use (its duration is said first).
 ///
 /// # Errors
 /// Unknown name, unreadable file, or a characterization that fails or is interrupted.
 pub(crate) fn find(name: &str, common: &Common) -> Result<(FeatherMaterial, String)> {
-    if name == "example" {
-        return Ok((example(50), barbule::io::hash_bytes(name.as_bytes())));
-    }
     let path = Path::new(name);
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("barbule")) || path.is_file() {
         let material = read_material(path)?;
@@ -44,9 +41,9 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(FeatherMaterial, Stri
         plan.structure.name(),
         expected(&plan)
     ));
-    let usual = Execution::default();
-    let units_at_once = units_at_once(&plan, usual.width, Keep::Statistics, Results::Gathered, common)?;
-    let how = Execution { units_at_once, ..usual };
+    let units_at_once = units_at_once(&plan, Keep::Statistics, Results::Gathered, common)?;
+    let resources = Resources { units_at_once, ..Resources::default() };
+    let how = Execution { resources, ..Execution::default() };
     let made = characterize(&plan, &FitOptions::default(), &catalog, &how, &Terminal::new(common))?;
     let Found { material, hash } = catalog.keep(&plan, made.material)?;
     Ok((material, hash))

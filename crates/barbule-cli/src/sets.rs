@@ -1,6 +1,7 @@
 //! Sets of numbers as people type them: `520`, `400,442,484`, `400:694:6` (start:stop:step, stop included).
 
 use barbule::characterize::WAVELENGTHS_NM;
+use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
 
 /// No command can use more values than this.
@@ -76,17 +77,52 @@ pub fn wavelengths(text: &str) -> Result<Vec<f64>> {
     Ok(values)
 }
 
-/// A set of angles in degrees, each with |angle| < 90.
+/// As [`wavelengths`], for simulations and films.
+///
+/// # Errors
+/// As [`wavelengths`].
+pub fn wavelength_set(text: &str) -> Result<Wavelengths> {
+    Wavelengths::new(wavelengths(text)?)
+}
+
+/// A single wavelength in nm.
+///
+/// # Errors
+/// As [`wavelengths`], or a set of several.
+pub fn wavelength(flag: &str, text: &str) -> Result<f64> {
+    single(flag, text, &wavelengths(text)?)
+}
+
+/// A single angle in degrees.
+///
+/// # Errors
+/// As [`angles`], or a set of several.
+pub fn angle(flag: &str, text: &str) -> Result<f64> {
+    single(flag, text, &angles(flag, text)?.0)
+}
+
+fn single(flag: &str, text: &str, values: &[f64]) -> Result<f64> {
+    match values {
+        [value] => Ok(*value),
+        _ => Err(Error::input(format!("{flag} {text}: give one value"))),
+    }
+}
+
+/// Angles in degrees in the order typed, each with |angle| < 90; at least one.
+#[derive(Debug, Clone)]
+pub struct Angles(pub Vec<f64>);
+
+/// A set of angles in degrees.
 ///
 /// # Errors
 /// As [`parse`], or an angle at or past grazing.
-pub fn angles(flag: &str, text: &str) -> Result<Vec<f64>> {
+pub fn angles(flag: &str, text: &str) -> Result<Angles> {
     let values = parse(flag, text)?;
     match values.iter().find(|v| v.abs() >= 90.0) {
         Some(bad) => Err(Error::input(format!(
             "{flag}: {bad}° is at or past grazing; give an angle between -90 and 90"
         ))),
-        None => Ok(values),
+        None => Ok(Angles(values)),
     }
 }
 

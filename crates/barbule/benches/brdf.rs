@@ -7,7 +7,8 @@
 
 #![allow(clippy::print_stdout)] // its output is its result
 
-use barbule::brdf::{FeatherBrdf, Options, example};
+use barbule::brdf::fixtures::example;
+use barbule::brdf::{FeatherBrdf, Options};
 use barbule::math::rng::Stream;
 use glam::DVec3;
 use std::hint::black_box;

@@ -7,7 +7,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use barbule::brdf::{FeatherBrdf, Options, example};
+use barbule::brdf::fixtures::example;
+use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{BarbuleSurface, Keratin, Reflectance, Surface};
 use barbule::math::rng::Stream;
 use barbule::progress::Unobserved;
@@ -17,7 +18,7 @@ use barbule::render::light::Lighting;
 use barbule::render::run::{Goal, run};
 use barbule::render::stage::Stage;
 use barbule::scene::camera::{Camera, Projection};
-use barbule::scene::description::Description;
+use barbule::scene::description::SceneDescription;
 use barbule::scene::emission::Emission;
 use barbule::scene::geometry::{CurveNode, Geometry, Mesh};
 use barbule::scene::light::{Lamp, Light, Sun, disc_radiance};
@@ -133,7 +134,8 @@ fn plane(brdf: Arc<FeatherBrdf>) -> Scene {
 fn main() {
     let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_else(|| "starling".into());
     let brdf = Arc::new(FeatherBrdf::new(&example(50), Options::default()).expect("a material"));
-    let (scene, _) = Description::named(&wanted).expect("a preset").scene(brdf.clone(), 1).expect("a scene");
+    let (scene, _) =
+        SceneDescription::named(&wanted).expect("a preset").scene(brdf.clone(), 1).expect("a scene");
     measure(&format!("close-up of {wanted}"), 16, 5, scene);
     measure("60,000 round barbules of keratin", 16, 8, barbules());
     measure("plane of a tabulated barbule", 32, 8, plane(brdf));

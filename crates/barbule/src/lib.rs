@@ -175,7 +175,7 @@ pub use brdf::FeatherBrdf;
 /// assert_eq!(closer.material, SceneDescription::named("starling")?.material);
 /// # Ok::<(), barbule::Error>(())
 /// ```
-pub use scene::description::Description as SceneDescription;
+pub use scene::description::SceneDescription;
 
 /// See the crate's first page for an example.
 pub use characterize::characterize;

@@ -12,7 +12,7 @@ use crate::render::light::Lighting;
 use crate::render::picture;
 use crate::render::run::{Ended, Goal, run};
 use crate::render::stage::Stage;
-use crate::scene::description::Description;
+use crate::scene::description::SceneDescription;
 use crate::scene::feather::Counts;
 use crate::scene::sky::Sky;
 use crate::{Error, Result};
@@ -30,7 +30,12 @@ impl Set {
     ///
     /// # Errors
     /// A number of the scene out of range, or a scene whose sky is an image when none is given.
-    pub fn new(scene: &Description, brdf: Arc<FeatherBrdf>, sky: Option<Sky>, seed: u64) -> Result<Self> {
+    pub fn new(
+        scene: &SceneDescription,
+        brdf: Arc<FeatherBrdf>,
+        sky: Option<Sky>,
+        seed: u64,
+    ) -> Result<Self> {
         let (objects, counts) = scene.objects(brdf, seed)?;
         let stage = Stage::new(objects)?;
         let lighting = Lighting::new(scene.lamps(), Some(&scene.environment(sky)?))?;
@@ -56,7 +61,7 @@ impl Set {
     /// A goal or a lamp out of range, or what `after_round` returns.
     pub fn render(
         &self,
-        scene: &Description,
+        scene: &SceneDescription,
         film: &mut Film,
         seed: u64,
         goal: Goal,
@@ -101,7 +106,7 @@ impl Picture {
     /// # Errors
     /// A number of scene or options out of range, or a stop by `progress`.
     pub fn of(
-        scene: &Description,
+        scene: &SceneDescription,
         material: &FeatherMaterial,
         options: &PictureOptions,
         progress: &dyn Progress,

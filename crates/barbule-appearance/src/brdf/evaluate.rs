@@ -6,11 +6,12 @@ use std::f64::consts::PI;
 
 use super::integral::Fine;
 use super::lanes::{Lobes, StoredLobes};
-use super::material::{FeatherMaterial, Polarization, check_sigma};
+use super::material::{FeatherMaterial, check_sigma};
 use super::noise::{Draw, Noise};
 use super::sample::{HalfVectors, SampledLobe};
 use super::table::{self, Table, WIDTH, effective};
 use crate::Result;
+use crate::scattering::far_field::Polarization;
 
 /// How a material is prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -19,8 +20,8 @@ pub struct Options {
     pub sigma: Option<f64>,
     /// Whether values are symmetrized, (f(ω_i, ω_o) + f(ω_o, ω_i))/2, at twice the cost.
     pub reciprocal: bool,
-    /// Which incident light.
-    pub polarization: Polarization,
+    /// The incident polarization; `None` for unpolarized light.
+    pub polarization: Option<Polarization>,
 }
 
 /// A feather material that is ready for evaluation. Shared between threads; nothing in it changes.
@@ -49,7 +50,7 @@ struct Factors {
 
 /// A [`FeatherBrdf`] at four wavelengths and one incident direction.
 #[derive(Debug, Clone, Copy)]
-pub struct Prepared<'a> {
+pub struct PreparedBrdf<'a> {
     brdf: &'a FeatherBrdf,
     wavelengths_nm: [f32; 4],
     incident: DVec3,
@@ -67,11 +68,11 @@ impl FeatherBrdf {
         let sigma = options.sigma.unwrap_or(material.sigma);
         check_sigma(sigma)?;
         let only = match options.polarization {
-            Polarization::Second if material.sets.len() == 2 => &material.sets[1..],
-            Polarization::First if material.sets.len() == 2 => &material.sets[..1],
+            Some(Polarization::Second) if material.sets.len() == 2 => &material.sets[1..],
+            Some(Polarization::First) if material.sets.len() == 2 => &material.sets[..1],
             _ => &material.sets[..],
         };
-        let waves = &material.axes.wavelengths_nm;
+        let waves = material.axes.wavelengths_nm();
         Ok(Self {
             tables: only.iter().map(|set| Table::new(material, set, sigma, options.polarization)).collect(),
             noise: Noise::new(&material.noise_power, material.seed),
@@ -212,12 +213,12 @@ impl FeatherBrdf {
 
     /// Everything about four wavelengths and one incident direction, to be used with many outgoing ones.
     #[must_use]
-    pub fn prepare(&self, wavelengths_nm: [f32; 4], wi: DVec3) -> Prepared<'_> {
+    pub fn prepare(&self, wavelengths_nm: [f32; 4], wi: DVec3) -> PreparedBrdf<'_> {
         let mut sets = [StoredLobes::NONE; 2];
         if wi.z > 0.0 {
             dispatch!(self.level, simd => self.prepare_wide(simd, wavelengths_nm, wi, &mut sets));
         }
-        Prepared { brdf: self, wavelengths_nm, incident: wi, sets }
+        PreparedBrdf { brdf: self, wavelengths_nm, incident: wi, sets }
     }
 
     #[inline(always)]
@@ -254,7 +255,7 @@ fn single(v: DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
-impl Prepared<'_> {
+impl PreparedBrdf<'_> {
     /// f in 1/sr without the cosine; see [`FeatherBrdf::eval`].
     #[must_use]
     pub fn eval(&self, wo: DVec3, instance: Option<u64>) -> [f32; 4] {

@@ -174,14 +174,14 @@ fn fit_nodes(
     progress: &dyn Progress,
 ) -> Result<Vec<Node>> {
     let axes = &statistics.axes;
-    let phis = axes.cos_phi.len();
+    let phis = axes.cos_phi().len();
     let fitters: Vec<Fitter> =
-        axes.cos_theta.iter().map(|&c| Fitter::new(options.kind, libm::acos(c), AZIMUTHS)).collect();
+        axes.cos_theta().iter().map(|&c| Fitter::new(options.kind, libm::acos(c), AZIMUTHS)).collect();
     let quadrature = Fine::new();
-    let rows: Vec<Vec<Node>> = (0..axes.wavelengths_nm.len() * axes.cos_theta.len())
+    let rows: Vec<Vec<Node>> = (0..axes.wavelengths_nm().len() * axes.cos_theta().len())
         .into_par_iter()
         .map(|row| {
-            let theta = row % axes.cos_theta.len();
+            let theta = row % axes.cos_theta().len();
             let nodes = (0..phis)
                 .map(|phi| {
                     let node = row * phis + phi;
@@ -192,7 +192,7 @@ fn fit_nodes(
                         quadrature: &quadrature,
                         sigma: options.sigma,
                     };
-                    node_fit.fit(&fitters[theta], axes.cos_theta[theta], axes.cos_phi[phi])
+                    node_fit.fit(&fitters[theta], axes.cos_theta()[theta], axes.cos_phi()[phi])
                 })
                 .collect();
             progress.advance(phis as u64);
@@ -351,17 +351,15 @@ fn report(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::example;
+    use crate::brdf::fixtures::example;
     use crate::progress::Unobserved;
     use crate::scattering::statistics::Axes;
+    use crate::spectrum::Wavelengths;
 
     /// Statistics that a material's own lobes would give, with the biased fluctuation of `noise` on V.
     fn statistics_of(material: &FeatherMaterial) -> Statistics {
-        let axes = Axes {
-            wavelengths_nm: material.axes.wavelengths_nm.clone(),
-            cos_theta: vec![0.3, 0.7, 1.0],
-            cos_phi: vec![0.05, 0.25, 0.6, 1.0],
-        };
+        let wavelengths = Wavelengths::new(material.axes.wavelengths_nm()).unwrap();
+        let axes = Axes::new(&wavelengths, vec![0.3, 0.7, 1.0], vec![0.05, 0.25, 0.6, 1.0]).unwrap();
         let mut out = Statistics {
             instances: 50,
             u: vec![],
@@ -375,13 +373,13 @@ mod tests {
         };
         let set = &material.sets[0];
         let from = |axis: &[f64], c: f64| axis.iter().position(|v| (v - c).abs() < 1e-9).unwrap();
-        for (wave, &nm) in out.axes.wavelengths_nm.iter().enumerate() {
-            for &ct in &out.axes.cos_theta {
-                for &cp in &out.axes.cos_phi {
+        for (wave, &nm) in out.axes.wavelengths_nm().iter().enumerate() {
+            for &ct in out.axes.cos_theta() {
+                for &cp in out.axes.cos_phi() {
                     let at = material.axes.index(
                         wave,
-                        from(&material.axes.cos_theta, ct),
-                        from(&material.axes.cos_phi, cp),
+                        from(material.axes.cos_theta(), ct),
+                        from(material.axes.cos_phi(), cp),
                     );
                     let values = |lobe: &LobeSet| {
                         let shape = Lobe { m: f64::from(lobe.m[at]), phi: f64::from(lobe.phi[at]) };
@@ -415,13 +413,13 @@ mod tests {
         let set = &fitted.sets[0];
         let axes = &fitted.axes;
         for wave in 0..3 {
-            for (t, ct) in axes.cos_theta.iter().enumerate() {
-                for (p, cp) in axes.cos_phi.iter().enumerate() {
+            for (t, ct) in axes.cos_theta().iter().enumerate() {
+                for (p, cp) in axes.cos_phi().iter().enumerate() {
                     let from = |axis: &[f64], c: f64| axis.iter().position(|v| (v - c).abs() < 1e-9).unwrap();
                     let other = material.axes.index(
                         wave,
-                        from(&material.axes.cos_theta, *ct),
-                        from(&material.axes.cos_phi, *cp),
+                        from(material.axes.cos_theta(), *ct),
+                        from(material.axes.cos_phi(), *cp),
                     );
                     let at = axes.index(wave, t, p);
                     let close = |a: f32, b: f32| (a / b - 1.0).abs() < 2e-3 || (a - b).abs() < 2e-4;

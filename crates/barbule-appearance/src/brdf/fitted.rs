@@ -6,12 +6,12 @@ use crate::scattering::statistics::{AZIMUTHS, Axes};
 
 /// Wavelength in nm and θ_i, φ_i in degrees of a node.
 pub(super) fn direction(axes: &Axes, node: usize) -> (f64, f64, f64) {
-    let phis = axes.cos_phi.len();
-    let thetas = axes.cos_theta.len();
+    let phis = axes.cos_phi().len();
+    let thetas = axes.cos_theta().len();
     (
-        axes.wavelengths_nm[node / phis / thetas],
-        libm::acos(axes.cos_theta[node / phis % thetas]).to_degrees(),
-        libm::acos(axes.cos_phi[node % phis]).to_degrees(),
+        axes.wavelengths_nm()[node / phis / thetas],
+        libm::acos(axes.cos_theta()[node / phis % thetas]).to_degrees(),
+        libm::acos(axes.cos_phi()[node % phis]).to_degrees(),
     )
 }
 

@@ -18,7 +18,7 @@ pub(super) struct Length {
 /// polarizations together, with C₀(0) = 1; zeros where there is no light.
 pub(super) fn reference(statistics: &Statistics) -> Vec<f64> {
     let axes = &statistics.axes;
-    let node = axes.index(0, axes.cos_theta.len() - 1, axes.cos_phi.len() - 1);
+    let node = axes.index(0, axes.cos_theta().len() - 1, axes.cos_phi().len() - 1);
     normalized(statistics, node, &[0, 1]).unwrap_or_else(|| vec![0.0; LAGS])
 }
 
@@ -26,11 +26,11 @@ pub(super) fn reference(statistics: &Statistics) -> Vec<f64> {
 pub(super) fn lengths(statistics: &Statistics, polarizations: &[usize]) -> Vec<Length> {
     let reference = reference(statistics);
     let axes = &statistics.axes;
-    let per_wavelength = axes.cos_theta.len() * axes.cos_phi.len();
+    let per_wavelength = axes.cos_theta().len() * axes.cos_phi().len();
     (0..axes.len())
         .into_par_iter()
         .map(|node| {
-            let scaling = axes.wavelengths_nm[node / per_wavelength] / axes.wavelengths_nm[0];
+            let scaling = axes.wavelengths_nm()[node / per_wavelength] / axes.wavelengths_nm()[0];
             let missing = Length { fitted: scaling, ratio: scaling };
             let Some(lags) = normalized(statistics, node, polarizations) else { return missing };
             let (Some(own), Some(base)) = (decay(&lags), decay(&reference)) else { return missing };

@@ -2,6 +2,7 @@
 
 use crate::scattering::lobe::{FitKind, SMALLEST_M};
 use crate::scattering::statistics::{Axes, NOISE_POINTS};
+use crate::spectrum::Wavelengths;
 use crate::{Error, Result};
 
 /// Power terms P₁ … P_{N/2−1} of the noise process; P₀ and P_{N/2} are zero and the rest mirrors these.
@@ -31,18 +32,6 @@ pub struct ParameterSet {
     pub fraction_1: Vec<f32>,
     /// The same of the stationary part.
     pub stationary_fraction_1: Vec<f32>,
-}
-
-/// Incident polarization.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Polarization {
-    /// Unpolarized light.
-    #[default]
-    Mean,
-    /// E along e₁.
-    First,
-    /// E along e₂.
-    Second,
 }
 
 /// A feather material: everything that a renderer needs, and where it came from.
@@ -123,22 +112,37 @@ pub(super) const LENGTHS: (f32, f32) = (1.0 / 64.0, 64.0);
 /// # Errors
 /// An axis is empty, out of range or does not rise; more than 512 wavelengths or 4,000,000 nodes.
 pub fn check_axes(axes: &Axes) -> Result<()> {
-    check_axis("wavelengths_nm", &axes.wavelengths_nm, 100.0, 20_000.0)?;
-    check_axis("cos_theta", &axes.cos_theta, 1e-6, 1.0)?;
-    check_axis("cos_phi", &axes.cos_phi, 1e-6, 1.0)?;
+    check_each_axis(axes.wavelengths_nm(), axes.cos_theta(), axes.cos_phi())?;
     let nodes = axes.len();
     if nodes > MOST_NODES {
         return Err(Error::input(format!(
             "the tables have {nodes} nodes, over the limit of {MOST_NODES}; simulate fewer wavelengths or directions"
         )));
     }
-    let waves = axes.wavelengths_nm.len();
+    let waves = axes.wavelengths_nm().len();
     if waves > MOST_WAVELENGTHS {
         return Err(Error::input(format!(
             "wavelengths_nm has {waves} values, over the limit of {MOST_WAVELENGTHS}; simulate fewer wavelengths"
         )));
     }
     Ok(())
+}
+
+/// The axes of a material's tables, by the names that files give them.
+///
+/// # Errors
+/// As [`check_axes`].
+pub fn table_axes(wavelengths_nm: Vec<f64>, cos_theta: Vec<f64>, cos_phi: Vec<f64>) -> Result<Axes> {
+    check_each_axis(&wavelengths_nm, &cos_theta, &cos_phi)?;
+    let axes = Axes::new(&Wavelengths::new(wavelengths_nm)?, cos_theta, cos_phi)?;
+    check_axes(&axes)?;
+    Ok(axes)
+}
+
+fn check_each_axis(wavelengths_nm: &[f64], cos_theta: &[f64], cos_phi: &[f64]) -> Result<()> {
+    check_axis("wavelengths_nm", wavelengths_nm, 100.0, 20_000.0)?;
+    check_axis("cos_theta", cos_theta, 1e-6, 1.0)?;
+    check_axis("cos_phi", cos_phi, 1e-6, 1.0)
 }
 
 /// Refuses a longitudinal spread that is too wide for the lobe's integral to hold, or too narrow to be seen.

@@ -5,9 +5,11 @@
 //! barbule's frame (x across, y along, z up) and point away from the surface; values are in 1/sr without the cosine.
 
 mod evaluate;
-mod example;
 pub mod fit;
 mod fitted;
+// What tests and benchmarks of several crates need, but no user.
+#[doc(hidden)]
+pub mod fixtures;
 mod integral;
 mod lanes;
 mod length;
@@ -19,11 +21,10 @@ mod sample;
 mod simd;
 mod table;
 
-pub use evaluate::{FeatherBrdf, Options, Prepared};
-pub use example::example;
+pub use evaluate::{FeatherBrdf, Options, PreparedBrdf};
 pub use integral::lobe_integral;
 pub use material::{
-    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, Polarization, check_axes, check_sigma,
+    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, check_axes, check_sigma, table_axes,
 };
 pub use noise::{Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;

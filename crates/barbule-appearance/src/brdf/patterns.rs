@@ -110,14 +110,14 @@ impl Synthesis {
 pub(super) fn compare(statistics: &Statistics, material: &FeatherMaterial) -> Vec<Pattern> {
     let axes = &statistics.axes;
     let noise = Noise::new(&material.noise_power, material.seed);
-    let theta = axes.cos_theta.len() - 1;
-    let mut waves = vec![0, axes.wavelengths_nm.len() / 2, axes.wavelengths_nm.len() - 1];
+    let theta = axes.cos_theta().len() - 1;
+    let mut waves = vec![0, axes.wavelengths_nm().len() / 2, axes.wavelengths_nm().len() - 1];
     waves.dedup();
     let mut phis: Vec<usize> = [1.0, 0.85, 0.65, 0.35]
         .iter()
         .filter_map(|c| {
-            (0..axes.cos_phi.len())
-                .min_by(|&a, &b| (axes.cos_phi[a] - c).abs().total_cmp(&(axes.cos_phi[b] - c).abs()))
+            (0..axes.cos_phi().len())
+                .min_by(|&a, &b| (axes.cos_phi()[a] - c).abs().total_cmp(&(axes.cos_phi()[b] - c).abs()))
         })
         .collect();
     phis.dedup();

@@ -10,7 +10,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::integral::{Fine, Rough};
-use super::material::{FeatherMaterial, LobeSet, ParameterSet, Polarization};
+use super::material::{FeatherMaterial, LobeSet, ParameterSet};
+use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::SMALLEST_M;
 
 /// Columns of a node, twice: of the mean lobe and, from [`STATIONARY`] on, of the stationary one.
@@ -67,17 +68,17 @@ impl Table {
         material: &FeatherMaterial,
         set: &ParameterSet,
         sigma: f64,
-        polarization: Polarization,
+        polarization: Option<Polarization>,
     ) -> Self {
         let axes = &material.axes;
-        let theta = Axis::new(&axes.cos_theta);
-        let phi = Axis::new(&axes.cos_phi);
-        let (phis, waves) = (phi.cells + 1, axes.wavelengths_nm.len());
+        let theta = Axis::new(axes.cos_theta());
+        let phi = Axis::new(axes.cos_phi());
+        let (phis, waves) = (phi.cells + 1, axes.wavelengths_nm().len());
         let (fine, rough) = (Fine::new(), Rough::new());
         let layers: Vec<Vec<[f32; WIDTH]>> = (0..waves)
             .into_par_iter()
             .map(|wave| {
-                let nodes = axes.cos_theta.len() * axes.cos_phi.len();
+                let nodes = axes.cos_theta().len() * axes.cos_phi().len();
                 let range = wave * nodes..(wave + 1) * nodes;
                 let layer = Layer { theta: &theta, phi: &phi, range, sigma, fine: &fine, rough: &rough };
                 layer.parameters(set, polarization)
@@ -93,14 +94,15 @@ impl Table {
                 patches.extend(layers.iter().chain(again).map(|layer| Patch(corners.map(|at| layer[at]))));
             }
         }
-        let wavelengths_nm: Vec<f32> = axes.wavelengths_nm.iter().map(|&w| w as f32).collect();
-        let spacing = (axes.wavelengths_nm[waves - 1] - axes.wavelengths_nm[0]) / (waves.max(2) - 1) as f64;
+        let wavelengths_nm: Vec<f32> = axes.wavelengths_nm().iter().map(|&w| w as f32).collect();
+        let spacing =
+            (axes.wavelengths_nm()[waves - 1] - axes.wavelengths_nm()[0]) / (waves.max(2) - 1) as f64;
         let even = waves > 1
             && axes
-                .wavelengths_nm
+                .wavelengths_nm()
                 .iter()
                 .enumerate()
-                .all(|(k, w)| (axes.wavelengths_nm[0] + k as f64 * spacing - w).abs() < 1e-4 * spacing);
+                .all(|(k, w)| (axes.wavelengths_nm()[0] + k as f64 * spacing - w).abs() < 1e-4 * spacing);
         Self {
             patches,
             wavelengths_nm,
@@ -343,7 +345,7 @@ struct Layer<'a> {
 
 impl Layer<'_> {
     /// Parameters of all fine nodes, `[θ, φ]`.
-    fn parameters(&self, set: &ParameterSet, polarization: Polarization) -> Vec<[f32; WIDTH]> {
+    fn parameters(&self, set: &ParameterSet, polarization: Option<Polarization>) -> Vec<[f32; WIDTH]> {
         let count = (self.theta.cells + 1) * (self.phi.cells + 1);
         let mut out = vec![[0.0_f32; WIDTH]; count];
         let mut bright = Vec::new();
@@ -359,7 +361,7 @@ impl Layer<'_> {
             let m: Vec<f64> = ln_m.iter().map(|v| v.exp()).collect();
             let tilt = self.tilt(lobe);
             let mut reflected = self.refine(&self.stored(&lobe.reflected, |v| v), 0.0, 1.0, None);
-            if polarization != Polarization::Mean && !fractions.is_empty() {
+            if let Some(polarization) = polarization.filter(|_| !fractions.is_empty()) {
                 let first = self.refine(&self.stored(fractions, |v| v), 0.0, 1.0, None);
                 for (rho, first) in reflected.iter_mut().zip(first) {
                     *rho *= 2.0 * if polarization == Polarization::First { first } else { 1.0 - first };

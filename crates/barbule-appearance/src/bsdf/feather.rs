@@ -8,7 +8,7 @@ use super::hit::Hit;
 use super::keratin::{self, Keratin};
 use super::lobes::Lobes;
 use super::{Bsdf, Model};
-use crate::brdf::{FeatherBrdf, Prepared};
+use crate::brdf::{FeatherBrdf, PreparedBrdf};
 use crate::spectrum::dense::Lambda4;
 
 /// A barbule: its own BRDF above, dark keratin below. What neither reflects is absorbed by the melanin inside.
@@ -48,7 +48,7 @@ impl BarbuleSurface {
 
 /// A barbule's BRDF at the wavelengths of a path and one direction of the viewer.
 pub(super) struct Bound<'a> {
-    prepared: Prepared<'a>,
+    prepared: PreparedBrdf<'a>,
     instance: Option<u64>,
 }
 

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::*;
-use crate::brdf::{FeatherBrdf, Options, example};
+use crate::brdf::fixtures::example;
+use crate::brdf::{FeatherBrdf, Options};
 use crate::math::rng::Stream;
 
 fn grey(value: f64) -> Reflectance {

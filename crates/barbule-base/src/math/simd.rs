@@ -12,6 +12,12 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, Copy)]
 pub struct Width(pub Level);
 
+impl Default for Width {
+    fn default() -> Self {
+        Self::best()
+    }
+}
+
 impl Width {
     /// The widest that this processor has.
     #[must_use]

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use barbule::Result;
-use barbule::campaign::bench::{Figures, measure};
+use barbule::campaign::bench::{CampaignFigures, measure};
 use barbule::math::simd::Width;
 use barbule::solve::crystal::bench as crystal;
 use barbule::structure::crystal_species;
@@ -126,7 +126,7 @@ impl CrystalArgs {
     }
 }
 
-fn crystal_document(name: &str, figures: &crystal::Figures) -> serde_json::Value {
+fn crystal_document(name: &str, figures: &crystal::CrystalFigures) -> serde_json::Value {
     let solvers: Vec<_> = figures
         .solvers
         .iter()
@@ -151,7 +151,7 @@ fn crystal_document(name: &str, figures: &crystal::Figures) -> serde_json::Value
     })
 }
 
-fn crystal_table(name: &str, figures: &crystal::Figures) -> String {
+fn crystal_table(name: &str, figures: &crystal::CrystalFigures) -> String {
     let mut text = format!(
         "{name}\n  {:<39} {:>6} {:>11} {:>8} {:>11} {:>11}",
         "one λ and direction, both polarizations", "points", "CPU ms", "ratio", "error of R", "balance"
@@ -177,7 +177,7 @@ fn crystal_table(name: &str, figures: &crystal::Figures) -> String {
     )
 }
 
-fn table(name: &str, width: Width, figures: &Figures) -> String {
+fn table(name: &str, width: Width, figures: &CampaignFigures) -> String {
     let tables = 50.0 * figures.table_seconds;
     let rays = figures.rays.map_or(String::new(), |rays| format!(", {rays} rays per element"));
     let what = if figures.rays.is_some() { "reflectance tables" } else { "orders of the crystal" };

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use barbule::campaign::{Keep, Results};
+use barbule::campaign::{Keep, Resources, Results};
 use barbule::characterize::{Catalog, Characterized, Execution, characterize, check, file_stem};
 use barbule::io::{check_writable, write_material};
 use barbule::{Error, Result};
@@ -49,9 +49,9 @@ impl Args {
         check(&plan, &options)?;
         let store = self.keep_store.as_deref().map(|folder| store_path(folder, &name)).transpose()?;
         let width = self.campaign.width()?;
-        let units_at_once = units_at_once(&plan, width, Keep::Statistics, Results::Gathered, &self.common)?;
+        let units_at_once = units_at_once(&plan, Keep::Statistics, Results::Gathered, &self.common)?;
         self.common.say(&format!("characterizing {name}: about {}", expected(&plan)));
-        let how = Execution { width, units_at_once, store: store.as_deref() };
+        let how = Execution { resources: Resources { width, units_at_once }, store: store.as_deref() };
         let progress = Terminal::new(&self.common);
         let catalog = materials::catalog(&self.common);
         let Characterized { material, report, repaired } =

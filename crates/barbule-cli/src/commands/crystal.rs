@@ -52,8 +52,8 @@ pub(crate) struct Args {
     #[arg(long, conflicts_with = "field", requires = "output")]
     map: bool,
     /// Wavelengths of the map in nm
-    #[arg(long, value_name = "SET", default_value = "300:800:5", requires = "map")]
-    wavelengths: String,
+    #[arg(long, value_name = "SET", default_value = "300:800:5", requires = "map", value_parser = sets::wavelength_set)]
+    wavelengths: Wavelengths,
     /// Draw |E|² of both polarizations and the permittivity in the unit cell
     #[arg(long, requires = "output")]
     field: bool,
@@ -130,12 +130,12 @@ impl Args {
         if self.solver == Method::Fdtd {
             return Err(Error::input("a map takes thousands of points; use --solver multipole or rcwa"));
         }
-        let at = Wavelengths::new(sets::wavelengths(&self.wavelengths)?)?;
+        let at = &self.wavelengths;
         let phi_deg: Vec<f64> = (0..MAP_ANGLES).map(|i| 2.0 * i as f64 - (MAP_ANGLES - 1) as f64).collect();
         let phi_i: Vec<f64> = phi_deg.iter().map(|d| d.to_radians()).collect();
         let progress = Terminal::new(&self.common);
         let found = sweep(&*self.solver.solver(), lattice, at.nm(), theta_i, &phi_i, &progress)?;
-        Provenance::new(&self.common).write_figure(path, &self.map_figure(&at, &found))?;
+        Provenance::new(&self.common).write_figure(path, &self.map_figure(at, &found))?;
         if self.common.json {
             let rows = |polarization: usize| {
                 found

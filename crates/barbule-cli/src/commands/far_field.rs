@@ -2,10 +2,9 @@
 
 use std::io::Write;
 
-use barbule::math::simd::Width;
-use barbule::scattering::far_field::{FarField, Illumination, Light, Polarization, Window};
+use barbule::scattering::far_field::{FarField, Illumination, IncidentLight, Polarization, Window};
 use barbule::solve::direct;
-use barbule::solve::surface::{FINE_ELEMENT_UM, far_field};
+use barbule::solve::surface::{Accuracy, FINE_ELEMENT_UM, far_field};
 use barbule::{Complex64, Error, Result};
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -20,14 +19,16 @@ pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
     structure: String,
     /// Vacuum wavelength in nm
-    #[arg(long, value_name = "NM")]
-    wavelength: String,
+    #[arg(long, value_name = "NM", value_parser = |text: &str| sets::wavelength("--wavelength", text))]
+    wavelength: f64,
     /// Longitudinal angle of incidence in degrees
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
-    theta: String,
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true,
+        value_parser = |text: &str| sets::angle("--theta", text))]
+    theta: f64,
     /// Azimuth of incidence in degrees
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
-    phi: String,
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true,
+        value_parser = |text: &str| sets::angle("--phi", text))]
+    phi: f64,
     /// Which random instance, from 0
     #[arg(long, value_name = "K", default_value_t = 0)]
     instance: usize,
@@ -67,13 +68,6 @@ enum WindowArg {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        let single = |flag: &str, text: &str, values: Vec<f64>| match values[..] {
-            [value] => Ok(value),
-            _ => Err(Error::input(format!("{flag} {text}: give one value"))),
-        };
-        let wavelength_nm = single("--wavelength", &self.wavelength, sets::wavelengths(&self.wavelength)?)?;
-        let theta_deg = single("--theta", &self.theta, sets::angles("--theta", &self.theta)?)?;
-        let phi_deg = single("--phi", &self.phi, sets::angles("--phi", &self.phi)?)?;
         if !(2..=100_000).contains(&self.azimuths) {
             return Err(Error::input(format!(
                 "--azimuths {}: give a number from 2 to 100000",
@@ -91,11 +85,11 @@ impl Args {
         };
         let section =
             structure_arg::parse(&self.structure, &self.common)?.instance(self.common.seed, self.instance)?;
-        let (theta_i, phi_i) = (theta_deg.to_radians(), phi_deg.to_radians());
-        let illumination = Illumination { wavelength_nm, theta_i, phi_i, window };
+        let (theta_i, phi_i) = (self.theta.to_radians(), self.phi.to_radians());
+        let illumination = Illumination { wavelength_nm: self.wavelength, theta_i, phi_i, window };
         let far = match self.solver {
-            Solver::Direct => direct::far_field(&section, FINE_ELEMENT_UM, &illumination, self.azimuths)?,
-            _ => far_field(&section, FINE_ELEMENT_UM, &illumination, self.azimuths, Width::best())?,
+            Solver::Direct => direct::far_field(&section, &illumination, self.azimuths, FINE_ELEMENT_UM)?,
+            _ => far_field(&section, &illumination, self.azimuths, &Accuracy::default())?,
         };
         if self.common.json {
             return print_json(out, &document(&far));
@@ -122,8 +116,8 @@ fn document(far: &FarField) -> Value {
         })
     };
     let incident_power_um = match far.light {
-        Light::Beam { power_um } => Some(power_um),
-        Light::PlaneWave => None,
+        IncidentLight::Beam { power_um } => Some(power_um),
+        IncidentLight::PlaneWave => None,
     };
     json!({
         "phi_out_deg": far.azimuths.phi_o().iter().map(|phi| phi.to_degrees()).collect::<Vec<_>>(),
@@ -138,13 +132,13 @@ fn table(far: &FarField) -> String {
     let intensity = Polarization::BOTH.map(|p| per_radian(far, p));
     let [first, second] = far.radiated;
     let (unit, mut text) = match far.light {
-        Light::Beam { power_um } => (
+        IncidentLight::Beam { power_um } => (
             "1/rad",
             format!(
                 "incident power {power_um:.6} µm, reflected fraction {first:.6} (polarization 1), {second:.6} (2)\n"
             ),
         ),
-        Light::PlaneWave => {
+        IncidentLight::PlaneWave => {
             ("µm/rad", format!("reflected width {first:.6} µm (polarization 1), {second:.6} µm (2)\n"))
         }
     };

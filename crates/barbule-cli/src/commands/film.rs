@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use barbule::io::read_stack;
 use barbule::material::Library;
 use barbule::plot::{Axis, Curve, Drawing, Figure, HeatMap};
-use barbule::solve::film::{self, Sweep, Tables};
+use barbule::solve::film::{self, FilmTables, Sweep};
 use barbule::spectrum::Wavelengths;
 use barbule::spectrum::colour::{Observer, chromaticity, display, held};
 use barbule::structure::stack::Stack;
@@ -31,11 +31,12 @@ pub(crate) struct Args {
     /// A stack, as in 'air/keratin:595/air', or a TOML file
     stack: String,
     /// Wavelengths in nm: 520, or 400,442,484, or 400:694:6
-    #[arg(long, value_name = "SET", default_value = "400:694:6")]
-    wavelengths: String,
+    #[arg(long, value_name = "SET", default_value = "400:694:6", value_parser = sets::wavelength_set)]
+    wavelengths: Wavelengths,
     /// Angles from the normal in the first medium in degrees
-    #[arg(long, value_name = "SET", default_value = "0", allow_hyphen_values = true)]
-    angles: String,
+    #[arg(long, value_name = "SET", default_value = "0", allow_hyphen_values = true,
+        value_parser = |text: &str| sets::angles("--angles", text))]
+    angles: sets::Angles,
     /// Draw a figure: .svg or .png
     #[arg(short, long, value_name = "FIG")]
     output: Option<PathBuf>,
@@ -49,8 +50,7 @@ pub(crate) struct Args {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        let at = Wavelengths::new(sets::wavelengths(&self.wavelengths)?)?;
-        let angle_deg = sets::angles("--angles", &self.angles)?;
+        let (at, angle_deg) = (&self.wavelengths, &self.angles.0[..]);
         check_outputs(self.output.as_deref(), self.csv.as_deref())?;
         let stack = read(&self.stack, &self.common.library()?)?;
         let allowed = self.common.memory.unwrap_or(USUAL_MEMORY);
@@ -72,19 +72,19 @@ impl Args {
             angle_deg.len()
         ));
         let angle: Vec<f64> = angle_deg.iter().map(|a| a.to_radians()).collect();
-        let found = film::sweep(&stack, &at, &angle, &Terminal::new(&self.common))?;
+        let found = film::sweep(&stack, at, &angle, &Terminal::new(&self.common))?;
         let provenance = Provenance::new(&self.common);
         if let Some(path) = &self.output {
-            provenance.write_figure(path, &figure(&self.stack, &found, &angle_deg))?;
+            provenance.write_figure(path, &figure(&self.stack, &found, angle_deg))?;
         }
         if let Some(path) = &self.csv {
-            provenance.write_csv(path, &csv(&found, &angle_deg))?;
+            provenance.write_csv(path, &csv(&found, angle_deg))?;
         }
         if self.common.json {
-            return print_json(out, &document(&found, &angle_deg, stack.layers()));
+            return print_json(out, &document(&found, angle_deg, stack.layers()));
         }
         if self.output.is_none() && self.csv.is_none() {
-            return print(out, &table(&found, &angle_deg));
+            return print(out, &table(&found, angle_deg));
         }
         Ok(())
     }
@@ -114,7 +114,7 @@ fn document(found: &Sweep, angle_deg: &[f64], layers: usize) -> Value {
         let row = |row: &[Complex64]| row.iter().map(|z| json!([z.re, z.im])).collect::<Vec<_>>();
         values.chunks_exact(columns).map(row).collect::<Vec<_>>()
     };
-    let per_layer = |t: &Tables| {
+    let per_layer = |t: &FilmTables| {
         let size = t.absorbed_per_layer.len() / layers.max(1);
         t.absorbed_per_layer.chunks_exact(size.max(1)).map(rows).collect::<Vec<_>>()
     };

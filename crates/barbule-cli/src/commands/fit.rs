@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use barbule::Result;
 use barbule::brdf::check_axes;
-use barbule::characterize::{Description, material_of};
+use barbule::characterize::{CampaignDescription, material_of};
 use barbule::io::store::Store;
 use barbule::io::{check_writable, write_material};
 
@@ -36,7 +36,8 @@ impl Args {
         let store = Store::open(&self.store)?;
         check_axes(store.axes()).map_err(|e| e.at(self.store.display()))?;
         let statistics = store.statistics()?;
-        let campaign = Description::read(store.description()).map_err(|e| e.at(self.store.display()))?;
+        let campaign =
+            CampaignDescription::read(store.description()).map_err(|e| e.at(self.store.display()))?;
         let progress = Terminal::new(&self.common);
         let (material, report) = material_of(&statistics, store.name(), &campaign, &options, &progress)?;
         drop(progress);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use barbule::figures;
 use barbule::io::{check_writable, section_json, write_section};
 use barbule::plot::{Drawing, Format};
-use barbule::structure::{Parameters, Structure};
+use barbule::structure::{GeneratorParameters, Structure};
 use barbule::{Error, Result};
 
 use crate::common::{Common, print_json};
@@ -75,8 +75,8 @@ impl Args {
 /// The parameter sketch of a hummingbird.
 fn sketch(structure: &Structure, seed: u64) -> Result<Option<Drawing>> {
     let Structure::Species(model) = structure else { return Ok(None) };
-    let Parameters::Hummingbird(parameters) = &model.parameters else { return Ok(None) };
+    let GeneratorParameters::Hummingbird(parameters) = &model.parameters else { return Ok(None) };
     let mut regular = (**model).clone();
-    regular.parameters = Parameters::Hummingbird(parameters.without_randomness());
+    regular.parameters = GeneratorParameters::Hummingbird(parameters.without_randomness());
     Ok(Some(figures::hummingbird_sketch(parameters, &regular.section(seed, 0)?)))
 }

@@ -13,7 +13,7 @@ use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
 use barbule::render::film::Film;
 use barbule::render::run::{Ended, Goal};
-use barbule::scene::description::{Bearing, Description, SkyDescription, SkyImage};
+use barbule::scene::description::{Bearing, SceneDescription, SkyDescription, SkyImage};
 use barbule::scene::sky::Sky;
 use barbule::{Error, Result};
 
@@ -37,23 +37,23 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME|FILE")]
     material: Option<String>,
     /// Width and height in pixels [default: 1280x800]
-    #[arg(long, value_name = "WxH")]
-    size: Option<String>,
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
     /// Most samples per pixel [default: 16; 4096 with --noise or --time]
     #[arg(long, value_name = "N")]
     samples: Option<u32>,
     /// Stop after this time, as in 30s, 5m or 1h
-    #[arg(long, value_name = "TIME")]
-    time: Option<String>,
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    time: Option<Duration>,
     /// Stop where the noise is below this many percent of the brightness
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     noise: Option<f64>,
     /// Azimuth and elevation of the key light, degrees
-    #[arg(long, value_name = "AZ,EL", allow_hyphen_values = true)]
-    light: Option<String>,
+    #[arg(long, value_name = "AZ,EL", allow_hyphen_values = true, value_parser = light)]
+    light: Option<Bearing>,
     /// Azimuth and elevation of the camera, degrees, and the width of the picture in mm
-    #[arg(long, value_name = "AZ,EL[,MM]", allow_hyphen_values = true)]
-    view: Option<String>,
+    #[arg(long, value_name = "AZ,EL[,MM]", allow_hyphen_values = true, value_parser = view)]
+    view: Option<View>,
     /// This many pictures F-0000, F-0001 … with the light going round
     #[arg(long, value_name = "N", default_value_t = 1)]
     frames: u32,
@@ -64,6 +64,13 @@ pub(crate) struct Args {
     common: Common,
 }
 
+/// From where `--view` looks, and the width in mm where it says so.
+#[derive(Debug, Clone, Copy)]
+struct View {
+    bearing: Bearing,
+    width_mm: Option<f64>,
+}
+
 /// How often a checkpoint is written.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(15);
 
@@ -71,7 +78,7 @@ impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
         let description = self.description()?;
-        let size = self.size(description.size)?;
+        let size = self.size.or(description.size).unwrap_or([1280, 800]);
         let goal = self.goal()?;
         if !(1..=9999).contains(&self.frames) {
             return Err(Error::input(format!("--frames {}: give 1 to 9999", self.frames)));
@@ -104,34 +111,22 @@ impl Args {
     }
 
     /// The scene with the changes that the flags ask for.
-    fn description(&self) -> Result<Description> {
+    fn description(&self) -> Result<SceneDescription> {
         let path = Path::new(&self.scene);
         let mut description = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
-            Description::parse(&read_text(path)?).map_err(|e| e.at(&self.scene))?
+            SceneDescription::parse(&read_text(path)?).map_err(|e| e.at(&self.scene))?
         } else {
-            Description::named(&self.scene)?
+            SceneDescription::named(&self.scene)?
         };
         if let Some(material) = &self.material {
             description.material.clone_from(material);
         }
-        if let Some(text) = &self.light {
-            let numbers = sets::parse("--light", text)?;
-            let [azimuth, elevation] = numbers[..] else {
-                return Err(Error::input(format!("--light {text}: give azimuth and elevation, as in 40,60")));
-            };
-            description.light.bearing = Bearing { azimuth_deg: azimuth, elevation_deg: elevation };
+        if let Some(bearing) = self.light {
+            description.light.bearing = bearing;
         }
-        if let Some(text) = &self.view {
-            let numbers = sets::parse("--view", text)?;
-            let ([azimuth, elevation] | [azimuth, elevation, _]) = numbers[..] else {
-                return Err(Error::input(format!(
-                    "--view {text}: give azimuth, elevation and perhaps the width in mm, as in 190,58,4.4"
-                )));
-            };
-            description.camera.bearing = Bearing { azimuth_deg: azimuth, elevation_deg: elevation };
-            if let Some(width) = numbers.get(2) {
-                description.camera.width_mm = *width;
-            }
+        if let Some(View { bearing, width_mm }) = self.view {
+            description.camera.bearing = bearing;
+            description.camera.width_mm = width_mm.unwrap_or(description.camera.width_mm);
         }
         description.check()?;
         Ok(description)
@@ -146,27 +141,18 @@ impl Args {
         Ok((sky, format!("{} {} {}", hash_file(&path)?, image.strength, image.turn_deg)))
     }
 
-    fn size(&self, of_scene: Option<[u32; 2]>) -> Result<[u32; 2]> {
-        let Some(text) = &self.size else { return Ok(of_scene.unwrap_or([1280, 800])) };
-        let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-        sides.ok_or_else(|| {
-            Error::input(format!("--size {text}: give width and height in pixels, as in 1280x800"))
-        })
-    }
-
     fn goal(&self) -> Result<Goal> {
-        let time = self.time.as_deref().map(duration).transpose()?;
         if let Some(noise) = self.noise
             && !(noise > 0.0 && noise <= 100.0)
         {
             return Err(Error::input(format!("--noise {noise}: give percent, over 0 and up to 100")));
         }
-        let open_ended = time.is_some() || self.noise.is_some();
+        let open_ended = self.time.is_some() || self.noise.is_some();
         let samples = self.samples.unwrap_or(if open_ended { 4096 } else { 16 });
         if !(1..=1 << 24).contains(&samples) {
             return Err(Error::input(format!("--samples {samples}: give 1 to 16777216")));
         }
-        Ok(Goal { samples, noise: self.noise.map(|percent| percent / 100.0), time })
+        Ok(Goal { samples, noise: self.noise.map(|percent| percent / 100.0), time: self.time })
     }
 
     /// The file of a frame: `F.png`, or `F-0007.png` in a sequence.
@@ -180,7 +166,7 @@ impl Args {
     }
 
     /// What all frames share: the feather with its hierarchy, and the sky.
-    fn set(&self, description: &Description, brdf: Arc<FeatherBrdf>, sky: Option<Sky>) -> Result<Set> {
+    fn set(&self, description: &SceneDescription, brdf: Arc<FeatherBrdf>, sky: Option<Sky>) -> Result<Set> {
         let begun = Instant::now();
         let set = Set::new(description, brdf, sky, self.common.seed)?;
         let counts = set.counts();
@@ -196,7 +182,7 @@ impl Args {
 
     fn picture(
         &self,
-        description: &Description,
+        description: &SceneDescription,
         set: &Set,
         job: &Job<'_>,
         terminal: &Terminal,
@@ -257,7 +243,7 @@ impl Args {
     }
 
     /// What a picture says about itself.
-    fn provenance(&self, description: &Description, job: &Job<'_>, film: &Film) -> Provenance {
+    fn provenance(&self, description: &SceneDescription, job: &Job<'_>, film: &Film) -> Provenance {
         let pixels = f64::from(job.size[0]) * f64::from(job.size[1]);
         let (light, view) = (&description.light.bearing, &description.camera.bearing);
         let width_mm = description.camera.width_mm;
@@ -287,6 +273,33 @@ impl Job<'_> {
         name.push(".checkpoint");
         name.into()
     }
+}
+
+/// Width and height, as in 1280x800.
+fn size(text: &str) -> Result<[u32; 2]> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    sides.ok_or_else(|| {
+        Error::input(format!("--size {text}: give width and height in pixels, as in 1280x800"))
+    })
+}
+
+/// Azimuth and elevation of the key light.
+fn light(text: &str) -> Result<Bearing> {
+    let [azimuth_deg, elevation_deg] = sets::parse("--light", text)?[..] else {
+        return Err(Error::input(format!("--light {text}: give azimuth and elevation, as in 40,60")));
+    };
+    Ok(Bearing { azimuth_deg, elevation_deg })
+}
+
+/// Azimuth and elevation of the camera, and perhaps a width.
+fn view(text: &str) -> Result<View> {
+    let numbers = sets::parse("--view", text)?;
+    let ([azimuth_deg, elevation_deg] | [azimuth_deg, elevation_deg, _]) = numbers[..] else {
+        return Err(Error::input(format!(
+            "--view {text}: give azimuth, elevation and perhaps the width in mm, as in 190,58,4.4"
+        )));
+    };
+    Ok(View { bearing: Bearing { azimuth_deg, elevation_deg }, width_mm: numbers.get(2).copied() })
 }
 
 /// A time: a number with an optional unit s, m or h.

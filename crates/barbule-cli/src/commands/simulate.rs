@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use barbule::campaign::{Keep, Results, run};
+use barbule::campaign::{Keep, Resources, Results, run};
 use barbule::io::store::{Status, Store};
 use barbule::{Error, Result};
 use serde_json::json;
@@ -52,8 +52,9 @@ impl Args {
         let kept = self.keep_fields.as_deref().map_or(Ok(Vec::new()), crate::sets::wavelengths)?;
         let width = self.campaign.width()?;
         let keep = if kept.is_empty() { Keep::Statistics } else { Keep::Fields };
-        let at_once = units_at_once(&plan, width, keep, Results::Stored, &self.common)?;
-        let store = plan.store(path, &kept, width)?;
+        let units_at_once = units_at_once(&plan, keep, Results::Stored, &self.common)?;
+        let resources = Resources { width, units_at_once };
+        let store = plan.store(path, &kept, &resources)?;
         let units = store.shard(shard, shards);
         if units.iter().all(|&(w, t)| store.is_whole(w, t)) {
             store.end_writing();
@@ -61,8 +62,7 @@ impl Args {
         } else {
             store.prepare_writing()?;
             let progress = Terminal::new(&self.common);
-            let mut campaign = plan.campaign(width, &catalog(&self.common), &progress)?;
-            campaign.limit_units(at_once);
+            let campaign = plan.campaign(&resources, &catalog(&self.common), &progress)?;
             let outcome = run(&campaign, &store, shard, shards, &progress)?;
             drop(progress);
             say_repaired(outcome.repaired, &self.common);

@@ -7,7 +7,6 @@ use std::path::PathBuf;
 use barbule::campaign::spectrum::{Collect, Spectra, SpectrumRequest, spectra};
 use barbule::figures;
 use barbule::io::tables::read_spectrum;
-use barbule::math::simd::Width;
 use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
 use clap::ValueEnum;
@@ -27,23 +26,24 @@ pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
     structure: String,
     /// Angles of incidence in degrees
-    #[arg(long, value_name = "SET", default_value = "0", allow_hyphen_values = true)]
-    angle: String,
+    #[arg(long, value_name = "SET", default_value = "0", allow_hyphen_values = true,
+        value_parser = |text: &str| sets::angles("--angle", text))]
+    angle: sets::Angles,
     /// The plane in which the angle lies: across the barbule (φ_i) or along it (θ_i)
     #[arg(long, value_enum, default_value_t = Plane::Across)]
     plane: Plane,
     /// What is collected: hemisphere, or cone:HALF, what falls within HALF degrees of the mirror direction
-    #[arg(long, value_name = "hemisphere|cone:HALF", default_value = "hemisphere")]
-    collect: String,
+    #[arg(long, value_name = "hemisphere|cone:HALF", default_value = "hemisphere", value_parser = collect)]
+    collect: Collect,
     /// Incident polarization
-    #[arg(long, value_name = "mean|1|2", default_value = "mean")]
-    polarization: String,
+    #[arg(long, value_name = "mean|1|2", default_value = "mean", value_parser = polarization)]
+    polarization: [f64; 2],
     /// Random instances
     #[arg(long, value_name = "N", default_value_t = 50)]
     instances: usize,
     /// Wavelengths in nm
-    #[arg(long, value_name = "SET", default_value = "400:694:6")]
-    wavelengths: String,
+    #[arg(long, value_name = "SET", default_value = "400:694:6", value_parser = sets::wavelength_set)]
+    wavelengths: Wavelengths,
     /// A measured spectrum to draw beside (CSV: nm, reflectance)
     #[arg(long, value_name = "FILE")]
     measured: Option<PathBuf>,
@@ -69,10 +69,7 @@ enum Plane {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        let angles_deg = sets::angles("--angle", &self.angle)?;
-        let wavelengths = Wavelengths::new(sets::wavelengths(&self.wavelengths)?)?;
-        let collect = collect(&self.collect)?;
-        let polarization = polarization(&self.polarization)?;
+        let angles_deg = &self.angle.0;
         if !(1..=10_000).contains(&self.instances) {
             return Err(Error::input(format!(
                 "--instances {}: give a number from 1 to 10000",
@@ -88,14 +85,14 @@ impl Args {
             Plane::Along => (angle.to_radians(), 0.0),
         };
         let request = SpectrumRequest {
-            wavelengths,
+            wavelengths: self.wavelengths.clone(),
             directions: angles_deg.iter().map(direction).collect(),
             instances,
             seed: self.common.seed,
-            collect,
-            polarization,
+            collect: self.collect,
+            polarization: self.polarization,
         };
-        let found = spectra(&structure, &request, Width::best(), &Terminal::new(&self.common))?;
+        let found = spectra(&structure, &request, &Terminal::new(&self.common))?;
         let provenance = Provenance::new(&self.common);
         if let Some(path) = &self.output {
             let title = format!("{}, {} instances", structure.name(), instances);
@@ -104,7 +101,7 @@ impl Args {
             let measured: Vec<_> = measured.into_iter().map(|m| ("measured".to_owned(), m)).collect();
             provenance.write_figure(path, &figures::spectra(&title, &request, &found, &names, &measured)?)?;
         }
-        let csv = csv(&request, &found, &angles_deg);
+        let csv = csv(&request, &found, angles_deg);
         if let Some(path) = &self.csv {
             provenance.write_csv(path, &csv)?;
         }

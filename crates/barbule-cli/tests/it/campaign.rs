@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::bytes_of;
+use crate::common::{MADE_UP, bytes_of, write_made_up};
 use barbule::brdf::FeatherMaterial;
 use serde_json::Value;
 
@@ -318,11 +318,12 @@ fn every_picture_of_a_material_is_drawn_from_the_material_alone() {
         assert!(flag.starts_with("--instances") || !text.contains("NaN"), "{flag}");
     }
     // A made-up material has no barbules: what does not need them is drawn.
+    write_made_up();
     for flag in ["--fields", "--fits"] {
-        let (code, _, message) = run(&["lobes", "example", flag, "-o", &figure]);
+        let (code, _, message) = run(&["lobes", MADE_UP, flag, "-o", &figure]);
         assert_eq!(code, 2);
         assert!(message.contains("cannot be made again") && message.len() < 600, "{message}");
     }
-    let (code, _, message) = run(&["lobes", "example", "--noise", "-o", &figure]);
+    let (code, _, message) = run(&["lobes", MADE_UP, "--noise", "-o", &figure]);
     assert!(code == 0 && message.contains("no single barbules"), "{message}");
 }

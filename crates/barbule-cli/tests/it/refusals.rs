@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use barbule::io::encode_material;
 use barbule::io::store::Store;
 use barbule::scattering::statistics::Axes;
+use barbule::spectrum::Wavelengths;
 
 /// Command lines and a part of what must be said.
 const LINES: &[(&str, &str)] = &[
@@ -188,10 +189,10 @@ const LINES: &[(&str, &str)] = &[
     ("cache --cache @good.csv", "cannot be made"),
     ("cache mallard", "unexpected argument"),
     // Lobes.
-    ("lobes example", "--output"),
-    ("lobes example -o @f.doc", ".svg or .png"),
-    ("lobes example --parameters --fits -o @f.svg", "cannot be used with"),
-    ("lobes example --instances 1000 -o @f.svg", "give at most"),
+    ("lobes starling", "--output"),
+    ("lobes starling -o @f.doc", ".svg or .png"),
+    ("lobes starling --parameters --fits -o @f.svg", "cannot be used with"),
+    ("lobes starling --instances 1000 -o @f.svg", "give at most"),
     ("lobes @none.barbule -o @f.svg", "no such file"),
     ("lobes nobody -o @f.svg", "nobody"),
     // Pictures.
@@ -386,7 +387,7 @@ fn changed(good: &str, (from, to, _): &Change) -> String {
 }
 
 fn axes() -> Axes {
-    Axes { wavelengths_nm: vec![450.0, 550.0], cos_theta: vec![0.5, 1.0], cos_phi: vec![0.5, 1.0] }
+    Axes::new(&Wavelengths::new([450.0, 550.0]).unwrap(), vec![0.5, 1.0], vec![0.5, 1.0]).unwrap()
 }
 
 fn make_store(path: &Path) {
@@ -450,7 +451,7 @@ fn prepared(folder: &Path) -> Vec<(String, &'static str)> {
     make_store(&lacking);
     std::fs::remove_file(lacking.join("v/zarr.json")).unwrap();
     lines.push(("fit @lacking.zarr -o @f.barbule".into(), "v/zarr.json: no such file"));
-    let good = encode_material(&barbule::brdf::example(2)).unwrap();
+    let good = encode_material(&barbule::brdf::fixtures::example(2)).unwrap();
     let altered = |at: usize| {
         let mut bytes = good.clone();
         bytes[at] ^= 1;

@@ -5,14 +5,17 @@ use std::path::Path;
 use assert_cmd::Command;
 use serde_json::Value;
 
+use crate::common::{MADE_UP, write_made_up};
+
 fn barbule(folder: &Path, arguments: &[&str]) -> Command {
+    write_made_up();
     let mut command = Command::cargo_bin("barbule").unwrap();
     command.args(["render"]).args(arguments).current_dir(folder);
     command
 }
 
 /// Small and without a simulated material: a second or two.
-const QUICK: &[&str] = &["--material", "example", "--size", "48x30", "--samples", "4"];
+const QUICK: &[&str] = &["--material", MADE_UP, "--size", "48x30", "--samples", "4"];
 
 #[test]
 fn a_picture_is_a_png_that_says_where_it_comes_from() {
@@ -39,8 +42,9 @@ fn a_picture_is_a_png_that_says_where_it_comes_from() {
 #[test]
 fn exr_frames_and_scene_files_are_written() {
     let folder = tempfile::tempdir().unwrap();
-    let scene =
-        "preset = \"hummingbird\"\nmaterial = \"example\"\nsize = [40, 24]\n[light]\nazimuth = 10.0\n";
+    let scene = format!(
+        "preset = \"hummingbird\"\nmaterial = '{MADE_UP}'\nsize = [40, 24]\n[light]\nazimuth = 10.0\n"
+    );
     std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
     let arguments = ["scene.toml", "-o", "h.exr", "--frames", "2", "--samples", "2"];
     barbule(folder.path(), &arguments).assert().success();
@@ -90,7 +94,7 @@ fn frames_share_one_feather_and_its_hierarchy() {
 fn a_resumed_picture_has_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let render = |name: &str, samples: &str| {
-        let arguments = ["starling", "--material", "example", "--size", "40x24", "--resume", "-o", name];
+        let arguments = ["starling", "--material", MADE_UP, "--size", "40x24", "--resume", "-o", name];
         barbule(folder.path(), &[&arguments[..], &["--samples", samples]].concat()).assert().success();
     };
     render("a.png", "8");
@@ -100,7 +104,7 @@ fn a_resumed_picture_has_the_same_bits() {
     assert_eq!(read("a.png.checkpoint"), read("b.png.checkpoint"));
     // Another light is another picture.
     let other =
-        ["starling", "--material", "example", "--size", "40x24", "--resume", "-o", "a.png", "--light=1,50"];
+        ["starling", "--material", MADE_UP, "--size", "40x24", "--resume", "-o", "a.png", "--light=1,50"];
     let refused = barbule(folder.path(), &other).assert().code(2);
     assert!(String::from_utf8_lossy(&refused.get_output().stderr).contains("another picture"));
 }
@@ -114,9 +118,9 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
     let cases: &[(&[&str], &str)] = &[
         (&["starlign", "-o", "x.png"], "did you mean 'starling'"),
         (&["starling:pnk", "-o", "x.png"], "pnk"),
-        (&["starling", "-o", "x.jpg", "--material", "example"], "pictures are written as .png or .exr"),
-        (&["starling", "-o", "no/x.png", "--material", "example"], "does not exist"),
-        (&["starling", "-o", "d.png", "--material", "example"], "is a folder"),
+        (&["starling", "-o", "x.jpg", "--material", MADE_UP], "pictures are written as .png or .exr"),
+        (&["starling", "-o", "no/x.png", "--material", MADE_UP], "does not exist"),
+        (&["starling", "-o", "d.png", "--material", MADE_UP], "is a folder"),
         (&["starling", "-o", "x.png", "--material", "none.barbule"], "no such file"),
         (&["starling", "-o", "x.png", "--material", "bad.barbule"], "is not a material file"),
         (&["starling", "-o", "x.png", "--size", "10"], "as in 1280x800"),

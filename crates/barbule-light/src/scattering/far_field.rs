@@ -65,7 +65,7 @@ impl Illumination {
 
 /// The light to which amplitudes belong.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Light {
+pub enum IncidentLight {
     /// Light through a window: amplitudes are over √Φ_i.
     Beam {
         /// Φ_i, the incident power per length for c₀ = 1 and unit |E|, µm.
@@ -75,7 +75,7 @@ pub enum Light {
     PlaneWave,
 }
 
-impl Light {
+impl IncidentLight {
     /// What fields for unit |E| are multiplied by to give amplitudes: 1/√Φ_i, zero where no light arrives, for a beam; 1 for
     /// a plane wave.
     #[must_use]
@@ -121,7 +121,7 @@ impl Azimuths {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FarField {
     /// The light that it belongs to.
-    pub light: Light,
+    pub light: IncidentLight,
     /// θ_i, rad.
     pub theta_i: f64,
     /// Outgoing azimuths.
@@ -138,8 +138,8 @@ impl FarField {
     #[must_use]
     pub fn intensity(&self, polarization: Polarization) -> Option<Vec<f64>> {
         match self.light {
-            Light::Beam { .. } => Some(self.scaled(polarization, 1.0)),
-            Light::PlaneWave => None,
+            IncidentLight::Beam { .. } => Some(self.scaled(polarization, 1.0)),
+            IncidentLight::PlaneWave => None,
         }
     }
 
@@ -153,8 +153,8 @@ impl FarField {
     #[must_use]
     pub fn reflected_fraction(&self, polarization: Polarization) -> Option<f64> {
         match self.light {
-            Light::Beam { .. } => Some(self.radiated[polarization.index()]),
-            Light::PlaneWave => None,
+            IncidentLight::Beam { .. } => Some(self.radiated[polarization.index()]),
+            IncidentLight::PlaneWave => None,
         }
     }
 
@@ -167,8 +167,8 @@ impl FarField {
     /// What turns squares of the amplitudes into those for unit |E|, µm.
     fn squared_amplitude_um(&self) -> f64 {
         match self.light {
-            Light::Beam { power_um } => power_um,
-            Light::PlaneWave => 1.0,
+            IncidentLight::Beam { power_um } => power_um,
+            IncidentLight::PlaneWave => 1.0,
         }
     }
 
@@ -198,7 +198,7 @@ pub fn refinement(coefficients: usize, count: usize) -> usize {
 mod tests {
     use super::*;
 
-    fn uniform(light: Light) -> FarField {
+    fn uniform(light: IncidentLight) -> FarField {
         let azimuths = Azimuths::FullCircle(8);
         let row = || vec![Complex64::new(0.0, 0.5); 8];
         let amplitudes = [[row(), row()], [row(), row()]];
@@ -217,14 +217,16 @@ mod tests {
 
     #[test]
     fn widths_integrate_to_what_is_radiated_whatever_the_light() {
-        for (light, power_um) in [(Light::PlaneWave, 1.0), (Light::Beam { power_um: 7.0 }, 7.0)] {
+        for (light, power_um) in
+            [(IncidentLight::PlaneWave, 1.0), (IncidentLight::Beam { power_um: 7.0 }, 7.0)]
+        {
             let far = uniform(light);
             for polarization in Polarization::BOTH {
                 let sum: f64 = far.differential_width_um(polarization).iter().sum();
                 let width = far.scattering_width_um(polarization);
                 assert!((sum * far.azimuths.step() / width - 1.0).abs() < 1e-14);
                 assert!((width / power_um - 0.5 * TAU * 0.6_f64.cos()).abs() < 1e-14);
-                let beam = light != Light::PlaneWave;
+                let beam = light != IncidentLight::PlaneWave;
                 assert_eq!(far.intensity(polarization), beam.then(|| vec![0.5; 8]));
                 assert_eq!(far.reflected_fraction(polarization).is_some(), beam);
             }

@@ -17,16 +17,13 @@ pub const LAGS: usize = NOISE_POINTS / 2;
 /// The axes shared by every array of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axes {
-    /// Vacuum wavelengths, nm, rising.
-    pub wavelengths_nm: Vec<f64>,
-    /// cosθ_i of the simulated directions, rising, in (0, 1].
-    pub cos_theta: Vec<f64>,
-    /// cosφ_i of the simulated directions, rising, in (0, 1]; φ_i ≥ 0.
-    pub cos_phi: Vec<f64>,
+    wavelengths: Wavelengths,
+    cos_theta: Vec<f64>,
+    cos_phi: Vec<f64>,
 }
 
 impl Axes {
-    /// Axes that a campaign can have.
+    /// Vacuum wavelengths, and the cosines of θ_i and of φ_i ≥ 0 of the simulated directions.
     ///
     /// # Errors
     /// Cosines that do not rise or do not lie in (0, 1], or none.
@@ -45,19 +42,32 @@ impl Axes {
                 )));
             }
         }
-        Ok(Self { wavelengths_nm: wavelengths.to_vec(), cos_theta, cos_phi })
+        Ok(Self { wavelengths: wavelengths.clone(), cos_theta, cos_phi })
     }
 
-    /// Number of (λ, θ_i, φ_i) triples.
+    /// Vacuum wavelengths, nm, rising.
     #[must_use]
+    pub fn wavelengths_nm(&self) -> &[f64] {
+        &self.wavelengths
+    }
+
+    /// cosθ_i of the simulated directions, rising, in (0, 1].
+    #[must_use]
+    pub fn cos_theta(&self) -> &[f64] {
+        &self.cos_theta
+    }
+
+    /// cosφ_i of the simulated directions, rising, in (0, 1]; φ_i ≥ 0.
+    #[must_use]
+    pub fn cos_phi(&self) -> &[f64] {
+        &self.cos_phi
+    }
+
+    /// Number of (λ, θ_i, φ_i) triples, at least 1.
+    #[must_use]
+    #[allow(clippy::len_without_is_empty)] // never empty
     pub fn len(&self) -> usize {
-        self.wavelengths_nm.len() * self.cos_theta.len() * self.cos_phi.len()
-    }
-
-    /// Whether any axis is empty.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.wavelengths.len() * self.cos_theta.len() * self.cos_phi.len()
     }
 
     /// θ_i number `theta`, rad, 0 to π/2.

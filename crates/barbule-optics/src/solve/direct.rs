@@ -7,12 +7,12 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use super::crystal::Cell;
-use super::crystal::multipole::Prepared;
+use super::crystal::multipole::PreparedCell;
 use super::film::{Polarization, reflect};
 use super::surface::solver;
 use crate::scattering::directions::{e1, e2, omega};
 use crate::scattering::far_field::{
-    Azimuths, FarField, Illumination, Light, Window, coefficients, refinement,
+    Azimuths, FarField, Illumination, IncidentLight, Window, coefficients, refinement,
 };
 use crate::structure::{Columns, CrystalLayer, Polyline, Ray, Section, cast};
 use crate::{Error, Result};
@@ -31,9 +31,9 @@ type Wave = (Field, Field);
 /// be solved.
 pub fn far_field(
     section: &Section,
-    element_um: f64,
     illumination: &Illumination,
     azimuths: usize,
+    element_um: f64,
 ) -> Result<FarField> {
     section.check_lit_through_air()?;
     let lit = illuminate(section, element_um, illumination)?;
@@ -105,8 +105,8 @@ fn radiate(lit: &Lit, illumination: &Illumination, azimuths: usize) -> FarField 
         * (2.0 / (std::f64::consts::PI * kappa)).sqrt()
         * Complex64::from_polar(1.0, -std::f64::consts::FRAC_PI_4);
     let light = match illumination.window {
-        Window::Gaussian => Light::Beam { power_um: lit.incident_power_um },
-        Window::PlaneWave => Light::PlaneWave,
+        Window::Gaussian => IncidentLight::Beam { power_um: lit.incident_power_um },
+        Window::PlaneWave => IncidentLight::PlaneWave,
     };
     let scale = light.scale();
     let mut amplitudes: [[Vec<Complex64>; 2]; 2] = Default::default();
@@ -228,7 +228,7 @@ impl Stacks {
 /// A crystal under the top at one wavelength and one θ_i, solved anew for every point.
 struct Crystalline<'a> {
     layer: &'a CrystalLayer,
-    prepared: Prepared,
+    prepared: PreparedCell,
     theta_i: f64,
     top: &'a Polyline,
     arc_um: Vec<f64>,

@@ -9,7 +9,7 @@
 
 mod sweep;
 
-pub use sweep::{Sweep, Tables, bytes, sweep};
+pub use sweep::{FilmTables, Sweep, bytes, sweep};
 
 use crate::structure::stack::Stack;
 use crate::{Complex64, Error, Result};
@@ -30,7 +30,7 @@ impl Polarization {
 
 /// What becomes of one plane wave of unit power.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Response {
+pub struct FilmResponse {
     /// Reflected over incident amplitude (s: of E, p: of H̃).
     pub r: Complex64,
     /// Transmitted over incident amplitude (s: of E, p: of H̃) at the last interface.
@@ -57,7 +57,7 @@ pub fn response(
     wavelength_nm: f64,
     angle: f64,
     polarization: Polarization,
-) -> Result<Response> {
+) -> Result<FilmResponse> {
     let indices = stack.indices(wavelength_nm)?;
     response_at(&indices, stack.thickness_nm(), wavelength_nm, angle, polarization)
 }
@@ -72,7 +72,7 @@ pub fn response_at(
     wavelength_nm: f64,
     angle: f64,
     polarization: Polarization,
-) -> Result<Response> {
+) -> Result<FilmResponse> {
     let entry = entry(indices, thickness_nm, wavelength_nm, angle, polarization)?;
     let layers = thickness_nm.len();
     let mut fields = Fields::at_exit(entry.admittance(indices[layers + 1]));
@@ -95,7 +95,7 @@ pub fn response_at(
         below = above;
     }
     let t = fields.scale.amplitude_below() / incident;
-    let result = Response {
+    let result = FilmResponse {
         r,
         t,
         reflected: r.norm_sqr(),

@@ -22,7 +22,7 @@ pub struct Ray {
 
 /// A medium made of up to two of a palette: index (1−f)·n_a + f·n_b.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mixture {
+pub struct PaletteMixture {
     /// Palette entry where the fraction is 0.
     pub a: u16,
     /// Palette entry where the fraction is 1; equal to `a` in a pure medium.
@@ -31,7 +31,7 @@ pub struct Mixture {
     pub fraction: f64,
 }
 
-impl Mixture {
+impl PaletteMixture {
     /// ε − 1, given the palette's indices.
     pub fn contrast(&self, indices: &[Complex64]) -> Complex64 {
         let (a, b) = (indices[usize::from(self.a)], indices[usize::from(self.b)]);
@@ -53,7 +53,7 @@ pub struct Columns {
     /// Shape: `[slot][ray]`; 0 for the substrate and where a ray has no such layer.
     pub thickness_um: Vec<f64>,
     /// Shape: `[slot][ray]`.
-    pub mixture: Vec<Mixture>,
+    pub mixture: Vec<PaletteMixture>,
     /// The materials that mixtures point at.
     pub palette: Vec<Material>,
 }
@@ -95,7 +95,7 @@ pub fn cast(section: &Section, rays: &[Ray]) -> Result<Columns> {
         slots.place(&mut found[span(ray)]);
     }
     let layers = slots.kinds.len();
-    let blank = |kind: Kind| Mixture { a: kind.a, b: kind.b, fraction: 0.0 };
+    let blank = |kind: Kind| PaletteMixture { a: kind.a, b: kind.b, fraction: 0.0 };
     let mut columns = Columns {
         rays: rays.len(),
         slots: layers + 1,
@@ -115,7 +115,7 @@ pub fn cast(section: &Section, rays: &[Ray]) -> Result<Columns> {
                 columns.thickness_um[at] = layer.thickness_um;
             }
             let fraction = layer.medium.map_or(0.0, |medium| all_media(section, medium).fraction(ray.x_um));
-            columns.mixture[at] = Mixture { fraction, ..blank(layer.kind) };
+            columns.mixture[at] = PaletteMixture { fraction, ..blank(layer.kind) };
         }
     }
     Ok(columns)

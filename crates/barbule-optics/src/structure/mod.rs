@@ -14,7 +14,7 @@ mod species;
 pub mod stack;
 mod sweep;
 
-pub use cast::{Columns, Mixture, Ray, cast};
+pub use cast::{Columns, PaletteMixture, Ray, cast};
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
 pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};
 pub use section::{
@@ -22,7 +22,7 @@ pub use section::{
     Polyline, Section, Substance,
 };
 pub use species::{
-    Bronzewing, Crystal, Hummingbird, Parameters, RockDove, SpeciesFile, SpeciesModel, Starling,
+    Bronzewing, Crystal, GeneratorParameters, Hummingbird, RockDove, SpeciesFile, SpeciesModel, Starling,
     crystal_species, layered_species, species_names, species_toml,
 };
 

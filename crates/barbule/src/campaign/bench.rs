@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use super::{Campaign, Keep, Parameters, orders};
+use super::{Campaign, CampaignParameters, Keep, Resources, orders};
 use crate::math::simd::Width;
 use crate::progress::{Progress, Unobserved};
 use crate::scattering::far_field::{Illumination, Window};
@@ -27,7 +27,7 @@ const FULL: [usize; 4] = [50, 20, 20, 50];
 
 /// What a campaign costs on one core, in CPU seconds, so that other work on the machine does not count.
 #[derive(Debug, Clone)]
-pub struct Figures {
+pub struct CampaignFigures {
     /// Rays under each element; `None` over a crystal.
     pub rays: Option<usize>,
     /// Preparing one instance.
@@ -48,7 +48,7 @@ pub struct Figures {
     pub plain_ratio: f64,
 }
 
-impl Figures {
+impl CampaignFigures {
     /// Illuminations per CPU second in a full campaign.
     #[must_use]
     pub fn illuminations_per_second(&self) -> f64 {
@@ -60,7 +60,12 @@ impl Figures {
 ///
 /// # Errors
 /// An instance cannot be made, a medium's table does not cover 400 to 700 nm, or the user cancelled.
-pub fn measure(structure: &Structure, seed: u64, width: Width, progress: &dyn Progress) -> Result<Figures> {
+pub fn measure(
+    structure: &Structure,
+    seed: u64,
+    width: Width,
+    progress: &dyn Progress,
+) -> Result<CampaignFigures> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build()
@@ -68,20 +73,26 @@ pub fn measure(structure: &Structure, seed: u64, width: Width, progress: &dyn Pr
     pool.install(|| sample(structure, seed, width, progress))
 }
 
-fn sample(structure: &Structure, seed: u64, width: Width, progress: &dyn Progress) -> Result<Figures> {
+fn sample(
+    structure: &Structure,
+    seed: u64,
+    width: Width,
+    progress: &dyn Progress,
+) -> Result<CampaignFigures> {
     let [wavelengths, thetas, phis, instances] = FULL;
     let cos_phi: Vec<f64> = (1..=phis).map(|i| i as f64 / phis as f64).collect();
     let axes = Axes::new(&Wavelengths::new(SAMPLE_NM)?, SAMPLE_COS_THETA.to_vec(), cos_phi)?;
     let phi_i: Vec<f64> = (0..phis).map(|phi| axes.phi_i(phi)).collect();
     let theta_i = axes.theta_i(2);
-    let parameters = Parameters { axes, instances, seed, tilt: 2f64.to_radians() };
+    let parameters = CampaignParameters { axes, instances, seed, tilt: 2f64.to_radians() };
     progress.begin("measuring", (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as u64);
     let begun = ProcessTime::now();
     let orders = orders(structure, &parameters.axes, &Unobserved)?;
     // Those of the sampled θ_i stand for all.
     let mut tables = begun.elapsed() * (thetas / SAMPLE_COS_THETA.len()) as u32;
     let begun = ProcessTime::now();
-    let campaign = Campaign::with_orders(structure, parameters, orders, width, &Unobserved)?;
+    let resources = Resources { width, ..Resources::default() };
+    let campaign = Campaign::with_orders(structure, parameters, orders, &resources, &Unobserved)?;
     let preparing = begun.elapsed();
     let (mut units, mut table_bytes) = (Duration::ZERO, 0);
     for index in 0..SAMPLE_NM.len() {
@@ -116,11 +127,11 @@ fn sample(structure: &Structure, seed: u64, width: Width, progress: &dyn Progres
     let begun = ProcessTime::now();
     let illumination =
         Illumination { wavelength_nm: SAMPLE_NM[1], theta_i, phi_i: phi_i[10], window: Window::Gaussian };
-    direct::far_field(&section, FINE_ELEMENT_UM, &illumination, AZIMUTHS)?;
+    direct::far_field(&section, &illumination, AZIMUTHS, FINE_ELEMENT_UM)?;
     let plain = begun.elapsed().as_secs_f64();
     let table_seconds = tables.as_secs_f64() / SAMPLE_NM.len() as f64;
     let unit_seconds = units.as_secs_f64() / (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as f64;
-    Ok(Figures {
+    Ok(CampaignFigures {
         rays: parts.map(|parts| 2 * parts),
         instance_seconds: preparing.as_secs_f64() / instances as f64,
         table_seconds,

@@ -15,7 +15,7 @@ pub(super) struct Crystal {
 impl Crystal {
     /// A lattice whose orders are those of a campaign's axes.
     pub(super) fn new(orders: OrderTable, lattice: &Lattice, axes: &Axes) -> Result<Self> {
-        if orders.wavelengths_nm != axes.wavelengths_nm || orders.cos_theta != axes.cos_theta {
+        if orders.wavelengths_nm != axes.wavelengths_nm() || orders.cos_theta != axes.cos_theta() {
             return Err(Error::machine("the orders of the crystal belong to other axes"));
         }
         Ok(Self::of(orders, lattice))

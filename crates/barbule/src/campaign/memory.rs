@@ -12,7 +12,7 @@ use crate::solve::surface::{Barbule, Cone, Underside, orders};
 use crate::structure::Structure;
 use crate::{Error, Result};
 
-use super::{Keep, Parameters};
+use super::{CampaignParameters, Keep};
 
 /// The program itself with its data, and what allocators keep.
 const PROGRAM: u64 = 48 << 20;
@@ -44,19 +44,20 @@ pub struct Demand {
 }
 
 impl Demand {
-    /// Predicts from the first instance at the ends and the middle of the wavelengths.
+    /// Predicts from the first instance at the ends and the middle of the wavelengths; SIMD instructions make no
+    /// difference beyond the margin.
     ///
     /// # Errors
     /// The instance cannot be made, or a medium's table does not cover the wavelengths.
     pub fn predict(
         structure: &Structure,
-        parameters: &Parameters,
-        width: Width,
+        parameters: &CampaignParameters,
         keep: Keep,
         results: Results,
     ) -> Result<Self> {
+        let width = Width::best();
         let axes = &parameters.axes;
-        let (Some(&shortest), Some(&longest)) = (axes.wavelengths_nm.first(), axes.wavelengths_nm.last())
+        let (Some(&shortest), Some(&longest)) = (axes.wavelengths_nm().first(), axes.wavelengths_nm().last())
         else {
             return Err(Error::input("the campaign has no wavelength"));
         };
@@ -67,8 +68,8 @@ impl Demand {
             let solved = orders(&lattice, &[shortest], &[1.0], &Unobserved)?;
             let series = solved.at(0, 0);
             let sampled = Underside::crystal(series, 0.0, lattice.bottom_um()).bytes();
-            let whole = axes.wavelengths_nm.len() * series.bytes();
-            (barbule, 0, axes.cos_theta.len() * (whole + sampled))
+            let whole = axes.wavelengths_nm().len() * series.bytes();
+            (barbule, 0, axes.cos_theta().len() * (whole + sampled))
         } else {
             let (sections, parts) = super::ray_parts(structure, parameters, width, &Unobserved)?;
             let first = sections.first().ok_or_else(|| Error::input("the campaign has no instance"))?;
@@ -82,14 +83,14 @@ impl Demand {
         // Media that vary along the top are kept beside the series; those of the rays only while a table is made.
         let media = barbule.media_bytes();
         let cone = Cone::around(std::slice::from_ref(&barbule), shortest, 0.0);
-        let directions = 4 * axes.cos_phi.len();
+        let directions = 4 * axes.cos_phi().len();
         let fields = AZIMUTHS * cone.refinement(AZIMUTHS) + 2 * AZIMUTH_MARGIN;
-        let workspace = barbule.workspace_bytes(&cone, axes.cos_phi.len())
+        let workspace = barbule.workspace_bytes(&cone, axes.cos_phi().len())
             + 2 * table
             + media * barbule.ray_parts().unwrap_or(0);
         let kept =
             if keep == Keep::Fields { 3 * 8 * directions * parameters.instances * AZIMUTHS } else { 0 };
-        let phis = axes.cos_phi.len() as u64;
+        let phis = axes.cos_phi().len() as u64;
         let threads = rayon::current_num_threads() as u64;
         let gathered = if results == Results::Gathered { 2 * STATISTICS * axes.len() as u64 } else { 0 };
         let scaled = |bytes: usize| (distinct as f64 * MARGIN * bytes as f64) as u64;
@@ -100,7 +101,7 @@ impl Demand {
                 + gathered
                 + threads * workspace as u64,
             unit: (8 * directions * parameters.instances * fields + kept) as u64 + 2 * STATISTICS * phis,
-            most_units: axes.cos_theta.len().min(super::most_units()),
+            most_units: axes.cos_theta().len().min(super::most_units()),
         })
     }
 
@@ -154,8 +155,8 @@ mod tests {
             let cos_phi = (1..=phis).map(|i| i as f64 / phis as f64).collect();
             let axes =
                 Axes::new(&Wavelengths::new([450.0, 650.0]).unwrap(), vec![0.5, 1.0], cos_phi).unwrap();
-            let parameters = Parameters { axes, instances, seed: 1, tilt: 0.0 };
-            Demand::predict(&structure, &parameters, Width::best(), keep, Results::Stored).unwrap()
+            let parameters = CampaignParameters { axes, instances, seed: 1, tilt: 0.0 };
+            Demand::predict(&structure, &parameters, keep, Results::Stored).unwrap()
         };
         let small = demand(2, 2, Keep::Statistics);
         // 2 instances × 2 φ_i × 4 components of at least 400 values of 8 bytes.

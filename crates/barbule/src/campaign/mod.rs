@@ -22,7 +22,7 @@ use crate::math::rng::Stream;
 use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::directions::AZIMUTH_MARGIN;
-use crate::scattering::far_field::Light;
+use crate::scattering::far_field::IncidentLight;
 use crate::scattering::orders::OrderTable;
 use crate::scattering::statistics::{AZIMUTHS, Axes, Unit};
 use crate::solve::surface::{self, Barbule, Batch, Cone, Grid, Underside, Workspace};
@@ -35,7 +35,7 @@ const TILT_STREAM: u64 = 0x7469_6c74;
 
 /// What a campaign simulates.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameters {
+pub struct CampaignParameters {
     /// Wavelengths and directions.
     pub axes: Axes,
     /// Number of instances M.
@@ -46,7 +46,7 @@ pub struct Parameters {
     pub tilt: f64,
 }
 
-impl Parameters {
+impl CampaignParameters {
     /// The tilt δ_m of each instance, rad: (−1 + 2π(m)/(M−1))·tilt with π a random permutation of 0 … M − 1.
     #[must_use]
     pub fn tilts(&self) -> Vec<f64> {
@@ -56,6 +56,21 @@ impl Parameters {
             return vec![0.0];
         }
         order.into_iter().map(|rank| (2.0 * rank as f64 / last - 1.0) * self.tilt).collect()
+    }
+}
+
+/// What a campaign is computed with; nothing it computes depends on this, but roundings on the width.
+#[derive(Debug, Clone, Copy)]
+pub struct Resources {
+    /// SIMD instructions.
+    pub width: Width,
+    /// Units of one wavelength that may be in work, and so in memory, at once ([`Demand`] foretells what they take).
+    pub units_at_once: usize,
+}
+
+impl Default for Resources {
+    fn default() -> Self {
+        Self { width: Width::best(), units_at_once: usize::MAX }
     }
 }
 
@@ -70,7 +85,7 @@ pub enum Keep {
 
 /// A structure's instances, prepared for any unit of work.
 pub struct Campaign {
-    parameters: Parameters,
+    parameters: CampaignParameters,
     /// One per instance, or a single one that serves all.
     barbules: Vec<Barbule>,
     /// The crystal under all of them.
@@ -83,13 +98,13 @@ pub struct Campaign {
 }
 
 /// What all units of one wavelength share.
-pub struct Tables {
+pub struct WavelengthTables {
     wavelength: usize,
     /// Layers: of each barbule, for all θ_i. A crystal: at each θ_i, for all barbules.
     undersides: Vec<Underside>,
 }
 
-impl Tables {
+impl WavelengthTables {
     /// Bytes that they take.
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -103,7 +118,7 @@ impl Tables {
 /// The crystal cannot be solved, or the user cancelled.
 pub fn orders(structure: &Structure, axes: &Axes, progress: &dyn Progress) -> Result<Option<OrderTable>> {
     let lattice = structure.lattice();
-    lattice.map(|l| surface::orders(&l, &axes.wavelengths_nm, &axes.cos_theta, progress)).transpose()
+    lattice.map(|l| surface::orders(&l, axes.wavelengths_nm(), axes.cos_theta(), progress)).transpose()
 }
 
 /// Fields of one unit: `[instance][φ_i][polarization][e₁, e₂][azimuth with margins]`, over √Φ_i.
@@ -126,12 +141,12 @@ impl Campaign {
     /// progress cancelled.
     pub fn new(
         structure: &Structure,
-        parameters: Parameters,
-        width: Width,
+        parameters: CampaignParameters,
+        resources: &Resources,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let orders = orders(structure, &parameters.axes, progress)?;
-        Self::with_orders(structure, parameters, orders, width, progress)
+        Self::with_orders(structure, parameters, orders, resources, progress)
     }
 
     /// As [`Self::new`], with what [`orders`] gave for the structure and the axes.
@@ -140,11 +155,13 @@ impl Campaign {
     /// As [`Self::new`], or the orders belong to other axes.
     pub fn with_orders(
         structure: &Structure,
-        parameters: Parameters,
+        parameters: CampaignParameters,
         orders: Option<OrderTable>,
-        width: Width,
+        resources: &Resources,
         progress: &dyn Progress,
     ) -> Result<Self> {
+        let width = resources.width;
+        let units_at_once = resources.units_at_once.clamp(1, most_units());
         let axes = &parameters.axes;
         let distinct = distinct(structure, &parameters);
         progress.begin("preparing instances", distinct as u64);
@@ -172,7 +189,7 @@ impl Campaign {
             })
             .collect::<Result<Vec<_>>>()?;
         if let (Some(barbule), Some(first), Some(last)) =
-            (barbules.first(), axes.wavelengths_nm.first(), axes.wavelengths_nm.last())
+            (barbules.first(), axes.wavelengths_nm().first(), axes.wavelengths_nm().last())
         {
             // Tables that do not reach are refused before any work.
             barbule.stacks(*first)?;
@@ -187,14 +204,14 @@ impl Campaign {
                 azimuths(&parameters.axes).map(|phi| barbule.incident_power_um(0.0, phi + tilt)).collect()
             })
             .collect();
-        Ok(Self { parameters, barbules, crystal, tilts, powers_um, width, units_at_once: most_units() })
+        Ok(Self { parameters, barbules, crystal, tilts, powers_um, width, units_at_once })
     }
 
     /// Prepares the units of a wavelength by its number.
     ///
     /// # Errors
     /// A medium's table does not reach the wavelength, or the user cancelled.
-    pub fn tables(&self, wavelength: usize, progress: &dyn Progress) -> Result<Tables> {
+    pub fn tables(&self, wavelength: usize, progress: &dyn Progress) -> Result<WavelengthTables> {
         let axes = &self.parameters.axes;
         let undersides = match &self.crystal {
             None => self
@@ -204,15 +221,15 @@ impl Campaign {
                     if progress.is_cancelled() {
                         return Err(Error::interrupted());
                     }
-                    barbule.table(axes.wavelengths_nm[wavelength], self.width)
+                    barbule.table(axes.wavelengths_nm()[wavelength], self.width)
                 })
                 .collect::<Result<_>>()?,
-            Some(crystal) => (0..axes.cos_theta.len())
+            Some(crystal) => (0..axes.cos_theta().len())
                 .into_par_iter()
                 .map(|theta| crystal.underside(wavelength, theta, axes.theta_i(theta)))
                 .collect(),
         };
-        Ok(Tables { wavelength, undersides })
+        Ok(WavelengthTables { wavelength, undersides })
     }
 
     /// Parts into which elements are cut for the rays under them; `None` over a crystal.
@@ -227,22 +244,17 @@ impl Campaign {
         self.units_at_once
     }
 
-    /// Limits the units that are computed, and so kept in memory, at the same time; bits do not depend on it.
-    pub fn limit_units(&mut self, at_once: usize) {
-        self.units_at_once = at_once.clamp(1, most_units());
-    }
-
     /// What is simulated.
     #[must_use]
-    pub fn parameters(&self) -> &Parameters {
+    pub fn parameters(&self) -> &CampaignParameters {
         &self.parameters
     }
 
     /// The fields of one (λ, θ_i).
-    pub(crate) fn fields(&self, tables: &Tables, theta: usize) -> Fields {
+    pub(crate) fn fields(&self, tables: &WavelengthTables, theta: usize) -> Fields {
         let axes = &self.parameters.axes;
         let theta_i = axes.theta_i(theta);
-        let cone = Cone::around(&self.barbules, axes.wavelengths_nm[tables.wavelength], theta_i);
+        let cone = Cone::around(&self.barbules, axes.wavelengths_nm()[tables.wavelength], theta_i);
         let refine = cone.refinement(AZIMUTHS);
         let grid = Grid { azimuths: AZIMUTHS * refine, margin: AZIMUTH_MARGIN, shift: 0.0 };
         let values = (0..self.parameters.instances)
@@ -253,8 +265,8 @@ impl Campaign {
                     let distinct = instance % self.barbules.len();
                     let tilt = self.tilts[instance];
                     let turned: Vec<f64> = azimuths(axes).map(|phi| phi + tilt).collect();
-                    let beam = |power_um: &f64| Light::Beam { power_um: power_um * theta_i.cos() };
-                    let lights: Vec<Light> = self.powers_um[instance].iter().map(beam).collect();
+                    let beam = |power_um: &f64| IncidentLight::Beam { power_um: power_um * theta_i.cos() };
+                    let lights: Vec<IncidentLight> = self.powers_um[instance].iter().map(beam).collect();
                     let batch = Batch { cone: &cone, phi_i: &turned, lights: &lights };
                     let underside = &tables.undersides[if self.crystal.is_some() { theta } else { distinct }];
                     let grid = Grid { shift: tilt, ..grid };
@@ -271,18 +283,18 @@ impl Campaign {
 
     /// The statistics of one (λ, θ_i), with what else is kept of it.
     #[must_use]
-    pub fn unit(&self, tables: &Tables, theta: usize, keep: Keep) -> Unit {
+    pub fn unit(&self, tables: &WavelengthTables, theta: usize, keep: Keep) -> Unit {
         let fields = self.fields(tables, theta);
         let mut unit = reduce::unit(&self.parameters.axes, &fields);
         if keep == Keep::Fields {
-            unit.fields = reduce::kept(&fields, self.parameters.axes.cos_phi.len());
+            unit.fields = reduce::kept(&fields, self.parameters.axes.cos_phi().len());
         }
         unit
     }
 }
 
 /// Instances that differ by more than their tilts.
-fn distinct(structure: &Structure, parameters: &Parameters) -> usize {
+fn distinct(structure: &Structure, parameters: &CampaignParameters) -> usize {
     if structure.count() == Some(1) { 1 } else { parameters.instances }
 }
 
@@ -292,14 +304,14 @@ const ASKED: usize = 2;
 /// The first instances of layers, and the parts into which elements must be cut for rays under them.
 fn ray_parts(
     structure: &Structure,
-    parameters: &Parameters,
+    parameters: &CampaignParameters,
     width: Width,
     progress: &dyn Progress,
 ) -> Result<(Vec<Section>, usize)> {
     let asked = 0..distinct(structure, parameters).min(ASKED);
     let sections =
         asked.map(|instance| structure.instance(parameters.seed, instance)).collect::<Result<Vec<_>>>()?;
-    let shortest_nm = parameters.axes.wavelengths_nm.first().copied().unwrap_or(400.0);
+    let shortest_nm = parameters.axes.wavelengths_nm().first().copied().unwrap_or(400.0);
     let parts = surface::ray_parts(&sections, shortest_nm, width, progress)?;
     Ok((sections, parts))
 }
@@ -311,7 +323,7 @@ fn most_units() -> usize {
 
 /// The incident azimuths, rad.
 fn azimuths(axes: &Axes) -> impl Iterator<Item = f64> + '_ {
-    (0..axes.cos_phi.len()).map(|phi| axes.phi_i(phi))
+    (0..axes.cos_phi().len()).map(|phi| axes.phi_i(phi))
 }
 
 /// Zeroes what a tilted instance would send below its own horizon.

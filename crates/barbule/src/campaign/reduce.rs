@@ -14,7 +14,7 @@ use crate::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, Unit};
 pub(super) fn unit(axes: &Axes, fields: &Fields) -> Unit {
     let grid = NoiseGrid::new(fields.theta_i, fields.refine);
     let covariance = Covariance::<f32>::new();
-    let parts: Vec<Direction> = (0..axes.cos_phi.len())
+    let parts: Vec<Direction> = (0..axes.cos_phi().len())
         .into_par_iter()
         .map(|phi| direction(fields, axes.phi_i(phi), phi, &grid, &covariance))
         .collect();

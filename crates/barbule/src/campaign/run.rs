@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{Campaign, Keep, Tables};
+use super::{Campaign, Keep, WavelengthTables};
 use crate::io::store::Store;
 use crate::progress::Progress;
 use crate::scattering::statistics::Statistics;
@@ -48,7 +48,7 @@ pub fn run(
     let repaired = missing.iter().filter(|(_, _, damaged)| *damaged).count();
     progress.advance(found as u64);
     let elsewhere = AtomicUsize::new(0);
-    let compute = |tables: &Tables, index: usize, theta: usize, damaged: bool| {
+    let compute = |tables: &WavelengthTables, index: usize, theta: usize, damaged: bool| {
         if progress.is_cancelled() {
             return Err(Error::interrupted());
         }
@@ -84,10 +84,10 @@ pub fn run(
 /// A medium's table does not reach a wavelength, or the user cancelled.
 pub fn statistics(campaign: &Campaign, progress: &dyn Progress) -> Result<Statistics> {
     let axes = &campaign.parameters().axes;
-    let thetas = axes.cos_theta.len();
-    progress.begin("simulating", (axes.wavelengths_nm.len() * thetas) as u64);
+    let thetas = axes.cos_theta().len();
+    progress.begin("simulating", (axes.wavelengths_nm().len() * thetas) as u64);
     let mut statistics = Statistics::empty(axes.clone(), campaign.parameters().instances);
-    for index in 0..axes.wavelengths_nm.len() {
+    for index in 0..axes.wavelengths_nm().len() {
         let tables = campaign.tables(index, progress)?;
         let all: Vec<usize> = (0..thetas).collect();
         for some in all.chunks(campaign.units_at_once()) {

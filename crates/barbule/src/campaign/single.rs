@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::covariance::Covariance;
 use super::reduce::{NoiseGrid, components, widen};
-use super::{Campaign, Tables};
+use super::{Campaign, WavelengthTables};
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::{FitKind, fit};
 use crate::scattering::statistics::AZIMUTHS;
@@ -29,7 +29,7 @@ impl Campaign {
     #[must_use]
     pub fn patterns(
         &self,
-        tables: &Tables,
+        tables: &WavelengthTables,
         theta: usize,
         phi: usize,
         polarization: Polarization,

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::crystal::Crystal;
 use crate::math::simd::Width;
 use crate::progress::Progress;
-use crate::scattering::far_field::{Light, Window};
+use crate::scattering::far_field::{IncidentLight, Window};
 use crate::scattering::statistics::AZIMUTHS;
 use crate::solve::surface::{self, Barbule, Batch, Cone, Grid, Workspace};
 use crate::spectrum::Wavelengths;
@@ -52,17 +52,12 @@ pub struct Spectra {
 ///
 /// # Errors
 /// An instance cannot be made, a table does not reach a wavelength, or the user cancelled.
-pub fn spectra(
-    structure: &Structure,
-    request: &SpectrumRequest,
-    width: Width,
-    progress: &dyn Progress,
-) -> Result<Spectra> {
+pub fn spectra(structure: &Structure, request: &SpectrumRequest, progress: &dyn Progress) -> Result<Spectra> {
     let crystal = structure.lattice().map(|lattice| crystal(&lattice, request, progress)).transpose()?;
     progress.begin("simulating", (request.instances * request.wavelengths.len()) as u64);
     let per_instance = (0..request.instances)
         .into_par_iter()
-        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, width, progress))
+        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, progress))
         .collect::<Result<Vec<_>>>()?;
     let count = request.instances as f64;
     let mut spectra = Spectra { mean: Vec::new(), std: Vec::new() };
@@ -97,14 +92,13 @@ fn of_instance(
     request: &SpectrumRequest,
     crystal: Option<&Crystal>,
     instance: usize,
-    width: Width,
     progress: &dyn Progress,
 ) -> Result<Vec<f64>> {
     let section = structure.instance(request.seed, instance)?;
     let barbule = Barbule::new(&section, ELEMENT_UM, Window::Gaussian)?;
     let columns = request.wavelengths.len();
     let mut result = vec![0.0; request.directions.len() * columns];
-    let mut workspace = Workspace::new(width);
+    let mut workspace = Workspace::new(Width::best());
     for (column, &wavelength_nm) in request.wavelengths.iter().enumerate() {
         if progress.is_cancelled() {
             return Err(Error::interrupted());
@@ -117,8 +111,8 @@ fn of_instance(
             let run = request.directions[start..].iter().take_while(|d| d.0 == theta_i).count();
             let phis: Vec<f64> = request.directions[start..start + run].iter().map(|d| d.1).collect();
             let cone = Cone::around(std::slice::from_ref(&barbule), wavelength_nm, theta_i);
-            let beam = |&phi: &f64| Light::Beam { power_um: barbule.incident_power_um(theta_i, phi) };
-            let lights: Vec<Light> = phis.iter().map(beam).collect();
+            let beam = |&phi: &f64| IncidentLight::Beam { power_um: barbule.incident_power_um(theta_i, phi) };
+            let lights: Vec<IncidentLight> = phis.iter().map(beam).collect();
             let batch = Batch { cone: &cone, phi_i: &phis, lights: &lights };
             let grid = Grid { azimuths: AZIMUTHS * cone.refinement(AZIMUTHS), margin: 0, shift: 0.0 };
             let orders = crystal.map(|crystal| {

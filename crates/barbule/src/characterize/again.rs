@@ -1,11 +1,10 @@
 //! The barbules that a material was simulated from, made again from what it records.
 
-use super::{Catalog, Description, unrecorded};
+use super::{CampaignDescription, Catalog, unrecorded};
 use crate::Result;
 use crate::brdf::FeatherMaterial;
-use crate::campaign::{Campaign, Parameters};
+use crate::campaign::{Campaign, CampaignParameters, Resources};
 use crate::material::Library;
-use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::statistics::Axes;
 use crate::structure::{SpeciesModel, Structure};
@@ -13,7 +12,7 @@ use crate::structure::{SpeciesModel, Structure};
 /// A material's barbules, with what simulating them needs.
 pub struct Barbules<'a> {
     structure: Structure,
-    campaign: Description,
+    campaign: CampaignDescription,
     catalog: &'a Catalog,
     progress: &'a dyn Progress,
 }
@@ -30,7 +29,7 @@ impl<'a> Barbules<'a> {
         catalog: &'a Catalog,
         progress: &'a dyn Progress,
     ) -> Result<Self> {
-        let campaign = Description::read(&material.info["campaign"]).map_err(|_| unrecorded())?;
+        let campaign = CampaignDescription::read(&material.info["campaign"]).map_err(|_| unrecorded())?;
         let recorded = &campaign.structure;
         let text = |key: &str| recorded[key].as_str().unwrap_or_default();
         let structure = if recorded["parameters"].is_object() {
@@ -56,8 +55,8 @@ impl<'a> Barbules<'a> {
         }
         let tilt = if tilted { self.campaign.tilt_deg.clamp(0.0, 30.0).to_radians() } else { 0.0 };
         let orders = self.catalog.orders(&self.structure, &axes, self.progress)?;
-        let parameters = Parameters { axes, instances, seed: self.campaign.seed, tilt };
-        Campaign::with_orders(&self.structure, parameters, orders, Width::best(), self.progress)
+        let parameters = CampaignParameters { axes, instances, seed: self.campaign.seed, tilt };
+        Campaign::with_orders(&self.structure, parameters, orders, &Resources::default(), self.progress)
     }
 
     /// What watches the simulations.

@@ -111,7 +111,7 @@ impl Catalog {
 
 /// What names a table of orders: now, and in version 0.1.0.
 fn order_keys(lattice: &Lattice, axes: &Axes) -> [String; 2] {
-    let Axes { wavelengths_nm, cos_theta, cos_phi: _ } = axes;
+    let (wavelengths_nm, cos_theta) = (axes.wavelengths_nm(), axes.cos_theta());
     let key = Hasher::new("orders")
         .count("campaign", CAMPAIGN_VERSION)
         .part("lattice", lattice)
@@ -138,16 +138,14 @@ pub fn file_stem(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::material::Library;
+    use crate::spectrum::Wavelengths;
     use crate::structure::SpeciesModel;
 
     #[test]
     fn tables_of_version_0_1_are_found_by_their_names() {
         let model = SpeciesModel::builtin("mallard", None, Library::builtin()).unwrap();
-        let axes = Axes {
-            wavelengths_nm: vec![500.0, 520.0],
-            cos_theta: vec![1.0 / 3.0, 2.0 / 3.0, 1.0],
-            cos_phi: vec![1.0],
-        };
+        let wavelengths = Wavelengths::new([500.0, 520.0]).unwrap();
+        let axes = Axes::new(&wavelengths, vec![1.0 / 3.0, 2.0 / 3.0, 1.0], vec![1.0]).unwrap();
         let [key, legacy] = order_keys(&model.lattice().unwrap(), &axes);
         assert_eq!(&legacy[..16], "3d635b5358e5c050");
         assert_ne!(key, legacy);

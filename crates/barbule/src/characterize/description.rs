@@ -8,7 +8,7 @@ use crate::{Error, Result};
 
 /// Everything that decides the numbers of a campaign. Results are the same campaign's where these are equal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Description {
+pub struct CampaignDescription {
     /// [`CAMPAIGN_VERSION`](super::CAMPAIGN_VERSION) of the program that computes.
     pub campaign_version: u64,
     /// [`Structure::description`].
@@ -31,7 +31,7 @@ pub struct Description {
     pub thinned: Option<usize>,
 }
 
-impl Description {
+impl CampaignDescription {
     /// Reads what a store or a material recorded.
     ///
     /// # Errors

@@ -11,7 +11,7 @@ mod options;
 
 pub use again::Barbules;
 pub use catalog::{Catalog, Found, file_stem};
-pub use description::Description;
+pub use description::CampaignDescription;
 pub use options::{CampaignOptions, Plan, WAVELENGTHS_NM};
 
 use std::path::Path;
@@ -20,8 +20,7 @@ use serde_json::json;
 
 use crate::brdf::fit::{FitOptions, FitReport, fit};
 use crate::brdf::{FeatherMaterial, check_axes, check_sigma};
-use crate::campaign::{run, statistics};
-use crate::math::simd::Width;
+use crate::campaign::{Resources, run, statistics};
 use crate::progress::Progress;
 use crate::scattering::statistics::Statistics;
 use crate::{Error, Result};
@@ -30,21 +29,12 @@ use crate::{Error, Result};
 pub const CAMPAIGN_VERSION: u64 = 2;
 
 /// How a characterization is run; what it computes depends on none of this, but on bits for the width.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Execution<'a> {
-    /// SIMD instructions.
-    pub width: Width,
-    /// Units of one wavelength that may be in work at once, for their memory
-    /// ([`Demand`](crate::campaign::Demand) foretells it).
-    pub units_at_once: usize,
+    /// What the simulation is computed with.
+    pub resources: Resources,
     /// The campaign store to fill or to go on with; else statistics stay in memory.
     pub store: Option<&'a Path>,
-}
-
-impl Default for Execution<'_> {
-    fn default() -> Self {
-        Self { width: Width::best(), units_at_once: usize::MAX, store: None }
-    }
 }
 
 /// A finished characterization.
@@ -71,12 +61,11 @@ pub fn characterize(
     progress: &dyn Progress,
 ) -> Result<Characterized> {
     check(plan, options)?;
-    let mut campaign = plan.campaign(how.width, catalog, progress)?;
-    campaign.limit_units(how.units_at_once);
+    let campaign = plan.campaign(&how.resources, catalog, progress)?;
     let (statistics, repaired) = match how.store {
         None => (statistics(&campaign, progress)?, 0),
         Some(path) => {
-            let store = plan.store(path, &[], how.width)?;
+            let store = plan.store(path, &[], &how.resources)?;
             let outcome = run(&campaign, &store, 0, 1, progress)?;
             (store.statistics()?, outcome.repaired)
         }
@@ -102,7 +91,7 @@ pub fn check(plan: &Plan, options: &FitOptions) -> Result<()> {
 pub fn material_of(
     statistics: &Statistics,
     name: &str,
-    campaign: &Description,
+    campaign: &CampaignDescription,
     options: &FitOptions,
     progress: &dyn Progress,
 ) -> Result<(FeatherMaterial, FitReport)> {

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{CAMPAIGN_VERSION, Catalog, Description};
-use crate::campaign::{Campaign, Parameters};
+use super::{CAMPAIGN_VERSION, CampaignDescription, Catalog};
+use crate::campaign::{Campaign, CampaignParameters, Resources};
 use crate::io::store::Store;
-use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::far_field::Window;
 use crate::scattering::statistics::Axes;
 use crate::solve::surface::{Barbule, CAMPAIGN_ELEMENT_UM};
+use crate::spectrum::Wavelengths;
 use crate::structure::Structure;
 use crate::{Error, Result};
 
@@ -100,27 +100,26 @@ impl CampaignOptions {
     pub fn plan(&self, structure: Structure) -> Result<Plan> {
         self.check()?;
         let thin = self.thin.unwrap_or(1);
-        let axes = Axes {
-            wavelengths_nm: self.wavelengths_nm.iter().copied().step_by(thin).collect(),
-            cos_theta: steps(self.directions[0], thin),
-            cos_phi: steps(self.directions[1], thin),
-        };
+        let nm: Vec<f64> = self.wavelengths_nm.iter().copied().step_by(thin).collect();
+        let [cos_theta, cos_phi] = self.directions.map(|count| steps(count, thin));
+        let axes = Axes::new(&Wavelengths::new(nm)?, cos_theta, cos_phi)?;
         let asked = self.instances.min(if self.thin.is_some() { THINNED_INSTANCES } else { usize::MAX });
         // A single section serves any number of instances, which differ by their tilts.
         let instances = structure.count().filter(|count| *count > 1).map_or(asked, |count| asked.min(count));
-        let description = Description {
+        let description = CampaignDescription {
             campaign_version: CAMPAIGN_VERSION,
             structure: structure.description(),
-            wavelengths_nm: axes.wavelengths_nm.clone(),
-            cos_theta_i: axes.cos_theta.clone(),
-            cos_phi_i: axes.cos_phi.clone(),
+            wavelengths_nm: axes.wavelengths_nm().to_vec(),
+            cos_theta_i: axes.cos_theta().to_vec(),
+            cos_phi_i: axes.cos_phi().to_vec(),
             instances,
             seed: self.seed,
             tilt_deg: self.tilt_deg,
             polarized: self.polarized,
             thinned: self.thin,
         };
-        let parameters = Parameters { axes, instances, seed: self.seed, tilt: self.tilt_deg.to_radians() };
+        let parameters =
+            CampaignParameters { axes, instances, seed: self.seed, tilt: self.tilt_deg.to_radians() };
         Ok(Plan { structure, parameters, description, asked })
     }
 }
@@ -138,9 +137,9 @@ pub struct Plan {
     /// What is simulated.
     pub structure: Structure,
     /// On which axes, with how many instances.
-    pub parameters: Parameters,
+    pub parameters: CampaignParameters,
     /// Everything that decides the numbers, for results.
-    pub description: Description,
+    pub description: CampaignDescription,
     /// Instances that were asked for: given sections may be fewer.
     pub asked: usize,
 }
@@ -150,19 +149,25 @@ impl Plan {
     ///
     /// # Errors
     /// An instance cannot be made, a medium's table does not reach a wavelength, or a stop by `progress`.
-    pub fn campaign(&self, width: Width, catalog: &Catalog, progress: &dyn Progress) -> Result<Campaign> {
+    pub fn campaign(
+        &self,
+        resources: &Resources,
+        catalog: &Catalog,
+        progress: &dyn Progress,
+    ) -> Result<Campaign> {
         let orders = catalog.orders(&self.structure, &self.parameters.axes, progress)?;
-        Campaign::with_orders(&self.structure, self.parameters.clone(), orders, width, progress)
+        Campaign::with_orders(&self.structure, self.parameters.clone(), orders, resources, progress)
     }
 
-    /// Creates the campaign's store, or opens it to go on; fields of all instances are kept at wavelengths `kept_nm`.
+    /// Creates the campaign's store, or opens it to go on; fields of all instances are kept at wavelengths `kept_nm`. The
+    /// store records the SIMD instructions of `resources`.
     ///
     /// # Errors
     /// As [`Store::create`].
-    pub fn store(&self, path: &Path, kept_nm: &[f64], width: Width) -> Result<Store> {
+    pub fn store(&self, path: &Path, kept_nm: &[f64], resources: &Resources) -> Result<Store> {
         let (name, description) = (self.structure.name(), self.description.to_json()?);
-        let Parameters { axes, instances, .. } = &self.parameters;
-        Store::create(path, axes, *instances, &name, &description, kept_nm, width.name())
+        let CampaignParameters { axes, instances, .. } = &self.parameters;
+        Store::create(path, axes, *instances, &name, &description, kept_nm, resources.width.name())
     }
 
     /// Illuminations of the whole campaign.
@@ -210,8 +215,8 @@ mod tests {
         let options = CampaignOptions { thin: Some(10), ..CampaignOptions::default() };
         let plan = options.plan(starling()).unwrap();
         let axes = &plan.parameters.axes;
-        assert_eq!((axes.cos_theta.as_slice(), plan.parameters.instances), (&[0.5, 1.0][..], 12));
-        assert_eq!(axes.wavelengths_nm, [400.0, 460.0, 520.0, 580.0, 640.0]);
+        assert_eq!((axes.cos_theta(), plan.parameters.instances), (&[0.5, 1.0][..], 12));
+        assert_eq!(axes.wavelengths_nm(), [400.0, 460.0, 520.0, 580.0, 640.0]);
     }
 
     #[test]
@@ -235,8 +240,8 @@ mod tests {
     fn descriptions_come_back_from_json() {
         let description = CampaignOptions::default().plan(starling()).unwrap().description;
         let json = description.to_json().unwrap();
-        assert_eq!(Description::read(&json).unwrap(), description);
+        assert_eq!(CampaignDescription::read(&json).unwrap(), description);
         assert_eq!((&json["campaign_version"], &json["structure"]["identity"]), (&2.into(), &2.into()));
-        assert!(Description::read(&serde_json::json!({"seed": 1})).unwrap_err().is_input());
+        assert!(CampaignDescription::read(&serde_json::json!({"seed": 1})).unwrap_err().is_input());
     }
 }

@@ -74,14 +74,14 @@ fn pixel(value: Option<[f64; 3]>, exposure: f64) -> [u8; 4] {
 pub fn parameters(material: &FeatherMaterial) -> Result<Vec<Drawing>> {
     let axes = &material.axes;
     let waves = super::three(axes);
-    let columns = axes.cos_phi.len();
-    let per_wave = axes.cos_theta.len() * columns;
+    let columns = axes.cos_phi().len();
+    let per_wave = axes.cos_theta().len() * columns;
     let mut maps = Vec::new();
     for &wave in &waves {
         let lobe = &material.sets[0].mean;
-        let nm = axes.wavelengths_nm[wave];
+        let nm = axes.wavelengths_nm()[wave];
         let node = |at: usize| {
-            let (theta, phi_i) = (axes.cos_theta[at / columns].acos(), axes.cos_phi[at % columns].acos());
+            let (theta, phi_i) = (axes.theta_i(at / columns), axes.phi_i(at % columns));
             let shape = Lobe {
                 m: f64::from(lobe.m[wave * per_wave + at]),
                 phi: f64::from(lobe.phi[wave * per_wave + at]),
@@ -106,8 +106,8 @@ pub fn parameters(material: &FeatherMaterial) -> Result<Vec<Drawing>> {
             let largest = values.iter().fold(0.1, |a: f64, v| a.max(v.abs()));
             let mut map = HeatMap::new(
                 format!("{label}, {nm:.0} nm"),
-                Axis::with_range("cosφ_i", axes.cos_phi[0], axes.cos_phi[columns - 1]),
-                Axis::with_range("cosθ_i", axes.cos_theta[0], axes.cos_theta[axes.cos_theta.len() - 1]),
+                Axis::with_range("cosφ_i", axes.cos_phi()[0], axes.cos_phi()[columns - 1]),
+                Axis::with_range("cosθ_i", axes.cos_theta()[0], axes.cos_theta()[axes.cos_theta().len() - 1]),
                 columns,
                 values,
             );

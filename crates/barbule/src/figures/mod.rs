@@ -14,7 +14,7 @@ use crate::scattering::statistics::Axes;
 
 /// The shortest, the middle and the longest wavelength of the axes.
 fn three(axes: &Axes) -> Vec<usize> {
-    let count = axes.wavelengths_nm.len();
+    let count = axes.wavelengths_nm().len();
     let mut waves = vec![0, count / 2, count - 1];
     waves.dedup();
     waves

@@ -30,10 +30,6 @@ fn nearest(values: &[f64], wanted: f64) -> usize {
     (0..values.len()).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(0)
 }
 
-fn degrees(cosine: f64) -> f64 {
-    cosine.clamp(0.0, 1.0).acos().to_degrees()
-}
-
 /// A faint line for what another panel shows.
 fn ghost() -> Option<Stroke> {
     Some(Stroke::solid(Ink::of([150, 150, 150]), 2.4))
@@ -41,7 +37,7 @@ fn ghost() -> Option<Stroke> {
 
 /// φ_i of the fits by their places on the axes: those nearest to 70° and 0°.
 fn fitted_phis(axes: &Axes) -> Vec<usize> {
-    let mut phis = vec![nearest(&axes.cos_phi, 70.0_f64.to_radians().cos()), nearest(&axes.cos_phi, 1.0)];
+    let mut phis = vec![nearest(axes.cos_phi(), 70.0_f64.to_radians().cos()), nearest(axes.cos_phi(), 1.0)];
     phis.dedup();
     phis
 }
@@ -52,11 +48,10 @@ fn fitted_phis(axes: &Axes) -> Vec<usize> {
 /// As [`Barbules::campaign`].
 pub fn statistics_of_fits(material: &FeatherMaterial, barbules: &Barbules<'_>) -> Result<Statistics> {
     let from = &material.axes;
-    let axes = Axes {
-        wavelengths_nm: three(from).into_iter().map(|k| from.wavelengths_nm[k]).collect(),
-        cos_theta: vec![from.cos_theta[from.cos_theta.len() - 1]],
-        cos_phi: fitted_phis(from).iter().map(|k| from.cos_phi[*k]).collect(),
-    };
+    let nm: Vec<f64> = three(from).into_iter().map(|k| from.wavelengths_nm()[k]).collect();
+    let cos_theta = vec![from.cos_theta()[from.cos_theta().len() - 1]];
+    let cos_phi = fitted_phis(from).iter().map(|k| from.cos_phi()[*k]).collect();
+    let axes = Axes::new(&Wavelengths::new(nm)?, cos_theta, cos_phi)?;
     statistics(&barbules.campaign(axes, None, true)?, barbules.progress())
 }
 
@@ -64,7 +59,7 @@ pub fn statistics_of_fits(material: &FeatherMaterial, barbules: &Barbules<'_>) -
 #[must_use]
 pub fn fits(material: &FeatherMaterial, statistics: &Statistics) -> Vec<Drawing> {
     let axes = &material.axes;
-    let theta = axes.cos_theta.len() - 1;
+    let theta = axes.cos_theta().len() - 1;
     let phis = fitted_phis(axes);
     let found = &statistics.axes;
     let mut charts = Vec::new();
@@ -72,15 +67,15 @@ pub fn fits(material: &FeatherMaterial, statistics: &Statistics) -> Vec<Drawing>
         for &phi in phis.iter().rev() {
             let node = axes.index(wave, theta, phi);
             let place = found.index(
-                nearest(&found.wavelengths_nm, axes.wavelengths_nm[wave]),
-                nearest(&found.cos_theta, axes.cos_theta[theta]),
-                nearest(&found.cos_phi, axes.cos_phi[phi]),
+                nearest(found.wavelengths_nm(), axes.wavelengths_nm()[wave]),
+                nearest(found.cos_theta(), axes.cos_theta()[theta]),
+                nearest(found.cos_phi(), axes.cos_phi()[phi]),
             );
             let title = format!(
                 "{:.0} nm, θ_i = {:.0}°, φ_i = {:.0}°",
-                axes.wavelengths_nm[wave],
-                degrees(axes.cos_theta[theta]),
-                degrees(axes.cos_phi[phi])
+                axes.wavelengths_nm()[wave],
+                axes.theta_i(theta).to_degrees(),
+                axes.phi_i(phi).to_degrees()
             );
             let mut figure =
                 Figure::new(title, Axis::with_range("φ_o (°)", -90.0, 90.0), Axis::new(PER_RADIAN));
@@ -110,7 +105,7 @@ fn mean_over_polarizations(array: &[f32], node: usize) -> Vec<f64> {
 /// U' (`part` 0) or s (1) of the material, mean over its sets.
 fn fitted_mean(material: &FeatherMaterial, node: usize, part: usize) -> Vec<f64> {
     let axes = &material.axes;
-    let theta = axes.cos_theta[node / axes.cos_phi.len() % axes.cos_theta.len()].acos();
+    let theta = axes.theta_i(node / axes.cos_phi().len() % axes.cos_theta().len());
     let mut sum = vec![0.0; AZIMUTHS];
     for set in &material.sets {
         let lobe: &LobeSet = if part == 0 { &set.mean } else { &set.stationary };
@@ -130,13 +125,10 @@ fn fitted_mean(material: &FeatherMaterial, node: usize, part: usize) -> Vec<f64>
 /// As [`Barbules::campaign`].
 pub fn fields(material: &FeatherMaterial, barbules: &Barbules<'_>) -> Result<Vec<Drawing>> {
     let waves = three(&material.axes);
-    let nm: Vec<f64> = waves.iter().map(|k| material.axes.wavelengths_nm[*k]).collect();
+    let nm: Vec<f64> = waves.iter().map(|k| material.axes.wavelengths_nm()[*k]).collect();
     let angles = [40.0_f64, 20.0, 0.0];
-    let axes = Axes {
-        wavelengths_nm: nm.clone(),
-        cos_theta: vec![1.0],
-        cos_phi: angles.iter().map(|a| a.to_radians().cos()).collect(),
-    };
+    let cos_phi = angles.iter().map(|a| a.to_radians().cos()).collect();
+    let axes = Axes::new(&Wavelengths::new(nm.clone())?, vec![1.0], cos_phi)?;
     let campaign = barbules.campaign(axes, Some(1), false)?;
     let at_normal = (0..nm.len())
         .map(|w| Ok(campaign.patterns(&campaign.tables(w, barbules.progress())?, 0, 2, Polarization::First)))
@@ -181,7 +173,7 @@ pub fn fields(material: &FeatherMaterial, barbules: &Barbules<'_>) -> Result<Vec
 
 /// U' of the shortest wavelength at normal incidence, at other azimuths than those of the tables.
 fn fitted_at(material: &FeatherMaterial, phi_o: &[f64]) -> Vec<f64> {
-    let node = material.axes.index(0, material.axes.cos_theta.len() - 1, material.axes.cos_phi.len() - 1);
+    let node = material.axes.index(0, material.axes.cos_theta().len() - 1, material.axes.cos_phi().len() - 1);
     let set = &material.sets[0].mean;
     let lobe = Lobe { m: f64::from(set.m[node]), phi: f64::from(set.phi[node]) };
     let scale = fitted_scale(material.kind, lobe, 0.0, f64::from(set.reflected[node]));
@@ -259,15 +251,19 @@ fn lags(name: &str, values: &[f64], scale: f64) -> Curve {
 /// C₀ stretched to it; normal incidence.
 fn covariances(material: &FeatherMaterial, noise: &Noise, barbules: &Barbules<'_>) -> Result<Vec<Drawing>> {
     let from = &material.axes;
-    let waves = [0, from.wavelengths_nm.len() - 1].map(|k| from.wavelengths_nm[k]);
-    let normal = (from.cos_theta[from.cos_theta.len() - 1], from.cos_phi[from.cos_phi.len() - 1]);
+    let all = from.wavelengths_nm();
+    let last = all.len() - 1;
+    let waves = [all[0], all[last]];
+    let normal = (from.cos_theta()[from.cos_theta().len() - 1], from.cos_phi()[from.cos_phi().len() - 1]);
     let mut means = Vec::new();
     let mut single = covariance_figure(&format!("single barbules and their mean, {:.0} nm", waves[0]));
-    let axes = Axes { wavelengths_nm: waves.to_vec(), cos_theta: vec![normal.0], cos_phi: vec![normal.1] };
+    // A single wavelength is the shortest and the longest.
+    let simulated = Wavelengths::new(&waves[..if last == 0 { 1 } else { 2 }])?;
+    let axes = Axes::new(&simulated, vec![normal.0], vec![normal.1])?;
     let campaign = barbules.campaign(axes, None, true)?;
     for number in 0..2 {
         let mut mean = vec![0.0; LAGS];
-        let tables = campaign.tables(number, barbules.progress())?;
+        let tables = campaign.tables(number.min(last), barbules.progress())?;
         for polarization in Polarization::BOTH {
             let patterns = campaign.patterns(&tables, 0, 0, polarization);
             for instance in 0..patterns.fields.len() {
@@ -285,8 +281,11 @@ fn covariances(material: &FeatherMaterial, noise: &Noise, barbules: &Barbules<'_
     let heavy = Some(Stroke::solid(Ink::BLACK, 2.6));
     single.curves.push(Curve { stroke: heavy, ..lags("mean of all", &means[0], 1.0) });
     let length = f64::from(
-        material.sets[0].length
-            [from.index(from.wavelengths_nm.len() - 1, from.cos_theta.len() - 1, from.cos_phi.len() - 1)],
+        material.sets[0].length[from.index(
+            from.wavelengths_nm().len() - 1,
+            from.cos_theta().len() - 1,
+            from.cos_phi().len() - 1,
+        )],
     );
     let mut scaled = covariance_figure(&format!("C at {:.0} nm and C₀ scaled by l = {length:.3}", waves[1]));
     scaled.curves.push(lags("C₀ of the noise", noise.autocovariance(), 1.0));
@@ -304,18 +303,16 @@ fn covariances(material: &FeatherMaterial, noise: &Noise, barbules: &Barbules<'_
 /// As [`Barbules::campaign`].
 pub fn instances(material: &FeatherMaterial, count: usize, barbules: &Barbules<'_>) -> Result<Drawing> {
     let from = &material.axes;
-    let theta = from.cos_theta.len() - 1;
-    let mut phis = vec![nearest(&from.cos_phi, 45.0_f64.to_radians().cos()), nearest(&from.cos_phi, 1.0)];
+    let theta = from.cos_theta().len() - 1;
+    let mut phis = vec![nearest(from.cos_phi(), 45.0_f64.to_radians().cos()), nearest(from.cos_phi(), 1.0)];
     phis.dedup();
-    let every = from.wavelengths_nm.len().div_ceil(COLOUR_SAMPLES);
-    let waves: Vec<usize> = (0..from.wavelengths_nm.len()).step_by(every).collect();
-    let nm: Vec<f64> = waves.iter().map(|k| from.wavelengths_nm[*k]).collect();
-    let weights = Observer::default().weights(&Wavelengths::new(nm.clone())?);
-    let axes = Axes {
-        wavelengths_nm: nm.clone(),
-        cos_theta: vec![from.cos_theta[theta]],
-        cos_phi: phis.iter().map(|k| from.cos_phi[*k]).collect(),
-    };
+    let every = from.wavelengths_nm().len().div_ceil(COLOUR_SAMPLES);
+    let waves: Vec<usize> = (0..from.wavelengths_nm().len()).step_by(every).collect();
+    let nm: Vec<f64> = waves.iter().map(|k| from.wavelengths_nm()[*k]).collect();
+    let wavelengths = Wavelengths::new(nm.clone())?;
+    let weights = Observer::default().weights(&wavelengths);
+    let cos_phi = phis.iter().map(|k| from.cos_phi()[*k]).collect();
+    let axes = Axes::new(&wavelengths, vec![from.cos_theta()[theta]], cos_phi)?;
     let campaign = barbules.campaign(axes, Some(count), true)?;
     let count = campaign.parameters().instances;
     let kept = (0..waves.len())
@@ -336,8 +333,8 @@ pub fn instances(material: &FeatherMaterial, count: usize, barbules: &Barbules<'
         });
         let direction = format!(
             "θ_i = {:.0}°, φ_i = {:.0}°",
-            degrees(from.cos_theta[theta]),
-            degrees(from.cos_phi[phis[place]])
+            from.theta_i(theta).to_degrees(),
+            from.phi_i(phis[place]).to_degrees()
         );
         let column = Column { weights: &weights, nm: &nm, mean: mean.collect(), direction };
         columns.push(column.draw([simulated, synthesized]));

@@ -10,7 +10,7 @@ use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 
 use super::{read_bytes, write_whole};
-use crate::brdf::{FeatherMaterial, LobeSet, ParameterSet};
+use crate::brdf::{FeatherMaterial, LobeSet, ParameterSet, table_axes};
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::Axes;
 use crate::{Error, Result};
@@ -143,13 +143,13 @@ pub fn read_material(path: &Path) -> Result<FeatherMaterial> {
 pub fn encode_material(material: &FeatherMaterial) -> Result<Vec<u8>> {
     material.check()?;
     let axes = &material.axes;
-    let shape = vec![axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
+    let shape = vec![axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.cos_phi().len()];
     let doubles = |values: &[f64]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let mut tensors: BTreeMap<String, (Dtype, Vec<usize>, Vec<u8>)> = BTreeMap::new();
     for (name, values) in [
-        ("wavelengths_nm", &axes.wavelengths_nm),
-        ("cos_theta", &axes.cos_theta),
-        ("cos_phi", &axes.cos_phi),
+        ("wavelengths_nm", axes.wavelengths_nm()),
+        ("cos_theta", axes.cos_theta()),
+        ("cos_phi", axes.cos_phi()),
         ("noise_power", &material.noise_power),
     ] {
         tensors.insert(name.into(), (Dtype::F64, vec![values.len()], doubles(values)));
@@ -214,11 +214,11 @@ pub fn decode_material(bytes: &[u8]) -> Result<FeatherMaterial> {
             "the checksum does not match the contents: the file was damaged or edited; fetch or fit it again",
         ));
     }
-    let axes = Axes {
-        wavelengths_nm: doubles(&views, "wavelengths_nm")?,
-        cos_theta: doubles(&views, "cos_theta")?,
-        cos_phi: doubles(&views, "cos_phi")?,
-    };
+    let axes = table_axes(
+        doubles(&views, "wavelengths_nm")?,
+        doubles(&views, "cos_theta")?,
+        doubles(&views, "cos_phi")?,
+    )?;
     let sets = if views.contains_key("p1.m") { 2 } else { 1 };
     let material = FeatherMaterial {
         sets: (0..sets)
@@ -268,7 +268,7 @@ fn decode_set(
     place: &str,
     fractions: bool,
 ) -> Result<ParameterSet> {
-    let shape = [axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
+    let shape = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.cos_phi().len()];
     let array = |number: usize| -> Result<Vec<f32>> {
         let (name, map) = ARRAYS[number];
         let name = format!("{place}{name}");

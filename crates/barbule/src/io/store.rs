@@ -69,7 +69,7 @@ impl Store {
         kept_nm: &[f64],
         width: &str,
     ) -> Result<Self> {
-        if let Some(nm) = kept_nm.iter().find(|nm| !axes.wavelengths_nm.contains(nm)) {
+        if let Some(nm) = kept_nm.iter().find(|nm| !axes.wavelengths_nm().contains(nm)) {
             return Err(Error::input(format!(
                 "fields are to be kept at {nm} nm, which the campaign does not simulate"
             )));
@@ -212,7 +212,7 @@ impl Store {
 
     /// Which of the kept wavelengths this one is.
     fn kept(&self, wavelength: usize) -> Option<usize> {
-        let nm = self.attributes.axes.wavelengths_nm.get(wavelength)?;
+        let nm = self.attributes.axes.wavelengths_nm().get(wavelength)?;
         self.attributes.kept_nm.iter().position(|kept| kept == nm)
     }
 
@@ -250,8 +250,8 @@ impl Store {
 
     /// All units (λ, θ_i), in the order of work.
     pub fn units(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let thetas = self.attributes.axes.cos_theta.len();
-        (0..self.attributes.axes.wavelengths_nm.len()).flat_map(move |w| (0..thetas).map(move |t| (w, t)))
+        let thetas = self.attributes.axes.cos_theta().len();
+        (0..self.attributes.axes.wavelengths_nm().len()).flat_map(move |w| (0..thetas).map(move |t| (w, t)))
     }
 
     /// The units of shard `shard` of `shards`: neighbours, so that those of one wavelength mostly fall together.
@@ -354,8 +354,8 @@ impl Store {
                 self.path.display(),
                 missing.len(),
                 self.units().count(),
-                self.attributes.axes.wavelengths_nm[wavelength],
-                self.attributes.axes.cos_theta[theta],
+                self.attributes.axes.wavelengths_nm()[wavelength],
+                self.attributes.axes.cos_theta()[theta],
             ))),
         }
     }

@@ -2,9 +2,11 @@
 //! the smooth lobe, and the lobe radiates what was fitted.
 
 use barbule::brdf::fit::fitted_values;
-use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options, Polarization, example};
+use barbule::brdf::fixtures::example;
+use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options};
 use barbule::math::rng::Stream;
 use barbule::scattering::directions::{azimuths, omega};
+use barbule::scattering::far_field::Polarization;
 use barbule::scattering::lobe::{FitKind, Lobe};
 use glam::DVec3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -12,7 +14,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 /// A material with the same roughness, fractions and φ_eff/φ_i everywhere.
 fn constant(m: f32, reflected: f32, stationary: f32) -> FeatherMaterial {
     let mut material = example(2);
-    let phis: Vec<f32> = material.axes.cos_phi.iter().map(|c| c.acos() as f32).collect();
+    let phis: Vec<f32> = material.axes.cos_phi().iter().map(|c| c.acos() as f32).collect();
     let set = &mut material.sets[0];
     for (lobe, share) in [(&mut set.mean, 1.0), (&mut set.stationary, stationary)] {
         lobe.m.fill(m);
@@ -243,11 +245,11 @@ fn the_lobe_reflects_the_stored_fraction_at_the_nodes() {
     let brdf = brdf(&material);
     let axes = &material.axes;
     for (w, t, p) in [(0, 19, 19), (1, 10, 5), (2, 4, 18), (1, 19, 3), (0, 8, 12), (2, 0, 0)] {
-        let (theta, phi) = (axes.cos_theta[t].acos(), axes.cos_phi[p].acos());
+        let (theta, phi) = (axes.theta_i(t), axes.phi_i(p));
         let stored = f64::from(material.sets[0].mean.reflected[axes.index(w, t, p)]);
         for sign in [1.0, -1.0] {
             let wi = omega(sign * theta, -sign * phi);
-            let albedo = brdf.albedo(axes.wavelengths_nm[w] as f32, wi);
+            let albedo = brdf.albedo(axes.wavelengths_nm()[w] as f32, wi);
             assert!((albedo / stored - 1.0).abs() < 1e-4, "{w} {t} {p}: {albedo} {stored}");
         }
     }
@@ -260,9 +262,9 @@ fn evaluated_values_integrate_to_the_stored_fraction() {
     let brdf = brdf(&material);
     let axes = &material.axes;
     for (t, p) in [(19, 19), (10, 9), (19, 7)] {
-        let (theta, phi) = (axes.cos_theta[t].acos(), axes.cos_phi[p].acos());
+        let (theta, phi) = (axes.theta_i(t), axes.phi_i(p));
         let stored = f64::from(material.sets[0].mean.reflected[axes.index(1, t, p)]);
-        let prepared = brdf.prepare([axes.wavelengths_nm[1] as f32; 4], omega(theta, phi));
+        let prepared = brdf.prepare([axes.wavelengths_nm()[1] as f32; 4], omega(theta, phi));
         let (rows, columns) = (300, 600);
         let right = std::f64::consts::FRAC_PI_2;
         let (low, high) = ((-theta - 0.7).max(-right), (-theta + 0.7).min(right));
@@ -437,7 +439,7 @@ fn polarizations_average_to_unpolarized_light() {
     let material = example(3);
     let prepare =
         |polarization| FeatherBrdf::new(&material, Options { polarization, ..Options::default() }).unwrap();
-    let [mean, first, second] = [Polarization::Mean, Polarization::First, Polarization::Second].map(prepare);
+    let [mean, first, second] = [None, Some(Polarization::First), Some(Polarization::Second)].map(prepare);
     let (wi, wo) = (omega(0.4, 0.9), omega(-0.42, -0.8));
     let value = |brdf: &FeatherBrdf| brdf.eval([550.0; 4], wi, wo, None)[0];
     assert!(value(&first) > 1.1 * value(&second));

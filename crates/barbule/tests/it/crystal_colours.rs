@@ -6,7 +6,7 @@ use barbule::solve::crystal::{Multipole, sweep};
 use barbule::spectrum::colour::Observer;
 use barbule::spectrum::hue::{hue_deg, oklab};
 use barbule::spectrum::{Spectrum, Wavelengths};
-use barbule::structure::{Crystal, Lattice, Parameters, SpeciesFile, SpeciesModel, crystal_species};
+use barbule::structure::{Crystal, GeneratorParameters, Lattice, SpeciesFile, SpeciesModel, crystal_species};
 
 /// Oklab hues that a name stands for, degrees; where the second is below the first, through 0.
 const NAMES: &[(&str, f64, f64)] = &[
@@ -55,7 +55,7 @@ fn variants() -> impl Iterator<Item = SpeciesModel> {
 
 fn crystal(model: &SpeciesModel) -> &Crystal {
     match &model.parameters {
-        Parameters::Crystal(crystal) => crystal,
+        GeneratorParameters::Crystal(crystal) => crystal,
         other => panic!("{} is {other:?}", model.title()),
     }
 }

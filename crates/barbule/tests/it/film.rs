@@ -2,7 +2,7 @@
 
 use barbule::Complex64;
 use barbule::material::{Library, Material};
-use barbule::solve::film::{Polarization, Response, reflect, response, response_at};
+use barbule::solve::film::{FilmResponse, Polarization, reflect, response, response_at};
 use barbule::structure::stack::Stack;
 use proptest::prelude::*;
 
@@ -35,7 +35,7 @@ struct Expected {
 }
 
 /// The largest difference of any number of a response to the published package's.
-fn difference(ours: &Response, theirs: &Expected) -> f64 {
+fn difference(ours: &FilmResponse, theirs: &Expected) -> f64 {
     let mut worst = (ours.r - Complex64::new(theirs.r.0, theirs.r.1)).norm();
     worst = worst.max((ours.t - Complex64::new(theirs.t.0, theirs.t.1)).norm());
     worst = worst.max((ours.reflected - theirs.R).abs()).max((ours.transmitted - theirs.T).abs());
@@ -167,7 +167,7 @@ fn stacks(lossy: bool) -> impl Strategy<Value = (Vec<Complex64>, Vec<f64>)> {
     })
 }
 
-fn both(indices: &[Complex64], thickness: &[f64], degrees: f64) -> [Response; 2] {
+fn both(indices: &[Complex64], thickness: &[f64], degrees: f64) -> [FilmResponse; 2] {
     Polarization::BOTH.map(|p| response_at(indices, thickness, 512.0, degrees.to_radians(), p).unwrap())
 }
 

@@ -4,7 +4,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use barbule::brdf::{FeatherBrdf, Options, example};
+use barbule::brdf::fixtures::example;
+use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{BarbuleSurface, Keratin, Lambertian, Reflectance, Surface};
 use barbule::math::rng::Stream;
 use barbule::progress::{Progress, Unobserved};
@@ -15,7 +16,7 @@ use barbule::render::light::{LightSample, Lighting};
 use barbule::render::run::{Ended, Goal, run};
 use barbule::render::stage::Stage;
 use barbule::scene::camera::{Camera, Projection};
-use barbule::scene::description::Description;
+use barbule::scene::description::SceneDescription;
 use barbule::scene::emission::Emission;
 use barbule::scene::geometry::{CurveNode, Geometry, Mesh, Ribbon, RibbonNode};
 use barbule::scene::light::{Lamp, Light, Rectangle, Sphere, Sun, disc_radiance};
@@ -389,7 +390,7 @@ fn lights_are_sampled_with_their_density() {
 
 fn starling() -> Ready {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let mut description = Description::named("starling").unwrap();
+    let mut description = SceneDescription::named("starling").unwrap();
     description.window.radius_mm = 0.7;
     description.camera.width_mm = 1.0;
     Ready::new(description.scene(brdf, 7).unwrap().0)
@@ -427,7 +428,7 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
     let goal = Goal { samples: 36, noise: Some(0.08), time: None };
     let mut whole = Film::new([70, 40]).unwrap();
     run(&integrator, &mut whole, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap();
-    let name = checkpoint::name(&Description::named("starling").unwrap(), "", 1, "", "");
+    let name = checkpoint::name(&SceneDescription::named("starling").unwrap(), "", 1, "", "");
     let mut part = Film::new([70, 40]).unwrap();
     for patience in [30, 50, 20] {
         let ended =
@@ -444,7 +445,7 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
 #[test]
 fn one_stage_serves_every_light_and_camera() {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let mut description = Description::named("starling").unwrap();
+    let mut description = SceneDescription::named("starling").unwrap();
     description.window.radius_mm = 0.5;
     description.camera.width_mm = 0.8;
     let shared = Ready::new(description.scene(brdf.clone(), 7).unwrap().0);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::brdf::example;
+use crate::brdf::fixtures::example;
 use crate::brdf::table::{INVERSE_LENGTH, M, STATIONARY, STRENGTH, TILT};
 use crate::math::rng::Stream;
 

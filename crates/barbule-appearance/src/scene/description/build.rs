@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Bearing, Description, PigmentedKeratin, SkyDescription};
+use super::{Bearing, PigmentedKeratin, SceneDescription, SkyDescription};
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{BarbuleSurface, Keratin, Reflectance, Surface};
 use crate::math::rng::hash;
@@ -23,11 +23,11 @@ const SKY_WEIGHT: f64 = 0.4;
 /// The camera's distance over the picture's width.
 const DISTANCE: f64 = 4.0;
 
-impl Description {
+impl SceneDescription {
     /// The whole scene under the description's own sky. All lights have the spectrum of daylight (D65).
     ///
     /// # Errors
-    /// A number out of range, or a sky that is an image: give it to [`Description::environment`].
+    /// A number out of range, or a sky that is an image: give it to [`SceneDescription::environment`].
     pub fn scene(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Scene, Counts)> {
         let (objects, counts) = self.objects(brdf, seed)?;
         let environment = Some(self.environment(None)?);

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Bearing, Description, KeyLight, SkyDescription, Surfaces, View};
+use super::{Bearing, KeyLight, SceneDescription, SkyDescription, Surfaces, View};
 use crate::error::did_you_mean;
-use crate::scene::feather::{Feather, Window};
+use crate::scene::feather::{Feather, VaneDisc};
 use crate::scene::preset;
 use crate::{Error, Result};
 
@@ -122,7 +122,7 @@ const KEYS: [&str; 30] = [
     "turn_deg",
 ];
 
-impl Description {
+impl SceneDescription {
     /// A preset by its name, or `SPECIES:VARIANT`: the species' preset with that variant's material.
     ///
     /// # Errors
@@ -181,13 +181,13 @@ impl Layer {
     }
 
     /// The description, of which nothing may be missing.
-    fn resolved(self) -> Result<Description> {
+    fn resolved(self) -> Result<SceneDescription> {
         let Self { light, camera, window, .. } = self;
         let sky = match (self.sky_image, self.sky) {
             (Some(image), _) => SkyDescription::Image(image),
             (None, sky) => SkyDescription::Gradient(need(sky, "sky")?),
         };
-        let description = Description {
+        let description = SceneDescription {
             material: need(self.material, "material")?,
             size: self.size,
             exposure: need(self.exposure, "exposure")?,
@@ -210,7 +210,7 @@ impl Layer {
                 width_mm: need(camera.width_mm, "camera.width_mm")?,
                 lens: need(camera.lens, "camera.lens")?,
             },
-            window: Window {
+            window: VaneDisc {
                 along_mm: need(window.along_mm, "window.along_mm")?,
                 radius_mm: need(window.radius_mm, "window.radius_mm")?,
             },
@@ -267,15 +267,15 @@ mod tests {
     #[test]
     fn a_scene_is_a_preset_with_changes() {
         let text = "preset = \"starling\"\nmaterial = \"starling:pink\"\n[light]\nazimuth = 77.0\n";
-        let scene = Description::parse(text).unwrap();
-        let starling = Description::named("starling").unwrap();
+        let scene = SceneDescription::parse(text).unwrap();
+        let starling = SceneDescription::named("starling").unwrap();
         assert_eq!(scene.material, "starling:pink");
         assert_eq!(scene.light.bearing.azimuth_deg, 77.0);
         assert_eq!((scene.camera, scene.feather), (starling.camera, starling.feather));
-        let identity = |scene: &Description| hash("scene", scene);
-        assert_eq!(identity(&Description::named("starling:pink").unwrap()), identity(&starling));
+        let identity = |scene: &SceneDescription| hash("scene", scene);
+        assert_eq!(identity(&SceneDescription::named("starling:pink").unwrap()), identity(&starling));
         assert_ne!(identity(&scene), identity(&starling));
-        let other = Description::parse("preset = \"starling\"\n[light]\nazimuth_deg = 77.0").unwrap();
+        let other = SceneDescription::parse("preset = \"starling\"\n[light]\nazimuth_deg = 77.0").unwrap();
         assert_eq!(identity(&other), identity(&scene));
     }
 
@@ -283,15 +283,16 @@ mod tests {
     fn whatever_a_preset_sets_a_scene_can_set() {
         for name in preset::names() {
             let text = preset::toml(name).unwrap();
-            assert_eq!(Description::parse(text).unwrap(), Description::named(name).unwrap());
+            assert_eq!(SceneDescription::parse(text).unwrap(), SceneDescription::named(name).unwrap());
             let other = if name == "magpie" { "mallard" } else { "magpie" };
-            let changed = Description::parse(&format!("preset = \"{other}\"\n{text}")).unwrap();
+            let changed = SceneDescription::parse(&format!("preset = \"{other}\"\n{text}")).unwrap();
             // Keys that a preset leaves out are those of the proximal barbules.
-            assert_eq!(changed.feather.distal, Description::named(name).unwrap().feather.distal);
+            assert_eq!(changed.feather.distal, SceneDescription::named(name).unwrap().feather.distal);
         }
         let text = "preset = \"magpie\"\n[feather.proximal]\ntilt_deg = 5.0\n[surfaces.ramus]\nmelanin = 0.5\n\
                     [window]\nradius_mm = 1.0\n";
-        let (scene, magpie) = (Description::parse(text).unwrap(), Description::named("magpie").unwrap());
+        let (scene, magpie) =
+            (SceneDescription::parse(text).unwrap(), SceneDescription::named("magpie").unwrap());
         assert_eq!(scene.feather.proximal.tilt, 5.0_f64.to_radians());
         assert_eq!(scene.feather.proximal.base_lift, magpie.feather.proximal.base_lift);
         assert_eq!(scene.feather.distal, magpie.feather.distal);
@@ -301,7 +302,7 @@ mod tests {
 
     #[test]
     fn bad_scenes_are_refused_in_a_sentence() {
-        let message = |text: &str| Description::parse(text).unwrap_err().to_string();
+        let message = |text: &str| SceneDescription::parse(text).unwrap_err().to_string();
         let starling = |text: &str| message(&format!("preset = \"starling\"\n{text}"));
         assert!(message("preset = \"starlign\"").contains("did you mean 'starling'"));
         assert!(

@@ -10,14 +10,14 @@ pub use file::SkyImage;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::feather::{Feather, Window};
+use super::feather::{Feather, VaneDisc};
 use crate::fields::Fields;
 use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
 
 /// A picture to be rendered.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Description {
+pub struct SceneDescription {
     /// Name or file of the barbules' material.
     #[serde(skip)]
     pub material: String,
@@ -35,7 +35,7 @@ pub struct Description {
     /// Where the camera stands.
     pub camera: View,
     /// The part of the feather that is grown.
-    pub window: Window,
+    pub window: VaneDisc,
     /// What the feather's parts are made of, barbules' upper sides aside.
     pub surfaces: Surfaces,
     /// The feather.
@@ -107,7 +107,7 @@ pub struct Surfaces {
     pub underside: PigmentedKeratin,
 }
 
-impl Identify for Description {
+impl Identify for SceneDescription {
     /// Everything that decides a picture's samples, beside the material, the sky's image, the size and the seed: the same
     /// for the same scene, however it was put together.
     fn feed(&self, to: &mut Hasher) {
@@ -115,7 +115,7 @@ impl Identify for Description {
     }
 }
 
-impl Description {
+impl SceneDescription {
     /// Refuses numbers that make no picture.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DVec3, Vec2};
 
 use super::shaft::{Shaft, tube_triangles};
-use super::{BarbShape, Feather, Window};
+use super::{BarbShape, Feather, VaneDisc};
 use crate::math::rng::{Stream, hash};
 use crate::scene::geometry::{Geometry, Mesh};
 
@@ -40,7 +40,7 @@ pub(super) fn along(
     feather: &Feather,
     shaft: &Shaft,
     side: f64,
-    window: Window,
+    window: VaneDisc,
     seed: u64,
     identity: u64,
 ) -> Vec<Barb> {
@@ -135,7 +135,7 @@ fn outline_length(shape: &BarbShape, shaft: &Shaft, s: f64, angle: f64) -> f64 {
 impl Barb {
     /// Whether any of it lies in the window.
     #[must_use]
-    pub fn is_within(&self, origin: DVec3, window: Window) -> bool {
+    pub fn is_within(&self, origin: DVec3, window: VaneDisc) -> bool {
         self.points.iter().any(|p| window.holds(*p - origin))
     }
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::barb::Barb;
-use super::{BarbuleShape, Disorder, Window};
+use super::{BarbuleShape, Disorder, VaneDisc};
 use crate::math::rng::{Stream, hash};
 use crate::scene::geometry::{Geometry, Ribbon, RibbonNode};
 
@@ -17,7 +17,7 @@ pub(super) fn along(
     shape: &BarbuleShape,
     disorder: &Disorder,
     which: usize,
-    (origin, window): (DVec3, Window),
+    (origin, window): (DVec3, VaneDisc),
     seed: u64,
 ) {
     let spacing = 1e-3 * shape.spacing_um;

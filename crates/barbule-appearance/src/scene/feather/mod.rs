@@ -19,7 +19,7 @@ use crate::{Error, Result};
 
 /// The part of a feather to grow: a disc in the plane of the vane about a point of the shaft.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Window {
+pub struct VaneDisc {
     /// Arc length of its middle on the shaft, mm.
     pub along_mm: f64,
     /// Its radius, mm.
@@ -63,7 +63,7 @@ impl Feather {
     ///
     /// # Errors
     /// As [`Feather::check`]; a window that would hold more than 4 million barbules.
-    pub fn grow(&self, window: Window, seed: u64, identity: u64) -> Result<Grown> {
+    pub fn grow(&self, window: VaneDisc, seed: u64, identity: u64) -> Result<Grown> {
         self.check()?;
         let area = std::f64::consts::PI * window.radius_mm * window.radius_mm;
         let per_barb = 1e3 / self.distal.spacing_um + 1e3 / self.proximal.spacing_um;
@@ -94,7 +94,7 @@ impl Feather {
     }
 }
 
-impl Window {
+impl VaneDisc {
     fn holds(&self, point: DVec3) -> bool {
         point.x * point.x + point.y * point.y <= self.radius_mm * self.radius_mm
     }
@@ -103,12 +103,12 @@ impl Window {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::description::Description;
+    use crate::scene::description::SceneDescription;
     use crate::scene::geometry::RibbonNode;
     use crate::scene::preset;
 
     fn feather(name: &str) -> Feather {
-        Description::named(name).unwrap().feather
+        SceneDescription::named(name).unwrap().feather
     }
 
     fn species() -> impl Iterator<Item = (&'static str, Feather)> {
@@ -126,8 +126,8 @@ mod tests {
         barbule_turn: 0.0,
     };
 
-    fn window(feather: &Feather) -> Window {
-        Window { along_mm: 0.6 * feather.shaft.length_mm, radius_mm: 1.1 }
+    fn window(feather: &Feather) -> VaneDisc {
+        VaneDisc { along_mm: 0.6 * feather.shaft.length_mm, radius_mm: 1.1 }
     }
 
     #[test]
@@ -144,7 +144,7 @@ mod tests {
     fn barbs_are_as_many_as_their_perpendicular_spacing_says() {
         for (name, feather) in species() {
             let shaft = Shaft::new(&feather.shaft);
-            let everything = Window { along_mm: 0.5 * feather.shaft.length_mm, radius_mm: 100.0 };
+            let everything = VaneDisc { along_mm: 0.5 * feather.shaft.length_mm, radius_mm: 100.0 };
             let barbs = barb::along(&feather, &shaft, 1.0, everything, 1, 1);
             // ∫ ds sin(angle)/p over the vane.
             let [first, last] = shaft.vane_range();
@@ -174,7 +174,7 @@ mod tests {
         feather.shaft.tip_radius_mm = 1e-6;
         feather.disorder = ORDERLY;
         let shaft = Shaft::new(&feather.shaft);
-        let everything = Window { along_mm: 15.0, radius_mm: 30.0 };
+        let everything = VaneDisc { along_mm: 15.0, radius_mm: 30.0 };
         for barb in barb::along(&feather, &shaft, 1.0, everything, 1, 1) {
             let end = barb.points[barb.points.len() - 1];
             let t = shaft.vane(end.y);
@@ -207,7 +207,7 @@ mod tests {
             barb.normals = vec![DVec3::Z; steps];
             barb.length_mm = 0.1 * (steps - 1) as f64;
             let mut geometry = Geometry::default();
-            let wide = Window { along_mm: 0.0, radius_mm: 50.0 };
+            let wide = VaneDisc { along_mm: 0.0, radius_mm: 50.0 };
             let place = (DVec3::ZERO, wide);
             barbule::along(&mut geometry, &barb, &feather.distal, &feather.disorder, 0, place, 1);
             geometry.ribbon_nodes
@@ -252,7 +252,7 @@ mod tests {
         feather.shaft.calamus = 1.0;
         assert!(feather.check().is_err());
         feather = self::feather("starling");
-        let whole = Window { along_mm: 15.0, radius_mm: 500.0 };
+        let whole = VaneDisc { along_mm: 15.0, radius_mm: 500.0 };
         assert!(feather.grow(whole, 1, 1).unwrap_err().to_string().contains("give a smaller radius_mm"));
     }
 }

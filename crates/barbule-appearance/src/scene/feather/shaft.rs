@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec2};
 
-use super::{ShaftShape, Window};
+use super::{ShaftShape, VaneDisc};
 use crate::math::rng::{Stream, hash};
 use crate::scene::geometry::{Geometry, Mesh};
 
@@ -88,7 +88,7 @@ impl Shaft {
     }
 
     /// Adds the surface within a window: a tube whose underside is flattened, with fine ridges along it.
-    pub(super) fn mesh(&self, geometry: &mut Geometry, window: Window, origin: DVec3, identity: u64) {
+    pub(super) fn mesh(&self, geometry: &mut Geometry, window: VaneDisc, origin: DVec3, identity: u64) {
         let from = (window.along_mm - 1.3 * window.radius_mm).max(0.0);
         let to = (window.along_mm + 1.3 * window.radius_mm).min(self.shape.length_mm);
         let rings = 40;

@@ -2,6 +2,19 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::OnceLock;
+
+use barbule::brdf::fixtures::example;
+use barbule::io::write_material;
+
+/// The file of a made-up material; [`write_made_up`] writes it.
+pub(crate) const MADE_UP: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/made-up.barbule");
+
+/// Writes [`MADE_UP`] once per run of the tests.
+pub(crate) fn write_made_up() {
+    static WRITTEN: OnceLock<()> = OnceLock::new();
+    WRITTEN.get_or_init(|| write_material(Path::new(MADE_UP), &example(50)).unwrap());
+}
 
 /// Everything in a folder, hidden files too: relative path → bytes.
 pub(crate) fn bytes_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {

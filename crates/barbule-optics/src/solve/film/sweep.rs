@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Polarization, Response, response_at};
+use super::{FilmResponse, Polarization, response_at};
 use crate::progress::Progress;
 use crate::spectrum::Wavelengths;
 use crate::structure::stack::Stack;
@@ -16,12 +16,12 @@ pub struct Sweep {
     /// The angles in rad.
     pub angle: Vec<f64>,
     /// s, then p.
-    pub polarization: [Tables; 2],
+    pub polarization: [FilmTables; 2],
 }
 
 /// Numbers of one polarization. Shape: `[angle, wavelength]`, row-major.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Tables {
+pub struct FilmTables {
     /// Reflected over incident amplitude (s: of E, p: of H̃).
     pub r: Vec<Complex64>,
     /// Transmitted over incident amplitude.
@@ -50,12 +50,12 @@ pub fn bytes(layers: usize, wavelengths: usize, angles: usize) -> u64 {
 /// As [`super::response`], or the user cancelled.
 pub fn sweep(stack: &Stack, at: &Wavelengths, angle: &[f64], progress: &dyn Progress) -> Result<Sweep> {
     progress.begin("film", at.len() as u64);
-    let columns: Vec<Vec<[Response; 2]>> =
+    let columns: Vec<Vec<[FilmResponse; 2]>> =
         at.par_iter().map(|&nm| column(stack, nm, angle, progress)).collect::<Result<_>>()?;
     let tables = |which: usize| {
         let points = || (0..angle.len()).flat_map(|a| columns.iter().map(move |column| &column[a][which]));
         let layers = stack.layers();
-        Tables {
+        FilmTables {
             r: points().map(|p| p.r).collect(),
             t: points().map(|p| p.t).collect(),
             reflected: points().map(|p| p.reflected).collect(),
@@ -71,7 +71,7 @@ pub fn sweep(stack: &Stack, at: &Wavelengths, angle: &[f64], progress: &dyn Prog
 }
 
 /// All angles at one wavelength.
-fn column(stack: &Stack, nm: f64, angle: &[f64], progress: &dyn Progress) -> Result<Vec<[Response; 2]>> {
+fn column(stack: &Stack, nm: f64, angle: &[f64], progress: &dyn Progress) -> Result<Vec<[FilmResponse; 2]>> {
     let indices = stack.indices(nm)?;
     let mut points = Vec::with_capacity(angle.len());
     for &angle in angle {

@@ -10,7 +10,7 @@ use super::reflector::Reflector;
 use super::scalar::Scalar;
 use super::synthesis::{Grid, Synthesis};
 use crate::math::simd::Width;
-use crate::scattering::far_field::Light;
+use crate::scattering::far_field::IncidentLight;
 
 /// Light from several azimuths on one cone.
 #[derive(Debug, Clone, Copy)]
@@ -20,7 +20,7 @@ pub struct Batch<'a> {
     /// Azimuths of incidence, rad.
     pub phi_i: &'a [f64],
     /// The light from each azimuth; amplitudes belong to it. A beam's power is [`Barbule::incident_power_um`].
-    pub lights: &'a [Light],
+    pub lights: &'a [IncidentLight],
 }
 
 /// Buffers of one thread of a campaign.

@@ -9,7 +9,7 @@ use super::synthesis::Grid;
 use crate::Result;
 use crate::math::simd::Width;
 use crate::scattering::directions::AZIMUTH_MARGIN;
-use crate::scattering::far_field::Light;
+use crate::scattering::far_field::IncidentLight;
 use crate::scattering::statistics::AZIMUTHS;
 use crate::structure::Section;
 
@@ -80,8 +80,10 @@ fn once(
         orders
     };
     let cone = Cone::around(std::slice::from_ref(barbule), wavelength_nm, theta_i);
-    let lights: Vec<Light> =
-        phi_i.iter().map(|&phi| Light::Beam { power_um: barbule.incident_power_um(theta_i, phi) }).collect();
+    let lights: Vec<IncidentLight> = phi_i
+        .iter()
+        .map(|&phi| IncidentLight::Beam { power_um: barbule.incident_power_um(theta_i, phi) })
+        .collect();
     let batch = Batch { cone: &cone, phi_i, lights: &lights };
     buffers.radiate(&barbule.points, &underside, &batch, &mut lap);
     let grid = Grid { azimuths: AZIMUTHS * cone.refinement(AZIMUTHS), margin: AZIMUTH_MARGIN, shift: SHIFT };

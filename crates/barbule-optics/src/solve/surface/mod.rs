@@ -38,7 +38,7 @@ use num_complex::Complex64;
 
 use crate::Result;
 use crate::math::simd::Width;
-use crate::scattering::far_field::{Azimuths, FarField, Illumination, Light, Window};
+use crate::scattering::far_field::{Azimuths, FarField, Illumination, IncidentLight, Window};
 use crate::structure::Section;
 use batch::Buffers;
 
@@ -50,25 +50,40 @@ pub const FINE_ELEMENT_UM: f64 = 0.01;
 /// rays. Fields differ from converged ones by less than 1e-3 (relative L2).
 pub const CAMPAIGN_ELEMENT_UM: f64 = 0.04;
 
+/// How finely, and with which instructions, a single illumination is computed; the default is converged.
+#[derive(Debug, Clone, Copy)]
+pub struct Accuracy {
+    /// Longest quadrature element along the top, µm.
+    pub element_um: f64,
+    /// SIMD instructions, on which only roundings depend.
+    pub width: Width,
+}
+
+impl Default for Accuracy {
+    fn default() -> Self {
+        Self { element_um: FINE_ELEMENT_UM, width: Width::best() }
+    }
+}
+
 /// The far field of a section on so many azimuths of the upper half, in double precision with every quadrature point (two
-/// per element of at most `element_um`) a source.
+/// per element) a source.
 ///
 /// # Errors
 /// The light does not come through air, a medium's table does not reach the wavelength, or a crystal cannot be solved.
 #[inline(never)]
 pub fn far_field(
     section: &Section,
-    element_um: f64,
     illumination: &Illumination,
     azimuths: usize,
-    width: Width,
+    accuracy: &Accuracy,
 ) -> Result<FarField> {
+    let Accuracy { element_um, width } = *accuracy;
     let Illumination { wavelength_nm, theta_i, phi_i, window } = *illumination;
     let barbule = Barbule::new(section, element_um, window)?;
     let cone = Cone::around(std::slice::from_ref(&barbule), wavelength_nm, theta_i);
     let light = match window {
-        Window::Gaussian => Light::Beam { power_um: barbule.incident_power_um(theta_i, phi_i) },
-        Window::PlaneWave => Light::PlaneWave,
+        Window::Gaussian => IncidentLight::Beam { power_um: barbule.incident_power_um(theta_i, phi_i) },
+        Window::PlaneWave => IncidentLight::PlaneWave,
     };
     let reflector = barbule.exactly(wavelength_nm, theta_i)?;
     let batch = Batch { cone: &cone, phi_i: &[phi_i], lights: &[light] };

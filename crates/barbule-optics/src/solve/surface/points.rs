@@ -7,7 +7,7 @@ use crate::material::Material;
 use crate::math::simd::Real;
 use crate::scattering::far_field::Window;
 use crate::spectrum::wave_number_per_um;
-use crate::structure::{Columns, CrystalLayer, Lattice, Mixture, Polyline, Ray, Section, cast};
+use crate::structure::{Columns, CrystalLayer, Lattice, PaletteMixture, Polyline, Ray, Section, cast};
 use crate::{Error, Result};
 
 /// The quadrature points of one instance, which do not depend on wavelength and direction.
@@ -84,8 +84,8 @@ impl Arrays<f64> {
 /// What fills a slot: one mixture for all points, or one for each.
 #[derive(Debug, Clone)]
 enum SlotMixture {
-    Uniform(Mixture),
-    Varying(Vec<Mixture>),
+    Uniform(PaletteMixture),
+    Varying(Vec<PaletteMixture>),
 }
 
 /// The turn of the top at a vertex, rad, up to which the radiation kernel is interpolated across it.
@@ -246,7 +246,7 @@ impl Points {
     }
 
     /// What fills a slot at a point.
-    pub(super) fn mixture(&self, slot: usize, point: usize) -> Mixture {
+    pub(super) fn mixture(&self, slot: usize, point: usize) -> PaletteMixture {
         match &self.mixtures[slot] {
             SlotMixture::Uniform(mixture) => *mixture,
             SlotMixture::Varying(row) => row[point],
@@ -280,7 +280,7 @@ impl Points {
         let indices =
             self.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
         let padded = self.padded();
-        let contrast = |m: &Mixture| m.contrast(&indices);
+        let contrast = |m: &PaletteMixture| m.contrast(&indices);
         let slots = self
             .mixtures
             .iter()

@@ -13,7 +13,7 @@ use crate::material::Material;
 use crate::math::simd::{Complex, SLIGHT, decay, load, slight_decay, splat, turn};
 use crate::scattering::far_field::Window;
 use crate::spectrum::wave_number_per_um;
-use crate::structure::{Mixture, Section};
+use crate::structure::{PaletteMixture, Section};
 
 /// Real numbers per ray: real and imaginary parts of r_s and r_p.
 pub(super) const SERIES: usize = 4;
@@ -33,9 +33,9 @@ pub(super) struct Rays {
     weights: [Vec<f32>; 2],
     palette: Vec<Material>,
     /// Media that fill a layer of a whole block.
-    uniform: Vec<Mixture>,
+    uniform: Vec<PaletteMixture>,
     /// Media of layers that differ between the rays of a block.
-    varying: Vec<[Mixture; BLOCK]>,
+    varying: Vec<[PaletteMixture; BLOCK]>,
     /// Uniform media that meet: above (`None`: air) and below.
     meetings: Vec<(Option<usize>, usize)>,
     /// Layers of all blocks, top to bottom; the last of each block is its substrate.
@@ -131,7 +131,7 @@ impl Rays {
 
     /// What fills a slot under the rays `start` ….
     fn fill(&mut self, points: &Points, slot: usize, start: usize) -> Fill {
-        let media: [Mixture; BLOCK] =
+        let media: [PaletteMixture; BLOCK] =
             std::array::from_fn(|ray| points.mixture(slot, (start + ray).min(points.count - 1)));
         if media.iter().any(|m| *m != media[0]) {
             self.varying.push(media);
@@ -186,7 +186,7 @@ impl Rays {
         let indices =
             self.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
         let uniform = self.uniform.iter().map(|m| m.contrast(&indices)).collect();
-        let split = |media: &[Mixture; BLOCK]| {
+        let split = |media: &[PaletteMixture; BLOCK]| {
             let values = media.map(|m| m.contrast(&indices));
             [values.map(|v| v.re as f32), values.map(|v| v.im as f32)]
         };

@@ -11,7 +11,7 @@ use super::reflector::Reflector;
 use super::table::ReflectanceTable;
 use crate::math::simd::Width;
 use crate::progress::Progress;
-use crate::scattering::far_field::{Light, Window};
+use crate::scattering::far_field::{IncidentLight, Window};
 use crate::structure::Section;
 use crate::{Error, Result};
 
@@ -41,7 +41,7 @@ pub fn ray_parts(
             let rays = Rays::cast(section, CAMPAIGN_ELEMENT_UM, parts)?;
             let table = ReflectanceTable::new(width, &points, &rays, wavelength_nm)?;
             let cone = Cone::new(wavelength_nm, 0.0, points.radius_um);
-            let batch = Batch { cone: &cone, phi_i: &[0.0], lights: &[Light::PlaneWave] };
+            let batch = Batch { cone: &cone, phi_i: &[0.0], lights: &[IncidentLight::PlaneWave] };
             let mut buffers = Buffers::new(width);
             buffers.radiate(&points, &Reflector::Tabulated(table), &batch, &mut |_| {});
             Ok(buffers.coefficients)

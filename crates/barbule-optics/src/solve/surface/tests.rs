@@ -67,7 +67,7 @@ fn scalloped(width_um: f64, seed: u64) -> Section {
 }
 
 fn fields(section: &Section, wavelength_nm: f64, theta: f64, phi: f64) -> FarField {
-    far_field(section, FINE_ELEMENT_UM, &beam(wavelength_nm, theta, phi), 400, Width::best()).unwrap()
+    far_field(section, &beam(wavelength_nm, theta, phi), 400, &Accuracy::default()).unwrap()
 }
 
 fn beam(wavelength_nm: f64, theta_i: f64, phi_i: f64) -> Illumination {
@@ -184,7 +184,7 @@ fn a_turned_flat_top_is_an_unturned_one_seen_from_a_turned_place() {
     let at = |section: &Section, phi_i: f64, view: f64| {
         let barbule = Barbule::new(section, FINE_ELEMENT_UM, Window::Gaussian).unwrap();
         let cone = Cone::around(std::slice::from_ref(&barbule), 500.0, 0.2);
-        let light = Light::Beam { power_um: barbule.incident_power_um(0.2, phi_i) };
+        let light = IncidentLight::Beam { power_um: barbule.incident_power_um(0.2, phi_i) };
         let batch = Batch { cone: &cone, phi_i: &[phi_i], lights: &[light] };
         let mut buffers = Buffers::<f64>::new(Width::best());
         buffers.radiate(&barbule.points, &barbule.exactly(500.0, 0.2).unwrap(), &batch, &mut |_| {});
@@ -201,7 +201,10 @@ fn a_turned_flat_top_is_an_unturned_one_seen_from_a_turned_place() {
 #[test]
 fn halving_the_elements_changes_nothing_that_matters() {
     let section = scalloped(25.0, 3);
-    let at = |element: f64| far_field(&section, element, &beam(430.0, 0.3, 0.6), 400, Width::best()).unwrap();
+    let at = |element_um: f64| {
+        let accuracy = Accuracy { element_um, ..Accuracy::default() };
+        far_field(&section, &beam(430.0, 0.3, 0.6), 400, &accuracy).unwrap()
+    };
     let (coarse, fine) = (at(FINE_ELEMENT_UM), at(FINE_ELEMENT_UM / 2.0));
     for polarization in Polarization::BOTH {
         let (a, b) = (coarse.intensity(polarization).unwrap(), fine.intensity(polarization).unwrap());
@@ -219,7 +222,7 @@ fn fast_equals_direct() {
         let section = scalloped(10.0, seed);
         let (theta, phi) = (theta.to_radians(), phi.to_radians());
         let fast = fields(&section, wavelength, theta, phi);
-        let plain = direct::far_field(&section, FINE_ELEMENT_UM, &beam(wavelength, theta, phi), 400).unwrap();
+        let plain = direct::far_field(&section, &beam(wavelength, theta, phi), 400, FINE_ELEMENT_UM).unwrap();
         assert!((plain.light.scale() / fast.light.scale() - 1.0).abs() < 1e-12);
         for polarization in Polarization::BOTH {
             let error = relative_l2(
@@ -248,14 +251,15 @@ fn the_campaigns_way_equals_direct_to_a_thousandth() {
         let cone = Cone::around(std::slice::from_ref(&barbule), wavelength, theta);
         assert!(Nodes::<f32>::equidistant(&barbule.points, cone.kappa).taps.is_some());
         let phis = [0.0, 0.5, 1.2, 1.5];
-        let lights = phis.map(|phi| Light::Beam { power_um: barbule.incident_power_um(theta, phi) });
+        let lights = phis.map(|phi| IncidentLight::Beam { power_um: barbule.incident_power_um(theta, phi) });
         let batch = Batch { cone: &cone, phi_i: &phis, lights: &lights };
         let table = barbule.table(wavelength, Width::best()).unwrap();
         let grid = Grid { azimuths: 400, margin: 0, shift: 0.0 };
         let fields = Workspace::new(Width::best()).scatter(&barbule, &table, &batch, grid);
         for (i, phi) in phis.into_iter().enumerate() {
             let light = beam(wavelength, theta, phi);
-            let exact = far_field(&section, FINE_ELEMENT_UM / 2.0, &light, 400, Width::best()).unwrap();
+            let accuracy = Accuracy { element_um: FINE_ELEMENT_UM / 2.0, ..Accuracy::default() };
+            let exact = far_field(&section, &light, 400, &accuracy).unwrap();
             for polarization in 0..2 {
                 let fast = widened(&fields[(i * 2 + polarization) * 800..][..800]);
                 let exact = &exact.amplitudes[polarization];
@@ -293,7 +297,9 @@ fn mirror_images_scatter_mirrored() {
 #[test]
 fn every_simd_width_gives_the_same_field() {
     let section = scalloped(10.0, 6);
-    let at = |width| far_field(&section, 0.02, &beam(450.0, 0.3, 0.4), 400, width).unwrap();
+    let at = |width| {
+        far_field(&section, &beam(450.0, 0.3, 0.4), 400, &Accuracy { element_um: 0.02, width }).unwrap()
+    };
     let reference = at(Width::scalar());
     for width in Width::available() {
         for polarization in Polarization::BOTH {

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::generator::generator_names;
-use super::{Parameters, SpeciesModel, species_toml};
+use super::{GeneratorParameters, SpeciesModel, species_toml};
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{Fields, list};
 use crate::material::Library;
@@ -143,7 +143,7 @@ impl SpeciesFile {
             .position(|v| v.name == wanted)
             .ok_or_else(|| no_variant(&self.name, wanted, self.variants()))?;
         let variant = &self.variants[index];
-        let keys = Parameters::keys(&self.generator)?;
+        let keys = GeneratorParameters::keys(&self.generator)?;
         let place = format!("variants[{index}]");
         Fields::new(&Value::Object(variant.overrides.clone()), &place, keys)?;
         Fields::new(&self.parameters, "parameters", keys)?;
@@ -151,10 +151,13 @@ impl SpeciesFile {
         if let Value::Object(table) = &mut merged {
             table.extend(variant.overrides.clone());
         }
-        let parameters = Parameters::read(&self.generator, &Fields::new(&merged, "parameters", keys)?)
-            .map_err(|error| {
-                if self.variants.len() > 1 { error.at(format!("variant {}", variant.name)) } else { error }
-            })?;
+        let parameters = GeneratorParameters::read(
+            &self.generator,
+            &Fields::new(&merged, "parameters", keys)?,
+        )
+        .map_err(|error| {
+            if self.variants.len() > 1 { error.at(format!("variant {}", variant.name)) } else { error }
+        })?;
         Ok(SpeciesModel {
             name: self.name.clone(),
             variant: variant.name.clone(),

@@ -31,18 +31,18 @@ pub(super) trait Generator {
     }
 }
 
-/// The generators: their names in files, which are those of [`Parameters`]' variants in lower case, and their parameters.
+/// The generators: their names in files, which are those of [`GeneratorParameters`]' variants in lower case, and their parameters.
 macro_rules! generators {
     ($($name:literal: $(#[$about:meta])* $kind:ident,)*) => {
         /// The parameters of one species and variant, by generator.
         #[derive(Debug, Clone, PartialEq, Serialize)]
         #[serde(tag = "generator", rename_all = "kebab-case")]
-        pub enum Parameters { $($(#[$about])* $kind($kind),)* }
+        pub enum GeneratorParameters { $($(#[$about])* $kind($kind),)* }
 
         /// The names of all generators.
         const NAMES: &[&str] = &[$($name),*];
 
-        impl Parameters {
+        impl GeneratorParameters {
             /// The keys of a generator's parameters.
             pub(super) fn keys(generator: &str) -> Result<&'static [&'static str]> {
                 match generator {
@@ -66,7 +66,7 @@ macro_rules! generators {
             }
         }
 
-        impl Identify for Parameters {
+        impl Identify for GeneratorParameters {
             fn feed(&self, to: &mut Hasher) {
                 match self { $(Self::$kind(parameters) => to.part($name, parameters),)* };
             }

@@ -21,7 +21,7 @@ use generator::Random;
 pub use bronzewing::Bronzewing;
 pub use crystal::Crystal;
 pub use file::SpeciesFile;
-pub use generator::Parameters;
+pub use generator::GeneratorParameters;
 pub use hummingbird::Hummingbird;
 pub use rock_dove::RockDove;
 pub use starling::Starling;
@@ -56,7 +56,7 @@ pub struct SpeciesModel {
     /// What colours it, in one line.
     pub coloration: String,
     /// The generator's parameters.
-    pub parameters: Parameters,
+    pub parameters: GeneratorParameters,
     /// The materials that keratin, melanin and air mean.
     pub library: Library,
 }
@@ -99,7 +99,7 @@ impl SpeciesModel {
         if let Value::Object(table) = &mut table {
             table.remove("generator");
         }
-        let fields = Fields::new(&table, "parameters", Parameters::keys(generator)?)?;
+        let fields = Fields::new(&table, "parameters", GeneratorParameters::keys(generator)?)?;
         let about = SpeciesFile::builtin(name).ok();
         let about = |pick: fn(&SpeciesFile) -> &str| about.as_ref().map_or("", pick).to_owned();
         Ok(Self {
@@ -107,7 +107,7 @@ impl SpeciesModel {
             variant: variant.to_owned(),
             latin: about(|file| &file.latin),
             coloration: about(|file| &file.coloration),
-            parameters: Parameters::read(generator, &fields)?,
+            parameters: GeneratorParameters::read(generator, &fields)?,
             library,
         })
     }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::brdf::example;
+use crate::brdf::fixtures::example;
 
 /// A container with the given header and data.
 fn container(header: &str, data: &[u8]) -> Vec<u8> {

@@ -8,6 +8,7 @@ use super::aside::{Files, failure};
 use crate::io::whole::hash_bytes;
 use crate::io::zarr::{Array, Coding, DataType, group_metadata};
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS};
+use crate::spectrum::Wavelengths;
 use crate::{Error, Result};
 
 /// Version of the layout that is written.
@@ -87,7 +88,7 @@ pub(super) struct Arrays {
 impl Arrays {
     /// As the axes say; `kept` wavelengths keep their fields.
     fn new(axes: &Axes, instances: usize, kept: usize, coding: Coding) -> Self {
-        let shape = [axes.wavelengths_nm.len(), axes.cos_theta.len(), axes.cos_phi.len()];
+        let shape = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.cos_phi().len()];
         let array = |name, data_type, meaning, dimensions: &[(&'static str, usize)]| {
             let (dimension_names, shape): (_, Vec<usize>) = dimensions.iter().copied().unzip();
             let mut chunk_shape = shape.clone();
@@ -153,7 +154,7 @@ impl Attributes {
         let (axes, instances) = checked_axes(attributes)?;
         let text = |key: &str| attributes[key].as_str().unwrap_or_default().to_owned();
         let kept_nm = numbers(attributes, "kept_nm")?;
-        if let Some(nm) = kept_nm.iter().find(|nm| !axes.wavelengths_nm.contains(nm)) {
+        if let Some(nm) = kept_nm.iter().find(|nm| !axes.wavelengths_nm().contains(nm)) {
             return Err(format!("its attribute 'kept_nm' has {nm}, which is no wavelength of it"));
         }
         let (name, width, description) = (text("name"), text("simd"), attributes["campaign"].clone());
@@ -183,9 +184,9 @@ impl Attributes {
     fn covered(&self) -> Value {
         json!({
             "barbule_store": WRITTEN,
-            "wavelengths_nm": self.axes.wavelengths_nm,
-            "cos_theta_i": self.axes.cos_theta,
-            "cos_phi_i": self.axes.cos_phi,
+            "wavelengths_nm": self.axes.wavelengths_nm(),
+            "cos_theta_i": self.axes.cos_theta(),
+            "cos_phi_i": self.axes.cos_phi(),
             "instances": self.instances,
             "name": self.name,
             "simd": self.width,
@@ -222,9 +223,9 @@ impl Attributes {
         // The axes follow from the description, unless somebody changed the file.
         let axes = |a: &Self| {
             json!({
-                "wavelengths_nm": a.axes.wavelengths_nm,
-                "cos_theta_i": a.axes.cos_theta,
-                "cos_phi_i": a.axes.cos_phi,
+                "wavelengths_nm": a.axes.wavelengths_nm(),
+                "cos_theta_i": a.axes.cos_theta(),
+                "cos_phi_i": a.axes.cos_phi(),
                 "instances": a.instances,
             })
         };
@@ -269,11 +270,11 @@ fn checked_axes(attributes: &Value) -> std::result::Result<(Axes, usize), String
             None => Ok(values),
         }
     };
-    let axes = Axes {
-        wavelengths_nm: axis("wavelengths_nm", 100_000, 300.0, 830.0)?,
-        cos_theta: axis("cos_theta_i", 200, 0.0, 1.0)?,
-        cos_phi: axis("cos_phi_i", 200, 0.0, 1.0)?,
-    };
+    let nm = axis("wavelengths_nm", 100_000, 300.0, 830.0)?;
+    let (cos_theta, cos_phi) = (axis("cos_theta_i", 200, 0.0, 1.0)?, axis("cos_phi_i", 200, 0.0, 1.0)?);
+    let axes = Wavelengths::new(nm)
+        .and_then(|wavelengths| Axes::new(&wavelengths, cos_theta, cos_phi))
+        .map_err(|e| e.to_string())?;
     let instances = attributes["instances"]
         .as_u64()
         .and_then(|n| usize::try_from(n).ok())

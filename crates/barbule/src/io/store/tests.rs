@@ -4,9 +4,10 @@ use std::fs;
 
 use super::*;
 use crate::io::hash_bytes;
+use crate::spectrum::Wavelengths;
 
 fn axes() -> Axes {
-    Axes { wavelengths_nm: vec![450.0, 550.0], cos_theta: vec![0.5, 1.0], cos_phi: vec![0.25, 0.75] }
+    Axes::new(&Wavelengths::new([450.0, 550.0]).unwrap(), vec![0.5, 1.0], vec![0.25, 0.75]).unwrap()
 }
 
 fn unit(shift: f32) -> Unit {

@@ -2,10 +2,9 @@
 
 use barbule::material::Library;
 use barbule::math::rng::Stream;
-use barbule::math::simd::Width;
 use barbule::scattering::far_field::FarField;
 use barbule::solve::direct;
-use barbule::solve::surface::{FINE_ELEMENT_UM, far_field};
+use barbule::solve::surface::{Accuracy, FINE_ELEMENT_UM, far_field};
 use barbule::structure::{
     CrystalLayer, Parts, Polyline, Section, SpeciesFile, SpeciesModel, crystal_species,
 };
@@ -64,7 +63,8 @@ pub(crate) fn fast(
     phi: f64,
     azimuths: usize,
 ) -> FarField {
-    far_field(section, element_um, &beam(nm, theta, phi), azimuths, Width::best()).unwrap()
+    let accuracy = Accuracy { element_um, ..Accuracy::default() };
+    far_field(section, &beam(nm, theta, phi), azimuths, &accuracy).unwrap()
 }
 
 /// A species' crystal.
@@ -95,7 +95,7 @@ pub(crate) fn plain_errors() -> [f64; 2] {
             // A coarse sum of both: they must agree whatever the elements.
             let element = 0.05;
             let found = fast(&section, element, nm, theta, phi, 200);
-            let plain = direct::far_field(&section, element, &beam(nm, theta, phi), 200).unwrap();
+            let plain = direct::far_field(&section, &beam(nm, theta, phi), 200, element).unwrap();
             for p in 0..2 {
                 let error = relative_l2(&found.amplitudes[p].concat(), &plain.amplitudes[p].concat());
                 let power = (found.radiated[p] / plain.radiated[p] - 1.0).abs();

@@ -1,11 +1,10 @@
 //! Fields against fields, and campaigns against what they converge to.
 
-use barbule::campaign::{Campaign, Keep, Parameters};
-use barbule::math::simd::Width;
+use barbule::campaign::{Campaign, CampaignParameters, Keep, Resources};
 use barbule::progress::Unobserved;
 use barbule::scattering::far_field::{Illumination, Window};
 use barbule::scattering::statistics::{AZIMUTHS, Axes};
-use barbule::solve::surface::far_field;
+use barbule::solve::surface::{Accuracy, far_field};
 use barbule::spectrum::Wavelengths;
 use barbule::structure::{Section, Structure};
 use num_complex::Complex64;
@@ -27,13 +26,14 @@ pub(crate) fn campaign_errors(section: &Section, nm: f64, cosines: [f64; 2], ele
     let wavelengths = Wavelengths::new([nm]).unwrap();
     let axes = Axes::new(&wavelengths, vec![cosines[0]], vec![cosines[1], 1.0]).unwrap();
     let structure = Structure::Sections { name: section.name.clone(), sections: vec![section.clone()] };
-    let parameters = Parameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0 };
-    let campaign = Campaign::new(&structure, parameters, Width::best(), &Unobserved).unwrap();
+    let parameters = CampaignParameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0 };
+    let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
     let unit = campaign.unit(&campaign.tables(0, &Unobserved).unwrap(), 0, Keep::Fields);
     let mut worst = [0f64; 2];
-    for number in 0..axes.cos_phi.len() {
+    for number in 0..axes.cos_phi().len() {
         let light = beam(nm, axes.theta_i(0), axes.phi_i(number));
-        let exact = far_field(section, element_um, &light, AZIMUTHS, Width::best()).unwrap();
+        let accuracy = Accuracy { element_um, ..Accuracy::default() };
+        let exact = far_field(section, &light, AZIMUTHS, &accuracy).unwrap();
         for p in 0..2 {
             let at = (number * 2 + p) * 2 * AZIMUTHS;
             let single: Vec<Complex64> = unit.fields[at..at + 2 * AZIMUTHS]

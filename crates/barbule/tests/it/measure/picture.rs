@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use barbule::brdf::{FeatherBrdf, Options, example};
+use barbule::brdf::fixtures::example;
+use barbule::brdf::{FeatherBrdf, Options};
 use barbule::progress::Unobserved;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Transport};
 use barbule::render::light::Lighting;
 use barbule::render::run::{Goal, run};
 use barbule::render::stage::Stage;
-use barbule::scene::description::Description;
+use barbule::scene::description::SceneDescription;
 
 /// Pixels.
 pub(crate) const SIZE: [u32; 2] = [64, 48];
@@ -21,7 +22,7 @@ pub(crate) const SAMPLES: [u32; 2] = [64, 1024];
 /// Part of the starling's close-up with the example's material.
 pub(crate) fn picture(samples: u32, seed: u64) -> Film {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let mut description = Description::named("starling").unwrap();
+    let mut description = SceneDescription::named("starling").unwrap();
     description.window.radius_mm = 1.0;
     description.camera.width_mm = 1.2;
     let (scene, _) = description.scene(brdf, 1).unwrap();

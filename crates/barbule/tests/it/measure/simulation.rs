@@ -5,10 +5,9 @@ use std::f64::consts::PI;
 use barbule::campaign::spectrum::{Collect, SpectrumRequest, spectra};
 use barbule::material::Library;
 use barbule::math::rng::Stream;
-use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
 use barbule::solve::direct;
-use barbule::solve::surface::{FINE_ELEMENT_UM, far_field};
+use barbule::solve::surface::{Accuracy, FINE_ELEMENT_UM, far_field};
 use barbule::spectrum::Wavelengths;
 use barbule::structure::{
     Medium, Parts, Polyline, Section, SpeciesFile, SpeciesModel, Structure, Substance, layered_species,
@@ -68,7 +67,7 @@ fn reflected(
         collect: Collect::Hemisphere,
         polarization: if polarization == 0 { [1.0, 0.0] } else { [0.0, 1.0] },
     };
-    spectra(&structure, &request, Width::best(), &Unobserved).unwrap().mean
+    spectra(&structure, &request, &Unobserved).unwrap().mean
 }
 
 /// Φ_r/Φ_i of 50 rough mirrors of one of [`ROUGHNESSES`].
@@ -177,8 +176,9 @@ pub(crate) fn plain_errors() -> [f64; 2] {
         // A coarse sum of both: they must agree whatever the elements.
         let element = 0.05;
         let light = beam(nm, theta, phi);
-        let fast = far_field(&section, element, &light, 100, Width::best()).unwrap();
-        let plain = direct::far_field(&section, element, &light, 100).unwrap();
+        let fast = far_field(&section, &light, 100, &Accuracy { element_um: element, ..Accuracy::default() })
+            .unwrap();
+        let plain = direct::far_field(&section, &light, 100, element).unwrap();
         for p in 0..2 {
             let error = relative_l2(&fast.amplitudes[p].concat(), &plain.amplitudes[p].concat());
             worst = larger(worst, [error, (fast.radiated[p] / plain.radiated[p] - 1.0).abs()]);

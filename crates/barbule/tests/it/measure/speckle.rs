@@ -3,9 +3,8 @@
 use barbule::brdf::fit::{FitOptions, FitReport, fit};
 use barbule::brdf::{FeatherMaterial, Noise, Synthesis, lobe_integral};
 use barbule::campaign::single::autocovariance;
-use barbule::campaign::{Campaign, Keep, Parameters};
+use barbule::campaign::{Campaign, CampaignParameters, Keep, Resources};
 use barbule::material::Library;
-use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
 use barbule::scattering::far_field::Polarization;
 use barbule::scattering::lobe::Lobe;
@@ -38,9 +37,9 @@ pub(crate) fn simulate(name: &'static str) -> Species {
     let wavelengths = Wavelengths::new([400.0, 550.0, 694.0]).unwrap();
     let axes = Axes::new(&wavelengths, vec![0.1, 0.5, 1.0], vec![0.1, 0.35, 0.7, 1.0]).unwrap();
     let parameters =
-        Parameters { axes: axes.clone(), instances: INSTANCES, seed: 1, tilt: 2f64.to_radians() };
+        CampaignParameters { axes: axes.clone(), instances: INSTANCES, seed: 1, tilt: 2f64.to_radians() };
     let structure = Structure::Species(Box::new(model));
-    let campaign = Campaign::new(&structure, parameters, Width::best(), &Unobserved).unwrap();
+    let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
     let mut statistics = Statistics::empty(axes, INSTANCES);
     let mut fields = Vec::new();
     for wave in 0..3 {
@@ -57,7 +56,7 @@ pub(crate) fn simulate(name: &'static str) -> Species {
 impl Species {
     /// The stronger component's values over instances where the lobe is seen, `(node, [φ_o][instance])`.
     pub(crate) fn samples(&self) -> impl Iterator<Item = (usize, Vec<Vec<Complex64>>)> + '_ {
-        let phis = self.statistics.axes.cos_phi.len();
+        let phis = self.statistics.axes.cos_phi().len();
         (0..self.statistics.axes.len() * 2).map(move |at| {
             let (node, polarization) = (at / 2, at % 2);
             let fields = &self.fields[node / phis];
@@ -87,8 +86,8 @@ impl Species {
     /// Whether light comes from within about 45° of the normal.
     pub(crate) fn is_steep(&self, node: usize) -> bool {
         let axes = &self.statistics.axes;
-        let phis = axes.cos_phi.len();
-        axes.cos_phi[node % phis] * axes.cos_theta[node / phis % axes.cos_theta.len()] > 0.65
+        let phis = axes.cos_phi().len();
+        axes.cos_phi()[node % phis] * axes.cos_theta()[node / phis % axes.cos_theta().len()] > 0.65
     }
 
     fn fitted(&self, polarized: bool) -> (FeatherMaterial, FitReport) {
@@ -176,7 +175,7 @@ fn decay(lags: &[f64]) -> f64 {
 /// about their mean over instances.
 fn lengths(species: &Species, material: &FeatherMaterial, wave: usize, phi: usize) -> [[f64; 2]; 2] {
     let axes = &species.statistics.axes;
-    let theta = axes.cos_theta.len() - 1;
+    let theta = axes.cos_theta().len() - 1;
     let patterns = species.campaign.patterns(
         &species.campaign.tables(wave, &Unobserved).unwrap(),
         theta,
@@ -250,12 +249,12 @@ pub(crate) fn fitted(species: &Species) -> Fitted {
     let (material, _) = species.fitted(false);
     let (polarized, _) = species.fitted(true);
     let axes = &material.axes;
-    let phis = axes.cos_phi.len();
+    let phis = axes.cos_phi().len();
     let lobe = |node: usize| {
         let set = &material.sets[0].mean;
         Lobe { m: f64::from(set.m[node]), phi: f64::from(set.phi[node]) }
     };
-    let cosines = |node: usize| (axes.cos_theta[node / phis % 3], axes.cos_phi[node % phis]);
+    let cosines = |node: usize| (axes.cos_theta()[node / phis % 3], axes.cos_phi()[node % phis]);
     let off: Vec<f64> =
         (0..axes.len()).map(|node| (lobe(node).phi - cosines(node).1.acos()).abs().to_degrees()).collect();
     let f = |node: usize| {

@@ -63,14 +63,14 @@ pub struct SolverFigures {
 
 /// What a crystal costs on one core, in CPU seconds, so that other work on the machine does not count.
 #[derive(Debug, Clone)]
-pub struct Figures {
+pub struct CrystalFigures {
     /// Multipoles, Fourier modal method, finite differences.
     pub solvers: Vec<SolverFigures>,
     /// Multipoles: one wavelength and direction of a table, both polarizations.
     pub table_point_seconds: f64,
 }
 
-impl Figures {
+impl CrystalFigures {
     /// CPU seconds of a full table.
     #[must_use]
     pub fn table_seconds(&self) -> f64 {
@@ -82,7 +82,7 @@ impl Figures {
 ///
 /// # Errors
 /// A medium has no index at 400 to 694 nm, a solver fails, or the user cancelled.
-pub fn measure(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Result<Figures> {
+pub fn measure(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Result<CrystalFigures> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build()
@@ -90,7 +90,7 @@ pub fn measure(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Re
     pool.install(|| sample(lattice, effort, progress))
 }
 
-fn sample(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Result<Figures> {
+fn sample(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Result<CrystalFigures> {
     let cells = WAVELENGTHS_NM.map(|nm| Cell::new(lattice, nm)).into_iter().collect::<Result<Vec<_>>>()?;
     let directions = ANGLES.iter().flat_map(|&theta| ANGLES.iter().map(move |&phi| [theta, phi]));
     let points: Vec<(&Cell, Incidence)> = WAVELENGTHS_NM
@@ -143,7 +143,7 @@ fn sample(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Result<
         found.push(figures);
     }
     let table_point_seconds = table_point(&cells, effort, progress)?;
-    Ok(Figures { solvers: found, table_point_seconds })
+    Ok(CrystalFigures { solvers: found, table_point_seconds })
 }
 
 /// CPU seconds of one wavelength and direction of a table.

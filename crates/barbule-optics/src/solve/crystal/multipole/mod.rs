@@ -79,14 +79,14 @@ impl Multipole {
     ///
     /// # Errors
     /// The wave has no meaning or is too near the horizon, or cylinder functions leave the range of numbers.
-    pub fn prepare(&self, cell: &Cell, wavelength_nm: f64, theta_i: f64) -> Result<Prepared> {
+    pub fn prepare(&self, cell: &Cell, wavelength_nm: f64, theta_i: f64) -> Result<PreparedCell> {
         check_wavelength(&cell.surroundings(), wavelength_nm)?;
         check_angle("theta", theta_i)?;
         let plan = Plan::new(cell);
         let wave = Wave::new(cell, wavelength_nm, theta_i)?;
         let sizes = plan.sizes(&wave, self.tolerance);
         let tables = plan.tables(&wave, &sizes)?;
-        Ok(Prepared { plan, wave, cos_theta: theta_i.cos(), tolerance: self.tolerance, sizes, tables })
+        Ok(PreparedCell { plan, wave, cos_theta: theta_i.cos(), tolerance: self.tolerance, sizes, tables })
     }
 }
 
@@ -131,7 +131,7 @@ impl Wave {
 
 /// A cell prepared for one wavelength and one θ_i.
 #[derive(Debug, Clone)]
-pub struct Prepared {
+pub struct PreparedCell {
     plan: Plan,
     wave: Wave,
     cos_theta: f64,
@@ -152,7 +152,7 @@ impl Estimate {
     }
 }
 
-impl Prepared {
+impl PreparedCell {
     /// The response to both polarizations from azimuth `phi_i`, rad. Sizes grow until the estimated error is small
     /// enough; they start anew for every call, so that results do not depend on what was asked before.
     ///

@@ -1,24 +1,29 @@
-//! A made-up material for examples, tests and benchmarks.
+//! A made-up material for tests and benchmarks.
 
 use super::material::{FeatherMaterial, LobeSet, ParameterSet};
 use super::noise::spectrum;
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::Axes;
+use crate::spectrum::Wavelengths;
 
 /// A plausible green feather from smooth formulas, on the default directions (20 × 20) and wavelengths 400 … 694 nm.
 ///
 /// It stands in where a material is needed but no simulation is meant: `waves` wavelengths, nothing else to choose.
+///
+/// # Panics
+/// Never: the axes rise.
 #[must_use]
 pub fn example(waves: usize) -> FeatherMaterial {
     let waves = waves.max(1);
     let cosines: Vec<f64> = (1..=20).map(|k| f64::from(k) / 20.0).collect();
     let step = 294.0 / waves.max(2).saturating_sub(1) as f64;
     let wavelengths_nm: Vec<f64> = (0..waves).map(|k| 400.0 + k as f64 * step).collect();
-    let axes = Axes { wavelengths_nm, cos_theta: cosines.clone(), cos_phi: cosines };
+    let wavelengths = Wavelengths::new(wavelengths_nm).expect("rising wavelengths");
+    let axes = Axes::new(&wavelengths, cosines.clone(), cosines).expect("rising cosines");
     let mut set = ParameterSet::default();
-    for &wave in &axes.wavelengths_nm {
-        for &ct in &axes.cos_theta {
-            for &cp in &axes.cos_phi {
+    for &wave in axes.wavelengths_nm() {
+        for &ct in axes.cos_theta() {
+            for &cp in axes.cos_phi() {
                 let grazing = ct * cp;
                 let phi_i = libm::acos(cp);
                 // A band that moves to shorter waves with incidence, over Fresnel-like reflection at grazing.
