@@ -324,6 +324,24 @@ fn instances_average_to_the_smooth_lobe_and_vary_as_their_fields_should() {
     }
 }
 
+#[test]
+fn instances_of_shipped_materials_average_to_their_smooth_lobes() {
+    let wi = omega(0.3, 0.4);
+    for stem in SHIPPED {
+        let brdf = brdf(&shipped(stem));
+        let mut stream = Stream::new(6, &[]);
+        for _ in 0..3 {
+            let u = [stream.unit(), stream.unit()];
+            let (wo, _) = brdf.sample(550.0, wi, u).unwrap();
+            let smooth = f64::from(brdf.eval([550.0; 4], wi, wo, None)[0]);
+            let count = 40_000;
+            let sum: f64 = (0..count).map(|n| f64::from(brdf.eval([550.0; 4], wi, wo, Some(n))[0])).sum();
+            // Four deviations of speckle of full contrast.
+            assert!((sum / count as f64 / smooth - 1.0).abs() < 0.02, "{stem}: {sum} {smooth}");
+        }
+    }
+}
+
 /// cosθ_i, cosφ_i, m at nodes of the table, so that nothing is interpolated, and the relative L2 distances at [`SIGMAS`]:
 /// the table of docs/theory/brdf.md.
 const MARGINALS: [(f64, f64, f32, [f64; 2]); 6] = [
@@ -450,7 +468,12 @@ fn polarizations_average_to_unpolarized_light() {
 /// φ_eff breaks reciprocity: the measured size of it, over pairs drawn from the lobe, weighted by what they carry.
 #[test]
 fn the_deviation_from_reciprocity_is_known() {
-    let cases = [("φ_eff = φ_i, constant", constant(0.1, 0.3, 0.0), 0.0121), ("example", example(3), 0.2413)];
+    let cases = [
+        ("φ_eff = φ_i, constant", constant(0.1, 0.3, 0.0), 0.0121),
+        ("example", example(3), 0.2413),
+        (SHIPPED[0], shipped(SHIPPED[0]), 0.1896),
+        (SHIPPED[1], shipped(SHIPPED[1]), 0.2101),
+    ];
     for (name, material, known) in cases {
         let brdf = brdf(&material);
         let mut stream = Stream::new(8, &[]);
@@ -464,7 +487,8 @@ fn the_deviation_from_reciprocity_is_known() {
             sum += 0.5 * (there + back) * wo.z / pdf;
         }
         let deviation = difference / sum;
-        assert!((deviation / known - 1.0).abs() < 0.1, "{name}: {deviation}, known {known}");
+        // The same draws each time: what is left is the digits that are written here.
+        assert!((deviation / known - 1.0).abs() < 0.01, "{name}: {deviation}, known {known}");
     }
 }
 
@@ -488,8 +512,8 @@ fn albedos_of_instances_scatter_about_the_mean() {
     let average = ratios.iter().sum::<f64>() / count as f64;
     let spread = (ratios.iter().map(|r| (r - average).powi(2)).sum::<f64>() / count as f64).sqrt();
     assert!((average - 1.0).abs() < 4.0 * spread / (count as f64).sqrt() + 0.005, "{average} ± {spread}");
-    // 0.252 with these seeds.
-    assert!((spread - 0.252).abs() < 0.025, "{spread}");
+    // With these draws.
+    assert!((spread - 0.252).abs() < 0.001, "{spread}");
 }
 
 /// A material that ships.

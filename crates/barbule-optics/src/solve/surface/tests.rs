@@ -239,7 +239,7 @@ fn fast_equals_direct() {
 
 /// The campaign's way: single precision, nodes, coarser elements, all φ_i at once.
 #[test]
-fn the_campaigns_way_equals_direct_to_a_thousandth() {
+fn the_campaigns_way_comes_near_converged_fields() {
     let mut worst = (0f64, 0f64);
     for (seed, wavelength, theta) in
         [(1, 400.0, 0.0f64), (2, 550.0, 40.0), (3, 694.0, 60.0), (4, 430.0, 80.0)]
@@ -268,7 +268,8 @@ fn the_campaigns_way_equals_direct_to_a_thousandth() {
             }
         }
     }
-    assert!(worst.0 < 1e-3 && worst.1 < 2e-4, "{worst:?}");
+    // Reached: 3.7e-4 and 1.1e-4.
+    assert!(worst.0 < 4e-4 && worst.1 < 1.2e-4, "{worst:?}");
 }
 
 #[test]
