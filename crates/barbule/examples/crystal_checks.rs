@@ -1,11 +1,15 @@
 //! The crystal solvers against each other and against laws, as docs/theory/crystals.md shows them.
 //!
-//! `cargo run --release -p barbule --example crystal_checks -- WHAT`, where WHAT is
+//! `target/release/examples/crystal_checks WHAT` (after `cargo build --release --workspace --examples`), where WHAT is
 //! - `convergence FIGURE`: a figure of the error of R against multipoles, orders, slices and cells, a few minutes
 //! - `agreement`: tables of the three solvers against each other and against flat layers, a few minutes
+//! - `treams`: a table of the three solvers against the stored answers of an independent program
 //! - `energy SOLVER POINTS`: |R + T + A − 1| over random waves on random crystals
 
-#![allow(clippy::print_stdout)] // a program
+#![allow(clippy::print_stdout, clippy::unwrap_used)] // a program over what tests hold
+
+#[path = "../tests/it/measure/treams.rs"]
+mod treams;
 
 use std::path::Path;
 
@@ -34,8 +38,9 @@ fn main() -> Result<()> {
     match words[..] {
         ["convergence", figure] => convergence(Path::new(figure)),
         ["agreement"] => agreement(),
+        ["treams"] => against_treams(),
         ["energy", solver, points] => energy(solver, points),
-        _ => Err(Error::input("give 'convergence FIGURE', 'agreement' or 'energy SOLVER POINTS'")),
+        _ => Err(Error::input("give 'convergence FIGURE', 'agreement', 'treams' or 'energy SOLVER POINTS'")),
     }
 }
 
@@ -55,6 +60,44 @@ fn rcwa(orders: usize, slices: usize) -> Rcwa {
 
 fn fdtd(cells_per_um: f64) -> Fdtd {
     Fdtd { cells_per_um, estimate: false, ..Fdtd::default() }
+}
+
+/// The largest difference of each solver from the independent program, by crystal.
+fn against_treams() -> Result<()> {
+    let modes = |orders, slices| Rcwa { orders, slices, estimate: false };
+    let grid = |cells_per_um| Fdtd { cells_per_um, estimate: false, ..Fdtd::default() };
+    let every = |_: &treams::Case| true;
+    let columns = [
+        ("multipoles, default tolerance, 5 waves", treams::largest(&Multipole::default(), every)),
+        ("Fourier modes, 10 orders, 24 slices, 5 waves", treams::largest(&modes(10, 24), every)),
+        ("the same at 450 nm", treams::largest(&modes(10, 24), treams::is_at_450_nm)),
+        ("20 orders, 48 slices, at 450 nm", treams::largest(&modes(20, 48), treams::is_at_450_nm)),
+        ("FDTD, 60 cells/µm, at 450 nm", treams::largest(&grid(60.0), treams::is_at_450_nm)),
+        ("FDTD, 120 cells/µm, at 450 nm", treams::largest(&grid(120.0), treams::is_at_450_nm)),
+    ];
+    let mut names: Vec<String> = Vec::new();
+    for case in treams::cases() {
+        if !names.contains(&case.cell_name) {
+            names.push(case.cell_name);
+        }
+    }
+    println!("| largest difference | {} |", names.join(" | "));
+    let row = |name: &str, cell: &dyn Fn(&str) -> f64| {
+        let cells: Vec<String> = names.iter().map(|name| format!("{:.1e}", cell(name))).collect();
+        println!("| {name} | {} |", cells.join(" | "));
+    };
+    for (name, found) in &columns {
+        row(name, &|cell| found[cell]);
+    }
+    let own = |cell: &str| {
+        treams::cases()
+            .iter()
+            .filter(|case| case.cell_name == cell)
+            .map(|case| case.error)
+            .fold(0.0, f64::max)
+    };
+    row("treams, its own", &own);
+    Ok(())
 }
 
 /// Orders and slices at which the other is fine.

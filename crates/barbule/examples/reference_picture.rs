@@ -1,6 +1,6 @@
 //! Makes the stored picture of the tests again, after an intended change of what is seen.
 //!
-//! `cargo run --release -p barbule --example reference_picture`
+//! `target/release/examples/reference_picture` (after `cargo build --release --workspace --examples`).
 
 #![allow(clippy::unwrap_used)] // a program over what tests hold
 

@@ -1,6 +1,7 @@
 //! Tables and figure of docs/theory/statistics.md: what single barbules of the layered species do.
 //!
-//! `cargo run --release -p barbule --example statistics_tables [-- FIGURE.png]`, a minute; with a name it draws the
+//! `target/release/examples/statistics_tables [FIGURE.png]` (after `cargo build --release --workspace --examples`), 50 CPU
+//! seconds; with a name it draws the
 //! quantiles of the fields against normal ones (docs/figures/qq.png).
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // a program over what tests hold

@@ -342,7 +342,6 @@ mod tests {
     #[test]
     fn the_quadrature_agrees_with_a_plain_sum() {
         let quadrature = Fine::new();
-        let mut worst = 0.0_f64;
         for sigma in [0.04, 0.08] {
             for (m, ct, phi) in [
                 (0.05, 0.9, 0.3),
@@ -358,11 +357,9 @@ mod tests {
                 let (fast, slow) =
                     (quadrature.scaled_integral(m, incident, sigma), plain(m, incident, sigma));
                 let error = (fast / slow - 1.0).abs();
-                println!("{sigma} {m} {ct} {phi}: {fast} {slow} {error:e}");
-                worst = worst.max(error);
+                assert!(error < 3e-5, "{sigma} {m} {ct} {phi}: {fast} {slow} {error:e}");
             }
         }
-        assert!(worst < 3e-5, "{worst:e}");
     }
 
     #[test]
@@ -379,7 +376,6 @@ mod tests {
                 }
             }
         }
-        println!("{worst:e}");
         assert!(worst < 6e-3, "{worst:e}");
     }
 

@@ -326,25 +326,46 @@ fn instances_average_to_the_smooth_lobe_and_vary_as_their_fields_should() {
     }
 }
 
-/// The marginal's formula is that of a narrow spread: 1 % at σ = 0.005. At the default 0.04 the spread of θ_o also moves
-/// h_x, by up to σ tanθ_i, which widens lobes of large θ_i.
 #[test]
-fn the_lobe_radiates_its_marginal() {
-    // At nodes of the table, so that nothing is interpolated.
-    let cases = [
-        (1.0, 1.0, 0.05),
-        (0.5, 0.5, 0.2),
-        (0.7, 0.4, 0.1),
-        (1.0, 0.25, 0.3),
-        (0.3, 0.9, 0.1),
-        (0.9, 0.3, 0.05),
-    ];
-    for (sigma, bound) in [(0.005, 0.01), (0.04, 0.16)] {
-        for (cos_theta, cos_phi, m) in cases {
-            let error = marginal_error(cos_theta, cos_phi, m, sigma);
-            println!("sigma {sigma}, cosines {cos_theta} {cos_phi}, m {m}: {error:.4}");
-            assert!(error < bound, "{cos_theta} {cos_phi} {m}: {error}");
+fn instances_of_shipped_materials_average_to_their_smooth_lobes() {
+    let wi = omega(0.3, 0.4);
+    for stem in SHIPPED {
+        let brdf = brdf(&shipped(stem));
+        let mut stream = Stream::new(6, &[]);
+        for _ in 0..3 {
+            let u = [stream.unit(), stream.unit()];
+            let (wo, _) = brdf.sample(550.0, wi, u).unwrap();
+            let smooth = f64::from(brdf.eval([550.0; 4], wi, wo, None)[0]);
+            let count = 40_000;
+            let sum: f64 = (0..count).map(|n| f64::from(brdf.eval([550.0; 4], wi, wo, Some(n))[0])).sum();
+            // Four deviations of speckle of full contrast.
+            assert!((sum / count as f64 / smooth - 1.0).abs() < 0.02, "{stem}: {sum} {smooth}");
         }
+    }
+}
+
+/// cosθ_i, cosφ_i, m at nodes of the table, so that nothing is interpolated, and the relative L2 distances at [`SIGMAS`]:
+/// the table of docs/theory/brdf.md.
+const MARGINALS: [(f64, f64, f32, [f64; 2]); 6] = [
+    (1.0, 1.0, 0.05, [0.0, 0.0009]),
+    (1.0, 0.25, 0.3, [0.0, 0.0007]),
+    (0.9, 0.3, 0.05, [0.0015, 0.0801]),
+    (0.5, 0.5, 0.2, [0.0009, 0.0504]),
+    (0.7, 0.4, 0.1, [0.0015, 0.0797]),
+    (0.3, 0.9, 0.1, [0.0034, 0.1523]),
+];
+
+/// A narrow spread, for which the marginal's formula is made, and the default one.
+const SIGMAS: [f64; 2] = [0.005, 0.04];
+
+/// The spread of θ_o also moves h_x, by up to σ tanθ_i, which widens lobes of large θ_i.
+#[test]
+fn the_lobe_leaves_its_marginal_by_known_distances() {
+    let found = MARGINALS
+        .map(|(cos_theta, cos_phi, m, _)| SIGMAS.map(|sigma| marginal_error(cos_theta, cos_phi, m, sigma)));
+    for (errors, (_, _, _, known)) in found.iter().zip(MARGINALS) {
+        // Rounding of the table.
+        assert!(errors.iter().zip(known).all(|(error, known)| (error - known).abs() < 6e-5), "{found:.4?}");
     }
 }
 
@@ -449,7 +470,12 @@ fn polarizations_average_to_unpolarized_light() {
 /// φ_eff breaks reciprocity: the measured size of it, over pairs drawn from the lobe, weighted by what they carry.
 #[test]
 fn the_deviation_from_reciprocity_is_known() {
-    let cases = [("φ_eff = φ_i, constant", constant(0.1, 0.3, 0.0), 0.0121), ("example", example(3), 0.2413)];
+    let cases = [
+        ("φ_eff = φ_i, constant", constant(0.1, 0.3, 0.0), 0.0121),
+        ("example", example(3), 0.2413),
+        (SHIPPED[0], shipped(SHIPPED[0]), 0.1896),
+        (SHIPPED[1], shipped(SHIPPED[1]), 0.2101),
+    ];
     for (name, material, known) in cases {
         let brdf = brdf(&material);
         let mut stream = Stream::new(8, &[]);
@@ -463,7 +489,8 @@ fn the_deviation_from_reciprocity_is_known() {
             sum += 0.5 * (there + back) * wo.z / pdf;
         }
         let deviation = difference / sum;
-        assert!((deviation / known - 1.0).abs() < 0.1, "{name}: {deviation}, known {known}");
+        // The same draws each time: what is left is the digits that are written here.
+        assert!((deviation / known - 1.0).abs() < 0.01, "{name}: {deviation}, known {known}");
     }
 }
 
@@ -487,8 +514,8 @@ fn albedos_of_instances_scatter_about_the_mean() {
     let average = ratios.iter().sum::<f64>() / count as f64;
     let spread = (ratios.iter().map(|r| (r - average).powi(2)).sum::<f64>() / count as f64).sqrt();
     assert!((average - 1.0).abs() < 4.0 * spread / (count as f64).sqrt() + 0.005, "{average} ± {spread}");
-    // 0.252 with these seeds.
-    assert!((spread - 0.252).abs() < 0.025, "{spread}");
+    // With these draws.
+    assert!((spread - 0.252).abs() < 0.001, "{spread}");
 }
 
 /// A material that ships.

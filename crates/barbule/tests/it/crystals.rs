@@ -1,5 +1,5 @@
 //! Barbules over photonic crystals: the fast simulation against its plain reference, closed forms and laws.
-//! `cargo run --release -p barbule --example simulation_tables` prints the figures that are held here.
+//! `target/release/examples/simulation_tables` prints the figures that are held here.
 
 use barbule::scattering::far_field::Polarization;
 use barbule::solve::crystal::{Cell, CrystalSolver, Incidence, Multipole, Response};

@@ -61,7 +61,6 @@ fn random_stacks_agree_with_the_tmm_package() {
             assert_eq!(only_r.unwrap(), ours.r);
         }
     }
-    println!("largest difference {worst:e}");
     assert!(worst < ROUNDING, "{worst:e}");
 }
 

@@ -1,5 +1,5 @@
 //! The fast simulation over random species, variants, directions and wavelengths: energy, and its reference.
-//! `cargo run --release -p barbule --example simulation_tables` prints what is held here.
+//! `target/release/examples/simulation_tables` prints what is held here.
 
 use crate::measure::fields::larger;
 use crate::measure::simulation::{

@@ -72,7 +72,6 @@ fn registers_agree_with_the_plain_formulas_at_every_width() {
                 }
             }
         }
-        println!("{level:?}: {worst:?}");
         assert!(worst[0] < 3e-4 && worst[1] < 2e-4 && worst[2] < 2e-4, "{level:?}: {worst:?}");
     }
 }

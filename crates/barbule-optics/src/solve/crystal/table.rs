@@ -286,13 +286,12 @@ mod tests {
                 (solved, count) = (solved + counted.0.load(Ordering::Relaxed), count + 1);
                 for _ in 0..12 {
                     let phi = stream.uniform(-FRAC_PI_2, FRAC_PI_2);
-                    let found = error(&series, &cell, nm, theta, phi);
-                    assert!(found < 1e-4, "{name} {nm} {theta} {phi}: {found:e}");
-                    worst = worst.max(found);
+                    worst = worst.max(error(&series, &cell, nm, theta, phi));
                 }
             }
         }
-        println!("series against the solver: {worst:.1e} with {} azimuths on average", solved / count);
+        let azimuths = solved / count;
+        assert!(worst < 6e-5 && azimuths < 60, "{worst:e} with {azimuths} azimuths on average");
     }
 
     #[test]

@@ -32,7 +32,8 @@ fn flat(width_um: f64, depth_um: f64) -> Polyline {
     Polyline { x_um: vec![-width_um / 2.0, 0.0, width_um / 2.0], z_um: vec![-depth_um; 3] }
 }
 
-/// A smooth random height with correlation length `tau`, of amplitude `height`, sampled each 0.03 µm.
+/// A smooth random height with correlation length `tau`, of amplitude `height`, sampled each 0.03 µm: these tests' own, so
+/// that a change of how species draw theirs leaves what is held here alone.
 fn rough(width_um: f64, tau: f64, height: f64, depth: f64, seed: u64) -> Polyline {
     let mut stream = Stream::new(seed, &[1]);
     let waves: Vec<(f64, f64, f64)> = (1..80)
@@ -97,7 +98,8 @@ fn peak(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |a, &b| a.max(b))
 }
 
-/// ‖a − b‖/‖b‖ over both components.
+/// ‖a − b‖/‖b‖ over both components. (The workspace's tests of whole campaigns have one of slices; no crate is below both
+/// but for its library, in which nothing else would use it.)
 fn relative_l2<'a>(a: impl Iterator<Item = &'a Complex64>, b: impl Iterator<Item = &'a Complex64>) -> f64 {
     let (mut difference, mut norm) = (0.0, 0.0);
     for (a, b) in a.zip(b) {
@@ -240,7 +242,7 @@ fn fast_equals_direct() {
 
 /// The campaign's way: single precision, nodes, coarser elements, all φ_i at once.
 #[test]
-fn the_campaigns_way_equals_direct_to_a_thousandth() {
+fn the_campaigns_way_comes_near_converged_fields() {
     let mut worst = (0f64, 0f64);
     for (seed, wavelength, theta) in
         [(1, 400.0, 0.0f64), (2, 550.0, 40.0), (3, 694.0, 60.0), (4, 430.0, 80.0)]
@@ -270,7 +272,8 @@ fn the_campaigns_way_equals_direct_to_a_thousandth() {
             }
         }
     }
-    assert!(worst.0 < 1e-3 && worst.1 < 2e-4, "{worst:?}");
+    // Reached: 3.7e-4 and 1.1e-4.
+    assert!(worst.0 < 4e-4 && worst.1 < 1.2e-4, "{worst:?}");
 }
 
 #[test]

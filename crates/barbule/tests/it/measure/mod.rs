@@ -5,3 +5,4 @@ pub(crate) mod fields;
 pub(crate) mod picture;
 pub(crate) mod simulation;
 pub(crate) mod speckle;
+pub(crate) mod treams;

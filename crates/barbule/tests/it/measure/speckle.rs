@@ -25,6 +25,9 @@ const CRITICAL: f64 = 1.035;
 /// Simulated barbules of a species.
 pub(crate) struct Species {
     pub(crate) name: &'static str,
+    /// Whether its tops are arches.
+    #[allow(dead_code)] // the tests'
+    pub(crate) is_arched: bool,
     campaign: Campaign,
     statistics: Statistics,
     /// `[unit][φ_i, polarization, e₁ e₂, instance, AZIMUTHS]`.
@@ -38,6 +41,7 @@ pub(crate) fn simulate(name: &'static str) -> Species {
     let axes = Axes::new(&wavelengths, vec![0.1, 0.5, 1.0], vec![0.1, 0.35, 0.7, 1.0]).unwrap();
     let parameters =
         CampaignParameters { axes: axes.clone(), instances: INSTANCES, seed: 1, tilt: 2f64.to_radians() };
+    let is_arched = model.is_curved();
     let structure = Structure::Species(Box::new(model));
     let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
     let mut statistics = Statistics::empty(axes, INSTANCES);
@@ -50,7 +54,7 @@ pub(crate) fn simulate(name: &'static str) -> Species {
             statistics.append(unit);
         }
     }
-    Species { name, campaign, statistics, fields }
+    Species { name, is_arched, campaign, statistics, fields }
 }
 
 impl Species {
