@@ -250,7 +250,8 @@ mod tests {
         assert_ne!(earlier, plan.description);
         let create = |path: &Path| {
             let description = earlier.to_json().unwrap();
-            Store::create(path, axes, *instances, "x", &description, &[], "scalar").unwrap()
+            Store::create(path, axes, *instances, "x", &description, &[], Resources::default().width.name())
+                .unwrap()
         };
         let path = folder.path().join("s.zarr");
         create(&path);
