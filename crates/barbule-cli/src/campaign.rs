@@ -35,8 +35,8 @@ pub(crate) struct CampaignArgs {
     #[arg(long, value_name = "N")]
     thin: Option<usize>,
     /// SIMD instructions to compute with [default: the widest of this processor]
-    #[arg(long, value_name = "NAME")]
-    pub(crate) simd: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = Width::named)]
+    simd: Option<Width>,
 }
 
 /// Flags that say how a material is fitted.
@@ -77,8 +77,8 @@ impl CampaignArgs {
     }
 
     /// The SIMD width asked for.
-    pub(crate) fn width(&self) -> Result<Width> {
-        self.simd.as_deref().map_or_else(|| Ok(Width::best()), Width::named)
+    pub(crate) fn width(&self) -> Width {
+        self.simd.unwrap_or_default()
     }
 }
 

@@ -35,8 +35,8 @@ struct CampaignArgs {
     #[arg(help = structure_arg::HELP, default_value = "starling")]
     structure: String,
     /// SIMD instructions to compute with [default: the widest of this processor]
-    #[arg(long, value_name = "NAME")]
-    simd: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = Width::named)]
+    simd: Option<Width>,
     #[command(flatten)]
     common: Common,
 }
@@ -65,7 +65,7 @@ impl CampaignArgs {
     fn run(&self, out: &mut dyn Write) -> Result<()> {
         let structure = structure_arg::parse(&self.structure, &self.common)?;
         let name = structure.name();
-        let width = self.simd.as_deref().map_or_else(|| Ok(Width::best()), Width::named)?;
+        let width = self.simd.unwrap_or_default();
         let progress = Terminal::new(&self.common);
         let figures = measure(&structure, self.common.seed, width, &progress)?;
         drop(progress);

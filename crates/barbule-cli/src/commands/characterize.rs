@@ -48,7 +48,7 @@ impl Args {
         let options = self.fit.options()?;
         check(&plan, &options)?;
         let store = self.keep_store.as_deref().map(|folder| store_path(folder, &name)).transpose()?;
-        let width = self.campaign.width()?;
+        let width = self.campaign.width();
         let units_at_once = units_at_once(&plan, Keep::Statistics, Results::Gathered, &self.common)?;
         self.common.say(&format!("characterizing {name}: about {}", expected(&plan)));
         let how = Execution { resources: Resources { width, units_at_once }, store: store.as_deref() };

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use barbule::campaign::{Keep, Resources, Results, run};
 use barbule::io::store::{Status, Store};
+use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
 use serde_json::json;
 
@@ -25,14 +26,14 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "S.zarr", required_unless_present = "status")]
     output: Option<PathBuf>,
     /// Only part i of n (i from 0) of the units, for several processes on one store
-    #[arg(long, value_name = "i/n", allow_hyphen_values = true)]
-    shard: Option<String>,
+    #[arg(long, value_name = "i/n", allow_hyphen_values = true, value_parser = shard)]
+    shard: Option<(usize, usize)>,
     /// Say what of a store is done
     #[arg(long)]
     status: bool,
     /// Keep the fields of every instance at these wavelengths (nm)
-    #[arg(long, value_name = "SET")]
-    keep_fields: Option<String>,
+    #[arg(long, value_name = "SET", value_parser = crate::sets::wavelength_set)]
+    keep_fields: Option<Wavelengths>,
     #[command(flatten)]
     campaign: CampaignArgs,
     #[command(flatten)]
@@ -46,15 +47,15 @@ impl Args {
             return self.report(out);
         }
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
-        let (shard, shards) = self.shard.as_deref().map_or(Ok((0, 1)), shard)?;
+        let (shard, shards) = self.shard.unwrap_or((0, 1));
         let structure = structure_arg::parse(&self.structure, &self.common)?;
         let plan = self.campaign.plan(structure, &self.common)?;
-        let kept = self.keep_fields.as_deref().map_or(Ok(Vec::new()), crate::sets::wavelengths)?;
-        let width = self.campaign.width()?;
+        let kept = self.keep_fields.as_ref().map_or(&[][..], Wavelengths::nm);
+        let width = self.campaign.width();
         let keep = if kept.is_empty() { Keep::Statistics } else { Keep::Fields };
         let units_at_once = units_at_once(&plan, keep, Results::Stored, &self.common)?;
         let resources = Resources { width, units_at_once };
-        let store = plan.store(path, &kept, &resources)?;
+        let store = plan.store(path, kept, &resources)?;
         let units = store.shard(shard, shards);
         if units.iter().all(|&(w, t)| store.is_whole(w, t)) {
             store.end_writing();

@@ -211,7 +211,7 @@ mod tests {
         let degrees = |azimuths: Azimuths| -> Vec<f64> {
             azimuths.phi_o().iter().map(|phi| phi.to_degrees().round()).collect()
         };
-        assert_eq!(degrees(Azimuths::UpperHalf(4)), [-68.0, -22.0, 23.0, 68.0]);
+        assert_eq!(degrees(Azimuths::UpperHalf(3)), [-60.0, 0.0, 60.0]);
         assert_eq!(degrees(Azimuths::FullCircle(4)), [-180.0, -90.0, 0.0, 90.0]);
     }
 

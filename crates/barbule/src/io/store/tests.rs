@@ -94,7 +94,7 @@ fn chunks_of_a_wrong_length_are_damaged_however_long() {
 fn axes_that_are_not_the_campaigns_are_refused() {
     type Change = fn(&mut Value);
     let changes: [(Change, &str); 4] = [
-        (|a| a["wavelengths_nm"] = json!([450.0, 551.0, 550.0]), "wavelengths_nm"),
+        (|a| a["wavelengths_nm"] = json!([450.0, 550.0, 551.0]), "wavelengths_nm"),
         (|a| a["cos_theta_i"] = json!([0.5]), "cos_theta_i"),
         (|a| a["cos_phi_i"] = json!([0.25, 0.75, 1.0]), "cos_phi_i"),
         (|a| a["instances"] = json!(4), "instances"),
