@@ -147,7 +147,7 @@ pub use scattering::far_field::Illumination;
 ///
 /// let shipped = Catalog::default().shipped(&Structure::builtin("starling")?)?.unwrap();
 /// let material: FeatherMaterial = shipped.material;
-/// assert_eq!(material.wavelengths_nm.len(), 50);
+/// assert_eq!(material.axes.wavelengths_nm().len(), 50);
 /// # Ok::<(), barbule::Error>(())
 /// ```
 pub use brdf::FeatherMaterial;
