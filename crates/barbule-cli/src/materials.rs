@@ -45,7 +45,7 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(FeatherMaterial, Stri
     let resources = Resources { units_at_once, ..Resources::default() };
     let how = Execution { resources, ..Execution::default() };
     let made = characterize(&plan, &FitOptions::default(), &catalog, &how, &Terminal::new(common))?;
-    let Found { material, hash } = catalog.keep(&plan, made.material)?;
+    let Found { material, hash } = catalog.keep(&plan, &made.material)?;
     Ok((material, hash))
 }
 

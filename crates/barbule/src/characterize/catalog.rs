@@ -58,15 +58,16 @@ impl Catalog {
         is_it.then(|| Some(Found { hash: hash_file(&path).ok()?, material }))?
     }
 
-    /// Keeps a plan's material in the cache.
+    /// Keeps a plan's material in the cache, and gives it as it is found from then on: files round its parameters to sixteen
+    /// bits, and the first picture must be the bits of all later ones.
     ///
     /// # Errors
     /// There is no cache, or it cannot be written.
-    pub fn keep(&self, plan: &Plan, material: FeatherMaterial) -> Result<Found> {
+    pub fn keep(&self, plan: &Plan, material: &FeatherMaterial) -> Result<Found> {
         let path = self.path(&plan.structure.name())?;
         path.parent().map_or(Ok(()), make_folder)?;
-        write_material(&path, &material)?;
-        Ok(Found { hash: hash_file(&path)?, material })
+        write_material(&path, material)?;
+        Ok(Found { hash: hash_file(&path)?, material: read_material(&path)? })
     }
 
     /// Where the computed material of a structure's name is.
@@ -137,6 +138,7 @@ pub fn file_stem(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::characterize::CampaignOptions;
     use crate::material::Library;
     use crate::spectrum::Wavelengths;
     use crate::structure::SpeciesModel;
@@ -160,6 +162,20 @@ mod tests {
             let found = Catalog::default().shipped(&Structure::Species(Box::new(model))).unwrap();
             assert_eq!(found.unwrap().hash, hash_bytes(bytes), "{stem}");
         }
+    }
+
+    #[test]
+    fn a_material_is_the_same_when_it_is_kept_and_ever_after() {
+        let folder = tempfile::tempdir().unwrap();
+        let catalog = Catalog { cache: Some(folder.path().join("cache")) };
+        let plan = CampaignOptions::default().plan(Structure::builtin("starling").unwrap()).unwrap();
+        let mut material = decode_material(barbule_materials::material("starling-green").unwrap()).unwrap();
+        // Between two of the numbers that a file can hold.
+        material.sets[0].mean.reflected[0] *= 0.999_99;
+        let kept = catalog.keep(&plan, &material).unwrap();
+        let later = catalog.cached(&plan).unwrap();
+        assert_ne!(kept.material, material);
+        assert_eq!((kept.material, kept.hash), (later.material, later.hash));
     }
 
     #[test]

@@ -97,13 +97,13 @@ impl Store {
             aside::create_folder(path, |made| here.build(path, made))?;
         }
         let store = Self::open(path)?;
-        store.attributes.check_same(path, &here)?;
         if !store.arrays.are_written() {
             return Err(Error::input(format!(
                 "{}: was made by an earlier version of Barbule, whose stores are read but not continued; give another name",
                 path.display()
             )));
         }
+        store.attributes.check_same(path, &here)?;
         Ok(store)
     }
 
