@@ -22,7 +22,7 @@ use barbule::solve::crystal::fdtd::Layer;
 use barbule::solve::crystal::planar::jones;
 use barbule::solve::crystal::rcwa::profile::{Body, Outline};
 use barbule::solve::crystal::{
-    Cell, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa, Response, Rod, Shell, Surroundings,
+    Cell, CellRod, CrystalResponse, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa, Shell, Surroundings,
 };
 use barbule::structure::SpeciesModel;
 use barbule::{Complex64, Error, Result};
@@ -127,7 +127,7 @@ fn convergence(path: &Path) -> Result<()> {
         let by_orders = |n: usize| rcwa(n, FINE[1]).respond(&cell, &incidence);
         let by_slices = |s: usize| rcwa(FINE[0], s).respond(&cell, &incidence);
         let by_cells = |c: usize| fdtd(c as f64).respond(&cell, &incidence);
-        type Solve<'a> = (&'a dyn Fn(usize) -> Result<Response>, &'a [usize]);
+        type Solve<'a> = (&'a dyn Fn(usize) -> Result<CrystalResponse>, &'a [usize]);
         let sweeps: [Solve; 4] = [
             (&by_multipoles, &[1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32]),
             (&by_orders, &[4, 6, 8, 12, 16, 24, 40]),
@@ -267,7 +267,7 @@ fn estimates() -> Result<()> {
 }
 
 /// The largest difference of zeroth orders from flat layers, and of other orders from nothing.
-fn apart(response: &Response, flat: &[[Complex64; 2]; 2]) -> f64 {
+fn apart(response: &CrystalResponse, flat: &[[Complex64; 2]; 2]) -> f64 {
     let zero = [[Complex64::ZERO; 2]; 2];
     let differences = response.orders.iter().flat_map(|order| {
         let expected = if order.m == 0 { flat } else { &zero };
@@ -289,7 +289,7 @@ fn planar_rods() -> Result<()> {
         for incidence in waves() {
             let crystal = cell(name, incidence.wavelength_nm)?;
             let eps = crystal.host_eps();
-            let of_host = |rod: &Rod| Rod {
+            let of_host = |rod: &CellRod| CellRod {
                 shells: rod.shells.iter().map(|shell| Shell { eps, ..*shell }).collect(),
                 ..rod.clone()
             };

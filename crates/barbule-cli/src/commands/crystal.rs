@@ -5,7 +5,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::plot::{Axis, Drawing, Format, HeatMap};
-use barbule::solve::crystal::{Cell, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa, Response, sweep};
+use barbule::solve::crystal::{
+    Cell, CrystalResponse, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa, sweep,
+};
 use barbule::spectrum::Wavelengths;
 use barbule::structure::Lattice;
 use barbule::{Complex64, Error, Result};
@@ -213,7 +215,7 @@ fn beside<const N: usize>(panels: [Drawing; N]) -> Drawing {
 }
 
 /// The contract's JSON.
-fn document(response: &Response, phi_i: f64) -> Value {
+fn document(response: &CrystalResponse, phi_i: f64) -> Value {
     let complex = |z: &Complex64| json!([z.re, z.im]);
     let orders: Vec<_> = response
         .orders
@@ -235,7 +237,7 @@ fn document(response: &Response, phi_i: f64) -> Value {
     })
 }
 
-fn table(response: &Response, phi_i: f64) -> String {
+fn table(response: &CrystalResponse, phi_i: f64) -> String {
     let mut text = format!("{:>12} {:>9} {:>10} {:>10}", "", "φ_o (°)", "1", "2");
     for order in &response.orders {
         let [first, second] = order.reflectance(phi_i);

@@ -2,7 +2,7 @@
 //! `target/release/examples/simulation_tables` prints the figures that are held here.
 
 use barbule::scattering::far_field::Polarization;
-use barbule::solve::crystal::{Cell, CrystalSolver, Incidence, Multipole, Response};
+use barbule::solve::crystal::{Cell, CrystalResponse, CrystalSolver, Incidence, Multipole};
 use barbule::solve::surface::FINE_ELEMENT_UM;
 use barbule::structure::{CrystalLayer, Polyline, Section, crystal_species};
 use num_complex::Complex64;
@@ -21,7 +21,7 @@ fn flat(width_um: f64, crystal: CrystalLayer) -> Section {
 }
 
 /// The flat crystal itself.
-fn ideal(crystal: &CrystalLayer, nm: f64, theta: f64, phi: f64) -> Response {
+fn ideal(crystal: &CrystalLayer, nm: f64, theta: f64, phi: f64) -> CrystalResponse {
     let cell = Cell::new(&crystal.lattice, nm).unwrap();
     Multipole::default().respond(&cell, &Incidence { wavelength_nm: nm, theta_i: theta, phi_i: phi }).unwrap()
 }

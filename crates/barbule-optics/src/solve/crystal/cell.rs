@@ -27,12 +27,12 @@ pub struct Cell {
     pub(super) period_um: f64,
     pub(super) incidence_eps: f64,
     pub(super) host_eps: Complex64,
-    pub(super) rods: Vec<Rod>,
+    pub(super) rods: Vec<CellRod>,
 }
 
 /// A rod: concentric circles around one axis along y.
 #[derive(Debug, Clone)]
-pub struct Rod {
+pub struct CellRod {
     /// Position of the axis, µm; any real number, its position modulo the period counts.
     pub x_um: f64,
     /// Depth of the axis below the surface, µm; more than the radius.
@@ -117,7 +117,7 @@ impl Cell {
                     .collect::<Result<Vec<_>>>()
             })
             .collect::<Result<Vec<_>>>()?;
-        let rods = lattice.placed().map(|placed| Rod {
+        let rods = lattice.placed().map(|placed| CellRod {
             x_um: placed.x_um,
             depth_um: placed.depth_um,
             shells: shells[placed.rod].clone(),
@@ -130,7 +130,7 @@ impl Cell {
     /// # Errors
     /// Rods without shells, at no place, of diameters that do not fall, of media that amplify or are not finite, that
     /// reach the surface, or that overlap by more than [`TOUCHING_UM`].
-    pub fn from_rods(surroundings: Surroundings, rods: Vec<Rod>) -> Result<Self> {
+    pub fn from_rods(surroundings: Surroundings, rods: Vec<CellRod>) -> Result<Self> {
         let Surroundings { period_um, incidence_eps, host_eps } = surroundings;
         for (index, rod) in rods.iter().enumerate() {
             rod.check().map_err(|error| error.at(format!("rod {index}")))?;
@@ -155,12 +155,12 @@ impl Cell {
 
     /// Every rod of every row of one period.
     #[must_use]
-    pub fn rods(&self) -> &[Rod] {
+    pub fn rods(&self) -> &[CellRod] {
         &self.rods
     }
 
     /// Least distance between two rods' axes over all periods, µm.
-    pub(super) fn distance_um(&self, a: &Rod, b: &Rod) -> f64 {
+    pub(super) fn distance_um(&self, a: &CellRod, b: &CellRod) -> f64 {
         let dx = a.x_um - b.x_um;
         (dx - (dx / self.period_um).round() * self.period_um).hypot(a.depth_um - b.depth_um)
     }
@@ -189,7 +189,7 @@ impl Cell {
     }
 }
 
-impl Rod {
+impl CellRod {
     /// Radius of the outermost circle, µm.
     pub(super) fn radius_um(&self) -> f64 {
         self.shells[0].diameter_um * 0.5
@@ -283,7 +283,7 @@ mod tests {
     #[test]
     fn cells_without_a_meaning_are_refused_once_for_all_solvers() {
         let host = keratin(500.0);
-        let with = |change: &dyn Fn(&mut Vec<Rod>)| {
+        let with = |change: &dyn Fn(&mut Vec<CellRod>)| {
             let mut rods = mallard(500.0).rods;
             change(&mut rods);
             refusal(Cell::from_rods(mallard(500.0).surroundings(), rods))
@@ -302,7 +302,7 @@ mod tests {
             with(&|rods| rods[2].depth_um = rods[0].depth_um).contains("rod 2: it overlaps rod 0 by 0.13")
         );
         assert!(with(&|rods| rods[5].shells[0].diameter_um = 0.3).contains("wider than the period"));
-        let inside_out = |rods: &mut Vec<Rod>| {
+        let inside_out = |rods: &mut Vec<CellRod>| {
             let wider = Shell { diameter_um: 0.14, eps: host };
             rods[0].shells.push(wider);
         };

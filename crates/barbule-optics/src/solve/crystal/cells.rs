@@ -1,6 +1,6 @@
 //! Cells that tests of the solvers share.
 
-use super::{Cell, CrystalSolver, Incidence, Multipole, Response, Rod, Shell, Surroundings};
+use super::{Cell, CellRod, CrystalResponse, CrystalSolver, Incidence, Multipole, Shell, Surroundings};
 use crate::Complex64;
 
 /// ε of keratin at a wavelength, nm.
@@ -15,13 +15,13 @@ pub(crate) fn melanin(wavelength_nm: f64) -> Complex64 {
 }
 
 /// A rod of shells (diameter, ε), outermost first.
-pub(crate) fn rod(x_um: f64, depth_um: f64, shells: &[(f64, Complex64)]) -> Rod {
+pub(crate) fn rod(x_um: f64, depth_um: f64, shells: &[(f64, Complex64)]) -> CellRod {
     let shells = shells.iter().map(|&(diameter_um, eps)| Shell { diameter_um, eps }).collect();
-    Rod { x_um, depth_um, shells }
+    CellRod { x_um, depth_um, shells }
 }
 
 /// Rods in keratin under air.
-pub(crate) fn in_keratin(period_um: f64, wavelength_nm: f64, rods: Vec<Rod>) -> Cell {
+pub(crate) fn in_keratin(period_um: f64, wavelength_nm: f64, rods: Vec<CellRod>) -> Cell {
     let surroundings = Surroundings::new(period_um, 1.0, keratin(wavelength_nm)).expect("surroundings");
     Cell::from_rods(surroundings, rods).expect("a cell")
 }
@@ -66,7 +66,7 @@ pub(crate) struct Case {
     pub(crate) name: &'static str,
     pub(crate) cell: Cell,
     pub(crate) incidence: Incidence,
-    exact: Response,
+    exact: CrystalResponse,
 }
 
 /// All crystals at all points.
@@ -83,7 +83,7 @@ pub(crate) fn cases() -> Vec<Case> {
 
 impl Case {
     /// Largest differences of a response from the multipoles': of J, and of R, T and A.
-    pub(crate) fn differences(&self, response: &Response) -> (f64, f64) {
+    pub(crate) fn differences(&self, response: &CrystalResponse) -> (f64, f64) {
         let exact = &self.exact;
         assert_eq!(exact.orders.len(), response.orders.len(), "{} {:?}", self.name, self.incidence);
         let (mut amplitude, mut power) = (0.0_f64, response.distance(exact, self.incidence.phi_i));

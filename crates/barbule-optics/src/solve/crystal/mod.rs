@@ -1,6 +1,6 @@
 //! Photonic crystals of rods: periodic along x, invariant along y, a few rows deep.
 //!
-//! A [`Cell`] is lit by a wave ([`Incidence`]) and answers with its [`Response`]; three independent solvers stand behind
+//! A [`Cell`] is lit by a wave ([`Incidence`]) and answers with its [`CrystalResponse`]; three independent solvers stand behind
 //! one interface, [`CrystalSolver`]:
 //!
 //! | solver | method | cannot do |
@@ -24,10 +24,10 @@ mod response;
 mod solver;
 mod table;
 
-pub use cell::{Cell, Incidence, Rod, Shell, Surroundings};
+pub use cell::{Cell, CellRod, Incidence, Shell, Surroundings};
 pub use fdtd::{Fdtd, NearField};
 pub use multipole::Multipole;
 pub use rcwa::Rcwa;
-pub use response::{Order, Response};
+pub use response::{CrystalResponse, Order};
 pub use solver::{CrystalSolver, sweep};
 pub use table::{order_series, order_table};

@@ -1,6 +1,6 @@
 //! The plane-wave orders of a periodic structure: wave vectors over k, and Jones matrices from the fields along y.
 
-use super::{Incidence, Order, Response, Surroundings};
+use super::{CrystalResponse, Incidence, Order, Surroundings};
 use crate::math::roots::decaying_root;
 use crate::{Complex64, Result};
 
@@ -106,7 +106,7 @@ impl DiffractionOrders {
     }
 
     /// Largest difference of an order's power between two responses to the same wave.
-    pub(super) fn difference(&self, a: &Response, b: &Response) -> f64 {
+    pub(super) fn difference(&self, a: &CrystalResponse, b: &CrystalResponse) -> f64 {
         let pairs = a.orders.iter().zip(&b.orders).map(|(a, b)| (self.power(a), self.power(b)));
         pairs.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).map(f64::abs).fold(0.0, f64::max)
     }

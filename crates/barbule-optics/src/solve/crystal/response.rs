@@ -15,7 +15,7 @@ pub struct Order {
 
 /// What becomes of a plane wave of unit amplitude.
 #[derive(Debug, Clone)]
-pub struct Response {
+pub struct CrystalResponse {
     /// Propagating reflected orders, m ascending.
     pub orders: Vec<Order>,
     /// Power into the half-space below the lowest rods' lower edge over incident power, per incident polarization.
@@ -36,7 +36,7 @@ impl Order {
     }
 }
 
-impl Response {
+impl CrystalResponse {
     /// Power of all reflected orders over incident power, by incident polarization.
     #[must_use]
     pub fn reflectance(&self, phi_i: f64) -> [f64; 2] {

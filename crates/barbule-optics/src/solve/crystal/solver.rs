@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Cell, Incidence, Response};
+use super::{Cell, CrystalResponse, Incidence};
 use crate::progress::Progress;
 use crate::structure::Lattice;
 use crate::{Error, Result};
@@ -14,7 +14,7 @@ pub trait CrystalSolver: Sync {
     /// # Errors
     /// A wave at or past grazing or of no wavelength, a cell that this solver cannot do, or a computation that did not
     /// settle.
-    fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response>;
+    fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<CrystalResponse>;
 
     /// The responses to waves of one wavelength and one θ_i (rad) from azimuths `phi_i` (rad), which may share work;
     /// `progress` is asked before each whether to go on.
@@ -28,7 +28,7 @@ pub trait CrystalSolver: Sync {
         theta_i: f64,
         phi_i: &[f64],
         progress: &dyn Progress,
-    ) -> Result<Vec<Response>> {
+    ) -> Result<Vec<CrystalResponse>> {
         let one = |&phi_i: &f64| {
             unless_cancelled(progress)?;
             self.respond(cell, &Incidence { wavelength_nm, theta_i, phi_i })

@@ -212,14 +212,14 @@ mod tests {
     use crate::math::rng::Stream;
     use crate::progress::Unobserved;
     use crate::scattering::orders::Jones;
-    use crate::solve::crystal::{Incidence, Multipole, Order, Response, cells};
+    use crate::solve::crystal::{CrystalResponse, Incidence, Multipole, Order, cells};
     use crate::structure::{SpeciesFile, crystal_species};
 
     /// Counts the azimuths that a solver is asked for.
     struct Counted(AtomicUsize);
 
     impl CrystalSolver for Counted {
-        fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response> {
+        fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<CrystalResponse> {
             Multipole::default().respond(cell, incidence)
         }
 
@@ -230,7 +230,7 @@ mod tests {
             theta: f64,
             phi: &[f64],
             progress: &dyn Progress,
-        ) -> Result<Vec<Response>> {
+        ) -> Result<Vec<CrystalResponse>> {
             self.0.fetch_add(phi.len(), Ordering::Relaxed);
             Multipole::default().respond_to_azimuths(cell, nm, theta, phi, progress)
         }
@@ -355,10 +355,15 @@ mod tests {
     struct Jump;
 
     impl CrystalSolver for Jump {
-        fn respond(&self, _: &Cell, incidence: &Incidence) -> Result<Response> {
+        fn respond(&self, _: &Cell, incidence: &Incidence) -> Result<CrystalResponse> {
             let side = Complex64::from((incidence.phi_i - 0.1).signum());
             let order = Order { m: 0, phi_o: -incidence.phi_i, jones: [[side; 2]; 2] };
-            Ok(Response { orders: vec![order], transmitted: [0.0; 2], absorbed: [0.0; 2], convergence: None })
+            Ok(CrystalResponse {
+                orders: vec![order],
+                transmitted: [0.0; 2],
+                absorbed: [0.0; 2],
+                convergence: None,
+            })
         }
     }
 

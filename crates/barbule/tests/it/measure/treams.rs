@@ -4,7 +4,9 @@
 use std::collections::BTreeMap;
 
 use barbule::Complex64;
-use barbule::solve::crystal::{Cell, CrystalSolver, Incidence, Response, Rod, Shell, Surroundings};
+use barbule::solve::crystal::{
+    Cell, CellRod, CrystalResponse, CrystalSolver, Incidence, Shell, Surroundings,
+};
 use serde_json::Value;
 
 /// A cell, a wave and what treams says of it.
@@ -44,7 +46,7 @@ fn read(case: &Value, cells: &Value) -> Case {
         medium => complex(&case[medium]),
     };
     let shell = |shell: &Value| Shell { diameter_um: number(&shell[0]), eps: eps(&shell[1]) };
-    let rod = |rod: &Value| Rod {
+    let rod = |rod: &Value| CellRod {
         x_um: number(&rod["x_um"]),
         depth_um: number(&rod["depth_um"]),
         shells: list(&rod["shells"]).iter().map(shell).collect(),
@@ -70,7 +72,7 @@ fn read(case: &Value, cells: &Value) -> Case {
 
 impl Case {
     /// The largest difference of any element of any J, and of T and A, which is what treams leaves of 1.
-    pub(crate) fn difference(&self, response: &Response) -> f64 {
+    pub(crate) fn difference(&self, response: &CrystalResponse) -> f64 {
         assert_eq!(response.orders.len(), self.orders.len(), "{} {:?}", self.cell_name, self.incidence);
         let mut largest = 0.0_f64;
         let mut absorbed = self.transmitted.map(|transmitted| 1.0 - transmitted);

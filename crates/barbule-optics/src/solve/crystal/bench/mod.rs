@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use super::{Cell, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa, Response};
+use super::{Cell, CrystalResponse, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa};
 use crate::progress::{Progress, Unobserved};
 use crate::structure::Lattice;
 use crate::{Error, Result};
@@ -111,7 +111,7 @@ fn sample(lattice: &Lattice, effort: Effort, progress: &dyn Progress) -> Result<
     let total: usize =
         effort.steps().iter().map(|&(first, step)| (points.len() - first).div_ceil(step)).sum();
     progress.begin("measuring", (total + WAVELENGTHS_NM.len()) as u64);
-    let mut exact: Vec<(Response, f64)> = Vec::new();
+    let mut exact: Vec<(CrystalResponse, f64)> = Vec::new();
     let mut found = Vec::new();
     for ((name, solver), (first, step)) in solvers.iter().zip(effort.steps()) {
         let mut figures =

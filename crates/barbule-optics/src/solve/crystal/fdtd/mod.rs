@@ -23,7 +23,7 @@ pub use near::NearField;
 
 use super::cell::{passive, positive};
 use super::orders::DiffractionOrders;
-use super::{Cell, CrystalSolver, Incidence, Response};
+use super::{Cell, CrystalResponse, CrystalSolver, Incidence};
 use crate::math::simd::Width;
 use crate::{Complex64, Error, Result};
 use fields::{Fields, Source};
@@ -49,7 +49,7 @@ pub struct Fdtd {
     pub periods: usize,
     /// How far above a plane of the grid the surface lies, cells.
     pub offset: f64,
-    /// Whether [`Response::convergence`] is found, by a second run at 2/3 of the resolution.
+    /// Whether [`CrystalResponse::convergence`] is found, by a second run at 2/3 of the resolution.
     pub estimate: bool,
     /// Instruction set.
     pub width: Width,
@@ -71,7 +71,7 @@ impl Default for Fdtd {
 
 impl CrystalSolver for Fdtd {
     /// `transmitted` is measured two cells below the lowest rods; `absorbed` over all of the rows.
-    fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response> {
+    fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<CrystalResponse> {
         self.respond_to(cell, &[], incidence)
     }
 }
@@ -81,7 +81,12 @@ impl Fdtd {
     ///
     /// # Errors
     /// Media, rods or waves that have no meaning, media with Re ε ≤ 0, or fields that do not decay.
-    pub fn respond_to(&self, cell: &Cell, layers: &[Layer], incidence: &Incidence) -> Result<Response> {
+    pub fn respond_to(
+        &self,
+        cell: &Cell,
+        layers: &[Layer],
+        incidence: &Incidence,
+    ) -> Result<CrystalResponse> {
         let medium = Medium { cell, layers };
         let diffraction = self.diffraction(&medium, incidence)?;
         let mut response = self.solve(&medium, &diffraction)?;
@@ -140,7 +145,7 @@ impl Fdtd {
         Ok(diffraction)
     }
 
-    fn solve(&self, medium: &Medium, diffraction: &DiffractionOrders) -> Result<Response> {
+    fn solve(&self, medium: &Medium, diffraction: &DiffractionOrders) -> Result<CrystalResponse> {
         let (grid, material) =
             Grid::new(medium, diffraction, self.cells_per_um, self.absorber_um, self.offset, None)?;
         let runs = [self.run(&material, diffraction, &grid, 0)?, self.run(&material, diffraction, &grid, 1)?];
@@ -155,7 +160,7 @@ impl Fdtd {
             transmitted[q] = runs[q].transmitted(&grid) / incident;
             absorbed[q] = runs[q].absorbed(&material, diffraction, &grid) / incident;
         }
-        Ok(Response { orders, transmitted, absorbed, convergence: None })
+        Ok(CrystalResponse { orders, transmitted, absorbed, convergence: None })
     }
 
     /// One polarization, until the fields have gone.

@@ -16,7 +16,7 @@ fn distance(a: &[[Complex64; 2]; 2], b: &[[Complex64; 2]; 2]) -> f64 {
 }
 
 /// Largest |ΣR + T + A − 1|.
-fn imbalance(cell: &Cell, incidence: &Incidence, response: &Response) -> f64 {
+fn imbalance(cell: &Cell, incidence: &Incidence, response: &CrystalResponse) -> f64 {
     let diffraction = DiffractionOrders::new(&cell.surroundings(), incidence).expect("a wave");
     let sum = |q: usize| response.orders.iter().map(|order| diffraction.power(order)[q]).sum::<f64>();
     (0..2).map(|q| (sum(q) + response.transmitted[q] + response.absorbed[q] - 1.0).abs()).fold(0.0, f64::max)

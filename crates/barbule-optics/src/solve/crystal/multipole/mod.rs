@@ -20,7 +20,7 @@ use num_complex::Complex64;
 
 use super::cell::{check_angle, check_wavelength};
 use super::solver::unless_cancelled;
-use super::{Cell, CrystalSolver, Incidence, Order, Response};
+use super::{Cell, CrystalResponse, CrystalSolver, Incidence, Order};
 use crate::math::dense::Dense;
 use crate::math::roots::decaying_root;
 use crate::progress::Progress;
@@ -53,7 +53,7 @@ impl Default for Multipole {
 }
 
 impl CrystalSolver for Multipole {
-    fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response> {
+    fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<CrystalResponse> {
         self.prepare(cell, incidence.wavelength_nm, incidence.theta_i)?.respond(incidence.phi_i)
     }
 
@@ -64,7 +64,7 @@ impl CrystalSolver for Multipole {
         theta_i: f64,
         phi_i: &[f64],
         progress: &dyn Progress,
-    ) -> Result<Vec<Response>> {
+    ) -> Result<Vec<CrystalResponse>> {
         let prepared = self.prepare(cell, wavelength_nm, theta_i)?;
         let one = |&phi_i: &f64| {
             unless_cancelled(progress)?;
@@ -158,7 +158,7 @@ impl PreparedCell {
     ///
     /// # Errors
     /// `phi_i` not within ±π/2, or expansions that did not settle.
-    pub fn respond(&self, phi_i: f64) -> Result<Response> {
+    pub fn respond(&self, phi_i: f64) -> Result<CrystalResponse> {
         check_angle("phi", phi_i)?;
         let (response, estimate) = self.evaluate(&self.sizes, &self.tables, phi_i)?;
         if estimate.worst() <= self.tolerance {
@@ -185,14 +185,19 @@ impl PreparedCell {
     ///
     /// # Errors
     /// `phi_i` not within ±π/2, or cylinder functions that leave the range of numbers.
-    pub fn respond_with(&self, multipoles: usize, phi_i: f64) -> Result<Response> {
+    pub fn respond_with(&self, multipoles: usize, phi_i: f64) -> Result<CrystalResponse> {
         check_angle("phi", phi_i)?;
         let sizes = Sizes { multipoles: vec![multipoles; self.sizes.multipoles.len()], ..self.sizes };
         let tables = self.plan.tables(&self.wave, &sizes)?;
         Ok(self.evaluate(&sizes, &tables, phi_i)?.0)
     }
 
-    fn evaluate(&self, sizes: &Sizes, tables: &[RodTable], phi_i: f64) -> Result<(Response, Estimate)> {
+    fn evaluate(
+        &self,
+        sizes: &Sizes,
+        tables: &[RodTable],
+        phi_i: f64,
+    ) -> Result<(CrystalResponse, Estimate)> {
         let (plan, wave) = (&self.plan, &self.wave);
         let alpha0 = -wave.kappa0 * phi_i.sin();
         let (first, last) = sizes.orders(alpha0, plan.period);
@@ -243,7 +248,7 @@ impl PreparedCell {
         shapes: &[Scattering],
         fields: &Fields,
         phi_i: f64,
-    ) -> (Response, Estimate) {
+    ) -> (CrystalResponse, Estimate) {
         let (wave, n) = (&self.wave, self.wave.eps0.sqrt());
         let grazing = (wave.kappa0 * phi_i.cos()).max(1e-12 * wave.k0);
         // twice the flux of a wave with E_y = 1 or with H̃_y = 1
@@ -281,7 +286,10 @@ impl PreparedCell {
         let kinds = beyond[0].iter().zip(&beyond[1]).map(|(a, b): (&f64, &f64)| a.max(*b)).collect();
         let estimate = Estimate { kinds, orders: left_out[0].max(left_out[1]) };
         let reflected = self.reflected(orders, surfaces, &fields.surface[1], phi_i);
-        (Response { orders: reflected, transmitted, absorbed, convergence: Some(estimate.worst()) }, estimate)
+        (
+            CrystalResponse { orders: reflected, transmitted, absorbed, convergence: Some(estimate.worst()) },
+            estimate,
+        )
     }
 
     /// Propagating orders above the surface.

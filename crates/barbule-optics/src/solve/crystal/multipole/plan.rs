@@ -5,7 +5,7 @@ use super::layer::Place;
 use super::rod::RodTable;
 use super::stack::Level;
 use crate::Result;
-use crate::solve::crystal::{Cell, Rod, Shell};
+use crate::solve::crystal::{Cell, CellRod, Shell};
 
 /// Rods that overlap in depth by more than this part of the smaller radius belong to one layer: plane waves between
 /// them would grow before they fall. Touching rods of hexagonal rows overlap by 0.27.
@@ -82,14 +82,14 @@ impl Sizes {
 }
 
 /// How far from its axis towards another rod the images of that rod lie at most in a rod: r²/(d − r′), µm.
-fn image(distance: f64, rod: &Rod, other: &Rod) -> f64 {
+fn image(distance: f64, rod: &CellRod, other: &CellRod) -> f64 {
     let nearest = (distance - other.radius_um()).max(rod.radius_um());
     rod.radius_um().powi(2) / nearest
 }
 
 /// The height between images in two rods of different layers, µm; touching rods keep 0.42 of the height, as the
 /// images near the point of contact are weak.
-fn image_height(cell: &Cell, upper: &Rod, lower: &Rod) -> f64 {
+fn image_height(cell: &Cell, upper: &CellRod, lower: &CellRod) -> f64 {
     let height = lower.depth_um - upper.depth_um;
     let distance = cell.distance_um(upper, lower);
     let taken = (image(distance, upper, lower) + image(distance, lower, upper)) / distance;
@@ -97,7 +97,7 @@ fn image_height(cell: &Cell, upper: &Rod, lower: &Rod) -> f64 {
 }
 
 /// As [`image_height`], between a rod and its mirror image above the surface.
-fn image_depth(rod: &Rod) -> f64 {
+fn image_depth(rod: &CellRod) -> f64 {
     let height = 2.0 * rod.depth_um;
     height * (1.0 - 2.0 * image(height, rod, rod) / height).max(0.42)
 }
@@ -120,7 +120,7 @@ impl Plan {
         }
         let mut clearance = vec![f64::INFINITY; kinds.len()];
         for (i, rod) in cell.rods.iter().enumerate() {
-            let free_of = |distance: f64, other: &Rod| distance - image(distance, other, rod);
+            let free_of = |distance: f64, other: &CellRod| distance - image(distance, other, rod);
             let mut free = free_of(cell.period_um, rod).min(free_of(2.0 * rod.depth_um, rod));
             for (_, other) in cell.rods.iter().enumerate().filter(|(k, _)| *k != i) {
                 free = free.min(free_of(cell.distance_um(rod, other), other));

@@ -28,11 +28,11 @@ fn points(count: u32) -> impl Iterator<Item = (f64, f64, f64)> {
     })
 }
 
-fn respond(cell: &Cell, nm: f64, theta_i: f64, phi_i: f64) -> Response {
+fn respond(cell: &Cell, nm: f64, theta_i: f64, phi_i: f64) -> CrystalResponse {
     Multipole::default().respond(cell, &Incidence { wavelength_nm: nm, theta_i, phi_i }).unwrap()
 }
 
-fn order(response: &Response, m: i32) -> &Order {
+fn order(response: &CrystalResponse, m: i32) -> &Order {
     response.orders.iter().find(|order| order.m == m).unwrap()
 }
 

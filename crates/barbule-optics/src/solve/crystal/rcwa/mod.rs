@@ -13,7 +13,7 @@ mod tests;
 
 use super::cell::{passive, positive};
 use super::orders::DiffractionOrders;
-use super::{Cell, CrystalSolver, Incidence, Response, Surroundings};
+use super::{Cell, CrystalResponse, CrystalSolver, Incidence, Surroundings};
 use crate::math::dense::Dense;
 use crate::{Complex64, Error, Result};
 use modes::Harmonics;
@@ -27,7 +27,7 @@ pub struct Rcwa {
     pub orders: usize,
     /// Slices per rod (per greatest height of a body), rounded to an even number.
     pub slices: usize,
-    /// Whether [`Response::convergence`] is found, by a second run with half of the orders and half of the slices, which
+    /// Whether [`CrystalResponse::convergence`] is found, by a second run with half of the orders and half of the slices, which
     /// doubles an error that falls as 1/orders.
     pub estimate: bool,
 }
@@ -41,7 +41,7 @@ impl Default for Rcwa {
 impl CrystalSolver for Rcwa {
     /// For an absorbing host, `transmitted` is what passes the lowest rods' lower edge, and `absorbed` includes the
     /// host's share within the slices that cut rods.
-    fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<Response> {
+    fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<CrystalResponse> {
         self.respond_to(&cell.surroundings(), &bodies(cell), incidence)
     }
 }
@@ -56,7 +56,7 @@ impl Rcwa {
         surroundings: &Surroundings,
         bodies: &[Body],
         incidence: &Incidence,
-    ) -> Result<Response> {
+    ) -> Result<CrystalResponse> {
         check_bodies(bodies)?;
         let period_um = surroundings.period_um;
         let diffraction = DiffractionOrders::new(surroundings, incidence)?;
@@ -72,7 +72,12 @@ impl Rcwa {
         Ok(response)
     }
 
-    fn solve(&self, diffraction: &DiffractionOrders, period_um: f64, bodies: &[Body]) -> Result<Response> {
+    fn solve(
+        &self,
+        diffraction: &DiffractionOrders,
+        period_um: f64,
+        bodies: &[Body],
+    ) -> Result<CrystalResponse> {
         let propagating = diffraction.propagating();
         let reach = propagating.iter().map(|m| m.abs()).max().unwrap_or(0);
         let limit = reach.max(i32::try_from(self.orders).unwrap_or(i32::MAX));
@@ -118,7 +123,7 @@ impl Rcwa {
             absorbed[polarization] = budget.absorbed / incident;
             transmitted[polarization] = budget.transmitted / incident;
         }
-        Ok(Response { orders, transmitted, absorbed, convergence: None })
+        Ok(CrystalResponse { orders, transmitted, absorbed, convergence: None })
     }
 }
 

@@ -44,7 +44,7 @@ pub struct Body {
 /// The rods of a cell as bodies: every shell a circle, outer ones first.
 #[must_use]
 pub fn bodies(cell: &Cell) -> Vec<Body> {
-    let circle = |rod: &crate::solve::crystal::Rod, shell: &crate::solve::crystal::Shell| Body {
+    let circle = |rod: &crate::solve::crystal::CellRod, shell: &crate::solve::crystal::Shell| Body {
         x_um: rod.x_um,
         depth_um: rod.depth_um,
         outline: Outline::Ellipse { width_um: shell.diameter_um, height_um: shell.diameter_um },

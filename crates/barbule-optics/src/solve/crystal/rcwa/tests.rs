@@ -10,18 +10,18 @@ const fn rcwa(orders: usize, slices: usize) -> Rcwa {
     Rcwa { orders, slices, estimate: false }
 }
 
-fn respond(solver: Rcwa, cell: &Cell, incidence: &Incidence) -> Response {
+fn respond(solver: Rcwa, cell: &Cell, incidence: &Incidence) -> CrystalResponse {
     solver.respond(cell, incidence).expect("a response")
 }
 
 /// ΣR per incident polarization.
-fn reflected(cell: &Cell, incidence: &Incidence, response: &Response) -> [f64; 2] {
+fn reflected(cell: &Cell, incidence: &Incidence, response: &CrystalResponse) -> [f64; 2] {
     let diffraction = DiffractionOrders::new(&cell.surroundings(), incidence).expect("a wave");
     std::array::from_fn(|q| response.orders.iter().map(|order| diffraction.power(order)[q]).sum())
 }
 
 /// Largest |ΣR + T + A − 1|.
-fn imbalance(cell: &Cell, incidence: &Incidence, response: &Response) -> f64 {
+fn imbalance(cell: &Cell, incidence: &Incidence, response: &CrystalResponse) -> f64 {
     let sum = reflected(cell, incidence, response);
     (0..2).map(|q| (sum[q] + response.transmitted[q] + response.absorbed[q] - 1.0).abs()).fold(0.0, f64::max)
 }
@@ -213,7 +213,7 @@ fn no_incidence_fails_and_grazing_light_is_mirrored() {
         let exact = respond(rcwa(5, 6), &cell, &incidence);
         assert!(imbalance(&cell, &incidence, &exact) < 1e-10);
         let beside = respond(rcwa(5, 6), &cell, &wave(400.0 * (1.0 + 1e-12), 0.0, 0.0));
-        let zeroth = |r: &Response| r.orders.iter().find(|o| o.m == 0).expect("m = 0").jones;
+        let zeroth = |r: &CrystalResponse| r.orders.iter().find(|o| o.m == 0).expect("m = 0").jones;
         let change = distance(&zeroth(&exact), &zeroth(&beside));
         assert!(change < 1e-4, "{period} {change}");
     }
