@@ -65,8 +65,8 @@ struct Look {
 impl Look {
     /// Of a mean reflectance.
     fn of(spectrum: &Spectrum) -> Self {
-        let progress = Observer::default();
-        let (rgb, xyz) = (progress.linear_rgb(spectrum), progress.xyz(spectrum));
+        let observer = Observer::default();
+        let (rgb, xyz) = (observer.linear_rgb(spectrum), observer.xyz(spectrum));
         let most = rgb.into_iter().fold(1e-6, f64::max);
         Self {
             srgb: display(rgb.map(|c| 0.9 * c / most)),

@@ -21,17 +21,17 @@ pub struct Band {
 #[must_use]
 pub fn spectra(title: &str, bands: &[Band], measured: &[(String, Spectrum)]) -> Figure {
     let mut figure = Figure::new(title, Axis::new("wavelength (nm)"), Axis::new("reflectance"));
-    let progress = Observer::default();
+    let observer = Observer::default();
     let points = |s: &Spectrum| s.wavelengths().iter().zip(s.values()).map(|(&x, &y)| [x, y]).collect();
     for band in bands {
         let mut curve = Curve::line(band.name.clone(), points(&band.mean));
         curve.spread.clone_from(&band.std);
-        curve.swatch = Some(display(progress.linear_rgb(&band.mean)));
+        curve.swatch = Some(display(observer.linear_rgb(&band.mean)));
         figure.curves.push(curve);
     }
     for (name, spectrum) in measured {
         let mut curve = Curve::points(name.clone(), points(spectrum));
-        curve.swatch = Some(display(progress.linear_rgb(spectrum)));
+        curve.swatch = Some(display(observer.linear_rgb(spectrum)));
         figure.curves.push(curve);
     }
     // A band may reach below zero where individuals differ much, but reflectance does not.
