@@ -1,7 +1,7 @@
 //! What every command shares: flags, exit codes, machine output.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use barbule::io::tables::read_index_table;
 use barbule::material::Library;
@@ -74,6 +74,11 @@ impl Common {
         if !self.quiet {
             let _ = writeln!(std::io::stderr(), "{message}");
         }
+    }
+
+    /// Says that a file has been written and what it shows, in one line on standard error: `wrote x.png: what`.
+    pub fn wrote(&self, path: &Path, what: &str) {
+        self.say(&format!("wrote {}: {what}", path.display()));
     }
 
     /// Writes what was decided to standard error, with `--verbose`.

@@ -42,6 +42,7 @@ impl Args {
         let (material, report) = material_of(&statistics, store.name(), &campaign, &options, &progress)?;
         drop(progress);
         write_material(&self.output, &material)?;
+        self.common.wrote(&self.output, &format!("the material {}", store.name()));
         if self.common.json {
             return print_json(out, &report);
         }

@@ -67,6 +67,7 @@ impl Args {
                 let drawing = figures::section(&section, &section.name, sketch.as_ref());
                 provenance.write_figure(path, &drawing)?;
             }
+            self.common.wrote(path, &format!("the section {}", section.name));
         }
         if self.common.json { print_json(out, &section_json(&section)) } else { Ok(()) }
     }
