@@ -1,12 +1,14 @@
 //! Wavelengths, spectra and colour.
 //!
 //! [`Wavelengths`] are a sorted set in nm that is cheap to share; a [`Spectrum`] has one value for each and is linear
-//! between them, a [`dense::DenseSpectrum`] one for each nm. [`colour`] turns reflectances into what an observer sees, [`hue`] says which colour that is.
+//! between them, a [`dense::DenseSpectrum`] one for each nm. [`colour`] turns reflectances into what an observer sees, [`hue`] says which colour that is, [`look`] gives
+//! all numbers of a colour together.
 
 mod cie;
 pub mod colour;
 pub mod dense;
 pub mod hue;
+pub mod look;
 
 use std::sync::Arc;
 
