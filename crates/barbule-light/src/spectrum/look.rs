@@ -4,10 +4,11 @@
 //! Those that ornithologists compare are pavo's (Maia et al. 2019, *Methods Ecol. Evol.* 10, 1097): B2, S8, H1 and
 //! the full width at half maximum.
 
-use serde::ser::{Serialize, SerializeMap, Serializer};
+use serde::ser::{Serialize, Serializer};
 
 use super::Spectrum;
 use super::colour::{Observer, chromaticity, display, held, known_share};
+use super::fields::{Field, Fields};
 use super::hue::{Dominant, dominant, hue_deg};
 
 /// Half the width in nm of the window in which a parabola is fitted before peaks are looked for (Savitzky–Golay);
@@ -110,17 +111,6 @@ pub fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// One number of a look for machines.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Field {
-    /// A number; none where there is no such thing.
-    Number(Option<f64>),
-    /// Yes or no.
-    Flag(Option<bool>),
-    /// A colour `#rrggbb` or a sentence.
-    Text(Option<String>),
-}
-
 impl Look {
     /// The numbers of a reflectance.
     #[must_use]
@@ -163,14 +153,14 @@ impl Look {
     /// `dominant_is_complementary`, `purity`, `hue_deg` (Oklab), `srgb` (at its own luminance), `srgb_normalized` (as
     /// bright as a screen can show it), under D65; `colour_note`: what part of the colour is continued, or why there is none.
     #[must_use]
-    pub fn fields(&self) -> Vec<(&'static str, Field)> {
-        let number = |value: Option<f64>| Field::Number(value.filter(|v| v.is_finite()));
-        let text = Field::Text;
+    pub fn fields(&self) -> Fields {
+        let number = |value: Option<f64>| Field::number(value);
+        let word = Field::Word;
         let (colour, half) = (self.colour, self.half_width);
         let xyz = |c: usize| number(colour.map(|seen| seen.xyz[c]));
         let xy = |c: usize| number(colour.and_then(|seen| seen.xy).map(|xy| xy[c]));
         let pure = colour.and_then(|seen| seen.dominant);
-        vec![
+        Fields(vec![
             ("from_nm", number(Some(self.range_nm[0]))),
             ("to_nm", number(Some(self.range_nm[1]))),
             ("peak_nm", number(self.peak.map(|p| p.nm))),
@@ -192,35 +182,10 @@ impl Look {
             ("X", xyz(0)),
             ("Y", xyz(1)),
             ("Z", xyz(2)),
-            ("srgb", text(colour.map(|seen| hex(seen.srgb())))),
-            ("srgb_normalized", text(colour.map(|seen| hex(seen.srgb_normalized())))),
-            ("colour_note", text(self.colour_note.clone())),
-        ]
-    }
-
-    /// The columns of a table of looks, in the order of [`Look::csv_cells`].
-    #[must_use]
-    pub fn csv_header() -> String {
-        let any = Self::of(&Spectrum { at: super::Wavelengths::usual(), values: vec![0.0; 50] });
-        any.columns().map(|(name, _)| name).collect::<Vec<_>>().join(",")
-    }
-
-    /// The cells of one row, separated by commas; empty where there is no such number.
-    #[must_use]
-    pub fn csv_cells(&self) -> String {
-        self.columns()
-            .map(|(_, field)| match field {
-                Field::Number(value) => value.map_or_else(String::new, |v| v.to_string()),
-                Field::Flag(value) => value.map_or_else(String::new, |v| v.to_string()),
-                Field::Text(value) => value.unwrap_or_default(),
-            })
-            .collect::<Vec<_>>()
-            .join(",")
-    }
-
-    /// What a table has: sentences stay out.
-    fn columns(&self) -> impl Iterator<Item = (&'static str, Field)> {
-        self.fields().into_iter().filter(|(name, _)| *name != "colour_note")
+            ("srgb", word(colour.map(|seen| hex(seen.srgb())))),
+            ("srgb_normalized", word(colour.map(|seen| hex(seen.srgb_normalized())))),
+            ("colour_note", Field::Note(self.colour_note.clone())),
+        ])
     }
 
     /// One line for people.
@@ -256,25 +221,10 @@ impl Look {
     }
 }
 
-impl Serialize for Field {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Number(value) => value.serialize(serializer),
-            Self::Flag(value) => value.serialize(serializer),
-            Self::Text(value) => value.serialize(serializer),
-        }
-    }
-}
-
 impl Serialize for Look {
     /// The names and values of [`Look::fields`]; null where there is no such number.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let fields = self.fields();
-        let mut map = serializer.serialize_map(Some(fields.len()))?;
-        for (name, field) in &fields {
-            map.serialize_entry(name, field)?;
-        }
-        map.end()
+        self.fields().serialize(serializer)
     }
 }
 
@@ -532,15 +482,14 @@ mod tests {
         assert_eq!((hex(colour.srgb()), hex(colour.srgb_normalized())), ("#767676".into(), "#f3f3f3".into()));
         let black = Look::of(&sampled(360.0, 830.0, 5.0, |_| 0.0));
         assert_eq!((black.saturation, black.colour.unwrap().xy), (None, None));
-        assert!(!black.csv_cells().contains("NaN"));
+        assert!(!black.fields().csv_cells().contains("NaN"));
     }
 
     #[test]
-    fn tables_and_documents_have_the_same_names_and_no_number_that_is_none() {
-        let look = Look::of(&sampled(400.0, 700.0, 5.0, |nm| nm / 1000.0));
-        let names: Vec<_> = look.fields().into_iter().map(|(name, _)| name).collect();
-        assert_eq!(Look::csv_header(), names[..names.len() - 1].join(","));
-        assert_eq!(look.csv_cells().split(',').count(), names.len() - 1);
-        assert!(look.csv_cells().starts_with("400,700,,,,,,,0.55,"));
+    fn what_a_slope_has_not_is_left_empty_in_tables() {
+        let fields = Look::of(&sampled(400.0, 700.0, 5.0, |nm| nm / 1000.0)).fields();
+        assert!(fields.csv_header().starts_with("from_nm,to_nm,peak_nm,peak_reflectance,half_level,"));
+        assert!(fields.csv_header().ends_with(",srgb,srgb_normalized"));
+        assert!(fields.csv_cells().starts_with("400,700,,,,,,,0.55,"));
     }
 }
