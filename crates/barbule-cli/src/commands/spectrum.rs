@@ -36,7 +36,7 @@ const MOST_CURVES: usize = 18;
 #[command(after_help = "Examples:
   barbule spectrum starling --angle 0,30,60 -o starling.svg --csv starling.csv
   barbule spectrum starling --measured examples/measured/starling-back.csv -o both.png
-  barbule spectrum starling rock-dove magpie --summary birds.csv
+  barbule spectrum starling rock-dove bronzewing --summary birds.csv
 
 Printed, and in --json under 'look': peak, full width at half maximum (half-way between the peak and the lowest \
 reflectance), mean reflectance (pavo's B2), saturation (S8), wavelength of the highest sample (H1, in --json and \

@@ -14,7 +14,7 @@ use std::path::Path;
 pub(super) use columns::position_unit;
 
 use super::read_bytes;
-use crate::error::{counted, shortened};
+use crate::error::counted;
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::{Error, Result};
 
@@ -41,7 +41,7 @@ pub enum Scale {
 /// One measured sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
-    /// The name of its column, or the title of its block.
+    /// The name of its column, or the title of its block, shortened.
     pub name: String,
     /// Reflectance as a part of 1.
     pub spectrum: Spectrum,
@@ -153,7 +153,7 @@ struct Found {
     unit: Unit,
     /// Positions with the lines they stand in.
     rows: Vec<(usize, f64)>,
-    /// (name, one value per row; NaN where it is missing).
+    /// (name, shortened; one value per row, NaN where it is missing).
     samples: Vec<(String, Vec<f64>)>,
     /// Whether names or cells say percent.
     percent: bool,
@@ -308,7 +308,7 @@ impl Found {
         }
         let mut said = vec![match &self.samples[..] {
             [(name, _)] if name.is_empty() => "1 sample".to_owned(),
-            [(name, _)] => format!("1 sample, '{}'", shortened(name)),
+            [(name, _)] => format!("1 sample, '{name}'"),
             many => counted(many.len(), "sample"),
         }];
         let percent = match given {

@@ -158,7 +158,7 @@ pub(super) fn choose(table: Table, wanted: Option<&str>) -> Result<Found> {
         )));
     }
     let samples =
-        chosen.iter().map(|&i| (table.names[i].trim().to_owned(), table.columns[i].clone())).collect();
+        chosen.iter().map(|&i| (shortened(table.names[i].trim()), table.columns[i].clone())).collect();
     Ok(Found {
         said,
         position: label(position),

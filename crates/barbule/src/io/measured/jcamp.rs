@@ -3,7 +3,7 @@
 //! Source: McDonald & Wilks 1988, "JCAMP-DX: a standard form for exchange of infrared spectra in computer readable
 //! form", *Appl. Spectrosc.* 42, 151 (version 4.24); its sections on ASDF forms: AFFN, PAC, SQZ, DIF and DUP.
 
-use super::{Found, MOST_ROWS, Unit, lines};
+use super::{Found, MOST_COLUMNS, MOST_NUMBERS, MOST_ROWS, Unit, lines};
 use crate::error::shortened;
 use crate::{Error, Result};
 
@@ -80,8 +80,10 @@ pub(super) fn read(text: &str, wanted: Option<&str>) -> Result<Found> {
                     }
                 };
                 total += block.points.len();
-                if total > super::MOST_NUMBERS || blocks.len() > super::MOST_COLUMNS {
-                    return Err(place(Error::input(format!("holds over {} numbers", super::MOST_NUMBERS))));
+                if total > MOST_NUMBERS || blocks.len() > MOST_COLUMNS {
+                    return Err(place(Error::input(format!(
+                        "the file holds over {MOST_NUMBERS} numbers or {MOST_COLUMNS} spectra"
+                    ))));
                 }
                 check_count(&block)?;
                 blocks.push(block.clone());
@@ -135,7 +137,7 @@ fn choose(blocks: Vec<Block>, wanted: Option<&str>) -> Result<Found> {
             )));
         }
         percent |= is_percent(block)?;
-        samples.push((block.title.clone(), block.points.iter().map(|p| p.2).collect()));
+        samples.push((shortened(&block.title), block.points.iter().map(|p| p.2).collect()));
     }
     Ok(Found {
         said: vec!["JCAMP-DX".into()],
