@@ -10,6 +10,7 @@ mod materials;
 pub mod progress;
 pub mod provenance;
 pub mod sets;
+mod several;
 pub mod structure_arg;
 
 use std::io::Write;

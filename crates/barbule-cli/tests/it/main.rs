@@ -10,3 +10,4 @@ mod geometry;
 mod refusals;
 mod render;
 mod robustness;
+mod spectrum;

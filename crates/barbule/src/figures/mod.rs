@@ -8,7 +8,7 @@ mod spectrum;
 pub use lobes::{hemispheres, parameters, tiled, title};
 pub use section::{hummingbird_sketch, section};
 pub use simulated::{fields, fits, instances, noise, statistics_of_fits};
-pub use spectrum::spectra;
+pub use spectrum::{Simulated, spectra};
 
 use crate::scattering::statistics::Axes;
 
