@@ -5,8 +5,10 @@
 mod campaign;
 mod common;
 mod crystal;
+mod far_field;
 mod film;
 mod geometry;
 mod refusals;
 mod render;
 mod robustness;
+mod species;
