@@ -5,9 +5,11 @@
 mod campaign;
 mod common;
 mod crystal;
+mod far_field;
 mod film;
 mod geometry;
 mod refusals;
 mod render;
 mod robustness;
 mod spectrum;
+mod species;
