@@ -24,8 +24,8 @@ pub use section::{
     Polyline, Section, Substance,
 };
 pub use species::{
-    Bronzewing, Crystal, GeneratorParameters, Hummingbird, RockDove, SpeciesFile, SpeciesModel, Starling,
-    crystal_species, layered_species, species_names, species_toml,
+    Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, Key, RockDove, SpeciesFile,
+    SpeciesModel, Starling, crystal_species, layered_species, species_name, species_names, species_toml,
 };
 
 use serde_json::{Map, Value, json};
