@@ -8,7 +8,7 @@ use crate::error::shortened;
 use crate::fields::at_line;
 use crate::material::Library;
 use crate::scene::feather::Feather;
-use crate::structure::{Section, SpeciesFile, SpeciesModel, Structure};
+use crate::structure::{FlatStack, SpeciesFile, SpeciesModel, Structure};
 use crate::{Error, Result};
 
 /// Reads a species file; without a variant its default one.
@@ -87,14 +87,31 @@ pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library
     if let Some(variant) = variant {
         return Err(at(Error::input(format!("a stack has no variants, so no '{}'", shortened(variant)))));
     }
-    let stack = parse_stack(&text, folder, library).map_err(at)?;
-    let mut library = library.clone();
+    flat_stack(path, &text, library).and_then(FlatStack::structure).map_err(at)
+}
+
+/// Reads a stack in TOML as a flat barbule; the file's name without ending is its name. `None`: the file describes no stack,
+/// or cannot be read as TOML.
+///
+/// # Errors
+/// The file cannot be read, or as [`super::read_stack`].
+pub fn read_flat_stack(path: &Path, library: &Library) -> Result<Option<FlatStack>> {
+    let text = read_text(path)?;
+    if !is_stack(&toml::from_str(&text).unwrap_or_default()) {
+        return Ok(None);
+    }
+    flat_stack(path, &text, library).map(Some).map_err(|error| error.at(path.display()))
+}
+
+fn flat_stack(path: &Path, text: &str, library: &Library) -> Result<FlatStack> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let stack = parse_stack(text, folder, library)?;
+    let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let table = table.get("materials").and_then(|value| serde_json::to_value(value).ok());
-    let sources = materials(table.as_ref(), folder, &mut library).map_err(at)?;
+    let mut library = library.clone();
+    let materials = materials(table.as_ref(), folder, &mut library)?;
     let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let mut section = Section::flat(&name, &stack, library).map_err(at)?;
-    section.materials = sources;
-    Ok(Structure::Sections { name, sections: vec![section] })
+    Ok(FlatStack { name, stack, library, materials })
 }
 
 #[cfg(test)]
