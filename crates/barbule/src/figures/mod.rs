@@ -4,11 +4,13 @@ mod lobes;
 mod section;
 mod simulated;
 mod spectrum;
+mod values;
 
 pub use lobes::{hemispheres, parameters, tiled, title};
 pub use section::{hummingbird_sketch, section};
 pub use simulated::{fields, fits, instances, noise, statistics_of_fits};
 pub use spectrum::spectra;
+pub use values::{hemisphere_maps, marginals};
 
 use crate::scattering::statistics::Axes;
 
