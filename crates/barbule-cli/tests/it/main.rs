@@ -8,6 +8,7 @@ mod common;
 mod crystal;
 mod film;
 mod geometry;
+mod lobes;
 mod refusals;
 mod render;
 mod robustness;

@@ -6,9 +6,9 @@ mod simulated;
 mod spectrum;
 mod values;
 
-pub use lobes::{hemispheres, parameters, tiled, title};
+pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
 pub use section::{hummingbird_sketch, section};
-pub use simulated::{fields, fits, instances, noise, statistics_of_fits};
+pub use simulated::{FieldPatterns, FitCurves, InstancePatterns, NoiseCurves, statistics_of_fits};
 pub use spectrum::spectra;
 pub use values::{hemisphere_maps, marginals};
 
