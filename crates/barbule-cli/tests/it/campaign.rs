@@ -303,7 +303,7 @@ fn every_picture_of_a_material_is_drawn_from_the_material_alone() {
         ("--fits", &["U (simulated)", "steady part", "550 nm"]),
         ("--fields", &["the pattern shifts", "the pattern stretches", "√U′ R"]),
         ("--noise", &["single barbules", "mean of all", "power spectrum"]),
-        ("--instances=2", &["instance 2", "simulated barbules", "synthesized barbules"]),
+        ("--instances=2", &["instance 0", "instance 1", "simulated barbules", "synthesized barbules"]),
     ] {
         succeed(&["lobes", &material, flag, "-o", &figure, "--quiet"]);
         let text = std::fs::read_to_string(&figure).unwrap();

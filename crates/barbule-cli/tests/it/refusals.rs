@@ -214,7 +214,7 @@ const LINES: &[(&str, &str)] = &[
     ("cache --cache @good.csv", "cannot be made"),
     ("cache mallard", "unexpected argument"),
     // Lobes.
-    ("lobes starling", "--output"),
+    ("lobes starling", "give -o FIG for the figure, or --json"),
     ("lobes starling -o @f.doc", ".svg or .png"),
     ("lobes starling --parameters --fits -o @f.svg", "cannot be used with"),
     ("lobes starling --instances 1000 -o @f.svg", "give at most"),
