@@ -187,7 +187,7 @@ impl Args {
     fn other(&self, structure: &Structure, progress: &dyn Progress) -> Result<Entry> {
         let source = match structure {
             Structure::Sections { sections, .. } => sections.first().map(|section| section.source.clone()),
-            Structure::Species(_) => None,
+            Structure::Species(_) | Structure::Stack(_) => None,
         };
         let look = self.look(structure, progress)?;
         let name = DEFAULT_VARIANT.to_owned();
@@ -219,7 +219,12 @@ impl Args {
             progress.advance(1);
             return Ok(Look::of(&Spectrum::new(at.clone(), values)?));
         }
-        let instances = structure.count().map_or(INSTANCES, |count| count.min(MOST_GIVEN));
+        let instances = match structure {
+            Structure::Species(_) => INSTANCES,
+            // Endless flat stacks: each is one point of a colour.
+            Structure::Stack(_) => MOST_GIVEN,
+            Structure::Sections { sections, .. } => sections.len().min(MOST_GIVEN),
+        };
         let mut mean = vec![0.0; at.len()];
         for instance in 0..instances {
             let section = structure.instance(self.common.seed, instance)?;
