@@ -2,14 +2,19 @@
 
 use std::io::Write;
 
+use barbule::campaign::far_field_bytes;
 use barbule::scattering::far_field::{FarField, Illumination, IncidentLight, Polarization, Window};
 use barbule::solve::direct;
-use barbule::solve::surface::{Accuracy, FINE_ELEMENT_UM, far_field};
+use barbule::solve::surface::{
+    Accuracy, FINE_ELEMENT_UM, LARGEST_MIRROR_ERROR, far_field_observed, mirror_fraction,
+};
 use barbule::{Complex64, Error, Result};
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
+use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
+use crate::progress::Terminal;
 use crate::{sets, structure_arg};
 
 /// Arguments of `barbule far-field`.
@@ -87,12 +92,30 @@ impl Args {
             structure_arg::parse(&self.structure, &self.common)?.instance(self.common.seed, self.instance)?;
         let (theta_i, phi_i) = (self.theta.to_radians(), self.phi.to_radians());
         let illumination = Illumination { wavelength_nm: self.wavelength, theta_i, phi_i, window };
+        let bytes = far_field_bytes(&section, self.wavelength, self.azimuths, FINE_ELEMENT_UM)?;
+        let fewer = "fewer layers, a narrower section or fewer --azimuths";
+        self.common.allowance().check("this far field", bytes, fewer)?;
+        let progress = Terminal::new(&self.common);
+        let (azimuths, element_um) = (self.azimuths, FINE_ELEMENT_UM);
         let far = match self.solver {
-            Solver::Direct => direct::far_field(&section, &illumination, self.azimuths, FINE_ELEMENT_UM)?,
-            _ => far_field(&section, &illumination, self.azimuths, &Accuracy::default())?,
+            Solver::Direct => {
+                direct::far_field_observed(&section, &illumination, azimuths, element_um, &progress)?
+            }
+            _ => far_field_observed(&section, &illumination, azimuths, &Accuracy::default(), &progress)?,
         };
+        drop(progress);
+        let mirror = (window == Window::Gaussian)
+            .then(|| mirror_fraction(section.width_um, self.wavelength, theta_i, phi_i));
+        let flagged = mirror.is_some_and(|mirror| (mirror - 1.0).abs() > LARGEST_MIRROR_ERROR);
+        if let Some(mirror) = mirror.filter(|_| flagged) {
+            let incidence = format!("θ = {}°, φ = {}°", self.theta, self.phi);
+            self.common.say(&grazing(&incidence, self.wavelength, section.width_um, mirror));
+        }
         if self.common.json {
-            return print_json(out, &document(&far));
+            let mut document = document(&far);
+            document["mirror_fraction"] = mirror.into();
+            document["flagged"] = flagged.into();
+            return print_json(out, &document);
         }
         print(out, &table(&far))
     }

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::PathBuf;
 
-use barbule::campaign::spectrum::{Collect, Spectra, SpectrumRequest, spectra};
+use barbule::campaign::spectrum::{Collect, Grazing, Spectra, SpectrumRequest, spectra};
+use barbule::campaign::spectrum_bytes;
 use barbule::figures;
 use barbule::io::tables::read_spectrum;
 use barbule::spectrum::Wavelengths;
@@ -12,6 +13,7 @@ use barbule::{Error, Result};
 use clap::ValueEnum;
 use serde_json::json;
 
+use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
@@ -92,7 +94,21 @@ impl Args {
             collect: self.collect,
             polarization: self.polarization,
         };
+        let bytes = spectrum_bytes(&structure, &request)?;
+        self.common.allowance().check(
+            "this spectrum",
+            bytes,
+            "fewer --wavelengths, angles, --instances or --threads",
+        )?;
         let found = spectra(&structure, &request, &Terminal::new(&self.common))?;
+        if let Some(Grazing { direction, wavelength, mirror_fraction, flagged }) = found.grazing() {
+            let symbol = if self.plane == Plane::Across { "φ" } else { "θ" };
+            let incidence = format!("{symbol} = {}°", angles_deg[direction]);
+            let nm = request.wavelengths[wavelength];
+            let said = grazing(&incidence, nm, structure.width_um(), mirror_fraction);
+            let all = angles_deg.len() * request.wavelengths.len();
+            self.common.say(&format!("{said} ({flagged} of {all} values are flagged)"));
+        }
         let provenance = Provenance::new(&self.common);
         if let Some(path) = &self.output {
             let title = format!("{}, {} instances", structure.name(), instances);
@@ -113,6 +129,8 @@ impl Args {
                     "wavelength_nm": request.wavelengths.nm(),
                     "mean": found.mean,
                     "std": found.std,
+                    "mirror_fraction": found.mirror,
+                    "flagged": found.flagged(),
                     "instances": instances,
                 }),
             );

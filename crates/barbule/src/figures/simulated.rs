@@ -131,10 +131,16 @@ pub fn fields(material: &FeatherMaterial, barbules: &Barbules<'_>) -> Result<Vec
     let axes = Axes::new(&Wavelengths::new(nm.clone())?, vec![1.0], cos_phi)?;
     let campaign = barbules.campaign(axes, Some(1), false)?;
     let at_normal = (0..nm.len())
-        .map(|w| Ok(campaign.patterns(&campaign.tables(w, barbules.progress())?, 0, 2, Polarization::First)))
+        .map(|w| {
+            let tables = campaign.tables(w, barbules.progress())?;
+            campaign.patterns(&tables, 0, 2, Polarization::First, barbules.progress())
+        })
         .collect::<Result<Vec<_>>>()?;
     let shortest = campaign.tables(0, barbules.progress())?;
-    let oblique = [1, 0].map(|phi| campaign.patterns(&shortest, 0, phi, Polarization::First));
+    let oblique = [1, 0]
+        .map(|phi| campaign.patterns(&shortest, 0, phi, Polarization::First, barbules.progress()))
+        .into_iter()
+        .collect::<Result<Vec<_>>>()?;
     let first = &at_normal[0];
     let mut left = vec![panel(format!("{:.0} nm, φ_i = 0°", nm[0]), "R (1/√rad)", first, None).draw()];
     for (pattern, angle) in oblique.into_iter().zip([20.0_f64, 40.0]) {
@@ -265,7 +271,7 @@ fn covariances(material: &FeatherMaterial, noise: &Noise, barbules: &Barbules<'_
         let mut mean = vec![0.0; LAGS];
         let tables = campaign.tables(number.min(last), barbules.progress())?;
         for polarization in Polarization::BOTH {
-            let patterns = campaign.patterns(&tables, 0, 0, polarization);
+            let patterns = campaign.patterns(&tables, 0, 0, polarization, barbules.progress())?;
             for instance in 0..patterns.fields.len() {
                 let own = patterns.autocovariance(instance);
                 if number == 0 && polarization == Polarization::First && instance < 3 {
@@ -316,7 +322,10 @@ pub fn instances(material: &FeatherMaterial, count: usize, barbules: &Barbules<'
     let campaign = barbules.campaign(axes, Some(count), true)?;
     let count = campaign.parameters().instances;
     let kept = (0..waves.len())
-        .map(|w| Ok(campaign.unit(&campaign.tables(w, barbules.progress())?, 0, Keep::Fields).fields))
+        .map(|w| {
+            let tables = campaign.tables(w, barbules.progress())?;
+            Ok(campaign.unit(&tables, 0, Keep::Fields, barbules.progress())?.fields)
+        })
         .collect::<Result<Vec<_>>>()?;
     let noise = Noise::new(&material.noise_power, material.seed);
     let mut columns = Vec::new();
