@@ -45,6 +45,12 @@ impl Error {
         Self { kind: Kind::Interrupted, message: "interrupted".into() }
     }
 
+    /// The user asked to stop: what was done by then, and how it goes on.
+    #[must_use]
+    pub fn interrupted_after(done: impl fmt::Display) -> Self {
+        Self { kind: Kind::Interrupted, message: format!("interrupted: {done}") }
+    }
+
     /// The same error with a place in front of its message: `name: message`.
     #[must_use]
     pub fn at(self, place: impl fmt::Display) -> Self {

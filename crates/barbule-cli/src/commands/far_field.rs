@@ -5,12 +5,16 @@ mod output;
 use std::io::Write;
 use std::path::PathBuf;
 
+use barbule::campaign::far_field_bytes;
 use barbule::figures;
-use barbule::scattering::far_field::{FarField, Window};
+use barbule::scattering::far_field::{FarField, Illumination, Window};
 use barbule::solve::far_fields::{Illuminations, Method, bytes, far_fields};
+use barbule::solve::surface::{FINE_ELEMENT_UM, LARGEST_MIRROR_ERROR, mirror_fraction};
+use barbule::structure::Section;
 use barbule::{Error, Result};
 use clap::ValueEnum;
 
+use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
@@ -96,6 +100,22 @@ struct Fields<'a> {
     theta_deg: &'a [f64],
     phi_deg: &'a [f64],
     found: &'a [FarField],
+    mirrors: &'a [Mirror],
+}
+
+/// How far the simulation is off near grazing: what it makes a flat perfect mirror as wide reflect; none under a plane wave.
+struct Mirror {
+    fraction: Option<f64>,
+}
+
+impl Mirror {
+    fn is_flagged(&self) -> bool {
+        self.error() > LARGEST_MIRROR_ERROR
+    }
+
+    fn error(&self) -> f64 {
+        self.fraction.map_or(0.0, |fraction| (fraction - 1.0).abs())
+    }
 }
 
 impl Args {
@@ -124,9 +144,11 @@ impl Args {
         }
         let structure = structure_arg::parse(&self.structure, &self.common)?;
         let section = structure.instance(self.common.seed, self.instance)?;
+        self.check_memory(&section)?;
         let progress = Terminal::new(&self.common);
         let found = far_fields(&section, &illuminations, self.azimuths, method, &progress)?;
         drop(progress);
+        let mirrors = self.mirrors(&illuminations, section.width_um);
         let title = self.title(&structure.name());
         let provenance = Provenance::new(&self.common);
         if let Some(path) = &self.output {
@@ -138,6 +160,7 @@ impl Args {
             theta_deg: &self.theta.0,
             phi_deg: &self.phi.0,
             found: &found,
+            mirrors: &mirrors,
         };
         if let Some(path) = &self.csv {
             provenance.write_csv(path, &csv(&fields))?;
@@ -167,6 +190,39 @@ impl Args {
                 WindowArg::None => Window::PlaneWave,
             },
         }
+    }
+
+    /// Refuses, before any work, a section whose simulation does not fit into memory.
+    fn check_memory(&self, section: &Section) -> Result<()> {
+        let shortest = self.wavelength.0.iter().copied().fold(f64::INFINITY, f64::min);
+        let each = far_field_bytes(section, shortest, self.azimuths, FINE_ELEMENT_UM)?;
+        let at_once = self.illuminations().count().min(rayon::current_num_threads()) as u64;
+        let fewer = "fewer layers, a narrower section, fewer --azimuths or --threads";
+        self.common.allowance().check("this far field", each.saturating_mul(at_once), fewer)
+    }
+
+    /// What a mirror would reflect in each case; says where the simulation is off, by the worst case.
+    fn mirrors(&self, illuminations: &Illuminations, width_um: f64) -> Vec<Mirror> {
+        let fraction = |light: &Illumination| {
+            (light.window == Window::Gaussian)
+                .then(|| mirror_fraction(width_um, light.wavelength_nm, light.theta_i, light.phi_i))
+        };
+        let lights: Vec<Illumination> = illuminations.iter().collect();
+        let mirrors: Vec<Mirror> = lights.iter().map(|light| Mirror { fraction: fraction(light) }).collect();
+        let worst = mirrors.iter().zip(&lights).max_by(|(a, _), (b, _)| a.error().total_cmp(&b.error()));
+        if let Some((Mirror { fraction: Some(fraction) }, light)) =
+            worst.filter(|(mirror, _)| mirror.is_flagged())
+        {
+            let [theta, phi] = [light.theta_i, light.phi_i].map(f64::to_degrees);
+            let incidence = format!("θ = {theta:.6}°, φ = {phi:.6}°");
+            let said = grazing(&incidence, light.wavelength_nm, width_um, *fraction);
+            let flagged = mirrors.iter().filter(|mirror| mirror.is_flagged()).count();
+            self.common.say(&match mirrors.len() {
+                1 => said,
+                all => format!("{said} ({flagged} of {all} far fields are flagged)"),
+            });
+        }
+        mirrors
     }
 
     /// Refuses, before any work, more far fields than there is memory for.

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use barbule::campaign::spectrum::{Collect, Spectra, SpectrumRequest, spectra};
+use barbule::campaign::spectrum::{Collect, Grazing, Spectra, SpectrumRequest, spectra};
+use barbule::campaign::spectrum_bytes;
 use barbule::error::{counted, shortened};
 use barbule::figures::{self, Simulated};
 use barbule::io::check_writable;
@@ -19,6 +20,7 @@ use barbule::{Error, Result};
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
+use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs, check_table, csv_cell, sidecar};
@@ -230,7 +232,11 @@ impl Args {
             collect: self.collect,
             polarization: self.polarization,
         };
+        let bytes = spectrum_bytes(structure, &request)?;
+        let fewer = "fewer --wavelengths, angles, --instances or --threads";
+        self.common.allowance().check("this spectrum", bytes, fewer)?;
         let found = spectra(structure, &request, progress)?;
+        self.say_grazing(&found, structure.width_um());
         let means = found
             .mean
             .iter()
@@ -248,6 +254,17 @@ impl Args {
             looks: means.iter().map(Look::of).collect(),
             comparisons,
         })
+    }
+
+    /// Says where light grazes so that the simulation is off.
+    fn say_grazing(&self, found: &Spectra, width_um: f64) {
+        let Some(Grazing { direction, wavelength, mirror_fraction, flagged }) = found.grazing() else {
+            return;
+        };
+        let incidence = self.direction_name(self.angle.0[direction]);
+        let said = grazing(&incidence, self.wavelengths[wavelength], width_um, mirror_fraction);
+        let all = self.angle.0.len() * self.wavelengths.len();
+        self.common.say(&format!("{said} ({flagged} of {all} values are flagged)"));
     }
 
     fn write(&self, all: &[Found], measured: Option<&Measured>) -> Result<()> {
@@ -371,6 +388,8 @@ impl Args {
                 "wavelength_nm": self.wavelengths.nm(),
                 "mean": found.spectra.mean,
                 "std": found.spectra.std,
+                "mirror_fraction": found.spectra.mirror,
+                "flagged": found.spectra.flagged(),
                 "standard_error": standard_error,
                 "instances": found.instances,
                 "look": found.looks,

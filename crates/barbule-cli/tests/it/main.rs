@@ -13,5 +13,5 @@ mod lobes;
 mod refusals;
 mod render;
 mod robustness;
-mod spectrum;
 mod species;
+mod spectrum;

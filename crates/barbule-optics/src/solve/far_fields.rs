@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::surface::{Accuracy, FINE_ELEMENT_UM};
 use super::{direct, surface};
-use crate::progress::Progress;
+use crate::progress::{OnlyStops, Progress};
 use crate::scattering::far_field::{FarField, Illumination, Window};
 use crate::structure::Section;
 use crate::{Error, Result};
@@ -79,6 +79,20 @@ pub fn far_fields(
     progress: &dyn Progress,
 ) -> Result<Vec<FarField>> {
     let count = illuminations.count();
+    let one = |index: usize, progress: &dyn Progress| {
+        let illumination = illuminations.at(index);
+        match method {
+            Method::Fast => {
+                surface::far_field_observed(section, &illumination, azimuths, &Accuracy::default(), progress)
+            }
+            Method::Direct => {
+                direct::far_field_observed(section, &illumination, azimuths, FINE_ELEMENT_UM, progress)
+            }
+        }
+    };
+    if count == 1 {
+        return Ok(vec![one(0, progress)?]);
+    }
     progress.begin("far fields", count as u64);
     let found: Vec<_> = (0..count)
         .into_par_iter()
@@ -86,11 +100,7 @@ pub fn far_fields(
             if progress.is_cancelled() {
                 return Err(Error::interrupted());
             }
-            let illumination = illuminations.at(index);
-            let far = match method {
-                Method::Fast => surface::far_field(section, &illumination, azimuths, &Accuracy::default()),
-                Method::Direct => direct::far_field(section, &illumination, azimuths, FINE_ELEMENT_UM),
-            };
+            let far = one(index, &OnlyStops(progress));
             progress.advance(1);
             far
         })

@@ -16,7 +16,7 @@ mod species;
 pub mod stack;
 mod sweep;
 
-pub use cast::{Columns, PaletteMixture, Ray, cast};
+pub use cast::{Columns, PaletteMixture, Ray, SlotMixture, cast};
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
 pub use flat::FlatStack;
 pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};
@@ -143,6 +143,16 @@ impl Structure {
         }
     }
 
+    /// Whether light from the left may be reflected otherwise than light from the right, but by chance: given sections
+    /// may, and crystals whose rows are shifted by other than half a period.
+    #[must_use]
+    pub fn can_be_one_sided(&self) -> bool {
+        match self {
+            Self::Species(model) => model.lattice().is_some_and(|l| (2.0 * l.row_shift).fract() != 0.0),
+            Self::Sections { .. } => true,
+        }
+    }
+
     /// Everything that decides the instances, for the metadata of results: generator parameters or sections, the hashes
     /// of their materials, and `identity`, the version of these hashes.
     #[must_use]
@@ -171,6 +181,7 @@ impl Structure {
             Self::Sections { name, sections } => json!({
                 "identity": identity::VERSION,
                 "sections": name,
+                "width_um": self.width_um(),
                 "hashes": sections.iter().map(|s| identity::hash("section", s)).collect::<Vec<_>>(),
             }),
         }

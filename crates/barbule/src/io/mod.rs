@@ -2,6 +2,7 @@
 
 pub mod image;
 mod lattice;
+mod machine;
 mod material;
 pub mod measured;
 mod media;
@@ -15,6 +16,7 @@ mod whole;
 mod zarr;
 
 pub use lattice::{is_lattice, read_lattice};
+pub use machine::available_memory;
 pub use material::{decode_material, encode_material, read_material, write_material};
 pub use orders::{read_orders, write_orders};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};

@@ -6,7 +6,7 @@ use barbule::Complex64;
 use barbule::scattering::far_field::{FarField, IncidentLight, Polarization};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::Fields;
+use super::{Fields, Mirror};
 
 impl Fields<'_> {
     /// Every far field with its wavelength (nm), θ_i and φ_i (degrees as typed), φ_i fastest.
@@ -47,6 +47,10 @@ impl Serialize for Document<'_> {
         for (polarization, name) in Polarization::BOTH.into_iter().zip(["polarization_1", "polarization_2"]) {
             map.serialize_entry(name, &Polarized { found: fields.found, sizes, polarization })?;
         }
+        let mirror = |mirror: &Mirror| mirror.fraction;
+        map.serialize_entry("mirror_fraction", &Stacked { found: fields.mirrors, sizes, of: &mirror })?;
+        let flagged = |mirror: &Mirror| mirror.is_flagged();
+        map.serialize_entry("flagged", &Stacked { found: fields.mirrors, sizes, of: &flagged })?;
         map.end()
     }
 }
@@ -82,18 +86,18 @@ impl Serialize for Polarized<'_> {
     }
 }
 
-/// One quantity of far fields as nested lists of these sizes; without sizes, that of the only one.
-struct Stacked<'a, F> {
-    found: &'a [FarField],
+/// One quantity of far fields, or of what belongs to each, as nested lists of these sizes; without sizes, that of the only one.
+struct Stacked<'a, I, F> {
+    found: &'a [I],
     sizes: &'a [usize],
     of: &'a F,
 }
 
-impl<T: Serialize, F: Fn(&FarField) -> T> Serialize for Stacked<'_, F> {
+impl<I, T: Serialize, F: Fn(&I) -> T> Serialize for Stacked<'_, I, F> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Self { found, sizes, of } = *self;
         match (sizes, found) {
-            ([], [far, ..]) => of(far).serialize(serializer),
+            ([], [only, ..]) => of(only).serialize(serializer),
             ([], []) => serializer.serialize_none(),
             ([_, rest @ ..], _) => {
                 let each = rest.iter().product::<usize>().max(1);

@@ -59,7 +59,8 @@ impl FieldPatterns {
                 if wave > 0 && phi_in_deg > 0.0 {
                     continue;
                 }
-                let mut patterns = campaign.patterns(&tables, 0, phi, Polarization::First);
+                let mut patterns =
+                    campaign.patterns(&tables, 0, phi, Polarization::First, barbules.progress())?;
                 let pattern = FieldPattern {
                     wavelength_nm,
                     phi_in_deg,

@@ -65,7 +65,11 @@ impl InstancePatterns {
         let campaign = barbules.campaign(axes, Some(count), true)?;
         let count = campaign.parameters().instances;
         let kept = (0..waves.len())
-            .map(|w| Ok(campaign.unit(&campaign.tables(w, barbules.progress())?, 0, Keep::Fields).fields))
+            .map(|w| {
+                Ok(campaign
+                    .unit(&campaign.tables(w, barbules.progress())?, 0, Keep::Fields, barbules.progress())?
+                    .fields)
+            })
             .collect::<Result<Vec<_>>>()?;
         let noise = Noise::new(&material.noise_power, material.seed);
         let column = |place: usize| {

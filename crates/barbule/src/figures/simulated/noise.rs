@@ -137,7 +137,7 @@ impl Covariances {
         for (number, mean) in means.iter_mut().enumerate() {
             let tables = campaign.tables(number.min(last), barbules.progress())?;
             for polarization in Polarization::BOTH {
-                let patterns = campaign.patterns(&tables, 0, 0, polarization);
+                let patterns = campaign.patterns(&tables, 0, 0, polarization, barbules.progress())?;
                 for instance in 0..patterns.fields.len() {
                     let own = patterns.autocovariance(instance);
                     for (sum, value) in mean.iter_mut().zip(&own) {
