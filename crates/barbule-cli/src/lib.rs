@@ -6,6 +6,7 @@
 mod campaign;
 pub mod commands;
 pub mod common;
+pub mod figure;
 mod materials;
 pub mod progress;
 pub mod provenance;

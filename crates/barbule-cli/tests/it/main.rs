@@ -5,6 +5,7 @@
 mod campaign;
 mod common;
 mod crystal;
+mod figures;
 mod film;
 mod geometry;
 mod refusals;

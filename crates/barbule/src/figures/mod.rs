@@ -6,11 +6,23 @@ mod simulated;
 mod spectrum;
 
 pub use lobes::{hemispheres, parameters, tiled, title};
-pub use section::{hummingbird_sketch, section};
+pub use section::section;
 pub use simulated::{fields, fits, instances, noise, statistics_of_fits};
 pub use spectrum::spectra;
 
 use crate::scattering::statistics::Axes;
+
+/// A structure's name as a heading says it: the only variant of a species goes without its name.
+#[must_use]
+pub fn heading(name: &str) -> String {
+    name.replace(":default", "")
+}
+
+/// How many there are of something, in words: `1 instance`, `50 instances`.
+#[must_use]
+pub fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
 
 /// The shortest, the middle and the longest wavelength of the axes.
 fn three(axes: &Axes) -> Vec<usize> {
@@ -18,4 +30,16 @@ fn three(axes: &Axes) -> Vec<usize> {
     let mut waves = vec![0, count / 2, count - 1];
     waves.dedup();
     waves
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headings_read_as_one_would_say_them() {
+        assert_eq!(heading("tree-swallow:default"), "tree-swallow");
+        assert_eq!(heading("starling:pink 3"), "starling:pink 3");
+        assert_eq!([counted(1, "instance"), counted(50, "instance")], ["1 instance", "50 instances"]);
+    }
 }
