@@ -6,6 +6,7 @@
 mod campaign;
 pub mod commands;
 pub mod common;
+mod complete;
 pub mod figure;
 mod materials;
 pub mod progress;
@@ -29,8 +30,15 @@ struct Cli {
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
+    let arguments: Vec<_> = std::env::args_os().collect();
+    match complete::answer(&arguments) {
+        Ok(false) => {}
+        Ok(true) => return ExitCode::SUCCESS,
+        // A shell shows nothing of it.
+        Err(_) => return ExitCode::FAILURE,
+    }
     let mut out = std::io::stdout().lock();
-    run(std::env::args_os(), &mut out, &mut std::io::stderr())
+    run(arguments, &mut out, &mut std::io::stderr())
 }
 
 /// Runs one command line: results to `out`, messages to `err`.

@@ -53,6 +53,7 @@ enum Solver {
     /// The same formulas, evaluated plainly
     Direct,
     /// Boundary elements
+    #[value(hide = true)] // not in this version
     FullWave,
 }
 

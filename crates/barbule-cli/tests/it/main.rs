@@ -4,6 +4,7 @@
 
 mod campaign;
 mod common;
+mod completions;
 mod crystal;
 mod figures;
 mod film;
