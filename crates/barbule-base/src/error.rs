@@ -45,6 +45,11 @@ impl Error {
         Self { kind: Kind::Interrupted, message: "interrupted".into() }
     }
 
+    /// The user asked to stop, and `message` says how far the work was and how it goes on.
+    pub fn interrupted_when(message: impl Into<String>) -> Self {
+        Self { kind: Kind::Interrupted, message: message.into() }
+    }
+
     /// The same error with a place in front of its message: `name: message`.
     #[must_use]
     pub fn at(self, place: impl fmt::Display) -> Self {

@@ -9,6 +9,7 @@ mod crystal;
 mod figures;
 mod film;
 mod geometry;
+mod interruptions;
 mod refusals;
 mod render;
 mod robustness;
