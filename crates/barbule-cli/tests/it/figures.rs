@@ -101,3 +101,48 @@ fn titles_are_those_given_and_otherwise_read_well() {
     assert!(drawn(&[]).contains(">starling:green 0<"));
     assert!(!drawn(&["--title", ""]).contains(">starling:green 0<"));
 }
+
+#[test]
+fn flags_that_change_nothing_are_said_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let table = path("mine.csv");
+    std::fs::write(&table, "300,1.5,0\n830,1.5,0").unwrap();
+    let medium = format!("mine={table}");
+    let own = format!("keratin={table}");
+    for (words, said) in [
+        (
+            vec!["geometry", "starling", "--medium", &medium, "--json"],
+            "--medium mine has no effect here: nothing in starling:green is made of it",
+        ),
+        (vec!["geometry", "mallard", "--medium", &medium, "--json"], "nothing in mallard:lime is made of it"),
+        (vec!["geometry", "starling", "--medium", &own, "--json"], ""),
+        (vec!["geometry", "air/mix(mine,keratin,0.5):90/air", "--medium", &medium, "--json"], ""),
+        (vec!["geometry", "starling", "--title", "x", "-o", &path("a.json")], "--title has no effect here"),
+        (
+            vec!["geometry", "starling", "--figure-dpi", "300", "-o", &path("a.pdf")],
+            "--figure-dpi has no effect here",
+        ),
+    ] {
+        let Run { code, message } = run(&words);
+        assert_eq!(code, 0, "{words:?}: {message}");
+        let lines: Vec<&str> = message.lines().filter(|line| !line.starts_with("wrote ")).collect();
+        assert_eq!(lines.len(), usize::from(!said.is_empty()), "{words:?}: {message}");
+        assert!(message.contains(said), "{words:?}: {message}");
+    }
+}
+
+#[test]
+fn flags_of_every_command_may_stand_before_it() {
+    let said = |words: &[&str]| {
+        let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+        assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+        output.stdout
+    };
+    let after = said(&["geometry", "starling", "--seed", "7", "--json"]);
+    assert_eq!(said(&["--seed", "7", "geometry", "starling", "--json"]), after);
+    assert_eq!(said(&["--json", "--threads", "1", "--seed=7", "geometry", "starling"]), after);
+    assert_ne!(said(&["geometry", "starling", "--json"]), after);
+    let loud = run(&["-v", "film", "air/keratin:5/air"]);
+    assert!(loud.message.contains("1 layers, 50 wavelengths"), "{}", loud.message);
+}
