@@ -5,6 +5,7 @@ mod chain;
 mod check;
 mod crystal;
 mod curve;
+mod flat;
 mod identify;
 mod lattice;
 mod legacy;
@@ -16,14 +17,15 @@ mod sweep;
 
 pub use cast::{Columns, PaletteMixture, Ray, cast};
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
+pub use flat::FlatStack;
 pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};
 pub use section::{
     FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,
     Polyline, Section, Substance,
 };
 pub use species::{
-    Bronzewing, Crystal, GeneratorParameters, Hummingbird, RockDove, SpeciesFile, SpeciesModel, Starling,
-    crystal_species, layered_species, species_names, species_toml,
+    Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, Key, RockDove, SpeciesFile,
+    SpeciesModel, Starling, crystal_species, layered_species, species_name, species_names, species_toml,
 };
 
 use serde_json::{Map, Value, json};
@@ -33,11 +35,13 @@ use crate::{Error, Result, identity};
 /// Top boundaries whose ends slope by more than this against each other are curved, as tangents.
 const CURVED_SLOPE: f64 = 0.3;
 
-/// What a command works on: endless random individuals of a species, or given sections.
+/// What a command works on: endless random individuals of a species or of a stack, or given sections.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Structure {
     /// Random instances.
     Species(Box<SpeciesModel>),
+    /// Random instances of a stack whose layers spread in thickness.
+    Stack(Box<FlatStack>),
     /// Given instances, at least one.
     Sections {
         /// What they are called together.
@@ -66,9 +70,7 @@ impl Structure {
     /// # Errors
     /// Not a stack, or an unknown medium.
     pub fn flat(stack: &str) -> Result<Self> {
-        let library = crate::material::Library::builtin();
-        let section = Section::flat(stack, &stack::Stack::parse(stack, &library)?, library)?;
-        Ok(Self::Sections { name: stack.to_owned(), sections: vec![section] })
+        FlatStack::parse(stack, crate::material::Library::builtin())?.structure()
     }
 
     /// Instance number `index`. The same seed and index give the same bits everywhere.
@@ -78,6 +80,7 @@ impl Structure {
     pub fn instance(&self, seed: u64, index: usize) -> Result<Section> {
         match self {
             Self::Species(model) => model.section(seed, index),
+            Self::Stack(flat) => flat.section(seed, index),
             Self::Sections { name, sections } => sections.get(index).cloned().ok_or_else(|| {
                 Error::input(format!(
                     "{name} has instances 0 to {}, so there is no instance {index}",
@@ -91,7 +94,7 @@ impl Structure {
     #[must_use]
     pub fn count(&self) -> Option<usize> {
         match self {
-            Self::Species(_) => None,
+            Self::Species(_) | Self::Stack(_) => None,
             Self::Sections { sections, .. } => Some(sections.len()),
         }
     }
@@ -101,6 +104,7 @@ impl Structure {
     pub fn name(&self) -> String {
         match self {
             Self::Species(model) => model.title(),
+            Self::Stack(flat) => flat.name.clone(),
             Self::Sections { name, .. } => name.clone(),
         }
     }
@@ -110,6 +114,7 @@ impl Structure {
     pub fn lattice(&self) -> Option<Lattice> {
         match self {
             Self::Species(model) => model.lattice(),
+            Self::Stack(_) => None,
             Self::Sections { sections, .. } => {
                 sections.first().and_then(|s| s.crystal.as_ref()).map(|c| c.lattice.clone())
             }
@@ -121,6 +126,7 @@ impl Structure {
     pub fn width_um(&self) -> f64 {
         match self {
             Self::Species(model) => model.width_um(),
+            Self::Stack(_) => FLAT_WIDTH_UM,
             Self::Sections { sections, .. } => sections.first().map_or(0.0, |section| section.width_um),
         }
     }
@@ -130,6 +136,7 @@ impl Structure {
     pub fn is_curved(&self) -> bool {
         match self {
             Self::Species(model) => model.is_curved(),
+            Self::Stack(_) => false,
             Self::Sections { sections, .. } => sections.first().is_some_and(|section| is_arch(section.top())),
         }
     }
@@ -154,6 +161,12 @@ impl Structure {
                     "materials": materials,
                 })
             }
+            // The text alone makes it again; the hash holds its media.
+            Self::Stack(flat) => json!({
+                "identity": identity::VERSION,
+                "stack": flat.stack.text(),
+                "hashes": [identity::hash("stack", &flat.stack)],
+            }),
             Self::Sections { name, sections } => json!({
                 "identity": identity::VERSION,
                 "sections": name,
@@ -174,6 +187,7 @@ impl Structure {
     pub fn hash(&self) -> String {
         match self {
             Self::Species(model) => identity::hash("species", &**model),
+            Self::Stack(flat) => identity::hash("stack", &flat.stack),
             Self::Sections { name: _, sections } => {
                 identity::Hasher::new("sections").list("sections", sections).hex()
             }

@@ -17,7 +17,9 @@ pub use lattice::{is_lattice, read_lattice};
 pub use material::{decode_material, encode_material, read_material, write_material};
 pub use orders::{read_orders, write_orders};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
-pub use species::{feather_of, read_species, read_structure_toml};
+pub use species::{
+    feather_of, is_species, read_flat_stack, read_species, read_species_file, read_structure_toml,
+};
 pub use stack::{parse_stack, read_stack};
 pub use whole::{
     LARGEST_INPUT, check_writable, delete_cached, hash_bytes, hash_file, list_cached, make_folder,
