@@ -1,10 +1,12 @@
 //! Figures of sections, spectra and materials.
 
+mod far_fields;
 mod lobes;
 mod section;
 mod simulated;
 mod spectrum;
 
+pub use far_fields::{check_far_fields, far_fields};
 pub use lobes::{hemispheres, parameters, tiled, title};
 pub use section::section;
 pub use simulated::{fields, fits, instances, noise, statistics_of_fits};

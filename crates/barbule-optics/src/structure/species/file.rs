@@ -296,6 +296,9 @@ fn is_variant_name(name: &str) -> bool {
 
 fn no_variant<'a>(name: &str, wanted: &str, known: impl Iterator<Item = &'a str> + Clone) -> Error {
     let wanted = shortened(wanted);
+    if known.clone().eq([DEFAULT_VARIANT]) {
+        return Error::input(format!("{name} has no variants, so no '{wanted}'; leave it out"));
+    }
     let near = did_you_mean(&wanted, known.clone());
     let all = shortened(&known.collect::<Vec<_>>().join(", "));
     Error::input(format!("{name} has no variant '{wanted}'{near} (known are {all})",))

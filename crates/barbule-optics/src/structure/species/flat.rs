@@ -11,13 +11,13 @@ use crate::{Error, Result};
 const OWN: &str = "my-";
 
 impl SpeciesFile {
-    /// The text of a file without variants that means the same sections as a variant of this one, bit by bit. Its name
+    /// The text of a file without variants that makes the same sections as a variant of this one, bit by bit. Its name
     /// is its own; each line says what the key is, its range and its unit.
     ///
     /// # Errors
     /// No such variant, or what the format cannot write.
     pub fn flat_toml(&self, variant: Option<&str>) -> Result<String> {
-        let given = self.given(variant)?;
+        let lines_of_parameters = self.explained(variant)?;
         let variant = variant.unwrap_or(&self.default);
         let from =
             if variant == DEFAULT_VARIANT { self.name.clone() } else { format!("{}:{variant}", self.name) };
@@ -48,8 +48,7 @@ impl SpeciesFile {
         let _ = writeln!(out, "# each individual or part. Give this file wherever a species is named.");
         push_aligned(&mut out, &lines);
         let _ = writeln!(out, "\n[parameters]");
-        let lines = given.iter().map(|(key, value)| Ok((line(key, value)?, explained(key))));
-        push_aligned(&mut out, &lines.collect::<Result<Vec<_>>>()?);
+        push_aligned(&mut out, &lines_of_parameters);
         let tables = [("materials", &self.materials), ("feather", &self.feather)];
         let others: Map<String, Value> =
             tables.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value.clone()?))).collect();
@@ -57,6 +56,14 @@ impl SpeciesFile {
             let _ = write!(out, "\n{}", toml::to_string(&others).map_err(unwritable)?);
         }
         Ok(out)
+    }
+
+    /// A variant's parameters as lines of a file, each with what it is and what is allowed.
+    ///
+    /// # Errors
+    /// No such variant, or what the format cannot write.
+    pub fn explained(&self, variant: Option<&str>) -> Result<Vec<(String, String)>> {
+        self.given(variant)?.iter().map(|(key, value)| Ok((line(key, value)?, explained(key)))).collect()
     }
 }
 
@@ -71,7 +78,7 @@ fn line(key: &Key, value: &Value) -> Result<String> {
 
 /// What a parameter is and its range.
 fn explained(key: &Key) -> String {
-    format!("{}, {}", about(key.about), key.allowed)
+    format!("{} ({})", about(key.about), key.allowed)
 }
 
 /// A sentence of the documentation as a comment: no full stop, no capital but in formulas and names.
@@ -131,8 +138,8 @@ mod tests {
         let text = SpeciesFile::builtin("starling").unwrap().flat_toml(Some("pink")).unwrap();
         for line in [
             "name = \"my-starling\"",
-            "cortex_um = 0.38                # keratin between the surface and the melanosomes, 0.001 to 10 µm",
-            "core_fraction_low = 0.3         # least melanin fraction between the chains, 0 to 1",
+            "cortex_um = 0.38                # keratin between the surface and the melanosomes (0.001 to 10 µm)",
+            "core_fraction_low = 0.3         # least melanin fraction between the chains (0 to 1)",
         ] {
             assert!(text.contains(line), "{text}");
         }
