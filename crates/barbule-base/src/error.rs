@@ -107,6 +107,12 @@ pub fn shortened(text: &str) -> String {
     clean.chars().take(LONGEST - 1).chain(['…']).collect()
 }
 
+/// A number of things in words: `1 angle`, `2 angles`.
+#[must_use]
+pub fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,6 +121,11 @@ mod tests {
     fn nearest_name_is_offered_and_far_ones_are_not() {
         assert_eq!(did_you_mean("starlign", ["mallard", "starling"]), ", did you mean 'starling'?");
         assert_eq!(did_you_mean("qqqqqqqqqqqq", ["mallard", "starling"]), "");
+    }
+
+    #[test]
+    fn one_thing_is_not_several() {
+        assert_eq!((counted(1, "angle"), counted(0, "angle")), ("1 angle".into(), "0 angles".into()));
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod media;
 pub mod progress;
 pub mod provenance;
 pub mod sets;
+mod several;
 pub mod structure_arg;
 
 use std::io::Write;

@@ -15,3 +15,4 @@ mod refusals;
 mod render;
 mod robustness;
 mod species;
+mod spectrum;

@@ -100,7 +100,7 @@ impl Comparison {
         Fields(vec![
             ("common_from_nm", number(Some(self.range_nm[0]))),
             ("common_to_nm", number(Some(self.range_nm[1]))),
-            ("points", number(Some(self.points as f64))),
+            ("points", Field::Count(self.points)),
             ("simulated_peak_nm", number(s.peak.map(|p| p.nm))),
             ("simulated_peak_reflectance", number(s.peak.map(|p| p.reflectance))),
             ("simulated_half_level", number(s_half.map(|h| h.level))),

@@ -7,6 +7,8 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 pub enum Field {
     /// A number; none where there is no such thing.
     Number(Option<f64>),
+    /// How many.
+    Count(usize),
     /// Yes or no.
     Flag(Option<bool>),
     /// A word without commas, such as a colour `#rrggbb`.
@@ -25,6 +27,7 @@ impl Field {
     fn cell(&self) -> String {
         match self {
             Self::Number(value) => value.map_or_else(String::new, |v| v.to_string()),
+            Self::Count(value) => value.to_string(),
             Self::Flag(value) => value.map_or_else(String::new, |v| v.to_string()),
             Self::Word(value) | Self::Note(value) => value.clone().unwrap_or_default(),
         }
@@ -58,6 +61,7 @@ impl Serialize for Field {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Number(value) => value.serialize(serializer),
+            Self::Count(value) => value.serialize(serializer),
             Self::Flag(value) => value.serialize(serializer),
             Self::Word(value) | Self::Note(value) => value.serialize(serializer),
         }

@@ -128,9 +128,7 @@ impl Look {
             held(reflectance.wavelengths())
         } else {
             Some(format!(
-                "no colour: {first} to {last} nm hold {:.0} % of what the eye sees, but {:.0} % are needed",
-                100.0 * share,
-                100.0 * COLOUR_NEEDS
+                "no colour: {first} to {last} nm are too little of what the eye sees; give wavelengths from 400 to 700 nm"
             ))
         };
         Self {
@@ -472,7 +470,7 @@ mod tests {
             assert_eq!((look.colour.is_some(), look.colour_note.is_some()), (known, noted), "{first} {last}");
         }
         let dark = Look::of(&sampled(300.0, 400.0, 5.0, bell));
-        assert!(dark.colour_note.unwrap().starts_with("no colour: 300 to 400 nm hold 0 %"));
+        assert!(dark.colour_note.unwrap().starts_with("no colour: 300 to 400 nm are too little"));
     }
 
     #[test]

@@ -10,7 +10,7 @@ pub use far_fields::{check_far_fields, far_fields};
 pub use lobes::{hemispheres, parameters, tiled, title};
 pub use section::section;
 pub use simulated::{fields, fits, instances, noise, statistics_of_fits};
-pub use spectrum::spectra;
+pub use spectrum::{Simulated, spectra};
 
 use crate::scattering::statistics::Axes;
 

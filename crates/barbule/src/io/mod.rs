@@ -3,6 +3,7 @@
 pub mod image;
 mod lattice;
 mod material;
+pub mod measured;
 mod media;
 mod orders;
 mod section;

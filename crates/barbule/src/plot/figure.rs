@@ -29,7 +29,7 @@ pub enum Mark {
 /// One curve.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curve {
-    /// What the legend says.
+    /// What the legend says; a curve without a name is not in it.
     pub name: String,
     /// (x, y); a y that is not finite, or not positive on a logarithmic axis, interrupts the line.
     pub points: Vec<[f64; 2]>,
@@ -37,8 +37,8 @@ pub struct Curve {
     pub spread: Option<Vec<f64>>,
     /// Line or signs.
     pub mark: Mark,
-    /// A colour that the legend shows beside the name.
-    pub swatch: Option<[u8; 3]>,
+    /// Colours that the legend shows beside the name.
+    pub swatches: Vec<[u8; 3]>,
     /// The look, in place of the next of the palette.
     pub stroke: Option<Stroke>,
 }
@@ -142,6 +142,11 @@ impl Figure {
             drawing.text([if size.is_some() { 16.0 } else { left }, y], SMALL, Anchor::Start, text);
         }
         drawing
+    }
+
+    /// The curves of the legend with their places.
+    pub(super) fn named(&self) -> impl Iterator<Item = (usize, &Curve)> {
+        self.curves.iter().enumerate().filter(|(_, curve)| !curve.name.is_empty())
     }
 
     /// The look of curve `i`.

@@ -7,6 +7,8 @@ use super::text;
 
 /// Curves that a legend names; more are counted.
 const MOST_NAMED: usize = 18;
+/// From one swatch to the next, px.
+const SWATCH_STEP: f64 = 20.0;
 /// From one line to the next, and what the heading takes, px.
 const LINE: f64 = 17.0;
 const HEADING: f64 = 18.0;
@@ -20,8 +22,8 @@ const AROUND: f64 = 80.0;
 /// The legend of a chart and where it stands.
 pub(super) struct Legend {
     heading: String,
-    /// The names of the first curves, short enough for their column.
-    names: Vec<String>,
+    /// The first named curves by their places, with names short enough for their column.
+    names: Vec<(usize, String)>,
     /// How many curves are not named.
     more: usize,
     /// Width of the lines and signs before the names.
@@ -33,15 +35,15 @@ pub(super) struct Legend {
 impl Legend {
     /// The legend of a chart on a page of this size: beside the plane where there is room, else below.
     pub(super) fn of(figure: &Figure, size: Option<[f64; 2]>) -> Self {
-        let swatches = figure.curves.iter().any(|c| c.swatch.is_some());
-        let wanted = figure.curves.len() > 1 || swatches || !figure.legend.is_empty();
+        let swatches = figure.curves.iter().map(|c| c.swatches.len()).max().unwrap_or(0);
+        let wanted = figure.curves.len() > 1 || swatches > 0 || !figure.legend.is_empty();
         let most = if wanted { MOST_NAMED } else { 0 };
-        let names: Vec<_> = figure.curves.iter().take(most).map(|curve| curve.name.clone()).collect();
+        let names: Vec<_> = figure.named().take(most).map(|(i, curve)| (i, curve.name.clone())).collect();
         let mut legend = Self {
             heading: figure.legend.clone(),
-            more: if wanted { figure.curves.len() - names.len() } else { 0 },
+            more: if wanted { figure.named().count() - names.len() } else { 0 },
             names,
-            sample: if swatches { 56.0 } else { 36.0 },
+            sample: 36.0 + SWATCH_STEP * swatches as f64,
             columns: 0,
         };
         let Some([width, height]) = size.filter(|_| wanted) else { return legend };
@@ -57,7 +59,7 @@ impl Legend {
         self.columns =
             ((free / (self.widest() + self.sample + 14.0)) as usize).clamp(1, self.names.len().max(1));
         let room = free / self.columns as f64 - self.sample - 4.0;
-        for name in &mut self.names {
+        for (_, name) in &mut self.names {
             *name = text::cut(name, SMALL, room);
         }
         self.heading = text::cut(&self.heading, SMALL, free);
@@ -73,7 +75,7 @@ impl Legend {
     }
 
     fn widest(&self) -> f64 {
-        self.names.iter().map(|name| text::width(name, SMALL)).fold(0.0, f64::max)
+        self.names.iter().map(|(_, name)| text::width(name, SMALL)).fold(0.0, f64::max)
     }
 
     /// Its width beside the plane, with the space before it, px.
@@ -100,9 +102,9 @@ impl Legend {
         let columns = self.columns.max(1);
         let apart = (drawing.width - EDGES) / columns as f64;
         let place = |i: usize| [left + apart * (i % columns) as f64, top + LINE * (i / columns) as f64];
-        for (i, name) in self.names.iter().enumerate() {
-            let at @ [x, y] = place(i);
-            sample(drawing, &figure.curves[i], &figure.stroke(i), i, at);
+        for (k, (i, name)) in self.names.iter().enumerate() {
+            let at @ [x, y] = place(k);
+            sample(drawing, &figure.curves[*i], &figure.stroke(*i), *i, at);
             drawing.text([x + self.sample, y], SMALL, Anchor::Start, name.clone());
         }
         if self.more > 0 {
@@ -112,7 +114,7 @@ impl Legend {
     }
 }
 
-/// What curve `i` looks like, and its colour.
+/// What curve `i` looks like, and its colours.
 fn sample(drawing: &mut Drawing, curve: &Curve, stroke: &Stroke, i: usize, [x, y]: [f64; 2]) {
     if curve.mark != Mark::Line {
         drawing.items.push(sign([x + 14.0, y - 4.0], i, stroke));
@@ -120,8 +122,9 @@ fn sample(drawing: &mut Drawing, curve: &Curve, stroke: &Stroke, i: usize, [x, y
     if curve.mark != Mark::Points {
         drawing.line([x, y - 4.0], [x + 28.0, y - 4.0], stroke.clone());
     }
-    if let Some(rgb) = curve.swatch {
+    for (k, rgb) in curve.swatches.iter().enumerate() {
         let edge = Some(Stroke::solid(Ink::of([120, 120, 120]), 0.7));
-        drawing.rectangle([x + 34.0, y - 11.0, 14.0, 14.0], Some(Ink::of(rgb)), edge);
+        let left = x + 34.0 + SWATCH_STEP * k as f64;
+        drawing.rectangle([left, y - 11.0, 14.0, 14.0], Some(Ink::of(*rgb)), edge);
     }
 }

@@ -25,7 +25,7 @@ pub use heat_map::{HeatMap, abreast};
 pub use page::Page;
 pub use palette::{Map, PALETTE, style};
 pub use raster::encode_png;
-pub use spectra::{Band, spectra};
+pub use spectra::{Band, MeasuredBand, spectra};
 
 use std::path::Path;
 
