@@ -84,6 +84,13 @@ pub fn sidecar(path: &Path) -> PathBuf {
 /// # Errors
 /// As above.
 pub fn check_outputs(figure: Option<&Path>, csv: Option<&Path>) -> Result<()> {
+    for path in [figure, csv].into_iter().flatten() {
+        if path.as_os_str() == "-" {
+            return Err(Error::input(
+                "-: files are written to paths, not to standard output; give a path, or --json for standard output",
+            ));
+        }
+    }
     if let Some(path) = figure {
         Format::of(path)?;
         check_writable(path)?;

@@ -187,7 +187,7 @@ impl Args {
     fn other(&self, structure: &Structure, progress: &dyn Progress) -> Result<Entry> {
         let source = match structure {
             Structure::Sections { sections, .. } => sections.first().map(|section| section.source.clone()),
-            Structure::Species(_) => None,
+            Structure::Species(_) | Structure::Stack(_) => None,
         };
         let look = self.look(structure, progress)?;
         let name = DEFAULT_VARIANT.to_owned();

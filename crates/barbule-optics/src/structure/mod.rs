@@ -9,6 +9,7 @@ mod flat;
 mod identify;
 mod lattice;
 mod legacy;
+mod offset;
 mod outline;
 mod section;
 mod species;
@@ -24,8 +25,9 @@ pub use section::{
     Polyline, Section, Substance,
 };
 pub use species::{
-    Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, Key, RockDove, SpeciesFile,
-    SpeciesModel, Starling, crystal_species, layered_species, species_name, species_names, species_toml,
+    Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, Key, LowerSide, Multilayer,
+    MultilayerLayer, MultilayerSizes, RockDove, SpeciesFile, SpeciesModel, Starling, crystal_species,
+    layered_species, species_name, species_names, species_toml,
 };
 
 use serde_json::{Map, Value, json};
@@ -147,12 +149,11 @@ impl Structure {
     pub fn description(&self) -> Value {
         match self {
             Self::Species(model) => {
-                let hash = |name: &&str| {
+                let hash = |name: &str| {
                     let material = crate::material::parse(name, &model.library).ok()?;
-                    Some(((*name).to_owned(), identity::hash("material", &material).into()))
+                    Some((name.to_owned(), identity::hash("material", &material).into()))
                 };
-                let materials: Map<String, Value> =
-                    ["air", "keratin", "melanin"].iter().filter_map(hash).collect();
+                let materials: Map<String, Value> = model.media().filter_map(hash).collect();
                 json!({
                     "identity": identity::VERSION,
                     "species": model.name,

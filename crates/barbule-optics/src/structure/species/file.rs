@@ -157,17 +157,19 @@ impl SpeciesFile {
     /// The model of a variant, or of the default one.
     ///
     /// # Errors
-    /// No such variant.
+    /// No such variant, or it names a medium that the library does not have.
     pub fn model(&self, variant: Option<&str>, library: Library) -> Result<SpeciesModel> {
         let index = self.index(variant)?;
-        Ok(SpeciesModel {
+        let model = SpeciesModel {
             name: self.name.clone(),
             variant: self.variants[index].name.clone(),
             latin: self.latin.clone(),
             coloration: self.coloration.clone(),
             parameters: self.parameters_of(index)?,
             library,
-        })
+        };
+        model.check_media()?;
+        Ok(model)
     }
 
     /// A variant's parameters as the file gives them, each with its key, in the order of the generator's keys; those that are

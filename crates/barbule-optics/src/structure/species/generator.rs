@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{Bronzewing, Crystal, Hummingbird, RockDove, Starling};
+use super::{Bronzewing, Crystal, Hummingbird, Multilayer, RockDove, Starling};
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
 use crate::identity::{Hasher, Identify};
@@ -34,6 +34,10 @@ pub(super) trait Generator {
     fn is_curved(&self) -> bool {
         false
     }
+    /// The media that the parameters name, each with its key.
+    fn media(&self) -> Vec<(String, &str)> {
+        Vec::new()
+    }
 }
 
 /// A key of a generator's parameters, as files explain it.
@@ -63,6 +67,11 @@ impl Key {
             _ => "",
         };
         Self { name, about, allowed: format!("{low} to {high}{unit}"), usual: usual.map(Value::from) }
+    }
+
+    /// A text that may be left out.
+    pub(super) fn text(name: &'static str, about: &'static str, allowed: &str, usual: &'static str) -> Self {
+        Self { name, about, allowed: allowed.to_owned(), usual: Some(usual.into()) }
     }
 }
 
@@ -147,6 +156,9 @@ generators! {
     "crystal":
         /// A photonic crystal of melanosomes.
         Crystal,
+    "multilayer":
+        /// Layers of any media in any number.
+        Multilayer,
 }
 
 /// The names in words: a, b or c.

@@ -6,6 +6,7 @@ mod file;
 mod flat;
 mod generator;
 mod hummingbird;
+mod multilayer;
 mod rock_dove;
 mod starling;
 
@@ -24,6 +25,7 @@ pub use crystal::Crystal;
 pub use file::SpeciesFile;
 pub use generator::{GeneratorParameters, Key};
 pub use hummingbird::Hummingbird;
+pub use multilayer::{LowerSide, Multilayer, MultilayerLayer, MultilayerSizes};
 pub use rock_dove::RockDove;
 pub use starling::Starling;
 
@@ -82,6 +84,9 @@ const CRYSTALS: &[Builtin] = &[
     },
 ];
 
+/// The media that generators name of themselves.
+const USUAL_MEDIA: [&str; 3] = ["air", "keratin", "melanin"];
+
 /// One species in one colour variant: makes random sections.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeciesModel {
@@ -131,14 +136,35 @@ impl SpeciesModel {
         let fields = Fields::new(&table, "parameters", &keys)?;
         let about = SpeciesFile::builtin(name).ok();
         let about = |pick: fn(&SpeciesFile) -> &str| about.as_ref().map_or("", pick).to_owned();
-        Ok(Self {
+        let model = Self {
             name: name.to_owned(),
             variant: variant.to_owned(),
             latin: about(|file| &file.latin),
             coloration: about(|file| &file.coloration),
             parameters: GeneratorParameters::read(generator, &fields)?,
             library,
-        })
+        };
+        model.check_media()?;
+        Ok(model)
+    }
+
+    /// Refuses parameters that name media which the library does not have.
+    pub(super) fn check_media(&self) -> Result<()> {
+        for (key, medium) in self.parameters.generator().media() {
+            crate::material::parse(medium, &self.library).map_err(|error| error.at(key))?;
+        }
+        Ok(())
+    }
+
+    /// The media that individuals are made of: those of all generators, then further ones that the parameters name.
+    pub(super) fn media(&self) -> impl Iterator<Item = &str> {
+        let mut media = USUAL_MEDIA.to_vec();
+        for (_, medium) in self.parameters.generator().media() {
+            if !media.contains(&medium) {
+                media.push(medium);
+            }
+        }
+        media.into_iter()
     }
 
     /// One random section. The same parameters, seed and index give the same bits everywhere.
