@@ -131,9 +131,9 @@ mod tests {
             let both = text.replace("[parameters]\n", &format!("[parameters]\ncortex_um = {value}\n"));
             let message = parse(&both, None).unwrap_err().to_string();
             let expected = if value == "200" {
-                "line 14: parameters.cortex_um is 200, outside 0.001 to 10; did you mean 0.2 (200 nm)?"
+                "line 13: parameters.cortex_um is 200, outside 0.001 to 10; did you mean 0.2 (200 nm)?"
             } else {
-                "parameters.cortex_um (line 14) has no effect on variant 'aqua', which gives cortex_um too (line 28); keep it in"
+                "parameters.cortex_um (line 13) has no effect on variant 'aqua', which gives cortex_um too (line 28); keep it in"
             };
             assert!(message.starts_with(expected), "{message}");
         }
@@ -143,7 +143,7 @@ mod tests {
             message.contains("variants[4].cortex_um is missing; give it here as variant 'aqua' does"),
             "{message}"
         );
-        assert!(message.starts_with("line 42: variant pink: "), "{message}");
+        assert!(message.starts_with("line 41: variant pink: "), "{message}");
     }
 
     #[test]
@@ -166,14 +166,14 @@ mod tests {
             (
                 "width_um = 25.0",
                 "width_um = 2500.0",
-                "line 14: parameters.width_um is 2500, outside 1 to 200; did you mean 2.5",
+                "line 13: parameters.width_um is 2500, outside 1 to 200; did you mean 2.5",
             ),
-            ("width_um = 25.0", "widht_um = 25.0", "line 14: parameters: unknown key 'widht_um'"),
+            ("width_um = 25.0", "widht_um = 25.0", "line 13: parameters: unknown key 'widht_um'"),
             ("latin =", "latn =", "line 7: unknown key 'latn'"),
             (
                 "cortex_um = 0.440",
                 "cortex_um = 440",
-                "line 54: variants[7].cortex_um is 440, outside 0.001 to 10; did you mean 0.44 (440 nm)?",
+                "line 55: variants[7].cortex_um is 440, outside 0.001 to 10; did you mean 0.44 (440 nm)?",
             ),
             (
                 "core_fraction_low = 0.3",
