@@ -14,8 +14,8 @@ use crate::media;
 /// What every STRUCTURE argument says in `--help`.
 pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], a section .json, a species or lattice .toml, or a folder of sections";
 
-/// Finds a structure and says which `--medium` it does without: `SPECIES[:VARIANT]`, a stack, `FILE.json`, `FILE.toml[:VARIANT]`, or a folder of sections; a stack
-/// or lattice alone lies flat.
+/// Finds a structure and says which `--medium` it does without: `SPECIES[:VARIANT]`, a stack, `FILE.json`,
+/// `FILE.toml[:VARIANT]`, or a folder of sections; a stack or lattice alone lies flat.
 ///
 /// # Errors
 /// An unknown name (the nearest known one is offered), a file that is missing or not of such a kind, or one that

@@ -57,15 +57,19 @@ pub fn section(
             views(section, title, sketch, width, zoom)
         };
         let Some([width, height]) = size else { return drawn(PAGE, ZOOMS[0]) };
-        // With a smaller zoom, or narrower, and so less high, rather than with smaller words.
-        let zooms = ZOOMS.into_iter().map(|zoom| (width, zoom));
+        // A smaller zoom, or less of the width, and so of the height, rather than much smaller words.
+        let zooms = ZOOMS.into_iter().map(|zoom| (width.max(NARROWEST), zoom));
         let narrower = (1..=5).map(|tenths| (width * (1.0 - 0.1 * f64::from(tenths)), ZOOMS[2]));
-        zooms
-            .chain(narrower)
-            .filter(|(width, _)| *width >= NARROWEST)
-            .map(|(width, zoom)| drawn(width, zoom))
-            .find(|drawing| drawing.height <= height)
-            .unwrap_or_else(|| drawn(width.max(NARROWEST), ZOOMS[1]))
+        let size_of_words = |drawing: &Drawing| (height / drawing.height).min(width / drawing.width).min(1.0);
+        let mut best = (0.0, Drawing::new(width, height));
+        for (wide, zoom) in zooms.chain(narrower).filter(|(wide, _)| *wide >= NARROWEST) {
+            let drawing = drawn(wide, zoom);
+            let worth = size_of_words(&drawing) * (wide / width).sqrt();
+            if worth > best.0 {
+                best = (worth, drawing);
+            }
+        }
+        best.1
     })
 }
 

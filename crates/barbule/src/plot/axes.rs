@@ -8,7 +8,7 @@ pub(super) const SMALL: f64 = 11.0;
 /// Height of axis labels in px.
 pub(super) const MEDIUM: f64 = super::page::USUAL_FONT;
 /// Height of titles in px.
-pub(super) const LARGE: f64 = 14.0;
+pub(super) const LARGE: f64 = super::page::TITLE;
 
 /// From one line of a title or an axis label to the next, px.
 const LINE: f64 = 17.0;

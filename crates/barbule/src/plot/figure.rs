@@ -232,6 +232,7 @@ pub(super) fn sign([x, y]: [f64; 2], i: usize, stroke: &Stroke) -> Item {
 mod tests {
     use super::*;
     use crate::plot::Format;
+    use crate::plot::places::assert_words_stand_apart;
 
     #[test]
     fn axes_say_quantity_and_unit_and_curves_are_named() {
@@ -245,6 +246,41 @@ mod tests {
             assert!(svg.contains(part), "{part}");
         }
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn words_of_charts_of_any_size_stand_on_the_page_and_apart() {
+        let names = ["0°", "θ_i = 60°, air/6*(melanin:99/keratin:100)/keratin", "measured, mean of 12"];
+        for (width, height) in
+            [(85.0, 60.0), (60.0, 60.0), (170.0, 110.0), (400.0, 90.0), (180.0, 240.0), (600.0, 400.0)]
+        {
+            for curves in [1, 3, 8, 40] {
+                let mut figure = Figure::new(
+                    "air/6*(melanin:99/keratin:100)/keratin, collected within 5° of the mirror direction",
+                    Axis::new("wavelength in vacuum (nm)"),
+                    Axis::new("reflectance, unpolarized"),
+                );
+                figure.legend = "mean ± 1 std; colour under D65: true, normalized".into();
+                figure.footnote = Some(
+                    "below 380 nm and above 780 nm the eye sees nothing; the colour is that of the rest"
+                        .into(),
+                );
+                for i in 0..curves {
+                    let points = vec![[300.0, 0.0], [830.0, 1e-5 * f64::from(i + 1)]];
+                    figure.curves.push(Curve {
+                        swatches: vec![[255, 0, 0], [0, 255, 0]],
+                        ..Curve::line(names[i as usize % 3], points)
+                    });
+                }
+                let px = 96.0 / 25.4;
+                let drawing = figure.draw_on(&Page::sized(width * px, height * px));
+                let what = format!("{width} x {height} mm, {curves} curves");
+                assert_words_stand_apart(&drawing, &what);
+                assert!(
+                    (drawing.width / px - width).abs() < 1e-9 && (drawing.height / px - height).abs() < 1e-9
+                );
+            }
+        }
     }
 
     #[test]

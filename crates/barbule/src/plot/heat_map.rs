@@ -1,8 +1,8 @@
 //! A quantity over a plane, as colours with their scale.
 
-use super::Page;
-use super::axes::{Axis, Frame, LARGE, MEDIUM, SMALL, Words, high_enough, is_in_degrees, spaced, ticks};
+use super::axes::{Axis, Frame, MEDIUM, SMALL, Words, high_enough, is_in_degrees, spaced, ticks};
 use super::drawing::{Anchor, Drawing, Ink, Item, Picture, Stroke};
+use super::page::{Page, heading_height};
 use super::palette::Map;
 use super::text;
 
@@ -196,19 +196,13 @@ pub fn abreast(heading: &str, maps: &[HeatMap], page: &Page) -> Drawing {
         let drawn: Vec<Drawing> = match size {
             None => maps.iter().map(|map| map.lay_out(None)).collect(),
             Some([width, height]) => {
-                let lines = text::wrapped(heading, LARGE, width - 16.0, 2).len() as f64;
-                let cell = best_cell(maps, [width, height - HEADING * lines]);
+                let cell = best_cell(maps, [width, height - heading_height(heading, width)]);
                 maps.iter().map(|map| map.draw_on(&Page::part(cell))).collect()
             }
         };
-        let natural = drawn.iter().map(|d| d.width).sum::<f64>();
-        let width = size.map_or(natural, |[width, _]| width);
-        let headings = text::wrapped(heading, LARGE, width - 16.0, 2);
+        let width = size.map_or_else(|| drawn.iter().map(|d| d.width).sum::<f64>(), |[width, _]| width);
         let mut drawing = Drawing::new(width, 0.0);
-        for (line, text) in headings.iter().enumerate() {
-            drawing.text([width / 2.0, 18.0 + HEADING * line as f64], LARGE, Anchor::Middle, text.clone());
-        }
-        let (mut x, mut y, mut row) = (0.0, HEADING * headings.len() as f64, 0.0_f64);
+        let (mut x, mut y, mut row) = (0.0, 0.0, 0.0_f64);
         for panel in drawn {
             if x > 0.0 && x + panel.width > width + 1e-6 {
                 (x, y, row) = (0.0, y + row, 0.0);
@@ -219,12 +213,9 @@ pub fn abreast(heading: &str, maps: &[HeatMap], page: &Page) -> Drawing {
             x = next;
         }
         drawing.height = y + row;
-        drawing
+        drawing.under(heading)
     })
 }
-
-/// Height of a line of a heading over several maps, px.
-const HEADING: f64 = 22.0;
 
 /// The part of a page for each map, of the arrangement in which the smallest map is largest.
 fn best_cell(maps: &[HeatMap], [width, height]: [f64; 2]) -> [f64; 2] {
@@ -248,6 +239,7 @@ fn opaque([r, g, b]: [u8; 3]) -> [u8; 4] {
 mod tests {
     use super::*;
     use crate::plot::Format;
+    use crate::plot::places::assert_words_stand_apart;
 
     #[test]
     fn the_first_row_is_at_the_bottom_and_nan_is_grey() {
@@ -257,6 +249,29 @@ mod tests {
         assert_eq!(picture.rgba[0], [128, 128, 128, 255]);
         assert_eq!(picture.rgba[2], opaque(Map::Viridis.at(0.0)));
         assert_eq!(picture.rgba[3], opaque(Map::Viridis.at(1.0)));
+    }
+
+    #[test]
+    fn words_of_maps_of_any_size_stand_on_the_page_and_apart() {
+        for (width, height) in [(85.0, 60.0), (85.0, 110.0), (170.0, 60.0), (300.0, 200.0)] {
+            for panels in 1..=3 {
+                let maps: Vec<HeatMap> = (0..panels)
+                    .map(|panel| {
+                        let x = Axis::with_range("wavelength in vacuum (nm)", 300.0, 830.0);
+                        let y = Axis::with_range("φ_i (°)", -90.0, 90.0);
+                        let values = vec![0.0, 0.5, 0.7, 0.96];
+                        let mut map = HeatMap::new(format!("polarization {}", panel + 1), x, y, 2, values);
+                        map.label = "reflectance, all orders".into();
+                        map.keeps_shape = panels == 3;
+                        map
+                    })
+                    .collect();
+                let px = 96.0 / 25.4;
+                let drawing =
+                    abreast("mallard:green, θ_i = 20°", &maps, &Page::sized(width * px, height * px));
+                assert_words_stand_apart(&drawing, &format!("{width} x {height} mm, {panels} maps"));
+            }
+        }
     }
 
     #[test]

@@ -9,9 +9,11 @@ use super::text;
 const MOST_NAMED: usize = 18;
 /// From one swatch to the next, px.
 const SWATCH_STEP: f64 = 20.0;
-/// From one line to the next, and what the heading takes, px.
+/// From one line to the next, and what a line of the heading takes, px.
 const LINE: f64 = 17.0;
 const HEADING: f64 = 18.0;
+/// A heading that is no wider is not broken, px.
+const NARROW_HEADING: f64 = 150.0;
 /// The largest part of a page's width that a legend beside the plane takes, and of its height one below.
 const LARGEST: [f64; 2] = [0.4, 0.35];
 /// What is kept free beside the columns of a legend below, px.
@@ -21,7 +23,7 @@ const AROUND: f64 = 80.0;
 
 /// The legend of a chart and where it stands.
 pub(super) struct Legend {
-    heading: String,
+    heading: Vec<String>,
     /// The first named curves by their places, with names short enough for their column.
     names: Vec<(usize, String)>,
     /// How many curves are not named.
@@ -40,21 +42,23 @@ impl Legend {
         let most = if wanted { MOST_NAMED } else { 0 };
         let names: Vec<_> = figure.named().take(most).map(|(i, curve)| (i, curve.name.clone())).collect();
         let mut legend = Self {
-            heading: figure.legend.clone(),
+            heading: Vec::new(),
             more: if wanted { figure.named().count() - names.len() } else { 0 },
             names,
             sample: 36.0 + SWATCH_STEP * swatches as f64,
             columns: 0,
         };
+        legend.heading =
+            text::wrapped(&figure.legend, SMALL, (legend.widest() + legend.sample).max(NARROW_HEADING), 3);
         let Some([width, height]) = size.filter(|_| wanted) else { return legend };
         if legend.width() > LARGEST[0] * width || legend.height() > height - AROUND {
-            legend.put_below([width, height]);
+            legend.put_below(&figure.legend, [width, height]);
         }
         legend
     }
 
     /// Stands below the plane, with as many names as leave room for it.
-    fn put_below(&mut self, [width, height]: [f64; 2]) {
+    fn put_below(&mut self, heading: &str, [width, height]: [f64; 2]) {
         let free = (width - EDGES).max(self.sample + 20.0);
         self.columns =
             ((free / (self.widest() + self.sample + 14.0)) as usize).clamp(1, self.names.len().max(1));
@@ -62,7 +66,7 @@ impl Legend {
         for (_, name) in &mut self.names {
             *name = text::cut(name, SMALL, room);
         }
-        self.heading = text::cut(&self.heading, SMALL, free);
+        self.heading = text::wrapped(heading, SMALL, free, 2);
         while self.height() > LARGEST[1] * height && self.names.len() > 1 {
             self.names.pop();
             self.more += 1;
@@ -83,20 +87,21 @@ impl Legend {
         if self.names.is_empty() && self.heading.is_empty() {
             return 20.0;
         }
-        (self.widest() + self.sample).max(text::width(&self.heading, SMALL)) + 24.0
+        let heading = self.heading.iter().map(|line| text::width(line, SMALL)).fold(0.0, f64::max);
+        (self.widest() + self.sample).max(heading) + 24.0
     }
 
     /// Its height, px.
     pub(super) fn height(&self) -> f64 {
-        let heading = if self.heading.is_empty() { 0.0 } else { HEADING };
+        let heading = HEADING * self.heading.len() as f64;
         let lines = (self.names.len() + usize::from(self.more > 0)).div_ceil(self.columns.max(1));
         heading + LINE * lines as f64
     }
 
     /// Draws it; the first line of words stands on `at`.
     pub(super) fn draw(&self, drawing: &mut Drawing, figure: &Figure, [left, mut top]: [f64; 2]) {
-        if !self.heading.is_empty() {
-            drawing.text([left, top], SMALL, Anchor::Start, self.heading.clone());
+        for line in &self.heading {
+            drawing.text([left, top], SMALL, Anchor::Start, line.clone());
             top += HEADING;
         }
         let columns = self.columns.max(1);

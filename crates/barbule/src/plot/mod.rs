@@ -13,6 +13,8 @@ mod legend;
 mod page;
 mod palette;
 mod pdf;
+#[cfg(test)]
+mod places;
 mod raster;
 mod spectra;
 mod svg;

@@ -1,12 +1,17 @@
 //! How large a figure is, and how large its words are.
 
-use super::drawing::Drawing;
+use super::drawing::{Anchor, Drawing};
+use super::text;
 
 /// Pixels of a PNG for each px unless a figure asks for others.
 pub(super) const RESOLUTION: f64 = 2.0;
 
 /// Height of the font of axis labels in px; ticks and titles are in proportion.
 pub(super) const USUAL_FONT: f64 = 12.5;
+
+/// Height of the font of titles, and from one line of a heading over several figures to the next, px.
+pub(super) const TITLE: f64 = 14.0;
+const HEADING_LINE: f64 = 22.0;
 
 /// The width in px whose words are usually that large.
 const USUAL_WIDTH: f64 = 600.0;
@@ -78,6 +83,33 @@ impl Page {
     }
 }
 
+impl Drawing {
+    /// The same under a heading; without words as it was.
+    #[must_use]
+    pub fn under(self, heading: &str) -> Self {
+        let lines = heading_lines(heading, self.width);
+        if lines.is_empty() {
+            return self;
+        }
+        let above = heading_height(heading, self.width);
+        let mut page = Self::new(self.width, self.height + above);
+        for (line, text) in lines.into_iter().enumerate() {
+            page.text([self.width / 2.0, 18.0 + HEADING_LINE * line as f64], TITLE, Anchor::Middle, text);
+        }
+        page.place(self, [0.0, above]);
+        page
+    }
+}
+
+fn heading_lines(heading: &str, width: f64) -> Vec<String> {
+    text::wrapped(heading, TITLE, width - 16.0, 3)
+}
+
+/// What [`Drawing::under`] adds to a drawing that is `width` px wide.
+pub(super) fn heading_height(heading: &str, width: f64) -> f64 {
+    HEADING_LINE * heading_lines(heading, width).len() as f64
+}
+
 /// A drawing in the middle of a page, smaller where it would not fit.
 fn fitted(drawing: Drawing, [width, height]: [f64; 2]) -> Drawing {
     let scale = (width / drawing.width).min(height / drawing.height);
@@ -125,6 +157,14 @@ mod tests {
         assert_eq!(size_and_place(&drawing), (12.5, [10.0, 45.0]));
         let small = Page::sized(50.0, 100.0).place(word(12.5));
         assert_eq!(size_and_place(&small), (6.25, [5.0, 47.5]));
+    }
+
+    #[test]
+    fn a_heading_stands_above_and_none_changes_nothing() {
+        let drawing = word(12.5).under("heading");
+        assert_eq!((drawing.width, drawing.height), (100.0, 72.0));
+        assert_eq!(drawing.items[0], Drawing { items: Vec::new(), ..word(1.0) }.under("heading").items[0]);
+        assert_eq!(word(12.5).under(""), word(12.5));
     }
 
     #[test]
