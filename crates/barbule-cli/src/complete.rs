@@ -76,16 +76,18 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
     let files = |names, extensions| Some(Kind { names, extensions, after: None });
     match (command, argument) {
         ("simulate", "structure") => files(Names::Species, &["toml", "json", "zarr"]),
-        (_, "structure") => files(Names::Species, &["toml", "json"]),
+        (_, "structure" | "structures") => files(Names::Species, &["toml", "json"]),
         ("film", "stack") => files(Names::None, &["toml"]),
-        ("species", "name") => files(Names::Species, &["toml"]),
+        ("species", "name") => files(Names::Species, &["toml", "json"]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
         ("render" | "lobes" | "brdf", "material") => files(Names::Species, &["barbule", "toml", "json"]),
         (_, "medium") => Some(Kind { names: Names::None, extensions: TABLES, after: Some('=') }),
         (_, "measured") => files(Names::None, TABLES),
         ("geometry", "output") => files(Names::None, &["svg", "pdf", "png", "json"]),
-        ("film" | "spectrum" | "species" | "lobes" | "crystal", "output") => files(Names::None, FIGURES),
-        (_, "csv") => files(Names::None, &["csv"]),
+        ("film" | "spectrum" | "species" | "lobes" | "crystal" | "far-field", "output") => {
+            files(Names::None, FIGURES)
+        }
+        (_, "csv" | "summary") => files(Names::None, &["csv"]),
         _ => None,
     }
 }

@@ -1,7 +1,7 @@
 //! `barbule lobes`: pictures of a material's BRDF, its parameters, its noise and its fits.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use barbule::brdf::FeatherMaterial;
 use barbule::figures;
@@ -11,9 +11,10 @@ use barbule::scattering::statistics::Statistics;
 use barbule::{Error, Result};
 
 use crate::common::Common;
+use crate::figure::FigureArgs;
 use crate::materials;
 use crate::progress::Terminal;
-use crate::provenance::{Provenance, check_outputs};
+use crate::provenance::Provenance;
 
 /// Most instances in one picture.
 const MOST_INSTANCES: usize = 20;
@@ -21,12 +22,12 @@ const MOST_INSTANCES: usize = 20;
 /// Arguments of `barbule lobes`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  barbule lobes starling -o lobes.png --instances 3")]
+#[command(mut_arg("output", |output| output.required(true)))]
 pub(crate) struct Args {
     /// A material file, or SPECIES[:VARIANT]
     material: String,
-    /// The figure: .svg or .png
-    #[arg(short, long, value_name = "FIG")]
-    output: PathBuf,
+    #[command(flatten)]
+    figure: FigureArgs,
     /// Draw maps of m_eff, φ_eff − φ_i and F_eff over cosθ_i and cosφ_i
     #[arg(long, group = "what")]
     parameters: bool,
@@ -49,7 +50,8 @@ pub(crate) struct Args {
 impl Args {
     pub(crate) fn run(&self, _out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        check_outputs(Some(&self.output), None)?;
+        self.figure.check_rigid(&self.common)?;
+        let Some(path) = self.figure.path() else { return Err(Error::input("name the figure with -o")) };
         let instances = self.instances.unwrap_or(3);
         if instances > MOST_INSTANCES {
             return Err(Error::input(format!(
@@ -57,7 +59,7 @@ impl Args {
             )));
         }
         let (material, hash) = materials::find(&self.material, &self.common)?;
-        let title = figures::title(&material);
+        let title = self.figure.title(figures::title(&material));
         let (catalog, progress) = (materials::catalog(&self.common), Terminal::new(&self.common));
         let barbules = || materials::barbules(&material, &catalog, &progress, &self.common);
         let drawing = if self.parameters {
@@ -78,6 +80,7 @@ impl Args {
             figures::tiled(figures::fits(&material, &statistics), 2, &title)
         } else {
             let above = figures::hemispheres(&material, instances)?;
+            let above = above.under(self.figure.title.as_deref().unwrap_or(""));
             match self.instances.filter(|count| *count > 0).map(|count| (count, barbules())) {
                 Some((count, Ok(barbules))) => below(above, figures::instances(&material, count, &barbules)?),
                 Some((_, Err(error))) => {
@@ -90,7 +93,7 @@ impl Args {
         Provenance::new(&self.common)
             .with("material", &self.material)
             .with("material_hash", hash)
-            .write_figure(&self.output, &drawing)
+            .write_figure(path, &self.figure.page()?.place(drawing))
     }
 }
 

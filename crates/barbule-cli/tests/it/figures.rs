@@ -43,6 +43,10 @@ const COMMANDS: &[&[&str]] = &[
     &["geometry", "hummingbird"],
     &["crystal", "magpie", "--map", "--wavelengths", "400:700:100"],
     &["crystal", "magpie", "--field"],
+    &["film", "air/6*(melanin:99/keratin:100)/keratin", "--angles", "0,20,40,60"],
+    &["spectrum", "air/keratin:595/air", "--instances", "3", "--wavelengths", "400:700:50"],
+    &["species", "starling:green"],
+    &["far-field", "starling", "--wavelength", "500", "--theta", "0", "--phi", "20"],
 ];
 
 #[test]

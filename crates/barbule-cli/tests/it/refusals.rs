@@ -140,7 +140,7 @@ const LINES: &[(&str, &str)] = &[
         "far-field starling --wavelength 400:700:10 --theta 0 --phi 0,10 -o @f.svg",
         "--output: 62 far fields that differ in more than one",
     ),
-    ("far-field starling --wavelength 500 --theta 0 --phi 0 -o @f.bmp", ".svg or .png"),
+    ("far-field starling --wavelength 500 --theta 0 --phi 0 -o @f.bmp", ".svg, .pdf or .png"),
     ("far-field starling --wavelength 500 --theta 0 --phi 0 -o @f.svg --csv @f.svg", "give two names"),
     ("species @good.json --toml", "is no species, so it has no species file"),
     ("species @none.toml", "none.toml: no such file"),

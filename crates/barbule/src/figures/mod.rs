@@ -20,12 +20,6 @@ pub fn heading(name: &str) -> String {
     name.replace(":default", "")
 }
 
-/// How many there are of something, in words: `1 instance`, `50 instances`.
-#[must_use]
-pub fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
 /// The shortest, the middle and the longest wavelength of the axes.
 fn three(axes: &Axes) -> Vec<usize> {
     let count = axes.wavelengths_nm().len();
@@ -42,6 +36,5 @@ mod tests {
     fn headings_read_as_one_would_say_them() {
         assert_eq!(heading("tree-swallow:default"), "tree-swallow");
         assert_eq!(heading("starling:pink 3"), "starling:pink 3");
-        assert_eq!([counted(1, "instance"), counted(50, "instance")], ["1 instance", "50 instances"]);
     }
 }
