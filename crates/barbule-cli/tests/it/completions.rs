@@ -43,7 +43,7 @@ fn bash(line: &str, folder: &Path) -> Vec<String> {
         COMP_WORDS+=("$word") COMP_CWORD=$((${#COMP_WORDS[@]} - 1))
         complete -p barbule | grep -q -- '-F _barbule' || exit 1
         _barbule barbule "$word" "${COMP_WORDS[COMP_CWORD - 1]}"
-        printf '%s\n' "${COMPREPLY[@]}""#;
+        [[ ${#COMPREPLY[@]} -eq 0 ]] || printf '%s\n' "${COMPREPLY[@]}""#;
     let mut command = shell("bash", folder);
     command.args(["--norc", "-c", script, "bash", line]);
     lines(command)
