@@ -6,7 +6,10 @@
 mod campaign;
 pub mod commands;
 pub mod common;
+mod complete;
+pub mod figure;
 mod materials;
+mod media;
 pub mod progress;
 pub mod provenance;
 pub mod sets;
@@ -25,12 +28,22 @@ use clap::{CommandFactory, Parser};
 struct Cli {
     #[command(subcommand)]
     command: commands::Command,
+    /// So that flags that every command takes may stand before it; each command finds them among its own.
+    #[command(flatten)]
+    _common: common::Common,
 }
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
+    let arguments: Vec<_> = std::env::args_os().collect();
+    match complete::answer(&arguments) {
+        Ok(false) => {}
+        Ok(true) => return ExitCode::SUCCESS,
+        // A shell shows nothing of it.
+        Err(_) => return ExitCode::FAILURE,
+    }
     let mut out = std::io::stdout().lock();
-    run(std::env::args_os(), &mut out, &mut std::io::stderr())
+    run(arguments, &mut out, &mut std::io::stderr())
 }
 
 /// Runs one command line: results to `out`, messages to `err`.
@@ -64,11 +77,14 @@ where
 }
 
 /// What is wrong with the arguments, in one sentence: that of the value's reader where it is one of ours, else clap's lines
-/// without its summary of the usage.
+/// without its summary of the usage and its far-fetched tips.
 fn sentence(error: &clap::Error) -> String {
     let reader = std::error::Error::source(error).and_then(|source| source.downcast_ref::<barbule::Error>());
     if let Some(refused) = reader {
         return refused.to_string();
+    }
+    if let Some(text) = unexpected(error) {
+        return text;
     }
     let text = error.render().to_string();
     let lines = text
@@ -79,6 +95,21 @@ fn sentence(error: &clap::Error) -> String {
     let joined = lines.collect::<Vec<_>>().join(" ").replace(" tip: ", "; ");
     let short: String = joined.trim_start_matches("error: ").chars().take(500).collect();
     format!("{}; --help says what can be given", short.trim_end_matches(['.', ' ']))
+}
+
+/// Of an argument that no command or not this one takes: what it is, and the nearest that there is.
+fn unexpected(error: &clap::Error) -> Option<String> {
+    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    if error.kind() != ErrorKind::UnknownArgument {
+        return None;
+    }
+    let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg) else { return None };
+    let near = match error.get(ContextKind::SuggestedArg) {
+        Some(ContextValue::String(flag)) => barbule::error::did_you_mean(given, [flag.as_str()]),
+        _ => String::new(),
+    };
+    let rest = if near.is_empty() { "; --help says what can be given" } else { &near };
+    Some(format!("unexpected argument '{}'{rest}", barbule::error::shortened(given)))
 }
 
 /// The command-line definition, for shell completions and tests.

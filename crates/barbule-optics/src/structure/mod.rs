@@ -149,6 +149,7 @@ impl Structure {
     pub fn can_be_one_sided(&self) -> bool {
         match self {
             Self::Species(model) => model.lattice().is_some_and(|l| (2.0 * l.row_shift).fract() != 0.0),
+            Self::Stack(_) => false,
             Self::Sections { .. } => true,
         }
     }
