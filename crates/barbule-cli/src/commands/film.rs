@@ -92,11 +92,11 @@ impl Args {
         let shown = format!("{} at {} wavelengths", angles(&found.angle_deg), found.mean.at.len());
         if let Some(path) = &self.output {
             provenance.write_figure(path, &figure::figure(&self.stack, &found))?;
-            self.common.wrote(path, &format!("the response of {} layers at {shown}", stack.layers()));
+            self.common.wrote(path, &format!("R, T and A at {shown}"));
         }
         if let Some(path) = &self.csv {
             provenance.write_csv(path, &tables::csv(&found))?;
-            self.common.wrote(path, &format!("a table of R, T and A at {shown}"));
+            self.common.wrote(path, &format!("R, T and A at {shown}"));
         }
         if self.common.json {
             return print_json(out, &tables::document(&found, &looks, stack.layers()));
