@@ -96,11 +96,11 @@ impl Args {
         if let Some(path) = self.figure.path() {
             let title = self.figure.title(self.stack.as_str());
             provenance.write_figure(path, &figure::figure(&title, &found, &self.figure.page()?))?;
-            self.common.wrote(path, &format!("the response of {} layers at {shown}", stack.layers()));
+            self.common.wrote(path, &format!("R, T and A at {shown}"));
         }
         if let Some(path) = &self.csv {
             provenance.write_csv(path, &tables::csv(&found))?;
-            self.common.wrote(path, &format!("a table of R, T and A at {shown}"));
+            self.common.wrote(path, &format!("R, T and A at {shown}"));
         }
         if self.common.json {
             return print_json(out, &tables::document(&found, &looks, stack.layers()));

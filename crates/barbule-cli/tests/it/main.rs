@@ -13,6 +13,7 @@ mod film;
 mod geometry;
 mod interruptions;
 mod lobes;
+mod multilayer;
 mod refusals;
 mod render;
 mod robustness;

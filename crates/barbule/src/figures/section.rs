@@ -321,18 +321,22 @@ fn fill(items: &mut Vec<Item>, medium: &Medium, view: &View, curve: &[[f64; 2]],
     let (from, to) = (curve[0][0], curve[curve.len() - 1][0]);
     let step = STRIP / view.scale;
     let count = ((to - from) / step).ceil().max(1.0) as usize;
-    let mut next = 0;
-    for i in 0..count {
-        let start = from + (to - from) * i as f64 / count as f64;
-        // Strips reach under the next one, so that no seam shows.
-        let end = (start + 1.6 * (to - from) / count as f64).min(to);
+    let at = |strip: usize| from + (to - from) * strip as f64 / count as f64;
+    let shade = |strip: usize| shade_at(medium, at(strip) + 0.5 * step);
+    let (mut strip, mut next) = (0, 0);
+    while strip < count {
+        let (start, ink) = (at(strip), shade(strip));
+        // Strips of one shade are painted together.
+        strip = (strip + 1..count).find(|&other| shade(other) != ink).unwrap_or(count);
+        // They reach under the next one, so that no seam shows.
+        let end = (at(strip) + 0.6 * (to - from) / count as f64).min(to);
         while next < curve.len() && curve[next][0] <= start {
             next += 1;
         }
         let mut run = vec![[start, line.height(start)]];
         run.extend(curve[next..].iter().take_while(|p| p[0] < end));
         run.push([end, line.height(end)]);
-        paint(&run, shade_at(medium, start + 0.5 * step));
+        paint(&run, ink);
     }
 }
 

@@ -92,6 +92,15 @@ pub(super) fn figure(title: &str, found: &Found, page: &Page) -> Drawing {
             chart.legend = of_individuals.unwrap_or_default();
         }
     }
+    if spread.is_some() {
+        // A band may reach below zero, but no part of the power does.
+        let tops = chart.curves.iter().flat_map(|curve| {
+            let std = curve.spread.iter().flatten();
+            curve.points.iter().zip(std).map(|(point, std)| point[1] + std)
+        });
+        let top = tops.fold(0.0, f64::max);
+        chart.y.range = Some([0.0, ((10.0 * top).ceil() / 10.0).max(0.1)]);
+    }
     chart.draw_on(page)
 }
 
