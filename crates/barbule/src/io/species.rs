@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::kind::{InputKind, kind_of_text};
 use super::media::materials;
 use super::{parse_stack, read_text};
 use crate::error::shortened;
@@ -40,6 +41,15 @@ pub fn feather_of(file: &SpeciesFile) -> Result<Option<Feather>> {
     file.feather.as_ref().map(Feather::read).transpose()
 }
 
+/// The feather of a species file, as [`feather_of`] has it.
+///
+/// # Errors
+/// The file cannot be read or is no species; the message names the file and the key.
+pub fn read_feather(path: &Path) -> Result<Option<Feather>> {
+    let file = SpeciesFile::parse(&read_text(path)?);
+    file.and_then(|file| feather_of(&file)).map_err(|error| error.at(path.display()))
+}
+
 /// Reads a structure in TOML: a species, or a stack, which becomes a flat section.
 ///
 /// # Errors
@@ -48,9 +58,7 @@ pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library
     let folder = path.parent().unwrap_or(Path::new("."));
     let text = read_text(path)?;
     let at = |error: Error| error.at(path.display());
-    let table: toml::Table = toml::from_str(&text).unwrap_or_default();
-    let is_stack = ["stack", "layers", "entry", "exit"].iter().any(|key| table.contains_key(*key));
-    if !is_stack {
+    if kind_of_text(&text) != InputKind::Stack {
         return parse_species(&text, variant, folder, library)
             .map(|m| Structure::Species(Box::new(m)))
             .map_err(at);
@@ -60,6 +68,7 @@ pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library
     }
     let stack = parse_stack(&text, folder, library).map_err(at)?;
     let mut library = library.clone();
+    let table: toml::Table = toml::from_str(&text).unwrap_or_default();
     let table = table.get("materials").and_then(|value| serde_json::to_value(value).ok());
     let sources = materials(table.as_ref(), folder, &mut library).map_err(at)?;
     let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
