@@ -9,6 +9,7 @@ pub mod common;
 mod materials;
 pub mod progress;
 pub mod provenance;
+mod scene_arg;
 pub mod sets;
 pub mod structure_arg;
 

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
+mod cache;
 mod campaign;
 mod common;
 mod crystal;
