@@ -84,13 +84,24 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-/// `, did you mean 'x'?` with the known name nearest to `given`, or nothing when none is near.
+/// `, did you mean 'x'?` with the known name nearest to `given`, or nothing when none is near. A name is near too that
+/// stands as a word in `given`, as in `European-starling`.
 #[must_use]
 pub fn did_you_mean<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let given = given.to_lowercase();
+    let is_word = |name: &str| {
+        let ends = |c: Option<char>| !c.is_some_and(char::is_alphanumeric);
+        given.match_indices(name).any(|(at, found)| {
+            ends(given[..at].chars().next_back()) && ends(given[at + found.len()..].chars().next())
+        })
+    };
     known
         .into_iter()
-        .map(|name| (strsim::damerau_levenshtein(&given, &name.to_lowercase()), name))
+        .map(|name| {
+            let lower = name.to_lowercase();
+            let distance = strsim::damerau_levenshtein(&given, &lower);
+            (if !lower.is_empty() && is_word(&lower) { distance.min(1) } else { distance }, name)
+        })
         .min_by_key(|(distance, _)| *distance)
         .filter(|(distance, name)| *distance <= 2.max(name.chars().count() / 2))
         .map_or_else(String::new, |(_, name)| format!(", did you mean '{name}'?"))
@@ -122,6 +133,8 @@ mod tests {
     fn nearest_name_is_offered_and_far_ones_are_not() {
         assert_eq!(did_you_mean("starlign", ["mallard", "starling"]), ", did you mean 'starling'?");
         assert_eq!(did_you_mean("qqqqqqqqqqqq", ["mallard", "starling"]), "");
+        assert_eq!(did_you_mean("European-Starling", ["mallard", "starling"]), ", did you mean 'starling'?");
+        assert_eq!(did_you_mean("starlingsandtheirfriends", ["mallard", "starling"]), "");
     }
 
     #[test]

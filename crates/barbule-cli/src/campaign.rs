@@ -76,7 +76,9 @@ impl CampaignArgs {
         };
         // Options are called as their flags.
         options.check().map_err(|e| Error::input(format!("--{e}")))?;
-        plan(&options, structure, common)
+        let plan = options.plan(structure)?;
+        say_given(&plan, common);
+        Ok(plan)
     }
 
     /// The SIMD width asked for.
@@ -85,9 +87,8 @@ impl CampaignArgs {
     }
 }
 
-/// The campaign of a structure; says where given sections are fewer than the instances asked for.
-pub(crate) fn plan(options: &CampaignOptions, structure: Structure, common: &Common) -> Result<Plan> {
-    let plan = options.plan(structure)?;
+/// Says where given sections are fewer than the instances asked for.
+pub(crate) fn say_given(plan: &Plan, common: &Common) {
     match plan.structure.count() {
         Some(1) => common.say("one section: its instances differ by their tilts only"),
         Some(given) if given < plan.asked => {
@@ -95,7 +96,6 @@ pub(crate) fn plan(options: &CampaignOptions, structure: Structure, common: &Com
         }
         _ => {}
     }
-    Ok(plan)
 }
 
 /// Holds what may be taken in memory against what a campaign will take, before any work: the number of units that may be
@@ -156,8 +156,8 @@ pub(crate) fn grazing(incidence: &str, wavelength_nm: f64, width_um: f64, mirror
 /// The duration to expect of a campaign, in words.
 pub(crate) fn expected(plan: &Plan) -> String {
     match plan.seconds(rayon::current_num_threads()) {
-        s if s < 60.0 => format!("{:.0} s", s.max(1.0)),
-        s => format!("{:.0} min", (s / 60.0).ceil()),
+        s if s < 120.0 => format!("{:.0} s", s.max(1.0)),
+        s => format!("{:.0} min", s / 60.0),
     }
 }
 

@@ -12,6 +12,7 @@ mod materials;
 mod media;
 pub mod progress;
 pub mod provenance;
+mod scene_arg;
 pub mod sets;
 mod several;
 pub mod structure_arg;

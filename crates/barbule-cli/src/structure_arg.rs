@@ -2,20 +2,32 @@
 
 use std::path::Path;
 
+use barbule::error::shortened;
 use barbule::io::{
-    is_lattice, read_flat_stack, read_lattice, read_section, read_sections, read_structure_toml,
+    InputKind, kind_of, read_flat_stack, read_lattice, read_section, read_sections, read_structure_toml,
 };
-use barbule::structure::{FlatStack, Lattice, MaterialSource, Section, SpeciesModel, Structure, Substance};
+use barbule::material::Library;
+use barbule::structure::{
+    FlatStack, Lattice, MaterialSource, Section, SpeciesModel, Structure, Substance, species_name,
+};
 use barbule::{Error, Result};
 
 use crate::common::Common;
 use crate::media;
+use crate::provenance::quoted;
 
 /// What every STRUCTURE argument says in `--help`.
 pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], a section .json, a species or lattice .toml, or a folder of sections";
 
-/// Finds a structure and says which `--medium` it does without: `SPECIES[:VARIANT]`, a stack, `FILE.json`,
-/// `FILE.toml[:VARIANT]`, or a folder of sections; a stack or lattice alone lies flat.
+/// Whether a text is the name of a built-in species, or of a variant of one, there or not. Such a name never means a file.
+pub(crate) fn is_built_in(text: &str) -> bool {
+    let name = text.split_once(':').map_or(text, |(name, _)| name);
+    species_name(name).is_ok()
+}
+
+/// Finds a structure and says which `--medium` it does without: `SPECIES[:VARIANT]`, a file by what is in it,
+/// `FILE.toml[:VARIANT]`, a folder of sections, or a stack; a stack or lattice alone lies flat. Built-in names come first,
+/// whatever files and folders are called.
 ///
 /// # Errors
 /// An unknown name (the nearest known one is offered), a file that is missing or not of such a kind, or one that
@@ -28,43 +40,28 @@ pub fn parse(text: &str, common: &Common) -> Result<Structure> {
 
 fn read(text: &str, common: &Common) -> Result<Structure> {
     let library = common.library()?;
+    let (name, variant) = text.split_once(':').map_or((text, None), |(name, variant)| (name, Some(variant)));
+    let species = |library| {
+        SpeciesModel::builtin(name, variant, library).map(|model| Structure::Species(Box::new(model)))
+    };
+    if is_built_in(text) {
+        return species(library);
+    }
     let path = Path::new(text);
     let ends_with = |text: &str, end: &str| text.to_lowercase().ends_with(end);
-    if (ends_with(text, ".json") || ends_with(text, ".toml")) && is_lattice(path)? {
-        let section = Section::flat_crystal(text, read_lattice(path, &library)?)?;
-        return Ok(Structure::Sections { name: text.to_owned(), sections: vec![section] });
-    }
-    if ends_with(text, ".json") {
-        let mut section = read_section(path, &library)?;
-        remember_media(std::slice::from_mut(&mut section), common);
-        return Ok(Structure::Sections { name: section.name.clone(), sections: vec![section] });
-    }
-    if ends_with(text, ".toml") {
-        return match read_flat_stack(path, &library)? {
-            Some(stack) => flat(stack, common),
-            None => read_structure_toml(path, None, &library),
-        };
+    if ends_with(text, ".json") || ends_with(text, ".toml") || path.exists() {
+        return in_file(text, common, &library);
     }
     if let Some((file, variant)) = text.rsplit_once(':').filter(|(file, _)| ends_with(file, ".toml")) {
         return read_structure_toml(Path::new(file), Some(variant), &library);
     }
-    let (name, variant) = text.split_once(':').map_or((text, None), |(name, variant)| (name, Some(variant)));
-    let species =
-        if text.contains('/') { None } else { Some(SpeciesModel::builtin(name, variant, library.clone())) };
-    match species {
-        Some(Ok(model)) => Ok(Structure::Species(Box::new(model))),
-        _ if path.is_dir() => {
-            let mut sections = read_sections(path, &library)?;
-            remember_media(&mut sections, common);
-            Ok(Structure::Sections { name: text.to_owned(), sections })
-        }
-        _ if path.exists() => Err(Error::input(format!(
-            "{text}: is no structure; sections are .json files, species, stacks and lattices .toml files"
-        ))),
-        Some(Err(error)) => Err(error),
-        None if text.ends_with('/') => Err(Error::input(format!("{text}: no such folder"))),
-        None => flat(FlatStack::parse(text, library)?, common),
+    if !text.contains('/') {
+        return species(library);
     }
+    if text.ends_with('/') {
+        return Err(Error::input(format!("{}: no such folder", shortened(text))));
+    }
+    flat(FlatStack::parse(text, library)?, common)
 }
 
 /// A stack as a flat barbule; says what is doubtful about it.
@@ -79,6 +76,63 @@ fn flat(mut flat: FlatStack, common: &Common) -> Result<Structure> {
         }
     }
     flat.structure()
+}
+
+/// The structure of a file or folder, by what is in it.
+fn in_file(text: &str, common: &Common, library: &Library) -> Result<Structure> {
+    let path = Path::new(text);
+    let ends_with = |end: &str| text.to_lowercase().ends_with(end);
+    let given = |name: String, mut sections: Vec<Section>| {
+        remember_media(&mut sections, common);
+        Ok(Structure::Sections { name, sections })
+    };
+    match kind_of(path)? {
+        InputKind::Lattice => {
+            let section = Section::flat_crystal(text, read_lattice(path, library)?)?;
+            Ok(Structure::Sections { name: text.to_owned(), sections: vec![section] })
+        }
+        InputKind::Folder if !ends_with(".json") && !ends_with(".toml") => {
+            given(text.to_owned(), read_sections(path, library)?)
+        }
+        InputKind::Stack => match read_flat_stack(path, library)? {
+            Some(stack) => flat(stack, common),
+            None => Err(no_structure(text, InputKind::Other)),
+        },
+        InputKind::Species => read_structure_toml(path, None, library),
+        // What is no valid file of its kind is refused by the reader of that kind.
+        kind @ (InputKind::Section | InputKind::Folder | InputKind::Table | InputKind::Other)
+            if kind == InputKind::Section || ends_with(".json") =>
+        {
+            let section = read_section(path, library)?;
+            given(section.name.clone(), vec![section])
+        }
+        InputKind::Folder | InputKind::Table | InputKind::Other if ends_with(".toml") => {
+            read_structure_toml(path, None, library)
+        }
+        kind => Err(no_structure(text, kind)),
+    }
+}
+
+/// What a file is that is no structure, and what to do with it.
+fn no_structure(text: &str, kind: InputKind) -> Error {
+    let text = shortened(text);
+    Error::input(match kind {
+        InputKind::Material => {
+            format!("{text}: is a material, made from a structure already; render and lobes take it")
+        }
+        InputKind::Scene => {
+            format!("{text}: is a scene; draw it with `barbule render {} -o picture.png`", quoted(&text))
+        }
+        InputKind::Store => {
+            format!(
+                "{text}: is a campaign store; make its material with `barbule fit {} -o material.barbule`",
+                quoted(&text)
+            )
+        }
+        _ => format!(
+            "{text}: is no structure; sections are .json files, species, stacks and lattices .toml files"
+        ),
+    })
 }
 
 /// Finds a photonic crystal: that of any structure that has one.

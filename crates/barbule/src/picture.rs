@@ -4,16 +4,18 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
+use crate::io::hash_bytes;
 use crate::io::image::{Facts, write_exr, write_png};
 use crate::progress::Progress;
 use crate::render::film::Film;
 use crate::render::integrator::{Integrator, Transport};
 use crate::render::light::Lighting;
-use crate::render::picture;
+use crate::render::picture::{self, Plane};
 use crate::render::run::{Ended, Goal, run};
 use crate::render::stage::Stage;
 use crate::scene::description::SceneDescription;
-use crate::scene::feather::Counts;
+use crate::scene::feather::{Counts, Feather};
+use crate::scene::preset;
 use crate::scene::sky::Sky;
 use crate::{Error, Result};
 
@@ -38,7 +40,7 @@ impl Set {
     ) -> Result<Self> {
         let (objects, counts) = scene.objects(brdf, seed)?;
         let stage = Stage::new(objects)?;
-        let lighting = Lighting::new(scene.lamps(), Some(&scene.environment(sky)?))?;
+        let lighting = Lighting::new(scene.lamps(), scene.environment(sky)?.as_ref())?;
         Ok(Self { stage, counts, lighting })
     }
 
@@ -140,7 +142,7 @@ impl Picture {
     /// Another ending, or the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let version = [("barbule_version", env!("CARGO_PKG_VERSION"))];
-        write_picture(path.as_ref(), &self.film, self.exposure, &version)
+        Developed::new(path.as_ref(), &self.film, self.exposure)?.write(&version)
     }
 }
 
@@ -155,21 +157,134 @@ pub fn check_kind(path: &Path) -> Result<()> {
     }
 }
 
-/// Writes a film as `.png` (8 bits, after `exposure` and the tone curve) or all its planes, linear, as `.exr`; `facts`
-/// are its metadata.
+/// What of a film goes into a file.
+enum Pixels {
+    /// 8-bit sRGB, row by row.
+    Png(Vec<u8>),
+    /// All planes, linear.
+    Exr(Vec<Plane<f32>>, Plane<u32>),
+}
+
+/// A film as the file that it will be, without its metadata.
+pub struct Developed<'a> {
+    path: &'a Path,
+    size: [u32; 2],
+    pixels: Pixels,
+}
+
+impl<'a> Developed<'a> {
+    /// Develops a film for a file: `.png` (8 bits, after `exposure` and the tone curve) or `.exr` (all its planes, linear).
+    ///
+    /// # Errors
+    /// As [`check_kind`].
+    pub fn new(path: &'a Path, film: &Film, exposure: f64) -> Result<Self> {
+        check_kind(path)?;
+        let pixels = if extension(path) == "exr" {
+            let (floats, ids) = picture::planes(film);
+            Pixels::Exr(floats, ids)
+        } else {
+            Pixels::Png(picture::bytes(film, exposure))
+        };
+        Ok(Self { path, size: film.size(), pixels })
+    }
+
+    /// BLAKE3 of the pixels alone, hexadecimal: equal where pictures are, whatever their metadata say. Of a PNG, of its RGB
+    /// bytes row by row; of an EXR, of each plane's 32-bit values, little-endian, row by row, in the order of the planes'
+    /// names.
+    #[must_use]
+    pub fn pixel_hash(&self) -> String {
+        let (floats, ids) = match &self.pixels {
+            Pixels::Png(rgb) => return hash_bytes(rgb),
+            Pixels::Exr(floats, ids) => (floats, ids),
+        };
+        let bytes = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+        let mut planes: Vec<(&str, Vec<u8>)> =
+            floats.iter().map(|plane| (plane.name, bytes(&plane.values))).collect();
+        planes.push((ids.name, ids.values.iter().flat_map(|id| id.to_le_bytes()).collect()));
+        planes.sort_by_key(|(name, _)| *name);
+        hash_bytes(&planes.into_iter().flat_map(|(_, bytes)| bytes).collect::<Vec<u8>>())
+    }
+
+    /// Writes the file with its metadata.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(self, facts: &Facts<'_>) -> Result<()> {
+        match self.pixels {
+            Pixels::Png(rgb) => write_png(self.path, self.size, &rgb, facts),
+            Pixels::Exr(floats, ids) => {
+                let floats = floats.into_iter().map(|plane| (plane.name, plane.values)).collect();
+                write_exr(self.path, self.size, floats, vec![(ids.name, ids.values)], facts)
+            }
+        }
+    }
+}
+
+/// The scene that shows a material in which no scene is named: that of the species' own preset where there is one, else
+/// the rock dove's for arched barbules and the starling's for flat ones; with a feather of one's own where there is
+/// such, in the same part of its vane.
 ///
 /// # Errors
-/// As [`check_kind`], or the file cannot be written.
-pub fn write_picture(path: &Path, film: &Film, exposure: f64, facts: &Facts<'_>) -> Result<()> {
-    check_kind(path)?;
-    if extension(path) == "exr" {
-        let (floats, ids) = picture::planes(film);
-        let floats = floats.into_iter().map(|plane| (plane.name, plane.values)).collect();
-        return write_exr(path, film.size(), floats, vec![(ids.name, ids.values)], facts);
+/// A preset that is no scene; never for those built in.
+pub fn scene_for(
+    species: Option<&str>,
+    is_arched: bool,
+    feather: Option<Feather>,
+) -> Result<SceneDescription> {
+    let usual = if is_arched { "rock-dove" } else { "starling" };
+    let own = species.filter(|species| preset::names().any(|name| name == *species));
+    let mut scene = SceneDescription::named(own.unwrap_or(usual))?;
+    if let Some(feather) = feather {
+        scene.window.along_mm *= feather.shaft.length_mm / scene.feather.shaft.length_mm;
+        scene.feather = feather;
     }
-    write_png(path, film.size(), &picture::bytes(film, exposure), facts)
+    Ok(scene)
 }
 
 fn extension(path: &Path) -> String {
     path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn film() -> Film {
+        Film::new([5, 3]).unwrap()
+    }
+
+    #[test]
+    fn the_hash_of_pixels_is_that_of_what_a_reader_of_the_file_gets() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let hash = |facts: &Facts<'_>| {
+            let developed = Developed::new(&path, &film(), 1.0).unwrap();
+            let hash = developed.pixel_hash();
+            developed.write(facts).unwrap();
+            hash
+        };
+        let written = hash(&[("seed", "1")]);
+        let file = std::fs::read(&path).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&file)).read_info().unwrap();
+        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut rgb).unwrap();
+        assert_eq!((rgb.len(), hash_bytes(&rgb)), (45, written.clone()));
+        assert_eq!(hash(&[("seed", "2")]), written);
+        assert_ne!(std::fs::read(&path).unwrap(), file);
+        let exr = folder.path().join("a.exr");
+        assert_ne!(Developed::new(&exr, &film(), 1.0).unwrap().pixel_hash(), written);
+    }
+
+    #[test]
+    fn a_bird_of_ones_own_is_shown_as_the_nearest_preset() {
+        let named = |name: &str| SceneDescription::named(name).unwrap();
+        assert_eq!(scene_for(Some("magpie"), true, None).unwrap(), named("magpie"));
+        assert_eq!(scene_for(Some("swallow"), false, None).unwrap(), named("starling"));
+        assert_eq!(scene_for(None, true, None).unwrap(), named("rock-dove"));
+        let mut feather = named("peafowl").feather;
+        feather.shaft.length_mm = 2.0 * named("starling").feather.shaft.length_mm;
+        let scene = scene_for(Some("starling"), false, Some(feather)).unwrap();
+        assert_eq!((scene.feather, scene.camera), (feather, named("starling").camera));
+        assert_eq!(scene.window.along_mm, 2.0 * named("starling").window.along_mm);
+    }
 }

@@ -24,6 +24,8 @@ pub fn names() -> impl Iterator<Item = &'static str> + Clone {
 /// There is none of this name; the message offers the nearest.
 pub fn toml(name: &str) -> Result<&'static str> {
     PRESETS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text).ok_or_else(|| {
-        Error::input(format!("there is no preset '{}'{}", shortened(name), did_you_mean(name, names())))
+        let known = names().collect::<Vec<_>>().join(", ");
+        let near = did_you_mean(name, names());
+        Error::input(format!("there is no preset '{}'{near} (known are {known})", shortened(name)))
     })
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::campaign::{Keep, Resources, Results};
-use barbule::characterize::{Catalog, Characterized, Execution, characterize, check, file_stem};
+use barbule::characterize::{Catalog, Characterized, Execution, Plan, characterize, check, thinned};
 use barbule::io::{check_writable, write_material};
 use barbule::{Error, Result};
 
@@ -40,14 +40,14 @@ impl Args {
         let structure = structure_arg::parse(&self.structure, &self.common)?;
         let name = structure.name();
         let mut plan = self.campaign.plan(structure, &self.common)?;
-        let output = match &self.output {
-            Some(path) => path.clone(),
-            None => Catalog { cache: Some(materials::cache_folder(&self.common)?) }.path(&name)?,
-        };
-        check_writable(&output)?;
         let options = self.fit.options()?;
         check(&plan, &options)?;
-        let store = self.keep_store.as_deref().map(|folder| store_path(folder, &name)).transpose()?;
+        let output = match &self.output {
+            Some(path) => path.clone(),
+            None => Catalog { cache: Some(materials::cache_folder(&self.common)?) }.path(&plan, &options)?,
+        };
+        check_writable(&output)?;
+        let store = self.keep_store.as_deref().map(|folder| store_path(folder, &plan)).transpose()?;
         let width = self.campaign.width();
         let units_at_once = units_at_once(&plan, Keep::Statistics, Results::Gathered, &self.common)?;
         compare_sides(&mut plan, &self.common)?;
@@ -60,22 +60,30 @@ impl Args {
         drop(progress);
         say_repaired(repaired, &self.common);
         write_material(&output, &material)?;
+        let quick = if thinned(&material).is_some() { ", thinned: a quick look" } else { "" };
+        if let Some(store) = &store {
+            self.common.wrote(store, &format!("the campaign of {name}"));
+        }
+        self.common.wrote(&output, &format!("the material {name}{quick}"));
         self.common.explain(&summary(&report));
         if self.common.json {
             let report = serde_json::to_value(&report).map_err(|e| Error::machine(e.to_string()))?;
-            return print_json(out, &serde_json::json!({ "material": output, "fit": report }));
+            return print_json(
+                out,
+                &serde_json::json!({ "material": output.to_string_lossy(), "fit": report }),
+            );
         }
         if self.output.is_none() {
-            return print(out, &output.display().to_string());
+            return print(out, &output.to_string_lossy());
         }
         Ok(())
     }
 }
 
-/// Where `--keep-store` puts the store.
-fn store_path(folder: &Path, name: &str) -> Result<PathBuf> {
+/// Where `--keep-store` puts the store: named by the campaign, so that the same one goes on and another has its own.
+fn store_path(folder: &Path, plan: &Plan) -> Result<PathBuf> {
     if !folder.is_dir() {
         return Err(Error::input(format!("--keep-store {}: no such folder", folder.display())));
     }
-    Ok(folder.join(format!("{}.zarr", file_stem(name))))
+    Ok(folder.join(plan.store_name()))
 }

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use barbule::brdf::{FeatherBrdf, Options};
+use barbule::characterize::thinned;
 use barbule::io::image::{RgbImage, read_exr};
-use barbule::io::{check_writable, hash_file, read_at_most, read_text, write_whole};
-use barbule::picture::{Set, check_kind, write_picture};
+use barbule::io::{check_writable, hash_file, read_at_most, write_whole};
+use barbule::picture::{Developed, Set, check_kind};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
 use barbule::render::film::Film;
@@ -18,23 +19,23 @@ use barbule::scene::sky::Sky;
 use barbule::{Error, Result};
 
 use crate::common::{Common, print_json};
-use crate::materials;
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::sets;
+use crate::{materials, scene_arg};
 
 /// Arguments of `barbule render`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  barbule render starling -o starling.png")]
+#[command(after_help = "Examples:\n  barbule render starling -o starling.png\n  \
+    barbule render my-bird.toml -o my-bird.png")]
 pub(crate) struct Args {
-    /// A preset, SPECIES:VARIANT, or a scene file (.toml)
-    #[arg(value_name = "PRESET|SPECIES:VARIANT|SCENE")]
+    #[arg(value_name = "PRESET|SPECIES:VARIANT|SCENE", help = scene_arg::HELP)]
     scene: String,
     /// The picture: .png or .exr
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Another material: its name or a .barbule file
-    #[arg(long, value_name = "NAME|FILE")]
+    /// Another material than the scene's
+    #[arg(long, value_name = "NAME|FILE|STRUCTURE", long_help = materials::HELP)]
     material: Option<String>,
     /// Width and height in pixels [default: 1280x800]
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -89,11 +90,18 @@ impl Args {
             check_kind(file).map_err(|e| e.at("-o")).and_then(|()| check_writable(file))
         })?;
         let image = match &description.sky {
-            SkyDescription::Image(image) => Some(self.sky(image)?),
-            SkyDescription::Gradient(_) => None,
+            SkyDescription::Image(image) if image.strength > 0.0 => Some(self.sky(image)?),
+            SkyDescription::Image(_) | SkyDescription::Gradient(_) => None,
         };
         let (sky, sky_name) = image.unzip();
         let (material, hash) = materials::find(&description.material, &self.common)?;
+        let thinned = thinned(&material);
+        if let Some(every) = thinned {
+            self.common.say(&format!(
+                "the material is thinned, a quick look: every {every} wavelengths and directions, {} instances",
+                material.info["campaign"]["instances"]
+            ));
+        }
         let brdf = Arc::new(FeatherBrdf::new(&material, Options::default())?);
         let terminal = Terminal::new(&self.common).keeping_what_is_done();
         let set = self.set(&description, brdf, sky)?;
@@ -101,7 +109,7 @@ impl Args {
         for (frame, file) in files.iter().enumerate() {
             let mut description = description.clone();
             description.light.bearing.azimuth_deg += 360.0 * frame as f64 / f64::from(self.frames);
-            let job = Job { file, size, goal, hash: &hash, sky_name: sky_name.as_deref() };
+            let job = Job { file, size, goal, hash: &hash, thinned, sky_name: sky_name.as_deref() };
             reports.push(self.picture(&description, &set, &job, &terminal)?);
         }
         if self.common.json {
@@ -112,23 +120,25 @@ impl Args {
 
     /// The scene with the changes that the flags ask for.
     fn description(&self) -> Result<SceneDescription> {
-        let path = Path::new(&self.scene);
-        let mut description = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
-            SceneDescription::parse(&read_text(path)?).map_err(|e| e.at(&self.scene))?
-        } else {
-            SceneDescription::named(&self.scene)?
-        };
+        let mut description = scene_arg::parse(&self.scene, &self.common)?;
         if let Some(material) = &self.material {
             description.material.clone_from(material);
         }
         if let Some(bearing) = self.light {
             description.light.bearing = bearing;
+            description.check().map_err(|e| e.at("--light"))?;
         }
         if let Some(View { bearing, width_mm }) = self.view {
             description.camera.bearing = bearing;
             description.camera.width_mm = width_mm.unwrap_or(description.camera.width_mm);
+            description.check().map_err(|e| e.at("--view"))?;
         }
-        description.check()?;
+        if description.is_lit_from_behind() {
+            self.common.say(&format!(
+                "the key light stands at elevation {} degrees, behind the vane as the camera sees it: only the sky lights the barbules' upper sides",
+                description.light.bearing.elevation_deg
+            ));
+        }
         Ok(description)
     }
 
@@ -220,9 +230,11 @@ impl Args {
         if self.resume {
             write_whole(&kept, &checkpoint::write(&film, &name))?;
         }
-        let provenance = self.provenance(description, job, &film);
+        let picture = Developed::new(job.file, &film, description.exposure)?;
+        let provenance = self.provenance(description, job, &film).with("pixel_hash", picture.pixel_hash());
         if film.samples() > 0 {
-            write_picture(job.file, &film, description.exposure, &provenance.notes())?;
+            picture.write(&provenance.notes())?;
+            self.common.wrote(job.file, &shown(description, job, &film));
         }
         if ended == Ended::Stopped || terminal.is_cancelled() {
             return Err(self.interrupted(job, &film));
@@ -230,7 +242,7 @@ impl Args {
         let (counts, paths) = (set.counts(), film.samples() - before);
         self.common.explain(&format!("{paths} paths in {seconds:.1} s"));
         let mut report = serde_json::json!({
-            "output": job.file, "width": job.size[0], "height": job.size[1],
+            "output": job.file.to_string_lossy(), "width": job.size[0], "height": job.size[1],
             "barbs": counts.barbs, "barbules": counts.barbules, "primitives": set.primitives(),
             "paths": paths, "seconds": seconds, "paths_per_second": paths as f64 / seconds.max(1e-9),
             "ended": if ended == Ended::OutOfTime { "time" } else { "done" },
@@ -258,17 +270,35 @@ impl Args {
 
     /// What a picture says about itself.
     fn provenance(&self, description: &SceneDescription, job: &Job<'_>, film: &Film) -> Provenance {
-        let pixels = f64::from(job.size[0]) * f64::from(job.size[1]);
         let (light, view) = (&description.light.bearing, &description.camera.bearing);
         let width_mm = description.camera.width_mm;
-        Provenance::new(&self.common)
+        let provenance = Provenance::new(&self.common)
             .with("material", &description.material)
             .with("material_hash", job.hash)
-            .with("samples", format!("{:.1}", film.samples() as f64 / pixels))
+            .with("samples", format!("{:.1}", job.samples(film)))
             .with("light", format!("{},{}", light.azimuth_deg, light.elevation_deg))
             .with("view", format!("{},{},{width_mm}", view.azimuth_deg, view.elevation_deg))
-            .with("exposure", description.exposure.to_string())
+            .with("exposure", description.exposure.to_string());
+        match job.thinned {
+            Some(every) => provenance.with("thinned", every.to_string()),
+            None => provenance,
+        }
     }
+}
+
+/// What a picture shows, in a line.
+fn shown(description: &SceneDescription, job: &Job<'_>, film: &Film) -> String {
+    let light = &description.light.bearing;
+    format!(
+        "{}{}, light {},{}, {} x {} pixels, {:.1} samples each",
+        description.material,
+        if job.thinned.is_some() { " (thinned)" } else { "" },
+        light.azimuth_deg,
+        light.elevation_deg,
+        job.size[0],
+        job.size[1],
+        job.samples(film)
+    )
 }
 
 /// One picture to be made.
@@ -277,11 +307,18 @@ struct Job<'a> {
     size: [u32; 2],
     goal: Goal,
     hash: &'a str,
+    /// Of a material that was simulated as a quick look: every how many-th wavelength and direction was.
+    thinned: Option<usize>,
     /// Of an image in place of the plain sky, a name that changes with it.
     sky_name: Option<&'a str>,
 }
 
 impl Job<'_> {
+    /// Samples per pixel, in the mean.
+    fn samples(&self, film: &Film) -> f64 {
+        film.samples() as f64 / (f64::from(self.size[0]) * f64::from(self.size[1]))
+    }
+
     fn checkpoint(&self) -> PathBuf {
         let mut name = self.file.as_os_str().to_owned();
         name.push(".checkpoint");

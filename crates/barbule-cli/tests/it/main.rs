@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 mod brdf;
+mod cache;
 mod campaign;
 mod common;
 mod completions;

@@ -179,20 +179,25 @@ impl Structure {
                 "stack": flat.stack.text(),
                 "hashes": [identity::hash("stack", &flat.stack)],
             }),
-            Self::Sections { name, sections } => json!({
+            // Not their name, which is how somebody spelled a path.
+            Self::Sections { name: _, sections } => json!({
                 "identity": identity::VERSION,
-                "sections": name,
                 "width_um": self.width_um(),
                 "hashes": sections.iter().map(|s| identity::hash("section", s)).collect::<Vec<_>>(),
             }),
         }
     }
 
-    /// [`Self::description`] with hashes of the version that `recorded`, a description in an earlier result, has: equal
-    /// to it where the result is of this structure.
+    /// [`Self::description`] with hashes of the version that `recorded`, a description in an earlier result, has, and with
+    /// the name of given sections where it has one: equal to it where the result is of this structure.
     #[must_use]
     pub fn description_like(&self, recorded: &Value) -> Value {
-        if recorded.get("identity").is_none() { legacy::description(self) } else { self.description() }
+        let mut like =
+            if recorded.get("identity").is_none() { legacy::description(self) } else { self.description() };
+        if let (Some(name), Value::Object(fields)) = (recorded.get("sections"), &mut like) {
+            fields.insert("sections".into(), name.clone());
+        }
+        like
     }
 
     /// The identity of everything that decides the instances, BLAKE3 in hexadecimal.

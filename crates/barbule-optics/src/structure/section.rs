@@ -325,8 +325,13 @@ impl Section {
         }
         let above = self.media.first().and_then(|medium| medium.substances().next());
         let above = above.map_or_else(String::new, Substance::label);
+        let found = if index == Complex64::ZERO {
+            "which varies along x".to_owned()
+        } else {
+            format!("of index {:.4} + {:.4}i at 550 nm", index.re, index.im)
+        };
         refuse(format!(
-            "the light comes through {above}, but barbules are simulated in air; let the first medium be air"
+            "the light comes through {above}, {found}, but barbules are simulated in air, of index 1; let the first medium be the built-in air"
         ))
     }
 

@@ -9,6 +9,15 @@ use crate::progress::Progress;
 use crate::scattering::statistics::Axes;
 use crate::structure::{SpeciesModel, Structure};
 
+/// The species that a material was simulated from, with the generator's parameters that it records; `None` where these are
+/// missing or it was made of given sections.
+#[must_use]
+pub fn species_of(material: &FeatherMaterial, media: Library) -> Option<SpeciesModel> {
+    let recorded = &material.info["campaign"]["structure"];
+    let text = |key: &str| recorded[key].as_str().unwrap_or_default();
+    SpeciesModel::from_parameters(text("species"), text("variant"), &recorded["parameters"], media).ok()
+}
+
 /// A material's barbules, with what simulating them needs.
 pub struct Barbules<'a> {
     structure: Structure,
@@ -31,14 +40,12 @@ impl<'a> Barbules<'a> {
     ) -> Result<Self> {
         let campaign = CampaignDescription::read(&material.info["campaign"]).map_err(|_| unrecorded())?;
         let recorded = &campaign.structure;
-        let text = |key: &str| recorded[key].as_str().unwrap_or_default();
         let structure = if recorded["parameters"].is_object() {
-            let (species, variant) = (text("species"), text("variant"));
-            let model = SpeciesModel::from_parameters(species, variant, &recorded["parameters"], media);
-            model.ok().map(|model| Structure::Species(Box::new(model)))
+            species_of(material, media).map(|model| Structure::Species(Box::new(model)))
         } else {
-            let name = ["sections", "stack"].map(text).into_iter().find(|name| !name.is_empty());
-            name.and_then(|name| given(name).ok())
+            let text = |key: &str| recorded[key].as_str();
+            let name = text("stack").or_else(|| text("sections")).or_else(|| material.info["name"].as_str());
+            name.filter(|name| !name.is_empty()).and_then(|name| given(name).ok())
         };
         let structure = structure.filter(|structure| structure.description_like(recorded) == *recorded);
         Ok(Self { structure: structure.ok_or_else(unrecorded)?, campaign, catalog, progress })

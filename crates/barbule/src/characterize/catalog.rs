@@ -1,20 +1,25 @@
 //! Finished materials and tables: those that ship, and those in a cache folder.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::{CAMPAIGN_VERSION, Plan};
+use super::{CAMPAIGN_VERSION, CampaignDescription, Plan};
 use crate::brdf::FeatherMaterial;
+use crate::brdf::fit::FitOptions;
 use crate::campaign::orders;
 use crate::identity::Hasher;
 use crate::io::{
-    decode_material, hash_bytes, hash_file, make_folder, read_material, read_orders, write_material,
-    write_orders,
+    decode_material, encode_material, hash_bytes, list_cache, make_folder, read_bytes, read_orders,
+    write_orders, write_whole,
 };
 use crate::progress::Progress;
+use crate::scattering::lobe::FitKind;
 use crate::scattering::orders::OrderTable;
 use crate::scattering::statistics::Axes;
 use crate::structure::{Lattice, Structure};
 use crate::{Error, Result};
+
+/// Digits of a hash in the name of a cached file.
+pub(super) const DIGITS: usize = 16;
 
 /// The shipped materials, and a cache of computed ones.
 #[derive(Debug, Clone, Default)]
@@ -30,6 +35,50 @@ pub struct Found {
     pub material: FeatherMaterial,
     /// BLAKE3 of its file's bytes, hexadecimal.
     pub hash: String,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// Where a material comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Origin {
+    /// It ships inside the program, as these bytes of a file.
+    Shipped(&'static [u8]),
+    /// A file.
+    File(PathBuf),
+}
+
+impl Found {
+    /// The material of a user's file.
+    ///
+    /// # Errors
+    /// As [`crate::io::read_material`].
+    pub fn in_file(path: &Path) -> Result<Self> {
+        let bytes = read_bytes(path)?;
+        let material = decode_material(&bytes).map_err(|error| error.at(path.display()))?;
+        Ok(Self { material, hash: hash_bytes(&bytes), origin: Origin::File(path.to_owned()) })
+    }
+
+    /// The bytes of its file.
+    ///
+    /// # Errors
+    /// The file is not there any more.
+    pub fn bytes(&self) -> Result<Vec<u8>> {
+        match &self.origin {
+            Origin::Shipped(bytes) => Ok(bytes.to_vec()),
+            Origin::File(path) => read_bytes(path),
+        }
+    }
+}
+
+/// A fresh material as every later command reads it from its file, and the hash of that file: files round parameters to
+/// sixteen bits, and the first picture must be the bits of all later ones.
+///
+/// # Errors
+/// A material that fails its checks.
+pub fn as_filed(material: &FeatherMaterial) -> Result<(FeatherMaterial, String)> {
+    let bytes = encode_material(material)?;
+    Ok((decode_material(&bytes)?, hash_bytes(&bytes)))
 }
 
 impl Catalog {
@@ -38,7 +87,7 @@ impl Catalog {
     /// # Errors
     /// A shipped file is damaged.
     pub fn shipped(&self, structure: &Structure) -> Result<Option<Found>> {
-        let stem = file_stem(&structure.name());
+        let stem = structure.name().replace(':', "-");
         let (Structure::Species(_), Some(bytes)) = (structure, barbule_materials::material(&stem)) else {
             return Ok(None);
         };
@@ -46,37 +95,43 @@ impl Catalog {
         let recorded = &material.info["campaign"]["structure"];
         // A user's own species may bear the name of a built-in one.
         let is_it = *recorded == structure.description_like(recorded);
-        Ok(is_it.then(|| Found { hash: hash_bytes(bytes), material }))
+        Ok(is_it.then(|| Found { hash: hash_bytes(bytes), material, origin: Origin::Shipped(bytes) }))
     }
 
-    /// The cached material of a plan.
+    /// The cached material of a plan that is fitted so; also one that version 0.1.0 kept, if it is just that.
     #[must_use]
-    pub fn cached(&self, plan: &Plan) -> Option<Found> {
-        let path = self.path(&plan.structure.name()).ok().filter(|path| path.is_file())?;
-        let material = read_material(&path).ok()?;
-        let is_it = plan.description.is_recorded(&material.info["campaign"], &plan.structure);
-        is_it.then(|| Some(Found { hash: hash_file(&path).ok()?, material }))?
+    pub fn cached(&self, plan: &Plan, options: &FitOptions) -> Option<Found> {
+        let is_it = |found: &Found| {
+            let FitOptions { kind, sigma, .. } = *options;
+            plan.description.is_recorded(&found.material.info["campaign"], &plan.structure)
+                && (found.material.kind, found.material.sigma) == (kind, sigma)
+        };
+        let folder = self.cache.as_ref()?;
+        let paths = [self.path(plan, options).ok()?, folder.join(name_of_0_1_0(&plan.structure.name()))];
+        paths.into_iter().filter_map(|path| Found::in_file(&path).ok()).find(is_it)
     }
 
-    /// Keeps a plan's material in the cache, and gives it as it is found from then on: files round its parameters to sixteen
-    /// bits, and the first picture must be the bits of all later ones.
+    /// Keeps a plan's material in the cache, whole or not at all, and says where.
     ///
     /// # Errors
     /// There is no cache, or it cannot be written.
-    pub fn keep(&self, plan: &Plan, material: &FeatherMaterial) -> Result<Found> {
-        let path = self.path(&plan.structure.name())?;
+    pub fn keep(&self, plan: &Plan, options: &FitOptions, material: &FeatherMaterial) -> Result<PathBuf> {
+        let path = self.path(plan, options)?;
         path.parent().map_or(Ok(()), make_folder)?;
-        write_material(&path, material)?;
-        Ok(Found { hash: hash_file(&path)?, material: read_material(&path)? })
+        write_whole(&path, &encode_material(material)?)?;
+        Ok(path)
     }
 
-    /// Where the computed material of a structure's name is.
+    /// Where the material of a plan that is fitted so is kept: its name holds a hash of everything that decides it, so that
+    /// materials of other structures or options stand beside it. One that is there under another name of the structure
+    /// keeps its name.
     ///
     /// # Errors
     /// There is no cache.
-    pub fn path(&self, name: &str) -> Result<PathBuf> {
+    pub fn path(&self, plan: &Plan, options: &FitOptions) -> Result<PathBuf> {
         let folder = self.cache.as_ref().ok_or_else(|| Error::input("no cache folder is given; give one"))?;
-        Ok(folder.join(format!("{}.barbule", file_stem(name))))
+        let key = material_key(&plan.description, options.kind, options.sigma);
+        Ok(place(folder, &plan.structure.name(), &key, "barbule"))
     }
 
     /// The orders of a structure's crystal on these axes, from the cache or solved and kept there; `None` for layers.
@@ -90,10 +145,9 @@ impl Catalog {
         progress: &dyn Progress,
     ) -> Result<Option<OrderTable>> {
         let Some(lattice) = structure.lattice() else { return Ok(None) };
-        let stem = file_stem(&structure.name());
         // Without a cache the orders are solved every time.
         let folder = self.cache.as_ref().filter(|folder| make_folder(folder).is_ok());
-        let path = |key: &str| folder.map(|f| f.join(format!("{stem}-{}.orders", &key[..16])));
+        let path = |key: &str| folder.map(|folder| place(folder, &structure.name(), key, "orders"));
         let read = |key: &str| path(key).and_then(|path| read_orders(&path, key).ok());
         let [key, legacy] = order_keys(&lattice, axes);
         if let Some(found) = read(&key).or_else(|| read(&legacy)) {
@@ -110,6 +164,25 @@ impl Catalog {
     }
 }
 
+/// Where a cache has what a key names: the file whose name ends in the key's first digits, whatever the structure was called
+/// then; else a new one of this name.
+fn place(folder: &Path, name: &str, key: &str, extension: &str) -> PathBuf {
+    let end = format!("-{}.{extension}", &key[..DIGITS]);
+    let is_it = |path: &Path| path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(&end));
+    let there = list_cache(folder).unwrap_or_default().into_iter().map(|file| file.path);
+    let mut there = there.filter(|path| is_it(path));
+    there.next().unwrap_or_else(|| folder.join(format!("{}{end}", file_stem(name))))
+}
+
+/// What names a material by everything that decides it: its campaign, and how it was fitted.
+pub(super) fn material_key(campaign: &CampaignDescription, kind: FitKind, sigma: f64) -> String {
+    let kind = match kind {
+        FitKind::Marginal => "marginal",
+        FitKind::Cone => "cone",
+    };
+    Hasher::new("cached material").part("campaign", campaign).text("fit", kind).number("sigma", sigma).hex()
+}
+
 /// What names a table of orders: now, and in version 0.1.0.
 fn order_keys(lattice: &Lattice, axes: &Axes) -> [String; 2] {
     let (wavelengths_nm, cos_theta) = (axes.wavelengths_nm(), axes.cos_theta());
@@ -123,22 +196,40 @@ fn order_keys(lattice: &Lattice, axes: &Axes) -> [String; 2] {
     [key, hash_bytes(legacy.as_bytes())]
 }
 
-/// A file name for a structure: `starling:green` → `starling-green`.
-#[must_use]
-pub fn file_stem(name: &str) -> String {
+/// The readable part of a file name for a structure: `starling:green` → `starling-green`, `air/keratin:300/air` →
+/// `air-keratin-300-air`, `a/bird.toml` → `bird`.
+pub(super) fn file_stem(name: &str) -> String {
+    const LONGEST: usize = 60;
+    let is_stack = name.contains([':', '(']);
+    let last = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
+    let mut stem = String::new();
+    for c in if is_stack { name } else { &last }.chars() {
+        if c.is_ascii_alphanumeric() || "_.".contains(c) {
+            stem.push(c);
+        } else if !stem.is_empty() && !stem.ends_with('-') {
+            stem.push('-');
+        }
+        if stem.len() == LONGEST {
+            break;
+        }
+    }
+    let stem = stem.trim_matches(['-', '.']);
+    if stem.is_empty() { "material".into() } else { stem.into() }
+}
+
+/// The file of a structure's material in a cache of version 0.1.0, which had one per name.
+fn name_of_0_1_0(name: &str) -> String {
     let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    let stem: String = last
-        .chars()
-        .map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' })
-        .take(100)
-        .collect();
-    if stem.is_empty() { "material".into() } else { stem }
+    let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' };
+    let stem: String = last.chars().map(plain).take(100).collect();
+    format!("{}.barbule", if stem.is_empty() { "material" } else { &stem })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::characterize::CampaignOptions;
+    use crate::io::write_material;
     use crate::material::Library;
     use crate::spectrum::Wavelengths;
     use crate::structure::SpeciesModel;
@@ -159,28 +250,92 @@ mod tests {
             let info = decode_material(bytes).unwrap().info;
             let (species, variant) = (info["species"].as_str().unwrap(), info["variant"].as_str().unwrap());
             let model = SpeciesModel::builtin(species, Some(variant), Library::builtin()).unwrap();
-            let found = Catalog::default().shipped(&Structure::Species(Box::new(model))).unwrap();
-            assert_eq!(found.unwrap().hash, hash_bytes(bytes), "{stem}");
+            let found = Catalog::default().shipped(&Structure::Species(Box::new(model))).unwrap().unwrap();
+            assert_eq!((found.hash.clone(), found.bytes().unwrap()), (hash_bytes(bytes), bytes.to_vec()));
+            assert_eq!(found.origin, Origin::Shipped(bytes), "{stem}");
         }
+    }
+
+    fn starling_in(folder: &Path) -> (Catalog, Plan, FeatherMaterial) {
+        let catalog = Catalog { cache: Some(folder.join("cache")) };
+        let plan = CampaignOptions::default().plan(Structure::builtin("starling").unwrap()).unwrap();
+        let mut material = decode_material(barbule_materials::material("starling-green").unwrap()).unwrap();
+        // Between two of the numbers that a file can hold.
+        material.sets[0].mean.reflected[0] *= 0.999_99;
+        (catalog, plan, material)
     }
 
     #[test]
     fn a_material_is_the_same_when_it_is_kept_and_ever_after() {
         let folder = tempfile::tempdir().unwrap();
-        let catalog = Catalog { cache: Some(folder.path().join("cache")) };
-        let plan = CampaignOptions::default().plan(Structure::builtin("starling").unwrap()).unwrap();
-        let mut material = decode_material(barbule_materials::material("starling-green").unwrap()).unwrap();
-        // Between two of the numbers that a file can hold.
-        material.sets[0].mean.reflected[0] *= 0.999_99;
-        let kept = catalog.keep(&plan, &material).unwrap();
-        let later = catalog.cached(&plan).unwrap();
-        assert_ne!(kept.material, material);
-        assert_eq!((kept.material, kept.hash), (later.material, later.hash));
+        let (catalog, plan, material) = starling_in(folder.path());
+        let now = as_filed(&material).unwrap();
+        let path = catalog.keep(&plan, &FitOptions::default(), &material).unwrap();
+        let later = catalog.cached(&plan, &FitOptions::default()).unwrap();
+        assert_ne!(now.0, material);
+        assert_eq!(now, (later.material, later.hash));
+        assert_eq!(later.origin, Origin::File(path));
+    }
+
+    #[test]
+    fn materials_of_version_0_1_are_found_if_they_are_what_is_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let (catalog, plan, material) = starling_in(folder.path());
+        make_folder(catalog.cache.as_ref().unwrap()).unwrap();
+        let old = catalog.cache.as_ref().unwrap().join("starling-green.barbule");
+        write_material(&old, &material).unwrap();
+        let usual = FitOptions::default();
+        assert_eq!(catalog.cached(&plan, &usual).unwrap().origin, Origin::File(old));
+        assert!(catalog.cached(&plan, &FitOptions { sigma: 0.05, ..usual }).is_none());
+        let thinned = CampaignOptions { thin: Some(4), ..CampaignOptions::default() };
+        let thinned = thinned.plan(Structure::builtin("starling").unwrap()).unwrap();
+        assert!(catalog.cached(&thinned, &usual).is_none());
+    }
+
+    #[test]
+    fn whatever_decides_a_material_changes_its_name_and_spelling_does_not() {
+        let catalog = Catalog { cache: Some("cache".into()) };
+        let name = |structure: &str, options: &CampaignOptions, fit: &FitOptions| {
+            let plan = options.plan(Structure::flat(structure).unwrap()).unwrap();
+            catalog.path(&plan, fit).unwrap().file_name().unwrap().to_string_lossy().into_owned()
+        };
+        let (usual, fit) = (CampaignOptions::default, FitOptions::default());
+        let film = "air/keratin:300/air";
+        let names = [
+            name(film, &usual(), &fit),
+            name("air/melanin:100/air", &usual(), &fit),
+            name(film, &CampaignOptions { thin: Some(1), instances: 12, ..usual() }, &fit),
+            name(film, &CampaignOptions { thin: Some(4), ..usual() }, &fit),
+            name(film, &CampaignOptions { wavelengths_nm: vec![500.0, 600.0], ..usual() }, &fit),
+            name(film, &CampaignOptions { directions: [20, 19], ..usual() }, &fit),
+            name(film, &CampaignOptions { instances: 49, ..usual() }, &fit),
+            name(film, &CampaignOptions { tilt_deg: 1.0, ..usual() }, &fit),
+            name(film, &CampaignOptions { polarized: true, ..usual() }, &fit),
+            name(film, &CampaignOptions { seed: 2, ..usual() }, &fit),
+            name(film, &usual(), &FitOptions { sigma: 0.05, ..fit }),
+            name(film, &usual(), &FitOptions { kind: FitKind::Cone, ..fit }),
+        ];
+        for (index, one) in names.iter().enumerate() {
+            assert!(!names[..index].contains(one), "{index}: {one}");
+        }
+        let hash = |name: &str| name.rsplit_once('-').unwrap().1.to_owned();
+        assert!(names[0].starts_with("air-keratin-300-air-") && hash(&names[0]).len() == DIGITS + 8);
+        assert_eq!(hash(&names[0]), hash(&name("air/keratin:300.0/air", &usual(), &fit)));
     }
 
     #[test]
     fn stems_are_names_of_files() {
-        assert_eq!(file_stem("a/b/starling:green"), "starling-green");
-        assert_eq!(file_stem("x/"), "material");
+        for (name, stem) in [
+            ("starling:green", "starling-green"),
+            ("air/6*(keratin:300/melanin:5)/air", "air-6-keratin-300-melanin-5-air"),
+            ("a/b/bird.toml", "bird"),
+            ("./sections/", "sections"),
+            ("..", "material"),
+            ("", "material"),
+        ] {
+            assert_eq!(file_stem(name), stem);
+        }
+        assert_eq!(file_stem(&"ab:".repeat(1000)).len(), 59);
+        assert_eq!(name_of_0_1_0("air/keratin:300/air"), "air.barbule");
     }
 }

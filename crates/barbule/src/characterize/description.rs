@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::identity::{Hasher, Identify};
 use crate::structure::Structure;
 use crate::{Error, Result};
 
@@ -68,9 +69,131 @@ impl CampaignDescription {
         Self { structure: structure.description_like(&recorded["structure"]), asymmetry, ..self.clone() }
     }
 
+    /// Whether two results are of one campaign, whatever names their structures were given. Where their hashes are of
+    /// different versions, a species' parameters speak for it.
+    #[must_use]
+    pub fn is_same(&self, other: &Self) -> bool {
+        let version = |description: &Self| description.structure.get("identity").cloned();
+        let left_out: &[&str] = match version(self) == version(other) {
+            true => &["sections"],
+            false => &["sections", "identity", "materials"],
+        };
+        let compared = |description: &Self| {
+            let mut description = Self { asymmetry: None, ..description.clone() };
+            if let Value::Object(structure) = &mut description.structure {
+                structure.retain(|key, _| !left_out.contains(&key.as_str()));
+            }
+            description
+        };
+        compared(self) == compared(other)
+    }
+
     /// Whether an earlier result is of this campaign of `structure`.
     #[must_use]
     pub fn is_recorded(&self, recorded: &Value, structure: &Structure) -> bool {
         Self::read(recorded).is_ok_and(|there| there == self.like(recorded, structure))
+    }
+}
+
+impl Identify for CampaignDescription {
+    fn feed(&self, to: &mut Hasher) {
+        let Self {
+            campaign_version,
+            structure,
+            wavelengths_nm,
+            cos_theta_i,
+            cos_phi_i,
+            instances,
+            seed,
+            tilt_deg,
+            polarized,
+            thinned,
+            // Found out, not given.
+            asymmetry: _,
+        } = self;
+        to.count("campaign", *campaign_version)
+            .part("structure", &Recorded(structure))
+            .numbers("wavelengths_nm", wavelengths_nm)
+            .numbers("cos_theta_i", cos_theta_i)
+            .numbers("cos_phi_i", cos_phi_i)
+            .count("instances", *instances as u64)
+            .count("seed", *seed)
+            .number("tilt_deg", *tilt_deg)
+            .count("polarized", u64::from(*polarized))
+            .count("thinned", thinned.map_or(0, |every| every as u64));
+    }
+}
+
+/// A description as results hold it, whatever the order of its keys.
+struct Recorded<'a>(&'a Value);
+
+impl Identify for Recorded<'_> {
+    fn feed(&self, to: &mut Hasher) {
+        match self.0 {
+            Value::Null => to.text("none", ""),
+            Value::Bool(value) => to.count("truth", u64::from(*value)),
+            Value::Number(number) => to.number("number", number.as_f64().unwrap_or(f64::NAN)),
+            Value::String(text) => to.text("text", text),
+            Value::Array(values) => to.list("values", values.iter().map(Recorded)),
+            Value::Object(fields) => {
+                let mut fields: Vec<(&String, &Value)> = fields.iter().collect();
+                fields.sort_by_key(|(key, _)| *key);
+                to.count("fields", fields.len() as u64);
+                for (key, value) in fields {
+                    to.part(key, &Recorded(value));
+                }
+                to
+            }
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::characterize::CampaignOptions;
+    use crate::identity::hash;
+
+    #[test]
+    fn the_order_of_recorded_keys_does_not_count_and_all_else_does() {
+        let of = |text: &str| hash("recorded", &Recorded(&serde_json::from_str(text).unwrap()));
+        let texts = [
+            r#"{"a": 1, "b": [2, "c"]}"#,
+            r#"{"a": 1, "b": [2, "d"]}"#,
+            r#"{"a": 1.5, "b": [2, "c"]}"#,
+            r#"{"a": 1, "c": [2, "c"]}"#,
+            r#"{"a": 1, "b": [2], "c": null}"#,
+            r#"{"a": true, "b": [2, "c"]}"#,
+            r#"{"a": {"b": 1}}"#,
+            r#"{"a": {}, "b": 1}"#,
+        ];
+        assert_eq!(of(texts[0]), of(r#"{"b": [2.0, "c"], "a": 1}"#));
+        for (index, text) in texts.iter().enumerate() {
+            assert!(!texts[..index].iter().any(|other| of(other) == of(text)), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_campaign_is_the_same_under_another_name_and_of_an_earlier_version() {
+        let of = |stack: &str, options: &CampaignOptions| {
+            options.plan(Structure::flat(stack).unwrap()).unwrap().description
+        };
+        let (usual, more) =
+            (CampaignOptions::default(), CampaignOptions { seed: 2, ..CampaignOptions::default() });
+        let film = of("air/keratin:300/air", &usual);
+        assert!(film == of("air/keratin:300.0/air", &usual) && film.is_same(&film));
+        let mut named = film.clone();
+        named.structure["sections"] = "a film".into();
+        assert!(named != film && named.is_same(&film));
+        assert!(
+            !film.is_same(&of("air/keratin:301/air", &usual))
+                && !film.is_same(&of("air/keratin:300/air", &more))
+        );
+        let shipped = barbule_materials::material("starling-green").unwrap();
+        let shipped = crate::io::decode_material(shipped).unwrap();
+        let shipped = CampaignDescription::read(&shipped.info["campaign"]).unwrap();
+        let plan = |name: &str| usual.plan(Structure::builtin(name).unwrap()).unwrap().description;
+        assert!(shipped != plan("starling") && shipped.is_same(&plan("starling")));
+        assert!(!shipped.is_same(&plan("starling:pink")) && !shipped.is_same(&plan("bronzewing")));
     }
 }

@@ -8,12 +8,14 @@ mod again;
 mod catalog;
 mod description;
 mod grazing;
+mod listing;
 mod options;
 
-pub use again::Barbules;
-pub use catalog::{Catalog, Found, file_stem};
+pub use again::{Barbules, species_of};
+pub use catalog::{Catalog, Found, Origin, as_filed};
 pub use description::CampaignDescription;
 use grazing::grazing;
+pub use listing::{Cached, CachedMaterial, CachedOrders, Contents};
 pub use options::{CampaignOptions, Plan, WAVELENGTHS_NM};
 
 use std::path::Path;
@@ -23,6 +25,8 @@ use serde_json::json;
 use crate::brdf::fit::{FitOptions, FitReport, fit};
 use crate::brdf::{FeatherMaterial, check_axes, check_sigma};
 use crate::campaign::{Resources, run, statistics};
+use crate::error::shortened;
+use crate::io::store::Store;
 use crate::progress::Progress;
 use crate::scattering::statistics::Statistics;
 use crate::{Error, Result};
@@ -120,6 +124,31 @@ pub fn material_of(
         "pattern_contrast": contrast,
     });
     Ok((material, report))
+}
+
+/// Of a material that was simulated as a quick look: every how many-th wavelength and direction was.
+#[must_use]
+pub fn thinned(material: &FeatherMaterial) -> Option<usize> {
+    let every = material.info["campaign"]["thinned"].as_u64()?;
+    usize::try_from(every).ok()
+}
+
+/// Refuses a store of another campaign than the one that a material was fitted to.
+///
+/// # Errors
+/// The campaigns differ, or one of them is not recorded; the message names both, and the caller the store's path.
+pub fn check_belongs(material: &FeatherMaterial, store: &Store) -> Result<()> {
+    let [theirs, ours] = [store.description(), &material.info["campaign"]].map(CampaignDescription::read);
+    if let (Ok(theirs), Ok(ours)) = (&theirs, &ours)
+        && theirs.is_same(ours)
+    {
+        return Ok(());
+    }
+    let name = shortened(material.info["name"].as_str().unwrap_or("unknown"));
+    Err(Error::input(format!(
+        "is of a campaign of {}, not of the one that the material {name} was fitted to; fit the material from this store, or move it away",
+        shortened(store.name())
+    )))
 }
 
 /// An error where a result lacks what is asked for.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::catalog::{DIGITS, file_stem};
 use super::{CAMPAIGN_VERSION, CampaignDescription, Catalog};
 use crate::campaign::asymmetry::{Asymmetry, asymmetry};
 use crate::campaign::{Campaign, CampaignParameters, Resources};
@@ -14,7 +15,7 @@ use crate::scattering::statistics::Axes;
 use crate::solve::surface::{Barbule, CAMPAIGN_ELEMENT_UM};
 use crate::spectrum::Wavelengths;
 use crate::structure::Structure;
-use crate::{Error, Result};
+use crate::{Error, Result, identity};
 
 /// Wavelengths that can be simulated, nm.
 pub const WAVELENGTHS_NM: std::ops::RangeInclusive<f64> = 300.0..=830.0;
@@ -22,11 +23,18 @@ pub const WAVELENGTHS_NM: std::ops::RangeInclusive<f64> = 300.0..=830.0;
 /// Instances of a thinned campaign.
 const THINNED_INSTANCES: usize = 12;
 
-/// Illuminations per second and core of a starling's barbule, to foretell durations (`barbule bench campaign`).
-const TYPICAL_SPEED: f64 = 10_000.0;
+/// What simulations take on one core, to foretell durations (`barbule bench campaign`), each per µm of the barbule's width:
+/// seconds per illumination, per layer under the top of one instance at one wavelength, and per pair of an instance's layers.
+const ILLUMINATION_S_PER_UM: f64 = 4.3e-6;
+const LAYER_S_PER_UM: f64 = 6e-5;
+const LAYER_PAIR_S_PER_UM: f64 = 6e-6;
 
-/// The width that [`TYPICAL_SPEED`] was measured with, µm.
-const TYPICAL_WIDTH_UM: f64 = 25.0;
+/// How much more of an arch there is than its width.
+const ARCH: f64 = 1.5;
+
+/// Seconds that the fit takes per wavelength and direction, and at all, on one core.
+const FIT_S: f64 = 6e-4;
+const START_S: f64 = 0.15;
 
 /// What a campaign simulates; the default is that of every command.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -184,24 +192,36 @@ impl Plan {
         Store::create(path, axes, *instances, &name, &description, kept_nm, resources.width.name())
     }
 
+    /// A file name for the campaign's store: that of the structure, readable, and the head of the campaign's hash.
+    #[must_use]
+    pub fn store_name(&self) -> String {
+        let key = identity::hash("campaign", &self.description);
+        format!("{}-{}.zarr", file_stem(&self.structure.name()), &key[..DIGITS])
+    }
+
     /// Illuminations of the whole campaign.
     #[must_use]
     pub fn illuminations(&self) -> usize {
         self.parameters.axes.len() * self.parameters.instances * 2
     }
 
-    /// Seconds that the simulation takes on so many cores, roughly.
+    /// Seconds that simulation and fit take on so many cores that do nothing else, roughly.
     #[must_use]
     pub fn seconds(&self, cores: usize) -> f64 {
-        let slots = self
+        let CampaignParameters { axes, instances, seed, .. } = &self.parameters;
+        let layers = self
             .structure
-            .instance(self.parameters.seed, 0)
+            .instance(*seed, 0)
             .and_then(|section| Barbule::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian))
-            .map_or(6, |barbule| barbule.slots());
-        // Each ray crosses all layers, and structures of many layers need many rays.
-        let layers = 0.9 + 0.000_33 * (slots * slots) as f64;
-        let work = self.structure.width_um() / TYPICAL_WIDTH_UM * layers;
-        self.illuminations() as f64 * work / (TYPICAL_SPEED * cores as f64)
+            .map_or(6.0, |barbule| barbule.slots() as f64);
+        // A single given section serves all instances.
+        let prepared = self.structure.count().map_or(*instances, |count| count.min(*instances)) as f64;
+        let tables = prepared * axes.wavelengths_nm().len() as f64;
+        let per_um = ILLUMINATION_S_PER_UM * self.illuminations() as f64
+            + LAYER_S_PER_UM * layers * tables
+            + LAYER_PAIR_S_PER_UM * layers * layers * prepared;
+        let width = self.structure.width_um() * if self.structure.is_curved() { ARCH } else { 1.0 };
+        (START_S + FIT_S * axes.len() as f64 + per_um * width) / cores as f64
     }
 }
 
@@ -221,7 +241,27 @@ mod tests {
         let shipped = barbule_materials::material("starling-green").unwrap();
         let shipped = crate::io::decode_material(shipped).unwrap();
         assert!(plan.description.is_recorded(&shipped.info["campaign"], &plan.structure));
-        assert!((plan.seconds(1) / plan.seconds(4) - 4.0).abs() < 1e-12);
+    }
+
+    /// CPU seconds of `barbule characterize` on the machine of `docs/performance.md`; they vary by a third there.
+    #[test]
+    fn durations_are_foretold_within_a_half() {
+        let thinned = CampaignOptions { thin: Some(4), ..CampaignOptions::default() };
+        for (name, full_s, thinned_s) in [
+            ("starling", 230.0, 2.4),
+            ("rock-dove", 260.0, 4.1),
+            ("bronzewing", 490.0, 14.1),
+            ("hummingbird", 830.0, 42.8),
+            ("mallard", 320.0, 2.6),
+        ] {
+            for (options, measured_s) in [(CampaignOptions::default(), full_s), (thinned.clone(), thinned_s)]
+            {
+                let plan = options.plan(Structure::builtin(name).unwrap()).unwrap();
+                let ratio: f64 = plan.seconds(1) / measured_s;
+                assert!((1.0 / 1.5..1.5).contains(&ratio), "{name}: {ratio}");
+                assert!((plan.seconds(1) / plan.seconds(4) - 4.0).abs() < 1e-12);
+            }
+        }
     }
 
     #[test]

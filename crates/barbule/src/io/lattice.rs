@@ -31,20 +31,6 @@ pub fn read_lattice(path: &Path, library: &Library) -> Result<Lattice> {
     parse(&read_text(path)?, is_json, folder, library).map_err(|error| error.at(path.display()))
 }
 
-/// Whether a file, TOML or JSON by its name, is a lattice alone.
-///
-/// # Errors
-/// The file cannot be read.
-pub fn is_lattice(path: &Path) -> Result<bool> {
-    let text = read_text(path)?;
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
-        let value: Value = serde_json::from_str(&text).unwrap_or_default();
-        return Ok(value.get("lattice").is_some() && value.get("boundaries").is_none());
-    }
-    let table: toml::Table = toml::from_str(&text).unwrap_or_default();
-    Ok(table.contains_key("lattice") && !table.contains_key("generator"))
-}
-
 fn parse(text: &str, is_json: bool, folder: &Path, library: &Library) -> Result<Lattice> {
     if is_json {
         let value = serde_json::from_str(text)

@@ -1,6 +1,8 @@
 //! The only module that opens files.
 
+mod cache;
 pub mod image;
+mod kind;
 mod lattice;
 mod machine;
 mod material;
@@ -15,16 +17,19 @@ pub mod tables;
 mod whole;
 mod zarr;
 
-pub use lattice::{is_lattice, read_lattice};
+pub use cache::{CacheFile, delete_cached, list_cache};
+pub use kind::{InputKind, kind_of};
+pub use lattice::read_lattice;
 pub use machine::available_memory;
 pub use material::{decode_material, encode_material, read_material, write_material};
-pub use orders::{read_orders, write_orders};
+pub use orders::{read_keyed_orders, read_orders, write_orders};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use species::{
-    feather_of, is_species, read_flat_stack, read_species, read_species_file, read_structure_toml,
+    feather_of, is_species, read_feather, read_flat_stack, read_species, read_species_file,
+    read_structure_toml,
 };
 pub use stack::{parse_stack, read_stack};
 pub use whole::{
-    LARGEST_INPUT, check_writable, delete_cached, hash_bytes, hash_file, list_cached, make_folder,
-    read_at_most, read_bytes, read_text, write_whole,
+    LARGEST_INPUT, check_writable, hash_bytes, hash_file, make_folder, read_at_most, read_bytes, read_text,
+    write_whole,
 };

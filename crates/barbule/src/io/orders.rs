@@ -59,18 +59,33 @@ pub fn write_orders(path: &Path, key: &str, table: &OrderTable) -> Result<()> {
 /// # Errors
 /// The file is missing, of another key, or damaged.
 pub fn read_orders(path: &Path, key: &str) -> Result<OrderTable> {
-    decode(&read_bytes(path)?, key).ok_or_else(|| {
+    let found = decode(&read_bytes(path)?).filter(|(found, _)| found == key);
+    found.map(|(_, table)| table).ok_or_else(|| {
         Error::input(format!("{}: is no table of these orders, or was damaged; delete it", path.display()))
     })
 }
 
-fn decode(bytes: &[u8], key: &str) -> Option<OrderTable> {
+/// Reads any table, with its key.
+///
+/// # Errors
+/// The file is missing, no table, or damaged.
+pub fn read_keyed_orders(path: &Path) -> Result<(String, OrderTable)> {
+    decode(&read_bytes(path)?).ok_or_else(|| {
+        Error::input(format!(
+            "{}: is no table of a crystal's orders, or was damaged; delete it",
+            path.display()
+        ))
+    })
+}
+
+/// The key of a table, and the table.
+fn decode(bytes: &[u8]) -> Option<(String, OrderTable)> {
     let (_, metadata) = SafeTensors::read_metadata(bytes).ok()?;
-    let (found, sum) = metadata.metadata().as_ref()?.get(ENTRY)?.rsplit_once(' ')?;
+    let (key, sum) = metadata.metadata().as_ref()?.get(ENTRY)?.rsplit_once(' ')?;
     let container = SafeTensors::deserialize(bytes).ok()?;
     let names: std::collections::BTreeSet<&str> = container.names().into_iter().collect();
     let views = names.iter().map(|name| container.tensor(name).ok()).collect::<Option<Vec<_>>>()?;
-    if found != key || checksum(key, views.iter().map(|view| view.data())) != sum {
+    if checksum(key, views.iter().map(|view| view.data())) != sum {
         return None;
     }
     let array = |name: &str| {
@@ -96,11 +111,8 @@ fn decode(bytes: &[u8], key: &str) -> Option<OrderTable> {
         }
         series.push(OrderSeries { step, mirrored: mirrored != 0.0, pieces: own });
     }
-    (series.len() == wavelengths_nm.len().checked_mul(cos_theta.len())?).then_some(OrderTable {
-        wavelengths_nm,
-        cos_theta,
-        series,
-    })
+    let whole = series.len() == wavelengths_nm.len().checked_mul(cos_theta.len())?;
+    whole.then(|| (key.to_owned(), OrderTable { wavelengths_nm, cos_theta, series }))
 }
 
 fn checksum<'a>(key: &str, arrays: impl Iterator<Item = &'a [u8]>) -> String {
@@ -151,8 +163,8 @@ mod tests {
         for at in (0..bytes.len()).step_by(7) {
             let mut changed = bytes.clone();
             changed[at] ^= 0x10;
-            assert!(decode(&changed, "key").is_none_or(|found| found == table()), "{at}");
-            assert!(decode(&bytes[..at], "key").is_none(), "{at}");
+            assert!(decode(&changed).is_none_or(|(key, found)| key == "key" && found == table()), "{at}");
+            assert!(decode(&bytes[..at]).is_none(), "{at}");
         }
     }
 }

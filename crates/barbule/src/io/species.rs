@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::kind::{InputKind, kind_of_text};
 use super::media::materials;
 use super::{parse_stack, read_text};
 use crate::error::shortened;
@@ -70,6 +71,15 @@ pub fn feather_of(file: &SpeciesFile) -> Result<Option<Feather>> {
     file.feather.as_ref().map(Feather::read).transpose()
 }
 
+/// The feather of a species file, as [`feather_of`] has it.
+///
+/// # Errors
+/// The file cannot be read or is no species; the message names the file and the key.
+pub fn read_feather(path: &Path) -> Result<Option<Feather>> {
+    let file = SpeciesFile::parse(&read_text(path)?);
+    file.and_then(|file| feather_of(&file)).map_err(|error| error.at(path.display()))
+}
+
 /// Reads a structure in TOML: a species, or a stack, which becomes a flat section.
 ///
 /// # Errors
@@ -78,8 +88,7 @@ pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library
     let folder = path.parent().unwrap_or(Path::new("."));
     let text = read_text(path)?;
     let at = |error: Error| error.at(path.display());
-    let table: toml::Table = toml::from_str(&text).unwrap_or_default();
-    if !is_stack(&table) {
+    if kind_of_text(&text) != InputKind::Stack {
         return parse_species(&text, variant, folder, library)
             .map(|m| Structure::Species(Box::new(m)))
             .map_err(at);
@@ -97,7 +106,7 @@ pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library
 /// The file cannot be read, or as [`super::read_stack`].
 pub fn read_flat_stack(path: &Path, library: &Library) -> Result<Option<FlatStack>> {
     let text = read_text(path)?;
-    if !is_stack(&toml::from_str(&text).unwrap_or_default()) {
+    if kind_of_text(&text) != InputKind::Stack {
         return Ok(None);
     }
     flat_stack(path, &text, library).map(Some).map_err(|error| error.at(path.display()))

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{Read as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::{Error, Result};
 
@@ -131,36 +131,6 @@ pub fn hash_file(path: &Path) -> Result<String> {
 /// It cannot be made.
 pub fn make_folder(path: &Path) -> Result<()> {
     fs::create_dir_all(path).map_err(|e| Error::input(format!("{}: cannot be made ({e})", path.display())))
-}
-
-/// The materials (`.barbule`) and tables of crystals (`.orders`) in a folder with their sizes in bytes, sorted by name.
-///
-/// # Errors
-/// The folder cannot be read.
-pub fn list_cached(folder: &Path) -> Result<Vec<(PathBuf, u64)>> {
-    let refuse = |e: std::io::Error| Error::input(format!("{}: cannot be read ({e})", folder.display()));
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).map_err(refuse)? {
-        let entry = entry.map_err(refuse)?;
-        let path = entry.path();
-        if path.extension().is_some_and(|e| e == "barbule" || e == "orders") {
-            files.push((path, entry.metadata().map_err(refuse)?.len()));
-        }
-    }
-    files.sort();
-    Ok(files)
-}
-
-/// Deletes files that [`list_cached`] found.
-///
-/// # Errors
-/// One cannot be deleted.
-pub fn delete_cached(files: &[(PathBuf, u64)]) -> Result<()> {
-    for (path, _) in files {
-        fs::remove_file(path)
-            .map_err(|e| Error::input(format!("{}: cannot be deleted ({e})", path.display())))?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

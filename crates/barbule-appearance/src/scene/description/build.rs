@@ -30,7 +30,7 @@ impl SceneDescription {
     /// A number out of range, or a sky that is an image: give it to [`SceneDescription::environment`].
     pub fn scene(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Scene, Counts)> {
         let (objects, counts) = self.objects(brdf, seed)?;
-        let environment = Some(self.environment(None)?);
+        let environment = self.environment(None)?;
         Ok((Scene { objects, lamps: self.lamps(), environment, camera: self.camera() }, counts))
     }
 
@@ -68,13 +68,14 @@ impl SceneDescription {
     }
 
     /// The sky: that of `image`, or the description's gradient, brightest at the zenith, a third at the horizon, dark
-    /// below.
+    /// below; `None` where it is dark.
     ///
     /// # Errors
-    /// A gradient without light, or a description that needs an image.
-    pub fn environment(&self, image: Option<Sky>) -> Result<Environment> {
+    /// A description that needs an image.
+    pub fn environment(&self, image: Option<Sky>) -> Result<Option<Environment>> {
         let sky = match (image, &self.sky) {
             (Some(sky), _) => sky,
+            (None, _) if self.is_sky_dark() => return Ok(None),
             (None, SkyDescription::Gradient(zenith)) => Sky::grey(64, 32, Emission::daylight(), |d| {
                 if d.z >= 0.0 { zenith * (0.35 + 0.65 * d.z) } else { 0.02 * zenith }
             })?,
@@ -85,7 +86,17 @@ impl SceneDescription {
                 )));
             }
         };
-        Ok(Environment { sky, weight: SKY_WEIGHT })
+        Ok(Some(Environment { sky, weight: SKY_WEIGHT }))
+    }
+
+    /// Whether nothing comes from the sky.
+    #[must_use]
+    pub fn is_sky_dark(&self) -> bool {
+        let strength = match &self.sky {
+            SkyDescription::Gradient(zenith) => *zenith,
+            SkyDescription::Image(image) => image.strength,
+        };
+        strength <= 0.0
     }
 
     /// The camera.

@@ -309,8 +309,10 @@ mod tests {
             starling("exposre = 1.0").contains("line 2: there is no key 'exposre', did you mean 'exposure'")
         );
         assert!(message("preset = 3").contains("invalid type"));
-        assert!(starling("exposure = -1.0").contains("must be"));
-        assert!(starling("[light]\nelevation = 100.0").contains("elevation must be"));
+        assert!(starling("exposure = -1.0").contains("exposure is -1, outside 0.000001 to 1000000"));
+        assert!(
+            starling("[light]\nelevation = 100.0").contains("light.elevation_deg is 100, outside -90 to 90")
+        );
         assert!(starling("[light]\nelevation = 10.0\nelevation_deg = 20.0").contains("duplicate"));
         assert!(message("material = \"x\"").contains("preset"));
         assert!(starling("sky = 1.0\n[sky_image]\nfile = \"a.exr\"").contains("both"));
@@ -320,8 +322,14 @@ mod tests {
         assert!(starling("[feather.distal]\nlength_um = 0").contains(range));
         assert!(starling("[feather]\ndistal = 3").contains("feather.distal is the number 3"));
         assert!(starling("[surfaces.shaft]\nroughness = nan").contains("surfaces.shaft.roughness"));
-        assert!(starling("[window]\nradius_mm = 0.0").contains("the window's radius"));
-        assert!(starling("scatterings = 0").contains("the number of scatterings"));
+        assert!(starling("[window]\nradius_mm = 0.0").contains("window.radius_mm is 0, outside 0.01 to 500"));
+        assert!(starling("scatterings = 0").contains("scatterings is 0, outside 1 to 1000"));
+        assert!(starling("[light]\nazimuth = 1e17").contains("light.azimuth_deg is 1"));
+        let turned = "[sky_image]\nfile = \"a.exr\"\nturn = -1e17";
+        assert!(starling(turned).contains("outside -3600 to 3600"));
+        assert!(starling("sky = 0\n[light]\nstrength = 0").contains("sky and light.strength are both 0"));
+        let dark = "[sky_image]\nfile = \"a.exr\"\nstrength = 0\n[light]\nstrength = 0";
+        assert!(starling(dark).contains("sky_image.strength and light.strength are both 0"));
         assert!(message("[[[").len() < 400);
     }
 }

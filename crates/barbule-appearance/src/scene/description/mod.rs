@@ -11,9 +11,13 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::feather::{Feather, VaneDisc};
+use crate::error::shortened;
 use crate::fields::Fields;
 use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
+
+/// Azimuths and turns are at most this many degrees, ten turns: far beyond, digits are lost.
+const MOST_TURN_DEG: f64 = 3600.0;
 
 /// A picture to be rendered.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -121,42 +125,52 @@ impl SceneDescription {
     /// # Errors
     /// The first number out of range.
     pub fn check(&self) -> Result<()> {
-        self.camera.bearing.check("camera")?;
-        self.light.bearing.check("light")?;
-        let sky = match &self.sky {
-            SkyDescription::Gradient(radiance) => *radiance,
-            SkyDescription::Image(_) => 0.0,
+        let (sky, image) = match &self.sky {
+            SkyDescription::Gradient(radiance) => (*radiance, (1.0, 0.0)),
+            SkyDescription::Image(image) => (0.0, (image.strength, image.turn_deg)),
         };
+        let [camera, light] = [&self.camera.bearing, &self.light.bearing];
         let ranges = [
-            ("the picture's width in mm", self.camera.width_mm, 0.05, 50.0),
-            ("the lens", self.camera.lens, 0.0, 0.2),
-            ("the light's radius in degrees", self.light.radius_deg, 0.1, 60.0),
-            ("the light's strength", self.light.strength, 0.0, 1e4),
-            ("the sky's radiance", sky, 0.0, 1e4),
-            ("the exposure", self.exposure, 1e-6, 1e6),
-            ("the roll in degrees", self.camera.roll_deg, -360.0, 360.0),
-            ("the number of scatterings", f64::from(self.scatterings), 1.0, 1000.0),
-            ("the window's middle in mm", self.window.along_mm, 0.0, 2000.0),
-            ("the window's radius in mm", self.window.radius_mm, 0.01, 500.0),
+            ("camera.azimuth_deg", camera.azimuth_deg, -MOST_TURN_DEG, MOST_TURN_DEG),
+            ("camera.elevation_deg", camera.elevation_deg, -90.0, 90.0),
+            ("camera.width_mm", self.camera.width_mm, 0.05, 50.0),
+            ("camera.lens", self.camera.lens, 0.0, 0.2),
+            ("camera.roll_deg", self.camera.roll_deg, -360.0, 360.0),
+            ("light.azimuth_deg", light.azimuth_deg, -MOST_TURN_DEG, MOST_TURN_DEG),
+            ("light.elevation_deg", light.elevation_deg, -90.0, 90.0),
+            ("light.radius_deg", self.light.radius_deg, 0.1, 60.0),
+            ("light.strength", self.light.strength, 0.0, 1e4),
+            ("sky", sky, 0.0, 1e4),
+            ("sky_image.strength", image.0, 0.0, 1e6),
+            ("sky_image.turn_deg", image.1, -MOST_TURN_DEG, MOST_TURN_DEG),
+            ("exposure", self.exposure, 1e-6, 1e6),
+            ("scatterings", f64::from(self.scatterings), 1.0, 1000.0),
+            ("window.along_mm", self.window.along_mm, 0.0, 2000.0),
+            ("window.radius_mm", self.window.radius_mm, 0.01, 500.0),
         ];
-        for (name, value, low, high) in ranges {
+        for (key, value, low, high) in ranges {
             if !(low..=high).contains(&value) {
-                return Err(Error::input(format!("{name} is {value}, but must be {low} to {high}")));
+                let value = shortened(&value.to_string());
+                return Err(Error::input(format!("{key} is {value}, outside {low} to {high}")));
             }
+        }
+        if self.light.strength <= 0.0 && self.is_sky_dark() {
+            let sky = match self.sky {
+                SkyDescription::Gradient(_) => "sky",
+                SkyDescription::Image(_) => "sky_image.strength",
+            };
+            return Err(Error::input(format!(
+                "{sky} and light.strength are both 0, so nothing shines; give one of them more than 0"
+            )));
         }
         self.feather.check()
     }
-}
 
-impl Bearing {
-    fn check(&self, what: &str) -> Result<()> {
-        if self.azimuth_deg.is_finite() && (-90.0..=90.0).contains(&self.elevation_deg) {
-            return Ok(());
-        }
-        Err(Error::input(format!(
-            "the {what} is at azimuth {} and elevation {} degrees; the elevation must be -90 to 90",
-            self.azimuth_deg, self.elevation_deg
-        )))
+    /// Whether the key light shines from behind the vane, as the camera sees it.
+    #[must_use]
+    pub fn is_lit_from_behind(&self) -> bool {
+        self.light.strength > 0.0
+            && self.light.bearing.elevation_deg * self.camera.bearing.elevation_deg.signum() <= 0.0
     }
 }
 

@@ -1,0 +1,84 @@
+//! What `barbule render` draws, as people type it: a preset, a scene, or any material or structure in a preset's scene.
+
+use std::path::Path;
+
+use barbule::characterize::species_of;
+use barbule::error::shortened;
+use barbule::io::{InputKind, kind_of, read_feather, read_material, read_text};
+use barbule::material::Library;
+use barbule::picture::scene_for;
+use barbule::scene::description::SceneDescription;
+use barbule::scene::feather::Feather;
+use barbule::scene::preset;
+use barbule::structure::Structure;
+use barbule::{Error, Result};
+
+use crate::common::Common;
+use crate::structure_arg;
+
+/// What every SCENE argument says in `--help`.
+pub(crate) const HELP: &str = "A preset, SPECIES:VARIANT, a scene .toml, or your own bird: a species or lattice .toml, a section .json, a folder of sections, a stack, or a .barbule file";
+
+/// The scene of a name, file, folder or stack. Presets come first, whatever files and folders are called; files are told
+/// apart by what is in them.
+///
+/// # Errors
+/// An unknown name (the nearest known one is offered), or a file that is missing, damaged or of another kind.
+pub(crate) fn parse(text: &str, common: &Common) -> Result<SceneDescription> {
+    let name = text.split_once(':').map_or(text, |(name, _)| name);
+    if preset::names().any(|known| known == name) {
+        return SceneDescription::named(text);
+    }
+    let path = Path::new(text);
+    let ends_with = |end: &str| text.to_lowercase().ends_with(end);
+    let kind = if path.exists() || ends_with(".toml") { kind_of(path)? } else { InputKind::Other };
+    let mut scene = match kind {
+        InputKind::Scene => return scene_in(text),
+        // What is no TOML is refused as a scene, with the line.
+        InputKind::Other if path.is_file() && ends_with(".toml") => return scene_in(text),
+        InputKind::Table if ends_with(".toml") => {
+            return Err(Error::input(format!(
+                "{}: is neither a scene (preset, material, light …), nor a species (generator, parameters), a stack (stack) or a lattice ([lattice])",
+                shortened(text)
+            )));
+        }
+        InputKind::Material => of_material(path)?,
+        _ if ends_with(".barbule") => of_material(path)?,
+        InputKind::Table | InputKind::Other if path.is_file() && !ends_with(".json") => {
+            let text = shortened(text);
+            return Err(Error::input(format!("{text}: is neither a scene, a material nor a structure")));
+        }
+        _ => of_structure(&structure_arg::parse(text, common)?, feather_in(text, kind)?)?,
+    };
+    text.clone_into(&mut scene.material);
+    Ok(scene)
+}
+
+fn scene_in(text: &str) -> Result<SceneDescription> {
+    SceneDescription::parse(&read_text(Path::new(text))?).map_err(|error| error.at(text))
+}
+
+/// The feather that a species file brings; `FILE.toml:VARIANT` names one too.
+fn feather_in(text: &str, kind: InputKind) -> Result<Option<Feather>> {
+    let file = match kind {
+        InputKind::Species => text,
+        InputKind::Other if text.contains(".toml:") => text.rsplit_once(':').map_or(text, |(file, _)| file),
+        _ => return Ok(None),
+    };
+    read_feather(Path::new(file))
+}
+
+fn of_structure(structure: &Structure, feather: Option<Feather>) -> Result<SceneDescription> {
+    let species = match structure {
+        Structure::Species(model) => Some(model.name.as_str()),
+        Structure::Stack(_) | Structure::Sections { .. } => None,
+    };
+    scene_for(species, structure.is_curved(), feather)
+}
+
+fn of_material(path: &Path) -> Result<SceneDescription> {
+    let material = read_material(path)?;
+    let model = species_of(&material, Library::builtin());
+    let is_arched = model.is_some_and(|model| model.is_curved());
+    scene_for(material.info["species"].as_str(), is_arched, None)
+}
