@@ -202,12 +202,12 @@ mod tests {
             let wi = omega(f64::to_radians(theta), f64::to_radians(phi_i));
             for phi in [-phi_i - 3.0, 0.3, 80.0] {
                 let phi = f64::to_radians(phi);
-                for instance in [None, Some(5)] {
-                    let (fast, slow) =
-                        (marginal(&brdf, wi, &[phi], instance)[0], plain(&brdf, wi, phi, instance));
-                    // The corners of the noise leave the plain sum an error of some 1e-7.
+                // The corners of the noise leave the plain sum an error of slope · step².
+                for (instance, allowed) in [(None, 1e-8), (Some(5), 2e-5)] {
+                    let fast = marginal(&brdf, wi, &[phi], instance)[0];
+                    let slow = plain(&brdf, wi, phi, instance);
                     assert!(
-                        (fast / slow - 1.0).abs() < 2e-6,
+                        (fast / slow - 1.0).abs() < allowed,
                         "{theta} {phi_i} {phi} {instance:?}: {fast} {slow}"
                     );
                 }

@@ -65,7 +65,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N")]
     azimuths: Option<usize>,
     /// Which instance, from 0 to 2⁶⁴ − 1; without it the smooth mean
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_hyphen_values = true)]
     instance: Option<u64>,
     /// Incident polarization: of the electric field along e₁ (1) or e₂ (2), or unpolarized light
     #[arg(long, value_enum, default_value_t = Light::Mean)]

@@ -139,13 +139,15 @@ impl InstancePatterns {
         for (name, side) in sides {
             page.text([left, y + 4.0], 12.0, Anchor::Start, format!("{name} barbules: colour over φ_o"));
             y += 12.0;
-            for instance in 0..side[0].len() {
+            let strip = |instance: usize| {
                 let rgba = (0..AZIMUTHS).map(|k| {
                     let rgb = colour(&|w| side[w][instance][k]);
                     let [r, g, b] = display(rgb.map(|v| v * exposure));
                     [r, g, b, 255]
                 });
-                let picture = Picture { width: AZIMUTHS, height: 1, rgba: rgba.collect() };
+                Picture { width: AZIMUTHS, height: 1, rgba: rgba.collect() }
+            };
+            for picture in (0..side[0].len()).map(strip) {
                 page.items.push(Item::Picture { area: [left, y, width, STRIP[0]], picture });
                 y += STRIP[0] + STRIP[1];
             }
