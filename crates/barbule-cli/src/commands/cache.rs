@@ -5,7 +5,7 @@ use std::io::Write;
 use barbule::Result;
 use serde_json::json;
 
-use crate::common::{Common, print, print_json};
+use crate::common::{Common, path_json, print, print_json};
 use crate::materials;
 
 /// Arguments of `barbule cache`.
@@ -27,9 +27,14 @@ impl Args {
             barbule::io::delete_cached(&files)?;
         }
         if self.common.json {
-            let list: Vec<_> =
-                files.iter().map(|(path, bytes)| json!({ "file": path, "bytes": bytes })).collect();
-            return print_json(out, &json!({ "folder": folder, "files": list, "cleared": self.clear }));
+            let list: Vec<_> = files
+                .iter()
+                .map(|(path, bytes)| json!({ "file": path_json(path), "bytes": bytes }))
+                .collect();
+            return print_json(
+                out,
+                &json!({ "folder": path_json(&folder), "files": list, "cleared": self.clear }),
+            );
         }
         let mut text = format!("{}: {} cached", folder.display(), files.len());
         for (path, bytes) in &files {

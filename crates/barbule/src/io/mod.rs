@@ -4,22 +4,27 @@ pub mod image;
 mod lattice;
 mod material;
 mod media;
+mod named;
 mod orders;
+mod output;
 mod section;
 mod species;
 mod stack;
 pub mod store;
 pub mod tables;
+mod temporary;
 mod whole;
 mod zarr;
 
 pub use lattice::{is_lattice, read_lattice};
 pub use material::{decode_material, encode_material, read_material, write_material};
+pub use named::{files_in, files_named_in};
 pub use orders::{read_orders, write_orders};
+pub use output::{check_writable, is_inside_store, is_same_file, is_stream, write_together, write_whole};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use species::{feather_of, read_species, read_structure_toml};
 pub use stack::{parse_stack, read_stack};
 pub use whole::{
-    LARGEST_INPUT, check_writable, delete_cached, hash_bytes, hash_file, list_cached, make_folder,
-    read_at_most, read_bytes, read_text, write_whole,
+    LARGEST_INPUT, delete_cached, hash_bytes, hash_file, list_cached, make_folder, read_at_most, read_bytes,
+    read_text,
 };

@@ -18,7 +18,8 @@ use serde_json::{Value, json};
 
 use self::aside::Files;
 use self::layout::{ARRAYS, Arrays, Attributes};
-use super::whole::read_text;
+use super::output::{behind_links, is_inside_store};
+use super::whole::{failure, folder_of, read_text};
 use super::zarr::{Array, Element};
 use crate::scattering::statistics::{Axes, Statistics, Unit};
 use crate::{Error, Result};
@@ -82,26 +83,34 @@ impl Store {
             kept_nm: kept_nm.to_vec(),
             description: description.clone(),
         };
+        let given = path;
+        let refuse = |what: &str| Err(Error::input(format!("{}: {what}", given.display())));
+        let path = &behind_links(given)?;
+        if path.file_name().is_none() {
+            return refuse("a store needs a name of its own; give one, as in S.zarr");
+        }
+        if is_inside_store(path) {
+            return refuse("lies inside another campaign store; give a name elsewhere");
+        }
         let is_empty =
             |folder: &Path| std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+        aside::sweep_beside(path);
         if !path.exists() || is_empty(path) {
-            let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            let folder = folder_of(path);
             if !folder.is_dir() {
-                return Err(Error::input(format!(
-                    "{}: the store cannot be created (the folder {} does not exist)",
-                    path.display(),
+                return refuse(&format!(
+                    "the store cannot be created (the folder {} does not exist)",
                     folder.display()
-                )));
+                ));
             }
             // Processes that create one store at the same instant each build their own; the first rename wins.
             aside::create_folder(path, |made| here.build(path, made))?;
         }
         let store = Self::open(path)?;
         if !store.arrays.are_written() {
-            return Err(Error::input(format!(
-                "{}: was made by an earlier version of Barbule, whose stores are read but not continued; give another name",
-                path.display()
-            )));
+            return refuse(
+                "was made by an earlier version of Barbule, whose stores are read but not continued; give another name",
+            );
         }
         store.attributes.check_same(path, &here)?;
         Ok(store)
@@ -165,13 +174,14 @@ impl Store {
     /// The store is not writable, or the disk is full.
     pub fn prepare_writing(&self) -> Result<()> {
         self.files.sweep();
-        self.files.probe().map_err(|e| aside::failure(&self.path, "the store cannot be written", &e))
+        self.files.probe().map_err(|e| failure(&self.path, "the store cannot be written", &e))
     }
 
     /// Ends writing: removes what it needed, unless other processes still write.
     pub fn end_writing(&self) {
         self.files.sweep();
         self.files.tidy();
+        aside::sweep_beside(&self.path);
     }
 
     /// How many units are done, missing and damaged; reads them all.
@@ -305,7 +315,7 @@ impl Store {
         };
         self.files
             .write(&array.chunk_path(unit), &bytes)
-            .map_err(|e| aside::failure(&self.path, "a chunk cannot be written", &e))
+            .map_err(|e| failure(&self.path, "a chunk cannot be written", &e))
     }
 
     /// Reads a unit; `None` when it is missing or damaged (its checksum fails, or it is not of the length that its shape

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::aside::{Files, failure};
-use crate::io::whole::hash_bytes;
+use super::aside::Files;
+use crate::io::whole::{failure, hash_bytes};
 use crate::io::zarr::{Array, Coding, DataType, group_metadata};
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS};
 use crate::spectrum::Wavelengths;
