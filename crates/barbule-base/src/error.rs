@@ -50,6 +50,12 @@ impl Error {
         Self::of(Kind::Interrupted, "interrupted")
     }
 
+    /// The user asked to stop: what was done by then, and how it goes on.
+    #[must_use]
+    pub fn interrupted_after(done: impl fmt::Display) -> Self {
+        Self::of(Kind::Interrupted, &format!("interrupted: {done}"))
+    }
+
     /// The same error with a place in front of its message: `name: message`.
     #[must_use]
     pub fn at(self, place: impl fmt::Display) -> Self {
@@ -137,6 +143,12 @@ pub fn visible(c: char) -> char {
     if c.is_control() || turns { ' ' } else { c }
 }
 
+/// A number of things in words: `1 angle`, `2 angles`.
+#[must_use]
+pub fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,6 +157,11 @@ mod tests {
     fn nearest_name_is_offered_and_far_ones_are_not() {
         assert_eq!(did_you_mean("starlign", ["mallard", "starling"]), ", did you mean 'starling'?");
         assert_eq!(did_you_mean("qqqqqqqqqqqq", ["mallard", "starling"]), "");
+    }
+
+    #[test]
+    fn one_thing_is_not_several() {
+        assert_eq!((counted(1, "angle"), counted(0, "angle")), ("1 angle".into(), "0 angles".into()));
     }
 
     #[test]

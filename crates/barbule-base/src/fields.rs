@@ -1,6 +1,12 @@
 //! Reading tables of keys with messages that name the key, its range, and the nearest known one.
 
+mod toml_text;
+
+use std::ops::RangeInclusive;
+
 use serde_json::{Map, Value};
+
+pub use toml_text::{at_line, line_of, parse_toml};
 
 use crate::error::{did_you_mean, shortened};
 use crate::{Error, Result};
@@ -88,7 +94,8 @@ impl<'a> Fields<'a> {
         number(self.need(key, what)?, &self.path(key))
     }
 
-    /// A number from `low` to `high` that is needed; not a number: refused.
+    /// A number from `low` to `high` that is needed; not a number: refused. Keys that end in `_um` are lengths, and what
+    /// would fit as nm is asked for.
     ///
     /// # Errors
     /// It is missing, no number or outside.
@@ -97,7 +104,8 @@ impl<'a> Fields<'a> {
         if (low..=high).contains(&value) {
             return Ok(value);
         }
-        Err(Error::input(format!("{} is {value}, outside {low} to {high}", self.path(key))))
+        let hint = if key.ends_with("_um") { typed_in_nm(value, &(low..=high)) } else { String::new() };
+        Err(Error::input(format!("{} is {}, outside {low} to {high}{hint}", self.path(key), shown(value))))
     }
 
     /// A whole number from `low` to `high` that is needed.
@@ -107,7 +115,11 @@ impl<'a> Fields<'a> {
     pub fn count_within(&self, key: &str, low: usize, high: usize) -> Result<usize> {
         let value = self.number_within(key, low as f64, high as f64)?;
         if value.fract() != 0.0 {
-            return Err(Error::input(format!("{} is {value}, but must be a whole number", self.path(key))));
+            return Err(Error::input(format!(
+                "{} is {}, but must be a whole number",
+                self.path(key),
+                shown(value)
+            )));
         }
         Ok(value as usize)
     }
@@ -129,6 +141,24 @@ impl<'a> Fields<'a> {
     pub fn list(&self, key: &str, what: &str) -> Result<&'a [Value]> {
         list(self.need(key, what)?, &self.path(key))
     }
+}
+
+/// `; did you mean 0.2 (200 nm)?` for a length that is out of its range in µm but in it where nm were typed, else nothing.
+#[must_use]
+pub fn typed_in_nm(value_um: f64, allowed_um: &RangeInclusive<f64>) -> String {
+    // Nobody types parts of a nm.
+    let meant_um = value_um / 1000.0;
+    if value_um.abs() < 1.0 || allowed_um.contains(&value_um) || !allowed_um.contains(&meant_um) {
+        return String::new();
+    }
+    format!("; did you mean {meant_um} ({value_um} nm)?")
+}
+
+/// A number in few letters: huge and tiny ones with an exponent.
+#[must_use]
+pub fn shown(value: f64) -> String {
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
 /// A value that must be a list.
@@ -165,5 +195,23 @@ fn kind(value: &Value) -> String {
         Value::String(text) => format!("the text '{}'", shortened(text)),
         Value::Array(_) => "a list".into(),
         Value::Object(_) => "a table".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nm_are_guessed_only_where_they_would_fit() {
+        let hint = |value| typed_in_nm(value, &(0.001..=10.0));
+        assert_eq!(hint(200.0), "; did you mean 0.2 (200 nm)?");
+        assert_eq!([hint(5.0), hint(1e6), hint(-200.0), hint(0.0005), hint(f64::NAN)], [const { "" }; 5]);
+        let table = serde_json::json!({"cortex_um": 205, "count": 205});
+        let fields = Fields::new(&table, "parameters", &["cortex_um", "count"]).unwrap();
+        let message = fields.number_within("cortex_um", 0.001, 10.0).unwrap_err().to_string();
+        assert_eq!(message, "parameters.cortex_um is 205, outside 0.001 to 10; did you mean 0.205 (205 nm)?");
+        assert!(!fields.number_within("count", 0.0, 10.0).unwrap_err().to_string().contains("nm"));
+        assert_eq!([shown(25.0), shown(0.19), shown(1e300), shown(-0.0)], ["25", "0.19", "1e300", "-0"]);
     }
 }

@@ -12,6 +12,17 @@ pub trait Progress: Sync {
     fn note(&self, _what: &str) {}
 }
 
+/// Passes on nothing but the wish to stop: for a part of work whose progress is told as a whole.
+pub struct OnlyStops<'a>(pub &'a dyn Progress);
+
+impl Progress for OnlyStops<'_> {
+    fn begin(&self, _label: &str, _total: u64) {}
+    fn advance(&self, _steps: u64) {}
+    fn is_cancelled(&self) -> bool {
+        self.0.is_cancelled()
+    }
+}
+
 /// Watches nothing and never stops.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Unobserved;

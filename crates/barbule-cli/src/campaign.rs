@@ -2,11 +2,14 @@
 
 use barbule::brdf::check_sigma;
 use barbule::brdf::fit::{FitOptions, FitReport};
+use barbule::campaign::asymmetry::Asymmetry;
 use barbule::campaign::{Demand, Keep, Results};
 use barbule::characterize::{CampaignOptions, Plan};
 use barbule::error::shortened;
 use barbule::math::simd::Width;
+use barbule::progress::Unobserved;
 use barbule::scattering::lobe::FitKind;
+use barbule::solve::surface::LARGEST_MIRROR_ERROR;
 use barbule::structure::Structure;
 use barbule::{Error, Result};
 use clap::ValueEnum;
@@ -96,18 +99,59 @@ pub(crate) fn plan(options: &CampaignOptions, structure: Structure, common: &Com
     Ok(plan)
 }
 
-/// Holds `--memory` against what a campaign will take, before any work: the number of units that may be in work at once.
+/// Holds what may be taken in memory against what a campaign will take, before any work: the number of units that may be
+/// in work at once.
 pub(crate) fn units_at_once(plan: &Plan, keep: Keep, results: Results, common: &Common) -> Result<usize> {
-    if common.memory.is_none() && !common.verbose {
-        return Ok(usize::MAX);
+    let allowed = common.allowance();
+    let Plan { structure, parameters, .. } = plan;
+    if !allowed.asked && !common.verbose {
+        // A closer look takes seconds, and most campaigns are far from the machine's limits.
+        let bound = Demand::bound(structure, parameters, keep, results)?;
+        if bound.bytes(usize::MAX) <= allowed.bytes {
+            return Ok(usize::MAX);
+        }
     }
-    let demand = Demand::predict(&plan.structure, &plan.parameters, keep, results)?;
-    let at_once = demand.units_within(common.memory.unwrap_or(u64::MAX))?;
+    let demand = Demand::predict(structure, parameters, keep, results, allowed, &Unobserved)?;
+    let at_once = demand.units_within(allowed)?;
     common.explain(&format!(
         "up to {at_once} units at once, {} MB of memory at most",
         demand.bytes(at_once).div_ceil(1_000_000)
     ));
     Ok(at_once)
+}
+
+/// Looks whether both sides of a plan's structure reflect alike, records it, and says so where they do not.
+pub(crate) fn compare_sides(plan: &mut Plan, common: &Common) -> Result<()> {
+    let Some(found) = plan.compare_sides(&Unobserved)? else { return Ok(()) };
+    let Asymmetry { part, is_certain, wavelength_nm, phi_deg, reflected: [right, left], beyond } = found;
+    let name = plan.structure.name();
+    if !is_certain {
+        common.explain(&format!("both sides of {name} reflect alike, within {:.1} %", 100.0 * part));
+        return Ok(());
+    }
+    let differs = if (right - left).abs() > 0.5 * part * 0.5 * (right + left) {
+        format!("reflects {right:.3} at φ = {phi_deg}° but {left:.3} at −{phi_deg}°")
+    } else {
+        let [right, left] = beyond.map(|part| 100.0 * part);
+        format!(
+            "sends {right:.0} % of what it reflects at φ = {phi_deg}° beyond the mirror direction but {left:.0} % at −{phi_deg}°"
+        )
+    };
+    common.say(&format!(
+        "{name} {differs} ({wavelength_nm} nm): materials take both sides alike, so φ ≥ 0 stands for both"
+    ));
+    Ok(())
+}
+
+/// What is said where light grazes: what a flat perfect mirror as wide would reflect.
+pub(crate) fn grazing(incidence: &str, wavelength_nm: f64, width_um: f64, mirror_fraction: f64) -> String {
+    let reflected = match mirror_fraction {
+        r if r < 100.0 => format!("{r:.2}"),
+        r => format!("{r:.1e}"),
+    };
+    format!(
+        "at {incidence} and {wavelength_nm} nm a flat mirror {width_um} µm wide would reflect {reflected} of the light: the simulation is that far off so near grazing"
+    )
 }
 
 /// The duration to expect of a campaign, in words.
@@ -140,22 +184,38 @@ pub(crate) fn say_repaired(repaired: usize, common: &Common) {
 /// What a fit says to people.
 pub(crate) fn summary(report: &FitReport) -> String {
     let [correlation, contrast] = report.mean_patterns();
-    format!(
+    let pair = |[simulated, synthesized]: [f64; 2]| {
+        if simulated.is_finite() && synthesized.is_finite() {
+            format!("{simulated:.3} simulated, {synthesized:.3} synthesized")
+        } else {
+            "none, since nothing is reflected".to_owned()
+        }
+    };
+    let mut text = format!(
         "{} lobes fitted: residual {:.3} (median), {:.3} (95th percentile), {} flagged\n\
          l at the longest wavelength, normal incidence: {:.3} (by 1/e lengths {:.3})\n\
-         correlation of the polarizations' patterns: {:.3} simulated, {:.3} synthesized\n\
-         contrast of unpolarized intensity: {:.3} simulated, {:.3} synthesized",
+         correlation of the polarizations' patterns: {}\n\
+         contrast of unpolarized intensity: {}",
         report.fits,
         report.residual_median,
         report.residual_95,
         report.flagged.len(),
         report.longest_length[0],
         report.longest_length[1],
-        correlation[0],
-        correlation[1],
-        contrast[0],
-        contrast[1],
-    )
+        pair(correlation),
+        pair(contrast),
+    );
+    if !report.grazing.is_empty() {
+        text += &format!(
+            "\n{} wavelengths and directions are so near grazing that the simulation would be over {:.0} % off for a flat mirror",
+            report.grazing_nodes(),
+            100.0 * LARGEST_MIRROR_ERROR
+        );
+    }
+    if !report.clipped.is_empty() {
+        text += &format!("\n{} reflected over all light and are clipped to 1", report.clipped.len());
+    }
+    text
 }
 
 fn usual_directions() -> String {

@@ -3,7 +3,9 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use barbule::campaign::Allowance;
 use barbule::error::{shortened, visible};
+use barbule::io::available_memory;
 use barbule::io::tables::read_index_table;
 use barbule::material::Library;
 use barbule::{Error, Result};
@@ -81,6 +83,15 @@ impl Common {
         Ok(library)
     }
 
+    /// The memory that may be taken: `--memory`, else what the machine has left.
+    #[must_use]
+    pub fn allowance(&self) -> Allowance {
+        match self.memory {
+            Some(bytes) => Allowance { bytes, asked: true },
+            None => available_memory().map_or(Allowance::UNKNOWN, |bytes| Allowance { bytes, asked: false }),
+        }
+    }
+
     /// Writes a message for people to standard error, unless `--quiet`.
     pub fn say(&self, message: &str) {
         if !self.quiet {
@@ -143,6 +154,9 @@ pub fn print_json(out: &mut dyn Write, value: &impl serde::Serialize) -> Result<
     print(out, &text)
 }
 
+/// What the smallest command takes, bytes.
+const LEAST_MEMORY: f64 = 16e6;
+
 /// A memory size: a number with an optional unit B, kB, MB, GB, KiB, MiB, GiB.
 fn memory(text: &str) -> Result<u64, String> {
     let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
@@ -157,6 +171,9 @@ fn memory(text: &str) -> Result<u64, String> {
         other => return Err(format!("unknown unit '{}': write for example 8GiB or 500MB", shortened(other))),
     };
     match text[..split].trim().parse::<f64>() {
+        Ok(value) if value * unit >= 1.0 && value * unit < LEAST_MEMORY => {
+            Err(format!("the program itself needs about {:.0} MB; raise --memory", LEAST_MEMORY / 1e6))
+        }
         Ok(value) if value.is_finite() && value * unit >= 1.0 => Ok((value * unit) as u64),
         _ => Err("write a size such as 8GiB or 500MB".into()),
     }
@@ -170,6 +187,7 @@ mod tests {
     fn memory_sizes_are_read_in_both_kinds_of_units() {
         assert_eq!(memory("8GiB"), Ok(8 << 30));
         assert_eq!(memory("500 MB"), Ok(500_000_000));
+        assert!(memory("15MB").unwrap_err().contains("needs about 16 MB; raise --memory"));
         assert!(memory("lots").is_err());
         assert!(memory("0").is_err());
         assert!(memory("5XB").is_err());

@@ -12,6 +12,7 @@ mod outputs;
 pub mod progress;
 pub mod provenance;
 pub mod sets;
+mod several;
 pub mod structure_arg;
 
 pub use exhausted::EndsWhenExhausted;

@@ -10,7 +10,7 @@ use barbule::io::read_material;
 use barbule::progress::Progress;
 use barbule::{Error, Result};
 
-use crate::campaign::{expected, plan, units_at_once};
+use crate::campaign::{compare_sides, expected, plan, units_at_once};
 use crate::common::Common;
 use crate::progress::Terminal;
 use crate::structure_arg;
@@ -32,7 +32,8 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(FeatherMaterial, Stri
         return Ok((material, hash));
     }
     let catalog = Catalog { cache: Some(cache_folder(common)?) };
-    let plan = plan(&CampaignOptions { seed: common.seed, ..CampaignOptions::default() }, structure, common)?;
+    let mut plan =
+        plan(&CampaignOptions { seed: common.seed, ..CampaignOptions::default() }, structure, common)?;
     if let Some(Found { material, hash }) = catalog.cached(&plan) {
         return Ok((material, hash));
     }
@@ -41,6 +42,7 @@ pub(crate) fn find(name: &str, common: &Common) -> Result<(FeatherMaterial, Stri
         plan.structure.name(),
         expected(&plan)
     ));
+    compare_sides(&mut plan, common)?;
     let units_at_once = units_at_once(&plan, Keep::Statistics, Results::Gathered, common)?;
     let resources = Resources { units_at_once, ..Resources::default() };
     let how = Execution { resources, ..Execution::default() };

@@ -9,7 +9,7 @@ use barbule::{Error, Result};
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 
-use crate::provenance::{is_beside, sidecar};
+use crate::provenance::{check_table, is_beside, sidecar};
 
 /// Arguments whose values are files to be written.
 pub(crate) const OUTPUTS: [&str; 3] = ["output", "csv", "summary"];
@@ -20,17 +20,12 @@ const TABLES: [&str; 2] = ["csv", "summary"];
 /// Arguments whose values are folders that the program fills, and so no inputs.
 pub(crate) const FOLDERS: [&str; 2] = ["cache", "keep_store"];
 
-/// Endings of formats that a table in text plainly is not.
-const OTHER_FORMATS: [&str; 22] = [
-    "xlsx", "xls", "xlsm", "ods", "odt", "numbers", "pdf", "svg", "png", "jpg", "jpeg", "tif", "tiff", "exr",
-    "html", "json", "toml", "yaml", "yml", "npz", "barbule", "zarr",
-];
-
 /// A file that a command line asks to be written.
 struct Output {
     path: PathBuf,
     /// As messages call it.
     name: String,
+    flag: String,
     is_table: bool,
 }
 
@@ -62,7 +57,10 @@ pub(crate) fn check(matches: &ArgMatches) -> Result<()> {
     if outputs.is_empty() {
         return Ok(());
     }
-    outputs.iter().filter(|output| output.is_table).try_for_each(check_table)?;
+    outputs
+        .iter()
+        .filter(|output| output.is_table)
+        .try_for_each(|table| check_table(&table.flag, &table.path))?;
     let inputs: Vec<PathBuf> = words(matches).iter().flat_map(|word| readings(word)).collect();
     for folder in inputs.iter().filter(|path| path.is_dir()) {
         let joins = |output: &&Output| {
@@ -106,28 +104,12 @@ fn outputs(matches: &ArgMatches) -> Vec<Output> {
             if is_table && is_beside(&path) {
                 let notes = sidecar(&path);
                 let name = format!("{} (the notes beside {name})", notes.display());
-                found.push(Output { path: notes, name, is_table: false });
+                found.push(Output { path: notes, name, flag: flag.clone(), is_table: false });
             }
-            found.push(Output { path, name, is_table });
+            found.push(Output { path, name, flag: flag.clone(), is_table });
         }
     }
     found
-}
-
-/// Refuses names that a table in text cannot have.
-fn check_table(Output { path, name, .. }: &Output) -> Result<()> {
-    if path == Path::new("-") {
-        let flag = name.trim_end_matches(" -");
-        return Err(Error::input(format!(
-            "{name}: a table is written to a file; leave {flag} out to print it, or give /dev/stdout"
-        )));
-    }
-    match OTHER_FORMATS.iter().find(|format| ends_with(path, format)) {
-        Some(_) => Err(Error::input(format!(
-            "{name}: tables are text with commas, which spreadsheets open; end the name in .csv"
-        ))),
-        None => Ok(()),
-    }
 }
 
 /// The words of a command line that may name what is read.

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use barbule::Result;
+use barbule::error::shortened;
 use barbule::io::{check_writable, is_stream, write_together, write_whole};
 use barbule::plot::{Drawing, Format};
+use barbule::{Error, Result};
 
 use crate::common::Common;
 
@@ -93,6 +94,13 @@ pub fn sidecar(path: &Path) -> PathBuf {
 /// # Errors
 /// As above.
 pub fn check_outputs(figure: Option<&Path>, csv: Option<&Path>) -> Result<()> {
+    for path in [figure, csv].into_iter().flatten() {
+        if path.as_os_str() == "-" {
+            return Err(Error::input(
+                "-: files are written to paths, not to standard output; give a path, or --json for standard output",
+            ));
+        }
+    }
     if let Some(path) = figure {
         Format::of(path)?;
         check_writable(path)?;
@@ -104,6 +112,39 @@ pub fn check_outputs(figure: Option<&Path>, csv: Option<&Path>) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Refuses names of CSV files that plainly ask for something else: `-`, and extensions of other formats.
+///
+/// # Errors
+/// As above; `flag` names the argument.
+pub fn check_table(flag: &str, path: &Path) -> Result<()> {
+    const OTHERS: [&str; 22] = [
+        "xlsx", "xls", "xlsm", "ods", "numbers", "json", "svg", "png", "pdf", "eps", "jpg", "jpeg", "tif",
+        "tiff", "exr", "html", "toml", "yml", "yaml", "zarr", "barbule", "npy",
+    ];
+    if path.as_os_str() == "-" {
+        return Err(Error::input(format!(
+            "{flag} -: name a file; --json prints the numbers on standard output"
+        )));
+    }
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if OTHERS.contains(&extension.as_str()) {
+        return Err(Error::input(format!(
+            "{flag} {}: tables are written as CSV, not as .{extension}; end the name with .csv",
+            shortened(&path.to_string_lossy())
+        )));
+    }
+    Ok(())
+}
+
+/// A cell of a CSV file: in quotes where it holds a comma, a quote or a line's end.
+#[must_use]
+pub fn csv_cell(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        return format!("\"{}\"", text.replace('"', "\"\""));
+    }
+    text.to_owned()
 }
 
 /// A word as a shell needs it.
@@ -124,6 +165,21 @@ mod tests {
         assert_eq!(quoted("--angle=-20"), "--angle=-20");
         assert_eq!(quoted("air/6*(keratin:5)/air"), "'air/6*(keratin:5)/air'");
         assert_eq!(quoted("it's"), "'it'\\''s'");
+    }
+
+    #[test]
+    fn names_of_other_formats_are_no_tables_and_cells_are_quoted() {
+        for bad in ["-", "a.xlsx", "A.PNG", "b.json"] {
+            assert!(
+                check_table("--csv", Path::new(bad)).unwrap_err().to_string().starts_with("--csv "),
+                "{bad}"
+            );
+        }
+        for good in ["a.csv", "a.txt", "a", "a.tsv"] {
+            check_table("--csv", Path::new(good)).unwrap();
+        }
+        assert_eq!(csv_cell("air/mix(a,b,0.4):1/air"), "\"air/mix(a,b,0.4):1/air\"");
+        assert_eq!(csv_cell("star\"ling"), "\"star\"\"ling\"");
     }
 
     #[test]

@@ -77,9 +77,17 @@ pub fn written(values: &[f64]) -> String {
 /// # Errors
 /// As [`parse`], or a wavelength out of range.
 pub fn wavelengths(text: &str) -> Result<Vec<f64>> {
-    let mut values = parse("--wavelengths", text)?;
+    wavelengths_of("--wavelengths", text)
+}
+
+/// As [`wavelengths`]; `flag` names the set in messages.
+///
+/// # Errors
+/// As [`wavelengths`].
+pub fn wavelengths_of(flag: &str, text: &str) -> Result<Vec<f64>> {
+    let mut values = parse(flag, text)?;
     if let Some(bad) = values.iter().find(|v| !WAVELENGTHS_NM.contains(*v)) {
-        return Err(Error::input(format!("--wavelengths: {bad} nm is outside 300 to 830 nm")));
+        return Err(Error::input(format!("{flag}: {bad} nm is outside 300 to 830 nm")));
     }
     values.sort_by(f64::total_cmp);
     values.dedup();
@@ -99,7 +107,7 @@ pub fn wavelength_set(text: &str) -> Result<Wavelengths> {
 /// # Errors
 /// As [`wavelengths`], or a set of several.
 pub fn wavelength(flag: &str, text: &str) -> Result<f64> {
-    single(flag, text, &wavelengths(text)?)
+    single(flag, text, &wavelengths_of(flag, text)?)
 }
 
 /// A single angle in degrees.

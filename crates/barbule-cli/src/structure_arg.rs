@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use barbule::io::{is_lattice, read_lattice, read_section, read_sections, read_structure_toml};
-use barbule::structure::stack::Stack;
-use barbule::structure::{Lattice, MaterialSource, Section, SpeciesModel, Structure, Substance};
+use barbule::io::{
+    is_lattice, read_flat_stack, read_lattice, read_section, read_sections, read_structure_toml,
+};
+use barbule::structure::{FlatStack, Lattice, MaterialSource, Section, SpeciesModel, Structure, Substance};
 use barbule::{Error, Result};
 
 use crate::common::Common;
@@ -32,7 +33,10 @@ pub fn parse(text: &str, common: &Common) -> Result<Structure> {
         return Ok(Structure::Sections { name: section.name.clone(), sections: vec![section] });
     }
     if ends_with(text, ".toml") {
-        return read_structure_toml(path, None, &library);
+        return match read_flat_stack(path, &library)? {
+            Some(stack) => flat(stack, common),
+            None => read_structure_toml(path, None, &library),
+        };
     }
     if let Some((file, variant)) = text.rsplit_once(':').filter(|(file, _)| ends_with(file, ".toml")) {
         return read_structure_toml(Path::new(file), Some(variant), &library);
@@ -52,13 +56,22 @@ pub fn parse(text: &str, common: &Common) -> Result<Structure> {
         ))),
         Some(Err(error)) => Err(error),
         None if text.ends_with('/') => Err(Error::input(format!("{text}: no such folder"))),
-        None => {
-            let stack = Stack::parse(text, &library)?;
-            let mut section = Section::flat(text, &stack, library)?;
-            remember_media(std::slice::from_mut(&mut section), common);
-            Ok(Structure::Sections { name: text.to_owned(), sections: vec![section] })
+        None => flat(FlatStack::parse(text, library)?, common),
+    }
+}
+
+/// A stack as a flat barbule; says what is doubtful about it.
+fn flat(mut flat: FlatStack, common: &Common) -> Result<Structure> {
+    if let Some(doubt) = flat.stack.doubt() {
+        common.say(&doubt);
+    }
+    let regions = 0..flat.stack.layers() + 2;
+    for (name, source) in given_media(common) {
+        if regions.clone().any(|region| flat.stack.medium(region).contains(&name)) {
+            flat.materials.entry(name).or_insert(source);
         }
     }
+    flat.structure()
 }
 
 /// Finds a photonic crystal: that of any structure that has one.
@@ -76,17 +89,23 @@ const LATTICES: &str = "give mallard, magpie, peafowl, or a file with a [lattice
 
 /// Keeps the files of `--medium` with sections that name them, so that a written section finds them again.
 fn remember_media(sections: &mut [Section], common: &Common) {
-    for given in &common.medium {
-        let Some((name, file)) = given.split_once('=') else { continue };
-        let path = std::path::absolute(file).unwrap_or_else(|_| file.into());
+    for (name, source) in given_media(common) {
         for section in &mut *sections {
-            let named = |s: &Substance| matches!(s, Substance::Named(text) if text.contains(name.trim()));
+            let named = |s: &Substance| matches!(s, Substance::Named(text) if text.contains(&name));
             if section.all_media().flat_map(|medium| medium.substances()).any(named) {
-                let source = MaterialSource::File(path.clone());
-                section.materials.entry(name.trim().to_owned()).or_insert(source);
+                section.materials.entry(name.clone()).or_insert(source.clone());
             }
         }
     }
+}
+
+/// The names and files of `--medium`.
+fn given_media(common: &Common) -> impl Iterator<Item = (String, MaterialSource)> {
+    common.medium.iter().filter_map(|given| {
+        let (name, file) = given.split_once('=')?;
+        let path = std::path::absolute(file).unwrap_or_else(|_| file.into());
+        Some((name.trim().to_owned(), MaterialSource::File(path)))
+    })
 }
 
 #[cfg(test)]

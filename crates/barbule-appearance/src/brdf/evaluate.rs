@@ -4,12 +4,13 @@ use fearless_simd::{Level, Simd, dispatch, f32x4, prelude::*};
 use glam::DVec3;
 use std::f64::consts::PI;
 
+use super::exact::{Lobe, Lobes};
 use super::integral::Fine;
-use super::lanes::{Lobes, StoredLobes};
+use super::lanes::{LobeLanes, StoredLobes};
 use super::material::{FeatherMaterial, check_sigma};
 use super::noise::{Draw, Noise};
 use super::sample::{HalfVectors, SampledLobe};
-use super::table::{self, Table, WIDTH, effective};
+use super::table::Table;
 use crate::Result;
 use crate::scattering::far_field::Polarization;
 
@@ -27,12 +28,12 @@ pub struct Options {
 /// A feather material that is ready for evaluation. Shared between threads; nothing in it changes.
 #[derive(Debug, Clone)]
 pub struct FeatherBrdf {
-    tables: Vec<Table>,
+    pub(super) tables: Vec<Table>,
     noise: Noise,
     sigma: f64,
     half_vectors: HalfVectors,
     factors: Factors,
-    options: Options,
+    pub(super) options: Options,
     level: Level,
     range_nm: (f64, f64),
 }
@@ -145,15 +146,11 @@ impl FeatherBrdf {
             return 0.0;
         }
         let quadrature = Fine::new();
-        let sum: f64 = self
-            .parameters(wavelength_nm, wi)
-            .map(|(p, incident)| {
-                let m = f64::from(p[table::M]);
-                let integral = quadrature.scaled_integral(m, incident, self.sigma);
-                f64::from(p[table::STRENGTH]) * integral / incident.z
-            })
-            .sum();
-        sum / self.tables.len() as f64
+        let exact = self.exact(f64::from(wavelength_nm), wi);
+        let reflected = |Lobes { mean: Lobe { m, incident, strength }, .. }: &Lobes| {
+            strength * quadrature.scaled_integral(*m, *incident, self.sigma) / incident.z
+        };
+        exact.sets.iter().map(reflected).sum::<f64>() / exact.sets.len() as f64
     }
 
     /// Prepares and evaluates without a detour through memory.
@@ -187,7 +184,7 @@ impl FeatherBrdf {
     ) -> f32x4<S> {
         let mut sum = f32x4::splat(simd, 0.0);
         for table in &self.tables {
-            let lobes = Lobes::new(simd, table, wavelengths_nm, single(wi), self.factors.amplitude);
+            let lobes = LobeLanes::new(simd, table, wavelengths_nm, single(wi), self.factors.amplitude);
             sum += self.value(simd, lobes, wi, wo, draw);
         }
         sum
@@ -198,7 +195,7 @@ impl FeatherBrdf {
     fn value<S: Simd>(
         &self,
         simd: S,
-        lobes: Lobes<S>,
+        lobes: LobeLanes<S>,
         wi: DVec3,
         wo: DVec3,
         draw: Option<&Draw>,
@@ -230,22 +227,8 @@ impl FeatherBrdf {
         sets: &mut [StoredLobes; 2],
     ) {
         for (lobes, table) in sets.iter_mut().zip(&self.tables) {
-            *lobes = Lobes::new(simd, table, wavelengths_nm, single(wi), self.factors.amplitude).store();
+            *lobes = LobeLanes::new(simd, table, wavelengths_nm, single(wi), self.factors.amplitude).store();
         }
-    }
-
-    /// Parameters and ω_eff of each set.
-    fn parameters(&self, wavelength_nm: f32, wi: DVec3) -> impl Iterator<Item = ([f32; WIDTH], DVec3)> + '_ {
-        self.tables.iter().map(move |table| {
-            let cos_theta = wi.x.hypot(wi.z).max(1e-6);
-            let cos_phi = wi.z / cos_theta;
-            let cell = table.cell_plain(cos_theta, cos_phi);
-            let p = table.lookup_plain(&cell, table.place(wavelength_nm));
-            let mut incident = effective(cos_theta, cos_phi, f64::from(p[table::TILT]));
-            incident.x = incident.x.copysign(wi.x * incident.x);
-            incident.y = wi.y;
-            (p, incident)
-        })
     }
 }
 

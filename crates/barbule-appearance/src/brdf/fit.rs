@@ -59,6 +59,36 @@ pub struct FitReport {
     pub length_disagreement: f64,
     /// Correlation of both polarizations' intensity patterns, and contrast of the unpolarized intensity.
     pub patterns: Vec<Pattern>,
+    /// Nodes that reflected over all light: the material has 1 there.
+    pub clipped: Vec<Clipped>,
+    /// Directions so near grazing incidence that the simulation does not hold; left to the caller, who knows the barbule.
+    pub grazing: Vec<GrazingDirection>,
+}
+
+/// A node that reflected over all light.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Clipped {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// θ_i, degrees.
+    pub theta_deg: f64,
+    /// φ_i, degrees.
+    pub phi_deg: f64,
+    /// What it reflected.
+    pub reflected: f64,
+}
+
+/// A direction at which a flat perfect mirror as wide as the barbule would not reflect all light.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct GrazingDirection {
+    /// θ_i, degrees.
+    pub theta_deg: f64,
+    /// φ_i, degrees.
+    pub phi_deg: f64,
+    /// At how many of the wavelengths.
+    pub wavelengths: usize,
+    /// What the mirror would reflect where it is furthest off.
+    pub mirror_fraction: f64,
 }
 
 /// One fit that should not be trusted.
@@ -77,6 +107,12 @@ pub struct Flagged {
 }
 
 impl FitReport {
+    /// Nodes (λ, ω_i) at the directions near grazing incidence.
+    #[must_use]
+    pub fn grazing_nodes(&self) -> usize {
+        self.grazing.iter().map(|direction| direction.wavelengths).sum()
+    }
+
     /// Correlation of the polarizations' patterns, and contrast of unpolarized intensity, each simulated and synthesized:
     /// means over [`Self::patterns`], correlations weighted as they enter the variance of unpolarized light.
     #[must_use]
@@ -94,7 +130,10 @@ impl FitReport {
 struct Node {
     mean: Fit,
     stationary: Lobe,
+    /// At most 1.
     reflected: f64,
+    /// What was simulated.
+    simulated: f64,
     reflected_stationary: f64,
     fraction: [f64; 2],
     clipped: f64,
@@ -241,7 +280,8 @@ impl NodeFit<'_> {
         };
         let mean = lobe_of(&u);
         let total = |values: &[f64]| cos_theta * step * values.iter().sum::<f64>();
-        let reflected = total(&u).clamp(0.0, 1.0);
+        let simulated = total(&u);
+        let reflected = simulated.clamp(0.0, 1.0);
         let unclipped = total(&v);
         let own = lobe_of(&v);
         let weak = unclipped < SMALLEST_STATIONARY * reflected || own.scale == 0.0;
@@ -258,7 +298,7 @@ impl NodeFit<'_> {
             (stationary, reflected_stationary) = (mean.lobe, steady * reflected);
             fraction[1] = fraction[0];
         }
-        Node { mean, stationary, reflected, reflected_stationary, fraction, clipped }
+        Node { mean, stationary, reflected, simulated, reflected_stationary, fraction, clipped }
     }
 
     /// Polarization 1's part of the energy.
@@ -333,6 +373,15 @@ fn report(
             }
         })
         .collect();
+    let clipped = nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, n)| n.simulated > 1.0)
+        .map(|(at, n)| {
+            let (wavelength_nm, theta_deg, phi_deg) = direction(axes, at % axes.len());
+            Clipped { wavelength_nm, theta_deg, phi_deg, reflected: n.simulated }
+        })
+        .collect();
     let mut apart: Vec<f64> = lengths.iter().map(|l| (l.fitted / l.ratio - 1.0).abs()).collect();
     apart.sort_by(f64::total_cmp);
     let last = &lengths[axes.len() - 1];
@@ -345,6 +394,8 @@ fn report(
         longest_length: [last.fitted, last.ratio],
         length_disagreement: quantile(&apart, 0.5),
         patterns: super::patterns::compare(statistics, material),
+        clipped,
+        grazing: Vec::new(),
     }
 }
 

@@ -26,7 +26,7 @@ pub fn lobe_integral(lobe: Lobe, theta_i: f64, sigma: f64) -> Result<f64> {
 }
 
 /// Nodes and weights of a rule on \[0, 1\].
-type Rule = Vec<(f64, f64)>;
+pub(super) type Rule = Vec<(f64, f64)>;
 
 /// Where the longitudinal spread ends, in units of σ: exp(−20) is left out.
 const END: f64 = 4.5;
@@ -277,7 +277,7 @@ fn half_angle(cosine: f64, sine: f64) -> (f64, f64) {
 }
 
 /// Gauss–Legendre nodes and weights on \[0, 1\], by Newton's method on the recurrence.
-fn gauss_legendre(count: usize) -> Rule {
+pub(super) fn gauss_legendre(count: usize) -> Rule {
     (0..count)
         .map(|k| {
             let mut x = libm::cos(PI * (k as f64 + 0.75) / (count as f64 + 0.5));

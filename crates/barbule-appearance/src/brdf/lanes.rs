@@ -1,7 +1,7 @@
 //! The lobes of four wavelengths at once, in vector registers.
 //!
 //! Everything here is inlined into one dispatched function, so it has neither closures nor calls that the compiler
-//! could leave outside. The plain formulas, in double precision, are the tests' reference.
+//! could leave outside. Their reference is the module `exact`.
 
 use fearless_simd::{Simd, f32x4, f32x8, i32x8, prelude::*};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, LN_2, LOG2_E, PI};
@@ -12,7 +12,7 @@ use super::table::{LARGEST_SINE, Table};
 /// Lobe parameters of one set at four wavelengths and one incident direction: the mean lobes of the four wavelengths,
 /// then the stationary ones.
 #[derive(Clone, Copy)]
-pub(super) struct Lobes<S: Simd> {
+pub(super) struct LobeLanes<S: Simd> {
     m2: f32x8<S>,
     /// x and z of ω_eff.
     x: f32x8<S>,
@@ -38,8 +38,8 @@ impl StoredLobes {
         Self { m2: [1.0; 8], x: [0.0; 8], z: [1.0; 8], amplitude: [0.0; 8], inverse_length: [1.0; 4] };
 
     #[inline(always)]
-    pub(super) fn load<S: Simd>(&self, simd: S) -> Lobes<S> {
-        Lobes {
+    pub(super) fn load<S: Simd>(&self, simd: S) -> LobeLanes<S> {
+        LobeLanes {
             m2: f32x8::from_slice(simd, &self.m2),
             x: f32x8::from_slice(simd, &self.x),
             z: f32x8::from_slice(simd, &self.z),
@@ -49,7 +49,7 @@ impl StoredLobes {
     }
 }
 
-impl<S: Simd> Lobes<S> {
+impl<S: Simd> LobeLanes<S> {
     /// Looks up a set; `factor` = 1/(σ π^{3/2}).
     #[inline(always)]
     pub(super) fn new(simd: S, table: &Table, wavelengths_nm: [f32; 4], wi: [f32; 3], factor: f32) -> Self {

@@ -84,6 +84,51 @@ impl FeatherMaterial {
         }
         Ok(())
     }
+
+    /// The same material with only those wavelengths of its tables that decide what it does at the given ones, nm: their
+    /// neighbours on both sides. Prepared in a fraction of the time.
+    ///
+    /// # Errors
+    /// The arrays do not fit the axes ([`FeatherMaterial::check`]).
+    pub fn around(&self, wavelengths_nm: &[f64]) -> Result<Self> {
+        self.check()?;
+        let nodes = self.axes.wavelengths_nm();
+        let last = nodes.len() - 1;
+        let mut kept: Vec<usize> = wavelengths_nm
+            .iter()
+            .flat_map(|nm| {
+                let above = nodes.partition_point(|node| node <= nm).clamp(1, last.max(1));
+                [above - 1, above.min(last)]
+            })
+            .collect();
+        kept.sort_unstable();
+        kept.dedup();
+        let size = self.axes.len() / nodes.len();
+        let part = |values: &Vec<f32>| -> Vec<f32> {
+            let layers = kept.iter().filter_map(|wave| values.get(wave * size..(wave + 1) * size));
+            layers.flatten().copied().collect()
+        };
+        let lobe = |lobe: &LobeSet| LobeSet {
+            m: part(&lobe.m),
+            phi: part(&lobe.phi),
+            reflected: part(&lobe.reflected),
+        };
+        let set = |set: &ParameterSet| ParameterSet {
+            mean: lobe(&set.mean),
+            stationary: lobe(&set.stationary),
+            length: part(&set.length),
+            fraction_1: part(&set.fraction_1),
+            stationary_fraction_1: part(&set.stationary_fraction_1),
+        };
+        let wavelengths = Wavelengths::new(kept.iter().map(|wave| nodes[*wave]).collect::<Vec<_>>())?;
+        Ok(Self {
+            axes: Axes::new(&wavelengths, self.axes.cos_theta().to_vec(), self.axes.cos_phi().to_vec())?,
+            sets: self.sets.iter().map(set).collect(),
+            noise_power: self.noise_power.clone(),
+            info: self.info.clone(),
+            ..*self
+        })
+    }
 }
 
 impl ParameterSet {

@@ -5,6 +5,7 @@
 //! barbule's frame (x across, y along, z up) and point away from the surface; values are in 1/sr without the cosine.
 
 mod evaluate;
+mod exact;
 pub mod fit;
 mod fitted;
 // What tests and benchmarks of several crates need, but no user.
@@ -13,6 +14,7 @@ pub mod fixtures;
 mod integral;
 mod lanes;
 mod length;
+mod marginal;
 mod material;
 mod noise;
 mod patterns;
@@ -22,7 +24,9 @@ mod simd;
 mod table;
 
 pub use evaluate::{FeatherBrdf, Options, PreparedBrdf};
+pub use exact::{ExactBrdf, Values, values};
 pub use integral::lobe_integral;
+pub use marginal::marginals;
 pub use material::{
     FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, check_axes, check_sigma, table_axes,
 };

@@ -145,6 +145,24 @@ impl Noise {
         [real[0], imaginary[0]]
     }
 
+    /// [`at`](Self::at) in double precision, one formula after another.
+    #[must_use]
+    pub(super) fn exact(&self, draw: &Draw, x: f64) -> [f64; 2] {
+        let position = x.clamp(-512.0, 512.0) * (0.5 * NOISE_POINTS as f64) - 0.5;
+        let (k, t) = (position.floor(), position - position.floor());
+        let value = |k: i32| {
+            let at = 2 * ((draw.shift + draw.direction * k) as usize & (NOISE_POINTS - 1));
+            let row = &self.values[draw.base];
+            [f64::from(row[at]), f64::from(row[at + 1])]
+        };
+        let ([r0, i0], [r1, i1]) = (value(k as i32), value(k as i32 + 1));
+        // (1−t)² + t² + 2 t (1−t) C₁
+        let scale = 1.0 / (1.0 - 2.0 * t * (1.0 - t) * (1.0 - self.autocovariance[1])).sqrt();
+        let (a, b) = (scale * ((1.0 - t) * r0 + t * r1), scale * ((1.0 - t) * i0 + t * i1));
+        let (cosine, sine) = (f64::from(draw.cosine), f64::from(draw.sine));
+        [a * cosine - b * sine, a * sine + b * cosine]
+    }
+
     /// q_r and q_i at four places.
     #[inline(always)]
     pub(super) fn at_four<S: Simd>(&self, simd: S, draw: &Draw, x: f32x4<S>) -> [f32x4<S>; 2] {
@@ -171,6 +189,14 @@ impl Noise {
         let (a, b) = (low * low_r + high * high_r, low * low_i + high * high_i);
         [a * draw.cosine - b * draw.sine, a * draw.sine + b * draw.cosine]
     }
+}
+
+/// The points of the noise between two places, where its interpolation has corners.
+pub(super) fn knots(low: f64, high: f64) -> impl Iterator<Item = f64> {
+    let n = NOISE_POINTS as f64;
+    let place = |x: f64| 0.5 * (x * n + n - 1.0);
+    let (first, last) = (place(low).ceil() as i64, place(high).floor() as i64);
+    (first..=last).map(move |k| (2.0 * k as f64 + 1.0 - n) / n)
 }
 
 /// (q_r, q_i) at a point and at the next.

@@ -48,3 +48,15 @@ pub fn hemisphere(
         })
         .collect())
 }
+
+/// The directions above the centres of `size` × `size` cells over the hemisphere seen from above, those inside the unit
+/// circle: row by row from y = −1 up, x rising within a row, as x = (2i + 1)/size − 1.
+#[must_use]
+pub fn projected_grid(size: usize) -> Vec<DVec3> {
+    let centre = |k: usize| (2 * k + 1) as f64 / size as f64 - 1.0;
+    let cells = (0..size).flat_map(|row| (0..size).map(move |column| (centre(column), centre(row))));
+    cells
+        .filter(|(x, y)| x * x + y * y < 1.0)
+        .map(|(x, y)| DVec3::new(x, y, (1.0 - x * x - y * y).sqrt()))
+        .collect()
+}

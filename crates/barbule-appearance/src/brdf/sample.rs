@@ -95,7 +95,7 @@ impl HalfVectors {
 const LAST: f64 = 2.661_340_078_986_675;
 
 /// ∫₀^t 2/(π (1+s²)²) ds, between 0 and ½ for positive t.
-fn half_distribution(t: f64) -> f64 {
+pub(super) fn half_distribution(t: f64) -> f64 {
     if t > 50.0 {
         // Two terms of the tail: relative error t⁻⁷.
         let inverse = 1.0 / (t * t);

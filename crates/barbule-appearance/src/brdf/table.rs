@@ -5,7 +5,7 @@
 //! linearly in λ. φ_eff is kept as sinφ_eff/sinφ_i, which is even and smooth at normal incidence, where φ_i itself has
 //! an infinite slope against cosφ_i.
 
-use fearless_simd::{Fallback, Simd, f32x4, f32x8, i32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, i32x4, prelude::*};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -42,6 +42,8 @@ pub(super) struct Table {
     /// Shape `[θ cell, φ cell, λ]`.
     patches: Vec<Patch>,
     wavelengths_nm: Vec<f32>,
+    /// The same unrounded.
+    nodes_nm: Vec<f64>,
     /// 1/spacing where the wavelengths are evenly spaced.
     inverse_spacing: Option<f32>,
     theta_cells: usize,
@@ -106,6 +108,7 @@ impl Table {
         Self {
             patches,
             wavelengths_nm,
+            nodes_nm: axes.wavelengths_nm().to_vec(),
             inverse_spacing: even.then_some((1.0 / spacing) as f32),
             theta_cells: theta.cells,
             phi_cells: phi.cells,
@@ -180,11 +183,6 @@ impl Table {
         }
     }
 
-    /// The same outside vector code.
-    pub(super) fn cell_plain(&self, cos_theta: f64, cos_phi: f64) -> Cell {
-        self.cell(Fallback::new(), cos_theta as f32, cos_phi as f32)
-    }
-
     /// All parameters there, at a wavelength's index and the weight of the next.
     #[inline(always)]
     pub(super) fn lookup<S: Simd>(&self, simd: S, cell: &Cell, index: usize, weight: f32) -> f32x8<S> {
@@ -196,15 +194,29 @@ impl Table {
         low + (high - low) * weight
     }
 
-    /// The same one parameter after another.
-    pub(super) fn lookup_plain(&self, cell: &Cell, place: Place) -> [f32; WIDTH] {
-        let at = cell.first + place.index;
-        let (low, high) = (&self.patches[at], &self.patches[at + 1]);
-        std::array::from_fn(|k| {
-            let mix =
-                |patch: &Patch| -> f32 { patch.0.iter().zip(cell.weights).map(|(c, w)| c[k] * w).sum() };
-            (1.0 - place.weight) * mix(low) + place.weight * mix(high)
-        })
+    /// All parameters at a wavelength and incident direction, in double precision.
+    pub(super) fn exact(&self, wavelength_nm: f64, cos_theta: f64, cos_phi: f64) -> [f64; WIDTH] {
+        let place = |cosine: f64, cells: usize| {
+            let position = cosine.clamp(0.0, 1.0) * cells as f64;
+            let cell = position.floor().min(cells as f64 - 1.0);
+            (cell as usize, position - cell)
+        };
+        let ((t, wt), (p, wp)) = (place(cos_theta, self.theta_cells), place(cos_phi, self.phi_cells));
+        let corners = [(1.0 - wt) * (1.0 - wp), (1.0 - wt) * wp, wt * (1.0 - wp), wt * wp];
+        let nm = &self.nodes_nm;
+        // One wavelength alone is stored twice.
+        let (wave, weight) = if nm.len() == 1 {
+            (0, 0.0)
+        } else {
+            let wave = nm.partition_point(|w| *w <= wavelength_nm).clamp(1, nm.len() - 1) - 1;
+            (wave, ((wavelength_nm - nm[wave]) / (nm[wave + 1] - nm[wave])).clamp(0.0, 1.0))
+        };
+        let at = (t * self.phi_cells + p) * nm.len().max(2) + wave;
+        let mix = |patch: &Patch, k: usize| -> f64 {
+            patch.0.iter().zip(corners).map(|(corner, w)| w * f64::from(corner[k])).sum()
+        };
+        let [low, high] = [&self.patches[at], &self.patches[at + 1]];
+        std::array::from_fn(|k| (1.0 - weight) * mix(low, k) + weight * mix(high, k))
     }
 }
 

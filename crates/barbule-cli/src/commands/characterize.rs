@@ -8,7 +8,7 @@ use barbule::characterize::{Catalog, Characterized, Execution, characterize, che
 use barbule::io::{check_writable, write_material};
 use barbule::{Error, Result};
 
-use crate::campaign::{CampaignArgs, FitArgs, expected, say_repaired, summary, units_at_once};
+use crate::campaign::{CampaignArgs, FitArgs, compare_sides, expected, say_repaired, summary, units_at_once};
 use crate::common::{Common, path_json, print, print_json};
 use crate::progress::Terminal;
 use crate::{materials, structure_arg};
@@ -39,7 +39,7 @@ impl Args {
         self.common.start_threads()?;
         let structure = structure_arg::parse(&self.structure, &self.common)?;
         let name = structure.name();
-        let plan = self.campaign.plan(structure, &self.common)?;
+        let mut plan = self.campaign.plan(structure, &self.common)?;
         let output = match &self.output {
             Some(path) => path.clone(),
             None => Catalog { cache: Some(materials::cache_folder(&self.common)?) }.path(&name)?,
@@ -50,6 +50,7 @@ impl Args {
         let store = self.keep_store.as_deref().map(|folder| store_path(folder, &name)).transpose()?;
         let width = self.campaign.width();
         let units_at_once = units_at_once(&plan, Keep::Statistics, Results::Gathered, &self.common)?;
+        compare_sides(&mut plan, &self.common)?;
         self.common.say(&format!("characterizing {name}: about {}", expected(&plan)));
         let how = Execution { resources: Resources { width, units_at_once }, store: store.as_deref() };
         let progress = Terminal::new(&self.common);

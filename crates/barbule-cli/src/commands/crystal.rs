@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use barbule::plot::{Axis, Drawing, Format, HeatMap};
 use barbule::solve::crystal::{
-    Cell, CrystalResponse, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa, sweep,
+    Cell, CrystalResponse, CrystalSolver, Fdtd, Incidence, Multipole, NearField, Rcwa, sweep,
 };
 use barbule::spectrum::Wavelengths;
 use barbule::structure::Lattice;
@@ -39,13 +39,16 @@ pub(crate) struct Args {
     /// mallard, magpie or peafowl[:VARIANT], a species .toml of a crystal, or a lattice in TOML or JSON
     structure: String,
     /// Wavelength in nm
-    #[arg(long, value_name = "NM", default_value_t = 550.0)]
+    #[arg(long, value_name = "NM", default_value = "550",
+        value_parser = |text: &str| sets::wavelength("--wavelength", text))]
     wavelength: f64,
     /// Longitudinal angle of incidence in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", default_value = "0", allow_hyphen_values = true,
+        value_parser = |text: &str| sets::angle("--theta", text))]
     theta: f64,
     /// Azimuth of incidence in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", default_value = "0", allow_hyphen_values = true,
+        value_parser = |text: &str| sets::angle("--phi", text))]
     phi: f64,
     /// How it is solved
     #[arg(long, value_enum, default_value_t = Method::Multipole)]
@@ -97,21 +100,14 @@ impl Args {
             }
         }
         let lattice = structure_arg::lattice(&self.structure, &self.common)?;
-        let angle = |flag: &str, degrees: f64| {
-            if degrees.abs() < 90.0 {
-                Ok(degrees.to_radians())
-            } else {
-                Err(Error::input(format!("{flag} {degrees} must lie between -90 and 90 degrees")))
-            }
-        };
         let incidence = Incidence {
             wavelength_nm: self.wavelength,
-            theta_i: angle("--theta", self.theta)?,
-            phi_i: angle("--phi", self.phi)?,
+            theta_i: self.theta.to_radians(),
+            phi_i: self.phi.to_radians(),
         };
         match &self.output {
             Some(path) if self.map => self.draw_map(out, path, &lattice, incidence.theta_i),
-            Some(path) => self.draw_field(path, &lattice, &incidence),
+            Some(path) => self.draw_field(out, path, &lattice, &incidence),
             None => self.point(out, &lattice, &incidence),
         }
     }
@@ -138,6 +134,7 @@ impl Args {
         let progress = Terminal::new(&self.common);
         let found = sweep(&*self.solver.solver(), lattice, at.nm(), theta_i, &phi_i, &progress)?;
         Provenance::new(&self.common).write_figure(path, &self.map_figure(at, &found))?;
+        self.common.wrote(path, &format!("what the crystal of {} reflects", self.structure));
         if self.common.json {
             let rows = |polarization: usize| {
                 found
@@ -172,7 +169,13 @@ impl Args {
         beside(panels)
     }
 
-    fn draw_field(&self, path: &Path, lattice: &Lattice, incidence: &Incidence) -> Result<()> {
+    fn draw_field(
+        &self,
+        out: &mut dyn Write,
+        path: &Path,
+        lattice: &Lattice,
+        incidence: &Incidence,
+    ) -> Result<()> {
         let cell = Cell::new(lattice, incidence.wavelength_nm)?;
         let solver = Fdtd { cells_per_um: FIELD_CELLS_PER_UM, ..Fdtd::default() };
         let field = solver.near_field(&cell, incidence, FIELD_ABOVE_UM)?;
@@ -196,7 +199,25 @@ impl Args {
             panel(title(0), "|E|²/|E_i|²", &field.intensity[0]),
             panel(title(1), "|E|²/|E_i|²", &field.intensity[1]),
         ]);
-        Provenance::new(&self.common).write_figure(path, &drawing)
+        Provenance::new(&self.common).write_figure(path, &drawing)?;
+        let at = format!("at {} nm, θ = {}°, φ = {}°", self.wavelength, self.theta, self.phi);
+        self.common.wrote(path, &format!("the field in the crystal of {} {at}", self.structure));
+        if self.common.json { print_json(out, &self.field_document(&field)) } else { Ok(()) }
+    }
+
+    /// What the picture of a field shows, one period of it.
+    fn field_document(&self, field: &NearField) -> Value {
+        let rows = |values: &[f64]| json!(values.chunks_exact(field.columns).collect::<Vec<_>>());
+        json!({
+            "wavelength_nm": self.wavelength,
+            "theta_deg": self.theta,
+            "phi_deg": self.phi,
+            "period_um": field.period_um,
+            "top_um": field.top_um,
+            "bottom_um": field.bottom_um,
+            "permittivity": rows(&field.permittivity),
+            "intensity": field.intensity.each_ref().map(|values| rows(values)),
+        })
     }
 }
 

@@ -1,34 +1,53 @@
-//! `barbule far-field`: what one instance scatters at one wavelength and direction.
+//! `barbule far-field`: what one instance scatters, at one wavelength and direction or over sets of them.
+
+mod output;
 
 use std::io::Write;
+use std::path::PathBuf;
 
-use barbule::scattering::far_field::{FarField, Illumination, IncidentLight, Polarization, Window};
-use barbule::solve::direct;
-use barbule::solve::surface::{Accuracy, FINE_ELEMENT_UM, far_field};
-use barbule::{Complex64, Error, Result};
+use barbule::campaign::far_field_bytes;
+use barbule::figures;
+use barbule::scattering::far_field::{FarField, Illumination, Window};
+use barbule::solve::far_fields::{Illuminations, Method, bytes, far_fields};
+use barbule::solve::surface::{FINE_ELEMENT_UM, LARGEST_MIRROR_ERROR, mirror_fraction};
+use barbule::structure::Section;
+use barbule::{Error, Result};
 use clap::ValueEnum;
-use serde_json::{Value, json};
 
+use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
+use crate::progress::Terminal;
+use crate::provenance::{Provenance, check_outputs};
 use crate::{sets, structure_arg};
+use output::{Document, csv, summary, table};
+
+/// What far fields and their texts may take in memory unless `--memory` says otherwise.
+const USUAL_MEMORY: u64 = 4 << 30;
+
+/// Bytes of text for each outgoing azimuth, at most: the ten numbers of JSON or CSV.
+const TEXT_BYTES: u64 = 260;
 
 /// Arguments of `barbule far-field`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  barbule far-field starling --wavelength 520 --theta 0 --phi 30 --json")]
+#[command(
+    after_help = "Examples:\n  barbule far-field starling --wavelength 520 --theta 0 --phi 30 --json\n  \
+    barbule far-field starling --wavelength 400:700:10 --theta 0 --phi 30 -o map.png --csv fields.csv"
+)]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
     structure: String,
-    /// Vacuum wavelength in nm
-    #[arg(long, value_name = "NM", value_parser = |text: &str| sets::wavelength("--wavelength", text))]
-    wavelength: f64,
-    /// Longitudinal angle of incidence in degrees
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true,
-        value_parser = |text: &str| sets::angle("--theta", text))]
-    theta: f64,
-    /// Azimuth of incidence in degrees
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true,
-        value_parser = |text: &str| sets::angle("--phi", text))]
-    phi: f64,
+    /// Vacuum wavelengths in nm: 520, or 400,442,484, or 400:694:6
+    #[arg(long, visible_alias = "wavelengths", value_name = "SET",
+        value_parser = |text: &str| sets::wavelengths_of("--wavelength", text).map(Wavelengths))]
+    wavelength: Wavelengths,
+    /// Longitudinal angles of incidence in degrees
+    #[arg(long, value_name = "SET", allow_hyphen_values = true,
+        value_parser = |text: &str| sets::angles("--theta", text))]
+    theta: sets::Angles,
+    /// Azimuths of incidence in degrees
+    #[arg(long, value_name = "SET", allow_hyphen_values = true,
+        value_parser = |text: &str| sets::angles("--phi", text))]
+    phi: sets::Angles,
     /// Which random instance, from 0
     #[arg(long, value_name = "K", default_value_t = 0)]
     instance: usize,
@@ -41,9 +60,19 @@ pub(crate) struct Args {
     /// How the light falls on the section
     #[arg(long, value_enum, default_value_t = WindowArg::Gaussian)]
     window: WindowArg,
+    /// Draw the intensity against the azimuth: .svg or .png
+    #[arg(short, long, value_name = "FIG")]
+    output: Option<PathBuf>,
+    /// Write a table, one row for each outgoing azimuth
+    #[arg(long, value_name = "F")]
+    csv: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
+
+/// Vacuum wavelengths in nm, rising.
+#[derive(Debug, Clone)]
+struct Wavelengths(Vec<f64>);
 
 /// Solvers of far fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -65,6 +94,30 @@ enum WindowArg {
     None,
 }
 
+/// The directions as they were typed, in degrees, with what came out.
+struct Fields<'a> {
+    wavelengths_nm: &'a [f64],
+    theta_deg: &'a [f64],
+    phi_deg: &'a [f64],
+    found: &'a [FarField],
+    mirrors: &'a [Mirror],
+}
+
+/// How far the simulation is off near grazing: what it makes a flat perfect mirror as wide reflect; none under a plane wave.
+struct Mirror {
+    fraction: Option<f64>,
+}
+
+impl Mirror {
+    fn is_flagged(&self) -> bool {
+        self.error() > LARGEST_MIRROR_ERROR
+    }
+
+    fn error(&self) -> f64 {
+        self.fraction.map_or(0.0, |fraction| (fraction - 1.0).abs())
+    }
+}
+
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
@@ -74,77 +127,134 @@ impl Args {
                 self.azimuths
             )));
         }
-        if self.solver == Solver::FullWave {
-            return Err(Error::input(
-                "--solver full-wave: this version has no full-wave solver; use fast or direct",
-            ));
+        let method = match self.solver {
+            Solver::Fast => Method::Fast,
+            Solver::Direct => Method::Direct,
+            Solver::FullWave => {
+                return Err(Error::input(
+                    "--solver full-wave: this version has no full-wave solver; use fast or direct",
+                ));
+            }
+        };
+        let illuminations = self.illuminations();
+        self.check_size(illuminations.count())?;
+        check_outputs(self.output.as_deref(), self.csv.as_deref())?;
+        if self.output.is_some() {
+            figures::check_far_fields(&illuminations).map_err(|error| error.at("--output"))?;
         }
-        let window = match self.window {
-            WindowArg::Gaussian => Window::Gaussian,
-            WindowArg::None => Window::PlaneWave,
+        let structure = structure_arg::parse(&self.structure, &self.common)?;
+        let section = structure.instance(self.common.seed, self.instance)?;
+        self.check_memory(&section)?;
+        let progress = Terminal::new(&self.common);
+        let found = far_fields(&section, &illuminations, self.azimuths, method, &progress)?;
+        drop(progress);
+        let mirrors = self.mirrors(&illuminations, section.width_um);
+        let title = self.title(&structure.name());
+        let provenance = Provenance::new(&self.common);
+        if let Some(path) = &self.output {
+            provenance.write_figure(path, &figures::far_fields(&title, &illuminations, &found)?)?;
+            self.common.wrote(path, &format!("intensity against the outgoing azimuth, {title}"));
+        }
+        let fields = Fields {
+            wavelengths_nm: &self.wavelength.0,
+            theta_deg: &self.theta.0,
+            phi_deg: &self.phi.0,
+            found: &found,
+            mirrors: &mirrors,
         };
-        let section =
-            structure_arg::parse(&self.structure, &self.common)?.instance(self.common.seed, self.instance)?;
-        let (theta_i, phi_i) = (self.theta.to_radians(), self.phi.to_radians());
-        let illumination = Illumination { wavelength_nm: self.wavelength, theta_i, phi_i, window };
-        let far = match self.solver {
-            Solver::Direct => direct::far_field(&section, &illumination, self.azimuths, FINE_ELEMENT_UM)?,
-            _ => far_field(&section, &illumination, self.azimuths, &Accuracy::default())?,
-        };
+        if let Some(path) = &self.csv {
+            provenance.write_csv(path, &csv(&fields))?;
+            let rows = found.len() * self.azimuths;
+            self.common.wrote(path, &format!("{} far fields of {title}, {rows} rows", found.len()));
+        }
         if self.common.json {
-            return print_json(out, &document(&far));
+            return print_json(out, &Document(&fields));
         }
-        print(out, &table(&far))
-    }
-}
-
-/// c₀|𝓔|²/Φ_i in 1/rad of a beam, the differential width in µm/rad of a plane wave.
-fn per_radian(far: &FarField, polarization: Polarization) -> Vec<f64> {
-    far.intensity(polarization).unwrap_or_else(|| far.differential_width_um(polarization))
-}
-
-/// The contract's JSON.
-fn document(far: &FarField) -> Value {
-    let complex = |values: &[Complex64]| values.iter().map(|z| json!([z.re, z.im])).collect::<Vec<_>>();
-    let polarization = |p: Polarization| {
-        let [e1, e2] = &far.amplitudes[p.index()];
-        json!({
-            "intensity": per_radian(far, p),
-            "e1": complex(e1),
-            "e2": complex(e2),
-            "reflected_fraction": far.reflected_fraction(p),
-        })
-    };
-    let incident_power_um = match far.light {
-        IncidentLight::Beam { power_um } => Some(power_um),
-        IncidentLight::PlaneWave => None,
-    };
-    json!({
-        "phi_out_deg": far.azimuths.phi_o().iter().map(|phi| phi.to_degrees()).collect::<Vec<_>>(),
-        "incident_power": incident_power_um,
-        "polarization_1": polarization(Polarization::First),
-        "polarization_2": polarization(Polarization::Second),
-    })
-}
-
-/// Azimuths and intensities as columns.
-fn table(far: &FarField) -> String {
-    let intensity = Polarization::BOTH.map(|p| per_radian(far, p));
-    let [first, second] = far.radiated;
-    let (unit, mut text) = match far.light {
-        IncidentLight::Beam { power_um } => (
-            "1/rad",
-            format!(
-                "incident power {power_um:.6} µm, reflected fraction {first:.6} (polarization 1), {second:.6} (2)\n"
-            ),
-        ),
-        IncidentLight::PlaneWave => {
-            ("µm/rad", format!("reflected width {first:.6} µm (polarization 1), {second:.6} µm (2)\n"))
+        if self.output.is_some() || self.csv.is_some() {
+            return Ok(());
         }
-    };
-    text += &format!("phi_out_deg  intensity_1 ({unit})  intensity_2 ({unit})");
-    for (n, phi) in far.azimuths.phi_o().iter().enumerate() {
-        text += &format!("\n{:11.4}  {:20.6e}  {:20.6e}", phi.to_degrees(), intensity[0][n], intensity[1][n]);
+        match &found[..] {
+            [far] => print(out, &format!("{title}\n{}", table(far))),
+            _ => print(out, &format!("{title}\n{}", summary(&fields))),
+        }
     }
-    text
+
+    fn illuminations(&self) -> Illuminations {
+        let radians = |angles: &sets::Angles| angles.0.iter().map(|angle| angle.to_radians()).collect();
+        Illuminations {
+            wavelengths_nm: self.wavelength.0.clone(),
+            theta_i: radians(&self.theta),
+            phi_i: radians(&self.phi),
+            window: match self.window {
+                WindowArg::Gaussian => Window::Gaussian,
+                WindowArg::None => Window::PlaneWave,
+            },
+        }
+    }
+
+    /// Refuses, before any work, a section whose simulation does not fit into memory.
+    fn check_memory(&self, section: &Section) -> Result<()> {
+        let shortest = self.wavelength.0.iter().copied().fold(f64::INFINITY, f64::min);
+        let each = far_field_bytes(section, shortest, self.azimuths, FINE_ELEMENT_UM)?;
+        let at_once = self.illuminations().count().min(rayon::current_num_threads()) as u64;
+        let fewer = "fewer layers, a narrower section, fewer --azimuths or --threads";
+        self.common.allowance().check("this far field", each.saturating_mul(at_once), fewer)
+    }
+
+    /// What a mirror would reflect in each case; says where the simulation is off, by the worst case.
+    fn mirrors(&self, illuminations: &Illuminations, width_um: f64) -> Vec<Mirror> {
+        let fraction = |light: &Illumination| {
+            (light.window == Window::Gaussian)
+                .then(|| mirror_fraction(width_um, light.wavelength_nm, light.theta_i, light.phi_i))
+        };
+        let lights: Vec<Illumination> = illuminations.iter().collect();
+        let mirrors: Vec<Mirror> = lights.iter().map(|light| Mirror { fraction: fraction(light) }).collect();
+        let worst = mirrors.iter().zip(&lights).max_by(|(a, _), (b, _)| a.error().total_cmp(&b.error()));
+        if let Some((Mirror { fraction: Some(fraction) }, light)) =
+            worst.filter(|(mirror, _)| mirror.is_flagged())
+        {
+            let [theta, phi] = [light.theta_i, light.phi_i].map(f64::to_degrees);
+            let incidence = format!("θ = {theta:.6}°, φ = {phi:.6}°");
+            let said = grazing(&incidence, light.wavelength_nm, width_um, *fraction);
+            let flagged = mirrors.iter().filter(|mirror| mirror.is_flagged()).count();
+            self.common.say(&match mirrors.len() {
+                1 => said,
+                all => format!("{said} ({flagged} of {all} far fields are flagged)"),
+            });
+        }
+        mirrors
+    }
+
+    /// Refuses, before any work, more far fields than there is memory for.
+    fn check_size(&self, count: usize) -> Result<()> {
+        let allowed = self.common.memory.unwrap_or(USUAL_MEMORY);
+        let texts = u64::from(self.common.json) + u64::from(self.csv.is_some());
+        let azimuths = (count as u64).saturating_mul(self.azimuths as u64);
+        let needed = bytes(count, self.azimuths).saturating_add(azimuths.saturating_mul(TEXT_BYTES * texts));
+        if needed <= allowed {
+            return Ok(());
+        }
+        Err(Error::input(format!(
+            "{count} far fields on {} azimuths need {:.1} MB of memory, but {:.1} MB are allowed; give fewer, or raise --memory",
+            self.azimuths,
+            needed as f64 / 1e6,
+            allowed as f64 / 1e6
+        )))
+    }
+
+    /// What is lit how.
+    fn title(&self, structure: &str) -> String {
+        let set = |values: &[f64], unit: &str| match values {
+            [one] => format!("{one}{unit}"),
+            [first, .., last] => format!("{first} to {last}{unit} ({} values)", values.len()),
+            [] => String::new(),
+        };
+        format!(
+            "{structure}, instance {}, {}, θ_i = {}, φ_i = {}",
+            self.instance,
+            set(&self.wavelength.0, " nm"),
+            set(&self.theta.0, "°"),
+            set(&self.phi.0, "°")
+        )
+    }
 }

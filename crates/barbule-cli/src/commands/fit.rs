@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use barbule::Result;
 use barbule::brdf::check_axes;
+use barbule::campaign::statistics_bytes;
 use barbule::characterize::{CampaignDescription, material_of};
 use barbule::io::store::Store;
 use barbule::io::{check_writable, write_material};
@@ -35,6 +36,8 @@ impl Args {
         let options = self.fit.options()?;
         let store = Store::open(&self.store)?;
         check_axes(store.axes()).map_err(|e| e.at(self.store.display()))?;
+        let bytes = statistics_bytes(store.axes());
+        self.common.allowance().check("this store's statistics", bytes, "a store of fewer directions")?;
         let statistics = store.statistics()?;
         let campaign =
             CampaignDescription::read(store.description()).map_err(|e| e.at(self.store.display()))?;

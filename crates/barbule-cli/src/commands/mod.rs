@@ -6,6 +6,7 @@ use barbule::Result;
 use clap::Subcommand;
 
 mod bench;
+mod brdf;
 mod cache;
 mod characterize;
 mod completions;
@@ -27,6 +28,8 @@ pub(crate) enum Command {
     Film(film::Args),
     /// Pictures of a material's BRDF, parameters, noise and fits
     Lobes(lobes::Args),
+    /// Values of a material's BRDF: f, its steady part, sampling densities, marginals
+    Brdf(brdf::Args),
     /// The far field of one instance at one wavelength and direction
     FarField(far_field::Args),
     /// Reflectance against wavelength, mean and spread over instances
@@ -58,6 +61,7 @@ impl Command {
         match self {
             Self::Film(args) => args.run(out),
             Self::Lobes(args) => args.run(out),
+            Self::Brdf(args) => args.run(out),
             Self::FarField(args) => args.run(out),
             Self::Spectrum(args) => args.run(out),
             Self::Crystal(args) => args.run(out),

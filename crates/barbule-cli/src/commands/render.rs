@@ -84,7 +84,9 @@ impl Args {
             return Err(Error::input(format!("--frames {}: give 1 to 9999", self.frames)));
         }
         check_size(size)?;
-        self.check_memory(size)?;
+        let [width, height] = size;
+        let what = format!("a picture of {width}x{height} pixels");
+        self.common.allowance().check(&what, bytes_needed(size), "a smaller --size")?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
         files.iter().try_for_each(|file| {
             check_kind(file).map_err(|e| e.at("-o")).and_then(|()| check_writable(file))
@@ -140,21 +142,6 @@ impl Args {
         let sky = Sky::image(width, height, pixels, image.strength, image.turn_deg)
             .map_err(|e| e.at(path.display()))?;
         Ok((sky, format!("{} {} {}", hash_file(&path)?, image.strength, image.turn_deg)))
-    }
-
-    /// Holds `--memory` against what a picture of this size takes.
-    fn check_memory(&self, size: [u32; 2]) -> Result<()> {
-        let needed = bytes_needed(size);
-        match self.common.memory {
-            Some(allowed) if needed > allowed => Err(Error::input(format!(
-                "a picture of {}x{} pixels needs {} MB of memory, but {} MB are allowed; give a smaller --size, or raise --memory",
-                size[0],
-                size[1],
-                needed.div_ceil(1_000_000),
-                allowed / 1_000_000
-            ))),
-            _ => Ok(()),
-        }
     }
 
     fn goal(&self) -> Result<Goal> {

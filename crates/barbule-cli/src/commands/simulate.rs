@@ -9,7 +9,7 @@ use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
 use serde_json::json;
 
-use crate::campaign::{CampaignArgs, say_repaired, units_at_once};
+use crate::campaign::{CampaignArgs, compare_sides, say_repaired, units_at_once};
 use crate::common::{Common, print, print_json};
 use crate::materials::catalog;
 use crate::progress::Terminal;
@@ -49,11 +49,12 @@ impl Args {
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
         let (shard, shards) = self.shard.unwrap_or((0, 1));
         let structure = structure_arg::parse(&self.structure, &self.common)?;
-        let plan = self.campaign.plan(structure, &self.common)?;
+        let mut plan = self.campaign.plan(structure, &self.common)?;
         let kept = self.keep_fields.as_ref().map_or(&[][..], Wavelengths::nm);
         let width = self.campaign.width();
         let keep = if kept.is_empty() { Keep::Statistics } else { Keep::Fields };
         let units_at_once = units_at_once(&plan, keep, Results::Stored, &self.common)?;
+        compare_sides(&mut plan, &self.common)?;
         let resources = Resources { width, units_at_once };
         let store = plan.store(path, kept, &resources)?;
         let units = store.shard(shard, shards);
@@ -63,11 +64,22 @@ impl Args {
         } else {
             store.prepare_writing()?;
             let progress = Terminal::new(&self.common);
-            let campaign = plan.campaign(&resources, &catalog(&self.common), &progress)?;
-            let outcome = run(&campaign, &store, shard, shards, &progress)?;
+            let outcome = plan
+                .campaign(&resources, &catalog(&self.common), &progress)
+                .and_then(|campaign| run(&campaign, &store, shard, shards, &progress));
             drop(progress);
+            let done = || units.iter().filter(|&&(w, t)| store.is_done(w, t)).count();
+            let outcome = outcome.map_err(|error| {
+                if !error.is_interrupted() {
+                    return error;
+                }
+                let (done, all) = (done(), units.len());
+                Error::interrupted_after(format!("{done} of {all} units done; the same command goes on"))
+            })?;
             say_repaired(outcome.repaired, &self.common);
             self.common.explain(&format!("{} units computed, {} found", outcome.computed, outcome.found));
+            let what = format!("the campaign {}, {} of {} units", store.name(), done(), units.len());
+            self.common.wrote(path, &what);
         }
         if self.common.json {
             return print_json(out, &status(&store));

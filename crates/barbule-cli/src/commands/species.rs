@@ -1,39 +1,52 @@
-//! `barbule species`: what is built in, with colours.
+//! `barbule species`: what is built in, and files of one's own, with colours, sources and parameters.
 
+use std::fmt::Write as _;
 use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use barbule::Result;
+use barbule::io::{is_species, read_species_file, read_text};
+use barbule::material::Library;
 use barbule::plot::{Anchor, Drawing, Format, Ink, Stroke};
-use barbule::progress::Unobserved;
+use barbule::progress::{Progress, Unobserved};
 use barbule::solve::crystal::{Multipole, sweep};
 use barbule::solve::swatch::normal_reflectance;
-use barbule::spectrum::colour::{Observer, chromaticity, display};
-use barbule::spectrum::hue::{Dominant, dominant, hue_deg};
+use barbule::spectrum::look::{Look, hex};
 use barbule::spectrum::{Spectrum, Wavelengths};
-use barbule::structure::{SpeciesFile, SpeciesModel, species_names, species_toml};
-use serde_json::json;
+use barbule::structure::{
+    DEFAULT_VARIANT, SpeciesFile, Structure, species_name, species_names, species_toml,
+};
+use barbule::{Error, Result, fields};
+use serde_json::{Map, Value, json};
 
 use crate::common::{Common, print, print_json};
+use crate::progress::Terminal;
 use crate::provenance::Provenance;
+use crate::{sets, structure_arg};
 
-/// Points of the top whose colours are averaged, and random individuals.
+/// Points of the top whose colours are averaged, random individuals, and the most given ones.
 const POINTS: usize = 120;
 const INSTANCES: usize = 2;
+const MOST_GIVEN: usize = 20;
 
 /// Swatches in a line of the figure.
 const SWATCHES_ABREAST: usize = 8;
 
 /// Arguments of `barbule species`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  barbule species starling --toml > my-starling.toml")]
+#[command(after_help = "Examples:\n  barbule species starling:green --toml > my-starling.toml\n  \
+    barbule species my-starling.toml")]
 pub(crate) struct Args {
-    /// One species, or one variant, as in starling or starling:pink [default: all]
-    #[arg(value_name = "NAME[:VARIANT]")]
+    /// A species or one variant, as in starling or starling:pink, by any of its names; a file of your own; or any other
+    /// structure [default: all built-in species]
+    #[arg(value_name = "NAME[:VARIANT]|FILE")]
     name: Option<String>,
-    /// Print the species' file, to start your own from
+    /// Print a species file to start your own from: of NAME:VARIANT a flat one, every key explained; of NAME with its
+    /// variants. With --json as JSON
     #[arg(long, conflicts_with = "output")]
     toml: bool,
+    /// Wavelengths in nm of which colours are made
+    #[arg(long, alias = "wavelength", value_name = "SET", default_value = "380:780:10", value_parser = sets::wavelength_set)]
+    wavelengths: Wavelengths,
     /// Draw the swatches: .svg or .png
     #[arg(short, long, value_name = "FIG")]
     output: Option<PathBuf>,
@@ -41,53 +54,31 @@ pub(crate) struct Args {
     common: Common,
 }
 
-/// A species that is listed.
+/// What is asked about.
+enum Subject {
+    /// A species with its variants, or the one that was named.
+    Species { file: Box<SpeciesFile>, library: Library, wanted: Option<String>, path: Option<PathBuf> },
+    /// A stack, lattice, section or folder.
+    Other(Structure),
+}
+
+/// What is listed.
 struct Entry {
     name: String,
     latin: String,
     coloration: String,
+    source: String,
+    generator: Option<String>,
     default: String,
-    variants: Vec<(String, Look)>,
+    variants: Vec<Variant>,
 }
 
-/// How a variant looks along the normal of a flat barbule.
-struct Look {
-    /// Brightened: as bright as a screen can show it, so that hues can be compared.
-    srgb: [u8; 3],
-    /// Luminous reflectance.
-    luminance: f64,
-    /// The highest local maximum of the reflectance in nm, and its height.
-    peak: Option<[f64; 2]>,
-    dominant: Option<Dominant>,
-    hue_deg: f64,
-}
-
-impl Look {
-    /// Of a mean reflectance.
-    fn of(spectrum: &Spectrum) -> Self {
-        let observer = Observer::default();
-        let (rgb, xyz) = (observer.linear_rgb(spectrum), observer.xyz(spectrum));
-        let most = rgb.into_iter().fold(1e-6, f64::max);
-        Self {
-            srgb: display(rgb.map(|c| 0.9 * c / most)),
-            luminance: xyz[1],
-            peak: peak(spectrum),
-            dominant: dominant(chromaticity(xyz)),
-            hue_deg: hue_deg(rgb),
-        }
-    }
-}
-
-/// The highest local maximum, by a parabola through three samples at equal distances.
-fn peak(spectrum: &Spectrum) -> Option<[f64; 2]> {
-    let (nm, values) = (spectrum.wavelengths().nm(), spectrum.values());
-    let (at, three) = values
-        .windows(3)
-        .enumerate()
-        .filter(|(_, w)| w[1] > w[0] && w[1] >= w[2])
-        .max_by(|(_, a), (_, b)| a[1].total_cmp(&b[1]))?;
-    let shift = 0.5 * (three[0] - three[2]) / (three[0] - 2.0 * three[1] + three[2]);
-    Some([nm[at + 1] + shift * (nm[at + 2] - nm[at + 1]), three[1] - 0.25 * (three[0] - three[2]) * shift])
+/// A variant: its look along the normal of a flat barbule, and its parameters with what they are.
+struct Variant {
+    name: String,
+    look: Look,
+    parameters: Map<String, Value>,
+    explained: Vec<(String, String)>,
 }
 
 impl Args {
@@ -97,131 +88,281 @@ impl Args {
             Format::of(path)?;
             barbule::io::check_writable(path)?;
         }
-        let (name, variant) = match self.name.as_deref().map(|n| n.split_once(':').unwrap_or((n, ""))) {
-            Some((name, "")) => (Some(name), None),
-            Some((name, variant)) => (Some(name), Some(variant)),
-            None => (None, None),
-        };
         if self.toml {
-            let text = species_toml(name.unwrap_or("starling"))?;
-            SpeciesFile::parse(text)?.model(variant, self.common.library()?)?;
-            return print(out, text.trim_end());
+            let text = self.file_text()?;
+            return match self.common.json {
+                true => print_json(out, &fields::parse_toml(&text)?),
+                false => print(out, text.trim_end()),
+            };
         }
-        let names = name.map_or_else(|| species_names().collect(), |name| vec![name]);
-        let entries = names.into_iter().map(|name| self.entry(name, variant)).collect::<Result<Vec<_>>>()?;
+        let subjects: Vec<_> = match &self.name {
+            Some(name) => vec![self.find(name)?],
+            None => species_names().map(|name| self.find(name)).collect::<Result<_>>()?,
+        };
+        let progress = Terminal::new(&self.common);
+        progress.begin("colours", subjects.iter().map(Subject::colours).sum());
+        let entries =
+            subjects.iter().map(|subject| self.entry(subject, &progress)).collect::<Result<Vec<_>>>()?;
+        drop(progress);
         if let Some(path) = &self.output {
             Provenance::new(&self.common).write_figure(path, &figure(&entries))?;
+            let count: usize = entries.iter().map(|entry| entry.variants.len()).sum();
+            let of = if let [entry] = &entries[..] { &entry.name } else { "all species" };
+            self.common.wrote(path, &format!("colours of {of} at normal incidence, {count} swatches"));
         }
         if self.common.json { print_json(out, &document(&entries)) } else { list(out, &entries) }
     }
 
-    fn entry(&self, name: &str, wanted: Option<&str>) -> Result<Entry> {
-        let file = SpeciesFile::builtin(name)?;
-        let mut variants = Vec::new();
-        if let Some(wanted) = wanted {
-            file.model(Some(wanted), self.common.library()?)?;
+    /// Built-in names come before files.
+    fn find(&self, text: &str) -> Result<Subject> {
+        let library = self.common.library()?;
+        let (name, variant) =
+            text.split_once(':').map_or((text, None), |(name, variant)| (name, Some(variant)));
+        let species = |file: SpeciesFile, library, variant: Option<&str>, path| {
+            file.model(variant, Library::clone(&library))?;
+            let wanted = variant.map(str::to_owned);
+            Ok(Subject::Species { file: Box::new(file), library, wanted, path })
+        };
+        if let Ok(name) = species_name(name) {
+            return species(SpeciesFile::builtin(name)?, library, variant, None);
         }
-        for variant in file.variants().filter(|v| wanted.is_none_or(|w| w == *v)) {
-            let model = file.model(Some(variant), self.common.library()?)?;
-            variants.push((variant.to_owned(), Look::of(&self.reflectance(&model)?)));
+        let is_toml = |text: &str| text.to_lowercase().ends_with(".toml");
+        let (path, variant) = match text.rsplit_once(':').filter(|(path, _)| is_toml(path)) {
+            Some((path, variant)) => (path, Some(variant)),
+            None => (text, None),
+        };
+        if is_toml(path) && is_species(Path::new(path))? {
+            let (file, library) = read_species_file(Path::new(path), &library)?;
+            return species(file, library, variant, Some(path.into())).map_err(|error| error.at(path));
+        }
+        structure_arg::parse(text, &self.common).map(Subject::Other)
+    }
+
+    /// The text of a file to start from.
+    fn file_text(&self) -> Result<String> {
+        match self.find(self.name.as_deref().unwrap_or("starling"))? {
+            Subject::Species { file, wanted: Some(variant), .. } => file.flat_toml(Some(&variant)),
+            Subject::Species { path: Some(path), .. } => read_text(&path),
+            Subject::Species { file, .. } => species_toml(&file.name).map(str::to_owned),
+            Subject::Other(structure) => Err(Error::input(format!(
+                "{} is no species, so it has no species file; leave --toml out",
+                structure.name()
+            ))),
+        }
+    }
+
+    fn entry(&self, subject: &Subject, progress: &dyn Progress) -> Result<Entry> {
+        let (file, library, wanted) = match subject {
+            Subject::Species { file, library, wanted, .. } => (file, library, wanted.as_deref()),
+            Subject::Other(structure) => return self.other(structure, progress),
+        };
+        let mut variants = Vec::new();
+        for name in file.variants().filter(|v| wanted.is_none_or(|w| w == *v)) {
+            let model = file.model(Some(name), library.clone())?;
+            let look = self.look(&Structure::Species(Box::new(model)), progress)?;
+            let parameters = file
+                .given(Some(name))?
+                .into_iter()
+                .map(|(key, value)| (key.name.to_owned(), value))
+                .collect();
+            variants.push(Variant {
+                name: name.to_owned(),
+                look,
+                parameters,
+                explained: file.explained(Some(name))?,
+            });
         }
         Ok(Entry {
-            name: name.to_owned(),
+            name: file.name.clone(),
             latin: file.latin.clone(),
             coloration: file.coloration.clone(),
+            source: file.source.clone(),
+            generator: Some(file.generator.clone()),
             default: file.default.clone(),
             variants,
         })
     }
 
-    /// Mean reflectance at normal incidence.
-    fn reflectance(&self, model: &SpeciesModel) -> Result<Spectrum> {
-        let at = Wavelengths::new((0..=40).map(|i| 380.0 + 10.0 * f64::from(i)).collect::<Vec<_>>())?;
-        if let Some(lattice) = model.lattice() {
-            let found = sweep(&Multipole::default(), &lattice, at.nm(), 0.0, &[0.0], &Unobserved)?;
-            return Spectrum::new(at, found.into_iter().map(|[a, b]| 0.5 * (a + b)).collect());
+    /// What is no species has one look.
+    fn other(&self, structure: &Structure, progress: &dyn Progress) -> Result<Entry> {
+        let source = match structure {
+            Structure::Sections { sections, .. } => sections.first().map(|section| section.source.clone()),
+            Structure::Species(_) | Structure::Stack(_) => None,
+        };
+        let look = self.look(structure, progress)?;
+        let name = DEFAULT_VARIANT.to_owned();
+        let count = structure.count().unwrap_or(1);
+        Ok(Entry {
+            name: structure.name(),
+            latin: String::new(),
+            coloration: match structure.lattice() {
+                Some(_) => "a photonic crystal".into(),
+                None if count > 1 => format!("layers, {count} sections"),
+                None => "layers".into(),
+            },
+            source: source.unwrap_or_default(),
+            generator: None,
+            default: name.clone(),
+            variants: vec![Variant { name, look, parameters: Map::new(), explained: Vec::new() }],
+        })
+    }
+
+    /// How a structure looks along the normal of a flat barbule.
+    fn look(&self, structure: &Structure, progress: &dyn Progress) -> Result<Look> {
+        if progress.is_cancelled() {
+            return Err(Error::interrupted());
         }
+        let at = &self.wavelengths;
+        if let Some(lattice) = structure.lattice() {
+            let found = sweep(&Multipole::default(), &lattice, at.nm(), 0.0, &[0.0], &Unobserved)?;
+            let values = found.into_iter().map(|[a, b]| 0.5 * (a + b)).collect();
+            progress.advance(1);
+            return Ok(Look::of(&Spectrum::new(at.clone(), values)?));
+        }
+        let instances = match structure {
+            Structure::Species(_) => INSTANCES,
+            // Endless flat stacks: each is one point of a colour.
+            Structure::Stack(_) => MOST_GIVEN,
+            Structure::Sections { sections, .. } => sections.len().min(MOST_GIVEN),
+        };
         let mut mean = vec![0.0; at.len()];
-        for instance in 0..INSTANCES {
-            let section = model.section(self.common.seed, instance)?;
-            for (sum, value) in mean.iter_mut().zip(normal_reflectance(&section, POINTS, &at)?.values()) {
-                *sum += value / INSTANCES as f64;
+        for instance in 0..instances {
+            let section = structure.instance(self.common.seed, instance)?;
+            if section.boundaries.is_empty() {
+                return Err(Error::input(format!(
+                    "{} has no top boundary, so it has no colour along its normal; `barbule far-field` gives what it scatters",
+                    structure.name()
+                )));
+            }
+            for (sum, value) in mean.iter_mut().zip(normal_reflectance(&section, POINTS, at)?.values()) {
+                *sum += value / instances as f64;
             }
         }
-        Spectrum::new(at, mean)
+        progress.advance(1);
+        Ok(Look::of(&Spectrum::new(at.clone(), mean)?))
     }
 }
 
-fn hex([r, g, b]: [u8; 3]) -> String {
-    format!("#{r:02x}{g:02x}{b:02x}")
+impl Subject {
+    /// How many looks it has.
+    fn colours(&self) -> u64 {
+        match self {
+            Self::Species { file, wanted: None, .. } => file.variants().count() as u64,
+            _ => 1,
+        }
+    }
+}
+
+impl Entry {
+    /// Names, Latin name and what colours it.
+    fn title(&self) -> String {
+        let latin = if self.latin.is_empty() { String::new() } else { format!(" ({})", self.latin) };
+        let coloration =
+            if self.coloration.is_empty() { String::new() } else { format!(": {}", self.coloration) };
+        format!("{}{latin}{coloration}", self.name)
+    }
+}
+
+impl Variant {
+    /// Brightened, so that hues can be compared; none where the wavelengths do not make a colour.
+    fn srgb_normalized(&self) -> Option<[u8; 3]> {
+        self.look.colour.map(|colour| colour.srgb_normalized())
+    }
 }
 
 fn list(out: &mut dyn Write, entries: &[Entry]) -> Result<()> {
     let blocks = std::io::stdout().is_terminal();
     for entry in entries {
-        print(out, &format!("{} ({}): {}", entry.name, entry.latin, entry.coloration))?;
-        for (variant, look) in &entry.variants {
-            let [r, g, b] = look.srgb;
-            let block =
-                if blocks { format!("\u{1b}[48;2;{r};{g};{b}m    \u{1b}[0m ") } else { String::new() };
-            let mark = if *variant == entry.default { " (default)" } else { "" };
-            let percent = 100.0 * look.luminance;
-            let peak = look.peak.map_or(String::new(), |[nm, _]| format!(", peak {nm:.0} nm"));
-            print(
-                out,
-                &format!("  {block}{}  {variant:<16} reflects {percent:4.1} %{peak}{mark}", hex(look.srgb)),
-            )?;
+        print(out, &entry.title())?;
+        if !entry.source.is_empty() {
+            print(out, &format!("  source: {}", entry.source))?;
+        }
+        for variant in &entry.variants {
+            print(out, &line(variant, variant.name == entry.default, blocks))?;
+        }
+        let [variant] = &entry.variants[..] else { continue };
+        print(out, &format!("  {}", variant.look.words()))?;
+        if let Some(generator) = &entry.generator {
+            print(out, &format!("  parameters of the generator {generator}:"))?;
+        }
+        let width = variant.explained.iter().map(|(line, _)| line.chars().count()).max().unwrap_or(0);
+        for (line, about) in &variant.explained {
+            print(out, &format!("    {line:width$}  {about}"))?;
         }
     }
     Ok(())
 }
 
-fn document(entries: &[Entry]) -> serde_json::Value {
-    let species: Vec<_> = entries
-        .iter()
-        .map(|entry| {
-            let variants: Vec<_> = entry
-                .variants
-                .iter()
-                .map(|(name, look)| {
-                    json!({
-                        "name": name,
-                        "srgb": hex(look.srgb),
-                        "luminous_reflectance": look.luminance,
-                        "peak_nm": look.peak.map(|[nm, _]| nm),
-                        "peak_reflectance": look.peak.map(|[_, height]| height),
-                        "dominant_nm": look.dominant.map(|d| d.nm),
-                        "dominant_is_complementary": look.dominant.is_some_and(|d| d.is_complementary),
-                        "purity": look.dominant.map(|d| d.purity),
-                        "hue_deg": look.hue_deg,
-                    })
-                })
-                .collect();
-            json!({
-                "name": entry.name, "latin": entry.latin, "coloration": entry.coloration,
-                "default": entry.default, "variants": variants,
-            })
-        })
-        .collect();
-    json!({ "species": species })
+/// A variant in one line: brightened colour, name, how bright it is and where it peaks.
+fn line(variant: &Variant, is_default: bool, blocks: bool) -> String {
+    let mut text = String::from("  ");
+    match variant.srgb_normalized() {
+        // Writing to a string cannot fail, here and below.
+        Some(rgb) => {
+            let [r, g, b] = rgb;
+            if blocks {
+                let _ = write!(text, "\u{1b}[48;2;{r};{g};{b}m    \u{1b}[0m ");
+            }
+            let _ = write!(text, "{}", hex(rgb));
+        }
+        None => text += "no colour",
+    }
+    if variant.name != DEFAULT_VARIANT {
+        let _ = write!(text, "  {:<15}", variant.name);
+    }
+    if let Some(colour) = variant.look.colour {
+        let _ = write!(text, "  reflects {:4.1} %", 100.0 * colour.xyz[1]);
+    }
+    if let Some(peak) = variant.look.peak {
+        let _ = write!(text, ", peak {:.0} nm", peak.nm);
+    }
+    if is_default && variant.name != DEFAULT_VARIANT {
+        text += " (default)";
+    }
+    text
 }
 
+fn document(entries: &[Entry]) -> Value {
+    let variant = |variant: &Variant| {
+        let mut table = Map::from_iter([("name".to_owned(), json!(variant.name))]);
+        if let Value::Object(look) = json!(variant.look.fields()) {
+            table.extend(look);
+        }
+        table.insert("parameters".into(), variant.parameters.clone().into());
+        Value::Object(table)
+    };
+    let species = |entry: &Entry| {
+        json!({
+            "name": entry.name, "latin": entry.latin, "coloration": entry.coloration, "source": entry.source,
+            "generator": entry.generator, "default": entry.default,
+            "variants": entry.variants.iter().map(variant).collect::<Vec<_>>(),
+        })
+    };
+    json!({ "species": entries.iter().map(species).collect::<Vec<_>>() })
+}
+
+/// Swatches with their names: large as bright as a screen can show them, below at their own luminance.
 fn figure(entries: &[Entry]) -> Drawing {
     let lines = |entry: &Entry| entry.variants.len().div_ceil(SWATCHES_ABREAST).max(1);
     let height: usize = entries.iter().map(|entry| 20 + 30 + 80 * lines(entry)).sum();
     let mut drawing = Drawing::new(1000.0, 20.0 + height as f64);
     let mut y = 20.0;
     for entry in entries {
-        let title = format!("{} ({}): {}", entry.name, entry.latin, entry.coloration);
-        drawing.text([20.0, y + 16.0], 16.0, Anchor::Start, title);
-        for (i, (variant, look)) in entry.variants.iter().enumerate() {
+        drawing.text([20.0, y + 16.0], 16.0, Anchor::Start, entry.title());
+        for (i, variant) in entry.variants.iter().enumerate() {
             let x = 20.0 + 120.0 * (i % SWATCHES_ABREAST) as f64;
             let top = y + 28.0 + 80.0 * (i / SWATCHES_ABREAST) as f64;
             let edge = Stroke::solid(Ink::of([120, 120, 120]), 0.8);
-            drawing.rectangle([x, top, 108.0, 50.0], Some(Ink::of(look.srgb)), Some(edge));
+            let colour = variant.look.colour;
+            let fill = |rgb: Option<[u8; 3]>| rgb.map(Ink::of);
+            drawing.rectangle([x, top, 108.0, 38.0], fill(variant.srgb_normalized()), None);
+            drawing.rectangle([x, top + 38.0, 108.0, 12.0], fill(colour.map(|c| c.srgb())), None);
+            drawing.rectangle([x, top, 108.0, 50.0], None, Some(edge));
             // A long name leaves no room for the number.
-            let words =
-                if variant.len() > 9 { variant.clone() } else { format!("{variant} {}", hex(look.srgb)) };
+            let words = match variant.srgb_normalized() {
+                Some(rgb) if variant.name.len() <= 9 => format!("{} {}", variant.name, hex(rgb)),
+                _ => variant.name.clone(),
+            };
             drawing.text([x + 54.0, top + 67.0], 13.0, Anchor::Middle, words);
         }
         y += 50.0 + 80.0 * lines(entry) as f64;

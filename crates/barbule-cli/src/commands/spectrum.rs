@@ -1,32 +1,54 @@
-//! `barbule spectrum`: reflectance against wavelength, mean and spread over instances.
+//! `barbule spectrum`: reflectance against wavelength, mean and spread over instances, and the numbers of its colour.
 
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use barbule::campaign::spectrum::{Collect, Spectra, SpectrumRequest, spectra};
-use barbule::figures;
-use barbule::io::tables::read_spectrum;
-use barbule::spectrum::Wavelengths;
+use barbule::campaign::spectrum::{Collect, Grazing, Spectra, SpectrumRequest, spectra};
+use barbule::campaign::spectrum_bytes;
+use barbule::error::{counted, shortened};
+use barbule::figures::{self, Simulated};
+use barbule::io::check_writable;
+use barbule::io::measured::{Measured, Scale, read_measured};
+use barbule::plot::{Band, MeasuredBand};
+use barbule::progress::Progress;
+use barbule::spectrum::comparison::Comparison;
+use barbule::spectrum::look::Look;
+use barbule::spectrum::{Spectrum, Wavelengths};
+use barbule::structure::Structure;
 use barbule::{Error, Result};
 use clap::ValueEnum;
-use serde_json::json;
+use serde_json::{Value, json};
 
+use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
 use crate::progress::Terminal;
-use crate::provenance::{Provenance, check_outputs};
+use crate::provenance::{Provenance, check_outputs, csv_cell};
+use crate::several::Several;
 use crate::{sets, structure_arg};
+
+/// Random instances unless told otherwise.
+const INSTANCES: usize = 50;
+
+/// Curves that one figure of several structures holds: as many as its legend names.
+const MOST_CURVES: usize = 18;
 
 /// Arguments of `barbule spectrum`.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Example:\n  barbule spectrum starling --angle 0,30,60 -o starling.svg --csv starling.csv"
-)]
+#[command(after_help = "Examples:
+  barbule spectrum starling --angle 0,30,60 -o starling.svg --csv starling.csv
+  barbule spectrum starling --measured examples/measured/starling-back.csv -o both.png
+  barbule spectrum starling rock-dove bronzewing --summary birds.csv
+
+Printed, and in --json under 'look': peak, full width at half maximum (half-way between the peak and the lowest \
+reflectance), mean reflectance (pavo's B2), saturation (S8), wavelength of the highest sample (H1, in --json and \
+--summary), luminous reflectance Y, x, y, dominant wavelength, purity, Oklab's hue angle, sRGB at true and at \
+normalized luminance, all under D65.")]
 pub(crate) struct Args {
-    #[arg(help = structure_arg::HELP)]
-    structure: String,
-    /// Angles of incidence in degrees
-    #[arg(long, value_name = "SET", default_value = "0", allow_hyphen_values = true,
+    #[arg(help = structure_arg::HELP, value_name = "STRUCTURE", required = true)]
+    structures: Vec<String>,
+    /// Angles of incidence in degrees (also --angles)
+    #[arg(long, alias = "angles", value_name = "SET", default_value = "0", allow_hyphen_values = true,
         value_parser = |text: &str| sets::angles("--angle", text))]
     angle: sets::Angles,
     /// The plane in which the angle lies: across the barbule (φ_i) or along it (θ_i)
@@ -38,21 +60,34 @@ pub(crate) struct Args {
     /// Incident polarization
     #[arg(long, value_name = "mean|1|2", default_value = "mean", value_parser = polarization)]
     polarization: [f64; 2],
-    /// Random instances
-    #[arg(long, value_name = "N", default_value_t = 50)]
-    instances: usize,
-    /// Wavelengths in nm
-    #[arg(long, value_name = "SET", default_value = "400:694:6", value_parser = sets::wavelength_set)]
+    /// Random instances [default: 50]
+    #[arg(long, value_name = "N")]
+    instances: Option<usize>,
+    /// Wavelengths in nm (also --wavelength); birds see from 300: 300:700:4
+    #[arg(long, alias = "wavelength", value_name = "SET", default_value = "400:694:6",
+        value_parser = sets::wavelength_set)]
     wavelengths: Wavelengths,
-    /// A measured spectrum to draw beside (CSV: nm, reflectance)
+    /// A measured spectrum to compare with: a table of text (commas, semicolons, tabs or blanks; decimal points or
+    /// commas; with names or without; one column per sample; parts of 1 or percent), the text of Ocean Optics,
+    /// Avantes and similar spectrometers, or JCAMP-DX (.jdx). How it is read is said
     #[arg(long, value_name = "FILE")]
     measured: Option<PathBuf>,
+    /// The column of --measured to use, by name or by number from 1 [default: all samples and their mean]
+    #[arg(long, value_name = "NAME|N", requires = "measured")]
+    column: Option<String>,
+    /// Whether --measured is percent or parts of 1 [default: percent where names say so or values exceed 1.5]
+    #[arg(long, value_enum, value_name = "UNIT", requires = "measured")]
+    measured_unit: Option<MeasuredUnit>,
     /// Draw a figure: .svg or .png
     #[arg(short, long, value_name = "FIG")]
     output: Option<PathBuf>,
-    /// Write a table: angle_deg,wavelength_nm,mean,std
+    /// Write a table: angle_deg,wavelength_nm,mean,std (of several structures with their names in front)
     #[arg(long, value_name = "F")]
     csv: Option<PathBuf>,
+    /// Write the numbers of the colours, one row for each structure and angle, with --measured also those of the
+    /// comparison
+    #[arg(long, value_name = "F.csv")]
+    summary: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
@@ -66,73 +101,324 @@ enum Plane {
     Along,
 }
 
+/// Units of measured values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MeasuredUnit {
+    /// 0 to 100
+    Percent,
+    /// 0 to 1
+    Fraction,
+}
+
+/// A structure with its spectra.
+struct Found {
+    /// As it was typed.
+    typed: String,
+    /// As people call it.
+    name: String,
+    instances: usize,
+    spectra: Spectra,
+    /// One for each angle.
+    looks: Vec<Look>,
+    /// One for each angle, with a measurement.
+    comparisons: Vec<Comparison>,
+}
+
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        let angles_deg = &self.angle.0;
-        if !(1..=10_000).contains(&self.instances) {
-            return Err(Error::input(format!(
-                "--instances {}: give a number from 1 to 10000",
-                self.instances
-            )));
+        self.check()?;
+        let structures = self
+            .structures
+            .iter()
+            .map(|text| structure_arg::parse(text, &self.common))
+            .collect::<Result<Vec<_>>>()?;
+        let measured = self.measured()?;
+        let all = self.simulate(&structures, measured.as_ref())?;
+        self.write(&all, measured.as_ref())?;
+        if self.common.json {
+            return print_json(out, &self.document(&all, measured.as_ref()));
+        }
+        self.print(out, &all)
+    }
+
+    /// Refuses before any work what could not be done after it.
+    fn check(&self) -> Result<()> {
+        if let Some(instances) = self.instances.filter(|n| !(1..=10_000).contains(n)) {
+            return Err(Error::input(format!("--instances {instances}: give a number from 1 to 10000")));
         }
         check_outputs(self.output.as_deref(), self.csv.as_deref())?;
-        let structure = structure_arg::parse(&self.structure, &self.common)?;
-        let instances = structure.count().map_or(self.instances, |given| given.min(self.instances));
-        let measured = self.measured.as_deref().map(read_spectrum).transpose()?;
+        check_outputs(None, self.summary.as_deref())?;
+        let curves = self.structures.len() * self.angle.0.len();
+        if self.output.is_some() && self.structures.len() > 1 && curves > MOST_CURVES {
+            return Err(Error::input(format!(
+                "-o: {curves} curves of {} structures do not fit one figure, which holds {MOST_CURVES}; give fewer, or --summary in place of -o",
+                self.structures.len()
+            )));
+        }
+        Ok(())
+    }
+
+    /// Reads the measurement, says how, and refuses one that has nothing in common with the wavelengths.
+    fn measured(&self) -> Result<Option<Measured>> {
+        let Some(path) = &self.measured else { return Ok(None) };
+        let scale = self.measured_unit.map(|unit| match unit {
+            MeasuredUnit::Percent => Scale::Percent,
+            MeasuredUnit::Fraction => Scale::Fraction,
+        });
+        let measured = read_measured(path, self.column.as_deref(), scale)?;
+        self.common.say(&measured.reading);
+        let nothing = Spectrum::new(self.wavelengths.clone(), vec![0.0; self.wavelengths.len()])?;
+        Comparison::of(&nothing, &measured.mean).map_err(|e| e.at(path.display()))?;
+        Ok(Some(measured))
+    }
+
+    fn simulate(&self, structures: &[Structure], measured: Option<&Measured>) -> Result<Vec<Found>> {
+        let terminal = Terminal::new(&self.common);
+        let several = (structures.len() > 1).then(|| Several::begin(&terminal, structures.len()));
+        let mut all = Vec::with_capacity(structures.len());
+        for (typed, structure) in self.structures.iter().zip(structures) {
+            let found = match several.as_ref().map(Several::part) {
+                Some(part) => {
+                    self.one(typed, structure, measured, &part).map_err(|e| e.at(shortened(typed)))?
+                }
+                None => self.one(typed, structure, measured, &terminal)?,
+            };
+            all.push(found);
+        }
+        Ok(all)
+    }
+
+    fn one(
+        &self,
+        typed: &str,
+        structure: &Structure,
+        measured: Option<&Measured>,
+        progress: &dyn Progress,
+    ) -> Result<Found> {
+        let wanted = self.instances.unwrap_or(INSTANCES);
+        let instances = structure.count().map_or(wanted, |given| given.min(wanted));
+        if self.instances.is_some_and(|asked| asked > instances) {
+            self.common.say(&format!(
+                "{}: --instances {wanted}, but there {}: {} simulated",
+                shortened(typed),
+                if instances == 1 { "is 1 section".to_owned() } else { format!("are {instances} sections") },
+                if instances == 1 { "it is" } else { "all are" },
+            ));
+        }
         let direction = |angle: &f64| match self.plane {
             Plane::Across => (0.0, angle.to_radians()),
             Plane::Along => (angle.to_radians(), 0.0),
         };
         let request = SpectrumRequest {
             wavelengths: self.wavelengths.clone(),
-            directions: angles_deg.iter().map(direction).collect(),
+            directions: self.angle.0.iter().map(direction).collect(),
             instances,
             seed: self.common.seed,
             collect: self.collect,
             polarization: self.polarization,
         };
-        let found = spectra(&structure, &request, &Terminal::new(&self.common))?;
+        let bytes = spectrum_bytes(structure, &request)?;
+        let fewer = "fewer --wavelengths, angles, --instances or --threads";
+        self.common.allowance().check("this spectrum", bytes, fewer)?;
+        let found = spectra(structure, &request, progress)?;
+        self.say_grazing(&found, structure.width_um());
+        let means = found
+            .mean
+            .iter()
+            .map(|mean| Spectrum::new(self.wavelengths.clone(), mean.clone()))
+            .collect::<Result<Vec<_>>>()?;
+        let comparisons = measured.map_or(Ok(Vec::new()), |measured| {
+            means.iter().map(|mean| Comparison::of(mean, &measured.mean)).collect()
+        })?;
+        let name = structure.name();
+        Ok(Found {
+            typed: typed.to_owned(),
+            name: name.strip_suffix(":default").unwrap_or(&name).to_owned(),
+            instances,
+            spectra: found,
+            looks: means.iter().map(Look::of).collect(),
+            comparisons,
+        })
+    }
+
+    /// Says where light grazes so that the simulation is off.
+    fn say_grazing(&self, found: &Spectra, width_um: f64) {
+        let Some(Grazing { direction, wavelength, mirror_fraction, flagged }) = found.grazing() else {
+            return;
+        };
+        let incidence = self.direction_name(self.angle.0[direction]);
+        let said = grazing(&incidence, self.wavelengths[wavelength], width_um, mirror_fraction);
+        let all = self.angle.0.len() * self.wavelengths.len();
+        self.common.say(&format!("{said} ({flagged} of {all} values are flagged)"));
+    }
+
+    fn write(&self, all: &[Found], measured: Option<&Measured>) -> Result<()> {
         let provenance = Provenance::new(&self.common);
+        let shown = |what: &str| {
+            let whose = match all {
+                [one] => one.name.clone(),
+                many => format!("{} structures", many.len()),
+            };
+            format!("{what} of {whose} at {}", counted(self.angle.0.len(), "angle"))
+        };
+        let beside = if measured.is_some() { ", and what was measured" } else { "" };
         if let Some(path) = &self.output {
-            let title = format!("{}, {} instances", structure.name(), instances);
-            let symbol = if self.plane == Plane::Across { "φ" } else { "θ" };
-            let names: Vec<_> = angles_deg.iter().map(|angle| format!("{symbol} = {angle}°")).collect();
-            let measured: Vec<_> = measured.into_iter().map(|m| ("measured".to_owned(), m)).collect();
-            provenance.write_figure(path, &figures::spectra(&title, &request, &found, &names, &measured)?)?;
+            provenance.write_figure(path, &self.figure(all, measured)?)?;
+            self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
         }
-        let csv = csv(&request, &found, angles_deg);
         if let Some(path) = &self.csv {
-            provenance.write_csv(path, &csv)?;
+            provenance.write_csv(path, &self.csv_text(all))?;
+            self.common.wrote(path, &shown("reflectance"));
         }
-        if self.common.json {
-            return print_json(
-                out,
-                &json!({
-                    "angle_deg": angles_deg,
-                    "wavelength_nm": request.wavelengths.nm(),
-                    "mean": found.mean,
-                    "std": found.std,
-                    "instances": instances,
-                }),
-            );
-        }
-        if self.output.is_none() && self.csv.is_none() {
-            return print(out, csv.trim_end());
+        if let Some(path) = &self.summary {
+            provenance.write_csv(path, &self.summary_text(all))?;
+            let beside = if measured.is_some() { " and of the comparison" } else { "" };
+            self.common.wrote(path, &format!("{}{beside}", shown("numbers of the colour")));
         }
         Ok(())
     }
-}
 
-fn csv(request: &SpectrumRequest, found: &Spectra, angles_deg: &[f64]) -> String {
-    let mut text = String::from("angle_deg,wavelength_nm,mean,std\n");
-    for (a, angle) in angles_deg.iter().enumerate() {
-        for (w, nm) in request.wavelengths.iter().enumerate() {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "{angle},{nm},{},{}", found.mean[a][w], found.std[a][w]);
-        }
+    fn direction_name(&self, angle: f64) -> String {
+        format!("{} = {angle}°", if self.plane == Plane::Across { "φ" } else { "θ" })
     }
-    text
+
+    fn figure(&self, all: &[Found], measured: Option<&Measured>) -> Result<barbule::plot::Drawing> {
+        let most = all.iter().map(|found| found.instances).max().unwrap_or(0);
+        let angles: Vec<String> = self.angle.0.iter().map(|angle| self.direction_name(*angle)).collect();
+        let title = match (all, &angles[..]) {
+            ([one], _) => format!("{}, {}", one.name, counted(one.instances, "instance")),
+            (_, [angle]) => format!("{angle}, {}", counted(most, "instance")),
+            _ => counted(most, "instance"),
+        };
+        let names: Vec<Vec<String>> = all
+            .iter()
+            .map(|found| match (all.len(), angles.len()) {
+                (1, _) => angles.clone(),
+                (_, 1) => vec![shortened(&found.typed)],
+                _ => angles.iter().map(|angle| format!("{}, {angle}", shortened(&found.typed))).collect(),
+            })
+            .collect();
+        let simulated: Vec<Simulated> = all
+            .iter()
+            .zip(&names)
+            .map(|(found, names)| Simulated { names, spectra: &found.spectra, instances: found.instances })
+            .collect();
+        let measured = measured.map(|measured| MeasuredBand {
+            band: Band {
+                name: match &measured.samples[..] {
+                    [_] => "measured".into(),
+                    many => format!("measured, mean of {}", many.len()),
+                },
+                mean: measured.mean.clone(),
+                std: measured.std.clone(),
+            },
+            samples: match &measured.samples[..] {
+                [_] => Vec::new(),
+                many => many.iter().map(|sample| sample.spectrum.clone()).collect(),
+            },
+        });
+        figures::spectra(&title, &self.wavelengths, &simulated, measured.as_ref())
+    }
+
+    /// The contract's table; of several structures with their names in front.
+    fn csv_text(&self, all: &[Found]) -> String {
+        let several = all.len() > 1;
+        let mut text = String::from(if several { "structure," } else { "" });
+        text.push_str("angle_deg,wavelength_nm,mean,std\n");
+        for found in all {
+            let name = if several { format!("{},", csv_cell(&found.typed)) } else { String::new() };
+            for (a, angle) in self.angle.0.iter().enumerate() {
+                for (w, nm) in self.wavelengths.iter().enumerate() {
+                    let (mean, std) = (found.spectra.mean[a][w], found.spectra.std[a][w]);
+                    // Writing to a string cannot fail.
+                    let _ = writeln!(text, "{name}{angle},{nm},{mean},{std}");
+                }
+            }
+        }
+        text
+    }
+
+    fn summary_text(&self, all: &[Found]) -> String {
+        let mut text = String::from("structure,angle_deg,instances");
+        let first = all.iter().flat_map(|found| found.looks.first()).next();
+        let compared = all.iter().flat_map(|found| found.comparisons.first()).next();
+        let headers = [first.map(Look::fields), compared.map(Comparison::fields)];
+        for fields in headers.into_iter().flatten() {
+            let _ = write!(text, ",{}", fields.csv_header());
+        }
+        for found in all {
+            for (a, angle) in self.angle.0.iter().enumerate() {
+                let name = csv_cell(&found.typed);
+                let cells = found.looks[a].fields().csv_cells();
+                let _ = write!(text, "\n{name},{angle},{},{cells}", found.instances);
+                if let Some(comparison) = found.comparisons.get(a) {
+                    let _ = write!(text, ",{}", comparison.fields().csv_cells());
+                }
+            }
+        }
+        text.push('\n');
+        text
+    }
+
+    fn document(&self, all: &[Found], measured: Option<&Measured>) -> Value {
+        let of = |found: &Found| {
+            let error = |std: &Vec<f64>| -> Vec<f64> {
+                std.iter().map(|s| s / (found.instances as f64).sqrt()).collect()
+            };
+            let standard_error =
+                (found.instances > 1).then(|| found.spectra.std.iter().map(error).collect::<Vec<_>>());
+            let mut document = json!({
+                "structure": found.typed,
+                "angle_deg": self.angle.0,
+                "wavelength_nm": self.wavelengths.nm(),
+                "mean": found.spectra.mean,
+                "std": found.spectra.std,
+                "mirror_fraction": found.spectra.mirror,
+                "flagged": found.spectra.flagged(),
+                "standard_error": standard_error,
+                "instances": found.instances,
+                "look": found.looks,
+            });
+            if measured.is_some() {
+                document["comparison"] = json!(found.comparisons);
+            }
+            document
+        };
+        let mut document = match all {
+            [one] => of(one),
+            many => json!({ "structures": many.iter().map(of).collect::<Vec<_>>() }),
+        };
+        if let Some(measured) = measured {
+            document["measured"] = json!({
+                "reading": measured.reading,
+                "samples": measured.samples.iter().map(|sample| &sample.name).collect::<Vec<_>>(),
+                "wavelength_nm": measured.mean.wavelengths().nm(),
+                "mean": measured.mean.values(),
+                "std": measured.std,
+                "look": Look::of(&measured.mean),
+            });
+        }
+        document
+    }
+
+    /// The colours, and how they compare, one line each.
+    fn print(&self, out: &mut dyn Write, all: &[Found]) -> Result<()> {
+        let file = self.measured.as_deref().map(Path::display);
+        for found in all {
+            for (a, angle) in self.angle.0.iter().enumerate() {
+                let name = if all.len() > 1 { shortened(&found.typed) } else { found.name.clone() };
+                print(out, &format!("{name}, {}: {}", self.direction_name(*angle), found.looks[a].words()))?;
+                if let (Some(comparison), Some(file)) = (found.comparisons.get(a), &file) {
+                    print(out, &format!("  against {file}: {}", comparison.words()))?;
+                }
+            }
+        }
+        if let Some(note) = all.first().and_then(|found| found.looks[0].colour_note.as_ref()) {
+            self.common.say(note);
+        }
+        Ok(())
+    }
 }
 
 fn collect(text: &str) -> Result<Collect> {
@@ -145,7 +431,8 @@ fn collect(text: &str) -> Result<Collect> {
         .map(|half| Collect::Cone(half.to_radians()))
         .ok_or_else(|| {
             Error::input(format!(
-                "--collect {text}: write hemisphere, or cone:HALF with HALF up to 90 degrees, as in cone:5"
+                "--collect {}: write hemisphere, or cone:HALF with HALF up to 90 degrees, as in cone:5",
+                shortened(text)
             ))
         })
 }
@@ -155,6 +442,6 @@ fn polarization(text: &str) -> Result<[f64; 2]> {
         "mean" => Ok([0.5, 0.5]),
         "1" => Ok([1.0, 0.0]),
         "2" => Ok([0.0, 1.0]),
-        _ => Err(Error::input(format!("--polarization {text}: write mean, 1 or 2"))),
+        _ => Err(Error::input(format!("--polarization {}: write mean, 1 or 2", shortened(text)))),
     }
 }

@@ -66,13 +66,15 @@ fn figures_and_tables_are_written_with_their_provenance() {
     let (svg, png, csv) = (path("a.svg"), path("b.png"), path("c.csv"));
     let output =
         barbule(&["film", "air/keratin:595/air", "--seed", "7", "-o", &svg, "--csv", &csv]).output().unwrap();
-    assert!(
-        output.status.success() && output.stdout.is_empty(),
-        "a file was asked for, so nothing is printed"
-    );
+    assert!(output.status.success());
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(printed.starts_with("0°, unpolarized: peak "), "the colour, without the table: {printed}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(said.lines().count(), 2);
+    assert!(said.contains("wrote ") && said.contains("a.svg: the response of 1 layers at 0°"), "{said}");
     barbule(&["film", "air/keratin:595/air", "--angles", "0:80:2", "-o", &png]).assert().success();
     let text = std::fs::read_to_string(&csv).unwrap();
-    assert!(text.starts_with("angle_deg,wavelength_nm,R_s,R_p,T_s,T_p,A_s,A_p\n0,400,"));
+    assert!(text.starts_with("angle_deg,wavelength_nm,R_s,R_p,T_s,T_p,A_s,A_p,R,T,A\n0,400,"));
     assert_eq!(text.lines().count(), 51);
     let notes: Value =
         serde_json::from_str(&std::fs::read_to_string(format!("{csv}.json")).unwrap()).unwrap();
@@ -133,6 +135,10 @@ fn bad_input_is_refused_in_one_sentence_and_leaves_no_file() {
         (&["air/m:5/air", "--medium", &media("short.csv")], "covers 450 to 500 nm"),
         (&[film, "--angles", "0:80:0.001", "--wavelengths", "300:830:0.01"], "raise --memory"),
         (&[film, "--threads", "0"], "--threads 0"),
+        (&[film, "--csv", "-"], "not to standard output; give a path, or --json"),
+        (&["air/keratin:200±x/air"], "with its standard deviation keratin:595±5%"),
+        (&["air/keratin:200±300/air"], "from 0 to the thickness, 200 nm"),
+        (&["air/keratin:200±5%/air", "--instances", "0"], "--instances"),
     ];
     for (arguments, part) in cases {
         let output = barbule(&[&["film"], *arguments].concat()).output().unwrap();
@@ -142,4 +148,150 @@ fn bad_input_is_refused_in_one_sentence_and_leaves_no_file() {
         assert!(message.len() < 600 && message.trim_end().lines().count() == 1, "{arguments:?}: {message}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
+}
+
+/// Cells of a CSV by its header.
+fn column(text: &str, name: &str) -> Vec<f64> {
+    let mut lines = text.lines();
+    let place = lines.next().unwrap().split(',').position(|header| header == name).unwrap();
+    lines.map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
+}
+
+#[test]
+fn unpolarized_light_is_the_mean_of_both_polarizations() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.csv");
+    barbule(&["film", "air/keratin:400/melanin:200/air", "--angle", "50", "--wavelength", "400:700:10"])
+        .args(["--quiet", "--csv"])
+        .arg(&path)
+        .assert()
+        .success();
+    let text = std::fs::read_to_string(&path).unwrap();
+    for letter in ["R", "T", "A"] {
+        let [all, s, p] = ["", "_s", "_p"].map(|end| column(&text, &format!("{letter}{end}")));
+        assert!(all.iter().zip(s.iter().zip(&p)).all(|(all, (s, p))| (all - 0.5 * (s + p)).abs() < 1e-16));
+    }
+}
+
+#[test]
+fn the_numbers_of_the_colour_are_printed_and_in_the_document() {
+    let found =
+        film_json(&["air/keratin:300/melanin:500/air", "--angles", "0,45", "--wavelengths", "400:700:2"]);
+    let looks = found["looks"].as_array().unwrap();
+    assert_eq!(looks.len(), 2);
+    // A film on a denser medium is brightest where 2 n d is a whole number of wavelengths: 2·1.559·300/2.
+    let peak = number(&looks[0]["unpolarized"]["peak_nm"]);
+    assert!((peak - 467.7).abs() < 6.0, "{peak}");
+    assert_eq!(looks[0]["s"], looks[0]["p"], "at normal incidence");
+    assert_ne!(looks[1]["s"]["peak_reflectance"], looks[1]["p"]["peak_reflectance"]);
+    assert!(looks[1]["unpolarized"]["srgb"].as_str().unwrap().starts_with('#'));
+    let printed = barbule(&["film", "air/keratin:300/melanin:500/air"]).output().unwrap();
+    let printed = String::from_utf8(printed.stdout).unwrap();
+    for part in ["0°, unpolarized: peak 46", "half width", "saturation S8", "x 0.", "sRGB #", "normalized #"]
+    {
+        assert!(printed.contains(part), "{part}: {printed}");
+    }
+    assert_eq!(film_json(&["air/1.5", "--wavelengths", "500"])["looks"], serde_json::json!([]));
+}
+
+#[test]
+fn a_stack_that_spreads_gives_means_and_deviations() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let stack = "air/keratin:300±5%/melanin:300/air";
+    let set = ["--wavelengths", "400:700:20", "--instances", "40"];
+    let found = film_json(&[&[stack], &set[..]].concat());
+    assert_eq!(found["instances"], 40);
+    let std: Vec<f64> = found["std"]["R"][0].as_array().unwrap().iter().map(number).collect();
+    assert!(std.iter().all(|s| *s > 0.0 && *s < 0.05));
+    let (r, power) = (&found["r_s"][0][0], number(&found["R_s"][0][0]));
+    assert!(
+        number(&r[0]).powi(2) + number(&r[1]).powi(2) < power,
+        "amplitudes of individuals differ in phase"
+    );
+    let again = film_json(&[&[stack, "--threads", "1"], &set[..]].concat());
+    assert_eq!(found, again);
+    let other = film_json(&[&[stack, "--seed", "2"], &set[..]].concat());
+    assert_ne!(found["R"], other["R"]);
+    let (svg, csv) = (path("a.svg"), path("a.csv"));
+    barbule(&["film", stack, "--instances", "5", "-o", &svg, "--csv", &csv]).assert().success();
+    let text = std::fs::read_to_string(&csv).unwrap();
+    assert!(text.starts_with("angle_deg,wavelength_nm,R_s,R_p,T_s,T_p,A_s,A_p,R,T,A,R_s_std,R_p_std,T_s_std,T_p_std,A_s_std,A_p_std,R_std\n"));
+    assert!(std::fs::read_to_string(&svg).unwrap().contains("mean ± 1 std of 5"));
+    let ascii = film_json(&[&["air/keratin:300+-15/melanin:300/air"], &set[..]].concat());
+    assert_eq!(ascii, found);
+}
+
+/// Small spreads act to second order: the mean of many individuals is near the mean stack's, and so is its figure.
+#[test]
+fn a_spread_blurs_and_no_spread_changes_nothing() {
+    let set = ["--wavelengths", "400:700:50", "--instances", "200"];
+    let plain = film_json(&[&["air/keratin:300/melanin:300/air"], &set[..2]].concat());
+    let zero = film_json(&[&["air/keratin:300±0%/melanin:300/air"], &set[..2]].concat());
+    assert_eq!(plain, zero);
+    assert!(plain.get("std").is_none() && plain.get("instances").is_none());
+    let near = film_json(&[&["air/keratin:300±0.1%/melanin:300/air"], &set[..]].concat());
+    for (a, b) in near["R"][0].as_array().unwrap().iter().zip(plain["R"][0].as_array().unwrap()) {
+        assert!((number(a) - number(b)).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn what_is_doubtful_is_said_and_done() {
+    let said = |arguments: &[&str]| {
+        let output = barbule(arguments).output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let thin = "air/keratin:0.2/air";
+    let expected = "keratin:0.2 is 0.2 nm thick; thicknesses are in nm: did you mean 200?\n";
+    assert_eq!(said(&["film", thin, "--wavelengths", "500"]), expected);
+    assert_eq!(said(&["far-field", thin, "--wavelength", "500", "--theta", "0", "--phi", "0"]), expected);
+    assert_eq!(said(&["film", thin, "--wavelengths", "500", "--quiet"]), "");
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("thin.toml");
+    std::fs::write(&file, "stack = \"air/keratin:0.2/air\"").unwrap();
+    let file = file.to_str().unwrap();
+    assert_eq!(said(&["far-field", file, "--wavelength", "500", "--theta", "0", "--phi", "0"]), expected);
+    let unused = said(&["film", "air/keratin:200/air", "--instances", "5", "--wavelengths", "500"]);
+    assert!(unused.starts_with("--instances has no effect"), "{unused}");
+}
+
+/// A stack that spreads is a structure with endless individuals wherever structures go.
+#[test]
+fn spectra_of_a_stack_that_spreads_have_a_deviation() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("s.csv");
+    barbule(&[
+        "spectrum",
+        "air/keratin:300±5%/melanin:300/air",
+        "--instances",
+        "4",
+        "--wavelengths",
+        "450,600",
+    ])
+    .args(["--quiet", "--csv"])
+    .arg(&csv)
+    .assert()
+    .success();
+    let text = std::fs::read_to_string(&csv).unwrap();
+    assert!(column(&text, "std").iter().all(|std| *std > 1e-4), "{text}");
+}
+
+/// What a material records of such a stack makes its individuals again.
+#[test]
+fn a_material_of_a_stack_that_spreads_shows_its_individuals() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (material, picture, cache) = (path("m.barbule"), path("i.png"), path("cache"));
+    let stack = "air/keratin:300±5%/melanin:300/air";
+    let few = ["--wavelengths", "450,550,650", "--directions", "2x2", "--instances", "3"];
+    barbule(&["characterize", stack, "--quiet", "--cache", &cache, "-o", &material])
+        .args(few)
+        .assert()
+        .success();
+    barbule(&["lobes", &material, "--fields", "--quiet", "--cache", &cache, "-o", &picture])
+        .assert()
+        .success();
+    assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
 }

@@ -149,6 +149,13 @@ impl FarField {
         self.scaled(polarization, self.theta_i.cos() * self.squared_amplitude_um())
     }
 
+    /// What is scattered per radian of azimuth, `[azimuth]`: [`Self::intensity`], rad⁻¹, of a beam;
+    /// [`Self::differential_width_um`], µm/rad, of a plane wave.
+    #[must_use]
+    pub fn per_radian(&self, polarization: Polarization) -> Vec<f64> {
+        self.intensity(polarization).unwrap_or_else(|| self.differential_width_um(polarization))
+    }
+
     /// Φ_r/Φ_i, the part of the light that leaves over these azimuths; `None` for a plane wave.
     #[must_use]
     pub fn reflected_fraction(&self, polarization: Polarization) -> Option<f64> {

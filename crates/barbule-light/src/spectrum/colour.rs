@@ -199,6 +199,22 @@ pub fn held(at: &Wavelengths) -> Option<String> {
     })
 }
 
+/// The part of X, Y or Z of white under D65 that comes from within the range of wavelengths: that of the least known.
+#[must_use]
+pub fn known_share(at: &Wavelengths) -> f64 {
+    let (first, last) = at.range_nm();
+    let (mut all, mut known) = ([0.0; 3], [0.0; 3]);
+    for row in 0..cie::rows().len() {
+        let nm = cie::FIRST_NM + row as f64;
+        let seen = Observer::default().seen(nm);
+        for c in 0..3 {
+            all[c] += seen[c];
+            known[c] += if (first..=last).contains(&nm) { seen[c] } else { 0.0 };
+        }
+    }
+    (0..3).map(|c| known[c] / all[c]).fold(1.0, f64::min)
+}
+
 /// x and y of the chromaticity diagram.
 #[must_use]
 pub fn chromaticity(xyz: [f64; 3]) -> [f64; 2] {
@@ -351,6 +367,13 @@ mod tests {
             assert!((back[c] - rgb[c]).abs() < 1e-12);
         }
         assert!((xyz[1] - luminance(rgb)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn the_share_of_what_is_seen_is_that_of_the_least_known_stimulus() {
+        let share = |range: [f64; 2]| known_share(&Wavelengths::new(range).unwrap());
+        assert_eq!((share([300.0, 900.0]), share([300.0, 350.0])), (1.0, 0.0));
+        assert!(share([400.0, 694.0]) > 0.99 && share([450.0, 830.0]) < 0.7);
     }
 
     #[test]

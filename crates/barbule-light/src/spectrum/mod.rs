@@ -1,12 +1,17 @@
 //! Wavelengths, spectra and colour.
 //!
 //! [`Wavelengths`] are a sorted set in nm that is cheap to share; a [`Spectrum`] has one value for each and is linear
-//! between them, a [`dense::DenseSpectrum`] one for each nm. [`colour`] turns reflectances into what an observer sees, [`hue`] says which colour that is.
+//! between them, a [`dense::DenseSpectrum`] one for each nm. [`colour`] turns reflectances into what an observer sees, [`hue`] says which colour that is, [`look`] gives
+//! all numbers of a colour together; [`comparison`] holds a simulated spectrum against a measured one.
 
 mod cie;
 pub mod colour;
+pub mod comparison;
 pub mod dense;
+pub mod difference;
+pub mod fields;
 pub mod hue;
+pub mod look;
 
 use std::sync::Arc;
 
@@ -144,6 +149,20 @@ impl Spectrum {
             _ => self.values[low],
         }
     }
+
+    /// The part within a range of nm, with its ends between samples; none where they share no more than a point.
+    #[must_use]
+    pub fn within(&self, [from, to]: [f64; 2]) -> Option<Self> {
+        let (first, last) = self.at.range_nm();
+        let (from, to) = (from.max(first), to.min(last));
+        if from >= to {
+            return None;
+        }
+        let inner = self.at.iter().copied().filter(|nm| (from..to).contains(nm) && *nm > from);
+        let nm: Vec<f64> = std::iter::once(from).chain(inner).chain([to]).collect();
+        let values = nm.iter().map(|&nm| self.held(nm)).collect();
+        Some(Self { at: Wavelengths(nm.into()), values })
+    }
 }
 
 #[cfg(test)]
@@ -170,6 +189,12 @@ mod tests {
         assert_eq!((spectrum.value(400.0), spectrum.value(500.0)), (Some(1.0), Some(3.0)));
         assert_eq!((spectrum.value(399.0), spectrum.value(501.0)), (None, None));
         assert_eq!((spectrum.held(399.0), spectrum.held(501.0)), (1.0, 3.0));
+        let part = spectrum.within([425.0, 900.0]).unwrap();
+        assert_eq!((part.wavelengths().nm(), part.values()), (&[425.0, 500.0][..], &[1.5, 3.0][..]));
+        assert_eq!(
+            (spectrum.within([500.0, 600.0]), spectrum.within([300.0, 900.0])),
+            (None, Some(spectrum))
+        );
         assert!(Spectrum::new(Wavelengths::usual(), vec![1.0]).unwrap_err().is_input());
         assert!(Spectrum::new(Wavelengths::new([1.0]).unwrap(), vec![f64::NAN]).unwrap_err().is_input());
     }

@@ -10,6 +10,7 @@ use super::crystal::Cell;
 use super::crystal::multipole::PreparedCell;
 use super::film::{Polarization, reflect};
 use super::surface::solver;
+use crate::progress::{Progress, Unobserved};
 use crate::scattering::directions::{e1, e2, omega};
 use crate::scattering::far_field::{
     Azimuths, FarField, Illumination, IncidentLight, Window, coefficients, refinement,
@@ -35,9 +36,23 @@ pub fn far_field(
     azimuths: usize,
     element_um: f64,
 ) -> Result<FarField> {
+    far_field_observed(section, illumination, azimuths, element_um, &Unobserved)
+}
+
+/// As [`far_field`], watched by `progress`.
+///
+/// # Errors
+/// As [`far_field`], or the user cancelled.
+pub fn far_field_observed(
+    section: &Section,
+    illumination: &Illumination,
+    azimuths: usize,
+    element_um: f64,
+    progress: &dyn Progress,
+) -> Result<FarField> {
     section.check_lit_through_air()?;
-    let lit = illuminate(section, element_um, illumination)?;
-    Ok(radiate(&lit, illumination, azimuths))
+    let lit = illuminate(section, element_um, illumination, progress)?;
+    radiate(&lit, illumination, azimuths, progress)
 }
 
 /// The top of a section under light.
@@ -58,7 +73,12 @@ struct Current {
 }
 
 /// The currents that the top carries: at each lit point those of the wave that the stack or crystal under it reflects.
-fn illuminate(section: &Section, element_um: f64, illumination: &Illumination) -> Result<Lit> {
+fn illuminate(
+    section: &Section,
+    element_um: f64,
+    illumination: &Illumination,
+    progress: &dyn Progress,
+) -> Result<Lit> {
     let Illumination { wavelength_nm, theta_i, phi_i, window } = *illumination;
     let k = illumination.wave_number_per_um();
     let (rays, lengths_um) = quadrature(section, element_um);
@@ -68,7 +88,9 @@ fn illuminate(section: &Section, element_um: f64, illumination: &Illumination) -
     let crystal = crystal.transpose()?;
     let w_i = omega(theta_i, phi_i);
     let mut lit = Lit { currents: Default::default(), incident_power_um: 0.0, radius_um: 0.0 };
+    progress.begin("reflecting", rays.len() as u64);
     for (p, (ray, length)) in rays.iter().zip(&lengths_um).enumerate() {
+        step(progress)?;
         lit.radius_um = lit.radius_um.max(ray.x_um.hypot(ray.z_um));
         let normal = DVec3::new(ray.normal[0], 0.0, ray.normal[1]);
         let cos_alpha = normal.dot(w_i);
@@ -95,7 +117,12 @@ fn illuminate(section: &Section, element_um: f64, illumination: &Illumination) -
 
 /// The far field of currents: E = (j/4)·jk·√(2/(πκ))·e^{−jπ/4}·[(1 − ωωᵀ)J̃ − ω × M̃] with J̃ and M̃ the currents' sums
 /// over e^{−jκ(x sinφ + z cosφ)}.
-fn radiate(lit: &Lit, illumination: &Illumination, azimuths: usize) -> FarField {
+fn radiate(
+    lit: &Lit,
+    illumination: &Illumination,
+    azimuths: usize,
+    progress: &dyn Progress,
+) -> Result<FarField> {
     let theta_i = illumination.theta_i;
     let k = illumination.wave_number_per_um();
     let kappa = k * theta_i.cos();
@@ -113,7 +140,9 @@ fn radiate(lit: &Lit, illumination: &Illumination, azimuths: usize) -> FarField 
     let mut radiated = [0.0; 2];
     let refine = refinement(coefficients(kappa, lit.radius_um), azimuths);
     let fine = Azimuths::UpperHalf(azimuths * refine);
+    progress.begin("radiating", (azimuths * refine) as u64);
     for (n, phi_o) in fine.phi_o().into_iter().enumerate() {
+        step(progress)?;
         let w_o = omega(-theta_i, phi_o);
         for ((currents, amplitudes), radiated) in lit.currents.iter().zip(&mut amplitudes).zip(&mut radiated)
         {
@@ -138,7 +167,13 @@ fn radiate(lit: &Lit, illumination: &Illumination, azimuths: usize) -> FarField 
             }
         }
     }
-    FarField { light, theta_i, azimuths: Azimuths::UpperHalf(azimuths), amplitudes, radiated }
+    Ok(FarField { light, theta_i, azimuths: Azimuths::UpperHalf(azimuths), amplitudes, radiated })
+}
+
+/// One step more, or an error once the user cancelled.
+fn step(progress: &dyn Progress) -> Result<()> {
+    progress.advance(1);
+    if progress.is_cancelled() { Err(Error::interrupted()) } else { Ok(()) }
 }
 
 /// Gauss points on the straight pieces of the top, with their lengths.
@@ -207,7 +242,7 @@ impl Stacks {
         let mut indices = vec![Complex64::ONE];
         let mut thickness_nm = Vec::new();
         for slot in 0..slots {
-            let m = self.columns.mixture[slot * rays + p];
+            let m = self.columns.mixture[slot].at(p);
             let (a, b) = (self.palette[usize::from(m.a)], self.palette[usize::from(m.b)]);
             indices.push(a * (1.0 - m.fraction) + b * m.fraction);
             if slot + 1 < slots {

@@ -7,8 +7,10 @@
 //! Amplitudes of s belong to E, those of p to H̃, both perpendicular to the plane of incidence, so at normal
 //! incidence r_p = −r_s.
 
+mod ensemble;
 mod sweep;
 
+pub use ensemble::{Deviations, Ensemble, ensemble};
 pub use sweep::{FilmTables, Sweep, bytes, sweep};
 
 use crate::structure::stack::Stack;

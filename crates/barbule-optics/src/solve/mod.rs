@@ -2,6 +2,7 @@
 
 pub mod crystal;
 pub mod direct;
+pub mod far_fields;
 pub mod film;
 pub mod surface;
 pub mod swatch;

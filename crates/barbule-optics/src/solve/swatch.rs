@@ -42,7 +42,7 @@ pub fn normal_reflectance(section: &Section, points: usize, at: &Wavelengths) ->
             column.indices.push(entry);
             for slot in 0..columns.slots {
                 let place = slot * columns.rays + ray;
-                let (mixture, thickness) = (columns.mixture[place], columns.thickness_um[place]);
+                let (mixture, thickness) = (columns.mixture[slot].at(ray), columns.thickness_um[place]);
                 let last = slot + 1 == columns.slots;
                 if thickness > 0.0 || last {
                     let (a, b) = (palette[usize::from(mixture.a)], palette[usize::from(mixture.b)]);

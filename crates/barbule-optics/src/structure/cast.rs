@@ -3,11 +3,15 @@
 use num_complex::Complex64;
 
 use super::section::{Loop, Medium, Polyline, Section, Substance};
+use crate::error::shortened;
 use crate::material::Material;
 use crate::{Error, Result};
 
 /// Layers thinner than this are rounding, µm: 1e-6 nm.
 const NO_THICKNESS_UM: f64 = 1e-9;
+
+/// Layers under all rays together, and slots times rays; simulations take about 40 bytes for each.
+const MOST_LAYERS: usize = 1 << 26;
 
 /// A point on the top boundary.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +44,37 @@ impl PaletteMixture {
     }
 }
 
+/// What fills a slot: one mixture under all rays, or one under each.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SlotMixture {
+    /// The same everywhere.
+    Uniform(PaletteMixture),
+    /// Shape: `[ray]`.
+    Varying(Vec<PaletteMixture>),
+}
+
+impl SlotMixture {
+    /// What fills it under a ray.
+    #[must_use]
+    pub fn at(&self, ray: usize) -> PaletteMixture {
+        match self {
+            Self::Uniform(mixture) => *mixture,
+            Self::Varying(row) => row[ray],
+        }
+    }
+
+    /// Varying mixtures that are all the same are one.
+    fn simplified(self) -> Self {
+        match &self {
+            Self::Varying(row) => match row.first() {
+                Some(first) if row.iter().all(|m| m == first) => Self::Uniform(*first),
+                _ => self,
+            },
+            Self::Uniform(_) => self,
+        }
+    }
+}
+
 /// The layers below each ray, in slots that all rays share.
 ///
 /// Slots are filled so that each holds one kind of medium (or one kind of mixture) over all rays; the last is the
@@ -52,8 +87,8 @@ pub struct Columns {
     pub slots: usize,
     /// Shape: `[slot][ray]`; 0 for the substrate and where a ray has no such layer.
     pub thickness_um: Vec<f64>,
-    /// Shape: `[slot][ray]`.
-    pub mixture: Vec<PaletteMixture>,
+    /// Shape: `[slot]`.
+    pub mixture: Vec<SlotMixture>,
     /// The materials that mixtures point at.
     pub palette: Vec<Material>,
 }
@@ -66,7 +101,7 @@ pub struct Columns {
 /// at the ray's own x, the point on the top, all the way down.
 ///
 /// # Errors
-/// The section has no boundaries, or over 65,535 media.
+/// The section has no boundaries, over 65,535 media, or over 67,108,864 layers under the rays together.
 pub fn cast(section: &Section, rays: &[Ray]) -> Result<Columns> {
     if section.boundaries.is_empty() {
         return Err(Error::input(format!(
@@ -74,8 +109,8 @@ pub fn cast(section: &Section, rays: &[Ray]) -> Result<Columns> {
             section.name
         )));
     }
-    let (palette, kinds) = palette(section)?;
-    let profiles: Vec<Profile<'_>> = section.boundaries.iter().map(Profile::new).collect();
+    let (palette, fillings) = palette(section)?;
+    let (profiles, fillings) = parting(section, fillings);
     let hulls = Hulls::new(section);
     let mut slots = Slots::default();
     let mut found: Vec<Found> = Vec::new();
@@ -83,42 +118,72 @@ pub fn cast(section: &Section, rays: &[Ray]) -> Result<Columns> {
     let mut state = State { limits: Limits::new(section), ..State::default() };
     for ray in rays {
         layers_below(&profiles, &hulls, ray, &mut state);
-        state.emit(&kinds, section.boundaries.len(), &mut found);
+        state.emit(&fillings, profiles.len(), &mut found);
         ends.push(found.len());
+        if found.len() > MOST_LAYERS {
+            return Err(too_many(section, rays.len()));
+        }
     }
     // The longest sequence first: most others are parts of it.
     let span = |ray: usize| if ray == 0 { 0 } else { ends[ray - 1] }..ends[ray];
     if let Some(longest) = (0..rays.len()).max_by_key(|&ray| (span(ray).len(), std::cmp::Reverse(ray))) {
-        slots.place(&mut found[span(longest)]);
+        slots.place(&mut found[span(longest)], &fillings);
     }
     for ray in 0..rays.len() {
-        slots.place(&mut found[span(ray)]);
+        slots.place(&mut found[span(ray)], &fillings);
     }
     let layers = slots.kinds.len();
-    let blank = |kind: Kind| PaletteMixture { a: kind.a, b: kind.b, fraction: 0.0 };
-    let mut columns = Columns {
-        rays: rays.len(),
-        slots: layers + 1,
-        thickness_um: vec![0.0; (layers + 1) * rays.len()],
-        mixture: Vec::with_capacity((layers + 1) * rays.len()),
-        palette,
-    };
-    for &kind in &slots.kinds {
-        columns.mixture.extend((0..rays.len()).map(|_| blank(kind)));
+    if (layers + 1).saturating_mul(rays.len()) > MOST_LAYERS {
+        return Err(too_many(section, rays.len()));
     }
-    columns.mixture.extend((0..rays.len()).map(|_| blank(kinds[kinds.len() - 1].kind)));
+    let blank = |kind: Kind| PaletteMixture { a: kind.a, b: kind.b, fraction: 0.0 };
+    // Pure media are the same under all rays; the substrates of rays may differ.
+    let substrate = blank(fillings[fillings.len() - 1].kind);
+    let mut mixture: Vec<SlotMixture> = slots
+        .kinds
+        .iter()
+        .map(|&kind| match kind.a == kind.b {
+            true => SlotMixture::Uniform(blank(kind)),
+            false => SlotMixture::Varying(vec![blank(kind); rays.len()]),
+        })
+        .chain([SlotMixture::Varying(vec![substrate; rays.len()])])
+        .collect();
+    let mut thickness_um = vec![0.0; (layers + 1) * rays.len()];
     for (index, ray) in rays.iter().enumerate() {
         for layer in &found[span(index)] {
-            let slot = layer.slot.unwrap_or(layers);
-            let at = slot * rays.len() + index;
-            if layer.slot.is_some() {
-                columns.thickness_um[at] = layer.thickness_um;
+            let slot = layer.slot().unwrap_or(layers);
+            if slot < layers {
+                thickness_um[slot * rays.len() + index] = layer.thickness_um;
             }
-            let fraction = layer.medium.map_or(0.0, |medium| all_media(section, medium).fraction(ray.x_um));
-            columns.mixture[at] = PaletteMixture { fraction, ..blank(layer.kind) };
+            if let SlotMixture::Varying(row) = &mut mixture[slot] {
+                let Filling { kind, mixed } = fillings[layer.filling as usize];
+                let fraction = mixed.map_or(0.0, |medium| all_media(section, medium).fraction(ray.x_um));
+                row[index] = PaletteMixture { fraction, ..blank(kind) };
+            }
         }
     }
-    Ok(columns)
+    let mixture = mixture.into_iter().map(SlotMixture::simplified).collect();
+    Ok(Columns { rays: rays.len(), slots: layers + 1, thickness_um, mixture, palette })
+}
+
+/// The boundaries at which the medium changes, with the fillings of inclusions and then of the layers between these.
+fn parting(section: &Section, fillings: Vec<Filling>) -> (Vec<Profile<'_>>, Vec<Filling>) {
+    let first = section.inclusions.len();
+    let parts = |index: &usize| fillings[first + index] != fillings[first + index + 1];
+    let kept: Vec<usize> =
+        (0..section.boundaries.len()).filter(|index| *index == 0 || parts(index)).collect();
+    let profiles = kept.iter().map(|&index| Profile::new(&section.boundaries[index])).collect();
+    let below = kept.iter().map(|index| fillings[first + index + 1]);
+    let all = fillings[..=first].iter().copied().chain(below).collect();
+    (profiles, all)
+}
+
+fn too_many(section: &Section, rays: usize) -> Error {
+    Error::input(format!(
+        "the section '{}' has over {MOST_LAYERS} layers under {rays} places of its top, more than can be simulated; \
+         give fewer layers or inclusions, or a narrower section",
+        shortened(&section.name)
+    ))
 }
 
 /// Two palette entries, equal for a pure medium.
@@ -129,7 +194,7 @@ struct Kind {
 }
 
 /// What the layer under a boundary, or an inclusion, is made of.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Filling {
     kind: Kind,
     /// The medium, where its fraction varies.
@@ -168,13 +233,21 @@ fn palette(section: &Section) -> Result<(Vec<Material>, Vec<Filling>)> {
     Ok((materials, fillings))
 }
 
-/// One layer under one ray; the substrate has no slot.
+/// One layer under one ray: as small as can be, since there are millions.
 #[derive(Debug, Clone, Copy)]
 struct Found {
-    kind: Kind,
-    medium: Option<usize>,
+    filling: u32,
+    slot: u32,
     thickness_um: f64,
-    slot: Option<usize>,
+}
+
+impl Found {
+    const NO_SLOT: u32 = u32::MAX;
+
+    /// The slot; the substrate has none.
+    fn slot(&self) -> Option<usize> {
+        (self.slot != Self::NO_SLOT).then_some(self.slot as usize)
+    }
 }
 
 /// The kinds of the shared slots, grown as rays need it.
@@ -185,16 +258,16 @@ struct Slots {
 
 impl Slots {
     /// Puts each layer of a ray (its last is the substrate) into the first free slot of its kind.
-    fn place(&mut self, ray: &mut [Found]) {
+    fn place(&mut self, ray: &mut [Found], fillings: &[Filling]) {
         let mut next = 0;
         let layers = ray.len().saturating_sub(1);
         for layer in &mut ray[..layers] {
-            let slot =
-                (next..self.kinds.len()).find(|&slot| self.kinds[slot] == layer.kind).unwrap_or_else(|| {
-                    self.kinds.push(layer.kind);
-                    self.kinds.len() - 1
-                });
-            layer.slot = Some(slot);
+            let kind = fillings[layer.filling as usize].kind;
+            let slot = (next..self.kinds.len()).find(|&slot| self.kinds[slot] == kind).unwrap_or_else(|| {
+                self.kinds.push(kind);
+                self.kinds.len() - 1
+            });
+            layer.slot = slot as u32;
             next = slot + 1;
         }
     }
@@ -287,14 +360,16 @@ impl State {
             if to - from > NO_THICKNESS_UM {
                 let deepest = self.inside.iter().max_by_key(|entry| entry.0).and_then(|entry| entry.2);
                 let layer = above.clamp(0, boundaries as isize) as usize;
-                let filling = fillings[deepest.unwrap_or(inclusions + layer)];
-                let found =
-                    Found { kind: filling.kind, medium: filling.mixed, thickness_um: to - from, slot: None };
+                let filling = deepest.unwrap_or(inclusions + layer);
                 match into[start..].last_mut() {
-                    Some(before) if (before.kind, before.medium) == (found.kind, found.medium) => {
-                        before.thickness_um += found.thickness_um;
+                    Some(before) if fillings[before.filling as usize] == fillings[filling] => {
+                        before.thickness_um += to - from;
                     }
-                    _ => into.push(found),
+                    _ => into.push(Found {
+                        filling: filling as u32,
+                        slot: Found::NO_SLOT,
+                        thickness_um: to - from,
+                    }),
                 }
                 from = to;
             }

@@ -255,16 +255,37 @@ fn check_order(index: usize, upper: &Polyline, lower: &Polyline, top: &Polyline)
         x = upper_walk.next_point().min(lower_walk.next_point()).min(to);
     };
     let (above, below) = (format!("boundaries[{index}]"), format!("boundaries[{}]", index + 1));
+    let hint = |usual: &str| heights_in_nm(index, [upper, lower], to - from).unwrap_or(format!("; {usual}"));
     if x == from {
         return refuse(format!(
-            "{below} lies above {above} at x = {x:.4} µm; list the boundaries from the top down"
+            "{below} lies above {above} at x = {x:.4} µm{}",
+            hint("list the boundaries from the top down")
         ));
     }
     let x = x0 + (x - x0) * (before / (before - gap));
     refuse(format!(
-        "{below} crosses {above} at x = {x:.4}, z = {:.4} µm; keep every boundary below the one before it",
-        upper.height(x)
+        "{below} crosses {above} at x = {x:.4}, z = {:.4} µm{}",
+        upper.height(x),
+        hint("keep every boundary below the one before it")
     ))
+}
+
+/// `; boundaries[1].z is -200 µm …; did you mean -0.2 (-200 nm)?` where one of two boundaries that follow each other is
+/// farther from the top than any barbule of this width (µm) is thick.
+fn heights_in_nm(index: usize, pair: [&Polyline; 2], width: f64) -> Option<String> {
+    /// Barbules are not thicker than wide, and films of under so many nm are not seen.
+    const LEAST_NM: f64 = 20.0;
+    let (at, z) = pair
+        .iter()
+        .enumerate()
+        .flat_map(|(i, curve)| curve.z_um.iter().map(move |&z| (index + i, z)))
+        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    (z.abs() > width.max(LEAST_NM)).then(|| {
+        format!(
+            "; boundaries[{at}] has z = {z} µm on a barbule of {width} µm; did you mean {} ({z} nm)?",
+            z / 1000.0
+        )
+    })
 }
 
 /// Heights of a curve at increasing x.

@@ -4,6 +4,9 @@ use super::lattice::Lattice;
 use super::section::{Medium, Parts, Polyline, profile, refuse};
 use crate::Result;
 
+/// No top has more rods under it.
+const MOST_RODS_UNDER_TOP: f64 = 200_000.0;
+
 /// Rows of rods that follow the top: at arc length s from x = 0 the crystal looks like the flat one at x = s − offset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrystalLayer {
@@ -110,6 +113,22 @@ impl Polyline {
 pub(super) fn check(parts: &Parts) -> Result<()> {
     let Some(crystal) = &parts.crystal else { return Ok(()) };
     crystal.lattice.check()?;
+    if let Some(top) = parts.boundaries.first() {
+        let length_um: f64 = top
+            .x_um
+            .windows(2)
+            .zip(top.z_um.windows(2))
+            .map(|(x, z)| libm::hypot(x[1] - x[0], z[1] - z[0]))
+            .sum();
+        let rods = length_um / crystal.lattice.period_um * crystal.lattice.placed().count() as f64;
+        if rods > MOST_RODS_UNDER_TOP {
+            return refuse(format!(
+                "lattice: {rods:.0} rods lie under a top of {length_um:.0} µm with a period of {} µm, over {MOST_RODS_UNDER_TOP}; \
+                 give a longer period, fewer rows or a narrower section",
+                crystal.lattice.period_um
+            ));
+        }
+    }
     if parts.boundaries.len() != 1 || !parts.inclusions.is_empty() {
         return refuse(format!(
             "lattice: a section with a lattice has the top as its only boundary and no inclusions, but this one has {} boundaries and {} inclusions",

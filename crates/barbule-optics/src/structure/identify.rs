@@ -143,8 +143,7 @@ impl Identify for Placed {
 impl Identify for SpeciesModel {
     fn feed(&self, to: &mut Hasher) {
         let Self { name, variant, latin: _, coloration: _, parameters, library } = self;
-        // What generators call their media.
-        let media = ["air", "keratin", "melanin"].map(Substance::named);
+        let media: Vec<Substance> = self.media().map(Substance::named).collect();
         to.text("species", name)
             .text("variant", variant)
             .part("parameters", parameters)

@@ -1,6 +1,9 @@
 //! Photonic crystals: rods along y, periodic in x, a few rows deep, in a host below a flat surface.
 
+use std::ops::RangeInclusive;
+
 use super::section::{Substance, material};
+use crate::fields::{shown, typed_in_nm};
 use crate::material::{Library, Material};
 use crate::{Error, Result};
 
@@ -11,7 +14,14 @@ pub const TOUCHING_UM: f64 = 1e-5;
 pub const MOST_RODS: usize = 200;
 
 /// Lengths that can be meant, µm.
-const LENGTHS_UM: std::ops::RangeInclusive<f64> = 1e-4..=1e3;
+const LENGTHS_UM: RangeInclusive<f64> = 1e-4..=100.0;
+
+/// Places of rods that can be meant, µm.
+const PLACES_UM: RangeInclusive<f64> = -100.0..=100.0;
+
+/// The largest |n| of a medium and the largest k·d of a rod of diameter d (µm) at 550 nm that cylinder functions reach.
+const LARGEST_INDEX: f64 = 100.0;
+const LARGEST_LOSS_UM: f64 = 20.0;
 
 /// A periodic structure in its host, which continues below as a half-space.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,8 +151,10 @@ impl Lattice {
         if self.rows > 1 {
             length("lattice.row_pitch", self.row_pitch_um)?;
         }
-        self.material(&self.host).map_err(|e| e.at("lattice.host"))?;
-        self.material(&self.incidence).map_err(|e| e.at("lattice.incidence"))?;
+        within("lattice.depth_to_center", self.depth_to_center_um, &PLACES_UM, " µm")?;
+        within("lattice.row_shift", self.row_shift, &(-1.0..=1.0), " of the period")?;
+        self.check_medium("lattice.host", &self.host, 0.0)?;
+        self.check_medium("lattice.incidence", &self.incidence, 0.0)?;
         if self.rods.is_empty() {
             return refuse("lattice.rod is missing; give at least one rod".into());
         }
@@ -164,6 +176,8 @@ impl Lattice {
         if rod.circles.is_empty() {
             return refuse(format!("{place}.circles is empty; give at least one circle"));
         }
+        within(&format!("{place}.x"), rod.x_um, &PLACES_UM, " µm")?;
+        within(&format!("{place}.z"), rod.z_um, &PLACES_UM, " µm")?;
         for (c, circle) in rod.circles.iter().enumerate() {
             let place = format!("{place}.circles[{c}]");
             length(&format!("{place}.diameter"), circle.diameter_um)?;
@@ -174,13 +188,30 @@ impl Lattice {
                     rod.circles[c - 1].diameter_um
                 ));
             }
-            self.material(&circle.medium).map_err(|e| e.at(format!("{place}.medium")))?;
+            self.check_medium(&format!("{place}.medium"), &circle.medium, circle.diameter_um)?;
         }
         if rod.diameter_um() > self.period_um + TOUCHING_UM {
+            let hint = match typed_in_nm(rod.diameter_um(), &(LENGTHS_UM.start() * 100.0..=self.period_um)) {
+                none if none.is_empty() => "; make it smaller".to_owned(),
+                hint => hint,
+            };
             return refuse(format!(
-                "{place} is {} µm wide, wider than the period of {} µm, so it overlaps itself; make it smaller",
+                "{place} is {} µm wide, wider than the period of {} µm, so it overlaps itself{hint}",
                 rod.diameter_um(),
                 self.period_um
+            ));
+        }
+        Ok(())
+    }
+
+    /// A medium that there is and that crystals can be solved with; in a circle of a diameter (µm), else 0.
+    fn check_medium(&self, place: &str, substance: &Substance, diameter_um: f64) -> Result<()> {
+        let material = self.material(substance).map_err(|e| e.at(place))?;
+        // What a table does not reach is said when it is asked for.
+        let Ok(index) = material.index(550.0) else { return Ok(()) };
+        if index.norm() > LARGEST_INDEX || index.im * diameter_um > LARGEST_LOSS_UM {
+            return refuse(format!(
+                "{place} has the index {index} at 550 nm, more than crystals can be solved with; its modulus can be up to {LARGEST_INDEX}, k times the diameter up to {LARGEST_LOSS_UM} µm"
             ));
         }
         Ok(())
@@ -219,10 +250,15 @@ impl Lattice {
 }
 
 fn length(key: &str, value_um: f64) -> Result<()> {
-    if LENGTHS_UM.contains(&value_um) {
+    within(key, value_um, &LENGTHS_UM, " µm")
+}
+
+fn within(key: &str, value: f64, allowed: &RangeInclusive<f64>, unit: &str) -> Result<()> {
+    if allowed.contains(&value) {
         return Ok(());
     }
-    refuse(format!("{key} is {value_um}, outside {} to {} µm", LENGTHS_UM.start(), LENGTHS_UM.end()))
+    let hint = if unit == " µm" { typed_in_nm(value, allowed) } else { String::new() };
+    refuse(format!("{key} is {}, outside {} to {}{unit}{hint}", shown(value), allowed.start(), allowed.end()))
 }
 
 fn refuse<T>(message: String) -> Result<T> {
@@ -283,6 +319,21 @@ mod tests {
     }
 
     #[test]
+    fn lengths_in_nm_are_recognized() {
+        let in_nm = Lattice { period_um: 205.0, ..hexagonal(0.1) };
+        assert_eq!(
+            refusal(&in_nm),
+            "lattice.period is 205, outside 0.0001 to 100 µm; did you mean 0.205 (205 nm)?"
+        );
+        assert!(refusal(&hexagonal(130.0)).contains("diameter is 130, outside"));
+        assert!(refusal(&hexagonal(90.0)).ends_with("overlaps itself; did you mean 0.09 (90 nm)?"));
+        assert!(refusal(&hexagonal(0.2)).ends_with("make it smaller"));
+        let mut apart = hexagonal(0.1);
+        apart.rods[0].x_um = 1e16;
+        assert!(refusal(&apart).contains("rod[0].x is 1e16, outside -100 to 100 µm"));
+    }
+
+    #[test]
     fn what_is_no_crystal_is_refused_by_key() {
         assert!(refusal(&Lattice { period_um: 0.0, ..hexagonal(0.1) }).contains("lattice.period is 0"));
         assert!(refusal(&hexagonal(-0.1)).contains("rod[0].circles[0].diameter is -0.1"));
@@ -293,6 +344,11 @@ mod tests {
         assert!(refusal(&Lattice { row_pitch_um: f64::NAN, ..hexagonal(0.1) }).contains("row_pitch is NaN"));
         let unknown = Lattice { host: Substance::named("keratine"), ..hexagonal(0.1) };
         assert!(refusal(&unknown).contains("did you mean 'keratin'"));
+        let far = Lattice { row_shift: 1e300, ..hexagonal(0.1) };
+        assert!(refusal(&far).contains("row_shift is 1e300, outside -1 to 1 of the period"));
+        let mut metal = hexagonal(0.1);
+        metal.rods[0].circles[0].medium = Substance::Index(crate::Complex64::new(1.0, 1e9));
+        assert!(refusal(&metal).contains("rod[0].circles[0].medium has the index 1+1000000000i at 550 nm"));
         let mut inside_out = hexagonal(0.1);
         inside_out.rods[0].circles.push(Circle { diameter_um: 0.1, medium: Substance::named("air") });
         assert!(refusal(&inside_out).contains("circles[1].diameter is 0.1, not below 0.1"));

@@ -25,6 +25,8 @@ pub(super) fn description(structure: &Structure) -> Value {
                 .map(|(name, hash)| (name, hash.into()))
                 .collect::<Map<_, _>>(),
         }),
+        // No earlier version knew it.
+        Structure::Stack(_) => structure.description(),
         Structure::Sections { name, sections } => json!({
             "sections": name,
             "hashes": sections.iter().map(section_hash).collect::<Vec<_>>(),

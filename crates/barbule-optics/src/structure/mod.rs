@@ -5,25 +5,29 @@ mod chain;
 mod check;
 mod crystal;
 mod curve;
+mod flat;
 mod identify;
 mod lattice;
 mod legacy;
+mod offset;
 mod outline;
 mod section;
 mod species;
 pub mod stack;
 mod sweep;
 
-pub use cast::{Columns, PaletteMixture, Ray, cast};
+pub use cast::{Columns, PaletteMixture, Ray, SlotMixture, cast};
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
+pub use flat::FlatStack;
 pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};
 pub use section::{
     FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,
     Polyline, Section, Substance,
 };
 pub use species::{
-    Bronzewing, Crystal, GeneratorParameters, Hummingbird, RockDove, SpeciesFile, SpeciesModel, Starling,
-    crystal_species, layered_species, species_names, species_toml,
+    Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, Key, LowerSide, Multilayer,
+    MultilayerLayer, MultilayerSizes, RockDove, SpeciesFile, SpeciesModel, Starling, crystal_species,
+    layered_species, species_name, species_names, species_toml,
 };
 
 use serde_json::{Map, Value, json};
@@ -33,11 +37,13 @@ use crate::{Error, Result, identity};
 /// Top boundaries whose ends slope by more than this against each other are curved, as tangents.
 const CURVED_SLOPE: f64 = 0.3;
 
-/// What a command works on: endless random individuals of a species, or given sections.
+/// What a command works on: endless random individuals of a species or of a stack, or given sections.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Structure {
     /// Random instances.
     Species(Box<SpeciesModel>),
+    /// Random instances of a stack whose layers spread in thickness.
+    Stack(Box<FlatStack>),
     /// Given instances, at least one.
     Sections {
         /// What they are called together.
@@ -66,9 +72,7 @@ impl Structure {
     /// # Errors
     /// Not a stack, or an unknown medium.
     pub fn flat(stack: &str) -> Result<Self> {
-        let library = crate::material::Library::builtin();
-        let section = Section::flat(stack, &stack::Stack::parse(stack, &library)?, library)?;
-        Ok(Self::Sections { name: stack.to_owned(), sections: vec![section] })
+        FlatStack::parse(stack, crate::material::Library::builtin())?.structure()
     }
 
     /// Instance number `index`. The same seed and index give the same bits everywhere.
@@ -78,6 +82,7 @@ impl Structure {
     pub fn instance(&self, seed: u64, index: usize) -> Result<Section> {
         match self {
             Self::Species(model) => model.section(seed, index),
+            Self::Stack(flat) => flat.section(seed, index),
             Self::Sections { name, sections } => sections.get(index).cloned().ok_or_else(|| {
                 Error::input(format!(
                     "{name} has instances 0 to {}, so there is no instance {index}",
@@ -91,7 +96,7 @@ impl Structure {
     #[must_use]
     pub fn count(&self) -> Option<usize> {
         match self {
-            Self::Species(_) => None,
+            Self::Species(_) | Self::Stack(_) => None,
             Self::Sections { sections, .. } => Some(sections.len()),
         }
     }
@@ -101,6 +106,7 @@ impl Structure {
     pub fn name(&self) -> String {
         match self {
             Self::Species(model) => model.title(),
+            Self::Stack(flat) => flat.name.clone(),
             Self::Sections { name, .. } => name.clone(),
         }
     }
@@ -110,6 +116,7 @@ impl Structure {
     pub fn lattice(&self) -> Option<Lattice> {
         match self {
             Self::Species(model) => model.lattice(),
+            Self::Stack(_) => None,
             Self::Sections { sections, .. } => {
                 sections.first().and_then(|s| s.crystal.as_ref()).map(|c| c.lattice.clone())
             }
@@ -121,6 +128,7 @@ impl Structure {
     pub fn width_um(&self) -> f64 {
         match self {
             Self::Species(model) => model.width_um(),
+            Self::Stack(_) => FLAT_WIDTH_UM,
             Self::Sections { sections, .. } => sections.first().map_or(0.0, |section| section.width_um),
         }
     }
@@ -130,7 +138,19 @@ impl Structure {
     pub fn is_curved(&self) -> bool {
         match self {
             Self::Species(model) => model.is_curved(),
+            Self::Stack(_) => false,
             Self::Sections { sections, .. } => sections.first().is_some_and(|section| is_arch(section.top())),
+        }
+    }
+
+    /// Whether light from the left may be reflected otherwise than light from the right, but by chance: given sections
+    /// may, and crystals whose rows are shifted by other than half a period.
+    #[must_use]
+    pub fn can_be_one_sided(&self) -> bool {
+        match self {
+            Self::Species(model) => model.lattice().is_some_and(|l| (2.0 * l.row_shift).fract() != 0.0),
+            Self::Stack(_) => false,
+            Self::Sections { .. } => true,
         }
     }
 
@@ -140,12 +160,11 @@ impl Structure {
     pub fn description(&self) -> Value {
         match self {
             Self::Species(model) => {
-                let hash = |name: &&str| {
+                let hash = |name: &str| {
                     let material = crate::material::parse(name, &model.library).ok()?;
-                    Some(((*name).to_owned(), identity::hash("material", &material).into()))
+                    Some((name.to_owned(), identity::hash("material", &material).into()))
                 };
-                let materials: Map<String, Value> =
-                    ["air", "keratin", "melanin"].iter().filter_map(hash).collect();
+                let materials: Map<String, Value> = model.media().filter_map(hash).collect();
                 json!({
                     "identity": identity::VERSION,
                     "species": model.name,
@@ -154,9 +173,16 @@ impl Structure {
                     "materials": materials,
                 })
             }
+            // The text alone makes it again; the hash holds its media.
+            Self::Stack(flat) => json!({
+                "identity": identity::VERSION,
+                "stack": flat.stack.text(),
+                "hashes": [identity::hash("stack", &flat.stack)],
+            }),
             Self::Sections { name, sections } => json!({
                 "identity": identity::VERSION,
                 "sections": name,
+                "width_um": self.width_um(),
                 "hashes": sections.iter().map(|s| identity::hash("section", s)).collect::<Vec<_>>(),
             }),
         }
@@ -174,6 +200,7 @@ impl Structure {
     pub fn hash(&self) -> String {
         match self {
             Self::Species(model) => identity::hash("species", &**model),
+            Self::Stack(flat) => identity::hash("stack", &flat.stack),
             Self::Sections { name: _, sections } => {
                 identity::Hasher::new("sections").list("sections", sections).hex()
             }

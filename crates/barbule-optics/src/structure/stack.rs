@@ -2,14 +2,17 @@
 //!
 //! ```text
 //! stack  = item ("/" item)*               first and last item: half-spaces, without thickness
-//! item   = medium [":" thickness in nm] | count "*(" item ("/" item)* ")"
+//! item   = medium [":" thickness] | count "*(" item ("/" item)* ")"
+//! thickness = nm [("±" | "+-") (nm | percent "%")]      the standard deviation between individuals
 //! medium = name | "mix(" medium "," medium "," fraction ["," rule] ")" | index such as 1.56+0.02j
 //! ```
 
 use std::collections::HashMap;
 
 use crate::error::shortened;
+use crate::identity::{Hasher, Identify};
 use crate::material::{self, Library, Material};
+use crate::math::rng::Stream;
 use crate::{Complex64, Error, Result};
 
 /// No stack has more layers than this once its repetitions are written out.
@@ -18,16 +21,24 @@ pub const MOST_LAYERS: usize = 100_000;
 pub const DEEPEST_REPETITION: usize = 32;
 /// A layer thicker than this (1 m) is a slip, and its phase would have no correct digit.
 const THICKEST_NM: f64 = 1e9;
+/// Layers thinner than this are no layers of molecules: micrometres were meant.
+const THINNEST_USUAL_NM: f64 = 1.0;
+/// Random thicknesses stay within so many standard deviations of the mean.
+pub(super) const CLIP: f64 = 3.0;
+/// No random layer is thinner than this part of its mean.
+const LEAST_PART: f64 = 1e-3;
 
-/// Homogeneous layers between two half-spaces.
+/// Homogeneous layers between two half-spaces; their thicknesses may differ between individuals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stack {
     /// The distinct media, each with the text that names it.
     media: Vec<(String, Material)>,
     /// The medium of each region from the entry to the exit half-space, as a place in `media`.
     order: Vec<u32>,
-    /// The thickness of each layer: two fewer than `order`.
+    /// The mean thickness of each layer: two fewer than `order`.
     thickness_nm: Vec<f64>,
+    /// The standard deviation of each layer's thickness between individuals.
+    spread_nm: Vec<f64>,
 }
 
 /// One part of a stack as it is written: a layer, or a group of parts that repeats.
@@ -37,8 +48,10 @@ pub enum Part {
     Layer {
         /// The medium's name or expression.
         medium: String,
-        /// The thickness in nm.
+        /// The mean thickness in nm.
         thickness_nm: f64,
+        /// The standard deviation of the thickness between individuals in nm; 0: all are alike.
+        spread_nm: f64,
     },
     /// Parts that follow each other `count` times.
     Repeat {
@@ -82,10 +95,11 @@ impl Stack {
         let last = builder.medium(exit)?;
         let mut order = Vec::with_capacity(layers.len() + 2);
         order.push(first);
-        order.extend(layers.iter().map(|(medium, _)| *medium));
+        order.extend(layers.iter().map(|layer| layer.medium));
         order.push(last);
-        let thickness_nm = layers.into_iter().map(|(_, thickness)| thickness).collect();
-        Ok(Self { media: builder.media, order, thickness_nm })
+        let thickness_nm = layers.iter().map(|layer| layer.thickness_nm).collect();
+        let spread_nm = layers.iter().map(|layer| layer.spread_nm).collect();
+        Ok(Self { media: builder.media, order, thickness_nm, spread_nm })
     }
 
     /// A stack from materials: `layers` are (material, thickness in nm) from the entry side.
@@ -111,7 +125,8 @@ impl Stack {
             order.push(place(material));
         }
         order.push(place(&exit));
-        Ok(Self { media, order, thickness_nm })
+        let spread_nm = vec![0.0; thickness_nm.len()];
+        Ok(Self { media, order, thickness_nm, spread_nm })
     }
 
     /// How many layers lie between the half-spaces.
@@ -120,10 +135,61 @@ impl Stack {
         self.thickness_nm.len()
     }
 
-    /// The thickness of each layer in nm, from the entry side.
+    /// The mean thickness of each layer in nm, from the entry side.
     #[must_use]
     pub fn thickness_nm(&self) -> &[f64] {
         &self.thickness_nm
+    }
+
+    /// The standard deviation of each layer's thickness between individuals in nm, from the entry side.
+    #[must_use]
+    pub fn spread_nm(&self) -> &[f64] {
+        &self.spread_nm
+    }
+
+    /// Whether individuals differ.
+    #[must_use]
+    pub fn is_random(&self) -> bool {
+        self.spread_nm.iter().any(|spread| *spread > 0.0)
+    }
+
+    /// Individual number `index`, a stack without spread: every layer's thickness is normal about its mean, within ±3
+    /// standard deviations and at least a thousandth of the mean. The same seed and index give the same bits everywhere.
+    #[must_use]
+    pub fn individual(&self, seed: u64, index: usize) -> Self {
+        let mut stream = Stream::new(seed, &[index as u64]);
+        let draw = |(mean, spread): (&f64, &f64)| {
+            let deviate = stream.normal().clamp(-CLIP, CLIP);
+            (mean + spread * deviate).max(LEAST_PART * mean)
+        };
+        let thickness_nm = self.thickness_nm.iter().zip(&self.spread_nm).map(draw).collect();
+        Self { thickness_nm, spread_nm: vec![0.0; self.spread_nm.len()], ..self.clone() }
+    }
+
+    /// The stack in its language, repetitions written out; what [`Stack::parse`] reads as the same stack.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = self.medium(0).to_owned();
+        for (layer, (thickness, spread)) in self.thickness_nm.iter().zip(&self.spread_nm).enumerate() {
+            text += &format!("/{}:{thickness}", self.medium(layer + 1));
+            if *spread > 0.0 {
+                text += &format!("±{spread}");
+            }
+        }
+        text + "/" + self.medium(self.layers() + 1)
+    }
+
+    /// What is doubtful about the stack, in one sentence: a layer under 1 nm, where micrometres may have been meant.
+    #[must_use]
+    pub fn doubt(&self) -> Option<String> {
+        let thin = |nm: &f64| *nm > 0.0 && *nm < THINNEST_USUAL_NM;
+        let layer = self.thickness_nm.iter().position(thin)?;
+        let (nm, medium) = (self.thickness_nm[layer], shortened(self.medium(layer + 1)));
+        Some(format!(
+            "{medium}:{nm} is {nm} nm thick; thicknesses are in nm: did you mean {}?",
+            // Rounded, since 1000 times a decimal fraction need not be a whole number.
+            (nm * 1e9).round() / 1e6
+        ))
     }
 
     /// The text that names the medium of a region: 0 is the entry half-space, `layers() + 1` the exit.
@@ -153,6 +219,23 @@ impl Stack {
     }
 }
 
+impl Identify for Stack {
+    fn feed(&self, to: &mut Hasher) {
+        let Self { media, order, thickness_nm, spread_nm } = self;
+        to.list("regions", order.iter().map(|&place| &media[place as usize].1))
+            .numbers("thickness_nm", thickness_nm)
+            .numbers("spread_nm", spread_nm);
+    }
+}
+
+/// A layer as it is written out.
+#[derive(Debug, Clone, Copy)]
+struct Written {
+    medium: u32,
+    thickness_nm: f64,
+    spread_nm: f64,
+}
+
 struct Builder<'a> {
     library: &'a Library,
     media: Vec<(String, Material)>,
@@ -173,19 +256,20 @@ impl Builder<'_> {
     }
 
     /// Writes parts out as layers at the end of `into`.
-    fn expand(&mut self, parts: &[Part], depth: usize, into: &mut Vec<(u32, f64)>) -> Result<()> {
+    fn expand(&mut self, parts: &[Part], depth: usize, into: &mut Vec<Written>) -> Result<()> {
         if depth > DEEPEST_REPETITION {
             return Err(too_deep());
         }
         for part in parts {
             match part {
-                Part::Layer { medium, thickness_nm } => {
+                Part::Layer { medium, thickness_nm, spread_nm } => {
                     if into.len() >= MOST_LAYERS {
                         return Err(too_many());
                     }
                     let place = |e: Error| e.at(format!("layer {} ({})", into.len() + 1, shortened(medium)));
-                    let thickness = checked_thickness(*thickness_nm).map_err(place)?;
-                    into.push((self.medium(medium)?, thickness));
+                    let thickness_nm = checked_thickness(*thickness_nm).map_err(place)?;
+                    let spread_nm = checked_spread(*spread_nm, thickness_nm).map_err(place)?;
+                    into.push(Written { medium: self.medium(medium)?, thickness_nm, spread_nm });
                 }
                 Part::Repeat { count, parts } => {
                     if *count == 0 || parts.is_empty() {
@@ -222,6 +306,15 @@ fn checked_thickness(thickness_nm: f64) -> Result<f64> {
         return Ok(thickness_nm);
     }
     Err(Error::input(format!("the thickness {thickness_nm} nm is not usable; give 0 to {THICKEST_NM} nm")))
+}
+
+fn checked_spread(spread_nm: f64, thickness_nm: f64) -> Result<f64> {
+    if (0.0..=thickness_nm).contains(&spread_nm) {
+        return Ok(spread_nm);
+    }
+    Err(Error::input(format!(
+        "the spread of {spread_nm} nm is not usable; it is a standard deviation, from 0 to the thickness, {thickness_nm} nm"
+    )))
 }
 
 /// Splits at the slashes outside brackets.
@@ -273,14 +366,28 @@ fn part(item: &str, depth: usize) -> Result<Part> {
             shortened(item)
         )));
     };
-    let thickness_nm = thickness.trim().parse::<f64>().map_err(|_| {
+    let (thickness_nm, spread_nm) = spread_thickness(thickness).ok_or_else(|| {
         Error::input(format!(
-            "'{}': '{}' is not a thickness in nm, as in keratin:595",
+            "'{}': '{}' is not a thickness in nm, as in keratin:595, or with its standard deviation keratin:595±5% or keratin:595+-30",
             shortened(item),
             shortened(thickness)
         ))
     })?;
-    Ok(Part::Layer { medium: medium.trim().to_owned(), thickness_nm })
+    Ok(Part::Layer { medium: medium.trim().to_owned(), thickness_nm, spread_nm })
+}
+
+/// A thickness in nm and its standard deviation in nm, as in `200`, `200±5%`, `200+-10`.
+fn spread_thickness(text: &str) -> Option<(f64, f64)> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let Some((thickness, spread)) = text.split_once('±').or_else(|| text.split_once("+-")) else {
+        return Some((number(text)?, 0.0));
+    };
+    let thickness_nm = number(thickness)?;
+    let spread_nm = match spread.trim().strip_suffix('%') {
+        Some(percent) => thickness_nm * (number(percent)? / 100.0),
+        None => number(spread)?,
+    };
+    Some((thickness_nm, spread_nm))
 }
 
 fn repetition(item: &str, count: &str, rest: &str, depth: usize) -> Result<Part> {
@@ -371,10 +478,58 @@ mod tests {
             ("air/keratin:5)/air", "never opened"),
             ("air/100000*(keratin:5/air:5)/air", "over 100000 layers"),
             ("air/1.5-0.1j:5/air", "gain"),
+            ("air/keratin:5±/air", "is not a thickness"),
+            ("air/keratin:5±x%/air", "keratin:595±5%"),
+            ("air/keratin:5±-1%/air", "layer 1 (keratin): the spread of -0.05 nm"),
+            ("air/keratin:5±6/air", "from 0 to the thickness, 5 nm"),
+            ("air/keratin:5±nan/air", "the spread of NaN nm"),
         ] {
             let message = refused(text);
             assert!(message.contains(part), "{text}: {message}");
         }
+    }
+
+    #[test]
+    fn spreads_are_read_in_percent_and_nm_and_written_out_again() {
+        for text in ["air/keratin:200±5%/air", "air/keratin:200+-5%/air", "air/ keratin : 200 ± 10 /air"] {
+            let stack = read(text).unwrap();
+            assert_eq!((stack.thickness_nm(), stack.spread_nm()), (&[200.0][..], &[10.0][..]), "{text}");
+            assert!(stack.is_random());
+            assert_eq!(stack.text(), "air/keratin:200±10/air");
+            assert_eq!(read(&stack.text()).unwrap().spread_nm(), stack.spread_nm());
+        }
+        let stack = read("air/2*(melanin:99±1/1.56+0.02j:100)/keratin").unwrap();
+        assert_eq!(stack.spread_nm(), [1.0, 0.0, 1.0, 0.0]);
+        assert_eq!(stack.text(), "air/melanin:99±1/1.56+0.02j:100/melanin:99±1/1.56+0.02j:100/keratin");
+        assert!(!read("air/keratin:200±0%/air").unwrap().is_random());
+    }
+
+    #[test]
+    fn individuals_have_the_mean_and_the_spread_that_were_asked_for() {
+        let stack = read("air/2*(keratin:200±5%/melanin:80)/air").unwrap();
+        let count = 4000;
+        let drawn: Vec<Stack> = (0..count).map(|k| stack.individual(3, k)).collect();
+        assert_eq!(drawn[7], stack.individual(3, 7));
+        assert_ne!(drawn[7], stack.individual(4, 7));
+        assert!(drawn.iter().all(|one| one.thickness_nm()[1] == 80.0 && !one.is_random()));
+        let mean_of = |of: &dyn Fn(&Stack) -> f64| drawn.iter().map(of).sum::<f64>() / count as f64;
+        let [first, second] = [0, 2].map(|layer| move |one: &Stack| one.thickness_nm()[layer] - 200.0);
+        // Standard errors: 10/√4000 = 0.16 of the mean, 1.1 % of the deviation (which clipping takes down by 1.3 %).
+        assert!(mean_of(&first).abs() < 0.7);
+        let deviation = mean_of(&|one| first(one).powi(2)).sqrt();
+        assert!((deviation / 9.92 - 1.0).abs() < 0.05, "{deviation}");
+        let correlation = mean_of(&|one| first(one) * second(one)) / 100.0;
+        assert!(correlation.abs() < 0.07, "layers of a repetition are drawn apart: {correlation}");
+        assert!(drawn.iter().all(|one| first(one).abs() <= 30.0 + 1e-12));
+        let wide = read("air/keratin:200±100%/air").unwrap();
+        assert!((0..300).all(|k| wide.individual(1, k).thickness_nm()[0] >= 0.2));
+    }
+
+    #[test]
+    fn layers_under_a_nanometre_are_doubted() {
+        let doubt = read("air/keratin:0.2/air").unwrap().doubt().unwrap();
+        assert_eq!(doubt, "keratin:0.2 is 0.2 nm thick; thicknesses are in nm: did you mean 200?");
+        assert_eq!(read("air/keratin:1/melanin:0/air").unwrap().doubt(), None);
     }
 
     #[test]

@@ -105,7 +105,7 @@ fn sample(
                 return Err(Error::interrupted());
             }
             let begun = ProcessTime::now();
-            std::hint::black_box(campaign.unit(&shared, theta, Keep::Statistics));
+            std::hint::black_box(campaign.unit(&shared, theta, Keep::Statistics, progress)?);
             units += begun.elapsed();
             progress.advance(1);
         }

@@ -3,6 +3,7 @@
 //! A unit of work is one (λ, θ_i): all φ_i, polarizations and instances. Its fields stay in memory, their statistics
 //! are formed in instance order (so that bits do not depend on threads), and the fields are dropped.
 
+pub mod asymmetry;
 pub mod bench;
 mod covariance;
 mod crystal;
@@ -12,7 +13,7 @@ mod run;
 pub mod single;
 pub mod spectrum;
 
-pub use memory::{Demand, Results};
+pub use memory::{Allowance, Demand, PROGRAM, Results, far_field_bytes, spectrum_bytes, statistics_bytes};
 pub use run::{Outcome, run, statistics};
 
 use num_complex::Complex;
@@ -221,7 +222,7 @@ impl Campaign {
                     if progress.is_cancelled() {
                         return Err(Error::interrupted());
                     }
-                    barbule.table(axes.wavelengths_nm()[wavelength], self.width)
+                    barbule.table(axes.wavelengths_nm()[wavelength], self.width, progress)
                 })
                 .collect::<Result<_>>()?,
             Some(crystal) => (0..axes.cos_theta().len())
@@ -250,8 +251,13 @@ impl Campaign {
         &self.parameters
     }
 
-    /// The fields of one (λ, θ_i).
-    pub(crate) fn fields(&self, tables: &WavelengthTables, theta: usize) -> Fields {
+    /// The fields of one (λ, θ_i), or a stop by `progress`.
+    pub(crate) fn fields(
+        &self,
+        tables: &WavelengthTables,
+        theta: usize,
+        progress: &dyn Progress,
+    ) -> Result<Fields> {
         let axes = &self.parameters.axes;
         let theta_i = axes.theta_i(theta);
         let cone = Cone::around(&self.barbules, axes.wavelengths_nm()[tables.wavelength], theta_i);
@@ -270,26 +276,35 @@ impl Campaign {
                     let batch = Batch { cone: &cone, phi_i: &turned, lights: &lights };
                     let underside = &tables.undersides[if self.crystal.is_some() { theta } else { distinct }];
                     let grid = Grid { shift: tilt, ..grid };
-                    let mut fields = workspace.scatter(&self.barbules[distinct], underside, &batch, grid);
+                    let barbule = &self.barbules[distinct];
+                    let mut fields = workspace.scatter(barbule, underside, &batch, grid, progress)?;
                     for component in fields.chunks_exact_mut(grid.points()) {
                         hide_below_horizon(component, tilt, refine);
                     }
-                    fields
+                    Ok(fields)
                 },
             )
-            .collect();
-        Fields { values, points: grid.points(), refine, theta_i }
+            .collect::<Result<_>>()?;
+        Ok(Fields { values, points: grid.points(), refine, theta_i })
     }
 
     /// The statistics of one (λ, θ_i), with what else is kept of it.
-    #[must_use]
-    pub fn unit(&self, tables: &WavelengthTables, theta: usize, keep: Keep) -> Unit {
-        let fields = self.fields(tables, theta);
+    ///
+    /// # Errors
+    /// A stop by `progress`.
+    pub fn unit(
+        &self,
+        tables: &WavelengthTables,
+        theta: usize,
+        keep: Keep,
+        progress: &dyn Progress,
+    ) -> Result<Unit> {
+        let fields = self.fields(tables, theta, progress)?;
         let mut unit = reduce::unit(&self.parameters.axes, &fields);
         if keep == Keep::Fields {
             unit.fields = reduce::kept(&fields, self.parameters.axes.cos_phi().len());
         }
-        unit
+        Ok(unit)
     }
 }
 

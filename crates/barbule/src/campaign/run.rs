@@ -57,7 +57,7 @@ pub fn run(
             elsewhere.fetch_add(1, Ordering::Relaxed);
         } else {
             let keep = if store.keeps(index) { Keep::Fields } else { Keep::Statistics };
-            store.write(index, theta, &campaign.unit(tables, theta, keep))?;
+            store.write(index, theta, &campaign.unit(tables, theta, keep, progress)?)?;
         }
         progress.advance(1);
         Ok(())
@@ -98,7 +98,7 @@ pub fn statistics(campaign: &Campaign, progress: &dyn Progress) -> Result<Statis
                     if progress.is_cancelled() {
                         return Err(Error::interrupted());
                     }
-                    let unit = campaign.unit(&tables, theta, Keep::Statistics);
+                    let unit = campaign.unit(&tables, theta, Keep::Statistics, progress)?;
                     progress.advance(1);
                     Ok(unit)
                 })

@@ -5,6 +5,8 @@ use num_complex::Complex64;
 use super::covariance::Covariance;
 use super::reduce::{NoiseGrid, components, widen};
 use super::{Campaign, WavelengthTables};
+use crate::Result;
+use crate::progress::Progress;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::{FitKind, fit};
 use crate::scattering::statistics::AZIMUTHS;
@@ -26,15 +28,18 @@ pub struct Patterns {
 
 impl Campaign {
     /// The fields at one wavelength for θ_i and φ_i number `theta` and `phi` of the axes.
-    #[must_use]
+    ///
+    /// # Errors
+    /// A stop by `progress`.
     pub fn patterns(
         &self,
         tables: &WavelengthTables,
         theta: usize,
         phi: usize,
         polarization: Polarization,
-    ) -> Patterns {
-        let fields = self.fields(tables, theta);
+        progress: &dyn Progress,
+    ) -> Result<Patterns> {
+        let fields = self.fields(tables, theta, progress)?;
         let theta_i = fields.theta_i;
         let phi_i = self.parameters.axes.phi_i(phi);
         let grid = NoiseGrid::new(theta_i, fields.refine);
@@ -55,13 +60,13 @@ impl Campaign {
         let u = super::reduce::mean_intensity(&fields, pair);
         let lobe = fit(FitKind::Marginal, theta_i, phi_i, &u);
         let shape = |phi_o: f64| lobe.scale * lobe.lobe.shape(FitKind::Marginal, theta_i, phi_o);
-        Patterns {
+        Ok(Patterns {
             x: grid.points.iter().map(|p| theta_i.cos() * p.phi_o.sin()).collect(),
             phi_o: grid.points.iter().map(|p| p.phi_o).collect(),
             fitted: grid.points.iter().map(|p| shape(p.phi_o).max(0.0)).collect(),
             fields: larger,
             first: grid.points.first().map_or(0, |p| p.index),
-        }
+        })
     }
 }
 

@@ -8,7 +8,9 @@ use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::far_field::{IncidentLight, Window};
 use crate::scattering::statistics::AZIMUTHS;
-use crate::solve::surface::{self, Barbule, Batch, Cone, Grid, Workspace};
+use crate::solve::surface::{
+    self, Barbule, Batch, Cone, Grid, LARGEST_MIRROR_ERROR, Workspace, mirror_fraction,
+};
 use crate::spectrum::Wavelengths;
 use crate::structure::{Lattice, Structure};
 use crate::{Error, Result};
@@ -46,6 +48,43 @@ pub struct Spectra {
     pub mean: Vec<Vec<f64>>,
     /// Standard deviation of the reflected fraction; 0 for a single instance.
     pub std: Vec<Vec<f64>>,
+    /// What a flat perfect mirror as wide would reflect in all by the same formulas: how far off they are there.
+    pub mirror: Vec<Vec<f64>>,
+}
+
+/// Reflected power near grazing incidence, where the simulation makes a perfect mirror reflect what it does not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grazing {
+    /// Number of the direction that is furthest off.
+    pub direction: usize,
+    /// Number of the wavelength there.
+    pub wavelength: usize,
+    /// What the mirror reflects there.
+    pub mirror_fraction: f64,
+    /// Values that are off by more than [`LARGEST_MIRROR_ERROR`].
+    pub flagged: usize,
+}
+
+impl Spectra {
+    /// Whether the simulation is off by more than [`LARGEST_MIRROR_ERROR`], `[direction][wavelength]`.
+    #[must_use]
+    pub fn flagged(&self) -> Vec<Vec<bool>> {
+        let off = |mirror: &f64| (mirror - 1.0).abs() > LARGEST_MIRROR_ERROR;
+        self.mirror.iter().map(|row| row.iter().map(off).collect()).collect()
+    }
+
+    /// Where the simulation is furthest off; `None` where it holds everywhere.
+    #[must_use]
+    pub fn grazing(&self) -> Option<Grazing> {
+        let off = |mirror: f64| (mirror - 1.0).abs();
+        let values = self.mirror.iter().enumerate().flat_map(|(direction, row)| {
+            row.iter().enumerate().map(move |(wavelength, mirror)| (direction, wavelength, *mirror))
+        });
+        let flagged: Vec<_> = values.filter(|(.., mirror)| off(*mirror) > LARGEST_MIRROR_ERROR).collect();
+        let (direction, wavelength, mirror_fraction) =
+            flagged.iter().copied().max_by(|a, b| off(a.2).total_cmp(&off(b.2)))?;
+        Some(Grazing { direction, wavelength, mirror_fraction, flagged: flagged.len() })
+    }
 }
 
 /// Simulates the spectra; instances in parallel, none tilted.
@@ -53,26 +92,45 @@ pub struct Spectra {
 /// # Errors
 /// An instance cannot be made, a table does not reach a wavelength, or the user cancelled.
 pub fn spectra(structure: &Structure, request: &SpectrumRequest, progress: &dyn Progress) -> Result<Spectra> {
-    let crystal = structure.lattice().map(|lattice| crystal(&lattice, request, progress)).transpose()?;
-    progress.begin("simulating", (request.instances * request.wavelengths.len()) as u64);
-    let per_instance = (0..request.instances)
-        .into_par_iter()
-        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, progress))
-        .collect::<Result<Vec<_>>>()?;
+    let collect = |field: &[Complex<f32>], (theta_i, phi_i): (f64, f64)| {
+        [collected(field, request.collect, theta_i, phi_i)]
+    };
+    let per_instance = fractions(structure, request, &collect, progress)?;
     let count = request.instances as f64;
-    let mut spectra = Spectra { mean: Vec::new(), std: Vec::new() };
+    let mut spectra = Spectra { mean: Vec::new(), std: Vec::new(), mirror: Vec::new() };
     let columns = request.wavelengths.len();
     for direction in 0..request.directions.len() {
         let values =
-            |wavelength: usize| per_instance.iter().map(move |v| v[direction * columns + wavelength]);
+            |wavelength: usize| per_instance.iter().map(move |v| v[direction * columns + wavelength][0]);
         let mean: Vec<f64> = (0..columns).map(|w| values(w).sum::<f64>() / count).collect();
         let std = (0..columns)
             .map(|w| (values(w).map(|v| (v - mean[w]).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt())
             .collect();
         spectra.mean.push(mean);
         spectra.std.push(std);
+        let (theta_i, phi_i) = request.directions[direction];
+        let of_mirror = |&nm: &f64| mirror_fraction(structure.width_um(), nm, theta_i, phi_i);
+        spectra.mirror.push(request.wavelengths.iter().map(of_mirror).collect());
     }
     Ok(spectra)
+}
+
+/// What is collected of a field at an incident direction (θ_i, φ_i), in N ways.
+type Collected<'a, const N: usize> = dyn Fn(&[Complex<f32>], (f64, f64)) -> [f64; N] + Sync + 'a;
+
+/// Reflected fractions, `[instance][direction · wavelength][way of collecting]`; instances in parallel.
+pub(super) fn fractions<const N: usize>(
+    structure: &Structure,
+    request: &SpectrumRequest,
+    collect: &Collected<'_, N>,
+    progress: &dyn Progress,
+) -> Result<Vec<Vec<[f64; N]>>> {
+    let crystal = structure.lattice().map(|lattice| crystal(&lattice, request, progress)).transpose()?;
+    progress.begin("simulating", (request.instances * request.wavelengths.len()) as u64);
+    (0..request.instances)
+        .into_par_iter()
+        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, collect, progress))
+        .collect()
 }
 
 /// A crystal's orders at the request's wavelengths and θ_i.
@@ -84,20 +142,24 @@ fn crystal(lattice: &Lattice, request: &SpectrumRequest, progress: &dyn Progress
 }
 
 /// Longest quadrature element, µm: reflected fractions of means over instances are then good to 1e-3.
-const ELEMENT_UM: f64 = 0.02;
+pub(super) const ELEMENT_UM: f64 = 0.02;
 
-/// Reflected fractions of one instance, `[direction][wavelength]`.
-fn of_instance(
+/// Directions of one θ_i that are lit together, at most.
+pub(super) const DIRECTIONS_AT_ONCE: usize = 256;
+
+/// Reflected fractions of one instance, `[direction · wavelength][way of collecting]`.
+fn of_instance<const N: usize>(
     structure: &Structure,
     request: &SpectrumRequest,
     crystal: Option<&Crystal>,
     instance: usize,
+    collect: &Collected<'_, N>,
     progress: &dyn Progress,
-) -> Result<Vec<f64>> {
+) -> Result<Vec<[f64; N]>> {
     let section = structure.instance(request.seed, instance)?;
     let barbule = Barbule::new(&section, ELEMENT_UM, Window::Gaussian)?;
     let columns = request.wavelengths.len();
-    let mut result = vec![0.0; request.directions.len() * columns];
+    let mut result = vec![[0.0; N]; request.directions.len() * columns];
     let mut workspace = Workspace::new(Width::best());
     for (column, &wavelength_nm) in request.wavelengths.iter().enumerate() {
         if progress.is_cancelled() {
@@ -108,7 +170,8 @@ fn of_instance(
         while start < request.directions.len() {
             // Directions of the same θ_i share a cone.
             let theta_i = request.directions[start].0;
-            let run = request.directions[start..].iter().take_while(|d| d.0 == theta_i).count();
+            let same = request.directions[start..].iter().take(DIRECTIONS_AT_ONCE);
+            let run = same.take_while(|d| d.0 == theta_i).count();
             let phis: Vec<f64> = request.directions[start..start + run].iter().map(|d| d.1).collect();
             let cone = Cone::around(std::slice::from_ref(&barbule), wavelength_nm, theta_i);
             let beam = |&phi: &f64| IncidentLight::Beam { power_um: barbule.incident_power_um(theta_i, phi) };
@@ -119,12 +182,15 @@ fn of_instance(
                 let theta = crystal.orders.cos_theta.partition_point(|&c| c < theta_i.cos());
                 crystal.underside(column, theta, theta_i)
             });
-            let fields = workspace.scatter(&barbule, orders.as_ref().unwrap_or(&stacks), &batch, grid);
+            let underside = orders.as_ref().unwrap_or(&stacks);
+            let fields = workspace.scatter(&barbule, underside, &batch, grid, progress)?;
             for (index, component) in fields.chunks_exact(grid.points()).enumerate() {
                 let (direction, polarization) = (index / 4, index / 2 % 2);
-                let collected = collected(component, request.collect, theta_i, phis[direction]);
-                result[(start + direction) * columns + column] +=
-                    request.polarization[polarization] * theta_i.cos() * collected;
+                let collected = collect(component, (theta_i, phis[direction]));
+                let sums = &mut result[(start + direction) * columns + column];
+                for (sum, collected) in sums.iter_mut().zip(collected) {
+                    *sum += request.polarization[polarization] * theta_i.cos() * collected;
+                }
             }
             start += run;
         }

@@ -18,7 +18,7 @@ pub struct Barbules<'a> {
 }
 
 impl<'a> Barbules<'a> {
-    /// Those of a material; `given` finds the structure of the name of given sections, `media` are the media of species.
+    /// Those of a material; `given` finds the structure of the name of given sections or of a stack, `media` are the media of species.
     ///
     /// # Errors
     /// The material records too little, or its sections or media are not to be had any more or have changed.
@@ -37,7 +37,8 @@ impl<'a> Barbules<'a> {
             let model = SpeciesModel::from_parameters(species, variant, &recorded["parameters"], media);
             model.ok().map(|model| Structure::Species(Box::new(model)))
         } else {
-            Some(text("sections")).filter(|name| !name.is_empty()).and_then(|name| given(name).ok())
+            let name = ["sections", "stack"].map(text).into_iter().find(|name| !name.is_empty());
+            name.and_then(|name| given(name).ok())
         };
         let structure = structure.filter(|structure| structure.description_like(recorded) == *recorded);
         Ok(Self { structure: structure.ok_or_else(unrecorded)?, campaign, catalog, progress })

@@ -29,6 +29,9 @@ pub struct CampaignDescription {
     pub polarized: bool,
     /// Every how many-th wavelength and direction was kept.
     pub thinned: Option<usize>,
+    /// The part by which both sides of the structure differ, where it was looked for ([`Plan::compare_sides`](super::Plan::compare_sides)).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub asymmetry: Option<f64>,
 }
 
 impl CampaignDescription {
@@ -50,10 +53,19 @@ impl CampaignDescription {
         serde_json::to_value(self).map_err(|e| Error::machine(format!("the campaign has no JSON form: {e}")))
     }
 
-    /// The same campaign of `structure` with hashes of the version that an earlier result has.
+    /// The width of the barbules, µm, where the structure's description has it.
+    #[must_use]
+    pub fn width_um(&self) -> Option<f64> {
+        let parameters = &self.structure["parameters"];
+        parameters["width_um"].as_f64().or_else(|| self.structure["width_um"].as_f64())
+    }
+
+    /// The same campaign of `structure` with hashes of the version that an earlier result has, and with what that one
+    /// found out besides.
     #[must_use]
     pub fn like(&self, recorded: &Value, structure: &Structure) -> Self {
-        Self { structure: structure.description_like(&recorded["structure"]), ..self.clone() }
+        let asymmetry = recorded["asymmetry"].as_f64();
+        Self { structure: structure.description_like(&recorded["structure"]), asymmetry, ..self.clone() }
     }
 
     /// Whether an earlier result is of this campaign of `structure`.

@@ -7,11 +7,13 @@
 mod again;
 mod catalog;
 mod description;
+mod grazing;
 mod options;
 
 pub use again::Barbules;
 pub use catalog::{Catalog, Found, file_stem};
 pub use description::CampaignDescription;
+use grazing::grazing;
 pub use options::{CampaignOptions, Plan, WAVELENGTHS_NM};
 
 use std::path::Path;
@@ -96,7 +98,8 @@ pub fn material_of(
     progress: &dyn Progress,
 ) -> Result<(FeatherMaterial, FitReport)> {
     let options = FitOptions { polarized: campaign.polarized, seed: campaign.seed, ..*options };
-    let (mut material, report) = fit(statistics, &options, progress)?;
+    let (mut material, mut report) = fit(statistics, &options, progress)?;
+    report.grazing = campaign.width_um().map_or_else(Vec::new, |width| grazing(&statistics.axes, width));
     let [correlation, contrast] = report.mean_patterns();
     material.info = json!({
         "name": name,
@@ -109,6 +112,9 @@ pub fn material_of(
         "residual_95": report.residual_95,
         "lobes": report.fits,
         "flagged": report.flagged.len(),
+        "clipped": report.clipped.len(),
+        "grazing": report.grazing_nodes(),
+        "asymmetry": campaign.asymmetry,
         "longest_length": report.longest_length,
         "pattern_correlation": correlation,
         "pattern_contrast": contrast,

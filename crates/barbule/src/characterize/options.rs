@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::{CAMPAIGN_VERSION, CampaignDescription, Catalog};
+use crate::campaign::asymmetry::{Asymmetry, asymmetry};
 use crate::campaign::{Campaign, CampaignParameters, Resources};
 use crate::io::store::Store;
 use crate::progress::Progress;
@@ -117,6 +118,7 @@ impl CampaignOptions {
             tilt_deg: self.tilt_deg,
             polarized: self.polarized,
             thinned: self.thin,
+            asymmetry: None,
         };
         let parameters =
             CampaignParameters { axes, instances, seed: self.seed, tilt: self.tilt_deg.to_radians() };
@@ -145,6 +147,18 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Looks whether both sides of the structure reflect alike, and records it; `None` where it cannot be otherwise.
+    ///
+    /// # Errors
+    /// An instance cannot be made, a medium's table does not reach a wavelength, or a stop by `progress`.
+    pub fn compare_sides(&mut self, progress: &dyn Progress) -> Result<Option<Asymmetry>> {
+        let CampaignParameters { axes, instances, seed, .. } = &self.parameters;
+        let found = asymmetry(&self.structure, *seed, *instances, axes.wavelengths_nm(), progress)?;
+        // To digits that do not depend on the processor.
+        self.description.asymmetry = found.map(|found| (found.part * 100.0).round() / 100.0);
+        Ok(found)
+    }
+
     /// Prepares the instances; orders of crystals come from the catalog's cache or go there.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! A material's BRDF over the hemisphere, and its parameters.
 
+use serde::Serialize;
+
 use crate::Result;
 use crate::brdf::pictures::hemisphere;
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, lobe_integral};
@@ -12,114 +14,192 @@ use crate::spectrum::colour::{display, luminance};
 const INCIDENT: [(f64, f64); 7] =
     [(0.0, 0.0), (0.0, 30.0), (0.0, 60.0), (0.0, 80.0), (40.0, 0.0), (40.0, 40.0), (70.0, 0.0)];
 
-/// Pixels across a hemisphere, and its size on the page.
-const PIXELS: usize = 240;
+/// Size of a hemisphere on the page.
 const SIZE: f64 = 120.0;
 
-/// Species and variant as the material's maker recorded them.
+/// Species and variant as the material's maker recorded them, and whether its campaign was thinned.
 #[must_use]
 pub fn title(material: &FeatherMaterial) -> String {
-    let word = |key: &str| material.info.get(key).and_then(|v| v.as_str()).unwrap_or("").to_owned();
-    format!("{} {}", word("species"), word("variant")).trim().to_owned()
+    let word = |key: &str| material.info.get(key).and_then(|v| v.as_str()).unwrap_or_default();
+    let thinned = if material.info["campaign"]["thinned"].is_number() { "(thinned)" } else { "" };
+    [word("species"), word("variant"), thinned]
+        .into_iter()
+        .filter(|w| !w.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
-/// The smooth lobe and instances (rows) for incident directions (columns), with one exposure per column.
-///
-/// # Errors
-/// The material fails its checks.
-pub fn hemispheres(material: &FeatherMaterial, instances: usize) -> Result<Drawing> {
-    let brdf = FeatherBrdf::new(material, Options::default())?;
-    let (left, top) = (86.0, 52.0);
-    let rows = instances + 1;
-    let width = left + INCIDENT.len() as f64 * (SIZE + 8.0) + 8.0;
-    let mut drawing = Drawing::new(width, top + rows as f64 * (SIZE + 8.0) + 8.0);
-    let title = format!("{}: f over outgoing directions, x right, y up", title(material));
-    drawing.text([8.0, 18.0], 14.0, Anchor::Start, title.trim_start_matches(": ").to_owned());
-    for (column, (theta, phi)) in INCIDENT.into_iter().enumerate() {
-        let x = left + column as f64 * (SIZE + 8.0);
-        let wi = omega(theta.to_radians(), phi.to_radians());
-        drawing.text([x + SIZE / 2.0, top - 8.0], 11.0, Anchor::Middle, format!("θ {theta}°, φ {phi}°"));
-        let smooth = hemisphere(&brdf, wi, None, PIXELS)?;
-        let brightest = smooth.iter().flatten().map(|rgb| luminance(*rgb)).fold(0.0, f64::max);
-        let exposure = if brightest > 0.0 { 0.8 / brightest } else { 0.0 };
-        for row in 0..rows {
-            let y = top + row as f64 * (SIZE + 8.0);
-            let values =
-                if row == 0 { smooth.clone() } else { hemisphere(&brdf, wi, Some(row as u64), PIXELS)? };
-            let rgba = values.iter().map(|value| pixel(*value, exposure)).collect();
-            let picture = Picture { width: PIXELS, height: PIXELS, rgba };
-            drawing.items.push(Item::Picture { area: [x, y, SIZE, SIZE], picture });
+/// f in colour over the outgoing hemisphere seen from above, of the smooth mean and of instances.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Hemispheres {
+    /// θ_i of each incident direction, degrees.
+    pub theta_in_deg: Vec<f64>,
+    /// φ_i of each incident direction, degrees.
+    pub phi_in_deg: Vec<f64>,
+    /// x of ω_o at the centres of the pixels of a row.
+    pub x_out: Vec<f64>,
+    /// y of ω_o at the rows, falling: the first is the uppermost.
+    pub y_out: Vec<f64>,
+    /// Linear sRGB of the mean, `[incident][y][x]`; a perfect white diffuser has 1/π, `None` lies outside the hemisphere.
+    pub mean: Vec<Vec<Vec<Rgb>>>,
+    /// The same of instances 0, 1 …, `[instance][incident][y][x]`.
+    pub instances: Vec<Vec<Vec<Vec<Rgb>>>>,
+}
+
+/// Linear sRGB.
+type Rgb = Option<[f32; 3]>;
+
+impl Hemispheres {
+    /// `pixels` × `pixels` to each hemisphere.
+    ///
+    /// # Errors
+    /// The material fails its checks.
+    pub fn new(material: &FeatherMaterial, instances: usize, pixels: usize) -> Result<Self> {
+        let brdf = FeatherBrdf::new(material, Options::default())?;
+        let of = |instance: Option<u64>| -> Result<Vec<Vec<Vec<Rgb>>>> {
+            let one = |(theta, phi): (f64, f64)| {
+                let wi = omega(theta.to_radians(), phi.to_radians());
+                let single = |rgb: [f64; 3]| rgb.map(|v| v as f32);
+                let values = hemisphere(&brdf, wi, instance, pixels)?;
+                Ok(values.chunks(pixels).map(|row| row.iter().map(|v| v.map(single)).collect()).collect())
+            };
+            INCIDENT.into_iter().map(one).collect()
+        };
+        let centre = |k: usize| (2 * k + 1) as f64 / pixels as f64 - 1.0;
+        let x_out: Vec<f64> = (0..pixels).map(centre).collect();
+        Ok(Self {
+            theta_in_deg: INCIDENT.iter().map(|(theta, _)| *theta).collect(),
+            phi_in_deg: INCIDENT.iter().map(|(_, phi)| *phi).collect(),
+            y_out: x_out.iter().rev().copied().collect(),
+            x_out,
+            mean: of(None)?,
+            instances: (0..instances).map(|k| of(Some(k as u64))).collect::<Result<_>>()?,
+        })
+    }
+
+    /// Rows of the mean and the instances, columns of incident directions, with one exposure per column.
+    #[must_use]
+    pub fn draw(&self, title: &str) -> Drawing {
+        let (left, top) = (86.0, 52.0);
+        let rows = self.instances.len() + 1;
+        let width = left + self.mean.len() as f64 * (SIZE + 8.0) + 8.0;
+        let mut drawing = Drawing::new(width, top + rows as f64 * (SIZE + 8.0) + 8.0);
+        let title = format!("{title}: f over outgoing directions, x right, y up");
+        drawing.text([8.0, 18.0], 14.0, Anchor::Start, title.trim_start_matches(": ").to_owned());
+        for (column, mean) in self.mean.iter().enumerate() {
+            let x = left + column as f64 * (SIZE + 8.0);
+            let (theta, phi) = (self.theta_in_deg[column], self.phi_in_deg[column]);
+            drawing.text([x + SIZE / 2.0, top - 8.0], 11.0, Anchor::Middle, format!("θ {theta}°, φ {phi}°"));
+            let lit = |rgb: &[f32; 3]| luminance(rgb.map(f64::from));
+            let brightest = mean.iter().flatten().flatten().map(lit).fold(0.0, f64::max);
+            let exposure = if brightest > 0.0 { 0.8 / brightest } else { 0.0 };
+            let below = self.instances.iter().map(|instance| &instance[column]);
+            for (row, values) in std::iter::once(mean).chain(below).enumerate() {
+                let y = top + row as f64 * (SIZE + 8.0);
+                let rgba = values.iter().flatten().map(|value| pixel(*value, exposure)).collect();
+                let picture = Picture { width: self.x_out.len(), height: self.y_out.len(), rgba };
+                drawing.items.push(Item::Picture { area: [x, y, SIZE, SIZE], picture });
+            }
         }
+        for row in 0..rows {
+            let y = top + row as f64 * (SIZE + 8.0) + SIZE / 2.0;
+            let text =
+                row.checked_sub(1).map_or("mean".to_owned(), |instance| format!("instance {instance}"));
+            drawing.text([left - 8.0, y], 11.0, Anchor::End, text);
+        }
+        drawing
     }
-    for row in 0..rows {
-        let y = top + row as f64 * (SIZE + 8.0) + SIZE / 2.0;
-        let text = if row == 0 { "mean".to_owned() } else { format!("instance {row}") };
-        drawing.text([left - 8.0, y], 11.0, Anchor::End, text);
-    }
-    Ok(drawing)
 }
 
 /// sRGB and opacity; outside the hemisphere nothing.
-fn pixel(value: Option<[f64; 3]>, exposure: f64) -> [u8; 4] {
+fn pixel(value: Rgb, exposure: f64) -> [u8; 4] {
     value.map_or([0; 4], |rgb| {
-        let [r, g, b] = display(rgb.map(|v| v * exposure));
+        let [r, g, b] = display(rgb.map(|v| f64::from(v) * exposure));
         [r, g, b, 255]
     })
 }
 
-/// Maps of the parameters at the shortest, the middle and the longest wavelength.
-///
-/// # Errors
-/// σ or a lobe of the material is out of range.
-pub fn parameters(material: &FeatherMaterial) -> Result<Vec<Drawing>> {
-    let axes = &material.axes;
-    let waves = super::three(axes);
-    let columns = axes.cos_phi().len();
-    let per_wave = axes.cos_theta().len() * columns;
-    let mut maps = Vec::new();
-    for &wave in &waves {
+/// The parameters of the mean lobes at the shortest, the middle and the longest wavelength, each
+/// `[wavelength][theta_in][phi_in]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterMaps {
+    /// The wavelengths, nm.
+    pub wavelength_nm: Vec<f64>,
+    /// cosθ_i of the rows, rising.
+    pub cos_theta_in: Vec<f64>,
+    /// cosφ_i of the columns, rising.
+    pub cos_phi_in: Vec<f64>,
+    /// Roughness m_eff.
+    pub m: Vec<Vec<Vec<f64>>>,
+    /// φ_eff − φ_i, degrees.
+    pub phi_shift_deg: Vec<Vec<Vec<f64>>>,
+    /// F_eff.
+    pub f: Vec<Vec<Vec<f64>>>,
+}
+
+impl ParameterMaps {
+    /// Of a material; of one with separate polarizations those of the first.
+    ///
+    /// # Errors
+    /// σ or a lobe of the material is out of range.
+    pub fn new(material: &FeatherMaterial) -> Result<Self> {
+        let axes = &material.axes;
         let lobe = &material.sets[0].mean;
-        let nm = axes.wavelengths_nm()[wave];
-        let node = |at: usize| {
-            let (theta, phi_i) = (axes.theta_i(at / columns), axes.phi_i(at % columns));
-            let shape = Lobe {
-                m: f64::from(lobe.m[wave * per_wave + at]),
-                phi: f64::from(lobe.phi[wave * per_wave + at]),
-            };
-            (theta, phi_i, shape, f64::from(lobe.reflected[wave * per_wave + at]))
+        let map = |value: &dyn Fn(usize, usize, usize) -> Result<f64>| -> Result<Vec<Vec<Vec<f64>>>> {
+            let row =
+                |wave, theta| (0..axes.cos_phi().len()).map(move |phi| value(wave, theta, phi)).collect();
+            let layer = |wave| (0..axes.cos_theta().len()).map(|theta| row(wave, theta)).collect();
+            super::three(axes).into_iter().map(layer).collect()
         };
-        let m = (0..per_wave).map(|at| node(at).2.m).collect();
-        let phi = (0..per_wave)
-            .map(|at| {
-                let (_, phi_i, shape, _) = node(at);
-                (shape.phi - phi_i).to_degrees()
-            })
-            .collect();
-        let f = (0..per_wave)
-            .map(|at| {
-                let (theta, _, shape, reflected) = node(at);
-                Ok((reflected / lobe_integral(shape, theta, material.sigma)?).max(1e-6).log10())
-            })
-            .collect::<Result<Vec<f64>>>()?;
-        for (label, values) in [("m_eff", m), ("φ_eff − φ_i (°)", phi), ("log₁₀ F_eff", f)] {
-            let signed = values.iter().any(|v| *v < 0.0) && label.contains('°');
-            let largest = values.iter().fold(0.1, |a: f64, v| a.max(v.abs()));
-            let mut map = HeatMap::new(
-                format!("{label}, {nm:.0} nm"),
-                Axis::with_range("cosφ_i", axes.cos_phi()[0], axes.cos_phi()[columns - 1]),
-                Axis::with_range("cosθ_i", axes.cos_theta()[0], axes.cos_theta()[axes.cos_theta().len() - 1]),
-                columns,
-                values,
-            );
-            map.size = [240.0, 240.0];
-            if signed {
-                // White where the lobe's azimuth is the mirror direction's.
-                (map.map, map.range) = (Map::Diverging, Some([-largest, largest]));
-            }
-            maps.push(map.draw());
-        }
+        let shape = |at: usize| Lobe { m: f64::from(lobe.m[at]), phi: f64::from(lobe.phi[at]) };
+        Ok(Self {
+            wavelength_nm: super::three(axes).into_iter().map(|wave| axes.wavelengths_nm()[wave]).collect(),
+            cos_theta_in: axes.cos_theta().to_vec(),
+            cos_phi_in: axes.cos_phi().to_vec(),
+            m: map(&|w, t, p| Ok(shape(axes.index(w, t, p)).m))?,
+            phi_shift_deg: map(&|w, t, p| Ok((shape(axes.index(w, t, p)).phi - axes.phi_i(p)).to_degrees()))?,
+            f: map(&|w, t, p| {
+                let at = axes.index(w, t, p);
+                let integral = lobe_integral(shape(at), axes.theta_i(t), material.sigma)?;
+                Ok(f64::from(lobe.reflected[at]) / integral)
+            })?,
+        })
     }
-    Ok(maps)
+
+    /// Rows of wavelengths, columns of parameters.
+    #[must_use]
+    pub fn draw(&self) -> Vec<Drawing> {
+        let flat = |map: &[Vec<f64>]| -> Vec<f64> { map.iter().flatten().copied().collect() };
+        let axis = |label: &str, cosines: &[f64]| {
+            Axis::with_range(label, cosines[0], cosines.last().copied().unwrap_or(1.0))
+        };
+        let mut maps = Vec::new();
+        for (wave, nm) in self.wavelength_nm.iter().enumerate() {
+            let f = flat(&self.f[wave]).into_iter().map(|f| f.max(1e-6).log10()).collect();
+            for (label, values) in [
+                ("m_eff", flat(&self.m[wave])),
+                ("φ_eff − φ_i (°)", flat(&self.phi_shift_deg[wave])),
+                ("log₁₀ F_eff", f),
+            ] {
+                let signed = values.iter().any(|v| *v < 0.0) && label.contains('°');
+                let largest = values.iter().fold(0.1, |a: f64, v| a.max(v.abs()));
+                let mut map = HeatMap::new(
+                    format!("{label}, {nm:.0} nm"),
+                    axis("cosφ_i", &self.cos_phi_in),
+                    axis("cosθ_i", &self.cos_theta_in),
+                    self.cos_phi_in.len(),
+                    values,
+                );
+                map.size = [240.0, 240.0];
+                if signed {
+                    // White where the lobe's azimuth is the mirror direction's.
+                    (map.map, map.range) = (Map::Diverging, Some([-largest, largest]));
+                }
+                maps.push(map.draw());
+            }
+        }
+        maps
+    }
 }
 
 /// Drawings in rows of `columns`, under a title.

@@ -1,14 +1,18 @@
 //! Figures of sections, spectra and materials.
 
+mod far_fields;
 mod lobes;
 mod section;
 mod simulated;
 mod spectrum;
+mod values;
 
-pub use lobes::{hemispheres, parameters, tiled, title};
+pub use far_fields::{check_far_fields, far_fields};
+pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
 pub use section::{hummingbird_sketch, section};
-pub use simulated::{fields, fits, instances, noise, statistics_of_fits};
-pub use spectrum::spectra;
+pub use simulated::{FieldPatterns, FitCurves, InstancePatterns, NoiseCurves, statistics_of_fits};
+pub use spectrum::{Simulated, spectra};
+pub use values::{hemisphere_maps, marginals};
 
 use crate::scattering::statistics::Axes;
 

@@ -32,6 +32,11 @@ impl View {
         [self.at[0] + (x - self.window[0]) * self.scale, self.at[1] + (self.window[3] - z) * self.scale]
     }
 
+    /// A height past the clip's lower edge, so that no soft edge shows there.
+    fn below(&self) -> f64 {
+        self.window[2] - 3.0 / self.scale
+    }
+
     fn area(&self) -> [f64; 4] {
         let [left, right, bottom, top] = self.window;
         [self.at[0], self.at[1], (right - left) * self.scale, (top - bottom) * self.scale]
@@ -150,17 +155,20 @@ fn shade_at(medium: &Medium, x: f64) -> [u8; 3] {
     }
 }
 
-/// Fills a view: each boundary paints everything below it over what was there, then come the inclusions.
+/// Fills a view: each boundary paints what is below it, as far as the next one does not, over what was there; then come
+/// the inclusions.
 fn regions(page: &mut Drawing, section: &Section, view: &View) {
     let [left, right, bottom, top] = view.window;
     let mut items = Vec::new();
-    fill(&mut items, &section.media[0], view, &[[left, top], [right, top]]);
+    fill(&mut items, &section.media[0], view, &[[left, top], [right, top]], view.below());
     for (index, (boundary, medium)) in section.boundaries.iter().zip(&section.media[1..]).enumerate() {
         let (from, to) = (boundary.x_um[0].max(left), boundary.x_um[boundary.x_um.len() - 1].min(right));
         // The last medium reaches over the soft edges of what it covers.
         let over = if index + 1 == section.boundaries.len() { 2.0 / view.scale } else { 0.0 };
         let (from, to) = (from - over, to + over);
-        if from >= to {
+        let highest = boundary.z_um.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b));
+        let ends = [from, to].map(|x| boundary.height(x));
+        if from >= to || ends[0].max(ends[1]).max(highest) < view.below() {
             continue;
         }
         let mut run = vec![[from, boundary.height(from)]];
@@ -172,7 +180,14 @@ fn regions(page: &mut Drawing, section: &Section, view: &View) {
             }
         }
         run.push([to, boundary.height(to)]);
-        fill(&mut items, medium, view, &run);
+        let next = section.boundaries.get(index + 1);
+        fill(
+            &mut items,
+            medium,
+            view,
+            &run,
+            next.map_or(view.below(), |next| painted_over(next, view, [from, to])),
+        );
     }
     let mut loops: Vec<(usize, Item)> = Vec::new();
     for inclusion in &section.inclusions {
@@ -201,6 +216,17 @@ fn regions(page: &mut Drawing, section: &Section, view: &View) {
     page.items.push(Item::Clip { area: view.area(), items });
 }
 
+/// The height below which the boundary that comes next paints over everything between `from` and `to`.
+fn painted_over(next: &Polyline, view: &View, [from, to]: [f64; 2]) -> f64 {
+    let last = next.x_um.len() - 1;
+    if next.x_um[0] > from.max(view.window[0]) || next.x_um[last] < to.min(view.window[1]) {
+        return view.below();
+    }
+    // Past its soft edge.
+    let lowest = next.z_um.iter().fold(f64::INFINITY, |a, &b| a.min(b)) - 3.0 / view.scale;
+    lowest.max(view.below())
+}
+
 /// The rods of a crystal that a view shows.
 fn rods(crystal: &CrystalLayer, top: &Polyline, view: &View) -> Vec<Item> {
     let [left, right, bottom, high] = view.window;
@@ -211,15 +237,13 @@ fn rods(crystal: &CrystalLayer, top: &Polyline, view: &View) -> Vec<Item> {
             let (x, z, r) = (c.x_um, c.z_um, c.radius_um);
             x + r > left && x - r < right && z + r > bottom && z - r < high
         })
-        .map(|c| {
+        .filter_map(|c| {
             let outline = Loop::Circle { x_um: c.x_um, z_um: c.z_um, radius_um: c.radius_um };
             let ink = Ink::of(shade(&crystal.lattice.rods[c.rod].circles[c.circle].medium));
-            Item::Path {
-                runs: vec![thinned(&outline.corners(), view)],
-                closed: true,
-                fill: Some(ink),
-                stroke: None,
-            }
+            let run = thinned(&outline.corners(), view);
+            // Too small to be seen.
+            let shows = run.len() > 2;
+            shows.then(|| Item::Path { runs: vec![run], closed: true, fill: Some(ink), stroke: None })
         })
         .collect()
 }
@@ -236,10 +260,8 @@ fn thinned(corners: &Polyline, view: &View) -> Vec<[f64; 2]> {
     run
 }
 
-/// Paints everything below a curve, to the view's bottom, in strips where the medium varies.
-fn fill(items: &mut Vec<Item>, medium: &Medium, view: &View, curve: &[[f64; 2]]) {
-    // Past the clip's edge, so that no soft edge shows there.
-    let bottom = view.window[2] - 3.0 / view.scale;
+/// Paints everything below a curve down to a height, in strips where the medium varies.
+fn fill(items: &mut Vec<Item>, medium: &Medium, view: &View, curve: &[[f64; 2]], bottom: f64) {
     let mut paint = |run: &[[f64; 2]], ink: [u8; 3]| {
         let mut path: Vec<[f64; 2]> = run.iter().map(|p| view.place(p[0], p[1])).collect();
         let (first, last) = (run[0][0], run[run.len() - 1][0]);

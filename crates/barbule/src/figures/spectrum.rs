@@ -1,32 +1,40 @@
 //! Reflectance against wavelength.
 
 use crate::Result;
-use crate::campaign::spectrum::{Spectra, SpectrumRequest};
-use crate::plot::{self, Band, Drawing};
-use crate::spectrum::Spectrum;
+use crate::campaign::spectrum::Spectra;
+use crate::plot::{self, Band, Drawing, MeasuredBand};
+use crate::spectrum::{Spectrum, Wavelengths};
 
-/// Mean and spread of each direction, which `names` names, and measured spectra beside them.
+/// The simulated curves of one structure.
+#[derive(Debug, Clone, Copy)]
+pub struct Simulated<'a> {
+    /// What the legend calls each direction.
+    pub names: &'a [String],
+    /// Mean and spread of each direction.
+    pub spectra: &'a Spectra,
+    /// Of how many instances; the spread of a single one is not drawn.
+    pub instances: usize,
+}
+
+/// Mean and spread of each direction of each structure at common wavelengths, and measured ones beside them.
 ///
 /// # Errors
-/// The wavelengths of the request do not rise.
+/// A spectrum that does not fit the wavelengths.
 pub fn spectra(
     title: &str,
-    request: &SpectrumRequest,
-    found: &Spectra,
-    names: &[String],
-    measured: &[(String, Spectrum)],
+    at: &Wavelengths,
+    simulated: &[Simulated],
+    measured: Option<&MeasuredBand>,
 ) -> Result<Drawing> {
-    let at = &request.wavelengths;
-    let bands = names
-        .iter()
-        .zip(found.mean.iter().zip(&found.std))
-        .map(|(name, (mean, std))| {
-            Ok(Band {
+    let mut bands = Vec::new();
+    for of in simulated {
+        for (name, (mean, std)) in of.names.iter().zip(of.spectra.mean.iter().zip(&of.spectra.std)) {
+            bands.push(Band {
                 name: name.clone(),
                 mean: Spectrum::new(at.clone(), mean.clone())?,
-                std: (request.instances > 1).then(|| std.clone()),
-            })
-        })
-        .collect::<Result<Vec<_>>>()?;
+                std: (of.instances > 1).then(|| std.clone()),
+            });
+        }
+    }
     Ok(plot::spectra(title, &bands, measured).draw())
 }

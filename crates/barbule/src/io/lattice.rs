@@ -6,14 +6,17 @@ use serde_json::{Value, json};
 
 use super::media::{materials, substance, substance_json};
 use super::read_text;
-use super::stack::one_line;
-use crate::fields::{Fields, list, number};
+use crate::error::shortened;
+use crate::fields::{Fields, at_line, list, number, parse_toml, typed_in_nm};
 use crate::material::Library;
 use crate::structure::{Circle, CrystalLayer, Lattice, MOST_RODS, Regularity, Rod, Substance};
 use crate::{Error, Result};
 
 const KEYS: &[&str] =
     &["period", "host", "incidence", "cortex", "depth_to_center", "rows", "row_pitch", "row_shift", "rod"];
+
+/// Host above the first row that can be meant, µm.
+const CORTEX_UM: std::ops::RangeInclusive<f64> = 0.0..=50.0;
 
 /// Keys that only a lattice inside a section has.
 const UNDER_A_TOP: &[&str] = &["offset", "regularity"];
@@ -43,13 +46,15 @@ pub fn is_lattice(path: &Path) -> Result<bool> {
 }
 
 fn parse(text: &str, is_json: bool, folder: &Path, library: &Library) -> Result<Lattice> {
-    let value: Value = if is_json {
-        serde_json::from_str(text).map_err(|e| Error::input(format!("is not JSON: {e}")))?
-    } else {
-        let table: toml::Table =
-            toml::from_str(text).map_err(|e| Error::input(format!("is not TOML: {}", one_line(&e, text))))?;
-        serde_json::to_value(table).map_err(|e| Error::input(format!("is not a lattice: {e}")))?
-    };
+    if is_json {
+        let value = serde_json::from_str(text)
+            .map_err(|error| Error::input(format!("is not JSON: {}", shortened(&error.to_string()))))?;
+        return alone(&value, folder, library);
+    }
+    alone(&parse_toml(text)?, folder, library).map_err(|error| at_line(error, text))
+}
+
+fn alone(value: &Value, folder: &Path, library: &Library) -> Result<Lattice> {
     let mut library = library.clone();
     materials(value.get("materials"), folder, &mut library)?;
     let Some(lattice) = value.get("lattice") else {
@@ -136,9 +141,16 @@ pub(super) fn lattice_from(value: &Value, library: Library) -> Result<Lattice> {
         .collect::<Result<Vec<_>>>()?;
     let rows = if fields.get("rows").is_some() { fields.count_within("rows", 1, MOST_RODS)? } else { 1 };
     let depth_to_center_um = match (fields.number("cortex")?, fields.number("depth_to_center")?) {
-        (Some(cortex_um), None) if cortex_um >= 0.0 => Lattice::depth_under_cortex(cortex_um, &rods),
+        (Some(cortex_um), None) if CORTEX_UM.contains(&cortex_um) => {
+            Lattice::depth_under_cortex(cortex_um, &rods)
+        }
         (Some(cortex_um), None) => {
-            return Err(Error::input(format!("lattice.cortex is {cortex_um}, but cannot be negative")));
+            return Err(Error::input(format!(
+                "lattice.cortex is {cortex_um}, outside {} to {} µm{}",
+                CORTEX_UM.start(),
+                CORTEX_UM.end(),
+                typed_in_nm(cortex_um, &CORTEX_UM)
+            )));
         }
         (None, Some(depth_um)) => depth_um,
         (None, None) => {
@@ -252,6 +264,39 @@ mod tests {
     }
 
     #[test]
+    fn lengths_in_nm_and_lost_digits_are_refused_on_their_lines() {
+        for (from, to, expected) in [
+            (
+                "period = 0.19",
+                "period = 205",
+                "line 3: lattice.period is 205, outside 0.0001 to 100 µm; did you mean 0.205",
+            ),
+            (
+                "cortex = 0.28",
+                "cortex = 280",
+                "line 6: lattice.cortex is 280, outside 0 to 50 µm; did you mean 0.28 (280 nm)?",
+            ),
+            ("row_pitch = 0.17", "row_pitch = 170", "did you mean 0.17 (170 nm)?"),
+            ("diameter = 0.13", "diameter = 130", "did you mean 0.13 (130 nm)?"),
+            ("x = 0.0", "x = 1e16", "line 11: lattice.rod[0].x is 1e16, outside -100 to 100 µm"),
+            ("x = 0.0", "x = 1.8e308", "line 11 is not TOML: floating-point number overflowed"),
+            (
+                "row_shift = 0.5",
+                "row_shift = 1e300",
+                "line 9: lattice.row_shift is 1e300, outside -1 to 1 of the period",
+            ),
+            (
+                "\"melanin\"",
+                "{ index = [1.5, 1e9] }",
+                "lattice.rod[0].circles[0].medium has the index 1.5+1000000000i",
+            ),
+        ] {
+            let message = refusal(from, to);
+            assert!(message.contains(expected), "{message}");
+        }
+    }
+
+    #[test]
     fn what_is_no_lattice_is_refused_by_key() {
         assert!(refusal("period = 0.19", "").contains("lattice.period is missing"));
         assert!(refusal("period = 0.19", "period = \"x\"").contains("lattice.period is the text 'x'"));
@@ -261,7 +306,7 @@ mod tests {
         assert!(refusal("diameter = 0.13", "diameter = 0.3").contains("wider than the period"));
         assert!(refusal("rows = 6", "rows = 0").contains("lattice.rows is 0"));
         assert!(refusal("rows = 6", "rows = 2.5").contains("whole number"));
-        assert!(refusal("cortex = 0.28", "cortex = -1").contains("lattice.cortex is -1"));
+        assert!(refusal("cortex = 0.28", "cortex = -1").contains("lattice.cortex is -1, outside 0 to 50 µm"));
         assert!(refusal("cortex = 0.28", "").contains("give cortex"));
         assert!(refusal("cortex = 0.28", "cortex = 0.28\ndepth_to_center = 1").contains("not both"));
         assert!(refusal("row_pitch = 0.17", "").contains("lattice.row_pitch is missing"));

@@ -2,7 +2,9 @@
 
 pub mod image;
 mod lattice;
+mod machine;
 mod material;
+pub mod measured;
 mod media;
 mod named;
 mod orders;
@@ -17,12 +19,15 @@ mod whole;
 mod zarr;
 
 pub use lattice::{is_lattice, read_lattice};
+pub use machine::available_memory;
 pub use material::{decode_material, encode_material, read_material, write_material};
 pub use named::{files_in, files_named_in};
 pub use orders::{read_orders, write_orders};
 pub use output::{check_writable, is_inside_store, is_same_file, is_stream, write_together, write_whole};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
-pub use species::{feather_of, read_species, read_structure_toml};
+pub use species::{
+    feather_of, is_species, read_flat_stack, read_species, read_species_file, read_structure_toml,
+};
 pub use stack::{parse_stack, read_stack};
 pub use whole::{
     LARGEST_INPUT, delete_cached, hash_bytes, hash_file, list_cached, make_folder, read_at_most, read_bytes,

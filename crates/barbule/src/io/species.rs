@@ -5,18 +5,51 @@ use std::path::Path;
 use super::media::materials;
 use super::{parse_stack, read_text};
 use crate::error::shortened;
+use crate::fields::at_line;
 use crate::material::Library;
 use crate::scene::feather::Feather;
-use crate::structure::{Section, SpeciesFile, SpeciesModel, Structure};
+use crate::structure::{FlatStack, SpeciesFile, SpeciesModel, Structure};
 use crate::{Error, Result};
 
 /// Reads a species file; without a variant its default one.
 ///
 /// # Errors
-/// The file cannot be read, or anything that `docs/formats/species.md` lists; the message names the file and the key.
+/// As [`read_species_file`], or no such variant.
 pub fn read_species(path: &Path, variant: Option<&str>, library: &Library) -> Result<SpeciesModel> {
+    let (file, library) = read_species_file(path, library)?;
+    file.model(variant, library).map_err(|error| error.at(path.display()))
+}
+
+/// Reads a species file with all its variants; also the media that its sections are made of: those of `library` and its own.
+///
+/// # Errors
+/// The file cannot be read, or anything that `docs/formats/species.md` lists; the message names the file, the line and
+/// the key.
+pub fn read_species_file(path: &Path, library: &Library) -> Result<(SpeciesFile, Library)> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    parse_species(&read_text(path)?, variant, folder, library).map_err(|error| error.at(path.display()))
+    parse_file(&read_text(path)?, folder, library).map_err(|error| error.at(path.display()))
+}
+
+/// Whether a TOML file is meant as a species: it is neither a lattice nor a stack.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn is_species(path: &Path) -> Result<bool> {
+    let table: toml::Table = toml::from_str(&read_text(path)?).unwrap_or_default();
+    Ok(!is_stack(&table) && (table.contains_key("generator") || !table.contains_key("lattice")))
+}
+
+fn is_stack(table: &toml::Table) -> bool {
+    ["stack", "layers", "entry", "exit"].iter().any(|key| table.contains_key(*key))
+}
+
+fn parse_file(text: &str, folder: &Path, library: &Library) -> Result<(SpeciesFile, Library)> {
+    let file = SpeciesFile::parse(text)?;
+    let mut library = library.clone();
+    let feather = feather_of(&file).map(drop);
+    let media = materials(file.materials.as_ref(), folder, &mut library).map(drop);
+    media.and(feather).map_err(|error| at_line(error, text))?;
+    Ok((file, library))
 }
 
 fn parse_species(
@@ -25,10 +58,7 @@ fn parse_species(
     folder: &Path,
     library: &Library,
 ) -> Result<SpeciesModel> {
-    let file = SpeciesFile::parse(text)?;
-    let mut library = library.clone();
-    materials(file.materials.as_ref(), folder, &mut library)?;
-    feather_of(&file)?;
+    let (file, library) = parse_file(text, folder, library)?;
     file.model(variant, library)
 }
 
@@ -49,8 +79,7 @@ pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library
     let text = read_text(path)?;
     let at = |error: Error| error.at(path.display());
     let table: toml::Table = toml::from_str(&text).unwrap_or_default();
-    let is_stack = ["stack", "layers", "entry", "exit"].iter().any(|key| table.contains_key(*key));
-    if !is_stack {
+    if !is_stack(&table) {
         return parse_species(&text, variant, folder, library)
             .map(|m| Structure::Species(Box::new(m)))
             .map_err(at);
@@ -58,14 +87,31 @@ pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library
     if let Some(variant) = variant {
         return Err(at(Error::input(format!("a stack has no variants, so no '{}'", shortened(variant)))));
     }
-    let stack = parse_stack(&text, folder, library).map_err(at)?;
-    let mut library = library.clone();
+    flat_stack(path, &text, library).and_then(FlatStack::structure).map_err(at)
+}
+
+/// Reads a stack in TOML as a flat barbule; the file's name without ending is its name. `None`: the file describes no stack,
+/// or cannot be read as TOML.
+///
+/// # Errors
+/// The file cannot be read, or as [`super::read_stack`].
+pub fn read_flat_stack(path: &Path, library: &Library) -> Result<Option<FlatStack>> {
+    let text = read_text(path)?;
+    if !is_stack(&toml::from_str(&text).unwrap_or_default()) {
+        return Ok(None);
+    }
+    flat_stack(path, &text, library).map(Some).map_err(|error| error.at(path.display()))
+}
+
+fn flat_stack(path: &Path, text: &str, library: &Library) -> Result<FlatStack> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let stack = parse_stack(text, folder, library)?;
+    let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let table = table.get("materials").and_then(|value| serde_json::to_value(value).ok());
-    let sources = materials(table.as_ref(), folder, &mut library).map_err(at)?;
+    let mut library = library.clone();
+    let materials = materials(table.as_ref(), folder, &mut library)?;
     let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let mut section = Section::flat(&name, &stack, library).map_err(at)?;
-    section.materials = sources;
-    Ok(Structure::Sections { name, sections: vec![section] })
+    Ok(FlatStack { name, stack, library, materials })
 }
 
 #[cfg(test)]
@@ -75,6 +121,83 @@ mod tests {
 
     fn parse(text: &str, variant: Option<&str>) -> Result<SpeciesModel> {
         parse_species(text, variant, Path::new("."), &Library::builtin())
+    }
+
+    #[test]
+    fn a_key_counts_where_it_stands_or_is_refused() {
+        let text = species_toml("starling").unwrap();
+        // As files of version 0.1.0 have it: the variants give it too.
+        for value in ["0.200", "200"] {
+            let both = text.replace("[parameters]\n", &format!("[parameters]\ncortex_um = {value}\n"));
+            let message = parse(&both, None).unwrap_err().to_string();
+            let expected = if value == "200" {
+                "line 13: parameters.cortex_um is 200, outside 0.001 to 10; did you mean 0.2 (200 nm)?"
+            } else {
+                "parameters.cortex_um (line 13) has no effect on variant 'aqua', which gives cortex_um too (line 28); keep it in"
+            };
+            assert!(message.starts_with(expected), "{message}");
+        }
+        let moved = text.replace("name = \"pink\"\ncortex_um = 0.380", "name = \"pink\"");
+        let message = parse(&moved, Some("green")).unwrap_err().to_string();
+        assert!(
+            message.contains("variants[4].cortex_um is missing; give it here as variant 'aqua' does"),
+            "{message}"
+        );
+        assert!(message.starts_with("line 41: variant pink: "), "{message}");
+    }
+
+    #[test]
+    fn a_default_without_variants_names_the_line_to_delete() {
+        let text = species_toml("starling").unwrap();
+        let alone = text[..text.find("# The keratin film, top").unwrap()].to_owned();
+        let alone = alone.replace("[parameters]", "[parameters]\ncortex_um = 0.3");
+        assert_eq!(
+            parse(&alone, None).unwrap_err().to_string(),
+            "line 10: default names the variant 'green', but this file has no variants; delete the line"
+        );
+        let model = parse(&alone.replace("default = \"green\"\n", ""), None).unwrap();
+        assert_eq!((model.title().as_str(), model.variant.as_str()), ("starling", "default"));
+    }
+
+    #[test]
+    fn refusals_name_the_line_of_the_key() {
+        let text = species_toml("starling").unwrap();
+        for (from, to, expected) in [
+            (
+                "width_um = 25.0",
+                "width_um = 2500.0",
+                "line 13: parameters.width_um is 2500, outside 1 to 200; did you mean 2.5",
+            ),
+            ("width_um = 25.0", "widht_um = 25.0", "line 13: parameters: unknown key 'widht_um'"),
+            ("latin =", "latn =", "line 7: unknown key 'latn'"),
+            (
+                "cortex_um = 0.440",
+                "cortex_um = 440",
+                "line 55: variants[7].cortex_um is 440, outside 0.001 to 10; did you mean 0.44 (440 nm)?",
+            ),
+            (
+                "core_fraction_low = 0.3",
+                "core_fraction_low = 0.9",
+                "line 20: variant aqua: parameters.core_fraction_low",
+            ),
+            (
+                "[parameters]",
+                "materials = { keratin = 3 }\n[parameters]",
+                "line 12: materials.keratin must be",
+            ),
+        ] {
+            let message = parse(&text.replacen(from, to, 1), None).unwrap_err().to_string();
+            assert!(message.starts_with(expected), "{message}");
+        }
+    }
+
+    #[test]
+    fn very_many_variants_are_refused_at_once() {
+        let text = species_toml("starling").unwrap();
+        let more: String =
+            (0..50_000).map(|i| format!("[[variants]]\nname = \"v{i}\"\ncortex_um = 0.3\n")).collect();
+        let message = parse(&(text.to_owned() + "\n" + &more), None).unwrap_err().to_string();
+        assert!(message.contains("variants: there are 50008, over the limit of 1000"), "{message}");
     }
 
     #[test]
@@ -129,7 +252,7 @@ mod tests {
     const BAD: &[(&str, &str, &str, &str)] = &[
         ("starling", "barbule = 1", "", "barbule is missing"),
         ("starling", "barbule = 1", "barbule = 3", "reads format 1 only"),
-        ("starling", "barbule = 1", "barbule = ", "line 3 is not TOML"),
+        ("starling", "barbule = 1", "barbule = ", "line 4 is not TOML"),
         ("starling", "name = \"starling\"", "", "name is missing"),
         ("starling", "name = \"starling\"", "name = \"\"", "name must be one line"),
         ("starling", "name = \"starling\"", "name = 3", "name is the number 3"),

@@ -28,12 +28,14 @@ struct Document {
 struct Layer {
     medium: Option<String>,
     thickness_nm: Option<f64>,
+    spread: Option<f64>,
+    spread_nm: Option<f64>,
     repeat: Option<usize>,
     layers: Option<Vec<Layer>>,
 }
 
 /// Reads a stack from TOML: either `stack = "air/keratin:595/air"`, or `entry`, `exit` and a list `layers` of
-/// `{ medium, thickness_nm }` and `{ repeat, layers }`; `materials` may define media by files (relative to this one)
+/// `{ medium, thickness_nm }` (and `spread` or `spread_nm`, its standard deviation) and `{ repeat, layers }`; `materials` may define media by files (relative to this one)
 /// or indices.
 ///
 /// # Errors
@@ -71,22 +73,45 @@ fn parts(layers: Vec<Layer>, place: &str, depth: usize) -> Result<Vec<Part>> {
     let mut made = Vec::with_capacity(layers.len());
     for (i, layer) in layers.into_iter().enumerate() {
         let here = format!("{place}[{i}]");
-        made.push(match layer {
-            Layer { medium: Some(medium), thickness_nm: Some(thickness_nm), repeat: None, layers: None } => {
-                Part::Layer { medium, thickness_nm }
-            }
-            Layer { medium: None, thickness_nm: None, repeat: Some(count), layers: Some(inner) } => {
-                Part::Repeat { count, parts: parts(inner, &format!("{here}.layers"), depth + 1)? }
-            }
+        let spread_nm = spread_nm(&layer).map_err(|e| e.at(shortened(&here)))?;
+        made.push(match (layer, spread_nm) {
+            (
+                Layer {
+                    medium: Some(medium),
+                    thickness_nm: Some(thickness_nm),
+                    repeat: None,
+                    layers: None,
+                    ..
+                },
+                spread_nm,
+            ) => Part::Layer { medium, thickness_nm, spread_nm: spread_nm.unwrap_or(0.0) },
+            (
+                Layer { medium: None, thickness_nm: None, repeat: Some(count), layers: Some(inner), .. },
+                None,
+            ) => Part::Repeat { count, parts: parts(inner, &format!("{here}.layers"), depth + 1)? },
             _ => {
                 return Err(Error::input(format!(
-                    "{}: give either medium and thickness_nm, or repeat and layers",
+                    "{}: give either medium and thickness_nm (and spread or spread_nm), or repeat and layers",
                     shortened(&here)
                 )));
             }
         });
     }
     Ok(made)
+}
+
+/// The standard deviation of a layer's thickness in nm, where one is given.
+fn spread_nm(layer: &Layer) -> Result<Option<f64>> {
+    match (layer.spread, layer.spread_nm) {
+        (Some(_), Some(_)) => {
+            Err(Error::input("give spread, a part of the thickness, or spread_nm, not both"))
+        }
+        (Some(part), None) if !(0.0..=1.0).contains(&part) => Err(Error::input(format!(
+            "spread is {part}, but it is a part of the thickness, 0 to 1, as in 0.05 for 5 %; lengths are given as spread_nm"
+        ))),
+        (Some(part), None) => Ok(Some(part * layer.thickness_nm.unwrap_or(0.0))),
+        (None, length) => Ok(length),
+    }
 }
 
 /// A TOML error as one line with its place.
@@ -124,6 +149,14 @@ mod tests {
         )
         .unwrap();
         assert_eq!(language, list);
+        let spread = read(
+            r#"
+            entry = "air"
+            exit = "air"
+            layers = [{ medium = "keratin", thickness_nm = 200, spread = 0.05 }, { medium = "air", thickness_nm = 9, spread_nm = 2 }]
+            "#,
+        );
+        assert_eq!(spread.unwrap(), read("stack = \"air/keratin:200±5%/air:9±2/air\"").unwrap());
         let own = read("stack = \"air/resin:50/air\"\n[materials]\nresin = [1.6, 0.01]").unwrap();
         assert_eq!(own.indices(500.0).unwrap()[1].im, 0.01);
     }
@@ -139,6 +172,14 @@ mod tests {
             (
                 "entry = \"air\"\nexit = \"air\"\nlayers = [{ medium = \"air\" }]",
                 "layers[0]: give either medium",
+            ),
+            (
+                "entry = \"air\"\nexit = \"air\"\nlayers = [{ medium = \"air\", thickness_nm = 5, spread = 5 }]",
+                "layers[0]: spread is 5, but it is a part of the thickness",
+            ),
+            (
+                "entry = \"air\"\nexit = \"air\"\nlayers = [{ medium = \"air\", thickness_nm = 5, spread = 0.1, spread_nm = 1 }]",
+                "not both",
             ),
             ("entry = \"air\"\nexit = \"airr\"", "did you mean 'air'"),
             ("entry = \"air\"\nexit = \"air\"\nlayers = [{ repeat = 0, layers = [] }]", "count of 1 or more"),

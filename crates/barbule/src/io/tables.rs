@@ -1,21 +1,31 @@
-//! Readers of users' tables: refractive indices and measured spectra, and media named in other files.
+//! Readers of users' tables of refractive indices, and media named in other files.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use saphyr_parser::{Event, Parser};
 
+use super::measured::{Unit, position_unit};
 use super::read_text;
 use crate::error::shortened;
 use crate::material::{Library, Material, Table};
-use crate::spectrum::{Spectrum, Wavelengths};
 use crate::{Complex64, Error, Result};
 
 /// Nesting of YAML that is followed; the files of refractiveindex.info need 3.
 const DEEPEST_YAML: usize = 32;
 
+/// Wavelength, n and k.
+const MOST_COLUMNS: usize = 3;
+
+/// What people call n and k, in lower case and without signs: `Re(n)` is `ren`.
+const INDEX_NAMES: [&[&str]; 2] = [
+    &["n", "nreal", "realn", "ren", "nre", "real", "index", "ri", "refractiveindex", "refractiveindexn"],
+    &["k", "kappa", "κ", "nimag", "imagn", "imn", "nim", "imag", "extinction", "extinctioncoefficient"],
+];
+
 /// Reads a table of indices: `.yml` and `.yaml` as refractiveindex.info writes them, anything else as CSV with the
-/// columns nm, n and k (k may be left out where nothing absorbs), with or without a line of names.
+/// columns nm, n and k (k may be left out where nothing absorbs), with or without a line of names; with names that are
+/// known, n and k may change places.
 ///
 /// # Errors
 /// The file cannot be read, or a line is not as described; the message names it.
@@ -32,8 +42,8 @@ pub fn read_index_table(path: &Path) -> Result<Table> {
 /// # Errors
 /// As [`read_index_table`].
 pub fn parse_index_csv(name: &str, text: &str) -> Result<Table> {
-    let sheet = Sheet::parse(name, text, 2, 3)?;
-    let order = sheet.order(name, ["n", "k"])?;
+    let sheet = Sheet::parse(name, text)?;
+    let order = sheet.order(name)?;
     let mut rows = Vec::with_capacity(sheet.rows.len());
     for (line, row) in &sheet.rows {
         let at = |column: usize| if column < row.len() { row[column] } else { 0.0 };
@@ -46,25 +56,6 @@ pub fn parse_index_csv(name: &str, text: &str) -> Result<Table> {
     Table::new(name, &rows)
 }
 
-/// Reads a spectrum: CSV with the columns nm and value, with or without a line of names; further columns are ignored.
-///
-/// # Errors
-/// As [`read_index_table`].
-pub fn read_spectrum(path: &Path) -> Result<Spectrum> {
-    parse_spectrum_csv(&path.display().to_string(), &read_text(path)?)
-}
-
-/// Reads a spectrum from CSV; `name` is what messages call the file.
-///
-/// # Errors
-/// As [`read_index_table`].
-pub fn parse_spectrum_csv(name: &str, text: &str) -> Result<Spectrum> {
-    let sheet = Sheet::parse(name, text, 2, 64)?;
-    sheet.check_wavelengths(name)?;
-    let (nm, values): (Vec<f64>, Vec<f64>) = sheet.rows.iter().map(|(_, row)| (row[0], row[1])).unzip();
-    Wavelengths::new(nm).and_then(|at| Spectrum::new(at, values)).map_err(|e| e.at(name))
-}
-
 /// Numbers in lines, with the names of their columns if the file has them.
 struct Sheet {
     names: Vec<String>,
@@ -73,7 +64,7 @@ struct Sheet {
 }
 
 impl Sheet {
-    fn parse(name: &str, text: &str, fewest: usize, most: usize) -> Result<Self> {
+    fn parse(name: &str, text: &str) -> Result<Self> {
         let mut sheet = Self { names: Vec::new(), rows: Vec::new() };
         for (i, line) in text.lines().enumerate() {
             let number = i + 1;
@@ -81,18 +72,17 @@ impl Sheet {
             if line.is_empty() || line.starts_with('#') {
                 continue;
             }
-            let cells = cells(line);
+            let cells = cells(line, MOST_COLUMNS);
             if sheet.rows.is_empty() && sheet.names.is_empty() && number_of(cells[0]).is_none() {
                 sheet.names = cells.iter().map(|c| c.trim_matches('"').to_lowercase()).collect();
                 continue;
             }
             let place = || format!("{name}: line {number}");
-            if !(fewest..=most).contains(&cells.len()) {
-                let wanted = if most > 3 { "a wavelength and a value" } else { "wavelength in nm, n and k" };
+            if !(2..=MOST_COLUMNS).contains(&cells.len()) {
+                let found = if cells.len() < 2 { "1 column" } else { "over 3 columns" };
                 return Err(Error::input(format!(
-                    "{}: has {} columns, but needs {wanted}, separated by commas",
-                    place(),
-                    cells.len()
+                    "{}: has {found}, but needs wavelength in nm, n and k, separated by commas",
+                    place()
                 )));
             }
             let mut row = Vec::with_capacity(cells.len());
@@ -127,26 +117,50 @@ impl Sheet {
         Ok(sheet)
     }
 
-    /// The columns that the names give `wanted`, or 1 and 2 without names.
-    fn order(&self, name: &str, wanted: [&str; 2]) -> Result<[usize; 2]> {
-        let place = |w: &str| self.names.iter().position(|n| n == w);
-        if place(wanted[0]) == Some(0) || place(wanted[1]) == Some(0) {
-            return Err(Error::input(format!(
-                "{name}: the first column is '{}', but must be the wavelength in nm",
-                shortened(&self.names[0])
-            )));
+    /// The columns of n and k: those that the names give, or 1 and 2 without names; k lies past the end where there
+    /// is none.
+    fn order(&self, name: &str) -> Result<[usize; 2]> {
+        let columns = self.rows[0].1.len();
+        let Some(first) = self.names.first() else { return Ok([1, 2]) };
+        let refuse = |what: String| Err(Error::input(format!("{name}: {what}; name the columns nm,n,k")));
+        if position_unit(first).is_none() {
+            return refuse(format!(
+                "the first column is '{}', but must be the wavelength in nm",
+                shortened(first)
+            ));
         }
-        match (place(wanted[0]), place(wanted[1])) {
-            (Some(n), Some(k)) => Ok([n, k]),
-            (Some(n), None) if self.names.len() == 2 => Ok([n, 2]),
-            _ => Ok([1, 2]),
+        if self.names.len() != columns {
+            return refuse(format!("{columns} columns have {} names", self.names.len()));
+        }
+        let mut order = [None; 2];
+        for (column, given) in self.names.iter().enumerate().skip(1) {
+            let word: String = given.chars().take(40).filter(|c| c.is_alphanumeric()).collect();
+            let Some(which) = INDEX_NAMES.iter().position(|names| names.contains(&word.as_str())) else {
+                return refuse(format!(
+                    "column {} is '{}', which is neither n nor k",
+                    column + 1,
+                    shortened(given)
+                ));
+            };
+            if order[which].replace(column).is_some() {
+                return refuse(format!("column {} gives {} a second time", column + 1, ["n", "k"][which]));
+            }
+        }
+        match order {
+            [Some(n), k] => Ok([n, k.unwrap_or(columns)]),
+            [None, _] => refuse("has no column of n".into()),
         }
     }
 
     /// Refuses wavelengths that do not rise, or are plainly in another unit.
     fn check_wavelengths(&self, name: &str) -> Result<()> {
-        let unit = self.names.first().map_or("", String::as_str);
-        let micrometres = ["um", "µm", "μm", "micro"].iter().any(|u| unit.contains(u));
+        let unit = self.names.first().and_then(|first| position_unit(first));
+        if unit == Some(Unit::PerCentimetre) {
+            return Err(Error::input(format!(
+                "{name}: the first column is wave numbers; write wavelengths in nm"
+            )));
+        }
+        let micrometres = unit == Some(Unit::Micrometres);
         let largest = self.rows.iter().map(|(_, row)| row[0]).fold(0.0, f64::max);
         if micrometres || (largest > 0.0 && largest < 30.0) {
             return Err(Error::input(format!(
@@ -165,14 +179,14 @@ impl Sheet {
     }
 }
 
-/// Splits a line at commas, else semicolons, else blanks.
-fn cells(line: &str) -> Vec<&str> {
+/// Splits a line at commas, else semicolons, else blanks, into no more than one cell over `most`.
+fn cells(line: &str, most: usize) -> Vec<&str> {
     for separator in [',', ';'] {
         if line.contains(separator) {
-            return line.split(separator).map(str::trim).collect();
+            return line.split(separator).take(most + 1).map(str::trim).collect();
         }
     }
-    line.split_whitespace().collect()
+    line.split_whitespace().take(most + 1).collect()
 }
 
 fn number_of(cell: &str) -> Option<f64> {
@@ -255,7 +269,7 @@ fn joined(name: &str, n: &[(f64, f64)], k: Option<&[(f64, f64)]>) -> Result<Vec<
 fn numbers(place: &str, text: &str, columns: usize) -> Result<Vec<Vec<f64>>> {
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for (i, line) in text.lines().map(str::trim).filter(|line| !line.is_empty()).enumerate() {
-        let row: Option<Vec<f64>> = cells(line).into_iter().map(number_of).collect();
+        let row: Option<Vec<f64>> = cells(line, columns).into_iter().map(number_of).collect();
         let Some(mut row) = row.filter(|row| row.len() == columns) else {
             return Err(Error::input(format!(
                 "{place}: line {} of data, '{}', is not {columns} numbers",
@@ -401,6 +415,9 @@ mod tests {
         let plain = csv("400,1.5,0.1\n500,1.7,0.3\n").unwrap();
         assert_eq!(at(&plain, 450.0), Complex64::new(1.6, 0.2));
         for same in [
+            "nm,kappa,index\n400,0.1,1.5\n500,0.3,1.7",
+            "nm,k,n_real\n400,0.1,1.5\n500,0.3,1.7",
+            "Wavelength (nm),Re(n),Im(n)\n400,1.5,0.1\n500,1.7,0.3",
             "nm,n,k\n400,1.5,0.1\n500,1.7,0.3",
             "wavelength_nm;k;n\n400;0.1;1.5\n500;0.3;1.7\r\n",
             "# measured\n\n400 1.5 0.1\n500\t1.7  0.3",
@@ -418,13 +435,20 @@ mod tests {
             ("400,1.5,0\n500,x,0", "line 2, column 2: 'x'"),
             ("400,1.5,0\n500,nan,0", "line 2, column 2: 'nan'"),
             ("400,1.5,0\n500,1e999,0", "not a finite number"),
-            ("400\n", "line 1: has 1 columns"),
-            ("400,1,2,3\n", "line 1: has 4 columns"),
+            ("400\n", "line 1: has 1 column,"),
+            ("400,1,2,3\n", "line 1: has over 3 columns"),
             ("400,1.5,0\n500,1.5", "but line 1 has 3"),
             ("500,1.5,0\n400,1.5,0", "line 2: the wavelength 400 nm follows 500 nm"),
             ("0.4,1.5,0\n0.5,1.5,0", "look like micrometres"),
             ("wl_um,n,k\n400,1.5,0", "look like micrometres"),
             ("n,nm,k\n1.5,400,0", "the first column is 'n'"),
+            ("energy,n,k\n1.5,1.5,0", "the first column is 'energy', but must be the wavelength in nm"),
+            ("nm,k\n400,0.1", "has no column of n; name the columns nm,n,k"),
+            ("nm,eps1,eps2\n400,2.4,0.1", "column 2 is 'eps1', which is neither n nor k"),
+            ("nm,n,x\n400,1.5,0.1", "column 3 is 'x', which is neither n nor k"),
+            ("nm,n,index\n400,1.5,0.1", "column 3 gives n a second time"),
+            ("nm,n\n400,1.5,0.1", "3 columns have 2 names"),
+            ("1/cm,n,k\n20000,1.5,0.1", "wave numbers"),
             ("400,1.5,-0.1", "line 1: the index 1.5-0.1j has gain"),
             ("400,-1.5,0.1", "line 1: the index -1.5+0.1j is not usable"),
             ("-400,1.5,0.1", "not greater than zero"),
@@ -484,13 +508,6 @@ mod tests {
             assert!(error.is_input() && message.len() < 600);
             assert!(message.starts_with("t.yml: ") && message.contains(part), "{message}");
         }
-    }
-
-    #[test]
-    fn spectra_are_read_and_further_columns_ignored() {
-        let spectrum = parse_spectrum_csv("m.csv", "nm,mean,std\n400,0.1,0.01\n500,0.3,0.02\n").unwrap();
-        assert_eq!(spectrum.value(450.0), Some(0.2));
-        assert!(parse_spectrum_csv("m.csv", "nm,mean\n").unwrap_err().to_string().contains("m.csv"));
     }
 
     #[test]

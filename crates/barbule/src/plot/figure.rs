@@ -8,6 +8,8 @@ use super::{palette, text};
 const SIZE: [f64; 2] = [520.0, 330.0];
 /// Curves that the legend names; more are counted.
 const MOST_NAMED: usize = 18;
+/// From one swatch of the legend to the next in px.
+const SWATCH_STEP: f64 = 20.0;
 
 /// How a curve's points are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,7 +26,7 @@ pub enum Mark {
 /// One curve.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curve {
-    /// What the legend says.
+    /// What the legend says; a curve without a name is not in it.
     pub name: String,
     /// (x, y); a y that is not finite, or not positive on a logarithmic axis, interrupts the line.
     pub points: Vec<[f64; 2]>,
@@ -32,8 +34,8 @@ pub struct Curve {
     pub spread: Option<Vec<f64>>,
     /// Line or signs.
     pub mark: Mark,
-    /// A colour that the legend shows beside the name.
-    pub swatch: Option<[u8; 3]>,
+    /// Colours that the legend shows beside the name.
+    pub swatches: Vec<[u8; 3]>,
     /// The look, in place of the next of the palette.
     pub stroke: Option<Stroke>,
 }
@@ -90,13 +92,15 @@ impl Figure {
     #[must_use]
     pub fn draw(&self) -> Drawing {
         let [plane_width, plane_height] = self.size;
-        let named = self.curves.iter().take(MOST_NAMED);
-        let swatches = self.curves.iter().any(|c| c.swatch.is_some());
-        let sample = if swatches { 56.0 } else { 36.0 };
-        let longest =
-            named.map(|c| text::width(&c.name, SMALL)).fold(text::width(&self.legend, SMALL), f64::max);
-        let has_legend = self.curves.len() > 1 || swatches || !self.legend.is_empty();
-        let legend_width = if has_legend { longest + sample + 24.0 } else { 20.0 };
+        let swatches = self.curves.iter().map(|c| c.swatches.len()).max().unwrap_or(0);
+        let sample = 36.0 + SWATCH_STEP * swatches as f64;
+        let longest = self
+            .named()
+            .take(MOST_NAMED)
+            .map(|(_, c)| text::width(&c.name, SMALL) + sample)
+            .fold(text::width(&self.legend, SMALL), f64::max);
+        let has_legend = self.curves.len() > 1 || swatches > 0 || !self.legend.is_empty();
+        let legend_width = if has_legend { longest + 24.0 } else { 20.0 };
         let below = if self.footnote.is_some() { 62.0 } else { 46.0 };
         let (left, top) = (64.0, if self.title.is_empty() { 16.0 } else { 34.0 });
         let title_width = 2.0 * (text::width(&self.title, LARGE) / 2.0 - plane_width / 2.0);
@@ -121,6 +125,11 @@ impl Figure {
             drawing.text([left, top + plane_height + 54.0], SMALL, Anchor::Start, note.clone());
         }
         drawing
+    }
+
+    /// The curves of the legend with their places.
+    fn named(&self) -> impl Iterator<Item = (usize, &Curve)> {
+        self.curves.iter().enumerate().filter(|(_, curve)| !curve.name.is_empty())
     }
 
     fn stroke(&self, i: usize) -> Stroke {
@@ -155,7 +164,7 @@ impl Figure {
             drawing.text([x, y], SMALL, Anchor::Start, self.legend.clone());
             y += 18.0;
         }
-        for (i, curve) in self.curves.iter().take(MOST_NAMED).enumerate() {
+        for (i, curve) in self.named().take(MOST_NAMED) {
             let stroke = self.stroke(i);
             if curve.mark != Mark::Line {
                 drawing.items.push(sign([x + 14.0, y - 4.0], i, &stroke));
@@ -163,15 +172,17 @@ impl Figure {
             if curve.mark != Mark::Points {
                 drawing.line([x, y - 4.0], [x + 28.0, y - 4.0], stroke);
             }
-            if let Some(rgb) = curve.swatch {
+            for (k, rgb) in curve.swatches.iter().enumerate() {
                 let edge = Some(Stroke::solid(Ink::of([120, 120, 120]), 0.7));
-                drawing.rectangle([x + 34.0, y - 11.0, 14.0, 14.0], Some(Ink::of(rgb)), edge);
+                let left = x + 34.0 + SWATCH_STEP * k as f64;
+                drawing.rectangle([left, y - 11.0, 14.0, 14.0], Some(Ink::of(*rgb)), edge);
             }
             drawing.text([x + sample, y], SMALL, Anchor::Start, curve.name.clone());
             y += 17.0;
         }
-        if self.curves.len() > MOST_NAMED {
-            let more = format!("and {} more", self.curves.len() - MOST_NAMED);
+        let named = self.named().count();
+        if named > MOST_NAMED {
+            let more = format!("and {} more", named - MOST_NAMED);
             drawing.text([x, y], MEDIUM, Anchor::Start, more);
         }
     }

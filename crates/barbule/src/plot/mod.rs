@@ -20,7 +20,7 @@ pub use figure::{Curve, Figure, Mark};
 pub use heat_map::HeatMap;
 pub use palette::{Map, PALETTE, style};
 pub use raster::encode_png;
-pub use spectra::{Band, spectra};
+pub use spectra::{Band, MeasuredBand, spectra};
 
 use std::path::Path;
 

@@ -1,9 +1,10 @@
 //! Reflectance spectra with the colours that they are.
 
 use super::axes::{Axis, covering};
+use super::drawing::{Ink, Stroke};
 use super::figure::{Curve, Figure};
 use crate::spectrum::Spectrum;
-use crate::spectrum::colour::{Observer, display, held};
+use crate::spectrum::look::Look;
 
 /// A mean spectrum with the spread of the individuals behind it.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,23 +17,38 @@ pub struct Band {
     pub std: Option<Vec<f64>>,
 }
 
-/// A chart of reflectance spectra: each with its band, and its own colour under D65 as a swatch in the legend.
-/// `measured` spectra (name, values) are drawn as points.
+/// A measured spectrum: a mean, and the samples behind it when there are several.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredBand {
+    /// Mean and spread.
+    pub band: Band,
+    /// The single samples, drawn as thin lines; empty when there is one.
+    pub samples: Vec<Spectrum>,
+}
+
+/// A chart of reflectance spectra: each with its band, and with its own colour under D65 as two swatches in the
+/// legend, at its true luminance and as bright as a screen can show it. Measured spectra are dashed and black.
 #[must_use]
-pub fn spectra(title: &str, bands: &[Band], measured: &[(String, Spectrum)]) -> Figure {
+pub fn spectra(title: &str, bands: &[Band], measured: Option<&MeasuredBand>) -> Figure {
     let mut figure = Figure::new(title, Axis::new("wavelength (nm)"), Axis::new("reflectance"));
-    let observer = Observer::default();
-    let points = |s: &Spectrum| s.wavelengths().iter().zip(s.values()).map(|(&x, &y)| [x, y]).collect();
-    for band in bands {
-        let mut curve = Curve::line(band.name.clone(), points(&band.mean));
-        curve.spread.clone_from(&band.std);
-        curve.swatch = Some(display(observer.linear_rgb(&band.mean)));
-        figure.curves.push(curve);
-    }
-    for (name, spectrum) in measured {
-        let mut curve = Curve::points(name.clone(), points(spectrum));
-        curve.swatch = Some(display(observer.linear_rgb(spectrum)));
-        figure.curves.push(curve);
+    let points = |s: &Spectrum| -> Vec<[f64; 2]> {
+        s.wavelengths().iter().zip(s.values()).map(|(&x, &y)| [x, y]).collect()
+    };
+    let curve = |band: &Band| {
+        let look = Look::of(&band.mean);
+        Curve {
+            spread: band.std.clone(),
+            swatches: look.colour.map_or_else(Vec::new, |c| vec![c.srgb(), c.srgb_normalized()]),
+            ..Curve::line(band.name.clone(), points(&band.mean))
+        }
+    };
+    figure.curves.extend(bands.iter().map(curve));
+    if let Some(measured) = measured {
+        let thin = Stroke::solid(Ink::BLACK.with_opacity(0.6), 0.7);
+        let sample = |s: &Spectrum| Curve { stroke: Some(thin.clone()), ..Curve::line("", points(s)) };
+        figure.curves.extend(measured.samples.iter().map(sample));
+        let dashed = Stroke { ink: Ink::BLACK, width: 1.8, dash: vec![6.0, 3.0] };
+        figure.curves.push(Curve { stroke: Some(dashed), ..curve(&measured.band) });
     }
     // A band may reach below zero where individuals differ much, but reflectance does not.
     if figure.curves.iter().flat_map(|c| &c.points).all(|p| p[1] >= 0.0) {
@@ -42,12 +58,15 @@ pub fn spectra(title: &str, bands: &[Band], measured: &[(String, Spectrum)]) -> 
         });
         figure.y.range = Some([0.0, covering(tops.chain([0.0]))[1]]);
     }
-    figure.legend = if bands.iter().any(|b| b.std.is_some()) {
-        "mean ± 1 std, colour under D65".into()
-    } else {
-        "colour under D65".into()
-    };
-    figure.footnote = bands.iter().find_map(|b| held(b.mean.wavelengths()));
+    let spread = bands.iter().chain(measured.map(|m| &m.band)).any(|b| b.std.is_some());
+    figure.legend = match (spread, figure.curves.iter().any(|c| !c.swatches.is_empty())) {
+        (true, true) => "mean ± 1 std; colour under D65: true, normalized",
+        (true, false) => "mean ± 1 std",
+        (false, true) => "colour under D65: true, normalized",
+        (false, false) => "",
+    }
+    .into();
+    figure.footnote = bands.iter().find_map(|b| Look::of(&b.mean).colour_note);
     figure
 }
 
@@ -56,18 +75,37 @@ mod tests {
     use super::*;
     use crate::spectrum::Wavelengths;
 
+    fn flat(value: f64) -> Spectrum {
+        Spectrum::new(Wavelengths::usual(), vec![value; 50]).unwrap()
+    }
+
     #[test]
-    fn swatches_are_the_spectras_own_colours() {
+    fn swatches_are_the_spectras_own_colours_as_they_are_and_brightened() {
         let at = Wavelengths::usual();
-        let white = Spectrum::new(at.clone(), vec![1.0; 50]).unwrap();
-        let red = Spectrum::new(at.clone(), at.iter().map(|w| if *w > 600.0 { 0.8 } else { 0.0 }).collect())
-            .unwrap();
-        let bands = [Band { name: "white".into(), mean: white, std: Some(vec![0.1; 50]) }];
-        let figure = spectra("t", &bands, &[("red".into(), red)]);
-        assert_eq!(figure.curves[0].swatch, Some([255; 3]));
-        let [r, g, b] = figure.curves[1].swatch.unwrap();
-        assert!(r > 150 && g < 100 && b < 50);
-        assert!(figure.footnote.unwrap().contains("held"));
+        let red = at.iter().map(|w| if *w > 600.0 { 0.2 } else { 0.0 }).collect();
+        let bands = [
+            Band { name: "white".into(), mean: flat(1.0), std: Some(vec![0.1; 50]) },
+            Band { name: "red".into(), mean: Spectrum::new(at, red).unwrap(), std: None },
+        ];
+        let figure = spectra("t", &bands, None);
+        assert_eq!(figure.curves[0].swatches[0], [255; 3]);
+        let [[r, g, b], [brighter, ..]] = figure.curves[1].swatches[..] else { panic!() };
+        assert!(r > 60 && g < 60 && b < 50 && brighter > 230, "{r} {g} {b} {brighter}");
+        assert!(figure.footnote.unwrap().contains("held") && figure.legend.contains("true, normalized"));
         assert_eq!(figure.y.range.unwrap()[0], 0.0);
+    }
+
+    #[test]
+    fn measured_samples_are_thin_lines_without_names_under_a_dashed_mean() {
+        let band = Band { name: "measured".into(), mean: flat(0.3), std: Some(vec![0.1; 50]) };
+        let measured = MeasuredBand { band, samples: vec![flat(0.2), flat(0.4)] };
+        let simulated = Band { name: "simulated".into(), mean: flat(0.3), std: None };
+        let figure = spectra("t", &[simulated], Some(&measured));
+        let names: Vec<_> = figure.curves.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["simulated", "", "", "measured"]);
+        assert!(figure.curves[1].stroke.as_ref().unwrap().width < 1.0);
+        assert!(!figure.curves[3].stroke.as_ref().unwrap().dash.is_empty());
+        let svg = figure.draw().encode(crate::plot::Format::Svg, &[]).unwrap();
+        assert!(String::from_utf8(svg).unwrap().contains("measured"));
     }
 }

@@ -1,42 +1,11 @@
 use super::*;
+use crate::brdf::Values;
 use crate::brdf::fixtures::example;
-use crate::brdf::table::{INVERSE_LENGTH, M, STATIONARY, STRENGTH, TILT};
 use crate::math::rng::Stream;
-
-/// f of S.25, its mean f̂ and the density of ω_o, formula by formula in double precision from the same tables.
-fn plain(brdf: &FeatherBrdf, wave: f32, wi: DVec3, wo: DVec3, instance: u64) -> [f64; 3] {
-    let sigma = brdf.sigma;
-    let cos_theta = wi.x.hypot(wi.z).max(1e-6);
-    let cell = brdf.tables[0].cell_plain(cos_theta, wi.z / cos_theta);
-    let p = brdf.tables[0].lookup_plain(&cell, brdf.tables[0].place(wave)).map(f64::from);
-    let value = |base: usize| {
-        let (m, sine) = (p[base + M], (p[base + TILT] * wi.x / cos_theta).clamp(-0.9998, 0.9998));
-        let incident = DVec3::new(cos_theta * sine, wi.y, cos_theta * (1.0 - sine * sine).sqrt());
-        let h = (incident + wo).normalize();
-        let q = m * m + (1.0 - m * m) * h.x * h.x;
-        let d = m * m / (PI * q * q) * (-(h.y / sigma).powi(2)).exp();
-        let g = 2.0 * wo.z / (wo.z + (wo.z * wo.z + m * m * (1.0 - wo.z * wo.z)).sqrt());
-        let f = p[base + STRENGTH] * m / (2.0 * sigma * PI.sqrt() * incident.z) * d * g / wo.z;
-        let a = m / (1.0 - m * m).max(1e-30).sqrt();
-        let end = (1.0 - h.y * h.y).sqrt();
-        let t = end / a;
-        let half = (t / (1.0 + t * t) + t.atan()) / PI;
-        let along = 1.0 / (PI * a * (1.0 + (h.x / a).powi(2)).powi(2) * half);
-        let across = (-(h.y / sigma).powi(2)).exp() / (sigma * PI.sqrt() * libm::erf(1.0 / sigma));
-        (f, along * across * h.z / (4.0 * incident.dot(h)))
-    };
-    let ((mean, density), (stationary, _)) = (value(0), value(STATIONARY));
-    let stationary = stationary.min(mean);
-    let draw = brdf.noise.draw(instance);
-    let [qr, qi] = brdf.noise.at(&draw, ((wi.x + wo.x) * p[INVERSE_LENGTH]) as f32).map(f64::from);
-    let spread = (0.5 * (mean - stationary)).sqrt();
-    let f = (spread * qr + stationary.sqrt()).powi(2) + (spread * qi).powi(2);
-    [f, mean, density]
-}
 
 /// Single precision leaves h_x an error of 1e-7, which is a relative 1e-7/m of D₁ and of the noise's slope.
 #[test]
-fn registers_agree_with_the_plain_formulas_at_every_width() {
+fn registers_agree_with_the_exact_formulas_at_every_width() {
     let mut brdf = FeatherBrdf::new(&example(7), Options::default()).unwrap();
     let mut levels = vec![Level::new(), Level::fallback()];
     #[cfg(target_arch = "x86_64")]
@@ -58,7 +27,9 @@ fn registers_agree_with_the_plain_formulas_at_every_width() {
             assert_eq!(pdf, densities[1]);
             assert_eq!(brdf.eval(waves, wi, wo, Some(instance)), speckled);
             for lane in 0..4 {
-                let [f, expected, density] = plain(&brdf, waves[lane], wi, wo, instance);
+                let exact = brdf.exact(f64::from(waves[lane]), wi);
+                let Values { f, pdf: density, .. } = exact.values(wo, Some(instance));
+                let expected = exact.values(wo, None).f;
                 // Relative to the mean: an instance may be dark by chance.
                 let errors = [
                     (f64::from(speckled[lane]) - f).abs() / expected.max(1e-6),
@@ -80,4 +51,48 @@ fn registers_agree_with_the_plain_formulas_at_every_width() {
 fn tables_stay_in_proportion_to_what_is_seen() {
     let refused = FeatherBrdf::new(&example(513), Options::default()).unwrap_err();
     assert!(refused.to_string().contains("limit of 512"), "{refused}");
+}
+
+/// Far fewer wavelengths are prepared, and nothing changes at those asked for.
+#[test]
+fn a_part_of_the_wavelengths_says_the_same_there() {
+    let material = example(30);
+    let whole = FeatherBrdf::new(&material, Options::default()).unwrap();
+    let asked = [400.0, 433.3, 571.0, 694.0];
+    let part = material.around(&asked).unwrap();
+    assert!((5..9).contains(&part.axes.wavelengths_nm().len()), "{:?}", part.axes.wavelengths_nm());
+    let part = FeatherBrdf::new(&part, Options::default()).unwrap();
+    let (wi, wo) = (DVec3::new(0.3, 0.2, 0.9).normalize(), DVec3::new(-0.25, -0.18, 0.9).normalize());
+    for nm in asked {
+        for instance in [None, Some(7)] {
+            let of = |brdf: &FeatherBrdf| brdf.exact(nm, wi).values(wo, instance);
+            assert_eq!(of(&whole), of(&part), "{nm} nm");
+        }
+    }
+    assert_eq!(example(1).around(&[500.0]).unwrap(), example(1));
+}
+
+/// Both polarizations apart, and values symmetrized.
+#[test]
+fn registers_agree_with_the_exact_formulas_for_all_options() {
+    let mut material = example(3);
+    let mut second = material.sets[0].clone();
+    second.mean.m.iter_mut().for_each(|m| *m *= 1.3);
+    second.mean.reflected.iter_mut().for_each(|rho| *rho *= 0.4);
+    material.sets.push(second);
+    for set in &mut material.sets {
+        (set.fraction_1, set.stationary_fraction_1) = (Vec::new(), Vec::new());
+    }
+    let (wi, wo) = (DVec3::new(0.3, 0.2, 0.9).normalize(), DVec3::new(-0.25, -0.18, 0.9).normalize());
+    for polarization in [None, Some(Polarization::First), Some(Polarization::Second)] {
+        for reciprocal in [false, true] {
+            let options = Options { polarization, reciprocal, ..Options::default() };
+            let brdf = FeatherBrdf::new(&material, options).unwrap();
+            let exact = brdf.exact(500.0, wi).values(wo, Some(3));
+            let found = brdf.eval([500.0; 4], wi, wo, Some(3))[0];
+            assert!((f64::from(found) / exact.f - 1.0).abs() < 1e-4, "{options:?}: {found} {exact:?}");
+            assert!((brdf.pdf(500.0, wi, wo) / exact.pdf - 1.0).abs() < 1e-4);
+            assert!(exact.steady > 0.0 && exact.steady <= brdf.exact(500.0, wi).values(wo, None).f);
+        }
+    }
 }

@@ -30,4 +30,4 @@ pub use multipole::Multipole;
 pub use rcwa::Rcwa;
 pub use response::{CrystalResponse, Order};
 pub use solver::{CrystalSolver, sweep};
-pub use table::{order_series, order_table};
+pub use table::{order_series, order_series_between, order_table};

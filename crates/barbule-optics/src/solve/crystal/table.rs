@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::solver::unless_cancelled;
 use super::{Cell, CrystalSolver};
 use crate::math::chebyshev;
-use crate::progress::{Progress, Unobserved};
+use crate::progress::{OnlyStops, Progress};
 use crate::scattering::orders::{JONES, OrderSeries, OrderTable, Piece};
 use crate::structure::Lattice;
 use crate::{Error, Result};
@@ -46,7 +46,8 @@ pub fn order_table(
             unless_cancelled(progress)?;
             let (wavelength, theta) = (unit / cos_theta.len(), unit % cos_theta.len());
             let theta_i = cos_theta[theta].clamp(0.0, 1.0).acos();
-            let series = order_series(solver, &cells[wavelength], wavelengths_nm[wavelength], theta_i)?;
+            let (cell, nm) = (&cells[wavelength], wavelengths_nm[wavelength]);
+            let series = order_series(solver, cell, nm, theta_i, &OnlyStops(progress))?;
             progress.advance(1);
             Ok(series)
         })
@@ -57,12 +58,29 @@ pub fn order_table(
 /// Solves a cell for all azimuths at one wavelength (nm) and θ_i (rad).
 ///
 /// # Errors
-/// As [`CrystalSolver::respond`], or a resonance over azimuths that the series cannot follow.
+/// As [`CrystalSolver::respond`], a resonance over azimuths that the series cannot follow, or the user cancelled.
 pub fn order_series(
     solver: &dyn CrystalSolver,
     cell: &Cell,
     wavelength_nm: f64,
     theta_i: f64,
+    progress: &dyn Progress,
+) -> Result<OrderSeries> {
+    order_series_between(solver, cell, wavelength_nm, theta_i, [-1.0, 1.0], progress)
+}
+
+/// As [`order_series`], but only where sinφ_i lies between two values (and from there on to the next Rayleigh angles):
+/// the same series there, and none elsewhere.
+///
+/// # Errors
+/// As [`order_series`].
+pub fn order_series_between(
+    solver: &dyn CrystalSolver,
+    cell: &Cell,
+    wavelength_nm: f64,
+    theta_i: f64,
+    sines: [f64; 2],
+    progress: &dyn Progress,
 ) -> Result<OrderSeries> {
     let n = cell.incidence_eps.sqrt();
     let (sin_theta, cos_theta) = theta_i.sin_cos();
@@ -77,7 +95,18 @@ pub fn order_series(
     let depth_um = cell.rods.iter().map(|r| r.depth_um + 0.5 * r.shells[0].diameter_um).fold(0.0, f64::max);
     // Twice the depth's phase in the host at normal incidence over that at another angle, per unit of its cosine.
     let twice = 2.0 * depth_um * n * cos_theta * std::f64::consts::TAU / (wavelength_nm * 1e-3);
-    for between in intervals(series.step, host).array_windows::<2>() {
+    let mut wanted = [sines];
+    if series.mirrored {
+        // Where only φ ≥ 0 is kept it stands for both signs.
+        let [a, b] = sines.map(f64::abs);
+        let least = if sines[0] <= 0.0 && sines[1] >= 0.0 { 0.0 } else { a.min(b) };
+        wanted = [[least, a.max(b)]];
+    }
+    let [[from, to]] = wanted;
+    let ends = intervals(series.step, host);
+    let meets = |between: &&[f64; 2]| between[1] >= from && between[0] <= to;
+    progress.begin("solving the crystal", ends.array_windows::<2>().filter(meets).count() as u64);
+    for between in ends.array_windows::<2>().filter(meets) {
         let whole =
             Piece { between: *between, part: [0.0, 1.0], first: 0, orders: 0, coefficients: Vec::new() };
         let Some(part) = part_kept(&whole, series.mirrored) else { continue };
@@ -91,7 +120,7 @@ pub fn order_series(
             let mut count = 12 + (0.6 * phase).min(1e3) as usize;
             let kept = loop {
                 count = count.min(MOST_TERMS);
-                let terms = coefficients(solver, cell, wavelength_nm, theta_i, &piece, count)?;
+                let terms = coefficients(solver, cell, wavelength_nm, theta_i, &piece, count, progress)?;
                 let row = piece.orders * JONES;
                 let largest =
                     terms.chunks_exact(row).map(|term| term.iter().fold(0.0, |m: f64, c| m.max(c.abs())));
@@ -113,6 +142,7 @@ pub fn order_series(
                 }
             }
         }
+        progress.advance(1);
     }
     Ok(series)
 }
@@ -175,9 +205,10 @@ fn coefficients(
     theta_i: f64,
     piece: &Piece,
     count: usize,
+    progress: &dyn Progress,
 ) -> Result<Vec<f64>> {
     let phi_i: Vec<f64> = chebyshev::nodes(count).map(|x| piece.sine(x).asin()).collect();
-    let responses = solver.respond_to_azimuths(cell, wavelength_nm, theta_i, &phi_i, &Unobserved)?;
+    let responses = solver.respond_to_azimuths(cell, wavelength_nm, theta_i, &phi_i, progress)?;
     let row = piece.orders * JONES;
     let mut samples = vec![0.0; count * row];
     for (sample, response) in samples.chunks_exact_mut(row).zip(&responses) {
@@ -281,7 +312,7 @@ mod tests {
                 let theta = stream.uniform(0.05, 1.0).acos();
                 let cell = Cell::new(&lattice, nm).unwrap();
                 let counted = Counted(AtomicUsize::new(0));
-                let series = order_series(&counted, &cell, nm, theta).unwrap();
+                let series = order_series(&counted, &cell, nm, theta, &Unobserved).unwrap();
                 assert!(series.mirrored, "{name}");
                 (solved, count) = (solved + counted.0.load(Ordering::Relaxed), count + 1);
                 for _ in 0..12 {
@@ -298,7 +329,7 @@ mod tests {
     fn a_crystal_without_mirror_symmetry_is_solved_on_both_sides() {
         let mut cell = cells::peafowl(450.0);
         cell.rods[2].x_um += 0.02;
-        let series = order_series(&Multipole::default(), &cell, 450.0, 0.4).unwrap();
+        let series = order_series(&Multipole::default(), &cell, 450.0, 0.4, &Unobserved).unwrap();
         assert!(!series.mirrored);
         for phi in [-1.4, -0.7, -0.1, 0.0, 0.3, 0.9, 1.5] {
             let found = error(&series, &cell, 450.0, 0.4, phi);
@@ -311,7 +342,7 @@ mod tests {
         for (name, lattice) in lattices() {
             for (nm, theta) in [(330.0, 0.0), (550.0, 0.9)] {
                 let cell = Cell::new(&lattice, nm).unwrap();
-                let series = order_series(&Multipole::default(), &cell, nm, theta).unwrap();
+                let series = order_series(&Multipole::default(), &cell, nm, theta, &Unobserved).unwrap();
                 for phi in [-FRAC_PI_2, FRAC_PI_2] {
                     let found = evaluate(&series, phi);
                     let (_, jones) = found.iter().find(|(m, _)| *m == 0).unwrap();
@@ -328,7 +359,7 @@ mod tests {
     fn an_order_appears_at_its_rayleigh_angle_without_ringing() {
         let cell = cells::mallard(340.0);
         let (nm, theta) = (340.0, 0.2);
-        let series = order_series(&Multipole::default(), &cell, nm, theta).unwrap();
+        let series = order_series(&Multipole::default(), &cell, nm, theta, &Unobserved).unwrap();
         // sinφ_1 = 1.
         let rayleigh = (series.step - 1.0).asin();
         for step in 1..=40 {
@@ -347,7 +378,7 @@ mod tests {
     #[test]
     fn with_half_a_wavelength_of_period_there_is_one_order() {
         let cell = cells::mallard(400.0);
-        let series = order_series(&Multipole::default(), &cell, 400.0, 0.0).unwrap();
+        let series = order_series(&Multipole::default(), &cell, 400.0, 0.0, &Unobserved).unwrap();
         assert!(series.pieces.iter().all(|piece| (piece.first, piece.orders) == (0, 1)));
     }
 
@@ -369,7 +400,7 @@ mod tests {
 
     #[test]
     fn what_a_series_cannot_follow_is_refused() {
-        let error = order_series(&Jump, &cells::mallard(600.0), 600.0, 0.0).unwrap_err();
+        let error = order_series(&Jump, &cells::mallard(600.0), 600.0, 0.0, &Unobserved).unwrap_err();
         assert!(error.is_not_settled(), "{error}");
         let text = error.to_string();
         // 0.1 rad are 5.73 degrees.

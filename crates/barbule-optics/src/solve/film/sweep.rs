@@ -44,12 +44,23 @@ pub fn bytes(layers: usize, wavelengths: usize, angles: usize) -> u64 {
     numbers.saturating_mul(8).saturating_mul(wavelengths as u64).saturating_mul(angles as u64)
 }
 
-/// The response at every wavelength and angle (rad), in parallel over wavelengths.
+/// The response at every wavelength and angle (rad), in parallel over wavelengths; a stack whose thicknesses spread has its mean
+/// ones.
 ///
 /// # Errors
 /// As [`super::response`], or the user cancelled.
 pub fn sweep(stack: &Stack, at: &Wavelengths, angle: &[f64], progress: &dyn Progress) -> Result<Sweep> {
     progress.begin("film", at.len() as u64);
+    compute(stack, at, angle, progress)
+}
+
+/// As [`sweep`], as a part of the work that `progress` watches.
+pub(super) fn compute(
+    stack: &Stack,
+    at: &Wavelengths,
+    angle: &[f64],
+    progress: &dyn Progress,
+) -> Result<Sweep> {
     let columns: Vec<Vec<[FilmResponse; 2]>> =
         at.par_iter().map(|&nm| column(stack, nm, angle, progress)).collect::<Result<_>>()?;
     let tables = |which: usize| {

@@ -5,12 +5,15 @@ use num_complex::Complex;
 use super::barbule::{Barbule, Underside};
 use super::cone::Cone;
 use super::points::Points;
+use super::radiation::Lap;
 use super::radiation::Radiator;
 use super::reflector::Reflector;
 use super::scalar::Scalar;
 use super::synthesis::{Grid, Synthesis};
 use crate::math::simd::Width;
+use crate::progress::Progress;
 use crate::scattering::far_field::IncidentLight;
+use crate::{Error, Result};
 
 /// Light from several azimuths on one cone.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +38,9 @@ impl Workspace {
 
     /// The far fields of one barbule on a grid of azimuths, over √Φ_i, in single precision:
     /// `[phi_i][incident polarization][e₁, e₂][azimuth]`.
+    ///
+    /// # Errors
+    /// A stop by `progress`.
     // Never inlined, so that no other crate compiles the kernels once more.
     #[inline(never)]
     pub fn scatter(
@@ -43,12 +49,18 @@ impl Workspace {
         underside: &Underside,
         batch: &Batch<'_>,
         grid: Grid,
-    ) -> Vec<Complex<f32>> {
+        progress: &dyn Progress,
+    ) -> Result<Vec<Complex<f32>>> {
         let mut fields = Vec::new();
-        self.0.radiate(&barbule.points, &underside.0, batch, &mut |_| {});
+        self.0.radiate(&barbule.points, &underside.0, batch, &mut |_| unless_cancelled(progress))?;
         self.0.synthesize(batch.cone, grid, &mut fields);
-        fields
+        Ok(fields)
     }
+}
+
+/// An error once the user cancelled.
+pub(super) fn unless_cancelled(progress: &dyn Progress) -> Result<()> {
+    if progress.is_cancelled() { Err(Error::interrupted()) } else { Ok(()) }
 }
 
 /// What the recipe needs beside its arguments.
@@ -67,27 +79,21 @@ impl<T: Scalar> Buffers<T> {
     }
 
     /// Forms the Fourier coefficients of a batch's far fields, calling `lap` with its name after each stage.
+    ///
+    /// # Errors
+    /// That of `lap`.
     pub(super) fn radiate(
         &mut self,
         points: &Points,
         reflector: &Reflector<T>,
         batch: &Batch<'_>,
-        lap: &mut dyn FnMut(&'static str),
-    ) {
+        lap: &mut Lap<'_>,
+    ) -> Result<()> {
         let Batch { cone, phi_i, lights } = *batch;
         let nodes = T::nodes(points, cone.kappa);
         let scales: Vec<f64> = lights.iter().map(|light| light.scale()).collect();
-        lap("nodes and powers");
-        self.radiator.far_fields(
-            points,
-            reflector,
-            &nodes,
-            cone,
-            phi_i,
-            &scales,
-            &mut self.coefficients,
-            lap,
-        );
+        lap("nodes and powers")?;
+        self.radiator.far_fields(points, reflector, &nodes, cone, phi_i, &scales, &mut self.coefficients, lap)
     }
 
     /// Evaluates the last batch on a grid, `[phi_i][incident polarization][e₁, e₂][azimuth]`.

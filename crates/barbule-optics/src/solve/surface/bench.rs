@@ -8,6 +8,7 @@ use super::cone::Cone;
 use super::synthesis::Grid;
 use crate::Result;
 use crate::math::simd::Width;
+use crate::progress::Unobserved;
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::far_field::IncidentLight;
 use crate::scattering::statistics::AZIMUTHS;
@@ -69,14 +70,15 @@ fn once(
     let mut lap = |name: &'static str| {
         stages.push((name, clock.elapsed().as_secs_f64()));
         clock = Instant::now();
+        Ok(())
     };
     let underside = if barbule.ray_parts().is_some() {
-        let table = barbule.table(wavelength_nm, Width::best())?.0;
-        lap("reflectance tables");
+        let table = barbule.table(wavelength_nm, Width::best(), &Unobserved)?.0;
+        lap("reflectance tables")?;
         table
     } else {
-        let orders = barbule.exactly(wavelength_nm, theta_i)?;
-        lap("orders of the crystal");
+        let orders = barbule.exactly(wavelength_nm, theta_i, phi_i, &Unobserved)?;
+        lap("orders of the crystal")?;
         orders
     };
     let cone = Cone::around(std::slice::from_ref(barbule), wavelength_nm, theta_i);
@@ -85,9 +87,9 @@ fn once(
         .map(|&phi| IncidentLight::Beam { power_um: barbule.incident_power_um(theta_i, phi) })
         .collect();
     let batch = Batch { cone: &cone, phi_i, lights: &lights };
-    buffers.radiate(&barbule.points, &underside, &batch, &mut lap);
+    buffers.radiate(&barbule.points, &underside, &batch, &mut lap)?;
     let grid = Grid { azimuths: AZIMUTHS * cone.refinement(AZIMUTHS), margin: AZIMUTH_MARGIN, shift: SHIFT };
     buffers.synthesize(&cone, grid, &mut Vec::new());
-    lap("fields on azimuths");
+    lap("fields on azimuths")?;
     Ok(stages)
 }

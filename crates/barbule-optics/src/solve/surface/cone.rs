@@ -28,7 +28,8 @@ impl Cone {
     }
 
     /// For a structure that stays within `radius_um` of the origin.
-    pub(super) fn new(wavelength_nm: f64, theta_i: f64, radius_um: f64) -> Self {
+    #[must_use]
+    pub fn new(wavelength_nm: f64, theta_i: f64, radius_um: f64) -> Self {
         let k = wave_number_per_um(wavelength_nm);
         let kappa = k * theta_i.cos();
         let angles = coefficients(kappa, radius_um);

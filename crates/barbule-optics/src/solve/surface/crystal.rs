@@ -12,9 +12,11 @@
 //!
 //! times e^{2πjm s/Δ} for the place s of the point in the lattice.
 
+use std::f64::consts::FRAC_PI_2;
+
 use fearless_simd::prelude::*;
 
-use super::super::crystal::{Cell, Multipole, order_series, order_table};
+use super::super::crystal::{Cell, Multipole, order_series_between, order_table};
 use super::reflection::{BLOCK, COMPONENTS, Currents, Lit};
 use crate::Result;
 use crate::math::simd::{Complex, Real, load, sin_cos, splat};
@@ -25,6 +27,9 @@ use crate::structure::Lattice;
 /// Azimuths at which orders are tabulated for linear interpolation, per µm of the crystal's depth, and at least: then
 /// the interpolation is off by less than 3e-5 in single precision, 2e-6 in double.
 const NODES: [(f64, f64); 2] = [(4096.0, 4096.0), (16384.0, 16384.0)];
+
+/// More than the distance of two nodes, rad.
+const BETWEEN_NODES: f64 = 1e-3;
 
 /// Never more than this.
 const MOST_NODES: f64 = 262_144.0;
@@ -47,12 +52,22 @@ pub fn orders(
     order_table(&solver(), lattice, wavelengths_nm, cos_theta, progress)
 }
 
-/// The orders of a crystal at one vacuum wavelength (nm) and θ_i (rad).
+/// The orders of a crystal at one vacuum wavelength (nm) and θ_i (rad), for azimuths from `phi[0]` to `phi[1]` (rad).
 ///
 /// # Errors
-/// The crystal cannot be solved.
-pub(super) fn series(lattice: &Lattice, wavelength_nm: f64, theta_i: f64) -> Result<OrderSeries> {
-    order_series(&solver(), &Cell::new(lattice, wavelength_nm)?, wavelength_nm, theta_i)
+/// The crystal cannot be solved, or the user cancelled.
+pub(super) fn series(
+    lattice: &Lattice,
+    wavelength_nm: f64,
+    theta_i: f64,
+    phi: [f64; 2],
+    progress: &dyn Progress,
+) -> Result<OrderSeries> {
+    let cell = Cell::new(lattice, wavelength_nm)?;
+    // Interpolation reads the nodes on either side.
+    let [from, to] = phi.map(|phi| phi.clamp(-FRAC_PI_2, FRAC_PI_2));
+    let sines = [(from - BETWEEN_NODES).max(-FRAC_PI_2).sin(), (to + BETWEEN_NODES).min(FRAC_PI_2).sin()];
+    order_series_between(&solver(), &cell, wavelength_nm, theta_i, sines, progress)
 }
 
 /// The orders of a crystal at one wavelength and one θ_i, tabulated over the azimuth.
@@ -148,8 +163,7 @@ impl<T: Real> CrystalOrders<T> {
         let per_rad = self.steps as f64 / std::f64::consts::PI;
         for offset in (0..BLOCK).step_by(lanes) {
             let slope: T::Native<S> = load(simd, &lit.arrays.slope, start + offset);
-            let from_left =
-                slope + splat::<S, T::Native<S>>(simd, lit.incidence.phi + std::f64::consts::FRAC_PI_2);
+            let from_left = slope + splat::<S, T::Native<S>>(simd, lit.incidence.phi + FRAC_PI_2);
             let at = (from_left * splat::<S, T::Native<S>>(simd, per_rad))
                 .max(splat::<S, T::Native<S>>(simd, 0.0))
                 .min(splat::<S, T::Native<S>>(simd, self.steps as f64));

@@ -13,6 +13,7 @@ mod batch;
 pub mod bench;
 mod cone;
 mod crystal;
+mod mirror;
 mod nodes;
 mod points;
 mod radiation;
@@ -26,21 +27,24 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use barbule::{Barbule, Underside};
+pub use barbule::{Barbule, Size, Underside};
 pub use batch::{Batch, Workspace};
 pub use cone::Cone;
 pub use crystal::orders;
 pub(in crate::solve) use crystal::solver;
-pub use resolution::ray_parts;
+pub use mirror::{LARGEST_MIRROR_ERROR, mirror_fraction};
+pub use resolution::{MOST_RAY_PARTS, ray_parts};
 pub use synthesis::Grid;
 
 use num_complex::Complex64;
 
 use crate::Result;
 use crate::math::simd::Width;
+use crate::progress::{Progress, Unobserved};
 use crate::scattering::far_field::{Azimuths, FarField, Illumination, IncidentLight, Window};
 use crate::structure::Section;
-use batch::Buffers;
+use batch::{Buffers, unless_cancelled};
+use radiation::nodes_at_once;
 
 /// Longest quadrature element along the top, µm, where single illuminations are computed: halving it changes no value
 /// by more than 1e-4 of the peak.
@@ -70,12 +74,26 @@ impl Default for Accuracy {
 ///
 /// # Errors
 /// The light does not come through air, a medium's table does not reach the wavelength, or a crystal cannot be solved.
-#[inline(never)]
 pub fn far_field(
     section: &Section,
     illumination: &Illumination,
     azimuths: usize,
     accuracy: &Accuracy,
+) -> Result<FarField> {
+    far_field_observed(section, illumination, azimuths, accuracy, &Unobserved)
+}
+
+/// As [`far_field`], watched by `progress`.
+///
+/// # Errors
+/// As [`far_field`], or the user cancelled.
+#[inline(never)]
+pub fn far_field_observed(
+    section: &Section,
+    illumination: &Illumination,
+    azimuths: usize,
+    accuracy: &Accuracy,
+    progress: &dyn Progress,
 ) -> Result<FarField> {
     let Accuracy { element_um, width } = *accuracy;
     let Illumination { wavelength_nm, theta_i, phi_i, window } = *illumination;
@@ -85,10 +103,14 @@ pub fn far_field(
         Window::Gaussian => IncidentLight::Beam { power_um: barbule.incident_power_um(theta_i, phi_i) },
         Window::PlaneWave => IncidentLight::PlaneWave,
     };
-    let reflector = barbule.exactly(wavelength_nm, theta_i)?;
+    let reflector = barbule.exactly(wavelength_nm, theta_i, &[phi_i], progress)?;
     let batch = Batch { cone: &cone, phi_i: &[phi_i], lights: &[light] };
     let mut buffers = Buffers::<f64>::new(width);
-    buffers.radiate(&barbule.points, &reflector, &batch, &mut |_| {});
+    progress.begin("radiating", barbule.points.padded().div_ceil(nodes_at_once(cone.angles, false)) as u64);
+    buffers.radiate(&barbule.points, &reflector, &batch, &mut |stage| {
+        progress.advance(u64::from(stage == "matrix product"));
+        unless_cancelled(progress)
+    })?;
     let refine = cone.refinement(azimuths);
     let grid = Grid { azimuths: azimuths * refine, margin: 0, shift: 0.0 };
     let mut fine = Vec::new();

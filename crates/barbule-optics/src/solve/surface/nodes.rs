@@ -28,6 +28,11 @@ pub(super) struct Taps {
     pub(super) weights: Vec<[f32; TAPS]>,
 }
 
+/// How many nodes a smooth top of this arc length needs, about, for transverse wave numbers up to `kappa` (rad/µm).
+pub(super) fn nodes_for(arc_um: f64, kappa: f64) -> usize {
+    (arc_um * NODES_PER_PERIOD * kappa / std::f64::consts::TAU) as usize + 4 * TAPS
+}
+
 impl<T: Real> Nodes<T> {
     /// The points themselves: exact.
     pub(super) fn at_points(points: &Points) -> Self {

@@ -7,7 +7,9 @@ use crate::material::Material;
 use crate::math::simd::Real;
 use crate::scattering::far_field::Window;
 use crate::spectrum::wave_number_per_um;
-use crate::structure::{Columns, CrystalLayer, Lattice, PaletteMixture, Polyline, Ray, Section, cast};
+use crate::structure::{
+    Columns, CrystalLayer, Lattice, PaletteMixture, Polyline, Ray, Section, SlotMixture, cast,
+};
 use crate::{Error, Result};
 
 /// The quadrature points of one instance, which do not depend on wavelength and direction.
@@ -79,13 +81,6 @@ impl Arrays<f64> {
             lattice_turns: round(&self.lattice_turns),
         }
     }
-}
-
-/// What fills a slot: one mixture for all points, or one for each.
-#[derive(Debug, Clone)]
-enum SlotMixture {
-    Uniform(PaletteMixture),
-    Varying(Vec<PaletteMixture>),
 }
 
 /// The turn of the top at a vertex, rad, up to which the radiation kernel is interpolated across it.
@@ -166,14 +161,7 @@ impl Points {
             arc += length;
         }
         pieces.push(rays.len());
-        let Columns { slots, thickness_um, mixture, palette, .. } = cast(section, &rays)?;
-        let mixtures = mixture
-            .chunks_exact(rays.len())
-            .map(|row| match row {
-                [first, rest @ ..] if rest.iter().all(|m| m == first) => SlotMixture::Uniform(*first),
-                _ => SlotMixture::Varying(row.to_vec()),
-            })
-            .collect();
+        let Columns { slots, thickness_um, mixture: mixtures, palette, .. } = cast(section, &rays)?;
         let double = Arrays {
             x_um: rays.iter().map(|ray| ray.x_um).collect(),
             z_um: rays.iter().map(|ray| ray.z_um).collect(),
@@ -247,10 +235,7 @@ impl Points {
 
     /// What fills a slot at a point.
     pub(super) fn mixture(&self, slot: usize, point: usize) -> PaletteMixture {
-        match &self.mixtures[slot] {
-            SlotMixture::Uniform(mixture) => *mixture,
-            SlotMixture::Varying(row) => row[point],
-        }
+        self.mixtures[slot].at(point)
     }
 
     /// Bytes that it takes.

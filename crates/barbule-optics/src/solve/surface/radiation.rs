@@ -14,11 +14,27 @@ use super::points::Points;
 use super::reflection::{BLOCK, COMPONENTS, Currents, Incidence, Lit};
 use super::reflector::Reflector;
 use super::scalar::Scalar;
+use crate::Result;
 use crate::math::fft::Plans;
 use crate::math::simd::{Width, sin_cos};
 
-/// Nodes whose kernel is formed at a time; bounds memory when every point is a node.
+/// Points whose kernel is formed at a time, where every point is a node.
 const NODE_CHUNK: usize = 512;
+
+/// No kernel has more values than this, however wide the barbule.
+const MOST_KERNEL: usize = 1 << 24;
+
+/// Nodes of which the kernel at `angles` angles is formed at a time, at most.
+pub(super) fn nodes_at_once(angles: usize, gathered: bool) -> usize {
+    let most = (MOST_KERNEL / angles / BLOCK).max(1) * BLOCK;
+    if gathered { most } else { NODE_CHUNK.min(most) }
+}
+
+/// Blocks of points between laps.
+const BLOCKS_PER_LAP: usize = 256;
+
+/// What is called after each stage, with its name.
+pub(super) type Lap<'a> = dyn FnMut(&'static str) -> Result<()> + 'a;
 
 /// Buffers of one thread.
 pub(super) struct Radiator<T: Scalar> {
@@ -27,6 +43,7 @@ pub(super) struct Radiator<T: Scalar> {
     row: Vec<f64>,
     kernel: Vec<T>,
     sources: Vec<T>,
+    part: Vec<T>,
     products: Vec<T>,
     scratch: Vec<Complex<T>>,
 }
@@ -40,17 +57,21 @@ impl<T: Scalar> Radiator<T> {
             row: Vec::new(),
             kernel: Vec::new(),
             sources: Vec::new(),
+            part: Vec::new(),
             products: Vec::new(),
             scratch: Vec::new(),
         }
     }
 
     /// Far fields of a barbule's points for azimuths `phi_i` (rad) on one cone, calling `lap` with its name after each
-    /// stage.
+    /// stage; its error ends the work.
     ///
     /// `out` receives Fourier coefficients times `scales` (one per φ_i), shape
     /// `[phi_i][incident polarization][e₁, e₂][order]`, orders 0 … N/2 − 1, −N/2 … −1; for scales 1 they belong to unit
     /// |E|.
+    ///
+    /// # Errors
+    /// That of `lap`.
     pub(super) fn far_fields(
         &mut self,
         points: &Points,
@@ -60,8 +81,8 @@ impl<T: Scalar> Radiator<T> {
         phi_i: &[f64],
         scales: &[f64],
         out: &mut Vec<Complex<T>>,
-        lap: &mut dyn FnMut(&'static str),
-    ) {
+        lap: &mut Lap<'_>,
+    ) -> Result<()> {
         let columns = phi_i.len() * COMPONENTS;
         let n = cone.angles;
         resize(&mut self.products, n * columns);
@@ -76,25 +97,34 @@ impl<T: Scalar> Radiator<T> {
             })
             .collect();
         // Points are nodes in chunks; nodes gather from all points at once.
-        let chunk = if nodes.taps.is_some() { count } else { NODE_CHUNK };
+        let gathered = nodes.taps.is_some();
+        if gathered {
+            resize(&mut self.sources, count * columns);
+            self.sources.fill(T::of(0.0));
+            self.gather_sources(reflector, nodes, &lit, 0..points.padded(), count, lap)?;
+        }
+        let chunk = nodes_at_once(n, gathered).min(count);
         for start in (0..count).step_by(chunk) {
             let end = (start + chunk).min(count);
-            resize(&mut self.sources, (end - start) * columns);
-            let range = if nodes.taps.is_some() {
-                self.sources.fill(T::of(0.0));
-                0..points.padded()
-            } else {
-                start..end
-            };
-            self.gather_sources(reflector, nodes, &lit, range, end - start);
-            lap("reflection and spreading");
+            if !gathered {
+                resize(&mut self.sources, (end - start) * columns);
+                self.gather_sources(reflector, nodes, &lit, start..end, end - start, lap)?;
+            }
             self.form_kernel(nodes, cone, start, end);
-            lap("radiation kernel");
-            self.multiply(n, end - start, columns, start > 0);
-            lap("matrix product");
+            lap("radiation kernel")?;
+            if gathered && chunk < count {
+                self.part.clear();
+                self.part.extend(self.sources.chunks_exact(count).flat_map(|column| &column[start..end]));
+                std::mem::swap(&mut self.part, &mut self.sources);
+                self.multiply(n, end - start, columns, start > 0);
+                std::mem::swap(&mut self.part, &mut self.sources);
+            } else {
+                self.multiply(n, end - start, columns, start > 0);
+            }
+            lap("matrix product")?;
         }
         self.form_coefficients(cone, phi_i.len(), scales, out);
-        lap("components and transform");
+        lap("components and transform")
     }
 
     /// Currents of the points `range` for every φ_i, moved onto nodes, `[phi_i][component][node]`.
@@ -105,10 +135,14 @@ impl<T: Scalar> Radiator<T> {
         lit: &[Lit<'_, T>],
         range: std::ops::Range<usize>,
         stride: usize,
-    ) {
+        lap: &mut Lap<'_>,
+    ) -> Result<()> {
         let mut currents: Currents<T> = [[T::of(0.0); BLOCK]; COMPONENTS];
         // Blocks outside, so that what is known of a block's points stays near.
-        for block in range.clone().step_by(BLOCK) {
+        for (number, block) in range.clone().step_by(BLOCK).enumerate() {
+            if number % BLOCKS_PER_LAP == BLOCKS_PER_LAP - 1 {
+                lap("reflection and spreading")?;
+            }
             for (lit, columns) in lit.iter().zip(self.sources.chunks_exact_mut(stride * COMPONENTS)) {
                 reflector.currents(self.width, lit, block, &mut currents);
                 match &nodes.taps {
@@ -122,6 +156,7 @@ impl<T: Scalar> Radiator<T> {
                 }
             }
         }
+        lap("reflection and spreading")
     }
 
     /// cos and sin of κ(x sinφ + z cosφ), `[node][2][angle of the half circle]`.

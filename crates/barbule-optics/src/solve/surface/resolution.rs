@@ -3,24 +3,24 @@
 use num_complex::Complex;
 
 use super::CAMPAIGN_ELEMENT_UM;
-use super::batch::{Batch, Buffers};
+use super::batch::{Batch, Buffers, unless_cancelled};
 use super::cone::Cone;
 use super::points::Points;
 use super::rays::Rays;
 use super::reflector::Reflector;
 use super::table::ReflectanceTable;
+use crate::Result;
 use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::far_field::{IncidentLight, Window};
 use crate::structure::Section;
-use crate::{Error, Result};
 
 /// Change of a field (relative L2) under halving from which on rays are dense enough. What is left is a third of it,
 /// and other instances and directions have up to thrice as much.
 const SETTLED: f64 = 6.0e-4;
 
-/// The most parts that elements are cut into.
-const MOST_PARTS: usize = 8;
+/// The most parts that elements are cut into for rays.
+pub const MOST_RAY_PARTS: usize = 8;
 
 /// The parts into which elements must be cut for rays under all of some sections at a vacuum wavelength (nm) and normal
 /// incidence.
@@ -39,18 +39,18 @@ pub fn ray_parts(
         let points = Points::new(section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
         let field = |parts: usize| -> Result<Vec<Complex<f32>>> {
             let rays = Rays::cast(section, CAMPAIGN_ELEMENT_UM, parts)?;
-            let table = ReflectanceTable::new(width, &points, &rays, wavelength_nm)?;
+            let table = ReflectanceTable::new(width, &points, &rays, wavelength_nm, progress)?;
             let cone = Cone::new(wavelength_nm, 0.0, points.radius_um);
             let batch = Batch { cone: &cone, phi_i: &[0.0], lights: &[IncidentLight::PlaneWave] };
             let mut buffers = Buffers::new(width);
-            buffers.radiate(&points, &Reflector::Tabulated(table), &batch, &mut |_| {});
+            buffers.radiate(&points, &Reflector::Tabulated(table), &batch, &mut |_| {
+                unless_cancelled(progress)
+            })?;
             Ok(buffers.coefficients)
         };
         let mut coarse = field(parts)?;
-        while parts < MOST_PARTS {
-            if progress.is_cancelled() {
-                return Err(Error::interrupted());
-            }
+        while parts < MOST_RAY_PARTS {
+            unless_cancelled(progress)?;
             let fine = field(2 * parts)?;
             let change: f64 = coarse.iter().zip(&fine).map(|(a, b)| f64::from((a - b).norm_sqr())).sum();
             let whole: f64 = fine.iter().map(|v| f64::from(v.norm_sqr())).sum();

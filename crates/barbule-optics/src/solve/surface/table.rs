@@ -7,12 +7,14 @@
 
 use fearless_simd::{dispatch, prelude::*};
 
+use super::batch::unless_cancelled;
 use super::points::{Arrays, Optics, Points, SlotMedium};
 use super::rays::{AtAngle, Media, Rays, SERIES};
 use super::reflection::{BLOCK, Reflectances};
 use crate::Result;
 use crate::math::chebyshev;
 use crate::math::simd::{Complex, Real, Width, load, splat};
+use crate::progress::Progress;
 
 /// Centre and half of the range of cosα, from [`Real::GRAZING`] to 1.
 const CENTRE: f64 = 0.5 * (1.0 + <f32 as Real>::GRAZING);
@@ -41,8 +43,14 @@ impl ReflectanceTable {
     /// Tabulates the reflectances of a surface's points from the rays under its elements.
     ///
     /// # Errors
-    /// A table of a medium does not reach the wavelength.
-    pub(super) fn new(width: Width, points: &Points, rays: &Rays, wavelength_nm: f64) -> Result<Self> {
+    /// A table of a medium does not reach the wavelength, or a stop by `progress`.
+    pub(super) fn new(
+        width: Width,
+        points: &Points,
+        rays: &Rays,
+        wavelength_nm: f64,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let media = rays.media(wavelength_nm)?;
         let optics = points.optics(wavelength_nm)?;
         let mut table = Self { optics, blocks: Vec::new(), coefficients: Vec::new() };
@@ -50,6 +58,7 @@ impl ReflectanceTable {
         // Neighbours need about as many terms as each other.
         let mut expected = table.expected_terms(&points.single, points.count / 2 / BLOCK * BLOCK);
         for start in (0..points.padded()).step_by(BLOCK) {
+            unless_cancelled(progress)?;
             let begin = table.coefficients.len();
             let mut count = expected;
             while count <= MOST_TERMS {
@@ -217,6 +226,7 @@ fn needed(terms: &[Term]) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::material::Library;
+    use crate::progress::Unobserved;
     use crate::solve::surface::Window;
     use crate::structure::SpeciesModel;
 
@@ -244,7 +254,7 @@ mod tests {
             let points = Points::new(&section, 0.1, Window::Gaussian).unwrap();
             // One ray per point: nothing is averaged.
             let rays = Rays::cast(&section, 0.1, 1).unwrap();
-            let table = ReflectanceTable::new(Width::best(), &points, &rays, 437.0).unwrap();
+            let table = ReflectanceTable::new(Width::best(), &points, &rays, 437.0, &Unobserved).unwrap();
             let optics = points.optics::<f32>(437.0).unwrap();
             for cos_alpha in [0.0015, 0.01, 0.1, 0.3, 0.55, 0.8, 0.97, 1.0] {
                 let arrays = &points.single;

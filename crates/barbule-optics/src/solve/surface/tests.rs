@@ -11,6 +11,7 @@ use super::scalar::Scalar;
 use super::*;
 use crate::material::Library;
 use crate::math::rng::Stream;
+use crate::progress::Unobserved;
 use crate::scattering::directions::{e1, e2, omega};
 use crate::scattering::far_field::Polarization;
 use crate::solve::direct;
@@ -86,7 +87,7 @@ fn radiated<T: Scalar>(
     let mut out = Vec::new();
     let scales = vec![1.0; phi_i.len()];
     let mut radiator = Radiator::<T>::new(Width::best());
-    radiator.far_fields(points, reflector, nodes, cone, phi_i, &scales, &mut out, &mut |_| {});
+    radiator.far_fields(points, reflector, nodes, cone, phi_i, &scales, &mut out, &mut |_| Ok(())).unwrap();
     out
 }
 
@@ -189,7 +190,8 @@ fn a_turned_flat_top_is_an_unturned_one_seen_from_a_turned_place() {
         let light = IncidentLight::Beam { power_um: barbule.incident_power_um(0.2, phi_i) };
         let batch = Batch { cone: &cone, phi_i: &[phi_i], lights: &[light] };
         let mut buffers = Buffers::<f64>::new(Width::best());
-        buffers.radiate(&barbule.points, &barbule.exactly(500.0, 0.2).unwrap(), &batch, &mut |_| {});
+        let reflector = barbule.exactly(500.0, 0.2, &[phi_i], &Unobserved).unwrap();
+        buffers.radiate(&barbule.points, &reflector, &batch, &mut |_| Ok(())).unwrap();
         let mut all = Vec::new();
         buffers.synthesize(&cone, Grid { azimuths: 400, margin: 0, shift: view }, &mut all);
         all
@@ -255,9 +257,10 @@ fn the_campaigns_way_comes_near_converged_fields() {
         let phis = [0.0, 0.5, 1.2, 1.5];
         let lights = phis.map(|phi| IncidentLight::Beam { power_um: barbule.incident_power_um(theta, phi) });
         let batch = Batch { cone: &cone, phi_i: &phis, lights: &lights };
-        let table = barbule.table(wavelength, Width::best()).unwrap();
+        let table = barbule.table(wavelength, Width::best(), &Unobserved).unwrap();
         let grid = Grid { azimuths: 400, margin: 0, shift: 0.0 };
-        let fields = Workspace::new(Width::best()).scatter(&barbule, &table, &batch, grid);
+        let mut workspace = Workspace::new(Width::best());
+        let fields = workspace.scatter(&barbule, &table, &batch, grid, &Unobserved).unwrap();
         for (i, phi) in phis.into_iter().enumerate() {
             let light = beam(wavelength, theta, phi);
             let accuracy = Accuracy { element_um: FINE_ELEMENT_UM / 2.0, ..Accuracy::default() };

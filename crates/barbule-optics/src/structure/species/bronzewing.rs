@@ -62,6 +62,13 @@ impl Generator for Bronzewing {
         Ok(())
     }
 
+    fn room(&self) -> String {
+        format!(
+            "layers are spacing_um apart, less melanosome_spread × melanosome_diameter_um, and {} rows bend over a roughness of roughness_amplitude_um; make spacing_um larger or these smaller",
+            self.rows
+        )
+    }
+
     fn parts(&self, random: &Random, _library: &Library) -> Parts {
         let (width, spacing) = (self.width_um, self.point_spacing_um);
         let period = self.melanosome_diameter_um + self.spacing_um;

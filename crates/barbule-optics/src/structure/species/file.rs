@@ -1,13 +1,32 @@
 //! Species files: a generator's parameters and the colour variants that differ in some of them.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Map, Value};
 
 use super::generator::generator_names;
-use super::{GeneratorParameters, SpeciesModel, species_toml};
+use super::{DEFAULT_VARIANT, GeneratorParameters, Key, SpeciesModel, species_toml};
 use crate::error::{did_you_mean, shortened};
-use crate::fields::{Fields, list};
+use crate::fields::{Fields, at_line, line_of, list, parse_toml};
 use crate::material::Library;
 use crate::{Error, Result};
+
+/// A file has no more variants than this.
+const MOST_VARIANTS: usize = 1000;
+
+const KEYS: &[&str] = &[
+    "barbule",
+    "name",
+    "latin",
+    "coloration",
+    "source",
+    "generator",
+    "default",
+    "parameters",
+    "variants",
+    "materials",
+    "feather",
+];
 
 /// A species file that has passed every check.
 #[derive(Debug, Clone)]
@@ -18,15 +37,18 @@ pub struct SpeciesFile {
     pub latin: String,
     /// What colours it.
     pub coloration: String,
+    /// Where its numbers come from.
+    pub source: String,
     /// The variant of a bare name.
     pub default: String,
+    /// What makes its sections.
+    pub generator: String,
     /// The table of the file's own materials, which lie in other files.
     pub materials: Option<Value>,
     /// The table of the feather that bears the barbules, as it is written: whoever draws feathers reads it.
     pub feather: Option<Value>,
     variants: Vec<Variant>,
-    generator: String,
-    parameters: Value,
+    parameters: Map<String, Value>,
 }
 
 impl SpeciesFile {
@@ -38,41 +60,24 @@ impl SpeciesFile {
         Self::parse(species_toml(name)?)
     }
 
-    /// Reads a species file's text.
+    /// Reads a species file's text. A key stands in `[parameters]` or in variants, not in both: what is edited counts.
     ///
     /// # Errors
-    /// Not TOML, unknown or missing keys.
+    /// Not TOML, unknown, missing or repeated keys, values out of range; the message starts with the line.
     pub fn parse(text: &str) -> Result<Self> {
-        let value: Value = toml::from_str::<toml::Table>(text)
-            .map_err(|error| {
-                let line = error.span().map_or(0, |span| {
-                    text.as_bytes()[..span.start.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1
-                });
-                Error::input(format!("line {line} is not TOML: {}", shortened(error.message())))
-            })
-            .and_then(|table| {
-                serde_json::to_value(table)
-                    .map_err(|e| Error::input(format!("cannot be read: {}", shortened(&e.to_string()))))
-            })?;
-        let keys = [
-            "barbule",
-            "name",
-            "latin",
-            "coloration",
-            "source",
-            "generator",
-            "default",
-            "parameters",
-            "variants",
-            "materials",
-            "feather",
-        ];
+        let value = parse_toml(text)?;
+        let file = Self::read(&value).map_err(|error| at_line(error, text))?;
+        file.check_variants(text)?;
+        Ok(file)
+    }
+
+    fn read(value: &Value) -> Result<Self> {
         if value.get("lattice").is_some() {
             return Err(Error::input(
                 "lattice: a species' crystal is described by the parameters of generator \"crystal\"; a lattice alone is a file of its own",
             ));
         }
-        let fields = Fields::new(&value, "", &keys)?;
+        let fields = Fields::new(value, "", KEYS)?;
         let version = fields.need_number("barbule", "the format's version, barbule = 1")?;
         if version != 1.0 {
             return Err(Error::input(format!("barbule is {version}, but this version reads format 1 only")));
@@ -87,43 +92,61 @@ impl SpeciesFile {
                 Err(Error::input(format!("{key} must be one line of 1 to 200 letters")))
             }
         };
-        fields.text("source")?;
-        let mut variants = Vec::new();
-        if let Some(value) = fields.get("variants") {
-            for (index, entry) in list(value, "variants")?.iter().enumerate() {
-                variants.push(Variant::read(entry, &format!("variants[{index}]"))?);
-            }
-        }
-        if variants.is_empty() {
-            variants.push(Variant { name: "default".to_owned(), overrides: Map::new() });
-        }
-        if let Some(at) =
-            (1..variants.len()).find(|&i| variants[..i].iter().any(|v| v.name == variants[i].name))
-        {
-            return Err(Error::input(format!(
-                "variants[{at}].name is '{}' a second time",
-                variants[at].name
-            )));
-        }
-        let default = fields.text("default")?.unwrap_or(&variants[0].name).to_owned();
         let optional = |key: &str| Ok(fields.text(key)?.unwrap_or_default().to_owned());
-        let file = Self {
+        let generator = text("generator", &generator_names())?;
+        let keys = GeneratorParameters::keys(&generator)?;
+        let names: Vec<_> = keys.iter().map(|key| key.name).collect();
+        let parameters = fields.need("parameters", "the table of the generator's parameters")?;
+        GeneratorParameters::check_given(&generator, &Fields::new(parameters, "parameters", &names)?)?;
+        let variants = read_variants(fields.get("variants"), &generator, &names)?;
+        Ok(Self {
             name: text("name", "the species' name")?,
             latin: optional("latin")?,
             coloration: optional("coloration")?,
-            generator: text("generator", &generator_names())?,
-            parameters: fields.need("parameters", "the table of the generator's parameters")?.clone(),
+            source: optional("source")?,
+            default: chosen(fields.text("default")?, &variants)?,
+            generator,
+            parameters: parameters.as_object().cloned().unwrap_or_default(),
             materials: fields.get("materials").cloned(),
             feather: fields.get("feather").cloned(),
-            default,
-            variants,
-        };
-        // Every variant is checked at once, so that a slip in one that is not used is found too.
-        for variant in &file.variants {
-            file.model(Some(&variant.name), Library::builtin())?;
+            variants: if variants.is_empty() { vec![Variant::only()] } else { variants },
+        })
+    }
+
+    /// Checks every variant, so that a slip in one that is not used is found too.
+    fn check_variants(&self, text: &str) -> Result<()> {
+        for (index, variant) in self.variants.iter().enumerate() {
+            if let Some(key) = variant.overrides.keys().find(|key| self.parameters.contains_key(*key)) {
+                let line = |path: &str| line_of(text, path).map_or(String::new(), |n| format!(" (line {n})"));
+                return Err(Error::input(format!(
+                    "parameters.{key}{} has no effect on variant '{}', which gives {key} too{}; keep it in \
+                     [parameters] or in all variants, not in both",
+                    line(&format!("parameters.{key}")),
+                    variant.name,
+                    line(&format!("variants[{index}].{key}")),
+                )));
+            }
+            self.parameters_of(index).map_err(|error| self.of_variant(error, index, text))?;
         }
-        file.model(None, Library::builtin())?;
-        Ok(file)
+        Ok(())
+    }
+
+    /// An error of a variant's merged parameters, with the line where the key stands and the variant's name.
+    fn of_variant(&self, error: Error, index: usize, text: &str) -> Error {
+        let variant = &self.variants[index];
+        let message = error.to_string();
+        let key = message.strip_prefix("parameters.").unwrap_or_default();
+        let key = key.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or_default();
+        let path = match variant.overrides.contains_key(key) {
+            true => format!("variants[{index}].{key}"),
+            false => message,
+        };
+        let error =
+            if self.variants.len() > 1 { error.at(format!("variant {}", variant.name)) } else { error };
+        match line_of(text, &path) {
+            Some(line) => error.at(format!("line {line}")),
+            None => error,
+        }
     }
 
     /// The names of the variants in the file's order.
@@ -134,42 +157,68 @@ impl SpeciesFile {
     /// The model of a variant, or of the default one.
     ///
     /// # Errors
-    /// No such variant, or a parameter that is missing or out of range.
+    /// No such variant, or it names a medium that the library does not have.
     pub fn model(&self, variant: Option<&str>, library: Library) -> Result<SpeciesModel> {
-        let wanted = variant.unwrap_or(&self.default);
-        let index = self
-            .variants
-            .iter()
-            .position(|v| v.name == wanted)
-            .ok_or_else(|| no_variant(&self.name, wanted, self.variants()))?;
-        let variant = &self.variants[index];
-        let keys = GeneratorParameters::keys(&self.generator)?;
-        let place = format!("variants[{index}]");
-        Fields::new(&Value::Object(variant.overrides.clone()), &place, keys)?;
-        Fields::new(&self.parameters, "parameters", keys)?;
-        let mut merged = self.parameters.clone();
-        if let Value::Object(table) = &mut merged {
-            table.extend(variant.overrides.clone());
-        }
-        let parameters = GeneratorParameters::read(
-            &self.generator,
-            &Fields::new(&merged, "parameters", keys)?,
-        )
-        .map_err(|error| {
-            if self.variants.len() > 1 { error.at(format!("variant {}", variant.name)) } else { error }
-        })?;
-        Ok(SpeciesModel {
+        let index = self.index(variant)?;
+        let model = SpeciesModel {
             name: self.name.clone(),
-            variant: variant.name.clone(),
+            variant: self.variants[index].name.clone(),
             latin: self.latin.clone(),
             coloration: self.coloration.clone(),
-            parameters,
+            parameters: self.parameters_of(index)?,
             library,
-        })
+        };
+        model.check_media()?;
+        Ok(model)
+    }
+
+    /// A variant's parameters as the file gives them, each with its key, in the order of the generator's keys; those that are
+    /// left out have their usual values.
+    ///
+    /// # Errors
+    /// No such variant.
+    pub fn given(&self, variant: Option<&str>) -> Result<Vec<(Key, Value)>> {
+        let merged = self.merged(self.index(variant)?);
+        let keys = GeneratorParameters::keys(&self.generator)?;
+        let with_value = |key: Key| {
+            let value = merged.get(key.name).cloned().or_else(|| key.usual.clone())?;
+            Some((key, value))
+        };
+        Ok(keys.into_iter().filter_map(with_value).collect())
+    }
+
+    fn index(&self, variant: Option<&str>) -> Result<usize> {
+        let wanted = variant.unwrap_or(&self.default);
+        self.variants
+            .iter()
+            .position(|v| v.name == wanted)
+            .ok_or_else(|| no_variant(&self.name, wanted, self.variants()))
+    }
+
+    fn merged(&self, index: usize) -> Map<String, Value> {
+        let mut merged = self.parameters.clone();
+        merged.extend(self.variants[index].overrides.clone());
+        merged
+    }
+
+    fn parameters_of(&self, index: usize) -> Result<GeneratorParameters> {
+        let keys = GeneratorParameters::keys(&self.generator)?;
+        let merged = self.merged(index);
+        for key in keys.iter().filter(|key| key.usual.is_none() && !merged.contains_key(key.name)) {
+            if let Some(other) = self.variants.iter().find(|v| v.overrides.contains_key(key.name)) {
+                return Err(Error::input(format!(
+                    "variants[{index}].{} is missing; give it here as variant '{}' does, or in [parameters] alone",
+                    key.name, other.name
+                )));
+            }
+        }
+        let names: Vec<_> = keys.iter().map(|key| key.name).collect();
+        let merged = Value::Object(merged);
+        GeneratorParameters::read(&self.generator, &Fields::new(&merged, "parameters", &names)?)
     }
 }
 
-/// A variant: its name and the parameters in which it differs.
+/// A variant: its name and the parameters that it gives.
 #[derive(Debug, Clone)]
 struct Variant {
     name: String,
@@ -177,7 +226,12 @@ struct Variant {
 }
 
 impl Variant {
-    fn read(entry: &Value, place: &str) -> Result<Self> {
+    /// The one variant of a file without any.
+    fn only() -> Self {
+        Self { name: DEFAULT_VARIANT.to_owned(), overrides: Map::new() }
+    }
+
+    fn read(entry: &Value, place: &str, generator: &str, keys: &[&str]) -> Result<Self> {
         let Value::Object(table) = entry else {
             return Err(Error::input(format!(
                 "{place} must be a table, as in {{ name = \"green\", cortex_um = 0.32 }}"
@@ -193,7 +247,48 @@ impl Variant {
             }
             None => return Err(Error::input(format!("{place}.name is missing; give the variant's name"))),
         };
+        let given = Value::Object(overrides);
+        GeneratorParameters::check_given(generator, &Fields::new(&given, place, keys)?)?;
+        let overrides = if let Value::Object(table) = given { table } else { Map::new() };
         Ok(Self { name, overrides })
+    }
+}
+
+fn read_variants(value: Option<&Value>, generator: &str, keys: &[&str]) -> Result<Vec<Variant>> {
+    let Some(value) = value else { return Ok(Vec::new()) };
+    let entries = list(value, "variants")?;
+    if entries.len() > MOST_VARIANTS {
+        return Err(Error::input(format!(
+            "variants: there are {}, over the limit of {MOST_VARIANTS}; split the file",
+            entries.len()
+        )));
+    }
+    let mut names = BTreeSet::new();
+    let mut variants = Vec::with_capacity(entries.len());
+    for (index, entry) in entries.iter().enumerate() {
+        let variant = Variant::read(entry, &format!("variants[{index}]"), generator, keys)?;
+        if !names.insert(variant.name.clone()) {
+            return Err(Error::input(format!("variants[{index}].name is '{}' a second time", variant.name)));
+        }
+        variants.push(variant);
+    }
+    Ok(variants)
+}
+
+/// The variant of the bare name: the one that `default` names, else the first.
+fn chosen(default: Option<&str>, variants: &[Variant]) -> Result<String> {
+    match (default, variants) {
+        (None, []) => Ok(DEFAULT_VARIANT.to_owned()),
+        (None, [first, ..]) => Ok(first.name.clone()),
+        (Some(DEFAULT_VARIANT), []) => Ok(DEFAULT_VARIANT.to_owned()),
+        (Some(name), []) => Err(Error::input(format!(
+            "default names the variant '{}', but this file has no variants; delete the line",
+            shortened(name)
+        ))),
+        (Some(name), _) if variants.iter().any(|v| v.name == name) => Ok(name.to_owned()),
+        (Some(name), _) => {
+            Err(no_variant("default: the file", name, variants.iter().map(|v| v.name.as_str())))
+        }
     }
 }
 
@@ -203,6 +298,9 @@ fn is_variant_name(name: &str) -> bool {
 
 fn no_variant<'a>(name: &str, wanted: &str, known: impl Iterator<Item = &'a str> + Clone) -> Error {
     let wanted = shortened(wanted);
+    if known.clone().eq([DEFAULT_VARIANT]) {
+        return Error::input(format!("{name} has no variants, so no '{wanted}'; leave it out"));
+    }
     let near = did_you_mean(&wanted, known.clone());
     let all = shortened(&known.collect::<Vec<_>>().join(", "));
     Error::input(format!("{name} has no variant '{wanted}'{near} (known are {all})",))

@@ -1,8 +1,9 @@
 //! What makes the sections of a species: a generator is a struct of parameters, which are the keys of its files.
 
 use serde::Serialize;
+use serde_json::Value;
 
-use super::{Bronzewing, Crystal, Hummingbird, RockDove, Starling};
+use super::{Bronzewing, Crystal, Hummingbird, Multilayer, RockDove, Starling};
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
 use crate::identity::{Hasher, Identify};
@@ -25,28 +26,93 @@ pub(super) trait Generator {
     fn lattice(&self, _library: &Library) -> Option<Lattice> {
         None
     }
+    /// Which parameters decide whether all regions find room, and how to give them more.
+    fn room(&self) -> String {
+        "make its parts smaller, or the barbule larger".into()
+    }
     /// Whether the outline is an arch rather than a slab.
     fn is_curved(&self) -> bool {
         false
+    }
+    /// The media that the parameters name, each with its key.
+    fn media(&self) -> Vec<(String, &str)> {
+        Vec::new()
+    }
+}
+
+/// A key of a generator's parameters, as files explain it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Key {
+    /// The key.
+    pub name: &'static str,
+    /// What it is, in a sentence.
+    pub about: &'static str,
+    /// What it may be, as in `0.001 to 10 µm`.
+    pub allowed: String,
+    /// What a missing key means; `None`: it is needed.
+    pub usual: Option<Value>,
+}
+
+impl Key {
+    /// A number in a range; the end of its name is its unit.
+    pub(super) fn number(
+        name: &'static str,
+        about: &'static str,
+        [low, high]: [f64; 2],
+        usual: Option<f64>,
+    ) -> Self {
+        let unit = match name.rsplit_once('_') {
+            Some((_, "um")) => " µm",
+            Some((_, "deg")) => "°",
+            _ => "",
+        };
+        Self { name, about, allowed: format!("{low} to {high}{unit}"), usual: usual.map(Value::from) }
+    }
+
+    /// A text that may be left out.
+    pub(super) fn text(name: &'static str, about: &'static str, allowed: &str, usual: &'static str) -> Self {
+        Self { name, about, allowed: allowed.to_owned(), usual: Some(usual.into()) }
     }
 }
 
 /// The generators: their names in files, which are those of [`GeneratorParameters`]' variants in lower case, and their parameters.
 macro_rules! generators {
-    ($($name:literal: $(#[$about:meta])* $kind:ident,)*) => {
+    ($($name:literal: $(#[doc = $about:literal])* $kind:ident,)*) => {
         /// The parameters of one species and variant, by generator.
         #[derive(Debug, Clone, PartialEq, Serialize)]
         #[serde(tag = "generator", rename_all = "kebab-case")]
-        pub enum GeneratorParameters { $($(#[$about])* $kind($kind),)* }
+        pub enum GeneratorParameters { $($(#[doc = $about])* $kind($kind),)* }
 
         /// The names of all generators.
         const NAMES: &[&str] = &[$($name),*];
 
         impl GeneratorParameters {
-            /// The keys of a generator's parameters.
-            pub(super) fn keys(generator: &str) -> Result<&'static [&'static str]> {
+            /// The keys of a generator's parameters, in the order of its files.
+            ///
+            /// # Errors
+            /// There is no such generator; the nearest is offered.
+            pub fn keys(generator: &str) -> Result<Vec<Key>> {
                 match generator {
-                    $($name => Ok($kind::KEYS),)*
+                    $($name => Ok($kind::keys()),)*
+                    other => Err(unknown(other)),
+                }
+            }
+
+            /// What a generator makes, in a sentence.
+            ///
+            /// # Errors
+            /// As [`Self::keys`].
+            pub fn about(generator: &str) -> Result<&'static str> {
+                match generator {
+                    $($name => Ok(concat!($($about),*).trim()),)*
+                    other => Err(unknown(other)),
+                }
+            }
+
+            /// Checks each parameter that a table gives against its range.
+            pub(super) fn check_given(generator: &str, fields: &Fields<'_>) -> Result<()> {
+                match generator {
+                    $($name => $kind::check_given(fields),)*
                     other => Err(unknown(other)),
                 }
             }
@@ -90,6 +156,9 @@ generators! {
     "crystal":
         /// A photonic crystal of melanosomes.
         Crystal,
+    "multilayer":
+        /// Layers of any media in any number.
+        Multilayer,
 }
 
 /// The names in words: a, b or c.
@@ -125,14 +194,30 @@ impl Parameter for usize {
 /// may be left out what they then are.
 macro_rules! parameters {
     ($(#[$about:meta])* $name:ident {
-        $($(#[$doc:meta])* $field:ident: $kind:ty = $low:literal to $high:literal $(or $usual:literal)?,)*
+        $($(#[doc = $doc:literal])* $field:ident: $kind:ty = $low:literal to $high:literal $(or $usual:literal)?,)*
     }) => {
         $(#[$about])*
         #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-        pub struct $name { $($(#[$doc])* pub $field: $kind,)* }
+        pub struct $name { $($(#[doc = $doc])* pub $field: $kind,)* }
 
         impl $name {
-            pub(super) const KEYS: &'static [&'static str] = &[$(stringify!($field)),*];
+            pub(super) fn keys() -> Vec<$crate::structure::species::Key> {
+                vec![$($crate::structure::species::Key::number(
+                    stringify!($field),
+                    concat!($($doc),*).trim(),
+                    [f64::from($low), f64::from($high)],
+                    <[f64]>::first(&[$(f64::from($usual))?]).copied(),
+                )),*]
+            }
+
+            pub(super) fn check_given(fields: &$crate::fields::Fields<'_>) -> $crate::Result<()> {
+                use $crate::structure::species::generator::Parameter;
+                $(if fields.get(stringify!($field)).is_some() {
+                    <$kind as Parameter>::read(
+                        fields, stringify!($field), f64::from($low), f64::from($high))?;
+                })*
+                Ok(())
+            }
 
             pub(super) fn read(fields: &$crate::fields::Fields<'_>) -> $crate::Result<Self> {
                 Ok(Self {

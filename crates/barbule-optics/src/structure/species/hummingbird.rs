@@ -120,6 +120,13 @@ impl Generator for Hummingbird {
         Ok(())
     }
 
+    fn room(&self) -> String {
+        format!(
+            "{} layers are gap_um apart, less air_spread × air_um and bubble_height_spread_um, between a top and a bottom that differ by bottom_amplitude_um; make gap_um or cortex_um larger, or these smaller",
+            self.layers
+        )
+    }
+
     fn parts(&self, random: &Random, _library: &Library) -> Parts {
         let (width, spacing) = (self.width_um, self.point_spacing_um);
         let (layers, thickness) = self.layers(&mut random.stream(0));

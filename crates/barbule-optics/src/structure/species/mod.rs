@@ -3,8 +3,10 @@
 mod bronzewing;
 mod crystal;
 mod file;
+mod flat;
 mod generator;
 mod hummingbird;
+mod multilayer;
 mod rock_dove;
 mod starling;
 
@@ -21,28 +23,69 @@ use generator::Random;
 pub use bronzewing::Bronzewing;
 pub use crystal::Crystal;
 pub use file::SpeciesFile;
-pub use generator::GeneratorParameters;
+pub use generator::{GeneratorParameters, Key};
 pub use hummingbird::Hummingbird;
+pub use multilayer::{LowerSide, Multilayer, MultilayerLayer, MultilayerSizes};
 pub use rock_dove::RockDove;
 pub use starling::Starling;
 
-/// A built-in species: its name and the text of its file.
-type Builtin = (&'static str, &'static str);
+/// The variant of a file without variants; titles do without it.
+pub const DEFAULT_VARIANT: &str = "default";
+
+/// A built-in species.
+struct Builtin {
+    name: &'static str,
+    /// The text of its file.
+    toml: &'static str,
+    /// Its Latin name and what else people call it, spelled as [`spelled`] does.
+    also: &'static [&'static str],
+}
 
 /// Species made of layers.
 const LAYERED: &[Builtin] = &[
-    ("rock-dove", include_str!("rock-dove.toml")),
-    ("starling", include_str!("starling.toml")),
-    ("bronzewing", include_str!("bronzewing.toml")),
-    ("hummingbird", include_str!("hummingbird.toml")),
+    Builtin {
+        name: "rock-dove",
+        toml: include_str!("rock-dove.toml"),
+        also: &["columba-livia", "rock-pigeon", "feral-pigeon", "common-pigeon", "pigeon", "dove"],
+    },
+    Builtin {
+        name: "starling",
+        toml: include_str!("starling.toml"),
+        also: &["sturnus-vulgaris", "european-starling", "common-starling"],
+    },
+    Builtin {
+        name: "bronzewing",
+        toml: include_str!("bronzewing.toml"),
+        also: &["phaps-chalcoptera", "common-bronzewing", "bronzewing-pigeon"],
+    },
+    Builtin {
+        name: "hummingbird",
+        toml: include_str!("hummingbird.toml"),
+        also: &["calypte-anna", "annas-hummingbird", "anna-hummingbird"],
+    },
 ];
 
 /// Species coloured by a photonic crystal.
 const CRYSTALS: &[Builtin] = &[
-    ("mallard", include_str!("mallard.toml")),
-    ("magpie", include_str!("magpie.toml")),
-    ("peafowl", include_str!("peafowl.toml")),
+    Builtin {
+        name: "mallard",
+        toml: include_str!("mallard.toml"),
+        also: &["anas-platyrhynchos", "mallard-duck", "wild-duck", "duck"],
+    },
+    Builtin {
+        name: "magpie",
+        toml: include_str!("magpie.toml"),
+        also: &["pica-hudsonia", "black-billed-magpie", "american-magpie"],
+    },
+    Builtin {
+        name: "peafowl",
+        toml: include_str!("peafowl.toml"),
+        also: &["pavo-cristatus", "indian-peafowl", "blue-peafowl", "common-peafowl", "peacock"],
+    },
 ];
+
+/// The media that generators name of themselves.
+const USUAL_MEDIA: [&str; 3] = ["air", "keratin", "melanin"];
 
 /// One species in one colour variant: makes random sections.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,22 +105,12 @@ pub struct SpeciesModel {
 }
 
 impl SpeciesModel {
-    /// A built-in species; without a variant its default one.
+    /// A built-in species by its name, Latin name or another that people use; without a variant its default one.
     ///
     /// # Errors
-    /// Unknown names; the nearest is offered.
+    /// Unknown names; the nearest is offered, and all are listed.
     pub fn builtin(name: &str, variant: Option<&str>, library: Library) -> Result<Self> {
-        let Some((_, text)) = builtin().find(|(known, _)| *known == name) else {
-            let known = species_names();
-            let near = did_you_mean(name, known.clone());
-            let help = if near.is_empty() {
-                format!("; known are {}", known.collect::<Vec<_>>().join(", "))
-            } else {
-                near
-            };
-            return Err(Error::input(format!("there is no species '{}'{help}", shortened(name))));
-        };
-        Self::from_toml(text, variant, library)
+        Self::from_toml(species_toml(name)?, variant, library)
     }
 
     /// A species from the text of its file; without a variant the file's default one.
@@ -99,17 +132,39 @@ impl SpeciesModel {
         if let Value::Object(table) = &mut table {
             table.remove("generator");
         }
-        let fields = Fields::new(&table, "parameters", GeneratorParameters::keys(generator)?)?;
+        let keys: Vec<_> = GeneratorParameters::keys(generator)?.iter().map(|key| key.name).collect();
+        let fields = Fields::new(&table, "parameters", &keys)?;
         let about = SpeciesFile::builtin(name).ok();
         let about = |pick: fn(&SpeciesFile) -> &str| about.as_ref().map_or("", pick).to_owned();
-        Ok(Self {
+        let model = Self {
             name: name.to_owned(),
             variant: variant.to_owned(),
             latin: about(|file| &file.latin),
             coloration: about(|file| &file.coloration),
             parameters: GeneratorParameters::read(generator, &fields)?,
             library,
-        })
+        };
+        model.check_media()?;
+        Ok(model)
+    }
+
+    /// Refuses parameters that name media which the library does not have.
+    pub(super) fn check_media(&self) -> Result<()> {
+        for (key, medium) in self.parameters.generator().media() {
+            crate::material::parse(medium, &self.library).map_err(|error| error.at(key))?;
+        }
+        Ok(())
+    }
+
+    /// The media that individuals are made of: those of all generators, then further ones that the parameters name.
+    pub(super) fn media(&self) -> impl Iterator<Item = &str> {
+        let mut media = USUAL_MEDIA.to_vec();
+        for (_, medium) in self.parameters.generator().media() {
+            if !media.contains(&medium) {
+                media.push(medium);
+            }
+        }
+        media.into_iter()
     }
 
     /// One random section. The same parameters, seed and index give the same bits everywhere.
@@ -122,7 +177,8 @@ impl SpeciesModel {
         parts.name = format!("{} {index}", self.title());
         parts.source = format!("barbule {}, seed {seed}, instance {index}", self.title());
         Section::new(parts, self.library.clone()).map_err(|error| {
-            error.at(format!("{}, instance {index} (its parameters leave too little room)", self.title()))
+            let room = self.parameters.generator().room();
+            error.at(format!("{}, instance {index}: too little room ({room})", self.title()))
         })
     }
 
@@ -132,9 +188,12 @@ impl SpeciesModel {
         self.parameters.generator().lattice(&self.library)
     }
 
-    /// `species:variant`.
+    /// `species:variant`; the name alone where a file has no variants.
     #[must_use]
     pub fn title(&self) -> String {
+        if self.variant == DEFAULT_VARIANT {
+            return self.name.clone();
+        }
         format!("{}:{}", self.name, self.variant)
     }
 
@@ -153,17 +212,17 @@ impl SpeciesModel {
 
 /// The names of the built-in species that are made of layers.
 pub fn layered_species() -> impl Iterator<Item = &'static str> + Clone {
-    LAYERED.iter().map(|(name, _)| *name)
+    LAYERED.iter().map(|species| species.name)
 }
 
 /// The names of the built-in species that a photonic crystal colours.
 pub fn crystal_species() -> impl Iterator<Item = &'static str> + Clone {
-    CRYSTALS.iter().map(|(name, _)| *name)
+    CRYSTALS.iter().map(|species| species.name)
 }
 
 /// The names of the built-in species.
 pub fn species_names() -> impl Iterator<Item = &'static str> + Clone {
-    builtin().map(|(name, _)| *name)
+    builtin().map(|species| species.name)
 }
 
 fn builtin() -> impl Iterator<Item = &'static Builtin> + Clone {
@@ -175,8 +234,84 @@ fn builtin() -> impl Iterator<Item = &'static Builtin> + Clone {
 /// # Errors
 /// As [`SpeciesModel::builtin`].
 pub fn species_toml(name: &str) -> Result<&'static str> {
-    match builtin().find(|(known, _)| *known == name) {
-        Some((_, text)) => Ok(text),
-        None => SpeciesModel::builtin(name, None, Library::builtin()).map(|_| ""),
+    Ok(find(name)?.toml)
+}
+
+/// The built-in species that a name means: its own, its Latin one or another that people use, however it is spelled.
+///
+/// # Errors
+/// Unknown names; the nearest is offered, and all are listed.
+pub fn species_name(name: &str) -> Result<&'static str> {
+    Ok(find(name)?.name)
+}
+
+fn find(name: &str) -> Result<&'static Builtin> {
+    let wanted = spelled(name);
+    let is_it = |species: &&Builtin| species.name == wanted || species.also.contains(&wanted.as_str());
+    builtin().find(is_it).ok_or_else(|| {
+        let near = match did_you_mean(&wanted, species_names()) {
+            none if none.is_empty() => {
+                did_you_mean(&wanted, builtin().flat_map(|species| species.also.iter().copied()))
+            }
+            near => near,
+        };
+        let known: Vec<_> = species_names().collect();
+        Error::input(format!(
+            "there is no species '{}'{near} (known are {})",
+            shortened(name),
+            known.join(", ")
+        ))
+    })
+}
+
+/// A name in lower case with - between its words: Anna's Hummingbird is annas-hummingbird.
+fn spelled(name: &str) -> String {
+    let plain: String = name.chars().filter(|c| !matches!(c, '\'' | '’' | '`')).take(200).collect();
+    let words =
+        plain.split(|c: char| c.is_whitespace() || c == '_' || c == '-').filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join("-").to_lowercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_species_is_found_by_its_latin_name_and_by_no_name_of_another() {
+        let mut all = std::collections::BTreeSet::new();
+        for species in builtin() {
+            let file = SpeciesFile::builtin(species.name).unwrap();
+            assert!(species.also.contains(&spelled(&file.latin).as_str()), "{}", file.latin);
+            assert_eq!(file.name, species.name);
+            for name in species.also.iter().chain([&species.name]) {
+                assert_eq!((spelled(name), species_name(name).unwrap()), ((*name).to_owned(), species.name));
+                assert!(all.insert(*name), "{name} is another's too");
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_understood_as_people_write_them() {
+        for (name, species) in [
+            ("Starling", "starling"),
+            ("sturnus vulgaris", "starling"),
+            ("Sturnus_vulgaris", "starling"),
+            ("European-starling", "starling"),
+            ("Anna's hummingbird", "hummingbird"),
+            ("Anna’s Hummingbird", "hummingbird"),
+            ("peacock", "peafowl"),
+            ("  Rock  Pigeon ", "rock-dove"),
+        ] {
+            assert_eq!(species_name(name).unwrap(), species, "{name}");
+        }
+        for (name, near) in [
+            ("starlign", ", did you mean 'starling'? (known are rock-dove, starling,"),
+            ("sturnus vulgarus", ", did you mean 'sturnus-vulgaris'?"),
+            ("ostrich-of-the-sea-and-sky", "'ostrich-of-the-sea-and-sky' (known are rock-dove"),
+            ("", "there is no species '' (known are"),
+        ] {
+            let message = species_name(name).unwrap_err().to_string();
+            assert!(message.contains(near), "{message}");
+        }
     }
 }

@@ -62,6 +62,10 @@ impl Generator for RockDove {
         ordered("melanin_low", self.melanin_low, "melanin_high", self.melanin_high)
     }
 
+    fn room(&self) -> String {
+        "thickness_um must hold cortex_um, gap_high_um, roughness_amplitude_um and lower_roughness_amplitude_um; make it larger or these smaller".into()
+    }
+
     fn parts(&self, random: &Random, _library: &Library) -> Parts {
         let (width, spacing) = (self.width_um, self.point_spacing_um);
         let mut shape = random.stream(0);

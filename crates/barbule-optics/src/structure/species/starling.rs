@@ -48,6 +48,10 @@ impl Generator for Starling {
         ordered("core_fraction_low", self.core_fraction_low, "core_fraction_high", self.core_fraction_high)
     }
 
+    fn room(&self) -> String {
+        "thickness_um must hold cortex_um and melanosome_diameter_um twice, the outline's roughness_amplitude_um too; make it larger or these smaller".into()
+    }
+
     fn parts(&self, random: &Random, _library: &Library) -> Parts {
         let roughness = Roughness::symmetric(self.roughness_correlation_um, self.roughness_amplitude_um);
         let spacing = self.point_spacing_um;

@@ -28,7 +28,8 @@ pub(crate) fn campaign_errors(section: &Section, nm: f64, cosines: [f64; 2], ele
     let structure = Structure::Sections { name: section.name.clone(), sections: vec![section.clone()] };
     let parameters = CampaignParameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0 };
     let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
-    let unit = campaign.unit(&campaign.tables(0, &Unobserved).unwrap(), 0, Keep::Fields);
+    let tables = campaign.tables(0, &Unobserved).unwrap();
+    let unit = campaign.unit(&tables, 0, Keep::Fields, &Unobserved).unwrap();
     let mut worst = [0f64; 2];
     for number in 0..axes.cos_phi().len() {
         let light = beam(nm, axes.theta_i(0), axes.phi_i(number));

@@ -49,7 +49,7 @@ pub(crate) fn simulate(name: &'static str) -> Species {
     for wave in 0..3 {
         let tables = campaign.tables(wave, &Unobserved).unwrap();
         for theta in 0..3 {
-            let mut unit = campaign.unit(&tables, theta, Keep::Fields);
+            let mut unit = campaign.unit(&tables, theta, Keep::Fields, &Unobserved).unwrap();
             fields.push(std::mem::take(&mut unit.fields));
             statistics.append(unit);
         }
@@ -185,7 +185,9 @@ fn lengths(species: &Species, material: &FeatherMaterial, wave: usize, phi: usiz
         theta,
         phi,
         Polarization::First,
+        &Unobserved,
     );
+    let patterns = patterns.unwrap();
     let first = ((patterns.x[0] + 1.0) * 0.5 * NOISE_POINTS as f64) as usize;
     let synthesis = Synthesis::on(material, axes.index(wave, theta, phi), &patterns.phi_o);
     let noise = Noise::new(&material.noise_power, material.seed);

@@ -4,8 +4,8 @@ use super::Wave;
 use super::layer::Place;
 use super::rod::RodTable;
 use super::stack::Level;
-use crate::Result;
 use crate::solve::crystal::{Cell, CellRod, Shell};
+use crate::{Error, Result};
 
 /// Rods that overlap in depth by more than this part of the smaller radius belong to one layer: plane waves between
 /// them would grow before they fall. Touching rods of hexagonal rows overlap by 0.27.
@@ -13,6 +13,9 @@ const INTERLEAVED: f64 = 0.3;
 
 /// Rods whose depths differ by less than this part of the period belong to one layer: plane waves fall too slowly.
 const SHALLOW: f64 = 0.25;
+
+/// Unknowns of rods that act on each other as one cluster; a wave then takes 20 s and 1 GB.
+const MOST_UNKNOWNS: usize = 3000;
 
 /// Most multipoles and orders.
 const MOST_MULTIPOLES: usize = 60;
@@ -242,8 +245,18 @@ impl Plan {
     /// T-matrices of every kind.
     ///
     /// # Errors
-    /// Cylinder functions leave the range of numbers.
+    /// Cylinder functions leave the range of numbers, or rods that act on each other have too many multipoles together.
     pub(super) fn tables(&self, wave: &Wave, sizes: &Sizes) -> Result<Vec<RodTable>> {
+        let unknowns = |places: &Vec<Place>| {
+            places.iter().map(|p| 2 * (2 * sizes.multipoles[p.kind] + 1)).sum::<usize>()
+        };
+        let most = self.shapes.iter().map(|places| (unknowns(places), places.len())).max();
+        if let Some((unknowns, rods)) = most.filter(|(unknowns, _)| *unknowns > MOST_UNKNOWNS) {
+            return Err(Error::input(format!(
+                "{rods} rods of a period lie at about the same depth and ask for {unknowns} unknowns together, over \
+                 {MOST_UNKNOWNS}; give fewer rods in a period, or use the Fourier modal solver"
+            )));
+        }
         self.kinds.iter().zip(&sizes.multipoles).map(|(shells, &m)| RodTable::new(wave, shells, m)).collect()
     }
 }

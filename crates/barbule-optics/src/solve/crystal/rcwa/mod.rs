@@ -20,6 +20,9 @@ use modes::Harmonics;
 use profile::{Body, Outline, bodies};
 use stack::Stack;
 
+/// No slower convergence is believed: the estimate is then four times the last difference.
+const LARGEST_RATIO: f64 = 0.8;
+
 /// The solver and its accuracy.
 #[derive(Debug, Clone, Copy)]
 pub struct Rcwa {
@@ -27,8 +30,8 @@ pub struct Rcwa {
     pub orders: usize,
     /// Slices per rod (per greatest height of a body), rounded to an even number.
     pub slices: usize,
-    /// Whether [`CrystalResponse::convergence`] is found, by a second run with half of the orders and half of the slices, which
-    /// doubles an error that falls as 1/orders.
+    /// Whether [`CrystalResponse::convergence`] is found, by further runs with a half and a quarter of the orders and slices: as
+    /// their differences fall, so does the error, as a geometric series. Halving doubles an error that falls as 1/orders.
     pub estimate: bool,
 }
 
@@ -65,9 +68,16 @@ impl Rcwa {
         }
         let mut response = self.solve(&diffraction, period_um, bodies)?;
         if self.estimate {
-            let coarse = Self { orders: self.orders.div_ceil(2), slices: self.slices.div_ceil(2), ..*self };
-            let rough = coarse.solve(&diffraction, period_um, bodies)?;
-            response.convergence = Some(diffraction.difference(&response, &rough));
+            let part = |by: usize| {
+                let coarse =
+                    Self { orders: self.orders.div_ceil(by), slices: self.slices.div_ceil(by), ..*self };
+                coarse.solve(&diffraction, period_um, bodies)
+            };
+            let (half, quarter) = (part(2)?, part(4)?);
+            let last = diffraction.difference(&response, &half);
+            let ratio = last / diffraction.difference(&half, &quarter).max(f64::MIN_POSITIVE);
+            let ratio = ratio.clamp(0.5, LARGEST_RATIO);
+            response.convergence = Some(last * ratio / (1.0 - ratio));
         }
         Ok(response)
     }

@@ -3,13 +3,13 @@
 //! The most frequent pair of neighbours becomes a new part until one is left (Larsson & Moffat 2000, "Re-Pair"), so
 //! the halves of a rod, its rows, and rows that interleave share their scattering matrices.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::modes::Harmonics;
 use super::profile::{Body, Slice, slices};
 use super::scattering::{Join, Scattering, phases};
 use crate::math::dense::Dense;
-use crate::{Complex64, Result};
+use crate::{Complex64, Error, Result};
 
 /// A part of the stack, where it stands and whether it is upside down.
 #[derive(Debug, Clone, Copy)]
@@ -55,6 +55,24 @@ pub(super) struct Budget {
     pub transmitted: f64,
 }
 
+/// Bytes of scattering matrices, at most.
+const MOST_BYTES: usize = 4 << 30;
+
+/// Refuses slices whose scattering matrices would not fit.
+fn check_memory(harmonics: &Harmonics, slices: &[Slice]) -> Result<()> {
+    let distinct = slices.iter().map(Slice::key).collect::<HashSet<_>>().len();
+    // Four matrices for each slice and for each pair, and as many for what joins a pair.
+    let matrix = size_of::<Complex64>() * (2 * harmonics.len()).pow(2);
+    if (distinct * 3 * 4).saturating_mul(matrix) > MOST_BYTES {
+        return Err(Error::input(format!(
+            "{distinct} different slices of {} orders need over {} GB of memory; give fewer or equal rods, or a shorter period",
+            harmonics.len(),
+            MOST_BYTES >> 30
+        )));
+    }
+    Ok(())
+}
+
 type PairKey = (usize, bool, usize, bool, i64);
 
 impl Stack {
@@ -69,6 +87,7 @@ impl Stack {
         if top_um > 0.0 {
             slices.insert(0, Slice { thickness_um: top_um, pieces: vec![(1.0, host_eps)], shift: 0.0 });
         }
+        check_memory(harmonics, &slices)?;
         let exit = Part { scattering: harmonics.exit(), kind: Kind::Exit, symmetric: false };
         let whole = Placed { part: 0, shift: 0.0, flipped: false };
         let mut stack = Self { parts: vec![exit], whole };

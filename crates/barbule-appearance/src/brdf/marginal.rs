@@ -1,0 +1,243 @@
+//! What a material's BRDF radiates per outgoing azimuth: the far field's intensity, integrated over θ_o.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::evaluate::FeatherBrdf;
+use super::exact::{ExactBrdf, Lobe};
+use super::integral::gauss_legendre;
+use super::noise::{Draw, knots};
+use crate::progress::Progress;
+use crate::scattering::directions::omega;
+use crate::{Error, Result};
+
+/// The longitudinal spread ends where exp(−h_y²/σ²) is below exp(−this).
+const END: f64 = 45.0;
+
+/// A piece is cut in half until that changes it by less than this part of the whole.
+const TOLERANCE: f64 = 1e-9;
+
+/// Halvings of a piece at most.
+const MOST_HALVINGS: u32 = 20;
+
+/// ∫ f (z·ω_o) cosθ_o dθ_o / cosθ_i in 1/rad at each azimuth `phi_o` (rad), of an instance or of the smooth mean. Shape
+/// `[wavelength][phi_o]`; times cosθ_i and integrated over φ_o it is the reflected fraction.
+///
+/// Relative accuracy 1e-6; f is not symmetrized.
+///
+/// # Errors
+/// A stop by `progress`.
+pub fn marginals(
+    brdf: &FeatherBrdf,
+    wavelengths_nm: &[f64],
+    wi: DVec3,
+    phi_o: &[f64],
+    instance: Option<u64>,
+    progress: &dyn Progress,
+) -> Result<Vec<Vec<f64>>> {
+    progress.begin("marginals", wavelengths_nm.len() as u64);
+    let draw = instance.map(|instance| brdf.noise().draw(instance));
+    let rule = Rule::new();
+    wavelengths_nm
+        .iter()
+        .map(|&nm| {
+            let exact = brdf.exact(nm, wi);
+            let row = phi_o.par_iter().map(|&phi| {
+                if progress.is_cancelled() {
+                    return Err(Error::interrupted());
+                }
+                Ok(Meridian { exact: &exact, phi, draw: draw.as_ref(), rule: &rule }.integral())
+            });
+            let row = row.collect::<Result<Vec<f64>>>()?;
+            progress.advance(1);
+            Ok(row)
+        })
+        .collect()
+}
+
+/// Eight nodes and weights on \[0, 1\].
+struct Rule(Vec<(f64, f64)>);
+
+impl Rule {
+    fn new() -> Self {
+        Self(gauss_legendre(8))
+    }
+
+    fn over(&self, f: &impl Fn(f64) -> f64, [a, b]: [f64; 2]) -> f64 {
+        (b - a) * self.0.iter().map(|&(u, w)| w * f(a + (b - a) * u)).sum::<f64>()
+    }
+
+    /// The same with halving; `whole` is the rule's value of this piece.
+    fn refined(&self, f: &impl Fn(f64) -> f64, piece: [f64; 2], whole: f64, allowed: f64, depth: u32) -> f64 {
+        let [a, b] = piece;
+        let halves = [[a, 0.5 * (a + b)], [0.5 * (a + b), b]];
+        let values = halves.map(|half| self.over(f, half));
+        let sum = values[0] + values[1];
+        if (sum - whole).abs() <= allowed || depth == MOST_HALVINGS {
+            return sum;
+        }
+        self.refined(f, halves[0], values[0], allowed, depth + 1)
+            + self.refined(f, halves[1], values[1], allowed, depth + 1)
+    }
+}
+
+/// The outgoing directions of one azimuth.
+struct Meridian<'a> {
+    exact: &'a ExactBrdf<'a>,
+    phi: f64,
+    draw: Option<&'a Draw>,
+    rule: &'a Rule,
+}
+
+impl Meridian<'_> {
+    fn integral(&self) -> f64 {
+        let wi = self.exact.incident;
+        let cos_i = wi.x.hypot(wi.z);
+        let f = |theta: f64| {
+            let wo = omega(theta, self.phi);
+            if wo.z <= 0.0 {
+                return 0.0;
+            }
+            self.exact.one_way(wo, self.draw).f * wo.z * theta.cos() / cos_i
+        };
+        let edges = self.edges();
+        let pieces: Vec<[f64; 2]> = edges.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+        let coarse: Vec<f64> = pieces.iter().map(|piece| self.rule.over(&f, *piece)).collect();
+        let allowed = TOLERANCE * coarse.iter().sum::<f64>();
+        pieces.iter().zip(coarse).map(|(piece, whole)| self.rule.refined(&f, *piece, whole, allowed, 0)).sum()
+    }
+
+    /// θ_o between which f is smooth and not too narrow a peak, rad, rising: the lobes' longitudinal spread in steps of
+    /// its width, where each crosses h_x = 0, and where the noise passes from point to point.
+    fn edges(&self) -> Vec<f64> {
+        let mut edges = Vec::new();
+        for set in &self.exact.sets {
+            for lobe in [&set.mean, &set.steady] {
+                self.spread(lobe, &mut edges);
+            }
+        }
+        edges.sort_by(f64::total_cmp);
+        let (Some(&first), Some(&last)) = (edges.first(), edges.last()) else { return edges };
+        // The turning point of x_o.
+        let mut inner = vec![0.0];
+        let sine = self.phi.sin();
+        for set in &self.exact.sets {
+            for lobe in [&set.mean, &set.steady] {
+                inner.extend(both_signs(-lobe.incident.x / sine));
+            }
+            if self.draw.is_some() {
+                let x_i = self.exact.incident.x;
+                let x_o = [first, last, 0.0_f64.clamp(first, last)].map(|theta| theta.cos() * sine);
+                let reach = x_o.map(|x| (x_i + x) * set.inverse_length);
+                let low = reach.into_iter().fold(f64::INFINITY, f64::min);
+                let high = reach.into_iter().fold(f64::NEG_INFINITY, f64::max);
+                let knots = knots(low, high);
+                inner.extend(knots.flat_map(|x| both_signs((x / set.inverse_length - x_i) / sine)));
+            }
+        }
+        edges.extend(inner.into_iter().filter(|theta| (first..last).contains(theta)));
+        edges.sort_by(f64::total_cmp);
+        edges.dedup();
+        edges
+    }
+
+    /// Steps outwards from the specular cone to where the spread ends.
+    fn spread(&self, lobe: &Lobe, edges: &mut Vec<f64>) {
+        let sigma = self.exact.brdf.sigma();
+        let centre = -self.exact.incident.y.asin();
+        let on_cone = (lobe.incident + omega(centre, self.phi)).length();
+        let width = (sigma * on_cone / centre.cos().max(1e-6)).max(1e-9);
+        edges.push(centre);
+        for side in [-1.0, 1.0] {
+            let (mut away, mut step) = (0.0, width);
+            loop {
+                away += step;
+                step *= 1.2;
+                let theta =
+                    (centre + side * away).clamp(-std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2);
+                edges.push(theta);
+                let hy = (lobe.incident + omega(theta, self.phi)).normalize().y;
+                if (hy / sigma).powi(2) > END || theta.abs() >= std::f64::consts::FRAC_PI_2 {
+                    break;
+                }
+            }
+        }
+    }
+}
+
+/// The angles of a cosine.
+fn both_signs(cosine: f64) -> impl Iterator<Item = f64> {
+    (0.0..=1.0).contains(&cosine).then(|| libm::acos(cosine)).into_iter().flat_map(|angle| [-angle, angle])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::Options;
+    use crate::brdf::fixtures::example;
+    use crate::progress::Unobserved;
+    use crate::scattering::directions::azimuths;
+
+    fn marginal(brdf: &FeatherBrdf, wi: DVec3, phi: &[f64], instance: Option<u64>) -> Vec<f64> {
+        marginals(brdf, &[500.0], wi, phi, instance, &Unobserved).unwrap().remove(0)
+    }
+
+    /// The integral by its definition, on evenly spaced θ_o.
+    fn plain(brdf: &FeatherBrdf, wi: DVec3, phi: f64, instance: Option<u64>) -> f64 {
+        let exact = brdf.exact(500.0, wi);
+        let count = 100_000;
+        let step = std::f64::consts::PI / f64::from(count);
+        let f = |k: i32| {
+            let theta = (f64::from(k) + 0.5) * step - std::f64::consts::FRAC_PI_2;
+            let wo = omega(theta, phi);
+            exact.values(wo, instance).f * wo.z * theta.cos()
+        };
+        (0..count).map(f).sum::<f64>() * step / wi.x.hypot(wi.z)
+    }
+
+    #[test]
+    fn marginals_are_the_plain_integral() {
+        let brdf = FeatherBrdf::new(&example(2), Options::default()).unwrap();
+        for (theta, phi_i) in [(0.0, 30.0), (35.0, -20.0), (-75.0, 60.0), (10.0, 85.0)] {
+            let wi = omega(f64::to_radians(theta), f64::to_radians(phi_i));
+            for phi in [-phi_i - 3.0, 0.3, 80.0] {
+                let phi = f64::to_radians(phi);
+                for instance in [None, Some(5)] {
+                    let (fast, slow) =
+                        (marginal(&brdf, wi, &[phi], instance)[0], plain(&brdf, wi, phi, instance));
+                    // The corners of the noise leave the plain sum an error of some 1e-7.
+                    assert!(
+                        (fast / slow - 1.0).abs() < 2e-6,
+                        "{theta} {phi_i} {phi} {instance:?}: {fast} {slow}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// Peaks of D₁ far narrower than the longitudinal spread.
+    #[test]
+    fn narrow_lobes_are_not_missed() {
+        let mut material = example(2);
+        material.sets[0].mean.m.fill(0.002);
+        let brdf = FeatherBrdf::new(&material, Options::default()).unwrap();
+        let wi = omega(0.7, 0.5);
+        for phi in [-0.53, -0.5, -0.47] {
+            let (fast, slow) = (marginal(&brdf, wi, &[phi], None)[0], plain(&brdf, wi, phi, None));
+            assert!((fast / slow - 1.0).abs() < 1e-6, "{phi}: {fast} {slow}");
+        }
+    }
+
+    #[test]
+    fn marginals_integrate_to_the_reflected_fraction() {
+        let brdf = FeatherBrdf::new(&example(2), Options::default()).unwrap();
+        let phi: Vec<f64> = azimuths(400).collect();
+        for (theta, phi_i) in [(0.0_f64, 0.0_f64), (40.0, 30.0), (-70.0, -50.0)] {
+            let wi = omega(theta.to_radians(), phi_i.to_radians());
+            let sum: f64 = marginal(&brdf, wi, &phi, None).iter().sum();
+            let reflected = sum * std::f64::consts::PI / 400.0 * theta.to_radians().cos();
+            let expected = brdf.albedo(500.0, wi);
+            assert!((reflected / expected - 1.0).abs() < 1e-4, "{theta} {phi_i}: {reflected} {expected}");
+        }
+    }
+}

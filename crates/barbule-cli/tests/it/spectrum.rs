@@ -1,0 +1,223 @@
+//! `barbule spectrum` as people and scripts use it: colours in numbers, measurements, several structures.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+/// A simulation of a moment.
+const QUICK: &[&str] = &["--instances", "3", "--wavelengths", "400:700:10"];
+
+fn run_in(folder: &Path, words: &[&str]) -> (i32, String, String) {
+    let mut command = assert_cmd::cargo::cargo_bin_cmd!("barbule");
+    let cache = folder.join("cache");
+    let output = command.current_dir(folder).args(words).arg("--cache").arg(cache).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+fn example(name: &str) -> String {
+    format!("{ROOT}/examples/measured/{name}")
+}
+
+/// What the words print, on standard output and on standard error.
+fn succeed(folder: &Path, words: &[&str]) -> (String, String) {
+    let (code, out, message) = run_in(folder, words);
+    assert_eq!(code, 0, "{words:?}: {message}");
+    (out, message)
+}
+
+fn json(folder: &Path, words: &[&str]) -> Value {
+    serde_json::from_str(&succeed(folder, &[words, &["--json", "--quiet"]].concat()).0).unwrap()
+}
+
+#[test]
+fn colours_are_printed_and_documented_for_each_angle() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = [&["spectrum", "starling", "--angle", "0,30"], QUICK].concat();
+    let (out, message) = succeed(folder.path(), &words);
+    assert_eq!(out.lines().count(), 2, "{out}");
+    assert!(out.starts_with("starling:green, φ = 0°: peak 5") && out.contains("sRGB #"), "{out}");
+    assert!(message.contains("end values are held outside"), "{message}");
+    let document = json(folder.path(), &words);
+    for key in ["angle_deg", "wavelength_nm", "mean", "std", "instances", "standard_error", "look"] {
+        assert!(!document[key].is_null(), "{key}");
+    }
+    let look = &document["look"][1];
+    for key in
+        ["peak_nm", "half_width_nm", "half_level", "mean_reflectance", "saturation", "hue_nm", "x", "Y"]
+    {
+        assert!(look[key].is_f64(), "{key}: {look}");
+    }
+    assert!(look["srgb"].as_str().unwrap().starts_with('#') && look["srgb_normalized"].is_string());
+    let number = |key: &str, at: usize| document[key][0][at].as_f64().unwrap();
+    assert!((number("standard_error", 7) - number("std", 7) / 3f64.sqrt()).abs() < 1e-15);
+    let alone = json(folder.path(), &["spectrum", "air/keratin:300/air", "--wavelengths", "400:700:10"]);
+    assert!(alone["standard_error"].is_null() && alone["instances"] == 1);
+}
+
+#[test]
+fn every_kind_of_measurement_is_read_said_and_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    for (file, said) in [
+        (
+            "starling-back.csv",
+            "semicolons, decimal commas; wavelengths from 'wl' (300–700 nm); 3 samples; percent",
+        ),
+        (
+            "from-r.csv",
+            "commas; row numbers left out; wavelengths from 'wl' (300–700 nm); 1 sample, 'synthetic1'",
+        ),
+        ("spectrometer.txt", "spectrometer text, tabs; wavelengths from column 1"),
+        ("starling.jdx", "JCAMP-DX"),
+    ] {
+        let file = example(file);
+        let words = [&["spectrum", "starling", "--measured", &file], QUICK].concat();
+        let (out, message) = succeed(folder.path(), &words);
+        assert!(message.lines().any(|line| line.contains(said)), "{message}");
+        for part in ["against", "shift", "half width", "RMSE", "best scale", "ΔE00", "ΔE*ab"] {
+            assert!(out.contains(part), "{part}: {out}");
+        }
+        let document = json(folder.path(), &words);
+        let comparison = &document["comparison"][0];
+        assert!((comparison["scale"].as_f64().unwrap() - 1.0).abs() < 0.1, "{comparison}");
+        assert!(comparison["rmse_scaled"].as_f64() <= comparison["rmse"].as_f64());
+        assert!(comparison["delta_e_2000"].as_f64().unwrap() < 8.0 && comparison["points"] == 31);
+        assert!(document["measured"]["reading"].as_str().unwrap().contains(said));
+        assert!(document["measured"]["look"]["peak_nm"].is_f64());
+    }
+}
+
+#[test]
+fn a_named_column_is_one_sample_and_a_figure_shows_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = example("starling-back.csv");
+    let words = [&["spectrum", "starling", "--measured", &file], QUICK].concat();
+    for column in ["back_2", "3"] {
+        let document = json(folder.path(), &[&words[..], &["--column", column]].concat());
+        assert_eq!(document["measured"]["samples"], serde_json::json!(["back_2"]));
+        assert!(document["measured"]["std"].is_null());
+    }
+    let (_, message) = succeed(folder.path(), &[&words[..], &["-o", "m.svg"]].concat());
+    assert!(message.contains("wrote m.svg: reflectance of starling:green at 1 angle, and what was measured"));
+    let svg = std::fs::read_to_string(folder.path().join("m.svg")).unwrap();
+    assert!(svg.contains("measured, mean of 3") && svg.contains("true, normalized"));
+}
+
+#[test]
+fn several_structures_make_one_summary_one_table_and_one_figure() {
+    let folder = tempfile::tempdir().unwrap();
+    let stack = "air/mix(keratin,melanin,0.4):300/air";
+    let file = example("from-r.csv");
+    let words =
+        [&["spectrum", "starling", "rock-dove", stack, "--angles", "0,20", "--measured", &file], QUICK]
+            .concat();
+    let outputs = ["--summary", "s.csv", "--csv", "t.csv", "-o", "f.svg"];
+    let (out, message) = succeed(folder.path(), &[&words[..], &outputs].concat());
+    assert_eq!(out.lines().count(), 12, "a colour and a comparison for each: {out}");
+    assert_eq!(message.matches("wrote ").count(), 3, "{message}");
+    assert!(message.contains("--instances 3, but there is 1 section"), "{message}");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let summary = read("s.csv");
+    let rows: Vec<&str> = summary.lines().collect();
+    assert!(rows[0].starts_with("structure,angle_deg,instances,from_nm,to_nm,peak_nm,peak_reflectance,"));
+    assert!(rows[0].ends_with(",rmse,scale,rmse_scaled,delta_e_2000,delta_e_76"));
+    assert_eq!(rows.len(), 7);
+    assert!(rows[1].starts_with("starling,0,3,400,700,") && rows[4].starts_with("rock-dove,20,3,"));
+    assert!(rows[6].starts_with("\"air/mix(keratin,melanin,0.4):300/air\",20,1,"));
+    let cells = rows[0].split(',').count();
+    assert!(rows[1..5].iter().all(|row| row.split(',').count() == cells), "{summary}");
+    let table = read("t.csv");
+    assert!(table.starts_with("structure,angle_deg,wavelength_nm,mean,std\nstarling,0,400,"));
+    assert_eq!(table.lines().count(), 1 + 3 * 2 * 31);
+    assert!(read("f.svg").contains("rock-dove, φ = 20°"));
+    let document = json(folder.path(), &words);
+    assert_eq!(document["structures"].as_array().unwrap().len(), 3);
+    assert_eq!(document["structures"][2]["instances"], 1);
+    // Alone or among others, a structure has the same numbers.
+    let alone = json(folder.path(), &[&["spectrum", "rock-dove", "--angle", "0,20"], QUICK].concat());
+    assert_eq!(alone["mean"], document["structures"][1]["mean"]);
+}
+
+#[test]
+fn both_spellings_of_flags_are_one_and_one_instance_is_no_plural() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = ["spectrum", "starling", "--instances", "1", "--angle", "10", "--wavelengths", "500:560:20"];
+    let other = ["spectrum", "starling", "--instances", "1", "--angles", "10", "--wavelength", "500:560:20"];
+    assert_eq!(json(folder.path(), &one), json(folder.path(), &other));
+    succeed(folder.path(), &[&one[..], &["-o", "f.svg"]].concat());
+    let svg = std::fs::read_to_string(folder.path().join("f.svg")).unwrap();
+    assert!(svg.contains("starling:green, 1 instance<"), "{svg}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_before_any_work_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let outside = tempfile::tempdir().unwrap();
+    let path = |name: &str| outside.path().join(name).to_string_lossy().into_owned();
+    let write = |name: &str, text: &str| {
+        std::fs::write(path(name), text).unwrap();
+        path(name)
+    };
+    let two = write("two.csv", "wl,R,depth\n400,0.1,3\n700,0.3,3\n");
+    let huge = write("huge.csv", "wl,R\n400,1e300\n700,0.3\n");
+    let negative = write("negative.csv", "wl,R\n400,-0.4\n700,0.3\n");
+    let red = write("red.csv", "wl,R\n720,0.1\n800,0.3\n");
+    let sheet = write("sheet.csv", "PK\u{3}\u{4}");
+    let good = example("from-r.csv");
+    let many: Vec<&str> =
+        std::iter::once("spectrum").chain(["starling"; 19]).chain(["-o", "f.png"]).collect();
+    let cases: Vec<(Vec<&str>, &str)> = vec![
+        (vec!["--csv", "-"], "--csv -: name a file; --json prints the numbers"),
+        (vec!["--csv", "t.xlsx"], "tables are written as CSV, not as .xlsx"),
+        (vec!["--summary", "t.json"], "--summary t.json"),
+        (vec!["--summary", "t.csv", "--csv", "t.csv"], "give two names"),
+        (vec!["--column", "a"], "--measured"),
+        (vec!["--measured", &good, "--column", "swallow"], "there is no such column"),
+        (
+            vec!["--measured", &two],
+            "'R', 'depth' are not all reflectances by their names; name one with --column",
+        ),
+        (vec!["--measured", &huge], "which is no reflectance"),
+        (vec!["--measured", &negative], "mostly below zero"),
+        (vec!["--measured", &red], "have 0 wavelengths in common"),
+        (vec!["--measured", &good, "--wavelengths", "500"], "have 1 wavelengths in common"),
+        (vec!["--measured", &sheet], "save the sheet as CSV"),
+        (vec!["--measured", &good, "--measured-unit", "counts"], "--measured-unit"),
+    ];
+    let all = cases.iter().map(|(more, part)| ([&["spectrum", "starling"], &more[..]].concat(), *part));
+    for (words, expected) in all.chain([(many, "19 curves of 19 structures do not fit one figure")]) {
+        let (code, out, message) = run_in(folder.path(), &words);
+        assert_eq!(code, 2, "{words:?}: {message}");
+        assert!(message.contains(expected), "{words:?}: {message}");
+        assert!(message.trim().chars().count() < 700 && out.is_empty(), "{words:?}: {message}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+/// Every command of the two pages, with fewer instances, in a folder that has the examples.
+#[test]
+fn documented_commands_run_as_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let examples = folder.path().join("examples/measured");
+    std::fs::create_dir_all(&examples).unwrap();
+    for entry in std::fs::read_dir(format!("{ROOT}/examples/measured")).unwrap() {
+        let path: PathBuf = entry.unwrap().path();
+        std::fs::copy(&path, examples.join(path.file_name().unwrap())).unwrap();
+    }
+    let mut count = 0;
+    for page in ["guide/spectrum.md", "formats/measured.md"] {
+        let text = std::fs::read_to_string(format!("{ROOT}/docs/{page}")).unwrap();
+        for line in text.lines().filter(|line| line.starts_with("barbule spectrum ")) {
+            let mut words: Vec<&str> =
+                line.split_whitespace().skip(1).map(|w| w.trim_matches('\'')).collect();
+            if !words.contains(&"--instances") {
+                words.extend(["--instances", "2"]);
+            }
+            succeed(folder.path(), &words);
+            count += 1;
+        }
+    }
+    assert!(count >= 8, "{count} commands");
+}
