@@ -1,7 +1,8 @@
 //! The one error type of the library.
 //!
 //! A message is one sentence in lower case without a full stop: the user's own file and field first, then what was
-//! found, what is allowed, and what to do.
+//! found, what is allowed, and what to do. Whatever texts of users go into it, it is one line without control characters
+//! of fewer than 600 bytes.
 
 use std::fmt;
 
@@ -24,37 +25,47 @@ enum Kind {
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
+    fn of(kind: Kind, message: &str) -> Self {
+        Self { kind, message: sentence(message) }
+    }
+
     /// Something that the user can mend: an argument, a file's contents, a missing or unwritable file.
     pub fn input(message: impl Into<String>) -> Self {
-        Self { kind: Kind::Input, message: message.into() }
+        Self::of(Kind::Input, &message.into())
     }
 
     /// The machine's fault: a full disk, a failed read in the middle of a file.
     pub fn machine(message: impl Into<String>) -> Self {
-        Self { kind: Kind::Machine, message: message.into() }
+        Self::of(Kind::Machine, &message.into())
     }
 
     /// A computation that did not reach its accuracy.
     pub fn not_settled(message: impl Into<String>) -> Self {
-        Self { kind: Kind::NotSettled, message: message.into() }
+        Self::of(Kind::NotSettled, &message.into())
     }
 
     /// The user asked to stop.
     #[must_use]
     pub fn interrupted() -> Self {
-        Self { kind: Kind::Interrupted, message: "interrupted".into() }
+        Self::of(Kind::Interrupted, "interrupted")
     }
 
     /// The user asked to stop: what was done by then, and how it goes on.
     #[must_use]
     pub fn interrupted_after(done: impl fmt::Display) -> Self {
-        Self { kind: Kind::Interrupted, message: format!("interrupted: {done}") }
+        Self::of(Kind::Interrupted, &format!("interrupted: {done}"))
     }
 
     /// The same error with a place in front of its message: `name: message`.
     #[must_use]
     pub fn at(self, place: impl fmt::Display) -> Self {
-        Self { kind: self.kind, message: format!("{place}: {}", self.message) }
+        Self::of(self.kind, &format!("{place}: {}", self.message))
+    }
+
+    /// The same error with more behind its message.
+    #[must_use]
+    pub fn followed_by(self, more: &str) -> Self {
+        Self::of(self.kind, &format!("{}{more}", self.message))
     }
 
     /// Whether the user can mend it.
@@ -107,16 +118,40 @@ pub fn did_you_mean<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -
         .map_or_else(String::new, |(_, name)| format!(", did you mean '{name}'?"))
 }
 
-/// A user's text short enough for a message, without line breaks.
+/// A user's text short enough for a message, on one line and without control characters.
 #[must_use]
 pub fn shortened(text: &str) -> String {
     const LONGEST: usize = 80;
-    let clean: String =
-        text.chars().take(LONGEST + 1).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let clean: String = text.chars().take(LONGEST + 1).map(visible).collect();
     if clean.chars().count() <= LONGEST {
         return clean;
     }
     clean.chars().take(LONGEST - 1).chain(['…']).collect()
+}
+
+/// Bytes of a sentence, at most: a program's name in front of it still fits into 600.
+const LONGEST_SENTENCE: usize = 580;
+
+/// A message on one line, without control characters. What is too long loses its middle: the place stands in front, the
+/// reason and the remedy at the end.
+#[must_use]
+pub fn sentence(text: &str) -> String {
+    const MARK: &str = " … ";
+    const FRONT: usize = 200;
+    if text.len() <= LONGEST_SENTENCE {
+        return text.chars().map(visible).collect();
+    }
+    let front = &text[..text.floor_char_boundary(FRONT)];
+    let end = &text[text.ceil_char_boundary(text.len() - (LONGEST_SENTENCE - FRONT - MARK.len()))..];
+    [front, MARK, end].concat().chars().map(visible).collect()
+}
+
+/// A character that neither moves a terminal's cursor, nor ends a line, nor turns the direction of what follows; others
+/// become blanks.
+#[must_use]
+pub fn visible(c: char) -> char {
+    let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    if c.is_control() || turns { ' ' } else { c }
 }
 
 /// A number of things in words: `1 angle`, `2 angles`.
@@ -147,5 +182,25 @@ mod tests {
         let error = Error::input("width is 0").at("a.json");
         assert_eq!(error.to_string(), "a.json: width is 0");
         assert!(error.is_input());
+    }
+
+    #[test]
+    fn whatever_a_user_typed_a_message_is_one_short_line() {
+        for typed in ["a\nb\r\u{1b}[31mred\u{202e}", &"9".repeat(10_000_000), &"µ".repeat(2000), "", "\u{0}"]
+        {
+            for error in
+                [Error::input(typed), Error::machine("no").at(typed), Error::not_settled(typed).at(typed)]
+            {
+                let text = error.to_string();
+                assert!(text.len() <= LONGEST_SENTENCE && !text.chars().any(char::is_control), "{text}");
+            }
+            assert!(shortened(typed).chars().count() <= 80 && !shortened(typed).contains('\u{1b}'));
+        }
+        let text = Error::input("is empty; give a name").at("x".repeat(5000)).to_string();
+        assert!(
+            text.starts_with("xxx") && text.ends_with("x: is empty; give a name") && text.contains(" … ")
+        );
+        // A short one stays as it is.
+        assert_eq!(Error::input("µ is 5 … 7").to_string(), "µ is 5 … 7");
     }
 }

@@ -5,6 +5,7 @@ use barbule::brdf::fit::{FitOptions, FitReport};
 use barbule::campaign::asymmetry::Asymmetry;
 use barbule::campaign::{Demand, Keep, Results};
 use barbule::characterize::{CampaignOptions, Plan};
+use barbule::error::shortened;
 use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
 use barbule::scattering::lobe::FitKind;
@@ -224,6 +225,11 @@ fn usual_directions() -> String {
 
 fn directions(text: &str) -> Result<[usize; 2]> {
     text.split_once('x').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?])).ok_or_else(
-        || Error::input(format!("--directions {text}: write NxM with 2 to 200 each, as in 20x20")),
+        || {
+            Error::input(format!(
+                "--directions {}: write NxM with 2 to 200 each, as in 20x20",
+                shortened(text)
+            ))
+        },
     )
 }

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::campaign::Allowance;
+use barbule::error::{shortened, visible};
 use barbule::io::available_memory;
 use barbule::io::tables::read_index_table;
 use barbule::material::Library;
@@ -45,13 +46,21 @@ impl Common {
     /// # Errors
     /// `--threads` is 0 or over 4096, or the pool cannot start.
     pub fn start_threads(&self) -> Result<()> {
-        let Some(threads) = self.threads else { return Ok(()) };
-        if !(1..=4096).contains(&threads) {
-            return Err(Error::input(format!("--threads {threads}: give a number from 1 to 4096")));
+        if let Some(bad) = self.threads.filter(|threads| !(1..=4096).contains(threads)) {
+            return Err(Error::input(format!("--threads {bad}: give a number from 1 to 4096")));
         }
-        // A second call in one process (tests) keeps the first pool; results do not depend on it.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-        Ok(())
+        // 0: as many as there are cores.
+        match rayon::ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0)).build_global() {
+            // A second call in one process (tests) keeps the first pool; results do not depend on it.
+            Err(error) if std::error::Error::source(&error).is_none() => Ok(()),
+            Err(error) => Err(match self.threads {
+                Some(threads) => {
+                    Error::input(format!("--threads {threads}: cannot be started ({error}); give fewer"))
+                }
+                None => Error::machine(format!("threads cannot be started ({error}); try --threads 1")),
+            }),
+            Ok(()) => Ok(()),
+        }
     }
 
     /// The media that structures may name: those built in, and those of `--medium`.
@@ -63,7 +72,10 @@ impl Common {
         for given in &self.medium {
             let (name, file) =
                 given.split_once('=').filter(|(_, file)| !file.is_empty()).ok_or_else(|| {
-                    Error::input(format!("--medium {given}: write NAME=FILE, as in chitin=chitin.csv"))
+                    Error::input(format!(
+                        "--medium {}: write NAME=FILE, as in chitin=chitin.csv",
+                        shortened(given)
+                    ))
                 })?;
             let table = read_index_table(file.as_ref())?;
             library.insert_table(name.trim(), table).map_err(|e| e.at("--medium"))?;
@@ -83,7 +95,7 @@ impl Common {
     /// Writes a message for people to standard error, unless `--quiet`.
     pub fn say(&self, message: &str) {
         if !self.quiet {
-            let _ = writeln!(std::io::stderr(), "{message}");
+            let _ = writeln!(std::io::stderr(), "{}", harmless(message));
         }
     }
 
@@ -105,6 +117,17 @@ impl Common {
     }
 }
 
+/// A text of several lines without what a terminal would obey: names in it may come from anybody's files.
+fn harmless(text: &str) -> String {
+    text.chars().map(|c| if matches!(c, '\n' | '\t') { c } else { visible(c) }).collect()
+}
+
+/// A path for a JSON document; what is no Unicode in it is replaced.
+#[must_use]
+pub fn path_json(path: &Path) -> serde_json::Value {
+    path.to_string_lossy().into()
+}
+
 /// The exit code of an error: 2 for what the user can mend, 130 after Ctrl-C, else 1.
 #[must_use]
 pub fn exit_code(error: &Error) -> u8 {
@@ -120,7 +143,7 @@ pub fn exit_code(error: &Error) -> u8 {
 /// # Errors
 /// Standard output cannot be written.
 pub fn print(out: &mut dyn Write, text: &str) -> Result<()> {
-    match writeln!(out, "{text}") {
+    match writeln!(out, "{}", harmless(text)).and_then(|()| out.flush()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
         Err(error) => Err(Error::machine(format!("standard output cannot be written: {error}"))),
         Ok(()) => Ok(()),
@@ -150,7 +173,7 @@ fn memory(text: &str) -> Result<u64, String> {
         "kib" => 1024.0,
         "mib" => 1024.0 * 1024.0,
         "gib" => 1024.0 * 1024.0 * 1024.0,
-        other => return Err(format!("unknown unit '{other}': write for example 8GiB or 500MB")),
+        other => return Err(format!("unknown unit '{}': write for example 8GiB or 500MB", shortened(other))),
     };
     match text[..split].trim().parse::<f64>() {
         Ok(value) if value * unit >= 1.0 && value * unit < LEAST_MEMORY => {
@@ -173,5 +196,10 @@ mod tests {
         assert!(memory("lots").is_err());
         assert!(memory("0").is_err());
         assert!(memory("5XB").is_err());
+    }
+
+    #[test]
+    fn names_from_files_cannot_move_a_terminals_cursor() {
+        assert_eq!(harmless("a\u{1b}[2Jb\nc\td\u{202e}"), "a [2Jb\nc\td ");
     }
 }

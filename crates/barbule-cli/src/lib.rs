@@ -7,9 +7,11 @@ mod campaign;
 pub mod commands;
 pub mod common;
 mod complete;
+mod exhausted;
 pub mod figure;
 mod materials;
 mod media;
+mod outputs;
 pub mod progress;
 pub mod provenance;
 mod scene_arg;
@@ -17,10 +19,14 @@ pub mod sets;
 mod several;
 pub mod structure_arg;
 
+pub use exhausted::EndsWhenExhausted;
+
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
+use barbule::error::sentence;
+use barbule::{Error, Result};
+use clap::{CommandFactory, FromArgMatches, Parser};
 
 /// Turns the nanostructure of a bird's feather into its picture.
 #[derive(Debug, Parser)]
@@ -55,32 +61,53 @@ where
     I: IntoIterator<Item = T>,
     T: Into<std::ffi::OsString> + Clone,
 {
-    let cli = match Cli::try_parse_from(args) {
-        Ok(cli) => cli,
-        Err(error) => {
-            use clap::error::ErrorKind;
+    match done(args, out) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Ending::Unclear(error)) if error.use_stderr() => {
             // A closed pipe on the other side is not an error of ours.
             let _ = match error.kind() {
-                ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => write!(err, "{}", error.render()),
-                _ if error.use_stderr() => writeln!(err, "barbule: {}", sentence(&error)),
-                _ => write!(out, "{}", error.render()),
+                clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+                    write!(err, "{}", error.render())
+                }
+                _ => writeln!(err, "barbule: {}", unclear(&error)),
             };
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+            ExitCode::from(2)
         }
-    };
-    match cli.command.run(out) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            let _ = writeln!(err, "barbule: {error}");
-            ExitCode::from(common::exit_code(&error))
-        }
+        // Help and version.
+        Err(Ending::Unclear(text)) => match common::print(out, text.render().to_string().trim_end()) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => refused(&error, err),
+        },
+        Err(Ending::Failed(error)) => refused(&error, err),
     }
+}
+
+/// Why a command line ended early.
+enum Ending {
+    /// Its words are none that can be run, or ask for help.
+    Unclear(clap::Error),
+    Failed(Error),
+}
+
+fn done<I, T>(args: I, out: &mut dyn Write) -> Result<(), Ending>
+where
+    I: IntoIterator<Item = T>,
+    T: Into<std::ffi::OsString> + Clone,
+{
+    let matches = Cli::command().try_get_matches_from(args).map_err(Ending::Unclear)?;
+    let cli = Cli::from_arg_matches(&matches).map_err(|e| Ending::Unclear(e.format(&mut Cli::command())))?;
+    outputs::check(&matches).and_then(|()| cli.command.run(out)).map_err(Ending::Failed)
+}
+
+fn refused(error: &Error, err: &mut dyn Write) -> ExitCode {
+    let _ = writeln!(err, "barbule: {error}");
+    ExitCode::from(common::exit_code(error))
 }
 
 /// What is wrong with the arguments, in one sentence: that of the value's reader where it is one of ours, else clap's lines
 /// without its summary of the usage and its far-fetched tips.
-fn sentence(error: &clap::Error) -> String {
-    let reader = std::error::Error::source(error).and_then(|source| source.downcast_ref::<barbule::Error>());
+fn unclear(error: &clap::Error) -> String {
+    let reader = std::error::Error::source(error).and_then(|source| source.downcast_ref::<Error>());
     if let Some(refused) = reader {
         return refused.to_string();
     }
@@ -94,8 +121,8 @@ fn sentence(error: &clap::Error) -> String {
         .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
         .filter(|line| !line.is_empty());
     let joined = lines.collect::<Vec<_>>().join(" ").replace(" tip: ", "; ");
-    let short: String = joined.trim_start_matches("error: ").chars().take(500).collect();
-    format!("{}; --help says what can be given", short.trim_end_matches(['.', ' ']))
+    let words = joined.trim_start_matches("error: ").trim_end_matches(['.', ' ']);
+    sentence(&format!("{words}; --help says what can be given"))
 }
 
 /// Of an argument that no command or not this one takes: what it is, and the nearest that there is.

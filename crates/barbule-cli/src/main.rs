@@ -2,6 +2,11 @@
 
 use std::process::ExitCode;
 
+use barbule_cli::EndsWhenExhausted;
+
+#[global_allocator]
+static ALLOCATOR: EndsWhenExhausted = EndsWhenExhausted;
+
 fn main() -> ExitCode {
     barbule_cli::main()
 }

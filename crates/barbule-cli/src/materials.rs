@@ -168,7 +168,7 @@ mod tests {
         let plan = options.plan(Structure::builtin("starling").unwrap()).unwrap();
         let made = |cache: &Path| {
             let words = ["x", "--quiet", "--cache", &cache.to_string_lossy()].map(str::to_owned);
-            make(&plan, &Line::try_parse_from(words).unwrap().common).unwrap()
+            make(plan.clone(), &Line::try_parse_from(words).unwrap().common).unwrap()
         };
         let cache = folder.path().join("cache");
         let kept = made(&cache);

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use barbule::error::shortened;
-use barbule::io::{check_writable, write_whole};
+use barbule::io::{check_writable, is_stream, write_together, write_whole};
 use barbule::plot::{Drawing, Format};
 use barbule::{Error, Result};
 
@@ -60,14 +60,24 @@ impl Provenance {
         write_whole(path, &drawing.encode(Format::of(path)?, &self.notes())?)
     }
 
-    /// Writes a CSV file and, beside it, the notes as `FILE.json`.
+    /// Writes a CSV file and, beside it, the notes as `FILE.json`: both or neither. What goes to a pipe or a device has
+    /// nothing beside it.
     ///
     /// # Errors
     /// A file cannot be written.
     pub fn write_csv(&self, path: &Path, text: &str) -> Result<()> {
-        write_whole(path, text.as_bytes())?;
-        write_whole(&sidecar(path), format!("{}\n", self.json()).as_bytes())
+        if !is_beside(path) {
+            return write_whole(path, text.as_bytes());
+        }
+        let notes = format!("{}\n", self.json());
+        write_together(&[(path, text.as_bytes()), (&sidecar(path), notes.as_bytes())])
     }
+}
+
+/// Whether a CSV file has its notes beside it.
+#[must_use]
+pub fn is_beside(path: &Path) -> bool {
+    !is_stream(path)
 }
 
 /// The file beside a CSV file that says where it comes from.
@@ -78,8 +88,8 @@ pub fn sidecar(path: &Path) -> PathBuf {
     name.into()
 }
 
-/// Refuses, before any work, outputs that could not be written: unknown extensions of figures, missing folders, one
-/// file for two purposes.
+/// Refuses, before any work, outputs that could not be written: unknown extensions of figures, missing folders. That
+/// each is a file of its own is checked before any command.
 ///
 /// # Errors
 /// As above.
@@ -97,15 +107,11 @@ pub fn check_outputs(figure: Option<&Path>, csv: Option<&Path>) -> Result<()> {
     }
     if let Some(path) = csv {
         check_writable(path)?;
-        check_writable(&sidecar(path))?;
+        if is_beside(path) {
+            check_writable(&sidecar(path))?;
+        }
     }
-    match (figure, csv) {
-        (Some(a), Some(b)) if a == b => Err(Error::input(format!(
-            "{}: is named for the figure and for the CSV; give two names",
-            a.display()
-        ))),
-        _ => Ok(()),
-    }
+    Ok(())
 }
 
 /// Refuses names of CSV files that plainly ask for something else: `-`, and extensions of other formats.
@@ -113,9 +119,9 @@ pub fn check_outputs(figure: Option<&Path>, csv: Option<&Path>) -> Result<()> {
 /// # Errors
 /// As above; `flag` names the argument.
 pub fn check_table(flag: &str, path: &Path) -> Result<()> {
-    const OTHERS: [&str; 16] = [
-        "xlsx", "xls", "ods", "json", "svg", "png", "pdf", "eps", "jpg", "exr", "toml", "yml", "yaml",
-        "zarr", "barbule", "npy",
+    const OTHERS: [&str; 22] = [
+        "xlsx", "xls", "xlsm", "ods", "numbers", "json", "svg", "png", "pdf", "eps", "jpg", "jpeg", "tif",
+        "tiff", "exr", "html", "toml", "yml", "yaml", "zarr", "barbule", "npy",
     ];
     if path.as_os_str() == "-" {
         return Err(Error::input(format!(
@@ -179,7 +185,6 @@ mod tests {
     #[test]
     fn sidecars_stand_beside_their_file() {
         assert_eq!(sidecar(Path::new("a/b.csv")), Path::new("a/b.csv.json"));
-        assert!(check_outputs(Some(Path::new("a.svg")), Some(Path::new("a.svg"))).is_err());
         assert!(
             check_outputs(Some(Path::new("a.eps")), None)
                 .unwrap_err()

@@ -1,6 +1,7 @@
 //! Sets of numbers as people type them: `520`, `400,442,484`, `400:694:6` (start:stop:step, stop included).
 
 use barbule::characterize::WAVELENGTHS_NM;
+use barbule::error::shortened;
 use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
 
@@ -20,7 +21,9 @@ pub fn parse(flag: &str, text: &str) -> Result<Vec<f64>> {
             .collect::<Option<Vec<_>>>()
             .ok_or_else(|| {
                 Error::input(format!(
-                    "{flag} {text}: '{part}' is not a number or start:stop:step, as in 400:694:6"
+                    "{flag} {}: '{}' is not a number or start:stop:step, as in 400:694:6",
+                    shortened(text),
+                    shortened(part)
                 ))
             })?;
         match numbers[..] {
@@ -29,23 +32,29 @@ pub fn parse(flag: &str, text: &str) -> Result<Vec<f64>> {
                 let count = (stop - start) / step;
                 if !(count >= 0.0 && step != 0.0) {
                     return Err(Error::input(format!(
-                        "{flag} {text}: the step {step} does not lead from {start} to {stop}"
+                        "{flag} {}: the step {step} does not lead from {start} to {stop}",
+                        shortened(text)
                     )));
                 }
                 if count > MOST_VALUES as f64 {
-                    return Err(Error::input(format!("{flag} {text}: over {MOST_VALUES} values")));
+                    return Err(Error::input(format!(
+                        "{flag} {}: over {MOST_VALUES} values",
+                        shortened(text)
+                    )));
                 }
                 // Half a millionth of a step forgives decimal steps such as 0.1.
                 values.extend((0..=(count + 1e-6).floor() as usize).map(|i| start + i as f64 * step));
             }
             _ => {
                 return Err(Error::input(format!(
-                    "{flag} {text}: '{part}' is not a number or start:stop:step"
+                    "{flag} {}: '{}' is not a number or start:stop:step",
+                    shortened(text),
+                    shortened(part)
                 )));
             }
         }
         if values.len() > MOST_VALUES {
-            return Err(Error::input(format!("{flag} {text}: over {MOST_VALUES} values")));
+            return Err(Error::input(format!("{flag} {}: over {MOST_VALUES} values", shortened(text))));
         }
     }
     Ok(values)
@@ -112,7 +121,7 @@ pub fn angle(flag: &str, text: &str) -> Result<f64> {
 fn single(flag: &str, text: &str, values: &[f64]) -> Result<f64> {
     match values {
         [value] => Ok(*value),
-        _ => Err(Error::input(format!("{flag} {text}: give one value"))),
+        _ => Err(Error::input(format!("{flag} {}: give one value", shortened(text)))),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
 use crate::io::hash_bytes;
 use crate::io::image::{Facts, write_exr, write_png};
 use crate::progress::Progress;
-use crate::render::film::Film;
+use crate::render::film::{BYTES_PER_PIXEL, Film};
 use crate::render::integrator::{Integrator, Transport};
 use crate::render::light::Lighting;
 use crate::render::picture::{self, Plane};
@@ -144,6 +144,13 @@ impl Picture {
         let version = [("barbule_version", env!("CARGO_PKG_VERSION"))];
         Developed::new(path.as_ref(), &self.film, self.exposure)?.write(&version)
     }
+}
+
+/// Memory that a picture of this size takes, bytes: its pixels (afterwards their planes and encoded bytes, which are
+/// fewer), and 64 MB for program, material and feather.
+#[must_use]
+pub fn bytes_needed(size: [u32; 2]) -> u64 {
+    64_000_000 + u64::from(size[0]) * u64::from(size[1]) * BYTES_PER_PIXEL as u64
 }
 
 /// Refuses what no picture can be written as.

@@ -49,6 +49,20 @@ pub struct Pixel {
     pub id: u32,
 }
 
+/// Bytes that a film takes per pixel while it is rendered: its sums, and those of the tiles in work.
+pub const BYTES_PER_PIXEL: usize = 2 * size_of::<Pixel>();
+
+/// Refuses sizes that no film can have.
+///
+/// # Errors
+/// A side of 0 or over 16384 pixels.
+pub fn check_size(size: [u32; 2]) -> Result<()> {
+    if size.iter().all(|s| (1..=16384).contains(s)) {
+        return Ok(());
+    }
+    Err(Error::input(format!("a picture of {}x{} pixels: each side must be 1 to 16384", size[0], size[1])))
+}
+
 /// A picture in the making.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
@@ -63,14 +77,9 @@ impl Film {
     /// A black film.
     ///
     /// # Errors
-    /// A side of 0 or over 16384 pixels.
+    /// As [`check_size`].
     pub fn new(size: [u32; 2]) -> Result<Self> {
-        if size.iter().any(|s| !(1..=16384).contains(s)) {
-            return Err(Error::input(format!(
-                "a picture of {}x{} pixels: each side must be 1 to 16384",
-                size[0], size[1]
-            )));
-        }
+        check_size(size)?;
         let tiles = size.map(|s| s.div_ceil(TILE) as usize);
         Ok(Self {
             size,

@@ -12,7 +12,7 @@ use barbule::{Error, Result};
 use serde_json::{Value, json};
 
 use crate::campaign::expected;
-use crate::common::{Common, print, print_json};
+use crate::common::{Common, path_json, print, print_json};
 use crate::materials::{self, Place};
 use crate::provenance::quoted;
 
@@ -59,7 +59,7 @@ impl Args {
             )));
         };
         if self.common.json {
-            return print_json(out, &json!({ "path": path.to_string_lossy(), "hash": found.hash }));
+            return print_json(out, &json!({ "path": path_json(path), "hash": found.hash }));
         }
         print(out, &path.to_string_lossy())
     }
@@ -75,7 +75,7 @@ impl Args {
         let title = found.material.info["name"].as_str().unwrap_or(name);
         self.common.wrote(output, &format!("the material {title}"));
         if self.common.json {
-            return print_json(out, &json!({ "path": output.to_string_lossy(), "hash": found.hash }));
+            return print_json(out, &json!({ "path": path_json(output), "hash": found.hash }));
         }
         Ok(())
     }
@@ -98,8 +98,10 @@ impl Args {
                     entry
                 })
                 .collect();
-            let folder = folder.to_string_lossy();
-            return print_json(out, &json!({ "folder": folder, "files": list, "cleared": self.clear }));
+            return print_json(
+                out,
+                &json!({ "folder": path_json(&folder), "files": list, "cleared": self.clear }),
+            );
         }
         let ours = files.iter().filter(|cached| cached.is_ours).count();
         let mut text = format!("{}: {ours} cached", folder.display());

@@ -9,7 +9,7 @@ use barbule::io::{check_writable, write_material};
 use barbule::{Error, Result};
 
 use crate::campaign::{CampaignArgs, FitArgs, compare_sides, expected, say_repaired, summary, units_at_once};
-use crate::common::{Common, print, print_json};
+use crate::common::{Common, path_json, print, print_json};
 use crate::progress::Terminal;
 use crate::{materials, structure_arg};
 
@@ -68,10 +68,7 @@ impl Args {
         self.common.explain(&summary(&report));
         if self.common.json {
             let report = serde_json::to_value(&report).map_err(|e| Error::machine(e.to_string()))?;
-            return print_json(
-                out,
-                &serde_json::json!({ "material": output.to_string_lossy(), "fit": report }),
-            );
+            return print_json(out, &serde_json::json!({ "material": path_json(&output), "fit": report }));
         }
         if self.output.is_none() {
             return print(out, &output.to_string_lossy());

@@ -9,16 +9,16 @@ use barbule::brdf::{FeatherBrdf, Options};
 use barbule::characterize::thinned;
 use barbule::io::image::{RgbImage, read_exr};
 use barbule::io::{check_writable, hash_file, read_at_most, write_whole};
-use barbule::picture::{Developed, Set, check_kind};
+use barbule::picture::{Developed, Set, bytes_needed, check_kind};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
-use barbule::render::film::Film;
+use barbule::render::film::{Film, check_size};
 use barbule::render::run::{Ended, Goal};
 use barbule::scene::description::{Bearing, SceneDescription, SkyDescription, SkyImage};
 use barbule::scene::sky::Sky;
 use barbule::{Error, Result};
 
-use crate::common::{Common, print_json};
+use crate::common::{Common, path_json, print_json};
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::sets;
@@ -84,7 +84,10 @@ impl Args {
         if !(1..=9999).contains(&self.frames) {
             return Err(Error::input(format!("--frames {}: give 1 to 9999", self.frames)));
         }
-        Film::new(size)?;
+        check_size(size)?;
+        let [width, height] = size;
+        let what = format!("a picture of {width}x{height} pixels");
+        self.common.allowance().check(&what, bytes_needed(size), "a smaller --size")?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
         files.iter().try_for_each(|file| {
             check_kind(file).map_err(|e| e.at("-o")).and_then(|()| check_writable(file))
@@ -219,22 +222,30 @@ impl Args {
         let before = film.samples();
         let begun = Instant::now();
         let mut last = Instant::now();
+        // A picture is worth more than what it could go on from: a full disk does not end it.
+        let keep = |film: &Film| write_whole(&kept, &checkpoint::write(film, &name));
+        let mut said = false;
         let ended = set.render(description, &mut film, seed, job.goal, terminal, &mut |film| {
             if self.resume && last.elapsed() > CHECKPOINT_EVERY {
-                write_whole(&kept, &checkpoint::write(film, &name))?;
+                if let Err(error) = keep(film)
+                    && !std::mem::replace(&mut said, true)
+                {
+                    self.common.say(&format!("{error}; rendering goes on without it"));
+                }
                 last = Instant::now();
             }
             Ok(())
         })?;
         let seconds = begun.elapsed().as_secs_f64();
-        if self.resume {
-            write_whole(&kept, &checkpoint::write(&film, &name))?;
-        }
         let picture = Developed::new(job.file, &film, description.exposure)?;
         let provenance = self.provenance(description, job, &film).with("pixel_hash", picture.pixel_hash());
         if film.samples() > 0 {
             picture.write(&provenance.notes())?;
             self.common.wrote(job.file, &shown(description, job, &film));
+        }
+        if self.resume {
+            let written = if film.samples() > 0 { "; the picture itself is written" } else { "" };
+            keep(&film).map_err(|error| error.followed_by(written))?;
         }
         if ended == Ended::Stopped || terminal.is_cancelled() {
             return Err(self.interrupted(job, &film));
@@ -242,7 +253,7 @@ impl Args {
         let (counts, paths) = (set.counts(), film.samples() - before);
         self.common.explain(&format!("{paths} paths in {seconds:.1} s"));
         let mut report = serde_json::json!({
-            "output": job.file.to_string_lossy(), "width": job.size[0], "height": job.size[1],
+            "output": path_json(job.file), "width": job.size[0], "height": job.size[1],
             "barbs": counts.barbs, "barbules": counts.barbules, "primitives": set.primitives(),
             "paths": paths, "seconds": seconds, "paths_per_second": paths as f64 / seconds.max(1e-9),
             "ended": if ended == Ended::OutOfTime { "time" } else { "done" },

@@ -8,7 +8,6 @@ use barbule::campaign::spectrum::{Collect, Grazing, Spectra, SpectrumRequest, sp
 use barbule::campaign::spectrum_bytes;
 use barbule::error::{counted, shortened};
 use barbule::figures::{self, Simulated};
-use barbule::io::check_writable;
 use barbule::io::measured::{Measured, Scale, read_measured};
 use barbule::plot::{Band, MeasuredBand};
 use barbule::progress::Progress;
@@ -24,7 +23,7 @@ use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
 use crate::progress::Terminal;
-use crate::provenance::{Provenance, check_outputs, check_table, csv_cell, sidecar};
+use crate::provenance::{Provenance, check_outputs, csv_cell};
 use crate::several::Several;
 use crate::{sets, structure_arg};
 
@@ -149,21 +148,7 @@ impl Args {
         }
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
-        for (flag, path) in [("--csv", &self.csv), ("--summary", &self.summary)] {
-            if let Some(path) = path {
-                check_table(flag, path)?;
-            }
-        }
-        if let Some(path) = &self.summary {
-            check_writable(path)?;
-            check_writable(&sidecar(path))?;
-            if [&self.figure.output, &self.csv].into_iter().flatten().any(|other| other == path) {
-                return Err(Error::input(format!(
-                    "{}: is named for the summary and for another output; give two names",
-                    path.display()
-                )));
-            }
-        }
+        check_outputs(None, self.summary.as_deref())?;
         let curves = self.structures.len() * self.angle.0.len();
         if self.figure.output.is_some() && self.structures.len() > 1 && curves > MOST_CURVES {
             return Err(Error::input(format!(

@@ -47,7 +47,7 @@ fn stores_are_the_same_bytes_whole_sharded_interrupted_or_repaired() {
 
     // A lost chunk, a damaged chunk, and what a killed writer leaves.
     let chunk = |name: &str| folder.path().join("b.zarr").join(name);
-    std::fs::remove_file(chunk("contrast/c.0.0.0")).unwrap();
+    std::fs::remove_file(chunk("digest/c.0.0.0")).unwrap();
     let damaged = chunk("u/c.1.1.0.0.0");
     let mut bytes = std::fs::read(&damaged).unwrap();
     let middle = bytes.len() / 2;

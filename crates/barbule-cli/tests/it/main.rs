@@ -15,6 +15,7 @@ mod geometry;
 mod interruptions;
 mod lobes;
 mod multilayer;
+mod outputs;
 mod refusals;
 mod render;
 mod robustness;

@@ -73,6 +73,16 @@ const LINES: &[(&str, &str)] = &[
     ("film air/keratin:5/air -o @f.eps", ".svg, .pdf or .png"),
     ("film air/keratin:5/air --csv @no/f.csv", "does not exist"),
     ("film air/keratin:5/air --csv @f.svg -o @f.svg", "give two names"),
+    ("film air/keratin:5/air --csv @f.svg", "end the name with .csv"),
+    ("film air/keratin:5/air --csv @f.xlsx", "tables are written as CSV"),
+    ("film air/keratin:5/air --csv @f.json", "end the name with .csv"),
+    ("film air/keratin:5/air --csv -", "--csv -: name a file"),
+    ("film air/keratin:5/air --csv @good.zarr/t.csv", "inside a campaign store"),
+    ("film air/keratin:5/air --csv @good.csv/t.csv", "does not exist"),
+    ("film air/keratin:5/air --medium q=@good.csv --csv @good.csv", "this command reads it"),
+    ("film @large.toml", "over the limit of 4 MiB"),
+    ("film air/q:5/air --medium q=@large.csv", "over the limit of 16 MiB"),
+    ("film air/q:5/air --medium q=@large.yml", "over the limit of 4 MiB"),
     // Geometry.
     ("geometry", "STRUCTURE"),
     ("geometry starling", "say where to write"),
@@ -111,6 +121,12 @@ const LINES: &[(&str, &str)] = &[
     ("geometry @empty/ -o @f.svg", "has no .json file"),
     ("geometry @good.csv -o @f.svg", "is no structure"),
     ("geometry @folder.json -o @f.svg", "is a folder"),
+    ("geometry @good.json -o @good.json", "this command reads it"),
+    ("geometry @sections -o @sections/c.json", "one of the sections"),
+    ("geometry @good.json -o @good.zarr/u/f.svg", "inside a campaign store"),
+    ("geometry @large.json -o @f.svg", "over the limit of 64 MiB"),
+    ("geometry @many.json -o @f.svg", "over 4000000 commas and opening brackets"),
+    ("geometry @large.toml -o @f.svg", "over the limit of 4 MiB"),
     // Species.
     ("species sparrow", "there is no species 'sparrow'"),
     ("species starling:puce", "no variant 'puce'"),
@@ -203,6 +219,12 @@ const LINES: &[(&str, &str)] = &[
     ("fit @good.zarr", "--output"),
     ("fit @good.zarr -o @f.barbule", "4 of 4 units are missing or damaged"),
     ("fit @good.zarr -o @", "is a folder"),
+    ("fit @good.zarr -o -", "outputs are files and have names"),
+    ("fit @good.zarr -o @good.zarr/zarr.json", "inside a campaign store"),
+    ("fit @good.zarr -o @good.zarr/m.barbule", "inside a campaign store"),
+    ("simulate starling -o @good.zarr/inner.zarr", "inside a campaign store"),
+    ("simulate starling -o .", "as in S.zarr"),
+    ("simulate starling -o @empty/..", "as in S.zarr"),
     ("fit @good.zarr -o @f.barbule --sigma 0", "--sigma: sigma is 0, but must lie between 0.002 and 0.25"),
     ("fit @good.zarr -o @f.barbule --fit best", "marginal"),
     ("characterize starling -o @no/f.barbule", "does not exist"),
@@ -238,6 +260,13 @@ const LINES: &[(&str, &str)] = &[
     ("render starling -o @f.png --size 100", "as in 1280x800"),
     ("render starling -o @f.png --size 0x5", "0"),
     ("render starling -o @f.png --size 999999x999999", "999999"),
+    (
+        "render mallard -o @f.png --size 16384x16384 --samples 1 --memory 1GB",
+        "needs 38719 MB of memory, but 1000 MB are allowed",
+    ),
+    ("render mallard -o @f.exr --size 1000x1000 --memory 100MB", "raise --memory, or give a smaller --size"),
+    ("render @large.toml -o @f.png", "over the limit of 4 MiB"),
+    ("render starling -o @good.zarr/f.png", "inside a campaign store"),
     ("render starling -o @f.png --samples 0", "give 1 to 16777216"),
     ("render starling -o @f.png --time soon", "30s, 5m or 1h"),
     ("render starling -o @f.png --time=-3s", "30s, 5m or 1h"),
@@ -400,9 +429,10 @@ const SCENES: &[Change] = &[
 
 /// Changes of a store's zarr.json, read by `simulate --status`.
 const STORES: &[Change] = &[
-    ("\"barbule_store\": 2", "\"barbule_store\": 9", "not a campaign store of this version (its layout is 9"),
-    ("\"barbule_store\": 2,", "", "not a campaign store of this version"),
-    ("\"barbule_store\": 2", "\"barbule_store\": 1", "another chunk_key_encoding than its axes say"),
+    ("\"barbule_store\": 3", "\"barbule_store\": 9", "not a campaign store of this version (its layout is 9"),
+    ("\"barbule_store\": 3,", "", "not a campaign store of this version"),
+    ("\"barbule_store\": 3", "\"barbule_store\": 1", "another chunk_key_encoding than its axes say"),
+    ("\"barbule_store\": 3", "\"barbule_store\": 2", "do not match their checksum"),
     ("{", "", "zarr.json is damaged"),
     ("\"instances\": 2", "\"instances\": 0", "'instances' is no number from 1 to 10000"),
     ("\"instances\": 2", "\"instances\": 99999999999", "'instances' is no number from 1 to 10000"),
@@ -451,6 +481,11 @@ fn prepared(folder: &Path) -> Vec<(String, &'static str)> {
         "inclusions.json",
         br#"{"barbule": 1, "units": "um", "inclusions": [{"circle": {"x": 1, "z": 0, "radius": 0.5}, "medium": "melanin"}]}"#,
     );
+    for (name, mebibytes) in [("large.toml", 4), ("large.yml", 4), ("large.csv", 16), ("large.json", 64)] {
+        let file = std::fs::File::create(folder.join(name)).unwrap();
+        file.set_len((mebibytes << 20) + 1).unwrap();
+    }
+    write("many.json", &vec![b','; 4_000_001]);
     for name in ["empty", "folder.json", "full", "sections"] {
         std::fs::create_dir(folder.join(name)).unwrap();
     }
@@ -532,6 +567,108 @@ fn names(folder: &Path) -> BTreeSet<PathBuf> {
         }
     }
     found
+}
+
+/// Texts that would run over many lines, move a terminal's cursor, or fill the screen.
+const HOSTILE: [&str; 7] =
+    ["a\nb", "\u{1b}[31mred\u{1b}[2J", "\r\n\t", "\u{202e}lanimret", "'\"`", "{}%s\\", "LONG"];
+
+/// Command lines that read X in as many ways; none can be run.
+const READERS: &[&str] = &[
+    "X",
+    "film X",
+    "film air/X:5/air",
+    "film air/keratin:X/air",
+    "film air/keratin:5/air --X",
+    "film air/keratin:5/air --wavelengths X",
+    "film air/keratin:5/air --angles X",
+    "film air/keratin:5/air --threads X",
+    "film air/keratin:5/air --memory 5X",
+    "film air/keratin:5/air --medium X",
+    "film air/keratin:5/air --medium X=@good.csv",
+    "film air/keratin:5/air --medium q=X",
+    "film air/keratin:5/air -o X",
+    "film air/keratin:5/air --csv @no/X",
+    "film X.toml",
+    "geometry X -o @f.svg",
+    "geometry X.json -o @f.svg",
+    "geometry starling:X -o @f.svg",
+    "species X",
+    "spectrum starling --collect X",
+    "spectrum starling --polarization X",
+    "spectrum starling --plane X",
+    "spectrum starling --measured X",
+    "far-field starling --wavelength X --theta 0 --phi 0",
+    "far-field starling --wavelength 500 --theta X --phi 0",
+    "simulate starling -o @s.zarr --directions X",
+    "simulate starling -o @s.zarr --shard X",
+    "simulate starling -o @s.zarr --simd X",
+    "simulate starling -o @s.zarr --wavelengths X",
+    "simulate starling -o X/s.zarr",
+    "simulate X --status",
+    "fit X -o @f.barbule",
+    "crystal X",
+    "crystal mallard --solver X",
+    "lobes X -o @f.svg",
+    "render X -o @f.png",
+    "render starling:X -o @f.png",
+    "render starling -o @f.png --material X",
+    "render starling -o @f.png --size X",
+    "render starling -o @f.png --light X",
+    "render starling -o @f.png --view X",
+    "render starling -o @f.png --time X",
+    "completions X",
+];
+
+#[test]
+fn whatever_is_typed_a_refusal_is_one_short_line_without_control_characters() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("good.csv"), "300,1.5,0\n830,1.5,0\n").unwrap();
+    let here = format!("{}/", folder.path().display());
+    let long = "9".repeat(6000);
+    let mut wrong = Vec::new();
+    for line in READERS {
+        for hostile in HOSTILE.map(|text| text.replace("LONG", &long)) {
+            let word = |word: &str| word.replace('@', &here).replace('X', &hostile);
+            let words: Vec<String> = line.split_whitespace().map(word).collect();
+            let (code, out, message) = run(&words);
+            let sentence = message.strip_suffix('\n').unwrap_or(&message);
+            let is_one = sentence.starts_with("barbule: ") && sentence.len() < 600;
+            let clean = !sentence.chars().any(|c| c.is_control() || c == '\u{202e}');
+            if code != ExitCode::from(2) || !is_one || !clean || !out.is_empty() {
+                wrong.push(format!("{line} {hostile:.20?}\n    {code:?} {}: {message:?}", sentence.len()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} lines:\n{}", wrong.len(), wrong.join("\n"));
+    assert_eq!(names(folder.path()).len(), 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_without_a_writer_and_devices_are_no_inputs_and_are_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    for name in ["p.json", "p.toml", "p.csv", "p.barbule"] {
+        assert!(std::process::Command::new("mkfifo").arg(at(name)).status().unwrap().success());
+    }
+    let svg = at("f.svg");
+    for line in [
+        vec!["geometry", &at("p.json"), "-o", &svg],
+        vec!["geometry", &at("p.toml"), "-o", &svg],
+        vec!["film", "air/q:5/air", "--medium", &format!("q={}", at("p.csv"))],
+        vec!["film", "air/q:5/air", "--medium", "q=/dev/zero"],
+        vec!["spectrum", "starling", "--measured", &at("p.csv")],
+        vec!["lobes", &at("p.barbule"), "-o", &svg],
+        vec!["render", &at("p.toml"), "-o", &at("f.png")],
+    ] {
+        let words: Vec<String> = line.iter().map(|word| (*word).to_owned()).collect();
+        let (code, _, message) = run(&words);
+        assert!(
+            code == ExitCode::from(2) && message.contains("is a pipe or a device"),
+            "{line:?}: {message}"
+        );
+    }
 }
 
 #[test]

@@ -138,6 +138,26 @@ fn ctrl_c_ends_soon_and_leaves_what_can_be_resumed() {
     assert!(!store.join(".aside").exists());
 }
 
+/// A hummingbird's instances take seconds to prepare, before the first unit.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_during_preparation_leaves_nothing_but_an_empty_store() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = folder.path().join("s.zarr");
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut child =
+        command.args(["simulate", "hummingbird", "-o"]).arg(&store).stderr(Stdio::piped()).spawn().unwrap();
+    let begun = Instant::now();
+    while !store.join("zarr.json").exists() && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!store.join(".aside").exists());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
 #[test]
 fn memory_that_does_not_suffice_is_said_before_anything_is_written() {
     let folder = tempfile::tempdir().unwrap();
@@ -207,6 +227,65 @@ fn a_full_disk_is_said_leaves_nothing_half_written_and_more_space_resumes() {
     let output = simulate(&tiny.0.path().join("s.zarr"), &[]);
     assert_eq!(output.status.code(), Some(1), "{}", message(&output));
     assert_eq!(std::fs::read_dir(tiny.0.path()).unwrap().count(), 0);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_too_small_for_a_checkpoint_does_not_lose_the_picture() {
+    use crate::common::{MADE_UP, write_made_up};
+    let Some(disk) = Disk::new("200k") else { return };
+    write_made_up();
+    let render = |more: &[&str]| {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+        command.current_dir(disk.0.path()).args([
+            "render",
+            "starling",
+            "--material",
+            MADE_UP,
+            "--samples",
+            "2",
+        ]);
+        command.args(["--size", "64x64", "-o"]).args(more).output().unwrap()
+    };
+    let output = render(&["r.png", "--resume"]);
+    let text = message(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("r.png.checkpoint: cannot be written (No space left"), "{text}");
+    assert!(text.contains("the picture itself is written") && text.len() < 600, "{text}");
+    let picture = std::fs::read(disk.0.path().join("r.png")).unwrap();
+    assert!(picture.starts_with(b"\x89PNG") && picture.ends_with(b"IEND\xaeB`\x82"));
+    assert_eq!(std::fs::read_dir(disk.0.path()).unwrap().count(), 1);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn tables_that_do_not_fit_on_the_disk_leave_neither_themselves_nor_their_notes() {
+    let Some(disk) = Disk::new("8k") else { return };
+    let film = |set: &str| {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+        command.current_dir(disk.0.path()).args([
+            "film",
+            "air/keratin:300/air",
+            "--csv",
+            "t.csv",
+            "--wavelengths",
+            set,
+        ]);
+        command.output().unwrap()
+    };
+    // One page for the table, one for the notes; then the folder has no room for a second pair.
+    for set in ["400:800:1", "400:460:1"] {
+        let output = film(set);
+        assert_eq!(output.status.code(), Some(1), "{}", message(&output));
+        assert!(message(&output).contains("free some space"), "{}", message(&output));
+        assert_eq!(std::fs::read_dir(disk.0.path()).unwrap().count(), 0);
+    }
+    disk.remount("size=1m");
+    assert!(film("400:460:1").status.success());
+    assert_eq!(std::fs::read_dir(disk.0.path()).unwrap().count(), 2);
+    disk.remount("ro");
+    let output = film("500");
+    assert_eq!(output.status.code(), Some(2), "{}", message(&output));
 }
 
 #[cfg(target_os = "linux")]

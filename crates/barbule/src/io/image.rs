@@ -78,7 +78,36 @@ pub fn write_exr(
         .write()
         .to_buffered(&mut bytes)
         .map_err(|e| Error::machine(format!("{}: no EXR ({e})", path.display())))?;
-    write_whole(path, bytes.get_ref())
+    let mut bytes = bytes.into_inner();
+    sort_attributes(&mut bytes);
+    write_whole(path, &bytes)
+}
+
+/// Brings the attributes in the header of an EXR of one part into the order of their names. The library writes those of
+/// its users in the order of a hash map, which is another one in every run.
+fn sort_attributes(bytes: &mut [u8]) {
+    /// Magic number and version.
+    const HEAD: usize = 8;
+    let mut attributes: Vec<&[u8]> = Vec::new();
+    let mut at = HEAD;
+    // Name and type end with a zero; the length of the value and the value follow. An empty name ends the header.
+    while let Some(length) = bytes.get(at..).and_then(attribute_length) {
+        attributes.push(&bytes[at..at + length]);
+        at += length;
+    }
+    attributes.sort_unstable();
+    let sorted = attributes.concat();
+    bytes[HEAD..HEAD + sorted.len()].copy_from_slice(&sorted);
+}
+
+/// Bytes of the attribute that these begin with; `None` where there is none.
+fn attribute_length(bytes: &[u8]) -> Option<usize> {
+    let text = |from: usize| bytes.get(from..)?.iter().position(|byte| *byte == 0);
+    let name = text(0).filter(|length| *length > 0)?;
+    let value = name + 1 + text(name + 1)? + 1;
+    let length = u32::from_le_bytes(*bytes.get(value..)?.first_chunk()?) as usize;
+    let end = value.checked_add(4)?.checked_add(length)?;
+    (end <= bytes.len()).then_some(end)
 }
 
 /// A picture in linear RGB.
@@ -159,6 +188,28 @@ mod tests {
         write_exr(&path, [4, 3], vec![("Y", plane(0))], vec![], &[]).unwrap();
         assert!(message(&std::fs::read(&path).unwrap()).contains("R, G and B"));
         assert!(read_exr(&folder.path().join("none.exr")).is_err());
+    }
+
+    #[test]
+    fn the_same_picture_is_the_same_bytes_every_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let facts = ["command", "version", "seed", "material", "light"].map(|name| (name, name));
+        let plane = |k: usize| (0..12).map(|i| (i * 3 + k) as f32).collect::<Vec<f32>>();
+        let made = || {
+            let planes = vec![("R", plane(0)), ("G", plane(1)), ("B", plane(2))];
+            write_exr(&path, [4, 3], planes, vec![], &facts).unwrap();
+            std::fs::read(&path).unwrap()
+        };
+        let first = made();
+        assert!((0..20).all(|_| made() == first));
+        assert_eq!(read_exr(&path).unwrap().pixels[5], [15.0, 16.0, 17.0]);
+        let header = MetaData::read_from_buffered(&first[..], false).unwrap().headers.remove(0);
+        for (name, text) in facts {
+            let name = Text::new_or_none(format!("barbule_{name}")).unwrap();
+            let value = AttributeValue::Text(Text::new_or_none(text).unwrap());
+            assert_eq!(header.own_attributes.other.get(&name), Some(&value));
+        }
     }
 
     #[test]

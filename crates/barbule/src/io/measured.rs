@@ -13,7 +13,8 @@ use std::path::Path;
 
 pub(super) use columns::position_unit;
 
-use super::read_bytes;
+use super::read_at_most;
+use super::whole::LARGEST_TABLE;
 use crate::error::counted;
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::{Error, Result};
@@ -69,7 +70,7 @@ pub struct Measured {
 /// # Errors
 /// The file cannot be read, is no such file, or can be read in two ways; the message names the line or the choice.
 pub fn read_measured(path: &Path, column: Option<&str>, scale: Option<Scale>) -> Result<Measured> {
-    parse_measured(&path.display().to_string(), &read_bytes(path)?, column, scale)
+    parse_measured(&path.display().to_string(), &read_at_most(path, LARGEST_TABLE)?, column, scale)
 }
 
 /// Reads measurements from a file's bytes; `name` is what messages call the file.

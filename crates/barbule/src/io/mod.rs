@@ -8,12 +8,15 @@ mod machine;
 mod material;
 pub mod measured;
 mod media;
+mod named;
 mod orders;
+mod output;
 mod section;
 mod species;
 mod stack;
 pub mod store;
 pub mod tables;
+mod temporary;
 mod whole;
 mod zarr;
 
@@ -22,14 +25,13 @@ pub use kind::{InputKind, kind_of};
 pub use lattice::read_lattice;
 pub use machine::available_memory;
 pub use material::{decode_material, encode_material, read_material, write_material};
+pub use named::{files_in, files_named_in};
 pub use orders::{read_keyed_orders, read_orders, write_orders};
+pub use output::{check_writable, is_inside_store, is_same_file, is_stream, write_together, write_whole};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use species::{
     feather_of, is_species, read_feather, read_flat_stack, read_species, read_species_file,
     read_structure_toml,
 };
 pub use stack::{parse_stack, read_stack};
-pub use whole::{
-    LARGEST_INPUT, check_writable, hash_bytes, hash_file, make_folder, read_at_most, read_bytes, read_text,
-    write_whole,
-};
+pub use whole::{LARGEST_INPUT, hash_bytes, hash_file, make_folder, read_at_most, read_bytes, read_text};

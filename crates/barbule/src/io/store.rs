@@ -2,10 +2,11 @@
 //!
 //! The whole empty store is built aside and renamed into place. A chunk is written aside and renamed, so it exists whole
 //! or not at all, however many processes write; its checksum (CRC-32C) is verified on reading. The arrays of a unit are
-//! written in a fixed order, so the unit is done when the last has its chunk. The group's attributes hold every parameter
-//! and their hash.
+//! written in a fixed order and then a digest of them all, which ties them to their unit and campaign; so the unit is
+//! done when its digest is there. The group's attributes hold every parameter and their hash.
 
 mod aside;
+mod coordinates;
 mod layout;
 #[cfg(test)]
 mod tests;
@@ -18,7 +19,8 @@ use serde_json::{Value, json};
 
 use self::aside::Files;
 use self::layout::{ARRAYS, Arrays, Attributes};
-use super::whole::read_text;
+use super::output::{behind_links, is_inside_store};
+use super::whole::{failure, folder_of, read_text};
 use super::zarr::{Array, Element};
 use crate::scattering::statistics::{Axes, Statistics, Unit};
 use crate::{Error, Result};
@@ -48,6 +50,8 @@ pub struct Store {
     files: Files,
     attributes: Attributes,
     arrays: Arrays,
+    /// BLAKE3 of the attributes, in hexadecimal.
+    hash: String,
 }
 
 impl Store {
@@ -74,34 +78,35 @@ impl Store {
                 "fields are to be kept at {nm} nm, which the campaign does not simulate"
             )));
         }
-        let here = Attributes {
-            axes: axes.clone(),
-            instances,
-            name: name.into(),
-            width: width.into(),
-            kept_nm: kept_nm.to_vec(),
-            description: description.clone(),
-        };
+        let here = Attributes::new(axes, instances, name, width, kept_nm, description);
+        let given = path;
+        let refuse = |what: &str| Err(Error::input(format!("{}: {what}", given.display())));
+        let path = &behind_links(given)?;
+        if path.file_name().is_none() {
+            return refuse("a store needs a name of its own; give one, as in S.zarr");
+        }
+        if is_inside_store(path) {
+            return refuse("lies inside another campaign store; give a name elsewhere");
+        }
         let is_empty =
             |folder: &Path| std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+        aside::sweep_beside(path);
         if !path.exists() || is_empty(path) {
-            let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            let folder = folder_of(path);
             if !folder.is_dir() {
-                return Err(Error::input(format!(
-                    "{}: the store cannot be created (the folder {} does not exist)",
-                    path.display(),
+                return refuse(&format!(
+                    "the store cannot be created (the folder {} does not exist)",
                     folder.display()
-                )));
+                ));
             }
             // Processes that create one store at the same instant each build their own; the first rename wins.
             aside::create_folder(path, |made| here.build(path, made))?;
         }
         let store = Self::open(path)?;
         if !store.arrays.are_written() {
-            return Err(Error::input(format!(
-                "{}: was made by an earlier version of Barbule, whose stores are read but not continued; give another name",
-                path.display()
-            )));
+            return refuse(
+                "was made by an earlier version of Barbule, whose stores are read but not continued; give another name",
+            );
         }
         store.attributes.check_same(path, &here)?;
         Ok(store)
@@ -142,7 +147,8 @@ impl Store {
         if !attributes.matches(&group["attributes"]) {
             return Err(refuse("its parameters do not match their checksum"));
         }
-        Ok(Self { path: path.to_owned(), files: Files::new(path), attributes, arrays })
+        let hash = attributes.hash();
+        Ok(Self { path: path.to_owned(), files: Files::new(path), attributes, arrays, hash })
     }
 
     /// Refuses to be filled by a campaign with other axes or another number of instances.
@@ -159,19 +165,23 @@ impl Store {
         )))
     }
 
-    /// Makes ready for writing: deletes what writers left that are no more, and tries whether files can be written.
+    /// Makes ready for writing: deletes what writers left that are no more, tries whether files can be written, and
+    /// restores coordinates that somebody changed.
     ///
     /// # Errors
     /// The store is not writable, or the disk is full.
     pub fn prepare_writing(&self) -> Result<()> {
         self.files.sweep();
-        self.files.probe().map_err(|e| aside::failure(&self.path, "the store cannot be written", &e))
+        let done = self.files.probe().and_then(|()| self.arrays.write_coordinates(&self.files));
+        self.files.tidy();
+        done.map_err(|e| failure(&self.path, "the store cannot be written", &e))
     }
 
     /// Ends writing: removes what it needed, unless other processes still write.
     pub fn end_writing(&self) {
         self.files.sweep();
         self.files.tidy();
+        aside::sweep_beside(&self.path);
     }
 
     /// How many units are done, missing and damaged; reads them all.
@@ -227,7 +237,10 @@ impl Store {
     /// missing or damaged.
     #[must_use]
     pub fn fields(&self, wavelength: usize, theta: usize) -> Option<Vec<Complex<f32>>> {
-        self.read_chunk(self.arrays.fields.as_ref()?, &[self.kept(wavelength)?, theta])
+        let array = self.arrays.fields.as_ref()?;
+        let chunk = [self.kept(wavelength)?, theta];
+        let bytes = self.sealed(array, &chunk, &self.digest([wavelength, theta])?, ARRAYS)?;
+        array.decode(&bytes).filter(|fields: &Vec<Complex<f32>>| fields.iter().all(|e| e.is_finite()))
     }
 
     /// The axes of the campaign.
@@ -265,35 +278,52 @@ impl Store {
     /// Whether a unit is there, by the presence of its last chunk.
     #[must_use]
     pub fn is_done(&self, wavelength: usize, theta: usize) -> bool {
-        self.files.has(&self.arrays.unit[ARRAYS - 1].chunk_path(&[wavelength, theta]))
+        self.files.has(&self.arrays.last().chunk_path(&[wavelength, theta]))
     }
 
     /// Writes a unit.
     ///
     /// # Errors
-    /// The disk is full or the store is not writable; the unit is of other axes than the store.
+    /// The disk is full or the store is not writable; the unit is of other axes than the store; its values are none that
+    /// a reflection can have.
     pub fn write(&self, wavelength: usize, theta: usize, unit: &Unit) -> Result<()> {
-        let unit_at = [wavelength, theta];
+        if !is_possible(unit) {
+            return Err(Error::not_settled(format!(
+                "{}: the unit at {} nm and cosθ = {} came out with values that are not finite or negative",
+                self.path.display(),
+                self.attributes.axes.wavelengths_nm()[wavelength],
+                self.attributes.axes.cos_theta()[theta],
+            )));
+        }
+        let at = [wavelength, theta];
+        let mut digests = [0; ARRAYS + 1];
         if let (Some(fields), Some(kept)) = (&self.arrays.fields, self.kept(wavelength)) {
-            self.write_chunk(fields, &[kept, theta], &unit.fields)?;
+            digests[ARRAYS] = self.write_chunk(fields, [kept, theta], &unit.fields)?;
         }
         let [u, v, autocovariance, reflected, reflected_std, pattern_correlation, contrast] =
             &self.arrays.unit;
-        for (array, values) in [(u, &unit.u), (v, &unit.v), (autocovariance, &unit.autocovariance)] {
-            self.write_chunk(array, &unit_at, values)?;
-        }
-        for (array, values) in [
+        let singles = [(u, &unit.u), (v, &unit.v), (autocovariance, &unit.autocovariance)];
+        let doubles = [
             (reflected, &unit.reflected),
             (reflected_std, &unit.reflected_std),
             (pattern_correlation, &unit.pattern_correlation),
             (contrast, &unit.contrast),
-        ] {
-            self.write_chunk(array, &unit_at, values)?;
+        ];
+        let (of_singles, of_doubles) = digests[..ARRAYS].split_at_mut(singles.len());
+        for (digest, (array, values)) in of_singles.iter_mut().zip(singles) {
+            *digest = self.write_chunk(array, at, values)?;
+        }
+        for (digest, (array, values)) in of_doubles.iter_mut().zip(doubles) {
+            *digest = self.write_chunk(array, at, values)?;
+        }
+        if let Some(array) = &self.arrays.digest {
+            self.write_chunk(array, at, &digests)?;
         }
         Ok(())
     }
 
-    fn write_chunk<T: Element>(&self, array: &Array, unit: &[usize; 2], values: &[T]) -> Result<()> {
+    /// Writes a chunk; its digest.
+    fn write_chunk<T: Element>(&self, array: &Array, at: [usize; 2], values: &[T]) -> Result<u64> {
         let Some(bytes) = array.encode(values) else {
             return Err(Error::input(format!(
                 "{}: {} values cannot be a chunk of its array '{}', which has {}; the campaign has other axes than the store",
@@ -303,35 +333,60 @@ impl Store {
                 array.chunk_len()
             )));
         };
-        self.files
-            .write(&array.chunk_path(unit), &bytes)
-            .map_err(|e| aside::failure(&self.path, "a chunk cannot be written", &e))
+        let key = array.chunk_path(&at);
+        self.files.write(&key, &bytes).map_err(|e| failure(&self.path, "a chunk cannot be written", &e))?;
+        Ok(self.digest_of(&key, &bytes))
     }
 
-    /// Reads a unit; `None` when it is missing or damaged (its checksum fails, or it is not of the length that its shape
-    /// asks for), so that it can be computed again.
+    /// What ties a chunk to its place in this campaign.
+    fn digest_of(&self, key: &str, bytes: &[u8]) -> u64 {
+        let mut hasher = blake3::Hasher::new();
+        for part in [self.hash.as_bytes(), key.as_bytes()] {
+            hasher.update(&(part.len() as u64).to_le_bytes()).update(part);
+        }
+        let hash = hasher.update(bytes).finalize();
+        hash.as_bytes().first_chunk().copied().map_or(0, u64::from_le_bytes)
+    }
+
+    /// The digests of a unit's chunks: `None` where they are missing or damaged, an empty one in layouts without.
+    fn digest(&self, at: [usize; 2]) -> Option<Vec<u64>> {
+        let Some(array) = &self.arrays.digest else { return Some(Vec::new()) };
+        array.decode(&self.files.read(&array.chunk_path(&at), array.most_bytes())?)
+    }
+
+    /// The bytes of a chunk that has the digest number `index`.
+    fn sealed(&self, array: &Array, at: &[usize; 2], digests: &[u64], index: usize) -> Option<Vec<u8>> {
+        let key = array.chunk_path(at);
+        let bytes = self.files.read(&key, array.most_bytes())?;
+        let is_its = digests.is_empty() || digests.get(index) == Some(&self.digest_of(&key, &bytes));
+        is_its.then_some(bytes)
+    }
+
+    /// Reads a unit; `None` when it is missing or damaged (a checksum or digest fails, a chunk is not of the length that
+    /// its shape asks for, or has values that no reflection has), so that it can be computed again.
     #[must_use]
     pub fn read(&self, wavelength: usize, theta: usize) -> Option<Unit> {
         if !self.is_done(wavelength, theta) {
             return None;
         }
-        let unit = [wavelength, theta];
-        let [u, v, autocovariance, reflected, reflected_std, pattern_correlation, contrast] =
-            &self.arrays.unit;
-        Some(Unit {
-            u: self.read_chunk(u, &unit)?,
-            v: self.read_chunk(v, &unit)?,
-            autocovariance: self.read_chunk(autocovariance, &unit)?,
-            reflected: self.read_chunk(reflected, &unit)?,
-            reflected_std: self.read_chunk(reflected_std, &unit)?,
-            pattern_correlation: self.read_chunk(pattern_correlation, &unit)?,
-            contrast: self.read_chunk(contrast, &unit)?,
+        let at = [wavelength, theta];
+        let digests = self.digest(at)?;
+        let unit = Unit {
+            u: self.read_chunk(0, &at, &digests)?,
+            v: self.read_chunk(1, &at, &digests)?,
+            autocovariance: self.read_chunk(2, &at, &digests)?,
+            reflected: self.read_chunk(3, &at, &digests)?,
+            reflected_std: self.read_chunk(4, &at, &digests)?,
+            pattern_correlation: self.read_chunk(5, &at, &digests)?,
+            contrast: self.read_chunk(6, &at, &digests)?,
             fields: Vec::new(),
-        })
+        };
+        is_possible(&unit).then_some(unit)
     }
 
-    fn read_chunk<T: Element>(&self, array: &Array, unit: &[usize; 2]) -> Option<Vec<T>> {
-        array.decode(&self.files.read(&array.chunk_path(unit), array.most_bytes())?)
+    fn read_chunk<T: Element>(&self, index: usize, at: &[usize; 2], digests: &[u64]) -> Option<Vec<T>> {
+        let array = &self.arrays.unit[index];
+        array.decode(&self.sealed(array, at, digests, index)?)
     }
 
     /// All statistics of a finished store.
@@ -359,4 +414,17 @@ impl Store {
             ))),
         }
     }
+}
+
+/// Whether values can be those of a reflection: finite, and intensities not negative. What is relative to the light that
+/// comes back is undefined where none does.
+fn is_possible(unit: &Unit) -> bool {
+    let intensity = |values: &[f64]| values.iter().all(|v| v.is_finite() && *v >= 0.0);
+    unit.u.iter().all(|v| v.is_finite() && *v >= 0.0)
+        && unit.v.iter().chain(&unit.autocovariance).all(|v| v.is_finite())
+        && intensity(&unit.reflected)
+        && intensity(&unit.reflected_std)
+        && unit.contrast.iter().all(|v| v.is_nan() || *v >= 0.0)
+        && !unit.pattern_correlation.iter().any(|v| v.is_infinite())
+        && unit.fields.iter().all(|e| e.is_finite())
 }

@@ -1,7 +1,7 @@
-//! Reading and writing files whole.
+//! Reading users' files whole, within limits on their size and kind.
 
 use std::fs;
-use std::io::{Read as _, Write as _};
+use std::io::{self, ErrorKind, Read as _};
 use std::path::Path;
 
 use crate::{Error, Result};
@@ -9,10 +9,20 @@ use crate::{Error, Result};
 /// The largest input file that is read: 64 MiB.
 pub const LARGEST_INPUT: u64 = 64 << 20;
 
+/// The largest TOML or YAML: 4 MiB, since their readers take up to 110 bytes per byte.
+const LARGEST_BY_HAND: u64 = 4 << 20;
+
+/// The largest table in text: 16 MiB, since the shortest lines become 15 bytes per byte.
+pub(super) const LARGEST_TABLE: u64 = 16 << 20;
+
+/// Most commas and opening brackets of a JSON, a bound of its values: each takes up to 300 bytes. The largest section has
+/// half as many.
+const MOST_JSON_VALUES: usize = 4_000_000;
+
 /// Reads a user's file of at most [`LARGEST_INPUT`] bytes.
 ///
 /// # Errors
-/// Missing, a folder, unreadable, or too large.
+/// Missing, a folder or another thing that is no file, unreadable, or too large.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     read_at_most(path, LARGEST_INPUT)
 }
@@ -24,91 +34,92 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
 pub fn read_at_most(path: &Path, largest: u64) -> Result<Vec<u8>> {
     let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
     let metadata = fs::metadata(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => refuse("no such file"),
-        _ => refuse(&format!("cannot be read ({error})")),
+        ErrorKind::NotFound => refuse("no such file"),
+        _ => failure(path, "cannot be read", &error),
     })?;
     if metadata.is_dir() {
         return Err(refuse("is a folder, but a file is needed"));
     }
-    let limit = format!("over the limit of {} MiB", largest.div_ceil(1 << 20));
+    // A pipe that nobody fills would be waited for in vain, and a device never ends.
+    if !metadata.is_file() && !is_descriptor(path) {
+        return Err(refuse(
+            "is a pipe or a device, but a file is needed; what a pipe brings is read from /dev/stdin",
+        ));
+    }
+    let limit = format!("over the limit of {} MiB for such a file", largest.div_ceil(1 << 20));
     if metadata.len() > largest {
         return Err(refuse(&format!("has {} bytes, {limit}", metadata.len())));
     }
     let mut bytes = Vec::new();
     fs::File::open(path)
         .and_then(|file| file.take(largest + 1).read_to_end(&mut bytes))
-        .map_err(|error| refuse(&format!("cannot be read ({error})")))?;
+        .map_err(|error| failure(path, "cannot be read", &error))?;
     if bytes.len() as u64 > largest {
         return Err(refuse(&format!("is {limit}")));
     }
     Ok(bytes)
 }
 
-/// Reads a user's text file (UTF-8, a byte-order mark is dropped).
+/// Reads a user's text file (UTF-8, a byte-order mark is dropped): at most 4 MiB of TOML or YAML, 64 MiB of JSON with
+/// 4,000,000 commas and opening brackets, 16 MiB of anything else.
 ///
 /// # Errors
 /// As [`read_bytes`], or not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
-    let text = String::from_utf8(read_bytes(path)?)
-        .map_err(|_| Error::input(format!("{}: is not UTF-8 text", path.display())))?;
-    Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let largest = match extension.as_str() {
+        "toml" | "yml" | "yaml" => LARGEST_BY_HAND,
+        "json" => LARGEST_INPUT,
+        _ => LARGEST_TABLE,
+    };
+    let bytes = read_at_most(path, largest)?;
+    let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
+    if extension == "json" && bytes.iter().filter(|b| b",[{".contains(b)).count() > MOST_JSON_VALUES {
+        return Err(refuse(&format!(
+            "has over {MOST_JSON_VALUES} commas and opening brackets, more than any file that is read here needs"
+        )));
+    }
+    let text = String::from_utf8(bytes).map_err(|_| refuse("is not UTF-8 text"))?;
+    match text.strip_prefix('\u{feff}') {
+        Some(rest) => Ok(rest.to_owned()),
+        None => Ok(text),
+    }
 }
 
-/// Writes a file so that it appears whole or not at all: a temporary file in the same folder, synced, then renamed.
-///
-/// # Errors
-/// The folder is missing or not writable, or the disk is full.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let refuse = |what: String| Error::input(format!("{}: {what}", path.display()));
-    if path.is_dir() {
-        return Err(refuse("is a folder; give a file name".into()));
-    }
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(refuse(format!("the folder {} does not exist", folder.display())));
-    }
-    let mut file = shared_temporaries(false)
-        .prefix(".barbule-")
-        .tempfile_in(folder)
-        .map_err(|e| refuse(format!("cannot be written ({e})")))?;
-    let written = file.write_all(bytes).and_then(|()| file.as_file().sync_all());
-    written.map_err(|e| Error::machine(format!("{}: cannot be written ({e})", path.display())))?;
-    file.persist(path).map_err(|e| refuse(format!("cannot be written ({})", e.error)))?;
-    Ok(())
+/// Whether a path names an open descriptor of the process, as `/dev/stdin` does and a shell's `<(…)`.
+pub(super) fn is_descriptor(path: &Path) -> bool {
+    ["/dev/stdin", "/dev/stdout", "/dev/stderr"].iter().any(|name| path == Path::new(name))
+        || path.starts_with("/dev/fd")
+        || (path.starts_with("/proc") && path.parent().is_some_and(|folder| folder.ends_with("fd")))
 }
 
-/// Makes temporary files, or folders, with the permissions of any new one: they become results.
-pub(super) fn shared_temporaries(folders: bool) -> tempfile::Builder<'static, 'static> {
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        // The system takes the user's mask off.
-        builder.permissions(fs::Permissions::from_mode(if folders { 0o777 } else { 0o666 }));
-    }
-    #[cfg(not(unix))]
-    let _ = folders;
-    builder
+/// The folder that a file lies in, or will.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Refuses early, before long work, a path that [`write_whole`] would refuse.
-///
-/// # Errors
-/// The folder is missing, or the path is a folder or in a folder that is not writable.
-pub fn check_writable(path: &Path) -> Result<()> {
-    let refuse = |what: String| Error::input(format!("{}: {what}", path.display()));
-    if path.is_dir() {
-        return Err(refuse("is a folder; give a file name".into()));
+/// An error of the file system as a sentence: the user's where a path or a permission is wrong, else the machine's.
+pub(super) fn failure(path: &Path, what: &str, error: &io::Error) -> Error {
+    let sentence = format!("{}: {what} ({error})", path.display());
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            Error::machine(format!("{sentence}; free some space and run the same command again"))
+        }
+        ErrorKind::NotFound
+        | ErrorKind::PermissionDenied
+        | ErrorKind::ReadOnlyFilesystem
+        | ErrorKind::IsADirectory
+        | ErrorKind::NotADirectory
+        | ErrorKind::DirectoryNotEmpty
+        | ErrorKind::AlreadyExists
+        | ErrorKind::InvalidFilename
+        | ErrorKind::InvalidInput
+        | ErrorKind::ExecutableFileBusy
+        | ErrorKind::ResourceBusy
+        | ErrorKind::CrossesDevices
+        | ErrorKind::Unsupported => Error::input(sentence),
+        _ => Error::machine(sentence),
     }
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(refuse(format!("the folder {} does not exist", folder.display())));
-    }
-    tempfile::Builder::new()
-        .prefix(".barbule-")
-        .tempfile_in(folder)
-        .map(|_| ())
-        .map_err(|e| refuse(format!("cannot be written ({e})")))
 }
 
 /// BLAKE3 of bytes, in hexadecimal.
@@ -130,34 +141,74 @@ pub fn hash_file(path: &Path) -> Result<String> {
 /// # Errors
 /// It cannot be made.
 pub fn make_folder(path: &Path) -> Result<()> {
-    fs::create_dir_all(path).map_err(|e| Error::input(format!("{}: cannot be made ({e})", path.display())))
+    fs::create_dir_all(path).map_err(|e| failure(path, "cannot be made", &e))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_file_is_written_whole_and_read_back() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.txt");
-        write_whole(&path, b"one").unwrap();
-        write_whole(&path, b"two").unwrap();
-        assert_eq!(read_text(&path).unwrap(), "two");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    fn message<T>(result: Result<T>) -> String {
+        result.err().map(|e| e.to_string()).unwrap_or_default()
     }
 
     #[test]
-    fn folders_and_missing_files_are_refused() {
+    fn folders_missing_files_and_what_is_not_text_are_refused() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(read_bytes(folder.path()).unwrap_err().to_string().contains("is a folder"));
-        assert!(read_bytes(&folder.path().join("x")).unwrap_err().to_string().contains("no such file"));
-        assert!(
-            write_whole(&folder.path().join("no/where"), b"")
-                .unwrap_err()
-                .to_string()
-                .contains("does not exist")
-        );
-        assert!(check_writable(folder.path()).is_err());
+        assert!(message(read_bytes(folder.path())).contains("is a folder"));
+        assert!(message(read_bytes(&folder.path().join("x"))).contains("no such file"));
+        let path = folder.path().join("a.csv");
+        fs::write(&path, b"\xff").unwrap();
+        assert!(message(read_text(&path)).contains("is not UTF-8 text"));
+        fs::write(&path, "\u{feff}1,2").unwrap();
+        assert_eq!(read_text(&path).unwrap(), "1,2");
+    }
+
+    #[test]
+    fn each_kind_of_text_has_its_limit_so_that_reading_it_fits_into_memory() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, largest, limit) in [
+            ("a.toml", LARGEST_BY_HAND, "limit of 4 MiB"),
+            ("a.YAML", LARGEST_BY_HAND, "limit of 4 MiB"),
+            ("a.csv", LARGEST_TABLE, "limit of 16 MiB"),
+            ("a.json", LARGEST_INPUT, "limit of 64 MiB"),
+        ] {
+            let path = folder.path().join(name);
+            fs::File::create(&path).unwrap().set_len(largest + 1).unwrap();
+            assert!(message(read_text(&path)).contains(limit), "{name}");
+        }
+        let path = folder.path().join("many.json");
+        fs::write(&path, vec![b'['; MOST_JSON_VALUES]).unwrap();
+        assert!(read_text(&path).is_ok());
+        fs::write(&path, vec![b','; MOST_JSON_VALUES + 1]).unwrap();
+        assert!(message(read_text(&path)).contains("over 4000000 commas"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_without_a_writer_and_devices_are_refused_and_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("p.json");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [pipe.as_path(), Path::new("/dev/zero"), Path::new("/dev/null")] {
+            let text = message(read_text(path));
+            assert!(text.contains("is a pipe or a device, but a file is needed"), "{text}");
+        }
+        assert!(is_descriptor(Path::new("/dev/stdin")) && is_descriptor(Path::new("/dev/fd/63")));
+        assert!(is_descriptor(Path::new("/proc/self/fd/0")) && !is_descriptor(Path::new("/dev/zero")));
+    }
+
+    #[test]
+    fn whose_fault_an_error_is_follows_from_its_kind() {
+        for (kind, is_input) in [
+            (ErrorKind::PermissionDenied, true),
+            (ErrorKind::ReadOnlyFilesystem, true),
+            (ErrorKind::NotFound, true),
+            (ErrorKind::StorageFull, false),
+            (ErrorKind::Other, false),
+        ] {
+            let error = failure(Path::new("a"), "cannot be written", &kind.into());
+            assert_eq!(error.is_input(), is_input, "{error}");
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Arrays of Zarr version 3 in regular chunks of floats, as far as campaign stores need them.
+//! Arrays of Zarr version 3 in regular chunks of numbers, as far as campaign stores need them.
 //!
 //! A chunk is its values in C order, little endian, with a CRC-32C checksum behind. Nothing compresses it: floats of a
 //! campaign hardly shrink, and a chunk whose length is known cannot ask for more memory than its shape. Chunks of stores
@@ -20,6 +20,7 @@ pub(super) enum DataType {
     Float32,
     Float64,
     Complex64,
+    UInt64,
 }
 
 impl DataType {
@@ -28,6 +29,7 @@ impl DataType {
             Self::Float32 => "float32",
             Self::Float64 => "float64",
             Self::Complex64 => "complex64",
+            Self::UInt64 => "uint64",
         }
     }
 
@@ -37,7 +39,11 @@ impl DataType {
 
     /// What readers put where a chunk is missing.
     fn fill_value(self) -> Value {
-        if self == Self::Complex64 { json!(["NaN", "NaN"]) } else { json!("NaN") }
+        match self {
+            Self::Float32 | Self::Float64 => json!("NaN"),
+            Self::Complex64 => json!(["NaN", "NaN"]),
+            Self::UInt64 => json!(0),
+        }
     }
 }
 
@@ -66,6 +72,18 @@ impl Element for f32 {
 
 impl Element for f64 {
     const DATA_TYPE: DataType = DataType::Float64;
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        bytes.extend_from_slice(&self.to_le_bytes());
+    }
+
+    fn get(bytes: &[u8]) -> Option<Self> {
+        bytes.try_into().ok().map(Self::from_le_bytes)
+    }
+}
+
+impl Element for u64 {
+    const DATA_TYPE: DataType = DataType::UInt64;
 
     fn put(self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&self.to_le_bytes());
@@ -107,6 +125,8 @@ pub(super) struct Array {
     pub(super) shape: Vec<usize>,
     pub(super) chunk_shape: Vec<usize>,
     pub(super) dimension_names: Vec<&'static str>,
+    /// Of the values; empty for pure numbers.
+    pub(super) units: &'static str,
     /// What the values mean, for people.
     pub(super) meaning: &'static str,
     pub(super) coding: Coding,
@@ -120,6 +140,10 @@ impl Array {
             codecs.push(json!({"name": "zstd", "configuration": {"level": 3, "checksum": false}}));
         }
         codecs.push(json!({"name": "crc32c"}));
+        let mut attributes = json!({"meaning": self.meaning});
+        if !self.units.is_empty() {
+            attributes["units"] = json!(self.units);
+        }
         json!({
             "zarr_format": 3,
             "node_type": "array",
@@ -129,7 +153,7 @@ impl Array {
             "chunk_key_encoding": {"name": "default", "configuration": {"separator": self.separator()}},
             "fill_value": self.data_type.fill_value(),
             "codecs": codecs,
-            "attributes": {"meaning": self.meaning},
+            "attributes": attributes,
             "dimension_names": self.dimension_names,
         })
     }
@@ -265,6 +289,7 @@ mod tests {
             shape: vec![4, 3],
             chunk_shape: vec![1, 3],
             dimension_names: vec!["x", "y"],
+            units: "",
             meaning: "test",
             coding,
         }
@@ -312,6 +337,11 @@ mod tests {
         assert_eq!(bytes.len(), array.most_bytes());
         let back: Vec<u32> = array.decode::<f32>(&bytes).unwrap().into_iter().map(f32::to_bits).collect();
         assert_eq!(back, values.map(f32::to_bits));
+        let counts = Array { data_type: DataType::UInt64, ..array.clone() };
+        assert_eq!(
+            counts.decode::<u64>(&counts.encode(&[0, 1, u64::MAX]).unwrap()).unwrap(),
+            [0, 1, u64::MAX]
+        );
         let complex = Array { data_type: DataType::Complex64, ..array };
         let values = [Complex::new(1.0, 2.0), Complex::new(-3.0, 4.0), Complex::new(0.0, -0.5)];
         assert_eq!(complex.decode::<Complex<f32>>(&complex.encode(&values).unwrap()).unwrap(), values);

@@ -1,25 +1,20 @@
 //! Writing a store's files aside and renaming them, so that any number of processes may write one store.
 //!
-//! Names of temporary files are unique, and lie in one folder of the store. Each is locked by its writer for as long as
-//! it is written, and a lock ends with its process: a temporary that can be locked belongs to nobody and is swept. Where
-//! the file system knows no locks, age decides.
+//! Names of temporary files are unique, and lie in one folder of the store.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
-use crate::io::whole::shared_temporaries;
+use crate::io::temporary::{ATTEMPTS, again, shared, sweep};
+use crate::io::whole::{failure, folder_of};
 use crate::{Error, Result};
 
 /// The folder of a store in which its files are written before they get their names; it is gone while nobody writes.
 const FOLDER: &str = ".aside";
 
-/// Age from which on a temporary is taken for abandoned where locks are not to be had.
-const ABANDONED: Duration = Duration::from_secs(600);
-
-/// A write whose temporary was swept in the instant between its making and its lock is tried again so often.
-const ATTEMPTS: usize = 20;
+/// What the names of a store's temporary files begin with.
+const PREFIX: &str = "new-";
 
 /// The files of a store; their keys are relative paths with `/`.
 #[derive(Debug)]
@@ -70,21 +65,22 @@ impl Files {
 
     fn temporary(&self) -> io::Result<tempfile::NamedTempFile> {
         fs::create_dir_all(&self.aside)?;
-        let file = shared_temporaries(false).prefix("new-").tempfile_in(&self.aside)?;
+        let file = shared(false).prefix(PREFIX).tempfile_in(&self.aside)?;
         // Without locks age protects it.
         let _ = file.as_file().try_lock();
         Ok(file)
     }
 
-    /// Tries whether files can be written.
+    /// Tries whether files can be written; nothing stays of it.
     pub(super) fn probe(&self) -> io::Result<()> {
-        again(|| self.temporary().and_then(|mut file| file.write_all(b"probe")))
+        let tried = again(|| self.temporary().and_then(|mut file| file.write_all(b"probe")));
+        self.tidy();
+        tried
     }
 
     /// Deletes what writers left that are no more; says how many files.
     pub(super) fn sweep(&self) -> usize {
-        let Ok(entries) = fs::read_dir(&self.aside) else { return 0 };
-        entries.flatten().filter(|e| is_abandoned(&e.path()) && fs::remove_file(e.path()).is_ok()).count()
+        sweep(&self.aside, |name| name.starts_with(PREFIX))
     }
 
     /// Removes the folder of temporaries if nobody uses it.
@@ -94,29 +90,15 @@ impl Files {
     }
 }
 
-/// Repeats what fails because its temporary was swept.
-fn again<T>(mut act: impl FnMut() -> io::Result<T>) -> io::Result<T> {
-    let mut last = act();
-    for _ in 1..ATTEMPTS {
-        match &last {
-            Err(error) if error.kind() == ErrorKind::NotFound => last = act(),
-            _ => break,
-        }
-    }
-    last
+/// What the names of folders begin with in which the store `path` is built.
+fn prefix_beside(path: &Path) -> String {
+    format!(".{}.new-", path.file_name().unwrap_or_default().to_string_lossy())
 }
 
-/// Whether the writer of a temporary file or folder is gone.
-fn is_abandoned(path: &Path) -> bool {
-    let opened =
-        if path.is_dir() { File::open(path) } else { File::options().read(true).write(true).open(path) };
-    match opened.map(|file| file.try_lock()) {
-        Ok(Ok(())) => true,
-        Ok(Err(TryLockError::WouldBlock)) => false,
-        Ok(Err(TryLockError::Error(_))) | Err(_) => fs::metadata(path)
-            .and_then(|m| m.modified())
-            .is_ok_and(|at| at.elapsed().is_ok_and(|age| age > ABANDONED)),
-    }
+/// Deletes what killed processes left beside the store `path` when they built it.
+pub(super) fn sweep_beside(path: &Path) {
+    let prefix = prefix_beside(path);
+    sweep(folder_of(path), |name| name.starts_with(&prefix));
 }
 
 /// Builds a folder under another name beside `path` and renames it into place. Where another process was faster, its
@@ -125,20 +107,17 @@ fn is_abandoned(path: &Path) -> bool {
 /// # Errors
 /// `build` fails, or the folder cannot be made or renamed.
 pub(super) fn create_folder(path: &Path, build: impl Fn(&Path) -> Result<()>) -> Result<()> {
-    let refuse = |e: io::Error| failure(path, "the store cannot be created", &e);
-    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let prefix = format!(".{name}.new-");
-    if let Ok(entries) = fs::read_dir(parent) {
-        for entry in entries.flatten() {
-            if entry.file_name().to_string_lossy().starts_with(&prefix) && is_abandoned(&entry.path()) {
-                // Another process may sweep it too.
-                let _ = fs::remove_dir_all(entry.path());
-            }
-        }
-    }
+    let refuse = |e: io::Error| match e.kind() {
+        ErrorKind::ResourceBusy => Error::input(format!(
+            "{}: is a mount point or in use, and a store cannot take its place; name a folder inside it",
+            path.display()
+        )),
+        _ => failure(path, "the store cannot be created", &e),
+    };
+    let parent = folder_of(path);
+    let prefix = prefix_beside(path);
     for attempt in 1.. {
-        let folder = shared_temporaries(true).prefix(&prefix).tempdir_in(parent).map_err(refuse)?;
+        let folder = shared(true).prefix(&prefix).tempdir_in(parent).map_err(refuse)?;
         let lock = File::open(folder.path());
         let _locked = lock.as_ref().map(File::try_lock);
         let done = build(folder.path()).and_then(|()| fs::rename(folder.path(), path).map_err(refuse));
@@ -155,19 +134,6 @@ pub(super) fn create_folder(path: &Path, build: impl Fn(&Path) -> Result<()>) ->
         }
     }
     Ok(())
-}
-
-/// An error of the file system: the machine's when the disk is full, else the user's.
-pub(super) fn failure(path: &Path, what: &str, error: &io::Error) -> Error {
-    match error.kind() {
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            Error::machine(format!(
-                "{}: {what} ({error}); free some space and run the same command again: what is done stays",
-                path.display()
-            ))
-        }
-        _ => Error::input(format!("{}: {what} ({error})", path.display())),
-    }
 }
 
 #[cfg(test)]
@@ -206,7 +172,8 @@ mod tests {
     fn of_many_creators_one_wins_and_all_find_its_folder() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("s.zarr");
-        fs::create_dir(folder.path().join(".s.zarr.new-dead")).unwrap();
+        fs::create_dir_all(folder.path().join(".s.zarr.new-dead/u")).unwrap();
+        sweep_beside(&path);
         std::thread::scope(|scope| {
             for _ in 0..4 {
                 scope.spawn(|| {

@@ -4,18 +4,34 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::aside::{Files, failure};
-use crate::io::whole::hash_bytes;
+use super::aside::Files;
+use super::coordinates::{Coordinate, coordinates};
+use crate::io::whole::{failure, hash_bytes};
 use crate::io::zarr::{Array, Coding, DataType, group_metadata};
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS};
 use crate::spectrum::Wavelengths;
 use crate::{Error, Result};
 
-/// Version of the layout that is written.
-pub(super) const WRITTEN: u64 = 2;
+/// Versions of the layout. The last is written, all are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Layout {
+    /// Chunks compressed by Zstandard.
+    Compressed = 1,
+    /// Without digests and coordinates.
+    Plain = 2,
+    /// A digest of every chunk, and coordinates.
+    Sealed = 3,
+}
 
-/// Version of the layout of compressed chunks, which is read.
-const COMPRESSED: u64 = 1;
+const WRITTEN: Layout = Layout::Sealed;
+
+impl Layout {
+    const ALL: [Self; 3] = [Self::Compressed, Self::Plain, Self::Sealed];
+
+    fn coding(self) -> Coding {
+        if self == Self::Compressed { Coding::Zstandard } else { Coding::Plain }
+    }
+}
 
 /// An array of the store.
 struct ArrayKind {
@@ -23,6 +39,7 @@ struct ArrayKind {
     data_type: DataType,
     /// Axes after φ_i.
     trailing: &'static [(&'static str, usize)],
+    units: &'static str,
     meaning: &'static str,
 }
 
@@ -37,42 +54,49 @@ const KINDS: [ArrayKind; ARRAYS] = [
         name: "u",
         data_type: DataType::Float32,
         trailing: &[POLARIZATION, ("azimuth", AZIMUTHS)],
-        meaning: "mean of |E|^2/Phi_i over instances, 1/rad (S.12)",
+        units: "1/rad",
+        meaning: "mean of |E|^2/Phi_i over instances (S.12)",
     },
     ArrayKind {
         name: "v",
         data_type: DataType::Float32,
         trailing: &[POLARIZATION, ("azimuth", AZIMUTHS)],
-        meaning: "|mean of E|^2/Phi_i without bias, 1/rad (S.21)",
+        units: "1/rad",
+        meaning: "|mean of E|^2/Phi_i without bias (S.21)",
     },
     ArrayKind {
         name: "autocovariance",
         data_type: DataType::Float32,
         trailing: &[POLARIZATION, ("lag", LAGS)],
+        units: "",
         meaning: "autocovariance of the weighted field at lags 2k/1024 in x_o (S.30)",
     },
     ArrayKind {
         name: "reflected",
         data_type: DataType::Float64,
         trailing: &[POLARIZATION],
+        units: "",
         meaning: "mean of Phi_r/Phi_i over instances",
     },
     ArrayKind {
         name: "reflected_std",
         data_type: DataType::Float64,
         trailing: &[POLARIZATION],
+        units: "",
         meaning: "standard deviation of Phi_r/Phi_i over instances",
     },
     ArrayKind {
         name: "pattern_correlation",
         data_type: DataType::Float64,
         trailing: &[],
+        units: "",
         meaning: "correlation of the two polarizations' intensity patterns",
     },
     ArrayKind {
         name: "contrast",
         data_type: DataType::Float64,
         trailing: &[],
+        units: "",
         meaning: "contrast of the unpolarized intensity over instances",
     },
 ];
@@ -83,45 +107,72 @@ pub(super) struct Arrays {
     pub(super) unit: [Array; ARRAYS],
     /// Fields of every instance, where the campaign keeps them.
     pub(super) fields: Option<Array>,
+    /// What ties the chunks of a unit to it; the last that a unit writes. `None` in older layouts, as coordinates.
+    pub(super) digest: Option<Array>,
+    pub(super) coordinates: Vec<Coordinate>,
 }
 
 impl Arrays {
-    /// As the axes say; `kept` wavelengths keep their fields.
-    fn new(axes: &Axes, instances: usize, kept: usize, coding: Coding) -> Self {
+    /// As the axes say; the wavelengths `kept_nm` keep their fields.
+    fn new(axes: &Axes, instances: usize, kept_nm: &[f64], layout: Layout) -> Self {
         let shape = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.cos_phi().len()];
-        let array = |name, data_type, meaning, dimensions: &[(&'static str, usize)]| {
+        let array = |name, data_type, units, meaning, dimensions: &[(&'static str, usize)]| {
             let (dimension_names, shape): (_, Vec<usize>) = dimensions.iter().copied().unzip();
             let mut chunk_shape = shape.clone();
             chunk_shape[..2].fill(1);
-            Array { name, data_type, shape, chunk_shape, dimension_names, meaning, coding }
+            let coding = layout.coding();
+            Array { name, data_type, shape, chunk_shape, dimension_names, units, meaning, coding }
         };
-        let unit = KINDS.map(|ArrayKind { name, data_type, trailing, meaning }| {
-            let first = [("wavelength", shape[0]), ("theta_i", shape[1]), ("phi_i", shape[2])];
-            array(name, data_type, meaning, &[&first, trailing].concat())
+        let first = [("wavelength", shape[0]), ("theta_i", shape[1]), ("phi_i", shape[2])];
+        let unit = KINDS.map(|ArrayKind { name, data_type, trailing, units, meaning }| {
+            array(name, data_type, units, meaning, &[&first, trailing].concat())
         });
-        let fields = (kept > 0).then(|| {
+        let fields = (!kept_nm.is_empty()).then(|| {
             let dimensions = [
-                ("kept_wavelength", kept),
-                ("theta_i", shape[1]),
-                ("phi_i", shape[2]),
+                ("kept_wavelength", kept_nm.len()),
+                first[1],
+                first[2],
                 POLARIZATION,
                 ("component", 2),
                 ("instance", instances),
                 ("azimuth", AZIMUTHS),
             ];
-            array("fields", DataType::Complex64, "E along e1, e2 over sqrt(Phi_i)", &dimensions)
+            array("fields", DataType::Complex64, "", "E along e1, e2 over sqrt(Phi_i)", &dimensions)
         });
-        Self { unit, fields }
+        let is_sealed = layout == Layout::Sealed;
+        let digest = is_sealed.then(|| {
+            let meaning = "of each array's chunk, in the order of writing and fields last: the first 8 bytes of BLAKE3 of campaign_hash, array, indices, bytes";
+            array("digest", DataType::UInt64, "", meaning, &[first[0], first[1], ("array", ARRAYS + 1)])
+        });
+        let coordinates = if is_sealed { coordinates(axes, instances, kept_nm) } else { Vec::new() };
+        Self { unit, fields, digest, coordinates }
     }
 
     /// Whether this program writes such arrays, not only reads them.
     pub(super) fn are_written(&self) -> bool {
-        self.all().all(|array| array.coding == Coding::Plain)
+        self.digest.is_some()
     }
 
     /// All of them.
     pub(super) fn all(&self) -> impl Iterator<Item = &Array> {
-        self.unit.iter().chain(&self.fields)
+        let coordinates = self.coordinates.iter().map(|coordinate| &coordinate.array);
+        self.unit.iter().chain(&self.fields).chain(&self.digest).chain(coordinates)
+    }
+
+    /// The array whose chunk a unit writes last.
+    pub(super) fn last(&self) -> &Array {
+        self.digest.as_ref().unwrap_or(&self.unit[ARRAYS - 1])
+    }
+
+    /// Writes the coordinates that are missing or not as the axes say.
+    pub(super) fn write_coordinates(&self, files: &Files) -> std::io::Result<()> {
+        for coordinate in &self.coordinates {
+            let (key, chunk) = (coordinate.array.chunk_path(&[]), coordinate.chunk());
+            if files.read(&key, chunk.len()).is_none_or(|there| there != chunk) {
+                files.write(&key, &chunk)?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -135,21 +186,19 @@ pub(super) struct Attributes {
     pub(super) kept_nm: Vec<f64>,
     /// Every parameter of structure and simulation.
     pub(super) description: Value,
+    pub(super) layout: Layout,
 }
 
 impl Attributes {
     /// Reads the attributes of a group and says which arrays they ask for. The checksum is left to [`Self::matches`].
     pub(super) fn read(attributes: &Value) -> std::result::Result<(Self, Arrays), String> {
-        let version = attributes["barbule_store"].as_u64();
-        let coding = match version {
-            Some(WRITTEN) => Coding::Plain,
-            Some(COMPRESSED) => Coding::Zstandard,
-            Some(other) => {
-                return Err(format!(
-                    "is not a campaign store of this version (its layout is {other}, those to be read are 1 and {WRITTEN}); simulate again under another name"
-                ));
-            }
-            None => return Err("is not a campaign store of this version".into()),
+        let version =
+            attributes["barbule_store"].as_u64().ok_or("is not a campaign store of this version")?;
+        let Some(layout) = Layout::ALL.into_iter().find(|layout| *layout as u64 == version) else {
+            return Err(format!(
+                "is not a campaign store of this version (its layout is {version}, those to be read are 1 to {}); simulate again under another name",
+                WRITTEN as u64
+            ));
         };
         let (axes, instances) = checked_axes(attributes)?;
         let text = |key: &str| attributes[key].as_str().unwrap_or_default().to_owned();
@@ -158,23 +207,41 @@ impl Attributes {
             return Err(format!("its attribute 'kept_nm' has {nm}, which is no wavelength of it"));
         }
         let (name, width, description) = (text("name"), text("simd"), attributes["campaign"].clone());
-        let arrays = Arrays::new(&axes, instances, kept_nm.len(), coding);
-        Ok((Self { axes, instances, name, width, kept_nm, description }, arrays))
+        let arrays = Arrays::new(&axes, instances, &kept_nm, layout);
+        Ok((Self { axes, instances, name, width, kept_nm, description, layout }, arrays))
+    }
+
+    /// Those of a new store.
+    pub(super) fn new(
+        axes: &Axes,
+        instances: usize,
+        name: &str,
+        width: &str,
+        kept_nm: &[f64],
+        description: &Value,
+    ) -> Self {
+        Self {
+            axes: axes.clone(),
+            instances,
+            name: name.into(),
+            width: width.into(),
+            kept_nm: kept_nm.to_vec(),
+            description: description.clone(),
+            layout: WRITTEN,
+        }
     }
 
     /// Whether the checksum among a group's attributes is that of what was read from them.
     pub(super) fn matches(&self, attributes: &Value) -> bool {
-        let found = if attributes["barbule_store"] == json!(COMPRESSED) {
-            // That layout's checksum is of the parameters alone, with their keys in the order of the file.
-            hash_bytes(self.description.to_string().as_bytes())
-        } else {
-            self.hash()
-        };
-        attributes["campaign_hash"] == json!(found)
+        attributes["campaign_hash"] == json!(self.hash())
     }
 
     /// Checksum of all attributes, independent of the order of their keys.
-    fn hash(&self) -> String {
+    pub(super) fn hash(&self) -> String {
+        if self.layout == Layout::Compressed {
+            // That layout's checksum is of the parameters alone, with their keys in the order of the file.
+            return hash_bytes(self.description.to_string().as_bytes());
+        }
         let mut covered = self.covered();
         covered.sort_all_objects();
         hash_bytes(covered.to_string().as_bytes())
@@ -183,7 +250,7 @@ impl Attributes {
     /// What the checksum is of.
     fn covered(&self) -> Value {
         json!({
-            "barbule_store": WRITTEN,
+            "barbule_store": self.layout as u64,
             "wavelengths_nm": self.axes.wavelengths_nm(),
             "cos_theta_i": self.axes.cos_theta(),
             "cos_phi_i": self.axes.cos_phi(),
@@ -202,16 +269,16 @@ impl Attributes {
             _ => Map::new(),
         };
         attributes.insert("campaign_hash".into(), json!(self.hash()));
-        let arrays = Arrays::new(&self.axes, self.instances, self.kept_nm.len(), Coding::Plain);
+        let arrays = Arrays::new(&self.axes, self.instances, &self.kept_nm, self.layout);
         let files = Files::new(made);
+        let refuse = |e: std::io::Error| failure(path, "the store cannot be created", &e);
         let write = |key: &str, metadata: &Value| {
-            files
-                .write(key, format!("{metadata:#}\n").as_bytes())
-                .map_err(|e| failure(path, "the store cannot be created", &e))
+            files.write(key, format!("{metadata:#}\n").as_bytes()).map_err(refuse)
         };
         for array in arrays.all() {
             write(&format!("{}/zarr.json", array.name), &array.metadata())?;
         }
+        arrays.write_coordinates(&files).map_err(refuse)?;
         write("zarr.json", &group_metadata(&attributes))?;
         files.tidy();
         Ok(())

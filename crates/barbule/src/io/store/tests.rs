@@ -2,8 +2,10 @@
 
 use std::fs;
 
+use super::layout::Layout;
 use super::*;
 use crate::io::hash_bytes;
+use crate::io::zarr::{Coding, DataType};
 use crate::spectrum::Wavelengths;
 
 fn axes() -> Axes {
@@ -12,7 +14,7 @@ fn axes() -> Axes {
 
 fn unit(shift: f32) -> Unit {
     let singles = |n: usize| (0..n).map(|k| k as f32 + shift).collect();
-    let doubles = |n: usize| (0..n).map(|k| k as f64 - f64::from(shift)).collect();
+    let doubles = |n: usize| (0..n).map(|k| 9.0 + k as f64 - f64::from(shift)).collect();
     Unit {
         u: singles(2 * 2 * 400),
         v: singles(2 * 2 * 400),
@@ -61,9 +63,9 @@ fn units_come_back_with_their_fields() {
     assert!(store.fields(0, 0).is_none() && !store.keeps(0) && store.keeps(1) && !store.keeps(2));
     assert_eq!(store.statistics().unwrap().u.len(), 4 * 1600);
     // A file per array and unit, of exactly its values and a checksum.
-    let sizes: Vec<u64> =
-        ["u/c.1.0.0.0.0", "contrast/c.1.0.0"].map(|f| fs::metadata(path.join(f)).unwrap().len()).to_vec();
-    assert_eq!(sizes, [4 * 1600 + 4, 8 * 2 + 4]);
+    let files = ["u/c.1.0.0.0.0", "contrast/c.1.0.0", "digest/c.1.0.0"];
+    let sizes = files.map(|f| fs::metadata(path.join(f)).unwrap().len());
+    assert_eq!(sizes, [4 * 1600 + 4, 8 * 2 + 4, 8 * 8 + 4]);
 }
 
 #[test]
@@ -118,6 +120,204 @@ fn axes_that_are_not_the_campaigns_are_refused() {
         assert!(store.read(7, 7).is_none() && store.fields(7, 7).is_none());
         if key == "cos_phi_i" {
             assert!(message(store.write(0, 0, &unit(0.0))).contains("1600 values cannot be a chunk"));
+        }
+    }
+}
+
+/// Gives a chunk other bytes with a checksum that fits.
+fn seal(file: &Path, change: impl Fn(&mut Vec<u8>)) {
+    let array = Array { data_type: DataType::UInt64, ..create_array() };
+    let mut bytes = fs::read(file).unwrap();
+    bytes.truncate(bytes.len() - 4);
+    change(&mut bytes);
+    let words: Vec<u64> = bytes.as_chunks::<8>().0.iter().map(|b| u64::from_le_bytes(*b)).collect();
+    let shape = vec![words.len()];
+    let array = Array { chunk_shape: shape.clone(), shape, ..array };
+    fs::write(file, array.encode(&words).unwrap()).unwrap();
+}
+
+fn create_array() -> Array {
+    Array {
+        name: "a",
+        data_type: DataType::UInt64,
+        shape: Vec::new(),
+        chunk_shape: Vec::new(),
+        dimension_names: Vec::new(),
+        units: "",
+        meaning: "",
+        coding: Coding::Plain,
+    }
+}
+
+#[test]
+fn chunks_of_other_units_and_campaigns_are_damaged_though_their_checksums_hold() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, other) = (folder.path().join("s.zarr"), folder.path().join("t.zarr"));
+    let store = create(&path).unwrap();
+    let elsewhere =
+        Store::create(&other, &axes(), 3, "other", &json!({"seed": 2}), &[550.0], "scalar").unwrap();
+    for (k, (w, t)) in store.units().enumerate() {
+        store.write(w, t, &unit(k as f32)).unwrap();
+        elsewhere.write(w, t, &unit(k as f32)).unwrap();
+    }
+    let all = |name: &str| {
+        store.units().map(|(w, t)| path.join(format!("{name}/c.{w}.{t}.0.0.0"))).collect::<Vec<_>>()
+    };
+    for files in [all("u"), all("v"), all("autocovariance")] {
+        let (a, b) = (fs::read(&files[0]).unwrap(), fs::read(&files[1]).unwrap());
+        fs::write(&files[0], &b).unwrap();
+        fs::write(&files[1], &a).unwrap();
+        assert_eq!(store.status().damaged, 2);
+        fs::write(&files[0], a).unwrap();
+        fs::write(&files[1], b).unwrap();
+        assert_eq!(store.status().damaged, 0);
+    }
+    // Fields of another unit.
+    fs::copy(path.join("fields/c.0.0.0.0.0.0.0"), path.join("fields/c.0.1.0.0.0.0.0")).unwrap();
+    assert_eq!(store.status().damaged, 1);
+    assert!(store.fields(1, 0).is_some() && store.fields(1, 1).is_none());
+    store.write(1, 1, &unit(3.0)).unwrap();
+    // A whole unit of another campaign with the same numbers.
+    for array in store.arrays.unit.iter().chain(&store.arrays.digest) {
+        let key = array.chunk_path(&[0, 0]);
+        fs::copy(other.join(&key), path.join(&key)).unwrap();
+    }
+    assert!(store.is_done(0, 0) && store.read(0, 0).is_none());
+    assert_eq!(store.status(), Status { units: 4, done: 3, damaged: 1 });
+}
+
+#[test]
+fn values_that_no_reflection_has_are_not_read_and_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.zarr");
+    let store = create(&path).unwrap();
+    for bad in [f32::NAN, f32::INFINITY, -1.0] {
+        let mut broken = unit(0.0);
+        broken.u[7] = bad;
+        let error = store.write(0, 0, &broken).unwrap_err();
+        assert!(error.is_not_settled() && error.to_string().contains("450 nm and cosθ = 0.5"), "{error}");
+    }
+    assert_eq!(fs::read_dir(path.join("u")).unwrap().count(), 1);
+    // As somebody would write it who makes checksums and digests fit.
+    for bad in [f32::NAN, -1.0] {
+        store.write(0, 0, &unit(0.0)).unwrap();
+        let file = path.join("u/c.0.0.0.0.0");
+        seal(&file, |bytes| bytes[..4].copy_from_slice(&bad.to_le_bytes()));
+        let digest = store.digest_of("u/c.0.0.0.0.0", &fs::read(&file).unwrap());
+        seal(&path.join("digest/c.0.0.0"), |bytes| bytes[..8].copy_from_slice(&digest.to_le_bytes()));
+        assert_eq!(store.digest([0, 0]).unwrap()[0], digest);
+        assert!(store.is_done(0, 0) && store.read(0, 0).is_none(), "{bad}");
+    }
+    // What nothing reflects has no contrast.
+    let mut dark = unit(0.0);
+    dark.contrast.fill(f64::NAN);
+    dark.pattern_correlation.fill(f64::NAN);
+    store.write(0, 0, &dark).unwrap();
+    assert!(store.read(0, 0).is_some());
+}
+
+#[test]
+fn the_order_of_keys_in_a_description_does_not_matter() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.zarr");
+    create(&path).unwrap();
+    let file = path.join("zarr.json");
+    let mut group: Value = serde_json::from_str(&read_text(&file).unwrap()).unwrap();
+    let before = group.to_string();
+    group.sort_all_objects();
+    assert_ne!(group.to_string(), before);
+    fs::write(file, group.to_string()).unwrap();
+    Store::open(&path).unwrap();
+    create(&path).unwrap();
+}
+
+#[test]
+fn every_dimension_but_that_of_digests_has_its_coordinates() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.zarr");
+    let store = create(&path).unwrap();
+    let named: Vec<&str> = store.arrays.all().flat_map(|array| array.dimension_names.clone()).collect();
+    for name in named.into_iter().filter(|name| *name != "array") {
+        assert!(path.join(name).join("c.0").is_file(), "{name}");
+    }
+    let numbers = |name: &str| {
+        let bytes = fs::read(path.join(name).join("c.0")).unwrap();
+        let words = bytes[..bytes.len() - 4].as_chunks::<8>().0;
+        words.iter().map(|b| f64::from_le_bytes(*b)).collect::<Vec<f64>>()
+    };
+    assert_eq!(numbers("wavelength"), [450.0, 550.0]);
+    assert_eq!(numbers("kept_wavelength"), [550.0]);
+    let theta = numbers("theta_i");
+    assert!((theta[0] - 60.0).abs() < 1e-12 && theta[1] == 0.0, "{theta:?}");
+    let azimuth = numbers("azimuth");
+    assert!((azimuth[0] + 89.775).abs() < 1e-12 && (azimuth[399] - 89.775).abs() < 1e-12);
+    assert_eq!((numbers("lag")[1], numbers("lag").len()), (2.0 / 1024.0, 512));
+    // Somebody changed one: it says what the attributes say again when the store is continued.
+    let before = fs::read(path.join("wavelength/c.0")).unwrap();
+    fs::write(path.join("wavelength/c.0"), b"x").unwrap();
+    Store::open(&path).unwrap();
+    store.prepare_writing().unwrap();
+    assert_eq!(fs::read(path.join("wavelength/c.0")).unwrap(), before);
+    assert!(!path.join(".aside").exists());
+}
+
+#[test]
+fn stores_without_digests_and_coordinates_are_read_but_not_continued() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.zarr");
+    let attributes = Attributes::new(&axes(), 3, "nobody", "scalar", &[550.0], &json!({"seed": 1}));
+    fs::create_dir(&path).unwrap();
+    Attributes { layout: Layout::Plain, ..attributes }.build(&path, &path).unwrap();
+    assert!(!path.join("wavelength").exists() && !path.join("digest").exists());
+    let store = Store::open(&path).unwrap();
+    for (k, (w, t)) in store.units().enumerate() {
+        store.write(w, t, &unit(k as f32)).unwrap();
+    }
+    assert_eq!(store.status(), Status { units: 4, done: 4, damaged: 0 });
+    assert_eq!(Unit { fields: store.fields(1, 0).unwrap(), ..store.read(1, 0).unwrap() }, unit(2.0));
+    assert!(message(create(&path)).contains("read but not continued; give another name"));
+}
+
+#[test]
+fn what_killed_creators_leave_is_swept_though_the_store_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.zarr");
+    create(&path).unwrap();
+    fs::create_dir_all(folder.path().join(".s.zarr.new-dead/u")).unwrap();
+    fs::create_dir(folder.path().join(".other.zarr.new-dead")).unwrap();
+    let store = create(&path).unwrap();
+    store.prepare_writing().unwrap();
+    store.end_writing();
+    let mut names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, [".other.zarr.new-dead", "s.zarr"]);
+}
+
+#[test]
+fn places_where_no_store_can_be_are_refused_with_a_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.zarr");
+    create(&path).unwrap();
+    for (place, part) in [
+        (PathBuf::from("."), "give one, as in S.zarr"),
+        (folder.path().join(".."), "give one, as in S.zarr"),
+        (path.join("inner.zarr"), "inside another campaign store"),
+        (path.join("u"), "inside another campaign store"),
+        (folder.path().join("no/s.zarr"), "does not exist"),
+    ] {
+        let text = message(create(&place));
+        assert!(text.contains(part), "{}: {text}", place.display());
+    }
+    #[cfg(unix)]
+    {
+        let link = |to: &str, name: &str| std::os::unix::fs::symlink(to, folder.path().join(name)).unwrap();
+        fs::create_dir(folder.path().join("empty")).unwrap();
+        link("empty", "to-empty");
+        link("new.zarr", "to-new");
+        for (name, real) in [("to-empty", "empty"), ("to-new", "new.zarr")] {
+            create(&folder.path().join(name)).unwrap();
+            assert!(folder.path().join(real).join("zarr.json").is_file(), "{name}");
+            assert!(fs::symlink_metadata(folder.path().join(name)).unwrap().is_symlink());
         }
     }
 }
