@@ -73,11 +73,16 @@ impl Place {
     /// Keeps, as the full default material of a structure, one that took no minutes to make.
     fn keep_full(&self, structure: Structure) -> PathBuf {
         let plan = CampaignOptions::default().plan(structure).unwrap();
-        let mut material = example(50);
+        let mut material = example(2);
         material.info = serde_json::json!({
             "name": plan.structure.name(), "campaign": plan.description.to_json().unwrap(),
         });
         Catalog { cache: Some(self.path("cache")) }.keep(&plan, &FitOptions::default(), &material).unwrap()
+    }
+
+    /// Writes a material of few wavelengths, which renders at once.
+    fn write_small(&self) {
+        write_material(&self.path("small.barbule"), &example(2)).unwrap();
     }
 
     fn swallow(&self) -> Structure {
@@ -272,10 +277,10 @@ fn built_in_names_never_mean_a_file_or_a_folder() {
     for name in ["starling", "mallard"] {
         place.refused(&["cache", "--path", name], "ships inside the program");
         place.succeed(&["geometry", name, "-o", "g.svg"]);
-        let report = place.json(&[&["render", name, "-o", "r.png"], SMALL].concat());
-        let stem = if name == "starling" { "starling-green" } else { "mallard-lime" };
-        assert_eq!(report[0]["material_hash"], hash_bytes(barbule_materials::material(stem).unwrap()));
     }
+    let report = place.json(&[&["render", "starling", "-o", "r.png"], SMALL].concat());
+    let shipped = barbule_materials::material("starling-green").unwrap();
+    assert_eq!(report[0]["material_hash"], hash_bytes(shipped));
     place.refused(&["geometry", "starling:grean", "-o", "g.svg"], "did you mean 'green'");
 }
 
@@ -334,16 +339,23 @@ fn a_species_file_brings_its_feather_and_a_material_its_species() {
     place.write("same.toml", &text(feather));
     place.write("dense.toml", &text(&feather.replacen("spacing_um = 24.0", "spacing_um = 12.0", 1)));
     place.write("bad.toml", &text(&feather.replacen("spacing_um = 24.0", "spacing_um = 0.0", 1)));
-    let render = |scene: &str| place.json(&[&["render", scene, "-o", "a.png"], SMALL].concat())[0].clone();
+    place.write_small();
+    let with = |scene: &str, more: &[&str]| {
+        place.json(&[&["render", scene, "-o", "a.png"], SMALL, more].concat())[0].clone()
+    };
+    let render = |scene: &str| with(scene, &["--material", "small.barbule"]);
     let (same, dense, built_in) = (render("same.toml"), render("dense.toml"), render("starling"));
     assert_eq!((&same["barbules"], &same["pixel_hash"]), (&built_in["barbules"], &built_in["pixel_hash"]));
     assert!(dense["barbules"].as_u64() > same["barbules"].as_u64().map(|count| count * 3 / 2));
     place.refused(&["render", "bad.toml", "-o", "x.png"], "bad.toml: feather.distal.spacing_um is 0");
     // A material is shown in the scene of its species, whatever its file is called.
-    let shipped = barbule_materials::material("magpie-violet").unwrap();
-    std::fs::write(place.path("one.bin"), shipped).unwrap();
-    let (own, magpie) = (render("one.bin"), render("magpie"));
-    assert_eq!((&own["view"], &own["pixel_hash"]), (&magpie["view"], &magpie["pixel_hash"]));
+    let mut material = example(2);
+    material.info = serde_json::json!({ "species": "magpie" });
+    write_material(&place.path("made.barbule"), &material).unwrap();
+    std::fs::rename(place.path("made.barbule"), place.path("one.bin")).unwrap();
+    let (own, magpie) = (with("one.bin", &[]), with("magpie", &["--material", "one.bin"]));
+    assert_eq!((&own["barbules"], &own["pixel_hash"]), (&magpie["barbules"], &magpie["pixel_hash"]));
+    assert_ne!(own["barbules"], built_in["barbules"]);
 }
 
 #[test]
@@ -397,15 +409,19 @@ fn pictures_of_a_quick_look_say_so() {
     let bytes = std::fs::read(place.path("t.png")).unwrap();
     assert!(bytes.windows(7).any(|word| word == b"thinned"));
     assert_eq!(place.json(&words)[0]["thinned"], "10");
-    let full = place.json(&[&["render", "starling", "-o", "f.png"], SMALL].concat());
+    place.write_small();
+    let full = ["render", "starling", "--material", "small.barbule", "-o", "f.png"];
+    let full = place.json(&[&full[..], SMALL].concat());
     assert!(full[0].get("thinned").is_none());
 }
 
 #[test]
 fn the_hash_of_pixels_does_not_depend_on_how_they_were_asked_for() {
     let place = Place::new();
+    place.write_small();
     let hash = |file: &str, more: &[&str]| {
-        let words = [&["render", "starling", "-o", file], SMALL, more].concat();
+        let words =
+            [&["render", "starling", "--material", "small.barbule", "-o", file], SMALL, more].concat();
         place.json(&words)[0]["pixel_hash"].as_str().unwrap().to_owned()
     };
     for file in ["a.png", "a.exr"] {
@@ -458,12 +474,15 @@ fn the_barbules_of_given_sections_are_found_again_by_their_name() {
 #[test]
 fn light_comes_from_somewhere_and_from_where_it_can_be_seen() {
     let place = Place::new();
+    place.write_small();
     place.write("dark.toml", "preset = 'starling'\nsky = 0\n");
     place.write("night.toml", "preset = 'starling'\nsky = 0\n[light]\nstrength = 0\n");
     place.write("turned.toml", "preset = 'starling'\n[sky_image]\nfile = 'sky.exr'\nturn = 1e17\n");
     place.write("unlit.toml", "preset = 'starling'\n[sky_image]\nfile = 'none.exr'\nstrength = 0\n");
     let render = |scene: &str, more: &[&str]| {
-        place.json(&[&["render", scene, "-o", "a.png"], SMALL, more].concat())[0]["pixel_hash"].clone()
+        place.json(&[&["render", scene, "--material", "small.barbule", "-o", "a.png"], SMALL, more].concat())
+            [0]["pixel_hash"]
+            .clone()
     };
     // Without a sky the picture is that of the key light alone, as under an image that does not shine.
     assert_eq!(render("dark.toml", &[]), render("unlit.toml", &[]));
@@ -474,9 +493,22 @@ fn light_comes_from_somewhere_and_from_where_it_can_be_seen() {
         &["render", "starling", "-o", "x.png", "--light", "1e17,45"],
         "--light: light.azimuth_deg is 1",
     );
-    let (_, said) =
-        place.succeed(&[&["render", "starling", "-o", "a.png", "--light", "45,-20"], SMALL].concat());
+    let (_, said) = place.succeed(
+        &[&["render", "starling", "--material", "small.barbule", "-o", "a.png", "--light", "45,-20"], SMALL]
+            .concat(),
+    );
     assert!(said.starts_with("the key light stands at elevation -20 degrees, behind the vane"), "{said}");
-    let from_below = ["render", "starling", "-o", "a.png", "--light", "45,-20", "--view", "190,-60"];
+    let from_below = [
+        "render",
+        "starling",
+        "--material",
+        "small.barbule",
+        "-o",
+        "a.png",
+        "--light",
+        "45,-20",
+        "--view",
+        "190,-60",
+    ];
     assert!(!place.succeed(&[&from_below[..], SMALL].concat()).1.contains("behind the vane"));
 }
