@@ -7,6 +7,7 @@ mod common;
 mod crystal;
 mod film;
 mod geometry;
+mod limits;
 mod refusals;
 mod render;
 mod robustness;

@@ -3,6 +3,7 @@
 mod cast;
 mod chain;
 mod check;
+mod columns;
 mod crystal;
 mod curve;
 mod identify;
@@ -14,7 +15,8 @@ mod species;
 pub mod stack;
 mod sweep;
 
-pub use cast::{Columns, PaletteMixture, Ray, SlotMixture, cast};
+pub use cast::{Ray, cast};
+pub use columns::{Columns, PaletteMixture, SlotMixture};
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
 pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};
 pub use section::{
