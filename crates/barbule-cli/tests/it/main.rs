@@ -12,6 +12,7 @@ mod far_field;
 mod figures;
 mod film;
 mod geometry;
+mod limits;
 mod interruptions;
 mod lobes;
 mod multilayer;

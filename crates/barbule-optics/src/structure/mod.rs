@@ -3,6 +3,7 @@
 mod cast;
 mod chain;
 mod check;
+mod columns;
 mod crystal;
 mod curve;
 mod flat;
@@ -16,7 +17,8 @@ mod species;
 pub mod stack;
 mod sweep;
 
-pub use cast::{Columns, PaletteMixture, Ray, SlotMixture, cast};
+pub use cast::{Ray, cast};
+pub use columns::{Columns, PaletteMixture, SlotMixture};
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
 pub use flat::FlatStack;
 pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};

@@ -20,9 +20,6 @@ use modes::Harmonics;
 use profile::{Body, Outline, bodies};
 use stack::Stack;
 
-/// No slower convergence is believed: the estimate is then four times the last difference.
-const LARGEST_RATIO: f64 = 0.8;
-
 /// The solver and its accuracy.
 #[derive(Debug, Clone, Copy)]
 pub struct Rcwa {
@@ -30,8 +27,9 @@ pub struct Rcwa {
     pub orders: usize,
     /// Slices per rod (per greatest height of a body), rounded to an even number.
     pub slices: usize,
-    /// Whether [`CrystalResponse::convergence`] is found, by further runs with a half and a quarter of the orders and slices: as
-    /// their differences fall, so does the error, as a geometric series. Halving doubles an error that falls as 1/orders.
+    /// Whether [`CrystalResponse::convergence`] is found, by further runs with a half and a quarter of the orders and slices. Halving
+    /// doubles an error that falls as 1/orders, so either run's difference from the next tells it; the larger counts, since
+    /// at metal rods one of them may be small by chance.
     pub estimate: bool,
 }
 
@@ -75,9 +73,8 @@ impl Rcwa {
             };
             let (half, quarter) = (part(2)?, part(4)?);
             let last = diffraction.difference(&response, &half);
-            let ratio = last / diffraction.difference(&half, &quarter).max(f64::MIN_POSITIVE);
-            let ratio = ratio.clamp(0.5, LARGEST_RATIO);
-            response.convergence = Some(last * ratio / (1.0 - ratio));
+            let before = diffraction.difference(&half, &quarter);
+            response.convergence = Some(last.max(0.5 * before));
         }
         Ok(response)
     }

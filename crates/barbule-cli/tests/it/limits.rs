@@ -1,0 +1,262 @@
+//! Numbers outside the model are flagged, memory is foretold, and small inputs that ask for much are refused.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+fn run(words: &[&str]) -> (i32, String, String) {
+    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+fn document(words: &[&str]) -> (Value, String) {
+    let (code, out, message) = run(&[words, &["--json"]].concat());
+    assert_eq!(code, 0, "{words:?}: {message}");
+    (serde_json::from_str(&out).unwrap(), message)
+}
+
+fn write(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path.to_string_lossy().into_owned()
+}
+
+/// A keratin film 0.3 µm thick, 20 µm wide, whose top has these slopes left and right of its middle.
+fn film(left: f64, right: f64) -> String {
+    let line =
+        |depth: f64| json!({"x": [-10, 0, 10], "z": [-10.0 * left - depth, -depth, 10.0 * right - depth]});
+    json!({
+        "barbule": 1, "units": "um", "width": 20, "name": "film",
+        "boundaries": [line(0.0), line(0.3)], "media": ["air", "keratin", "air"],
+    })
+    .to_string()
+}
+
+#[test]
+fn grazing_light_is_flagged_by_what_a_mirror_would_reflect() {
+    let mirror = "air/0.05+8j";
+    let (found, message) =
+        document(&["spectrum", mirror, "--angle", "0,60,80,85", "--wavelengths", "500,694"]);
+    assert!(
+        message.contains("at φ = 85° and 694 nm a flat mirror 25 µm wide would reflect 0.67"),
+        "{message}"
+    );
+    assert!(message.contains("(4 of 8 values are flagged)"), "{message}");
+    assert_eq!(found["flagged"], json!([[false, false], [false, false], [true, true], [true, true]]));
+    for (angle, row) in found["mean"].as_array().unwrap().iter().enumerate() {
+        for wavelength in 0..2 {
+            // The nearly perfect mirror shows the error itself.
+            let [mean, expected] =
+                [row, &found["mirror_fraction"][angle]].map(|row| row[wavelength].as_f64().unwrap());
+            assert!((mean / expected - 1.0).abs() < 0.02, "{mean} {expected}");
+        }
+    }
+    let (_, message) = document(&["spectrum", mirror, "--angle", "60"]);
+    assert!(!message.contains("mirror"), "{message}");
+    let along =
+        document(&["spectrum", mirror, "--angle", "89.5", "--plane", "along", "--wavelengths", "600"]);
+    assert!(along.1.contains("at θ = 89.5° and 600 nm"), "{}", along.1);
+    let at = ["far-field", mirror, "--wavelength", "500", "--theta", "0", "--phi"];
+    let (found, message) = document(&[&at[..], &["-89.9999999999999"]].concat());
+    assert!(found["flagged"] == true && found["mirror_fraction"].as_f64().unwrap() > 1e12, "{found}");
+    assert!(message.contains("the simulation is that far off so near grazing"), "{message}");
+    let (found, message) = document(&[&at[..], &["30"]].concat());
+    assert!(found["flagged"] == false && message.is_empty(), "{message}");
+    let (found, _) = document(&[&at[..], &["-89", "--window", "none"]].concat());
+    assert_eq!((&found["flagged"], &found["mirror_fraction"]), (&json!(false), &Value::Null));
+}
+
+#[test]
+fn one_sided_sections_are_said_and_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = ["--wavelengths", "450,650", "--directions", "2x2", "--instances", "3"];
+    let material = |name: &str, section: &str| {
+        let [section, store, material] = [
+            write(folder.path(), &format!("{name}.json"), section),
+            format!("{name}.zarr"),
+            format!("{name}.barbule"),
+        ];
+        let [store, material] = [store, material].map(|name| folder.path().join(name));
+        let [store, material] = [&store, &material].map(|path| path.to_str().unwrap());
+        let (code, _, message) = run(&[&["simulate", &section, "-o", store, "-v"], &small[..]].concat());
+        assert_eq!(code, 0, "{message}");
+        assert!(message.contains("wrote ") && message.contains("4 of 4 units"), "{message}");
+        // The same campaign goes on, with what was found out about it.
+        let (code, _, again) = run(&[&["simulate", &section, "-o", store], &small[..]].concat());
+        assert!(code == 0 && again.contains("nothing to do"), "{again}");
+        let (report, _) = document(&["fit", store, "-o", material]);
+        let info = barbule::io::read_material(material.as_ref()).unwrap().info;
+        assert_eq!(info["clipped"], report["clipped"].as_array().unwrap().len());
+        assert!(report["grazing"].is_array() && info["grazing"].is_u64(), "{info}");
+        (message, info["asymmetry"].as_f64().unwrap())
+    };
+    let (message, part) = material("slanted", &film(0.3, 0.3));
+    assert!(message.contains("film reflects 0."), "{message}");
+    assert!(message.contains("materials take both sides alike, so φ ≥ 0 stands for both"), "{message}");
+    assert!(part > 0.3, "{part}");
+    let (message, part) = material("even", &film(-0.1, 0.1));
+    assert!(message.contains("both sides of film reflect alike, within 0.0 %"), "{message}");
+    assert!(part < 0.01, "{part}");
+}
+
+#[test]
+fn a_structure_that_reflects_nothing_is_fitted_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let [store, material] = ["s.zarr", "m.barbule"].map(|name| folder.path().join(name));
+    let [store, material] = [&store, &material].map(|path| path.to_str().unwrap());
+    let small = ["--wavelengths", "500", "--directions", "2x2", "--instances", "3"];
+    assert_eq!(run(&[&["simulate", "air/air:100/air", "-o", store], &small[..]].concat()).0, 0);
+    let (code, _, message) = run(&["fit", store, "-o", material]);
+    assert!(code == 0 && !message.contains("NaN"), "{message}");
+    assert!(message.contains("none, since nothing is reflected"), "{message}");
+}
+
+/// The largest resident memory of a run, as often as it was looked at, and what the run said.
+fn peak_mb(words: &[&str]) -> (f64, String) {
+    let mut child = Command::new(assert_cmd::cargo::cargo_bin!("barbule"))
+        .args(words)
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut peak = 0f64;
+    while child.try_wait().unwrap().is_none() {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let kilobytes = text.lines().find_map(|l| l.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
+        peak = peak.max(kilobytes.and_then(|k| k.trim().parse::<f64>().ok()).unwrap_or(0.0) * 1024e-6);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let output = child.wait_with_output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{message}");
+    (peak, message)
+}
+
+#[test]
+fn campaigns_stay_within_the_memory_that_is_foretold() {
+    if !cfg!(target_os = "linux") {
+        println!("skipped: the peak of memory is read from /proc");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for (number, (structure, instances)) in [
+        ("air/300*(keratin:10/melanin:10)/air", "1"),
+        ("starling", "10"),
+        ("bronzewing", "4"),
+        ("mallard", "4"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let store = folder.path().join(format!("{number}.zarr"));
+        let words = ["simulate", structure, "--wavelengths", "400", "--directions", "2x4", "-v", "-o"];
+        let more =
+            [store.to_str().unwrap(), "--instances", instances, "--cache", folder.path().to_str().unwrap()];
+        let (peak, message) = peak_mb(&[&words[..], &more[..]].concat());
+        let foretold = message.split(" at once, ").nth(1).and_then(|rest| rest.split(' ').next());
+        let foretold: f64 = foretold.unwrap().parse().unwrap();
+        assert!(peak > 5.0 && peak <= foretold, "{structure}: {peak} MB of {foretold}");
+        let less = format!("{}MB", (0.9 * foretold) as u64);
+        let other = folder.path().join("other.zarr");
+        let less =
+            [&words[..6], &["-o", other.to_str().unwrap(), "--instances", "400", "--memory", &less]].concat();
+        let (code, _, message) = run(&less);
+        assert!(code == 2 && message.contains("raise --memory") && !other.exists(), "{structure}: {message}");
+    }
+}
+
+#[test]
+fn what_asks_for_much_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str, text: &str| write(folder.path(), name, text);
+    let out = folder.path().join("out.svg");
+    let out = out.to_str().unwrap();
+    let tiny = at(
+        "tiny.json",
+        r#"{"barbule": 1, "units": "um", "width": 2000, "boundaries": [{"x": [-1000, 0, 1000], "z": [0, 0, 0]}],
+            "lattice": {"period": 0.0002, "cortex": 0.1, "rod": [{"circles": [{"diameter": 0.0001, "medium": "melanin"}]}]}}"#,
+    );
+    let mut rods = String::from("[lattice]\nperiod = 20\ncortex = 0.1\n");
+    for k in 0..200 {
+        write!(
+            rods,
+            "[[lattice.rod]]\nx = {}\ncircles = [{{ diameter = 0.1, medium = 'melanin' }}]\n",
+            0.1 * f64::from(k)
+        )
+        .unwrap();
+    }
+    let rods = at("rods.toml", &rods);
+    let far = ["--wavelength", "500", "--theta", "0", "--phi", "0"];
+    for (words, said) in [
+        (vec!["geometry", &tiny, "-o", out], "10000000 rods lie under a top of 2000 µm"),
+        (vec!["crystal", &rods], "unknowns together, over 3000"),
+        ([&["far-field", &rods], &far[..]].concat(), "unknowns together, over 3000"),
+        (
+            [&["far-field", "air/5000*(keratin:1/melanin:1)/air", "--memory", "300MB"], &far[..]].concat(),
+            "but 300 MB are allowed; raise --memory",
+        ),
+        (
+            vec!["spectrum", "air/keratin:3/air", "--wavelengths", "300:830:0.0054", "--angle=-89:89:0.0018"],
+            "of memory, but",
+        ),
+        (
+            vec![
+                "simulate",
+                "air/keratin:3/air",
+                "-o",
+                out,
+                "--directions",
+                "200x200",
+                "--instances",
+                "10000",
+            ],
+            "MB are free; give fewer",
+        ),
+        (
+            vec!["crystal", "mallard", "--wavelength", "299.999"],
+            "--wavelength: 299.999 nm is outside 300 to 830 nm",
+        ),
+        (vec!["crystal", "mallard", "--wavelength", "831"], "--wavelength: 831 nm is outside 300 to 830 nm"),
+        (vec!["crystal", "mallard", "--theta", "90"], "--theta: 90° is at or past grazing"),
+        (vec!["geometry", "starling", "-o", out, "--memory", "1kB"], "the program itself needs about 16 MB"),
+        (vec!["lobes", "starling", "-o", out, "--memory", "1kB"], "the program itself needs about 16 MB"),
+    ] {
+        let (code, printed, message) = run(&words);
+        assert_eq!(code, 2, "{words:?}: {message}");
+        assert!(message.contains(said) && message.len() < 600 && printed.is_empty(), "{words:?}: {message}");
+        assert!(!Path::new(out).exists(), "{words:?}");
+    }
+}
+
+#[test]
+fn many_layers_of_one_medium_are_one_layer() {
+    let far = |structure: &str| {
+        document(&["far-field", structure, "--wavelength", "500", "--theta", "10", "--phi", "20"]).0
+    };
+    let (many, one) = (far("air/50000*(keratin:0.01)/air"), far("air/keratin:500/air"));
+    for polarization in ["polarization_1", "polarization_2"] {
+        let [many, one] =
+            [&many, &one].map(|found| found[polarization]["reflected_fraction"].as_f64().unwrap());
+        assert!((many / one - 1.0).abs() < 1e-6, "{many} {one}");
+    }
+}
+
+#[test]
+fn the_field_of_a_crystal_is_a_document_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let figure = folder.path().join("f.svg");
+    let figure = figure.to_str().unwrap();
+    let (found, message) = document(&["crystal", "magpie", "--field", "--wavelength", "560", "-o", figure]);
+    assert!(message.contains("wrote "), "{message}");
+    let rows = found["permittivity"].as_array().unwrap();
+    assert_eq!(found["intensity"].as_array().unwrap().len(), 2);
+    assert_eq!(found["intensity"][1].as_array().unwrap().len(), rows.len());
+    // Air lies above the surface, and keratin below the rods.
+    let at = |row: usize| rows[row][0].as_f64().unwrap();
+    assert!((at(rows.len() - 1) - 1.0).abs() < 1e-9 && at(0) > 2.0, "{} {}", at(rows.len() - 1), at(0));
+}
