@@ -104,6 +104,11 @@ impl Common {
         self.say(&format!("wrote {}: {what}", path.display()));
     }
 
+    /// Says that a flag that was given changes nothing in this run: `--flag has no effect here: why`.
+    pub fn idle(&self, flag: &str, why: &str) {
+        self.say(&format!("{flag} has no effect here: {why}"));
+    }
+
     /// Writes what was decided to standard error, with `--verbose`.
     pub fn explain(&self, message: &str) {
         if self.verbose {

@@ -6,8 +6,11 @@
 mod campaign;
 pub mod commands;
 pub mod common;
+mod complete;
 mod exhausted;
+pub mod figure;
 mod materials;
+mod media;
 mod outputs;
 pub mod progress;
 pub mod provenance;
@@ -31,12 +34,22 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 struct Cli {
     #[command(subcommand)]
     command: commands::Command,
+    /// So that flags that every command takes may stand before it; each command finds them among its own.
+    #[command(flatten)]
+    _common: common::Common,
 }
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
+    let arguments: Vec<_> = std::env::args_os().collect();
+    match complete::answer(&arguments) {
+        Ok(false) => {}
+        Ok(true) => return ExitCode::SUCCESS,
+        // A shell shows nothing of it.
+        Err(_) => return ExitCode::FAILURE,
+    }
     let mut out = std::io::stdout().lock();
-    run(std::env::args_os(), &mut out, &mut std::io::stderr())
+    run(arguments, &mut out, &mut std::io::stderr())
 }
 
 /// Runs one command line: results to `out`, messages to `err`.
@@ -91,11 +104,14 @@ fn refused(error: &Error, err: &mut dyn Write) -> ExitCode {
 }
 
 /// What is wrong with the arguments, in one sentence: that of the value's reader where it is one of ours, else clap's lines
-/// without its summary of the usage.
+/// without its summary of the usage and its far-fetched tips.
 fn unclear(error: &clap::Error) -> String {
     let reader = std::error::Error::source(error).and_then(|source| source.downcast_ref::<Error>());
     if let Some(refused) = reader {
         return refused.to_string();
+    }
+    if let Some(text) = unexpected(error) {
+        return text;
     }
     let text = error.render().to_string();
     let lines = text
@@ -106,6 +122,21 @@ fn unclear(error: &clap::Error) -> String {
     let joined = lines.collect::<Vec<_>>().join(" ").replace(" tip: ", "; ");
     let words = joined.trim_start_matches("error: ").trim_end_matches(['.', ' ']);
     sentence(&format!("{words}; --help says what can be given"))
+}
+
+/// Of an argument that no command or not this one takes: what it is, and the nearest that there is.
+fn unexpected(error: &clap::Error) -> Option<String> {
+    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    if error.kind() != ErrorKind::UnknownArgument {
+        return None;
+    }
+    let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg) else { return None };
+    let near = match error.get(ContextKind::SuggestedArg) {
+        Some(ContextValue::String(flag)) => barbule::error::did_you_mean(given, [flag.as_str()]),
+        _ => String::new(),
+    };
+    let rest = if near.is_empty() { "; --help says what can be given" } else { &near };
+    Some(format!("unexpected argument '{}'{rest}", barbule::error::shortened(given)))
 }
 
 /// The command-line definition, for shell completions and tests.

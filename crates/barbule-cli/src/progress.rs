@@ -1,20 +1,52 @@
 //! A progress bar with the time left, on a terminal only, and Ctrl-C as a flag that long work looks at.
 
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock};
-use std::time::Duration;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
 
 use barbule::progress::Progress;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::common::Common;
 
 static CANCELLED: AtomicBool = AtomicBool::new(false);
 
+/// Signals this soon after the first are the same press: some programs send it to the process and to its group.
+const SAME_PRESS: Duration = Duration::from_millis(300);
+
+/// What Ctrl-C does now. One for the process, as its signals are.
+static NOW: Mutex<Now> = Mutex::new(Now { pressed: None, bar: None, quiet: false, words: PLAIN });
+
+struct Now {
+    /// When Ctrl-C came first.
+    pressed: Option<Instant>,
+    /// The bar that stands on the terminal.
+    bar: Option<ProgressBar>,
+    quiet: bool,
+    words: Words,
+}
+
+/// What is said after Ctrl-C.
+#[derive(Debug, Clone, Copy)]
+struct Words {
+    first: &'static str,
+    second: &'static str,
+}
+
+const PLAIN: Words =
+    Words { first: "stopping … Ctrl-C again to end at once", second: "interrupted, ended at once" };
+const KEEPING: Words = Words {
+    first: "writing what is done … Ctrl-C again to discard it",
+    second: "interrupted, what was done since is discarded",
+};
+
+fn now() -> MutexGuard<'static, Now> {
+    NOW.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Watches long work for a command.
 pub struct Terminal {
-    bar: Mutex<ProgressBar>,
     visible: bool,
     common: Common,
 }
@@ -26,19 +58,87 @@ impl Terminal {
         static LISTENING: OnceLock<()> = OnceLock::new();
         LISTENING.get_or_init(|| {
             // Where no handler can be set, Ctrl-C ends the program at once, as it does without one.
-            let _ = ctrlc::set_handler(|| {
-                if CANCELLED.swap(true, Ordering::SeqCst) {
-                    std::process::exit(130);
-                }
-            });
+            let _ = ctrlc::set_handler(pressed);
         });
+        let mut now = now();
+        (now.quiet, now.words) = (common.quiet, PLAIN);
         let visible = !common.quiet && std::io::stderr().is_terminal();
-        Self { bar: Mutex::new(ProgressBar::hidden()), visible, common: common.clone() }
+        Self { visible, common: common.clone() }
     }
 
-    fn with_bar<T>(&self, act: impl FnOnce(&mut ProgressBar) -> T) -> T {
-        act(&mut self.bar.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
+    /// The same for work whose state is written after the first Ctrl-C, which then says so.
+    #[must_use]
+    pub fn keeping_what_is_done(self) -> Self {
+        now().words = KEEPING;
+        self
     }
+}
+
+/// Ctrl-C: the first asks the work to stop, one more ends the program.
+fn pressed() {
+    let mut now = now();
+    let Now { pressed, bar, quiet, words } = &mut *now;
+    let say = |text: &str| {
+        let write = || {
+            let _ = writeln!(std::io::stderr(), "{text}");
+        };
+        match &*bar {
+            Some(bar) => bar.suspend(write),
+            None => write(),
+        }
+    };
+    match meaning(*pressed, Instant::now()) {
+        Press::Stop => {
+            *pressed = Some(Instant::now());
+            CANCELLED.store(true, Ordering::SeqCst);
+            if !*quiet {
+                say(words.first);
+            }
+        }
+        Press::Same => {}
+        Press::End => {
+            say(&format!("barbule: {}", words.second));
+            std::process::exit(130);
+        }
+    }
+}
+
+/// What a signal means.
+#[derive(Debug, PartialEq, Eq)]
+enum Press {
+    /// The work should stop.
+    Stop,
+    /// The signal before it, once more.
+    Same,
+    /// The program should end.
+    End,
+}
+
+fn meaning(first: Option<Instant>, now: Instant) -> Press {
+    match first {
+        None => Press::Stop,
+        Some(first) if now.saturating_duration_since(first) < SAME_PRESS => Press::Same,
+        Some(_) => Press::End,
+    }
+}
+
+/// The time that is left at the pace so far; unknown before the first step and after the last.
+fn left(done: u64, total: u64, elapsed: Duration) -> Option<Duration> {
+    if done == 0 || done >= total {
+        return None;
+    }
+    Duration::try_from_secs_f64(elapsed.as_secs_f64() * (total - done) as f64 / done as f64).ok()
+}
+
+fn style() -> Option<ProgressStyle> {
+    let template = "{msg:28} {wide_bar} {percent:>3} %  {elapsed} gone{left}";
+    let write_left = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+        if let Some(left) = left(state.pos(), state.len().unwrap_or(0), state.elapsed()) {
+            // A line of a bar that cannot be written is drawn without.
+            let _ = write!(out, ", {:#} left", HumanDuration(left));
+        }
+    };
+    Some(ProgressStyle::with_template(template).ok()?.with_key("left", write_left))
 }
 
 impl Progress for Terminal {
@@ -46,21 +146,22 @@ impl Progress for Terminal {
         if !self.visible {
             return;
         }
-        self.with_bar(|bar| {
-            bar.finish_and_clear();
-            *bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-            let template = "{msg:28} {wide_bar} {percent:>3} %  {elapsed} gone, {eta} left";
-            if let Ok(style) = ProgressStyle::with_template(template) {
-                bar.set_style(style);
-            }
-            bar.set_message(label.to_owned());
-            bar.enable_steady_tick(Duration::from_millis(500));
-        });
+        let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+        if let Some(style) = style() {
+            bar.set_style(style);
+        }
+        bar.set_message(label.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(500));
+        if let Some(before) = now().bar.replace(bar) {
+            before.finish_and_clear();
+        }
     }
 
     fn advance(&self, steps: u64) {
-        if self.visible {
-            self.with_bar(|bar| bar.inc(steps));
+        if self.visible
+            && let Some(bar) = &now().bar
+        {
+            bar.inc(steps);
         }
     }
 
@@ -69,12 +170,40 @@ impl Progress for Terminal {
     }
 
     fn note(&self, what: &str) {
-        self.common.explain(what);
+        match &now().bar {
+            Some(bar) => bar.suspend(|| self.common.explain(what)),
+            None => self.common.explain(what),
+        }
     }
 }
 
 impl Drop for Terminal {
     fn drop(&mut self) {
-        self.with_bar(|bar| bar.finish_and_clear());
+        if let Some(bar) = now().bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_follows_the_pace_and_is_not_guessed_without_one() {
+        let seconds = |done, total, elapsed| left(done, total, Duration::from_secs(elapsed));
+        assert_eq!(seconds(0, 100, 3), None);
+        assert_eq!(seconds(25, 100, 3), Some(Duration::from_secs(9)));
+        assert_eq!(seconds(100, 100, 3), None);
+        assert_eq!(seconds(1, u64::MAX, u64::MAX / 2), None);
+        assert!(style().is_some());
+    }
+
+    #[test]
+    fn one_press_stops_its_echo_is_nothing_and_another_press_ends() {
+        let first = Instant::now();
+        let later = |milliseconds| meaning(Some(first), first + Duration::from_millis(milliseconds));
+        assert_eq!(meaning(None, first), Press::Stop);
+        assert_eq!([later(0), later(200), later(400)], [Press::Same, Press::Same, Press::End]);
     }
 }

@@ -52,7 +52,7 @@ impl Provenance {
         serde_json::Value::Object(self.notes.iter().map(value).collect())
     }
 
-    /// Writes a figure, SVG or PNG by its extension, with the notes inside.
+    /// Writes a figure, SVG, PDF or PNG by its extension, with the notes inside.
     ///
     /// # Errors
     /// Another extension, or the file cannot be written.
@@ -186,7 +186,10 @@ mod tests {
     fn sidecars_stand_beside_their_file() {
         assert_eq!(sidecar(Path::new("a/b.csv")), Path::new("a/b.csv.json"));
         assert!(
-            check_outputs(Some(Path::new("a.pdf")), None).unwrap_err().to_string().contains(".svg or .png")
+            check_outputs(Some(Path::new("a.eps")), None)
+                .unwrap_err()
+                .to_string()
+                .contains(".svg, .pdf or .png")
         );
     }
 }

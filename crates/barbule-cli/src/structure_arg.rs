@@ -9,17 +9,24 @@ use barbule::structure::{FlatStack, Lattice, MaterialSource, Section, SpeciesMod
 use barbule::{Error, Result};
 
 use crate::common::Common;
+use crate::media;
 
 /// What every STRUCTURE argument says in `--help`.
 pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], a section .json, a species or lattice .toml, or a folder of sections";
 
-/// Finds a structure: `SPECIES[:VARIANT]`, a stack, `FILE.json`, `FILE.toml[:VARIANT]`, or a folder of sections; a stack
-/// or lattice alone lies flat.
+/// Finds a structure and says which `--medium` it does without: `SPECIES[:VARIANT]`, a stack, `FILE.json`,
+/// `FILE.toml[:VARIANT]`, or a folder of sections; a stack or lattice alone lies flat.
 ///
 /// # Errors
 /// An unknown name (the nearest known one is offered), a file that is missing or not of such a kind, or one that
 /// describes no valid structure.
 pub fn parse(text: &str, common: &Common) -> Result<Structure> {
+    let structure = read(text, common)?;
+    media::say_unused(&structure, common);
+    Ok(structure)
+}
+
+fn read(text: &str, common: &Common) -> Result<Structure> {
     let library = common.library()?;
     let path = Path::new(text);
     let ends_with = |text: &str, end: &str| text.to_lowercase().ends_with(end);

@@ -3,22 +3,29 @@
 use std::io::Write;
 
 use barbule::{Error, Result};
-use clap_complete::Shell;
+
+use crate::complete::{SHELLS, VARIABLE};
 
 /// Arguments of `barbule completions`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  barbule completions bash > ~/.local/share/bash-completion/completions/barbule"
+    after_help = "Example:\n  barbule completions bash > ~/.local/share/bash-completion/completions/barbule\n\n\
+        The script asks the program, which must be on the PATH, and so knows species, variants and presets:\n  \
+        zsh: barbule completions zsh > ~/.zfunc/_barbule (a folder of $fpath), fish: barbule completions fish > \
+        ~/.config/fish/completions/barbule.fish"
 )]
 pub(crate) struct Args {
     /// The shell
-    shell: Shell,
+    #[arg(value_parser = ["bash", "elvish", "fish", "powershell", "zsh"])]
+    shell: String,
 }
 
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
-        let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut crate::command(), "barbule", &mut script);
-        out.write_all(&script).map_err(|e| Error::machine(format!("standard output cannot be written: {e}")))
+        let failed = |e: std::io::Error| Error::machine(format!("standard output cannot be written: {e}"));
+        let Some(shell) = SHELLS.completer(&self.shell) else {
+            return Err(Error::input(format!("there are no completions for {}", self.shell)));
+        };
+        shell.write_registration(VARIABLE, "barbule", "barbule", "barbule", out).map_err(failed)
     }
 }

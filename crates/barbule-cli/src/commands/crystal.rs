@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use barbule::plot::{Axis, Drawing, Format, HeatMap};
+use barbule::figures;
+use barbule::plot::{Axis, Drawing, HeatMap, abreast};
 use barbule::solve::crystal::{
     Cell, CrystalResponse, CrystalSolver, Fdtd, Incidence, Multipole, NearField, Rcwa, sweep,
 };
@@ -15,6 +16,7 @@ use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use crate::common::{Common, print, print_json};
+use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::{sets, structure_arg};
@@ -62,9 +64,8 @@ pub(crate) struct Args {
     /// Draw |E|² of both polarizations and the permittivity in the unit cell
     #[arg(long, requires = "output")]
     field: bool,
-    /// The figure: .svg or .png
-    #[arg(short, long, value_name = "FIG")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureArgs,
     #[command(flatten)]
     common: Common,
 }
@@ -92,12 +93,9 @@ impl Method {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        if let Some(path) = &self.output {
-            Format::of(path)?;
-            barbule::io::check_writable(path)?;
-            if !self.map && !self.field {
-                return Err(Error::input("-o draws a map or a field; give --map or --field"));
-            }
+        self.figure.check(&self.common)?;
+        if self.figure.output.is_some() && !self.map && !self.field {
+            return Err(Error::input("-o draws a map or a field; give --map or --field"));
         }
         let lattice = structure_arg::lattice(&self.structure, &self.common)?;
         let incidence = Incidence {
@@ -105,7 +103,7 @@ impl Args {
             theta_i: self.theta.to_radians(),
             phi_i: self.phi.to_radians(),
         };
-        match &self.output {
+        match self.figure.path() {
             Some(path) if self.map => self.draw_map(out, path, &lattice, incidence.theta_i),
             Some(path) => self.draw_field(out, path, &lattice, &incidence),
             None => self.point(out, &lattice, &incidence),
@@ -133,8 +131,10 @@ impl Args {
         let phi_i: Vec<f64> = phi_deg.iter().map(|d| d.to_radians()).collect();
         let progress = Terminal::new(&self.common);
         let found = sweep(&*self.solver.solver(), lattice, at.nm(), theta_i, &phi_i, &progress)?;
-        Provenance::new(&self.common).write_figure(path, &self.map_figure(at, &found))?;
-        self.common.wrote(path, &format!("what the crystal of {} reflects", self.structure));
+        Provenance::new(&self.common).write_figure(path, &self.map_figure(at, &found)?)?;
+        let name = figures::heading(&self.structure);
+        self.common
+            .wrote(path, &format!("what {name} reflects against wavelength and φ_i, both polarizations"));
         if self.common.json {
             let rows = |polarization: usize| {
                 found
@@ -152,21 +152,20 @@ impl Args {
     }
 
     /// Both polarizations side by side; `found` is `[φ_i][wavelength]`.
-    fn map_figure(&self, at: &Wavelengths, found: &[[f64; 2]]) -> Drawing {
+    fn map_figure(&self, at: &Wavelengths, found: &[[f64; 2]]) -> Result<Drawing> {
         let most = found.iter().flatten().fold(0.0, |a: f64, &b| a.max(b));
         let (first, last) = at.range_nm();
         let panels = [0, 1].map(|polarization| {
-            let title =
-                format!("{}, θ_i = {}°, polarization {}", self.structure, self.theta, polarization + 1);
             let x = Axis::with_range("wavelength in vacuum (nm)", first, last);
             let y = Axis::with_range("φ_i (°)", -90.0, 90.0);
             let values = found.iter().map(|r| r[polarization]).collect();
-            let mut map = HeatMap::new(title, x, y, at.len(), values);
+            let mut map = HeatMap::new(format!("polarization {}", polarization + 1), x, y, at.len(), values);
             map.label = "reflectance, all orders".into();
             map.range = Some([0.0, most]);
-            map.draw()
+            map
         });
-        beside(panels)
+        let usual = format!("{}, θ_i = {}°", figures::heading(&self.structure), self.theta);
+        Ok(abreast(&self.figure.title(usual), &panels, &self.figure.page()?))
     }
 
     fn draw_field(
@@ -185,23 +184,27 @@ impl Args {
         let right = periods * field.period_um * 1e3;
         let panel = |title: String, label: &str, values: &[f64]| {
             let x = Axis::with_range("x (nm)", 0.0, right);
-            let y = Axis::with_range("height above the surface (nm)", bottom, top);
+            let y = Axis::with_range("z (nm)", bottom, top);
             let rows = values.chunks_exact(field.columns);
             let repeated: Vec<f64> = rows.flat_map(|row| row.repeat(periods as usize)).collect();
             let mut heat = HeatMap::new(title, x, y, periods as usize * field.columns, repeated);
             heat.label = label.into();
             heat.size = [PANEL_HEIGHT * right / (top - bottom), PANEL_HEIGHT];
-            heat.draw()
+            heat.keeps_shape = true;
+            heat
         };
         let title = |polarization: usize| format!("polarization {}", polarization + 1);
-        let drawing = beside([
+        let panels = [
             panel("permittivity".into(), "Re ε", &field.permittivity),
             panel(title(0), "|E|²/|E_i|²", &field.intensity[0]),
             panel(title(1), "|E|²/|E_i|²", &field.intensity[1]),
-        ]);
+        ];
+        let name = figures::heading(&self.structure);
+        let (nm, theta, phi) = (self.wavelength, self.theta, self.phi);
+        let usual = format!("{name}, {nm} nm, θ_i = {theta}°, φ_i = {phi}°");
+        let drawing = abreast(&self.figure.title(usual), &panels, &self.figure.page()?);
         Provenance::new(&self.common).write_figure(path, &drawing)?;
-        let at = format!("at {} nm, θ = {}°, φ = {}°", self.wavelength, self.theta, self.phi);
-        self.common.wrote(path, &format!("the field in the crystal of {} {at}", self.structure));
+        self.common.wrote(path, &format!("the field in {name} at {nm} nm, both polarizations"));
         if self.common.json { print_json(out, &self.field_document(&field)) } else { Ok(()) }
     }
 
@@ -219,20 +222,6 @@ impl Args {
             "intensity": field.intensity.each_ref().map(|values| rows(values)),
         })
     }
-}
-
-/// Drawings in a row.
-fn beside<const N: usize>(panels: [Drawing; N]) -> Drawing {
-    let height = panels.iter().map(|p| p.height).fold(0.0, f64::max);
-    let width = panels.iter().map(|p| p.width).sum();
-    let mut drawing = Drawing::new(width, height);
-    let mut x = 0.0;
-    for panel in panels {
-        let next = x + panel.width;
-        drawing.place(panel, [x, 0.0]);
-        x = next;
-    }
-    drawing
 }
 
 /// The contract's JSON.

@@ -16,6 +16,7 @@ use clap::ValueEnum;
 
 use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
+use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
 use crate::{sets, structure_arg};
@@ -60,9 +61,8 @@ pub(crate) struct Args {
     /// How the light falls on the section
     #[arg(long, value_enum, default_value_t = WindowArg::Gaussian)]
     window: WindowArg,
-    /// Draw the intensity against the azimuth: .svg or .png
-    #[arg(short, long, value_name = "FIG")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureArgs,
     /// Write a table, one row for each outgoing azimuth
     #[arg(long, value_name = "F")]
     csv: Option<PathBuf>,
@@ -82,6 +82,7 @@ enum Solver {
     /// The same formulas, evaluated plainly
     Direct,
     /// Boundary elements
+    #[value(hide = true)] // not in this version
     FullWave,
 }
 
@@ -138,8 +139,9 @@ impl Args {
         };
         let illuminations = self.illuminations();
         self.check_size(illuminations.count())?;
-        check_outputs(self.output.as_deref(), self.csv.as_deref())?;
-        if self.output.is_some() {
+        self.figure.check(&self.common)?;
+        check_outputs(self.figure.path(), self.csv.as_deref())?;
+        if self.figure.output.is_some() {
             figures::check_far_fields(&illuminations).map_err(|error| error.at("--output"))?;
         }
         let structure = structure_arg::parse(&self.structure, &self.common)?;
@@ -149,10 +151,12 @@ impl Args {
         let found = far_fields(&section, &illuminations, self.azimuths, method, &progress)?;
         drop(progress);
         let mirrors = self.mirrors(&illuminations, section.width_um);
-        let title = self.title(&structure.name());
+        let title = self.title(&figures::heading(&structure.name()));
         let provenance = Provenance::new(&self.common);
-        if let Some(path) = &self.output {
-            provenance.write_figure(path, &figures::far_fields(&title, &illuminations, &found)?)?;
+        if let Some(path) = self.figure.path() {
+            let (heading, page) = (self.figure.title(title.as_str()), self.figure.page()?);
+            let drawing = figures::far_fields(&heading, &illuminations, &found, &page)?;
+            provenance.write_figure(path, &drawing)?;
             self.common.wrote(path, &format!("intensity against the outgoing azimuth, {title}"));
         }
         let fields = Fields {
@@ -170,7 +174,7 @@ impl Args {
         if self.common.json {
             return print_json(out, &Document(&fields));
         }
-        if self.output.is_some() || self.csv.is_some() {
+        if self.figure.output.is_some() || self.csv.is_some() {
             return Ok(());
         }
         match &found[..] {

@@ -15,9 +15,10 @@ use barbule::structure::stack::Stack;
 use barbule::{Error, Result};
 
 use crate::common::{Common, print, print_json};
+use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
-use crate::sets;
+use crate::{media, sets};
 
 /// What a sweep may take in memory unless `--memory` says otherwise.
 const USUAL_MEMORY: u64 = 4 << 30;
@@ -45,9 +46,8 @@ pub(crate) struct Args {
     /// Random individuals of a stack whose thicknesses spread, as in keratin:200±5% [default: 50]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
     instances: Option<u64>,
-    /// Draw a figure: .svg or .png
-    #[arg(short, long, value_name = "FIG")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureArgs,
     /// Write a table: `angle_deg,wavelength_nm,R_s,R_p,T_s,T_p,A_s,A_p,R,T,A`, the last three unpolarized
     #[arg(long, value_name = "F")]
     csv: Option<PathBuf>,
@@ -80,8 +80,11 @@ struct Looks {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        check_outputs(self.output.as_deref(), self.csv.as_deref())?;
+        self.figure.check(&self.common)?;
+        check_outputs(self.figure.path(), self.csv.as_deref())?;
         let stack = read(&self.stack, &self.common.library()?)?;
+        let used: Vec<&str> = (0..stack.layers() + 2).map(|region| stack.medium(region)).collect();
+        media::say_unused_of(&self.stack, &used, &self.common);
         if let Some(doubt) = stack.doubt() {
             self.common.say(&doubt);
         }
@@ -90,8 +93,9 @@ impl Args {
         let looks = found.looks()?;
         let provenance = Provenance::new(&self.common);
         let shown = format!("{} at {} wavelengths", angles(&found.angle_deg), found.mean.at.len());
-        if let Some(path) = &self.output {
-            provenance.write_figure(path, &figure::figure(&self.stack, &found))?;
+        if let Some(path) = self.figure.path() {
+            let title = self.figure.title(self.stack.as_str());
+            provenance.write_figure(path, &figure::figure(&title, &found, &self.figure.page()?))?;
             self.common.wrote(path, &format!("the response of {} layers at {shown}", stack.layers()));
         }
         if let Some(path) = &self.csv {
@@ -102,7 +106,7 @@ impl Args {
             return print_json(out, &tables::document(&found, &looks, stack.layers()));
         }
         let words = tables::words(&found, &looks);
-        if self.output.is_none() && self.csv.is_none() {
+        if self.figure.output.is_none() && self.csv.is_none() {
             return print(out, &[vec![tables::table(&found)], words].concat().join("\n"));
         }
         if words.is_empty() { Ok(()) } else { print(out, &words.join("\n")) }

@@ -17,9 +17,10 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::common::{Common, print_json};
+use crate::figure::FigureArgs;
 use crate::materials;
 use crate::progress::Terminal;
-use crate::provenance::{Provenance, check_outputs};
+use crate::provenance::Provenance;
 
 /// Most instances in one picture.
 const MOST_INSTANCES: usize = 20;
@@ -36,9 +37,8 @@ const JSON_PIXELS: usize = 60;
 pub(crate) struct Args {
     /// A material file, or SPECIES[:VARIANT]
     material: String,
-    /// The figure: .svg or .png; without it, --json prints what would be drawn
-    #[arg(short, long, value_name = "FIG")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureArgs,
     /// Draw maps of m_eff, φ_eff − φ_i and F_eff over cosθ_i and cosφ_i
     #[arg(long, group = "what")]
     parameters: bool,
@@ -72,8 +72,8 @@ struct Answer {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        check_outputs(self.output.as_deref(), None)?;
-        if self.output.is_none() && !self.common.json {
+        self.figure.check_rigid(&self.common)?;
+        if self.figure.path().is_none() && !self.common.json {
             return Err(Error::input("give -o FIG for the figure, or --json for the numbers that it shows"));
         }
         let instances = self.instances.unwrap_or(3);
@@ -83,13 +83,13 @@ impl Args {
             )));
         }
         let (material, hash) = materials::find(&self.material, &self.common)?;
-        let title = figures::title(&material);
+        let title = self.figure.title(figures::title(&material));
         let Answer { key, words, json, drawing } = self.answer(&material, &title)?;
-        if let (Some(path), Some(drawing)) = (&self.output, drawing) {
+        if let (Some(path), Some(drawing)) = (self.figure.path(), drawing) {
             Provenance::new(&self.common)
                 .with("material", &self.material)
                 .with("material_hash", &hash)
-                .write_figure(path, &drawing)?;
+                .write_figure(path, &self.figure.page()?.place(drawing))?;
             self.common.wrote(path, &format!("{words} of {title}"));
         }
         match json {
@@ -157,7 +157,7 @@ impl Args {
             key: "lobes",
             words: "the lobes",
             json: self.common.json.then(numbers).transpose()?,
-            drawing: self.output.is_some().then(drawing).transpose()?,
+            drawing: self.figure.path().is_some().then(drawing).transpose()?,
         })
     }
 
@@ -174,7 +174,7 @@ impl Args {
             key,
             words,
             json: self.common.json.then(value).transpose()?,
-            drawing: self.output.is_some().then(draw),
+            drawing: self.figure.path().is_some().then(draw),
         })
     }
 

@@ -98,7 +98,7 @@ impl Args {
         let (sky, sky_name) = image.unzip();
         let (material, hash) = materials::find(&description.material, &self.common)?;
         let brdf = Arc::new(FeatherBrdf::new(&material, Options::default())?);
-        let terminal = Terminal::new(&self.common);
+        let terminal = Terminal::new(&self.common).keeping_what_is_done();
         let set = self.set(&description, brdf, sky)?;
         let mut reports = Vec::new();
         for (frame, file) in files.iter().enumerate() {
@@ -236,7 +236,7 @@ impl Args {
             keep(&film).map_err(|error| error.followed_by(written))?;
         }
         if ended == Ended::Stopped || terminal.is_cancelled() {
-            return Err(Error::interrupted());
+            return Err(self.interrupted(job, &film));
         }
         let (counts, paths) = (set.counts(), film.samples() - before);
         self.common.explain(&format!("{paths} paths in {seconds:.1} s"));
@@ -251,6 +251,20 @@ impl Args {
             report.extend(notes);
         }
         Ok(report)
+    }
+
+    /// Where the work was when Ctrl-C ended it, and how it goes on.
+    fn interrupted(&self, job: &Job<'_>, film: &Film) -> Error {
+        let pixels = f64::from(job.size[0]) * f64::from(job.size[1]);
+        let samples = film.samples() as f64 / pixels;
+        if samples == 0.0 {
+            return Error::interrupted_after("no sample is done, nothing is written");
+        }
+        let (most, file) = (job.goal.samples, job.file.display());
+        let next = if self.resume { "the same command goes on" } else { "with --resume it could go on" };
+        Error::interrupted_after(format!(
+            "{samples:.1} of {most} samples done; {file} shows what is done; {next}"
+        ))
     }
 
     /// What a picture says about itself.

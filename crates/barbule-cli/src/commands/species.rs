@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use barbule::io::{is_species, read_species_file, read_text};
 use barbule::material::Library;
-use barbule::plot::{Anchor, Drawing, Format, Ink, Stroke};
+use barbule::plot::{Anchor, Drawing, Ink, Stroke};
 use barbule::progress::{Progress, Unobserved};
 use barbule::solve::crystal::{Multipole, sweep};
 use barbule::solve::swatch::normal_reflectance;
@@ -19,6 +19,7 @@ use barbule::{Error, Result, fields};
 use serde_json::{Map, Value, json};
 
 use crate::common::{Common, print, print_json};
+use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::{sets, structure_arg};
@@ -47,9 +48,8 @@ pub(crate) struct Args {
     /// Wavelengths in nm of which colours are made
     #[arg(long, alias = "wavelength", value_name = "SET", default_value = "380:780:10", value_parser = sets::wavelength_set)]
     wavelengths: Wavelengths,
-    /// Draw the swatches: .svg or .png
-    #[arg(short, long, value_name = "FIG")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureArgs,
     #[command(flatten)]
     common: Common,
 }
@@ -84,10 +84,7 @@ struct Variant {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        if let Some(path) = &self.output {
-            Format::of(path)?;
-            barbule::io::check_writable(path)?;
-        }
+        self.figure.check_rigid(&self.common)?;
         if self.toml {
             let text = self.file_text()?;
             return match self.common.json {
@@ -104,8 +101,9 @@ impl Args {
         let entries =
             subjects.iter().map(|subject| self.entry(subject, &progress)).collect::<Result<Vec<_>>>()?;
         drop(progress);
-        if let Some(path) = &self.output {
-            Provenance::new(&self.common).write_figure(path, &figure(&entries))?;
+        if let Some(path) = self.figure.path() {
+            let drawing = figure(&entries).under(&self.figure.title(""));
+            Provenance::new(&self.common).write_figure(path, &self.figure.page()?.place(drawing))?;
             let count: usize = entries.iter().map(|entry| entry.variants.len()).sum();
             let of = if let [entry] = &entries[..] { &entry.name } else { "all species" };
             self.common.wrote(path, &format!("colours of {of} at normal incidence, {count} swatches"));

@@ -8,7 +8,6 @@ use barbule::campaign::spectrum::{Collect, Grazing, Spectra, SpectrumRequest, sp
 use barbule::campaign::spectrum_bytes;
 use barbule::error::{counted, shortened};
 use barbule::figures::{self, Simulated};
-use barbule::io::check_writable;
 use barbule::io::measured::{Measured, Scale, read_measured};
 use barbule::plot::{Band, MeasuredBand};
 use barbule::progress::Progress;
@@ -22,6 +21,7 @@ use serde_json::{Value, json};
 
 use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
+use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs, csv_cell};
 use crate::several::Several;
@@ -78,9 +78,8 @@ pub(crate) struct Args {
     /// Whether --measured is percent or parts of 1 [default: percent where names say so or values exceed 1.5]
     #[arg(long, value_enum, value_name = "UNIT", requires = "measured")]
     measured_unit: Option<MeasuredUnit>,
-    /// Draw a figure: .svg or .png
-    #[arg(short, long, value_name = "FIG")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureArgs,
     /// Write a table: angle_deg,wavelength_nm,mean,std (of several structures with their names in front)
     #[arg(long, value_name = "F")]
     csv: Option<PathBuf>,
@@ -147,10 +146,11 @@ impl Args {
         if let Some(instances) = self.instances.filter(|n| !(1..=10_000).contains(n)) {
             return Err(Error::input(format!("--instances {instances}: give a number from 1 to 10000")));
         }
-        check_outputs(self.output.as_deref(), self.csv.as_deref())?;
+        self.figure.check(&self.common)?;
+        check_outputs(self.figure.path(), self.csv.as_deref())?;
         check_outputs(None, self.summary.as_deref())?;
         let curves = self.structures.len() * self.angle.0.len();
-        if self.output.is_some() && self.structures.len() > 1 && curves > MOST_CURVES {
+        if self.figure.output.is_some() && self.structures.len() > 1 && curves > MOST_CURVES {
             return Err(Error::input(format!(
                 "-o: {curves} curves of {} structures do not fit one figure, which holds {MOST_CURVES}; give fewer, or --summary in place of -o",
                 self.structures.len()
@@ -263,7 +263,7 @@ impl Args {
             format!("{what} of {whose} at {}", counted(self.angle.0.len(), "angle"))
         };
         let beside = if measured.is_some() { ", and what was measured" } else { "" };
-        if let Some(path) = &self.output {
+        if let Some(path) = &self.figure.output {
             provenance.write_figure(path, &self.figure(all, measured)?)?;
             self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
         }
@@ -318,7 +318,8 @@ impl Args {
                 many => many.iter().map(|sample| sample.spectrum.clone()).collect(),
             },
         });
-        figures::spectra(&title, &self.wavelengths, &simulated, measured.as_ref())
+        let (title, page) = (self.figure.title(figures::heading(&title)), self.figure.page()?);
+        figures::spectra(&title, &self.wavelengths, &simulated, measured.as_ref(), &page)
     }
 
     /// The contract's table; of several structures with their names in front.

@@ -259,7 +259,7 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_nothing() {
         (vec!["spectrum", "starling", "--instances", "0"], "from 1 to 10000"),
         (vec!["spectrum", "starling", "--angle", "89:91:1"], "past grazing"),
         (vec!["spectrum", "starling", "--measured", "no.csv"], "no such file"),
-        (vec!["spectrum", "starling", "-o", "s.pdf"], ".svg or .png"),
+        (vec!["spectrum", "starling", "-o", "s.eps"], ".svg, .pdf or .png"),
         (simulate(&["--directions", "20"]), "NxM"),
         (simulate(&["--directions", "1x20"]), "NxM"),
         (simulate(&["--instances", "0"]), "from 1 to 10000"),

@@ -125,7 +125,7 @@ fn bad_input_is_refused_in_one_sentence_and_leaves_no_file() {
         (&[film, "--angles", "x"], "is not a number"),
         (&[film, "--wavelengths", "200"], "outside 300 to 830 nm"),
         (&[film, "--wavelengths", "700:400:6"], "does not lead"),
-        (&[film, "-o", &path("f.pdf")], ".svg or .png"),
+        (&[film, "-o", &path("f.eps")], ".svg, .pdf or .png"),
         (&[film, "-o", &path("no/where.svg")], "does not exist"),
         (&[film, "-o", &path("same.svg"), "--csv", &path("same.svg")], "two names"),
         (&[film, "--csv", folder.path().to_str().unwrap()], "is a folder"),

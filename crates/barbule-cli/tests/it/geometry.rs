@@ -13,7 +13,7 @@ fn pictures_and_sections_are_written_and_sections_round_trip() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     for structure in ["rock-dove", "hummingbird", "air/keratin:595/air"] {
-        for name in ["a.svg", "a.png", "a.json"] {
+        for name in ["a.svg", "a.pdf", "a.png", "a.json"] {
             let (code, _, message) = run(&["geometry", structure, "-o", &file(name)]);
             assert_eq!(code, 0, "{structure} {name}: {message}");
             assert!(std::fs::metadata(file(name)).unwrap().len() > 100);
@@ -40,7 +40,7 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_no_file() {
     for (words, expected) in [
         (vec!["geometry", "starling", "--three-d", "-o", &output], "three dimensions"),
         (vec!["geometry", "starling"], "say where to write"),
-        (vec!["geometry", "starling", "-o", "x.pdf"], ".svg, .png or .json"),
+        (vec!["geometry", "starling", "-o", "x.eps"], ".svg, .pdf, .png or .json"),
         (vec!["geometry", "air/keratin:5/air", "--instance", "3", "-o", &output], "no instance 3"),
         (vec!["geometry", "starling:cyan", "-o", &output], "no variant 'cyan'"),
         (vec!["species", "starlin"], "did you mean 'starling'"),

@@ -5,10 +5,13 @@
 mod brdf;
 mod campaign;
 mod common;
+mod completions;
 mod crystal;
 mod far_field;
+mod figures;
 mod film;
 mod geometry;
+mod interruptions;
 mod lobes;
 mod outputs;
 mod refusals;

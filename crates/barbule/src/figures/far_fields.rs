@@ -1,6 +1,6 @@
 //! Far fields against the outgoing azimuth.
 
-use crate::plot::{Axis, Curve, Drawing, Figure, HeatMap};
+use crate::plot::{Axis, Curve, Drawing, Figure, HeatMap, Page};
 use crate::scattering::far_field::{FarField, IncidentLight, Polarization};
 use crate::solve::far_fields::Illuminations;
 use crate::{Error, Result};
@@ -37,7 +37,12 @@ pub fn check_far_fields(illuminations: &Illuminations) -> Result<()> {
 ///
 /// # Errors
 /// As [`check_far_fields`].
-pub fn far_fields(title: &str, illuminations: &Illuminations, found: &[FarField]) -> Result<Drawing> {
+pub fn far_fields(
+    title: &str,
+    illuminations: &Illuminations,
+    found: &[FarField],
+    page: &Page,
+) -> Result<Drawing> {
     check_far_fields(illuminations)?;
     let quantity = match found.first().map(|far| far.light) {
         Some(IncidentLight::PlaneWave) => "differential scattering width (µm/rad)",
@@ -46,14 +51,14 @@ pub fn far_fields(title: &str, illuminations: &Illuminations, found: &[FarField]
     let azimuth = Axis::new("outgoing azimuth φ_o (°)");
     let axes = varied(illuminations);
     if let (true, [axis]) = (found.len() > MOST_CURVES, &axes[..]) {
-        return Ok(map(title, azimuth, axis, quantity, found));
+        return Ok(map(title, azimuth, axis, quantity, found).draw_on(page));
     }
     let mut chart = Figure::new(title, azimuth, Axis::new(quantity));
     if let [far] = found {
         for (polarization, name) in Polarization::BOTH.into_iter().zip(["polarization 1", "polarization 2"]) {
             chart.curves.push(Curve::line(name, points(far, &far.per_radian(polarization))));
         }
-        return Ok(chart.draw());
+        return Ok(chart.draw_on(page));
     }
     for (far, light) in found.iter().zip(illuminations.iter()) {
         let words = axes.iter().map(|axis| match axis.label {
@@ -65,7 +70,7 @@ pub fn far_fields(title: &str, illuminations: &Illuminations, found: &[FarField]
         chart.curves.push(Curve::line(name, points(far, &unpolarized(far))));
     }
     chart.legend = "unpolarized".into();
-    Ok(chart.draw())
+    Ok(chart.draw_on(page))
 }
 
 const WAVELENGTH: &str = "wavelength in vacuum (nm)";
@@ -98,7 +103,7 @@ fn points(far: &FarField, values: &[f64]) -> Vec<[f64; 2]> {
 }
 
 /// The mean of both polarizations over the azimuth and one axis; each cell shows the nearest far field.
-fn map(title: &str, azimuth: Axis, axis: &Varied, quantity: &str, found: &[FarField]) -> Drawing {
+fn map(title: &str, azimuth: Axis, axis: &Varied, quantity: &str, found: &[FarField]) -> HeatMap {
     let mut order: Vec<usize> = (0..axis.values.len()).collect();
     order.sort_by(|a, b| axis.values[*a].total_cmp(&axis.values[*b]));
     let sorted: Vec<f64> = order.iter().map(|at| axis.values[*at]).collect();
@@ -116,7 +121,7 @@ fn map(title: &str, azimuth: Axis, axis: &Varied, quantity: &str, found: &[FarFi
     let azimuth = Axis::with_range(azimuth.label, -90.0, 90.0);
     let mut map = HeatMap::new(title, azimuth, Axis::with_range(axis.label, low, high), CELLS[0], values);
     map.label = format!("{quantity}, unpolarized");
-    map.draw()
+    map
 }
 
 #[cfg(test)]
@@ -138,7 +143,7 @@ mod tests {
         check_far_fields(&sweep)?;
         let section = Structure::flat("air/keratin:300/air").unwrap().instance(1, 0).unwrap();
         let found = solve(&section, &sweep, 40, Method::Fast, &Unobserved).unwrap();
-        let bytes = far_fields("a title", &sweep, &found)?.encode(Format::Svg, &[])?;
+        let bytes = far_fields("a title", &sweep, &found, &Page::default())?.encode(Format::Svg, &[])?;
         Ok(String::from_utf8(bytes).unwrap())
     }
 

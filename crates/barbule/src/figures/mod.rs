@@ -9,12 +9,18 @@ mod values;
 
 pub use far_fields::{check_far_fields, far_fields};
 pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
-pub use section::{hummingbird_sketch, section};
+pub use section::section;
 pub use simulated::{FieldPatterns, FitCurves, InstancePatterns, NoiseCurves, statistics_of_fits};
 pub use spectrum::{Simulated, spectra};
 pub use values::{hemisphere_maps, marginals};
 
 use crate::scattering::statistics::Axes;
+
+/// A structure's name as a heading says it: the only variant of a species goes without its name.
+#[must_use]
+pub fn heading(name: &str) -> String {
+    name.replace(":default", "")
+}
 
 /// The shortest, the middle and the longest wavelength of the axes.
 fn three(axes: &Axes) -> Vec<usize> {
@@ -22,4 +28,15 @@ fn three(axes: &Axes) -> Vec<usize> {
     let mut waves = vec![0, count / 2, count - 1];
     waves.dedup();
     waves
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headings_read_as_one_would_say_them() {
+        assert_eq!(heading("tree-swallow:default"), "tree-swallow");
+        assert_eq!(heading("starling:pink 3"), "starling:pink 3");
+    }
 }

@@ -1,11 +1,16 @@
 //! Cross sections drawn to scale: the whole barbule, a zoom, a legend, and the parameters of hummingbirds.
 
-use crate::plot::{Anchor, Drawing, Ink, Item, PALETTE, Stroke};
+use crate::plot::{Anchor, Drawing, Ink, Item, PALETTE, Page, Stroke, text};
 use crate::structure::{CrystalLayer, Hummingbird, Loop, Medium, Polyline, Section, Substance};
 
+/// Usual and least width of the page, px.
 const PAGE: f64 = 1000.0;
+const NARROWEST: f64 = 320.0;
+/// Parts of the page's width that the zoom may take.
+const ZOOMS: [f64; 4] = [0.62, 0.5, 0.4, 0.3];
 const MARGIN: f64 = 30.0;
 const FONT: f64 = 15.0;
+const HEADING: f64 = 18.0;
 /// Zooms show at most this much, µm; of a crystal, whose rods are small, less.
 const ZOOM_UM: f64 = 5.0;
 const CRYSTAL_ZOOM_UM: f64 = 3.0;
@@ -43,38 +48,77 @@ impl View {
     }
 }
 
-/// Draws a section; with the generator's parameters, also their sketch.
+/// Draws a section; for a hummingbird with its parameters, also their sketch beside the section without its randomness.
 #[must_use]
-pub fn section(section: &Section, title: &str, sketch: Option<&Drawing>) -> Drawing {
+pub fn section(
+    section: &Section,
+    title: &str,
+    sketch: Option<(&Hummingbird, &Section)>,
+    page: &Page,
+) -> Drawing {
+    page.lay_out(FONT, |size| {
+        let drawn = |width: f64, zoom: f64| {
+            let sketch = sketch.map(|(parameters, regular)| hummingbird_sketch(parameters, regular, width));
+            views(section, title, sketch, width, zoom)
+        };
+        let Some([width, height]) = size else { return drawn(PAGE, ZOOMS[0]) };
+        // A smaller zoom, or less of the width, and so of the height, rather than much smaller words.
+        let zooms = ZOOMS.into_iter().map(|zoom| (width.max(NARROWEST), zoom));
+        let narrower = (1..=5).map(|tenths| (width * (1.0 - 0.1 * f64::from(tenths)), ZOOMS[2]));
+        let size_of_words = |drawing: &Drawing| (height / drawing.height).min(width / drawing.width).min(1.0);
+        let mut best = (0.0, Drawing::new(width, height));
+        for (wide, zoom) in zooms.chain(narrower).filter(|(wide, _)| *wide >= NARROWEST) {
+            let drawing = drawn(wide, zoom);
+            let worth = size_of_words(&drawing) * (wide / width).sqrt();
+            if worth > best.0 {
+                best = (worth, drawing);
+            }
+        }
+        best.1
+    })
+}
+
+/// The whole section, a zoom that takes part of the width with its legend, and a sketch, on a page that is `width` px wide.
+fn views(section: &Section, title: &str, sketch: Option<Drawing>, width: f64, zoom: f64) -> Drawing {
     let [left, right, low, high] = extent(section);
     let pad = 0.02 * (right - left);
-    let wide = PAGE - 2.0 * MARGIN;
+    let wide = width - 2.0 * MARGIN;
     let window = [left - pad, right + pad, low - pad, high + pad];
     let scale = wide / (window[1] - window[0]);
     let window = whole_pixels(window, scale);
-    let whole = View { window, at: [MARGIN, 50.0], scale };
+    let title = text::wrapped(title, HEADING, wide, 3);
+    let top = 28.0 + 22.0 * title.len() as f64;
+    let whole = View { window, at: [MARGIN, top], scale };
     let [x, y, _, tall] = whole.area();
     let zoom_window = zoom_window(section);
-    let zoom_width = 0.62 * wide;
+    let legend = legend(section, wide);
+    // On a narrow page the legend has no room beside the zoom.
+    let is_beside = legend.width + 30.0 <= (1.0 - zoom) * wide;
+    let zoom_width = if is_beside { zoom * wide } else { wide };
     let zoom_scale = zoom_width / (zoom_window[1] - zoom_window[0]);
     let zoom_window = whole_pixels(zoom_window, zoom_scale);
     let zoom = View { window: zoom_window, at: [x, y + tall + 50.0], scale: zoom_scale };
     let [_, zoom_y, _, zoom_tall] = zoom.area();
-    let legend = legend(section);
-    let below = zoom_y + zoom_tall.max(legend.height) + 55.0;
-    let mut page = Drawing::new(PAGE, below + sketch.map_or(0.0, |s| s.height + 10.0));
-    page.text([MARGIN, 32.0], 18.0, Anchor::Start, title);
+    let legend_at = if is_beside { [x + zoom_width + 30.0, zoom_y] } else { [x, zoom_y + zoom_tall + 45.0] };
+    let below =
+        (zoom_y + zoom_tall + 55.0).max(legend_at[1] + legend.height + if is_beside { 55.0 } else { 10.0 });
+    let mut page = Drawing::new(width, below + sketch.as_ref().map_or(0.0, |s| s.height + 10.0));
+    for (line, text) in title.into_iter().enumerate() {
+        page.text([MARGIN, 32.0 + 22.0 * line as f64], HEADING, Anchor::Start, text);
+    }
     regions(&mut page, section, &whole);
     regions(&mut page, section, &zoom);
+    // What shines through the soft edge of the view is covered.
+    page.rectangle(whole.area(), None, Some(Stroke::solid(Ink::WHITE, 3.0)));
     let frame = Stroke::solid(Ink::of(FRAME), 1.5);
     let [a, b] = [whole.place(zoom_window[0], zoom_window[3]), whole.place(zoom_window[1], zoom_window[2])];
     page.rectangle([a[0], a[1], b[0] - a[0], b[1] - a[1]], None, Some(frame.clone()));
     page.rectangle(zoom.area(), None, Some(frame));
     scale_bar(&mut page, &whole);
     scale_bar(&mut page, &zoom);
-    page.place(legend, [x + zoom_width + 30.0, zoom_y]);
+    page.place(legend, legend_at);
     if let Some(sketch) = sketch {
-        page.place(sketch.clone(), [MARGIN, below]);
+        page.place(sketch, [MARGIN, below]);
     }
     page
 }
@@ -304,8 +348,8 @@ fn scale_bar(page: &mut Drawing, view: &View) {
     page.text([right, base + 19.0], FONT, Anchor::End, label);
 }
 
-/// One swatch for each medium.
-fn legend(section: &Section) -> Drawing {
+/// One swatch for each medium, no wider than `most`.
+fn legend(section: &Section, most: f64) -> Drawing {
     let mut entries: Vec<(String, [u8; 3], [u8; 3])> = Vec::new();
     let of_rods: Vec<Medium> = section
         .crystal
@@ -329,12 +373,20 @@ fn legend(section: &Section) -> Drawing {
             entries.push(entry);
         }
     }
-    let mut drawing = Drawing::new(300.0, 30.0 * entries.len() as f64);
+    for entry in &mut entries {
+        entry.0 = text::cut(&entry.0, FONT, most - 50.0);
+    }
+    let widest = entries.iter().map(|(label, ..)| text::width(label, FONT)).fold(0.0, f64::max);
+    let mut drawing = Drawing::new(50.0 + widest, 30.0 * entries.len() as f64);
     for (i, (label, low, high)) in entries.into_iter().enumerate() {
         let y = 30.0 * i as f64;
-        for step in 0..13 {
-            let ink = Ink::of(blend(low, high, f64::from(step) / 12.0));
-            drawing.rectangle([3.0 * f64::from(step), y, 3.5, 20.0], Some(ink), None);
+        let steps = if low == high { 1 } else { 13 };
+        let wide = 39.5 / f64::from(steps);
+        for step in 0..steps {
+            let ink = Ink::of(blend(low, high, f64::from(step) / f64::from(steps.max(2) - 1)));
+            // Under the next one, so that no seam shows.
+            let [from, to] = [wide * f64::from(step), (wide * f64::from(step) + 1.2 * wide).min(39.5)];
+            drawing.rectangle([from, y, to - from, 20.0], Some(ink), None);
         }
         drawing.rectangle([0.0, y, 39.5, 20.0], None, Some(Stroke::solid(Ink::of([120, 120, 120]), 1.0)));
         drawing.text([50.0, y + 15.0], FONT, Anchor::Start, label);
@@ -343,8 +395,7 @@ fn legend(section: &Section) -> Drawing {
 }
 
 /// The parameters of a hummingbird beside its first three layers without their randomness, as in the seed's figure 8.
-#[must_use]
-pub fn hummingbird_sketch(parameters: &Hummingbird, regular: &Section) -> Drawing {
+fn hummingbird_sketch(parameters: &Hummingbird, regular: &Section, page: f64) -> Drawing {
     let p = parameters;
     let nm = |um: f64| format!("{:.0} nm", um * 1e3);
     let second = p.air_second_share * p.air_first_um + (1.0 - p.air_second_share) * p.air_um;
@@ -365,14 +416,16 @@ pub fn hummingbird_sketch(parameters: &Hummingbird, regular: &Section) -> Drawin
     }
     let tall = depth + p.cortex_um;
     let long = (p.melanosome_length_um * 1.25).min(4.0 * tall);
-    let scale = (480.0 / long).min(360.0 / tall);
+    let room = page - 2.0 * MARGIN;
+    // The names of the parameters take the rest.
+    let scale = ((room - 230.0).clamp(0.3 * room, 480.0) / long).min(360.0 / tall);
     let pad = 0.04 * tall;
     // The first melanosome starts near the left end.
     let left = first_x(regular) - 0.06 * long;
     let window = [left, left + long, -tall - pad, pad];
     let view = View { window, at: [0.0, 30.0], scale };
     let [_, y, wide, high] = view.area();
-    let mut drawing = Drawing::new(PAGE - 2.0 * MARGIN, y + high + 75.0);
+    let mut drawing = Drawing::new(room, 0.0);
     drawing.text([0.0, 18.0], 16.0, Anchor::Start, "Generator parameters, mean values");
     regions(&mut drawing, regular, &view);
     drawing.rectangle(view.area(), None, Some(Stroke::solid(Ink::of([120, 120, 120]), 1.0)));
@@ -400,8 +453,12 @@ pub fn hummingbird_sketch(parameters: &Hummingbird, regular: &Section) -> Drawin
             nm(p.membrane_um)
         ),
     ];
-    for (i, note) in notes.into_iter().enumerate() {
-        drawing.text([0.0, y + high + 52.0 + 20.0 * i as f64], FONT, Anchor::Start, note);
+    let lines: Vec<String> = notes.iter().flat_map(|note| text::wrapped(note, FONT, room, 4)).collect();
+    let named = y + step * marks.len().saturating_sub(1) as f64;
+    let under = (y + high + 52.0).max(named + 28.0);
+    drawing.height = under + 3.0 + 20.0 * lines.len() as f64;
+    for (i, line) in lines.into_iter().enumerate() {
+        drawing.text([0.0, under + 20.0 * i as f64], FONT, Anchor::Start, line);
     }
     scale_bar(&mut drawing, &view);
     drawing

@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::campaign::spectrum::Spectra;
-use crate::plot::{self, Band, Drawing, MeasuredBand};
+use crate::plot::{self, Band, Drawing, MeasuredBand, Page};
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// The simulated curves of one structure.
@@ -25,6 +25,7 @@ pub fn spectra(
     at: &Wavelengths,
     simulated: &[Simulated],
     measured: Option<&MeasuredBand>,
+    page: &Page,
 ) -> Result<Drawing> {
     let mut bands = Vec::new();
     for of in simulated {
@@ -36,5 +37,5 @@ pub fn spectra(
             });
         }
     }
-    Ok(plot::spectra(title, &bands, measured).draw())
+    Ok(plot::spectra(title, &bands, measured).draw_on(page))
 }

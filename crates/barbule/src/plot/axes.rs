@@ -1,13 +1,21 @@
 //! Axes: ranges, ticks, and the frame around data.
 
 use super::drawing::{Anchor, Drawing, Ink, Item, Stroke};
+use super::text;
 
 /// Height of tick labels in px.
 pub(super) const SMALL: f64 = 11.0;
 /// Height of axis labels in px.
-pub(super) const MEDIUM: f64 = 12.5;
+pub(super) const MEDIUM: f64 = super::page::USUAL_FONT;
 /// Height of titles in px.
-pub(super) const LARGE: f64 = 14.0;
+pub(super) const LARGE: f64 = super::page::TITLE;
+
+/// From one line of a title or an axis label to the next, px.
+const LINE: f64 = 17.0;
+/// Lines of titles and of axis labels at most.
+const MOST_LINES: [usize; 2] = [3, 2];
+/// What titles keep free of a page's edges, px.
+const EDGE: f64 = 8.0;
 
 const GREY: Ink = Ink::of([225, 225, 225]);
 
@@ -42,6 +50,9 @@ impl Axis {
     }
 }
 
+/// Steps between ticks of angles in degrees.
+const DEGREES: [f64; 4] = [15.0, 30.0, 45.0, 90.0];
+
 /// The distance between ticks: 1, 2 or 5 times a power of ten, so that about `wanted` of them fit.
 fn step(range: [f64; 2], wanted: usize) -> f64 {
     let rough = (range[1] - range[0]).abs() / wanted.max(1) as f64;
@@ -57,7 +68,21 @@ pub fn ticks(range: [f64; 2], wanted: usize) -> Vec<(f64, String)> {
     if !(high > low && (high - low).is_finite()) {
         return vec![(low, label(low, 1e-3))];
     }
-    let step = step(range, wanted);
+    multiples([low, high], step(range, wanted))
+}
+
+/// As [`ticks`] for angles in degrees: parts of the right angle where the range is of several.
+fn degree_ticks(range: [f64; 2], wanted: usize) -> Vec<(f64, String)> {
+    let (low, high) = (range[0].min(range[1]), range[0].max(range[1]));
+    let rough = (high - low) / wanted.max(1) as f64;
+    match DEGREES.into_iter().find(|step| *step >= rough * 0.999) {
+        Some(step) if rough > 0.5 * DEGREES[0] => multiples([low, high], step),
+        _ => ticks(range, wanted),
+    }
+}
+
+/// The multiples of a step within a range, with their labels.
+fn multiples([low, high]: [f64; 2], step: f64) -> Vec<(f64, String)> {
     let first = (low / step - 1e-6).ceil();
     let last = (high / step + 1e-6).floor();
     // At most a few dozen by the choice of the step; the bound guards against ranges at the limits of f64.
@@ -142,6 +167,8 @@ pub(super) struct Frame {
     pub(super) y: [f64; 2],
     /// Whether x and y are logarithmic.
     pub(super) logarithmic: [bool; 2],
+    /// Whether x and y are angles in degrees.
+    pub(super) degrees: [bool; 2],
 }
 
 impl Frame {
@@ -170,9 +197,9 @@ impl Frame {
         }
     }
 
-    /// The box, ticks and labels, to be drawn above the data.
-    pub(super) fn outline(&self, drawing: &mut Drawing, x_label: &str, y_label: &str, title: &str) {
-        let [left, top, width, height] = self.area;
+    /// The box and ticks, to be drawn above the data.
+    pub(super) fn outline(&self, drawing: &mut Drawing) {
+        let [left, top, _, height] = self.area;
         let line = Stroke::solid(Ink::BLACK, 1.0);
         drawing.rectangle(self.area, None, Some(line.clone()));
         for (at, text) in self.x_ticks() {
@@ -185,27 +212,138 @@ impl Frame {
             drawing.line([left - 4.0, y], [left, y], line.clone());
             drawing.text([left - 7.0, y + 4.0], SMALL, Anchor::End, text);
         }
-        drawing.text([left + width / 2.0, top + height + 35.0], MEDIUM, Anchor::Middle, x_label);
-        drawing.items.push(Item::Text {
-            at: [left - 46.0, top + height / 2.0],
-            size: MEDIUM,
-            text: y_label.to_owned(),
-            anchor: Anchor::Middle,
-            turn: 90.0,
-            ink: Ink::BLACK,
-        });
-        drawing.text([left + width / 2.0, top - 10.0], LARGE, Anchor::Middle, title);
     }
 
+    /// As many ticks as leave their labels apart.
     fn x_ticks(&self) -> Vec<(f64, String)> {
-        let wanted = (self.area[2] / 60.0) as usize;
-        if self.logarithmic[0] { log_ticks(self.x, wanted) } else { ticks(self.x, wanted) }
+        let width = self.area[2];
+        let apart = |ticks: &[(f64, String)]| {
+            ticks.iter().map(|(_, label)| text::width(label, SMALL) + 8.0).sum::<f64>() <= width + 30.0
+        };
+        spaced(|wanted| self.ticks(0, wanted), (width / 60.0) as usize, apart)
     }
 
     fn y_ticks(&self) -> Vec<(f64, String)> {
-        let wanted = ((self.area[3] / 45.0) as usize).max(5);
-        if self.logarithmic[1] { log_ticks(self.y, wanted) } else { ticks(self.y, wanted) }
+        let height = self.area[3];
+        spaced(
+            |wanted| self.ticks(1, wanted),
+            ((height / 45.0) as usize).max(5),
+            |ticks| high_enough(ticks, height),
+        )
     }
+
+    /// About `wanted` ticks of x (`axis` 0) or y (1).
+    fn ticks(&self, axis: usize, wanted: usize) -> Vec<(f64, String)> {
+        let range = [self.x, self.y][axis];
+        match (self.logarithmic[axis], self.degrees[axis]) {
+            (true, _) => log_ticks(range, wanted),
+            (false, true) => degree_ticks(range, wanted),
+            (false, false) => ticks(range, wanted),
+        }
+    }
+}
+
+/// Whether labels of ticks stand apart on a vertical axis.
+pub(super) fn high_enough(ticks: &[(f64, String)], height: f64) -> bool {
+    ticks.len() as f64 * (SMALL + 3.0) <= height + SMALL
+}
+
+/// About `wanted` ticks, or fewer where they would not stand apart; two where they can be had at all.
+pub(super) fn spaced(
+    of: impl Fn(usize) -> Vec<(f64, String)>,
+    wanted: usize,
+    apart: impl Fn(&[(f64, String)]) -> bool,
+) -> Vec<(f64, String)> {
+    let fewer = (1..=wanted.max(2)).rev().map(&of).find(|ticks| apart(ticks));
+    match fewer {
+        Some(ticks) if ticks.len() > 1 => ticks,
+        found => {
+            let more = (2..=12).map(&of).find(|ticks| ticks.len() > 1 && apart(ticks));
+            more.or(found).unwrap_or_else(|| of(1))
+        }
+    }
+}
+
+/// Whether an axis shows degrees.
+pub(super) fn is_in_degrees(axis: &Axis) -> bool {
+    axis.label.ends_with("(°)")
+}
+
+/// The words around a plane, broken into lines that fit.
+pub(super) struct Words {
+    title: Vec<String>,
+    x: Vec<String>,
+    y: Vec<String>,
+}
+
+impl Words {
+    /// Of a page that is `width` px wide; [`Words::beside`] adds the vertical axis.
+    pub(super) fn new(title: &str, x: &str, width: f64) -> Self {
+        let free = width - 2.0 * EDGE;
+        Self {
+            title: text::wrapped(title, LARGE, free, MOST_LINES[0]),
+            x: text::wrapped(x, MEDIUM, free, MOST_LINES[1]),
+            y: Vec::new(),
+        }
+    }
+
+    /// With the vertical axis's label, of a plane that is `height` px high.
+    pub(super) fn beside(mut self, y: &str, height: f64) -> Self {
+        self.y = text::wrapped(y, MEDIUM, height + self.top(), MOST_LINES[1]);
+        self
+    }
+
+    /// What stands above the plane.
+    pub(super) fn top(&self) -> f64 {
+        16.0 + 18.0 * self.title.len() as f64
+    }
+
+    /// What stands below the plane.
+    pub(super) fn below(&self) -> f64 {
+        46.0 + LINE * self.x.len().saturating_sub(1) as f64
+    }
+
+    /// What stands left of the plane, whose axis label is at least `least` px away from it.
+    pub(super) fn left(&self, frame: &Frame, least: f64) -> f64 {
+        self.label_at(frame, least) + 18.0
+    }
+
+    /// From the plane to the last line of the vertical axis's label.
+    fn label_at(&self, frame: &Frame, least: f64) -> f64 {
+        let widest = frame.y_ticks().iter().map(|(_, t)| text::width(t, SMALL)).fold(0.0, f64::max);
+        (widest + 16.0).max(least) + LINE * self.y.len().saturating_sub(1) as f64
+    }
+
+    /// Writes them around the plane.
+    pub(super) fn write(&self, drawing: &mut Drawing, frame: &Frame, least: f64) {
+        let [left, top, width, height] = frame.area;
+        for (line, text) in self.x.iter().enumerate() {
+            centred(drawing, left + width / 2.0, top + height + 35.0 + LINE * line as f64, MEDIUM, text);
+        }
+        let label_at = left - self.label_at(frame, least);
+        for (line, text) in self.y.iter().enumerate() {
+            // A label that is longer than the plane keeps on the page.
+            let half = 0.5 * text::width(text, MEDIUM);
+            drawing.items.push(Item::Text {
+                at: [label_at + LINE * line as f64, (top + height / 2.0).max(half + 2.0)],
+                size: MEDIUM,
+                text: text.clone(),
+                anchor: Anchor::Middle,
+                turn: 90.0,
+                ink: Ink::BLACK,
+            });
+        }
+        for (line, text) in self.title.iter().rev().enumerate() {
+            centred(drawing, left + width / 2.0, top - 10.0 - 18.0 * line as f64, LARGE, text);
+        }
+    }
+}
+
+/// A text centred at an x as far as the page's edges allow.
+fn centred(drawing: &mut Drawing, x: f64, y: f64, size: f64, text: &str) {
+    let half = 0.5 * text::width(text, size);
+    let most = (drawing.width - EDGE - half).max(half);
+    drawing.text([x.clamp((EDGE + half).min(most), most), y], size, Anchor::Middle, text);
 }
 
 #[cfg(test)]
@@ -237,9 +375,24 @@ mod tests {
             x: [1.0, 100.0],
             y: [1.0, 100.0],
             logarithmic: [true; 2],
+            degrees: [false; 2],
         };
         assert_eq!(frame.place([10.0, 100.0]), [50.0, 0.0]);
         assert!(!frame.place([0.0, 1.0])[0].is_finite());
+    }
+
+    #[test]
+    fn angles_have_parts_of_the_right_angle_and_small_planes_at_least_two_ticks() {
+        let labels =
+            |range, wanted| degree_ticks(range, wanted).into_iter().map(|(_, text)| text).collect::<Vec<_>>();
+        assert_eq!(labels([-90.0, 90.0], 5), ["−90", "−45", "0", "45", "90"]);
+        assert_eq!(labels([-90.0, 90.0], 6), ["−90", "−60", "−30", "0", "30", "60", "90"]);
+        assert_eq!(labels([0.0, 10.0], 5), ["0", "2", "4", "6", "8", "10"]);
+        let of = |wanted| ticks([0.0, 0.96], wanted);
+        let found = |height| spaced(of, 5, |ticks| high_enough(ticks, height));
+        assert_eq!(found(200.0).len(), 5);
+        let labels: Vec<_> = found(30.0).into_iter().map(|(_, text)| text).collect();
+        assert_eq!(labels, ["0.0", "0.5"]);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The primitives that figures are made of. Coordinates are in px from the upper left corner, y down.
 
+use super::text;
+
 /// A colour and how much of it covers what lies below.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ink {
@@ -56,6 +58,17 @@ pub enum Anchor {
     Middle,
     /// Its right end.
     End,
+}
+
+impl Anchor {
+    /// How much of a text, its font `size` px high, stands before this part of it, px.
+    pub(super) fn before(self, text: &str, size: f64) -> f64 {
+        match self {
+            Self::Start => 0.0,
+            Self::Middle => text::width(text, size) / 2.0,
+            Self::End => text::width(text, size),
+        }
+    }
 }
 
 /// Pixels for a drawing.
@@ -132,6 +145,8 @@ pub struct Drawing {
     pub width: f64,
     /// Height in px.
     pub height: f64,
+    /// Pixels of a PNG for each px.
+    pub resolution: f64,
     /// The items.
     pub items: Vec<Item>,
 }
@@ -140,7 +155,7 @@ impl Drawing {
     /// An empty page.
     #[must_use]
     pub fn new(width: f64, height: f64) -> Self {
-        Self { width, height, items: Vec::new() }
+        Self { width, height, resolution: super::page::RESOLUTION, items: Vec::new() }
     }
 
     /// Adds a text.
@@ -171,25 +186,52 @@ impl Drawing {
     }
 }
 
+impl Drawing {
+    /// The same, larger by a factor: lines and words too.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
+        if factor == 1.0 {
+            return self;
+        }
+        self.items = self.items.into_iter().map(|item| item.mapped(factor, [0.0; 2])).collect();
+        Self { width: self.width * factor, height: self.height * factor, ..self }
+    }
+}
+
 impl Item {
     fn moved(self, by: [f64; 2]) -> Self {
-        let shift = |p: [f64; 2]| [p[0] + by[0], p[1] + by[1]];
-        let shift_area = |a: [f64; 4]| [a[0] + by[0], a[1] + by[1], a[2], a[3]];
+        self.mapped(1.0, by)
+    }
+
+    /// Larger by a factor about the origin, then moved.
+    fn mapped(self, factor: f64, by: [f64; 2]) -> Self {
+        let at = |p: [f64; 2]| [p[0] * factor + by[0], p[1] * factor + by[1]];
+        let over = |a: [f64; 4]| {
+            let [x, y] = at([a[0], a[1]]);
+            [x, y, a[2] * factor, a[3] * factor]
+        };
+        let drawn = |stroke: Option<Stroke>| {
+            stroke.map(|s| Stroke {
+                ink: s.ink,
+                width: s.width * factor,
+                dash: s.dash.into_iter().map(|d| d * factor).collect(),
+            })
+        };
         match self {
             Self::Path { runs, closed, fill, stroke } => {
-                let runs = runs.into_iter().map(|run| run.into_iter().map(shift).collect()).collect();
-                Self::Path { runs, closed, fill, stroke }
+                let runs = runs.into_iter().map(|run| run.into_iter().map(at).collect()).collect();
+                Self::Path { runs, closed, fill, stroke: drawn(stroke) }
             }
             Self::Circle { center, radius, fill, stroke } => {
-                Self::Circle { center: shift(center), radius, fill, stroke }
+                Self::Circle { center: at(center), radius: radius * factor, fill, stroke: drawn(stroke) }
             }
-            Self::Text { at, size, text, anchor, turn, ink } => {
-                Self::Text { at: shift(at), size, text, anchor, turn, ink }
+            Self::Text { at: place, size, text, anchor, turn, ink } => {
+                Self::Text { at: at(place), size: size * factor, text, anchor, turn, ink }
             }
-            Self::Picture { area, picture } => Self::Picture { area: shift_area(area), picture },
+            Self::Picture { area, picture } => Self::Picture { area: over(area), picture },
             Self::Clip { area, items } => {
-                let items = items.into_iter().map(|item| item.moved(by)).collect();
-                Self::Clip { area: shift_area(area), items }
+                let items = items.into_iter().map(|item| item.mapped(factor, by)).collect();
+                Self::Clip { area: over(area), items }
             }
         }
     }

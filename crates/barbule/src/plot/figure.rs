@@ -1,15 +1,18 @@
 //! Line charts.
 
-use super::axes::{Axis, Frame, LARGE, MEDIUM, SMALL, covering, log_covering};
-use super::drawing::{Anchor, Drawing, Ink, Item, Stroke};
-use super::{palette, text};
+use super::axes::{Axis, Frame, MEDIUM, SMALL, Words, covering, is_in_degrees, log_covering};
+use super::drawing::{Anchor, Drawing, Item, Stroke};
+use super::legend::Legend;
+use super::{Page, palette, text};
 
 /// Usual width and height of the plotted area in px.
 const SIZE: [f64; 2] = [520.0, 330.0];
-/// Curves that the legend names; more are counted.
-const MOST_NAMED: usize = 18;
-/// From one swatch of the legend to the next in px.
-const SWATCH_STEP: f64 = 20.0;
+/// The distance of the vertical axis's label from the plane where there is room, px: charts in a column have common edges.
+const LABEL_AT: f64 = 46.0;
+/// The least width and height of the plane in px; on smaller pages everything is smaller.
+const LEAST: [f64; 2] = [70.0, 50.0];
+/// From one line of small print to the next, px.
+const NOTE_LINE: f64 = 16.0;
 
 /// How a curve's points are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -88,25 +91,34 @@ impl Figure {
         }
     }
 
-    /// Draws the chart.
+    /// Draws the chart as large as its plane asks for.
     #[must_use]
     pub fn draw(&self) -> Drawing {
-        let [plane_width, plane_height] = self.size;
-        let swatches = self.curves.iter().map(|c| c.swatches.len()).max().unwrap_or(0);
-        let sample = 36.0 + SWATCH_STEP * swatches as f64;
-        let longest = self
-            .named()
-            .take(MOST_NAMED)
-            .map(|(_, c)| text::width(&c.name, SMALL) + sample)
-            .fold(text::width(&self.legend, SMALL), f64::max);
-        let has_legend = self.curves.len() > 1 || swatches > 0 || !self.legend.is_empty();
-        let legend_width = if has_legend { longest + 24.0 } else { 20.0 };
-        let below = if self.footnote.is_some() { 62.0 } else { 46.0 };
-        let (left, top) = (64.0, if self.title.is_empty() { 16.0 } else { 34.0 });
-        let title_width = 2.0 * (text::width(&self.title, LARGE) / 2.0 - plane_width / 2.0);
-        let note_width = self.footnote.as_ref().map_or(0.0, |note| text::width(note, SMALL));
-        let width = (left + plane_width + legend_width.max(title_width)).max(left + note_width + 16.0);
-        let mut drawing = Drawing::new(width.ceil(), top + plane_height + below);
+        self.draw_on(&Page::default())
+    }
+
+    /// Draws the chart on a page.
+    #[must_use]
+    pub fn draw_on(&self, page: &Page) -> Drawing {
+        page.lay_out(MEDIUM, |size| self.lay_out(size))
+    }
+
+    fn lay_out(&self, size: Option<[f64; 2]>) -> Drawing {
+        let legend = Legend::of(self, size);
+        let least = if size.is_some() { 0.0 } else { LABEL_AT };
+        let right = if legend.is_beside() { legend.width() } else { 20.0 };
+        let page_width = size.map_or(LABEL_AT + 18.0 + self.size[0] + right, |[width, _]| width);
+        let words = Words::new(&self.title, &self.x.label, page_width);
+        let note = self.footnote.as_deref().unwrap_or("");
+        let note = text::wrapped(note, SMALL, page_width - 32.0, 4);
+        let legend_height = if legend.is_beside() { 0.0 } else { legend.height() };
+        let below = words.below() + legend_height + NOTE_LINE * note.len() as f64;
+        let plane_height = size.map_or(self.size[1], |[_, h]| (h - words.top() - below).max(LEAST[1]));
+        let words = words.beside(&self.y.label, plane_height);
+        let top = words.top();
+        let left = words.left(&self.frame([0.0, top, self.size[0], plane_height]), least);
+        let plane_width = size.map_or(self.size[0], |[w, _]| (w - left - right).max(LEAST[0]));
+        let mut drawing = Drawing::new((left + plane_width + right).ceil(), top + plane_height + below);
         let frame = self.frame([left, top, plane_width, plane_height]);
         frame.grid(&mut drawing);
         let mut items = Vec::new();
@@ -117,22 +129,28 @@ impl Figure {
             trace(&mut items, &frame, curve, &self.stroke(i), i);
         }
         drawing.items.push(Item::Clip { area: frame.area, items });
-        frame.outline(&mut drawing, &self.x.label, &self.y.label, &self.title);
-        if has_legend {
-            self.legend_at(&mut drawing, [left + plane_width + 14.0, top + 10.0], sample);
+        frame.outline(&mut drawing);
+        words.write(&mut drawing, &frame, least);
+        let under = top + plane_height + words.below();
+        if legend.is_beside() {
+            legend.draw(&mut drawing, self, [left + plane_width + 14.0, top + 10.0]);
+        } else {
+            legend.draw(&mut drawing, self, [16.0, under + 6.0]);
         }
-        if let Some(note) = &self.footnote {
-            drawing.text([left, top + plane_height + 54.0], SMALL, Anchor::Start, note.clone());
+        for (line, text) in note.into_iter().enumerate() {
+            let y = under + legend_height + 8.0 + NOTE_LINE * line as f64;
+            drawing.text([if size.is_some() { 16.0 } else { left }, y], SMALL, Anchor::Start, text);
         }
         drawing
     }
 
     /// The curves of the legend with their places.
-    fn named(&self) -> impl Iterator<Item = (usize, &Curve)> {
+    pub(super) fn named(&self) -> impl Iterator<Item = (usize, &Curve)> {
         self.curves.iter().enumerate().filter(|(_, curve)| !curve.name.is_empty())
     }
 
-    fn stroke(&self, i: usize) -> Stroke {
+    /// The look of curve `i`.
+    pub(super) fn stroke(&self, i: usize) -> Stroke {
         self.curves[i].stroke.clone().unwrap_or_else(|| palette::style(i))
     }
 
@@ -156,35 +174,7 @@ impl Figure {
         });
         let logarithmic = [self.x.logarithmic, self.y.logarithmic];
         let y = self.y.range.unwrap_or_else(|| if logarithmic[1] { log_covering(ys) } else { covering(ys) });
-        Frame { area, x, y, logarithmic }
-    }
-
-    fn legend_at(&self, drawing: &mut Drawing, [x, mut y]: [f64; 2], sample: f64) {
-        if !self.legend.is_empty() {
-            drawing.text([x, y], SMALL, Anchor::Start, self.legend.clone());
-            y += 18.0;
-        }
-        for (i, curve) in self.named().take(MOST_NAMED) {
-            let stroke = self.stroke(i);
-            if curve.mark != Mark::Line {
-                drawing.items.push(sign([x + 14.0, y - 4.0], i, &stroke));
-            }
-            if curve.mark != Mark::Points {
-                drawing.line([x, y - 4.0], [x + 28.0, y - 4.0], stroke);
-            }
-            for (k, rgb) in curve.swatches.iter().enumerate() {
-                let edge = Some(Stroke::solid(Ink::of([120, 120, 120]), 0.7));
-                let left = x + 34.0 + SWATCH_STEP * k as f64;
-                drawing.rectangle([left, y - 11.0, 14.0, 14.0], Some(Ink::of(*rgb)), edge);
-            }
-            drawing.text([x + sample, y], SMALL, Anchor::Start, curve.name.clone());
-            y += 17.0;
-        }
-        let named = self.named().count();
-        if named > MOST_NAMED {
-            let more = format!("and {} more", named - MOST_NAMED);
-            drawing.text([x, y], MEDIUM, Anchor::Start, more);
-        }
+        Frame { area, x, y, logarithmic, degrees: [&self.x, &self.y].map(is_in_degrees) }
     }
 }
 
@@ -222,7 +212,7 @@ fn trace(items: &mut Vec<Item>, frame: &Frame, curve: &Curve, stroke: &Stroke, i
 }
 
 /// A sign whose shape belongs to curve `i`.
-fn sign([x, y]: [f64; 2], i: usize, stroke: &Stroke) -> Item {
+pub(super) fn sign([x, y]: [f64; 2], i: usize, stroke: &Stroke) -> Item {
     let r = 3.2;
     let polygon = |points: &[[f64; 2]]| Item::Path {
         runs: vec![points.iter().map(|[a, b]| [x + a * r, y + b * r]).collect()],
@@ -242,6 +232,7 @@ fn sign([x, y]: [f64; 2], i: usize, stroke: &Stroke) -> Item {
 mod tests {
     use super::*;
     use crate::plot::Format;
+    use crate::plot::places::assert_words_stand_apart;
 
     #[test]
     fn axes_say_quantity_and_unit_and_curves_are_named() {
@@ -255,6 +246,41 @@ mod tests {
             assert!(svg.contains(part), "{part}");
         }
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn words_of_charts_of_any_size_stand_on_the_page_and_apart() {
+        let names = ["0°", "θ_i = 60°, air/6*(melanin:99/keratin:100)/keratin", "measured, mean of 12"];
+        for (width, height) in
+            [(85.0, 60.0), (60.0, 60.0), (170.0, 110.0), (400.0, 90.0), (180.0, 240.0), (600.0, 400.0)]
+        {
+            for curves in [1, 3, 8, 40] {
+                let mut figure = Figure::new(
+                    "air/6*(melanin:99/keratin:100)/keratin, collected within 5° of the mirror direction",
+                    Axis::new("wavelength in vacuum (nm)"),
+                    Axis::new("reflectance, unpolarized"),
+                );
+                figure.legend = "mean ± 1 std; colour under D65: true, normalized".into();
+                figure.footnote = Some(
+                    "below 380 nm and above 780 nm the eye sees nothing; the colour is that of the rest"
+                        .into(),
+                );
+                for i in 0..curves {
+                    let points = vec![[300.0, 0.0], [830.0, 1e-5 * f64::from(i + 1)]];
+                    figure.curves.push(Curve {
+                        swatches: vec![[255, 0, 0], [0, 255, 0]],
+                        ..Curve::line(names[i as usize % 3], points)
+                    });
+                }
+                let px = 96.0 / 25.4;
+                let drawing = figure.draw_on(&Page::sized(width * px, height * px));
+                let what = format!("{width} x {height} mm, {curves} curves");
+                assert_words_stand_apart(&drawing, &what);
+                assert!(
+                    (drawing.width / px - width).abs() < 1e-9 && (drawing.height / px - height).abs() < 1e-9
+                );
+            }
+        }
     }
 
     #[test]

@@ -1,14 +1,20 @@
-//! Figures from data: SVG and PNG.
+//! Figures from data: SVG, PDF and PNG.
 //!
 //! [`Figure`] draws curves, [`HeatMap`] a quantity over a plane, [`spectra`] reflectance spectra with their colours.
-//! Each makes a [`Drawing`] of a few primitives, which other figures may compose themselves; a drawing becomes bytes
-//! in a [`Format`] chosen by a file's extension. PNG needs no system font: a small one is built in ([`text`]).
+//! Each makes a [`Drawing`] of a few primitives, which other figures may compose themselves, as large as a [`Page`] asks for;
+//! a drawing becomes bytes in a [`Format`] chosen by a file's extension. PDF and PNG need no system font: a small one is
+//! built in ([`text`]).
 
 mod axes;
 mod drawing;
 mod figure;
 mod heat_map;
+mod legend;
+mod page;
 mod palette;
+mod pdf;
+#[cfg(test)]
+mod places;
 mod raster;
 mod spectra;
 mod svg;
@@ -17,7 +23,8 @@ pub mod text;
 pub use axes::{Axis, ticks};
 pub use drawing::{Anchor, Drawing, Ink, Item, Picture, Stroke};
 pub use figure::{Curve, Figure, Mark};
-pub use heat_map::HeatMap;
+pub use heat_map::{HeatMap, abreast};
+pub use page::Page;
 pub use palette::{Map, PALETTE, style};
 pub use raster::encode_png;
 pub use spectra::{Band, MeasuredBand, spectra};
@@ -29,9 +36,11 @@ use crate::{Error, Result};
 /// What a figure's file is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Vector graphics.
+    /// Vector graphics whose words use the reader's fonts.
     Svg,
-    /// Pixels, two for each unit of a drawing.
+    /// Vector graphics with their font inside.
+    Pdf,
+    /// Pixels, as many as the drawing's resolution says.
     Png,
 }
 
@@ -39,14 +48,15 @@ impl Format {
     /// The format of a file name.
     ///
     /// # Errors
-    /// The extension is neither svg nor png.
+    /// The extension is none of svg, pdf and png.
     pub fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match extension.as_deref() {
             Some("svg") => Ok(Self::Svg),
+            Some("pdf") => Ok(Self::Pdf),
             Some("png") => Ok(Self::Png),
             _ => Err(Error::input(format!(
-                "{}: figures are written as .svg or .png; end the name with one of these",
+                "{}: figures are written as .svg, .pdf or .png; end the name with one of these",
                 path.display()
             ))),
         }
@@ -61,6 +71,7 @@ impl Drawing {
     pub fn encode(&self, format: Format, notes: &[(&str, &str)]) -> Result<Vec<u8>> {
         match format {
             Format::Svg => Ok(svg::write(self, notes).into_bytes()),
+            Format::Pdf => Ok(pdf::write(self, notes)),
             Format::Png => raster::write(self, notes),
         }
     }

@@ -4,29 +4,33 @@ use tiny_skia::{
     FillRule, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, PixmapPaint, StrokeDash, Transform,
 };
 
-use super::drawing::{Anchor, Drawing, Ink, Item, Picture, Stroke};
+use super::drawing::{Drawing, Ink, Item, Picture, Stroke};
 use super::text;
 use crate::{Error, Result};
 
-/// Pixels for each unit of a drawing.
-const SCALE: f64 = 2.0;
+/// A px is 1/96 inch.
+const PX_PER_METRE: f64 = 96.0 / 0.0254;
 /// The largest picture is this many pixels wide or high.
 const LARGEST: f64 = 16384.0;
 
 pub(super) fn write(drawing: &Drawing, notes: &[(&str, &str)]) -> Result<Vec<u8>> {
-    let (width, height) = ((drawing.width * SCALE).ceil(), (drawing.height * SCALE).ceil());
+    let scale = drawing.resolution;
+    // Rounding is no pixel more.
+    let pixels = |length: f64| (length * scale - 1e-6).ceil();
+    let (width, height) = (pixels(drawing.width), pixels(drawing.height));
     let page =
         (width <= LARGEST && height <= LARGEST).then(|| Pixmap::new(width as u32, height as u32)).flatten();
     let Some(mut page) = page else {
         return Err(Error::input(format!(
-            "a picture of {width} by {height} pixels is too large; write the figure as .svg, or with fewer curves"
+            "a picture of {width} by {height} pixels is too large; write the figure as .svg or .pdf, or smaller"
         )));
     };
     page.fill(tiny_skia::Color::WHITE);
-    items(&mut page, &drawing.items, None);
+    items(&mut page, &drawing.items, scale, None);
     // The page is opaque, so its colours are not premultiplied by anything but 1.
     let rgb: Vec<u8> = page.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-    encode(page.width() as usize, page.height() as usize, png::ColorType::Rgb, &rgb, notes)
+    let per_metre = Some((scale * PX_PER_METRE).round() as u32);
+    encode(page.width() as usize, page.height() as usize, png::ColorType::Rgb, &rgb, per_metre, notes)
 }
 
 /// A PNG of sRGB pixels from the upper left corner, with `notes` (name, text) in it.
@@ -34,12 +38,12 @@ pub(super) fn write(drawing: &Drawing, notes: &[(&str, &str)]) -> Result<Vec<u8>
 /// # Errors
 /// No pixels, or not `width·height` of them.
 pub fn encode_png(width: usize, height: usize, rgb: &[[u8; 3]], notes: &[(&str, &str)]) -> Result<Vec<u8>> {
-    encode(width, height, png::ColorType::Rgb, rgb.as_flattened(), notes)
+    encode(width, height, png::ColorType::Rgb, rgb.as_flattened(), None, notes)
 }
 
 pub(super) fn encode_picture(picture: &Picture) -> Vec<u8> {
     // A picture without pixels shows nothing.
-    encode(picture.width, picture.height, png::ColorType::Rgba, picture.rgba.as_flattened(), &[])
+    encode(picture.width, picture.height, png::ColorType::Rgba, picture.rgba.as_flattened(), None, &[])
         .unwrap_or_default()
 }
 
@@ -48,6 +52,7 @@ fn encode(
     height: usize,
     colour: png::ColorType,
     data: &[u8],
+    per_metre: Option<u32>,
     notes: &[(&str, &str)],
 ) -> Result<Vec<u8>> {
     let refuse = |e: png::EncodingError| Error::machine(format!("no PNG of {width} by {height} pixels: {e}"));
@@ -57,6 +62,11 @@ fn encode(
     encoder.set_color(colour);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.set_pixel_dims(per_metre.map(|n| png::PixelDimensions {
+        xppu: n,
+        yppu: n,
+        unit: png::Unit::Meter,
+    }));
     for (name, text) in notes {
         encoder.add_itxt_chunk((*name).to_owned(), (*text).to_owned()).map_err(refuse)?;
     }
@@ -66,8 +76,8 @@ fn encode(
     Ok(bytes)
 }
 
-fn items(page: &mut Pixmap, list: &[Item], mask: Option<&Mask>) {
-    let scale = Transform::from_scale(SCALE as f32, SCALE as f32);
+fn items(page: &mut Pixmap, list: &[Item], factor: f64, mask: Option<&Mask>) {
+    let scale = Transform::from_scale(factor as f32, factor as f32);
     for item in list {
         match item {
             Item::Path { runs, closed, fill, stroke } => {
@@ -82,12 +92,7 @@ fn items(page: &mut Pixmap, list: &[Item], mask: Option<&Mask>) {
                 }
             }
             Item::Text { at, size, text, anchor, turn, ink } => {
-                let before = match anchor {
-                    Anchor::Start => 0.0,
-                    Anchor::Middle => text::width(text, *size) / 2.0,
-                    Anchor::End => text::width(text, *size),
-                };
-                let transform = Transform::from_translate(-before as f32, 0.0)
+                let transform = Transform::from_translate(-anchor.before(text, *size) as f32, 0.0)
                     .post_rotate(-*turn as f32)
                     .post_translate(at[0] as f32, at[1] as f32)
                     .post_concat(scale);
@@ -95,7 +100,7 @@ fn items(page: &mut Pixmap, list: &[Item], mask: Option<&Mask>) {
                     page.fill_path(&path, &paint(*ink), FillRule::Winding, transform, mask);
                 }
             }
-            Item::Picture { area, picture } => stretched(page, *area, picture, mask),
+            Item::Picture { area, picture } => stretched(page, area.map(|v| v * factor), picture, mask),
             Item::Clip { area, items: inner } => {
                 let [x, y, w, h] = area.map(|v| v as f32);
                 let rectangle = tiny_skia::Rect::from_xywh(x, y, w, h);
@@ -104,7 +109,7 @@ fn items(page: &mut Pixmap, list: &[Item], mask: Option<&Mask>) {
                     continue;
                 };
                 mask.fill_path(&PathBuilder::from_rect(rectangle), FillRule::Winding, true, scale);
-                items(page, inner, Some(&mask));
+                items(page, inner, factor, Some(&mask));
             }
         }
     }
@@ -156,14 +161,14 @@ fn draw(
     }
 }
 
-/// Pixels over a rectangle, each as a block without smoothing.
+/// Pixels over a rectangle of the page, each as a block without smoothing.
 fn stretched(page: &mut Pixmap, area: [f64; 4], picture: &Picture, mask: Option<&Mask>) {
     let size = |n: usize| u32::try_from(n).unwrap_or(0);
     let Some(mut pixels) = Pixmap::new(size(picture.width), size(picture.height)) else { return };
     for (pixel, [r, g, b, a]) in pixels.pixels_mut().iter_mut().zip(&picture.rgba) {
         *pixel = tiny_skia::ColorU8::from_rgba(*r, *g, *b, *a).premultiply();
     }
-    let [x, y, w, h] = area.map(|v| v * SCALE);
+    let [x, y, w, h] = area;
     let transform =
         Transform::from_scale((w / picture.width as f64) as f32, (h / picture.height as f64) as f32)
             .post_translate(x as f32, y as f32);
@@ -190,6 +195,8 @@ mod tests {
         assert_eq!((&pixels[..3], &pixels[21..24]), (&[255, 0, 0][..], &[0, 255, 0][..]));
         assert_eq!((&pixels[24 * 7..24 * 7 + 3], &pixels[189..]), (&[0, 0, 255][..], &[9, 9, 9][..]));
         assert_eq!(reader.info().utf8_text[0].keyword, "command");
+        // 192 pixels per inch.
+        assert_eq!(reader.info().pixel_dims.unwrap().xppu, 7559);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A film's response as a figure.
 
-use barbule::plot::{Axis, Curve, Drawing, Figure, HeatMap};
+use barbule::plot::{Axis, Curve, Drawing, Figure, HeatMap, Page};
 use barbule::solve::film::Sweep;
 
 use super::Found;
@@ -42,15 +42,14 @@ fn quantities(found: &Found) -> [Quantity<'_>; 6] {
 
 /// Curves against wavelength, or against angle at one wavelength, or a map when there are many angles; with bands of the
 /// standard deviation where thicknesses spread.
-pub(super) fn figure(stack: &str, found: &Found) -> Drawing {
+pub(super) fn figure(title: &str, found: &Found, page: &Page) -> Drawing {
     let Found { mean, angle_deg, spread } = found;
     let columns = mean.at.len();
-    let title: String = stack.chars().take(70).collect();
     let of_individuals = spread.as_ref().map(|s| format!("mean ± 1 std of {}", s.individuals));
     let legend =
         |text: String| [Some(text), of_individuals.clone()].into_iter().flatten().collect::<Vec<_>>();
     if columns > 1 && angle_deg.len() > 16 {
-        return map(title, mean, angle_deg).draw();
+        return map(title, mean, angle_deg).draw_on(page);
     }
     let parts = quantities(found);
     let mut chart =
@@ -61,7 +60,7 @@ pub(super) fn figure(stack: &str, found: &Found) -> Drawing {
         at.sort_by(|a, b| a.0.total_cmp(&b.0));
         chart.curves.extend(parts.iter().map(|part| part.curve(part.name.into(), &at)));
         chart.legend = legend(format!("{} nm", mean.at[0])).join(", ");
-        return chart.draw();
+        return chart.draw_on(page);
     }
     let row = |a: usize| -> Vec<_> { mean.at.iter().copied().zip(a * columns..).collect() };
     let unpolarized = mean.unpolarized();
@@ -93,11 +92,11 @@ pub(super) fn figure(stack: &str, found: &Found) -> Drawing {
             chart.legend = of_individuals.unwrap_or_default();
         }
     }
-    chart.draw()
+    chart.draw_on(page)
 }
 
 /// Unpolarized reflectance against wavelength and angle; each cell shows the nearest computed point.
-fn map(title: String, found: &Sweep, angle_deg: &[f64]) -> HeatMap {
+fn map(title: &str, found: &Sweep, angle_deg: &[f64]) -> HeatMap {
     const CELLS: [usize; 2] = [420, 330];
     let columns = found.at.len();
     let mean = found.unpolarized();

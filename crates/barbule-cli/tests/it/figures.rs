@@ -1,0 +1,152 @@
+//! Figures as they are asked for: format, title, size, words.
+
+use std::path::Path;
+
+struct Run {
+    code: i32,
+    message: String,
+}
+
+fn run(words: &[&str]) -> Run {
+    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    Run { code: output.status.code().unwrap(), message }
+}
+
+/// Width and height of a file in mm, and of a PNG in pixels.
+fn size(path: &Path) -> ([f64; 2], [u32; 2]) {
+    let bytes = std::fs::read(path).unwrap();
+    // A letter for every byte, so that places in both are the same.
+    let all: String = bytes.iter().map(|b| if b.is_ascii() { *b as char } else { '?' }).collect();
+    let number = |text: &str| text.split(['"', ' ', ']']).next().unwrap().parse::<f64>().unwrap();
+    match path.extension().unwrap().to_str().unwrap() {
+        "svg" => {
+            let after = |key: &str| number(&all[all.find(key).unwrap() + key.len()..]);
+            ([after(" width=\""), after(" height=\"")].map(|px| px * 25.4 / 96.0), [0; 2])
+        }
+        "pdf" => {
+            let page = &all[all.find("/MediaBox [0 0 ").unwrap() + 15..];
+            let mut numbers = page.split(' ').map(number);
+            ([(); 2].map(|()| numbers.next().unwrap() * 25.4 / 72.0), [0; 2])
+        }
+        _ => {
+            let word = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
+            let pixels = [word(16), word(20)];
+            let density = word(all.find("pHYs").unwrap() + 4);
+            (pixels.map(|n| 1e3 * f64::from(n) / f64::from(density)), pixels)
+        }
+    }
+}
+
+/// A structure's figure, and one of curves and maps.
+const COMMANDS: &[&[&str]] = &[
+    &["geometry", "hummingbird"],
+    &["crystal", "magpie", "--map", "--wavelengths", "400:700:100"],
+    &["crystal", "magpie", "--field"],
+    &["film", "air/6*(melanin:99/keratin:100)/keratin", "--angles", "0,20,40,60"],
+    &["spectrum", "air/keratin:595/air", "--instances", "3", "--wavelengths", "400:700:50"],
+    &["species", "starling:green"],
+    &["far-field", "starling", "--wavelength", "500", "--theta", "0", "--phi", "20"],
+];
+
+#[test]
+fn figures_have_the_size_they_are_asked_for_in_every_format() {
+    let folder = tempfile::tempdir().unwrap();
+    for (number, command) in COMMANDS.iter().enumerate() {
+        // The field is a simulation: one of its formats will do.
+        let endings: &[&str] = if command.contains(&"--field") { &["pdf"] } else { &["svg", "pdf", "png"] };
+        for ending in endings {
+            let path = folder.path().join(format!("{number}.{ending}"));
+            let mut words = command.to_vec();
+            words.extend(["--figure-size", "85x60mm", "--font-size", "7", "-o", path.to_str().unwrap()]);
+            let Run { code, message } = run(&words);
+            assert_eq!(code, 0, "{words:?}: {message}");
+            let ([width, height], _) = size(&path);
+            // A PNG has whole pixels.
+            let slack = if *ending == "png" { 0.15 } else { 0.01 };
+            assert!(
+                (width - 85.0).abs() < slack && (height - 60.0).abs() < slack,
+                "{words:?} {width} {height}"
+            );
+        }
+    }
+}
+
+#[test]
+fn pixels_of_a_png_are_those_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    let file = path.to_str().unwrap();
+    let geometry = ["geometry", "starling", "-o", file, "--figure-size"];
+    for (more, pixels, dpi) in [
+        (&["600x400px"][..], [600, 400], 192.0),
+        (&["601x401px", "--figure-dpi", "300"], [601, 401], 300.0),
+        (&["4x3in", "--figure-dpi", "100"], [400, 300], 100.0),
+    ] {
+        let words: Vec<&str> = geometry.iter().chain(more).copied().collect();
+        assert_eq!(run(&words).code, 0);
+        let ([width, _], found) = size(&path);
+        assert_eq!(found, pixels);
+        assert!((f64::from(found[0]) / width * 25.4 / dpi - 1.0).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn titles_are_those_given_and_otherwise_read_well() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.svg");
+    let file = path.to_str().unwrap();
+    let drawn = |more: &[&str]| {
+        let words: Vec<&str> = ["geometry", "starling", "-o", file].iter().chain(more).copied().collect();
+        assert_eq!(run(&words).code, 0);
+        std::fs::read_to_string(&path).unwrap()
+    };
+    assert!(drawn(&["--title", "A starling's <barbule>"]).contains(">A starling's &lt;barbule&gt;<"));
+    assert!(drawn(&[]).contains(">starling:green 0<"));
+    assert!(!drawn(&["--title", ""]).contains(">starling:green 0<"));
+}
+
+#[test]
+fn flags_that_change_nothing_are_said_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let table = path("mine.csv");
+    std::fs::write(&table, "300,1.5,0\n830,1.5,0").unwrap();
+    let medium = format!("mine={table}");
+    let own = format!("keratin={table}");
+    for (words, said) in [
+        (
+            vec!["geometry", "starling", "--medium", &medium, "--json"],
+            "--medium mine has no effect here: nothing in starling:green is made of it",
+        ),
+        (vec!["geometry", "mallard", "--medium", &medium, "--json"], "nothing in mallard:lime is made of it"),
+        (vec!["geometry", "starling", "--medium", &own, "--json"], ""),
+        (vec!["geometry", "air/mix(mine,keratin,0.5):90/air", "--medium", &medium, "--json"], ""),
+        (vec!["geometry", "starling", "--title", "x", "-o", &path("a.json")], "--title has no effect here"),
+        (
+            vec!["geometry", "starling", "--figure-dpi", "300", "-o", &path("a.pdf")],
+            "--figure-dpi has no effect here",
+        ),
+    ] {
+        let Run { code, message } = run(&words);
+        assert_eq!(code, 0, "{words:?}: {message}");
+        let lines: Vec<&str> = message.lines().filter(|line| !line.starts_with("wrote ")).collect();
+        assert_eq!(lines.len(), usize::from(!said.is_empty()), "{words:?}: {message}");
+        assert!(message.contains(said), "{words:?}: {message}");
+    }
+}
+
+#[test]
+fn flags_of_every_command_may_stand_before_it() {
+    let said = |words: &[&str]| {
+        let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+        assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+        output.stdout
+    };
+    let after = said(&["geometry", "starling", "--seed", "7", "--json"]);
+    assert_eq!(said(&["--seed", "7", "geometry", "starling", "--json"]), after);
+    assert_eq!(said(&["--json", "--threads", "1", "--seed=7", "geometry", "starling"]), after);
+    assert_ne!(said(&["geometry", "starling", "--json"]), after);
+    let loud = run(&["-v", "film", "air/keratin:5/air"]);
+    assert!(loud.message.contains("1 layers, 50 wavelengths"), "{}", loud.message);
+}

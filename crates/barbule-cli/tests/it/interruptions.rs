@@ -1,0 +1,68 @@
+//! What Ctrl-C does while a command works, and what is said.
+#![cfg(unix)]
+
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use crate::common::{MADE_UP, write_made_up};
+
+/// A picture of minutes.
+fn rendering(output: &str, more: &[&str]) -> Child {
+    write_made_up();
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    command.args(["render", "starling", "--material", MADE_UP, "--size", "64x48", "--samples", "1000000"]);
+    command.args(["-v", "-o", output]).args(more).stderr(Stdio::piped()).stdout(Stdio::null());
+    command.spawn().unwrap()
+}
+
+fn interrupt(child: &Child) {
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+}
+
+/// Lines on standard error until one contains `part`.
+fn read_until(lines: &mut impl BufRead, part: &str) -> String {
+    let mut text = String::new();
+    while lines.read_line(&mut text).unwrap() > 0 {
+        if text.contains(part) {
+            return text;
+        }
+    }
+    panic!("no '{part}' in {text}")
+}
+
+#[test]
+fn two_signals_at_once_are_one_press_and_the_picture_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("x.png");
+    let mut child = rendering(output.to_str().unwrap(), &[]);
+    let mut lines = BufReader::new(child.stderr.take().unwrap());
+    read_until(&mut lines, "view ");
+    // Time for the first round.
+    std::thread::sleep(Duration::from_millis(1500));
+    interrupt(&child);
+    interrupt(&child);
+    let mut said = String::new();
+    lines.read_to_string(&mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{said}");
+    assert!(said.contains("writing what is done … Ctrl-C again to discard it"), "{said}");
+    assert!(said.contains("barbule: interrupted: ") && said.contains("of 1000000 samples done; "), "{said}");
+    assert!(said.contains("x.png shows what is done") && said.contains("--resume"), "{said}");
+    assert!(std::fs::read(&output).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_command_that_keeps_nothing_says_that_it_stops_and_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("map.png");
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    command.args(["crystal", "peafowl", "--map", "--wavelengths", "300:830:0.1", "-o"]).arg(&output);
+    let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    interrupt(&child);
+    let mut said = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(said, "stopping … Ctrl-C again to end at once\nbarbule: interrupted\n");
+    assert!(!output.exists());
+}
