@@ -347,7 +347,10 @@ fn a_species_file_brings_its_feather_and_a_material_its_species() {
     let (same, dense, built_in) = (render("same.toml"), render("dense.toml"), render("starling"));
     assert_eq!((&same["barbules"], &same["pixel_hash"]), (&built_in["barbules"], &built_in["pixel_hash"]));
     assert!(dense["barbules"].as_u64() > same["barbules"].as_u64().map(|count| count * 3 / 2));
-    place.refused(&["render", "bad.toml", "-o", "x.png"], "bad.toml: feather.distal.spacing_um is 0");
+    place.refused(
+        &["render", "bad.toml", "-o", "x.png"],
+        "feather.distal.spacing_um is 0, outside 1 to 10000",
+    );
     // A material is shown in the scene of its species, whatever its file is called.
     let mut material = example(2);
     material.info = serde_json::json!({ "species": "magpie" });
@@ -390,7 +393,7 @@ fn what_a_file_is_is_said_with_what_to_do() {
         (&["render", "none.json", "-o", "x.png"], "none.json: no such file"),
         (&["render", "none.barbule", "-o", "x.png"], "none.barbule: no such file"),
         (&["render", "none.toml:x", "-o", "x.png"], "none.toml: no such file"),
-        (&["render", "European-starling", "-o", "x.png"], "did you mean 'starling'"),
+        (&["render", "European-starlign", "-o", "x.png"], "did you mean 'european-starling'"),
         (&["render", "sparrow", "-o", "x.png"], "known are rock-dove, starling"),
     ] {
         place.refused(words, part);

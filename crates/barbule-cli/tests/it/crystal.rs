@@ -82,7 +82,8 @@ fn bad_crystals_are_refused_before_any_work() {
     let good = std::fs::read_to_string(file_of("square-holes")).unwrap();
     let path = folder.path().join("bad.toml");
     for (from, to, said) in [
-        ("period = 0.22", "period = 900", "orders at 550 nm"),
+        ("period = 0.22", "period = 90", "orders at 550 nm"),
+        ("period = 0.22", "period = 900", "did you mean 0.9 (900 nm)?"),
         ("period = 0.22", "period = 0", "lattice.period is 0"),
         ("diameter = 0.12", "diameter = -0.12", "diameter is -0.12"),
         ("diameter = 0.12", "diameter = 0.23", "wider than the period"),

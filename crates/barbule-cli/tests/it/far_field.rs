@@ -28,7 +28,12 @@ fn sets_stack_the_documents_of_single_far_fields() {
                 ["far-field", "starling", "--wavelength", nm, "--theta", "0", phi, "--azimuths", "60"];
             let one = document(&[&words[..], &["--json"]].concat());
             let keys: Vec<_> = one.as_object().unwrap().keys().collect();
-            assert_eq!(keys, ["phi_out_deg", "incident_power", "polarization_1", "polarization_2"]);
+            let contract = ["phi_out_deg", "incident_power", "polarization_1", "polarization_2"];
+            assert_eq!(keys[..4], contract);
+            assert_eq!(keys[4..], ["mirror_fraction", "flagged"]);
+            for key in ["mirror_fraction", "flagged"] {
+                assert_eq!(all[key][w][0][p], one[key]);
+            }
             assert_eq!(all["phi_out_deg"], one["phi_out_deg"]);
             assert_eq!(all["incident_power"][w][0][p], one["incident_power"]);
             for polarization in ["polarization_1", "polarization_2"] {

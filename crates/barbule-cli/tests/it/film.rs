@@ -135,7 +135,7 @@ fn bad_input_is_refused_in_one_sentence_and_leaves_no_file() {
         (&["air/m:5/air", "--medium", &media("short.csv")], "covers 450 to 500 nm"),
         (&[film, "--angles", "0:80:0.001", "--wavelengths", "300:830:0.01"], "raise --memory"),
         (&[film, "--threads", "0"], "--threads 0"),
-        (&[film, "--csv", "-"], "not to standard output; give a path, or --json"),
+        (&[film, "--csv", "-"], "name a file; --json prints the numbers on standard output"),
         (&["air/keratin:200±x/air"], "with its standard deviation keratin:595±5%"),
         (&["air/keratin:200±300/air"], "from 0 to the thickness, 200 nm"),
         (&["air/keratin:200±5%/air", "--instances", "0"], "--instances"),

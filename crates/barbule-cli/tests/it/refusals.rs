@@ -378,7 +378,7 @@ const STACKS: &[Change] = &[
     ("thickness_nm = 5", "thickness_nm = \"5\"", "invalid type"),
     ("repeat = 2", "repeat = 0", "a count of 1 or more"),
     ("repeat = 2", "repeat = 99999999", "over 100000 layers"),
-    ("repeat = 2, ", "", "give either medium and thickness_nm, or repeat and layers"),
+    ("repeat = 2, ", "", "or repeat and layers"),
     ("{ medium = \"keratin\"", "{ medium = \"kreatin\"", "did you mean 'keratin'"),
     ("entry", "materials = { glass = \"no.csv\" }\nentry", "no such file"),
     ("entry", "materials = { glass = [1.5] }\nentry", "the name of a file or an index [n, k]"),
