@@ -1,6 +1,6 @@
 //! Measured reflectance spectra as spectrometers, R and spreadsheets write them.
 //!
-//! [`read_measured`] reads tables of text ([`table`]) and JCAMP-DX ([`jcamp`]). What it guesses it says in one
+//! [`read_measured`] reads tables of text and JCAMP-DX. What it guesses it says in one
 //! sentence; where two readings are possible it refuses and names the choice.
 
 mod columns;

@@ -22,7 +22,7 @@ fn fitted_phis(axes: &Axes) -> Vec<usize> {
     phis
 }
 
-/// The statistics that [`fits`] draws, of a material whose store is gone: simulated again.
+/// The statistics that [`FitCurves`] draws, of a material whose store is gone: simulated again.
 ///
 /// # Errors
 /// As [`Barbules::campaign`].
