@@ -34,6 +34,10 @@ const LINES: &[(&str, &str)] = &[
     ("film air/keratin:5/air --medium chitin=@none.csv", "none.csv: no such file"),
     ("film air/keratin:5/air --medium chitin=@", "is a folder"),
     ("film air/keratin:5/air --medium 5x=@good.csv", "cannot name a medium"),
+    (
+        "spectrum air/keratin:5/air --medium air=@good.csv --wavelengths 500",
+        "barbules are simulated in air, of index 1; let the first medium be the built-in air",
+    ),
     ("film air/keratin:5/air --medium mix=@good.csv", "cannot name a medium"),
     // Sets of numbers.
     ("film air/keratin:5/air --wavelengths 299", "299 nm is outside 300 to 830 nm"),
