@@ -147,7 +147,7 @@ fn campaigns_stay_within_the_memory_that_is_foretold() {
     for (number, (structure, instances)) in [
         ("air/300*(keratin:10/melanin:10)/air", "1"),
         ("starling", "10"),
-        ("bronzewing", "4"),
+        ("bronzewing", "2"),
         ("mallard", "4"),
     ]
     .into_iter()
@@ -164,7 +164,7 @@ fn campaigns_stay_within_the_memory_that_is_foretold() {
         let less = format!("{}MB", (0.9 * foretold) as u64);
         let other = folder.path().join("other.zarr");
         let less =
-            [&words[..6], &["-o", other.to_str().unwrap(), "--instances", "400", "--memory", &less]].concat();
+            [&words[..6], &["-o", other.to_str().unwrap(), "--instances", "100", "--memory", &less]].concat();
         let (code, _, message) = run(&less);
         assert!(code == 2 && message.contains("raise --memory") && !other.exists(), "{structure}: {message}");
     }

@@ -50,6 +50,11 @@ const LINES: &[(&str, &str)] = &[
     ("film air/keratin:5/air --wavelengths nan", "'nan' is not a number"),
     ("film air/keratin:5/air --angles 90", "90° is at or past grazing"),
     ("film air/keratin:5/air --angles=-95", "past grazing"),
+    // Synonyms are named as they were typed.
+    ("film air/keratin:5/air --angle 90", "--angle: 90° is at or past grazing"),
+    ("film air/keratin:5/air --wavelength=299", "--wavelength: 299 nm is outside"),
+    ("spectrum starling --angles 90", "--angles: 90° is at or past grazing"),
+    ("far-field starling --wavelengths 299 --theta 0 --phi 0", "--wavelengths: 299 nm is outside"),
     ("film air/keratin:5/air --angles inf", "'inf' is not a number"),
     // Stacks.
     ("film air", "write at least two media"),

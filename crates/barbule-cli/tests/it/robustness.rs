@@ -121,7 +121,7 @@ fn ctrl_c_ends_soon_and_leaves_what_can_be_resumed() {
     // Full size: minutes, were it not interrupted.
     let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
     command.args(["simulate", "starling", "-o"]).arg(&store).stderr(Stdio::piped());
-    let mut child = command.spawn().unwrap();
+    let child = command.spawn().unwrap();
     let begun = Instant::now();
     let begun_units = || std::fs::read_dir(store.join("contrast")).is_ok_and(|files| files.count() > 1);
     while !begun_units() && begun.elapsed() < Duration::from_secs(60) {
