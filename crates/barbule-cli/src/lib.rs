@@ -61,7 +61,8 @@ where
     I: IntoIterator<Item = T>,
     T: Into<std::ffi::OsString> + Clone,
 {
-    match done(args, out) {
+    let words: Vec<std::ffi::OsString> = args.into_iter().map(Into::into).collect();
+    match done(&words, out) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Ending::Unclear(error)) if error.use_stderr() => {
             // A closed pipe on the other side is not an error of ours.
@@ -69,16 +70,16 @@ where
                 clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
                     write!(err, "{}", error.render())
                 }
-                _ => writeln!(err, "barbule: {}", unclear(&error)),
+                _ => writeln!(err, "barbule: {}", as_typed(unclear(&error), &words)),
             };
             ExitCode::from(2)
         }
         // Help and version.
         Err(Ending::Unclear(text)) => match common::print(out, text.render().to_string().trim_end()) {
             Ok(()) => ExitCode::SUCCESS,
-            Err(error) => refused(&error, err),
+            Err(error) => refused(&error, &words, err),
         },
-        Err(Ending::Failed(error)) => refused(&error, err),
+        Err(Ending::Failed(error)) => refused(&error, &words, err),
     }
 }
 
@@ -89,19 +90,37 @@ enum Ending {
     Failed(Error),
 }
 
-fn done<I, T>(args: I, out: &mut dyn Write) -> Result<(), Ending>
-where
-    I: IntoIterator<Item = T>,
-    T: Into<std::ffi::OsString> + Clone,
-{
-    let matches = Cli::command().try_get_matches_from(args).map_err(Ending::Unclear)?;
+fn done(words: &[std::ffi::OsString], out: &mut dyn Write) -> Result<(), Ending> {
+    let matches = Cli::command().try_get_matches_from(words).map_err(Ending::Unclear)?;
     let cli = Cli::from_arg_matches(&matches).map_err(|e| Ending::Unclear(e.format(&mut Cli::command())))?;
     outputs::check(&matches).and_then(|()| cli.command.run(out)).map_err(Ending::Failed)
 }
 
-fn refused(error: &Error, err: &mut dyn Write) -> ExitCode {
-    let _ = writeln!(err, "barbule: {error}");
+fn refused(error: &Error, words: &[std::ffi::OsString], err: &mut dyn Write) -> ExitCode {
+    let _ = writeln!(err, "barbule: {}", as_typed(error.to_string(), words));
     ExitCode::from(common::exit_code(error))
+}
+
+/// A sentence that begins with a flag, with the synonym of it that was typed.
+fn as_typed(sentence: String, words: &[std::ffi::OsString]) -> String {
+    let Some((flag, rest)) = sentence.find([' ', ':']).map(|end| sentence.split_at(end)) else {
+        return sentence;
+    };
+    let Some(long) = flag.strip_prefix("--") else { return sentence };
+    let is_typed = |name: &str| {
+        words.iter().filter_map(|word| word.to_str()?.strip_prefix("--")).any(|word| {
+            word.strip_prefix(name).is_some_and(|value| value.is_empty() || value.starts_with('='))
+        })
+    };
+    if is_typed(long) {
+        return sentence;
+    }
+    let command = Cli::command();
+    let arguments = command.get_subcommands().flat_map(clap::Command::get_arguments);
+    let mut synonyms = arguments
+        .filter(|argument| argument.get_long() == Some(long))
+        .flat_map(|argument| argument.get_all_aliases().unwrap_or_default());
+    synonyms.find(|name| is_typed(name)).map_or_else(|| sentence.clone(), |name| format!("--{name}{rest}"))
 }
 
 /// What is wrong with the arguments, in one sentence: that of the value's reader where it is one of ours, else clap's lines

@@ -36,7 +36,7 @@ pub(crate) fn say_unused_of(what: &str, media: &[&str], common: &Common) {
 
 /// Whether a medium, such as `keratin` or `mix(keratin,melanin,0.4)`, names another one.
 fn is_made_of(medium: &str, name: &str) -> bool {
-    let of_names = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
+    let of_names = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
     medium == name || medium.split(|c| !of_names(c)).any(|word| word == name)
 }
 
@@ -47,6 +47,7 @@ mod tests {
     #[test]
     fn a_medium_is_used_where_its_whole_name_stands() {
         assert!(is_made_of("keratin", "keratin") && is_made_of("mix(keratin,melanin,0.4)", "melanin"));
+        assert!(is_made_of("mix(chitin.2,melanin,0.4)", "chitin.2"));
         assert!(!is_made_of("mykeratin", "keratin") && !is_made_of("keratin", "mykeratin"));
     }
 }

@@ -55,7 +55,26 @@ pub(crate) fn parse(text: &str, common: &Common) -> Result<SceneDescription> {
 }
 
 fn scene_in(text: &str) -> Result<SceneDescription> {
-    SceneDescription::parse(&read_text(Path::new(text))?).map_err(|error| error.at(text))
+    let path = Path::new(text);
+    let mut scene = SceneDescription::parse(&read_text(path)?).map_err(|error| error.at(text))?;
+    scene.material = beside(path, scene.material);
+    Ok(scene)
+}
+
+/// A scene's material, where it is a file or folder: as seen from the scene's folder. Names of species and stacks stay.
+fn beside(scene: &Path, material: String) -> String {
+    const ENDINGS: [&str; 3] = [".toml", ".json", ".barbule"];
+    if structure_arg::is_built_in(&material) {
+        return material;
+    }
+    let name = material.split_once(':').map_or(material.as_str(), |(name, _)| name);
+    let place = scene.with_file_name(&material);
+    let is_file = ENDINGS.iter().any(|ending| name.to_lowercase().ends_with(ending))
+        || ["./", "../"].iter().any(|start| material.starts_with(start))
+        // What stands where the program runs is not meant, though it bears the name.
+        || place.exists()
+        || Path::new(&material).exists();
+    if is_file { place.to_string_lossy().into_owned() } else { material }
 }
 
 /// The feather that a species file brings; `FILE.toml:VARIANT` names one too.

@@ -264,7 +264,8 @@ fn paths_that_are_no_text_are_no_panic() {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     };
     made(&[&["characterize", "starling"], TINY].concat(), b"m\xff.barbule");
-    made(&[&["render", "starling"], SMALL].concat(), b"\xff.png");
+    place.write_small();
+    made(&[&["render", "starling", "--material", "small.barbule"], SMALL].concat(), b"\xff.png");
 }
 
 #[test]
@@ -320,14 +321,41 @@ fn ones_own_bird_goes_wherever_a_species_goes() {
         "holes.toml",
         "air/keratin:340/air",
     ];
+    place.write("corner.toml", "preset = 'rock-dove'\n[window]\nradius_mm = 0.1\n");
     for bird in birds {
         let (_, said) = place.succeed(&[&["render", bird, "-o", "a.png"], SMALL].concat());
         let line = format!("wrote a.png: {bird}, light 20,62, 24 x 15 pixels, 2.0 samples each");
         assert_eq!(said, line);
-        let with = [&["render", "rock-dove", "--material", bird, "-o", "b.png"], SMALL].concat();
+        let with = [&["render", "corner.toml", "--material", bird, "-o", "b.png"], SMALL].concat();
         assert!(!place.succeed(&with).1.contains("characterizing"));
         place.succeed(&["lobes", bird, "-o", "l.svg", "--parameters"]);
     }
+}
+
+/// A scene's files are those beside it, wherever the program runs.
+#[test]
+fn the_material_of_a_scene_stands_beside_it() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("scenes")).unwrap();
+    write_material(&place.path("scenes/one.barbule"), &example(2)).unwrap();
+    write_material(&place.path("one.barbule"), &example(3)).unwrap();
+    let scene = |material: &str| {
+        place.write(
+            "scenes/s.toml",
+            &format!("preset = 'rock-dove'\nmaterial = '{material}'\n[window]\nradius_mm = 0.1\n"),
+        );
+        [&["render", "scenes/s.toml", "-o", "a.png"], SMALL].concat()
+    };
+    let hash = |material: &str| place.json(&scene(material))[0]["material_hash"].clone();
+    let [beside, here] =
+        ["scenes/one.barbule", "one.barbule"].map(|file| hash_file(&place.path(file)).unwrap());
+    assert_eq!((hash("one.barbule"), hash("../one.barbule")), (beside.into(), here.into()));
+    std::fs::remove_file(place.path("scenes/one.barbule")).unwrap();
+    place.refused(&scene("one.barbule"), "scenes/one.barbule: no such file");
+    // Names of species and stacks stay what they are.
+    place.refused(&scene("starling:puce"), "starling has no variant 'puce'");
+    place.keep_full(Structure::flat("air/keratin:340/air").unwrap());
+    place.succeed(&scene("air/keratin:340/air"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::common::{MADE_UP, write_made_up};
 
@@ -49,6 +49,23 @@ fn two_signals_at_once_are_one_press_and_the_picture_is_written() {
     assert!(said.contains("barbule: interrupted: ") && said.contains("of 1000000 samples done; "), "{said}");
     assert!(said.contains("x.png shows what is done") && said.contains("--resume"), "{said}");
     assert!(std::fs::read(&output).unwrap().starts_with(b"\x89PNG"));
+}
+
+/// Within one wavelength of a slow solver, too: a row of its 90 angles takes half a minute.
+#[test]
+fn a_slow_solver_stops_between_two_angles() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("map.png");
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    command.args(["crystal", "peafowl", "--map", "--solver", "rcwa", "--wavelengths", "400,500", "-o"]);
+    let mut child = command.arg(&output).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    let asked = Instant::now();
+    interrupt(&child);
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    // Two seconds are promised on a machine of its own; tests share theirs.
+    assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());
+    assert!(!output.exists());
 }
 
 #[test]

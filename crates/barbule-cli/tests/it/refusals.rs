@@ -34,6 +34,10 @@ const LINES: &[(&str, &str)] = &[
     ("film air/keratin:5/air --medium chitin=@none.csv", "none.csv: no such file"),
     ("film air/keratin:5/air --medium chitin=@", "is a folder"),
     ("film air/keratin:5/air --medium 5x=@good.csv", "cannot name a medium"),
+    (
+        "spectrum air/keratin:5/air --medium air=@good.csv --wavelengths 500",
+        "barbules are simulated in air, of index 1; let the first medium be the built-in air",
+    ),
     ("film air/keratin:5/air --medium mix=@good.csv", "cannot name a medium"),
     // Sets of numbers.
     ("film air/keratin:5/air --wavelengths 299", "299 nm is outside 300 to 830 nm"),
@@ -46,6 +50,11 @@ const LINES: &[(&str, &str)] = &[
     ("film air/keratin:5/air --wavelengths nan", "'nan' is not a number"),
     ("film air/keratin:5/air --angles 90", "90° is at or past grazing"),
     ("film air/keratin:5/air --angles=-95", "past grazing"),
+    // Synonyms are named as they were typed.
+    ("film air/keratin:5/air --angle 90", "--angle: 90° is at or past grazing"),
+    ("film air/keratin:5/air --wavelength=299", "--wavelength: 299 nm is outside"),
+    ("spectrum starling --angles 90", "--angles: 90° is at or past grazing"),
+    ("far-field starling --wavelengths 299 --theta 0 --phi 0", "--wavelengths: 299 nm is outside"),
     ("film air/keratin:5/air --angles inf", "'inf' is not a number"),
     // Stacks.
     ("film air", "write at least two media"),

@@ -121,7 +121,7 @@ fn ctrl_c_ends_soon_and_leaves_what_can_be_resumed() {
     // Full size: minutes, were it not interrupted.
     let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
     command.args(["simulate", "starling", "-o"]).arg(&store).stderr(Stdio::piped());
-    let mut child = command.spawn().unwrap();
+    let child = command.spawn().unwrap();
     let begun = Instant::now();
     let begun_units = || std::fs::read_dir(store.join("contrast")).is_ok_and(|files| files.count() > 1);
     while !begun_units() && begun.elapsed() < Duration::from_secs(60) {
@@ -129,12 +129,15 @@ fn ctrl_c_ends_soon_and_leaves_what_can_be_resumed() {
     }
     let asked = Instant::now();
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let status = child.wait().unwrap();
-    assert_eq!(status.code(), Some(130));
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
     // Two seconds are promised on a machine of its own; tests share theirs.
     assert!(asked.elapsed() < Duration::from_secs(8), "{:?}", asked.elapsed());
     let status = barbule::io::store::Store::open(&store).unwrap().status();
     assert!(status.done > 0 && status.damaged == 0 && status.missing() > 0, "{status:?}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    let sentence = format!("interrupted: {} of 1000 units done; the same command goes on", status.done);
+    assert!(said.contains(&sentence), "{said}");
     assert!(!store.join(".aside").exists());
 }
 

@@ -1,6 +1,6 @@
 //! `barbule spectrum` as people and scripts use it: colours in numbers, measurements, several structures.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value;
 
@@ -194,30 +194,4 @@ fn what_cannot_be_is_refused_before_any_work_and_leaves_nothing() {
         assert!(message.trim().chars().count() < 700 && out.is_empty(), "{words:?}: {message}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-}
-
-/// Every command of the two pages, with fewer instances, in a folder that has the examples.
-#[test]
-fn documented_commands_run_as_written() {
-    let folder = tempfile::tempdir().unwrap();
-    let examples = folder.path().join("examples/measured");
-    std::fs::create_dir_all(&examples).unwrap();
-    for entry in std::fs::read_dir(format!("{ROOT}/examples/measured")).unwrap() {
-        let path: PathBuf = entry.unwrap().path();
-        std::fs::copy(&path, examples.join(path.file_name().unwrap())).unwrap();
-    }
-    let mut count = 0;
-    for page in ["guide/spectrum.md", "formats/measured.md"] {
-        let text = std::fs::read_to_string(format!("{ROOT}/docs/{page}")).unwrap();
-        for line in text.lines().filter(|line| line.starts_with("barbule spectrum ")) {
-            let mut words: Vec<&str> =
-                line.split_whitespace().skip(1).map(|w| w.trim_matches('\'')).collect();
-            if !words.contains(&"--instances") {
-                words.extend(["--instances", "2"]);
-            }
-            succeed(folder.path(), &words);
-            count += 1;
-        }
-    }
-    assert!(count >= 8, "{count} commands");
 }

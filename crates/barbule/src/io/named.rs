@@ -23,9 +23,7 @@ pub fn files_named_in(path: &Path) -> Vec<PathBuf> {
     let mut names = Vec::new();
     collect(&value.unwrap_or(Value::Null), false, &mut names);
     let folder = path.parent().unwrap_or(Path::new(""));
-    // A scene's material is also looked for where the program runs.
-    let places = names.into_iter().flat_map(|name| [folder.join(&name), PathBuf::from(name)]);
-    places.filter(|place| place.is_file()).collect()
+    names.into_iter().map(|name| folder.join(name)).filter(|place| place.is_file()).collect()
 }
 
 /// The texts under such keys, at any depth.
