@@ -191,7 +191,8 @@ fn check(statistics: &Statistics) -> Result<()> {
         ("autocovariance", statistics.autocovariance.len(), nodes * 2 * LAGS),
         ("reflected", statistics.reflected.len(), nodes * 2),
         ("pattern_correlation", statistics.pattern_correlation.len(), nodes),
-        ("contrast", statistics.contrast.len(), nodes),
+        ("unpolarized_contrast", statistics.unpolarized_contrast.len(), nodes),
+        ("contrast", statistics.contrast.len(), nodes * 2 * AZIMUTHS),
     ] {
         if found != expected {
             return Err(Error::input(format!("{name} has {found} values, but the axes ask for {expected}")));
@@ -293,7 +294,7 @@ impl NodeFit<'_> {
         let clipped = (unclipped - reflected_stationary).abs() / reflected.max(f64::MIN_POSITIVE);
         let mut fraction = [self.fraction(&self.statistics.u), self.fraction(&self.statistics.v)];
         let (mut stationary, mut reflected_stationary) = (stationary, reflected_stationary);
-        let steady = steady_share(self.statistics.contrast[self.node], self.statistics.instances);
+        let steady = steady_share(self.statistics.unpolarized_contrast[self.node], self.statistics.instances);
         if steady * reflected > reflected_stationary {
             (stationary, reflected_stationary) = (mean.lobe, steady * reflected);
             fraction[1] = fraction[0];

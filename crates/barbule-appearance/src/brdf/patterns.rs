@@ -135,7 +135,7 @@ pub(super) fn compare(statistics: &Statistics, material: &FeatherMaterial) -> Ve
                 theta_deg,
                 phi_deg,
                 correlation: [statistics.pattern_correlation[node], correlation],
-                contrast: [statistics.contrast[node], contrast],
+                contrast: [statistics.unpolarized_contrast[node], contrast],
                 balance: 4.0 * first * second / (whole * whole),
             });
         }

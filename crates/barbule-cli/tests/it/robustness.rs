@@ -96,7 +96,7 @@ fn truncated_emptied_altered_and_lengthened_chunks_are_found_computed_again_and_
     let chunk = |name: &str| (store.join(name), std::fs::read(store.join(name)).unwrap());
     let (file, bytes) = chunk("u/c.0.1.0.0.0");
     std::fs::write(file, &bytes[..bytes.len() / 2]).unwrap();
-    let (file, _) = chunk("contrast/c.1.0.0");
+    let (file, _) = chunk("unpolarized_contrast/c.1.0.0");
     std::fs::write(file, b"").unwrap();
     let (file, mut bytes) = chunk("autocovariance/c.2.2.0.0.0");
     bytes[40] ^= 4;

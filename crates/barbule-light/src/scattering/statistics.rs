@@ -118,7 +118,10 @@ pub struct Statistics {
     pub pattern_correlation: Vec<f64>,
     /// Contrast (standard deviation over mean, weighted by the mean intensity over azimuths) of the unpolarized
     /// intensity over instances. Shape `[λ, θ_i, φ_i]`.
-    pub contrast: Vec<f64>,
+    pub unpolarized_contrast: Vec<f64>,
+    /// Contrast of each polarization's intensity over instances at each azimuth, 0 where nothing is reflected. Shape of
+    /// `u`.
+    pub contrast: Vec<f32>,
 }
 
 impl Statistics {
@@ -134,6 +137,7 @@ impl Statistics {
             reflected: Vec::new(),
             reflected_std: Vec::new(),
             pattern_correlation: Vec::new(),
+            unpolarized_contrast: Vec::new(),
             contrast: Vec::new(),
         }
     }
@@ -146,6 +150,7 @@ impl Statistics {
         self.reflected.extend(unit.reflected);
         self.reflected_std.extend(unit.reflected_std);
         self.pattern_correlation.extend(unit.pattern_correlation);
+        self.unpolarized_contrast.extend(unit.unpolarized_contrast);
         self.contrast.extend(unit.contrast);
     }
 }
@@ -166,7 +171,9 @@ pub struct Unit {
     /// Shape `[φ_i]`.
     pub pattern_correlation: Vec<f64>,
     /// Shape `[φ_i]`.
-    pub contrast: Vec<f64>,
+    pub unpolarized_contrast: Vec<f64>,
+    /// Shape `[φ_i, polarization, AZIMUTHS]`.
+    pub contrast: Vec<f32>,
     /// Fields over √Φ_i where they are kept, else empty. Shape `[φ_i, polarization, e₁ e₂, instance, AZIMUTHS]`.
     pub fields: Vec<Complex<f32>>,
 }

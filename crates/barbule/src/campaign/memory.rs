@@ -22,7 +22,7 @@ pub const PROGRAM: u64 = 48 << 20;
 const MARGIN: f64 = 1.25;
 
 /// Bytes of the statistics of one (λ, θ_i, φ_i), both polarizations.
-const STATISTICS: u64 = (2 * (2 * AZIMUTHS + LAGS) * 4 + 6 * 8) as u64;
+const STATISTICS: u64 = (2 * (3 * AZIMUTHS + LAGS) * 4 + 6 * 8) as u64;
 
 /// Bytes of a reflectance table per point, at most: blocks of longer series have none.
 const LARGEST_TABLE: usize = 256 * 16;

@@ -26,9 +26,10 @@ pub(super) fn unit(axes: &Axes, fields: &Fields) -> Unit {
             unit.autocovariance.extend(polarization.autocovariance);
             unit.reflected.push(polarization.reflected);
             unit.reflected_std.push(polarization.reflected_std);
+            unit.contrast.extend(polarization.contrast);
         }
         unit.pattern_correlation.push(part.pattern_correlation);
-        unit.contrast.push(part.contrast);
+        unit.unpolarized_contrast.push(part.unpolarized_contrast);
     }
     unit
 }
@@ -63,7 +64,7 @@ pub(super) fn mean_intensity(fields: &Fields, pair: usize) -> Vec<f64> {
 struct Direction {
     polarizations: [Polarization; 2],
     pattern_correlation: f64,
-    contrast: f64,
+    unpolarized_contrast: f64,
 }
 
 struct Polarization {
@@ -72,6 +73,7 @@ struct Polarization {
     autocovariance: Vec<f32>,
     reflected: f64,
     reflected_std: f64,
+    contrast: Vec<f32>,
 }
 
 fn direction(
@@ -83,8 +85,9 @@ fn direction(
 ) -> Direction {
     let polarizations =
         [0, 1].map(|polarization| statistics(fields, phi_i, 2 * phi + polarization, grid, covariance));
-    let (pattern_correlation, contrast) = patterns(fields, phi, [&polarizations[0].u, &polarizations[1].u]);
-    Direction { polarizations, pattern_correlation, contrast }
+    let (pattern_correlation, unpolarized_contrast) =
+        patterns(fields, phi, [&polarizations[0].u, &polarizations[1].u]);
+    Direction { polarizations, pattern_correlation, unpolarized_contrast }
 }
 
 /// The two components of one instance, margins included; `pair` counts (φ_i, polarization).
@@ -116,6 +119,7 @@ fn statistics(
     let fine = AZIMUTHS * fields.refine;
     let step = std::f64::consts::PI / fine as f64;
     let mut u = vec![0.0; AZIMUTHS];
+    let mut squares = vec![0.0; AZIMUTHS];
     let mut means = vec![[Complex64::ZERO; 2]; AZIMUTHS];
     let mut energy = [0.0; 2];
     let mut fractions = Vec::with_capacity(instances);
@@ -123,7 +127,9 @@ fn statistics(
         let (e1, e2) = components(fields, instance, pair);
         for (n, at) in tabulated(fields).enumerate() {
             let (a, b) = (widen(e1[at]), widen(e2[at]));
-            u[n] += a.norm_sqr() + b.norm_sqr();
+            let intensity = a.norm_sqr() + b.norm_sqr();
+            u[n] += intensity;
+            squares[n] += intensity * intensity;
             means[n][0] += a;
             means[n][1] += b;
         }
@@ -136,6 +142,7 @@ fn statistics(
     for value in &mut u {
         *value /= count;
     }
+    let contrast = u.iter().zip(&squares).map(|(&u, &square)| contrast(u, square / count)).collect();
     let v = u
         .iter()
         .zip(&means)
@@ -160,7 +167,14 @@ fn statistics(
         v,
         reflected,
         reflected_std: (spread / (count - 1.0).max(1.0)).sqrt(),
+        contrast,
     }
+}
+
+/// Standard deviation over mean, from the means of an intensity and of its square.
+fn contrast(mean: f64, mean_square: f64) -> f32 {
+    let variance = mean_square - mean * mean;
+    if variance > 0.0 && mean > f64::MIN_POSITIVE { (variance.sqrt() / mean) as f32 } else { 0.0 }
 }
 
 pub(super) fn widen(value: Complex<f32>) -> Complex64 {

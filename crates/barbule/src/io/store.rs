@@ -103,11 +103,6 @@ impl Store {
             aside::create_folder(path, |made| here.build(path, made))?;
         }
         let store = Self::open(path)?;
-        if !store.arrays.are_written() {
-            return refuse(
-                "was made by an earlier version of Barbule, whose stores are read but not continued; give another name",
-            );
-        }
         store.attributes.check_same(path, &here)?;
         Ok(store)
     }
@@ -278,7 +273,7 @@ impl Store {
     /// Whether a unit is there, by the presence of its last chunk.
     #[must_use]
     pub fn is_done(&self, wavelength: usize, theta: usize) -> bool {
-        self.files.has(&self.arrays.last().chunk_path(&[wavelength, theta]))
+        self.files.has(&self.arrays.digest.chunk_path(&[wavelength, theta]))
     }
 
     /// Writes a unit.
@@ -300,25 +295,16 @@ impl Store {
         if let (Some(fields), Some(kept)) = (&self.arrays.fields, self.kept(wavelength)) {
             digests[ARRAYS] = self.write_chunk(fields, [kept, theta], &unit.fields)?;
         }
-        let [u, v, autocovariance, reflected, reflected_std, pattern_correlation, contrast] =
-            &self.arrays.unit;
-        let singles = [(u, &unit.u), (v, &unit.v), (autocovariance, &unit.autocovariance)];
-        let doubles = [
-            (reflected, &unit.reflected),
-            (reflected_std, &unit.reflected_std),
-            (pattern_correlation, &unit.pattern_correlation),
-            (contrast, &unit.contrast),
-        ];
-        let (of_singles, of_doubles) = digests[..ARRAYS].split_at_mut(singles.len());
-        for (digest, (array, values)) in of_singles.iter_mut().zip(singles) {
-            *digest = self.write_chunk(array, at, values)?;
-        }
-        for (digest, (array, values)) in of_doubles.iter_mut().zip(doubles) {
-            *digest = self.write_chunk(array, at, values)?;
-        }
-        if let Some(array) = &self.arrays.digest {
-            self.write_chunk(array, at, &digests)?;
-        }
+        let arrays = &self.arrays.unit;
+        digests[0] = self.write_chunk(&arrays[0], at, &unit.u)?;
+        digests[1] = self.write_chunk(&arrays[1], at, &unit.v)?;
+        digests[2] = self.write_chunk(&arrays[2], at, &unit.autocovariance)?;
+        digests[3] = self.write_chunk(&arrays[3], at, &unit.reflected)?;
+        digests[4] = self.write_chunk(&arrays[4], at, &unit.reflected_std)?;
+        digests[5] = self.write_chunk(&arrays[5], at, &unit.pattern_correlation)?;
+        digests[6] = self.write_chunk(&arrays[6], at, &unit.unpolarized_contrast)?;
+        digests[7] = self.write_chunk(&arrays[7], at, &unit.contrast)?;
+        self.write_chunk(&self.arrays.digest, at, &digests)?;
         Ok(())
     }
 
@@ -348,9 +334,9 @@ impl Store {
         hash.as_bytes().first_chunk().copied().map_or(0, u64::from_le_bytes)
     }
 
-    /// The digests of a unit's chunks: `None` where they are missing or damaged, an empty one in layouts without.
+    /// The digests of a unit's chunks: `None` where they are missing or damaged.
     fn digest(&self, at: [usize; 2]) -> Option<Vec<u64>> {
-        let Some(array) = &self.arrays.digest else { return Some(Vec::new()) };
+        let array = &self.arrays.digest;
         array.decode(&self.files.read(&array.chunk_path(&at), array.most_bytes())?)
     }
 
@@ -358,8 +344,7 @@ impl Store {
     fn sealed(&self, array: &Array, at: &[usize; 2], digests: &[u64], index: usize) -> Option<Vec<u8>> {
         let key = array.chunk_path(at);
         let bytes = self.files.read(&key, array.most_bytes())?;
-        let is_its = digests.is_empty() || digests.get(index) == Some(&self.digest_of(&key, &bytes));
-        is_its.then_some(bytes)
+        (digests.get(index) == Some(&self.digest_of(&key, &bytes))).then_some(bytes)
     }
 
     /// Reads a unit; `None` when it is missing or damaged (a checksum or digest fails, a chunk is not of the length that
@@ -378,7 +363,8 @@ impl Store {
             reflected: self.read_chunk(3, &at, &digests)?,
             reflected_std: self.read_chunk(4, &at, &digests)?,
             pattern_correlation: self.read_chunk(5, &at, &digests)?,
-            contrast: self.read_chunk(6, &at, &digests)?,
+            unpolarized_contrast: self.read_chunk(6, &at, &digests)?,
+            contrast: self.read_chunk(7, &at, &digests)?,
             fields: Vec::new(),
         };
         is_possible(&unit).then_some(unit)
@@ -424,7 +410,8 @@ fn is_possible(unit: &Unit) -> bool {
         && unit.v.iter().chain(&unit.autocovariance).all(|v| v.is_finite())
         && intensity(&unit.reflected)
         && intensity(&unit.reflected_std)
-        && unit.contrast.iter().all(|v| v.is_nan() || *v >= 0.0)
+        && unit.unpolarized_contrast.iter().all(|v| v.is_nan() || *v >= 0.0)
+        && unit.contrast.iter().all(|v| v.is_finite() && *v >= 0.0)
         && !unit.pattern_correlation.iter().any(|v| v.is_infinite())
         && unit.fields.iter().all(|e| e.is_finite())
 }

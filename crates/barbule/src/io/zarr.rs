@@ -6,7 +6,6 @@
 //!
 //! Specification: <https://zarr-specs.readthedocs.io/en/latest/v3/core/index.html>.
 
-use std::io::Read as _;
 
 use num_complex::Complex;
 use serde_json::{Map, Value, json};
@@ -108,15 +107,6 @@ impl Element for Complex<f32> {
     }
 }
 
-/// How the chunks of an array are named and coded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Coding {
-    /// Files `c.0.1…` of values and checksum.
-    Plain,
-    /// Files `c/0/1/…`, compressed by Zstandard before the checksum; read only.
-    Zstandard,
-}
-
 /// What an array is; where it lies is its owner's concern.
 #[derive(Debug, Clone)]
 pub(super) struct Array {
@@ -129,17 +119,15 @@ pub(super) struct Array {
     pub(super) units: &'static str,
     /// What the values mean, for people.
     pub(super) meaning: &'static str,
-    pub(super) coding: Coding,
 }
 
 impl Array {
     /// The content of the array's `zarr.json`.
     pub(super) fn metadata(&self) -> Value {
-        let mut codecs = vec![json!({"name": "bytes", "configuration": {"endian": "little"}})];
-        if self.coding == Coding::Zstandard {
-            codecs.push(json!({"name": "zstd", "configuration": {"level": 3, "checksum": false}}));
-        }
-        codecs.push(json!({"name": "crc32c"}));
+        let codecs = json!([
+            {"name": "bytes", "configuration": {"endian": "little"}},
+            {"name": "crc32c"},
+        ]);
         let mut attributes = json!({"meaning": self.meaning});
         if !self.units.is_empty() {
             attributes["units"] = json!(self.units);
@@ -150,7 +138,7 @@ impl Array {
             "shape": self.shape,
             "data_type": self.data_type.name(),
             "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": self.chunk_shape}},
-            "chunk_key_encoding": {"name": "default", "configuration": {"separator": self.separator()}},
+            "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
             "fill_value": self.data_type.fill_value(),
             "codecs": codecs,
             "attributes": attributes,
@@ -158,17 +146,12 @@ impl Array {
         })
     }
 
-    fn separator(&self) -> &'static str {
-        if self.coding == Coding::Plain { "." } else { "/" }
-    }
-
     /// Path, from the store's folder, of the file of the chunk with these indices along the first axes and 0 along
     /// the others.
     pub(super) fn chunk_path(&self, first: &[usize]) -> String {
         let indices = first.iter().chain(std::iter::repeat(&0)).take(self.shape.len());
         let indices: Vec<String> = indices.map(usize::to_string).collect();
-        let separator = self.separator();
-        format!("{}/c{separator}{}", self.name, indices.join(separator))
+        format!("{}/c.{}", self.name, indices.join("."))
     }
 
     /// Values in a chunk.
@@ -178,19 +161,12 @@ impl Array {
 
     /// The most bytes that a chunk's file can have.
     pub(super) fn most_bytes(&self) -> usize {
-        let values = self.chunk_len() * self.data_type.bytes();
-        let compressed = match self.coding {
-            Coding::Plain => 0,
-            // Zstandard's own bound of what does not shrink.
-            Coding::Zstandard => values / 256 + 64,
-        };
-        values + compressed + CHECKSUM
+        self.chunk_len() * self.data_type.bytes() + CHECKSUM
     }
 
-    /// The bytes of a plain chunk; `None` where `values` are not as many or not of the type that the array has.
+    /// The bytes of a chunk; `None` where `values` are not as many or not of the type that the array has.
     pub(super) fn encode<T: Element>(&self, values: &[T]) -> Option<Vec<u8>> {
-        if T::DATA_TYPE != self.data_type || values.len() != self.chunk_len() || self.coding != Coding::Plain
-        {
+        if T::DATA_TYPE != self.data_type || values.len() != self.chunk_len() {
             return None;
         }
         let mut bytes = Vec::with_capacity(self.most_bytes());
@@ -210,32 +186,13 @@ impl Array {
         }
         let size = self.data_type.bytes();
         let needed = self.chunk_len() * size;
-        let inflated;
-        let values = match self.coding {
-            Coding::Plain => content,
-            Coding::Zstandard => {
-                inflated = inflate(content, needed)?;
-                &inflated
-            }
-        };
-        if values.len() != needed {
-            return None;
-        }
-        values.chunks_exact(size).map(T::get).collect()
+        (content.len() == needed).then(|| content.chunks_exact(size).map(T::get).collect()).flatten()
     }
 }
 
 /// The content of a group's `zarr.json`.
 pub(super) fn group_metadata(attributes: &Map<String, Value>) -> Value {
     json!({"zarr_format": 3, "node_type": "group", "attributes": attributes})
-}
-
-/// Decompresses one frame of Zstandard of at most `most` bytes; one byte more is read, so that longer ones show.
-fn inflate(content: &[u8], most: usize) -> Option<Vec<u8>> {
-    let frame = ruzstd::decoding::StreamingDecoder::new(content).ok()?;
-    let mut bytes = Vec::new();
-    frame.take(most as u64 + 1).read_to_end(&mut bytes).ok()?;
-    Some(bytes)
 }
 
 /// CRC-32C (Castagnoli) of bytes: RFC 3720, appendix B.4; eight bytes a step ("slicing by 8").
@@ -282,7 +239,7 @@ static TABLES: [[u32; 256]; 8] = {
 mod tests {
     use super::*;
 
-    fn array(coding: Coding) -> Array {
+    fn array() -> Array {
         Array {
             name: "a",
             data_type: DataType::Float32,
@@ -291,32 +248,11 @@ mod tests {
             dimension_names: vec!["x", "y"],
             units: "",
             meaning: "test",
-            coding,
         }
     }
 
     fn sealed(content: &[u8]) -> Vec<u8> {
         [content, &crc32c(content).to_le_bytes()].concat()
-    }
-
-    /// A frame of 128 KiB blocks, each one zero repeated: 4 bytes a block.
-    fn bomb(blocks: usize) -> Vec<u8> {
-        // Magic number, no content size, window of 128 KiB.
-        let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x38];
-        for block in 1..=blocks {
-            let header = (1u32 << 17) << 3 | 1 << 1 | u32::from(block == blocks);
-            frame.extend_from_slice(&header.to_le_bytes()[..3]);
-            frame.push(0);
-        }
-        frame
-    }
-
-    /// A frame of one block with these bytes as they are.
-    fn stored(content: &[u8]) -> Vec<u8> {
-        let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x38];
-        frame.extend_from_slice(&((content.len() as u32) << 3 | 1).to_le_bytes()[..3]);
-        frame.extend_from_slice(content);
-        frame
     }
 
     #[test]
@@ -331,7 +267,7 @@ mod tests {
 
     #[test]
     fn values_come_back_with_all_their_bits() {
-        let array = array(Coding::Plain);
+        let array = array();
         let values = [1.5f32, f32::from_bits(0x7fc0_1234), -0.0];
         let bytes = array.encode(&values).unwrap();
         assert_eq!(bytes.len(), array.most_bytes());
@@ -349,7 +285,7 @@ mod tests {
 
     #[test]
     fn chunks_of_other_lengths_and_types_are_refused() {
-        let array = array(Coding::Plain);
+        let array = array();
         assert!(array.encode(&[1f32, 2.0]).is_none() && array.encode(&[1f64, 2.0, 3.0]).is_none());
         for length in [0, 8, 16, 1 << 20] {
             assert!(array.decode::<f32>(&sealed(&vec![0; length])).is_none(), "{length}");
@@ -360,37 +296,16 @@ mod tests {
 
     #[test]
     fn every_cut_and_every_flipped_bit_is_found() {
-        for coding in [Coding::Plain, Coding::Zstandard] {
-            let array = array(coding);
-            let content = if coding == Coding::Plain { vec![7; 12] } else { stored(&[7; 12]) };
-            let good = sealed(&content);
-            assert!(array.decode::<f32>(&good).is_some());
-            for length in 0..good.len() {
-                assert!(array.decode::<f32>(&good[..length]).is_none());
-            }
-            for bit in 0..8 * good.len() {
-                let mut bad = good.clone();
-                bad[bit / 8] ^= 1 << (bit % 8);
-                assert!(array.decode::<f32>(&bad).is_none(), "{coding:?} {bit}");
-            }
+        let array = array();
+        let good = sealed(&[7; 12]);
+        assert!(array.decode::<f32>(&good).is_some());
+        for length in 0..good.len() {
+            assert!(array.decode::<f32>(&good[..length]).is_none());
         }
-    }
-
-    #[test]
-    fn compressed_chunks_are_never_inflated_past_their_shape() {
-        let array = array(Coding::Zstandard);
-        // 1 MiB of 38 bytes, then 64 GiB of 2 MiB: no more than a block and a byte are made of either.
-        for blocks in [8, 1 << 19] {
-            let frame = bomb(blocks);
-            assert_eq!(inflate(&frame, 12).unwrap().len(), 13);
-            assert!(array.decode::<f32>(&sealed(&frame)).is_none());
+        for bit in 0..8 * good.len() {
+            let mut bad = good.clone();
+            bad[bit / 8] ^= 1 << (bit % 8);
+            assert!(array.decode::<f32>(&bad).is_none(), "{bit}");
         }
-        // Sealed, but cut or nonsense inside.
-        let frame = stored(&[7; 12]);
-        for length in 0..frame.len() {
-            assert!(array.decode::<f32>(&sealed(&frame[..length])).is_none(), "{length}");
-        }
-        assert!(array.decode::<f32>(&sealed(&stored(&[7; 11]))).is_none());
-        assert!(array.decode::<f32>(&sealed(&[0xff; 30])).is_none());
     }
 }

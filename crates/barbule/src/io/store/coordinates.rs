@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::io::zarr::{Array, Coding, DataType};
+use crate::io::zarr::{Array, DataType};
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, NOISE_POINTS};
 
 /// A dimension's values; they follow from the attributes and are never read back.
@@ -30,7 +30,6 @@ impl Coordinate {
             dimension_names: vec![name],
             units,
             meaning,
-            coding: Coding::Plain,
         };
         Self { array, values }
     }

@@ -7,31 +7,13 @@ use serde_json::{Map, Value, json};
 use super::aside::Files;
 use super::coordinates::{Coordinate, coordinates};
 use crate::io::whole::{failure, hash_bytes};
-use crate::io::zarr::{Array, Coding, DataType, group_metadata};
+use crate::io::zarr::{Array, DataType, group_metadata};
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS};
 use crate::spectrum::Wavelengths;
 use crate::{Error, Result};
 
-/// Versions of the layout. The last is written, all are read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Layout {
-    /// Chunks compressed by Zstandard.
-    Compressed = 1,
-    /// Without digests and coordinates.
-    Plain = 2,
-    /// A digest of every chunk, and coordinates.
-    Sealed = 3,
-}
-
-const WRITTEN: Layout = Layout::Sealed;
-
-impl Layout {
-    const ALL: [Self; 3] = [Self::Compressed, Self::Plain, Self::Sealed];
-
-    fn coding(self) -> Coding {
-        if self == Self::Compressed { Coding::Zstandard } else { Coding::Plain }
-    }
-}
+/// The version of the layout; others are not read.
+pub(super) const LAYOUT: u64 = 4;
 
 /// An array of the store.
 struct ArrayKind {
@@ -46,7 +28,7 @@ struct ArrayKind {
 const POLARIZATION: (&str, usize) = ("polarization", 2);
 
 /// Number of arrays that every unit writes.
-pub(super) const ARRAYS: usize = 7;
+pub(super) const ARRAYS: usize = 8;
 
 /// Arrays in the order in which a unit writes them.
 const KINDS: [ArrayKind; ARRAYS] = [
@@ -93,11 +75,18 @@ const KINDS: [ArrayKind; ARRAYS] = [
         meaning: "correlation of the two polarizations' intensity patterns",
     },
     ArrayKind {
-        name: "contrast",
+        name: "unpolarized_contrast",
         data_type: DataType::Float64,
         trailing: &[],
         units: "",
         meaning: "contrast of the unpolarized intensity over instances",
+    },
+    ArrayKind {
+        name: "contrast",
+        data_type: DataType::Float32,
+        trailing: &[POLARIZATION, ("azimuth", AZIMUTHS)],
+        units: "",
+        meaning: "contrast of |E|^2 over instances",
     },
 ];
 
@@ -107,21 +96,20 @@ pub(super) struct Arrays {
     pub(super) unit: [Array; ARRAYS],
     /// Fields of every instance, where the campaign keeps them.
     pub(super) fields: Option<Array>,
-    /// What ties the chunks of a unit to it; the last that a unit writes. `None` in older layouts, as coordinates.
-    pub(super) digest: Option<Array>,
+    /// What ties the chunks of a unit to it; the last that a unit writes.
+    pub(super) digest: Array,
     pub(super) coordinates: Vec<Coordinate>,
 }
 
 impl Arrays {
     /// As the axes say; the wavelengths `kept_nm` keep their fields.
-    fn new(axes: &Axes, instances: usize, kept_nm: &[f64], layout: Layout) -> Self {
+    fn new(axes: &Axes, instances: usize, kept_nm: &[f64]) -> Self {
         let shape = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.cos_phi().len()];
         let array = |name, data_type, units, meaning, dimensions: &[(&'static str, usize)]| {
             let (dimension_names, shape): (_, Vec<usize>) = dimensions.iter().copied().unzip();
             let mut chunk_shape = shape.clone();
             chunk_shape[..2].fill(1);
-            let coding = layout.coding();
-            Array { name, data_type, shape, chunk_shape, dimension_names, units, meaning, coding }
+            Array { name, data_type, shape, chunk_shape, dimension_names, units, meaning }
         };
         let first = [("wavelength", shape[0]), ("theta_i", shape[1]), ("phi_i", shape[2])];
         let unit = KINDS.map(|ArrayKind { name, data_type, trailing, units, meaning }| {
@@ -139,29 +127,18 @@ impl Arrays {
             ];
             array("fields", DataType::Complex64, "", "E along e1, e2 over sqrt(Phi_i)", &dimensions)
         });
-        let is_sealed = layout == Layout::Sealed;
-        let digest = is_sealed.then(|| {
+        let digest = {
             let meaning = "of each array's chunk, in the order of writing and fields last: the first 8 bytes of BLAKE3 of campaign_hash, array, indices, bytes";
             array("digest", DataType::UInt64, "", meaning, &[first[0], first[1], ("array", ARRAYS + 1)])
-        });
-        let coordinates = if is_sealed { coordinates(axes, instances, kept_nm) } else { Vec::new() };
+        };
+        let coordinates = coordinates(axes, instances, kept_nm);
         Self { unit, fields, digest, coordinates }
-    }
-
-    /// Whether this program writes such arrays, not only reads them.
-    pub(super) fn are_written(&self) -> bool {
-        self.digest.is_some()
     }
 
     /// All of them.
     pub(super) fn all(&self) -> impl Iterator<Item = &Array> {
         let coordinates = self.coordinates.iter().map(|coordinate| &coordinate.array);
-        self.unit.iter().chain(&self.fields).chain(&self.digest).chain(coordinates)
-    }
-
-    /// The array whose chunk a unit writes last.
-    pub(super) fn last(&self) -> &Array {
-        self.digest.as_ref().unwrap_or(&self.unit[ARRAYS - 1])
+        self.unit.iter().chain(&self.fields).chain([&self.digest]).chain(coordinates)
     }
 
     /// Writes the coordinates that are missing or not as the axes say.
@@ -186,7 +163,6 @@ pub(super) struct Attributes {
     pub(super) kept_nm: Vec<f64>,
     /// Every parameter of structure and simulation.
     pub(super) description: Value,
-    pub(super) layout: Layout,
 }
 
 impl Attributes {
@@ -194,12 +170,11 @@ impl Attributes {
     pub(super) fn read(attributes: &Value) -> std::result::Result<(Self, Arrays), String> {
         let version =
             attributes["barbule_store"].as_u64().ok_or("is not a campaign store of this version")?;
-        let Some(layout) = Layout::ALL.into_iter().find(|layout| *layout as u64 == version) else {
+        if version != LAYOUT {
             return Err(format!(
-                "is not a campaign store of this version (its layout is {version}, those to be read are 1 to {}); simulate again under another name",
-                WRITTEN as u64
+                "is not a campaign store of this version (its layout is {version}, this program's is {LAYOUT}); simulate again under another name"
             ));
-        };
+        }
         let (axes, instances) = checked_axes(attributes)?;
         let text = |key: &str| attributes[key].as_str().unwrap_or_default().to_owned();
         let kept_nm = numbers(attributes, "kept_nm")?;
@@ -207,8 +182,8 @@ impl Attributes {
             return Err(format!("its attribute 'kept_nm' has {nm}, which is no wavelength of it"));
         }
         let (name, width, description) = (text("name"), text("simd"), attributes["campaign"].clone());
-        let arrays = Arrays::new(&axes, instances, &kept_nm, layout);
-        Ok((Self { axes, instances, name, width, kept_nm, description, layout }, arrays))
+        let arrays = Arrays::new(&axes, instances, &kept_nm);
+        Ok((Self { axes, instances, name, width, kept_nm, description }, arrays))
     }
 
     /// Those of a new store.
@@ -227,7 +202,6 @@ impl Attributes {
             width: width.into(),
             kept_nm: kept_nm.to_vec(),
             description: description.clone(),
-            layout: WRITTEN,
         }
     }
 
@@ -238,10 +212,6 @@ impl Attributes {
 
     /// Checksum of all attributes, independent of the order of their keys.
     pub(super) fn hash(&self) -> String {
-        if self.layout == Layout::Compressed {
-            // That layout's checksum is of the parameters alone, with their keys in the order of the file.
-            return hash_bytes(self.description.to_string().as_bytes());
-        }
         let mut covered = self.covered();
         covered.sort_all_objects();
         hash_bytes(covered.to_string().as_bytes())
@@ -250,7 +220,7 @@ impl Attributes {
     /// What the checksum is of.
     fn covered(&self) -> Value {
         json!({
-            "barbule_store": self.layout as u64,
+            "barbule_store": LAYOUT,
             "wavelengths_nm": self.axes.wavelengths_nm(),
             "cos_theta_i": self.axes.cos_theta(),
             "cos_phi_i": self.axes.cos_phi(),
@@ -269,7 +239,7 @@ impl Attributes {
             _ => Map::new(),
         };
         attributes.insert("campaign_hash".into(), json!(self.hash()));
-        let arrays = Arrays::new(&self.axes, self.instances, &self.kept_nm, self.layout);
+        let arrays = Arrays::new(&self.axes, self.instances, &self.kept_nm);
         let files = Files::new(made);
         let refuse = |e: std::io::Error| failure(path, "the store cannot be created", &e);
         let write = |key: &str, metadata: &Value| {
