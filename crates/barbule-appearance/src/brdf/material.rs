@@ -22,16 +22,16 @@ pub struct LobeSet {
 /// The parameters of one kind of light: unpolarized, or one incident polarization.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ParameterSet {
-    /// The mean intensity's lobe.
-    pub mean: LobeSet,
-    /// The lobe s of what does not fluctuate from instance to instance: that of the mean field (V), or more.
-    pub stationary: LobeSet,
+    /// The mean intensity is the sum of these lobes: two, or a single one. The second may reflect nothing.
+    pub mean: Vec<LobeSet>,
+    /// The lobe s of what does not fluctuate from instance to instance.
+    pub steady: LobeSet,
     /// Length l of S.26 relative to the shortest wavelength at normal incidence. Shape `[λ, θ_i, φ_i]`.
     pub length: Vec<f32>,
     /// Fraction of incident polarization 1 in the reflected energy; empty in a set of one polarization.
     pub fraction_1: Vec<f32>,
-    /// The same of the stationary part.
-    pub stationary_fraction_1: Vec<f32>,
+    /// The same of the steady part.
+    pub steady_fraction_1: Vec<f32>,
 }
 
 /// A feather material: everything that a renderer needs, and where it came from.
@@ -45,6 +45,8 @@ pub struct FeatherMaterial {
     pub sigma: f64,
     /// One set (unpolarized light), or two (incident polarizations 1 and 2).
     pub sets: Vec<ParameterSet>,
+    /// Correlation γ, in \[0, 1\], of the noise that both incident polarizations carry. Shape `[λ, θ_i, φ_i]`.
+    pub correlation: Vec<f32>,
     /// P₁ … P_{N/2−1} of the noise process (S.34), Σ = ½. Length [`NOISE_TERMS`].
     pub noise_power: Vec<f64>,
     /// Seed of the noise that is drawn from `noise_power` when the material is prepared.

@@ -14,13 +14,27 @@ pub const NOISE_POINTS: usize = 1024;
 /// Lags 0 … LAGS − 1 of the autocovariance that are kept.
 pub const LAGS: usize = NOISE_POINTS / 2;
 
+/// Which signs of φ_i the arrays of a campaign hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sides {
+    /// φ_i ≥ 0 alone: light from the other side is the mirror image.
+    #[default]
+    Alike,
+    /// Both: first φ_i ≥ 0, then φ_i < 0, each in the order of cosφ_i.
+    Both,
+}
+
 /// The axes shared by every array of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axes {
     wavelengths: Wavelengths,
     cos_theta: Vec<f64>,
     cos_phi: Vec<f64>,
+    sides: Sides,
 }
+
+/// cosφ_i above this is light across the barbule's normal plane, which has no other side.
+const NORMAL: f64 = 1.0 - 1e-12;
 
 impl Axes {
     /// Vacuum wavelengths, and the cosines of θ_i and of φ_i ≥ 0 of the simulated directions.
@@ -42,7 +56,36 @@ impl Axes {
                 )));
             }
         }
-        Ok(Self { wavelengths: wavelengths.clone(), cos_theta, cos_phi })
+        Ok(Self { wavelengths: wavelengths.clone(), cos_theta, cos_phi, sides: Sides::Alike })
+    }
+
+    /// The same with these signs of φ_i.
+    #[must_use]
+    pub fn with_sides(self, sides: Sides) -> Self {
+        Self { sides, ..self }
+    }
+
+    /// Which signs of φ_i there are.
+    #[must_use]
+    pub fn sides(&self) -> Sides {
+        self.sides
+    }
+
+    /// Number of φ_i: of each cosφ_i one, or two of different sign where both sides are simulated and cosφ_i < 1.
+    #[must_use]
+    pub fn phis(&self) -> usize {
+        let cosines = self.cos_phi.len();
+        match self.sides {
+            Sides::Alike => cosines,
+            Sides::Both => cosines + self.cos_phi.iter().filter(|c| **c < NORMAL).count(),
+        }
+    }
+
+    /// Which cosφ_i the φ_i number `phi` has.
+    #[must_use]
+    pub fn cosine_of(&self, phi: usize) -> usize {
+        // Only the last cosine can be 1, so the negative ones are a beginning of the list.
+        if phi < self.cos_phi.len() { phi } else { phi - self.cos_phi.len() }
     }
 
     /// Vacuum wavelengths, nm, rising.
@@ -57,7 +100,7 @@ impl Axes {
         &self.cos_theta
     }
 
-    /// cosφ_i of the simulated directions, rising, in (0, 1]; φ_i ≥ 0.
+    /// cosφ_i of the simulated directions, rising, in (0, 1].
     #[must_use]
     pub fn cos_phi(&self) -> &[f64] {
         &self.cos_phi
@@ -67,7 +110,7 @@ impl Axes {
     #[must_use]
     #[allow(clippy::len_without_is_empty)] // never empty
     pub fn len(&self) -> usize {
-        self.wavelengths.len() * self.cos_theta.len() * self.cos_phi.len()
+        self.wavelengths.len() * self.cos_theta.len() * self.phis()
     }
 
     /// θ_i number `theta`, rad, 0 to π/2.
@@ -76,16 +119,17 @@ impl Axes {
         angle(self.cos_theta[theta])
     }
 
-    /// φ_i number `phi`, rad, 0 to π/2.
+    /// φ_i number `phi`, rad, −π/2 to π/2.
     #[must_use]
     pub fn phi_i(&self, phi: usize) -> f64 {
-        angle(self.cos_phi[phi])
+        let size = angle(self.cos_phi[self.cosine_of(phi)]);
+        if phi < self.cos_phi.len() { size } else { -size }
     }
 
     /// Position of a triple in arrays of shape `[λ, θ_i, φ_i]`.
     #[must_use]
     pub fn index(&self, wavelength: usize, theta: usize, phi: usize) -> usize {
-        (wavelength * self.cos_theta.len() + theta) * self.cos_phi.len() + phi
+        (wavelength * self.cos_theta.len() + theta) * self.phis() + phi
     }
 }
 
