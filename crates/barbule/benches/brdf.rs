@@ -24,6 +24,13 @@ struct Call {
     u: [f64; 2],
 }
 
+impl Call {
+    /// Between the four another four.
+    fn eight(&self) -> [f32; 8] {
+        std::array::from_fn(|k| self.waves[k / 2] + if k % 2 == 0 { 0.0 } else { 36.0 })
+    }
+}
+
 fn calls(brdf: &FeatherBrdf) -> Vec<Call> {
     let mut stream = Stream::new(1, &[]);
     let mut calls = Vec::new();
@@ -87,9 +94,11 @@ fn main() {
     let calls = calls(&brdf);
     measure("eval of 4 wavelengths with instance", &calls, |c, n| brdf.eval(c.waves, c.wi, c.wo, Some(n)));
     measure("eval of 4 wavelengths, smooth", &calls, |c, _| brdf.eval(c.waves, c.wi, c.wo, None));
+    measure("eval of 8 wavelengths with instance", &calls, |c, n| brdf.eval(c.eight(), c.wi, c.wo, Some(n)));
+    measure("eval of 8 wavelengths, smooth", &calls, |c, _| brdf.eval(c.eight(), c.wi, c.wo, None));
     measure("prepare", &calls, |c, _| brdf.prepare(c.waves, c.wi));
     measure("sample with density", &calls, |c, _| brdf.sample(c.waves[0], c.wi, c.u));
-    measure("densities of 4 wavelengths", &calls, |c, _| brdf.pdf4(c.waves, c.wi, c.wo));
+    measure("densities of 4 wavelengths", &calls, |c, _| brdf.pdfs(c.waves, c.wi, c.wo));
     let few = &calls[..16];
     measure("eval with instance, tables in L1", few, |c, n| brdf.eval(c.waves, c.wi, c.wo, Some(n % 4)));
     measure("eval smooth, tables in L1", few, |c, _| brdf.eval(c.waves, c.wi, c.wo, None));

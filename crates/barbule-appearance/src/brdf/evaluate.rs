@@ -2,17 +2,16 @@
 
 use fearless_simd::{Level, Simd, dispatch, f32x4, prelude::*};
 use glam::DVec3;
-use std::f64::consts::PI;
 
-use super::exact::{Lobe, Lobes};
-use super::integral::Fine;
-use super::lanes::{LobeLanes, StoredLobes};
+use super::lanes::{Cosine, Mixed, Outgoing, density};
 use super::material::{FeatherMaterial, check_sigma};
 use super::noise::{Draw, Noise};
-use super::sample::{HalfVectors, SampledLobe};
-use super::table::Table;
+use super::profile::Longitudinal;
+use super::sample::{Sampler, direction};
+use super::table::{Grid, Incident, Simplex, Table};
 use crate::Result;
 use crate::scattering::far_field::Polarization;
+use crate::scattering::lobe::FitKind;
 
 /// How a material is prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -28,39 +27,30 @@ pub struct Options {
 /// A feather material that is ready for evaluation. Shared between threads; nothing in it changes.
 #[derive(Debug, Clone)]
 pub struct FeatherBrdf {
+    pub(super) grid: Grid,
+    /// One, or one for each incident polarization.
     pub(super) tables: Vec<Table>,
+    pub(super) longitudinal: Longitudinal,
+    pub(super) sampler: Sampler,
     noise: Noise,
-    sigma: f64,
-    half_vectors: HalfVectors,
-    factors: Factors,
+    pub(super) kind: FitKind,
     pub(super) options: Options,
     level: Level,
     range_nm: (f64, f64),
 }
 
-/// Constants of σ.
+/// A [`FeatherBrdf`] at N wavelengths and one incident direction; N is a multiple of four.
 #[derive(Debug, Clone, Copy)]
-struct Factors {
-    /// 1/(σ π^{3/2})
-    amplitude: f32,
-    /// 1/σ²
-    inverse_sigma2: f32,
-    /// 1/(σ√π erf(1/σ))
-    density: f32,
-}
-
-/// A [`FeatherBrdf`] at four wavelengths and one incident direction.
-#[derive(Debug, Clone, Copy)]
-pub struct PreparedBrdf<'a> {
+pub struct PreparedBrdf<'a, const N: usize = 4> {
     brdf: &'a FeatherBrdf,
-    wavelengths_nm: [f32; 4],
-    incident: DVec3,
-    /// One or two of them count: `brdf.tables.len()`.
-    sets: [StoredLobes; 2],
+    wavelengths_nm: [f32; N],
+    wi: DVec3,
+    /// None below the horizon.
+    place: Option<(Incident, [Simplex; N])>,
 }
 
 impl FeatherBrdf {
-    /// Checks the material, extends and refines its tables and draws its noise: about a second per two million nodes.
+    /// Checks the material, integrates the lobes of its nodes and draws its noise: about a second per million nodes.
     ///
     /// # Errors
     /// A material that fails [`FeatherMaterial::check`], or σ out of range.
@@ -75,35 +65,34 @@ impl FeatherBrdf {
         };
         let waves = material.axes.wavelengths_nm();
         Ok(Self {
-            tables: only.iter().map(|set| Table::new(material, set, sigma, options.polarization)).collect(),
+            grid: Grid::new(&material.axes),
+            tables: only.iter().map(|set| Table::new(material, set, options.polarization)).collect(),
+            longitudinal: Longitudinal::new(sigma),
+            sampler: Sampler::new(sigma),
             noise: Noise::new(&material.noise_power, material.seed),
-            sigma,
-            half_vectors: HalfVectors::new(sigma),
-            factors: Factors {
-                amplitude: (1.0 / (sigma * PI.sqrt() * PI)) as f32,
-                inverse_sigma2: (1.0 / (sigma * sigma)) as f32,
-                density: (1.0 / (sigma * PI.sqrt() * libm::erf(1.0 / sigma))) as f32,
-            },
+            kind: material.kind,
             options,
             level: Level::new(),
             range_nm: (waves[0], waves[waves.len() - 1]),
         })
     }
 
-    /// f in 1/sr at four wavelengths, without the cosine; zero unless both directions have z > 0.
+    /// f in 1/sr at N wavelengths (four, eight, …), without the cosine; zero unless both directions have z > 0.
     ///
     /// `instance` names a barbule, whose speckle is a draw of its own; without one the smooth mean is returned.
     #[must_use]
-    pub fn eval(&self, wavelengths_nm: [f32; 4], wi: DVec3, wo: DVec3, instance: Option<u64>) -> [f32; 4] {
-        if !(wi.z > 0.0 && wo.z > 0.0) {
-            return [0.0; 4];
-        }
-        let draw = instance.map(|instance| self.noise.draw(instance));
-        dispatch!(self.level, simd => self.eval_wide(simd, wavelengths_nm, wi, wo, draw.as_ref()))
+    pub fn eval<const N: usize>(
+        &self,
+        wavelengths_nm: [f32; N],
+        wi: DVec3,
+        wo: DVec3,
+        instance: Option<u64>,
+    ) -> [f32; N] {
+        self.prepare(wavelengths_nm, wi).eval(wo, instance)
     }
 
-    /// An outgoing direction drawn from the mean lobe at this wavelength, with its density per sr; none where the draw
-    /// falls below the horizon (weight 0, not to be repeated).
+    /// An outgoing direction drawn from the mean lobes at this wavelength, with its density per sr; none for light from
+    /// below the horizon.
     #[must_use]
     pub fn sample(&self, wavelength_nm: f32, wi: DVec3, u: [f64; 2]) -> Option<(DVec3, f64)> {
         self.prepare([wavelength_nm; 4], wi).sample(0, u)
@@ -115,10 +104,10 @@ impl FeatherBrdf {
         self.prepare([wavelength_nm; 4], wi).pdf(0, wo)
     }
 
-    /// The densities at four wavelengths, for spectral multiple importance sampling.
+    /// The densities at N wavelengths, for spectral multiple importance sampling.
     #[must_use]
-    pub fn pdf4(&self, wavelengths_nm: [f32; 4], wi: DVec3, wo: DVec3) -> [f64; 4] {
-        self.prepare(wavelengths_nm, wi).pdf4(wo)
+    pub fn pdfs<const N: usize>(&self, wavelengths_nm: [f32; N], wi: DVec3, wo: DVec3) -> [f64; N] {
+        self.prepare(wavelengths_nm, wi).pdfs(wo)
     }
 
     /// Shortest and longest wavelength of the tables, nm; beyond them the end values hold.
@@ -130,7 +119,7 @@ impl FeatherBrdf {
     /// The longitudinal spread in use.
     #[must_use]
     pub fn sigma(&self) -> f64 {
-        self.sigma
+        self.longitudinal.sigma
     }
 
     /// The noise in use.
@@ -139,129 +128,116 @@ impl FeatherBrdf {
         &self.noise
     }
 
-    /// ∫ f (z·ω_o) dω_o of the smooth mean (before any symmetrization), by quadrature.
+    /// ∫ f (z·ω_o) dω_o of the smooth mean (before any symmetrization): what the mixed nodes reflect.
     #[must_use]
     pub fn albedo(&self, wavelength_nm: f32, wi: DVec3) -> f64 {
         if wi.z <= 0.0 || wi.z.is_nan() {
             return 0.0;
         }
-        let quadrature = Fine::new();
-        let exact = self.exact(f64::from(wavelength_nm), wi);
-        let reflected = |Lobes { mean: Lobe { m, incident, strength }, .. }: &Lobes| {
-            strength * quadrature.scaled_integral(*m, *incident, self.sigma) / incident.z
+        let incident = self.grid.incident(wi.to_array());
+        let simplex = self.grid.simplex(&incident, f64::from(wavelength_nm));
+        let reflected = |table: &Table| -> f64 {
+            let node = |k: usize| f64::from(simplex.weight[k]) * table.reflected(simplex.at[k]);
+            (0..4).map(node).sum()
         };
-        exact.sets.iter().map(reflected).sum::<f64>() / exact.sets.len() as f64
+        self.tables.iter().map(reflected).sum::<f64>() / self.tables.len() as f64
     }
 
-    /// Prepares and evaluates without a detour through memory.
-    #[inline(always)]
-    fn eval_wide<S: Simd>(
-        &self,
-        simd: S,
-        wavelengths_nm: [f32; 4],
-        wi: DVec3,
-        wo: DVec3,
-        draw: Option<&Draw>,
-    ) -> [f32; 4] {
-        let mut sum = self.one_way(simd, wavelengths_nm, wi, wo, draw);
-        let mut share = if self.tables.len() == 2 { 0.5 } else { 1.0 };
-        if self.options.reciprocal {
-            sum += self.one_way(simd, wavelengths_nm, wo, wi, draw);
-            share *= 0.5;
+    /// Whose pattern a set's instances show: one polarization's, or both, summed by their fractions.
+    pub(super) fn polarization_of(&self, set: usize) -> Option<Polarization> {
+        match (self.options.polarization, self.tables.len(), set) {
+            (Some(polarization), ..) => Some(polarization),
+            (None, 1, _) => None,
+            (None, _, 0) => Some(Polarization::First),
+            (None, ..) => Some(Polarization::Second),
         }
-        (sum * share).into()
     }
 
-    /// The sum over the sets.
-    #[inline(always)]
-    fn one_way<S: Simd>(
-        &self,
-        simd: S,
-        wavelengths_nm: [f32; 4],
-        wi: DVec3,
-        wo: DVec3,
-        draw: Option<&Draw>,
-    ) -> f32x4<S> {
-        let mut sum = f32x4::splat(simd, 0.0);
-        for table in &self.tables {
-            let lobes = LobeLanes::new(simd, table, wavelengths_nm, single(wi), self.factors.amplitude);
-            sum += self.value(simd, lobes, wi, wo, draw);
-        }
-        sum
-    }
-
-    /// f of one set.
-    #[inline(always)]
-    fn value<S: Simd>(
-        &self,
-        simd: S,
-        lobes: LobeLanes<S>,
-        wi: DVec3,
-        wo: DVec3,
-        draw: Option<&Draw>,
-    ) -> f32x4<S> {
-        let (mean, stationary) = lobes.values(simd, wi.y as f32, single(wo), self.factors.inverse_sigma2);
-        let Some(draw) = draw else { return mean };
-        let [qr, qi] = self.noise.at_four(simd, draw, lobes.inverse_length * (wi.x + wo.x) as f32);
-        let spread = ((mean - stationary) * 0.5).sqrt();
-        let (r, i) = (spread.mul_add(qr, stationary.sqrt()), spread * qi);
-        r.mul_add(r, i * i)
-    }
-
-    /// Everything about four wavelengths and one incident direction, to be used with many outgoing ones.
+    /// Everything about N wavelengths and one incident direction, to be used with many outgoing ones.
     #[must_use]
-    pub fn prepare(&self, wavelengths_nm: [f32; 4], wi: DVec3) -> PreparedBrdf<'_> {
-        let mut sets = [StoredLobes::NONE; 2];
-        if wi.z > 0.0 {
-            dispatch!(self.level, simd => self.prepare_wide(simd, wavelengths_nm, wi, &mut sets));
-        }
-        PreparedBrdf { brdf: self, wavelengths_nm, incident: wi, sets }
+    #[inline]
+    pub fn prepare<const N: usize>(&self, wavelengths_nm: [f32; N], wi: DVec3) -> PreparedBrdf<'_, N> {
+        const { assert!(N.is_multiple_of(4), "wavelengths come in fours") };
+        let place = (wi.z > 0.0).then(|| {
+            let incident = self.grid.incident(wi.to_array());
+            let mut simplices = [Simplex::default(); N];
+            for (simplex, nm) in simplices.iter_mut().zip(wavelengths_nm) {
+                *simplex = self.grid.simplex(&incident, f64::from(nm));
+            }
+            (incident, simplices)
+        });
+        PreparedBrdf { brdf: self, wavelengths_nm, wi, place }
     }
 
+    /// f of one set at four wavelengths but for what the spread along the barbule makes of it.
     #[inline(always)]
-    fn prepare_wide<S: Simd>(
+    fn across<S: Simd>(
         &self,
         simd: S,
-        wavelengths_nm: [f32; 4],
-        wi: DVec3,
-        sets: &mut [StoredLobes; 2],
-    ) {
-        for (lobes, table) in sets.iter_mut().zip(&self.tables) {
-            *lobes = LobeLanes::new(simd, table, wavelengths_nm, single(wi), self.factors.amplitude).store();
+        set: usize,
+        simplices: &[Simplex; 4],
+        outgoing: &Outgoing,
+        instance: Option<&At>,
+    ) -> f32x4<S> {
+        let cosine = Cosine(if self.kind == FitKind::Marginal { 1.0 } else { 0.0 });
+        let mixed = Mixed::new(simd, &self.tables[set], simplices, outgoing, cosine);
+        let Some(At { draw, x }) = instance else { return mixed.mean };
+        let place = mixed.inverse_length * *x;
+        let [qr, qi] = self.noise.at_four(simd, &draw.shared, place);
+        if self.polarization_of(set) == Some(Polarization::First) {
+            return speckled(mixed.mean, mixed.steady, qr, qi);
         }
+        let [own_r, own_i] = self.noise.at_four(simd, &draw.own, place);
+        let gamma = mixed.correlation;
+        let rest = (f32x4::splat(simd, 1.0) - gamma * gamma).max(0.0).sqrt();
+        let (second_r, second_i) = (gamma.mul_add(qr, rest * own_r), gamma.mul_add(qi, rest * own_i));
+        if self.polarization_of(set).is_some() {
+            return speckled(mixed.mean, mixed.steady, second_r, second_i);
+        }
+        // Half of each polarization's own values.
+        let first = mixed.mean * mixed.fraction;
+        let steady = mixed.steady * mixed.steady_fraction;
+        let (second, second_steady) = (mixed.mean - first, mixed.steady - steady);
+        speckled(first, steady.min(first), qr, qi)
+            + speckled(second, second_steady.min(second), second_r, second_i)
     }
 }
 
-/// In single precision.
-#[inline(always)]
-fn single(v: DVec3) -> [f32; 3] {
-    [v.x as f32, v.y as f32, v.z as f32]
+/// Which instance, and where its noise is looked up but for the length: x_i + x_o.
+struct At {
+    draw: Draw,
+    x: f32,
 }
 
-impl PreparedBrdf<'_> {
+/// (σ q_r + √s)² + (σ q_i)², S.25, with σ² = (f̂ − s)/2.
+#[inline(always)]
+fn speckled<S: Simd>(mean: f32x4<S>, steady: f32x4<S>, qr: f32x4<S>, qi: f32x4<S>) -> f32x4<S> {
+    let spread = ((mean - steady).max(0.0) * 0.5).sqrt();
+    let (r, i) = (spread.mul_add(qr, steady.max(0.0).sqrt()), spread * qi);
+    r.mul_add(r, i * i)
+}
+
+impl<const N: usize> PreparedBrdf<'_, N> {
     /// f in 1/sr without the cosine; see [`FeatherBrdf::eval`].
     #[must_use]
-    pub fn eval(&self, wo: DVec3, instance: Option<u64>) -> [f32; 4] {
-        if !(self.incident.z > 0.0 && wo.z > 0.0) {
-            return [0.0; 4];
+    #[inline]
+    pub fn eval(&self, wo: DVec3, instance: Option<u64>) -> [f32; N] {
+        let Some((incident, simplices)) = &self.place else { return [0.0; N] };
+        if wo.z.is_nan() || wo.z <= 0.0 {
+            return [0.0; N];
         }
-        let draw = instance.map(|instance| self.brdf.noise.draw(instance));
-        dispatch!(self.brdf.level, simd => self.eval_wide(simd, wo, draw.as_ref()))
-    }
-
-    #[inline(always)]
-    fn eval_wide<S: Simd>(&self, simd: S, wo: DVec3, draw: Option<&Draw>) -> [f32; 4] {
-        let brdf = self.brdf;
-        let mut sum = f32x4::splat(simd, 0.0);
-        for lobes in &self.sets[..brdf.tables.len()] {
-            sum += brdf.value(simd, lobes.load(simd), self.incident, wo, draw);
+        let at = instance
+            .map(|instance| At { draw: self.brdf.noise.draw(instance), x: (self.wi.x + wo.x) as f32 });
+        let mut values = [0.0; N];
+        dispatch!(self.brdf.level, simd => self.brdf.eval_wide(simd, incident, simplices, wo, at.as_ref(), &mut values));
+        if self.brdf.options.reciprocal {
+            let back = self.brdf.prepare(self.wavelengths_nm, wo);
+            if let Some((incident, simplices)) = &back.place {
+                dispatch!(self.brdf.level, simd => self.brdf.eval_wide(simd, incident, simplices, self.wi, at.as_ref(), &mut values));
+            }
+            values.iter_mut().for_each(|value| *value *= 0.5);
         }
-        let mut share = if brdf.tables.len() == 2 { 0.5 } else { 1.0 };
-        if brdf.options.reciprocal {
-            sum += brdf.one_way(simd, self.wavelengths_nm, wo, self.incident, draw);
-            share *= 0.5;
-        }
-        (sum * share).into()
+        values
     }
 
     /// See [`FeatherBrdf::sample`]; `lane` chooses the wavelength.
@@ -273,70 +249,123 @@ impl PreparedBrdf<'_> {
 
     /// [`sample`](Self::sample) without the density.
     #[must_use]
-    pub fn direction(&self, lane: usize, mut u: [f64; 2]) -> Option<DVec3> {
-        if self.incident.z <= 0.0 || self.incident.z.is_nan() {
-            return None;
+    pub fn direction(&self, lane: usize, u: [f64; 2]) -> Option<DVec3> {
+        let (incident, simplices) = self.place.as_ref()?;
+        let (simplex, tables) = (&simplices[lane], &self.brdf.tables);
+        let share = |table: &Table, k: usize, lobe: usize| {
+            f64::from(simplex.weight[k]) * f64::from(table.shares[simplex.at[k] as usize].0[2 + lobe])
+        };
+        let mut total = 0.0;
+        for table in tables {
+            for k in 0..4 {
+                total += share(table, k, 0) + share(table, k, 1);
+            }
         }
-        let share = self.first_share(lane);
-        let set = if u[0] < share {
-            u[0] /= share;
-            0
-        } else {
-            u[0] = (u[0] - share) / (1.0 - share);
-            1
-        };
-        let lobes = &self.sets[set];
-        let lobe = SampledLobe {
-            m: f64::from(lobes.m2[lane]).sqrt(),
-            incident: DVec3::new(f64::from(lobes.x[lane]), self.incident.y, f64::from(lobes.z[lane]))
-                .normalize(),
-        };
-        let outgoing = lobe.sample(&self.brdf.half_vectors, u);
+        // Walk through the lobes until their shares reach u; what remains is uniform again.
+        let mut rest = u[0] * total;
+        let (mut chosen, mut left) = ((0, 0, 0), 0.5);
+        'found: for (number, table) in tables.iter().enumerate() {
+            for k in 0..4 {
+                for lobe in 0..2 {
+                    let own = share(table, k, lobe);
+                    if own > 0.0 {
+                        chosen = (number, k, lobe);
+                        left = (rest / own).min(1.0 - f64::EPSILON);
+                        if rest < own {
+                            break 'found;
+                        }
+                    }
+                    rest -= own;
+                }
+            }
+        }
+        let (table, k, lobe) = chosen;
+        let node = &tables[table].nodes[simplex.at[k] as usize];
+        let corner = &incident.corners[usize::from(simplex.corner[k])];
+        let azimuth = self.brdf.sampler.azimuth(node, lobe, corner, u[1]);
+        let inclination = self.brdf.sampler.inclination(incident.along, left);
+        let outgoing = direction(incident, azimuth, inclination);
         (outgoing.z > 0.0).then_some(outgoing)
     }
 
     /// See [`FeatherBrdf::pdf`]; `lane` chooses the wavelength.
     #[must_use]
     pub fn pdf(&self, lane: usize, wo: DVec3) -> f64 {
-        self.pdf4(wo)[lane]
+        self.pdfs(wo)[lane]
     }
 
-    /// See [`FeatherBrdf::pdf4`].
+    /// See [`FeatherBrdf::pdfs`].
     #[must_use]
-    pub fn pdf4(&self, wo: DVec3) -> [f64; 4] {
-        if !(self.incident.z > 0.0 && wo.z > 0.0) {
-            return [0.0; 4];
+    #[inline]
+    pub fn pdfs(&self, wo: DVec3) -> [f64; N] {
+        let Some((incident, simplices)) = &self.place else { return [0.0; N] };
+        if wo.z.is_nan() || wo.z <= 0.0 {
+            return [0.0; N];
         }
-        dispatch!(self.brdf.level, simd => self.pdf_wide(simd, wo)).map(f64::from)
+        let (cos_o, outgoing) = seen(incident, wo);
+        let along = self.brdf.sampler.along(incident.along, [wo.y, cos_o]);
+        let mut densities = [0.0; N];
+        dispatch!(self.brdf.level, simd => self.brdf.densities_wide(simd, simplices, &outgoing, &mut densities));
+        for value in &mut densities {
+            *value *= along;
+        }
+        densities
     }
+}
 
+/// cosθ_o, and ω_o as a cell's corners see it.
+#[inline(always)]
+fn seen(incident: &Incident, wo: DVec3) -> (f64, Outgoing) {
+    let cos_o = (wo.x * wo.x + wo.z * wo.z).sqrt();
+    let inverse = 1.0 / cos_o;
+    let sin_phi = if incident.mirrored { -wo.x } else { wo.x } * inverse;
+    (cos_o, Outgoing::new(incident, sin_phi, wo.z * inverse))
+}
+
+impl FeatherBrdf {
+    /// Adds f, mean over the sets.
     #[inline(always)]
-    fn pdf_wide<S: Simd>(&self, simd: S, wo: DVec3) -> [f32; 4] {
-        let (y, out) = (self.incident.y as f32, single(wo));
-        let Factors { inverse_sigma2, density, .. } = self.brdf.factors;
-        let first = self.sets[0].load(simd);
-        let first_density = first.densities(simd, y, out, inverse_sigma2, density);
-        if self.brdf.tables.len() == 1 {
-            return first_density.into();
+    fn eval_wide<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        incident: &Incident,
+        simplices: &[Simplex; N],
+        wo: DVec3,
+        instance: Option<&At>,
+        values: &mut [f32; N],
+    ) {
+        let (cos_o, outgoing) = seen(incident, wo);
+        let along = self.longitudinal.value(incident.along, [wo.y, cos_o]) / wo.z;
+        let factor = (along / self.tables.len() as f64) as f32;
+        let (fours, _) = simplices.as_chunks::<4>();
+        let (lanes, _) = values.as_chunks_mut::<4>();
+        for (four, lanes) in fours.iter().zip(lanes) {
+            let mut sum = f32x4::from_slice(simd, lanes);
+            for set in 0..self.tables.len() {
+                sum += self.across(simd, set, four, &outgoing, instance) * factor;
+            }
+            *lanes = sum.into();
         }
-        let second = self.sets[1].load(simd);
-        let second_density = second.densities(simd, y, out, inverse_sigma2, density);
-        let (a, b) = (first.weights(), second.weights());
-        ((a * first_density + b * second_density) / (a + b)).into()
     }
 
-    /// Probability of drawing from the first set.
-    fn first_share(&self, lane: usize) -> f64 {
-        if self.brdf.tables.len() == 1 {
-            return 1.0;
-        }
-        let [a, b] = dispatch!(self.brdf.level, simd => self.weights(simd));
-        f64::from(a[lane] / (a[lane] + b[lane]))
-    }
-
+    /// Densities of φ_o per rad.
     #[inline(always)]
-    fn weights<S: Simd>(&self, simd: S) -> [[f32; 4]; 2] {
-        [self.sets[0].load(simd).weights().into(), self.sets[1].load(simd).weights().into()]
+    fn densities_wide<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        simplices: &[Simplex; N],
+        outgoing: &Outgoing,
+        densities: &mut [f64; N],
+    ) {
+        for (simplex, value) in simplices.iter().zip(densities) {
+            let (mut sum, mut total) = (0.0, 0.0);
+            for table in &self.tables {
+                let (own, weight) = density(simd, table, simplex, outgoing);
+                sum += own;
+                total += weight;
+            }
+            *value = f64::from(sum / total);
+        }
     }
 }
 

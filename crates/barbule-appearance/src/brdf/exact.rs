@@ -3,12 +3,12 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 use super::evaluate::FeatherBrdf;
-use super::noise::{Draw, Noise};
-use super::sample::half_distribution;
-use super::table::{INVERSE_LENGTH, M, STATIONARY, STRENGTH, TILT, Table, effective};
+use super::noise::Draw;
+use super::table::{COSINE, Corner, EXTRAS, Incident, LOBES, M2, Node, SINE, STRENGTH, Simplex, Table};
+use crate::scattering::far_field::Polarization;
+use crate::scattering::lobe::FitKind;
 
 /// What a material says about one pair of directions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -27,34 +27,19 @@ pub struct ExactBrdf<'a> {
     pub(super) brdf: &'a FeatherBrdf,
     wavelength_nm: f64,
     pub(super) incident: DVec3,
-    /// One, or one for each incident polarization; none below the horizon.
-    pub(super) sets: Vec<Lobes>,
+    /// None below the horizon.
+    place: Option<(Incident, Simplex)>,
 }
 
-/// The two lobes of one parameter set, and the scale of its noise.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Lobes {
-    pub(super) mean: Lobe,
-    pub(super) steady: Lobe,
-    /// 1/l.
+/// P of one set at one azimuth, rad⁻¹, and what else the nodes hold.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Across {
+    pub(super) mean: f64,
+    pub(super) steady: f64,
     pub(super) inverse_length: f64,
-}
-
-/// One lobe for one incident direction.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Lobe {
-    pub(super) m: f64,
-    /// ω_eff.
-    pub(super) incident: DVec3,
-    /// ρ (z·ω_eff)/J.
-    pub(super) strength: f64,
-}
-
-/// The half vector of ω_eff and ω_o.
-struct Half {
-    h: DVec3,
-    /// exp(−h_y²/σ²)
-    spread: f64,
+    correlation: f64,
+    fraction: f64,
+    steady_fraction: f64,
 }
 
 impl FeatherBrdf {
@@ -62,9 +47,11 @@ impl FeatherBrdf {
     /// than [`prepare`](Self::prepare), which rounds to single precision.
     #[must_use]
     pub fn exact(&self, wavelength_nm: f64, wi: DVec3) -> ExactBrdf<'_> {
-        let lobes = |table: &Table| Lobes::new(table, wavelength_nm, wi);
-        let sets = if wi.z > 0.0 { self.tables.iter().map(lobes).collect() } else { Vec::new() };
-        ExactBrdf { brdf: self, wavelength_nm, incident: wi, sets }
+        let place = (wi.z > 0.0).then(|| {
+            let incident = self.grid.incident(wi.to_array());
+            (incident, self.grid.simplex(&incident, wavelength_nm))
+        });
+        ExactBrdf { brdf: self, wavelength_nm, incident: wi, place }
     }
 }
 
@@ -72,7 +59,7 @@ impl ExactBrdf<'_> {
     /// Values towards ω_o: all zero unless both directions have z > 0.
     #[must_use]
     pub fn values(&self, wo: DVec3, instance: Option<u64>) -> Values {
-        if self.sets.is_empty() || wo.z.is_nan() || wo.z <= 0.0 {
+        if self.place.is_none() || wo.z.is_nan() || wo.z <= 0.0 {
             return Values::default();
         }
         let draw = instance.map(|instance| self.brdf.noise().draw(instance));
@@ -87,84 +74,151 @@ impl ExactBrdf<'_> {
     }
 
     /// f and s before any symmetrization, without the density.
-    pub(super) fn one_way(&self, wo: DVec3, draw: Option<&Draw>) -> Values {
-        let sigma = self.brdf.sigma();
-        let share = 1.0 / self.sets.len().max(1) as f64;
+    fn one_way(&self, wo: DVec3, draw: Option<&Draw>) -> Values {
+        let Some((incident, _)) = &self.place else { return Values::default() };
+        let cos_o = wo.x.hypot(wo.z);
+        let along = self.brdf.longitudinal.value(incident.along, [wo.y, cos_o]) / wo.z;
+        let across = self.across(wo.x / cos_o, wo.z / cos_o, wo.x, draw);
+        Values { f: along * across.f, steady: along * across.steady, pdf: 0.0 }
+    }
+
+    /// The factors across the barbule, in rad⁻¹, mean over the sets: f (of an instance) and s. The noise is that at
+    /// x_o; azimuth by its sine and cosine.
+    pub(super) fn across(&self, sin_phi: f64, cos_phi: f64, x_o: f64, draw: Option<&Draw>) -> Values {
+        let tables = &self.brdf.tables;
+        let share = 1.0 / tables.len() as f64;
         let mut sum = Values::default();
-        for lobes in &self.sets {
-            let mean = lobes.mean.value(wo, sigma);
-            let steady = lobes.steady.value(wo, sigma).min(mean);
-            let place = (self.incident.x + wo.x) * lobes.inverse_length;
-            sum.f += share * draw.map_or(mean, |draw| speckled(mean, steady, self.brdf.noise(), draw, place));
-            sum.steady += share * steady;
+        for (number, table) in tables.iter().enumerate() {
+            let across = self.mixed(table, sin_phi, cos_phi);
+            sum.f += share * draw.map_or(across.mean, |draw| self.speckled(&across, number, x_o, draw));
+            sum.steady += share * across.steady;
         }
         sum
     }
 
-    /// The sets' densities, weighted by what each reflects.
-    fn density(&self, wo: DVec3) -> f64 {
-        let sigma = self.brdf.sigma();
-        let (mut sum, mut total) = (0.0, 0.0);
-        for Lobes { mean, .. } in &self.sets {
-            let weight = mean.strength / (sigma * PI.sqrt() * PI) + LEAST_WEIGHT;
-            sum += weight * mean.density(wo, sigma);
-            total += weight;
-        }
-        sum / total
+    /// 1/l of each set.
+    pub(super) fn inverse_lengths(&self, sin_phi: f64, cos_phi: f64) -> Vec<f64> {
+        let of = |table: &Table| self.mixed(table, sin_phi, cos_phi).inverse_length;
+        self.brdf.tables.iter().map(of).collect()
     }
-}
 
-/// Weight of a set that reflects nothing, so that there is always something to draw from.
-const LEAST_WEIGHT: f64 = 1e-9;
-
-/// f of an instance, S.25.
-fn speckled(mean: f64, steady: f64, noise: &Noise, draw: &Draw, place: f64) -> f64 {
-    let [qr, qi] = noise.exact(draw, place);
-    let spread = (0.5 * (mean - steady)).sqrt();
-    (spread * qr + steady.sqrt()).powi(2) + (spread * qi).powi(2)
-}
-
-impl Lobes {
-    fn new(table: &Table, wavelength_nm: f64, wi: DVec3) -> Self {
-        let cos_theta = wi.x.hypot(wi.z).max(1e-6);
-        let cos_phi = wi.z / cos_theta;
-        let p = table.exact(wavelength_nm, cos_theta, cos_phi);
-        let lobe = |base: usize| {
-            let mut incident = effective(cos_theta, cos_phi, p[base + TILT]);
-            incident.x = incident.x.copysign(wi.x * incident.x);
-            incident.y = wi.y;
-            Lobe { m: p[base + M], incident, strength: p[base + STRENGTH] }
+    /// f of an instance, S.25, each polarization with its own noise.
+    fn speckled(&self, across: &Across, set: usize, x_o: f64, draw: &Draw) -> f64 {
+        let place = (self.incident.x + x_o) * across.inverse_length;
+        let [first, second] = self.brdf.noise().at_both(draw, place, across.correlation);
+        let of = |mean: f64, steady: f64, [qr, qi]: [f64; 2]| {
+            let steady = steady.clamp(0.0, mean);
+            let spread = (0.5 * (mean - steady)).sqrt();
+            (spread * qr + steady.sqrt()).powi(2) + (spread * qi).powi(2)
         };
-        Self { mean: lobe(0), steady: lobe(STATIONARY), inverse_length: p[INVERSE_LENGTH] }
+        match self.brdf.polarization_of(set) {
+            Some(Polarization::First) => of(across.mean, across.steady, first),
+            Some(Polarization::Second) => of(across.mean, across.steady, second),
+            None => {
+                let [mean, steady] =
+                    [2.0 * across.mean * across.fraction, 2.0 * across.steady * across.steady_fraction];
+                let (rest, steady_rest) = (2.0 * across.mean - mean, 2.0 * across.steady - steady);
+                0.5 * (of(mean, steady, first) + of(rest, steady_rest, second))
+            }
+        }
     }
+
+    /// One set at one azimuth.
+    fn mixed(&self, table: &Table, sin_phi: f64, cos_phi: f64) -> Across {
+        let Some((incident, simplex)) = &self.place else { return Across::default() };
+        let sin_phi = if incident.mirrored { -sin_phi } else { sin_phi };
+        let mut sum = Across::default();
+        for k in 0..4 {
+            let weight = f64::from(simplex.weight[k]);
+            let node = &table.nodes[simplex.at[k] as usize];
+            let corner = &incident.corners[usize::from(simplex.corner[k])];
+            let turned = Turned::new(corner, sin_phi, cos_phi);
+            let mean = turned.shape(node, 0, self.brdf.kind) + turned.shape(node, 1, self.brdf.kind);
+            sum.mean += weight * turned.stretch * mean;
+            sum.steady += weight * turned.stretch * turned.shape(node, LOBES - 1, self.brdf.kind);
+            let extra = |k: usize| weight * f64::from(node.0[EXTRAS + k]);
+            sum.inverse_length += extra(0);
+            sum.correlation += extra(1);
+            sum.fraction += extra(2);
+            sum.steady_fraction += extra(3);
+        }
+        Across { steady: sum.steady.min(sum.mean), ..sum }
+    }
+
+    /// Density per sr, over the sets in proportion to what they reflect.
+    fn density(&self, wo: DVec3) -> f64 {
+        let Some((incident, simplex)) = &self.place else { return 0.0 };
+        let cos_o = wo.x.hypot(wo.z);
+        let sin_phi = if incident.mirrored { -wo.x / cos_o } else { wo.x / cos_o };
+        let (mut sum, mut total) = (0.0, 0.0);
+        for table in &self.brdf.tables {
+            for k in 0..4 {
+                let weight = f64::from(simplex.weight[k]);
+                let at = simplex.at[k] as usize;
+                let corner = &incident.corners[usize::from(simplex.corner[k])];
+                let turned = Turned::new(corner, sin_phi, wo.z / cos_o);
+                for lobe in 0..2 {
+                    let Lobe { m2, sine, cosine } = Lobe::of(&table.nodes[at], lobe);
+                    let (h, q) = turned.half(m2, sine, cosine);
+                    let along = (1.0 - h * h).max(0.0).sqrt();
+                    sum += weight * turned.stretch * f64::from(table.shares[at].0[lobe]) * along / (q * q);
+                    total += weight * f64::from(table.shares[at].0[2 + lobe]);
+                }
+            }
+        }
+        sum / total * self.brdf.sampler.along(incident.along, [wo.y, cos_o])
+    }
+}
+
+/// A node's parameters of one lobe.
+struct Lobe {
+    m2: f64,
+    sine: f64,
+    cosine: f64,
 }
 
 impl Lobe {
-    fn half(&self, wo: DVec3, sigma: f64) -> Half {
-        let h = (self.incident + wo).normalize();
-        Half { h, spread: libm::exp(-(h.y / sigma).powi(2)) }
+    fn of(node: &Node, lobe: usize) -> Self {
+        let [m2, sine, cosine] = [M2, SINE, COSINE].map(|first| f64::from(node.0[first + lobe]));
+        Self { m2, sine, cosine }
+    }
+}
+
+/// An outgoing azimuth turned into that of a node.
+struct Turned {
+    half_sine: f64,
+    half_cosine: f64,
+    z: f64,
+    stretch: f64,
+}
+
+impl Turned {
+    fn new(corner: &Corner, sin_phi: f64, cos_phi: f64) -> Self {
+        let Corner { cos_theta, level, shift, scale, .. } = *corner;
+        let denominator = level + shift * sin_phi;
+        let stretch = scale / denominator;
+        let (sine, cosine) = ((level * sin_phi + shift) / denominator, cos_phi * stretch);
+        let half_cosine = (0.5 + 0.5 * cosine).sqrt();
+        Self { half_sine: 0.5 * sine / half_cosine, half_cosine, z: cos_theta * cosine, stretch }
     }
 
-    /// f̂ = ρ m/(2σ√π J) · D₁ D₂ G₁(ω_o)/(z·ω_o).
-    fn value(&self, wo: DVec3, sigma: f64) -> f64 {
-        let Half { h, spread } = self.half(wo, sigma);
-        let m2 = self.m * self.m;
-        let q = m2 + (1.0 - m2) * h.x * h.x;
-        let d = m2 / (PI * q * q) * spread;
-        // G₁(ω_o)/(z·ω_o)
-        let g = 2.0 / (wo.z + (wo.z * wo.z + m2 * (1.0 - wo.z * wo.z)).sqrt());
-        self.strength * self.m / (2.0 * sigma * PI.sqrt() * self.incident.z) * d * g
+    /// h_x and m² + (1 − m²) h_x².
+    fn half(&self, m2: f64, sine: f64, cosine: f64) -> (f64, f64) {
+        let h = self.half_sine * cosine + self.half_cosine * sine;
+        (h, m2 + (1.0 - m2) * h * h)
     }
 
-    /// p(h_y) p(h_x | h_y) h_z / (4 ω_eff·h).
-    fn density(&self, wo: DVec3, sigma: f64) -> f64 {
-        let Half { h, spread } = self.half(wo, sigma);
-        // a grows without bound as m → 1, where h_x is uniform.
-        let a = self.m / (1.0 - self.m * self.m).max(1e-12).sqrt();
-        let end = (1.0 - h.y * h.y).max(0.0).sqrt();
-        let along = 1.0 / (PI * a * (1.0 + (h.x / a).powi(2)).powi(2) * half_distribution(end / a));
-        let across = spread / (sigma * PI.sqrt() * libm::erf(1.0 / sigma));
-        along * across * h.z / (4.0 * self.incident.dot(h))
+    /// A lobe's value, rad⁻¹.
+    fn shape(&self, node: &Node, lobe: usize, kind: FitKind) -> f64 {
+        let Lobe { m2, sine, cosine } = Lobe::of(node, lobe);
+        let (_, q) = self.half(m2, sine, cosine);
+        let aligned = match kind {
+            FitKind::Marginal => self.half_cosine * cosine + self.half_sine * sine,
+            FitKind::Cone => 1.0,
+        };
+        let root = (self.z * self.z + m2 * (1.0 - self.z * self.z)).sqrt();
+        let power = if lobe + 1 == LOBES { q.powi(4) } else { q * q };
+        f64::from(node.0[STRENGTH + lobe]) * aligned * self.z / (power * (self.z + root))
     }
 }
 

@@ -20,7 +20,8 @@ pub fn example(waves: usize) -> FeatherMaterial {
     let wavelengths_nm: Vec<f64> = (0..waves).map(|k| 400.0 + k as f64 * step).collect();
     let wavelengths = Wavelengths::new(wavelengths_nm).expect("rising wavelengths");
     let axes = Axes::new(&wavelengths, cosines.clone(), cosines).expect("rising cosines");
-    let mut set = ParameterSet::default();
+    let mut set = ParameterSet { mean: vec![LobeSet::default(); 2], ..ParameterSet::default() };
+    let mut correlation = Vec::new();
     for &wave in axes.wavelengths_nm() {
         for &ct in axes.cos_theta() {
             for &cp in axes.cos_phi() {
@@ -31,16 +32,16 @@ pub fn example(waves: usize) -> FeatherMaterial {
                 let band = libm::exp(-((wave - centre) / 45.0).powi(2));
                 let reflected = (0.03 + 0.25 * band + 0.7 * (1.0 - grazing).powi(5)).min(0.98);
                 let coherent = 0.15 + 0.6 * (1.0 - grazing).powi(2);
-                push(
-                    &mut set.mean,
-                    0.06 + 0.25 * (1.0 - ct) * cp + 0.02 * wave / 550.0,
-                    0.95 * phi_i + 0.05 * phi_i.powi(3) / 2.467,
-                    reflected,
-                );
-                push(&mut set.stationary, 0.03 + 0.05 * (1.0 - cp), phi_i, coherent * reflected);
+                let m = 0.06 + 0.25 * (1.0 - ct) * cp + 0.02 * wave / 550.0;
+                let phi = 0.95 * phi_i + 0.05 * phi_i.powi(3) / 2.467;
+                push(&mut set.mean[0], m, phi, 0.8 * reflected);
+                // Nearer to the normal and wider.
+                push(&mut set.mean[1], 1.6 * m, 0.9 * phi, 0.2 * reflected);
+                push(&mut set.steady, 0.05 + 0.05 * (1.0 - cp), phi_i, 0.7 * coherent * reflected);
                 set.length.push((wave / 400.0 * (0.8 + 0.2 * cp)) as f32);
                 set.fraction_1.push((0.5 + 0.3 * (1.0 - grazing)) as f32);
-                set.stationary_fraction_1.push((0.5 + 0.2 * (1.0 - grazing)) as f32);
+                set.steady_fraction_1.push((0.5 + 0.2 * (1.0 - grazing)) as f32);
+                correlation.push((0.6 + 0.4 * grazing) as f32);
             }
         }
     }
@@ -50,6 +51,7 @@ pub fn example(waves: usize) -> FeatherMaterial {
         kind: FitKind::Marginal,
         sigma: 0.04,
         sets: vec![set],
+        correlation,
         noise_power: spectrum(&lags),
         seed: 1,
         info: serde_json::json!({ "species": "example", "variant": "green" }),

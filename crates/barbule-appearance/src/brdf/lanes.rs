@@ -1,192 +1,207 @@
 //! The lobes of four wavelengths at once, in vector registers.
 //!
-//! Everything here is inlined into one dispatched function, so it has neither closures nor calls that the compiler
-//! could leave outside. Their reference is the module `exact`.
+//! Two nodes of four lanes (their three lobes, and one lane that is not used) fill a register of eight; a value costs
+//! one root and one division. Everything here is inlined into one dispatched function, so it has neither closures nor
+//! calls that the compiler could leave outside. Their reference is the module `exact`.
 
-use fearless_simd::{Simd, f32x4, f32x8, i32x8, prelude::*};
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, LN_2, LOG2_E, PI};
+use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 
 use super::simd::transposed;
-use super::table::{LARGEST_SINE, Table};
+use super::table::{COSINE, Corner, EXTRAS, Incident, M2, Node, SINE, STRENGTH, Simplex, Table};
 
-/// Lobe parameters of one set at four wavelengths and one incident direction: the mean lobes of the four wavelengths,
-/// then the stationary ones.
-#[derive(Clone, Copy)]
-pub(super) struct LobeLanes<S: Simd> {
-    m2: f32x8<S>,
-    /// x and z of ω_eff.
-    x: f32x8<S>,
-    z: f32x8<S>,
-    amplitude: f32x8<S>,
-    /// 1/l.
-    pub(super) inverse_length: f32x4<S>,
-}
-
-/// The same in memory.
+/// An outgoing direction as the three corners of a cell see it.
 #[derive(Debug, Clone, Copy)]
-#[repr(C, align(32))]
-pub(super) struct StoredLobes {
-    pub(super) m2: [f32; 8],
-    pub(super) x: [f32; 8],
-    pub(super) z: [f32; 8],
-    pub(super) amplitude: [f32; 8],
-    inverse_length: [f32; 4],
+pub(super) struct Outgoing {
+    corners: [Seen; 3],
 }
 
-impl StoredLobes {
-    pub(super) const NONE: Self =
-        Self { m2: [1.0; 8], x: [0.0; 8], z: [1.0; 8], amplitude: [0.0; 8], inverse_length: [1.0; 4] };
+/// What the shape of a lobe needs of ω_o, each in four lanes; after the turn into the node's azimuth.
+#[derive(Debug, Clone, Copy, Default)]
+#[repr(C, align(16))]
+struct Seen {
+    /// sin(φ_o/2) and cos(φ_o/2).
+    half_sine: [f32; 4],
+    half_cosine: [f32; 4],
+    /// z·ω_o, its square, and 1 less that.
+    z: [f32; 4],
+    z2: [f32; 4],
+    rest: [f32; 4],
+    /// The turn's dφ'/dφ_o.
+    stretch: f32,
+}
 
+impl Outgoing {
+    /// Of ω_o with these sinφ_o and cosφ_o.
     #[inline(always)]
-    pub(super) fn load<S: Simd>(&self, simd: S) -> LobeLanes<S> {
-        LobeLanes {
-            m2: f32x8::from_slice(simd, &self.m2),
-            x: f32x8::from_slice(simd, &self.x),
-            z: f32x8::from_slice(simd, &self.z),
-            amplitude: f32x8::from_slice(simd, &self.amplitude),
-            inverse_length: f32x4::from_slice(simd, &self.inverse_length),
+    pub(super) fn new(incident: &Incident, sin_phi: f64, cos_phi: f64) -> Self {
+        let mut corners = [Seen::default(); 3];
+        for k in 0..3 {
+            let Corner { cos_theta, level, shift, scale, .. } = incident.corners[k];
+            let inverse = 1.0 / (level + shift * sin_phi);
+            let stretch = scale * inverse;
+            let (sine, cosine) = ((level * sin_phi + shift) * inverse, cos_phi * stretch);
+            let half_cosine = (0.5 + 0.5 * cosine).sqrt();
+            let half_sine = 0.5 * sine / half_cosine;
+            let z = cos_theta * cosine;
+            corners[k] = Seen {
+                half_sine: [half_sine as f32; 4],
+                half_cosine: [half_cosine as f32; 4],
+                z: [z as f32; 4],
+                z2: [(z * z) as f32; 4],
+                rest: [(1.0 - z * z) as f32; 4],
+                stretch: stretch as f32,
+            };
         }
+        Self { corners }
+    }
+
+    #[inline(always)]
+    fn seen(&self, corner: u8) -> &Seen {
+        &self.corners[usize::from(corner & 3).min(2)]
     }
 }
 
-impl<S: Simd> LobeLanes<S> {
-    /// Looks up a set; `factor` = 1/(σ π^{3/2}).
-    #[inline(always)]
-    pub(super) fn new(simd: S, table: &Table, wavelengths_nm: [f32; 4], wi: [f32; 3], factor: f32) -> Self {
-        let [x, _, z] = wi;
-        let cos_theta = (x * x + z * z).sqrt().max(1e-6);
-        let inverse = 1.0 / cos_theta;
-        let sin_phi = x * inverse;
-        let cell = table.cell(simd, cos_theta, z * inverse);
-        let (index, weight) = table.places(simd, wavelengths_nm);
-        let (a_mean, a_rest) = table.lookup(simd, &cell, index[0], weight[0]).split();
-        let (b_mean, b_rest) = table.lookup(simd, &cell, index[1], weight[1]).split();
-        let (c_mean, c_rest) = table.lookup(simd, &cell, index[2], weight[2]).split();
-        let (d_mean, d_rest) = table.lookup(simd, &cell, index[3], weight[3]).split();
-        let [m, tilt, strength, inverse_length] = transposed(a_mean, b_mean, c_mean, d_mean);
-        let [m_rest, tilt_rest, strength_rest, _] = transposed(a_rest, b_rest, c_rest, d_rest);
-        let (m, tilt): (f32x8<S>, f32x8<S>) = (m.combine(m_rest), tilt.combine(tilt_rest));
-        let strength: f32x8<S> = strength.combine(strength_rest);
-        let sine = (tilt * sin_phi).min(LARGEST_SINE).max(-LARGEST_SINE);
-        let z = (f32x8::splat(simd, 1.0) - sine * sine).sqrt() * cos_theta;
-        let m2 = m * m;
-        // f̂ = ρ m/(2σ√π J) · D₁ D₂ · 2/(z + root): all constant factors.
-        let amplitude = strength * (m2 * m) * factor / z;
-        Self { m2, x: sine * cos_theta, z, amplitude, inverse_length }
-    }
+/// P of the mean and of the steady part, rad⁻¹, and what else the nodes hold, at four wavelengths.
+#[derive(Clone, Copy)]
+pub(super) struct Mixed<S: Simd> {
+    pub(super) mean: f32x4<S>,
+    pub(super) steady: f32x4<S>,
+    pub(super) inverse_length: f32x4<S>,
+    pub(super) correlation: f32x4<S>,
+    pub(super) fraction: f32x4<S>,
+    pub(super) steady_fraction: f32x4<S>,
+}
 
-    #[inline(always)]
-    pub(super) fn store(self) -> StoredLobes {
-        StoredLobes {
-            m2: self.m2.into(),
-            x: self.x.into(),
-            z: self.z.into(),
-            amplitude: self.amplitude.into(),
-            inverse_length: self.inverse_length.into(),
-        }
-    }
+/// The part of the cosine cos((φ_o − φ_eff)/2) in a shape: 1 with it, 0 without.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cosine(pub(super) f32);
 
-    /// f̂ and s ≤ f̂; `sin_theta` is y of ω_i.
+impl<S: Simd> Mixed<S> {
     #[inline(always)]
-    pub(super) fn values(
-        self,
+    pub(super) fn new(
         simd: S,
-        sin_theta: f32,
-        wo: [f32; 3],
-        inverse_sigma2: f32,
-    ) -> (f32x4<S>, f32x4<S>) {
-        let [x, y, z] = wo;
-        let sy2 = (sin_theta + y) * (sin_theta + y);
-        let outgoing = f32x8::splat(simd, z);
-        let (sx, sz) = (self.x + f32x8::splat(simd, x), self.z + outgoing);
-        let sx2 = sx * sx;
-        let yz = sz.mul_add(sz, f32x8::splat(simd, sy2));
-        let n2 = yz + sx2;
-        // D₁ = m² n⁴ / (π (m² n² + (1−m²) s_x²)²) with s = ω_eff + ω_o, n = |s|.
-        let ratio = n2 / self.m2.mul_add(yz, sx2);
-        let root =
-            outgoing + self.m2.mul_add(f32x8::splat(simd, 1.0 - z * z), f32x8::splat(simd, z * z)).sqrt();
-        let spread = exp_of_negative(simd, f32x8::splat(simd, sy2 * inverse_sigma2) / n2);
-        let (mean, rest) = (self.amplitude * spread * (ratio * ratio) / root).split();
-        (mean, rest.min(mean))
-    }
-
-    /// Roughly the reflected fractions at the four wavelengths.
-    #[inline(always)]
-    pub(super) fn weights(self) -> f32x4<S> {
-        let (amplitude, _) = (self.amplitude * self.z / (self.m2 * self.m2.sqrt())).split();
-        amplitude + 1e-9
-    }
-
-    /// Density of ω_o per sr at each wavelength: p(h_y) p(h_x | h_y) h_z / (4 ω_eff·h) with ω_eff·h = n/2 and
-    /// `y_factor` = 1/(σ√π erf(1/σ)).
-    #[inline(always)]
-    pub(super) fn densities(
-        self,
-        simd: S,
-        sin_theta: f32,
-        wo: [f32; 3],
-        inverse_sigma2: f32,
-        y_factor: f32,
-    ) -> f32x4<S> {
-        let one = f32x4::splat(simd, 1.0);
-        let ((m2, _), (x, _), (z, _)) = (self.m2.split(), self.x.split(), self.z.split());
-        let (sx, sy, sz) = (x + wo[0], sin_theta + wo[1], z + wo[2]);
-        let sx2 = sx * sx;
-        let n2 = sz.mul_add(sz, sx2 + sy * sy);
-        let inverse = one / n2;
-        let hy2 = inverse * (sy * sy);
-        // a² grows without bound as m → 1, where h_x is uniform.
-        let a2 = m2 / (one - m2).max(1e-12);
-        let a = a2.sqrt();
-        let end = (one - hy2).max(0.0).sqrt();
-        let q = sx2 * inverse / a2 + 1.0;
-        let (hy2_wide, _) = (hy2.combine(hy2) * inverse_sigma2, ());
-        let (spread, _) = exp_of_negative(simd, hy2_wide).split();
-        // h_z/(2n) = s_z/(2n²)
-        spread * sz * inverse * (0.5 * y_factor / PI) / (a * q * q * half_distribution(simd, end / a))
+        table: &Table,
+        simplices: &[Simplex; 4],
+        outgoing: &Outgoing,
+        cosine: Cosine,
+    ) -> Self {
+        let [a, b, c, d] = simplices;
+        let (sum_a, extras_a) = mixed(simd, table, a, outgoing, cosine);
+        let (sum_b, extras_b) = mixed(simd, table, b, outgoing, cosine);
+        let (sum_c, extras_c) = mixed(simd, table, c, outgoing, cosine);
+        let (sum_d, extras_d) = mixed(simd, table, d, outgoing, cosine);
+        let [first, second, steady, _] = transposed(sum_a, sum_b, sum_c, sum_d);
+        let [inverse_length, correlation, fraction, steady_fraction] =
+            transposed(extras_a, extras_b, extras_c, extras_d);
+        let mean = first + second;
+        Self { mean, steady: steady.min(mean), inverse_length, correlation, fraction, steady_fraction }
     }
 }
 
-/// ∫₀^t 2/(π (1+s²)²) ds for t ≥ 0, relative error 2e-7.
+/// Nodes of a simplex, whatever its numbers are.
 #[inline(always)]
-fn half_distribution<S: Simd>(simd: S, t: f32x4<S>) -> f32x4<S> {
+fn node<T>(nodes: &[T], at: u32) -> &T {
+    &nodes[at as usize]
+}
+
+/// The lobes' values and the extras at one wavelength.
+#[inline(always)]
+fn mixed<S: Simd>(
+    simd: S,
+    table: &Table,
+    simplex: &Simplex,
+    outgoing: &Outgoing,
+    cosine: Cosine,
+) -> (f32x4<S>, f32x4<S>) {
+    let Simplex { at, corner, weight } = simplex;
+    let (a, b) = (node(&table.nodes, at[0]), node(&table.nodes, at[1]));
+    let (c, d) = (node(&table.nodes, at[2]), node(&table.nodes, at[3]));
+    let low = two(
+        simd,
+        [a, b],
+        [outgoing.seen(corner[0]), outgoing.seen(corner[1])],
+        [weight[0], weight[1]],
+        cosine,
+    );
+    let high = two(
+        simd,
+        [c, d],
+        [outgoing.seen(corner[2]), outgoing.seen(corner[3])],
+        [weight[2], weight[3]],
+        cosine,
+    );
+    let (first, second) = (low + high).split();
+    let extras = part(simd, a, EXTRAS) * weight[0]
+        + part(simd, b, EXTRAS) * weight[1]
+        + part(simd, c, EXTRAS) * weight[2]
+        + part(simd, d, EXTRAS) * weight[3];
+    (first + second, extras)
+}
+
+#[inline(always)]
+fn part<S: Simd>(simd: S, node: &Node, first: usize) -> f32x4<S> {
+    f32x4::from_slice(simd, &node.0[first..first + 4])
+}
+
+/// A parameter of the lobes of two nodes.
+#[inline(always)]
+fn parts<S: Simd>(simd: S, nodes: [&Node; 2], first: usize) -> f32x8<S> {
+    part(simd, nodes[0], first).combine(part(simd, nodes[1], first))
+}
+
+#[inline(always)]
+fn both<S: Simd>(simd: S, a: &[f32; 4], b: &[f32; 4]) -> f32x8<S> {
+    f32x4::from_slice(simd, a).combine(f32x4::from_slice(simd, b))
+}
+
+/// The weighted values of the lobes of two nodes; the last lane of each is nothing.
+#[inline(always)]
+fn two<S: Simd>(
+    simd: S,
+    nodes: [&Node; 2],
+    [a, b]: [&Seen; 2],
+    weights: [f32; 2],
+    Cosine(with_cosine): Cosine,
+) -> f32x8<S> {
+    let one = f32x8::splat(simd, 1.0);
+    let (m2, sine) = (parts(simd, nodes, M2), parts(simd, nodes, SINE));
+    let (cosine, strength) = (parts(simd, nodes, COSINE), parts(simd, nodes, STRENGTH));
+    let (s, c) = (both(simd, &a.half_sine, &b.half_sine), both(simd, &a.half_cosine, &b.half_cosine));
+    let (z, z2) = (both(simd, &a.z, &b.z), both(simd, &a.z2, &b.z2));
+    let rest = both(simd, &a.rest, &b.rest);
+    let weight =
+        f32x4::splat(simd, weights[0] * a.stretch).combine(f32x4::splat(simd, weights[1] * b.stretch));
+    let h = s.mul_add(cosine, c * sine);
+    let h2 = h * h;
+    let aligned = c.mul_add(cosine, s * sine);
+    let shape = aligned.mul_add(f32x8::splat(simd, with_cosine), f32x8::splat(simd, 1.0 - with_cosine));
+    // m² + (1 − m²) h²
+    let q = m2.mul_add(one - h2, h2);
+    let q2 = q * q;
+    // The steady lobe's wings fall with the fourth power.
+    let mask = f32x8::simd_from(simd, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    let narrower = q2.mul_add(mask, one - mask);
+    let root = m2.mul_add(rest, z2).sqrt();
+    strength * weight * shape * z / (q2 * narrower * (z + root))
+}
+
+/// Σ w dφ'/dφ ρ_k p_k(φ') in rad⁻¹ at one wavelength, and Σ w ρ_k.
+#[inline(always)]
+pub(super) fn density<S: Simd>(simd: S, table: &Table, simplex: &Simplex, outgoing: &Outgoing) -> (f32, f32) {
+    let (mut sum, mut total) = (f32x4::splat(simd, 0.0), f32x4::splat(simd, 0.0));
     let one = f32x4::splat(simd, 1.0);
-    let inverse = one / t.max(1e-30);
-    let steep = t.simd_gt(one);
-    let w = steep.select(inverse, t);
-    let w2 = w * w;
-    // atan w for 0 ≤ w ≤ 1, absolute error 2e-8 (Abramowitz & Stegun, 4.4.49).
-    let mut series = f32x4::splat(simd, 0.002_866_225_7);
-    for coefficient in [
-        -0.016_165_737,
-        0.042_909_614,
-        -0.075_289_64,
-        0.106_562_64,
-        -0.142_089,
-        0.199_935_51,
-        -0.333_331_45,
-        1.0,
-    ] {
-        series = series.mul_add(w2, f32x4::splat(simd, coefficient));
+    for k in 0..4 {
+        let at = simplex.at[k];
+        let (lobes, seen) = (node(&table.nodes, at), outgoing.seen(simplex.corner[k]));
+        let (m2, sine, cosine) = (part(simd, lobes, M2), part(simd, lobes, SINE), part(simd, lobes, COSINE));
+        let (s, c) = (f32x4::from_slice(simd, &seen.half_sine), f32x4::from_slice(simd, &seen.half_cosine));
+        let factor = f32x4::from_slice(simd, &node(&table.shares, at).0);
+        let h = s.mul_add(cosine, c * sine);
+        let h2 = h * h;
+        let q = m2.mul_add(one - h2, h2);
+        let along = (c * cosine - s * sine).max(0.0);
+        sum += factor * along / (q * q) * (simplex.weight[k] * seen.stretch);
+        total += factor * simplex.weight[k];
     }
-    let low = w * series;
-    let atan = steep.select(f32x4::splat(simd, FRAC_PI_2) - low, low);
-    // t/(1+t²) = w/(1+w²)
-    (w / (w2 + 1.0) + atan) * FRAC_1_PI
-}
-
-/// exp(−u) for u ≥ 0, relative error 3e-7; zero (below 1e-37) for large u.
-#[inline(always)]
-fn exp_of_negative<S: Simd>(simd: S, u: f32x8<S>) -> f32x8<S> {
-    let y = (u * -LOG2_E).max(-125.0);
-    let whole = y.round_ties_even();
-    let f = (y - whole) * LN_2;
-    let bits = (whole.to_int::<i32x8<S>>() + i32x8::splat(simd, 127)) << 23;
-    let mut series = f32x8::splat(simd, 1.0 / 720.0);
-    for coefficient in [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
-        series = series.mul_add(f, f32x8::splat(simd, coefficient));
-    }
-    let zero = f32x8::splat(simd, 0.0);
-    u.simd_gt(f32x8::splat(simd, 86.0)).select(zero, series * bits.bitcast::<f32x8<S>>())
+    (sum[0] + sum[1], total[2] + total[3])
 }

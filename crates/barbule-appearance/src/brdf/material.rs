@@ -15,7 +15,7 @@ pub struct LobeSet {
     pub m: Vec<f32>,
     /// Effective azimuth, rad, in (−π/2, π/2).
     pub phi: Vec<f32>,
-    /// Reflected fraction ρ = cosθ_i ∫ U dφ_o, in \[0, 1\].
+    /// Reflected fraction ρ = cosθ_i ∫ U dφ_o of this lobe, in \[0, 1\].
     pub reflected: Vec<f32>,
 }
 
@@ -73,6 +73,7 @@ impl FeatherMaterial {
         if !(1..=2).contains(&self.sets.len()) {
             return Err(Error::input(format!("{} parameter sets, but 1 or 2 are possible", self.sets.len())));
         }
+        check_range("correlation", &self.correlation, nodes, 0.0, 1.0)?;
         for (number, set) in self.sets.iter().enumerate() {
             let place = if self.sets.len() == 1 { String::new() } else { format!("p{}.", number + 1) };
             set.check(&place, nodes, self.sets.len() == 1)?;
@@ -116,16 +117,18 @@ impl FeatherMaterial {
             reflected: part(&lobe.reflected),
         };
         let set = |set: &ParameterSet| ParameterSet {
-            mean: lobe(&set.mean),
-            stationary: lobe(&set.stationary),
+            mean: set.mean.iter().map(lobe).collect(),
+            steady: lobe(&set.steady),
             length: part(&set.length),
             fraction_1: part(&set.fraction_1),
-            stationary_fraction_1: part(&set.stationary_fraction_1),
+            steady_fraction_1: part(&set.steady_fraction_1),
         };
         let wavelengths = Wavelengths::new(kept.iter().map(|wave| nodes[*wave]).collect::<Vec<_>>())?;
+        let axes = Axes::new(&wavelengths, self.axes.cos_theta().to_vec(), self.axes.cos_phi().to_vec())?;
         Ok(Self {
-            axes: Axes::new(&wavelengths, self.axes.cos_theta().to_vec(), self.axes.cos_phi().to_vec())?,
+            axes: axes.with_sides(self.axes.sides()),
             sets: self.sets.iter().map(set).collect(),
+            correlation: part(&self.correlation),
             noise_power: self.noise_power.clone(),
             info: self.info.clone(),
             ..*self
@@ -133,21 +136,39 @@ impl FeatherMaterial {
     }
 }
 
+/// The codes of a file round two fractions that sum to 1 to this at most.
+const MOST_REFLECTED: f64 = 1.0 + 1e-4;
+
 impl ParameterSet {
+    /// The reflected fraction of a node: that of all its mean lobes.
+    #[must_use]
+    pub fn reflected(&self, node: usize) -> f64 {
+        self.mean.iter().map(|lobe| f64::from(lobe.reflected[node])).sum()
+    }
+
     fn check(&self, place: &str, nodes: usize, fractions: bool) -> Result<()> {
         let check = |name: &str, values: &[f32], low: f32, high: f32| {
             check_range(&format!("{place}{name}"), values, nodes, low, high)
         };
         let right = std::f32::consts::FRAC_PI_2;
-        for (lobe, suffix) in [(&self.mean, ""), (&self.stationary, "_sta")] {
+        if !(1..=2).contains(&self.mean.len()) {
+            return Err(Error::input(format!("{} mean lobes, but 1 or 2 are possible", self.mean.len())));
+        }
+        for (lobe, suffix) in self.mean.iter().zip(["", "_2"]).chain([(&self.steady, "_sta")]) {
             check(&format!("m{suffix}"), &lobe.m, 0.999 * SMALLEST_M as f32, 1.0)?;
             check(&format!("phi{suffix}"), &lobe.phi, -right, right)?;
             check(&format!("rho{suffix}"), &lobe.reflected, 0.0, 1.0)?;
         }
+        if let Some(at) = (0..nodes).find(|&node| self.reflected(node) > MOST_REFLECTED) {
+            return Err(Error::input(format!(
+                "{place}rho[{at}] and {place}rho_2[{at}] sum to {}, more than all light; the file is damaged, fit the material again",
+                self.reflected(at)
+            )));
+        }
         check("length", &self.length, LENGTHS.0, LENGTHS.1)?;
         let nodes = if fractions { nodes } else { 0 };
         check_range(&format!("{place}fraction_1"), &self.fraction_1, nodes, 0.0, 1.0)?;
-        check_range(&format!("{place}fraction_1_sta"), &self.stationary_fraction_1, nodes, 0.0, 1.0)
+        check_range(&format!("{place}fraction_1_sta"), &self.steady_fraction_1, nodes, 0.0, 1.0)
     }
 }
 

@@ -11,7 +11,6 @@ mod fitted;
 // What tests and benchmarks of several crates need, but no user.
 #[doc(hidden)]
 pub mod fixtures;
-mod integral;
 mod lanes;
 mod length;
 mod marginal;
@@ -19,16 +18,17 @@ mod material;
 mod noise;
 mod patterns;
 pub mod pictures;
+mod profile;
 mod sample;
 mod simd;
 mod table;
 
 pub use evaluate::{FeatherBrdf, Options, PreparedBrdf};
 pub use exact::{ExactBrdf, Values, values};
-pub use integral::lobe_integral;
-pub use marginal::marginals;
+pub use marginal::{Marginal, marginals};
 pub use material::{
     FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, check_axes, check_sigma, table_axes,
 };
 pub use noise::{Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;
+pub use profile::lobe_integral;

@@ -1,6 +1,6 @@
 //! The Gaussian process whose draws tell one barbule from another (S.32–S.49).
 
-use fearless_simd::{Level, Simd, dispatch, f32x4, i16x8, i32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, i16x8, i32x4, prelude::*};
 use num_complex::Complex;
 use std::f64::consts::TAU;
 
@@ -59,9 +59,18 @@ pub struct Noise {
     seed: u64,
 }
 
-/// One instance: which base, and how it is turned, shifted and mirrored.
+/// One instance: two independent functions.
 #[derive(Debug, Clone, Copy)]
 pub struct Draw {
+    /// What both polarizations share.
+    pub(super) shared: Turned,
+    /// What the second has beside it.
+    pub(super) own: Turned,
+}
+
+/// A function: which base, and how it is turned, shifted and mirrored.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turned {
     base: usize,
     shift: i32,
     direction: i32,
@@ -122,8 +131,13 @@ impl Noise {
     #[inline(always)]
     pub fn draw(&self, instance: u64) -> Draw {
         let bits = hash(self.seed, &[instance]);
+        Draw { shared: self.turned(bits), own: self.turned(hash(bits, &[])) }
+    }
+
+    #[inline(always)]
+    fn turned(&self, bits: u64) -> Turned {
         let [cosine, sine] = self.rotations[(bits >> 40) as usize % ROTATIONS];
-        Draw {
+        Turned {
             base: bits as usize % BASES,
             shift: (bits >> 16) as i32 & (NOISE_POINTS as i32 - 1),
             direction: if bits >> 63 == 0 { 1 } else { -1 },
@@ -132,22 +146,17 @@ impl Noise {
         }
     }
 
-    /// (q_r, q_i) at x, interpolated with the weights of S.47, which keep the variance; the period is 2.
+    /// (q_r, q_i) at x for each incident polarization: the second's is γ q + √(1−γ²) q' with γ = `correlation`.
+    /// Interpolated with the weights of S.47, which keep the variance; the period is 2.
     #[must_use]
-    pub fn at(&self, draw: &Draw, x: f32) -> [f32; 2] {
-        let [real, imaginary] = dispatch!(Level::new(), simd => self.at_one(simd, draw, x));
-        [real, imaginary]
+    pub fn at_both(&self, draw: &Draw, x: f64, correlation: f64) -> [[f64; 2]; 2] {
+        let (first, own) = (self.exact(&draw.shared, x), self.exact(&draw.own, x));
+        let rest = (1.0 - correlation * correlation).max(0.0).sqrt();
+        [first, [0, 1].map(|part| correlation * first[part] + rest * own[part])]
     }
 
-    #[inline(always)]
-    fn at_one<S: Simd>(&self, simd: S, draw: &Draw, x: f32) -> [f32; 2] {
-        let [real, imaginary] = self.at_four(simd, draw, f32x4::splat(simd, x));
-        [real[0], imaginary[0]]
-    }
-
-    /// [`at`](Self::at) in double precision, one formula after another.
-    #[must_use]
-    pub(super) fn exact(&self, draw: &Draw, x: f64) -> [f64; 2] {
+    /// [`at_four`](Self::at_four) in double precision, one formula after another.
+    fn exact(&self, draw: &Turned, x: f64) -> [f64; 2] {
         let position = x.clamp(-512.0, 512.0) * (0.5 * NOISE_POINTS as f64) - 0.5;
         let (k, t) = (position.floor(), position - position.floor());
         let value = |k: i32| {
@@ -165,7 +174,7 @@ impl Noise {
 
     /// q_r and q_i at four places.
     #[inline(always)]
-    pub(super) fn at_four<S: Simd>(&self, simd: S, draw: &Draw, x: f32x4<S>) -> [f32x4<S>; 2] {
+    pub(super) fn at_four<S: Simd>(&self, simd: S, draw: &Turned, x: f32x4<S>) -> [f32x4<S>; 2] {
         let one = f32x4::splat(simd, 1.0);
         // x_k = (2k + 1 − N)/N, up to half a period. The bounds keep the index exact far outside (−1, 1).
         let position = x.max(-512.0).min(512.0) * (0.5 * NOISE_POINTS as f32) - 0.5;
@@ -238,17 +247,18 @@ mod tests {
     fn values_have_zero_mean_unit_variance_and_the_autocovariance_also_between_points() {
         let noise = noise();
         let count = 40_000;
-        for x in [0.0_f32, 0.000_488, 0.1003, -0.77] {
-            let (mut mean, mut variance, mut cross) = (0.0, 0.0, 0.0);
+        for x in [0.0, 0.000_488, 0.1003, -0.77] {
+            let (mut mean, mut variance, mut cross, mut between) = (0.0, 0.0, 0.0, 0.0);
             let mut lag = [0.0; 3];
             for instance in 0..count {
                 let draw = noise.draw(instance);
-                let [r, i] = noise.at(&draw, x).map(f64::from);
+                let [[r, i], [r_2, i_2]] = noise.at_both(&draw, x, 0.6);
+                between += 0.5 * (r * r_2 + i * i_2);
                 mean += r + i;
                 variance += 0.5 * (r * r + i * i);
                 cross += r * i;
                 for (k, sum) in lag.iter_mut().enumerate() {
-                    let [r2, i2] = noise.at(&draw, x + (5 * (k + 1)) as f32 / 512.0).map(f64::from);
+                    let [[r2, i2], _] = noise.at_both(&draw, x + (5 * (k + 1)) as f64 / 512.0, 1.0);
                     *sum += 0.5 * (r * r2 + i * i2);
                 }
             }
@@ -257,6 +267,7 @@ mod tests {
             assert!((mean / n).abs() < 0.03, "{x} mean {}", mean / n);
             assert!((variance / n - 1.0).abs() < 0.02, "{x} variance {}", variance / n);
             assert!((cross / n).abs() < 0.02);
+            assert!((between / n - 0.6).abs() < 0.02, "{x} between polarizations {}", between / n);
             for (k, sum) in lag.iter().enumerate() {
                 let expected = noise.autocovariance()[5 * (k + 1)];
                 assert!((sum / n - expected).abs() < 0.02, "{x} lag {k}: {} {expected}", sum / n);
@@ -270,7 +281,7 @@ mod tests {
         let lags: Vec<f64> = (0..512).map(|k| libm::exp(-(f64::from(k) / 0.6).powi(2))).collect();
         let noise = Noise::new(&spectrum(&lags), 1);
         let count = 40_000;
-        let mid: f64 = (0..count).map(|i| f64::from(noise.at(&noise.draw(i), 0.0)[0]).powi(2)).sum::<f64>();
+        let mid: f64 = (0..count).map(|i| noise.at_both(&noise.draw(i), 0.0, 1.0)[0][0].powi(2)).sum::<f64>();
         assert!((mid / count as f64 - 1.0).abs() < 0.02, "{}", mid / count as f64);
     }
 

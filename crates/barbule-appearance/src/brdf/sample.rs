@@ -1,59 +1,35 @@
-//! Sampling of a lobe's half vectors.
+//! Sampling of ω_o in proportion to the mean lobes, without their shadowing.
 //!
-//! h_y is normal with standard deviation σ/√2, h_x follows 1/(a² + h_x²)², a = m/√(1−m²), a Student t with three
-//! degrees of freedom; both are truncated to h_x² + h_y² < 1 and the truncations are in the densities. ω_o is ω_eff
-//! reflected about h.
+//! Of the nodes that are mixed one is chosen by its weight, of its two lobes one by what it reflects. Across the barbule
+//! h = sin((φ_o + φ_eff)/2) follows 1/(a² + h²)², a = m/√(1−m²), a Student t with three degrees of freedom; along it t =
+//! sin((θ_i + θ_o)/2) is normal with standard deviation σ/√2. Both are cut at the horizon, and their densities know it,
+//! so that every draw leaves the surface.
 
 use glam::DVec3;
 use std::f64::consts::PI;
 
+use super::profile::half_sine_squared;
+use super::table::{COSINE, Corner, Incident, M2, Node, SINE};
 use crate::math::normal;
 
-/// From this a on, h_x is uniform within a relative 2e-6.
+/// From this a on, h is uniform within a relative 2e-6.
 const UNIFORM: f64 = 1000.0;
 
-/// Intervals of the tabulated inverse of h_x's distribution.
+/// Intervals of the tabulated inverse of h's distribution.
 const INTERVALS: usize = 64;
 
-/// What all half vectors of one σ share.
+/// erf of more than this is 1.
+const SURE: f64 = 6.0;
+
+/// What all draws of one σ share.
 #[derive(Debug, Clone)]
-pub(super) struct HalfVectors {
+pub(super) struct Sampler {
     sigma: f64,
-    /// Share of the normal distribution of h_y inside ±1.
-    inside: f64,
-    /// δ and dδ/ds at evenly spaced s; see [`HalfVectors::inverse`].
+    /// δ and dδ/ds at evenly spaced s; see [`Sampler::inverse`].
     nodes: Vec<[f64; 2]>,
 }
 
-/// One lobe at one wavelength and incident direction.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct SampledLobe {
-    pub(super) m: f64,
-    pub(super) incident: DVec3,
-}
-
-impl SampledLobe {
-    /// ω_o, which may lie below the horizon.
-    pub(super) fn sample(&self, shared: &HalfVectors, u: [f64; 2]) -> DVec3 {
-        let u_y = 0.5 + (u[0] - 0.5) * shared.inside;
-        let hy = shared.sigma
-            * std::f64::consts::FRAC_1_SQRT_2
-            * normal::quantile(u_y.clamp(1e-300, 1.0 - f64::EPSILON / 2.0));
-        let hy = hy.clamp(-1.0 + 1e-12, 1.0 - 1e-12);
-        let end = (1.0 - hy * hy).sqrt();
-        let a = self.m / (1.0 - self.m * self.m).max(1e-30).sqrt();
-        let hx = if a > UNIFORM {
-            (2.0 * u[1] - 1.0) * end
-        } else {
-            let share = (2.0 * u[1] - 1.0) * half_distribution(end / a);
-            (a * shared.inverse(share)).clamp(-end, end)
-        };
-        let h = DVec3::new(hx, hy, (1.0 - hx * hx - hy * hy).max(0.0).sqrt());
-        (2.0 * self.incident.dot(h) * h - self.incident).normalize()
-    }
-}
-
-impl HalfVectors {
+impl Sampler {
     pub(super) fn new(sigma: f64) -> Self {
         let nodes = (0..=INTERVALS)
             .map(|k| {
@@ -64,10 +40,63 @@ impl HalfVectors {
                 [delta, slope]
             })
             .collect();
-        Self { sigma, inside: libm::erf(1.0 / sigma), nodes }
+        Self { sigma, nodes }
     }
 
-    /// The t of a value of [`half_distribution`] in (−½, ½).
+    /// sinφ_o and cosφ_o of a lobe of a node, as the light's side sees them.
+    pub(super) fn azimuth(&self, node: &Node, lobe: usize, corner: &Corner, u: f64) -> [f64; 2] {
+        let [m2, sine, cosine] = [M2, SINE, COSINE].map(|first| f64::from(node.0[first + lobe]));
+        let a = (m2 / (1.0 - m2).max(1e-12)).sqrt();
+        // sin((φ_o + φ_eff)/2) at both horizons.
+        let (below, above) = (
+            std::f64::consts::FRAC_1_SQRT_2 * (sine - cosine),
+            std::f64::consts::FRAC_1_SQRT_2 * (sine + cosine),
+        );
+        let h = if a > UNIFORM {
+            below + u * (above - below)
+        } else {
+            let (first, last) = (distribution(below / a), distribution(above / a));
+            a * self.inverse(first + u * (last - first))
+        };
+        let h = h.clamp(below, above);
+        let cos_h = (1.0 - h * h).sqrt();
+        let (sin_eff, cos_eff) = (2.0 * sine * cosine, cosine * cosine - sine * sine);
+        let (sin_2, cos_2) = (2.0 * h * cos_h, 1.0 - 2.0 * h * h);
+        let (x, z) = (sin_2 * cos_eff - cos_2 * sin_eff, cos_2 * cos_eff + sin_2 * sin_eff);
+        // Back from the node's azimuth.
+        let inverse = 1.0 / (corner.level - corner.shift * x);
+        [(corner.level * x - corner.shift) * inverse, z.max(0.0) * corner.scale * inverse]
+    }
+
+    /// sinθ_o and cosθ_o.
+    pub(super) fn inclination(&self, [y_i, cos_i]: [f64; 2], u: f64) -> [f64; 2] {
+        let (low, high) = self.ends(y_i);
+        let [from, to] = [low, high].map(|t| 0.5 * libm::erfc(-t / self.sigma));
+        let p = (from + u * (to - from)).clamp(1e-300, 1.0 - f64::EPSILON / 2.0);
+        let t = self.sigma * std::f64::consts::FRAC_1_SQRT_2 * normal::quantile(p);
+        let t = t.clamp(low, high);
+        let (sine, cosine) = (2.0 * t * (1.0 - t * t).max(0.0).sqrt(), 1.0 - 2.0 * t * t);
+        [sine * cos_i - cosine * y_i, (cosine * cos_i + sine * y_i).max(0.0)]
+    }
+
+    /// t at θ_o = ∓90°.
+    fn ends(&self, y_i: f64) -> (f64, f64) {
+        (-(0.5 * (1.0 - y_i)).max(0.0).sqrt(), (0.5 * (1.0 + y_i)).max(0.0).sqrt())
+    }
+
+    /// Density of θ_o over cosθ_o: what the density of φ_o is to be multiplied by for that of ω_o per sr.
+    #[inline]
+    pub(super) fn along(&self, [y_i, cos_i]: [f64; 2], [y_o, cos_o]: [f64; 2]) -> f64 {
+        let (low, high) = self.ends(y_i);
+        let erf = |t: f64| if t > SURE * self.sigma { 1.0 } else { libm::erf(t / self.sigma) };
+        let mass = erf(high) + erf(-low);
+        let t2 = half_sine_squared([y_i, cos_i], [y_o, cos_o]);
+        // dt = ½ √(1 − t²) dθ_o; the normal density is exp(−t²/σ²)/(σ√π) over half of `mass`.
+        let spread = (-t2 / (self.sigma * self.sigma)).exp() * (1.0 - t2).max(0.0).sqrt();
+        spread / (self.sigma * PI.sqrt() * mass * cos_o)
+    }
+
+    /// The t of a value of [`distribution`] in (−½, ½).
     ///
     /// With t = cot(δ/2) the equation becomes Kepler's, δ − sinδ = z = π − 2π|v|. δ is smooth in s = ∛(6z): cubic
     /// interpolation is right to 1e-8 and one step of Newton's method to rounding.
@@ -91,15 +120,25 @@ impl HalfVectors {
     }
 }
 
+/// ω_o from its angles' sines and cosines.
+pub(super) fn direction(
+    incident: &Incident,
+    [sin_phi, cos_phi]: [f64; 2],
+    [y, cos_theta]: [f64; 2],
+) -> DVec3 {
+    let x = if incident.mirrored { -sin_phi } else { sin_phi };
+    DVec3::new(cos_theta * x, y, cos_theta * cos_phi)
+}
+
 /// Largest s: z = π.
 const LAST: f64 = 2.661_340_078_986_675;
 
-/// ∫₀^t 2/(π (1+s²)²) ds, between 0 and ½ for positive t.
-pub(super) fn half_distribution(t: f64) -> f64 {
-    if t > 50.0 {
+/// ∫₀^t 2/(π (1+s²)²) ds, between −½ and ½.
+pub(super) fn distribution(t: f64) -> f64 {
+    if t.abs() > 50.0 {
         // Two terms of the tail: relative error t⁻⁷.
         let inverse = 1.0 / (t * t);
-        return 0.5 - inverse / (t * PI) * (2.0 / 3.0 - 0.8 * inverse);
+        return (0.5 - inverse / (t.abs() * PI) * (2.0 / 3.0 - 0.8 * inverse)).copysign(t);
     }
     (t / (1.0 + t * t) + libm::atan(t)) / PI
 }
@@ -128,13 +167,13 @@ mod tests {
 
     #[test]
     fn the_inverse_inverts() {
-        let shared = HalfVectors::new(0.04);
+        let shared = Sampler::new(0.04);
         for k in 0..1000 {
             let v = -0.499_999 + 0.999_998 * f64::from(k) / 999.0;
             let t = shared.inverse(v);
-            let back = half_distribution(t.abs()).copysign(v);
+            let back = distribution(t);
             assert!((back - v).abs() < 1e-12, "{v} {t} {back}");
         }
-        assert!((half_distribution(50.0 + 1e-9) - half_distribution(50.0 - 1e-9)).abs() < 1e-12);
+        assert!((distribution(50.0 + 1e-9) - distribution(50.0 - 1e-9)).abs() < 1e-12);
     }
 }

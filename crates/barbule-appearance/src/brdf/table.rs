@@ -1,558 +1,416 @@
-//! A material's parameters on a fine regular grid, ready for lookup.
+//! A material's lobes at the nodes of its tables, ready for evaluation.
 //!
-//! At load every array is extended to grazing (linearly from the two lowest nodes), interpolated by monotone cubics
-//! onto a regular grid in (cosθ_i, cosφ_i) at half the spacing of the stored nodes, and looked up bilinearly there,
-//! linearly in λ. φ_eff is kept as sinφ_eff/sinφ_i, which is even and smooth at normal incidence, where φ_i itself has
-//! an infinite slope against cosφ_i.
+//! Between nodes the *values* of the lobes are mixed, never their parameters: two neighbours whose peaks lie elsewhere
+//! give both peaks, each with its share, and what is reflected is the mixture of what the nodes reflect. A point in
+//! (θ_i, φ_i, λ) lies in one of the six simplices of its cell (Kuhn's), so four nodes are mixed instead of eight.
+//! Before, each node's lobe is turned from its own φ_i to that of the light, by the Möbius map of sinφ that takes one
+//! mirror direction to the other and keeps the horizon: see [`Corner`].
+//!
+//! Beyond the lowest stored cosines a node is added at grazing: the shape of its neighbour, reflecting what continues the
+//! two lowest nodes linearly.
 
-use fearless_simd::{Simd, f32x4, f32x8, i32x4, prelude::*};
-use glam::DVec3;
 use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::integral::{Fine, Rough};
 use super::material::{FeatherMaterial, LobeSet, ParameterSet};
+use super::profile::{Areas, Part};
+use super::sample::distribution;
 use crate::scattering::far_field::Polarization;
-use crate::scattering::lobe::SMALLEST_M;
+use crate::scattering::lobe::Lobe;
+use crate::scattering::statistics::{Axes, Sides};
 
-/// Columns of a node, twice: of the mean lobe and, from [`STATIONARY`] on, of the stationary one.
-pub(super) const WIDTH: usize = 8;
-/// Roughness.
-pub(super) const M: usize = 0;
-/// sinφ_eff/sinφ_i.
-pub(super) const TILT: usize = 1;
-/// ρ (z·ω_eff)/J, smooth up to grazing; J and ρ themselves are not needed apart.
-pub(super) const STRENGTH: usize = 2;
-/// 1/l in the first half.
-pub(super) const INVERSE_LENGTH: usize = 3;
-/// Where the stationary lobe's columns begin.
-pub(super) const STATIONARY: usize = 4;
+/// Lobes of a node: two of the mean, then that of the steady part.
+pub(super) const LOBES: usize = 3;
 
-/// |sinφ_eff| never exceeds this, so that ω_eff stays above the horizon.
-pub(super) const LARGEST_SINE: f32 = 0.9998;
-
-/// A cell's four corners at one wavelength: two cache lines that are read together. Nodes are stored up to four times,
-/// which costs memory (10 MB for a full material) and halves the lines that an evaluation touches.
+/// A node in one cache line: by parameter, then by lobe. A load of four at the first parameters reads one number of the
+/// next parameter beside the three lobes'.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-struct Patch([[f32; WIDTH]; 4]);
+pub(super) struct Node(pub(super) [f32; 16]);
+
+/// Where m² begins.
+pub(super) const M2: usize = 0;
+/// Where sin(φ_eff/2) begins.
+pub(super) const SINE: usize = 3;
+/// Where cos(φ_eff/2) begins.
+pub(super) const COSINE: usize = 6;
+/// Where 2ρ/(π area)·m² begins, for the steady lobe with m⁶.
+pub(super) const STRENGTH: usize = 9;
+/// 1/l, γ, and polarization 1's fraction in the mean and in the steady part.
+pub(super) const EXTRAS: usize = 12;
+
+/// What sampling needs of a node: of each mean lobe the factor of its density and the fraction that it reflects.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(16))]
+pub(super) struct Shares(pub(super) [f32; 4]);
+
+/// A lobe that reflects nothing is drawn from all the same, so that there is always something to draw from.
+const LEAST_SHARE: f64 = 1e-9;
 
 /// Lookup table of one parameter set.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
-    /// Shape `[θ cell, φ cell, λ]`.
-    patches: Vec<Patch>,
-    wavelengths_nm: Vec<f32>,
-    /// The same unrounded.
-    nodes_nm: Vec<f64>,
-    /// 1/spacing where the wavelengths are evenly spaced.
-    inverse_spacing: Option<f32>,
-    theta_cells: usize,
-    phi_cells: usize,
+    /// Shape `[θ_i, φ_i, λ]`.
+    pub(super) nodes: Vec<Node>,
+    /// Shape of `nodes`.
+    pub(super) shares: Vec<Shares>,
+    /// ρ of the mean. Shape of `nodes`.
+    reflected: Vec<f32>,
 }
 
-/// Where a wavelength falls: lower index and weight of the upper one.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
-    index: usize,
-    weight: f32,
+/// The axes of a material's tables, with the nodes that are added at grazing.
+#[derive(Debug, Clone)]
+pub(super) struct Grid {
+    theta: Axis,
+    phi: Axis,
+    /// cosθ_i that the lobes of each θ_i belong to.
+    cos_theta: Vec<f64>,
+    /// sinφ_i and cosφ_i that the lobes of each φ_i belong to.
+    phis: Vec<[f64; 2]>,
+    sides: Sides,
+    wavelengths: Axis,
+    /// Nodes along λ.
+    waves: usize,
 }
 
-/// A cell: its first patch and the weights of its corners.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
-    first: usize,
-    weights: [f32; 4],
-}
-
-impl Table {
-    /// Prepares one set; `polarization` scales ρ by the share of one incident polarization.
-    pub(super) fn new(
-        material: &FeatherMaterial,
-        set: &ParameterSet,
-        sigma: f64,
-        polarization: Option<Polarization>,
-    ) -> Self {
-        let axes = &material.axes;
-        let theta = Axis::new(axes.cos_theta());
-        let phi = Axis::new(axes.cos_phi());
-        let (phis, waves) = (phi.cells + 1, axes.wavelengths_nm().len());
-        let (fine, rough) = (Fine::new(), Rough::new());
-        let layers: Vec<Vec<[f32; WIDTH]>> = (0..waves)
-            .into_par_iter()
-            .map(|wave| {
-                let nodes = axes.cos_theta().len() * axes.cos_phi().len();
-                let range = wave * nodes..(wave + 1) * nodes;
-                let layer = Layer { theta: &theta, phi: &phi, range, sigma, fine: &fine, rough: &rough };
-                layer.parameters(set, polarization)
-            })
-            .collect();
-        let mut patches = Vec::with_capacity(theta.cells * phi.cells * waves.max(2));
-        for t in 0..theta.cells {
-            for p in 0..phi.cells {
-                let first = t * phis + p;
-                let corners = [first, first + 1, first + phis, first + phis + 1];
-                // One wavelength alone is its own neighbour.
-                let again = layers.iter().filter(|_| waves == 1);
-                patches.extend(layers.iter().chain(again).map(|layer| Patch(corners.map(|at| layer[at]))));
-            }
-        }
-        let wavelengths_nm: Vec<f32> = axes.wavelengths_nm().iter().map(|&w| w as f32).collect();
-        let spacing =
-            (axes.wavelengths_nm()[waves - 1] - axes.wavelengths_nm()[0]) / (waves.max(2) - 1) as f64;
-        let even = waves > 1
-            && axes
-                .wavelengths_nm()
-                .iter()
-                .enumerate()
-                .all(|(k, w)| (axes.wavelengths_nm()[0] + k as f64 * spacing - w).abs() < 1e-4 * spacing);
-        Self {
-            patches,
-            wavelengths_nm,
-            nodes_nm: axes.wavelengths_nm().to_vec(),
-            inverse_spacing: even.then_some((1.0 / spacing) as f32),
-            theta_cells: theta.cells,
-            phi_cells: phi.cells,
-        }
-    }
-
-    /// Beyond the ends the end values hold.
-    #[inline]
-    pub(super) fn place(&self, wavelength_nm: f32) -> Place {
-        let waves = &self.wavelengths_nm;
-        if waves.len() == 1 {
-            return Place { index: 0, weight: 0.0 };
-        }
-        let last = waves.len() - 2;
-        match self.inverse_spacing {
-            Some(inverse) => {
-                let position = ((wavelength_nm - waves[0]) * inverse).clamp(0.0, (last + 1) as f32);
-                let index = (position as usize).min(last);
-                Place { index, weight: position - index as f32 }
-            }
-            None => {
-                let index = waves.partition_point(|w| *w <= wavelength_nm).clamp(1, last + 1) - 1;
-                let weight = (wavelength_nm - waves[index]) / (waves[index + 1] - waves[index]);
-                Place { index, weight: weight.clamp(0.0, 1.0) }
-            }
-        }
-    }
-
-    /// [`place`](Self::place) of four wavelengths: indices and weights.
-    #[inline(always)]
-    pub(super) fn places<S: Simd>(&self, simd: S, wavelengths_nm: [f32; 4]) -> ([usize; 4], [f32; 4]) {
-        let waves = &self.wavelengths_nm;
-        if let (Some(inverse), [first, _, ..]) = (self.inverse_spacing, &waves[..]) {
-            let last = waves.len() - 2;
-            let position = (f32x4::from_slice(simd, &wavelengths_nm) - *first) * inverse;
-            let position = position.min((last + 1) as f32).max(0.0);
-            let whole = position.floor().min(last as f32);
-            let weight: [f32; 4] = (position - whole).into();
-            let index = whole.to_int::<i32x4<S>>();
-            return (
-                [
-                    at_most(index[0], last),
-                    at_most(index[1], last),
-                    at_most(index[2], last),
-                    at_most(index[3], last),
-                ],
-                weight,
-            );
-        }
-        let (mut index, mut weight) = ([0; 4], [0.0; 4]);
-        for lane in 0..4 {
-            let place = self.place(wavelengths_nm[lane]);
-            (index[lane], weight[lane]) = (place.index, place.weight);
-        }
-        (index, weight)
-    }
-
-    /// The cell of an incident direction with these cosines.
-    #[inline(always)]
-    pub(super) fn cell<S: Simd>(&self, simd: S, cos_theta: f32, cos_phi: f32) -> Cell {
-        let cells = [self.theta_cells as f32, self.phi_cells as f32, 1.0, 1.0];
-        let position = f32x4::simd_from(simd, [cos_theta, cos_phi, 0.0, 0.0]).min(1.0).max(0.0)
-            * f32x4::simd_from(simd, cells);
-        let whole = position.floor().min(f32x4::simd_from(simd, cells) - 1.0);
-        let index = whole.to_int::<i32x4<S>>();
-        let rest = position - whole;
-        let (t, p) = (at_most(index[0], self.theta_cells - 1), at_most(index[1], self.phi_cells - 1));
-        let (wt, wp) = (rest[0], rest[1]);
-        Cell {
-            first: (t * self.phi_cells + p) * self.wavelengths_nm.len().max(2),
-            weights: [(1.0 - wt) * (1.0 - wp), (1.0 - wt) * wp, wt * (1.0 - wp), wt * wp],
-        }
-    }
-
-    /// All parameters there, at a wavelength's index and the weight of the next.
-    #[inline(always)]
-    pub(super) fn lookup<S: Simd>(&self, simd: S, cell: &Cell, index: usize, weight: f32) -> f32x8<S> {
-        let at = cell.first + index;
-        let [low, high] = &self.patches[at..at + 2] else { return f32x8::splat(simd, 0.0) };
-        let [a, b, c, d] = cell.weights;
-        let low = mixed(simd, low, [a, b, c, d]);
-        let high = mixed(simd, high, [a, b, c, d]);
-        low + (high - low) * weight
-    }
-
-    /// All parameters at a wavelength and incident direction, in double precision.
-    pub(super) fn exact(&self, wavelength_nm: f64, cos_theta: f64, cos_phi: f64) -> [f64; WIDTH] {
-        let place = |cosine: f64, cells: usize| {
-            let position = cosine.clamp(0.0, 1.0) * cells as f64;
-            let cell = position.floor().min(cells as f64 - 1.0);
-            (cell as usize, position - cell)
-        };
-        let ((t, wt), (p, wp)) = (place(cos_theta, self.theta_cells), place(cos_phi, self.phi_cells));
-        let corners = [(1.0 - wt) * (1.0 - wp), (1.0 - wt) * wp, wt * (1.0 - wp), wt * wp];
-        let nm = &self.nodes_nm;
-        // One wavelength alone is stored twice.
-        let (wave, weight) = if nm.len() == 1 {
-            (0, 0.0)
-        } else {
-            let wave = nm.partition_point(|w| *w <= wavelength_nm).clamp(1, nm.len() - 1) - 1;
-            (wave, ((wavelength_nm - nm[wave]) / (nm[wave + 1] - nm[wave])).clamp(0.0, 1.0))
-        };
-        let at = (t * self.phi_cells + p) * nm.len().max(2) + wave;
-        let mix = |patch: &Patch, k: usize| -> f64 {
-            patch.0.iter().zip(corners).map(|(corner, w)| w * f64::from(corner[k])).sum()
-        };
-        let [low, high] = [&self.patches[at], &self.patches[at + 1]];
-        std::array::from_fn(|k| (1.0 - weight) * mix(low, k) + weight * mix(high, k))
-    }
-}
-
-#[inline(always)]
-fn mixed<S: Simd>(simd: S, patch: &Patch, [a, b, c, d]: [f32; 4]) -> f32x8<S> {
-    let corners = &patch.0;
-    let first = f32x8::from_slice(simd, &corners[1])
-        .mul_add(f32x8::splat(simd, b), f32x8::from_slice(simd, &corners[0]) * a);
-    let second = f32x8::from_slice(simd, &corners[3])
-        .mul_add(f32x8::splat(simd, d), f32x8::from_slice(simd, &corners[2]) * c);
-    first + second
-}
-
-/// An index bounded, whatever the conversion made of a number that is not one.
-#[inline(always)]
-fn at_most(index: i32, last: usize) -> usize {
-    (index as u32 as usize).min(last)
-}
-
-/// One axis: the stored nodes, extended to 0 and 1, and the regular fine nodes.
+/// Rising places, found by arithmetic where they are evenly spaced.
+#[derive(Debug, Clone)]
 struct Axis {
-    /// Stored nodes with 0 in front and 1 behind where they are missing.
-    nodes: Vec<f64>,
-    prepended: bool,
-    appended: bool,
-    cells: usize,
+    places: Vec<f64>,
+    inverse_spacing: Option<f64>,
 }
 
 impl Axis {
-    fn new(stored: &[f64]) -> Self {
-        let prepended = stored[0] > 1e-9;
-        let appended = stored[stored.len() - 1] < 1.0 - 1e-9;
-        let mut nodes = Vec::with_capacity(stored.len() + 2);
-        if prepended {
-            nodes.push(0.0);
-        }
-        nodes.extend_from_slice(stored);
-        if appended {
-            nodes.push(1.0);
-        }
-        // The coarsest regular grid that holds every node, then half its spacing; else a fine one that holds none.
-        let holds = |n: usize| nodes.iter().all(|c| (c * n as f64 - (c * n as f64).round()).abs() < 1e-6);
-        let coarse = (1..=64).find(|&n| holds(n));
-        let cells = coarse.map_or(64, |n| n * 40_usize.div_ceil(n).max(1));
-        Self { nodes, prepended, appended, cells }
+    fn new(places: Vec<f64>) -> Self {
+        let (first, last) = (places[0], places[places.len() - 1]);
+        let spacing = (last - first) / (places.len().max(2) - 1) as f64;
+        let even =
+            places.iter().enumerate().all(|(k, p)| (first + k as f64 * spacing - p).abs() < 1e-9 * last);
+        Self { places, inverse_spacing: (even && spacing > 0.0).then_some(1.0 / spacing) }
     }
 
-    /// The fine nodes at (or next to) the extended ones.
-    fn places(&self) -> Vec<usize> {
-        self.nodes.iter().map(|c| (c * self.cells as f64).round() as usize).collect()
-    }
-
-    /// Values at the extended nodes.
-    fn extend(&self, stored: &[f64], low: f64, high: f64) -> Vec<f64> {
-        let mut values = Vec::with_capacity(self.nodes.len());
-        if self.prepended {
-            let extrapolated = match (stored, &self.nodes[..]) {
-                ([a, b, ..], [_, x, y, ..]) => a - (b - a) * x / (y - x),
-                _ => stored[0],
-            };
-            values.push(extrapolated.clamp(low, high));
+    /// The place below and the share of the one above; beyond the ends those hold.
+    #[inline(always)]
+    fn find(&self, at: f64) -> (usize, f64) {
+        let places = &self.places[..];
+        if places.len() < 2 {
+            return (0, 0.0);
         }
-        values.extend_from_slice(stored);
-        if self.appended {
-            values.push(stored[stored.len() - 1]);
+        let last = places.len() - 2;
+        if let Some(inverse) = self.inverse_spacing {
+            let position = ((at - places[0]) * inverse).clamp(0.0, (last + 1) as f64);
+            let index = (position as usize).min(last);
+            return (index, position - index as f64);
         }
-        values
-    }
-
-    /// Monotone cubic (Fritsch and Butland's slopes) through the extended nodes, at the fine ones.
-    fn refine(&self, values: &[f64]) -> Vec<f64> {
-        let x = &self.nodes;
-        let count = x.len();
-        if count == 1 {
-            return vec![values[0]; self.cells + 1];
-        }
-        let secant: Vec<f64> =
-            (0..count - 1).map(|k| (values[k + 1] - values[k]) / (x[k + 1] - x[k])).collect();
-        let slope: Vec<f64> = (0..count)
-            .map(|k| {
-                if k == 0 || k == count - 1 {
-                    return end_slope(k == 0, x, &secant);
-                }
-                let (a, b) = (secant[k - 1], secant[k]);
-                if a * b <= 0.0 {
-                    return 0.0;
-                }
-                let (left, right) = (x[k] - x[k - 1], x[k + 1] - x[k]);
-                let (wa, wb) = (2.0 * right + left, right + 2.0 * left);
-                (wa + wb) / (wa / a + wb / b)
-            })
-            .collect();
-        (0..=self.cells)
-            .map(|k| {
-                let at = k as f64 / self.cells as f64;
-                let i = x.partition_point(|n| *n <= at + 1e-9).clamp(1, count - 1) - 1;
-                let h = x[i + 1] - x[i];
-                let t = ((at - x[i]) / h).clamp(0.0, 1.0);
-                let (u, t2) = (1.0 - t, t * t);
-                values[i] * u * u * (1.0 + 2.0 * t)
-                    + values[i + 1] * t2 * (3.0 - 2.0 * t)
-                    + h * t * u * (slope[i] * u - slope[i + 1] * t)
-            })
-            .collect()
+        let index = places.partition_point(|p| *p <= at).clamp(1, last + 1) - 1;
+        let share = (at - places[index]) / (places[index + 1] - places[index]);
+        (index, share.clamp(0.0, 1.0))
     }
 }
 
-/// The three-point slope at an end, limited so that the piece stays monotone.
-fn end_slope(first: bool, x: &[f64], secant: &[f64]) -> f64 {
-    let last = secant.len() - 1;
-    if last == 0 {
-        return secant[0];
-    }
-    let (near, next, h, h_next) = if first {
-        (secant[0], secant[1], x[1] - x[0], x[2] - x[1])
-    } else {
-        (secant[last], secant[last - 1], x[last + 1] - x[last], x[last] - x[last - 1])
-    };
-    let slope = ((2.0 * h + h_next) * near - h * next) / (h + h_next);
-    if slope * near <= 0.0 {
-        0.0
-    } else if near * next <= 0.0 && slope.abs() > 3.0 * near.abs() {
-        3.0 * near
-    } else {
-        slope
-    }
+/// A node's direction as seen from the light's: what turns azimuths.
+///
+/// With x = sinφ_o, s = sinφ_i of the light and s_n, c_n of the node, x' = ((1 − s s_n) x + (s − s_n))/D, cosφ' =
+/// cosφ_o c c_n/D, D = (1 − s s_n) + (s − s_n) x; so −s goes to −s_n, ±1 to themselves, and dφ'/dφ_o = c c_n/D: what a
+/// lobe sends out is kept.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Corner {
+    /// Number of its node at the shortest wavelength.
+    pub(super) first: usize,
+    /// cosθ_i that its lobes belong to.
+    pub(super) cos_theta: f64,
+    /// 1 − s s_n
+    pub(super) level: f64,
+    /// s − s_n
+    pub(super) shift: f64,
+    /// c c_n
+    pub(super) scale: f64,
 }
 
-/// One wavelength of one set on its way to the fine grid.
-struct Layer<'a> {
-    theta: &'a Axis,
-    phi: &'a Axis,
-    range: std::ops::Range<usize>,
-    sigma: f64,
-    fine: &'a Fine,
-    rough: &'a Rough,
+/// A light's direction in the tables.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Incident {
+    /// Of the cell: the corner below in both, the next along the axis with the larger share, the one above in both.
+    pub(super) corners: [Corner; 3],
+    /// Larger and smaller share.
+    shares: [f64; 2],
+    /// Whether the tables hold the mirror image: x of ω_o changes its sign.
+    pub(super) mirrored: bool,
+    /// sinθ_i and cosθ_i.
+    pub(super) along: [f64; 2],
 }
 
-impl Layer<'_> {
-    /// Parameters of all fine nodes, `[θ, φ]`.
-    fn parameters(&self, set: &ParameterSet, polarization: Option<Polarization>) -> Vec<[f32; WIDTH]> {
-        let count = (self.theta.cells + 1) * (self.phi.cells + 1);
-        let mut out = vec![[0.0_f32; WIDTH]; count];
-        let mut bright = Vec::new();
-        let mut put = |column: usize, values: &[f64]| {
-            for (node, value) in out.iter_mut().zip(values) {
-                node[column] = *value as f32;
-            }
-        };
-        for (lobe, fractions, base) in
-            [(&set.mean, &set.fraction_1, 0), (&set.stationary, &set.stationary_fraction_1, STATIONARY)]
-        {
-            let ln_m = self.refine(&self.stored(&lobe.m, f64::ln), SMALLEST_M.ln(), 0.0, None);
-            let m: Vec<f64> = ln_m.iter().map(|v| v.exp()).collect();
-            let tilt = self.tilt(lobe);
-            let mut reflected = self.refine(&self.stored(&lobe.reflected, |v| v), 0.0, 1.0, None);
-            if let Some(polarization) = polarization.filter(|_| !fractions.is_empty()) {
-                let first = self.refine(&self.stored(fractions, |v| v), 0.0, 1.0, None);
-                for (rho, first) in reflected.iter_mut().zip(first) {
-                    *rho *= 2.0 * if polarization == Polarization::First { first } else { 1.0 - first };
-                }
-            }
-            put(base + M, &m);
-            put(base + TILT, &tilt);
-            put(base + STRENGTH, &self.strengths(&m, &tilt, &reflected));
-            if base != STATIONARY {
-                bright = reflected;
-            }
-        }
-        put(INVERSE_LENGTH, &self.refine(&self.stored(&set.length, |v| 1.0 / v), 1.0 / 64.0, 64.0, None));
-        self.limit(&mut out, &bright);
-        out
-    }
+/// The four nodes that are mixed at one wavelength.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Simplex {
+    /// Numbers of the nodes.
+    pub(super) at: [u32; 4],
+    /// Their corners.
+    pub(super) corner: [u8; 4],
+    /// Their weights, which sum to 1.
+    pub(super) weight: [f32; 4],
+}
 
-    /// Scales down the nodes of cells inside which interpolation would reflect more than all light. Next to grazing J
-    /// bends within σ, which no table follows; only where ρ itself comes close to 1 does that matter.
-    fn limit(&self, nodes: &mut [[f32; WIDTH]], reflected: &[f64]) {
-        let phis = self.phi.cells + 1;
-        let mut factors = vec![1.0_f64; nodes.len()];
-        for t in 0..self.theta.cells {
-            for p in 0..self.phi.cells {
-                let corners = [t * phis + p, t * phis + p + 1, (t + 1) * phis + p, (t + 1) * phis + p + 1];
-                if corners.iter().all(|&c| reflected[c] < BRIGHT) {
-                    continue;
-                }
-                // The lowest cells bend most. A few points tell whether more are needed.
-                let (few, many): (&[f64], &[f64]) = if t == 0 || p == 0 {
-                    (
-                        &[0.01, 0.1, 0.3, 0.7],
-                        &[0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.95],
-                    )
-                } else {
-                    (&[0.1, 0.5, 0.9], &[0.1, 0.3, 0.5, 0.7, 0.9])
-                };
-                let largest = |inside: &[f64]| {
-                    let mut largest = 0.0_f64;
-                    for (x, y) in inside.iter().flat_map(|&x| inside.iter().map(move |&y| (x, y))) {
-                        let weights = [(1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y];
-                        let mix = |column: usize| -> f64 {
-                            corners.iter().zip(weights).map(|(&c, w)| w * f64::from(nodes[c][column])).sum()
-                        };
-                        let cos_theta = (t as f64 + x) / self.theta.cells as f64;
-                        let cos_phi = (p as f64 + y) / self.phi.cells as f64;
-                        let incident = effective(cos_theta, cos_phi, mix(TILT));
-                        let integral = self.rough.scaled_integral(mix(M), incident, self.sigma);
-                        largest = largest.max(mix(STRENGTH) * integral / incident.z);
-                    }
-                    largest
-                };
-                let largest = if largest(few) < NEARLY_ALL { 0.0 } else { largest(many) };
-                // Between the points tried there may be slightly more.
-                let largest = if largest > 1.0 { 1.01 * largest } else { 1.0 };
-                for corner in corners {
-                    factors[corner] = factors[corner].max(largest);
-                }
-            }
-        }
-        for (node, factor) in nodes.iter_mut().zip(factors) {
-            node[STRENGTH] = (f64::from(node[STRENGTH]) / factor) as f32;
-        }
-    }
-
-    /// A stored array of this wavelength, mapped.
-    fn stored(&self, values: &[f32], map: fn(f64) -> f64) -> Vec<f64> {
-        values[self.range.clone()].iter().map(|&v| map(f64::from(v))).collect()
-    }
-
-    /// A stored array `[θ, φ]` on the fine grid; `grazing` is the value at cosφ = 0, else extrapolated.
-    fn refine(&self, stored: &[f64], low: f64, high: f64, grazing: Option<f64>) -> Vec<f64> {
-        let rows: Vec<Vec<f64>> = stored
-            .chunks_exact(stored.len() / self.stored_thetas())
-            .map(|row| {
-                let mut extended = self.phi.extend(row, low, high);
-                if let (true, Some(value)) = (self.phi.prepended, grazing) {
-                    extended[0] = value;
-                }
-                self.phi.refine(&extended)
-            })
-            .collect();
-        let (thetas, phis) = (self.theta.cells + 1, self.phi.cells + 1);
-        let mut out = vec![0.0; thetas * phis];
-        for p in 0..phis {
-            let column: Vec<f64> = rows.iter().map(|row| row[p]).collect();
-            let fine = self.theta.refine(&self.theta.extend(&column, low, high));
-            for (t, value) in fine.into_iter().enumerate() {
-                out[t * phis + p] = value.clamp(low, high);
-            }
-        }
-        out
-    }
-
-    fn stored_thetas(&self) -> usize {
-        self.theta.nodes.len() - usize::from(self.theta.prepended) - usize::from(self.theta.appended)
-    }
-
-    /// sinφ_eff/sinφ_i on the fine grid. At φ_i = 0 the ratio is extrapolated from the two nodes beside it; at grazing
-    /// azimuth it is 1.
-    fn tilt(&self, lobe: &LobeSet) -> Vec<f64> {
-        let axis = self.phi;
-        let skip = usize::from(axis.prepended);
-        let end = axis.nodes.len() - usize::from(axis.appended);
-        let cosines = &axis.nodes[skip..end];
-        let ratios: Vec<f64> = lobe.phi[self.range.clone()]
-            .chunks_exact(cosines.len())
-            .flat_map(|row| {
-                let mut ratio: Vec<f64> = row
-                    .iter()
-                    .zip(cosines)
-                    .map(|(&phi, &c)| libm::sin(f64::from(phi)) / (1.0 - c * c).max(1e-12).sqrt())
-                    .collect();
-                if cosines[cosines.len() - 1] > 1.0 - 1e-9 {
-                    let last = ratio.len() - 1;
-                    ratio[last] = match ratio[..last] {
-                        [.., a, b] => {
-                            let (x, y) = (cosines[last - 2], cosines[last - 1]);
-                            b + (b - a) * (1.0 - y) / (y - x)
-                        }
-                        [a] => a,
-                        [] => 1.0,
-                    };
-                }
-                ratio
-            })
-            .collect();
-        self.refine(&ratios, -LARGEST_TILT, LARGEST_TILT, Some(1.0))
-    }
-
-    /// ρ (z·ω_eff)/J on the fine grid: exact at the stored nodes and at cos = 0, between them interpolated.
-    fn strengths(&self, m: &[f64], tilt: &[f64], reflected: &[f64]) -> Vec<f64> {
-        let (thetas, phis) = (self.theta.cells + 1, self.phi.cells + 1);
-        let exact = |t: usize, p: usize| {
-            let at = t * phis + p;
-            if reflected[at] == 0.0 {
-                return 0.0;
-            }
-            let cos_theta = (t as f64 / self.theta.cells as f64).max(GRAZING);
-            let cos_phi = (p as f64 / self.phi.cells as f64).max(GRAZING);
-            let incident = effective(cos_theta, cos_phi, tilt[at]);
-            let integral = self.fine.scaled_integral(m[at], incident, self.sigma);
-            reflected[at] * incident.z / integral.max(SMALLEST_INTEGRAL)
-        };
-        let (rows, columns) = (self.theta.places(), self.phi.places());
-        let fine_rows: Vec<Vec<f64>> = rows
+impl Grid {
+    pub(super) fn new(axes: &Axes) -> Self {
+        let stored = axes.cos_theta();
+        let theta = Axis::new([&[0.0], stored].concat());
+        let cos_theta = [&stored[..1], stored].concat();
+        // Rising in φ_i, with the lowest cosine's lobes again at grazing.
+        let order = phi_order(axes);
+        let signed = |phi: usize| (1.0 - axes.cos_phi()[axes.cosine_of(phi)]).copysign(axes.phi_i(phi));
+        let mut places: Vec<f64> = order.iter().map(|phi| signed(*phi)).collect();
+        let mut phis: Vec<[f64; 2]> = order
             .iter()
-            .map(|&t| self.phi.refine(&columns.iter().map(|&p| exact(t, p)).collect::<Vec<_>>()))
+            .map(|phi| {
+                let cosine = axes.cos_phi()[axes.cosine_of(*phi)];
+                [(1.0 - cosine * cosine).max(0.0).sqrt().copysign(axes.phi_i(*phi)), cosine]
+            })
             .collect();
-        let mut out = vec![0.0; thetas * phis];
-        for p in 0..phis {
-            let column: Vec<f64> = fine_rows.iter().map(|row| row[p]).collect();
-            for (t, value) in self.theta.refine(&column).into_iter().enumerate() {
-                out[t * phis + p] = value.max(0.0);
-            }
+        places.push(1.0);
+        phis.push(phis[phis.len() - 1]);
+        if axes.sides() == Sides::Both {
+            places.insert(0, -1.0);
+            phis.insert(0, phis[0]);
         }
-        out
+        let waves = axes.wavelengths_nm().len();
+        Self {
+            theta,
+            phi: Axis::new(places),
+            cos_theta,
+            phis,
+            sides: axes.sides(),
+            wavelengths: Axis::new(axes.wavelengths_nm().to_vec()),
+            waves,
+        }
+    }
+
+    /// ω_i in the tables; both of its x and z count, z > 0.
+    #[inline(always)]
+    pub(super) fn incident(&self, [x, y, z]: [f64; 3]) -> Incident {
+        let cos_theta = (x * x + z * z).sqrt().max(1e-9);
+        let inverse = 1.0 / cos_theta;
+        let (mut sin_phi, cos_phi) = (x * inverse, (z * inverse).min(1.0));
+        let mirrored = self.sides == Sides::Alike && sin_phi < 0.0;
+        if mirrored {
+            sin_phi = -sin_phi;
+        }
+        let (t, wt) = self.theta.find(cos_theta);
+        let (below, wp) = self.phi.find((1.0 - cos_phi).copysign(sin_phi));
+        // From the normal outwards, so that mirror images are mixed alike.
+        let (p, outwards, wp) =
+            if self.phi.places[below] < 0.0 { (below + 1, below, 1.0 - wp) } else { (below, below + 1, wp) };
+        let next = if wt >= wp { [t + 1, p] } else { [t, outwards] };
+        let corner = |[t, p]: [usize; 2]| {
+            let [s_n, c_n] = self.phis[p];
+            Corner {
+                first: (t * self.phis.len() + p) * self.waves,
+                cos_theta: self.cos_theta[t],
+                level: 1.0 - sin_phi * s_n,
+                shift: sin_phi - s_n,
+                scale: cos_phi * c_n,
+            }
+        };
+        Incident {
+            corners: [corner([t, p]), corner(next), corner([t + 1, outwards])],
+            shares: [wt.max(wp), wt.min(wp)],
+            mirrored,
+            along: [y, cos_theta],
+        }
+    }
+
+    /// The nodes that are mixed at this wavelength.
+    #[inline(always)]
+    pub(super) fn simplex(&self, incident: &Incident, wavelength_nm: f64) -> Simplex {
+        let (wave, share) = self.wavelengths.find(wavelength_nm);
+        let up = wave + usize::from(self.waves > 1);
+        let [larger, smaller] = incident.shares;
+        // The axes are climbed in the order of their shares: λ first, second or last.
+        let (corner, waves, order): ([u8; 4], [usize; 4], [f64; 3]) = if share >= larger {
+            ([0, 0, 1, 2], [wave, up, up, up], [share, larger, smaller])
+        } else if share >= smaller {
+            ([0, 1, 1, 2], [wave, wave, up, up], [larger, share, smaller])
+        } else {
+            ([0, 1, 2, 2], [wave, wave, wave, up], [larger, smaller, share])
+        };
+        let [a, b, c] = order;
+        let mut simplex = Simplex { corner, ..Simplex::default() };
+        let weight = [1.0 - a, a - b, b - c, c];
+        for k in 0..4 {
+            simplex.at[k] = (incident.corners[usize::from(corner[k])].first + waves[k]) as u32;
+            simplex.weight[k] = weight[k] as f32;
+        }
+        simplex
     }
 }
 
-/// Cells whose corners all reflect less than this cannot exceed 1 inside.
-const BRIGHT: f64 = 0.8;
+/// Numbers of the stored φ_i in rising order of φ_i.
+fn phi_order(axes: &Axes) -> Vec<usize> {
+    let cosines = axes.cos_phi().len();
+    // Of φ_i ≥ 0 cosines rise, so φ_i falls; of φ_i < 0 both rise.
+    (cosines..axes.phis()).chain((0..cosines).rev()).collect()
+}
 
-/// Cells that reflect less than this at a few points do not exceed 1 anywhere.
-const NEARLY_ALL: f64 = 0.93;
+impl Table {
+    /// Prepares one set; `polarization` takes the share of one incident polarization of all values.
+    pub(super) fn new(
+        material: &FeatherMaterial,
+        set: &ParameterSet,
+        polarization: Option<Polarization>,
+    ) -> Self {
+        let axes = &material.axes;
+        let order = phi_order(axes);
+        let (waves, thetas, phis) = (axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.phis());
+        let areas = Areas::new(material.kind);
+        let stored: Vec<(Node, Shares)> = (0..waves * thetas * phis)
+            .into_par_iter()
+            .map(|at| {
+                let cos_theta = axes.cos_theta()[at / phis % thetas];
+                Entry { material, set, at, cos_theta, polarization, areas: &areas }.node()
+            })
+            .collect();
+        let reflected =
+            |wave: usize, theta: usize, phi: usize| -> f64 { set.reflected(axes.index(wave, theta, phi)) };
+        let both = axes.sides() == Sides::Both;
+        let columns = phis + 1 + usize::from(both);
+        let mut nodes = Vec::with_capacity((thetas + 1) * columns * waves);
+        let mut shares = Vec::with_capacity(nodes.capacity());
+        let mut totals = Vec::with_capacity(nodes.capacity());
+        for t in 0..=thetas {
+            for p in 0..columns {
+                // The stored column that this one is or continues, and the one beside it.
+                let place = (p as isize - isize::from(both)).clamp(0, phis as isize - 1) as usize;
+                let outer = p == columns - 1 || (both && p == 0);
+                let inner = if place == 0 { 1.min(phis - 1) } else { place - 1 };
+                let (phi, beside) = (order[place], order[inner]);
+                let theta = t.saturating_sub(1);
+                for wave in 0..waves {
+                    let at = axes.index(wave, theta, phi);
+                    let (node, share) = stored[at];
+                    let own = share_of(material, fraction(&set.fraction_1, at), polarization);
+                    let mut factor = 1.0;
+                    let here = reflected(wave, theta, phi);
+                    if t == 0 && thetas > 1 {
+                        let cosines = [axes.cos_theta()[0], axes.cos_theta()[1]];
+                        factor *= continued([here, reflected(wave, 1, phi)], cosines);
+                    }
+                    if outer && phis > 1 {
+                        let cosines = [phi, beside].map(|phi| axes.cos_phi()[axes.cosine_of(phi)]);
+                        factor *= continued([here, reflected(wave, theta, beside)], cosines);
+                    }
+                    let factor = if here > 0.0 { factor.min(1.0 / here) } else { 1.0 };
+                    nodes.push(node.times(factor as f32));
+                    shares.push(share.times(factor as f32));
+                    totals.push((factor * here * own) as f32);
+                }
+            }
+        }
+        Self { nodes, shares, reflected: totals }
+    }
+}
 
-/// Bound of sinφ_eff/sinφ_i, met only where noise in a fit is divided by a small sinφ_i.
-const LARGEST_TILT: f64 = 10.0;
+impl Table {
+    /// What the mean lobes of a node reflect.
+    pub(super) fn reflected(&self, at: u32) -> f64 {
+        f64::from(self.reflected[at as usize])
+    }
+}
 
-/// Nodes at cos = 0 are evaluated this far above the horizon.
-const GRAZING: f64 = 1e-3;
+/// What the straight line through two reflected fractions at these cosines says at cosine 0, over the first of them.
+fn continued([here, beside]: [f64; 2], [cosine, next]: [f64; 2]) -> f64 {
+    if here <= 0.0 || next <= cosine {
+        return 1.0;
+    }
+    ((here - (beside - here) * cosine / (next - cosine)) / here).max(0.0)
+}
 
-/// A smaller J could only come from rounding.
-const SMALLEST_INTEGRAL: f64 = 1e-7;
+impl Node {
+    /// Reflects so many times as much.
+    fn times(mut self, factor: f32) -> Self {
+        self.0[STRENGTH..STRENGTH + LOBES].iter_mut().for_each(|strength| *strength *= factor);
+        self
+    }
+}
 
-/// ω_eff of a positive (θ_i, φ_i) with this sinφ_eff/sinφ_i.
-pub(super) fn effective(cos_theta: f64, cos_phi: f64, tilt: f64) -> DVec3 {
-    let sine = (tilt * (1.0 - cos_phi * cos_phi).max(0.0).sqrt())
-        .clamp(-f64::from(LARGEST_SINE), f64::from(LARGEST_SINE));
-    let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
-    DVec3::new(cos_theta * sine, sin_theta, cos_theta * (1.0 - sine * sine).sqrt())
+impl Shares {
+    fn times(self, factor: f32) -> Self {
+        Self(self.0.map(|share| share * factor.max(1e-3)))
+    }
+}
+
+/// One node of a set.
+struct Entry<'a> {
+    material: &'a FeatherMaterial,
+    set: &'a ParameterSet,
+    at: usize,
+    cos_theta: f64,
+    polarization: Option<Polarization>,
+    areas: &'a Areas,
+}
+
+impl Entry<'_> {
+    fn node(&self) -> (Node, Shares) {
+        let Self { material, set, at, .. } = *self;
+        let mut node = Node([0.0; 16]);
+        let mut shares = Shares([0.0; 4]);
+        let fractions = [fraction(&set.fraction_1, at), fraction(&set.steady_fraction_1, at)];
+        let share = fractions.map(|first| share_of(material, first, self.polarization));
+        for number in 0..LOBES {
+            let part = if number + 1 == LOBES { Part::Steady } else { Part::Mean };
+            let (lobes, share): (Option<&LobeSet>, f64) = match part {
+                Part::Steady => (Some(&set.steady), share[1]),
+                Part::Mean => (set.mean.get(number), share[0]),
+            };
+            let (lobe, reflected) = lobes.map_or((Lobe { m: 1.0, phi: 0.0 }, 0.0), |lobes| {
+                let lobe = Lobe { m: f64::from(lobes.m[at]), phi: bounded(lobes.phi[at]) };
+                (lobe, share * f64::from(lobes.reflected[at]))
+            });
+            let m2 = lobe.m * lobe.m;
+            let (sine, cosine) = libm::sincos(0.5 * lobe.phi);
+            let power = if part == Part::Steady { m2 * m2 * m2 } else { m2 };
+            let strength = 2.0 / PI * power * reflected / self.areas.area(part, lobe, self.cos_theta);
+            for (first, value) in [(M2, m2), (SINE, sine), (COSINE, cosine), (STRENGTH, strength)] {
+                node.0[first + number] = value as f32;
+            }
+            if part == Part::Mean {
+                let rest = (1.0 - m2).max(1e-12);
+                let a = (m2 / rest).sqrt();
+                let [first, last] = [-FRAC_PI_2, FRAC_PI_2]
+                    .map(|phi_o| distribution(libm::sin(0.5 * (phi_o + lobe.phi)) / a));
+                let drawn = reflected.max(LEAST_SHARE);
+                shares.0[number] = (drawn * a.powi(3) * rest * rest / (PI * (last - first))) as f32;
+                shares.0[2 + number] = drawn as f32;
+            }
+        }
+        let extras = [
+            1.0 / f64::from(set.length[at]),
+            f64::from(material.correlation[at]),
+            fractions[0],
+            fractions[1],
+        ];
+        for (slot, extra) in node.0[EXTRAS..].iter_mut().zip(extras) {
+            *slot = extra as f32;
+        }
+        (node, shares)
+    }
+}
+
+/// Polarization 1's part of the energy; one half in a set of one polarization, which does not ask.
+fn fraction(fractions: &[f32], at: usize) -> f64 {
+    fractions.get(at).map_or(0.5, |&f| f64::from(f))
+}
+
+/// The values of one polarization over those of unpolarized light.
+fn share_of(material: &FeatherMaterial, first: f64, polarization: Option<Polarization>) -> f64 {
+    match polarization {
+        Some(Polarization::First) if material.sets.len() == 1 => 2.0 * first,
+        Some(Polarization::Second) if material.sets.len() == 1 => 2.0 - 2.0 * first,
+        _ => 1.0,
+    }
+}
+
+/// φ_eff stays above the horizon.
+fn bounded(phi: f32) -> f64 {
+    let largest = FRAC_PI_2 - 1e-4;
+    f64::from(phi).clamp(-largest, largest)
 }

@@ -60,7 +60,7 @@ impl Bound<'_> {
 
     #[inline]
     pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; 4], [f64; 4]) {
-        (self.prepared.eval(wi, self.instance).map(f64::from), self.prepared.pdf4(wi))
+        (self.prepared.eval(wi, self.instance).map(f64::from), self.prepared.pdfs(wi))
     }
 
     #[inline]

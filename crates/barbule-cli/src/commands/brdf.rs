@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use barbule::brdf::pictures::projected_grid;
-use barbule::brdf::{FeatherBrdf, Options, Values, marginals, values};
+use barbule::brdf::{FeatherBrdf, Marginal, Options, Values, marginals, values};
 use barbule::error::shortened;
 use barbule::figures;
 use barbule::plot::Drawing;
@@ -280,21 +280,28 @@ impl Args {
         let found = marginals(brdf, nm, towards(self.wi), &phi_out, self.instance, &progress)?;
         drop(progress);
         let step = std::f64::consts::PI / phi_out.len() as f64 * self.wi[0].to_radians().cos();
-        let reflected = found.iter().map(|row| step * row.iter().sum::<f64>());
+        let reflected = found.iter().map(|row| step * row.f.iter().sum::<f64>());
+        let each = |part: fn(&Marginal) -> &Vec<f64>| -> Vec<Vec<f64>> {
+            found.iter().map(|m| part(m).clone()).collect()
+        };
         let phi_out_deg: Vec<f64> = phi_out.iter().map(|phi| phi.to_degrees()).collect();
         let mut json = Map::new();
         json.insert("phi_out_deg".into(), json!(phi_out_deg));
-        json.insert("marginal".into(), json!(found));
+        json.insert("marginal".into(), json!(each(|m| &m.f)));
+        json.insert("marginal_s".into(), json!(each(|m| &m.steady)));
         json.insert("reflected_fraction".into(), reflected.collect());
-        let rows = nm
-            .iter()
-            .zip(&found)
-            .flat_map(|(nm, row)| phi_out_deg.iter().zip(row).map(|(phi, value)| vec![*nm, *phi, *value]));
+        let rows = nm.iter().zip(&found).flat_map(|(nm, Marginal { f, steady })| {
+            let values = phi_out_deg.iter().zip(f).zip(steady);
+            values.map(|((phi, f), steady)| vec![*nm, *phi, *f, *steady])
+        });
         Ok(Answer {
             json,
-            columns: vec!["wavelength_nm", "phi_out_deg", "marginal"],
+            columns: vec!["wavelength_nm", "phi_out_deg", "marginal", "marginal_s"],
             rows: rows.collect(),
-            drawing: self.output.is_some().then(|| figures::marginals(title, nm, &phi_out_deg, &found)),
+            drawing: self
+                .output
+                .is_some()
+                .then(|| figures::marginals(title, nm, &phi_out_deg, &each(|m| &m.f))),
         })
     }
 }
@@ -326,7 +333,7 @@ fn written(value: f64) -> String {
 fn aligned(answer: &Answer) -> String {
     let unit = |name: &&str| match *name {
         "f" | "s" | "pdf" => format!("{name} (1/sr)"),
-        "marginal" => format!("{name} (1/rad)"),
+        "marginal" | "marginal_s" => format!("{name} (1/rad)"),
         name => name.to_owned(),
     };
     let names: Vec<String> = answer.columns.iter().map(unit).collect();

@@ -119,7 +119,7 @@ fn pixel(value: Rgb, exposure: f64) -> [u8; 4] {
     })
 }
 
-/// The parameters of the mean lobes at the shortest, the middle and the longest wavelength, each
+/// The parameters of the larger mean lobes at the shortest, the middle and the longest wavelength, each
 /// `[wavelength][theta_in][phi_in]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ParameterMaps {
@@ -135,6 +135,8 @@ pub struct ParameterMaps {
     pub phi_shift_deg: Vec<Vec<Vec<f64>>>,
     /// F_eff.
     pub f: Vec<Vec<Vec<f64>>>,
+    /// What the second lobe reflects, as a part of what both do.
+    pub second: Vec<Vec<Vec<f64>>>,
 }
 
 impl ParameterMaps {
@@ -144,7 +146,8 @@ impl ParameterMaps {
     /// σ or a lobe of the material is out of range.
     pub fn new(material: &FeatherMaterial) -> Result<Self> {
         let axes = &material.axes;
-        let lobe = &material.sets[0].mean;
+        let set = &material.sets[0];
+        let lobe = &set.mean[0];
         let map = |value: &dyn Fn(usize, usize, usize) -> Result<f64>| -> Result<Vec<Vec<Vec<f64>>>> {
             let row =
                 |wave, theta| (0..axes.cos_phi().len()).map(move |phi| value(wave, theta, phi)).collect();
@@ -163,6 +166,11 @@ impl ParameterMaps {
                 let integral = lobe_integral(shape(at), axes.theta_i(t), material.sigma)?;
                 Ok(f64::from(lobe.reflected[at]) / integral)
             })?,
+            second: map(&|w, t, p| {
+                let at = axes.index(w, t, p);
+                let second = set.mean.get(1).map_or(0.0, |lobe| f64::from(lobe.reflected[at]));
+                Ok(second / set.reflected(at).max(f64::MIN_POSITIVE))
+            })?,
         })
     }
 
@@ -180,6 +188,7 @@ impl ParameterMaps {
                 ("m_eff", flat(&self.m[wave])),
                 ("φ_eff − φ_i (°)", flat(&self.phi_shift_deg[wave])),
                 ("log₁₀ F_eff", f),
+                ("second lobe ρ₂/ρ", flat(&self.second[wave])),
             ] {
                 let signed = values.iter().any(|v| *v < 0.0) && label.contains('°');
                 let largest = values.iter().fold(0.1, |a: f64, v| a.max(v.abs()));

@@ -1,7 +1,7 @@
 //! Feather materials as `.barbule` files: *safetensors* containers with a JSON description.
 //!
 //! `docs/formats/material.md` describes the layout. Parameters are 16-bit codes, so that a material of the default
-//! sampling stays under 400 kB; each array has the map that suits it.
+//! sampling stays under 600 kB; each array has the map that suits it.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 use super::{read_bytes, write_whole};
 use crate::brdf::{FeatherMaterial, LobeSet, ParameterSet, table_axes};
 use crate::scattering::lobe::FitKind;
-use crate::scattering::statistics::Axes;
+use crate::scattering::statistics::{Axes, Sides};
 use crate::{Error, Result};
 
 /// Version of the layout.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// The one entry of the container's metadata.
 const ENTRY: &str = "barbule";
@@ -27,6 +27,8 @@ struct Description {
     schema: u32,
     program: String,
     kind: String,
+    /// `both` where the arrays hold both signs of φ_i, else `alike`.
+    sides: String,
     sigma: f64,
     seed: u64,
     /// How a code k of each array becomes a value.
@@ -88,31 +90,53 @@ impl Map {
     }
 }
 
-/// Names of a set's arrays with their maps; the last two are absent from a set of one polarization.
-const ARRAYS: [(&str, Map); 9] = [
-    ("m", Map::Roughness),
-    ("phi", Map::Azimuth),
-    ("rho", Map::Fraction),
-    ("m_sta", Map::Roughness),
-    ("phi_sta", Map::Azimuth),
-    ("rho_sta", Map::Fraction),
-    ("length", Map::Length),
-    ("fraction_1", Map::Share),
-    ("fraction_1_sta", Map::Share),
+/// Arrays of a lobe, with their maps; the names of the second and of the steady lobe have an ending.
+const LOBE: [(&str, Map); 3] = [("m", Map::Roughness), ("phi", Map::Azimuth), ("rho", Map::Fraction)];
+
+/// Endings of a set's lobes: of the mean, where a single lobe has none of the second, and of the steady part.
+const MEAN: [&str; 2] = ["", "_2"];
+const STEADY: &str = "_sta";
+
+/// Whether an array belongs to each set, to those of unpolarized light alone, or to all sets together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Belongs {
+    Set,
+    Unpolarized,
+    Material,
+}
+
+/// What else there is.
+const OTHERS: [(&str, Map, Belongs); 4] = [
+    ("length", Map::Length, Belongs::Set),
+    ("fraction_1", Map::Share, Belongs::Unpolarized),
+    ("fraction_1_sta", Map::Share, Belongs::Unpolarized),
+    ("correlation", Map::Share, Belongs::Material),
 ];
 
-fn arrays(set: &ParameterSet) -> [&[f32]; 9] {
-    [
-        &set.mean.m,
-        &set.mean.phi,
-        &set.mean.reflected,
-        &set.stationary.m,
-        &set.stationary.phi,
-        &set.stationary.reflected,
-        &set.length,
-        &set.fraction_1,
-        &set.stationary_fraction_1,
-    ]
+/// The arrays of a set by name, empty ones left out.
+fn arrays(set: &ParameterSet) -> Vec<(String, Map, &[f32])> {
+    let endings = MEAN.iter().zip(&set.mean).chain([(&STEADY, &set.steady)]);
+    let mut all = Vec::new();
+    for (ending, LobeSet { m, phi, reflected }) in endings {
+        for ((name, map), values) in LOBE.into_iter().zip([m, phi, reflected]) {
+            all.push((format!("{name}{ending}"), map, &values[..]));
+        }
+    }
+    let [length, fraction, steady_fraction, _] = OTHERS;
+    for ((name, map, _), values) in
+        [(length, &set.length), (fraction, &set.fraction_1), (steady_fraction, &set.steady_fraction_1)]
+    {
+        all.push((name.to_owned(), map, &values[..]));
+    }
+    all.retain(|(_, _, values)| !values.is_empty());
+    all
+}
+
+/// How the codes of every array that can be become values.
+fn maps() -> impl Iterator<Item = (String, Map)> {
+    let lobes = MEAN.into_iter().chain([STEADY]);
+    let of_lobe = |ending: &'static str| LOBE.map(|(name, map)| (format!("{name}{ending}"), map));
+    lobes.flat_map(of_lobe).chain(OTHERS.map(|(name, map, _)| (name.to_owned(), map)))
 }
 
 /// Prefix of a set's arrays.
@@ -143,7 +167,10 @@ pub fn read_material(path: &Path) -> Result<FeatherMaterial> {
 pub fn encode_material(material: &FeatherMaterial) -> Result<Vec<u8>> {
     material.check()?;
     let axes = &material.axes;
-    let shape = vec![axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.cos_phi().len()];
+    let shape = vec![axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.phis()];
+    let codes = |map: Map, values: &[f32]| -> Vec<u8> {
+        values.iter().flat_map(|&v| map.code(v).to_le_bytes()).collect()
+    };
     let doubles = |values: &[f64]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let mut tensors: BTreeMap<String, (Dtype, Vec<usize>, Vec<u8>)> = BTreeMap::new();
     for (name, values) in [
@@ -156,20 +183,21 @@ pub fn encode_material(material: &FeatherMaterial) -> Result<Vec<u8>> {
     }
     for (number, set) in material.sets.iter().enumerate() {
         let place = prefix(number, material.sets.len());
-        for ((name, map), values) in ARRAYS.iter().zip(arrays(set)) {
-            if !values.is_empty() {
-                let bytes = values.iter().flat_map(|&v| map.code(v).to_le_bytes()).collect();
-                tensors.insert(format!("{place}{name}"), (Dtype::U16, shape.clone(), bytes));
-            }
+        for (name, map, values) in arrays(set) {
+            tensors.insert(format!("{place}{name}"), (Dtype::U16, shape.clone(), codes(map, values)));
         }
+    }
+    for (name, map, _) in OTHERS.into_iter().filter(|(.., belongs)| *belongs == Belongs::Material) {
+        tensors.insert(name.into(), (Dtype::U16, shape.clone(), codes(map, &material.correlation)));
     }
     let mut description = Description {
         schema: SCHEMA,
         program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
         kind: kind_name(material.kind).into(),
+        sides: sides_name(axes.sides()).into(),
         sigma: material.sigma,
         seed: material.seed,
-        maps: ARRAYS.iter().map(|(name, map)| ((*name).to_owned(), map.text().to_owned())).collect(),
+        maps: maps().map(|(name, map)| (name, map.text().to_owned())).collect(),
         info: material.info.clone(),
         checksum: String::new(),
     };
@@ -218,12 +246,14 @@ pub fn decode_material(bytes: &[u8]) -> Result<FeatherMaterial> {
         doubles(&views, "wavelengths_nm")?,
         doubles(&views, "cos_theta")?,
         doubles(&views, "cos_phi")?,
-    )?;
+    )?
+    .with_sides(sides_of(&description.sides)?);
     let sets = if views.contains_key("p1.m") { 2 } else { 1 };
     let material = FeatherMaterial {
         sets: (0..sets)
             .map(|set| decode_set(&views, &axes, &prefix(set, sets), sets == 1))
             .collect::<Result<_>>()?,
+        correlation: codes(&views, &axes, "correlation", Map::Share)?,
         axes,
         kind: kind_of(&description.kind)?,
         sigma: description.sigma,
@@ -251,8 +281,8 @@ fn describe(json: &str) -> Result<Description> {
         )));
     }
     let description: Description = serde_json::from_str(json).map_err(refuse)?;
-    for (name, map) in ARRAYS {
-        if description.maps.get(name).map(String::as_str) != Some(map.text()) {
+    for (name, map) in maps() {
+        if description.maps.get(&name).map(String::as_str) != Some(map.text()) {
             return Err(Error::input(format!(
                 "array {name} has another map than '{}'; fit it again",
                 map.text()
@@ -268,30 +298,45 @@ fn decode_set(
     place: &str,
     fractions: bool,
 ) -> Result<ParameterSet> {
-    let shape = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.cos_phi().len()];
-    let array = |number: usize| -> Result<Vec<f32>> {
-        let (name, map) = ARRAYS[number];
-        let name = format!("{place}{name}");
-        let view = view(views, &name, Dtype::U16)?;
-        if view.shape() != shape {
-            return Err(Error::input(format!(
-                "array {name} has shape {}, but the axes ask for {}",
-                short(&format!("{:?}", view.shape())),
-                short(&format!("{shape:?}"))
-            )));
-        }
-        Ok(view.data().as_chunks::<2>().0.iter().map(|b| map.value(u16::from_le_bytes(*b))).collect())
+    let array =
+        |name: &str, ending: &str, map: Map| codes(views, axes, &format!("{place}{name}{ending}"), map);
+    let lobe = |ending: &str| -> Result<LobeSet> {
+        let [(m, roughness), (phi, azimuth), (rho, fraction)] = LOBE;
+        Ok(LobeSet {
+            m: array(m, ending, roughness)?,
+            phi: array(phi, ending, azimuth)?,
+            reflected: array(rho, ending, fraction)?,
+        })
     };
-    let lobe = |first: usize| -> Result<LobeSet> {
-        Ok(LobeSet { m: array(first)?, phi: array(first + 1)?, reflected: array(first + 2)? })
+    let [length, fraction, steady_fraction, _] = OTHERS;
+    let other = |(name, map, belongs): (&str, Map, Belongs)| match belongs {
+        Belongs::Unpolarized if !fractions => Ok(Vec::new()),
+        _ => array(name, "", map),
     };
+    // The first lobe is always there; the second where any of its arrays is.
+    let second =
+        LOBE.iter().any(|(name, _)| views.contains_key(format!("{place}{name}{}", MEAN[1]).as_str()));
     Ok(ParameterSet {
-        mean: lobe(0)?,
-        stationary: lobe(3)?,
-        length: array(6)?,
-        fraction_1: if fractions { array(7)? } else { Vec::new() },
-        stationary_fraction_1: if fractions { array(8)? } else { Vec::new() },
+        mean: MEAN[..=usize::from(second)].iter().map(|ending| lobe(ending)).collect::<Result<_>>()?,
+        steady: lobe(STEADY)?,
+        length: other(length)?,
+        fraction_1: other(fraction)?,
+        steady_fraction_1: other(steady_fraction)?,
     })
+}
+
+/// The values of an array of the axes' shape.
+fn codes(views: &BTreeMap<&str, TensorView<'_>>, axes: &Axes, name: &str, map: Map) -> Result<Vec<f32>> {
+    let shape = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.phis()];
+    let view = view(views, name, Dtype::U16)?;
+    if view.shape() != shape {
+        return Err(Error::input(format!(
+            "array {name} has shape {}, but the axes ask for {}",
+            short(&format!("{:?}", view.shape())),
+            short(&format!("{shape:?}"))
+        )));
+    }
+    Ok(view.data().as_chunks::<2>().0.iter().map(|b| map.value(u16::from_le_bytes(*b))).collect())
 }
 
 fn view<'a, 'b>(
@@ -348,6 +393,23 @@ fn kind_of(name: &str) -> Result<FitKind> {
             "the fit's kind is '{}', but must be 'marginal' or 'cone'",
             short(other)
         ))),
+    }
+}
+
+fn sides_name(sides: Sides) -> &'static str {
+    match sides {
+        Sides::Alike => "alike",
+        Sides::Both => "both",
+    }
+}
+
+fn sides_of(name: &str) -> Result<Sides> {
+    match name {
+        "alike" => Ok(Sides::Alike),
+        "both" => Ok(Sides::Both),
+        other => {
+            Err(Error::input(format!("its sides are '{}', but must be 'alike' or 'both'", short(other))))
+        }
     }
 }
 

@@ -6,7 +6,6 @@
 //!
 //! Specification: <https://zarr-specs.readthedocs.io/en/latest/v3/core/index.html>.
 
-
 use num_complex::Complex;
 use serde_json::{Map, Value, json};
 

@@ -2,6 +2,8 @@ use super::*;
 use crate::brdf::Values;
 use crate::brdf::fixtures::example;
 use crate::math::rng::Stream;
+use crate::scattering::directions::omega;
+use crate::scattering::statistics::{Axes, Sides};
 
 /// Single precision leaves h_x an error of 1e-7, which is a relative 1e-7/m of D₁ and of the noise's slope.
 #[test]
@@ -14,7 +16,7 @@ fn registers_agree_with_the_exact_formulas_at_every_width() {
         brdf.level = level;
         let mut stream = Stream::new(4, &[]);
         let mut worst = [0.0_f64; 3];
-        for instance in 0..3000 {
+        for instance in 0..2000 {
             let z = stream.uniform(0.02, 1.0);
             let (sin, cos) = stream.uniform(0.0, 6.3).sin_cos();
             let r = (1.0 - z * z).sqrt();
@@ -23,9 +25,10 @@ fn registers_agree_with_the_exact_formulas_at_every_width() {
             let prepared = brdf.prepare(waves, wi);
             let Some((wo, pdf)) = prepared.sample(1, [stream.unit(), stream.unit()]) else { continue };
             let (speckled, mean) = (prepared.eval(wo, Some(instance)), prepared.eval(wo, None));
-            let densities = prepared.pdf4(wo);
+            let densities = prepared.pdfs(wo);
             assert_eq!(pdf, densities[1]);
-            assert_eq!(brdf.eval(waves, wi, wo, Some(instance)), speckled);
+            let twice: [f32; 8] = std::array::from_fn(|k| waves[k % 4]);
+            assert_eq!(brdf.eval(twice, wi, wo, Some(instance))[4..], speckled);
             for lane in 0..4 {
                 let exact = brdf.exact(f64::from(waves[lane]), wi);
                 let Values { f, pdf: density, .. } = exact.values(wo, Some(instance));
@@ -77,11 +80,13 @@ fn a_part_of_the_wavelengths_says_the_same_there() {
 fn registers_agree_with_the_exact_formulas_for_all_options() {
     let mut material = example(3);
     let mut second = material.sets[0].clone();
-    second.mean.m.iter_mut().for_each(|m| *m *= 1.3);
-    second.mean.reflected.iter_mut().for_each(|rho| *rho *= 0.4);
+    for lobe in &mut second.mean {
+        lobe.m.iter_mut().for_each(|m| *m *= 1.3);
+        lobe.reflected.iter_mut().for_each(|rho| *rho *= 0.4);
+    }
     material.sets.push(second);
     for set in &mut material.sets {
-        (set.fraction_1, set.stationary_fraction_1) = (Vec::new(), Vec::new());
+        (set.fraction_1, set.steady_fraction_1) = (Vec::new(), Vec::new());
     }
     let (wi, wo) = (DVec3::new(0.3, 0.2, 0.9).normalize(), DVec3::new(-0.25, -0.18, 0.9).normalize());
     for polarization in [None, Some(Polarization::First), Some(Polarization::Second)] {
@@ -95,4 +100,91 @@ fn registers_agree_with_the_exact_formulas_for_all_options() {
             assert!(exact.steady > 0.0 && exact.steady <= brdf.exact(500.0, wi).values(wo, None).f);
         }
     }
+}
+
+/// One node's lobes far apart from its neighbour's: between them both peaks are seen, and nothing is lost.
+#[test]
+fn neighbours_are_mixed_by_value() {
+    let mut material = example(2);
+    let axes = material.axes.clone();
+    let set = &mut material.sets[0];
+    for wave in 0..2 {
+        for (theta, _) in axes.cos_theta().iter().enumerate() {
+            for (phi, cosine) in axes.cos_phi().iter().enumerate() {
+                let at = axes.index(wave, theta, phi);
+                let phi_i = libm::acos(*cosine) as f32;
+                let away = if phi.is_multiple_of(2) { 0.3 } else { -0.3 };
+                for (lobe, share) in set.mean.iter_mut().zip([0.3, 0.1]) {
+                    (lobe.m[at], lobe.phi[at], lobe.reflected[at]) =
+                        (0.05, (phi_i + away).clamp(-1.5, 1.5), share);
+                }
+            }
+        }
+    }
+    let brdf = FeatherBrdf::new(&material, Options::default()).unwrap();
+    // Half way between cosφ_i of 0.70 and 0.75.
+    let phi_i = f64::acos(0.725);
+    let wi = DVec3::new(phi_i.sin(), 0.0, phi_i.cos());
+    let exact = brdf.exact(400.0, wi);
+    let at = |phi: f64| exact.across(phi.sin(), phi.cos(), 0.0, None).f;
+    let (left, middle, right) = (at(-phi_i - 0.3), at(-phi_i), at(-phi_i + 0.3));
+    assert!(middle < 0.2 * left.min(right), "{left} {middle} {right}");
+    assert!((brdf.albedo(400.0, wi) - 0.4).abs() < 1e-6);
+    let count = 20_000;
+    let step = std::f64::consts::PI / f64::from(count);
+    let sum: f64 =
+        (0..count).map(|k| at((f64::from(k) + 0.5) * step - std::f64::consts::FRAC_PI_2)).sum::<f64>() * step;
+    assert!((sum - 0.4).abs() < 1e-5, "{sum}");
+}
+
+/// Light from either side, where both are stored: the left one's lobes are not those of the right one.
+#[test]
+fn both_signs_have_their_own_lobes() {
+    let alike = example(2);
+    let mut both = alike.clone();
+    both.axes = alike.axes.clone().with_sides(Sides::Both);
+    let (one, two) = (&alike.axes, &both.axes);
+    assert_eq!(two.phis(), 39);
+    let spread = |values: &[f32], sign: f32| -> Vec<f32> {
+        let node = |wave, theta, phi| values[one.index(wave, theta, two.cosine_of(phi))];
+        let mut out = Vec::new();
+        for wave in 0..2 {
+            for theta in 0..20 {
+                for phi in 0..two.phis() {
+                    out.push(if phi < 20 { 1.0 } else { sign } * node(wave, theta, phi));
+                }
+            }
+        }
+        out
+    };
+    let set = &mut both.sets[0];
+    for lobe in set.mean.iter_mut().chain([&mut set.steady]) {
+        (lobe.m, lobe.phi, lobe.reflected) =
+            (spread(&lobe.m, 1.0), spread(&lobe.phi, -1.0), spread(&lobe.reflected, 1.0));
+    }
+    for values in [&mut set.length, &mut set.fraction_1, &mut set.steady_fraction_1, &mut both.correlation] {
+        *values = spread(values, 1.0);
+    }
+    let mut dark = both.clone();
+    let at = |phi: usize| dark_index(&both.axes, phi);
+    for phi in 20..39 {
+        for lobe in &mut dark.sets[0].mean {
+            at(phi).for_each(|node| lobe.reflected[node] = 0.0);
+        }
+    }
+    let brdfs =
+        [&alike, &both, &dark].map(|material| FeatherBrdf::new(material, Options::default()).unwrap());
+    for (theta, phi) in [(0.3, 0.7), (-0.5, -0.7), (0.1, -0.05), (0.0, 1.52), (0.9, -1.55)] {
+        let wi = omega(theta, phi);
+        let wo = omega(-theta + 0.02, -phi + 0.03);
+        let [a, b, c] = brdfs.each_ref().map(|brdf| brdf.exact(430.0, wi).values(wo, None));
+        assert!((a.f / b.f - 1.0).abs() < 1e-5 && (a.pdf / b.pdf - 1.0).abs() < 1e-5, "{a:?} {b:?}");
+        let expected = if phi > 0.0 { b.f } else { 0.0 };
+        // Between the normal and the first node on the other side both count.
+        assert!((c.f - expected).abs() < 1e-6 * b.f || phi == -0.05 && c.f < b.f, "{theta} {phi}: {c:?}");
+    }
+}
+
+fn dark_index(axes: &Axes, phi: usize) -> impl Iterator<Item = usize> + '_ {
+    (0..2).flat_map(move |wave| (0..20).map(move |theta| axes.index(wave, theta, phi)))
 }

@@ -5,12 +5,12 @@ use serde::Serialize;
 use super::super::three;
 use super::ghost;
 use crate::Result;
-use crate::brdf::FeatherMaterial;
-use crate::brdf::fit::fitted_scale;
+use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, marginals};
 use crate::characterize::Barbules;
 use crate::plot::{Axis, Curve, Drawing, Figure, style};
+use crate::progress::Unobserved;
+use crate::scattering::directions::omega;
 use crate::scattering::far_field::Polarization;
-use crate::scattering::lobe::Lobe;
 use crate::scattering::statistics::Axes;
 use crate::spectrum::Wavelengths;
 
@@ -70,7 +70,10 @@ impl FieldPatterns {
                 if phi_in_deg == 0.0 {
                     if wave == 0 {
                         // One barbule's own intensity is no lobe: the weight is the material's.
-                        patterns.fitted = fitted_at(material, &patterns.phi_o);
+                        let brdf = FeatherBrdf::new(&material.around(&[nm])?, Options::default())?;
+                        let normal = omega(0.0, 0.0);
+                        let mut fitted = marginals(&brdf, &[nm], normal, &patterns.phi_o, None, &Unobserved)?;
+                        patterns.fitted = fitted.remove(0).f;
                         found.weighted = patterns.weighted(0).iter().map(|field| field.re).collect();
                     }
                     found.normal.push(pattern.clone());
@@ -125,15 +128,6 @@ impl FieldPattern {
         let points = self.x_out.iter().zip(&self.r).map(|(x, r)| [place(*x), *r]);
         Curve::line(name, points.collect())
     }
-}
-
-/// U' of the shortest wavelength at normal incidence, at other azimuths than those of the tables.
-fn fitted_at(material: &FeatherMaterial, phi_o: &[f64]) -> Vec<f64> {
-    let node = material.axes.index(0, material.axes.cos_theta().len() - 1, material.axes.cos_phi().len() - 1);
-    let set = &material.sets[0].mean;
-    let lobe = Lobe { m: f64::from(set.m[node]), phi: f64::from(set.phi[node]) };
-    let scale = fitted_scale(material.kind, lobe, 0.0, f64::from(set.reflected[node]));
-    phi_o.iter().map(|phi| scale * lobe.shape(material.kind, 0.0, *phi)).collect()
 }
 
 fn panel(title: String, label: &str, own: Curve, below: Option<Curve>) -> Drawing {

@@ -5,13 +5,12 @@ use serde::Serialize;
 use super::super::three;
 use super::{PER_RADIAN, nearest};
 use crate::Result;
-use crate::brdf::fit::fitted_values;
-use crate::brdf::{FeatherMaterial, LobeSet};
+use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, marginals};
 use crate::campaign::statistics;
 use crate::characterize::Barbules;
 use crate::plot::{Axis, Curve, Drawing, Figure};
-use crate::scattering::directions::azimuths;
-use crate::scattering::lobe::Lobe;
+use crate::progress::Unobserved;
+use crate::scattering::directions::{azimuths, omega};
 use crate::scattering::statistics::{AZIMUTHS, Axes, Statistics};
 use crate::spectrum::Wavelengths;
 
@@ -59,27 +58,34 @@ pub struct FitCurves {
 impl FitCurves {
     /// At θ_i nearest to 0 and φ_i nearest to 0° and 70°, at three wavelengths.
     #[must_use]
-    pub fn of(material: &FeatherMaterial, statistics: &Statistics) -> Vec<Self> {
+    ///
+    /// # Errors
+    /// The material cannot be prepared.
+    pub fn of(material: &FeatherMaterial, statistics: &Statistics) -> Result<Vec<Self>> {
         let axes = &material.axes;
+        let brdf = FeatherBrdf::new(material, Options::default())?;
         let theta = axes.cos_theta().len() - 1;
         let found = &statistics.axes;
         let at = |wave: usize, phi: usize| {
-            let node = axes.index(wave, theta, phi);
             let place = found.index(
                 nearest(found.wavelengths_nm(), axes.wavelengths_nm()[wave]),
                 nearest(found.cos_theta(), axes.cos_theta()[theta]),
                 nearest(found.cos_phi(), axes.cos_phi()[phi]),
             );
-            Self {
+            let wi = omega(axes.theta_i(theta), axes.phi_i(phi));
+            let phi_out: Vec<f64> = azimuths(AZIMUTHS).collect();
+            let fitted =
+                marginals(&brdf, &[axes.wavelengths_nm()[wave]], wi, &phi_out, None, &Unobserved)?.remove(0);
+            Ok(Self {
                 wavelength_nm: axes.wavelengths_nm()[wave],
                 theta_in_deg: axes.theta_i(theta).to_degrees(),
                 phi_in_deg: axes.phi_i(phi).to_degrees(),
                 phi_out_deg: azimuths(AZIMUTHS).map(f64::to_degrees).collect(),
                 u_simulated: mean_over_polarizations(&statistics.u, place),
-                u_fitted: fitted_mean(material, node, 0),
+                u_fitted: fitted.f,
                 v_simulated: mean_over_polarizations(&statistics.v, place),
-                s_fitted: fitted_mean(material, node, 1),
-            }
+                s_fitted: fitted.steady,
+            })
         };
         let phis = fitted_phis(axes);
         three(axes)
@@ -114,20 +120,4 @@ impl FitCurves {
 fn mean_over_polarizations(array: &[f32], node: usize) -> Vec<f64> {
     let part = |p: usize| &array[(node * 2 + p) * AZIMUTHS..][..AZIMUTHS];
     part(0).iter().zip(part(1)).map(|(a, b)| 0.5 * f64::from(a + b)).collect()
-}
-
-/// U' (`part` 0) or s (1) of the material, mean over its sets.
-fn fitted_mean(material: &FeatherMaterial, node: usize, part: usize) -> Vec<f64> {
-    let axes = &material.axes;
-    let theta = axes.theta_i(node / axes.cos_phi().len() % axes.cos_theta().len());
-    let mut sum = vec![0.0; AZIMUTHS];
-    for set in &material.sets {
-        let lobe: &LobeSet = if part == 0 { &set.mean } else { &set.stationary };
-        let shape = Lobe { m: f64::from(lobe.m[node]), phi: f64::from(lobe.phi[node]) };
-        let values = fitted_values(material.kind, shape, theta, f64::from(lobe.reflected[node]));
-        for (sum, value) in sum.iter_mut().zip(values) {
-            *sum += value / material.sets.len() as f64;
-        }
-    }
-    sum
 }

@@ -303,6 +303,3 @@ fn places_where_no_store_can_be_are_refused_with_a_remedy() {
         }
     }
 }
-
-/// Made by the version before chunks were left uncompressed: `simulate air/keratin:300/air --wavelengths 450
-/// --directions 2x2 --instances 3`.
