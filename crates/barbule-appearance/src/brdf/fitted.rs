@@ -1,18 +1,97 @@
-//! What fitted lobes say at the nodes of a material's tables.
+//! What a material says at the nodes of its tables: the one place that turns parameters into intensities per azimuth.
 
+use super::material::{FeatherMaterial, LobeSet};
 use crate::scattering::directions;
-use crate::scattering::lobe::{FitKind, Lobe};
+use crate::scattering::lobe::{FitKind, Fitter, Lobe};
 use crate::scattering::statistics::{AZIMUTHS, Axes};
 
 /// Wavelength in nm and θ_i, φ_i in degrees of a node.
 pub(super) fn direction(axes: &Axes, node: usize) -> (f64, f64, f64) {
-    let phis = axes.cos_phi().len();
-    let thetas = axes.cos_theta().len();
-    (
-        axes.wavelengths_nm()[node / phis / thetas],
-        libm::acos(axes.cos_theta()[node / phis % thetas]).to_degrees(),
-        libm::acos(axes.cos_phi()[node % phis]).to_degrees(),
+    let [wave, theta, phi] = place(axes, node);
+    (axes.wavelengths_nm()[wave], axes.theta_i(theta).to_degrees(), axes.phi_i(phi).to_degrees())
+}
+
+/// Which λ, θ_i and φ_i a node is.
+pub(super) fn place(axes: &Axes, node: usize) -> [usize; 3] {
+    let (phis, thetas) = (axes.phis(), axes.cos_theta().len());
+    [node / phis / thetas, node / phis % thetas, node % phis]
+}
+
+/// What a material's node sends to azimuths on the specular cone in one incident polarization, 1/rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// Mean intensity U'.
+    pub mean: Vec<f64>,
+    /// The part of it that does not fluctuate, at most the mean.
+    pub steady: Vec<f64>,
+}
+
+/// Mean and steady intensity of node number `node` of the tables at the azimuths φ_o, rad, by incident polarization.
+#[must_use]
+pub fn fitted(material: &FeatherMaterial, node: usize, phi_o: &[f64]) -> [Fitted; 2] {
+    let [_, theta, _] = place(&material.axes, node);
+    let theta_i = material.axes.theta_i(theta);
+    let fitter = Fitter::new(material.kind, theta_i, AZIMUTHS);
+    let kind = material.kind;
+    assemble(
+        material,
+        node,
+        &fitter,
+        &|lobe: Lobe| phi_o.iter().map(|phi| lobe.shape(kind, theta_i, *phi)).collect(),
+        &|lobe: Lobe| phi_o.iter().map(|phi| lobe.steady_shape(kind, theta_i, *phi)).collect(),
     )
+}
+
+/// The same on the azimuths of U, with the fitter of the node's θ_i.
+pub(super) fn fitted_on_azimuths(material: &FeatherMaterial, node: usize, fitter: &Fitter) -> [Fitted; 2] {
+    assemble(material, node, fitter, &|lobe| fitter.values(lobe), &|lobe| fitter.steady_values(lobe))
+}
+
+fn assemble(
+    material: &FeatherMaterial,
+    node: usize,
+    fitter: &Fitter,
+    shape: &dyn Fn(Lobe) -> Vec<f64>,
+    steady_shape: &dyn Fn(Lobe) -> Vec<f64>,
+) -> [Fitted; 2] {
+    let [_, theta, _] = place(&material.axes, node);
+    let cos_theta = material.axes.cos_theta()[theta];
+    let of_set = |number: usize| {
+        let set = &material.sets[number];
+        let mut mean = Vec::new();
+        for lobe in &set.mean {
+            let (at, reflected) = lobe_at(lobe, node);
+            let scale = scale_of(&fitter.values(at), cos_theta, reflected);
+            let values = shape(at);
+            mean.resize(values.len(), 0.0);
+            for (sum, value) in mean.iter_mut().zip(values) {
+                *sum += scale * value;
+            }
+        }
+        let (at, reflected) = lobe_at(&set.steady, node);
+        let scale = scale_of(&fitter.steady_values(at), cos_theta, reflected);
+        let steady: Vec<f64> = steady_shape(at).into_iter().map(|value| scale * value).collect();
+        Fitted { mean, steady }
+    };
+    let sets: Vec<Fitted> = (0..material.sets.len()).map(of_set).collect();
+    [0, 1].map(|polarization| {
+        let number = polarization.min(material.sets.len() - 1);
+        let set = &material.sets[number];
+        let share = |fractions: &[f32]| match fractions.get(node) {
+            Some(&first) if polarization == 0 => 2.0 * f64::from(first),
+            Some(&first) => 2.0 - 2.0 * f64::from(first),
+            None => 1.0,
+        };
+        let (of_mean, of_steady) = (share(&set.fraction_1), share(&set.steady_fraction_1));
+        let mean: Vec<f64> = sets[number].mean.iter().map(|value| of_mean * value).collect();
+        let steady = sets[number].steady.iter().zip(&mean).map(|(s, mean)| (of_steady * s).min(*mean)).collect();
+        Fitted { mean, steady }
+    })
+}
+
+fn lobe_at(set: &LobeSet, node: usize) -> (Lobe, f64) {
+    let lobe = Lobe { m: f64::from(set.m[node]), phi: f64::from(set.phi[node]) };
+    (lobe, f64::from(set.reflected[node]))
 }
 
 /// U' or V' of a lobe: the shape on the azimuths, scaled to reflect `reflected`.
@@ -25,7 +104,12 @@ pub fn fitted_values(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) ->
 /// The factor on a lobe's shape with which it reflects `reflected`.
 #[must_use]
 pub fn fitted_scale(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> f64 {
-    let step = std::f64::consts::PI / AZIMUTHS as f64;
-    let sum: f64 = directions::azimuths(AZIMUTHS).map(|phi_o| lobe.shape(kind, theta_i, phi_o)).sum();
-    reflected / (libm::cos(theta_i) * step * sum).max(f64::MIN_POSITIVE)
+    let shape = Fitter::new(kind, theta_i, AZIMUTHS).values(lobe);
+    scale_of(&shape, libm::cos(theta_i), reflected)
+}
+
+/// The factor on a shape on the azimuths with which it reflects `reflected`.
+pub(super) fn scale_of(shape: &[f64], cos_theta: f64, reflected: f64) -> f64 {
+    let step = std::f64::consts::PI / shape.len().max(1) as f64;
+    reflected / (cos_theta * step * shape.iter().sum::<f64>()).max(f64::MIN_POSITIVE)
 }

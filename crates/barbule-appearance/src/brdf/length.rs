@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::material::LENGTHS;
-use crate::scattering::statistics::{LAGS, Statistics};
+use crate::scattering::statistics::{LAGS, NOISE_POINTS, Statistics};
 
 /// The length l of one (λ, ω_i).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +26,7 @@ pub(super) fn reference(statistics: &Statistics) -> Vec<f64> {
 pub(super) fn lengths(statistics: &Statistics, polarizations: &[usize]) -> Vec<Length> {
     let reference = reference(statistics);
     let axes = &statistics.axes;
-    let per_wavelength = axes.cos_theta().len() * axes.cos_phi().len();
+    let per_wavelength = axes.cos_theta().len() * axes.phis();
     (0..axes.len())
         .into_par_iter()
         .map(|node| {
@@ -39,6 +39,11 @@ pub(super) fn lengths(statistics: &Statistics, polarizations: &[usize]) -> Vec<L
             Length { fitted: bounded(best_scale(&reference, &lags, ratio, own)), ratio }
         })
         .collect()
+}
+
+/// Δx_o at which the autocovariance of a node falls to 1/e; `None` where there is none.
+pub(super) fn correlation_length(statistics: &Statistics, node: usize, polarizations: &[usize]) -> Option<f64> {
+    Some(decay(&normalized(statistics, node, polarizations)?)? * 2.0 / NOISE_POINTS as f64)
 }
 
 /// The mean over the polarizations, divided by its value at lag 0.

@@ -4,6 +4,7 @@
 //! the tables that a `.barbule` file holds; [`FeatherBrdf`] prepares one for evaluation. Directions are in the
 //! barbule's frame (x across, y along, z up) and point away from the surface; values are in 1/sr without the cosine.
 
+mod correlation;
 mod evaluate;
 mod exact;
 pub mod fit;
@@ -19,8 +20,10 @@ mod noise;
 mod patterns;
 pub mod pictures;
 mod profile;
+mod report;
 mod sample;
 mod simd;
+mod steady;
 mod table;
 
 pub use evaluate::{FeatherBrdf, Options, PreparedBrdf};

@@ -1,14 +1,16 @@
 //! Synthesized patterns beside simulated ones: the check that instances vary as the simulated barbules do.
 
-use super::fitted::{direction, fitted_scale};
-use super::material::{FeatherMaterial, LobeSet};
+use super::fitted::{Fitted, direction, fitted, place};
+use super::material::FeatherMaterial;
 use super::noise::Noise;
 use crate::scattering::directions;
-use crate::scattering::lobe::Lobe;
-use crate::scattering::statistics::{AZIMUTHS, Statistics};
+use crate::scattering::statistics::{AZIMUTHS, Axes, Statistics};
 
 /// Least number of instances drawn per (λ, ω_i).
-const DRAWS: usize = 64;
+const DRAWS: usize = 200;
+
+/// The parts of a lobe in which contrasts are compared: mean intensity over its peak, from and to.
+const REGIONS: [[f64; 2]; 3] = [[0.5, 1.01], [0.1, 0.5], [0.02, 0.1]];
 
 /// Simulated against synthesized patterns at one (λ, ω_i).
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -21,8 +23,12 @@ pub struct Pattern {
     pub phi_deg: f64,
     /// Correlation between the two incident polarizations, simulated and synthesized.
     pub correlation: [f64; 2],
-    /// Standard deviation over mean, simulated and synthesized.
+    /// Standard deviation over mean of unpolarized light, simulated and synthesized.
     pub contrast: [f64; 2],
+    /// The same of each polarization's intensity about the mirror direction (mean at least half its peak), on the
+    /// shoulders (a tenth) and in the wings (0.02): per azimuth, root mean square weighted by the mean. `None` where a lobe
+    /// has no such part. `[polarization][part]`.
+    pub regions: [[Option<[f64; 2]>; 3]; 2],
     /// 4 f (1 − f) with polarization 1's part f of the energy: what the correlation weighs in the variance of
     /// unpolarized light.
     pub balance: f64,
@@ -30,10 +36,12 @@ pub struct Pattern {
 
 /// What a material's instances send to the azimuths of one node of its tables.
 pub struct Synthesis {
-    /// Mean and steady intensity by incident polarization, each on the azimuths.
-    sides: [[Vec<f64>; 2]; 2],
-    /// Arguments of the noise.
-    positions: Vec<f32>,
+    /// By incident polarization.
+    sides: [Fitted; 2],
+    /// Arguments of each polarization's noise.
+    positions: [Vec<f32>; 2],
+    /// Correlation of both polarizations' noise.
+    gamma: f32,
 }
 
 impl Synthesis {
@@ -47,51 +55,33 @@ impl Synthesis {
     /// The same on other azimuths φ_o, rad.
     #[must_use]
     pub fn on(material: &FeatherMaterial, node: usize, phi_o: &[f64]) -> Self {
-        let (_, theta_deg, phi_deg) = direction(&material.axes, node);
-        let (theta, phi_i) = (theta_deg.to_radians(), phi_deg.to_radians());
-        let sides = [0, 1].map(|polarization| {
+        let [_, theta, phi] = place(&material.axes, node);
+        let (cosine, phi_i) = (material.axes.cos_theta()[theta], material.axes.phi_i(phi));
+        let positions = [0, 1].map(|polarization| {
             let set = &material.sets[polarization.min(material.sets.len() - 1)];
-            let share = |fractions: &[f32]| match fractions.get(node) {
-                Some(&first) if polarization == 0 => 2.0 * f64::from(first),
-                Some(&first) => 2.0 - 2.0 * f64::from(first),
-                None => 1.0,
-            };
-            let values = |lobe: &LobeSet, share: f64| -> Vec<f64> {
-                let shape = Lobe { m: f64::from(lobe.m[node]), phi: f64::from(lobe.phi[node]) };
-                let scale =
-                    fitted_scale(material.kind, shape, theta, share * f64::from(lobe.reflected[node]));
-                phi_o.iter().map(|phi| scale * shape.shape(material.kind, theta, *phi)).collect()
-            };
-            [
-                values(&set.mean, share(&set.fraction_1)),
-                values(&set.stationary, share(&set.stationary_fraction_1)),
-            ]
+            let length = f64::from(set.length[node]);
+            let x = |phi_o: &f64| (cosine * (libm::sin(phi_i) + libm::sin(*phi_o)) / length) as f32;
+            phi_o.iter().map(x).collect()
         });
-        let length = f64::from(material.sets[0].length[node]);
-        let cosine = libm::cos(theta);
-        let positions = phi_o
-            .iter()
-            .map(|phi_o| (cosine * (libm::sin(phi_i) + libm::sin(*phi_o)) / length) as f32)
-            .collect();
-        Self { sides, positions }
+        Self { sides: fitted(material, node, phi_o), positions, gamma: material.correlation[node] }
     }
 
     /// The fitted mean intensity, by incident polarization.
     #[must_use]
     pub fn mean(&self) -> [&[f64]; 2] {
-        [0, 1].map(|p| &self.sides[p][0][..])
+        [0, 1].map(|p| &self.sides[p].mean[..])
     }
 
     /// The real and imaginary part of an instance's field, by incident polarization, on the azimuths; the squared
     /// modulus is the intensity (S.25).
     pub fn fields<'a>(&'a self, noise: &'a Noise, instance: u64) -> impl Iterator<Item = [[f64; 2]; 2]> + 'a {
         let draw = noise.draw(instance);
-        self.positions.iter().enumerate().map(move |(k, &x)| {
-            let [qr, qi] = noise.at(&draw, x).map(f64::from);
+        (0..self.positions[0].len()).map(move |k| {
             [0, 1].map(|p| {
-                let mean = self.sides[p][0][k];
-                let steady = self.sides[p][1][k].min(mean);
-                let spread = (0.5 * (mean - steady)).sqrt();
+                // Polarizations whose patterns stretch differently read the noise at different places.
+                let [qr, qi] = noise.at_both(&draw, self.positions[p][k], self.gamma)[p].map(f64::from);
+                let (mean, steady) = (self.sides[p].mean[k], self.sides[p].steady[k]);
+                let spread = (0.5 * (mean - steady)).max(0.0).sqrt();
                 [spread * qr + steady.sqrt(), spread * qi]
             })
         })
@@ -106,50 +96,86 @@ impl Synthesis {
     }
 }
 
-/// Correlation and contrast, simulated and synthesized, at up to three wavelengths and four azimuths of θ_i near 0.
+/// Up to nine nodes to compare: three wavelengths, each at normal incidence, at φ_i = 45° and at θ_i = 45°, φ_i = 20°.
+fn chosen(axes: &Axes) -> Vec<usize> {
+    let mut waves = vec![0, axes.wavelengths_nm().len() / 2, axes.wavelengths_nm().len() - 1];
+    waves.dedup();
+    let nearest = |cosines: &[f64], degrees: f64| {
+        let apart = |k: usize| (cosines[k] - libm::cos(degrees.to_radians())).abs();
+        (0..cosines.len()).min_by(|&a, &b| apart(a).total_cmp(&apart(b))).unwrap_or(0)
+    };
+    let mut directions: Vec<[usize; 2]> = [[0.0, 0.0], [0.0, 45.0], [45.0, 20.0]]
+        .map(|[theta, phi]| [nearest(axes.cos_theta(), theta), nearest(axes.cos_phi(), phi)])
+        .to_vec();
+    directions.sort_unstable();
+    directions.dedup();
+    // From normal incidence on.
+    directions.reverse();
+    waves
+        .iter()
+        .flat_map(|&wave| directions.iter().map(move |&[theta, phi]| axes.index(wave, theta, phi)))
+        .collect()
+}
+
+/// Instances of the material beside what the campaign found, at up to nine (λ, ω_i).
 pub(super) fn compare(statistics: &Statistics, material: &FeatherMaterial) -> Vec<Pattern> {
     let axes = &statistics.axes;
     let noise = Noise::new(&material.noise_power, material.seed);
-    let theta = axes.cos_theta().len() - 1;
-    let mut waves = vec![0, axes.wavelengths_nm().len() / 2, axes.wavelengths_nm().len() - 1];
-    waves.dedup();
-    let mut phis: Vec<usize> = [1.0, 0.85, 0.65, 0.35]
-        .iter()
-        .filter_map(|c| {
-            (0..axes.cos_phi().len())
-                .min_by(|&a, &b| (axes.cos_phi()[a] - c).abs().total_cmp(&(axes.cos_phi()[b] - c).abs()))
-        })
-        .collect();
-    phis.dedup();
-    let mut patterns = Vec::new();
-    for &wave in &waves {
-        for &phi in &phis {
-            let node = axes.index(wave, theta, phi);
-            let synthesis = Synthesis::new(material, node);
-            let (correlation, contrast) = synthesis.drawn(&noise, statistics.instances);
-            let (wavelength_nm, theta_deg, phi_deg) = direction(axes, node);
-            let [first, second] = [0, 1].map(|p| statistics.reflected[node * 2 + p].max(0.0));
-            let whole = (first + second).max(f64::MIN_POSITIVE);
-            patterns.push(Pattern {
-                wavelength_nm,
-                theta_deg,
-                phi_deg,
-                correlation: [statistics.pattern_correlation[node], correlation],
-                contrast: [statistics.unpolarized_contrast[node], contrast],
-                balance: 4.0 * first * second / (whole * whole),
-            });
+    let pattern = |node: usize| {
+        let synthesized = Synthesis::new(material, node).drawn(&noise, statistics.instances);
+        let (wavelength_nm, theta_deg, phi_deg) = direction(axes, node);
+        let [first, second] = [0, 1].map(|p| statistics.reflected[node * 2 + p].max(0.0));
+        let whole = (first + second).max(f64::MIN_POSITIVE);
+        let regions = [0, 1].map(|p| {
+            let row = |array: &[f32]| -> Vec<f64> {
+                let from = &array[(node * 2 + p) * AZIMUTHS..][..AZIMUTHS];
+                from.iter().map(|v| f64::from(*v)).collect()
+            };
+            let u = row(&statistics.u);
+            let simulated: Vec<f64> = row(&statistics.contrast).into_iter().map(|c| c * c).collect();
+            REGIONS.map(|region| {
+                Some([part(&u, &simulated, region)?, part(&u, &synthesized.contrast2[p], region)?])
+            })
+        });
+        Pattern {
+            wavelength_nm,
+            theta_deg,
+            phi_deg,
+            correlation: [statistics.pattern_correlation[node], synthesized.correlation],
+            contrast: [statistics.unpolarized_contrast[node], synthesized.contrast],
+            regions,
+            balance: 4.0 * first * second / (whole * whole),
         }
-    }
-    patterns
+    };
+    chosen(axes).into_iter().map(pattern).collect()
+}
+
+/// Root mean square, weighted by the mean, of contrasts where the mean over its peak is in the region.
+fn part(mean: &[f64], contrast2: &[f64], [from, to]: [f64; 2]) -> Option<f64> {
+    let peak = mean.iter().fold(0.0, |a: f64, b| a.max(*b));
+    let is_there = |value: f64| value > 0.0 && (from * peak..to * peak).contains(&value);
+    let pairs = || mean.iter().zip(contrast2).filter(|(mean, _)| is_there(**mean));
+    let weight: f64 = pairs().map(|(mean, _)| mean).sum();
+    (weight > 0.0).then(|| (pairs().map(|(mean, c2)| mean * c2).sum::<f64>() / weight).sqrt())
+}
+
+/// What drawn instances do.
+struct Drawn {
+    correlation: f64,
+    /// Of unpolarized light.
+    contrast: f64,
+    /// Squared contrast at each azimuth, by polarization.
+    contrast2: [Vec<f64>; 2],
 }
 
 impl Synthesis {
-    /// Correlation of the polarizations' patterns and contrast of the unpolarized intensity over drawn instances, in
-    /// groups as large as the campaign, so that both sides of the comparison have the bias of a finite number.
-    fn drawn(&self, noise: &Noise, instances: usize) -> (f64, f64) {
+    /// Draws instances in groups as large as the campaign, so that both sides of the comparison have the bias of a finite
+    /// number.
+    fn drawn(&self, noise: &Noise, instances: usize) -> Drawn {
         let instances = instances.max(2);
         let groups = DRAWS.div_ceil(instances);
-        let (mut correlation, mut contrast) = (0.0, 0.0);
+        let mut drawn =
+            Drawn { correlation: 0.0, contrast: 0.0, contrast2: [vec![0.0; AZIMUTHS], vec![0.0; AZIMUTHS]] };
         for group in 0..groups {
             let mut moments = Moments::new();
             for instance in group * instances..(group + 1) * instances {
@@ -159,10 +185,18 @@ impl Synthesis {
                 }
             }
             let (a, b) = moments.result(instances as f64);
-            correlation += a / groups as f64;
-            contrast += b / groups as f64;
+            drawn.correlation += a / groups as f64;
+            drawn.contrast += b / groups as f64;
+            for (k, terms) in moments.sums.iter().enumerate() {
+                for (p, row) in drawn.contrast2.iter_mut().enumerate() {
+                    let (mean, square) = (terms[p] / instances as f64, terms[p + 2] / instances as f64);
+                    if mean > 0.0 {
+                        row[k] += (square / (mean * mean) - 1.0) / groups as f64;
+                    }
+                }
+            }
         }
-        (correlation, contrast)
+        drawn
     }
 }
 

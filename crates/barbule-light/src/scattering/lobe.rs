@@ -18,6 +18,12 @@ use std::f64::consts::PI;
 
 use super::directions;
 
+mod pair;
+mod steady;
+
+pub use pair::{Pair, PairFit};
+pub use steady::{Power, SteadyFit};
+
 /// The smallest roughness of a lobe.
 pub const SMALLEST_M: f64 = 0.001;
 
@@ -70,6 +76,21 @@ impl Lobe {
         let cos_z = libm::cos(theta_i) * libm::cos(phi_o);
         let slope = (1.0 - cos_z * cos_z) / (cos_z * cos_z);
         Parameters::new(*self).shape(kind, sin_o, cos_o, slope)
+    }
+
+    /// What a lobe of a steady field has instead: [`shape`](Self::shape) times π m² D₁, with narrower wings.
+    #[must_use]
+    pub fn steady_shape(&self, kind: FitKind, theta_i: f64, phi_o: f64) -> f64 {
+        let hx = libm::sin(0.5 * (phi_o + self.phi));
+        let m2 = self.m * self.m;
+        let part = m2 / (m2 + (1.0 - m2) * hx * hx);
+        part * part * self.shape(kind, theta_i, phi_o)
+    }
+
+    /// The lobe of the mirror image.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        Self { phi: -self.phi, ..self }
     }
 }
 
@@ -170,6 +191,31 @@ impl Fitter {
         Self { kind, cos_theta, azimuths, step: PI / count.max(1) as f64 }
     }
 
+    /// How far azimuths of lobes are free with light from φ_i, rad: 0 to 1. Towards grazing incidence they pass over into
+    /// φ_i, since the horizon cuts off the light that would tell them.
+    #[must_use]
+    pub fn freedom(&self, phi_i: f64) -> f64 {
+        let grazing = self.cos_theta * libm::cos(phi_i);
+        // Cosines of angles of cosines: what is meant to be the upper bound may lie a few 1e-17 below it.
+        ((grazing + 1e-12 - BLEND.0) / (BLEND.1 - BLEND.0)).clamp(0.0, 1.0)
+    }
+
+    /// The lobe's shape on the azimuths.
+    #[must_use]
+    pub fn values(&self, lobe: Lobe) -> Vec<f64> {
+        let mut shape = vec![0.0; self.azimuths.sin.len()];
+        self.evaluate(&Parameters::new(lobe), &mut shape);
+        shape
+    }
+
+    /// The lobe's steady shape on the azimuths.
+    #[must_use]
+    pub fn steady_values(&self, lobe: Lobe) -> Vec<f64> {
+        let mut shape = self.values(lobe);
+        steady::narrow(&Parameters::new(lobe), &self.azimuths, &mut shape);
+        shape
+    }
+
     /// The best lobe for `values` (U or V, the latter may be slightly negative) with light from φ_i, rad.
     ///
     /// Several starts (φ_i, centroid and highest peaks, each with three widths) guard against distributions with
@@ -184,8 +230,7 @@ impl Fitter {
             let lobe = Lobe { m: 1.0, phi: bounded_phi(phi_i) };
             return Fit { lobe, scale: 0.0, residual, converged: usable };
         }
-        let grazing = self.cos_theta * libm::cos(phi_i);
-        let weight = ((grazing - BLEND.0) / (BLEND.1 - BLEND.0)).clamp(0.0, 1.0);
+        let weight = self.freedom(phi_i);
         let starts = self.starts(phi_i, values);
         let free = if weight > 0.0 { self.best(&starts, values, norm, true) } else { None };
         if let (Some(fit), true) = (free, weight >= 1.0) {
@@ -317,8 +362,28 @@ fn bounded_phi(phi: f64) -> f64 {
     phi.clamp(-largest_phi(), largest_phi())
 }
 
-/// Least squares over two unbounded parameters (t, u): ln m between its bounds by a sine of t, φ_eff = φ_max sin u. The
-/// scale is eliminated: it is the projection of the values on the shape.
+/// A lobe as two unbounded parameters (t, u): ln m between its bounds by a sine of t, φ_eff = φ_max sin u.
+fn unbounded(lobe: Lobe, free_phi: bool) -> [f64; 2] {
+    let t =
+        libm::asin((2.0 * libm::log(lobe.m) / libm::log(SMALLEST_M)).mul_add(-1.0, 1.0).clamp(-0.999, 0.999));
+    let u = libm::asin((lobe.phi / largest_phi()).clamp(-1.0, 1.0));
+    // A start on the bound would have no slope; a fixed azimuth keeps its exact value.
+    [t, if free_phi { u.clamp(-1.53, 1.53) } else { u }]
+}
+
+/// The lobe of two unbounded parameters.
+fn bounded(t: f64, u: f64) -> Lobe {
+    let ln_m = 0.5 * libm::log(SMALLEST_M) * (1.0 - libm::sin(t));
+    Lobe { m: libm::exp(ln_m).clamp(SMALLEST_M, 1.0), phi: bounded_phi(largest_phi() * libm::sin(u)) }
+}
+
+/// d ln m/dt and dφ_eff/du; the latter 0 for a fixed azimuth.
+fn chain(t: f64, u: f64, free_phi: bool) -> [f64; 2] {
+    [-0.5 * libm::log(SMALLEST_M) * libm::cos(t), if free_phi { largest_phi() * libm::cos(u) } else { 0.0 }]
+}
+
+/// Least squares over the two unbounded parameters of a lobe. The scale is eliminated: it is the projection of the values
+/// on the shape.
 struct Problem<'a> {
     fitter: &'a Fitter,
     values: &'a [f64],
@@ -329,19 +394,12 @@ struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     fn new(fitter: &'a Fitter, values: &'a [f64], norm: f64, start: Lobe, free_phi: bool) -> Self {
-        let t = libm::asin((2.0 * start.m.ln() / SMALLEST_M.ln()).mul_add(-1.0, 1.0).clamp(-0.999, 0.999));
-        let u = libm::asin((start.phi / largest_phi()).clamp(-1.0, 1.0));
-        // A start on the bound would have no slope; a fixed azimuth keeps its exact value.
-        let u = if free_phi { u.clamp(-1.53, 1.53) } else { u };
+        let [t, u] = unbounded(start, free_phi);
         Self { fitter, values, norm, free_phi, parameters: Vector2::new(t, u) }
     }
 
     fn lobe(&self) -> Lobe {
-        let ln_m = 0.5 * SMALLEST_M.ln() * (1.0 - libm::sin(self.parameters.x));
-        Lobe {
-            m: libm::exp(ln_m).clamp(SMALLEST_M, 1.0),
-            phi: bounded_phi(largest_phi() * libm::sin(self.parameters.y)),
-        }
+        bounded(self.parameters.x, self.parameters.y)
     }
 }
 
@@ -382,10 +440,7 @@ impl LeastSquaresProblem<f64, Dyn, U2> for Problem<'_> {
         }
         let square = dot(&shape, &shape);
         let scale = dot(&shape, self.values) / square;
-        let chain = [
-            0.5 * -SMALLEST_M.ln() * libm::cos(self.parameters.x),
-            if self.free_phi { largest_phi() * libm::cos(self.parameters.y) } else { 0.0 },
-        ];
+        let chain = chain(self.parameters.x, self.parameters.y, self.free_phi);
         for (chain, column) in chain.into_iter().zip([by_m, by_phi]) {
             let scale_by = (dot(column, self.values) - 2.0 * scale * dot(column, &shape)) / square;
             let factor = chain / self.norm;
