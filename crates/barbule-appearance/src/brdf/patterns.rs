@@ -39,9 +39,9 @@ pub struct Synthesis {
     /// By incident polarization.
     sides: [Fitted; 2],
     /// Arguments of each polarization's noise.
-    positions: [Vec<f32>; 2],
+    positions: [Vec<f64>; 2],
     /// Correlation of both polarizations' noise.
-    gamma: f32,
+    gamma: f64,
 }
 
 impl Synthesis {
@@ -60,10 +60,10 @@ impl Synthesis {
         let positions = [0, 1].map(|polarization| {
             let set = &material.sets[polarization.min(material.sets.len() - 1)];
             let length = f64::from(set.length[node]);
-            let x = |phi_o: &f64| (cosine * (libm::sin(phi_i) + libm::sin(*phi_o)) / length) as f32;
+            let x = |phi_o: &f64| cosine * (libm::sin(phi_i) + libm::sin(*phi_o)) / length;
             phi_o.iter().map(x).collect()
         });
-        Self { sides: fitted(material, node, phi_o), positions, gamma: material.correlation[node] }
+        Self { sides: fitted(material, node, phi_o), positions, gamma: f64::from(material.correlation[node]) }
     }
 
     /// The fitted mean intensity, by incident polarization.
@@ -79,7 +79,7 @@ impl Synthesis {
         (0..self.positions[0].len()).map(move |k| {
             [0, 1].map(|p| {
                 // Polarizations whose patterns stretch differently read the noise at different places.
-                let [qr, qi] = noise.at_both(&draw, self.positions[p][k], self.gamma)[p].map(f64::from);
+                let [qr, qi] = noise.at_both(&draw, self.positions[p][k], self.gamma)[p];
                 let (mean, steady) = (self.sides[p].mean[k], self.sides[p].steady[k]);
                 let spread = (0.5 * (mean - steady)).max(0.0).sqrt();
                 [spread * qr + steady.sqrt(), spread * qi]

@@ -106,7 +106,7 @@ impl Args {
         let barbules = || materials::barbules(material, &catalog, &progress, &self.common);
         if self.parameters {
             let maps = ParameterMaps::new(material)?;
-            let draw = || tiled(maps.draw(), 3, title);
+            let draw = || tiled(maps.draw(), 4, title);
             return self.of("parameters", "maps of the parameters", &maps, draw);
         }
         if self.noise {
@@ -125,7 +125,7 @@ impl Args {
                 Some(store) => stored(material, &store)?,
                 None => figures::statistics_of_fits(material, &barbules()?)?,
             };
-            let fits = FitCurves::of(material, &statistics);
+            let fits = FitCurves::of(material, &statistics)?;
             let draw = || tiled(fits.iter().map(FitCurves::draw).collect(), 2, title);
             return self.of("fits", "simulated and fitted U and V", &fits, draw);
         }

@@ -54,7 +54,7 @@ impl NoiseCurves {
         let x: Vec<f64> = (0..=800).map(|k| f64::from(k) / 400.0 - 1.0).collect();
         let q_r = (0..SHOWN as u64).map(|instance| {
             let draw = noise.draw(instance);
-            x.iter().map(|x| f64::from(noise.at(&draw, *x as f32)[0])).collect()
+            x.iter().map(|x| noise.at_both(&draw, *x, 1.0)[0][0]).collect()
         });
         Ok(Self {
             lag: (0..LAGS).map(|k| 2.0 * k as f64 / NOISE_POINTS as f64).collect(),
