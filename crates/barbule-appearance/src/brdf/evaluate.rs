@@ -3,10 +3,10 @@
 use fearless_simd::{Level, Simd, dispatch, f32x4, prelude::*};
 use glam::DVec3;
 
-use super::lanes::{Cosine, Mixed, Outgoing, density};
+use super::lanes::{Cosine, Mixed, Outgoing, Pairs, density, exp_of_negative};
 use super::material::{FeatherMaterial, check_sigma};
 use super::noise::{Draw, Noise};
-use super::profile::Longitudinal;
+use super::profile::{Longitudinal, half_sine_squared};
 use super::sample::{Sampler, direction};
 use super::table::{Grid, Incident, Simplex, Table};
 use crate::Result;
@@ -31,6 +31,7 @@ pub struct FeatherBrdf {
     /// One, or one for each incident polarization.
     pub(super) tables: Vec<Table>,
     pub(super) longitudinal: Longitudinal,
+    inverse_sigma2: f64,
     pub(super) sampler: Sampler,
     noise: Noise,
     pub(super) kind: FitKind,
@@ -68,6 +69,7 @@ impl FeatherBrdf {
             grid: Grid::new(&material.axes),
             tables: only.iter().map(|set| Table::new(material, set, options.polarization)).collect(),
             longitudinal: Longitudinal::new(sigma),
+            inverse_sigma2: 1.0 / (sigma * sigma),
             sampler: Sampler::new(sigma),
             noise: Noise::new(&material.noise_power, material.seed),
             kind: material.kind,
@@ -176,11 +178,11 @@ impl FeatherBrdf {
         simd: S,
         set: usize,
         simplices: &[Simplex; 4],
-        outgoing: &Outgoing,
+        pairs: &Pairs<S>,
         instance: Option<&At>,
     ) -> f32x4<S> {
         let cosine = Cosine(if self.kind == FitKind::Marginal { 1.0 } else { 0.0 });
-        let mixed = Mixed::new(simd, &self.tables[set], simplices, outgoing, cosine);
+        let mixed = Mixed::new(simd, &self.tables[set], simplices, pairs, cosine);
         let Some(At { draw, x }) = instance else { return mixed.mean };
         let place = mixed.inverse_length * *x;
         let [qr, qi] = self.noise.at_four(simd, &draw.shared, place);
@@ -281,8 +283,8 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         }
         let (table, k, lobe) = chosen;
         let node = &tables[table].nodes[simplex.at[k] as usize];
-        let corner = &incident.corners[usize::from(simplex.corner[k])];
-        let azimuth = self.brdf.sampler.azimuth(node, lobe, corner, u[1]);
+        let corner = incident.corner(simplex.corners()[k]);
+        let azimuth = self.brdf.sampler.azimuth(node, lobe, &corner, u[1]);
         let inclination = self.brdf.sampler.inclination(incident.along, left);
         let outgoing = direction(incident, azimuth, inclination);
         (outgoing.z > 0.0).then_some(outgoing)
@@ -302,10 +304,10 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         if wo.z.is_nan() || wo.z <= 0.0 {
             return [0.0; N];
         }
-        let (cos_o, outgoing) = seen(incident, wo);
+        let (cos_o, azimuth) = azimuth(incident, wo);
         let along = self.brdf.sampler.along(incident.along, [wo.y, cos_o]);
         let mut densities = [0.0; N];
-        dispatch!(self.brdf.level, simd => self.brdf.densities_wide(simd, simplices, &outgoing, &mut densities));
+        dispatch!(self.brdf.level, simd => self.brdf.densities_wide(simd, incident, simplices, azimuth, &mut densities));
         for value in &mut densities {
             *value *= along;
         }
@@ -313,13 +315,13 @@ impl<const N: usize> PreparedBrdf<'_, N> {
     }
 }
 
-/// cosθ_o, and ω_o as a cell's corners see it.
+/// cosθ_o, and sinφ_o and cosφ_o on the side of the tables.
 #[inline(always)]
-fn seen(incident: &Incident, wo: DVec3) -> (f64, Outgoing) {
+fn azimuth(incident: &Incident, wo: DVec3) -> (f64, [f64; 2]) {
     let cos_o = (wo.x * wo.x + wo.z * wo.z).sqrt();
     let inverse = 1.0 / cos_o;
     let sin_phi = if incident.mirrored { -wo.x } else { wo.x } * inverse;
-    (cos_o, Outgoing::new(incident, sin_phi, wo.z * inverse))
+    (cos_o, [sin_phi, wo.z * inverse])
 }
 
 impl FeatherBrdf {
@@ -334,15 +336,19 @@ impl FeatherBrdf {
         instance: Option<&At>,
         values: &mut [f32; N],
     ) {
-        let (cos_o, outgoing) = seen(incident, wo);
-        let along = self.longitudinal.value(incident.along, [wo.y, cos_o]) / wo.z;
-        let factor = (along / self.tables.len() as f64) as f32;
+        let (cos_o, azimuth) = azimuth(incident, wo);
+        let outgoing = Outgoing::new(simd, incident, azimuth);
+        let pairs = Pairs::new(simd, &outgoing);
+        let exponent = half_sine_squared(incident.along, [wo.y, cos_o]) * self.inverse_sigma2;
+        let spread = exp_of_negative(simd, f32x4::splat(simd, exponent as f32));
+        let share = if self.tables.len() == 2 { 0.5 } else { 1.0 };
+        let factor = spread * (self.longitudinal.inverse_q(incident.along[1]) * share / wo.z) as f32;
         let (fours, _) = simplices.as_chunks::<4>();
         let (lanes, _) = values.as_chunks_mut::<4>();
         for (four, lanes) in fours.iter().zip(lanes) {
             let mut sum = f32x4::from_slice(simd, lanes);
             for set in 0..self.tables.len() {
-                sum += self.across(simd, set, four, &outgoing, instance) * factor;
+                sum += self.across(simd, set, four, &pairs, instance) * factor;
             }
             *lanes = sum.into();
         }
@@ -353,14 +359,16 @@ impl FeatherBrdf {
     fn densities_wide<S: Simd, const N: usize>(
         &self,
         simd: S,
+        incident: &Incident,
         simplices: &[Simplex; N],
-        outgoing: &Outgoing,
+        azimuth: [f64; 2],
         densities: &mut [f64; N],
     ) {
+        let outgoing = Outgoing::new(simd, incident, azimuth);
         for (simplex, value) in simplices.iter().zip(densities) {
             let (mut sum, mut total) = (0.0, 0.0);
             for table in &self.tables {
-                let (own, weight) = density(simd, table, simplex, outgoing);
+                let (own, weight) = density(simd, table, simplex, &outgoing);
                 sum += own;
                 total += weight;
             }

@@ -131,8 +131,7 @@ impl ExactBrdf<'_> {
         for k in 0..4 {
             let weight = f64::from(simplex.weight[k]);
             let node = &table.nodes[simplex.at[k] as usize];
-            let corner = &incident.corners[usize::from(simplex.corner[k])];
-            let turned = Turned::new(corner, sin_phi, cos_phi);
+            let turned = Turned::new(incident.corner(simplex.corners()[k]), sin_phi, cos_phi);
             let mean = turned.shape(node, 0, self.brdf.kind) + turned.shape(node, 1, self.brdf.kind);
             sum.mean += weight * turned.stretch * mean;
             sum.steady += weight * turned.stretch * turned.shape(node, LOBES - 1, self.brdf.kind);
@@ -155,8 +154,7 @@ impl ExactBrdf<'_> {
             for k in 0..4 {
                 let weight = f64::from(simplex.weight[k]);
                 let at = simplex.at[k] as usize;
-                let corner = &incident.corners[usize::from(simplex.corner[k])];
-                let turned = Turned::new(corner, sin_phi, wo.z / cos_o);
+                let turned = Turned::new(incident.corner(simplex.corners()[k]), sin_phi, wo.z / cos_o);
                 for lobe in 0..2 {
                     let Lobe { m2, sine, cosine } = Lobe::of(&table.nodes[at], lobe);
                     let (h, q) = turned.half(m2, sine, cosine);
@@ -193,8 +191,8 @@ struct Turned {
 }
 
 impl Turned {
-    fn new(corner: &Corner, sin_phi: f64, cos_phi: f64) -> Self {
-        let Corner { cos_theta, level, shift, scale, .. } = *corner;
+    fn new(corner: Corner, sin_phi: f64, cos_phi: f64) -> Self {
+        let Corner { cos_theta, level, shift, scale } = corner;
         let denominator = level + shift * sin_phi;
         let stretch = scale / denominator;
         let (sine, cosine) = ((level * sin_phi + shift) / denominator, cos_phi * stretch);

@@ -133,7 +133,10 @@ fn check(statistics: &Statistics) -> Result<()> {
         }
     }
     let finite = |values: &[f32]| values.iter().all(|v| v.is_finite());
-    if ![&statistics.u, &statistics.v, &statistics.autocovariance, &statistics.contrast].into_iter().all(|v| finite(v)) {
+    if ![&statistics.u, &statistics.v, &statistics.autocovariance, &statistics.contrast]
+        .into_iter()
+        .all(|v| finite(v))
+    {
         return Err(Error::not_settled(
             "the statistics hold values that are not finite, so nothing can be fitted",
         ));
@@ -233,7 +236,8 @@ impl NodeFit<'_> {
                 *sum += scale * mean.pair.scales[k] * value;
             }
         }
-        let steady = self.steady(&shape, mean.pair.lobes, fraction_1, reflected / simulated.max(f64::MIN_POSITIVE));
+        let steady =
+            self.steady(&shape, mean.pair.lobes, fraction_1, reflected / simulated.max(f64::MIN_POSITIVE));
         Node { mean, first, reflected, simulated, steady, coherent, fraction_1 }
     }
 
@@ -287,7 +291,12 @@ impl NodeFit<'_> {
     }
 }
 
-fn parameter_set(nodes: &[Node], lengths: &[length::Length], form: LobeForm, fractions: bool) -> ParameterSet {
+fn parameter_set(
+    nodes: &[Node],
+    lengths: &[length::Length],
+    form: LobeForm,
+    fractions: bool,
+) -> ParameterSet {
     let gather = |value: &dyn Fn(&Node) -> f64| nodes.iter().map(|n| value(n) as f32).collect::<Vec<f32>>();
     let mean = |k: usize| LobeSet {
         m: gather(&|n| n.mean.pair.lobes[k].m),

@@ -4,61 +4,96 @@
 //! one root and one division. Everything here is inlined into one dispatched function, so it has neither closures nor
 //! calls that the compiler could leave outside. Their reference is the module `exact`.
 
-use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, f64x4, i32x4, prelude::*};
+use std::f32::consts::{LN_2, LOG2_E};
 
 use super::simd::transposed;
-use super::table::{COSINE, Corner, EXTRAS, Incident, M2, Node, SINE, STRENGTH, Simplex, Table};
+use super::table::{COSINE, EXTRAS, Incident, M2, Node, SINE, STRENGTH, Simplex, Table};
 
-/// An outgoing direction as the three corners of a cell see it.
+/// What the shapes of lobes need of ω_o, turned into the azimuths of the three corners of a cell; lanes are corners.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outgoing {
-    corners: [Seen; 3],
-}
-
-/// What the shape of a lobe needs of ω_o, each in four lanes; after the turn into the node's azimuth.
-#[derive(Debug, Clone, Copy, Default)]
-#[repr(C, align(16))]
-struct Seen {
     /// sin(φ_o/2) and cos(φ_o/2).
     half_sine: [f32; 4],
     half_cosine: [f32; 4],
-    /// z·ω_o, its square, and 1 less that.
+    /// z·ω_o and its square.
     z: [f32; 4],
     z2: [f32; 4],
-    rest: [f32; 4],
     /// The turn's dφ'/dφ_o.
-    stretch: f32,
+    stretch: [f32; 4],
 }
 
 impl Outgoing {
-    /// Of ω_o with these sinφ_o and cosφ_o.
+    /// Of ω_o with these sinφ_o and cosφ_o. In double precision, since towards grazing azimuths the turns cancel.
     #[inline(always)]
-    pub(super) fn new(incident: &Incident, sin_phi: f64, cos_phi: f64) -> Self {
-        let mut corners = [Seen::default(); 3];
-        for k in 0..3 {
-            let Corner { cos_theta, level, shift, scale, .. } = incident.corners[k];
-            let inverse = 1.0 / (level + shift * sin_phi);
-            let stretch = scale * inverse;
-            let (sine, cosine) = ((level * sin_phi + shift) * inverse, cos_phi * stretch);
-            let half_cosine = (0.5 + 0.5 * cosine).sqrt();
-            let half_sine = 0.5 * sine / half_cosine;
-            let z = cos_theta * cosine;
-            corners[k] = Seen {
-                half_sine: [half_sine as f32; 4],
-                half_cosine: [half_cosine as f32; 4],
-                z: [z as f32; 4],
-                z2: [(z * z) as f32; 4],
-                rest: [(1.0 - z * z) as f32; 4],
-                stretch: stretch as f32,
-            };
+    pub(super) fn new<S: Simd>(simd: S, incident: &Incident, [sin_phi, cos_phi]: [f64; 2]) -> Self {
+        let (level, shift) =
+            (f64x4::from_slice(simd, &incident.level), f64x4::from_slice(simd, &incident.shift));
+        let inverse = f64x4::splat(simd, 1.0) / shift.mul_add(f64x4::splat(simd, sin_phi), level);
+        let stretch = f64x4::from_slice(simd, &incident.scale) * inverse;
+        let sine = level.mul_add(f64x4::splat(simd, sin_phi), shift) * inverse;
+        let cosine = stretch * cos_phi;
+        let half_cosine = (cosine * 0.5 + 0.5).sqrt();
+        let half_sine = sine * 0.5 / half_cosine;
+        let z = f64x4::from_slice(simd, &incident.cos_theta) * cosine;
+        Self {
+            half_sine: single(half_sine),
+            half_cosine: single(half_cosine),
+            z: single(z),
+            z2: single(z * z),
+            stretch: single(stretch),
         }
-        Self { corners }
     }
+}
 
+#[inline(always)]
+fn single<S: Simd>(values: f64x4<S>) -> [f32; 4] {
+    [values[0] as f32, values[1] as f32, values[2] as f32, values[3] as f32]
+}
+
+/// The same for the pairs of nodes that a simplex can have: of the first two nodes two, of the last two another two.
+pub(super) struct Pairs<S: Simd> {
+    low: [Pair<S>; 2],
+    high: [Pair<S>; 2],
+}
+
+/// Two corners, each in four lanes.
+#[derive(Clone, Copy)]
+struct Pair<S: Simd> {
+    half_sine: f32x8<S>,
+    half_cosine: f32x8<S>,
+    z: f32x8<S>,
+    z2: f32x8<S>,
+    stretch: f32x8<S>,
+}
+
+impl<S: Simd> Pairs<S> {
     #[inline(always)]
-    fn seen(&self, corner: u8) -> &Seen {
-        &self.corners[usize::from(corner & 3).min(2)]
+    pub(super) fn new(simd: S, outgoing: &Outgoing) -> Self {
+        Self {
+            low: [Pair::new(simd, outgoing, 0, 0), Pair::new(simd, outgoing, 0, 1)],
+            high: [Pair::new(simd, outgoing, 1, 2), Pair::new(simd, outgoing, 2, 2)],
+        }
     }
+}
+
+impl<S: Simd> Pair<S> {
+    #[inline(always)]
+    fn new(simd: S, outgoing: &Outgoing, a: usize, b: usize) -> Self {
+        let Outgoing { half_sine, half_cosine, z, z2, stretch } = outgoing;
+        Self {
+            half_sine: both(simd, half_sine[a], half_sine[b]),
+            half_cosine: both(simd, half_cosine[a], half_cosine[b]),
+            z: both(simd, z[a], z[b]),
+            z2: both(simd, z2[a], z2[b]),
+            stretch: both(simd, stretch[a], stretch[b]),
+        }
+    }
+}
+
+#[inline(always)]
+fn both<S: Simd>(simd: S, a: f32, b: f32) -> f32x8<S> {
+    f32x4::splat(simd, a).combine(f32x4::splat(simd, b))
 }
 
 /// P of the mean and of the steady part, rad⁻¹, and what else the nodes hold, at four wavelengths.
@@ -82,14 +117,14 @@ impl<S: Simd> Mixed<S> {
         simd: S,
         table: &Table,
         simplices: &[Simplex; 4],
-        outgoing: &Outgoing,
+        pairs: &Pairs<S>,
         cosine: Cosine,
     ) -> Self {
         let [a, b, c, d] = simplices;
-        let (sum_a, extras_a) = mixed(simd, table, a, outgoing, cosine);
-        let (sum_b, extras_b) = mixed(simd, table, b, outgoing, cosine);
-        let (sum_c, extras_c) = mixed(simd, table, c, outgoing, cosine);
-        let (sum_d, extras_d) = mixed(simd, table, d, outgoing, cosine);
+        let (sum_a, extras_a) = mixed(simd, table, a, pairs, cosine);
+        let (sum_b, extras_b) = mixed(simd, table, b, pairs, cosine);
+        let (sum_c, extras_c) = mixed(simd, table, c, pairs, cosine);
+        let (sum_d, extras_d) = mixed(simd, table, d, pairs, cosine);
         let [first, second, steady, _] = transposed(sum_a, sum_b, sum_c, sum_d);
         let [inverse_length, correlation, fraction, steady_fraction] =
             transposed(extras_a, extras_b, extras_c, extras_d);
@@ -110,26 +145,17 @@ fn mixed<S: Simd>(
     simd: S,
     table: &Table,
     simplex: &Simplex,
-    outgoing: &Outgoing,
+    pairs: &Pairs<S>,
     cosine: Cosine,
 ) -> (f32x4<S>, f32x4<S>) {
-    let Simplex { at, corner, weight } = simplex;
+    let Simplex { at, weight, middle } = simplex;
     let (a, b) = (node(&table.nodes, at[0]), node(&table.nodes, at[1]));
     let (c, d) = (node(&table.nodes, at[2]), node(&table.nodes, at[3]));
-    let low = two(
-        simd,
-        [a, b],
-        [outgoing.seen(corner[0]), outgoing.seen(corner[1])],
-        [weight[0], weight[1]],
-        cosine,
-    );
-    let high = two(
-        simd,
-        [c, d],
-        [outgoing.seen(corner[2]), outgoing.seen(corner[3])],
-        [weight[2], weight[3]],
-        cosine,
-    );
+    let low = &pairs.low[usize::from(middle[0] & 1)];
+    // The third node's corner is 1 or 2.
+    let high = &pairs.high[usize::from(middle[1] >> 1)];
+    let low = two(simd, [a, b], low, both(simd, weight[0], weight[1]), cosine);
+    let high = two(simd, [c, d], high, both(simd, weight[2], weight[3]), cosine);
     let (first, second) = (low + high).split();
     let extras = part(simd, a, EXTRAS) * weight[0]
         + part(simd, b, EXTRAS) * weight[1]
@@ -149,28 +175,19 @@ fn parts<S: Simd>(simd: S, nodes: [&Node; 2], first: usize) -> f32x8<S> {
     part(simd, nodes[0], first).combine(part(simd, nodes[1], first))
 }
 
-#[inline(always)]
-fn both<S: Simd>(simd: S, a: &[f32; 4], b: &[f32; 4]) -> f32x8<S> {
-    f32x4::from_slice(simd, a).combine(f32x4::from_slice(simd, b))
-}
-
 /// The weighted values of the lobes of two nodes; the last lane of each is nothing.
 #[inline(always)]
 fn two<S: Simd>(
     simd: S,
     nodes: [&Node; 2],
-    [a, b]: [&Seen; 2],
-    weights: [f32; 2],
+    pair: &Pair<S>,
+    weight: f32x8<S>,
     Cosine(with_cosine): Cosine,
 ) -> f32x8<S> {
     let one = f32x8::splat(simd, 1.0);
+    let Pair { half_sine: s, half_cosine: c, z, z2, stretch } = *pair;
     let (m2, sine) = (parts(simd, nodes, M2), parts(simd, nodes, SINE));
     let (cosine, strength) = (parts(simd, nodes, COSINE), parts(simd, nodes, STRENGTH));
-    let (s, c) = (both(simd, &a.half_sine, &b.half_sine), both(simd, &a.half_cosine, &b.half_cosine));
-    let (z, z2) = (both(simd, &a.z, &b.z), both(simd, &a.z2, &b.z2));
-    let rest = both(simd, &a.rest, &b.rest);
-    let weight =
-        f32x4::splat(simd, weights[0] * a.stretch).combine(f32x4::splat(simd, weights[1] * b.stretch));
     let h = s.mul_add(cosine, c * sine);
     let h2 = h * h;
     let aligned = c.mul_add(cosine, s * sine);
@@ -181,8 +198,8 @@ fn two<S: Simd>(
     // The steady lobe's wings fall with the fourth power.
     let mask = f32x8::simd_from(simd, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
     let narrower = q2.mul_add(mask, one - mask);
-    let root = m2.mul_add(rest, z2).sqrt();
-    strength * weight * shape * z / (q2 * narrower * (z + root))
+    let root = m2.mul_add(one - z2, z2).sqrt();
+    (strength * weight) * (shape * z) * stretch / ((q2 * narrower) * (z + root))
 }
 
 /// Σ w dφ'/dφ ρ_k p_k(φ') in rad⁻¹ at one wavelength, and Σ w ρ_k.
@@ -192,16 +209,32 @@ pub(super) fn density<S: Simd>(simd: S, table: &Table, simplex: &Simplex, outgoi
     let one = f32x4::splat(simd, 1.0);
     for k in 0..4 {
         let at = simplex.at[k];
-        let (lobes, seen) = (node(&table.nodes, at), outgoing.seen(simplex.corner[k]));
+        let (lobes, corner) = (node(&table.nodes, at), usize::from(simplex.corners()[k] & 3));
         let (m2, sine, cosine) = (part(simd, lobes, M2), part(simd, lobes, SINE), part(simd, lobes, COSINE));
-        let (s, c) = (f32x4::from_slice(simd, &seen.half_sine), f32x4::from_slice(simd, &seen.half_cosine));
+        let s = f32x4::splat(simd, outgoing.half_sine[corner]);
+        let c = f32x4::splat(simd, outgoing.half_cosine[corner]);
         let factor = f32x4::from_slice(simd, &node(&table.shares, at).0);
         let h = s.mul_add(cosine, c * sine);
         let h2 = h * h;
         let q = m2.mul_add(one - h2, h2);
         let along = (c * cosine - s * sine).max(0.0);
-        sum += factor * along / (q * q) * (simplex.weight[k] * seen.stretch);
+        sum += factor * along / (q * q) * (simplex.weight[k] * outgoing.stretch[corner]);
         total += factor * simplex.weight[k];
     }
     (sum[0] + sum[1], total[2] + total[3])
+}
+
+/// exp(−u) for u ≥ 0, relative error 3e-7; zero (below 1e-37) for large u.
+#[inline(always)]
+pub(super) fn exp_of_negative<S: Simd>(simd: S, u: f32x4<S>) -> f32x4<S> {
+    let y = (u * -LOG2_E).max(-125.0);
+    let whole = y.round_ties_even();
+    let f = (y - whole) * LN_2;
+    let bits = (whole.to_int::<i32x4<S>>() + i32x4::splat(simd, 127)) << 23;
+    let mut series = f32x4::splat(simd, 1.0 / 720.0);
+    for coefficient in [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
+        series = series.mul_add(f, f32x4::splat(simd, coefficient));
+    }
+    let zero = f32x4::splat(simd, 0.0);
+    u.simd_gt(f32x4::splat(simd, 86.0)).select(zero, series * bits.bitcast::<f32x4<S>>())
 }

@@ -11,7 +11,7 @@ use crate::math::rng::{Stream, hash};
 use crate::scattering::statistics::NOISE_POINTS;
 
 /// Base functions; rotated, shifted and mirrored they give every instance a function of its own.
-const BASES: usize = 512;
+const BASES: usize = 256;
 
 /// Numbers of a base: (q_r, q_i) at each point and at the first again, and what a load of eight may read past them.
 const ROW: usize = 2 * (NOISE_POINTS + 1) + 4;
@@ -47,7 +47,7 @@ pub fn spectrum(autocovariance: &[f64]) -> Vec<f64> {
 /// Draws of the process, ready for lookup.
 #[derive(Debug, Clone)]
 pub struct Noise {
-    /// (q_r, q_i) of each base at each point, in sixteen bits, so that all fit into a core's cache (2 MB). Shape
+    /// (q_r, q_i) of each base at each point, in sixteen bits, so that all stay in a core's cache (1 MB). Shape
     /// `[base, point, 2]`.
     values: Vec<[i16; ROW]>,
     /// Cosine and sine of evenly spread angles, times the step of `values`.

@@ -64,7 +64,8 @@ impl Node<'_> {
         let squared = (self.instances >= FEWEST).then(|| self.squares()).flatten();
         let coherent = (self.instances > 1).then(|| self.coherent()).flatten();
         let total = |fit: &SteadyFit| {
-            fit.scales.iter().sum::<f64>() / scale_of(&self.fitter.steady_values(fit.lobe), self.cos_theta, 1.0)
+            fit.scales.iter().sum::<f64>()
+                / scale_of(&self.fitter.steady_values(fit.lobe), self.cos_theta, 1.0)
         };
         let best = [squared, coherent].into_iter().flatten().max_by(|a, b| total(a).total_cmp(&total(b)));
         let Some(best) = best else {
@@ -126,7 +127,8 @@ impl Node<'_> {
             let sum = |k: usize| targets.iter().map(|target| target[k]).sum::<f64>();
             sum(a).total_cmp(&sum(b))
         })?;
-        let phi_o = (peak as f64 + 0.5) * std::f64::consts::PI / AZIMUTHS as f64 - std::f64::consts::FRAC_PI_2;
+        let phi_o =
+            (peak as f64 + 0.5) * std::f64::consts::PI / AZIMUTHS as f64 - std::f64::consts::FRAC_PI_2;
         let at_peak = Lobe { phi: -phi_o, ..self.lobes[0] };
         let starts: Vec<Lobe> = self
             .lobes

@@ -98,9 +98,9 @@ impl Axis {
         }
         let last = places.len() - 2;
         if let Some(inverse) = self.inverse_spacing {
-            let position = ((at - places[0]) * inverse).clamp(0.0, (last + 1) as f64);
-            let index = (position as usize).min(last);
-            return (index, position - index as f64);
+            let position = ((at - places[0]) * inverse).max(0.0).min((last + 1) as f64);
+            let index = (position as i32).min(last as i32);
+            return (index as usize, position - f64::from(index));
         }
         let index = places.partition_point(|p| *p <= at).clamp(1, last + 1) - 1;
         let share = (at - places[index]) / (places[index + 1] - places[index]);
@@ -115,8 +115,6 @@ impl Axis {
 /// lobe sends out is kept.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Corner {
-    /// Number of its node at the shortest wavelength.
-    pub(super) first: usize,
     /// cosθ_i that its lobes belong to.
     pub(super) cos_theta: f64,
     /// 1 − s s_n
@@ -128,10 +126,18 @@ pub(super) struct Corner {
 }
 
 /// A light's direction in the tables.
+///
+/// Of its cell three corners count: the one below in both axes, the next along the axis with the larger share, the one
+/// above in both. Arrays are over them; their last place repeats the one before.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Incident {
-    /// Of the cell: the corner below in both, the next along the axis with the larger share, the one above in both.
-    pub(super) corners: [Corner; 3],
+    /// Number of each corner's node at the shortest wavelength.
+    first: [u32; 3],
+    /// [`Corner::cos_theta`] and so on.
+    pub(super) cos_theta: [f64; 4],
+    pub(super) level: [f64; 4],
+    pub(super) shift: [f64; 4],
+    pub(super) scale: [f64; 4],
     /// Larger and smaller share.
     shares: [f64; 2],
     /// Whether the tables hold the mirror image: x of ω_o changes its sign.
@@ -140,15 +146,37 @@ pub(super) struct Incident {
     pub(super) along: [f64; 2],
 }
 
-/// The four nodes that are mixed at one wavelength.
+impl Incident {
+    /// One of the three corners.
+    pub(super) fn corner(&self, corner: u8) -> Corner {
+        let k = usize::from(corner).min(2);
+        Corner {
+            cos_theta: self.cos_theta[k],
+            level: self.level[k],
+            shift: self.shift[k],
+            scale: self.scale[k],
+        }
+    }
+}
+
+/// The four nodes that are mixed at one wavelength: the corner below, either it again or the next, either that or the
+/// corner above, and the corner above.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Simplex {
     /// Numbers of the nodes.
     pub(super) at: [u32; 4],
-    /// Their corners.
-    pub(super) corner: [u8; 4],
     /// Their weights, which sum to 1.
     pub(super) weight: [f32; 4],
+    /// Which corners the second and the third belong to: 0 or 1, 1 or 2.
+    pub(super) middle: [u8; 2],
+}
+
+impl Simplex {
+    /// Corners of the nodes.
+    #[inline(always)]
+    pub(super) fn corners(&self) -> [u8; 4] {
+        [0, self.middle[0], self.middle[1], 2]
+    }
 }
 
 impl Grid {
@@ -200,47 +228,52 @@ impl Grid {
         // From the normal outwards, so that mirror images are mixed alike.
         let (p, outwards, wp) =
             if self.phi.places[below] < 0.0 { (below + 1, below, 1.0 - wp) } else { (below, below + 1, wp) };
-        let next = if wt >= wp { [t + 1, p] } else { [t, outwards] };
-        let corner = |[t, p]: [usize; 2]| {
-            let [s_n, c_n] = self.phis[p];
-            Corner {
-                first: (t * self.phis.len() + p) * self.waves,
-                cos_theta: self.cos_theta[t],
-                level: 1.0 - sin_phi * s_n,
-                shift: sin_phi - s_n,
-                scale: cos_phi * c_n,
-            }
-        };
-        Incident {
-            corners: [corner([t, p]), corner(next), corner([t + 1, outwards])],
+        let (next_t, next_p) = if wt >= wp { (t + 1, p) } else { (t, outwards) };
+        let (rows, columns) = ([t, next_t, t + 1, t + 1], [p, next_p, outwards, outwards]);
+        let mut incident = Incident {
+            first: [0; 3],
+            cos_theta: [0.0; 4],
+            level: [0.0; 4],
+            shift: [0.0; 4],
+            scale: [0.0; 4],
             shares: [wt.max(wp), wt.min(wp)],
             mirrored,
             along: [y, cos_theta],
+        };
+        for k in 0..4 {
+            let [s_n, c_n] = self.phis[columns[k]];
+            incident.cos_theta[k] = self.cos_theta[rows[k]];
+            incident.level[k] = 1.0 - sin_phi * s_n;
+            incident.shift[k] = sin_phi - s_n;
+            incident.scale[k] = cos_phi * c_n;
         }
+        for k in 0..3 {
+            incident.first[k] = ((rows[k] * self.phis.len() + columns[k]) * self.waves) as u32;
+        }
+        incident
     }
 
     /// The nodes that are mixed at this wavelength.
     #[inline(always)]
     pub(super) fn simplex(&self, incident: &Incident, wavelength_nm: f64) -> Simplex {
         let (wave, share) = self.wavelengths.find(wavelength_nm);
-        let up = wave + usize::from(self.waves > 1);
+        let (wave, up) = (wave as u32, u32::from(self.waves > 1));
         let [larger, smaller] = incident.shares;
         // The axes are climbed in the order of their shares: λ first, second or last.
-        let (corner, waves, order): ([u8; 4], [usize; 4], [f64; 3]) = if share >= larger {
-            ([0, 0, 1, 2], [wave, up, up, up], [share, larger, smaller])
-        } else if share >= smaller {
-            ([0, 1, 1, 2], [wave, wave, up, up], [larger, share, smaller])
-        } else {
-            ([0, 1, 2, 2], [wave, wave, wave, up], [larger, smaller, share])
-        };
-        let [a, b, c] = order;
-        let mut simplex = Simplex { corner, ..Simplex::default() };
-        let weight = [1.0 - a, a - b, b - c, c];
-        for k in 0..4 {
-            simplex.at[k] = (incident.corners[usize::from(corner[k])].first + waves[k]) as u32;
-            simplex.weight[k] = weight[k] as f32;
+        let (first, second) = (share >= larger, share >= smaller);
+        let (a, c) = (share.max(larger), share.min(smaller));
+        let b = share.min(larger).max(smaller);
+        let middle = [u8::from(!first), 2 - u8::from(second)];
+        Simplex {
+            at: [
+                incident.first[0] + wave,
+                incident.first[usize::from(middle[0])] + wave + up * u32::from(first),
+                incident.first[usize::from(middle[1])] + wave + up * u32::from(second),
+                incident.first[2] + wave + up,
+            ],
+            weight: [(1.0 - a) as f32, (a - b) as f32, (b - c) as f32, c as f32],
+            middle,
         }
-        simplex
     }
 }
 

@@ -10,8 +10,7 @@ const INSTANCES: usize = 50;
 /// A material of two mean lobes and a steady one, from smooth formulas; `steady` is the part that does not fluctuate.
 fn model(sides: Sides, steady: f64, gamma: f32) -> FeatherMaterial {
     let wavelengths = Wavelengths::new([400.0, 694.0]).unwrap();
-    let axes =
-        Axes::new(&wavelengths, vec![0.3, 0.7, 1.0], vec![0.25, 0.6, 1.0]).unwrap().with_sides(sides);
+    let axes = Axes::new(&wavelengths, vec![0.3, 0.7, 1.0], vec![0.25, 0.6, 1.0]).unwrap().with_sides(sides);
     let mut set = ParameterSet { mean: vec![LobeSet::default(); 2], ..ParameterSet::default() };
     let push = |lobe: &mut LobeSet, m: f64, phi: f64, reflected: f64| {
         lobe.m.push(m as f32);
@@ -238,7 +237,9 @@ fn what_is_over_all_light_is_clipped_and_said() {
 fn broken_statistics_are_refused_and_empty_ones_survive() {
     let whole = statistics_of(&model(Sides::Alike, 0.5, 1.0));
     let mut statistics = whole.clone();
-    for values in [&mut statistics.u, &mut statistics.v, &mut statistics.autocovariance, &mut statistics.contrast] {
+    for values in
+        [&mut statistics.u, &mut statistics.v, &mut statistics.autocovariance, &mut statistics.contrast]
+    {
         values.fill(0.0);
     }
     let (dark, _) = fit(&statistics, &FitOptions::default(), &Unobserved).unwrap();

@@ -72,7 +72,8 @@ impl FieldPatterns {
                         // One barbule's own intensity is no lobe: the weight is the material's.
                         let brdf = FeatherBrdf::new(&material.around(&[wavelength_nm])?, Options::default())?;
                         let normal = omega(0.0, 0.0);
-                        let mut fitted = marginals(&brdf, &[wavelength_nm], normal, &patterns.phi_o, None, &Unobserved)?;
+                        let mut fitted =
+                            marginals(&brdf, &[wavelength_nm], normal, &patterns.phi_o, None, &Unobserved)?;
                         patterns.fitted = fitted.remove(0).f;
                         found.weighted = patterns.weighted(0).iter().map(|field| field.re).collect();
                     }
