@@ -133,7 +133,10 @@ fn check(statistics: &Statistics) -> Result<()> {
         }
     }
     let finite = |values: &[f32]| values.iter().all(|v| v.is_finite());
-    if ![&statistics.u, &statistics.v, &statistics.autocovariance, &statistics.contrast].into_iter().all(|v| finite(v)) {
+    if ![&statistics.u, &statistics.v, &statistics.autocovariance, &statistics.contrast]
+        .into_iter()
+        .all(|v| finite(v))
+    {
         return Err(Error::not_settled(
             "the statistics hold values that are not finite, so nothing can be fitted",
         ));
@@ -233,7 +236,9 @@ impl NodeFit<'_> {
                 *sum += scale * mean.pair.scales[k] * value;
             }
         }
-        let steady = self.steady(&shape, mean.pair.lobes, fraction_1, reflected / simulated.max(f64::MIN_POSITIVE));
+        let kept = reflected / simulated.max(f64::MIN_POSITIVE);
+        let steady = self.steady(&shape, mean.pair.lobes, fraction_1, kept);
+        let steady = Steady { reflected: steady.reflected.clamp(0.0, reflected), ..steady };
         Node { mean, first, reflected, simulated, steady, coherent, fraction_1 }
     }
 
@@ -276,8 +281,7 @@ impl NodeFit<'_> {
             lobes: &lobes,
             observed: observed.collect(),
         };
-        let steady = node.fit();
-        Steady { reflected: steady.reflected.clamp(0.0, 1.0), ..steady }
+        node.fit()
     }
 
     /// Polarization 1's part of the energy.
@@ -287,7 +291,12 @@ impl NodeFit<'_> {
     }
 }
 
-fn parameter_set(nodes: &[Node], lengths: &[length::Length], form: LobeForm, fractions: bool) -> ParameterSet {
+fn parameter_set(
+    nodes: &[Node],
+    lengths: &[length::Length],
+    form: LobeForm,
+    fractions: bool,
+) -> ParameterSet {
     let gather = |value: &dyn Fn(&Node) -> f64| nodes.iter().map(|n| value(n) as f32).collect::<Vec<f32>>();
     let mean = |k: usize| LobeSet {
         m: gather(&|n| n.mean.pair.lobes[k].m),
