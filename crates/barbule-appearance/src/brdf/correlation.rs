@@ -90,7 +90,11 @@ mod tests {
                 squares = [squares[0] + deviation[0].powi(2), squares[1] + deviation[1].powi(2)];
             }
             let found = cross / (squares[0] * squares[1]).sqrt();
-            assert!((solved(&sides, found) - gamma).abs() < 0.02, "{gamma} {found} {}", solved(&sides, found));
+            assert!(
+                (solved(&sides, found) - gamma).abs() < 0.02,
+                "{gamma} {found} {}",
+                solved(&sides, found)
+            );
         }
     }
 

@@ -26,6 +26,14 @@ pub enum LobeForm {
     Ggx,
 }
 
+impl LobeForm {
+    /// What a material was fitted with.
+    #[must_use]
+    pub fn of(material: &FeatherMaterial) -> Self {
+        if material.sets.first().is_some_and(|set| set.mean.len() == 1) { Self::Ggx } else { Self::Pair }
+    }
+}
+
 /// How a material is fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitOptions {

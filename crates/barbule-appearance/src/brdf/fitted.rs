@@ -84,7 +84,8 @@ fn assemble(
         };
         let (of_mean, of_steady) = (share(&set.fraction_1), share(&set.steady_fraction_1));
         let mean: Vec<f64> = sets[number].mean.iter().map(|value| of_mean * value).collect();
-        let steady = sets[number].steady.iter().zip(&mean).map(|(s, mean)| (of_steady * s).min(*mean)).collect();
+        let steady =
+            sets[number].steady.iter().zip(&mean).map(|(s, mean)| (of_steady * s).min(*mean)).collect();
         Fitted { mean, steady }
     })
 }

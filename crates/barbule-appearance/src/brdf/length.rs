@@ -42,7 +42,11 @@ pub(super) fn lengths(statistics: &Statistics, polarizations: &[usize]) -> Vec<L
 }
 
 /// Δx_o at which the autocovariance of a node falls to 1/e; `None` where there is none.
-pub(super) fn correlation_length(statistics: &Statistics, node: usize, polarizations: &[usize]) -> Option<f64> {
+pub(super) fn correlation_length(
+    statistics: &Statistics,
+    node: usize,
+    polarizations: &[usize],
+) -> Option<f64> {
     Some(decay(&normalized(statistics, node, polarizations)?)? * 2.0 / NOISE_POINTS as f64)
 }
 

@@ -150,7 +150,10 @@ pub(super) fn report(
         steady_median: quantile(nodes.iter().map(share).collect(), 0.5),
         coherent_median: quantile(nodes.iter().map(|n| n.coherent).collect(), 0.5),
         longest_length: [last.fitted, last.ratio],
-        length_disagreement: quantile(lengths.iter().map(|l| (l.fitted / l.ratio - 1.0).abs()).collect(), 0.5),
+        length_disagreement: quantile(
+            lengths.iter().map(|l| (l.fitted / l.ratio - 1.0).abs()).collect(),
+            0.5,
+        ),
         patterns: compare(statistics, material),
         clipped: clipped.collect(),
         grazing: Vec::new(),
