@@ -276,7 +276,7 @@ mod tests {
         let plan = CampaignOptions::default().plan(Structure::builtin("starling").unwrap()).unwrap();
         let mut material = decode_material(barbule_materials::material("starling-green").unwrap()).unwrap();
         // Between two of the numbers that a file can hold.
-        material.sets[0].mean.reflected[0] *= 0.999_99;
+        material.sets[0].mean[0].reflected[0] *= 0.999_99;
         (catalog, plan, material)
     }
 
