@@ -79,7 +79,7 @@ impl Fitter {
             .filter(|problem| problem.scales.iter().any(|scale| *scale > 0.0))
             .min_by(|a, b| a.error().total_cmp(&b.error()))?;
         let settings =
-            LevenbergMarquardt::new().with_ftol(1e-6).with_xtol(1e-6).with_gtol(1e-8).with_patience(10);
+            LevenbergMarquardt::new().with_ftol(1e-5).with_xtol(1e-6).with_gtol(1e-8).with_patience(15);
         let (problem, _) = settings.minimize(start);
         Some(SteadyFit { lobe: problem.lobe(), scales: problem.scales })
     }
