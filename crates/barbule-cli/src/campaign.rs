@@ -1,7 +1,7 @@
 //! Flags of `simulate`, `fit` and `characterize`, and what these say to people.
 
 use barbule::brdf::check_sigma;
-use barbule::brdf::fit::{FitOptions, FitReport};
+use barbule::brdf::fit::{FitOptions, FitReport, LobeForm};
 use barbule::campaign::asymmetry::Asymmetry;
 use barbule::campaign::{Demand, Keep, Results};
 use barbule::characterize::{CampaignOptions, Plan};
@@ -52,6 +52,9 @@ pub(crate) struct FitArgs {
     /// What the lobe is fitted to
     #[arg(long, value_enum, default_value_t = Kind::Marginal)]
     fit: Kind,
+    /// What stands for the mean intensity
+    #[arg(long, value_enum, default_value_t = Lobe::Pair)]
+    lobe: Lobe,
 }
 
 /// Readings of the fit.
@@ -61,6 +64,15 @@ enum Kind {
     Marginal,
     /// The lobe on the specular cone itself, as published
     Cone,
+}
+
+/// Forms of the mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Lobe {
+    /// Two GGX lobes
+    Pair,
+    /// A single GGX lobe, as published
+    Ggx,
 }
 
 impl CampaignArgs {
@@ -170,7 +182,11 @@ impl FitArgs {
             Kind::Marginal => FitKind::Marginal,
             Kind::Cone => FitKind::Cone,
         };
-        Ok(FitOptions { kind, sigma: self.sigma, ..FitOptions::default() })
+        let lobe = match self.lobe {
+            Lobe::Pair => LobeForm::Pair,
+            Lobe::Ggx => LobeForm::Ggx,
+        };
+        Ok(FitOptions { kind, lobe, sigma: self.sigma, ..FitOptions::default() })
     }
 }
 
@@ -192,7 +208,9 @@ pub(crate) fn summary(report: &FitReport) -> String {
         }
     };
     let mut text = format!(
-        "{} lobes fitted: residual {:.3} (median), {:.3} (95th percentile), {} flagged\n\
+        "{} mean intensities fitted: residual {:.3} (median), {:.3} (95th percentile), {} flagged\n\
+         where cosθ_i cosφ_i ≥ 0.1: residual {:.3} (median), {:.3} (95th percentile)\n\
+         steady part {:.2} (median), of the mean field alone {:.2}\n\
          l at the longest wavelength, normal incidence: {:.3} (by 1/e lengths {:.3})\n\
          correlation of the polarizations' patterns: {}\n\
          contrast of unpolarized intensity: {}",
@@ -200,11 +218,22 @@ pub(crate) fn summary(report: &FitReport) -> String {
         report.residual_median,
         report.residual_95,
         report.flagged.len(),
+        report.residual_off_grazing[0],
+        report.residual_off_grazing[1],
+        report.steady_median,
+        report.coherent_median,
         report.longest_length[0],
         report.longest_length[1],
         pair(correlation),
         pair(contrast),
     );
+    for (part, found) in
+        ["about the mirror direction", "on the shoulders", "in the wings"].iter().zip(report.mean_regions())
+    {
+        if let Some(found) = found {
+            text += &format!("\ncontrast of one polarization {part}: {}", pair(found));
+        }
+    }
     if !report.grazing.is_empty() {
         text += &format!(
             "\n{} wavelengths and directions are so near grazing that the simulation would be over {:.0} % off for a flat mirror",

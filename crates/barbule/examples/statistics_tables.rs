@@ -41,7 +41,7 @@ fn main() -> barbule::Result<()> {
         );
     }
     println!(
-        "\n| species | contrast | largest difference | correlation of polarizations | ρ | longest length |"
+        "\n| species | contrast | largest difference | about the mirror direction | shoulders | wings | correlation of polarizations | ρ | longest length |"
     );
     let mut lengths = Vec::new();
     for one in &species {
@@ -49,8 +49,12 @@ fn main() -> barbule::Result<()> {
         let pair = |[a, b]: [f64; 2]| format!("{a:.3} / {b:.3}");
         let (contrast, correlation) = (pair(found.contrast), pair(found.correlation));
         println!(
-            "| {} | {contrast} | {:.2} | {correlation} | {:.3} | {:.3} |",
-            one.name, found.contrast_apart, found.energy, found.longest_length
+            "| {} | {contrast} | {:.2} | {} | {correlation} | {:.3} | {:.3} |",
+            one.name,
+            found.contrast_apart,
+            found.regions.map(pair).join(" | "),
+            found.energy,
+            found.longest_length
         );
         let cells: Vec<String> =
             found.lengths.iter().flatten().map(|[a, b]| format!("{a:.4} / {b:.4}")).collect();

@@ -26,6 +26,14 @@ pub enum LobeForm {
     Ggx,
 }
 
+impl LobeForm {
+    /// What a material was fitted with.
+    #[must_use]
+    pub fn of(material: &FeatherMaterial) -> Self {
+        if material.sets.first().is_some_and(|set| set.mean.len() == 1) { Self::Ggx } else { Self::Pair }
+    }
+}
+
 /// How a material is fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitOptions {
@@ -236,8 +244,9 @@ impl NodeFit<'_> {
                 *sum += scale * mean.pair.scales[k] * value;
             }
         }
-        let steady =
-            self.steady(&shape, mean.pair.lobes, fraction_1, reflected / simulated.max(f64::MIN_POSITIVE));
+        let kept = reflected / simulated.max(f64::MIN_POSITIVE);
+        let steady = self.steady(&shape, mean.pair.lobes, fraction_1, kept);
+        let steady = Steady { reflected: steady.reflected.clamp(0.0, reflected), ..steady };
         Node { mean, first, reflected, simulated, steady, coherent, fraction_1 }
     }
 
@@ -280,8 +289,7 @@ impl NodeFit<'_> {
             lobes: &lobes,
             observed: observed.collect(),
         };
-        let steady = node.fit();
-        Steady { reflected: steady.reflected.clamp(0.0, 1.0), ..steady }
+        node.fit()
     }
 
     /// Polarization 1's part of the energy.

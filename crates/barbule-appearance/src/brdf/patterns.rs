@@ -156,7 +156,7 @@ fn part(mean: &[f64], contrast2: &[f64], [from, to]: [f64; 2]) -> Option<f64> {
     let is_there = |value: f64| value > 0.0 && (from * peak..to * peak).contains(&value);
     let pairs = || mean.iter().zip(contrast2).filter(|(mean, _)| is_there(**mean));
     let weight: f64 = pairs().map(|(mean, _)| mean).sum();
-    (weight > 0.0).then(|| (pairs().map(|(mean, c2)| mean * c2).sum::<f64>() / weight).sqrt())
+    (weight > 0.0).then(|| (pairs().map(|(mean, c2)| mean * c2).sum::<f64>() / weight).max(0.0).sqrt())
 }
 
 /// What drawn instances do.

@@ -16,7 +16,10 @@ use crate::scattering::statistics::AZIMUTHS;
 /// With fewer instances contrasts say nothing.
 const FEWEST: usize = 8;
 
-/// The widest that a steady lobe is made to make up for what the mean cuts off, relative.
+/// Where residuals of steady parts count less: a part of the mean's peak.
+const FLOOR: f64 = 0.01;
+
+/// The most that a steady part is raised to make up for what the mean cuts off.
 const MOST_RAISED: f64 = 3.0;
 
 /// What was found of one incident polarization at one node, on the azimuths.
@@ -92,16 +95,17 @@ impl Node<'_> {
             .iter()
             .map(|o| self.folded(o.u.iter().zip(&o.contrast2).map(|(u, c2)| u * u * (1.0 - c2 * whole))))
             .collect();
-        let mut fit = self.best(Power::Second, &targets)?;
-        let mut weights = self.fitter.steady_values(fit.lobe);
-        for weight in &mut weights {
-            *weight *= *weight;
-        }
+        // What counts is the contrast where the light is: residuals of (s/f̂)² times f̂.
+        let weights = self.weights(1.0);
+        let mut fit = self.best(Power::Second, &targets, &weights)?;
+        let shape = self.fitter.steady_values(fit.lobe);
+        let weights: Vec<f64> = shape.iter().zip(&weights).map(|(s, w)| s * s * w * w).collect();
+        let square = weights.iter().zip(&shape).map(|(w, s)| w * s * s).sum();
         for (scale, observed) in fit.scales.iter_mut().zip(&self.observed) {
             // 4I − I², whose mean is 2⟨I⟩² − ⟨I²⟩ about ⟨I⟩ = 1, is 2 − 2L₂(I) with Laguerre's polynomial L₂: of
             // speckle it has the variance 4 and the correlation |μ|⁴; of a field that is nearly steady 4C².
             let deviation = observed.u.iter().zip(&observed.contrast2).map(|(u, c2)| 2.0 * u * u * c2.sqrt());
-            let variance = self.variance(&weights, deviation, 0.5) / count;
+            let variance = self.variance(&weights, square, deviation, 0.5) / count;
             *scale = shrunk(*scale, variance).sqrt();
         }
         Some(fit)
@@ -111,18 +115,21 @@ impl Node<'_> {
     fn coherent(&self) -> Option<SteadyFit> {
         let count = self.instances as f64;
         let targets: Vec<Vec<f64>> = self.observed.iter().map(|o| self.folded(o.v.iter().copied())).collect();
-        let mut fit = self.best(Power::First, &targets)?;
-        let weights = self.fitter.steady_values(fit.lobe);
+        let weights = self.weights(0.5);
+        let mut fit = self.best(Power::First, &targets, &weights)?;
+        let shape = self.fitter.steady_values(fit.lobe);
+        let weights: Vec<f64> = shape.iter().zip(&weights).map(|(s, w)| s * w * w).collect();
+        let square = weights.iter().zip(&shape).map(|(w, s)| w * s).sum();
         for (scale, observed) in fit.scales.iter_mut().zip(&self.observed) {
             // Of speckle |mean|² is exponential with the mean U/M; it correlates as |μ|².
             let deviation = observed.u.iter().map(|u| u / count);
-            let variance = self.variance(&weights, deviation, std::f64::consts::FRAC_1_SQRT_2);
+            let variance = self.variance(&weights, square, deviation, std::f64::consts::FRAC_1_SQRT_2);
             *scale = shrunk(*scale, variance);
         }
         Some(fit)
     }
 
-    fn best(&self, power: Power, targets: &[Vec<f64>]) -> Option<SteadyFit> {
+    fn best(&self, power: Power, targets: &[Vec<f64>], weights: &[f64]) -> Option<SteadyFit> {
         let peak = (0..AZIMUTHS).max_by(|&a, &b| {
             let sum = |k: usize| targets.iter().map(|target| target[k]).sum::<f64>();
             sum(a).total_cmp(&sum(b))
@@ -142,7 +149,14 @@ impl Node<'_> {
             })
             .collect();
         let targets: Vec<&[f64]> = targets.iter().map(|target| &target[..]).collect();
-        self.fitter.fit_steady(power, self.phi_i, !self.is_even, &starts, &targets)
+        self.fitter.fit_steady(power, self.phi_i, !self.is_even, &starts, &targets, weights)
+    }
+
+    /// The fitted mean to a negative power, bounded in the wings.
+    fn weights(&self, power: f64) -> Vec<f64> {
+        let sum = |k: usize| self.observed.iter().map(|o| o.mean[k]).sum::<f64>();
+        let peak = (0..AZIMUTHS).map(sum).fold(f64::MIN_POSITIVE, f64::max);
+        (0..AZIMUTHS).map(|k| libm::pow(sum(k) / peak + FLOOR, -power)).collect()
     }
 
     /// The mean with the mirror image where the node is its own.
@@ -154,19 +168,24 @@ impl Node<'_> {
         values
     }
 
-    /// Variance of the projection of noise with these deviations on `weights`; neighbours correlate as exp(−(Δx/(cℓ))²)
-    /// with c = `narrowing`.
-    fn variance(&self, weights: &[f64], deviations: impl Iterator<Item = f64>, narrowing: f64) -> f64 {
+    /// Variance of Σ weight · noise / `square` for noise of these deviations; neighbours correlate as exp(−(Δx/(cℓ))²) with
+    /// c = `narrowing`.
+    fn variance(
+        &self,
+        weights: &[f64],
+        square: f64,
+        deviations: impl Iterator<Item = f64>,
+        narrowing: f64,
+    ) -> f64 {
         let step = std::f64::consts::PI / AZIMUTHS as f64;
         let cell = narrowing * self.correlation * std::f64::consts::PI.sqrt();
-        let (mut apart, mut together, mut square) = (0.0, 0.0, 0.0);
+        let (mut apart, mut together) = (0.0, 0.0);
         for ((k, weight), deviation) in weights.iter().enumerate().zip(deviations) {
             let phi_o = (k as f64 + 0.5) * step - std::f64::consts::FRAC_PI_2;
             let per_cell = (cell / (self.cos_theta * libm::cos(phi_o) * step)).max(1.0);
             let term = weight * deviation;
             apart += term * term * per_cell;
             together += term;
-            square += weight * weight;
         }
         // No more than if all azimuths moved as one.
         apart.min(together * together) / (square * square).max(f64::MIN_POSITIVE)

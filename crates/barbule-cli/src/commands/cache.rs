@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use barbule::brdf::fit::LobeForm;
 use barbule::characterize::{Cached, CachedMaterial, Contents, Origin};
 use barbule::error::shortened;
 use barbule::io::{check_writable, delete_cached, write_whole};
@@ -162,6 +163,9 @@ fn sampling(material: &CachedMaterial) -> String {
     if material.kind == FitKind::Cone {
         what += ", fitted on the cone";
     }
+    if material.lobe == LobeForm::Ggx {
+        what += ", single lobes";
+    }
     what += &format!(", sigma {}, seed {}, version {}", material.sigma, material.seed, material.version);
     what
 }
@@ -197,6 +201,7 @@ fn document(cached: &Cached) -> Value {
             "polarized": material.is_polarized,
             "sigma": material.sigma,
             "fit": if material.kind == FitKind::Cone { "cone" } else { "marginal" },
+            "lobe": if material.lobe == LobeForm::Ggx { "ggx" } else { "pair" },
         }),
         Contents::Orders(orders) => json!({
             "kind": "orders",

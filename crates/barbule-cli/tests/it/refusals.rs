@@ -236,6 +236,7 @@ const LINES: &[(&str, &str)] = &[
     ("simulate starling -o @empty/..", "as in S.zarr"),
     ("fit @good.zarr -o @f.barbule --sigma 0", "--sigma: sigma is 0, but must lie between 0.002 and 0.25"),
     ("fit @good.zarr -o @f.barbule --fit best", "marginal"),
+    ("fit @good.zarr -o @f.barbule --lobe three", "ggx"),
     ("characterize starling -o @no/f.barbule", "does not exist"),
     (
         "characterize starling -o @f.barbule --sigma 1",

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{CAMPAIGN_VERSION, CampaignDescription, Plan};
 use crate::brdf::FeatherMaterial;
-use crate::brdf::fit::FitOptions;
+use crate::brdf::fit::{FitOptions, LobeForm};
 use crate::campaign::orders;
 use crate::identity::Hasher;
 use crate::io::{
@@ -102,9 +102,10 @@ impl Catalog {
     #[must_use]
     pub fn cached(&self, plan: &Plan, options: &FitOptions) -> Option<Found> {
         let is_it = |found: &Found| {
-            let FitOptions { kind, sigma, .. } = *options;
+            let FitOptions { kind, lobe, sigma, .. } = *options;
             plan.description.is_recorded(&found.material.info["campaign"], &plan.structure)
                 && (found.material.kind, found.material.sigma) == (kind, sigma)
+                && LobeForm::of(&found.material) == lobe
         };
         let folder = self.cache.as_ref()?;
         let paths = [self.path(plan, options).ok()?, folder.join(name_of_0_1_0(&plan.structure.name()))];
@@ -130,7 +131,7 @@ impl Catalog {
     /// There is no cache.
     pub fn path(&self, plan: &Plan, options: &FitOptions) -> Result<PathBuf> {
         let folder = self.cache.as_ref().ok_or_else(|| Error::input("no cache folder is given; give one"))?;
-        let key = material_key(&plan.description, options.kind, options.sigma);
+        let key = material_key(&plan.description, options.kind, options.lobe, options.sigma);
         Ok(place(folder, &plan.structure.name(), &key, "barbule"))
     }
 
@@ -175,12 +176,26 @@ fn place(folder: &Path, name: &str, key: &str, extension: &str) -> PathBuf {
 }
 
 /// What names a material by everything that decides it: its campaign, and how it was fitted.
-pub(super) fn material_key(campaign: &CampaignDescription, kind: FitKind, sigma: f64) -> String {
+pub(super) fn material_key(
+    campaign: &CampaignDescription,
+    kind: FitKind,
+    lobe: LobeForm,
+    sigma: f64,
+) -> String {
     let kind = match kind {
         FitKind::Marginal => "marginal",
         FitKind::Cone => "cone",
     };
-    Hasher::new("cached material").part("campaign", campaign).text("fit", kind).number("sigma", sigma).hex()
+    let lobe = match lobe {
+        LobeForm::Pair => "pair",
+        LobeForm::Ggx => "ggx",
+    };
+    Hasher::new("cached material")
+        .part("campaign", campaign)
+        .text("fit", kind)
+        .text("lobe", lobe)
+        .number("sigma", sigma)
+        .hex()
 }
 
 /// What names a table of orders: now, and in version 0.1.0.
@@ -314,6 +329,7 @@ mod tests {
             name(film, &CampaignOptions { seed: 2, ..usual() }, &fit),
             name(film, &usual(), &FitOptions { sigma: 0.05, ..fit }),
             name(film, &usual(), &FitOptions { kind: FitKind::Cone, ..fit }),
+            name(film, &usual(), &FitOptions { lobe: LobeForm::Ggx, ..fit }),
         ];
         for (index, one) in names.iter().enumerate() {
             assert!(!names[..index].contains(one), "{index}: {one}");

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::catalog::{DIGITS, material_key};
 use super::{CampaignDescription, CampaignOptions, thinned};
 use crate::Result;
+use crate::brdf::fit::LobeForm;
 use crate::io::{CacheFile, hash_file, list_cache, read_keyed_orders, read_material};
 use crate::scattering::lobe::FitKind;
 
@@ -55,6 +56,8 @@ pub struct CachedMaterial {
     pub sigma: f64,
     /// What the lobe was fitted to.
     pub kind: FitKind,
+    /// What stands for its mean intensity.
+    pub lobe: LobeForm,
 }
 
 impl CachedMaterial {
@@ -109,7 +112,8 @@ fn orders(path: &Path) -> Result<Read> {
 fn material(path: &Path) -> Result<Read> {
     let material = read_material(path)?;
     let campaign = CampaignDescription::read(&material.info["campaign"]).ok();
-    let key = campaign.as_ref().map(|campaign| material_key(campaign, material.kind, material.sigma));
+    let lobe = LobeForm::of(&material);
+    let key = campaign.as_ref().map(|campaign| material_key(campaign, material.kind, lobe, material.sigma));
     let text = |key: &str| material.info[key].as_str().unwrap_or_default().to_owned();
     let axes = &material.axes;
     let said = CachedMaterial {
@@ -123,6 +127,7 @@ fn material(path: &Path) -> Result<Read> {
         is_polarized: material.sets.len() == 2,
         sigma: material.sigma,
         kind: material.kind,
+        lobe,
     };
     Ok((Contents::Material(Box::new(said)), key))
 }

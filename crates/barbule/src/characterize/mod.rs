@@ -22,7 +22,7 @@ use std::path::Path;
 
 use serde_json::json;
 
-use crate::brdf::fit::{FitOptions, FitReport, fit};
+use crate::brdf::fit::{FitOptions, FitReport, LobeForm, fit};
 use crate::brdf::{FeatherMaterial, check_axes, check_sigma};
 use crate::campaign::{Resources, run, statistics};
 use crate::error::shortened;
@@ -122,7 +122,12 @@ pub fn material_of(
         "longest_length": report.longest_length,
         "pattern_correlation": correlation,
         "pattern_contrast": contrast,
+        "steady": report.steady_median,
+        "coherent": report.coherent_median,
     });
+    if options.lobe != LobeForm::default() {
+        material.info["lobe"] = json!("ggx");
+    }
     Ok((material, report))
 }
 

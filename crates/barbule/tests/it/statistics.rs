@@ -17,18 +17,16 @@ fn quick() -> &'static [Species] {
 struct Bounds {
     /// Of |φ_eff − φ_i|, degrees: median and largest.
     apart_deg: [f64; 2],
-    /// Of how much more the synthesized polarizations correlate.
-    correlation: f64,
     /// Of the relative differences of 1/e lengths: fields, intensities.
     lengths: [f64; 2],
 }
 
-/// A barbule whose top is nearly flat. Reached: 0.59°, 6.4° (starling); 0.05; 2.5 % and 8 %.
-const FLAT: Bounds = Bounds { apart_deg: [0.8, 7.0], correlation: 0.06, lengths: [0.03, 0.09] };
+/// A barbule whose top is nearly flat. Reached: 0.59°, 6.4° (starling); 2.5 % and 8 %.
+const FLAT: Bounds = Bounds { apart_deg: [0.8, 7.0], lengths: [0.03, 0.09] };
 
 /// The rock dove's arch reflects each wavelength from a place of its own, and its steady part changes its phase over the
-/// lobe, which only fields show. Reached: 0.78°, 17.1°; 0.14; 17 %.
-const ARCH: Bounds = Bounds { apart_deg: [1.0, 20.0], correlation: 0.15, lengths: [f64::INFINITY, 0.18] };
+/// lobe, which only fields show. Reached: 0.78°, 17.1°; 17 %.
+const ARCH: Bounds = Bounds { apart_deg: [1.0, 20.0], lengths: [f64::INFINITY, 0.18] };
 
 fn bounds(species: &Species) -> &'static Bounds {
     if species.is_arched { &ARCH } else { &FLAT }
@@ -56,10 +54,13 @@ fn holds_parameters(species: &Species) {
 fn holds_synthesis(species: &Species) {
     let (found, bounds) = (synthesized(species), bounds(species));
     let [simulated, drawn] = found.contrast;
-    assert!((simulated - drawn).abs() < 0.03 && found.contrast_apart < 0.12);
-    // Near Brewster's angle the weaker polarization has a pattern of its own, which shared noise does not know.
+    assert!((simulated - drawn).abs() < 0.05 && found.contrast_apart < 0.12, "{found:?}");
+    // Tilts make wings vary more than speckle does, which no instance of the material can.
+    for [simulated, drawn] in &found.regions[..2] {
+        assert!((simulated - drawn).abs() < 0.06, "{found:?}");
+    }
     let [simulated, drawn] = found.correlation;
-    assert!(drawn - simulated < bounds.correlation, "{drawn} {simulated}");
+    assert!((drawn - simulated).abs() < 0.05, "{drawn} {simulated}");
     assert!((found.energy - 1.0).abs() < 0.01, "{}", found.energy);
     // The seed finds 1.70 (S.31); pure scaling with the wavelength would give 1.735.
     assert!((1.6..1.8).contains(&found.longest_length), "{}", found.longest_length);

@@ -7,10 +7,13 @@ use crate::spectrum::Wavelengths;
 
 const INSTANCES: usize = 50;
 
+/// With so many nothing is doubted.
+const MANY: usize = 1000;
+
 /// A material of two mean lobes and a steady one, from smooth formulas; `steady` is the part that does not fluctuate.
 fn model(sides: Sides, steady: f64, gamma: f32) -> FeatherMaterial {
     let wavelengths = Wavelengths::new([400.0, 694.0]).unwrap();
-    let axes = Axes::new(&wavelengths, vec![0.3, 0.7, 1.0], vec![0.25, 0.6, 1.0]).unwrap().with_sides(sides);
+    let axes = Axes::new(&wavelengths, vec![0.3, 0.7, 1.0], vec![0.4, 0.7, 1.0]).unwrap().with_sides(sides);
     let mut set = ParameterSet { mean: vec![LobeSet::default(); 2], ..ParameterSet::default() };
     let push = |lobe: &mut LobeSet, m: f64, phi: f64, reflected: f64| {
         lobe.m.push(m as f32);
@@ -47,10 +50,10 @@ fn curves(material: &FeatherMaterial, node: usize) -> [Fitted; 2] {
     fitted(material, node, &directions::azimuths(AZIMUTHS).collect::<Vec<_>>())
 }
 
-/// What a campaign of many instances of a material finds, with the contrast that a campaign of `INSTANCES` expects.
-fn statistics_of(material: &FeatherMaterial) -> Statistics {
-    let mut out = Statistics::empty(material.axes.clone(), INSTANCES);
-    let count = INSTANCES as f64;
+/// What a campaign of so many instances of a material is expected to find.
+fn statistics_of(material: &FeatherMaterial, instances: usize) -> Statistics {
+    let mut out = Statistics::empty(material.axes.clone(), instances);
+    let count = instances as f64;
     for node in 0..material.axes.len() {
         let [_, theta, _] = place(&material.axes, node);
         let cosine = material.axes.cos_theta()[theta];
@@ -87,7 +90,7 @@ fn a_material_is_found_again_from_its_statistics() {
         for polarized in [false, true] {
             let material = model(sides, 0.6, 0.7);
             let options = FitOptions { polarized, ..FitOptions::default() };
-            let (found, report) = fit(&statistics_of(&material), &options, &Unobserved).unwrap();
+            let (found, report) = fit(&statistics_of(&material, MANY), &options, &Unobserved).unwrap();
             found.check().unwrap();
             assert!(report.residual_median < 1e-3 && report.residual_95 < 0.01, "{report:?}");
             assert!(report.flagged.is_empty() && report.clipped.is_empty(), "{report:?}");
@@ -98,7 +101,7 @@ fn a_material_is_found_again_from_its_statistics() {
                     let mean = apart(&found.mean, &given.mean);
                     assert!(mean < 0.01, "{sides:?} {direction:?} mean {mean}");
                     let steady = apart(&found.steady, &given.steady);
-                    assert!(steady < 0.08, "{sides:?} {direction:?} steady {steady}");
+                    assert!(steady < 0.02, "{sides:?} {direction:?} steady {steady}");
                 }
                 let gamma = found.correlation[node];
                 assert!((gamma - 0.7).abs() < 0.05, "{direction:?} {gamma}");
@@ -115,7 +118,7 @@ fn one_lobe_is_one_set_of_arrays() {
     let mut material = model(Sides::Alike, 0.5, 1.0);
     material.sets[0].mean[1].reflected.fill(0.0);
     let options = FitOptions { lobe: LobeForm::Ggx, ..FitOptions::default() };
-    let (found, report) = fit(&statistics_of(&material), &options, &Unobserved).unwrap();
+    let (found, report) = fit(&statistics_of(&material, MANY), &options, &Unobserved).unwrap();
     assert_eq!(found.sets[0].mean.len(), 1);
     assert!(report.residual_95 < 1e-3, "{report:?}");
     for (m, given) in found.sets[0].mean[0].m.iter().zip(&material.sets[0].mean[0].m) {
@@ -125,7 +128,7 @@ fn one_lobe_is_one_set_of_arrays() {
 
 /// The statistics of as many drawn instances as a campaign has.
 fn drawn(material: &FeatherMaterial, first: u64) -> Statistics {
-    let mut out = statistics_of(material);
+    let mut out = statistics_of(material, INSTANCES);
     let noise = Noise::new(&material.noise_power, material.seed);
     let count = INSTANCES as f64;
     for node in 0..material.axes.len() {
@@ -180,14 +183,19 @@ fn fields_of_one_phase_are_steady_even_in_few_instances() {
 #[test]
 fn intensities_that_hardly_vary_leave_instances_that_hardly_vary() {
     for contrast in [0.4, 0.6, 0.75] {
-        let mut statistics = statistics_of(&model(Sides::Alike, 0.5, 1.0));
+        let mut statistics = statistics_of(&model(Sides::Alike, 0.5, 1.0), INSTANCES);
         statistics.contrast.fill(contrast);
         statistics.unpolarized_contrast.fill(f64::from(contrast));
         statistics.pattern_correlation.fill(1.0);
         let (_, report) = fit(&statistics, &FitOptions::default(), &Unobserved).unwrap();
         for pattern in &report.patterns {
+            // A steady lobe has narrower wings than the mean: there instances vary as speckle does, so that all over
+            // they vary more, the more the steadier the light is.
+            for [wanted, found] in pattern.regions.iter().filter_map(|side| side[0]) {
+                assert!((found - wanted).abs() < 0.06, "{wanted} {found} {pattern:?}");
+            }
             let [wanted, found] = pattern.contrast;
-            assert!((found - wanted).abs() < 0.06, "{wanted} {found} {pattern:?}");
+            assert!((-0.03..0.2).contains(&(found - wanted)), "{wanted} {found} {pattern:?}");
         }
     }
 }
@@ -195,7 +203,7 @@ fn intensities_that_hardly_vary_leave_instances_that_hardly_vary() {
 #[test]
 fn contrasts_that_differ_between_mirror_and_wings_are_kept() {
     let material = model(Sides::Alike, 0.95, 1.0);
-    let (_, report) = fit(&statistics_of(&material), &FitOptions::default(), &Unobserved).unwrap();
+    let (_, report) = fit(&statistics_of(&material, INSTANCES), &FitOptions::default(), &Unobserved).unwrap();
     let [mirror, _, wings] = report.mean_regions().map(|pair| pair.unwrap());
     assert!(wings[0] - mirror[0] > 0.2, "{mirror:?} {wings:?}");
     for pattern in &report.patterns {
@@ -212,7 +220,8 @@ fn contrasts_that_differ_between_mirror_and_wings_are_kept() {
 fn patterns_of_polarizations_correlate_as_they_should() {
     for gamma in [0.0, 0.5, 0.9] {
         let material = model(Sides::Alike, 0.6, gamma);
-        let (_, report) = fit(&statistics_of(&material), &FitOptions::default(), &Unobserved).unwrap();
+        let (_, report) =
+            fit(&statistics_of(&material, INSTANCES), &FitOptions::default(), &Unobserved).unwrap();
         for pattern in &report.patterns {
             let [simulated, synthesized] = pattern.correlation;
             assert!((simulated - synthesized).abs() < 0.1, "{gamma} {pattern:?}");
@@ -222,7 +231,7 @@ fn patterns_of_polarizations_correlate_as_they_should() {
 
 #[test]
 fn what_is_over_all_light_is_clipped_and_said() {
-    let mut statistics = statistics_of(&model(Sides::Alike, 0.5, 1.0));
+    let mut statistics = statistics_of(&model(Sides::Alike, 0.5, 1.0), INSTANCES);
     statistics.u.iter_mut().for_each(|u| *u *= 3.0);
     let (found, report) = fit(&statistics, &FitOptions::default(), &Unobserved).unwrap();
     found.check().unwrap();
@@ -235,7 +244,7 @@ fn what_is_over_all_light_is_clipped_and_said() {
 
 #[test]
 fn broken_statistics_are_refused_and_empty_ones_survive() {
-    let whole = statistics_of(&model(Sides::Alike, 0.5, 1.0));
+    let whole = statistics_of(&model(Sides::Alike, 0.5, 1.0), INSTANCES);
     let mut statistics = whole.clone();
     for values in
         [&mut statistics.u, &mut statistics.v, &mut statistics.autocovariance, &mut statistics.contrast]

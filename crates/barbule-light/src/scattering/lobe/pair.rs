@@ -163,10 +163,10 @@ impl Fitter {
                 break;
             }
             let (problem, report) = LevenbergMarquardt::new()
-                .with_ftol(1e-6)
+                .with_ftol(1e-5)
                 .with_xtol(1e-6)
                 .with_gtol(1e-8)
-                .with_patience(10)
+                .with_patience(30)
                 .minimize(problem);
             let fit = problem.fit(norm, report.termination.was_successful());
             if best.is_none_or(|best| fit.residual < best.residual) {

@@ -34,7 +34,8 @@ pub(super) fn narrow(parameters: &Parameters, azimuths: &Azimuths, shape: &mut [
 
 impl Fitter {
     /// The lobe whose steady shape (or its square) comes nearest to one or two targets at once, each with a scale of its
-    /// own, with light from φ_i, rad. Targets may be negative; if none has anything positive that a start meets, `None`.
+    /// own, with light from φ_i, rad; residuals count as much as `weights` says at each azimuth. Targets may be negative; if
+    /// none has anything positive that a start meets, `None`.
     ///
     /// `free_phi` false keeps the azimuths of the starts; towards grazing they pass over into φ_i.
     #[must_use]
@@ -45,14 +46,17 @@ impl Fitter {
         free_phi: bool,
         starts: &[Lobe],
         targets: &[&[f64]],
+        weights: &[f64],
     ) -> Option<SteadyFit> {
         let freedom = self.freedom(phi_i);
-        let free = self.best_steady(power, free_phi && freedom > 0.0, starts, targets)?;
+        let weighted = |target: &&[f64]| target.iter().zip(weights).map(|(v, w)| v * w).collect();
+        let targets: &[Vec<f64>] = &targets.iter().map(weighted).collect::<Vec<_>>();
+        let free = self.best_steady(power, free_phi && freedom > 0.0, starts, targets, weights)?;
         if !free_phi || freedom >= 1.0 {
             return Some(free);
         }
         let phi = bounded_phi(phi_i + freedom * (free.lobe.phi - phi_i));
-        self.best_steady(power, false, &[Lobe { phi, ..free.lobe }], targets)
+        self.best_steady(power, false, &[Lobe { phi, ..free.lobe }], targets, weights)
     }
 
     /// Refines the best of the starts.
@@ -61,20 +65,21 @@ impl Fitter {
         power: Power,
         free_phi: bool,
         starts: &[Lobe],
-        targets: &[&[f64]],
+        targets: &[Vec<f64>],
+        weights: &[f64],
     ) -> Option<SteadyFit> {
         let norm = targets.iter().map(|target| dot(target, target)).sum::<f64>().sqrt();
         if !(norm.is_finite() && norm > 0.0) {
             return None;
         }
-        let problem = |lobe: &Lobe| Problem::new(self, power, targets, norm, free_phi, *lobe);
+        let problem = |lobe: &Lobe| Problem::new(self, power, targets, weights, norm, free_phi, *lobe);
         let start = starts
             .iter()
             .map(problem)
             .filter(|problem| problem.scales.iter().any(|scale| *scale > 0.0))
             .min_by(|a, b| a.error().total_cmp(&b.error()))?;
         let settings =
-            LevenbergMarquardt::new().with_ftol(1e-6).with_xtol(1e-6).with_gtol(1e-8).with_patience(10);
+            LevenbergMarquardt::new().with_ftol(1e-5).with_xtol(1e-6).with_gtol(1e-8).with_patience(15);
         let (problem, _) = settings.minimize(start);
         Some(SteadyFit { lobe: problem.lobe(), scales: problem.scales })
     }
@@ -84,11 +89,12 @@ impl Fitter {
 struct Problem<'a> {
     fitter: &'a Fitter,
     power: Power,
-    targets: &'a [&'a [f64]],
+    targets: &'a [Vec<f64>],
+    weights: &'a [f64],
     norm: f64,
     free_phi: bool,
     parameters: Vector2<f64>,
-    /// The power of the steady shape.
+    /// The power of the steady shape, weighted.
     shape: Vec<f64>,
     square: f64,
     scales: [f64; 2],
@@ -99,7 +105,8 @@ impl<'a> Problem<'a> {
     fn new(
         fitter: &'a Fitter,
         power: Power,
-        targets: &'a [&'a [f64]],
+        targets: &'a [Vec<f64>],
+        weights: &'a [f64],
         norm: f64,
         free_phi: bool,
         start: Lobe,
@@ -110,6 +117,7 @@ impl<'a> Problem<'a> {
             fitter,
             power,
             targets,
+            weights,
             norm,
             free_phi,
             parameters: Vector2::new(t, u),
@@ -136,12 +144,15 @@ impl<'a> Problem<'a> {
                 *value *= *value;
             }
         }
+        for (value, weight) in self.shape.iter_mut().zip(self.weights) {
+            *value *= weight;
+        }
         self.square = dot(&self.shape, &self.shape);
         let count = self.shape.len();
         for (k, target) in self.targets.iter().enumerate() {
             self.scales[k] = (dot(&self.shape, target) / self.square).max(0.0);
             let out = &mut self.residuals.as_mut_slice()[k * count..(k + 1) * count];
-            for ((out, value), shape) in out.iter_mut().zip(*target).zip(&self.shape) {
+            for ((out, value), shape) in out.iter_mut().zip(target).zip(&self.shape) {
                 *out = (self.scales[k] * shape - value) / self.norm;
             }
         }
@@ -235,13 +246,13 @@ mod tests {
                 |scale: f64| -> Vec<f64> { shape.iter().map(|s| scale * s.powi(exponent)).collect() };
             let (one, two) = (target(0.7), target(0.2));
             let starts = [Lobe { m: 0.2, phi: 0.3 }, Lobe { m: 0.05, phi: 0.35 }];
-            let fit = fitter.fit_steady(power, 0.4, true, &starts, &[&one, &two]).unwrap();
+            let fit = fitter.fit_steady(power, 0.4, true, &starts, &[&one, &two], &[1.0; 400]).unwrap();
             assert!((fit.lobe.m / 0.08 - 1.0).abs() < 1e-4 && (fit.lobe.phi - 0.4).abs() < 1e-4, "{fit:?}");
             assert!((fit.scales[0] - 0.7).abs() < 1e-3 && (fit.scales[1] - 0.2).abs() < 1e-3, "{fit:?}");
         }
         let dark = vec![-1.0; 400];
-        assert!(fitter.fit_steady(Power::Second, 0.4, true, &[lobe], &[&dark]).is_none());
-        assert!(fitter.fit_steady(Power::Second, 0.4, true, &[lobe], &[&[0.0; 400]]).is_none());
+        assert!(fitter.fit_steady(Power::Second, 0.4, true, &[lobe], &[&dark], &[1.0; 400]).is_none());
+        assert!(fitter.fit_steady(Power::Second, 0.4, true, &[lobe], &[&[0.0; 400]], &[1.0; 400]).is_none());
     }
 
     #[test]
@@ -249,9 +260,10 @@ mod tests {
         let fitter = Fitter::new(FitKind::Marginal, 0.4, 50);
         let one = fitter.steady_values(Lobe { m: 0.2, phi: 0.3 });
         let two = fitter.values(Lobe { m: 0.3, phi: 0.2 });
-        let targets: [&[f64]; 2] = [&one, &two];
-        let mut problem =
-            Problem::new(&fitter, Power::Second, &targets, 2.0, true, Lobe { m: 0.25, phi: 0.25 });
+        let targets = [one, two];
+        let weights: Vec<f64> = (0..50).map(|k| 1.0 + 0.01 * f64::from(k)).collect();
+        let start = Lobe { m: 0.25, phi: 0.25 };
+        let mut problem = Problem::new(&fitter, Power::Second, &targets, &weights, 2.0, true, start);
         let gradient = problem.jacobian().unwrap().transpose() * &problem.residuals;
         let at = problem.parameters;
         for k in 0..2 {

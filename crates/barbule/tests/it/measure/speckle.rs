@@ -1,13 +1,14 @@
 //! What single barbules do, in figures: shared by the tests that hold them and the program that prints them.
 
-use barbule::brdf::fit::{FitOptions, FitReport, fit};
-use barbule::brdf::{FeatherMaterial, Noise, Synthesis, lobe_integral};
+use barbule::brdf::fit::{FitOptions, FitReport, LobeForm, fit};
+use barbule::brdf::{FeatherMaterial, Noise, Synthesis};
 use barbule::campaign::single::autocovariance;
 use barbule::campaign::{Campaign, CampaignParameters, Keep, Resources};
 use barbule::material::Library;
 use barbule::progress::Unobserved;
+use barbule::scattering::directions::azimuths;
 use barbule::scattering::far_field::Polarization;
-use barbule::scattering::lobe::Lobe;
+use barbule::scattering::lobe::{FitKind, Lobe};
 use barbule::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, Statistics};
 use barbule::spectrum::Wavelengths;
 use barbule::structure::{SpeciesModel, Structure};
@@ -94,8 +95,8 @@ impl Species {
         axes.cos_phi()[node % phis] * axes.cos_theta()[node / phis % axes.cos_theta().len()] > 0.65
     }
 
-    fn fitted(&self, polarized: bool) -> (FeatherMaterial, FitReport) {
-        fit(&self.statistics, &FitOptions { polarized, ..FitOptions::default() }, &Unobserved).unwrap()
+    fn fitted(&self, lobe: LobeForm, polarized: bool) -> (FeatherMaterial, FitReport) {
+        fit(&self.statistics, &FitOptions { lobe, polarized, ..FitOptions::default() }, &Unobserved).unwrap()
     }
 }
 
@@ -240,7 +241,7 @@ pub(crate) fn speckle(species: &Species) -> Speckle {
     }
 }
 
-/// How fitted parameters lie to the directions and to each other; medians are over all λ and ω_i.
+/// How the parameters of single lobes lie to the directions and to each other; medians are over all λ and ω_i.
 pub(crate) struct Fitted {
     /// |φ_eff − φ_i|, degrees: median and largest.
     pub(crate) apart_deg: [f64; 2],
@@ -252,12 +253,12 @@ pub(crate) struct Fitted {
 
 /// Measures [`Fitted`].
 pub(crate) fn fitted(species: &Species) -> Fitted {
-    let (material, _) = species.fitted(false);
-    let (polarized, _) = species.fitted(true);
+    let (material, _) = species.fitted(LobeForm::Ggx, false);
+    let (polarized, _) = species.fitted(LobeForm::Ggx, true);
     let axes = &material.axes;
     let phis = axes.cos_phi().len();
     let lobe = |node: usize| {
-        let set = &material.sets[0].mean;
+        let set = &material.sets[0].mean[0];
         Lobe { m: f64::from(set.m[node]), phi: f64::from(set.phi[node]) }
     };
     let cosines = |node: usize| (axes.cos_theta()[node / phis % 3], axes.cos_phi()[node % phis]);
@@ -265,8 +266,7 @@ pub(crate) fn fitted(species: &Species) -> Fitted {
         (0..axes.len()).map(|node| (lobe(node).phi - cosines(node).1.acos()).abs().to_degrees()).collect();
     let f = |node: usize| {
         let theta = cosines(node).0.acos();
-        let integral = lobe_integral(lobe(node), theta, material.sigma).unwrap();
-        f64::from(material.sets[0].mean.reflected[node]) / integral
+        f64::from(material.sets[0].mean[0].reflected[node]) / integral(lobe(node), theta, material.sigma)
     };
     let per_wave = axes.len() / 3;
     let grazing = (0..3)
@@ -281,19 +281,31 @@ pub(crate) fn fitted(species: &Species) -> Fitted {
         apart_deg: [median(off.clone()), off.iter().copied().fold(0.0, f64::max)],
         grazing,
         polarizations: [
-            middle(&|n| f64::from(one.mean.m[n] / two.mean.m[n])),
-            middle(&|n| f64::from((one.mean.phi[n] - two.mean.phi[n]).abs()).to_degrees()),
+            middle(&|n| f64::from(one.mean[0].m[n] / two.mean[0].m[n])),
+            middle(&|n| f64::from((one.mean[0].phi[n] - two.mean[0].phi[n]).abs()).to_degrees()),
             middle(&|n| f64::from(one.length[n] / two.length[n])),
         ],
     }
 }
 
+/// ∫ f̂/F (z·ω_o) dω_o of the published lobe for a narrow spread σ: σ√π G₁(ω_eff)/(2 cosφ_eff) times the area under its shape.
+fn integral(lobe: Lobe, theta: f64, sigma: f64) -> f64 {
+    let z = theta.cos() * lobe.phi.cos();
+    let shadowing = 2.0 / (1.0 + (1.0 + lobe.m * lobe.m * (1.0 - z * z) / (z * z)).sqrt());
+    let shape = azimuths(AZIMUTHS).map(|phi_o| lobe.shape(FitKind::Marginal, theta, phi_o));
+    let area = shape.sum::<f64>() * std::f64::consts::PI / AZIMUTHS as f64;
+    sigma * std::f64::consts::PI.sqrt() * shadowing * area / (2.0 * lobe.phi.cos())
+}
+
 /// Simulated instances beside synthesized ones, in this order in each pair.
+#[derive(Debug)]
 pub(crate) struct Synthesized {
     /// Means of the contrast.
     pub(crate) contrast: [f64; 2],
     /// Largest difference of the contrasts.
     pub(crate) contrast_apart: f64,
+    /// Means of the contrast of one polarization about the mirror direction, on the shoulders and in the wings.
+    pub(crate) regions: [[f64; 2]; 3],
     /// Means, weighted by ρ, of the correlation of the polarizations' patterns.
     pub(crate) correlation: [f64; 2],
     /// Energy of 2000 synthesized instances over the simulated mean's.
@@ -306,7 +318,7 @@ pub(crate) struct Synthesized {
 
 /// Measures [`Synthesized`].
 pub(crate) fn synthesized(species: &Species) -> Synthesized {
-    let (material, report) = species.fitted(false);
+    let (material, report) = species.fitted(LobeForm::Pair, false);
     let count = report.patterns.len() as f64;
     let balance: f64 = report.patterns.iter().map(|p| p.balance).sum();
     let noise = Noise::new(&material.noise_power, material.seed);
@@ -319,6 +331,7 @@ pub(crate) fn synthesized(species: &Species) -> Synthesized {
     Synthesized {
         contrast: [0, 1].map(|side| patterns().map(|p| p.contrast[side]).sum::<f64>() / count),
         contrast_apart: patterns().map(|p| (p.contrast[0] - p.contrast[1]).abs()).fold(0.0, f64::max),
+        regions: report.mean_regions().map(|pair| pair.unwrap_or([f64::NAN; 2])),
         correlation: [0, 1]
             .map(|side| patterns().map(|p| p.balance * p.correlation[side]).sum::<f64>() / balance),
         energy: drawn / 2000.0 / (0.5 * (reflected[0] + reflected[1])),
