@@ -438,10 +438,9 @@ const SCENES: &[Change] = &[
 
 /// Changes of a store's zarr.json, read by `simulate --status`.
 const STORES: &[Change] = &[
-    ("\"barbule_store\": 3", "\"barbule_store\": 9", "not a campaign store of this version (its layout is 9"),
-    ("\"barbule_store\": 3,", "", "not a campaign store of this version"),
-    ("\"barbule_store\": 3", "\"barbule_store\": 1", "another chunk_key_encoding than its axes say"),
-    ("\"barbule_store\": 3", "\"barbule_store\": 2", "do not match their checksum"),
+    ("\"barbule_store\": 4", "\"barbule_store\": 9", "not a campaign store of this version (its layout is 9"),
+    ("\"barbule_store\": 4,", "", "not a campaign store of this version"),
+    ("\"barbule_store\": 4", "\"barbule_store\": 3", "its layout is 3, this program's is 4"),
     ("{", "", "zarr.json is damaged"),
     ("\"instances\": 2", "\"instances\": 0", "'instances' is no number from 1 to 10000"),
     ("\"instances\": 2", "\"instances\": 99999999999", "'instances' is no number from 1 to 10000"),
