@@ -218,6 +218,17 @@ mod tests {
             (CampaignOptions::default(), CampaignOptions { seed: 2, ..CampaignOptions::default() });
         let film = of("air/keratin:300/air", &usual);
         assert!(film == of("air/keratin:300.0/air", &usual) && film.is_same(&film));
+        assert!(film.to_json().unwrap().get("sides").is_none());
+        let mut both = CampaignDescription { sides: Sides::Both, mirror: true, ..film.clone() };
+        let mut recorded = both.to_json().unwrap();
+        assert_eq!(CampaignDescription::read(&recorded).unwrap(), both);
+        assert!(!both.is_same(&film) && hash("campaign", &both) != hash("campaign", &film));
+        both.mirror = false;
+        assert_ne!(both.to_json().unwrap(), recorded);
+        recorded["sides"] = "left".into();
+        assert!(
+            CampaignDescription::read(&recorded).unwrap_err().to_string().contains("neither alike nor both")
+        );
         let mut named = film.clone();
         named.structure["sections"] = "a film".into();
         assert!(named != film && named.is_same(&film));
