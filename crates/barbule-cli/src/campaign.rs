@@ -2,7 +2,6 @@
 
 use barbule::brdf::check_sigma;
 use barbule::brdf::fit::{FitOptions, FitReport, LobeForm};
-use barbule::campaign::asymmetry::Asymmetry;
 use barbule::campaign::{Demand, Keep, Results};
 use barbule::characterize::{CampaignOptions, Plan};
 use barbule::error::shortened;
@@ -10,7 +9,7 @@ use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
 use barbule::scattering::lobe::FitKind;
 use barbule::solve::surface::LARGEST_MIRROR_ERROR;
-use barbule::structure::Structure;
+use barbule::structure::{Structure, Symmetry};
 use barbule::{Error, Result};
 use clap::ValueEnum;
 
@@ -38,6 +37,9 @@ pub(crate) struct CampaignArgs {
     /// Every N-th wavelength and direction only, and 12 instances: a quick look
     #[arg(long, value_name = "N")]
     thin: Option<usize>,
+    /// Barbules lie either way round: each instance counts with its mirror image, and both sides are alike
+    #[arg(long)]
+    mirror: bool,
     /// SIMD instructions to compute with [default: the widest of this processor]
     #[arg(long, value_name = "NAME", value_parser = Width::named)]
     simd: Option<Width>,
@@ -86,11 +88,17 @@ impl CampaignArgs {
             polarized: self.polarized,
             thin: self.thin,
             seed: common.seed,
+            mirror: self.mirror,
         };
         // Options are called as their flags.
         options.check().map_err(|e| Error::input(format!("--{e}")))?;
         let plan = options.plan(structure)?;
+        if self.mirror && !plan.parameters.mirror {
+            let why = format!("{} is its own mirror image, each or in the mean", plan.structure.name());
+            common.idle("--mirror", &why);
+        }
         say_given(&plan, common);
+        explain_sides(&plan, common);
         Ok(plan)
     }
 
@@ -132,27 +140,12 @@ pub(crate) fn units_at_once(plan: &Plan, keep: Keep, results: Results, common: &
     Ok(at_once)
 }
 
-/// Looks whether both sides of a plan's structure reflect alike, records it, and says so where they do not.
-pub(crate) fn compare_sides(plan: &mut Plan, common: &Common) -> Result<()> {
-    let Some(found) = plan.compare_sides(&Unobserved)? else { return Ok(()) };
-    let Asymmetry { part, is_certain, wavelength_nm, phi_deg, reflected: [right, left], beyond } = found;
-    let name = plan.structure.name();
-    if !is_certain {
-        common.explain(&format!("both sides of {name} reflect alike, within {:.1} %", 100.0 * part));
-        return Ok(());
+/// Explains why both signs of φ_i are simulated.
+pub(crate) fn explain_sides(plan: &Plan, common: &Common) {
+    if let Symmetry::OneSided(why) = &plan.symmetry {
+        let then = if plan.parameters.mirror { "; each instance counts with its mirror image" } else { "" };
+        common.explain(&format!("both signs of φ_i are simulated: {why}{then}"));
     }
-    let differs = if (right - left).abs() > 0.5 * part * 0.5 * (right + left) {
-        format!("reflects {right:.3} at φ = {phi_deg}° but {left:.3} at −{phi_deg}°")
-    } else {
-        let [right, left] = beyond.map(|part| 100.0 * part);
-        format!(
-            "sends {right:.0} % of what it reflects at φ = {phi_deg}° beyond the mirror direction but {left:.0} % at −{phi_deg}°"
-        )
-    };
-    common.say(&format!(
-        "{name} {differs} ({wavelength_nm} nm): materials take both sides alike, so φ ≥ 0 stands for both"
-    ));
-    Ok(())
 }
 
 /// What is said where light grazes: what a flat perfect mirror as wide would reflect.

@@ -13,7 +13,7 @@ use barbule::io::{InputKind, check_writable, kind_of, make_folder};
 use barbule::progress::Progress;
 use barbule::{Error, Result};
 
-use crate::campaign::{compare_sides, expected, say_given, units_at_once};
+use crate::campaign::{expected, explain_sides, say_given, units_at_once};
 use crate::common::Common;
 use crate::progress::Terminal;
 use crate::structure_arg;
@@ -67,9 +67,10 @@ pub(crate) fn locate(name: &str, common: &Common) -> Result<Place> {
 }
 
 /// Characterizes what is missing, and keeps it where the cache can be written.
-fn make(mut plan: Plan, common: &Common) -> Result<(FeatherMaterial, String)> {
+fn make(plan: Plan, common: &Common) -> Result<(FeatherMaterial, String)> {
     let (catalog, options) = (catalog(common), FitOptions::default());
     say_given(&plan, common);
+    explain_sides(&plan, common);
     let place = known_folder(common).and_then(|folder| {
         make_folder(&folder)?;
         let path = catalog.path(&plan, &options)?;
@@ -82,7 +83,6 @@ fn make(mut plan: Plan, common: &Common) -> Result<(FeatherMaterial, String)> {
     let (name, time) = (plan.structure.name(), expected(&plan));
     common
         .say(&format!("the material {name} is not there yet: characterizing it takes about {time}; {kept}"));
-    compare_sides(&mut plan, common)?;
     let units_at_once = units_at_once(&plan, Keep::Statistics, Results::Gathered, common)?;
     let resources = Resources { units_at_once, ..Resources::default() };
     let how = Execution { resources, ..Execution::default() };

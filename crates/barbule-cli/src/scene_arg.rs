@@ -88,9 +88,9 @@ fn feather_in(text: &str, kind: InputKind) -> Result<Option<Feather>> {
 }
 
 fn of_structure(structure: &Structure, feather: Option<Feather>) -> Result<SceneDescription> {
-    let species = match structure {
+    let species = match structure.upper() {
         Structure::Species(model) => Some(model.name.as_str()),
-        Structure::Stack(_) | Structure::Sections { .. } => None,
+        Structure::Stack(_) | Structure::Sections { .. } | Structure::Below(_) => None,
     };
     scene_for(species, structure.is_curved(), feather)
 }

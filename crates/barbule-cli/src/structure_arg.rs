@@ -11,6 +11,7 @@ use barbule::structure::{
     FlatStack, Lattice, MaterialSource, Section, SpeciesModel, Structure, Substance, species_name,
 };
 use barbule::{Error, Result};
+use clap::ValueEnum;
 
 use crate::common::Common;
 use crate::media;
@@ -18,6 +19,36 @@ use crate::provenance::quoted;
 
 /// What every STRUCTURE argument says in `--help`.
 pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], a section .json, a species or lattice .toml, or a folder of sections";
+
+/// Which side of the barbules is lit.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(crate) struct SideArg {
+    /// The side that is lit: below is each barbule turned upside down, by 180° about its long axis
+    #[arg(long, value_enum, default_value_t = Lit::Above)]
+    side: Lit,
+}
+
+/// Sides of barbules.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Lit {
+    /// The upper one
+    Above,
+    /// The lower one
+    Below,
+}
+
+impl SideArg {
+    /// The structure as it is lit.
+    ///
+    /// # Errors
+    /// It has no lower side that can be simulated.
+    pub(crate) fn of(self, structure: Structure) -> Result<Structure> {
+        match self.side {
+            Lit::Above => Ok(structure),
+            Lit::Below => structure.underside().map_err(|error| error.at("--side below")),
+        }
+    }
+}
 
 /// Whether a text is the name of a built-in species, or of a variant of one, there or not. Such a name never means a file.
 pub(crate) fn is_built_in(text: &str) -> bool {

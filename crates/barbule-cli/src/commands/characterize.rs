@@ -8,14 +8,16 @@ use barbule::characterize::{Catalog, Characterized, Execution, Plan, characteriz
 use barbule::io::{check_writable, write_material};
 use barbule::{Error, Result};
 
-use crate::campaign::{CampaignArgs, FitArgs, compare_sides, expected, say_repaired, summary, units_at_once};
+use crate::campaign::{CampaignArgs, FitArgs, expected, say_repaired, summary, units_at_once};
 use crate::common::{Common, path_json, print, print_json};
 use crate::progress::Terminal;
+use crate::structure_arg::SideArg;
 use crate::{materials, structure_arg};
 
 /// Arguments of `barbule characterize`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barbule characterize starling:pink --thin 4 -o pink.barbule\n  \
+    barbule characterize starling --side below --thin 10 -o underside.barbule\n  \
     barbule characterize my-species.toml -o mine.barbule")]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
@@ -27,6 +29,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DIR")]
     keep_store: Option<PathBuf>,
     #[command(flatten)]
+    side: SideArg,
+    #[command(flatten)]
     campaign: CampaignArgs,
     #[command(flatten)]
     fit: FitArgs,
@@ -37,9 +41,9 @@ pub(crate) struct Args {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        let structure = structure_arg::parse(&self.structure, &self.common)?;
+        let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
         let name = structure.name();
-        let mut plan = self.campaign.plan(structure, &self.common)?;
+        let plan = self.campaign.plan(structure, &self.common)?;
         let options = self.fit.options()?;
         check(&plan, &options)?;
         let output = match &self.output {
@@ -50,7 +54,6 @@ impl Args {
         let store = self.keep_store.as_deref().map(|folder| store_path(folder, &plan)).transpose()?;
         let width = self.campaign.width();
         let units_at_once = units_at_once(&plan, Keep::Statistics, Results::Gathered, &self.common)?;
-        compare_sides(&mut plan, &self.common)?;
         self.common.say(&format!("characterizing {name}: about {}", expected(&plan)));
         let how = Execution { resources: Resources { width, units_at_once }, store: store.as_deref() };
         let progress = Terminal::new(&self.common);

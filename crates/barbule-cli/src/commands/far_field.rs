@@ -19,6 +19,7 @@ use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
+use crate::structure_arg::SideArg;
 use crate::{sets, structure_arg};
 use output::{Document, csv, summary, table};
 
@@ -32,7 +33,8 @@ const TEXT_BYTES: u64 = 260;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  barbule far-field starling --wavelength 520 --theta 0 --phi 30 --json\n  \
-    barbule far-field starling --wavelength 400:700:10 --theta 0 --phi 30 -o map.png --csv fields.csv"
+    barbule far-field starling --wavelength 400:700:10 --theta 0 --phi 30 -o map.png --csv fields.csv\n  \
+    barbule far-field mallard --side below --wavelength 520 --theta 0 --phi=-30 --json"
 )]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
@@ -49,6 +51,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "SET", allow_hyphen_values = true,
         value_parser = |text: &str| sets::angles("--phi", text))]
     phi: sets::Angles,
+    #[command(flatten)]
+    side: SideArg,
     /// Which random instance, from 0
     #[arg(long, value_name = "K", default_value_t = 0)]
     instance: usize,
@@ -144,7 +148,7 @@ impl Args {
         if self.figure.output.is_some() {
             figures::check_far_fields(&illuminations).map_err(|error| error.at("--output"))?;
         }
-        let structure = structure_arg::parse(&self.structure, &self.common)?;
+        let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
         let section = structure.instance(self.common.seed, self.instance)?;
         self.check_memory(&section)?;
         let progress = Terminal::new(&self.common);

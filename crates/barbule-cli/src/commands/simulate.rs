@@ -9,16 +9,18 @@ use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
 use serde_json::json;
 
-use crate::campaign::{CampaignArgs, compare_sides, say_repaired, units_at_once};
+use crate::campaign::{CampaignArgs, say_repaired, units_at_once};
 use crate::common::{Common, print, print_json};
 use crate::materials::catalog;
 use crate::progress::Terminal;
-use crate::structure_arg;
+use crate::structure_arg::{self, SideArg};
 
 /// Arguments of `barbule simulate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barbule simulate starling --thin 4 -o starling.zarr\n  \
-    barbule simulate starling.zarr --status")]
+    barbule simulate starling.zarr --status\n  \
+    barbule simulate starling --side below --thin 10 -o underside.zarr\n\n\
+    Of a structure that is not its own mirror image (given sections, lattices) both signs of φ_i are simulated; -v says so.")]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP, long_help = "The structure, or with --status a store")]
     structure: String,
@@ -35,6 +37,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "SET", value_parser = crate::sets::wavelength_set)]
     keep_fields: Option<Wavelengths>,
     #[command(flatten)]
+    side: SideArg,
+    #[command(flatten)]
     campaign: CampaignArgs,
     #[command(flatten)]
     common: Common,
@@ -48,13 +52,12 @@ impl Args {
         }
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
         let (shard, shards) = self.shard.unwrap_or((0, 1));
-        let structure = structure_arg::parse(&self.structure, &self.common)?;
-        let mut plan = self.campaign.plan(structure, &self.common)?;
+        let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
+        let plan = self.campaign.plan(structure, &self.common)?;
         let kept = self.keep_fields.as_ref().map_or(&[][..], Wavelengths::nm);
         let width = self.campaign.width();
         let keep = if kept.is_empty() { Keep::Statistics } else { Keep::Fields };
         let units_at_once = units_at_once(&plan, keep, Results::Stored, &self.common)?;
-        compare_sides(&mut plan, &self.common)?;
         let resources = Resources { width, units_at_once };
         let store = plan.store(path, kept, &resources)?;
         let units = store.shard(shard, shards);

@@ -185,7 +185,7 @@ impl Args {
     fn other(&self, structure: &Structure, progress: &dyn Progress) -> Result<Entry> {
         let source = match structure {
             Structure::Sections { sections, .. } => sections.first().map(|section| section.source.clone()),
-            Structure::Species(_) | Structure::Stack(_) => None,
+            Structure::Species(_) | Structure::Stack(_) | Structure::Below(_) => None,
         };
         let look = self.look(structure, progress)?;
         let name = DEFAULT_VARIANT.to_owned();
@@ -218,7 +218,7 @@ impl Args {
             return Ok(Look::of(&Spectrum::new(at.clone(), values)?));
         }
         let instances = match structure {
-            Structure::Species(_) => INSTANCES,
+            Structure::Species(_) | Structure::Below(_) => INSTANCES,
             // Endless flat stacks: each is one point of a colour.
             Structure::Stack(_) => MOST_GIVEN,
             Structure::Sections { sections, .. } => sections.len().min(MOST_GIVEN),

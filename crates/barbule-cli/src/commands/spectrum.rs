@@ -14,7 +14,7 @@ use barbule::progress::Progress;
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
-use barbule::structure::Structure;
+use barbule::structure::{Side, Structure};
 use barbule::{Error, Result};
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -25,6 +25,7 @@ use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs, csv_cell};
 use crate::several::Several;
+use crate::structure_arg::SideArg;
 use crate::{sets, structure_arg};
 
 /// Random instances unless told otherwise.
@@ -39,6 +40,7 @@ const MOST_CURVES: usize = 18;
   barbule spectrum starling --angle 0,30,60 -o starling.svg --csv starling.csv
   barbule spectrum starling --measured examples/measured/starling-back.csv -o both.png
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
+  barbule spectrum rock-dove --side below --angle=-30,30
 
 Printed, and in --json under 'look': peak, full width at half maximum (half-way between the peak and the lowest \
 reflectance), mean reflectance (pavo's B2), saturation (S8), wavelength of the highest sample (H1, in --json and \
@@ -47,6 +49,8 @@ normalized luminance, all under D65.")]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP, value_name = "STRUCTURE", required = true)]
     structures: Vec<String>,
+    #[command(flatten)]
+    side: SideArg,
     /// Angles of incidence in degrees (also --angles)
     #[arg(long, alias = "angles", value_name = "SET", default_value = "0", allow_hyphen_values = true,
         value_parser = |text: &str| sets::angles("--angle", text))]
@@ -130,7 +134,7 @@ impl Args {
         let structures = self
             .structures
             .iter()
-            .map(|text| structure_arg::parse(text, &self.common))
+            .map(|text| self.side.of(structure_arg::parse(text, &self.common)?))
             .collect::<Result<Vec<_>>>()?;
         let measured = self.measured()?;
         let all = self.simulate(&structures, measured.as_ref())?;
@@ -233,7 +237,10 @@ impl Args {
         })?;
         let name = structure.name();
         Ok(Found {
-            typed: typed.to_owned(),
+            typed: match structure.side() {
+                Side::Above => typed.to_owned(),
+                Side::Below => typed.to_owned() + Side::BELOW,
+            },
             name: name.strip_suffix(":default").unwrap_or(&name).to_owned(),
             instances,
             spectra: found,

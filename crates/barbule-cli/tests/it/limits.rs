@@ -70,37 +70,77 @@ fn grazing_light_is_flagged_by_what_a_mirror_would_reflect() {
     assert_eq!((&found["flagged"], &found["mirror_fraction"]), (&json!(false), &Value::Null));
 }
 
+/// The attributes of a store that `simulate` filled, and what was said.
+fn simulated(structure: &str, store: &Path, flags: &[&str]) -> (Value, String) {
+    let small = ["--wavelengths", "450,650", "--directions", "2x2", "--instances", "3", "-v"];
+    let words = ["simulate", structure, "-o", store.to_str().unwrap()];
+    let (code, _, message) = run(&[&words[..], &small, flags].concat());
+    assert_eq!(code, 0, "{message}");
+    assert!(message.contains("wrote ") && message.contains("4 of 4 units"), "{message}");
+    // The same campaign goes on.
+    let (code, _, again) = run(&[&words[..], &small, flags].concat());
+    assert!(code == 0 && again.contains("nothing to do"), "{again}");
+    let group: Value =
+        serde_json::from_str(&std::fs::read_to_string(store.join("zarr.json")).unwrap()).unwrap();
+    (group["attributes"].clone(), message)
+}
+
 #[test]
-fn one_sided_sections_are_said_and_recorded() {
+fn sections_that_are_not_their_own_mirror_images_are_lit_from_both_sides() {
     let folder = tempfile::tempdir().unwrap();
+    let store = |name: &str| folder.path().join(name);
+    let slanted = write(folder.path(), "slanted.json", &film(0.3, 0.3));
+    let (attributes, message) = simulated(&slanted, &store("s.zarr"), &[]);
+    assert!(
+        message.contains("both signs of φ_i are simulated: film is not its own mirror image\n"),
+        "{message}"
+    );
+    assert_eq!((&attributes["sides"], &attributes["campaign"]["sides"]), (&json!("both"), &json!("both")));
+    let (attributes, message) = simulated(&slanted, &store("m.zarr"), &["--mirror", "--keep-fields", "650"]);
+    assert!(message.contains("mirror image; each instance counts with its mirror image"), "{message}");
+    assert_eq!((&attributes["sides"], &attributes["campaign"]["mirror"]), (&Value::Null, &json!(true)));
+    assert_eq!(attributes["instances"], 6);
+    // Another campaign than without the flag.
+    let words =
+        ["simulate", &slanted, "-o", store("s.zarr").to_str().unwrap(), "--mirror"].map(str::to_owned);
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
     let small = ["--wavelengths", "450,650", "--directions", "2x2", "--instances", "3"];
-    let material = |name: &str, section: &str| {
-        let [section, store, material] = [
-            write(folder.path(), &format!("{name}.json"), section),
-            format!("{name}.zarr"),
-            format!("{name}.barbule"),
-        ];
-        let [store, material] = [store, material].map(|name| folder.path().join(name));
-        let [store, material] = [&store, &material].map(|path| path.to_str().unwrap());
-        let (code, _, message) = run(&[&["simulate", &section, "-o", store, "-v"], &small[..]].concat());
-        assert_eq!(code, 0, "{message}");
-        assert!(message.contains("wrote ") && message.contains("4 of 4 units"), "{message}");
-        // The same campaign goes on, with what was found out about it.
-        let (code, _, again) = run(&[&["simulate", &section, "-o", store], &small[..]].concat());
-        assert!(code == 0 && again.contains("nothing to do"), "{again}");
-        let (report, _) = document(&["fit", store, "-o", material]);
-        let info = barbule::io::read_material(material.as_ref()).unwrap().info;
-        assert_eq!(info["clipped"], report["clipped"].as_array().unwrap().len());
-        assert!(report["grazing"].is_array() && info["grazing"].is_u64(), "{info}");
-        (message, info["asymmetry"].as_f64().unwrap())
+    let (code, _, message) = run(&[&words[..], &small].concat());
+    assert!(code == 2 && message.contains("made with other parameters"), "{message}");
+    let even = write(folder.path(), "even.json", &film(-0.1, 0.1));
+    let (attributes, message) = simulated(&even, &store("e.zarr"), &["--mirror"]);
+    assert!(!message.contains("both signs"), "{message}");
+    assert!(message.contains("--mirror has no effect here: film is its own mirror image"), "{message}");
+    let keys: Vec<&String> = attributes.as_object().unwrap().keys().collect();
+    assert!(!keys.iter().any(|key| *key == "sides" || *key == "mirror"), "{keys:?}");
+    let (report, _) =
+        document(&["fit", store("e.zarr").to_str().unwrap(), "-o", store("e.barbule").to_str().unwrap()]);
+    let info = barbule::io::read_material(&store("e.barbule")).unwrap().info;
+    assert_eq!(info["clipped"], report["clipped"].as_array().unwrap().len());
+    assert!(report["grazing"].is_array() && info["grazing"].is_u64(), "{info}");
+}
+
+#[test]
+fn lower_sides_are_lit_where_there_are_some() {
+    let folder = tempfile::tempdir().unwrap();
+    let (attributes, message) = simulated("starling", &folder.path().join("b.zarr"), &["--side", "below"]);
+    assert!(message.contains("the campaign starling:green (below), 4 of 4 units"), "{message}");
+    assert_eq!(attributes["campaign"]["structure"]["side"], "below");
+    // A stack from below is the reversed one from above.
+    let spectrum = |stack: &str, side: &str| {
+        document(&["spectrum", stack, "--side", side, "--wavelengths", "450,650", "--instances", "1"]).0
     };
-    let (message, part) = material("slanted", &film(0.3, 0.3));
-    assert!(message.contains("film reflects 0."), "{message}");
-    assert!(message.contains("materials take both sides alike, so φ ≥ 0 stands for both"), "{message}");
-    assert!(part > 0.3, "{part}");
-    let (message, part) = material("even", &film(-0.1, 0.1));
-    assert!(message.contains("both sides of film reflect alike, within 0.0 %"), "{message}");
-    assert!(part < 0.01, "{part}");
+    let below = spectrum("air/keratin:300/melanin:100/air", "below");
+    let reversed = spectrum("air/melanin:100/keratin:300/air", "above");
+    for wavelength in 0..2 {
+        let [a, b] = [&below, &reversed].map(|found| found["mean"][0][wavelength].as_f64().unwrap());
+        assert!((a / b - 1.0).abs() < 1e-5, "{a} {b}");
+    }
+    assert_eq!(below["structure"], "air/keratin:300/melanin:100/air (below)");
+    let words =
+        ["far-field", "starling", "--side", "below", "--wavelength", "500", "--theta", "0", "--phi", "20"];
+    let (code, out, message) = run(&words);
+    assert!(code == 0 && out.starts_with("starling:green (below), instance 0"), "{out} {message}");
 }
 
 #[test]

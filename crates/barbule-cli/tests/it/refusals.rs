@@ -107,6 +107,13 @@ const LINES: &[(&str, &str)] = &[
     ("geometry starlign -o @f.svg", "did you mean 'starling'"),
     ("geometry starling:grean -o @f.svg", "did you mean 'green'"),
     ("geometry starling: -o @f.svg", "no variant ''"),
+    // Sides.
+    ("far-field starling --wavelength 500 --theta 0 --phi 0 --side left", "possible values: above, below"),
+    ("spectrum air/keratin --side below", "--side below: air/keratin: its lower side cannot be lit"),
+    ("simulate mallard -o @f.zarr --side beneath", "possible values: above, below"),
+    ("characterize starling --side", "possible values: above, below"),
+    ("spectrum starling --mirror", "--mirror"),
+    ("simulate @good.json -o @f.zarr --mirror --instances 5001", "give a number from 1 to 5000"),
     ("crystal starling", "made of layers"),
     ("crystal @none.toml", "no such file"),
     ("crystal mallard:gren", "did you mean 'green'"),
@@ -439,10 +446,11 @@ const SCENES: &[Change] = &[
 
 /// Changes of a store's zarr.json, read by `simulate --status`.
 const STORES: &[Change] = &[
-    ("\"barbule_store\": 3", "\"barbule_store\": 9", "not a campaign store of this version (its layout is 9"),
-    ("\"barbule_store\": 3,", "", "not a campaign store of this version"),
-    ("\"barbule_store\": 3", "\"barbule_store\": 1", "another chunk_key_encoding than its axes say"),
-    ("\"barbule_store\": 3", "\"barbule_store\": 2", "do not match their checksum"),
+    ("\"barbule_store\": 4", "\"barbule_store\": 9", "not a campaign store of this version (its layout is 9"),
+    ("\"barbule_store\": 4,", "", "not a campaign store of this version"),
+    ("\"barbule_store\": 4", "\"barbule_store\": 3", "its layout is 3, this program's is 4"),
+    ("\"kept_nm\": []", "\"kept_nm\": [], \"sides\": \"left\"", "'sides' is not 'both', all it can be"),
+    ("\"kept_nm\": []", "\"kept_nm\": [], \"sides\": \"both\"", "another shape than its axes say"),
     ("{", "", "zarr.json is damaged"),
     ("\"instances\": 2", "\"instances\": 0", "'instances' is no number from 1 to 10000"),
     ("\"instances\": 2", "\"instances\": 99999999999", "'instances' is no number from 1 to 10000"),

@@ -26,7 +26,7 @@ pub(super) fn description(structure: &Structure) -> Value {
                 .collect::<Map<_, _>>(),
         }),
         // No earlier version knew it.
-        Structure::Stack(_) => structure.description(),
+        Structure::Stack(_) | Structure::Below(_) => structure.description(),
         Structure::Sections { name, sections } => json!({
             "sections": name,
             "hashes": sections.iter().map(section_hash).collect::<Vec<_>>(),

@@ -13,9 +13,11 @@ mod legacy;
 mod offset;
 mod outline;
 mod section;
+mod side;
 mod species;
 pub mod stack;
 mod sweep;
+mod symmetry;
 
 pub use cast::{Ray, cast};
 pub use columns::{Columns, PaletteMixture, SlotMixture};
@@ -26,11 +28,13 @@ pub use section::{
     FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,
     Polyline, Section, Substance,
 };
+pub use side::Side;
 pub use species::{
     Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, Key, LowerSide, Multilayer,
     MultilayerLayer, MultilayerSizes, RockDove, SpeciesFile, SpeciesModel, Starling, crystal_species,
     layered_species, species_name, species_names, species_toml,
 };
+pub use symmetry::Symmetry;
 
 use serde_json::{Map, Value, json};
 
@@ -53,6 +57,8 @@ pub enum Structure {
         /// The instances.
         sections: Vec<Section>,
     },
+    /// The lower side of another structure; [`Self::underside`] makes it.
+    Below(Box<Structure>),
 }
 
 impl Structure {
@@ -91,7 +97,47 @@ impl Structure {
                     sections.len().saturating_sub(1)
                 ))
             }),
+            Self::Below(upper) => {
+                let mut section = match &**upper {
+                    Self::Species(model) => model.underside(seed, index)?,
+                    other => other.instance(seed, index)?.underside()?,
+                };
+                section.name += Side::BELOW;
+                section.source += ", its lower side";
+                Ok(section)
+            }
         }
+    }
+
+    /// The lower side, lit from below: each individual turned by 180° about its long axis. A species' photonic crystal hangs
+    /// under its lower outline, too. Turned twice it is the structure itself.
+    ///
+    /// # Errors
+    /// An individual has no lower side that light comes to through air ([`Section::underside`]).
+    pub fn underside(self) -> Result<Self> {
+        let below = match self {
+            Self::Below(upper) => return Ok(*upper),
+            upper => Self::Below(Box::new(upper)),
+        };
+        for index in 0..below.count().unwrap_or(1) {
+            below.instance(0, index)?;
+        }
+        Ok(below)
+    }
+
+    /// What is described: the structure itself, or of a lower side the structure whose it is.
+    #[must_use]
+    pub fn upper(&self) -> &Self {
+        match self {
+            Self::Below(upper) => upper,
+            upper => upper,
+        }
+    }
+
+    /// Which side of what is described is lit.
+    #[must_use]
+    pub fn side(&self) -> Side {
+        if matches!(self, Self::Below(_)) { Side::Below } else { Side::Above }
     }
 
     /// How many instances there are; `None`: endlessly many random ones.
@@ -100,16 +146,18 @@ impl Structure {
         match self {
             Self::Species(_) | Self::Stack(_) => None,
             Self::Sections { sections, .. } => Some(sections.len()),
+            Self::Below(upper) => upper.count(),
         }
     }
 
-    /// What it is called.
+    /// What it is called; lower sides end in ` (below)`.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
             Self::Species(model) => model.title(),
             Self::Stack(flat) => flat.name.clone(),
             Self::Sections { name, .. } => name.clone(),
+            Self::Below(upper) => upper.name() + Side::BELOW,
         }
     }
 
@@ -122,6 +170,11 @@ impl Structure {
             Self::Sections { sections, .. } => {
                 sections.first().and_then(|s| s.crystal.as_ref()).map(|c| c.lattice.clone())
             }
+            Self::Below(upper) => match &**upper {
+                Self::Species(model) => model.lower_lattice(),
+                // Others have no lower side where they have a crystal.
+                _ => None,
+            },
         }
     }
 
@@ -132,6 +185,7 @@ impl Structure {
             Self::Species(model) => model.width_um(),
             Self::Stack(_) => FLAT_WIDTH_UM,
             Self::Sections { sections, .. } => sections.first().map_or(0.0, |section| section.width_um),
+            Self::Below(upper) => upper.width_um(),
         }
     }
 
@@ -142,17 +196,28 @@ impl Structure {
             Self::Species(model) => model.is_curved(),
             Self::Stack(_) => false,
             Self::Sections { sections, .. } => sections.first().is_some_and(|section| is_arch(section.top())),
+            Self::Below(upper) => upper.is_curved(),
         }
     }
 
-    /// Whether light from the left may be reflected otherwise than light from the right, but by chance: given sections
-    /// may, and crystals whose rows are shifted by other than half a period.
+    /// Whether the individuals are, each or in the mean, their own mirror images about the middle plane. Random layers are in
+    /// the mean; crystals by their lattice; given sections where each is.
     #[must_use]
-    pub fn can_be_one_sided(&self) -> bool {
+    pub fn symmetry(&self) -> Symmetry {
+        let one_sided = |what: String| Symmetry::OneSided(format!("{what} is not its own mirror image"));
         match self {
-            Self::Species(model) => model.lattice().is_some_and(|l| (2.0 * l.row_shift).fract() != 0.0),
-            Self::Stack(_) => false,
-            Self::Sections { .. } => true,
+            Self::Species(model) if model.lattice().is_some_and(|lattice| !lattice.is_mirrored()) => {
+                one_sided(format!("the lattice of {}", model.title()))
+            }
+            Self::Species(_) | Self::Stack(_) => Symmetry::Mirrored,
+            Self::Sections { name, sections } => {
+                match sections.iter().position(|section| !section.is_mirrored()) {
+                    None => Symmetry::Mirrored,
+                    Some(_) if sections.len() == 1 => one_sided(name.clone()),
+                    Some(at) => one_sided(format!("section {at} of {name}")),
+                }
+            }
+            Self::Below(upper) => upper.symmetry(),
         }
     }
 
@@ -187,6 +252,7 @@ impl Structure {
                 "width_um": self.width_um(),
                 "hashes": sections.iter().map(|s| identity::hash("section", s)).collect::<Vec<_>>(),
             }),
+            Self::Below(upper) => below(upper.description()),
         }
     }
 
@@ -194,6 +260,9 @@ impl Structure {
     /// the name of given sections where it has one: equal to it where the result is of this structure.
     #[must_use]
     pub fn description_like(&self, recorded: &Value) -> Value {
+        if let Self::Below(upper) = self {
+            return below(upper.description_like(recorded));
+        }
         let mut like =
             if recorded.get("identity").is_none() { legacy::description(self) } else { self.description() };
         if let (Some(name), Value::Object(fields)) = (recorded.get("sections"), &mut like) {
@@ -211,8 +280,17 @@ impl Structure {
             Self::Sections { name: _, sections } => {
                 identity::Hasher::new("sections").list("sections", sections).hex()
             }
+            Self::Below(upper) => identity::Hasher::new("below").text("structure", &upper.hash()).hex(),
         }
     }
+}
+
+/// The description of a lower side.
+fn below(mut upper: Value) -> Value {
+    if let Value::Object(fields) = &mut upper {
+        fields.insert("side".into(), "below".into());
+    }
+    upper
 }
 
 /// Whether the slopes of the left and the right third of a curve differ as an arch's do.

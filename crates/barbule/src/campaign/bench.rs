@@ -36,7 +36,7 @@ pub struct CampaignFigures {
     pub table_seconds: f64,
     /// Bytes of these tables.
     pub table_bytes: usize,
-    /// One unit (λ, θ_i): 20 φ_i, 2 polarizations, all instances, with its statistics.
+    /// One unit (λ, θ_i): 20 φ_i (39 of both signs), 2 polarizations, all instances, with its statistics.
     pub unit_seconds: f64,
     /// Illuminations of a full campaign.
     pub illuminations: usize,
@@ -56,7 +56,7 @@ impl CampaignFigures {
     }
 }
 
-/// Measures a sample of units on one thread.
+/// Measures a sample of units on one thread; both signs of φ_i where the structure is not its own mirror image.
 ///
 /// # Errors
 /// An instance cannot be made, a medium's table does not cover 400 to 700 nm, or the user cancelled.
@@ -82,9 +82,11 @@ fn sample(
     let [wavelengths, thetas, phis, instances] = FULL;
     let cos_phi: Vec<f64> = (1..=phis).map(|i| i as f64 / phis as f64).collect();
     let axes = Axes::new(&Wavelengths::new(SAMPLE_NM)?, SAMPLE_COS_THETA.to_vec(), cos_phi)?;
+    let axes = axes.with_sides(super::sides(&structure.symmetry()));
+    let phis = axes.phis();
     let phi_i: Vec<f64> = (0..phis).map(|phi| axes.phi_i(phi)).collect();
     let theta_i = axes.theta_i(2);
-    let parameters = CampaignParameters { axes, instances, seed, tilt: 2f64.to_radians() };
+    let parameters = CampaignParameters { axes, instances, seed, tilt: 2f64.to_radians(), mirror: false };
     progress.begin("measuring", (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as u64);
     let begun = ProcessTime::now();
     let orders = orders(structure, &parameters.axes, &Unobserved)?;

@@ -125,7 +125,7 @@ impl Demand {
         };
         let rays = 8 * parts * size.points * size.slots;
         let instance = size.bytes() + rays + table + 8 * size.points * size.slots;
-        let workspace = size.workspace_bytes(shortest(parameters)?, parameters.axes.cos_phi().len(), 4);
+        let workspace = size.workspace_bytes(shortest(parameters)?, parameters.simulated().phis(), 4);
         let threads = rayon::current_num_threads();
         let fixed = threads * (workspace + 2 * table + size.casting_bytes(2 * parts))
             + (2.0 * distinct as f64 * instance as f64) as usize;
@@ -147,13 +147,13 @@ impl Demand {
         progress: &dyn Progress,
     ) -> Result<Self> {
         let width = Width::best();
-        let axes = &parameters.axes;
+        let axes = &parameters.simulated();
         let (first_nm, last_nm) =
             (shortest(parameters)?, axes.wavelengths_nm()[axes.wavelengths_nm().len() - 1]);
         let distinct = super::distinct(structure, parameters);
         let First { sections, size } = First::of(structure, parameters.seed, distinct, CAMPAIGN_ELEMENT_UM)?;
         let threads = rayon::current_num_threads().min(distinct);
-        let workspace = size.workspace_bytes(first_nm, axes.cos_phi().len(), 4);
+        let workspace = size.workspace_bytes(first_nm, axes.phis(), 4);
         let least = PROGRAM + (size.casting_bytes(1) + size.bytes() + workspace) as u64;
         allowed.check(WHAT, least, FEWER)?;
         let (barbule, table, shared, casting) = if let Some(lattice) = structure.lattice() {
@@ -180,7 +180,7 @@ impl Demand {
         // Media that vary along the top are kept beside the series; those of the rays only while a table is made.
         let media = barbule.media_bytes();
         let cone = Cone::around(std::slice::from_ref(&barbule), first_nm, 0.0);
-        let workspace = barbule.workspace_bytes(&cone, axes.cos_phi().len())
+        let workspace = barbule.workspace_bytes(&cone, axes.phis())
             + 2 * table
             + media * barbule.ray_parts().unwrap_or(0);
         let scaled = |bytes: usize| (distinct as f64 * MARGIN * bytes as f64) as usize;
@@ -199,14 +199,12 @@ impl Demand {
         azimuths: usize,
     ) -> Self {
         let axes = &parameters.axes;
-        let directions = 4 * axes.cos_phi().len();
-        let kept =
-            if keep == Keep::Fields { 3 * 8 * directions * parameters.instances * AZIMUTHS } else { 0 };
+        let fields = 4 * axes.phis() * parameters.realizations();
+        let kept = if keep == Keep::Fields { 3 * 8 * fields * AZIMUTHS } else { 0 };
         let gathered = if results == Results::Gathered { 2 * STATISTICS * axes.len() as u64 } else { 0 };
         Self {
             fixed: PROGRAM + instances + gathered,
-            unit: (8 * directions * parameters.instances * azimuths + kept) as u64
-                + 2 * STATISTICS * axes.cos_phi().len() as u64,
+            unit: (8 * fields * azimuths + kept) as u64 + 2 * STATISTICS * axes.phis() as u64,
             most_units: axes.cos_theta().len().min(super::most_units()),
         }
     }
@@ -310,7 +308,7 @@ mod tests {
             let cos_phi = (1..=phis).map(|i| i as f64 / phis as f64).collect();
             let axes =
                 Axes::new(&Wavelengths::new([450.0, 650.0]).unwrap(), vec![0.5, 1.0], cos_phi).unwrap();
-            let parameters = CampaignParameters { axes, instances, seed: 1, tilt: 0.0 };
+            let parameters = CampaignParameters { axes, instances, seed: 1, tilt: 0.0, mirror: false };
             let bound = Demand::bound(&structure, &parameters, keep, Results::Stored).unwrap();
             let allowed = Allowance::UNKNOWN;
             let found = Demand::predict(&structure, &parameters, keep, Results::Stored, allowed, &Unobserved)

@@ -3,11 +3,11 @@
 //! A unit of work is one (λ, θ_i): all φ_i, polarizations and instances. Its fields stay in memory, their statistics
 //! are formed in instance order (so that bits do not depend on threads), and the fields are dropped.
 
-pub mod asymmetry;
 pub mod bench;
 mod covariance;
 mod crystal;
 mod memory;
+mod mirror;
 mod reduce;
 mod run;
 pub mod single;
@@ -25,9 +25,9 @@ use crate::progress::Progress;
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::far_field::IncidentLight;
 use crate::scattering::orders::OrderTable;
-use crate::scattering::statistics::{AZIMUTHS, Axes, Unit};
+use crate::scattering::statistics::{AZIMUTHS, Axes, Sides, Unit};
 use crate::solve::surface::{self, Barbule, Batch, Cone, Grid, Underside, Workspace};
-use crate::structure::{Section, Structure};
+use crate::structure::{Section, Structure, Symmetry};
 use crate::{Error, Result};
 use crystal::Crystal;
 
@@ -45,9 +45,29 @@ pub struct CampaignParameters {
     pub seed: u64,
     /// Largest tilt of an instance about y, rad.
     pub tilt: f64,
+    /// Whether barbules lie either way round: each instance counts with its mirror image.
+    pub mirror: bool,
 }
 
 impl CampaignParameters {
+    /// The directions that are simulated: for mirror images both signs of φ_i.
+    #[must_use]
+    pub fn simulated(&self) -> Axes {
+        let axes = self.axes.clone();
+        if self.mirror { axes.with_sides(Sides::Both) } else { axes }
+    }
+
+    /// Fields at each direction: one of each instance, and one of its mirror image where it counts.
+    #[must_use]
+    pub fn realizations(&self) -> usize {
+        self.instances * self.ways()
+    }
+
+    /// In how many ways each instance lies.
+    pub(crate) fn ways(&self) -> usize {
+        if self.mirror { 2 } else { 1 }
+    }
+
     /// The tilt δ_m of each instance, rad: (−1 + 2π(m)/(M−1))·tilt with π a random permutation of 0 … M − 1.
     #[must_use]
     pub fn tilts(&self) -> Vec<f64> {
@@ -92,7 +112,9 @@ pub struct Campaign {
     /// The crystal under all of them.
     crystal: Option<Crystal>,
     tilts: Vec<f64>,
-    /// Incident power at θ_i = 0 per instance and φ_i, µm.
+    /// What is simulated, of the parameters.
+    simulated: Axes,
+    /// Incident power at θ_i = 0 per instance and simulated φ_i, µm.
     powers_um: Vec<Vec<f64>>,
     width: Width,
     units_at_once: usize,
@@ -124,7 +146,10 @@ pub fn orders(structure: &Structure, axes: &Axes, progress: &dyn Progress) -> Re
 
 /// Fields of one unit: `[instance][φ_i][polarization][e₁, e₂][azimuth with margins]`, over √Φ_i.
 pub(crate) struct Fields {
+    /// Where instances count with their mirror images, these follow them.
     pub(crate) values: Vec<Vec<Complex<f32>>>,
+    /// In how many ways each instance lies.
+    pub(crate) ways: usize,
     /// Values per (φ_i, polarization, component).
     pub(crate) points: usize,
     /// How many times finer than [`AZIMUTHS`] the azimuths are.
@@ -197,15 +222,16 @@ impl Campaign {
             barbule.stacks(*last)?;
         }
         let tilts = parameters.tilts();
+        let simulated = parameters.simulated();
         let powers_um = tilts
             .par_iter()
             .enumerate()
             .map(|(instance, tilt)| {
                 let barbule = &barbules[instance % distinct];
-                azimuths(&parameters.axes).map(|phi| barbule.incident_power_um(0.0, phi + tilt)).collect()
+                azimuths(&simulated).map(|phi| barbule.incident_power_um(0.0, phi + tilt)).collect()
             })
             .collect();
-        Ok(Self { parameters, barbules, crystal, tilts, powers_um, width, units_at_once })
+        Ok(Self { parameters, barbules, crystal, tilts, simulated, powers_um, width, units_at_once })
     }
 
     /// Prepares the units of a wavelength by its number.
@@ -258,12 +284,13 @@ impl Campaign {
         theta: usize,
         progress: &dyn Progress,
     ) -> Result<Fields> {
-        let axes = &self.parameters.axes;
+        let axes = &self.simulated;
         let theta_i = axes.theta_i(theta);
         let cone = Cone::around(&self.barbules, axes.wavelengths_nm()[tables.wavelength], theta_i);
         let refine = cone.refinement(AZIMUTHS);
         let grid = Grid { azimuths: AZIMUTHS * refine, margin: AZIMUTH_MARGIN, shift: 0.0 };
-        let values = (0..self.parameters.instances)
+        let ways = self.parameters.ways();
+        let values: Vec<Vec<Vec<_>>> = (0..self.parameters.instances)
             .into_par_iter()
             .map_init(
                 || Workspace::new(self.width),
@@ -281,11 +308,15 @@ impl Campaign {
                     for component in fields.chunks_exact_mut(grid.points()) {
                         hide_below_horizon(component, tilt, refine);
                     }
-                    Ok(fields)
+                    Ok(match ways {
+                        1 => vec![fields],
+                        _ => mirror::with_image(fields, axes, grid.points()).into(),
+                    })
                 },
             )
             .collect::<Result<_>>()?;
-        Ok(Fields { values, points: grid.points(), refine, theta_i })
+        let values = values.into_iter().flatten().collect();
+        Ok(Fields { values, ways, points: grid.points(), refine, theta_i })
     }
 
     /// The statistics of one (λ, θ_i), with what else is kept of it.
@@ -302,10 +333,16 @@ impl Campaign {
         let fields = self.fields(tables, theta, progress)?;
         let mut unit = reduce::unit(&self.parameters.axes, &fields);
         if keep == Keep::Fields {
-            unit.fields = reduce::kept(&fields, self.parameters.axes.cos_phi().len());
+            unit.fields = reduce::kept(&fields, self.parameters.axes.phis());
         }
         Ok(unit)
     }
+}
+
+/// The signs of φ_i that say all about a structure.
+#[must_use]
+pub fn sides(symmetry: &Symmetry) -> Sides {
+    if symmetry.is_mirrored() { Sides::Alike } else { Sides::Both }
 }
 
 /// Instances that differ by more than their tilts.
@@ -338,7 +375,7 @@ fn most_units() -> usize {
 
 /// The incident azimuths, rad.
 fn azimuths(axes: &Axes) -> impl Iterator<Item = f64> + '_ {
-    (0..axes.cos_phi().len()).map(|phi| axes.phi_i(phi))
+    (0..axes.phis()).map(|phi| axes.phi_i(phi))
 }
 
 /// Zeroes what a tilted instance would send below its own horizon.

@@ -14,7 +14,7 @@ use crate::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, Unit};
 pub(super) fn unit(axes: &Axes, fields: &Fields) -> Unit {
     let grid = NoiseGrid::new(fields.theta_i, fields.refine);
     let covariance = Covariance::<f32>::new();
-    let parts: Vec<Direction> = (0..axes.cos_phi().len())
+    let parts: Vec<Direction> = (0..axes.phis())
         .into_par_iter()
         .map(|phi| direction(fields, axes.phi_i(phi), phi, &grid, &covariance))
         .collect();
@@ -143,13 +143,21 @@ fn statistics(
         *value /= count;
     }
     let contrast = u.iter().zip(&squares).map(|(&u, &square)| contrast(u, square / count)).collect();
-    let v = u
+    let individuals = count / fields.ways as f64;
+    let own = (fields.ways > 1).then(|| intensity_of_both_ways(fields, pair));
+    let v = own
+        .as_ref()
+        .unwrap_or(&u)
         .iter()
         .zip(&means)
-        .map(|(&u, mean)| {
+        .map(|(&own, mean)| {
             let coherent = (mean[0].norm_sqr() + mean[1].norm_sqr()) / (count * count);
-            // M instances leave (U − V)/M of the incoherent part in |mean|².
-            if instances == 1 { coherent } else { (count * coherent - u) / (count - 1.0) }
+            // M individuals leave (U − V)/M of the incoherent part in |mean|².
+            if instances == fields.ways {
+                coherent
+            } else {
+                (individuals * coherent - own) / (individuals - 1.0)
+            }
         })
         .collect();
     let reflected = fractions.iter().sum::<f64>() / count;
@@ -169,6 +177,21 @@ fn statistics(
         reflected_std: (spread / (count - 1.0).max(1.0)).sqrt(),
         contrast,
     }
+}
+
+/// Mean over individuals of |𝓔|² of the mean of each one's field and its mirror image's. These two are no different
+/// individuals; near the mirror direction at normal incidence they are the same field.
+fn intensity_of_both_ways(fields: &Fields, pair: usize) -> Vec<f64> {
+    let mut sums = vec![0.0; AZIMUTHS];
+    let individuals = fields.values.len() / 2;
+    for individual in 0..individuals {
+        let [own, image] = [0, 1].map(|way| components(fields, 2 * individual + way, pair));
+        for (sum, at) in sums.iter_mut().zip(tabulated(fields)) {
+            let mean = [own.0[at] + image.0[at], own.1[at] + image.1[at]].map(|value| 0.5 * widen(value));
+            *sum += (mean[0].norm_sqr() + mean[1].norm_sqr()) / individuals as f64;
+        }
+    }
+    sums
 }
 
 /// Standard deviation over mean, from the means of an intensity and of its square.

@@ -33,7 +33,7 @@ pub fn run(
     shards: usize,
     progress: &dyn Progress,
 ) -> Result<Outcome> {
-    store.check_belongs(&campaign.parameters().axes, campaign.parameters().instances)?;
+    store.check_belongs(&campaign.parameters().axes, campaign.parameters().realizations())?;
     store.prepare_writing()?;
     let units = store.shard(shard, shards);
     progress.begin("simulating", units.len() as u64);
@@ -86,7 +86,7 @@ pub fn statistics(campaign: &Campaign, progress: &dyn Progress) -> Result<Statis
     let axes = &campaign.parameters().axes;
     let thetas = axes.cos_theta().len();
     progress.begin("simulating", (axes.wavelengths_nm().len() * thetas) as u64);
-    let mut statistics = Statistics::empty(axes.clone(), campaign.parameters().instances);
+    let mut statistics = Statistics::empty(axes.clone(), campaign.parameters().realizations());
     for index in 0..axes.wavelengths_nm().len() {
         let tables = campaign.tables(index, progress)?;
         let all: Vec<usize> = (0..thetas).collect();

@@ -92,16 +92,13 @@ impl Spectra {
 /// # Errors
 /// An instance cannot be made, a table does not reach a wavelength, or the user cancelled.
 pub fn spectra(structure: &Structure, request: &SpectrumRequest, progress: &dyn Progress) -> Result<Spectra> {
-    let collect = |field: &[Complex<f32>], (theta_i, phi_i): (f64, f64)| {
-        [collected(field, request.collect, theta_i, phi_i)]
-    };
-    let per_instance = fractions(structure, request, &collect, progress)?;
+    let per_instance = fractions(structure, request, progress)?;
     let count = request.instances as f64;
     let mut spectra = Spectra { mean: Vec::new(), std: Vec::new(), mirror: Vec::new() };
     let columns = request.wavelengths.len();
     for direction in 0..request.directions.len() {
         let values =
-            |wavelength: usize| per_instance.iter().map(move |v| v[direction * columns + wavelength][0]);
+            |wavelength: usize| per_instance.iter().map(move |v| v[direction * columns + wavelength]);
         let mean: Vec<f64> = (0..columns).map(|w| values(w).sum::<f64>() / count).collect();
         let std = (0..columns)
             .map(|w| (values(w).map(|v| (v - mean[w]).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt())
@@ -115,21 +112,17 @@ pub fn spectra(structure: &Structure, request: &SpectrumRequest, progress: &dyn 
     Ok(spectra)
 }
 
-/// What is collected of a field at an incident direction (θ_i, φ_i), in N ways.
-type Collected<'a, const N: usize> = dyn Fn(&[Complex<f32>], (f64, f64)) -> [f64; N] + Sync + 'a;
-
-/// Reflected fractions, `[instance][direction · wavelength][way of collecting]`; instances in parallel.
-pub(super) fn fractions<const N: usize>(
+/// Reflected fractions, `[instance][direction · wavelength]`; instances in parallel.
+fn fractions(
     structure: &Structure,
     request: &SpectrumRequest,
-    collect: &Collected<'_, N>,
     progress: &dyn Progress,
-) -> Result<Vec<Vec<[f64; N]>>> {
+) -> Result<Vec<Vec<f64>>> {
     let crystal = structure.lattice().map(|lattice| crystal(&lattice, request, progress)).transpose()?;
     progress.begin("simulating", (request.instances * request.wavelengths.len()) as u64);
     (0..request.instances)
         .into_par_iter()
-        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, collect, progress))
+        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, progress))
         .collect()
 }
 
@@ -147,19 +140,18 @@ pub(super) const ELEMENT_UM: f64 = 0.02;
 /// Directions of one θ_i that are lit together, at most.
 pub(super) const DIRECTIONS_AT_ONCE: usize = 256;
 
-/// Reflected fractions of one instance, `[direction · wavelength][way of collecting]`.
-fn of_instance<const N: usize>(
+/// Reflected fractions of one instance, `[direction · wavelength]`.
+fn of_instance(
     structure: &Structure,
     request: &SpectrumRequest,
     crystal: Option<&Crystal>,
     instance: usize,
-    collect: &Collected<'_, N>,
     progress: &dyn Progress,
-) -> Result<Vec<[f64; N]>> {
+) -> Result<Vec<f64>> {
     let section = structure.instance(request.seed, instance)?;
     let barbule = Barbule::new(&section, ELEMENT_UM, Window::Gaussian)?;
     let columns = request.wavelengths.len();
-    let mut result = vec![[0.0; N]; request.directions.len() * columns];
+    let mut result = vec![0.0; request.directions.len() * columns];
     let mut workspace = Workspace::new(Width::best());
     for (column, &wavelength_nm) in request.wavelengths.iter().enumerate() {
         if progress.is_cancelled() {
@@ -186,11 +178,9 @@ fn of_instance<const N: usize>(
             let fields = workspace.scatter(&barbule, underside, &batch, grid, progress)?;
             for (index, component) in fields.chunks_exact(grid.points()).enumerate() {
                 let (direction, polarization) = (index / 4, index / 2 % 2);
-                let collected = collect(component, (theta_i, phis[direction]));
-                let sums = &mut result[(start + direction) * columns + column];
-                for (sum, collected) in sums.iter_mut().zip(collected) {
-                    *sum += request.polarization[polarization] * theta_i.cos() * collected;
-                }
+                let collected = collected(component, request.collect, theta_i, phis[direction]);
+                result[(start + direction) * columns + column] +=
+                    request.polarization[polarization] * theta_i.cos() * collected;
             }
             start += run;
         }

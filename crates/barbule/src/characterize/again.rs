@@ -6,8 +6,8 @@ use crate::brdf::FeatherMaterial;
 use crate::campaign::{Campaign, CampaignParameters, Resources};
 use crate::material::Library;
 use crate::progress::Progress;
-use crate::scattering::statistics::Axes;
-use crate::structure::{SpeciesModel, Structure};
+use crate::scattering::statistics::{Axes, Sides};
+use crate::structure::{Side, SpeciesModel, Structure};
 
 /// The species that a material was simulated from, with the generator's parameters that it records; `None` where these are
 /// missing or it was made of given sections.
@@ -45,8 +45,11 @@ impl<'a> Barbules<'a> {
         } else {
             let text = |key: &str| recorded[key].as_str();
             let name = text("stack").or_else(|| text("sections")).or_else(|| material.info["name"].as_str());
+            let name = name.map(|name| name.strip_suffix(Side::BELOW).unwrap_or(name));
             name.filter(|name| !name.is_empty()).and_then(|name| given(name).ok())
         };
+        let is_below = recorded["side"].as_str() == Some("below");
+        let structure = structure.and_then(|s| if is_below { s.underside().ok() } else { Some(s) });
         let structure = structure.filter(|structure| structure.description_like(recorded) == *recorded);
         Ok(Self { structure: structure.ok_or_else(unrecorded)?, campaign, catalog, progress })
     }
@@ -63,7 +66,8 @@ impl<'a> Barbules<'a> {
         }
         let tilt = if tilted { self.campaign.tilt_deg.clamp(0.0, 30.0).to_radians() } else { 0.0 };
         let orders = self.catalog.orders(&self.structure, &axes, self.progress)?;
-        let parameters = CampaignParameters { axes, instances, seed: self.campaign.seed, tilt };
+        let mirror = self.campaign.mirror && axes.sides() == Sides::Alike;
+        let parameters = CampaignParameters { axes, instances, seed: self.campaign.seed, tilt, mirror };
         Campaign::with_orders(&self.structure, parameters, orders, &Resources::default(), self.progress)
     }
 

@@ -15,8 +15,11 @@ use crate::progress::Progress;
 use crate::scattering::lobe::FitKind;
 use crate::scattering::orders::OrderTable;
 use crate::scattering::statistics::Axes;
-use crate::structure::{Lattice, Structure};
+use crate::structure::{Lattice, Side, Structure};
 use crate::{Error, Result};
+
+/// What the file names of lower sides end in.
+const BELOW: &str = "-below";
 
 /// Digits of a hash in the name of a cached file.
 pub(super) const DIGITS: usize = 16;
@@ -82,13 +85,14 @@ pub fn as_filed(material: &FeatherMaterial) -> Result<(FeatherMaterial, String)>
 }
 
 impl Catalog {
-    /// The shipped material of a structure, at the default options.
+    /// The shipped material of a structure, at the default options; that of a lower side is called `NAME-below`.
     ///
     /// # Errors
     /// A shipped file is damaged.
     pub fn shipped(&self, structure: &Structure) -> Result<Option<Found>> {
-        let stem = structure.name().replace(':', "-");
-        let (Structure::Species(_), Some(bytes)) = (structure, barbule_materials::material(&stem)) else {
+        let stem = structure.name().replace(Side::BELOW, BELOW).replace(':', "-");
+        let (Structure::Species(_), Some(bytes)) = (structure.upper(), barbule_materials::material(&stem))
+        else {
             return Ok(None);
         };
         let material = decode_material(bytes).map_err(|e| e.at(format!("the shipped material {stem}")))?;
@@ -212,9 +216,12 @@ fn order_keys(lattice: &Lattice, axes: &Axes) -> [String; 2] {
 }
 
 /// The readable part of a file name for a structure: `starling:green` → `starling-green`, `air/keratin:300/air` →
-/// `air-keratin-300-air`, `a/bird.toml` → `bird`.
+/// `air-keratin-300-air`, `a/bird.toml` → `bird`, `mallard:lime (below)` → `mallard-lime-below`.
 pub(super) fn file_stem(name: &str) -> String {
     const LONGEST: usize = 60;
+    if let Some(upper) = name.strip_suffix(Side::BELOW) {
+        return file_stem(upper) + BELOW;
+    }
     let is_stack = name.contains([':', '(']);
     let last = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
     let mut stem = String::new();
@@ -345,6 +352,8 @@ mod tests {
             ("starling:green", "starling-green"),
             ("air/6*(keratin:300/melanin:5)/air", "air-6-keratin-300-melanin-5-air"),
             ("a/b/bird.toml", "bird"),
+            ("a/b/bird.toml (below)", "bird-below"),
+            ("mallard:lime (below)", "mallard-lime-below"),
             ("./sections/", "sections"),
             ("..", "material"),
             ("", "material"),

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::identity::{Hasher, Identify};
+use crate::scattering::statistics::Sides;
 use crate::structure::Structure;
 use crate::{Error, Result};
 
@@ -30,9 +31,39 @@ pub struct CampaignDescription {
     pub polarized: bool,
     /// Every how many-th wavelength and direction was kept.
     pub thinned: Option<usize>,
-    /// The part by which both sides of the structure differ, where it was looked for ([`Plan::compare_sides`](super::Plan::compare_sides)).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub asymmetry: Option<f64>,
+    /// Which signs of φ_i were simulated; not recorded where φ_i ≥ 0 stands for both.
+    #[serde(default, skip_serializing_if = "is_usual", with = "sides")]
+    pub sides: Sides,
+    /// Whether each instance counts with its mirror image; recorded only where it does.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub mirror: bool,
+}
+
+fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+/// Signs of φ_i as they are recorded.
+mod sides {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use crate::scattering::statistics::Sides;
+
+    pub(super) fn serialize<S: Serializer>(sides: &Sides, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(match sides {
+            Sides::Alike => "alike",
+            Sides::Both => "both",
+        })
+    }
+
+    pub(super) fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Sides, D::Error> {
+        match String::deserialize(from)?.as_str() {
+            "alike" => Ok(Sides::Alike),
+            "both" => Ok(Sides::Both),
+            _ => Err(D::Error::custom("sides are neither alike nor both")),
+        }
+    }
 }
 
 impl CampaignDescription {
@@ -61,12 +92,10 @@ impl CampaignDescription {
         parameters["width_um"].as_f64().or_else(|| self.structure["width_um"].as_f64())
     }
 
-    /// The same campaign of `structure` with hashes of the version that an earlier result has, and with what that one
-    /// found out besides.
+    /// The same campaign of `structure` with hashes of the version that an earlier result has.
     #[must_use]
     pub fn like(&self, recorded: &Value, structure: &Structure) -> Self {
-        let asymmetry = recorded["asymmetry"].as_f64();
-        Self { structure: structure.description_like(&recorded["structure"]), asymmetry, ..self.clone() }
+        Self { structure: structure.description_like(&recorded["structure"]), ..self.clone() }
     }
 
     /// Whether two results are of one campaign, whatever names their structures were given. Where their hashes are of
@@ -79,7 +108,7 @@ impl CampaignDescription {
             false => &["sections", "identity", "materials"],
         };
         let compared = |description: &Self| {
-            let mut description = Self { asymmetry: None, ..description.clone() };
+            let mut description = description.clone();
             if let Value::Object(structure) = &mut description.structure {
                 structure.retain(|key, _| !left_out.contains(&key.as_str()));
             }
@@ -108,8 +137,8 @@ impl Identify for CampaignDescription {
             tilt_deg,
             polarized,
             thinned,
-            // Found out, not given.
-            asymmetry: _,
+            sides,
+            mirror,
         } = self;
         to.count("campaign", *campaign_version)
             .part("structure", &Recorded(structure))
@@ -121,6 +150,13 @@ impl Identify for CampaignDescription {
             .number("tilt_deg", *tilt_deg)
             .count("polarized", u64::from(*polarized))
             .count("thinned", thinned.map_or(0, |every| every as u64));
+        // Only what is not as usual, so that results without these keys keep their names.
+        if *sides == Sides::Both {
+            to.text("sides", "both");
+        }
+        if *mirror {
+            to.count("mirror", 1);
+        }
     }
 }
 
@@ -182,6 +218,17 @@ mod tests {
             (CampaignOptions::default(), CampaignOptions { seed: 2, ..CampaignOptions::default() });
         let film = of("air/keratin:300/air", &usual);
         assert!(film == of("air/keratin:300.0/air", &usual) && film.is_same(&film));
+        assert!(film.to_json().unwrap().get("sides").is_none());
+        let mut both = CampaignDescription { sides: Sides::Both, mirror: true, ..film.clone() };
+        let mut recorded = both.to_json().unwrap();
+        assert_eq!(CampaignDescription::read(&recorded).unwrap(), both);
+        assert!(!both.is_same(&film) && hash("campaign", &both) != hash("campaign", &film));
+        both.mirror = false;
+        assert_ne!(both.to_json().unwrap(), recorded);
+        recorded["sides"] = "left".into();
+        assert!(
+            CampaignDescription::read(&recorded).unwrap_err().to_string().contains("neither alike nor both")
+        );
         let mut named = film.clone();
         named.structure["sections"] = "a film".into();
         assert!(named != film && named.is_same(&film));

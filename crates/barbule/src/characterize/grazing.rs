@@ -9,7 +9,7 @@ use crate::solve::surface::{LARGEST_MIRROR_ERROR, mirror_fraction};
 pub(super) fn grazing(axes: &Axes, width_um: f64) -> Vec<GrazingDirection> {
     let mut found = Vec::new();
     for theta in 0..axes.cos_theta().len() {
-        for phi in 0..axes.cos_phi().len() {
+        for phi in 0..axes.phis() {
             let (theta_i, phi_i) = (axes.theta_i(theta), axes.phi_i(phi));
             let off: Vec<f64> = axes
                 .wavelengths_nm()

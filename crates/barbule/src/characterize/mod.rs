@@ -118,7 +118,6 @@ pub fn material_of(
         "flagged": report.flagged.len(),
         "clipped": report.clipped.len(),
         "grazing": report.grazing_nodes(),
-        "asymmetry": campaign.asymmetry,
         "longest_length": report.longest_length,
         "pattern_correlation": correlation,
         "pattern_contrast": contrast,

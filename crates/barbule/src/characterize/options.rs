@@ -6,19 +6,21 @@ use serde::{Deserialize, Serialize};
 
 use super::catalog::{DIGITS, file_stem};
 use super::{CAMPAIGN_VERSION, CampaignDescription, Catalog};
-use crate::campaign::asymmetry::{Asymmetry, asymmetry};
-use crate::campaign::{Campaign, CampaignParameters, Resources};
+use crate::campaign::{Campaign, CampaignParameters, Resources, sides};
 use crate::io::store::Store;
 use crate::progress::Progress;
 use crate::scattering::far_field::Window;
-use crate::scattering::statistics::Axes;
+use crate::scattering::statistics::{Axes, Sides};
 use crate::solve::surface::{Barbule, CAMPAIGN_ELEMENT_UM};
 use crate::spectrum::Wavelengths;
-use crate::structure::Structure;
+use crate::structure::{Structure, Symmetry};
 use crate::{Error, Result, identity};
 
 /// Wavelengths that can be simulated, nm.
 pub const WAVELENGTHS_NM: std::ops::RangeInclusive<f64> = 300.0..=830.0;
+
+/// Fields at one direction, at most.
+const MOST_INSTANCES: usize = 10_000;
 
 /// Instances of a thinned campaign.
 const THINNED_INSTANCES: usize = 12;
@@ -54,6 +56,9 @@ pub struct CampaignOptions {
     pub thin: Option<usize>,
     /// Seed of instances and tilts.
     pub seed: u64,
+    /// Barbules lie either way round: each instance counts with its mirror image. Structures that are their own mirror
+    /// images, each or in the mean, do without.
+    pub mirror: bool,
 }
 
 impl Default for CampaignOptions {
@@ -66,6 +71,7 @@ impl Default for CampaignOptions {
             polarized: false,
             thin: None,
             seed: 1,
+            mirror: false,
         }
     }
 }
@@ -88,8 +94,10 @@ impl CampaignOptions {
         if ![thetas, phis].into_iter().all(|n| (2..=200).contains(n)) {
             return refuse(format!("directions {thetas}x{phis}: write NxM with 2 to 200 each, as in 20x20"));
         }
-        if !(1..=10_000).contains(instances) {
-            return refuse(format!("instances {instances}: give a number from 1 to 10000"));
+        // With its mirror image each instance counts twice.
+        let most = if self.mirror { MOST_INSTANCES / 2 } else { MOST_INSTANCES };
+        if !(1..=most).contains(instances) {
+            return refuse(format!("instances {instances}: give a number from 1 to {most}"));
         }
         if !(0.0..=30.0).contains(tilt_deg) {
             return refuse(format!("tilt {tilt_deg}: give degrees from 0 to 30"));
@@ -111,7 +119,10 @@ impl CampaignOptions {
         let thin = self.thin.unwrap_or(1);
         let nm: Vec<f64> = self.wavelengths_nm.iter().copied().step_by(thin).collect();
         let [cos_theta, cos_phi] = self.directions.map(|count| steps(count, thin));
-        let axes = Axes::new(&Wavelengths::new(nm)?, cos_theta, cos_phi)?;
+        let symmetry = structure.symmetry();
+        let mirror = self.mirror && !symmetry.is_mirrored();
+        let sides = if mirror { Sides::Alike } else { sides(&symmetry) };
+        let axes = Axes::new(&Wavelengths::new(nm)?, cos_theta, cos_phi)?.with_sides(sides);
         let asked = self.instances.min(if self.thin.is_some() { THINNED_INSTANCES } else { usize::MAX });
         // A single section serves any number of instances, which differ by their tilts.
         let instances = structure.count().filter(|count| *count > 1).map_or(asked, |count| asked.min(count));
@@ -126,11 +137,12 @@ impl CampaignOptions {
             tilt_deg: self.tilt_deg,
             polarized: self.polarized,
             thinned: self.thin,
-            asymmetry: None,
+            sides,
+            mirror,
         };
-        let parameters =
-            CampaignParameters { axes, instances, seed: self.seed, tilt: self.tilt_deg.to_radians() };
-        Ok(Plan { structure, parameters, description, asked })
+        let tilt = self.tilt_deg.to_radians();
+        let parameters = CampaignParameters { axes, instances, seed: self.seed, tilt, mirror };
+        Ok(Plan { structure, symmetry, parameters, description, asked })
     }
 }
 
@@ -146,6 +158,8 @@ fn steps(count: usize, thin: usize) -> Vec<f64> {
 pub struct Plan {
     /// What is simulated.
     pub structure: Structure,
+    /// Whether it is its own mirror image, which decides the signs of φ_i.
+    pub symmetry: Symmetry,
     /// On which axes, with how many instances.
     pub parameters: CampaignParameters,
     /// Everything that decides the numbers, for results.
@@ -155,18 +169,6 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Looks whether both sides of the structure reflect alike, and records it; `None` where it cannot be otherwise.
-    ///
-    /// # Errors
-    /// An instance cannot be made, a medium's table does not reach a wavelength, or a stop by `progress`.
-    pub fn compare_sides(&mut self, progress: &dyn Progress) -> Result<Option<Asymmetry>> {
-        let CampaignParameters { axes, instances, seed, .. } = &self.parameters;
-        let found = asymmetry(&self.structure, *seed, *instances, axes.wavelengths_nm(), progress)?;
-        // To digits that do not depend on the processor.
-        self.description.asymmetry = found.map(|found| (found.part * 100.0).round() / 100.0);
-        Ok(found)
-    }
-
     /// Prepares the instances; orders of crystals come from the catalog's cache or go there.
     ///
     /// # Errors
@@ -188,8 +190,8 @@ impl Plan {
     /// As [`Store::create`].
     pub fn store(&self, path: &Path, kept_nm: &[f64], resources: &Resources) -> Result<Store> {
         let (name, description) = (self.structure.name(), self.description.to_json()?);
-        let CampaignParameters { axes, instances, .. } = &self.parameters;
-        Store::create(path, axes, *instances, &name, &description, kept_nm, resources.width.name())
+        let (axes, instances) = (&self.parameters.axes, self.parameters.realizations());
+        Store::create(path, axes, instances, &name, &description, kept_nm, resources.width.name())
     }
 
     /// A file name for the campaign's store: that of the structure, readable, and the head of the campaign's hash.
@@ -202,7 +204,7 @@ impl Plan {
     /// Illuminations of the whole campaign.
     #[must_use]
     pub fn illuminations(&self) -> usize {
-        self.parameters.axes.len() * self.parameters.instances * 2
+        self.parameters.simulated().len() * self.parameters.instances * 2
     }
 
     /// Seconds that simulation and fit take on so many cores that do nothing else, roughly.

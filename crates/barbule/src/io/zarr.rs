@@ -1,8 +1,7 @@
 //! Arrays of Zarr version 3 in regular chunks of numbers, as far as campaign stores need them.
 //!
 //! A chunk is its values in C order, little endian, with a CRC-32C checksum behind. Nothing compresses it: floats of a
-//! campaign hardly shrink, and a chunk whose length is known cannot ask for more memory than its shape. Chunks of stores
-//! made before were compressed by Zstandard; they are read, never past their shape.
+//! campaign hardly shrink, and a chunk whose length is known cannot ask for more memory than its shape.
 //!
 //! Specification: <https://zarr-specs.readthedocs.io/en/latest/v3/core/index.html>.
 

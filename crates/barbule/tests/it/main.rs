@@ -14,5 +14,6 @@ mod identity;
 mod measure;
 mod picture;
 mod render;
+mod sides;
 mod simulation;
 mod statistics;

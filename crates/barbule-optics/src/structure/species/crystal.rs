@@ -2,10 +2,11 @@
 //! solid or hollow, with or without air channels between them, below a flat top with rounded ends or an arched one.
 
 use super::super::crystal::{CrystalLayer, Regularity};
-use super::super::curve::{Roughness, grid, point_count};
+use super::super::curve::{Roughness, grid, mean, point_count};
 use super::super::lattice::{Circle, Lattice, Rod};
 use super::super::outline::{arched, rounded};
-use super::super::section::{Medium, Parts, Substance};
+use super::super::section::{Medium, Parts, Polyline, Substance};
+use super::super::side::Side;
 use super::generator::{Generator, Random, ordered, parameters, parts};
 use crate::Result;
 use crate::material::Library;
@@ -100,18 +101,59 @@ impl Generator for Crystal {
         self.cells(Library::builtin()).check()
     }
 
-    /// The crystal under a random top, from a random place of its period on.
     fn parts(&self, random: &Random, library: &Library) -> Parts {
+        let top = self.outline(random, Side::Above);
+        self.under(top, random, Side::Above, self.cells(library.clone()))
+    }
+
+    /// The same crystal hangs under the bottom of a flat barbule. An arch has no thickness: its bottom is as bent as its top,
+    /// with a roughness of its own.
+    fn lower_parts(&self, random: &Random, library: &Library) -> Option<Parts> {
+        let mut top = self.outline(random, Side::Below).turned(0.0);
+        let height = mean(&top.z_um);
+        top.z_um.iter_mut().for_each(|z| *z -= height);
+        Some(self.under(top, random, Side::Below, self.lower_cells(library.clone())))
+    }
+
+    fn lattice(&self, library: &Library) -> Option<Lattice> {
+        Some(self.cells(library.clone()))
+    }
+
+    fn lower_lattice(&self, library: &Library) -> Option<Lattice> {
+        Some(self.lower_cells(library.clone()))
+    }
+
+    fn is_curved(&self) -> bool {
+        self.thickness_um == 0.0
+    }
+}
+
+impl Crystal {
+    /// The crystal as seen from below: the mirror image of the upper one, turned about y.
+    fn lower_cells(&self, library: Library) -> Lattice {
+        let shift = if (2.0 * self.row_shift).fract() == 0.0 { self.row_shift } else { 1.0 - self.row_shift };
+        Lattice { row_shift: shift, ..self.cells(library) }
+    }
+
+    /// A random top or bottom.
+    fn outline(&self, random: &Random, side: Side) -> Polyline {
         let roughness = Roughness::symmetric(self.roughness_correlation_um, self.roughness_amplitude_um);
         let (width, spacing) = (self.width_um, self.point_spacing_um);
         let mut shape = random.stream(0);
-        let top = if self.is_curved() {
+        if self.is_curved() {
             let arc = shape.uniform(self.arc_low_deg, self.arc_high_deg).to_radians();
             let tan_beta = libm::tan(shape.uniform(self.slope_low_deg, self.slope_high_deg).to_radians());
-            arched(&mut random.stream(1), width, arc, tan_beta, roughness, spacing, 0.0)
-        } else {
-            rounded(&mut shape, width, self.thickness_um, roughness, spacing).0
-        };
+            let mut rough = random.stream(if side == Side::Above { 1 } else { 4 });
+            return arched(&mut rough, width, arc, tan_beta, roughness, spacing, 0.0);
+        }
+        let (top, bottom) = rounded(&mut shape, width, self.thickness_um, roughness, spacing);
+        if side == Side::Above { top } else { bottom }
+    }
+
+    /// A crystal under a top, from a random place of its period on.
+    fn under(&self, top: Polyline, random: &Random, side: Side, lattice: Lattice) -> Parts {
+        let (width, spacing) = (self.width_um, self.point_spacing_um);
+        let [places, regularities] = if side == Side::Above { [2, 3] } else { [5, 6] };
         let regularity = (self.regularity_low < 1.0).then(|| {
             let profile = Roughness {
                 correlation_um: self.regularity_correlation_um,
@@ -119,23 +161,15 @@ impl Generator for Crystal {
                 high: self.regularity_high,
             };
             let count = point_count(width, spacing);
-            let value = profile.along(&mut random.stream(3), count, width / (count - 1) as f64);
+            let value = profile.along(&mut random.stream(regularities), count, width / (count - 1) as f64);
             Regularity { x_um: grid(width, count), value: value.into_iter().map(|v| v.min(1.0)).collect() }
         });
         let crystal = CrystalLayer {
-            lattice: self.cells(library.clone()),
-            offset_um: random.stream(2).uniform(0.0, self.period_um),
+            lattice,
+            offset_um: random.stream(places).uniform(0.0, self.period_um),
             regularity,
         };
         let media = vec![Medium::named("air"), Medium::named("keratin")];
         Parts { crystal: Some(crystal), ..parts(width, vec![top], media) }
-    }
-
-    fn lattice(&self, library: &Library) -> Option<Lattice> {
-        Some(self.cells(library.clone()))
-    }
-
-    fn is_curved(&self) -> bool {
-        self.thickness_um == 0.0
     }
 }

@@ -26,6 +26,14 @@ pub(super) trait Generator {
     fn lattice(&self, _library: &Library) -> Option<Lattice> {
         None
     }
+    /// One random section of the lower side as lit from below, where [`Self::parts`] leave it out.
+    fn lower_parts(&self, _random: &Random, _library: &Library) -> Option<Parts> {
+        None
+    }
+    /// The photonic crystal of the lower side as seen from below, under a flat top.
+    fn lower_lattice(&self, _library: &Library) -> Option<Lattice> {
+        None
+    }
     /// Which parameters decide whether all regions find room, and how to give them more.
     fn room(&self) -> String {
         "make its parts smaller, or the barbule larger".into()

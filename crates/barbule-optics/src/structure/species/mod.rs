@@ -13,7 +13,7 @@ mod starling;
 use serde_json::Value;
 
 use super::lattice::Lattice;
-use super::section::Section;
+use super::section::{Parts, Section};
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
 use crate::material::Library;
@@ -172,8 +172,25 @@ impl SpeciesModel {
     /// # Errors
     /// Parameters whose regions do not fit into each other; never for the built-in species.
     pub fn section(&self, seed: u64, index: usize) -> Result<Section> {
-        let random = Random { seed, instance: index as u64 };
-        let mut parts = self.parameters.generator().parts(&random, &self.library);
+        let parts =
+            self.parameters.generator().parts(&Random { seed, instance: index as u64 }, &self.library);
+        self.checked(parts, seed, index)
+    }
+
+    /// The lower side of [`Self::section`], lit from below: the section turned upside down. Of a crystal only the upper half
+    /// is in the section; the lower one hangs under the lower outline.
+    ///
+    /// # Errors
+    /// As [`Self::section`], or as [`Section::underside`].
+    pub fn underside(&self, seed: u64, index: usize) -> Result<Section> {
+        match self.parameters.generator().lower_parts(&Random { seed, instance: index as u64 }, &self.library)
+        {
+            Some(parts) => self.checked(parts, seed, index),
+            None => self.section(seed, index)?.underside(),
+        }
+    }
+
+    fn checked(&self, mut parts: Parts, seed: u64, index: usize) -> Result<Section> {
         parts.name = format!("{} {index}", self.title());
         parts.source = format!("barbule {}, seed {seed}, instance {index}", self.title());
         Section::new(parts, self.library.clone()).map_err(|error| {
@@ -186,6 +203,12 @@ impl SpeciesModel {
     #[must_use]
     pub fn lattice(&self) -> Option<Lattice> {
         self.parameters.generator().lattice(&self.library)
+    }
+
+    /// The photonic crystal of the lower side as seen from below, under a flat top.
+    #[must_use]
+    pub fn lower_lattice(&self) -> Option<Lattice> {
+        self.parameters.generator().lower_lattice(&self.library)
     }
 
     /// `species:variant`; the name alone where a file has no variants.

@@ -63,7 +63,7 @@ impl InstancePatterns {
         let cos_phi = phis.iter().map(|k| from.cos_phi()[*k]).collect();
         let axes = Axes::new(&Wavelengths::new(nm.clone())?, vec![from.cos_theta()[theta]], cos_phi)?;
         let campaign = barbules.campaign(axes, Some(count), true)?;
-        let count = campaign.parameters().instances;
+        let count = campaign.parameters().realizations();
         let kept = (0..waves.len())
             .map(|w| {
                 Ok(campaign

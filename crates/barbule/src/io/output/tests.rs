@@ -45,7 +45,7 @@ fn files_inside_a_campaign_store_are_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let store = folder.path().join("s.zarr");
     fs::create_dir_all(store.join("u")).unwrap();
-    fs::write(store.join("zarr.json"), r#"{"attributes": {"barbule_store": 3}}"#).unwrap();
+    fs::write(store.join("zarr.json"), r#"{"attributes": {"barbule_store": 4}}"#).unwrap();
     for name in ["zarr.json", "new.svg", "u/new.svg"] {
         assert!(message(check_writable(&store.join(name))).contains("inside a campaign store"), "{name}");
     }

@@ -64,7 +64,7 @@ pub(super) fn coordinates(axes: &Axes, instances: usize, kept_nm: &[f64]) -> Vec
         ),
         Coordinate::new(
             "phi_i",
-            degrees(axes.cos_phi().len(), &|i| axes.phi_i(i)),
+            degrees(axes.phis(), &|i| axes.phi_i(i)),
             "degree",
             "incident azimuth about the barbule's axis, 0 at its normal",
         ),

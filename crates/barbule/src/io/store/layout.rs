@@ -8,12 +8,16 @@ use super::aside::Files;
 use super::coordinates::{Coordinate, coordinates};
 use crate::io::whole::{failure, hash_bytes};
 use crate::io::zarr::{Array, DataType, group_metadata};
-use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS};
+use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, Sides};
 use crate::spectrum::Wavelengths;
 use crate::{Error, Result};
 
 /// The version of the layout; others are not read.
 pub(super) const LAYOUT: u64 = 4;
+
+/// The attribute that says that both signs of φ_i were simulated, and how; without it φ_i ≥ 0 stands for both.
+const SIDES: &str = "sides";
+const BOTH: &str = "both";
 
 /// An array of the store.
 struct ArrayKind {
@@ -104,7 +108,7 @@ pub(super) struct Arrays {
 impl Arrays {
     /// As the axes say; the wavelengths `kept_nm` keep their fields.
     fn new(axes: &Axes, instances: usize, kept_nm: &[f64]) -> Self {
-        let shape = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.cos_phi().len()];
+        let shape = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.phis()];
         let array = |name, data_type, units, meaning, dimensions: &[(&'static str, usize)]| {
             let (dimension_names, shape): (_, Vec<usize>) = dimensions.iter().copied().unzip();
             let mut chunk_shape = shape.clone();
@@ -219,7 +223,7 @@ impl Attributes {
 
     /// What the checksum is of.
     fn covered(&self) -> Value {
-        json!({
+        let mut covered = json!({
             "barbule_store": LAYOUT,
             "wavelengths_nm": self.axes.wavelengths_nm(),
             "cos_theta_i": self.axes.cos_theta(),
@@ -229,7 +233,11 @@ impl Attributes {
             "simd": self.width,
             "kept_nm": self.kept_nm,
             "campaign": self.description,
-        })
+        });
+        if self.axes.sides() == Sides::Both {
+            covered[SIDES] = BOTH.into();
+        }
+        covered
     }
 
     /// Writes the store `path` without units into the folder `made`.
@@ -256,7 +264,14 @@ impl Attributes {
 
     /// Refuses, at the store `path`, to continue it with what `here` says; the first difference is named.
     pub(super) fn check_same(&self, path: &Path, here: &Self) -> Result<()> {
-        let parts = |a: &Self| json!({"campaign": a.description, "kept_nm": a.kept_nm});
+        let parts = |a: &Self| {
+            let mut campaign = a.description.clone();
+            if let Value::Object(fields) = &mut campaign {
+                // Found out, not given, by programs that did so.
+                fields.remove("asymmetry");
+            }
+            json!({"campaign": campaign, "kept_nm": a.kept_nm})
+        };
         // The axes follow from the description, unless somebody changed the file.
         let axes = |a: &Self| {
             json!({
@@ -264,6 +279,7 @@ impl Attributes {
                 "cos_theta_i": a.axes.cos_theta(),
                 "cos_phi_i": a.axes.cos_phi(),
                 "instances": a.instances,
+                SIDES: if a.axes.sides() == Sides::Both { BOTH } else { "alike" },
             })
         };
         let found =
@@ -309,9 +325,15 @@ fn checked_axes(attributes: &Value) -> std::result::Result<(Axes, usize), String
     };
     let nm = axis("wavelengths_nm", 100_000, 300.0, 830.0)?;
     let (cos_theta, cos_phi) = (axis("cos_theta_i", 200, 0.0, 1.0)?, axis("cos_phi_i", 200, 0.0, 1.0)?);
+    let sides = match &attributes[SIDES] {
+        Value::Null => Sides::Alike,
+        Value::String(text) if text == BOTH => Sides::Both,
+        _ => return Err(format!("its attribute '{SIDES}' is not '{BOTH}', all it can be")),
+    };
     let axes = Wavelengths::new(nm)
         .and_then(|wavelengths| Axes::new(&wavelengths, cos_theta, cos_phi))
-        .map_err(|e| e.to_string())?;
+        .map_err(|e| e.to_string())?
+        .with_sides(sides);
     let instances = attributes["instances"]
         .as_u64()
         .and_then(|n| usize::try_from(n).ok())

@@ -5,6 +5,7 @@ use std::fs;
 use super::*;
 use crate::io::hash_bytes;
 use crate::io::zarr::DataType;
+use crate::scattering::statistics::Sides;
 use crate::spectrum::Wavelengths;
 
 fn axes() -> Axes {
@@ -65,7 +66,50 @@ fn units_come_back_with_their_fields() {
     // A file per array and unit, of exactly its values and a checksum.
     let files = ["u/c.1.0.0.0.0", "unpolarized_contrast/c.1.0.0", "digest/c.1.0.0"];
     let sizes = files.map(|f| fs::metadata(path.join(f)).unwrap().len());
-    assert_eq!(sizes, [4 * 1600 + 4, 8 * 2 + 4, 8 * 8 + 4]);
+    assert_eq!(sizes, [4 * 1600 + 4, 8 * 2 + 4, 8 * 9 + 4]);
+}
+
+#[test]
+fn both_signs_of_phi_come_back_and_are_another_campaign() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.zarr");
+    let both = axes().with_sides(Sides::Both);
+    let create_both =
+        |path: &Path| Store::create(path, &both, 3, "nobody", &json!({"seed": 1}), &[], "scalar");
+    let store = create_both(&path).unwrap();
+    let [right, left] = [unit(1.0), unit(2.0)];
+    let wide = Unit {
+        u: [right.u, left.u].concat(),
+        v: [right.v, left.v].concat(),
+        autocovariance: [right.autocovariance, left.autocovariance].concat(),
+        reflected: [right.reflected, left.reflected].concat(),
+        reflected_std: [right.reflected_std, left.reflected_std].concat(),
+        pattern_correlation: [right.pattern_correlation, left.pattern_correlation].concat(),
+        unpolarized_contrast: [right.unpolarized_contrast, left.unpolarized_contrast].concat(),
+        contrast: [right.contrast, left.contrast].concat(),
+        fields: Vec::new(),
+    };
+    for (w, t) in store.units() {
+        store.write(w, t, &wide).unwrap();
+    }
+    let store = Store::open(&path).unwrap();
+    assert_eq!((store.axes(), store.axes().phis()), (&both, 4));
+    assert_eq!(store.statistics().unwrap().u[..3200], wide.u[..]);
+    assert!(store.check_belongs(&axes(), 3).is_err());
+    assert!(message(store.write(0, 0, &unit(0.0))).contains("1600 values cannot be a chunk"));
+    let alike = folder.path().join("t.zarr");
+    Store::create(&alike, &axes(), 3, "nobody", &json!({"seed": 1}), &[], "scalar").unwrap();
+    let text = message(create_both(&alike));
+    assert!(text.contains("sides: \"alike\" there, \"both\" here"), "{text}");
+}
+
+#[test]
+fn a_store_goes_on_though_an_earlier_program_recorded_what_it_found_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.zarr");
+    create(&path).unwrap();
+    forge(&path, |a| a["campaign"]["asymmetry"] = json!(0.0));
+    create(&path).unwrap();
 }
 
 #[test]

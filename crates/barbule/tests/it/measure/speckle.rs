@@ -40,8 +40,13 @@ pub(crate) fn simulate(name: &'static str) -> Species {
     let model = SpeciesModel::builtin(name, None, Library::builtin()).unwrap();
     let wavelengths = Wavelengths::new([400.0, 550.0, 694.0]).unwrap();
     let axes = Axes::new(&wavelengths, vec![0.1, 0.5, 1.0], vec![0.1, 0.35, 0.7, 1.0]).unwrap();
-    let parameters =
-        CampaignParameters { axes: axes.clone(), instances: INSTANCES, seed: 1, tilt: 2f64.to_radians() };
+    let parameters = CampaignParameters {
+        axes: axes.clone(),
+        instances: INSTANCES,
+        seed: 1,
+        tilt: 2f64.to_radians(),
+        mirror: false,
+    };
     let is_arched = model.is_curved();
     let structure = Structure::Species(Box::new(model));
     let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
