@@ -2,104 +2,128 @@
 
     barbule brdf starling --wavelength 520 --wi 0,30 --wo 0,-30 --instance 7 --json | python3 brdf.py starling.barbule
 
-reads documents of `barbule brdf --json`, one a line, and prints their f, s and pdf as computed here. Refused: separate
-polarizations, thinned materials, and bright cells next to grazing, which the program scales down."""
+reads documents of `barbule brdf --json`, one a line, and prints their f, s and pdf as computed here."""
 import json, sys
 from array import array
-from math import atan, cos, cosh, erf, exp, floor, hypot, log, pi, radians, sin, sinh, sqrt, tanh
+from functools import lru_cache
+from math import acos, asin, atan, copysign, cos, cosh, erf, exp, floor, log, pi, radians, sin, sinh, sqrt, tanh
 
-N, BASES, WORD = 1024, 512, 2**64 - 1  # points and number of the noise's base functions
+N, BASES, WORD = 1024, 256, 2**64 - 1  # points and number of the noise's base functions
 clamp = lambda v, low, high: min(max(v, low), high)
-columns = lambda rows: [list(column) for column in zip(*rows)]
-omega = lambda theta, phi: (cos(theta) * sin(phi), sin(theta), cos(theta) * cos(phi))
 signed = lambda k: max((k - 32768) / 32767, -1)
-MAPS = {"m": lambda k: 0.001 ** (1 - k / 65535), "rho": lambda k: (k / 65535) ** 2,
-        "phi": lambda k: signed(k) * pi / 2 * (1 - 1e-7), "length": lambda k: 64 ** signed(k)}
-TANH_SINH = [(0.5 + 0.5 * tanh(pi / 2 * sinh(k / 7)), pi / 28 * cosh(k / 7) / cosh(pi / 2 * sinh(k / 7)) ** 2)
-             for k in range(-20, 21)]  # nodes and weights on [0, 1]
+MAPS = {"m": lambda k: 0.001 ** (1 - k / 65535), "phi": lambda k: signed(k) * pi / 2 * (1 - 1e-7),
+        "rho": lambda k: (k / 65535) ** 2, "length": lambda k: 64 ** signed(k),
+        "fraction_1": lambda k: k / 65535, "correlation": lambda k: k / 65535}
+TANH_SINH = [(0.5 + 0.5 * tanh(pi / 2 * sinh(k / 20)), pi / 80 * cosh(k / 20) / cosh(pi / 2 * sinh(k / 20)) ** 2)
+             for k in range(-64, 65)]  # nodes and weights on [0, 1]
+
 data = open(sys.argv[1], "rb").read()
 header = json.loads(data[8:(start := 8 + int.from_bytes(data[:8], "little"))])
-tensor = lambda name, kind: array(kind, data[slice(*(start + at for at in header[name]["data_offsets"]))])
-about = json.loads(header["__metadata__"]["barbule"])
-sigma, seed, power, nm_nodes = about["sigma"], about["seed"], tensor("noise_power", "d"), tensor("wavelengths_nm", "d")
-cosines = tensor("cos_theta", "d"), tensor("cos_phi", "d")
-thetas, phis = map(len, cosines)
-assert "m" in header and all(abs(c - k / len(x)) < 1e-6 for x in cosines for k, c in enumerate(x, 1))
-TURNS = [complex(cos(2 * pi * k / N), sin(2 * pi * k / N)) for k in range(N // 2)]
-butterfly = lambda even, odd: [e + o for e, o in zip(even, odd)] + [e - o for e, o in zip(even, odd)]
-turned = lambda c: [v * w for v, w in zip(c, TURNS[::N // 2 // len(c)])]
-transform = lambda c: butterfly(transform(c[::2]), turned(transform(c[1::2]))) if len(c) > 1 else c
-chained = lambda name, word: split_mix(name ^ split_mix(word))
+about = json.loads(header.pop("__metadata__")["barbule"])
+assert about["schema"] == 2
+arrays = {name: array("d" if entry["dtype"] == "F64" else "H", data[slice(*(start + at for at in entry["data_offsets"]))])
+          for name, entry in header.items()}
+waves, cos_theta, cos_phi, power = (arrays[k] for k in ("wavelengths_nm", "cos_theta", "cos_phi", "noise_power"))
+both, sigma, seed = about["sides"] == "both", about["sigma"], about["seed"]
+single = lambda v: array("f", [v])[0]
+stored = lambda name, at, ending="": single(MAPS[name.split(".")[-1]](arrays[name + ending][at]))
 
-def refine(v):  # monotone cubic through v, as many values to each interval as make 40 at least
-    per, d = -(-40 // (len(v) - 1)), [b - a for a, b in zip(v, v[1:])]
-    outer = lambda a, b, s: 0.0 if s * a <= 0 else 3 * a if a * b <= 0 and abs(s) > 3 * abs(a) else s
-    inner = [2 * a * b / (a + b) if a * b > 0 else 0.0 for a, b in zip(d, d[1:])]
-    g = [outer(d[0], d[1], 1.5 * d[0] - 0.5 * d[1]), *inner, outer(d[-1], d[-2], 1.5 * d[-1] - 0.5 * d[-2])]
-    at = lambda k, t, u: v[k] * u * u * (1 + 2 * t) + v[k + 1] * t * t * (3 - 2 * t) + t * u * (g[k] * u - g[k + 1] * t)
-    return [at(k, i / per, 1 - i / per) for k in range(len(d)) for i in range(per)] + [v[-1]]
+# The nodes: φ_i rises, and each axis has one more at grazing, with the lobes of its neighbour.
+phi_i = [acos(c) for c in cos_phi] + [-acos(c) for c in cos_phi if both and c < 1 - 1e-12]
+thetas, phis, order = len(cos_theta), len(phi_i), sorted(range(len(phi_i)), key=lambda p: phi_i[p])
+columns = [order[0]] * both + order + [order[-1]]  # the stored φ_i of each
+THETA = [0, *cos_theta]
+PHI = [-1] * both + [copysign(1 - cos(phi_i[p]), phi_i[p]) for p in order] + [1]
 
-def surface(name, wave, change, low, high, grazing=None):  # continued to cos = 0, on the fine grid [θ][φ]
-    stored = array("f", map(MAPS[name.removesuffix("_sta")], tensor(name, "H")[wave * thetas * phis:][:thetas * phis]))
-    rows = (change(stored[r:r + phis]) for r in range(0, thetas * phis, phis))
-    rows = [refine([clamp(2 * v[0] - v[1], low, high) if grazing is None else grazing, *v]) for v in rows]
-    rows = [[clamp(2 * a - b, low, high) for a, b in zip(*rows[:2])], *rows]
-    return [[clamp(v, low, high) for v in row] for row in columns(map(refine, columns(rows)))]
+def find(places, at):  # the place below and the share of the next
+    if len(places) < 2:
+        return 0, 0.0
+    below = clamp(sum(place <= at for place in places), 1, len(places) - 1) - 1
+    return below, clamp((at - places[below]) / (places[below + 1] - places[below]), 0, 1)
 
-def tilts(v):  # sinφ_eff/sinφ_i, continued to φ_i = 0
-    v = [sin(phi) / sqrt(1 - (k / phis) ** 2) for k, phi in enumerate(v[:-1], 1)]
-    return [*v, 2 * v[-1] - v[-2]]
+def profile(m2, sine, cosine, half, z, steady):  # a lobe of strength 1; half: sin and cos of φ_o/2
+    h = half[0] * cosine + half[1] * sine
+    q = m2 + (1 - m2) * h * h
+    along = half[1] * cosine + half[0] * sine if about["kind"] == "marginal" else 1
+    return along * z / (q ** (4 if steady else 2) * (z + sqrt(z * z + m2 * (1 - z * z))))
 
-def effective(wi, tilt):  # ω_eff
-    cos_theta = hypot(wi[0], wi[2])
-    sine = clamp(tilt * wi[0] / cos_theta, -0.9998, 0.9998)
-    return cos_theta * sine, wi[1], cos_theta * sqrt(1 - sine * sine)
-
-def lobe(m, incident, wo):  # f̂ of strength ρ (z·ω_eff)/J = 1, and the density of ω_o
-    length = hypot(*(i + o for i, o in zip(incident, wo)))
-    hx, hy, hz = ((i + o) / length for i, o in zip(incident, wo))
-    z, a, d2 = wo[2], m / sqrt(max(1 - m * m, 1e-12)), exp(-((hy / sigma) ** 2)) / (sigma * sqrt(pi))
-    d1 = m * m / (pi * (m * m + (1 - m * m) * hx * hx) ** 2)
-    f = m / incident[2] * d1 * d2 / (z + sqrt(z * z + m * m * (1 - z * z)))
-    t, d3 = sqrt(1 - hy * hy) / a, 1 / (a * (1 + (hx / a) ** 2) ** 2)
-    return f, d2 / erf(1 / sigma) * d3 / (t / (1 + t * t) + atan(t)) * hz / (2 * length)
-
-def reflected(m, incident):  # J/(z·ω_eff) = ∫ f̂ (z·ω_o) dω_o of that lobe, over y and sinφ_o, cut at D₁'s peak
-    total, (x, y, z), cosine = 0.0, incident, hypot(incident[0], incident[2])
-    peak = clamp(-x / cosine, -1, 1)
-    for sine, width in [(end + (peak - end) * u, abs(peak - end) * w) for end in (-1, 1) for u, w in TANH_SINH]:
-        spread = sigma * hypot(x + cosine * sine, z + cosine * sqrt(1 - sine * sine))
-        for out in (k / 2 * spread - y for k in range(-9, 10)):
-            c = sqrt(max(1 - out * out, 1e-12))
-            total += width * spread / 2 * c * lobe(m, incident, (c * sine, out, c * sqrt(1 - sine * sine)))[0]
+def area(m2, phi, cosine_i, steady):  # ∫ profile dφ_o, flat in s with h = a s/√(1 − s²)
+    a, total = sqrt(m2 / max(1 - m2, 1e-12)), 0.0
+    ends = [(h := sin((end + phi) / 2)) / sqrt(a * a + h * h) for end in (-pi / 2, pi / 2)]
+    for end in ends:
+        middle = clamp(0, *ends)
+        for u, w in TANH_SINH:
+            s = middle + (end - middle) * u
+            h = clamp(a * s / sqrt(1 - s * s), -1, 1)
+            beta = asin(h) - phi / 2  # φ_o/2
+            z, jacobian = max(cosine_i * cos(2 * beta), 0), 2 * a / ((1 - s * s) ** 1.5 * max(sqrt(1 - h * h), 1e-9))
+            total += w * abs(end - middle) * jacobian * profile(m2, sin(phi / 2), cos(phi / 2), (sin(beta), cos(beta)), z, steady)
     return total
 
-def layer(wave, near):  # m, tilt, strength of both lobes and 1/l, each [θ][φ]; strengths only about `near`
-    found = []
-    for end in ("", "_sta"):
-        m = [[*map(exp, row)] for row in surface("m" + end, wave, lambda v: [*map(log, v)], log(0.001), 0)]
-        tilt, rho = surface("phi" + end, wave, tilts, -10, 10, 1), surface("rho" + end, wave, list, 0, 1)
-        def strength(theta, phi):
-            (t, a), (p, b) = ((k * -(-40 // n), max(k / n, 1e-3)) for k, n in ((theta, thetas), (phi, phis)))
-            if rho[t][p] == 0 or abs(a - near[0]) * thetas > 2 or abs(b - near[1]) * phis > 2:
-                return 0.0
-            assert rho[t][p] < 0.8, "next to grazing"
-            return rho[t][p] / reflected(m[t][p], effective((a * sqrt(1 - b * b), sqrt(1 - a * a), a * b), tilt[t][p]))
-        rows = [refine([strength(t, p) for p in range(phis + 1)]) for t in range(thetas + 1)]
-        found += [m, tilt, columns(map(refine, columns(rows)))]
-    return [*found, surface("length", wave, lambda v: [1 / l for l in v], 1 / 64, 64)]
+student = lambda t: (t / (1 + t * t) + atan(t)) / pi  # ∫₀^t 2/(π (1 + s²)²) ds
+continued = lambda here, beside, c, c_beside: max(here - (beside - here) * c / (c_beside - c), 0) / here if here > 0 else 1
 
-def parameters(nm, near):  # linear in λ, bilinear in the cosines, from nodes in single precision
-    mixed, wave = [0.0] * 7, sum(n <= nm for n in nm_nodes[1:-1])
-    part = (nm - nm_nodes[wave]) / (nm_nodes[wave + 1] - nm_nodes[wave])
-    for k, share in (wave, 1 - part), (wave + 1, part):
-        for i, v in enumerate(layer(k, near) if share else []):
-            y, x = near[0] * (len(v) - 1), near[1] * (len(v[0]) - 1)
-            t, p = min(int(y), len(v) - 2), min(int(x), len(v[0]) - 2)
-            a, b, c, d = array("f", v[t][p:p + 2] + v[t + 1][p:p + 2])
-            low, high = a * (p + 1 - x) + b * (x - p), c * (p + 1 - x) + d * (x - p)
-            mixed[i] += share * (low * (t + 1 - y) + high * (y - t))
-    return mixed
+@lru_cache(None)
+def node(place, t, p, wave, polarization):  # (m², sin and cos of φ_eff/2, strength), their densities, what else there is
+    theta, phi = max(t - 1, 0), columns[p]
+    index = lambda theta, phi: (wave * thetas + theta) * phis + phi
+    rho = lambda theta, phi: sum(stored(place + "rho", index(theta, phi), e) for e in ("", "_2") if place + "rho" + e in arrays)
+    at, here, factor = index(theta, phi), rho(theta, phi), 1.0
+    if t == 0 and thetas > 1:
+        factor *= continued(here, rho(1, phi), *cos_theta[:2])
+    if (p == len(columns) - 1 or both and p == 0) and phis > 1:
+        beside = columns[p - 2 if p else 2]
+        factor *= continued(here, rho(theta, beside), cos(phi_i[phi]), cos(phi_i[beside]))
+    factor = min(factor, 1 / here) if here > 0 else 1.0
+    fractions = [1 / 2 if place else stored("fraction_1", at, e) for e in ("", "_sta")]
+    shares = [1 if place or polarization == "mean" else 2 * x if polarization == "1" else 2 - 2 * x for x in fractions]
+    lobes, drawn = [], []
+    for ending in ("", "_2", "_sta"):
+        m, phi_eff, energy, steady = 1.0, 0.0, 0.0, ending == "_sta"
+        if place + "m" + ending in arrays:
+            m, phi_eff, energy = (stored(place + name, at, ending) for name in ("m", "phi", "rho"))
+        phi_eff, energy = clamp(phi_eff, 1e-4 - pi / 2, pi / 2 - 1e-4), energy * shares[steady]
+        lobes.append([single(v) for v in (m * m, sin(phi_eff / 2), cos(phi_eff / 2),
+                                          factor * energy / area(m * m, phi_eff, cos_theta[theta], steady))])
+        rest = max(1 - m * m, 1e-12)
+        a = m / sqrt(rest)
+        first, last = (student(sin((end + phi_eff) / 2) / a) for end in (-pi / 2, pi / 2))
+        chance = max(energy, 1e-9) * max(factor, 1e-3)
+        drawn.append((chance * a**3 * rest**2 / (pi * (last - first)), chance))
+    return lobes, drawn[:2], [single(v) for v in (1 / stored(place + "length", at), stored("correlation", at), *fractions)]
+
+def simplex(theta, phi, nm):  # (weight, t, p, wave) of the nodes that are mixed; φ on the side of the tables
+    (t, a), (p, b), (wave, c) = find(THETA, cos(theta)), find(PHI, copysign(1 - cos(phi), phi)), find(waves, nm)
+    p, outwards, b = (p + 1, p, 1 - b) if PHI[p] < 0 else (p, p + 1, b)
+    steps, corner = sorted([(a, 0, t + 1), (b, 1, outwards), (c, 2, wave + 1)], reverse=True), [t, p, wave]
+    for (share, axis, next_), above in zip([(1, 0, t), *steps], [*(s[0] for s in steps), 0]):
+        corner[axis] = next_
+        if share > above:
+            yield share - above, *corner
+
+def mixed(place, nodes, phi, phi_o, polarization):  # P of mean and steady part, extras, density of φ_o and its weight
+    sums = [0.0] * 8
+    for weight, t, p, wave in nodes:
+        lobes, drawn, extras = node(place, t, p, wave, polarization)
+        phi_n, cosine_i = phi_i[columns[p]], cos_theta[max(t - 1, 0)]
+        level, shift = 1 - sin(phi) * sin(phi_n), sin(phi) - sin(phi_n)
+        stretch = cos(phi) * cos(phi_n) / (level + shift * sin(phi_o))
+        sine, cosine = (level * sin(phi_o) + shift) / (level + shift * sin(phi_o)), cos(phi_o) * stretch
+        half = 0.5 * sine / sqrt(0.5 + 0.5 * cosine), sqrt(0.5 + 0.5 * cosine)
+        values = [v * profile(m2, s, c, half, cosine_i * cosine, k == 2) for k, (m2, s, c, v) in enumerate(lobes)]
+        density = 0.0
+        for (m2, s, c, _), (v, _) in zip(lobes, drawn):
+            h = half[0] * c + half[1] * s
+            density += v * sqrt(max(1 - h * h, 0)) / (m2 + (1 - m2) * h * h) ** 2
+        parts = stretch * (values[0] + values[1]), stretch * values[2], *extras, stretch * density, sum(w for _, w in drawn)
+        sums = [total + weight * part for total, part in zip(sums, parts)]
+    return [sums[0], min(sums[:2]), *sums[2:]]
+
+@lru_cache(None)
+def spread(theta):  # Q = ∫ exp(−sin²((θ_i + θ_o)/2)/σ²) cosθ_o dθ_o
+    reach, sides = 2 * asin(min(7 * sigma, 1)), (min(pi / 2 + theta, pi), max(theta - pi / 2, -pi))
+    ends = [clamp(end, -reach, reach) for end in sides]
+    return sum(w * abs(end) * exp(-((sin(end * u / 2) / sigma) ** 2)) * cos(end * u - theta) for end in ends for u, w in TANH_SINH)
 
 def split_mix(v):  # SplitMix64
     v = v + 0x9E3779B97F4A7C15 & WORD
@@ -113,7 +137,16 @@ def units(state):  # PCG XSL RR 128/64 (MCG)
         word, turn = (state >> 64 ^ state) & WORD, state >> 122
         yield (((word >> turn | word << 64 - turn) & WORD) >> 11) * 2.0**-53
 
-def draw_bases():
+TURNS = [complex(cos(2 * pi * k / N), sin(2 * pi * k / N)) for k in range(N // 2)]
+butterfly = lambda even, odd: [e + o for e, o in zip(even, odd)] + [e - o for e, o in zip(even, odd)]
+turned = lambda c: [v * w for v, w in zip(c, TURNS[::N // 2 // len(c)])]
+transform = lambda c: butterfly(transform(c[::2]), turned(transform(c[1::2]))) if len(c) > 1 else c
+chained = lambda name, word: split_mix(name ^ split_mix(word))
+
+C1 = 2 * sum(p * cos(2 * pi * l / N) for l, p in enumerate(power, 1))
+
+@lru_cache(None)
+def bases():
     rows = []
     for base in range(BASES):
         name, terms = chained(chained(split_mix(seed), 0x6E6F697365), base), [0j] * N
@@ -122,29 +155,43 @@ def draw_bases():
         for l, p in enumerate(power, 1):
             terms[l], terms[-l] = complex(normal(), normal()) * sqrt(p), complex(normal(), normal()) * sqrt(p)
         rows.append(array("f", [part for c in transform(terms) for part in (c.real, c.imag)]))
-    scale = array("f", [32767 / max(max(map(abs, row)) for row in rows)])[0]
+    scale = single(32767 / max(max(map(abs, row)) for row in rows))
     rows = [[floor(abs(v) + 0.5) * (1 if v > 0 else -1) for v in array("f", [v * scale for v in row])] for row in rows]
     step = sqrt(2 * N * BASES / sum(v * v for row in rows for v in row))
-    return [[step * complex(*c) for c in zip(row[::2], row[1::2])] for row in rows]
+    return step, [[complex(*c) for c in zip(row[::2], row[1::2])] for row in rows]
 
-def noise(instance, x):  # q_r + j q_i
-    bits = chained(split_mix(seed), instance)
-    base, shift, way = BASE[bits % BASES], bits >> 16, -1 if bits >> 63 else 1
-    k, t, angle = floor(x * N / 2 - 0.5), (x * N / 2 - 0.5) % 1, 2 * pi * ((bits >> 40) % 1024 + 0.5) / 1024
+def noise(bits, x):  # q_r + j q_i of the function with this hash
+    step, rows = bases()
+    angle, base, shift, way = 2 * pi * ((bits >> 40) % 1024 + 0.5) / 1024, rows[bits % BASES], bits >> 16, -1 if bits >> 63 else 1
+    k, t, turn = floor(x * N / 2 - 0.5), (x * N / 2 - 0.5) % 1, complex(single(step * cos(angle)), single(step * sin(angle)))
     near, far = (base[(shift + way * n) % N] for n in (k, k + 1))
-    return ((1 - t) * near + t * far) / sqrt(1 - 2 * t * (1 - t) * (1 - C1)) * complex(cos(angle), sin(angle))
+    return ((1 - t) * near + t * far) / sqrt(1 - 2 * t * (1 - t) * (1 - C1)) * turn
 
-BASE, C1 = None, 2 * sum(p * TURNS[l].real for l, p in enumerate(power, 1))
+def speckled(mean, steady, instance, x, inverse_length, gamma, fraction, steady_fraction, polarization):
+    shared = chained(split_mix(seed), instance)
+    q = noise(shared, x * inverse_length)
+    q = q, gamma * q + sqrt(max(1 - gamma * gamma, 0)) * noise(split_mix(shared), x * inverse_length)
+    of = lambda f, s, q: abs(sqrt((f - min(s, f)) / 2) * q + sqrt(min(s, f))) ** 2
+    if polarization != "mean":
+        return of(mean, steady, q[polarization == "2"])
+    parts = (fraction, steady_fraction), (1 - fraction, 1 - steady_fraction)
+    return sum(of(2 * mean * a, 2 * steady * b, q) / 2 for (a, b), q in zip(parts, q))
+
 for asked in map(json.loads, sys.stdin):
-    theta, phi, found = radians(asked["theta_in_deg"]), radians(asked["phi_in_deg"]), []
-    for nm, wi in ((nm, omega(theta, phi)) for nm in asked["wavelength_nm"]):
-        m, tilt, strength, m_sta, tilt_sta, strength_sta, scale = parameters(nm, (cos(theta), cos(phi)))
-        for wo in map(omega, map(radians, asked["theta_out_deg"]), map(radians, asked["phi_out_deg"])):
-            f, pdf = lobe(m, effective(wi, tilt), wo)
-            f, s = strength * f, min(strength_sta * lobe(m_sta, effective(wi, tilt_sta), wo)[0], strength * f)
-            if asked["instance"] is not None:
-                BASE = BASE or draw_bases()
-                f = abs(sqrt((f - s) / 2) * noise(asked["instance"], (wi[0] + wo[0]) * scale) + sqrt(s)) ** 2
-            found.append((f, s, pdf))
+    theta, phi, wanted, found = radians(asked["theta_in_deg"]), radians(asked["phi_in_deg"]), asked["polarization"], []
+    mirror = -1 if phi < 0 and not both else 1
+    sets = [(f"p{k}.", k) for k in "12" if wanted in ("mean", k)] if "p1.m" in arrays else [("", wanted)]
+    ends = erf(cos(pi / 4 - theta / 2) / sigma) + erf(sin(pi / 4 - theta / 2) / sigma)
+    for nm in asked["wavelength_nm"]:
+        nodes = list(simplex(theta, mirror * phi, nm))
+        for theta_o, phi_o in zip(map(radians, asked["theta_out_deg"]), map(radians, asked["phi_out_deg"])):
+            t2, x = sin((theta + theta_o) / 2) ** 2, cos(theta) * sin(phi) + cos(theta_o) * sin(phi_o)
+            parts = [mixed(place, nodes, mirror * phi, mirror * phi_o, wanted) for place, _ in sets]
+            f = [mean if asked["instance"] is None else speckled(mean, steady, asked["instance"], x, *extras, pattern)
+                 for (mean, steady, *extras, _, _), (_, pattern) in zip(parts, sets)]
+            along = exp(-t2 / sigma**2) / (spread(theta) * cos(theta_o) * cos(phi_o) * len(sets))
+            density = exp(-t2 / sigma**2) * sqrt(1 - t2) / (sigma * sqrt(pi) * ends * cos(theta_o))
+            _, steady, *_, drawn, weight = (sum(column) for column in zip(*parts))
+            found.append((along * sum(f), along * steady, density * drawn / weight))
     rows = lambda v, count: [v[k:k + count] for k in range(0, len(v), count)]
     print(json.dumps({k: rows(v, len(asked["phi_out_deg"])) for k, v in zip(("f", "s", "pdf"), zip(*found))}))

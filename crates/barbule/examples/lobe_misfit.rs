@@ -52,7 +52,7 @@ fn simulate(species: &str, instances: usize, seed: u64) -> Result<Statistics> {
     let wavelengths = Wavelengths::new([400.0, 478.0, 550.0, 622.0, 694.0])?;
     let cos_phi = (1..=10).map(|k| f64::from(k) / 10.0).collect();
     let axes = Axes::new(&wavelengths, vec![0.25, 0.5, 0.75, 1.0], cos_phi)?;
-    let parameters = CampaignParameters { axes, instances, seed, tilt: 2f64.to_radians() };
+    let parameters = CampaignParameters { axes, instances, seed, tilt: 2f64.to_radians(), mirror: false };
     statistics(&Campaign::new(&structure, parameters, &Resources::default(), &Unobserved)?, &Unobserved)
 }
 

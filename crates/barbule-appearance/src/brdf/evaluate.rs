@@ -231,11 +231,11 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         let at = instance
             .map(|instance| At { draw: self.brdf.noise.draw(instance), x: (self.wi.x + wo.x) as f32 });
         let mut values = [0.0; N];
-        dispatch!(self.brdf.level, simd => self.brdf.eval_wide(simd, incident, simplices, wo, at.as_ref(), &mut values));
+        self.brdf.add_values(incident, simplices, wo, at.as_ref(), &mut values);
         if self.brdf.options.reciprocal {
             let back = self.brdf.prepare(self.wavelengths_nm, wo);
             if let Some((incident, simplices)) = &back.place {
-                dispatch!(self.brdf.level, simd => self.brdf.eval_wide(simd, incident, simplices, self.wi, at.as_ref(), &mut values));
+                self.brdf.add_values(incident, simplices, self.wi, at.as_ref(), &mut values);
             }
             values.iter_mut().for_each(|value| *value *= 0.5);
         }
@@ -304,13 +304,8 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         if wo.z.is_nan() || wo.z <= 0.0 {
             return [0.0; N];
         }
-        let (cos_o, azimuth) = azimuth(incident, wo);
-        let along = self.brdf.sampler.along(incident.along, [wo.y, cos_o]);
         let mut densities = [0.0; N];
-        dispatch!(self.brdf.level, simd => self.brdf.densities_wide(simd, incident, simplices, azimuth, &mut densities));
-        for value in &mut densities {
-            *value *= along;
-        }
+        self.brdf.densities(incident, simplices, wo, &mut densities);
         densities
     }
 }
@@ -324,17 +319,29 @@ fn azimuth(incident: &Incident, wo: DVec3) -> (f64, [f64; 2]) {
     (cos_o, [sin_phi, wo.z * inverse])
 }
 
+// Not generic over the number of wavelengths, so that the kernels are compiled once, here.
 impl FeatherBrdf {
-    /// Adds f, mean over the sets.
+    /// Adds f, mean over the sets, at each wavelength.
+    fn add_values(
+        &self,
+        incident: &Incident,
+        simplices: &[Simplex],
+        wo: DVec3,
+        instance: Option<&At>,
+        values: &mut [f32],
+    ) {
+        dispatch!(self.level, simd => self.add_values_wide(simd, incident, simplices, wo, instance, values));
+    }
+
     #[inline(always)]
-    fn eval_wide<S: Simd, const N: usize>(
+    fn add_values_wide<S: Simd>(
         &self,
         simd: S,
         incident: &Incident,
-        simplices: &[Simplex; N],
+        simplices: &[Simplex],
         wo: DVec3,
         instance: Option<&At>,
-        values: &mut [f32; N],
+        values: &mut [f32],
     ) {
         let (cos_o, azimuth) = azimuth(incident, wo);
         let outgoing = Outgoing::new(simd, incident, azimuth);
@@ -354,16 +361,22 @@ impl FeatherBrdf {
         }
     }
 
-    /// Densities of φ_o per rad.
+    /// Densities of ω_o per sr at each wavelength.
+    fn densities(&self, incident: &Incident, simplices: &[Simplex], wo: DVec3, densities: &mut [f64]) {
+        dispatch!(self.level, simd => self.densities_wide(simd, incident, simplices, wo, densities));
+    }
+
     #[inline(always)]
-    fn densities_wide<S: Simd, const N: usize>(
+    fn densities_wide<S: Simd>(
         &self,
         simd: S,
         incident: &Incident,
-        simplices: &[Simplex; N],
-        azimuth: [f64; 2],
-        densities: &mut [f64; N],
+        simplices: &[Simplex],
+        wo: DVec3,
+        densities: &mut [f64],
     ) {
+        let (cos_o, azimuth) = azimuth(incident, wo);
+        let along = self.sampler.along(incident.along, [wo.y, cos_o]);
         let outgoing = Outgoing::new(simd, incident, azimuth);
         for (simplex, value) in simplices.iter().zip(densities) {
             let (mut sum, mut total) = (0.0, 0.0);
@@ -372,7 +385,7 @@ impl FeatherBrdf {
                 sum += own;
                 total += weight;
             }
-            *value = f64::from(sum / total);
+            *value = f64::from(sum / total) * along;
         }
     }
 }

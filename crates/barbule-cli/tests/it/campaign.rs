@@ -168,8 +168,9 @@ fn the_shipped_materials_are_what_the_command_makes() {
                     let a = thinned.axes.index(w, theta, phi);
                     let b = shipped.axes.index(wavelength, 10 * theta + 9, 10 * phi + 9);
                     let pairs = [
-                        (thinned.sets[0].mean.reflected[a], shipped.sets[0].mean.reflected[b], 1e-4),
-                        (thinned.sets[0].mean.m[a], shipped.sets[0].mean.m[b], 1e-3),
+                        (thinned.sets[0].reflected(a) as f32, shipped.sets[0].reflected(b) as f32, 1e-4),
+                        (thinned.sets[0].mean[0].m[a], shipped.sets[0].mean[0].m[b], 1e-3),
+                        (thinned.sets[0].steady.reflected[a], shipped.sets[0].steady.reflected[b], 1e-3),
                         (thinned.sets[0].length[a], shipped.sets[0].length[b], 5e-3),
                     ];
                     for (x, y, tolerance) in pairs {

@@ -264,14 +264,7 @@ impl Attributes {
 
     /// Refuses, at the store `path`, to continue it with what `here` says; the first difference is named.
     pub(super) fn check_same(&self, path: &Path, here: &Self) -> Result<()> {
-        let parts = |a: &Self| {
-            let mut campaign = a.description.clone();
-            if let Value::Object(fields) = &mut campaign {
-                // Found out, not given, by programs that did so.
-                fields.remove("asymmetry");
-            }
-            json!({"campaign": campaign, "kept_nm": a.kept_nm})
-        };
+        let parts = |a: &Self| json!({"campaign": a.description, "kept_nm": a.kept_nm});
         // The axes follow from the description, unless somebody changed the file.
         let axes = |a: &Self| {
             json!({

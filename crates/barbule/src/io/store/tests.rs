@@ -104,15 +104,6 @@ fn both_signs_of_phi_come_back_and_are_another_campaign() {
 }
 
 #[test]
-fn a_store_goes_on_though_an_earlier_program_recorded_what_it_found_out() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("s.zarr");
-    create(&path).unwrap();
-    forge(&path, |a| a["campaign"]["asymmetry"] = json!(0.0));
-    create(&path).unwrap();
-}
-
-#[test]
 fn chunks_of_a_wrong_length_are_damaged_however_long() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("s.zarr");

@@ -75,6 +75,7 @@ pub(crate) fn expected(brdf: &FeatherBrdf, wi: DVec3, pilot: [&[f64]; 2], bins: 
 }
 
 /// How 20,000 samples at a wavelength compare with the density's integrals over 30 bins.
+#[allow(dead_code)] // the program prints p alone
 pub(crate) struct Chi {
     /// χ².
     pub(crate) statistic: f64,
