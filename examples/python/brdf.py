@@ -14,9 +14,9 @@ signed = lambda k: max((k - 32768) / 32767, -1)
 MAPS = {"m": lambda k: 0.001 ** (1 - k / 65535), "phi": lambda k: signed(k) * pi / 2 * (1 - 1e-7),
         "rho": lambda k: (k / 65535) ** 2, "length": lambda k: 64 ** signed(k),
         "fraction_1": lambda k: k / 65535, "correlation": lambda k: k / 65535}
-TANH_SINH = [(0.5 + 0.5 * tanh(pi / 2 * sinh(k / 20)), pi / 80 * cosh(k / 20) / cosh(pi / 2 * sinh(k / 20)) ** 2)
-             for k in range(-64, 65)]  # nodes and weights on [0, 1]
-
+TANH_SINH = [(0.5 + 0.5 * tanh(pi / 2 * sinh(k / 10)), pi / 40 * cosh(k / 10) / cosh(pi / 2 * sinh(k / 10)) ** 2)
+             for k in range(-30, 31)]  # nodes and weights on [0, 1]
+integral = lambda f, a, b: (b - a) * sum(w * f(a + (b - a) * u) for u, w in TANH_SINH)
 data = open(sys.argv[1], "rb").read()
 header = json.loads(data[8:(start := 8 + int.from_bytes(data[:8], "little"))])
 about = json.loads(header.pop("__metadata__")["barbule"])
@@ -27,7 +27,6 @@ waves, cos_theta, cos_phi, power = (arrays[k] for k in ("wavelengths_nm", "cos_t
 both, sigma, seed = about["sides"] == "both", about["sigma"], about["seed"]
 single = lambda v: array("f", [v])[0]
 stored = lambda name, at, ending="": single(MAPS[name.split(".")[-1]](arrays[name + ending][at]))
-
 # The nodes: φ_i rises, and each axis has one more at grazing, with the lobes of its neighbour.
 phi_i = [acos(c) for c in cos_phi] + [-acos(c) for c in cos_phi if both and c < 1 - 1e-12]
 thetas, phis, order = len(cos_theta), len(phi_i), sorted(range(len(phi_i)), key=lambda p: phi_i[p])
@@ -36,10 +35,8 @@ THETA = [0, *cos_theta]
 PHI = [-1] * both + [copysign(1 - cos(phi_i[p]), phi_i[p]) for p in order] + [1]
 
 def find(places, at):  # the place below and the share of the next
-    if len(places) < 2:
-        return 0, 0.0
-    below = clamp(sum(place <= at for place in places), 1, len(places) - 1) - 1
-    return below, clamp((at - places[below]) / (places[below + 1] - places[below]), 0, 1)
+    below = clamp(sum(place <= at for place in places), 1, max(len(places) - 1, 1)) - 1
+    return below, clamp((at - places[below]) / (places[below + 1] - places[below]), 0, 1) if len(places) > 1 else 0.0
 
 def profile(m2, sine, cosine, half, z, steady):  # a lobe of strength 1; half: sin and cos of φ_o/2
     h = half[0] * cosine + half[1] * sine
@@ -48,17 +45,14 @@ def profile(m2, sine, cosine, half, z, steady):  # a lobe of strength 1; half: s
     return along * z / (q ** (4 if steady else 2) * (z + sqrt(z * z + m2 * (1 - z * z))))
 
 def area(m2, phi, cosine_i, steady):  # ∫ profile dφ_o, flat in s with h = a s/√(1 − s²)
-    a, total = sqrt(m2 / max(1 - m2, 1e-12)), 0.0
-    ends = [(h := sin((end + phi) / 2)) / sqrt(a * a + h * h) for end in (-pi / 2, pi / 2)]
-    for end in ends:
-        middle = clamp(0, *ends)
-        for u, w in TANH_SINH:
-            s = middle + (end - middle) * u
-            h = clamp(a * s / sqrt(1 - s * s), -1, 1)
-            beta = asin(h) - phi / 2  # φ_o/2
-            z, jacobian = max(cosine_i * cos(2 * beta), 0), 2 * a / ((1 - s * s) ** 1.5 * max(sqrt(1 - h * h), 1e-9))
-            total += w * abs(end - middle) * jacobian * profile(m2, sin(phi / 2), cos(phi / 2), (sin(beta), cos(beta)), z, steady)
-    return total
+    a = sqrt(m2 / max(1 - m2, 1e-12))
+    def term(s):
+        h = clamp(a * s / sqrt(1 - s * s), -1, 1)
+        half = asin(h) - phi / 2  # φ_o/2
+        lobe = profile(m2, sin(phi / 2), cos(phi / 2), (sin(half), cos(half)), max(cosine_i * cos(2 * half), 0), steady)
+        return lobe * 2 * a / ((1 - s * s) ** 1.5 * max(sqrt(1 - h * h), 1e-9))
+    first, last = ((h := sin((end + phi) / 2)) / sqrt(a * a + h * h) for end in (-pi / 2, pi / 2))
+    return integral(term, (middle := clamp(0, first, last)), last) - integral(term, middle, first)
 
 student = lambda t: (t / (1 + t * t) + atan(t)) / pi  # ∫₀^t 2/(π (1 + s²)²) ds
 continued = lambda here, beside, c, c_beside: max(here - (beside - here) * c / (c_beside - c), 0) / here if here > 0 else 1
@@ -79,17 +73,15 @@ def node(place, t, p, wave, polarization):  # (m², sin and cos of φ_eff/2, str
     shares = [1 if place or polarization == "mean" else 2 * x if polarization == "1" else 2 - 2 * x for x in fractions]
     lobes, drawn = [], []
     for ending in ("", "_2", "_sta"):
-        m, phi_eff, energy, steady = 1.0, 0.0, 0.0, ending == "_sta"
+        m, phi, energy = 1.0, 0.0, 0.0  # of a single lobe's second
         if place + "m" + ending in arrays:
-            m, phi_eff, energy = (stored(place + name, at, ending) for name in ("m", "phi", "rho"))
-        phi_eff, energy = clamp(phi_eff, 1e-4 - pi / 2, pi / 2 - 1e-4), energy * shares[steady]
-        lobes.append([single(v) for v in (m * m, sin(phi_eff / 2), cos(phi_eff / 2),
-                                          factor * energy / area(m * m, phi_eff, cos_theta[theta], steady))])
-        rest = max(1 - m * m, 1e-12)
-        a = m / sqrt(rest)
-        first, last = (student(sin((end + phi_eff) / 2) / a) for end in (-pi / 2, pi / 2))
-        chance = max(energy, 1e-9) * max(factor, 1e-3)
-        drawn.append((chance * a**3 * rest**2 / (pi * (last - first)), chance))
+            m, phi, energy = (stored(place + name, at, ending) for name in ("m", "phi", "rho"))
+        phi, energy = clamp(phi, 1e-4 - pi / 2, pi / 2 - 1e-4), energy * shares[ending == "_sta"]
+        strength = factor * energy / area(m * m, phi, cos_theta[theta], ending == "_sta")
+        lobes.append([single(v) for v in (m * m, sin(phi / 2), cos(phi / 2), strength)])
+        rest, chance = max(1 - m * m, 1e-12), max(energy, 1e-9) * max(factor, 1e-3)
+        first, last = (student(sin((end + phi) / 2) / (m / sqrt(rest))) for end in (-pi / 2, pi / 2))
+        drawn.append((chance * m**3 * sqrt(rest) / (pi * (last - first)), chance))
     return lobes, drawn[:2], [single(v) for v in (1 / stored(place + "length", at), stored("correlation", at), *fractions)]
 
 def simplex(theta, phi, nm):  # (weight, t, p, wave) of the nodes that are mixed; φ on the side of the tables
@@ -99,31 +91,30 @@ def simplex(theta, phi, nm):  # (weight, t, p, wave) of the nodes that are mixed
     for (share, axis, next_), above in zip([(1, 0, t), *steps], [*(s[0] for s in steps), 0]):
         corner[axis] = next_
         if share > above:
-            yield share - above, *corner
+            yield single(share - above), *corner
 
 def mixed(place, nodes, phi, phi_o, polarization):  # P of mean and steady part, extras, density of φ_o and its weight
     sums = [0.0] * 8
     for weight, t, p, wave in nodes:
         lobes, drawn, extras = node(place, t, p, wave, polarization)
-        phi_n, cosine_i = phi_i[columns[p]], cos_theta[max(t - 1, 0)]
+        phi_n, cosine_n = phi_i[columns[p]], cos_theta[max(t - 1, 0)]
         level, shift = 1 - sin(phi) * sin(phi_n), sin(phi) - sin(phi_n)
         stretch = cos(phi) * cos(phi_n) / (level + shift * sin(phi_o))
         sine, cosine = (level * sin(phi_o) + shift) / (level + shift * sin(phi_o)), cos(phi_o) * stretch
         half = 0.5 * sine / sqrt(0.5 + 0.5 * cosine), sqrt(0.5 + 0.5 * cosine)
-        values = [v * profile(m2, s, c, half, cosine_i * cosine, k == 2) for k, (m2, s, c, v) in enumerate(lobes)]
-        density = 0.0
-        for (m2, s, c, _), (v, _) in zip(lobes, drawn):
-            h = half[0] * c + half[1] * s
-            density += v * sqrt(max(1 - h * h, 0)) / (m2 + (1 - m2) * h * h) ** 2
-        parts = stretch * (values[0] + values[1]), stretch * values[2], *extras, stretch * density, sum(w for _, w in drawn)
+        one, two, steady = (lobe[3] * profile(*lobe[:3], half, cosine_n * cosine, lobe is lobes[2]) for lobe in lobes)
+        hs = [half[0] * c + half[1] * s for _, s, c, _ in lobes[:2]]
+        chances = (v * sqrt(max(1 - h * h, 0)) / (lobe[0] + (1 - lobe[0]) * h * h) ** 2 for lobe, h, (v, _) in zip(lobes, hs, drawn))
+        parts = stretch * (one + two), stretch * steady, *extras, stretch * sum(chances), sum(w for _, w in drawn)
         sums = [total + weight * part for total, part in zip(sums, parts)]
     return [sums[0], min(sums[:2]), *sums[2:]]
 
 @lru_cache(None)
 def spread(theta):  # Q = ∫ exp(−sin²((θ_i + θ_o)/2)/σ²) cosθ_o dθ_o
-    reach, sides = 2 * asin(min(7 * sigma, 1)), (min(pi / 2 + theta, pi), max(theta - pi / 2, -pi))
-    ends = [clamp(end, -reach, reach) for end in sides]
-    return sum(w * abs(end) * exp(-((sin(end * u / 2) / sigma) ** 2)) * cos(end * u - theta) for end in ends for u, w in TANH_SINH)
+    reach = 2 * asin(min(7 * sigma, 1))
+    low, high = (clamp(end + theta, -reach, reach) for end in (-pi / 2, pi / 2))
+    term = lambda sum_: exp(-((sin(sum_ / 2) / sigma) ** 2)) * cos(sum_ - theta)
+    return integral(term, 0, high) - integral(term, 0, low)
 
 def split_mix(v):  # SplitMix64
     v = v + 0x9E3779B97F4A7C15 & WORD

@@ -47,6 +47,9 @@ pub(super) struct Shares(pub(super) [f32; 4]);
 /// A lobe that reflects nothing is drawn from all the same, so that there is always something to draw from.
 const LEAST_SHARE: f64 = 1e-9;
 
+/// Nearer to grazing azimuths 1 − sinφ_i would lose its digits, and the turn with it.
+const LEAST_COSINE: f64 = 1e-4;
+
 /// Lookup table of one parameter set.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
@@ -218,7 +221,10 @@ impl Grid {
     pub(super) fn incident(&self, [x, y, z]: [f64; 3]) -> Incident {
         let cos_theta = (x * x + z * z).sqrt().max(1e-9);
         let inverse = 1.0 / cos_theta;
-        let (mut sin_phi, cos_phi) = (x * inverse, (z * inverse).min(1.0));
+        let (mut sin_phi, mut cos_phi) = (x * inverse, (z * inverse).min(1.0));
+        if cos_phi < LEAST_COSINE {
+            (sin_phi, cos_phi) = ((1.0 - LEAST_COSINE * LEAST_COSINE).sqrt().copysign(x), LEAST_COSINE);
+        }
         let mirrored = self.sides == Sides::Alike && sin_phi < 0.0;
         if mirrored {
             sin_phi = -sin_phi;

@@ -174,9 +174,9 @@ fn both_signs_have_their_own_lobes() {
     }
     let brdfs =
         [&alike, &both, &dark].map(|material| FeatherBrdf::new(material, Options::default()).unwrap());
-    for (theta, phi) in [(0.3, 0.7), (-0.5, -0.7), (0.1, -0.05), (0.0, 1.52), (0.9, -1.55)] {
+    for (theta, phi) in [(0.3, 0.7), (-0.5, -0.7), (0.1, -0.05), (0.0, 1.5), (0.9, -1.52)] {
         let wi = omega(theta, phi);
-        let wo = omega(-theta + 0.02, -phi + 0.03);
+        let wo = omega(-theta + 0.02, -0.99 * phi);
         let [a, b, c] = brdfs.each_ref().map(|brdf| brdf.exact(430.0, wi).values(wo, None));
         assert!((a.f / b.f - 1.0).abs() < 1e-5 && (a.pdf / b.pdf - 1.0).abs() < 1e-5, "{a:?} {b:?}");
         let expected = if phi > 0.0 { b.f } else { 0.0 };
