@@ -2,7 +2,7 @@
 
     barbule brdf starling --wavelength 520 --wi 0,30 --wo 0,-30 --instance 7 --json | python3 brdf.py starling.barbule
 
-reads documents of `barbule brdf --json`, one a line, and prints their f, s and pdf as computed here."""
+reads documents of `barbule brdf --json`, one a line, and prints their f, s and pdf (not of separate polarizations)."""
 import json, sys
 from array import array
 from functools import lru_cache
@@ -10,28 +10,26 @@ from math import acos, asin, atan, copysign, cos, cosh, erf, exp, floor, log, pi
 
 N, BASES, WORD = 1024, 256, 2**64 - 1  # points and number of the noise's base functions
 clamp = lambda v, low, high: min(max(v, low), high)
-signed = lambda k: max((k - 32768) / 32767, -1)
-MAPS = {"m": lambda k: 0.001 ** (1 - k / 65535), "phi": lambda k: signed(k) * pi / 2 * (1 - 1e-7),
-        "rho": lambda k: (k / 65535) ** 2, "length": lambda k: 64 ** signed(k),
-        "fraction_1": lambda k: k / 65535, "correlation": lambda k: k / 65535}
-TANH_SINH = [(0.5 + 0.5 * tanh(pi / 2 * sinh(k / 10)), pi / 40 * cosh(k / 10) / cosh(pi / 2 * sinh(k / 10)) ** 2)
-             for k in range(-30, 31)]  # nodes and weights on [0, 1]
+signed, share = (lambda k: max((k - 32768) / 32767, -1)), (lambda k: k / 65535)
+MAPS = {"m": lambda k: 0.001 ** (1 - share(k)), "phi": lambda k: signed(k) * pi / 2 * (1 - 1e-7), "rho": lambda k: share(k) ** 2,
+        "length": lambda k: 64 ** signed(k), "fraction_1": share, "correlation": share}
+STEPS = [k / 10 for k in range(-30, 31)]  # of tanh-sinh quadrature
+TANH_SINH = [(0.5 + 0.5 * tanh(pi / 2 * sinh(k)), pi / 40 * cosh(k) / cosh(pi / 2 * sinh(k)) ** 2) for k in STEPS]  # on [0, 1]
 integral = lambda f, a, b: (b - a) * sum(w * f(a + (b - a) * u) for u, w in TANH_SINH)
 data = open(sys.argv[1], "rb").read()
 header = json.loads(data[8:(start := 8 + int.from_bytes(data[:8], "little"))])
 about = json.loads(header.pop("__metadata__")["barbule"])
-assert about["schema"] == 2
+assert about["schema"] == 2 and "m" in header
 arrays = {name: array("d" if entry["dtype"] == "F64" else "H", data[slice(*(start + at for at in entry["data_offsets"]))])
           for name, entry in header.items()}
 waves, cos_theta, cos_phi, power = (arrays[k] for k in ("wavelengths_nm", "cos_theta", "cos_phi", "noise_power"))
 both, sigma, seed = about["sides"] == "both", about["sigma"], about["seed"]
 single = lambda v: array("f", [v])[0]
-stored = lambda name, at, ending="": single(MAPS[name.split(".")[-1]](arrays[name + ending][at]))
+stored = lambda name, at, ending="": single(MAPS[name](arrays[name + ending][at]))
 # The nodes: φ_i rises, and each axis has one more at grazing, with the lobes of its neighbour.
 phi_i = [acos(c) for c in cos_phi] + [-acos(c) for c in cos_phi if both and c < 1 - 1e-12]
 thetas, phis, order = len(cos_theta), len(phi_i), sorted(range(len(phi_i)), key=lambda p: phi_i[p])
 columns = [order[0]] * both + order + [order[-1]]  # the stored φ_i of each
-THETA = [0, *cos_theta]
 PHI = [-1] * both + [copysign(1 - cos(phi_i[p]), phi_i[p]) for p in order] + [1]
 
 def find(places, at):  # the place below and the share of the next
@@ -39,8 +37,7 @@ def find(places, at):  # the place below and the share of the next
     return below, clamp((at - places[below]) / (places[below + 1] - places[below]), 0, 1) if len(places) > 1 else 0.0
 
 def profile(m2, sine, cosine, half, z, steady):  # a lobe of strength 1; half: sin and cos of φ_o/2
-    h = half[0] * cosine + half[1] * sine
-    q = m2 + (1 - m2) * h * h
+    q = m2 + (1 - m2) * (half[0] * cosine + half[1] * sine) ** 2
     along = half[1] * cosine + half[0] * sine if about["kind"] == "marginal" else 1
     return along * z / (q ** (4 if steady else 2) * (z + sqrt(z * z + m2 * (1 - z * z))))
 
@@ -49,8 +46,8 @@ def area(m2, phi, cosine_i, steady):  # ∫ profile dφ_o, flat in s with h = a 
     def term(s):
         h = clamp(a * s / sqrt(1 - s * s), -1, 1)
         half = asin(h) - phi / 2  # φ_o/2
-        lobe = profile(m2, sin(phi / 2), cos(phi / 2), (sin(half), cos(half)), max(cosine_i * cos(2 * half), 0), steady)
-        return lobe * 2 * a / ((1 - s * s) ** 1.5 * max(sqrt(1 - h * h), 1e-9))
+        value = profile(m2, sin(phi / 2), cos(phi / 2), (sin(half), cos(half)), max(cosine_i * cos(2 * half), 0), steady)
+        return value * 2 * a / ((1 - s * s) ** 1.5 * max(sqrt(1 - h * h), 1e-9))
     first, last = ((h := sin((end + phi) / 2)) / sqrt(a * a + h * h) for end in (-pi / 2, pi / 2))
     return integral(term, (middle := clamp(0, first, last)), last) - integral(term, middle, first)
 
@@ -58,63 +55,57 @@ student = lambda t: (t / (1 + t * t) + atan(t)) / pi  # ∫₀^t 2/(π (1 + s²)
 continued = lambda here, beside, c, c_beside: max(here - (beside - here) * c / (c_beside - c), 0) / here if here > 0 else 1
 
 @lru_cache(None)
-def node(place, t, p, wave, polarization):  # (m², sin and cos of φ_eff/2, strength), their densities, what else there is
-    theta, phi = max(t - 1, 0), columns[p]
-    index = lambda theta, phi: (wave * thetas + theta) * phis + phi
-    rho = lambda theta, phi: sum(stored(place + "rho", index(theta, phi), e) for e in ("", "_2") if place + "rho" + e in arrays)
-    at, here, factor = index(theta, phi), rho(theta, phi), 1.0
+def node(t, p, wave, polarization):  # m², sin and cos of φ_eff/2, strength, density and chance of lobes; what else there is
+    index = lambda t, p: (wave * thetas + max(t - 1, 0)) * phis + columns[p]
+    rho = lambda t, p: sum(stored("rho", index(t, p), ending) for ending in ("", "_2")[:1 + ("rho_2" in arrays)])
+    at, here, factor, lobes = index(t, p), rho(t, p), 1.0, []
     if t == 0 and thetas > 1:
-        factor *= continued(here, rho(1, phi), *cos_theta[:2])
+        factor *= continued(here, rho(2, p), *cos_theta[:2])
     if (p == len(columns) - 1 or both and p == 0) and phis > 1:
-        beside = columns[p - 2 if p else 2]
-        factor *= continued(here, rho(theta, beside), cos(phi_i[phi]), cos(phi_i[beside]))
+        beside = p - 2 if p else 2
+        factor *= continued(here, rho(t, beside), cos(phi_i[columns[p]]), cos(phi_i[columns[beside]]))
     factor = min(factor, 1 / here) if here > 0 else 1.0
-    fractions = [1 / 2 if place else stored("fraction_1", at, e) for e in ("", "_sta")]
-    shares = [1 if place or polarization == "mean" else 2 * x if polarization == "1" else 2 - 2 * x for x in fractions]
-    lobes, drawn = [], []
-    for ending in ("", "_2", "_sta"):
-        m, phi, energy = 1.0, 0.0, 0.0  # of a single lobe's second
-        if place + "m" + ending in arrays:
-            m, phi, energy = (stored(place + name, at, ending) for name in ("m", "phi", "rho"))
-        phi, energy = clamp(phi, 1e-4 - pi / 2, pi / 2 - 1e-4), energy * shares[ending == "_sta"]
-        strength = factor * energy / area(m * m, phi, cos_theta[theta], ending == "_sta")
-        lobes.append([single(v) for v in (m * m, sin(phi / 2), cos(phi / 2), strength)])
-        rest, chance = max(1 - m * m, 1e-12), max(energy, 1e-9) * max(factor, 1e-3)
-        first, last = (student(sin((end + phi) / 2) / (m / sqrt(rest))) for end in (-pi / 2, pi / 2))
-        drawn.append((chance * m**3 * sqrt(rest) / (pi * (last - first)), chance))
-    return lobes, drawn[:2], [single(v) for v in (1 / stored(place + "length", at), stored("correlation", at), *fractions)]
+    extras = 1 / stored("length", at), stored("correlation", at), stored("fraction_1", at), stored("fraction_1", at, "_sta")
+    for ending, fraction in ("", extras[2]), ("_2", extras[2]), ("_sta", extras[3]):
+        there = "m" + ending in arrays
+        m, phi, energy = (stored(name, at, ending) if there else none for name, none in (("m", 1.0), ("phi", 0.0), ("rho", 0.0)))
+        phi = clamp(phi, 1e-4 - pi / 2, pi / 2 - 1e-4)
+        energy *= {"mean": 1, "1": 2 * fraction, "2": 2 - 2 * fraction}[polarization]
+        strength = factor * energy / area(m * m, phi, cos_theta[max(t - 1, 0)], ending == "_sta")
+        rest, chance = sqrt(max(1 - m * m, 1e-12)), max(energy, 1e-9) * max(factor, 1e-3)
+        inside = student(sin(pi / 4 + phi / 2) * rest / m) + student(sin(pi / 4 - phi / 2) * rest / m)
+        lobes.append([*map(single, (m * m, sin(phi / 2), cos(phi / 2), strength)), chance * m**3 * rest / (pi * inside), chance])
+    return lobes, [*map(single, extras)]
 
 def simplex(theta, phi, nm):  # (weight, t, p, wave) of the nodes that are mixed; φ on the side of the tables
-    (t, a), (p, b), (wave, c) = find(THETA, cos(theta)), find(PHI, copysign(1 - cos(phi), phi)), find(waves, nm)
+    (t, a), (p, b), (wave, c) = find([0, *cos_theta], cos(theta)), find(PHI, copysign(1 - cos(phi), phi)), find(waves, nm)
     p, outwards, b = (p + 1, p, 1 - b) if PHI[p] < 0 else (p, p + 1, b)
     steps, corner = sorted([(a, 0, t + 1), (b, 1, outwards), (c, 2, wave + 1)], reverse=True), [t, p, wave]
-    for (share, axis, next_), above in zip([(1, 0, t), *steps], [*(s[0] for s in steps), 0]):
-        corner[axis] = next_
+    for (share, axis, place), above in zip([(1, 0, t), *steps], [*(step[0] for step in steps), 0]):
+        corner[axis] = place
         if share > above:
             yield single(share - above), *corner
 
-def mixed(place, nodes, phi, phi_o, polarization):  # P of mean and steady part, extras, density of φ_o and its weight
+def mixed(nodes, phi, phi_o, polarization):  # P of mean and steady part, density of φ_o, its weight, extras
     sums = [0.0] * 8
     for weight, t, p, wave in nodes:
-        lobes, drawn, extras = node(place, t, p, wave, polarization)
+        lobes, extras = node(t, p, wave, polarization)
         phi_n, cosine_n = phi_i[columns[p]], cos_theta[max(t - 1, 0)]
         level, shift = 1 - sin(phi) * sin(phi_n), sin(phi) - sin(phi_n)
         stretch = cos(phi) * cos(phi_n) / (level + shift * sin(phi_o))
         sine, cosine = (level * sin(phi_o) + shift) / (level + shift * sin(phi_o)), cos(phi_o) * stretch
-        half = 0.5 * sine / sqrt(0.5 + 0.5 * cosine), sqrt(0.5 + 0.5 * cosine)
+        half = sine / sqrt(2 + 2 * cosine), sqrt(0.5 + 0.5 * cosine)
         one, two, steady = (lobe[3] * profile(*lobe[:3], half, cosine_n * cosine, lobe is lobes[2]) for lobe in lobes)
-        hs = [half[0] * c + half[1] * s for _, s, c, _ in lobes[:2]]
-        chances = (v * sqrt(max(1 - h * h, 0)) / (lobe[0] + (1 - lobe[0]) * h * h) ** 2 for lobe, h, (v, _) in zip(lobes, hs, drawn))
-        parts = stretch * (one + two), stretch * steady, *extras, stretch * sum(chances), sum(w for _, w in drawn)
+        h2 = [(half[0] * c + half[1] * s) ** 2 for _, s, c, *_ in lobes]
+        drawn = sum(d * sqrt(1 - h) / (m2 + (1 - m2) * h) ** 2 for (m2, *_, d, _), h in zip(lobes[:2], h2))
+        parts = stretch * (one + two), stretch * steady, stretch * drawn, lobes[0][5] + lobes[1][5], *extras
         sums = [total + weight * part for total, part in zip(sums, parts)]
     return [sums[0], min(sums[:2]), *sums[2:]]
 
-@lru_cache(None)
 def spread(theta):  # Q = ∫ exp(−sin²((θ_i + θ_o)/2)/σ²) cosθ_o dθ_o
     reach = 2 * asin(min(7 * sigma, 1))
-    low, high = (clamp(end + theta, -reach, reach) for end in (-pi / 2, pi / 2))
-    term = lambda sum_: exp(-((sin(sum_ / 2) / sigma) ** 2)) * cos(sum_ - theta)
-    return integral(term, 0, high) - integral(term, 0, low)
+    term = lambda angle: exp(-((sin(angle / 2) / sigma) ** 2)) * cos(angle - theta)
+    return integral(term, 0, min(pi / 2 + theta, reach)) - integral(term, 0, max(theta - pi / 2, -reach))
 
 def split_mix(v):  # SplitMix64
     v = v + 0x9E3779B97F4A7C15 & WORD
@@ -133,7 +124,6 @@ butterfly = lambda even, odd: [e + o for e, o in zip(even, odd)] + [e - o for e,
 turned = lambda c: [v * w for v, w in zip(c, TURNS[::N // 2 // len(c)])]
 transform = lambda c: butterfly(transform(c[::2]), turned(transform(c[1::2]))) if len(c) > 1 else c
 chained = lambda name, word: split_mix(name ^ split_mix(word))
-
 C1 = 2 * sum(p * cos(2 * pi * l / N) for l, p in enumerate(power, 1))
 
 @lru_cache(None)
@@ -158,31 +148,27 @@ def noise(bits, x):  # q_r + j q_i of the function with this hash
     near, far = (base[(shift + way * n) % N] for n in (k, k + 1))
     return ((1 - t) * near + t * far) / sqrt(1 - 2 * t * (1 - t) * (1 - C1)) * turn
 
-def speckled(mean, steady, instance, x, inverse_length, gamma, fraction, steady_fraction, polarization):
-    shared = chained(split_mix(seed), instance)
-    q = noise(shared, x * inverse_length)
-    q = q, gamma * q + sqrt(max(1 - gamma * gamma, 0)) * noise(split_mix(shared), x * inverse_length)
+def speckled(mean, steady, instance, x, gamma, fractions, polarization):
+    name = chained(split_mix(seed), instance)
+    first = noise(name, x)
+    second = gamma * first + sqrt(max(1 - gamma * gamma, 0)) * noise(split_mix(name), x)
     of = lambda f, s, q: abs(sqrt((f - min(s, f)) / 2) * q + sqrt(min(s, f))) ** 2
-    if polarization != "mean":
-        return of(mean, steady, q[polarization == "2"])
-    parts = (fraction, steady_fraction), (1 - fraction, 1 - steady_fraction)
-    return sum(of(2 * mean * a, 2 * steady * b, q) / 2 for (a, b), q in zip(parts, q))
+    parts = {"1": [(1, 1, first)], "2": [(1, 1, second)], "mean": [(*fractions, first), (*(1 - v for v in fractions), second)]}
+    return sum(of(mean * a, steady * b, q) for a, b, q in parts[polarization])
 
 for asked in map(json.loads, sys.stdin):
-    theta, phi, wanted, found = radians(asked["theta_in_deg"]), radians(asked["phi_in_deg"]), asked["polarization"], []
-    mirror = -1 if phi < 0 and not both else 1
-    sets = [(f"p{k}.", k) for k in "12" if wanted in ("mean", k)] if "p1.m" in arrays else [("", wanted)]
+    theta, phi, polarization, found = radians(asked["theta_in_deg"]), radians(asked["phi_in_deg"]), asked["polarization"], []
+    side = -1 if phi < 0 and not both else 1
     ends = erf(cos(pi / 4 - theta / 2) / sigma) + erf(sin(pi / 4 - theta / 2) / sigma)
     for nm in asked["wavelength_nm"]:
-        nodes = list(simplex(theta, mirror * phi, nm))
+        nodes = list(simplex(theta, side * phi, nm))
         for theta_o, phi_o in zip(map(radians, asked["theta_out_deg"]), map(radians, asked["phi_out_deg"])):
             t2, x = sin((theta + theta_o) / 2) ** 2, cos(theta) * sin(phi) + cos(theta_o) * sin(phi_o)
-            parts = [mixed(place, nodes, mirror * phi, mirror * phi_o, wanted) for place, _ in sets]
-            f = [mean if asked["instance"] is None else speckled(mean, steady, asked["instance"], x, *extras, pattern)
-                 for (mean, steady, *extras, _, _), (_, pattern) in zip(parts, sets)]
-            along = exp(-t2 / sigma**2) / (spread(theta) * cos(theta_o) * cos(phi_o) * len(sets))
+            f, s, drawn, weight, inverse_length, gamma, *fractions = mixed(nodes, side * phi, side * phi_o, polarization)
+            if asked["instance"] is not None:
+                f = speckled(f, s, asked["instance"], x * inverse_length, gamma, fractions, polarization)
+            along = exp(-t2 / sigma**2) / (spread(theta) * cos(theta_o) * cos(phi_o))
             density = exp(-t2 / sigma**2) * sqrt(1 - t2) / (sigma * sqrt(pi) * ends * cos(theta_o))
-            _, steady, *_, drawn, weight = (sum(column) for column in zip(*parts))
-            found.append((along * sum(f), along * steady, density * drawn / weight))
-    rows = lambda v, count: [v[k:k + count] for k in range(0, len(v), count)]
-    print(json.dumps({k: rows(v, len(asked["phi_out_deg"])) for k, v in zip(("f", "s", "pdf"), zip(*found))}))
+            found.append((along * f, along * s, density * drawn / weight))
+    rows = [found[r:r + len(asked["phi_out_deg"])] for r in range(0, len(found), len(asked["phi_out_deg"]))]
+    print(json.dumps({name: [[values[k] for values in row] for row in rows] for k, name in enumerate(("f", "s", "pdf"))}))

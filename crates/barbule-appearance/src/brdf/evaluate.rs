@@ -46,8 +46,8 @@ pub struct PreparedBrdf<'a, const N: usize = 4> {
     brdf: &'a FeatherBrdf,
     wavelengths_nm: [f32; N],
     wi: DVec3,
-    /// None below the horizon.
-    place: Option<(Incident, [Simplex; N])>,
+    incident: Incident,
+    simplices: [Simplex; N],
 }
 
 impl FeatherBrdf {
@@ -90,7 +90,16 @@ impl FeatherBrdf {
         wo: DVec3,
         instance: Option<u64>,
     ) -> [f32; N] {
-        self.prepare(wavelengths_nm, wi).eval(wo, instance)
+        let mut values = [0.0; N];
+        if is_above(wi) && is_above(wo) {
+            let instance = instance.map(|instance| self.at(instance, wi, wo));
+            self.add_values_of(&wavelengths_nm, wi, wo, instance.as_ref(), &mut values);
+            if self.options.reciprocal {
+                self.add_values_of(&wavelengths_nm, wo, wi, instance.as_ref(), &mut values);
+                values.iter_mut().for_each(|value| *value *= 0.5);
+            }
+        }
+        values
     }
 
     /// An outgoing direction drawn from the mean lobes at this wavelength, with its density per sr; none for light from
@@ -160,15 +169,13 @@ impl FeatherBrdf {
     #[inline]
     pub fn prepare<const N: usize>(&self, wavelengths_nm: [f32; N], wi: DVec3) -> PreparedBrdf<'_, N> {
         const { assert!(N.is_multiple_of(4), "wavelengths come in fours") };
-        let place = (wi.z > 0.0).then(|| {
-            let incident = self.grid.incident(wi.to_array());
-            let mut simplices = [Simplex::default(); N];
-            for (simplex, nm) in simplices.iter_mut().zip(wavelengths_nm) {
-                *simplex = self.grid.simplex(&incident, f64::from(nm));
-            }
-            (incident, simplices)
-        });
-        PreparedBrdf { brdf: self, wavelengths_nm, wi, place }
+        let incident = self.grid.incident(wi.to_array());
+        let simplices = wavelengths_nm.map(|nm| self.grid.simplex(&incident, f64::from(nm)));
+        PreparedBrdf { brdf: self, wavelengths_nm, wi, incident, simplices }
+    }
+
+    fn at(&self, instance: u64, wi: DVec3, wo: DVec3) -> At {
+        At { draw: self.noise.draw(instance), x: (wi.x + wo.x) as f32 }
     }
 
     /// f of one set at four wavelengths but for what the spread along the barbule makes of it.
@@ -205,6 +212,12 @@ impl FeatherBrdf {
     }
 }
 
+/// Whether a direction leaves the surface.
+#[inline(always)]
+fn is_above(w: DVec3) -> bool {
+    w.z > 0.0
+}
+
 /// Which instance, and where its noise is looked up but for the length: x_i + x_o.
 struct At {
     draw: Draw,
@@ -224,20 +237,14 @@ impl<const N: usize> PreparedBrdf<'_, N> {
     #[must_use]
     #[inline]
     pub fn eval(&self, wo: DVec3, instance: Option<u64>) -> [f32; N] {
-        let Some((incident, simplices)) = &self.place else { return [0.0; N] };
-        if wo.z.is_nan() || wo.z <= 0.0 {
-            return [0.0; N];
-        }
-        let at = instance
-            .map(|instance| At { draw: self.brdf.noise.draw(instance), x: (self.wi.x + wo.x) as f32 });
         let mut values = [0.0; N];
-        self.brdf.add_values(incident, simplices, wo, at.as_ref(), &mut values);
-        if self.brdf.options.reciprocal {
-            let back = self.brdf.prepare(self.wavelengths_nm, wo);
-            if let Some((incident, simplices)) = &back.place {
-                self.brdf.add_values(incident, simplices, self.wi, at.as_ref(), &mut values);
+        if is_above(self.wi) && is_above(wo) {
+            let instance = instance.map(|instance| self.brdf.at(instance, self.wi, wo));
+            self.brdf.add_values(&self.incident, &self.simplices, wo, instance.as_ref(), &mut values);
+            if self.brdf.options.reciprocal {
+                self.brdf.add_values_of(&self.wavelengths_nm, wo, self.wi, instance.as_ref(), &mut values);
+                values.iter_mut().for_each(|value| *value *= 0.5);
             }
-            values.iter_mut().for_each(|value| *value *= 0.5);
         }
         values
     }
@@ -252,8 +259,10 @@ impl<const N: usize> PreparedBrdf<'_, N> {
     /// [`sample`](Self::sample) without the density.
     #[must_use]
     pub fn direction(&self, lane: usize, u: [f64; 2]) -> Option<DVec3> {
-        let (incident, simplices) = self.place.as_ref()?;
-        let (simplex, tables) = (&simplices[lane], &self.brdf.tables);
+        if !is_above(self.wi) {
+            return None;
+        }
+        let (incident, simplex, tables) = (&self.incident, &self.simplices[lane], &self.brdf.tables);
         let share = |table: &Table, k: usize, lobe: usize| {
             f64::from(simplex.weight[k]) * f64::from(table.shares[simplex.at[k] as usize].0[2 + lobe])
         };
@@ -300,12 +309,10 @@ impl<const N: usize> PreparedBrdf<'_, N> {
     #[must_use]
     #[inline]
     pub fn pdfs(&self, wo: DVec3) -> [f64; N] {
-        let Some((incident, simplices)) = &self.place else { return [0.0; N] };
-        if wo.z.is_nan() || wo.z <= 0.0 {
-            return [0.0; N];
-        }
         let mut densities = [0.0; N];
-        self.brdf.densities(incident, simplices, wo, &mut densities);
+        if is_above(self.wi) && is_above(wo) {
+            self.brdf.densities(&self.incident, &self.simplices, wo, &mut densities);
+        }
         densities
     }
 }
@@ -331,6 +338,40 @@ impl FeatherBrdf {
         values: &mut [f32],
     ) {
         dispatch!(self.level, simd => self.add_values_wide(simd, incident, simplices, wo, instance, values));
+    }
+
+    /// The same for directions that were not prepared.
+    fn add_values_of(
+        &self,
+        wavelengths_nm: &[f32],
+        wi: DVec3,
+        wo: DVec3,
+        instance: Option<&At>,
+        values: &mut [f32],
+    ) {
+        dispatch!(self.level, simd => self.add_values_of_wide(simd, wavelengths_nm, wi, wo, instance, values));
+    }
+
+    #[inline(always)]
+    fn add_values_of_wide<S: Simd>(
+        &self,
+        simd: S,
+        wavelengths_nm: &[f32],
+        wi: DVec3,
+        wo: DVec3,
+        instance: Option<&At>,
+        values: &mut [f32],
+    ) {
+        let incident = self.grid.incident([wi.x, wi.y, wi.z]);
+        let mut simplices = [Simplex::default(); 4];
+        let (fours, _) = wavelengths_nm.as_chunks::<4>();
+        let (lanes, _) = values.as_chunks_mut::<4>();
+        for (four, lanes) in fours.iter().zip(lanes) {
+            for k in 0..4 {
+                simplices[k] = self.grid.simplex(&incident, f64::from(four[k]));
+            }
+            self.add_values_wide(simd, &incident, &simplices, wo, instance, lanes);
+        }
     }
 
     #[inline(always)]
