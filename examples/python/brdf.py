@@ -159,12 +159,13 @@ def speckled(mean, steady, instance, x, gamma, fractions, polarization):
 for asked in map(json.loads, sys.stdin):
     theta, phi, polarization, found = radians(asked["theta_in_deg"]), radians(asked["phi_in_deg"]), asked["polarization"], []
     side = -1 if phi < 0 and not both else 1
+    azimuth = clamp(side * phi, -acos(1e-4), acos(1e-4))
     ends = erf(cos(pi / 4 - theta / 2) / sigma) + erf(sin(pi / 4 - theta / 2) / sigma)
     for nm in asked["wavelength_nm"]:
-        nodes = list(simplex(theta, side * phi, nm))
+        nodes = list(simplex(theta, azimuth, nm))
         for theta_o, phi_o in zip(map(radians, asked["theta_out_deg"]), map(radians, asked["phi_out_deg"])):
             t2, x = sin((theta + theta_o) / 2) ** 2, cos(theta) * sin(phi) + cos(theta_o) * sin(phi_o)
-            f, s, drawn, weight, inverse_length, gamma, *fractions = mixed(nodes, side * phi, side * phi_o, polarization)
+            f, s, drawn, weight, inverse_length, gamma, *fractions = mixed(nodes, azimuth, side * phi_o, polarization)
             if asked["instance"] is not None:
                 f = speckled(f, s, asked["instance"], x * inverse_length, gamma, fractions, polarization)
             along = exp(-t2 / sigma**2) / (spread(theta) * cos(theta_o) * cos(phi_o))

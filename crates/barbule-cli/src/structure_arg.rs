@@ -8,7 +8,7 @@ use barbule::io::{
 };
 use barbule::material::Library;
 use barbule::structure::{
-    FlatStack, Lattice, MaterialSource, Section, SpeciesModel, Structure, Substance, species_name,
+    FlatStack, Lattice, MaterialSource, Section, Side, SpeciesModel, Structure, Substance, species_name,
 };
 use barbule::{Error, Result};
 use clap::ValueEnum;
@@ -18,7 +18,7 @@ use crate::media;
 use crate::provenance::quoted;
 
 /// What every STRUCTURE argument says in `--help`.
-pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], a section .json, a species or lattice .toml, or a folder of sections";
+pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], a section .json, a species or lattice .toml, or a folder of sections; with ' (below)' behind it its lower side";
 
 /// Which side of the barbules is lit.
 #[derive(Debug, Clone, Copy, clap::Args)]
@@ -52,13 +52,15 @@ impl SideArg {
 
 /// Whether a text is the name of a built-in species, or of a variant of one, there or not. Such a name never means a file.
 pub(crate) fn is_built_in(text: &str) -> bool {
+    let text = text.strip_suffix(Side::BELOW).unwrap_or(text);
     let name = text.split_once(':').map_or(text, |(name, _)| name);
     species_name(name).is_ok()
 }
 
 /// Finds a structure and says which `--medium` it does without: `SPECIES[:VARIANT]`, a file by what is in it,
-/// `FILE.toml[:VARIANT]`, a folder of sections, or a stack; a stack or lattice alone lies flat. Built-in names come first,
-/// whatever files and folders are called.
+/// `FILE.toml[:VARIANT]`, a folder of sections, or a stack; a stack or lattice alone lies flat. ` (below)` behind any of
+/// them means its lower side, as names of materials say it. Built-in names come first, whatever files and folders are
+/// called.
 ///
 /// # Errors
 /// An unknown name (the nearest known one is offered), a file that is missing or not of such a kind, or one that
@@ -70,6 +72,9 @@ pub fn parse(text: &str, common: &Common) -> Result<Structure> {
 }
 
 fn read(text: &str, common: &Common) -> Result<Structure> {
+    if let Some(upper) = text.strip_suffix(Side::BELOW) {
+        return read(upper, common)?.underside().map_err(|error| error.at(shortened(text)));
+    }
     let library = common.library()?;
     let (name, variant) = text.split_once(':').map_or((text, None), |(name, variant)| (name, Some(variant)));
     let species = |library| {

@@ -2,13 +2,17 @@
 //!
 //! Each is a `.barbule` file as `barbule characterize` writes it, read through the same reader as users' files.
 
-/// The shipped materials: name (`species-variant`, as in `starling-green`) and the bytes of the file.
+/// The shipped materials: name (`species-variant`, as in `starling-green`; `-below` for lower sides that differ from the
+/// upper ones) and the bytes of the file.
 pub const MATERIALS: &[(&str, &[u8])] = &[
     ("bronzewing-green", include_bytes!("../materials/bronzewing-green.barbule")),
     ("hummingbird-anna", include_bytes!("../materials/hummingbird-anna.barbule")),
     ("magpie-violet", include_bytes!("../materials/magpie-violet.barbule")),
+    ("magpie-violet-below", include_bytes!("../materials/magpie-violet-below.barbule")),
     ("mallard-lime", include_bytes!("../materials/mallard-lime.barbule")),
+    ("mallard-lime-below", include_bytes!("../materials/mallard-lime-below.barbule")),
     ("peafowl-yellow", include_bytes!("../materials/peafowl-yellow.barbule")),
+    ("peafowl-yellow-below", include_bytes!("../materials/peafowl-yellow-below.barbule")),
     ("rock-dove-forest", include_bytes!("../materials/rock-dove-forest.barbule")),
     ("rock-dove-jade", include_bytes!("../materials/rock-dove-jade.barbule")),
     ("rock-dove-purple", include_bytes!("../materials/rock-dove-purple.barbule")),

@@ -1,8 +1,7 @@
-//! Tables and figure of docs/theory/statistics.md: what single barbules of the layered species do.
+//! Tables and figure of docs/theory/statistics.md: what single barbules of each species do.
 //!
-//! `target/release/examples/statistics_tables [FIGURE.png]` (after `cargo build --release --workspace --examples`), 50 CPU
-//! seconds; with a name it draws the
-//! quantiles of the fields against normal ones (docs/figures/qq.png).
+//! `target/release/examples/statistics_tables [FIGURE.png]` (after `cargo build --release --workspace --examples`), two CPU
+//! minutes; with a name it draws the quantiles of the fields against normal ones (docs/figures/qq.png).
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // a program over what tests hold
 
@@ -12,13 +11,13 @@ mod speckle;
 use std::path::Path;
 
 use barbule::plot::{Axis, Curve, Drawing, Figure, Format, Ink, Stroke};
-use barbule::structure::layered_species;
+use barbule::structure::species_names;
 use num_complex::Complex64;
 
 use speckle::{Species, fitted, moments, simulate, speckle, synthesized};
 
 fn main() -> barbule::Result<()> {
-    let species: Vec<Species> = layered_species().map(simulate).collect();
+    let species: Vec<Species> = species_names().map(simulate).collect();
     println!(
         "| species | rejected at 1 %, steep | oblique | σ_R/σ_I, steep | oblique | V/U at φ_i = 0°, 46°, 70°, 84° |"
     );

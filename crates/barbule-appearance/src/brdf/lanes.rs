@@ -16,39 +16,40 @@ pub(super) struct Outgoing {
     /// sin(φ_o/2) and cos(φ_o/2).
     half_sine: [f32; 4],
     half_cosine: [f32; 4],
-    /// z·ω_o and its square.
+    /// z·ω_o.
     z: [f32; 4],
-    z2: [f32; 4],
     /// The turn's dφ'/dφ_o.
     stretch: [f32; 4],
 }
 
 impl Outgoing {
-    /// Of ω_o with these sinφ_o and cosφ_o. In double precision, since towards grazing azimuths the turns cancel.
+    /// Of ω_o with these sinφ_o and cosφ_o. Numerators and denominators of the turns are in double precision, since
+    /// towards grazing azimuths they cancel.
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, incident: &Incident, [sin_phi, cos_phi]: [f64; 2]) -> Self {
         let (level, shift) =
             (f64x4::from_slice(simd, &incident.level), f64x4::from_slice(simd, &incident.shift));
-        let inverse = f64x4::splat(simd, 1.0) / shift.mul_add(f64x4::splat(simd, sin_phi), level);
-        let stretch = f64x4::from_slice(simd, &incident.scale) * inverse;
-        let sine = level.mul_add(f64x4::splat(simd, sin_phi), shift) * inverse;
-        let cosine = stretch * cos_phi;
-        let half_cosine = (cosine * 0.5 + 0.5).sqrt();
-        let half_sine = sine * 0.5 / half_cosine;
-        let z = f64x4::from_slice(simd, &incident.cos_theta) * cosine;
+        let sin_phi = f64x4::splat(simd, sin_phi);
+        let denominator = single(simd, shift.mul_add(sin_phi, level));
+        let numerator = single(simd, level.mul_add(sin_phi, shift));
+        let inverse = f32x4::splat(simd, 1.0) / denominator;
+        let stretch = single(simd, f64x4::from_slice(simd, &incident.scale)) * inverse;
+        let cosine = stretch * cos_phi as f32;
+        let half_cosine = cosine.mul_add(f32x4::splat(simd, 0.5), f32x4::splat(simd, 0.5)).sqrt();
+        let half_sine = numerator * inverse * 0.5 / half_cosine;
+        let z = single(simd, f64x4::from_slice(simd, &incident.cos_theta)) * cosine;
         Self {
-            half_sine: single(half_sine),
-            half_cosine: single(half_cosine),
-            z: single(z),
-            z2: single(z * z),
-            stretch: single(stretch),
+            half_sine: half_sine.into(),
+            half_cosine: half_cosine.into(),
+            z: z.into(),
+            stretch: stretch.into(),
         }
     }
 }
 
 #[inline(always)]
-fn single<S: Simd>(values: f64x4<S>) -> [f32; 4] {
-    [values[0] as f32, values[1] as f32, values[2] as f32, values[3] as f32]
+fn single<S: Simd>(simd: S, values: f64x4<S>) -> f32x4<S> {
+    f32x4::simd_from(simd, [values[0] as f32, values[1] as f32, values[2] as f32, values[3] as f32])
 }
 
 /// The same for the pairs of nodes that a simplex can have: of the first two nodes two, of the last two another two.
@@ -63,8 +64,9 @@ struct Pair<S: Simd> {
     half_sine: f32x8<S>,
     half_cosine: f32x8<S>,
     z: f32x8<S>,
+    /// z² and z times the stretch.
     z2: f32x8<S>,
-    stretch: f32x8<S>,
+    stretched: f32x8<S>,
 }
 
 impl<S: Simd> Pairs<S> {
@@ -80,13 +82,14 @@ impl<S: Simd> Pairs<S> {
 impl<S: Simd> Pair<S> {
     #[inline(always)]
     fn new(simd: S, outgoing: &Outgoing, a: usize, b: usize) -> Self {
-        let Outgoing { half_sine, half_cosine, z, z2, stretch } = outgoing;
+        let Outgoing { half_sine, half_cosine, z, stretch } = outgoing;
+        let z = both(simd, z[a], z[b]);
         Self {
             half_sine: both(simd, half_sine[a], half_sine[b]),
             half_cosine: both(simd, half_cosine[a], half_cosine[b]),
-            z: both(simd, z[a], z[b]),
-            z2: both(simd, z2[a], z2[b]),
-            stretch: both(simd, stretch[a], stretch[b]),
+            z,
+            z2: z * z,
+            stretched: z * both(simd, stretch[a], stretch[b]),
         }
     }
 }
@@ -157,10 +160,10 @@ fn mixed<S: Simd>(
     let low = two(simd, [a, b], low, both(simd, weight[0], weight[1]), cosine);
     let high = two(simd, [c, d], high, both(simd, weight[2], weight[3]), cosine);
     let (first, second) = (low + high).split();
-    let extras = part(simd, a, EXTRAS) * weight[0]
-        + part(simd, b, EXTRAS) * weight[1]
-        + part(simd, c, EXTRAS) * weight[2]
-        + part(simd, d, EXTRAS) * weight[3];
+    let extras = part(simd, d, EXTRAS) * weight[3];
+    let extras = part(simd, c, EXTRAS).mul_add(f32x4::splat(simd, weight[2]), extras);
+    let extras = part(simd, b, EXTRAS).mul_add(f32x4::splat(simd, weight[1]), extras);
+    let extras = part(simd, a, EXTRAS).mul_add(f32x4::splat(simd, weight[0]), extras);
     (first + second, extras)
 }
 
@@ -185,7 +188,7 @@ fn two<S: Simd>(
     Cosine(with_cosine): Cosine,
 ) -> f32x8<S> {
     let one = f32x8::splat(simd, 1.0);
-    let Pair { half_sine: s, half_cosine: c, z, z2, stretch } = *pair;
+    let Pair { half_sine: s, half_cosine: c, z, z2, stretched } = *pair;
     let (m2, sine) = (parts(simd, nodes, M2), parts(simd, nodes, SINE));
     let (cosine, strength) = (parts(simd, nodes, COSINE), parts(simd, nodes, STRENGTH));
     let h = s.mul_add(cosine, c * sine);
@@ -199,7 +202,7 @@ fn two<S: Simd>(
     let mask = f32x8::simd_from(simd, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
     let narrower = q2.mul_add(mask, one - mask);
     let root = m2.mul_add(one - z2, z2).sqrt();
-    (strength * weight) * (shape * z) * stretch / ((q2 * narrower) * (z + root))
+    (strength * weight) * (shape * stretched) / ((q2 * narrower) * (z + root))
 }
 
 /// Σ w dφ'/dφ ρ_k p_k(φ') in rad⁻¹ at one wavelength, and Σ w ρ_k.

@@ -27,7 +27,7 @@ pub(super) struct Areas {
 
 impl Areas {
     pub(super) fn new(kind: FitKind) -> Self {
-        let crowded = |(u, w): (f64, f64)| (u * (2.0 - u), 2.0 * w * (1.0 - u));
+        let crowded = |(u, w): (f64, f64)| (1.0 - (1.0 - u).powi(4), 4.0 * w * (1.0 - u).powi(3));
         Self { kind, rule: gauss_legendre(32).into_iter().map(crowded).collect() }
     }
 
@@ -188,7 +188,7 @@ mod tests {
         for kind in [FitKind::Marginal, FitKind::Cone] {
             let areas = Areas::new(kind);
             for (m, phi, theta) in
-                [(0.01, 0.3, 0.2), (0.1, -1.2, 1.3), (0.5, 1.5, 0.0), (1.0, 0.1, 0.7), (0.999, 0.0, 1.5)]
+                [(0.01, 0.3, 0.2), (0.1, -1.2, 1.3), (0.5, 1.5, 0.0), (1.0, 0.1, 0.7), (0.07, 1.52, 0.3)]
             {
                 let lobe = Lobe { m, phi };
                 let count = 200_000;

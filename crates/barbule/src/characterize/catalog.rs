@@ -272,7 +272,9 @@ mod tests {
             let info = decode_material(bytes).unwrap().info;
             let (species, variant) = (info["species"].as_str().unwrap(), info["variant"].as_str().unwrap());
             let model = SpeciesModel::builtin(species, Some(variant), Library::builtin()).unwrap();
-            let found = Catalog::default().shipped(&Structure::Species(Box::new(model))).unwrap().unwrap();
+            let upper = Structure::Species(Box::new(model));
+            let structure = if stem.ends_with(BELOW) { upper.underside().unwrap() } else { upper };
+            let found = Catalog::default().shipped(&structure).unwrap().unwrap();
             assert_eq!((found.hash.clone(), found.bytes().unwrap()), (hash_bytes(bytes), bytes.to_vec()));
             assert_eq!(found.origin, Origin::Shipped(bytes), "{stem}");
         }

@@ -1,5 +1,7 @@
 //! Structures that are not their own mirror images, ensembles that are made so, and lower sides.
 
+use barbule::brdf::fit::{FitOptions, fit};
+use barbule::brdf::{FeatherBrdf, Options, marginals};
 use barbule::campaign::spectrum::{Collect, SpectrumRequest, spectra};
 use barbule::campaign::{Campaign, CampaignParameters, Resources, sides, statistics};
 use barbule::characterize::{CampaignDescription, CampaignOptions};
@@ -8,6 +10,7 @@ use barbule::io::store::Store;
 use barbule::material::Library;
 use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
+use barbule::scattering::directions::{azimuths, omega};
 use barbule::scattering::far_field::Polarization;
 use barbule::scattering::statistics::{AZIMUTHS, Axes, Sides, Statistics};
 use barbule::solve::surface::{Accuracy, far_field};
@@ -122,6 +125,31 @@ fn both_signs_of_a_wedge_are_those_of_single_far_fields_and_leave_where_its_slop
             let expected = -deg - 2.0 * SLOPE_DEG;
             assert!((at - expected).abs() < 1.0, "{theta} {deg}: {at} {expected}");
         }
+    }
+}
+
+/// A material of wedges of many slopes: from either side its lobe leaves where the slopes send it, with what it reflects.
+#[test]
+fn a_fitted_wedge_has_a_lobe_of_its_own_for_either_side() {
+    let sections = (0..8).map(|k| wedge((4.0 + 0.5 * f64::from(k)).to_radians().tan(), 0.0)).collect();
+    let found = simulated(&given(sections), false);
+    let (material, _) = fit(&found, &FitOptions::default(), &Unobserved).unwrap();
+    let brdf = FeatherBrdf::new(&material, Options::default()).unwrap();
+    let phi_out: Vec<f64> = azimuths(AZIMUTHS).collect();
+    for (phi, deg) in [(RIGHT, 40.0_f64), (LEFT, -40.0)] {
+        let wi = omega(found.axes.theta_i(1), deg.to_radians());
+        let fitted = marginals(&brdf, &[500.0], wi, &phi_out, None, &Unobserved).unwrap().remove(0).f;
+        let of = |p: usize| row(&found, &found.u, 1, phi, p).iter().map(|u| f64::from(*u));
+        let mean: Vec<f64> = of(0).zip(of(1)).map(|(a, b)| 0.5 * (a + b)).collect();
+        let moments = |values: &[f64]| {
+            let total: f64 = values.iter().sum();
+            [total, phi_out.iter().zip(values).map(|(phi, v)| phi * v).sum::<f64>() / total]
+        };
+        let ([total, centre], [expected, there]) = (moments(&fitted), moments(&mean));
+        // Mean slope 5.75°: light goes from φ_i to −φ_i − 11.5°.
+        assert!((there.to_degrees() + deg + 11.5).abs() < 1.5, "{deg}: {}", there.to_degrees());
+        assert!((centre - there).abs().to_degrees() < 1.0, "{deg}: {centre} {there}");
+        assert!((total / expected - 1.0).abs() < 1e-4, "{deg}: {total} {expected}");
     }
 }
 

@@ -224,7 +224,7 @@ fn malformed_files_are_refused_by_name() {
         assert!(text.len() < 600 && !text.ends_with('.') && !text.contains('\n'), "{name}: {text}");
     }
     // Codes at their ends are valid values.
-    for (name, value) in [("m", 0), ("m", 65535), ("phi", 0), ("length", 0), ("rho", 65535)] {
+    for (name, value) in [("m", 0), ("m", 65535), ("phi", 0), ("length", 0), ("rho_sta", 65535)] {
         decode_material(&code(name, value)).unwrap();
     }
     assert!(open(&good).0 == header);
