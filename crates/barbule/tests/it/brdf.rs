@@ -361,8 +361,8 @@ fn the_deviation_from_reciprocity_is_known() {
     let cases = [
         ("φ_eff = φ_i, constant", constant(0.1, 0.3, 0.0), 0.0119),
         ("example", example(3), 0.2714),
-        (SHIPPED[0], shipped(SHIPPED[0]), 0.1429),
-        (SHIPPED[1], shipped(SHIPPED[1]), 0.1835),
+        (SHIPPED[0], shipped(SHIPPED[0]), 0.1621),
+        (SHIPPED[1], shipped(SHIPPED[1]), 0.1628),
     ];
     for (name, material, known) in cases {
         let deviation = reciprocity_deviation(&brdf(&material));
@@ -377,7 +377,7 @@ fn albedos_of_instances_scatter_about_the_mean() {
     let cases = [
         ("example", example(3), 0.2413),
         (SHIPPED[0], shipped(SHIPPED[0]), 0.2450),
-        (SHIPPED[1], shipped(SHIPPED[1]), 0.2309),
+        (SHIPPED[1], shipped(SHIPPED[1]), 0.2052),
     ];
     for (name, material, known) in cases {
         let [average, spread] = instance_albedos(&brdf(&material));
