@@ -57,7 +57,6 @@ pub struct FitCurves {
 
 impl FitCurves {
     /// At θ_i nearest to 0 and φ_i nearest to 0° and 70°, at three wavelengths.
-    #[must_use]
     ///
     /// # Errors
     /// The material cannot be prepared.
