@@ -1,10 +1,10 @@
 //! The lobes of four wavelengths at once, in vector registers.
 //!
-//! Two nodes of four lanes (their three lobes, and one lane that is not used) fill a register of eight; a value costs
+//! Four nodes of four lanes (their three lobes, and one lane that is not used) fill a register of sixteen; a value costs
 //! one root and one division. Everything here is inlined into one dispatched function, so it has neither closures nor
 //! calls that the compiler could leave outside. Their reference is the module `exact`.
 
-use fearless_simd::{Simd, f32x4, f32x8, f64x4, i32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, f32x16, f64x4, i32x4, prelude::*};
 use std::f32::consts::{LN_2, LOG2_E};
 
 use super::simd::transposed;
@@ -64,8 +64,7 @@ struct Pair<S: Simd> {
     half_sine: f32x8<S>,
     half_cosine: f32x8<S>,
     z: f32x8<S>,
-    /// z² and z times the stretch.
-    z2: f32x8<S>,
+    /// z times the stretch.
     stretched: f32x8<S>,
 }
 
@@ -88,7 +87,6 @@ impl<S: Simd> Pair<S> {
             half_sine: both(simd, half_sine[a], half_sine[b]),
             half_cosine: both(simd, half_cosine[a], half_cosine[b]),
             z,
-            z2: z * z,
             stretched: z * both(simd, stretch[a], stretch[b]),
         }
     }
@@ -157,8 +155,8 @@ fn mixed<S: Simd>(
     let low = &pairs.low[usize::from(middle[0] & 1)];
     // The third node's corner is 1 or 2.
     let high = &pairs.high[usize::from(middle[1] >> 1)];
-    let low = two(simd, [a, b], low, both(simd, weight[0], weight[1]), cosine);
-    let high = two(simd, [c, d], high, both(simd, weight[2], weight[3]), cosine);
+    let weights = both(simd, weight[0], weight[1]).combine(both(simd, weight[2], weight[3]));
+    let (low, high) = four(simd, [a, b, c, d], low, high, weights, cosine).split();
     let (first, second) = (low + high).split();
     let extras = part(simd, d, EXTRAS) * weight[3];
     let extras = part(simd, c, EXTRAS).mul_add(f32x4::splat(simd, weight[2]), extras);
@@ -172,38 +170,46 @@ fn part<S: Simd>(simd: S, node: &Node, first: usize) -> f32x4<S> {
     f32x4::from_slice(simd, &node.0[first..first + 4])
 }
 
-/// A parameter of the lobes of two nodes.
+/// A parameter of the lobes of four nodes.
 #[inline(always)]
-fn parts<S: Simd>(simd: S, nodes: [&Node; 2], first: usize) -> f32x8<S> {
-    part(simd, nodes[0], first).combine(part(simd, nodes[1], first))
+fn parts<S: Simd>(simd: S, [a, b, c, d]: [&Node; 4], first: usize) -> f32x16<S> {
+    let low: f32x8<S> = part(simd, a, first).combine(part(simd, b, first));
+    low.combine(part(simd, c, first).combine(part(simd, d, first)))
 }
 
-/// The weighted values of the lobes of two nodes; the last lane of each is nothing.
+/// The weighted values of the lobes of four nodes; the last lane of each is nothing.
 #[inline(always)]
-fn two<S: Simd>(
+fn four<S: Simd>(
     simd: S,
-    nodes: [&Node; 2],
-    pair: &Pair<S>,
-    weight: f32x8<S>,
+    nodes: [&Node; 4],
+    low: &Pair<S>,
+    high: &Pair<S>,
+    weight: f32x16<S>,
     Cosine(with_cosine): Cosine,
-) -> f32x8<S> {
-    let one = f32x8::splat(simd, 1.0);
-    let Pair { half_sine: s, half_cosine: c, z, z2, stretched } = *pair;
+) -> f32x16<S> {
+    let one = f32x16::splat(simd, 1.0);
+    let (s, c) = (low.half_sine.combine(high.half_sine), low.half_cosine.combine(high.half_cosine));
+    let z: f32x16<S> = low.z.combine(high.z);
+    let stretched: f32x16<S> = low.stretched.combine(high.stretched);
     let (m2, sine) = (parts(simd, nodes, M2), parts(simd, nodes, SINE));
     let (cosine, strength) = (parts(simd, nodes, COSINE), parts(simd, nodes, STRENGTH));
-    let h = s.mul_add(cosine, c * sine);
+    let h: f32x16<S> = cosine.mul_add(s, sine * c);
     let h2 = h * h;
-    let aligned = c.mul_add(cosine, s * sine);
-    let shape = aligned.mul_add(f32x8::splat(simd, with_cosine), f32x8::splat(simd, 1.0 - with_cosine));
+    let aligned = cosine.mul_add(c, sine * s);
+    let shape = aligned.mul_add(f32x16::splat(simd, with_cosine), f32x16::splat(simd, 1.0 - with_cosine));
     // m² + (1 − m²) h²
     let q = m2.mul_add(one - h2, h2);
     let q2 = q * q;
     // The steady lobe's wings fall with the fourth power.
-    let mask = f32x8::simd_from(simd, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    let mask = f32x16::from_slice(simd, &STEADY);
     let narrower = q2.mul_add(mask, one - mask);
+    let z2 = z * z;
     let root = m2.mul_add(one - z2, z2).sqrt();
     (strength * weight) * (shape * stretched) / ((q2 * narrower) * (z + root))
 }
+
+/// Which lanes belong to steady lobes.
+const STEADY: [f32; 16] = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 /// Σ w dφ'/dφ ρ_k p_k(φ') in rad⁻¹ at one wavelength, and Σ w ρ_k.
 #[inline(always)]
