@@ -3,12 +3,12 @@
 use fearless_simd::{Level, Simd, dispatch, f32x4, prelude::*};
 use glam::DVec3;
 
-use super::lanes::{Cosine, Mixed, Outgoing, Pairs, density, exp_of_negative};
+use super::lanes::{Cosine, Extras, Mixed, Outgoing, Simplices, density, exp_of_negative};
 use super::material::{FeatherMaterial, check_sigma};
 use super::noise::{Draw, Noise};
 use super::profile::{Longitudinal, half_sine_squared};
 use super::sample::{Sampler, direction};
-use super::table::{Grid, Incident, Simplex, Table};
+use super::table::{Grid, Incident, Table};
 use crate::Result;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
@@ -47,7 +47,6 @@ pub struct PreparedBrdf<'a, const N: usize = 4> {
     wavelengths_nm: [f32; N],
     wi: DVec3,
     incident: Incident,
-    simplices: [Simplex; N],
 }
 
 impl FeatherBrdf {
@@ -145,7 +144,7 @@ impl FeatherBrdf {
         if wi.z <= 0.0 || wi.z.is_nan() {
             return 0.0;
         }
-        let incident = self.grid.incident(wi.to_array());
+        let incident = self.incident(wi);
         let simplex = self.grid.simplex(&incident, f64::from(wavelength_nm));
         let reflected = |table: &Table| -> f64 {
             let node = |k: usize| f64::from(simplex.weight[k]) * table.reflected(simplex.at[k]);
@@ -169,46 +168,54 @@ impl FeatherBrdf {
     #[inline]
     pub fn prepare<const N: usize>(&self, wavelengths_nm: [f32; N], wi: DVec3) -> PreparedBrdf<'_, N> {
         const { assert!(N.is_multiple_of(4), "wavelengths come in fours") };
-        let incident = self.grid.incident(wi.to_array());
-        let simplices = wavelengths_nm.map(|nm| self.grid.simplex(&incident, f64::from(nm)));
-        PreparedBrdf { brdf: self, wavelengths_nm, wi, incident, simplices }
+        PreparedBrdf { brdf: self, wavelengths_nm, wi, incident: self.incident(wi) }
+    }
+
+    /// ω_i in the tables.
+    pub(super) fn incident(&self, wi: DVec3) -> Incident {
+        dispatch!(self.level, simd => self.grid.incident(simd, [wi.x, wi.y, wi.z]))
+    }
+
+    #[inline(always)]
+    fn cosine(&self) -> Cosine {
+        Cosine(if self.kind == FitKind::Marginal { 1.0 } else { 0.0 })
     }
 
     fn at(&self, instance: u64, wi: DVec3, wo: DVec3) -> At {
         At { draw: self.noise.draw(instance), x: (wi.x + wo.x) as f32 }
     }
 
-    /// f of one set at four wavelengths but for what the spread along the barbule makes of it.
+    /// f cosφ_o of one set at four wavelengths but for what the spread along the barbule makes of it.
     #[inline(always)]
     fn across<S: Simd>(
         &self,
         simd: S,
         set: usize,
-        simplices: &[Simplex; 4],
-        pairs: &Pairs<S>,
+        simplices: &Simplices<S>,
         instance: Option<&At>,
     ) -> f32x4<S> {
-        let cosine = Cosine(if self.kind == FitKind::Marginal { 1.0 } else { 0.0 });
-        let mixed = Mixed::new(simd, &self.tables[set], simplices, pairs, cosine);
+        let mixed = Mixed::new(simd, &self.tables[set], simplices);
         let Some(At { draw, x }) = instance else { return mixed.mean };
-        let place = mixed.inverse_length * *x;
-        let [qr, qi] = self.noise.at_four(simd, &draw.shared, place);
+        let extras = Extras::new(simd, &self.tables[set], simplices);
+        let place = self.noise.place(simd, extras.inverse_length * *x);
+        let [qr, qi] = self.noise.at_four(simd, &draw.shared, &place);
         if self.polarization_of(set) == Some(Polarization::First) {
             return speckled(mixed.mean, mixed.steady, qr, qi);
         }
-        let [own_r, own_i] = self.noise.at_four(simd, &draw.own, place);
-        let gamma = mixed.correlation;
+        let [own_r, own_i] = self.noise.at_four(simd, &draw.own, &place);
+        let gamma = extras.correlation;
         let rest = (f32x4::splat(simd, 1.0) - gamma * gamma).max(0.0).sqrt();
         let (second_r, second_i) = (gamma.mul_add(qr, rest * own_r), gamma.mul_add(qi, rest * own_i));
         if self.polarization_of(set).is_some() {
             return speckled(mixed.mean, mixed.steady, second_r, second_i);
         }
         // Half of each polarization's own values.
-        let first = mixed.mean * mixed.fraction;
-        let steady = mixed.steady * mixed.steady_fraction;
-        let (second, second_steady) = (mixed.mean - first, mixed.steady - steady);
-        speckled(first, steady.min(first), qr, qi)
-            + speckled(second, second_steady.min(second), second_r, second_i)
+        let first = mixed.mean * extras.fraction;
+        let steady = mixed.steady * extras.steady_fraction;
+        let mean = first.combine(mixed.mean - first);
+        let steady = steady.combine(mixed.steady - steady).min(mean);
+        let (first, second) = speckled(mean, steady, qr.combine(second_r), qi.combine(second_i)).split();
+        first + second
     }
 }
 
@@ -226,7 +233,7 @@ struct At {
 
 /// (σ q_r + √s)² + (σ q_i)², S.25, with σ² = (f̂ − s)/2.
 #[inline(always)]
-fn speckled<S: Simd>(mean: f32x4<S>, steady: f32x4<S>, qr: f32x4<S>, qi: f32x4<S>) -> f32x4<S> {
+fn speckled<S: Simd, V: SimdFloat<S, Element = f32>>(mean: V, steady: V, qr: V, qi: V) -> V {
     let spread = ((mean - steady).max(0.0) * 0.5).sqrt();
     let (r, i) = (spread.mul_add(qr, steady.max(0.0).sqrt()), spread * qi);
     r.mul_add(r, i * i)
@@ -240,7 +247,7 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         let mut values = [0.0; N];
         if is_above(self.wi) && is_above(wo) {
             let instance = instance.map(|instance| self.brdf.at(instance, self.wi, wo));
-            self.brdf.add_values(&self.incident, &self.simplices, wo, instance.as_ref(), &mut values);
+            self.brdf.add_values(&self.wavelengths_nm, &self.incident, wo, instance.as_ref(), &mut values);
             if self.brdf.options.reciprocal {
                 self.brdf.add_values_of(&self.wavelengths_nm, wo, self.wi, instance.as_ref(), &mut values);
                 values.iter_mut().for_each(|value| *value *= 0.5);
@@ -262,7 +269,8 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         if !is_above(self.wi) {
             return None;
         }
-        let (incident, simplex, tables) = (&self.incident, &self.simplices[lane], &self.brdf.tables);
+        let (incident, tables) = (&self.incident, &self.brdf.tables);
+        let simplex = self.brdf.grid.simplex(incident, f64::from(self.wavelengths_nm[lane]));
         let share = |table: &Table, k: usize, lobe: usize| {
             f64::from(simplex.weight[k]) * f64::from(table.shares[simplex.at[k] as usize].0[2 + lobe])
         };
@@ -292,8 +300,8 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         }
         let (table, k, lobe) = chosen;
         let node = &tables[table].nodes[simplex.at[k] as usize];
-        let corner = incident.corner(simplex.corners()[k]);
-        let azimuth = self.brdf.sampler.azimuth(node, lobe, &corner, u[1]);
+        let [_, own] = incident.corner(simplex.corners()[k]);
+        let azimuth = self.brdf.sampler.azimuth(node, lobe, incident, own, u[1]);
         let inclination = self.brdf.sampler.inclination(incident.along, left);
         let outgoing = direction(incident, azimuth, inclination);
         (outgoing.z > 0.0).then_some(outgoing)
@@ -311,19 +319,10 @@ impl<const N: usize> PreparedBrdf<'_, N> {
     pub fn pdfs(&self, wo: DVec3) -> [f64; N] {
         let mut densities = [0.0; N];
         if is_above(self.wi) && is_above(wo) {
-            self.brdf.densities(&self.incident, &self.simplices, wo, &mut densities);
+            self.brdf.densities(&self.wavelengths_nm, &self.incident, wo, &mut densities);
         }
         densities
     }
-}
-
-/// cosθ_o, and sinφ_o and cosφ_o on the side of the tables.
-#[inline(always)]
-fn azimuth(incident: &Incident, wo: DVec3) -> (f64, [f64; 2]) {
-    let cos_o = (wo.x * wo.x + wo.z * wo.z).sqrt();
-    let inverse = 1.0 / cos_o;
-    let sin_phi = if incident.mirrored { -wo.x } else { wo.x } * inverse;
-    (cos_o, [sin_phi, wo.z * inverse])
 }
 
 // Not generic over the number of wavelengths, so that the kernels are compiled once, here.
@@ -331,13 +330,13 @@ impl FeatherBrdf {
     /// Adds f, mean over the sets, at each wavelength.
     fn add_values(
         &self,
+        wavelengths_nm: &[f32],
         incident: &Incident,
-        simplices: &[Simplex],
         wo: DVec3,
         instance: Option<&At>,
         values: &mut [f32],
     ) {
-        dispatch!(self.level, simd => self.add_values_wide(simd, incident, simplices, wo, instance, values));
+        dispatch!(self.level, simd => self.add_values_wide(simd, wavelengths_nm, incident, wo, instance, values));
     }
 
     /// The same for directions that were not prepared.
@@ -349,84 +348,76 @@ impl FeatherBrdf {
         instance: Option<&At>,
         values: &mut [f32],
     ) {
-        dispatch!(self.level, simd => self.add_values_of_wide(simd, wavelengths_nm, wi, wo, instance, values));
-    }
-
-    #[inline(always)]
-    fn add_values_of_wide<S: Simd>(
-        &self,
-        simd: S,
-        wavelengths_nm: &[f32],
-        wi: DVec3,
-        wo: DVec3,
-        instance: Option<&At>,
-        values: &mut [f32],
-    ) {
-        let incident = self.grid.incident([wi.x, wi.y, wi.z]);
-        let mut simplices = [Simplex::default(); 4];
-        let (fours, _) = wavelengths_nm.as_chunks::<4>();
-        let (lanes, _) = values.as_chunks_mut::<4>();
-        for (four, lanes) in fours.iter().zip(lanes) {
-            for k in 0..4 {
-                simplices[k] = self.grid.simplex(&incident, f64::from(four[k]));
-            }
-            self.add_values_wide(simd, &incident, &simplices, wo, instance, lanes);
-        }
+        dispatch!(self.level, simd => {
+            let incident = self.grid.incident(simd, [wi.x, wi.y, wi.z]);
+            self.add_values_wide(simd, wavelengths_nm, &incident, wo, instance, values);
+        });
     }
 
     #[inline(always)]
     fn add_values_wide<S: Simd>(
         &self,
         simd: S,
+        wavelengths_nm: &[f32],
         incident: &Incident,
-        simplices: &[Simplex],
         wo: DVec3,
         instance: Option<&At>,
         values: &mut [f32],
     ) {
-        let (cos_o, azimuth) = azimuth(incident, wo);
-        let outgoing = Outgoing::new(simd, incident, azimuth);
-        let pairs = Pairs::new(simd, &outgoing);
+        let cos_o = (wo.x * wo.x + wo.z * wo.z).sqrt();
+        let (tau, cos_phi) = incident.product(wo.x, wo.z, cos_o);
+        let cosine = self.cosine();
+        let outgoing = Outgoing::new(simd, incident, tau as f32, cosine);
         let exponent = half_sine_squared(incident.along, [wo.y, cos_o]) * self.inverse_sigma2;
         let spread = exp_of_negative(simd, f32x4::splat(simd, exponent as f32));
         let share = if self.tables.len() == 2 { 0.5 } else { 1.0 };
-        let factor = spread * (self.longitudinal.inverse_q(incident.along[1]) * share / wo.z) as f32;
-        let (fours, _) = simplices.as_chunks::<4>();
+        let factor =
+            spread * (self.longitudinal.inverse_q(incident.along[1]) * share / (wo.z * cos_phi)) as f32;
+        let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = values.as_chunks_mut::<4>();
         for (four, lanes) in fours.iter().zip(lanes) {
+            let simplices = Simplices::new(simd, &self.grid, incident, &outgoing, four, cosine);
             let mut sum = f32x4::from_slice(simd, lanes);
             for set in 0..self.tables.len() {
-                sum += self.across(simd, set, four, &pairs, instance) * factor;
+                sum += self.across(simd, set, &simplices, instance) * factor;
             }
             *lanes = sum.into();
         }
     }
 
     /// Densities of ω_o per sr at each wavelength.
-    fn densities(&self, incident: &Incident, simplices: &[Simplex], wo: DVec3, densities: &mut [f64]) {
-        dispatch!(self.level, simd => self.densities_wide(simd, incident, simplices, wo, densities));
+    fn densities(&self, wavelengths_nm: &[f32], incident: &Incident, wo: DVec3, densities: &mut [f64]) {
+        dispatch!(self.level, simd => self.densities_wide(simd, wavelengths_nm, incident, wo, densities));
     }
 
     #[inline(always)]
     fn densities_wide<S: Simd>(
         &self,
         simd: S,
+        wavelengths_nm: &[f32],
         incident: &Incident,
-        simplices: &[Simplex],
         wo: DVec3,
         densities: &mut [f64],
     ) {
-        let (cos_o, azimuth) = azimuth(incident, wo);
-        let along = self.sampler.along(incident.along, [wo.y, cos_o]);
-        let outgoing = Outgoing::new(simd, incident, azimuth);
-        for (simplex, value) in simplices.iter().zip(densities) {
-            let (mut sum, mut total) = (0.0, 0.0);
+        let cos_o = (wo.x * wo.x + wo.z * wo.z).sqrt();
+        let (tau, cos_phi) = incident.product(wo.x, wo.z, cos_o);
+        let along = self.sampler.along(incident.along, [wo.y, cos_o]) / cos_phi;
+        let cosine = self.cosine();
+        let outgoing = Outgoing::new(simd, incident, tau as f32, cosine);
+        let (fours, _) = wavelengths_nm.as_chunks::<4>();
+        let (lanes, _) = densities.as_chunks_mut::<4>();
+        for (four, lanes) in fours.iter().zip(lanes) {
+            let simplices = Simplices::new(simd, &self.grid, incident, &outgoing, four, cosine);
+            let (mut sum, mut total) = (f32x4::splat(simd, 0.0), f32x4::splat(simd, 0.0));
             for table in &self.tables {
-                let (own, weight) = density(simd, table, simplex, &outgoing);
+                let [own, weight] = density(simd, table, &simplices);
                 sum += own;
                 total += weight;
             }
-            *value = f64::from(sum / total) * along;
+            let shares = sum / total;
+            for (lane, value) in lanes.iter_mut().enumerate() {
+                *value = f64::from(shares[lane]) * along;
+            }
         }
     }
 }

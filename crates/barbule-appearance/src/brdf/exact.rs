@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::evaluate::FeatherBrdf;
 use super::noise::Draw;
-use super::table::{COSINE, Corner, EXTRAS, Incident, LOBES, M2, Node, SINE, STRENGTH, Simplex, Table};
+use super::table::{EXTRAS, Incident, LOBES, M2, MIDDLE, Node, REST, STRENGTH, Simplex, Table};
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
 
@@ -48,7 +48,7 @@ impl FeatherBrdf {
     #[must_use]
     pub fn exact(&self, wavelength_nm: f64, wi: DVec3) -> ExactBrdf<'_> {
         let place = (wi.z > 0.0).then(|| {
-            let incident = self.grid.incident(wi.to_array());
+            let incident = self.incident(wi);
             (incident, self.grid.simplex(&incident, wavelength_nm))
         });
         ExactBrdf { brdf: self, wavelength_nm, incident: wi, place }
@@ -126,12 +126,12 @@ impl ExactBrdf<'_> {
     /// One set at one azimuth.
     fn mixed(&self, table: &Table, sin_phi: f64, cos_phi: f64) -> Across {
         let Some((incident, simplex)) = &self.place else { return Across::default() };
-        let sin_phi = if incident.mirrored { -sin_phi } else { sin_phi };
+        let (tau, cos_phi) = incident.product(sin_phi, cos_phi, 1.0);
         let mut sum = Across::default();
         for k in 0..4 {
             let weight = f64::from(simplex.weight[k]);
             let node = &table.nodes[simplex.at[k] as usize];
-            let turned = Turned::new(incident.corner(simplex.corners()[k]), sin_phi, cos_phi);
+            let turned = Turned::new(incident.corner(simplex.corners()[k]), tau, cos_phi);
             let mean = turned.shape(node, 0, self.brdf.kind) + turned.shape(node, 1, self.brdf.kind);
             sum.mean += weight * turned.stretch * mean;
             sum.steady += weight * turned.stretch * turned.shape(node, LOBES - 1, self.brdf.kind);
@@ -148,18 +148,16 @@ impl ExactBrdf<'_> {
     fn density(&self, wo: DVec3) -> f64 {
         let Some((incident, simplex)) = &self.place else { return 0.0 };
         let cos_o = wo.x.hypot(wo.z);
-        let sin_phi = if incident.mirrored { -wo.x / cos_o } else { wo.x / cos_o };
+        let (tau, cos_phi) = incident.product(wo.x, wo.z, cos_o);
         let (mut sum, mut total) = (0.0, 0.0);
         for table in &self.brdf.tables {
             for k in 0..4 {
                 let weight = f64::from(simplex.weight[k]);
                 let at = simplex.at[k] as usize;
-                let turned = Turned::new(incident.corner(simplex.corners()[k]), sin_phi, wo.z / cos_o);
+                let turned = Turned::new(incident.corner(simplex.corners()[k]), tau, cos_phi);
                 for lobe in 0..2 {
-                    let Lobe { m2, sine, cosine } = Lobe::of(&table.nodes[at], lobe);
-                    let (h, q) = turned.half(m2, sine, cosine);
-                    let along = (1.0 - h * h).max(0.0).sqrt();
-                    sum += weight * turned.stretch * f64::from(table.shares[at].0[lobe]) * along / (q * q);
+                    let share = f64::from(table.shares[at].0[lobe]);
+                    sum += weight * turned.stretch * share * turned.drawn(&table.nodes[at], lobe);
                     total += weight * f64::from(table.shares[at].0[2 + lobe]);
                 }
             }
@@ -168,55 +166,47 @@ impl ExactBrdf<'_> {
     }
 }
 
-/// A node's parameters of one lobe.
-struct Lobe {
-    m2: f64,
-    sine: f64,
-    cosine: f64,
-}
-
-impl Lobe {
-    fn of(node: &Node, lobe: usize) -> Self {
-        let [m2, sine, cosine] = [M2, SINE, COSINE].map(|first| f64::from(node.0[first + lobe]));
-        Self { m2, sine, cosine }
-    }
-}
-
-/// An outgoing azimuth turned into that of a node.
+/// An outgoing azimuth turned into that of a node, as τ = τ(φ_i) τ(φ_o).
 struct Turned {
-    half_sine: f64,
+    tau: f64,
+    /// τ(φ_i) of the node.
+    tangent: f64,
+    /// cosine of half the turned azimuth and 45° over the node's τ(φ_i).
     half_cosine: f64,
     z: f64,
     stretch: f64,
 }
 
 impl Turned {
-    fn new(corner: Corner, sin_phi: f64, cos_phi: f64) -> Self {
-        let Corner { cos_theta, level, shift, scale } = corner;
-        let denominator = level + shift * sin_phi;
-        let stretch = scale / denominator;
-        let (sine, cosine) = ((level * sin_phi + shift) / denominator, cos_phi * stretch);
-        let half_cosine = (0.5 + 0.5 * cosine).sqrt();
-        Self { half_sine: 0.5 * sine / half_cosine, half_cosine, z: cos_theta * cosine, stretch }
+    fn new([cos_theta, tangent]: [f64; 2], tau: f64, cos_phi: f64) -> Self {
+        let half_cosine = 1.0 / tangent.hypot(tau);
+        let cosine = 2.0 * tau * tangent * half_cosine * half_cosine;
+        Self { tau, tangent, half_cosine, z: cos_theta * cosine, stretch: cosine / cos_phi }
     }
 
-    /// h_x and m² + (1 − m²) h_x².
-    fn half(&self, m2: f64, sine: f64, cosine: f64) -> (f64, f64) {
-        let h = self.half_sine * cosine + self.half_cosine * sine;
-        (h, m2 + (1.0 - m2) * h * h)
+    /// m² + (1 − m²) h_x².
+    fn half(&self, node: &Node, lobe: usize) -> f64 {
+        let [m2, rest, middle] = [M2, REST, MIDDLE].map(|first| f64::from(node.0[first + lobe]));
+        m2 + rest * ((self.tau - middle) * self.half_cosine).powi(2)
     }
 
     /// A lobe's value, rad⁻¹.
     fn shape(&self, node: &Node, lobe: usize, kind: FitKind) -> f64 {
-        let Lobe { m2, sine, cosine } = Lobe::of(node, lobe);
-        let (_, q) = self.half(m2, sine, cosine);
+        let [m2, middle, strength] = [M2, MIDDLE, STRENGTH].map(|first| f64::from(node.0[first + lobe]));
+        let q = self.half(node, lobe);
         let aligned = match kind {
-            FitKind::Marginal => self.half_cosine * cosine + self.half_sine * sine,
+            FitKind::Marginal => (self.tau + middle) * self.half_cosine,
             FitKind::Cone => 1.0,
         };
         let root = (self.z * self.z + m2 * (1.0 - self.z * self.z)).sqrt();
         let power = if lobe + 1 == LOBES { q.powi(4) } else { q * q };
-        f64::from(node.0[STRENGTH + lobe]) * aligned * self.z / (power * (self.z + root))
+        strength * aligned * self.z / (power * (self.z + root))
+    }
+
+    /// A lobe's density over its share.
+    fn drawn(&self, node: &Node, lobe: usize) -> f64 {
+        let along = self.tangent + self.tau * f64::from(node.0[MIDDLE + lobe]) / self.tangent;
+        along * self.half_cosine / self.half(node, lobe).powi(2)
     }
 }
 

@@ -1,107 +1,181 @@
 //! The lobes of four wavelengths at once, in vector registers.
 //!
-//! Four nodes of four lanes (their three lobes, and one lane that is not used) fill a register of sixteen; a value costs
-//! one root and one division. Everything here is inlined into one dispatched function, so it has neither closures nor
-//! calls that the compiler could leave outside. Their reference is the module `exact`.
+//! Of each wavelength four nodes are mixed. The first nodes of all four wavelengths fill a register of sixteen lanes (their
+//! three lobes, and a lane that is not used), so do the second, the third and the fourth: what the nodes give is summed
+//! without shuffles, and a register's values cost one root and one division. Everything here is inlined into one dispatched
+//! function, so it has neither closures nor calls that the compiler could leave outside. Its reference is the module
+//! `exact`.
 
-use fearless_simd::{Simd, f32x4, f32x8, f32x16, f64x4, i32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, f32x16, i32x4, mask32x16, prelude::*};
 use std::f32::consts::{LN_2, LOG2_E};
 
 use super::simd::transposed;
-use super::table::{COSINE, EXTRAS, Incident, M2, Node, SINE, STRENGTH, Simplex, Table};
+use super::table::{EXTRAS, Grid, Incident, M2, MIDDLE, Node, REST, STRENGTH, Table};
 
-/// What the shapes of lobes need of ω_o, turned into the azimuths of the three corners of a cell; lanes are corners.
+/// What the shapes of lobes need of τ = τ(φ_i) τ(φ_o) at the three corners of a cell; lanes are corners. φ' is φ_o turned
+/// to the corner.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outgoing {
-    /// sin(φ_o/2) and cos(φ_o/2).
-    half_sine: [f32; 4],
-    half_cosine: [f32; 4],
-    /// z·ω_o.
+    /// τ itself.
+    tau: f32,
+    /// 1/(τ_n² + τ²) with the corner's τ_n = τ(φ_i).
+    level: [f32; 4],
+    /// z·ω_o of φ'.
     z: [f32; 4],
-    /// The turn's dφ'/dφ_o.
-    stretch: [f32; 4],
+    /// z cosφ', and √level if shapes have the cosine.
+    scale: [f32; 4],
+    /// τ_n².
+    square: [f32; 4],
+    /// cosφ' √level/τ_n.
+    drawn: [f32; 4],
 }
 
 impl Outgoing {
-    /// Of ω_o with these sinφ_o and cosφ_o. Numerators and denominators of the turns are in double precision, since
-    /// towards grazing azimuths they cancel.
     #[inline(always)]
-    pub(super) fn new<S: Simd>(simd: S, incident: &Incident, [sin_phi, cos_phi]: [f64; 2]) -> Self {
-        let (level, shift) =
-            (f64x4::from_slice(simd, &incident.level), f64x4::from_slice(simd, &incident.shift));
-        let sin_phi = f64x4::splat(simd, sin_phi);
-        let denominator = single(simd, shift.mul_add(sin_phi, level));
-        let numerator = single(simd, level.mul_add(sin_phi, shift));
-        let inverse = f32x4::splat(simd, 1.0) / denominator;
-        let stretch = single(simd, f64x4::from_slice(simd, &incident.scale)) * inverse;
-        let cosine = stretch * cos_phi as f32;
-        let half_cosine = cosine.mul_add(f32x4::splat(simd, 0.5), f32x4::splat(simd, 0.5)).sqrt();
-        let half_sine = numerator * inverse * 0.5 / half_cosine;
-        let z = single(simd, f64x4::from_slice(simd, &incident.cos_theta)) * cosine;
+    pub(super) fn new<S: Simd>(simd: S, incident: &Incident, tau: f32, Cosine(with_cosine): Cosine) -> Self {
+        let tangent = f32x4::from_slice(simd, &incident.tangents);
+        let square = tangent * tangent;
+        let level = f32x4::splat(simd, 1.0) / (square + tau * tau);
+        let root = level.sqrt();
+        let cosine = tangent * level * (2.0 * tau);
+        let z = f32x4::from_slice(simd, &incident.cos_theta) * cosine;
+        let scale = z * cosine * (root * with_cosine + (1.0 - with_cosine));
+        let drawn = cosine * root / tangent;
         Self {
-            half_sine: half_sine.into(),
-            half_cosine: half_cosine.into(),
+            tau,
+            level: level.into(),
             z: z.into(),
-            stretch: stretch.into(),
+            scale: scale.into(),
+            square: square.into(),
+            drawn: drawn.into(),
         }
     }
 }
 
-#[inline(always)]
-fn single<S: Simd>(simd: S, values: f64x4<S>) -> f32x4<S> {
-    f32x4::simd_from(simd, [values[0] as f32, values[1] as f32, values[2] as f32, values[3] as f32])
-}
-
-/// The same for the pairs of nodes that a simplex can have: of the first two nodes two, of the last two another two.
-pub(super) struct Pairs<S: Simd> {
-    low: [Pair<S>; 2],
-    high: [Pair<S>; 2],
-}
-
-/// Two corners, each in four lanes.
+/// One of the four nodes of each wavelength.
 #[derive(Clone, Copy)]
-struct Pair<S: Simd> {
-    half_sine: f32x8<S>,
-    half_cosine: f32x8<S>,
-    z: f32x8<S>,
-    /// z times the stretch.
-    stretched: f32x8<S>,
+struct Role<S: Simd> {
+    /// Numbers of the nodes.
+    at: [u32; 4],
+    weight: f32x16<S>,
+    /// The corner that they belong to.
+    corner: Corner<S>,
 }
 
-impl<S: Simd> Pairs<S> {
+/// [`Outgoing`], in the lanes of each wavelength that of one corner.
+#[derive(Clone, Copy)]
+struct Corner<S: Simd> {
+    level: f32x16<S>,
+    z: f32x16<S>,
+    scale: f32x16<S>,
+    square: f32x16<S>,
+    drawn: f32x16<S>,
+}
+
+impl<S: Simd> Corner<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, outgoing: &Outgoing) -> Self {
+    fn new(simd: S, outgoing: &Outgoing, corner: usize) -> Self {
         Self {
-            low: [Pair::new(simd, outgoing, 0, 0), Pair::new(simd, outgoing, 0, 1)],
-            high: [Pair::new(simd, outgoing, 1, 2), Pair::new(simd, outgoing, 2, 2)],
+            level: f32x16::splat(simd, outgoing.level[corner]),
+            z: f32x16::splat(simd, outgoing.z[corner]),
+            scale: f32x16::splat(simd, outgoing.scale[corner]),
+            square: f32x16::splat(simd, outgoing.square[corner]),
+            drawn: f32x16::splat(simd, outgoing.drawn[corner]),
+        }
+    }
+
+    /// This corner where the mask is set, the other elsewhere.
+    #[inline(always)]
+    fn or(&self, other: &Self, mask: mask32x16<S>) -> Self {
+        Self {
+            level: mask.select(self.level, other.level),
+            z: mask.select(self.z, other.z),
+            scale: mask.select(self.scale, other.scale),
+            square: mask.select(self.square, other.square),
+            drawn: mask.select(self.drawn, other.drawn),
         }
     }
 }
 
-impl<S: Simd> Pair<S> {
+/// The simplices of four wavelengths: see [`Grid::simplex`], which is the same for one.
+pub(super) struct Simplices<S: Simd> {
+    roles: [Role<S>; 4],
+    tau: f32x16<S>,
+    cosine: Cosine,
+}
+
+impl<S: Simd> Simplices<S> {
     #[inline(always)]
-    fn new(simd: S, outgoing: &Outgoing, a: usize, b: usize) -> Self {
-        let Outgoing { half_sine, half_cosine, z, stretch } = outgoing;
-        let z = both(simd, z[a], z[b]);
-        Self {
-            half_sine: both(simd, half_sine[a], half_sine[b]),
-            half_cosine: both(simd, half_cosine[a], half_cosine[b]),
-            z,
-            stretched: z * both(simd, stretch[a], stretch[b]),
-        }
+    pub(super) fn new(
+        simd: S,
+        grid: &Grid,
+        incident: &Incident,
+        outgoing: &Outgoing,
+        wavelengths_nm: &[f32; 4],
+        cosine: Cosine,
+    ) -> Self {
+        let (wave, share) = grid.waves_at(simd, wavelengths_nm);
+        let [larger, smaller] = incident.shares;
+        let first = share.simd_ge(f32x4::splat(simd, larger));
+        let second = share.simd_ge(f32x4::splat(simd, smaller));
+        let below = incident.first.map(|first| i32x4::splat(simd, first as i32) + wave);
+        let up = grid.next_wave() as i32;
+        let at = [
+            below[0],
+            first.select(below[0] + up, below[1]),
+            second.select(below[1] + up, below[2]),
+            below[2] + up,
+        ];
+        let share = spread(share);
+        let (first, second) =
+            (share.simd_ge(f32x16::splat(simd, larger)), share.simd_ge(f32x16::splat(simd, smaller)));
+        let (a, c) = (share.max(larger), share.min(smaller));
+        let b = share.min(larger).max(smaller);
+        let one = f32x16::splat(simd, 1.0);
+        let corners =
+            [Corner::new(simd, outgoing, 0), Corner::new(simd, outgoing, 1), Corner::new(simd, outgoing, 2)];
+        let middle = [corners[0].or(&corners[1], first), corners[1].or(&corners[2], second)];
+        let roles = [
+            Role { at: numbers(at[0]), weight: one - a, corner: corners[0] },
+            Role { at: numbers(at[1]), weight: a - b, corner: middle[0] },
+            Role { at: numbers(at[2]), weight: b - c, corner: middle[1] },
+            Role { at: numbers(at[3]), weight: c, corner: corners[2] },
+        ];
+        Self { roles, tau: f32x16::splat(simd, outgoing.tau), cosine }
     }
 }
 
 #[inline(always)]
-fn both<S: Simd>(simd: S, a: f32, b: f32) -> f32x8<S> {
-    f32x4::splat(simd, a).combine(f32x4::splat(simd, b))
+fn numbers<S: Simd>(at: i32x4<S>) -> [u32; 4] {
+    [at[0] as u32, at[1] as u32, at[2] as u32, at[3] as u32]
 }
 
-/// P of the mean and of the steady part, rad⁻¹, and what else the nodes hold, at four wavelengths.
+/// Each lane in four.
+#[inline(always)]
+fn spread<S: Simd>(values: f32x4<S>) -> f32x16<S> {
+    let (low, high) = (values.zip_low(values), values.zip_high(values));
+    let low: f32x8<S> = low.zip_low(low).combine(low.zip_high(low));
+    low.combine(high.zip_low(high).combine(high.zip_high(high)))
+}
+
+/// The four lanes of each wavelength as columns.
+#[inline(always)]
+fn columns<S: Simd>(values: f32x16<S>) -> [f32x4<S>; 4] {
+    let (low, high) = values.split();
+    let ((a, b), (c, d)) = (low.split(), high.split());
+    transposed(a, b, c, d)
+}
+
+/// P cosφ_o of the mean and of the steady part, rad⁻¹, at four wavelengths.
 #[derive(Clone, Copy)]
 pub(super) struct Mixed<S: Simd> {
     pub(super) mean: f32x4<S>,
     pub(super) steady: f32x4<S>,
+}
+
+/// What else the nodes hold, at four wavelengths.
+#[derive(Clone, Copy)]
+pub(super) struct Extras<S: Simd> {
     pub(super) inverse_length: f32x4<S>,
     pub(super) correlation: f32x4<S>,
     pub(super) fraction: f32x4<S>,
@@ -114,55 +188,59 @@ pub(super) struct Cosine(pub(super) f32);
 
 impl<S: Simd> Mixed<S> {
     #[inline(always)]
-    pub(super) fn new(
-        simd: S,
-        table: &Table,
-        simplices: &[Simplex; 4],
-        pairs: &Pairs<S>,
-        cosine: Cosine,
-    ) -> Self {
-        let [a, b, c, d] = simplices;
-        let (sum_a, extras_a) = mixed(simd, table, a, pairs, cosine);
-        let (sum_b, extras_b) = mixed(simd, table, b, pairs, cosine);
-        let (sum_c, extras_c) = mixed(simd, table, c, pairs, cosine);
-        let (sum_d, extras_d) = mixed(simd, table, d, pairs, cosine);
-        let [first, second, steady, _] = transposed(sum_a, sum_b, sum_c, sum_d);
-        let [inverse_length, correlation, fraction, steady_fraction] =
-            transposed(extras_a, extras_b, extras_c, extras_d);
+    pub(super) fn new(simd: S, table: &Table, simplices: &Simplices<S>) -> Self {
+        let Simplices { roles: [a, b, c, d], tau, cosine } = simplices;
+        let sum = a.lobes(simd, table, *tau, *cosine) + b.lobes(simd, table, *tau, *cosine);
+        let sum = sum + (c.lobes(simd, table, *tau, *cosine) + d.lobes(simd, table, *tau, *cosine));
+        let [first, second, steady, _] = columns(sum);
         let mean = first + second;
-        Self { mean, steady: steady.min(mean), inverse_length, correlation, fraction, steady_fraction }
+        Self { mean, steady: steady.min(mean) }
     }
 }
 
-/// Nodes of a simplex, whatever its numbers are.
-#[inline(always)]
-fn node<T>(nodes: &[T], at: u32) -> &T {
-    &nodes[at as usize]
+impl<S: Simd> Extras<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, table: &Table, simplices: &Simplices<S>) -> Self {
+        let [a, b, c, d] = &simplices.roles;
+        let sum = a.part(simd, table, EXTRAS) * a.weight;
+        let sum = b.part(simd, table, EXTRAS).mul_add(b.weight, sum);
+        let sum = c.part(simd, table, EXTRAS).mul_add(c.weight, sum);
+        let sum = d.part(simd, table, EXTRAS).mul_add(d.weight, sum);
+        let [inverse_length, correlation, fraction, steady_fraction] = columns(sum);
+        Self { inverse_length, correlation, fraction, steady_fraction }
+    }
 }
 
-/// The lobes' values and the extras at one wavelength.
-#[inline(always)]
-fn mixed<S: Simd>(
-    simd: S,
-    table: &Table,
-    simplex: &Simplex,
-    pairs: &Pairs<S>,
-    cosine: Cosine,
-) -> (f32x4<S>, f32x4<S>) {
-    let Simplex { at, weight, middle } = simplex;
-    let (a, b) = (node(&table.nodes, at[0]), node(&table.nodes, at[1]));
-    let (c, d) = (node(&table.nodes, at[2]), node(&table.nodes, at[3]));
-    let low = &pairs.low[usize::from(middle[0] & 1)];
-    // The third node's corner is 1 or 2.
-    let high = &pairs.high[usize::from(middle[1] >> 1)];
-    let weights = both(simd, weight[0], weight[1]).combine(both(simd, weight[2], weight[3]));
-    let (low, high) = four(simd, [a, b, c, d], low, high, weights, cosine).split();
-    let (first, second) = (low + high).split();
-    let extras = part(simd, d, EXTRAS) * weight[3];
-    let extras = part(simd, c, EXTRAS).mul_add(f32x4::splat(simd, weight[2]), extras);
-    let extras = part(simd, b, EXTRAS).mul_add(f32x4::splat(simd, weight[1]), extras);
-    let extras = part(simd, a, EXTRAS).mul_add(f32x4::splat(simd, weight[0]), extras);
-    (first + second, extras)
+impl<S: Simd> Role<S> {
+    /// Four numbers of each node.
+    #[inline(always)]
+    fn part(&self, simd: S, table: &Table, first: usize) -> f32x16<S> {
+        let [a, b, c, d] = self.at;
+        let nodes = &table.nodes[..];
+        let low: f32x8<S> =
+            part(simd, &nodes[a as usize], first).combine(part(simd, &nodes[b as usize], first));
+        low.combine(part(simd, &nodes[c as usize], first).combine(part(simd, &nodes[d as usize], first)))
+    }
+
+    /// The weighted values of the lobes; the last of four lanes is nothing.
+    #[inline(always)]
+    fn lobes(&self, simd: S, table: &Table, tau: f32x16<S>, Cosine(with_cosine): Cosine) -> f32x16<S> {
+        let Corner { level, z, scale, .. } = self.corner;
+        let one = f32x16::splat(simd, 1.0);
+        let (m2, rest) = (self.part(simd, table, M2), self.part(simd, table, REST));
+        let (middle, strength) = (self.part(simd, table, MIDDLE), self.part(simd, table, STRENGTH));
+        let away = tau - middle;
+        let aligned = tau + middle;
+        let shape = aligned.mul_add(f32x16::splat(simd, with_cosine), f32x16::splat(simd, 1.0 - with_cosine));
+        // m² + (1 − m²) h²
+        let q = (rest * level).mul_add(away * away, m2);
+        let q2 = q * q;
+        // The steady lobe's wings fall with the fourth power.
+        let narrower = q2.mul_add(f32x16::from_slice(simd, &STEADY), f32x16::from_slice(simd, &MEAN));
+        let z2 = z * z;
+        let root = m2.mul_add(one - z2, z2).sqrt();
+        (strength * self.weight) * (shape * scale) / ((q2 * narrower) * (z + root))
+    }
 }
 
 #[inline(always)]
@@ -170,67 +248,43 @@ fn part<S: Simd>(simd: S, node: &Node, first: usize) -> f32x4<S> {
     f32x4::from_slice(simd, &node.0[first..first + 4])
 }
 
-/// A parameter of the lobes of four nodes.
-#[inline(always)]
-fn parts<S: Simd>(simd: S, [a, b, c, d]: [&Node; 4], first: usize) -> f32x16<S> {
-    let low: f32x8<S> = part(simd, a, first).combine(part(simd, b, first));
-    low.combine(part(simd, c, first).combine(part(simd, d, first)))
-}
-
-/// The weighted values of the lobes of four nodes; the last lane of each is nothing.
-#[inline(always)]
-fn four<S: Simd>(
-    simd: S,
-    nodes: [&Node; 4],
-    low: &Pair<S>,
-    high: &Pair<S>,
-    weight: f32x16<S>,
-    Cosine(with_cosine): Cosine,
-) -> f32x16<S> {
-    let one = f32x16::splat(simd, 1.0);
-    let (s, c) = (low.half_sine.combine(high.half_sine), low.half_cosine.combine(high.half_cosine));
-    let z: f32x16<S> = low.z.combine(high.z);
-    let stretched: f32x16<S> = low.stretched.combine(high.stretched);
-    let (m2, sine) = (parts(simd, nodes, M2), parts(simd, nodes, SINE));
-    let (cosine, strength) = (parts(simd, nodes, COSINE), parts(simd, nodes, STRENGTH));
-    let h: f32x16<S> = cosine.mul_add(s, sine * c);
-    let h2 = h * h;
-    let aligned = cosine.mul_add(c, sine * s);
-    let shape = aligned.mul_add(f32x16::splat(simd, with_cosine), f32x16::splat(simd, 1.0 - with_cosine));
-    // m² + (1 − m²) h²
-    let q = m2.mul_add(one - h2, h2);
-    let q2 = q * q;
-    // The steady lobe's wings fall with the fourth power.
-    let mask = f32x16::from_slice(simd, &STEADY);
-    let narrower = q2.mul_add(mask, one - mask);
-    let z2 = z * z;
-    let root = m2.mul_add(one - z2, z2).sqrt();
-    (strength * weight) * (shape * stretched) / ((q2 * narrower) * (z + root))
-}
-
-/// Which lanes belong to steady lobes.
+/// Which lanes belong to steady lobes, and which to those of the mean.
 const STEADY: [f32; 16] = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+const MEAN: [f32; 16] = [1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0];
 
-/// Σ w dφ'/dφ ρ_k p_k(φ') in rad⁻¹ at one wavelength, and Σ w ρ_k.
+/// Σ w cosφ' ρ_k p_k(φ') in rad⁻¹, and Σ w ρ_k, at four wavelengths.
 #[inline(always)]
-pub(super) fn density<S: Simd>(simd: S, table: &Table, simplex: &Simplex, outgoing: &Outgoing) -> (f32, f32) {
-    let (mut sum, mut total) = (f32x4::splat(simd, 0.0), f32x4::splat(simd, 0.0));
-    let one = f32x4::splat(simd, 1.0);
-    for k in 0..4 {
-        let at = simplex.at[k];
-        let (lobes, corner) = (node(&table.nodes, at), usize::from(simplex.corners()[k] & 3));
-        let (m2, sine, cosine) = (part(simd, lobes, M2), part(simd, lobes, SINE), part(simd, lobes, COSINE));
-        let s = f32x4::splat(simd, outgoing.half_sine[corner]);
-        let c = f32x4::splat(simd, outgoing.half_cosine[corner]);
-        let factor = f32x4::from_slice(simd, &node(&table.shares, at).0);
-        let h = s.mul_add(cosine, c * sine);
-        let h2 = h * h;
-        let q = m2.mul_add(one - h2, h2);
-        let along = (c * cosine - s * sine).max(0.0);
-        sum += factor * along / (q * q) * (simplex.weight[k] * outgoing.stretch[corner]);
-        total += factor * simplex.weight[k];
+pub(super) fn density<S: Simd>(simd: S, table: &Table, simplices: &Simplices<S>) -> [f32x4<S>; 2] {
+    let Simplices { roles: [a, b, c, d], tau, .. } = simplices;
+    let ([a, all_a], [b, all_b]) = (a.density(simd, table, *tau), b.density(simd, table, *tau));
+    let ([c, all_c], [d, all_d]) = (c.density(simd, table, *tau), d.density(simd, table, *tau));
+    let [first, second, ..] = columns((a + b) + (c + d));
+    let [.., third, fourth] = columns((all_a + all_b) + (all_c + all_d));
+    [first + second, third + fourth]
+}
+
+impl<S: Simd> Role<S> {
+    /// Weighted densities in the first two lanes of each wavelength; weighted shares, reflected fractions in the last two.
+    #[inline(always)]
+    fn density(&self, simd: S, table: &Table, tau: f32x16<S>) -> [f32x16<S>; 2] {
+        let Corner { level, square, drawn, .. } = self.corner;
+        let (m2, rest) = (self.part(simd, table, M2), self.part(simd, table, REST));
+        let middle = self.part(simd, table, MIDDLE);
+        let shares = self.weight * self.shares(simd, table);
+        let away = tau - middle;
+        let q = (rest * level).mul_add(away * away, m2);
+        [shares * (tau.mul_add(middle, square) * drawn) / (q * q), shares]
     }
-    (sum[0] + sum[1], total[2] + total[3])
+
+    #[inline(always)]
+    fn shares(&self, simd: S, table: &Table) -> f32x16<S> {
+        let [a, b, c, d] = self.at;
+        let shares = &table.shares[..];
+        let (a, b) = (&shares[a as usize].0, &shares[b as usize].0);
+        let (c, d) = (&shares[c as usize].0, &shares[d as usize].0);
+        let low: f32x8<S> = f32x4::from_slice(simd, a).combine(f32x4::from_slice(simd, b));
+        low.combine(f32x4::from_slice(simd, c).combine(f32x4::from_slice(simd, d)))
+    }
 }
 
 /// exp(−u) for u ≥ 0, relative error 3e-7; zero (below 1e-37) for large u.

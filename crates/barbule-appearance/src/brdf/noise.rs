@@ -1,11 +1,11 @@
 //! The Gaussian process whose draws tell one barbule from another (S.32–S.49).
 
-use fearless_simd::{Simd, f32x4, i16x8, i32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, i16x8, i32x4, mask32x4, prelude::*};
 use num_complex::Complex;
 use std::f64::consts::TAU;
 
 use super::material::NOISE_TERMS;
-use super::simd::{transposed, whole_and_rest};
+use super::simd::whole_and_rest;
 use crate::math::fft::Transformable as _;
 use crate::math::rng::{Stream, hash};
 use crate::scattering::statistics::NOISE_POINTS;
@@ -172,9 +172,9 @@ impl Noise {
         [a * cosine - b * sine, a * sine + b * cosine]
     }
 
-    /// q_r and q_i at four places.
+    /// Where four x lie between the points.
     #[inline(always)]
-    pub(super) fn at_four<S: Simd>(&self, simd: S, draw: &Turned, x: f32x4<S>) -> [f32x4<S>; 2] {
+    pub(super) fn place<S: Simd>(&self, simd: S, x: f32x4<S>) -> Place<S> {
         let one = f32x4::splat(simd, 1.0);
         // x_k = (2k + 1 − N)/N, up to half a period. The bounds keep the index exact far outside (−1, 1).
         let position = x.max(-512.0).min(512.0) * (0.5 * NOISE_POINTS as f32) - 0.5;
@@ -182,22 +182,34 @@ impl Noise {
         // (1−t)² + t² + 2 t (1−t) C₁ = 1 − 2 t (1−t)(1 − C₁).
         let rest = one - t;
         let scale = one / (one - t * rest * self.loss).sqrt();
-        let (near, far) = (rest * scale, t * scale);
-        // Mirrored functions go downwards: both points are still read together.
+        Place { index, near: rest * scale, far: t * scale }
+    }
+
+    /// q_r and q_i at four places.
+    #[inline(always)]
+    pub(super) fn at_four<S: Simd>(&self, simd: S, draw: &Turned, place: &Place<S>) -> [f32x4<S>; 2] {
+        // Mirrored functions go downwards: both points are still read together. Half of all draws are, so a branch would
+        // be foretold wrongly as often.
         let mirrored = draw.direction < 0;
-        let (low, high) = if mirrored { (far, near) } else { (near, far) };
-        let shift = draw.shift - i32::from(mirrored);
-        let index = index * i32x4::splat(simd, draw.direction) + i32x4::splat(simd, shift);
+        let mask = mask32x4::splat(simd, mirrored);
+        let (low, high) = (mask.select(place.far, place.near), mask.select(place.near, place.far));
+        let shift = i32x4::splat(simd, draw.shift - i32::from(mirrored));
+        let index = mask.select(shift - place.index, shift + place.index);
         let base = &self.values[draw.base];
-        let [low_r, low_i, high_r, high_i] = transposed(
-            pair(simd, base, index[0]),
-            pair(simd, base, index[1]),
-            pair(simd, base, index[2]),
-            pair(simd, base, index[3]),
-        );
-        let (a, b) = (low * low_r + high * high_r, low * low_i + high * high_i);
+        let (a, b) = (points(simd, base, index[0]), points(simd, base, index[1]));
+        let (c, d) = (points(simd, base, index[2]), points(simd, base, index[3]));
+        let (ac, bd) = (a.zip_low(c), b.zip_low(d));
+        let low = low.combine(low) * floats(ac.zip_low(bd));
+        let (a, b) = high.combine(high).mul_add(floats(ac.zip_high(bd)), low).split();
         [a * draw.cosine - b * draw.sine, a * draw.sine + b * draw.cosine]
     }
+}
+
+/// Points of the noise beside four places, and their weights.
+pub(super) struct Place<S: Simd> {
+    index: i32x4<S>,
+    near: f32x4<S>,
+    far: f32x4<S>,
 }
 
 /// The points of the noise between two places, where its interpolation has corners.
@@ -208,12 +220,17 @@ pub(super) fn knots(low: f64, high: f64) -> impl Iterator<Item = f64> {
     (first..=last).map(move |k| (2.0 * k as f64 + 1.0 - n) / n)
 }
 
-/// (q_r, q_i) at a point and at the next.
+/// (q_r, q_i) at a point and at the next, in the first four lanes.
 #[inline(always)]
-fn pair<S: Simd>(simd: S, base: &[i16; ROW], index: i32) -> f32x4<S> {
+fn points<S: Simd>(simd: S, base: &[i16; ROW], index: i32) -> i16x8<S> {
     let at = 2 * (index as usize & (NOISE_POINTS - 1));
-    let (two, _) = i16x8::from_slice(simd, &base[at..at + 8]).widen();
-    f32x4::float_from(two)
+    i16x8::from_slice(simd, &base[at..at + 8])
+}
+
+#[inline(always)]
+fn floats<S: Simd>(values: i16x8<S>) -> f32x8<S> {
+    let (low, high) = values.widen();
+    f32x8::float_from(low.combine(high))
 }
 
 /// In sixteen bits, with the step that makes the variance over all bases and points exactly 1, so that E[f] = f̂ over

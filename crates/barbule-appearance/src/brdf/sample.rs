@@ -9,7 +9,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 use super::profile::half_sine_squared;
-use super::table::{COSINE, Corner, Incident, M2, Node, SINE};
+use super::table::{Incident, M2, MIDDLE, Node, tangent};
 use crate::math::normal;
 
 /// From this a on, h is uniform within a relative 2e-6.
@@ -43,9 +43,20 @@ impl Sampler {
         Self { sigma, nodes }
     }
 
-    /// sinφ_o and cosφ_o of a lobe of a node, as the light's side sees them.
-    pub(super) fn azimuth(&self, node: &Node, lobe: usize, corner: &Corner, u: f64) -> [f64; 2] {
-        let [m2, sine, cosine] = [M2, SINE, COSINE].map(|first| f64::from(node.0[first + lobe]));
+    /// sinφ_o and cosφ_o of a lobe of a node whose own φ_i has this τ, as the light's side sees them.
+    pub(super) fn azimuth(
+        &self,
+        node: &Node,
+        lobe: usize,
+        incident: &Incident,
+        own: f64,
+        u: f64,
+    ) -> [f64; 2] {
+        let [m2, middle] = [M2, MIDDLE].map(|first| f64::from(node.0[first + lobe]));
+        // Sine and cosine of φ_eff/2 from tan(π/4 − φ_eff/2).
+        let middle = middle / own;
+        let scale = std::f64::consts::FRAC_1_SQRT_2 / middle.hypot(1.0);
+        let [sine, cosine] = [(1.0 - middle) * scale, (1.0 + middle) * scale];
         let a = (m2 / (1.0 - m2).max(1e-12)).sqrt();
         // sin((φ_o + φ_eff)/2) at both horizons.
         let (below, above) = (
@@ -64,8 +75,10 @@ impl Sampler {
         let (sin_2, cos_2) = (2.0 * h * cos_h, 1.0 - 2.0 * h * h);
         let (x, z) = (sin_2 * cos_eff - cos_2 * sin_eff, cos_2 * cos_eff + sin_2 * sin_eff);
         // Back from the node's azimuth.
-        let inverse = 1.0 / (corner.level - corner.shift * x);
-        [(corner.level * x - corner.shift) * inverse, z.max(0.0) * corner.scale * inverse]
+        let ([above, below], [light, over]) = (tangent(x, z.max(0.0), 1.0), incident.tangent);
+        let (above, below) = (above * own * over, below * light);
+        let inverse = 1.0 / (above * above + below * below);
+        [(above - below) * (above + below) * inverse, 2.0 * above * below * inverse]
     }
 
     /// sinθ_o and cosθ_o.

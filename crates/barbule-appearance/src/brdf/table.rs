@@ -3,20 +3,22 @@
 //! Between nodes the *values* of the lobes are mixed, never their parameters: two neighbours whose peaks lie elsewhere
 //! give both peaks, each with its share, and what is reflected is the mixture of what the nodes reflect. A point in
 //! (θ_i, φ_i, λ) lies in one of the six simplices of its cell (Kuhn's), so four nodes are mixed instead of eight.
-//! Before, each node's lobe is turned from its own φ_i to that of the light, by the Möbius map of sinφ that takes one
-//! mirror direction to the other and keeps the horizon: see [`Corner`].
+//! Before, each node's lobe is turned from its own φ_i to that of the light, by the map that takes one mirror direction to
+//! the other and keeps the horizon. In τ(φ) = tan(φ/2 + π/4), which is 0 and ∞ at the horizon, it is a scaling: lobes are
+//! stored as functions of τ(φ_i) τ(φ_o), which is 1 in the mirror direction, and need no turn at all.
 //!
 //! Beyond the lowest stored cosines a node is added at grazing: the shape of its neighbour, reflecting what continues the
 //! two lowest nodes linearly.
 
+use fearless_simd::{Simd, f32x4, i32x4, prelude::*};
 use rayon::prelude::*;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::material::{FeatherMaterial, LobeSet, ParameterSet};
 use super::profile::{Areas, Part};
 use super::sample::distribution;
 use crate::scattering::far_field::Polarization;
-use crate::scattering::lobe::Lobe;
+use crate::scattering::lobe::{FitKind, Lobe};
 use crate::scattering::statistics::{Axes, Sides};
 
 /// Lobes of a node: two of the mean, then that of the steady part.
@@ -30,16 +32,17 @@ pub(super) struct Node(pub(super) [f32; 16]);
 
 /// Where m² begins.
 pub(super) const M2: usize = 0;
-/// Where sin(φ_eff/2) begins.
-pub(super) const SINE: usize = 3;
-/// Where cos(φ_eff/2) begins.
-pub(super) const COSINE: usize = 6;
-/// Where 2ρ/(π area)·m² begins, for the steady lobe with m⁶.
+/// Where (1 − m²) cos²ψ begins, with tanψ = τ(−φ_eff), where the lobe's middle is.
+pub(super) const REST: usize = 3;
+/// Where the middle begins: τ(φ_i) τ(−φ_eff) with the node's own φ_i.
+pub(super) const MIDDLE: usize = 6;
+/// Where 2ρ/(π area)·m² begins, for the steady lobe with m⁶; times cosψ where shapes have the cosine.
 pub(super) const STRENGTH: usize = 9;
 /// 1/l, γ, and polarization 1's fraction in the mean and in the steady part.
 pub(super) const EXTRAS: usize = 12;
 
-/// What sampling needs of a node: of each mean lobe the factor of its density and the fraction that it reflects.
+/// What sampling needs of a node: of each mean lobe the factor of its density (with cosψ), and the fraction that each
+/// reflects.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(16))]
 pub(super) struct Shares(pub(super) [f32; 4]);
@@ -47,8 +50,11 @@ pub(super) struct Shares(pub(super) [f32; 4]);
 /// A lobe that reflects nothing is drawn from all the same, so that there is always something to draw from.
 const LEAST_SHARE: f64 = 1e-9;
 
-/// Nearer to grazing azimuths 1 − sinφ_i would lose its digits, and the turn with it.
+/// φ_i nearer to grazing count as this cosφ_i.
 const LEAST_COSINE: f64 = 1e-4;
+
+/// φ_o nearer to grazing count as this cosφ_o.
+const LEAST_OUTGOING: f64 = 1e-8;
 
 /// Lookup table of one parameter set.
 #[derive(Debug, Clone)]
@@ -67,9 +73,9 @@ pub(super) struct Grid {
     theta: Axis,
     phi: Axis,
     /// cosθ_i that the lobes of each θ_i belong to.
-    cos_theta: Vec<f64>,
-    /// sinφ_i and cosφ_i that the lobes of each φ_i belong to.
-    phis: Vec<[f64; 2]>,
+    cos_theta: Vec<f32>,
+    /// τ(φ_i) that the lobes of each φ_i belong to.
+    tangents: Vec<f32>,
     sides: Sides,
     wavelengths: Axis,
     /// Nodes along λ.
@@ -111,21 +117,30 @@ impl Axis {
     }
 }
 
-/// A node's direction as seen from the light's: what turns azimuths.
-///
-/// With x = sinφ_o, s = sinφ_i of the light and s_n, c_n of the node, x' = ((1 − s s_n) x + (s − s_n))/D, cosφ' =
-/// cosφ_o c c_n/D, D = (1 − s s_n) + (s − s_n) x; so −s goes to −s_n, ±1 to themselves, and dφ'/dφ_o = c c_n/D: what a
-/// lobe sends out is kept.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Corner {
-    /// cosθ_i that its lobes belong to.
-    pub(super) cos_theta: f64,
-    /// 1 − s s_n
-    pub(super) level: f64,
-    /// s − s_n
-    pub(super) shift: f64,
-    /// c c_n
-    pub(super) scale: f64,
+impl Axis {
+    /// The same of two axes at once.
+    #[inline(always)]
+    fn find_two<S: Simd>(simd: S, axes: [&Self; 2], at: [f64; 2]) -> ([usize; 2], [f32; 2]) {
+        let [a, b] = axes;
+        let (Some(fast_a), Some(fast_b)) = (a.inverse_spacing, b.inverse_spacing) else {
+            let ((i, s), (j, t)) = (a.find(at[0]), b.find(at[1]));
+            return ([i, j], [s as f32, t as f32]);
+        };
+        let pair = |a: f64, b: f64| f32x4::simd_from(simd, [a as f32, b as f32, 0.0, 0.0]);
+        let last = i32x4::simd_from(simd, [a.places.len() as i32 - 2, b.places.len() as i32 - 2, 0, 0]);
+        let position = pair((at[0] - a.places[0]) * fast_a, (at[1] - b.places[0]) * fast_b).max(0.0);
+        let index = position.to_int::<i32x4<S>>().min(last);
+        let share = (position - f32x4::float_from(index)).min(1.0);
+        ([index[0] as usize, index[1] as usize], [share[0], share[1]])
+    }
+}
+
+/// τ(φ) = tan(φ/2 + π/4) = (1 + sinφ)/cosφ of an azimuth's sine and cosine times anything positive, and that factor: as
+/// numerator and denominator, without cancellation.
+#[inline(always)]
+pub(super) fn tangent(sine: f64, cosine: f64, factor: f64) -> [f64; 2] {
+    let sum = factor + sine.abs();
+    if sine < 0.0 { [cosine, sum] } else { [sum, cosine] }
 }
 
 /// A light's direction in the tables.
@@ -135,30 +150,35 @@ pub(super) struct Corner {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Incident {
     /// Number of each corner's node at the shortest wavelength.
-    first: [u32; 3],
-    /// [`Corner::cos_theta`] and so on.
-    pub(super) cos_theta: [f64; 4],
-    pub(super) level: [f64; 4],
-    pub(super) shift: [f64; 4],
-    pub(super) scale: [f64; 4],
+    pub(super) first: [u32; 3],
+    /// cosθ_i that each corner's lobes belong to.
+    pub(super) cos_theta: [f32; 4],
+    /// τ(φ_i) that they belong to.
+    pub(super) tangents: [f32; 4],
     /// Larger and smaller share.
-    shares: [f64; 2],
+    pub(super) shares: [f32; 2],
     /// Whether the tables hold the mirror image: x of ω_o changes its sign.
     pub(super) mirrored: bool,
+    /// [`tangent`] of the light's own φ_i.
+    pub(super) tangent: [f64; 2],
     /// sinθ_i and cosθ_i.
     pub(super) along: [f64; 2],
 }
 
 impl Incident {
-    /// One of the three corners.
-    pub(super) fn corner(&self, corner: u8) -> Corner {
+    /// cosθ and τ(φ) of one of the three corners.
+    pub(super) fn corner(&self, corner: u8) -> [f64; 2] {
         let k = usize::from(corner).min(2);
-        Corner {
-            cos_theta: self.cos_theta[k],
-            level: self.level[k],
-            shift: self.shift[k],
-            scale: self.scale[k],
-        }
+        [self.cos_theta[k], self.tangents[k]].map(f64::from)
+    }
+
+    /// τ(φ_i) τ(φ_o) of an azimuth's sine and cosine times the same factor, and cosφ_o, both kept off the horizon so far
+    /// that nothing overflows in single precision.
+    #[inline(always)]
+    pub(super) fn product(&self, sine: f64, cosine: f64, factor: f64) -> (f64, f64) {
+        let cosine = cosine.max(LEAST_OUTGOING * factor);
+        let [above, below] = tangent(if self.mirrored { -sine } else { sine }, cosine, factor);
+        (self.tangent[0] * above / (self.tangent[1] * below), cosine / factor)
     }
 }
 
@@ -186,30 +206,32 @@ impl Grid {
     pub(super) fn new(axes: &Axes) -> Self {
         let stored = axes.cos_theta();
         let theta = Axis::new([&[0.0], stored].concat());
-        let cos_theta = [&stored[..1], stored].concat();
+        let cos_theta = [&stored[..1], stored].concat().iter().map(|cosine| *cosine as f32).collect();
         // Rising in φ_i, with the lowest cosine's lobes again at grazing.
         let order = phi_order(axes);
         let signed = |phi: usize| (1.0 - axes.cos_phi()[axes.cosine_of(phi)]).copysign(axes.phi_i(phi));
         let mut places: Vec<f64> = order.iter().map(|phi| signed(*phi)).collect();
-        let mut phis: Vec<[f64; 2]> = order
+        let mut tangents: Vec<f32> = order
             .iter()
             .map(|phi| {
                 let cosine = axes.cos_phi()[axes.cosine_of(*phi)];
-                [(1.0 - cosine * cosine).max(0.0).sqrt().copysign(axes.phi_i(*phi)), cosine]
+                let sine = (1.0 - cosine * cosine).max(0.0).sqrt().copysign(axes.phi_i(*phi));
+                let [above, below] = tangent(sine, cosine, 1.0);
+                (above / below) as f32
             })
             .collect();
         places.push(1.0);
-        phis.push(phis[phis.len() - 1]);
+        tangents.push(tangents[tangents.len() - 1]);
         if axes.sides() == Sides::Both {
             places.insert(0, -1.0);
-            phis.insert(0, phis[0]);
+            tangents.insert(0, tangents[0]);
         }
         let waves = axes.wavelengths_nm().len();
         Self {
             theta,
             phi: Axis::new(places),
             cos_theta,
-            phis,
+            tangents,
             sides: axes.sides(),
             wavelengths: Axis::new(axes.wavelengths_nm().to_vec()),
             waves,
@@ -218,52 +240,38 @@ impl Grid {
 
     /// ω_i in the tables; both of its x and z count, z > 0.
     #[inline(always)]
-    pub(super) fn incident(&self, [x, y, z]: [f64; 3]) -> Incident {
+    pub(super) fn incident<S: Simd>(&self, simd: S, [x, y, z]: [f64; 3]) -> Incident {
         let cos_theta = (x * x + z * z).sqrt().max(1e-9);
-        let inverse = 1.0 / cos_theta;
-        let (mut sin_phi, mut cos_phi) = (x * inverse, (z * inverse).min(1.0));
-        if cos_phi < LEAST_COSINE {
-            (sin_phi, cos_phi) = ((1.0 - LEAST_COSINE * LEAST_COSINE).sqrt().copysign(x), LEAST_COSINE);
-        }
-        let mirrored = self.sides == Sides::Alike && sin_phi < 0.0;
-        if mirrored {
-            sin_phi = -sin_phi;
-        }
-        let (t, wt) = self.theta.find(cos_theta);
-        let (below, wp) = self.phi.find((1.0 - cos_phi).copysign(sin_phi));
+        let cos_phi = (z / cos_theta).min(1.0);
+        let mirrored = self.sides == Sides::Alike && x < 0.0;
+        let sine = if mirrored { -x } else { x };
+        let place = (1.0 - cos_phi).copysign(sine);
+        let ([t, below], [wt, wp]) = Axis::find_two(simd, [&self.theta, &self.phi], [cos_theta, place]);
         // From the normal outwards, so that mirror images are mixed alike.
         let (p, outwards, wp) =
             if self.phi.places[below] < 0.0 { (below + 1, below, 1.0 - wp) } else { (below, below + 1, wp) };
-        let (next_t, next_p) = if wt >= wp { (t + 1, p) } else { (t, outwards) };
-        let (rows, columns) = ([t, next_t, t + 1, t + 1], [p, next_p, outwards, outwards]);
-        let mut incident = Incident {
-            first: [0; 3],
-            cos_theta: [0.0; 4],
-            level: [0.0; 4],
-            shift: [0.0; 4],
-            scale: [0.0; 4],
+        let columns = self.tangents.len();
+        let node = |row: usize, column: usize| ((row * columns + column) * self.waves) as u32;
+        let up = wt >= wp;
+        let [near, far] = [self.cos_theta[t], self.cos_theta[t + 1]];
+        let [inner, outer] = [self.tangents[p], self.tangents[outwards]];
+        let beside = if up { node(t + 1, p) } else { node(t, outwards) };
+        Incident {
+            first: [node(t, p), beside, node(t + 1, outwards)],
+            cos_theta: [near, if up { far } else { near }, far, far],
+            tangents: [inner, if up { inner } else { outer }, outer, outer],
             shares: [wt.max(wp), wt.min(wp)],
             mirrored,
+            tangent: tangent(sine, z.max(LEAST_COSINE * cos_theta), cos_theta),
             along: [y, cos_theta],
-        };
-        for k in 0..4 {
-            let [s_n, c_n] = self.phis[columns[k]];
-            incident.cos_theta[k] = self.cos_theta[rows[k]];
-            incident.level[k] = 1.0 - sin_phi * s_n;
-            incident.shift[k] = sin_phi - s_n;
-            incident.scale[k] = cos_phi * c_n;
         }
-        for k in 0..3 {
-            incident.first[k] = ((rows[k] * self.phis.len() + columns[k]) * self.waves) as u32;
-        }
-        incident
     }
 
     /// The nodes that are mixed at this wavelength.
     #[inline(always)]
     pub(super) fn simplex(&self, incident: &Incident, wavelength_nm: f64) -> Simplex {
         let (wave, share) = self.wavelengths.find(wavelength_nm);
-        let (wave, up) = (wave as u32, u32::from(self.waves > 1));
+        let (wave, up, share) = (wave as u32, self.next_wave(), share as f32);
         let [larger, smaller] = incident.shares;
         // The axes are climbed in the order of their shares: λ first, second or last.
         let (first, second) = (share >= larger, share >= smaller);
@@ -277,9 +285,36 @@ impl Grid {
                 incident.first[usize::from(middle[1])] + wave + up * u32::from(second),
                 incident.first[2] + wave + up,
             ],
-            weight: [(1.0 - a) as f32, (a - b) as f32, (b - c) as f32, c as f32],
+            weight: [1.0 - a, a - b, b - c, c],
             middle,
         }
+    }
+}
+
+impl Grid {
+    /// The wavelength's node below and the share of the next, as of [`Grid::simplex`].
+    #[inline(always)]
+    pub(super) fn waves_at<S: Simd>(&self, simd: S, wavelengths_nm: &[f32; 4]) -> (i32x4<S>, f32x4<S>) {
+        let Axis { places, inverse_spacing } = &self.wavelengths;
+        let Some(inverse) = inverse_spacing else {
+            let mut found = ([0; 4], [0.0; 4]);
+            for (k, nm) in wavelengths_nm.iter().enumerate() {
+                let (index, share) = self.wavelengths.find(f64::from(*nm));
+                (found.0[k], found.1[k]) = (index as i32, share as f32);
+            }
+            return (i32x4::simd_from(simd, found.0), f32x4::simd_from(simd, found.1));
+        };
+        let nm = f32x4::from_slice(simd, wavelengths_nm);
+        let last = self.waves as i32 - 2;
+        let position = ((nm - places[0] as f32) * *inverse as f32).max(0.0).min((last + 1) as f32);
+        let index = position.to_int::<i32x4<S>>().min(last);
+        (index, position - f32x4::float_from(index))
+    }
+
+    /// From a node to that of the next wavelength.
+    #[inline(always)]
+    pub(super) fn next_wave(&self) -> u32 {
+        u32::from(self.waves > 1)
     }
 }
 
@@ -305,7 +340,8 @@ impl Table {
             .into_par_iter()
             .map(|at| {
                 let cos_theta = axes.cos_theta()[at / phis % thetas];
-                Entry { material, set, at, cos_theta, polarization, areas: &areas }.node()
+                let phi_i = axes.phi_i(at % phis);
+                Entry { material, set, at, cos_theta, phi_i, polarization, areas: &areas }.node()
             })
             .collect();
         let reflected =
@@ -383,6 +419,7 @@ struct Entry<'a> {
     set: &'a ParameterSet,
     at: usize,
     cos_theta: f64,
+    phi_i: f64,
     polarization: Option<Polarization>,
     areas: &'a Areas,
 }
@@ -405,10 +442,15 @@ impl Entry<'_> {
                 (lobe, share * f64::from(lobes.reflected[at]))
             });
             let m2 = lobe.m * lobe.m;
-            let (sine, cosine) = libm::sincos(0.5 * lobe.phi);
+            // ψ and the node's own, in which the middle is a tangent of each.
+            let [(sine, cosine), (own_sine, own_cosine)] =
+                [-lobe.phi, self.phi_i].map(|phi| libm::sincos(0.5 * phi + FRAC_PI_4));
             let power = if part == Part::Steady { m2 * m2 * m2 } else { m2 };
             let strength = 2.0 / PI * power * reflected / self.areas.area(part, lobe, self.cos_theta);
-            for (first, value) in [(M2, m2), (SINE, sine), (COSINE, cosine), (STRENGTH, strength)] {
+            let strength = if material.kind == FitKind::Marginal { strength * cosine } else { strength };
+            let rest = (1.0 - m2) * cosine * cosine;
+            let middle = sine * own_sine / (cosine * own_cosine);
+            for (first, value) in [(M2, m2), (REST, rest), (MIDDLE, middle), (STRENGTH, strength)] {
                 node.0[first + number] = value as f32;
             }
             if part == Part::Mean {
@@ -417,7 +459,7 @@ impl Entry<'_> {
                 let [first, last] = [-FRAC_PI_2, FRAC_PI_2]
                     .map(|phi_o| distribution(libm::sin(0.5 * (phi_o + lobe.phi)) / a));
                 let drawn = reflected.max(LEAST_SHARE);
-                shares.0[number] = (drawn * a.powi(3) * rest * rest / (PI * (last - first))) as f32;
+                shares.0[number] = (drawn * cosine * a.powi(3) * rest * rest / (PI * (last - first))) as f32;
                 shares.0[2 + number] = drawn as f32;
             }
         }
