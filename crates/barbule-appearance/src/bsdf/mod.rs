@@ -9,6 +9,7 @@
 
 mod feather;
 mod frame;
+mod hair;
 mod hit;
 mod keratin;
 mod lambertian;
@@ -21,6 +22,7 @@ use glam::DVec3;
 
 pub use feather::BarbuleSurface;
 pub use frame::Frame;
+pub use hair::{Absorption, FibreIndex, Hair, HairParameters};
 pub use hit::{Hit, Side};
 pub use keratin::Keratin;
 pub use lambertian::Lambertian;
@@ -38,6 +40,8 @@ pub enum Surface {
     Keratin(Keratin),
     /// A barbule's plate.
     Barbule(BarbuleSurface),
+    /// A round fibre of hair.
+    Hair(Hair),
 }
 
 impl Surface {
@@ -49,6 +53,7 @@ impl Surface {
             Self::Lambertian(surface) => surface.bind(hit, wo, wavelengths),
             Self::Keratin(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
         }
     }
 
@@ -58,7 +63,7 @@ impl Surface {
     pub fn opacity(&self, hit: &Hit, wi: DVec3, wo: DVec3) -> f64 {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
-            Self::Lambertian(_) | Self::Keratin(_) => 1.0,
+            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) => 1.0,
         }
     }
 
@@ -67,7 +72,7 @@ impl Surface {
     pub fn is_opaque(&self) -> bool {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
-            Self::Lambertian(_) | Self::Keratin(_) => true,
+            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) => true,
         }
     }
 }
@@ -84,6 +89,7 @@ enum Model<'a> {
     Lambertian(lambertian::Bound),
     Keratin(keratin::Bound<'a>),
     Feather(feather::Bound<'a>),
+    Hair(hair::Bound<'a>),
 }
 
 /// Calls a function that all models have.
@@ -93,6 +99,7 @@ macro_rules! of_model {
             Model::Lambertian(model) => model.$function($($argument),*),
             Model::Keratin(model) => model.$function($($argument),*),
             Model::Feather(model) => model.$function($($argument),*),
+            Model::Hair(model) => model.$function($($argument),*),
         }
     };
 }

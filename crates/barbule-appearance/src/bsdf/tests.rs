@@ -18,6 +18,18 @@ fn keratin(melanin: f64) -> Keratin {
     Keratin::new(0.3, 1.56, Reflectance::melanin(melanin).unwrap()).unwrap()
 }
 
+fn hair() -> Hair {
+    let absorption = Absorption::pigments(0.6, 0.1).unwrap();
+    Hair::new(HairParameters {
+        longitudinal_roughness: 0.25,
+        azimuthal_roughness: 0.3,
+        scale_tilt: 0.035,
+        index: FibreIndex::Constant(1.55),
+        absorption,
+    })
+    .unwrap()
+}
+
 fn surfaces() -> Vec<(&'static str, Surface)> {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
     let barbule = BarbuleSurface { brdf, instances: true, under: keratin(20.0), opacity: 1.0 };
@@ -26,6 +38,7 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ("sheet", Surface::Lambertian(Lambertian::translucent(grey(0.2), grey(0.7)).unwrap())),
         ("keratin", Surface::Keratin(keratin(2.0))),
         ("barbule", Surface::Barbule(barbule)),
+        ("hair", Surface::Hair(hair())),
     ]
 }
 
@@ -148,7 +161,7 @@ fn opaque_surfaces_scatter_nothing_to_the_other_side() {
     for (name, surface) in surfaces() {
         for (wo, wi) in [(above, below), (below, above)] {
             let evaluation = surface.bind(&hit(), wo, Lambda4::new(PATH)).eval(wi);
-            assert_eq!(evaluation.f != [0.0; 4], name == "sheet", "{name}");
+            assert_eq!(evaluation.f != [0.0; 4], ["sheet", "hair"].contains(&name), "{name}");
             assert!(evaluation.cosine >= 0.0);
         }
         assert!(surface.is_opaque() && surface.opacity(&hit(), -above, above) == 1.0);
