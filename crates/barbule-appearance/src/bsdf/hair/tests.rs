@@ -310,8 +310,7 @@ fn pigments_darken_and_redden() {
     assert!((black[0] - surface) < 1e-3 && (0.06..0.11).contains(&surface), "{surface}");
 }
 
-/// The offset that the frame gives is the curve's own coordinate across it (`Hit::uv`), and the frame may be upside
-/// down or turned.
+/// The frame may be turned in space.
 #[test]
 fn a_bound_fibre_is_the_same_in_every_frame() {
     let fibre = hair(0.3, 0.3, 2.0, Absorption::pigments(0.6, 0.1).unwrap());
