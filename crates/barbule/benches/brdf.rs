@@ -1,4 +1,4 @@
-//! Cost of one evaluation, sample and density of a feather material, four wavelengths at a time.
+//! Cost of one evaluation, sample and density of a feather material, and of a hair fibre, four wavelengths at a time.
 //! `cargo bench -p barbule --bench brdf [-- FILE.barbule]`
 //!
 //! Every call has its own directions, instance and wavelengths, so that tables come from the caches in which they
@@ -9,7 +9,9 @@
 
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
+use barbule::bsdf::{Absorption, FibreIndex, Frame, Hair, HairParameters, Hit, Surface};
 use barbule::math::rng::Stream;
+use barbule::spectrum::dense::Lambdas;
 use glam::DVec3;
 use std::hint::black_box;
 use std::time::Instant;
@@ -68,6 +70,31 @@ fn measure<R>(name: &str, calls: &[Call], mut call: impl FnMut(&Call, u64) -> R)
     println!("{name:45} {:7.1} ns", times[times.len() / 4]);
 }
 
+/// A fibre at the wavelengths of a call; light from its one direction to the other.
+fn measure_hair(name: &str, calls: &[Call], index: FibreIndex) {
+    let absorption = Absorption::pigments(0.6, 0.1).expect("pigments");
+    let parameters = HairParameters {
+        longitudinal_roughness: 0.25,
+        azimuthal_roughness: 0.3,
+        scale_tilt: 0.035,
+        index,
+        absorption,
+    };
+    let surface = Surface::Hair(Hair::new(parameters).expect("hair"));
+    let frame = Frame { x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
+    let hit = Hit { frame, ..Hit::default() };
+    let waves = |c: &Call| Lambdas::new(c.eight().map(f64::from));
+    measure(&format!("{name}: bind"), calls, |c, _| surface.bind(&hit, c.wi, waves(c)));
+    measure(&format!("{name}: bind, eval"), calls, |c, _| surface.bind(&hit, c.wi, waves(c)).eval(c.wo));
+    measure(&format!("{name}: bind, sample"), calls, |c, n| {
+        let choice = (n % 64) as f64 / 64.0;
+        surface.bind(&hit, c.wi, waves(c)).sample([c.u[0], c.u[1], choice])
+    });
+    // One bound fibre towards many directions: what light sampling adds to a hit.
+    let bound = surface.bind(&hit, calls[0].wi, waves(&calls[0]));
+    measure(&format!("{name}: eval"), calls, |c, n| bound.eval(if n % 2 == 0 { c.wo } else { -c.wo }));
+}
+
 /// CPU seconds of this process so far; 0 where the system does not tell.
 fn cpu_seconds() -> f64 {
     let ticks = || -> Option<f64> {
@@ -103,4 +130,6 @@ fn main() {
     let few: Vec<Call> = (0..256).map(|k| calls[k % 16].clone()).collect();
     measure("eval with instance, tables in L1", &few, |c, n| brdf.eval(c.waves, c.wi, c.wo, Some(n % 4)));
     measure("eval smooth, tables in L1", &few, |c, _| brdf.eval(c.waves, c.wi, c.wo, None));
+    measure_hair("hair", &calls, FibreIndex::Constant(1.55));
+    measure_hair("hair of keratin's dispersion", &calls, FibreIndex::Keratin);
 }

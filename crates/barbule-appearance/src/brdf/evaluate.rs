@@ -92,9 +92,9 @@ impl FeatherBrdf {
         let mut values = [0.0; N];
         if is_above(wi) && is_above(wo) {
             let instance = instance.map(|instance| self.at(instance, wi, wo));
-            self.add_values_of(&wavelengths_nm, wi, wo, instance.as_ref(), &mut values);
+            self.add_values(&wavelengths_nm, [wi, wo], None, instance.as_ref(), &mut values);
             if self.options.reciprocal {
-                self.add_values_of(&wavelengths_nm, wo, wi, instance.as_ref(), &mut values);
+                self.add_values(&wavelengths_nm, [wo, wi], None, instance.as_ref(), &mut values);
                 values.iter_mut().for_each(|value| *value *= 0.5);
             }
         }
@@ -173,7 +173,7 @@ impl FeatherBrdf {
 
     /// ω_i in the tables.
     pub(super) fn incident(&self, wi: DVec3) -> Incident {
-        dispatch!(self.level, simd => self.grid.incident(simd, [wi.x, wi.y, wi.z]))
+        self.grid.incident([wi.x, wi.y, wi.z])
     }
 
     #[inline(always)]
@@ -246,10 +246,11 @@ impl<const N: usize> PreparedBrdf<'_, N> {
     pub fn eval(&self, wo: DVec3, instance: Option<u64>) -> [f32; N] {
         let mut values = [0.0; N];
         if is_above(self.wi) && is_above(wo) {
-            let instance = instance.map(|instance| self.brdf.at(instance, self.wi, wo));
-            self.brdf.add_values(&self.wavelengths_nm, &self.incident, wo, instance.as_ref(), &mut values);
-            if self.brdf.options.reciprocal {
-                self.brdf.add_values_of(&self.wavelengths_nm, wo, self.wi, instance.as_ref(), &mut values);
+            let (brdf, waves) = (self.brdf, &self.wavelengths_nm);
+            let instance = instance.map(|instance| brdf.at(instance, self.wi, wo));
+            brdf.add_values(waves, [self.wi, wo], Some(&self.incident), instance.as_ref(), &mut values);
+            if brdf.options.reciprocal {
+                brdf.add_values(waves, [wo, self.wi], None, instance.as_ref(), &mut values);
                 values.iter_mut().for_each(|value| *value *= 0.5);
             }
         }
@@ -325,100 +326,97 @@ impl<const N: usize> PreparedBrdf<'_, N> {
     }
 }
 
-// Not generic over the number of wavelengths, so that the kernels are compiled once, here.
+/// A pair of directions in the tables.
+struct Towards {
+    incident: Incident,
+    outgoing: Outgoing,
+    /// cosθ_o and cosφ_o.
+    cos_theta: f64,
+    cos_phi: f64,
+}
+
+// Not generic over the number of wavelengths, so that the kernels are compiled once, here; and each without a loop: in
+// loops their many bounds checks occupy the compiler for minutes.
 impl FeatherBrdf {
-    /// Adds f, mean over the sets, at each wavelength.
+    /// Adds f, mean over the sets, at each wavelength; `prepared` is ω_i in the tables if it is known.
     fn add_values(
         &self,
         wavelengths_nm: &[f32],
-        incident: &Incident,
-        wo: DVec3,
+        [wi, wo]: [DVec3; 2],
+        prepared: Option<&Incident>,
         instance: Option<&At>,
         values: &mut [f32],
     ) {
-        dispatch!(self.level, simd => self.add_values_wide(simd, wavelengths_nm, incident, wo, instance, values));
-    }
-
-    /// The same for directions that were not prepared.
-    fn add_values_of(
-        &self,
-        wavelengths_nm: &[f32],
-        wi: DVec3,
-        wo: DVec3,
-        instance: Option<&At>,
-        values: &mut [f32],
-    ) {
-        dispatch!(self.level, simd => {
-            let incident = self.grid.incident(simd, [wi.x, wi.y, wi.z]);
-            self.add_values_wide(simd, wavelengths_nm, &incident, wo, instance, values);
+        let (towards, factor) = dispatch!(self.level, simd => {
+            let incident = match prepared {
+                Some(incident) => *incident,
+                None => self.grid.incident([wi.x, wi.y, wi.z]),
+            };
+            let towards = self.towards(simd, incident, wo);
+            let factor = self.factor(simd, &towards, wo);
+            (towards, factor)
         });
-    }
-
-    #[inline(always)]
-    fn add_values_wide<S: Simd>(
-        &self,
-        simd: S,
-        wavelengths_nm: &[f32],
-        incident: &Incident,
-        wo: DVec3,
-        instance: Option<&At>,
-        values: &mut [f32],
-    ) {
-        let cos_o = (wo.x * wo.x + wo.z * wo.z).sqrt();
-        let (tau, cos_phi) = incident.product(wo.x, wo.z, cos_o);
-        let cosine = self.cosine();
-        let outgoing = Outgoing::new(simd, incident, tau as f32, cosine);
-        let exponent = half_sine_squared(incident.along, [wo.y, cos_o]) * self.inverse_sigma2;
-        let spread = exp_of_negative(simd, f32x4::splat(simd, exponent as f32));
-        let share = if self.tables.len() == 2 { 0.5 } else { 1.0 };
-        let factor =
-            spread * (self.longitudinal.inverse_q(incident.along[1]) * share / (wo.z * cos_phi)) as f32;
+        // Most directions are far off the barbule's narrow cone.
+        if factor == 0.0 {
+            return;
+        }
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = values.as_chunks_mut::<4>();
         for (four, lanes) in fours.iter().zip(lanes) {
-            let simplices = Simplices::new(simd, &self.grid, incident, &outgoing, four, cosine);
-            let mut sum = f32x4::from_slice(simd, lanes);
             for set in 0..self.tables.len() {
-                sum += self.across(simd, set, &simplices, instance) * factor;
+                dispatch!(self.level, simd => {
+                    let simplices = self.simplices(simd, &towards, four);
+                    let value = self.across(simd, set, &simplices, instance) * factor;
+                    *lanes = (f32x4::from_slice(simd, lanes) + value).into();
+                });
             }
-            *lanes = sum.into();
         }
     }
 
     /// Densities of ω_o per sr at each wavelength.
     fn densities(&self, wavelengths_nm: &[f32], incident: &Incident, wo: DVec3, densities: &mut [f64]) {
-        dispatch!(self.level, simd => self.densities_wide(simd, wavelengths_nm, incident, wo, densities));
-    }
-
-    #[inline(always)]
-    fn densities_wide<S: Simd>(
-        &self,
-        simd: S,
-        wavelengths_nm: &[f32],
-        incident: &Incident,
-        wo: DVec3,
-        densities: &mut [f64],
-    ) {
-        let cos_o = (wo.x * wo.x + wo.z * wo.z).sqrt();
-        let (tau, cos_phi) = incident.product(wo.x, wo.z, cos_o);
-        let along = self.sampler.along(incident.along, [wo.y, cos_o]) / cos_phi;
-        let cosine = self.cosine();
-        let outgoing = Outgoing::new(simd, incident, tau as f32, cosine);
+        let towards = dispatch!(self.level, simd => self.towards(simd, *incident, wo));
+        let along = self.sampler.along(incident.along, [wo.y, towards.cos_theta]) / towards.cos_phi;
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = densities.as_chunks_mut::<4>();
         for (four, lanes) in fours.iter().zip(lanes) {
-            let simplices = Simplices::new(simd, &self.grid, incident, &outgoing, four, cosine);
-            let (mut sum, mut total) = (f32x4::splat(simd, 0.0), f32x4::splat(simd, 0.0));
+            let (mut sums, mut totals) = ([0.0_f32; 4], [0.0_f32; 4]);
             for table in &self.tables {
-                let [own, weight] = density(simd, table, &simplices);
-                sum += own;
-                total += weight;
+                dispatch!(self.level, simd => {
+                    let simplices = self.simplices(simd, &towards, four);
+                    let [sum, total] = density(simd, table, &simplices);
+                    sums = (f32x4::from_slice(simd, &sums) + sum).into();
+                    totals = (f32x4::from_slice(simd, &totals) + total).into();
+                });
             }
-            let shares = sum / total;
-            for (lane, value) in lanes.iter_mut().enumerate() {
-                *value = f64::from(shares[lane]) * along;
+            for ((value, sum), total) in lanes.iter_mut().zip(sums).zip(totals) {
+                *value = f64::from(sum / total) * along;
             }
         }
+    }
+
+    #[inline(always)]
+    fn towards<S: Simd>(&self, simd: S, incident: Incident, wo: DVec3) -> Towards {
+        let cos_theta = (wo.x * wo.x + wo.z * wo.z).sqrt();
+        let (tau, cos_phi) = incident.product(wo.x, wo.z, cos_theta);
+        let outgoing = Outgoing::new(simd, &incident, tau as f32, self.cosine());
+        Towards { incident, outgoing, cos_theta, cos_phi }
+    }
+
+    /// What the spread along the barbule, z·ω_o and cosφ_o make of f.
+    #[inline(always)]
+    fn factor<S: Simd>(&self, simd: S, towards: &Towards, wo: DVec3) -> f32 {
+        let Towards { incident: Incident { along, .. }, cos_theta, cos_phi, .. } = towards;
+        let exponent = half_sine_squared(*along, [wo.y, *cos_theta]) * self.inverse_sigma2;
+        let spread = exp_of_negative(simd, f32x4::splat(simd, exponent as f32))[0];
+        let share = if self.tables.len() == 2 { 0.5 } else { 1.0 };
+        spread * (self.longitudinal.inverse_q(along[1]) * share / (wo.z * cos_phi)) as f32
+    }
+
+    #[inline(always)]
+    fn simplices<S: Simd>(&self, simd: S, towards: &Towards, four: &[f32; 4]) -> Simplices<S> {
+        let Towards { incident, outgoing, .. } = towards;
+        Simplices::new(simd, &self.grid, incident, outgoing, four, self.cosine())
     }
 }
 

@@ -9,6 +9,7 @@
 use fearless_simd::{Simd, f32x4, f32x8, f32x16, i32x4, mask32x16, prelude::*};
 use std::f32::consts::{LN_2, LOG2_E};
 
+use super::profile::END;
 use super::simd::transposed;
 use super::table::{EXTRAS, Grid, Incident, M2, MIDDLE, Node, REST, STRENGTH, Table};
 
@@ -115,7 +116,7 @@ impl<S: Simd> Simplices<S> {
         cosine: Cosine,
     ) -> Self {
         let (wave, share) = grid.waves_at(simd, wavelengths_nm);
-        let [larger, smaller] = incident.shares;
+        let [larger, smaller] = incident.shares.map(|share| share as f32);
         let first = share.simd_ge(f32x4::splat(simd, larger));
         let second = share.simd_ge(f32x4::splat(simd, smaller));
         let below = incident.first.map(|first| i32x4::splat(simd, first as i32) + wave);
@@ -287,7 +288,7 @@ impl<S: Simd> Role<S> {
     }
 }
 
-/// exp(−u) for u ≥ 0, relative error 3e-7; zero (below 1e-37) for large u.
+/// exp(−u) for u ≥ 0, relative error 3e-7; zero from [`END`] on.
 #[inline(always)]
 pub(super) fn exp_of_negative<S: Simd>(simd: S, u: f32x4<S>) -> f32x4<S> {
     let y = (u * -LOG2_E).max(-125.0);
@@ -299,5 +300,5 @@ pub(super) fn exp_of_negative<S: Simd>(simd: S, u: f32x4<S>) -> f32x4<S> {
         series = series.mul_add(f, f32x4::splat(simd, coefficient));
     }
     let zero = f32x4::splat(simd, 0.0);
-    u.simd_gt(f32x4::splat(simd, 86.0)).select(zero, series * bits.bitcast::<f32x4<S>>())
+    u.simd_gt(f32x4::splat(simd, END as f32)).select(zero, series * bits.bitcast::<f32x4<S>>())
 }

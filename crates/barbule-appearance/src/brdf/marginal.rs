@@ -6,12 +6,9 @@ use rayon::prelude::*;
 use super::evaluate::FeatherBrdf;
 use super::exact::ExactBrdf;
 use super::noise::{Draw, knots};
-use super::profile::gauss_legendre;
+use super::profile::{END, gauss_legendre};
 use crate::progress::Progress;
 use crate::{Error, Result};
-
-/// The longitudinal spread ends where exp(−t²/σ²) is below exp(−this).
-const END: f64 = 45.0;
 
 /// A piece is cut in half until that changes it by less than this part of the whole.
 const TOLERANCE: f64 = 1e-9;

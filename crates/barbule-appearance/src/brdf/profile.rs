@@ -80,7 +80,7 @@ pub(super) struct Longitudinal {
 const INTERVALS: usize = 4096;
 
 /// exp(−this) is nothing.
-const END: f64 = 45.0;
+pub(super) const END: f64 = 45.0;
 
 impl Longitudinal {
     pub(super) fn new(sigma: f64) -> Self {

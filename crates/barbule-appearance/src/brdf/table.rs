@@ -117,24 +117,6 @@ impl Axis {
     }
 }
 
-impl Axis {
-    /// The same of two axes at once.
-    #[inline(always)]
-    fn find_two<S: Simd>(simd: S, axes: [&Self; 2], at: [f64; 2]) -> ([usize; 2], [f32; 2]) {
-        let [a, b] = axes;
-        let (Some(fast_a), Some(fast_b)) = (a.inverse_spacing, b.inverse_spacing) else {
-            let ((i, s), (j, t)) = (a.find(at[0]), b.find(at[1]));
-            return ([i, j], [s as f32, t as f32]);
-        };
-        let pair = |a: f64, b: f64| f32x4::simd_from(simd, [a as f32, b as f32, 0.0, 0.0]);
-        let last = i32x4::simd_from(simd, [a.places.len() as i32 - 2, b.places.len() as i32 - 2, 0, 0]);
-        let position = pair((at[0] - a.places[0]) * fast_a, (at[1] - b.places[0]) * fast_b).max(0.0);
-        let index = position.to_int::<i32x4<S>>().min(last);
-        let share = (position - f32x4::float_from(index)).min(1.0);
-        ([index[0] as usize, index[1] as usize], [share[0], share[1]])
-    }
-}
-
 /// τ(φ) = tan(φ/2 + π/4) = (1 + sinφ)/cosφ of an azimuth's sine and cosine times anything positive, and that factor: as
 /// numerator and denominator, without cancellation.
 #[inline(always)]
@@ -156,7 +138,7 @@ pub(super) struct Incident {
     /// τ(φ_i) that they belong to.
     pub(super) tangents: [f32; 4],
     /// Larger and smaller share.
-    pub(super) shares: [f32; 2],
+    pub(super) shares: [f64; 2],
     /// Whether the tables hold the mirror image: x of ω_o changes its sign.
     pub(super) mirrored: bool,
     /// [`tangent`] of the light's own φ_i.
@@ -240,13 +222,13 @@ impl Grid {
 
     /// ω_i in the tables; both of its x and z count, z > 0.
     #[inline(always)]
-    pub(super) fn incident<S: Simd>(&self, simd: S, [x, y, z]: [f64; 3]) -> Incident {
+    pub(super) fn incident(&self, [x, y, z]: [f64; 3]) -> Incident {
         let cos_theta = (x * x + z * z).sqrt().max(1e-9);
         let cos_phi = (z / cos_theta).min(1.0);
         let mirrored = self.sides == Sides::Alike && x < 0.0;
         let sine = if mirrored { -x } else { x };
         let place = (1.0 - cos_phi).copysign(sine);
-        let ([t, below], [wt, wp]) = Axis::find_two(simd, [&self.theta, &self.phi], [cos_theta, place]);
+        let ((t, wt), (below, wp)) = (self.theta.find(cos_theta), self.phi.find(place));
         // From the normal outwards, so that mirror images are mixed alike.
         let (p, outwards, wp) =
             if self.phi.places[below] < 0.0 { (below + 1, below, 1.0 - wp) } else { (below, below + 1, wp) };
@@ -271,7 +253,7 @@ impl Grid {
     #[inline(always)]
     pub(super) fn simplex(&self, incident: &Incident, wavelength_nm: f64) -> Simplex {
         let (wave, share) = self.wavelengths.find(wavelength_nm);
-        let (wave, up, share) = (wave as u32, self.next_wave(), share as f32);
+        let (wave, up) = (wave as u32, self.next_wave());
         let [larger, smaller] = incident.shares;
         // The axes are climbed in the order of their shares: λ first, second or last.
         let (first, second) = (share >= larger, share >= smaller);
@@ -285,7 +267,7 @@ impl Grid {
                 incident.first[usize::from(middle[1])] + wave + up * u32::from(second),
                 incident.first[2] + wave + up,
             ],
-            weight: [1.0 - a, a - b, b - c, c],
+            weight: [(1.0 - a) as f32, (a - b) as f32, (b - c) as f32, c as f32],
             middle,
         }
     }

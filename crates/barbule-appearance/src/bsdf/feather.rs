@@ -9,7 +9,7 @@ use super::keratin::{self, Keratin};
 use super::lobes::Lobes;
 use super::{Bsdf, Model};
 use crate::brdf::{FeatherBrdf, PreparedBrdf};
-use crate::spectrum::dense::Lambda4;
+use crate::spectrum::dense::{Lambdas, WAVES};
 
 /// A barbule: its own BRDF above, dark keratin below. What neither reflects is absorbed by the melanin inside.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ impl BarbuleSurface {
     /// At a hit, seen from `wo`. The viewer's side is the incident one of the tabulated BRDF, which is not reciprocal:
     /// light paths are followed backwards.
     #[inline]
-    pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambda4) -> Bsdf<'a> {
+    pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let side = hit.side(wo);
         let model = if side.is_upper && side.wo.z > 0.0 {
             let prepared = self.brdf.prepare(wavelengths.single_nm(), side.wo);
@@ -48,7 +48,7 @@ impl BarbuleSurface {
 
 /// A barbule's BRDF at the wavelengths of a path and one direction of the viewer.
 pub(super) struct Bound<'a> {
-    prepared: PreparedBrdf<'a>,
+    prepared: PreparedBrdf<'a, WAVES>,
     instance: Option<u64>,
 }
 
@@ -59,8 +59,11 @@ impl Bound<'_> {
     }
 
     #[inline]
-    pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; 4], [f64; 4]) {
-        (self.prepared.eval(wi, self.instance).map(f64::from), self.prepared.pdfs(wi))
+    pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
+        let f = self.prepared.eval(wi, self.instance);
+        // Off the cone there is neither light nor a sample.
+        let pdf = if f == [0.0; WAVES] { [0.0; WAVES] } else { self.prepared.pdfs(wi) };
+        (f.map(f64::from), pdf)
     }
 
     #[inline]

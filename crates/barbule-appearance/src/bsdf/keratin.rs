@@ -14,7 +14,7 @@ use super::hit::Hit;
 use super::lobes::Lobes;
 use super::reflectance::Reflectance;
 use super::{Bsdf, Model};
-use crate::spectrum::dense::Lambda4;
+use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
 
 /// Nodes of the boundary's albedo in the cosine.
@@ -68,9 +68,9 @@ impl Keratin {
     /// f in 1/sr at each wavelength and the density of [`Keratin::sample`], 1/sr. Both directions in the local frame,
     /// z > 0.
     #[must_use]
-    pub fn eval(&self, wi: DVec3, wo: DVec3, wavelengths: Lambda4) -> ([f64; 4], f64) {
+    pub fn eval(&self, wi: DVec3, wo: DVec3, wavelengths: Lambdas) -> ([f64; WAVES], f64) {
         if wi.z <= 0.0 || wo.z <= 0.0 {
-            return ([0.0; 4], 0.0);
+            return ([0.0; WAVES], 0.0);
         }
         let h = (wi + wo).normalize();
         let d = self.distribution(h);
@@ -100,7 +100,7 @@ impl Keratin {
 
     /// At a hit, seen from `wo`.
     #[inline]
-    pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambda4) -> Bsdf<'a> {
+    pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         Bsdf::new(Model::Keratin(Bound { keratin: self, wavelengths }), hit.side(wo))
     }
 
@@ -161,7 +161,7 @@ impl Keratin {
 /// Keratin at the wavelengths of a path.
 pub(super) struct Bound<'a> {
     pub(super) keratin: &'a Keratin,
-    pub(super) wavelengths: Lambda4,
+    pub(super) wavelengths: Lambdas,
 }
 
 impl Bound<'_> {
@@ -171,9 +171,9 @@ impl Bound<'_> {
     }
 
     #[inline]
-    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> ([f64; 4], [f64; 4]) {
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
         let (f, pdf) = self.keratin.eval(wo, wi, self.wavelengths);
-        (f, [pdf; 4])
+        (f, [pdf; WAVES])
     }
 
     #[inline]
@@ -203,7 +203,7 @@ mod tests {
         let mut sum = 0.0;
         for _ in 0..count {
             let (wo, _) = keratin.sample(wi, [stream.unit(), stream.unit(), stream.unit()]);
-            let (f, pdf) = keratin.eval(wi, wo, Lambda4::splat(550.0));
+            let (f, pdf) = keratin.eval(wi, wo, Lambdas::splat(550.0));
             if pdf > 0.0 {
                 sum += f[0] * wo.z / pdf;
             }
@@ -230,8 +230,8 @@ mod tests {
         let keratin = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0).unwrap()).unwrap();
         let a = DVec3::new(0.3, 0.5, 0.7).normalize();
         let b = DVec3::new(-0.6, 0.1, 0.4).normalize();
-        let (ab, _) = keratin.eval(a, b, Lambda4::splat(450.0));
-        let (ba, _) = keratin.eval(b, a, Lambda4::splat(450.0));
+        let (ab, _) = keratin.eval(a, b, Lambdas::splat(450.0));
+        let (ba, _) = keratin.eval(b, a, Lambdas::splat(450.0));
         assert!((ab[0] / ba[0] - 1.0).abs() < 1e-12);
     }
 
@@ -247,7 +247,7 @@ mod tests {
             let azimuth = TAU * stream.unit();
             let sine = (1.0 - z * z).sqrt();
             let wo = DVec3::new(sine * azimuth.cos(), sine * azimuth.sin(), z);
-            sum += TAU * keratin.eval(wi, wo, Lambda4::splat(550.0)).1;
+            sum += TAU * keratin.eval(wi, wo, Lambdas::splat(550.0)).1;
         }
         let total = sum / f64::from(count);
         assert!((0.97..1.02).contains(&total), "{total}");

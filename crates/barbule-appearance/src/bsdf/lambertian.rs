@@ -8,7 +8,7 @@ use super::hit::Hit;
 use super::lobes::Lobes;
 use super::reflectance::Reflectance;
 use super::{Bsdf, Model};
-use crate::spectrum::dense::Lambda4;
+use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
 
 /// Perfectly diffuse, the same seen from both sides.
@@ -42,8 +42,8 @@ impl Lambertian {
 
     /// At a hit, seen from `wo`.
     #[inline]
-    pub(super) fn bind<'a>(&self, hit: &Hit, wo: DVec3, wavelengths: Lambda4) -> Bsdf<'a> {
-        let f = |side: &Reflectance| side.at4(wavelengths).map(|value| value / PI);
+    pub(super) fn bind<'a>(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
+        let f = |side: &Reflectance| side.at_each(wavelengths).map(|value| value / PI);
         let transmitted = self.transmittance.as_ref().map(f);
         let reflected_share = self.transmittance.as_ref().map_or(1.0, |transmittance| {
             let (r, t) = (self.reflectance.mean(), transmittance.mean());
@@ -57,9 +57,9 @@ impl Lambertian {
 /// Its values at the wavelengths of a path.
 pub(super) struct Bound {
     /// 1/sr, on the viewer's side.
-    reflected: [f64; 4],
+    reflected: [f64; WAVES],
     /// 1/sr, on the other.
-    transmitted: Option<[f64; 4]>,
+    transmitted: Option<[f64; WAVES]>,
     /// Share of the samples that stay on the viewer's side.
     reflected_share: f64,
 }
@@ -72,11 +72,11 @@ impl Bound {
     }
 
     #[inline]
-    pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; 4], [f64; 4]) {
+    pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
         match self.transmitted {
-            None => (self.reflected, [wi.z / PI; 4]),
-            Some(_) if wi.z > 0.0 => (self.reflected, [self.reflected_share * wi.z / PI; 4]),
-            Some(transmitted) => (transmitted, [(1.0 - self.reflected_share) * -wi.z / PI; 4]),
+            None => (self.reflected, [wi.z / PI; WAVES]),
+            Some(_) if wi.z > 0.0 => (self.reflected, [self.reflected_share * wi.z / PI; WAVES]),
+            Some(transmitted) => (transmitted, [(1.0 - self.reflected_share) * -wi.z / PI; WAVES]),
         }
     }
 

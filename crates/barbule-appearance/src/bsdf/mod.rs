@@ -9,6 +9,7 @@
 
 mod feather;
 mod frame;
+mod hair;
 mod hit;
 mod keratin;
 mod lambertian;
@@ -21,13 +22,14 @@ use glam::DVec3;
 
 pub use feather::BarbuleSurface;
 pub use frame::Frame;
+pub use hair::{Absorption, FibreIndex, Hair, HairParameters};
 pub use hit::{Hit, Side};
 pub use keratin::Keratin;
 pub use lambertian::Lambertian;
 pub use lobes::Lobes;
 pub use reflectance::Reflectance;
 
-use crate::spectrum::dense::Lambda4;
+use crate::spectrum::dense::{Lambdas, WAVES};
 
 /// What a surface is made of.
 #[derive(Debug, Clone)]
@@ -38,17 +40,20 @@ pub enum Surface {
     Keratin(Keratin),
     /// A barbule's plate.
     Barbule(BarbuleSurface),
+    /// A round fibre of hair.
+    Hair(Hair),
 }
 
 impl Surface {
     /// Its scattering function at a hit, for a viewer in the direction `wo`.
     #[inline]
     #[must_use]
-    pub fn bind(&self, hit: &Hit, wo: DVec3, wavelengths: Lambda4) -> Bsdf<'_> {
+    pub fn bind(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {
         match self {
             Self::Lambertian(surface) => surface.bind(hit, wo, wavelengths),
             Self::Keratin(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
         }
     }
 
@@ -58,7 +63,7 @@ impl Surface {
     pub fn opacity(&self, hit: &Hit, wi: DVec3, wo: DVec3) -> f64 {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
-            Self::Lambertian(_) | Self::Keratin(_) => 1.0,
+            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) => 1.0,
         }
     }
 
@@ -67,12 +72,12 @@ impl Surface {
     pub fn is_opaque(&self) -> bool {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
-            Self::Lambertian(_) | Self::Keratin(_) => true,
+            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) => true,
         }
     }
 }
 
-/// The scattering function of one hit seen from one direction at four wavelengths.
+/// The scattering function of one hit seen from one direction at the wavelengths of a path.
 pub struct Bsdf<'a> {
     model: Model<'a>,
     side: Side,
@@ -84,6 +89,7 @@ enum Model<'a> {
     Lambertian(lambertian::Bound),
     Keratin(keratin::Bound<'a>),
     Feather(feather::Bound<'a>),
+    Hair(hair::Bound<'a>),
 }
 
 /// Calls a function that all models have.
@@ -93,6 +99,7 @@ macro_rules! of_model {
             Model::Lambertian(model) => model.$function($($argument),*),
             Model::Keratin(model) => model.$function($($argument),*),
             Model::Feather(model) => model.$function($($argument),*),
+            Model::Hair(model) => model.$function($($argument),*),
         }
     };
 }
@@ -101,14 +108,14 @@ macro_rules! of_model {
 #[derive(Debug, Clone, Copy)]
 pub struct Evaluation {
     /// 1/sr, at each wavelength.
-    pub f: [f64; 4],
+    pub f: [f64; WAVES],
     /// Density of the direction if that wavelength were the hero, 1/sr.
-    pub pdf: [f64; 4],
+    pub pdf: [f64; WAVES],
     /// Modulus of the cosine between the direction and the shading normal.
     pub cosine: f64,
 }
 
-const NOTHING: Evaluation = Evaluation { f: [0.0; 4], pdf: [0.0; 4], cosine: 0.0 };
+const NOTHING: Evaluation = Evaluation { f: [0.0; WAVES], pdf: [0.0; WAVES], cosine: 0.0 };
 
 /// A direction drawn from a BSDF.
 #[derive(Debug, Clone, Copy)]
@@ -156,7 +163,7 @@ impl<'a> Bsdf<'a> {
 
     /// Density of [`Bsdf::sample`] per sr if each wavelength were the hero.
     #[must_use]
-    pub fn pdf(&self, wi: DVec3) -> [f64; 4] {
+    pub fn pdf(&self, wi: DVec3) -> [f64; WAVES] {
         self.eval(wi).pdf
     }
 

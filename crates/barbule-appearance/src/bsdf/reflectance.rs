@@ -1,7 +1,7 @@
 //! Diffuse reflectances, and those of pigmented keratin: Kubelka and Munk's for melanin, whose absorption falls as k/λ
 //! with k = 0.56 exp(−λ/270 nm) (Stavenga et al. 2015).
 
-use crate::spectrum::dense::{DenseSpectrum, Lambda4, VALUES};
+use crate::spectrum::dense::{DenseSpectrum, Lambdas, VALUES, WAVES};
 use crate::{Error, Result};
 
 /// A diffuse reflectance or transmittance: one value per nm.
@@ -57,8 +57,8 @@ impl Reflectance {
     /// At the wavelengths of a path.
     #[inline]
     #[must_use]
-    pub fn at4(&self, wavelengths: Lambda4) -> [f64; 4] {
-        self.spectrum.at4(wavelengths)
+    pub fn at_each(&self, wavelengths: Lambdas) -> [f64; WAVES] {
+        self.spectrum.at_each(wavelengths)
     }
 
     /// Mean over the sampled wavelengths.

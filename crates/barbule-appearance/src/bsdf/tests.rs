@@ -9,6 +9,7 @@ use super::*;
 use crate::brdf::fixtures::example;
 use crate::brdf::{FeatherBrdf, Options};
 use crate::math::rng::Stream;
+use crate::spectrum::dense::WAVES;
 
 fn grey(value: f64) -> Reflectance {
     Reflectance::new(|_| value).unwrap()
@@ -16,6 +17,18 @@ fn grey(value: f64) -> Reflectance {
 
 fn keratin(melanin: f64) -> Keratin {
     Keratin::new(0.3, 1.56, Reflectance::melanin(melanin).unwrap()).unwrap()
+}
+
+fn hair() -> Hair {
+    let absorption = Absorption::pigments(0.6, 0.1).unwrap();
+    Hair::new(HairParameters {
+        longitudinal_roughness: 0.25,
+        azimuthal_roughness: 0.3,
+        scale_tilt: 0.035,
+        index: FibreIndex::Constant(1.55),
+        absorption,
+    })
+    .unwrap()
 }
 
 fn surfaces() -> Vec<(&'static str, Surface)> {
@@ -26,6 +39,7 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ("sheet", Surface::Lambertian(Lambertian::translucent(grey(0.2), grey(0.7)).unwrap())),
         ("keratin", Surface::Keratin(keratin(2.0))),
         ("barbule", Surface::Barbule(barbule)),
+        ("hair", Surface::Hair(hair())),
     ]
 }
 
@@ -36,7 +50,7 @@ fn hit() -> Hit {
     Hit { normal, vane_normal: normal, frame, instance: 7, ..Hit::default() }
 }
 
-const PATH: [f64; 4] = [550.0, 610.0, 470.0, 510.0];
+const PATH: [f64; WAVES] = [550.0, 610.0, 470.0, 510.0, 400.0, 430.0, 650.0, 690.0];
 
 /// Directions of the viewer above and below.
 fn viewers() -> [DVec3; 3] {
@@ -60,7 +74,7 @@ fn samples_follow_their_density_on_both_sides() {
     let hit = hit();
     for (name, surface) in surfaces() {
         for wo in viewers() {
-            let bsdf = surface.bind(&hit, wo, Lambda4::new(PATH));
+            let bsdf = surface.bind(&hit, wo, Lambdas::new(PATH));
             let count = 40_000;
             let mut seen = vec![0.0; SIDE * SIDE];
             let mut stream = Stream::new(11, &[]);
@@ -105,7 +119,7 @@ fn samples_follow_their_density_on_both_sides() {
 fn no_surface_gives_more_than_it_gets() {
     for (name, surface) in surfaces() {
         for wo in viewers() {
-            let bsdf = surface.bind(&hit(), wo, Lambda4::new(PATH));
+            let bsdf = surface.bind(&hit(), wo, Lambdas::new(PATH));
             let mut stream = Stream::new(12, &[]);
             let count = 20_000;
             let mut sum = 0.0;
@@ -134,7 +148,7 @@ fn diffuse_and_keratin_surfaces_are_reciprocal() {
     for (name, surface) in &surfaces()[..3] {
         for a in viewers() {
             for b in viewers() {
-                let f = |wo, wi| surface.bind(&hit, wo, Lambda4::new(PATH)).eval(wi).f;
+                let f = |wo, wi| surface.bind(&hit, wo, Lambdas::new(PATH)).eval(wi).f;
                 let (ab, ba) = (f(a, b), f(b, a));
                 assert!(ab.iter().zip(ba).all(|(x, y)| (x - y).abs() <= 1e-12 * x.abs()), "{name}");
             }
@@ -147,8 +161,8 @@ fn opaque_surfaces_scatter_nothing_to_the_other_side() {
     let [above, _, below] = viewers();
     for (name, surface) in surfaces() {
         for (wo, wi) in [(above, below), (below, above)] {
-            let evaluation = surface.bind(&hit(), wo, Lambda4::new(PATH)).eval(wi);
-            assert_eq!(evaluation.f != [0.0; 4], name == "sheet", "{name}");
+            let evaluation = surface.bind(&hit(), wo, Lambdas::new(PATH)).eval(wi);
+            assert_eq!(evaluation.f != [0.0; WAVES], ["sheet", "hair"].contains(&name), "{name}");
             assert!(evaluation.cosine >= 0.0);
         }
         assert!(surface.is_opaque() && surface.opacity(&hit(), -above, above) == 1.0);

@@ -1,17 +1,18 @@
 //! A film as bytes: to go on with a picture later, to the same bits as without the break.
 //!
 //! Layout, little-endian: `BARBFILM`, version (u32), width and height (u32), 32 bytes that name the scene and its
-//! settings, the sample counts of all tiles (u32), per pixel X, Y, Z, squares, normal, depth (f64), hits and identity
-//! (u32), and a BLAKE3 checksum of all before it.
+//! settings; of each tile its sample count (u32), X, Y, Z of its pixels and of a border of one (f64), and of each pixel
+//! luminance, squares, normal, depth (f64), hits and identity (u32); and a BLAKE3 checksum of all before it.
 
-use super::film::{Film, Pixel};
+use super::film::{Film, Pixel, TILE, bordered};
 use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
 
 const MAGIC: &[u8; 8] = b"BARBFILM";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HEAD: usize = 8 + 3 * 4 + 32;
-const PIXEL: usize = 8 * 8 + 2 * 4;
+const PIXEL: usize = 6 * 8 + 2 * 4;
+const XYZ: usize = 3 * 8;
 const SUM: usize = 32;
 
 /// Names a picture by all that decides its samples: the scene, BLAKE3 of its material's bytes, the seed, the program's
@@ -23,36 +24,40 @@ pub fn name(scene: &impl Identify, material: &str, seed: u64, program: &str, sky
     hasher.text("program", program).text("sky", sky).finish()
 }
 
-/// Bytes of a checkpoint of this size of picture, at most.
+/// Bytes of a checkpoint of this size of picture.
 #[must_use]
-pub fn largest(size: [u32; 2]) -> u64 {
+pub fn bytes(size: [u32; 2]) -> u64 {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
-    // There are never more tiles than pixels.
-    (HEAD + SUM) as u64 + pixels * (PIXEL + 4) as u64
+    let tiles = u64::from(size[0].div_ceil(TILE)) * u64::from(size[1].div_ceil(TILE));
+    (HEAD + SUM) as u64 + 4 * tiles + bordered(size) * XYZ as u64 + pixels * PIXEL as u64
 }
 
 /// The film as bytes.
 #[must_use]
 pub fn write(film: &Film, name: &[u8; 32]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(HEAD + 4 * film.counts.len() + PIXEL * film.pixels.len() + SUM);
-    bytes.extend_from_slice(MAGIC);
+    let mut to = Vec::with_capacity(bytes(film.size()) as usize);
+    to.extend_from_slice(MAGIC);
     for word in [VERSION, film.size()[0], film.size()[1]] {
-        bytes.extend_from_slice(&word.to_le_bytes());
+        to.extend_from_slice(&word.to_le_bytes());
     }
-    bytes.extend_from_slice(name);
-    for count in &film.counts {
-        bytes.extend_from_slice(&count.to_le_bytes());
-    }
-    for pixel in &film.pixels {
-        for value in pixel.xyz.into_iter().chain([pixel.squares]).chain(pixel.normal).chain([pixel.depth]) {
-            bytes.extend_from_slice(&value.to_le_bytes());
+    to.extend_from_slice(name);
+    for tile in &film.tiles {
+        to.extend_from_slice(&tile.count.to_le_bytes());
+        for value in tile.sums.as_flattened() {
+            to.extend_from_slice(&value.to_le_bytes());
         }
-        bytes.extend_from_slice(&pixel.hits.to_le_bytes());
-        bytes.extend_from_slice(&pixel.id.to_le_bytes());
+        for pixel in &tile.pixels {
+            let Pixel { luminance, squares, normal, depth, hits, id } = pixel;
+            for value in [luminance, squares].into_iter().chain(normal).chain([depth]) {
+                to.extend_from_slice(&value.to_le_bytes());
+            }
+            to.extend_from_slice(&hits.to_le_bytes());
+            to.extend_from_slice(&id.to_le_bytes());
+        }
     }
-    let sum = blake3::hash(&bytes);
-    bytes.extend_from_slice(sum.as_bytes());
-    bytes
+    let sum = blake3::hash(&to);
+    to.extend_from_slice(sum.as_bytes());
+    to
 }
 
 /// The film of a checkpoint.
@@ -79,21 +84,24 @@ pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2]) -> Result<Film> {
         return refuse("is of another picture (scene, material, light, view or seed differ)");
     }
     let mut film = Film::new(size)?;
-    if body.len() != HEAD + 4 * film.counts.len() + PIXEL * film.pixels.len() {
+    if bytes.len() as u64 != self::bytes(size) {
         return refuse("is damaged (its length is wrong)");
     }
-    for count in &mut film.counts {
-        *count = words.count();
-    }
-    for pixel in &mut film.pixels {
-        *pixel = Pixel {
-            xyz: std::array::from_fn(|_| words.number()),
-            squares: words.number(),
-            normal: std::array::from_fn(|_| words.number()),
-            depth: words.number(),
-            hits: words.count(),
-            id: words.count(),
-        };
+    for tile in &mut film.tiles {
+        tile.count = words.count();
+        for value in tile.sums.as_flattened_mut() {
+            *value = words.number();
+        }
+        for pixel in &mut tile.pixels {
+            *pixel = Pixel {
+                luminance: words.number(),
+                squares: words.number(),
+                normal: std::array::from_fn(|_| words.number()),
+                depth: words.number(),
+                hits: words.count(),
+                id: words.count(),
+            };
+        }
     }
     Ok(film)
 }
@@ -126,8 +134,9 @@ mod tests {
 
     fn film() -> Film {
         let mut film = Film::new([40, 10]).unwrap();
-        film.counts[1] = 8;
-        film.pixels[5] = Pixel { xyz: [0.1, 0.2, 0.3], squares: 0.7, hits: 3, id: 9, ..Pixel::default() };
+        film.tiles[1].count = 8;
+        film.tiles[1].sums[7] = [0.1, 0.2, 0.3];
+        film.tiles[0].pixels[5] = Pixel { luminance: 0.2, squares: 0.7, hits: 3, id: 9, ..Pixel::default() };
         film
     }
 

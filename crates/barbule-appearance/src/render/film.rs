@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use super::integrator::Sample;
 use crate::spectrum::colour::{Illuminant, matching, rgb_from_xyz, xyz_from_rgb};
-use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, VALUES};
+use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, VALUES, WAVES};
 use crate::{Error, Result};
 
 /// Side of a tile, pixels.
@@ -32,11 +32,11 @@ static MATCHING: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     table
 });
 
-/// One pixel's sums.
+/// What a pixel knows of the samples that were taken in it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Pixel {
-    /// CIE XYZ; daylight of radiance 1 from everywhere on white gives Y = 1.
-    pub xyz: [f64; 3],
+    /// Luminances Y.
+    pub luminance: f64,
     /// Squares of Y.
     pub squares: f64,
     /// Shading normals of first hits.
@@ -49,8 +49,29 @@ pub struct Pixel {
     pub id: u32,
 }
 
+/// A tile's share of the picture: each of its samples adds to the four pixels whose tents it lies in, also to those just
+/// outside, so that tiles need nothing from each other while they grow.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tile {
+    /// Samples per pixel.
+    pub(super) count: u32,
+    /// CIE XYZ; daylight of radiance 1 from everywhere on white gives Y = 1. Row by row, with a border of one pixel.
+    pub(super) sums: Vec<[f64; 3]>,
+    /// Of the pixels without the border.
+    pub(super) pixels: Vec<Pixel>,
+}
+
 /// Bytes that a film takes per pixel while it is rendered: its sums, and those of the tiles in work.
-pub const BYTES_PER_PIXEL: usize = 2 * size_of::<Pixel>();
+pub const BYTES_PER_PIXEL: usize = 2 * (size_of::<Pixel>() + size_of::<[f64; 3]>() * 9 / 8);
+
+/// The part of a tent of half width 1, the filter of a pixel, that lies in the pixel itself; the rest is in both
+/// neighbours.
+const INSIDE: f64 = 0.75;
+const BESIDE: f64 = 0.125;
+
+/// The same of the tent's square.
+const SQUARE_INSIDE: f64 = 7.0 / 12.0;
+const SQUARE_BESIDE: f64 = 1.0 / 24.0;
 
 /// Refuses sizes that no film can have.
 ///
@@ -68,9 +89,7 @@ pub fn check_size(size: [u32; 2]) -> Result<()> {
 pub struct Film {
     size: [u32; 2],
     /// Row by row.
-    pub(super) pixels: Vec<Pixel>,
-    /// Samples per pixel of each tile, row by row.
-    pub(super) counts: Vec<u32>,
+    pub(super) tiles: Vec<Tile>,
 }
 
 impl Film {
@@ -80,12 +99,9 @@ impl Film {
     /// As [`check_size`].
     pub fn new(size: [u32; 2]) -> Result<Self> {
         check_size(size)?;
-        let tiles = size.map(|s| s.div_ceil(TILE) as usize);
-        Ok(Self {
-            size,
-            pixels: vec![Pixel::default(); size[0] as usize * size[1] as usize],
-            counts: vec![0; tiles[0] * tiles[1]],
-        })
+        let [across, down] = tiles(size);
+        let tiles = (0..across * down).map(|tile| Tile::new(bounds(size, tile as usize))).collect();
+        Ok(Self { size, tiles })
     }
 
     /// Width and height, pixels.
@@ -97,52 +113,88 @@ impl Film {
     /// Number of tiles.
     #[must_use]
     pub fn tiles(&self) -> usize {
-        self.counts.len()
+        self.tiles.len()
     }
 
     /// Samples per pixel of the tile that a pixel lies in.
     #[must_use]
     pub fn count(&self, x: u32, y: u32) -> u32 {
-        let across = self.size[0].div_ceil(TILE);
-        self.counts[(y / TILE * across + x / TILE) as usize]
+        self.tiles[self.tile_at(x, y)].count
     }
 
     /// All samples taken so far.
     #[must_use]
     pub fn samples(&self) -> u64 {
-        (0..self.tiles())
-            .map(|tile| {
-                let [x0, y0, x1, y1] = self.bounds(tile);
-                u64::from((x1 - x0) * (y1 - y0)) * u64::from(self.counts[tile])
-            })
-            .sum()
+        self.tiles.iter().map(|tile| tile.pixels.len() as u64 * u64::from(tile.count)).sum()
     }
 
     /// The pixels of a tile: x from, y from, x to, y to.
     #[must_use]
     pub fn bounds(&self, tile: usize) -> [u32; 4] {
-        let across = self.size[0].div_ceil(TILE);
-        let (x, y) = (tile as u32 % across * TILE, tile as u32 / across * TILE);
-        [x, y, (x + TILE).min(self.size[0]), (y + TILE).min(self.size[1])]
+        bounds(self.size, tile)
     }
 
-    /// A pixel's sums.
+    /// What a pixel knows of its own samples.
     #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> &Pixel {
-        &self.pixels[(y * self.size[0] + x) as usize]
+        let tile = self.tile_at(x, y);
+        let [x0, y0, x1, _] = self.bounds(tile);
+        &self.tiles[tile].pixels[((y - y0) * (x1 - x0) + x - x0) as usize]
     }
 
-    /// Mean XYZ of a pixel; zero before its first sample.
+    /// Mean XYZ of a pixel through its tent; zero before its first sample. Where a part of the tent lies outside the
+    /// picture or in a tile without samples, the mean of the rest.
     #[must_use]
     pub fn xyz(&self, x: u32, y: u32) -> [f64; 3] {
-        let count = f64::from(self.count(x, y).max(1));
-        self.pixel(x, y).xyz.map(|v| v / count)
+        let (mut sum, mut mass) = ([0.0; 3], 0.0);
+        for (tile, share) in self.tiles_about(x, y, [INSIDE, BESIDE]) {
+            let Tile { count, sums, .. } = &self.tiles[tile];
+            if *count > 0 {
+                let [x0, y0, x1, _] = self.bounds(tile);
+                let at = (y + 1 - y0) * (x1 - x0 + 2) + x + 1 - x0;
+                for (sum, value) in sum.iter_mut().zip(sums[at as usize]) {
+                    *sum += value / f64::from(*count);
+                }
+                mass += share;
+            }
+        }
+        sum.map(|value| if mass > 0.0 { value / mass } else { 0.0 })
     }
 
-    /// Variance of a pixel's mean Y.
+    /// Variance of a pixel's mean Y, as of independent samples.
     #[must_use]
     pub fn variance(&self, x: u32, y: u32) -> f64 {
-        self.pixel(x, y).variance(self.count(x, y))
+        let (mut sum, mut mass) = (0.0, 0.0);
+        for (neighbour, share) in neighbours(x, self.size[0], [INSIDE, BESIDE]) {
+            for (other, height) in neighbours(y, self.size[1], [INSIDE, BESIDE]) {
+                let squared = |share: f64| if share == INSIDE { SQUARE_INSIDE } else { SQUARE_BESIDE };
+                let variance = self.pixel(neighbour, other).variance(self.count(neighbour, other));
+                sum += squared(share) * squared(height) * variance;
+                mass += share * height;
+            }
+        }
+        sum / (mass * mass)
+    }
+
+    fn tile_at(&self, x: u32, y: u32) -> usize {
+        (y / TILE * tiles(self.size)[0] + x / TILE) as usize
+    }
+
+    /// The tiles that a pixel's tent reaches into, and how much of it is in each.
+    fn tiles_about(&self, x: u32, y: u32, shares: [f64; 2]) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let along = move |place: u32, side: u32| {
+            let mut found: [Option<(u32, f64)>; 2] = [None; 2];
+            for (neighbour, share) in neighbours(place, side, shares) {
+                let slot = usize::from(neighbour / TILE != place / TILE);
+                found[slot] = Some((neighbour / TILE, found[slot].map_or(0.0, |(_, sum)| sum) + share));
+            }
+            found.into_iter().flatten()
+        };
+        let [width, height] = self.size;
+        along(y, height).flat_map(move |(row, tall)| {
+            along(x, width)
+                .map(move |(column, wide)| ((row * tiles([width, height])[0] + column) as usize, wide * tall))
+        })
     }
 
     /// Linear sRGB, row by row.
@@ -156,24 +208,89 @@ impl Film {
     }
 }
 
-impl Pixel {
-    /// Adds one sample.
-    pub fn add(&mut self, sample: &Sample, is_first: bool) {
-        let matching = &*MATCHING;
-        let mut xyz = [0.0; 3];
-        for (radiance, nm) in sample.radiance.iter().zip(sample.hero.wavelengths.nm()) {
-            let at = (nm - SHORTEST_NM).clamp(0.0, LONGEST_NM - SHORTEST_NM);
-            let index = (at as usize).min(VALUES - 2);
-            let rest = at - index as f64;
-            for k in 0..3 {
-                let value = matching[index][k] + (matching[index + 1][k] - matching[index][k]) * rest;
-                xyz[k] += 0.25 * radiance * value;
+/// Tiles across and down.
+fn tiles(size: [u32; 2]) -> [u32; 2] {
+    size.map(|side| side.div_ceil(TILE))
+}
+
+/// Pixels of all tiles with their borders.
+pub(super) fn bordered(size: [u32; 2]) -> u64 {
+    let [across, down] = tiles(size);
+    u64::from(size[0] + 2 * across) * u64::from(size[1] + 2 * down)
+}
+
+fn bounds(size: [u32; 2], tile: usize) -> [u32; 4] {
+    let across = tiles(size)[0];
+    let (x, y) = (tile as u32 % across * TILE, tile as u32 / across * TILE);
+    [x, y, (x + TILE).min(size[0]), (y + TILE).min(size[1])]
+}
+
+/// A place and those beside it within a side, with the first or the second of these numbers.
+fn neighbours(place: u32, side: u32, [inside, beside]: [f64; 2]) -> impl Iterator<Item = (u32, f64)> {
+    let before = place.checked_sub(1).map(|before| (before, beside));
+    let after = (place + 1 < side).then_some((place + 1, beside));
+    before.into_iter().chain([(place, inside)]).chain(after)
+}
+
+impl Tile {
+    fn new([x0, y0, x1, y1]: [u32; 4]) -> Self {
+        let (width, height) = ((x1 - x0) as usize, (y1 - y0) as usize);
+        let pixels = vec![Pixel::default(); width * height];
+        Self { count: 0, sums: vec![[0.0; 3]; (width + 2) * (height + 2)], pixels }
+    }
+
+    /// Standard error of a pixel's luminance through its tent over the luminance (with 0.05 added), mean over the tile. From
+    /// the tile's own samples alone, so that it does not depend on how far the neighbours are.
+    pub(super) fn noise(&self) -> f64 {
+        let tent = SQUARE_INSIDE + 2.0 * SQUARE_BESIDE;
+        let count = f64::from(self.count.max(1));
+        let error = |pixel: &Pixel| {
+            tent * pixel.variance(self.count).sqrt() / ((pixel.luminance / count).max(0.0) + 0.05)
+        };
+        self.pixels.iter().map(error).sum::<f64>() / self.pixels.len() as f64
+    }
+
+    /// Adds a sample of the pixel at `x`, `y` from the tile's corner, `width` that of the tile.
+    pub(super) fn add(&mut self, [x, y]: [u32; 2], width: u32, sample: &Sample, is_first: bool) {
+        let xyz = xyz(sample);
+        // The pixel's column and the one that is nearer, and their weights.
+        let along = |place: u32, offset: f64| {
+            let beside = if offset < 0.5 { place } else { place + 2 };
+            let away = (offset - 0.5).abs();
+            [(place + 1, 1.0 - away), (beside, away)]
+        };
+        for (row, tall) in along(y, sample.offset[1]) {
+            for (column, wide) in along(x, sample.offset[0]) {
+                let sum = &mut self.sums[(row * (width + 2) + column) as usize];
+                for (sum, value) in sum.iter_mut().zip(xyz) {
+                    *sum += wide * tall * value;
+                }
             }
         }
-        for (sum, value) in self.xyz.iter_mut().zip(xyz) {
-            *sum += value;
+        self.pixels[(y * width + x) as usize].add(sample, xyz[1], is_first);
+    }
+}
+
+/// Its CIE XYZ.
+fn xyz(sample: &Sample) -> [f64; 3] {
+    let matching = &*MATCHING;
+    let mut xyz = [0.0; 3];
+    for (radiance, nm) in sample.radiance.iter().zip(sample.hero.wavelengths.nm()) {
+        let at = (nm - SHORTEST_NM).clamp(0.0, LONGEST_NM - SHORTEST_NM);
+        let index = (at as usize).min(VALUES - 2);
+        let rest = at - index as f64;
+        for k in 0..3 {
+            let value = matching[index][k] + (matching[index + 1][k] - matching[index][k]) * rest;
+            xyz[k] += radiance * value / WAVES as f64;
         }
-        self.squares += xyz[1] * xyz[1];
+    }
+    xyz
+}
+
+impl Pixel {
+    fn add(&mut self, sample: &Sample, luminance: f64, is_first: bool) {
+        self.luminance += luminance;
+        self.squares += luminance * luminance;
         if sample.first.id != 0 {
             for (sum, value) in self.normal.iter_mut().zip(sample.first.normal.to_array()) {
                 *sum += value;
@@ -193,7 +310,7 @@ impl Pixel {
         if count < 2 {
             return 0.0;
         }
-        let mean = self.xyz[1] / n;
+        let mean = self.luminance / n;
         ((self.squares / n - mean * mean).max(0.0)) / (n - 1.0)
     }
 }
@@ -206,17 +323,64 @@ mod tests {
 
     #[test]
     fn daylight_of_radiance_1_is_white() {
-        let mut pixel = Pixel::default();
+        let mut sum = [0.0; 3];
         let count = 4096;
         for i in 0..count {
             let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
             let daylight = |w: f64| Illuminant::D65.power(w) / Illuminant::D65.power(560.0);
             let radiance = std::array::from_fn(|k| daylight(hero.wavelengths.nm()[k]) / hero.pdf[k]);
-            pixel.add(&Sample { radiance, hero, first: NO_HIT }, i == 0);
+            for (sum, value) in
+                sum.iter_mut().zip(xyz(&Sample { radiance, hero, first: NO_HIT, offset: [0.5; 2] }))
+            {
+                *sum += value / f64::from(count);
+            }
         }
-        let rgb = rgb_from_xyz(pixel.xyz.map(|v| v / f64::from(count)));
+        let rgb = rgb_from_xyz(sum);
         // Quadrature of the sharp lines of D65's table: 1e-4.
         assert!(rgb.iter().all(|v| (v - 1.0).abs() < 1e-4), "{rgb:?}");
+    }
+
+    /// A ramp of light, in tiles with counts of their own: every pixel is the ramp through its tent, also at the edges.
+    #[test]
+    fn pixels_are_seen_through_their_tents() {
+        let size = [70, 33];
+        let mut film = Film::new(size).unwrap();
+        let side = 64;
+        for tile in 0..film.tiles() {
+            if tile == 2 {
+                continue;
+            }
+            let [x0, y0, x1, y1] = film.bounds(tile);
+            let repeats = 1 + tile as u32 % 3;
+            for (x, y) in (x0..x1).flat_map(|x| (y0..y1).map(move |y| (x, y))) {
+                for at in 0..repeats * side * side {
+                    let offset =
+                        [at % side, at / side % side].map(|k| (f64::from(k) + 0.5) / f64::from(side));
+                    let value = 1.0 + 0.1 * (f64::from(x) + offset[0]);
+                    let hero = Hero::new(0.3);
+                    let first = FirstHit { id: 3, ..NO_HIT };
+                    let sample = Sample { radiance: [value; WAVES], hero, first, offset };
+                    film.tiles[tile].add([x - x0, y - y0], x1 - x0, &sample, at == 0);
+                }
+            }
+            film.tiles[tile].count = repeats * side * side;
+        }
+        let white =
+            xyz(&Sample { radiance: [1.0; WAVES], hero: Hero::new(0.3), first: NO_HIT, offset: [0.5; 2] })[1];
+        let value = |x: u32, y: u32| film.xyz(x, y)[1] / white;
+        for (x, y, centre) in [
+            (5, 7, 5.5),
+            (31, 31, 31.5),
+            (32, 32, 32.5),
+            // What lies outside does not count: ∫ x (1 − |x|) from −½ to 1 is 1/12, of the tent's part 7/8.
+            (0, 5, 0.5 + 2.0 / 21.0),
+        ] {
+            let found = (value(x, y) - 1.0) / 0.1;
+            assert!((found - centre).abs() < 1e-3, "{x} {y}: {found}");
+        }
+        // In the tile without samples, away from its neighbours, there is nothing.
+        assert_eq!((film.xyz(67, 10), film.count(67, 10)), ([0.0; 3], 0));
+        assert!(film.variance(5, 7) < 1e-3 && film.pixel(5, 7).id == 3);
     }
 
     #[test]
@@ -237,14 +401,13 @@ mod tests {
 
     #[test]
     fn the_variance_is_that_of_the_mean() {
-        let mut pixel = Pixel::default();
-        for y in [1.0, 3.0] {
-            pixel.xyz[1] += y;
-            pixel.squares += y * y;
-        }
         // Samples 1 and 3: variance 2, of their mean 1.
-        assert!((pixel.variance(2) - 1.0).abs() < 1e-12);
-        let first = FirstHit { id: 3, ..NO_HIT };
-        assert_eq!((first.id, pixel.variance(1)), (3, 0.0));
+        let pixel = Pixel { luminance: 4.0, squares: 10.0, ..Pixel::default() };
+        assert!((pixel.variance(2) - 1.0).abs() < 1e-12 && pixel.variance(1) == 0.0);
+        let mut film = Film::new([3, 3]).unwrap();
+        film.tiles[0].count = 2;
+        film.tiles[0].pixels.fill(pixel);
+        // The tent's square over its area is 2/3 along each side.
+        assert!((film.variance(1, 1) - 4.0 / 9.0).abs() < 1e-12, "{}", film.variance(1, 1));
     }
 }

@@ -1,8 +1,8 @@
 //! Unidirectional spectral path tracing: a pure function of (pixel, sample, seed).
 //!
-//! At each point one light is sampled and one direction from the BSDF; both are weighted by the balance heuristic over
-//! both techniques and over the four wavelengths that could have been the hero (Wilkie et al. 2014; the bookkeeping of
-//! rescaled path densities follows pbrt-v4, ch. 13.4).
+//! At each point every light is sampled (of many some) and one direction from the BSDF; all are weighted by the balance
+//! heuristic over these techniques and over the wavelengths that could have been the hero (Wilkie et al. 2014; the
+//! bookkeeping of rescaled path densities follows pbrt-v4, ch. 13.4).
 
 use glam::{DVec2, DVec3};
 
@@ -13,6 +13,7 @@ use super::wavelengths::Hero;
 use crate::bsdf::{Bsdf, Hit, Lobes};
 use crate::math::rng::split_mix;
 use crate::scene::camera::Camera;
+use crate::spectrum::dense::WAVES;
 
 /// Which techniques gather light: all for pictures, one alone for tests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,11 +76,13 @@ pub struct FirstHit {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Spectral radiance over the wavelengths' densities, at each wavelength.
-    pub radiance: [f64; 4],
+    pub radiance: [f64; WAVES],
     /// The wavelengths.
     pub hero: Hero,
     /// What was hit first.
     pub first: FirstHit,
+    /// Where in the pixel it was taken, from its upper left corner, pixels.
+    pub offset: [f64; 2],
 }
 
 /// Nothing was hit.
@@ -101,8 +104,8 @@ impl<'a> Integrator<'a> {
         let [wavelength, ..] = sampler.next4();
         let hero = Hero::new(wavelength);
         let point = DVec2::new(
-            (f64::from(pixel[0]) + 0.5 + tent(x)) / f64::from(size[0]),
-            (f64::from(pixel[1]) + 0.5 + tent(y)) / f64::from(size[1]),
+            (f64::from(pixel[0]) + x) / f64::from(size[0]),
+            (f64::from(pixel[1]) + y) / f64::from(size[1]),
         );
         let ray = self.camera.ray(point, DVec2::new(lens_u, lens_v), size);
         let mut path = Path::new(ray.origin, ray.direction, hero, [ray.footprint, ray.spread]);
@@ -116,7 +119,7 @@ impl<'a> Integrator<'a> {
         for (value, pdf) in radiance.iter_mut().zip(hero.pdf) {
             *value /= pdf;
         }
-        Sample { radiance, hero, first }
+        Sample { radiance, hero, first, offset: [x, y] }
     }
 
     /// Follows the path to its next scattering; `false` when it ends.
@@ -133,10 +136,13 @@ impl<'a> Integrator<'a> {
         if depth == self.transport.most_scatterings {
             return false;
         }
-        let [light_choice, light_u, light_v, roulette] = sampler.next4();
-        let [u, v, component, shadow] = sampler.next4();
+        let [u, v, component, roulette] = sampler.next4();
         if self.transport.technique != Technique::BsdfOnly {
-            self.light(path, &hit, &bsdf, light_choice, DVec2::new(light_u, light_v), shadow);
+            for draw in 0..self.lighting.draws() {
+                let [choice, light_u, light_v, shadow] = sampler.next4();
+                let index = self.lighting.choose(draw, choice);
+                self.light(path, &hit, &bsdf, index, DVec2::new(light_u, light_v), shadow);
+            }
         }
         let Some(drawn) = bsdf.sample([u, v, component]) else {
             return false;
@@ -146,8 +152,8 @@ impl<'a> Integrator<'a> {
         path.scattered = true;
         // No light's sample could have found a single direction.
         let is_delta = drawn.lobes.has(Lobes::DELTA);
-        path.through_lights = if is_delta { [0.0; 4] } else { path.through.map(|t| t / pdf) };
-        for k in 0..4 {
+        path.through_lights = if is_delta { [0.0; WAVES] } else { path.through.map(|t| t / pdf) };
+        for k in 0..WAVES {
             path.weight[k] *= evaluation.f[k] * evaluation.cosine / pdf;
             path.through[k] *= evaluation.pdf[k] / pdf;
         }
@@ -208,8 +214,8 @@ impl<'a> Integrator<'a> {
     }
 
     /// Adds the radiance of a light that the path ran into.
-    fn arrive(&self, path: &mut Path, index: usize, radiance: [f64; 4]) {
-        if radiance == [0.0; 4] || (path.scattered && self.transport.technique == Technique::LightsOnly) {
+    fn arrive(&self, path: &mut Path, index: usize, radiance: [f64; WAVES]) {
+        if radiance == [0.0; WAVES] || (path.scattered && self.transport.technique == Technique::LightsOnly) {
             return;
         }
         let mut density = mean(&path.through);
@@ -220,22 +226,22 @@ impl<'a> Integrator<'a> {
         path.add(radiance, density);
     }
 
-    /// Adds the light of one lamp, chosen by its weight. `shadow` decides whether little light is worth a ray.
-    fn light(&self, path: &mut Path, hit: &Hit, bsdf: &Bsdf<'_>, choice: f64, u: DVec2, shadow: f64) {
-        let (index, chance) = self.lighting.choose(choice);
+    /// Adds the light of one lamp. `shadow` decides whether little light is worth a ray.
+    fn light(&self, path: &mut Path, hit: &Hit, bsdf: &Bsdf<'_>, index: usize, u: DVec2, shadow: f64) {
         let wavelengths = path.hero.wavelengths;
         let Some(sample) = self.lighting.sample(index, hit.position, u, wavelengths) else { return };
         let evaluation = bsdf.eval(sample.direction);
-        if evaluation.f == [0.0; 4] || sample.radiance == [0.0; 4] {
+        if evaluation.f == [0.0; WAVES] || sample.radiance == [0.0; WAVES] {
             return;
         }
-        let pdf = chance * sample.pdf;
+        let pdf = sample.pdf;
         let both = if self.transport.technique == Technique::Both { 1.0 / pdf } else { 0.0 };
-        let densities: [f64; 4] = std::array::from_fn(|k| path.through[k] * (1.0 + both * evaluation.pdf[k]));
+        let densities: [f64; WAVES] =
+            std::array::from_fn(|k| path.through[k] * (1.0 + both * evaluation.pdf[k]));
         let density = mean(&densities);
         let share = evaluation.cosine / pdf;
-        let radiance: [f64; 4] = std::array::from_fn(|k| sample.radiance[k] * evaluation.f[k] * share);
-        let most = (0..4).fold(0.0, |most, k| f64::max(most, radiance[k] * path.weight[k])) / density;
+        let radiance: [f64; WAVES] = std::array::from_fn(|k| sample.radiance[k] * evaluation.f[k] * share);
+        let most = (0..WAVES).fold(0.0, |most, k| f64::max(most, radiance[k] * path.weight[k])) / density;
         let keep = (most / SHADOW_BELOW).min(1.0);
         if shadow >= keep {
             return;
@@ -280,12 +286,12 @@ struct Path {
     direction: DVec3,
     hero: Hero,
     /// Throughput over the hero's density, at each wavelength.
-    weight: [f64; 4],
+    weight: [f64; WAVES],
     /// Density of the path with each wavelength as hero over that with the true one.
-    through: [f64; 4],
+    through: [f64; WAVES],
     /// The same with the last direction drawn from a light instead, per unit of the light's density.
-    through_lights: [f64; 4],
-    sum: [f64; 4],
+    through_lights: [f64; WAVES],
+    sum: [f64; WAVES],
     scattered: bool,
     travelled: f64,
     footprint: [f64; 2],
@@ -297,28 +303,23 @@ impl Path {
             origin,
             direction,
             hero,
-            weight: [1.0; 4],
-            through: [1.0; 4],
-            through_lights: [0.0; 4],
-            sum: [0.0; 4],
+            weight: [1.0; WAVES],
+            through: [1.0; WAVES],
+            through_lights: [0.0; WAVES],
+            sum: [0.0; WAVES],
             scattered: false,
             travelled: 0.0,
             footprint,
         }
     }
 
-    fn add(&mut self, radiance: [f64; 4], density: f64) {
+    fn add(&mut self, radiance: [f64; WAVES], density: f64) {
         for (sum, (weight, value)) in self.sum.iter_mut().zip(self.weight.iter().zip(radiance)) {
             *sum += weight * value / density;
         }
     }
 }
 
-fn mean(values: &[f64; 4]) -> f64 {
-    0.25 * (values[0] + values[1] + values[2] + values[3])
-}
-
-/// A tent of half width 1 about 0, from a uniform number: the reconstruction filter.
-fn tent(u: f64) -> f64 {
-    if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
+fn mean(values: &[f64; WAVES]) -> f64 {
+    values.iter().sum::<f64>() / WAVES as f64
 }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::film::{Film, Pixel};
+use super::film::{Film, Tile};
 use super::integrator::Integrator;
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -53,7 +53,7 @@ pub fn run(
     }
     let start = Instant::now();
     let mut slowest = Duration::ZERO;
-    let most = film.counts.iter().map(|c| u64::from(goal.samples.saturating_sub(*c))).sum();
+    let most = film.tiles.iter().map(|tile| u64::from(goal.samples.saturating_sub(tile.count))).sum();
     progress.begin("rendering", most);
     loop {
         let open: Vec<usize> = (0..film.tiles()).filter(|&t| !is_done(film, t, &goal)).collect();
@@ -82,58 +82,45 @@ fn round(
     open: &[usize],
     progress: &dyn Progress,
 ) {
-    let done: Vec<Option<(Vec<Pixel>, u32)>> = open
+    let done: Vec<Option<Tile>> = open
         .par_iter()
         .map(|&tile| {
             if progress.is_cancelled() {
                 return None;
             }
-            let from = film.counts[tile];
+            let from = film.tiles[tile].count;
             let to = goal.samples.min((from / ROUND + 1) * ROUND);
-            let pixels = tile_samples(integrator, film, tile, seed, from..to);
+            let grown = grown(integrator, film, tile, seed, to);
             progress.advance(u64::from(to - from));
-            Some((pixels, to))
+            Some(grown)
         })
         .collect();
-    for (&tile, result) in open.iter().zip(done) {
-        let Some((pixels, count)) = result else { continue };
-        let [x0, y0, x1, y1] = film.bounds(tile);
-        let width = film.size()[0];
-        let mut pixels = pixels.into_iter();
-        for y in y0..y1 {
-            let row = (y * width) as usize;
-            let line = &mut film.pixels[row + x0 as usize..row + x1 as usize];
-            line.iter_mut().zip(&mut pixels).for_each(|(to, from)| *to = from);
+    for (&tile, grown) in open.iter().zip(done) {
+        if let Some(grown) = grown {
+            film.tiles[tile] = grown;
         }
-        film.counts[tile] = count;
     }
 }
 
-fn tile_samples(
-    integrator: &Integrator<'_>,
-    film: &Film,
-    tile: usize,
-    seed: u64,
-    samples: std::ops::Range<u32>,
-) -> Vec<Pixel> {
+/// A tile with so many samples per pixel.
+fn grown(integrator: &Integrator<'_>, film: &Film, tile: usize, seed: u64, samples: u32) -> Tile {
     let [x0, y0, x1, y1] = film.bounds(tile);
-    let mut pixels = Vec::with_capacity(((x1 - x0) * (y1 - y0)) as usize);
+    let mut grown = film.tiles[tile].clone();
     for y in y0..y1 {
         for x in x0..x1 {
-            let mut pixel = *film.pixel(x, y);
-            for sample in samples.clone() {
+            for sample in grown.count..samples {
                 let drawn = integrator.sample([x, y], film.size(), u64::from(sample), seed);
-                pixel.add(&drawn, sample == 0);
+                grown.add([x - x0, y - y0], x1 - x0, &drawn, sample == 0);
             }
-            pixels.push(pixel);
         }
     }
-    pixels
+    grown.count = samples;
+    grown
 }
 
 /// Depends on the tile's own samples only, at counts that do not depend on how a run was cut into pieces.
 fn is_done(film: &Film, tile: usize, goal: &Goal) -> bool {
-    let count = film.counts[tile];
+    let count = film.tiles[tile].count;
     if count >= goal.samples {
         return true;
     }
@@ -141,12 +128,5 @@ fn is_done(film: &Film, tile: usize, goal: &Goal) -> bool {
     if count < 2 * ROUND || !count.is_multiple_of(ROUND) {
         return false;
     }
-    let [x0, y0, x1, y1] = film.bounds(tile);
-    let mut sum = 0.0;
-    for y in y0..y1 {
-        for x in x0..x1 {
-            sum += film.variance(x, y).sqrt() / (film.xyz(x, y)[1].max(0.0) + 0.05);
-        }
-    }
-    sum / f64::from((x1 - x0) * (y1 - y0)) < noise
+    film.tiles[tile].noise() < noise
 }

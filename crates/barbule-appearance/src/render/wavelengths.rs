@@ -1,21 +1,21 @@
-//! The four wavelengths of a path.
+//! The wavelengths of a path.
 //!
 //! Drawn between 380 and 720 nm with density ∝ sech²(0.0072 (λ − 538)), close to the eye's sensitivity (Radziszewski et
-//! al. 2009), stratified: one in each quarter of the distribution, the first one (the hero, which decides directions)
+//! al. 2009), stratified: one in each eighth of the distribution, the first one (the hero, which decides directions)
 //! in any of them (Wilkie et al. 2014).
 
-use crate::spectrum::dense::Lambda4;
+use crate::spectrum::dense::{Lambdas, WAVES};
 
 const SLOPE: f64 = 0.0072;
 const MIDDLE: f64 = 538.0;
 
-/// Four wavelengths, the hero first, with their densities, 1/nm.
+/// Wavelengths, the hero first, with their densities, 1/nm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hero {
     /// The wavelengths.
-    pub wavelengths: Lambda4,
+    pub wavelengths: Lambdas,
     /// Densities, 1/nm.
-    pub pdf: [f64; 4],
+    pub pdf: [f64; WAVES],
 }
 
 impl Hero {
@@ -23,12 +23,12 @@ impl Hero {
     #[must_use]
     pub fn new(u: f64) -> Self {
         // tanh(SLOPE (λ − MIDDLE)) is uniform, and sech² is one less its square.
-        let steep = [0.0, 0.25, 0.5, 0.75].map(|shift| {
-            let v = u + shift;
+        let steep: [f64; WAVES] = std::array::from_fn(|k| {
+            let v = u + k as f64 / WAVES as f64;
             LOW + (HIGH - LOW) * if v < 1.0 { v } else { v - 1.0 }
         });
         Self {
-            wavelengths: Lambda4::new(steep.map(|t| MIDDLE + 0.5 / SLOPE * ((1.0 + t) / (1.0 - t)).ln())),
+            wavelengths: Lambdas::new(steep.map(|t| MIDDLE + 0.5 / SLOPE * ((1.0 + t) / (1.0 - t)).ln())),
             pdf: steep.map(|t| SLOPE * (1.0 - t * t) / (HIGH - LOW)),
         }
     }
@@ -41,7 +41,7 @@ const HIGH: f64 = 0.8643765890672668;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM};
+    use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, WAVES};
 
     #[test]
     fn the_ends_are_those_of_the_visible_range() {
@@ -58,8 +58,8 @@ mod tests {
             let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
             for (w, p) in hero.wavelengths.nm().iter().zip(hero.pdf) {
                 assert!((SHORTEST_NM..=LONGEST_NM).contains(w));
-                length += 0.25 / p / f64::from(count);
-                moment += 0.25 * w / p / f64::from(count);
+                length += 1.0 / WAVES as f64 / p / f64::from(count);
+                moment += w / WAVES as f64 / p / f64::from(count);
             }
         }
         assert!((length - 340.0).abs() < 0.01);

@@ -1,7 +1,7 @@
 //! Spectra of lights.
 
 use crate::spectrum::colour::Illuminant;
-use crate::spectrum::dense::{DenseSpectrum, Lambda4};
+use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
 use crate::{Error, Result};
 
 /// Spectral radiance, finite and not negative.
@@ -45,8 +45,8 @@ impl Emission {
     /// At the wavelengths of a path.
     #[inline]
     #[must_use]
-    pub fn at4(&self, wavelengths: Lambda4) -> [f64; 4] {
-        self.spectrum.at4(wavelengths)
+    pub fn at_each(&self, wavelengths: Lambdas) -> [f64; WAVES] {
+        self.spectrum.at_each(wavelengths)
     }
 }
 

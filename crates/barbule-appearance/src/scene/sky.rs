@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 
 use super::emission::Emission;
 use super::primaries::primaries;
-use crate::spectrum::dense::Lambda4;
+use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
 
 /// Radiance from all directions. Row 0 is at the zenith (+z), the last at the nadir; columns go clockwise from +y
@@ -117,7 +117,7 @@ impl Sky {
 
     /// Radiance from a direction.
     #[must_use]
-    pub fn radiance(&self, direction: DVec3, wavelengths: Lambda4) -> [f64; 4] {
+    pub fn radiance(&self, direction: DVec3, wavelengths: Lambdas) -> [f64; WAVES] {
         let (row, column) = self.texel(direction);
         self.spectrum(row, column, wavelengths)
     }
@@ -133,11 +133,11 @@ impl Sky {
 
     /// Radiance of a texel.
     #[must_use]
-    pub fn spectrum(&self, row: usize, column: usize, wavelengths: Lambda4) -> [f64; 4] {
+    pub fn spectrum(&self, row: usize, column: usize, wavelengths: Lambdas) -> [f64; WAVES] {
         let texel = &self.texels[row * self.width + column];
-        let mut radiance = [0.0; 4];
+        let mut radiance = [0.0; WAVES];
         for (weight, emission) in texel.iter().zip(self.basis.iter()) {
-            for (sum, value) in radiance.iter_mut().zip(emission.at4(wavelengths)) {
+            for (sum, value) in radiance.iter_mut().zip(emission.at_each(wavelengths)) {
                 *sum += f64::from(*weight) * value;
             }
         }
@@ -160,8 +160,8 @@ mod tests {
     fn negative_colours_are_cut_and_what_is_no_number_is_refused() {
         let image = |value: f32| Sky::image(2, 1, vec![[value, 1.0, 0.0]; 2], 1.0, 0.0);
         assert_eq!(
-            image(-1.0).unwrap().radiance(DVec3::Z, Lambda4::splat(650.0)),
-            image(0.0).unwrap().radiance(DVec3::Z, Lambda4::splat(650.0))
+            image(-1.0).unwrap().radiance(DVec3::Z, Lambdas::splat(650.0)),
+            image(0.0).unwrap().radiance(DVec3::Z, Lambdas::splat(650.0))
         );
         assert!(image(f32::NAN).is_err() && image(f32::INFINITY).is_err());
         assert!(Sky::image(2, 1, vec![[0.0; 3]; 2], 1.0, 0.0).is_err());

@@ -214,7 +214,7 @@ impl Args {
         let name = checkpoint::name(description, job.hash, seed, program, job.sky_name.unwrap_or_default());
         let kept = job.checkpoint();
         let mut film = if self.resume && kept.exists() {
-            let bytes = read_at_most(&kept, checkpoint::largest(job.size))?;
+            let bytes = read_at_most(&kept, checkpoint::bytes(job.size))?;
             checkpoint::read(&bytes, &name, job.size).map_err(|e| e.at(kept.display()))?
         } else {
             Film::new(job.size)?

@@ -1,4 +1,4 @@
-//! Spectra at every nanometre of the visible range, and the four wavelengths of a light path: what renderers sample.
+//! Spectra at every nanometre of the visible range, and the wavelengths of a light path: what renderers sample.
 
 use std::sync::Arc;
 
@@ -9,44 +9,47 @@ pub const LONGEST_NM: f64 = 720.0;
 /// Values of a [`DenseSpectrum`]: one per nm, both ends included.
 pub const VALUES: usize = 341;
 
+/// Wavelengths of a light path. Eight cost a feather half as much again as four, and leave half the colour noise.
+pub const WAVES: usize = 8;
+
 /// Wavelengths of one light path, nm. The first, the hero, decides directions; the others go with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lambda4 {
-    nm: [f64; 4],
+pub struct Lambdas {
+    nm: [f64; WAVES],
 }
 
-impl Lambda4 {
-    /// Four wavelengths, nm, the hero first.
+impl Lambdas {
+    /// Wavelengths, nm, the hero first.
     #[must_use]
-    pub fn new(nm: [f64; 4]) -> Self {
+    pub fn new(nm: [f64; WAVES]) -> Self {
         Self { nm }
     }
 
-    /// The same wavelength four times, nm.
+    /// The same wavelength for all, nm.
     #[inline]
     #[must_use]
     pub fn splat(nm: f64) -> Self {
-        Self { nm: [nm; 4] }
+        Self { nm: [nm; WAVES] }
     }
 
     /// In nm, the hero first.
     #[inline]
     #[must_use]
-    pub fn nm(self) -> [f64; 4] {
+    pub fn nm(self) -> [f64; WAVES] {
         self.nm
     }
 
     /// In nm and single precision, as tables of barbules are looked up.
     #[inline]
     #[must_use]
-    pub fn single_nm(self) -> [f32; 4] {
+    pub fn single_nm(self) -> [f32; WAVES] {
         self.nm.map(|w| w as f32)
     }
 
-    /// A function of the wavelength in nm at all four.
+    /// A function of the wavelength in nm at all of them.
     #[inline]
     #[must_use]
-    pub fn map(self, value: impl FnMut(f64) -> f64) -> [f64; 4] {
+    pub fn map(self, value: impl FnMut(f64) -> f64) -> [f64; WAVES] {
         self.nm.map(value)
     }
 }
@@ -83,7 +86,7 @@ impl DenseSpectrum {
     /// The values at the wavelengths of a path.
     #[inline]
     #[must_use]
-    pub fn at4(&self, wavelengths: Lambda4) -> [f64; 4] {
+    pub fn at_each(&self, wavelengths: Lambdas) -> [f64; WAVES] {
         wavelengths.map(|w| self.at(w))
     }
 
@@ -102,7 +105,8 @@ mod tests {
     fn tables_are_linear_inside_and_held_outside() {
         let spectrum = DenseSpectrum::new(|w| w);
         assert_eq!(spectrum.at(500.25), 500.25);
-        assert_eq!(spectrum.at4(Lambda4::new([300.0, 800.0, 380.5, 719.5])), [380.0, 720.0, 380.5, 719.5]);
+        assert_eq!([300.0, 800.0, 380.5, 719.5].map(|nm| spectrum.at(nm)), [380.0, 720.0, 380.5, 719.5]);
+        assert_eq!(spectrum.at_each(Lambdas::splat(500.25)), [500.25; WAVES]);
         assert_eq!((spectrum.values().len(), spectrum.scaled(2.0).at(LONGEST_NM)), (VALUES, 1440.0));
     }
 }

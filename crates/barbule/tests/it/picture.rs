@@ -28,7 +28,8 @@ fn the_picture_is_the_stored_one_but_for_noise() {
             for (x, y) in (top..top + BLOCK).flat_map(|y| (left..left + BLOCK).map(move |x| (x, y))) {
                 let at = (y * SIZE[0] + x) as usize;
                 difference += luminance(rgb[at]) - luminance(stored.pixels[at]);
-                variance += share * film.variance(x, y);
+                // Neighbours share samples: what counts for a block is what its pixels drew.
+                variance += share * film.pixel(x, y).variance(film.count(x, y));
             }
             let deviation = difference / variance.sqrt();
             squares += deviation * deviation;

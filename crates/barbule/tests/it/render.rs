@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
-use barbule::bsdf::{BarbuleSurface, Keratin, Lambertian, Reflectance, Surface};
+use barbule::bsdf::{
+    Absorption, BarbuleSurface, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Reflectance, Surface,
+};
 use barbule::math::rng::Stream;
 use barbule::progress::{Progress, Unobserved};
 use barbule::render::checkpoint;
@@ -22,7 +24,7 @@ use barbule::scene::geometry::{CurveNode, Geometry, Mesh, Ribbon, RibbonNode};
 use barbule::scene::light::{Lamp, Light, Rectangle, Sphere, Sun, disc_radiance};
 use barbule::scene::sky::{Environment, Sky};
 use barbule::scene::{Object, Scene};
-use barbule::spectrum::dense::Lambda4;
+use barbule::spectrum::dense::Lambdas;
 use glam::{DVec2, DVec3, Vec3};
 
 /// The lights of a scene.
@@ -111,7 +113,8 @@ fn luminance(film: &Film) -> (f64, f64) {
     for y in 0..height {
         for x in 0..width {
             sum += film.xyz(x, y)[1];
-            variance += film.variance(x, y);
+            // Neighbours share samples: what counts for the mean is what each pixel drew.
+            variance += film.pixel(x, y).variance(film.count(x, y));
         }
     }
     (sum / pixels, variance.sqrt() / pixels)
@@ -127,10 +130,9 @@ fn assert_luminance(film: &Film, expected: f64, what: &str) {
     assert!((mean - expected).abs() < 4.0 * error + 2e-3, "{what}: {mean} ± {error}, expected {expected}");
 }
 
-#[test]
-fn white_shapes_vanish_in_a_white_furnace() {
+/// Twelve bent, tapering fibres side by side.
+fn fibres() -> Geometry {
     let mut fibres = Geometry::default();
-    let mut ribbons = Geometry::default();
     for i in 0..12 {
         let x = (i as f32 - 5.5) * 0.3;
         let curve: Vec<CurveNode> = (0..6)
@@ -141,6 +143,58 @@ fn white_shapes_vanish_in_a_white_furnace() {
             })
             .collect();
         fibres.add_curve(&curve, i);
+    }
+    fibres
+}
+
+/// Hair of middle roughness with tilted scales.
+fn hair(absorption: Absorption) -> Surface {
+    let parameters = HairParameters {
+        longitudinal_roughness: 0.3,
+        azimuthal_roughness: 0.3,
+        scale_tilt: 0.035,
+        index: FibreIndex::Constant(1.55),
+        absorption,
+    };
+    Surface::Hair(Hair::new(parameters).unwrap())
+}
+
+/// Fibres that absorb nothing are as bright as what surrounds them, whatever goes through them and between them.
+#[test]
+fn white_hair_vanishes_in_a_white_furnace() {
+    let white = hair(Absorption::new(|_| 0.0).unwrap());
+    let scene = scene(fibres(), white, under_sky(sky(1.0)), camera(1.0, 3.0));
+    let film = film_of(scene, [16, 16], 64);
+    assert!((0..256).any(|i| film.pixel(i % 16, i / 16).hits > 0));
+    assert_luminance(&film, 1.0, "hair");
+}
+
+/// Light sampling, directions of the model and both together find the same brightness of pigmented hair.
+#[test]
+fn techniques_agree_on_hair() {
+    let lights = || {
+        let (direction, emission) = (DVec3::new(0.3, 0.2, 0.9).normalize(), Emission::daylight());
+        let emission = emission.scaled(disc_radiance(0.4, 1.0));
+        lamp(Light::Sun(Sun { direction, cos_radius: f64::cos(0.4), emission }))
+    };
+    let of = |technique| {
+        let brown = hair(Absorption::pigments(0.3, 0.1).unwrap());
+        let ready = Ready::new(scene(fibres(), brown, lights(), camera(1.0, 3.0)));
+        luminance(&film(&ready.integrator(16, technique), [16, 16], 128))
+    };
+    let (both, error) = of(Technique::Both);
+    assert!(both > 0.02);
+    for technique in [Technique::BsdfOnly, Technique::LightsOnly] {
+        let (mean, own) = of(technique);
+        assert!((mean - both).abs() < 4.0 * error.hypot(own), "{technique:?}: {mean} ± {own}, both {both}");
+    }
+}
+
+#[test]
+fn white_shapes_vanish_in_a_white_furnace() {
+    let mut ribbons = Geometry::default();
+    for i in 0..12 {
+        let x = (i as f32 - 5.5) * 0.3;
         let ribbon: Vec<RibbonNode> = (0..6)
             .map(|k| RibbonNode {
                 point: Vec3::new(x, k as f32 - 2.5, 0.3 * (0.8 * k as f32).cos()),
@@ -150,7 +204,7 @@ fn white_shapes_vanish_in_a_white_furnace() {
             .collect();
         ribbons.add_ribbon(&ribbon, Ribbon { id: i, cell: 0.3, ..Ribbon::default() });
     }
-    for (name, geometry) in [("square", square(2.0)), ("fibres", fibres), ("ribbons", ribbons)] {
+    for (name, geometry) in [("square", square(2.0)), ("fibres", fibres()), ("ribbons", ribbons)] {
         let scene = scene(geometry, white(), under_sky(sky(1.0)), camera(1.0, 3.0));
         let film = film_of(scene, [16, 16], 64);
         assert!((0..256).any(|i| film.pixel(i % 16, i / 16).hits > 0));
@@ -355,7 +409,7 @@ fn lights_are_sampled_with_their_density() {
         for _ in 0..count {
             let u = DVec2::new(stream.unit(), stream.unit());
             let LightSample { direction, pdf, .. } =
-                light.sample(0, point, u, Lambda4::splat(550.0)).unwrap();
+                light.sample(0, point, u, Lambdas::splat(550.0)).unwrap();
             let stated = light.pdf(0, point, direction);
             assert!((stated / pdf - 1.0).abs() < 1e-6, "light {which}: {stated} {pdf}");
             seen[bin(direction)] += 1.0;

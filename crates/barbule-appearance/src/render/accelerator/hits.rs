@@ -114,3 +114,45 @@ fn on_curve(geometry: &Geometry, primitive: &Primitive, at: Meeting, origin: DVe
         ..Hit::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3A;
+    use obvhs::ray::Ray;
+
+    use super::*;
+    use crate::bsdf::{Lambertian, Reflectance, Surface};
+    use crate::math::rng::Stream;
+    use crate::render::accelerator::primitive::{collect, meet};
+    use crate::scene::Object;
+    use crate::scene::geometry::CurveNode;
+
+    /// The coordinate across a fibre is where its frame sees the viewer: hair takes the ray's offset from the frame. Rays
+    /// are in single precision.
+    #[test]
+    fn offsets_across_a_fibre_are_those_of_its_frame() {
+        let mut geometry = Geometry::default();
+        let node = |point: Vec3| CurveNode { point, radius: 0.1, ..CurveNode::default() };
+        geometry.add_curve(&[node(Vec3::new(-1.0, -2.0, 0.5)), node(Vec3::new(1.0, 2.0, -0.5))], 1);
+        let surface = Surface::Lambertian(Lambertian::new(Reflectance::new(|_| 1.0).unwrap()));
+        let objects = [Object { geometry, surface }];
+        let primitives = collect(&objects);
+        let mut stream = Stream::new(61, &[]);
+        let mut met = 0;
+        for _ in 0..500 {
+            let mut random = || DVec3::new(stream.normal(), stream.normal(), stream.normal());
+            let direction = random().normalize();
+            let origin = 0.05 * random() - 3.0 * direction;
+            let to = |v: DVec3| Vec3A::from(v.as_vec3());
+            let Some(at) = meet(&primitives[0], &Ray::new(to(origin), to(direction), 0.0, 1e30)) else {
+                continue;
+            };
+            let hit = hit(&objects[0].geometry, &primitives[0], at, origin, direction);
+            let wo = hit.frame.to_local(-direction);
+            let offset = wo.x / wo.x.hypot(wo.z);
+            assert!((hit.uv[1] - offset).abs() < 1e-4, "{} {offset}", hit.uv[1]);
+            met += 1;
+        }
+        assert!(met > 200);
+    }
+}

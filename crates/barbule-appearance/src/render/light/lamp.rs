@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::sample::LightSample;
 use crate::bsdf::Frame;
 use crate::scene::light::Light;
-use crate::spectrum::dense::Lambda4;
+use crate::spectrum::dense::{Lambdas, WAVES};
 
 impl Light {
     /// Whether only rays that leave the scene see it.
@@ -16,12 +16,12 @@ impl Light {
     }
 
     /// A direction from `point` towards the light; `None` where the light cannot be seen from there.
-    pub(super) fn sample(&self, point: DVec3, u: DVec2, wavelengths: Lambda4) -> Option<LightSample> {
+    pub(super) fn sample(&self, point: DVec3, u: DVec2, wavelengths: Lambdas) -> Option<LightSample> {
         match self {
             Self::Sun(sun) => {
                 let direction = cone(sun.direction, sun.cos_radius, u);
                 let pdf = 1.0 / (TAU * (1.0 - sun.cos_radius));
-                let radiance = sun.emission.at4(wavelengths);
+                let radiance = sun.emission.at_each(wavelengths);
                 Some(LightSample { direction, distance: f64::INFINITY, pdf, radiance })
             }
             Self::Rectangle(rectangle) => {
@@ -35,7 +35,7 @@ impl Light {
                     direction,
                     distance,
                     pdf: distance * distance / projected,
-                    radiance: rectangle.emission.at4(wavelengths),
+                    radiance: rectangle.emission.at_each(wavelengths),
                 })
             }
             Self::Sphere(sphere) => {
@@ -49,7 +49,7 @@ impl Light {
                 let direction = cone(to / squared.sqrt(), 1.0 - one_minus_cos, u);
                 let distance = self.hit(point, direction).unwrap_or_else(|| to.dot(direction));
                 let pdf = 1.0 / (TAU * one_minus_cos);
-                Some(LightSample { direction, distance, pdf, radiance: sphere.emission.at4(wavelengths) })
+                Some(LightSample { direction, distance, pdf, radiance: sphere.emission.at_each(wavelengths) })
             }
         }
     }
@@ -75,19 +75,21 @@ impl Light {
     }
 
     /// Radiance along a ray that leaves the scene; zero for lights that stand in it.
-    pub(super) fn escaped(&self, direction: DVec3, wavelengths: Lambda4) -> [f64; 4] {
+    pub(super) fn escaped(&self, direction: DVec3, wavelengths: Lambdas) -> [f64; WAVES] {
         match self {
-            Self::Sun(sun) if sun.direction.dot(direction) >= sun.cos_radius => sun.emission.at4(wavelengths),
-            _ => [0.0; 4],
+            Self::Sun(sun) if sun.direction.dot(direction) >= sun.cos_radius => {
+                sun.emission.at_each(wavelengths)
+            }
+            _ => [0.0; WAVES],
         }
     }
 
     /// Radiance of a light that stands in the scene, seen along a ray that hits it.
-    pub(super) fn emitted(&self, wavelengths: Lambda4) -> [f64; 4] {
+    pub(super) fn emitted(&self, wavelengths: Lambdas) -> [f64; WAVES] {
         match self {
-            Self::Rectangle(rectangle) => rectangle.emission.at4(wavelengths),
-            Self::Sphere(sphere) => sphere.emission.at4(wavelengths),
-            Self::Sun(_) => [0.0; 4],
+            Self::Rectangle(rectangle) => rectangle.emission.at_each(wavelengths),
+            Self::Sphere(sphere) => sphere.emission.at_each(wavelengths),
+            Self::Sun(_) => [0.0; WAVES],
         }
     }
 

@@ -13,8 +13,11 @@ use sky::SkySampler;
 
 use crate::scene::light::Lamp;
 use crate::scene::sky::Environment;
-use crate::spectrum::dense::Lambda4;
+use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
+
+/// Of so many lights each is sampled at every point; of more so many are drawn, by their weights.
+const AT_ONCE: usize = 4;
 
 /// All lights of a scene. Each has an index: lamps in their order, then the sky.
 #[derive(Debug, Clone)]
@@ -23,8 +26,8 @@ pub struct Lighting {
     sky: Option<Sky>,
     /// Lamps that stand in the scene, which rays can hit.
     standing: Vec<usize>,
-    /// Probability of choosing each light.
-    chances: Vec<f64>,
+    /// Samples of each light that a point takes in the mean.
+    counts: Vec<f64>,
 }
 
 /// The sky and its weight.
@@ -64,33 +67,48 @@ impl Lighting {
             return Err(Error::input("a light's weight must be finite and greater than zero"));
         }
         let total: f64 = weights.iter().sum();
-        let chances = weights.iter().map(|weight| weight / total).collect();
+        let few = weights.len() <= AT_ONCE;
+        let count = |weight: &f64| if few { 1.0 } else { AT_ONCE as f64 * weight / total };
+        let counts = weights.iter().map(count).collect();
         let standing = (0..lamps.len()).filter(|&i| !lamps[i].light.is_infinite()).collect();
-        Ok(Self { lamps, sky, standing, chances })
+        Ok(Self { lamps, sky, standing, counts })
     }
 
-    /// A light chosen by its weight from a uniform number, and the probability of that choice.
+    /// How many samples of lights a point takes.
     #[inline]
     #[must_use]
-    pub fn choose(&self, mut u: f64) -> (usize, f64) {
-        let mut index = 0;
-        while index + 1 < self.chances.len() && u >= self.chances[index] {
-            u -= self.chances[index];
-            index += 1;
-        }
-        (index, self.chances[index])
+    pub fn draws(&self) -> usize {
+        self.counts.len().min(AT_ONCE)
     }
 
-    /// A direction from `point` towards a light; `None` where the light cannot be seen from there.
+    /// The light of one of these samples, with a uniform number where there are more lights than samples.
+    #[inline]
     #[must_use]
-    pub fn sample(&self, light: usize, point: DVec3, u: DVec2, wavelengths: Lambda4) -> Option<LightSample> {
-        match self.lamps.get(light) {
+    pub fn choose(&self, draw: usize, u: f64) -> usize {
+        if self.counts.len() <= AT_ONCE {
+            return draw;
+        }
+        let mut left = u * AT_ONCE as f64;
+        let found = self.counts.iter().position(|count| {
+            left -= count;
+            left < 0.0
+        });
+        found.unwrap_or(self.counts.len() - 1)
+    }
+
+    /// A direction from `point` towards a light, with its density in all of the point's samples; `None` where the light
+    /// cannot be seen from there.
+    #[must_use]
+    pub fn sample(&self, light: usize, point: DVec3, u: DVec2, wavelengths: Lambdas) -> Option<LightSample> {
+        let mut sample = match self.lamps.get(light) {
             Some(lamp) => lamp.light.sample(point, u, wavelengths),
             None => self.sky.as_ref()?.sampler.sample(u, wavelengths),
-        }
+        }?;
+        sample.pdf *= self.counts[light];
+        Some(sample)
     }
 
-    /// Density of a direction, 1/sr, when the light is chosen and sampled, for a ray known to see it.
+    /// Density of a direction in all of a point's samples, 1/sr, from a light that a ray along it is known to see.
     #[must_use]
     pub fn pdf(&self, light: usize, point: DVec3, direction: DVec3) -> f64 {
         let pdf = match (self.lamps.get(light), &self.sky) {
@@ -98,15 +116,15 @@ impl Lighting {
             (None, Some(sky)) => sky.sampler.pdf(direction),
             (None, None) => 0.0,
         };
-        self.chances[light] * pdf
+        self.counts[light] * pdf
     }
 
     /// The lights that a ray sees when it leaves the scene, with their radiance.
     pub fn escaped(
         &self,
         direction: DVec3,
-        wavelengths: Lambda4,
-    ) -> impl Iterator<Item = (usize, [f64; 4])> + '_ {
+        wavelengths: Lambdas,
+    ) -> impl Iterator<Item = (usize, [f64; WAVES])> + '_ {
         let lamps = self.lamps.iter().enumerate();
         let infinite = lamps.filter(|(_, lamp)| lamp.light.is_infinite());
         let suns = infinite.map(move |(index, lamp)| (index, lamp.light.escaped(direction, wavelengths)));
@@ -135,7 +153,7 @@ impl Lighting {
 
     /// Radiance of a lamp that a ray hits.
     #[must_use]
-    pub fn emitted(&self, light: usize, wavelengths: Lambda4) -> [f64; 4] {
+    pub fn emitted(&self, light: usize, wavelengths: Lambdas) -> [f64; WAVES] {
         self.lamps[light].light.emitted(wavelengths)
     }
 }

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::spectrum::dense::WAVES;
+
 /// A direction towards a light.
 #[derive(Debug, Clone, Copy)]
 pub struct LightSample {
@@ -12,5 +14,5 @@ pub struct LightSample {
     /// Density of the direction, 1/sr.
     pub pdf: f64,
     /// Radiance that arrives if nothing stands between.
-    pub radiance: [f64; 4],
+    pub radiance: [f64; WAVES],
 }

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::sample::LightSample;
 use crate::scene::sky::Sky;
-use crate::spectrum::dense::Lambda4;
+use crate::spectrum::dense::{Lambdas, WAVES};
 
 /// A sky with the distributions that its samples follow.
 #[derive(Debug)]
@@ -46,12 +46,12 @@ impl SkySampler {
     }
 
     /// Radiance from a direction.
-    pub(super) fn radiance(&self, direction: DVec3, wavelengths: Lambda4) -> [f64; 4] {
+    pub(super) fn radiance(&self, direction: DVec3, wavelengths: Lambdas) -> [f64; WAVES] {
         self.sky.radiance(direction, wavelengths)
     }
 
     /// A direction drawn in proportion to the radiance.
-    pub(super) fn sample(&self, u: DVec2, wavelengths: Lambda4) -> Option<LightSample> {
+    pub(super) fn sample(&self, u: DVec2, wavelengths: Lambdas) -> Option<LightSample> {
         let [width, _] = self.sky.size();
         let (row, v) = invert(&self.rows, u.y);
         let (column, h) = invert(&self.columns[row * (width + 1)..][..=width], u.x);
@@ -116,10 +116,10 @@ mod tests {
         let mut stream = crate::math::rng::Stream::new(1, &[]);
         for _ in 0..2000 {
             let u = DVec2::new(stream.unit(), stream.unit());
-            let sample = sky.sample(u, Lambda4::splat(500.0)).unwrap();
+            let sample = sky.sample(u, Lambdas::splat(500.0)).unwrap();
             assert!((sample.direction.length() - 1.0).abs() < 1e-12);
             assert!((sky.pdf(sample.direction) / sample.pdf - 1.0).abs() < 1e-9);
-            assert_eq!(sky.radiance(sample.direction, Lambda4::splat(500.0)), sample.radiance);
+            assert_eq!(sky.radiance(sample.direction, Lambdas::splat(500.0)), sample.radiance);
         }
     }
 
@@ -138,11 +138,11 @@ mod tests {
         let mut rgb = vec![[0.0; 3]; 64 * 32];
         rgb[10 * 64] = [3.0, 1.0, 0.5];
         let sky = SkySampler::new(Sky::image(64, 32, rgb, 2.0, 90.0).unwrap());
-        let sample = sky.sample(DVec2::new(0.5, 0.5), Lambda4::splat(550.0)).unwrap();
+        let sample = sky.sample(DVec2::new(0.5, 0.5), Lambdas::splat(550.0)).unwrap();
         // Column 0 begins at +y; turned by 90° it begins at +x.
         assert!(sample.direction.x > 0.8 && sample.direction.y.abs() < 0.1, "{}", sample.direction);
         assert!((sky.pdf(sample.direction) / sample.pdf - 1.0).abs() < 1e-9);
-        assert!(sky.radiance(sample.direction, Lambda4::splat(550.0))[0] > 1.0);
-        assert_eq!(sky.radiance(DVec3::Y, Lambda4::splat(550.0)), [0.0; 4]);
+        assert!(sky.radiance(sample.direction, Lambdas::splat(550.0))[0] > 1.0);
+        assert_eq!(sky.radiance(DVec3::Y, Lambdas::splat(550.0)), [0.0; WAVES]);
     }
 }

@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Bearing, PigmentedKeratin, SceneDescription, SkyDescription};
+use super::{Bearing, FibreDescription, PigmentedKeratin, SceneDescription, SkyDescription};
 use crate::brdf::FeatherBrdf;
-use crate::bsdf::{BarbuleSurface, Keratin, Reflectance, Surface};
+use crate::bsdf::{
+    Absorption, BarbuleSurface, FibreIndex, Hair, HairParameters, Keratin, Reflectance, Surface,
+};
 use crate::math::rng::hash;
 use crate::scene::camera::{Camera, Projection, direction};
 use crate::scene::emission::Emission;
@@ -46,7 +48,10 @@ impl SceneDescription {
             BarbuleSurface { brdf, instances: true, under: keratin(&self.surfaces.underside)?, opacity: 1.0 };
         let parts = [
             (grown.shaft, Surface::Keratin(keratin(&self.surfaces.shaft)?)),
-            (grown.rami, Surface::Keratin(keratin(&self.surfaces.ramus)?)),
+            match &self.surfaces.hair {
+                Some(fibre) => (grown.fibres, Surface::Hair(hair(fibre)?)),
+                None => (grown.rami, Surface::Keratin(keratin(&self.surfaces.ramus)?)),
+            },
             (grown.barbules, Surface::Barbule(barbule)),
         ];
         Ok((parts.map(|(geometry, surface)| Object { geometry, surface }).into(), counts))
@@ -129,4 +134,14 @@ impl Bearing {
 
 fn keratin(of: &PigmentedKeratin) -> Result<Keratin> {
     Keratin::new(of.roughness, of.index, Reflectance::melanin(of.melanin)?)
+}
+
+fn hair(of: &FibreDescription) -> Result<Hair> {
+    Hair::new(HairParameters {
+        longitudinal_roughness: of.longitudinal_roughness,
+        azimuthal_roughness: of.azimuthal_roughness,
+        scale_tilt: of.scale_tilt_deg.to_radians(),
+        index: of.index.map_or(FibreIndex::Keratin, FibreIndex::Constant),
+        absorption: Absorption::pigments(of.eumelanin, of.pheomelanin)?,
+    })
 }

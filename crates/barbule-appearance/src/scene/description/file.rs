@@ -300,6 +300,30 @@ mod tests {
         assert_eq!((scene.window.radius_mm, scene.window.along_mm), (1.0, 150.0));
     }
 
+    /// Rami of hair are a further table; without it a scene is the one that it was before there was hair.
+    #[test]
+    fn rami_may_be_fibres_of_hair() {
+        let text = "preset = \"rock-dove\"\n[surfaces.hair]\nlongitudinal_roughness = 0.25\nazimuthal_roughness = 0.3\n\
+                    eumelanin = 0.6\npheomelanin = 0.1\nindex = 1.55\n";
+        let scene = SceneDescription::parse(text).unwrap();
+        let hair = scene.surfaces.hair.unwrap();
+        assert_eq!((hair.longitudinal_roughness, hair.azimuthal_roughness), (0.25, 0.3));
+        assert_eq!(
+            (hair.eumelanin, hair.pheomelanin, hair.index, hair.scale_tilt_deg),
+            (0.6, 0.1, Some(1.55), 0.0)
+        );
+        let bare = SceneDescription::named("rock-dove").unwrap();
+        assert!(bare.surfaces.hair.is_none() && !serde_json::to_string(&bare).unwrap().contains("hair"));
+        assert_ne!(hash("scene", &scene), hash("scene", &bare));
+        let message = |text: &str| {
+            let text = format!("preset = \"rock-dove\"\n[surfaces.hair]\n{text}");
+            SceneDescription::parse(&text).unwrap_err().to_string()
+        };
+        assert!(message("eumelanine = 1").contains("did you mean 'eumelanin'"));
+        assert!(message("index = 1.0").contains("surfaces.hair.index"));
+        assert!(message("azimuthal_roughness = 0").contains("surfaces.hair.azimuthal_roughness"));
+    }
+
     #[test]
     fn bad_scenes_are_refused_in_a_sentence() {
         let message = |text: &str| SceneDescription::parse(text).unwrap_err().to_string();

@@ -100,6 +100,23 @@ pub struct PigmentedKeratin {
     pub melanin: f64,
 }
 
+/// A fibre of the hair model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FibreDescription {
+    /// How far lobes spread along the fibre.
+    pub longitudinal_roughness: f64,
+    /// How far they spread around it.
+    pub azimuthal_roughness: f64,
+    /// By how much scales stand off it, degrees.
+    pub scale_tilt_deg: f64,
+    /// Refractive index; that of feather keratin at each wavelength where there is none.
+    pub index: Option<f64>,
+    /// Concentration of eumelanin: 0.3 is blond, 1.3 brown, 8 black.
+    pub eumelanin: f64,
+    /// Concentration of pheomelanin.
+    pub pheomelanin: f64,
+}
+
 /// What the parts of a feather are made of.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Surfaces {
@@ -109,6 +126,9 @@ pub struct Surfaces {
     pub ramus: PigmentedKeratin,
     /// The undersides of the barbules.
     pub underside: PigmentedKeratin,
+    /// What rami are made of as round fibres, in place of `ramus`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hair: Option<FibreDescription>,
 }
 
 impl Identify for SceneDescription {
@@ -177,7 +197,7 @@ impl SceneDescription {
 impl Surfaces {
     /// Reads the table `[surfaces]`.
     fn read(table: &Value) -> Result<Self> {
-        let fields = Fields::new(table, "surfaces", &["shaft", "ramus", "underside"])?;
+        let fields = Fields::new(table, "surfaces", &["shaft", "ramus", "underside", "hair"])?;
         let keratin = |key: &str| -> Result<PigmentedKeratin> {
             let table = fields.need(key, &format!("the table [surfaces.{key}]"))?;
             let fields = Fields::new(table, &fields.path(key), &["roughness", "index", "melanin"])?;
@@ -187,6 +207,38 @@ impl Surfaces {
                 melanin: fields.number_within("melanin", 0.0, 1e6)?,
             })
         };
-        Ok(Self { shaft: keratin("shaft")?, ramus: keratin("ramus")?, underside: keratin("underside")? })
+        let hair = fields.get("hair").map(|table| FibreDescription::read(table, &fields.path("hair")));
+        Ok(Self {
+            shaft: keratin("shaft")?,
+            ramus: keratin("ramus")?,
+            underside: keratin("underside")?,
+            hair: hair.transpose()?,
+        })
+    }
+}
+
+impl FibreDescription {
+    /// Reads a table in which every key may be left out: then it is a ramus without pigment.
+    fn read(table: &Value, place: &str) -> Result<Self> {
+        const KEYS: [&str; 6] = [
+            "longitudinal_roughness",
+            "azimuthal_roughness",
+            "scale_tilt_deg",
+            "index",
+            "eumelanin",
+            "pheomelanin",
+        ];
+        let fields = Fields::new(table, place, &KEYS)?;
+        let within = |key: &str, low: f64, high: f64| -> Result<Option<f64>> {
+            fields.get(key).map(|_| fields.number_within(key, low, high)).transpose()
+        };
+        Ok(Self {
+            longitudinal_roughness: within(KEYS[0], 0.02, 1.0)?.unwrap_or(0.3),
+            azimuthal_roughness: within(KEYS[1], 0.02, 1.0)?.unwrap_or(0.4),
+            scale_tilt_deg: within(KEYS[2], -20.0, 20.0)?.unwrap_or(0.0),
+            index: within(KEYS[3], 1.01, 3.9)?,
+            eumelanin: within(KEYS[4], 0.0, 1e3)?.unwrap_or(0.0),
+            pheomelanin: within(KEYS[5], 0.0, 1e3)?.unwrap_or(0.0),
+        })
     }
 }

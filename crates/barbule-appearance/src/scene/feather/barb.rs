@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2};
 use super::shaft::{Shaft, tube_triangles};
 use super::{BarbShape, Feather, VaneDisc};
 use crate::math::rng::{Stream, hash};
-use crate::scene::geometry::{Geometry, Mesh};
+use crate::scene::geometry::{CurveNode, Geometry, Mesh};
 
 /// Steps of a barb's curve.
 const STEPS: usize = 24;
@@ -153,6 +153,21 @@ impl Barb {
     #[must_use]
     pub fn half_width(&self, share: f64) -> f64 {
         self.radius_mm * (1.0 - 0.75 * libm::pow(share.clamp(0.0, 1.0), 1.2))
+    }
+
+    /// Adds the ramus as a round fibre of its width.
+    pub(super) fn fibre(&self, geometry: &mut Geometry, origin: DVec3) {
+        let mut nodes = Vec::with_capacity(STEPS + 1);
+        for ring in 0..=STEPS {
+            let half = self.half_width(ring as f64 / STEPS as f64);
+            let centre = self.points[ring] - self.normals[ring] * (0.45 * half);
+            nodes.push(CurveNode {
+                point: (centre - origin).as_vec3(),
+                radius: half as f32,
+                vane_normal: self.normals[ring].as_vec3(),
+            });
+        }
+        geometry.add_curve(&nodes, self.id);
     }
 
     /// Adds the ramus: a tube taller than wide.

@@ -33,6 +33,8 @@ pub struct Grown {
     pub shaft: Geometry,
     /// The barbs' rami.
     pub rami: Geometry,
+    /// The same rami as round fibres, for those who see hair in them.
+    pub fibres: Geometry,
     /// The barbules.
     pub barbules: Geometry,
 }
@@ -84,6 +86,7 @@ impl Feather {
                     continue;
                 }
                 barb.mesh(&mut grown.rami, &self.barbs, origin);
+                barb.fibre(&mut grown.fibres, origin);
                 for (which, shape) in [&self.distal, &self.proximal].into_iter().enumerate() {
                     let place = (origin, window);
                     barbule::along(&mut grown.barbules, &barb, shape, &self.disorder, which, place, seed);
@@ -234,6 +237,8 @@ mod tests {
             assert!(counts.barbs > 4 && counts.barbules > 400, "{name}: {counts:?}");
             grown.shaft.check().unwrap();
             grown.rami.check().unwrap();
+            grown.fibres.check().unwrap();
+            assert_eq!(grown.fibres.curves.len(), counts.barbs);
             let geometry = grown.barbules;
             geometry.check().unwrap();
             let mut upward = 0;

@@ -1,0 +1,260 @@
+//! Hair: a round, smooth-walled dielectric fibre with pigment inside and tilted scales outside. Also bare barbs and down.
+//!
+//! f cosθ = Σ_p M_p(θ_i, θ_o) A_p N_p(φ): light leaves after p chords inside (R, TT, TRT, and all others together), with
+//! the power A_p that Fresnel and absorption leave it, spread along the fibre by M and around it by N. The ray's own offset
+//! from the axis decides A and N, so a fibre shows its width (Marschner et al. 2003; d'Eon et al. 2011; Chiang et al.
+//! 2016; derivations in `docs/theory/hair.md`).
+//!
+//! A model of the whole fibre: light leaves towards every direction from the point where it came in, and goes on unhindered
+//! by the fibre itself. Without absorption all of it leaves. Not reciprocal: the offset, and with it A and N, is the
+//! viewer's.
+
+mod absorption;
+mod section;
+mod spread;
+#[cfg(test)]
+mod tests;
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+pub use absorption::Absorption;
+
+use self::section::{FOLLOWED, Round, WAYS};
+use self::spread::{Azimuthal, Longitudinal};
+use super::hit::Hit;
+use super::lobes::Lobes;
+use super::{Bsdf, Model};
+use crate::spectrum::dense::{Lambdas, WAVES};
+use crate::{Error, Result};
+
+/// Refractive index of a fibre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FibreIndex {
+    /// The same at all wavelengths: 1.55 is human hair.
+    Constant(f64),
+    /// Feather keratin, 1.532 + 5890 nm²/λ² (Leertouwer et al. 2011). Each wavelength goes its own way, which takes longer.
+    Keratin,
+}
+
+/// What makes a fibre.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HairParameters {
+    /// β_m: how far lobes spread along the fibre, 0.02 … 1.
+    pub longitudinal_roughness: f64,
+    /// β_n: how far they spread around it, 0.02 … 1.
+    pub azimuthal_roughness: f64,
+    /// By how much the scales' free edges, which point to the tip, stand off the fibre, rad. 2° is human hair, 0 feathers.
+    pub scale_tilt: f64,
+    /// Refractive index.
+    pub index: FibreIndex,
+    /// What the inside absorbs.
+    pub absorption: Absorption,
+}
+
+/// A fibre's material. Its frame's y points from root to tip.
+#[derive(Debug, Clone)]
+pub struct Hair {
+    index: FibreIndex,
+    absorption: Absorption,
+    /// Of each way through the fibre.
+    along: [Longitudinal; WAYS],
+    around: Azimuthal,
+    /// Sine and cosine of what the scales add to the viewer's inclination, for each way.
+    tilts: [[f64; 2]; WAYS],
+}
+
+/// Scales tilt the surface normal towards the root by α. By Snell's law of small angles R then leaves at the inclination
+/// −θ_o − 2α, TT at −θ_o + 2(η − 1)α and TRT at −θ_o + (4η − 2)α; these are the factors for η = 1.5.
+const TILTS: [f64; WAYS] = [2.0, -1.0, -4.0, 0.0];
+
+impl Hair {
+    /// Everything that does not depend on a hit.
+    ///
+    /// # Errors
+    /// A parameter out of range.
+    pub fn new(parameters: HairParameters) -> Result<Self> {
+        let HairParameters {
+            longitudinal_roughness: m,
+            azimuthal_roughness: n,
+            scale_tilt,
+            index,
+            absorption,
+        } = parameters;
+        let range = 0.02..=1.0;
+        if !(range.contains(&m) && range.contains(&n)) {
+            return Err(Error::input(format!(
+                "hair of roughness {m} along and {n} around the fibre: give 0.02 to 1 for both"
+            )));
+        }
+        if scale_tilt.is_nan() || scale_tilt.abs() > MOST_TILT {
+            let degrees = scale_tilt.to_degrees();
+            return Err(Error::input(format!(
+                "hair with scales tilted by {degrees} degrees: give -20 to 20"
+            )));
+        }
+        if let FibreIndex::Constant(index) = index
+            && !(1.01..=3.9).contains(&index)
+        {
+            return Err(Error::input(format!("hair of index {index}: give 1.01 to 3.9")));
+        }
+        // The fits of Chiang et al. 2016, §4.1, of both widths to what roughness looks like.
+        let root = 0.726 * m + 0.812 * m * m + 3.7 * libm::pow(m, 20.0);
+        let variance = root * root;
+        let scale = SCALE * (0.265 * n + 1.194 * n * n + 5.372 * libm::pow(n, 22.0));
+        let wide = Longitudinal::new(4.0 * variance);
+        Ok(Self {
+            index,
+            absorption,
+            along: [Longitudinal::new(variance), Longitudinal::new(0.25 * variance), wide, wide],
+            around: Azimuthal::new(scale),
+            tilts: TILTS.map(|factor| [libm::sin(factor * scale_tilt), libm::cos(factor * scale_tilt)]),
+        })
+    }
+
+    /// At a hit, seen from `wo`. The offset follows from the normal: that of a round fibre stands on its axis.
+    #[inline]
+    pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
+        let side = hit.side(wo);
+        let across = (side.wo.x * side.wo.x + side.wo.z * side.wo.z).sqrt();
+        let offset = if across > 0.0 { (side.wo.x / across).clamp(-1.0, 1.0) } else { 0.0 };
+        Bsdf::new(Model::Hair(Bound::new(self, offset, side.wo, wavelengths)), side)
+    }
+}
+
+/// 20°.
+const MOST_TILT: f64 = 0.349_065_85;
+
+/// √(π/8): a logistic distribution of this scale has at 0 the density of the normal one of deviation 1.
+const SCALE: f64 = 0.626_657_068_657_750_1;
+
+/// A fibre at the wavelengths of a path, one direction of the viewer and one offset.
+pub(super) struct Bound<'a> {
+    hair: &'a Hair,
+    /// Unit vector towards the viewer in the section, x and z.
+    viewer: [f64; 2],
+    /// Sine and cosine of the viewer's inclination as each way sees it over the scales.
+    inclinations: [[f64; 2]; WAYS],
+    /// Where the followed ways leave at each wavelength; all the same unless the index is dispersive.
+    azimuths: [[f64; FOLLOWED]; WAVES],
+    /// Share of the power on each way at each wavelength: `[way][wavelength]`.
+    powers: [[f64; WAVES]; WAYS],
+    /// One over their sums.
+    inverse_albedo: [f64; WAVES],
+}
+
+impl<'a> Bound<'a> {
+    /// `offset`: signed distance of the viewer's ray from the axis over the radius, positive towards the azimuths of x.
+    #[inline]
+    pub(super) fn new(hair: &'a Hair, offset: f64, wo: DVec3, wavelengths: Lambdas) -> Self {
+        let sin = wo.y.clamp(-1.0, 1.0);
+        let cos = (1.0 - sin * sin).sqrt();
+        let across = (wo.x * wo.x + wo.z * wo.z).sqrt();
+        let viewer = if across > 0.0 { [wo.x / across, wo.z / across] } else { [0.0, 1.0] };
+        let depths = hair.absorption.at_each(wavelengths);
+        let mut azimuths = [[0.0; FOLLOWED]; WAVES];
+        let mut powers = [[0.0; WAVES]; WAYS];
+        let mut albedo = [0.0; WAVES];
+        let mut section = Round::new(offset, [sin, cos], hair.index.at(wavelengths.nm()[0]));
+        for k in 0..WAVES {
+            if k > 0 && hair.index == FibreIndex::Keratin {
+                section = Round::new(offset, [sin, cos], hair.index.at(wavelengths.nm()[k]));
+            }
+            azimuths[k] = section.azimuths;
+            for (way, power) in section.attenuations(depths[k]).into_iter().enumerate() {
+                powers[way][k] = power;
+                albedo[k] += power;
+            }
+        }
+        let mut inclinations = [[sin, cos]; WAYS];
+        for (inclination, [sin_tilt, cos_tilt]) in inclinations.iter_mut().zip(&hair.tilts) {
+            *inclination = [sin * cos_tilt + cos * sin_tilt, (cos * cos_tilt - sin * sin_tilt).abs()];
+        }
+        Self { hair, viewer, inclinations, azimuths, powers, inverse_albedo: albedo.map(|a| 1.0 / a) }
+    }
+
+    #[inline]
+    pub(super) fn lobes(&self) -> Lobes {
+        Lobes::REFLECTION.and(Lobes::TRANSMISSION).and(Lobes::GLOSSY)
+    }
+
+    /// The density is the value times the cosine over the albedo, since every lobe is drawn in proportion to its power
+    /// and exactly: samples all weigh the albedo.
+    #[inline]
+    pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
+        let sin = wi.y.clamp(-1.0, 1.0);
+        let cos = (1.0 - sin * sin).sqrt();
+        let [x, z] = self.viewer;
+        let azimuth = libm::atan2(x * wi.z - z * wi.x, x * wi.x + z * wi.z);
+        let mut along = [0.0; WAYS];
+        for ((value, lobe), &inclination) in along.iter_mut().zip(&self.hair.along).zip(&self.inclinations) {
+            *value = lobe.density(inclination, sin, cos);
+        }
+        let mut scattered = self.powers[FOLLOWED].map(|power| power * along[FOLLOWED] / TAU);
+        let mut around = self.around(0, azimuth);
+        for (k, sum) in scattered.iter_mut().enumerate() {
+            if k > 0 && self.hair.index == FibreIndex::Keratin {
+                around = self.around(k, azimuth);
+            }
+            let followed = self.powers.iter().zip(&along).zip(&around);
+            *sum += followed.map(|((power, along), around)| power[k] * along * around).sum::<f64>();
+        }
+        // The integrator multiplies by this cosine again.
+        let cosine = wi.z.abs().max(LEAST_COSINE);
+        let mut pdf = [0.0; WAVES];
+        for k in 0..WAVES {
+            pdf[k] = scattered[k] * self.inverse_albedo[k];
+        }
+        (scattered.map(|s| s / cosine), pdf)
+    }
+
+    #[inline]
+    pub(super) fn sample(&self, _wo: DVec3, [u, v, choice]: [f64; 3]) -> Option<(DVec3, Lobes)> {
+        let mut rest = choice / self.inverse_albedo[0];
+        let mut way = 0;
+        while way < FOLLOWED && rest >= self.powers[way][0] {
+            rest -= self.powers[way][0];
+            way += 1;
+        }
+        // What the choice leaves is uniform again.
+        let again = (rest / self.powers[way][0].max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let sin = self.hair.along[way].sample(self.inclinations[way], u, again);
+        let cos = (1.0 - sin * sin).sqrt();
+        let azimuth =
+            if way < FOLLOWED { self.azimuths[0][way] + self.hair.around.sample(v) } else { TAU * v };
+        let (sin_azimuth, cos_azimuth) = (libm::sin(azimuth), libm::cos(azimuth));
+        let [x, z] = self.viewer;
+        let wi = DVec3::new(
+            cos * (x * cos_azimuth - z * sin_azimuth),
+            sin,
+            cos * (z * cos_azimuth + x * sin_azimuth),
+        );
+        let side = if wi.z > 0.0 { Lobes::REFLECTION } else { Lobes::TRANSMISSION };
+        Some((wi, side.and(Lobes::GLOSSY)))
+    }
+
+    /// Densities of the followed ways at an azimuth from the viewer's, 1/rad.
+    #[inline]
+    fn around(&self, wavelength: usize, azimuth: f64) -> [f64; FOLLOWED] {
+        let middles = &self.azimuths[wavelength];
+        let mut densities = [0.0; FOLLOWED];
+        for (density, middle) in densities.iter_mut().zip(middles) {
+            *density = self.hair.around.density(azimuth - middle);
+        }
+        densities
+    }
+}
+
+/// Only a direction in the tangent plane itself is nearer.
+const LEAST_COSINE: f64 = 1e-12;
+
+impl FibreIndex {
+    #[inline]
+    fn at(self, wavelength_nm: f64) -> f64 {
+        match self {
+            Self::Constant(index) => index,
+            Self::Keratin => 1.532 + 5890.0 / (wavelength_nm * wavelength_nm),
+        }
+    }
+}
