@@ -12,6 +12,7 @@ use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{Absorption, FibreIndex, Frame, Hair, HairParameters, Hit, Surface};
 use barbule::math::rng::Stream;
 use barbule::spectrum::dense::Lambdas;
+use cpu_time::ProcessTime;
 use glam::DVec3;
 use std::hint::black_box;
 use std::time::Instant;
@@ -95,29 +96,17 @@ fn measure_hair(name: &str, calls: &[Call], index: FibreIndex) {
     measure(&format!("{name}: eval"), calls, |c, n| bound.eval(if n % 2 == 0 { c.wo } else { -c.wo }));
 }
 
-/// CPU seconds of this process so far; 0 where the system does not tell.
-fn cpu_seconds() -> f64 {
-    let ticks = || -> Option<f64> {
-        let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-        let fields: Vec<f64> =
-            stat.rsplit(')').next()?.split_whitespace().filter_map(|f| f.parse().ok()).collect();
-        // After the name and the state (a letter): utime and stime are the 11th and 12th numbers, in 1/100 s.
-        Some((fields.get(10)? + fields.get(11)?) / 100.0)
-    };
-    ticks().unwrap_or(0.0)
-}
-
 fn main() {
     let material = example(50);
-    let (begun, before) = (Instant::now(), cpu_seconds());
+    let (begun, before) = (Instant::now(), ProcessTime::now());
     let brdf = FeatherBrdf::new(&material, Options::default()).expect("a material");
-    let (wall, cpu) = (begun.elapsed().as_secs_f64(), cpu_seconds() - before);
+    let (wall, cpu) = (begun.elapsed().as_secs_f64(), before.elapsed().as_secs_f64());
     println!("{:45} {cpu:7.2} CPU s, {wall:.2} s", "load");
     if let Some(file) = std::env::args().skip(1).find(|a| !a.starts_with('-')) {
         let material = barbule::io::read_material(file.as_ref()).expect("a material");
-        let before = cpu_seconds();
+        let before = ProcessTime::now();
         black_box(FeatherBrdf::new(&material, Options::default()).expect("a material"));
-        println!("{:45} {:7.2} CPU s", format!("load of {file}"), cpu_seconds() - before);
+        println!("{:45} {:7.2} CPU s", format!("load of {file}"), before.elapsed().as_secs_f64());
     }
     let calls = calls(&brdf);
     measure("eval of 4 wavelengths with instance", &calls, |c, n| brdf.eval(c.waves, c.wi, c.wo, Some(n)));

@@ -24,21 +24,10 @@ use barbule::scene::geometry::{CurveNode, Geometry, Mesh};
 use barbule::scene::light::{Lamp, Light, Sun, disc_radiance};
 use barbule::scene::sky::{Environment, Sky};
 use barbule::scene::{Object, Scene};
+use cpu_time::ProcessTime;
 use glam::{DVec3, Vec3};
 
 const SIZE: [u32; 2] = [320, 200];
-
-/// CPU seconds of this process so far, or wall seconds where the system does not tell.
-fn cpu_seconds(begun: Instant) -> f64 {
-    let ticks = || -> Option<f64> {
-        let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-        let fields: Vec<f64> =
-            stat.rsplit(')').next()?.split_whitespace().filter_map(|f| f.parse().ok()).collect();
-        // After the name and the state (a letter): utime and stime are the 11th and 12th numbers, in 1/100 s.
-        Some((fields.get(10)? + fields.get(11)?) / 100.0)
-    };
-    ticks().unwrap_or_else(|| begun.elapsed().as_secs_f64())
-}
 
 /// Millions of camera paths per CPU second on one thread.
 fn measure(name: &str, samples: u32, most_scatterings: u32, scene: Scene) {
@@ -52,9 +41,9 @@ fn measure(name: &str, samples: u32, most_scatterings: u32, scene: Scene) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     let mut film = Film::new(SIZE).expect("a film");
     let goal = Goal { samples, noise: None, time: None };
-    let before = cpu_seconds(begun);
+    let before = ProcessTime::now();
     pool.install(|| run(&integrator, &mut film, 1, goal, &Unobserved, &mut |_| Ok(()))).expect("a picture");
-    let speed = 1e-6 * film.samples() as f64 / (cpu_seconds(begun) - before);
+    let speed = 1e-6 * film.samples() as f64 / before.elapsed().as_secs_f64();
     println!(
         "{name}: {speed:.3} M paths/CPU s ({} primitives, hierarchy in {built:.2} s)",
         stage.primitives()

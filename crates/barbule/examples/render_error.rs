@@ -19,6 +19,7 @@ use barbule::render::run::{Goal, run};
 use barbule::render::stage::Stage;
 use barbule::scene::Scene;
 use barbule::scene::description::SceneDescription;
+use cpu_time::ProcessTime;
 
 /// Of the reference.
 const MANY: u32 = 4096;
@@ -50,26 +51,14 @@ impl Prepared {
         })
     }
 
-    /// Linear sRGB, and the CPU seconds of one thread.
+    /// Linear sRGB, and the CPU seconds that it took.
     fn picture(&self, size: [u32; 2], samples: u32, seed: u64) -> barbule::Result<(Vec<[f32; 3]>, f64)> {
         let integrator = Integrator::new(&self.stage, &self.lighting, &self.camera, Transport::default());
         let mut film = Film::new(size)?;
-        let before = cpu_seconds();
+        let before = ProcessTime::now();
         let goal = Goal { samples, noise: None, time: None };
         run(&integrator, &mut film, seed, goal, &Unobserved, &mut |_| Ok(()))?;
-        Ok((film.linear_srgb(), cpu_seconds() - before))
-    }
-}
-
-/// CPU seconds of this process so far.
-fn cpu_seconds() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields: Vec<f64> =
-        stat.rsplit(')').next().unwrap_or("").split_whitespace().filter_map(|f| f.parse().ok()).collect();
-    // After the name and the state (a letter): utime and stime are the 11th and 12th numbers, in 1/100 s.
-    match (fields.get(10), fields.get(11)) {
-        (Some(user), Some(system)) => (user + system) / 100.0,
-        _ => f64::NAN,
+        Ok((film.linear_srgb(), before.elapsed().as_secs_f64()))
     }
 }
 

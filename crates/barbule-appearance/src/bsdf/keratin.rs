@@ -10,6 +10,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
+use super::fresnel::fresnel;
 use super::hit::Hit;
 use super::lobes::Lobes;
 use super::reflectance::Reflectance;
@@ -180,15 +181,6 @@ impl Bound<'_> {
     pub(super) fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<(DVec3, Lobes)> {
         Some(self.keratin.sample(wo, u))
     }
-}
-
-/// Unpolarized Fresnel reflectance from air onto a dielectric.
-fn fresnel(cosine: f64, index: f64) -> f64 {
-    let c = cosine.clamp(0.0, 1.0);
-    let t = (1.0 - (1.0 - c * c) / (index * index)).max(0.0).sqrt();
-    let s = (c - index * t) / (c + index * t);
-    let p = (index * c - t) / (index * c + t);
-    0.5 * (s * s + p * p)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@
 
 mod feather;
 mod frame;
+mod fresnel;
 mod hair;
 mod hit;
 mod keratin;

@@ -339,6 +339,26 @@ fn techniques_agree_with_each_other() {
     }
 }
 
+/// More lights than a point samples: four of them are drawn, by weights that have nothing to do with what they bring.
+#[test]
+fn techniques_agree_under_many_lights() {
+    let lamps: Vec<Lamp> = (0..6)
+        .map(|k| {
+            let azimuth = f64::from(k);
+            let direction = DVec3::new(0.6 * azimuth.cos(), 0.6 * azimuth.sin(), 0.8);
+            let emission = Emission::daylight().scaled(1.0 + 0.5 * azimuth);
+            Lamp {
+                light: Light::Sun(Sun { direction, cos_radius: 0.97, emission }),
+                weight: 3.0 - 0.4 * azimuth,
+            }
+        })
+        .collect();
+    let under = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0).unwrap()).unwrap();
+    for (name, surface) in [("keratin", Surface::Keratin(under)), ("white", white())] {
+        agreeing(scene(square(2.0), surface, (lamps.clone(), Some(sky(0.4))), camera(0.9, 1.0)), name);
+    }
+}
+
 /// An image of uneven colours, half of its light from one of its pixels.
 fn bright_pixel(width: usize, height: usize) -> Sky {
     let mut rgb: Vec<[f32; 3]> =

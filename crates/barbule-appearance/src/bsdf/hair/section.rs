@@ -7,6 +7,7 @@
 use std::f64::consts::PI;
 
 use super::spread::wrap;
+use crate::bsdf::fresnel::fresnel;
 
 /// Ways that are followed one by one: R (reflected), TT (through), TRT (reflected once inside).
 pub(super) const FOLLOWED: usize = 3;
@@ -60,16 +61,6 @@ impl Round {
         let rest = through * again * again / (1.0 - again).max(f64::MIN_POSITIVE);
         [f, through, through * again, rest]
     }
-}
-
-/// Unpolarized Fresnel reflectance from air onto a dielectric.
-#[inline]
-fn fresnel(cosine: f64, index: f64) -> f64 {
-    let c = cosine.clamp(0.0, 1.0);
-    let t = (1.0 - (1.0 - c * c) / (index * index)).max(0.0).sqrt();
-    let s = (c - index * t) / (c + index * t);
-    let p = (index * c - t) / (index * c + t);
-    0.5 * (s * s + p * p)
 }
 
 #[cfg(test)]
