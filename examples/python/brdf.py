@@ -6,6 +6,7 @@ reads documents of `barbule brdf --json`, one a line, and prints their f, s and 
 import json, sys
 from array import array
 from functools import lru_cache
+from statistics import NormalDist
 from math import acos, asin, atan, copysign, cos, cosh, erf, exp, floor, log, pi, radians, sin, sinh, sqrt, tanh
 
 N, BASES, WORD = 1024, 256, 2**64 - 1  # points and number of the noise's base functions
@@ -19,8 +20,8 @@ integral = lambda f, a, b: (b - a) * sum(w * f(a + (b - a) * u) for u, w in TANH
 data = open(sys.argv[1], "rb").read()
 header = json.loads(data[8:(start := 8 + int.from_bytes(data[:8], "little"))])
 about = json.loads(header.pop("__metadata__")["barbule"])
-assert about["schema"] == 2 and "m" in header
-arrays = {name: array("d" if entry["dtype"] == "F64" else "H", data[slice(*(start + at for at in entry["data_offsets"]))])
+assert about["schema"] == 3 and "m" in header
+arrays = {name: array({"F64": "d", "F32": "f", "U16": "H"}[entry["dtype"]], data[slice(*(start + at for at in entry["data_offsets"]))])
           for name, entry in header.items()}
 waves, cos_theta, cos_phi, power = (arrays[k] for k in ("wavelengths_nm", "cos_theta", "cos_phi", "noise_power"))
 both, sigma, seed = about["sides"] == "both", about["sigma"], about["seed"]
@@ -86,6 +87,12 @@ def simplex(theta, phi, nm):  # (weight, t, p, wave) of the nodes that are mixed
         if share > above:
             yield single(share - above), *corner
 
+def slopes(theta, phi):  # κ and g
+    (t, a), (p, b) = find([0, *cos_theta], cos(theta)), find(PHI, copysign(1 - cos(phi), phi))
+    p, outwards, b = (p + 1, p, 1 - b) if PHI[p] < 0 else (p, p + 1, b)
+    weights = (1 - max(a, b), t, p), (abs(a - b), *((t + 1, p) if a >= b else (t, outwards))), (min(a, b), t + 1, outwards)
+    return [sum(w * arrays[name][max(row - 1, 0) * phis + columns[p]] for w, row, p in weights) for name in ("steepness", "strength")]
+
 def mixed(nodes, phi, phi_o, polarization):  # P of mean and steady part, density of φ_o, its weight, extras
     sums = [0.0] * 8
     for weight, t, p, wave in nodes:
@@ -148,6 +155,16 @@ def noise(bits, x):  # q_r + j q_i of the function with this hash
     near, far = (base[(shift + way * n) % N] for n in (k, k + 1))
     return ((1 - t) * near + t * far) / sqrt(1 - 2 * t * (1 - t) * (1 - C1)) * turn
 
+@lru_cache(None)
+def wings():  # values of E
+    values = [exp(1.16 * NormalDist().inv_cdf((k + 0.5) / 256)) for k in range(256)]
+    return [single(256 * value / sum(values)) for value in values]
+
+def factor(instance, steepness, strength, inverse_length, facet):  # τ
+    a = min((steepness * facet) ** 2 * inverse_length, 1e6)
+    own = wings()[chained(split_mix(seed), instance) >> (28 if facet >= 0 else 8) & 255]
+    return 1 + strength * a * a / (1 + 2 * a**3 / sqrt(27)) * (own - 1)
+
 def speckled(mean, steady, instance, x, gamma, fractions, polarization):
     name = chained(split_mix(seed), instance)
     first = noise(name, x)
@@ -167,7 +184,9 @@ for asked in map(json.loads, sys.stdin):
             t2, x = sin((theta + theta_o) / 2) ** 2, cos(theta) * sin(phi) + cos(theta_o) * sin(phi_o)
             f, s, drawn, weight, inverse_length, gamma, *fractions = mixed(nodes, azimuth, side * phi_o, polarization)
             if asked["instance"] is not None:
+                facet = x / (cos(theta) * cos(phi) + cos(theta_o) * cos(phi_o))
                 f = speckled(f, s, asked["instance"], x * inverse_length, gamma, fractions, polarization)
+                f *= factor(asked["instance"], *slopes(theta, azimuth), inverse_length, facet)
             along = exp(-t2 / sigma**2) / (spread(theta) * cos(theta_o) * cos(phi_o))
             density = exp(-t2 / sigma**2) * sqrt(1 - t2) / (sigma * sqrt(pi) * ends * cos(theta_o))
             found.append((along * f, along * s, density * drawn / weight))

@@ -8,6 +8,7 @@ use super::material::{FeatherMaterial, check_sigma};
 use super::noise::{Draw, Noise};
 use super::profile::{Longitudinal, half_sine_squared};
 use super::sample::{Sampler, direction};
+use super::slope::{FALL, FARTHEST, Slope};
 use super::table::{Grid, Incident, Table};
 use crate::Result;
 use crate::scattering::far_field::Polarization;
@@ -65,7 +66,7 @@ impl FeatherBrdf {
         };
         let waves = material.axes.wavelengths_nm();
         Ok(Self {
-            grid: Grid::new(&material.axes),
+            grid: Grid::new(material),
             tables: only.iter().map(|set| Table::new(material, set, options.polarization)).collect(),
             longitudinal: Longitudinal::new(sigma),
             inverse_sigma2: 1.0 / (sigma * sigma),
@@ -182,7 +183,9 @@ impl FeatherBrdf {
     }
 
     fn at(&self, instance: u64, wi: DVec3, wo: DVec3) -> At {
-        At { draw: self.noise.draw(instance), x: (wi.x + wo.x) as f32 }
+        let (draw, x) = (self.noise.draw(instance), wi.x + wo.x);
+        let facet = x / (wi.z + wo.z);
+        At { draw, x: x as f32, facet, wing: draw.wing(facet) - 1.0 }
     }
 
     /// f cosφ_o of one set at four wavelengths but for what the spread along the barbule makes of it.
@@ -192,11 +195,14 @@ impl FeatherBrdf {
         simd: S,
         set: usize,
         simplices: &Simplices<S>,
+        slope: &Slope,
         instance: Option<&At>,
     ) -> f32x4<S> {
         let mixed = Mixed::new(simd, &self.tables[set], simplices);
-        let Some(At { draw, x }) = instance else { return mixed.mean };
+        let Some(at) = instance else { return mixed.mean };
+        let At { draw, x, .. } = at;
         let extras = Extras::new(simd, &self.tables[set], simplices);
+        let mixed = mixed.times(at.factor(simd, slope, extras.inverse_length));
         let place = self.noise.place(simd, extras.inverse_length * *x);
         let [qr, qi] = self.noise.at_four(simd, &draw.shared, &place);
         if self.polarization_of(set) == Some(Polarization::First) {
@@ -229,6 +235,22 @@ fn is_above(w: DVec3) -> bool {
 struct At {
     draw: Draw,
     x: f32,
+    /// Slope t of the facet that mirrors.
+    facet: f64,
+    /// E − 1 on its side.
+    wing: f32,
+}
+
+impl At {
+    /// τ, see the module `slope`.
+    #[inline(always)]
+    fn factor<S: Simd>(&self, simd: S, slope: &Slope, inverse_length: f32x4<S>) -> f32x4<S> {
+        let steep = slope.steepness * self.facet;
+        let a = (inverse_length * (steep * steep) as f32).min(FARTHEST as f32);
+        let (square, one) = (a * a, f32x4::splat(simd, 1.0));
+        let part = square / (square * a).mul_add(f32x4::splat(simd, FALL as f32), one);
+        part.mul_add(f32x4::splat(simd, slope.strength as f32 * self.wing), one)
+    }
 }
 
 /// (σ q_r + √s)² + (σ q_i)², S.25, with σ² = (f̂ − s)/2.
@@ -366,7 +388,7 @@ impl FeatherBrdf {
             for set in 0..self.tables.len() {
                 dispatch!(self.level, simd => {
                     let simplices = self.simplices(simd, &towards, four);
-                    let value = self.across(simd, set, &simplices, instance) * factor;
+                    let value = self.across(simd, set, &simplices, &towards.incident.slope, instance) * factor;
                     *lanes = (f32x4::from_slice(simd, lanes) + value).into();
                 });
             }

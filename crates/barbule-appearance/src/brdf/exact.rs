@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::evaluate::FeatherBrdf;
 use super::noise::Draw;
+use super::slope::Slope;
 use super::table::{EXTRAS, Incident, LOBES, M2, MIDDLE, Node, REST, STRENGTH, Simplex, Table};
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
@@ -78,19 +79,21 @@ impl ExactBrdf<'_> {
         let Some((incident, _)) = &self.place else { return Values::default() };
         let cos_o = wo.x.hypot(wo.z);
         let along = self.brdf.longitudinal.value(incident.along, [wo.y, cos_o]) / wo.z;
-        let across = self.across(wo.x / cos_o, wo.z / cos_o, wo.x, draw);
+        let across = self.across([wo.x / cos_o, wo.z / cos_o], cos_o, draw);
         Values { f: along * across.f, steady: along * across.steady, pdf: 0.0 }
     }
 
-    /// The factors across the barbule, in rad⁻¹, mean over the sets: f (of an instance) and s. The noise is that at
-    /// x_o; azimuth by its sine and cosine.
-    pub(super) fn across(&self, sin_phi: f64, cos_phi: f64, x_o: f64, draw: Option<&Draw>) -> Values {
+    /// The factors across the barbule, in rad⁻¹, mean over the sets: f (of an instance) and s, at an azimuth by its sine and
+    /// cosine. Noise and slope are those at this cosθ_o.
+    pub(super) fn across(&self, [sin_phi, cos_phi]: [f64; 2], cos_theta: f64, draw: Option<&Draw>) -> Values {
         let tables = &self.brdf.tables;
         let share = 1.0 / tables.len() as f64;
         let mut sum = Values::default();
+        let [x, z] = [self.incident.x + cos_theta * sin_phi, self.incident.z + cos_theta * cos_phi];
         for (number, table) in tables.iter().enumerate() {
             let across = self.mixed(table, sin_phi, cos_phi);
-            sum.f += share * draw.map_or(across.mean, |draw| self.speckled(&across, number, x_o, draw));
+            sum.f +=
+                share * draw.map_or(across.mean, |draw| self.speckled(&across, number, [x, x / z], draw));
             sum.steady += share * across.steady;
         }
         sum
@@ -102,25 +105,28 @@ impl ExactBrdf<'_> {
         self.brdf.tables.iter().map(of).collect()
     }
 
-    /// f of an instance, S.25, each polarization with its own noise.
-    fn speckled(&self, across: &Across, set: usize, x_o: f64, draw: &Draw) -> f64 {
-        let place = (self.incident.x + x_o) * across.inverse_length;
+    /// f of an instance, S.25, each polarization with its own noise, at x = x_i + x_o and the slope of the facet that mirrors.
+    fn speckled(&self, across: &Across, set: usize, [x, facet]: [f64; 2], draw: &Draw) -> f64 {
+        let place = x * across.inverse_length;
         let [first, second] = self.brdf.noise().at_both(draw, place, across.correlation);
         let of = |mean: f64, steady: f64, [qr, qi]: [f64; 2]| {
             let steady = steady.clamp(0.0, mean);
             let spread = (0.5 * (mean - steady)).sqrt();
             (spread * qr + steady.sqrt()).powi(2) + (spread * qi).powi(2)
         };
-        match self.brdf.polarization_of(set) {
-            Some(Polarization::First) => of(across.mean, across.steady, first),
-            Some(Polarization::Second) => of(across.mean, across.steady, second),
-            None => {
-                let [mean, steady] =
-                    [2.0 * across.mean * across.fraction, 2.0 * across.steady * across.steady_fraction];
-                let (rest, steady_rest) = (2.0 * across.mean - mean, 2.0 * across.steady - steady);
-                0.5 * (of(mean, steady, first) + of(rest, steady_rest, second))
+        let slope = self.place.as_ref().map_or(Slope::default(), |(incident, _)| incident.slope);
+        let factor = draw.factor(slope.part(facet, across.inverse_length), facet);
+        factor
+            * match self.brdf.polarization_of(set) {
+                Some(Polarization::First) => of(across.mean, across.steady, first),
+                Some(Polarization::Second) => of(across.mean, across.steady, second),
+                None => {
+                    let [mean, steady] =
+                        [2.0 * across.mean * across.fraction, 2.0 * across.steady * across.steady_fraction];
+                    let (rest, steady_rest) = (2.0 * across.mean - mean, 2.0 * across.steady - steady);
+                    0.5 * (of(mean, steady, first) + of(rest, steady_rest, second))
+                }
             }
-        }
     }
 
     /// One set at one azimuth.

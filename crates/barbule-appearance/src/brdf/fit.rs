@@ -6,13 +6,16 @@ pub use super::fitted::{Fitted, fitted, fitted_scale, fitted_values};
 pub use super::patterns::Pattern;
 pub use super::report::{Clipped, FitReport, Flagged, GrazingDirection, LARGEST_RESIDUAL};
 
-use super::fitted::{fitted_on_azimuths, place};
+use super::fitted::{fitted_on_azimuths, place, scale_of};
+use super::length::{self, Length};
 use super::material::{FeatherMaterial, LobeSet, ParameterSet, check_sigma};
 use super::noise::spectrum;
+use super::slope::{self, Contrasts, Slope};
 use super::steady::{self, Observed, Steady};
-use super::{correlation, length, report};
+use super::{correlation, report};
 use crate::progress::Progress;
-use crate::scattering::lobe::{FitKind, Fitter, Lobe, PairFit};
+use crate::scattering::directions;
+use crate::scattering::lobe::{FitKind, Fitter, PairFit};
 use crate::scattering::statistics::{AZIMUTHS, LAGS, Sides, Statistics};
 use crate::{Error, Result};
 
@@ -91,22 +94,30 @@ pub fn fit(
     let fitters: Vec<Fitter> = (0..axes.cos_theta().len())
         .map(|theta| Fitter::new(options.kind, axes.theta_i(theta), AZIMUTHS))
         .collect();
-    let mut sets = Vec::new();
-    let mut nodes = Vec::new();
-    let mut ratios = Vec::new();
-    for &polarizations in chosen {
-        let fitted = fit_nodes(statistics, options, polarizations, &fitters, progress)?;
-        let lengths = length::lengths(statistics, polarizations);
-        sets.push(parameter_set(&fitted, &lengths, options.lobe, polarizations.len() == 2));
-        ratios.extend(lengths);
-        nodes.extend(fitted);
+    let lengths: Vec<Vec<Length>> = chosen.iter().map(|of| length::lengths(statistics, of)).collect();
+    let contrasts = Contrasts::new(statistics.instances);
+    let task = Task { statistics, options, fitters: &fitters, contrasts };
+    let mut lights = chosen
+        .iter()
+        .zip(&lengths)
+        .map(|(polarizations, lengths)| task.light(polarizations, lengths, progress))
+        .collect::<Result<Vec<_>>>()?;
+    // Slopes first beside speckle alone; then, as steady parts even out some of what they do, beside those.
+    let mut slopes = Vec::new();
+    for _ in 0..2 {
+        slopes = task.slopes(&lights);
+        lights.iter_mut().for_each(|light| task.steady(light, &slopes));
     }
+    let sets = lights.iter().map(|light| parameter_set(light, options.lobe)).collect();
+    let nodes: Vec<Node> = lights.into_iter().flat_map(|light| light.nodes).collect();
     let mut material = FeatherMaterial {
         axes: axes.clone(),
         kind: options.kind,
         sigma: options.sigma,
         sets,
         correlation: Vec::new(),
+        steepness: slopes.iter().map(|slope| slope.steepness as f32).collect(),
+        strength: slopes.iter().map(|slope| slope.strength as f32).collect(),
         noise_power: spectrum(&length::reference(statistics)),
         seed: options.seed,
         info: serde_json::Value::Null,
@@ -118,7 +129,7 @@ pub fn fit(
             correlation::solved(&sides, statistics.pattern_correlation[node]) as f32
         })
         .collect();
-    let report = report::report(statistics, &material, &nodes, &ratios);
+    let report = report::report(statistics, &material, &nodes, &lengths.concat());
     Ok((material, report))
 }
 
@@ -152,45 +163,101 @@ fn check(statistics: &Statistics) -> Result<()> {
     Ok(())
 }
 
-fn fit_nodes(
-    statistics: &Statistics,
-    options: &FitOptions,
+/// κ and g follow from this many wavelengths at most.
+const SLOPE_WAVES: usize = 9;
+
+/// What all nodes of a fit share.
+struct Task<'a> {
+    statistics: &'a Statistics,
+    options: &'a FitOptions,
+    /// By θ_i.
+    fitters: &'a [Fitter],
+    contrasts: Contrasts,
+}
+
+/// The fits of one kind of light.
+struct Light<'a> {
     polarizations: Chosen,
-    fitters: &[Fitter],
-    progress: &dyn Progress,
-) -> Result<Vec<Node>> {
-    let axes = &statistics.axes;
-    let phis = axes.phis();
-    let rows: Vec<Vec<Node>> = (0..axes.wavelengths_nm().len() * axes.cos_theta().len())
-        .into_par_iter()
-        .map(|row| {
-            let theta = row % axes.cos_theta().len();
-            let nodes = (0..phis)
-                .map(|phi| {
-                    let node_fit = NodeFit {
-                        statistics,
-                        node: row * phis + phi,
-                        polarizations,
-                        lobe: options.lobe,
-                        fitter: &fitters[theta],
-                        cos_theta: axes.cos_theta()[theta],
-                        phi_i: axes.phi_i(phi),
-                        is_even: axes.sides() == Sides::Alike
-                            && axes.cos_phi()[axes.cosine_of(phi)] > 1.0 - 1e-12,
-                    };
-                    node_fit.fit()
-                })
-                .collect();
-            progress.advance(phis as u64);
-            if progress.is_cancelled() { Err(Error::interrupted()) } else { Ok(nodes) }
-        })
-        .collect::<Result<_>>()?;
-    Ok(rows.into_iter().flatten().collect())
+    lengths: &'a [Length],
+    nodes: Vec<Node>,
+}
+
+impl Task<'_> {
+    /// Fits the mean of all nodes; there is no steady part yet.
+    fn light<'a>(
+        &self,
+        polarizations: Chosen,
+        lengths: &'a [Length],
+        progress: &dyn Progress,
+    ) -> Result<Light<'a>> {
+        let axes = &self.statistics.axes;
+        let phis = axes.phis();
+        let rows: Vec<Vec<Node>> = (0..axes.wavelengths_nm().len() * axes.cos_theta().len())
+            .into_par_iter()
+            .map(|row| {
+                let nodes = row * phis..(row + 1) * phis;
+                let nodes = nodes.map(|node| self.node(node, polarizations).fit()).collect();
+                progress.advance(phis as u64);
+                if progress.is_cancelled() { Err(Error::interrupted()) } else { Ok(nodes) }
+            })
+            .collect::<Result<_>>()?;
+        Ok(Light { polarizations, lengths, nodes: rows.into_iter().flatten().collect() })
+    }
+
+    /// Fits the steady part of all nodes beside slopes.
+    fn steady(&self, light: &mut Light, slopes: &[Slope]) {
+        let Light { polarizations, lengths, nodes } = light;
+        nodes.par_iter_mut().zip(*lengths).enumerate().for_each(|(at, (node, length))| {
+            let slope = slopes[at % slopes.len()];
+            let part = |facet| slope.part(facet, 1.0 / length.fitted);
+            node.steady = self.node(at, polarizations).steady(node, &part);
+        });
+    }
+
+    fn node(&self, node: usize, polarizations: Chosen) -> NodeFit<'_> {
+        let axes = &self.statistics.axes;
+        let [_, theta, phi] = place(axes, node);
+        NodeFit {
+            statistics: self.statistics,
+            contrasts: &self.contrasts,
+            node,
+            polarizations,
+            lobe: self.options.lobe,
+            fitter: &self.fitters[theta],
+            cos_theta: axes.cos_theta()[theta],
+            phi_i: axes.phi_i(phi),
+            is_even: axes.sides() == Sides::Alike && axes.cos_phi()[axes.cosine_of(phi)] > 1.0 - 1e-12,
+        }
+    }
+
+    /// κ and g of each direction. Shape `[θ_i, φ_i]`.
+    fn slopes(&self, lights: &[Light]) -> Vec<Slope> {
+        let axes = &self.statistics.axes;
+        let (waves, directions) = (axes.wavelengths_nm().len(), axes.cos_theta().len() * axes.phis());
+        if self.statistics.instances < steady::FEWEST {
+            return vec![Slope::default(); directions];
+        }
+        (0..directions)
+            .into_par_iter()
+            .map(|direction| {
+                let observed: Vec<slope::Observed> = (direction..axes.len())
+                    .step_by(directions * waves.div_ceil(SLOPE_WAVES))
+                    .flat_map(|node| {
+                        lights.iter().flat_map(move |Light { polarizations, lengths, nodes }| {
+                            self.node(node, polarizations).observed(&nodes[node], &lengths[node])
+                        })
+                    })
+                    .collect();
+                slope::solved(&self.contrasts, &observed)
+            })
+            .collect()
+    }
 }
 
 /// One (λ, ω_i) of the statistics.
 struct NodeFit<'a> {
     statistics: &'a Statistics,
+    contrasts: &'a Contrasts,
     node: usize,
     polarizations: Chosen,
     lobe: LobeForm,
@@ -224,6 +291,7 @@ impl NodeFit<'_> {
         mean
     }
 
+    /// The mean.
     fn fit(&self) -> Node {
         let step = std::f64::consts::PI / AZIMUTHS as f64;
         let u = self.values(&self.statistics.u);
@@ -236,18 +304,19 @@ impl NodeFit<'_> {
         let whole = parts[0] + parts[1];
         let first = if whole > 0.0 { parts[0] / whole } else { 1.0 };
         let fraction_1 = self.fraction(&self.statistics.u);
-        // Lobes that together reflect what is kept of the simulated total.
-        let scale = reflected / whole.max(f64::MIN_POSITIVE);
-        let mut shape = vec![0.0; AZIMUTHS];
-        for k in 0..2 {
-            for (sum, value) in shape.iter_mut().zip(self.fitter.values(mean.pair.lobes[k])) {
-                *sum += scale * mean.pair.scales[k] * value;
-            }
-        }
-        let kept = reflected / simulated.max(f64::MIN_POSITIVE);
-        let steady = self.steady(&shape, mean.pair.lobes, fraction_1, kept);
-        let steady = Steady { reflected: steady.reflected.clamp(0.0, reflected), ..steady };
+        let steady = Steady { lobe: mean.pair.lobes[0], reflected: 0.0, fraction_1: 0.5 };
         Node { mean, first, reflected, simulated, steady, coherent, fraction_1 }
+    }
+
+    /// The fitted mean intensity, which reflects what is kept of the simulated total.
+    fn shape(&self, node: &Node) -> Vec<f64> {
+        let mut shape = vec![0.0; AZIMUTHS];
+        for (lobe, part) in node.mean.pair.lobes.into_iter().zip([node.first, 1.0 - node.first]) {
+            let values = self.fitter.values(lobe);
+            let scale = scale_of(&values, self.cos_theta, part * node.reflected);
+            shape.iter_mut().zip(values).for_each(|(sum, value)| *sum += scale * value);
+        }
+        shape
     }
 
     fn mean(&self, u: &[f64]) -> PairFit {
@@ -260,24 +329,25 @@ impl NodeFit<'_> {
         }
     }
 
-    /// The steady part; `shape` is the fitted mean, `kept` the part of what was simulated that is not over all light.
-    fn steady(&self, shape: &[f64], lobes: [Lobe; 2], fraction_1: f64, kept: f64) -> Steady {
-        let alone = self.polarizations.len() == 1;
-        let observed = self.polarizations.iter().map(|&p| {
-            let share = match (alone, p) {
-                (true, _) => 1.0,
-                (false, 0) => 2.0 * fraction_1,
-                (false, _) => 2.0 - 2.0 * fraction_1,
-            };
+    /// t of all azimuths: the slope of the facet that mirrors.
+    fn facets(&self) -> impl Iterator<Item = f64> {
+        directions::azimuths(AZIMUTHS).map(|phi_o| libm::tan(0.5 * (self.phi_i + phi_o)))
+    }
+
+    /// The steady part of a node beside slopes whose g h is `part` of t.
+    fn steady(&self, node: &Node, part: &dyn Fn(f64) -> f64) -> Steady {
+        let kept = node.reflected / node.simulated.max(f64::MIN_POSITIVE);
+        let shape = self.shape(node);
+        let observed = self.shares(node.fraction_1).map(|(p, share)| {
             let scaled = |array: &[f32]| self.row(array, p).into_iter().map(|v| kept * v).collect();
             Observed {
                 u: scaled(&self.statistics.u),
                 v: scaled(&self.statistics.v),
-                contrast2: self.row(&self.statistics.contrast, p).into_iter().map(|c| c * c).collect(),
+                contrast2: self.squares(p),
                 mean: shape.iter().map(|value| share * value).collect(),
             }
         });
-        let node = steady::Node {
+        let problem = steady::Node {
             fitter: self.fitter,
             cos_theta: self.cos_theta,
             phi_i: self.phi_i,
@@ -286,10 +356,47 @@ impl NodeFit<'_> {
             // Without any, all azimuths count as one.
             correlation: length::correlation_length(self.statistics, self.node, self.polarizations)
                 .unwrap_or(2.0),
-            lobes: &lobes,
+            lobes: &node.mean.pair.lobes,
+            expected: self.facets().map(|t| self.contrasts.at(part(t))).collect(),
             observed: observed.collect(),
         };
-        node.fit()
+        let steady = problem.fit();
+        Steady { reflected: steady.reflected.clamp(0.0, node.reflected), ..steady }
+    }
+
+    /// C² of one polarization.
+    fn squares(&self, polarization: usize) -> Vec<f64> {
+        self.row(&self.statistics.contrast, polarization).into_iter().map(|c| c * c).collect()
+    }
+
+    /// What κ and g are found from: every other azimuth.
+    fn observed(&self, node: &Node, length: &Length) -> Vec<slope::Observed> {
+        let (mean, steady) = (self.shape(node), self.fitter.steady_values(node.steady.lobe));
+        let scale = scale_of(&steady, self.cos_theta, node.steady.reflected);
+        let of = |((p, of_mean), (_, of_steady)): ((usize, f64), (usize, f64))| {
+            let square = |(mean, steady): (&f64, &f64)| {
+                let part = of_steady * scale * steady / (of_mean * mean).max(f64::MIN_POSITIVE);
+                part.min(1.0) * part.min(1.0)
+            };
+            slope::Observed {
+                inverse_length: 1.0 / length.fitted,
+                facets: self.facets().step_by(2).collect(),
+                mean: self.row(&self.statistics.u, p).into_iter().step_by(2).collect(),
+                contrast2: self.squares(p).into_iter().step_by(2).collect(),
+                steady2: mean.iter().zip(&steady).map(square).step_by(2).collect(),
+            }
+        };
+        self.shares(node.fraction_1).zip(self.shares(node.steady.fraction_1)).map(of).collect()
+    }
+
+    /// The set's polarizations, and the factors on its values that give those of each.
+    fn shares(&self, fraction_1: f64) -> impl Iterator<Item = (usize, f64)> {
+        let alone = self.polarizations.len() == 1;
+        self.polarizations.iter().map(move |&p| match (alone, p) {
+            (true, _) => (p, 1.0),
+            (false, 0) => (p, 2.0 * fraction_1),
+            (false, _) => (p, 2.0 - 2.0 * fraction_1),
+        })
     }
 
     /// Polarization 1's part of the energy.
@@ -299,12 +406,9 @@ impl NodeFit<'_> {
     }
 }
 
-fn parameter_set(
-    nodes: &[Node],
-    lengths: &[length::Length],
-    form: LobeForm,
-    fractions: bool,
-) -> ParameterSet {
+fn parameter_set(light: &Light, form: LobeForm) -> ParameterSet {
+    let Light { polarizations, lengths, nodes } = light;
+    let fractions = polarizations.len() == 2;
     let gather = |value: &dyn Fn(&Node) -> f64| nodes.iter().map(|n| value(n) as f32).collect::<Vec<f32>>();
     let mean = |k: usize| LobeSet {
         m: gather(&|n| n.mean.pair.lobes[k].m),

@@ -24,6 +24,8 @@ pub struct Fitted {
     pub mean: Vec<f64>,
     /// The part of it that does not fluctuate, at most the mean.
     pub steady: Vec<f64>,
+    /// How much of it goes with the barbule's own slope: g h in τ = 1 + g h (E − 1).
+    pub sloped: Vec<f64>,
 }
 
 /// Mean and steady intensity of node number `node` of the tables at the azimuths φ_o, rad, by incident polarization.
@@ -37,6 +39,7 @@ pub fn fitted(material: &FeatherMaterial, node: usize, phi_o: &[f64]) -> [Fitted
         material,
         node,
         &fitter,
+        phi_o,
         &|lobe: Lobe| phi_o.iter().map(|phi| lobe.shape(kind, theta_i, *phi)).collect(),
         &|lobe: Lobe| phi_o.iter().map(|phi| lobe.steady_shape(kind, theta_i, *phi)).collect(),
     )
@@ -44,18 +47,20 @@ pub fn fitted(material: &FeatherMaterial, node: usize, phi_o: &[f64]) -> [Fitted
 
 /// The same on the azimuths of U, with the fitter of the node's θ_i.
 pub(super) fn fitted_on_azimuths(material: &FeatherMaterial, node: usize, fitter: &Fitter) -> [Fitted; 2] {
-    assemble(material, node, fitter, &|lobe| fitter.values(lobe), &|lobe| fitter.steady_values(lobe))
+    let phi_o: Vec<f64> = directions::azimuths(AZIMUTHS).collect();
+    assemble(material, node, fitter, &phi_o, &|lobe| fitter.values(lobe), &|lobe| fitter.steady_values(lobe))
 }
 
 fn assemble(
     material: &FeatherMaterial,
     node: usize,
     fitter: &Fitter,
+    phi_o: &[f64],
     shape: &dyn Fn(Lobe) -> Vec<f64>,
     steady_shape: &dyn Fn(Lobe) -> Vec<f64>,
 ) -> [Fitted; 2] {
-    let [_, theta, _] = place(&material.axes, node);
-    let cos_theta = material.axes.cos_theta()[theta];
+    let [_, theta, phi] = place(&material.axes, node);
+    let (cos_theta, phi_i) = (material.axes.cos_theta()[theta], material.axes.phi_i(phi));
     let of_set = |number: usize| {
         let set = &material.sets[number];
         let mut mean = Vec::new();
@@ -71,7 +76,9 @@ fn assemble(
         let (at, reflected) = lobe_at(&set.steady, node);
         let scale = scale_of(&fitter.steady_values(at), cos_theta, reflected);
         let steady: Vec<f64> = steady_shape(at).into_iter().map(|value| scale * value).collect();
-        Fitted { mean, steady }
+        let (slope, inverse_length) = (material.slope(node), 1.0 / f64::from(set.length[node]));
+        let h = |phi_o: &f64| slope.part(libm::tan(0.5 * (phi_i + phi_o)), inverse_length);
+        Fitted { mean, steady, sloped: phi_o.iter().map(h).collect() }
     };
     let sets: Vec<Fitted> = (0..material.sets.len()).map(of_set).collect();
     [0, 1].map(|polarization| {
@@ -86,7 +93,7 @@ fn assemble(
         let mean: Vec<f64> = sets[number].mean.iter().map(|value| of_mean * value).collect();
         let steady =
             sets[number].steady.iter().zip(&mean).map(|(s, mean)| (of_steady * s).min(*mean)).collect();
-        Fitted { mean, steady }
+        Fitted { mean, steady, sloped: sets[number].sloped.clone() }
     })
 }
 

@@ -52,6 +52,8 @@ pub fn example(waves: usize) -> FeatherMaterial {
         sigma: 0.04,
         sets: vec![set],
         correlation,
+        steepness: vec![6.0; 400],
+        strength: vec![0.8; 400],
         noise_power: spectrum(&lags),
         seed: 1,
         info: serde_json::json!({ "species": "example", "variant": "green" }),

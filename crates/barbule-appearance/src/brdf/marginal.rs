@@ -52,7 +52,7 @@ pub fn marginals(
                 if progress.is_cancelled() {
                     return Err(Error::interrupted());
                 }
-                let smooth = exact.across(phi.sin(), phi.cos(), 0.0, None);
+                let smooth = exact.across([phi.sin(), phi.cos()], 1.0, None);
                 let f = match &draw {
                     None => smooth.f / cos_i,
                     Some(draw) => Meridian { exact: &exact, phi, draw, rule: &rule }.integral(),
@@ -108,7 +108,7 @@ impl Meridian<'_> {
         let f = |theta: f64| {
             let (y_o, cos_o) = theta.sin_cos();
             let along = self.exact.brdf.longitudinal.value([wi.y, cos_i], [y_o, cos_o]);
-            self.exact.across(sine, cosine, cos_o * sine, Some(self.draw)).f * along * cos_o / cos_i
+            self.exact.across([sine, cosine], cos_o, Some(self.draw)).f * along * cos_o / cos_i
         };
         let edges = self.edges();
         let pieces: Vec<[f64; 2]> = edges.windows(2).map(|pair| [pair[0], pair[1]]).collect();

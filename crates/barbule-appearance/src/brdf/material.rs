@@ -1,5 +1,6 @@
 //! The tables of a feather material, as a file holds them.
 
+use super::slope::{STEEPNESS, Slope};
 use crate::scattering::lobe::{FitKind, SMALLEST_M};
 use crate::scattering::statistics::{Axes, NOISE_POINTS};
 use crate::spectrum::Wavelengths;
@@ -47,6 +48,10 @@ pub struct FeatherMaterial {
     pub sets: Vec<ParameterSet>,
     /// Correlation γ, in \[0, 1\], of the noise that both incident polarizations carry. Shape `[λ, θ_i, φ_i]`.
     pub correlation: Vec<f32>,
+    /// κ of each direction: how fast a barbule's own slope tells, over the length l. Shape `[θ_i, φ_i]`.
+    pub steepness: Vec<f32>,
+    /// g of each direction: how much it tells at most, 0 to 1. Shape of `steepness`.
+    pub strength: Vec<f32>,
     /// P₁ … P_{N/2−1} of the noise process (S.34), Σ = ½. Length [`NOISE_TERMS`].
     pub noise_power: Vec<f64>,
     /// Seed of the noise that is drawn from `noise_power` when the material is prepared.
@@ -74,6 +79,9 @@ impl FeatherMaterial {
             return Err(Error::input(format!("{} parameter sets, but 1 or 2 are possible", self.sets.len())));
         }
         check_range("correlation", &self.correlation, nodes, 0.0, 1.0)?;
+        let directions = nodes / self.axes.wavelengths_nm().len();
+        check_range("steepness", &self.steepness, directions, STEEPNESS.0, STEEPNESS.1)?;
+        check_range("strength", &self.strength, directions, 0.0, 1.0)?;
         for (number, set) in self.sets.iter().enumerate() {
             let place = if self.sets.len() == 1 { String::new() } else { format!("p{}.", number + 1) };
             set.check(&place, nodes, self.sets.len() == 1)?;
@@ -129,10 +137,20 @@ impl FeatherMaterial {
             axes: axes.with_sides(self.axes.sides()),
             sets: self.sets.iter().map(set).collect(),
             correlation: part(&self.correlation),
+            steepness: self.steepness.clone(),
+            strength: self.strength.clone(),
             noise_power: self.noise_power.clone(),
             info: self.info.clone(),
             ..*self
         })
+    }
+}
+
+impl FeatherMaterial {
+    /// How slopes tell at a node of the tables.
+    pub(super) fn slope(&self, node: usize) -> Slope {
+        let of = |values: &[f32]| f64::from(values[node % values.len()]);
+        Slope { steepness: of(&self.steepness), strength: of(&self.strength) }
     }
 }
 

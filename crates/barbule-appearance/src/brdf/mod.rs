@@ -23,6 +23,7 @@ mod profile;
 mod report;
 mod sample;
 mod simd;
+mod slope;
 mod steady;
 mod table;
 

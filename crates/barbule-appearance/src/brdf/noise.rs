@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 
 use super::material::NOISE_TERMS;
 use super::simd::whole_and_rest;
+use super::slope::{self, VALUES};
 use crate::math::fft::Transformable as _;
 use crate::math::rng::{Stream, hash};
 use crate::scattering::statistics::NOISE_POINTS;
@@ -52,6 +53,8 @@ pub struct Noise {
     values: Vec<[i16; ROW]>,
     /// Cosine and sine of evenly spread angles, times the step of `values`.
     rotations: Vec<[f32; 2]>,
+    /// E of the wings.
+    wings: Vec<f32>,
     /// Autocovariance of the final process at lags 0 … N/2.
     autocovariance: Vec<f64>,
     /// 1 − C₁, twice: the interpolation's loss of variance at t.
@@ -59,9 +62,11 @@ pub struct Noise {
     seed: u64,
 }
 
-/// One instance: two independent functions.
+/// One instance: two independent functions, and a factor for each wing.
 #[derive(Debug, Clone, Copy)]
 pub struct Draw {
+    /// E on the sides of t < 0 and of t ≥ 0, see the module `slope`.
+    pub(super) wings: [f32; 2],
     /// What both polarizations share.
     pub(super) shared: Turned,
     /// What the second has beside it.
@@ -76,6 +81,19 @@ pub(super) struct Turned {
     direction: i32,
     cosine: f32,
     sine: f32,
+}
+
+impl Draw {
+    /// τ of an instance where this much of it, g h, goes with the slope t.
+    pub(super) fn factor(&self, part: f64, t: f64) -> f64 {
+        1.0 + part * (f64::from(self.wing(t)) - 1.0)
+    }
+
+    /// E on the side of t.
+    #[inline(always)]
+    pub(super) fn wing(&self, t: f64) -> f32 {
+        self.wings[usize::from(t >= 0.0)]
+    }
 }
 
 impl Noise {
@@ -117,7 +135,8 @@ impl Noise {
             })
             .collect();
         let loss = (2.0 * (1.0 - autocovariance[1])) as f32;
-        Self { values, rotations, autocovariance, loss, seed }
+        let wings = slope::values().into_iter().map(|value| value as f32).collect();
+        Self { values, rotations, wings, autocovariance, loss, seed }
     }
 
     /// The autocovariance of the process at lags 0 … N/2, spacing 2/N.
@@ -131,7 +150,9 @@ impl Noise {
     #[inline(always)]
     pub fn draw(&self, instance: u64) -> Draw {
         let bits = hash(self.seed, &[instance]);
-        Draw { shared: self.turned(bits), own: self.turned(hash(bits, &[])) }
+        // Bits that no function reads.
+        let wings = [bits >> 8, bits >> 28].map(|bits| self.wings[bits as usize % VALUES]);
+        Draw { wings, shared: self.turned(bits), own: self.turned(hash(bits, &[])) }
     }
 
     #[inline(always)]

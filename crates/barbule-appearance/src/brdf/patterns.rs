@@ -1,13 +1,15 @@
 //! Synthesized patterns beside simulated ones: the check that instances vary as the simulated barbules do.
 
+use rayon::prelude::*;
+
 use super::fitted::{Fitted, direction, fitted, place};
 use super::material::FeatherMaterial;
 use super::noise::Noise;
 use crate::scattering::directions;
 use crate::scattering::statistics::{AZIMUTHS, Axes, Statistics};
 
-/// Least number of instances drawn per (λ, ω_i).
-const DRAWS: usize = 200;
+/// Least number of instances drawn per (λ, ω_i): few of them make most of the wings' contrast.
+const DRAWS: usize = 4000;
 
 /// The parts of a lobe in which contrasts are compared: mean intensity over its peak, from and to.
 const REGIONS: [[f64; 2]; 3] = [[0.5, 1.01], [0.1, 0.5], [0.02, 0.1]];
@@ -40,6 +42,8 @@ pub struct Synthesis {
     sides: [Fitted; 2],
     /// Arguments of each polarization's noise.
     positions: [Vec<f64>; 2],
+    /// Slopes t of the facets that mirror.
+    facets: Vec<f64>,
     /// Correlation of both polarizations' noise.
     gamma: f64,
 }
@@ -63,7 +67,12 @@ impl Synthesis {
             let x = |phi_o: &f64| cosine * (libm::sin(phi_i) + libm::sin(*phi_o)) / length;
             phi_o.iter().map(x).collect()
         });
-        Self { sides: fitted(material, node, phi_o), positions, gamma: f64::from(material.correlation[node]) }
+        Self {
+            sides: fitted(material, node, phi_o),
+            positions,
+            facets: phi_o.iter().map(|phi_o| libm::tan(0.5 * (phi_i + phi_o))).collect(),
+            gamma: f64::from(material.correlation[node]),
+        }
     }
 
     /// The fitted mean intensity, by incident polarization.
@@ -77,12 +86,14 @@ impl Synthesis {
     pub fn fields<'a>(&'a self, noise: &'a Noise, instance: u64) -> impl Iterator<Item = [[f64; 2]; 2]> + 'a {
         let draw = noise.draw(instance);
         (0..self.positions[0].len()).map(move |k| {
+            let facet = self.facets[k];
             [0, 1].map(|p| {
                 // Polarizations whose patterns stretch differently read the noise at different places.
                 let [qr, qi] = noise.at_both(&draw, self.positions[p][k], self.gamma)[p];
                 let (mean, steady) = (self.sides[p].mean[k], self.sides[p].steady[k]);
                 let spread = (0.5 * (mean - steady)).max(0.0).sqrt();
-                [spread * qr + steady.sqrt(), spread * qi]
+                let root = draw.factor(self.sides[p].sloped[k], facet).sqrt();
+                [root * (spread * qr + steady.sqrt()), root * spread * qi]
             })
         })
     }
@@ -122,7 +133,9 @@ pub(super) fn compare(statistics: &Statistics, material: &FeatherMaterial) -> Ve
     let axes = &statistics.axes;
     let noise = Noise::new(&material.noise_power, material.seed);
     let pattern = |node: usize| {
-        let synthesized = Synthesis::new(material, node).drawn(&noise, statistics.instances);
+        // Of other instances than any other node's, so that means of all are more certain than each.
+        let first = (node * 2 * DRAWS) as u64;
+        let synthesized = Synthesis::new(material, node).drawn(&noise, first, statistics.instances);
         let (wavelength_nm, theta_deg, phi_deg) = direction(axes, node);
         let [first, second] = [0, 1].map(|p| statistics.reflected[node * 2 + p].max(0.0));
         let whole = (first + second).max(f64::MIN_POSITIVE);
@@ -134,7 +147,7 @@ pub(super) fn compare(statistics: &Statistics, material: &FeatherMaterial) -> Ve
             let u = row(&statistics.u);
             let simulated: Vec<f64> = row(&statistics.contrast).into_iter().map(|c| c * c).collect();
             REGIONS.map(|region| {
-                Some([part(&u, &simulated, region)?, part(&u, &synthesized.contrast2[p], region)?])
+                Some([contrast(&u, &simulated, region)?, contrast(&u, &synthesized.contrast2[p], region)?])
             })
         });
         Pattern {
@@ -147,11 +160,11 @@ pub(super) fn compare(statistics: &Statistics, material: &FeatherMaterial) -> Ve
             balance: 4.0 * first * second / (whole * whole),
         }
     };
-    chosen(axes).into_iter().map(pattern).collect()
+    chosen(axes).into_par_iter().map(pattern).collect()
 }
 
 /// Root mean square, weighted by the mean, of contrasts where the mean over its peak is in the region.
-fn part(mean: &[f64], contrast2: &[f64], [from, to]: [f64; 2]) -> Option<f64> {
+pub(super) fn contrast(mean: &[f64], contrast2: &[f64], [from, to]: [f64; 2]) -> Option<f64> {
     let peak = mean.iter().fold(0.0, |a: f64, b| a.max(*b));
     let is_there = |value: f64| value > 0.0 && (from * peak..to * peak).contains(&value);
     let pairs = || mean.iter().zip(contrast2).filter(|(mean, _)| is_there(**mean));
@@ -169,9 +182,9 @@ struct Drawn {
 }
 
 impl Synthesis {
-    /// Draws instances in groups as large as the campaign, so that both sides of the comparison have the bias of a finite
+    /// Draws instances from number `first` on in groups as large as the campaign, so that both sides of the comparison have the bias of a finite
     /// number.
-    fn drawn(&self, noise: &Noise, instances: usize) -> Drawn {
+    fn drawn(&self, noise: &Noise, first: u64, instances: usize) -> Drawn {
         let instances = instances.max(2);
         let groups = DRAWS.div_ceil(instances);
         let mut drawn =
@@ -179,7 +192,7 @@ impl Synthesis {
         for group in 0..groups {
             let mut moments = Moments::new();
             for instance in group * instances..(group + 1) * instances {
-                for (k, sides) in self.fields(noise, instance as u64).enumerate() {
+                for (k, sides) in self.fields(noise, first + instance as u64).enumerate() {
                     let [first, second] = sides.map(|[re, im]| re * re + im * im);
                     moments.add(k, first, second);
                 }

@@ -1,10 +1,11 @@
 //! The part of a node's intensity that does not fluctuate from barbule to barbule.
 //!
 //! A field v + n of a steady modulus and a Gaussian rest has U = A² + 2σ² and Var I = U² − A⁴, whatever the phase of v is:
-//! A⁴ = U² (1 − C²) with the contrast C. Estimated from M instances of contrast C (population form) it is without bias
+//! A⁴ = U² (1 − C²) with the contrast C. Where a barbule's slope dims and brightens it too (by τ, see the module `slope`), a
+//! sample of M instances is expected to show C₀² if nothing is steady and C₁² if all is, so that
 //!
 //! ```text
-//! A⁴ = U² (1 − C² (M + 1)/(M − 1)),
+//! A⁴ = U² (C₀² − C²)/(C₀² − C₁²),    without slopes C₀² = (M − 1)/(M + 1), C₁² = 0,
 //! ```
 //!
 //! signed, like the intensity V of the mean field, which is a second, lower bound of A².
@@ -14,7 +15,7 @@ use crate::scattering::lobe::{Fitter, Lobe, Power, SteadyFit};
 use crate::scattering::statistics::AZIMUTHS;
 
 /// With fewer instances contrasts say nothing.
-const FEWEST: usize = 8;
+pub(super) const FEWEST: usize = 8;
 
 /// Where residuals of steady parts count less: a part of the mean's peak.
 const FLOOR: f64 = 0.01;
@@ -47,6 +48,8 @@ pub(super) struct Node<'a> {
     pub(super) correlation: f64,
     /// The lobes of the mean.
     pub(super) lobes: &'a [Lobe],
+    /// C² that instances are expected to show on the azimuths, without a steady part and with nothing but one.
+    pub(super) expected: Vec<[f64; 2]>,
     /// The polarizations that the set stands for.
     pub(super) observed: Vec<Observed>,
 }
@@ -89,12 +92,11 @@ impl Node<'_> {
     /// s from A⁴: scales on the steady shape.
     fn squares(&self) -> Option<SteadyFit> {
         let count = self.instances as f64;
-        let whole = (count + 1.0) / (count - 1.0);
-        let targets: Vec<Vec<f64>> = self
-            .observed
-            .iter()
-            .map(|o| self.folded(o.u.iter().zip(&o.contrast2).map(|(u, c2)| u * u * (1.0 - c2 * whole))))
-            .collect();
+        let target = |o: &Observed| {
+            let found = o.u.iter().zip(&o.contrast2).zip(&self.expected);
+            self.folded(found.map(|((u, c2), [speckle, steady])| u * u * (speckle - c2) / (speckle - steady)))
+        };
+        let targets: Vec<Vec<f64>> = self.observed.iter().map(target).collect();
         // What counts is the contrast where the light is: residuals of (s/f̂)² times f̂.
         let weights = self.weights(1.0);
         let mut fit = self.best(Power::Second, &targets, &weights)?;

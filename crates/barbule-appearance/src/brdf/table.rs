@@ -17,6 +17,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use super::material::{FeatherMaterial, LobeSet, ParameterSet};
 use super::profile::{Areas, Part};
 use super::sample::distribution;
+use super::slope::Slope;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::{FitKind, Lobe};
 use crate::scattering::statistics::{Axes, Sides};
@@ -76,6 +77,8 @@ pub(super) struct Grid {
     cos_theta: Vec<f32>,
     /// τ(φ_i) that the lobes of each φ_i belong to.
     tangents: Vec<f32>,
+    /// Of each θ_i and φ_i. Shape `[θ_i, φ_i]`.
+    slopes: Vec<Slope>,
     sides: Sides,
     wavelengths: Axis,
     /// Nodes along λ.
@@ -145,6 +148,8 @@ pub(super) struct Incident {
     pub(super) tangent: [f64; 2],
     /// sinθ_i and cosθ_i.
     pub(super) along: [f64; 2],
+    /// How slopes tell.
+    pub(super) slope: Slope,
 }
 
 impl Incident {
@@ -185,7 +190,8 @@ impl Simplex {
 }
 
 impl Grid {
-    pub(super) fn new(axes: &Axes) -> Self {
+    pub(super) fn new(material: &FeatherMaterial) -> Self {
+        let axes = &material.axes;
         let stored = axes.cos_theta();
         let theta = Axis::new([&[0.0], stored].concat());
         let cos_theta = [&stored[..1], stored].concat().iter().map(|cosine| *cosine as f32).collect();
@@ -209,7 +215,15 @@ impl Grid {
             tangents.insert(0, tangents[0]);
         }
         let waves = axes.wavelengths_nm().len();
+        let columns = columns(&order, axes);
+        let slopes = (0..=stored.len())
+            .flat_map(|row| {
+                let first = row.saturating_sub(1) * axes.phis();
+                columns.iter().map(move |phi| material.slope(first + phi))
+            })
+            .collect();
         Self {
+            slopes,
             theta,
             phi: Axis::new(places),
             cos_theta,
@@ -233,19 +247,28 @@ impl Grid {
         let (p, outwards, wp) =
             if self.phi.places[below] < 0.0 { (below + 1, below, 1.0 - wp) } else { (below, below + 1, wp) };
         let columns = self.tangents.len();
-        let node = |row: usize, column: usize| ((row * columns + column) * self.waves) as u32;
+        let cell = |row: usize, column: usize| row * columns + column;
         let up = wt >= wp;
         let [near, far] = [self.cos_theta[t], self.cos_theta[t + 1]];
         let [inner, outer] = [self.tangents[p], self.tangents[outwards]];
-        let beside = if up { node(t + 1, p) } else { node(t, outwards) };
+        let cells = [cell(t, p), if up { cell(t + 1, p) } else { cell(t, outwards) }, cell(t + 1, outwards)];
+        let node = |cell: usize| (cell * self.waves) as u32;
+        let (larger, smaller) = (wt.max(wp), wt.min(wp));
+        let [one, two, three] = [self.slopes[cells[0]], self.slopes[cells[1]], self.slopes[cells[2]]];
+        let mixed = |a: f64, b: f64, c: f64| (1.0 - larger) * a + (larger - smaller) * b + smaller * c;
+        let slope = Slope {
+            steepness: mixed(one.steepness, two.steepness, three.steepness),
+            strength: mixed(one.strength, two.strength, three.strength),
+        };
         Incident {
-            first: [node(t, p), beside, node(t + 1, outwards)],
+            first: [node(cells[0]), node(cells[1]), node(cells[2])],
             cos_theta: [near, if up { far } else { near }, far, far],
             tangents: [inner, if up { inner } else { outer }, outer, outer],
-            shares: [wt.max(wp), wt.min(wp)],
+            shares: [larger, smaller],
             mirrored,
             tangent: tangent(sine, z.max(LEAST_COSINE * cos_theta), cos_theta),
             along: [y, cos_theta],
+            slope,
         }
     }
 
@@ -305,6 +328,13 @@ fn phi_order(axes: &Axes) -> Vec<usize> {
     let cosines = axes.cos_phi().len();
     // Of φ_i ≥ 0 cosines rise, so φ_i falls; of φ_i < 0 both rise.
     (cosines..axes.phis()).chain((0..cosines).rev()).collect()
+}
+
+/// Numbers of the stored φ_i of all columns, those that are added at grazing too: they continue the next one.
+fn columns(order: &[usize], axes: &Axes) -> Vec<usize> {
+    let (first, last) = (order[0], order[order.len() - 1]);
+    let before = (axes.sides() == Sides::Both).then_some(first);
+    before.into_iter().chain(order.iter().copied()).chain([last]).collect()
 }
 
 impl Table {

@@ -16,7 +16,7 @@ use crate::scattering::statistics::{Axes, Sides};
 use crate::{Error, Result};
 
 /// Version of the layout.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 
 /// The one entry of the container's metadata.
 const ENTRY: &str = "barbule";
@@ -113,6 +113,9 @@ const OTHERS: [(&str, Map, Belongs); 4] = [
     ("correlation", Map::Share, Belongs::Material),
 ];
 
+/// The arrays over directions alone, in single precision.
+const SLOPES: [&str; 2] = ["steepness", "strength"];
+
 /// The arrays of a set by name, empty ones left out.
 fn arrays(set: &ParameterSet) -> Vec<(String, Map, &[f32])> {
     let endings = MEAN.iter().zip(&set.mean).chain([(&STEADY, &set.steady)]);
@@ -190,6 +193,10 @@ pub fn encode_material(material: &FeatherMaterial) -> Result<Vec<u8>> {
     for (name, map, _) in OTHERS.into_iter().filter(|(.., belongs)| *belongs == Belongs::Material) {
         tensors.insert(name.into(), (Dtype::U16, shape.clone(), codes(map, &material.correlation)));
     }
+    for (name, values) in SLOPES.into_iter().zip([&material.steepness, &material.strength]) {
+        let bytes = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        tensors.insert(name.into(), (Dtype::F32, shape[1..].to_vec(), bytes));
+    }
     let mut description = Description {
         schema: SCHEMA,
         program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
@@ -254,6 +261,8 @@ pub fn decode_material(bytes: &[u8]) -> Result<FeatherMaterial> {
             .map(|set| decode_set(&views, &axes, &prefix(set, sets), sets == 1))
             .collect::<Result<_>>()?,
         correlation: codes(&views, &axes, "correlation", Map::Share)?,
+        steepness: singles(&views, &axes, SLOPES[0])?,
+        strength: singles(&views, &axes, SLOPES[1])?,
         axes,
         kind: kind_of(&description.kind)?,
         sigma: description.sigma,
@@ -328,7 +337,24 @@ fn decode_set(
 /// The values of an array of the axes' shape.
 fn codes(views: &BTreeMap<&str, TensorView<'_>>, axes: &Axes, name: &str, map: Map) -> Result<Vec<f32>> {
     let shape = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.phis()];
-    let view = view(views, name, Dtype::U16)?;
+    let view = shaped(views, name, Dtype::U16, &shape)?;
+    Ok(view.data().as_chunks::<2>().0.iter().map(|b| map.value(u16::from_le_bytes(*b))).collect())
+}
+
+/// The values of an array over directions.
+fn singles(views: &BTreeMap<&str, TensorView<'_>>, axes: &Axes, name: &str) -> Result<Vec<f32>> {
+    let view = shaped(views, name, Dtype::F32, &[axes.cos_theta().len(), axes.phis()])?;
+    Ok(view.data().as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect())
+}
+
+/// An array of this type and shape.
+fn shaped<'a, 'b>(
+    views: &'a BTreeMap<&str, TensorView<'b>>,
+    name: &str,
+    dtype: Dtype,
+    shape: &[usize],
+) -> Result<&'a TensorView<'b>> {
+    let view = view(views, name, dtype)?;
     if view.shape() != shape {
         return Err(Error::input(format!(
             "array {name} has shape {}, but the axes ask for {}",
@@ -336,7 +362,7 @@ fn codes(views: &BTreeMap<&str, TensorView<'_>>, axes: &Axes, name: &str, map: M
             short(&format!("{shape:?}"))
         )));
     }
-    Ok(view.data().as_chunks::<2>().0.iter().map(|b| map.value(u16::from_le_bytes(*b))).collect())
+    Ok(view)
 }
 
 fn view<'a, 'b>(

@@ -126,7 +126,7 @@ fn neighbours_are_mixed_by_value() {
     let phi_i = f64::acos(0.725);
     let wi = DVec3::new(phi_i.sin(), 0.0, phi_i.cos());
     let exact = brdf.exact(400.0, wi);
-    let at = |phi: f64| exact.across(phi.sin(), phi.cos(), 0.0, None).f;
+    let at = |phi: f64| exact.across([phi.sin(), phi.cos()], 1.0, None).f;
     let (left, middle, right) = (at(-phi_i - 0.3), at(-phi_i), at(-phi_i + 0.3));
     assert!(middle < 0.2 * left.min(right), "{left} {middle} {right}");
     assert!((brdf.albedo(400.0, wi) - 0.4).abs() < 1e-6);
@@ -165,6 +165,8 @@ fn both_signs_have_their_own_lobes() {
     for values in [&mut set.length, &mut set.fraction_1, &mut set.steady_fraction_1, &mut both.correlation] {
         *values = spread(values, 1.0);
     }
+    both.steepness.resize(20 * two.phis(), 6.0);
+    both.strength.resize(20 * two.phis(), 0.8);
     let mut dark = both.clone();
     let at = |phi: usize| dark_index(&both.axes, phi);
     for phi in 20..39 {

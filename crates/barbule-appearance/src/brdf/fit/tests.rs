@@ -39,6 +39,8 @@ fn model(sides: Sides, steady: f64, gamma: f32) -> FeatherMaterial {
         sigma: 0.04,
         sets: vec![set],
         correlation: vec![gamma; axes.len()],
+        steepness: vec![4.0; axes.len() / 2],
+        strength: vec![0.0; axes.len() / 2],
         noise_power: spectrum(&lags),
         seed: 1,
         info: serde_json::Value::Null,
@@ -126,15 +128,15 @@ fn one_lobe_is_one_set_of_arrays() {
     }
 }
 
-/// The statistics of as many drawn instances as a campaign has.
-fn drawn(material: &FeatherMaterial, first: u64) -> Statistics {
-    let mut out = statistics_of(material, INSTANCES);
+/// The statistics of so many drawn instances.
+fn drawn(material: &FeatherMaterial, first: u64, instances: usize) -> Statistics {
+    let mut out = statistics_of(material, instances);
     let noise = Noise::new(&material.noise_power, material.seed);
-    let count = INSTANCES as f64;
+    let count = instances as f64;
     for node in 0..material.axes.len() {
         let synthesis = Synthesis::new(material, node);
         let mut sums = vec![[[0.0; 4]; 2]; AZIMUTHS];
-        for instance in first..first + INSTANCES as u64 {
+        for instance in first..first + instances as u64 {
             for (sum, sides) in sums.iter_mut().zip(synthesis.fields(&noise, instance)) {
                 for (sum, [re, im]) in sum.iter_mut().zip(sides) {
                     let intensity = re * re + im * im;
@@ -160,7 +162,8 @@ fn speckle_has_next_to_no_steady_part_even_in_few_instances() {
     let material = model(Sides::Alike, 0.0, 1.0);
     let mut parts = Vec::new();
     for draw in 0..4 {
-        let (found, _) = fit(&drawn(&material, 1000 * draw), &FitOptions::default(), &Unobserved).unwrap();
+        let (found, _) =
+            fit(&drawn(&material, 1000 * draw, INSTANCES), &FitOptions::default(), &Unobserved).unwrap();
         found.check().unwrap();
         parts.extend(found.sets[0].steady.reflected.iter().map(|s| f64::from(*s) / 0.5));
     }
@@ -171,13 +174,31 @@ fn speckle_has_next_to_no_steady_part_even_in_few_instances() {
 #[test]
 fn fields_of_one_phase_are_steady_even_in_few_instances() {
     let material = model(Sides::Alike, 0.8, 0.5);
-    let (found, report) = fit(&drawn(&material, 0), &FitOptions::default(), &Unobserved).unwrap();
+    let (found, report) = fit(&drawn(&material, 0, INSTANCES), &FitOptions::default(), &Unobserved).unwrap();
     let part = |set: &ParameterSet| -> f64 {
         set.steady.reflected.iter().map(|v| f64::from(*v)).sum::<f64>() / set.steady.reflected.len() as f64
     };
     let [found, given] = [part(&found.sets[0]), part(&material.sets[0])];
     assert!((found / given - 1.0).abs() < 0.15, "{found} {given} {report:?}");
     assert!(report.coherent_median > 0.3, "{report:?}");
+}
+
+/// Instances whose slopes make wings vary more than speckle are found so again.
+#[test]
+fn slopes_are_found_again_from_drawn_instances() {
+    let mut material = model(Sides::Alike, 0.3, 0.8);
+    material.strength.fill(0.7);
+    let (found, report) = fit(&drawn(&material, 0, MANY), &FitOptions::default(), &Unobserved).unwrap();
+    let regions = report.mean_regions().map(|pair| pair.unwrap());
+    assert!(regions[2][0] > 1.3, "{regions:?}");
+    for [simulated, synthesized] in regions {
+        assert!((simulated - synthesized).abs() < 0.06, "{regions:?}");
+    }
+    for (values, given) in [(&found.steepness, 4.0), (&found.strength, 0.7)] {
+        let mut values = values.clone();
+        values.sort_by(f32::total_cmp);
+        assert!((values[values.len() / 2] / given - 1.0).abs() < 0.15, "{given} {values:?}");
+    }
 }
 
 #[test]
