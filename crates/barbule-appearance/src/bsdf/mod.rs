@@ -7,6 +7,7 @@
 //! Directions are unit vectors that point away from the surface: `wo` towards the viewer, `wi` towards the light. Values
 //! are in 1/sr without the cosine.
 
+mod conductor;
 mod feather;
 mod frame;
 mod fresnel;
@@ -15,12 +16,14 @@ mod hit;
 mod keratin;
 mod lambertian;
 mod lobes;
+mod microfacet;
 mod reflectance;
 #[cfg(test)]
 mod tests;
 
 use glam::DVec3;
 
+pub use conductor::Conductor;
 pub use feather::BarbuleSurface;
 pub use frame::Frame;
 pub use hair::{Absorption, FibreIndex, Hair, HairParameters};
@@ -43,6 +46,8 @@ pub enum Surface {
     Barbule(BarbuleSurface),
     /// A round fibre of hair.
     Hair(Hair),
+    /// Rough metal.
+    Conductor(Conductor),
 }
 
 impl Surface {
@@ -55,6 +60,7 @@ impl Surface {
             Self::Keratin(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
             Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
         }
     }
 
@@ -64,7 +70,7 @@ impl Surface {
     pub fn opacity(&self, hit: &Hit, wi: DVec3, wo: DVec3) -> f64 {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
-            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) => 1.0,
+            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) => 1.0,
         }
     }
 
@@ -73,7 +79,7 @@ impl Surface {
     pub fn is_opaque(&self) -> bool {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
-            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) => true,
+            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) => true,
         }
     }
 }
@@ -91,6 +97,7 @@ enum Model<'a> {
     Keratin(keratin::Bound<'a>),
     Feather(feather::Bound<'a>),
     Hair(hair::Bound<'a>),
+    Conductor(conductor::Bound),
 }
 
 /// Calls a function that all models have.
@@ -101,6 +108,7 @@ macro_rules! of_model {
             Model::Keratin(model) => model.$function($($argument),*),
             Model::Feather(model) => model.$function($($argument),*),
             Model::Hair(model) => model.$function($($argument),*),
+            Model::Conductor(model) => model.$function($($argument),*),
         }
     };
 }

@@ -330,7 +330,7 @@ mod tests {
             let daylight = |w: f64| Illuminant::D65.power(w) / Illuminant::D65.power(560.0);
             let radiance = std::array::from_fn(|k| daylight(hero.wavelengths.nm()[k]) / hero.pdf[k]);
             for (sum, value) in
-                sum.iter_mut().zip(xyz(&Sample { radiance, hero, first: NO_HIT, offset: [0.5; 2] }))
+                sum.iter_mut().zip(xyz(&Sample { radiance, hero, first: NO_HIT, offset: [0.5; 2], rays: [0; 2] }))
             {
                 *sum += value / f64::from(count);
             }
@@ -359,14 +359,14 @@ mod tests {
                     let value = 1.0 + 0.1 * (f64::from(x) + offset[0]);
                     let hero = Hero::new(0.3);
                     let first = FirstHit { id: 3, ..NO_HIT };
-                    let sample = Sample { radiance: [value; WAVES], hero, first, offset };
+                    let sample = Sample { radiance: [value; WAVES], hero, first, offset, rays: [0; 2] };
                     film.tiles[tile].add([x - x0, y - y0], x1 - x0, &sample, at == 0);
                 }
             }
             film.tiles[tile].count = repeats * side * side;
         }
         let white =
-            xyz(&Sample { radiance: [1.0; WAVES], hero: Hero::new(0.3), first: NO_HIT, offset: [0.5; 2] })[1];
+            xyz(&Sample { radiance: [1.0; WAVES], hero: Hero::new(0.3), first: NO_HIT, offset: [0.5; 2], rays: [0; 2] })[1];
         let value = |x: u32, y: u32| film.xyz(x, y)[1] / white;
         for (x, y, centre) in [
             (5, 7, 5.5),

@@ -83,6 +83,8 @@ pub struct Sample {
     pub first: FirstHit,
     /// Where in the pixel it was taken, from its upper left corner, pixels.
     pub offset: [f64; 2],
+    /// Rays that were traced: for the nearest hit, and for whether a light is seen.
+    pub rays: [u32; 2],
 }
 
 /// Nothing was hit.
@@ -119,7 +121,7 @@ impl<'a> Integrator<'a> {
         for (value, pdf) in radiance.iter_mut().zip(hero.pdf) {
             *value /= pdf;
         }
-        Sample { radiance, hero, first, offset: [x, y] }
+        Sample { radiance, hero, first, offset: [x, y], rays: path.rays }
     }
 
     /// Follows the path to its next scattering; `false` when it ends.
@@ -175,6 +177,7 @@ impl<'a> Integrator<'a> {
         for _ in 0..MOST_PASSES {
             let lamp = self.lighting.hit(path.origin, path.direction, from);
             let farthest = lamp.map_or(f64::INFINITY, |(_, distance)| distance);
+            path.rays[0] += 1;
             let Some(mut hit) = self.stage.hit(path.origin, path.direction, from, farthest) else {
                 match lamp {
                     Some((index, _)) => {
@@ -246,6 +249,7 @@ impl<'a> Integrator<'a> {
         if shadow >= keep {
             return;
         }
+        path.rays[1] += 1;
         let passed = self.passed(hit, sample.direction, sample.distance);
         if passed > 0.0 {
             path.add(radiance.map(|r| r * passed / keep), density);
@@ -295,6 +299,7 @@ struct Path {
     scattered: bool,
     travelled: f64,
     footprint: [f64; 2],
+    rays: [u32; 2],
 }
 
 impl Path {
@@ -310,6 +315,7 @@ impl Path {
             scattered: false,
             travelled: 0.0,
             footprint,
+            rays: [0; 2],
         }
     }
 

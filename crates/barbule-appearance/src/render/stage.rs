@@ -42,6 +42,12 @@ impl Stage {
         self.objects.iter().map(|object| object.geometry.primitives()).sum()
     }
 
+    /// Bytes of the hierarchy, primitives included.
+    #[must_use]
+    pub fn hierarchy_bytes(&self) -> usize {
+        self.accelerator.bytes()
+    }
+
     /// Nearest distance at which a ray that leaves a surface may hit another, mm: a hundred-thousandth of the
     /// stage's size, far less than a barbule's width and far more than rounding.
     #[inline]

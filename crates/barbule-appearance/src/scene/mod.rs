@@ -4,6 +4,7 @@
 //! Lengths are mm.
 
 pub mod camera;
+pub mod comparison;
 pub mod description;
 pub mod emission;
 pub mod feather;
@@ -12,6 +13,7 @@ pub mod light;
 pub mod preset;
 pub mod primaries;
 pub mod sky;
+pub mod spline;
 
 use camera::Camera;
 use geometry::Geometry;

@@ -1,6 +1,7 @@
 //! The only module that opens files.
 
 mod cache;
+mod curves;
 pub mod image;
 mod kind;
 mod lattice;
@@ -21,9 +22,10 @@ mod whole;
 mod zarr;
 
 pub use cache::{CacheFile, delete_cached, list_cache};
+pub use curves::{curves_text, parse_curves, read_curves};
 pub use kind::{InputKind, kind_of};
 pub use lattice::read_lattice;
-pub use machine::available_memory;
+pub use machine::{available_memory, peak_memory};
 pub use material::{decode_material, encode_material, read_material, write_material};
 pub use named::{files_in, files_named_in};
 pub use orders::{read_keyed_orders, read_orders, write_orders};

@@ -67,6 +67,12 @@ impl Accelerator {
         Self { hierarchy, primitives, level: Level::new() }
     }
 
+    /// Bytes of nodes and primitives.
+    #[must_use]
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.hierarchy.nodes[..]) + size_of_val(&self.primitives[..])
+    }
+
     /// The nearest hit between `nearest` and `farthest`, mm along the unit direction.
     #[must_use]
     pub(super) fn hit(
