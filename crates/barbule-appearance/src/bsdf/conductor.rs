@@ -3,12 +3,14 @@
 //! Light is reflected once: what a second facet would reflect again is lost, a few percent at a roughness of 0.5. Both
 //! sides are the same.
 
+use fearless_simd::{Simd, dispatch, f64x8, prelude::*};
 use glam::DVec3;
 
 use super::hit::Hit;
 use super::lobes::Lobes;
 use super::microfacet::Ggx;
 use super::{Bsdf, Model};
+use crate::math::simd::level;
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
 use crate::{Error, Result};
 
@@ -127,21 +129,26 @@ impl Bound {
 /// with 2a² = |w| + Re w and 2b² = |w| − Re w of w = (n + ik)² − sin²θ.
 #[inline(always)]
 fn reflectances(cosine: f64, n: &[f64; WAVES], k: &[f64; WAVES]) -> [f64; WAVES] {
-    let c = cosine.clamp(0.0, 1.0);
+    dispatch!(level(), simd => reflectances_in(simd, cosine.clamp(0.0, 1.0), n, k))
+}
+
+/// Compiled for each instruction set.
+#[inline(always)]
+fn reflectances_in<S: Simd>(simd: S, c: f64, n: &[f64; WAVES], k: &[f64; WAVES]) -> [f64; WAVES] {
+    let all = |v: f64| f64x8::splat(simd, v);
+    let (n, k) = (f64x8::from_slice(simd, n), f64x8::from_slice(simd, k));
     let c2 = c * c;
     let s2 = 1.0 - c2;
-    let mut out = [0.0; WAVES];
-    for i in 0..WAVES {
-        let real = n[i] * n[i] - k[i] * k[i] - s2;
-        let imaginary = 2.0 * n[i] * k[i];
-        let modulus = (real * real + imaginary * imaginary).sqrt();
-        let twice_a = 2.0 * (0.5 * (modulus + real)).max(0.0).sqrt();
-        let s = (modulus + c2 - twice_a * c) / (modulus + c2 + twice_a * c);
-        let s2s2 = s2 * s2;
-        let p = (modulus * c2 + s2s2 - twice_a * c * s2) / (modulus * c2 + s2s2 + twice_a * c * s2);
-        out[i] = 0.5 * s * (1.0 + p);
-    }
-    out
+    let real = n * n - k * k - all(s2);
+    let imaginary = n * k * all(2.0);
+    let modulus = (real * real + imaginary * imaginary).sqrt();
+    let a = ((modulus + real) * all(0.5)).max(all(0.0)).sqrt();
+    let cross = a * all(2.0 * c);
+    let square = modulus + all(c2);
+    let s = (square - cross) / (square + cross);
+    let (square, cross) = (modulus * all(c2) + all(s2 * s2), cross * all(s2));
+    let p = (square - cross) / (square + cross);
+    (all(0.5) * s * (all(1.0) + p)).to_array()
 }
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ impl Lambertian {
     }
 
     /// At a hit, seen from `wo`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn bind<'a>(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let f = |side: &Reflectance| side.at_each(wavelengths).map(|value| value / PI);
         let transmitted = self.transmittance.as_ref().map(f);
@@ -65,13 +65,13 @@ pub(super) struct Bound {
 }
 
 impl Bound {
-    #[inline]
+    #[inline(always)]
     pub(super) fn lobes(&self) -> Lobes {
         let lobes = Lobes::REFLECTION.and(Lobes::DIFFUSE);
         if self.transmitted.is_some() { lobes.and(Lobes::TRANSMISSION) } else { lobes }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
         match self.transmitted {
             None => (self.reflected, [wi.z / PI; WAVES]),
@@ -80,7 +80,7 @@ impl Bound {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample(&self, _wo: DVec3, u: [f64; 3]) -> Option<(DVec3, Lobes)> {
         let above = self.transmitted.is_none() || u[2] < self.reflected_share;
         let (sine, azimuth) = (u[0].sqrt(), TAU * u[1]);

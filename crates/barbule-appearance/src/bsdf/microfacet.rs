@@ -1,8 +1,10 @@
 //! GGX microfacets: normals, masking, and sampling of those that are seen.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use glam::DVec3;
+
+use crate::math::elementary::sin_cos_turns;
 
 /// A GGX surface of two roughnesses, along x and y of its frame (Trowbridge & Reitz 1975; Walter et al. 2007), with Smith's
 /// masking.
@@ -42,7 +44,7 @@ impl Ggx {
         let stretched = DVec3::new(w.x * self.alpha[0], w.y * self.alpha[1], w.z).normalize();
         let z = (1.0 - v) * (1.0 + stretched.z) - stretched.z;
         let sine = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
-        let (sin_azimuth, cos_azimuth) = (TAU * u).sin_cos();
+        let [sin_azimuth, cos_azimuth] = sin_cos_turns(u);
         let h = DVec3::new(sine * cos_azimuth, sine * sin_azimuth, z) + stretched;
         DVec3::new(h.x * self.alpha[0], h.y * self.alpha[1], h.z).normalize()
     }
@@ -50,6 +52,8 @@ impl Ggx {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     /// ∫ D cosθ = 1, and the normals that a direction sees cover its own cosine (Heitz 2014, eqs. 10 and 22), by the

@@ -52,7 +52,7 @@ pub enum Surface {
 
 impl Surface {
     /// Its scattering function at a hit, for a viewer in the direction `wo`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn bind(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {
         match self {
@@ -157,6 +157,7 @@ impl<'a> Bsdf<'a> {
     }
 
     /// Scattering of light from `wi` to the viewer; nothing where the face and the shading normal disagree on the side.
+    #[inline(always)]
     #[must_use]
     pub fn eval(&self, wi: DVec3) -> Evaluation {
         let local = self.side.frame.to_local(wi);
@@ -177,6 +178,7 @@ impl<'a> Bsdf<'a> {
     }
 
     /// Draws a direction at the hero wavelength from three uniform numbers; `None` where nothing is scattered.
+    #[inline(always)]
     #[must_use]
     pub fn sample(&self, u: [f64; 3]) -> Option<BsdfSample> {
         let (local, lobes) = of_model!(&self.model, sample(self.side.wo, u))?;

@@ -4,17 +4,20 @@ use std::sync::LazyLock;
 
 use super::integrator::Sample;
 use crate::spectrum::colour::{Illuminant, matching, rgb_from_xyz, xyz_from_rgb};
-use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, VALUES, WAVES};
+use crate::spectrum::dense::{SHORTEST_NM, VALUES, WAVES};
 use crate::{Error, Result};
 
 /// Side of a tile, pixels.
 pub const TILE: u32 = 32;
 
 /// The colour-matching functions at the renderer's wavelengths, each scaled so that daylight (D65, 1 at 560 nm) cut to
-/// 380 … 720 nm has exactly the X, Y and Z of sRGB's white.
-static MATCHING: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
+/// 380 … 720 nm has exactly the X, Y and Z of sRGB's white; a zero fills each row to the width of a register.
+static MATCHING: LazyLock<[[f64; 4]; VALUES]> = LazyLock::new(|| {
     let nm = |i: usize| SHORTEST_NM + i as f64;
-    let mut table: Vec<[f64; 3]> = (0..VALUES).map(|i| matching(nm(i))).collect();
+    let mut table: [[f64; 4]; VALUES] = std::array::from_fn(|i| {
+        let [x, y, z] = matching(nm(i));
+        [x, y, z, 0.0]
+    });
     let mut sums = [0.0; 3];
     for (i, row) in table.iter().enumerate() {
         let weight = if i == 0 || i + 1 == VALUES { 0.5 } else { 1.0 };
@@ -251,6 +254,7 @@ impl Tile {
     }
 
     /// Adds a sample of the pixel at `x`, `y` from the tile's corner, `width` that of the tile.
+    #[inline(always)]
     pub(super) fn add(&mut self, [x, y]: [u32; 2], width: u32, sample: &Sample, is_first: bool) {
         let xyz = xyz(sample);
         // The pixel's column and the one that is nearer, and their weights.
@@ -272,22 +276,24 @@ impl Tile {
 }
 
 /// Its CIE XYZ.
+#[inline(always)]
 fn xyz(sample: &Sample) -> [f64; 3] {
     let matching = &*MATCHING;
-    let mut xyz = [0.0; 3];
-    for (radiance, nm) in sample.radiance.iter().zip(sample.hero.wavelengths.nm()) {
-        let at = (nm - SHORTEST_NM).clamp(0.0, LONGEST_NM - SHORTEST_NM);
-        let index = (at as usize).min(VALUES - 2);
-        let rest = at - index as f64;
-        for k in 0..3 {
-            let value = matching[index][k] + (matching[index + 1][k] - matching[index][k]) * rest;
-            xyz[k] += radiance * value / WAVES as f64;
+    let places = sample.hero.wavelengths.places();
+    let mut xyz = [0.0; 4];
+    for k in 0..WAVES {
+        let index = (places.below[k] as usize).min(VALUES - 2);
+        let (low, high) = (&matching[index], &matching[index + 1]);
+        let share = sample.radiance[k] / WAVES as f64;
+        for i in 0..4 {
+            xyz[i] += share * (low[i] + (high[i] - low[i]) * places.rest[k]);
         }
     }
-    xyz
+    [xyz[0], xyz[1], xyz[2]]
 }
 
 impl Pixel {
+    #[inline(always)]
     fn add(&mut self, sample: &Sample, luminance: f64, is_first: bool) {
         self.luminance += luminance;
         self.squares += luminance * luminance;

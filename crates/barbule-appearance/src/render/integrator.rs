@@ -12,7 +12,7 @@ use super::stage::Stage;
 use super::wavelengths::Hero;
 use crate::bsdf::{Bsdf, Hit, Lobes};
 use crate::math::rng::split_mix;
-use crate::scene::camera::Camera;
+use crate::scene::camera::{Camera, View};
 use crate::spectrum::dense::WAVES;
 
 /// Which techniques gather light: all for pictures, one alone for tests.
@@ -100,6 +100,25 @@ impl<'a> Integrator<'a> {
     /// One sample of a pixel; `size` in pixels.
     #[must_use]
     pub fn sample(&self, pixel: [u32; 2], size: [u32; 2], sample: u64, seed: u64) -> Sample {
+        self.seen(&self.camera.view(size), pixel, size, sample, seed)
+    }
+
+    /// The camera as [`Integrator::seen`] wants it.
+    pub(super) fn view(&self, size: [u32; 2]) -> View {
+        self.camera.view(size)
+    }
+
+    /// As [`Integrator::sample`], with the camera prepared for the size. Inlined with all that it calls often, so that it is
+    /// compiled for the caller's instructions.
+    #[inline(always)]
+    pub(super) fn seen(
+        &self,
+        view: &View,
+        pixel: [u32; 2],
+        size: [u32; 2],
+        sample: u64,
+        seed: u64,
+    ) -> Sample {
         let index = u64::from(pixel[1]) * u64::from(size[0]) + u64::from(pixel[0]);
         let mut sampler = Sampler::new(index, sample, seed);
         let [x, y, lens_u, lens_v] = sampler.next4();
@@ -109,7 +128,7 @@ impl<'a> Integrator<'a> {
             (f64::from(pixel[0]) + x) / f64::from(size[0]),
             (f64::from(pixel[1]) + y) / f64::from(size[1]),
         );
-        let ray = self.camera.ray(point, DVec2::new(lens_u, lens_v), size);
+        let ray = view.ray(point, DVec2::new(lens_u, lens_v));
         let mut path = Path::new(ray.origin, ray.direction, hero, [ray.footprint, ray.spread]);
         let mut first = NO_HIT;
         for depth in 0..=self.transport.most_scatterings {
@@ -125,6 +144,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Follows the path to its next scattering; `false` when it ends.
+    #[inline(always)]
     fn step(&self, path: &mut Path, depth: u32, sampler: &mut Sampler, first: &mut FirstHit) -> bool {
         let pass = if self.stage.is_opaque() { 1.0 } else { sampler.next4()[0] };
         let Some(hit) = self.next_surface(path, pass) else {
@@ -171,6 +191,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// The next surface that scatters; adds the light seen when there is none or a light stands in front.
+    #[inline(always)]
     fn next_surface(&self, path: &mut Path, mut pass: f64) -> Option<Hit> {
         let nearest = self.stage.nearest_mm();
         let mut from = if path.scattered { nearest } else { 0.0 };
@@ -182,7 +203,8 @@ impl<'a> Integrator<'a> {
                 match lamp {
                     Some((index, _)) => {
                         let radiance = self.lighting.emitted(index, path.hero.wavelengths);
-                        self.arrive(path, index, radiance);
+                        let pdf = self.lighting.pdf(index, path.origin, path.direction);
+                        self.arrive(path, radiance, pdf);
                     }
                     None => self.escape(path),
                 }
@@ -202,6 +224,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Share of light that passes a hit unchanged.
+    #[inline(always)]
     fn transparency(&self, hit: &Hit, direction: DVec3) -> f64 {
         if self.stage.is_opaque() {
             return 0.0;
@@ -210,26 +233,27 @@ impl<'a> Integrator<'a> {
     }
 
     /// Adds what a path that leaves the scene sees.
+    #[inline(always)]
     fn escape(&self, path: &mut Path) {
-        for (index, radiance) in self.lighting.escaped(path.direction, path.hero.wavelengths) {
-            self.arrive(path, index, radiance);
-        }
+        let (direction, wavelengths) = (path.direction, path.hero.wavelengths);
+        self.lighting.escaped(direction, wavelengths, |radiance, pdf| self.arrive(path, radiance, pdf));
     }
 
-    /// Adds the radiance of a light that the path ran into.
-    fn arrive(&self, path: &mut Path, index: usize, radiance: [f64; WAVES]) {
+    /// Adds the radiance of a light that the path ran into, whose samples would have had this density, 1/sr.
+    #[inline(always)]
+    fn arrive(&self, path: &mut Path, radiance: [f64; WAVES], pdf: f64) {
         if radiance == [0.0; WAVES] || (path.scattered && self.transport.technique == Technique::LightsOnly) {
             return;
         }
         let mut density = mean(&path.through);
         if path.scattered && self.transport.technique == Technique::Both {
-            let pdf = self.lighting.pdf(index, path.origin, path.direction);
             density += mean(&path.through_lights) * pdf;
         }
         path.add(radiance, density);
     }
 
     /// Adds the light of one lamp. `shadow` decides whether little light is worth a ray.
+    #[inline(always)]
     fn light(&self, path: &mut Path, hit: &Hit, bsdf: &Bsdf<'_>, index: usize, u: DVec2, shadow: f64) {
         let wavelengths = path.hero.wavelengths;
         let Some(sample) = self.lighting.sample(index, hit.position, u, wavelengths) else { return };
@@ -257,6 +281,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Share of light that passes along a straight line from a hit: 1 free, 0 blocked.
+    #[inline(always)]
     fn passed(&self, start: &Hit, direction: DVec3, distance: f64) -> f64 {
         let (origin, nearest) = (start.position, self.stage.nearest_mm());
         let farthest = distance - nearest;
@@ -303,6 +328,7 @@ struct Path {
 }
 
 impl Path {
+    #[inline(always)]
     fn new(origin: DVec3, direction: DVec3, hero: Hero, footprint: [f64; 2]) -> Self {
         Self {
             origin,
@@ -319,6 +345,7 @@ impl Path {
         }
     }
 
+    #[inline(always)]
     fn add(&mut self, radiance: [f64; WAVES], density: f64) {
         for (sum, (weight, value)) in self.sum.iter_mut().zip(self.weight.iter().zip(radiance)) {
             *sum += weight * value / density;
@@ -326,6 +353,7 @@ impl Path {
     }
 }
 
+#[inline(always)]
 fn mean(values: &[f64; WAVES]) -> f64 {
     values.iter().sum::<f64>() / WAVES as f64
 }

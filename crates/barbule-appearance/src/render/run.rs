@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::film::{Film, Tile};
@@ -104,18 +105,32 @@ fn round(
 
 /// A tile with so many samples per pixel.
 fn grown(integrator: &Integrator<'_>, film: &Film, tile: usize, seed: u64, samples: u32) -> Tile {
-    let [x0, y0, x1, y1] = film.bounds(tile);
     let mut grown = film.tiles[tile].clone();
+    let place = (film.bounds(tile), film.size());
+    dispatch!(Level::new(), simd => grow(simd, integrator, &mut grown, place, seed, samples));
+    grown
+}
+
+/// Compiled for each instruction set: paths of eight wavelengths are loops over arrays of eight.
+#[inline(always)]
+fn grow<S: Simd>(
+    _simd: S,
+    integrator: &Integrator<'_>,
+    tile: &mut Tile,
+    ([x0, y0, x1, y1], size): ([u32; 4], [u32; 2]),
+    seed: u64,
+    samples: u32,
+) {
+    let view = integrator.view(size);
     for y in y0..y1 {
         for x in x0..x1 {
-            for sample in grown.count..samples {
-                let drawn = integrator.sample([x, y], film.size(), u64::from(sample), seed);
-                grown.add([x - x0, y - y0], x1 - x0, &drawn, sample == 0);
+            for sample in tile.count..samples {
+                let drawn = integrator.seen(&view, [x, y], size, u64::from(sample), seed);
+                tile.add([x - x0, y - y0], x1 - x0, &drawn, sample == 0);
             }
         }
     }
-    grown.count = samples;
-    grown
+    tile.count = samples;
 }
 
 /// Depends on the tile's own samples only, at counts that do not depend on how a run was cut into pieces.

@@ -43,7 +43,7 @@ impl Emission {
     }
 
     /// At the wavelengths of a path.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn at_each(&self, wavelengths: Lambdas) -> [f64; WAVES] {
         self.spectrum.at_each(wavelengths)

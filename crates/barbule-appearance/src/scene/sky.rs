@@ -8,6 +8,7 @@ use glam::{DVec2, DVec3};
 
 use super::emission::Emission;
 use super::primaries::primaries;
+use crate::math::elementary::atan2;
 use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
 
@@ -123,15 +124,19 @@ impl Sky {
     }
 
     /// Row and column of the texel in a direction.
+    #[inline(always)]
     #[must_use]
     pub fn texel(&self, direction: DVec3) -> (usize, usize) {
-        let row = (direction.z.clamp(-1.0, 1.0).acos() / PI * self.height as f64) as usize;
-        let turns = (direction.x.atan2(direction.y) / TAU - self.turn).rem_euclid(1.0);
+        let across = (direction.x * direction.x + direction.y * direction.y).sqrt();
+        let row = (atan2(across, direction.z) * (1.0 / PI) * self.height as f64) as usize;
+        let turns = atan2(direction.x, direction.y) * (1.0 / TAU) - self.turn;
+        let turns = turns - turns.floor();
         let column = (turns * self.width as f64) as usize;
         (row.min(self.height - 1), column.min(self.width - 1))
     }
 
     /// Radiance of a texel.
+    #[inline(always)]
     #[must_use]
     pub fn spectrum(&self, row: usize, column: usize, wavelengths: Lambdas) -> [f64; WAVES] {
         let texel = &self.texels[row * self.width + column];

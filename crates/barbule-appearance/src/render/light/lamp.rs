@@ -11,11 +11,13 @@ use crate::spectrum::dense::{Lambdas, WAVES};
 
 impl Light {
     /// Whether only rays that leave the scene see it.
+    #[inline(always)]
     pub(super) fn is_infinite(&self) -> bool {
         matches!(self, Self::Sun(_))
     }
 
     /// A direction from `point` towards the light; `None` where the light cannot be seen from there.
+    #[inline(always)]
     pub(super) fn sample(&self, point: DVec3, u: DVec2, wavelengths: Lambdas) -> Option<LightSample> {
         match self {
             Self::Sun(sun) => {
@@ -94,6 +96,7 @@ impl Light {
     }
 
     /// Distance at which a ray hits the shining side of a light that stands in the scene.
+    #[inline(always)]
     pub(super) fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         match self {
             Self::Sun(_) => None,

@@ -1,5 +1,6 @@
 //! A scene's lamps and sky, ready to be sampled. They know nothing of shapes: a lamp moves without a new hierarchy.
 
+mod cumulative;
 mod lamp;
 mod sample;
 mod sky;
@@ -26,6 +27,8 @@ pub struct Lighting {
     sky: Option<Sky>,
     /// Lamps that stand in the scene, which rays can hit.
     standing: Vec<usize>,
+    /// Lamps that only rays which leave the scene see.
+    infinite: Vec<usize>,
     /// Samples of each light that a point takes in the mean.
     counts: Vec<f64>,
 }
@@ -70,8 +73,8 @@ impl Lighting {
         let few = weights.len() <= AT_ONCE;
         let count = |weight: &f64| if few { 1.0 } else { AT_ONCE as f64 * weight / total };
         let counts = weights.iter().map(count).collect();
-        let standing = (0..lamps.len()).filter(|&i| !lamps[i].light.is_infinite()).collect();
-        Ok(Self { lamps, sky, standing, counts })
+        let (infinite, standing) = (0..lamps.len()).partition(|&i| lamps[i].light.is_infinite());
+        Ok(Self { lamps, sky, standing, infinite, counts })
     }
 
     /// How many samples of lights a point takes.
@@ -98,6 +101,7 @@ impl Lighting {
 
     /// A direction from `point` towards a light, with its density in all of the point's samples; `None` where the light
     /// cannot be seen from there.
+    #[inline(always)]
     #[must_use]
     pub fn sample(&self, light: usize, point: DVec3, u: DVec2, wavelengths: Lambdas) -> Option<LightSample> {
         let mut sample = match self.lamps.get(light) {
@@ -119,20 +123,20 @@ impl Lighting {
         self.counts[light] * pdf
     }
 
-    /// The lights that a ray sees when it leaves the scene, with their radiance.
-    pub fn escaped(
-        &self,
-        direction: DVec3,
-        wavelengths: Lambdas,
-    ) -> impl Iterator<Item = (usize, [f64; WAVES])> + '_ {
-        let lamps = self.lamps.iter().enumerate();
-        let infinite = lamps.filter(|(_, lamp)| lamp.light.is_infinite());
-        let suns = infinite.map(move |(index, lamp)| (index, lamp.light.escaped(direction, wavelengths)));
-        let sky = self.sky.iter().map(move |sky| {
-            let radiance = sky.sampler.radiance(direction, wavelengths);
-            (self.lamps.len(), radiance)
-        });
-        suns.chain(sky)
+    /// Tells what a ray sees of each light when it leaves the scene: radiance, and the direction's density in all of a
+    /// point's samples, 1/sr.
+    #[inline(always)]
+    pub fn escaped(&self, direction: DVec3, wavelengths: Lambdas, mut see: impl FnMut([f64; WAVES], f64)) {
+        for &index in &self.infinite {
+            let light = &self.lamps[index].light;
+            // Whatever lies at infinity is seen from everywhere alike.
+            let pdf = self.counts[index] * light.pdf(DVec3::ZERO, direction);
+            see(light.escaped(direction, wavelengths), pdf);
+        }
+        if let Some(sky) = &self.sky {
+            let (radiance, pdf) = sky.sampler.seen(direction, wavelengths);
+            see(radiance, self.counts[self.lamps.len()] * pdf);
+        }
     }
 
     /// The nearest lamp that a ray hits farther than `from` mm, and where, mm.
