@@ -61,7 +61,9 @@ impl Conductor {
             spectrum.values().iter().all(|v| v.is_finite() && *v >= least)
         };
         if !(sound(&n, 1e-3) && sound(&k, 0.0)) {
-            return Err(Error::input("a metal's index needs n of at least 0.001 and k not below 0, both finite"));
+            return Err(Error::input(
+                "a metal's index needs n of at least 0.001 and k not below 0, both finite",
+            ));
         }
         Ok(Self { ggx: Ggx::new(roughness), n, k })
     }
@@ -127,7 +129,7 @@ impl Bound {
 
 /// Unpolarized Fresnel reflectances of indices n + ik from air (Born & Wolf, *Principles of Optics*, 7th ed., §14.2):
 /// with 2a² = |w| + Re w and 2b² = |w| − Re w of w = (n + ik)² − sin²θ.
-#[inline(always)]
+#[inline(never)] // one copy for all callers, which are inlined into one function
 fn reflectances(cosine: f64, n: &[f64; WAVES], k: &[f64; WAVES]) -> [f64; WAVES] {
     dispatch!(level(), simd => reflectances_in(simd, cosine.clamp(0.0, 1.0), n, k))
 }
@@ -182,7 +184,12 @@ mod tests {
             let (n, k) = (copper.n.at(w), copper.k.at(w));
             ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k)
         };
-        assert!((at(450.0) - 0.55).abs() < 0.02 && (at(659.0) - 0.94).abs() < 0.02, "{} {}", at(450.0), at(659.0));
+        assert!(
+            (at(450.0) - 0.55).abs() < 0.02 && (at(659.0) - 0.94).abs() < 0.02,
+            "{} {}",
+            at(450.0),
+            at(659.0)
+        );
         assert!((copper.n.at(533.0) - (1.18 - 0.16 * 12.1 / 27.7)).abs() < 1e-6);
     }
 

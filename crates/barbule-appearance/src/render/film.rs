@@ -335,9 +335,13 @@ mod tests {
             let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
             let daylight = |w: f64| Illuminant::D65.power(w) / Illuminant::D65.power(560.0);
             let radiance = std::array::from_fn(|k| daylight(hero.wavelengths.nm()[k]) / hero.pdf[k]);
-            for (sum, value) in
-                sum.iter_mut().zip(xyz(&Sample { radiance, hero, first: NO_HIT, offset: [0.5; 2], rays: [0; 2] }))
-            {
+            for (sum, value) in sum.iter_mut().zip(xyz(&Sample {
+                radiance,
+                hero,
+                first: NO_HIT,
+                offset: [0.5; 2],
+                rays: [0; 2],
+            })) {
                 *sum += value / f64::from(count);
             }
         }
@@ -371,8 +375,13 @@ mod tests {
             }
             film.tiles[tile].count = repeats * side * side;
         }
-        let white =
-            xyz(&Sample { radiance: [1.0; WAVES], hero: Hero::new(0.3), first: NO_HIT, offset: [0.5; 2], rays: [0; 2] })[1];
+        let white = xyz(&Sample {
+            radiance: [1.0; WAVES],
+            hero: Hero::new(0.3),
+            first: NO_HIT,
+            offset: [0.5; 2],
+            rays: [0; 2],
+        })[1];
         let value = |x: u32, y: u32| film.xyz(x, y)[1] / white;
         for (x, y, centre) in [
             (5, 7, 5.5),

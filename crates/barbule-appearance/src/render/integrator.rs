@@ -203,8 +203,8 @@ impl<'a> Integrator<'a> {
                 match lamp {
                     Some((index, _)) => {
                         let radiance = self.lighting.emitted(index, path.hero.wavelengths);
-                        let pdf = self.lighting.pdf(index, path.origin, path.direction);
-                        self.arrive(path, radiance, pdf);
+                        let (origin, direction) = (path.origin, path.direction);
+                        self.arrive(path, radiance, || self.lighting.pdf(index, origin, direction));
                     }
                     None => self.escape(path),
                 }
@@ -236,18 +236,20 @@ impl<'a> Integrator<'a> {
     #[inline(always)]
     fn escape(&self, path: &mut Path) {
         let (direction, wavelengths) = (path.direction, path.hero.wavelengths);
-        self.lighting.escaped(direction, wavelengths, |radiance, pdf| self.arrive(path, radiance, pdf));
+        self.lighting.escaped(direction, wavelengths, |radiance, far| {
+            self.arrive(path, radiance, || self.lighting.far_pdf(far, direction));
+        });
     }
 
-    /// Adds the radiance of a light that the path ran into, whose samples would have had this density, 1/sr.
+    /// Adds the radiance of a light that the path ran into. `pdf`: density that the light's own samples would have had, 1/sr.
     #[inline(always)]
-    fn arrive(&self, path: &mut Path, radiance: [f64; WAVES], pdf: f64) {
+    fn arrive(&self, path: &mut Path, radiance: [f64; WAVES], pdf: impl FnOnce() -> f64) {
         if radiance == [0.0; WAVES] || (path.scattered && self.transport.technique == Technique::LightsOnly) {
             return;
         }
         let mut density = mean(&path.through);
         if path.scattered && self.transport.technique == Technique::Both {
-            density += mean(&path.through_lights) * pdf;
+            density += mean(&path.through_lights) * pdf();
         }
         path.add(radiance, density);
     }

@@ -74,7 +74,7 @@ impl Sampler {
     }
 
     /// The numbers of this set and the three after it.
-    #[inline(always)]
+    #[inline(never)] // one copy for all callers, which are inlined into one function
     fn fill(&mut self) {
         let rows = &DIRECTIONS[self.set as usize / (LANES / 4)];
         self.numbers = dispatch!(level(), simd => numbers(simd, rows, self.shuffled, self.set, self.seed));
@@ -83,13 +83,7 @@ impl Sampler {
 
 /// Compiled for each instruction set.
 #[inline(always)]
-fn numbers<S: Simd>(
-    simd: S,
-    rows: &[[u32; LANES]; 16],
-    shuffled: u32,
-    set: u32,
-    seed: u32,
-) -> [f32; LANES] {
+fn numbers<S: Simd>(simd: S, rows: &[[u32; LANES]; 16], shuffled: u32, set: u32, seed: u32) -> [f32; LANES] {
     let all = |v: u32| u32x16::splat(simd, v);
     let mut n = all(0);
     let mut left = shuffled >> 16;

@@ -24,7 +24,7 @@ pub struct Hero {
 
 impl Hero {
     /// From one uniform number.
-    #[inline(always)]
+    #[inline(never)] // one copy for all callers
     #[must_use]
     pub fn new(u: f64) -> Self {
         dispatch!(level(), simd => drawn(simd, u))

@@ -151,7 +151,10 @@ impl Comparison {
             }
             Self::HairQuad => vec![Object { geometry: square(), surface: hair()? }],
             Self::ConductorQuad => {
-                vec![Object { geometry: square(), surface: Surface::Conductor(Conductor::copper([0.3, 0.1])?) }]
+                vec![Object {
+                    geometry: square(),
+                    surface: Surface::Conductor(Conductor::copper([0.3, 0.1])?),
+                }]
             }
         };
         Ok(Scene { objects, lamps: vec![lamp()], environment: Some(environment()?), camera: self.camera() })
@@ -313,7 +316,9 @@ mod tests {
             .map(|(i, texel)| f64::from(texel[0]) * libm::sin(PI * ((i / SKY[1]) as f64 + 0.5) / 64.0))
             .sum();
         let nodes: f64 = (0..SKY[0] * SKY[1])
-            .map(|i| sky_node(i / SKY[1], i % SKY[1])[0] * libm::sin(PI * (i / SKY[1]) as f64 / 63.0) * 64.0 / 63.0)
+            .map(|i| {
+                sky_node(i / SKY[1], i % SKY[1])[0] * libm::sin(PI * (i / SKY[1]) as f64 / 63.0) * 64.0 / 63.0
+            })
             .sum();
         assert!((patch / nodes - 1.0).abs() < 1e-3, "{patch} {nodes}");
     }

@@ -87,7 +87,8 @@ mod tests {
     /// Points in line are met at thirds' means, (a + 4b + c)/6; B-splines of linear data are linear.
     #[test]
     fn splines_begin_and_end_near_their_inner_points() {
-        let points: Vec<CurveNode> = (0..5).map(|k| node(k as f32, 2.0 * k as f32, 0.1 + 0.01 * k as f32)).collect();
+        let points: Vec<CurveNode> =
+            (0..5).map(|k| node(k as f32, 2.0 * k as f32, 0.1 + 0.01 * k as f32)).collect();
         let mut geometry = Geometry::default();
         geometry.add_control_curve(&points, Basis::BSpline, 3);
         let nodes = &geometry.curve_nodes;
@@ -101,7 +102,8 @@ mod tests {
     /// The curve between the nodes, evaluated by its definition in truncated cubes, stays within what is promised.
     #[test]
     fn segments_follow_a_bent_curve() {
-        let points = [node(0.0, 0.0, 0.01), node(1.0, 0.3, 0.01), node(2.0, -0.4, 0.02), node(2.5, 1.0, 0.01)];
+        let points =
+            [node(0.0, 0.0, 0.01), node(1.0, 0.3, 0.01), node(2.0, -0.4, 0.02), node(2.5, 1.0, 0.01)];
         let cube = |x: f32| x.max(0.0).powi(3) / 6.0;
         let basis = |x: f32| cube(x) - 4.0 * cube(x - 1.0) + 6.0 * cube(x - 2.0) - 4.0 * cube(x - 3.0);
         let mut geometry = Geometry::default();

@@ -18,7 +18,9 @@ use crate::structure_arg;
 
 /// Arguments of `barbule bench`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  barbule bench campaign starling\n  barbule bench crystal mallard\n  barbule bench render close")]
+#[command(
+    after_help = "Examples:\n  barbule bench campaign starling\n  barbule bench crystal mallard\n  barbule bench render close"
+)]
 pub(crate) struct Args {
     #[command(subcommand)]
     what: What,

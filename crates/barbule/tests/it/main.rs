@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests; some print the figures that they hold
 
+mod agreement;
 mod architecture;
 mod brdf;
 mod colour;

@@ -33,7 +33,7 @@ pub(super) struct Powers {
 
 impl Powers {
     /// Of a section that is the same at all wavelengths; `depths`: absorption over one radius.
-    #[inline(always)]
+    #[inline(never)] // one copy for all callers, which are inlined into one function
     pub(super) fn new(section: &Round, depths: &[f64; WAVES]) -> Self {
         dispatch!(level(), simd => powers(simd, section, depths))
     }
@@ -73,7 +73,7 @@ impl Spread {
     ///
     /// - `inclinations`: sine and cosine of the viewer's, as each way sees it
     /// - `middles`: azimuths at which the followed ways leave; at each wavelength where they differ
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn scattered(
         &self,
         powers: &Powers,
@@ -162,7 +162,8 @@ fn lobes<S: Simd>(
     let is_along: mask64x8<S> = f64x8::from_slice(simd, &IOTA).simd_lt(all(WAYS as f64));
     let power = is_along.select(along, around);
     let e = exp_each(simd, power);
-    let m = is_small.select(i0_small(simd, a), i0_large(simd, a)) * e * f64x8::from_slice(simd, &spread.scale);
+    let m =
+        is_small.select(i0_small(simd, a), i0_large(simd, a)) * e * f64x8::from_slice(simd, &spread.scale);
     let m = power.simd_lt(all(NEGLIGIBLE)).select(all(0.0), m);
     is_along.select(m, logistic(simd, e, f64x8::from_slice(simd, &spread.scale)))
 }
@@ -228,8 +229,7 @@ mod tests {
             for middles in [Middles::Same(section.azimuths), Middles::Each(each)] {
                 for Width(level) in Width::available() {
                     let powers = dispatch!(level, simd => powers(simd, &section, &depths));
-                    let found =
-                        dispatch!(level, simd => scattered(simd, &spread, &powers, light, &inclinations, &middles));
+                    let found = dispatch!(level, simd => scattered(simd, &spread, &powers, light, &inclinations, &middles));
                     for k in 0..WAVES {
                         let shares = section.attenuations_at(depths[k]);
                         let mut expected = 0.0;
@@ -242,7 +242,11 @@ mod tests {
                             };
                             expected += shares[way] * m * n;
                         }
-                        assert!((found[k] - expected).abs() < 1e-12 * expected.max(1e-12), "{} {expected}", found[k]);
+                        assert!(
+                            (found[k] - expected).abs() < 1e-12 * expected.max(1e-12),
+                            "{} {expected}",
+                            found[k]
+                        );
                         let albedo: f64 = shares.iter().sum();
                         assert!((powers.inverse_albedo[k] * albedo - 1.0).abs() < 1e-14);
                     }

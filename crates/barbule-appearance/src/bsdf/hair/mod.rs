@@ -159,12 +159,11 @@ impl<'a> Bound<'a> {
         let [hero, ..] = wavelengths.nm();
         let section = Round::new(offset, [sin, cos], hair.index.at(hero));
         let (middles, powers) = match hair.index {
-            FibreIndex::Constant(_) => {
-                (Middles::Same(section.azimuths), Powers::new(&section, &hair.absorption.at_each(wavelengths)))
-            }
-            FibreIndex::Keratin => {
-                dispersed(hair, offset, [sin, cos], wavelengths)
-            }
+            FibreIndex::Constant(_) => (
+                Middles::Same(section.azimuths),
+                Powers::new(&section, &hair.absorption.at_each(wavelengths)),
+            ),
+            FibreIndex::Keratin => dispersed(hair, offset, [sin, cos], wavelengths),
         };
         let mut inclinations = [[sin, cos]; WAYS];
         for (inclination, [sin_tilt, cos_tilt]) in inclinations.iter_mut().zip(&hair.tilts) {
@@ -187,8 +186,7 @@ impl<'a> Bound<'a> {
         let [x, z] = self.viewer;
         let azimuth = atan2(x * wi.z - z * wi.x, x * wi.x + z * wi.z);
         let light = Incidence { sin, cos, azimuth };
-        let scattered =
-            self.hair.spread.scattered(&self.powers, light, &self.inclinations, &self.middles);
+        let scattered = self.hair.spread.scattered(&self.powers, light, &self.inclinations, &self.middles);
         // The integrator multiplies by this cosine again.
         let inverse = 1.0 / wi.z.abs().max(LEAST_COSINE);
         let (mut f, mut pdf) = ([0.0; WAVES], [0.0; WAVES]);
@@ -226,12 +224,7 @@ impl<'a> Bound<'a> {
 }
 
 /// Middles and powers of a section that each wavelength sees differently.
-fn dispersed(
-    hair: &Hair,
-    offset: f64,
-    inclination: [f64; 2],
-    wavelengths: Lambdas,
-) -> (Middles, Powers) {
+fn dispersed(hair: &Hair, offset: f64, inclination: [f64; 2], wavelengths: Lambdas) -> (Middles, Powers) {
     let depths = hair.absorption.at_each(wavelengths);
     let mut middles = [[0.0; WAVES]; FOLLOWED];
     let mut powers = Powers { of: [[0.0; WAVES]; WAYS], inverse_albedo: [0.0; WAVES] };

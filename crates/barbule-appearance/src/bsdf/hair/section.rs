@@ -163,7 +163,8 @@ mod tests {
         for offset in [-1.0, -0.9, 0.0, 0.3, 0.999_999, 1.0] {
             for inclination in [0.0, 0.8, -1.5, PI / 2.0] {
                 let (sin, cos) = f64::sin_cos(inclination);
-                let sum: f64 = Round::new(offset, [sin, cos.max(0.0)], 1.55).attenuations_at(0.0).iter().sum();
+                let sum: f64 =
+                    Round::new(offset, [sin, cos.max(0.0)], 1.55).attenuations_at(0.0).iter().sum();
                 assert!((sum - 1.0).abs() < 1e-12, "{offset} {inclination}: {sum}");
             }
         }

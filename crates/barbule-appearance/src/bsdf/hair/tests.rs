@@ -283,7 +283,7 @@ fn albedo(absorption: &Absorption, wavelength_nm: f64) -> f64 {
         .map(|i| {
             let offset = 2.0 * (f64::from(i) + 0.5) / f64::from(count) - 1.0;
             let bound = Bound::new(&hair, offset, viewer(0.0, offset), path);
-            1.0 / bound.inverse_albedo[0] / f64::from(count)
+            1.0 / bound.powers.inverse_albedo[0] / f64::from(count)
         })
         .sum()
 }

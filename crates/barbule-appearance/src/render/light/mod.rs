@@ -40,6 +40,15 @@ struct Sky {
     weight: f64,
 }
 
+/// What a ray that leaves the scene sees.
+#[derive(Debug, Clone, Copy)]
+pub enum Far {
+    /// The lamp of this index.
+    Lamp(usize),
+    /// The sky, in this row and column.
+    Sky([usize; 2]),
+}
+
 impl Lighting {
     /// Lamps and a sky; one light at least.
     ///
@@ -123,19 +132,28 @@ impl Lighting {
         self.counts[light] * pdf
     }
 
-    /// Tells what a ray sees of each light when it leaves the scene: radiance, and the direction's density in all of a
-    /// point's samples, 1/sr.
+    /// Tells what a ray sees of each light when it leaves the scene: radiance, and for whoever needs it what finds the
+    /// direction's density with [`Lighting::far_pdf`].
     #[inline(always)]
-    pub fn escaped(&self, direction: DVec3, wavelengths: Lambdas, mut see: impl FnMut([f64; WAVES], f64)) {
-        for &index in &self.infinite {
-            let light = &self.lamps[index].light;
-            // Whatever lies at infinity is seen from everywhere alike.
-            let pdf = self.counts[index] * light.pdf(DVec3::ZERO, direction);
-            see(light.escaped(direction, wavelengths), pdf);
+    pub fn escaped(&self, direction: DVec3, wavelengths: Lambdas, mut see: impl FnMut([f64; WAVES], Far)) {
+        for &light in &self.infinite {
+            see(self.lamps[light].light.escaped(direction, wavelengths), Far::Lamp(light));
         }
         if let Some(sky) = &self.sky {
-            let (radiance, pdf) = sky.sampler.seen(direction, wavelengths);
-            see(radiance, self.counts[self.lamps.len()] * pdf);
+            let texel = sky.sampler.texel(direction);
+            see(sky.sampler.spectrum(texel, wavelengths), Far::Sky(texel));
+        }
+    }
+
+    /// Density of a direction in all of a point's samples, 1/sr, from what [`Lighting::escaped`] saw along it: whatever lies
+    /// at infinity is seen from everywhere alike.
+    #[inline(always)]
+    #[must_use]
+    pub fn far_pdf(&self, far: Far, direction: DVec3) -> f64 {
+        match (far, &self.sky) {
+            (Far::Lamp(light), _) => self.pdf(light, DVec3::ZERO, direction),
+            (Far::Sky(texel), Some(sky)) => self.counts[self.lamps.len()] * sky.sampler.texel_pdf(texel),
+            (Far::Sky(_), None) => 0.0,
         }
     }
 

@@ -38,11 +38,16 @@ impl SkySampler {
         Self { sky, edges, rows, columns, inverse_solid_angles }
     }
 
-    /// Radiance from a direction, and the density with which [`SkySampler::sample`] draws it, 1/sr.
+    /// Row and column of the texel in a direction.
     #[inline(always)]
-    pub(super) fn seen(&self, direction: DVec3, wavelengths: Lambdas) -> ([f64; WAVES], f64) {
-        let (row, column) = self.sky.texel(direction);
-        (self.sky.spectrum(row, column, wavelengths), self.texel_pdf(row, column))
+    pub(super) fn texel(&self, direction: DVec3) -> [usize; 2] {
+        self.sky.texel(direction).into()
+    }
+
+    /// Radiance of a texel.
+    #[inline(always)]
+    pub(super) fn spectrum(&self, [row, column]: [usize; 2], wavelengths: Lambdas) -> [f64; WAVES] {
+        self.sky.spectrum(row, column, wavelengths)
     }
 
     /// A direction drawn in proportion to the radiance.
@@ -56,7 +61,7 @@ impl SkySampler {
         let [sin, cos] = sin_cos_turns((column as f64 + h) / width as f64 + self.sky.turn());
         let sine = (1.0 - z * z).max(0.0).sqrt();
         let direction = DVec3::new(sine * sin, sine * cos, z);
-        let pdf = self.texel_pdf(row, column);
+        let pdf = self.texel_pdf([row, column]);
         (pdf > 0.0).then(|| LightSample {
             direction,
             distance: f64::INFINITY,
@@ -67,12 +72,12 @@ impl SkySampler {
 
     /// Density with which [`SkySampler::sample`] draws a direction, 1/sr.
     pub(super) fn pdf(&self, direction: DVec3) -> f64 {
-        let (row, column) = self.sky.texel(direction);
-        self.texel_pdf(row, column)
+        self.texel_pdf(self.texel(direction))
     }
 
+    /// The same for any direction of a texel.
     #[inline(always)]
-    fn texel_pdf(&self, row: usize, column: usize) -> f64 {
+    pub(super) fn texel_pdf(&self, [row, column]: [usize; 2]) -> f64 {
         self.rows.share(0, row) * self.columns.share(row, column) * self.inverse_solid_angles[row]
     }
 }
@@ -101,7 +106,7 @@ mod tests {
             let sample = sky.sample(u, Lambdas::splat(500.0)).unwrap();
             assert!((sample.direction.length() - 1.0).abs() < 1e-12);
             assert!((sky.pdf(sample.direction) / sample.pdf - 1.0).abs() < 1e-9);
-            assert_eq!(sky.seen(sample.direction, Lambdas::splat(500.0)).0, sample.radiance);
+            assert_eq!(sky.spectrum(sky.texel(sample.direction), Lambdas::splat(500.0)), sample.radiance);
         }
     }
 
@@ -110,7 +115,7 @@ mod tests {
         let sky = sky();
         let total: f64 = (0..16)
             .flat_map(|row| (0..32).map(move |column| (row, column)))
-            .map(|(row, column)| sky.texel_pdf(row, column) * solid_angle(&sky.edges, row, 32))
+            .map(|(row, column)| sky.texel_pdf([row, column]) * solid_angle(&sky.edges, row, 32))
             .sum();
         assert!((total - 1.0).abs() < 1e-12);
     }
@@ -124,7 +129,8 @@ mod tests {
         // Column 0 begins at +y; turned by 90° it begins at +x.
         assert!(sample.direction.x > 0.8 && sample.direction.y.abs() < 0.1, "{}", sample.direction);
         assert!((sky.pdf(sample.direction) / sample.pdf - 1.0).abs() < 1e-9);
-        assert!(sky.seen(sample.direction, Lambdas::splat(550.0)).0[0] > 1.0);
-        assert_eq!(sky.seen(DVec3::Y, Lambdas::splat(550.0)), ([0.0; WAVES], 0.0));
+        assert!(sky.spectrum(sky.texel(sample.direction), Lambdas::splat(550.0))[0] > 1.0);
+        assert_eq!(sky.spectrum(sky.texel(DVec3::Y), Lambdas::splat(550.0)), [0.0; WAVES]);
+        assert_eq!(sky.pdf(DVec3::Y), 0.0);
     }
 }

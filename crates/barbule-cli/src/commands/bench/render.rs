@@ -156,7 +156,8 @@ fn table(effort: Effort, found: &[(&str, RenderFigures)]) -> String {
         "scene", "M paths/CPU s", "rays", "shadows", "primitives", "hierarchy MB", "peak MB"
     );
     for (name, figures) in found {
-        let peak = figures.peak_bytes.map_or_else(|| "-".into(), |bytes| format!("{:.0}", 1e-6 * bytes as f64));
+        let peak =
+            figures.peak_bytes.map_or_else(|| "-".into(), |bytes| format!("{:.0}", 1e-6 * bytes as f64));
         // Writing to a String cannot fail.
         let _ = write!(
             text,
