@@ -12,7 +12,6 @@ use crate::render::light::Lighting;
 use crate::render::run::{Ended, Goal, run};
 use crate::render::stage::Stage;
 use crate::scene::Scene;
-use crate::spectrum::colour::rgb_from_xyz;
 use crate::{Error, Result};
 
 /// What is rendered.
@@ -118,14 +117,8 @@ fn rays_per_path(integrator: &Integrator<'_>, size: [u32; 2], seed: u64) -> [f64
 }
 
 /// Mean linear sRGB of a film.
-#[must_use]
-pub fn mean_colour(film: &Film) -> [f64; 3] {
-    let [width, height] = film.size();
-    let mut sum = [0.0; 3];
-    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-        for (sum, value) in sum.iter_mut().zip(film.xyz(x, y)) {
-            *sum += value;
-        }
-    }
-    rgb_from_xyz(sum.map(|value| value / (f64::from(width) * f64::from(height))))
+fn mean_colour(film: &Film) -> [f64; 3] {
+    let pixels = film.linear_srgb();
+    let sum = |k: usize| pixels.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>();
+    [0, 1, 2].map(|k| sum(k) / pixels.len() as f64)
 }
