@@ -20,7 +20,7 @@ use barbule::scene::sky::{Environment, Sky};
 use barbule::spectrum::colour::rgb_from_xyz;
 use glam::{DVec3, Vec3};
 
-/// Of each channel of each quarter of a picture: three times what the noise of 256 samples a pixel is worth.
+/// Of each channel of each quarter of a picture, noise included.
 const AGREEMENT: f64 = 0.01;
 
 const SIDE: u32 = 64;
@@ -127,7 +127,7 @@ fn a_diffuse_box_has_the_colours_of_mitsuba() {
     compare("box", quarters(walls, lamp, DVec3::new(0.0, 0.0, 20.0)));
 }
 
-/// Anisotropic, seen aslant; others mask facets on the way in and out independently, which is less than 1 % here.
+/// Anisotropic, seen aslant; Mitsuba masks facets on the way in and on the way out independently.
 #[test]
 fn brushed_copper_has_the_colours_of_mitsuba() {
     let geometry = square(Vec3::ZERO, Vec3::Z, 4.0, Vec3::X);
