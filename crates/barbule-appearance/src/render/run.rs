@@ -19,10 +19,21 @@ pub struct Goal {
     pub noise: Option<f64>,
     /// No new round begins that would likely end later than this; `None`: no limit.
     pub time: Option<Duration>,
+    /// Samples per pixel of a round, 1 to [`ROUND`]: fewer, and the whole picture is there sooner. The film's bits are the
+    /// same.
+    pub round: u32,
 }
 
-/// Samples per pixel after which noise is looked at, and per round.
+/// Samples per pixel after which noise is looked at, and usually of a round.
 pub const ROUND: u32 = 8;
+
+impl Goal {
+    /// So many samples per pixel, however noisy they leave it and however long they take.
+    #[must_use]
+    pub fn samples(samples: u32) -> Self {
+        Self { samples, noise: None, time: None, round: ROUND }
+    }
+}
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,7 +100,8 @@ fn round(
                 return None;
             }
             let from = film.tiles[tile].count;
-            let to = goal.samples.min((from / ROUND + 1) * ROUND);
+            let step = goal.round.clamp(1, ROUND);
+            let to = goal.samples.min((from / ROUND + 1) * ROUND).min(from + step);
             let grown = grown(integrator, film, tile, seed, to);
             progress.advance(u64::from(to - from));
             Some(grown)
@@ -110,7 +122,7 @@ fn grown(integrator: &Integrator<'_>, film: &Film, tile: usize, seed: u64, sampl
         for x in x0..x1 {
             for sample in grown.count..samples {
                 let drawn = integrator.sample([x, y], film.size(), u64::from(sample), seed);
-                grown.add([x - x0, y - y0], x1 - x0, &drawn, sample == 0);
+                grown.add([x - x0, y - y0], x1 - x0, film.planes(), &drawn, sample == 0);
             }
         }
     }

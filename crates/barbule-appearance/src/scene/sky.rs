@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::emission::Emission;
 use super::primaries::primaries;
@@ -19,6 +19,8 @@ pub struct Sky {
     height: usize,
     /// By how much the map is turned clockwise seen from above, in whole turns.
     turn: f64,
+    /// From the map's directions to the scene's.
+    rotation: DMat3,
     /// Weights of the three emissions, per texel.
     texels: Arc<[[f32; 3]]>,
     /// Spectra of the three weights: one alone (a grey sky) or those of red, green and blue.
@@ -94,7 +96,26 @@ impl Sky {
         if texels.iter().flatten().all(|v| *v <= 0.0) {
             return Err(Error::input("a sky must shine somewhere"));
         }
-        Ok(Self { width, height, turn: 0.0, texels: texels.into(), basis: basis.into() })
+        Ok(Self {
+            width,
+            height,
+            turn: 0.0,
+            rotation: DMat3::IDENTITY,
+            texels: texels.into(),
+            basis: basis.into(),
+        })
+    }
+
+    /// The sky after a further rotation about the origin.
+    #[must_use]
+    pub fn rotated(self, rotation: DMat3) -> Self {
+        Self { rotation: rotation * self.rotation, ..self }
+    }
+
+    /// From the map's directions to the scene's.
+    #[must_use]
+    pub fn rotation(&self) -> DMat3 {
+        self.rotation
     }
 
     /// Columns and rows of the map.
@@ -125,6 +146,7 @@ impl Sky {
     /// Row and column of the texel in a direction.
     #[must_use]
     pub fn texel(&self, direction: DVec3) -> (usize, usize) {
+        let direction = self.rotation.transpose() * direction;
         let row = (direction.z.clamp(-1.0, 1.0).acos() / PI * self.height as f64) as usize;
         let turns = (direction.x.atan2(direction.y) / TAU - self.turn).rem_euclid(1.0);
         let column = (turns * self.width as f64) as usize;

@@ -33,10 +33,13 @@ pub enum InputKind {
 }
 
 /// Keys that only scenes have, species, and stacks.
-const SCENE: [&str; 11] = [
+const SCENE: [&str; 14] = [
     "preset",
     "material",
     "light",
+    "lights",
+    "background",
+    "turn_deg",
     "camera",
     "window",
     "surfaces",

@@ -11,6 +11,7 @@ mod media;
 mod named;
 mod orders;
 mod output;
+mod scene;
 mod section;
 mod species;
 mod stack;
@@ -28,6 +29,7 @@ pub use material::{decode_material, encode_material, read_material, write_materi
 pub use named::{files_in, files_named_in};
 pub use orders::{read_keyed_orders, read_orders, write_orders};
 pub use output::{check_writable, is_inside_store, is_same_file, is_stream, write_together, write_whole};
+pub use scene::read_scene_files;
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use species::{
     feather_of, is_species, read_feather, read_flat_stack, read_species, read_species_file,

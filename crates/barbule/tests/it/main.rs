@@ -11,6 +11,7 @@ mod crystals;
 mod film;
 mod geometry;
 mod identity;
+mod lights;
 mod measure;
 mod picture;
 mod render;
