@@ -1,6 +1,6 @@
 //! What stands in a scene, with the hierarchy that rays search: built once, lit and looked at as often as one likes.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::accelerator::Accelerator;
 use crate::Result;
@@ -43,7 +43,8 @@ impl Stage {
     }
 
     /// Nearest distance at which a ray that leaves a surface may hit another, mm: a hundred-thousandth of the
-    /// stage's size, far less than a barbule's width and far more than rounding.
+    /// stage's size, far less than a barbule's width and far more than rounding. Where one object is much smaller than the stage, down to a
+    /// millionth of that.
     #[inline]
     #[must_use]
     pub fn nearest_mm(&self) -> f64 {
@@ -79,8 +80,15 @@ impl Stage {
     }
 }
 
+/// An object is much smaller than the stage below this share.
+const MUCH_SMALLER: f64 = 0.25;
+
 fn nearest_mm(objects: &[Object]) -> f64 {
-    let bounds = objects.iter().filter_map(|object| object.geometry.bounds());
-    let whole = bounds.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)]);
-    whole.map_or(1e-5, |[low, high]| 1e-5 * f64::from((high - low).length()))
+    let bounds = || objects.iter().filter_map(|object| object.geometry.bounds());
+    let length = |[low, high]: [Vec3; 2]| f64::from((high - low).length());
+    let Some(whole) = bounds().reduce(|[low, high], [a, b]| [low.min(a), high.max(b)]).map(length) else {
+        return 1e-5;
+    };
+    let smallest = bounds().map(length).fold(whole, f64::min);
+    if smallest < MUCH_SMALLER * whole { (1e-5 * smallest).max(1e-6 * whole) } else { 1e-5 * whole }
 }

@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 use crate::{Error, Result};
 
 /// A triangle mesh.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Positions, mm.
     pub positions: Vec<Vec3>,

@@ -18,8 +18,8 @@ use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND};
 use barbule::scene::description::{
-    Background, Bearing, LightColour, Motion, Moved, SceneDescription, SkyDescription, SkyImage,
-    USUAL_ARC_DEG,
+    Background, Bearing, LightColour, Motion, Moved, NamedSurface, ObjectShape, SceneDescription,
+    SkyDescription, SkyImage, USUAL_ARC_DEG,
 };
 use barbule::scene::preset;
 use barbule::scene::sky::Sky;
@@ -124,7 +124,7 @@ impl Args {
         self.common.allowance().check(&what, bytes_needed(size, &planes), "a smaller --size")?;
         let image = match &description.sky {
             SkyDescription::Image(image) if image.strength > 0.0 => Some(self.sky(image)?),
-            SkyDescription::Image(_) | SkyDescription::Gradient(_) => None,
+            SkyDescription::Image(_) | SkyDescription::Gradient { .. } => None,
         };
         let (sky, sky_name) = image.unzip();
         let (material, hash) = materials::find(&description.material, &self.common)?;
@@ -213,6 +213,16 @@ impl Args {
         }
         if let (Background::Picture { file, .. }, None) = (&mut scene.background, &self.background) {
             from_here(file);
+        }
+        for object in &mut scene.objects {
+            if let ObjectShape::Mesh { file, .. } = &mut object.shape {
+                from_here(file);
+            }
+        }
+        for surface in scene.named_surfaces.values_mut() {
+            if let NamedSurface::Diffuse { pictures, .. } = surface {
+                pictures.values_mut().for_each(|texture| from_here(&mut texture.file));
+            }
         }
         for light in &mut scene.lights {
             if let LightColour::Table { file, .. } = &mut light.colour {

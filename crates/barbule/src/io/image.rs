@@ -135,24 +135,33 @@ const MOST_PIXELS: usize = 4096 * 2048;
 /// Compression never gains more than this; a header that claims more pixels per byte of file is not believed.
 const MOST_PIXELS_PER_BYTE: usize = 1100;
 
-/// Reads a picture in linear sRGB, and whether it is one of radiance: an EXR, or a PNG, whose values are a screen's (1 is its
-/// white). Alpha is left out.
+/// What the values of a picture mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Meaning {
+    /// Colours: those of a PNG are a screen's.
+    Colour,
+    /// Numbers, 0 … 1 in a PNG.
+    Number,
+}
+
+/// Reads a picture, colours in linear sRGB, and whether it is one of radiance: an EXR, or a PNG, whose 1 is a screen's white. Alpha
+/// is left out.
 ///
 /// # Errors
 /// As [`read_exr`]; or neither EXR nor PNG.
-pub fn read_picture(path: &Path) -> Result<(RgbImage, bool)> {
+pub fn read_picture(path: &Path, meaning: Meaning) -> Result<(RgbImage, bool)> {
     let ends_with = |end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
     if ends_with("exr") {
         return Ok((read_exr(path)?, true));
     }
     if ends_with("png") {
-        return Ok((read_png(path)?, false));
+        return Ok((read_png(path, meaning)?, false));
     }
     Err(Error::input(format!("{}: pictures are read from .png or .exr", path.display())))
 }
 
-/// Reads a PNG of any kind as linear sRGB.
-fn read_png(path: &Path) -> Result<RgbImage> {
+/// Reads a PNG of any kind.
+fn read_png(path: &Path, meaning: Meaning) -> Result<RgbImage> {
     let bytes = read_bytes(path)?;
     let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
     let sentence = |error: png::DecodingError| {
@@ -167,7 +176,8 @@ fn read_png(path: &Path) -> Result<RgbImage> {
     let length = reader.output_buffer_size().ok_or_else(|| refuse("is too large"))?;
     let mut values = vec![0; length];
     let frame = reader.next_frame(&mut values).map_err(sentence)?;
-    let table: Vec<f32> = (0..=255).map(|v| decode(f64::from(v) / 255.0) as f32).collect();
+    let value = |v: f64| if meaning == Meaning::Colour { decode(v) } else { v };
+    let table: Vec<f32> = (0..=255).map(|v| value(f64::from(v) / 255.0) as f32).collect();
     let channels = frame.color_type.samples();
     let pixels = values[..frame.buffer_size()].chunks_exact(channels).map(|pixel| {
         let colour = if channels < 3 { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] };
@@ -277,14 +287,16 @@ mod tests {
         for has_alpha in [false, true] {
             let pixel: &[u8] = if has_alpha { &[255, 0, 128, 9] } else { &[255, 0, 128] };
             write_png(&path, [3, 2], &pixel.repeat(6), has_alpha, &[]).unwrap();
-            let (image, is_radiance) = read_picture(&path).unwrap();
+            let (image, is_radiance) = read_picture(&path, Meaning::Colour).unwrap();
             assert_eq!((image.size, image.pixels.len(), is_radiance), ([3, 2], 6, false));
             assert!((image.pixels[5][2] - 0.215_86).abs() < 1e-5 && image.pixels[5][..2] == [1.0, 0.0]);
+            let (numbers, _) = read_picture(&path, Meaning::Number).unwrap();
+            assert_eq!(numbers.pixels[5], [1.0, 0.0, (128.0_f64 / 255.0) as f32]);
         }
         let whole = std::fs::read(&path).unwrap();
         let message = |bytes: &[u8]| {
             std::fs::write(&path, bytes).unwrap();
-            read_picture(&path).unwrap_err().to_string()
+            read_picture(&path, Meaning::Colour).unwrap_err().to_string()
         };
         assert!(message(b"no picture").contains("cannot be read as a PNG"));
         for cut in 0..whole.len() - 12 {
@@ -301,7 +313,10 @@ mod tests {
         wide[29..33].copy_from_slice(&(!sum).to_be_bytes());
         assert!(message(&wide).contains("60000 x 60000"));
         assert!(
-            read_picture(&folder.path().join("wall.jpg")).unwrap_err().to_string().contains(".png or .exr")
+            read_picture(&folder.path().join("wall.jpg"), Meaning::Colour)
+                .unwrap_err()
+                .to_string()
+                .contains(".png or .exr")
         );
     }
 

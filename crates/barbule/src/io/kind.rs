@@ -33,12 +33,13 @@ pub enum InputKind {
 }
 
 /// Keys that only scenes have, species, and stacks.
-const SCENE: [&str; 14] = [
+const SCENE: [&str; 15] = [
     "preset",
     "material",
     "light",
     "lights",
     "background",
+    "objects",
     "turn_deg",
     "camera",
     "window",

@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::read_text;
 
 /// Keys whose texts name files, in structures and scenes.
-const KEYS: [&str; 4] = ["materials", "material", "file", "spectrum"];
+const KEYS: [&str; 8] = ["materials", "material", "file", "spectrum", "mesh", "albedo", "alpha", "normal"];
 
 /// The files there are of those that a structure's or scene's file names under these keys. None
 /// where it cannot be read.

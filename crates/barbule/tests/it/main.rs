@@ -13,6 +13,7 @@ mod geometry;
 mod identity;
 mod lights;
 mod measure;
+mod objects;
 mod picture;
 mod render;
 mod sides;

@@ -5,11 +5,13 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use super::{
-    Background, Bearing, FibreDescription, PigmentedKeratin, SceneDescription, SkyDescription, ViewProjection,
+    Background, Bearing, FibreDescription, NamedSurface, PigmentedKeratin, SceneDescription, SkyDescription,
+    TextureFile, ViewProjection,
 };
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
-    Absorption, BarbuleSurface, FibreIndex, Hair, HairParameters, Keratin, Reflectance, Surface,
+    Absorption, BarbuleSurface, Dielectric, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Pictures,
+    Reflectance, Surface,
 };
 use crate::math::rng::hash;
 use crate::scene::backdrop::Backdrop;
@@ -44,12 +46,27 @@ impl SceneDescription {
         Ok((Scene { objects, lamps: self.lamps()?, environment, camera: self.camera() }, counts))
     }
 
-    /// The feather: shaft, rami, barbules.
+    /// The feather: shaft, rami, barbules; then the other objects.
     ///
     /// # Errors
-    /// A number out of range.
+    /// A number out of range, or a file that is not read.
     pub fn objects(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Vec<Object>, Counts)> {
         self.check()?;
+        let (mut objects, counts) = if self.shows_feather {
+            self.feather_parts(brdf, seed)?
+        } else {
+            (Vec::new(), Counts::default())
+        };
+        for (index, object) in self.objects.iter().enumerate() {
+            let surface = self.named_surfaces.get(&object.surface).ok_or_else(|| {
+                Error::input(format!("objects[{index}]: there is no surface '{}'", object.surface))
+            })?;
+            objects.push(Object { geometry: object.geometry(index)?, surface: surface.build()? });
+        }
+        Ok((objects, counts))
+    }
+
+    fn feather_parts(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Vec<Object>, Counts)> {
         let grown = self.feather.grow(self.window, seed, hash(seed, &[1]))?;
         let counts = grown.counts();
         let barbule =
@@ -104,8 +121,8 @@ impl SceneDescription {
         DMat3::from_axis_angle(up, -self.turn_deg.to_radians())
     }
 
-    /// The sky about a feather that is not turned: that of `image`, or the description's gradient, brightest at the zenith, a third
-    /// at the horizon, dark below; `None` where it is dark.
+    /// The sky about a feather that is not turned: that of `image`, or the description's gradient, from the zenith to the
+    /// horizon and below; `None` where it is dark.
     ///
     /// # Errors
     /// A description that needs an image.
@@ -113,9 +130,11 @@ impl SceneDescription {
         let sky = match (image, &self.sky) {
             (Some(sky), _) => sky,
             (None, _) if self.is_sky_dark() => return Ok(None),
-            (None, SkyDescription::Gradient(zenith)) => Sky::grey(64, 32, Emission::daylight(), |d| {
-                if d.z >= 0.0 { zenith * (0.35 + 0.65 * d.z) } else { 0.02 * zenith }
-            })?,
+            (None, SkyDescription::Gradient { zenith, horizon, below }) => {
+                Sky::grey(64, 32, Emission::daylight(), |d| {
+                    if d.z >= 0.0 { zenith * (horizon + (1.0 - horizon) * d.z) } else { below * zenith }
+                })?
+            }
             (None, SkyDescription::Image(image)) => {
                 return Err(Error::input(format!(
                     "the sky is the image '{}', which is not read",
@@ -130,7 +149,7 @@ impl SceneDescription {
     #[must_use]
     pub fn is_sky_dark(&self) -> bool {
         let strength = match &self.sky {
-            SkyDescription::Gradient(zenith) => *zenith,
+            SkyDescription::Gradient { zenith, .. } => *zenith,
             SkyDescription::Image(image) => image.strength,
         };
         strength <= 0.0
@@ -202,7 +221,11 @@ impl SceneDescription {
     /// Names of the parts that [`SceneDescription::objects`] gives, in their order.
     #[must_use]
     pub fn object_names(&self) -> Vec<String> {
-        ["shaft", "barbs", "barbules"].map(str::to_owned).into()
+        let parts = ["shaft", "barbs", "barbules"].iter().filter(|_| self.shows_feather);
+        parts
+            .map(|part| (*part).to_owned())
+            .chain(self.objects.iter().map(|object| object.name.clone()))
+            .collect()
     }
 }
 
@@ -211,6 +234,22 @@ impl Bearing {
     #[must_use]
     pub fn direction(&self) -> DVec3 {
         direction(self.azimuth_deg.to_radians(), self.elevation_deg.to_radians())
+    }
+}
+
+impl NamedSurface {
+    fn build(&self) -> Result<Surface> {
+        Ok(match self {
+            Self::Diffuse { colour, pictures } => {
+                let read = |key: &str| pictures.get(key).map(TextureFile::read).transpose();
+                let pictures =
+                    Pictures { albedo: read("albedo")?, alpha: read("alpha")?, normal: read("normal")? };
+                Surface::Lambertian(Lambertian::painted(colour.map(decode), pictures)?)
+            }
+            Self::Keratin(of) => Surface::Keratin(keratin(of)?),
+            Self::Hair(of) => Surface::Hair(hair(of)?),
+            Self::Dielectric { index } => Surface::Dielectric(Dielectric::new(*index)?),
+        })
     }
 }
 

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::{
     Background, Bearing, KeyLight, SceneDescription, SkyDescription, Surfaces, View, ViewProjection, colour,
-    lights,
+    lights, objects,
 };
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
@@ -77,6 +77,10 @@ layer!(CameraLayer {
 
 layer!(WindowLayer { along_mm: f64, radius_mm: f64 });
 
+/// Radiance of a plain sky at the horizon and below over that at the zenith, where nothing is said.
+const SKY_HORIZON: f64 = 0.35;
+const SKY_BELOW: f64 = 0.02;
+
 /// A factor, or a word: `"auto"` is by a key.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
@@ -95,6 +99,8 @@ struct Layer {
     exposure: Option<Exposure>,
     scatterings: Option<u32>,
     sky: Option<f64>,
+    sky_horizon: Option<f64>,
+    sky_below: Option<f64>,
     sky_image: Option<SkyImage>,
     background: Option<Value>,
     #[serde(alias = "turn")]
@@ -108,16 +114,20 @@ struct Layer {
     window: WindowLayer,
     surfaces: Option<Value>,
     feather: Option<Value>,
+    shows_feather: Option<bool>,
+    objects: Option<Value>,
 }
 
 /// Keys of a scene file, for suggestions; those of feathers and surfaces are known where they are read.
-const KEYS: [&str; 37] = [
+const KEYS: [&str; 41] = [
     "preset",
     "material",
     "size",
     "exposure",
     "scatterings",
     "sky",
+    "sky_horizon",
+    "sky_below",
     "sky_image",
     "background",
     "light",
@@ -131,6 +141,8 @@ const KEYS: [&str; 37] = [
     "window",
     "surfaces",
     "feather",
+    "shows_feather",
+    "objects",
     "azimuth",
     "azimuth_deg",
     "elevation",
@@ -200,6 +212,8 @@ impl Layer {
             exposure: self.exposure.or(base.exposure),
             scatterings: self.scatterings.or(base.scatterings),
             sky,
+            sky_horizon: self.sky_horizon.or(base.sky_horizon),
+            sky_below: self.sky_below.or(base.sky_below),
             sky_image,
             background: self.background.or(base.background),
             turn_deg: self.turn_deg.or(base.turn_deg),
@@ -209,6 +223,8 @@ impl Layer {
             window: self.window.over(base.window),
             surfaces: merged(self.surfaces, base.surfaces),
             feather: merged(self.feather, base.feather),
+            shows_feather: self.shows_feather.or(base.shows_feather),
+            objects: self.objects.or(base.objects),
         }
     }
 
@@ -217,8 +233,13 @@ impl Layer {
         let Self { light, camera, window, .. } = self;
         let sky = match (self.sky_image, self.sky) {
             (Some(image), _) => SkyDescription::Image(image),
-            (None, sky) => SkyDescription::Gradient(need(sky, "sky")?),
+            (None, sky) => SkyDescription::Gradient {
+                zenith: need(sky, "sky")?,
+                horizon: self.sky_horizon.unwrap_or(SKY_HORIZON),
+                below: self.sky_below.unwrap_or(SKY_BELOW),
+            },
         };
+        let (surfaces, named_surfaces) = Surfaces::read(&need(self.surfaces, "surfaces")?)?;
         let description = SceneDescription {
             material: need(self.material, "material")?,
             size: self.size,
@@ -251,8 +272,14 @@ impl Layer {
                 along_mm: need(window.along_mm, "window.along_mm")?,
                 radius_mm: need(window.radius_mm, "window.radius_mm")?,
             },
-            surfaces: Surfaces::read(&need(self.surfaces, "surfaces")?)?,
+            surfaces,
             feather: Feather::read(&need(self.feather, "feather")?)?,
+            shows_feather: self.shows_feather.unwrap_or(true),
+            objects: match &self.objects {
+                Some(list) => objects::read(list, &named_surfaces)?,
+                None => Vec::new(),
+            },
+            named_surfaces,
         };
         description.check()?;
         Ok(description)

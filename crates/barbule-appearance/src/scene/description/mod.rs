@@ -6,13 +6,17 @@ mod build;
 mod colour;
 mod file;
 mod lights;
+mod objects;
 mod sequence;
 mod text;
 
 pub use colour::parse_colour;
 pub use file::SkyImage;
 pub use lights::{LightColour, LightDescription, LightShape};
+pub use objects::{NamedSurface, ObjectDescription, ObjectShape, Placement, TextureFile};
 pub use sequence::{Motion, Moved, USUAL_ARC_DEG};
+
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 use serde_json::Value;
@@ -61,6 +65,14 @@ pub struct SceneDescription {
     pub surfaces: Surfaces,
     /// The feather.
     pub feather: Feather,
+    /// Whether it is there; without it a scene has its other objects only.
+    pub shows_feather: bool,
+    /// What else stands in the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub objects: Vec<ObjectDescription>,
+    /// What that is made of.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub named_surfaces: BTreeMap<String, NamedSurface>,
 }
 
 /// An azimuth and elevation over the vane: azimuth in its plane from the shaft's tip, clockwise seen from the camera's
@@ -76,8 +88,15 @@ pub struct Bearing {
 /// What shines from everywhere.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum SkyDescription {
-    /// Radiance at the zenith; about half at the horizon, dark below.
-    Gradient(f64),
+    /// A gradient from the zenith to the horizon, and one value below.
+    Gradient {
+        /// Radiance at the zenith.
+        zenith: f64,
+        /// That at the horizon over it.
+        horizon: f64,
+        /// That below the horizon over it.
+        below: f64,
+    },
     /// An image.
     Image(SkyImage),
 }
@@ -211,9 +230,9 @@ impl SceneDescription {
     /// # Errors
     /// The first number out of range.
     pub fn check(&self) -> Result<()> {
-        let (sky, image) = match &self.sky {
-            SkyDescription::Gradient(radiance) => (*radiance, (1.0, 0.0)),
-            SkyDescription::Image(image) => (0.0, (image.strength, image.turn_deg)),
+        let ([sky, horizon, below], image) = match &self.sky {
+            SkyDescription::Gradient { zenith, horizon, below } => ([*zenith, *horizon, *below], (1.0, 0.0)),
+            SkyDescription::Image(image) => ([0.0; 3], (image.strength, image.turn_deg)),
         };
         let [camera, light] = [&self.camera.bearing, &self.light.bearing];
         let ranges = [
@@ -230,6 +249,8 @@ impl SceneDescription {
             ("light.radius_deg", self.light.radius_deg, 0.1, 60.0),
             ("light.strength", self.light.strength, 0.0, 1e4),
             ("sky", sky, 0.0, 1e4),
+            ("sky_horizon", horizon, 0.0, 100.0),
+            ("sky_below", below, 0.0, 100.0),
             ("sky_image.strength", image.0, 0.0, 1e6),
             ("sky_image.turn_deg", image.1, -MOST_TURN_DEG, MOST_TURN_DEG),
             ("exposure", self.exposure.unwrap_or(1.0), 1e-6, 1e6),
@@ -247,7 +268,7 @@ impl SceneDescription {
         let is_lamp_on = self.lights.iter().any(|light| light.strength > 0.0);
         if self.light.strength <= 0.0 && self.is_sky_dark() && !is_lamp_on {
             let sky = match self.sky {
-                SkyDescription::Gradient(_) => "sky",
+                SkyDescription::Gradient { .. } => "sky",
                 SkyDescription::Image(_) => "sky_image.strength",
             };
             return Err(Error::input(format!(
@@ -290,25 +311,48 @@ impl View {
     }
 }
 
+/// The parts of a feather that have surfaces of their own.
+const PARTS: [&str; 4] = ["shaft", "ramus", "underside", "hair"];
+
 impl Surfaces {
-    /// Reads the table `[surfaces]`.
-    fn read(table: &Value) -> Result<Self> {
-        let fields = Fields::new(table, "surfaces", &["shaft", "ramus", "underside", "hair"])?;
+    /// Reads the table `[surfaces]`: those of the feather's parts, and further ones, which have a type.
+    fn read(table: &Value) -> Result<(Self, BTreeMap<String, NamedSurface>)> {
+        let mut named = BTreeMap::new();
+        let mut own = table.clone();
+        if let (Value::Object(all), Value::Object(own)) = (table, &mut own) {
+            for (name, surface) in all.iter().filter(|(name, _)| !PARTS.contains(&name.as_str())) {
+                if surface.get("type").is_some() {
+                    own.remove(name);
+                    named.insert(
+                        name.clone(),
+                        NamedSurface::read(surface, &format!("surfaces.{}", shortened(name)))?,
+                    );
+                }
+            }
+        }
+        let fields = Fields::new(&own, "surfaces", &PARTS)?;
         let keratin = |key: &str| -> Result<PigmentedKeratin> {
             let table = fields.need(key, &format!("the table [surfaces.{key}]"))?;
-            let fields = Fields::new(table, &fields.path(key), &["roughness", "index", "melanin"])?;
-            Ok(PigmentedKeratin {
-                roughness: fields.number_within("roughness", 0.02, 1.0)?,
-                index: fields.number_within("index", 1.01, 3.9)?,
-                melanin: fields.number_within("melanin", 0.0, 1e6)?,
-            })
+            PigmentedKeratin::read(table, &fields.path(key))
         };
         let hair = fields.get("hair").map(|table| FibreDescription::read(table, &fields.path("hair")));
-        Ok(Self {
+        let parts = Self {
             shaft: keratin("shaft")?,
             ramus: keratin("ramus")?,
             underside: keratin("underside")?,
             hair: hair.transpose()?,
+        };
+        Ok((parts, named))
+    }
+}
+
+impl PigmentedKeratin {
+    fn read(table: &Value, place: &str) -> Result<Self> {
+        let fields = Fields::new(table, place, &["roughness", "index", "melanin"])?;
+        Ok(Self {
+            roughness: fields.number_within("roughness", 0.02, 1.0)?,
+            index: fields.number_within("index", 1.01, 3.9)?,
+            melanin: fields.number_within("melanin", 0.0, 1e6)?,
         })
     }
 }

@@ -3,8 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use super::{
-    Background, FibreDescription, LightColour, LightDescription, LightShape, PigmentedKeratin,
-    SceneDescription, SkyDescription, View, ViewProjection,
+    Background, FibreDescription, LightColour, LightDescription, LightShape, ObjectDescription,
+    PigmentedKeratin, SceneDescription, SkyDescription, View, ViewProjection,
 };
 use crate::{Error, Result};
 
@@ -26,7 +26,11 @@ impl SceneDescription {
             put("turn_deg", self.turn_deg.into());
         }
         match &self.sky {
-            SkyDescription::Gradient(zenith) => put("sky", (*zenith).into()),
+            SkyDescription::Gradient { zenith, horizon, below } => {
+                put("sky", (*zenith).into());
+                put("sky_horizon", (*horizon).into());
+                put("sky_below", (*below).into())
+            }
             SkyDescription::Image(image) => put(
                 "sky_image",
                 json!({"file": image.file, "strength": image.strength, "turn_deg": image.turn_deg}),
@@ -62,8 +66,17 @@ impl SceneDescription {
         if let (Some(hair), Value::Object(parts)) = (&surfaces.hair, &mut parts) {
             parts.insert("hair".to_owned(), hair.table());
         }
+        if let Value::Object(parts) = &mut parts {
+            parts.extend(self.named_surfaces.iter().map(|(name, surface)| (name.clone(), surface.table())));
+        }
         put("surfaces", parts);
         put("feather", self.feather.table());
+        if !self.shows_feather {
+            put("shows_feather", false.into());
+        }
+        if !self.objects.is_empty() {
+            put("objects", self.objects.iter().map(ObjectDescription::table).collect());
+        }
         toml::to_string(&Value::Object(scene))
             .map_err(|error| Error::machine(format!("no scene file: {error}")))
     }
@@ -94,13 +107,13 @@ impl View {
 }
 
 impl PigmentedKeratin {
-    fn table(&self) -> Value {
+    pub(super) fn table(&self) -> Value {
         json!({"roughness": self.roughness, "index": self.index, "melanin": self.melanin})
     }
 }
 
 impl FibreDescription {
-    fn table(&self) -> Value {
+    pub(super) fn table(&self) -> Value {
         table([
             ("longitudinal_roughness", Some(self.longitudinal_roughness.into())),
             ("azimuthal_roughness", Some(self.azimuthal_roughness.into())),
@@ -175,11 +188,20 @@ mod tests {
                     [[lights]]\ntype = 'spot'\nposition_mm = [1, 2, 3]\ncone_deg = 20\nstrength = 1\n\
                     [[lights]]\ntype = 'sphere'\nazimuth_deg = 1\nelevation_deg = 2\ndistance_mm = 30\nradius_mm = 2\nstrength = 1\n\
                     [[lights]]\ntype = 'rectangle'\nposition_mm = [1, 2, 3]\nsize_mm = [1, 2]\nstrength = 1\n";
-        let scene = SceneDescription::parse(text).unwrap();
+        let text = format!(
+            "shows_feather = false\n{text}[surfaces.glass]\ntype = 'dielectric'\nindex = 1.3\n\
+             [surfaces.red]\ntype = 'diffuse'\ncolour = '#ff8000'\nalbedo = 'a.png'\nalpha = 'b.exr'\nnormal = 'c.png'\n\
+             [surfaces.horn]\ntype = 'keratin'\nroughness = 0.2\nindex = 1.5\nmelanin = 3\n[surfaces.fur]\ntype = 'hair'\n\
+             [[objects]]\nname = 'ball'\nsphere_mm = 2.5\nsurface = 'glass'\nrotate_deg = [1, 2, 3]\n\
+             [[objects]]\nmesh = 'a.ply'\nsurface = 'red'\ninstances = [{{scale = 2}}, {{translate_mm = [1, 2, 3]}}]\n\
+             [[objects]]\nrectangle_mm = [1, 2]\nsurface = 'horn'\n"
+        );
+        let scene = SceneDescription::parse(&text).unwrap();
         assert_eq!(SceneDescription::parse(&scene.to_toml().unwrap()).unwrap(), scene);
         let mut focused = SceneDescription::named("starling").unwrap();
         focused.camera.focus_distance_mm = Some(14.0);
         focused.camera.focal_length_mm = Some(85.0);
+        focused.sky = SkyDescription::Gradient { zenith: 0.5, horizon: 1.0, below: 1.0 };
         assert_eq!(SceneDescription::parse(&focused.to_toml().unwrap()).unwrap(), focused);
     }
 }
