@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::accelerator::Accelerator;
+use super::accelerator::{Accelerator, Instances};
 use crate::Result;
 use crate::bsdf::{Hit, Surface};
 use crate::scene::Object;
@@ -11,6 +11,7 @@ use crate::scene::Object;
 pub struct Stage {
     objects: Vec<Object>,
     accelerator: Accelerator,
+    instances: Option<Instances>,
     nearest_mm: f64,
     is_opaque: bool,
 }
@@ -24,10 +25,10 @@ impl Stage {
         for (index, object) in objects.iter().enumerate() {
             object.geometry.check().map_err(|error| error.at(format!("object {index}")))?;
         }
-        let accelerator = Accelerator::new(&objects);
+        let (accelerator, instances) = (Accelerator::new(&objects), Instances::new(&objects));
         let nearest_mm = nearest_mm(&objects);
         let is_opaque = objects.iter().all(|object| object.surface.is_opaque());
-        Ok(Self { objects, accelerator, nearest_mm, is_opaque })
+        Ok(Self { objects, accelerator, instances, nearest_mm, is_opaque })
     }
 
     /// The objects.
@@ -36,7 +37,7 @@ impl Stage {
         &self.objects
     }
 
-    /// Number of primitives that rays are tested against.
+    /// Number of primitives that rays are tested against, those of instances once.
     #[must_use]
     pub fn primitives(&self) -> usize {
         self.objects.iter().map(|object| object.geometry.primitives()).sum()
@@ -62,14 +63,19 @@ impl Stage {
     #[inline]
     #[must_use]
     pub fn hit(&self, origin: DVec3, direction: DVec3, nearest: f64, farthest: f64) -> Option<Hit> {
-        self.accelerator.hit(&self.objects, origin, direction, nearest, farthest)
+        let hit = self.accelerator.hit(&self.objects, origin, direction, nearest, farthest);
+        let Some(instances) = &self.instances else { return hit };
+        let farthest = hit.as_ref().map_or(farthest, |hit| hit.distance);
+        instances.hit(&self.objects, origin, direction, nearest, farthest).or(hit)
     }
 
     /// Whether anything stands between `nearest` and `farthest`, mm.
     #[inline]
     #[must_use]
     pub fn is_blocked(&self, origin: DVec3, direction: DVec3, nearest: f64, farthest: f64) -> bool {
+        let blocks = |instances: &Instances| instances.is_blocked(origin, direction, nearest, farthest);
         self.accelerator.is_blocked(origin, direction, nearest, farthest)
+            || self.instances.as_ref().is_some_and(blocks)
     }
 
     /// The surface that was hit.

@@ -42,7 +42,8 @@ pub fn into_gamut(rgb: [f64; 3]) -> [f64; 3] {
         return [0.0; 3];
     }
     let keep = luminance / (luminance - least);
-    rgb.map(|v| luminance + (v - luminance) * keep)
+    // Rounding may leave the least component a hair below 0.
+    rgb.map(|v| (luminance + (v - luminance) * keep).max(0.0))
 }
 
 fn shoulder(rgb: [f64; 3]) -> [f64; 3] {

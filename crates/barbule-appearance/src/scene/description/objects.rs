@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::{DQuat, DVec3, Vec2, Vec3};
+use glam::{DMat3, DVec3, Vec2, Vec3};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -15,13 +15,12 @@ use crate::bsdf::Texture;
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{Fields, list};
 use crate::math::rng::hash;
-use crate::scene::geometry::{Geometry, Mesh};
+use crate::scene::geometry::{Geometry, Mesh, Place};
 use crate::{Error, Result};
 
-/// Most objects, most instances of one, and most triangles of a scene's objects with all their instances.
+/// Most objects, and most instances of one.
 const MOST_OBJECTS: usize = 1000;
 const MOST_INSTANCES: usize = 100_000;
-const MOST_TRIANGLES: usize = 20_000_000;
 
 /// Columns and rows of a sphere's quadrangles.
 const SPHERE: [u32; 2] = [192, 96];
@@ -311,7 +310,7 @@ impl ObjectDescription {
         table
     }
 
-    /// Its shapes in the scene, a mesh for each instance; `index`: its own among the objects.
+    /// Its shape and where it stands; `index`: its own among the objects.
     ///
     /// # Errors
     /// A mesh that is not read.
@@ -331,17 +330,10 @@ impl ObjectDescription {
                 return Err(Error::input(format!("the mesh '{file}' is not read")));
             }
         };
-        let triangles = mesh.triangles.len().saturating_mul(self.places.len());
-        if triangles > MOST_TRIANGLES {
-            return Err(Error::input(format!(
-                "objects[{index}] has {triangles} triangles with all instances, over the limit of {MOST_TRIANGLES}"
-            )));
-        }
         let identity = |instance: usize| hash(0x006f_626a, &[index as u64, instance as u64]);
-        let tangents = upwards(mesh);
-        let mesh = &Mesh { tangents, ..mesh.clone() };
-        let meshes = self.places.iter().enumerate().map(|(i, place)| place.apply(mesh, identity(i)));
-        Ok(Geometry { meshes: meshes.collect(), ..Geometry::default() })
+        let mesh = Mesh { tangents: upwards(mesh), id: identity(0), ..mesh.clone() };
+        let places = self.places.iter().enumerate().map(|(i, place)| place.place(identity(i)));
+        Ok(Geometry { meshes: vec![mesh], places: places.collect(), ..Geometry::default() })
     }
 }
 
@@ -358,20 +350,10 @@ impl Placement {
         })
     }
 
-    fn apply(&self, mesh: &Mesh, id: u64) -> Mesh {
+    fn place(&self, id: u64) -> Place {
         let [x, y, z] = self.rotate_deg.map(f64::to_radians);
-        let turn = DQuat::from_rotation_z(z) * DQuat::from_rotation_y(y) * DQuat::from_rotation_x(x);
-        let moved =
-            |p: &Vec3| (turn * (p.as_dvec3() * self.scale) + DVec3::from(self.translate_mm)).as_vec3();
-        let turned = |n: &Vec3| (turn * n.as_dvec3()).as_vec3();
-        Mesh {
-            positions: mesh.positions.iter().map(moved).collect(),
-            normals: mesh.normals.iter().map(turned).collect(),
-            tangents: mesh.tangents.iter().map(turned).collect(),
-            uvs: mesh.uvs.clone(),
-            triangles: mesh.triangles.clone(),
-            id,
-        }
+        let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
+        Place { scale: self.scale, turn, shift: self.translate_mm.into(), id }
     }
 }
 
@@ -466,13 +448,18 @@ mod tests {
         let text = "[[objects]]\nrectangle_mm = [2, 4]\nsurface = 'white'\n\
                     instances = [{}, {scale = 3, rotate_deg = [90, 0, 90], translate_mm = [0, 0, 5]}]";
         let geometry = objects(text).unwrap()[0].geometry(4).unwrap();
-        assert_eq!(geometry.meshes[0].positions[2], Vec3::new(1.0, 2.0, 0.0));
+        let corner = geometry.meshes[0].positions[2].as_dvec3();
+        assert_eq!(geometry.places[0].point(corner), DVec3::new(1.0, 2.0, 0.0));
         // (3, 6, 0) → about x (3, 0, 6) → about z (0, 3, 6) → moved.
-        assert!((geometry.meshes[1].positions[2] - Vec3::new(0.0, 3.0, 11.0)).length() < 1e-5);
-        assert_ne!(geometry.meshes[0].id, geometry.meshes[1].id);
+        let place = geometry.places[1];
+        assert!((place.point(corner) - DVec3::new(0.0, 3.0, 11.0)).length() < 1e-12);
+        assert!((place.point_back(place.point(corner)) - corner).length() < 1e-12);
+        assert_ne!(geometry.places[0].id, place.id);
         // A texture's upward direction turns with the shape: y → z → z.
-        let upwards = [0, 1].map(|i| geometry.meshes[i].tangents[0]);
-        assert!((upwards[0] - Vec3::Y).length() < 1e-6 && (upwards[1] - Vec3::Z).length() < 1e-6);
+        let upwards = geometry.meshes[0].tangents[0].as_dvec3();
+        assert!(
+            (upwards - DVec3::Y).length() < 1e-6 && (place.direction(upwards) - DVec3::Z).length() < 1e-6
+        );
     }
 
     #[test]

@@ -11,16 +11,16 @@ use super::read_at_most;
 use crate::scene::geometry::Mesh;
 use crate::{Error, Result};
 
-/// The largest file of a mesh: 512 MiB.
-const LARGEST_MESH: u64 = 512 << 20;
+/// The largest file of a mesh: 256 MiB.
+const LARGEST_MESH: u64 = 256 << 20;
 
 /// Most vertices, and most faces.
-const MOST_VERTICES: usize = 20_000_000;
+const MOST_VERTICES: usize = 5_000_000;
 
 /// Reads a mesh in mm, `.ply` or `.obj`; polygons become fans of triangles. Give it an identity of its own.
 ///
 /// # Errors
-/// Missing, over 512 MiB, of another kind, damaged, or without a triangle.
+/// Missing, over 256 MiB, of another kind, damaged, or without a triangle.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
     let refuse = |error: Error| error.at(path.display());
     let ends_with = |end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
