@@ -8,6 +8,7 @@
 //! are in 1/sr without the cosine.
 
 mod conductor;
+mod dielectric;
 mod feather;
 mod frame;
 mod fresnel;
@@ -20,18 +21,21 @@ mod microfacet;
 mod reflectance;
 #[cfg(test)]
 mod tests;
+mod texture;
 
 use glam::DVec3;
 
 pub use conductor::Conductor;
+pub use dielectric::Dielectric;
 pub use feather::BarbuleSurface;
 pub use frame::Frame;
 pub use hair::{Absorption, FibreIndex, Hair, HairParameters};
 pub use hit::{Hit, Side};
 pub use keratin::Keratin;
-pub use lambertian::Lambertian;
+pub use lambertian::{Lambertian, Pictures};
 pub use lobes::Lobes;
 pub use reflectance::Reflectance;
+pub use texture::Texture;
 
 use crate::spectrum::dense::{Lambdas, WAVES};
 
@@ -48,6 +52,8 @@ pub enum Surface {
     Hair(Hair),
     /// Rough metal.
     Conductor(Conductor),
+    /// A smooth boundary of a clear medium.
+    Dielectric(Dielectric),
 }
 
 impl Surface {
@@ -61,6 +67,7 @@ impl Surface {
             Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
             Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Dielectric(surface) => surface.bind(hit, wo),
         }
     }
 
@@ -70,7 +77,8 @@ impl Surface {
     pub fn opacity(&self, hit: &Hit, wi: DVec3, wo: DVec3) -> f64 {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
-            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) => 1.0,
+            Self::Lambertian(surface) => surface.opacity(hit),
+            Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) | Self::Dielectric(_) => 1.0,
         }
     }
 
@@ -79,7 +87,8 @@ impl Surface {
     pub fn is_opaque(&self) -> bool {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
-            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) => true,
+            Self::Lambertian(surface) => surface.is_opaque(),
+            Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) | Self::Dielectric(_) => true,
         }
     }
 }
@@ -98,6 +107,7 @@ enum Model<'a> {
     Feather(feather::Bound<'a>),
     Hair(hair::Bound<'a>),
     Conductor(conductor::Bound),
+    Dielectric(dielectric::Bound),
 }
 
 /// Calls a function that all models have.
@@ -109,6 +119,7 @@ macro_rules! of_model {
             Model::Feather(model) => model.$function($($argument),*),
             Model::Hair(model) => model.$function($($argument),*),
             Model::Conductor(model) => model.$function($($argument),*),
+            Model::Dielectric(model) => model.$function($($argument),*),
         }
     };
 }
@@ -181,6 +192,9 @@ impl<'a> Bsdf<'a> {
     #[inline(always)]
     #[must_use]
     pub fn sample(&self, u: [f64; 3]) -> Option<BsdfSample> {
+        if let Model::Dielectric(model) = &self.model {
+            return model.sample_in_scene(&self.side, u);
+        }
         let (local, lobes) = of_model!(&self.model, sample(self.side.wo, u))?;
         let wi = self.side.frame.to_world(local).normalize();
         let evaluation = self.eval(wi);

@@ -44,11 +44,13 @@ pub struct Transport {
     pub most_scatterings: u32,
     /// Which techniques gather light.
     pub technique: Technique,
+    /// Whether the camera sees the lights that shine from infinity; without them what stands in the scene is cut out.
+    pub shows_sky: bool,
 }
 
 impl Default for Transport {
     fn default() -> Self {
-        Self { most_scatterings: 5, technique: Technique::Both }
+        Self { most_scatterings: 5, technique: Technique::Both, shows_sky: true }
     }
 }
 
@@ -68,8 +70,13 @@ pub struct FirstHit {
     pub normal: DVec3,
     /// Distance from the camera, mm.
     pub depth: f64,
-    /// Identity of the object, folded to 32 bits; 0 for nothing.
+    /// Identity of the shape, folded to 32 bits; 0 for nothing.
     pub id: u32,
+    /// Index of its object.
+    pub object: u32,
+    /// Share of light from all directions that it scatters to the camera, at each wavelength: an estimate from one
+    /// direction.
+    pub albedo: [f64; WAVES],
 }
 
 /// One sample of a pixel.
@@ -85,10 +92,13 @@ pub struct Sample {
     pub offset: [f64; 2],
     /// Rays that were traced: for the nearest hit, and for whether a light is seen.
     pub rays: [u32; 2],
+    /// 1 where something was seen, 0 where the camera sees through the scene.
+    pub alpha: f64,
 }
 
 /// Nothing was hit.
-pub(super) const NO_HIT: FirstHit = FirstHit { normal: DVec3::ZERO, depth: 0.0, id: 0 };
+pub(super) const NO_HIT: FirstHit =
+    FirstHit { normal: DVec3::ZERO, depth: 0.0, id: 0, object: 0, albedo: [0.0; WAVES] };
 
 impl<'a> Integrator<'a> {
     /// Puts them together.
@@ -140,7 +150,8 @@ impl<'a> Integrator<'a> {
         for (value, pdf) in radiance.iter_mut().zip(hero.pdf) {
             *value /= pdf;
         }
-        Sample { radiance, hero, first, offset: [x, y], rays: path.rays }
+        let alpha = if path.is_through { 0.0 } else { 1.0 };
+        Sample { radiance, hero, first, offset: [x, y], alpha, rays: path.rays }
     }
 
     /// Follows the path to its next scattering; `false` when it ends.
@@ -153,7 +164,13 @@ impl<'a> Integrator<'a> {
         let bsdf = self.stage.surface(&hit).bind(&hit, -path.direction, path.hero.wavelengths);
         if depth == 0 {
             let id = split_mix(hit.id) as u32;
-            *first = FirstHit { normal: bsdf.shading_normal(), depth: path.travelled, id: id.max(1) };
+            *first = FirstHit {
+                normal: bsdf.shading_normal(),
+                depth: path.travelled,
+                id: id.max(1),
+                object: hit.object,
+                ..NO_HIT
+            };
         }
         if depth == self.transport.most_scatterings {
             return false;
@@ -171,6 +188,11 @@ impl<'a> Integrator<'a> {
         };
         let evaluation = drawn.evaluation;
         let pdf = evaluation.pdf[0];
+        if depth == 0 {
+            // Each wavelength could have been the hero.
+            let density = mean(&evaluation.pdf);
+            first.albedo = evaluation.f.map(|f| f * evaluation.cosine / density);
+        }
         path.scattered = true;
         // No light's sample could have found a single direction.
         let is_delta = drawn.lobes.has(Lobes::DELTA);
@@ -235,6 +257,10 @@ impl<'a> Integrator<'a> {
     /// Adds what a path that leaves the scene sees.
     #[inline(always)]
     fn escape(&self, path: &mut Path) {
+        if !path.scattered && !self.transport.shows_sky {
+            path.is_through = true;
+            return;
+        }
         let (direction, wavelengths) = (path.direction, path.hero.wavelengths);
         self.lighting.escaped(direction, wavelengths, |radiance, far| {
             self.arrive(path, radiance, || self.lighting.far_pdf(far, direction));
@@ -264,7 +290,8 @@ impl<'a> Integrator<'a> {
             return;
         }
         let pdf = sample.pdf;
-        let both = if self.transport.technique == Technique::Both { 1.0 / pdf } else { 0.0 };
+        let has_rival = self.transport.technique == Technique::Both && !sample.is_point;
+        let both = if has_rival { 1.0 / pdf } else { 0.0 };
         let densities: [f64; WAVES] =
             std::array::from_fn(|k| path.through[k] * (1.0 + both * evaluation.pdf[k]));
         let density = mean(&densities);
@@ -324,6 +351,8 @@ struct Path {
     through_lights: [f64; WAVES],
     sum: [f64; WAVES],
     scattered: bool,
+    /// Whether the camera saw through the scene.
+    is_through: bool,
     travelled: f64,
     footprint: [f64; 2],
     rays: [u32; 2],
@@ -341,6 +370,7 @@ impl Path {
             through_lights: [0.0; WAVES],
             sum: [0.0; WAVES],
             scattered: false,
+            is_through: false,
             travelled: 0.0,
             footprint,
             rays: [0; 2],

@@ -20,10 +20,21 @@ pub struct Goal {
     pub noise: Option<f64>,
     /// No new round begins that would likely end later than this; `None`: no limit.
     pub time: Option<Duration>,
+    /// Samples per pixel of a round, 1 to [`ROUND`]: fewer, and the whole picture is there sooner. The film's bits are the
+    /// same.
+    pub round: u32,
 }
 
-/// Samples per pixel after which noise is looked at, and per round.
+/// Samples per pixel after which noise is looked at, and usually of a round.
 pub const ROUND: u32 = 8;
+
+impl Goal {
+    /// So many samples per pixel, however noisy they leave it and however long they take.
+    #[must_use]
+    pub fn samples(samples: u32) -> Self {
+        Self { samples, noise: None, time: None, round: ROUND }
+    }
+}
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,7 +101,8 @@ fn round(
                 return None;
             }
             let from = film.tiles[tile].count;
-            let to = goal.samples.min((from / ROUND + 1) * ROUND);
+            let step = goal.round.clamp(1, ROUND);
+            let to = goal.samples.min((from / ROUND + 1) * ROUND).min(from + step);
             let grown = grown(integrator, film, tile, seed, to);
             progress.advance(u64::from(to - from));
             Some(grown)
@@ -106,8 +118,7 @@ fn round(
 /// A tile with so many samples per pixel.
 fn grown(integrator: &Integrator<'_>, film: &Film, tile: usize, seed: u64, samples: u32) -> Tile {
     let mut grown = film.tiles[tile].clone();
-    let place = (film.bounds(tile), film.size());
-    dispatch!(Level::new(), simd => grow(simd, integrator, &mut grown, place, seed, samples));
+    dispatch!(Level::new(), simd => grow(simd, integrator, film, (tile, &mut grown), seed, samples));
     grown
 }
 
@@ -116,17 +127,18 @@ fn grown(integrator: &Integrator<'_>, film: &Film, tile: usize, seed: u64, sampl
 fn grow<S: Simd>(
     _simd: S,
     integrator: &Integrator<'_>,
-    tile: &mut Tile,
-    ([x0, y0, x1, y1], size): ([u32; 4], [u32; 2]),
+    film: &Film,
+    (number, tile): (usize, &mut Tile),
     seed: u64,
     samples: u32,
 ) {
+    let ([x0, y0, x1, y1], size, planes) = (film.bounds(number), film.size(), film.planes());
     let view = integrator.view(size);
     for y in y0..y1 {
         for x in x0..x1 {
             for sample in tile.count..samples {
                 let drawn = integrator.seen(&view, [x, y], size, u64::from(sample), seed);
-                tile.add([x - x0, y - y0], x1 - x0, &drawn, sample == 0);
+                tile.add([x - x0, y - y0], x1 - x0, planes, &drawn, sample == 0);
             }
         }
     }

@@ -3,6 +3,7 @@
 //! A feather's frame: x to the right, y along the shaft towards its tip, z out of the side that the camera sees.
 //! Lengths are mm.
 
+pub mod backdrop;
 pub mod camera;
 pub mod comparison;
 pub mod description;

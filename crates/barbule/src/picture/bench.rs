@@ -74,7 +74,7 @@ pub fn measure(scene: Scene, effort: Effort, seed: u64, progress: &dyn Progress)
     let transport = Transport { most_scatterings: SCATTERINGS, ..Transport::default() };
     let integrator = Integrator::new(&stage, &lighting, &camera, transport);
     let size = [effort.side; 2];
-    let goal = Goal { samples: effort.samples, noise: None, time: None };
+    let goal = Goal::samples(effort.samples);
     let mut times: Vec<[Duration; 2]> = Vec::new();
     let mut mean = [0.0; 3];
     for number in 0..effort.runs {

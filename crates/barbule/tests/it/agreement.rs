@@ -81,7 +81,7 @@ fn quarters(objects: Vec<Object>, lamp: Lamp, eye: DVec3) -> [[f64; 3]; 4] {
     let transport = Transport { most_scatterings: 7, ..Transport::default() };
     let integrator = Integrator::new(&stage, &lighting, &camera, transport);
     let mut film = Film::new([SIDE; 2]).unwrap();
-    let goal = Goal { samples: SAMPLES, noise: None, time: None };
+    let goal = Goal::samples(SAMPLES);
     run(&integrator, &mut film, 1, goal, &Unobserved, &mut |_| Ok(())).unwrap();
     let half = SIDE / 2;
     [[0, 0], [half, 0], [0, half], [half, half]].map(|[left, top]| {

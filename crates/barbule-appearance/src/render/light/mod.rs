@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 pub use sample::LightSample;
 use sky::SkySampler;
 
-use crate::scene::light::Lamp;
+use crate::scene::light::{Lamp, Light};
 use crate::scene::sky::Environment;
 use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
@@ -82,7 +82,9 @@ impl Lighting {
         let few = weights.len() <= AT_ONCE;
         let count = |weight: &f64| if few { 1.0 } else { AT_ONCE as f64 * weight / total };
         let counts = weights.iter().map(count).collect();
-        let (infinite, standing) = (0..lamps.len()).partition(|&i| lamps[i].light.is_infinite());
+        let infinite = (0..lamps.len()).filter(|&i| lamps[i].light.is_infinite()).collect();
+        let meets = |light: &Light| !light.is_infinite() && !light.is_point();
+        let standing = (0..lamps.len()).filter(|&i| meets(&lamps[i].light)).collect();
         Ok(Self { lamps, sky, standing, infinite, counts })
     }
 

@@ -60,13 +60,14 @@ impl SkySampler {
         let z = self.edges[row] + (self.edges[row + 1] - self.edges[row]) * v;
         let [sin, cos] = sin_cos_turns((column as f64 + h) / width as f64 + self.sky.turn());
         let sine = (1.0 - z * z).max(0.0).sqrt();
-        let direction = DVec3::new(sine * sin, sine * cos, z);
+        let direction = self.sky.rotation() * DVec3::new(sine * sin, sine * cos, z);
         let pdf = self.texel_pdf([row, column]);
         (pdf > 0.0).then(|| LightSample {
             direction,
             distance: f64::INFINITY,
             pdf,
             radiance: self.sky.spectrum(row, column, wavelengths),
+            is_point: false,
         })
     }
 
@@ -132,5 +133,11 @@ mod tests {
         assert!(sky.spectrum(sky.texel(sample.direction), Lambdas::splat(550.0))[0] > 1.0);
         assert_eq!(sky.spectrum(sky.texel(DVec3::Y), Lambdas::splat(550.0)), [0.0; WAVES]);
         assert_eq!(sky.pdf(DVec3::Y), 0.0);
+        // Rotated about y by 90°: what was at +x is at −z.
+        let rotation = glam::DMat3::from_rotation_y(std::f64::consts::FRAC_PI_2);
+        let rotated = SkySampler::new(sky.sky.clone().rotated(rotation));
+        let again = rotated.sample(DVec2::new(0.5, 0.5), Lambdas::splat(550.0)).unwrap();
+        assert!((again.direction - rotation * sample.direction).length() < 1e-12 && again.direction.z < -0.8);
+        assert!((rotated.pdf(again.direction) / again.pdf - 1.0).abs() < 1e-9);
     }
 }
