@@ -81,6 +81,7 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         ("species", "name") => files(Names::Species, &["toml", "json"]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
         ("render" | "lobes" | "brdf", "material") => files(Names::Species, &["barbule", "toml", "json"]),
+        ("render", "background") => files(Names::None, &["png", "exr"]),
         (_, "medium") => Some(Kind { names: Names::None, extensions: TABLES, after: Some('=') }),
         (_, "measured") => files(Names::None, TABLES),
         ("geometry", "output") => files(Names::None, &["svg", "pdf", "png", "json"]),

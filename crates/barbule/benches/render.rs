@@ -40,7 +40,7 @@ fn measure(name: &str, samples: u32, most_scatterings: u32, scene: Scene) {
     let built = begun.elapsed().as_secs_f64();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     let mut film = Film::new(SIZE).expect("a film");
-    let goal = Goal { samples, noise: None, time: None };
+    let goal = Goal::samples(samples);
     let before = ProcessTime::now();
     pool.install(|| run(&integrator, &mut film, 1, goal, &Unobserved, &mut |_| Ok(()))).expect("a picture");
     let speed = 1e-6 * film.samples() as f64 / before.elapsed().as_secs_f64();

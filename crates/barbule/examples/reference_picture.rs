@@ -14,5 +14,5 @@ fn main() -> barbule::Result<()> {
     let film = picture(SAMPLES[1], 1);
     let rgb = film.linear_srgb();
     let plane = |k: usize| rgb.iter().map(|p| p[k]).collect::<Vec<f32>>();
-    write_exr(&reference(), SIZE, vec![("R", plane(0)), ("G", plane(1)), ("B", plane(2))], vec![], &[])
+    write_exr(&reference(), SIZE, vec![("R", plane(0)), ("G", plane(1)), ("B", plane(2))], vec![], &[], &[])
 }

@@ -56,7 +56,7 @@ impl Prepared {
         let integrator = Integrator::new(&self.stage, &self.lighting, &self.camera, Transport::default());
         let mut film = Film::new(size)?;
         let before = ProcessTime::now();
-        let goal = Goal { samples, noise: None, time: None };
+        let goal = Goal::samples(samples);
         run(&integrator, &mut film, seed, goal, &Unobserved, &mut |_| Ok(()))?;
         Ok((film.linear_srgb(), before.elapsed().as_secs_f64()))
     }

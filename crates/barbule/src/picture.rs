@@ -1,5 +1,7 @@
 //! From a scene and a material to a picture in a file: what `barbule render` does, as library calls.
 
+pub mod bench;
+
 use std::path::Path;
 use std::sync::Arc;
 
@@ -7,24 +9,28 @@ use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
 use crate::io::hash_bytes;
 use crate::io::image::{Facts, write_exr, write_png};
 use crate::progress::Progress;
-use crate::render::film::{BYTES_PER_PIXEL, Film};
+use crate::render::exposure;
+use crate::render::film::{Film, bytes_per_pixel};
 use crate::render::integrator::{Integrator, Transport};
 use crate::render::light::Lighting;
-use crate::render::picture::{self, Plane};
+use crate::render::picture::{self, Bytes, Development};
+use crate::render::planes::{COVERS, Planes};
 use crate::render::run::{Ended, Goal, run};
 use crate::render::stage::Stage;
-use crate::scene::description::SceneDescription;
+use crate::scene::description::{Background, SceneDescription};
 use crate::scene::feather::{Counts, Feather};
 use crate::scene::preset;
-use crate::scene::sky::Sky;
+use crate::scene::sky::{Environment, Sky};
 use crate::{Error, Result};
 
-/// What all pictures of a scene share, made once: the feather with its hierarchy, and the sky. Key light and camera are
-/// each picture's own.
+/// What all pictures of a scene share, made once: the feather with its hierarchy, and the sky. Lamps, camera and how the feather
+/// is turned are each picture's own.
 pub struct Set {
     stage: Stage,
     counts: Counts,
     lighting: Lighting,
+    /// The sky about a feather that is not turned.
+    environment: Option<Environment>,
 }
 
 impl Set {
@@ -40,8 +46,9 @@ impl Set {
     ) -> Result<Self> {
         let (objects, counts) = scene.objects(brdf, seed)?;
         let stage = Stage::new(objects)?;
-        let lighting = Lighting::new(scene.lamps(), scene.environment(sky)?.as_ref())?;
-        Ok(Self { stage, counts, lighting })
+        let environment = scene.environment(sky)?;
+        let lighting = Lighting::new(scene.lamps()?, environment.as_ref())?;
+        Ok(Self { stage, counts, lighting, environment })
     }
 
     /// How many barbs and barbules there are.
@@ -70,9 +77,18 @@ impl Set {
         progress: &dyn Progress,
         after_round: &mut dyn FnMut(&Film) -> Result<()>,
     ) -> Result<Ended> {
-        let lighting = self.lighting.with_lamps(scene.lamps())?;
+        let lighting = if scene.turn_deg == 0.0 {
+            self.lighting.with_lamps(scene.lamps()?)?
+        } else {
+            let sky = self.environment.clone().map(|environment| scene.around_feather(environment));
+            Lighting::new(scene.lamps()?, sky.as_ref())?
+        };
         let camera = scene.camera();
-        let transport = Transport { most_scatterings: scene.scatterings, ..Transport::default() };
+        let transport = Transport {
+            most_scatterings: scene.scatterings,
+            shows_sky: scene.background == Background::Sky,
+            ..Transport::default()
+        };
         let integrator = Integrator::new(&self.stage, &lighting, &camera, transport);
         run(&integrator, film, seed, goal, progress, after_round)
     }
@@ -99,7 +115,8 @@ impl Default for PictureOptions {
 #[derive(Debug, Clone)]
 pub struct Picture {
     film: Film,
-    exposure: f64,
+    development: Development,
+    objects: Vec<String>,
 }
 
 impl Picture {
@@ -117,10 +134,13 @@ impl Picture {
         let brdf = Arc::new(FeatherBrdf::new(material, Options::default())?);
         let set = Set::new(scene, brdf, None, seed)?;
         let mut film = Film::new(size)?;
-        let goal = Goal { samples, noise: None, time: None };
+        let goal = Goal::samples(samples);
         match set.render(scene, &mut film, seed, goal, progress, &mut |_| Ok(()))? {
             Ended::Stopped => Err(Error::interrupted()),
-            Ended::Done | Ended::OutOfTime => Ok(Self { film, exposure: scene.exposure }),
+            Ended::Done | Ended::OutOfTime => {
+                let development = development(scene, &film)?;
+                Ok(Self { film, development, objects: scene.object_names() })
+            }
         }
     }
 
@@ -133,7 +153,11 @@ impl Picture {
     /// 8-bit sRGB, row by row, after exposure and tone curve. Shape: `[height, width, 3]`.
     #[must_use]
     pub fn rgb(&self) -> Vec<u8> {
-        picture::bytes(&self.film, self.exposure)
+        let Bytes { values, has_alpha } = picture::bytes(&self.film, &self.development);
+        if !has_alpha {
+            return values;
+        }
+        values.chunks_exact(4).flat_map(|pixel| pixel[..3].to_vec()).collect()
     }
 
     /// Writes the picture as `.png`, or all its planes as `.exr`.
@@ -142,15 +166,28 @@ impl Picture {
     /// Another ending, or the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let version = [("barbule_version", env!("CARGO_PKG_VERSION"))];
-        Developed::new(path.as_ref(), &self.film, self.exposure)?.write(&version)
+        Developed::new(path.as_ref(), &self.film, &self.development, &self.objects)?.write(&version)
     }
 }
 
-/// Memory that a picture of this size takes, bytes: its pixels (afterwards their planes and encoded bytes, which are
-/// fewer), and 64 MB for program, material and feather.
+/// How a scene's film is developed: by the scene's exposure, or by a key where it gives none, before its background.
+///
+/// # Errors
+/// A background that is not read.
+pub fn development(scene: &SceneDescription, film: &Film) -> Result<Development> {
+    let exposure = scene.exposure.unwrap_or_else(|| exposure::by_key(film));
+    Ok(Development { backdrop: scene.backdrop()?, ..Development::exposed(exposure) })
+}
+
+/// Memory that a picture of this size takes, bytes: its pixels while it is rendered or while it is written (the film, its planes
+/// and their encoded bytes), and 64 MB for program, material and feather.
 #[must_use]
-pub fn bytes_needed(size: [u32; 2]) -> u64 {
-    64_000_000 + u64::from(size[0]) * u64::from(size[1]) * BYTES_PER_PIXEL as u64
+pub fn bytes_needed(size: [u32; 2], planes: &Planes) -> u64 {
+    let rendered = bytes_per_pixel(planes);
+    // A PNG has 4 bytes.
+    let channels = if planes.compositing { 20 + 4 * COVERS + planes.spectral.nm().len() } else { 1 };
+    let written = rendered / 2 + 2 * channels * size_of::<f32>();
+    64_000_000 + u64::from(size[0]) * u64::from(size[1]) * rendered.max(written) as u64
 }
 
 /// Refuses what no picture can be written as.
@@ -167,9 +204,9 @@ pub fn check_kind(path: &Path) -> Result<()> {
 /// What of a film goes into a file.
 enum Pixels {
     /// 8-bit sRGB, row by row.
-    Png(Vec<u8>),
+    Png(Bytes),
     /// All planes, linear.
-    Exr(Vec<Plane<f32>>, Plane<u32>),
+    Exr(picture::Planes),
 }
 
 /// A film as the file that it will be, without its metadata.
@@ -180,36 +217,43 @@ pub struct Developed<'a> {
 }
 
 impl<'a> Developed<'a> {
-    /// Develops a film for a file: `.png` (8 bits, after `exposure` and the tone curve) or `.exr` (all its planes, linear).
+    /// Develops a film for a file: `.png` (8 bits, after exposure and the tone curve) or `.exr` (all its planes, linear).
+    /// `objects`: the names of the scene's objects, for mattes.
     ///
     /// # Errors
     /// As [`check_kind`].
-    pub fn new(path: &'a Path, film: &Film, exposure: f64) -> Result<Self> {
+    pub fn new(path: &'a Path, film: &Film, development: &Development, objects: &[String]) -> Result<Self> {
         check_kind(path)?;
-        let pixels = if extension(path) == "exr" {
-            let (floats, ids) = picture::planes(film);
-            Pixels::Exr(floats, ids)
+        let pixels = if is_exr(path) {
+            Pixels::Exr(picture::planes(film, development, objects))
         } else {
-            Pixels::Png(picture::bytes(film, exposure))
+            Pixels::Png(picture::bytes(film, development))
         };
         Ok(Self { path, size: film.size(), pixels })
     }
 
-    /// BLAKE3 of the pixels alone, hexadecimal: equal where pictures are, whatever their metadata say. Of a PNG, of its RGB
-    /// bytes row by row; of an EXR, of each plane's 32-bit values, little-endian, row by row, in the order of the planes'
+    /// BLAKE3 of the pixels alone, hexadecimal: equal where pictures are, whatever their metadata say. Of a PNG, of its bytes
+    /// row by row; of an EXR, of each plane's 32-bit values, little-endian, row by row, in the order of the planes'
     /// names.
     #[must_use]
     pub fn pixel_hash(&self) -> String {
-        let (floats, ids) = match &self.pixels {
-            Pixels::Png(rgb) => return hash_bytes(rgb),
-            Pixels::Exr(floats, ids) => (floats, ids),
+        let planes = match &self.pixels {
+            Pixels::Png(bytes) => return hash_bytes(&bytes.values),
+            Pixels::Exr(planes) => planes,
         };
-        let bytes = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
-        let mut planes: Vec<(&str, Vec<u8>)> =
-            floats.iter().map(|plane| (plane.name, bytes(&plane.values))).collect();
-        planes.push((ids.name, ids.values.iter().flat_map(|id| id.to_le_bytes()).collect()));
-        planes.sort_by_key(|(name, _)| *name);
-        hash_bytes(&planes.into_iter().flat_map(|(_, bytes)| bytes).collect::<Vec<u8>>())
+        let identities = &planes.identities;
+        let mut names: Vec<(&str, Option<&[f32]>)> =
+            planes.floats.iter().map(|plane| (plane.name.as_str(), Some(&plane.values[..]))).collect();
+        names.push((&identities.name, None));
+        names.sort_by_key(|(name, _)| *name);
+        let mut hasher = blake3::Hasher::new();
+        for (_, values) in names {
+            match values {
+                Some(values) => values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes())),
+                None => identities.values.iter().for_each(|v| _ = hasher.update(&v.to_le_bytes())),
+            }
+        }
+        hasher.finalize().to_hex().to_string()
     }
 
     /// Writes the file with its metadata.
@@ -218,13 +262,26 @@ impl<'a> Developed<'a> {
     /// It cannot be written.
     pub fn write(self, facts: &Facts<'_>) -> Result<()> {
         match self.pixels {
-            Pixels::Png(rgb) => write_png(self.path, self.size, &rgb, facts),
-            Pixels::Exr(floats, ids) => {
-                let floats = floats.into_iter().map(|plane| (plane.name, plane.values)).collect();
-                write_exr(self.path, self.size, floats, vec![(ids.name, ids.values)], facts)
+            Pixels::Png(Bytes { values, has_alpha }) => {
+                write_png(self.path, self.size, &values, has_alpha, facts)
+            }
+            Pixels::Exr(picture::Planes { floats, identities, attributes }) => {
+                let (names, values): (Vec<_>, Vec<_>) =
+                    floats.into_iter().map(|plane| (plane.name, plane.values)).unzip();
+                let floats = names.iter().map(String::as_str).zip(values).collect();
+                let counts = vec![(identities.name.as_str(), identities.values)];
+                let others: Vec<(&str, &str)> =
+                    attributes.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+                write_exr(self.path, self.size, floats, counts, facts, &others)
             }
         }
     }
+}
+
+/// Whether a picture of this name is written as EXR.
+#[must_use]
+pub fn is_exr(path: &Path) -> bool {
+    extension(path) == "exr"
 }
 
 /// The scene that shows a material in which no scene is named: that of the species' own preset where there is one, else
@@ -265,7 +322,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let hash = |facts: &Facts<'_>| {
-            let developed = Developed::new(&path, &film(), 1.0).unwrap();
+            let developed = Developed::new(&path, &film(), &Development::exposed(1.0), &[]).unwrap();
             let hash = developed.pixel_hash();
             developed.write(facts).unwrap();
             hash
@@ -279,7 +336,8 @@ mod tests {
         assert_eq!(hash(&[("seed", "2")]), written);
         assert_ne!(std::fs::read(&path).unwrap(), file);
         let exr = folder.path().join("a.exr");
-        assert_ne!(Developed::new(&exr, &film(), 1.0).unwrap().pixel_hash(), written);
+        let developed = Developed::new(&exr, &film(), &Development::exposed(1.0), &[]).unwrap();
+        assert_ne!(developed.pixel_hash(), written);
     }
 
     #[test]

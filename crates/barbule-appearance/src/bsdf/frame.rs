@@ -29,21 +29,21 @@ impl Frame {
     }
 
     /// A world direction in this frame.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn to_local(&self, v: DVec3) -> DVec3 {
         DVec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
     }
 
     /// A direction of this frame in the world.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn to_world(&self, v: DVec3) -> DVec3 {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 
     /// The same axis along, upside down: what the underside sees.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn flipped(&self) -> Self {
         Self { x: -self.x, y: self.y, z: -self.z }

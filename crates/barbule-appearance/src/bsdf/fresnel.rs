@@ -1,7 +1,7 @@
 //! Reflection at a smooth boundary.
 
 /// Unpolarized Fresnel reflectance from air onto a dielectric.
-#[inline]
+#[inline(always)]
 pub(super) fn fresnel(cosine: f64, index: f64) -> f64 {
     let c = cosine.clamp(0.0, 1.0);
     let t = (1.0 - (1.0 - c * c) / (index * index)).max(0.0).sqrt();

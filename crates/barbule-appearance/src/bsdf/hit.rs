@@ -47,7 +47,7 @@ pub struct Side {
 
 impl Hit {
     /// The side seen from `wo`, a unit vector towards the viewer.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn side(&self, wo: DVec3) -> Side {
         let is_upper = wo.dot(self.normal) >= 0.0;

@@ -13,6 +13,7 @@ use glam::DVec3;
 use super::fresnel::fresnel;
 use super::hit::Hit;
 use super::lobes::Lobes;
+use super::microfacet::Ggx;
 use super::reflectance::Reflectance;
 use super::{Bsdf, Model};
 use crate::spectrum::dense::{Lambdas, WAVES};
@@ -24,7 +25,7 @@ const NODES: usize = 33;
 /// Pigmented keratin.
 #[derive(Debug, Clone)]
 pub struct Keratin {
-    roughness: f64,
+    ggx: Ggx,
     index: f64,
     body: Reflectance,
     /// Directional albedo of the boundary at cos = k/32.
@@ -45,7 +46,8 @@ impl Keratin {
                 "keratin of roughness {roughness} and index {index}: give a roughness of 0.02 to 1 and an index of 1 to 4"
             )));
         }
-        let mut keratin = Self { roughness, index, body, albedo: [0.0; NODES], mean_albedo: 0.0 };
+        let mut keratin =
+            Self { ggx: Ggx::new([roughness; 2]), index, body, albedo: [0.0; NODES], mean_albedo: 0.0 };
         for node in 0..NODES {
             keratin.albedo[node] = keratin.boundary_albedo((node as f64 / (NODES - 1) as f64).max(1e-3));
         }
@@ -74,9 +76,9 @@ impl Keratin {
             return ([0.0; WAVES], 0.0);
         }
         let h = (wi + wo).normalize();
-        let d = self.distribution(h);
+        let d = self.ggx.distribution(h);
         let fresnel = fresnel(wi.dot(h), self.index);
-        let (lambda_i, lambda_o) = (self.lambda(wi), self.lambda(wo));
+        let (lambda_i, lambda_o) = (self.ggx.lambda(wi), self.ggx.lambda(wo));
         let gloss = fresnel * d / (4.0 * wi.z * wo.z * (1.0 + lambda_i + lambda_o));
         let (in_i, in_o) = (1.0 - self.lookup(wi.z), 1.0 - self.lookup(wo.z));
         let diffuse = in_i * in_o / (PI * (1.0 - self.mean_albedo));
@@ -91,7 +93,7 @@ impl Keratin {
     #[must_use]
     pub fn sample(&self, wi: DVec3, u: [f64; 3]) -> (DVec3, Lobes) {
         if u[2] < self.gloss_share(wi.z) {
-            let h = self.visible_normal(wi, u[0], u[1]);
+            let h = self.ggx.visible_normal(wi, u[0], u[1]);
             return (2.0 * wi.dot(h) * h - wi, Lobes::REFLECTION.and(Lobes::GLOSSY));
         }
         let (sine, azimuth) = (u[0].sqrt(), TAU * u[1]);
@@ -117,29 +119,6 @@ impl Keratin {
         self.albedo[index] + (self.albedo[index + 1] - self.albedo[index]) * (at - index as f64)
     }
 
-    /// GGX distribution of normals.
-    fn distribution(&self, h: DVec3) -> f64 {
-        let a2 = self.roughness * self.roughness;
-        let t = (h.x * h.x + h.y * h.y) / a2 + h.z * h.z;
-        1.0 / (PI * a2 * t * t)
-    }
-
-    /// Smith's Λ.
-    fn lambda(&self, w: DVec3) -> f64 {
-        let tan2 = (1.0 - w.z * w.z).max(0.0) / (w.z * w.z).max(1e-30);
-        0.5 * ((1.0 + self.roughness * self.roughness * tan2).sqrt() - 1.0)
-    }
-
-    /// A normal that `w` sees, with its visible density (Dupuy & Benyoub 2023: spherical caps).
-    fn visible_normal(&self, w: DVec3, u: f64, v: f64) -> DVec3 {
-        let stretched = DVec3::new(w.x * self.roughness, w.y * self.roughness, w.z).normalize();
-        let z = (1.0 - v) * (1.0 + stretched.z) - stretched.z;
-        let sine = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
-        let (sin_azimuth, cos_azimuth) = (TAU * u).sin_cos();
-        let h = DVec3::new(sine * cos_azimuth, sine * sin_azimuth, z) + stretched;
-        DVec3::new(h.x * self.roughness, h.y * self.roughness, h.z).normalize()
-    }
-
     /// Directional albedo of the boundary by a 32 × 32 midpoint rule over visible normals.
     fn boundary_albedo(&self, cosine: f64) -> f64 {
         const SIDE: usize = 32;
@@ -148,10 +127,10 @@ impl Keratin {
         for i in 0..SIDE * SIDE {
             let u = ((i % SIDE) as f64 + 0.5) / SIDE as f64;
             let v = ((i / SIDE) as f64 + 0.5) / SIDE as f64;
-            let h = self.visible_normal(wi, u, v);
+            let h = self.ggx.visible_normal(wi, u, v);
             let wo = 2.0 * wi.dot(h) * h - wi;
             if wo.z > 0.0 {
-                let (lambda_i, lambda_o) = (self.lambda(wi), self.lambda(wo));
+                let (lambda_i, lambda_o) = (self.ggx.lambda(wi), self.ggx.lambda(wo));
                 sum += fresnel(wi.dot(h), self.index) * (1.0 + lambda_i) / (1.0 + lambda_i + lambda_o);
             }
         }

@@ -4,11 +4,14 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
+use super::frame::Frame;
 use super::hit::Hit;
 use super::lobes::Lobes;
 use super::reflectance::Reflectance;
+use super::texture::Texture;
 use super::{Bsdf, Model};
-use crate::spectrum::dense::{Lambdas, WAVES};
+use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
+use crate::spectrum::primaries::shares;
 use crate::{Error, Result};
 
 /// Perfectly diffuse, the same seen from both sides.
@@ -17,13 +20,60 @@ pub struct Lambertian {
     reflectance: Reflectance,
     /// What goes diffusely to the other side.
     transmittance: Option<Reflectance>,
+    /// What is painted on it, in place of the reflectance.
+    paint: Option<Paint>,
+}
+
+/// A colour that may change from place to place.
+#[derive(Debug, Clone)]
+struct Paint {
+    /// Linear sRGB, 0 … 1.
+    colour: [f64; 3],
+    pictures: Pictures,
+    basis: [DenseSpectrum; 3],
+}
+
+/// Pictures on a surface.
+#[derive(Debug, Clone, Default)]
+pub struct Pictures {
+    /// What its colour is multiplied with.
+    pub albedo: Option<Texture>,
+    /// Whose mean is its opacity.
+    pub alpha: Option<Texture>,
+    /// Normals about the shading frame, from −1 … 1 in 0 … 1: x to the right of the picture, y upwards, z out of the surface.
+    pub normal: Option<Texture>,
 }
 
 impl Lambertian {
     /// Opaque.
     #[must_use]
     pub fn new(reflectance: Reflectance) -> Self {
-        Self { reflectance, transmittance: None }
+        Self { reflectance, transmittance: None, paint: None }
+    }
+
+    /// Of a colour (linear sRGB, 0 … 1), with pictures. A colour's reflectance is its smoothest spectrum within 0 … 1.
+    ///
+    /// # Errors
+    /// A colour outside 0 … 1.
+    pub fn painted(colour: [f64; 3], pictures: Pictures) -> Result<Self> {
+        if !colour.iter().all(|v| (0.0..=1.0).contains(v)) {
+            return Err(Error::input("a surface's colour must lie between 0 and 1"));
+        }
+        let reflectance = Reflectance::new(|_| 0.0)?;
+        let paint = Paint { colour, pictures, basis: shares() };
+        Ok(Self { reflectance, transmittance: None, paint: Some(paint) })
+    }
+
+    /// See [`super::Surface::opacity`].
+    #[inline]
+    pub(super) fn opacity(&self, hit: &Hit) -> f64 {
+        let alpha = self.paint.as_ref().and_then(|paint| paint.pictures.alpha.as_ref());
+        alpha.map_or(1.0, |texture| texture.at(hit.uv).iter().sum::<f64>() / 3.0)
+    }
+
+    /// Whether it has no holes.
+    pub(super) fn is_opaque(&self) -> bool {
+        self.paint.as_ref().is_none_or(|paint| paint.pictures.alpha.is_none())
     }
 
     /// A thin sheet that also lets light through, diffusely.
@@ -37,11 +87,11 @@ impl Lambertian {
                 "a translucent surface reflects and transmits over 1 together; give less of either",
             ));
         }
-        Ok(Self { reflectance, transmittance: Some(transmittance) })
+        Ok(Self { reflectance, transmittance: Some(transmittance), paint: None })
     }
 
     /// At a hit, seen from `wo`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn bind<'a>(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let f = |side: &Reflectance| side.at_each(wavelengths).map(|value| value / PI);
         let transmitted = self.transmittance.as_ref().map(f);
@@ -49,8 +99,37 @@ impl Lambertian {
             let (r, t) = (self.reflectance.mean(), transmittance.mean());
             if r + t > 0.0 { r / (r + t) } else { 1.0 }
         });
-        let bound = Bound { reflected: f(&self.reflectance), transmitted, reflected_share };
-        Bsdf::new(Model::Lambertian(bound), hit.side(wo))
+        let reflected = self
+            .paint
+            .as_ref()
+            .map_or_else(|| f(&self.reflectance), |paint| paint.reflected(hit, wavelengths));
+        let bound = Bound { reflected, transmitted, reflected_share };
+        let normal = self.paint.as_ref().and_then(|paint| paint.pictures.normal.as_ref());
+        let side = normal.map_or_else(|| hit.side(wo), |texture| bent(hit, texture).side(wo));
+        Bsdf::new(Model::Lambertian(bound), side)
+    }
+}
+
+/// A hit whose shading normal is that of a picture.
+#[inline]
+fn bent(hit: &Hit, texture: &Texture) -> Hit {
+    let local = DVec3::from(texture.at(hit.uv)) * 2.0 - DVec3::ONE;
+    let normal = hit.frame.to_world(local).normalize_or(hit.frame.z);
+    Hit { frame: Frame::new(normal, hit.frame.y), ..*hit }
+}
+
+impl Paint {
+    /// 1/sr, at a hit.
+    #[inline]
+    fn reflected(&self, hit: &Hit, wavelengths: Lambdas) -> [f64; WAVES] {
+        let picture = self.pictures.albedo.as_ref().map_or([1.0; 3], |texture| texture.at(hit.uv));
+        let mut f = [0.0; WAVES];
+        for ((colour, picture), basis) in self.colour.iter().zip(picture).zip(&self.basis) {
+            for (f, share) in f.iter_mut().zip(basis.at_each(wavelengths)) {
+                *f += colour * picture * share / PI;
+            }
+        }
+        f
     }
 }
 
@@ -65,13 +144,13 @@ pub(super) struct Bound {
 }
 
 impl Bound {
-    #[inline]
+    #[inline(always)]
     pub(super) fn lobes(&self) -> Lobes {
         let lobes = Lobes::REFLECTION.and(Lobes::DIFFUSE);
         if self.transmitted.is_some() { lobes.and(Lobes::TRANSMISSION) } else { lobes }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
         match self.transmitted {
             None => (self.reflected, [wi.z / PI; WAVES]),
@@ -80,7 +159,7 @@ impl Bound {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample(&self, _wo: DVec3, u: [f64; 3]) -> Option<(DVec3, Lobes)> {
         let above = self.transmitted.is_none() || u[2] < self.reflected_share;
         let (sine, azimuth) = (u[0].sqrt(), TAU * u[1]);
@@ -94,6 +173,46 @@ impl Bound {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn paint_is_the_colour_times_the_picture_and_has_holes() {
+        let picture = |left: f32, right: f32| Texture::new([2, 1], vec![[left; 3], [right; 3]]).unwrap();
+        let half = picture(0.5, 1.0);
+        let surface = Lambertian::painted(
+            [1.0; 3],
+            Pictures { albedo: Some(half), alpha: Some(picture(0.0, 1.0)), normal: None },
+        )
+        .unwrap();
+        let at = |u: f64| Hit { uv: [u, 0.5], ..Hit::default() };
+        for (u, albedo, opacity) in [(0.25, 0.5, 0.0), (0.75, 1.0, 1.0)] {
+            let bsdf = surface.bind(
+                &at(u),
+                DVec3::Z,
+                Lambdas::new([400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 680.0, 700.0]),
+            );
+            let f = bsdf.eval(DVec3::Z).f;
+            assert!(f.iter().all(|f| (f * PI - albedo).abs() < 1e-9), "{f:?}");
+            assert_eq!(surface.opacity(&at(u)), opacity);
+        }
+        assert!(!surface.is_opaque() && Lambertian::painted([1.1, 0.0, 0.0], Pictures::default()).is_err());
+    }
+
+    /// A normal that leans by 45° to the right sees light from there at full cosine; a straight one changes nothing.
+    #[test]
+    fn normal_maps_lean_the_shading_frame() {
+        let leaning = 0.5 + 0.5 * std::f32::consts::FRAC_1_SQRT_2;
+        let at = |texel: [f32; 3]| {
+            let normal = Some(Texture::new([1, 1], vec![texel]).unwrap());
+            let surface = Lambertian::painted([1.0; 3], Pictures { normal, ..Pictures::default() }).unwrap();
+            surface
+                .bind(&Hit::default(), DVec3::Z, Lambdas::splat(550.0))
+                .eval(DVec3::new(0.6, 0.0, 0.8))
+                .cosine
+        };
+        assert!((at([0.5, 0.5, 1.0]) - 0.8).abs() < 1e-6);
+        assert!((at([leaning, 0.5, leaning]) - 1.4 * std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-6);
+        assert!((at([0.5, leaning, leaning]) - 0.8 * std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-6);
+    }
 
     #[test]
     fn a_sheet_that_gives_more_than_it_gets_is_refused() {

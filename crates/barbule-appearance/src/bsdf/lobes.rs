@@ -17,14 +17,14 @@ impl Lobes {
     pub const DELTA: Self = Self(1 << 4);
 
     /// Those of both sets.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
     /// Whether all kinds of another set are in this one.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0

@@ -7,6 +7,8 @@
 //! Directions are unit vectors that point away from the surface: `wo` towards the viewer, `wi` towards the light. Values
 //! are in 1/sr without the cosine.
 
+mod conductor;
+mod dielectric;
 mod feather;
 mod frame;
 mod fresnel;
@@ -15,20 +17,25 @@ mod hit;
 mod keratin;
 mod lambertian;
 mod lobes;
+mod microfacet;
 mod reflectance;
 #[cfg(test)]
 mod tests;
+mod texture;
 
 use glam::DVec3;
 
+pub use conductor::Conductor;
+pub use dielectric::Dielectric;
 pub use feather::BarbuleSurface;
 pub use frame::Frame;
 pub use hair::{Absorption, FibreIndex, Hair, HairParameters};
 pub use hit::{Hit, Side};
 pub use keratin::Keratin;
-pub use lambertian::Lambertian;
+pub use lambertian::{Lambertian, Pictures};
 pub use lobes::Lobes;
 pub use reflectance::Reflectance;
+pub use texture::Texture;
 
 use crate::spectrum::dense::{Lambdas, WAVES};
 
@@ -43,11 +50,15 @@ pub enum Surface {
     Barbule(BarbuleSurface),
     /// A round fibre of hair.
     Hair(Hair),
+    /// Rough metal.
+    Conductor(Conductor),
+    /// A smooth boundary of a clear medium.
+    Dielectric(Dielectric),
 }
 
 impl Surface {
     /// Its scattering function at a hit, for a viewer in the direction `wo`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn bind(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {
         match self {
@@ -55,6 +66,8 @@ impl Surface {
             Self::Keratin(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
             Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Dielectric(surface) => surface.bind(hit, wo),
         }
     }
 
@@ -64,7 +77,8 @@ impl Surface {
     pub fn opacity(&self, hit: &Hit, wi: DVec3, wo: DVec3) -> f64 {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
-            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) => 1.0,
+            Self::Lambertian(surface) => surface.opacity(hit),
+            Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) | Self::Dielectric(_) => 1.0,
         }
     }
 
@@ -73,7 +87,8 @@ impl Surface {
     pub fn is_opaque(&self) -> bool {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
-            Self::Lambertian(_) | Self::Keratin(_) | Self::Hair(_) => true,
+            Self::Lambertian(surface) => surface.is_opaque(),
+            Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) | Self::Dielectric(_) => true,
         }
     }
 }
@@ -91,6 +106,8 @@ enum Model<'a> {
     Keratin(keratin::Bound<'a>),
     Feather(feather::Bound<'a>),
     Hair(hair::Bound<'a>),
+    Conductor(conductor::Bound),
+    Dielectric(dielectric::Bound),
 }
 
 /// Calls a function that all models have.
@@ -101,6 +118,8 @@ macro_rules! of_model {
             Model::Keratin(model) => model.$function($($argument),*),
             Model::Feather(model) => model.$function($($argument),*),
             Model::Hair(model) => model.$function($($argument),*),
+            Model::Conductor(model) => model.$function($($argument),*),
+            Model::Dielectric(model) => model.$function($($argument),*),
         }
     };
 }
@@ -149,6 +168,7 @@ impl<'a> Bsdf<'a> {
     }
 
     /// Scattering of light from `wi` to the viewer; nothing where the face and the shading normal disagree on the side.
+    #[inline(always)]
     #[must_use]
     pub fn eval(&self, wi: DVec3) -> Evaluation {
         let local = self.side.frame.to_local(wi);
@@ -169,8 +189,12 @@ impl<'a> Bsdf<'a> {
     }
 
     /// Draws a direction at the hero wavelength from three uniform numbers; `None` where nothing is scattered.
+    #[inline(always)]
     #[must_use]
     pub fn sample(&self, u: [f64; 3]) -> Option<BsdfSample> {
+        if let Model::Dielectric(model) = &self.model {
+            return model.sample_in_scene(&self.side, u);
+        }
         let (local, lobes) = of_model!(&self.model, sample(self.side.wo, u))?;
         let wi = self.side.frame.to_world(local).normalize();
         let evaluation = self.eval(wi);

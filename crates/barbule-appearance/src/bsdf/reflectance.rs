@@ -55,7 +55,7 @@ impl Reflectance {
     }
 
     /// At the wavelengths of a path.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn at_each(&self, wavelengths: Lambdas) -> [f64; WAVES] {
         self.spectrum.at_each(wavelengths)

@@ -40,6 +40,7 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ("keratin", Surface::Keratin(keratin(2.0))),
         ("barbule", Surface::Barbule(barbule)),
         ("hair", Surface::Hair(hair())),
+        ("copper", Surface::Conductor(Conductor::copper([0.3, 0.1]).unwrap())),
     ]
 }
 
@@ -143,9 +144,10 @@ fn no_surface_gives_more_than_it_gets() {
 }
 
 #[test]
-fn diffuse_and_keratin_surfaces_are_reciprocal() {
+fn surfaces_without_instances_or_offsets_are_reciprocal() {
     let hit = hit();
-    for (name, surface) in &surfaces()[..3] {
+    let reciprocal = ["white", "sheet", "keratin", "copper"];
+    for (name, surface) in surfaces().iter().filter(|(name, _)| reciprocal.contains(name)) {
         for a in viewers() {
             for b in viewers() {
                 let f = |wo, wi| surface.bind(&hit, wo, Lambdas::new(PATH)).eval(wi).f;

@@ -1,41 +1,58 @@
 //! A film as bytes: to go on with a picture later, to the same bits as without the break.
 //!
 //! Layout, little-endian: `BARBFILM`, version (u32), width and height (u32), 32 bytes that name the scene and its
-//! settings; of each tile its sample count (u32), X, Y, Z of its pixels and of a border of one (f64), and of each pixel
-//! luminance, squares, normal, depth (f64), hits and identity (u32); and a BLAKE3 checksum of all before it.
+//! settings; of each tile its sample count (u32), X, Y, Z, alpha and weight of its pixels and of a border of one (f64), of each pixel
+//! luminance, squares, normal, depth (f64), hits and identity (u32); where the film keeps them of each pixel the albedo's X, Y, Z (f64)
+//! and of six shapes identity, object and hits (u32), and of each pixel with the border its radiance in each band (f64); and a BLAKE3
+//! checksum of all before it.
 
 use super::film::{Film, Pixel, TILE, bordered};
+use super::planes::{COVERS, Compositing, Cover, Planes};
 use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
 
 const MAGIC: &[u8; 8] = b"BARBFILM";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const HEAD: usize = 8 + 3 * 4 + 32;
 const PIXEL: usize = 6 * 8 + 2 * 4;
-const XYZ: usize = 3 * 8;
+const WEIGHTED: usize = 5 * 8;
+const COMPOSITING: usize = 3 * 8 + COVERS * 3 * 4;
 const SUM: usize = 32;
 
 /// Names a picture by all that decides its samples: the scene, BLAKE3 of its material's bytes, the seed, the program's
-/// version, and what names the sky's image (empty without one).
+/// version, what names the sky's image (empty without one), and what the film keeps.
 #[must_use]
-pub fn name(scene: &impl Identify, material: &str, seed: u64, program: &str, sky: &str) -> [u8; 32] {
+pub fn name(
+    scene: &impl Identify,
+    material: &str,
+    seed: u64,
+    program: &str,
+    sky: &str,
+    planes: &Planes,
+) -> [u8; 32] {
     let mut hasher = Hasher::new("picture");
     hasher.part("scene", scene).text("material", material).count("seed", seed);
-    hasher.text("program", program).text("sky", sky).finish()
+    hasher.text("program", program).text("sky", sky);
+    if *planes != Planes::default() {
+        hasher.count("compositing", u64::from(planes.compositing)).numbers("bands", planes.spectral.nm());
+    }
+    hasher.finish()
 }
 
-/// Bytes of a checkpoint of this size of picture.
+/// Bytes of a checkpoint of a picture of this size.
 #[must_use]
-pub fn bytes(size: [u32; 2]) -> u64 {
+pub fn bytes(size: [u32; 2], planes: &Planes) -> u64 {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     let tiles = u64::from(size[0].div_ceil(TILE)) * u64::from(size[1].div_ceil(TILE));
-    (HEAD + SUM) as u64 + 4 * tiles + bordered(size) * XYZ as u64 + pixels * PIXEL as u64
+    let pixel = PIXEL + if planes.compositing { COMPOSITING } else { 0 };
+    let sums = WEIGHTED + planes.spectral.nm().len() * 8;
+    (HEAD + SUM) as u64 + 4 * tiles + bordered(size) * sums as u64 + pixels * pixel as u64
 }
 
 /// The film as bytes.
 #[must_use]
 pub fn write(film: &Film, name: &[u8; 32]) -> Vec<u8> {
-    let mut to = Vec::with_capacity(bytes(film.size()) as usize);
+    let mut to = Vec::with_capacity(bytes(film.size(), film.planes()) as usize);
     to.extend_from_slice(MAGIC);
     for word in [VERSION, film.size()[0], film.size()[1]] {
         to.extend_from_slice(&word.to_le_bytes());
@@ -54,6 +71,17 @@ pub fn write(film: &Film, name: &[u8; 32]) -> Vec<u8> {
             to.extend_from_slice(&hits.to_le_bytes());
             to.extend_from_slice(&id.to_le_bytes());
         }
+        for Compositing { albedo, covers } in &tile.compositing {
+            for value in albedo {
+                to.extend_from_slice(&value.to_le_bytes());
+            }
+            for word in covers.iter().flat_map(|cover| [cover.id, cover.object, cover.hits]) {
+                to.extend_from_slice(&word.to_le_bytes());
+            }
+        }
+        for value in &tile.spectra {
+            to.extend_from_slice(&value.to_le_bytes());
+        }
     }
     let sum = blake3::hash(&to);
     to.extend_from_slice(sum.as_bytes());
@@ -64,7 +92,7 @@ pub fn write(film: &Film, name: &[u8; 32]) -> Vec<u8> {
 ///
 /// # Errors
 /// Not a checkpoint, damaged, of another version, size or picture.
-pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2]) -> Result<Film> {
+pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2], planes: Planes) -> Result<Film> {
     let refuse = |what: &str| Err(Error::input(format!("the checkpoint {what}; delete it to begin again")));
     if bytes.len() < HEAD + SUM || !bytes.starts_with(MAGIC) {
         return refuse("is not one of this program");
@@ -83,10 +111,10 @@ pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2]) -> Result<Film> {
     if words.take::<32>() != *name {
         return refuse("is of another picture (scene, material, light, view or seed differ)");
     }
-    let mut film = Film::new(size)?;
-    if bytes.len() as u64 != self::bytes(size) {
+    if bytes.len() as u64 != self::bytes(size, &planes) {
         return refuse("is damaged (its length is wrong)");
     }
+    let mut film = Film::with(size, planes)?;
     for tile in &mut film.tiles {
         tile.count = words.count();
         for value in tile.sums.as_flattened_mut() {
@@ -101,6 +129,14 @@ pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2]) -> Result<Film> {
                 hits: words.count(),
                 id: words.count(),
             };
+        }
+        for compositing in &mut tile.compositing {
+            let albedo = std::array::from_fn(|_| words.number());
+            let mut cover = || Cover { id: words.count(), object: words.count(), hits: words.count() };
+            *compositing = Compositing { albedo, covers: std::array::from_fn(|_| cover()) };
+        }
+        for value in &mut tile.spectra {
+            *value = words.number();
         }
     }
     Ok(film)
@@ -131,11 +167,19 @@ impl Words<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::planes::Bands;
+
+    fn planes() -> Planes {
+        Planes { compositing: true, spectral: Bands::new(&[450.0, 550.0]).unwrap() }
+    }
 
     fn film() -> Film {
-        let mut film = Film::new([40, 10]).unwrap();
+        let mut film = Film::with([40, 10], planes()).unwrap();
         film.tiles[1].count = 8;
-        film.tiles[1].sums[7] = [0.1, 0.2, 0.3];
+        film.tiles[1].sums[7] = [0.1, 0.2, 0.3, 0.4, 0.5];
+        film.tiles[0].compositing[9].albedo = [0.6, 0.5, 0.4];
+        film.tiles[0].compositing[9].covers[2] = Cover { id: 5, object: 2, hits: 4 };
+        film.tiles[1].spectra[11] = 0.125;
         film.tiles[0].pixels[5] = Pixel { luminance: 0.2, squares: 0.7, hits: 3, id: 9, ..Pixel::default() };
         film
     }
@@ -143,13 +187,14 @@ mod tests {
     #[test]
     fn a_checkpoint_gives_the_same_film_back() {
         let bytes = write(&film(), &[1; 32]);
-        assert_eq!(read(&bytes, &[1; 32], [40, 10]).unwrap(), film());
+        assert_eq!(read(&bytes, &[1; 32], [40, 10], planes()).unwrap(), film());
     }
 
     #[test]
     fn damaged_and_foreign_checkpoints_are_refused() {
         let bytes = write(&film(), &[1; 32]);
-        let message = |bytes: &[u8], n: u8, size| read(bytes, &[n; 32], size).unwrap_err().to_string();
+        let message =
+            |bytes: &[u8], n: u8, size| read(bytes, &[n; 32], size, planes()).unwrap_err().to_string();
         assert!(message(&bytes, 2, [40, 10]).contains("another picture"));
         assert!(message(&bytes, 1, [40, 11]).contains("another size"));
         assert!(message(b"hello", 1, [40, 10]).contains("not one of this program"));

@@ -3,18 +3,22 @@
 use std::sync::LazyLock;
 
 use super::integrator::Sample;
+use super::planes::{Compositing, Planes};
 use crate::spectrum::colour::{Illuminant, matching, rgb_from_xyz, xyz_from_rgb};
-use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, VALUES, WAVES};
+use crate::spectrum::dense::{DenseSpectrum, SHORTEST_NM, VALUES, WAVES};
 use crate::{Error, Result};
 
 /// Side of a tile, pixels.
 pub const TILE: u32 = 32;
 
 /// The colour-matching functions at the renderer's wavelengths, each scaled so that daylight (D65, 1 at 560 nm) cut to
-/// 380 … 720 nm has exactly the X, Y and Z of sRGB's white.
-static MATCHING: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
+/// 380 … 720 nm has exactly the X, Y and Z of sRGB's white; a zero fills each row to the width of a register.
+static MATCHING: LazyLock<[[f64; 4]; VALUES]> = LazyLock::new(|| {
     let nm = |i: usize| SHORTEST_NM + i as f64;
-    let mut table: Vec<[f64; 3]> = (0..VALUES).map(|i| matching(nm(i))).collect();
+    let mut table: [[f64; 4]; VALUES] = std::array::from_fn(|i| {
+        let [x, y, z] = matching(nm(i));
+        [x, y, z, 0.0]
+    });
     let mut sums = [0.0; 3];
     for (i, row) in table.iter().enumerate() {
         let weight = if i == 0 || i + 1 == VALUES { 0.5 } else { 1.0 };
@@ -55,14 +59,24 @@ pub struct Pixel {
 pub(super) struct Tile {
     /// Samples per pixel.
     pub(super) count: u32,
-    /// CIE XYZ; daylight of radiance 1 from everywhere on white gives Y = 1. Row by row, with a border of one pixel.
-    pub(super) sums: Vec<[f64; 3]>,
+    /// CIE XYZ, alpha and the tent itself; daylight of radiance 1 from everywhere on white gives Y = 1. Row by row, with a border of
+    /// one pixel.
+    pub(super) sums: Vec<[f64; 5]>,
     /// Of the pixels without the border.
     pub(super) pixels: Vec<Pixel>,
+    /// Of the same pixels, where the film keeps it.
+    pub(super) compositing: Vec<Compositing>,
+    /// Radiance in the film's bands, pixel by pixel as in `sums`.
+    pub(super) spectra: Vec<f64>,
 }
 
 /// Bytes that a film takes per pixel while it is rendered: its sums, and those of the tiles in work.
-pub const BYTES_PER_PIXEL: usize = 2 * (size_of::<Pixel>() + size_of::<[f64; 3]>() * 9 / 8);
+#[must_use]
+pub fn bytes_per_pixel(planes: &Planes) -> usize {
+    let compositing = if planes.compositing { size_of::<Compositing>() } else { 0 };
+    let bordered = size_of::<[f64; 5]>() + size_of_val(planes.spectral.nm());
+    2 * (size_of::<Pixel>() + compositing + bordered * 9 / 8)
+}
 
 /// The part of a tent of half width 1, the filter of a pixel, that lies in the pixel itself; the rest is in both
 /// neighbours.
@@ -88,20 +102,35 @@ pub fn check_size(size: [u32; 2]) -> Result<()> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
     size: [u32; 2],
+    planes: Planes,
     /// Row by row.
     pub(super) tiles: Vec<Tile>,
 }
 
 impl Film {
-    /// A black film.
+    /// A black film of colour, normals and depth.
     ///
     /// # Errors
     /// As [`check_size`].
     pub fn new(size: [u32; 2]) -> Result<Self> {
+        Self::with(size, Planes::default())
+    }
+
+    /// A black film with further planes.
+    ///
+    /// # Errors
+    /// As [`check_size`].
+    pub fn with(size: [u32; 2], planes: Planes) -> Result<Self> {
         check_size(size)?;
         let [across, down] = tiles(size);
-        let tiles = (0..across * down).map(|tile| Tile::new(bounds(size, tile as usize))).collect();
-        Ok(Self { size, tiles })
+        let tiles = (0..across * down).map(|tile| Tile::new(bounds(size, tile as usize), &planes)).collect();
+        Ok(Self { size, planes, tiles })
+    }
+
+    /// What it keeps beside colour, normals and depth.
+    #[must_use]
+    pub fn planes(&self) -> &Planes {
+        &self.planes
     }
 
     /// Width and height, pixels.
@@ -146,19 +175,51 @@ impl Film {
     /// picture or in a tile without samples, the mean of the rest.
     #[must_use]
     pub fn xyz(&self, x: u32, y: u32) -> [f64; 3] {
-        let (mut sum, mut mass) = ([0.0; 3], 0.0);
-        for (tile, share) in self.tiles_about(x, y, [INSIDE, BESIDE]) {
-            let Tile { count, sums, .. } = &self.tiles[tile];
-            if *count > 0 {
-                let [x0, y0, x1, _] = self.bounds(tile);
-                let at = (y + 1 - y0) * (x1 - x0 + 2) + x + 1 - x0;
-                for (sum, value) in sum.iter_mut().zip(sums[at as usize]) {
-                    *sum += value / f64::from(*count);
+        let mut xyz = [0.0; 3];
+        self.through_tent(x, y, &mut xyz, |tile, at| &tile.sums[at]);
+        xyz
+    }
+
+    /// Share of a pixel, through its tent, that is not background: exactly 1 where no sample saw the background, 0 where all did.
+    #[must_use]
+    pub fn alpha(&self, x: u32, y: u32) -> f64 {
+        let mut sums = [0.0; 2];
+        self.through_tent(x, y, &mut sums, |tile, at| &tile.sums[at][3..]);
+        if sums[1] > 0.0 { sums[0] / sums[1] } else { 0.0 }
+    }
+
+    /// Mean spectral radiance of a pixel in the film's bands, seen as [`Film::xyz`].
+    #[must_use]
+    pub fn spectrum(&self, x: u32, y: u32) -> Vec<f64> {
+        let bands = self.planes.spectral.nm().len();
+        let mut spectrum = vec![0.0; bands];
+        self.through_tent(x, y, &mut spectrum, |tile, at| &tile.spectra[at * bands..]);
+        spectrum
+    }
+
+    /// Means of what tiles sum up per pixel, through the tent of a pixel.
+    fn through_tent(&self, x: u32, y: u32, to: &mut [f64], sums: impl Fn(&Tile, usize) -> &[f64]) {
+        let mut mass = 0.0;
+        for (index, share) in self.tiles_about(x, y, [INSIDE, BESIDE]) {
+            let tile = &self.tiles[index];
+            if tile.count > 0 {
+                let [x0, y0, x1, _] = self.bounds(index);
+                let at = ((y + 1 - y0) * (x1 - x0 + 2) + x + 1 - x0) as usize;
+                for (sum, value) in to.iter_mut().zip(sums(tile, at)) {
+                    *sum += value / f64::from(tile.count);
                 }
                 mass += share;
             }
         }
-        sum.map(|value| if mass > 0.0 { value / mass } else { 0.0 })
+        to.iter_mut().for_each(|value| *value = if mass > 0.0 { *value / mass } else { 0.0 });
+    }
+
+    /// What compositors want to know of a pixel, where the film keeps it.
+    #[must_use]
+    pub fn compositing(&self, x: u32, y: u32) -> Option<&Compositing> {
+        let tile = self.tile_at(x, y);
+        let [x0, y0, x1, _] = self.bounds(tile);
+        self.tiles[tile].compositing.get(((y - y0) * (x1 - x0) + x - x0) as usize)
     }
 
     /// Variance of a pixel's mean Y, as of independent samples.
@@ -233,10 +294,16 @@ fn neighbours(place: u32, side: u32, [inside, beside]: [f64; 2]) -> impl Iterato
 }
 
 impl Tile {
-    fn new([x0, y0, x1, y1]: [u32; 4]) -> Self {
+    fn new([x0, y0, x1, y1]: [u32; 4], planes: &Planes) -> Self {
         let (width, height) = ((x1 - x0) as usize, (y1 - y0) as usize);
-        let pixels = vec![Pixel::default(); width * height];
-        Self { count: 0, sums: vec![[0.0; 3]; (width + 2) * (height + 2)], pixels }
+        let (own, bordered) = (width * height, (width + 2) * (height + 2));
+        Self {
+            count: 0,
+            sums: vec![[0.0; 5]; bordered],
+            pixels: vec![Pixel::default(); own],
+            compositing: vec![Compositing::default(); if planes.compositing { own } else { 0 }],
+            spectra: vec![0.0; bordered * planes.spectral.nm().len()],
+        }
     }
 
     /// Standard error of a pixel's luminance through its tent over the luminance (with 0.05 added), mean over the tile. From
@@ -251,8 +318,17 @@ impl Tile {
     }
 
     /// Adds a sample of the pixel at `x`, `y` from the tile's corner, `width` that of the tile.
-    pub(super) fn add(&mut self, [x, y]: [u32; 2], width: u32, sample: &Sample, is_first: bool) {
+    #[inline(always)]
+    pub(super) fn add(
+        &mut self,
+        [x, y]: [u32; 2],
+        width: u32,
+        planes: &Planes,
+        sample: &Sample,
+        is_first: bool,
+    ) {
         let xyz = xyz(sample);
+        let bands = planes.spectral.nm().len();
         // The pixel's column and the one that is nearer, and their weights.
         let along = |place: u32, offset: f64| {
             let beside = if offset < 0.5 { place } else { place + 2 };
@@ -261,33 +337,57 @@ impl Tile {
         };
         for (row, tall) in along(y, sample.offset[1]) {
             for (column, wide) in along(x, sample.offset[0]) {
-                let sum = &mut self.sums[(row * (width + 2) + column) as usize];
-                for (sum, value) in sum.iter_mut().zip(xyz) {
+                let at = (row * (width + 2) + column) as usize;
+                let values = [xyz[0], xyz[1], xyz[2], sample.alpha, 1.0];
+                for (sum, value) in self.sums[at].iter_mut().zip(values) {
                     *sum += wide * tall * value;
+                }
+                if bands > 0 {
+                    let sums = &mut self.spectra[at * bands..][..bands];
+                    planes.spectral.each(sample, |band, value| sums[band] += wide * tall * value);
                 }
             }
         }
-        self.pixels[(y * width + x) as usize].add(sample, xyz[1], is_first);
+        let own = (y * width + x) as usize;
+        self.pixels[own].add(sample, xyz[1], is_first);
+        if let Some(compositing) = self.compositing.get_mut(own)
+            && sample.first.id != 0
+        {
+            compositing.add(&sample.first, albedo(sample));
+        }
     }
+}
+
+/// Daylight of radiance 1, cut to the renderer's wavelengths.
+static DAYLIGHT: LazyLock<DenseSpectrum> =
+    LazyLock::new(|| DenseSpectrum::new(|nm| Illuminant::D65.power(nm) / Illuminant::D65.power(560.0)));
+
+/// CIE XYZ of the first hit's albedo under daylight: white is sRGB's white.
+fn albedo(sample: &Sample) -> [f64; 3] {
+    let daylight = DAYLIGHT.at_each(sample.hero.wavelengths);
+    let radiance = std::array::from_fn(|k| sample.first.albedo[k] * daylight[k] / sample.hero.pdf[k]);
+    xyz(&Sample { radiance, ..*sample })
 }
 
 /// Its CIE XYZ.
+#[inline(always)]
 fn xyz(sample: &Sample) -> [f64; 3] {
     let matching = &*MATCHING;
-    let mut xyz = [0.0; 3];
-    for (radiance, nm) in sample.radiance.iter().zip(sample.hero.wavelengths.nm()) {
-        let at = (nm - SHORTEST_NM).clamp(0.0, LONGEST_NM - SHORTEST_NM);
-        let index = (at as usize).min(VALUES - 2);
-        let rest = at - index as f64;
-        for k in 0..3 {
-            let value = matching[index][k] + (matching[index + 1][k] - matching[index][k]) * rest;
-            xyz[k] += radiance * value / WAVES as f64;
+    let places = sample.hero.wavelengths.places();
+    let mut xyz = [0.0; 4];
+    for k in 0..WAVES {
+        let index = (places.below[k] as usize).min(VALUES - 2);
+        let (low, high) = (&matching[index], &matching[index + 1]);
+        let share = sample.radiance[k] / WAVES as f64;
+        for i in 0..4 {
+            xyz[i] += share * (low[i] + (high[i] - low[i]) * places.rest[k]);
         }
     }
-    xyz
+    [xyz[0], xyz[1], xyz[2]]
 }
 
 impl Pixel {
+    #[inline(always)]
     fn add(&mut self, sample: &Sample, luminance: f64, is_first: bool) {
         self.luminance += luminance;
         self.squares += luminance * luminance;
@@ -329,9 +429,14 @@ mod tests {
             let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
             let daylight = |w: f64| Illuminant::D65.power(w) / Illuminant::D65.power(560.0);
             let radiance = std::array::from_fn(|k| daylight(hero.wavelengths.nm()[k]) / hero.pdf[k]);
-            for (sum, value) in
-                sum.iter_mut().zip(xyz(&Sample { radiance, hero, first: NO_HIT, offset: [0.5; 2] }))
-            {
+            for (sum, value) in sum.iter_mut().zip(xyz(&Sample {
+                radiance,
+                hero,
+                first: NO_HIT,
+                offset: [0.5; 2],
+                alpha: 0.0,
+                rays: [0; 2],
+            })) {
                 *sum += value / f64::from(count);
             }
         }
@@ -359,14 +464,16 @@ mod tests {
                     let value = 1.0 + 0.1 * (f64::from(x) + offset[0]);
                     let hero = Hero::new(0.3);
                     let first = FirstHit { id: 3, ..NO_HIT };
-                    let sample = Sample { radiance: [value; WAVES], hero, first, offset };
-                    film.tiles[tile].add([x - x0, y - y0], x1 - x0, &sample, at == 0);
+                    let rays = [0; 2];
+                    let sample = Sample { radiance: [value; WAVES], hero, first, offset, alpha: 0.5, rays };
+                    let Film { planes, tiles, .. } = &mut film;
+                    tiles[tile].add([x - x0, y - y0], x1 - x0, planes, &sample, at == 0);
                 }
             }
             film.tiles[tile].count = repeats * side * side;
         }
-        let white =
-            xyz(&Sample { radiance: [1.0; WAVES], hero: Hero::new(0.3), first: NO_HIT, offset: [0.5; 2] })[1];
+        let (hero, radiance, first) = (Hero::new(0.3), [1.0; WAVES], NO_HIT);
+        let white = xyz(&Sample { radiance, hero, first, offset: [0.5; 2], alpha: 1.0, rays: [0; 2] })[1];
         let value = |x: u32, y: u32| film.xyz(x, y)[1] / white;
         for (x, y, centre) in [
             (5, 7, 5.5),
@@ -377,6 +484,7 @@ mod tests {
         ] {
             let found = (value(x, y) - 1.0) / 0.1;
             assert!((found - centre).abs() < 1e-3, "{x} {y}: {found}");
+            assert!((film.alpha(x, y) - 0.5).abs() < 1e-12);
         }
         // In the tile without samples, away from its neighbours, there is nothing.
         assert_eq!((film.xyz(67, 10), film.count(67, 10)), ([0.0; 3], 0));

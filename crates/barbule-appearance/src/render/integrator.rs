@@ -12,7 +12,7 @@ use super::stage::Stage;
 use super::wavelengths::Hero;
 use crate::bsdf::{Bsdf, Hit, Lobes};
 use crate::math::rng::split_mix;
-use crate::scene::camera::Camera;
+use crate::scene::camera::{Camera, View};
 use crate::spectrum::dense::WAVES;
 
 /// Which techniques gather light: all for pictures, one alone for tests.
@@ -44,11 +44,13 @@ pub struct Transport {
     pub most_scatterings: u32,
     /// Which techniques gather light.
     pub technique: Technique,
+    /// Whether the camera sees the lights that shine from infinity; without them what stands in the scene is cut out.
+    pub shows_sky: bool,
 }
 
 impl Default for Transport {
     fn default() -> Self {
-        Self { most_scatterings: 5, technique: Technique::Both }
+        Self { most_scatterings: 5, technique: Technique::Both, shows_sky: true }
     }
 }
 
@@ -68,8 +70,13 @@ pub struct FirstHit {
     pub normal: DVec3,
     /// Distance from the camera, mm.
     pub depth: f64,
-    /// Identity of the object, folded to 32 bits; 0 for nothing.
+    /// Identity of the shape, folded to 32 bits; 0 for nothing.
     pub id: u32,
+    /// Index of its object.
+    pub object: u32,
+    /// Share of light from all directions that it scatters to the camera, at each wavelength: an estimate from one
+    /// direction.
+    pub albedo: [f64; WAVES],
 }
 
 /// One sample of a pixel.
@@ -83,10 +90,15 @@ pub struct Sample {
     pub first: FirstHit,
     /// Where in the pixel it was taken, from its upper left corner, pixels.
     pub offset: [f64; 2],
+    /// Rays that were traced: for the nearest hit, and for whether a light is seen.
+    pub rays: [u32; 2],
+    /// 1 where something was seen, 0 where the camera sees through the scene.
+    pub alpha: f64,
 }
 
 /// Nothing was hit.
-pub(super) const NO_HIT: FirstHit = FirstHit { normal: DVec3::ZERO, depth: 0.0, id: 0 };
+pub(super) const NO_HIT: FirstHit =
+    FirstHit { normal: DVec3::ZERO, depth: 0.0, id: 0, object: 0, albedo: [0.0; WAVES] };
 
 impl<'a> Integrator<'a> {
     /// Puts them together.
@@ -98,6 +110,25 @@ impl<'a> Integrator<'a> {
     /// One sample of a pixel; `size` in pixels.
     #[must_use]
     pub fn sample(&self, pixel: [u32; 2], size: [u32; 2], sample: u64, seed: u64) -> Sample {
+        self.seen(&self.camera.view(size), pixel, size, sample, seed)
+    }
+
+    /// The camera as [`Integrator::seen`] wants it.
+    pub(super) fn view(&self, size: [u32; 2]) -> View {
+        self.camera.view(size)
+    }
+
+    /// As [`Integrator::sample`], with the camera prepared for the size. Inlined with all that it calls often, so that it is
+    /// compiled for the caller's instructions.
+    #[inline(always)]
+    pub(super) fn seen(
+        &self,
+        view: &View,
+        pixel: [u32; 2],
+        size: [u32; 2],
+        sample: u64,
+        seed: u64,
+    ) -> Sample {
         let index = u64::from(pixel[1]) * u64::from(size[0]) + u64::from(pixel[0]);
         let mut sampler = Sampler::new(index, sample, seed);
         let [x, y, lens_u, lens_v] = sampler.next4();
@@ -107,7 +138,7 @@ impl<'a> Integrator<'a> {
             (f64::from(pixel[0]) + x) / f64::from(size[0]),
             (f64::from(pixel[1]) + y) / f64::from(size[1]),
         );
-        let ray = self.camera.ray(point, DVec2::new(lens_u, lens_v), size);
+        let ray = view.ray(point, DVec2::new(lens_u, lens_v));
         let mut path = Path::new(ray.origin, ray.direction, hero, [ray.footprint, ray.spread]);
         let mut first = NO_HIT;
         for depth in 0..=self.transport.most_scatterings {
@@ -119,10 +150,12 @@ impl<'a> Integrator<'a> {
         for (value, pdf) in radiance.iter_mut().zip(hero.pdf) {
             *value /= pdf;
         }
-        Sample { radiance, hero, first, offset: [x, y] }
+        let alpha = if path.is_through { 0.0 } else { 1.0 };
+        Sample { radiance, hero, first, offset: [x, y], alpha, rays: path.rays }
     }
 
     /// Follows the path to its next scattering; `false` when it ends.
+    #[inline(always)]
     fn step(&self, path: &mut Path, depth: u32, sampler: &mut Sampler, first: &mut FirstHit) -> bool {
         let pass = if self.stage.is_opaque() { 1.0 } else { sampler.next4()[0] };
         let Some(hit) = self.next_surface(path, pass) else {
@@ -131,7 +164,13 @@ impl<'a> Integrator<'a> {
         let bsdf = self.stage.surface(&hit).bind(&hit, -path.direction, path.hero.wavelengths);
         if depth == 0 {
             let id = split_mix(hit.id) as u32;
-            *first = FirstHit { normal: bsdf.shading_normal(), depth: path.travelled, id: id.max(1) };
+            *first = FirstHit {
+                normal: bsdf.shading_normal(),
+                depth: path.travelled,
+                id: id.max(1),
+                object: hit.object,
+                ..NO_HIT
+            };
         }
         if depth == self.transport.most_scatterings {
             return false;
@@ -149,6 +188,11 @@ impl<'a> Integrator<'a> {
         };
         let evaluation = drawn.evaluation;
         let pdf = evaluation.pdf[0];
+        if depth == 0 {
+            // Each wavelength could have been the hero.
+            let density = mean(&evaluation.pdf);
+            first.albedo = evaluation.f.map(|f| f * evaluation.cosine / density);
+        }
         path.scattered = true;
         // No light's sample could have found a single direction.
         let is_delta = drawn.lobes.has(Lobes::DELTA);
@@ -169,17 +213,20 @@ impl<'a> Integrator<'a> {
     }
 
     /// The next surface that scatters; adds the light seen when there is none or a light stands in front.
+    #[inline(always)]
     fn next_surface(&self, path: &mut Path, mut pass: f64) -> Option<Hit> {
         let nearest = self.stage.nearest_mm();
         let mut from = if path.scattered { nearest } else { 0.0 };
         for _ in 0..MOST_PASSES {
             let lamp = self.lighting.hit(path.origin, path.direction, from);
             let farthest = lamp.map_or(f64::INFINITY, |(_, distance)| distance);
+            path.rays[0] += 1;
             let Some(mut hit) = self.stage.hit(path.origin, path.direction, from, farthest) else {
                 match lamp {
                     Some((index, _)) => {
                         let radiance = self.lighting.emitted(index, path.hero.wavelengths);
-                        self.arrive(path, index, radiance);
+                        let (origin, direction) = (path.origin, path.direction);
+                        self.arrive(path, radiance, || self.lighting.pdf(index, origin, direction));
                     }
                     None => self.escape(path),
                 }
@@ -199,6 +246,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Share of light that passes a hit unchanged.
+    #[inline(always)]
     fn transparency(&self, hit: &Hit, direction: DVec3) -> f64 {
         if self.stage.is_opaque() {
             return 0.0;
@@ -207,26 +255,33 @@ impl<'a> Integrator<'a> {
     }
 
     /// Adds what a path that leaves the scene sees.
+    #[inline(always)]
     fn escape(&self, path: &mut Path) {
-        for (index, radiance) in self.lighting.escaped(path.direction, path.hero.wavelengths) {
-            self.arrive(path, index, radiance);
+        if !path.scattered && !self.transport.shows_sky {
+            path.is_through = true;
+            return;
         }
+        let (direction, wavelengths) = (path.direction, path.hero.wavelengths);
+        self.lighting.escaped(direction, wavelengths, |radiance, far| {
+            self.arrive(path, radiance, || self.lighting.far_pdf(far, direction));
+        });
     }
 
-    /// Adds the radiance of a light that the path ran into.
-    fn arrive(&self, path: &mut Path, index: usize, radiance: [f64; WAVES]) {
+    /// Adds the radiance of a light that the path ran into. `pdf`: density that the light's own samples would have had, 1/sr.
+    #[inline(always)]
+    fn arrive(&self, path: &mut Path, radiance: [f64; WAVES], pdf: impl FnOnce() -> f64) {
         if radiance == [0.0; WAVES] || (path.scattered && self.transport.technique == Technique::LightsOnly) {
             return;
         }
         let mut density = mean(&path.through);
         if path.scattered && self.transport.technique == Technique::Both {
-            let pdf = self.lighting.pdf(index, path.origin, path.direction);
-            density += mean(&path.through_lights) * pdf;
+            density += mean(&path.through_lights) * pdf();
         }
         path.add(radiance, density);
     }
 
     /// Adds the light of one lamp. `shadow` decides whether little light is worth a ray.
+    #[inline(always)]
     fn light(&self, path: &mut Path, hit: &Hit, bsdf: &Bsdf<'_>, index: usize, u: DVec2, shadow: f64) {
         let wavelengths = path.hero.wavelengths;
         let Some(sample) = self.lighting.sample(index, hit.position, u, wavelengths) else { return };
@@ -235,7 +290,8 @@ impl<'a> Integrator<'a> {
             return;
         }
         let pdf = sample.pdf;
-        let both = if self.transport.technique == Technique::Both { 1.0 / pdf } else { 0.0 };
+        let has_rival = self.transport.technique == Technique::Both && !sample.is_point;
+        let both = if has_rival { 1.0 / pdf } else { 0.0 };
         let densities: [f64; WAVES] =
             std::array::from_fn(|k| path.through[k] * (1.0 + both * evaluation.pdf[k]));
         let density = mean(&densities);
@@ -246,6 +302,7 @@ impl<'a> Integrator<'a> {
         if shadow >= keep {
             return;
         }
+        path.rays[1] += 1;
         let passed = self.passed(hit, sample.direction, sample.distance);
         if passed > 0.0 {
             path.add(radiance.map(|r| r * passed / keep), density);
@@ -253,6 +310,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Share of light that passes along a straight line from a hit: 1 free, 0 blocked.
+    #[inline(always)]
     fn passed(&self, start: &Hit, direction: DVec3, distance: f64) -> f64 {
         let (origin, nearest) = (start.position, self.stage.nearest_mm());
         let farthest = distance - nearest;
@@ -293,11 +351,15 @@ struct Path {
     through_lights: [f64; WAVES],
     sum: [f64; WAVES],
     scattered: bool,
+    /// Whether the camera saw through the scene.
+    is_through: bool,
     travelled: f64,
     footprint: [f64; 2],
+    rays: [u32; 2],
 }
 
 impl Path {
+    #[inline(always)]
     fn new(origin: DVec3, direction: DVec3, hero: Hero, footprint: [f64; 2]) -> Self {
         Self {
             origin,
@@ -308,11 +370,14 @@ impl Path {
             through_lights: [0.0; WAVES],
             sum: [0.0; WAVES],
             scattered: false,
+            is_through: false,
             travelled: 0.0,
             footprint,
+            rays: [0; 2],
         }
     }
 
+    #[inline(always)]
     fn add(&mut self, radiance: [f64; WAVES], density: f64) {
         for (sum, (weight, value)) in self.sum.iter_mut().zip(self.weight.iter().zip(radiance)) {
             *sum += weight * value / density;
@@ -320,6 +385,7 @@ impl Path {
     }
 }
 
+#[inline(always)]
 fn mean(values: &[f64; WAVES]) -> f64 {
     values.iter().sum::<f64>() / WAVES as f64
 }

@@ -6,10 +6,13 @@
 
 mod accelerator;
 pub mod checkpoint;
+pub mod cryptomatte;
+pub mod exposure;
 pub mod film;
 pub mod integrator;
 pub mod light;
 pub mod picture;
+pub mod planes;
 pub mod run;
 pub mod sampler;
 pub mod stage;

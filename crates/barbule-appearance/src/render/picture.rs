@@ -1,45 +1,184 @@
 //! A film as a picture: bytes for a PNG, channels for an EXR.
 
+use super::cryptomatte::{By, matte};
 use super::film::Film;
 use super::tone;
+use crate::scene::backdrop::Backdrop;
+use crate::spectrum::colour::rgb_from_xyz;
 
-/// 8-bit RGB, row by row, after exposure and the tone curve of [`tone`].
+/// How a film becomes a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Development {
+    /// Factor from radiance to linear values.
+    pub exposure: f64,
+    /// What stands behind the scene. The film must have been made without a sky unless it is the sky.
+    pub backdrop: Backdrop,
+    /// Whether an EXR's R, G and B stay negative where a colour lies outside sRGB.
+    pub keeps_gamut: bool,
+}
+
+impl Development {
+    /// With this exposure, in front of the sky.
+    #[must_use]
+    pub fn exposed(exposure: f64) -> Self {
+        Self { exposure, backdrop: Backdrop::Sky, keeps_gamut: false }
+    }
+
+    /// Linear sRGB (1 is the screen's white) behind a pixel after exposure and tone curve; nothing where the film has its
+    /// own background or shows none.
+    fn shown_behind(&self, x: u32, y: u32, size: [u32; 2]) -> Option<[f64; 3]> {
+        match &self.backdrop {
+            Backdrop::Sky | Backdrop::None => None,
+            Backdrop::Colour(colour) => Some(*colour),
+            Backdrop::Picture(picture) => {
+                let linear = picture.behind(x, y, size);
+                let is_radiance = picture.is_radiance();
+                Some(if is_radiance { tone::shown(linear.map(|v| v * self.exposure)) } else { linear })
+            }
+        }
+    }
+
+    /// The same as radiance, before exposure.
+    fn radiance_behind(&self, x: u32, y: u32, size: [u32; 2]) -> Option<[f64; 3]> {
+        match &self.backdrop {
+            Backdrop::Sky | Backdrop::None => None,
+            Backdrop::Colour(colour) => Some(colour.map(|v| v / self.exposure)),
+            Backdrop::Picture(picture) => {
+                let scale = if picture.is_radiance() { 1.0 } else { 1.0 / self.exposure };
+                Some(picture.behind(x, y, size).map(|v| v * scale))
+            }
+        }
+    }
+}
+
+/// 8-bit pixels, row by row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Bytes {
+    /// RGB, or RGBA (alpha last, not multiplied into the colours).
+    pub values: Vec<u8>,
+    /// Whether there is alpha.
+    pub has_alpha: bool,
+}
+
+/// A film in 8 bits, after exposure and the tone curve of [`tone`]; with alpha where nothing stands behind.
 #[must_use]
-pub fn bytes(film: &Film, exposure: f64) -> Vec<u8> {
-    film.linear_srgb().iter().flat_map(|rgb| tone::to_bytes(rgb.map(|v| f64::from(v) * exposure))).collect()
+pub fn bytes(film: &Film, development: &Development) -> Bytes {
+    let size = film.size();
+    let has_alpha = development.backdrop == Backdrop::None;
+    let mut values = Vec::with_capacity(size[0] as usize * size[1] as usize * if has_alpha { 4 } else { 3 });
+    for (x, y) in places(size) {
+        // As radiance is summed up, in single precision.
+        let rgb = rgb_from_xyz(film.xyz(x, y)).map(|v| f64::from(v as f32) * development.exposure);
+        let alpha = film.alpha(x, y).clamp(0.0, 1.0);
+        let full = if alpha > 0.0 { rgb.map(|v| v / alpha) } else { rgb };
+        match development.shown_behind(x, y, size) {
+            Some(behind) => {
+                let front = tone::shown(full);
+                let mixed = std::array::from_fn(|k| front[k] * alpha + behind[k] * (1.0 - alpha));
+                values.extend(tone::encoded(mixed));
+            }
+            None if has_alpha => {
+                values.extend(tone::to_bytes(full));
+                values.push((255.0 * alpha + 0.5) as u8);
+            }
+            None => values.extend(tone::to_bytes(rgb)),
+        }
+    }
+    Bytes { values, has_alpha }
 }
 
 /// One plane of a picture, with its name in an EXR.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane<T> {
     /// Name, as in `normal.X`.
-    pub name: &'static str,
+    pub name: String,
     /// Values, row by row.
     pub values: Vec<T>,
 }
 
-/// Linear sRGB (without exposure), normal, depth in mm, variance of the luminance's mean and sample count; then the
-/// identities of barbules, barbs and shaft.
+/// Depth of what is nowhere, mm, as other renderers have it.
+pub const FAR_MM: f64 = 1e10;
+
+/// The planes of a picture, and what their readers must know.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Planes {
+    /// All but identities.
+    pub floats: Vec<Plane<f32>>,
+    /// Identities of barbules, barbs and shaft.
+    pub identities: Plane<u32>,
+    /// Names and texts that compositors look for in the header.
+    pub attributes: Vec<(String, String)>,
+}
+
+/// Linear sRGB and XYZ (both without exposure, multiplied with alpha), alpha, normal, depth in mm, variance of the luminance's
+/// mean, sample count and identities; where the film keeps them albedo, mattes and spectral bands. `objects`: names of the scene's
+/// objects.
 #[must_use]
-pub fn planes(film: &Film) -> (Vec<Plane<f32>>, Plane<u32>) {
-    let [width, height] = film.size();
-    let places: Vec<(u32, u32)> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
-    let rgb = film.linear_srgb();
-    let mut planes: Vec<Plane<f32>> = ["R", "G", "B"]
-        .into_iter()
-        .enumerate()
-        .map(|(k, name)| Plane { name, values: rgb.iter().map(|p| p[k]).collect() })
-        .collect();
-    let mut add = |name: &'static str, value: &dyn Fn(u32, u32) -> f64| {
-        planes.push(Plane { name, values: places.iter().map(|&(x, y)| value(x, y) as f32).collect() });
+pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Planes {
+    let size = film.size();
+    let mut floats = Vec::new();
+    let mut add = |names: &[&str], values: &dyn Fn(u32, u32) -> Vec<f64>| {
+        let mut planes: Vec<Plane<f32>> =
+            names.iter().map(|name| Plane { name: (*name).to_owned(), values: Vec::new() }).collect();
+        for (x, y) in places(size) {
+            for (plane, value) in planes.iter_mut().zip(values(x, y)) {
+                plane.values.push(value as f32);
+            }
+        }
+        floats.append(&mut planes);
     };
+    add(&["R", "G", "B", "A"], &|x, y| {
+        let (mut rgb, alpha) = (rgb_from_xyz(film.xyz(x, y)), film.alpha(x, y));
+        if !development.keeps_gamut {
+            rgb = tone::into_gamut(rgb);
+        }
+        match development.radiance_behind(x, y, size) {
+            Some(behind) => (0..3).map(|k| rgb[k] + behind[k] * (1.0 - alpha)).chain([1.0]).collect(),
+            None => rgb.into_iter().chain([alpha]).collect(),
+        }
+    });
+    add(&["XYZ.X", "XYZ.Y", "XYZ.Z"], &|x, y| film.xyz(x, y).into());
     let hits = |x, y| f64::from(film.pixel(x, y).hits.max(1));
-    for (k, name) in ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate() {
-        add(name, &|x, y| film.pixel(x, y).normal[k] / hits(x, y));
+    add(&["normal.X", "normal.Y", "normal.Z"], &|x, y| {
+        film.pixel(x, y).normal.map(|sum| sum / hits(x, y)).into()
+    });
+    add(&["depth.Z"], &|x, y| {
+        let pixel = film.pixel(x, y);
+        vec![if pixel.hits > 0 { pixel.depth / hits(x, y) } else { FAR_MM }]
+    });
+    add(&["variance.Y"], &|x, y| vec![film.variance(x, y)]);
+    add(&["samples.N"], &|x, y| vec![f64::from(film.count(x, y))]);
+    if film.planes().compositing {
+        add(&["albedo.R", "albedo.G", "albedo.B"], &|x, y| {
+            let sum = film.compositing(x, y).map(|pixel| pixel.albedo).unwrap_or_default();
+            let mean = sum.map(|value| value / f64::from(film.count(x, y).max(1)));
+            tone::into_gamut(rgb_from_xyz(mean)).into()
+        });
     }
-    add("depth.Z", &|x, y| film.pixel(x, y).depth / hits(x, y));
-    add("variance.Y", &|x, y| film.variance(x, y));
-    add("samples.N", &|x, y| f64::from(film.count(x, y)));
-    let ids = places.iter().map(|&(x, y)| film.pixel(x, y).id).collect();
-    (planes, Plane { name: "barbule.ID", values: ids })
+    let bands = film.planes().spectral.nm();
+    let names: Vec<String> = bands.iter().map(|nm| band_name(*nm)).collect();
+    add(&names.iter().map(String::as_str).collect::<Vec<_>>(), &|x, y| film.spectrum(x, y));
+    let mut attributes = Vec::new();
+    if film.planes().compositing {
+        for (by, layer) in [(By::Shape, "CryptoObject"), (By::Object, "CryptoMaterial")] {
+            let matte = matte(film, objects, by, layer);
+            floats.extend(matte.planes);
+            attributes.extend(matte.attributes);
+        }
+    }
+    if !bands.is_empty() {
+        attributes.push(("spectralLayoutVersion".to_owned(), "1.0".to_owned()));
+        attributes.push(("emissiveUnits".to_owned(), "relative".to_owned()));
+    }
+    let values = places(size).map(|(x, y)| film.pixel(x, y).id).collect();
+    Planes { floats, identities: Plane { name: "barbule.ID".to_owned(), values }, attributes }
+}
+
+/// The name of a spectral plane: unpolarized radiance, as in `S0.452,5nm` (Fichet et al. 2021; points would part layers).
+fn band_name(nm: f64) -> String {
+    format!("S0.{}nm", format!("{nm:?}").replace('.', ","))
+}
+
+fn places([width, height]: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
 }

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::film::{Film, Tile};
@@ -19,10 +20,21 @@ pub struct Goal {
     pub noise: Option<f64>,
     /// No new round begins that would likely end later than this; `None`: no limit.
     pub time: Option<Duration>,
+    /// Samples per pixel of a round, 1 to [`ROUND`]: fewer, and the whole picture is there sooner. The film's bits are the
+    /// same.
+    pub round: u32,
 }
 
-/// Samples per pixel after which noise is looked at, and per round.
+/// Samples per pixel after which noise is looked at, and usually of a round.
 pub const ROUND: u32 = 8;
+
+impl Goal {
+    /// So many samples per pixel, however noisy they leave it and however long they take.
+    #[must_use]
+    pub fn samples(samples: u32) -> Self {
+        Self { samples, noise: None, time: None, round: ROUND }
+    }
+}
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,7 +101,8 @@ fn round(
                 return None;
             }
             let from = film.tiles[tile].count;
-            let to = goal.samples.min((from / ROUND + 1) * ROUND);
+            let step = goal.round.clamp(1, ROUND);
+            let to = goal.samples.min((from / ROUND + 1) * ROUND).min(from + step);
             let grown = grown(integrator, film, tile, seed, to);
             progress.advance(u64::from(to - from));
             Some(grown)
@@ -104,18 +117,32 @@ fn round(
 
 /// A tile with so many samples per pixel.
 fn grown(integrator: &Integrator<'_>, film: &Film, tile: usize, seed: u64, samples: u32) -> Tile {
-    let [x0, y0, x1, y1] = film.bounds(tile);
     let mut grown = film.tiles[tile].clone();
+    dispatch!(Level::new(), simd => grow(simd, integrator, film, (tile, &mut grown), seed, samples));
+    grown
+}
+
+/// Compiled for each instruction set: paths of eight wavelengths are loops over arrays of eight.
+#[inline(always)]
+fn grow<S: Simd>(
+    _simd: S,
+    integrator: &Integrator<'_>,
+    film: &Film,
+    (number, tile): (usize, &mut Tile),
+    seed: u64,
+    samples: u32,
+) {
+    let ([x0, y0, x1, y1], size, planes) = (film.bounds(number), film.size(), film.planes());
+    let view = integrator.view(size);
     for y in y0..y1 {
         for x in x0..x1 {
-            for sample in grown.count..samples {
-                let drawn = integrator.sample([x, y], film.size(), u64::from(sample), seed);
-                grown.add([x - x0, y - y0], x1 - x0, &drawn, sample == 0);
+            for sample in tile.count..samples {
+                let drawn = integrator.seen(&view, [x, y], size, u64::from(sample), seed);
+                tile.add([x - x0, y - y0], x1 - x0, planes, &drawn, sample == 0);
             }
         }
     }
-    grown.count = samples;
-    grown
+    tile.count = samples;
 }
 
 /// Depends on the tile's own samples only, at counts that do not depend on how a run was cut into pieces.

@@ -1,8 +1,8 @@
 //! What stands in a scene, with the hierarchy that rays search: built once, lit and looked at as often as one likes.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
-use super::accelerator::Accelerator;
+use super::accelerator::{Accelerator, Instances};
 use crate::Result;
 use crate::bsdf::{Hit, Surface};
 use crate::scene::Object;
@@ -11,6 +11,7 @@ use crate::scene::Object;
 pub struct Stage {
     objects: Vec<Object>,
     accelerator: Accelerator,
+    instances: Option<Instances>,
     nearest_mm: f64,
     is_opaque: bool,
 }
@@ -24,10 +25,10 @@ impl Stage {
         for (index, object) in objects.iter().enumerate() {
             object.geometry.check().map_err(|error| error.at(format!("object {index}")))?;
         }
-        let accelerator = Accelerator::new(&objects);
+        let (accelerator, instances) = (Accelerator::new(&objects), Instances::new(&objects));
         let nearest_mm = nearest_mm(&objects);
         let is_opaque = objects.iter().all(|object| object.surface.is_opaque());
-        Ok(Self { objects, accelerator, nearest_mm, is_opaque })
+        Ok(Self { objects, accelerator, instances, nearest_mm, is_opaque })
     }
 
     /// The objects.
@@ -36,14 +37,21 @@ impl Stage {
         &self.objects
     }
 
-    /// Number of primitives that rays are tested against.
+    /// Number of primitives that rays are tested against, those of instances once.
     #[must_use]
     pub fn primitives(&self) -> usize {
         self.objects.iter().map(|object| object.geometry.primitives()).sum()
     }
 
+    /// Bytes of the hierarchies, primitives included.
+    #[must_use]
+    pub fn hierarchy_bytes(&self) -> usize {
+        self.accelerator.bytes() + self.instances.as_ref().map_or(0, Instances::bytes)
+    }
+
     /// Nearest distance at which a ray that leaves a surface may hit another, mm: a hundred-thousandth of the
-    /// stage's size, far less than a barbule's width and far more than rounding.
+    /// stage's size, far less than a barbule's width and far more than rounding. Where one object is much smaller than the stage, down to a
+    /// millionth of that.
     #[inline]
     #[must_use]
     pub fn nearest_mm(&self) -> f64 {
@@ -61,14 +69,19 @@ impl Stage {
     #[inline]
     #[must_use]
     pub fn hit(&self, origin: DVec3, direction: DVec3, nearest: f64, farthest: f64) -> Option<Hit> {
-        self.accelerator.hit(&self.objects, origin, direction, nearest, farthest)
+        let hit = self.accelerator.hit(&self.objects, origin, direction, nearest, farthest);
+        let Some(instances) = &self.instances else { return hit };
+        let farthest = hit.as_ref().map_or(farthest, |hit| hit.distance);
+        instances.hit(&self.objects, origin, direction, nearest, farthest).or(hit)
     }
 
     /// Whether anything stands between `nearest` and `farthest`, mm.
     #[inline]
     #[must_use]
     pub fn is_blocked(&self, origin: DVec3, direction: DVec3, nearest: f64, farthest: f64) -> bool {
+        let blocks = |instances: &Instances| instances.is_blocked(origin, direction, nearest, farthest);
         self.accelerator.is_blocked(origin, direction, nearest, farthest)
+            || self.instances.as_ref().is_some_and(blocks)
     }
 
     /// The surface that was hit.
@@ -79,8 +92,15 @@ impl Stage {
     }
 }
 
+/// An object is much smaller than the stage below this share.
+const MUCH_SMALLER: f64 = 0.25;
+
 fn nearest_mm(objects: &[Object]) -> f64 {
-    let bounds = objects.iter().filter_map(|object| object.geometry.bounds());
-    let whole = bounds.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)]);
-    whole.map_or(1e-5, |[low, high]| 1e-5 * f64::from((high - low).length()))
+    let bounds = || objects.iter().filter_map(|object| object.geometry.bounds());
+    let length = |[low, high]: [Vec3; 2]| f64::from((high - low).length());
+    let Some(whole) = bounds().reduce(|[low, high], [a, b]| [low.min(a), high.max(b)]).map(length) else {
+        return 1e-5;
+    };
+    let smallest = bounds().map(length).fold(whole, f64::min);
+    if smallest < MUCH_SMALLER * whole { (1e-5 * smallest).max(1e-6 * whole) } else { 1e-5 * whole }
 }

@@ -14,12 +14,25 @@ const SHOULDER: f64 = 0.6;
 /// One pixel of linear sRGB after exposure, to 8 bits.
 #[must_use]
 pub fn to_bytes(linear: [f64; 3]) -> [u8; 3] {
-    let rgb = shoulder(into_gamut(linear.map(|v| if v.is_finite() { v } else { 0.0 })));
-    rgb.map(|v| (255.0 * transfer(v.clamp(0.0, 1.0)) + 0.5) as u8)
+    encoded(shown(linear))
 }
 
-/// Towards the grey of the same luminance until no component is negative.
-fn into_gamut(rgb: [f64; 3]) -> [f64; 3] {
+/// One pixel of linear sRGB after exposure as a screen shows it, still linear: gamut and tone curve.
+#[must_use]
+pub fn shown(linear: [f64; 3]) -> [f64; 3] {
+    shoulder(into_gamut(linear.map(|v| if v.is_finite() { v } else { 0.0 })))
+}
+
+/// What a screen shows, in 8 bits.
+#[must_use]
+pub fn encoded(shown: [f64; 3]) -> [u8; 3] {
+    shown.map(|v| (255.0 * transfer(v.clamp(0.0, 1.0)) + 0.5) as u8)
+}
+
+/// A colour outside sRGB moved towards the grey of its luminance until no component is negative; black where the luminance is
+/// not over 0.
+#[must_use]
+pub fn into_gamut(rgb: [f64; 3]) -> [f64; 3] {
     let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
     let least = rgb[0].min(rgb[1]).min(rgb[2]);
     if least >= 0.0 {
@@ -29,7 +42,8 @@ fn into_gamut(rgb: [f64; 3]) -> [f64; 3] {
         return [0.0; 3];
     }
     let keep = luminance / (luminance - least);
-    rgb.map(|v| luminance + (v - luminance) * keep)
+    // Rounding may leave the least component a hair below 0.
+    rgb.map(|v| (luminance + (v - luminance) * keep).max(0.0))
 }
 
 fn shoulder(rgb: [f64; 3]) -> [f64; 3] {

@@ -4,6 +4,10 @@
 //! al. 2009), stratified: one in each eighth of the distribution, the first one (the hero, which decides directions)
 //! in any of them (Wilkie et al. 2014).
 
+use fearless_simd::{Simd, dispatch, f64x8, prelude::*};
+
+use crate::math::elementary::ln_each;
+use crate::math::simd::level;
 use crate::spectrum::dense::{Lambdas, WAVES};
 
 const SLOPE: f64 = 0.0072;
@@ -20,19 +24,29 @@ pub struct Hero {
 
 impl Hero {
     /// From one uniform number.
+    #[inline(never)] // one copy for all callers
     #[must_use]
     pub fn new(u: f64) -> Self {
-        // tanh(SLOPE (λ − MIDDLE)) is uniform, and sech² is one less its square.
-        let steep: [f64; WAVES] = std::array::from_fn(|k| {
-            let v = u + k as f64 / WAVES as f64;
-            LOW + (HIGH - LOW) * if v < 1.0 { v } else { v - 1.0 }
-        });
-        Self {
-            wavelengths: Lambdas::new(steep.map(|t| MIDDLE + 0.5 / SLOPE * ((1.0 + t) / (1.0 - t)).ln())),
-            pdf: steep.map(|t| SLOPE * (1.0 - t * t) / (HIGH - LOW)),
-        }
+        dispatch!(level(), simd => drawn(simd, u))
     }
 }
+
+/// Compiled for each instruction set.
+#[inline(always)]
+fn drawn<S: Simd>(simd: S, u: f64) -> Hero {
+    let all = |v: f64| f64x8::splat(simd, v);
+    let one = all(1.0);
+    let v = all(u) + f64x8::from_slice(simd, &STRATA);
+    let v = v.simd_lt(one).select(v, v - one);
+    // tanh(SLOPE (λ − MIDDLE)) is uniform, and sech² is one less its square.
+    let t = all(LOW) + all(HIGH - LOW) * v;
+    let nm = all(MIDDLE) + all(0.5 / SLOPE) * ln_each(simd, (one + t) / (one - t));
+    let pdf = all(SLOPE / (HIGH - LOW)) * (one - t * t);
+    Hero { wavelengths: Lambdas::new(nm.to_array()), pdf: pdf.to_array() }
+}
+
+/// Where each eighth of the distribution begins.
+const STRATA: [f64; WAVES] = [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
 
 /// tanh(SLOPE (λ − MIDDLE)) at the shortest and the longest wavelength.
 const LOW: f64 = -0.8136043613811508;

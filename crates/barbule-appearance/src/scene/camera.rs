@@ -45,29 +45,65 @@ pub struct CameraRay {
 }
 
 impl Camera {
-    /// The ray through a point of the picture. `point`: 0 … 1 from left to right, 0 … 1 from top to bottom;
-    /// `lens`: two uniform numbers; `size`: pixels.
+    /// Prepares it for rays of a picture of this size, pixels.
     #[must_use]
-    pub fn ray(&self, point: DVec2, lens: DVec2, size: [u32; 2]) -> CameraRay {
+    pub fn view(&self, size: [u32; 2]) -> View {
         let ahead = self.target - self.eye;
         let distance = ahead.length();
         let forward = ahead / distance;
         let right = forward.cross(self.up).normalize();
         let up = right.cross(forward);
         let height = self.width_mm * f64::from(size[1]) / f64::from(size[0]);
-        let shift = right * ((point.x - 0.5) * self.width_mm) + up * ((0.5 - point.y) * height);
         let pixel = 0.5 * self.width_mm / f64::from(size[0]);
-        match self.projection {
-            Projection::Orthographic => {
-                CameraRay { origin: self.eye + shift, direction: forward, footprint: pixel, spread: 0.0 }
-            }
-            Projection::Perspective { lens_radius } => {
-                let on_lens = disk(lens) * lens_radius;
-                let origin = self.eye + right * on_lens.x + up * on_lens.y;
-                let direction = (self.target + shift - origin).normalize();
-                CameraRay { origin, direction, footprint: 0.0, spread: pixel / distance }
-            }
+        let (lens_radius, spread) = match self.projection {
+            Projection::Orthographic => (None, 0.0),
+            Projection::Perspective { lens_radius } => (Some(lens_radius), pixel / distance),
+        };
+        View { camera: *self, forward, right, up, height, pixel, lens_radius, spread }
+    }
+
+    /// The ray through a point of the picture. `point`: 0 … 1 from left to right, 0 … 1 from top to bottom;
+    /// `lens`: two uniform numbers; `size`: pixels.
+    #[must_use]
+    pub fn ray(&self, point: DVec2, lens: DVec2, size: [u32; 2]) -> CameraRay {
+        self.view(size).ray(point, lens)
+    }
+}
+
+/// What all rays of a camera and a size share.
+#[derive(Debug, Clone, Copy)]
+pub struct View {
+    camera: Camera,
+    forward: DVec3,
+    right: DVec3,
+    up: DVec3,
+    /// Of the picture in the plane of focus, mm.
+    height: f64,
+    /// Half the width of a pixel there, mm.
+    pixel: f64,
+    /// `None`: parallel rays.
+    lens_radius: Option<f64>,
+    spread: f64,
+}
+
+impl View {
+    /// As [`Camera::ray`].
+    #[inline(always)]
+    #[must_use]
+    pub fn ray(&self, point: DVec2, lens: DVec2) -> CameraRay {
+        let Self { camera, right, up, .. } = *self;
+        let shift = right * ((point.x - 0.5) * camera.width_mm) + up * ((0.5 - point.y) * self.height);
+        let Some(lens_radius) = self.lens_radius else {
+            let origin = camera.eye + shift;
+            return CameraRay { origin, direction: self.forward, footprint: self.pixel, spread: 0.0 };
+        };
+        let mut origin = camera.eye;
+        if lens_radius > 0.0 {
+            let on_lens = disk(lens) * lens_radius;
+            origin += right * on_lens.x + up * on_lens.y;
         }
+        let direction = (camera.target + shift - origin).normalize();
+        CameraRay { origin, direction, footprint: 0.0, spread: self.spread }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Spectra of lights.
 
-use crate::spectrum::colour::Illuminant;
-use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
+use crate::spectrum::colour::{Illuminant, matching};
+use crate::spectrum::dense::{DenseSpectrum, Lambdas, SHORTEST_NM, VALUES, WAVES};
 use crate::{Error, Result};
 
 /// Spectral radiance, finite and not negative.
@@ -36,6 +36,18 @@ impl Emission {
         Self { spectrum: self.spectrum.scaled(factor) }
     }
 
+    /// How bright it is to the eye: the integral with ȳ over 380 to 720 nm, nm.
+    #[must_use]
+    pub fn luminance(&self) -> f64 {
+        let values = self.spectrum.values().iter().enumerate();
+        values
+            .map(|(i, value)| {
+                let weight = if i == 0 || i + 1 == VALUES { 0.5 } else { 1.0 };
+                weight * value * matching(SHORTEST_NM + i as f64)[1]
+            })
+            .sum()
+    }
+
     /// At one wavelength, nm.
     #[must_use]
     pub fn at(&self, wavelength_nm: f64) -> f64 {
@@ -43,7 +55,7 @@ impl Emission {
     }
 
     /// At the wavelengths of a path.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn at_each(&self, wavelengths: Lambdas) -> [f64; WAVES] {
         self.spectrum.at_each(wavelengths)

@@ -3,12 +3,12 @@
 //! Lengths are mm. Single precision: a scene of a few mm resolves a nanometre, and memory stays small. Every shape
 //! carries an identity from which instances of a material are drawn.
 
-use glam::{Vec2, Vec3};
+use glam::{DMat3, DVec3, Vec2, Vec3};
 
 use crate::{Error, Result};
 
 /// A triangle mesh.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Positions, mm.
     pub positions: Vec<Vec3>,
@@ -74,6 +74,61 @@ pub struct Curve {
     pub id: u64,
 }
 
+/// Where an object stands: scaled, turned, moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Factor to all lengths; over 0.
+    pub scale: f64,
+    /// The turn.
+    pub turn: DMat3,
+    /// The move, mm.
+    pub shift: DVec3,
+    /// Identity of the instance; shapes there have identities made of theirs and this.
+    pub id: u64,
+}
+
+impl Place {
+    /// A point of the object in the scene.
+    #[inline]
+    #[must_use]
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        self.turn * (point * self.scale) + self.shift
+    }
+
+    /// A point of the scene in the object.
+    #[inline]
+    #[must_use]
+    pub fn point_back(&self, point: DVec3) -> DVec3 {
+        self.turn.transpose() * (point - self.shift) / self.scale
+    }
+
+    /// A direction of the object in the scene.
+    #[inline]
+    #[must_use]
+    pub fn direction(&self, direction: DVec3) -> DVec3 {
+        self.turn * direction
+    }
+
+    /// A direction of the scene in the object.
+    #[inline]
+    #[must_use]
+    pub fn direction_back(&self, direction: DVec3) -> DVec3 {
+        self.turn.transpose() * direction
+    }
+
+    /// The box about a box of the object.
+    #[must_use]
+    pub fn bounds(&self, [low, high]: [Vec3; 2]) -> [Vec3; 2] {
+        let corners = (0..8).map(|k| {
+            let pick = |bit: u32, low: f32, high: f32| if k >> bit & 1 == 0 { low } else { high };
+            let corner = Vec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
+            self.point(corner.as_dvec3()).as_vec3()
+        });
+        let empty = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        corners.fold(empty, |[low, high], corner| [low.min(corner), high.max(corner)])
+    }
+}
+
 /// All shapes of an object.
 #[derive(Debug, Clone, Default)]
 pub struct Geometry {
@@ -87,6 +142,8 @@ pub struct Geometry {
     pub curves: Vec<Curve>,
     /// Points of all curves.
     pub curve_nodes: Vec<CurveNode>,
+    /// Where all of this stands, once for each; where it was made, if there are none.
+    pub places: Vec<Place>,
 }
 
 impl Geometry {
@@ -131,9 +188,17 @@ impl Geometry {
         &self.curve_nodes[curve.first as usize..(curve.first + curve.count) as usize]
     }
 
-    /// Smallest and largest coordinates of all points, mm; nothing where there are none.
+    /// Smallest and largest coordinates of all points in all places, mm; nothing where there are none.
     #[must_use]
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        let own = self.own_bounds()?;
+        let all = self.places.iter().map(|place| place.bounds(own));
+        Some(all.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)]).unwrap_or(own))
+    }
+
+    /// The same where it was made.
+    #[must_use]
+    pub fn own_bounds(&self) -> Option<[Vec3; 2]> {
         let points = (self.meshes.iter().flat_map(|m| &m.positions))
             .chain(self.ribbon_nodes.iter().map(|n| &n.point))
             .chain(self.curve_nodes.iter().map(|n| &n.point));

@@ -3,7 +3,9 @@
 //! A feather's frame: x to the right, y along the shaft towards its tip, z out of the side that the camera sees.
 //! Lengths are mm.
 
+pub mod backdrop;
 pub mod camera;
+pub mod comparison;
 pub mod description;
 pub mod emission;
 pub mod feather;
@@ -12,6 +14,7 @@ pub mod light;
 pub mod preset;
 pub mod primaries;
 pub mod sky;
+pub mod spline;
 
 use camera::Camera;
 use geometry::Geometry;

@@ -2,57 +2,26 @@
 
 use super::emission::Emission;
 use crate::Result;
-use crate::spectrum::dense::SHORTEST_NM;
+use crate::spectrum::dense::DenseSpectrum;
+use crate::spectrum::primaries::shares;
 
-/// Step of the tables below, nm.
-const STEP_NM: f64 = 10.0;
-
-/// Red's share of daylight at 380, 390 … 720 nm; `scripts/sky-primaries.py` makes both.
-#[rustfmt::skip]
-const RED: [f64; 35] = [
-    0.026_624, 0.026_616, 0.026_56, 0.026_311, 0.025_437, 0.023_079, 0.019_507, 0.018_819, 0.030_494, 0.012_404,
-    0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.018_621, 0.208_603, 0.477_151, 0.736_784, 0.922_056, 1.0,
-    1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0,
-];
-
-/// Green's; blue has the rest.
-#[rustfmt::skip]
-const GREEN: [f64; 35] = [
-    0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.112_149, 0.297_488, 0.508_599, 0.714_756, 0.885_036,
-    0.988_609, 1.0, 1.0, 1.0, 1.0, 0.935_072, 0.739_707, 0.488_246, 0.250_325, 0.077_944, 0.0, 0.0, 0.0, 0.0,
-    0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-];
-
-/// Spectra of sRGB's red, green and blue: daylight (D65) times shares between 0 and 1 that sum to 1, the smoothest whose
-/// colours, seen at the renderer's wavelengths, are the primaries (after Mallett & Yuksel, *Spectral Primary Decomposition
-/// for Rendering with sRGB Reflectance*, EGSR 2019). A colour's spectrum is their sum weighted with its linear R, G and B: it is
+/// Spectra of sRGB's red, green and blue: daylight (D65) times their [`shares`]. A colour's spectrum is their sum weighted with its linear R, G and B: it is
 /// never negative, as bright as wanted, white is daylight itself, and the colour comes back within 3e-7.
 ///
 /// # Errors
 /// None; the tables are in range.
 pub fn primaries() -> Result<[Emission; 3]> {
     let daylight = Emission::daylight();
-    let red = |nm: f64| between(&RED, nm);
-    let green = |nm: f64| between(&GREEN, nm);
-    Ok([
-        Emission::new(|nm| daylight.at(nm) * red(nm))?,
-        Emission::new(|nm| daylight.at(nm) * green(nm))?,
-        Emission::new(|nm| daylight.at(nm) * (1.0 - red(nm) - green(nm)).max(0.0))?,
-    ])
-}
-
-/// Linear between the tables' values.
-fn between(table: &[f64; 35], nm: f64) -> f64 {
-    let at = ((nm - SHORTEST_NM) / STEP_NM).clamp(0.0, 34.0);
-    let index = (at as usize).min(33);
-    table[index] + (table[index + 1] - table[index]) * (at - index as f64)
+    let [red, green, blue] = shares();
+    let light = |share: &DenseSpectrum| Emission::new(|nm| daylight.at(nm) * share.at(nm));
+    Ok([light(&red)?, light(&green)?, light(&blue)?])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::spectrum::colour::{matching, rgb_from_xyz, xyz_from_rgb};
-    use crate::spectrum::dense::{LONGEST_NM, VALUES};
+    use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, VALUES};
 
     /// Linear sRGB of a light whose white is daylight, from the renderer's wavelengths.
     fn colour(light: &Emission) -> [f64; 3] {

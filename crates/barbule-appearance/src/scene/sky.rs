@@ -4,10 +4,11 @@ use std::f64::consts::{PI, TAU};
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::emission::Emission;
 use super::primaries::primaries;
+use crate::math::elementary::atan2;
 use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
 
@@ -19,6 +20,8 @@ pub struct Sky {
     height: usize,
     /// By how much the map is turned clockwise seen from above, in whole turns.
     turn: f64,
+    /// From the map's directions to the scene's.
+    rotation: DMat3,
     /// Weights of the three emissions, per texel.
     texels: Arc<[[f32; 3]]>,
     /// Spectra of the three weights: one alone (a grey sky) or those of red, green and blue.
@@ -94,7 +97,26 @@ impl Sky {
         if texels.iter().flatten().all(|v| *v <= 0.0) {
             return Err(Error::input("a sky must shine somewhere"));
         }
-        Ok(Self { width, height, turn: 0.0, texels: texels.into(), basis: basis.into() })
+        Ok(Self {
+            width,
+            height,
+            turn: 0.0,
+            rotation: DMat3::IDENTITY,
+            texels: texels.into(),
+            basis: basis.into(),
+        })
+    }
+
+    /// The sky after a further rotation about the origin.
+    #[must_use]
+    pub fn rotated(self, rotation: DMat3) -> Self {
+        Self { rotation: rotation * self.rotation, ..self }
+    }
+
+    /// From the map's directions to the scene's.
+    #[must_use]
+    pub fn rotation(&self) -> DMat3 {
+        self.rotation
     }
 
     /// Columns and rows of the map.
@@ -123,15 +145,20 @@ impl Sky {
     }
 
     /// Row and column of the texel in a direction.
+    #[inline(always)]
     #[must_use]
     pub fn texel(&self, direction: DVec3) -> (usize, usize) {
-        let row = (direction.z.clamp(-1.0, 1.0).acos() / PI * self.height as f64) as usize;
-        let turns = (direction.x.atan2(direction.y) / TAU - self.turn).rem_euclid(1.0);
+        let direction = self.rotation.transpose() * direction;
+        let across = (direction.x * direction.x + direction.y * direction.y).sqrt();
+        let row = (atan2(across, direction.z) * (1.0 / PI) * self.height as f64) as usize;
+        let turns = atan2(direction.x, direction.y) * (1.0 / TAU) - self.turn;
+        let turns = turns - turns.floor();
         let column = (turns * self.width as f64) as usize;
         (row.min(self.height - 1), column.min(self.width - 1))
     }
 
     /// Radiance of a texel.
+    #[inline(always)]
     #[must_use]
     pub fn spectrum(&self, row: usize, column: usize, wavelengths: Lambdas) -> [f64; WAVES] {
         let texel = &self.texels[row * self.width + column];

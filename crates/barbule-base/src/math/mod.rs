@@ -6,6 +6,7 @@ pub mod band_limited;
 pub mod bessel;
 pub mod chebyshev;
 pub mod dense;
+pub mod elementary;
 pub mod fft;
 pub mod normal;
 pub mod rng;

@@ -3,10 +3,20 @@
 //! Sums are ordered by the width in use, so bits are the same for any thread count at one width and agree to rounding
 //! across widths.
 
+use std::sync::LazyLock;
+
 use fearless_simd::{Level, prelude::*};
 
 use crate::error::did_you_mean;
 use crate::{Error, Result};
+
+/// The widest instructions of this processor, found once: for kernels that take too little time to look each time.
+#[inline(always)]
+#[must_use]
+pub fn level() -> Level {
+    static LEVEL: LazyLock<Level> = LazyLock::new(Level::new);
+    *LEVEL
+}
 
 /// An instruction set to compute with.
 #[derive(Debug, Clone, Copy)]

@@ -1,5 +1,7 @@
 //! `barbule bench`: speed in figures, as ratios from one run.
 
+mod render;
+
 use std::fmt::Write as _;
 use std::io::Write;
 
@@ -16,7 +18,9 @@ use crate::structure_arg;
 
 /// Arguments of `barbule bench`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  barbule bench campaign starling\n  barbule bench crystal mallard")]
+#[command(
+    after_help = "Examples:\n  barbule bench campaign starling\n  barbule bench crystal mallard\n  barbule bench render close"
+)]
 pub(crate) struct Args {
     #[command(subcommand)]
     what: What,
@@ -28,6 +32,8 @@ enum What {
     Campaign(CampaignArgs),
     /// Photonic crystals: seconds of each solver, ratios and differences to the multipoles, a full table extrapolated
     Crystal(CrystalArgs),
+    /// Renderer: paths per CPU second, rays, memory, on the scenes that other renderers are measured on
+    Render(render::RenderArgs),
 }
 
 #[derive(Debug, clap::Args)]
@@ -57,6 +63,7 @@ impl Args {
         match &self.what {
             What::Campaign(args) => args.run(out),
             What::Crystal(args) => args.run(out),
+            What::Render(args) => args.run(out),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! `barbule render`: a picture of a preset or a scene.
 
+mod flags;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,17 +10,22 @@ use std::time::{Duration, Instant};
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::characterize::thinned;
 use barbule::io::image::{RgbImage, read_exr};
-use barbule::io::{check_writable, hash_file, read_at_most, write_whole};
-use barbule::picture::{Developed, Set, bytes_needed, check_kind};
+use barbule::io::{check_writable, hash_file, read_at_most, read_scene_files, write_whole};
+use barbule::picture::{Developed, Set, bytes_needed, check_kind, development, is_exr};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
 use barbule::render::film::{Film, check_size};
-use barbule::render::run::{Ended, Goal};
-use barbule::scene::description::{Bearing, SceneDescription, SkyDescription, SkyImage};
+use barbule::render::planes::{Bands, Planes};
+use barbule::render::run::{Ended, Goal, ROUND};
+use barbule::scene::description::{
+    Background, Bearing, LightColour, Motion, Moved, NamedSurface, ObjectShape, SceneDescription,
+    SkyDescription, SkyImage, USUAL_ARC_DEG,
+};
+use barbule::scene::preset;
 use barbule::scene::sky::Sky;
 use barbule::{Error, Result};
 
-use crate::common::{Common, path_json, print_json};
+use crate::common::{Common, path_json, print, print_json};
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::sets;
@@ -27,49 +34,70 @@ use crate::{materials, scene_arg};
 /// Arguments of `barbule render`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barbule render starling -o starling.png\n  \
-    barbule render my-bird.toml -o my-bird.png")]
+    barbule render my-bird.toml -o my-bird.png\n  \
+    barbule render starling --background none -o starling.exr\n  \
+    barbule render starling --frames 25 --arc light=40 -o glints.png\n  \
+    barbule render starling --toml")]
 pub(crate) struct Args {
     #[arg(value_name = "PRESET|SPECIES:VARIANT|SCENE", help = scene_arg::HELP)]
     scene: String,
     /// The picture: .png or .exr
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "toml")]
+    output: Option<PathBuf>,
+    /// Print the scene as a file to start from, and draw nothing
+    #[arg(long, conflicts_with = "output")]
+    toml: bool,
     /// Another material than the scene's
     #[arg(long, value_name = "NAME|FILE|STRUCTURE", long_help = materials::HELP)]
     material: Option<String>,
     /// Width and height in pixels [default: 1280x800]
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = flags::size)]
     size: Option<[u32; 2]>,
     /// Most samples per pixel [default: 16; 4096 with --noise or --time]
     #[arg(long, value_name = "N")]
     samples: Option<u32>,
     /// Stop after this time, as in 30s, 5m or 1h
-    #[arg(long, value_name = "TIME", value_parser = duration)]
+    #[arg(long, value_name = "TIME", value_parser = flags::duration)]
     time: Option<Duration>,
     /// Stop where the noise is below this many percent of the brightness
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     noise: Option<f64>,
     /// Azimuth and elevation of the key light, degrees
-    #[arg(long, value_name = "AZ,EL", allow_hyphen_values = true, value_parser = light)]
+    #[arg(long, value_name = "AZ,EL", allow_hyphen_values = true, value_parser = flags::light)]
     light: Option<Bearing>,
     /// Azimuth and elevation of the camera, degrees, and the width of the picture in mm
-    #[arg(long, value_name = "AZ,EL[,MM]", allow_hyphen_values = true, value_parser = view)]
-    view: Option<View>,
-    /// This many pictures F-0000, F-0001 … with the light going round
+    #[arg(long, value_name = "AZ,EL[,MM]", allow_hyphen_values = true, value_parser = flags::view)]
+    view: Option<flags::View>,
+    /// Factor from radiance to the picture's values; auto: so that its mean is that of a grey card
+    #[arg(long, value_name = "X|auto", allow_hyphen_values = true, value_parser = flags::exposure)]
+    exposure: Option<flags::Exposure>,
+    /// What is seen behind the feather: sky, none (the picture is cut out), a colour #rrggbb, or a .png or .exr
+    #[arg(long, value_name = "sky|none|#RRGGBB|FILE", value_parser = flags::background)]
+    background: Option<Background>,
+    /// EXR: planes of radiance about these wavelengths, nm
+    #[arg(long, value_name = "SET")]
+    spectral: Option<String>,
+    /// EXR: R, G and B stay negative where colours lie outside sRGB
+    #[arg(long)]
+    keep_gamut: bool,
+    /// This many pictures F-0000, F-0001 … in which the key light swings, or what --arc and --path say
     #[arg(long, value_name = "N", default_value_t = 1)]
     frames: u32,
+    /// Frames: light, camera or feather swings over this arc about where it stands; 360 goes once round (repeatable)
+    #[arg(long, value_name = "WHAT=DEG", value_parser = flags::arc)]
+    arc: Vec<(Moved, Motion)>,
+    /// Frames: light or camera goes from place to place (repeatable)
+    #[arg(long, value_name = "WHAT=AZ,EL/AZ,EL…", value_parser = flags::path)]
+    path: Vec<(Moved, Motion)>,
+    /// Write the picture as it is so far every 5 seconds, or so often
+    #[arg(long, value_name = "TIME", value_parser = flags::preview, num_args = 0..=1, require_equals = true,
+        default_missing_value = "5s")]
+    preview: Option<Duration>,
     /// Go on from F.checkpoint if it is there, and keep one
     #[arg(long)]
     resume: bool,
     #[command(flatten)]
     common: Common,
-}
-
-/// From where `--view` looks, and the width in mm where it says so.
-#[derive(Debug, Clone, Copy)]
-struct View {
-    bearing: Bearing,
-    width_mm: Option<f64>,
 }
 
 /// How often a checkpoint is written.
@@ -78,23 +106,25 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(15);
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        let description = self.description()?;
+        let (mut description, is_changed) = self.description()?;
+        if self.toml {
+            return self.print_toml(description, is_changed, out);
+        }
         let size = self.size.or(description.size).unwrap_or([1280, 800]);
         let goal = self.goal()?;
-        if !(1..=9999).contains(&self.frames) {
-            return Err(Error::input(format!("--frames {}: give 1 to 9999", self.frames)));
-        }
+        let frames = self.frame_descriptions(&description)?;
         check_size(size)?;
-        let [width, height] = size;
-        let what = format!("a picture of {width}x{height} pixels");
-        self.common.allowance().check(&what, bytes_needed(size), "a smaller --size")?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
         files.iter().try_for_each(|file| {
             check_kind(file).map_err(|e| e.at("-o")).and_then(|()| check_writable(file))
         })?;
+        let planes = self.planes()?;
+        let [width, height] = size;
+        let what = format!("a picture of {width}x{height} pixels");
+        self.common.allowance().check(&what, bytes_needed(size, &planes), "a smaller --size")?;
         let image = match &description.sky {
             SkyDescription::Image(image) if image.strength > 0.0 => Some(self.sky(image)?),
-            SkyDescription::Image(_) | SkyDescription::Gradient(_) => None,
+            SkyDescription::Image(_) | SkyDescription::Gradient { .. } => None,
         };
         let (sky, sky_name) = image.unzip();
         let (material, hash) = materials::find(&description.material, &self.common)?;
@@ -109,11 +139,14 @@ impl Args {
         let terminal = Terminal::new(&self.common).keeping_what_is_done();
         let set = self.set(&description, brdf, sky)?;
         let mut reports = Vec::new();
-        for (frame, file) in files.iter().enumerate() {
-            let mut description = description.clone();
-            description.light.bearing.azimuth_deg += 360.0 * frame as f64 / f64::from(self.frames);
-            let job = Job { file, size, goal, hash: &hash, thinned, sky_name: sky_name.as_deref() };
-            reports.push(self.picture(&description, &set, &job, &terminal)?);
+        for (mut frame, file) in frames.into_iter().zip(&files) {
+            // A sequence that is exposed by a key is so by that of its first frame: it does not flicker.
+            frame.exposure = description.exposure;
+            let sky_name = sky_name.as_deref();
+            let job = Job { file, size, goal, hash: &hash, thinned, sky_name, planes: &planes };
+            let (report, exposure) = self.picture(&frame, &set, &job, &terminal)?;
+            description.exposure = Some(exposure);
+            reports.push(report);
         }
         if self.common.json {
             print_json(out, &reports)?;
@@ -121,9 +154,10 @@ impl Args {
         Ok(())
     }
 
-    /// The scene with the changes that the flags ask for.
-    fn description(&self) -> Result<SceneDescription> {
+    /// The scene with the changes that the flags ask for, and whether there are any.
+    fn description(&self) -> Result<(SceneDescription, bool)> {
         let mut description = scene_arg::parse(&self.scene, &self.common)?;
+        let original = description.clone();
         if let Some(material) = &self.material {
             description.material.clone_from(material);
         }
@@ -131,10 +165,25 @@ impl Args {
             description.light.bearing = bearing;
             description.check().map_err(|e| e.at("--light"))?;
         }
-        if let Some(View { bearing, width_mm }) = self.view {
+        if let Some(flags::View { bearing, width_mm }) = self.view {
             description.camera.bearing = bearing;
+            description.camera.position = None;
             description.camera.width_mm = width_mm.unwrap_or(description.camera.width_mm);
             description.check().map_err(|e| e.at("--view"))?;
+        }
+        if let Some(flags::Exposure(exposure)) = self.exposure {
+            description.exposure = exposure;
+        }
+        if self.toml {
+            description.size = self.size.or(description.size);
+        } else {
+            read_scene_files(&mut description, &self.folder())?;
+        }
+        if let Some(background) = &self.background {
+            description.background = background.clone();
+            if !self.toml {
+                read_scene_files(&mut description, Path::new("")).map_err(|e| e.at("--background"))?;
+            }
         }
         if description.is_lit_from_behind() {
             self.common.say(&format!(
@@ -142,12 +191,84 @@ impl Args {
                 description.light.bearing.elevation_deg
             ));
         }
-        Ok(description)
+        let is_changed = description != original;
+        Ok((description, is_changed))
+    }
+
+    /// Where the files lie that a scene file names.
+    fn folder(&self) -> PathBuf {
+        Path::new(&self.scene).with_file_name("")
+    }
+
+    /// Prints a preset's own text, with its comments, or that of the scene that the command line describes, whose files are named as seen
+    /// from here.
+    fn print_toml(&self, mut scene: SceneDescription, is_changed: bool, out: &mut dyn Write) -> Result<()> {
+        if !is_changed && let Ok(text) = preset::toml(&self.scene) {
+            return print(out, text.trim_end());
+        }
+        let folder = self.folder();
+        let from_here = |file: &mut String| *file = folder.join(&*file).to_string_lossy().into_owned();
+        if let SkyDescription::Image(SkyImage { file, .. }) = &mut scene.sky {
+            from_here(file);
+        }
+        if let (Background::Picture { file, .. }, None) = (&mut scene.background, &self.background) {
+            from_here(file);
+        }
+        for object in &mut scene.objects {
+            if let ObjectShape::Mesh { file, .. } = &mut object.shape {
+                from_here(file);
+            }
+        }
+        for surface in scene.named_surfaces.values_mut() {
+            if let NamedSurface::Diffuse { pictures, .. } = surface {
+                pictures.values_mut().for_each(|texture| from_here(&mut texture.file));
+            }
+        }
+        for light in &mut scene.lights {
+            if let LightColour::Table { file, .. } = &mut light.colour {
+                from_here(file);
+            }
+        }
+        print(out, scene.to_toml()?.trim_end())
+    }
+
+    /// The frames that are asked for: one is the scene itself.
+    fn frame_descriptions(&self, description: &SceneDescription) -> Result<Vec<SceneDescription>> {
+        if !(1..=9999).contains(&self.frames) {
+            return Err(Error::input(format!("--frames {}: give 1 to 9999", self.frames)));
+        }
+        let mut moves: Vec<(Moved, Motion)> = self.arc.iter().chain(&self.path).cloned().collect();
+        if self.frames == 1 {
+            if !moves.is_empty() {
+                self.common.idle("--arc or --path", "there is one frame; give --frames");
+            }
+            return Ok(vec![description.clone()]);
+        }
+        if moves.is_empty() {
+            moves.push((Moved::Light, Motion::Arc(USUAL_ARC_DEG)));
+        }
+        description.frames(&moves, self.frames).map_err(|e| e.at("--frames"))
+    }
+
+    /// What films keep beside colour, normals and depth.
+    fn planes(&self) -> Result<Planes> {
+        let compositing = self.output.as_deref().is_some_and(is_exr);
+        let nm = match &self.spectral {
+            Some(_) if !compositing => {
+                return Err(Error::input("--spectral: a PNG has no spectral planes; end the name with .exr"));
+            }
+            Some(set) => sets::parse("--spectral", set)?,
+            None => Vec::new(),
+        };
+        if self.keep_gamut && !compositing {
+            self.common.idle("--keep-gamut", "a PNG's colours are always sRGB's");
+        }
+        Ok(Planes { compositing, spectral: Bands::new(&nm).map_err(|e| e.at("--spectral"))? })
     }
 
     /// A scene's image of the sky, and a name that changes with it.
     fn sky(&self, image: &SkyImage) -> Result<(Sky, String)> {
-        let path = Path::new(&self.scene).with_file_name(&image.file);
+        let path = self.folder().join(&image.file);
         let RgbImage { size: [width, height], pixels } = read_exr(&path)?;
         let sky = Sky::image(width, height, pixels, image.strength, image.turn_deg)
             .map_err(|e| e.at(path.display()))?;
@@ -165,17 +286,19 @@ impl Args {
         if !(1..=1 << 24).contains(&samples) {
             return Err(Error::input(format!("--samples {samples}: give 1 to 16777216")));
         }
-        Ok(Goal { samples, noise: self.noise.map(|percent| percent / 100.0), time: self.time })
+        let round = if self.preview.is_some() { 1 } else { ROUND };
+        Ok(Goal { samples, noise: self.noise.map(|percent| percent / 100.0), time: self.time, round })
     }
 
     /// The file of a frame: `F.png`, or `F-0007.png` in a sequence.
     fn file(&self, frame: u32) -> PathBuf {
+        let output = self.output.clone().unwrap_or_default();
         if self.frames == 1 {
-            return self.output.clone();
+            return output;
         }
         let part = |s: Option<&std::ffi::OsStr>| s.unwrap_or_default().to_string_lossy().into_owned();
-        let name = format!("{}-{frame:04}.{}", part(self.output.file_stem()), part(self.output.extension()));
-        self.output.with_file_name(name)
+        let name = format!("{}-{frame:04}.{}", part(output.file_stem()), part(output.extension()));
+        output.with_file_name(name)
     }
 
     /// What all frames share: the feather with its hierarchy, and the sky.
@@ -193,13 +316,14 @@ impl Args {
         Ok(set)
     }
 
+    /// Draws one frame; gives its report and its exposure.
     fn picture(
         &self,
         description: &SceneDescription,
         set: &Set,
         job: &Job<'_>,
         terminal: &Terminal,
-    ) -> Result<serde_json::Value> {
+    ) -> Result<(serde_json::Value, f64)> {
         let seed = self.common.seed;
         let (light, view) = (&description.light.bearing, &description.camera.bearing);
         self.common.explain(&format!(
@@ -211,17 +335,18 @@ impl Args {
             description.camera.width_mm
         ));
         let program = env!("CARGO_PKG_VERSION");
-        let name = checkpoint::name(description, job.hash, seed, program, job.sky_name.unwrap_or_default());
+        let sky_name = job.sky_name.unwrap_or_default();
+        let name = checkpoint::name(description, job.hash, seed, program, sky_name, job.planes);
         let kept = job.checkpoint();
         let mut film = if self.resume && kept.exists() {
-            let bytes = read_at_most(&kept, checkpoint::bytes(job.size))?;
-            checkpoint::read(&bytes, &name, job.size).map_err(|e| e.at(kept.display()))?
+            let bytes = read_at_most(&kept, checkpoint::bytes(job.size, job.planes))?;
+            checkpoint::read(&bytes, &name, job.size, job.planes.clone()).map_err(|e| e.at(kept.display()))?
         } else {
-            Film::new(job.size)?
+            Film::with(job.size, job.planes.clone())?
         };
         let before = film.samples();
         let begun = Instant::now();
-        let mut last = Instant::now();
+        let (mut last, mut last_seen) = (Instant::now(), Instant::now());
         // A picture is worth more than what it could go on from: a full disk does not end it.
         let keep = |film: &Film| write_whole(&kept, &checkpoint::write(film, &name));
         let mut said = false;
@@ -234,11 +359,22 @@ impl Args {
                 }
                 last = Instant::now();
             }
+            if self.preview.is_some_and(|every| last_seen.elapsed() >= every) {
+                let shown = self.developed(description, job, film).and_then(|(picture, provenance, _)| {
+                    picture.write(&provenance.with("preview", "yes").notes())
+                });
+                if let Err(error) = shown
+                    && !std::mem::replace(&mut said, true)
+                {
+                    self.common.say(&format!("{error}; rendering goes on without a preview"));
+                }
+                last_seen = Instant::now();
+            }
             Ok(())
         })?;
         let seconds = begun.elapsed().as_secs_f64();
-        let picture = Developed::new(job.file, &film, description.exposure)?;
-        let provenance = self.provenance(description, job, &film).with("pixel_hash", picture.pixel_hash());
+        let (picture, provenance, exposure) = self.developed(description, job, &film)?;
+        let provenance = provenance.with("pixel_hash", picture.pixel_hash());
         if film.samples() > 0 {
             picture.write(&provenance.notes())?;
             self.common.wrote(job.file, &shown(description, job, &film));
@@ -262,7 +398,21 @@ impl Args {
         {
             report.extend(notes);
         }
-        Ok(report)
+        Ok((report, exposure))
+    }
+
+    /// A film as the picture that it is so far, what it says about itself, and its exposure.
+    fn developed<'a>(
+        &self,
+        description: &SceneDescription,
+        job: &Job<'a>,
+        film: &Film,
+    ) -> Result<(Developed<'a>, Provenance, f64)> {
+        let mut development = development(description, film)?;
+        development.keeps_gamut = self.keep_gamut;
+        let exposure = development.exposure;
+        let picture = Developed::new(job.file, film, &development, &description.object_names())?;
+        Ok((picture, self.provenance(description, job, film, exposure), exposure))
     }
 
     /// Where the work was when Ctrl-C ended it, and how it goes on.
@@ -280,7 +430,13 @@ impl Args {
     }
 
     /// What a picture says about itself.
-    fn provenance(&self, description: &SceneDescription, job: &Job<'_>, film: &Film) -> Provenance {
+    fn provenance(
+        &self,
+        description: &SceneDescription,
+        job: &Job<'_>,
+        film: &Film,
+        exposure: f64,
+    ) -> Provenance {
         let (light, view) = (&description.light.bearing, &description.camera.bearing);
         let width_mm = description.camera.width_mm;
         let provenance = Provenance::new(&self.common)
@@ -289,7 +445,8 @@ impl Args {
             .with("samples", format!("{:.1}", job.samples(film)))
             .with("light", format!("{},{}", light.azimuth_deg, light.elevation_deg))
             .with("view", format!("{},{},{width_mm}", view.azimuth_deg, view.elevation_deg))
-            .with("exposure", description.exposure.to_string());
+            .with("exposure", exposure.to_string())
+            .with("exposure_by", if description.exposure.is_some() { "factor" } else { "key" });
         match job.thinned {
             Some(every) => provenance.with("thinned", every.to_string()),
             None => provenance,
@@ -322,6 +479,8 @@ struct Job<'a> {
     thinned: Option<usize>,
     /// Of an image in place of the plain sky, a name that changes with it.
     sky_name: Option<&'a str>,
+    /// What the film keeps.
+    planes: &'a Planes,
 }
 
 impl Job<'_> {
@@ -334,61 +493,5 @@ impl Job<'_> {
         let mut name = self.file.as_os_str().to_owned();
         name.push(".checkpoint");
         name.into()
-    }
-}
-
-/// Width and height, as in 1280x800.
-fn size(text: &str) -> Result<[u32; 2]> {
-    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    sides.ok_or_else(|| {
-        Error::input(format!("--size {text}: give width and height in pixels, as in 1280x800"))
-    })
-}
-
-/// Azimuth and elevation of the key light.
-fn light(text: &str) -> Result<Bearing> {
-    let [azimuth_deg, elevation_deg] = sets::parse("--light", text)?[..] else {
-        return Err(Error::input(format!("--light {text}: give azimuth and elevation, as in 40,60")));
-    };
-    Ok(Bearing { azimuth_deg, elevation_deg })
-}
-
-/// Azimuth and elevation of the camera, and perhaps a width.
-fn view(text: &str) -> Result<View> {
-    let numbers = sets::parse("--view", text)?;
-    let ([azimuth_deg, elevation_deg] | [azimuth_deg, elevation_deg, _]) = numbers[..] else {
-        return Err(Error::input(format!(
-            "--view {text}: give azimuth, elevation and perhaps the width in mm, as in 190,58,4.4"
-        )));
-    };
-    Ok(View { bearing: Bearing { azimuth_deg, elevation_deg }, width_mm: numbers.get(2).copied() })
-}
-
-/// A time: a number with an optional unit s, m or h.
-fn duration(text: &str) -> Result<Duration> {
-    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
-    let unit = match &text[split..] {
-        "" | "s" => 1.0,
-        "m" | "min" => 60.0,
-        "h" => 3600.0,
-        _ => f64::NAN,
-    };
-    match text[..split].trim().parse::<f64>().map(|value| value * unit) {
-        Ok(seconds) if seconds > 0.0 && seconds < 1e7 => Ok(Duration::from_secs_f64(seconds)),
-        _ => Err(Error::input(format!("--time {text}: give a time such as 30s, 5m or 1h"))),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_are_read_with_their_units() {
-        assert_eq!(duration("30s").unwrap(), Duration::from_secs(30));
-        assert_eq!(duration("1.5m").unwrap(), Duration::from_secs(90));
-        for bad in ["", "s", "-3s", "0", "5d", "inf"] {
-            assert!(duration(bad).unwrap_err().is_input(), "{bad}");
-        }
     }
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
+mod bench_render;
 mod brdf;
 mod cache;
 mod campaign;

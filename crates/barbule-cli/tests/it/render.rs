@@ -70,7 +70,8 @@ fn exr_frames_and_scene_files_are_written() {
 #[test]
 fn frames_share_one_feather_and_its_hierarchy() {
     let folder = tempfile::tempdir().unwrap();
-    let common = ["starling", "--light=20,50", "-o", "f.png", "--frames", "3", "--verbose"];
+    let common =
+        ["starling", "--light=20,50", "-o", "f.png", "--frames", "3", "--arc", "light=360", "--verbose"];
     let output = barbule(folder.path(), &[&common[..], QUICK].concat()).output().unwrap();
     let log = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{log}");
@@ -88,6 +89,199 @@ fn frames_share_one_feather_and_its_hierarchy() {
     };
     assert_eq!(drawn("f-0001.png"), drawn("g.png"));
     assert_ne!(drawn("f-0000.png"), drawn("f-0001.png"));
+}
+
+/// What a run reports of its pictures; the pixels' hash among it.
+fn report(folder: &Path, arguments: &[&str]) -> Value {
+    let output = barbule(folder, &[arguments, QUICK, &["--json"]].concat()).output().unwrap();
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice::<Value>(&output.stdout).unwrap()[0].clone()
+}
+
+/// A preset prints its own text; with flags, or from a file, the scene that they describe. Both are drawn as the same picture.
+#[test]
+fn a_printed_scene_is_the_same_picture_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::create_dir(at("lamps")).unwrap();
+    std::fs::write(at("lamps/lamp.csv"), "nm,power\n400,2000\n500,4000\n700,9000\n").unwrap();
+    let text = "preset = \"magpie\"\nexposure = \"auto\"\n[[lights]]\ntype = \"sphere\"\nposition_mm = [4, 9, 9]\nradius_mm = 2\n\
+                strength = 3\nspectrum = \"lamp.csv\"\n";
+    std::fs::write(at("lamps/scene.toml"), text).unwrap();
+    let cases: [&[&str]; 3] = [
+        &["starling"],
+        &["starling", "--light=30,50", "--exposure", "0.5", "--view=190,60,2.5"],
+        &["lamps/scene.toml"],
+    ];
+    for arguments in cases {
+        let printed = barbule(folder.path(), &[arguments, &["--toml"]].concat()).output().unwrap();
+        assert!(printed.status.success(), "{}", String::from_utf8_lossy(&printed.stderr));
+        std::fs::write(at("printed.toml"), &printed.stdout).unwrap();
+        let drawn = report(folder.path(), &[arguments, &["-o", "a.png"]].concat());
+        let again = report(folder.path(), &["printed.toml", "-o", "b.png"]);
+        assert_eq!(drawn["pixel_hash"], again["pixel_hash"], "{arguments:?}");
+        assert_eq!(drawn["exposure"], again["exposure"]);
+        let has_comments = String::from_utf8_lossy(&printed.stdout).contains("# standard deviations");
+        assert_eq!(has_comments, arguments.len() == 1 && arguments[0] == "starling");
+    }
+    let both = barbule(folder.path(), &["starling", "--toml", "-o", "x.png"]).assert().code(2);
+    assert!(String::from_utf8_lossy(&both.get_output().stderr).contains("cannot be used with"));
+}
+
+#[test]
+fn exposures_are_factors_or_found_by_a_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let exposure = |report: &Value| report["exposure"].as_str().unwrap().parse::<f64>().unwrap();
+    let bright = report(folder.path(), &["starling", "-o", "a.png", "--exposure", "0.5"]);
+    assert_eq!((exposure(&bright), &bright["exposure_by"]), (0.5, &"factor".into()));
+    let found = report(folder.path(), &["starling", "-o", "b.png", "--exposure", "auto"]);
+    assert_eq!(found["exposure_by"], "key");
+    // Four times the light needs a quarter of the exposure: the key knows no unit.
+    std::fs::write(
+        folder.path().join("bright.toml"),
+        "preset = \"starling\"\nexposure = \"auto\"\nsky = 3.2\n[light]\nstrength = 10.0\n",
+    )
+    .unwrap();
+    let fourfold = report(folder.path(), &["bright.toml", "-o", "c.png"]);
+    let ratio = exposure(&found) / exposure(&fourfold);
+    // Shadow rays for little light are drawn by its amount, so samples differ a little.
+    assert!((ratio - 4.0).abs() < 0.05, "{ratio}");
+    // Frames share the first one's.
+    let common =
+        ["starling", "-o", "f.png", "--exposure", "auto", "--frames", "3", "--arc", "light=120", "--json"];
+    let output = barbule(folder.path(), &[&common[..], QUICK].concat()).output().unwrap();
+    let frames: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(frames.iter().all(|frame| frame["exposure"] == frames[0]["exposure"]));
+}
+
+/// The usual sequence stays in the light: no frame is much darker than the brightest.
+#[test]
+fn no_frame_of_the_usual_sequence_is_dark() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["starling", "-o", "f.exr", "--frames", "4"];
+    barbule(folder.path(), &[&arguments[..], QUICK].concat()).assert().success();
+    let means: Vec<f64> = (0..4)
+        .map(|frame| {
+            let image =
+                barbule::io::image::read_exr(&folder.path().join(format!("f-000{frame}.exr"))).unwrap();
+            let green = image.pixels.iter().map(|pixel| f64::from(pixel[1]));
+            green.sum::<f64>() / image.pixels.len() as f64
+        })
+        .collect();
+    let brightest = means.iter().copied().fold(0.0, f64::max);
+    assert!(means.iter().all(|mean| *mean > 0.3 * brightest), "{means:?}");
+}
+
+#[test]
+fn pictures_are_cut_out_or_stand_before_a_background() {
+    let folder = tempfile::tempdir().unwrap();
+    // Far enough to see past the feather.
+    let far = ["starling", "--view=190,60,20"];
+    let draw = |more: &[&str]| report(folder.path(), &[&far, more].concat());
+    draw(&["-o", "none.png", "--background", "none"]);
+    let read = |name: &str| {
+        let bytes = std::fs::read(folder.path().join(name)).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let channels = reader.next_frame(&mut pixels).unwrap().color_type.samples();
+        (channels, pixels)
+    };
+    let (channels, cut) = read("none.png");
+    let alpha: Vec<u8> = cut.chunks_exact(4).map(|pixel| pixel[3]).collect();
+    assert_eq!((channels, alpha[0]), (4, 0));
+    assert!(alpha.contains(&255) && alpha.iter().any(|a| (1..255).contains(a)));
+    draw(&["-o", "blue.png", "--background", "#2040ff"]);
+    let (channels, blue) = read("blue.png");
+    assert_eq!((channels, &blue[..3]), (3, &[0x20, 0x40, 0xff][..]));
+    // Where the feather covers a pixel, it is the same in front of everything.
+    for (pixel, behind) in cut.chunks_exact(4).zip(blue.chunks_exact(3)).filter(|(pixel, _)| pixel[3] == 255)
+    {
+        assert_eq!(pixel[..3], *behind);
+    }
+    // A picture of itself: behind the feather it is what it was.
+    draw(&["-o", "again.png", "--background", "blue.png"]);
+    let (_, again) = read("again.png");
+    assert_eq!(again[..3], blue[..3]);
+    let sky = draw(&["-o", "sky.png", "--background", "sky"]);
+    assert_eq!(sky["pixel_hash"], draw(&["-o", "plain.png"])["pixel_hash"]);
+    let refused =
+        barbule(folder.path(), &["starling", "-o", "x.png", "--background", "wall.jpg"]).assert().code(2);
+    let message = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(message.contains("--background") && message.contains(".png or .exr"), "{message}");
+}
+
+/// EXR: nothing below zero unless asked, spectral planes whose sum under ȳ is the luminance, mattes that cover what alpha covers.
+#[test]
+fn exr_planes_fit_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["magpie", "--background", "none", "--view=190,60,20", "--spectral", "380:720:20"];
+    for more in [&["-o", "m.exr"][..], &["-o", "k.exr", "--keep-gamut"]] {
+        report(folder.path(), &[&arguments[..], more].concat());
+    }
+    let planes = |name: &str| {
+        let image = exr::prelude::read_all_flat_layers_from_file(folder.path().join(name)).unwrap();
+        let channels = image.layer_data[0].channel_data.list.clone();
+        move |plane: &str| -> Vec<f32> {
+            let found = channels.iter().find(|channel| channel.name.eq(plane));
+            found.unwrap_or_else(|| panic!("no plane {plane}")).sample_data.values_as_f32().collect()
+        }
+    };
+    let (kept, plane) = (planes("k.exr"), planes("m.exr"));
+    let lowest = |values: Vec<f32>| values.into_iter().fold(f32::INFINITY, f32::min);
+    for name in ["R", "G", "B", "albedo.R", "albedo.G", "albedo.B"] {
+        assert!(lowest(plane(name)) >= 0.0, "{name}");
+    }
+    assert!(["R", "G", "B"].iter().any(|name| lowest(kept(name)) < 0.0));
+    let (alpha, luminance, depth) = (plane("A"), plane("XYZ.Y"), plane("depth.Z"));
+    assert!(alpha.iter().all(|a| (0.0..=1.0).contains(a)));
+    let mut cover = vec![0.0; alpha.len()];
+    for layer in ["CryptoMaterial00.G", "CryptoMaterial00.A", "CryptoMaterial01.G"] {
+        cover.iter_mut().zip(plane(layer)).for_each(|(sum, value)| *sum += value);
+    }
+    for (pixel, a) in alpha.iter().enumerate() {
+        assert_eq!(depth[pixel] >= 1e10, cover[pixel] == 0.0);
+        if *a == 0.0 {
+            assert_eq!((luminance[pixel], cover[pixel]), (0.0, 0.0));
+        }
+        if *a == 1.0 {
+            assert_eq!(cover[pixel], 1.0);
+        }
+    }
+    // Bands of the spectrum, summed up as the eye does, are the luminance: within what 20 nm resolve.
+    let mut sum = vec![0.0; alpha.len()];
+    for nm in (380..=720).step_by(20) {
+        let weight = barbule::spectrum::colour::matching(f64::from(nm))[1];
+        let values = plane(&format!("S0.{nm},0nm"));
+        sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * f64::from(value));
+    }
+    let total = |values: &[f64]| values.iter().sum::<f64>();
+    let luminance: Vec<f64> = luminance.into_iter().map(f64::from).collect();
+    let daylight = barbule::scene::emission::Emission::daylight().luminance() / 20.0;
+    let ratio = total(&sum) / daylight / total(&luminance);
+    assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
+}
+
+#[test]
+fn example_scenes_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenes");
+    let scenes = barbule::io::files_in(&examples, "toml");
+    assert!(scenes.len() >= 2);
+    for scene in scenes {
+        let name = format!("{}.png", scene.file_stem().unwrap().to_string_lossy());
+        let drawn = report(folder.path(), &[&scene.to_string_lossy(), "-o", &name]);
+        assert!(drawn["paths"].as_u64().unwrap() > 0);
+    }
+}
+
+/// Previews change nothing about the picture, nor does the size of rounds.
+#[test]
+fn a_previewed_picture_has_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = report(folder.path(), &["starling", "-o", "a.png"]);
+    let previewed = report(folder.path(), &["starling", "-o", "b.png", "--preview=0.000001s"]);
+    assert_eq!(plain["pixel_hash"], previewed["pixel_hash"]);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
 #[test]
@@ -135,6 +329,15 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
         (&["starling", "-o", "x.png", "--view", "1,2,3,4"], "width in mm"),
         (&["starling", "-o", "x.png", "--view", "1,2,1000"], "0.05 to 50"),
         (&["starling", "-o", "x.png", "--frames", "0"], "--frames 0"),
+        (&["starling", "-o", "x.png", "--frames", "3", "--arc", "lght=3"], "did you mean 'light'"),
+        (&["starling", "-o", "x.png", "--frames", "3", "--arc", "light=9999"], "at most 3600"),
+        (&["starling", "-o", "x.png", "--frames", "3", "--path", "light=3,50"], "two points"),
+        (&["starling", "-o", "x.png", "--exposure", "-2"], "--exposure -2: give a factor"),
+        (&["starling", "-o", "x.png", "--background", "#12"], "as in #20406a"),
+        (&["starling", "-o", "x.png", "--background", "none.png"], "no such file"),
+        (&["starling", "-o", "x.png", "--spectral", "500"], "end the name with .exr"),
+        (&["starling", "-o", "x.exr", "--spectral", "300:700:10"], "--spectral: 300 nm is outside"),
+        (&["starling", "-o", "x.png", "--preview=soon"], "--preview soon: give a time"),
         (&["none.toml", "-o", "x.png"], "no such file"),
         (&["bad.toml", "-o", "x.png"], "did you mean 'exposure'"),
     ];

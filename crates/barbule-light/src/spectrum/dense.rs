@@ -16,20 +16,45 @@ pub const WAVES: usize = 8;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lambdas {
     nm: [f64; WAVES],
+    places: Places,
+}
+
+/// Where wavelengths lie in tables of one value per nm: the values before them, and how far they are on the way to the
+/// next. Found once for all spectra that a path asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Places {
+    /// Indices of the values before; at most [`VALUES`] − 2.
+    pub below: [u32; WAVES],
+    /// 0 … 1 from there to the next value.
+    pub rest: [f64; WAVES],
 }
 
 impl Lambdas {
     /// Wavelengths, nm, the hero first.
+    #[inline(always)]
     #[must_use]
     pub fn new(nm: [f64; WAVES]) -> Self {
-        Self { nm }
+        let (mut below, mut rest) = ([0; WAVES], [0.0; WAVES]);
+        for k in 0..WAVES {
+            let at = (nm[k] - SHORTEST_NM).clamp(0.0, (VALUES - 1) as f64);
+            below[k] = (at as u32).min(VALUES as u32 - 2);
+            rest[k] = at - f64::from(below[k]);
+        }
+        Self { nm, places: Places { below, rest } }
     }
 
     /// The same wavelength for all, nm.
     #[inline]
     #[must_use]
     pub fn splat(nm: f64) -> Self {
-        Self { nm: [nm; WAVES] }
+        Self::new([nm; WAVES])
+    }
+
+    /// Where they lie in tables of one value per nm.
+    #[inline(always)]
+    #[must_use]
+    pub fn places(&self) -> &Places {
+        &self.places
     }
 
     /// In nm, the hero first.
@@ -57,20 +82,20 @@ impl Lambdas {
 /// A quantity at 380, 381 … 720 nm, linear between and held outside. A copy costs nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DenseSpectrum {
-    values: Arc<[f64]>,
+    values: Arc<[f64; VALUES]>,
 }
 
 impl DenseSpectrum {
     /// From a function of the wavelength in nm.
     #[must_use]
     pub fn new(value: impl Fn(f64) -> f64) -> Self {
-        Self { values: (0..VALUES).map(|i| value(SHORTEST_NM + i as f64)).collect() }
+        Self { values: Arc::new(std::array::from_fn(|i| value(SHORTEST_NM + i as f64))) }
     }
 
     /// The values, one per nm. Length [`VALUES`].
     #[must_use]
     pub fn values(&self) -> &[f64] {
-        &self.values
+        &self.values[..]
     }
 
     /// The value at a wavelength, nm.
@@ -84,16 +109,26 @@ impl DenseSpectrum {
     }
 
     /// The values at the wavelengths of a path.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn at_each(&self, wavelengths: Lambdas) -> [f64; WAVES] {
-        wavelengths.map(|w| self.at(w))
+        let Places { below, rest } = wavelengths.places;
+        let (mut low, mut high) = ([0.0; WAVES], [0.0; WAVES]);
+        for k in 0..WAVES {
+            // The least of both is below itself; it lets the compiler see that.
+            let index = (below[k] as usize).min(VALUES - 2);
+            (low[k], high[k]) = (self.values[index], self.values[index + 1]);
+        }
+        for k in 0..WAVES {
+            low[k] += (high[k] - low[k]) * rest[k];
+        }
+        low
     }
 
     /// The same spectrum times a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        Self { values: self.values.iter().map(|v| v * factor).collect() }
+        Self { values: Arc::new(self.values.map(|v| v * factor)) }
     }
 }
 
@@ -107,6 +142,9 @@ mod tests {
         assert_eq!(spectrum.at(500.25), 500.25);
         assert_eq!([300.0, 800.0, 380.5, 719.5].map(|nm| spectrum.at(nm)), [380.0, 720.0, 380.5, 719.5]);
         assert_eq!(spectrum.at_each(Lambdas::splat(500.25)), [500.25; WAVES]);
+        for nm in [300.0, 380.0, 380.5, 555.125, 719.5, 720.0, 800.0] {
+            assert_eq!(spectrum.at_each(Lambdas::splat(nm)), [spectrum.at(nm); WAVES]);
+        }
         assert_eq!((spectrum.values().len(), spectrum.scaled(2.0).at(LONGEST_NM)), (VALUES, 1440.0));
     }
 }

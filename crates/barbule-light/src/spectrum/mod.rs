@@ -12,6 +12,7 @@ pub mod difference;
 pub mod fields;
 pub mod hue;
 pub mod look;
+pub mod primaries;
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! PNG and EXR: pictures are written, skies are read.
+//! PNG and EXR: pictures are written, skies and backgrounds are read.
 
 use std::path::Path;
 
@@ -9,19 +9,26 @@ use exr::prelude::{
 };
 
 use super::{read_bytes, write_whole};
+use crate::spectrum::colour::decode;
 use crate::{Error, Result};
 
 /// Facts about a picture: name and text.
 pub type Facts<'a> = [(&'a str, &'a str)];
 
-/// Writes an 8-bit RGB PNG with text chunks.
+/// Writes an 8-bit PNG with text chunks, RGB or RGBA.
 ///
 /// # Errors
-/// `rgb` is not width × height × 3 bytes, or the file cannot be written.
-pub fn write_png(path: &Path, size: [u32; 2], rgb: &[u8], facts: &Facts<'_>) -> Result<()> {
+/// `pixels` is not width × height × 3 or 4 bytes, or the file cannot be written.
+pub fn write_png(
+    path: &Path,
+    size: [u32; 2],
+    pixels: &[u8],
+    has_alpha: bool,
+    facts: &Facts<'_>,
+) -> Result<()> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
-    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_color(if has_alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let refuse = |e: png::EncodingError| Error::machine(format!("{}: no PNG ({e})", path.display()));
@@ -29,12 +36,13 @@ pub fn write_png(path: &Path, size: [u32; 2], rgb: &[u8], facts: &Facts<'_>) -> 
         encoder.add_itxt_chunk((*name).to_owned(), (*text).to_owned()).map_err(refuse)?;
     }
     let mut writer = encoder.write_header().map_err(refuse)?;
-    writer.write_image_data(rgb).map_err(refuse)?;
+    writer.write_image_data(pixels).map_err(refuse)?;
     writer.finish().map_err(refuse)?;
     write_whole(path, &bytes)
 }
 
-/// Writes an EXR (ZIP compression) with named planes of 32-bit floats and of 32-bit integers, and text attributes.
+/// Writes an EXR (ZIP compression) with named planes of 32-bit floats and of 32-bit integers, and text attributes: facts with
+/// `barbule_` before their names, others as they are.
 ///
 /// # Errors
 /// A plane of another size, or the file cannot be written.
@@ -44,6 +52,7 @@ pub fn write_exr(
     floats: Vec<(&str, Vec<f32>)>,
     counts: Vec<(&str, Vec<u32>)>,
     facts: &Facts<'_>,
+    others: &Facts<'_>,
 ) -> Result<()> {
     let pixels = size[0] as usize * size[1] as usize;
     let floats = floats.into_iter().map(|(name, values)| (name, FlatSamples::F32(values)));
@@ -59,9 +68,9 @@ pub fn write_exr(
         list.push(AnyChannel::new(name, samples));
     }
     let mut attributes = LayerAttributes::named("barbule");
-    for (name, text) in facts {
-        // The format keeps names such as `version` for itself, and knows Latin letters only.
-        let name = format!("barbule_{name}");
+    // The format keeps names such as `version` for itself, and knows Latin letters only.
+    let facts = facts.iter().map(|(name, text)| (format!("barbule_{name}"), *text));
+    for (name, text) in facts.chain(others.iter().map(|(name, text)| ((*name).to_owned(), *text))) {
         let latin: String = text.chars().map(|c| if c.is_ascii() { c } else { '?' }).collect();
         if let (Some(name), Some(text)) = (Text::new_or_none(&name), Text::new_or_none(&latin)) {
             attributes.other.insert(name, AttributeValue::Text(text));
@@ -119,11 +128,75 @@ pub struct RgbImage {
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// Largest picture that is read: 4096 × 2048 pixels, as much as a sky needs.
+/// Largest picture that is read: 4096 × 2048 pixels, as much as a sky needs. What packs 8 pixels into a byte is packed no better
+/// than a sky of one colour.
 const MOST_PIXELS: usize = 4096 * 2048;
 
 /// Compression never gains more than this; a header that claims more pixels per byte of file is not believed.
 const MOST_PIXELS_PER_BYTE: usize = 1100;
+
+/// What the values of a picture mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Meaning {
+    /// Colours: those of a PNG are a screen's.
+    Colour,
+    /// Numbers, 0 … 1 in a PNG.
+    Number,
+}
+
+/// Reads a picture, colours in linear sRGB, and whether it is one of radiance: an EXR, or a PNG, whose 1 is a screen's white. Alpha
+/// is left out.
+///
+/// # Errors
+/// As [`read_exr`]; or neither EXR nor PNG.
+pub fn read_picture(path: &Path, meaning: Meaning) -> Result<(RgbImage, bool)> {
+    let ends_with = |end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
+    if ends_with("exr") {
+        return Ok((read_exr(path)?, true));
+    }
+    if ends_with("png") {
+        return Ok((read_png(path, meaning)?, false));
+    }
+    Err(Error::input(format!("{}: pictures are read from .png or .exr", path.display())))
+}
+
+/// Reads a PNG of any kind.
+fn read_png(path: &Path, meaning: Meaning) -> Result<RgbImage> {
+    let bytes = read_bytes(path)?;
+    let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
+    let sentence = |error: png::DecodingError| {
+        let text: String = error.to_string().chars().take(200).collect();
+        refuse(&format!("cannot be read as a PNG ({text})"))
+    };
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(&bytes));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().map_err(sentence)?;
+    let size = [reader.info().width, reader.info().height].map(|side| side as usize);
+    check_pixels(path, size, bytes.len())?;
+    let length = reader.output_buffer_size().ok_or_else(|| refuse("is too large"))?;
+    let mut values = vec![0; length];
+    let frame = reader.next_frame(&mut values).map_err(sentence)?;
+    let value = |v: f64| if meaning == Meaning::Colour { decode(v) } else { v };
+    let table: Vec<f32> = (0..=255).map(|v| value(f64::from(v) / 255.0) as f32).collect();
+    let channels = frame.color_type.samples();
+    let pixels = values[..frame.buffer_size()].chunks_exact(channels).map(|pixel| {
+        let colour = if channels < 3 { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] };
+        colour.map(|v| table[usize::from(v)])
+    });
+    Ok(RgbImage { size, pixels: pixels.collect() })
+}
+
+/// Refuses a header that claims too much.
+fn check_pixels(path: &Path, [width, height]: [usize; 2], bytes: usize) -> Result<()> {
+    let pixels = width.saturating_mul(height);
+    if pixels > MOST_PIXELS || pixels > bytes.saturating_mul(MOST_PIXELS_PER_BYTE) {
+        return Err(Error::input(format!(
+            "{}: says that it has {width} x {height} pixels; give a picture of at most 4096 x 2048",
+            path.display()
+        )));
+    }
+    Ok(())
+}
 
 /// Reads planes R, G and B of the first layer of an EXR that has them.
 ///
@@ -138,13 +211,7 @@ pub fn read_exr(path: &Path) -> Result<RgbImage> {
     };
     let headers = MetaData::read_from_buffered(&bytes[..], false).map_err(sentence)?.headers;
     for header in &headers {
-        let Vec2(width, height) = header.layer_size;
-        let pixels = width.saturating_mul(height);
-        if pixels > MOST_PIXELS || pixels > bytes.len().saturating_mul(MOST_PIXELS_PER_BYTE) {
-            return Err(refuse(format!(
-                "says that it has {width} x {height} pixels; give a sky of at most 4096 x 2048"
-            )));
-        }
+        check_pixels(path, [header.layer_size.0, header.layer_size.1], bytes.len())?;
     }
     let image = read()
         .no_deep_data()
@@ -170,7 +237,7 @@ mod tests {
         let path = folder.path().join("sky.exr");
         let plane = |k: usize| (0..12).map(|i| (i * 3 + k) as f32).collect::<Vec<f32>>();
         let planes = vec![("R", plane(0)), ("G", plane(1)), ("B", plane(2)), ("depth.Z", plane(0))];
-        write_exr(&path, [4, 3], planes, vec![("id.N", vec![1; 12])], &[]).unwrap();
+        write_exr(&path, [4, 3], planes, vec![("id.N", vec![1; 12])], &[], &[]).unwrap();
         let image = read_exr(&path).unwrap();
         assert_eq!(image.size, [4, 3]);
         assert_eq!(image.pixels[5], [15.0, 16.0, 17.0]);
@@ -185,7 +252,7 @@ mod tests {
         for cut in (0..whole.len()).step_by(37) {
             message(&whole[..cut]);
         }
-        write_exr(&path, [4, 3], vec![("Y", plane(0))], vec![], &[]).unwrap();
+        write_exr(&path, [4, 3], vec![("Y", plane(0))], vec![], &[], &[]).unwrap();
         assert!(message(&std::fs::read(&path).unwrap()).contains("R, G and B"));
         assert!(read_exr(&folder.path().join("none.exr")).is_err());
     }
@@ -198,7 +265,7 @@ mod tests {
         let plane = |k: usize| (0..12).map(|i| (i * 3 + k) as f32).collect::<Vec<f32>>();
         let made = || {
             let planes = vec![("R", plane(0)), ("G", plane(1)), ("B", plane(2))];
-            write_exr(&path, [4, 3], planes, vec![], &facts).unwrap();
+            write_exr(&path, [4, 3], planes, vec![], &facts, &[("spectralLayoutVersion", "1.0")]).unwrap();
             std::fs::read(&path).unwrap()
         };
         let first = made();
@@ -210,6 +277,47 @@ mod tests {
             let value = AttributeValue::Text(Text::new_or_none(text).unwrap());
             assert_eq!(header.own_attributes.other.get(&name), Some(&value));
         }
+        assert!(first.windows(21).any(|word| word == b"spectralLayoutVersion"));
+    }
+
+    #[test]
+    fn pngs_come_back_as_linear_light_and_damaged_ones_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("wall.png");
+        for has_alpha in [false, true] {
+            let pixel: &[u8] = if has_alpha { &[255, 0, 128, 9] } else { &[255, 0, 128] };
+            write_png(&path, [3, 2], &pixel.repeat(6), has_alpha, &[]).unwrap();
+            let (image, is_radiance) = read_picture(&path, Meaning::Colour).unwrap();
+            assert_eq!((image.size, image.pixels.len(), is_radiance), ([3, 2], 6, false));
+            assert!((image.pixels[5][2] - 0.215_86).abs() < 1e-5 && image.pixels[5][..2] == [1.0, 0.0]);
+            let (numbers, _) = read_picture(&path, Meaning::Number).unwrap();
+            assert_eq!(numbers.pixels[5], [1.0, 0.0, (128.0_f64 / 255.0) as f32]);
+        }
+        let whole = std::fs::read(&path).unwrap();
+        let message = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            read_picture(&path, Meaning::Colour).unwrap_err().to_string()
+        };
+        assert!(message(b"no picture").contains("cannot be read as a PNG"));
+        for cut in 0..whole.len() - 12 {
+            assert!(message(&whole[..cut]).contains("wall.png"));
+        }
+        // A header of 60000 x 60000 pixels, its checksum made right.
+        let mut wide = whole.clone();
+        for at in [16, 20] {
+            wide[at..at + 4].copy_from_slice(&60_000_u32.to_be_bytes());
+        }
+        let sum = wide[12..29].iter().fold(u32::MAX, |sum, byte| {
+            (0..8).fold(sum ^ u32::from(*byte), |s, _| s >> 1 ^ if s & 1 == 1 { 0xedb8_8320 } else { 0 })
+        });
+        wide[29..33].copy_from_slice(&(!sum).to_be_bytes());
+        assert!(message(&wide).contains("60000 x 60000"));
+        assert!(
+            read_picture(&folder.path().join("wall.jpg"), Meaning::Colour)
+                .unwrap_err()
+                .to_string()
+                .contains(".png or .exr")
+        );
     }
 
     #[test]
@@ -218,8 +326,8 @@ mod tests {
         let path = folder.path().join("wide.exr");
         let size = [5000, 2000];
         let plane = vec![0.0; 10_000_000];
-        write_exr(&path, size, vec![("R", plane.clone()), ("G", plane.clone()), ("B", plane)], vec![], &[])
-            .unwrap();
+        let planes = vec![("R", plane.clone()), ("G", plane.clone()), ("B", plane)];
+        write_exr(&path, size, planes, vec![], &[], &[]).unwrap();
         assert!(read_exr(&path).unwrap_err().to_string().contains("5000 x 2000"));
     }
 }

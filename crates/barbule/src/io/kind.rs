@@ -33,10 +33,14 @@ pub enum InputKind {
 }
 
 /// Keys that only scenes have, species, and stacks.
-const SCENE: [&str; 11] = [
+const SCENE: [&str; 15] = [
     "preset",
     "material",
     "light",
+    "lights",
+    "background",
+    "objects",
+    "turn_deg",
     "camera",
     "window",
     "surfaces",

@@ -21,6 +21,12 @@ pub fn available_memory() -> Option<u64> {
     [system, group(), space()].into_iter().flatten().min()
 }
 
+/// The most bytes of memory that this process has held at once; `None` on systems other than Linux.
+#[must_use]
+pub fn peak_memory() -> Option<u64> {
+    kilobytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
 /// `KEY  123 kB` in bytes.
 fn kilobytes(text: &str, key: &str) -> Option<u64> {
     let rest = text.lines().find_map(|line| line.strip_prefix(key))?;
@@ -48,6 +54,8 @@ mod tests {
         assert_eq!(address_space(&limits.replace("4294967296", "unlimited ")), None);
         if cfg!(target_os = "linux") {
             assert!(available_memory().unwrap() > 10_000_000);
+            let block = vec![1_u8; 64 << 20];
+            assert!(peak_memory().unwrap() > block.len() as u64);
         }
     }
 }

@@ -37,6 +37,8 @@ pub enum Scale {
     Percent,
     /// 0 to 1.
     Fraction,
+    /// No reflectance: a lamp's power, in whatever unit.
+    Power,
 }
 
 /// One measured sample.
@@ -293,6 +295,9 @@ impl Found {
 
     /// Settles percent or parts of 1, and says which.
     fn scale(&mut self, given: Option<Scale>) -> Result<Vec<String>> {
+        if given == Some(Scale::Power) {
+            return Ok(Vec::new());
+        }
         let values = || self.samples.iter().flat_map(|(_, values)| values).copied();
         let largest = values().fold(f64::NEG_INFINITY, f64::max);
         let lowest = values().fold(f64::INFINITY, f64::min);

@@ -1,6 +1,7 @@
 //! The only module that opens files.
 
 mod cache;
+mod curves;
 pub mod image;
 mod kind;
 mod lattice;
@@ -8,9 +9,11 @@ mod machine;
 mod material;
 pub mod measured;
 mod media;
+mod mesh;
 mod named;
 mod orders;
 mod output;
+mod scene;
 mod section;
 mod species;
 mod stack;
@@ -21,13 +24,16 @@ mod whole;
 mod zarr;
 
 pub use cache::{CacheFile, delete_cached, list_cache};
+pub use curves::{curves_text, parse_curves, read_curves};
 pub use kind::{InputKind, kind_of};
 pub use lattice::read_lattice;
-pub use machine::available_memory;
+pub use machine::{available_memory, peak_memory};
 pub use material::{decode_material, encode_material, read_material, write_material};
+pub use mesh::read_mesh;
 pub use named::{files_in, files_named_in};
 pub use orders::{read_keyed_orders, read_orders, write_orders};
 pub use output::{check_writable, is_inside_store, is_same_file, is_stream, write_together, write_whole};
+pub use scene::read_scene_files;
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use species::{
     feather_of, is_species, read_feather, read_flat_stack, read_species, read_species_file,

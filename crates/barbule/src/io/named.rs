@@ -8,9 +8,9 @@ use serde_json::Value;
 use super::read_text;
 
 /// Keys whose texts name files, in structures and scenes.
-const KEYS: [&str; 3] = ["materials", "material", "file"];
+const KEYS: [&str; 8] = ["materials", "material", "file", "spectrum", "mesh", "albedo", "alpha", "normal"];
 
-/// The files there are of those that a structure's or scene's file names under `materials`, `material` and `file`. None
+/// The files there are of those that a structure's or scene's file names under these keys. None
 /// where it cannot be read.
 #[must_use]
 pub fn files_named_in(path: &Path) -> Vec<PathBuf> {

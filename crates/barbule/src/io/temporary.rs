@@ -43,28 +43,28 @@ pub(super) fn again<T>(mut act: impl FnMut() -> io::Result<T>) -> io::Result<T> 
 /// Deletes the temporaries of writers that are no more: entries of a folder whose name `is_ours`. Says how many.
 pub(super) fn sweep(folder: &Path, is_ours: impl Fn(&str) -> bool) -> usize {
     let Ok(entries) = fs::read_dir(folder) else { return 0 };
-    let abandoned = |path: &Path| {
-        let deleted = || if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) }.is_ok();
-        is_abandoned(path) && deleted()
+    let swept = |path: &Path| {
+        // Whoever just made it finds it locked until it is gone.
+        let Some(_held) = abandoned(path) else { return false };
+        if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) }.is_ok()
     };
-    entries.flatten().filter(|e| e.file_name().to_str().is_some_and(&is_ours) && abandoned(&e.path())).count()
+    entries.flatten().filter(|e| e.file_name().to_str().is_some_and(&is_ours) && swept(&e.path())).count()
 }
 
-/// Whether the writer of a temporary file or folder is gone.
-fn is_abandoned(path: &Path) -> bool {
-    let Ok(metadata) = fs::symlink_metadata(path) else { return false };
+/// A temporary file or folder whose writer is gone, locked if it can be; `None` if somebody writes it.
+fn abandoned(path: &Path) -> Option<io::Result<File>> {
+    let metadata = fs::symlink_metadata(path).ok()?;
     let opened = if metadata.is_dir() {
         File::open(path)
     } else if metadata.is_file() {
         File::options().read(true).write(true).open(path)
     } else {
-        return false;
+        return None;
     };
-    match opened.map(|file| file.try_lock()) {
-        Ok(Ok(())) => true,
-        Ok(Err(TryLockError::WouldBlock)) => false,
-        Ok(Err(TryLockError::Error(_))) | Err(_) => {
-            metadata.modified().is_ok_and(|at| at.elapsed().is_ok_and(|age| age > ABANDONED))
-        }
+    let is_old = || metadata.modified().is_ok_and(|at| at.elapsed().is_ok_and(|age| age > ABANDONED));
+    match opened.as_ref().map(File::try_lock) {
+        Ok(Ok(())) => Some(opened),
+        Ok(Err(TryLockError::WouldBlock)) => None,
+        Ok(Err(TryLockError::Error(_))) | Err(_) => is_old().then_some(opened),
     }
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests; some print the figures that they hold
 
+mod agreement;
 mod architecture;
 mod brdf;
 mod colour;
@@ -11,7 +12,9 @@ mod crystals;
 mod film;
 mod geometry;
 mod identity;
+mod lights;
 mod measure;
+mod objects;
 mod picture;
 mod render;
 mod sides;

@@ -15,6 +15,7 @@ use barbule::render::checkpoint;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Technique, Transport};
 use barbule::render::light::{LightSample, Lighting};
+use barbule::render::planes::Planes;
 use barbule::render::run::{Ended, Goal, run};
 use barbule::render::stage::Stage;
 use barbule::scene::camera::{Camera, Projection};
@@ -85,7 +86,7 @@ impl Ready {
     }
 
     fn integrator(&self, most_scatterings: u32, technique: Technique) -> Integrator<'_> {
-        let transport = Transport { most_scatterings, technique };
+        let transport = Transport { most_scatterings, technique, ..Transport::default() };
         Integrator::new(&self.stage, &self.lighting, &self.camera, transport)
     }
 }
@@ -96,7 +97,7 @@ fn film_of(scene: Scene, size: [u32; 2], samples: u32) -> Film {
 }
 
 fn goal(samples: u32) -> Goal {
-    Goal { samples, noise: None, time: None }
+    Goal::samples(samples)
 }
 
 fn film(integrator: &Integrator<'_>, size: [u32; 2], samples: u32) -> Film {
@@ -499,16 +500,18 @@ impl Progress for Impatient {
 fn an_interrupted_picture_goes_on_to_the_same_bits() {
     let scene = starling();
     let integrator = scene.integrator(5, Technique::Both);
-    let goal = Goal { samples: 36, noise: Some(0.08), time: None };
+    let goal = Goal { noise: Some(0.08), ..Goal::samples(36) };
     let mut whole = Film::new([70, 40]).unwrap();
     run(&integrator, &mut whole, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap();
-    let name = checkpoint::name(&SceneDescription::named("starling").unwrap(), "", 1, "", "");
+    let name =
+        checkpoint::name(&SceneDescription::named("starling").unwrap(), "", 1, "", "", &Planes::default());
     let mut part = Film::new([70, 40]).unwrap();
     for patience in [30, 50, 20] {
         let ended =
             run(&integrator, &mut part, 3, goal, &Impatient(AtomicU64::new(patience)), &mut |_| Ok(()));
         assert_eq!(ended.unwrap(), Ended::Stopped);
-        part = checkpoint::read(&checkpoint::write(&part, &name), &name, [70, 40]).unwrap();
+        part =
+            checkpoint::read(&checkpoint::write(&part, &name), &name, [70, 40], Planes::default()).unwrap();
     }
     assert_ne!(part, whole);
     assert_eq!(run(&integrator, &mut part, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap(), Ended::Done);
@@ -528,7 +531,7 @@ fn one_stage_serves_every_light_and_camera() {
         let mut turned = description.clone();
         turned.light.bearing.azimuth_deg += turn_deg;
         turned.camera.bearing.azimuth_deg += 0.5 * turn_deg;
-        let lighting = shared.lighting.with_lamps(turned.lamps()).unwrap();
+        let lighting = shared.lighting.with_lamps(turned.lamps().unwrap()).unwrap();
         let camera = turned.camera();
         let integrator = Integrator::new(&shared.stage, &lighting, &camera, Transport::default());
         let relit = film(&integrator, [40, 24], 4);
@@ -550,7 +553,7 @@ fn a_noise_target_leaves_easy_tiles_early() {
     scene.camera.target -= aside;
     let integrator = scene.integrator(5, Technique::Both);
     let mut film = Film::new([64, 32]).unwrap();
-    let goal = Goal { samples: 64, noise: Some(0.02), time: None };
+    let goal = Goal { noise: Some(0.02), ..Goal::samples(64) };
     run(&integrator, &mut film, 1, goal, &Unobserved, &mut |_| Ok(())).unwrap();
     let hits = |x0: u32| (0..32 * 32).map(|i| film.pixel(x0 + i % 32, i / 32).hits).sum::<u32>();
     assert!(hits(0) < hits(32) / 20, "{} {}", hits(0), hits(32));

@@ -93,7 +93,7 @@ impl Absorption {
     }
 
     /// At the wavelengths of a path.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn at_each(&self, wavelengths: Lambdas) -> [f64; WAVES] {
         self.depth.at_each(wavelengths)

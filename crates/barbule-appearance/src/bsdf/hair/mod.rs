@@ -10,6 +10,7 @@
 //! viewer's.
 
 mod absorption;
+mod lanes;
 mod section;
 mod spread;
 #[cfg(test)]
@@ -21,11 +22,13 @@ use glam::DVec3;
 
 pub use absorption::Absorption;
 
+use self::lanes::{Incidence, Middles, Powers, Spread};
 use self::section::{FOLLOWED, Round, WAYS};
 use self::spread::{Azimuthal, Longitudinal};
 use super::hit::Hit;
 use super::lobes::Lobes;
 use super::{Bsdf, Model};
+use crate::math::elementary::{atan2, sin_cos_turns};
 use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
 
@@ -61,6 +64,7 @@ pub struct Hair {
     /// Of each way through the fibre.
     along: [Longitudinal; WAYS],
     around: Azimuthal,
+    spread: Spread,
     /// Sine and cosine of what the scales add to the viewer's inclination, for each way.
     tilts: [[f64; 2]; WAYS],
 }
@@ -104,17 +108,20 @@ impl Hair {
         let variance = root * root;
         let scale = SCALE * (0.265 * n + 1.194 * n * n + 5.372 * libm::pow(n, 22.0));
         let wide = Longitudinal::new(4.0 * variance);
+        let along = [Longitudinal::new(variance), Longitudinal::new(0.25 * variance), wide, wide];
+        let around = Azimuthal::new(scale);
         Ok(Self {
             index,
             absorption,
-            along: [Longitudinal::new(variance), Longitudinal::new(0.25 * variance), wide, wide],
-            around: Azimuthal::new(scale),
+            along,
+            around,
+            spread: Spread::new(&along, &around),
             tilts: TILTS.map(|factor| [libm::sin(factor * scale_tilt), libm::cos(factor * scale_tilt)]),
         })
     }
 
     /// At a hit, seen from `wo`. The offset follows from the normal: that of a round fibre stands on its axis.
-    #[inline]
+    #[inline(always)]
     pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let side = hit.side(wo);
         let across = (side.wo.x * side.wo.x + side.wo.z * side.wo.z).sqrt();
@@ -136,94 +143,75 @@ pub(super) struct Bound<'a> {
     viewer: [f64; 2],
     /// Sine and cosine of the viewer's inclination as each way sees it over the scales.
     inclinations: [[f64; 2]; WAYS],
-    /// Where the followed ways leave at each wavelength; all the same unless the index is dispersive.
-    azimuths: [[f64; FOLLOWED]; WAVES],
-    /// Share of the power on each way at each wavelength: `[way][wavelength]`.
-    powers: [[f64; WAVES]; WAYS],
-    /// One over their sums.
-    inverse_albedo: [f64; WAVES],
+    /// Where the followed ways leave.
+    middles: Middles,
+    powers: Powers,
 }
 
 impl<'a> Bound<'a> {
     /// `offset`: signed distance of the viewer's ray from the axis over the radius, positive towards the azimuths of x.
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(hair: &'a Hair, offset: f64, wo: DVec3, wavelengths: Lambdas) -> Self {
         let sin = wo.y.clamp(-1.0, 1.0);
         let cos = (1.0 - sin * sin).sqrt();
         let across = (wo.x * wo.x + wo.z * wo.z).sqrt();
         let viewer = if across > 0.0 { [wo.x / across, wo.z / across] } else { [0.0, 1.0] };
-        let depths = hair.absorption.at_each(wavelengths);
-        let mut azimuths = [[0.0; FOLLOWED]; WAVES];
-        let mut powers = [[0.0; WAVES]; WAYS];
-        let mut albedo = [0.0; WAVES];
-        let mut section = Round::new(offset, [sin, cos], hair.index.at(wavelengths.nm()[0]));
-        for k in 0..WAVES {
-            if k > 0 && hair.index == FibreIndex::Keratin {
-                section = Round::new(offset, [sin, cos], hair.index.at(wavelengths.nm()[k]));
-            }
-            azimuths[k] = section.azimuths;
-            for (way, power) in section.attenuations(depths[k]).into_iter().enumerate() {
-                powers[way][k] = power;
-                albedo[k] += power;
-            }
-        }
+        let [hero, ..] = wavelengths.nm();
+        let section = Round::new(offset, [sin, cos], hair.index.at(hero));
+        let (middles, powers) = match hair.index {
+            FibreIndex::Constant(_) => (
+                Middles::Same(section.azimuths),
+                Powers::new(&section, &hair.absorption.at_each(wavelengths)),
+            ),
+            FibreIndex::Keratin => dispersed(hair, offset, [sin, cos], wavelengths),
+        };
         let mut inclinations = [[sin, cos]; WAYS];
         for (inclination, [sin_tilt, cos_tilt]) in inclinations.iter_mut().zip(&hair.tilts) {
             *inclination = [sin * cos_tilt + cos * sin_tilt, (cos * cos_tilt - sin * sin_tilt).abs()];
         }
-        Self { hair, viewer, inclinations, azimuths, powers, inverse_albedo: albedo.map(|a| 1.0 / a) }
+        Self { hair, viewer, inclinations, middles, powers }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn lobes(&self) -> Lobes {
         Lobes::REFLECTION.and(Lobes::TRANSMISSION).and(Lobes::GLOSSY)
     }
 
     /// The density is the value times the cosine over the albedo, since every lobe is drawn in proportion to its power
     /// and exactly: samples all weigh the albedo.
-    #[inline]
+    #[inline(always)]
     pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
         let sin = wi.y.clamp(-1.0, 1.0);
         let cos = (1.0 - sin * sin).sqrt();
         let [x, z] = self.viewer;
-        let azimuth = libm::atan2(x * wi.z - z * wi.x, x * wi.x + z * wi.z);
-        let mut along = [0.0; WAYS];
-        for ((value, lobe), &inclination) in along.iter_mut().zip(&self.hair.along).zip(&self.inclinations) {
-            *value = lobe.density(inclination, sin, cos);
-        }
-        let mut scattered = self.powers[FOLLOWED].map(|power| power * along[FOLLOWED] / TAU);
-        let mut around = self.around(0, azimuth);
-        for (k, sum) in scattered.iter_mut().enumerate() {
-            if k > 0 && self.hair.index == FibreIndex::Keratin {
-                around = self.around(k, azimuth);
-            }
-            let followed = self.powers.iter().zip(&along).zip(&around);
-            *sum += followed.map(|((power, along), around)| power[k] * along * around).sum::<f64>();
-        }
+        let azimuth = atan2(x * wi.z - z * wi.x, x * wi.x + z * wi.z);
+        let light = Incidence { sin, cos, azimuth };
+        let scattered = self.hair.spread.scattered(&self.powers, light, &self.inclinations, &self.middles);
         // The integrator multiplies by this cosine again.
-        let cosine = wi.z.abs().max(LEAST_COSINE);
-        let mut pdf = [0.0; WAVES];
+        let inverse = 1.0 / wi.z.abs().max(LEAST_COSINE);
+        let (mut f, mut pdf) = ([0.0; WAVES], [0.0; WAVES]);
         for k in 0..WAVES {
-            pdf[k] = scattered[k] * self.inverse_albedo[k];
+            f[k] = scattered[k] * inverse;
+            pdf[k] = scattered[k] * self.powers.inverse_albedo[k];
         }
-        (scattered.map(|s| s / cosine), pdf)
+        (f, pdf)
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample(&self, _wo: DVec3, [u, v, choice]: [f64; 3]) -> Option<(DVec3, Lobes)> {
-        let mut rest = choice / self.inverse_albedo[0];
+        let mut rest = choice / self.powers.inverse_albedo[0];
         let mut way = 0;
-        while way < FOLLOWED && rest >= self.powers[way][0] {
-            rest -= self.powers[way][0];
+        while way < FOLLOWED && rest >= self.powers.of[way][0] {
+            rest -= self.powers.of[way][0];
             way += 1;
         }
         // What the choice leaves is uniform again.
-        let again = (rest / self.powers[way][0].max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let again = (rest / self.powers.of[way][0].max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         let sin = self.hair.along[way].sample(self.inclinations[way], u, again);
         let cos = (1.0 - sin * sin).sqrt();
         let azimuth =
-            if way < FOLLOWED { self.azimuths[0][way] + self.hair.around.sample(v) } else { TAU * v };
-        let (sin_azimuth, cos_azimuth) = (libm::sin(azimuth), libm::cos(azimuth));
+            if way < FOLLOWED { self.middles.of_hero()[way] + self.hair.around.sample(v) } else { TAU * v };
+        let [sin_azimuth, cos_azimuth] = sin_cos_turns(azimuth / TAU);
         let [x, z] = self.viewer;
         let wi = DVec3::new(
             cos * (x * cos_azimuth - z * sin_azimuth),
@@ -233,24 +221,33 @@ impl<'a> Bound<'a> {
         let side = if wi.z > 0.0 { Lobes::REFLECTION } else { Lobes::TRANSMISSION };
         Some((wi, side.and(Lobes::GLOSSY)))
     }
+}
 
-    /// Densities of the followed ways at an azimuth from the viewer's, 1/rad.
-    #[inline]
-    fn around(&self, wavelength: usize, azimuth: f64) -> [f64; FOLLOWED] {
-        let middles = &self.azimuths[wavelength];
-        let mut densities = [0.0; FOLLOWED];
-        for (density, middle) in densities.iter_mut().zip(middles) {
-            *density = self.hair.around.density(azimuth - middle);
+/// Middles and powers of a section that each wavelength sees differently.
+fn dispersed(hair: &Hair, offset: f64, inclination: [f64; 2], wavelengths: Lambdas) -> (Middles, Powers) {
+    let depths = hair.absorption.at_each(wavelengths);
+    let mut middles = [[0.0; WAVES]; FOLLOWED];
+    let mut powers = Powers { of: [[0.0; WAVES]; WAYS], inverse_albedo: [0.0; WAVES] };
+    for (k, nm) in wavelengths.nm().into_iter().enumerate() {
+        let section = Round::new(offset, inclination, hair.index.at(nm));
+        for (middles, azimuth) in middles.iter_mut().zip(section.azimuths) {
+            middles[k] = azimuth;
         }
-        densities
+        let mut albedo = 0.0;
+        for (powers, power) in powers.of.iter_mut().zip(section.attenuations_at(depths[k])) {
+            powers[k] = power;
+            albedo += power;
+        }
+        powers.inverse_albedo[k] = 1.0 / albedo;
     }
+    (Middles::Each(middles), powers)
 }
 
 /// Only a direction in the tangent plane itself is nearer.
 const LEAST_COSINE: f64 = 1e-12;
 
 impl FibreIndex {
-    #[inline]
+    #[inline(always)]
     fn at(self, wavelength_nm: f64) -> f64 {
         match self {
             Self::Constant(index) => index,

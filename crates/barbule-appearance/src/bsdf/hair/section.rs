@@ -6,8 +6,12 @@
 
 use std::f64::consts::PI;
 
+use fearless_simd::{Simd, f64x8, prelude::*};
+
 use super::spread::wrap;
 use crate::bsdf::fresnel::fresnel;
+use crate::math::elementary::{asin, exp, exp_each};
+use crate::spectrum::dense::WAVES;
 
 /// Ways that are followed one by one: R (reflected), TT (through), TRT (reflected once inside).
 pub(super) const FOLLOWED: usize = 3;
@@ -30,7 +34,7 @@ impl Round {
     ///   a positive azimuth from the viewer's
     /// - `sin`, `cos`: of the viewer's inclination
     /// - `index`: refractive index, over 1
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(offset: f64, [sin, cos]: [f64; 2], index: f64) -> Self {
         let cos_outside = (1.0 - offset * offset).max(0.0).sqrt();
         let sin_inside = offset * cos / (index * index - sin * sin).sqrt();
@@ -38,8 +42,8 @@ impl Round {
         let sin_along = sin / index;
         let cos_along = (1.0 - sin_along * sin_along).max(0.0).sqrt();
         // γ of the point met, and the turn of the point with each chord.
-        let outside = libm::asin(offset);
-        let turn = PI - 2.0 * libm::asin(sin_inside);
+        let outside = asin(offset);
+        let turn = PI - 2.0 * asin(sin_inside);
         let reflected = 2.0 * outside;
         Self {
             azimuths: [wrap(reflected), wrap(reflected + turn), wrap(wrap(reflected + turn) + turn)],
@@ -48,16 +52,30 @@ impl Round {
         }
     }
 
-    /// Shares of the power on each way, what is reflected inside more than once together last.
+    /// Shares of the power on each way at each wavelength, what is reflected inside more than once together last:
+    /// `[way][wavelength]`.
     ///
-    /// `depth`: absorption over one radius.
-    #[inline]
-    pub(super) fn attenuations(&self, depth: f64) -> [f64; WAYS] {
-        let kept = libm::exp(-depth * self.chord);
+    /// `depths`: absorption over one radius; the section is the same at all wavelengths.
+    #[inline(always)]
+    pub(super) fn attenuations<S: Simd>(&self, simd: S, depths: &[f64; WAVES]) -> [f64x8<S>; WAYS] {
+        let all = |v: f64| f64x8::splat(simd, v);
+        let kept = exp_each(simd, f64x8::from_slice(simd, depths) * all(-self.chord));
+        let f = self.fresnel;
+        let through = all((1.0 - f) * (1.0 - f)) * kept;
+        let again = all(f) * kept;
+        let through_again = through * again;
+        // At f = 1 nothing enters.
+        let rest = through_again * again / (all(1.0) - again).max(all(f64::MIN_POSITIVE));
+        [all(f), through, through_again, rest]
+    }
+
+    /// As [`Round::attenuations`] at one wavelength.
+    #[inline(always)]
+    pub(super) fn attenuations_at(&self, depth: f64) -> [f64; WAYS] {
+        let kept = exp(-depth * self.chord);
         let f = self.fresnel;
         let through = (1.0 - f) * (1.0 - f) * kept;
         let again = f * kept;
-        // At f = 1 nothing enters.
         let rest = through * again * again / (1.0 - again).max(f64::MIN_POSITIVE);
         [f, through, through * again, rest]
     }
@@ -121,7 +139,7 @@ mod tests {
             let viewer = DVec3::new(cos, sin, 0.0);
             let point = DVec3::new((1.0 - offset * offset).sqrt(), 0.0, offset);
             let section = Round::new(offset, [sin, cos], index);
-            let powers = section.attenuations(depth);
+            let powers = section.attenuations_at(depth);
             for (way, (direction, power)) in traced(viewer, point, index, depth).into_iter().enumerate() {
                 let azimuth = direction.z.atan2(direction.x);
                 assert!(wrap(section.azimuths[way] - azimuth).abs() < 1e-9, "way {way}, h {offset}");
@@ -145,7 +163,8 @@ mod tests {
         for offset in [-1.0, -0.9, 0.0, 0.3, 0.999_999, 1.0] {
             for inclination in [0.0, 0.8, -1.5, PI / 2.0] {
                 let (sin, cos) = f64::sin_cos(inclination);
-                let sum: f64 = Round::new(offset, [sin, cos.max(0.0)], 1.55).attenuations(0.0).iter().sum();
+                let sum: f64 =
+                    Round::new(offset, [sin, cos.max(0.0)], 1.55).attenuations_at(0.0).iter().sum();
                 assert!((sum - 1.0).abs() < 1e-12, "{offset} {inclination}: {sum}");
             }
         }

@@ -2,8 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::math::elementary::{exp, ln, sin_cos_turns};
+
 /// Lobes whose density is below e^−60 of what it could be add nothing.
-const NEGLIGIBLE: f64 = -60.0;
+pub(super) const NEGLIGIBLE: f64 = -60.0;
 
 /// Along the fibre: d'Eon et al. 2011, *An energy-conserving hair reflectance model*,
 /// M(θ_i, θ_o) = exp(−sinθ_i sinθ_o/v) I₀(cosθ_i cosθ_o/v) / (2v sinh(1/v)), with ∫ M cosθ_i dθ_i = 1 for every θ_o.
@@ -21,66 +23,73 @@ pub(super) struct Longitudinal {
 
 impl Longitudinal {
     pub(super) fn new(variance: f64) -> Self {
-        let least = libm::exp(-2.0 / variance);
+        let least = exp(-2.0 / variance);
         Self { variance, inverse: 1.0 / variance, least, scale: 1.0 / (variance * (1.0 - least)) }
     }
 
+    /// One over the variance.
+    pub(super) fn inverse(&self) -> f64 {
+        self.inverse
+    }
+
+    /// The normalization, without e^(1/v).
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// The density; directions by sine and cosine of their inclinations.
-    #[inline]
+    #[cfg(test)]
     pub(super) fn density(&self, [sin_o, cos_o]: [f64; 2], sin_i: f64, cos_i: f64) -> f64 {
         let a = cos_i * cos_o * self.inverse;
         // Without I₀'s own e^a, which a small variance would make overflow.
         let rest = -(sin_i * sin_o + 1.0) * self.inverse;
-        if a < SMALL {
-            if rest < NEGLIGIBLE { 0.0 } else { self.scale * i0_small(a) * libm::exp(rest) }
-        } else if a + rest < NEGLIGIBLE {
-            0.0
-        } else {
-            self.scale * i0_large(a) * libm::exp(a + rest)
-        }
+        let is_small = a < SMALL;
+        let power = if is_small { rest } else { a + rest };
+        let i0 = if is_small { i0_small(a) } else { i0_large(a) };
+        if power < NEGLIGIBLE { 0.0 } else { self.scale * i0 * exp(power) }
     }
 
     /// Sine of an inclination with that density, from two uniform numbers (d'Eon et al. 2013, *Importance sampling for
     /// physically-based hair fiber models*).
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample(&self, [sin_o, cos_o]: [f64; 2], u: f64, v: f64) -> f64 {
-        let cosine = (1.0 + self.variance * libm::log(u + (1.0 - u) * self.least)).clamp(-1.0, 1.0);
+        let cosine = (1.0 + self.variance * ln(u + (1.0 - u) * self.least)).clamp(-1.0, 1.0);
         let sine = (1.0 - cosine * cosine).sqrt();
-        (-cosine * sin_o + sine * libm::cos(TAU * v) * cos_o).clamp(-1.0, 1.0)
+        (-cosine * sin_o + sine * sin_cos_turns(v)[1] * cos_o).clamp(-1.0, 1.0)
     }
 }
 
 /// Where the two approximations of I₀ meet.
-const SMALL: f64 = 3.75;
+pub(super) const SMALL: f64 = 3.75;
 
-/// I₀(x) for 0 ≤ x ≤ 3.75 (Abramowitz & Stegun 9.8.1, within 1.6e-7).
-#[inline]
+/// I₀(x) − 1 for 0 ≤ x ≤ 3.75 in powers of (x/3.75)² from the first on (Abramowitz & Stegun 9.8.1, within 1.6e-7).
+pub(super) const SMALL_I0: [f64; 6] =
+    [3.515_622_9, 3.089_942_4, 1.206_749_2, 0.265_973_2, 0.036_076_8, 0.004_581_3];
+
+/// √x I₀(x) e^−x for x ≥ 3.75 in powers of 3.75/x (Abramowitz & Stegun 9.8.2, within 1.9e-7).
+pub(super) const LARGE_I0: [f64; 9] = [
+    0.398_942_28,
+    0.013_285_92,
+    0.002_253_19,
+    -0.001_575_65,
+    0.009_162_81,
+    -0.020_577_06,
+    0.026_355_37,
+    -0.016_476_33,
+    0.003_923_77,
+];
+
+#[cfg(test)]
 fn i0_small(x: f64) -> f64 {
     let t = (x / SMALL) * (x / SMALL);
-    1.0 + t
-        * (3.515_622_9
-            + t * (3.089_942_4 + t * (1.206_749_2 + t * (0.265_973_2 + t * (0.036_076_8 + t * 0.004_581_3)))))
+    1.0 + SMALL_I0.iter().rev().fold(0.0, |sum, term| (sum + term) * t)
 }
 
-/// I₀(x) e^−x for x ≥ 3.75 (Abramowitz & Stegun 9.8.2, within 1.9e-7/√x).
-#[inline]
+/// Times e^−x.
+#[cfg(test)]
 fn i0_large(x: f64) -> f64 {
-    const TERMS: [f64; 8] = [
-        0.013_285_92,
-        0.002_253_19,
-        -0.001_575_65,
-        0.009_162_81,
-        -0.020_577_06,
-        0.026_355_37,
-        -0.016_476_33,
-        0.003_923_77,
-    ];
     let t = SMALL / x;
-    let mut sum = 0.0;
-    for term in TERMS.into_iter().rev() {
-        sum = (sum + term) * t;
-    }
-    (0.398_942_28 + sum) / x.sqrt()
+    LARGE_I0.iter().rev().fold(0.0, |sum, term| sum * t + term) / x.sqrt()
 }
 
 /// Around the fibre: a logistic distribution cut to one turn (Chiang et al. 2016, *A practical and controllable hair and
@@ -100,29 +109,39 @@ pub(super) struct Azimuthal {
 impl Azimuthal {
     /// `scale`: the logistic's s, rad.
     pub(super) fn new(scale: f64) -> Self {
-        let below = 1.0 / (1.0 + libm::exp(PI / scale));
+        let below = 1.0 / (1.0 + exp(PI / scale));
         let inside = 1.0 - 2.0 * below;
         Self { inverse: 1.0 / scale, scale, below, inside, normalization: 1.0 / (scale * inside) }
     }
 
+    /// One over the logistic's s, 1/rad.
+    pub(super) fn inverse(&self) -> f64 {
+        self.inverse
+    }
+
+    /// One over s and the share within one turn, 1/rad.
+    pub(super) fn normalization(&self) -> f64 {
+        self.normalization
+    }
+
     /// 1/rad at an azimuth from the lobe's middle; both −π … π before they were subtracted.
-    #[inline]
+    #[cfg(test)]
     pub(super) fn density(&self, difference: f64) -> f64 {
         let wrapped = wrap(difference).abs();
-        let e = libm::exp(-wrapped * self.inverse);
+        let e = exp(-wrapped * self.inverse);
         self.normalization * e / ((1.0 + e) * (1.0 + e))
     }
 
     /// An azimuth from the lobe's middle, from a uniform number.
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample(&self, u: f64) -> f64 {
         let share = self.below + u * self.inside;
-        (self.scale * libm::log(share / (1.0 - share))).clamp(-PI, PI)
+        (self.scale * ln(share / (1.0 - share))).clamp(-PI, PI)
     }
 }
 
 /// An angle between −2π and 2π, turned to −π … π.
-#[inline]
+#[inline(always)]
 pub(super) fn wrap(angle: f64) -> f64 {
     if angle > PI {
         angle - TAU

@@ -95,7 +95,7 @@ fn absorbing_fibres_keep_what_their_ways_keep() {
         let [own, density] = integrals(&bound);
         assert!((density - 1.0).abs() < FURNACE);
         albedo += own / f64::from(count);
-        powers += bound.powers.iter().map(|way| way[0]).sum::<f64>() / f64::from(count);
+        powers += bound.powers.of.iter().map(|way| way[0]).sum::<f64>() / f64::from(count);
     }
     assert!((albedo - powers).abs() < FURNACE, "{albedo} {powers}");
     assert!((0.2..0.8).contains(&albedo));
@@ -177,7 +177,7 @@ fn samples_all_weigh_the_albedo() {
             let (wi, _) = bound.sample(wo, u).unwrap();
             let (f, pdf) = scattered(&bound, wi);
             for k in 0..WAVES {
-                let albedo: f64 = bound.powers.iter().map(|way| way[k]).sum();
+                let albedo: f64 = bound.powers.of.iter().map(|way| way[k]).sum();
                 assert!((f[k] / pdf[k] / albedo - 1.0).abs() < 1e-12);
             }
         }
@@ -283,7 +283,7 @@ fn albedo(absorption: &Absorption, wavelength_nm: f64) -> f64 {
         .map(|i| {
             let offset = 2.0 * (f64::from(i) + 0.5) / f64::from(count) - 1.0;
             let bound = Bound::new(&hair, offset, viewer(0.0, offset), path);
-            1.0 / bound.inverse_albedo[0] / f64::from(count)
+            1.0 / bound.powers.inverse_albedo[0] / f64::from(count)
         })
         .sum()
 }

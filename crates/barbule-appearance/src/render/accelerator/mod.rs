@@ -4,6 +4,7 @@
 //! in the order of the hierarchy's leaves. Nothing is allocated per ray.
 
 mod hits;
+mod instances;
 mod primitive;
 
 use fearless_simd::{Level, Simd, dispatch};
@@ -13,6 +14,7 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::Ray;
 use obvhs::{Boundable, BvhBuildParams};
 
+pub(super) use instances::Instances;
 use primitive::{Meeting, Primitive, collect, meet};
 
 use crate::bsdf::Hit;
@@ -41,9 +43,14 @@ pub(super) struct Accelerator {
 }
 
 impl Accelerator {
-    /// Builds the hierarchy of a list of objects.
+    /// Builds the hierarchy of those of a list of objects that stand where they were made.
     #[must_use]
     pub(super) fn new(objects: &[Object]) -> Self {
+        Self::of((0..).zip(objects).filter(|(_, object)| object.geometry.places.is_empty()))
+    }
+
+    /// Builds the hierarchy of objects with their indices.
+    fn of<'a>(objects: impl Iterator<Item = (u32, &'a Object)>) -> Self {
         let primitives = collect(objects);
         if primitives.is_empty() {
             return Self { hierarchy: CwBvh::default(), primitives, level: Level::new() };
@@ -65,6 +72,12 @@ impl Accelerator {
             .map(|&index| primitives[pieces[index as usize].primitive as usize])
             .collect();
         Self { hierarchy, primitives, level: Level::new() }
+    }
+
+    /// Bytes of nodes and primitives.
+    #[must_use]
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.hierarchy.nodes[..]) + size_of_val(&self.primitives[..])
     }
 
     /// The nearest hit between `nearest` and `farthest`, mm along the unit direction.

@@ -88,9 +88,10 @@ pub(super) struct Meeting {
 }
 
 /// All primitives of a list of objects: of each the meshes', the ribbons' and the curves'.
-pub(super) fn collect(objects: &[Object]) -> Vec<Primitive> {
-    let mut primitives = Vec::with_capacity(objects.iter().map(|o| o.geometry.primitives()).sum());
-    for (object, Object { geometry, .. }) in (0_u32..).zip(objects) {
+pub(super) fn collect<'a>(objects: impl IntoIterator<Item = (u32, &'a Object)>) -> Vec<Primitive> {
+    let mut primitives = Vec::new();
+    for (object, Object { geometry, .. }) in objects {
+        primitives.reserve(geometry.primitives());
         let mut add = |kind, shape: usize, part: usize, data| {
             primitives.push(Primitive { data, kind, object, shape: shape as u32, part: part as u32 });
         };
@@ -303,7 +304,7 @@ mod tests {
         let mut geometry = Geometry::default();
         geometry.add_curve(&nodes, 1);
         let surface = Surface::Lambertian(Lambertian::new(Reflectance::new(|_| 1.0).unwrap()));
-        let primitives = collect(&[Object { geometry, surface }]);
+        let primitives = collect([(0, &Object { geometry, surface })]);
         let inside = |point: DVec3| {
             nodes.windows(2).map(|pair| distance(point, &pair[0], &pair[1])).fold(f64::INFINITY, f64::min)
         };

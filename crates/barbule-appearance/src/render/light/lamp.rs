@@ -11,18 +11,25 @@ use crate::spectrum::dense::{Lambdas, WAVES};
 
 impl Light {
     /// Whether only rays that leave the scene see it.
+    #[inline(always)]
     pub(super) fn is_infinite(&self) -> bool {
         matches!(self, Self::Sun(_))
     }
 
+    /// Whether no ray ever meets it.
+    pub(super) fn is_point(&self) -> bool {
+        matches!(self, Self::Point(_) | Self::Spot(_))
+    }
+
     /// A direction from `point` towards the light; `None` where the light cannot be seen from there.
+    #[inline(always)]
     pub(super) fn sample(&self, point: DVec3, u: DVec2, wavelengths: Lambdas) -> Option<LightSample> {
         match self {
             Self::Sun(sun) => {
                 let direction = cone(sun.direction, sun.cos_radius, u);
                 let pdf = 1.0 / (TAU * (1.0 - sun.cos_radius));
                 let radiance = sun.emission.at_each(wavelengths);
-                Some(LightSample { direction, distance: f64::INFINITY, pdf, radiance })
+                Some(LightSample { direction, distance: f64::INFINITY, pdf, radiance, is_point: false })
             }
             Self::Rectangle(rectangle) => {
                 let to = rectangle.corner + rectangle.edge_u * u.x + rectangle.edge_v * u.y - point;
@@ -36,6 +43,7 @@ impl Light {
                     distance,
                     pdf: distance * distance / projected,
                     radiance: rectangle.emission.at_each(wavelengths),
+                    is_point: false,
                 })
             }
             Self::Sphere(sphere) => {
@@ -49,7 +57,13 @@ impl Light {
                 let direction = cone(to / squared.sqrt(), 1.0 - one_minus_cos, u);
                 let distance = self.hit(point, direction).unwrap_or_else(|| to.dot(direction));
                 let pdf = 1.0 / (TAU * one_minus_cos);
-                Some(LightSample { direction, distance, pdf, radiance: sphere.emission.at_each(wavelengths) })
+                let radiance = sphere.emission.at_each(wavelengths);
+                Some(LightSample { direction, distance, pdf, radiance, is_point: false })
+            }
+            Self::Point(lamp) => from_point(lamp.position - point, 1.0, lamp.emission.at_each(wavelengths)),
+            Self::Spot(lamp) => {
+                let to = lamp.position - point;
+                from_point(to, lamp.share(-to.normalize_or_zero()), lamp.emission.at_each(wavelengths))
             }
         }
     }
@@ -71,6 +85,7 @@ impl Light {
                 }
                 1.0 / (TAU * sin2 / (1.0 + (1.0 - sin2).sqrt()))
             }
+            Self::Point(_) | Self::Spot(_) => 0.0,
         }
     }
 
@@ -89,14 +104,15 @@ impl Light {
         match self {
             Self::Rectangle(rectangle) => rectangle.emission.at_each(wavelengths),
             Self::Sphere(sphere) => sphere.emission.at_each(wavelengths),
-            Self::Sun(_) => [0.0; WAVES],
+            Self::Sun(_) | Self::Point(_) | Self::Spot(_) => [0.0; WAVES],
         }
     }
 
     /// Distance at which a ray hits the shining side of a light that stands in the scene.
+    #[inline(always)]
     pub(super) fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         match self {
-            Self::Sun(_) => None,
+            Self::Sun(_) | Self::Point(_) | Self::Spot(_) => None,
             Self::Rectangle(rectangle) => {
                 let normal = rectangle.edge_u.cross(rectangle.edge_v);
                 let cosine = normal.dot(direction);
@@ -121,6 +137,16 @@ impl Light {
             }
         }
     }
+}
+
+/// What a point gives that lies `to` mm away, a share of its intensity.
+fn from_point(to: DVec3, share: f64, intensity: [f64; WAVES]) -> Option<LightSample> {
+    let squared = to.length_squared();
+    (squared > 0.0 && share > 0.0).then(|| {
+        let distance = squared.sqrt();
+        let radiance = intensity.map(|value| value * share / squared);
+        LightSample { direction: to / distance, distance, pdf: 1.0, radiance, is_point: true }
+    })
 }
 
 /// Uniform in a cone about a unit vector.

@@ -1,5 +1,6 @@
 //! A scene's lamps and sky, ready to be sampled. They know nothing of shapes: a lamp moves without a new hierarchy.
 
+mod cumulative;
 mod lamp;
 mod sample;
 mod sky;
@@ -11,7 +12,7 @@ use glam::{DVec2, DVec3};
 pub use sample::LightSample;
 use sky::SkySampler;
 
-use crate::scene::light::Lamp;
+use crate::scene::light::{Lamp, Light};
 use crate::scene::sky::Environment;
 use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
@@ -26,6 +27,8 @@ pub struct Lighting {
     sky: Option<Sky>,
     /// Lamps that stand in the scene, which rays can hit.
     standing: Vec<usize>,
+    /// Lamps that only rays which leave the scene see.
+    infinite: Vec<usize>,
     /// Samples of each light that a point takes in the mean.
     counts: Vec<f64>,
 }
@@ -35,6 +38,15 @@ pub struct Lighting {
 struct Sky {
     sampler: Arc<SkySampler>,
     weight: f64,
+}
+
+/// What a ray that leaves the scene sees.
+#[derive(Debug, Clone, Copy)]
+pub enum Far {
+    /// The lamp of this index.
+    Lamp(usize),
+    /// The sky, in this row and column.
+    Sky([usize; 2]),
 }
 
 impl Lighting {
@@ -70,8 +82,10 @@ impl Lighting {
         let few = weights.len() <= AT_ONCE;
         let count = |weight: &f64| if few { 1.0 } else { AT_ONCE as f64 * weight / total };
         let counts = weights.iter().map(count).collect();
-        let standing = (0..lamps.len()).filter(|&i| !lamps[i].light.is_infinite()).collect();
-        Ok(Self { lamps, sky, standing, counts })
+        let infinite = (0..lamps.len()).filter(|&i| lamps[i].light.is_infinite()).collect();
+        let meets = |light: &Light| !light.is_infinite() && !light.is_point();
+        let standing = (0..lamps.len()).filter(|&i| meets(&lamps[i].light)).collect();
+        Ok(Self { lamps, sky, standing, infinite, counts })
     }
 
     /// How many samples of lights a point takes.
@@ -98,6 +112,7 @@ impl Lighting {
 
     /// A direction from `point` towards a light, with its density in all of the point's samples; `None` where the light
     /// cannot be seen from there.
+    #[inline(always)]
     #[must_use]
     pub fn sample(&self, light: usize, point: DVec3, u: DVec2, wavelengths: Lambdas) -> Option<LightSample> {
         let mut sample = match self.lamps.get(light) {
@@ -119,20 +134,29 @@ impl Lighting {
         self.counts[light] * pdf
     }
 
-    /// The lights that a ray sees when it leaves the scene, with their radiance.
-    pub fn escaped(
-        &self,
-        direction: DVec3,
-        wavelengths: Lambdas,
-    ) -> impl Iterator<Item = (usize, [f64; WAVES])> + '_ {
-        let lamps = self.lamps.iter().enumerate();
-        let infinite = lamps.filter(|(_, lamp)| lamp.light.is_infinite());
-        let suns = infinite.map(move |(index, lamp)| (index, lamp.light.escaped(direction, wavelengths)));
-        let sky = self.sky.iter().map(move |sky| {
-            let radiance = sky.sampler.radiance(direction, wavelengths);
-            (self.lamps.len(), radiance)
-        });
-        suns.chain(sky)
+    /// Tells what a ray sees of each light when it leaves the scene: radiance, and for whoever needs it what finds the
+    /// direction's density with [`Lighting::far_pdf`].
+    #[inline(always)]
+    pub fn escaped(&self, direction: DVec3, wavelengths: Lambdas, mut see: impl FnMut([f64; WAVES], Far)) {
+        for &light in &self.infinite {
+            see(self.lamps[light].light.escaped(direction, wavelengths), Far::Lamp(light));
+        }
+        if let Some(sky) = &self.sky {
+            let texel = sky.sampler.texel(direction);
+            see(sky.sampler.spectrum(texel, wavelengths), Far::Sky(texel));
+        }
+    }
+
+    /// Density of a direction in all of a point's samples, 1/sr, from what [`Lighting::escaped`] saw along it: whatever lies
+    /// at infinity is seen from everywhere alike.
+    #[inline(always)]
+    #[must_use]
+    pub fn far_pdf(&self, far: Far, direction: DVec3) -> f64 {
+        match (far, &self.sky) {
+            (Far::Lamp(light), _) => self.pdf(light, DVec3::ZERO, direction),
+            (Far::Sky(texel), Some(sky)) => self.counts[self.lamps.len()] * sky.sampler.texel_pdf(texel),
+            (Far::Sky(_), None) => 0.0,
+        }
     }
 
     /// The nearest lamp that a ray hits farther than `from` mm, and where, mm.

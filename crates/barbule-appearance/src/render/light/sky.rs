@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
+use super::cumulative::Cumulative;
 use super::sample::LightSample;
+use crate::math::elementary::sin_cos_turns;
 use crate::scene::sky::Sky;
 use crate::spectrum::dense::{Lambdas, WAVES};
 
@@ -14,90 +16,76 @@ pub(super) struct SkySampler {
     sky: Sky,
     /// Cosines of the polar angles between rows, `height` + 1 values.
     edges: Vec<f64>,
-    /// Cumulative distribution over rows, `height` + 1 values.
-    rows: Vec<f64>,
-    /// Cumulative distribution over columns in each row, `width` + 1 values a row.
-    columns: Vec<f64>,
+    rows: Cumulative,
+    /// Of each row.
+    columns: Cumulative,
+    /// One over the solid angle of a row's texels, 1/sr.
+    inverse_solid_angles: Vec<f64>,
 }
 
 impl SkySampler {
     /// Sums the sky's radiance.
     pub(super) fn new(sky: Sky) -> Self {
         let [width, height] = sky.size();
-        let texels = sky.texels();
+        let weight = |texel: &[f32; 3]| texel.iter().map(|&v| f64::from(v)).sum();
+        let weights: Vec<f64> = sky.texels().iter().map(weight).collect();
+        let (columns, totals) = Cumulative::new(width, &weights);
         let edges: Vec<f64> = (0..=height).map(|row| (PI * row as f64 / height as f64).cos()).collect();
-        let mut rows = vec![0.0; height + 1];
-        let mut columns = vec![0.0; (width + 1) * height];
-        for row in 0..height {
-            let line = &mut columns[row * (width + 1)..][..=width];
-            for column in 0..width {
-                let weight: f64 = texels[row * width + column].iter().map(|&v| f64::from(v)).sum();
-                line[column + 1] = line[column] + weight;
-            }
-            let total = line[width];
-            if total > 0.0 {
-                line.iter_mut().for_each(|v| *v /= total);
-            }
-            rows[row + 1] = rows[row] + total * solid_angle(&edges, row, width);
-        }
-        let total = rows[height];
-        rows.iter_mut().for_each(|v| *v /= total);
-        Self { sky, edges, rows, columns }
+        let angle = |row: usize| solid_angle(&edges, row, width);
+        let lines: Vec<f64> = totals.iter().enumerate().map(|(row, total)| total * angle(row)).collect();
+        let (rows, _) = Cumulative::new(height, &lines);
+        let inverse_solid_angles = (0..height).map(|row| 1.0 / angle(row)).collect();
+        Self { sky, edges, rows, columns, inverse_solid_angles }
     }
 
-    /// Radiance from a direction.
-    pub(super) fn radiance(&self, direction: DVec3, wavelengths: Lambdas) -> [f64; WAVES] {
-        self.sky.radiance(direction, wavelengths)
+    /// Row and column of the texel in a direction.
+    #[inline(always)]
+    pub(super) fn texel(&self, direction: DVec3) -> [usize; 2] {
+        self.sky.texel(direction).into()
+    }
+
+    /// Radiance of a texel.
+    #[inline(always)]
+    pub(super) fn spectrum(&self, [row, column]: [usize; 2], wavelengths: Lambdas) -> [f64; WAVES] {
+        self.sky.spectrum(row, column, wavelengths)
     }
 
     /// A direction drawn in proportion to the radiance.
+    #[inline(always)]
     pub(super) fn sample(&self, u: DVec2, wavelengths: Lambdas) -> Option<LightSample> {
         let [width, _] = self.sky.size();
-        let (row, v) = invert(&self.rows, u.y);
-        let (column, h) = invert(&self.columns[row * (width + 1)..][..=width], u.x);
+        let (row, v) = self.rows.invert(0, u.y);
+        let (column, h) = self.columns.invert(row, u.x);
         // Uniform in solid angle within the texel: uniform in azimuth and in the cosine.
         let z = self.edges[row] + (self.edges[row + 1] - self.edges[row]) * v;
-        let (sin, cos) = (TAU * ((column as f64 + h) / width as f64 + self.sky.turn())).sin_cos();
+        let [sin, cos] = sin_cos_turns((column as f64 + h) / width as f64 + self.sky.turn());
         let sine = (1.0 - z * z).max(0.0).sqrt();
-        let direction = DVec3::new(sine * sin, sine * cos, z);
-        let pdf = self.texel_pdf(row, column);
+        let direction = self.sky.rotation() * DVec3::new(sine * sin, sine * cos, z);
+        let pdf = self.texel_pdf([row, column]);
         (pdf > 0.0).then(|| LightSample {
             direction,
             distance: f64::INFINITY,
             pdf,
             radiance: self.sky.spectrum(row, column, wavelengths),
+            is_point: false,
         })
     }
 
     /// Density with which [`SkySampler::sample`] draws a direction, 1/sr.
     pub(super) fn pdf(&self, direction: DVec3) -> f64 {
-        let (row, column) = self.sky.texel(direction);
-        self.texel_pdf(row, column)
+        self.texel_pdf(self.texel(direction))
     }
 
-    fn texel_pdf(&self, row: usize, column: usize) -> f64 {
-        let [width, _] = self.sky.size();
-        let line = &self.columns[row * (width + 1)..];
-        let share = (self.rows[row + 1] - self.rows[row]) * (line[column + 1] - line[column]);
-        share / solid_angle(&self.edges, row, width)
+    /// The same for any direction of a texel.
+    #[inline(always)]
+    pub(super) fn texel_pdf(&self, [row, column]: [usize; 2]) -> f64 {
+        self.rows.share(0, row) * self.columns.share(row, column) * self.inverse_solid_angles[row]
     }
 }
 
 /// Solid angle of a texel, sr.
 fn solid_angle(edges: &[f64], row: usize, width: usize) -> f64 {
     TAU / width as f64 * (edges[row] - edges[row + 1])
-}
-
-/// The interval of a cumulative distribution that holds `u`, and where in it, 0 … 1.
-fn invert(cumulative: &[f64], u: f64) -> (usize, f64) {
-    let last = cumulative.len() - 2;
-    let mut index = (cumulative.partition_point(|&c| c <= u).max(1) - 1).min(last);
-    // Rounding may end in an interval of no weight; the one before has some.
-    while index > 0 && cumulative[index + 1] <= cumulative[index] {
-        index -= 1;
-    }
-    let width = cumulative[index + 1] - cumulative[index];
-    (index, if width > 0.0 { ((u - cumulative[index]) / width).clamp(0.0, 1.0) } else { 0.5 })
 }
 
 #[cfg(test)]
@@ -119,7 +107,7 @@ mod tests {
             let sample = sky.sample(u, Lambdas::splat(500.0)).unwrap();
             assert!((sample.direction.length() - 1.0).abs() < 1e-12);
             assert!((sky.pdf(sample.direction) / sample.pdf - 1.0).abs() < 1e-9);
-            assert_eq!(sky.radiance(sample.direction, Lambdas::splat(500.0)), sample.radiance);
+            assert_eq!(sky.spectrum(sky.texel(sample.direction), Lambdas::splat(500.0)), sample.radiance);
         }
     }
 
@@ -128,7 +116,7 @@ mod tests {
         let sky = sky();
         let total: f64 = (0..16)
             .flat_map(|row| (0..32).map(move |column| (row, column)))
-            .map(|(row, column)| sky.texel_pdf(row, column) * solid_angle(&sky.edges, row, 32))
+            .map(|(row, column)| sky.texel_pdf([row, column]) * solid_angle(&sky.edges, row, 32))
             .sum();
         assert!((total - 1.0).abs() < 1e-12);
     }
@@ -142,7 +130,14 @@ mod tests {
         // Column 0 begins at +y; turned by 90° it begins at +x.
         assert!(sample.direction.x > 0.8 && sample.direction.y.abs() < 0.1, "{}", sample.direction);
         assert!((sky.pdf(sample.direction) / sample.pdf - 1.0).abs() < 1e-9);
-        assert!(sky.radiance(sample.direction, Lambdas::splat(550.0))[0] > 1.0);
-        assert_eq!(sky.radiance(DVec3::Y, Lambdas::splat(550.0)), [0.0; WAVES]);
+        assert!(sky.spectrum(sky.texel(sample.direction), Lambdas::splat(550.0))[0] > 1.0);
+        assert_eq!(sky.spectrum(sky.texel(DVec3::Y), Lambdas::splat(550.0)), [0.0; WAVES]);
+        assert_eq!(sky.pdf(DVec3::Y), 0.0);
+        // Rotated about y by 90°: what was at +x is at −z.
+        let rotation = glam::DMat3::from_rotation_y(std::f64::consts::FRAC_PI_2);
+        let rotated = SkySampler::new(sky.sky.clone().rotated(rotation));
+        let again = rotated.sample(DVec2::new(0.5, 0.5), Lambdas::splat(550.0)).unwrap();
+        assert!((again.direction - rotation * sample.direction).length() < 1e-12 && again.direction.z < -0.8);
+        assert!((rotated.pdf(again.direction) / again.pdf - 1.0).abs() < 1e-9);
     }
 }

@@ -2,46 +2,71 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
-use super::{Bearing, FibreDescription, PigmentedKeratin, SceneDescription, SkyDescription};
+use super::{
+    Background, Bearing, FibreDescription, NamedSurface, PigmentedKeratin, SceneDescription, SkyDescription,
+    TextureFile, ViewProjection,
+};
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
-    Absorption, BarbuleSurface, FibreIndex, Hair, HairParameters, Keratin, Reflectance, Surface,
+    Absorption, BarbuleSurface, Dielectric, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Pictures,
+    Reflectance, Surface,
 };
 use crate::math::rng::hash;
+use crate::scene::backdrop::Backdrop;
 use crate::scene::camera::{Camera, Projection, direction};
 use crate::scene::emission::Emission;
 use crate::scene::feather::Counts;
 use crate::scene::light::{Lamp, Light, Sun, disc_radiance};
 use crate::scene::sky::{Environment, Sky};
 use crate::scene::{Object, Scene};
+use crate::spectrum::colour::decode;
 use crate::{Error, Result};
 
-/// Shares of the samples that the key light and the sky get.
-const KEY_WEIGHT: f64 = 0.6;
+/// Shares of the samples that each lamp and the sky get.
+const LAMP_WEIGHT: f64 = 0.6;
 const SKY_WEIGHT: f64 = 0.4;
 
-/// The camera's distance over the picture's width.
-const DISTANCE: f64 = 4.0;
+/// Where nothing is said: four times as far as the picture is wide.
+const USUAL_FOCAL_LENGTH_MM: f64 = 144.0;
+
+/// Width of the film that focal lengths are told for, mm.
+const FILM_MM: f64 = 36.0;
 
 impl SceneDescription {
-    /// The whole scene under the description's own sky. All lights have the spectrum of daylight (D65).
+    /// The whole scene under the description's own sky.
     ///
     /// # Errors
-    /// A number out of range, or a sky that is an image: give it to [`SceneDescription::environment`].
+    /// A number out of range, a file that is not read, or a sky that is an image: give it to
+    /// [`SceneDescription::environment`].
     pub fn scene(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Scene, Counts)> {
         let (objects, counts) = self.objects(brdf, seed)?;
-        let environment = self.environment(None)?;
-        Ok((Scene { objects, lamps: self.lamps(), environment, camera: self.camera() }, counts))
+        let environment = self.environment(None)?.map(|environment| self.around_feather(environment));
+        Ok((Scene { objects, lamps: self.lamps()?, environment, camera: self.camera() }, counts))
     }
 
-    /// The feather: shaft, rami, barbules.
+    /// The feather: shaft, rami, barbules; then the other objects.
     ///
     /// # Errors
-    /// A number out of range.
+    /// A number out of range, or a file that is not read.
     pub fn objects(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Vec<Object>, Counts)> {
         self.check()?;
+        let (mut objects, counts) = if self.shows_feather {
+            self.feather_parts(brdf, seed)?
+        } else {
+            (Vec::new(), Counts::default())
+        };
+        for (index, object) in self.objects.iter().enumerate() {
+            let surface = self.named_surfaces.get(&object.surface).ok_or_else(|| {
+                Error::input(format!("objects[{index}]: there is no surface '{}'", object.surface))
+            })?;
+            objects.push(Object { geometry: object.geometry(index)?, surface: surface.build()? });
+        }
+        Ok((objects, counts))
+    }
+
+    fn feather_parts(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Vec<Object>, Counts)> {
         let grown = self.feather.grow(self.window, seed, hash(seed, &[1]))?;
         let counts = grown.counts();
         let barbule =
@@ -57,23 +82,47 @@ impl SceneDescription {
         Ok((parts.map(|(geometry, surface)| Object { geometry, surface }).into(), counts))
     }
 
-    /// The key light, if it shines.
-    #[must_use]
-    pub fn lamps(&self) -> Vec<Lamp> {
-        if self.light.strength <= 0.0 {
-            return Vec::new();
+    /// The lights that shine, but the sky: the key light in daylight (D65), then the others.
+    ///
+    /// # Errors
+    /// A spectrum that is not read, or has no power that the eye sees.
+    pub fn lamps(&self) -> Result<Vec<Lamp>> {
+        let mut lights = Vec::new();
+        if self.light.strength > 0.0 {
+            let radius = self.light.radius_deg.to_radians();
+            lights.push(Light::Sun(Sun {
+                direction: self.light.bearing.direction(),
+                cos_radius: radius.cos(),
+                emission: Emission::daylight().scaled(disc_radiance(radius, self.light.strength)),
+            }));
         }
-        let radius = self.light.radius_deg.to_radians();
-        let sun = Sun {
-            direction: self.light.bearing.direction(),
-            cos_radius: radius.cos(),
-            emission: Emission::daylight().scaled(disc_radiance(radius, self.light.strength)),
-        };
-        vec![Lamp { light: Light::Sun(sun), weight: KEY_WEIGHT }]
+        for (index, light) in self.lights.iter().enumerate().filter(|(_, light)| light.strength > 0.0) {
+            lights.push(light.build().map_err(|error| error.at(format!("lights[{index}]")))?);
+        }
+        let turn = self.turn_about_feather();
+        let turned = |light| if self.turn_deg == 0.0 { light } else { Light::turned(light, turn) };
+        Ok(lights.into_iter().map(|light| Lamp { light: turned(light), weight: LAMP_WEIGHT }).collect())
     }
 
-    /// The sky: that of `image`, or the description's gradient, brightest at the zenith, a third at the horizon, dark
-    /// below; `None` where it is dark.
+    /// The sky as the turned feather sees it.
+    #[must_use]
+    pub fn around_feather(&self, environment: Environment) -> Environment {
+        if self.turn_deg == 0.0 {
+            return environment;
+        }
+        Environment { sky: environment.sky.rotated(self.turn_about_feather()), ..environment }
+    }
+
+    /// Directions of the scene as the turned feather sees them: everything else turns the other way.
+    fn turn_about_feather(&self) -> DMat3 {
+        let upright = self.upright_camera();
+        let ahead = (upright.target - upright.eye).normalize_or(DVec3::NEG_Z);
+        let up = (upright.up - ahead * ahead.dot(upright.up)).normalize_or(DVec3::Z);
+        DMat3::from_axis_angle(up, -self.turn_deg.to_radians())
+    }
+
+    /// The sky about a feather that is not turned: that of `image`, or the description's gradient, from the zenith to the
+    /// horizon and below; `None` where it is dark.
     ///
     /// # Errors
     /// A description that needs an image.
@@ -81,9 +130,11 @@ impl SceneDescription {
         let sky = match (image, &self.sky) {
             (Some(sky), _) => sky,
             (None, _) if self.is_sky_dark() => return Ok(None),
-            (None, SkyDescription::Gradient(zenith)) => Sky::grey(64, 32, Emission::daylight(), |d| {
-                if d.z >= 0.0 { zenith * (0.35 + 0.65 * d.z) } else { 0.02 * zenith }
-            })?,
+            (None, SkyDescription::Gradient { zenith, horizon, below }) => {
+                Sky::grey(64, 32, Emission::daylight(), |d| {
+                    if d.z >= 0.0 { zenith * (horizon + (1.0 - horizon) * d.z) } else { below * zenith }
+                })?
+            }
             (None, SkyDescription::Image(image)) => {
                 return Err(Error::input(format!(
                     "the sky is the image '{}', which is not read",
@@ -98,7 +149,7 @@ impl SceneDescription {
     #[must_use]
     pub fn is_sky_dark(&self) -> bool {
         let strength = match &self.sky {
-            SkyDescription::Gradient(zenith) => *zenith,
+            SkyDescription::Gradient { zenith, .. } => *zenith,
             SkyDescription::Image(image) => image.strength,
         };
         strength <= 0.0
@@ -107,20 +158,74 @@ impl SceneDescription {
     /// The camera.
     #[must_use]
     pub fn camera(&self) -> Camera {
+        let camera = self.upright_camera();
+        if self.turn_deg == 0.0 {
+            return camera;
+        }
+        let turn = self.turn_about_feather();
+        Camera { eye: turn * camera.eye, target: turn * camera.target, up: turn * camera.up, ..camera }
+    }
+
+    /// The camera about a feather that is not turned. What is in focus need not be what it looks at: then the same picture is that of
+    /// the plane in focus.
+    fn upright_camera(&self) -> Camera {
         let view = &self.camera;
-        let distance = DISTANCE * view.width_mm;
+        let target = DVec3::from(view.target);
+        let (eye, width_mm) = match view.position {
+            None => {
+                let distance =
+                    view.focal_length_mm.unwrap_or(USUAL_FOCAL_LENGTH_MM) / FILM_MM * view.width_mm;
+                (target + view.bearing.direction() * distance, view.width_mm)
+            }
+            Some(position) => {
+                let eye = DVec3::from(position);
+                let width = |focal: f64| FILM_MM / focal * (eye - target).length();
+                (eye, view.focal_length_mm.map_or(view.width_mm, width))
+            }
+        };
+        let distance = (eye - target).length();
         let roll = view.roll_deg.to_radians();
         let up = DVec3::new(roll.sin(), roll.cos(), 0.0);
-        let towards = view.bearing.direction();
+        let towards = (eye - target) / distance;
         // Straight along the picture's own upward direction the vane's normal is upwards.
         let up = if towards.cross(up).length() < 1e-3 { DVec3::Z } else { up };
-        Camera {
-            eye: towards * distance,
-            target: DVec3::ZERO,
-            up,
-            width_mm: view.width_mm,
-            projection: Projection::Perspective { lens_radius: view.lens * distance },
+        let projection = match view.projection {
+            ViewProjection::Perspective => Projection::Perspective { lens_radius: view.lens * distance },
+            ViewProjection::Orthographic => Projection::Orthographic,
+        };
+        let camera = Camera { eye, target, up, width_mm, projection };
+        match view.focus_distance_mm {
+            None => camera,
+            Some(focus) => {
+                Camera { target: eye - towards * focus, width_mm: width_mm * focus / distance, ..camera }
+            }
         }
+    }
+
+    /// What is behind the feather.
+    ///
+    /// # Errors
+    /// A picture that is not read.
+    pub fn backdrop(&self) -> Result<Backdrop> {
+        match &self.background {
+            Background::Sky => Ok(Backdrop::Sky),
+            Background::None => Ok(Backdrop::None),
+            Background::Colour(colour) => Ok(Backdrop::Colour(colour.map(decode))),
+            Background::Picture { picture: picture @ Backdrop::Picture(_), .. } => Ok(picture.clone()),
+            Background::Picture { file, .. } => {
+                Err(Error::input(format!("the background '{file}' is not read")))
+            }
+        }
+    }
+
+    /// Names of the parts that [`SceneDescription::objects`] gives, in their order.
+    #[must_use]
+    pub fn object_names(&self) -> Vec<String> {
+        let parts = ["shaft", "barbs", "barbules"].iter().filter(|_| self.shows_feather);
+        parts
+            .map(|part| (*part).to_owned())
+            .chain(self.objects.iter().map(|object| object.name.clone()))
+            .collect()
     }
 }
 
@@ -129,6 +234,22 @@ impl Bearing {
     #[must_use]
     pub fn direction(&self) -> DVec3 {
         direction(self.azimuth_deg.to_radians(), self.elevation_deg.to_radians())
+    }
+}
+
+impl NamedSurface {
+    fn build(&self) -> Result<Surface> {
+        Ok(match self {
+            Self::Diffuse { colour, pictures } => {
+                let read = |key: &str| pictures.get(key).map(TextureFile::read).transpose();
+                let pictures =
+                    Pictures { albedo: read("albedo")?, alpha: read("alpha")?, normal: read("normal")? };
+                Surface::Lambertian(Lambertian::painted(colour.map(decode), pictures)?)
+            }
+            Self::Keratin(of) => Surface::Keratin(keratin(of)?),
+            Self::Hair(of) => Surface::Hair(hair(of)?),
+            Self::Dielectric { index } => Surface::Dielectric(Dielectric::new(*index)?),
+        })
     }
 }
 
@@ -144,4 +265,87 @@ fn hair(of: &FibreDescription) -> Result<Hair> {
         index: of.index.map_or(FibreIndex::Keratin, FibreIndex::Constant),
         absorption: Absorption::pigments(of.eumelanin, of.pheomelanin)?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+
+    fn starling(text: &str) -> SceneDescription {
+        SceneDescription::parse(&format!("preset = 'starling'\n{text}")).unwrap()
+    }
+
+    /// Where the eye of a camera without a lens is and what is in focus decides nothing about the picture.
+    #[test]
+    fn focus_moves_no_ray_and_positions_take_the_place_of_bearings() {
+        let base = starling("[camera]\nlens = 0.0").camera();
+        let ray = |camera: &Camera, x: f64| camera.ray(DVec2::new(x, 0.3), DVec2::ZERO, [40, 30]);
+        let near = starling("[camera]\nlens = 0.0\nfocus_distance_mm = 9.0").camera();
+        for x in [0.0, 0.4, 1.0] {
+            assert!((ray(&base, x).direction - ray(&near, x).direction).length() < 1e-12);
+        }
+        let sharp = starling("[camera]\nlens = 0.1\nfocus_distance_mm = 9.0").camera();
+        // All rays of a pixel meet 9 mm ahead of the lens.
+        let meets = |lens: DVec2| {
+            let ray = sharp.ray(DVec2::new(0.2, 0.8), lens, [40, 30]);
+            let ahead = (base.target - base.eye).normalize();
+            ray.origin + ray.direction * (9.0 / ray.direction.dot(ahead))
+        };
+        assert!((meets(DVec2::new(0.1, 0.9)) - meets(DVec2::new(0.8, 0.3))).length() < 1e-9);
+        let eye = base.eye;
+        let text =
+            format!("[camera]\nlens = 0.0\nazimuth = 3.0\nposition_mm = [{}, {}, {}]", eye.x, eye.y, eye.z);
+        assert!((starling(&text).camera().eye - eye).length() < 1e-12);
+        let wide =
+            starling("[camera]\nposition_mm = [0, 0, 10]\ntarget_mm = [1, 0, 0]\nfocal_length_mm = 36")
+                .camera();
+        assert!((wide.width_mm - f64::sqrt(101.0)).abs() < 1e-12 && wide.target == DVec3::X);
+        let flat = starling("[camera]\nprojection = 'orthographic'").camera();
+        assert_eq!(flat.projection, Projection::Orthographic);
+        let tele = starling("[camera]\nfocal_length_mm = 288").camera();
+        assert!((tele.eye.length() / eye.length() - 2.0).abs() < 1e-12);
+    }
+
+    /// A turned feather is the same scene seen from elsewhere: light and camera keep their angle, and the picture its upward axis.
+    #[test]
+    fn a_turned_feather_keeps_camera_and_light_together() {
+        let text = "[[lights]]\ntype = 'spot'\nposition_mm = [3, 4, 5]\ntarget_mm = [0, 0, 1]\ncone_deg = 20\nstrength = 1";
+        let (still, turned) = (starling(text), starling(&format!("turn_deg = 50.0\n{text}")));
+        let places = |scene: &SceneDescription| {
+            let lamps = scene.lamps().unwrap();
+            let (Light::Sun(sun), Light::Spot(spot)) = (&lamps[0].light, &lamps[1].light) else { panic!() };
+            [scene.camera().eye, sun.direction, spot.position, spot.axis]
+        };
+        let (before, after) = (places(&still), places(&turned));
+        for i in 0..4 {
+            for j in 0..4 {
+                assert!((before[i].dot(before[j]) - after[i].dot(after[j])).abs() < 1e-9, "{i} {j}");
+            }
+            assert!((before[i] - after[i]).length() > 0.05);
+        }
+        // The picture's upward direction stays where it is in the feather.
+        let upright = |camera: &Camera| {
+            let ahead = (camera.target - camera.eye).normalize();
+            (camera.up - ahead * ahead.dot(camera.up)).normalize()
+        };
+        let (up, up_turned) = (upright(&still.camera()), upright(&turned.camera()));
+        assert!((up - up_turned).length() < 1e-12);
+        let angle = before[0].reject_from(up).angle_between(after[0].reject_from(up));
+        assert!((angle.to_degrees() - 50.0).abs() < 1e-9);
+        let sky = turned.around_feather(turned.environment(None).unwrap().unwrap()).sky;
+        assert!((sky.rotation() * before[1] - after[1]).length() < 1e-12);
+    }
+
+    #[test]
+    fn lights_and_backgrounds_that_are_not_read_are_refused() {
+        let scene = starling(
+            "[background]\nfile = 'wall.png'\n[[lights]]\ntype = 'point'\nposition_mm = [0, 0, 5]\nstrength = 1\nspectrum = 'lamp.csv'",
+        );
+        assert!(
+            scene.lamps().unwrap_err().to_string().contains("lights[0]: the spectrum 'lamp.csv' is not read")
+        );
+        assert!(scene.backdrop().unwrap_err().to_string().contains("'wall.png' is not read"));
+    }
 }

@@ -3,8 +3,13 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Bearing, KeyLight, SceneDescription, SkyDescription, Surfaces, View};
-use crate::error::did_you_mean;
+use super::{
+    Background, Bearing, KeyLight, SceneDescription, SkyDescription, Surfaces, View, ViewProjection, colour,
+    lights, objects,
+};
+use crate::error::{did_you_mean, shortened};
+use crate::fields::Fields;
+use crate::scene::backdrop::Backdrop;
 use crate::scene::feather::{Feather, VaneDisc};
 use crate::scene::preset;
 use crate::{Error, Result};
@@ -63,9 +68,26 @@ layer!(CameraLayer {
     roll_deg: f64,
     width_mm: f64,
     lens: f64,
+    projection: String,
+    position_mm: [f64; 3],
+    target_mm: [f64; 3],
+    focal_length_mm: f64,
+    focus_distance_mm: f64,
 });
 
 layer!(WindowLayer { along_mm: f64, radius_mm: f64 });
+
+/// Radiance of a plain sky at the horizon and below over that at the zenith, where nothing is said.
+const SKY_HORIZON: f64 = 0.35;
+const SKY_BELOW: f64 = 0.02;
+
+/// A factor, or a word: `"auto"` is by a key.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Exposure {
+    Factor(f64),
+    Word(String),
+}
 
 /// A scene file as it is written.
 #[derive(Debug, Default, Deserialize)]
@@ -74,34 +96,53 @@ struct Layer {
     preset: Option<String>,
     material: Option<String>,
     size: Option<[u32; 2]>,
-    exposure: Option<f64>,
+    exposure: Option<Exposure>,
     scatterings: Option<u32>,
     sky: Option<f64>,
+    sky_horizon: Option<f64>,
+    sky_below: Option<f64>,
     sky_image: Option<SkyImage>,
+    background: Option<Value>,
+    #[serde(alias = "turn")]
+    turn_deg: Option<f64>,
     #[serde(default)]
     light: LightLayer,
+    lights: Option<Value>,
     #[serde(default)]
     camera: CameraLayer,
     #[serde(default)]
     window: WindowLayer,
     surfaces: Option<Value>,
     feather: Option<Value>,
+    shows_feather: Option<bool>,
+    objects: Option<Value>,
 }
 
 /// Keys of a scene file, for suggestions; those of feathers and surfaces are known where they are read.
-const KEYS: [&str; 30] = [
+const KEYS: [&str; 41] = [
     "preset",
     "material",
     "size",
     "exposure",
     "scatterings",
     "sky",
+    "sky_horizon",
+    "sky_below",
     "sky_image",
+    "background",
     "light",
+    "lights",
     "camera",
+    "projection",
+    "position_mm",
+    "target_mm",
+    "focal_length_mm",
+    "focus_distance_mm",
     "window",
     "surfaces",
     "feather",
+    "shows_feather",
+    "objects",
     "azimuth",
     "azimuth_deg",
     "elevation",
@@ -171,12 +212,19 @@ impl Layer {
             exposure: self.exposure.or(base.exposure),
             scatterings: self.scatterings.or(base.scatterings),
             sky,
+            sky_horizon: self.sky_horizon.or(base.sky_horizon),
+            sky_below: self.sky_below.or(base.sky_below),
             sky_image,
+            background: self.background.or(base.background),
+            turn_deg: self.turn_deg.or(base.turn_deg),
             light: self.light.over(base.light),
+            lights: self.lights.or(base.lights),
             camera: self.camera.over(base.camera),
             window: self.window.over(base.window),
             surfaces: merged(self.surfaces, base.surfaces),
             feather: merged(self.feather, base.feather),
+            shows_feather: self.shows_feather.or(base.shows_feather),
+            objects: self.objects.or(base.objects),
         }
     }
 
@@ -185,12 +233,24 @@ impl Layer {
         let Self { light, camera, window, .. } = self;
         let sky = match (self.sky_image, self.sky) {
             (Some(image), _) => SkyDescription::Image(image),
-            (None, sky) => SkyDescription::Gradient(need(sky, "sky")?),
+            (None, sky) => SkyDescription::Gradient {
+                zenith: need(sky, "sky")?,
+                horizon: self.sky_horizon.unwrap_or(SKY_HORIZON),
+                below: self.sky_below.unwrap_or(SKY_BELOW),
+            },
         };
+        let (surfaces, named_surfaces) = Surfaces::read(&need(self.surfaces, "surfaces")?)?;
         let description = SceneDescription {
             material: need(self.material, "material")?,
             size: self.size,
-            exposure: need(self.exposure, "exposure")?,
+            exposure: match self.exposure {
+                Some(Exposure::Factor(factor)) => Some(factor),
+                Some(Exposure::Word(word)) if word != "auto" => {
+                    let word = shortened(&word);
+                    return Err(Error::input(format!("exposure is '{word}'; give a number or \"auto\"")));
+                }
+                Some(Exposure::Word(_)) | None => None,
+            },
             scatterings: need(self.scatterings, "scatterings")?,
             sky,
             light: KeyLight {
@@ -201,24 +261,103 @@ impl Layer {
                 radius_deg: need(light.radius_deg, "light.radius_deg")?,
                 strength: need(light.strength, "light.strength")?,
             },
-            camera: View {
-                bearing: Bearing {
-                    azimuth_deg: need(camera.azimuth_deg, "camera.azimuth_deg")?,
-                    elevation_deg: need(camera.elevation_deg, "camera.elevation_deg")?,
-                },
-                roll_deg: need(camera.roll_deg, "camera.roll_deg")?,
-                width_mm: need(camera.width_mm, "camera.width_mm")?,
-                lens: need(camera.lens, "camera.lens")?,
+            lights: match &self.lights {
+                Some(list) => lights::read(list)?,
+                None => Vec::new(),
             },
+            camera: camera.resolved()?,
+            background: self.background.as_ref().map_or(Ok(Background::Sky), Background::read)?,
+            turn_deg: self.turn_deg.unwrap_or(0.0),
             window: VaneDisc {
                 along_mm: need(window.along_mm, "window.along_mm")?,
                 radius_mm: need(window.radius_mm, "window.radius_mm")?,
             },
-            surfaces: Surfaces::read(&need(self.surfaces, "surfaces")?)?,
+            surfaces,
             feather: Feather::read(&need(self.feather, "feather")?)?,
+            shows_feather: self.shows_feather.unwrap_or(true),
+            objects: match &self.objects {
+                Some(list) => objects::read(list, &named_surfaces)?,
+                None => Vec::new(),
+            },
+            named_surfaces,
         };
         description.check()?;
         Ok(description)
+    }
+}
+
+impl CameraLayer {
+    fn resolved(self) -> Result<View> {
+        let projection = match self.projection {
+            None => ViewProjection::Perspective,
+            Some(name) => {
+                let known = ViewProjection::ALL;
+                let found = known.iter().find(|(known, _)| *known == name).map(|(_, projection)| *projection);
+                found.ok_or_else(|| {
+                    let near = did_you_mean(&name, known.map(|(known, _)| known));
+                    let name = shortened(&name);
+                    Error::input(format!(
+                        "camera.projection is '{name}'{near}; give perspective or orthographic"
+                    ))
+                })?
+            }
+        };
+        Ok(View {
+            bearing: Bearing {
+                azimuth_deg: need(self.azimuth_deg, "camera.azimuth_deg")?,
+                elevation_deg: need(self.elevation_deg, "camera.elevation_deg")?,
+            },
+            position: self.position_mm,
+            target: self.target_mm.unwrap_or_default(),
+            projection,
+            focal_length_mm: self.focal_length_mm,
+            focus_distance_mm: self.focus_distance_mm,
+            roll_deg: need(self.roll_deg, "camera.roll_deg")?,
+            width_mm: need(self.width_mm, "camera.width_mm")?,
+            lens: need(self.lens, "camera.lens")?,
+        })
+    }
+}
+
+impl Background {
+    /// A background as the command line has it: `sky`, `none`, `#rrggbb` or the name of a picture.
+    ///
+    /// # Errors
+    /// A colour that is none.
+    pub fn parse(text: &str) -> Result<Self> {
+        match text {
+            "sky" => Ok(Self::Sky),
+            "none" => Ok(Self::None),
+            _ if text.starts_with('#') => Ok(Self::Colour(colour::parse_colour(text)?)),
+            file => Ok(Self::Picture { file: file.to_owned(), picture: Backdrop::None }),
+        }
+    }
+
+    /// Reads `background = "sky"`, `"none"`, or a table with `colour` or `file`.
+    fn read(value: &Value) -> Result<Self> {
+        match value {
+            Value::String(word) if word == "sky" || word == "none" => Self::parse(word),
+            Value::String(word) => {
+                let near = did_you_mean(word, ["sky", "none"]);
+                let word = shortened(word);
+                Err(Error::input(format!(
+                    "background is '{word}'{near}; give \"sky\", \"none\", or the table [background] with colour or file"
+                )))
+            }
+            table => {
+                let fields = Fields::new(table, "background", &["colour", "file"])?;
+                match (fields.get("colour"), fields.text("file")?) {
+                    (Some(value), None) => Ok(Self::Colour(colour::colour(value, "background.colour")?)),
+                    (None, Some(file)) => {
+                        Ok(Self::Picture { file: file.to_owned(), picture: Backdrop::None })
+                    }
+                    (Some(_), Some(_)) => Err(Error::input(
+                        "background.colour and background.file are both given; leave one out",
+                    )),
+                    (None, None) => Err(Error::input("[background] is empty; give colour or file")),
+                }
+            }
+        }
     }
 }
 

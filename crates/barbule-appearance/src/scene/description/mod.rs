@@ -1,15 +1,27 @@
-//! What a scene file says: one feather, its surfaces, a key light, a sky and a camera.
+//! What a scene file says: one feather, its surfaces, lights, a sky, a camera and what is seen behind.
 //!
 //! Presets are such files, which a user's file may change (`docs/guide/render.md`). As in files, angles are degrees here.
 
 mod build;
+mod colour;
 mod file;
+mod lights;
+mod objects;
+mod sequence;
+mod text;
 
+pub use colour::parse_colour;
 pub use file::SkyImage;
+pub use lights::{LightColour, LightDescription, LightShape};
+pub use objects::{NamedSurface, ObjectDescription, ObjectShape, Placement, TextureFile};
+pub use sequence::{Motion, Moved, USUAL_ARC_DEG};
+
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 use serde_json::Value;
 
+use super::backdrop::Backdrop;
 use super::feather::{Feather, VaneDisc};
 use crate::error::shortened;
 use crate::fields::Fields;
@@ -28,22 +40,39 @@ pub struct SceneDescription {
     /// Width and height in pixels, if the scene says so.
     #[serde(skip)]
     pub size: Option<[u32; 2]>,
-    /// Factor from radiance to the picture's linear values.
-    pub exposure: f64,
+    /// Factor from radiance to the picture's linear values; by a key where there is none.
+    #[serde(skip)]
+    pub exposure: Option<f64>,
     /// Most scatterings of a light path.
     pub scatterings: u32,
     /// What shines from everywhere.
     pub sky: SkyDescription,
     /// The key light.
     pub light: KeyLight,
+    /// Lamps beside it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lights: Vec<LightDescription>,
     /// Where the camera stands.
     pub camera: View,
+    /// What is seen behind the feather.
+    #[serde(serialize_with = "shows_sky")]
+    pub background: Background,
+    /// By how much the feather is turned about the picture's upward direction, degrees, counter-clockwise seen from above.
+    pub turn_deg: f64,
     /// The part of the feather that is grown.
     pub window: VaneDisc,
     /// What the feather's parts are made of, barbules' upper sides aside.
     pub surfaces: Surfaces,
     /// The feather.
     pub feather: Feather,
+    /// Whether it is there; without it a scene has its other objects only.
+    pub shows_feather: bool,
+    /// What else stands in the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub objects: Vec<ObjectDescription>,
+    /// What that is made of.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub named_surfaces: BTreeMap<String, NamedSurface>,
 }
 
 /// An azimuth and elevation over the vane: azimuth in its plane from the shaft's tip, clockwise seen from the camera's
@@ -59,8 +88,15 @@ pub struct Bearing {
 /// What shines from everywhere.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum SkyDescription {
-    /// Radiance at the zenith; about half at the horizon, dark below.
-    Gradient(f64),
+    /// A gradient from the zenith to the horizon, and one value below.
+    Gradient {
+        /// Radiance at the zenith.
+        zenith: f64,
+        /// That at the horizon over it.
+        horizon: f64,
+        /// That below the horizon over it.
+        below: f64,
+    },
     /// An image.
     Image(SkyImage),
 }
@@ -76,11 +112,60 @@ pub struct KeyLight {
     pub strength: f64,
 }
 
-/// A camera that looks at the middle of the window.
+/// What is seen behind the feather.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Background {
+    /// The sky and the lights at infinity.
+    #[default]
+    Sky,
+    /// Nothing.
+    None,
+    /// A colour on the screen: sRGB, 0 … 1.
+    Colour([f64; 3]),
+    /// A picture, relative to the scene's folder.
+    Picture {
+        /// Its file.
+        file: String,
+        /// What is in it, once it is read.
+        picture: Backdrop,
+    },
+}
+
+/// Of a background only whether the sky is seen decides a picture's samples.
+fn shows_sky<S: serde::Serializer>(background: &Background, to: S) -> std::result::Result<S::Ok, S::Error> {
+    to.serialize_bool(*background == Background::Sky)
+}
+
+/// How a camera projects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum ViewProjection {
+    /// Through an eye.
+    Perspective,
+    /// Along parallel rays.
+    Orthographic,
+}
+
+impl ViewProjection {
+    /// All with their names.
+    pub const ALL: [(&'static str, Self); 2] =
+        [("perspective", Self::Perspective), ("orthographic", Self::Orthographic)];
+}
+
+/// A camera; where nothing else is said it looks at the middle of the window, in the origin.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct View {
-    /// Where it stands.
+    /// Where it stands, seen from its target.
     pub bearing: Bearing,
+    /// Where it stands in place of that, mm.
+    pub position: Option<[f64; 3]>,
+    /// What it looks at, mm.
+    pub target: [f64; 3],
+    /// How it projects.
+    pub projection: ViewProjection,
+    /// Focal length over a film of 36 mm, mm: how far it stands for the picture's width; from a position, how wide the picture is.
+    pub focal_length_mm: Option<f64>,
+    /// How far what is sharp lies from it, mm; its target where nothing is said.
+    pub focus_distance_mm: Option<f64>,
     /// Direction in the vane's plane that is upwards in the picture, degrees from the shaft's tip, clockwise.
     pub roll_deg: f64,
     /// Width of the picture in the plane of focus, mm.
@@ -145,9 +230,9 @@ impl SceneDescription {
     /// # Errors
     /// The first number out of range.
     pub fn check(&self) -> Result<()> {
-        let (sky, image) = match &self.sky {
-            SkyDescription::Gradient(radiance) => (*radiance, (1.0, 0.0)),
-            SkyDescription::Image(image) => (0.0, (image.strength, image.turn_deg)),
+        let ([sky, horizon, below], image) = match &self.sky {
+            SkyDescription::Gradient { zenith, horizon, below } => ([*zenith, *horizon, *below], (1.0, 0.0)),
+            SkyDescription::Image(image) => ([0.0; 3], (image.strength, image.turn_deg)),
         };
         let [camera, light] = [&self.camera.bearing, &self.light.bearing];
         let ranges = [
@@ -156,14 +241,19 @@ impl SceneDescription {
             ("camera.width_mm", self.camera.width_mm, 0.05, 50.0),
             ("camera.lens", self.camera.lens, 0.0, 0.2),
             ("camera.roll_deg", self.camera.roll_deg, -360.0, 360.0),
+            ("camera.focal_length_mm", self.camera.focal_length_mm.unwrap_or(50.0), 5.0, 5000.0),
+            ("camera.focus_distance_mm", self.camera.focus_distance_mm.unwrap_or(1.0), 1e-3, 1e5),
+            ("turn_deg", self.turn_deg, -MOST_TURN_DEG, MOST_TURN_DEG),
             ("light.azimuth_deg", light.azimuth_deg, -MOST_TURN_DEG, MOST_TURN_DEG),
             ("light.elevation_deg", light.elevation_deg, -90.0, 90.0),
             ("light.radius_deg", self.light.radius_deg, 0.1, 60.0),
             ("light.strength", self.light.strength, 0.0, 1e4),
             ("sky", sky, 0.0, 1e4),
+            ("sky_horizon", horizon, 0.0, 100.0),
+            ("sky_below", below, 0.0, 100.0),
             ("sky_image.strength", image.0, 0.0, 1e6),
             ("sky_image.turn_deg", image.1, -MOST_TURN_DEG, MOST_TURN_DEG),
-            ("exposure", self.exposure, 1e-6, 1e6),
+            ("exposure", self.exposure.unwrap_or(1.0), 1e-6, 1e6),
             ("scatterings", f64::from(self.scatterings), 1.0, 1000.0),
             ("window.along_mm", self.window.along_mm, 0.0, 2000.0),
             ("window.radius_mm", self.window.radius_mm, 0.01, 500.0),
@@ -174,9 +264,11 @@ impl SceneDescription {
                 return Err(Error::input(format!("{key} is {value}, outside {low} to {high}")));
             }
         }
-        if self.light.strength <= 0.0 && self.is_sky_dark() {
+        self.camera.check()?;
+        let is_lamp_on = self.lights.iter().any(|light| light.strength > 0.0);
+        if self.light.strength <= 0.0 && self.is_sky_dark() && !is_lamp_on {
             let sky = match self.sky {
-                SkyDescription::Gradient(_) => "sky",
+                SkyDescription::Gradient { .. } => "sky",
                 SkyDescription::Image(_) => "sky_image.strength",
             };
             return Err(Error::input(format!(
@@ -194,25 +286,73 @@ impl SceneDescription {
     }
 }
 
+impl View {
+    /// Refuses a camera that stands in its target or focuses behind itself.
+    fn check(&self) -> Result<()> {
+        let coordinates = self.target.iter().chain(self.position.iter().flatten());
+        if coordinates.into_iter().any(|v| v.is_nan() || v.abs() > 1e6) {
+            return Err(Error::input(
+                "camera.position_mm or camera.target_mm is over 1000000 mm away; give a nearer one",
+            ));
+        }
+        if let Some(position) = self.position
+            && position.iter().zip(self.target).all(|(a, b)| (a - b).abs() < 1e-3)
+        {
+            return Err(Error::input(
+                "camera.position_mm and camera.target_mm are the same place; give the camera another one",
+            ));
+        }
+        if self.projection == ViewProjection::Orthographic && self.focus_distance_mm.is_some() {
+            return Err(Error::input(
+                "camera.focus_distance_mm is given, but an orthographic camera is sharp everywhere; leave it out",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// The parts of a feather that have surfaces of their own.
+const PARTS: [&str; 4] = ["shaft", "ramus", "underside", "hair"];
+
 impl Surfaces {
-    /// Reads the table `[surfaces]`.
-    fn read(table: &Value) -> Result<Self> {
-        let fields = Fields::new(table, "surfaces", &["shaft", "ramus", "underside", "hair"])?;
+    /// Reads the table `[surfaces]`: those of the feather's parts, and further ones, which have a type.
+    fn read(table: &Value) -> Result<(Self, BTreeMap<String, NamedSurface>)> {
+        let mut named = BTreeMap::new();
+        let mut own = table.clone();
+        if let (Value::Object(all), Value::Object(own)) = (table, &mut own) {
+            for (name, surface) in all.iter().filter(|(name, _)| !PARTS.contains(&name.as_str())) {
+                if surface.get("type").is_some() {
+                    own.remove(name);
+                    named.insert(
+                        name.clone(),
+                        NamedSurface::read(surface, &format!("surfaces.{}", shortened(name)))?,
+                    );
+                }
+            }
+        }
+        let fields = Fields::new(&own, "surfaces", &PARTS)?;
         let keratin = |key: &str| -> Result<PigmentedKeratin> {
             let table = fields.need(key, &format!("the table [surfaces.{key}]"))?;
-            let fields = Fields::new(table, &fields.path(key), &["roughness", "index", "melanin"])?;
-            Ok(PigmentedKeratin {
-                roughness: fields.number_within("roughness", 0.02, 1.0)?,
-                index: fields.number_within("index", 1.01, 3.9)?,
-                melanin: fields.number_within("melanin", 0.0, 1e6)?,
-            })
+            PigmentedKeratin::read(table, &fields.path(key))
         };
         let hair = fields.get("hair").map(|table| FibreDescription::read(table, &fields.path("hair")));
-        Ok(Self {
+        let parts = Self {
             shaft: keratin("shaft")?,
             ramus: keratin("ramus")?,
             underside: keratin("underside")?,
             hair: hair.transpose()?,
+        };
+        Ok((parts, named))
+    }
+}
+
+impl PigmentedKeratin {
+    fn read(table: &Value, place: &str) -> Result<Self> {
+        let fields = Fields::new(table, place, &["roughness", "index", "melanin"])?;
+        Ok(Self {
+            roughness: fields.number_within("roughness", 0.02, 1.0)?,
+            index: fields.number_within("index", 1.01, 3.9)?,
+            melanin: fields.number_within("melanin", 0.0, 1e6)?,
         })
     }
 }

@@ -35,6 +35,11 @@ macro_rules! sizes {
                 })
             }
 
+            /// The table that is read as these very sizes.
+            fn table(&self) -> Value {
+                Value::Object([$(($key.to_owned(), in_file(self.$field, $unit).into()),)*].into_iter().collect())
+            }
+
             /// Refuses the first size out of its range.
             fn check(&self, place: &str) -> Result<()> {
                 $(within(self.$field, $unit, ($low as f64, $high as f64), place, $key)?;)*
@@ -42,6 +47,14 @@ macro_rules! sizes {
             }
         }
     };
+}
+
+/// The number with the fewest digits that is read as this value.
+fn in_file(value: f64, unit: f64) -> f64 {
+    let exact = value / unit;
+    let read = |number: &f64| number * unit == value;
+    let rounded = (1..=15).filter_map(|digits| format!("{exact:.digits$e}").parse::<f64>().ok());
+    rounded.chain([exact, exact.next_up(), exact.next_down()]).find(read).unwrap_or(exact)
 }
 
 fn within(value: f64, unit: f64, (low, high): (f64, f64), place: &str, key: &str) -> Result<()> {
@@ -188,6 +201,18 @@ impl Feather {
             distal,
             proximal,
             disorder: Disorder::read(need("disorder")?, "feather.disorder", None)?,
+        })
+    }
+
+    /// The table `[feather]` that is read as this very feather.
+    #[must_use]
+    pub fn table(&self) -> Value {
+        serde_json::json!({
+            "shaft": self.shaft.table(),
+            "barbs": self.barbs.table(),
+            "distal": self.distal.table(),
+            "proximal": self.proximal.table(),
+            "disorder": self.disorder.table(),
         })
     }
 

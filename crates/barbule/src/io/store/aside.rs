@@ -2,7 +2,7 @@
 //!
 //! Names of temporary files are unique, and lie in one folder of the store.
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -119,7 +119,11 @@ pub(super) fn create_folder(path: &Path, build: impl Fn(&Path) -> Result<()>) ->
     for attempt in 1.. {
         let folder = shared(true).prefix(&prefix).tempdir_in(parent).map_err(refuse)?;
         let lock = File::open(folder.path());
-        let _locked = lock.as_ref().map(File::try_lock);
+        let is_taken = matches!(lock.as_ref().map(File::try_lock), Ok(Err(TryLockError::WouldBlock)));
+        if (is_taken || !folder.path().exists()) && attempt < ATTEMPTS {
+            // A sweeper was faster: what is built there would go with it.
+            continue;
+        }
         let done = build(folder.path()).and_then(|()| fs::rename(folder.path(), path).map_err(refuse));
         let swept = !folder.path().exists();
         match done {
@@ -166,6 +170,37 @@ mod tests {
             }
         });
         assert_eq!(fs::read(folder.path().join("a/b")).unwrap(), b"whole");
+    }
+
+    #[test]
+    fn a_new_store_survives_sweepers_at_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let is_done = std::sync::atomic::AtomicBool::new(false);
+        let path = |k: usize| folder.path().join(format!("{k}.zarr"));
+        let build = |made: &Path| {
+            let files = Files::new(made);
+            for key in ["a/zarr.json", "b/zarr.json", "zarr.json"] {
+                files.write(key, b"{}").map_err(|e| failure(made, "test", &e))?;
+            }
+            files.tidy();
+            Ok(())
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..2 {
+                scope.spawn(|| {
+                    while !is_done.load(std::sync::atomic::Ordering::Relaxed) {
+                        (0..60).for_each(|k| sweep_beside(&path(k)));
+                    }
+                });
+            }
+            (0..60).for_each(|k| create_folder(&path(k), build).unwrap());
+            is_done.store(true, std::sync::atomic::Ordering::Relaxed);
+        });
+        for k in 0..60 {
+            for key in ["a/zarr.json", "b/zarr.json", "zarr.json"] {
+                assert!(path(k).join(key).is_file(), "{k} {key}");
+            }
+        }
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub(crate) fn picture(samples: u32, seed: u64) -> Film {
     let lighting = Lighting::new(scene.lamps, scene.environment.as_ref()).unwrap();
     let integrator = Integrator::new(&stage, &lighting, &scene.camera, Transport::default());
     let mut film = Film::new(SIZE).unwrap();
-    let goal = Goal { samples, noise: None, time: None };
+    let goal = Goal::samples(samples);
     run(&integrator, &mut film, seed, goal, &Unobserved, &mut |_| Ok(())).unwrap();
     film
 }

@@ -1,0 +1,69 @@
+//! Pictures on surfaces.
+
+use std::sync::Arc;
+
+use crate::{Error, Result};
+
+/// A picture whose values are linear between the middles of its texels and repeat beyond its edges. A copy costs nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texture {
+    size: [usize; 2],
+    texels: Arc<[[f32; 3]]>,
+}
+
+impl Texture {
+    /// From values 0 … 1, row by row from the top. Linear sRGB where they are colours.
+    ///
+    /// # Errors
+    /// Not as many texels as the size says, none, or a value outside 0 … 1.
+    pub fn new(size: [usize; 2], texels: Vec<[f32; 3]>) -> Result<Self> {
+        if texels.is_empty() || size[0].checked_mul(size[1]) != Some(texels.len()) {
+            return Err(Error::input(format!("a texture of {} x {} needs as many texels", size[0], size[1])));
+        }
+        if texels.iter().flatten().any(|value| !(0.0..=1.0).contains(value)) {
+            return Err(Error::input("a texture has a value outside 0 to 1"));
+        }
+        Ok(Self { size, texels: texels.into() })
+    }
+
+    /// The value at texture coordinates: u to the right, v upwards.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, uv: [f64; 2]) -> [f64; 3] {
+        let place = |value: f64, side: usize| {
+            let at = (value - value.floor()) * side as f64 - 0.5;
+            let low = at.floor();
+            let wrapped = |index: i64| index.rem_euclid(side as i64) as usize;
+            (wrapped(low as i64), wrapped(low as i64 + 1), at - low)
+        };
+        let (left, right, across) = place(uv[0], self.size[0]);
+        let (top, bottom, down) = place(1.0 - uv[1], self.size[1]);
+        let texel = |column: usize, row: usize| self.texels[row * self.size[0] + column].map(f64::from);
+        let corners = [texel(left, top), texel(right, top), texel(left, bottom), texel(right, bottom)];
+        let mut value = [0.0; 3];
+        for (k, value) in value.iter_mut().enumerate() {
+            let upper = corners[0][k] * (1.0 - across) + corners[1][k] * across;
+            let lower = corners[2][k] * (1.0 - across) + corners[3][k] * across;
+            *value = upper * (1.0 - down) + lower * down;
+        }
+        value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_stand_upright_and_repeat() {
+        let texels = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.5]];
+        let texture = Texture::new([2, 2], texels).unwrap();
+        assert_eq!(texture.at([0.75, 0.25]), [1.0, 1.0, 0.5]);
+        assert_eq!(texture.at([0.75, 0.75]), [1.0, 0.0, 0.0]);
+        assert_eq!(texture.at([3.75, -2.75]), texture.at([0.75, 0.25]));
+        assert_eq!(texture.at([0.5, 0.5]), [0.5, 0.5, 0.125]);
+        assert!(Texture::new([2, 2], vec![[0.0; 3]; 3]).is_err());
+        assert!(Texture::new([1, 1], vec![[1.5, 0.0, 0.0]]).is_err());
+        assert!(Texture::new([1, 1], vec![[f32::NAN, 0.0, 0.0]]).is_err());
+    }
+}

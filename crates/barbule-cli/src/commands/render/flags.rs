@@ -1,0 +1,154 @@
+//! Values of the flags of `barbule render`, as people type them.
+
+use std::time::Duration;
+
+use barbule::error::{did_you_mean, shortened};
+use barbule::scene::description::{Background, Bearing, Motion, Moved};
+use barbule::{Error, Result};
+
+use crate::sets;
+
+/// From where `--view` looks, and the width in mm where it says so.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View {
+    pub(super) bearing: Bearing,
+    pub(super) width_mm: Option<f64>,
+}
+
+/// Width and height, as in 1280x800.
+pub(super) fn size(text: &str) -> Result<[u32; 2]> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    sides.ok_or_else(|| {
+        Error::input(format!("--size {text}: give width and height in pixels, as in 1280x800"))
+    })
+}
+
+/// Azimuth and elevation of the key light.
+pub(super) fn light(text: &str) -> Result<Bearing> {
+    bearing("--light", text)
+}
+
+fn bearing(flag: &str, text: &str) -> Result<Bearing> {
+    let [azimuth_deg, elevation_deg] = sets::parse(flag, text)?[..] else {
+        return Err(Error::input(format!(
+            "{flag} {}: give azimuth and elevation, as in 40,60",
+            shortened(text)
+        )));
+    };
+    Ok(Bearing { azimuth_deg, elevation_deg })
+}
+
+/// Azimuth and elevation of the camera, and perhaps a width.
+pub(super) fn view(text: &str) -> Result<View> {
+    let numbers = sets::parse("--view", text)?;
+    let ([azimuth_deg, elevation_deg] | [azimuth_deg, elevation_deg, _]) = numbers[..] else {
+        return Err(Error::input(format!(
+            "--view {text}: give azimuth, elevation and perhaps the width in mm, as in 190,58,4.4"
+        )));
+    };
+    Ok(View { bearing: Bearing { azimuth_deg, elevation_deg }, width_mm: numbers.get(2).copied() })
+}
+
+/// A time: a number with an optional unit s, m or h.
+pub(super) fn duration(text: &str) -> Result<Duration> {
+    time(text).map_err(|e| e.at(format!("--time {text}")))
+}
+
+/// Seconds between two previews, or a time with its unit.
+pub(super) fn preview(text: &str) -> Result<Duration> {
+    time(text).map_err(|e| e.at(format!("--preview {text}")))
+}
+
+fn time(text: &str) -> Result<Duration> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let unit = match &text[split..] {
+        "" | "s" => 1.0,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => f64::NAN,
+    };
+    match text[..split].trim().parse::<f64>().map(|value| value * unit) {
+        Ok(seconds) if seconds > 0.0 && seconds < 1e7 => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err(Error::input("give a time such as 30s, 5m or 1h")),
+    }
+}
+
+/// A factor, or `auto` for none.
+pub(super) fn exposure(text: &str) -> Result<Exposure> {
+    if text == "auto" {
+        return Ok(Exposure(None));
+    }
+    match text.parse::<f64>() {
+        Ok(factor) if (1e-6..=1e6).contains(&factor) => Ok(Exposure(Some(factor))),
+        _ => Err(Error::input(format!(
+            "--exposure {}: give a factor from 0.000001 to 1000000, or auto",
+            shortened(text)
+        ))),
+    }
+}
+
+/// What `--exposure` says: a factor, or none for one by a key.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Exposure(pub(super) Option<f64>);
+
+/// `sky`, `none`, `#rrggbb` or a picture.
+pub(super) fn background(text: &str) -> Result<Background> {
+    Background::parse(text).map_err(|e| e.at("--background"))
+}
+
+/// What moves on an arc, as in `light=40`.
+pub(super) fn arc(text: &str) -> Result<(Moved, Motion)> {
+    let (moved, degrees) = moved("--arc", text, "camera=60")?;
+    match sets::parse("--arc", degrees)?[..] {
+        [degrees] => Ok((moved, Motion::Arc(degrees))),
+        _ => Err(Error::input(format!("--arc {}: give degrees, as in camera=60", shortened(text)))),
+    }
+}
+
+/// What moves on a path, as in `light=20,60/40,50`.
+pub(super) fn path(text: &str) -> Result<(Moved, Motion)> {
+    let (moved, points) = moved("--path", text, "light=20,60/80,45")?;
+    let points = points.split('/').map(|point| bearing("--path", point)).collect::<Result<Vec<_>>>()?;
+    Ok((moved, Motion::Path(points)))
+}
+
+fn moved<'a>(flag: &str, text: &'a str, example: &str) -> Result<(Moved, &'a str)> {
+    let (name, rest) = text.split_once('=').unwrap_or((text, ""));
+    let found = Moved::ALL.iter().find(|(known, _)| *known == name);
+    match found {
+        Some((_, moved)) if !rest.is_empty() => Ok((*moved, rest)),
+        Some(_) => Err(Error::input(format!("{flag} {}: write it as in {example}", shortened(text)))),
+        None => {
+            let near = did_you_mean(name, Moved::ALL.map(|(known, _)| known));
+            Err(Error::input(format!(
+                "{flag} {}: what moves is light, camera or feather{near}, as in {example}",
+                shortened(text)
+            )))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_read_with_their_units() {
+        assert_eq!(duration("30s").unwrap(), Duration::from_secs(30));
+        assert_eq!(duration("1.5m").unwrap(), Duration::from_secs(90));
+        for bad in ["", "s", "-3s", "0", "5d", "inf"] {
+            assert!(duration(bad).unwrap_err().is_input(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn motions_are_read_and_refused_with_an_example() {
+        assert_eq!(arc("camera=-30").unwrap(), (Moved::Camera, Motion::Arc(-30.0)));
+        let (moved, Motion::Path(points)) = path("light=0,50/90,60/1,2").unwrap() else { panic!() };
+        assert_eq!((moved, points.len()), (Moved::Light, 3));
+        assert!(arc("lihgt=3").unwrap_err().to_string().contains("did you mean 'light'"));
+        assert!(arc("light").unwrap_err().to_string().contains("as in camera=60"));
+        assert!(arc("light=1,2").unwrap_err().to_string().contains("give degrees"));
+        assert!(path("light=1").unwrap_err().to_string().contains("azimuth and elevation"));
+    }
+}

@@ -1,0 +1,173 @@
+//! Triangle meshes: PLY and OBJ.
+
+mod obj;
+mod ply;
+
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+
+use super::read_at_most;
+use crate::scene::geometry::Mesh;
+use crate::{Error, Result};
+
+/// The largest file of a mesh: 256 MiB.
+const LARGEST_MESH: u64 = 256 << 20;
+
+/// Most vertices, and most faces.
+const MOST_VERTICES: usize = 5_000_000;
+
+/// Reads a mesh in mm, `.ply` or `.obj`; polygons become fans of triangles. Give it an identity of its own.
+///
+/// # Errors
+/// Missing, over 256 MiB, of another kind, damaged, or without a triangle.
+pub fn read_mesh(path: &Path) -> Result<Mesh> {
+    let refuse = |error: Error| error.at(path.display());
+    let ends_with = |end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
+    let parts = if ends_with("ply") {
+        ply::read(&read_at_most(path, LARGEST_MESH)?).map_err(refuse)?
+    } else if ends_with("obj") {
+        let bytes = read_at_most(path, LARGEST_MESH)?;
+        obj::read(&String::from_utf8_lossy(&bytes)).map_err(refuse)?
+    } else {
+        return Err(refuse(Error::input("meshes are read from .ply or .obj")));
+    };
+    parts.finish().map_err(refuse)
+}
+
+/// A mesh that is being read.
+#[derive(Debug, Default)]
+struct Parts {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Parts {
+    /// Adds a polygon as a fan; what has fewer than three corners is left out.
+    fn add_polygon(&mut self, corners: &[u32]) -> Result<()> {
+        for pair in corners.get(1..).unwrap_or_default().windows(2) {
+            self.triangles.push([corners[0], pair[0], pair[1]]);
+        }
+        if self.triangles.len() > MOST_VERTICES {
+            return Err(Error::input(format!("has over {MOST_VERTICES} triangles")));
+        }
+        Ok(())
+    }
+
+    /// The mesh, checked. Normals are made unit; where one is zero nobody has any.
+    fn finish(self) -> Result<Mesh> {
+        let Self { positions, normals, uvs, triangles } = self;
+        if triangles.is_empty() {
+            return Err(Error::input("has no triangle"));
+        }
+        if triangles.iter().flatten().any(|corner| *corner as usize >= positions.len()) {
+            return Err(Error::input("has a face with a corner that does not exist"));
+        }
+        // Farther away than a kilometre single precision is no use.
+        let numbers =
+            || positions.iter().flat_map(|p| p.to_array()).chain(uvs.iter().flat_map(|uv| uv.to_array()));
+        if numbers().any(|v| !v.is_finite() || v.abs() > 1e6) {
+            return Err(Error::input("has a coordinate that is not finite or over 1000000"));
+        }
+        let units: Vec<Vec3> = normals.iter().map(|normal| normal.normalize_or_zero()).collect();
+        let normals = if units.contains(&Vec3::ZERO) { Vec::new() } else { units };
+        Ok(Mesh { positions, normals, uvs, triangles, ..Mesh::default() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLY: &str = "ply\nformat ascii 1.0\ncomment a roof\nelement vertex 5\nproperty float x\nproperty float y\n\
+                       property double z\nproperty float u\nproperty float v\nelement face 2\n\
+                       property list uchar int vertex_indices\nend_header\n\
+                       0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n0.5 0.5 1 0.5 0.5\n4 0 1 2 3\n3 0 1 4\n";
+    const OBJ: &str = "# a roof\nmtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\n\
+                       vt 0 1\nvt 0.5 0.5\ng roof\nf 1/1 2/2 3/3 4/4\nf -5/-5 2/2 5/5\n";
+
+    fn read(name: &str, bytes: &[u8]) -> Result<Mesh> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        read_mesh(&path)
+    }
+
+    /// The same mesh in binary, of either order.
+    fn binary(is_big: bool) -> Vec<u8> {
+        let order = if is_big { "big" } else { "little" };
+        let (head, _) = PLY.split_once("end_header\n").unwrap();
+        let mut bytes =
+            format!("{}end_header\n", head.replace("ascii", &format!("binary_{order}_endian"))).into_bytes();
+        let mut put = |value: &[u8]| {
+            let mut value = value.to_vec();
+            if is_big {
+                value.reverse();
+            }
+            bytes.extend(value);
+        };
+        for [x, y, z] in
+            [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 1.0]]
+        {
+            put(&x.to_le_bytes());
+            put(&y.to_le_bytes());
+            put(&f64::from(z).to_le_bytes());
+            put(&x.to_le_bytes());
+            put(&y.to_le_bytes());
+        }
+        for face in [&[0_i32, 1, 2, 3][..], &[0, 1, 4]] {
+            put(&[face.len() as u8]);
+            face.iter().for_each(|corner| put(&corner.to_le_bytes()));
+        }
+        bytes
+    }
+
+    #[test]
+    fn the_same_mesh_comes_from_every_kind_of_file() {
+        let text = read("a.ply", PLY.as_bytes()).unwrap();
+        assert_eq!((text.positions.len(), text.triangles.len(), text.uvs.len()), (5, 3, 5));
+        assert_eq!(text.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 4]]);
+        for other in
+            [read("a.ply", &binary(false)), read("a.PLY", &binary(true)), read("a.obj", OBJ.as_bytes())]
+        {
+            let other = other.unwrap();
+            assert_eq!((&other.positions, &other.triangles), (&text.positions, &text.triangles));
+            assert_eq!(other.uvs, text.uvs);
+        }
+    }
+
+    #[test]
+    fn damaged_meshes_are_refused_with_their_name() {
+        let message = |name: &str, text: &str| {
+            let message = read(name, text.as_bytes()).unwrap_err().to_string();
+            assert!(message.contains(name) && message.len() < 500, "{message}");
+            message
+        };
+        let changed = |from: &str, to: &str| message("a.ply", &PLY.replacen(from, to, 1));
+        assert!(changed("ply\n", "").contains("first line"));
+        assert!(changed("ascii", "utf16").contains("'utf16' is unknown"));
+        assert!(changed("vertex 5", "vertex 99999999999999").contains("more than the file can hold"));
+        assert!(changed("vertex 5", "vertex -1").contains("count is no number"));
+        assert!(changed("float x", "float w").contains("x, y and z"));
+        assert!(changed("double z", "quadruple z").contains("'quadruple'"));
+        assert!(changed("4 0 1 2 3", "4 0 1 2 9").contains("does not exist"));
+        assert!(changed("4 0 1 2 3", "4 0 1 2 -3").contains("negative corner"));
+        assert!(changed("4 0 1 2 3", "4000 0 1 2 3").contains("at most 256"));
+        assert!(changed("0.5 0.5 1", "0.5 inf 1").contains("not finite"));
+        assert!(changed("0.5 0.5 1", "0.5 x 1").contains("'x'"));
+        assert!(changed("vertex_indices", "corners").contains("vertex_indices"));
+        assert!(
+            message("a.obj", &OBJ.replace("5/5", "6/5")).contains("line 15: the corner '6/5' does not exist")
+        );
+        assert!(message("a.obj", "v 1 2\n").contains("3 numbers"));
+        assert!(message("a.obj", "f a b c\n").contains("no corner of a face"));
+        assert!(message("a.obj", "").contains("no triangle"));
+        assert!(message("a.stl", PLY).contains(".ply or .obj"));
+        let whole = binary(false);
+        for cut in 0..whole.len() {
+            assert!(read("a.ply", &whole[..cut]).is_err(), "{cut}");
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! What scene files name: spectra of lamps, pictures behind the scene.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::hash_file;
+use super::image::{Meaning, read_picture};
+use super::measured::{Scale, read_measured};
+use super::mesh::read_mesh;
+use crate::Result;
+use crate::bsdf::Texture;
+use crate::scene::backdrop::{Backdrop, BackdropPicture};
+use crate::scene::description::{
+    Background, LightColour, NamedSurface, ObjectShape, SceneDescription, TextureFile,
+};
+
+/// Reads the files that a scene names and that are not read yet, relative to a folder; all but the sky's image and the
+/// material.
+///
+/// # Errors
+/// A file that is missing, too large or of another kind; the message names the key and the file.
+pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<()> {
+    for (index, light) in scene.lights.iter_mut().enumerate() {
+        if let LightColour::Table { file, spectrum: spectrum @ None } = &mut light.colour {
+            let table = read_measured(&folder.join(file), None, Some(Scale::Power))
+                .map_err(|error| error.at(format!("lights[{index}].spectrum")))?;
+            *spectrum = Some(table.mean);
+        }
+    }
+    if let Background::Picture { file, picture: picture @ Backdrop::None } = &mut scene.background {
+        let path = folder.join(file);
+        let (image, is_radiance) =
+            read_picture(&path, Meaning::Colour).map_err(|error| error.at("background"))?;
+        *picture = Backdrop::Picture(
+            BackdropPicture::new(image.size, image.pixels, is_radiance)
+                .map_err(|error| error.at(path.display()))?,
+        );
+    }
+    for (index, object) in scene.objects.iter_mut().enumerate() {
+        if let ObjectShape::Mesh { file, mesh: mesh @ None, content } = &mut object.shape {
+            let path = folder.join(file);
+            let read = read_mesh(&path).map_err(|error| error.at(format!("objects[{index}].mesh")))?;
+            (*mesh, *content) = (Some(Arc::new(read)), hash_file(&path)?);
+        }
+    }
+    for (name, surface) in &mut scene.named_surfaces {
+        if let NamedSurface::Diffuse { pictures, .. } = surface {
+            for (key, picture) in pictures.iter_mut().filter(|(_, picture)| picture.texture.is_none()) {
+                let meaning = if *key == "albedo" { Meaning::Colour } else { Meaning::Number };
+                read_texture(picture, folder, meaning)
+                    .map_err(|error| error.at(format!("surfaces.{name}.{key}")))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Reads a texture: a PNG's values, or an EXR's of 0 to 1.
+fn read_texture(texture: &mut TextureFile, folder: &Path, meaning: Meaning) -> Result<()> {
+    let path = folder.join(&texture.file);
+    let (image, _) = read_picture(&path, meaning)?;
+    let read = Texture::new(image.size, image.pixels).map_err(|error| error.at(path.display()))?;
+    (texture.texture, texture.content) = (Some(read), hash_file(&path)?);
+    Ok(())
+}
