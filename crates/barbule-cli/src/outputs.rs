@@ -18,7 +18,7 @@ pub(crate) const OUTPUTS: [&str; 3] = ["output", "csv", "summary"];
 const TABLES: [&str; 2] = ["csv", "summary"];
 
 /// Arguments whose values are folders that the program fills, and so no inputs.
-pub(crate) const FOLDERS: [&str; 2] = ["cache", "keep_store"];
+pub(crate) const FOLDERS: [&str; 3] = ["cache", "keep_store", "write_curves"];
 
 /// A file that a command line asks to be written.
 struct Output {
@@ -165,7 +165,7 @@ mod tests {
     use super::*;
 
     /// Arguments whose values are files or folders that are read.
-    const INPUTS: [&str; 2] = ["measured", "store"];
+    const INPUTS: [&str; 3] = ["curves", "measured", "store"];
 
     #[test]
     fn of_every_path_argument_it_is_known_whether_it_is_written() {

@@ -170,7 +170,8 @@ fn the_shipped_materials_are_what_the_command_makes() {
                     let pairs = [
                         (thinned.sets[0].reflected(a) as f32, shipped.sets[0].reflected(b) as f32, 1e-4),
                         (thinned.sets[0].mean[0].m[a], shipped.sets[0].mean[0].m[b], 1e-3),
-                        (thinned.sets[0].steady.reflected[a], shipped.sets[0].steady.reflected[b], 1e-3),
+                        // Fitted beside slopes, which a campaign of two wavelengths tells otherwise.
+                        (thinned.sets[0].steady.reflected[a], shipped.sets[0].steady.reflected[b], 5e-3),
                         (thinned.sets[0].length[a], shipped.sets[0].length[b], 5e-3),
                     ];
                     for (x, y, tolerance) in pairs {

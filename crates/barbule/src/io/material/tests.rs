@@ -116,6 +116,12 @@ fn malformed_files_are_refused_by_name() {
     let double = |name: &'static str, index: usize, value: f64| {
         remade(move |data, header, _| put_double(data, header, name, index, value))
     };
+    let single = |name: &'static str, value: f32| {
+        remade(move |data, header, _| {
+            let at = header[name]["data_offsets"][0].as_u64().unwrap() as usize;
+            data[at..at + 4].copy_from_slice(&value.to_le_bytes());
+        })
+    };
     let code = |name: &'static str, code: u16| {
         remade(move |data, header, _| {
             let at = header[name]["data_offsets"][0].as_u64().unwrap() as usize;
@@ -134,7 +140,7 @@ fn malformed_files_are_refused_by_name() {
     let with_header = |text: &str| container(text, &data);
     let mut long = good.clone();
     long.extend([0; 9]);
-    let deep = format!("{{\"schema\":2,\"info\":{}1{}}}", "[".repeat(5000), "]".repeat(5000));
+    let deep = format!("{{\"schema\":3,\"info\":{}1{}}}", "[".repeat(5000), "]".repeat(5000));
     let cases: Vec<(&str, Vec<u8>, &str)> = vec![
         ("empty", vec![], "not a material file"),
         ("one byte", vec![1], "not a material file"),
@@ -196,6 +202,16 @@ fn malformed_files_are_refused_by_name() {
             remade(|_, h, _| h["cos_phi"]["dtype"] = "I64".into()),
             "array cos_phi has type I64",
         ),
+        ("no steepness", drop_array("steepness"), "array steepness is missing"),
+        (
+            "steepness of wrong type",
+            remade(|_, h, _| h["steepness"]["dtype"] = "I32".into()),
+            "array steepness has type I32",
+        ),
+        ("strength flat", shape("strength", serde_json::json!([400])), "array strength has shape"),
+        ("strength nan", single("strength", f32::NAN), "strength[0] = NaN"),
+        ("strength over one", single("strength", 1.5), "strength[0] = 1.5"),
+        ("steepness negative", single("steepness", -1.0), "steepness[0] = -1"),
         ("shape transposed", shape("m", serde_json::json!([20, 20, 2])), "array m has shape"),
         ("shape flat", shape("phi", serde_json::json!([800])), "array phi has shape"),
         ("shape huge", shape("phi", serde_json::json!([1_u64 << 62, 1_u64 << 62, 4])), "not a material file"),
