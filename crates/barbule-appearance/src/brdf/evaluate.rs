@@ -369,6 +369,10 @@ impl FeatherBrdf {
         instance: Option<&At>,
         values: &mut [f32],
     ) {
+        let (fours, _) = wavelengths_nm.as_chunks::<4>();
+        let (lanes, _) = values.as_chunks_mut::<4>();
+        let ([four, fours @ ..], [first, lanes @ ..]) = (fours, lanes) else { return };
+        // The first wavelengths of the first set with what all share, so that that stays in registers.
         let (towards, factor) = dispatch!(self.level, simd => {
             let incident = match prepared {
                 Some(incident) => *incident,
@@ -376,23 +380,42 @@ impl FeatherBrdf {
             };
             let towards = self.towards(simd, incident, wo);
             let factor = self.factor(simd, &towards, wo);
+            // Most directions are far off the barbule's narrow cone.
+            if factor > 0.0 {
+                self.add_four(simd, 0, &towards, factor, instance, four, first);
+                if let ([four, ..], [lanes, ..]) = (fours, &mut *lanes) {
+                    self.add_four(simd, 0, &towards, factor, instance, four, lanes);
+                }
+            }
             (towards, factor)
         });
-        // Most directions are far off the barbule's narrow cone.
         if factor == 0.0 {
             return;
         }
-        let (fours, _) = wavelengths_nm.as_chunks::<4>();
-        let (lanes, _) = values.as_chunks_mut::<4>();
-        for (four, lanes) in fours.iter().zip(lanes) {
-            for set in 0..self.tables.len() {
-                dispatch!(self.level, simd => {
-                    let simplices = self.simplices(simd, &towards, four);
-                    let value = self.across(simd, set, &simplices, &towards.incident.slope, instance) * factor;
-                    *lanes = (f32x4::from_slice(simd, lanes) + value).into();
-                });
+        for set in 1..self.tables.len() {
+            dispatch!(self.level, simd => self.add_four(simd, set, &towards, factor, instance, four, first));
+        }
+        for (number, (four, lanes)) in fours.iter().zip(lanes).enumerate() {
+            for set in usize::from(number == 0)..self.tables.len() {
+                dispatch!(self.level, simd => self.add_four(simd, set, &towards, factor, instance, four, lanes));
             }
         }
+    }
+
+    #[inline(always)]
+    fn add_four<S: Simd>(
+        &self,
+        simd: S,
+        set: usize,
+        towards: &Towards,
+        factor: f32,
+        instance: Option<&At>,
+        four: &[f32; 4],
+        lanes: &mut [f32; 4],
+    ) {
+        let simplices = self.simplices(simd, towards, four);
+        let value = self.across(simd, set, &simplices, &towards.incident.slope, instance) * factor;
+        *lanes = (f32x4::from_slice(simd, lanes) + value).into();
     }
 
     /// Densities of ω_o per sr at each wavelength.

@@ -2,7 +2,7 @@
 //!
 //! Of each wavelength four nodes are mixed. The first nodes of all four wavelengths fill a register of sixteen lanes (their
 //! three lobes, and a lane that is not used), so do the second, the third and the fourth: what the nodes give is summed
-//! without shuffles, and a register's values cost one root and one division. Everything here is inlined into one dispatched
+//! without shuffles, and a register's values cost one root and one reciprocal. Everything here is inlined into one dispatched
 //! function, so it has neither closures nor calls that the compiler could leave outside. Its reference is the module
 //! `exact`.
 
@@ -246,8 +246,17 @@ impl<S: Simd> Role<S> {
         let narrower = q2.mul_add(f32x16::from_slice(simd, &STEADY), f32x16::from_slice(simd, &MEAN));
         let z2 = z * z;
         let root = m2.mul_add(one - z2, z2).sqrt();
-        (strength * self.weight) * (shape * scale) / ((q2 * narrower) * (z + root))
+        (strength * self.weight) * (shape * scale) * inverse((q2 * narrower) * (z + root))
     }
+}
+
+/// 1/x of normal numbers, to rounding: an estimate of 12 bits at least and two steps of Newton's method, which take less time
+/// than a division of sixteen lanes.
+#[inline(always)]
+fn inverse<S: Simd>(x: f32x16<S>) -> f32x16<S> {
+    let estimate = x.approximate_recip();
+    let estimate = estimate * (2.0 - x * estimate);
+    estimate * (2.0 - x * estimate)
 }
 
 #[inline(always)]
