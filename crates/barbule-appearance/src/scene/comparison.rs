@@ -13,16 +13,13 @@ use super::emission::Emission;
 use super::geometry::{CurveNode, Geometry, Mesh};
 use super::light::{Lamp, Light, Rectangle};
 use super::sky::{Environment, Sky};
-use super::spline::Basis;
+use super::spline::{Basis, ControlCurve};
 use super::{Object, Scene};
 use crate::Result;
 use crate::bsdf::{Absorption, Conductor, FibreIndex, Hair, HairParameters, Surface};
 use crate::math::rng::Stream;
 
-/// A curve by its control points: x, y, z and radius, cm.
-pub type ControlCurve = Vec<[f64; 4]>;
-
-/// A feather of control points, as curve files hold it.
+/// A feather of control points in cm, as curve files hold it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveFeather {
     /// The shaft, then the barbs.

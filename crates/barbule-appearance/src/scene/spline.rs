@@ -1,9 +1,14 @@
 //! Round curves given by control points.
 
+use serde::Serialize;
+
 use super::geometry::{CurveNode, Geometry};
 
+/// A curve by its control points: x, y, z and radius, of one unit.
+pub type ControlCurve = Vec<[f64; 4]>;
+
 /// How control points make a curve.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Basis {
     /// Straight from each to the next.
     Linear,
@@ -25,6 +30,16 @@ impl Basis {
         match self {
             Self::Linear => 2,
             Self::BSpline => 4,
+        }
+    }
+
+    /// How many conical segments [`Geometry::add_control_curve`] makes of a curve.
+    #[must_use]
+    pub fn segments(self, points: &[CurveNode]) -> usize {
+        match self {
+            _ if points.len() < self.least_points() => 0,
+            Self::Linear => points.len() - 1,
+            Self::BSpline => points.windows(4).map(|four| segments(four) as usize).sum(),
         }
     }
 }
@@ -110,6 +125,7 @@ mod tests {
         geometry.add_control_curve(&points, Basis::BSpline, 0);
         let nodes = &geometry.curve_nodes;
         assert!(nodes.len() > 5);
+        assert_eq!(Basis::BSpline.segments(&points), nodes.len() - 1);
         for step in 0..=500 {
             let t = step as f32 / 500.0;
             let point: Vec3 = (0..4).map(|k| points[k].point * basis(t + 3.0 - k as f32)).sum();
@@ -130,5 +146,6 @@ mod tests {
         assert_eq!(geometry.primitives(), 0);
         geometry.add_control_curve(&points, Basis::Linear, 0);
         assert_eq!(geometry.curve_nodes, points);
+        assert_eq!((Basis::BSpline.segments(&points), Basis::Linear.segments(&points)), (0, 2));
     }
 }

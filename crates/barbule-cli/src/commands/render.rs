@@ -215,7 +215,7 @@ impl Args {
             from_here(file);
         }
         for object in &mut scene.objects {
-            if let ObjectShape::Mesh { file, .. } = &mut object.shape {
+            if let ObjectShape::Mesh { file, .. } | ObjectShape::Curves { file, .. } = &mut object.shape {
                 from_here(file);
             }
         }

@@ -210,6 +210,14 @@ fn pictures_are_cut_out_or_stand_before_a_background() {
     assert!(message.contains("--background") && message.contains(".png or .exr"), "{message}");
 }
 
+/// One plane of a picture in an EXR.
+fn plane(path: &Path, name: &str) -> Vec<f32> {
+    let image = exr::prelude::read_all_flat_layers_from_file(path).unwrap();
+    let channels = &image.layer_data[0].channel_data.list;
+    let found = channels.iter().find(|channel| channel.name.eq(name));
+    found.unwrap_or_else(|| panic!("no plane {name}")).sample_data.values_as_f32().collect()
+}
+
 /// EXR: nothing below zero unless asked, spectral planes whose sum under ȳ is the luminance, mattes that cover what alpha covers.
 #[test]
 fn exr_planes_fit_together() {
@@ -219,12 +227,8 @@ fn exr_planes_fit_together() {
         report(folder.path(), &[&arguments[..], more].concat());
     }
     let planes = |name: &str| {
-        let image = exr::prelude::read_all_flat_layers_from_file(folder.path().join(name)).unwrap();
-        let channels = image.layer_data[0].channel_data.list.clone();
-        move |plane: &str| -> Vec<f32> {
-            let found = channels.iter().find(|channel| channel.name.eq(plane));
-            found.unwrap_or_else(|| panic!("no plane {plane}")).sample_data.values_as_f32().collect()
-        }
+        let path = folder.path().join(name);
+        move |name: &str| plane(&path, name)
     };
     let (kept, plane) = (planes("k.exr"), planes("m.exr"));
     let lowest = |values: Vec<f32>| values.into_iter().fold(f32::INFINITY, f32::min);
@@ -259,6 +263,85 @@ fn exr_planes_fit_together() {
     let daylight = barbule::scene::emission::Emission::daylight().luminance() / 20.0;
     let ratio = total(&sum) / daylight / total(&luminance);
     assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
+}
+
+/// A curve covers the pixels that it should, and does so where the printed scene is drawn elsewhere; another basis begins later.
+#[test]
+fn curves_from_files_stand_in_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::create_dir(at("scenes")).unwrap();
+    // Four points 1 mm apart in +y, 0.25 mm wide either way at x = 1 mm once they are twice as large.
+    let points: String = (0..4).map(|k| format!("0.5 {} 0 0.125\n", 0.5 * f64::from(k))).collect();
+    std::fs::write(at("scenes/rod.txt"), points).unwrap();
+    let scene = |basis: &str| {
+        format!(
+            "preset = 'starling'\nshows_feather = false\nbackground = 'none'\n[camera]\nprojection = 'orthographic'\n\
+             azimuth_deg = 0\nelevation_deg = 90\nroll_deg = 0\nwidth_mm = 6\nlens = 0\n[surfaces.white]\ntype = 'diffuse'\n\
+             [[objects]]\ncurves = 'rod.txt'\n{basis}scale = 2\nsurface = 'white'\n"
+        )
+    };
+    // 48 x 30 pixels of an eighth of a mm: alpha over the picture's middle, whose columns go to +x and rows to -y.
+    let covered = |name: &str, basis: &str| -> ([f64; 2], [f64; 2], Value) {
+        std::fs::write(at("scenes/rod.toml"), scene(basis)).unwrap();
+        let drawn = report(folder.path(), &["scenes/rod.toml", "-o", name]);
+        let alpha = plane(&at(name), "A");
+        assert_eq!(alpha.len(), 48 * 30);
+        let (mut x, mut y) = ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, f64::NEG_INFINITY]);
+        for pixel in (0..alpha.len()).filter(|pixel| alpha[*pixel] > 0.5) {
+            let place = [(pixel % 48) as f64 - 23.5, 14.5 - (pixel / 48) as f64].map(|v| v / 8.0);
+            (x, y) = ([x[0].min(place[0]), x[1].max(place[0])], [y[0].min(place[1]), y[1].max(place[1])]);
+        }
+        (x, y, drawn["pixel_hash"].clone())
+    };
+    let (x, y, straight) = covered("l.exr", "basis = 'linear'\n");
+    // Pixels' middles are half a pixel inside, ends are round; the picture ends at y = 1.875 mm.
+    assert_eq!((x, y), ([0.8125, 1.1875], [-0.1875, 1.8125]));
+    let (x, y, spline) = covered("b.exr", "");
+    assert_eq!((x, y), ([0.8125, 1.1875], [0.8125, 1.8125]));
+    assert_ne!(straight, spline);
+    let printed = barbule(folder.path(), &["scenes/rod.toml", "--toml"]).output().unwrap();
+    std::fs::write(at("printed.toml"), &printed.stdout).unwrap();
+    let again = report(folder.path(), &["printed.toml", "-o", "p.exr"]);
+    assert_eq!(again["pixel_hash"], spline);
+    std::fs::write(at("scenes/rod.txt"), "0 0 0 1\n1 0 0 1\n").unwrap();
+    let refused = barbule(folder.path(), &["scenes/rod.toml", "-o", "x.png"]).assert().code(2);
+    let message = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(
+        message.contains("objects[0].curves") && message.contains("has 2 points, but needs 4"),
+        "{message}"
+    );
+}
+
+/// Under the same light from everywhere smooth metal seen straight on is as bright as Fresnel's formula says: beside it the
+/// camera sees that light itself.
+#[test]
+fn metal_reflects_what_its_index_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "preset = 'starling'\nshows_feather = false\nsky = 1\nsky_horizon = 1\nsky_below = 1\nexposure = 1\n\
+                 [light]\nstrength = 0\n[camera]\nprojection = 'orthographic'\nazimuth_deg = 0\nelevation_deg = 90\n\
+                 roll_deg = 0\nwidth_mm = 6\nlens = 0\n[surfaces.plate]\ntype = 'conductor'\nroughness = [0.02, 0.03]\n\
+                 METAL\n[[objects]]\nrectangle_mm = [2, 8]\nsurface = 'plate'\n";
+    // Means of R, G, B on the plate over those beside it.
+    let reflected = |metal: &str| -> [f64; 3] {
+        std::fs::write(folder.path().join("plate.toml"), scene.replace("METAL", metal)).unwrap();
+        report(folder.path(), &["plate.toml", "-o", "p.exr", "--keep-gamut"]);
+        ["R", "G", "B"].map(|name| {
+            let values = plane(&folder.path().join("p.exr"), name);
+            let mean = |columns: std::ops::Range<usize>| {
+                let rows = values.chunks(48).flat_map(|row| &row[columns.clone()]);
+                rows.map(|v| f64::from(*v)).sum::<f64>() / (30 * columns.len()) as f64
+            };
+            mean(18..30) / mean(0..12)
+        })
+    };
+    let (n, k) = (0.5_f64, 3.0_f64);
+    let expected = ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k);
+    for found in reflected("index = 0.5\nabsorption = 3.0") {
+        assert!((found / expected - 1.0).abs() < 0.02, "{found}, but {expected}");
+    }
+    let [red, green, blue] = reflected("metal = 'copper'");
+    assert!(red > 1.2 * green && green > blue && red > 0.85 && blue > 0.4, "{red} {green} {blue}");
 }
 
 #[test]

@@ -4,8 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::whole::read_at_most;
-use crate::scene::comparison::ControlCurve;
-use crate::scene::spline::Basis;
+use crate::scene::spline::{Basis, ControlCurve};
 use crate::{Error, Result};
 
 /// The largest curve file: 128 MiB, about 4 million points; the shortest lines become six times their bytes.

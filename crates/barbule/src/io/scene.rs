@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::curves::read_curves;
 use super::hash_file;
 use super::image::{Meaning, read_picture};
 use super::measured::{Scale, read_measured};
@@ -37,10 +38,19 @@ pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<(
         );
     }
     for (index, object) in scene.objects.iter_mut().enumerate() {
-        if let ObjectShape::Mesh { file, mesh: mesh @ None, content } = &mut object.shape {
-            let path = folder.join(file);
-            let read = read_mesh(&path).map_err(|error| error.at(format!("objects[{index}].mesh")))?;
-            (*mesh, *content) = (Some(Arc::new(read)), hash_file(&path)?);
+        match &mut object.shape {
+            ObjectShape::Mesh { file, mesh: mesh @ None, content } => {
+                let path = folder.join(file);
+                let read = read_mesh(&path).map_err(|error| error.at(format!("objects[{index}].mesh")))?;
+                (*mesh, *content) = (Some(Arc::new(read)), hash_file(&path)?);
+            }
+            ObjectShape::Curves { file, basis, curves: curves @ None, content } => {
+                let path = folder.join(file);
+                let read = read_curves(&path, *basis)
+                    .map_err(|error| error.at(format!("objects[{index}].curves")))?;
+                (*curves, *content) = (Some(Arc::new(read)), hash_file(&path)?);
+            }
+            _ => {}
         }
     }
     for (name, surface) in &mut scene.named_surfaces {

@@ -50,6 +50,8 @@ impl Instances {
             if object.geometry.places.is_empty() {
                 continue;
             }
+            let widest = object.geometry.curve_nodes.iter().map(|node| node.radius).fold(0.0, f32::max);
+            let bounds = [bounds[0] - widest, bounds[1] + widest];
             for &place in &object.geometry.places {
                 let [low, high] = place.bounds(bounds).map(Vec3A::from);
                 // Rays come through in single precision, and flat boxes are missed by rays in their plane.
@@ -209,6 +211,21 @@ mod tests {
         }
         geometry.meshes[0].positions.iter_mut().for_each(point);
         geometry
+    }
+
+    /// A straight fibre is met beside its axis too.
+    #[test]
+    fn a_lone_fibre_is_as_wide_as_it_is() {
+        let node = |x: f32| CurveNode { point: Vec3::new(x, 0.0, 0.0), radius: 0.1, ..CurveNode::default() };
+        let place = Place { scale: 2.0, turn: DMat3::IDENTITY, shift: DVec3::Y, id: 1 };
+        let mut geometry = Geometry { places: vec![place], ..Geometry::default() };
+        geometry.add_curve(&[node(-1.0), node(1.0)], 7);
+        let objects = [object(geometry)];
+        let instances = Instances::new(&objects).unwrap();
+        for (y, expected) in [(1.19, true), (0.81, true), (1.21, false), (0.79, false)] {
+            let hit = instances.hit(&objects, DVec3::new(0.3, y, 5.0), DVec3::NEG_Z, 0.0, 10.0);
+            assert_eq!(hit.is_some(), expected, "{y}");
+        }
     }
 
     /// Rays find in places what they find where copies stand.

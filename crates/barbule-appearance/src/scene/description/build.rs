@@ -5,13 +5,13 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use super::{
-    Background, Bearing, FibreDescription, NamedSurface, PigmentedKeratin, SceneDescription, SkyDescription,
-    TextureFile, ViewProjection,
+    Background, Bearing, FibreDescription, Metal, NamedSurface, PigmentedKeratin, SceneDescription,
+    SkyDescription, TextureFile, ViewProjection,
 };
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
-    Absorption, BarbuleSurface, Dielectric, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Pictures,
-    Reflectance, Surface,
+    Absorption, BarbuleSurface, Conductor, Dielectric, FibreIndex, Hair, HairParameters, Keratin, Lambertian,
+    Pictures, Reflectance, Surface,
 };
 use crate::math::rng::hash;
 use crate::scene::backdrop::Backdrop;
@@ -249,6 +249,12 @@ impl NamedSurface {
             Self::Keratin(of) => Surface::Keratin(keratin(of)?),
             Self::Hair(of) => Surface::Hair(hair(of)?),
             Self::Dielectric { index } => Surface::Dielectric(Dielectric::new(*index)?),
+            Self::Conductor { roughness: [along, across], metal } => Surface::Conductor(match *metal {
+                Metal::Copper => Conductor::copper([*across, *along])?,
+                Metal::Constant { index, absorption } => {
+                    Conductor::new([*across, *along], |_| [index, absorption])?
+                }
+            }),
         })
     }
 }

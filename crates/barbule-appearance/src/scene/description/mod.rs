@@ -8,13 +8,15 @@ mod file;
 mod lights;
 mod objects;
 mod sequence;
+mod surfaces;
 mod text;
 
 pub use colour::parse_colour;
 pub use file::SkyImage;
 pub use lights::{LightColour, LightDescription, LightShape};
-pub use objects::{NamedSurface, ObjectDescription, ObjectShape, Placement, TextureFile};
+pub use objects::{ObjectDescription, ObjectShape, Placement};
 pub use sequence::{Motion, Moved, USUAL_ARC_DEG};
+pub use surfaces::{Metal, NamedSurface, TextureFile};
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! `[[objects]]` and the named `[surfaces.NAME]` that they are made of.
+//! `[[objects]]`: shapes beside the feather.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -8,19 +8,21 @@ use glam::{DMat3, DVec3, Vec2, Vec3};
 use serde::Serialize;
 use serde_json::Value;
 
-use super::colour::colour;
 use super::lights::point;
-use super::{FibreDescription, PigmentedKeratin};
-use crate::bsdf::Texture;
+use super::surfaces::{NamedSurface, unknown};
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{Fields, list};
 use crate::math::rng::hash;
-use crate::scene::geometry::{Geometry, Mesh, Place};
+use crate::scene::geometry::{CurveNode, Geometry, Mesh, Place};
+use crate::scene::spline::{Basis, ControlCurve};
 use crate::{Error, Result};
 
 /// Most objects, and most instances of one.
 const MOST_OBJECTS: usize = 1000;
 const MOST_INSTANCES: usize = 100_000;
+
+/// Most conical segments of an object's curves: as many as a mesh may have triangles.
+const MOST_SEGMENTS: usize = 5_000_000;
 
 /// Columns and rows of a sphere's quadrangles.
 const SPHERE: [u32; 2] = [192, 96];
@@ -62,6 +64,19 @@ pub enum ObjectShape {
         /// BLAKE3 of the file.
         content: String,
     },
+    /// Round curves from a file, in mm.
+    Curves {
+        /// The file.
+        #[serde(skip)]
+        file: String,
+        /// How its control points make curves.
+        basis: Basis,
+        /// What is in it, once it is read.
+        #[serde(skip)]
+        curves: Option<Arc<Vec<ControlCurve>>>,
+        /// BLAKE3 of the file.
+        content: String,
+    },
 }
 
 /// Where an object stands: scaled, then turned about x, y and z in this order, then moved.
@@ -75,132 +90,8 @@ pub struct Placement {
     pub translate_mm: [f64; 3],
 }
 
-/// A surface with a name.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub enum NamedSurface {
-    /// Perfectly diffuse.
-    Diffuse {
-        /// sRGB, 0 … 1.
-        colour: [f64; 3],
-        /// Pictures by their keys: `albedo`, `alpha`, `normal`.
-        pictures: BTreeMap<&'static str, TextureFile>,
-    },
-    /// Pigmented keratin.
-    Keratin(PigmentedKeratin),
-    /// Fibres of hair.
-    Hair(FibreDescription),
-    /// Glass.
-    Dielectric {
-        /// Refractive index.
-        index: f64,
-    },
-}
-
-/// A picture on a surface.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TextureFile {
-    /// The file.
-    #[serde(skip)]
-    pub file: String,
-    /// What is in it, once it is read.
-    #[serde(skip)]
-    pub texture: Option<Texture>,
-    /// BLAKE3 of the file.
-    pub content: String,
-}
-
-impl TextureFile {
-    fn new(file: &str) -> Self {
-        Self { file: file.to_owned(), texture: None, content: String::new() }
-    }
-
-    /// The picture.
-    ///
-    /// # Errors
-    /// It is not read.
-    pub fn read(&self) -> Result<Texture> {
-        let unread = || Error::input(format!("the texture '{}' is not read", self.file));
-        self.texture.clone().ok_or_else(unread)
-    }
-}
-
-/// Keys of pictures on diffuse surfaces: what the colour is multiplied with, what is black where there are holes, normals.
-const PICTURES: [&str; 3] = ["albedo", "alpha", "normal"];
-
-const TYPES: [&str; 4] = ["diffuse", "keratin", "hair", "dielectric"];
-
-impl NamedSurface {
-    /// Reads `[surfaces.NAME]` with a `type`.
-    pub(super) fn read(table: &Value, place: &str) -> Result<Self> {
-        let kind = match table.get("type") {
-            Some(Value::String(kind)) => kind.as_str(),
-            _ => {
-                return Err(Error::input(format!(
-                    "{place}.type is missing; give one of {}",
-                    TYPES.join(", ")
-                )));
-            }
-        };
-        match kind {
-            "diffuse" => {
-                let fields =
-                    Fields::new(table, place, &["type", "colour", PICTURES[0], PICTURES[1], PICTURES[2]])?;
-                let white = [1.0; 3];
-                let mut pictures = BTreeMap::new();
-                for key in PICTURES {
-                    if let Some(file) = fields.text(key)? {
-                        pictures.insert(key, TextureFile::new(file));
-                    }
-                }
-                let colour = fields.get("colour").map_or(Ok(white), |c| colour(c, &fields.path("colour")))?;
-                Ok(Self::Diffuse { colour, pictures })
-            }
-            "keratin" => Ok(Self::Keratin(PigmentedKeratin::read(&untyped(table), place)?)),
-            "hair" => Ok(Self::Hair(FibreDescription::read(&untyped(table), place)?)),
-            "dielectric" => {
-                let fields = Fields::new(table, place, &["type", "index"])?;
-                Ok(Self::Dielectric { index: fields.number_within("index", 1.01, 3.9)? })
-            }
-            other => {
-                let other = shortened(other);
-                let near = did_you_mean(&other, TYPES);
-                Err(Error::input(format!("{place}.type is '{other}'{near}; known are {}", TYPES.join(", "))))
-            }
-        }
-    }
-
-    /// Its table in a scene file.
-    pub(super) fn table(&self) -> Value {
-        let (kind, mut table) = match self {
-            Self::Diffuse { colour, pictures } => {
-                let mut table = serde_json::json!({"colour": colour});
-                if let Value::Object(table) = &mut table {
-                    let named = |(key, picture): (&&str, &TextureFile)| {
-                        ((*key).to_owned(), picture.file.as_str().into())
-                    };
-                    table.extend(pictures.iter().map(named));
-                }
-                ("diffuse", table)
-            }
-            Self::Keratin(keratin) => ("keratin", keratin.table()),
-            Self::Hair(hair) => ("hair", hair.table()),
-            Self::Dielectric { index } => ("dielectric", serde_json::json!({"index": index})),
-        };
-        if let Value::Object(table) = &mut table {
-            table.insert("type".to_owned(), kind.into());
-        }
-        table
-    }
-}
-
-/// A table without its `type`.
-fn untyped(table: &Value) -> Value {
-    let mut table = table.clone();
-    if let Value::Object(table) = &mut table {
-        table.remove("type");
-    }
-    table
-}
+/// Names of the bases of curves.
+const BASES: [(&str, Basis); 2] = [("bspline", Basis::BSpline), ("linear", Basis::Linear)];
 
 /// Reads the list `[[objects]]`; their surfaces must be among `surfaces`.
 pub(super) fn read(
@@ -216,27 +107,15 @@ pub(super) fn read(
     objects.iter().enumerate().map(read).collect()
 }
 
-impl ObjectDescription {
-    fn read(table: &Value, place: &str, surfaces: &BTreeMap<String, NamedSurface>) -> Result<Self> {
-        const KEYS: [&str; 10] = [
-            "name",
-            "sphere_mm",
-            "rectangle_mm",
-            "mesh",
-            "surface",
-            "scale",
-            "rotate_deg",
-            "translate_mm",
-            "instances",
-            "curves",
-        ];
-        let fields = Fields::new(table, place, &KEYS[..9])?;
-        let given: Vec<&str> = KEYS[1..4].iter().copied().filter(|key| fields.get(key).is_some()).collect();
+impl ObjectShape {
+    /// The one shape that a table gives by one of these keys.
+    fn read(fields: &Fields<'_>, place: &str, keys: &[&str]) -> Result<Self> {
+        let given: Vec<&str> = keys.iter().copied().filter(|key| fields.get(key).is_some()).collect();
         let shape = match given[..] {
-            ["sphere_mm"] => ObjectShape::Sphere { radius_mm: fields.number_within("sphere_mm", 1e-3, 1e5)? },
+            ["sphere_mm"] => Self::Sphere { radius_mm: fields.number_within("sphere_mm", 1e-3, 1e5)? },
             ["rectangle_mm"] => match fields.numbers("rectangle_mm")?[..] {
                 [x, y] if [x, y].iter().all(|v| (1e-3..=1e5).contains(v)) => {
-                    ObjectShape::Rectangle { size_mm: [x, y] }
+                    Self::Rectangle { size_mm: [x, y] }
                 }
                 _ => {
                     return Err(Error::input(format!(
@@ -245,18 +124,56 @@ impl ObjectDescription {
                     )));
                 }
             },
-            ["mesh"] => ObjectShape::Mesh {
+            ["mesh"] => Self::Mesh {
                 file: fields.text("mesh")?.unwrap_or_default().to_owned(),
                 mesh: None,
                 content: String::new(),
             },
+            ["curves"] => Self::Curves {
+                file: fields.text("curves")?.unwrap_or_default().to_owned(),
+                basis: basis(fields)?,
+                curves: None,
+                content: String::new(),
+            },
             _ => {
                 return Err(Error::input(format!(
-                    "{place} has {} shapes; give one of sphere_mm, rectangle_mm, mesh",
-                    given.len()
+                    "{place} has {} shapes; give one of {}",
+                    given.len(),
+                    keys.join(", ")
                 )));
             }
         };
+        if fields.get("basis").is_some() && !matches!(shape, Self::Curves { .. }) {
+            return Err(Error::input(format!("{} is given, but there are no curves", fields.path("basis"))));
+        }
+        Ok(shape)
+    }
+}
+
+/// A B-spline unless said otherwise.
+fn basis(fields: &Fields<'_>) -> Result<Basis> {
+    let name = fields.text("basis")?.unwrap_or(BASES[0].0);
+    let known = BASES.iter().find(|(known, _)| *known == name).map(|(_, basis)| *basis);
+    known.ok_or_else(|| unknown(&fields.path("basis"), name, &BASES.map(|(known, _)| known)))
+}
+
+impl ObjectDescription {
+    fn read(table: &Value, place: &str, surfaces: &BTreeMap<String, NamedSurface>) -> Result<Self> {
+        const KEYS: [&str; 11] = [
+            "sphere_mm",
+            "rectangle_mm",
+            "mesh",
+            "curves",
+            "basis",
+            "name",
+            "surface",
+            "scale",
+            "rotate_deg",
+            "translate_mm",
+            "instances",
+        ];
+        let fields = Fields::new(table, place, &KEYS)?;
+        let shape = ObjectShape::read(&fields, place, &KEYS[..4])?;
         let surface = fields.text("surface")?.ok_or_else(|| {
             Error::input(format!("{place}.surface is missing; give the name of a table [surfaces.NAME]"))
         })?;
@@ -299,8 +216,12 @@ impl ObjectDescription {
             ObjectShape::Sphere { radius_mm } => ("sphere_mm", serde_json::json!(radius_mm)),
             ObjectShape::Rectangle { size_mm } => ("rectangle_mm", serde_json::json!(size_mm)),
             ObjectShape::Mesh { file, .. } => ("mesh", serde_json::json!(file)),
+            ObjectShape::Curves { file, .. } => ("curves", serde_json::json!(file)),
         };
         if let Value::Object(table) = &mut table {
+            if let ObjectShape::Curves { basis: Basis::Linear, .. } = self.shape {
+                table.insert("basis".to_owned(), "linear".into());
+            }
             table.insert(key.to_owned(), value);
             table.insert(
                 "instances".to_owned(),
@@ -313,8 +234,10 @@ impl ObjectDescription {
     /// Its shape and where it stands; `index`: its own among the objects.
     ///
     /// # Errors
-    /// A mesh that is not read.
+    /// A mesh or curves that are not read; curves of too many segments.
     pub fn geometry(&self, index: usize) -> Result<Geometry> {
+        let identity = |instance: usize| hash(0x006f_626a, &[index as u64, instance as u64]);
+        let places = self.places.iter().enumerate().map(|(i, place)| place.place(identity(i))).collect();
         let made;
         let mesh = match &self.shape {
             ObjectShape::Sphere { radius_mm } => {
@@ -329,11 +252,16 @@ impl ObjectDescription {
             ObjectShape::Mesh { file, .. } => {
                 return Err(Error::input(format!("the mesh '{file}' is not read")));
             }
+            ObjectShape::Curves { file, basis, curves, .. } => {
+                let curves = curves
+                    .as_ref()
+                    .ok_or_else(|| Error::input(format!("the curves '{file}' are not read")))?;
+                let grown = grow(curves, *basis, identity(0)).map_err(|error| error.at(file))?;
+                return Ok(Geometry { places, ..grown });
+            }
         };
-        let identity = |instance: usize| hash(0x006f_626a, &[index as u64, instance as u64]);
         let mesh = Mesh { tangents: upwards(mesh), id: identity(0), ..mesh.clone() };
-        let places = self.places.iter().enumerate().map(|(i, place)| place.place(identity(i)));
-        Ok(Geometry { meshes: vec![mesh], places: places.collect(), ..Geometry::default() })
+        Ok(Geometry { meshes: vec![mesh], places, ..Geometry::default() })
     }
 }
 
@@ -355,6 +283,28 @@ impl Placement {
         let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
         Place { scale: self.scale, turn, shift: self.translate_mm.into(), id }
     }
+}
+
+/// Curves as conical segments; `id`: the object's.
+fn grow(curves: &[ControlCurve], basis: Basis, id: u64) -> Result<Geometry> {
+    let mut geometry = Geometry::default();
+    let mut segments = 0;
+    for (index, curve) in (0_u64..).zip(curves) {
+        let node = |&[x, y, z, radius]: &[f64; 4]| CurveNode {
+            point: DVec3::new(x, y, z).as_vec3(),
+            radius: radius as f32,
+            ..CurveNode::default()
+        };
+        let nodes: Vec<CurveNode> = curve.iter().map(node).collect();
+        segments += basis.segments(&nodes);
+        if segments > MOST_SEGMENTS {
+            return Err(Error::input(format!(
+                "its curves need over {MOST_SEGMENTS} segments; give fewer or less bent ones, or share them among several objects"
+            )));
+        }
+        geometry.add_control_curve(&nodes, basis, hash(id, &[index]));
+    }
+    Ok(geometry)
 }
 
 /// At each vertex the direction in which the texture's v grows, the mean over its triangles; none where a mesh has no texture
@@ -462,6 +412,29 @@ mod tests {
         );
     }
 
+    /// In mm where the file says so; what is not read, or too many segments, is refused.
+    #[test]
+    fn curves_stand_where_their_points_are() {
+        let mut object =
+            objects("[[objects]]\ncurves = 'a.txt'\nbasis = 'linear'\nsurface = 'white'\nscale = 2")
+                .unwrap()
+                .remove(0);
+        assert!(object.geometry(0).unwrap_err().to_string().contains("the curves 'a.txt' are not read"));
+        let mut fill = |points: Vec<[f64; 4]>| {
+            let ObjectShape::Curves { curves, .. } = &mut object.shape else { panic!() };
+            *curves = Some(Arc::new(vec![points.clone(), points]));
+            object.geometry(0)
+        };
+        let geometry = fill(vec![[1.0, 2.0, 3.0, 0.5], [1.0, 2.0, 4.0, 0.25]]).unwrap();
+        assert_eq!(geometry.curves.len(), 2);
+        assert_ne!(geometry.curves[0].id, geometry.curves[1].id);
+        let end = geometry.curve_nodes[3];
+        assert_eq!((end.point, end.radius), (Vec3::new(1.0, 2.0, 4.0), 0.25));
+        assert_eq!(geometry.places[0].point(end.point.as_dvec3()), DVec3::new(2.0, 4.0, 8.0));
+        let message = fill(vec![[0.0, 0.0, 0.0, 1.0]; MOST_SEGMENTS / 2 + 2]).unwrap_err().to_string();
+        assert!(message.starts_with("a.txt: its curves need over 5000000 segments"), "{message}");
+    }
+
     #[test]
     fn bad_objects_are_refused_by_key() {
         let message = |text: &str| objects(&format!("[[objects]]\n{text}")).unwrap_err().to_string();
@@ -471,6 +444,14 @@ mod tests {
         assert!(message("sphere_mm = 1").contains("surface is missing"));
         assert!(message("sphere_mm = 1\nsurface = 'whit'").contains("did you mean 'white'"));
         assert!(message("sphre_mm = 1\nsurface = 'white'").contains("did you mean 'sphere_mm'"));
+        assert!(
+            message("curves = 'a.txt'\nbasis = 'bsplin'\nsurface = 'white'")
+                .contains("did you mean 'bspline'")
+        );
+        assert!(message("curve = 'a.txt'\nsurface = 'white'").contains("did you mean 'curves'"));
+        assert!(
+            message("sphere_mm = 1\nbasis = 'linear'\nsurface = 'white'").contains("there are no curves")
+        );
         assert!(message("rectangle_mm = [1]\nsurface = 'white'").contains("two lengths"));
         assert!(message("sphere_mm = 1\nsurface = 'white'\ninstances = []").contains("1 to 100000"));
         assert!(
@@ -482,17 +463,5 @@ mod tests {
                 .contains("instances[0].scale")
         );
         assert!(message("sphere_mm = 1\nsurface = 'white'\ntranslate_mm = [1, 2]").contains("three numbers"));
-        let surface = |text: &str| {
-            let table: Value = toml::from_str(text).unwrap();
-            NamedSurface::read(&table, "surfaces.table").unwrap_err().to_string()
-        };
-        assert!(surface("index = 1").contains("surfaces.table.type is missing"));
-        assert!(surface("type = 'difuse'").contains("did you mean 'diffuse'"));
-        assert!(surface("type = 'dielectric'\nindex = 9").contains("surfaces.table.index is 9"));
-        assert!(surface("type = 'diffuse'\ncolour = 3").contains("surfaces.table.colour"));
-        assert!(
-            surface("type = 'keratin'\nroughness = 0.2\nindex = 1.5")
-                .contains("surfaces.table.melanin is missing")
-        );
     }
 }

@@ -194,7 +194,11 @@ mod tests {
              [surfaces.horn]\ntype = 'keratin'\nroughness = 0.2\nindex = 1.5\nmelanin = 3\n[surfaces.fur]\ntype = 'hair'\n\
              [[objects]]\nname = 'ball'\nsphere_mm = 2.5\nsurface = 'glass'\nrotate_deg = [1, 2, 3]\n\
              [[objects]]\nmesh = 'a.ply'\nsurface = 'red'\ninstances = [{{scale = 2}}, {{translate_mm = [1, 2, 3]}}]\n\
-             [[objects]]\nrectangle_mm = [1, 2]\nsurface = 'horn'\n"
+             [[objects]]\nrectangle_mm = [1, 2]\nsurface = 'horn'\n\
+             [surfaces.pan]\ntype = 'conductor'\nroughness = 0.1\nmetal = 'copper'\n\
+             [surfaces.steel]\ntype = 'conductor'\nroughness = [0.1, 0.3]\nindex = 2.5\nabsorption = 3.4\n\
+             [[objects]]\ncurves = 'a.txt'\nsurface = 'pan'\n\
+             [[objects]]\ncurves = 'b.txt'\nbasis = 'linear'\nsurface = 'steel'\n"
         );
         let scene = SceneDescription::parse(&text).unwrap();
         assert_eq!(SceneDescription::parse(&scene.to_toml().unwrap()).unwrap(), scene);
