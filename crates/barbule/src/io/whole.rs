@@ -1,6 +1,6 @@
 //! Reading users' files whole, within limits on their size and kind.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _};
 use std::path::Path;
 
@@ -128,12 +128,18 @@ pub fn hash_bytes(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
 }
 
-/// BLAKE3 of a file's bytes, in hexadecimal.
+/// BLAKE3 of a file's bytes, in hexadecimal; a file may have any length.
 ///
 /// # Errors
-/// As [`read_bytes`].
+/// As [`read_bytes`], but for the length.
 pub fn hash_file(path: &Path) -> Result<String> {
-    Ok(hash_bytes(&read_bytes(path)?))
+    if !fs::metadata(path).is_ok_and(|metadata| metadata.is_file()) {
+        return Ok(hash_bytes(&read_bytes(path)?));
+    }
+    let mut hasher = blake3::Hasher::new();
+    let read = File::open(path).and_then(|file| hasher.update_reader(file).map(drop));
+    read.map_err(|e| failure(path, "cannot be read", &e))?;
+    Ok(hasher.finalize().to_hex().to_string())
 }
 
 /// Makes a folder with those it lies in.
@@ -150,6 +156,17 @@ mod tests {
 
     fn message<T>(result: Result<T>) -> String {
         result.err().map(|e| e.to_string()).unwrap_or_default()
+    }
+
+    #[test]
+    fn hashes_are_those_of_the_bytes_however_large_a_file_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("large");
+        fs::write(&path, b"few").unwrap();
+        assert_eq!(hash_file(&path).unwrap(), hash_bytes(b"few"));
+        File::create(&path).unwrap().set_len(LARGEST_INPUT + 1).unwrap();
+        assert_eq!(hash_file(&path).unwrap(), hash_bytes(&vec![0; LARGEST_INPUT as usize + 1]));
+        assert!(message(hash_file(&folder.path().join("none"))).contains("no such file"));
     }
 
     #[test]
