@@ -148,9 +148,10 @@ def bases():
     step = sqrt(2 * N * BASES / sum(v * v for row in rows for v in row))
     return step, [[complex(*c) for c in zip(row[::2], row[1::2])] for row in rows]
 
-def noise(bits, x):  # q_r + j q_i of the function with this hash
+def noise(bits, own, x):  # q_r + j q_i of what polarizations share, or of what the second has beside it
     step, rows = bases()
-    angle, base, shift, way = 2 * pi * ((bits >> 40) % 1024 + 0.5) / 1024, rows[bits % BASES], bits >> 16, -1 if bits >> 63 else 1
+    angle, base = 2 * pi * ((bits >> (50 if own else 40)) % 1024 + 0.5) / 1024, rows[bits % BASES]
+    shift, way = (bits >> 16) + own * N // 2, -1 if bits >> 63 else 1
     k, t, turn = floor(x * N / 2 - 0.5), (x * N / 2 - 0.5) % 1, complex(single(step * cos(angle)), single(step * sin(angle)))
     near, far = (base[(shift + way * n) % N] for n in (k, k + 1))
     return ((1 - t) * near + t * far) / sqrt(1 - 2 * t * (1 - t) * (1 - C1)) * turn
@@ -167,8 +168,8 @@ def factor(instance, steepness, strength, inverse_length, facet):  # τ
 
 def speckled(mean, steady, instance, x, gamma, fractions, polarization):
     name = chained(split_mix(seed), instance)
-    first = noise(name, x)
-    second = gamma * first + sqrt(max(1 - gamma * gamma, 0)) * noise(split_mix(name), x)
+    first = noise(name, 0, x)
+    second = gamma * first + sqrt(max(1 - gamma * gamma, 0)) * noise(name, 1, x)
     of = lambda f, s, q: abs(sqrt((f - min(s, f)) / 2) * q + sqrt(min(s, f))) ** 2
     parts = {"1": [(1, 1, first)], "2": [(1, 1, second)], "mean": [(*fractions, first), (*(1 - v for v in fractions), second)]}
     return sum(of(mean * a, steady * b, q) for a, b, q in parts[polarization])

@@ -96,6 +96,14 @@ fn measure_hair(name: &str, calls: &[Call], index: FibreIndex) {
     measure(&format!("{name}: eval"), calls, |c, n| bound.eval(if n % 2 == 0 { c.wo } else { -c.wo }));
 }
 
+/// One prepared evaluation towards a light of its own, and three towards others.
+fn towards_four(brdf: &FeatherBrdf, call: &Call, number: u64) -> [[f32; 4]; 4] {
+    let prepared = brdf.prepare(call.waves, call.wi);
+    let draw = brdf.instance(number);
+    let near = |x: f64, z: f64| (call.wo + DVec3::new(x, 0.0, z)).normalize();
+    [call.wo, near(0.1, 0.0), near(-0.1, 0.1), near(0.05, 0.1)].map(|wo| prepared.eval(wo, Some(&draw)))
+}
+
 fn main() {
     let material = example(50);
     let (begun, before) = (Instant::now(), ProcessTime::now());
@@ -113,6 +121,8 @@ fn main() {
     measure("eval of 4 wavelengths, smooth", &calls, |c, _| brdf.eval(c.waves, c.wi, c.wo, None));
     measure("eval of 8 wavelengths with instance", &calls, |c, n| brdf.eval(c.eight(), c.wi, c.wo, Some(n)));
     measure("eval of 8 wavelengths, smooth", &calls, |c, _| brdf.eval(c.eight(), c.wi, c.wo, None));
+    // What a renderer does: several lights at each point.
+    measure("four evaluations of 4 of one hit, instance", &calls, |c, n| towards_four(&brdf, c, n));
     measure("prepare", &calls, |c, _| brdf.prepare(c.waves, c.wi));
     measure("sample with density", &calls, |c, _| brdf.sample(c.waves[0], c.wi, c.u));
     measure("densities of 4 wavelengths", &calls, |c, _| brdf.pdfs(c.waves, c.wi, c.wo));

@@ -45,7 +45,7 @@ struct Terms {
 impl Terms {
     fn new(sides: &[Fitted; 2]) -> Self {
         let floor = [0, 1].map(|p| 1e-12 * sides[p].mean.iter().fold(0.0, |a: f64, b| a.max(*b)));
-        let variance = slope::variance();
+        let variance = *slope::VARIANCE;
         let (mut shared, mut linear, mut quadratic, mut squares) = (0.0, 0.0, 0.0, [0.0; 2]);
         for k in 0..sides[0].mean.len() {
             let [first, second] = [0, 1].map(|p| sides[p].mean[k]);

@@ -92,7 +92,7 @@ impl FeatherBrdf {
     ) -> [f32; N] {
         let mut values = [0.0; N];
         if is_above(wi) && is_above(wo) {
-            let instance = instance.map(|instance| self.at(instance, wi, wo));
+            let instance = instance.map(|name| self.instance(name));
             self.add_values(&wavelengths_nm, [wi, wo], None, instance.as_ref(), &mut values);
             if self.options.reciprocal {
                 self.add_values(&wavelengths_nm, [wo, wi], None, instance.as_ref(), &mut values);
@@ -164,6 +164,13 @@ impl FeatherBrdf {
         }
     }
 
+    /// The barbule of this name, for [`PreparedBrdf::eval`].
+    #[must_use]
+    #[inline]
+    pub fn instance(&self, name: u64) -> Draw {
+        self.noise.draw(name)
+    }
+
     /// Everything about N wavelengths and one incident direction, to be used with many outgoing ones.
     #[must_use]
     #[inline]
@@ -182,12 +189,6 @@ impl FeatherBrdf {
         Cosine(if self.kind == FitKind::Marginal { 1.0 } else { 0.0 })
     }
 
-    fn at(&self, instance: u64, wi: DVec3, wo: DVec3) -> At {
-        let (draw, x) = (self.noise.draw(instance), wi.x + wo.x);
-        let facet = x / (wi.z + wo.z);
-        At { draw, x: x as f32, facet, wing: draw.wing(facet) - 1.0 }
-    }
-
     /// f cosφ_o of one set at four wavelengths but for what the spread along the barbule makes of it.
     #[inline(always)]
     fn across<S: Simd>(
@@ -198,30 +199,32 @@ impl FeatherBrdf {
         slope: &Slope,
         instance: Option<&At>,
     ) -> f32x4<S> {
-        let mixed = Mixed::new(simd, &self.tables[set], simplices);
-        let Some(at) = instance else { return mixed.mean };
-        let At { draw, x, .. } = at;
+        let Some(at) = instance else { return Mixed::new(simd, &self.tables[set], simplices).mean };
+        // Noise before lobes: its loads wait longest.
         let extras = Extras::new(simd, &self.tables[set], simplices);
-        let mixed = mixed.times(at.factor(simd, slope, extras.inverse_length));
-        let place = self.noise.place(simd, extras.inverse_length * *x);
-        let [qr, qi] = self.noise.at_four(simd, &draw.shared, &place);
-        if self.polarization_of(set) == Some(Polarization::First) {
-            return speckled(mixed.mean, mixed.steady, qr, qi);
-        }
-        let [own_r, own_i] = self.noise.at_four(simd, &draw.own, &place);
-        let gamma = extras.correlation;
-        let rest = (f32x4::splat(simd, 1.0) - gamma * gamma).max(0.0).sqrt();
-        let (second_r, second_i) = (gamma.mul_add(qr, rest * own_r), gamma.mul_add(qi, rest * own_i));
-        if self.polarization_of(set).is_some() {
-            return speckled(mixed.mean, mixed.steady, second_r, second_i);
-        }
-        // Half of each polarization's own values.
-        let first = mixed.mean * extras.fraction;
-        let steady = mixed.steady * extras.steady_fraction;
-        let mean = first.combine(mixed.mean - first);
-        let steady = steady.combine(mixed.steady - steady).min(mean);
-        let (first, second) = speckled(mean, steady, qr.combine(second_r), qi.combine(second_i)).split();
-        first + second
+        let place = self.noise.place(simd, extras.inverse_length * at.x);
+        let [qr, qi, own_r, own_i] = self.noise.at_four(simd, at.draw, &place);
+        let Mixed { mean, steady } = Mixed::new(simd, &self.tables[set], simplices);
+        let value = if self.polarization_of(set) == Some(Polarization::First) {
+            speckled(mean, steady, qr, qi)
+        } else {
+            let gamma = extras.correlation;
+            let rest = (f32x4::splat(simd, 1.0) - gamma * gamma).max(0.0).sqrt();
+            let (second_r, second_i) = (gamma.mul_add(qr, rest * own_r), gamma.mul_add(qi, rest * own_i));
+            if self.polarization_of(set).is_some() {
+                speckled(mean, steady, second_r, second_i)
+            } else {
+                // Half of each polarization's own values.
+                let first = mean * extras.fraction;
+                let first_steady = steady * extras.steady_fraction;
+                let mean = first.combine(mean - first);
+                let steady = first_steady.combine(steady - first_steady).min(mean);
+                let both = speckled(mean, steady, qr.combine(second_r), qi.combine(second_i));
+                let (first, second) = both.split();
+                first + second
+            }
+        };
+        value * at.factor(simd, slope, extras.inverse_length)
     }
 }
 
@@ -232,8 +235,8 @@ fn is_above(w: DVec3) -> bool {
 }
 
 /// Which instance, and where its noise is looked up but for the length: x_i + x_o.
-struct At {
-    draw: Draw,
+struct At<'a> {
+    draw: &'a Draw,
     x: f32,
     /// Slope t of the facet that mirrors.
     facet: f64,
@@ -241,7 +244,14 @@ struct At {
     wing: f32,
 }
 
-impl At {
+impl<'a> At<'a> {
+    #[inline(always)]
+    fn new(draw: &'a Draw, [wi, wo]: [DVec3; 2]) -> Self {
+        let x = wi.x + wo.x;
+        let facet = x / (wi.z + wo.z);
+        Self { draw, x: x as f32, facet, wing: draw.wing(facet) - 1.0 }
+    }
+
     /// τ, see the module `slope`.
     #[inline(always)]
     fn factor<S: Simd>(&self, simd: S, slope: &Slope, inverse_length: f32x4<S>) -> f32x4<S> {
@@ -262,17 +272,16 @@ fn speckled<S: Simd, V: SimdFloat<S, Element = f32>>(mean: V, steady: V, qr: V, 
 }
 
 impl<const N: usize> PreparedBrdf<'_, N> {
-    /// f in 1/sr without the cosine; see [`FeatherBrdf::eval`].
+    /// f in 1/sr without the cosine; see [`FeatherBrdf::eval`]. `instance` is what [`FeatherBrdf::instance`] gives.
     #[must_use]
     #[inline]
-    pub fn eval(&self, wo: DVec3, instance: Option<u64>) -> [f32; N] {
+    pub fn eval(&self, wo: DVec3, instance: Option<&Draw>) -> [f32; N] {
         let mut values = [0.0; N];
         if is_above(self.wi) && is_above(wo) {
             let (brdf, waves) = (self.brdf, &self.wavelengths_nm);
-            let instance = instance.map(|instance| brdf.at(instance, self.wi, wo));
-            brdf.add_values(waves, [self.wi, wo], Some(&self.incident), instance.as_ref(), &mut values);
+            brdf.add_values(waves, [self.wi, wo], Some(&self.incident), instance, &mut values);
             if brdf.options.reciprocal {
-                brdf.add_values(waves, [wo, self.wi], None, instance.as_ref(), &mut values);
+                brdf.add_values(waves, [wo, self.wi], None, instance, &mut values);
                 values.iter_mut().for_each(|value| *value *= 0.5);
             }
         }
@@ -366,39 +375,77 @@ impl FeatherBrdf {
         wavelengths_nm: &[f32],
         [wi, wo]: [DVec3; 2],
         prepared: Option<&Incident>,
-        instance: Option<&At>,
+        instance: Option<&Draw>,
         values: &mut [f32],
     ) {
-        let (fours, _) = wavelengths_nm.as_chunks::<4>();
-        let (lanes, _) = values.as_chunks_mut::<4>();
-        let ([four, fours @ ..], [first, lanes @ ..]) = (fours, lanes) else { return };
-        // The first wavelengths of the first set with what all share, so that that stays in registers.
-        let (towards, factor) = dispatch!(self.level, simd => {
-            let incident = match prepared {
-                Some(incident) => *incident,
-                None => self.grid.incident([wi.x, wi.y, wi.z]),
-            };
-            let towards = self.towards(simd, incident, wo);
-            let factor = self.factor(simd, &towards, wo);
-            // Most directions are far off the barbule's narrow cone.
-            if factor > 0.0 {
-                self.add_four(simd, 0, &towards, factor, instance, four, first);
-                if let ([four, ..], [lanes, ..]) = (fours, &mut *lanes) {
-                    self.add_four(simd, 0, &towards, factor, instance, four, lanes);
+        for set in 0..self.tables.len() {
+            for (nm, values) in wavelengths_nm.chunks(8).zip(values.chunks_mut(8)) {
+                // A kernel for each, without what the other needs.
+                match instance {
+                    None => self.add_smooth(set, nm, [wi, wo], prepared, values),
+                    Some(draw) => self.add_drawn(set, nm, [wi, wo], prepared, draw, values),
                 }
             }
-            (towards, factor)
-        });
+        }
+    }
+
+    #[inline(never)]
+    fn add_smooth(
+        &self,
+        set: usize,
+        nm: &[f32],
+        directions: [DVec3; 2],
+        prepared: Option<&Incident>,
+        values: &mut [f32],
+    ) {
+        dispatch!(self.level, simd => self.add_eight(simd, set, nm, directions, prepared, None, values));
+    }
+
+    #[inline(never)]
+    fn add_drawn(
+        &self,
+        set: usize,
+        nm: &[f32],
+        directions: [DVec3; 2],
+        prepared: Option<&Incident>,
+        draw: &Draw,
+        values: &mut [f32],
+    ) {
+        dispatch!(self.level, simd => self.add_eight(simd, set, nm, directions, prepared, Some(draw), values));
+    }
+
+    /// Four wavelengths of a set or eight, with what they share, so that that stays in registers.
+    #[expect(clippy::too_many_arguments, reason = "all of it is inlined")]
+    #[inline(always)]
+    fn add_eight<S: Simd>(
+        &self,
+        simd: S,
+        set: usize,
+        wavelengths_nm: &[f32],
+        [wi, wo]: [DVec3; 2],
+        prepared: Option<&Incident>,
+        instance: Option<&Draw>,
+        values: &mut [f32],
+    ) {
+        let instance = instance.map(|draw| At::new(draw, [wi, wo]));
+        let instance = instance.as_ref();
+        let incident = match prepared {
+            Some(incident) => *incident,
+            None => self.grid.incident([wi.x, wi.y, wi.z]),
+        };
+        let towards = self.towards(simd, incident, wo);
+        let factor = self.factor(simd, &towards, wo);
+        // Most directions are far off the barbule's narrow cone.
         if factor == 0.0 {
             return;
         }
-        for set in 1..self.tables.len() {
-            dispatch!(self.level, simd => self.add_four(simd, set, &towards, factor, instance, four, first));
+        let (fours, _) = wavelengths_nm.as_chunks::<4>();
+        let (lanes, _) = values.as_chunks_mut::<4>();
+        if let ([four, ..], [lanes, ..]) = (fours, &mut *lanes) {
+            self.add_four(simd, set, &towards, factor, instance, four, lanes);
         }
-        for (number, (four, lanes)) in fours.iter().zip(lanes).enumerate() {
-            for set in usize::from(number == 0)..self.tables.len() {
-                dispatch!(self.level, simd => self.add_four(simd, set, &towards, factor, instance, four, lanes));
-            }
+        if let ([_, four, ..], [_, lanes, ..]) = (fours, lanes) {
+            self.add_four(simd, set, &towards, factor, instance, four, lanes);
         }
     }
 

@@ -197,12 +197,6 @@ impl<S: Simd> Mixed<S> {
         let mean = first + second;
         Self { mean, steady: steady.min(mean) }
     }
-
-    /// Both parts so many times as bright.
-    #[inline(always)]
-    pub(super) fn times(self, factor: f32x4<S>) -> Self {
-        Self { mean: self.mean * factor, steady: self.steady * factor }
-    }
 }
 
 impl<S: Simd> Extras<S> {

@@ -33,6 +33,6 @@ pub use marginal::{Marginal, marginals};
 pub use material::{
     FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, check_axes, check_sigma, table_axes,
 };
-pub use noise::{Noise, spectrum as noise_spectrum};
+pub use noise::{Draw, Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;
 pub use profile::lobe_integral;

@@ -1,6 +1,6 @@
 //! The Gaussian process whose draws tell one barbule from another (S.32–S.49).
 
-use fearless_simd::{Simd, f32x4, f32x8, i16x8, i32x4, mask32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, f32x16, i16x8, i32x4, mask32x4, prelude::*};
 use num_complex::Complex;
 use std::f64::consts::TAU;
 
@@ -11,11 +11,16 @@ use crate::math::fft::Transformable as _;
 use crate::math::rng::{Stream, hash};
 use crate::scattering::statistics::NOISE_POINTS;
 
-/// Base functions; rotated, shifted and mirrored they give every instance a function of its own.
+/// Base functions; rotated, shifted and mirrored they give every instance functions of its own: what both polarizations
+/// share, and half a period further what the second has beside it.
 const BASES: usize = 256;
 
-/// Numbers of a base: (q_r, q_i) at each point and at the first again, and what a load of eight may read past them.
-const ROW: usize = 2 * (NOISE_POINTS + 1) + 4;
+/// Points in half a period.
+const HALF: usize = NOISE_POINTS / 2;
+
+/// Numbers of a base: (q_r, q_i) at a point and half a period further, for each point of half a period and the next. The
+/// second half has the same in the other order.
+const ROW: usize = 4 * (HALF + 1);
 
 /// Rotations of (q_r, q_i) in their plane.
 const ROTATIONS: usize = 1024;
@@ -48,8 +53,8 @@ pub fn spectrum(autocovariance: &[f64]) -> Vec<f64> {
 /// Draws of the process, ready for lookup.
 #[derive(Debug, Clone)]
 pub struct Noise {
-    /// (q_r, q_i) of each base at each point, in sixteen bits, so that all stay in a core's cache (1 MB). Shape
-    /// `[base, point, 2]`.
+    /// In sixteen bits, so that all stay in a core's cache (1 MB), and one load holds all about a place. Shape
+    /// `[base, point, 4]`.
     values: Vec<[i16; ROW]>,
     /// Cosine and sine of evenly spread angles, times the step of `values`.
     rotations: Vec<[f32; 2]>,
@@ -66,21 +71,15 @@ pub struct Noise {
 #[derive(Debug, Clone, Copy)]
 pub struct Draw {
     /// E on the sides of t < 0 and of t ≥ 0, see the module `slope`.
-    pub(super) wings: [f32; 2],
-    /// What both polarizations share.
-    pub(super) shared: Turned,
-    /// What the second has beside it.
-    pub(super) own: Turned,
-}
-
-/// A function: which base, and how it is turned, shifted and mirrored.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Turned {
+    wings: [f32; 2],
     base: usize,
+    /// How both functions are shifted and mirrored.
     shift: i32,
     direction: i32,
-    cosine: f32,
-    sine: f32,
+    /// How what both polarizations share is turned, and what the second has beside it: cosine and sine times the step of
+    /// the values.
+    shared: [f32; 2],
+    own: [f32; 2],
 }
 
 impl Draw {
@@ -150,20 +149,14 @@ impl Noise {
     #[inline(always)]
     pub fn draw(&self, instance: u64) -> Draw {
         let bits = hash(self.seed, &[instance]);
-        // Bits that no function reads.
-        let wings = [bits >> 8, bits >> 28].map(|bits| self.wings[bits as usize % VALUES]);
-        Draw { wings, shared: self.turned(bits), own: self.turned(hash(bits, &[])) }
-    }
-
-    #[inline(always)]
-    fn turned(&self, bits: u64) -> Turned {
-        let [cosine, sine] = self.rotations[(bits >> 40) as usize % ROTATIONS];
-        Turned {
+        let rotation = |first: u32| self.rotations[(bits >> first) as usize % ROTATIONS];
+        Draw {
+            wings: [bits >> 8, bits >> 28].map(|bits| self.wings[bits as usize % VALUES]),
             base: bits as usize % BASES,
             shift: (bits >> 16) as i32 & (NOISE_POINTS as i32 - 1),
             direction: if bits >> 63 == 0 { 1 } else { -1 },
-            cosine,
-            sine,
+            shared: rotation(40),
+            own: rotation(50),
         }
     }
 
@@ -171,26 +164,30 @@ impl Noise {
     /// Interpolated with the weights of S.47, which keep the variance; the period is 2.
     #[must_use]
     pub fn at_both(&self, draw: &Draw, x: f64, correlation: f64) -> [[f64; 2]; 2] {
-        let (first, own) = (self.exact(&draw.shared, x), self.exact(&draw.own, x));
+        let [first, own] = self.exact(draw, x);
         let rest = (1.0 - correlation * correlation).max(0.0).sqrt();
         [first, [0, 1].map(|part| correlation * first[part] + rest * own[part])]
     }
 
     /// [`at_four`](Self::at_four) in double precision, one formula after another.
-    fn exact(&self, draw: &Turned, x: f64) -> [f64; 2] {
+    fn exact(&self, draw: &Draw, x: f64) -> [[f64; 2]; 2] {
         let position = x.clamp(-512.0, 512.0) * (0.5 * NOISE_POINTS as f64) - 0.5;
         let (k, t) = (position.floor(), position - position.floor());
-        let value = |k: i32| {
-            let at = 2 * ((draw.shift + draw.direction * k) as usize & (NOISE_POINTS - 1));
-            let row = &self.values[draw.base];
-            [f64::from(row[at]), f64::from(row[at + 1])]
+        let value = |k: i32, part: usize| {
+            let point = (draw.shift + draw.direction * k) as usize & (NOISE_POINTS - 1);
+            let part = if point < HALF { part } else { part ^ 2 };
+            f64::from(self.values[draw.base][4 * (point % HALF) + part])
         };
-        let ([r0, i0], [r1, i1]) = (value(k as i32), value(k as i32 + 1));
         // (1−t)² + t² + 2 t (1−t) C₁
         let scale = 1.0 / (1.0 - 2.0 * t * (1.0 - t) * (1.0 - self.autocovariance[1])).sqrt();
-        let (a, b) = (scale * ((1.0 - t) * r0 + t * r1), scale * ((1.0 - t) * i0 + t * i1));
-        let (cosine, sine) = (f64::from(draw.cosine), f64::from(draw.sine));
-        [a * cosine - b * sine, a * sine + b * cosine]
+        let between =
+            |part: usize| scale * ((1.0 - t) * value(k as i32, part) + t * value(k as i32 + 1, part));
+        let turned = |[cosine, sine]: [f32; 2], part: usize| {
+            let (cosine, sine) = (f64::from(cosine), f64::from(sine));
+            let (a, b) = (between(part), between(part + 1));
+            [a * cosine - b * sine, a * sine + b * cosine]
+        };
+        [turned(draw.shared, 0), turned(draw.own, 2)]
     }
 
     /// Where four x lie between the points.
@@ -206,9 +203,9 @@ impl Noise {
         Place { index, near: rest * scale, far: t * scale }
     }
 
-    /// q_r and q_i at four places.
+    /// q_r and q_i of what both polarizations share, then of what the second has beside it, at four places.
     #[inline(always)]
-    pub(super) fn at_four<S: Simd>(&self, simd: S, draw: &Turned, place: &Place<S>) -> [f32x4<S>; 2] {
+    pub(super) fn at_four<S: Simd>(&self, simd: S, draw: &Draw, place: &Place<S>) -> [f32x4<S>; 4] {
         // Mirrored functions go downwards: both points are still read together. Half of all draws are, so a branch would
         // be foretold wrongly as often.
         let mirrored = draw.direction < 0;
@@ -219,10 +216,15 @@ impl Noise {
         let base = &self.values[draw.base];
         let (a, b) = (points(simd, base, index[0]), points(simd, base, index[1]));
         let (c, d) = (points(simd, base, index[2]), points(simd, base, index[3]));
-        let (ac, bd) = (a.zip_low(c), b.zip_low(d));
-        let low = low.combine(low) * floats(ac.zip_low(bd));
-        let (a, b) = high.combine(high).mul_add(floats(ac.zip_high(bd)), low).split();
-        [a * draw.cosine - b * draw.sine, a * draw.sine + b * draw.cosine]
+        // Each part at the four places side by side, for the lower point of each and for the higher.
+        let low = fours(low) * sixteen(a.zip_low(c), b.zip_low(d));
+        let (first, second) = fours(high).mul_add(sixteen(a.zip_high(c), b.zip_high(d)), low).split();
+        let further = (index & i32x4::splat(simd, HALF as i32)).simd_gt(i32x4::splat(simd, 0));
+        let ((a, b), (c, d)) = (first.split(), second.split());
+        let (a, c) = (further.select(c, a), further.select(a, c));
+        let (b, d) = (further.select(d, b), further.select(b, d));
+        let ([cos, sin], [cos_own, sin_own]) = (draw.shared, draw.own);
+        [a * cos - b * sin, a * sin + b * cos, c * cos_own - d * sin_own, c * sin_own + d * cos_own]
     }
 }
 
@@ -241,17 +243,26 @@ pub(super) fn knots(low: f64, high: f64) -> impl Iterator<Item = f64> {
     (first..=last).map(move |k| (2.0 * k as f64 + 1.0 - n) / n)
 }
 
-/// (q_r, q_i) at a point and at the next, in the first four lanes.
+/// The four numbers at a point and at the next.
 #[inline(always)]
 fn points<S: Simd>(simd: S, base: &[i16; ROW], index: i32) -> i16x8<S> {
-    let at = 2 * (index as usize & (NOISE_POINTS - 1));
+    let at = 4 * (index as usize & (HALF - 1));
     i16x8::from_slice(simd, &base[at..at + 8])
 }
 
+/// Four numbers, four times.
 #[inline(always)]
-fn floats<S: Simd>(values: i16x8<S>) -> f32x8<S> {
-    let (low, high) = values.widen();
-    f32x8::float_from(low.combine(high))
+fn fours<S: Simd>(values: f32x4<S>) -> f32x16<S> {
+    let twice: f32x8<S> = values.combine(values);
+    twice.combine(twice)
+}
+
+/// The lanes of two registers in turn, as floats.
+#[inline(always)]
+fn sixteen<S: Simd>(a: i16x8<S>, b: i16x8<S>) -> f32x16<S> {
+    let (low, high) = (a.zip_low(b).widen(), a.zip_high(b).widen());
+    let low: f32x8<S> = f32x8::float_from(low.0.combine(low.1));
+    low.combine(f32x8::float_from(high.0.combine(high.1)))
 }
 
 /// In sixteen bits, with the step that makes the variance over all bases and points exactly 1, so that E[f] = f̂ over
@@ -260,11 +271,13 @@ fn quantized(values: &[[f32; 2 * NOISE_POINTS]]) -> (Vec<[i16; ROW]>, f64) {
     let largest = values.as_flattened().iter().fold(1e-30_f32, |largest, v| largest.max(v.abs()));
     let scale = f32::from(i16::MAX) / largest;
     let whole = |row: &[f32; 2 * NOISE_POINTS]| -> [i16; ROW] {
-        std::array::from_fn(|k| (row[k % (2 * NOISE_POINTS)] * scale).round() as i16)
+        std::array::from_fn(|k| {
+            let (point, part) = (k / 4 + k % 4 / 2 * HALF, k % 2);
+            (row[2 * (point % NOISE_POINTS) + part] * scale).round() as i16
+        })
     };
     let rows: Vec<[i16; ROW]> = values.iter().map(whole).collect();
-    let squares =
-        |row: &[i16; ROW]| -> f64 { row[..2 * NOISE_POINTS].iter().map(|v| f64::from(*v).powi(2)).sum() };
+    let squares = |row: &[i16; ROW]| -> f64 { row[..4 * HALF].iter().map(|v| f64::from(*v).powi(2)).sum() };
     let sum: f64 = rows.iter().map(squares).sum();
     let step = ((2 * NOISE_POINTS * rows.len()) as f64 / sum.max(1.0)).sqrt();
     (rows, step)

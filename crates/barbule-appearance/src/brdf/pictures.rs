@@ -30,6 +30,7 @@ pub fn hemisphere(
     let fours: Vec<[f32; 4]> =
         nm.as_chunks::<4>().0.iter().map(|four| four.map(|value| value as f32)).collect();
     let prepared: Vec<_> = fours.iter().map(|&four| brdf.prepare(four, wi)).collect();
+    let instance = instance.map(|name| brdf.instance(name));
     let centre = 0.5 * size as f64;
     Ok((0..size * size)
         .into_par_iter()
@@ -41,7 +42,7 @@ pub fn hemisphere(
                 let wo = DVec3::new(x, y, z2.sqrt());
                 let mut samples = [0.0; SAMPLES];
                 for (out, prepared) in samples.as_chunks_mut::<4>().0.iter_mut().zip(&prepared) {
-                    *out = prepared.eval(wo, instance).map(f64::from);
+                    *out = prepared.eval(wo, instance.as_ref()).map(f64::from);
                 }
                 weights.linear_rgb(&samples)
             })

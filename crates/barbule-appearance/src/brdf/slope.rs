@@ -11,6 +11,8 @@
 //! direction, 1 at most, and falls again where light comes from edges instead of facets. E ≥ 0 of mean 1 is drawn for each
 //! instance and each side of the mirror direction, the two wings of one barbule hardly correlate; E[τ] = 1 keeps the mean.
 
+use std::sync::LazyLock;
+
 use super::patterns::contrast;
 use crate::math::normal;
 use crate::math::rng::Stream;
@@ -69,9 +71,8 @@ pub(super) fn values() -> Vec<f64> {
 }
 
 /// Variance of E.
-pub(super) fn variance() -> f64 {
-    values().iter().map(|value| (value - 1.0) * (value - 1.0)).sum::<f64>() / VALUES as f64
-}
+pub(super) static VARIANCE: LazyLock<f64> =
+    LazyLock::new(|| values().iter().map(|value| (value - 1.0) * (value - 1.0)).sum::<f64>() / VALUES as f64);
 
 /// Squared contrasts that so many instances are expected to show, population form, by g h.
 #[derive(Debug)]
@@ -220,7 +221,7 @@ mod tests {
         assert!(values.iter().all(|value| *value > 0.0));
         // The log-normal distribution's own variance, less what quantiles leave out of its tail.
         let whole = libm::exp(DEVIATION * DEVIATION) - 1.0;
-        assert!((0.75 * whole..whole).contains(&variance()), "{} {whole}", variance());
+        assert!((0.75 * whole..whole).contains(&*VARIANCE), "{} {whole}", *VARIANCE);
         let slope = Slope { steepness: 1.0, strength: 1.0 };
         let most = (0..10_000).map(|k| slope.part(0.001 * f64::from(k), 1.0)).fold(0.0, f64::max);
         assert!((most - 1.0).abs() < 1e-6 && slope.part(3.0_f64.powf(0.25), 1.0) <= 1.0 + 1e-12, "{most}");
@@ -233,7 +234,7 @@ mod tests {
     fn contrasts_of_many_instances_follow_from_the_moments() {
         let contrasts = Contrasts::new(16_000);
         for part in [0.0, 0.3, 1.0] {
-            let squares = 1.0 + part * part * variance();
+            let squares = 1.0 + part * part * *VARIANCE;
             let [speckle, alone] = contrasts.at(part);
             assert!((speckle / (2.0 * squares - 1.0) - 1.0).abs() < 0.05, "{part} {speckle} {squares}");
             assert!((alone - (squares - 1.0)).abs() < 0.05 * squares, "{part} {alone} {squares}");

@@ -8,7 +8,7 @@ use super::hit::Hit;
 use super::keratin::{self, Keratin};
 use super::lobes::Lobes;
 use super::{Bsdf, Model};
-use crate::brdf::{FeatherBrdf, PreparedBrdf};
+use crate::brdf::{Draw, FeatherBrdf, PreparedBrdf};
 use crate::spectrum::dense::{Lambdas, WAVES};
 
 /// A barbule: its own BRDF above, dark keratin below. What neither reflects is absorbed by the melanin inside.
@@ -32,7 +32,8 @@ impl BarbuleSurface {
         let side = hit.side(wo);
         let model = if side.is_upper && side.wo.z > 0.0 {
             let prepared = self.brdf.prepare(wavelengths.single_nm(), side.wo);
-            Model::Feather(Bound { prepared, instance: self.instances.then_some(hit.instance) })
+            let instance = self.instances.then(|| self.brdf.instance(hit.instance));
+            Model::Feather(Bound { prepared, instance })
         } else {
             Model::Keratin(keratin::Bound { keratin: &self.under, wavelengths })
         };
@@ -49,7 +50,7 @@ impl BarbuleSurface {
 /// A barbule's BRDF at the wavelengths of a path and one direction of the viewer.
 pub(super) struct Bound<'a> {
     prepared: PreparedBrdf<'a, WAVES>,
-    instance: Option<u64>,
+    instance: Option<Draw>,
 }
 
 impl Bound<'_> {
@@ -60,7 +61,7 @@ impl Bound<'_> {
 
     #[inline]
     pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
-        let f = self.prepared.eval(wi, self.instance);
+        let f = self.prepared.eval(wi, self.instance.as_ref());
         // Off the cone there is neither light nor a sample.
         let pdf = if f == [0.0; WAVES] { [0.0; WAVES] } else { self.prepared.pdfs(wi) };
         (f.map(f64::from), pdf)

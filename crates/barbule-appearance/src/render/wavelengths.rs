@@ -2,16 +2,39 @@
 //!
 //! Drawn between 380 and 720 nm with density ∝ sech²(0.0072 (λ − 538)), close to the eye's sensitivity (Radziszewski et
 //! al. 2009), stratified: one in each eighth of the distribution, the first one (the hero, which decides directions)
-//! in any of them (Wilkie et al. 2014).
+//! in any of them (Wilkie et al. 2014). Between the ends of 256 bins of equal probability the density is constant, so that a table
+//! of them gives wavelengths and densities that belong to each other.
 
-use fearless_simd::{Simd, dispatch, f64x8, prelude::*};
+use std::sync::LazyLock;
 
-use crate::math::elementary::ln_each;
-use crate::math::simd::level;
-use crate::spectrum::dense::{Lambdas, WAVES};
+use crate::spectrum::dense::{LONGEST_NM, Lambdas, SHORTEST_NM, WAVES};
 
 const SLOPE: f64 = 0.0072;
 const MIDDLE: f64 = 538.0;
+
+/// Bins of an eighth of the distribution.
+const BINS: usize = 32;
+
+/// Where bins begin and how wide they are, nm. Rows are places within an eighth; columns are the eighths, and again, so that
+/// any eight neighbours are the eighths in turn.
+struct Bins {
+    begin: [[f64; 2 * WAVES]; BINS],
+    width: [[f64; 2 * WAVES]; BINS],
+}
+
+static INVERSE: LazyLock<Bins> = LazyLock::new(|| {
+    // tanh(SLOPE (λ − MIDDLE)) is uniform.
+    let [low, high] = [SHORTEST_NM, LONGEST_NM].map(|nm| libm::tanh(SLOPE * (nm - MIDDLE)));
+    let nm = |bin: usize| match bin {
+        0 => SHORTEST_NM,
+        bin if bin == BINS * WAVES => LONGEST_NM,
+        bin => MIDDLE + libm::atanh(low + (high - low) * bin as f64 / (BINS * WAVES) as f64) / SLOPE,
+    };
+    let of = |value: &dyn Fn(usize) -> f64| -> [[f64; 2 * WAVES]; BINS] {
+        std::array::from_fn(|row| std::array::from_fn(|column| value(column % WAVES * BINS + row)))
+    };
+    Bins { begin: of(&nm), width: of(&|bin| nm(bin + 1) - nm(bin)) }
+});
 
 /// Wavelengths, the hero first, with their densities, 1/nm.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,44 +46,43 @@ pub struct Hero {
 }
 
 impl Hero {
-    /// From one uniform number.
-    #[inline(never)] // one copy for all callers
+    /// From one uniform number, 0 … 1.
+    #[inline(always)]
     #[must_use]
     pub fn new(u: f64) -> Self {
-        dispatch!(level(), simd => drawn(simd, u))
+        let bins = &*INVERSE;
+        let place = u * (BINS * WAVES) as f64;
+        let bin = (place as usize).min(BINS * WAVES - 1);
+        let rest = place - bin as f64;
+        let (row, column) = (bin % BINS, bin / BINS);
+        let (mut nm, mut pdf) = ([0.0; WAVES], [0.0; WAVES]);
+        let begin = &bins.begin[row][column..column + WAVES];
+        let width = &bins.width[row][column..column + WAVES];
+        for k in 0..WAVES {
+            nm[k] = begin[k] + width[k] * rest;
+            pdf[k] = (1.0 / (BINS * WAVES) as f64) / width[k];
+        }
+        Self { wavelengths: Lambdas::new(nm), pdf }
     }
 }
-
-/// Compiled for each instruction set.
-#[inline(always)]
-fn drawn<S: Simd>(simd: S, u: f64) -> Hero {
-    let all = |v: f64| f64x8::splat(simd, v);
-    let one = all(1.0);
-    let v = all(u) + f64x8::from_slice(simd, &STRATA);
-    let v = v.simd_lt(one).select(v, v - one);
-    // tanh(SLOPE (λ − MIDDLE)) is uniform, and sech² is one less its square.
-    let t = all(LOW) + all(HIGH - LOW) * v;
-    let nm = all(MIDDLE) + all(0.5 / SLOPE) * ln_each(simd, (one + t) / (one - t));
-    let pdf = all(SLOPE / (HIGH - LOW)) * (one - t * t);
-    Hero { wavelengths: Lambdas::new(nm.to_array()), pdf: pdf.to_array() }
-}
-
-/// Where each eighth of the distribution begins.
-const STRATA: [f64; WAVES] = [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
-
-/// tanh(SLOPE (λ − MIDDLE)) at the shortest and the longest wavelength.
-const LOW: f64 = -0.8136043613811508;
-const HIGH: f64 = 0.8643765890672668;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, WAVES};
 
+    /// Each eighth once, and densities near those of the distribution.
     #[test]
-    fn the_ends_are_those_of_the_visible_range() {
-        for (edge, nm) in [(LOW, SHORTEST_NM), (HIGH, LONGEST_NM)] {
-            assert!((edge - (SLOPE * (nm - MIDDLE)).tanh()).abs() < 1e-15);
+    fn each_eighth_of_the_distribution_has_a_wavelength() {
+        let low = libm::tanh(SLOPE * (SHORTEST_NM - MIDDLE));
+        let range = libm::tanh(SLOPE * (LONGEST_NM - MIDDLE)) - low;
+        for u in [0.0, 0.1, 0.49, 0.8, 1.0 - f64::EPSILON] {
+            let hero = Hero::new(u);
+            for (k, (nm, pdf)) in hero.wavelengths.nm().iter().zip(hero.pdf).enumerate() {
+                let t = libm::tanh(SLOPE * (nm - MIDDLE));
+                let expected = (u + k as f64 / WAVES as f64) % 1.0;
+                assert!(((t - low) / range - expected).abs() < 2e-4, "{u} {k}: {nm}");
+                assert!((pdf * range / (SLOPE * (1.0 - t * t)) - 1.0).abs() < 0.02, "{u} {k}: {pdf}");
+            }
         }
     }
 
@@ -76,7 +98,7 @@ mod tests {
                 moment += w / WAVES as f64 / p / f64::from(count);
             }
         }
-        assert!((length - 340.0).abs() < 0.01);
+        assert!((length - 340.0).abs() < 1e-9);
         assert!((moment / 340.0 - 550.0).abs() < 0.01);
     }
 }

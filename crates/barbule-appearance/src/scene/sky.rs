@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::emission::Emission;
 use super::primaries::primaries;
-use crate::math::elementary::atan2;
+use crate::math::elementary::{ROUGH, atan2, atan2_rough};
 use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
 
@@ -150,11 +150,24 @@ impl Sky {
     pub fn texel(&self, direction: DVec3) -> (usize, usize) {
         let direction = self.rotation.transpose() * direction;
         let across = (direction.x * direction.x + direction.y * direction.y).sqrt();
-        let row = (atan2(across, direction.z) * (1.0 / PI) * self.height as f64) as usize;
-        let turns = atan2(direction.x, direction.y) * (1.0 / TAU) - self.turn;
-        let turns = turns - turns.floor();
-        let column = (turns * self.width as f64) as usize;
-        (row.min(self.height - 1), column.min(self.width - 1))
+        let rough = [atan2_rough(across, direction.z), atan2_rough(direction.x, direction.y)];
+        let (row, column) = self.place(rough);
+        let (rows, columns) = (ROUGH / PI * self.height as f64, ROUGH / TAU * self.width as f64);
+        // Near an edge between texels it takes more care.
+        let is_sure = |place: f64, doubt: f64| (place - (place + 0.5).floor()).abs() > doubt;
+        let (row, column) = if is_sure(row, rows) && is_sure(column, columns) {
+            (row, column)
+        } else {
+            self.place([atan2(across, direction.z), atan2(direction.x, direction.y)])
+        };
+        ((row as usize).min(self.height - 1), (column as usize).min(self.width - 1))
+    }
+
+    /// Rows and columns from the map's upper left corner to a polar angle and an azimuth, rad.
+    #[inline(always)]
+    fn place(&self, [polar, azimuth]: [f64; 2]) -> (f64, f64) {
+        let turns = azimuth * (1.0 / TAU) - self.turn;
+        (polar * (1.0 / PI) * self.height as f64, (turns - turns.floor()) * self.width as f64)
     }
 
     /// Radiance of a texel.
@@ -193,6 +206,29 @@ mod tests {
         assert!(image(f32::NAN).is_err() && image(f32::INFINITY).is_err());
         assert!(Sky::image(2, 1, vec![[0.0; 3]; 2], 1.0, 0.0).is_err());
         assert!(Sky::image(2, 1, vec![[1.0; 3]; 2], -1.0, 0.0).is_err());
+    }
+
+    /// By arc functions of `libm`, for directions anywhere and a hair's breadth from the edges of texels.
+    #[test]
+    fn texels_are_those_of_the_exact_angles() {
+        let emission = Emission::new(|_| 1.0).unwrap();
+        let sky = Sky::grey(64, 32, emission, |_| 1.0).unwrap();
+        let mut stream = crate::math::rng::Stream::new(9, &[]);
+        for k in 0..50_000 {
+            let mut point = [stream.uniform(0.0, 1.0), stream.uniform(0.01, 0.99)];
+            if k % 2 == 0 {
+                let near = stream.uniform(1e-12, 1e-6) * f64::from(k % 4 - 1);
+                point = [(point[0] * 64.0).round() / 64.0 + near, (point[1] * 32.0).round() / 32.0 + near];
+            }
+            let direction = direction_of(DVec2::from(point));
+            let polar = libm::atan2(direction.x.hypot(direction.y), direction.z);
+            let turns = (libm::atan2(direction.x, direction.y) / TAU).rem_euclid(1.0);
+            assert_eq!(
+                sky.texel(direction),
+                ((polar / PI * 32.0) as usize, (turns * 64.0) as usize),
+                "{point:?}"
+            );
+        }
     }
 
     #[test]

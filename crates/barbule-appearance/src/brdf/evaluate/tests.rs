@@ -24,7 +24,8 @@ fn registers_agree_with_the_exact_formulas_at_every_width() {
             let waves = [390.0, 433.0, 571.5, 680.0];
             let prepared = brdf.prepare(waves, wi);
             let Some((wo, pdf)) = prepared.sample(1, [stream.unit(), stream.unit()]) else { continue };
-            let (speckled, mean) = (prepared.eval(wo, Some(instance)), prepared.eval(wo, None));
+            let (speckled, mean) =
+                (prepared.eval(wo, Some(&brdf.instance(instance))), prepared.eval(wo, None));
             let densities = prepared.pdfs(wo);
             assert_eq!(pdf, densities[1]);
             let twice: [f32; 8] = std::array::from_fn(|k| waves[k % 4]);

@@ -1,11 +1,11 @@
 //! The kernels of a fibre: all lobes at once, then all wavelengths at once. The plain forms stand in
 //! [`spread`](super::spread), for the tests.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use fearless_simd::{Simd, dispatch, f64x8, mask64x8, prelude::*};
 
-use super::section::{FOLLOWED, Round, WAYS};
+use super::section::{FOLLOWED, Round, Rounds, WAYS, wrap_each};
 use super::spread::{Azimuthal, LARGE_I0, Longitudinal, NEGLIGIBLE, SMALL, SMALL_I0};
 use crate::math::elementary::exp_each;
 use crate::math::simd::level;
@@ -41,12 +41,42 @@ impl Powers {
 
 #[inline(always)]
 fn powers<S: Simd>(simd: S, section: &Round, depths: &[f64; WAVES]) -> Powers {
-    let [r, tt, trt, rest] = section.attenuations(simd, depths);
+    shares(simd, section.attenuations(simd, depths))
+}
+
+#[inline(always)]
+fn shares<S: Simd>(simd: S, [r, tt, trt, rest]: [f64x8<S>; WAYS]) -> Powers {
     let inverse = f64x8::splat(simd, 1.0) / (((r + tt) + trt) + rest);
     Powers {
         of: [r.to_array(), tt.to_array(), trt.to_array(), rest.to_array()],
         inverse_albedo: inverse.to_array(),
     }
+}
+
+/// Middles and powers of a fibre whose index at each wavelength is another; arguments as of [`Round::new`] and
+/// [`Powers::new`].
+#[inline(never)]
+pub(super) fn dispersed(
+    offset: f64,
+    inclination: [f64; 2],
+    index: &[f64; WAVES],
+    depths: &[f64; WAVES],
+) -> (Middles, Powers) {
+    dispatch!(level(), simd => rounds(simd, offset, inclination, index, depths))
+}
+
+#[inline(always)]
+fn rounds<S: Simd>(
+    simd: S,
+    offset: f64,
+    inclination: [f64; 2],
+    index: &[f64; WAVES],
+    depths: &[f64; WAVES],
+) -> (Middles, Powers) {
+    let rounds = Rounds::new(simd, offset, inclination, index);
+    let [r, tt, trt] = rounds.azimuths;
+    let middles = Middles::Each([r.to_array(), tt.to_array(), trt.to_array()]);
+    (middles, shares(simd, rounds.attenuations(simd, depths)))
 }
 
 /// Where light comes from, as a fibre sees it.
@@ -128,17 +158,21 @@ fn scattered<S: Simd>(
                 + of(2) * all(values[2] * values[6])
         }
         Middles::Each([r, tt, trt]) => {
-            let around = |middles: &[f64; WAVES]| {
-                let turns = all(from) - f64x8::from_slice(simd, middles);
-                let e = exp_each(simd, -wrapped(simd, turns).abs() * all(spread.inverse[4]));
-                logistic(simd, e, all(spread.scale[4]))
-            };
-            rest + of(0) * all(values[0]) * around(r)
-                + of(1) * all(values[1]) * around(tt)
-                + of(2) * all(values[2]) * around(trt)
+            rest + of(0) * all(values[0]) * around(simd, spread, from, r)
+                + of(1) * all(values[1]) * around(simd, spread, from, tt)
+                + of(2) * all(values[2]) * around(simd, spread, from, trt)
         }
     };
     sum.to_array()
+}
+
+/// Density around the fibre of a way that leaves elsewhere at each wavelength. Not a closure, which would be left outside
+/// of what is compiled for the processor's instructions.
+#[inline(always)]
+fn around<S: Simd>(simd: S, spread: &Spread, from: f64, middles: &[f64; WAVES]) -> f64x8<S> {
+    let turns = f64x8::splat(simd, from) - f64x8::from_slice(simd, middles);
+    let power = -wrap_each(simd, turns).abs() * f64x8::splat(simd, spread.inverse[4]);
+    logistic(simd, exp_each(simd, power), f64x8::splat(simd, spread.scale[4]))
 }
 
 /// Densities of all lobes.
@@ -158,7 +192,7 @@ fn lobes<S: Simd>(
     let b = -(all(light.sin) * sin_o + all(1.0)) * inverse;
     let is_small = a.simd_lt(all(SMALL));
     let along = is_small.select(b, a + b);
-    let around = -wrapped(simd, turns).abs() * inverse;
+    let around = -wrap_each(simd, turns).abs() * inverse;
     let is_along: mask64x8<S> = f64x8::from_slice(simd, &IOTA).simd_lt(all(WAYS as f64));
     let power = is_along.select(along, around);
     let e = exp_each(simd, power);
@@ -172,14 +206,6 @@ fn lobes<S: Simd>(
 fn logistic<S: Simd>(simd: S, e: f64x8<S>, scale: f64x8<S>) -> f64x8<S> {
     let one_more = e + f64x8::splat(simd, 1.0);
     scale * e / (one_more * one_more)
-}
-
-/// Angles between −2π and 2π, turned to −π … π.
-#[inline(always)]
-fn wrapped<S: Simd>(simd: S, angle: f64x8<S>) -> f64x8<S> {
-    let all = |v: f64| f64x8::splat(simd, v);
-    let angle = angle.simd_gt(all(PI)).select(angle - all(TAU), angle);
-    angle.simd_lt(all(-PI)).select(angle + all(TAU), angle)
 }
 
 #[inline(always)]
@@ -205,9 +231,38 @@ fn i0_large<S: Simd>(simd: S, x: f64x8<S>) -> f64x8<S> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
     use crate::math::rng::Stream;
     use crate::math::simd::Width;
+
+    /// Each wavelength against the plain form with its index; the tolerance is rounding.
+    #[test]
+    fn dispersed_sections_are_those_of_each_index_at_every_width() {
+        let mut stream = Stream::new(92, &[]);
+        for _ in 0..300 {
+            let offset = stream.uniform(-1.0, 1.0);
+            let (sin, cos) = stream.uniform(-1.5, 1.5).sin_cos();
+            let index: [f64; WAVES] = std::array::from_fn(|_| stream.uniform(1.2, 2.0));
+            let depths = std::array::from_fn(|_| stream.uniform(0.0, 3.0));
+            for Width(level) in Width::available() {
+                let (middles, powers) =
+                    dispatch!(level, simd => rounds(simd, offset, [sin, cos], &index, &depths));
+                let Middles::Each(middles) = middles else { panic!("one middle for all") };
+                for k in 0..WAVES {
+                    let section = Round::new(offset, [sin, cos], index[k]);
+                    let shares = section.attenuations_at(depths[k]);
+                    for way in 0..WAYS {
+                        assert!((powers.of[way][k] - shares[way]).abs() < 1e-14, "way {way}");
+                    }
+                    for (way, azimuth) in section.azimuths.into_iter().enumerate() {
+                        assert!((middles[way][k] - azimuth).abs() < 1e-13, "way {way}");
+                    }
+                }
+            }
+        }
+    }
 
     /// Against the sum over ways and wavelengths one by one, at every width. The tolerance is rounding.
     #[test]

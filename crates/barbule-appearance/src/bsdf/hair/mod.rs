@@ -22,7 +22,7 @@ use glam::DVec3;
 
 pub use absorption::Absorption;
 
-use self::lanes::{Incidence, Middles, Powers, Spread};
+use self::lanes::{Incidence, Middles, Powers, Spread, dispersed};
 use self::section::{FOLLOWED, Round, WAYS};
 use self::spread::{Azimuthal, Longitudinal};
 use super::hit::Hit;
@@ -156,14 +156,13 @@ impl<'a> Bound<'a> {
         let cos = (1.0 - sin * sin).sqrt();
         let across = (wo.x * wo.x + wo.z * wo.z).sqrt();
         let viewer = if across > 0.0 { [wo.x / across, wo.z / across] } else { [0.0, 1.0] };
-        let [hero, ..] = wavelengths.nm();
-        let section = Round::new(offset, [sin, cos], hair.index.at(hero));
+        let depths = hair.absorption.at_each(wavelengths);
         let (middles, powers) = match hair.index {
-            FibreIndex::Constant(_) => (
-                Middles::Same(section.azimuths),
-                Powers::new(&section, &hair.absorption.at_each(wavelengths)),
-            ),
-            FibreIndex::Keratin => dispersed(hair, offset, [sin, cos], wavelengths),
+            FibreIndex::Constant(index) => {
+                let section = Round::new(offset, [sin, cos], index);
+                (Middles::Same(section.azimuths), Powers::new(&section, &depths))
+            }
+            FibreIndex::Keratin => dispersed(offset, [sin, cos], &wavelengths.nm().map(keratin), &depths),
         };
         let mut inclinations = [[sin, cos]; WAYS];
         for (inclination, [sin_tilt, cos_tilt]) in inclinations.iter_mut().zip(&hair.tilts) {
@@ -223,35 +222,11 @@ impl<'a> Bound<'a> {
     }
 }
 
-/// Middles and powers of a section that each wavelength sees differently.
-fn dispersed(hair: &Hair, offset: f64, inclination: [f64; 2], wavelengths: Lambdas) -> (Middles, Powers) {
-    let depths = hair.absorption.at_each(wavelengths);
-    let mut middles = [[0.0; WAVES]; FOLLOWED];
-    let mut powers = Powers { of: [[0.0; WAVES]; WAYS], inverse_albedo: [0.0; WAVES] };
-    for (k, nm) in wavelengths.nm().into_iter().enumerate() {
-        let section = Round::new(offset, inclination, hair.index.at(nm));
-        for (middles, azimuth) in middles.iter_mut().zip(section.azimuths) {
-            middles[k] = azimuth;
-        }
-        let mut albedo = 0.0;
-        for (powers, power) in powers.of.iter_mut().zip(section.attenuations_at(depths[k])) {
-            powers[k] = power;
-            albedo += power;
-        }
-        powers.inverse_albedo[k] = 1.0 / albedo;
-    }
-    (Middles::Each(middles), powers)
-}
-
 /// Only a direction in the tangent plane itself is nearer.
 const LEAST_COSINE: f64 = 1e-12;
 
-impl FibreIndex {
-    #[inline(always)]
-    fn at(self, wavelength_nm: f64) -> f64 {
-        match self {
-            Self::Constant(index) => index,
-            Self::Keratin => 1.532 + 5890.0 / (wavelength_nm * wavelength_nm),
-        }
-    }
+/// Refractive index of feather keratin.
+#[inline(always)]
+fn keratin(wavelength_nm: f64) -> f64 {
+    1.532 + 5890.0 / (wavelength_nm * wavelength_nm)
 }

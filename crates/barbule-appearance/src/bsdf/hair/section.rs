@@ -4,13 +4,13 @@
 //! inclination θ to that plane moves in it as in a plane problem with the index η' = √(η² − sin²θ)/cosθ (Marschner et
 //! al. 2003, appendix B), and leaves at the inclination −θ whatever happened inside.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use fearless_simd::{Simd, f64x8, prelude::*};
 
 use super::spread::wrap;
 use crate::bsdf::fresnel::fresnel;
-use crate::math::elementary::{asin, exp, exp_each};
+use crate::math::elementary::{asin, asin_each, exp_each};
 use crate::spectrum::dense::WAVES;
 
 /// Ways that are followed one by one: R (reflected), TT (through), TRT (reflected once inside).
@@ -59,26 +59,82 @@ impl Round {
     #[inline(always)]
     pub(super) fn attenuations<S: Simd>(&self, simd: S, depths: &[f64; WAVES]) -> [f64x8<S>; WAYS] {
         let all = |v: f64| f64x8::splat(simd, v);
-        let kept = exp_each(simd, f64x8::from_slice(simd, depths) * all(-self.chord));
-        let f = self.fresnel;
-        let through = all((1.0 - f) * (1.0 - f)) * kept;
-        let again = all(f) * kept;
-        let through_again = through * again;
-        // At f = 1 nothing enters.
-        let rest = through_again * again / (all(1.0) - again).max(all(f64::MIN_POSITIVE));
-        [all(f), through, through_again, rest]
+        attenuations(simd, all(self.fresnel), all(self.chord), depths)
     }
 
-    /// As [`Round::attenuations`] at one wavelength.
-    #[inline(always)]
+    /// As [`Round::attenuations`] at one wavelength, the plain form.
+    #[cfg(test)]
     pub(super) fn attenuations_at(&self, depth: f64) -> [f64; WAYS] {
-        let kept = exp(-depth * self.chord);
+        let kept = libm::exp(-depth * self.chord);
         let f = self.fresnel;
         let through = (1.0 - f) * (1.0 - f) * kept;
         let again = f * kept;
         let rest = through * again * again / (1.0 - again).max(f64::MIN_POSITIVE);
         [f, through, through * again, rest]
     }
+}
+
+/// Of each Fresnel reflectance and chord, `[way][wavelength]`.
+#[inline(always)]
+fn attenuations<S: Simd>(simd: S, f: f64x8<S>, chord: f64x8<S>, depths: &[f64; WAVES]) -> [f64x8<S>; WAYS] {
+    let one = f64x8::splat(simd, 1.0);
+    let kept = exp_each(simd, -f64x8::from_slice(simd, depths) * chord);
+    let through = (one - f) * (one - f) * kept;
+    let again = f * kept;
+    let through_again = through * again;
+    // At f = 1 nothing enters.
+    let rest = through_again * again / (one - again).max(f64x8::splat(simd, f64::MIN_POSITIVE));
+    [f, through, through_again, rest]
+}
+
+/// [`Round`] of a dispersive fibre, which each wavelength sees differently.
+pub(super) struct Rounds<S: Simd> {
+    /// Azimuths at which the followed ways leave, `[way][wavelength]`.
+    pub(super) azimuths: [f64x8<S>; FOLLOWED],
+    fresnel: f64x8<S>,
+    chord: f64x8<S>,
+}
+
+impl<S: Simd> Rounds<S> {
+    /// As [`Round::new`], with the index at each wavelength.
+    #[inline(always)]
+    pub(super) fn new(simd: S, offset: f64, [sin, cos]: [f64; 2], index: &[f64; WAVES]) -> Self {
+        let all = |v: f64| f64x8::splat(simd, v);
+        let (one, zero, two) = (all(1.0), all(0.0), all(2.0));
+        let index = f64x8::from_slice(simd, index);
+        let cos_outside = (1.0 - offset * offset).max(0.0).sqrt();
+        let sin_inside = all(offset * cos) / (index * index - all(sin * sin)).sqrt();
+        let cos_inside = (one - sin_inside * sin_inside).max(zero).sqrt();
+        let sin_along = all(sin) / index;
+        let cos_along = (one - sin_along * sin_along).max(zero).sqrt();
+        let reflected = 2.0 * asin(offset);
+        let turn = all(PI) - two * asin_each(simd, sin_inside);
+        let once = wrap_each(simd, all(reflected) + turn);
+        // As `fresnel`.
+        let c = all((cos * cos_outside).clamp(0.0, 1.0));
+        let t = (one - (one - c * c) / (index * index)).max(zero).sqrt();
+        let s = (c - index * t) / (c + index * t);
+        let p = (index * c - t) / (index * c + t);
+        Self {
+            azimuths: [all(wrap(reflected)), once, wrap_each(simd, once + turn)],
+            fresnel: all(0.5) * (s * s + p * p),
+            chord: two * cos_inside / cos_along,
+        }
+    }
+
+    /// As [`Round::attenuations`].
+    #[inline(always)]
+    pub(super) fn attenuations(&self, simd: S, depths: &[f64; WAVES]) -> [f64x8<S>; WAYS] {
+        attenuations(simd, self.fresnel, self.chord, depths)
+    }
+}
+
+/// Angles between −2π and 2π, turned to −π … π.
+#[inline(always)]
+pub(super) fn wrap_each<S: Simd>(simd: S, angle: f64x8<S>) -> f64x8<S> {
+    let all = |v: f64| f64x8::splat(simd, v);
+    let angle = angle.simd_gt(all(PI)).select(angle - all(TAU), angle);
+    angle.simd_lt(all(-PI)).select(angle + all(TAU), angle)
 }
 
 #[cfg(test)]

@@ -155,7 +155,8 @@ pub(crate) fn instance_albedos(brdf: &FeatherBrdf) -> [f64; 2] {
         (0..2000).filter_map(|_| brdf.sample(547.0, wi, [stream.unit(), stream.unit()])).collect();
     let prepared = brdf.prepare([547.0; 4], wi);
     let albedo = |instance: Option<u64>| -> f64 {
-        samples.iter().map(|(wo, pdf)| f64::from(prepared.eval(*wo, instance)[0]) * wo.z / pdf).sum()
+        let instance = instance.map(|name| brdf.instance(name));
+        samples.iter().map(|(wo, pdf)| f64::from(prepared.eval(*wo, instance.as_ref())[0]) * wo.z / pdf).sum()
     };
     let mean = albedo(None);
     let count = 400;
