@@ -16,6 +16,7 @@ mod lights;
 mod measure;
 mod objects;
 mod picture;
+mod polarization;
 mod render;
 mod sides;
 mod simulation;
