@@ -10,6 +10,7 @@ mod crystal_colours;
 mod crystal_values;
 mod crystals;
 mod film;
+mod furnace;
 mod geometry;
 mod identity;
 mod lights;
