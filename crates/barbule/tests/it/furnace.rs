@@ -159,7 +159,7 @@ fn energy_over_both_sides_is_that_of_samples_and_never_more_than_all() {
                 evaluation.f[0] * evaluation.cosine
             });
             let mut stream = Stream::new(21, &[]);
-            let count = 40_000;
+            let count = 200_000;
             let (mut drawn, mut squares) = (0.0, 0.0);
             for _ in 0..count {
                 let Some(sample) = bsdf.sample([stream.unit(), stream.unit(), stream.unit()]) else {
@@ -172,7 +172,7 @@ fn energy_over_both_sides_is_that_of_samples_and_never_more_than_all() {
             }
             let error = ((squares - drawn * drawn).max(0.0) / f64::from(count)).sqrt();
             let what = format!("{name} from {viewer:?}: {summed} and {drawn} ± {error}");
-            assert!((summed - drawn).abs() < 4.5 * error + 2e-3 * summed + 1e-6, "{what}");
+            assert!((summed - drawn).abs() < 4.5 * error + 5e-4 * summed + 1e-6, "{what}");
             // An instance fluctuates about the mean, and may give more from some directions.
             if name != "instance" {
                 assert!(summed < 1.005, "{what}");

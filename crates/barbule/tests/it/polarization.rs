@@ -54,6 +54,47 @@ fn turns_are_undone() {
     }
 }
 
+/// Chains of mirrors at any angles: rows from the camera against the electric fields themselves, vectors of the scene,
+/// of both polarizations of the light from its source on. U and its sign matter from the third mirror on.
+#[test]
+fn chains_of_mirrors_pass_what_their_fields_pass() {
+    let mut stream = Stream::new(8, &[]);
+    let mut most_turned = 0_f64;
+    for _ in 0..200 {
+        // Where the light goes, from its source to the camera.
+        let ways: [DVec3; 5] = std::array::from_fn(|_| {
+            DVec3::new(stream.normal(), stream.normal(), stream.normal()).normalize()
+        });
+        let mirrors: Vec<(DVec3, f64)> = ways
+            .windows(2)
+            .map(|way| (way[0].cross(way[1]).normalize(), (0.5 * (1.0 - way[0].dot(way[1]))).sqrt()))
+            .collect();
+        // Backwards by rows, each over the unpolarized reflectance.
+        let (mut row, mut axis) = ([1.0, 0.0, 0.0], ways[4].any_orthonormal_vector());
+        for (k, (s, cosine)) in mirrors.iter().enumerate().rev() {
+            row = scattered(turned(row, ways[k + 1], axis, *s), &fresnel(*cosine, INDEX));
+            axis = *s;
+        }
+        // Forwards by fields.
+        let first = ways[0].any_orthonormal_vector();
+        let mut passed = 0.0;
+        for mut field in [first, ways[0].cross(first)] {
+            for (k, (s, cosine)) in mirrors.iter().enumerate() {
+                let inside = (1.0 - (1.0 - cosine * cosine) / (INDEX * INDEX)).sqrt();
+                let along = (cosine - INDEX * inside) / (cosine + INDEX * inside);
+                let across = (INDEX * cosine - inside) / (INDEX * cosine + inside);
+                let unpolarized = (0.5 * (along * along + across * across)).sqrt();
+                let (before, after) = (ways[k].cross(*s), ways[k + 1].cross(*s));
+                field = (*s * (along * field.dot(*s)) + after * (across * field.dot(before))) / unpolarized;
+            }
+            passed += 0.5 * field.length_squared();
+        }
+        assert!((row[0] - passed).abs() < 1e-12, "{} {passed}", row[0]);
+        most_turned = most_turned.max((row[0] - 1.0).abs());
+    }
+    assert!(most_turned > 1.0);
+}
+
 /// A barbule's matrix has the two parts that it is made of, and makes no light: of fully polarized light neither
 /// negative nor more polarized light comes.
 #[test]
