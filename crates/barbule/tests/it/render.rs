@@ -29,22 +29,22 @@ use barbule::spectrum::dense::Lambdas;
 use glam::{DVec2, DVec3, Vec3};
 
 /// The lights of a scene.
-type Lights = (Vec<Lamp>, Option<Environment>);
+pub(crate) type Lights = (Vec<Lamp>, Option<Environment>);
 
-fn sky(radiance: f64) -> Environment {
+pub(crate) fn sky(radiance: f64) -> Environment {
     let sky = Sky::grey(8, 4, Emission::daylight(), |_| radiance).unwrap();
     Environment { sky, weight: 1.0 }
 }
 
-fn under_sky(sky: Environment) -> Lights {
+pub(crate) fn under_sky(sky: Environment) -> Lights {
     (Vec::new(), Some(sky))
 }
 
-fn lamp(light: Light) -> Lights {
+pub(crate) fn lamp(light: Light) -> Lights {
     (vec![Lamp { light, weight: 1.0 }], None)
 }
 
-fn square(half: f32) -> Geometry {
+pub(crate) fn square(half: f32) -> Geometry {
     let corner = |x: f32, y: f32| Vec3::new(x * half, y * half, 0.0);
     let positions = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
     let tangents = vec![Vec3::Y; 4];
@@ -54,7 +54,7 @@ fn square(half: f32) -> Geometry {
 }
 
 /// Looks down at the origin from an elevation over the x–y plane, rad.
-fn camera(elevation: f64, width_mm: f64) -> Camera {
+pub(crate) fn camera(elevation: f64, width_mm: f64) -> Camera {
     let towards = DVec3::new(elevation.cos() * 0.6, elevation.cos() * 0.8, elevation.sin());
     Camera {
         eye: towards * 20.0,
@@ -65,7 +65,12 @@ fn camera(elevation: f64, width_mm: f64) -> Camera {
     }
 }
 
-fn scene(geometry: Geometry, surface: Surface, (lamps, environment): Lights, camera: Camera) -> Scene {
+pub(crate) fn scene(
+    geometry: Geometry,
+    surface: Surface,
+    (lamps, environment): Lights,
+    camera: Camera,
+) -> Scene {
     Scene { objects: vec![Object { geometry, surface }], lamps, environment, camera }
 }
 
@@ -92,7 +97,7 @@ impl Ready {
 }
 
 /// A scene's film with paths of up to 64 scatterings.
-fn film_of(scene: Scene, size: [u32; 2], samples: u32) -> Film {
+pub(crate) fn film_of(scene: Scene, size: [u32; 2], samples: u32) -> Film {
     film(&Ready::new(scene).integrator(64, Technique::Both), size, samples)
 }
 
@@ -126,13 +131,13 @@ fn white() -> Surface {
 }
 
 /// Four deviations and what one wavelength set a pixel leaves of the colour's quadrature.
-fn assert_luminance(film: &Film, expected: f64, what: &str) {
+pub(crate) fn assert_luminance(film: &Film, expected: f64, what: &str) {
     let (mean, error) = luminance(film);
     assert!((mean - expected).abs() < 4.0 * error + 2e-3, "{what}: {mean} ± {error}, expected {expected}");
 }
 
 /// Twelve bent, tapering fibres side by side.
-fn fibres() -> Geometry {
+pub(crate) fn fibres() -> Geometry {
     let mut fibres = Geometry::default();
     for i in 0..12 {
         let x = (i as f32 - 5.5) * 0.3;
@@ -310,7 +315,7 @@ fn a_disc_at_infinity_lights_a_white_plane_by_its_irradiance() {
 }
 
 /// Mean luminance and its error with both techniques, with the BSDF's alone and with the lights' alone, which agree.
-fn agreeing(scene: Scene, name: &str) -> Vec<(f64, f64)> {
+pub(crate) fn agreeing(scene: Scene, name: &str) -> Vec<(f64, f64)> {
     let ready = Ready::new(scene);
     let means: Vec<(f64, f64)> = [Technique::Both, Technique::BsdfOnly, Technique::LightsOnly]
         .into_iter()
@@ -361,7 +366,7 @@ fn techniques_agree_under_many_lights() {
 }
 
 /// An image of uneven colours, half of its light from one of its pixels.
-fn bright_pixel(width: usize, height: usize) -> Sky {
+pub(crate) fn bright_pixel(width: usize, height: usize) -> Sky {
     let mut rgb: Vec<[f32; 3]> =
         (0..width * height).map(|i| [0.5 + 0.3 * (i % 3) as f32, 0.5, 0.2 + 0.1 * (i % 5) as f32]).collect();
     rgb[width * height / 4 + width / 3] = [0.3 * (width * height) as f32; 3];

@@ -4,6 +4,7 @@ pub(crate) mod crystals;
 pub(crate) mod fields;
 pub(crate) mod material;
 pub(crate) mod picture;
+pub(crate) mod polarized;
 pub(crate) mod simulation;
 pub(crate) mod speckle;
 pub(crate) mod treams;
