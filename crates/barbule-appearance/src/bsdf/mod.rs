@@ -19,6 +19,7 @@ mod lambertian;
 mod lobes;
 mod microfacet;
 mod reflectance;
+mod rough_dielectric;
 #[cfg(test)]
 mod tests;
 mod texture;
@@ -35,6 +36,7 @@ pub use keratin::Keratin;
 pub use lambertian::{Lambertian, Pictures};
 pub use lobes::Lobes;
 pub use reflectance::Reflectance;
+pub use rough_dielectric::RoughDielectric;
 pub use texture::Texture;
 
 use crate::spectrum::dense::{Lambdas, WAVES};
@@ -54,6 +56,8 @@ pub enum Surface {
     Conductor(Conductor),
     /// A smooth boundary of a clear medium.
     Dielectric(Dielectric),
+    /// A rough one.
+    RoughDielectric(RoughDielectric),
 }
 
 impl Surface {
@@ -68,6 +72,7 @@ impl Surface {
             Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
             Self::Dielectric(surface) => surface.bind(hit, wo),
+            Self::RoughDielectric(surface) => surface.bind(hit, wo),
         }
     }
 
@@ -78,7 +83,11 @@ impl Surface {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
             Self::Lambertian(surface) => surface.opacity(hit),
-            Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) | Self::Dielectric(_) => 1.0,
+            Self::Keratin(_)
+            | Self::Hair(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::RoughDielectric(_) => 1.0,
         }
     }
 
@@ -88,7 +97,11 @@ impl Surface {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
             Self::Lambertian(surface) => surface.is_opaque(),
-            Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) | Self::Dielectric(_) => true,
+            Self::Keratin(_)
+            | Self::Hair(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::RoughDielectric(_) => true,
         }
     }
 }
@@ -108,6 +121,7 @@ enum Model<'a> {
     Hair(hair::Bound<'a>),
     Conductor(conductor::Bound),
     Dielectric(dielectric::Bound),
+    RoughDielectric(rough_dielectric::Bound),
 }
 
 /// Calls a function that all models have.
@@ -120,6 +134,7 @@ macro_rules! of_model {
             Model::Hair(model) => model.$function($($argument),*),
             Model::Conductor(model) => model.$function($($argument),*),
             Model::Dielectric(model) => model.$function($($argument),*),
+            Model::RoughDielectric(model) => model.$function($($argument),*),
         }
     };
 }

@@ -472,6 +472,11 @@ const SCENES: &[Change] = &[
         "objects = [{mesh = \"good.csv\", surface = \"x\"}]\nsurfaces.x = {type = \"dielectric\", index = 1.5}",
         "meshes are read from .ply or .obj",
     ),
+    (
+        "sky = 0.7",
+        "surfaces.x = {type = \"dielectric\", index = 1.5, roughness = [0.1, 2]}",
+        "surfaces.x.roughness: give one number or two",
+    ),
     ("sky = 0.7", "surfaces.x = {type = \"difuse\"}", "did you mean 'diffuse'"),
     ("sky = 0.7", "surfaces.rmaus = {melanin = 3}", "did you mean 'ramus'"),
     ("sky = 0.7", "surfaces.x = {type = \"diffuse\", albedo = \"no.png\"}", "surfaces.x.albedo"),

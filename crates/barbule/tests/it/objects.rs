@@ -59,6 +59,25 @@ fn glass_vanishes_in_a_white_furnace() {
     }
 }
 
+/// Frosted glass takes only what a second facet of its surface would send on: little where it is nearly smooth.
+#[test]
+fn frosted_glass_nearly_vanishes_in_a_white_furnace() {
+    let mean = |roughness: f64| {
+        let text = format!(
+            "[surfaces.glass]\ntype = 'dielectric'\nindex = 1.5\nroughness = {roughness}\n[[objects]]\nsphere_mm = 1.2\nsurface = 'glass'\n"
+        );
+        let film = furnace(&text, 300, 64);
+        let on_glass = (0..24 * 16)
+            .filter(|i| film.pixel(i % 24, i / 24).hits == 64)
+            .map(|i| luminances(&film)[i as usize]);
+        let values: Vec<f64> = on_glass.collect();
+        assert!(values.len() > 60);
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    let (little, much) = (mean(0.05), mean(0.5));
+    assert!((0.96..1.005).contains(&little) && much < little - 0.02 && much > 0.4, "{little} {much}");
+}
+
 /// Colour and instances: three squares of one colour, each as bright as its luminance, side by side.
 #[test]
 fn paint_has_its_colour_and_instances_stand_in_their_places() {

@@ -11,7 +11,7 @@ use super::{
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
     Absorption, BarbuleSurface, Conductor, Dielectric, FibreIndex, Hair, HairParameters, Keratin, Lambertian,
-    Pictures, Reflectance, Surface,
+    Pictures, Reflectance, RoughDielectric, Surface,
 };
 use crate::math::rng::hash;
 use crate::scene::backdrop::Backdrop;
@@ -248,7 +248,10 @@ impl NamedSurface {
             }
             Self::Keratin(of) => Surface::Keratin(keratin(of)?),
             Self::Hair(of) => Surface::Hair(hair(of)?),
-            Self::Dielectric { index } => Surface::Dielectric(Dielectric::new(*index)?),
+            Self::Dielectric { index, roughness: None } => Surface::Dielectric(Dielectric::new(*index)?),
+            Self::Dielectric { index, roughness: Some([along, across]) } => {
+                Surface::RoughDielectric(RoughDielectric::new([*across, *along], *index)?)
+            }
             Self::Conductor { roughness: [along, across], metal } => Surface::Conductor(match *metal {
                 Metal::Copper => Conductor::copper([*across, *along])?,
                 Metal::Constant { index, absorption } => {

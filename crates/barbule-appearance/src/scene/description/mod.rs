@@ -5,6 +5,7 @@
 mod build;
 mod colour;
 mod file;
+mod kinds;
 mod lights;
 mod objects;
 mod sequence;

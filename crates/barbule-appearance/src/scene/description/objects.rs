@@ -8,8 +8,9 @@ use glam::{DMat3, DVec3, Vec2, Vec3};
 use serde::Serialize;
 use serde_json::Value;
 
+use super::kinds::unknown;
 use super::lights::point;
-use super::surfaces::{NamedSurface, unknown};
+use super::surfaces::NamedSurface;
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{Fields, list};
 use crate::math::rng::hash;
@@ -371,7 +372,8 @@ mod tests {
     use super::*;
 
     fn objects(text: &str) -> Result<Vec<ObjectDescription>> {
-        let surfaces = BTreeMap::from([("white".to_owned(), NamedSurface::Dielectric { index: 1.5 })]);
+        let surfaces =
+            BTreeMap::from([("white".to_owned(), NamedSurface::Dielectric { index: 1.5, roughness: None })]);
         let table: Value = toml::from_str(text).unwrap();
         read(&table["objects"], &surfaces)
     }

@@ -6,9 +6,9 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::colour::colour;
+use super::kinds::{kind_of, unknown};
 use super::{FibreDescription, PigmentedKeratin};
 use crate::bsdf::Texture;
-use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
 use crate::{Error, Result};
 
@@ -26,10 +26,13 @@ pub enum NamedSurface {
     Keratin(PigmentedKeratin),
     /// Fibres of hair.
     Hair(FibreDescription),
-    /// Glass.
+    /// Glass, clear or frosted.
     Dielectric {
         /// Refractive index.
         index: f64,
+        /// GGX α along the long axis of what it is on, and across; smooth where there is none.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        roughness: Option<[f64; 2]>,
     },
     /// Rough metal.
     Conductor {
@@ -93,15 +96,7 @@ const METALS: [&str; 1] = ["copper"];
 impl NamedSurface {
     /// Reads `[surfaces.NAME]` with a `type`.
     pub(super) fn read(table: &Value, place: &str) -> Result<Self> {
-        let kind = match table.get("type") {
-            Some(Value::String(kind)) => kind.as_str(),
-            _ => {
-                return Err(Error::input(format!(
-                    "{place}.type is missing; give one of {}",
-                    TYPES.join(", ")
-                )));
-            }
-        };
+        let kind = kind_of(table, place, &TYPES)?;
         match kind {
             "diffuse" => {
                 let fields =
@@ -119,29 +114,16 @@ impl NamedSurface {
             "keratin" => Ok(Self::Keratin(PigmentedKeratin::read(&untyped(table), place)?)),
             "hair" => Ok(Self::Hair(FibreDescription::read(&untyped(table), place)?)),
             "dielectric" => {
-                let fields = Fields::new(table, place, &["type", "index"])?;
-                Ok(Self::Dielectric { index: fields.number_within("index", 1.01, 3.9)? })
+                let fields = Fields::new(table, place, &["type", "index", "roughness"])?;
+                let index = fields.number_within("index", 1.01, 3.9)?;
+                let roughness = fields.get("roughness").map(|_| roughness(&fields)).transpose()?;
+                Ok(Self::Dielectric { index, roughness })
             }
-            "conductor" => {
+            _ => {
                 let fields =
                     Fields::new(table, place, &["type", "roughness", "metal", "index", "absorption"])?;
-                let roughness = match fields.get("roughness") {
-                    Some(Value::Array(_)) => match fields.numbers("roughness")?[..] {
-                        [along, across] if [along, across].iter().all(|a| (0.02..=1.0).contains(a)) => {
-                            [along, across]
-                        }
-                        _ => {
-                            return Err(Error::input(format!(
-                                "{}: give one number or two (along, across), each 0.02 to 1",
-                                fields.path("roughness")
-                            )));
-                        }
-                    },
-                    _ => [fields.number_within("roughness", 0.02, 1.0)?; 2],
-                };
-                Ok(Self::Conductor { roughness, metal: Metal::read(&fields, place)? })
+                Ok(Self::Conductor { roughness: roughness(&fields)?, metal: Metal::read(&fields, place)? })
             }
-            other => Err(unknown(&format!("{place}.type"), other, &TYPES)),
         }
     }
 
@@ -160,7 +142,12 @@ impl NamedSurface {
             }
             Self::Keratin(keratin) => ("keratin", keratin.table()),
             Self::Hair(hair) => ("hair", hair.table()),
-            Self::Dielectric { index } => ("dielectric", serde_json::json!({"index": index})),
+            Self::Dielectric { index, roughness: None } => {
+                ("dielectric", serde_json::json!({"index": index}))
+            }
+            Self::Dielectric { index, roughness } => {
+                ("dielectric", serde_json::json!({"index": index, "roughness": roughness}))
+            }
             Self::Conductor { roughness, metal } => {
                 let table = match metal {
                     Metal::Copper => serde_json::json!({"roughness": roughness, "metal": "copper"}),
@@ -197,11 +184,18 @@ impl Metal {
     }
 }
 
-/// The refusal of a name that is none of those known.
-pub(super) fn unknown(path: &str, name: &str, known: &[&str]) -> Error {
-    let name = shortened(name);
-    let near = did_you_mean(&name, known.iter().copied());
-    Error::input(format!("{path} is '{name}'{near}; known are {}", known.join(", ")))
+/// GGX α along and across: one number for both, or two.
+fn roughness(fields: &Fields<'_>) -> Result<[f64; 2]> {
+    let Some(Value::Array(_)) = fields.get("roughness") else {
+        return Ok([fields.number_within("roughness", 0.02, 1.0)?; 2]);
+    };
+    match fields.numbers("roughness")?[..] {
+        [along, across] if [along, across].iter().all(|a| (0.02..=1.0).contains(a)) => Ok([along, across]),
+        _ => Err(Error::input(format!(
+            "{}: give one number or two (along, across), each 0.02 to 1",
+            fields.path("roughness")
+        ))),
+    }
 }
 
 /// A table without its `type`.
@@ -226,6 +220,10 @@ mod tests {
         assert!(surface("index = 1").contains("surfaces.table.type is missing"));
         assert!(surface("type = 'difuse'").contains("did you mean 'diffuse'"));
         assert!(surface("type = 'dielectric'\nindex = 9").contains("surfaces.table.index is 9"));
+        assert!(
+            surface("type = 'dielectric'\nindex = 1.5\nroughness = 0")
+                .contains("roughness is 0, outside 0.02 to 1")
+        );
         assert!(surface("type = 'diffuse'\ncolour = 3").contains("surfaces.table.colour"));
         assert!(
             surface("type = 'keratin'\nroughness = 0.2\nindex = 1.5")
