@@ -17,8 +17,10 @@ mod hit;
 mod keratin;
 mod lambertian;
 mod lobes;
+mod map;
 mod microfacet;
 mod reflectance;
+mod relief;
 mod rough_dielectric;
 #[cfg(test)]
 mod tests;
@@ -35,7 +37,9 @@ pub use hit::{Hit, Side};
 pub use keratin::Keratin;
 pub use lambertian::{Lambertian, Pictures};
 pub use lobes::Lobes;
+pub use map::SurfaceMap;
 pub use reflectance::Reflectance;
+pub use relief::Relief;
 pub use rough_dielectric::RoughDielectric;
 pub use texture::Texture;
 
@@ -58,6 +62,8 @@ pub enum Surface {
     Dielectric(Dielectric),
     /// A rough one.
     RoughDielectric(RoughDielectric),
+    /// Others, chosen from place to place.
+    Map(SurfaceMap),
 }
 
 impl Surface {
@@ -73,7 +79,14 @@ impl Surface {
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
             Self::Dielectric(surface) => surface.bind(hit, wo),
             Self::RoughDielectric(surface) => surface.bind(hit, wo),
+            Self::Map(map) => map.at(hit.uv).bind_apart(hit, wo, wavelengths),
         }
+    }
+
+    /// As [`Surface::bind`], for the surfaces of a map.
+    #[inline(never)] // a copy of its own ends the recursion
+    fn bind_apart(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {
+        self.bind(hit, wo, wavelengths)
     }
 
     /// Share of the light along a straight line that does not pass a hit unchanged, 0 … 1. `wo` points back along the
@@ -83,6 +96,7 @@ impl Surface {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
             Self::Lambertian(surface) => surface.opacity(hit),
+            Self::Map(map) => map.at(hit.uv).opacity(hit, wi, wo),
             Self::Keratin(_)
             | Self::Hair(_)
             | Self::Conductor(_)
@@ -97,6 +111,7 @@ impl Surface {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
             Self::Lambertian(surface) => surface.is_opaque(),
+            Self::Map(map) => map.surfaces().iter().all(Self::is_opaque),
             Self::Keratin(_)
             | Self::Hair(_)
             | Self::Conductor(_)

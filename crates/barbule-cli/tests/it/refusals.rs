@@ -480,6 +480,13 @@ const SCENES: &[Change] = &[
     ("sky = 0.7", "surfaces.x = {type = \"difuse\"}", "did you mean 'diffuse'"),
     ("sky = 0.7", "surfaces.rmaus = {melanin = 3}", "did you mean 'ramus'"),
     ("sky = 0.7", "surfaces.x = {type = \"diffuse\", albedo = \"no.png\"}", "surfaces.x.albedo"),
+    ("sky = 0.7", "surfaces.x = {type = \"diffuse\", bump = \"no.png\", bump_um = 3}", "surfaces.x.bump"),
+    ("sky = 0.7", "surfaces.x = {type = \"diffuse\", bump = \"no.png\"}", "surfaces.x.bump_um is missing"),
+    (
+        "sky = 0.7",
+        "surfaces.x = {type = \"map\", file = \"no.png\", surfaces = [\"y\"]}",
+        "surfaces.x.surfaces[0] is 'y'",
+    ),
     ("sky = 0.7", "shows_feather = 3", "invalid type"),
     ("width_mm = 4.4", "projection = \"ortographic\"", "did you mean 'orthographic'"),
     ("width_mm = 4.4", "position_mm = [0, 0]", "line 7"),

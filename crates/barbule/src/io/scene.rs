@@ -54,12 +54,19 @@ pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<(
         }
     }
     for (name, surface) in &mut scene.named_surfaces {
-        if let NamedSurface::Diffuse { pictures, .. } = surface {
-            for (key, picture) in pictures.iter_mut().filter(|(_, picture)| picture.texture.is_none()) {
-                let meaning = if *key == "albedo" { Meaning::Colour } else { Meaning::Number };
-                read_texture(picture, folder, meaning)
-                    .map_err(|error| error.at(format!("surfaces.{name}.{key}")))?;
+        match surface {
+            NamedSurface::Diffuse { pictures, .. } => {
+                for (key, picture) in pictures.iter_mut().filter(|(_, picture)| picture.texture.is_none()) {
+                    let meaning = if *key == "albedo" { Meaning::Colour } else { Meaning::Number };
+                    read_texture(picture, folder, meaning)
+                        .map_err(|error| error.at(format!("surfaces.{name}.{key}")))?;
+                }
             }
+            NamedSurface::Map { picture, .. } if picture.texture.is_none() => {
+                read_texture(picture, folder, Meaning::Number)
+                    .map_err(|error| error.at(format!("surfaces.{name}.file")))?;
+            }
+            _ => {}
         }
     }
     Ok(())

@@ -333,6 +333,9 @@ impl Surfaces {
                 }
             }
         }
+        for (name, surface) in &named {
+            surface.check(&format!("surfaces.{}", shortened(name)), &named)?;
+        }
         let fields = Fields::new(&own, "surfaces", &PARTS)?;
         let keratin = |key: &str| -> Result<PigmentedKeratin> {
             let table = fields.need(key, &format!("the table [surfaces.{key}]"))?;
