@@ -470,7 +470,7 @@ const SCENES: &[Change] = &[
     (
         "sky = 0.7",
         "objects = [{mesh = \"good.csv\", surface = \"x\"}]\nsurfaces.x = {type = \"dielectric\", index = 1.5}",
-        "meshes are read from .ply or .obj",
+        "meshes are read from .ply, .obj, .gltf or .glb",
     ),
     (
         "sky = 0.7",

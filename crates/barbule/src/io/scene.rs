@@ -41,8 +41,9 @@ pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<(
         match &mut object.shape {
             ObjectShape::Mesh { file, mesh: mesh @ None, content } => {
                 let path = folder.join(file);
-                let read = read_mesh(&path).map_err(|error| error.at(format!("objects[{index}].mesh")))?;
-                (*mesh, *content) = (Some(Arc::new(read)), hash_file(&path)?);
+                let (read, hash) =
+                    read_mesh(&path).map_err(|error| error.at(format!("objects[{index}].mesh")))?;
+                (*mesh, *content) = (Some(Arc::new(read)), hash);
             }
             ObjectShape::Curves { file, basis, curves: curves @ None, content } => {
                 let path = folder.join(file);
