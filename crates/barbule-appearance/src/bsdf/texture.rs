@@ -26,6 +26,12 @@ impl Texture {
         Ok(Self { size, texels: texels.into() })
     }
 
+    /// Memory that its values take, however often it is copied.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.texels[..])
+    }
+
     /// Row by row from the top.
     pub(super) fn texels(&self) -> &[[f32; 3]] {
         &self.texels

@@ -281,6 +281,14 @@ impl SceneDescription {
         self.feather.check()
     }
 
+    /// Memory that its objects and their pictures take while the scene is built, bytes, once its files are read.
+    #[must_use]
+    pub fn object_bytes(&self) -> u64 {
+        let objects: usize = self.objects.iter().map(ObjectDescription::bytes).sum();
+        let pictures: usize = self.named_surfaces.values().map(NamedSurface::bytes).sum();
+        (objects + pictures) as u64
+    }
+
     /// Whether the key light shines from behind the vane, as the camera sees it.
     #[must_use]
     pub fn is_lit_from_behind(&self) -> bool {

@@ -197,6 +197,16 @@ impl NamedSurface {
         Ok(())
     }
 
+    /// Memory that its pictures take, bytes, once they are read.
+    pub(super) fn bytes(&self) -> usize {
+        let one = |picture: &TextureFile| picture.texture.as_ref().map_or(0, Texture::bytes);
+        match self {
+            Self::Diffuse { pictures, .. } => pictures.values().map(one).sum(),
+            Self::Map { picture, .. } => one(picture),
+            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric { .. } | Self::Conductor { .. } => 0,
+        }
+    }
+
     /// Its table in a scene file.
     pub(super) fn table(&self) -> Value {
         let (kind, mut table) = match self {
