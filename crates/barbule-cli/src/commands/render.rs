@@ -18,8 +18,8 @@ use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND};
 use barbule::scene::description::{
-    Background, Bearing, LightColour, Motion, Moved, NamedSurface, ObjectShape, SceneDescription,
-    SkyDescription, SkyImage, USUAL_ARC_DEG,
+    Background, Bearing, LightColour, Motion, Moved, ObjectShape, SceneDescription, SkyDescription, SkyImage,
+    USUAL_ARC_DEG,
 };
 use barbule::scene::preset;
 use barbule::scene::sky::Sky;
@@ -218,9 +218,7 @@ impl Args {
             }
         }
         for surface in scene.named_surfaces.values_mut() {
-            if let NamedSurface::Diffuse { pictures, .. } = surface {
-                pictures.values_mut().for_each(|texture| from_here(&mut texture.file));
-            }
+            surface.pictures_mut().into_iter().for_each(|(_, picture)| from_here(&mut picture.file));
         }
         for light in &mut scene.lights {
             if let LightColour::Table { file, .. } = &mut light.colour {

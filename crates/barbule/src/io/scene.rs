@@ -11,9 +11,7 @@ use super::mesh::read_mesh;
 use crate::Result;
 use crate::bsdf::Texture;
 use crate::scene::backdrop::{Backdrop, BackdropPicture};
-use crate::scene::description::{
-    Background, LightColour, NamedSurface, ObjectShape, SceneDescription, TextureFile,
-};
+use crate::scene::description::{Background, LightColour, ObjectShape, SceneDescription, TextureFile};
 
 /// Reads the files that a scene names and that are not read yet, relative to a folder; all but the sky's image and the
 /// material.
@@ -55,19 +53,12 @@ pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<(
         }
     }
     for (name, surface) in &mut scene.named_surfaces {
-        match surface {
-            NamedSurface::Diffuse { pictures, .. } => {
-                for (key, picture) in pictures.iter_mut().filter(|(_, picture)| picture.texture.is_none()) {
-                    let meaning = if *key == "albedo" { Meaning::Colour } else { Meaning::Number };
-                    read_texture(picture, folder, meaning)
-                        .map_err(|error| error.at(format!("surfaces.{name}.{key}")))?;
-                }
+        for (key, picture) in surface.pictures_mut() {
+            if picture.texture.is_none() {
+                let meaning = if key == "albedo" { Meaning::Colour } else { Meaning::Number };
+                read_texture(picture, folder, meaning)
+                    .map_err(|error| error.at(format!("surfaces.{name}.{key}")))?;
             }
-            NamedSurface::Map { picture, .. } if picture.texture.is_none() => {
-                read_texture(picture, folder, Meaning::Number)
-                    .map_err(|error| error.at(format!("surfaces.{name}.file")))?;
-            }
-            _ => {}
         }
     }
     Ok(())

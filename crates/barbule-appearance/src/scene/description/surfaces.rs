@@ -197,6 +197,17 @@ impl NamedSurface {
         Ok(())
     }
 
+    /// Its pictures with their keys.
+    pub fn pictures_mut(&mut self) -> Vec<(&'static str, &mut TextureFile)> {
+        match self {
+            Self::Diffuse { pictures, .. } => {
+                pictures.iter_mut().map(|(key, picture)| (*key, picture)).collect()
+            }
+            Self::Map { picture, .. } => vec![("file", picture)],
+            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric { .. } | Self::Conductor { .. } => Vec::new(),
+        }
+    }
+
     /// Memory that its pictures take, bytes, once they are read.
     pub(super) fn bytes(&self) -> usize {
         let one = |picture: &TextureFile| picture.texture.as_ref().map_or(0, Texture::bytes);
