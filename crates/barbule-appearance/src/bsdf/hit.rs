@@ -18,6 +18,8 @@ pub struct Hit {
     /// Ribbon: arc length from its base in mm, and −1 … 1 across. Curve: 0 … 1 along, and the ray's signed distance
     /// from the axis over the radius. Mesh: its texture coordinates.
     pub uv: [f64; 2],
+    /// How fast these texture coordinates grow along the surface, 1/mm; zero where they are not a mesh's.
+    pub uv_gradients: [DVec3; 2],
     /// Index of the object.
     pub object: u32,
     /// Index of the primitive in the hierarchy.
@@ -69,6 +71,7 @@ impl Default for Hit {
             vane_normal: DVec3::Z,
             frame: Frame { x: DVec3::X, y: DVec3::Y, z: DVec3::Z },
             uv: [0.0; 2],
+            uv_gradients: [DVec3::ZERO; 2],
             object: 0,
             primitive: 0,
             id: 0,

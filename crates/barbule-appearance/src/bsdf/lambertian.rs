@@ -4,10 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::frame::Frame;
 use super::hit::Hit;
 use super::lobes::Lobes;
 use super::reflectance::Reflectance;
+use super::relief::Relief;
 use super::texture::Texture;
 use super::{Bsdf, Model};
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
@@ -40,8 +40,8 @@ pub struct Pictures {
     pub albedo: Option<Texture>,
     /// Whose mean is its opacity.
     pub alpha: Option<Texture>,
-    /// Normals about the shading frame, from −1 … 1 in 0 … 1: x to the right of the picture, y upwards, z out of the surface.
-    pub normal: Option<Texture>,
+    /// How its normal leans.
+    pub relief: Option<Relief>,
 }
 
 impl Lambertian {
@@ -104,18 +104,10 @@ impl Lambertian {
             .as_ref()
             .map_or_else(|| f(&self.reflectance), |paint| paint.reflected(hit, wavelengths));
         let bound = Bound { reflected, transmitted, reflected_share };
-        let normal = self.paint.as_ref().and_then(|paint| paint.pictures.normal.as_ref());
-        let side = normal.map_or_else(|| hit.side(wo), |texture| bent(hit, texture).side(wo));
+        let relief = self.paint.as_ref().and_then(|paint| paint.pictures.relief.as_ref());
+        let side = relief.map_or_else(|| hit.side(wo), |relief| relief.bent(hit).side(wo));
         Bsdf::new(Model::Lambertian(bound), side)
     }
-}
-
-/// A hit whose shading normal is that of a picture.
-#[inline]
-fn bent(hit: &Hit, texture: &Texture) -> Hit {
-    let local = DVec3::from(texture.at(hit.uv)) * 2.0 - DVec3::ONE;
-    let normal = hit.frame.to_world(local).normalize_or(hit.frame.z);
-    Hit { frame: Frame::new(normal, hit.frame.y), ..*hit }
 }
 
 impl Paint {
@@ -180,7 +172,7 @@ mod tests {
         let half = picture(0.5, 1.0);
         let surface = Lambertian::painted(
             [1.0; 3],
-            Pictures { albedo: Some(half), alpha: Some(picture(0.0, 1.0)), normal: None },
+            Pictures { albedo: Some(half), alpha: Some(picture(0.0, 1.0)), relief: None },
         )
         .unwrap();
         let at = |u: f64| Hit { uv: [u, 0.5], ..Hit::default() };
@@ -202,8 +194,8 @@ mod tests {
     fn normal_maps_lean_the_shading_frame() {
         let leaning = 0.5 + 0.5 * std::f32::consts::FRAC_1_SQRT_2;
         let at = |texel: [f32; 3]| {
-            let normal = Some(Texture::new([1, 1], vec![texel]).unwrap());
-            let surface = Lambertian::painted([1.0; 3], Pictures { normal, ..Pictures::default() }).unwrap();
+            let relief = Some(Relief::Normals(Texture::new([1, 1], vec![texel]).unwrap()));
+            let surface = Lambertian::painted([1.0; 3], Pictures { relief, ..Pictures::default() }).unwrap();
             surface
                 .bind(&Hit::default(), DVec3::Z, Lambdas::splat(550.0))
                 .eval(DVec3::new(0.6, 0.0, 0.8))

@@ -17,8 +17,11 @@ mod hit;
 mod keratin;
 mod lambertian;
 mod lobes;
+mod map;
 mod microfacet;
 mod reflectance;
+mod relief;
+mod rough_dielectric;
 #[cfg(test)]
 mod tests;
 mod texture;
@@ -34,7 +37,10 @@ pub use hit::{Hit, Side};
 pub use keratin::Keratin;
 pub use lambertian::{Lambertian, Pictures};
 pub use lobes::Lobes;
+pub use map::SurfaceMap;
 pub use reflectance::Reflectance;
+pub use relief::Relief;
+pub use rough_dielectric::RoughDielectric;
 pub use texture::Texture;
 
 use crate::spectrum::dense::{Lambdas, WAVES};
@@ -54,6 +60,10 @@ pub enum Surface {
     Conductor(Conductor),
     /// A smooth boundary of a clear medium.
     Dielectric(Dielectric),
+    /// A rough one.
+    RoughDielectric(RoughDielectric),
+    /// Others, chosen from place to place.
+    Map(SurfaceMap),
 }
 
 impl Surface {
@@ -68,7 +78,15 @@ impl Surface {
             Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
             Self::Dielectric(surface) => surface.bind(hit, wo),
+            Self::RoughDielectric(surface) => surface.bind(hit, wo),
+            Self::Map(map) => map.at(hit.uv).bind_apart(hit, wo, wavelengths),
         }
+    }
+
+    /// As [`Surface::bind`], for the surfaces of a map.
+    #[inline(never)] // a copy of its own ends the recursion
+    fn bind_apart(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {
+        self.bind(hit, wo, wavelengths)
     }
 
     /// Share of the light along a straight line that does not pass a hit unchanged, 0 … 1. `wo` points back along the
@@ -78,7 +96,12 @@ impl Surface {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
             Self::Lambertian(surface) => surface.opacity(hit),
-            Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) | Self::Dielectric(_) => 1.0,
+            Self::Map(map) => map.at(hit.uv).opacity(hit, wi, wo),
+            Self::Keratin(_)
+            | Self::Hair(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::RoughDielectric(_) => 1.0,
         }
     }
 
@@ -88,7 +111,12 @@ impl Surface {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
             Self::Lambertian(surface) => surface.is_opaque(),
-            Self::Keratin(_) | Self::Hair(_) | Self::Conductor(_) | Self::Dielectric(_) => true,
+            Self::Map(map) => map.surfaces().iter().all(Self::is_opaque),
+            Self::Keratin(_)
+            | Self::Hair(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::RoughDielectric(_) => true,
         }
     }
 }
@@ -108,6 +136,7 @@ enum Model<'a> {
     Hair(hair::Bound<'a>),
     Conductor(conductor::Bound),
     Dielectric(dielectric::Bound),
+    RoughDielectric(rough_dielectric::Bound),
 }
 
 /// Calls a function that all models have.
@@ -120,6 +149,7 @@ macro_rules! of_model {
             Model::Hair(model) => model.$function($($argument),*),
             Model::Conductor(model) => model.$function($($argument),*),
             Model::Dielectric(model) => model.$function($($argument),*),
+            Model::RoughDielectric(model) => model.$function($($argument),*),
         }
     };
 }

@@ -41,6 +41,7 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ("barbule", Surface::Barbule(barbule)),
         ("hair", Surface::Hair(hair())),
         ("copper", Surface::Conductor(Conductor::copper([0.3, 0.1]).unwrap())),
+        ("frosted", Surface::RoughDielectric(RoughDielectric::new([0.3, 0.2], 1.5).unwrap())),
     ]
 }
 
@@ -136,6 +137,8 @@ fn no_surface_gives_more_than_it_gets() {
                 "sheet" => 0.9..=0.9,
                 // A barbule's instance fluctuates about the mean.
                 "barbule" => 0.0..=2.0,
+                // Radiance within glass is higher by the square of its index.
+                "frosted" => 0.0..=2.25,
                 _ => 0.0..=1.0,
             };
             assert!(albedo > expected.start() - 0.01 && albedo < expected.end() + 0.01, "{name}: {albedo}");
@@ -164,7 +167,7 @@ fn opaque_surfaces_scatter_nothing_to_the_other_side() {
     for (name, surface) in surfaces() {
         for (wo, wi) in [(above, below), (below, above)] {
             let evaluation = surface.bind(&hit(), wo, Lambdas::new(PATH)).eval(wi);
-            assert_eq!(evaluation.f != [0.0; WAVES], ["sheet", "hair"].contains(&name), "{name}");
+            assert_eq!(evaluation.f != [0.0; WAVES], ["sheet", "hair", "frosted"].contains(&name), "{name}");
             assert!(evaluation.cosine >= 0.0);
         }
         assert!(surface.is_opaque() && surface.opacity(&hit(), -above, above) == 1.0);

@@ -26,6 +26,34 @@ impl Texture {
         Ok(Self { size, texels: texels.into() })
     }
 
+    /// Memory that its values take, however often it is copied.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.texels[..])
+    }
+
+    /// Row by row from the top.
+    pub(super) fn texels(&self) -> &[[f32; 3]] {
+        &self.texels
+    }
+
+    /// The texel that texture coordinates lie in.
+    #[inline]
+    pub(super) fn nearest(&self, [u, v]: [f64; 2]) -> [f32; 3] {
+        let place =
+            |value: f64, side: usize| (((value - value.floor()) * side as f64) as usize).min(side - 1);
+        self.texels[place(1.0 - v, self.size[1]) * self.size[0] + place(u, self.size[0])]
+    }
+
+    /// How fast the mean of the three values grows with u and with v: differences over two texels, so that slopes are
+    /// continuous.
+    #[inline]
+    pub(super) fn slopes(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let mean = |u: f64, v: f64| self.at([u, v]).iter().sum::<f64>() / 3.0;
+        let [du, dv] = self.size.map(|side| 1.0 / side as f64);
+        [(mean(u + du, v) - mean(u - du, v)) / (2.0 * du), (mean(u, v + dv) - mean(u, v - dv)) / (2.0 * dv)]
+    }
+
     /// The value at texture coordinates: u to the right, v upwards.
     #[inline]
     #[must_use]
@@ -62,6 +90,11 @@ mod tests {
         assert_eq!(texture.at([0.75, 0.75]), [1.0, 0.0, 0.0]);
         assert_eq!(texture.at([3.75, -2.75]), texture.at([0.75, 0.25]));
         assert_eq!(texture.at([0.5, 0.5]), [0.5, 0.5, 0.125]);
+        for (uv, texel) in
+            [([0.1, 0.4], [0.0, 1.0, 0.0]), ([0.6, 0.4], [1.0, 1.0, 0.5]), ([-0.4, 1.9], [1.0, 0.0, 0.0])]
+        {
+            assert_eq!(texture.nearest(uv), texel, "{uv:?}");
+        }
         assert!(Texture::new([2, 2], vec![[0.0; 3]; 3]).is_err());
         assert!(Texture::new([1, 1], vec![[1.5, 0.0, 0.0]]).is_err());
         assert!(Texture::new([1, 1], vec![[f32::NAN, 0.0, 0.0]]).is_err());

@@ -18,8 +18,8 @@ use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND};
 use barbule::scene::description::{
-    Background, Bearing, LightColour, Motion, Moved, NamedSurface, ObjectShape, SceneDescription,
-    SkyDescription, SkyImage, USUAL_ARC_DEG,
+    Background, Bearing, LightColour, Motion, Moved, ObjectShape, SceneDescription, SkyDescription, SkyImage,
+    USUAL_ARC_DEG,
 };
 use barbule::scene::preset;
 use barbule::scene::sky::Sky;
@@ -119,9 +119,7 @@ impl Args {
             check_kind(file).map_err(|e| e.at("-o")).and_then(|()| check_writable(file))
         })?;
         let planes = self.planes()?;
-        let [width, height] = size;
-        let what = format!("a picture of {width}x{height} pixels");
-        self.common.allowance().check(&what, bytes_needed(size, &planes), "a smaller --size")?;
+        self.check_memory(&description, size, &planes)?;
         let image = match &description.sky {
             SkyDescription::Image(image) if image.strength > 0.0 => Some(self.sky(image)?),
             SkyDescription::Image(_) | SkyDescription::Gradient { .. } => None,
@@ -220,9 +218,7 @@ impl Args {
             }
         }
         for surface in scene.named_surfaces.values_mut() {
-            if let NamedSurface::Diffuse { pictures, .. } = surface {
-                pictures.values_mut().for_each(|texture| from_here(&mut texture.file));
-            }
+            surface.pictures_mut().into_iter().for_each(|(_, picture)| from_here(&mut picture.file));
         }
         for light in &mut scene.lights {
             if let LightColour::Table { file, .. } = &mut light.colour {
@@ -273,6 +269,17 @@ impl Args {
         let sky = Sky::image(width, height, pixels, image.strength, image.turn_deg)
             .map_err(|e| e.at(path.display()))?;
         Ok((sky, format!("{} {} {}", hash_file(&path)?, image.strength, image.turn_deg)))
+    }
+
+    /// Refuses, before anything is built, a picture or a scene that does not fit into memory.
+    fn check_memory(&self, scene: &SceneDescription, size: [u32; 2], planes: &Planes) -> Result<()> {
+        let [width, height] = size;
+        let (pixels, objects) = (bytes_needed(size, planes), scene.object_bytes());
+        let what = format!("a picture of {width}x{height} pixels");
+        let allowance = self.common.allowance();
+        allowance.check(&what, pixels, "a smaller --size")?;
+        let what = format!("{what} with the scene's objects and their pictures");
+        allowance.check(&what, pixels + objects, "smaller meshes, curves or pictures")
     }
 
     fn goal(&self) -> Result<Goal> {

@@ -210,6 +210,64 @@ fn campaigns_stay_within_the_memory_that_is_foretold() {
     }
 }
 
+/// A mesh, curves and a picture on them: what is foretold is enough, and not far more than is taken.
+#[test]
+fn scenes_stay_within_the_memory_that_is_foretold() {
+    if !cfg!(target_os = "linux") {
+        println!("skipped: the peak of memory is read from /proc");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let side = 330;
+    let mut ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        side * side,
+        (side - 1) * (side - 1)
+    );
+    for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
+        ply += &format!("{} {} {}\n", f64::from(x) * 0.01, f64::from(y) * 0.01, f64::from(x * y % 7) * 0.01);
+    }
+    for corner in (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x)) {
+        ply += &format!("4 {corner} {} {} {}\n", corner + 1, corner + side + 1, corner + side);
+    }
+    write(folder.path(), "field.ply", &ply);
+    let mut strands = String::new();
+    for strand in 0..8000 {
+        for k in 0..20 {
+            let (x, y, turn) = (f64::from(strand % 100) * 0.04, f64::from(strand / 100) * 0.04, f64::from(k));
+            // Segments that slant in every direction take most.
+            strands += &format!(
+                "{:.4} {:.4} {:.4} 0.002\n",
+                x + 0.05 * turn.sin(),
+                y + 0.01 * turn,
+                0.05 * (1.7 * turn).cos()
+            );
+        }
+        strands.push('\n');
+    }
+    write(folder.path(), "strands.txt", &strands);
+    for object in ["mesh = 'field.ply'", "curves = 'strands.txt'\nbasis = 'linear'"] {
+        let scene = format!(
+            "preset = 'starling'\nshows_feather = false\n[surfaces.wall]\ntype = 'diffuse'\n[[objects]]\nsurface = 'wall'\n{object}\n"
+        );
+        let scene = write(folder.path(), "scene.toml", &scene);
+        let out = folder.path().join("a.png");
+        let words =
+            ["render", &scene, "-o", out.to_str().unwrap(), "--size", "16x16", "--samples", "1", "--memory"];
+        let (code, _, message) = run(&[&words[..], &["70MB"]].concat());
+        assert!(
+            code == 2 && message.contains("smaller meshes, curves or pictures") && !out.exists(),
+            "{message}"
+        );
+        let foretold = message.split(" needs ").nth(1).and_then(|rest| rest.split(' ').next());
+        let foretold: f64 = foretold.unwrap().parse().unwrap();
+        let (peak, _) = peak_mb(&[&words[..], &["2GB"]].concat());
+        assert!(peak <= foretold && foretold < 2.0 * peak, "{object}: {peak} MB of {foretold}");
+        std::fs::remove_file(&out).unwrap();
+    }
+}
+
 const TINY: &[&str] = &["--wavelengths", "400", "--directions", "2x2", "--instances", "1"];
 
 #[test]

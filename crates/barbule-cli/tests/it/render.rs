@@ -344,6 +344,7 @@ fn metal_reflects_what_its_index_says() {
     assert!(red > 1.2 * green && green > blue && red > 0.85 && blue > 0.4, "{red} {green} {blue}");
 }
 
+/// And printed: the same picture from elsewhere, with all the files that they name.
 #[test]
 fn example_scenes_are_drawn() {
     let folder = tempfile::tempdir().unwrap();
@@ -354,6 +355,10 @@ fn example_scenes_are_drawn() {
         let name = format!("{}.png", scene.file_stem().unwrap().to_string_lossy());
         let drawn = report(folder.path(), &[&scene.to_string_lossy(), "-o", &name]);
         assert!(drawn["paths"].as_u64().unwrap() > 0);
+        let printed = barbule(folder.path(), &[&scene.to_string_lossy(), "--toml"]).output().unwrap();
+        std::fs::write(folder.path().join("printed.toml"), &printed.stdout).unwrap();
+        let again = report(folder.path(), &["printed.toml", "-o", "printed.png"]);
+        assert_eq!(drawn["pixel_hash"], again["pixel_hash"], "{name}");
     }
 }
 

@@ -11,9 +11,7 @@ use super::mesh::read_mesh;
 use crate::Result;
 use crate::bsdf::Texture;
 use crate::scene::backdrop::{Backdrop, BackdropPicture};
-use crate::scene::description::{
-    Background, LightColour, NamedSurface, ObjectShape, SceneDescription, TextureFile,
-};
+use crate::scene::description::{Background, LightColour, ObjectShape, SceneDescription, TextureFile};
 
 /// Reads the files that a scene names and that are not read yet, relative to a folder; all but the sky's image and the
 /// material.
@@ -41,8 +39,9 @@ pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<(
         match &mut object.shape {
             ObjectShape::Mesh { file, mesh: mesh @ None, content } => {
                 let path = folder.join(file);
-                let read = read_mesh(&path).map_err(|error| error.at(format!("objects[{index}].mesh")))?;
-                (*mesh, *content) = (Some(Arc::new(read)), hash_file(&path)?);
+                let (read, hash) =
+                    read_mesh(&path).map_err(|error| error.at(format!("objects[{index}].mesh")))?;
+                (*mesh, *content) = (Some(Arc::new(read)), hash);
             }
             ObjectShape::Curves { file, basis, curves: curves @ None, content } => {
                 let path = folder.join(file);
@@ -54,9 +53,9 @@ pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<(
         }
     }
     for (name, surface) in &mut scene.named_surfaces {
-        if let NamedSurface::Diffuse { pictures, .. } = surface {
-            for (key, picture) in pictures.iter_mut().filter(|(_, picture)| picture.texture.is_none()) {
-                let meaning = if *key == "albedo" { Meaning::Colour } else { Meaning::Number };
+        for (key, picture) in surface.pictures_mut() {
+            if picture.texture.is_none() {
+                let meaning = if key == "albedo" { Meaning::Colour } else { Meaning::Number };
                 read_texture(picture, folder, meaning)
                     .map_err(|error| error.at(format!("surfaces.{name}.{key}")))?;
             }

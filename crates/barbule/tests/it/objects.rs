@@ -1,10 +1,13 @@
-//! Objects of scene files: glass in a furnace, paint, holes, instances.
+//! Objects of scene files: glass in a furnace, paint, holes, relief, maps, instances.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use barbule::SceneDescription;
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
+use barbule::io::image::write_png;
+use barbule::io::read_scene_files;
 use barbule::progress::Unobserved;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Transport};
@@ -13,16 +16,28 @@ use barbule::render::run::{Goal, run};
 use barbule::render::stage::Stage;
 use barbule::scene::emission::Emission;
 use barbule::scene::sky::{Environment, Sky};
+use barbule::spectrum::dense::Lambdas;
+use glam::DVec3;
 
-/// What a scene file without a feather shows under a sky of radiance 1 on all sides, seen straight from above.
-fn furnace(text: &str, most_scatterings: u32, samples: u32) -> Film {
+/// A scene file without a feather, seen straight from above; the files it names lie in the folder.
+fn scene_in(folder: &Path, text: &str) -> SceneDescription {
     let head = "preset = 'starling'\nshows_feather = false\n[light]\nstrength = 0.0\n[camera]\nelevation = 90.0\nroll = 0.0\nlens = 0.0\nwidth_mm = 4.0\n";
-    let scene = SceneDescription::parse(&format!("{head}{text}")).unwrap();
+    let mut scene = SceneDescription::parse(&format!("{head}{text}")).unwrap();
+    read_scene_files(&mut scene, folder).unwrap();
+    scene
+}
+
+fn stage(scene: &SceneDescription) -> Stage {
     let brdf = Arc::new(FeatherBrdf::new(&example(3), Options::default()).unwrap());
     let (objects, counts) = scene.objects(brdf, 1).unwrap();
     assert_eq!((objects.len(), counts.barbules), (scene.objects.len(), 0));
     assert_eq!(scene.object_names().len(), objects.len());
-    let stage = Stage::new(objects).unwrap();
+    Stage::new(objects).unwrap()
+}
+
+/// What a scene shows under a sky of radiance 1 on all sides.
+fn furnace_of(scene: &SceneDescription, most_scatterings: u32, samples: u32) -> Film {
+    let stage = stage(scene);
     let sky = Sky::grey(64, 32, Emission::daylight(), |_| 1.0).unwrap();
     let lighting = Lighting::new(Vec::new(), Some(&Environment { sky, weight: 1.0 })).unwrap();
     let camera = scene.camera();
@@ -31,6 +46,16 @@ fn furnace(text: &str, most_scatterings: u32, samples: u32) -> Film {
     let mut film = Film::new([24, 16]).unwrap();
     run(&integrator, &mut film, 1, Goal::samples(samples), &Unobserved, &mut |_| Ok(())).unwrap();
     film
+}
+
+fn furnace(text: &str, most_scatterings: u32, samples: u32) -> Film {
+    furnace_of(&scene_in(Path::new(""), text), most_scatterings, samples)
+}
+
+/// A PNG one pixel high of these greys.
+fn greys(path: &Path, values: &[u8]) {
+    let bytes: Vec<u8> = values.iter().flat_map(|v| [*v; 3]).collect();
+    write_png(path, [values.len() as u32, 1], &bytes, false, &[]).unwrap();
 }
 
 fn luminances(film: &Film) -> Vec<f64> {
@@ -59,6 +84,25 @@ fn glass_vanishes_in_a_white_furnace() {
     }
 }
 
+/// Frosted glass takes only what a second facet of its surface would send on: little where it is nearly smooth.
+#[test]
+fn frosted_glass_nearly_vanishes_in_a_white_furnace() {
+    let mean = |roughness: f64| {
+        let text = format!(
+            "[surfaces.glass]\ntype = 'dielectric'\nindex = 1.5\nroughness = {roughness}\n[[objects]]\nsphere_mm = 1.2\nsurface = 'glass'\n"
+        );
+        let film = furnace(&text, 300, 64);
+        let on_glass = (0..24 * 16)
+            .filter(|i| film.pixel(i % 24, i / 24).hits == 64)
+            .map(|i| luminances(&film)[i as usize]);
+        let values: Vec<f64> = on_glass.collect();
+        assert!(values.len() > 60);
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    let (little, much) = (mean(0.05), mean(0.5));
+    assert!((0.96..1.005).contains(&little) && much < little - 0.02 && much > 0.4, "{little} {much}");
+}
+
 /// Colour and instances: three squares of one colour, each as bright as its luminance, side by side.
 #[test]
 fn paint_has_its_colour_and_instances_stand_in_their_places() {
@@ -74,4 +118,56 @@ fn paint_has_its_colour_and_instances_stand_in_their_places() {
         mean.iter_mut().zip(rgb).for_each(|(sum, value)| *sum += value / 8.0);
     }
     assert!((mean[0] - 1.0).abs() < 0.05 && mean[1].abs() < 0.03 && mean[2].abs() < 0.03, "{mean:?}");
+}
+
+/// Heights are those of the scene, however large the object is: an even slope leans the normal by its angle, on a turned and
+/// enlarged rectangle and around a sphere.
+#[test]
+fn bumps_lean_normals_by_their_slope() {
+    let folder = tempfile::tempdir().unwrap();
+    // Rises by 64 steps of 4/255 of the height over its width.
+    greys(&folder.path().join("ramp.png"), &std::array::from_fn::<u8, 64, _>(|i| 4 * i as u8));
+    let rise = 64.0 * 4.0 / 255.0;
+    let scene = |object: &str| {
+        let text = format!(
+            "[surfaces.wall]\ntype = 'diffuse'\nbump = 'ramp.png'\nbump_um = 3000\n[[objects]]\n{object}\nsurface = 'wall'\n"
+        );
+        stage(&scene_in(folder.path(), &text))
+    };
+    let normal = |stage: &Stage, from: DVec3, along: DVec3| {
+        let hit = stage.hit(from, along, 0.0, 100.0).unwrap();
+        stage.surface(&hit).bind(&hit, -along, Lambdas::splat(550.0)).shading_normal()
+    };
+    let turned = scene("rectangle_mm = [2, 2]\nscale = 3\nrotate_deg = [0, 0, 90]");
+    let found = normal(&turned, DVec3::new(0.3, 0.4, 5.0), DVec3::NEG_Z);
+    assert!((found - DVec3::new(0.0, -rise * 3.0 / 6.0, 1.0).normalize()).length() < 1e-6, "{found}");
+    // At +x the texture of a sphere goes towards −y.
+    let round = scene("sphere_mm = 2");
+    let found = normal(&round, DVec3::new(9.0, 0.01, 0.02), DVec3::NEG_X);
+    let slope = rise * 3.0 / (4.0 * std::f64::consts::PI);
+    assert!((found - DVec3::new(1.0, slope, 0.0).normalize()).length() < 0.02, "{found}");
+}
+
+/// One object of two surfaces, the border between them sharp; a pixel that no surface has is refused with the file's name.
+#[test]
+fn maps_choose_surfaces_by_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[surfaces.white]\ntype = 'diffuse'\n[surfaces.grey]\ntype = 'diffuse'\ncolour = '#808080'\n\
+                [surfaces.both]\ntype = 'map'\nfile = 'ids.png'\nsurfaces = ['grey', 'white']\n\
+                [[objects]]\nrectangle_mm = [4.8, 4]\nsurface = 'both'\n";
+    greys(&folder.path().join("ids.png"), &[0, 1, 1, 1]);
+    let film = furnace_of(&scene_in(folder.path(), text), 2, 64);
+    let mean = |columns: std::ops::Range<u32>| {
+        let count = f64::from(4 * columns.len() as u32);
+        columns.flat_map(|x| (6..10).map(move |y| (x, y))).map(|(x, y)| film.xyz(x, y)[1]).sum::<f64>()
+            / count
+    };
+    // '#808080' is 0.2159 of white's light.
+    for (found, expected) in [(mean(1..3), 0.2159), (mean(6..11), 1.0), (mean(13..23), 1.0)] {
+        assert!((found - expected).abs() < 0.03, "{found} {expected}");
+    }
+    greys(&folder.path().join("ids.png"), &[0, 2]);
+    let brdf = Arc::new(FeatherBrdf::new(&example(3), Options::default()).unwrap());
+    let refused = scene_in(folder.path(), text).objects(brdf, 1).unwrap_err().to_string();
+    assert!(refused.contains("ids.png: has a pixel of value 2"), "{refused}");
 }

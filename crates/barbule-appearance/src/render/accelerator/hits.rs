@@ -1,6 +1,6 @@
 //! Hits: position, normals, frame and identities where a ray met a primitive.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::primitive::{Kind, Meeting, Primitive};
 use crate::bsdf::{Frame, Hit};
@@ -32,22 +32,29 @@ fn on_triangle(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Hit {
     let shading =
         if mesh.normals.is_empty() { normal } else { mix(&mesh.normals).as_dvec3().normalize_or(normal) };
     let along = if mesh.tangents.is_empty() { (b - a).as_dvec3() } else { mix(&mesh.tangents).as_dvec3() };
-    let uv = if mesh.uvs.is_empty() {
-        [f64::from(at.u), f64::from(at.v)]
-    } else {
-        let uv: glam::Vec2 = corners.iter().zip(weights).map(|(&c, w)| mesh.uvs[c] * w).sum();
-        [f64::from(uv.x), f64::from(uv.y)]
-    };
+    let uvs = if mesh.uvs.is_empty() { [Vec2::ZERO, Vec2::X, Vec2::Y] } else { corners.map(|c| mesh.uvs[c]) };
+    let uv: Vec2 = uvs.iter().zip(weights).map(|(&uv, w)| uv * w).sum();
     Hit {
         position: (a * weights[0] + b * weights[1] + c * weights[2]).as_dvec3(),
         normal,
         vane_normal: shading,
         frame: Frame::new(shading, along),
-        uv,
+        uv: [f64::from(uv.x), f64::from(uv.y)],
+        uv_gradients: uv_gradients((b - a).as_dvec3(), (c - a).as_dvec3(), uvs),
         id: mesh.id,
         instance: mesh.id,
         ..Hit::default()
     }
+}
+
+/// How fast texture coordinates grow over a triangle of these edges, 1/mm: they are linear in the barycentric coordinates, whose
+/// gradients are (q × n)/n² and (n × p)/n² with n = p × q.
+fn uv_gradients(p: DVec3, q: DVec3, [a, b, c]: [Vec2; 3]) -> [DVec3; 2] {
+    let n = p.cross(q);
+    let scale = 1.0 / n.length_squared().max(f64::MIN_POSITIVE);
+    let (along_p, along_q) = (q.cross(n) * scale, n.cross(p) * scale);
+    let (s, t) = ((b - a).as_dvec2(), (c - a).as_dvec2());
+    [along_p * s.x + along_q * t.x, along_p * s.y + along_q * t.y]
 }
 
 fn on_ribbon(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Hit {

@@ -100,6 +100,7 @@ impl Instances {
             normal: turned(hit.normal),
             vane_normal: turned(hit.vane_normal),
             frame: Frame { x: turned(x), y: turned(y), z: turned(z) },
+            uv_gradients: hit.uv_gradients.map(|gradient| turned(gradient) / place.scale),
             object: met.object,
             primitive,
             id: split_mix(hit.id ^ split_mix(place.id)),

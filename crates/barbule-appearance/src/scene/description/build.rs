@@ -1,5 +1,6 @@
 //! From a description to a scene.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
@@ -11,7 +12,7 @@ use super::{
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
     Absorption, BarbuleSurface, Conductor, Dielectric, FibreIndex, Hair, HairParameters, Keratin, Lambertian,
-    Pictures, Reflectance, Surface,
+    Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap,
 };
 use crate::math::rng::hash;
 use crate::scene::backdrop::Backdrop;
@@ -61,7 +62,10 @@ impl SceneDescription {
             let surface = self.named_surfaces.get(&object.surface).ok_or_else(|| {
                 Error::input(format!("objects[{index}]: there is no surface '{}'", object.surface))
             })?;
-            objects.push(Object { geometry: object.geometry(index)?, surface: surface.build()? });
+            objects.push(Object {
+                geometry: object.geometry(index)?,
+                surface: surface.build(&self.named_surfaces)?,
+            });
         }
         Ok((objects, counts))
     }
@@ -238,23 +242,40 @@ impl Bearing {
 }
 
 impl NamedSurface {
-    fn build(&self) -> Result<Surface> {
+    /// The surface; `all`: those that a map chooses among.
+    fn build(&self, all: &BTreeMap<String, Self>) -> Result<Surface> {
         Ok(match self {
-            Self::Diffuse { colour, pictures } => {
+            Self::Diffuse { colour, pictures, bump_um } => {
                 let read = |key: &str| pictures.get(key).map(TextureFile::read).transpose();
-                let pictures =
-                    Pictures { albedo: read("albedo")?, alpha: read("alpha")?, normal: read("normal")? };
+                let white_mm = bump_um.unwrap_or_default() * 1e-3;
+                let heights = read("bump")?.map(|picture| Relief::Heights { picture, white_mm });
+                let relief = read("normal")?.map(Relief::Normals).or(heights);
+                let pictures = Pictures { albedo: read("albedo")?, alpha: read("alpha")?, relief };
                 Surface::Lambertian(Lambertian::painted(colour.map(decode), pictures)?)
             }
             Self::Keratin(of) => Surface::Keratin(keratin(of)?),
             Self::Hair(of) => Surface::Hair(hair(of)?),
-            Self::Dielectric { index } => Surface::Dielectric(Dielectric::new(*index)?),
+            Self::Dielectric { index, roughness: None } => Surface::Dielectric(Dielectric::new(*index)?),
+            Self::Dielectric { index, roughness: Some([along, across]) } => {
+                Surface::RoughDielectric(RoughDielectric::new([*across, *along], *index)?)
+            }
             Self::Conductor { roughness: [along, across], metal } => Surface::Conductor(match *metal {
                 Metal::Copper => Conductor::copper([*across, *along])?,
                 Metal::Constant { index, absorption } => {
                     Conductor::new([*across, *along], |_| [index, absorption])?
                 }
             }),
+            Self::Map { picture, surfaces } => {
+                let one = |name: &String| match all.get(name) {
+                    Some(Self::Map { .. }) | None => {
+                        Err(Error::input(format!("a map has no surface '{name}' to choose")))
+                    }
+                    Some(surface) => surface.build(all),
+                };
+                let surfaces = surfaces.iter().map(one).collect::<Result<_>>()?;
+                let map = SurfaceMap::new(picture.read()?, surfaces);
+                Surface::Map(map.map_err(|error| error.at(&picture.file))?)
+            }
         })
     }
 }

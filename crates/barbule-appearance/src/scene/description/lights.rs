@@ -7,8 +7,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::colour::colour;
+use super::kinds::kind_of;
 use super::{Bearing, MOST_TURN_DEG};
-use crate::error::{did_you_mean, shortened};
 use crate::fields::{Fields, list};
 use crate::scene::emission::Emission;
 use crate::scene::light::{Light, Point, Rectangle, Sphere, Spot, Sun, disc_radiance};
@@ -120,29 +120,13 @@ pub(super) fn read(value: &Value) -> Result<Vec<LightDescription>> {
 
 impl LightDescription {
     fn read(table: &Value, place: &str) -> Result<Self> {
-        let kind = match table.get("type") {
-            Some(Value::String(kind)) => kind.as_str(),
-            _ => {
-                return Err(Error::input(format!(
-                    "{place}.type is missing; give one of {}",
-                    TYPES.join(", ")
-                )));
-            }
-        };
+        let kind = kind_of(table, place, &TYPES)?;
         let own: &[&str] = match kind {
             "sun" => &["azimuth_deg", "elevation_deg", "radius_deg"],
             "point" => &[],
             "spot" => &["target_mm", "cone_deg", "edge_deg"],
             "sphere" => &["radius_mm"],
-            "rectangle" => &["target_mm", "size_mm"],
-            other => {
-                let other = shortened(other);
-                let near = did_you_mean(&other, TYPES);
-                return Err(Error::input(format!(
-                    "{place}.type is '{other}'{near}; known are {}",
-                    TYPES.join(", ")
-                )));
-            }
+            _ => &["target_mm", "size_mm"],
         };
         let known: Vec<&str> =
             COMMON.iter().chain(own).chain(PLACE.iter().filter(|_| kind != "sun")).copied().collect();

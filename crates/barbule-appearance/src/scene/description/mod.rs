@@ -5,6 +5,7 @@
 mod build;
 mod colour;
 mod file;
+mod kinds;
 mod lights;
 mod objects;
 mod sequence;
@@ -280,6 +281,14 @@ impl SceneDescription {
         self.feather.check()
     }
 
+    /// Memory that its objects and their pictures take while the scene is built, bytes, once its files are read.
+    #[must_use]
+    pub fn object_bytes(&self) -> u64 {
+        let objects: usize = self.objects.iter().map(ObjectDescription::bytes).sum();
+        let pictures: usize = self.named_surfaces.values().map(NamedSurface::bytes).sum();
+        (objects + pictures) as u64
+    }
+
     /// Whether the key light shines from behind the vane, as the camera sees it.
     #[must_use]
     pub fn is_lit_from_behind(&self) -> bool {
@@ -331,6 +340,9 @@ impl Surfaces {
                     );
                 }
             }
+        }
+        for (name, surface) in &named {
+            surface.check(&format!("surfaces.{}", shortened(name)), &named)?;
         }
         let fields = Fields::new(&own, "surfaces", &PARTS)?;
         let keratin = |key: &str| -> Result<PigmentedKeratin> {

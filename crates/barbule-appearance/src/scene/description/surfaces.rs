@@ -6,6 +6,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::colour::colour;
+use super::kinds::{kind_of, unknown};
 use super::{FibreDescription, PigmentedKeratin};
 use crate::bsdf::Texture;
 use crate::error::{did_you_mean, shortened};
@@ -19,17 +20,23 @@ pub enum NamedSurface {
     Diffuse {
         /// sRGB, 0 … 1.
         colour: [f64; 3],
-        /// Pictures by their keys: `albedo`, `alpha`, `normal`.
+        /// Pictures by their keys: `albedo`, `alpha`, `normal`, `bump`.
         pictures: BTreeMap<&'static str, TextureFile>,
+        /// Height where `bump` is white, µm.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        bump_um: Option<f64>,
     },
     /// Pigmented keratin.
     Keratin(PigmentedKeratin),
     /// Fibres of hair.
     Hair(FibreDescription),
-    /// Glass.
+    /// Glass, clear or frosted.
     Dielectric {
         /// Refractive index.
         index: f64,
+        /// GGX α along the long axis of what it is on, and across; smooth where there is none.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        roughness: Option<[f64; 2]>,
     },
     /// Rough metal.
     Conductor {
@@ -37,6 +44,13 @@ pub enum NamedSurface {
         roughness: [f64; 2],
         /// What it is.
         metal: Metal,
+    },
+    /// Others, chosen from place to place.
+    Map {
+        /// A grey picture: pixels of value i (of 255) are the i-th surface.
+        picture: TextureFile,
+        /// Their names.
+        surfaces: Vec<String>,
     },
 }
 
@@ -82,10 +96,13 @@ impl TextureFile {
     }
 }
 
-/// Keys of pictures on diffuse surfaces: what the colour is multiplied with, what is black where there are holes, normals.
-const PICTURES: [&str; 3] = ["albedo", "alpha", "normal"];
+/// Keys of pictures on diffuse surfaces: what the colour is multiplied with, what is black where there are holes, normals, heights.
+const PICTURES: [&str; 4] = ["albedo", "alpha", "normal", "bump"];
 
-const TYPES: [&str; 5] = ["diffuse", "keratin", "hair", "dielectric", "conductor"];
+const TYPES: [&str; 6] = ["diffuse", "keratin", "hair", "dielectric", "conductor", "map"];
+
+/// Most surfaces of a map: as many as an 8-bit grey tells apart.
+const MOST_MAPPED: usize = 256;
 
 /// Metals whose index is known.
 const METALS: [&str; 1] = ["copper"];
@@ -93,74 +110,136 @@ const METALS: [&str; 1] = ["copper"];
 impl NamedSurface {
     /// Reads `[surfaces.NAME]` with a `type`.
     pub(super) fn read(table: &Value, place: &str) -> Result<Self> {
-        let kind = match table.get("type") {
-            Some(Value::String(kind)) => kind.as_str(),
-            _ => {
-                return Err(Error::input(format!(
-                    "{place}.type is missing; give one of {}",
-                    TYPES.join(", ")
-                )));
-            }
-        };
+        let kind = kind_of(table, place, &TYPES)?;
         match kind {
-            "diffuse" => {
-                let fields =
-                    Fields::new(table, place, &["type", "colour", PICTURES[0], PICTURES[1], PICTURES[2]])?;
-                let white = [1.0; 3];
-                let mut pictures = BTreeMap::new();
-                for key in PICTURES {
-                    if let Some(file) = fields.text(key)? {
-                        pictures.insert(key, TextureFile::new(file));
-                    }
-                }
-                let colour = fields.get("colour").map_or(Ok(white), |c| colour(c, &fields.path("colour")))?;
-                Ok(Self::Diffuse { colour, pictures })
-            }
+            "diffuse" => Self::read_diffuse(table, place),
             "keratin" => Ok(Self::Keratin(PigmentedKeratin::read(&untyped(table), place)?)),
             "hair" => Ok(Self::Hair(FibreDescription::read(&untyped(table), place)?)),
             "dielectric" => {
-                let fields = Fields::new(table, place, &["type", "index"])?;
-                Ok(Self::Dielectric { index: fields.number_within("index", 1.01, 3.9)? })
+                let fields = Fields::new(table, place, &["type", "index", "roughness"])?;
+                let index = fields.number_within("index", 1.01, 3.9)?;
+                let roughness = fields.get("roughness").map(|_| roughness(&fields)).transpose()?;
+                Ok(Self::Dielectric { index, roughness })
             }
             "conductor" => {
                 let fields =
                     Fields::new(table, place, &["type", "roughness", "metal", "index", "absorption"])?;
-                let roughness = match fields.get("roughness") {
-                    Some(Value::Array(_)) => match fields.numbers("roughness")?[..] {
-                        [along, across] if [along, across].iter().all(|a| (0.02..=1.0).contains(a)) => {
-                            [along, across]
-                        }
-                        _ => {
-                            return Err(Error::input(format!(
-                                "{}: give one number or two (along, across), each 0.02 to 1",
-                                fields.path("roughness")
-                            )));
-                        }
-                    },
-                    _ => [fields.number_within("roughness", 0.02, 1.0)?; 2],
-                };
-                Ok(Self::Conductor { roughness, metal: Metal::read(&fields, place)? })
+                Ok(Self::Conductor { roughness: roughness(&fields)?, metal: Metal::read(&fields, place)? })
             }
-            other => Err(unknown(&format!("{place}.type"), other, &TYPES)),
+            _ => Self::read_map(table, place),
+        }
+    }
+
+    fn read_diffuse(table: &Value, place: &str) -> Result<Self> {
+        let known = [&["type", "colour", "bump_um"][..], &PICTURES].concat();
+        let fields = Fields::new(table, place, &known)?;
+        let mut pictures = BTreeMap::new();
+        for key in PICTURES {
+            if let Some(file) = fields.text(key)? {
+                pictures.insert(key, TextureFile::new(file));
+            }
+        }
+        let has = |key: &str| fields.get(key).is_some();
+        if has("normal") && has("bump") {
+            return Err(Error::input(format!(
+                "{place}.normal and {place}.bump are both given; leave one out"
+            )));
+        }
+        if has("bump_um") && !has("bump") {
+            return Err(Error::input(format!(
+                "{place}.bump_um is given, but there is no picture {place}.bump"
+            )));
+        }
+        let bump_um = has("bump").then(|| fields.number_within("bump_um", -1e5, 1e5)).transpose()?;
+        let colour = fields.get("colour").map_or(Ok([1.0; 3]), |c| colour(c, &fields.path("colour")))?;
+        Ok(Self::Diffuse { colour, pictures, bump_um })
+    }
+
+    fn read_map(table: &Value, place: &str) -> Result<Self> {
+        let fields = Fields::new(table, place, &["type", "file", "surfaces"])?;
+        let file = fields.need("file", "a grey .png").and_then(|_| fields.text("file"))?.unwrap_or_default();
+        let path = fields.path("surfaces");
+        let names = fields.list("surfaces", "a list of names of tables [surfaces.NAME]")?;
+        if !(1..=MOST_MAPPED).contains(&names.len()) {
+            return Err(Error::input(format!("{path}: give 1 to {MOST_MAPPED} names")));
+        }
+        let name = |(i, name): (usize, &Value)| match name {
+            Value::String(name) => Ok(name.clone()),
+            _ => {
+                Err(Error::input(format!("{path}[{i}] is no text; give the name of a table [surfaces.NAME]")))
+            }
+        };
+        let surfaces = names.iter().enumerate().map(name).collect::<Result<_>>()?;
+        Ok(Self::Map { picture: TextureFile::new(file), surfaces })
+    }
+
+    /// Refuses a map of surfaces that do not exist or are maps themselves.
+    pub(super) fn check(&self, place: &str, all: &BTreeMap<String, Self>) -> Result<()> {
+        let Self::Map { surfaces, .. } = self else { return Ok(()) };
+        for (i, name) in surfaces.iter().enumerate() {
+            match all.get(name) {
+                None => {
+                    let near = did_you_mean(name, all.keys().map(String::as_str));
+                    let name = shortened(name);
+                    return Err(Error::input(format!(
+                        "{place}.surfaces[{i}] is '{name}'{near}; there is no table [surfaces.{name}] with a type"
+                    )));
+                }
+                Some(Self::Map { .. }) => {
+                    return Err(Error::input(format!(
+                        "{place}.surfaces[{i}] is the map '{}'; give surfaces that are no maps",
+                        shortened(name)
+                    )));
+                }
+                Some(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Its pictures with their keys.
+    pub fn pictures_mut(&mut self) -> Vec<(&'static str, &mut TextureFile)> {
+        match self {
+            Self::Diffuse { pictures, .. } => {
+                pictures.iter_mut().map(|(key, picture)| (*key, picture)).collect()
+            }
+            Self::Map { picture, .. } => vec![("file", picture)],
+            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric { .. } | Self::Conductor { .. } => Vec::new(),
+        }
+    }
+
+    /// Memory that its pictures take, bytes, once they are read.
+    pub(super) fn bytes(&self) -> usize {
+        let one = |picture: &TextureFile| picture.texture.as_ref().map_or(0, Texture::bytes);
+        match self {
+            Self::Diffuse { pictures, .. } => pictures.values().map(one).sum(),
+            Self::Map { picture, .. } => one(picture),
+            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric { .. } | Self::Conductor { .. } => 0,
         }
     }
 
     /// Its table in a scene file.
     pub(super) fn table(&self) -> Value {
         let (kind, mut table) = match self {
-            Self::Diffuse { colour, pictures } => {
+            Self::Diffuse { colour, pictures, bump_um } => {
                 let mut table = serde_json::json!({"colour": colour});
                 if let Value::Object(table) = &mut table {
                     let named = |(key, picture): (&&str, &TextureFile)| {
                         ((*key).to_owned(), picture.file.as_str().into())
                     };
                     table.extend(pictures.iter().map(named));
+                    table.extend(bump_um.map(|height| ("bump_um".to_owned(), height.into())));
                 }
                 ("diffuse", table)
             }
             Self::Keratin(keratin) => ("keratin", keratin.table()),
             Self::Hair(hair) => ("hair", hair.table()),
-            Self::Dielectric { index } => ("dielectric", serde_json::json!({"index": index})),
+            Self::Dielectric { index, roughness: None } => {
+                ("dielectric", serde_json::json!({"index": index}))
+            }
+            Self::Dielectric { index, roughness } => {
+                ("dielectric", serde_json::json!({"index": index, "roughness": roughness}))
+            }
             Self::Conductor { roughness, metal } => {
                 let table = match metal {
                     Metal::Copper => serde_json::json!({"roughness": roughness, "metal": "copper"}),
@@ -169,6 +248,9 @@ impl NamedSurface {
                     }
                 };
                 ("conductor", table)
+            }
+            Self::Map { picture, surfaces } => {
+                ("map", serde_json::json!({"file": picture.file, "surfaces": surfaces}))
             }
         };
         if let Value::Object(table) = &mut table {
@@ -197,11 +279,18 @@ impl Metal {
     }
 }
 
-/// The refusal of a name that is none of those known.
-pub(super) fn unknown(path: &str, name: &str, known: &[&str]) -> Error {
-    let name = shortened(name);
-    let near = did_you_mean(&name, known.iter().copied());
-    Error::input(format!("{path} is '{name}'{near}; known are {}", known.join(", ")))
+/// GGX α along and across: one number for both, or two.
+fn roughness(fields: &Fields<'_>) -> Result<[f64; 2]> {
+    let Some(Value::Array(_)) = fields.get("roughness") else {
+        return Ok([fields.number_within("roughness", 0.02, 1.0)?; 2]);
+    };
+    match fields.numbers("roughness")?[..] {
+        [along, across] if [along, across].iter().all(|a| (0.02..=1.0).contains(a)) => Ok([along, across]),
+        _ => Err(Error::input(format!(
+            "{}: give one number or two (along, across), each 0.02 to 1",
+            fields.path("roughness")
+        ))),
+    }
 }
 
 /// A table without its `type`.
@@ -218,6 +307,29 @@ mod tests {
     use super::*;
 
     #[test]
+    fn maps_choose_among_surfaces_that_exist() {
+        let message = |surfaces: &str| {
+            let table = format!(
+                "b = {{type = 'map', file = 'b.png', surfaces = [{surfaces}]}}\nglass = {{type = 'dielectric', index = 1.5}}"
+            );
+            let table: BTreeMap<String, Value> = toml::from_str(&table).unwrap();
+            let all: BTreeMap<_, _> = table
+                .iter()
+                .map(|(name, one)| (name.clone(), NamedSurface::read(one, name).unwrap()))
+                .collect();
+            all["b"].check("surfaces.b", &all)
+        };
+        assert!(message("'glass', 'glass'").is_ok());
+        assert!(
+            message("'glass', 'glas'")
+                .unwrap_err()
+                .to_string()
+                .contains("surfaces.b.surfaces[1] is 'glas', did you mean 'glass'?")
+        );
+        assert!(message("'b'").unwrap_err().to_string().contains("surfaces.b.surfaces[0] is the map 'b'"));
+    }
+
+    #[test]
     fn bad_surfaces_are_refused_by_key() {
         let surface = |text: &str| {
             let table: Value = toml::from_str(text).unwrap();
@@ -226,11 +338,25 @@ mod tests {
         assert!(surface("index = 1").contains("surfaces.table.type is missing"));
         assert!(surface("type = 'difuse'").contains("did you mean 'diffuse'"));
         assert!(surface("type = 'dielectric'\nindex = 9").contains("surfaces.table.index is 9"));
+        assert!(
+            surface("type = 'dielectric'\nindex = 1.5\nroughness = 0")
+                .contains("roughness is 0, outside 0.02 to 1")
+        );
         assert!(surface("type = 'diffuse'\ncolour = 3").contains("surfaces.table.colour"));
         assert!(
             surface("type = 'keratin'\nroughness = 0.2\nindex = 1.5")
                 .contains("surfaces.table.melanin is missing")
         );
+        let diffuse = |text: &str| surface(&format!("type = 'diffuse'\n{text}"));
+        assert!(diffuse("bump = 'a.png'").contains("surfaces.table.bump_um is missing"));
+        assert!(diffuse("bump = 'a.png'\nbump_um = 1e6").contains("bump_um is 1000000, outside"));
+        assert!(diffuse("bump_um = 3").contains("there is no picture surfaces.table.bump"));
+        assert!(diffuse("bump = 'a.png'\nbump_um = 3\nnormal = 'b.png'").contains("are both given"));
+        let map = |text: &str| surface(&format!("type = 'map'\n{text}"));
+        assert!(map("surfaces = ['a']").contains("surfaces.table.file is missing"));
+        assert!(map("file = 'a.png'").contains("surfaces.table.surfaces is missing"));
+        assert!(map("file = 'a.png'\nsurfaces = []").contains("give 1 to 256 names"));
+        assert!(map("file = 'a.png'\nsurfaces = ['a', 3]").contains("surfaces[1] is no text"));
         let metal = |text: &str| surface(&format!("type = 'conductor'\n{text}"));
         assert!(surface("type = 'conducter'").contains("did you mean 'conductor'"));
         assert!(metal("metal = 'copper'").contains("surfaces.table.roughness is missing"));

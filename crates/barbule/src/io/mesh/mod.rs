@@ -1,5 +1,6 @@
-//! Triangle meshes: PLY and OBJ.
+//! Triangle meshes: PLY, OBJ and glTF.
 
+mod gltf;
 mod obj;
 mod ply;
 
@@ -7,7 +8,7 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::read_at_most;
+use super::whole::{folder_of, read_at_most};
 use crate::scene::geometry::Mesh;
 use crate::{Error, Result};
 
@@ -17,22 +18,42 @@ const LARGEST_MESH: u64 = 256 << 20;
 /// Most vertices, and most faces.
 const MOST_VERTICES: usize = 5_000_000;
 
-/// Reads a mesh in mm, `.ply` or `.obj`; polygons become fans of triangles. Give it an identity of its own.
+/// Reads a mesh, `.ply` or `.obj` in mm, `.gltf` or `.glb` in m; polygons become fans of triangles. Give it an identity of its own.
+/// Also gives BLAKE3 of what was read: the file, then glTF's buffers in files of their own.
 ///
 /// # Errors
 /// Missing, over 256 MiB, of another kind, damaged, or without a triangle.
-pub fn read_mesh(path: &Path) -> Result<Mesh> {
+pub fn read_mesh(path: &Path) -> Result<(Mesh, String)> {
     let refuse = |error: Error| error.at(path.display());
-    let ends_with = |end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
-    let parts = if ends_with("ply") {
-        ply::read(&read_at_most(path, LARGEST_MESH)?).map_err(refuse)?
-    } else if ends_with("obj") {
-        let bytes = read_at_most(path, LARGEST_MESH)?;
-        obj::read(&String::from_utf8_lossy(&bytes)).map_err(refuse)?
-    } else {
-        return Err(refuse(Error::input("meshes are read from .ply or .obj")));
+    let read: fn(&[u8], &Path) -> Result<Found> = match extension(path).as_str() {
+        "ply" => |bytes, _| ply::read(bytes).map(Found::from),
+        "obj" => |bytes, _| obj::read(&String::from_utf8_lossy(bytes)).map(Found::from),
+        "gltf" | "glb" => gltf::read,
+        _ => return Err(refuse(Error::input("meshes are read from .ply, .obj, .gltf or .glb"))),
     };
-    parts.finish().map_err(refuse)
+    let bytes = read_at_most(path, LARGEST_MESH)?;
+    let Found { parts, beside } = read(&bytes, folder_of(path)).map_err(refuse)?;
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&bytes);
+    beside.iter().for_each(|bytes| _ = hasher.update(bytes));
+    Ok((parts.finish().map_err(refuse)?, hasher.finalize().to_hex().to_string()))
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map_or_else(String::new, |end| end.to_string_lossy().to_lowercase())
+}
+
+/// What a file holds of shapes.
+struct Found {
+    parts: Parts,
+    /// What it names that lies in files of its own.
+    beside: Vec<Vec<u8>>,
+}
+
+impl From<Parts> for Found {
+    fn from(parts: Parts) -> Self {
+        Self { parts, beside: Vec::new() }
+    }
 }
 
 /// A mesh that is being read.
@@ -92,7 +113,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).unwrap();
-        read_mesh(&path)
+        let (mesh, content) = read_mesh(&path)?;
+        assert_eq!(content, super::super::hash_bytes(bytes));
+        Ok(mesh)
     }
 
     /// The same mesh in binary, of either order.
@@ -164,7 +187,7 @@ mod tests {
         assert!(message("a.obj", "v 1 2\n").contains("3 numbers"));
         assert!(message("a.obj", "f a b c\n").contains("no corner of a face"));
         assert!(message("a.obj", "").contains("no triangle"));
-        assert!(message("a.stl", PLY).contains(".ply or .obj"));
+        assert!(message("a.stl", PLY).contains(".ply, .obj, .gltf or .glb"));
         let whole = binary(false);
         for cut in 0..whole.len() {
             assert!(read("a.ply", &whole[..cut]).is_err(), "{cut}");
