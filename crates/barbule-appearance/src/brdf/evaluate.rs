@@ -246,8 +246,9 @@ struct At<'a> {
 
 impl<'a> At<'a> {
     #[inline(always)]
-    fn new(draw: &'a Draw, [wi, wo]: [DVec3; 2]) -> Self {
+    fn new(noise: &Noise, draw: &'a Draw, [wi, wo]: [DVec3; 2]) -> Self {
         let x = wi.x + wo.x;
+        noise.fetch(draw, x as f32);
         let facet = x / (wi.z + wo.z);
         Self { draw, x: x as f32, facet, wing: draw.wing(facet) - 1.0 }
     }
@@ -427,7 +428,7 @@ impl FeatherBrdf {
         instance: Option<&Draw>,
         values: &mut [f32],
     ) {
-        let instance = instance.map(|draw| At::new(draw, [wi, wo]));
+        let instance = instance.map(|draw| At::new(&self.noise, draw, [wi, wo]));
         let instance = instance.as_ref();
         let incident = match prepared {
             Some(incident) => *incident,

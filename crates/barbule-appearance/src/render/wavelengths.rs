@@ -81,14 +81,16 @@ mod tests {
                 let t = libm::tanh(SLOPE * (nm - MIDDLE));
                 let expected = (u + k as f64 / WAVES as f64) % 1.0;
                 assert!(((t - low) / range - expected).abs() < 2e-4, "{u} {k}: {nm}");
-                assert!((pdf * range / (SLOPE * (1.0 - t * t)) - 1.0).abs() < 0.02, "{u} {k}: {pdf}");
+                // Constant in its bin, while the distribution falls by up to 5 %.
+                assert!((pdf * range / (SLOPE * (1.0 - t * t)) - 1.0).abs() < 0.03, "{u} {k}: {pdf}");
             }
         }
     }
 
     #[test]
     fn means_over_the_wavelengths_are_integrals() {
-        let count = 1000;
+        // Four in each bin.
+        let count = 1024;
         let (mut length, mut moment) = (0.0, 0.0);
         for i in 0..count {
             let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
@@ -99,6 +101,6 @@ mod tests {
             }
         }
         assert!((length - 340.0).abs() < 1e-9);
-        assert!((moment / 340.0 - 550.0).abs() < 0.01);
+        assert!((moment / 340.0 - 550.0).abs() < 1e-9);
     }
 }

@@ -493,6 +493,7 @@ const SCENES: &[Change] = &[
     ("width_mm = 4.4", "position_mm = [0, 0, 0]", "are the same place"),
     ("width_mm = 4.4", "target_mm = [nan, 0, 0]", "over 1000000 mm away"),
     ("width_mm = 4.4", "focal_length_mm = 0", "camera.focal_length_mm is 0, outside 5 to 5000"),
+    ("width_mm = 4.4", "f_number = 0.5", "camera.f_number is 0.5, outside 1 to 1000"),
     ("width_mm = 4.4", "focus_distance_mm = -1", "camera.focus_distance_mm is -1"),
     ("sky = 0.7", "sky = -1.0", "sky"),
     ("elevation = 60.0", "elevation = 91.0", "light.elevation_deg is 91, outside -90 to 90"),

@@ -3,6 +3,7 @@
 //! Ribbons and curves enter as their segments, so leaves are split along the length, and slanting segments again. Each primitive is one cache line,
 //! in the order of the hierarchy's leaves. Nothing is allocated per ray.
 
+mod boxes;
 mod hits;
 mod instances;
 mod primitive;
@@ -14,6 +15,7 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::Ray;
 use obvhs::{Boundable, BvhBuildParams};
 
+use boxes::crossed;
 pub(super) use instances::Instances;
 use primitive::{Meeting, Primitive, collect, meet};
 
@@ -121,7 +123,7 @@ impl Accelerator {
         let mut best = None;
         let mut state = self.hierarchy.new_traversal(ray.direction);
         let mut node;
-        obvhs::traverse!(self.hierarchy, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+        obvhs::traverse!(self.hierarchy, node, state, crossed(node, &ray, state.oct_inv4), {
             if let Some(meeting) = meet(&self.primitives[state.primitive_id as usize], &ray) {
                 ray.tmax = meeting.distance;
                 best = Some((state.primitive_id, meeting));
@@ -134,7 +136,7 @@ impl Accelerator {
     fn any<S: Simd>(&self, _simd: S, ray: Ray) -> bool {
         let mut state = self.hierarchy.new_traversal(ray.direction);
         let mut node;
-        obvhs::traverse!(self.hierarchy, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+        obvhs::traverse!(self.hierarchy, node, state, crossed(node, &ray, state.oct_inv4), {
             if meet(&self.primitives[state.primitive_id as usize], &ray).is_some() {
                 return true;
             }

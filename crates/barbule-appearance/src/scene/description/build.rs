@@ -194,7 +194,12 @@ impl SceneDescription {
         // Straight along the picture's own upward direction the vane's normal is upwards.
         let up = if towards.cross(up).length() < 1e-3 { DVec3::Z } else { up };
         let projection = match view.projection {
-            ViewProjection::Perspective => Projection::Perspective { lens_radius: view.lens * distance },
+            ViewProjection::Perspective => {
+                // A thin lens of focal length f stands f (1 + 1/m) before what it magnifies by m; its radius is f/2N.
+                let magnification = FILM_MM / width_mm;
+                let of = |f_number: f64| 0.5 * magnification / (f_number * (1.0 + magnification));
+                Projection::Perspective { lens_radius: view.f_number.map_or(view.lens, of) * distance }
+            }
             ViewProjection::Orthographic => Projection::Orthographic,
         };
         let camera = Camera { eye, target, up, width_mm, projection };
@@ -331,6 +336,10 @@ mod tests {
         assert!((wide.width_mm - f64::sqrt(101.0)).abs() < 1e-12 && wide.target == DVec3::X);
         let flat = starling("[camera]\nprojection = 'orthographic'").camera();
         assert_eq!(flat.projection, Projection::Orthographic);
+        // Life size at f/4: the lens is 2 f away and has the radius f/8.
+        let lens = starling("[camera]\nwidth_mm = 36\nf_number = 4").camera();
+        let Projection::Perspective { lens_radius } = lens.projection else { panic!("{lens:?}") };
+        assert!((lens_radius / (lens.eye - lens.target).length() - 0.0625).abs() < 1e-12);
         let tele = starling("[camera]\nfocal_length_mm = 288").camera();
         assert!((tele.eye.length() / eye.length() - 2.0).abs() < 1e-12);
     }

@@ -73,6 +73,7 @@ layer!(CameraLayer {
     target_mm: [f64; 3],
     focal_length_mm: f64,
     focus_distance_mm: f64,
+    f_number: f64,
 });
 
 layer!(WindowLayer { along_mm: f64, radius_mm: f64 });
@@ -119,7 +120,7 @@ struct Layer {
 }
 
 /// Keys of a scene file, for suggestions; those of feathers and surfaces are known where they are read.
-const KEYS: [&str; 41] = [
+const KEYS: [&str; 42] = [
     "preset",
     "material",
     "size",
@@ -138,6 +139,7 @@ const KEYS: [&str; 41] = [
     "target_mm",
     "focal_length_mm",
     "focus_distance_mm",
+    "f_number",
     "window",
     "surfaces",
     "feather",
@@ -312,6 +314,7 @@ impl CameraLayer {
             projection,
             focal_length_mm: self.focal_length_mm,
             focus_distance_mm: self.focus_distance_mm,
+            f_number: self.f_number,
             roll_deg: need(self.roll_deg, "camera.roll_deg")?,
             width_mm: need(self.width_mm, "camera.width_mm")?,
             lens: need(self.lens, "camera.lens")?,

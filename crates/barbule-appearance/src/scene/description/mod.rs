@@ -175,6 +175,8 @@ pub struct View {
     pub width_mm: f64,
     /// Radius of the lens over its distance: 0 is sharp everywhere.
     pub lens: f64,
+    /// f-number of a lens before a film of 36 mm, in place of that.
+    pub f_number: Option<f64>,
 }
 
 /// Keratin with pigment.
@@ -243,6 +245,7 @@ impl SceneDescription {
             ("camera.elevation_deg", camera.elevation_deg, -90.0, 90.0),
             ("camera.width_mm", self.camera.width_mm, 0.05, 50.0),
             ("camera.lens", self.camera.lens, 0.0, 0.2),
+            ("camera.f_number", self.camera.f_number.unwrap_or(8.0), 1.0, 1000.0),
             ("camera.roll_deg", self.camera.roll_deg, -360.0, 360.0),
             ("camera.focal_length_mm", self.camera.focal_length_mm.unwrap_or(50.0), 5.0, 5000.0),
             ("camera.focus_distance_mm", self.camera.focus_distance_mm.unwrap_or(1.0), 1e-3, 1e5),

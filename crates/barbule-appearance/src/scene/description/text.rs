@@ -102,6 +102,7 @@ impl View {
             ("target_mm", (self.target != [0.0; 3]).then(|| json!(self.target))),
             ("focal_length_mm", self.focal_length_mm.map(Value::from)),
             ("focus_distance_mm", self.focus_distance_mm.map(Value::from)),
+            ("f_number", self.f_number.map(Value::from)),
         ])
     }
 }
@@ -205,6 +206,7 @@ mod tests {
         let mut focused = SceneDescription::named("starling").unwrap();
         focused.camera.focus_distance_mm = Some(14.0);
         focused.camera.focal_length_mm = Some(85.0);
+        focused.camera.f_number = Some(11.0);
         focused.sky = SkyDescription::Gradient { zenith: 0.5, horizon: 1.0, below: 1.0 };
         assert_eq!(SceneDescription::parse(&focused.to_toml().unwrap()).unwrap(), focused);
     }
