@@ -7,6 +7,7 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::Ray;
 use obvhs::{Boundable, BvhBuildParams};
 
+use super::boxes::crossed;
 use super::primitive::Meeting;
 use super::{Accelerator, hits, ray};
 use crate::bsdf::{Frame, Hit};
@@ -135,7 +136,7 @@ impl Instances {
         let mut best = None;
         let mut state = self.top.new_traversal(outer.direction);
         let mut node;
-        obvhs::traverse!(self.top, node, state, node.intersect_ray(&outer, state.oct_inv4), {
+        obvhs::traverse!(self.top, node, state, crossed(node, &outer, state.oct_inv4), {
             let instance = &self.instances[state.primitive_id as usize];
             let accelerator = &self.objects[instance.object as usize];
             let inner = instance.inner(origin, direction, nearest, f64::from(outer.tmax));
@@ -152,7 +153,7 @@ impl Instances {
         let outer = ray(origin, direction, nearest, farthest);
         let mut state = self.top.new_traversal(outer.direction);
         let mut node;
-        obvhs::traverse!(self.top, node, state, node.intersect_ray(&outer, state.oct_inv4), {
+        obvhs::traverse!(self.top, node, state, crossed(node, &outer, state.oct_inv4), {
             let instance = &self.instances[state.primitive_id as usize];
             let inner = instance.inner(origin, direction, nearest, farthest);
             if self.objects[instance.object as usize].any(simd, inner) {
