@@ -32,7 +32,7 @@ pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use feather::BarbuleSurface;
 pub use frame::Frame;
-pub use hair::{Absorption, FibreIndex, Hair, HairParameters};
+pub use hair::{Absorption, FibreIndex, FibreSection, Hair, HairParameters};
 pub use hit::{Hit, Side};
 pub use keratin::Keratin;
 pub use lambertian::{Lambertian, Pictures};
@@ -54,7 +54,7 @@ pub enum Surface {
     Keratin(Keratin),
     /// A barbule's plate.
     Barbule(BarbuleSurface),
-    /// A round fibre of hair.
+    /// A fibre of hair, round or elliptical.
     Hair(Hair),
     /// Rough metal.
     Conductor(Conductor),
