@@ -72,7 +72,7 @@ fn measure<R>(name: &str, calls: &[Call], mut call: impl FnMut(&Call, u64) -> R)
 }
 
 /// A fibre at the wavelengths of a call; light from its one direction to the other.
-fn measure_hair(name: &str, calls: &[Call], index: FibreIndex) {
+fn measure_hair(name: &str, calls: &[Call], index: FibreIndex, height_over_width: f64) {
     let absorption = Absorption::pigments(0.6, 0.1).expect("pigments");
     let parameters = HairParameters {
         longitudinal_roughness: 0.25,
@@ -80,6 +80,7 @@ fn measure_hair(name: &str, calls: &[Call], index: FibreIndex) {
         scale_tilt: 0.035,
         index,
         absorption,
+        height_over_width,
     };
     let surface = Surface::Hair(Hair::new(parameters).expect("hair"));
     let frame = Frame { x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
@@ -129,6 +130,8 @@ fn main() {
     let few: Vec<Call> = (0..256).map(|k| calls[k % 16].clone()).collect();
     measure("eval with instance, tables in L1", &few, |c, n| brdf.eval(c.waves, c.wi, c.wo, Some(n % 4)));
     measure("eval smooth, tables in L1", &few, |c, _| brdf.eval(c.waves, c.wi, c.wo, None));
-    measure_hair("hair", &calls, FibreIndex::Constant(1.55));
-    measure_hair("hair of keratin's dispersion", &calls, FibreIndex::Keratin);
+    measure_hair("hair", &calls, FibreIndex::Constant(1.55), 1.0);
+    measure_hair("hair of keratin's dispersion", &calls, FibreIndex::Keratin, 1.0);
+    measure_hair("elliptical hair", &calls, FibreIndex::Constant(1.55), 0.5);
+    measure_hair("elliptical hair of keratin's dispersion", &calls, FibreIndex::Keratin, 0.5);
 }

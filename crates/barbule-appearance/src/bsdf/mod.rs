@@ -36,7 +36,9 @@ pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use feather::{Arch, BarbuleSurface, Cells};
 pub use frame::Frame;
-pub use hair::{Absorption, FibreIndex, Hair, HairParameters};
+pub use feather::{Arch, BarbuleSurface, Cells};
+pub use frame::Frame;
+pub use hair::{Absorption, FibreIndex, FibreSection, Hair, HairParameters};
 pub use hit::{Hit, OnRibbon, Side};
 pub use keratin::Keratin;
 pub use lambertian::{Lambertian, Pictures};
@@ -58,9 +60,10 @@ pub enum Surface {
     Keratin(Keratin),
     /// A barbule's plate.
     Barbule(BarbuleSurface),
-    /// A barb with the barbules that its ribbon stands for.
-    Barb(Box<BarbSurface>),
-    /// A round fibre of hair.
+pub use feather::{Arch, BarbuleSurface, Cells};
+pub use frame::Frame;
+pub use hair::{Absorption, FibreIndex, FibreSection, Hair, HairParameters};
+pub use hit::{Hit, OnRibbon, Side};
     Hair(Hair),
     /// Rough metal.
     Conductor(Conductor),

@@ -27,6 +27,7 @@ fn hair() -> Hair {
         scale_tilt: 0.035,
         index: FibreIndex::Constant(1.55),
         absorption,
+        height_over_width: 1.0,
     })
     .unwrap()
 }

@@ -196,6 +196,7 @@ fn hair() -> Result<Surface> {
         scale_tilt: 2.0_f64.to_radians(),
         index: FibreIndex::Constant(1.55),
         absorption: Absorption::pigments(0.6, 0.1)?,
+        height_over_width: 1.0,
     })?))
 }
 

@@ -153,6 +153,7 @@ fn fibres_of_hair_have_the_colours_of_mitsuba() {
         scale_tilt: 2_f64.to_radians(),
         index: FibreIndex::Constant(1.55),
         absorption: Absorption::new(|nm| between(PIGMENT, nm)).unwrap(),
+        height_over_width: 1.0,
     };
     let surface = Surface::Hair(Hair::new(parameters).unwrap());
     let lamp = lamp(LAMP_AT, DVec3::ZERO, DVec3::Y);

@@ -33,6 +33,7 @@ fn fibre(absorption: Absorption) -> Surface {
         scale_tilt: 0.035,
         index: FibreIndex::Constant(1.55),
         absorption,
+        height_over_width: 1.0,
     };
     Surface::Hair(Hair::new(parameters).unwrap())
 }

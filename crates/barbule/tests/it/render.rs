@@ -162,6 +162,7 @@ fn hair(absorption: Absorption) -> Surface {
         scale_tilt: 0.035,
         index: FibreIndex::Constant(1.55),
         absorption,
+        height_over_width: 1.0,
     };
     Surface::Hair(Hair::new(parameters).unwrap())
 }

@@ -9,7 +9,7 @@ use crate::{Error, Result};
 /// Absorption of a fibre's inside: the optical depth σ_a r of one radius at every nm.
 ///
 /// Per radius, not per length: scattering by a fibre knows no scale. Who has an absorption per µm multiplies it by the
-/// radius in µm.
+/// radius in µm. Of an elliptical section the radius is its half width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Absorption {
     depth: DenseSpectrum,

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use fearless_simd::{Simd, dispatch, f64x8, mask64x8, prelude::*};
 
+use super::ellipse::Ellipses;
 use super::section::{FOLLOWED, Round, Rounds, WAYS, wrap_each};
 use super::spread::{Azimuthal, LARGE_I0, Longitudinal, NEGLIGIBLE, SMALL, SMALL_I0};
 use crate::math::elementary::exp_each;
@@ -37,6 +38,17 @@ impl Powers {
     pub(super) fn new(section: &Round, depths: &[f64; WAVES]) -> Self {
         dispatch!(level(), simd => powers(simd, section, depths))
     }
+
+    /// Of elliptical sections, one a wavelength; `depths`: absorption over one half width.
+    #[inline(never)]
+    pub(super) fn of_ellipses(sections: &Ellipses, depths: &[f64; WAVES]) -> Self {
+        dispatch!(level(), simd => powers_of_ellipses(simd, sections, depths))
+    }
+}
+
+#[inline(always)]
+fn powers_of_ellipses<S: Simd>(simd: S, sections: &Ellipses, depths: &[f64; WAVES]) -> Powers {
+    shares(simd, sections.attenuations(simd, depths))
 }
 
 #[inline(always)]

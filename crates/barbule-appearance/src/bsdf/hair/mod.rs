@@ -1,4 +1,5 @@
-//! Hair: a round, smooth-walled dielectric fibre with pigment inside and tilted scales outside. Also bare barbs and down.
+//! Hair: a round or elliptical, smooth-walled dielectric fibre with pigment inside and tilted scales outside. Also bare
+//! barbs and down, and the rami and barbules of feathers without structural colour.
 //!
 //! f cosθ = Σ_p M_p(θ_i, θ_o) A_p N_p(φ): light leaves after p chords inside (R, TT, TRT, and all others together), with
 //! the power A_p that Fresnel and absorption leave it, spread along the fibre by M and around it by N. The ray's own offset
@@ -10,22 +11,27 @@
 //! viewer's.
 
 mod absorption;
+mod ellipse;
 mod lanes;
 mod section;
 mod spread;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_elliptical;
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 pub use absorption::Absorption;
 
+use self::ellipse::{Ellipse, Ellipses};
 use self::lanes::{Incidence, Middles, Powers, Spread, dispersed};
 use self::section::{FOLLOWED, Round, WAYS};
 use self::spread::{Azimuthal, Longitudinal};
-use super::hit::Hit;
+use super::frame::Frame;
+use super::hit::{Hit, Side};
 use super::lobes::Lobes;
 use super::{Bsdf, Model};
 use crate::math::elementary::{atan2, sin_cos_turns};
@@ -52,8 +58,33 @@ pub struct HairParameters {
     pub scale_tilt: f64,
     /// Refractive index.
     pub index: FibreIndex,
-    /// What the inside absorbs.
+    /// What the inside absorbs over one half width.
     pub absorption: Absorption,
+    /// Height of the section over its width, 0.1 … 10: 1 is round, under 1 flat, over 1 a blade. Heights stand along the
+    /// vane's normal.
+    pub height_over_width: f64,
+}
+
+/// Where a ray meets a fibre that is no primitive of its own: one of many on a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct FibreSection {
+    /// Unit vector along the fibre, from root to tip.
+    pub axis: DVec3,
+    /// Unit vector of the section's height, perpendicular to the axis.
+    pub up: DVec3,
+    /// Signed distance of the viewer's ray from the axis over half the width that is seen, −1 … 1; positive on the side of
+    /// `wo` × `axis`.
+    pub offset: f64,
+}
+
+impl FibreSection {
+    /// With the ray's place across the fibre, −1 … 1 of the width that is seen from `wo`, positive along `axis` × `up`: the x
+    /// of the frame with y along the fibre and z up.
+    #[inline(always)]
+    #[must_use]
+    pub fn crossed(axis: DVec3, up: DVec3, across: f64, wo: DVec3) -> Self {
+        Self { axis, up, offset: if wo.dot(up) >= 0.0 { -across } else { across } }
+    }
 }
 
 /// A fibre's material. Its frame's y points from root to tip.
@@ -61,6 +92,8 @@ pub struct HairParameters {
 pub struct Hair {
     index: FibreIndex,
     absorption: Absorption,
+    /// Of the section, over its width.
+    height: f64,
     /// Of each way through the fibre.
     along: [Longitudinal; WAYS],
     around: Azimuthal,
@@ -85,6 +118,7 @@ impl Hair {
             scale_tilt,
             index,
             absorption,
+            height_over_width: height,
         } = parameters;
         let range = 0.02..=1.0;
         if !(range.contains(&m) && range.contains(&n)) {
@@ -103,6 +137,9 @@ impl Hair {
         {
             return Err(Error::input(format!("hair of index {index}: give 1.01 to 3.9")));
         }
+        if !HEIGHTS.contains(&height) {
+            return Err(Error::input(format!("hair of height over width {height}: give 0.1 to 10")));
+        }
         // The fits of Chiang et al. 2016, §4.1, of both widths to what roughness looks like.
         let root = 0.726 * m + 0.812 * m * m + 3.7 * libm::pow(m, 20.0);
         let variance = root * root;
@@ -113,6 +150,7 @@ impl Hair {
         Ok(Self {
             index,
             absorption,
+            height,
             along,
             around,
             spread: Spread::new(&along, &around),
@@ -120,15 +158,47 @@ impl Hair {
         })
     }
 
-    /// At a hit, seen from `wo`. The offset follows from the normal: that of a round fibre stands on its axis.
+    /// At a hit on a round curve, seen from `wo`. The offset follows from the normal: that of a round curve stands on its
+    /// axis. A section that is not round fills the curve's width from wherever it is seen.
     #[inline(always)]
     pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let side = hit.side(wo);
         let across = (side.wo.x * side.wo.x + side.wo.z * side.wo.z).sqrt();
         let offset = if across > 0.0 { (side.wo.x / across).clamp(-1.0, 1.0) } else { 0.0 };
-        Bsdf::new(Model::Hair(Bound::new(self, offset, side.wo, wavelengths)), side)
+        let up = if self.is_round() { DVec2::Y } else { in_section(&side.frame, hit.vane_normal) };
+        Bsdf::new(Model::Hair(Bound::new(self, offset, up, side.wo, wavelengths)), side)
+    }
+
+    /// Where a ray meets a fibre that is no primitive of its own, seen from `wo`: one of many on a ribbon or a mesh. Light
+    /// comes from everywhere, whichever way that surface faces; the shading normal points to the viewer, across the
+    /// fibre.
+    #[inline]
+    #[must_use]
+    pub fn bind_section(&self, section: &FibreSection, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {
+        let FibreSection { axis, up, offset } = *section;
+        let z = (wo - axis * axis.dot(wo)).normalize_or(up);
+        let frame = Frame { x: axis.cross(z), y: axis, z };
+        let side = Side { is_upper: true, normal: z, frame, wo: frame.to_local(wo) };
+        let up = in_section(&frame, up);
+        let bound = Bound::new(self, offset.clamp(-1.0, 1.0), up, side.wo, wavelengths);
+        Bsdf::new(Model::Hair(bound), side)
+    }
+
+    #[inline(always)]
+    fn is_round(&self) -> bool {
+        self.height == 1.0
     }
 }
+
+/// The unit vector across the fibre that is nearest to a direction of the scene, x and z in the fibre's frame; z where they
+/// are parallel.
+#[inline(always)]
+fn in_section(frame: &Frame, direction: DVec3) -> DVec2 {
+    DVec2::new(frame.x.dot(direction), frame.z.dot(direction)).normalize_or(DVec2::Y)
+}
+
+/// Of heights over widths.
+const HEIGHTS: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
 /// 20°.
 const MOST_TILT: f64 = 0.349_065_85;
@@ -149,20 +219,29 @@ pub(super) struct Bound<'a> {
 }
 
 impl<'a> Bound<'a> {
-    /// `offset`: signed distance of the viewer's ray from the axis over the radius, positive towards the azimuths of x.
+    /// - `offset`: signed distance of the viewer's ray from the axis over half the width that is seen, positive towards
+    ///   growing azimuths (from x to z)
+    /// - `up`: unit vector of the section's height, x and z; of no matter for a round one
     #[inline(always)]
-    pub(super) fn new(hair: &'a Hair, offset: f64, wo: DVec3, wavelengths: Lambdas) -> Self {
+    pub(super) fn new(hair: &'a Hair, offset: f64, up: DVec2, wo: DVec3, wavelengths: Lambdas) -> Self {
         let sin = wo.y.clamp(-1.0, 1.0);
         let cos = (1.0 - sin * sin).sqrt();
         let across = (wo.x * wo.x + wo.z * wo.z).sqrt();
         let viewer = if across > 0.0 { [wo.x / across, wo.z / across] } else { [0.0, 1.0] };
         let depths = hair.absorption.at_each(wavelengths);
-        let (middles, powers) = match hair.index {
-            FibreIndex::Constant(index) => {
-                let section = Round::new(offset, [sin, cos], index);
-                (Middles::Same(section.azimuths), Powers::new(&section, &depths))
+        let (middles, powers) = if hair.is_round() {
+            match hair.index {
+                FibreIndex::Constant(index) => {
+                    let section = Round::new(offset, [sin, cos], index);
+                    (Middles::Same(section.azimuths), Powers::new(&section, &depths))
+                }
+                FibreIndex::Keratin => dispersed(offset, [sin, cos], &wavelengths.nm().map(keratin), &depths),
             }
-            FibreIndex::Keratin => dispersed(offset, [sin, cos], &wavelengths.nm().map(keratin), &depths),
+        } else {
+            let viewer = DVec2::from_array(viewer);
+            // Across stands to up as x to z.
+            let toward = DVec2::new(viewer.perp_dot(up), viewer.dot(up));
+            elliptical(hair, toward, offset, [sin, cos], wavelengths, &depths)
         };
         let mut inclinations = [[sin, cos]; WAYS];
         for (inclination, [sin_tilt, cos_tilt]) in inclinations.iter_mut().zip(&hair.tilts) {
@@ -219,6 +298,29 @@ impl<'a> Bound<'a> {
         );
         let side = if wi.z > 0.0 { Lobes::REFLECTION } else { Lobes::TRANSMISSION };
         Some((wi, side.and(Lobes::GLOSSY)))
+    }
+}
+
+/// Middles and powers of a fibre that is not round; arguments as of [`Ellipse::new`].
+#[inline(never)] // out of the way of round fibres
+fn elliptical(
+    hair: &Hair,
+    toward: DVec2,
+    offset: f64,
+    inclination: [f64; 2],
+    wavelengths: Lambdas,
+    depths: &[f64; WAVES],
+) -> (Middles, Powers) {
+    match hair.index {
+        FibreIndex::Constant(index) => {
+            let section = Ellipse::new(hair.height, toward, offset, inclination, index);
+            (Middles::Same(section.azimuths), Powers::of_ellipses(&Ellipses::same(&section), depths))
+        }
+        FibreIndex::Keratin => {
+            let index = wavelengths.nm().map(keratin);
+            let sections = Ellipses::new(hair.height, toward, offset, inclination, &index);
+            (Middles::Each(sections.azimuths), Powers::of_ellipses(&sections, depths))
+        }
     }
 }
 

@@ -138,7 +138,7 @@ pub(super) fn wrap_each<S: Simd>(simd: S, angle: f64x8<S>) -> f64x8<S> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use glam::DVec3;
 
     use super::*;
@@ -146,7 +146,7 @@ mod tests {
 
     /// Snell's law for vectors: `d` goes on, `n` points back; the ratio is that of the indices. Also the Fresnel
     /// reflectance by its amplitudes.
-    fn refract(d: DVec3, n: DVec3, from: f64, to: f64) -> (Option<DVec3>, f64) {
+    pub(in super::super) fn refract(d: DVec3, n: DVec3, from: f64, to: f64) -> (Option<DVec3>, f64) {
         let cosine = -d.dot(n);
         let tangential = (d + n * cosine) * (from / to);
         let square = 1.0 - tangential.length_squared();

@@ -7,9 +7,9 @@ use crate::bsdf::{Frame, Surface};
 use crate::math::rng::Stream;
 use crate::spectrum::dense::WAVES;
 
-const PATH: [f64; WAVES] = [550.0, 610.0, 470.0, 510.0, 400.0, 430.0, 650.0, 690.0];
+pub(super) const PATH: [f64; WAVES] = [550.0, 610.0, 470.0, 510.0, 400.0, 430.0, 650.0, 690.0];
 
-fn clear() -> Absorption {
+pub(super) fn clear() -> Absorption {
     Absorption::new(|_| 0.0).unwrap()
 }
 
@@ -20,30 +20,31 @@ fn hair(m: f64, n: f64, tilt_deg: f64, absorption: Absorption) -> Hair {
         scale_tilt: tilt_deg.to_radians(),
         index: FibreIndex::Constant(1.55),
         absorption,
+        height_over_width: 1.0,
     })
     .unwrap()
 }
 
 /// Towards the viewer at an inclination, in the frame of a point that the ray meets at an offset.
-fn viewer(inclination: f64, offset: f64) -> DVec3 {
+pub(super) fn viewer(inclination: f64, offset: f64) -> DVec3 {
     let (sin, cos) = inclination.sin_cos();
     DVec3::new(cos * offset, sin, cos * (1.0 - offset * offset).sqrt())
 }
 
-fn direction(sin: f64, azimuth: f64) -> DVec3 {
+pub(super) fn direction(sin: f64, azimuth: f64) -> DVec3 {
     let cos = (1.0 - sin * sin).max(0.0).sqrt();
     DVec3::new(cos * azimuth.cos(), sin, cos * azimuth.sin())
 }
 
 /// f |cos| and the density, at each wavelength.
-fn scattered(bound: &Bound<'_>, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
+pub(super) fn scattered(bound: &Bound<'_>, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
     let (f, pdf) = bound.eval(DVec3::ZERO, wi);
     (f.map(|f| f * wi.z.abs()), pdf)
 }
 
 /// ∫ over the sphere of f |cos| and of the density at the first wavelength: Simpson in the inclination (its derivatives
 /// vanish with the solid angle at the poles), midpoints around the fibre. Both resolve a width of 0.05.
-fn integrals(bound: &Bound<'_>) -> [f64; 2] {
+pub(super) fn integrals(bound: &Bound<'_>) -> [f64; 2] {
     let (rows, columns) = (1200, 720);
     let mut sums = [0.0; 2];
     for i in 1..rows {
@@ -71,7 +72,7 @@ fn white_fibres_stay_white_in_the_furnace() {
         for (inclination, offset) in
             [(0.0, 0.0), (0.4, 0.6), (-0.9, -0.95), (1.4, 0.3), (-1.55, 0.999), (0.2, 1.0)]
         {
-            let bound = Bound::new(&hair, offset, viewer(inclination, offset), Lambdas::new(PATH));
+            let bound = Bound::new(&hair, offset, DVec2::Y, viewer(inclination, offset), Lambdas::new(PATH));
             let [albedo, density] = integrals(&bound);
             worst = [worst[0].max((albedo - 1.0).abs()), worst[1].max((density - 1.0).abs())];
         }
@@ -91,7 +92,7 @@ fn absorbing_fibres_keep_what_their_ways_keep() {
     let (mut albedo, mut powers) = (0.0, 0.0);
     for i in 0..count {
         let offset = 2.0 * (f64::from(i) + 0.5) / f64::from(count) - 1.0;
-        let bound = Bound::new(&hair, offset, viewer(0.5, offset), Lambdas::new(PATH));
+        let bound = Bound::new(&hair, offset, DVec2::Y, viewer(0.5, offset), Lambdas::new(PATH));
         let [own, density] = integrals(&bound);
         assert!((density - 1.0).abs() < FURNACE);
         albedo += own / f64::from(count);
@@ -101,12 +102,50 @@ fn absorbing_fibres_keep_what_their_ways_keep() {
     assert!((0.2..0.8).contains(&albedo));
 }
 
-/// Counts of samples over the whole sphere against integrals of the density (χ²); four deviations.
-#[test]
-fn samples_follow_their_density_over_the_whole_sphere() {
+/// How many deviations the counts of samples over the whole sphere lie from integrals of the density: χ², with that of
+/// Wilson and Hilferty, the cube root of χ² over its degrees being nearly normal.
+pub(super) fn deviations(bound: &Bound<'_>, seed: u64) -> f64 {
     const ROWS: usize = 24;
     const COLUMNS: usize = 16;
     const FINE: usize = 24;
+    let count = 200_000;
+    let mut seen = vec![0.0; ROWS * COLUMNS];
+    let mut stream = Stream::new(31, &[seed]);
+    for _ in 0..count {
+        let u = [stream.unit(), stream.unit(), stream.unit()];
+        let (wi, lobes) = bound.sample(DVec3::ZERO, u).unwrap();
+        assert!((wi.length() - 1.0).abs() < 1e-12);
+        assert_eq!(lobes.has(Lobes::REFLECTION), wi.z > 0.0);
+        let row = ((0.5 * (wi.y + 1.0) * ROWS as f64) as usize).min(ROWS - 1);
+        let column = (wi.z.atan2(wi.x).rem_euclid(TAU) / TAU * COLUMNS as f64) as usize;
+        seen[row * COLUMNS + column.min(COLUMNS - 1)] += 1.0;
+    }
+    let mut expected = vec![0.0; ROWS * COLUMNS];
+    let step = 2.0 * TAU / (ROWS * FINE * COLUMNS * FINE) as f64;
+    for i in 0..ROWS * FINE {
+        for j in 0..COLUMNS * FINE {
+            let y = 2.0 * (i as f64 + 0.5) / (ROWS * FINE) as f64 - 1.0;
+            let azimuth = TAU * (j as f64 + 0.5) / (COLUMNS * FINE) as f64;
+            let pdf = scattered(bound, direction(y, azimuth)).1[0];
+            expected[(i / FINE) * COLUMNS + j / FINE] += f64::from(count) * step * pdf;
+        }
+    }
+    let (mut chi2, mut degrees) = (0.0, -1.0);
+    for (seen, expected) in seen.iter().zip(&expected) {
+        if *expected > 8.0 {
+            chi2 += (seen - expected).powi(2) / expected;
+            degrees += 1.0;
+        }
+    }
+    let spread = 2.0 / (9.0 * degrees);
+    let deviations = (f64::cbrt(chi2 / degrees) - (1.0 - spread)) / f64::sqrt(spread);
+    println!("chi2 {chi2:.1} of {degrees} degrees, {deviations:.2} deviations");
+    deviations
+}
+
+/// Four deviations.
+#[test]
+fn samples_follow_their_density_over_the_whole_sphere() {
     let absorption = Absorption::pigments(0.3, 0.2).unwrap();
     for (case, (m, n, tilt, inclination, offset)) in [
         (0.1, 0.2, 2.0, 0.3, 0.5),
@@ -118,41 +157,9 @@ fn samples_follow_their_density_over_the_whole_sphere() {
     .enumerate()
     {
         let hair = hair(m, n, tilt, absorption.clone());
-        let bound = Bound::new(&hair, offset, viewer(inclination, offset), Lambdas::new(PATH));
-        let count = 200_000;
-        let mut seen = vec![0.0; ROWS * COLUMNS];
-        let mut stream = Stream::new(31, &[case as u64]);
-        for _ in 0..count {
-            let u = [stream.unit(), stream.unit(), stream.unit()];
-            let (wi, lobes) = bound.sample(DVec3::ZERO, u).unwrap();
-            assert!((wi.length() - 1.0).abs() < 1e-12);
-            assert_eq!(lobes.has(Lobes::REFLECTION), wi.z > 0.0);
-            let row = ((0.5 * (wi.y + 1.0) * ROWS as f64) as usize).min(ROWS - 1);
-            let column = (wi.z.atan2(wi.x).rem_euclid(TAU) / TAU * COLUMNS as f64) as usize;
-            seen[row * COLUMNS + column.min(COLUMNS - 1)] += 1.0;
-        }
-        let mut expected = vec![0.0; ROWS * COLUMNS];
-        let step = 2.0 * TAU / (ROWS * FINE * COLUMNS * FINE) as f64;
-        for i in 0..ROWS * FINE {
-            for j in 0..COLUMNS * FINE {
-                let y = 2.0 * (i as f64 + 0.5) / (ROWS * FINE) as f64 - 1.0;
-                let azimuth = TAU * (j as f64 + 0.5) / (COLUMNS * FINE) as f64;
-                let pdf = scattered(&bound, direction(y, azimuth)).1[0];
-                expected[(i / FINE) * COLUMNS + j / FINE] += f64::from(count) * step * pdf;
-            }
-        }
-        let (mut chi2, mut degrees) = (0.0, -1.0);
-        for (seen, expected) in seen.iter().zip(&expected) {
-            if *expected > 8.0 {
-                chi2 += (seen - expected).powi(2) / expected;
-                degrees += 1.0;
-            }
-        }
-        // Wilson and Hilferty: the cube root of χ² over its degrees is nearly normal.
-        let spread = 2.0 / (9.0 * degrees);
-        let deviations = (f64::cbrt(chi2 / degrees) - (1.0 - spread)) / f64::sqrt(spread);
-        println!("case {case}: chi2 {chi2:.1} of {degrees} degrees, {deviations:.2} deviations");
-        assert!(deviations.abs() < 4.0, "case {case}: χ² {chi2} of {degrees}");
+        let bound = Bound::new(&hair, offset, DVec2::Y, viewer(inclination, offset), Lambdas::new(PATH));
+        let deviations = deviations(&bound, case as u64);
+        assert!(deviations.abs() < 4.0, "case {case}: {deviations}");
     }
 }
 
@@ -167,12 +174,13 @@ fn samples_all_weigh_the_albedo() {
             scale_tilt: 0.03,
             index,
             absorption: Absorption::pigments(0.6, 0.1).unwrap(),
+            height_over_width: 1.0,
         })
         .unwrap();
         for _ in 0..200 {
             let offset = stream.uniform(-1.0, 1.0);
             let wo = viewer(stream.uniform(-1.5, 1.5), offset);
-            let bound = Bound::new(&hair, offset, wo, Lambdas::new(PATH));
+            let bound = Bound::new(&hair, offset, DVec2::Y, wo, Lambdas::new(PATH));
             let u = [stream.unit(), stream.unit(), stream.unit()];
             let (wi, _) = bound.sample(wo, u).unwrap();
             let (f, pdf) = scattered(&bound, wi);
@@ -191,7 +199,7 @@ fn the_ends_of_uniform_numbers_give_directions() {
     let last = 1.0 - f64::EPSILON;
     for inclination in [0.0, 1.57, -1.5] {
         for offset in [-1.0, 0.0, 0.7] {
-            let bound = Bound::new(&hair, offset, viewer(inclination, offset), Lambdas::new(PATH));
+            let bound = Bound::new(&hair, offset, DVec2::Y, viewer(inclination, offset), Lambdas::new(PATH));
             for corner in 0..8 {
                 let u = [0, 1, 2].map(|bit| if corner >> bit & 1 == 1 { last } else { 0.0 });
                 let (wi, _) = bound.sample(DVec3::ZERO, u).unwrap();
@@ -208,7 +216,7 @@ fn smooth_fibres_scatter_where_rays_go() {
     let hair = hair(0.02, 0.02, 0.0, clear());
     for (inclination, offset) in [(0.3, 0.4), (-0.7, -0.2)] {
         let wo = viewer(inclination, offset);
-        let bound = Bound::new(&hair, offset, wo, Lambdas::new(PATH));
+        let bound = Bound::new(&hair, offset, DVec2::Y, wo, Lambdas::new(PATH));
         // R: the mirror direction about the normal z.
         let mirror = DVec3::new(-wo.x, -wo.y, wo.z);
         let at = |wi: DVec3| scattered(&bound, wi).0[0];
@@ -233,7 +241,7 @@ fn smooth_fibres_scatter_where_rays_go() {
 fn scales_turn_the_lobes_the_right_way() {
     let tilt = 3_f64.to_radians();
     let hair = hair(0.05, 0.3, 3.0, Absorption::new(|_| 0.5).unwrap());
-    let bound = Bound::new(&hair, 0.0, viewer(0.2, 0.0), Lambdas::new(PATH));
+    let bound = Bound::new(&hair, 0.0, DVec2::Y, viewer(0.2, 0.0), Lambdas::new(PATH));
     let brightest = |azimuth: f64| {
         let at = |theta: f64| scattered(&bound, direction(f64::sin(theta), azimuth)).0[0];
         let thetas = (-800..800).map(|i| 1e-3 * f64::from(i));
@@ -242,7 +250,7 @@ fn scales_turn_the_lobes_the_right_way() {
     assert!((brightest(-PI / 2.0) - (-0.2 + tilt)).abs() < 0.01, "TT {}", brightest(-PI / 2.0));
     // R and TRT leave on the same side; without a way through only R is left.
     let black = self::hair(0.05, 0.3, 3.0, Absorption::new(|_| 50.0).unwrap());
-    let bound = Bound::new(&black, 0.0, viewer(0.2, 0.0), Lambdas::new(PATH));
+    let bound = Bound::new(&black, 0.0, DVec2::Y, viewer(0.2, 0.0), Lambdas::new(PATH));
     let at = |theta: f64| scattered(&bound, direction(theta.sin(), PI / 2.0)).0[0];
     assert!(at(-0.2 - 2.0 * tilt) > 2.0 * at(-0.2 + 2.0 * tilt));
 }
@@ -258,7 +266,7 @@ fn the_mean_over_the_width_is_reciprocal_between_equal_inclinations() {
             .map(|i| {
                 let offset = 2.0 * (f64::from(i) + 0.5) / f64::from(count) - 1.0;
                 let wo = DVec3::new(0.0, theta_o.sin(), theta_o.cos());
-                let bound = Bound::new(&hair, offset, wo, Lambdas::new(PATH));
+                let bound = Bound::new(&hair, offset, DVec2::Y, wo, Lambdas::new(PATH));
                 scattered(&bound, direction(theta_i.sin(), PI / 2.0 + azimuth)).0[0] / f64::from(count)
             })
             .sum::<f64>()
@@ -282,7 +290,7 @@ fn albedo(absorption: &Absorption, wavelength_nm: f64) -> f64 {
     (0..count)
         .map(|i| {
             let offset = 2.0 * (f64::from(i) + 0.5) / f64::from(count) - 1.0;
-            let bound = Bound::new(&hair, offset, viewer(0.0, offset), path);
+            let bound = Bound::new(&hair, offset, DVec2::Y, viewer(0.0, offset), path);
             1.0 / bound.powers.inverse_albedo[0] / f64::from(count)
         })
         .sum()
@@ -317,7 +325,7 @@ fn a_bound_fibre_is_the_same_in_every_frame() {
     let fibre = hair(0.3, 0.3, 2.0, Absorption::pigments(0.6, 0.1).unwrap());
     let offset = 0.6;
     let wo = viewer(0.3, offset);
-    let own = Bound::new(&fibre, offset, wo, Lambdas::new(PATH));
+    let own = Bound::new(&fibre, offset, DVec2::Y, wo, Lambdas::new(PATH));
     let surface = Surface::Hair(fibre.clone());
     let z = DVec3::new(0.2, -0.3, 0.9).normalize();
     let frame = Frame::new(z, DVec3::new(0.5, 1.0, 0.1));
@@ -343,13 +351,14 @@ fn dispersive_wavelengths_do_not_know_each_other() {
         scale_tilt: 0.0,
         index: FibreIndex::Keratin,
         absorption: Absorption::pigments(0.3, 0.1).unwrap(),
+        height_over_width: 1.0,
     })
     .unwrap();
     let wo = viewer(0.2, 0.7);
     let wi = direction(-0.25, -1.1);
-    let together = scattered(&Bound::new(&hair, 0.7, wo, Lambdas::new(PATH)), wi);
+    let together = scattered(&Bound::new(&hair, 0.7, DVec2::Y, wo, Lambdas::new(PATH)), wi);
     for (k, wavelength) in PATH.into_iter().enumerate() {
-        let alone = scattered(&Bound::new(&hair, 0.7, wo, Lambdas::splat(wavelength)), wi);
+        let alone = scattered(&Bound::new(&hair, 0.7, DVec2::Y, wo, Lambdas::splat(wavelength)), wi);
         assert_eq!((together.0[k], together.1[k]), (alone.0[0], alone.1[0]));
     }
 }
@@ -362,6 +371,7 @@ fn impossible_fibres_are_refused() {
         scale_tilt: 0.0,
         index: FibreIndex::Constant(1.55),
         absorption: clear(),
+        height_over_width: 1.0,
     };
     let message = |parameters| Hair::new(parameters).unwrap_err().to_string();
     assert!(Hair::new(parameters()).is_ok());
@@ -371,4 +381,8 @@ fn impossible_fibres_are_refused() {
     assert!(message(tilted).contains("give -20 to 20"));
     let thin = HairParameters { index: FibreIndex::Constant(1.0), ..parameters() };
     assert!(message(thin).contains("hair of index 1: give 1.01 to 3.9"));
+    for height_over_width in [0.05, 11.0, f64::NAN] {
+        let flat = HairParameters { height_over_width, ..parameters() };
+        assert!(message(flat).contains("give 0.1 to 10"));
+    }
 }

@@ -335,6 +335,7 @@ fn hair(of: &FibreDescription) -> Result<Hair> {
         scale_tilt: of.scale_tilt_deg.to_radians(),
         index: of.index.map_or(FibreIndex::Keratin, FibreIndex::Constant),
         absorption: Absorption::pigments(of.eumelanin, of.pheomelanin)?,
+        height_over_width: of.height_over_width,
     })
 }
 

@@ -472,7 +472,7 @@ mod tests {
     #[test]
     fn rami_may_be_fibres_of_hair() {
         let text = "preset = \"rock-dove\"\n[surfaces.hair]\nlongitudinal_roughness = 0.25\nazimuthal_roughness = 0.3\n\
-                    eumelanin = 0.6\npheomelanin = 0.1\nindex = 1.55\n";
+                    eumelanin = 0.6\npheomelanin = 0.1\nindex = 1.55\nheight_over_width = 2.5\n";
         let scene = SceneDescription::parse(text).unwrap();
         let hair = scene.surfaces.hair.unwrap();
         assert_eq!((hair.longitudinal_roughness, hair.azimuthal_roughness), (0.25, 0.3));
@@ -480,6 +480,7 @@ mod tests {
             (hair.eumelanin, hair.pheomelanin, hair.index, hair.scale_tilt_deg),
             (0.6, 0.1, Some(1.55), 0.0)
         );
+        assert_eq!(hair.height_over_width, 2.5);
         let bare = SceneDescription::named("rock-dove").unwrap();
         assert!(bare.surfaces.hair.is_none() && !serde_json::to_string(&bare).unwrap().contains("hair"));
         assert_ne!(hash("scene", &scene), hash("scene", &bare));
@@ -490,6 +491,7 @@ mod tests {
         assert!(message("eumelanine = 1").contains("did you mean 'eumelanin'"));
         assert!(message("index = 1.0").contains("surfaces.hair.index"));
         assert!(message("azimuthal_roughness = 0").contains("surfaces.hair.azimuthal_roughness"));
+        assert!(message("height_over_width = 20").contains("surfaces.hair.height_over_width is 20"));
     }
 
     #[test]

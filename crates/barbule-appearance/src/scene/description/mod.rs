@@ -209,6 +209,8 @@ pub struct FibreDescription {
     pub eumelanin: f64,
     /// Concentration of pheomelanin.
     pub pheomelanin: f64,
+    /// Height of the section, along the vane's normal, over its width.
+    pub height_over_width: f64,
 }
 
 /// What the parts of a feather are made of.
@@ -381,13 +383,14 @@ impl PigmentedKeratin {
 impl FibreDescription {
     /// Reads a table in which every key may be left out: then it is a ramus without pigment.
     fn read(table: &Value, place: &str) -> Result<Self> {
-        const KEYS: [&str; 6] = [
+        const KEYS: [&str; 7] = [
             "longitudinal_roughness",
             "azimuthal_roughness",
             "scale_tilt_deg",
             "index",
             "eumelanin",
             "pheomelanin",
+            "height_over_width",
         ];
         let fields = Fields::new(table, place, &KEYS)?;
         let within = |key: &str, low: f64, high: f64| -> Result<Option<f64>> {
@@ -400,6 +403,7 @@ impl FibreDescription {
             index: within(KEYS[3], 1.01, 3.9)?,
             eumelanin: within(KEYS[4], 0.0, 1e3)?.unwrap_or(0.0),
             pheomelanin: within(KEYS[5], 0.0, 1e3)?.unwrap_or(0.0),
+            height_over_width: within(KEYS[6], 0.1, 10.0)?.unwrap_or(1.0),
         })
     }
 }

@@ -131,6 +131,7 @@ impl FibreDescription {
             ("index", self.index.map(Value::from)),
             ("eumelanin", Some(self.eumelanin.into())),
             ("pheomelanin", Some(self.pheomelanin.into())),
+            ("height_over_width", Some(self.height_over_width.into())),
         ])
     }
 }
