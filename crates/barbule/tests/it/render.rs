@@ -471,7 +471,7 @@ fn lights_are_sampled_with_their_density() {
 fn starling() -> Ready {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
     let mut description = SceneDescription::named("starling").unwrap();
-    description.window.radius_mm = 0.7;
+    description.window.radius_mm = Some(0.7);
     description.camera.width_mm = 1.0;
     Ready::new(description.scene(brdf, 7).unwrap().0)
 }
@@ -528,7 +528,7 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
 fn one_stage_serves_every_light_and_camera() {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
     let mut description = SceneDescription::named("starling").unwrap();
-    description.window.radius_mm = 0.5;
+    description.window.radius_mm = Some(0.5);
     description.camera.width_mm = 0.8;
     let shared = Ready::new(description.scene(brdf.clone(), 7).unwrap().0);
     let mut last = None;

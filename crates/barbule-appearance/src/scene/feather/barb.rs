@@ -55,8 +55,11 @@ pub(super) fn along(
         let smooth = t * t * (3.0 - 2.0 * t);
         let angle = shape.base_angle + (shape.tip_angle - shape.base_angle) * smooth;
         let id = hash(seed, &[identity, 1, side_name, index]);
-        let before = window.along_mm - (3.0 + 1.0 / angle.tan()) * window.radius_mm;
-        if s > before && s < window.along_mm + 1.2 * window.radius_mm {
+        let reaches = |radius: f64| {
+            let before = window.along_mm - (3.0 + 1.0 / angle.tan()) * radius;
+            s > before && s < window.along_mm + 1.2 * radius
+        };
+        if window.radius_mm.is_none_or(reaches) {
             barbs.push(grow(feather, shaft, side, s, angle, id));
         }
         s += 1e-3 * shape.spacing_um / libm::sin(angle).max(LEAST_SINE);
@@ -107,12 +110,7 @@ fn grow(feather: &Feather, shaft: &Shaft, side: f64, s: f64, angle: f64, id: u64
 /// Length at which a straight barb reaches the vane's outline, mm (bisection: the first crossing).
 fn outline_length(shape: &BarbShape, shaft: &Shaft, s: f64, angle: f64) -> f64 {
     let (sin, cos) = (libm::sin(angle).max(LEAST_SINE), libm::cos(angle));
-    let outline = |along: f64| {
-        let t = shaft.vane(along).clamp(0.0, 1.0);
-        let (a, b) = (shape.outline_base, shape.outline_tip);
-        let middle = a / (a + b);
-        shape.half_width_mm * libm::pow(t / middle, a) * libm::pow((1.0 - t) / (1.0 - middle), b)
-    };
+    let outline = |along: f64| shape.outline(shaft.vane(along));
     let outside = |l: f64| l * sin >= outline(s + l * cos);
     let longest = shape.half_width_mm / sin;
     let steps = 64;
@@ -130,6 +128,23 @@ fn outline_length(shape: &BarbShape, shaft: &Shaft, s: f64, angle: f64) -> f64 {
         if outside(middle) { high = middle } else { low = middle }
     }
     high.max(0.05)
+}
+
+impl BarbShape {
+    /// Half width of the vane at a share of its length, mm.
+    fn outline(&self, t: f64) -> f64 {
+        let t = t.clamp(0.0, 1.0);
+        let (a, b) = (self.outline_base, self.outline_tip);
+        let middle = a / (a + b);
+        self.half_width_mm * libm::pow(t / middle, a) * libm::pow((1.0 - t) / (1.0 - middle), b)
+    }
+
+    /// Area of one side of a vane of this length, mm² (midpoint rule).
+    pub(super) fn half_area(&self, vane_mm: f64) -> f64 {
+        const PARTS: u32 = 200;
+        let parts = (0..PARTS).map(|i| self.outline((f64::from(i) + 0.5) / f64::from(PARTS)));
+        parts.sum::<f64>() * vane_mm / f64::from(PARTS)
+    }
 }
 
 impl Barb {

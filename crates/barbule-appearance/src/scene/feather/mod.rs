@@ -17,13 +17,13 @@ pub use sizes::{BarbShape, BarbuleShape, Disorder, Feather, ShaftShape};
 use super::geometry::Geometry;
 use crate::{Error, Result};
 
-/// The part of a feather to grow: a disc in the plane of the vane about a point of the shaft.
+/// The part of a feather to grow: a disc in the plane of the vane about a point of the shaft, or all of it.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct VaneDisc {
-    /// Arc length of its middle on the shaft, mm.
+    /// Arc length of its middle on the shaft, mm: the origin.
     pub along_mm: f64,
-    /// Its radius, mm.
-    pub radius_mm: f64,
+    /// Its radius, mm; the whole feather where there is none.
+    pub radius_mm: Option<f64>,
 }
 
 /// The grown parts, apart by what they are made of.
@@ -67,15 +67,7 @@ impl Feather {
     /// As [`Feather::check`]; a window that would hold more than 4 million barbules.
     pub fn grow(&self, window: VaneDisc, seed: u64, identity: u64) -> Result<Grown> {
         self.check()?;
-        let area = std::f64::consts::PI * window.radius_mm * window.radius_mm;
-        let per_barb = 1e3 / self.distal.spacing_um + 1e3 / self.proximal.spacing_um;
-        let barbules = area * 1e3 / self.barbs.spacing_um * per_barb;
-        if barbules.is_nan() || barbules > MOST_BARBULES {
-            return Err(Error::input(format!(
-                "the window of radius {} mm may hold {barbules:.0} barbules, over the limit of {MOST_BARBULES:.0}; give a smaller radius_mm",
-                window.radius_mm
-            )));
-        }
+        self.check_count(window)?;
         let shaft = Shaft::new(&self.shaft);
         let origin = shaft.at(window.along_mm).point;
         let mut grown = Grown::default();
@@ -97,9 +89,30 @@ impl Feather {
     }
 }
 
+impl Feather {
+    /// Refuses a window that would hold more barbules than fit into memory: those on barbs that fill its area at
+    /// their spacing.
+    fn check_count(&self, window: VaneDisc) -> Result<()> {
+        let whole = 2.0 * self.barbs.half_area(self.shaft.length_mm * (1.0 - self.shaft.calamus));
+        let area = window.radius_mm.map_or(whole, |radius| std::f64::consts::PI * radius * radius);
+        let per_mm = 1e3 / self.distal.spacing_um + 1e3 / self.proximal.spacing_um;
+        let barbules = area * 1e3 / self.barbs.spacing_um * per_mm;
+        if barbules <= MOST_BARBULES {
+            return Ok(());
+        }
+        let (part, remedy) = match window.radius_mm {
+            Some(radius) => (format!("the window of radius {radius} mm"), "give a smaller radius_mm"),
+            None => ("the whole feather".to_owned(), "give window.radius_mm in place of window.whole"),
+        };
+        Err(Error::input(format!(
+            "{part} may hold {barbules:.0} barbules, over the limit of {MOST_BARBULES:.0}; {remedy}"
+        )))
+    }
+}
+
 impl VaneDisc {
     fn holds(&self, point: DVec3) -> bool {
-        point.x * point.x + point.y * point.y <= self.radius_mm * self.radius_mm
+        self.radius_mm.is_none_or(|radius| point.x * point.x + point.y * point.y <= radius * radius)
     }
 }
 
@@ -130,7 +143,7 @@ mod tests {
     };
 
     fn window(feather: &Feather) -> VaneDisc {
-        VaneDisc { along_mm: 0.6 * feather.shaft.length_mm, radius_mm: 1.1 }
+        VaneDisc { along_mm: 0.6 * feather.shaft.length_mm, radius_mm: Some(1.1) }
     }
 
     #[test]
@@ -147,7 +160,7 @@ mod tests {
     fn barbs_are_as_many_as_their_perpendicular_spacing_says() {
         for (name, feather) in species() {
             let shaft = Shaft::new(&feather.shaft);
-            let everything = VaneDisc { along_mm: 0.5 * feather.shaft.length_mm, radius_mm: 100.0 };
+            let everything = VaneDisc { along_mm: 0.5 * feather.shaft.length_mm, radius_mm: None };
             let barbs = barb::along(&feather, &shaft, 1.0, everything, 1, 1);
             // ∫ ds sin(angle)/p over the vane.
             let [first, last] = shaft.vane_range();
@@ -178,7 +191,7 @@ mod tests {
             feather.disorder = ORDERLY;
             let shaft = Shaft::new(&feather.shaft);
             let (a, b) = (feather.barbs.outline_base, feather.barbs.outline_tip);
-            let everything = VaneDisc { along_mm: 0.5 * feather.shaft.length_mm, radius_mm: 500.0 };
+            let everything = VaneDisc { along_mm: 0.5 * feather.shaft.length_mm, radius_mm: None };
             for barb in barb::along(&feather, &shaft, 1.0, everything, 1, 1) {
                 let end = barb.points[barb.points.len() - 1];
                 let t = shaft.vane(end.y);
@@ -216,7 +229,7 @@ mod tests {
             barb.normals = vec![DVec3::Z; steps];
             barb.length_mm = 0.1 * (steps - 1) as f64;
             let mut geometry = Geometry::default();
-            let wide = VaneDisc { along_mm: 0.0, radius_mm: 50.0 };
+            let wide = VaneDisc { along_mm: 0.0, radius_mm: None };
             let place = (DVec3::ZERO, wide);
             barbule::along(&mut geometry, &barb, &feather.distal, &feather.disorder, 0, place, 1);
             geometry.ribbon_nodes
@@ -252,6 +265,34 @@ mod tests {
     }
 
     #[test]
+    fn a_whole_feather_reaches_from_the_base_to_the_tip() {
+        for (name, feather) in species().filter(|(_, feather)| feather.shaft.length_mm < 40.0) {
+            let along_mm = 0.6 * feather.shaft.length_mm;
+            let grown = feather.grow(VaneDisc { along_mm, radius_mm: None }, 1, 1).unwrap();
+            let [low, high] = grown.shaft.bounds().unwrap();
+            let length = f64::from(high.y - low.y);
+            assert!(
+                length > 0.9 * feather.shaft.length_mm && length < 1.02 * feather.shaft.length_mm,
+                "{name}"
+            );
+            assert!((f64::from(low.y) + along_mm).abs() < 0.05 * length, "{name}: {low}");
+            let [left, right] = grown.rami.bounds().unwrap();
+            let wide = f64::from(right.x - left.x) / (2.0 * feather.barbs.half_width_mm);
+            assert!((0.85..1.15).contains(&wide), "{name}: {wide}");
+            // The estimate by which too many are refused counts full barbs: the true number is near.
+            let area = 2.0 * feather.barbs.half_area(feather.shaft.length_mm * (1.0 - feather.shaft.calamus));
+            let per_mm = 1e3 / feather.distal.spacing_um + 1e3 / feather.proximal.spacing_um;
+            let share = grown.counts().barbules as f64 / (area * 1e3 / feather.barbs.spacing_um * per_mm);
+            assert!((0.7..1.2).contains(&share), "{name}: {share}");
+        }
+        let mut feather = feather("peafowl");
+        feather.barbs.spacing_um = 50.0;
+        let whole = VaneDisc { along_mm: 60.0, radius_mm: None };
+        let message = feather.check_count(whole).unwrap_err().to_string();
+        assert!(message.contains("in place of window.whole"), "{message}");
+    }
+
+    #[test]
     fn impossible_parameters_are_refused() {
         let mut feather = feather("starling");
         feather.distal.spacing_um = 0.0;
@@ -263,7 +304,7 @@ mod tests {
         feather.shaft.calamus = 1.0;
         assert!(feather.check().is_err());
         feather = self::feather("starling");
-        let whole = VaneDisc { along_mm: 15.0, radius_mm: 500.0 };
-        assert!(feather.grow(whole, 1, 1).unwrap_err().to_string().contains("give a smaller radius_mm"));
+        let wide = VaneDisc { along_mm: 15.0, radius_mm: Some(500.0) };
+        assert!(feather.grow(wide, 1, 1).unwrap_err().to_string().contains("give a smaller radius_mm"));
     }
 }
