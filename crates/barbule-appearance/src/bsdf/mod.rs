@@ -36,8 +36,6 @@ pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use feather::{Arch, BarbuleSurface, Cells};
 pub use frame::Frame;
-pub use feather::{Arch, BarbuleSurface, Cells};
-pub use frame::Frame;
 pub use hair::{Absorption, FibreIndex, FibreSection, Hair, HairParameters};
 pub use hit::{Hit, OnRibbon, Side};
 pub use keratin::Keratin;
@@ -60,10 +58,9 @@ pub enum Surface {
     Keratin(Keratin),
     /// A barbule's plate.
     Barbule(BarbuleSurface),
-pub use feather::{Arch, BarbuleSurface, Cells};
-pub use frame::Frame;
-pub use hair::{Absorption, FibreIndex, FibreSection, Hair, HairParameters};
-pub use hit::{Hit, OnRibbon, Side};
+    /// A barb with the barbules that its ribbon stands for.
+    Barb(Box<BarbSurface>),
+    /// A fibre of hair, round or elliptical.
     Hair(Hair),
     /// Rough metal.
     Conductor(Conductor),
