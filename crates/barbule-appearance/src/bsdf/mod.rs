@@ -18,6 +18,7 @@ mod keratin;
 mod lambertian;
 mod lobes;
 mod map;
+pub mod masking;
 mod microfacet;
 mod reflectance;
 mod relief;
