@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
-use barbule::bsdf::{BarbuleSurface, Keratin, Reflectance, Surface};
+use barbule::bsdf::{BarbuleSurface, Cells, Keratin, Reflectance, Surface};
 use barbule::math::rng::Stream;
 use barbule::progress::Unobserved;
 use barbule::render::film::Film;
@@ -116,7 +116,13 @@ fn plane(brdf: Arc<FeatherBrdf>) -> Scene {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
     };
-    let surface = Surface::Barbule(BarbuleSurface { brdf, instances: true, under: keratin(), opacity: 1.0 });
+    let surface = Surface::Barbule(BarbuleSurface {
+        brdf,
+        instances: true,
+        under: keratin(),
+        cells: Cells::default(),
+        opacity: 1.0,
+    });
     scene(Geometry { meshes: vec![mesh], ..Geometry::default() }, surface)
 }
 

@@ -1,8 +1,12 @@
-//! A barbule's surface: its tabulated BRDF above, dark keratin below.
+//! A barbule's surface: its tabulated BRDF above, dark keratin below and where its cells meet.
+
+mod cells;
 
 use std::sync::Arc;
 
 use glam::DVec3;
+
+pub use cells::{Arch, Cells};
 
 use super::hit::Hit;
 use super::keratin::{self, Keratin};
@@ -20,6 +24,8 @@ pub struct BarbuleSurface {
     pub instances: bool,
     /// Of the underside.
     pub under: Keratin,
+    /// How it differs from place to place.
+    pub cells: Cells,
     /// Share of light that does not pass straight through, 0 … 1.
     pub opacity: f64,
 }
@@ -30,10 +36,18 @@ impl BarbuleSurface {
     #[inline]
     pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let side = hit.side(wo);
-        let model = if side.is_upper && side.wo.z > 0.0 {
-            let prepared = self.brdf.prepare(wavelengths.single_nm(), side.wo);
-            let instance = self.instances.then(|| self.brdf.instance(hit.instance));
-            Model::Feather(Bound { prepared, instance })
+        let model = if side.is_upper && side.wo.z > 0.0 && !self.cells.is_wall(hit) {
+            let size = self.cells.size(hit);
+            let prepared = self.brdf.prepare(wavelengths.nm().map(|w| (w / size) as f32), side.wo);
+            let contrast = hit.ribbon.contrast;
+            let seen = self.instances && contrast > LEAST_CONTRAST;
+            let instance = seen.then(|| self.brdf.instance(hit.instance));
+            Model::Feather(Bound {
+                prepared,
+                instance,
+                contrast,
+                arch: self.cells.arch.map(|arch| arch.at(hit)),
+            })
         } else {
             Model::Keratin(keratin::Bound { keratin: &self.under, wavelengths })
         };
@@ -47,10 +61,16 @@ impl BarbuleSurface {
     }
 }
 
+/// Below this share of an instance's contrast nobody sees it in the noise of samples.
+const LEAST_CONTRAST: f64 = 0.1;
+
 /// A barbule's BRDF at the wavelengths of a path and one direction of the viewer.
 pub(super) struct Bound<'a> {
     prepared: PreparedBrdf<'a, WAVES>,
     instance: Option<Draw>,
+    /// Share of the instance's departure from the mean that is seen.
+    contrast: f64,
+    arch: Option<cells::OnArch>,
 }
 
 impl Bound<'_> {
@@ -60,11 +80,21 @@ impl Bound<'_> {
     }
 
     #[inline]
-    pub(super) fn eval(&self, _wo: DVec3, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
-        let f = self.prepared.eval(wi, self.instance.as_ref());
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
+        let mut f = self.prepared.eval(wi, self.instance.as_ref()).map(f64::from);
         // Off the cone there is neither light nor a sample.
         let pdf = if f == [0.0; WAVES] { [0.0; WAVES] } else { self.prepared.pdfs(wi) };
-        (f.map(f64::from), pdf)
+        if self.instance.is_some() && self.contrast < 1.0 {
+            let mean = self.prepared.eval(wi, None);
+            for (f, mean) in f.iter_mut().zip(mean) {
+                *f = f64::from(mean) + self.contrast * (*f - f64::from(mean));
+            }
+        }
+        if let Some(arch) = &self.arch {
+            let share = arch.share(wo, wi);
+            f = f.map(|f| f * share);
+        }
+        (f, pdf)
     }
 
     #[inline]

@@ -42,6 +42,14 @@ impl Frame {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 
+    /// The frame turned about x, so that y rises by this angle.
+    #[inline(always)]
+    #[must_use]
+    pub fn pitched(&self, angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { x: self.x, y: self.y * cos + self.z * sin, z: self.z * cos - self.y * sin }
+    }
+
     /// The same axis along, upside down: what the underside sees.
     #[inline(always)]
     #[must_use]

@@ -20,6 +20,8 @@ pub struct Hit {
     pub uv: [f64; 2],
     /// How fast these texture coordinates grow along the surface, 1/mm; zero where they are not a mesh's.
     pub uv_gradients: [DVec3; 2],
+    /// Where on a ribbon it is.
+    pub ribbon: OnRibbon,
     /// Index of the object.
     pub object: u32,
     /// Index of the primitive in the hierarchy.
@@ -32,6 +34,29 @@ pub struct Hit {
     pub distance: f64,
     /// Radius of the ray's footprint here, mm; of a shadow ray where it began.
     pub footprint: f64,
+}
+
+/// Where on a ribbon a hit is, in the ribbon's own lengths: those of an instance are not scaled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnRibbon {
+    /// Half the width here, mm.
+    pub half_width: f64,
+    /// Number of the cell.
+    pub cell: u64,
+    /// Where in the cell, 0 … 1 towards the ribbon's end.
+    pub place: f64,
+    /// Length of a cell, mm; 0 where the whole ribbon is one.
+    pub cell_length: f64,
+    /// Of a barb: arc length of its base on the shaft, mm.
+    pub station: f64,
+    /// Share of its instance's contrast that is seen: less than 1 where the footprint holds several.
+    pub contrast: f64,
+}
+
+impl Default for OnRibbon {
+    fn default() -> Self {
+        Self { half_width: 0.0, cell: 0, place: 0.5, cell_length: 0.0, station: 0.0, contrast: 1.0 }
+    }
 }
 
 /// The side of a surface that is seen from a direction.
@@ -72,6 +97,7 @@ impl Default for Hit {
             frame: Frame { x: DVec3::X, y: DVec3::Y, z: DVec3::Z },
             uv: [0.0; 2],
             uv_gradients: [DVec3::ZERO; 2],
+            ribbon: OnRibbon::default(),
             object: 0,
             primitive: 0,
             id: 0,

@@ -7,6 +7,7 @@
 //! Directions are unit vectors that point away from the surface: `wo` towards the viewer, `wi` towards the light. Values
 //! are in 1/sr without the cosine.
 
+mod barb;
 mod conductor;
 mod dielectric;
 mod feather;
@@ -29,12 +30,15 @@ mod texture;
 
 use glam::DVec3;
 
+pub use barb::{
+    BarbModel, BarbSurface, RAMUS_DEPTH, RAMUS_ROOT, Ramus, Row, RowDisorder, Substance, axes, ramus_taper,
+};
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
-pub use feather::BarbuleSurface;
+pub use feather::{Arch, BarbuleSurface, Cells};
 pub use frame::Frame;
 pub use hair::{Absorption, FibreIndex, FibreSection, Hair, HairParameters};
-pub use hit::{Hit, Side};
+pub use hit::{Hit, OnRibbon, Side};
 pub use keratin::Keratin;
 pub use lambertian::{Lambertian, Pictures};
 pub use lobes::Lobes;
@@ -55,6 +59,8 @@ pub enum Surface {
     Keratin(Keratin),
     /// A barbule's plate.
     Barbule(BarbuleSurface),
+    /// A barb with the barbules that its ribbon stands for.
+    Barb(Box<BarbSurface>),
     /// A fibre of hair, round or elliptical.
     Hair(Hair),
     /// Rough metal.
@@ -76,6 +82,7 @@ impl Surface {
             Self::Lambertian(surface) => surface.bind(hit, wo, wavelengths),
             Self::Keratin(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Barb(barb) => barb.bind(hit, wo, wavelengths),
             Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
             Self::Dielectric(surface) => surface.bind(hit, wo),
@@ -96,6 +103,7 @@ impl Surface {
     pub fn opacity(&self, hit: &Hit, wi: DVec3, wo: DVec3) -> f64 {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
+            Self::Barb(barb) => barb.opacity(hit, wo),
             Self::Lambertian(surface) => surface.opacity(hit),
             Self::Map(map) => map.at(hit.uv).opacity(hit, wi, wo),
             Self::Keratin(_)
@@ -111,6 +119,7 @@ impl Surface {
     pub fn is_opaque(&self) -> bool {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
+            Self::Barb(_) => false,
             Self::Lambertian(surface) => surface.is_opaque(),
             Self::Map(map) => map.surfaces().iter().all(Self::is_opaque),
             Self::Keratin(_)
@@ -126,6 +135,8 @@ impl Surface {
 pub struct Bsdf<'a> {
     model: Model<'a>,
     side: Side,
+    /// What shades it from some directions.
+    shade: Option<barb::Shade>,
 }
 
 /// A model bound to wavelengths. A surface may bind to different ones: a barbule's underside is keratin.
@@ -182,7 +193,13 @@ pub struct BsdfSample {
 impl<'a> Bsdf<'a> {
     #[inline]
     fn new(model: Model<'a>, side: Side) -> Self {
-        Self { model, side }
+        Self { model, side, shade: None }
+    }
+
+    /// The same among neighbours that keep light from it.
+    #[inline]
+    fn shaded(self, shade: barb::Shade) -> Self {
+        Self { shade: Some(shade), ..self }
     }
 
     /// The shading normal on the viewer's side.
@@ -207,6 +224,9 @@ impl<'a> Bsdf<'a> {
         let reflected = face > 0.0 && local.z > 0.0;
         let scatters = reflected || (face < 0.0 && local.z < 0.0 && self.lobes().has(Lobes::TRANSMISSION));
         if !scatters || self.side.wo.z <= 0.0 {
+            return NOTHING;
+        }
+        if self.shade.as_ref().is_some_and(|shade| shade.hides(wi)) {
             return NOTHING;
         }
         let (f, pdf) = of_model!(&self.model, eval(self.side.wo, local));

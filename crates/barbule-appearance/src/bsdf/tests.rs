@@ -34,7 +34,8 @@ fn hair() -> Hair {
 
 fn surfaces() -> Vec<(&'static str, Surface)> {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let barbule = BarbuleSurface { brdf, instances: true, under: keratin(20.0), opacity: 1.0 };
+    let barbule =
+        BarbuleSurface { brdf, instances: true, under: keratin(20.0), cells: Cells::default(), opacity: 1.0 };
     vec![
         ("white", Surface::Lambertian(Lambertian::new(grey(1.0)))),
         ("sheet", Surface::Lambertian(Lambertian::translucent(grey(0.2), grey(0.7)).unwrap())),

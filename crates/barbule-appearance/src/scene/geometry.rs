@@ -35,7 +35,8 @@ pub struct RibbonNode {
     pub arc: f32,
 }
 
-/// A flat, bent, tapering ribbon: one barbule. Flat across; the curvature across a barbule is in its BRDF.
+/// A flat, bent, tapering ribbon: one barbule, or the envelope of a barb with its barbules. Flat across; the curvature
+/// across a barbule is in its BRDF.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Ribbon {
     /// First of its nodes in [`Geometry::ribbon_nodes`].
@@ -50,6 +51,8 @@ pub struct Ribbon {
     pub phase: f32,
     /// Cells are low arches: slope at their ends, rad. Shades only; the ribbon itself is smooth.
     pub swelling: f32,
+    /// Of a barb: arc length of its base on the shaft, mm.
+    pub station: f32,
 }
 
 /// One point of a round curve.

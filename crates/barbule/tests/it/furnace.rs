@@ -6,8 +6,8 @@ use std::sync::Arc;
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{
-    Absorption, BarbuleSurface, Conductor, FibreIndex, Frame, Hair, HairParameters, Hit, Keratin, Lambertian,
-    Reflectance, RoughDielectric, Surface,
+    Absorption, BarbuleSurface, Cells, Conductor, FibreIndex, Frame, Hair, HairParameters, Hit, Keratin,
+    Lambertian, Reflectance, RoughDielectric, Surface,
 };
 use barbule::math::rng::Stream;
 use barbule::scene::emission::Emission;
@@ -91,7 +91,13 @@ fn coloured() -> Vec<(&'static str, Surface, Geometry)> {
     let brdf = Arc::new(FeatherBrdf::new(&example(12), Options::default()).unwrap());
     let under = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0).unwrap()).unwrap();
     let barbule = |instances| {
-        Surface::Barbule(BarbuleSurface { brdf: brdf.clone(), instances, under: under.clone(), opacity: 1.0 })
+        Surface::Barbule(BarbuleSurface {
+            brdf: brdf.clone(),
+            instances,
+            under: under.clone(),
+            cells: Cells::default(),
+            opacity: 1.0,
+        })
     };
     let sheet = Lambertian::translucent(grey(0.2), grey(0.7)).unwrap();
     vec![

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{
-    Absorption, BarbuleSurface, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Reflectance, Surface,
+    Absorption, BarbuleSurface, Cells, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Reflectance,
+    Surface,
 };
 use barbule::math::rng::Stream;
 use barbule::progress::{Progress, Unobserved};
@@ -265,6 +266,7 @@ fn feathers_in_the_furnace_have_their_own_albedo() {
                 brdf: Arc::clone(&brdf),
                 instances,
                 under: under.clone(),
+                cells: Cells::default(),
                 opacity: 1.0,
             });
             let mut geometry = Geometry::default();
@@ -333,8 +335,13 @@ pub(crate) fn agreeing(scene: Scene, name: &str) -> Vec<(f64, f64)> {
 fn techniques_agree_with_each_other() {
     let brdf = Arc::new(FeatherBrdf::new(&example(12), Options::default()).unwrap());
     let under = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0).unwrap()).unwrap();
-    let feather =
-        Surface::Barbule(BarbuleSurface { brdf, instances: false, under: under.clone(), opacity: 1.0 });
+    let feather = Surface::Barbule(BarbuleSurface {
+        brdf,
+        instances: false,
+        under: under.clone(),
+        cells: Cells::default(),
+        opacity: 1.0,
+    });
     let camera = camera(0.9, 1.0);
     let mirror = DVec3::new(-camera.eye.x, -camera.eye.y, camera.eye.z).normalize();
     let sun = Sun { direction: mirror, cos_radius: 0.97, emission: Emission::daylight().scaled(3.0) };
@@ -472,7 +479,7 @@ fn lights_are_sampled_with_their_density() {
 fn starling() -> Ready {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
     let mut description = SceneDescription::named("starling").unwrap();
-    description.window.radius_mm = 0.7;
+    description.window.radius_mm = Some(0.7);
     description.camera.width_mm = 1.0;
     Ready::new(description.scene(brdf, 7).unwrap().0)
 }
@@ -529,7 +536,7 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
 fn one_stage_serves_every_light_and_camera() {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
     let mut description = SceneDescription::named("starling").unwrap();
-    description.window.radius_mm = 0.5;
+    description.window.radius_mm = Some(0.5);
     description.camera.width_mm = 0.8;
     let shared = Ready::new(description.scene(brdf.clone(), 7).unwrap().0);
     let mut last = None;
@@ -583,7 +590,13 @@ fn light_that_passes_straight_through_is_counted_once() {
     let emission = Emission::daylight().scaled(disc_radiance(radius, 1.0));
     let sun = Sun { direction: DVec3::Z, cos_radius: radius.cos(), emission };
     let with = |opacity: f64, floor: Surface| {
-        let surface = BarbuleSurface { brdf: brdf.clone(), instances: false, under: under.clone(), opacity };
+        let surface = BarbuleSurface {
+            brdf: brdf.clone(),
+            instances: false,
+            under: under.clone(),
+            cells: Cells::default(),
+            opacity,
+        };
         let objects = vec![
             Object { geometry: square(2.0), surface: floor },
             Object { geometry: sheets.clone(), surface: Surface::Barbule(surface) },

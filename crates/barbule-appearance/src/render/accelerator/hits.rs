@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use super::primitive::{Kind, Meeting, Primitive};
-use crate::bsdf::{Frame, Hit};
+use crate::bsdf::{Frame, Hit, OnRibbon};
 use crate::math::rng::split_mix;
 use crate::scene::geometry::Geometry;
 
@@ -77,8 +77,7 @@ fn on_ribbon(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Hit {
     let arc = f64::from(start.arc + (end.arc - start.arc) * u);
     let place = if ribbon.cell > 0.0 { arc / f64::from(ribbon.cell) + f64::from(ribbon.phase) } else { 0.5 };
     let cell = place.floor();
-    let (sin, cos) = (f64::from(ribbon.swelling) * (1.0 - 2.0 * (place - cell))).sin_cos();
-    let frame = Frame { x: frame.x, y: frame.y * cos + frame.z * sin, z: frame.z * cos - frame.y * sin };
+    let frame = frame.pitched(f64::from(ribbon.swelling) * (1.0 - 2.0 * (place - cell)));
     let (w, half) = (u, 0.5 * (at.v + 1.0));
     let position = (a * (1.0 - half) + b * half) * (1.0 - w) + (c * (1.0 - half) + d * half) * w;
     Hit {
@@ -87,6 +86,14 @@ fn on_ribbon(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Hit {
         vane_normal: frame.z,
         frame,
         uv: [arc, f64::from(at.v)],
+        ribbon: OnRibbon {
+            half_width: f64::from(start.across.length() * (1.0 - u) + end.across.length() * u),
+            cell: cell as u64,
+            place: place - cell,
+            cell_length: f64::from(ribbon.cell),
+            station: f64::from(ribbon.station),
+            contrast: 1.0,
+        },
         id: ribbon.id,
         instance: split_mix(ribbon.id ^ split_mix(cell as u64)),
         ..Hit::default()

@@ -11,14 +11,15 @@ use super::{
 };
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
-    Absorption, BarbuleSurface, Conductor, Dielectric, FibreIndex, Hair, HairParameters, Keratin, Lambertian,
-    Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap,
+    Absorption, BarbModel, BarbSurface, BarbuleSurface, Conductor, Dielectric, FibreIndex, Hair,
+    HairParameters, Keratin, Lambertian, Pictures, Ramus, Reflectance, Relief, RoughDielectric, Substance,
+    Surface, SurfaceMap,
 };
 use crate::math::rng::hash;
 use crate::scene::backdrop::Backdrop;
 use crate::scene::camera::{Camera, Projection, direction};
 use crate::scene::emission::Emission;
-use crate::scene::feather::Counts;
+use crate::scene::feather::{BarbuleShape, Counts, Level, tip_side};
 use crate::scene::light::{Lamp, Light, Sun, disc_radiance};
 use crate::scene::sky::{Environment, Sky};
 use crate::scene::{Object, Scene};
@@ -71,19 +72,53 @@ impl SceneDescription {
     }
 
     fn feather_parts(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Vec<Object>, Counts)> {
-        let grown = self.feather.grow(self.window, seed, hash(seed, &[1]))?;
+        let level = self.level();
+        let grown = self.feather.grow(self.window, level, seed, hash(seed, &[1]))?;
         let counts = grown.counts();
-        let barbule =
-            BarbuleSurface { brdf, instances: true, under: keratin(&self.surfaces.underside)?, opacity: 1.0 };
-        let parts = [
-            (grown.shaft, Surface::Keratin(keratin(&self.surfaces.shaft)?)),
-            match &self.surfaces.hair {
-                Some(fibre) => (grown.fibres, Surface::Hair(hair(fibre)?)),
-                None => (grown.rami, Surface::Keratin(keratin(&self.surfaces.ramus)?)),
-            },
-            (grown.barbules, Surface::Barbule(barbule)),
-        ];
-        Ok((parts.map(|(geometry, surface)| Object { geometry, surface }).into(), counts))
+        let feather = &self.feather;
+        let under = keratin(&self.surfaces.underside)?;
+        let plate = |shape: &BarbuleShape| BarbuleSurface {
+            brdf: brdf.clone(),
+            instances: true,
+            under: under.clone(),
+            cells: shape.cells(&feather.disorder),
+            opacity: 1.0,
+        };
+        let shaft = (grown.shaft, Surface::Keratin(keratin(&self.surfaces.shaft)?));
+        let ramus = match &self.surfaces.hair {
+            Some(fibre) => Substance::Fibre(hair(fibre)?),
+            None => Substance::Keratin(keratin(&self.surfaces.ramus)?),
+        };
+        let mut parts = vec![shaft];
+        match level {
+            Level::Barbules => {
+                parts.push(match ramus {
+                    Substance::Fibre(hair) => (grown.fibres, Surface::Hair(hair)),
+                    Substance::Keratin(keratin) => (grown.rami, Surface::Keratin(keratin)),
+                    Substance::Plate(plate) => (grown.rami, Surface::Barbule(plate)),
+                });
+                let [distal, proximal] = grown.barbules;
+                parts.push((distal, Surface::Barbule(plate(&feather.distal))));
+                parts.push((proximal, Surface::Barbule(plate(&feather.proximal))));
+            }
+            Level::Barbs => {
+                for (geometry, barb_side) in grown.envelopes.into_iter().zip([-1.0, 1.0]) {
+                    let row =
+                        |shape: &BarbuleShape| (shape.row(&feather.disorder), Substance::Plate(plate(shape)));
+                    let tip = tip_side(barb_side);
+                    let ramus = Ramus {
+                        substance: ramus.clone(),
+                        half_width: 0.5e-3 * feather.barbs.width_um,
+                        height: feather.barbs.height,
+                    };
+                    let rows = [row(&feather.distal), row(&feather.proximal)];
+                    let barb = BarbSurface::new(BarbModel::Substructure, ramus, rows, tip);
+                    parts.push((geometry, Surface::Barb(Box::new(barb))));
+                }
+            }
+        }
+        let objects = parts.into_iter().map(|(geometry, surface)| Object { geometry, surface });
+        Ok((objects.collect(), counts))
     }
 
     /// The lights that shine, but the sky: the key light in daylight (D65), then the others.
@@ -230,8 +265,12 @@ impl SceneDescription {
     /// Names of the parts that [`SceneDescription::objects`] gives, in their order.
     #[must_use]
     pub fn object_names(&self) -> Vec<String> {
-        let parts = ["shaft", "barbs", "barbules"].iter().filter(|_| self.shows_feather);
-        parts
+        let parts: &[&str] = match self.level() {
+            _ if !self.shows_feather => &[],
+            Level::Barbules => &["shaft", "barbs", "distal barbules", "proximal barbules"],
+            Level::Barbs => &["shaft", "left barbs", "right barbs"],
+        };
+        (parts.iter())
             .map(|part| (*part).to_owned())
             .chain(self.objects.iter().map(|object| object.name.clone()))
             .collect()

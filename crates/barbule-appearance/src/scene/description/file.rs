@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{
-    Background, Bearing, KeyLight, SceneDescription, SkyDescription, Surfaces, View, ViewProjection, colour,
-    lights, objects,
+    Background, Bearing, Detail, KeyLight, SceneDescription, SkyDescription, Surfaces, View, ViewProjection,
+    colour, lights, objects,
 };
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
@@ -76,7 +76,7 @@ layer!(CameraLayer {
     f_number: f64,
 });
 
-layer!(WindowLayer { along_mm: f64, radius_mm: f64 });
+layer!(WindowLayer { along_mm: f64, radius_mm: f64, whole: bool });
 
 /// Radiance of a plain sky at the horizon and below over that at the zenith, where nothing is said.
 const SKY_HORIZON: f64 = 0.35;
@@ -113,6 +113,7 @@ struct Layer {
     camera: CameraLayer,
     #[serde(default)]
     window: WindowLayer,
+    detail: Option<Value>,
     surfaces: Option<Value>,
     feather: Option<Value>,
     shows_feather: Option<bool>,
@@ -120,7 +121,7 @@ struct Layer {
 }
 
 /// Keys of a scene file, for suggestions; those of feathers and surfaces are known where they are read.
-const KEYS: [&str; 42] = [
+const KEYS: [&str; 46] = [
     "preset",
     "material",
     "size",
@@ -141,6 +142,9 @@ const KEYS: [&str; 42] = [
     "focus_distance_mm",
     "f_number",
     "window",
+    "detail",
+    "level",
+    "view_model",
     "surfaces",
     "feather",
     "shows_feather",
@@ -160,6 +164,7 @@ const KEYS: [&str; 42] = [
     "camera.width_mm",
     "along_mm",
     "radius_mm",
+    "whole",
     "file",
     "turn",
     "turn_deg",
@@ -222,7 +227,8 @@ impl Layer {
             light: self.light.over(base.light),
             lights: self.lights.or(base.lights),
             camera: self.camera.over(base.camera),
-            window: self.window.over(base.window),
+            window: self.window.over_extent(base.window),
+            detail: merged(self.detail, base.detail),
             surfaces: merged(self.surfaces, base.surfaces),
             feather: merged(self.feather, base.feather),
             shows_feather: self.shows_feather.or(base.shows_feather),
@@ -270,10 +276,8 @@ impl Layer {
             camera: camera.resolved()?,
             background: self.background.as_ref().map_or(Ok(Background::Sky), Background::read)?,
             turn_deg: self.turn_deg.unwrap_or(0.0),
-            window: VaneDisc {
-                along_mm: need(window.along_mm, "window.along_mm")?,
-                radius_mm: need(window.radius_mm, "window.radius_mm")?,
-            },
+            window: window.resolved()?,
+            detail: self.detail.as_ref().map_or(Ok(Detail::default()), Detail::read)?,
             surfaces,
             feather: Feather::read(&need(self.feather, "feather")?)?,
             shows_feather: self.shows_feather.unwrap_or(true),
@@ -285,6 +289,28 @@ impl Layer {
         };
         description.check()?;
         Ok(description)
+    }
+}
+
+impl WindowLayer {
+    /// These values, and the base's where there are none; how far it reaches is said by one of two keys.
+    fn over_extent(self, mut base: Self) -> Self {
+        if self.radius_mm.is_some() || self.whole.is_some() {
+            base.radius_mm = base.radius_mm.filter(|_| self.whole == Some(false));
+            base.whole = None;
+        }
+        self.over(base)
+    }
+
+    fn resolved(self) -> Result<VaneDisc> {
+        let is_whole = self.whole == Some(true);
+        if is_whole && self.radius_mm.is_some() {
+            return Err(Error::input("window.whole and window.radius_mm are both given; leave one out"));
+        }
+        Ok(VaneDisc {
+            along_mm: need(self.along_mm, "window.along_mm")?,
+            radius_mm: if is_whole { None } else { Some(need(self.radius_mm, "window.radius_mm")?) },
+        })
     }
 }
 
@@ -439,7 +465,7 @@ mod tests {
         assert_eq!(scene.feather.proximal.base_lift, magpie.feather.proximal.base_lift);
         assert_eq!(scene.feather.distal, magpie.feather.distal);
         assert_eq!((scene.surfaces.ramus.melanin, scene.surfaces.ramus.index), (0.5, 1.56));
-        assert_eq!((scene.window.radius_mm, scene.window.along_mm), (1.0, 150.0));
+        assert_eq!((scene.window.radius_mm, scene.window.along_mm), (Some(1.0), 150.0));
     }
 
     /// Rami of hair are a further table; without it a scene is the one that it was before there was hair.
@@ -466,6 +492,19 @@ mod tests {
         assert!(message("index = 1.0").contains("surfaces.hair.index"));
         assert!(message("azimuthal_roughness = 0").contains("surfaces.hair.azimuthal_roughness"));
         assert!(message("height_over_width = 20").contains("surfaces.hair.height_over_width is 20"));
+    }
+
+    #[test]
+    fn a_whole_feather_takes_the_place_of_a_radius() {
+        let window = |text: &str| {
+            SceneDescription::parse(&format!("preset = 'starling'\n[window]\n{text}"))
+                .map(|scene| scene.window)
+        };
+        assert_eq!(window("whole = true").unwrap().radius_mm, None);
+        assert_eq!(window("whole = false").unwrap(), SceneDescription::named("starling").unwrap().window);
+        assert_eq!(window("whole = false\nradius_mm = 2").unwrap().radius_mm, Some(2.0));
+        let both = window("whole = true\nradius_mm = 2").unwrap_err().to_string();
+        assert_eq!(both, "window.whole and window.radius_mm are both given; leave one out");
     }
 
     #[test]

@@ -4,6 +4,7 @@
 
 mod build;
 mod colour;
+mod detail;
 mod file;
 mod kinds;
 mod lights;
@@ -13,6 +14,7 @@ mod surfaces;
 mod text;
 
 pub use colour::parse_colour;
+pub use detail::{Detail, DetailLevel, ViewModel};
 pub use file::SkyImage;
 pub use lights::{LightColour, LightDescription, LightShape};
 pub use objects::{ObjectDescription, ObjectShape, Placement};
@@ -64,6 +66,8 @@ pub struct SceneDescription {
     pub turn_deg: f64,
     /// The part of the feather that is grown.
     pub window: VaneDisc,
+    /// How finely it is made.
+    pub detail: Detail,
     /// What the feather's parts are made of, barbules' upper sides aside.
     pub surfaces: Surfaces,
     /// The feather.
@@ -245,7 +249,7 @@ impl SceneDescription {
         let ranges = [
             ("camera.azimuth_deg", camera.azimuth_deg, -MOST_TURN_DEG, MOST_TURN_DEG),
             ("camera.elevation_deg", camera.elevation_deg, -90.0, 90.0),
-            ("camera.width_mm", self.camera.width_mm, 0.05, 50.0),
+            ("camera.width_mm", self.camera.width_mm, 0.05, 2000.0),
             ("camera.lens", self.camera.lens, 0.0, 0.2),
             ("camera.f_number", self.camera.f_number.unwrap_or(8.0), 1.0, 1000.0),
             ("camera.roll_deg", self.camera.roll_deg, -360.0, 360.0),
@@ -264,7 +268,7 @@ impl SceneDescription {
             ("exposure", self.exposure.unwrap_or(1.0), 1e-6, 1e6),
             ("scatterings", f64::from(self.scatterings), 1.0, 1000.0),
             ("window.along_mm", self.window.along_mm, 0.0, 2000.0),
-            ("window.radius_mm", self.window.radius_mm, 0.01, 500.0),
+            ("window.radius_mm", self.window.radius_mm.unwrap_or(1.0), 0.01, 500.0),
         ];
         for (key, value, low, high) in ranges {
             if !(low..=high).contains(&value) {

@@ -56,7 +56,16 @@ impl SceneDescription {
             put("lights", self.lights.iter().map(LightDescription::table).collect());
         }
         put("camera", self.camera.table());
-        put("window", json!({"along_mm": self.window.along_mm, "radius_mm": self.window.radius_mm}));
+        put(
+            "window",
+            match self.window.radius_mm {
+                Some(radius) => json!({"along_mm": self.window.along_mm, "radius_mm": radius}),
+                None => json!({"along_mm": self.window.along_mm, "whole": true}),
+            },
+        );
+        if let Some(detail) = self.detail.table() {
+            put("detail", detail);
+        }
         let surfaces = &self.surfaces;
         let mut parts = json!({
             "shaft": surfaces.shaft.table(),
@@ -208,6 +217,7 @@ mod tests {
         focused.camera.focus_distance_mm = Some(14.0);
         focused.camera.focal_length_mm = Some(85.0);
         focused.camera.f_number = Some(11.0);
+        focused.window.radius_mm = None;
         focused.sky = SkyDescription::Gradient { zenith: 0.5, horizon: 1.0, below: 1.0 };
         assert_eq!(SceneDescription::parse(&focused.to_toml().unwrap()).unwrap(), focused);
     }

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec2};
 
 use super::shaft::{Shaft, tube_triangles};
 use super::{BarbShape, Feather, VaneDisc};
+use crate::bsdf::{RAMUS_DEPTH, ramus_taper};
 use crate::math::rng::{Stream, hash};
 use crate::scene::geometry::{CurveNode, Geometry, Mesh};
 
@@ -33,6 +34,8 @@ pub struct Barb {
     pub id: u64,
     /// Half the width of the ramus at the base, mm.
     pub radius_mm: f64,
+    /// Arc length of its base on the shaft, mm.
+    pub station_mm: f64,
 }
 
 /// All barbs of one side whose bases can reach into a window.
@@ -55,8 +58,11 @@ pub(super) fn along(
         let smooth = t * t * (3.0 - 2.0 * t);
         let angle = shape.base_angle + (shape.tip_angle - shape.base_angle) * smooth;
         let id = hash(seed, &[identity, 1, side_name, index]);
-        let before = window.along_mm - (3.0 + 1.0 / angle.tan()) * window.radius_mm;
-        if s > before && s < window.along_mm + 1.2 * window.radius_mm {
+        let reaches = |radius: f64| {
+            let before = window.along_mm - (3.0 + 1.0 / angle.tan()) * radius;
+            s > before && s < window.along_mm + 1.2 * radius
+        };
+        if window.radius_mm.is_none_or(reaches) {
             barbs.push(grow(feather, shaft, side, s, angle, id));
         }
         s += 1e-3 * shape.spacing_um / libm::sin(angle).max(LEAST_SINE);
@@ -101,18 +107,13 @@ fn grow(feather: &Feather, shaft: &Shaft, side: f64, s: f64, angle: f64, id: u64
             slope.normalize_or(station.normal)
         })
         .collect();
-    Barb { points, tangents, normals, length_mm: length, side, id, radius_mm }
+    Barb { points, tangents, normals, length_mm: length, side, id, radius_mm, station_mm: s }
 }
 
 /// Length at which a straight barb reaches the vane's outline, mm (bisection: the first crossing).
 fn outline_length(shape: &BarbShape, shaft: &Shaft, s: f64, angle: f64) -> f64 {
     let (sin, cos) = (libm::sin(angle).max(LEAST_SINE), libm::cos(angle));
-    let outline = |along: f64| {
-        let t = shaft.vane(along).clamp(0.0, 1.0);
-        let (a, b) = (shape.outline_base, shape.outline_tip);
-        let middle = a / (a + b);
-        shape.half_width_mm * libm::pow(t / middle, a) * libm::pow((1.0 - t) / (1.0 - middle), b)
-    };
+    let outline = |along: f64| shape.outline(shaft.vane(along));
     let outside = |l: f64| l * sin >= outline(s + l * cos);
     let longest = shape.half_width_mm / sin;
     let steps = 64;
@@ -130,6 +131,23 @@ fn outline_length(shape: &BarbShape, shaft: &Shaft, s: f64, angle: f64) -> f64 {
         if outside(middle) { high = middle } else { low = middle }
     }
     high.max(0.05)
+}
+
+impl BarbShape {
+    /// Half width of the vane at a share of its length, mm.
+    fn outline(&self, t: f64) -> f64 {
+        let t = t.clamp(0.0, 1.0);
+        let (a, b) = (self.outline_base, self.outline_tip);
+        let middle = a / (a + b);
+        self.half_width_mm * libm::pow(t / middle, a) * libm::pow((1.0 - t) / (1.0 - middle), b)
+    }
+
+    /// Area of one side of a vane of this length, mm² (midpoint rule).
+    pub(super) fn half_area(&self, vane_mm: f64) -> f64 {
+        const PARTS: u32 = 200;
+        let parts = (0..PARTS).map(|i| self.outline((f64::from(i) + 0.5) / f64::from(PARTS)));
+        parts.sum::<f64>() * vane_mm / f64::from(PARTS)
+    }
 }
 
 impl Barb {
@@ -152,7 +170,7 @@ impl Barb {
     /// Half the width of the ramus at a share of its length, mm.
     #[must_use]
     pub fn half_width(&self, share: f64) -> f64 {
-        self.radius_mm * (1.0 - 0.75 * libm::pow(share.clamp(0.0, 1.0), 1.2))
+        self.radius_mm * ramus_taper(share)
     }
 
     /// Adds the ramus as a round fibre of its width.
@@ -160,7 +178,7 @@ impl Barb {
         let mut nodes = Vec::with_capacity(STEPS + 1);
         for ring in 0..=STEPS {
             let half = self.half_width(ring as f64 / STEPS as f64);
-            let centre = self.points[ring] - self.normals[ring] * (0.45 * half);
+            let centre = self.points[ring] - self.normals[ring] * (RAMUS_DEPTH * half);
             nodes.push(CurveNode {
                 point: (centre - origin).as_vec3(),
                 radius: half as f32,
@@ -179,7 +197,7 @@ impl Barb {
             let across = tangent.cross(normal);
             let half = self.half_width(share);
             // The ridge stands up from the plane of the barbules and its keel hangs below it.
-            let centre = self.points[ring] - normal * (0.45 * half * shape.height);
+            let centre = self.points[ring] - normal * (RAMUS_DEPTH * half * shape.height);
             for corner in 0..AROUND {
                 let angle = TAU * corner as f64 / AROUND as f64;
                 let (cos, sin) = (libm::cos(angle), libm::sin(angle));

@@ -4,40 +4,90 @@ use glam::DVec3;
 
 use super::barb::Barb;
 use super::{BarbuleShape, Disorder, VaneDisc};
+use crate::bsdf::{Arch, Cells, RAMUS_ROOT, Row, RowDisorder, axes};
 use crate::math::rng::{Stream, hash};
 use crate::scene::geometry::{Geometry, Ribbon, RibbonNode};
 
 /// Segments of a barbule.
 const STEPS: usize = 6;
 
-/// Adds the barbules of one side of a barb (0: towards the feather's tip, 1: the other) whose bases lie in the window.
+impl BarbuleShape {
+    /// The row of such barbules on one side of a barb.
+    #[must_use]
+    pub fn row(&self, disorder: &Disorder) -> Row {
+        Row {
+            length: 1e-3 * self.length_um,
+            half_width: 0.5e-3 * self.width_um,
+            spacing: 1e-3 * self.spacing_um,
+            angle: [self.base_angle, self.end_angle],
+            lift: [self.base_lift, self.end_lift],
+            tilt: self.tilt,
+            root_tilt: self.root_tilt,
+            cell: 1e-3 * self.cell_um,
+            swelling: self.swelling,
+            disorder: RowDisorder {
+                angle: disorder.barbule_angle,
+                lift: disorder.barbule_lift,
+                spacing: disorder.barbule_spacing,
+                length: disorder.barbule_length,
+                turn: disorder.barbule_turn,
+            },
+        }
+    }
+
+    /// How such barbules differ from place to place.
+    #[must_use]
+    pub fn cells(&self, disorder: &Disorder) -> Cells {
+        let (low, high) = (self.arch_low.min(self.arch_high), self.arch_low.max(self.arch_high));
+        let half_width_um = 0.5 * self.width_um;
+        let radius_um = 2.0 * half_width_um / (libm::sin(high) - libm::sin(low)).max(LEAST_ARCH);
+        Cells {
+            size: disorder.cell_size,
+            barbule_size: disorder.barbule_size,
+            wall_mm: 1e-3 * self.wall_um,
+            arch: (high - low > LEAST_ARCH).then(|| Arch {
+                low,
+                high,
+                blur: (GREEN_UM * radius_um).sqrt() / half_width_um,
+            }),
+        }
+    }
+}
+
+/// Less of a slope between the edges is flat.
+const LEAST_ARCH: f64 = 1e-3;
+
+/// The wavelength that blurs arches.
+const GREEN_UM: f64 = 0.55;
+
+/// Adds the barbules of one side of a barb (0: towards the feather's tip, 1: the other) whose bases lie in the window. `roll`, rad:
+/// see [`super::roll`].
 pub(super) fn along(
     geometry: &mut Geometry,
     barb: &Barb,
-    shape: &BarbuleShape,
-    disorder: &Disorder,
+    row: &Row,
     which: usize,
+    roll: f64,
     (origin, window): (DVec3, VaneDisc),
     seed: u64,
 ) {
-    let spacing = 1e-3 * shape.spacing_um;
-    let count = (barb.length_mm / spacing) as usize;
+    let count = (barb.length_mm / row.spacing) as usize;
     let mut nodes = Vec::new();
     for index in 0..count {
         let id = hash(seed, &[barb.id, 2, which as u64, index as u64]);
         let mut stream = Stream::new(id, &[]);
-        let along = (index as f64 + 0.5 + disorder.barbule_spacing * stream.normal()) * spacing;
+        let along = (index as f64 + 0.5 + row.disorder.spacing * stream.normal()) * row.spacing;
         let (base, ..) = barb.at(along);
         if !window.holds(base - origin) {
             continue;
         }
         nodes.clear();
-        grow(&mut nodes, barb, shape, disorder, which, along, origin, &mut stream);
+        grow(&mut nodes, barb, row, which, (along, roll), origin, &mut stream);
         let ribbon = Ribbon {
             id,
-            cell: (1e-3 * shape.cell_um) as f32,
+            cell: row.cell as f32,
             phase: stream.unit() as f32,
-            swelling: shape.swelling as f32,
+            swelling: row.swelling as f32,
             ..Ribbon::default()
         };
         geometry.add_ribbon(&nodes, ribbon);
@@ -47,10 +97,9 @@ pub(super) fn along(
 fn grow(
     nodes: &mut Vec<RibbonNode>,
     barb: &Barb,
-    shape: &BarbuleShape,
-    disorder: &Disorder,
+    row: &Row,
     which: usize,
-    along: f64,
+    (along, roll): (f64, f64),
     origin: DVec3,
     stream: &mut Stream,
 ) {
@@ -58,44 +107,35 @@ fn grow(
     let (base, tangent, normal) = barb.at(along);
     // The side towards the feather's tip is to the left of a right barb and to the right of a left one.
     let distal = if which == 0 { 1.0 } else { -1.0 };
-    let sideways = normal.cross(tangent) * (barb.side * distal);
-    let turn_angle = disorder.barbule_angle * stream.normal();
-    let turn_lift = disorder.barbule_lift * stream.normal();
-    let turn = disorder.barbule_turn * stream.normal();
-    let bow = 0.5 * disorder.barbule_lift * stream.normal();
-    // Shorter where the barb begins and near its end.
-    let grown = (0.75 + 0.25 * libm::sin(std::f64::consts::PI * libm::pow(share.clamp(0.0, 1.0), 0.7)))
-        * ((1.0 - share) / 0.15).clamp(0.15, 1.0);
-    let length =
-        1e-3 * shape.length_um * grown * (1.0 + disorder.barbule_length * stream.normal()).clamp(0.5, 1.5);
+    let level = normal.cross(tangent) * (barb.side * distal);
+    // The row towards the feather's tip lies over the next barb's other one.
+    let (rise, flat) = (libm::sin(distal * roll), libm::cos(roll));
+    let (sideways, normal) = (level * flat + normal * rise, normal * flat - level * rise);
+    let turn_angle = row.disorder.angle * stream.normal();
+    let turn_lift = row.disorder.lift * stream.normal();
+    let turn = row.disorder.turn * stream.normal();
+    let bow = row.disorder.lift * stream.normal();
+    let length = row.length_at(share) * (1.0 + row.disorder.length * stream.normal()).clamp(0.5, 1.5);
     let step = length / STEPS as f64;
-    let mut at = base + sideways * (0.8 * barb.half_width(share));
+    let mut at = base + sideways * (RAMUS_ROOT * barb.half_width(share));
+    let along = |t: f64| {
+        let angle = row.angle_at(t) + turn_angle;
+        let lift = row.lift_at(t) + turn_lift + bow * row.bow_at(t);
+        axes([tangent, sideways, normal], angle, lift)
+    };
     for i in 0..=STEPS {
         let t = i as f64 / STEPS as f64;
-        let mix = |base: f64, end: f64| base + (end - base) * t;
-        let angle = mix(shape.base_angle, shape.end_angle) + turn_angle;
-        let lift = mix(shape.base_lift, shape.end_lift) + turn_lift + bow * (2.0 * t - 1.0);
-        let planar = tangent * libm::cos(angle) + sideways * libm::sin(angle);
-        let direction = planar * libm::cos(lift) + normal * libm::sin(lift);
-        let up = (normal - direction * normal.dot(direction)).normalize();
-        // Across, towards the barb's tip: the shingles' slope turns about the barbule's own axis.
-        let ahead = (tangent - direction * tangent.dot(direction)).normalize_or(sideways);
-        let tilt = shape.tilt + turn + shape.root_tilt * (1.0 - 10.0 * t).max(0.0);
+        let [direction, ahead, up] = along(t);
+        // Shingles: the turn about the barbule's own axis.
+        let tilt = row.tilt_at(t) + turn;
         let plate = up * libm::cos(tilt) + ahead * libm::sin(tilt);
         let x = direction.cross(plate);
-        let half = 0.5e-3 * shape.width_um * width_profile(t);
         nodes.push(RibbonNode {
             point: (at - origin).as_vec3(),
-            across: (x * half).as_vec3(),
+            across: (x * row.half_width_at(t)).as_vec3(),
             arc: (t * length) as f32,
         });
-        at += direction * step;
+        let [middle, ..] = along(t + 0.5 / STEPS as f64);
+        at += middle * step;
     }
-}
-
-/// Width along a barbule over its largest: narrower at the root, then full, then a thin end.
-fn width_profile(t: f64) -> f64 {
-    let root = 0.65 + 0.35 * (t / 0.12).min(1.0);
-    let end = if t < 0.6 { 1.0 } else { 1.0 - 0.8 * libm::pow((t - 0.6) / 0.4, 1.5) };
-    root * end
 }

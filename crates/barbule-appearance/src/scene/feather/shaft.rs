@@ -89,9 +89,9 @@ impl Shaft {
 
     /// Adds the surface within a window: a tube whose underside is flattened, with fine ridges along it.
     pub(super) fn mesh(&self, geometry: &mut Geometry, window: VaneDisc, origin: DVec3, identity: u64) {
-        let from = (window.along_mm - 1.3 * window.radius_mm).max(0.0);
-        let to = (window.along_mm + 1.3 * window.radius_mm).min(self.shape.length_mm);
-        let rings = 40;
+        let ends = |radius: f64| (window.along_mm - 1.3 * radius, window.along_mm + 1.3 * radius, 40);
+        let (from, to, rings) = window.radius_mm.map_or((0.0, f64::INFINITY, STEPS), ends);
+        let (from, to) = (from.max(0.0), to.min(self.shape.length_mm));
         let ridges = Ridges::new(identity);
         let mut mesh = Mesh { id: hash(identity, &[0]), ..Mesh::default() };
         for ring in 0..=rings {

@@ -14,10 +14,11 @@ const PLAIN: f64 = 1.0;
 /// Radians in a degree: degrees in files, radians in memory.
 const DEGREES: f64 = PI / 180.0;
 
-/// A table of sizes: a struct with one number a key, each with its key in files, unit and range there.
+/// A table of sizes: a struct with one number a key, each with its key in files, unit and range there, and what it is where a file
+/// leaves it out; without such it is needed.
 macro_rules! sizes {
     ($(#[$about:meta])* $name:ident {
-        $($(#[$doc:meta])* $field:ident: $key:literal in $unit:ident, $low:literal to $high:literal;)*
+        $($(#[$doc:meta])* $field:ident: $key:literal in $unit:ident, $low:literal to $high:literal $(else $usual:literal)?;)*
     }) => {
         $(#[$about])*
         #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -30,6 +31,7 @@ macro_rules! sizes {
                 Ok(Self {
                     $($field: match usual {
                         Some(usual) if fields.get($key).is_none() => usual.$field,
+                        $(_ if fields.get($key).is_none() => $usual * $unit,)?
                         _ => fields.number_within($key, $low as f64, $high as f64)? * $unit,
                     },)*
                 })
@@ -141,6 +143,12 @@ sizes! {
         cell_um: "cell_um" in PLAIN, 0 to 10000;
         /// Swelling of cells, low arches along the barbule: slope at their ends, rad.
         swelling: "swelling_deg" in DEGREES, 0 to 45;
+        /// Length of the dark wall between two cells, µm.
+        wall_um: "wall_um" in PLAIN, 0 to 1000 else 0.0;
+        /// Slope of the arched cross-section's normal at its edge towards −x, rad; flat where both are 0.
+        arch_low: "arch_low_deg" in DEGREES, -90 to 90 else 0.0;
+        /// At its edge towards +x, rad.
+        arch_high: "arch_high_deg" in DEGREES, -90 to 90 else 0.0;
     }
 }
 
@@ -163,6 +171,10 @@ sizes! {
         barbule_length: "barbule_length_share" in PLAIN, 0 to 1;
         /// Turn of a barbule about its own axis, rad, beyond what its material holds.
         barbule_turn: "barbule_turn_deg" in DEGREES, 0 to 45;
+        /// Of the nanostructure's size from cell to cell of a barbule, as a share.
+        cell_size: "cell_size_share" in PLAIN, 0 to 0.3 else 0.0;
+        /// Of the nanostructure's size from barbule to barbule, as a share.
+        barbule_size: "barbule_size_share" in PLAIN, 0 to 0.3 else 0.0;
     }
 }
 

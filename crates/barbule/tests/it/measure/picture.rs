@@ -23,7 +23,7 @@ pub(crate) const SAMPLES: [u32; 2] = [64, 1024];
 pub(crate) fn picture(samples: u32, seed: u64) -> Film {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
     let mut description = SceneDescription::named("starling").unwrap();
-    description.window.radius_mm = 1.0;
+    description.window.radius_mm = Some(1.0);
     description.camera.width_mm = 1.2;
     let (scene, _) = description.scene(brdf, 1).unwrap();
     let stage = Stage::new(scene.objects).unwrap();

@@ -1,0 +1,110 @@
+//! `[detail]`: how finely a feather is made, and how its barbs are seen.
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::SceneDescription;
+use super::kinds::unknown;
+use crate::Result;
+use crate::fields::Fields;
+use crate::scene::feather::Level;
+
+/// How finely a feather is made, and how its barbs are seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Detail {
+    /// Which parts stand there one by one.
+    pub level: DetailLevel,
+    /// How barbs are seen.
+    pub view_model: ViewModel,
+}
+
+/// Which parts of a feather stand there one by one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub enum DetailLevel {
+    /// As fine as the picture shows.
+    #[default]
+    Auto,
+    /// This.
+    Fixed(Level),
+}
+
+/// How barbs are seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub enum ViewModel {
+    /// As rami with barbules.
+    #[default]
+    Substructure,
+    /// As one fibre each.
+    Fibre,
+    /// Both, side by side.
+    Both,
+}
+
+const LEVELS: [(&str, DetailLevel); 3] = [
+    ("auto", DetailLevel::Auto),
+    ("barbules", DetailLevel::Fixed(Level::Barbules)),
+    ("barbs", DetailLevel::Fixed(Level::Barbs)),
+];
+
+/// The finest pixel that is thought of, as a share of a picture's width.
+const PIXEL: f64 = 1e-3;
+
+/// Pixels as wide as this share of the distance between barbules show none.
+const RESOLVES: f64 = 0.7;
+
+/// More barbules than this are looked up.
+const MOST_GROWN: f64 = 1.5e6;
+
+impl ViewModel {
+    /// All with their names.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("substructure", Self::Substructure), ("fibre", Self::Fibre), ("both", Self::Both)];
+
+    /// By its name.
+    ///
+    /// # Errors
+    /// There is none of this name.
+    pub fn named(name: &str) -> Result<Self> {
+        one_of("detail.view_model", name, &Self::ALL)
+    }
+}
+
+impl Detail {
+    pub(super) fn read(table: &Value) -> Result<Self> {
+        let fields = Fields::new(table, "detail", &["level", "view_model"])?;
+        let level = fields.text("level")?.map(|name| one_of("detail.level", name, &LEVELS)).transpose()?;
+        let view_model = fields.text("view_model")?.map(ViewModel::named).transpose()?;
+        Ok(Self { level: level.unwrap_or_default(), view_model: view_model.unwrap_or_default() })
+    }
+
+    /// The table that is read as this; nothing where all is as usual.
+    pub(super) fn table(self) -> Option<Value> {
+        let name = |known: &[(&'static str, ViewModel)]| {
+            known.iter().find(|(_, m)| *m == self.view_model).map(|k| k.0)
+        };
+        let level = LEVELS.iter().find(|(_, level)| *level == self.level).map(|(name, _)| *name);
+        (self != Self::default()).then(|| json!({"level": level, "view_model": name(&ViewModel::ALL)}))
+    }
+}
+
+fn one_of<T: Copy>(key: &str, name: &str, known: &[(&'static str, T)]) -> Result<T> {
+    let found = known.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+    found.ok_or_else(|| unknown(key, name, &known.iter().map(|(known, _)| *known).collect::<Vec<_>>()))
+}
+
+impl SceneDescription {
+    /// How finely the feather is made: as the scene says, or as fine as a picture of a thousand pixels shows.
+    #[must_use]
+    pub fn level(&self) -> Level {
+        match self.detail.level {
+            DetailLevel::Fixed(level) => level,
+            DetailLevel::Auto if self.detail.view_model != ViewModel::Substructure => Level::Barbs,
+            DetailLevel::Auto => {
+                let finest = self.feather.distal.spacing_um.min(self.feather.proximal.spacing_um);
+                let is_resolved = PIXEL * self.camera.width_mm < RESOLVES * 1e-3 * finest;
+                let many = self.feather.barbules_in(self.window) > MOST_GROWN;
+                if is_resolved && !many { Level::Barbules } else { Level::Barbs }
+            }
+        }
+    }
+}
