@@ -19,6 +19,7 @@ mod keratin;
 mod lambertian;
 mod lobes;
 mod map;
+pub mod masking;
 mod microfacet;
 mod reflectance;
 mod relief;

@@ -197,7 +197,7 @@ mod tests {
             assert!(text.contains("base_angle_deg") && !text.contains("0000000"), "{text}");
         }
         let text = "preset = 'magpie'\nexposure = 'auto'\nsize = [40, 20]\nturn = 12.5\n[background]\nfile = 'wall.png'\n\
-                    [sky_image]\nfile = 'sky.exr'\n[surfaces.hair]\neumelanin = 0.3\n\
+                    [sky_image]\nfile = 'sky.exr'\n[surfaces.hair]\neumelanin = 0.3\nheight_over_width = 2.5\n\
                     [camera]\nprojection = 'orthographic'\ntarget_mm = [0.5, 0, 0]\nposition_mm = [0, 1, 9]\n\
                     [[lights]]\ntype = 'sun'\nazimuth_deg = 10\nelevation_deg = 30\nstrength = 1\nspectrum = 'lamp.csv'\n\
                     [[lights]]\ntype = 'point'\nposition_mm = [1, 2, 3]\nstrength = 1\ncolour = '#ffa040'\n\
