@@ -10,7 +10,7 @@ use super::{
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
 use crate::scene::backdrop::Backdrop;
-use crate::scene::feather::{Feather, VaneDisc};
+use crate::scene::feather::{self, Feather, VaneDisc};
 use crate::scene::preset;
 use crate::{Error, Result};
 
@@ -225,7 +225,7 @@ impl Layer {
             camera: self.camera.over(base.camera),
             window: self.window.over_extent(base.window),
             surfaces: merged(self.surfaces, base.surfaces),
-            feather: merged(self.feather, base.feather),
+            feather: feather::layered(self.feather, base.feather),
             shows_feather: self.shows_feather.or(base.shows_feather),
             objects: self.objects.or(base.objects),
         }
