@@ -243,13 +243,13 @@ mod tests {
         let text = with_feather();
         assert_eq!(parse(&text, None).unwrap(), parse(species_toml("starling").unwrap(), None).unwrap());
         let feather = feather_of(&SpeciesFile::parse(&text).unwrap()).unwrap().unwrap();
-        assert_eq!((feather.distal.length_um, feather.barbs.spacing_um), (280.0, 250.0));
+        assert_eq!((feather.distal.length_um, feather.barbs.spacing_um), (295.0, 200.0));
         assert_eq!(feather_of(&SpeciesFile::builtin("starling").unwrap()).unwrap(), None);
         for (good, bad, expected) in [
-            ("length_um = 280.0", "length_um = -1.0", "feather.distal.length_um is -1, outside 5 to 10000"),
-            ("length_um = 280.0", "length_mm = 0.28", "unknown key 'length_mm', did you mean 'length_um'?"),
+            ("length_um = 295.0", "length_um = -1.0", "feather.distal.length_um is -1, outside 5 to 10000"),
+            ("length_um = 295.0", "length_mm = 0.28", "unknown key 'length_mm', did you mean 'length_um'?"),
             ("[feather.barbs]", "[feather.barb]", "unknown key 'barb', did you mean 'barbs'?"),
-            ("calamus_share = 0.12", "", "feather.shaft.calamus_share is missing; give a number from 0"),
+            ("calamus_share = 0.12", "calamus_share = 'a'", "feather.shaft.calamus_share is the text 'a'"),
         ] {
             let line = text.lines().find(|line| line.starts_with(good)).unwrap();
             let message = parse(&text.replacen(line, bad, 1), None).unwrap_err().to_string();

@@ -10,7 +10,7 @@ use super::{
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
 use crate::scene::backdrop::Backdrop;
-use crate::scene::feather::{Feather, VaneDisc};
+use crate::scene::feather::{self, Feather, VaneDisc};
 use crate::scene::preset;
 use crate::{Error, Result};
 
@@ -234,7 +234,7 @@ impl Layer {
             window: self.window.over_extent(base.window),
             detail: merged(self.detail, base.detail),
             surfaces: merged(self.surfaces, base.surfaces),
-            feather: merged(self.feather, base.feather),
+            feather: feather::layered(self.feather, base.feather),
             shows_feather: self.shows_feather.or(base.shows_feather),
             objects: self.objects.or(base.objects),
         }

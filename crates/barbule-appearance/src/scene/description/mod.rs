@@ -231,6 +231,8 @@ pub struct Surfaces {
     pub barbule: Option<FibreDescription>,
     /// Barbules of pale places.
     pub pale: PigmentedKeratin,
+    /// Barbs and barbules of the downy part.
+    pub down: FibreDescription,
 }
 
 impl Identify for SceneDescription {
@@ -338,7 +340,18 @@ impl View {
 }
 
 /// The parts of a feather that have surfaces of their own.
-const PARTS: [&str; 6] = ["shaft", "ramus", "underside", "hair", "barbule", "pale"];
+const PARTS: [&str; 7] = ["shaft", "ramus", "underside", "hair", "barbule", "pale", "down"];
+
+/// Down where nothing is said: grey.
+const DOWN: FibreDescription = FibreDescription {
+    longitudinal_roughness: 0.3,
+    azimuthal_roughness: 0.4,
+    scale_tilt_deg: 0.0,
+    index: None,
+    eumelanin: 0.25,
+    pheomelanin: 0.0,
+    height_over_width: 1.0,
+};
 
 /// Keratin of pale places where nothing is said: buff.
 const PALE: PigmentedKeratin = PigmentedKeratin { roughness: 0.4, index: 1.56, melanin: 0.15 };
@@ -376,6 +389,7 @@ impl Surfaces {
             underside: keratin("underside")?,
             hair: fibre("hair")?,
             barbule: fibre("barbule")?,
+            down: fibre("down")?.unwrap_or(DOWN),
             pale: if fields.get("pale").is_some() { keratin("pale")? } else { PALE },
         };
         Ok((parts, named))

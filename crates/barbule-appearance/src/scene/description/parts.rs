@@ -7,7 +7,9 @@ use glam::{DMat3, DVec3};
 use super::build::{hair, keratin};
 use super::{SceneDescription, ViewModel};
 use crate::brdf::FeatherBrdf;
-use crate::bsdf::{BarbModel, BarbSurface, BarbuleSurface, Keratin, Ramus, Substance, Surface};
+use crate::bsdf::{
+    BarbModel, BarbSurface, BarbuleSurface, Hair, Keratin, Pattern, Ramus, Row, Substance, Surface,
+};
 use crate::math::rng::hash;
 use crate::scene::Object;
 use crate::scene::feather::{BarbuleShape, Counts, Grown, Level, tip_side};
@@ -37,16 +39,16 @@ impl SceneDescription {
         let parts = match (level, self.detail.view_model) {
             (Level::Barbules, _) => [vec![shaft], substances.one_by_one(grown)?].concat(),
             (Level::Barbs, ViewModel::Substructure) => {
-                [vec![shaft], substances.looked_up(&grown.envelopes, BarbModel::Substructure)].concat()
+                [vec![shaft], substances.looked_up(&grown, BarbModel::Substructure)].concat()
             }
             (Level::Barbs, ViewModel::Fibre) => {
-                [vec![shaft], substances.looked_up(&grown.envelopes, BarbModel::Fibre)].concat()
+                [vec![shaft], substances.looked_up(&grown, BarbModel::Fibre)].concat()
             }
             (Level::Barbs, ViewModel::Both) => {
                 let shift = 0.5 * (1.0 + GAP) * width(&grown.envelopes);
                 let mut parts = Vec::new();
                 for (model, side) in [(BarbModel::Fibre, -1.0), (BarbModel::Substructure, 1.0)] {
-                    let all = [vec![shaft.clone()], substances.looked_up(&grown.envelopes, model)].concat();
+                    let all = [vec![shaft.clone()], substances.looked_up(&grown, model)].concat();
                     parts.extend(
                         all.into_iter().map(|(geometry, surface)| (moved(geometry, side * shift), surface)),
                     );
@@ -60,10 +62,10 @@ impl SceneDescription {
 
     /// Names of the parts, in their order.
     pub(super) fn part_names(&self) -> Vec<&'static str> {
-        let barbs = ["shaft", "left barbs", "right barbs"];
+        let barbs = ["shaft", "left barbs", "right barbs", "left down", "right down"];
         match (self.level(), self.detail.view_model) {
             (Level::Barbules, _) => {
-                vec!["shaft", "barbs", "distal barbules", "proximal barbules", "pale barbules"]
+                vec!["shaft", "barbs", "distal barbules", "proximal barbules", "pale barbules", "down"]
             }
             (Level::Barbs, ViewModel::Both) => [barbs, barbs].concat(),
             (Level::Barbs, ViewModel::Fibre | ViewModel::Substructure) => barbs.to_vec(),
@@ -89,6 +91,8 @@ struct Substances<'a> {
     /// Towards the feather's tip, and the others.
     barbules: [Substance; 2],
     pale: Keratin,
+    /// Barbs and barbules of the downy part.
+    down: Hair,
 }
 
 type Part = (Geometry, Surface);
@@ -111,7 +115,7 @@ impl<'a> Substances<'a> {
             None => Substance::Keratin(keratin(&surfaces.ramus)?),
         };
         let barbules = [barbule(&feather.distal)?, barbule(&feather.proximal)?];
-        Ok(Self { scene, ramus, barbules, pale: keratin(&surfaces.pale)? })
+        Ok(Self { scene, ramus, barbules, pale: keratin(&surfaces.pale)?, down: hair(&surfaces.down)? })
     }
 
     /// Rami and barbules as they were grown.
@@ -128,29 +132,51 @@ impl<'a> Substances<'a> {
             Substance::Plate(plate) => (row, Surface::Barbule(plate)),
         }));
         parts.push((grown.pale, pale));
+        parts.push((grown.downy.ribbons_as_curves(), Surface::Hair(self.down)));
         Ok(parts)
     }
 
-    /// The barbs left and right of the shaft.
-    fn looked_up(&self, envelopes: &[Geometry; 2], model: BarbModel) -> Vec<Part> {
+    /// The barbs left and right of the shaft, those of the downy part last.
+    fn looked_up(&self, grown: &Grown, model: BarbModel) -> Vec<Part> {
         let feather = &self.scene.feather;
-        let one = |(geometry, barb_side): (&Geometry, f64)| {
-            let ramus = Ramus {
-                substance: match (model, &self.barbules[0]) {
+        let row = |shape: &BarbuleShape| shape.row(&feather.disorder);
+        let rows = [&feather.distal, &feather.proximal].map(row);
+        let [distal, proximal] = self.barbules.clone();
+        let vane = Barbs {
+            ramus: Ramus {
+                substance: match (model, &distal) {
                     // A barb that is one fibre looks as its barbules would.
-                    (BarbModel::Fibre, Substance::Fibre(hair)) => Substance::Fibre(hair.clone()),
+                    (BarbModel::Fibre, Substance::Fibre(_)) => distal.clone(),
                     _ => self.ramus.clone(),
                 },
                 half_width: 0.5e-3 * feather.barbs.width_um,
                 height: feather.barbs.height,
-            };
-            let [distal, proximal] =
-                [&feather.distal, &feather.proximal].map(|shape| shape.row(&feather.disorder));
-            let rows = [(distal, self.barbules[0].clone()), (proximal, self.barbules[1].clone())];
-            let pattern = feather.pattern.pattern();
-            let barb = BarbSurface::new(model, ramus, rows, tip_side(barb_side), pattern, self.pale.clone());
-            (geometry.clone(), Surface::Barb(Box::new(barb)))
+            },
+            rows: [(rows[0], distal), (rows[1], proximal)],
+            pattern: feather.pattern.pattern(),
         };
-        envelopes.iter().zip([-1.0, 1.0]).map(one).collect()
+        let down = Substance::Fibre(self.down.clone());
+        let barbule = (row(&feather.downy.barbules()), down.clone());
+        let half_width = 0.5e-3 * feather.downy.ramus_width_um;
+        let ramus = Ramus { substance: down, half_width, height: 1.0 };
+        let downy = Barbs { ramus, rows: [barbule.clone(), barbule], pattern: None };
+        let sides = [(&vane, &grown.envelopes), (&downy, &grown.downy_envelopes)];
+        let parts = sides.into_iter().flat_map(|(barbs, envelopes)| {
+            envelopes.iter().zip([-1.0, 1.0]).map(move |(geometry, barb_side)| {
+                let Barbs { ramus, rows, pattern } = barbs.clone();
+                let tip = tip_side(barb_side);
+                let barb = BarbSurface::new(model, ramus, rows, tip, pattern, self.pale.clone());
+                (geometry.clone(), Surface::Barb(Box::new(barb)))
+            })
+        });
+        parts.collect()
     }
+}
+
+/// What barbs of one kind are made of.
+#[derive(Clone)]
+struct Barbs {
+    ramus: Ramus,
+    rows: [(Row, Substance); 2],
+    pattern: Option<Pattern>,
 }

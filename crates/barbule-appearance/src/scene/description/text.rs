@@ -81,6 +81,7 @@ impl SceneDescription {
                 .filter_map(|(name, fibre)| Some((name.to_owned(), fibre.as_ref()?.table())));
             parts.extend(fibres);
             parts.insert("pale".to_owned(), surfaces.pale.table());
+            parts.insert("down".to_owned(), surfaces.down.table());
             parts.extend(self.named_surfaces.iter().map(|(name, surface)| (name.clone(), surface.table())));
         }
         put("surfaces", parts);

@@ -1,21 +1,24 @@
-//! Barbs: where they leave the shaft, their curves and their rami.
+//! Barbs in space: their curves and their rami.
 
 use std::f64::consts::TAU;
 
-use glam::{DVec3, Vec2};
+use glam::{DVec2, DVec3, Vec2};
 
-use super::shaft::{Shaft, tube_triangles};
-use super::{BarbShape, Feather, VaneDisc};
+use super::loose::Loose;
+use super::outline::Vane;
+use super::row::{FlatBarb, PATH_STEPS, Row};
+use super::shaft::{Shaft, Station, tube_triangles};
+use super::{BarbShape, Feather, SplitShape, VaneDisc, split};
 use crate::bsdf::{RAMUS_DEPTH, ramus_taper};
-use crate::math::rng::{Stream, hash};
+use crate::math::rng::hash;
 use crate::scene::geometry::{CurveNode, Geometry, Mesh};
 
 /// Steps of a barb's curve.
 const STEPS: usize = 24;
 /// Corners of the surface around a ramus.
 const AROUND: usize = 8;
-/// Least sine of the insertion angle: barbs parallel to the shaft would never leave it.
-const LEAST_SINE: f64 = 0.15;
+/// Where barbs leave the shaft, over half its height.
+const BASE_HEIGHT: f64 = 0.3;
 
 /// One barb: a curve with the vane's normal along it.
 #[derive(Debug, Clone)]
@@ -34,8 +37,16 @@ pub struct Barb {
     pub id: u64,
     /// Half the width of the ramus at the base, mm.
     pub radius_mm: f64,
+    /// The vane it belongs to.
+    pub vane: Vane,
     /// Arc length of its base on the shaft, mm.
-    pub station_mm: f64,
+    pub along_mm: f64,
+    /// Whether it is downy: no hooks hold it, and its barbules are those of [`Feather::downy`].
+    pub is_loose: bool,
+    /// Whether it belongs to the tuft at the vane's tip.
+    pub is_tuft: bool,
+    /// Whether nothing holds its distal and its proximal barbules: it is loose, or the vane gapes there.
+    pub is_free: [bool; 2],
 }
 
 /// All barbs of one side whose bases can reach into a window.
@@ -47,107 +58,124 @@ pub(super) fn along(
     seed: u64,
     identity: u64,
 ) -> Vec<Barb> {
-    let shape = &feather.barbs;
-    let [first, last] = shaft.vane_range();
-    let side_name = u64::from(side > 0.0);
-    let mut barbs = Vec::new();
-    let mut s = first + 0.5e-3 * shape.spacing_um * Stream::new(seed, &[identity, side_name]).unit();
-    let mut index = 0u64;
-    while s < last {
-        let t = shaft.vane(s);
-        let smooth = t * t * (3.0 - 2.0 * t);
-        let angle = shape.base_angle + (shape.tip_angle - shape.base_angle) * smooth;
-        let id = hash(seed, &[identity, 1, side_name, index]);
-        let reaches = |radius: f64| {
-            let before = window.along_mm - (3.0 + 1.0 / angle.tan()) * radius;
-            s > before && s < window.along_mm + 1.2 * radius
-        };
-        if window.radius_mm.is_none_or(reaches) {
-            barbs.push(grow(feather, shaft, side, s, angle, id));
-        }
-        s += 1e-3 * shape.spacing_um / libm::sin(angle).max(LEAST_SINE);
-        index += 1;
-    }
+    let flat = laid_out(feather, shaft, side, seed, identity);
+    let reaches = |barb: &&FlatBarb| {
+        window.radius_mm.is_none_or(|radius| {
+            barb.along > window.along_mm - barb.length - radius && barb.along < window.along_mm + 1.2 * radius
+        })
+    };
+    flat.iter().filter(reaches).map(|barb| raised(feather, shaft, side, barb)).collect()
+}
+
+/// The barbs of one side in the plane of the vane, after all that befell them.
+pub(super) fn laid_out(
+    feather: &Feather,
+    shaft: &Shaft,
+    side: f64,
+    seed: u64,
+    identity: u64,
+) -> Vec<FlatBarb> {
+    let vane = feather.vane_at(side);
+    // Draws belong to the vane, not to the side: a feather of the other wing is the mirror image.
+    let name = hash(seed, &[identity, u64::from(vane == Vane::Leading)]);
+    let mut barbs = Row { feather, shaft, vane, name }.barbs();
+    split::open(feather, &mut barbs, SplitShape::name(name));
+    split::clump(&feather.disorder, &mut barbs);
     barbs
 }
 
-fn grow(feather: &Feather, shaft: &Shaft, side: f64, s: f64, angle: f64, id: u64) -> Barb {
-    let shape = &feather.barbs;
-    let mut stream = Stream::new(id, &[]);
-    let disorder = &feather.disorder;
-    let angle = angle + disorder.barb_angle * stream.normal();
-    let s = s + disorder.barb_spacing * 1e-3 * shape.spacing_um * stream.normal();
-    let station = shaft.at(s);
-    let length = outline_length(shape, shaft, s, angle) * (1.0 + disorder.barb_length * stream.normal());
-    let radius_mm = 0.5e-3 * shape.width_um;
-    let step = length / STEPS as f64;
-    // A slow wave keeps neighbouring barbs from being copies of each other.
-    let (wave, phase) = (0.012 * stream.normal(), stream.unit() * TAU);
-    let flat = |u: f64| {
-        let turned = angle - shape.curl * u + wave * libm::sin(phase + 5.0 * u);
-        (libm::sin(turned), libm::cos(turned))
-    };
-    let sink = |x: f64| shape.camber * x * x / shape.half_width_mm;
-    let start = shaft.radius(s);
-    let (mut x, mut y) = (0.75 * start, 0.0);
-    let mut points = Vec::with_capacity(STEPS + 1);
-    for i in 0..=STEPS {
-        let z = 0.3 * start * shaft.height() - sink(x);
-        points.push(station.point + station.right * (side * x) + station.tip * y + station.normal * z);
-        let (sin, cos) = flat((i as f64 + 0.5) / STEPS as f64);
-        x += sin * step;
-        y += cos * step;
-    }
-    let tangents: Vec<DVec3> =
-        (0..=STEPS).map(|i| (points[(i + 1).min(STEPS)] - points[i.saturating_sub(1)]).normalize()).collect();
-    let normals = tangents
-        .iter()
-        .map(|t| {
-            let slope = station.normal - *t * t.dot(station.normal);
-            slope.normalize_or(station.normal)
+/// A barb on the curved vane, at equal steps of its arc length in space.
+fn raised(feather: &Feather, shaft: &Shaft, side: f64, flat: &FlatBarb) -> Barb {
+    let vane = feather.vane_at(side);
+    let base = shaft.at(flat.along);
+    let loose = Loose::new(&feather.downy, flat, &base, side);
+    let path: Vec<DVec3> = (0..=PATH_STEPS)
+        .map(|i| {
+            let u = i as f64 / PATH_STEPS as f64;
+            let point = on_vane(feather, shaft, side, vane, flat.path[i], flat.under * u * u);
+            loose.as_ref().map_or(point, |loose| loose.moved(point, u, &base))
         })
         .collect();
-    Barb { points, tangents, normals, length_mm: length, side, id, radius_mm, station_mm: s }
-}
-
-/// Length at which a straight barb reaches the vane's outline, mm (bisection: the first crossing).
-fn outline_length(shape: &BarbShape, shaft: &Shaft, s: f64, angle: f64) -> f64 {
-    let (sin, cos) = (libm::sin(angle).max(LEAST_SINE), libm::cos(angle));
-    let outline = |along: f64| shape.outline(shaft.vane(along));
-    let outside = |l: f64| l * sin >= outline(s + l * cos);
-    let longest = shape.half_width_mm / sin;
-    let steps = 64;
-    let mut high = longest;
-    for i in 1..=steps {
-        let l = longest * f64::from(i) / f64::from(steps);
-        if outside(l) {
-            high = l;
-            break;
+    let (points, length_mm) = evenly(&path);
+    let tangents: Vec<DVec3> = (0..=STEPS)
+        .map(|i| (points[(i + 1).min(STEPS)] - points[i.saturating_sub(1)]).normalize_or(base.tip))
+        .collect();
+    let width = if loose.is_some() { feather.downy.ramus_width_um } else { feather.barbs.width_um };
+    let normals = match loose {
+        Some(_) => carried(base.normal, &tangents),
+        None => {
+            let y = |i: usize| flat.path[i * PATH_STEPS / STEPS].y;
+            tangents.iter().enumerate().map(|(i, t)| across(shaft.at(y(i)).normal, *t)).collect()
         }
+    };
+    Barb {
+        points,
+        tangents,
+        normals,
+        length_mm,
+        side,
+        id: flat.id,
+        radius_mm: 0.5e-3 * width,
+        vane,
+        along_mm: flat.along,
+        is_loose: flat.looseness > 0.0,
+        is_tuft: flat.is_tuft,
+        is_free: flat.is_free,
     }
-    let mut low = (high - longest / f64::from(steps)).max(0.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if outside(middle) { high = middle } else { low = middle }
-    }
-    high.max(0.05)
 }
 
-impl BarbShape {
-    /// Half width of the vane at a share of its length, mm.
-    fn outline(&self, t: f64) -> f64 {
-        let t = t.clamp(0.0, 1.0);
-        let (a, b) = (self.outline_base, self.outline_tip);
-        let middle = a / (a + b);
-        self.half_width_mm * libm::pow(t / middle, a) * libm::pow((1.0 - t) / (1.0 - middle), b)
-    }
+/// A point of the vane's plane on the vane itself: beside the shaft's station there, sunk by the camber, raised by the dihedral.
+fn on_vane(feather: &Feather, shaft: &Shaft, side: f64, vane: Vane, at: DVec2, under: f64) -> DVec3 {
+    let shape = &feather.barbs;
+    let Station { point, right, normal, .. } = shaft.at(at.y);
+    let half = match vane {
+        Vane::Leading => shape.leading_half_width_mm,
+        Vane::Trailing => shape.trailing_half_width_mm,
+    };
+    let start = BASE_HEIGHT * shaft.radius(at.y) * shaft.height(at.y);
+    let z = start + libm::tan(shape.dihedral) * at.x - shape.camber * at.x * at.x / half - under;
+    point + right * (side * at.x) + normal * z
+}
 
-    /// Area of one side of a vane of this length, mm² (midpoint rule).
-    pub(super) fn half_area(&self, vane_mm: f64) -> f64 {
-        const PARTS: u32 = 200;
-        let parts = (0..PARTS).map(|i| self.outline((f64::from(i) + 0.5) / f64::from(PARTS)));
-        parts.sum::<f64>() * vane_mm / f64::from(PARTS)
+/// The part of a normal across a tangent.
+fn across(normal: DVec3, tangent: DVec3) -> DVec3 {
+    (normal - tangent * tangent.dot(normal)).normalize_or(normal)
+}
+
+/// A normal carried along a curve without turning about it.
+fn carried(normal: DVec3, tangents: &[DVec3]) -> Vec<DVec3> {
+    let begin = across(normal, tangents[0]);
+    let mut at =
+        if begin.dot(tangents[0]).abs() < 0.5 { begin } else { tangents[0].any_orthonormal_vector() };
+    tangents
+        .iter()
+        .map(|tangent| {
+            at = across(at, *tangent);
+            at
+        })
+        .collect()
+}
+
+/// A path's points at equal steps of its arc length, and that length.
+fn evenly(path: &[DVec3]) -> (Vec<DVec3>, f64) {
+    let mut arcs = vec![0.0];
+    for pair in path.windows(2) {
+        arcs.push(arcs[arcs.len() - 1] + (pair[1] - pair[0]).length());
     }
+    let length = arcs[arcs.len() - 1];
+    let mut segment = 0;
+    let points = (0..=STEPS)
+        .map(|i| {
+            let arc = length * i as f64 / STEPS as f64;
+            while segment + 2 < path.len() && arcs[segment + 1] < arc {
+                segment += 1;
+            }
+            let step = arcs[segment + 1] - arcs[segment];
+            let rest = if step > 0.0 { ((arc - arcs[segment]) / step).min(1.0) } else { 0.0 };
+            path[segment].lerp(path[segment + 1], rest)
+        })
+        .collect();
+    (points, length)
 }
 
 impl Barb {
@@ -173,19 +201,24 @@ impl Barb {
         self.radius_mm * ramus_taper(share)
     }
 
-    /// Adds the ramus as a round fibre of its width.
-    pub(super) fn fibre(&self, geometry: &mut Geometry, origin: DVec3) {
-        let mut nodes = Vec::with_capacity(STEPS + 1);
-        for ring in 0..=STEPS {
+    /// The ramus as a round fibre of its width.
+    #[must_use]
+    pub fn nodes(&self, origin: DVec3) -> Vec<CurveNode> {
+        let node = |ring: usize| {
             let half = self.half_width(ring as f64 / STEPS as f64);
             let centre = self.points[ring] - self.normals[ring] * (RAMUS_DEPTH * half);
-            nodes.push(CurveNode {
+            CurveNode {
                 point: (centre - origin).as_vec3(),
                 radius: half as f32,
                 vane_normal: self.normals[ring].as_vec3(),
-            });
-        }
-        geometry.add_curve(&nodes, self.id);
+            }
+        };
+        (0..=STEPS).map(node).collect()
+    }
+
+    /// Adds the ramus as a round fibre of its width.
+    pub(super) fn fibre(&self, geometry: &mut Geometry, origin: DVec3) {
+        geometry.add_curve(&self.nodes(origin), self.id);
     }
 
     /// Adds the ramus: a tube taller than wide.

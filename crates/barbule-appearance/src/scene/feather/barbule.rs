@@ -90,7 +90,7 @@ pub(super) fn along(
             swelling: row.swelling as f32,
             ..Ribbon::default()
         };
-        let is_dark = pattern.is_none_or(|pattern| pattern.is_dark(barb.station_mm, along, id));
+        let is_dark = pattern.is_none_or(|pattern| pattern.is_dark(barb.along_mm, along, id));
         if is_dark { &mut *dark } else { &mut *pale }.add_ribbon(&nodes, ribbon);
     }
 }

@@ -62,7 +62,7 @@ pub(super) fn add(geometry: &mut Geometry, barb: &Barb, rows: &[Row; 2], roll: f
     let ribbon = Ribbon {
         id: barb.id,
         cell: barb.length_mm as f32,
-        station: barb.station_mm as f32,
+        station: barb.along_mm as f32,
         ..Ribbon::default()
     };
     geometry.add_ribbon(&nodes, ribbon);

@@ -15,36 +15,42 @@ const PLAIN: f64 = 1.0;
 /// Radians in a degree: degrees in files, radians in memory.
 const DEGREES: f64 = PI / 180.0;
 
-/// A table of sizes: a struct with one number a key, each with its key in files, unit and range there, and what it is where a file
-/// leaves it out; without such it is needed.
+/// A table of sizes: a struct with one number a key, each with its key in files, unit and range there.
 macro_rules! sizes {
     ($(#[$about:meta])* $name:ident {
-        $($(#[$doc:meta])* $field:ident: $key:literal in $unit:ident, $low:literal to $high:literal $(else $usual:literal)?;)*
+        $($(#[$doc:meta])* $field:ident: $key:literal in $unit:ident, $low:literal to $high:literal;)*
     }) => {
         $(#[$about])*
         #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
         pub struct $name { $($(#[$doc])* pub $field: f64,)* }
 
         impl $name {
+            /// The keys in files with their least and largest values there.
+            pub(super) const RANGES: &[(&str, [f64; 2])] = &[$(($key, [$low as f64, $high as f64])),*];
+
+            /// The keys in files.
+            pub(super) fn keys() -> Vec<&'static str> {
+                Self::RANGES.iter().map(|(key, _)| *key).collect()
+            }
+
             /// Reads a table; what it leaves out is as `usual`, where there is such.
-            fn read(table: &Value, place: &str, usual: Option<&Self>) -> Result<Self> {
-                let fields = Fields::new(table, place, &[$($key),*])?;
+            pub(super) fn read(table: &Value, place: &str, usual: Option<&Self>) -> Result<Self> {
+                let fields = Fields::new(table, place, &Self::keys())?;
                 Ok(Self {
                     $($field: match usual {
                         Some(usual) if fields.get($key).is_none() => usual.$field,
-                        $(_ if fields.get($key).is_none() => $usual * $unit,)?
                         _ => fields.number_within($key, $low as f64, $high as f64)? * $unit,
                     },)*
                 })
             }
 
             /// The table that is read as these very sizes.
-            fn table(&self) -> Value {
+            pub(super) fn table(&self) -> Value {
                 Value::Object([$(($key.to_owned(), in_file(self.$field, $unit).into()),)*].into_iter().collect())
             }
 
             /// Refuses the first size out of its range.
-            fn check(&self, place: &str) -> Result<()> {
+            pub(super) fn check(&self, place: &str) -> Result<()> {
                 $(within(self.$field, $unit, ($low as f64, $high as f64), place, $key)?;)*
                 Ok(())
             }
@@ -80,8 +86,18 @@ sizes! {
         tip_radius_mm: "tip_radius_mm" in PLAIN, 0.0001 to 20;
         /// Exponent of the taper.
         taper: "taper" in PLAIN, 0 to 10;
-        /// Height over width of the cross-section.
+        /// Height over width of the quill's cross-section.
         height: "height_over_width" in PLAIN, 0.05 to 20;
+        /// Height over width at the tip; between them it changes evenly.
+        tip_height: "tip_height_over_width" in PLAIN, 0.05 to 20;
+        /// Exponent of the rachis' superelliptic cross-section: 2 is an ellipse, more is squarer. The quill is elliptic.
+        squareness: "superellipse" in PLAIN, 1 to 10;
+        /// Height of the rachis' lower half over that of its upper half.
+        ventral_height: "ventral_height_share" in PLAIN, 0.05 to 5;
+        /// Depth of the groove along the rachis' underside over the height of its lower half.
+        groove: "groove_share" in PLAIN, 0 to 0.9;
+        /// Radius of the opening at the quill's end (umbilicus) over that of the quill.
+        umbilicus: "umbilicus_share" in PLAIN, 0.05 to 1;
         /// Bend in the vane's plane at the tip, the part linear in the arc length, rad.
         bend: "bend_deg" in DEGREES, -360 to 360;
         /// The part quadratic in the arc length, rad.
@@ -90,6 +106,8 @@ sizes! {
         arch: "arch_deg" in DEGREES, -360 to 360;
         /// The part quadratic in the arc length, rad.
         arch_quadratic: "arch_quadratic_deg" in DEGREES, -360 to 360;
+        /// Turn of the vane about the shaft at the tip, rad: positive raises the right vane.
+        torsion: "torsion_deg" in DEGREES, -360 to 360;
     }
 }
 
@@ -98,24 +116,38 @@ sizes! {
     BarbShape {
         /// Distance between neighbours, perpendicular to them, µm.
         spacing_um: "spacing_um" in PLAIN, 5 to 10000;
-        /// Angle to the shaft at the vane's base, rad.
-        base_angle: "base_angle_deg" in DEGREES, 1 to 89;
-        /// Angle to the shaft at the vane's tip, rad.
-        tip_angle: "tip_angle_deg" in DEGREES, 1 to 89;
+        /// Angle of the leading vane's barbs to the shaft at the vane's base, rad.
+        leading_base_angle: "leading_base_angle_deg" in DEGREES, 1 to 89;
+        /// That at the vane's tip, rad.
+        leading_tip_angle: "leading_tip_angle_deg" in DEGREES, 1 to 89;
+        /// Angle of the trailing vane's barbs to the shaft at the vane's base, rad.
+        trailing_base_angle: "trailing_base_angle_deg" in DEGREES, 1 to 89;
+        /// That at the vane's tip, rad.
+        trailing_tip_angle: "trailing_tip_angle_deg" in DEGREES, 1 to 89;
         /// How much a barb turns towards the feather's tip from its base to its end, rad.
         curl: "curl_deg" in DEGREES, -180 to 180;
         /// Sag of the vane at its edge over its half width.
         camber: "camber" in PLAIN, -5 to 5;
+        /// Elevation of the vanes over the plane of the shaft, rad: positive is a V seen from the tip.
+        dihedral: "dihedral_deg" in DEGREES, -60 to 60;
         /// Width of the ramus at its base, µm.
         width_um: "ramus_width_um" in PLAIN, 0.5 to 1000;
         /// Height over width of the ramus.
         height: "ramus_height_over_width" in PLAIN, 0.05 to 20;
-        /// Half width of the vane, mm.
-        half_width_mm: "vane_half_width_mm" in PLAIN, 0.05 to 500;
+        /// Largest width of the leading vane, mm.
+        leading_half_width_mm: "leading_half_width_mm" in PLAIN, 0.05 to 500;
+        /// Largest width of the trailing vane, mm.
+        trailing_half_width_mm: "trailing_half_width_mm" in PLAIN, 0.05 to 500;
         /// Exponent a of the outline w(t) = W (t/t_m)^a ((1 − t)/(1 − t_m))^b, t_m = a/(a + b).
         outline_base: "outline_base" in PLAIN, 0.01 to 10;
         /// Exponent b of the outline.
         outline_tip: "outline_tip" in PLAIN, 0.01 to 10;
+        /// Share of the leading vane's width that its emargination cuts away towards the tip.
+        emargination: "emargination_share" in PLAIN, 0 to 0.95;
+        /// Where that begins, as a share of the vane's length.
+        emargination_start: "emargination_start" in PLAIN, 0 to 1;
+        /// Share of the vane, at its tip, whose barbs are a tuft along the shaft.
+        tuft: "tuft_share" in PLAIN, 0 to 0.3;
     }
 }
 
@@ -145,11 +177,51 @@ sizes! {
         /// Swelling of cells, low arches along the barbule: slope at their ends, rad.
         swelling: "swelling_deg" in DEGREES, 0 to 45;
         /// Length of the dark wall between two cells, µm.
-        wall_um: "wall_um" in PLAIN, 0 to 1000 else 0.0;
+        wall_um: "wall_um" in PLAIN, 0 to 1000;
         /// Slope of the arched cross-section's normal at its edge towards −x, rad; flat where both are 0.
-        arch_low: "arch_low_deg" in DEGREES, -90 to 90 else 0.0;
+        arch_low: "arch_low_deg" in DEGREES, -90 to 90;
         /// At its edge towards +x, rad.
-        arch_high: "arch_high_deg" in DEGREES, -90 to 90 else 0.0;
+        arch_high: "arch_high_deg" in DEGREES, -90 to 90;
+    }
+}
+
+sizes! {
+    /// The plumulaceous part: barbs that no hooks hold together, with long thin barbules.
+    DownyShape {
+        /// Share of the vane, from its base, that is downy.
+        share: "share" in PLAIN, 0 to 1;
+        /// Standard deviation of the angle by which barbs leave the vane's plane, rad.
+        spread: "spread_deg" in DEGREES, 0 to 180;
+        /// How far the barbs wave, over their length.
+        wave: "wave_share" in PLAIN, 0 to 1;
+        /// Length of the waves over that of the barbs.
+        wavelength: "wavelength_share" in PLAIN, 0.02 to 10;
+        /// Length of the barbs, mm; 0: they end on the vane's outline.
+        barb_length_mm: "barb_length_mm" in PLAIN, 0 to 500;
+        /// Width of the ramus at its base, µm.
+        ramus_width_um: "ramus_width_um" in PLAIN, 0.5 to 1000;
+        /// Length of a barbule in the middle of a barb, µm.
+        length_um: "barbule_length_um" in PLAIN, 5 to 10000;
+        /// Its width, µm.
+        width_um: "barbule_width_um" in PLAIN, 0.5 to 1000;
+        /// Distance between barbules along the ramus, µm.
+        spacing_um: "barbule_spacing_um" in PLAIN, 1 to 10000;
+        /// Angle of the barbules to the barb, rad.
+        angle: "barbule_angle_deg" in DEGREES, 0 to 180;
+        /// Distance between the nodes of a barbule, µm.
+        node_um: "node_spacing_um" in PLAIN, 0 to 10000;
+    }
+}
+
+sizes! {
+    /// Splits: places where neighbouring barbs have come unhooked and the vane gapes.
+    SplitShape {
+        /// Mean number in both vanes; their true number is Poisson's.
+        count: "mean_count" in PLAIN, 0 to 100;
+        /// By how much the barbs at a split turn away from it at their ends, rad.
+        opening: "opening_deg" in DEGREES, 0 to 60;
+        /// Number of barbs over which the turn decays, at least; more where barbs would cross.
+        reach: "reach_barbs" in PLAIN, 1 to 1000;
     }
 }
 
@@ -158,8 +230,20 @@ sizes! {
     Disorder {
         /// Of the barbs' lengths, as a share.
         barb_length: "barb_length_share" in PLAIN, 0 to 1;
-        /// Of the barbs' angles, rad.
+        /// Of the barbs' angles, rad: hooks hold neighbours together, so that the angle drifts along the shaft.
         barb_angle: "barb_angle_deg" in DEGREES, 0 to 45;
+        /// Number of barbs over which it drifts.
+        barb_coherence: "barb_coherence" in PLAIN, 1 to 1000;
+        /// Of a slow wave along each barb, rad.
+        barb_wave: "barb_wave_deg" in DEGREES, 0 to 45;
+        /// Of the barbs' ends, as a share of the barbs' spacing.
+        barb_end: "barb_end_share" in PLAIN, 0 to 100;
+        /// Wear: most of a barb's length that is lost, as a share.
+        wear: "wear_share" in PLAIN, 0 to 0.9;
+        /// How far ends of barbs are drawn together in clumps, as wet ones are: 0 not at all, 1 into one point.
+        clump: "clump_share" in PLAIN, 0 to 1;
+        /// Number of barbs in a clump.
+        clump_barbs: "clump_barbs" in PLAIN, 1 to 1000;
         /// Of the barbs' places, as a share of their spacing.
         barb_spacing: "barb_spacing_share" in PLAIN, 0 to 1;
         /// Of the barbules' angles to the barb, rad.
@@ -173,9 +257,9 @@ sizes! {
         /// Turn of a barbule about its own axis, rad, beyond what its material holds.
         barbule_turn: "barbule_turn_deg" in DEGREES, 0 to 45;
         /// Of the nanostructure's size from cell to cell of a barbule, as a share.
-        cell_size: "cell_size_share" in PLAIN, 0 to 0.3 else 0.0;
+        cell_size: "cell_size_share" in PLAIN, 0 to 0.3;
         /// Of the nanostructure's size from barbule to barbule, as a share.
-        barbule_size: "barbule_size_share" in PLAIN, 0 to 0.3 else 0.0;
+        barbule_size: "barbule_size_share" in PLAIN, 0 to 0.3;
     }
 }
 
@@ -184,89 +268,17 @@ sizes! {
     /// as bars lean along the barbs.
     PatternShape {
         /// Distance between dark bars, mm; 0: there are none.
-        bar_spacing_mm: "bar_spacing_mm" in PLAIN, 0 to 1000 else 0.0;
+        bar_spacing_mm: "bar_spacing_mm" in PLAIN, 0 to 1000;
         /// Share of it that is dark.
-        bar_dark: "bar_dark_share" in PLAIN, 0 to 1 else 0.5;
+        bar_dark: "bar_dark_share" in PLAIN, 0 to 1;
         /// How far the coordinate grows on a mm along a barb.
-        bar_lean: "bar_lean" in PLAIN, -5 to 5 else 0.0;
+        bar_lean: "bar_lean" in PLAIN, -5 to 5;
         /// Coordinate at which a pale tip begins, mm; 0: there is none.
-        pale_tip_from_mm: "pale_tip_from_mm" in PLAIN, 0 to 5000 else 0.0;
+        pale_tip_from_mm: "pale_tip_from_mm" in PLAIN, 0 to 5000;
         /// Standard deviation of the edges between dark and pale, mm.
-        edge_mm: "edge_mm" in PLAIN, 0 to 100 else 0.1;
+        edge_mm: "edge_mm" in PLAIN, 0 to 100;
         /// Pigment of pale places over that of dark ones.
-        pale_pigment: "pale_pigment" in PLAIN, 0 to 1 else 0.05;
-    }
-}
-
-/// A whole feather.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Feather {
-    /// The shaft.
-    pub shaft: ShaftShape,
-    /// The barbs.
-    pub barbs: BarbShape,
-    /// Barbules on the barbs' side that faces the feather's tip.
-    pub distal: BarbuleShape,
-    /// Barbules on the other side.
-    pub proximal: BarbuleShape,
-    /// Random differences.
-    pub disorder: Disorder,
-    /// Where it is dark.
-    pub pattern: PatternShape,
-}
-
-impl Feather {
-    /// Reads the table `[feather]` of a preset, scene or species. `[feather.proximal]` may leave out what is as in
-    /// `[feather.distal]`, and some keys have usual values; every other key is needed.
-    ///
-    /// # Errors
-    /// An unknown or missing key, or a size out of its range; the message names the key.
-    pub fn read(table: &Value) -> Result<Self> {
-        let fields =
-            Fields::new(table, "feather", &["shaft", "barbs", "distal", "proximal", "disorder", "pattern"])?;
-        let need = |key: &str| fields.need(key, &format!("the table [feather.{key}]"));
-        let distal = BarbuleShape::read(need("distal")?, "feather.distal", None)?;
-        let proximal = match fields.get("proximal") {
-            Some(table) => BarbuleShape::read(table, "feather.proximal", Some(&distal))?,
-            None => distal,
-        };
-        Ok(Self {
-            shaft: ShaftShape::read(need("shaft")?, "feather.shaft", None)?,
-            barbs: BarbShape::read(need("barbs")?, "feather.barbs", None)?,
-            distal,
-            proximal,
-            disorder: Disorder::read(need("disorder")?, "feather.disorder", None)?,
-            pattern: {
-                let none = serde_json::json!({});
-                PatternShape::read(fields.get("pattern").unwrap_or(&none), "feather.pattern", None)?
-            },
-        })
-    }
-
-    /// The table `[feather]` that is read as this very feather.
-    #[must_use]
-    pub fn table(&self) -> Value {
-        serde_json::json!({
-            "shaft": self.shaft.table(),
-            "barbs": self.barbs.table(),
-            "distal": self.distal.table(),
-            "proximal": self.proximal.table(),
-            "disorder": self.disorder.table(),
-            "pattern": self.pattern.table(),
-        })
-    }
-
-    /// Refuses sizes that make no feather.
-    ///
-    /// # Errors
-    /// The first size out of its range, by its key in files.
-    pub fn check(&self) -> Result<()> {
-        self.shaft.check("feather.shaft")?;
-        self.barbs.check("feather.barbs")?;
-        self.distal.check("feather.distal")?;
-        self.proximal.check("feather.proximal")?;
-        self.disorder.check("feather.disorder")?;
-        self.pattern.check("feather.pattern")
+        pale_pigment: "pale_pigment" in PLAIN, 0 to 1;
     }
 }
 
