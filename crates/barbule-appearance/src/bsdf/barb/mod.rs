@@ -202,7 +202,7 @@ impl BarbSurface {
             Substance::Keratin(keratin) => keratin.bind(&place, wo, wavelengths),
             Substance::Fibre(hair) => hair.bind(&on_fibre(&place, along, met.across, wo), wo, wavelengths),
         };
-        bsdf.shaded(Shade { blind: *blind, ahead, up })
+        bsdf.shaded(super::Shade::Row(Shade { blind: *blind, ahead, up }))
     }
 
     /// See [`super::Surface::opacity`]: 0 in gaps. The ray may come from either end.
