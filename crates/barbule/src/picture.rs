@@ -40,7 +40,7 @@ impl Set {
     /// A number of the scene out of range, or a scene whose sky is an image when none is given.
     pub fn new(
         scene: &SceneDescription,
-        brdf: Arc<FeatherBrdf>,
+        brdf: impl Into<Option<Arc<FeatherBrdf>>>,
         sky: Option<Sky>,
         seed: u64,
     ) -> Result<Self> {

@@ -32,7 +32,8 @@ mod vane;
 use glam::DVec3;
 
 pub use barb::{
-    BarbModel, BarbSurface, RAMUS_DEPTH, RAMUS_ROOT, Ramus, Row, RowDisorder, Substance, axes, ramus_taper,
+    BarbModel, BarbSurface, Pattern, RAMUS_DEPTH, RAMUS_ROOT, Ramus, Row, RowDisorder, Substance, axes,
+    ramus_taper,
 };
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;

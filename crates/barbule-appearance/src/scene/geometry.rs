@@ -170,6 +170,25 @@ impl Geometry {
         self.curves.push(Curve { first, count: nodes.len() as u32, id });
     }
 
+    /// The same with round curves in place of ribbons: as wide, with the normals of the ribbons' upper sides as the vane's.
+    #[must_use]
+    pub fn ribbons_as_curves(mut self) -> Self {
+        let ribbons = std::mem::take(&mut self.ribbons);
+        let nodes = std::mem::take(&mut self.ribbon_nodes);
+        for ribbon in ribbons {
+            let own = &nodes[ribbon.first as usize..(ribbon.first + ribbon.count) as usize];
+            let curve: Vec<CurveNode> = (0..own.len())
+                .map(|i| {
+                    let along = own[(i + 1).min(own.len() - 1)].point - own[i.saturating_sub(1)].point;
+                    let vane_normal = own[i].across.cross(along).normalize_or(Vec3::Z);
+                    CurveNode { point: own[i].point, radius: own[i].across.length(), vane_normal }
+                })
+                .collect();
+            self.add_curve(&curve, ribbon.id);
+        }
+        self
+    }
+
     /// The nodes of a ribbon.
     #[must_use]
     pub fn nodes_of(&self, ribbon: &Ribbon) -> &[RibbonNode] {

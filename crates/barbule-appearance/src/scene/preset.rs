@@ -11,6 +11,8 @@ const PRESETS: &[(&str, &str)] = &[
     ("mallard", include_str!("presets/mallard.toml")),
     ("magpie", include_str!("presets/magpie.toml")),
     ("peafowl", include_str!("presets/peafowl.toml")),
+    ("starling-feather", include_str!("presets/starling-feather.toml")),
+    ("osprey", include_str!("presets/osprey.toml")),
 ];
 
 /// The presets' names.

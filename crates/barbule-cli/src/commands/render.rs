@@ -19,7 +19,7 @@ use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND};
 use barbule::scene::description::{
     Background, Bearing, LightColour, Motion, Moved, ObjectShape, SceneDescription, SkyDescription, SkyImage,
-    USUAL_ARC_DEG,
+    USUAL_ARC_DEG, ViewModel,
 };
 use barbule::scene::preset;
 use barbule::scene::sky::Sky;
@@ -71,6 +71,9 @@ pub(crate) struct Args {
     /// Factor from radiance to the picture's values; auto: so that its mean is that of a grey card
     #[arg(long, value_name = "X|auto", allow_hyphen_values = true, value_parser = flags::exposure)]
     exposure: Option<flags::Exposure>,
+    /// How barbs are seen: with their rami and barbules, as one fibre each, or both side by side
+    #[arg(long, value_name = "substructure|fibre|both", value_parser = flags::view_model)]
+    view_model: Option<ViewModel>,
     /// What is seen behind the feather: sky, none (the picture is cut out), a colour #rrggbb, or a .png or .exr
     #[arg(long, value_name = "sky|none|#RRGGBB|FILE", value_parser = flags::background)]
     background: Option<Background>,
@@ -125,15 +128,7 @@ impl Args {
             SkyDescription::Image(_) | SkyDescription::Gradient { .. } => None,
         };
         let (sky, sky_name) = image.unzip();
-        let (material, hash) = materials::find(&description.material, &self.common)?;
-        let thinned = thinned(&material);
-        if let Some(every) = thinned {
-            self.common.say(&format!(
-                "the material is thinned, a quick look: every {every} wavelengths and directions, {} instances",
-                material.info["campaign"]["instances"]
-            ));
-        }
-        let brdf = Arc::new(FeatherBrdf::new(&material, Options::default())?);
+        let (brdf, hash, thinned) = self.material(&description)?;
         let terminal = Terminal::new(&self.common).keeping_what_is_done();
         let set = self.set(&description, brdf, sky)?;
         let mut reports = Vec::new();
@@ -152,6 +147,26 @@ impl Args {
         Ok(())
     }
 
+    /// What the barbules are made of, where that is a material with tables, with its hash; and whether it was a quick look, see
+    /// [`Job::thinned`].
+    fn material(
+        &self,
+        description: &SceneDescription,
+    ) -> Result<(Option<Arc<FeatherBrdf>>, String, Option<usize>)> {
+        if !description.needs_material() {
+            return Ok((None, "none".to_owned(), None));
+        }
+        let (material, hash) = materials::find(&description.material, &self.common)?;
+        let thinned = thinned(&material);
+        if let Some(every) = thinned {
+            self.common.say(&format!(
+                "the material is thinned, a quick look: every {every} wavelengths and directions, {} instances",
+                material.info["campaign"]["instances"]
+            ));
+        }
+        Ok((Some(Arc::new(FeatherBrdf::new(&material, Options::default())?)), hash, thinned))
+    }
+
     /// The scene with the changes that the flags ask for, and whether there are any.
     fn description(&self) -> Result<(SceneDescription, bool)> {
         let mut description = scene_arg::parse(&self.scene, &self.common)?;
@@ -168,6 +183,9 @@ impl Args {
             description.camera.position = None;
             description.camera.width_mm = width_mm.unwrap_or(description.camera.width_mm);
             description.check().map_err(|e| e.at("--view"))?;
+        }
+        if let Some(view_model) = self.view_model {
+            description.detail.view_model = view_model;
         }
         if let Some(flags::Exposure(exposure)) = self.exposure {
             description.exposure = exposure;
@@ -309,7 +327,12 @@ impl Args {
     }
 
     /// What all frames share: the feather with its hierarchy, and the sky.
-    fn set(&self, description: &SceneDescription, brdf: Arc<FeatherBrdf>, sky: Option<Sky>) -> Result<Set> {
+    fn set(
+        &self,
+        description: &SceneDescription,
+        brdf: Option<Arc<FeatherBrdf>>,
+        sky: Option<Sky>,
+    ) -> Result<Set> {
         let begun = Instant::now();
         let set = Set::new(description, brdf, sky, self.common.seed)?;
         let counts = set.counts();

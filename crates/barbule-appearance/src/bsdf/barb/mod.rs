@@ -6,17 +6,19 @@
 //! rows is that of ribbons that are grown one by one, so both look the same.
 
 mod lookup;
+mod pattern;
 mod row;
 
 use glam::DVec3;
 
+pub use pattern::Pattern;
 pub use row::{Row, RowDisorder, axes, ramus_taper};
 
 use self::lookup::{Barbule, Blind, Lookup, Met, Place};
 use super::Bsdf;
 use super::feather::BarbuleSurface;
 use super::frame::Frame;
-use super::hair::Hair;
+use super::hair::{FibreSection, Hair};
 use super::hit::{Hit, OnRibbon};
 use super::keratin::Keratin;
 use crate::math::rng::hash;
@@ -49,7 +51,7 @@ pub struct Ramus {
     pub substance: Substance,
     /// Half its width at the base, mm.
     pub half_width: f64,
-    /// Height over width.
+    /// Height over width of one that is no fibre.
     pub height: f64,
 }
 
@@ -62,6 +64,10 @@ pub struct BarbSurface {
     rows: [(Lookup, Substance); 2],
     /// On which side of the ribbon the feather's tip lies: ±1 of x.
     tip: f64,
+    /// Where it has pigment; everywhere, if there is none.
+    pattern: Option<Pattern>,
+    /// What plates are where it has none.
+    pale: Keratin,
 }
 
 /// What a ray met within the envelope.
@@ -89,17 +95,24 @@ impl Shade {
 
 impl BarbSurface {
     /// `rows`: the barbules towards the feather's tip and the others; `tip`: ±1, on which side of the ribbon the feather's tip
-    /// lies.
+    /// lies. `pattern`: where it has pigment, with what plates are where they have none.
     #[must_use]
-    pub fn new(model: BarbModel, ramus: Ramus, rows: [(Row, Substance); 2], tip: f64) -> Self {
+    pub fn new(
+        model: BarbModel,
+        ramus: Ramus,
+        rows: [(Row, Substance); 2],
+        tip: f64,
+        pattern: Option<Pattern>,
+        pale: Keratin,
+    ) -> Self {
         let rows = rows.map(|(row, substance)| {
             let round = match &substance {
                 Substance::Plate(_) | Substance::Keratin(_) => None,
-                Substance::Fibre(_) => Some(1.0),
+                Substance::Fibre(hair) => Some(hair.height_over_width()),
             };
             (Lookup::new(row, round), substance)
         });
-        Self { model, ramus, rows, tip }
+        Self { model, ramus, rows, tip, pattern, pale }
     }
 
     /// The barb's direction, the direction across it and the vane's normal.
@@ -113,7 +126,7 @@ impl BarbSurface {
     #[inline]
     fn meet(&self, hit: &Hit, wo: DVec3) -> Option<Part> {
         if self.model == BarbModel::Fibre {
-            return Some(Part::Ramus(hit.uv[1]));
+            return Some(Part::Ramus(hit.uv[1] * hit.frame.z.dot(wo).signum()));
         }
         let [tangent, across, normal] = self.axes(hit);
         let on = &hit.ribbon;
@@ -122,7 +135,10 @@ impl BarbSurface {
         let (dx, dz) = (wo.dot(across), wo.dot(normal));
         let length = (dx * dx + dz * dz).sqrt().max(f64::MIN_POSITIVE);
         // An ellipse whose middle lies a little below the plane of the barbules.
-        let height = self.ramus.height;
+        let height = match &self.ramus.substance {
+            Substance::Fibre(hair) => hair.height_over_width(),
+            Substance::Plate(_) | Substance::Keratin(_) => self.ramus.height,
+        };
         let silhouette = half_width * (dz * dz + height * height * dx * dx).sqrt() / length;
         let offset = (x * dz + RAMUS_DEPTH * half_width * height * dx) / (length * silhouette);
         if offset.abs() <= 1.0 && hit.uv[0] <= on.cell_length {
@@ -159,12 +175,31 @@ impl BarbSurface {
 
     #[inline]
     fn bind_ramus<'a>(&'a self, offset: f64, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
-        let [tangent, ..] = self.axes(hit);
-        let met = on_fibre(hit, tangent, offset, wo);
+        let [tangent, _, normal] = self.axes(hit);
+        let met = || on_fibre(hit, tangent, offset, wo);
         match &self.ramus.substance {
-            Substance::Plate(plate) => plate.bind(&met, wo, wavelengths),
-            Substance::Keratin(keratin) => keratin.bind(&met, wo, wavelengths),
-            Substance::Fibre(hair) => hair.bind(&met, wo, wavelengths),
+            Substance::Plate(plate) => plate.bind(&met(), wo, wavelengths),
+            Substance::Keratin(keratin) => keratin.bind(&met(), wo, wavelengths),
+            Substance::Fibre(hair) => {
+                let pigment = self.pigment(hit, hit.uv[0], hit.id);
+                let section = FibreSection { axis: tangent, up: normal, offset: -offset, pigment };
+                hair.bind_section(&section, wo, wavelengths)
+            }
+        }
+    }
+
+    /// Whether a part of this name, so far along the barb, is dark.
+    #[inline]
+    fn is_dark(&self, hit: &Hit, arc: f64, name: u64) -> bool {
+        self.pattern.is_none_or(|pattern| pattern.is_dark(hit.ribbon.station, arc, name))
+    }
+
+    /// Its pigment over that of dark places.
+    #[inline]
+    fn pigment(&self, hit: &Hit, arc: f64, name: u64) -> f64 {
+        match self.pattern {
+            Some(pattern) if !self.is_dark(hit, arc, name) => pattern.pale,
+            Some(_) | None => 1.0,
         }
     }
 
@@ -198,9 +233,16 @@ impl BarbSurface {
             ..*hit
         };
         let bsdf = match substance {
+            Substance::Plate(_) if !self.is_dark(hit, hit.uv[0], met.id) => {
+                self.pale.bind(&place, wo, wavelengths)
+            }
             Substance::Plate(surface) => surface.bind(&place, wo, wavelengths),
             Substance::Keratin(keratin) => keratin.bind(&place, wo, wavelengths),
-            Substance::Fibre(hair) => hair.bind(&on_fibre(&place, along, met.across, wo), wo, wavelengths),
+            Substance::Fibre(hair) => {
+                let pigment = self.pigment(hit, hit.uv[0], met.id);
+                let section = FibreSection { axis: along, up: plate, offset: side * met.across, pigment };
+                hair.bind_section(&section, wo, wavelengths)
+            }
         };
         bsdf.shaded(super::Shade::Row(Shade { blind: *blind, ahead, up }))
     }
@@ -222,7 +264,7 @@ const LEAST_RISE: f64 = 0.05;
 /// Where barbules are rooted in a ramus, over half its width.
 pub const RAMUS_ROOT: f64 = 0.8;
 
-/// The hit on a round fibre about this axis that a viewer's ray meets so far from the middle.
+/// The hit on a round tube about this axis that a viewer's ray meets so far from the middle.
 #[inline]
 fn on_fibre(hit: &Hit, axis: DVec3, offset: f64, wo: DVec3) -> Hit {
     let towards = (wo - axis * axis.dot(wo)).normalize_or(hit.frame.z);

@@ -75,6 +75,8 @@ pub struct FibreSection {
     /// Signed distance of the viewer's ray from the axis over half the width that is seen, −1 … 1; positive on the side of
     /// `wo` × `axis`.
     pub offset: f64,
+    /// Factor to the absorption.
+    pub pigment: f64,
 }
 
 impl FibreSection {
@@ -83,7 +85,7 @@ impl FibreSection {
     #[inline(always)]
     #[must_use]
     pub fn crossed(axis: DVec3, up: DVec3, across: f64, wo: DVec3) -> Self {
-        Self { axis, up, offset: if wo.dot(up) >= 0.0 { -across } else { across } }
+        Self { axis, up, offset: if wo.dot(up) >= 0.0 { -across } else { across }, pigment: 1.0 }
     }
 }
 
@@ -175,13 +177,20 @@ impl Hair {
     #[inline]
     #[must_use]
     pub fn bind_section(&self, section: &FibreSection, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {
-        let FibreSection { axis, up, offset } = *section;
+        let FibreSection { axis, up, offset, pigment } = *section;
         let z = (wo - axis * axis.dot(wo)).normalize_or(up);
         let frame = Frame { x: axis.cross(z), y: axis, z };
         let side = Side { is_upper: true, normal: z, frame, wo: frame.to_local(wo) };
         let up = in_section(&frame, up);
-        let bound = Bound::new(self, offset.clamp(-1.0, 1.0), up, side.wo, wavelengths);
+        let bound = Bound::pigmented(self, offset.clamp(-1.0, 1.0), up, side.wo, wavelengths, pigment);
         Bsdf::new(Model::Hair(bound), side)
+    }
+
+    /// Height of the section over its width.
+    #[inline]
+    #[must_use]
+    pub fn height_over_width(&self) -> f64 {
+        self.height
     }
 
     #[inline(always)]
@@ -224,11 +233,24 @@ impl<'a> Bound<'a> {
     /// - `up`: unit vector of the section's height, x and z; of no matter for a round one
     #[inline(always)]
     pub(super) fn new(hair: &'a Hair, offset: f64, up: DVec2, wo: DVec3, wavelengths: Lambdas) -> Self {
+        Self::pigmented(hair, offset, up, wo, wavelengths, 1.0)
+    }
+
+    /// The same with a factor to the absorption.
+    #[inline(always)]
+    fn pigmented(
+        hair: &'a Hair,
+        offset: f64,
+        up: DVec2,
+        wo: DVec3,
+        wavelengths: Lambdas,
+        pigment: f64,
+    ) -> Self {
         let sin = wo.y.clamp(-1.0, 1.0);
         let cos = (1.0 - sin * sin).sqrt();
         let across = (wo.x * wo.x + wo.z * wo.z).sqrt();
         let viewer = if across > 0.0 { [wo.x / across, wo.z / across] } else { [0.0, 1.0] };
-        let depths = hair.absorption.at_each(wavelengths);
+        let depths = hair.absorption.at_each(wavelengths).map(|depth| depth * pigment);
         let (middles, powers) = if hair.is_round() {
             match hair.index {
                 FibreIndex::Constant(index) => {

@@ -82,7 +82,7 @@ fn a_section_is_the_fibre_that_a_curve_shows() {
         let normal = side * offset + front * (1.0 - offset * offset).sqrt();
         let hit = Hit { normal, vane_normal, frame: Frame::new(normal, axis), ..Hit::default() };
         let on_curve = surface.bind(&hit, wo, Lambdas::new(PATH)).eval(wi);
-        let section = FibreSection { axis, up, offset };
+        let section = FibreSection { axis, up, offset, pigment: 1.0 };
         let alone = hair.bind_section(&section, wo, Lambdas::new(PATH)).eval(wi);
         let across = offset * side.dot(axis.cross(up)).signum();
         let crossed = FibreSection::crossed(axis, up, across, wo);
@@ -104,7 +104,7 @@ fn a_section_scatters_into_the_whole_sphere() {
         let axis = DVec3::new(stream.normal(), stream.normal(), stream.normal()).normalize();
         let wo = DVec3::new(stream.normal(), stream.normal(), stream.normal()).normalize();
         let up = axis.any_orthonormal_vector();
-        let section = FibreSection { axis, up, offset: stream.uniform(-1.0, 1.0) };
+        let section = FibreSection { axis, up, offset: stream.uniform(-1.0, 1.0), pigment: 1.0 };
         let bsdf = hair.bind_section(&section, wo, Lambdas::new(PATH));
         let sample = bsdf.sample([stream.unit(), stream.unit(), stream.unit()]);
         let BsdfSample { evaluation: e, .. } = sample.unwrap();
@@ -119,7 +119,7 @@ fn flat_fibres_mirror_at_their_flat_side() {
     let wo = DVec3::new(0.5, 0.1, 0.8).normalize();
     // The viewer's ray meets the middle of the flat top.
     let offset = 0.1 * wo.x / (wo.z * wo.z + 0.01 * wo.x * wo.x).sqrt();
-    let section = FibreSection { axis: DVec3::Y, up: DVec3::Z, offset };
+    let section = FibreSection { axis: DVec3::Y, up: DVec3::Z, offset, pigment: 1.0 };
     let bsdf = hair.bind_section(&section, wo, Lambdas::new(PATH));
     let at = |wi: DVec3| {
         let evaluation = bsdf.eval(wi.normalize());

@@ -62,10 +62,14 @@ fn on_ribbon(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Hit {
     let nodes = geometry.nodes_of(ribbon);
     let part = primitive.part as usize;
     let (start, end) = (&nodes[part], &nodes[part + 1]);
-    // Tangents at nodes are central differences, so the frame turns smoothly along the ribbon.
-    let tangent = |i: usize| {
-        let (low, high) = (i.saturating_sub(1), (i + 1).min(nodes.len() - 1));
-        (nodes[high].point - nodes[low].point).normalize_or(Vec3::Y)
+    // Tangents at nodes are means of the segments beside them, so the frame turns smoothly along the ribbon; at its ends it
+    // goes on turning.
+    let last = nodes.len() - 2;
+    let segment = |i: usize| (nodes[i + 1].point - nodes[i].point).normalize_or(Vec3::Y);
+    let tangent = |i: usize| match i {
+        0 => segment(0) * 1.5 - segment(1.min(last)) * 0.5,
+        i if i > last => segment(last) * 1.5 - segment(last.saturating_sub(1)) * 0.5,
+        i => (segment(i - 1) + segment(i)) * 0.5,
     };
     let u = at.u;
     let along = tangent(part).lerp(tangent(part + 1), u).as_dvec3().normalize_or(DVec3::Y);

@@ -11,15 +11,13 @@ use super::{
 };
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
-    Absorption, BarbModel, BarbSurface, BarbuleSurface, Conductor, Dielectric, FibreIndex, Hair,
-    HairParameters, Keratin, Lambertian, Pictures, Ramus, Reflectance, Relief, RoughDielectric, Substance,
-    Surface, SurfaceMap,
+    Absorption, Conductor, Dielectric, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Pictures,
+    Reflectance, Relief, RoughDielectric, Surface, SurfaceMap,
 };
-use crate::math::rng::hash;
 use crate::scene::backdrop::Backdrop;
 use crate::scene::camera::{Camera, Projection, direction};
 use crate::scene::emission::Emission;
-use crate::scene::feather::{BarbuleShape, Counts, Level, tip_side};
+use crate::scene::feather::Counts;
 use crate::scene::light::{Lamp, Light, Sun, disc_radiance};
 use crate::scene::sky::{Environment, Sky};
 use crate::scene::{Object, Scene};
@@ -42,20 +40,24 @@ impl SceneDescription {
     /// # Errors
     /// A number out of range, a file that is not read, or a sky that is an image: give it to
     /// [`SceneDescription::environment`].
-    pub fn scene(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Scene, Counts)> {
+    pub fn scene(&self, brdf: impl Into<Option<Arc<FeatherBrdf>>>, seed: u64) -> Result<(Scene, Counts)> {
         let (objects, counts) = self.objects(brdf, seed)?;
         let environment = self.environment(None)?.map(|environment| self.around_feather(environment));
         Ok((Scene { objects, lamps: self.lamps()?, environment, camera: self.camera() }, counts))
     }
 
-    /// The feather: shaft, rami, barbules; then the other objects.
+    /// The feather: shaft, rami, barbules; then the other objects. A feather of plain barbules needs no material.
     ///
     /// # Errors
     /// A number out of range, or a file that is not read.
-    pub fn objects(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Vec<Object>, Counts)> {
+    pub fn objects(
+        &self,
+        brdf: impl Into<Option<Arc<FeatherBrdf>>>,
+        seed: u64,
+    ) -> Result<(Vec<Object>, Counts)> {
         self.check()?;
         let (mut objects, counts) = if self.shows_feather {
-            self.feather_parts(brdf, seed)?
+            self.feather_parts(brdf.into(), seed)?
         } else {
             (Vec::new(), Counts::default())
         };
@@ -69,56 +71,6 @@ impl SceneDescription {
             });
         }
         Ok((objects, counts))
-    }
-
-    fn feather_parts(&self, brdf: Arc<FeatherBrdf>, seed: u64) -> Result<(Vec<Object>, Counts)> {
-        let level = self.level();
-        let grown = self.feather.grow(self.window, level, seed, hash(seed, &[1]))?;
-        let counts = grown.counts();
-        let feather = &self.feather;
-        let under = keratin(&self.surfaces.underside)?;
-        let plate = |shape: &BarbuleShape| BarbuleSurface {
-            brdf: brdf.clone(),
-            instances: true,
-            under: under.clone(),
-            cells: shape.cells(&feather.disorder),
-            opacity: 1.0,
-        };
-        let shaft = (grown.shaft, Surface::Keratin(keratin(&self.surfaces.shaft)?));
-        let ramus = match &self.surfaces.hair {
-            Some(fibre) => Substance::Fibre(hair(fibre)?),
-            None => Substance::Keratin(keratin(&self.surfaces.ramus)?),
-        };
-        let mut parts = vec![shaft];
-        match level {
-            Level::Barbules => {
-                parts.push(match ramus {
-                    Substance::Fibre(hair) => (grown.fibres, Surface::Hair(hair)),
-                    Substance::Keratin(keratin) => (grown.rami, Surface::Keratin(keratin)),
-                    Substance::Plate(plate) => (grown.rami, Surface::Barbule(plate)),
-                });
-                let [distal, proximal] = grown.barbules;
-                parts.push((distal, Surface::Barbule(plate(&feather.distal))));
-                parts.push((proximal, Surface::Barbule(plate(&feather.proximal))));
-            }
-            Level::Barbs => {
-                for (geometry, barb_side) in grown.envelopes.into_iter().zip([-1.0, 1.0]) {
-                    let row =
-                        |shape: &BarbuleShape| (shape.row(&feather.disorder), Substance::Plate(plate(shape)));
-                    let tip = tip_side(barb_side);
-                    let ramus = Ramus {
-                        substance: ramus.clone(),
-                        half_width: 0.5e-3 * feather.barbs.width_um,
-                        height: feather.barbs.height,
-                    };
-                    let rows = [row(&feather.distal), row(&feather.proximal)];
-                    let barb = BarbSurface::new(BarbModel::Substructure, ramus, rows, tip);
-                    parts.push((geometry, Surface::Barb(Box::new(barb))));
-                }
-            }
-        }
-        let objects = parts.into_iter().map(|(geometry, surface)| Object { geometry, surface });
-        Ok((objects.collect(), counts))
     }
 
     /// The lights that shine, but the sky: the key light in daylight (D65), then the others.
@@ -265,13 +217,9 @@ impl SceneDescription {
     /// Names of the parts that [`SceneDescription::objects`] gives, in their order.
     #[must_use]
     pub fn object_names(&self) -> Vec<String> {
-        let parts: &[&str] = match self.level() {
-            _ if !self.shows_feather => &[],
-            Level::Barbules => &["shaft", "barbs", "distal barbules", "proximal barbules"],
-            Level::Barbs => &["shaft", "left barbs", "right barbs"],
-        };
-        (parts.iter())
-            .map(|part| (*part).to_owned())
+        let parts = if self.shows_feather { self.part_names() } else { Vec::new() };
+        (parts.into_iter())
+            .map(str::to_owned)
             .chain(self.objects.iter().map(|object| object.name.clone()))
             .collect()
     }
@@ -324,11 +272,11 @@ impl NamedSurface {
     }
 }
 
-fn keratin(of: &PigmentedKeratin) -> Result<Keratin> {
+pub(super) fn keratin(of: &PigmentedKeratin) -> Result<Keratin> {
     Keratin::new(of.roughness, of.index, Reflectance::melanin(of.melanin)?)
 }
 
-fn hair(of: &FibreDescription) -> Result<Hair> {
+pub(super) fn hair(of: &FibreDescription) -> Result<Hair> {
     Hair::new(HairParameters {
         longitudinal_roughness: of.longitudinal_roughness,
         azimuthal_roughness: of.azimuthal_roughness,

@@ -197,7 +197,11 @@ impl SceneDescription {
 
 impl Layer {
     fn of_preset(name: &str) -> Result<Self> {
-        Self::parse(preset::toml(name)?)
+        let own = Self::parse(preset::toml(name)?)?;
+        match own.preset.clone() {
+            Some(base) => Ok(own.over(Self::of_preset(&base)?)),
+            None => Ok(own),
+        }
     }
 
     fn parse(text: &str) -> Result<Self> {
@@ -249,7 +253,11 @@ impl Layer {
         };
         let (surfaces, named_surfaces) = Surfaces::read(&need(self.surfaces, "surfaces")?)?;
         let description = SceneDescription {
-            material: need(self.material, "material")?,
+            material: match self.material {
+                // Barbules that are fibres need none.
+                None if surfaces.barbule.is_some() => String::new(),
+                material => need(material, "material")?,
+            },
             size: self.size,
             exposure: match self.exposure {
                 Some(Exposure::Factor(factor)) => Some(factor),

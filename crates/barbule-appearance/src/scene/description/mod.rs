@@ -9,6 +9,7 @@ mod file;
 mod kinds;
 mod lights;
 mod objects;
+mod parts;
 mod sequence;
 mod surfaces;
 mod text;
@@ -222,9 +223,14 @@ pub struct Surfaces {
     pub ramus: PigmentedKeratin,
     /// The undersides of the barbules.
     pub underside: PigmentedKeratin,
-    /// What rami are made of as round fibres, in place of `ramus`.
+    /// What rami are made of as fibres, in place of `ramus`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hair: Option<FibreDescription>,
+    /// What barbules without structural colour are made of, in place of the material and `underside`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub barbule: Option<FibreDescription>,
+    /// Barbules of pale places.
+    pub pale: PigmentedKeratin,
 }
 
 impl Identify for SceneDescription {
@@ -332,7 +338,10 @@ impl View {
 }
 
 /// The parts of a feather that have surfaces of their own.
-const PARTS: [&str; 4] = ["shaft", "ramus", "underside", "hair"];
+const PARTS: [&str; 6] = ["shaft", "ramus", "underside", "hair", "barbule", "pale"];
+
+/// Keratin of pale places where nothing is said: buff.
+const PALE: PigmentedKeratin = PigmentedKeratin { roughness: 0.4, index: 1.56, melanin: 0.15 };
 
 impl Surfaces {
     /// Reads the table `[surfaces]`: those of the feather's parts, and further ones, which have a type.
@@ -358,12 +367,16 @@ impl Surfaces {
             let table = fields.need(key, &format!("the table [surfaces.{key}]"))?;
             PigmentedKeratin::read(table, &fields.path(key))
         };
-        let hair = fields.get("hair").map(|table| FibreDescription::read(table, &fields.path("hair")));
+        let fibre = |key: &str| {
+            fields.get(key).map(|table| FibreDescription::read(table, &fields.path(key))).transpose()
+        };
         let parts = Self {
             shaft: keratin("shaft")?,
             ramus: keratin("ramus")?,
             underside: keratin("underside")?,
-            hair: hair.transpose()?,
+            hair: fibre("hair")?,
+            barbule: fibre("barbule")?,
+            pale: if fields.get("pale").is_some() { keratin("pale")? } else { PALE },
         };
         Ok((parts, named))
     }

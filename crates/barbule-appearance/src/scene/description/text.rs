@@ -16,7 +16,9 @@ impl SceneDescription {
     pub fn to_toml(&self) -> Result<String> {
         let mut scene = Map::new();
         let mut put = |key: &str, value: Value| scene.insert(key.to_owned(), value);
-        put("material", self.material.as_str().into());
+        if !self.material.is_empty() {
+            put("material", self.material.as_str().into());
+        }
         put("exposure", self.exposure.map_or("auto".into(), Value::from));
         put("scatterings", self.scatterings.into());
         if let Some(size) = self.size {
@@ -72,10 +74,13 @@ impl SceneDescription {
             "ramus": surfaces.ramus.table(),
             "underside": surfaces.underside.table(),
         });
-        if let (Some(hair), Value::Object(parts)) = (&surfaces.hair, &mut parts) {
-            parts.insert("hair".to_owned(), hair.table());
-        }
         if let Value::Object(parts) = &mut parts {
+            let fibres = [("hair", &surfaces.hair), ("barbule", &surfaces.barbule)];
+            let fibres = fibres
+                .into_iter()
+                .filter_map(|(name, fibre)| Some((name.to_owned(), fibre.as_ref()?.table())));
+            parts.extend(fibres);
+            parts.insert("pale".to_owned(), surfaces.pale.table());
             parts.extend(self.named_surfaces.iter().map(|(name, surface)| (name.clone(), surface.table())));
         }
         put("surfaces", parts);

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::barb::Barb;
 use super::{BarbuleShape, Disorder, VaneDisc};
-use crate::bsdf::{Arch, Cells, RAMUS_ROOT, Row, RowDisorder, axes};
+use crate::bsdf::{Arch, Cells, Pattern, RAMUS_ROOT, Row, RowDisorder, axes};
 use crate::math::rng::{Stream, hash};
 use crate::scene::geometry::{Geometry, Ribbon, RibbonNode};
 
@@ -61,13 +61,13 @@ const LEAST_ARCH: f64 = 1e-3;
 const GREEN_UM: f64 = 0.55;
 
 /// Adds the barbules of one side of a barb (0: towards the feather's tip, 1: the other) whose bases lie in the window. `roll`, rad:
-/// see [`super::roll`].
+/// see [`super::envelope::roll`]; `pattern` says which are pale.
 pub(super) fn along(
-    geometry: &mut Geometry,
+    [dark, pale]: [&mut Geometry; 2],
     barb: &Barb,
     row: &Row,
     which: usize,
-    roll: f64,
+    (roll, pattern): (f64, Option<Pattern>),
     (origin, window): (DVec3, VaneDisc),
     seed: u64,
 ) {
@@ -90,7 +90,8 @@ pub(super) fn along(
             swelling: row.swelling as f32,
             ..Ribbon::default()
         };
-        geometry.add_ribbon(&nodes, ribbon);
+        let is_dark = pattern.is_none_or(|pattern| pattern.is_dark(barb.station_mm, along, id));
+        if is_dark { &mut *dark } else { &mut *pale }.add_ribbon(&nodes, ribbon);
     }
 }
 

@@ -14,7 +14,7 @@ use glam::DVec3;
 pub use barb::Barb;
 pub use envelope::tip_side;
 pub use shaft::{Shaft, Station};
-pub use sizes::{BarbShape, BarbuleShape, Disorder, Feather, ShaftShape};
+pub use sizes::{BarbShape, BarbuleShape, Disorder, Feather, PatternShape, ShaftShape};
 
 use super::geometry::Geometry;
 use crate::{Error, Result};
@@ -39,6 +39,8 @@ pub struct Grown {
     pub fibres: Geometry,
     /// The barbules towards the feather's tip, and the others.
     pub barbules: [Geometry; 2],
+    /// Barbules without pigment.
+    pub pale: Geometry,
     /// In place of rami and barbules: ribbons about the barbs left and right of the shaft.
     pub envelopes: [Geometry; 2],
 }
@@ -57,7 +59,7 @@ impl Grown {
     #[must_use]
     pub fn counts(&self) -> Counts {
         let envelopes = self.envelopes.iter().map(|side| side.ribbons.len()).sum::<usize>();
-        let barbules = self.barbules.iter().map(|row| row.ribbons.len()).sum();
+        let barbules = self.barbules.iter().chain([&self.pale]).map(|row| row.ribbons.len()).sum();
         Counts { barbs: self.rami.meshes.len() + envelopes, barbules }
     }
 }
@@ -89,6 +91,7 @@ impl Feather {
         let shaft = Shaft::new(&self.shaft);
         let origin = shaft.at(window.along_mm).point;
         let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
+        let pattern = self.pattern.pattern();
         let mut grown = Grown::default();
         shaft.mesh(&mut grown.shaft, window, origin, identity);
         for side in [-1.0, 1.0] {
@@ -104,15 +107,8 @@ impl Feather {
                 barb.mesh(&mut grown.rami, &self.barbs, origin);
                 barb.fibre(&mut grown.fibres, origin);
                 for (which, row) in rows.iter().enumerate() {
-                    barbule::along(
-                        &mut grown.barbules[which],
-                        &barb,
-                        row,
-                        which,
-                        roll,
-                        (origin, window),
-                        seed,
-                    );
+                    let grown = [&mut grown.barbules[which], &mut grown.pale];
+                    barbule::along(grown, &barb, row, which, (roll, pattern), (origin, window), seed);
                 }
             }
         }
@@ -274,7 +270,8 @@ mod tests {
             let wide = VaneDisc { along_mm: 0.0, radius_mm: None };
             let place = (DVec3::ZERO, wide);
             let row = feather.distal.row(&feather.disorder);
-            barbule::along(&mut geometry, &barb, &row, 0, 0.03, place, 1);
+            let mut pale = Geometry::default();
+            barbule::along([&mut geometry, &mut pale], &barb, &row, 0, (0.03, None), place, 1);
             geometry.ribbon_nodes
         };
         let (left, right) = (grow(-1.0), grow(1.0));

@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 
 use serde_json::Value;
 
+use crate::bsdf::Pattern;
 use crate::fields::Fields;
 use crate::{Error, Result};
 
@@ -178,6 +179,25 @@ sizes! {
     }
 }
 
+sizes! {
+    /// Where the vane has pigment and structure. A place's coordinate is where its barb leaves the shaft, from the base, and so much more
+    /// as bars lean along the barbs.
+    PatternShape {
+        /// Distance between dark bars, mm; 0: there are none.
+        bar_spacing_mm: "bar_spacing_mm" in PLAIN, 0 to 1000 else 0.0;
+        /// Share of it that is dark.
+        bar_dark: "bar_dark_share" in PLAIN, 0 to 1 else 0.5;
+        /// How far the coordinate grows on a mm along a barb.
+        bar_lean: "bar_lean" in PLAIN, -5 to 5 else 0.0;
+        /// Coordinate at which a pale tip begins, mm; 0: there is none.
+        pale_tip_from_mm: "pale_tip_from_mm" in PLAIN, 0 to 5000 else 0.0;
+        /// Standard deviation of the edges between dark and pale, mm.
+        edge_mm: "edge_mm" in PLAIN, 0 to 100 else 0.1;
+        /// Pigment of pale places over that of dark ones.
+        pale_pigment: "pale_pigment" in PLAIN, 0 to 1 else 0.05;
+    }
+}
+
 /// A whole feather.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Feather {
@@ -191,16 +211,19 @@ pub struct Feather {
     pub proximal: BarbuleShape,
     /// Random differences.
     pub disorder: Disorder,
+    /// Where it is dark.
+    pub pattern: PatternShape,
 }
 
 impl Feather {
     /// Reads the table `[feather]` of a preset, scene or species. `[feather.proximal]` may leave out what is as in
-    /// `[feather.distal]`; every other key is needed.
+    /// `[feather.distal]`, and some keys have usual values; every other key is needed.
     ///
     /// # Errors
     /// An unknown or missing key, or a size out of its range; the message names the key.
     pub fn read(table: &Value) -> Result<Self> {
-        let fields = Fields::new(table, "feather", &["shaft", "barbs", "distal", "proximal", "disorder"])?;
+        let fields =
+            Fields::new(table, "feather", &["shaft", "barbs", "distal", "proximal", "disorder", "pattern"])?;
         let need = |key: &str| fields.need(key, &format!("the table [feather.{key}]"));
         let distal = BarbuleShape::read(need("distal")?, "feather.distal", None)?;
         let proximal = match fields.get("proximal") {
@@ -213,6 +236,10 @@ impl Feather {
             distal,
             proximal,
             disorder: Disorder::read(need("disorder")?, "feather.disorder", None)?,
+            pattern: {
+                let none = serde_json::json!({});
+                PatternShape::read(fields.get("pattern").unwrap_or(&none), "feather.pattern", None)?
+            },
         })
     }
 
@@ -225,6 +252,7 @@ impl Feather {
             "distal": self.distal.table(),
             "proximal": self.proximal.table(),
             "disorder": self.disorder.table(),
+            "pattern": self.pattern.table(),
         })
     }
 
@@ -237,6 +265,23 @@ impl Feather {
         self.barbs.check("feather.barbs")?;
         self.distal.check("feather.distal")?;
         self.proximal.check("feather.proximal")?;
-        self.disorder.check("feather.disorder")
+        self.disorder.check("feather.disorder")?;
+        self.pattern.check("feather.pattern")
+    }
+}
+
+impl PatternShape {
+    /// The pattern; nothing where all is dark.
+    #[must_use]
+    pub fn pattern(&self) -> Option<Pattern> {
+        let has_tip = self.pale_tip_from_mm > 0.0;
+        (has_tip || self.bar_spacing_mm > 0.0).then(|| Pattern {
+            spacing: self.bar_spacing_mm,
+            dark_share: self.bar_dark,
+            lean: self.bar_lean,
+            tip: if has_tip { self.pale_tip_from_mm } else { f64::INFINITY },
+            edge: self.edge_mm,
+            pale: self.pale_pigment,
+        })
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use barbule::error::{did_you_mean, shortened};
-use barbule::scene::description::{Background, Bearing, Motion, Moved};
+use barbule::scene::description::{Background, Bearing, Motion, Moved, ViewModel};
 use barbule::{Error, Result};
 
 use crate::sets;
@@ -94,6 +94,11 @@ pub(super) struct Exposure(pub(super) Option<f64>);
 /// `sky`, `none`, `#rrggbb` or a picture.
 pub(super) fn background(text: &str) -> Result<Background> {
     Background::parse(text).map_err(|e| e.at("--background"))
+}
+
+/// How barbs are seen.
+pub(super) fn view_model(text: &str) -> Result<ViewModel> {
+    ViewModel::named(text).map_err(|e| e.at("--view-model"))
 }
 
 /// What moves on an arc, as in `light=40`.

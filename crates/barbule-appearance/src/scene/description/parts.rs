@@ -1,0 +1,156 @@
+//! The parts of a described feather: what is grown, and what it is made of.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use super::build::{hair, keratin};
+use super::{SceneDescription, ViewModel};
+use crate::brdf::FeatherBrdf;
+use crate::bsdf::{BarbModel, BarbSurface, BarbuleSurface, Keratin, Ramus, Substance, Surface};
+use crate::math::rng::hash;
+use crate::scene::Object;
+use crate::scene::feather::{BarbuleShape, Counts, Grown, Level, tip_side};
+use crate::scene::geometry::{Geometry, Place};
+use crate::{Error, Result};
+
+/// Between two feathers side by side, over the width of one.
+const GAP: f64 = 0.12;
+
+impl SceneDescription {
+    /// Whether its barbules are made of a material with tables, so that one must be given.
+    #[must_use]
+    pub fn needs_material(&self) -> bool {
+        self.shows_feather && self.surfaces.barbule.is_none()
+    }
+
+    pub(super) fn feather_parts(
+        &self,
+        brdf: Option<Arc<FeatherBrdf>>,
+        seed: u64,
+    ) -> Result<(Vec<Object>, Counts)> {
+        let level = self.level();
+        let grown = self.feather.grow(self.window, level, seed, hash(seed, &[1]))?;
+        let counts = grown.counts();
+        let substances = Substances::new(self, brdf)?;
+        let shaft = (grown.shaft.clone(), Surface::Keratin(keratin(&self.surfaces.shaft)?));
+        let parts = match (level, self.detail.view_model) {
+            (Level::Barbules, _) => [vec![shaft], substances.one_by_one(grown)?].concat(),
+            (Level::Barbs, ViewModel::Substructure) => {
+                [vec![shaft], substances.looked_up(&grown.envelopes, BarbModel::Substructure)].concat()
+            }
+            (Level::Barbs, ViewModel::Fibre) => {
+                [vec![shaft], substances.looked_up(&grown.envelopes, BarbModel::Fibre)].concat()
+            }
+            (Level::Barbs, ViewModel::Both) => {
+                let shift = 0.5 * (1.0 + GAP) * width(&grown.envelopes);
+                let mut parts = Vec::new();
+                for (model, side) in [(BarbModel::Fibre, -1.0), (BarbModel::Substructure, 1.0)] {
+                    let all = [vec![shaft.clone()], substances.looked_up(&grown.envelopes, model)].concat();
+                    parts.extend(
+                        all.into_iter().map(|(geometry, surface)| (moved(geometry, side * shift), surface)),
+                    );
+                }
+                parts
+            }
+        };
+        let objects = parts.into_iter().map(|(geometry, surface)| Object { geometry, surface });
+        Ok((objects.collect(), counts))
+    }
+
+    /// Names of the parts, in their order.
+    pub(super) fn part_names(&self) -> Vec<&'static str> {
+        let barbs = ["shaft", "left barbs", "right barbs"];
+        match (self.level(), self.detail.view_model) {
+            (Level::Barbules, _) => {
+                vec!["shaft", "barbs", "distal barbules", "proximal barbules", "pale barbules"]
+            }
+            (Level::Barbs, ViewModel::Both) => [barbs, barbs].concat(),
+            (Level::Barbs, ViewModel::Fibre | ViewModel::Substructure) => barbs.to_vec(),
+        }
+    }
+}
+
+fn width(envelopes: &[Geometry; 2]) -> f64 {
+    let all = envelopes.iter().filter_map(Geometry::bounds);
+    let both = all.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)]);
+    both.map_or(0.0, |[low, high]| f64::from(high.x - low.x))
+}
+
+fn moved(geometry: Geometry, right_mm: f64) -> Geometry {
+    let place = Place { scale: 1.0, turn: DMat3::IDENTITY, shift: DVec3::X * right_mm, id: 0 };
+    Geometry { places: vec![place], ..geometry }
+}
+
+/// What a feather's parts are made of.
+struct Substances<'a> {
+    scene: &'a SceneDescription,
+    ramus: Substance,
+    /// Towards the feather's tip, and the others.
+    barbules: [Substance; 2],
+    pale: Keratin,
+}
+
+type Part = (Geometry, Surface);
+
+impl<'a> Substances<'a> {
+    fn new(scene: &'a SceneDescription, brdf: Option<Arc<FeatherBrdf>>) -> Result<Self> {
+        let (feather, surfaces) = (&scene.feather, &scene.surfaces);
+        let barbule = |shape: &BarbuleShape| match &surfaces.barbule {
+            Some(fibre) => Ok(Substance::Fibre(hair(fibre)?)),
+            None => Ok(Substance::Plate(BarbuleSurface {
+                brdf: brdf.clone().ok_or_else(|| Error::input("the feather's barbules have no material"))?,
+                instances: true,
+                under: keratin(&surfaces.underside)?,
+                cells: shape.cells(&feather.disorder),
+                opacity: 1.0,
+            })),
+        };
+        let ramus = match &surfaces.hair {
+            Some(fibre) => Substance::Fibre(hair(fibre)?),
+            None => Substance::Keratin(keratin(&surfaces.ramus)?),
+        };
+        let barbules = [barbule(&feather.distal)?, barbule(&feather.proximal)?];
+        Ok(Self { scene, ramus, barbules, pale: keratin(&surfaces.pale)? })
+    }
+
+    /// Rami and barbules as they were grown.
+    fn one_by_one(self, grown: Grown) -> Result<Vec<Part>> {
+        let pale = Surface::Keratin(self.pale);
+        let mut parts = vec![match self.ramus {
+            Substance::Fibre(hair) => (grown.fibres, Surface::Hair(hair)),
+            Substance::Keratin(keratin) => (grown.rami, Surface::Keratin(keratin)),
+            Substance::Plate(plate) => (grown.rami, Surface::Barbule(plate)),
+        }];
+        parts.extend(grown.barbules.into_iter().zip(self.barbules).map(|(row, substance)| match substance {
+            Substance::Fibre(hair) => (row.ribbons_as_curves(), Surface::Hair(hair)),
+            Substance::Keratin(keratin) => (row, Surface::Keratin(keratin)),
+            Substance::Plate(plate) => (row, Surface::Barbule(plate)),
+        }));
+        parts.push((grown.pale, pale));
+        Ok(parts)
+    }
+
+    /// The barbs left and right of the shaft.
+    fn looked_up(&self, envelopes: &[Geometry; 2], model: BarbModel) -> Vec<Part> {
+        let feather = &self.scene.feather;
+        let one = |(geometry, barb_side): (&Geometry, f64)| {
+            let ramus = Ramus {
+                substance: match (model, &self.barbules[0]) {
+                    // A barb that is one fibre looks as its barbules would.
+                    (BarbModel::Fibre, Substance::Fibre(hair)) => Substance::Fibre(hair.clone()),
+                    _ => self.ramus.clone(),
+                },
+                half_width: 0.5e-3 * feather.barbs.width_um,
+                height: feather.barbs.height,
+            };
+            let [distal, proximal] =
+                [&feather.distal, &feather.proximal].map(|shape| shape.row(&feather.disorder));
+            let rows = [(distal, self.barbules[0].clone()), (proximal, self.barbules[1].clone())];
+            let pattern = feather.pattern.pattern();
+            let barb = BarbSurface::new(model, ramus, rows, tip_side(barb_side), pattern, self.pale.clone());
+            (geometry.clone(), Surface::Barb(Box::new(barb)))
+        };
+        envelopes.iter().zip([-1.0, 1.0]).map(one).collect()
+    }
+}
