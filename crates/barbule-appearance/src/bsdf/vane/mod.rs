@@ -89,7 +89,7 @@ impl VaneSurface {
         let frame = Frame { x, y, z };
         let bsdf = match &self.substances[part] {
             Substance::Fibre(hair) => {
-                hair.bind_section(&FibreSection { axis: y, up: z, offset }, wo, wavelengths)
+                hair.bind_section(&FibreSection { axis: y, up: z, offset, pigment: 1.0 }, wo, wavelengths)
             }
             Substance::Keratin(keratin) => {
                 let normal = hit.frame.to_world(normal);
