@@ -27,6 +27,7 @@ mod rough_dielectric;
 #[cfg(test)]
 mod tests;
 mod texture;
+mod vane;
 
 use glam::DVec3;
 
@@ -48,6 +49,7 @@ pub use reflectance::Reflectance;
 pub use relief::Relief;
 pub use rough_dielectric::RoughDielectric;
 pub use texture::Texture;
+pub use vane::VaneSurface;
 
 use crate::spectrum::dense::{Lambdas, WAVES};
 
@@ -62,6 +64,8 @@ pub enum Surface {
     Barbule(BarbuleSurface),
     /// A barb with the barbules that its ribbon stands for.
     Barb(Box<BarbSurface>),
+    /// A feather's vane from afar.
+    Vane(Box<VaneSurface>),
     /// A fibre of hair, round or elliptical.
     Hair(Hair),
     /// Rough metal.
@@ -84,6 +88,7 @@ impl Surface {
             Self::Keratin(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barb(barb) => barb.bind(hit, wo, wavelengths),
+            Self::Vane(surface) => surface.bind(hit, wo, wavelengths),
             Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
             Self::Dielectric(surface) => surface.bind(hit, wo),
@@ -105,6 +110,7 @@ impl Surface {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
             Self::Barb(barb) => barb.opacity(hit, wo),
+            Self::Vane(vane) => vane.opacity(hit, wo),
             Self::Lambertian(surface) => surface.opacity(hit),
             Self::Map(map) => map.at(hit.uv).opacity(hit, wi, wo),
             Self::Keratin(_)
@@ -120,7 +126,7 @@ impl Surface {
     pub fn is_opaque(&self) -> bool {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
-            Self::Barb(_) => false,
+            Self::Barb(_) | Self::Vane(_) => false,
             Self::Lambertian(surface) => surface.is_opaque(),
             Self::Map(map) => map.surfaces().iter().all(Self::is_opaque),
             Self::Keratin(_)
@@ -137,7 +143,26 @@ pub struct Bsdf<'a> {
     model: Model<'a>,
     side: Side,
     /// What shades it from some directions.
-    shade: Option<barb::Shade>,
+    shade: Option<Shade<'a>>,
+}
+
+/// What stands about a part of a feather and keeps light from it.
+enum Shade<'a> {
+    /// The barbules beside it.
+    Row(barb::Shade),
+    /// All others of a vane.
+    Masked(vane::Masked<'a>),
+}
+
+impl Shade<'_> {
+    /// Share of the light from a direction that arrives.
+    #[inline]
+    fn share(&self, wi: DVec3) -> f64 {
+        match self {
+            Self::Row(row) => f64::from(u8::from(!row.hides(wi))),
+            Self::Masked(masked) => masked.share(wi),
+        }
+    }
 }
 
 /// A model bound to wavelengths. A surface may bind to different ones: a barbule's underside is keratin.
@@ -199,7 +224,7 @@ impl<'a> Bsdf<'a> {
 
     /// The same among neighbours that keep light from it.
     #[inline]
-    fn shaded(self, shade: barb::Shade) -> Self {
+    fn shaded(self, shade: Shade<'a>) -> Self {
         Self { shade: Some(shade), ..self }
     }
 
@@ -227,10 +252,14 @@ impl<'a> Bsdf<'a> {
         if !scatters || self.side.wo.z <= 0.0 {
             return NOTHING;
         }
-        if self.shade.as_ref().is_some_and(|shade| shade.hides(wi)) {
+        let share = self.shade.as_ref().map_or(1.0, |shade| shade.share(wi));
+        if share == 0.0 {
             return NOTHING;
         }
-        let (f, pdf) = of_model!(&self.model, eval(self.side.wo, local));
+        let (mut f, pdf) = of_model!(&self.model, eval(self.side.wo, local));
+        if share < 1.0 {
+            f = f.map(|f| f * share);
+        }
         Evaluation { f, pdf, cosine: local.z.abs() }
     }
 

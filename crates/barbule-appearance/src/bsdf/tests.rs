@@ -15,7 +15,7 @@ fn grey(value: f64) -> Reflectance {
     Reflectance::new(|_| value).unwrap()
 }
 
-fn keratin(melanin: f64) -> Keratin {
+pub(super) fn keratin(melanin: f64) -> Keratin {
     Keratin::new(0.3, 1.56, Reflectance::melanin(melanin).unwrap()).unwrap()
 }
 
@@ -32,15 +32,17 @@ fn hair() -> Hair {
     .unwrap()
 }
 
-fn surfaces() -> Vec<(&'static str, Surface)> {
+pub(super) fn barbule() -> BarbuleSurface {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let barbule =
-        BarbuleSurface { brdf, instances: true, under: keratin(20.0), cells: Cells::default(), opacity: 1.0 };
+    BarbuleSurface { brdf, instances: true, under: keratin(20.0), cells: Cells::default(), opacity: 1.0 }
+}
+
+fn surfaces() -> Vec<(&'static str, Surface)> {
     vec![
         ("white", Surface::Lambertian(Lambertian::new(grey(1.0)))),
         ("sheet", Surface::Lambertian(Lambertian::translucent(grey(0.2), grey(0.7)).unwrap())),
         ("keratin", Surface::Keratin(keratin(2.0))),
-        ("barbule", Surface::Barbule(barbule)),
+        ("barbule", Surface::Barbule(barbule())),
         ("hair", Surface::Hair(hair())),
         ("copper", Surface::Conductor(Conductor::copper([0.3, 0.1]).unwrap())),
         ("frosted", Surface::RoughDielectric(RoughDielectric::new([0.3, 0.2], 1.5).unwrap())),
@@ -48,16 +50,16 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
 }
 
 /// A hit whose frame is not the scene's.
-fn hit() -> Hit {
+pub(super) fn hit() -> Hit {
     let normal = DVec3::new(0.2, -0.3, 0.9).normalize();
     let frame = Frame::new(normal, DVec3::new(0.5, 1.0, 0.1));
     Hit { normal, vane_normal: normal, frame, instance: 7, ..Hit::default() }
 }
 
-const PATH: [f64; WAVES] = [550.0, 610.0, 470.0, 510.0, 400.0, 430.0, 650.0, 690.0];
+pub(super) const PATH: [f64; WAVES] = [550.0, 610.0, 470.0, 510.0, 400.0, 430.0, 650.0, 690.0];
 
 /// Directions of the viewer above and below.
-fn viewers() -> [DVec3; 3] {
+pub(super) fn viewers() -> [DVec3; 3] {
     let frame = hit().frame;
     [[0.0, 0.1, 1.0], [0.7, -0.2, 0.6], [0.3, 0.2, -0.8]]
         .map(|v| frame.to_world(DVec3::from_array(v).normalize()))
@@ -70,50 +72,58 @@ fn towards(y: f64, azimuth: f64) -> DVec3 {
     hit().frame.to_world(DVec3::new(across * azimuth.cos(), y, across * azimuth.sin()))
 }
 
-/// Counts of samples in bins over both hemispheres against the integral of the stated density (χ²).
-#[test]
-fn samples_follow_their_density_on_both_sides() {
+/// Counts of samples in bins over both hemispheres against the integral of the stated density (χ²): within five deviations.
+pub(super) fn assert_samples_follow_density(name: &str, bsdf: &Bsdf<'_>, mut check: impl FnMut(&BsdfSample)) {
     const SIDE: usize = 12;
     const FINE: usize = 40;
+    let frame = hit().frame;
+    let count = 40_000;
+    let mut seen = vec![0.0; SIDE * SIDE];
+    let mut stream = Stream::new(11, &[]);
+    for _ in 0..count {
+        let u = [stream.unit(), stream.unit(), stream.unit()];
+        let Some(sample) = bsdf.sample(u) else { continue };
+        let local = frame.to_local(sample.wi);
+        let row = (0.5 * (local.y + 1.0) * SIDE as f64).min(SIDE as f64 - 1.0) as usize;
+        let column = ((local.z.atan2(local.x) / TAU + 0.5) * SIDE as f64) as usize;
+        seen[row * SIDE + column.min(SIDE - 1)] += 1.0;
+        assert!(bsdf.lobes().has(sample.lobes), "{name}");
+        assert_eq!(bsdf.pdf(sample.wi), sample.evaluation.pdf);
+        check(&sample);
+    }
+    let mut expected = vec![0.0; SIDE * SIDE];
+    let step = 4.0 * PI / (SIDE * FINE * SIDE * FINE) as f64;
+    for i in 0..SIDE * FINE {
+        for j in 0..SIDE * FINE {
+            let y = 2.0 * (i as f64 + 0.5) / (SIDE * FINE) as f64 - 1.0;
+            let azimuth = TAU * ((j as f64 + 0.5) / (SIDE * FINE) as f64 - 0.5);
+            expected[(i / FINE) * SIDE + j / FINE] +=
+                f64::from(count) * step * bsdf.pdf(towards(y, azimuth))[0];
+        }
+    }
+    let (mut chi2, mut degrees) = (0.0, 0.0);
+    for (seen, expected) in seen.iter().zip(&expected) {
+        if *expected > 8.0 {
+            // The sum resolves a narrow lobe's edge in a bin to 1 %.
+            chi2 += (seen - expected).powi(2) / (expected + (0.01 * expected).powi(2));
+            degrees += 1.0;
+        }
+    }
+    assert!(chi2 < degrees + 5.0 * f64::sqrt(2.0 * degrees), "{name}: χ² {chi2} of {degrees}");
+}
+
+#[test]
+fn samples_follow_their_density_on_both_sides() {
     let hit = hit();
     for (name, surface) in surfaces() {
         for wo in viewers() {
             let bsdf = surface.bind(&hit, wo, Lambdas::new(PATH));
-            let count = 40_000;
-            let mut seen = vec![0.0; SIDE * SIDE];
-            let mut stream = Stream::new(11, &[]);
-            for _ in 0..count {
-                let u = [stream.unit(), stream.unit(), stream.unit()];
-                let Some(sample) = bsdf.sample(u) else { continue };
-                let local = hit.frame.to_local(sample.wi);
-                let row = (0.5 * (local.y + 1.0) * SIDE as f64).min(SIDE as f64 - 1.0) as usize;
-                let column = ((local.z.atan2(local.x) / TAU + 0.5) * SIDE as f64) as usize;
-                seen[row * SIDE + column.min(SIDE - 1)] += 1.0;
-                let same_side = (local.z > 0.0) == (hit.frame.to_local(wo).z > 0.0);
+            assert_samples_follow_density(name, &bsdf, |sample| {
+                let is_above = |d: DVec3| hit.frame.to_local(d).z > 0.0;
+                let same_side = is_above(sample.wi) == is_above(wo);
                 let side = if same_side { Lobes::REFLECTION } else { Lobes::TRANSMISSION };
-                assert!(sample.lobes.has(side) && bsdf.lobes().has(sample.lobes), "{name}");
-                assert_eq!(bsdf.pdf(sample.wi), sample.evaluation.pdf);
-            }
-            let mut expected = vec![0.0; SIDE * SIDE];
-            let step = 4.0 * PI / (SIDE * FINE * SIDE * FINE) as f64;
-            for i in 0..SIDE * FINE {
-                for j in 0..SIDE * FINE {
-                    let y = 2.0 * (i as f64 + 0.5) / (SIDE * FINE) as f64 - 1.0;
-                    let azimuth = TAU * ((j as f64 + 0.5) / (SIDE * FINE) as f64 - 0.5);
-                    expected[(i / FINE) * SIDE + j / FINE] +=
-                        f64::from(count) * step * bsdf.pdf(towards(y, azimuth))[0];
-                }
-            }
-            let (mut chi2, mut degrees) = (0.0, 0.0);
-            for (seen, expected) in seen.iter().zip(&expected) {
-                if *expected > 8.0 {
-                    // The sum resolves a narrow lobe's edge in a bin to 1 %.
-                    chi2 += (seen - expected).powi(2) / (expected + (0.01 * expected).powi(2));
-                    degrees += 1.0;
-                }
-            }
-            // Five deviations of the χ² distribution.
-            assert!(chi2 < degrees + 5.0 * f64::sqrt(2.0 * degrees), "{name}: χ² {chi2} of {degrees}");
+                assert!(sample.lobes.has(side), "{name}");
+            });
         }
     }
 }

@@ -244,7 +244,7 @@ impl BarbSurface {
                 hair.bind_section(&section, wo, wavelengths)
             }
         };
-        bsdf.shaded(Shade { blind: *blind, ahead, up })
+        bsdf.shaded(super::Shade::Row(Shade { blind: *blind, ahead, up }))
     }
 
     /// See [`super::Surface::opacity`]: 0 in gaps. The ray may come from either end.

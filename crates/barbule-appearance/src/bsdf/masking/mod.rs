@@ -17,5 +17,5 @@ mod vane;
 
 pub use outline::Outline;
 pub use row::{Row, Seen};
-pub use table::{Look, MaskingTable};
+pub use table::{MaskingTable, PartSeen};
 pub use vane::{Barbs, Barbules, LEFT, PARTS, RAMUS, RIGHT, VaneRows};

@@ -161,10 +161,7 @@ impl Outline {
         match *self {
             // The front half: the place seen runs as the sine of ψ from its middle.
             Self::Ellipse { axes, .. } => {
-                let sideways = angle_across(&axes, sight);
-                let toward =
-                    axes[0] * libm::cos(sideways + 0.5 * PI) + axes[1] * libm::sin(sideways + 0.5 * PI);
-                let middle = sideways + if toward.dot(sight.toward) > 0.0 { 0.5 * PI } else { -0.5 * PI };
+                let middle = front_middle(&axes, sight);
                 let below = |along: f64| {
                     let off = along - middle / TAU;
                     let whole = libm::floor(off + 0.5);
@@ -186,6 +183,28 @@ fn half_width(axes: &[DVec2; 2], sight: &Sight) -> f64 {
 /// ψ of the point farthest across.
 fn angle_across(axes: &[DVec2; 2], sight: &Sight) -> f64 {
     libm::atan2(axes[1].dot(sight.across), axes[0].dot(sight.across))
+}
+
+/// ψ of the middle of the half that faces the viewer.
+fn front_middle(axes: &[DVec2; 2], sight: &Sight) -> f64 {
+    let middle = angle_across(axes, sight) + 0.5 * PI;
+    let point = axes[0] * libm::cos(middle) + axes[1] * libm::sin(middle);
+    if point.dot(sight.toward) > 0.0 { middle } else { middle - PI }
+}
+
+/// Of an ellipse of perpendicular axes, counter-clockwise, a place of the part of its front that lies on a span: the share `rest` of
+/// the width seen of it further on. Its signed distance from the middle over half the width seen, positive to the left of the
+/// viewer's direction (counter-clockwise), and the outward normal there.
+pub(super) fn front_place(axes: &[DVec2; 2], toward: DVec2, [start, end]: Span, rest: f64) -> (f64, DVec2) {
+    let middle = front_middle(axes, &Sight::new(toward));
+    let off = start - middle / TAU;
+    let first = TAU * (off - libm::floor(off + 0.5));
+    let [low, high] =
+        [first, first + TAU * (end - start)].map(|angle| libm::sin(angle.clamp(-0.5 * PI, 0.5 * PI)));
+    let offset = low + (high - low) * rest;
+    let angle = middle + libm::asin(offset.clamp(-1.0, 1.0));
+    let [a, b] = axes.map(|axis| axis / axis.length_squared());
+    (offset, (a * libm::cos(angle) + b * libm::sin(angle)).normalize())
 }
 
 /// A vector in the axes of an ellipse.

@@ -2,8 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::outline::{Outline, Sight};
+use super::outline::{Outline, Sight, Span, front_place};
 use super::row::Row;
+use crate::bsdf::barb::axes;
 
 /// Parts of a vane: the rami, the barbules to the left of their barb (−x) and to its right.
 pub const PARTS: usize = 3;
@@ -23,7 +24,7 @@ pub struct Barbules {
     pub angle: f64,
     /// Out of the vane, towards its normal.
     pub lift: f64,
-    /// Turn about the barbule's own axis, right-handed: that of a Venetian blind.
+    /// Turn about its own axis, that of a Venetian blind: positive turns the upper side towards the barb's tip.
     pub tilt: f64,
     /// Half its width.
     pub half_width: f64,
@@ -47,15 +48,12 @@ pub struct Barbs {
 }
 
 impl Barbules {
-    /// Its axes in the barb's frame: across, along, out of its flat side. `side`: −1 to the left, 1 to the right.
+    /// Its axes in the barb's frame: across, along, out of its upper side. `side`: −1 to the left, 1 to the right.
     #[must_use]
     pub fn axes(&self, side: f64) -> [DVec3; 3] {
-        let [(sin_angle, cos_angle), (sin_lift, cos_lift), (sin_tilt, cos_tilt)] =
-            [self.angle, self.lift, self.tilt].map(libm::sincos);
-        let along = DVec3::new(cos_lift * sin_angle * side, cos_lift * cos_angle, sin_lift);
-        let up = (DVec3::Z - along * along.z).normalize();
-        let across = along.cross(up);
-        [across * cos_tilt - up * sin_tilt, along, up * cos_tilt + across * sin_tilt]
+        let [along, ahead, up] = axes([DVec3::Y, DVec3::X * side, DVec3::Z], self.angle, self.lift);
+        let plate = up * libm::cos(self.tilt) + ahead * libm::sin(self.tilt);
+        [along.cross(plate), along, plate]
     }
 }
 
@@ -107,6 +105,8 @@ impl BarbuleRow {
 #[derive(Debug, Clone)]
 pub struct VaneRows {
     pub(super) barbs: Row,
+    /// Half axes of a ramus.
+    ramus: [DVec2; 2],
     pub(super) sides: [BarbuleRow; 2],
 }
 
@@ -119,16 +119,15 @@ impl VaneRows {
             let along = barbules.axes(side)[1] * barbules.length;
             DVec2::new(along.x, along.z)
         });
-        let ramus = Outline::Ellipse {
-            centre: DVec2::ZERO,
-            axes: [DVec2::new(r, 0.0), DVec2::new(0.0, r * barbs.height_over_width)],
-        };
+        let axes = [DVec2::new(r, 0.0), DVec2::new(0.0, r * barbs.height_over_width)];
+        let ramus = Outline::Ellipse { centre: DVec2::ZERO, axes };
         // Where the barbules of both sides lie in one plane, those to the right lie above.
         let (at_left, at_right) = (DVec2::new(-r, 0.0), DVec2::new(r, ABOVE * barbs.spacing));
         let left = Outline::Segment { from: at_left, to: at_left + left };
         let right = Outline::Segment { from: at_right, to: at_right + right };
         Self {
             barbs: Row::new(vec![ramus, left, right], barbs.spacing),
+            ramus: axes,
             sides: [BarbuleRow::new(&barbs.barbules[0], -1.0), BarbuleRow::new(&barbs.barbules[1], 1.0)],
         }
     }
@@ -136,6 +135,19 @@ impl VaneRows {
     /// Of each part in a direction, in the barb's frame.
     pub(super) fn transparencies(&self, direction: DVec3) -> [f64; PARTS] {
         [0.0, self.sides[0].transparency(direction), self.sides[1].transparency(direction)]
+    }
+
+    /// A place on the section of a ramus or a barbule, as [`front_place`], in the barb's frame.
+    pub(super) fn front_place(&self, part: usize, wo: DVec3, span: Span, rest: f64) -> (f64, DVec3) {
+        let (axes, toward, [x, z]) = match part {
+            RAMUS => (&self.ramus, flat(wo), [DVec3::X, DVec3::Z]),
+            _ => {
+                let side = &self.sides[part - 1];
+                (&side.axes, side.flat(wo), side.plane)
+            }
+        };
+        let (offset, normal) = front_place(axes, toward, span, rest);
+        (offset, x * normal.x + z * normal.y)
     }
 
     /// What is seen from a direction in the barb's frame, on either side of the vane: shares of the projected area of each
