@@ -14,6 +14,7 @@ use glam::DVec3;
 pub use pattern::Pattern;
 pub use row::{Row, RowDisorder, axes, ramus_taper};
 
+pub(super) use self::lookup::tents;
 use self::lookup::{Barbule, Blind, Lookup, Met, Place};
 use super::Bsdf;
 use super::feather::BarbuleSurface;

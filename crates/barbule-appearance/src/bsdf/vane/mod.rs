@@ -13,11 +13,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::barb::Substance;
+use super::barb::{Row, Substance, tents};
 use super::frame::Frame;
 use super::hair::FibreSection;
 use super::hit::{Hit, OnRibbon};
-use super::masking::{Barbs, LEFT, MaskingTable, PARTS, PartSeen, RAMUS};
+use super::masking::{Barbs, Barbules, LEFT, MaskingTable, PARTS, PartSeen, RAMUS};
 use super::{Bsdf, Shade};
 use crate::math::rng::{hash, split_mix};
 use crate::spectrum::dense::Lambdas;
@@ -29,6 +29,8 @@ pub struct VaneSurface {
     table: Arc<MaskingTable>,
     /// Of the rami, of the barbules to their left (−x) and to their right.
     substances: [Substance; PARTS],
+    /// The barbules' rows, if they bend and differ from each other.
+    rows: Option<[Row; 2]>,
     /// Length of a barbule's cell, mm; 0 where a barbule is one.
     cell_mm: f64,
 }
@@ -57,7 +59,30 @@ impl VaneSurface {
     /// - `cell_mm`: length of a barbule's cell; 0 where a barbule is one
     #[must_use]
     pub fn new(barbs: Barbs, substances: [Substance; PARTS], cell_mm: f64) -> Self {
-        Self { barbs, table: Arc::new(MaskingTable::new(&barbs)), substances, cell_mm }
+        Self { barbs, table: Arc::new(MaskingTable::new(&barbs)), substances, rows: None, cell_mm }
+    }
+
+    /// The same with barbules that bend and differ from each other as those of these rows, to the left and to the right. Masking
+    /// is still that of the mean.
+    #[must_use]
+    pub fn with_rows(self, rows: [Row; 2]) -> Self {
+        Self { rows: Some(rows), ..self }
+    }
+
+    /// The axes of a barbule of this name, in the frame of the barb.
+    fn axes(&self, which: usize, side: f64, name: u64) -> [DVec3; 3] {
+        let Some(rows) = &self.rows else { return self.barbs.barbules[which].axes(side) };
+        let (row, t) = (&rows[which], uniform(split_mix(name ^ 1)));
+        let [swing, turn] = tents(name);
+        let [raise, bow] = tents(split_mix(name));
+        let lift = row.lift_at(t) + row.disorder.lift * (raise + row.bow_at(t) * bow);
+        let drawn = Barbules {
+            angle: row.angle_at(t) + row.disorder.angle * swing,
+            lift,
+            tilt: row.tilt_at(t) + row.disorder.turn * turn,
+            ..self.barbs.barbules[which]
+        };
+        drawn.axes(side)
     }
 
     /// Its masking.
@@ -82,8 +107,8 @@ impl VaneSurface {
         let (offset, normal) = self.table.place(part, &seen, local, uniform(split_mix(name)));
         let axes = match part {
             RAMUS => [DVec3::X, DVec3::Y, DVec3::Z],
-            LEFT => self.barbs.barbules[0].axes(-1.0),
-            _ => self.barbs.barbules[1].axes(1.0),
+            LEFT => self.axes(0, -1.0, name),
+            _ => self.axes(1, 1.0, name),
         };
         let [x, y, z] = axes.map(|axis| hit.frame.to_world(axis));
         let frame = Frame { x, y, z };

@@ -40,10 +40,11 @@ pub enum ViewModel {
     Both,
 }
 
-const LEVELS: [(&str, DetailLevel); 3] = [
+const LEVELS: [(&str, DetailLevel); 4] = [
     ("auto", DetailLevel::Auto),
     ("barbules", DetailLevel::Fixed(Level::Barbules)),
     ("barbs", DetailLevel::Fixed(Level::Barbs)),
+    ("vane", DetailLevel::Fixed(Level::Vane)),
 ];
 
 /// The finest pixel that is thought of, as a share of a picture's width.
@@ -51,6 +52,9 @@ const PIXEL: f64 = 1e-3;
 
 /// Pixels as wide as this share of the distance between barbules show none.
 const RESOLVES: f64 = 0.7;
+
+/// Pixels as wide as this many barbs show a surface.
+const BARBS: f64 = 3.0;
 
 /// More barbules than this are looked up.
 const MOST_GROWN: f64 = 1.5e6;
@@ -103,7 +107,12 @@ impl SceneDescription {
                 let finest = self.feather.distal.spacing_um.min(self.feather.proximal.spacing_um);
                 let is_resolved = PIXEL * self.camera.width_mm < RESOLVES * 1e-3 * finest;
                 let many = self.feather.barbules_in(self.window) > MOST_GROWN;
-                if is_resolved && !many { Level::Barbules } else { Level::Barbs }
+                let shows_barbs = PIXEL * self.camera.width_mm < 1e-3 * BARBS * self.feather.barbs.spacing_um;
+                match (is_resolved && !many, shows_barbs) {
+                    (true, _) => Level::Barbules,
+                    (false, true) => Level::Barbs,
+                    (false, false) => Level::Vane,
+                }
             }
         }
     }

@@ -8,7 +8,8 @@ use super::build::{hair, keratin};
 use super::{SceneDescription, ViewModel};
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
-    BarbModel, BarbSurface, BarbuleSurface, Hair, Keratin, Pattern, Ramus, Row, Substance, Surface,
+    BarbModel, BarbSurface, BarbuleSurface, Barbules, Hair, Keratin, MaskedBarbs, Pattern, Ramus, Row,
+    Substance, Surface, VaneSurface,
 };
 use crate::math::rng::hash;
 use crate::scene::Object;
@@ -38,6 +39,7 @@ impl SceneDescription {
         let shaft = (grown.shaft.clone(), Surface::Keratin(keratin(&self.surfaces.shaft)?));
         let parts = match (level, self.detail.view_model) {
             (Level::Barbules, _) => [vec![shaft], substances.one_by_one(grown)?].concat(),
+            (Level::Vane, _) => [vec![shaft], substances.sheets(&grown)].concat(),
             (Level::Barbs, ViewModel::Substructure) => {
                 [vec![shaft], substances.looked_up(&grown, BarbModel::Substructure)].concat()
             }
@@ -67,6 +69,7 @@ impl SceneDescription {
             (Level::Barbules, _) => {
                 vec!["shaft", "barbs", "distal barbules", "proximal barbules", "pale barbules", "down"]
             }
+            (Level::Vane, _) => vec!["shaft", "left vane", "right vane", "left down", "right down"],
             (Level::Barbs, ViewModel::Both) => [barbs, barbs].concat(),
             (Level::Barbs, ViewModel::Fibre | ViewModel::Substructure) => barbs.to_vec(),
         }
@@ -172,6 +175,46 @@ impl<'a> Substances<'a> {
         parts.collect()
     }
 }
+
+impl Substances<'_> {
+    /// The vanes left and right of the shaft, then the barbs of the downy part.
+    fn sheets(&self, grown: &Grown) -> Vec<Part> {
+        let feather = &self.scene.feather;
+        let shapes = [&feather.distal, &feather.proximal];
+        let mean = |shape: &BarbuleShape, substance: &Substance| Barbules {
+            length: 1e-3 * shape.length_um,
+            angle: 0.5 * (shape.base_angle + shape.end_angle),
+            lift: 0.5 * (shape.base_lift + shape.end_lift),
+            tilt: shape.tilt,
+            half_width: 0.5e-3 * shape.width_um,
+            height_over_width: match substance {
+                Substance::Fibre(hair) => hair.height_over_width(),
+                Substance::Plate(_) | Substance::Keratin(_) => PLATE_HEIGHT,
+            },
+            spacing: 1e-3 * shape.spacing_um,
+        };
+        let vanes = grown.sheets.iter().zip([-1.0, 1.0]).map(|(geometry, barb_side)| {
+            // Where the feather's tip lies to the right, barbules towards it do.
+            let order = if tip_side(barb_side) > 0.0 { [1, 0] } else { [0, 1] };
+            let barbs = MaskedBarbs {
+                spacing: 1e-3 * feather.barbs.spacing_um,
+                half_width: 0.5e-3 * feather.barbs.width_um,
+                height_over_width: feather.barbs.height,
+                barbules: order.map(|k: usize| mean(shapes[k], &self.barbules[k])),
+            };
+            let [left, right] = order.map(|k| self.barbules[k].clone());
+            let cell_mm = 1e-3 * feather.distal.cell_um;
+            let rows = order.map(|k| shapes[k].row(&feather.disorder));
+            let vane = VaneSurface::new(barbs, [self.ramus.clone(), left, right], cell_mm).with_rows(rows);
+            (geometry.clone(), Surface::Vane(Box::new(vane)))
+        });
+        let down = self.looked_up(grown, BarbModel::Substructure).into_iter().skip(2);
+        vanes.chain(down).collect()
+    }
+}
+
+/// Height over width of a plate's section.
+const PLATE_HEIGHT: f64 = 0.1;
 
 /// What barbs of one kind are made of.
 #[derive(Clone)]

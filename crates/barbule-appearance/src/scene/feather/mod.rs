@@ -12,6 +12,7 @@ mod outline;
 mod row;
 mod section;
 mod shaft;
+mod sheet;
 mod sizes;
 mod split;
 mod tables;
@@ -59,6 +60,8 @@ pub struct Grown {
     pub envelopes: [Geometry; 2],
     /// The same of the downy part.
     pub downy_envelopes: [Geometry; 2],
+    /// In place of them all: sheets through the barbs left and right of the shaft.
+    pub sheets: [Geometry; 2],
 }
 
 /// Which parts of a feather stand there one by one.
@@ -68,6 +71,8 @@ pub enum Level {
     Barbules,
     /// Every barb; its barbules are looked up where a ray meets its envelope.
     Barbs,
+    /// The vane, a surface; of the downy part every barb.
+    Vane,
 }
 
 impl Grown {
@@ -114,9 +119,14 @@ impl Feather {
         let pattern = self.pattern.pattern();
         let mut grown = Grown::default();
         shaft.mesh(&mut grown.shaft, window, origin, identity);
-        for barb in &barbs {
+        if level == Level::Vane {
+            for (sheet, side) in grown.sheets.iter_mut().zip([-1.0, 1.0]) {
+                sheet::add(sheet, barbs.iter().filter(|b| b.side == side && !b.is_loose), origin, identity);
+            }
+        }
+        for barb in barbs.iter().filter(|barb| level != Level::Vane || barb.is_loose) {
             let rows = self.barbules_of(barb).map(|shape| shape.row(&self.disorder));
-            if level == Level::Barbs {
+            if level != Level::Barbules {
                 let envelopes = if barb.is_loose { &mut grown.downy_envelopes } else { &mut grown.envelopes };
                 envelope::add(&mut envelopes[usize::from(barb.side > 0.0)], barb, &rows, roll, origin);
                 continue;
