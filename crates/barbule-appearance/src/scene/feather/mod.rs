@@ -6,6 +6,7 @@
 mod barb;
 mod barbule;
 mod loose;
+mod measure;
 mod noise;
 mod outline;
 mod row;
@@ -19,12 +20,13 @@ mod types;
 use glam::DVec3;
 
 pub use barb::Barb;
+pub use measure::{Measures, VaneMeasures};
 pub use outline::Vane;
 pub use shaft::{Shaft, Station};
 pub use sizes::{BarbShape, BarbuleShape, Disorder, DownyShape, ShaftShape, SplitShape};
 pub(in crate::scene) use tables::layered;
 pub use tables::{Feather, LeadingSide};
-pub use types::names;
+pub use types::{names, source};
 
 use super::geometry::Geometry;
 use crate::{Error, Result};
@@ -80,6 +82,26 @@ impl Feather {
     pub fn grow(&self, window: VaneDisc, seed: u64, identity: u64) -> Result<Grown> {
         self.check()?;
         self.check_count(window)?;
+        let (mut grown, barbs, origin) = self.rami(window, seed, identity)?;
+        for barb in &barbs {
+            for (which, shape) in self.barbules_of(barb).iter().enumerate() {
+                let place = (origin, window);
+                barbule::along(&mut grown.barbules, barb, shape, &self.disorder, which, place, seed);
+            }
+        }
+        Ok(grown)
+    }
+
+    /// The same without barbules: a feather as it looks from afar.
+    ///
+    /// # Errors
+    /// As [`Feather::check`].
+    pub fn grow_barbs(&self, window: VaneDisc, seed: u64, identity: u64) -> Result<Grown> {
+        self.rami(window, seed, identity).map(|(grown, ..)| grown)
+    }
+
+    /// Shaft and rami, the barbs that they are made of, and the origin in the feather's own place.
+    fn rami(&self, window: VaneDisc, seed: u64, identity: u64) -> Result<(Grown, Vec<Barb>, DVec3)> {
         let (shaft, barbs) = self.barbs_within(window, seed, identity)?;
         let origin = shaft.at(window.along_mm).point;
         let mut grown = Grown::default();
@@ -87,12 +109,8 @@ impl Feather {
         for barb in &barbs {
             barb.mesh(&mut grown.rami, &self.barbs, origin);
             barb.fibre(&mut grown.fibres, origin);
-            for (which, shape) in self.barbules_of(barb).iter().enumerate() {
-                let place = (origin, window);
-                barbule::along(&mut grown.barbules, barb, shape, &self.disorder, which, place, seed);
-            }
         }
-        Ok(grown)
+        Ok((grown, barbs, origin))
     }
 
     /// The shaft and the barbs that reach into a window, in the feather's own place: the shaft's base is the origin.
