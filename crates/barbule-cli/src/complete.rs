@@ -7,7 +7,7 @@ use std::ffi::{OsStr, OsString};
 use std::io;
 use std::path::Path;
 
-use barbule::scene::preset;
+use barbule::scene::{feather, preset};
 use barbule::structure::{SpeciesFile, species_names};
 use clap::Command;
 use clap_complete::CompleteEnv;
@@ -66,6 +66,8 @@ enum Names {
     Species,
     /// Presets, and `SPECIES[:VARIANT]`.
     Presets,
+    /// Types of feathers, birds' feathers, and `SPECIES[:VARIANT]`.
+    Feathers,
 }
 
 const FIGURES: &[&str] = &["svg", "pdf", "png"];
@@ -77,6 +79,8 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
     match (command, argument) {
         ("simulate", "structure") => files(Names::Species, &["toml", "json", "zarr"]),
         (_, "structure" | "structures") => files(Names::Species, &["toml", "json"]),
+        ("feather", "feather") => files(Names::Feathers, &["toml"]),
+        ("feather", "output") => files(Names::None, &["usda", "ply", "obj", "gltf", "pbrt", "txt"]),
         ("film", "stack") => files(Names::None, &["toml"]),
         ("species", "name") => files(Names::Species, &["toml", "json"]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
@@ -140,6 +144,9 @@ impl Names {
         if self == Self::Presets {
             let others = preset::names().filter(|name| !species.contains(name)).map(str::to_owned);
             found.extend(starting(others, text, Some("preset")));
+        }
+        if self == Self::Feathers {
+            found.extend(starting(feather::names().map(str::to_owned), text, Some("feather")));
         }
         found
     }

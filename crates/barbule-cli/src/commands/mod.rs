@@ -12,6 +12,7 @@ mod characterize;
 mod completions;
 mod crystal;
 mod far_field;
+mod feather;
 mod film;
 mod fit;
 mod geometry;
@@ -48,6 +49,8 @@ pub(crate) enum Command {
     Geometry(geometry::Args),
     /// The species that are built in, with their colours
     Species(species::Args),
+    /// A feather's geometry in a file, or its measures beside their sources
+    Feather(feather::Args),
     /// Print completions for a shell
     Completions(completions::Args),
     /// Render a picture of a feather
@@ -71,6 +74,7 @@ impl Command {
             Self::Cache(args) => args.run(out),
             Self::Geometry(args) => args.run(out),
             Self::Species(args) => args.run(out),
+            Self::Feather(args) => args.run(out),
             Self::Completions(args) => args.run(out),
             Self::Render(args) => args.run(out),
             Self::Bench(args) => args.run(out),

@@ -2,6 +2,7 @@
 
 mod cache;
 mod curves;
+mod feather;
 pub mod image;
 mod kind;
 mod lattice;
@@ -25,6 +26,7 @@ mod zarr;
 
 pub use cache::{CacheFile, delete_cached, list_cache};
 pub use curves::{curves_text, parse_curves, read_curves};
+pub use feather::{FeatherFormat, MOST_WRITTEN_BARBULES, write_feather};
 pub use kind::{InputKind, kind_of};
 pub use lattice::read_lattice;
 pub use machine::{available_memory, peak_memory};

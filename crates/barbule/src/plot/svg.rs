@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::drawing::{Anchor, Drawing, Ink, Item, Stroke};
 use super::raster::encode_picture;
+use crate::base64;
 
 pub(super) fn write(drawing: &Drawing, notes: &[(&str, &str)]) -> String {
     let (w, h) = (Number(drawing.width), Number(drawing.height));
@@ -72,7 +73,7 @@ fn items(out: &mut String, list: &[Item], clips: &mut usize) {
                 let _ = writeln!(
                     out,
                     "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>",
-                    base64(&encode_picture(picture))
+                    base64::encoded(&encode_picture(picture))
                 );
             }
             Item::Clip { area, items: inner } => {
@@ -141,32 +142,9 @@ fn escaped(text: &str) -> String {
     out
 }
 
-fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let word = chunk.iter().fold(0_u32, |word, b| word << 8 | u32::from(*b)) << (8 * (3 - chunk.len()));
-        for i in 0..4 {
-            let letter = LETTERS[(word >> (18 - 6 * i) & 63) as usize];
-            out.push(if i <= chunk.len() { letter as char } else { '=' });
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base64_is_that_of_rfc_4648() {
-        let of = |t: &str| base64(t.as_bytes());
-        assert_eq!(
-            (of(""), of("f"), of("fo"), of("foo")),
-            ("".into(), "Zg==".into(), "Zm8=".into(), "Zm9v".into())
-        );
-        assert_eq!(of("foobar"), "Zm9vYmFy");
-    }
 
     #[test]
     fn texts_of_users_cannot_become_markup() {

@@ -136,7 +136,10 @@ impl Lookup {
         let raised = 2.0 * disorder.lift * t * usual;
         let height = half_width * libm::sin(base_tilt.abs() + 2.0 * disorder.turn) + raised;
         let lean = height * (ahead / up.abs().max(LEAST_UP)).abs() + 2.0 * disorder.angle * t * usual;
-        let reach = (half_width + lean) / (row.spacing * sin.max(LEAST_UP)) + 3.0 * disorder.spacing;
+        // And beside them those whose shadows fall there.
+        let shading = raised + row.spacing * sin;
+        let reach =
+            (half_width + lean + shading) / (row.spacing * sin.max(LEAST_UP)) + 3.0 * disorder.spacing;
         let first =
             (place_in_row - reach).ceil().max((place_in_row - 0.5 * MOST_SLATS as f64).ceil()).max(0.0)
                 as i64;

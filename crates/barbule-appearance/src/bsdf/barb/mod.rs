@@ -8,6 +8,8 @@
 mod lookup;
 mod pattern;
 mod row;
+#[cfg(test)]
+mod tests;
 
 use glam::DVec3;
 

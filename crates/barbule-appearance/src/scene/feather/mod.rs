@@ -7,6 +7,7 @@ mod barb;
 mod barbule;
 mod envelope;
 mod loose;
+mod measure;
 mod noise;
 mod outline;
 mod row;
@@ -22,12 +23,13 @@ use glam::DVec3;
 
 pub use barb::Barb;
 pub use envelope::tip_side;
+pub use measure::{Measures, VaneMeasures};
 pub use outline::Vane;
 pub use shaft::{Shaft, Station};
 pub use sizes::{BarbShape, BarbuleShape, Disorder, DownyShape, PatternShape, ShaftShape, SplitShape};
 pub(in crate::scene) use tables::layered;
 pub use tables::{Feather, LeadingSide};
-pub use types::names;
+pub use types::{names, source};
 
 use super::geometry::Geometry;
 use crate::{Error, Result};
@@ -76,6 +78,17 @@ pub enum Level {
 }
 
 impl Grown {
+    /// The barbules of all rows, those of the downy part last.
+    #[must_use]
+    pub fn all_barbules(&self) -> Geometry {
+        let [distal, proximal] = &self.barbules;
+        let mut all = Geometry::default();
+        for row in [distal, proximal, &self.pale, &self.downy] {
+            row.ribbons.iter().for_each(|ribbon| all.add_ribbon(row.nodes_of(ribbon), *ribbon));
+        }
+        all
+    }
+
     /// How many barbs and barbules there are.
     #[must_use]
     pub fn counts(&self) -> Counts {
@@ -115,33 +128,70 @@ impl Feather {
         }
         let (shaft, barbs) = self.barbs_within(window, seed, identity)?;
         let origin = shaft.at(window.along_mm).point;
-        let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
-        let pattern = self.pattern.pattern();
         let mut grown = Grown::default();
         shaft.mesh(&mut grown.shaft, window, origin, identity);
-        if level == Level::Vane {
-            for (sheet, side) in grown.sheets.iter_mut().zip([-1.0, 1.0]) {
-                sheet::add(sheet, barbs.iter().filter(|b| b.side == side && !b.is_loose), origin, identity);
+        let one_by_one = |barb: &&Barb| level == Level::Barbs || (level == Level::Vane && barb.is_loose);
+        self.add_envelopes(&mut grown, barbs.iter().filter(one_by_one), origin);
+        match level {
+            Level::Barbules => {
+                self.add_rami(&mut grown, &barbs, origin);
+                self.add_barbules(&mut grown, &barbs, (origin, window), seed);
             }
-        }
-        for barb in barbs.iter().filter(|barb| level != Level::Vane || barb.is_loose) {
-            let rows = self.barbules_of(barb).map(|shape| shape.row(&self.disorder));
-            if level != Level::Barbules {
-                let envelopes = if barb.is_loose { &mut grown.downy_envelopes } else { &mut grown.envelopes };
-                envelope::add(&mut envelopes[usize::from(barb.side > 0.0)], barb, &rows, roll, origin);
-                continue;
-            }
-            barb.mesh(&mut grown.rami, &self.barbs, origin);
-            barb.fibre(&mut grown.fibres, origin);
-            for (which, row) in rows.iter().enumerate() {
-                let vane = &mut grown.barbules[which];
-                let dark = if barb.is_loose { &mut grown.downy } else { vane };
-                let place = (origin, window);
-                let pattern = pattern.filter(|_| !barb.is_loose);
-                barbule::along([dark, &mut grown.pale], barb, row, which, (roll, pattern), place, seed);
+            Level::Barbs => {}
+            Level::Vane => {
+                for (sheet, side) in grown.sheets.iter_mut().zip([-1.0, 1.0]) {
+                    sheet::add(
+                        sheet,
+                        barbs.iter().filter(|b| b.side == side && !b.is_loose),
+                        origin,
+                        identity,
+                    );
+                }
             }
         }
         Ok(grown)
+    }
+
+    /// Shaft and rami alone.
+    ///
+    /// # Errors
+    /// As [`Feather::check`].
+    pub fn grow_barbs(&self, window: VaneDisc, seed: u64, identity: u64) -> Result<Grown> {
+        let (shaft, barbs) = self.barbs_within(window, seed, identity)?;
+        let origin = shaft.at(window.along_mm).point;
+        let mut grown = Grown::default();
+        shaft.mesh(&mut grown.shaft, window, origin, identity);
+        self.add_rami(&mut grown, &barbs, origin);
+        Ok(grown)
+    }
+
+    fn add_rami(&self, grown: &mut Grown, barbs: &[Barb], origin: DVec3) {
+        for barb in barbs {
+            barb.mesh(&mut grown.rami, &self.barbs, origin);
+            barb.fibre(&mut grown.fibres, origin);
+        }
+    }
+
+    fn add_barbules(&self, grown: &mut Grown, barbs: &[Barb], place: (DVec3, VaneDisc), seed: u64) {
+        let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
+        for barb in barbs {
+            let pattern = self.pattern.pattern().filter(|_| !barb.is_loose);
+            for (which, shape) in self.barbules_of(barb).iter().enumerate() {
+                let vane = &mut grown.barbules[which];
+                let dark = if barb.is_loose { &mut grown.downy } else { vane };
+                let row = shape.row(&self.disorder);
+                barbule::along([dark, &mut grown.pale], barb, &row, which, (roll, pattern), place, seed);
+            }
+        }
+    }
+
+    fn add_envelopes<'a>(&self, grown: &mut Grown, barbs: impl Iterator<Item = &'a Barb>, origin: DVec3) {
+        let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
+        for barb in barbs {
+            let rows = self.barbules_of(barb).map(|shape| shape.row(&self.disorder));
+            let envelopes = if barb.is_loose { &mut grown.downy_envelopes } else { &mut grown.envelopes };
+            envelope::add(&mut envelopes[usize::from(barb.side > 0.0)], barb, &rows, roll, origin);
+        }
     }
 
     /// The shaft and the barbs that reach into a window, in the feather's own place: the shaft's base is the origin.

@@ -1,0 +1,88 @@
+//! Writing grown feathers as geometry that other programs read: triangle ribbons or curves, in mm.
+
+mod gltf;
+mod parts;
+mod text;
+
+use std::path::Path;
+
+use super::{check_writable, write_whole};
+use crate::scene::feather::Grown;
+use crate::{Error, Result};
+
+use parts::Part;
+
+/// Most barbules of a file: so many ribbons have 5 million corners, the most that a mesh is read with.
+pub const MOST_WRITTEN_BARBULES: usize = 350_000;
+
+/// What a feather is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FeatherFormat {
+    /// Triangle ribbons, binary little endian (`.ply`).
+    Ply,
+    /// Triangle ribbons (`.obj`).
+    Obj,
+    /// Triangle ribbons with an embedded buffer (`.gltf`).
+    Gltf,
+    /// Curves with normals, the shaft as a mesh (`.usda`).
+    Usda,
+    /// Curves and meshes of pbrt (`.pbrt`).
+    Pbrt,
+    /// Control points of round linear curves, as Mitsuba reads them (`.txt`).
+    Curves,
+}
+
+impl FeatherFormat {
+    /// All with the endings of their files.
+    pub const ALL: [(&'static str, Self); 6] = [
+        ("ply", Self::Ply),
+        ("obj", Self::Obj),
+        ("gltf", Self::Gltf),
+        ("usda", Self::Usda),
+        ("pbrt", Self::Pbrt),
+        ("txt", Self::Curves),
+    ];
+
+    /// By the ending of a file's name.
+    ///
+    /// # Errors
+    /// Another ending.
+    pub fn of(path: &Path) -> Result<Self> {
+        let ending = path.extension().map_or_else(String::new, |end| end.to_string_lossy().to_lowercase());
+        let found = Self::ALL.iter().find(|(known, _)| *known == ending);
+        found.map(|(_, format)| *format).ok_or_else(|| {
+            Error::input(format!(
+                "{}: feathers are written as .usda, .ply, .obj, .gltf, .pbrt or .txt; end the name with one of these",
+                path.display()
+            ))
+        })
+    }
+}
+
+/// Writes a feather, whole or not at all; `notes` say what made it, in formats that have comments.
+///
+/// # Errors
+/// An unknown ending, over 350,000 barbules, or the file cannot be written.
+pub fn write_feather(path: &Path, grown: &Grown, notes: &[(&str, &str)]) -> Result<()> {
+    let format = FeatherFormat::of(path)?;
+    check_writable(path)?;
+    let barbules = grown.counts().barbules;
+    if barbules > MOST_WRITTEN_BARBULES {
+        return Err(Error::input(format!(
+            "{}: would hold {barbules} barbules, over the limit of {MOST_WRITTEN_BARBULES}; write barbs only",
+            path.display()
+        )));
+    }
+    let bytes = match format {
+        FeatherFormat::Ply => text::ply(&Part::all(grown), notes),
+        FeatherFormat::Obj => text::obj(&Part::all(grown), notes),
+        FeatherFormat::Gltf => gltf::encoded(&Part::all(grown), notes)?,
+        FeatherFormat::Usda => text::usda(grown, notes),
+        FeatherFormat::Pbrt => text::pbrt(grown, notes),
+        FeatherFormat::Curves => text::curves(grown),
+    };
+    write_whole(path, &bytes)
+}
+
+#[cfg(test)]
+mod tests;
