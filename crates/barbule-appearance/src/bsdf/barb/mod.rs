@@ -167,7 +167,7 @@ impl BarbSurface {
     }
 
     /// At a hit, seen from `wo`. Gaps are never asked: they have no opacity.
-    #[inline]
+    #[inline(never)] // much code, for few of a picture's surfaces
     pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         match self.meet(hit, wo) {
             Some(Part::Barbule(which, met)) => self.bind_barbule(which, &met, hit, wo, wavelengths),
@@ -251,7 +251,7 @@ impl BarbSurface {
     }
 
     /// See [`super::Surface::opacity`]: 0 in gaps. The ray may come from either end.
-    #[inline]
+    #[inline(never)]
     pub(super) fn opacity(&self, hit: &Hit, wo: DVec3) -> f64 {
         if self.meet(hit, wo).is_some() { 1.0 } else { 0.0 }
     }

@@ -92,13 +92,13 @@ impl VaneSurface {
     }
 
     /// See [`super::Surface::opacity`]: what is not gaps. The same from both ends of a line.
-    #[inline]
+    #[inline(never)]
     pub(super) fn opacity(&self, hit: &Hit, wo: DVec3) -> f64 {
         (1.0 - self.table.seen(hit.frame.to_local(wo))[PARTS]).clamp(0.0, 1.0)
     }
 
     /// At a hit, seen from `wo`.
-    #[inline]
+    #[inline(never)] // much code, for few of a picture's surfaces
     pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let local = hit.frame.to_local(wo);
         let name = hash(hit.id, &hit.position.to_array().map(f64::to_bits));
