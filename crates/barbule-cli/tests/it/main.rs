@@ -10,6 +10,7 @@ mod common;
 mod completions;
 mod crystal;
 mod far_field;
+mod feather;
 mod figures;
 mod film;
 mod geometry;
