@@ -5,12 +5,14 @@
 //! reflected totally loses nothing and goes on. So TT is the light that leaves the first time it can, and TRT what leaves
 //! the second time.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use fearless_simd::{Simd, f64x8, prelude::*};
 use glam::DVec2;
 
-use super::section::{FOLLOWED, WAYS};
+use super::section::{FOLLOWED, WAYS, fresnel_each};
 use crate::bsdf::fresnel::fresnel;
-use crate::math::elementary::{atan2, exp_each};
+use crate::math::elementary::{asin_each, atan2, exp_each};
 use crate::spectrum::dense::WAVES;
 
 /// Chords that are followed. Light that blades guide by total reflection over more of them leaves anywhere, with what is
@@ -102,69 +104,134 @@ impl Ellipse {
 }
 
 /// [`Ellipse`] of each wavelength, which a dispersive fibre shows another way.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Ellipses {
-    /// `[way][wavelength]`.
-    pub(super) azimuths: [[f64; WAVES]; FOLLOWED],
-    reflectances: [[f64; WAVES]; FOLLOWED],
-    last: [f64; WAVES],
-    lengths: [[f64; WAVES]; 2],
+pub(super) struct Ellipses<S: Simd> {
+    /// Azimuths at which the followed ways leave, `[way][wavelength]`.
+    pub(super) azimuths: [f64x8<S>; FOLLOWED],
+    reflectances: [f64x8<S>; FOLLOWED],
+    last: f64x8<S>,
+    lengths: [f64x8<S>; 2],
 }
 
-impl Ellipses {
+impl<S: Simd> Ellipses<S> {
     /// One for all wavelengths.
-    pub(super) fn same(ellipse: &Ellipse) -> Self {
+    #[inline(always)]
+    pub(super) fn same(simd: S, one: &Ellipse) -> Self {
+        let all = |v: f64| f64x8::splat(simd, v);
+        let ([a, b, c], [d, e, f], [g, h]) = (one.azimuths, one.reflectances, one.lengths);
         Self {
-            azimuths: ellipse.azimuths.map(|azimuth| [azimuth; WAVES]),
-            reflectances: ellipse.reflectances.map(|reflectance| [reflectance; WAVES]),
-            last: [ellipse.last; WAVES],
-            lengths: ellipse.lengths.map(|length| [length; WAVES]),
+            azimuths: [all(a), all(b), all(c)],
+            reflectances: [all(d), all(e), all(f)],
+            last: all(one.last),
+            lengths: [all(g), all(h)],
         }
     }
 
-    /// As [`Ellipse::new`], with the index at each wavelength.
+    /// As [`Ellipse::new`], with the index at each wavelength: every wavelength's ray is followed until all have left twice.
+    #[inline(always)]
     pub(super) fn new(
+        simd: S,
         height: f64,
         toward: DVec2,
         offset: f64,
-        inclination: [f64; 2],
+        [sin, cos]: [f64; 2],
         index: &[f64; WAVES],
     ) -> Self {
-        let mut ellipses = Self {
-            azimuths: [[0.0; WAVES]; FOLLOWED],
-            reflectances: [[0.0; WAVES]; FOLLOWED],
-            last: [0.0; WAVES],
-            lengths: [[0.0; WAVES]; 2],
-        };
-        for (k, &index) in index.iter().enumerate() {
-            let one = Ellipse::new(height, toward, offset, inclination, index);
-            for way in 0..FOLLOWED {
-                ellipses.azimuths[way][k] = one.azimuths[way];
-                ellipses.reflectances[way][k] = one.reflectances[way];
+        let all = |v: f64| f64x8::splat(simd, v);
+        let (one, zero) = (all(1.0), all(0.0));
+        let index = f64x8::from_slice(simd, index);
+        let stretch = DVec2::new(1.0, 1.0 / height);
+        let at = (toward * stretch).normalize();
+        let start = at * (1.0 - offset * offset).max(0.0).sqrt() + at.perp() * offset;
+        let normal = (start * stretch).normalize();
+        let cos_outside = normal.dot(toward).clamp(0.0, 1.0);
+        let along_wall = normal * cos_outside - toward;
+        let mirrored = normal * (2.0 * cos_outside) - toward;
+
+        let ratio = all(cos) / (index * index - all(sin * sin)).sqrt();
+        let sin_along = all(sin) / index;
+        let inverse_cos_along = one / (one - sin_along * sin_along).max(zero).sqrt();
+        let (tx, tz) = (all(along_wall.x) * ratio, all(along_wall.y) * ratio);
+        let cos_inside = (one - (tx * tx + tz * tz)).max(zero).sqrt();
+        let (mut dx, mut dz) = (tx - all(normal.x) * cos_inside, tz - all(normal.y) * cos_inside);
+        let (mut x, mut z) = (all(start.x), all(start.y));
+        let (vx, vz, rise) = (all(toward.x), all(toward.y), all(stretch.y));
+
+        let entry = fresnel_each(simd, all(cos * cos_outside), index);
+        let (mut first_azimuth, mut second_azimuth) = (zero, zero);
+        let (mut first, mut second, mut last) = (one, one, entry);
+        let (mut first_length, mut second_length) = (zero, zero);
+        let mut has_left = zero.simd_gt(one);
+        let mut has_left_again = has_left;
+        for _ in 0..MOST_CHORDS {
+            let up = dz * rise;
+            let chord = all(-2.0) * (x * dx + z * up) / (dx * dx + up * up);
+            x += dx * chord;
+            z += up * chord;
+            let length = chord * inverse_cos_along;
+            let is_between = has_left & !has_left_again;
+            first_length += has_left.select(zero, length);
+            second_length += is_between.select(length, zero);
+            let steep = z * rise;
+            let inverse = one / (x * x + steep * steep).sqrt();
+            let (nx, nz) = (x * inverse, steep * inverse);
+            let cos_inside = (dx * nx + dz * nz).max(zero).min(one);
+            let (tx, tz) = (dx - nx * cos_inside, dz - nz * cos_inside);
+            let square = ratio * ratio - (tx * tx + tz * tz);
+            let leaves = square.simd_gt(all(GRAZING) * ratio * ratio);
+            let cos_outside = square.max(zero).sqrt() / ratio;
+            let (ox, oz) = (tx / ratio + nx * cos_outside, tz / ratio + nz * cos_outside);
+            let azimuth = angle_each(simd, vx * oz - vz * ox, vx * ox + vz * oz);
+            let reflectance = fresnel_each(simd, all(cos) * cos_outside, index);
+            let is_first = leaves & !has_left;
+            let is_second = leaves & is_between;
+            first_azimuth = is_first.select(azimuth, first_azimuth);
+            first = is_first.select(reflectance, first);
+            second_azimuth = is_second.select(azimuth, second_azimuth);
+            second = is_second.select(reflectance, second);
+            last = (is_first | is_second).select(reflectance, last);
+            has_left |= is_first;
+            has_left_again |= is_second;
+            if has_left_again.all_true() {
+                break;
             }
-            ellipses.last[k] = one.last;
-            ellipses.lengths[0][k] = one.lengths[0];
-            ellipses.lengths[1][k] = one.lengths[1];
+            dx = tx - nx * cos_inside;
+            dz = tz - nz * cos_inside;
         }
-        ellipses
+        let reflected = atan2(toward.perp_dot(mirrored), toward.dot(mirrored));
+        Self {
+            azimuths: [all(reflected), first_azimuth, second_azimuth],
+            reflectances: [entry, first, second],
+            last,
+            lengths: [first_length, second_length],
+        }
     }
 
     /// Shares of the power on each way at each wavelength, `[way][wavelength]`; `depths`: absorption over one half width.
     #[inline(always)]
-    pub(super) fn attenuations<S: Simd>(&self, simd: S, depths: &[f64; WAVES]) -> [f64x8<S>; WAYS] {
-        let [r, first, second] = &self.reflectances;
+    pub(super) fn attenuations(&self, simd: S, depths: &[f64; WAVES]) -> [f64x8<S>; WAYS] {
+        let [r, first, second] = self.reflectances;
         let one = f64x8::splat(simd, 1.0);
-        let (r, first) = (f64x8::from_slice(simd, r), f64x8::from_slice(simd, first));
-        let (second, last) = (f64x8::from_slice(simd, second), f64x8::from_slice(simd, &self.last));
         let depths = f64x8::from_slice(simd, depths);
-        let kept = exp_each(simd, -depths * f64x8::from_slice(simd, &self.lengths[0]));
-        let kept_again = exp_each(simd, -depths * f64x8::from_slice(simd, &self.lengths[1]));
+        let kept = exp_each(simd, -depths * self.lengths[0]);
+        let kept_again = exp_each(simd, -depths * self.lengths[1]);
         let inside = (one - r) * kept;
         let again = inside * first * kept_again;
         let least = f64x8::splat(simd, f64::MIN_POSITIVE);
-        let later = kept_again * (one - last) / (one - last * kept_again).max(least);
+        let later = kept_again * (one - self.last) / (one - self.last * kept_again).max(least);
         [r, inside * (one - first), again * (one - second), again * second * later]
     }
+}
+
+/// Angles of unit vectors, −π … π.
+#[inline(always)]
+fn angle_each<S: Simd>(simd: S, sin: f64x8<S>, cos: f64x8<S>) -> f64x8<S> {
+    let all = |v: f64| f64x8::splat(simd, v);
+    let (s, c) = (sin.abs(), cos.abs());
+    // The arc sine of the smaller loses no digits.
+    let angle = asin_each(simd, s.min(c));
+    let angle = s.simd_gt(c).select(all(FRAC_PI_2) - angle, angle);
+    let angle = cos.simd_lt(all(0.0)).select(all(PI) - angle, angle);
+    angle.copysign(sin)
 }
 
 #[cfg(test)]

@@ -26,8 +26,8 @@ use glam::{DVec2, DVec3};
 
 pub use absorption::Absorption;
 
-use self::ellipse::{Ellipse, Ellipses};
-use self::lanes::{Incidence, Middles, Powers, Spread, dispersed};
+use self::ellipse::Ellipse;
+use self::lanes::{Incidence, Middles, Powers, Spread, dispersed, dispersed_ellipse};
 use self::section::{FOLLOWED, Round, WAYS};
 use self::spread::{Azimuthal, Longitudinal};
 use super::frame::Frame;
@@ -336,12 +336,11 @@ fn elliptical(
     match hair.index {
         FibreIndex::Constant(index) => {
             let section = Ellipse::new(hair.height, toward, offset, inclination, index);
-            (Middles::Same(section.azimuths), Powers::of_ellipses(&Ellipses::same(&section), depths))
+            (Middles::Same(section.azimuths), Powers::of_ellipse(&section, depths))
         }
         FibreIndex::Keratin => {
             let index = wavelengths.nm().map(keratin);
-            let sections = Ellipses::new(hair.height, toward, offset, inclination, &index);
-            (Middles::Each(sections.azimuths), Powers::of_ellipses(&sections, depths))
+            dispersed_ellipse(hair.height, toward, offset, inclination, &index, depths)
         }
     }
 }

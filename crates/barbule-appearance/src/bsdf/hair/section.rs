@@ -110,14 +110,9 @@ impl<S: Simd> Rounds<S> {
         let reflected = 2.0 * asin(offset);
         let turn = all(PI) - two * asin_each(simd, sin_inside);
         let once = wrap_each(simd, all(reflected) + turn);
-        // As `fresnel`.
-        let c = all((cos * cos_outside).clamp(0.0, 1.0));
-        let t = (one - (one - c * c) / (index * index)).max(zero).sqrt();
-        let s = (c - index * t) / (c + index * t);
-        let p = (index * c - t) / (index * c + t);
         Self {
             azimuths: [all(wrap(reflected)), once, wrap_each(simd, once + turn)],
-            fresnel: all(0.5) * (s * s + p * p),
+            fresnel: fresnel_each(simd, all(cos * cos_outside), index),
             chord: two * cos_inside / cos_along,
         }
     }
@@ -127,6 +122,18 @@ impl<S: Simd> Rounds<S> {
     pub(super) fn attenuations(&self, simd: S, depths: &[f64; WAVES]) -> [f64x8<S>; WAYS] {
         attenuations(simd, self.fresnel, self.chord, depths)
     }
+}
+
+/// [`fresnel`] at each index.
+#[inline(always)]
+pub(super) fn fresnel_each<S: Simd>(simd: S, cosine: f64x8<S>, index: f64x8<S>) -> f64x8<S> {
+    let all = |v: f64| f64x8::splat(simd, v);
+    let (one, zero) = (all(1.0), all(0.0));
+    let c = cosine.max(zero).min(one);
+    let t = (one - (one - c * c) / (index * index)).max(zero).sqrt();
+    let s = (c - index * t) / (c + index * t);
+    let p = (index * c - t) / (index * c + t);
+    all(0.5) * (s * s + p * p)
 }
 
 /// Angles between −2π and 2π, turned to −π … π.
