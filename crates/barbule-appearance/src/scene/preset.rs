@@ -1,4 +1,4 @@
-//! Close-ups of one feather that need no file of the user's: the texts of their scene files.
+//! Scenes that need no file of the user's: close-ups of feathers and whole ones, as the texts of their scene files.
 
 use crate::error::{did_you_mean, shortened};
 use crate::{Error, Result};
@@ -11,8 +11,16 @@ const PRESETS: &[(&str, &str)] = &[
     ("mallard", include_str!("presets/mallard.toml")),
     ("magpie", include_str!("presets/magpie.toml")),
     ("peafowl", include_str!("presets/peafowl.toml")),
+    ("rock-dove-feather", include_str!("presets/rock-dove-feather.toml")),
     ("starling-feather", include_str!("presets/starling-feather.toml")),
+    ("bronzewing-feather", include_str!("presets/bronzewing-feather.toml")),
+    ("hummingbird-feather", include_str!("presets/hummingbird-feather.toml")),
+    ("mallard-feather", include_str!("presets/mallard-feather.toml")),
+    ("magpie-feather", include_str!("presets/magpie-feather.toml")),
+    ("peafowl-feather", include_str!("presets/peafowl-feather.toml")),
     ("osprey", include_str!("presets/osprey.toml")),
+    ("turkey-vulture", include_str!("presets/turkey-vulture.toml")),
+    ("rock-dove-wing", include_str!("presets/rock-dove-wing.toml")),
 ];
 
 /// The presets' names.

@@ -104,7 +104,9 @@ impl Args {
         }
         let grown = match level {
             Level::Barbs => feather.grow_barbs(whole, seed, IDENTITY)?,
-            Level::Barbules => feather.grow(whole, barbule::scene::feather::Level::Barbules, seed, IDENTITY)?,
+            Level::Barbules => {
+                feather.grow(whole, barbule::scene::feather::Level::Barbules, seed, IDENTITY)?
+            }
         };
         let provenance = Provenance::new(&self.common);
         write_feather(path, &grown, &provenance.notes())?;

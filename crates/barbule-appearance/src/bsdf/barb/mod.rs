@@ -74,6 +74,7 @@ pub struct BarbSurface {
 }
 
 /// What a ray met within the envelope.
+#[allow(clippy::large_enum_variant)] // lives on the stack for one hit
 enum Part {
     /// The offset from its middle over half its silhouette.
     Ramus(f64),

@@ -460,6 +460,9 @@ mod tests {
         for name in preset::names() {
             let text = preset::toml(name).unwrap();
             assert_eq!(SceneDescription::parse(text).unwrap(), SceneDescription::named(name).unwrap());
+            if text.contains("preset =") {
+                continue;
+            }
             let other = if name == "magpie" { "mallard" } else { "magpie" };
             let changed = SceneDescription::parse(&format!("preset = \"{other}\"\n{text}")).unwrap();
             // Keys that a preset leaves out are those of the proximal barbules.

@@ -348,7 +348,7 @@ const DOWN: FibreDescription = FibreDescription {
     azimuthal_roughness: 0.4,
     scale_tilt_deg: 0.0,
     index: None,
-    eumelanin: 0.25,
+    eumelanin: 2.0,
     pheomelanin: 0.0,
     height_over_width: 1.0,
 };

@@ -104,8 +104,9 @@ fn raised(feather: &Feather, shaft: &Shaft, side: f64, flat: &FlatBarb) -> Barb 
     let normals = match loose {
         Some(_) => carried(base.normal, &tangents),
         None => {
-            let y = |i: usize| flat.path[i * PATH_STEPS / STEPS].y;
-            tangents.iter().enumerate().map(|(i, t)| across(shaft.at(y(i)).normal, *t)).collect()
+            let normal =
+                |i: usize| vane_normal(feather, shaft, side, vane, flat.path[i * PATH_STEPS / STEPS]);
+            tangents.iter().enumerate().map(|(i, t)| across(normal(i), *t)).collect()
         }
     };
     Barb {
@@ -136,6 +137,19 @@ fn on_vane(feather: &Feather, shaft: &Shaft, side: f64, vane: Vane, at: DVec2, u
     let z = start + libm::tan(shape.dihedral) * at.x - shape.camber * at.x * at.x / half - under;
     point + right * (side * at.x) + normal * z
 }
+
+/// The normal of the vane there: what its camber and dihedral make of the shaft's.
+fn vane_normal(feather: &Feather, shaft: &Shaft, side: f64, vane: Vane, at: DVec2) -> DVec3 {
+    let along = |step: DVec2| {
+        let place = |at: DVec2| on_vane(feather, shaft, side, vane, at, 0.0);
+        place(at + step) - place(at - step)
+    };
+    (along(DVec2::X * NORMAL_STEP_MM).cross(along(DVec2::Y * NORMAL_STEP_MM)) * side)
+        .normalize_or(shaft.at(at.y).normal)
+}
+
+/// Step of the differences that give normals, mm.
+const NORMAL_STEP_MM: f64 = 0.02;
 
 /// The part of a normal across a tangent.
 fn across(normal: DVec3, tangent: DVec3) -> DVec3 {

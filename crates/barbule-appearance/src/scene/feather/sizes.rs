@@ -287,7 +287,7 @@ impl PatternShape {
     #[must_use]
     pub fn pattern(&self) -> Option<Pattern> {
         let has_tip = self.pale_tip_from_mm > 0.0;
-        (has_tip || self.bar_spacing_mm > 0.0).then(|| Pattern {
+        (has_tip || self.bar_spacing_mm > 0.0).then_some(Pattern {
             spacing: self.bar_spacing_mm,
             dark_share: self.bar_dark,
             lean: self.bar_lean,

@@ -13,7 +13,11 @@ fn grown(barbules: bool) -> Grown {
     feather.barbs.leading_half_width_mm = 1.5;
     feather.barbs.trailing_half_width_mm = 2.0;
     let whole = VaneDisc { along_mm: 0.0, radius_mm: None };
-    if barbules { feather.grow(whole, Level::Barbules, 1, 1).unwrap() } else { feather.grow_barbs(whole, 1, 1).unwrap() }
+    if barbules {
+        feather.grow(whole, Level::Barbules, 1, 1).unwrap()
+    } else {
+        feather.grow_barbs(whole, 1, 1).unwrap()
+    }
 }
 
 fn bounds(points: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
