@@ -266,7 +266,7 @@ mod tests {
 
     #[test]
     fn species_variants_presets_and_values_complete() {
-        assert_eq!(after("barbule render st"), ["starling"]);
+        assert_eq!(after("barbule render st"), ["starling", "starling-feather"]);
         let pink = after("barbule characterize starling:p");
         assert!(pink.contains(&"starling:pink".to_owned()), "{pink:?}");
         let all = after("barbule spectrum ");

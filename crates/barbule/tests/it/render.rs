@@ -519,7 +519,7 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
     let name =
         checkpoint::name(&SceneDescription::named("starling").unwrap(), "", 1, "", "", &Planes::default());
     let mut part = Film::new([70, 40]).unwrap();
-    for patience in [30, 50, 20] {
+    for patience in [8, 12, 6] {
         let ended =
             run(&integrator, &mut part, 3, goal, &Impatient(AtomicU64::new(patience)), &mut |_| Ok(()));
         assert_eq!(ended.unwrap(), Ended::Stopped);

@@ -105,7 +105,7 @@ impl Lookup {
 
     /// The first barbule on the way to a viewer. `towards` maps the mean direction of a barbule there, by its angle and lift, to the
     /// viewer's direction ahead and up in the plane across it.
-    #[inline]
+    #[inline(never)]
     pub(super) fn meet(&self, place: Place, towards: impl FnOnce(f64, f64) -> [f64; 2]) -> Option<Met> {
         let row = &self.row;
         // Barbules are as long as where they are rooted says, from where they come here; and rise from the envelope, so the ray

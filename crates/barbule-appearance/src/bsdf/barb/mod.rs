@@ -127,7 +127,7 @@ impl BarbSurface {
     }
 
     /// What a ray to a viewer meets; `None` is a gap.
-    #[inline]
+    #[inline(never)]
     fn meet(&self, hit: &Hit, wo: DVec3) -> Option<Part> {
         if self.model == BarbModel::Fibre {
             return Some(Part::Ramus(hit.uv[1] * hit.frame.z.dot(wo).signum()));
@@ -177,7 +177,7 @@ impl BarbSurface {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn bind_ramus<'a>(&'a self, offset: f64, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let [tangent, _, normal] = self.axes(hit);
         let met = || on_fibre(hit, tangent, offset, wo);
@@ -207,7 +207,7 @@ impl BarbSurface {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn bind_barbule<'a>(
         &'a self,
         which: usize,

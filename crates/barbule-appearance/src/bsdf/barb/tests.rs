@@ -48,11 +48,16 @@ fn hit(arc: f64, across: f64) -> Hit {
     Hit { uv: [arc, across], ribbon, id: 7, ..Hit::default() }
 }
 
+/// Numbers of 0 … 1 that fall into step with nothing.
+fn spread(i: u32) -> f64 {
+    (f64::from(i) * 0.618_033_988_749_894_9).fract()
+}
+
 /// Share of the places at this distance from the ramus that a viewer sees through.
 fn transparency(barb: &BarbSurface, side: f64, wo: DVec3) -> f64 {
-    let count = 20_000;
+    let count = 20_000_u32;
     let through = (0..count).filter(|i| {
-        let arc = 4.0 + 0.8 * (f64::from(*i) + 0.5) / f64::from(count);
+        let arc = 4.0 + 0.8 * spread(*i);
         barb.opacity(&hit(arc, side / 0.4), wo) == 0.0
     });
     through.count() as f64 / f64::from(count)
@@ -186,9 +191,9 @@ fn slats_shade_each_other() {
     let barb = Surface::Barb(Box::new(barb(row, &Substance::Keratin(keratin()), 1.0)));
     for light in [-0.9_f64, -0.4, 0.0, 0.4, 0.8, 1.1] {
         let wi = DVec3::new(0.0, light.sin(), light.cos());
-        let count = 8000;
+        let count = 8000_u32;
         let lit = (0..count).filter(|i| {
-            let hit = hit(4.0 + 1e-4 * f64::from(*i), 0.25);
+            let hit = hit(4.0 + 0.8 * spread(*i), 0.25);
             barb.bind(&hit, DVec3::Z, Lambdas::splat(550.0)).eval(wi).f[0] > 0.0
         });
         let share = lit.count() as f64 / f64::from(count);

@@ -174,7 +174,7 @@ impl Hair {
     /// Where a ray meets a fibre that is no primitive of its own, seen from `wo`: one of many on a ribbon or a mesh. Light
     /// comes from everywhere, whichever way that surface faces; the shading normal points to the viewer, across the
     /// fibre.
-    #[inline]
+    #[inline(never)]
     #[must_use]
     pub fn bind_section(&self, section: &FibreSection, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {
         let FibreSection { axis, up, offset, pigment } = *section;
