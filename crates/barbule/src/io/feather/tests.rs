@@ -92,7 +92,7 @@ fn usd_and_pbrt_hold_every_curve() {
         let text = &text[text.find(from).unwrap()..];
         let text = &text[text.find(key).unwrap()..];
         let text = &text[text.find("= [").unwrap() + 3..];
-        text[..text.find(']').unwrap()].matches(|c| c == ',' || c == '(').count()
+        text[..text.find(']').unwrap()].matches([',', '(']).count()
     };
     assert_eq!(list(&usd, "\"Barbs\"", "curveVertexCounts") + 1, grown.counts().barbs);
     assert_eq!(list(&usd, "\"Barbules\"", "curveVertexCounts") + 1, grown.counts().barbules);
