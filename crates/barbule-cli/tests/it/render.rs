@@ -26,7 +26,7 @@ fn a_picture_is_a_png_that_says_where_it_comes_from() {
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     let barbs = report[0]["barbs"].as_u64().unwrap();
     let barbules = report[0]["barbules"].as_u64().unwrap();
-    assert!((15..=45).contains(&barbs) && (5_000..=30_000).contains(&barbules), "{report}");
+    assert!((15..=60).contains(&barbs) && (5_000..=30_000).contains(&barbules), "{report}");
     assert_eq!((&report[0]["light"], &report[0]["seed"]), (&"60,45".into(), &7.into()));
     let bytes = std::fs::read(folder.path().join("s.png")).unwrap();
     assert_eq!(&bytes[1..4], b"PNG");
