@@ -1,6 +1,6 @@
 //! Evaluation of a feather material: what renderers call.
 
-use fearless_simd::{Level, Simd, dispatch, f32x4, prelude::*};
+use fearless_simd::{Level, Simd, f32x4, prelude::*};
 use glam::DVec3;
 
 use super::lanes::{Cosine, Extras, Mixed, Outgoing, Simplices, density, exp_of_negative};
@@ -11,6 +11,7 @@ use super::sample::{Sampler, direction};
 use super::slope::{FALL, FARTHEST, Slope};
 use super::table::{Grid, Incident, Table};
 use crate::Result;
+use crate::math::simd::dispatch_large;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
 
@@ -399,7 +400,7 @@ impl FeatherBrdf {
         prepared: Option<&Incident>,
         values: &mut [f32],
     ) {
-        dispatch!(self.level, simd => self.add_eight(simd, set, nm, directions, prepared, None, values));
+        dispatch_large!(self.level, simd => self.add_eight(simd, set, nm, directions, prepared, None, values));
     }
 
     #[inline(never)]
@@ -412,7 +413,7 @@ impl FeatherBrdf {
         draw: &Draw,
         values: &mut [f32],
     ) {
-        dispatch!(self.level, simd => self.add_eight(simd, set, nm, directions, prepared, Some(draw), values));
+        dispatch_large!(self.level, simd => self.add_eight(simd, set, nm, directions, prepared, Some(draw), values));
     }
 
     /// Four wavelengths of a set or eight, with what they share, so that that stays in registers.
@@ -468,14 +469,14 @@ impl FeatherBrdf {
 
     /// Densities of ω_o per sr at each wavelength.
     fn densities(&self, wavelengths_nm: &[f32], incident: &Incident, wo: DVec3, densities: &mut [f64]) {
-        let towards = dispatch!(self.level, simd => self.towards(simd, *incident, wo));
+        let towards = dispatch_large!(self.level, simd => self.towards(simd, *incident, wo));
         let along = self.sampler.along(incident.along, [wo.y, towards.cos_theta]) / towards.cos_phi;
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = densities.as_chunks_mut::<4>();
         for (four, lanes) in fours.iter().zip(lanes) {
             let (mut sums, mut totals) = ([0.0_f32; 4], [0.0_f32; 4]);
             for table in &self.tables {
-                dispatch!(self.level, simd => {
+                dispatch_large!(self.level, simd => {
                     let simplices = self.simplices(simd, &towards, four);
                     let [sum, total] = density(simd, table, &simplices);
                     sums = (f32x4::from_slice(simd, &sums) + sum).into();

@@ -3,14 +3,14 @@
 //! Light is reflected once: what a second facet would reflect again is lost, a few percent at a roughness of 0.5. Both
 //! sides are the same.
 
-use fearless_simd::{Simd, dispatch, f64x8, prelude::*};
+use fearless_simd::{Simd, f64x8, prelude::*};
 use glam::DVec3;
 
 use super::hit::Hit;
 use super::lobes::Lobes;
 use super::microfacet::Ggx;
 use super::{Bsdf, Model};
-use crate::math::simd::level;
+use crate::math::simd::{dispatch_large, level};
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
 use crate::{Error, Result};
 
@@ -131,7 +131,7 @@ impl Bound {
 /// with 2a² = |w| + Re w and 2b² = |w| − Re w of w = (n + ik)² − sin²θ.
 #[inline(never)] // one copy for all callers, which are inlined into one function
 fn reflectances(cosine: f64, n: &[f64; WAVES], k: &[f64; WAVES]) -> [f64; WAVES] {
-    dispatch!(level(), simd => reflectances_in(simd, cosine.clamp(0.0, 1.0), n, k))
+    dispatch_large!(level(), simd => reflectances_in(simd, cosine.clamp(0.0, 1.0), n, k))
 }
 
 /// Compiled for each instruction set.

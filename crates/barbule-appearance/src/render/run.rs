@@ -2,11 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 
 use super::film::{Film, Tile};
 use super::integrator::Integrator;
+use crate::math::simd::dispatch_large;
 use crate::progress::Progress;
 use crate::{Error, Result};
 
@@ -118,7 +119,7 @@ fn round(
 /// A tile with so many samples per pixel.
 fn grown(integrator: &Integrator<'_>, film: &Film, tile: usize, seed: u64, samples: u32) -> Tile {
     let mut grown = film.tiles[tile].clone();
-    dispatch!(Level::new(), simd => grow(simd, integrator, film, (tile, &mut grown), seed, samples));
+    dispatch_large!(Level::new(), simd => grow(simd, integrator, film, (tile, &mut grown), seed, samples));
     grown
 }
 

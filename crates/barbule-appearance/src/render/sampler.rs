@@ -2,12 +2,12 @@
 
 use std::sync::LazyLock;
 
-use fearless_simd::{Simd, dispatch, f32x16, prelude::*, u32x16};
+use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 use sobol_burley::parts::{hash, owen_scramble_rev, sobol_rev};
 use sobol_burley::{NUM_DIMENSION_SETS_4D, NUM_DIMENSIONS};
 
 use crate::math::rng::hash as mixed;
-use crate::math::simd::level;
+use crate::math::simd::{dispatch_large, level};
 
 /// Samples of one sequence; longer runs of samples go on in another one.
 const SEQUENCE: u64 = 1 << 16;
@@ -77,7 +77,8 @@ impl Sampler {
     #[inline(never)] // one copy for all callers, which are inlined into one function
     fn fill(&mut self) {
         let rows = &DIRECTIONS[self.set as usize / (LANES / 4)];
-        self.numbers = dispatch!(level(), simd => numbers(simd, rows, self.shuffled, self.set, self.seed));
+        self.numbers =
+            dispatch_large!(level(), simd => numbers(simd, rows, self.shuffled, self.set, self.seed));
     }
 }
 

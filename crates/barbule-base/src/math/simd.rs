@@ -18,6 +18,44 @@ pub fn level() -> Level {
     *LEVEL
 }
 
+/// As [`fearless_simd::dispatch`], for large kernels: of the instructions of x86-64 only AVX-512, AVX2 and what all processors
+/// have. Each is one more copy to compile, and the plain one that stands in for missing instructions takes LLVM's promotion of
+/// variables minutes, which grows faster than a function's size.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __dispatch_large {
+    ($level:expr, $simd:pat => $kernel:expr) => {{
+        #[cfg(target_arch = "x86_64")]
+        {
+            macro_rules! __with {
+                ($token:expr) => {{
+                    let token = $token;
+                    let $simd = token;
+                    ::fearless_simd::Simd::vectorize(
+                        token,
+                        #[inline(always)]
+                        || $kernel,
+                    )
+                }};
+            }
+            match $level {
+                ::fearless_simd::Level::Avx512(token) => __with!(token),
+                ::fearless_simd::Level::Avx2(token) => __with!(token),
+                level => match level.as_sse2().or_else(|| $crate::math::simd::level().as_sse2()) {
+                    Some(token) => __with!(token),
+                    None => unreachable!("every x86-64 has SSE2"),
+                },
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        {
+            ::fearless_simd::dispatch!($level, $simd => $kernel)
+        }
+    }};
+}
+
+pub use crate::__dispatch_large as dispatch_large;
+
 /// An instruction set to compute with.
 #[derive(Debug, Clone, Copy)]
 pub struct Width(pub Level);

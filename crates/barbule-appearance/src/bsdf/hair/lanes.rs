@@ -3,14 +3,14 @@
 
 use std::f64::consts::TAU;
 
-use fearless_simd::{Simd, dispatch, f64x8, mask64x8, prelude::*};
+use fearless_simd::{Simd, f64x8, mask64x8, prelude::*};
 use glam::DVec2;
 
 use super::ellipse::{Ellipse, Ellipses};
 use super::section::{FOLLOWED, Round, Rounds, WAYS, wrap_each};
 use super::spread::{Azimuthal, LARGE_I0, Longitudinal, NEGLIGIBLE, SMALL, SMALL_I0};
 use crate::math::elementary::exp_each;
-use crate::math::simd::level;
+use crate::math::simd::{dispatch_large, level};
 use crate::spectrum::dense::WAVES;
 
 /// Lanes: of each way along the fibre, then of each followed way around it, then one that is idle.
@@ -37,13 +37,13 @@ impl Powers {
     /// Of a section that is the same at all wavelengths; `depths`: absorption over one radius.
     #[inline(never)] // one copy for all callers, which are inlined into one function
     pub(super) fn new(section: &Round, depths: &[f64; WAVES]) -> Self {
-        dispatch!(level(), simd => powers(simd, section, depths))
+        dispatch_large!(level(), simd => powers(simd, section, depths))
     }
 
     /// Of an elliptical section that is the same at all wavelengths; `depths`: absorption over one half width.
     #[inline(never)]
     pub(super) fn of_ellipse(section: &Ellipse, depths: &[f64; WAVES]) -> Self {
-        dispatch!(level(), simd => powers_of_ellipse(simd, section, depths))
+        dispatch_large!(level(), simd => powers_of_ellipse(simd, section, depths))
     }
 }
 
@@ -75,7 +75,7 @@ pub(super) fn dispersed(
     index: &[f64; WAVES],
     depths: &[f64; WAVES],
 ) -> (Middles, Powers) {
-    dispatch!(level(), simd => rounds(simd, offset, inclination, index, depths))
+    dispatch_large!(level(), simd => rounds(simd, offset, inclination, index, depths))
 }
 
 #[inline(always)]
@@ -102,7 +102,7 @@ pub(super) fn dispersed_ellipse(
     index: &[f64; WAVES],
     depths: &[f64; WAVES],
 ) -> (Middles, Powers) {
-    dispatch!(level(), simd => ellipses(simd, height, toward, offset, inclination, index, depths))
+    dispatch_large!(level(), simd => ellipses(simd, height, toward, offset, inclination, index, depths))
 }
 
 #[inline(always)]
@@ -153,7 +153,7 @@ impl Spread {
         inclinations: &[[f64; 2]; WAYS],
         middles: &Middles,
     ) -> [f64; WAVES] {
-        dispatch!(level(), simd => scattered(simd, self, powers, light, inclinations, middles))
+        dispatch_large!(level(), simd => scattered(simd, self, powers, light, inclinations, middles))
     }
 }
 
@@ -290,7 +290,7 @@ mod tests {
             let depths = std::array::from_fn(|_| stream.uniform(0.0, 3.0));
             for Width(level) in Width::available() {
                 let (middles, powers) =
-                    dispatch!(level, simd => rounds(simd, offset, [sin, cos], &index, &depths));
+                    dispatch_large!(level, simd => rounds(simd, offset, [sin, cos], &index, &depths));
                 let Middles::Each(middles) = middles else { panic!("one middle for all") };
                 for k in 0..WAVES {
                     let section = Round::new(offset, [sin, cos], index[k]);
@@ -320,7 +320,7 @@ mod tests {
             let index: [f64; WAVES] = std::array::from_fn(|_| stream.uniform(1.2, 2.0));
             let depths = std::array::from_fn(|_| stream.uniform(0.0, 3.0));
             for Width(level) in Width::available() {
-                let (middles, powers) = dispatch!(level, simd => ellipses(simd, height, toward, offset, [sin, cos], &index, &depths));
+                let (middles, powers) = dispatch_large!(level, simd => ellipses(simd, height, toward, offset, [sin, cos], &index, &depths));
                 let Middles::Each(middles) = middles else { panic!("one middle for all") };
                 for k in 0..WAVES {
                     let section = Ellipse::new(height, toward, offset, [sin, cos], index[k]);
@@ -358,8 +358,8 @@ mod tests {
             let each = std::array::from_fn(|_| std::array::from_fn(|_| stream.uniform(-PI, PI)));
             for middles in [Middles::Same(section.azimuths), Middles::Each(each)] {
                 for Width(level) in Width::available() {
-                    let powers = dispatch!(level, simd => powers(simd, &section, &depths));
-                    let found = dispatch!(level, simd => scattered(simd, &spread, &powers, light, &inclinations, &middles));
+                    let powers = dispatch_large!(level, simd => powers(simd, &section, &depths));
+                    let found = dispatch_large!(level, simd => scattered(simd, &spread, &powers, light, &inclinations, &middles));
                     for k in 0..WAVES {
                         let shares = section.attenuations_at(depths[k]);
                         let mut expected = 0.0;
