@@ -89,7 +89,7 @@ pub(crate) struct Args {
     /// Frames: light, camera or feather swings over this arc about where it stands; 360 goes once round (repeatable)
     #[arg(long, value_name = "WHAT=DEG", value_parser = flags::arc)]
     arc: Vec<(Moved, Motion)>,
-    /// Frames: light or camera goes from place to place (repeatable)
+    /// Frames: light or camera goes from place to place; camera=AZ,EL,MM zooms too (repeatable)
     #[arg(long, value_name = "WHAT=AZ,EL/AZ,EL…", value_parser = flags::path)]
     path: Vec<(Moved, Motion)>,
     /// Write the picture as it is so far every 5 seconds, or so often

@@ -19,7 +19,7 @@ pub use detail::{Detail, DetailLevel, ViewModel};
 pub use file::SkyImage;
 pub use lights::{LightColour, LightDescription, LightShape};
 pub use objects::{ObjectDescription, ObjectShape, Placement};
-pub use sequence::{Motion, Moved, USUAL_ARC_DEG};
+pub use sequence::{Motion, Moved, USUAL_ARC_DEG, Waypoint};
 pub use surfaces::{Metal, NamedSurface, TextureFile};
 
 use std::collections::BTreeMap;

@@ -29,7 +29,17 @@ pub enum Motion {
     /// turn from there.
     Arc(f64),
     /// Straight in azimuth and elevation from each of these to the next, two at least.
-    Path(Vec<Bearing>),
+    Path(Vec<Waypoint>),
+}
+
+/// A point of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Waypoint {
+    /// Where what moves stands.
+    pub bearing: Bearing,
+    /// Of a camera: how wide the picture is there, mm, as the scene has it where there is none. In between its logarithm goes straight, as
+    /// zooms do.
+    pub width_mm: Option<f64>,
 }
 
 /// The arc of the key light where nothing is said: the barbules that shine at the scene's own light shine in all of it.
@@ -81,15 +91,14 @@ impl Motion {
                 Err(Error::input(format!("an arc of {degrees} degrees; give at most {MOST_ARC_DEG}")))
             }
             Self::Path(points) => {
-                let place = match moved {
-                    Moved::Light => &mut scene.light.bearing,
-                    Moved::Camera => &mut scene.camera.bearing,
-                    Moved::Feather => {
-                        return Err(Error::input(
-                            "a feather turns on an arc, not on a path; give feather=DEGREES",
-                        ));
-                    }
-                };
+                if moved == Moved::Feather {
+                    return Err(Error::input(
+                        "a feather turns on an arc, not on a path; give feather=DEGREES",
+                    ));
+                }
+                if moved == Moved::Light && points.iter().any(|point| point.width_mm.is_some()) {
+                    return Err(Error::input("only the camera's path has widths; give light=AZ,EL/AZ,EL"));
+                }
                 let [.., _, _] = points[..] else {
                     return Err(Error::input("a path needs two points or more"));
                 };
@@ -98,8 +107,19 @@ impl Motion {
                 let leg = (along as usize).min(points.len() - 2);
                 let (from, to, part) = (points[leg], points[leg + 1], along - leg as f64);
                 let between = |a: f64, b: f64| a + (b - a) * part;
-                place.azimuth_deg = between(from.azimuth_deg, to.azimuth_deg);
-                place.elevation_deg = between(from.elevation_deg, to.elevation_deg);
+                let [a, b] = [from, to].map(|point| point.bearing);
+                let bearing = Bearing {
+                    azimuth_deg: between(a.azimuth_deg, b.azimuth_deg),
+                    elevation_deg: between(a.elevation_deg, b.elevation_deg),
+                };
+                if moved == Moved::Light {
+                    scene.light.bearing = bearing;
+                } else {
+                    scene.camera.bearing = bearing;
+                    let [a, b] = [from, to].map(|point| point.width_mm.unwrap_or(scene.camera.width_mm));
+                    // Widths that are none are refused with the frame.
+                    scene.camera.width_mm = if a == b { a } else { a * libm::pow(b / a, part) };
+                }
                 Ok(())
             }
         }
@@ -131,7 +151,12 @@ mod tests {
     #[test]
     fn paths_pass_through_their_points_and_moves_go_together() {
         let point = |azimuth_deg, elevation_deg| Bearing { azimuth_deg, elevation_deg };
-        let path = Motion::Path(vec![point(0.0, 50.0), point(90.0, 60.0), point(90.0, 80.0)]);
+        let stop = |bearing, width_mm| Waypoint { bearing, width_mm };
+        let path = Motion::Path(vec![
+            stop(point(0.0, 50.0), None),
+            stop(point(90.0, 60.0), Some(60.0)),
+            stop(point(90.0, 80.0), Some(0.6)),
+        ]);
         let moves = [(Moved::Camera, path), (Moved::Feather, Motion::Arc(20.0))];
         let frames = starling().frames(&moves, 5).unwrap();
         let found: Vec<_> = frames.iter().map(|f| (f.camera.bearing, f.turn_deg)).collect();
@@ -140,6 +165,9 @@ mod tests {
         assert_eq!(found[2], (point(90.0, 60.0), 0.0));
         assert_eq!(found[4], (point(90.0, 80.0), 10.0));
         assert_eq!(frames[4].light, starling().light);
+        assert_eq!(frames[0].camera.width_mm, starling().camera.width_mm);
+        assert_eq!([2, 4].map(|k: usize| frames[k].camera.width_mm), [60.0, 0.6]);
+        assert!((frames[3].camera.width_mm - 6.0).abs() < 1e-12);
     }
 
     #[test]
@@ -149,10 +177,18 @@ mod tests {
         };
         let scene = starling();
         assert!(refused(&scene, Moved::Light, Motion::Arc(f64::NAN)).contains("at most 3600"));
-        let one = vec![Bearing { azimuth_deg: 0.0, elevation_deg: 50.0 }];
+        let stop = |elevation_deg, width_mm| Waypoint {
+            bearing: Bearing { azimuth_deg: 0.0, elevation_deg },
+            width_mm,
+        };
+        let one = vec![stop(50.0, None)];
         assert!(refused(&scene, Moved::Light, Motion::Path(one.clone())).contains("two points"));
         assert!(refused(&scene, Moved::Feather, Motion::Path(one)).contains("on an arc"));
-        let over = vec![Bearing { azimuth_deg: 0.0, elevation_deg: 120.0 }; 2];
+        let wide = vec![stop(50.0, Some(3.0)); 2];
+        assert!(refused(&scene, Moved::Light, Motion::Path(wide)).contains("only the camera's"));
+        let none = vec![stop(50.0, Some(0.0)), stop(50.0, None)];
+        assert!(refused(&scene, Moved::Camera, Motion::Path(none)).contains("camera.width_mm"));
+        let over = vec![stop(120.0, None); 2];
         assert!(refused(&scene, Moved::Camera, Motion::Path(over)).contains("camera.elevation_deg is 120"));
         let mut dark = scene;
         dark.light.strength = 0.0;

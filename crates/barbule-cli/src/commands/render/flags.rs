@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use barbule::error::{did_you_mean, shortened};
-use barbule::scene::description::{Background, Bearing, Motion, Moved, ViewModel};
+use barbule::scene::description::{Background, Bearing, Motion, Moved, ViewModel, Waypoint};
 use barbule::{Error, Result};
 
 use crate::sets;
@@ -40,10 +40,15 @@ fn bearing(flag: &str, text: &str) -> Result<Bearing> {
 
 /// Azimuth and elevation of the camera, and perhaps a width.
 pub(super) fn view(text: &str) -> Result<View> {
-    let numbers = sets::parse("--view", text)?;
+    view_of("--view", text)
+}
+
+fn view_of(flag: &str, text: &str) -> Result<View> {
+    let numbers = sets::parse(flag, text)?;
     let ([azimuth_deg, elevation_deg] | [azimuth_deg, elevation_deg, _]) = numbers[..] else {
         return Err(Error::input(format!(
-            "--view {text}: give azimuth, elevation and perhaps the width in mm, as in 190,58,4.4"
+            "{flag} {}: give azimuth, elevation and perhaps the width in mm, as in 190,58,4.4",
+            shortened(text)
         )));
     };
     Ok(View { bearing: Bearing { azimuth_deg, elevation_deg }, width_mm: numbers.get(2).copied() })
@@ -110,11 +115,18 @@ pub(super) fn arc(text: &str) -> Result<(Moved, Motion)> {
     }
 }
 
-/// What moves on a path, as in `light=20,60/40,50`.
+/// What moves on a path, as in `light=20,60/40,50`, or `camera=190,60,30/190,60,2` with the picture's width.
 pub(super) fn path(text: &str) -> Result<(Moved, Motion)> {
     let (moved, points) = moved("--path", text, "light=20,60/80,45")?;
-    let points = points.split('/').map(|point| bearing("--path", point)).collect::<Result<Vec<_>>>()?;
-    Ok((moved, Motion::Path(points)))
+    // Two numbers, and a third of a camera.
+    let stop = |point: &str| {
+        if point.split(',').count() < 3 {
+            return Ok(Waypoint { bearing: bearing("--path", point)?, width_mm: None });
+        }
+        let View { bearing, width_mm } = view_of("--path", point)?;
+        Ok(Waypoint { bearing, width_mm })
+    };
+    Ok((moved, Motion::Path(points.split('/').map(stop).collect::<Result<Vec<_>>>()?)))
 }
 
 fn moved<'a>(flag: &str, text: &'a str, example: &str) -> Result<(Moved, &'a str)> {
@@ -151,6 +163,8 @@ mod tests {
         assert_eq!(arc("camera=-30").unwrap(), (Moved::Camera, Motion::Arc(-30.0)));
         let (moved, Motion::Path(points)) = path("light=0,50/90,60/1,2").unwrap() else { panic!() };
         assert_eq!((moved, points.len()), (Moved::Light, 3));
+        let (_, Motion::Path(zoom)) = path("camera=0,50,30/0,50,2/0,50").unwrap() else { panic!() };
+        assert_eq!([0, 1, 2].map(|k: usize| zoom[k].width_mm), [Some(30.0), Some(2.0), None]);
         assert!(arc("lihgt=3").unwrap_err().to_string().contains("did you mean 'light'"));
         assert!(arc("light").unwrap_err().to_string().contains("as in camera=60"));
         assert!(arc("light=1,2").unwrap_err().to_string().contains("give degrees"));
