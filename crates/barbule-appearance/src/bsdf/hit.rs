@@ -4,6 +4,9 @@ use glam::DVec3;
 
 use super::frame::Frame;
 
+/// Length over width of a barbule that is one cell.
+const LONG_CELL: f64 = 10.0;
+
 /// A point of a surface where a ray met it.
 #[derive(Debug, Clone, Copy)]
 pub struct Hit {
@@ -73,6 +76,20 @@ pub struct Side {
 }
 
 impl Hit {
+    /// Sets the radius of the ray's footprint, mm. On a barbule that is one of many within it, what is seen of its instance's contrast is
+    /// that of their mean: 1/√n of n cells.
+    #[inline]
+    pub fn set_footprint(&mut self, radius_mm: f64) {
+        self.footprint = radius_mm;
+        let on = &mut self.ribbon;
+        let width = 2.0 * on.half_width;
+        if width > 0.0 {
+            let length = if on.cell_length > 0.0 { on.cell_length } else { LONG_CELL * width };
+            let cells = (2.0 * radius_mm / width).max(1.0) * (2.0 * radius_mm / length).max(1.0);
+            on.contrast = 1.0 / cells.sqrt();
+        }
+    }
+
     /// The side seen from `wo`, a unit vector towards the viewer.
     #[inline(always)]
     #[must_use]

@@ -10,6 +10,7 @@ use super::light::Lighting;
 use super::sampler::Sampler;
 use super::stage::Stage;
 use super::wavelengths::Hero;
+use super::window::{Inside, Met};
 use crate::bsdf::{Bsdf, Hit, Lobes};
 use crate::math::rng::split_mix;
 use crate::scene::camera::{Camera, View};
@@ -158,12 +159,13 @@ impl<'a> Integrator<'a> {
     #[inline(always)]
     fn step(&self, path: &mut Path, depth: u32, sampler: &mut Sampler, first: &mut FirstHit) -> bool {
         let pass = if self.stage.is_opaque() { 1.0 } else { sampler.next4()[0] };
-        let Some(hit) = self.next_surface(path, pass) else {
+        let Some(met) = self.next_surface(path, pass) else {
             return false;
         };
-        let bsdf = self.stage.surface(&hit).bind(&hit, -path.direction, path.hero.wavelengths);
+        let hit = &met.hit;
+        let bsdf = self.stage.met_surface(&met).bind(hit, -path.direction, path.hero.wavelengths);
         if depth == 0 {
-            let id = split_mix(hit.id) as u32;
+            let id = split_mix(met.id()) as u32;
             *first = FirstHit {
                 normal: bsdf.shading_normal(),
                 depth: path.travelled,
@@ -180,7 +182,7 @@ impl<'a> Integrator<'a> {
             for draw in 0..self.lighting.draws() {
                 let [choice, light_u, light_v, shadow] = sampler.next4();
                 let index = self.lighting.choose(draw, choice);
-                self.light(path, &hit, &bsdf, index, DVec2::new(light_u, light_v), shadow);
+                self.light(path, &met, &bsdf, index, DVec2::new(light_u, light_v), shadow);
             }
         }
         let Some(drawn) = bsdf.sample([u, v, component]) else {
@@ -203,6 +205,7 @@ impl<'a> Integrator<'a> {
         }
         path.origin = hit.position;
         path.direction = drawn.wi;
+        path.inside = met.inside;
         let weight = path.weight.iter().copied().fold(0.0, f64::max) / mean(&path.through);
         let keep = (weight / ROULETTE_BELOW).min(1.0);
         if roulette >= keep {
@@ -214,8 +217,15 @@ impl<'a> Integrator<'a> {
 
     /// The next surface that scatters; adds the light seen when there is none or a light stands in front.
     #[inline(always)]
-    fn next_surface(&self, path: &mut Path, mut pass: f64) -> Option<Hit> {
+    fn next_surface(&self, path: &mut Path, mut pass: f64) -> Option<Met> {
         let nearest = self.stage.nearest_mm();
+        if let Some(inside) = path.inside.take()
+            && let Some(pane) = self.stage.pane(inside.object())
+            && let Some(mut met) = pane.go_on(&inside, path.direction)
+        {
+            met.hit.set_footprint(path.footprint[0] + path.footprint[1] * path.travelled);
+            return Some(met);
+        }
         let mut from = if path.scattered { nearest } else { 0.0 };
         for _ in 0..MOST_PASSES {
             let lamp = self.lighting.hit(path.origin, path.direction, from);
@@ -232,14 +242,23 @@ impl<'a> Integrator<'a> {
                 }
                 return None;
             };
-            hit.footprint = path.footprint[0] + path.footprint[1] * (path.travelled + hit.distance);
-            let through = self.transparency(&hit, path.direction);
-            if pass >= through {
-                path.travelled += hit.distance;
-                return Some(hit);
+            let footprint = path.footprint[0] + path.footprint[1] * (path.travelled + hit.distance);
+            if let Some(pane) = self.stage.pane(hit.object as usize) {
+                if let Some(mut met) = pane.enter(&hit, path.direction) {
+                    met.hit.set_footprint(footprint);
+                    path.travelled += hit.distance;
+                    return Some(met);
+                }
+            } else {
+                hit.set_footprint(footprint);
+                let through = self.transparency(&hit, path.direction);
+                if pass >= through {
+                    path.travelled += hit.distance;
+                    return Some(Met { hit, inside: None });
+                }
+                // One number decides every pass: what is left of it is uniform again.
+                pass /= through;
             }
-            // One number decides every pass: what is left of it is uniform again.
-            pass /= through;
             from = hit.distance + nearest;
         }
         None
@@ -282,9 +301,9 @@ impl<'a> Integrator<'a> {
 
     /// Adds the light of one lamp. `shadow` decides whether little light is worth a ray.
     #[inline(always)]
-    fn light(&self, path: &mut Path, hit: &Hit, bsdf: &Bsdf<'_>, index: usize, u: DVec2, shadow: f64) {
+    fn light(&self, path: &mut Path, met: &Met, bsdf: &Bsdf<'_>, index: usize, u: DVec2, shadow: f64) {
         let wavelengths = path.hero.wavelengths;
-        let Some(sample) = self.lighting.sample(index, hit.position, u, wavelengths) else { return };
+        let Some(sample) = self.lighting.sample(index, met.hit.position, u, wavelengths) else { return };
         let evaluation = bsdf.eval(sample.direction);
         if evaluation.f == [0.0; WAVES] || sample.radiance == [0.0; WAVES] {
             return;
@@ -303,7 +322,7 @@ impl<'a> Integrator<'a> {
             return;
         }
         path.rays[1] += 1;
-        let passed = self.passed(hit, sample.direction, sample.distance);
+        let passed = self.passed(met, sample.direction, sample.distance);
         if passed > 0.0 {
             path.add(radiance.map(|r| r * passed / keep), density);
         }
@@ -311,8 +330,8 @@ impl<'a> Integrator<'a> {
 
     /// Share of light that passes along a straight line from a hit: 1 free, 0 blocked.
     #[inline(always)]
-    fn passed(&self, start: &Hit, direction: DVec3, distance: f64) -> f64 {
-        let (origin, nearest) = (start.position, self.stage.nearest_mm());
+    fn passed(&self, start: &Met, direction: DVec3, distance: f64) -> f64 {
+        let (origin, nearest) = (start.hit.position, self.stage.nearest_mm());
         let farthest = distance - nearest;
         if self.lighting.hit(origin, direction, nearest).is_some_and(|(_, d)| d < farthest) {
             return 0.0;
@@ -321,18 +340,29 @@ impl<'a> Integrator<'a> {
             let blocked = self.stage.is_blocked(origin, direction, nearest, farthest);
             return if blocked { 0.0 } else { 1.0 };
         }
+        if let Some(inside) = &start.inside
+            && self.stage.pane(inside.object()).is_some_and(|pane| pane.is_blocked(inside, direction))
+        {
+            return 0.0;
+        }
         let mut share = 1.0;
         let mut from = nearest;
         for _ in 0..MOST_PASSES {
             let Some(mut hit) = self.stage.hit(origin, direction, from, farthest) else {
                 return share;
             };
-            hit.footprint = start.footprint;
+            from = hit.distance + nearest;
+            if let Some(pane) = self.stage.pane(hit.object as usize) {
+                if pane.enter(&hit, direction).is_some() {
+                    return 0.0;
+                }
+                continue;
+            }
+            hit.footprint = start.hit.footprint;
             share *= self.transparency(&hit, direction);
             if share == 0.0 {
                 return 0.0;
             }
-            from = hit.distance + nearest;
         }
         0.0
     }
@@ -353,6 +383,8 @@ struct Path {
     scattered: bool,
     /// Whether the camera saw through the scene.
     is_through: bool,
+    /// Where in what a window shows it starts.
+    inside: Option<Inside>,
     travelled: f64,
     footprint: [f64; 2],
     rays: [u32; 2],
@@ -371,6 +403,7 @@ impl Path {
             sum: [0.0; WAVES],
             scattered: false,
             is_through: false,
+            inside: None,
             travelled: 0.0,
             footprint,
             rays: [0; 2],

@@ -18,3 +18,4 @@ pub mod sampler;
 pub mod stage;
 pub mod tone;
 pub mod wavelengths;
+mod window;

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::accelerator::{Accelerator, Instances};
+use super::window::{Met, Pane};
 use crate::Result;
 use crate::bsdf::{Hit, Surface};
 use crate::scene::Object;
@@ -12,6 +13,8 @@ pub struct Stage {
     objects: Vec<Object>,
     accelerator: Accelerator,
     instances: Option<Instances>,
+    /// Of each object that is a window; empty, if there is none.
+    panes: Vec<Option<Pane>>,
     nearest_mm: f64,
     is_opaque: bool,
 }
@@ -28,7 +31,13 @@ impl Stage {
         let (accelerator, instances) = (Accelerator::new(&objects), Instances::new(&objects));
         let nearest_mm = nearest_mm(&objects);
         let is_opaque = objects.iter().all(|object| object.surface.is_opaque());
-        Ok(Self { objects, accelerator, instances, nearest_mm, is_opaque })
+        let pane = |object: &Object| object.geometry.window.as_ref().map(Pane::new).transpose();
+        let panes = if objects.iter().any(|object| object.geometry.window.is_some()) {
+            objects.iter().map(pane).collect::<Result<_>>()?
+        } else {
+            Vec::new()
+        };
+        Ok(Self { objects, accelerator, instances, panes, nearest_mm, is_opaque })
     }
 
     /// The objects.
@@ -82,6 +91,24 @@ impl Stage {
         let blocks = |instances: &Instances| instances.is_blocked(origin, direction, nearest, farthest);
         self.accelerator.is_blocked(origin, direction, nearest, farthest)
             || self.instances.as_ref().is_some_and(blocks)
+    }
+
+    /// What is seen through an object that is a window.
+    #[inline]
+    pub(super) fn pane(&self, object: usize) -> Option<&Pane> {
+        self.panes.get(object)?.as_ref()
+    }
+
+    /// The surface that light met.
+    #[inline]
+    pub(super) fn met_surface(&self, met: &Met) -> &Surface {
+        match &met.inside {
+            Some(inside) => match self.pane(inside.object()) {
+                Some(pane) => pane.surface(inside),
+                None => self.surface(&met.hit),
+            },
+            None => self.surface(&met.hit),
+        }
     }
 
     /// The surface that was hit.

@@ -3,8 +3,11 @@
 //! Lengths are mm. Single precision: a scene of a few mm resolves a nanometre, and memory stays small. Every shape
 //! carries an identity from which instances of a material are drawn.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
+use super::window::Window;
 use crate::{Error, Result};
 
 /// A triangle mesh.
@@ -147,6 +150,10 @@ pub struct Geometry {
     pub curve_nodes: Vec<CurveNode>,
     /// Where all of this stands, once for each; where it was made, if there are none.
     pub places: Vec<Place>,
+    /// More shapes, each in places of its own; of an object without places.
+    pub repeated: Vec<Self>,
+    /// What its meshes show in place of their own surface.
+    pub window: Option<Arc<Window>>,
 }
 
 impl Geometry {
@@ -186,7 +193,15 @@ impl Geometry {
                 .collect();
             self.add_curve(&curve, ribbon.id);
         }
+        self.repeated = self.repeated.into_iter().map(Self::ribbons_as_curves).collect();
         self
+    }
+
+    /// How many ribbons stand there.
+    #[must_use]
+    pub fn ribbon_count(&self) -> usize {
+        let repeated = self.repeated.iter().map(Self::ribbon_count).sum::<usize>();
+        (self.ribbons.len() + repeated) * self.places.len().max(1)
     }
 
     /// The nodes of a ribbon.
@@ -202,6 +217,7 @@ impl Geometry {
             - self.ribbons.len()
             + self.curve_nodes.len()
             - self.curves.len()
+            + self.repeated.iter().map(Self::primitives).sum::<usize>()
     }
 
     /// The nodes of a curve.
@@ -213,12 +229,15 @@ impl Geometry {
     /// Smallest and largest coordinates of all points in all places, mm; nothing where there are none.
     #[must_use]
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
-        let own = self.own_bounds()?;
-        let all = self.places.iter().map(|place| place.bounds(own));
-        Some(all.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)]).unwrap_or(own))
+        let both = |[low, high]: [Vec3; 2], [a, b]: [Vec3; 2]| [low.min(a), high.max(b)];
+        let own = self.own_bounds().map(|own| {
+            let all = self.places.iter().map(|place| place.bounds(own));
+            all.reduce(both).unwrap_or(own)
+        });
+        own.into_iter().chain(self.repeated.iter().filter_map(Self::bounds)).reduce(both)
     }
 
-    /// The same where it was made.
+    /// The same where it was made, of what is not repeated.
     #[must_use]
     pub fn own_bounds(&self) -> Option<[Vec3; 2]> {
         let points = (self.meshes.iter().flat_map(|m| &m.positions))
@@ -248,6 +267,10 @@ impl Geometry {
             if !mesh.positions.iter().all(|p| p.is_finite()) {
                 return refuse("a position is not finite");
             }
+        }
+        self.repeated.iter().try_for_each(Self::check)?;
+        if !(self.repeated.is_empty() || self.places.is_empty()) {
+            return Err(Error::input("shapes that repeat cannot stand in several places"));
         }
         let finite = self.ribbon_nodes.iter().all(|n| n.point.is_finite() && n.across.is_finite())
             && self.curve_nodes.iter().all(|n| n.point.is_finite() && n.radius.is_finite());

@@ -15,6 +15,7 @@ pub mod preset;
 pub mod primaries;
 pub mod sky;
 pub mod spline;
+pub mod window;
 
 use camera::Camera;
 use geometry::Geometry;

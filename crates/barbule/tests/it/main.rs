@@ -13,6 +13,7 @@ mod film;
 mod furnace;
 mod geometry;
 mod identity;
+mod levels;
 mod lights;
 mod measure;
 mod objects;

@@ -30,7 +30,7 @@ impl Cells {
         if self.size == 0.0 && self.barbule_size == 0.0 {
             return 1.0;
         }
-        1.0 + self.size * hit.ribbon.contrast * bell(hit.instance) + self.barbule_size * bell(hit.id)
+        1.0 + self.size * bell(hit.instance) + self.barbule_size * bell(hit.id)
     }
 
     /// Whether a hit lies on a wall.

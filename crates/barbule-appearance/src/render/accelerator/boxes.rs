@@ -41,13 +41,14 @@ fn slab((near, far): &mut ([f32; 8], [f32; 8]), min: &[u8; 8], max: &[u8; 8], sc
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::{Level, Simd, dispatch};
+    use fearless_simd::{Level, Simd};
     use obvhs::aabb::Aabb;
     use obvhs::cwbvh::builder::build_cwbvh;
     use obvhs::{Boundable, BvhBuildParams};
 
     use super::*;
     use crate::math::rng::Stream;
+    use crate::math::simd::dispatch_large;
 
     struct Cube(Aabb);
 
@@ -89,7 +90,7 @@ mod tests {
             for node in &hierarchy.nodes {
                 let expected = node.intersect_ray_basic(&ray, state.oct_inv4);
                 assert_eq!(crossed(node, &ray, state.oct_inv4), expected);
-                let found = dispatch!(Level::new(), simd => with(simd, node, &ray, state.oct_inv4));
+                let found = dispatch_large!(Level::new(), simd => with(simd, node, &ray, state.oct_inv4));
                 assert_eq!(found, expected);
                 crossings += expected.count_ones();
             }

@@ -154,7 +154,7 @@ mod tests {
         geometry.add_curve(&[node(Vec3::new(-1.0, -2.0, 0.5)), node(Vec3::new(1.0, 2.0, -0.5))], 1);
         let surface = Surface::Lambertian(Lambertian::new(Reflectance::new(|_| 1.0).unwrap()));
         let objects = [Object { geometry, surface }];
-        let primitives = collect([(0, &objects[0])]);
+        let primitives = collect([(0, &objects[0].geometry)]);
         let mut stream = Stream::new(61, &[]);
         let mut met = 0;
         for _ in 0..500 {

@@ -1,6 +1,6 @@
 //! Objects that stand in several places: a hierarchy over the places above one of each object.
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
 use glam::{DVec3, UVec2, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
@@ -12,23 +12,30 @@ use super::primitive::Meeting;
 use super::{Accelerator, hits, ray};
 use crate::bsdf::{Frame, Hit};
 use crate::math::rng::split_mix;
+use crate::math::simd::dispatch_large;
 use crate::scene::Object;
 use crate::scene::geometry::Place;
 
-/// All objects that have places, and these.
+/// All shapes that have places, and these.
 pub(in super::super) struct Instances {
-    /// Of each such object its own.
-    objects: Vec<Accelerator>,
+    shapes: Vec<Shapes>,
     top: CwBvh,
     /// In the order of the hierarchy's leaves.
     instances: Vec<Instance>,
     level: Level,
 }
 
-/// One place of one object.
+/// All shapes of an object with places, or one that repeats in it.
+struct Shapes {
+    accelerator: Accelerator,
+    /// Which of those that repeat.
+    repeated: Option<usize>,
+}
+
+/// One place of one of them.
 #[derive(Debug, Clone, Copy)]
 struct Instance {
-    object: u32,
+    shapes: u32,
     place: Place,
 }
 
@@ -45,22 +52,28 @@ impl Instances {
     /// Those of a list of objects; `None` where no object has places.
     #[must_use]
     pub(in super::super) fn new(objects: &[Object]) -> Option<Self> {
-        let (mut built, mut instances, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
-        for (index, object) in (0_u32..).zip(objects) {
-            let Some(bounds) = object.geometry.own_bounds() else { continue };
-            if object.geometry.places.is_empty() {
+        let (mut shapes, mut instances, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
+        let all = (0_u32..).zip(objects).flat_map(|(index, Object { geometry, .. })| {
+            let repeated = geometry.repeated.iter().enumerate().map(|(k, geometry)| (Some(k), geometry));
+            std::iter::once((None, geometry)).chain(repeated).map(move |(k, geometry)| (index, k, geometry))
+        });
+        for (index, repeated, geometry) in all {
+            let Some(bounds) = geometry.own_bounds() else { continue };
+            if geometry.places.is_empty() {
                 continue;
             }
-            let widest = object.geometry.curve_nodes.iter().map(|node| node.radius).fold(0.0, f32::max);
-            let bounds = [bounds[0] - widest, bounds[1] + widest];
-            for &place in &object.geometry.places {
+            let widest = geometry.curve_nodes.iter().map(|node| node.radius).fold(0.0, f32::max);
+            let across = geometry.ribbon_nodes.iter().map(|node| node.across.length()).fold(widest, f32::max);
+            let bounds = [bounds[0] - across, bounds[1] + across];
+            for &place in &geometry.places {
                 let [low, high] = place.bounds(bounds).map(Vec3A::from);
                 // Rays come through in single precision, and flat boxes are missed by rays in their plane.
                 let pad = 1e-6 + 1e-6 * low.abs().max(high.abs());
                 boxes.push(Boxed(Aabb::new(low - pad, high + pad)));
-                instances.push(Instance { object: built.len() as u32, place });
+                instances.push(Instance { shapes: shapes.len() as u32, place });
             }
-            built.push(Accelerator::of(std::iter::once((index, object))));
+            let accelerator = Accelerator::of(std::iter::once((index, geometry)));
+            shapes.push(Shapes { accelerator, repeated });
         }
         if instances.is_empty() {
             return None;
@@ -68,12 +81,12 @@ impl Instances {
         let mut time = std::time::Duration::ZERO;
         let top = build_cwbvh(&boxes, BvhBuildParams::slow_build(), &mut time);
         let instances = top.primitive_indices.iter().map(|&index| instances[index as usize]).collect();
-        Some(Self { objects: built, top, instances, level: Level::new() })
+        Some(Self { shapes, top, instances, level: Level::new() })
     }
 
     /// Bytes of all hierarchies, primitives included.
     pub(in super::super) fn bytes(&self) -> usize {
-        let own: usize = self.objects.iter().map(Accelerator::bytes).sum();
+        let own: usize = self.shapes.iter().map(|shapes| shapes.accelerator.bytes()).sum();
         own + size_of_val(&self.top.nodes[..]) + size_of_val(&self.instances[..])
     }
 
@@ -88,12 +101,14 @@ impl Instances {
         farthest: f64,
     ) -> Option<Hit> {
         let (index, primitive, meeting) =
-            dispatch!(self.level, simd => self.first(simd, origin, direction, nearest, farthest))?;
-        let Instance { object, place } = self.instances[index as usize];
-        let accelerator = &self.objects[object as usize];
+            dispatch_large!(self.level, simd => self.first(simd, origin, direction, nearest, farthest))?;
+        let Instance { shapes, place } = self.instances[index as usize];
+        let Shapes { accelerator, repeated } = &self.shapes[shapes as usize];
         let met = &accelerator.primitives[primitive as usize];
         let (from, along) = (place.point_back(origin), place.direction_back(direction));
-        let hit = hits::hit(&objects[met.object as usize].geometry, met, meeting, from, along);
+        let geometry = &objects[met.object as usize].geometry;
+        let geometry = repeated.map_or(geometry, |k| &geometry.repeated[k]);
+        let hit = hits::hit(geometry, met, meeting, from, along);
         let turned = |v: DVec3| place.direction(v);
         let Frame { x, y, z } = hit.frame;
         Some(Hit {
@@ -120,7 +135,7 @@ impl Instances {
         nearest: f64,
         farthest: f64,
     ) -> bool {
-        dispatch!(self.level, simd => self.any(simd, origin, direction, nearest, farthest))
+        dispatch_large!(self.level, simd => self.any(simd, origin, direction, nearest, farthest))
     }
 
     #[inline(always)]
@@ -138,7 +153,7 @@ impl Instances {
         let mut node;
         obvhs::traverse!(self.top, node, state, crossed(node, &outer, state.oct_inv4), {
             let instance = &self.instances[state.primitive_id as usize];
-            let accelerator = &self.objects[instance.object as usize];
+            let accelerator = &self.shapes[instance.shapes as usize].accelerator;
             let inner = instance.inner(origin, direction, nearest, f64::from(outer.tmax));
             if let Some((primitive, meeting)) = accelerator.first(simd, inner) {
                 outer.tmax = meeting.distance * instance.place.scale as f32;
@@ -156,7 +171,7 @@ impl Instances {
         obvhs::traverse!(self.top, node, state, crossed(node, &outer, state.oct_inv4), {
             let instance = &self.instances[state.primitive_id as usize];
             let inner = instance.inner(origin, direction, nearest, farthest);
-            if self.objects[instance.object as usize].any(simd, inner) {
+            if self.shapes[instance.shapes as usize].accelerator.any(simd, inner) {
                 return true;
             }
         });

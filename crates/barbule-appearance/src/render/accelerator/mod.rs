@@ -8,7 +8,7 @@ mod hits;
 mod instances;
 mod primitive;
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
 use glam::{DVec3, UVec2, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
@@ -20,7 +20,9 @@ pub(super) use instances::Instances;
 use primitive::{Meeting, Primitive, collect, meet};
 
 use crate::bsdf::Hit;
+use crate::math::simd::dispatch_large;
 use crate::scene::Object;
+use crate::scene::geometry::Geometry;
 
 /// More primitives than this are entered whole, to save memory.
 const MOST_IN_PIECES: usize = 2_000_000;
@@ -48,12 +50,13 @@ impl Accelerator {
     /// Builds the hierarchy of those of a list of objects that stand where they were made.
     #[must_use]
     pub(super) fn new(objects: &[Object]) -> Self {
-        Self::of((0..).zip(objects).filter(|(_, object)| object.geometry.places.is_empty()))
+        let geometries = (0..).zip(objects.iter().map(|object| &object.geometry));
+        Self::of(geometries.filter(|(_, geometry)| geometry.places.is_empty()))
     }
 
-    /// Builds the hierarchy of objects with their indices.
-    fn of<'a>(objects: impl Iterator<Item = (u32, &'a Object)>) -> Self {
-        let primitives = collect(objects);
+    /// Builds the hierarchy of geometries with the indices of their objects.
+    fn of<'a>(geometries: impl Iterator<Item = (u32, &'a Geometry)>) -> Self {
+        let primitives = collect(geometries);
         if primitives.is_empty() {
             return Self { hierarchy: CwBvh::default(), primitives, level: Level::new() };
         }
@@ -96,7 +99,7 @@ impl Accelerator {
             return None;
         }
         let ray = ray(origin, direction, nearest, farthest);
-        let (index, meeting) = dispatch!(self.level, simd => self.first(simd, ray))?;
+        let (index, meeting) = dispatch_large!(self.level, simd => self.first(simd, ray))?;
         let primitive = &self.primitives[index as usize];
         let geometry = &objects[primitive.object as usize].geometry;
         Some(Hit {
@@ -114,7 +117,7 @@ impl Accelerator {
             return false;
         }
         let ray = ray(origin, direction, nearest, farthest);
-        dispatch!(self.level, simd => self.any(simd, ray))
+        dispatch_large!(self.level, simd => self.any(simd, ray))
     }
 
     /// The nearest hit. Compiled for each instruction set: traversal counts and finds bits.

@@ -4,8 +4,7 @@ use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::ray::Ray;
 
-use crate::scene::Object;
-use crate::scene::geometry::RibbonNode;
+use crate::scene::geometry::{Geometry, RibbonNode};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -87,10 +86,11 @@ pub(super) struct Meeting {
     pub(super) v: f32,
 }
 
-/// All primitives of a list of objects: of each the meshes', the ribbons' and the curves'.
-pub(super) fn collect<'a>(objects: impl IntoIterator<Item = (u32, &'a Object)>) -> Vec<Primitive> {
+/// All primitives of geometries with the indices of their objects: of each the meshes', the ribbons' and the curves'. What repeats is
+/// left out.
+pub(super) fn collect<'a>(geometries: impl IntoIterator<Item = (u32, &'a Geometry)>) -> Vec<Primitive> {
     let mut primitives = Vec::new();
-    for (object, Object { geometry, .. }) in objects {
+    for (object, geometry) in geometries {
         primitives.reserve(geometry.primitives());
         let mut add = |kind, shape: usize, part: usize, data| {
             primitives.push(Primitive { data, kind, object, shape: shape as u32, part: part as u32 });
@@ -266,7 +266,6 @@ fn cone(ray: &Ray, a: Vec3, b: Vec3, radii: [f32; 2], neighbours: [[f32; 2]; 2])
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bsdf::{Lambertian, Reflectance, Surface};
     use crate::math::rng::Stream;
     use crate::scene::geometry::{CurveNode, Geometry};
 
@@ -303,8 +302,7 @@ mod tests {
             .collect();
         let mut geometry = Geometry::default();
         geometry.add_curve(&nodes, 1);
-        let surface = Surface::Lambertian(Lambertian::new(Reflectance::new(|_| 1.0).unwrap()));
-        let primitives = collect([(0, &Object { geometry, surface })]);
+        let primitives = collect([(0, &geometry)]);
         let inside = |point: DVec3| {
             nodes.windows(2).map(|pair| distance(point, &pair[0], &pair[1])).fold(f64::INFINITY, f64::min)
         };

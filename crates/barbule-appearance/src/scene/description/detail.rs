@@ -31,8 +31,10 @@ pub enum DetailLevel {
 /// How barbs are seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub enum ViewModel {
-    /// As rami with barbules.
+    /// As they grew, at the scene's level.
     #[default]
+    Grown,
+    /// As rami with barbules that are looked up on envelopes.
     Substructure,
     /// As one fibre each.
     Fibre,
@@ -40,11 +42,13 @@ pub enum ViewModel {
     Both,
 }
 
-const LEVELS: [(&str, DetailLevel); 4] = [
+const LEVELS: [(&str, DetailLevel); 6] = [
     ("auto", DetailLevel::Auto),
     ("barbules", DetailLevel::Fixed(Level::Barbules)),
     ("barbs", DetailLevel::Fixed(Level::Barbs)),
     ("vane", DetailLevel::Fixed(Level::Vane)),
+    ("envelopes", DetailLevel::Fixed(Level::Envelopes)),
+    ("masked", DetailLevel::Fixed(Level::Masked)),
 ];
 
 /// The finest pixel that is thought of, as a share of a picture's width.
@@ -56,13 +60,17 @@ const RESOLVES: f64 = 0.7;
 /// Pixels as wide as this many barbs show a surface.
 const BARBS: f64 = 3.0;
 
-/// More barbules than this are looked up.
+/// More barbules than this repeat.
 const MOST_GROWN: f64 = 1.5e6;
 
 impl ViewModel {
     /// All with their names.
-    pub const ALL: [(&'static str, Self); 3] =
-        [("substructure", Self::Substructure), ("fibre", Self::Fibre), ("both", Self::Both)];
+    pub const ALL: [(&'static str, Self); 4] = [
+        ("grown", Self::Grown),
+        ("substructure", Self::Substructure),
+        ("fibre", Self::Fibre),
+        ("both", Self::Both),
+    ];
 
     /// By its name.
     ///
@@ -101,8 +109,8 @@ impl SceneDescription {
     #[must_use]
     pub fn level(&self) -> Level {
         match self.detail.level {
+            _ if self.detail.view_model != ViewModel::Grown => Level::Envelopes,
             DetailLevel::Fixed(level) => level,
-            DetailLevel::Auto if self.detail.view_model != ViewModel::Substructure => Level::Barbs,
             DetailLevel::Auto => {
                 let finest = self.feather.distal.spacing_um.min(self.feather.proximal.spacing_um);
                 let is_resolved = PIXEL * self.camera.width_mm < RESOLVES * 1e-3 * finest;

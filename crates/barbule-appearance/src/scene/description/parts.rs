@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use super::build::{hair, keratin};
-use super::{SceneDescription, ViewModel};
+use super::{FibreDescription, SceneDescription, ViewModel};
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
     BarbModel, BarbSurface, BarbuleSurface, Barbules, Hair, Keratin, MaskedBarbs, Pattern, Ramus, Row,
@@ -13,8 +13,9 @@ use crate::bsdf::{
 };
 use crate::math::rng::hash;
 use crate::scene::Object;
-use crate::scene::feather::{BarbuleShape, Counts, Grown, Level, tip_side};
+use crate::scene::feather::{BarbuleShape, Counts, Grown, Level, Swatch, tip_side};
 use crate::scene::geometry::{Geometry, Place};
+use crate::scene::window::{Layer, Window};
 use crate::{Error, Result};
 
 /// Between two feathers side by side, over the width of one.
@@ -37,26 +38,27 @@ impl SceneDescription {
         let counts = grown.counts();
         let substances = Substances::new(self, brdf)?;
         let shaft = (grown.shaft.clone(), Surface::Keratin(keratin(&self.surfaces.shaft)?));
-        let parts = match (level, self.detail.view_model) {
-            (Level::Barbules, _) => [vec![shaft], substances.one_by_one(grown)?].concat(),
-            (Level::Vane, _) => [vec![shaft], substances.sheets(&grown)].concat(),
-            (Level::Barbs, ViewModel::Substructure) => {
-                [vec![shaft], substances.looked_up(&grown, BarbModel::Substructure)].concat()
-            }
-            (Level::Barbs, ViewModel::Fibre) => {
-                [vec![shaft], substances.looked_up(&grown, BarbModel::Fibre)].concat()
-            }
-            (Level::Barbs, ViewModel::Both) => {
-                let shift = 0.5 * (1.0 + GAP) * width(&grown.envelopes);
-                let mut parts = Vec::new();
-                for (model, side) in [(BarbModel::Fibre, -1.0), (BarbModel::Substructure, 1.0)] {
-                    let all = [vec![shaft.clone()], substances.looked_up(&grown, model)].concat();
-                    parts.extend(
-                        all.into_iter().map(|(geometry, surface)| (moved(geometry, side * shift), surface)),
-                    );
+        let parts = match level {
+            Level::Barbules | Level::Barbs => [vec![shaft], substances.one_by_one(grown)].concat(),
+            Level::Vane | Level::Masked => [vec![shaft], substances.sheets(&grown, level, seed)?].concat(),
+            Level::Envelopes => match self.detail.view_model {
+                ViewModel::Fibre => [vec![shaft], substances.looked_up(&grown, BarbModel::Fibre)].concat(),
+                ViewModel::Grown | ViewModel::Substructure => {
+                    [vec![shaft], substances.looked_up(&grown, BarbModel::Substructure)].concat()
                 }
-                parts
-            }
+                ViewModel::Both => {
+                    let shift = 0.5 * (1.0 + GAP) * width(&grown.envelopes);
+                    let mut parts = Vec::new();
+                    for (model, side) in [(BarbModel::Fibre, -1.0), (BarbModel::Substructure, 1.0)] {
+                        let all = [vec![shaft.clone()], substances.looked_up(&grown, model)].concat();
+                        let moved = all
+                            .into_iter()
+                            .map(|(geometry, surface)| (moved(geometry, side * shift), surface));
+                        parts.extend(moved);
+                    }
+                    parts
+                }
+            },
         };
         let objects = parts.into_iter().map(|(geometry, surface)| Object { geometry, surface });
         Ok((objects.collect(), counts))
@@ -66,12 +68,15 @@ impl SceneDescription {
     pub(super) fn part_names(&self) -> Vec<&'static str> {
         let barbs = ["shaft", "left barbs", "right barbs", "left down", "right down"];
         match (self.level(), self.detail.view_model) {
-            (Level::Barbules, _) => {
-                vec!["shaft", "barbs", "distal barbules", "proximal barbules", "pale barbules", "down"]
+            (Level::Barbules | Level::Barbs, _) => {
+                let rows = ["distal barbules", "proximal barbules", "pale barbules"];
+                [&["shaft", "barbs", "pale barbs"][..], &rows, &["down"]].concat()
             }
-            (Level::Vane, _) => vec!["shaft", "left vane", "right vane", "left down", "right down"],
-            (Level::Barbs, ViewModel::Both) => [barbs, barbs].concat(),
-            (Level::Barbs, ViewModel::Fibre | ViewModel::Substructure) => barbs.to_vec(),
+            (Level::Vane | Level::Masked, _) => {
+                vec!["shaft", "left vane", "right vane", "left down", "right down"]
+            }
+            (Level::Envelopes, ViewModel::Both) => [barbs, barbs].concat(),
+            (Level::Envelopes, _) => barbs.to_vec(),
         }
     }
 }
@@ -94,6 +99,9 @@ struct Substances<'a> {
     /// Towards the feather's tip, and the others.
     barbules: [Substance; 2],
     pale: Keratin,
+    /// Rami and barbules without pigment, as they stand there one by one.
+    pale_ramus: Surface,
+    pale_barbule: Surface,
     /// Barbs and barbules of the downy part.
     down: Hair,
 }
@@ -118,25 +126,61 @@ impl<'a> Substances<'a> {
             None => Substance::Keratin(keratin(&surfaces.ramus)?),
         };
         let barbules = [barbule(&feather.distal)?, barbule(&feather.proximal)?];
-        Ok(Self { scene, ramus, barbules, pale: keratin(&surfaces.pale)?, down: hair(&surfaces.down)? })
+        let pale = keratin(&surfaces.pale)?;
+        let pale_fibre = |fibre: &FibreDescription| {
+            let [eumelanin, pheomelanin] =
+                [fibre.eumelanin, fibre.pheomelanin].map(|pigment| pigment * feather.pattern.pale_pigment);
+            Ok::<_, Error>(Surface::Hair(hair(&FibreDescription { eumelanin, pheomelanin, ..*fibre })?))
+        };
+        let pale_ramus = match &surfaces.hair {
+            Some(fibre) => pale_fibre(fibre)?,
+            None => Surface::Keratin(pale.clone()),
+        };
+        let pale_barbule = match &surfaces.barbule {
+            Some(fibre) => pale_fibre(fibre)?,
+            None => Surface::Keratin(pale.clone()),
+        };
+        Ok(Self { scene, ramus, barbules, pale, pale_ramus, pale_barbule, down: hair(&surfaces.down)? })
     }
 
     /// Rami and barbules as they were grown.
-    fn one_by_one(self, grown: Grown) -> Result<Vec<Part>> {
-        let pale = Surface::Keratin(self.pale);
-        let mut parts = vec![match self.ramus {
-            Substance::Fibre(hair) => (grown.fibres, Surface::Hair(hair)),
-            Substance::Keratin(keratin) => (grown.rami, Surface::Keratin(keratin)),
-            Substance::Plate(plate) => (grown.rami, Surface::Barbule(plate)),
-        }];
-        parts.extend(grown.barbules.into_iter().zip(self.barbules).map(|(row, substance)| match substance {
-            Substance::Fibre(hair) => (row.ribbons_as_curves(), Surface::Hair(hair)),
-            Substance::Keratin(keratin) => (row, Surface::Keratin(keratin)),
-            Substance::Plate(plate) => (row, Surface::Barbule(plate)),
-        }));
-        parts.push((grown.pale, pale));
-        parts.push((grown.downy.ribbons_as_curves(), Surface::Hair(self.down)));
-        Ok(parts)
+    fn one_by_one(&self, grown: Grown) -> Vec<Part> {
+        let [dark, pale] = grown.fibres;
+        let rami = match &self.ramus {
+            Substance::Fibre(_) => dark,
+            Substance::Keratin(_) | Substance::Plate(_) => grown.rami,
+        };
+        let surface = |substance: &Substance| match substance {
+            Substance::Fibre(hair) => Surface::Hair(hair.clone()),
+            Substance::Keratin(keratin) => Surface::Keratin(keratin.clone()),
+            Substance::Plate(plate) => Surface::Barbule(plate.clone()),
+        };
+        let row = |row: Geometry, surface: Surface| {
+            (if let Surface::Hair(_) = surface { row.ribbons_as_curves() } else { row }, surface)
+        };
+        let pale_rami = if let Substance::Fibre(_) = self.ramus { pale } else { Geometry::default() };
+        let [distal, proximal] = grown.barbules;
+        vec![
+            (rami, surface(&self.ramus)),
+            (pale_rami, self.pale_ramus.clone()),
+            row(distal, surface(&self.barbules[0])),
+            row(proximal, surface(&self.barbules[1])),
+            row(grown.pale, self.pale_barbule.clone()),
+            row(grown.downy, Surface::Hair(self.down.clone())),
+        ]
+    }
+
+    /// A vane's swatch; without pigment, if it is pale.
+    fn layer(&self, swatch: Swatch, is_pale: bool) -> Layer {
+        let Swatch { grown, half_width_mm, along_mm } = swatch;
+        let mut parts = self.one_by_one(grown);
+        if is_pale {
+            parts[0].1 = self.pale_ramus.clone();
+            parts[2].1 = self.pale_barbule.clone();
+            parts[3].1 = self.pale_barbule.clone();
+        }
+        let objects = parts.into_iter().map(|(geometry, surface)| Object { geometry, surface });
+        Layer { objects: objects.collect(), across_mm: [-half_width_mm, half_width_mm], along_mm }
     }
 
     /// The barbs left and right of the shaft, those of the downy part last.
@@ -163,8 +207,10 @@ impl<'a> Substances<'a> {
         let half_width = 0.5e-3 * feather.downy.ramus_width_um;
         let ramus = Ramus { substance: down, half_width, height: 1.0 };
         let downy = Barbs { ramus, rows: [barbule.clone(), barbule], pattern: None };
-        let sides = [(&vane, &grown.envelopes), (&downy, &grown.downy_envelopes)];
-        let parts = sides.into_iter().flat_map(|(barbs, envelopes)| {
+        // Down is nothing like one fibre as wide as its barbules reach.
+        let sides =
+            [(model, &vane, &grown.envelopes), (BarbModel::Substructure, &downy, &grown.downy_envelopes)];
+        let parts = sides.into_iter().flat_map(|(model, barbs, envelopes)| {
             envelopes.iter().zip([-1.0, 1.0]).map(move |(geometry, barb_side)| {
                 let Barbs { ramus, rows, pattern } = barbs.clone();
                 let tip = tip_side(barb_side);
@@ -178,7 +224,7 @@ impl<'a> Substances<'a> {
 
 impl Substances<'_> {
     /// The vanes left and right of the shaft, then the barbs of the downy part.
-    fn sheets(&self, grown: &Grown) -> Vec<Part> {
+    fn sheets(&self, grown: &Grown, level: Level, seed: u64) -> Result<Vec<Part>> {
         let feather = &self.scene.feather;
         let shapes = [&feather.distal, &feather.proximal];
         let mean = |shape: &BarbuleShape, substance: &Substance| Barbules {
@@ -193,7 +239,16 @@ impl Substances<'_> {
             },
             spacing: 1e-3 * shape.spacing_um,
         };
-        let vanes = grown.sheets.iter().zip([-1.0, 1.0]).map(|(geometry, barb_side)| {
+        let window = |barb_side: f64, barbs_mm: [f64; 2]| {
+            let swatch = || feather.swatch(barb_side, barbs_mm, seed);
+            let pale = match feather.pattern.pattern() {
+                Some(pattern) => Some((pattern, self.layer(swatch()?, true))),
+                None => None,
+            };
+            Ok::<_, Error>(Arc::new(Window { layer: self.layer(swatch()?, false), pale }))
+        };
+        let sheets = grown.sheets.iter().zip(grown.sheet_barbs_mm).zip([-1.0, 1.0]);
+        let vanes = sheets.map(|((geometry, barbs_mm), barb_side)| {
             // Where the feather's tip lies to the right, barbules towards it do.
             let order = if tip_side(barb_side) > 0.0 { [1, 0] } else { [0, 1] };
             let barbs = MaskedBarbs {
@@ -206,10 +261,14 @@ impl Substances<'_> {
             let cell_mm = 1e-3 * feather.distal.cell_um;
             let rows = order.map(|k| shapes[k].row(&feather.disorder));
             let vane = VaneSurface::new(barbs, [self.ramus.clone(), left, right], cell_mm).with_rows(rows);
-            (geometry.clone(), Surface::Vane(Box::new(vane)))
+            let window = match barbs_mm.filter(|_| level == Level::Vane) {
+                Some(barbs_mm) => Some(window(barb_side, barbs_mm)?),
+                None => None,
+            };
+            Ok((Geometry { window, ..geometry.clone() }, Surface::Vane(Box::new(vane))))
         });
         let down = self.looked_up(grown, BarbModel::Substructure).into_iter().skip(2);
-        vanes.chain(down).collect()
+        vanes.chain(down.map(Ok)).collect()
     }
 }
 

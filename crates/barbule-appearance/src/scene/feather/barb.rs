@@ -9,7 +9,7 @@ use super::outline::Vane;
 use super::row::{FlatBarb, PATH_STEPS, Row};
 use super::shaft::{Shaft, Station, tube_triangles};
 use super::{BarbShape, Feather, SplitShape, VaneDisc, split};
-use crate::bsdf::{RAMUS_DEPTH, ramus_taper};
+use crate::bsdf::{Pattern, RAMUS_DEPTH, ramus_taper};
 use crate::math::rng::hash;
 use crate::scene::geometry::{CurveNode, Geometry, Mesh};
 
@@ -193,6 +193,24 @@ fn evenly(path: &[DVec3]) -> (Vec<DVec3>, f64) {
 }
 
 impl Barb {
+    /// A straight one of the closed vane along y, from a place in the plane z = 0; z is the vane's normal.
+    pub(super) fn straight(from: DVec3, length_mm: f64, side: f64, radius_mm: f64, id: u64) -> Self {
+        Self {
+            points: (0..=STEPS).map(|i| from + DVec3::Y * (length_mm * i as f64 / STEPS as f64)).collect(),
+            tangents: vec![DVec3::Y; STEPS + 1],
+            normals: vec![DVec3::Z; STEPS + 1],
+            length_mm,
+            side,
+            id,
+            radius_mm,
+            vane: Vane::Trailing,
+            along_mm: 0.0,
+            is_loose: false,
+            is_tuft: false,
+            is_free: [false; 2],
+        }
+    }
+
     /// Whether any of it lies in the window.
     #[must_use]
     pub fn is_within(&self, origin: DVec3, window: VaneDisc) -> bool {
@@ -233,6 +251,23 @@ impl Barb {
     /// Adds the ramus as a round fibre of its width.
     pub(super) fn fibre(&self, geometry: &mut Geometry, origin: DVec3) {
         geometry.add_curve(&self.nodes(origin), self.id);
+    }
+
+    /// Adds the same where it has pigment and where not.
+    pub(super) fn parted(&self, [dark, pale]: &mut [Geometry; 2], pattern: Option<Pattern>, origin: DVec3) {
+        let nodes = self.nodes(origin);
+        let is_dark = |segment: usize| {
+            let along = (segment as f64 + 0.5) / STEPS as f64 * self.length_mm;
+            pattern
+                .is_none_or(|pattern| pattern.is_dark(self.along_mm, along, hash(self.id, &[segment as u64])))
+        };
+        let segments: Vec<bool> = (0..STEPS).map(is_dark).collect();
+        let mut first = 0;
+        for run in segments.chunk_by(|a, b| a == b) {
+            let of_run = if run[0] { &mut *dark } else { &mut *pale };
+            of_run.add_curve(&nodes[first..=first + run.len()], self.id);
+            first += run.len();
+        }
     }
 
     /// Adds the ramus: a tube taller than wide.

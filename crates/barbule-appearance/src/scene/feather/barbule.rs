@@ -81,62 +81,86 @@ pub(super) fn along(
         if !window.holds(base - origin) {
             continue;
         }
-        nodes.clear();
-        grow(&mut nodes, barb, row, which, (along, roll), origin, &mut stream);
-        let ribbon = Ribbon {
-            id,
-            cell: row.cell as f32,
-            phase: stream.unit() as f32,
-            swelling: row.swelling as f32,
-            ..Ribbon::default()
-        };
+        let root = Root::on(barb, along, which, roll).moved(-origin);
+        root.grow(&mut nodes, row, row.length_at(along / barb.length_mm), &mut stream);
+        let ribbon = ribbon(row, id, &mut stream);
         let is_dark = pattern.is_none_or(|pattern| pattern.is_dark(barb.along_mm, along, id));
         if is_dark { &mut *dark } else { &mut *pale }.add_ribbon(&nodes, ribbon);
     }
 }
 
-fn grow(
-    nodes: &mut Vec<RibbonNode>,
-    barb: &Barb,
-    row: &Row,
-    which: usize,
-    (along, roll): (f64, f64),
-    origin: DVec3,
-    stream: &mut Stream,
-) {
-    let share = along / barb.length_mm;
-    let (base, tangent, normal) = barb.at(along);
-    // The side towards the feather's tip is to the left of a right barb and to the right of a left one.
-    let distal = if which == 0 { 1.0 } else { -1.0 };
-    let level = normal.cross(tangent) * (barb.side * distal);
-    // The row towards the feather's tip lies over the next barb's other one.
-    let (rise, flat) = (libm::sin(distal * roll), libm::cos(roll));
-    let (sideways, normal) = (level * flat + normal * rise, normal * flat - level * rise);
-    let turn_angle = row.disorder.angle * stream.normal();
-    let turn_lift = row.disorder.lift * stream.normal();
-    let turn = row.disorder.turn * stream.normal();
-    let bow = row.disorder.lift * stream.normal();
-    let length = row.length_at(share) * (1.0 + row.disorder.length * stream.normal()).clamp(0.5, 1.5);
-    let step = length / STEPS as f64;
-    let mut at = base + sideways * (RAMUS_ROOT * barb.half_width(share));
-    let along = |t: f64| {
-        let angle = row.angle_at(t) + turn_angle;
-        let lift = row.lift_at(t) + turn_lift + bow * row.bow_at(t);
-        axes([tangent, sideways, normal], angle, lift)
-    };
-    for i in 0..=STEPS {
-        let t = i as f64 / STEPS as f64;
-        let [direction, ahead, up] = along(t);
-        // Shingles: the turn about the barbule's own axis.
-        let tilt = row.tilt_at(t) + turn;
-        let plate = up * libm::cos(tilt) + ahead * libm::sin(tilt);
-        let x = direction.cross(plate);
-        nodes.push(RibbonNode {
-            point: (at - origin).as_vec3(),
-            across: (x * row.half_width_at(t)).as_vec3(),
-            arc: (t * length) as f32,
-        });
-        let [middle, ..] = along(t + 0.5 / STEPS as f64);
-        at += middle * step;
+/// A ribbon's cells.
+pub(super) fn ribbon(row: &Row, id: u64, stream: &mut Stream) -> Ribbon {
+    Ribbon {
+        id,
+        cell: row.cell as f32,
+        phase: stream.unit() as f32,
+        swelling: row.swelling as f32,
+        ..Ribbon::default()
+    }
+}
+
+/// Where a barbule is rooted: a place, and the directions along the barb, away from it and out of the vane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Root {
+    pub at: DVec3,
+    pub tangent: DVec3,
+    pub sideways: DVec3,
+    pub normal: DVec3,
+}
+
+impl Root {
+    /// At an arc length of a barb, on one of its sides (0: towards the feather's tip, 1: the other).
+    pub(super) fn on(barb: &Barb, along: f64, which: usize, roll: f64) -> Self {
+        let (base, tangent, normal) = barb.at(along);
+        let root = Self::of([base, tangent, normal], barb.side, which, roll);
+        root.moved(root.sideways * (RAMUS_ROOT * barb.half_width(along / barb.length_mm)))
+    }
+
+    /// On the middle line of a barb left (−1) or right (1) of the shaft, of this place, tangent and normal.
+    pub(super) fn of([at, tangent, normal]: [DVec3; 3], side: f64, which: usize, roll: f64) -> Self {
+        // The side towards the feather's tip is to the left of a right barb and to the right of a left one.
+        let distal = if which == 0 { 1.0 } else { -1.0 };
+        let level = normal.cross(tangent) * (side * distal);
+        // The row towards the feather's tip lies over the next barb's other one.
+        let (rise, flat) = (libm::sin(distal * roll), libm::cos(roll));
+        let (sideways, normal) = (level * flat + normal * rise, normal * flat - level * rise);
+        Self { at, tangent, sideways, normal }
+    }
+
+    pub(super) fn moved(self, by: DVec3) -> Self {
+        Self { at: self.at + by, ..self }
+    }
+
+    /// The nodes of a barbule of a row that is `usual` long if it is like most, mm.
+    pub(super) fn grow(&self, nodes: &mut Vec<RibbonNode>, row: &Row, usual: f64, stream: &mut Stream) {
+        let turn_angle = row.disorder.angle * stream.normal();
+        let turn_lift = row.disorder.lift * stream.normal();
+        let turn = row.disorder.turn * stream.normal();
+        let bow = row.disorder.lift * stream.normal();
+        let length = usual * (1.0 + row.disorder.length * stream.normal()).clamp(0.5, 1.5);
+        let step = length / STEPS as f64;
+        let mut at = self.at;
+        let along = |t: f64| {
+            let angle = row.angle_at(t) + turn_angle;
+            let lift = row.lift_at(t) + turn_lift + bow * row.bow_at(t);
+            axes([self.tangent, self.sideways, self.normal], angle, lift)
+        };
+        nodes.clear();
+        for i in 0..=STEPS {
+            let t = i as f64 / STEPS as f64;
+            let [direction, ahead, up] = along(t);
+            // Shingles: the turn about the barbule's own axis.
+            let tilt = row.tilt_at(t) + turn;
+            let plate = up * libm::cos(tilt) + ahead * libm::sin(tilt);
+            let x = direction.cross(plate);
+            nodes.push(RibbonNode {
+                point: at.as_vec3(),
+                across: (x * row.half_width_at(t)).as_vec3(),
+                arc: (t * length) as f32,
+            });
+            let [middle, ..] = along(t + 0.5 / STEPS as f64);
+            at += middle * step;
+        }
     }
 }

@@ -16,6 +16,8 @@ mod shaft;
 mod sheet;
 mod sizes;
 mod split;
+mod stretch;
+mod swatch;
 mod tables;
 mod types;
 
@@ -27,11 +29,14 @@ pub use measure::{Measures, VaneMeasures};
 pub use outline::Vane;
 pub use shaft::{Shaft, Station};
 pub use sizes::{BarbShape, BarbuleShape, Disorder, DownyShape, PatternShape, ShaftShape, SplitShape};
+pub use swatch::Swatch;
 pub(in crate::scene) use tables::layered;
 pub use tables::{Feather, LeadingSide};
 pub use types::{names, source};
 
+use self::stretch::Stretches;
 use super::geometry::Geometry;
+use crate::bsdf::Pattern;
 use crate::{Error, Result};
 
 /// The part of a feather to grow: a disc in the plane of the vane about a point of the shaft, or all of it.
@@ -48,15 +53,17 @@ pub struct VaneDisc {
 pub struct Grown {
     /// The shaft.
     pub shaft: Geometry,
-    /// The barbs' rami.
+    /// The rami of the closed vane's barbs.
     pub rami: Geometry,
-    /// The same rami as round fibres, for those who see hair in them.
-    pub fibres: Geometry,
-    /// The barbules towards the feather's tip, and the others.
+    /// The same rami as round fibres, for those who see hair in them: where they have pigment, and where not.
+    pub fibres: [Geometry; 2],
+    /// All barbs as round fibres, those of the downy part too.
+    pub barbs: Geometry,
+    /// The barbules towards the feather's tip, and the others: ribbons, or stretches of rows that stand in many places.
     pub barbules: [Geometry; 2],
     /// Barbules without pigment.
     pub pale: Geometry,
-    /// Barbules of the downy part.
+    /// Barbs, as round fibres, and barbules of the downy part.
     pub downy: Geometry,
     /// In place of rami and barbules: ribbons about the barbs left and right of the shaft.
     pub envelopes: [Geometry; 2],
@@ -64,6 +71,8 @@ pub struct Grown {
     pub downy_envelopes: [Geometry; 2],
     /// In place of them all: sheets through the barbs left and right of the shaft.
     pub sheets: [Geometry; 2],
+    /// How far the sheets' barbs stand apart and how long they are in the mean, mm; nothing where there is no sheet.
+    pub sheet_barbs_mm: [Option<[f64; 2]>; 2],
 }
 
 /// Which parts of a feather stand there one by one.
@@ -71,10 +80,21 @@ pub struct Grown {
 pub enum Level {
     /// Every barbule.
     Barbules,
-    /// Every barb; its barbules are looked up where a ray meets its envelope.
+    /// Every barb; its barbules are stretches that repeat.
     Barbs,
-    /// The vane, a surface; of the downy part every barb.
+    /// The vane, a surface that shows a swatch of barbs and barbules; of the downy part every envelope.
     Vane,
+    /// Every barb's envelope, on which barbules are looked up (Baron et al. 2021).
+    Envelopes,
+    /// The vane, a surface whose parts are seen and lit in the shares that they hide of each other (Padrón-Griffe et al. 2024); of
+    /// the downy part every envelope.
+    Masked,
+}
+
+impl Level {
+    fn has_sheets(self) -> bool {
+        matches!(self, Self::Vane | Self::Masked)
+    }
 }
 
 impl Grown {
@@ -92,12 +112,12 @@ impl Grown {
     /// How many barbs and barbules there are.
     #[must_use]
     pub fn counts(&self) -> Counts {
-        let of = |rows: &[&Geometry]| rows.iter().map(|row| row.ribbons.len()).sum::<usize>();
+        let of = |rows: &[&Geometry]| rows.iter().map(|row| row.ribbon_count()).sum::<usize>();
         let [left, right] = &self.envelopes;
         let [downy_left, downy_right] = &self.downy_envelopes;
         let [distal, proximal] = &self.barbules;
         Counts {
-            barbs: self.rami.meshes.len() + of(&[left, right, downy_left, downy_right]),
+            barbs: self.barbs.curves.len() + of(&[left, right, downy_left, downy_right]),
             barbules: of(&[distal, proximal, &self.pale, &self.downy]),
         }
     }
@@ -115,6 +135,18 @@ pub struct Counts {
 /// More barbules than this are not grown: each takes about a kilobyte.
 const MOST_BARBULES: f64 = 4e6;
 
+/// Sorts of rows: whether their barbs are loose, on which side of the shaft, on which side of the barb.
+const SORTS: [(bool, f64, usize); 8] = [
+    (false, -1.0, 0),
+    (false, -1.0, 1),
+    (false, 1.0, 0),
+    (false, 1.0, 1),
+    (true, -1.0, 0),
+    (true, -1.0, 1),
+    (true, 1.0, 0),
+    (true, 1.0, 1),
+];
+
 impl Feather {
     /// Grows the part of the feather within a window, moved so that the window's middle is the origin. `seed` and
     /// `identity` name every random draw.
@@ -130,25 +162,26 @@ impl Feather {
         let origin = shaft.at(window.along_mm).point;
         let mut grown = Grown::default();
         shaft.mesh(&mut grown.shaft, window, origin, identity);
-        let one_by_one = |barb: &&Barb| level == Level::Barbs || (level == Level::Vane && barb.is_loose);
-        self.add_envelopes(&mut grown, barbs.iter().filter(one_by_one), origin);
+        let (loose, closed): (Vec<&Barb>, Vec<&Barb>) =
+            barbs.iter().partition(|barb| barb.is_loose && level.has_sheets());
         match level {
             Level::Barbules => {
-                self.add_rami(&mut grown, &barbs, origin);
-                self.add_barbules(&mut grown, &barbs, (origin, window), seed);
+                self.add_rami(&mut grown, &closed, origin);
+                self.add_barbules(&mut grown, &closed, (origin, window), seed);
             }
-            Level::Barbs => {}
-            Level::Vane => {
-                for (sheet, side) in grown.sheets.iter_mut().zip([-1.0, 1.0]) {
-                    sheet::add(
-                        sheet,
-                        barbs.iter().filter(|b| b.side == side && !b.is_loose),
-                        origin,
-                        identity,
-                    );
+            Level::Barbs => {
+                self.add_rami(&mut grown, &closed, origin);
+                self.add_stretches(&mut grown, &closed, (origin, window), seed);
+            }
+            Level::Envelopes => self.add_envelopes(&mut grown, &closed, origin),
+            Level::Vane | Level::Masked => {
+                for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
+                    let barbs = closed.iter().copied().filter(|b| b.side == side);
+                    grown.sheet_barbs_mm[k] = sheet::add(&mut grown.sheets[k], barbs, origin, identity);
                 }
             }
         }
+        self.add_envelopes(&mut grown, &loose, origin);
         Ok(grown)
     }
 
@@ -161,21 +194,26 @@ impl Feather {
         let origin = shaft.at(window.along_mm).point;
         let mut grown = Grown::default();
         shaft.mesh(&mut grown.shaft, window, origin, identity);
-        self.add_rami(&mut grown, &barbs, origin);
+        self.add_rami(&mut grown, &barbs.iter().collect::<Vec<_>>(), origin);
         Ok(grown)
     }
 
-    fn add_rami(&self, grown: &mut Grown, barbs: &[Barb], origin: DVec3) {
+    fn add_rami(&self, grown: &mut Grown, barbs: &[&Barb], origin: DVec3) {
         for barb in barbs {
-            barb.mesh(&mut grown.rami, &self.barbs, origin);
-            barb.fibre(&mut grown.fibres, origin);
+            barb.fibre(&mut grown.barbs, origin);
+            if barb.is_loose {
+                barb.fibre(&mut grown.downy, origin);
+            } else {
+                barb.mesh(&mut grown.rami, &self.barbs, origin);
+                barb.parted(&mut grown.fibres, self.pattern_of(barb), origin);
+            }
         }
     }
 
-    fn add_barbules(&self, grown: &mut Grown, barbs: &[Barb], place: (DVec3, VaneDisc), seed: u64) {
+    fn add_barbules(&self, grown: &mut Grown, barbs: &[&Barb], place: (DVec3, VaneDisc), seed: u64) {
         let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
         for barb in barbs {
-            let pattern = self.pattern.pattern().filter(|_| !barb.is_loose);
+            let pattern = self.pattern_of(barb);
             for (which, shape) in self.barbules_of(barb).iter().enumerate() {
                 let vane = &mut grown.barbules[which];
                 let dark = if barb.is_loose { &mut grown.downy } else { vane };
@@ -185,13 +223,33 @@ impl Feather {
         }
     }
 
-    fn add_envelopes<'a>(&self, grown: &mut Grown, barbs: impl Iterator<Item = &'a Barb>, origin: DVec3) {
+    fn add_stretches(&self, grown: &mut Grown, barbs: &[&Barb], place: (DVec3, VaneDisc), seed: u64) {
+        let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
+        for (is_loose, side, which) in SORTS {
+            let of_sort = || barbs.iter().filter(|barb| barb.is_loose == is_loose && barb.side == side);
+            let Some(first) = of_sort().next() else { continue };
+            let row = self.barbules_of(first)[which].row(&self.disorder);
+            let mut stretches = Stretches::new(row, side, which, roll, seed);
+            of_sort().for_each(|barb| stretches.along(barb, self.pattern_of(barb), place));
+            let [dark, pale] = stretches.placed();
+            let vane = &mut grown.barbules[which];
+            if is_loose { &mut grown.downy } else { vane }.repeated.extend(dark);
+            grown.pale.repeated.extend(pale);
+        }
+    }
+
+    fn add_envelopes(&self, grown: &mut Grown, barbs: &[&Barb], origin: DVec3) {
         let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
         for barb in barbs {
             let rows = self.barbules_of(barb).map(|shape| shape.row(&self.disorder));
             let envelopes = if barb.is_loose { &mut grown.downy_envelopes } else { &mut grown.envelopes };
             envelope::add(&mut envelopes[usize::from(barb.side > 0.0)], barb, &rows, roll, origin);
         }
+    }
+
+    /// Where a barb has pigment; down has it everywhere.
+    fn pattern_of(&self, barb: &Barb) -> Option<Pattern> {
+        self.pattern.pattern().filter(|_| !barb.is_loose)
     }
 
     /// The shaft and the barbs that reach into a window, in the feather's own place: the shaft's base is the origin.

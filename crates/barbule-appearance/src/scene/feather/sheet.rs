@@ -8,12 +8,15 @@ use crate::scene::geometry::{Geometry, Mesh};
 
 /// Adds the sheet through neighbouring barbs of one side; it is open where the vane gapes. Tangents are those of the barbs;
 /// texture coordinates are the place of the barb's base on the shaft and the place on the barb, mm.
+///
+/// How far its barbs stand apart and how long they are in the mean, mm; nothing where there is no sheet.
 pub(super) fn add<'a>(
     geometry: &mut Geometry,
     barbs: impl Iterator<Item = &'a Barb>,
     origin: DVec3,
     identity: u64,
-) {
+) -> Option<[f64; 2]> {
+    let (mut lengths, mut strips) = (0.0, 0);
     let mut mesh = Mesh::default();
     let mut before: Option<(&Barb, u32)> = None;
     for barb in barbs {
@@ -28,6 +31,8 @@ pub(super) fn add<'a>(
         if let Some((last, from)) = before
             && !last.is_free[0]
         {
+            lengths += 0.5 * (last.length_mm + barb.length_mm);
+            strips += 1;
             let quads = 0..barb.points.len() as u32 - 1;
             mesh.triangles.extend(quads.flat_map(|i| {
                 let [a, b, c, d] = [from + i, from + i + 1, first + i, first + i + 1];
@@ -37,8 +42,15 @@ pub(super) fn add<'a>(
         }
         before = Some((barb, first));
     }
-    if !mesh.triangles.is_empty() {
-        mesh.id = hash(identity, &[3]);
-        geometry.meshes.push(mesh);
+    if strips == 0 {
+        return None;
     }
+    let area = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|k| mesh.positions[k as usize].as_dvec3());
+        0.5 * (b - a).cross(c - a).length()
+    };
+    let spacing = mesh.triangles.iter().map(area).sum::<f64>() / lengths;
+    mesh.id = hash(identity, &[3]);
+    geometry.meshes.push(mesh);
+    Some([spacing, lengths / f64::from(strips)])
 }

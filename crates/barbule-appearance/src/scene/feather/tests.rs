@@ -280,8 +280,8 @@ fn frames_across_a_barbule_face_upwards() {
         assert!(counts.barbs > 4 && counts.barbules > 400, "{name}: {counts:?}");
         grown.shaft.check().unwrap();
         grown.rami.check().unwrap();
-        grown.fibres.check().unwrap();
-        assert_eq!(grown.fibres.curves.len(), counts.barbs);
+        grown.barbs.check().unwrap();
+        assert_eq!(grown.barbs.curves.len(), counts.barbs);
         for geometry in grown.barbules {
             geometry.check().unwrap();
             let mut upward = 0;
@@ -300,7 +300,7 @@ fn a_whole_feather_reaches_from_the_base_to_the_tip() {
     for (name, mut feather) in all().filter(|(_, feather)| feather.shaft.length_mm < 40.0) {
         let along_mm = 0.6 * feather.shaft.length_mm;
         let grown = feather.grow(VaneDisc { along_mm, radius_mm: None }, Level::Barbules, 1, 1).unwrap();
-        for part in [&grown.shaft, &grown.rami, &grown.fibres, &grown.barbules[0], &grown.barbules[1]] {
+        for part in [&grown.shaft, &grown.rami, &grown.barbs, &grown.barbules[0], &grown.barbules[1]] {
             part.check().unwrap();
         }
         let [low, high] = grown.shaft.bounds().unwrap();

@@ -16,7 +16,7 @@ pub(super) struct Part {
 impl Part {
     /// The parts that a feather has.
     pub(super) fn all(grown: &Grown) -> Vec<Self> {
-        let parts = [Self::shaft(grown), Self::barbs(&grown.fibres), Self::barbules(&grown.all_barbules())];
+        let parts = [Self::shaft(grown), Self::barbs(&grown.barbs), Self::barbules(&grown.all_barbules())];
         parts.into_iter().filter(|part| !part.triangles.is_empty()).collect()
     }
 

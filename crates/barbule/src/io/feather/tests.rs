@@ -35,7 +35,7 @@ fn meshes_are_read_back_with_all_triangles_in_their_places() {
         assert!(counts.barbs > 20 && (counts.barbules > 4000) == barbules, "{counts:?}");
         let triangles: usize = parts.iter().map(|part| part.triangles.len()).sum();
         let expected = grown.shaft.meshes[0].triangles.len()
-            + 2 * (grown.fibres.curve_nodes.len() - counts.barbs)
+            + 2 * (grown.barbs.curve_nodes.len() - counts.barbs)
             + 2 * (grown.all_barbules().ribbon_nodes.len() - counts.barbules);
         assert_eq!(triangles, expected);
         let of_parts = bounds(parts.iter().flat_map(|part| part.positions.iter().copied()));
@@ -72,7 +72,7 @@ fn curves_are_read_back_with_their_radii() {
     let shaft = &curves[0];
     assert!(shaft[0][1].abs() < 0.02 && shaft[shaft.len() - 1][1] > 5.5, "{:?}", shaft[shaft.len() - 1]);
     assert!(shaft.iter().any(|point| (point[3] - 0.25).abs() < 0.03));
-    for (point, node) in curves[1].iter().zip(grown.fibres.nodes_of_curve(&grown.fibres.curves[0])) {
+    for (point, node) in curves[1].iter().zip(grown.barbs.nodes_of_curve(&grown.barbs.curves[0])) {
         assert!((point[0] - f64::from(node.point.x)).abs() < 1e-6);
         assert!((point[3] - f64::from(node.radius)).abs() < 1e-6);
     }
@@ -98,14 +98,14 @@ fn usd_and_pbrt_hold_every_curve() {
     assert_eq!(list(&usd, "\"Barbules\"", "curveVertexCounts") + 1, grown.counts().barbules);
     // A parenthesis, two commas and, but for the last, one more a point.
     assert_eq!(list(&usd, "\"Barbules\"", "points") + 1, 4 * grown.all_barbules().ribbon_nodes.len());
-    assert_eq!(list(&usd, "\"Barbs\"", "widths") + 1, grown.fibres.curve_nodes.len());
+    assert_eq!(list(&usd, "\"Barbs\"", "widths") + 1, grown.barbs.curve_nodes.len());
     assert!(usd.starts_with("#usda 1.0\n") && usd.matches('{').count() == usd.matches('}').count());
     let pbrt = written("pbrt");
     assert_eq!(pbrt.matches("Shape \"curve\"").count(), grown.counts().barbs);
     assert_eq!(pbrt.matches("Shape \"trianglemesh\"").count(), 2);
     let line = pbrt.lines().find(|line| line.starts_with("Shape \"curve\"")).unwrap();
     let points = &line[line.find('[').unwrap() + 1..line.find(']').unwrap()];
-    let nodes = grown.fibres.curves[0].count as usize;
+    let nodes = grown.barbs.curves[0].count as usize;
     assert_eq!(points.split_whitespace().count(), 3 * (3 * (nodes - 1) + 1));
 }
 

@@ -81,7 +81,7 @@ pub(super) fn obj(parts: &[Part], notes: &[(&str, &str)]) -> Vec<u8> {
 
 /// Rami as they are written in curves: points with radii and normals.
 fn rami(grown: &Grown) -> impl Iterator<Item = &[CurveNode]> {
-    grown.fibres.curves.iter().map(|curve| grown.fibres.nodes_of_curve(curve))
+    grown.barbs.curves.iter().map(|curve| grown.barbs.nodes_of_curve(curve))
 }
 
 /// A feather's axis as a round curve: the middles of the shaft's rings.
@@ -139,11 +139,11 @@ pub(super) fn usda(grown: &Grown, notes: &[(&str, &str)]) -> Vec<u8> {
     text += "]\n        normal3f[] normals = [";
     tuples(&mut text, shaft.normals.iter().copied());
     text += "] (interpolation = \"vertex\")\n    }\n";
-    let nodes = &grown.fibres.curve_nodes;
+    let nodes = &grown.barbs.curve_nodes;
     usd_curves(
         &mut text,
         "Barbs",
-        grown.fibres.curves.iter().map(|curve| curve.count),
+        grown.barbs.curves.iter().map(|curve| curve.count),
         nodes.iter().map(|node| (node.point, node.vane_normal, 2.0 * node.radius)),
     );
     let barbules = &grown.all_barbules();

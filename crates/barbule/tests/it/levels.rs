@@ -1,0 +1,85 @@
+//! Levels of detail: the same patch of a vane, barbule by barbule, as stretches of rows, and as a surface.
+
+use std::sync::Arc;
+
+use barbule::SceneDescription;
+use barbule::brdf::fixtures::example;
+use barbule::brdf::{FeatherBrdf, Options};
+use barbule::progress::Unobserved;
+use barbule::render::film::Film;
+use barbule::render::integrator::{Integrator, Transport};
+use barbule::render::light::Lighting;
+use barbule::render::run::{Goal, run};
+use barbule::render::stage::Stage;
+
+/// Three millimetres of a starling's vane beside its shaft, seen from above and from both sides.
+const PATCH: &str = "[window]
+radius_mm = 3.0
+[camera]
+projection = 'orthographic'
+lens = 0.0
+roll_deg = 0.0
+width_mm = 1.0
+target_mm = [1.1, 0.8, 0.0]
+elevation_deg = 60.0
+";
+const AZIMUTHS: [f64; 4] = [180.0, 270.0, 0.0, 90.0];
+const SIDE: u32 = 32;
+
+/// Mean X, Y and Z of the patch under a light, over the cameras and two feathers.
+fn mean(level: &str, light: &str, extra: &str) -> [f64; 3] {
+    let brdf = Arc::new(FeatherBrdf::new(&example(3), Options::default()).unwrap());
+    let mut sum = [0.0; 3];
+    for seed in [1, 2] {
+        let text = format!("preset = 'starling'\n{light}\n{PATCH}[detail]\nlevel = '{level}'\n{extra}");
+        let scene = SceneDescription::parse(&text).unwrap();
+        let (objects, counts) = scene.objects(brdf.clone(), seed).unwrap();
+        assert!(level == "vane" || counts.barbules > 5000, "{counts:?}");
+        let stage = Stage::new(objects).unwrap();
+        let lighting =
+            Lighting::new(scene.lamps().unwrap(), scene.environment(None).unwrap().as_ref()).unwrap();
+        for azimuth in AZIMUTHS {
+            let turned = text.replace(
+                "elevation_deg = 60.0\n",
+                &format!("elevation_deg = 60.0\nazimuth_deg = {azimuth}\n"),
+            );
+            let camera = SceneDescription::parse(&turned).unwrap().camera();
+            let integrator = Integrator::new(&stage, &lighting, &camera, Transport::default());
+            let mut film = Film::new([SIDE; 2]).unwrap();
+            run(&integrator, &mut film, seed, Goal::samples(32), &Unobserved, &mut |_| Ok(())).unwrap();
+            for pixel in 0..SIDE * SIDE {
+                let xyz = film.xyz(pixel % SIDE, pixel / SIDE);
+                (0..3).for_each(|k| sum[k] += xyz[k]);
+            }
+        }
+    }
+    sum
+}
+
+const SKY: &str = "[light]\nstrength = 0.0";
+const SOFT_LAMP: &str =
+    "sky = 0.0\n[light]\nazimuth_deg = 20.0\nelevation_deg = 62.0\nradius_deg = 30.0\nstrength = 3.0";
+/// Light passes plain barbules, and most of what is seen was scattered several times.
+const PLAIN: &str = "[surfaces.barbule]
+longitudinal_roughness = 0.3
+azimuthal_roughness = 0.4
+eumelanin = 0.1
+height_over_width = 0.7
+[surfaces.hair]
+longitudinal_roughness = 0.3
+azimuthal_roughness = 0.4
+eumelanin = 0.1
+";
+
+/// Stretches of rows and windows onto swatches: means of X, Y and Z.
+#[test]
+fn levels_look_like_barbules_that_grew_one_by_one() {
+    for (light, extra) in [(SKY, ""), (SOFT_LAMP, ""), (SKY, PLAIN), (SOFT_LAMP, PLAIN)] {
+        let expected = mean("barbules", light, extra);
+        for level in ["barbs", "vane"] {
+            let found = mean(level, light, extra);
+            let apart = [0, 1, 2].map(|k| found[k] / expected[k] - 1.0);
+            assert!(apart.iter().all(|d| d.abs() < 0.03), "{level} {light} {extra} {apart:.4?}");
+        }
+    }
+}
