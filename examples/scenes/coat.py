@@ -32,6 +32,8 @@ exposure = "auto"
 size = [800, 1000]
 scatterings = 8
 sky = 0.6
+background = "sky"
+lights = []
 
 [light]
 azimuth_deg = 60.0

@@ -127,11 +127,15 @@ fn plane(brdf: Arc<FeatherBrdf>) -> Scene {
 }
 
 fn main() {
-    let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_else(|| "starling".into());
+    let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-'));
+    // Without a preset's name the scene of the tests, which stays as it is.
+    let description = match &wanted {
+        Some(preset) => SceneDescription::named(preset).expect("a preset"),
+        None => SceneDescription::parse(include_str!("../tests/it/data/close-up.toml")).expect("a scene"),
+    };
     let brdf = Arc::new(FeatherBrdf::new(&example(50), Options::default()).expect("a material"));
-    let (scene, _) =
-        SceneDescription::named(&wanted).expect("a preset").scene(brdf.clone(), 1).expect("a scene");
-    measure(&format!("close-up of {wanted}"), 16, 5, scene);
+    let (scene, _) = description.scene(brdf.clone(), 1).expect("a scene");
+    measure(&format!("close-up of {}", wanted.as_deref().unwrap_or("a starling")), 16, 5, scene);
     measure("60,000 round barbules of keratin", 16, 8, barbules());
     measure("plane of a tabulated barbule", 32, 8, plane(brdf));
 }

@@ -1,8 +1,9 @@
 //! How the error of a picture falls with the time that it takes: table and figure of docs/performance.md.
 //!
 //! `target/release/examples/render_error PRESET REFERENCE [WIDTHxHEIGHT] [-o FIGURE.svg]` (after `cargo build --release
-//! --workspace --examples`). REFERENCE is a file of its own with 4096 samples per pixel, made when it is not there: minutes.
-//! The figure has what was measured before paths changed too, which is the starling's at the usual size.
+//! --workspace --examples`). PRESET may also be `close-up`, the scene of the tests, which stays as it is. REFERENCE is a file of
+//! its own with 4096 samples per pixel, made when it is not there: minutes. The figure has what was measured before paths
+//! changed too, which is that close-up's at the usual size.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // a program over what is built in
 
@@ -35,7 +36,7 @@ const COUNTS: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 /// Pictures of each, of which the middle one's time counts.
 const RUNS: usize = 5;
 
-/// CPU seconds and errors of earlier versions, of 4, 16 and 64 samples of the starling's picture of 160 × 100 pixels.
+/// CPU seconds and errors of earlier versions, of 4, 16 and 64 samples of the picture of 160 × 100 pixels.
 const EARLIER: [(&str, [[f64; 2]; 3]); 2] = [
     ("four wavelengths, one light, one pixel", [[0.13, 0.94], [0.51, 0.45], [2.0, 0.203]]),
     ("eight wavelengths, every light, tent", [[0.19, 0.44], [0.70, 0.206], [3.0, 0.099]]),
@@ -50,7 +51,10 @@ struct Prepared {
 impl Prepared {
     /// The middle of the preset's picture: its pixels are those of the default size.
     fn new(preset: &str, size: [u32; 2]) -> barbule::Result<Self> {
-        let mut description = SceneDescription::named(preset)?;
+        let mut description = match preset {
+            "close-up" => SceneDescription::parse(include_str!("../tests/it/data/close-up.toml"))?,
+            _ => SceneDescription::named(preset)?,
+        };
         description.camera.width_mm *= f64::from(size[0]) / 1280.0;
         let wanted = description.material.replace(':', "-");
         let (_, bytes) =

@@ -323,8 +323,8 @@ fn ones_own_bird_goes_wherever_a_species_goes() {
     ];
     place.write("corner.toml", "preset = 'rock-dove'\n[window]\nradius_mm = 0.1\n");
     for bird in birds {
-        let (_, said) = place.succeed(&[&["render", bird, "-o", "a.png"], SMALL].concat());
-        let line = format!("wrote a.png: {bird}, light 20,62, 24 x 15 pixels, 2.0 samples each");
+        let (_, said) = place.succeed(&[&["render", bird, "-o", "a.png", "--light=33,44"], SMALL].concat());
+        let line = format!("wrote a.png: {bird}, light 33,44, 24 x 15 pixels, 2.0 samples each");
         assert_eq!(said, line);
         let with = [&["render", "corner.toml", "--material", bird, "-o", "b.png"], SMALL].concat();
         assert!(!place.succeed(&with).1.contains("characterizing"));
@@ -449,10 +449,11 @@ fn pictures_of_a_quick_look_say_so() {
 #[test]
 fn the_hash_of_pixels_does_not_depend_on_how_they_were_asked_for() {
     let place = Place::new();
+    place.write("lit.toml", "preset = 'starling'\n[light]\nazimuth_deg = 20\nelevation_deg = 62\n");
     place.write_small();
     let hash = |file: &str, more: &[&str]| {
         let words =
-            [&["render", "starling", "--material", "small.barbule", "-o", file], SMALL, more].concat();
+            [&["render", "lit.toml", "--material", "small.barbule", "-o", file], SMALL, more].concat();
         place.json(&words)[0]["pixel_hash"].as_str().unwrap().to_owned()
     };
     for file in ["a.png", "a.exr"] {
@@ -507,7 +508,7 @@ fn light_comes_from_somewhere_and_from_where_it_can_be_seen() {
     let place = Place::new();
     place.write_small();
     place.write("dark.toml", "preset = 'starling'\nsky = 0\n");
-    place.write("night.toml", "preset = 'starling'\nsky = 0\n[light]\nstrength = 0\n");
+    place.write("night.toml", "preset = 'starling'\nsky = 0\nlights = []\n[light]\nstrength = 0\n");
     place.write("turned.toml", "preset = 'starling'\n[sky_image]\nfile = 'sky.exr'\nturn = 1e17\n");
     place.write("unlit.toml", "preset = 'starling'\n[sky_image]\nfile = 'none.exr'\nstrength = 0\n");
     let render = |scene: &str, more: &[&str]| {

@@ -490,7 +490,7 @@ const SCENES: &[Change] = &[
     ("sky = 0.7", "shows_feather = 3", "invalid type"),
     ("width_mm = 4.4", "projection = \"ortographic\"", "did you mean 'orthographic'"),
     ("width_mm = 4.4", "position_mm = [0, 0]", "line 7"),
-    ("width_mm = 4.4", "position_mm = [0, 0, 0]", "are the same place"),
+    ("width_mm = 4.4", "position_mm = [0, 0, 0]\ntarget_mm = [0, 0, 0]", "are the same place"),
     ("width_mm = 4.4", "target_mm = [nan, 0, 0]", "over 1000000 mm away"),
     ("width_mm = 4.4", "focal_length_mm = 0", "camera.focal_length_mm is 0, outside 5 to 5000"),
     ("width_mm = 4.4", "f_number = 0.5", "camera.f_number is 0.5, outside 1 to 1000"),

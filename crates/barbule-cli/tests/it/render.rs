@@ -5,7 +5,7 @@ use std::path::Path;
 use assert_cmd::Command;
 use serde_json::Value;
 
-use crate::common::{MADE_UP, write_made_up};
+use crate::common::{CLOSE_UP, MADE_UP, write_made_up};
 
 fn barbule(folder: &Path, arguments: &[&str]) -> Command {
     write_made_up();
@@ -132,23 +132,22 @@ fn a_printed_scene_is_the_same_picture_to_the_bit() {
 fn exposures_are_factors_or_found_by_a_key() {
     let folder = tempfile::tempdir().unwrap();
     let exposure = |report: &Value| report["exposure"].as_str().unwrap().parse::<f64>().unwrap();
-    let bright = report(folder.path(), &["starling", "-o", "a.png", "--exposure", "0.5"]);
+    std::fs::write(folder.path().join("plain.toml"), CLOSE_UP).unwrap();
+    let bright = report(folder.path(), &["plain.toml", "-o", "a.png", "--exposure", "0.5"]);
     assert_eq!((exposure(&bright), &bright["exposure_by"]), (0.5, &"factor".into()));
-    let found = report(folder.path(), &["starling", "-o", "b.png", "--exposure", "auto"]);
+    let found = report(folder.path(), &["plain.toml", "-o", "b.png", "--exposure", "auto"]);
     assert_eq!(found["exposure_by"], "key");
     // Four times the light needs a quarter of the exposure: the key knows no unit.
-    std::fs::write(
-        folder.path().join("bright.toml"),
-        "preset = \"starling\"\nexposure = \"auto\"\nsky = 3.2\n[light]\nstrength = 10.0\n",
-    )
-    .unwrap();
-    let fourfold = report(folder.path(), &["bright.toml", "-o", "c.png"]);
+    let fourfold =
+        CLOSE_UP.replacen("sky = 0.8", "sky = 3.2", 1).replacen("strength = 2.5", "strength = 10.0", 1);
+    std::fs::write(folder.path().join("bright.toml"), fourfold).unwrap();
+    let fourfold = report(folder.path(), &["bright.toml", "-o", "c.png", "--exposure", "auto"]);
     let ratio = exposure(&found) / exposure(&fourfold);
     // Shadow rays for little light are drawn by its amount, so samples differ a little.
     assert!((ratio - 4.0).abs() < 0.05, "{ratio}");
     // Frames share the first one's.
     let common =
-        ["starling", "-o", "f.png", "--exposure", "auto", "--frames", "3", "--arc", "light=120", "--json"];
+        ["plain.toml", "-o", "f.png", "--exposure", "auto", "--frames", "3", "--arc", "light=120", "--json"];
     let output = barbule(folder.path(), &[&common[..], QUICK].concat()).output().unwrap();
     let frames: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
     assert!(frames.iter().all(|frame| frame["exposure"] == frames[0]["exposure"]));
@@ -158,7 +157,8 @@ fn exposures_are_factors_or_found_by_a_key() {
 #[test]
 fn no_frame_of_the_usual_sequence_is_dark() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["starling", "-o", "f.exr", "--frames", "4"];
+    std::fs::write(folder.path().join("plain.toml"), CLOSE_UP).unwrap();
+    let arguments = ["plain.toml", "-o", "f.exr", "--frames", "4"];
     barbule(folder.path(), &[&arguments[..], QUICK].concat()).assert().success();
     let means: Vec<f64> = (0..4)
         .map(|frame| {
@@ -176,7 +176,8 @@ fn no_frame_of_the_usual_sequence_is_dark() {
 fn pictures_are_cut_out_or_stand_before_a_background() {
     let folder = tempfile::tempdir().unwrap();
     // Far enough to see past the feather.
-    let far = ["starling", "--view=190,60,20"];
+    std::fs::write(folder.path().join("plain.toml"), CLOSE_UP).unwrap();
+    let far = ["plain.toml", "--view=190,60,20"];
     let draw = |more: &[&str]| report(folder.path(), &[&far, more].concat());
     draw(&["-o", "none.png", "--background", "none"]);
     let read = |name: &str| {
@@ -222,7 +223,10 @@ fn plane(path: &Path, name: &str) -> Vec<f32> {
 #[test]
 fn exr_planes_fit_together() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["magpie", "--background", "none", "--view=190,60,20", "--spectral", "380:720:20"];
+    let scene =
+        "preset = 'magpie'\n[window]\nradius_mm = 3.4\n[camera]\nlens = 0.005\ntarget_mm = [0, 0, 0]\n";
+    std::fs::write(folder.path().join("far.toml"), scene).unwrap();
+    let arguments = ["far.toml", "--background", "none", "--view=190,60,20", "--spectral", "380:720:20"];
     for more in [&["-o", "m.exr"][..], &["-o", "k.exr", "--keep-gamut"]] {
         report(folder.path(), &[&arguments[..], more].concat());
     }
@@ -277,7 +281,7 @@ fn curves_from_files_stand_in_the_picture() {
     let scene = |basis: &str| {
         format!(
             "preset = 'starling'\nshows_feather = false\nbackground = 'none'\n[camera]\nprojection = 'orthographic'\n\
-             azimuth_deg = 0\nelevation_deg = 90\nroll_deg = 0\nwidth_mm = 6\nlens = 0\n[surfaces.white]\ntype = 'diffuse'\n\
+             azimuth_deg = 0\nelevation_deg = 90\nroll_deg = 0\nwidth_mm = 6\nlens = 0\ntarget_mm = [0, 0, 0]\n[surfaces.white]\ntype = 'diffuse'\n\
              [[objects]]\ncurves = 'rod.txt'\n{basis}scale = 2\nsurface = 'white'\n"
         )
     };
@@ -319,8 +323,8 @@ fn curves_from_files_stand_in_the_picture() {
 fn metal_reflects_what_its_index_says() {
     let folder = tempfile::tempdir().unwrap();
     let scene = "preset = 'starling'\nshows_feather = false\nsky = 1\nsky_horizon = 1\nsky_below = 1\nexposure = 1\n\
-                 [light]\nstrength = 0\n[camera]\nprojection = 'orthographic'\nazimuth_deg = 0\nelevation_deg = 90\n\
-                 roll_deg = 0\nwidth_mm = 6\nlens = 0\n[surfaces.plate]\ntype = 'conductor'\nroughness = [0.02, 0.03]\n\
+                 background = 'sky'\nlights = []\n[light]\nstrength = 0\n[camera]\nprojection = 'orthographic'\nazimuth_deg = 0\nelevation_deg = 90\n\
+                 roll_deg = 0\nwidth_mm = 6\nlens = 0\ntarget_mm = [0, 0, 0]\n[surfaces.plate]\ntype = 'conductor'\nroughness = [0.02, 0.03]\n\
                  METAL\n[[objects]]\nrectangle_mm = [2, 8]\nsurface = 'plate'\n";
     // Means of R, G, B on the plate over those beside it.
     let reflected = |metal: &str| -> [f64; 3] {

@@ -21,7 +21,7 @@ use glam::DVec3;
 
 /// A scene file without a feather, seen straight from above; the files it names lie in the folder.
 fn scene_in(folder: &Path, text: &str) -> SceneDescription {
-    let head = "preset = 'starling'\nshows_feather = false\n[light]\nstrength = 0.0\n[camera]\nelevation = 90.0\nroll = 0.0\nlens = 0.0\nwidth_mm = 4.0\n";
+    let head = "preset = 'starling'\nshows_feather = false\nlights = []\n[light]\nstrength = 0.0\n[camera]\nelevation = 90.0\nroll = 0.0\nlens = 0.0\nwidth_mm = 4.0\ntarget_mm = [0, 0, 0]\n";
     let mut scene = SceneDescription::parse(&format!("{head}{text}")).unwrap();
     read_scene_files(&mut scene, folder).unwrap();
     scene

@@ -20,7 +20,6 @@ use barbule::render::planes::Planes;
 use barbule::render::run::{Ended, Goal, run};
 use barbule::render::stage::Stage;
 use barbule::scene::camera::{Camera, Projection};
-use barbule::scene::description::SceneDescription;
 use barbule::scene::emission::Emission;
 use barbule::scene::geometry::{CurveNode, Geometry, Mesh, Ribbon, RibbonNode};
 use barbule::scene::light::{Lamp, Light, Rectangle, Sphere, Sun, disc_radiance};
@@ -28,6 +27,8 @@ use barbule::scene::sky::{Environment, Sky};
 use barbule::scene::{Object, Scene};
 use barbule::spectrum::dense::Lambdas;
 use glam::{DVec2, DVec3, Vec3};
+
+use crate::measure::picture::close_up;
 
 /// The lights of a scene.
 pub(crate) type Lights = (Vec<Lamp>, Option<Environment>);
@@ -478,7 +479,7 @@ fn lights_are_sampled_with_their_density() {
 
 fn starling() -> Ready {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let mut description = SceneDescription::named("starling").unwrap();
+    let mut description = close_up();
     description.window.radius_mm = Some(0.7);
     description.camera.width_mm = 1.0;
     Ready::new(description.scene(brdf, 7).unwrap().0)
@@ -516,8 +517,7 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
     let goal = Goal { noise: Some(0.08), ..Goal::samples(36) };
     let mut whole = Film::new([70, 40]).unwrap();
     run(&integrator, &mut whole, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap();
-    let name =
-        checkpoint::name(&SceneDescription::named("starling").unwrap(), "", 1, "", "", &Planes::default());
+    let name = checkpoint::name(&close_up(), "", 1, "", "", &Planes::default());
     let mut part = Film::new([70, 40]).unwrap();
     for patience in [8, 12, 6] {
         let ended =
@@ -535,7 +535,7 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
 #[test]
 fn one_stage_serves_every_light_and_camera() {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let mut description = SceneDescription::named("starling").unwrap();
+    let mut description = close_up();
     description.window.radius_mm = Some(0.5);
     description.camera.width_mm = 0.8;
     let shared = Ready::new(description.scene(brdf.clone(), 7).unwrap().0);

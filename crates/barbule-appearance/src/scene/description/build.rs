@@ -315,6 +315,7 @@ mod tests {
         };
         assert!((meets(DVec2::new(0.1, 0.9)) - meets(DVec2::new(0.8, 0.3))).length() < 1e-9);
         let eye = base.eye;
+        let distance = |camera: &Camera| (camera.eye - camera.target).length();
         let text =
             format!("[camera]\nlens = 0.0\nazimuth = 3.0\nposition_mm = [{}, {}, {}]", eye.x, eye.y, eye.z);
         assert!((starling(&text).camera().eye - eye).length() < 1e-12);
@@ -327,9 +328,9 @@ mod tests {
         // Life size at f/4: the lens is 2 f away and has the radius f/8.
         let lens = starling("[camera]\nwidth_mm = 36\nf_number = 4").camera();
         let Projection::Perspective { lens_radius } = lens.projection else { panic!("{lens:?}") };
-        assert!((lens_radius / (lens.eye - lens.target).length() - 0.0625).abs() < 1e-12);
+        assert!((lens_radius / distance(&lens) - 0.0625).abs() < 1e-12);
         let tele = starling("[camera]\nfocal_length_mm = 288").camera();
-        assert!((tele.eye.length() / eye.length() - 2.0).abs() < 1e-12);
+        assert!((distance(&tele) / distance(&base) - 2.0).abs() < 1e-12);
     }
 
     /// A turned feather is the same scene seen from elsewhere: light and camera keep their angle, and the picture its upward axis.

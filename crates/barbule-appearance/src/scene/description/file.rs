@@ -545,8 +545,11 @@ mod tests {
         assert!(starling("[light]\nazimuth = 1e17").contains("light.azimuth_deg is 1"));
         let turned = "[sky_image]\nfile = \"a.exr\"\nturn = -1e17";
         assert!(starling(turned).contains("outside -3600 to 3600"));
-        assert!(starling("sky = 0\n[light]\nstrength = 0").contains("sky and light.strength are both 0"));
-        let dark = "[sky_image]\nfile = \"a.exr\"\nstrength = 0\n[light]\nstrength = 0";
+        assert!(
+            starling("sky = 0\nlights = []\n[light]\nstrength = 0")
+                .contains("sky and light.strength are both 0")
+        );
+        let dark = "lights = []\n[sky_image]\nfile = \"a.exr\"\nstrength = 0\n[light]\nstrength = 0";
         assert!(starling(dark).contains("sky_image.strength and light.strength are both 0"));
         assert!(message("[[[").len() < 400);
     }

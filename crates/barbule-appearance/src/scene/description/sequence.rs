@@ -130,8 +130,11 @@ impl Motion {
 mod tests {
     use super::*;
 
+    /// Whatever its preset's light and camera are.
     fn starling() -> SceneDescription {
-        SceneDescription::named("starling").unwrap()
+        let text = "preset = 'starling'\n[light]\nazimuth_deg = 20\nelevation_deg = 62\n[camera]\nazimuth_deg = 190\n\
+                    elevation_deg = 60\nroll_deg = -35";
+        SceneDescription::parse(text).unwrap()
     }
 
     #[test]

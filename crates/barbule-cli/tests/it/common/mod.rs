@@ -16,6 +16,9 @@ pub(crate) fn write_made_up() {
     WRITTEN.get_or_init(|| write_material(Path::new(MADE_UP), &example(50)).unwrap());
 }
 
+/// A scene whose light and framing are the tests' own: presets may be composed anew.
+pub(crate) const CLOSE_UP: &str = include_str!("../../../../barbule/tests/it/data/close-up.toml");
+
 /// Everything in a folder, hidden files too: relative path → bytes.
 pub(crate) fn bytes_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();

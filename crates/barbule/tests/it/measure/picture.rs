@@ -19,10 +19,15 @@ pub(crate) const SIZE: [u32; 2] = [64, 48];
 /// Samples per pixel of the test and of the reference.
 pub(crate) const SAMPLES: [u32; 2] = [64, 1024];
 
-/// Part of the starling's close-up with the example's material.
+/// A starling's feather in a light and a framing of the tests' own: presets may be composed anew.
+pub(crate) fn close_up() -> SceneDescription {
+    SceneDescription::parse(include_str!("../data/close-up.toml")).unwrap()
+}
+
+/// Part of the close-up with the example's material.
 pub(crate) fn picture(samples: u32, seed: u64) -> Film {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let mut description = SceneDescription::named("starling").unwrap();
+    let mut description = close_up();
     description.window.radius_mm = Some(1.0);
     description.camera.width_mm = 1.2;
     let (scene, _) = description.scene(brdf, 1).unwrap();
