@@ -249,7 +249,7 @@ fn heading(feather: &Feather) -> f64 {
 fn curvature(body: &Body, stand: &Stand, direction: DVec3, length: f64) -> f64 {
     let Spot { point, normal, triangle, .. } = stand.spot;
     let there = body.foot(point + direction * length, body.triangles[triangle as usize][0]).normal;
-    libm::atan2(there.dot(direction), there.dot(normal).max(1e-3)).clamp(-1.4, 1.4).tan() / length
+    libm::tan(libm::atan2(there.dot(direction), there.dot(normal).max(1e-3)).clamp(-1.4, 1.4)) / length
 }
 
 impl Laid {

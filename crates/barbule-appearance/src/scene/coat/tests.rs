@@ -36,11 +36,11 @@ fn lifted_feathers_lie_over_those_beneath() {
         laid.stands.iter().zip(&laid.before).map(|(a, b)| (a.erection - b.erection).to_degrees()).collect();
     let mean = lifts.iter().sum::<f64>() / lifts.len() as f64;
     println!("lifted by {mean:.2} degrees, {:.2} at most", lifts.iter().fold(0.0, |a: f64, b| a.max(*b)));
-    assert!(before > 0.05 && after < 0.02, "{before} {after}");
+    assert!(before > 0.02 && after < 0.003, "{before} {after}");
     assert!(lifts.iter().all(|lift| *lift >= 0.0));
 }
 
-/// A coat of a number and one of the same density are the same, and so is one laid on another number of threads.
+/// A coat of a number and one of the same density are the same, on whatever thread they are laid; another seed lays another.
 #[test]
 fn the_same_seed_lays_the_same_coat() {
     let first = laid(&coat(150));
@@ -78,17 +78,17 @@ fn feathers_lie_along_the_field_from_tail_to_head() {
     assert!((spread - 3.0).abs() < 0.35, "{spread}");
     let mut rank = vec![0; laid.stands.len()];
     laid.order.iter().enumerate().for_each(|(place, &index)| rank[index as usize] = place);
-    let mut wrong = 0;
+    let (mut pairs, mut wrong) = (0, 0);
     for (i, a) in laid.stands.iter().enumerate() {
         for (j, b) in laid.stands.iter().enumerate() {
             let apart = b.spot.point - a.spot.point;
-            let is_ahead = apart.dot(a.along + b.along) > 0.0;
-            let is_whorl = [a, b].iter().any(|stand| stand.spot.normal.y.abs() > 0.9);
-            wrong += usize::from(!is_whorl && apart.length() < 35.0 && is_ahead && rank[i] < rank[j]);
+            if apart.length() < 35.0 && apart.dot(a.along + b.along) > 0.0 {
+                (pairs, wrong) = (pairs + 1, wrong + usize::from(rank[i] < rank[j]));
+            }
         }
     }
-    // Meridians run in no circles, but about the poles.
-    assert_eq!(wrong, 0);
+    // Meridians run in no circles, but neighbours turned by their jitter may.
+    assert!(pairs > 1000 && 500 * wrong < pairs, "{wrong} of {pairs}");
 }
 
 /// A feather that hugs a sphere stays at one height beyond where it rises: without, its tip stands off by L²/2R.
