@@ -1,7 +1,7 @@
 //! Coats: many feathers on a curved body.
 //!
 //! Follicles are spread over the body ([`follicles`]), feathers lie along a field of directions ([`field`]), are bent as the
-//! body is ([`Coat::lay`]), and are laid from the tail to the head, each over those before it ([`lay`]), after Chen, Xu, Guo &
+//! body is ([`Coat::lay`]), and are laid from the tail to the head, each over those before it (`lay`), after Chen, Xu, Guo &
 //! Shum 2002 and Streit & Heidrich 2002.
 
 pub mod body;
