@@ -94,6 +94,9 @@ pub struct Place {
 }
 
 impl Place {
+    /// Where it was made.
+    pub const HERE: Self = Self { scale: 1.0, turn: DMat3::IDENTITY, shift: DVec3::ZERO, id: 0 };
+
     /// A point of the object in the scene.
     #[inline]
     #[must_use]

@@ -5,6 +5,7 @@
 
 pub mod backdrop;
 pub mod camera;
+pub mod coat;
 pub mod comparison;
 pub mod description;
 pub mod emission;

@@ -18,8 +18,8 @@ use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND};
 use barbule::scene::description::{
-    Background, Bearing, LightColour, Motion, Moved, ObjectShape, SceneDescription, SkyDescription, SkyImage,
-    USUAL_ARC_DEG, ViewModel,
+    Background, Bearing, CoatBody, LightColour, Motion, Moved, ObjectShape, SceneDescription, SkyDescription,
+    SkyImage, USUAL_ARC_DEG, ViewModel,
 };
 use barbule::scene::preset;
 use barbule::scene::sky::Sky;
@@ -234,6 +234,9 @@ impl Args {
             if let ObjectShape::Mesh { file, .. } | ObjectShape::Curves { file, .. } = &mut object.shape {
                 from_here(file);
             }
+        }
+        if let Some(CoatBody::Mesh { file, .. }) = scene.coat.as_mut().map(|coat| &mut coat.body) {
+            from_here(file);
         }
         for surface in scene.named_surfaces.values_mut() {
             surface.pictures_mut().into_iter().for_each(|(_, picture)| from_here(&mut picture.file));

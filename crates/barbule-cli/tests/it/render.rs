@@ -366,6 +366,42 @@ fn example_scenes_are_drawn() {
     }
 }
 
+/// A coat on a pyramid: every feather counts, the picture is the same on one thread, and what makes no coat is refused with its key.
+#[test]
+fn a_coat_is_drawn_alike_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let pyramid = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenes/pyramid.ply");
+    std::fs::copy(pyramid, folder.path().join("pyramid.ply")).unwrap();
+    let scene = |coat: &str| {
+        let text = format!(
+            "preset = 'osprey'\nsize = [48, 32]\n[camera]\nwidth_mm = 300.0\n[coat]\nmesh = 'pyramid.ply'\nscale = 40.0\n\
+             variants = 2\n{coat}"
+        );
+        std::fs::write(folder.path().join("coat.toml"), text).unwrap();
+    };
+    scene("count = 60");
+    let drawn = |threads: &str| {
+        let words = ["coat.toml", "-o", "coat.png", "--samples", "4", "--json", "--threads", threads];
+        let output = barbule(folder.path(), &words).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()[0].clone()
+    };
+    let (one, two) = (drawn("1"), drawn("2"));
+    assert_eq!(one["pixel_hash"], two["pixel_hash"]);
+    assert!(one["barbs"].as_u64().unwrap() >= 60 * 100, "{one}");
+    let refused = |coat: &str, expected: &str| {
+        scene(coat);
+        let run = barbule(folder.path(), &["coat.toml", "-o", "other.png"]).assert().code(2);
+        let message = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        assert!(message.contains(expected) && message.trim_end().lines().count() == 1, "{message}");
+        assert!(!folder.path().join("other.png").exists());
+    };
+    refused("count = 60\nhugs = 1", "did you mean 'hug'");
+    refused("count = 60\nwithin_mm = [[900, 0, 0], [901, 1, 1]]", "coat.within_mm holds hardly any");
+    std::fs::remove_file(folder.path().join("pyramid.ply")).unwrap();
+    refused("count = 60", "coat.mesh");
+}
+
 /// Previews change nothing about the picture, nor does the size of rounds.
 #[test]
 fn a_previewed_picture_has_the_same_bits() {

@@ -11,7 +11,9 @@ use super::mesh::read_mesh;
 use crate::Result;
 use crate::bsdf::Texture;
 use crate::scene::backdrop::{Backdrop, BackdropPicture};
-use crate::scene::description::{Background, LightColour, ObjectShape, SceneDescription, TextureFile};
+use crate::scene::description::{
+    Background, CoatBody, LightColour, ObjectShape, SceneDescription, TextureFile,
+};
 
 /// Reads the files that a scene names and that are not read yet, relative to a folder; all but the sky's image and the
 /// material.
@@ -51,6 +53,12 @@ pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<(
             }
             _ => {}
         }
+    }
+    if let Some(CoatBody::Mesh { file, mesh: mesh @ None, content }) =
+        scene.coat.as_mut().map(|coat| &mut coat.body)
+    {
+        let (read, hash) = read_mesh(&folder.join(file)).map_err(|error| error.at("coat.mesh"))?;
+        (*mesh, *content) = (Some(Arc::new(read)), hash);
     }
     for (name, surface) in &mut scene.named_surfaces {
         for (key, picture) in surface.pictures_mut() {

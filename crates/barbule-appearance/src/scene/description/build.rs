@@ -46,7 +46,7 @@ impl SceneDescription {
         Ok((Scene { objects, lamps: self.lamps()?, environment, camera: self.camera() }, counts))
     }
 
-    /// The feather: shaft, rami, barbules; then the other objects. A feather of plain barbules needs no material.
+    /// The feather: shaft, rami, barbules, or a coat's skin and its feathers; then the other objects. A feather of plain barbules needs no material.
     ///
     /// # Errors
     /// A number out of range, or a file that is not read.
@@ -56,10 +56,10 @@ impl SceneDescription {
         seed: u64,
     ) -> Result<(Vec<Object>, Counts)> {
         self.check()?;
-        let (mut objects, counts) = if self.shows_feather {
-            self.feather_parts(brdf.into(), seed)?
-        } else {
-            (Vec::new(), Counts::default())
+        let (mut objects, counts) = match &self.coat {
+            Some(coat) => self.coat_parts(coat, brdf.into(), seed)?,
+            None if self.shows_feather => self.feather_parts(brdf.into(), seed)?,
+            None => (Vec::new(), Counts::default()),
         };
         for (index, object) in self.objects.iter().enumerate() {
             let surface = self.named_surfaces.get(&object.surface).ok_or_else(|| {
@@ -217,7 +217,11 @@ impl SceneDescription {
     /// Names of the parts that [`SceneDescription::objects`] gives, in their order.
     #[must_use]
     pub fn object_names(&self) -> Vec<String> {
-        let parts = if self.shows_feather { self.part_names() } else { Vec::new() };
+        let parts = match &self.coat {
+            Some(coat) => self.coat_names(coat),
+            None if self.shows_feather => self.part_names(),
+            None => Vec::new(),
+        };
         (parts.into_iter())
             .map(str::to_owned)
             .chain(self.objects.iter().map(|object| object.name.clone()))

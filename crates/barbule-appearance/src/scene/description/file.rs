@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{
-    Background, Bearing, Detail, KeyLight, SceneDescription, SkyDescription, Surfaces, View, ViewProjection,
-    colour, lights, objects,
+    Background, Bearing, CoatDescription, Detail, KeyLight, SceneDescription, SkyDescription, Surfaces, View,
+    ViewProjection, colour, lights, objects,
 };
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
@@ -117,11 +117,12 @@ struct Layer {
     surfaces: Option<Value>,
     feather: Option<Value>,
     shows_feather: Option<bool>,
+    coat: Option<Value>,
     objects: Option<Value>,
 }
 
 /// Keys of a scene file, for suggestions; those of feathers and surfaces are known where they are read.
-const KEYS: [&str; 46] = [
+const KEYS: [&str; 47] = [
     "preset",
     "material",
     "size",
@@ -148,6 +149,7 @@ const KEYS: [&str; 46] = [
     "surfaces",
     "feather",
     "shows_feather",
+    "coat",
     "objects",
     "azimuth",
     "azimuth_deg",
@@ -236,6 +238,7 @@ impl Layer {
             surfaces: merged(self.surfaces, base.surfaces),
             feather: feather::layered(self.feather, base.feather),
             shows_feather: self.shows_feather.or(base.shows_feather),
+            coat: self.coat.or(base.coat),
             objects: self.objects.or(base.objects),
         }
     }
@@ -289,6 +292,7 @@ impl Layer {
             surfaces,
             feather: Feather::read(&need(self.feather, "feather")?)?,
             shows_feather: self.shows_feather.unwrap_or(true),
+            coat: self.coat.as_ref().map(CoatDescription::read).transpose()?,
             objects: match &self.objects {
                 Some(list) => objects::read(list, &named_surfaces)?,
                 None => Vec::new(),

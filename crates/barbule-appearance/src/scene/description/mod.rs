@@ -3,6 +3,7 @@
 //! Presets are such files, which a user's file may change (`docs/guide/render.md`). As in files, angles are degrees here.
 
 mod build;
+mod coat;
 mod colour;
 mod detail;
 mod file;
@@ -14,6 +15,7 @@ mod sequence;
 mod surfaces;
 mod text;
 
+pub use coat::{CoatBody, CoatDescription};
 pub use colour::parse_colour;
 pub use detail::{Detail, DetailLevel, ViewModel};
 pub use file::SkyImage;
@@ -75,6 +77,9 @@ pub struct SceneDescription {
     pub feather: Feather,
     /// Whether it is there; without it a scene has its other objects only.
     pub shows_feather: bool,
+    /// The body that it covers, many times, in place of standing alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coat: Option<CoatDescription>,
     /// What else stands in the scene.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub objects: Vec<ObjectDescription>,
@@ -295,15 +300,17 @@ impl SceneDescription {
                 "{sky} and light.strength are both 0, so nothing shines; give one of them more than 0"
             )));
         }
+        self.check_coat()?;
         self.feather.check()
     }
 
-    /// Memory that its objects and their pictures take while the scene is built, bytes, once its files are read.
+    /// Memory that its coat, its objects and their pictures take while the scene is built, bytes, once its files are read.
     #[must_use]
     pub fn object_bytes(&self) -> u64 {
         let objects: usize = self.objects.iter().map(ObjectDescription::bytes).sum();
         let pictures: usize = self.named_surfaces.values().map(NamedSurface::bytes).sum();
-        (objects + pictures) as u64
+        let coat = self.coat.as_ref().map_or(0, CoatDescription::bytes);
+        (objects + pictures + coat) as u64
     }
 
     /// Whether the key light shines from behind the vane, as the camera sees it.

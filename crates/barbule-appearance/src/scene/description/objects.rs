@@ -305,7 +305,7 @@ impl Placement {
     /// Where a shape is made.
     pub const HERE: Self = Self { scale: 1.0, rotate_deg: [0.0; 3], translate_mm: [0.0; 3] };
 
-    fn read(fields: &Fields<'_>) -> Result<Self> {
+    pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
         let vector = |key: &str| fields.get(key).map_or(Ok([0.0; 3]), |_| point(fields, key));
         Ok(Self {
             scale: fields.get("scale").map_or(Ok(1.0), |_| fields.number_within("scale", 1e-6, 1e6))?,
@@ -314,7 +314,7 @@ impl Placement {
         })
     }
 
-    fn place(&self, id: u64) -> Place {
+    pub(super) fn place(&self, id: u64) -> Place {
         let [x, y, z] = self.rotate_deg.map(f64::to_radians);
         let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
         Place { scale: self.scale, turn, shift: self.translate_mm.into(), id }

@@ -89,6 +89,9 @@ impl SceneDescription {
         if !self.shows_feather {
             put("shows_feather", false.into());
         }
+        if let Some(coat) = &self.coat {
+            put("coat", coat.table());
+        }
         if !self.objects.is_empty() {
             put("objects", self.objects.iter().map(ObjectDescription::table).collect());
         }

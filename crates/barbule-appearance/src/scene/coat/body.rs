@@ -1,0 +1,355 @@
+//! The body under a coat: a closed or open mesh whose corners are shared, fine enough for its feathers.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use crate::scene::geometry::{Mesh, Place};
+use crate::{Error, Result};
+
+/// Most triangles of a body.
+pub const MOST_TRIANGLES: usize = 200_000;
+
+/// Corners nearer than this share of the body's size are one.
+const WELD: f64 = 1e-6;
+
+/// A point of a body's surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot {
+    /// Where it is, mm.
+    pub point: DVec3,
+    /// The smoothed outward normal there.
+    pub normal: DVec3,
+    /// The triangle it lies in.
+    pub triangle: u32,
+    /// Weights of the triangle's corners; their sum is 1.
+    pub weights: [f64; 3],
+}
+
+/// A body's surface.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Body {
+    /// Corners, mm.
+    pub points: Vec<DVec3>,
+    /// Outward normals there, the mean over the triangles by their angles.
+    pub normals: Vec<DVec3>,
+    /// Corners of each triangle; counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Neighbours of each corner: those of corner `i` stand from `first[i]` to `first[i + 1]`.
+    neighbours: Vec<u32>,
+    first_neighbour: Vec<u32>,
+    /// Triangles of each corner, in the same way.
+    around: Vec<u32>,
+    first_around: Vec<u32>,
+}
+
+impl Body {
+    /// An ellipsoid in its place: an icosahedron whose triangles are divided until their edges are `edge_mm` long at most,
+    /// as far as a body may have triangles.
+    #[must_use]
+    pub fn ellipsoid(radii_mm: [f64; 3], place: &Place, edge_mm: f64) -> Self {
+        let radii = DVec3::from(radii_mm);
+        let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+        let mut points: Vec<DVec3> = (0..12)
+            .map(|i| {
+                let [a, b] = [1.0 - 2.0 * f64::from(i & 1), golden * (1.0 - f64::from(i & 2))];
+                match i / 4 {
+                    0 => DVec3::new(0.0, a, b),
+                    1 => DVec3::new(a, b, 0.0),
+                    _ => DVec3::new(b, 0.0, a),
+                }
+            })
+            .collect();
+        let mut triangles = Vec::new();
+        for i in 0..12_u32 {
+            for j in i + 1..12 {
+                for k in j + 1..12 {
+                    let [p, q, r] = [i, j, k].map(|corner| points[corner as usize]);
+                    let is_edge = |a: DVec3, b: DVec3| (a - b).length() < 2.1;
+                    if is_edge(p, q) && is_edge(q, r) && is_edge(p, r) {
+                        let outwards = (q - p).cross(r - p).dot(p) > 0.0;
+                        triangles.push(if outwards { [i, j, k] } else { [i, k, j] });
+                    }
+                }
+            }
+        }
+        points.iter_mut().for_each(|point| *point = point.normalize() * radii);
+        let onto = |point: DVec3| (point / radii).normalize() * radii;
+        refine(&mut points, &mut triangles, edge_mm / place.scale, onto);
+        points.iter_mut().for_each(|point| *point = place.point(*point));
+        Self::of(points, triangles)
+    }
+
+    /// A mesh in its place: corners at the same point are made one, and flat triangles are divided until their edges are
+    /// `edge_mm` long at most, as far as a body may have triangles.
+    ///
+    /// # Errors
+    /// No triangle with an area, too many, or a broken mesh.
+    pub fn mesh(mesh: &Mesh, place: &Place, edge_mm: f64) -> Result<Self> {
+        if mesh.triangles.len() > MOST_TRIANGLES {
+            return Err(Error::input(format!(
+                "the body has {} triangles, over the limit of {MOST_TRIANGLES}; give a coarser mesh",
+                mesh.triangles.len()
+            )));
+        }
+        let positions: Vec<DVec3> = mesh.positions.iter().map(|p| place.point(p.as_dvec3())).collect();
+        let corners = mesh.triangles.iter().flatten();
+        if positions.iter().any(|p| !p.is_finite())
+            || corners.into_iter().any(|&c| c as usize >= positions.len())
+        {
+            return Err(Error::input("the body's mesh has a corner that does not exist or is not finite"));
+        }
+        let (low, high) = positions
+            .iter()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        let step = WELD * (high - low).max_element().max(1e-9);
+        let mut known = HashMap::new();
+        let mut points = Vec::new();
+        let welded: Vec<u32> = positions
+            .iter()
+            .map(|&p| {
+                let cell = ((p - low) / step).round().as_i64vec3();
+                *known.entry(cell).or_insert_with(|| {
+                    points.push(p);
+                    points.len() as u32 - 1
+                })
+            })
+            .collect();
+        let mut triangles: Vec<[u32; 3]> =
+            mesh.triangles.iter().map(|corners| corners.map(|corner| welded[corner as usize])).collect();
+        triangles.retain(|&[a, b, c]| {
+            let [p, q, r] = [a, b, c].map(|corner| points[corner as usize]);
+            (q - p).cross(r - p).length() > step * step
+        });
+        if triangles.is_empty() {
+            return Err(Error::input("the body has no triangle with an area; give another mesh"));
+        }
+        refine(&mut points, &mut triangles, edge_mm, |point| point);
+        Ok(Self::of(points, triangles))
+    }
+
+    fn of(points: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
+        let mut normals = vec![DVec3::ZERO; points.len()];
+        let mut edges = Vec::with_capacity(6 * triangles.len());
+        let mut corners = Vec::with_capacity(3 * triangles.len());
+        for (index, triangle) in (0_u32..).zip(&triangles) {
+            for k in 0..3 {
+                let [a, b, c] = [0, 1, 2].map(|i| triangle[(k + i) % 3]);
+                let (to_b, to_c) =
+                    (points[b as usize] - points[a as usize], points[c as usize] - points[a as usize]);
+                let cross = to_b.cross(to_c);
+                let angle = libm::atan2(cross.length(), to_b.dot(to_c));
+                normals[a as usize] += cross.normalize_or_zero() * angle;
+                edges.extend([(a, b), (a, c)]);
+                corners.push((a, index));
+            }
+        }
+        normals.iter_mut().for_each(|normal| *normal = normal.normalize_or(DVec3::Z));
+        edges.sort_unstable();
+        edges.dedup();
+        corners.sort_unstable();
+        let (first_neighbour, neighbours) = rows(points.len(), &edges);
+        let (first_around, around) = rows(points.len(), &corners);
+        Self { points, normals, triangles, neighbours, first_neighbour, around, first_around }
+    }
+
+    /// Corners that share an edge with this one.
+    #[must_use]
+    pub fn neighbours(&self, corner: u32) -> &[u32] {
+        let i = corner as usize;
+        &self.neighbours[self.first_neighbour[i] as usize..self.first_neighbour[i + 1] as usize]
+    }
+
+    /// Triangles with this corner.
+    #[must_use]
+    pub fn triangles_at(&self, corner: u32) -> &[u32] {
+        let i = corner as usize;
+        &self.around[self.first_around[i] as usize..self.first_around[i + 1] as usize]
+    }
+
+    /// Corners of a triangle.
+    #[must_use]
+    pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|corner| self.points[corner as usize])
+    }
+
+    /// A point of a triangle by the weights of its corners.
+    #[must_use]
+    pub fn spot(&self, triangle: u32, weights: [f64; 3]) -> Spot {
+        let corners = self.triangles[triangle as usize];
+        let blend = |of: &[DVec3]| (0..3).map(|k| of[corners[k] as usize] * weights[k]).sum::<DVec3>();
+        let normal = blend(&self.normals).normalize_or(self.normals[corners[0] as usize]);
+        Spot { point: blend(&self.points), normal, triangle, weights }
+    }
+
+    /// The surface's nearest point to `point` among those that a walk from corner to nearer corner leads to; for points
+    /// beside the surface where it starts that is the nearest of all.
+    #[must_use]
+    pub fn foot(&self, point: DVec3, start: u32) -> Spot {
+        let far = |corner: u32| (self.points[corner as usize] - point).length_squared();
+        let (mut at, mut distance) = (start, far(start));
+        loop {
+            let next = self.neighbours(at).iter().map(|&corner| (far(corner), corner));
+            let nearest = next.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            match nearest {
+                Some((closer, corner)) if closer < distance => (at, distance) = (corner, closer),
+                _ => break,
+            }
+        }
+        let nearest = self.triangles_at(at).iter().map(|&triangle| {
+            let (weights, squared) = nearest_in(self.corners(triangle), point);
+            (squared, triangle, weights)
+        });
+        let best = nearest.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let (_, triangle, weights) = best.unwrap_or((0.0, 0, [1.0, 0.0, 0.0]));
+        self.spot(triangle, weights)
+    }
+
+    /// Area of a triangle, mm².
+    #[must_use]
+    pub fn area(&self, triangle: u32) -> f64 {
+        let [a, b, c] = self.corners(triangle);
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// The mesh with its smooth normals.
+    #[must_use]
+    pub fn skin(&self, id: u64) -> Mesh {
+        Mesh {
+            positions: self.points.iter().map(|p| p.as_vec3()).collect(),
+            normals: self.normals.iter().map(|n| n.as_vec3()).collect(),
+            triangles: self.triangles.clone(),
+            id,
+            ..Mesh::default()
+        }
+    }
+}
+
+/// Rows of sorted pairs: where each row begins, and all second numbers.
+fn rows(count: usize, pairs: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
+    let mut first = vec![0; count + 1];
+    pairs.iter().for_each(|(row, _)| first[*row as usize + 1] += 1);
+    for i in 0..count {
+        first[i + 1] += first[i];
+    }
+    (first, pairs.iter().map(|(_, value)| *value).collect())
+}
+
+/// Divides every triangle into four until no edge is longer than `edge_mm`, or they would be too many.
+fn refine(
+    points: &mut Vec<DVec3>,
+    triangles: &mut Vec<[u32; 3]>,
+    edge_mm: f64,
+    onto: impl Fn(DVec3) -> DVec3,
+) {
+    let longest = |points: &[DVec3], triangles: &[[u32; 3]]| {
+        let edges = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        edges.map(|[a, b]| (points[a as usize] - points[b as usize]).length()).fold(0.0, f64::max)
+    };
+    while 4 * triangles.len() <= MOST_TRIANGLES && longest(points, triangles) > edge_mm {
+        let mut middles = HashMap::new();
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                points.push(onto(0.5 * (points[a as usize] + points[b as usize])));
+                points.len() as u32 - 1
+            })
+        };
+        let divided = triangles.iter().flat_map(|&[a, b, c]| {
+            let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        });
+        *triangles = divided.collect();
+    }
+}
+
+/// The nearest point of a triangle: its corners' weights, and the distance squared. The regions about corners, edges and the
+/// face in turn [Ericson 2005, Real-Time Collision Detection, §5.1.5].
+fn nearest_in([a, b, c]: [DVec3; 3], point: DVec3) -> ([f64; 3], f64) {
+    let (ab, ac) = (b - a, c - a);
+    let of = |corner: DVec3| [ab.dot(point - corner), ac.dot(point - corner)];
+    let ([d1, d2], [d3, d4], [d5, d6]) = (of(a), of(b), of(c));
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    let weights = if d1 <= 0.0 && d2 <= 0.0 {
+        [1.0, 0.0, 0.0]
+    } else if d3 >= 0.0 && d4 <= d3 {
+        [0.0, 1.0, 0.0]
+    } else if d6 >= 0.0 && d5 <= d6 {
+        [0.0, 0.0, 1.0]
+    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let t = d1 / (d1 - d3);
+        [1.0 - t, t, 0.0]
+    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let t = d2 / (d2 - d6);
+        [1.0 - t, 0.0, t]
+    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        let t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        [0.0, 1.0 - t, t]
+    } else {
+        let whole = va + vb + vc;
+        [va / whole, vb / whole, vc / whole]
+    };
+    let nearest = a * weights[0] + b * weights[1] + c * weights[2];
+    (weights, (point - nearest).length_squared())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use glam::Vec3;
+
+    use super::*;
+    use crate::math::rng::Stream;
+
+    /// A sphere's area, its normals and the nearest points on it, of which all are known.
+    #[test]
+    fn a_sphere_is_one() {
+        let body = Body::ellipsoid([10.0; 3], &Place::HERE, 0.5);
+        let area: f64 = (0..body.triangles.len() as u32).map(|t| body.area(t)).sum();
+        assert!((area / (400.0 * PI) - 1.0).abs() < 1e-3, "{area}");
+        assert_eq!(body.points.len() + body.triangles.len(), 3 * body.triangles.len() / 2 + 2);
+        let mut stream = Stream::new(5, &[]);
+        for _ in 0..300 {
+            let direction = DVec3::new(stream.normal(), stream.normal(), stream.normal()).normalize();
+            let height = stream.uniform(-2.0, 4.0);
+            let foot = body.foot(direction * (10.0 + height), 7);
+            // Facets of edges up to 0.5 mm lean by up to 0.025 from the sphere, over 4 mm.
+            assert!((foot.point - 10.0 * direction).length() < 0.1, "{foot:?}");
+            assert!(foot.normal.dot(direction) > 0.9999);
+        }
+    }
+
+    /// A square of two triangles with corners of their own is one surface, and becomes fine.
+    #[test]
+    fn corners_are_welded_and_edges_halved() {
+        let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let positions = vec![
+            corner(0.0, 0.0),
+            corner(8.0, 0.0),
+            corner(8.0, 8.0),
+            corner(0.0, 0.0),
+            corner(8.0, 8.0),
+            corner(0.0, 8.0),
+        ];
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [3, 4, 5], [0, 0, 1]], ..Mesh::default() };
+        let body = Body::mesh(&mesh, &Place { scale: 0.5, ..Place::HERE }, 1.0).unwrap();
+        // Edges of 4 and 5.7 mm are divided by 8.
+        assert_eq!((body.triangles.len(), body.points.len()), (128, 81));
+        assert!(body.normals.iter().all(|n| (*n - DVec3::Z).length() < 1e-12));
+        let foot = body.foot(DVec3::new(1.3, 2.2, 0.7), 0);
+        assert!((foot.point - DVec3::new(1.3, 2.2, 0.0)).length() < 1e-12);
+        // Beside the surface its edge is nearest.
+        assert!(
+            (body.foot(DVec3::new(-1.0, 2.2, 0.7), 0).point - DVec3::new(0.0, 2.2, 0.0)).length() < 1e-12
+        );
+        let none = Mesh { triangles: vec![[0, 0, 1]], ..mesh.clone() };
+        assert!(
+            Body::mesh(&none, &Place::HERE, 1.0)
+                .unwrap_err()
+                .to_string()
+                .contains("no triangle with an area")
+        );
+        let broken = Mesh { triangles: vec![[0, 1, 9]], ..mesh };
+        assert!(Body::mesh(&broken, &Place::HERE, 1.0).unwrap_err().to_string().contains("does not exist"));
+    }
+}

@@ -1,0 +1,283 @@
+//! Coats: many feathers on a curved body.
+//!
+//! Follicles are spread over the body ([`follicles`]), feathers lie along a field of directions ([`field`]), are bent as the
+//! body is ([`Coat::lay`]), and are laid from the tail to the head, each over those before it (`lay`), after Chen, Xu, Guo &
+//! Shum 2002 and Streit & Heidrich 2002.
+
+pub mod body;
+pub mod field;
+pub mod follicles;
+mod lay;
+mod shape;
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::{DMat3, DVec3};
+
+use self::body::{Body, Spot};
+use self::field::{Field, Guide};
+use self::follicles::Region;
+use super::feather::{Feather, Shaft, VaneDisc};
+use super::geometry::Place;
+use crate::math::rng::{Stream, hash};
+use crate::{Error, Result};
+
+/// Most feathers.
+pub const MOST_FEATHERS: usize = 50_000;
+/// Share of the quill that is in the skin.
+const ROOTED: f64 = 0.5;
+/// Edges of a body over the feathers' length.
+const EDGE: f64 = 0.1;
+/// Share of its rise by which a feather bends back to the body from base to tip.
+const SETTLED: f64 = 0.6;
+/// How far from its own curvature, in numbers of variants, a feather's variant may be: the same one shall not stand in rows.
+const MIXED: f64 = 0.3;
+/// Share of their spread that barbs of the downy part keep under the feathers above.
+const PRESSED: f64 = 0.25;
+/// Names of random streams and variants.
+const STAND: u64 = 0x73_7461;
+const VARIANT: u64 = 0x7661_7269;
+
+/// How feathers stand on a body.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Coat {
+    /// How many there are.
+    pub number: Number,
+    /// Where they grow; everywhere where nothing is said.
+    pub region: Option<Region>,
+    /// Which way they lie.
+    pub guides: Vec<Guide>,
+    /// Angle between the skin and a feather's base, degrees, and its standard deviation.
+    pub erection_deg: f64,
+    /// See `erection_deg`.
+    pub erection_jitter_deg: f64,
+    /// Standard deviation of their turn within the skin, degrees.
+    pub turn_jitter_deg: f64,
+    /// Standard deviation of their size, as a share.
+    pub size_jitter: f64,
+    /// How many are grown; each stands at many places.
+    pub variants: usize,
+    /// How far over the feathers beneath they lie, mm.
+    pub clearance_mm: f64,
+    /// 0: bent as the feather says; 1: bent as the body is.
+    pub hug: f64,
+}
+
+/// How many feathers there are.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub enum Number {
+    /// So many.
+    Count(usize),
+    /// So many on a cm² of the body.
+    PerCm2(f64),
+}
+
+/// One feather of a coat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stand {
+    /// Its follicle.
+    pub spot: Spot,
+    /// From its root to its tip, in the skin.
+    pub along: DVec3,
+    /// Angle between that and the feather's y axis, rad.
+    pub erection: f64,
+    /// Factor to its lengths.
+    pub scale: f64,
+    /// Which of the coat's feathers it is.
+    pub variant: usize,
+}
+
+/// A coat that is laid.
+#[derive(Debug, Clone)]
+pub struct Laid {
+    /// The body.
+    pub body: Body,
+    /// Area where feathers grow, mm².
+    pub area_mm2: f64,
+    /// The feathers that are grown, bent as the body is at their places.
+    pub variants: Vec<Feather>,
+    /// All feathers.
+    pub stands: Vec<Stand>,
+    /// The feathers as they stood before they were lifted off each other.
+    pub before: Vec<Stand>,
+    /// From the undermost feather to the uppermost.
+    pub order: Vec<u32>,
+    shapes: Vec<shape::Shape>,
+}
+
+impl Stand {
+    /// Where a feather stands whose window begins at [`window`]: its y along the shaft, z away from the body.
+    #[must_use]
+    pub fn place(&self, id: u64) -> Place {
+        let (sin, cos) = (libm::sin(self.erection), libm::cos(self.erection));
+        let Spot { point, normal, .. } = self.spot;
+        let tip = self.along * cos + normal * sin;
+        let dorsal = normal * cos - self.along * sin;
+        let turn = DMat3::from_cols(tip.cross(dorsal), tip, dorsal);
+        Place { scale: self.scale, turn, shift: point, id }
+    }
+}
+
+/// The whole feather about the point of its quill that is at the skin's surface.
+#[must_use]
+pub fn window(feather: &Feather) -> VaneDisc {
+    VaneDisc { along_mm: ROOTED * feather.shaft.calamus * feather.shaft.length_mm, radius_mm: None }
+}
+
+/// The seed from which one of a coat's feathers grows.
+#[must_use]
+pub fn seed_of(variant: usize, seed: u64) -> u64 {
+    hash(seed, &[VARIANT, variant as u64])
+}
+
+/// Longest edges that a body has under feathers like this one, mm.
+#[must_use]
+pub fn edge_mm(feather: &Feather) -> f64 {
+    EDGE * feather.shaft.length_mm
+}
+
+impl Coat {
+    /// Lays feathers like this one on a body; the same for the same seed on any number of threads.
+    ///
+    /// # Errors
+    /// A region that holds next to none of the body, no or too many feathers by the density, or a feather out of range.
+    pub fn lay(&self, body: Body, feather: &Feather, seed: u64) -> Result<Laid> {
+        let area_mm2 = follicles::area(&body, self.region);
+        let count = self.count(area_mm2)?;
+        let spots = follicles::scattered(&body, self.region, area_mm2, count, seed)?;
+        let mut stands = self.stands(&body, &spots, feather, seed);
+        let variants = self.bent(&body, &mut stands, feather, seed);
+        // A bent feather has turned from its y axis by the point where it leaves the skin.
+        stands.iter_mut().for_each(|stand| stand.erection -= heading(&variants[stand.variant]));
+        let step_mm = lay::cell_mm(feather);
+        let shapes = variants
+            .iter()
+            .enumerate()
+            .map(|(variant, feather)| shape::Shape::new(feather, seed_of(variant, seed), step_mm))
+            .collect::<Result<Vec<_>>>()?;
+        let before = stands.clone();
+        let order = lay::order(&stands, feather.shaft.length_mm);
+        lay::lift(&body, &mut stands, &order, &shapes, step_mm, self.clearance_mm);
+        Ok(Laid { body, area_mm2, variants, stands, before, order, shapes })
+    }
+
+    fn count(&self, area_mm2: f64) -> Result<usize> {
+        match self.number {
+            Number::Count(count) => Ok(count),
+            Number::PerCm2(density) => {
+                let count = (0.01 * area_mm2 * density).round();
+                if !(1.0..=MOST_FEATHERS as f64).contains(&count) {
+                    return Err(Error::input(format!(
+                        "coat.density_per_cm2 makes {count} feathers on {:.4} cm², but there must be 1 to {MOST_FEATHERS}; \
+                         give another density",
+                        0.01 * area_mm2
+                    )));
+                }
+                Ok(count as usize)
+            }
+        }
+    }
+
+    /// A feather at each follicle, as if it were alone.
+    fn stands(&self, body: &Body, spots: &[Spot], feather: &Feather, seed: u64) -> Vec<Stand> {
+        let field = Field::new(body, &self.guides, 0.5 * feather.shaft.length_mm);
+        let stand = |(index, spot): (u64, &Spot)| {
+            let mut stream = Stream::new(seed, &[STAND, index]);
+            let mut jitter = |spread: f64| spread * stream.normal().clamp(-2.5, 2.5);
+            let along = field.at(body, spot);
+            let turn = jitter(self.turn_jitter_deg).to_radians();
+            let along = along * libm::cos(turn) + spot.normal.cross(along) * libm::sin(turn);
+            let erection = (self.erection_deg + jitter(self.erection_jitter_deg)).max(0.0).to_radians();
+            let scale = (1.0 + jitter(self.size_jitter)).max(0.2);
+            Stand { spot: *spot, along, erection, scale, variant: 0 }
+        };
+        (0..).zip(spots).map(stand).collect()
+    }
+
+    /// The variants, each bent as the body is where it stands; which one each feather is is set here.
+    fn bent(&self, body: &Body, stands: &mut [Stand], feather: &Feather, seed: u64) -> Vec<Feather> {
+        let width = feather.barbs.leading_half_width_mm.max(feather.barbs.trailing_half_width_mm);
+        let length = feather.shaft.length_mm;
+        let bends: Vec<[f64; 2]> = stands
+            .iter()
+            .map(|stand| {
+                let across = stand.spot.normal.cross(stand.along);
+                let sideways = [-1.0, 1.0].map(|side| curvature(body, stand, across * side, width));
+                let along = curvature(body, stand, stand.along, 0.5 * length * stand.scale);
+                [along * length * stand.scale, 0.5 * (sideways[0] + sideways[1]) * width * stand.scale]
+            })
+            .collect();
+        let mut ranked: Vec<usize> = (0..stands.len()).collect();
+        ranked.sort_by(|&a, &b| bends[a][0].total_cmp(&bends[b][0]).then(a.cmp(&b)));
+        let variants = self.variants;
+        let mut sums = vec![([0.0; 2], 0.0); variants];
+        let mut stream = Stream::new(seed, &[VARIANT]);
+        for (rank, &index) in ranked.iter().enumerate() {
+            let own = (rank as f64 + 0.5) / stands.len() as f64 * variants as f64;
+            let variant = (own + stream.uniform(-MIXED, MIXED)).clamp(0.0, variants as f64 - 1.0) as usize;
+            stands[index].variant = variant;
+            let ([along, across], count) = &mut sums[variant];
+            (*along, *across, *count) = (*along + bends[index][0], *across + bends[index][1], *count + 1.0);
+        }
+        let of = |([along, across], count): ([f64; 2], f64)| {
+            let most = |angle: f64| (angle / f64::max(count, 1.0)).clamp(-FRAC_PI_2, FRAC_PI_2);
+            self.hugging(feather, most(along), most(across))
+        };
+        sums.into_iter().map(of).collect()
+    }
+
+    /// A feather over a body that bends by these angles along the feather and over half its width, rad.
+    fn hugging(&self, feather: &Feather, along: f64, across: f64) -> Feather {
+        let mut bent = *feather;
+        let mix = |own: f64, body: f64| own + self.hug * (body - own);
+        let rise = SETTLED * self.erection_deg.to_radians();
+        bent.shaft.arch = mix(feather.shaft.arch, -along);
+        bent.shaft.arch_quadratic = mix(feather.shaft.arch_quadratic, -rise);
+        bent.barbs.camber = mix(feather.barbs.camber, 0.5 * across);
+        bent.downy.spread = mix(feather.downy.spread, PRESSED * feather.downy.spread);
+        bent
+    }
+}
+
+/// Angle over its y axis at which a feather leaves the skin, rad.
+fn heading(feather: &Feather) -> f64 {
+    let tip = Shaft::new(&feather.shaft).at(window(feather).along_mm).tip;
+    libm::atan2(tip.z, tip.y)
+}
+
+/// Curvature of the body from a follicle in a direction over a length, 1/mm; positive where it is convex.
+fn curvature(body: &Body, stand: &Stand, direction: DVec3, length: f64) -> f64 {
+    let Spot { point, normal, triangle, .. } = stand.spot;
+    let there = body.foot(point + direction * length, body.triangles[triangle as usize][0]).normal;
+    libm::tan(libm::atan2(there.dot(direction), there.dot(normal).max(1e-3)).clamp(-1.4, 1.4)) / length
+}
+
+impl Laid {
+    /// Area of all vanes over that of the body: how many feathers lie over each other.
+    #[must_use]
+    pub fn layers(&self) -> f64 {
+        let vanes: Vec<f64> = self.variants.iter().map(Feather::vane_area).collect();
+        let all: f64 = self.stands.iter().map(|s| s.scale * s.scale * vanes[s.variant]).sum();
+        all / self.area_mm2
+    }
+
+    /// Rijke's overlap: the feathers' mean length times the root of their density.
+    #[must_use]
+    pub fn overlap(&self) -> f64 {
+        let count = self.stands.len() as f64;
+        let lengths: f64 =
+            self.stands.iter().map(|s| s.scale * self.variants[s.variant].shaft.length_mm).sum();
+        lengths / count * (count / self.area_mm2).sqrt()
+    }
+
+    /// Share of points on the feathers that are under the surface of a feather beneath or in the body, before the feathers
+    /// were lifted, and now: straight lines away from the body are held against the vanes as they were grown.
+    #[must_use]
+    pub fn buried(&self) -> [f64; 2] {
+        [&self.before, &self.stands]
+            .map(|stands| shape::buried(&self.body, stands, &self.order, &self.shapes))
+    }
+}
+
+#[cfg(test)]
+mod tests;
