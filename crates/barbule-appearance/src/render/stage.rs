@@ -1,5 +1,7 @@
 //! What stands in a scene, with the hierarchy that rays search: built once, lit and looked at as often as one likes.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
 use super::accelerator::{Accelerator, Instances};
@@ -7,6 +9,7 @@ use super::window::{Met, Pane};
 use crate::Result;
 use crate::bsdf::{Hit, Surface};
 use crate::scene::Object;
+use crate::scene::window::Window;
 
 /// Objects ready for rays.
 pub struct Stage {
@@ -14,7 +17,7 @@ pub struct Stage {
     accelerator: Accelerator,
     instances: Option<Instances>,
     /// Of each object that is a window; empty, if there is none.
-    panes: Vec<Option<Pane>>,
+    panes: Vec<Option<Arc<Pane>>>,
     nearest_mm: f64,
     is_opaque: bool,
 }
@@ -31,12 +34,7 @@ impl Stage {
         let (accelerator, instances) = (Accelerator::new(&objects), Instances::new(&objects));
         let nearest_mm = nearest_mm(&objects);
         let is_opaque = objects.iter().all(|object| object.surface.is_opaque());
-        let pane = |object: &Object| object.geometry.window.as_ref().map(Pane::new).transpose();
-        let panes = if objects.iter().any(|object| object.geometry.window.is_some()) {
-            objects.iter().map(pane).collect::<Result<_>>()?
-        } else {
-            Vec::new()
-        };
+        let panes = panes(&objects)?;
         Ok(Self { objects, accelerator, instances, panes, nearest_mm, is_opaque })
     }
 
@@ -55,7 +53,12 @@ impl Stage {
     /// Bytes of the hierarchies, primitives included.
     #[must_use]
     pub fn hierarchy_bytes(&self) -> usize {
-        self.accelerator.bytes() + self.instances.as_ref().map_or(0, Instances::bytes)
+        let mut panes: Vec<&Arc<Pane>> = self.panes.iter().flatten().collect();
+        panes.sort_by_key(|pane| Arc::as_ptr(pane));
+        panes.dedup_by_key(|pane| Arc::as_ptr(pane));
+        self.accelerator.bytes()
+            + self.instances.as_ref().map_or(0, Instances::bytes)
+            + panes.into_iter().map(|pane| pane.bytes()).sum::<usize>()
     }
 
     /// Nearest distance at which a ray that leaves a surface may hit another, mm: a hundred-thousandth of the
@@ -96,7 +99,7 @@ impl Stage {
     /// What is seen through an object that is a window.
     #[inline]
     pub(super) fn pane(&self, object: usize) -> Option<&Pane> {
-        self.panes.get(object)?.as_ref()
+        self.panes.get(object)?.as_deref()
     }
 
     /// The surface that light met.
@@ -117,6 +120,26 @@ impl Stage {
     pub fn surface(&self, hit: &Hit) -> &Surface {
         &self.objects[hit.object as usize].surface
     }
+}
+
+/// What is seen through each object that is a window, made once for all that show the same; nothing, if there is none.
+fn panes(objects: &[Object]) -> Result<Vec<Option<Arc<Pane>>>> {
+    if objects.iter().all(|object| object.geometry.window.is_none()) {
+        return Ok(Vec::new());
+    }
+    let mut made: Vec<(&Arc<Window>, Arc<Pane>)> = Vec::new();
+    let mut panes = Vec::new();
+    for object in objects {
+        let Some(window) = &object.geometry.window else {
+            panes.push(None);
+            continue;
+        };
+        let same = made.iter().find(|(of, _)| Arc::ptr_eq(of, window)).map(|(_, pane)| pane.clone());
+        let pane = same.map_or_else(|| Pane::new(window).map(Arc::new), Ok)?;
+        made.push((window, pane.clone()));
+        panes.push(Some(pane));
+    }
+    Ok(panes)
 }
 
 /// An object is much smaller than the stage below this share.

@@ -5,6 +5,8 @@
 //! above or below; then it leaves the mesh where it came in. So light in the layer is followed as if all of it stood there, except
 //! that it does not move along the mesh, which from afar nobody sees.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::stage::Stage;
@@ -16,7 +18,7 @@ use crate::scene::window::{Layer, Window};
 /// What a window shows.
 pub(super) struct Pane {
     layers: Vec<Shown>,
-    window: std::sync::Arc<Window>,
+    window: Arc<Window>,
 }
 
 struct Shown {
@@ -68,10 +70,15 @@ const LEAST_RISE: f64 = 0.02;
 impl Pane {
     /// # Errors
     /// Broken geometry.
-    pub(super) fn new(window: &std::sync::Arc<Window>) -> Result<Self> {
+    pub(super) fn new(window: &Arc<Window>) -> Result<Self> {
         let layers = std::iter::once(&window.layer).chain(window.pale.as_ref().map(|(_, layer)| layer));
         let layers = layers.map(Shown::new).collect::<Result<_>>()?;
         Ok(Self { layers, window: window.clone() })
+    }
+
+    /// Bytes of the layers' hierarchies.
+    pub(super) fn bytes(&self) -> usize {
+        self.layers.iter().map(|shown| shown.stage.hierarchy_bytes()).sum()
     }
 
     /// What a ray through a hit of the mesh meets.

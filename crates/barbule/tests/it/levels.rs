@@ -31,7 +31,8 @@ fn mean(level: &str, light: &str, extra: &str) -> [f64; 3] {
     let brdf = Arc::new(FeatherBrdf::new(&example(3), Options::default()).unwrap());
     let mut sum = [0.0; 3];
     for seed in [1, 2] {
-        let text = format!("preset = 'starling'\n{light}\n{PATCH}[detail]\nlevel = '{level}'\n{extra}");
+        let text =
+            format!("preset = 'starling'\nlights = []\n{light}\n{PATCH}[detail]\nlevel = '{level}'\n{extra}");
         let scene = SceneDescription::parse(&text).unwrap();
         let (objects, counts) = scene.objects(brdf.clone(), seed).unwrap();
         assert!(level == "vane" || counts.barbules > 5000, "{counts:?}");
@@ -56,7 +57,7 @@ fn mean(level: &str, light: &str, extra: &str) -> [f64; 3] {
     sum
 }
 
-const SKY: &str = "[light]\nstrength = 0.0";
+const SKY: &str = "sky = 1.0\n[light]\nstrength = 0.0";
 const SOFT_LAMP: &str =
     "sky = 0.0\n[light]\nazimuth_deg = 20.0\nelevation_deg = 62.0\nradius_deg = 30.0\nstrength = 3.0";
 /// Light passes plain barbules, and most of what is seen was scattered several times.

@@ -295,11 +295,20 @@ impl SceneDescription {
         let (laid, skin) = self.laid_on(coat, seed)?;
         let surface = Lambertian::painted(coat.skin.map(decode), Pictures::default())?;
         let mut objects = vec![Object { geometry: skin, surface: Surface::Lambertian(surface) }];
-        let mut counts = Counts::default();
+        let (mut counts, mut windows) = (Counts::default(), None);
         let mut one = Self { detail: self.coat_detail(), coat: None, ..self.clone() };
         for (variant, feather) in laid.variants.iter().enumerate() {
             (one.feather, one.window) = (*feather, window(feather));
-            let (parts, own) = one.feather_parts(brdf.clone(), seed_of(variant, seed))?;
+            let (mut parts, own) = one.feather_parts(brdf.clone(), seed_of(variant, seed))?;
+            // The vanes of all show the same swatches, which take memory once.
+            match &windows {
+                None => {
+                    windows = Some(parts.iter().map(|part| part.geometry.window.clone()).collect::<Vec<_>>())
+                }
+                Some(windows) => parts.iter_mut().zip(windows).for_each(|(part, window)| {
+                    part.geometry.window.clone_from(window);
+                }),
+            }
             let at_variant = laid.stands.iter().enumerate().filter(|(_, stand)| stand.variant == variant);
             let places: Vec<Place> =
                 at_variant.map(|(index, stand)| stand.place(hash(COAT, &[index as u64]))).collect();

@@ -13,7 +13,7 @@ use crate::bsdf::{
 };
 use crate::math::rng::hash;
 use crate::scene::Object;
-use crate::scene::feather::{BarbuleShape, Counts, Grown, Level, Swatch, tip_side};
+use crate::scene::feather::{BarbuleShape, Counts, Grown, Level, SheetBarbs, Swatch, tip_side};
 use crate::scene::geometry::{Geometry, Place};
 use crate::scene::window::{Layer, Window};
 use crate::{Error, Result};
@@ -239,16 +239,16 @@ impl Substances<'_> {
             },
             spacing: 1e-3 * shape.spacing_um,
         };
-        let window = |barb_side: f64, barbs_mm: [f64; 2]| {
-            let swatch = || feather.swatch(barb_side, barbs_mm, seed);
+        let window = |barb_side: f64, barbs: SheetBarbs| {
+            let swatch = || feather.swatch(barb_side, &barbs, seed);
             let pale = match feather.pattern.pattern() {
                 Some(pattern) => Some((pattern, self.layer(swatch()?, true))),
                 None => None,
             };
             Ok::<_, Error>(Arc::new(Window { layer: self.layer(swatch()?, false), pale }))
         };
-        let sheets = grown.sheets.iter().zip(grown.sheet_barbs_mm).zip([-1.0, 1.0]);
-        let vanes = sheets.map(|((geometry, barbs_mm), barb_side)| {
+        let sheets = grown.sheets.iter().zip(grown.sheet_barbs).zip([-1.0, 1.0]);
+        let vanes = sheets.map(|((geometry, of_sheet), barb_side)| {
             // Where the feather's tip lies to the right, barbules towards it do.
             let order = if tip_side(barb_side) > 0.0 { [1, 0] } else { [0, 1] };
             let barbs = MaskedBarbs {
@@ -261,8 +261,8 @@ impl Substances<'_> {
             let cell_mm = 1e-3 * feather.distal.cell_um;
             let rows = order.map(|k| shapes[k].row(&feather.disorder));
             let vane = VaneSurface::new(barbs, [self.ramus.clone(), left, right], cell_mm).with_rows(rows);
-            let window = match barbs_mm.filter(|_| level == Level::Vane) {
-                Some(barbs_mm) => Some(window(barb_side, barbs_mm)?),
+            let window = match of_sheet.filter(|_| level == Level::Vane) {
+                Some(of_sheet) => Some(window(barb_side, of_sheet)?),
                 None => None,
             };
             Ok((Geometry { window, ..geometry.clone() }, Surface::Vane(Box::new(vane))))

@@ -28,6 +28,7 @@ pub use envelope::tip_side;
 pub use measure::{Measures, VaneMeasures};
 pub use outline::Vane;
 pub use shaft::{Shaft, Station};
+pub use sheet::SheetBarbs;
 pub use sizes::{BarbShape, BarbuleShape, Disorder, DownyShape, PatternShape, ShaftShape, SplitShape};
 pub use swatch::Swatch;
 pub(in crate::scene) use tables::layered;
@@ -71,8 +72,8 @@ pub struct Grown {
     pub downy_envelopes: [Geometry; 2],
     /// In place of them all: sheets through the barbs left and right of the shaft.
     pub sheets: [Geometry; 2],
-    /// How far the sheets' barbs stand apart and how long they are in the mean, mm; nothing where there is no sheet.
-    pub sheet_barbs_mm: [Option<[f64; 2]>; 2],
+    /// What the barbs of the sheets measure; nothing where there is no sheet.
+    pub sheet_barbs: [Option<SheetBarbs>; 2],
 }
 
 /// Which parts of a feather stand there one by one.
@@ -117,7 +118,9 @@ impl Grown {
         let [downy_left, downy_right] = &self.downy_envelopes;
         let [distal, proximal] = &self.barbules;
         Counts {
-            barbs: self.barbs.curves.len() + of(&[left, right, downy_left, downy_right]),
+            barbs: self.barbs.curves.len()
+                + of(&[left, right, downy_left, downy_right])
+                + self.sheet_barbs.iter().flatten().map(|barbs| barbs.count).sum::<usize>(),
             barbules: of(&[distal, proximal, &self.pale, &self.downy]),
         }
     }
@@ -177,7 +180,7 @@ impl Feather {
             Level::Vane | Level::Masked => {
                 for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
                     let barbs = closed.iter().copied().filter(|b| b.side == side);
-                    grown.sheet_barbs_mm[k] = sheet::add(&mut grown.sheets[k], barbs, origin, identity);
+                    grown.sheet_barbs[k] = sheet::add(&mut grown.sheets[k], barbs, origin, identity);
                 }
             }
         }

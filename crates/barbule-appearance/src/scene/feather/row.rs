@@ -21,7 +21,7 @@ const MOST_IN_TUFT: usize = 24;
 /// Where barbs begin, over the shaft's half width.
 const BASE_SHARE: f64 = 0.75;
 /// Length of the border of the downy part over its length: in it barbs of both kinds alternate.
-const BORDER: f64 = 0.12;
+pub(super) const BORDER: f64 = 0.4;
 
 /// A barb in the plane of the vane.
 #[derive(Debug, Clone)]

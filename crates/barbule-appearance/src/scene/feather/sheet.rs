@@ -6,16 +6,27 @@ use super::barb::Barb;
 use crate::math::rng::hash;
 use crate::scene::geometry::{Geometry, Mesh};
 
+/// The barbs of a sheet, in the mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SheetBarbs {
+    /// How many there are.
+    pub count: usize,
+    /// From one to the next, across, mm.
+    pub spacing_mm: f64,
+    /// Their length, mm.
+    pub length_mm: f64,
+}
+
 /// Adds the sheet through neighbouring barbs of one side; it is open where the vane gapes. Tangents are those of the barbs;
 /// texture coordinates are the place of the barb's base on the shaft and the place on the barb, mm.
 ///
-/// How far its barbs stand apart and how long they are in the mean, mm; nothing where there is no sheet.
+/// What its barbs measure; nothing where there is no sheet.
 pub(super) fn add<'a>(
     geometry: &mut Geometry,
     barbs: impl Iterator<Item = &'a Barb>,
     origin: DVec3,
     identity: u64,
-) -> Option<[f64; 2]> {
+) -> Option<SheetBarbs> {
     let (mut lengths, mut strips) = (0.0, 0);
     let mut mesh = Mesh::default();
     let mut before: Option<(&Barb, u32)> = None;
@@ -52,5 +63,9 @@ pub(super) fn add<'a>(
     let spacing = mesh.triangles.iter().map(area).sum::<f64>() / lengths;
     mesh.id = hash(identity, &[3]);
     geometry.meshes.push(mesh);
-    Some([spacing, lengths / f64::from(strips)])
+    Some(SheetBarbs {
+        count: strips as usize + 1,
+        spacing_mm: spacing,
+        length_mm: lengths / f64::from(strips),
+    })
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::barb::Barb;
-use super::{Feather, Grown, PatternShape, VaneDisc};
+use super::{Feather, Grown, PatternShape, SheetBarbs, VaneDisc};
 use crate::math::rng::hash;
 use crate::{Error, Result};
 
@@ -25,12 +25,13 @@ const RIM: usize = 6;
 const SHOWN: [f64; 2] = [0.15, 0.8];
 
 impl Feather {
-    /// A swatch of the vane left (−1) or right (1) of the shaft, with barbs of this spacing and length, mm.
+    /// A swatch of the vane left (−1) or right (1) of the shaft, with barbs as those of its sheet.
     ///
     /// # Errors
     /// As [`Feather::check`]; barbs that are not apart or have no length.
-    pub fn swatch(&self, side: f64, [spacing_mm, length_mm]: [f64; 2], seed: u64) -> Result<Swatch> {
+    pub fn swatch(&self, side: f64, barbs: &SheetBarbs, seed: u64) -> Result<Swatch> {
         self.check()?;
+        let SheetBarbs { spacing_mm, length_mm, .. } = *barbs;
         if !(spacing_mm > 0.0 && length_mm > 0.0 && spacing_mm.is_finite() && length_mm.is_finite()) {
             return Err(Error::input(format!(
                 "a swatch of barbs {length_mm} mm long and {spacing_mm} mm apart: give sizes over 0"
