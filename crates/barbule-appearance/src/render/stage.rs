@@ -105,13 +105,8 @@ impl Stage {
     /// The surface that light met.
     #[inline]
     pub(super) fn met_surface(&self, met: &Met) -> &Surface {
-        match &met.inside {
-            Some(inside) => match self.pane(inside.object()) {
-                Some(pane) => pane.surface(inside),
-                None => self.surface(&met.hit),
-            },
-            None => self.surface(&met.hit),
-        }
+        let inside = met.inside.as_ref().and_then(|inside| Some((inside, self.pane(inside.object())?)));
+        inside.map_or_else(|| self.surface(&met.hit), |(inside, pane)| pane.surface(inside))
     }
 
     /// The surface that was hit.

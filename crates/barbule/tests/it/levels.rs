@@ -5,12 +5,14 @@ use std::sync::Arc;
 use barbule::SceneDescription;
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
+use barbule::math::rng::Stream;
 use barbule::progress::Unobserved;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Transport};
 use barbule::render::light::Lighting;
 use barbule::render::run::{Goal, run};
 use barbule::render::stage::Stage;
+use glam::DVec3;
 
 /// Three millimetres of a starling's vane beside its shaft, seen from above and from both sides.
 const PATCH: &str = "[window]
@@ -82,5 +84,30 @@ fn levels_look_like_barbules_that_grew_one_by_one() {
             let apart = [0, 1, 2].map(|k| found[k] / expected[k] - 1.0);
             assert!(apart.iter().all(|d| d.abs() < 0.03), "{level} {light} {extra} {apart:.4?}");
         }
+    }
+}
+
+/// A primary's vane is closed: of light along its normal hardly any passes, between barbules of stretches as between those that grew.
+#[test]
+fn light_along_the_normal_hardly_passes_a_flight_feather() {
+    for level in ["barbules", "barbs"] {
+        let text = format!(
+            "preset = 'osprey'\n[feather]\ntype = 'primary'\n[feather.splits]\nmean_count = 0.0\n[window]\nwhole = false\n\
+             along_mm = 90.0\nradius_mm = 8.0\n[detail]\nlevel = '{level}'"
+        );
+        let scene = SceneDescription::parse(&text).unwrap();
+        let (objects, _) = scene.objects(None, 1).unwrap();
+        let stage = Stage::new(objects).unwrap();
+        let mut stream = Stream::new(81, &[]);
+        let count = 20_000;
+        let met = (0..count)
+            .filter(|_| {
+                // The trailing vane's closed part, off the shaft and its outline.
+                let from = DVec3::new(stream.uniform(2.5, 5.0), stream.uniform(-2.0, 2.0), 20.0);
+                stage.hit(from, DVec3::NEG_Z, 0.0, 100.0).is_some()
+            })
+            .count();
+        let share = met as f64 / f64::from(count);
+        assert!(share >= 0.97, "{level}: {share}");
     }
 }

@@ -150,16 +150,21 @@ const SORTS: [(bool, f64, usize); 8] = [
     (true, 1.0, 1),
 ];
 
+/// More places of stretches are not made: each takes a quarter of a kilobyte.
+const MOST_PLACES: f64 = 1e7;
+
 impl Feather {
     /// Grows the part of the feather within a window, moved so that the window's middle is the origin. `seed` and
     /// `identity` name every random draw.
     ///
     /// # Errors
-    /// As [`Feather::check`]; a window that would hold more than 4 million barbules.
+    /// As [`Feather::check`]; a window that would hold more than 4 million barbules, or 10 million stretches of them.
     pub fn grow(&self, window: VaneDisc, level: Level, seed: u64, identity: u64) -> Result<Grown> {
         self.check()?;
-        if level == Level::Barbules {
-            self.check_count(window)?;
+        match level {
+            Level::Barbules => self.check_count(window)?,
+            Level::Barbs => self.check_places(window)?,
+            Level::Vane | Level::Envelopes | Level::Masked => {}
         }
         let (shaft, barbs) = self.barbs_within(window, seed, identity)?;
         let origin = shaft.at(window.along_mm).point;
@@ -294,13 +299,29 @@ impl Feather {
         )))
     }
 
-    /// About how many barbules a window holds: those on barbs that fill its area at their spacing.
+    /// Refuses a window with more places of stretches than fit into memory.
+    fn check_places(&self, window: VaneDisc) -> Result<()> {
+        let places = 2.0 * self.barbs_mm_in(window) / stretch::LENGTH_MM;
+        if places <= MOST_PLACES {
+            return Ok(());
+        }
+        Err(Error::input(format!(
+            "the feather may hold {places:.0} stretches of barbules, over the limit of {MOST_PLACES:.0}; give a smaller window.radius_mm or detail.level = \"vane\""
+        )))
+    }
+
+    /// About how long all barbs in a window are, mm: those that fill its area at their spacing.
+    fn barbs_mm_in(&self, window: VaneDisc) -> f64 {
+        let disc = window.radius_mm.map_or(f64::INFINITY, |radius| std::f64::consts::PI * radius * radius);
+        self.vane_area().min(disc) * 1e3 / self.barbs.spacing_um
+    }
+
+    /// About how many barbules a window holds.
     #[must_use]
     pub fn barbules_in(&self, window: VaneDisc) -> f64 {
-        let area = window.radius_mm.map_or(self.vane_area(), |radius| std::f64::consts::PI * radius * radius);
         let downy = if self.downy.share > 0.0 { 2e3 / self.downy.spacing_um } else { 0.0 };
         let per_mm = (1e3 / self.distal.spacing_um + 1e3 / self.proximal.spacing_um).max(downy);
-        area * 1e3 / self.barbs.spacing_um * per_mm
+        self.barbs_mm_in(window) * per_mm
     }
 }
 

@@ -13,7 +13,7 @@ use crate::math::rng::{Stream, hash, split_mix};
 use crate::scene::geometry::{Geometry, Place};
 
 /// About how long a stretch is, mm: over it a barb turns by less than barbules differ.
-const LENGTH_MM: f64 = 0.25;
+pub(super) const LENGTH_MM: f64 = 0.25;
 /// Lengths of barbules over those in the middle of a barb, and how many stretches there are of each. The long ones are the most seen.
 const KINDS: [(f64, u64); 8] =
     [(0.1, 4), (0.2, 4), (0.35, 4), (0.5, 6), (0.65, 12), (0.8, 32), (0.9, 40), (1.0, 48)];
@@ -97,7 +97,7 @@ impl Stretches {
     fn pick(&mut self, longest: f64, name: u64) -> &mut Stretch {
         let uniform = |bits: u64| (bits >> 11) as f64 / (1u64 << 53) as f64;
         let above = KINDS.iter().position(|(kind, _)| *kind >= longest).unwrap_or(KINDS.len() - 1).max(1);
-        let ([low, _], [high, _]) = ([KINDS[above - 1].0, 0.0], [KINDS[above].0, 0.0]);
+        let (low, high) = (KINDS[above - 1].0, KINDS[above].0);
         let draw = split_mix(name ^ 0x9e6c_63d0_876a_3f00);
         let kind = if uniform(draw) < (longest - low) / (high - low) { above } else { above - 1 };
         let made = &mut self.made[kind];

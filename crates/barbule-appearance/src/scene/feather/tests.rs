@@ -396,14 +396,17 @@ fn impossible_parameters_are_refused() {
     feather = self::feather("starling");
     feather.shaft.calamus = 1.0;
     assert!(feather.check().is_err());
-    feather = self::feather("starling");
-    let wide = VaneDisc { along_mm: 15.0, radius_mm: Some(500.0) };
-    assert!(
-        feather
-            .grow(wide, Level::Barbules, 1, 1)
-            .err()
-            .is_some_and(|e| e.to_string().contains("give a smaller radius_mm"))
-    );
+    let mut large = Feather::of_type("primary").unwrap();
+    large.barbs.trailing_half_width_mm = 200.0;
+    let wide = VaneDisc { along_mm: 90.0, radius_mm: Some(500.0) };
+    let refused = |feather: &Feather, level, window, expected: &str| {
+        let refusal = feather.grow(window, level, 1, 1).err();
+        assert!(refusal.is_some_and(|error| error.to_string().contains(expected)), "{expected}");
+    };
+    refused(&large, Level::Barbules, wide, "give a smaller radius_mm");
+    refused(&large, Level::Barbules, WHOLE, "in place of window.whole");
+    large.barbs.spacing_um = 10.0;
+    refused(&large, Level::Barbs, WHOLE, "stretches of barbules");
 }
 
 #[test]
