@@ -152,6 +152,32 @@ fn angles_at_grazing_and_unfit_lists_are_refused() {
     );
 }
 
+/// Cells whose film is thicker by a share are drawn with tables read at shorter wavelengths (`bsdf::Cells`). Without dispersion that is exact;
+/// with keratin's and melanin's it is off by 0.0040 at most, for films up to 7 % thicker or thinner, which change reflectances by up to
+/// 0.031.
+#[test]
+fn a_thicker_film_reflects_as_the_usual_one_does_at_a_shorter_wavelength() {
+    let library = Library::builtin();
+    let (mut worst, mut change) = (0.0_f64, 0.0_f64);
+    for size in [-0.07, -0.03, 0.03, 0.07] {
+        let film =
+            |scale: f64| Stack::parse(&format!("air/keratin:{}/melanin", 320.0 * scale), &library).unwrap();
+        let (usual, thicker) = (film(1.0), film(1.0 + size));
+        for wavelength in (400..=700).step_by(5).map(f64::from) {
+            for degrees in [0.0_f64, 30.0, 60.0] {
+                let reflected = |stack: &Stack, wavelength: f64| {
+                    let of = |p| response(stack, wavelength, degrees.to_radians(), p).unwrap().reflected;
+                    0.5 * (of(Polarization::S) + of(Polarization::P))
+                };
+                let expected = reflected(&thicker, wavelength);
+                worst = worst.max((reflected(&usual, wavelength / (1.0 + size)) - expected).abs());
+                change = change.max((reflected(&usual, wavelength) - expected).abs());
+            }
+        }
+    }
+    assert!(worst < 0.0041 && change > 0.03, "{worst:.5} {change:.4}");
+}
+
 /// A random stack: indices of all regions and thicknesses.
 fn stacks(lossy: bool) -> impl Strategy<Value = (Vec<Complex64>, Vec<f64>)> {
     let loss = if lossy { 0.5 } else { 1e-300 };
