@@ -12,7 +12,8 @@ use glam::DVec3;
 use super::stage::Stage;
 use crate::Result;
 use crate::bsdf::{Frame, Hit, Surface};
-use crate::math::rng::{hash, split_mix};
+use crate::math::rng::{hash, split_mix, unit_of};
+use crate::scene::Object;
 use crate::scene::window::{Layer, Window};
 
 /// What a window shows.
@@ -92,7 +93,7 @@ impl Pane {
         let layer = u32::from(!is_dark);
         let shown = &self.layers[layer as usize];
         let along = hit.frame.to_local(direction);
-        let between = |[low, high]: [f64; 2], name: u64| low + (high - low) * uniform(name);
+        let between = |[low, high]: [f64; 2], name: u64| low + (high - low) * unit_of(name);
         let draw = split_mix(name);
         let through =
             DVec3::new(between(shown.across_mm, draw), between(shown.along_mm, split_mix(draw)), 0.0);
@@ -165,15 +166,12 @@ impl Shown {
     fn new(layer: &Layer) -> Result<Self> {
         let Layer { objects, across_mm, along_mm } = layer;
         let stage = Stage::new(objects.clone())?;
-        let bounds = objects.iter().filter_map(|object| object.geometry.bounds());
-        let heights = bounds
-            .fold([0.0_f64; 2], |[low, high], [a, b]| [low.min(f64::from(a.z)), high.max(f64::from(b.z))]);
+        let heights = objects.iter().fold([0.0_f64; 2], |[low, high], Object { geometry, .. }| {
+            let widest = geometry.widest();
+            geometry.bounds().map_or([low, high], |[a, b]| {
+                [low.min(f64::from(a.z - widest)), high.max(f64::from(b.z + widest))]
+            })
+        });
         Ok(Self { stage, across_mm: *across_mm, along_mm: *along_mm, heights_mm: heights })
     }
-}
-
-/// A number in [0, 1) that a name stands for.
-#[inline]
-fn uniform(name: u64) -> f64 {
-    (name >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }

@@ -252,6 +252,14 @@ impl Geometry {
         })
     }
 
+    /// The largest half width of a ribbon or curve: so far shapes reach beyond the box about their points, mm.
+    #[must_use]
+    pub fn widest(&self) -> f32 {
+        let curves = self.curve_nodes.iter().map(|node| node.radius);
+        let ribbons = self.ribbon_nodes.iter().map(|node| node.across.length());
+        curves.chain(ribbons).chain(self.repeated.iter().map(Self::widest)).fold(0.0, f32::max)
+    }
+
     /// Refuses what would break the renderer: corners that do not exist, numbers that are not finite.
     ///
     /// # Errors

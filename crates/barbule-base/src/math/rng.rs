@@ -12,6 +12,13 @@ pub struct Stream {
     generator: Pcg64Mcg,
 }
 
+/// A number in [0, 1) that random bits, or a name, stand for.
+#[inline]
+#[must_use]
+pub fn unit_of(bits: u64) -> f64 {
+    (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+}
+
 /// One step of SplitMix64 (Steele, Lea & Flood 2014), used to hash names into states.
 #[must_use]
 pub fn split_mix(mut state: u64) -> u64 {
@@ -43,7 +50,7 @@ impl Stream {
 
     /// Uniform in [0, 1).
     pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+        unit_of(self.bits())
     }
 
     /// Uniform in [low, high): U(low, high) of the structure pages.

@@ -19,7 +19,7 @@ use super::hair::FibreSection;
 use super::hit::{Hit, OnRibbon};
 use super::masking::{Barbs, Barbules, LEFT, MaskingTable, PARTS, PartSeen, RAMUS};
 use super::{Bsdf, Shade};
-use crate::math::rng::{hash, split_mix};
+use crate::math::rng::{hash, split_mix, unit_of};
 use crate::spectrum::dense::Lambdas;
 
 /// A vane: the surface of a mesh whose frame's y is the barbs' direction and z the vane's normal.
@@ -72,7 +72,7 @@ impl VaneSurface {
     /// The axes of a barbule of this name, in the frame of the barb.
     fn axes(&self, which: usize, side: f64, name: u64) -> [DVec3; 3] {
         let Some(rows) = &self.rows else { return self.barbs.barbules[which].axes(side) };
-        let (row, t) = (&rows[which], uniform(split_mix(name ^ 1)));
+        let (row, t) = (&rows[which], unit_of(split_mix(name ^ 1)));
         let [swing, turn] = tents(name);
         let [raise, bow] = tents(split_mix(name));
         let lift = row.lift_at(t) + row.disorder.lift * (raise + row.bow_at(t) * bow);
@@ -102,9 +102,9 @@ impl VaneSurface {
     pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let local = hit.frame.to_local(wo);
         let name = hash(hit.id, &hit.position.to_array().map(f64::to_bits));
-        let part = self.part(local, uniform(name));
+        let part = self.part(local, unit_of(name));
         let seen = self.table.part(part, local);
-        let (offset, normal) = self.table.place(part, &seen, local, uniform(split_mix(name)));
+        let (offset, normal) = self.table.place(part, &seen, local, unit_of(split_mix(name)));
         let axes = match part {
             RAMUS => [DVec3::X, DVec3::Y, DVec3::Z],
             LEFT => self.axes(0, -1.0, name),
@@ -142,7 +142,7 @@ impl VaneSurface {
         let name = split_mix(!name);
         let ribbon = OnRibbon {
             cell: name,
-            place: uniform(name),
+            place: unit_of(name),
             cell_length: self.cell_mm,
             contrast: 0.0,
             ..OnRibbon::default()
@@ -157,10 +157,4 @@ impl VaneSurface {
             ..*hit
         }
     }
-}
-
-/// A number in [0, 1) that a name stands for.
-#[inline]
-fn uniform(name: u64) -> f64 {
-    (name >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }

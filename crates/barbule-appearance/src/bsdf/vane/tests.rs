@@ -60,7 +60,7 @@ fn hits_show_each_part_by_its_weight() {
         for number in 0..count {
             let hit = another(number);
             let name = hash(hit.id, &hit.position.to_array().map(f64::to_bits));
-            counts[vane.part(local, uniform(name))] += 1.0 / f64::from(count);
+            counts[vane.part(local, unit_of(name))] += 1.0 / f64::from(count);
         }
         for (found, weight) in counts.iter().zip(seen) {
             let expected = weight / opacity;

@@ -62,9 +62,8 @@ impl Instances {
             if geometry.places.is_empty() {
                 continue;
             }
-            let widest = geometry.curve_nodes.iter().map(|node| node.radius).fold(0.0, f32::max);
-            let across = geometry.ribbon_nodes.iter().map(|node| node.across.length()).fold(widest, f32::max);
-            let bounds = [bounds[0] - across, bounds[1] + across];
+            let widest = geometry.widest();
+            let bounds = [bounds[0] - widest, bounds[1] + widest];
             for &place in &geometry.places {
                 let [low, high] = place.bounds(bounds).map(Vec3A::from);
                 // Rays come through in single precision, and flat boxes are missed by rays in their plane.

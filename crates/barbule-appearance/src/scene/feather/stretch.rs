@@ -9,7 +9,7 @@ use super::VaneDisc;
 use super::barb::Barb;
 use super::barbule::{Root, ribbon};
 use crate::bsdf::{Pattern, Row};
-use crate::math::rng::{Stream, hash, split_mix};
+use crate::math::rng::{Stream, hash, split_mix, unit_of};
 use crate::scene::geometry::{Geometry, Place};
 
 /// About how long a stretch is, mm: over it a barb turns by less than barbules differ.
@@ -95,11 +95,10 @@ impl Stretches {
 
     /// A stretch whose barbules are so long over the longest: of the kinds below and above with the chances that keep the mean.
     fn pick(&mut self, longest: f64, name: u64) -> &mut Stretch {
-        let uniform = |bits: u64| (bits >> 11) as f64 / (1u64 << 53) as f64;
         let above = KINDS.iter().position(|(kind, _)| *kind >= longest).unwrap_or(KINDS.len() - 1).max(1);
         let (low, high) = (KINDS[above - 1].0, KINDS[above].0);
         let draw = split_mix(name ^ 0x9e6c_63d0_876a_3f00);
-        let kind = if uniform(draw) < (longest - low) / (high - low) { above } else { above - 1 };
+        let kind = if unit_of(draw) < (longest - low) / (high - low) { above } else { above - 1 };
         let made = &mut self.made[kind];
         let count = made.len() as u64;
         &mut made[(split_mix(draw) % count) as usize]
