@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use super::evaluate::FeatherBrdf;
 use super::exact::ExactBrdf;
 use super::noise::{Draw, knots};
-use super::profile::{END, gauss_legendre};
+use super::profile::END;
+use crate::math::quadrature::gauss_legendre;
 use crate::progress::Progress;
 use crate::{Error, Result};
 

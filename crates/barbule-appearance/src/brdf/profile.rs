@@ -7,6 +7,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::material::check_sigma;
+use crate::math::quadrature::gauss_legendre;
 use crate::scattering::lobe::{FitKind, Lobe};
 use crate::{Error, Result};
 
@@ -153,30 +154,6 @@ pub fn lobe_integral(lobe: Lobe, theta_i: f64, sigma: f64) -> Result<f64> {
     let g = 2.0 * z / (z + (z * z + lobe.m * lobe.m * (1.0 - z * z)).sqrt());
     let area = Areas::new(FitKind::Marginal).area(Part::Mean, lobe, cos_theta);
     Ok(sigma * PI.sqrt() * g * area / (2.0 * cos_phi))
-}
-
-/// Gauss–Legendre nodes and weights on \[0, 1\], by Newton's method on the recurrence.
-pub(super) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
-    (0..count)
-        .map(|k| {
-            let mut x = libm::cos(PI * (k as f64 + 0.75) / (count as f64 + 0.5));
-            let mut slope = 1.0;
-            for _ in 0..100 {
-                let (mut p, mut before) = (1.0, 0.0);
-                for j in 0..count {
-                    let j = j as f64;
-                    (p, before) = (((2.0 * j + 1.0) * x * p - j * before) / (j + 1.0), p);
-                }
-                slope = count as f64 * (x * p - before) / (x * x - 1.0);
-                let step = p / slope;
-                x -= step;
-                if step.abs() < 1e-15 {
-                    break;
-                }
-            }
-            (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -56,6 +56,18 @@ impl Cylinder {
     }
 }
 
+/// H₀⁽¹⁾(z) and H₁⁽¹⁾(z) times e^{−jz} (Im z ≥ 0, z ≠ 0): they neither oscillate nor vanish far out.
+///
+/// # Errors
+/// z is out of the range of the Hankel functions.
+pub fn hankel_scaled(z: Complex64) -> Result<[Complex64; 2]> {
+    let of = |order: f64| {
+        complex_bessel::hankel1_scaled(order, z)
+            .map_err(|_| Error::not_settled(format!("Hankel functions of {z} leave the range of numbers")))
+    };
+    Ok([of(0.0)?, of(1.0)?])
+}
+
 /// j^n.
 #[must_use]
 pub fn power_of_j(n: usize) -> Complex64 {

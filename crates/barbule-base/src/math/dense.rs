@@ -108,6 +108,17 @@ impl Dense {
         &mut self.data[k * self.rows..(k + 1) * self.rows]
     }
 
+    /// All elements, column by column.
+    #[must_use]
+    pub fn elements(&self) -> &[Complex64] {
+        &self.data
+    }
+
+    /// All elements, column by column.
+    pub fn elements_mut(&mut self) -> &mut [Complex64] {
+        &mut self.data
+    }
+
     fn view(&self) -> MatRef<'_, Complex64> {
         MatRef::from_column_major_slice(&self.data, self.rows, self.columns)
     }

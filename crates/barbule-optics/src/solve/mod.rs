@@ -4,5 +4,6 @@ pub mod crystal;
 pub mod direct;
 pub mod far_fields;
 pub mod film;
+pub mod full_wave;
 pub mod surface;
 pub mod swatch;

@@ -21,6 +21,8 @@ pub(super) struct Nesting {
 pub(super) struct Nested {
     pub(super) inclusion: usize,
     pub(super) hole: Option<usize>,
+    /// The innermost other loop that holds it.
+    pub(super) parent: Option<usize>,
     /// How many loops hold it.
     pub(super) depth: u32,
     /// The inclusion whose medium shows directly inside; `None`: that of the layers.
@@ -354,10 +356,11 @@ fn nest(parts: &Parts) -> Result<Nesting> {
     let mut outlines = Vec::new();
     for (inclusion, region) in parts.inclusions.iter().enumerate() {
         outlines.push(loops.len());
-        loops.push(Nested { inclusion, hole: None, depth: 0, shows: Some(inclusion) });
+        loops.push(Nested { inclusion, hole: None, parent: None, depth: 0, shows: Some(inclusion) });
         loops.extend((0..region.holes.len()).map(|hole| Nested {
             inclusion,
             hole: Some(hole),
+            parent: None,
             depth: 0,
             shows: None,
         }));
@@ -438,6 +441,7 @@ fn nest(parts: &Parts) -> Result<Nesting> {
         .map(|nested| if nested.hole.is_some() { around(outlines[nested.inclusion]) } else { nested.shows })
         .collect();
     for (index, nested) in loops.iter_mut().enumerate() {
+        nested.parent = parents[index];
         nested.depth = depth[index];
         nested.shows = shows[index];
     }

@@ -4,6 +4,7 @@ mod cast;
 mod chain;
 mod check;
 mod columns;
+mod contour;
 mod crystal;
 mod curve;
 mod flat;
@@ -21,6 +22,7 @@ mod symmetry;
 
 pub use cast::{Ray, cast};
 pub use columns::{Columns, PaletteMixture, SlotMixture};
+pub use contour::Contour;
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
 pub use flat::FlatStack;
 pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};

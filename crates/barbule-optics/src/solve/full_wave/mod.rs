@@ -1,0 +1,280 @@
+//! Full waves on a section of closed regions: what the fast simulation is judged by.
+//!
+//! Maxwell's equations for fields ∝ e^{jk_y y}, exact up to discretization: in each region fields follow from those on its
+//! boundaries (S.53), and Müller's combination of the two sides of each boundary, ε and μ as weights, leaves equations of the
+//! second kind whose kernels are at most logarithmic. They are solved at the nodes of Gauss–Legendre panels (Nyström's method);
+//! near panels are integrated with the kernel's own behaviour. The theory page on full waves derives it.
+
+mod green;
+mod incidence;
+mod kernel;
+mod mesh;
+mod near;
+mod operator;
+mod outgoing;
+mod shape;
+#[cfg(test)]
+mod tests;
+
+use std::f64::consts::{FRAC_PI_4, PI};
+use std::time::Instant;
+
+use crate::math::dense::Dense;
+use crate::math::large::LargeFactors;
+use crate::progress::Progress;
+use crate::scattering::directions::{e1, e2};
+use crate::scattering::far_field::{
+    Azimuths, FarField, Illumination, IncidentLight, Polarization, Window, coefficients,
+};
+use crate::structure::Section;
+use crate::{Complex64, Error, Result};
+use incidence::Incidence;
+use kernel::{COMPONENTS, Kernel};
+use mesh::Mesh;
+use operator::{Coupled, Operator};
+use outgoing::{Fields, absorbed_um, radiate};
+
+/// Nodes per wavelength, in the denser of the media at each boundary, unless somebody asks for others.
+pub const ELEMENTS_PER_WAVELENGTH: f64 = 10.0;
+
+/// Bytes of a complex number.
+const COMPLEX: u64 = size_of::<Complex64>() as u64;
+
+/// Operations per second and core that predictions of time suppose.
+const OPERATIONS_PER_SECOND: f64 = 4e10;
+
+/// A section at one wavelength and θ_i, ready to be solved.
+pub struct Problem<'a> {
+    section: &'a Section,
+    mesh: Mesh,
+    wavelength_nm: f64,
+    theta_i: f64,
+    elements_per_wavelength: f64,
+}
+
+/// What solving takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Unknown numbers, four for each node.
+    pub unknowns: usize,
+    /// Memory, bytes.
+    pub bytes: u64,
+    /// About how long on so many threads, s.
+    pub seconds: f64,
+}
+
+/// What a section does with light, exact up to discretization.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scattered {
+    /// The scattered far field over the full circle of azimuths.
+    pub far: FarField,
+    /// The part of Φ_i that leaves into the upper half, by incident polarization; `None` for a plane wave.
+    pub reflected: Option<[f64; 2]>,
+    /// ∫ dσ over all azimuths, µm for unit |E|.
+    pub scattered_um: [f64; 2],
+    /// By the forward amplitude (optical theorem), µm; `None` for a beam.
+    pub extinction_um: Option<[f64; 2]>,
+    /// What flows into absorbing regions, µm for unit |E|.
+    pub absorbed_um: [f64; 2],
+}
+
+/// Far fields with what they took.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// In the order of the azimuths of incidence.
+    pub scattered: Vec<Scattered>,
+    /// Unknown numbers, four for each node.
+    pub unknowns: usize,
+    /// Nodes per wavelength in the denser medium.
+    pub elements_per_wavelength: f64,
+    /// Wall time, s.
+    pub seconds: f64,
+    /// Memory of the equations, bytes.
+    pub memory_bytes: u64,
+}
+
+impl<'a> Problem<'a> {
+    /// A section of closed regions under light of `wavelength_nm` and longitudinal angle `theta_i` (rad).
+    ///
+    /// # Errors
+    /// Open boundaries or a crystal, media that vary inside a region, circles that touch other curves, or an index that is
+    /// not known at the wavelength.
+    pub fn new(
+        section: &'a Section,
+        wavelength_nm: f64,
+        theta_i: f64,
+        elements_per_wavelength: f64,
+    ) -> Result<Self> {
+        let mesh = Mesh::new(section, wavelength_nm, elements_per_wavelength)?;
+        Ok(Self { section, mesh, wavelength_nm, theta_i, elements_per_wavelength })
+    }
+
+    /// What it will take on so many threads.
+    #[must_use]
+    pub fn cost(&self, threads: usize) -> Cost {
+        let nodes = self.mesh.nodes.len();
+        let size = (nodes * self.systems()[0].0.components().len()) as f64;
+        let systems = self.systems().len() as f64;
+        // Complex LU is 8n³/3 real operations; an element of the matrix takes about 150 ns with its Hankel functions.
+        let factor = 8.0 / 3.0 * size.powi(3) / OPERATIONS_PER_SECOND;
+        let fill = (nodes as f64).powi(2) * 150e-9;
+        Cost {
+            unknowns: nodes * COMPONENTS,
+            bytes: (size * size) as u64 * COMPLEX + nodes as u64 * 4096,
+            seconds: systems * (factor + fill) / threads.max(1) as f64,
+        }
+    }
+
+    /// The independent systems of equations, and which incident polarizations each needs.
+    fn systems(&self) -> Vec<(Coupled, Vec<Polarization>)> {
+        if self.theta_i == 0.0 {
+            // e₁ is along the barbule, and so is H̃ of e₂.
+            return vec![
+                (Coupled::ElectricAlong, vec![Polarization::First]),
+                (Coupled::MagneticAlong, vec![Polarization::Second]),
+            ];
+        }
+        vec![(Coupled::All, Polarization::BOTH.to_vec())]
+    }
+
+    /// Solves for light from each azimuth `phi_i` (rad), in both polarizations, on so many azimuths of the full circle.
+    ///
+    /// # Errors
+    /// The equations are singular, or the user cancelled.
+    pub fn solve(
+        self,
+        phi_i: &[f64],
+        window: Window,
+        azimuths: usize,
+        progress: &dyn Progress,
+    ) -> Result<Solution> {
+        let start = Instant::now();
+        let lights: Vec<Illumination> = phi_i
+            .iter()
+            .map(|&phi_i| Illumination {
+                wavelength_nm: self.wavelength_nm,
+                theta_i: self.theta_i,
+                phi_i,
+                window,
+            })
+            .collect();
+        let cost = self.cost(rayon::current_num_threads());
+        let systems = self.systems();
+        let Self { section, mesh, wavelength_nm, theta_i, elements_per_wavelength } = self;
+        let k = crate::spectrum::wave_number_per_um(wavelength_nm);
+        let kernel = Kernel::new(&mesh, k, -k * theta_i.sin())?;
+        let radius_um = mesh.radius_um();
+        let operator = Operator::new(mesh, kernel);
+        // [light][polarization]
+        let mut fields = vec![[Fields::new(), Fields::new()]; lights.len()];
+        for (coupled, polarizations) in systems {
+            let columns: Vec<(usize, Polarization)> =
+                (0..lights.len()).flat_map(|l| polarizations.iter().map(move |&p| (l, p))).collect();
+            let mut unknowns =
+                Dense::zeros(operator.mesh.nodes.len() * coupled.components().len(), columns.len());
+            for (c, &(light, polarization)) in columns.iter().enumerate() {
+                let incidence = Incidence::new(&lights[light], polarization, section.width_um, radius_um);
+                operator.right_side(coupled, &incidence, unknowns.column_mut(c));
+            }
+            let steps = LargeFactors::steps(unknowns.rows());
+            progress.begin("filling the matrix", operator.mesh.nodes.len() as u64);
+            let matrix = operator.matrix(coupled, progress)?;
+            progress.begin("solving", steps);
+            LargeFactors::new(matrix, progress)?.solve(&mut unknowns);
+            for (c, &(light, polarization)) in columns.iter().enumerate() {
+                let field = coupled.fields(unknowns.column(c));
+                fields[light][polarization.index()] = field;
+            }
+        }
+        let scattered = lights
+            .iter()
+            .zip(&fields)
+            .map(|(light, fields)| {
+                let power_um = match window {
+                    Window::Gaussian => Some(incident_power_um(section.width_um, light)),
+                    Window::PlaneWave => None,
+                };
+                scatter(&operator.mesh, light, fields, power_um, azimuths)
+            })
+            .collect();
+        if !fields.iter().flatten().flatten().flatten().all(|value| value.is_finite()) {
+            return Err(Error::not_settled("the fields on the boundaries are not finite"));
+        }
+        Ok(Solution {
+            scattered,
+            unknowns: cost.unknowns,
+            elements_per_wavelength,
+            seconds: start.elapsed().as_secs_f64(),
+            memory_bytes: cost.bytes,
+        })
+    }
+}
+
+/// Φ_i of a beam on a flat top as wide as the section, µm.
+fn incident_power_um(width_um: f64, light: &Illumination) -> f64 {
+    // ∫ exp(−2x²/(W/4)²) dx over ±W/2.
+    let beam = width_um / 4.0;
+    let flat = beam * (PI / 2.0).sqrt() * libm::erf(2.0 * 2f64.sqrt());
+    flat * light.theta_i.cos() * light.phi_i.cos().max(0.0)
+}
+
+/// The far field of fields on the boundaries, by incident polarization.
+fn scatter(
+    mesh: &Mesh,
+    light: &Illumination,
+    fields: &[Fields; 2],
+    power_um: Option<f64>,
+    azimuths: usize,
+) -> Scattered {
+    let (k, theta_i) = (light.wave_number_per_um(), light.theta_i);
+    let kappa = k * theta_i.cos();
+    let incident = power_um.map_or(IncidentLight::PlaneWave, |power_um| IncidentLight::Beam { power_um });
+    let circle = Azimuths::FullCircle(azimuths);
+    let amplitudes = radiate(mesh, fields, (k, theta_i), &circle.phi_o());
+    // Squares have twice the band of fields.
+    let fine = Azimuths::FullCircle((2 * coefficients(kappa, mesh.radius_um())).max(720) / 4 * 4);
+    let phi_fine = fine.phi_o();
+    let resolved = radiate(mesh, fields, (k, theta_i), &phi_fine);
+    let power = |field: &[Vec<Complex64>; 2], part: &dyn Fn(f64) -> f64| -> f64 {
+        let squares = field[0].iter().zip(&field[1]).map(|(a, b)| a.norm_sqr() + b.norm_sqr());
+        let sum: f64 = squares.zip(&phi_fine).map(|(square, &phi)| square * part(phi)).sum();
+        theta_i.cos() * fine.step() * sum
+    };
+    // The trapezoidal rule from horizon to horizon, which are grid points.
+    let upper = |phi: f64| {
+        let beyond = (phi.abs() - PI / 2.0) / fine.step();
+        if beyond < -0.5 {
+            1.0
+        } else if beyond < 0.5 {
+            0.5
+        } else {
+            0.0
+        }
+    };
+    let scattered_um = [0, 1].map(|p| power(&resolved[p], &|_| 1.0));
+    let scale = incident.scale();
+    let forward = radiate(mesh, fields, (k, theta_i), &[light.phi_i + PI]);
+    let extinction = |p: usize| {
+        // The incident unit vector, in terms of the forward direction's e₁ and e₂.
+        let vector = [e1(theta_i, light.phi_i), e2(light.phi_i)][p];
+        let (first, second) = (e1(-theta_i, light.phi_i + PI), e2(light.phi_i + PI));
+        let along = forward[p][0][0] * first.dot(vector) + forward[p][1][0] * second.dot(vector);
+        -4.0 / k * ((PI * kappa / 2.0).sqrt() * Complex64::from_polar(1.0, FRAC_PI_4) * along).re
+    };
+    let far = FarField {
+        light: incident,
+        theta_i,
+        azimuths: circle,
+        amplitudes: std::array::from_fn(|p| {
+            std::array::from_fn(|c| amplitudes[p][c].iter().map(|value| value * scale).collect())
+        }),
+        radiated: scattered_um.map(|um| um * scale * scale),
+    };
+    Scattered {
+        far,
+        reflected: power_um.map(|_| [0, 1].map(|p| power(&resolved[p], &upper) * scale * scale)),
+        scattered_um,
+        extinction_um: power_um.is_none().then(|| [0, 1].map(extinction)),
+        absorbed_um: [0, 1].map(|p| absorbed_um(mesh, &fields[p])),
+    }
+}

@@ -1,0 +1,151 @@
+//! The equations of a section at one wavelength and θ_i, element by element.
+
+use rayon::prelude::*;
+
+use super::incidence::Incidence;
+use super::kernel::{Block, Kernel};
+
+use super::mesh::Mesh;
+use super::near::Near;
+use super::outgoing::Fields;
+use super::shape::Chord;
+use crate::math::dense::Dense;
+use crate::progress::Progress;
+use crate::{Complex64, Error, Result};
+
+/// Which unknowns belong together: at θ_i = 0 the field along the barbule is E_y with H̃_t or H̃_y with E_t, never both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Coupled {
+    /// E_y and H̃_t.
+    ElectricAlong,
+    /// H̃_y and E_t.
+    MagneticAlong,
+    /// All four.
+    All,
+}
+
+impl Coupled {
+    /// The components, by their places in blocks.
+    pub(super) fn components(self) -> &'static [usize] {
+        match self {
+            Self::ElectricAlong => &[0, 1],
+            Self::MagneticAlong => &[2, 3],
+            Self::All => &[0, 1, 2, 3],
+        }
+    }
+
+    /// Fields at all nodes from these unknowns.
+    pub(super) fn fields(self, unknowns: &[Complex64]) -> Fields {
+        let components = self.components();
+        let field = |values: &[Complex64]| {
+            let mut field = [Complex64::ZERO; 4];
+            for (value, &component) in values.iter().zip(components) {
+                field[component] = *value;
+            }
+            field
+        };
+        unknowns.chunks_exact(components.len()).map(field).collect()
+    }
+}
+
+/// Müller's equations over a mesh: unknowns are the fields at its nodes, node by node.
+pub(super) struct Operator {
+    pub(super) mesh: Mesh,
+    pub(super) kernel: Kernel,
+    near: Near,
+    /// The panel of each node.
+    panel_of: Vec<u32>,
+}
+
+impl Operator {
+    pub(super) fn new(mesh: Mesh, kernel: Kernel) -> Self {
+        let near = Near::new(&mesh, &kernel);
+        let panels = mesh.panels.iter().enumerate();
+        let panel_of = panels.flat_map(|(p, panel)| std::iter::repeat_n(p as u32, panel.nodes)).collect();
+        Self { mesh, kernel, near, panel_of }
+    }
+
+    /// The block of a target and a source node; `None` where no region touches both.
+    pub(super) fn block(&self, target: usize, source: usize) -> Option<Block> {
+        let panel = self.panel_of[source];
+        let near = self.near.of(target);
+        let mut block = match near.binary_search_by_key(&panel, |(p, _)| *p) {
+            Ok(at) => near[at].1[source - self.mesh.panels[panel as usize].first],
+            Err(_) => self.far(target, source)?,
+        };
+        if target == source {
+            // Fields at a boundary: half from either side, with the weights of the equations.
+            for (component, row) in block.iter_mut().enumerate() {
+                row[component] += 1.0;
+            }
+        }
+        Some(block)
+    }
+
+    fn far(&self, target: usize, source: usize) -> Option<Block> {
+        let (a, b) = (&self.mesh.nodes[target], &self.mesh.nodes[source]);
+        let chord = Chord::between(&a.point, &b.point);
+        let mut block = self.kernel.block((a.boundary, &a.point), (b.boundary, &b.point), &chord)?;
+        for value in block.iter_mut().flatten() {
+            *value *= b.weight_um;
+        }
+        Some(block)
+    }
+
+    /// All of them as a matrix of `nodes × components` unknowns, node by node.
+    ///
+    /// # Errors
+    /// The user cancelled.
+    pub(super) fn matrix(&self, coupled: Coupled, progress: &dyn Progress) -> Result<Dense> {
+        let components = coupled.components();
+        let nodes = self.mesh.nodes.len();
+        let size = nodes * components.len();
+        let mut matrix = Dense::zeros(size, size);
+        let columns = matrix.elements_mut().par_chunks_mut(size * components.len());
+        columns.enumerate().try_for_each(|(source, columns)| {
+            if progress.is_cancelled() {
+                return Err(Error::interrupted());
+            }
+            for target in 0..nodes {
+                let Some(block) = self.block(target, source) else { continue };
+                self.store(&block, components, columns, target, size);
+            }
+            progress.advance(1);
+            Ok(())
+        })?;
+        Ok(matrix)
+    }
+
+    fn store(
+        &self,
+        block: &Block,
+        components: &[usize],
+        columns: &mut [Complex64],
+        target: usize,
+        size: usize,
+    ) {
+        for (column, &unknown) in columns.chunks_exact_mut(size).zip(components) {
+            let place = &mut column[target * components.len()..][..components.len()];
+            for (element, &equation) in place.iter_mut().zip(components) {
+                *element = block[equation][unknown];
+            }
+        }
+    }
+
+    /// The light in the equations of the outside's boundaries.
+    pub(super) fn right_side(&self, coupled: Coupled, light: &Incidence, right: &mut [Complex64]) {
+        let components = coupled.components();
+        right.par_chunks_mut(components.len()).zip(&self.mesh.nodes).for_each(|(place, node)| {
+            if self.mesh.boundaries[node.boundary].outside != 0 {
+                return;
+            }
+            // ε of the outside is 1.
+            let over = self.kernel.mean_epsilon(node.boundary).inv();
+            let weights = [over, Complex64::ONE, Complex64::ONE, over];
+            let field = light.at(&node.point);
+            for (value, &component) in place.iter_mut().zip(components) {
+                *value = field[component] * weights[component];
+            }
+        });
+    }
+}
