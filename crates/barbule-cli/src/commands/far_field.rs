@@ -9,6 +9,7 @@ use barbule::campaign::far_field_bytes;
 use barbule::figures;
 use barbule::scattering::far_field::{FarField, Illumination, Window};
 use barbule::solve::far_fields::{Illuminations, Method, bytes, far_fields};
+use barbule::solve::full_wave::{self, Solved};
 use barbule::solve::surface::{FINE_ELEMENT_UM, LARGEST_MIRROR_ERROR, mirror_fraction};
 use barbule::structure::Section;
 use barbule::{Error, Result};
@@ -26,6 +27,9 @@ use output::{Document, csv, summary, table};
 /// What far fields and their texts may take in memory unless `--memory` says otherwise.
 const USUAL_MEMORY: u64 = 4 << 30;
 
+/// Full waves that take longer are announced, s.
+const SOON_SECONDS: f64 = 20.0;
+
 /// Bytes of text for each outgoing azimuth, at most: the ten numbers of JSON or CSV.
 const TEXT_BYTES: u64 = 260;
 
@@ -34,7 +38,8 @@ const TEXT_BYTES: u64 = 260;
 #[command(
     after_help = "Examples:\n  barbule far-field starling --wavelength 520 --theta 0 --phi 30 --json\n  \
     barbule far-field starling --wavelength 400:700:10 --theta 0 --phi 30 -o map.png --csv fields.csv\n  \
-    barbule far-field mallard --side below --wavelength 520 --theta 0 --phi=-30 --json"
+    barbule far-field mallard --side below --wavelength 520 --theta 0 --phi=-30 --json\n  \
+    barbule far-field examples/rods.json --solver full-wave --window none --wavelength 500 --theta 30 --phi 0"
 )]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
@@ -65,6 +70,9 @@ pub(crate) struct Args {
     /// How the light falls on the section
     #[arg(long, value_enum, default_value_t = WindowArg::Gaussian)]
     window: WindowArg,
+    /// Of full waves: nodes per wavelength in the denser medium at each boundary
+    #[arg(long, value_name = "N", default_value_t = full_wave::ELEMENTS_PER_WAVELENGTH, value_parser = elements)]
+    elements: f64,
     #[command(flatten)]
     figure: FigureArgs,
     /// Write a table, one row for each outgoing azimuth
@@ -72,6 +80,21 @@ pub(crate) struct Args {
     csv: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
+}
+
+/// Nodes per wavelength that make sense.
+fn elements(text: &str) -> std::result::Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|elements| (4.0..=200.0).contains(elements));
+    number.ok_or_else(|| format!("{text} is not a number of nodes per wavelength from 4 to 200"))
+}
+
+/// A time in the unit that people would use.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{:.0} s", s.max(1.0)),
+        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
 }
 
 /// Vacuum wavelengths in nm, rising.
@@ -85,8 +108,7 @@ enum Solver {
     Fast,
     /// The same formulas, evaluated plainly
     Direct,
-    /// Boundary elements
-    #[value(hide = true)] // not in this version
+    /// Maxwell's equations, exact up to discretization: boundary elements
     FullWave,
 }
 
@@ -105,7 +127,10 @@ struct Fields<'a> {
     theta_deg: &'a [f64],
     phi_deg: &'a [f64],
     found: &'a [FarField],
+    /// None of full waves.
     mirrors: &'a [Mirror],
+    /// What full waves give besides.
+    full_wave: Option<&'a [Solved]>,
 }
 
 /// How far the simulation is off near grazing: what it makes a flat perfect mirror as wide reflect; none under a plane wave.
@@ -132,15 +157,6 @@ impl Args {
                 self.azimuths
             )));
         }
-        let method = match self.solver {
-            Solver::Fast => Method::Fast,
-            Solver::Direct => Method::Direct,
-            Solver::FullWave => {
-                return Err(Error::input(
-                    "--solver full-wave: this version has no full-wave solver; use fast or direct",
-                ));
-            }
-        };
         let illuminations = self.illuminations();
         self.check_size(illuminations.count())?;
         self.figure.check(&self.common)?;
@@ -150,11 +166,18 @@ impl Args {
         }
         let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
         let section = structure.instance(self.common.seed, self.instance)?;
-        self.check_memory(&section)?;
-        let progress = Terminal::new(&self.common);
-        let found = far_fields(&section, &illuminations, self.azimuths, method, &progress)?;
-        drop(progress);
-        let mirrors = self.mirrors(&illuminations, section.width_um);
+        let full_wave = match self.solver {
+            Solver::FullWave => Some(self.full_waves(&section, &illuminations)?),
+            Solver::Fast | Solver::Direct => None,
+        };
+        let found = match &full_wave {
+            Some(solved) => solved.iter().map(|solved| solved.scattered.far.clone()).collect(),
+            None => self.far_fields(&section, &illuminations)?,
+        };
+        let mirrors = match self.solver {
+            Solver::FullWave => Vec::new(),
+            Solver::Fast | Solver::Direct => self.mirrors(&illuminations, section.width_um),
+        };
         let title = self.title(&figures::heading(&structure.name()));
         let provenance = Provenance::new(&self.common);
         if let Some(path) = self.figure.path() {
@@ -169,6 +192,7 @@ impl Args {
             phi_deg: &self.phi.0,
             found: &found,
             mirrors: &mirrors,
+            full_wave: full_wave.as_deref(),
         };
         if let Some(path) = &self.csv {
             provenance.write_csv(path, &csv(&fields))?;
@@ -182,7 +206,10 @@ impl Args {
             return Ok(());
         }
         match &found[..] {
-            [far] => print(out, &format!("{title}\n{}", table(far))),
+            [far] => {
+                let full_wave = fields.full_wave.and_then(|solved| solved.first());
+                print(out, &format!("{title}\n{}", table(far, full_wave)))
+            }
             _ => print(out, &format!("{title}\n{}", summary(&fields))),
         }
     }
@@ -198,6 +225,32 @@ impl Args {
                 WindowArg::None => Window::PlaneWave,
             },
         }
+    }
+
+    fn far_fields(&self, section: &Section, illuminations: &Illuminations) -> Result<Vec<FarField>> {
+        self.check_memory(section)?;
+        let method = if self.solver == Solver::Direct { Method::Direct } else { Method::Fast };
+        far_fields(section, illuminations, self.azimuths, method, &Terminal::new(&self.common))
+    }
+
+    /// Full waves, after saying what they will take where that is long.
+    fn full_waves(&self, section: &Section, illuminations: &Illuminations) -> Result<Vec<Solved>> {
+        let cost = full_wave::cost(section, illuminations, self.elements, rayon::current_num_threads())?;
+        let fewer = "a narrower section, a longer wavelength, or fewer --elements";
+        self.common.allowance().check("this full wave", cost.bytes, fewer)?;
+        let said = format!(
+            "full waves: {} unknowns, {:.2} GB of memory, about {}",
+            cost.unknowns,
+            cost.bytes as f64 / 1e9,
+            duration(cost.seconds)
+        );
+        if cost.seconds > SOON_SECONDS {
+            self.common.say(&said);
+        } else {
+            self.common.explain(&said);
+        }
+        let progress = Terminal::new(&self.common);
+        full_wave::solve(section, illuminations, self.azimuths, self.elements, &progress)
     }
 
     /// Refuses, before any work, a section whose simulation does not fit into memory.

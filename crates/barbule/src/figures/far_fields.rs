@@ -1,7 +1,7 @@
 //! Far fields against the outgoing azimuth.
 
 use crate::plot::{Axis, Curve, Drawing, Figure, HeatMap, Page};
-use crate::scattering::far_field::{FarField, IncidentLight, Polarization};
+use crate::scattering::far_field::{Azimuths, FarField, IncidentLight, Polarization};
 use crate::solve::far_fields::Illuminations;
 use crate::{Error, Result};
 
@@ -118,7 +118,11 @@ fn map(title: &str, azimuth: Axis, axis: &Varied, quantity: &str, found: &[FarFi
         let row = &rows[order[nearest]];
         values.extend((0..CELLS[0]).map(|i| row[i * row.len() / CELLS[0]]));
     }
-    let azimuth = Axis::with_range(azimuth.label, -90.0, 90.0);
+    let end = match found.first().map(|far| far.azimuths) {
+        Some(Azimuths::FullCircle(_)) => 180.0,
+        _ => 90.0,
+    };
+    let azimuth = Axis::with_range(azimuth.label, -end, end);
     let mut map = HeatMap::new(title, azimuth, Axis::with_range(axis.label, low, high), CELLS[0], values);
     map.label = format!("{quantity}, unpolarized");
     map

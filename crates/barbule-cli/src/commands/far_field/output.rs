@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use barbule::Complex64;
 use barbule::scattering::far_field::{FarField, IncidentLight, Polarization};
+use barbule::solve::full_wave::Solved;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::{Fields, Mirror};
@@ -45,7 +46,20 @@ impl Serialize for Document<'_> {
         };
         map.serialize_entry("incident_power", &Stacked { found: fields.found, sizes, of: &power })?;
         for (polarization, name) in Polarization::BOTH.into_iter().zip(["polarization_1", "polarization_2"]) {
-            map.serialize_entry(name, &Polarized { found: fields.found, sizes, polarization })?;
+            let polarized =
+                Polarized { found: fields.found, full_wave: fields.full_wave, sizes, polarization };
+            map.serialize_entry(name, &polarized)?;
+        }
+        if let Some(found) = fields.full_wave {
+            let unknowns = |solved: &Solved| solved.effort.unknowns;
+            let elements = |solved: &Solved| solved.effort.elements_per_wavelength;
+            let seconds = |solved: &Solved| solved.effort.seconds;
+            let memory = |solved: &Solved| solved.effort.memory_bytes;
+            map.serialize_entry("unknowns", &Stacked { found, sizes, of: &unknowns })?;
+            map.serialize_entry("elements_per_wavelength", &Stacked { found, sizes, of: &elements })?;
+            map.serialize_entry("seconds", &Stacked { found, sizes, of: &seconds })?;
+            map.serialize_entry("memory_bytes", &Stacked { found, sizes, of: &memory })?;
+            return map.end();
         }
         let mirror = |mirror: &Mirror| mirror.fraction;
         map.serialize_entry("mirror_fraction", &Stacked { found: fields.mirrors, sizes, of: &mirror })?;
@@ -58,13 +72,14 @@ impl Serialize for Document<'_> {
 /// What leaves for one incident polarization.
 struct Polarized<'a> {
     found: &'a [FarField],
+    full_wave: Option<&'a [Solved]>,
     sizes: &'a [usize],
     polarization: Polarization,
 }
 
 impl Serialize for Polarized<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { found, sizes, polarization } = *self;
+        let Self { found, full_wave, sizes, polarization } = *self;
         let complex = |along: usize| {
             move |far: &FarField| {
                 let values: &[Complex64] = &far.amplitudes[polarization.index()][along];
@@ -78,10 +93,20 @@ impl Serialize for Polarized<'_> {
         )?;
         map.serialize_entry("e1", &Stacked { found, sizes, of: &complex(0) })?;
         map.serialize_entry("e2", &Stacked { found, sizes, of: &complex(1) })?;
-        map.serialize_entry(
-            "reflected_fraction",
-            &Stacked { found, sizes, of: &|far: &FarField| far.reflected_fraction(polarization) },
-        )?;
+        let Some(found) = full_wave else {
+            let reflected = |far: &FarField| far.reflected_fraction(polarization);
+            map.serialize_entry("reflected_fraction", &Stacked { found, sizes, of: &reflected })?;
+            return map.end();
+        };
+        let p = polarization.index();
+        let reflected = |solved: &Solved| solved.scattered.reflected.map(|both| both[p]);
+        let scattered = |solved: &Solved| solved.scattered.scattered_um[p];
+        let extinction = |solved: &Solved| solved.scattered.extinction_um.map(|both| both[p]);
+        let absorbed = |solved: &Solved| solved.scattered.absorbed_um[p];
+        map.serialize_entry("reflected_fraction", &Stacked { found, sizes, of: &reflected })?;
+        map.serialize_entry("scattered", &Stacked { found, sizes, of: &scattered })?;
+        map.serialize_entry("extinction", &Stacked { found, sizes, of: &extinction })?;
+        map.serialize_entry("absorbed", &Stacked { found, sizes, of: &absorbed })?;
         map.end()
     }
 }
@@ -137,10 +162,11 @@ pub(super) fn csv(fields: &Fields<'_>) -> String {
 }
 
 /// One far field: its power, then azimuths and intensities as columns.
-pub(super) fn table(far: &FarField) -> String {
+pub(super) fn table(far: &FarField, full_wave: Option<&Solved>) -> String {
     let intensity = Polarization::BOTH.map(|p| far.per_radian(p));
-    let [first, second] = far.radiated;
+    let [first, second] = full_wave.and_then(|solved| solved.scattered.reflected).unwrap_or(far.radiated);
     let (unit, mut text) = match far.light {
+        IncidentLight::PlaneWave if full_wave.is_some() => ("µm/rad", String::new()),
         IncidentLight::Beam { power_um } => (
             "1/rad",
             format!(
@@ -151,6 +177,24 @@ pub(super) fn table(far: &FarField) -> String {
             ("µm/rad", format!("reflected width {first:.6} µm (polarization 1), {second:.6} µm (2)\n"))
         }
     };
+    if let Some(Solved { scattered, effort }) = full_wave {
+        for p in [0, 1] {
+            let extinct = scattered.extinction_um.map(|both| format!(", extinct {:.6}", both[p]));
+            let _ = writeln!(
+                text,
+                "polarization {}: scattered {:.6}, absorbed {:.6}{} µm",
+                p + 1,
+                scattered.scattered_um[p],
+                scattered.absorbed_um[p],
+                extinct.unwrap_or_default()
+            );
+        }
+        let _ = writeln!(
+            text,
+            "{} unknowns, {} nodes per wavelength, {:.2} s",
+            effort.unknowns, effort.elements_per_wavelength, effort.seconds
+        );
+    }
     let heading = |p: usize| format!("intensity {p} ({unit})");
     let _ = write!(text, "{:>9}  {:>20}  {:>20}", "φ_o (°)", heading(1), heading(2));
     for (n, phi) in phi_out_deg(far).into_iter().enumerate() {
@@ -175,14 +219,15 @@ pub(super) fn summary(fields: &Fields<'_>) -> String {
         "peak φ_o (°)",
         format!("there ({unit})")
     );
-    for ([nm, theta, phi], far) in fields.cases() {
+    for (index, ([nm, theta, phi], far)) in fields.cases().enumerate() {
         let [first, second] = Polarization::BOTH.map(|p| far.per_radian(p));
         let mean = first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b));
         let (peak, height) = phi_out_deg(far)
             .into_iter()
             .zip(mean)
             .fold((0.0, f64::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best });
-        let [one, two] = far.radiated;
+        let full_wave = fields.full_wave.and_then(|solved| solved[index].scattered.reflected);
+        let [one, two] = full_wave.unwrap_or(far.radiated);
         let _ = write!(
             text,
             "\n{nm:>8}  {theta:>8}  {phi:>8}  {one:>12.6}  {two:>12.6}  {peak:>13.3}  {height:>16.5e}"

@@ -19,6 +19,7 @@ mod tests;
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::time::Instant;
 
+use super::far_fields::Illuminations;
 use crate::math::dense::Dense;
 use crate::math::large::LargeFactors;
 use crate::progress::Progress;
@@ -78,11 +79,18 @@ pub struct Scattered {
     pub absorbed_um: [f64; 2],
 }
 
-/// Far fields with what they took.
+/// What a section does with light, and what it took to find out.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Solution {
-    /// In the order of the azimuths of incidence.
-    pub scattered: Vec<Scattered>,
+pub struct Solved {
+    /// What it does.
+    pub scattered: Scattered,
+    /// What it took: light of one wavelength and θ_i shares one solution.
+    pub effort: Effort,
+}
+
+/// The size of a solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
     /// Unknown numbers, four for each node.
     pub unknowns: usize,
     /// Nodes per wavelength in the denser medium.
@@ -91,6 +99,45 @@ pub struct Solution {
     pub seconds: f64,
     /// Memory of the equations, bytes.
     pub memory_bytes: u64,
+}
+
+/// What light of each wavelength and direction takes at most at once, and in all.
+///
+/// # Errors
+/// As [`Problem::new`].
+pub fn cost(section: &Section, light: &Illuminations, elements: f64, threads: usize) -> Result<Cost> {
+    let mut all = Cost { unknowns: 0, bytes: 0, seconds: 0.0 };
+    for &wavelength_nm in &light.wavelengths_nm {
+        for &theta_i in &light.theta_i {
+            let one = Problem::new(section, wavelength_nm, theta_i, elements)?.cost(threads);
+            all.unknowns = all.unknowns.max(one.unknowns);
+            all.bytes = all.bytes.max(one.bytes);
+            all.seconds += one.seconds;
+        }
+    }
+    Ok(all)
+}
+
+/// Light of each wavelength and direction, in the order of [`Illuminations::iter`], on so many azimuths of the full circle,
+/// with `elements` nodes per wavelength.
+///
+/// # Errors
+/// As [`Problem::new`] and [`Problem::solve`].
+pub fn solve(
+    section: &Section,
+    light: &Illuminations,
+    azimuths: usize,
+    elements: f64,
+    progress: &dyn Progress,
+) -> Result<Vec<Solved>> {
+    let mut all = Vec::with_capacity(light.count());
+    for &wavelength_nm in &light.wavelengths_nm {
+        for &theta_i in &light.theta_i {
+            let problem = Problem::new(section, wavelength_nm, theta_i, elements)?;
+            all.extend(problem.solve(&light.phi_i, light.window, azimuths, progress)?);
+        }
+    }
+    Ok(all)
 }
 
 impl<'a> Problem<'a> {
@@ -147,7 +194,7 @@ impl<'a> Problem<'a> {
         window: Window,
         azimuths: usize,
         progress: &dyn Progress,
-    ) -> Result<Solution> {
+    ) -> Result<Vec<Solved>> {
         let start = Instant::now();
         let lights: Vec<Illumination> = phi_i
             .iter()
@@ -186,27 +233,24 @@ impl<'a> Problem<'a> {
                 fields[light][polarization.index()] = field;
             }
         }
-        let scattered = lights
-            .iter()
-            .zip(&fields)
-            .map(|(light, fields)| {
-                let power_um = match window {
-                    Window::Gaussian => Some(incident_power_um(section.width_um, light)),
-                    Window::PlaneWave => None,
-                };
-                scatter(&operator.mesh, light, fields, power_um, azimuths)
-            })
-            .collect();
         if !fields.iter().flatten().flatten().flatten().all(|value| value.is_finite()) {
             return Err(Error::not_settled("the fields on the boundaries are not finite"));
         }
-        Ok(Solution {
-            scattered,
+        let far = lights.iter().zip(&fields).map(|(light, fields)| {
+            let power_um = match window {
+                Window::Gaussian => Some(incident_power_um(section.width_um, light)),
+                Window::PlaneWave => None,
+            };
+            scatter(&operator.mesh, light, fields, power_um, azimuths)
+        });
+        let scattered: Vec<Scattered> = far.collect();
+        let effort = Effort {
             unknowns: cost.unknowns,
             elements_per_wavelength,
             seconds: start.elapsed().as_secs_f64(),
             memory_bytes: cost.bytes,
-        })
+        };
+        Ok(scattered.into_iter().map(|scattered| Solved { scattered, effort }).collect())
     }
 }
 
