@@ -85,6 +85,17 @@ impl Dense {
         Self { rows, columns, data }
     }
 
+    /// From columns of so many rows, one after the other.
+    ///
+    /// # Panics
+    /// The last column is not whole.
+    #[must_use]
+    pub fn from_columns(rows: usize, data: Vec<Complex64>) -> Self {
+        let columns = data.len() / rows.max(1);
+        assert_eq!(rows * columns, data.len(), "columns are whole");
+        Self { rows, columns, data }
+    }
+
     /// How many rows it has.
     #[must_use]
     pub fn rows(&self) -> usize {
@@ -145,6 +156,38 @@ impl Dense {
     /// Adds A·B.
     pub fn add_product(&mut self, a: &Self, b: &Self) {
         matmul(self.view_mut(), Accum::Add, a.view(), b.view(), Complex64::new(1.0, 0.0), Par::Seq);
+    }
+
+    /// Aᵀ·B, without conjugation.
+    #[must_use]
+    pub fn transposed_times(&self, b: &Self) -> Self {
+        let mut product = Self::zeros(self.columns, b.columns);
+        let one = Complex64::new(1.0, 0.0);
+        matmul(product.view_mut(), Accum::Replace, self.view().transpose(), b.view(), one, Par::Seq);
+        product
+    }
+
+    /// Subtracts A·B.
+    pub fn subtract_product(&mut self, a: &Self, b: &Self) {
+        matmul(self.view_mut(), Accum::Add, a.view(), b.view(), Complex64::new(-1.0, 0.0), Par::Seq);
+    }
+
+    /// The rows of this matrix, then those of `b`.
+    #[must_use]
+    pub fn above(&self, b: &Self) -> Self {
+        let mut data = Vec::with_capacity(self.data.len() + b.data.len());
+        for k in 0..self.columns {
+            data.extend_from_slice(self.column(k));
+            data.extend_from_slice(b.column(k));
+        }
+        Self { rows: self.rows + b.rows, columns: self.columns, data }
+    }
+
+    /// Puts all columns of `b` from `row` on.
+    pub fn set_block(&mut self, row: usize, b: &Self) {
+        for k in 0..self.columns {
+            self.column_mut(k)[row..row + b.rows].copy_from_slice(b.column(k));
+        }
     }
 
     /// A ← 1 − A.

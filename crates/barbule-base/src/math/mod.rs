@@ -8,6 +8,7 @@ pub mod chebyshev;
 pub mod dense;
 pub mod elementary;
 pub mod fft;
+pub mod hierarchical;
 pub mod large;
 pub mod normal;
 pub mod quadrature;

@@ -21,6 +21,7 @@ use std::time::Instant;
 
 use super::far_fields::Illuminations;
 use crate::math::dense::Dense;
+use crate::math::hierarchical::HierarchicalFactors;
 use crate::math::large::LargeFactors;
 use crate::progress::Progress;
 use crate::scattering::directions::{e1, e2};
@@ -32,7 +33,7 @@ use crate::{Complex64, Error, Result};
 use incidence::Incidence;
 use kernel::{COMPONENTS, Kernel};
 use mesh::Mesh;
-use operator::{Coupled, Operator};
+use operator::{Coupled, Operator, Weighted};
 use outgoing::{Fields, absorbed_um, radiate};
 
 /// Nodes per wavelength, in the denser of the media at each boundary, unless somebody asks for others.
@@ -40,6 +41,12 @@ pub const ELEMENTS_PER_WAVELENGTH: f64 = 10.0;
 
 /// Bytes of a complex number.
 const COMPLEX: u64 = size_of::<Complex64>() as u64;
+
+/// Equations up to which all elements are kept.
+const MOST_DENSE: usize = 8000;
+
+/// What far blocks may be off by, as a part of their norm.
+const TOLERANCE: f64 = 1e-5;
 
 /// Operations per second and core that predictions of time suppose.
 const OPERATIONS_PER_SECOND: f64 = 4e10;
@@ -51,6 +58,17 @@ pub struct Problem<'a> {
     wavelength_nm: f64,
     theta_i: f64,
     elements_per_wavelength: f64,
+    method: Method,
+    memory_bytes: u64,
+}
+
+/// How the equations are solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// By LU factors of the whole matrix: time grows with the cube of the unknowns, memory with their square.
+    Dense,
+    /// By factors whose far blocks are thin products ([`HierarchicalFactors`]).
+    Hierarchical,
 }
 
 /// What solving takes.
@@ -153,7 +171,29 @@ impl<'a> Problem<'a> {
         elements_per_wavelength: f64,
     ) -> Result<Self> {
         let mesh = Mesh::new(section, wavelength_nm, elements_per_wavelength)?;
-        Ok(Self { section, mesh, wavelength_nm, theta_i, elements_per_wavelength })
+        let rows = mesh.nodes.len() * if theta_i == 0.0 { 2 } else { 4 };
+        let method = if rows <= MOST_DENSE { Method::Dense } else { Method::Hierarchical };
+        Ok(Self {
+            section,
+            mesh,
+            wavelength_nm,
+            theta_i,
+            elements_per_wavelength,
+            method,
+            memory_bytes: u64::MAX,
+        })
+    }
+
+    /// The same problem, solved in this way; without, small problems are solved densely.
+    #[must_use]
+    pub fn by(self, method: Method) -> Self {
+        Self { method, ..self }
+    }
+
+    /// The same problem, given up where thin products would take more than so many bytes.
+    #[must_use]
+    pub fn within(self, memory_bytes: u64) -> Self {
+        Self { memory_bytes, ..self }
     }
 
     /// What it will take on so many threads.
@@ -207,7 +247,9 @@ impl<'a> Problem<'a> {
             .collect();
         let cost = self.cost(rayon::current_num_threads());
         let systems = self.systems();
-        let Self { section, mesh, wavelength_nm, theta_i, elements_per_wavelength } = self;
+        let Self { section, mesh, wavelength_nm, theta_i, elements_per_wavelength, method, memory_bytes } =
+            self;
+        let mut bytes = 0;
         let k = crate::spectrum::wave_number_per_um(wavelength_nm);
         let kernel = Kernel::new(&mesh, k, -k * theta_i.sin())?;
         let radius_um = mesh.radius_um();
@@ -223,11 +265,13 @@ impl<'a> Problem<'a> {
                 let incidence = Incidence::new(&lights[light], polarization, section.width_um, radius_um);
                 operator.right_side(coupled, &incidence, unknowns.column_mut(c));
             }
-            let steps = LargeFactors::steps(unknowns.rows());
-            progress.begin("filling the matrix", operator.mesh.nodes.len() as u64);
-            let matrix = operator.matrix(coupled, progress)?;
-            progress.begin("solving", steps);
-            LargeFactors::new(matrix, progress)?.solve(&mut unknowns);
+            let taken = match method {
+                Method::Dense => solve_dense(&operator, coupled, &mut unknowns, progress)?,
+                Method::Hierarchical => {
+                    solve_hierarchically(&operator, coupled, &mut unknowns, memory_bytes, progress)?
+                }
+            };
+            bytes = bytes.max(taken);
             for (c, &(light, polarization)) in columns.iter().enumerate() {
                 let field = coupled.fields(unknowns.column(c));
                 fields[light][polarization.index()] = field;
@@ -248,10 +292,45 @@ impl<'a> Problem<'a> {
             unknowns: cost.unknowns,
             elements_per_wavelength,
             seconds: start.elapsed().as_secs_f64(),
-            memory_bytes: cost.bytes,
+            memory_bytes: bytes,
         };
         Ok(scattered.into_iter().map(|scattered| Solved { scattered, effort }).collect())
     }
+}
+
+/// x ← A⁻¹ x by LU factors; the bytes that it took.
+fn solve_dense(
+    operator: &Operator,
+    coupled: Coupled,
+    unknowns: &mut Dense,
+    progress: &dyn Progress,
+) -> Result<u64> {
+    progress.begin("filling the matrix", operator.mesh.nodes.len() as u64);
+    let matrix = operator.matrix(coupled, progress)?;
+    progress.begin("solving", LargeFactors::steps(unknowns.rows()));
+    LargeFactors::new(matrix, progress)?.solve(unknowns);
+    Ok((unknowns.rows() as u64).pow(2) * COMPLEX)
+}
+
+/// x ← A⁻¹ x by thin products; the bytes that they took.
+fn solve_hierarchically(
+    operator: &Operator,
+    coupled: Coupled,
+    unknowns: &mut Dense,
+    memory_bytes: u64,
+    progress: &dyn Progress,
+) -> Result<u64> {
+    let weighted = Weighted { operator, coupled };
+    let factors = HierarchicalFactors::new(&weighted, TOLERANCE, memory_bytes, progress)?;
+    let roots = weighted.roots();
+    for k in 0..unknowns.columns() {
+        unknowns.column_mut(k).iter_mut().zip(&roots).for_each(|(value, root)| *value *= root);
+    }
+    factors.solve(unknowns);
+    for k in 0..unknowns.columns() {
+        unknowns.column_mut(k).iter_mut().zip(&roots).for_each(|(value, root)| *value /= root);
+    }
+    Ok(factors.bytes())
 }
 
 /// Φ_i of a beam on a flat top as wide as the section, µm.

@@ -10,6 +10,7 @@ use super::near::Near;
 use super::outgoing::Fields;
 use super::shape::Chord;
 use crate::math::dense::Dense;
+use crate::math::hierarchical::Blocks;
 use crate::progress::Progress;
 use crate::{Complex64, Error, Result};
 
@@ -45,6 +46,48 @@ impl Coupled {
             field
         };
         unknowns.chunks_exact(components.len()).map(field).collect()
+    }
+}
+
+/// The equations of some components, weighted for sums of squares to be integrals over boundaries.
+pub(super) struct Weighted<'a> {
+    pub(super) operator: &'a Operator,
+    pub(super) coupled: Coupled,
+}
+
+impl Weighted<'_> {
+    /// √ of each unknown's part of a boundary's length: unknowns times these are unknowns of the weighted equations.
+    pub(super) fn roots(&self) -> Vec<f64> {
+        let components = self.coupled.components().len();
+        let nodes = self.operator.mesh.nodes.iter();
+        nodes.flat_map(|node| std::iter::repeat_n(node.weight_um.sqrt(), components)).collect()
+    }
+}
+
+impl Blocks for Weighted<'_> {
+    fn components(&self) -> usize {
+        self.coupled.components().len()
+    }
+
+    fn places(&self) -> Vec<[f64; 2]> {
+        self.operator.mesh.nodes.iter().map(|node| node.point.at).collect()
+    }
+
+    fn group(&self, node: usize) -> usize {
+        self.operator.mesh.nodes[node].boundary
+    }
+
+    fn block(&self, target: usize, source: usize, block: &mut [Complex64]) -> bool {
+        let Some(all) = self.operator.block(target, source) else { return false };
+        let nodes = &self.operator.mesh.nodes;
+        let weight = (nodes[target].weight_um / nodes[source].weight_um).sqrt();
+        let components = self.coupled.components();
+        for (row, &equation) in block.chunks_exact_mut(components.len()).zip(components) {
+            for (value, &unknown) in row.iter_mut().zip(components) {
+                *value = weight * all[equation][unknown];
+            }
+        }
+        true
     }
 }
 

@@ -258,3 +258,35 @@ fn solutions_are_the_same_bits_on_any_number_of_threads() {
         assert_eq!(one.effort.unknowns, Problem::new(&body, 500.0, 0.4, 7.0).unwrap().cost(1).unknowns);
     }
 }
+
+/// A long slab with rows of rods: what is near is far away along it.
+fn slab(length_um: f64) -> Section {
+    let half = 0.5 * length_um;
+    let mut circles = Vec::new();
+    let mut x = 0.2 - half;
+    while x < half - 0.15 {
+        for row in 0..3 {
+            circles.push(circle([x, -0.25 * f64::from(row)], 0.08, index(1.7, 0.05), None));
+        }
+        x += 0.25;
+    }
+    let mut inclusions = section_of(&circles).inclusions;
+    let outline = [[-half, 0.2], [half, 0.2], [half, -0.7], [-half, -0.7]];
+    inclusions.push(polygon(&outline, index(1.56, 0.0)));
+    section(inclusions)
+}
+
+#[test]
+fn thin_products_give_what_all_elements_give() {
+    let slab = slab(6.0);
+    for theta in [0.0, 0.4] {
+        let run = |method| {
+            let problem = Problem::new(&slab, 500.0, theta, 8.0).unwrap().by(method);
+            problem.solve(&[0.3], Window::PlaneWave, 72, &Unobserved).unwrap().swap_remove(0)
+        };
+        let (dense, thin) = (run(Method::Dense), run(Method::Hierarchical));
+        let error = apart(&dense.scattered, &thin.scattered);
+        println!("{theta}: {error:.1e}, {:?} {:?}", dense.effort, thin.effort);
+        assert!(error < 1e-3, "{theta}: {error:e}");
+    }
+}

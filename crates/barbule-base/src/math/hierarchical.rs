@@ -1,0 +1,565 @@
+//! Large systems of equations whose far blocks are products of thin matrices: factors without all elements.
+//!
+//! Unknowns stand at nodes of the plane. Halving the nodes by place gives a tree; the blocks between the two halves of each
+//! part are low-rank products UVᵀ (adaptive cross approximation, Bebendorf 2000), and the inverse follows from the leaves up
+//! by Sherman, Morrison and Woodbury's formula (Ambikasaran and Darve 2013). Memory and time grow with the nodes times the rank and
+//! its square, so that long thin bodies, whose rank does not grow with their length, cost little more per node.
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use super::dense::{Dense, Factors};
+use crate::progress::Progress;
+use crate::{Error, Result};
+
+/// Most nodes of a leaf.
+const LEAF_NODES: usize = 160;
+
+/// Columns that one task solves for: fixed, so that results do not depend on the number of threads.
+const TASK: usize = 48;
+
+/// Crosses in a row that must be negligible before an approximation is examined.
+const QUIET_CROSSES: usize = 2;
+
+/// The elements of a system: a square block for each pair of nodes.
+pub trait Blocks: Sync {
+    /// Unknowns of a node.
+    fn components(&self) -> usize;
+    /// Where each node is.
+    fn places(&self) -> Vec<[f64; 2]>;
+    /// Nodes of a group see the same others; approximations are examined at some of each.
+    fn group(&self, node: usize) -> usize;
+    /// Writes the block of a target and a source, row by row; `false` where all of it is zero.
+    fn block(&self, target: usize, source: usize, block: &mut [Complex64]) -> bool;
+}
+
+/// A system in factors.
+pub struct HierarchicalFactors {
+    /// The node at each place of the tree's order.
+    order: Vec<usize>,
+    components: usize,
+    root: Part,
+    bytes: u64,
+    largest_rank: usize,
+}
+
+/// A part of the nodes, contiguous in the tree's order.
+enum Part {
+    Leaf(Factors),
+    /// diag(A₁, A₂)(1 + [0, W₁V₁ᵀ; W₂V₂ᵀ, 0]).
+    Halves {
+        halves: Box<[Part; 2]>,
+        first: usize,
+        w: [Dense; 2],
+        v: [Dense; 2],
+        middle: Factors,
+    },
+}
+
+/// Which nodes a part has, and its halves.
+struct Tree {
+    from: usize,
+    to: usize,
+    halves: Option<Box<[Tree; 2]>>,
+}
+
+/// Two thin matrices.
+struct Product {
+    u: Dense,
+    v: Dense,
+}
+
+impl HierarchicalFactors {
+    /// Factors of a system whose far blocks may be off by a part `tolerance` of their norm.
+    ///
+    /// # Errors
+    /// The system is singular, the factors would take more than `bytes`, or the user cancelled.
+    pub fn new(blocks: &dyn Blocks, tolerance: f64, bytes: u64, progress: &dyn Progress) -> Result<Self> {
+        let places = blocks.places();
+        let mut order: Vec<usize> = (0..places.len()).collect();
+        let tree = split(&mut order, 0, &places);
+        let builder = Builder {
+            blocks,
+            order: &order,
+            places: &places,
+            components: blocks.components(),
+            tolerance,
+            progress,
+            bytes,
+        };
+        progress.begin("factoring", builder.order.len() as u64 * u64::from(depth(&tree)));
+        let built = builder.part(&tree)?;
+        Ok(Self {
+            components: builder.components,
+            root: built.part,
+            bytes: built.bytes,
+            largest_rank: built.rank,
+            order,
+        })
+    }
+
+    /// Bytes of the factors.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// The largest rank of a block.
+    #[must_use]
+    pub fn largest_rank(&self) -> usize {
+        self.largest_rank
+    }
+
+    /// b ← A⁻¹ b, rows node by node.
+    pub fn solve(&self, b: &mut Dense) {
+        let m = self.components;
+        let mut sorted = Dense::zeros(b.rows(), b.columns());
+        for k in 0..b.columns() {
+            let (from, to) = (b.column(k), sorted.column_mut(k));
+            for (place, &node) in self.order.iter().enumerate() {
+                to[place * m..][..m].copy_from_slice(&from[node * m..][..m]);
+            }
+        }
+        self.root.solve(&mut sorted);
+        for k in 0..b.columns() {
+            let (from, to) = (sorted.column(k), b.column_mut(k));
+            for (place, &node) in self.order.iter().enumerate() {
+                to[node * m..][..m].copy_from_slice(&from[place * m..][..m]);
+            }
+        }
+    }
+}
+
+impl Part {
+    /// b ← A⁻¹ b in the tree's order, columns in parallel.
+    fn solve(&self, b: &mut Dense) {
+        let rows = b.rows();
+        if b.columns() <= TASK {
+            self.solve_few(b);
+            return;
+        }
+        b.elements_mut().par_chunks_mut(TASK * rows).for_each(|columns| {
+            let mut few = Dense::from_columns(rows, columns.to_vec());
+            self.solve_few(&mut few);
+            columns.copy_from_slice(few.elements());
+        });
+    }
+
+    fn solve_few(&self, b: &mut Dense) {
+        match self {
+            Self::Leaf(factors) => factors.solve(b),
+            Self::Halves { halves, first, w, v, middle } => {
+                let rest = b.rows() - first;
+                let mut parts = [b.block(0, 0, *first, b.columns()), b.block(*first, 0, rest, b.columns())];
+                for (half, part) in halves.iter().zip(&mut parts) {
+                    half.solve_few(part);
+                }
+                // (1 + ṼᵀW̃) z = Ṽᵀy, x = y − W̃z; V₁ belongs to the second half's unknowns.
+                let mut z = v[0].transposed_times(&parts[1]).above(&v[1].transposed_times(&parts[0]));
+                middle.solve(&mut z);
+                let ranks = [w[0].columns(), w[1].columns()];
+                let lower = z.block(ranks[0], 0, ranks[1], z.columns());
+                let upper = z.block(0, 0, ranks[0], z.columns());
+                parts[0].subtract_product(&w[0], &upper);
+                parts[1].subtract_product(&w[1], &lower);
+                b.set_block(0, &parts[0]);
+                b.set_block(*first, &parts[1]);
+            }
+        }
+    }
+}
+
+/// A part with its size.
+struct Built {
+    part: Part,
+    bytes: u64,
+    rank: usize,
+}
+
+struct Builder<'a> {
+    blocks: &'a dyn Blocks,
+    order: &'a [usize],
+    places: &'a [[f64; 2]],
+    components: usize,
+    tolerance: f64,
+    progress: &'a dyn Progress,
+    /// How many bytes there may be in all.
+    bytes: u64,
+}
+
+impl Builder<'_> {
+    fn part(&self, tree: &Tree) -> Result<Built> {
+        if self.progress.is_cancelled() {
+            return Err(Error::interrupted());
+        }
+        let nodes = tree.to - tree.from;
+        let Some(halves) = &tree.halves else {
+            let matrix = self.dense(tree);
+            self.progress.advance(nodes as u64);
+            if !matrix.is_finite() {
+                return Err(Error::not_settled("the elements of a system of equations are not finite"));
+            }
+            let bytes = 16 * (matrix.rows() * matrix.columns()) as u64;
+            return Ok(Built { part: Part::Leaf(matrix.factor()), bytes, rank: 0 });
+        };
+        let (first, second) = rayon::join(|| self.part(&halves[0]), || self.part(&halves[1]));
+        let (first, second) = (first?, second?);
+        let (upper, lower) =
+            rayon::join(|| self.product(&halves[0], &halves[1]), || self.product(&halves[1], &halves[0]));
+        let (upper, lower) = (upper?, lower?);
+        let size = |product: &Product| 16 * (product.u.elements().len() + product.v.elements().len()) as u64;
+        let bytes = first.bytes + second.bytes + size(&upper) + size(&lower);
+        if bytes > self.bytes {
+            return Err(Error::machine(
+                "the factors of a system of equations do not fit into the memory allowed",
+            ));
+        }
+        let rank = upper.u.columns().max(lower.u.columns()).max(first.rank).max(second.rank);
+        let mut w = [upper.u, lower.u];
+        for (part, w) in [&first.part, &second.part].into_iter().zip(&mut w) {
+            part.solve(w);
+        }
+        let v = [upper.v, lower.v];
+        let (a, b) = (v[0].transposed_times(&w[1]), v[1].transposed_times(&w[0]));
+        let ranks = [w[0].columns(), w[1].columns()];
+        let mut middle = Dense::identity(ranks[0] + ranks[1]);
+        for k in 0..ranks[1] {
+            middle.column_mut(ranks[0] + k)[..ranks[0]].copy_from_slice(a.column(k));
+        }
+        for k in 0..ranks[0] {
+            middle.column_mut(k)[ranks[0]..].copy_from_slice(b.column(k));
+        }
+        self.progress.advance(nodes as u64);
+        let rows = w[0].rows();
+        let halves = Box::new([first.part, second.part]);
+        let part = Part::Halves { halves, first: rows, w, v, middle: middle.factor() };
+        Ok(Built { part, bytes, rank })
+    }
+
+    fn dense(&self, tree: &Tree) -> Dense {
+        let (m, nodes) = (self.components, tree.to - tree.from);
+        let mut matrix = Dense::zeros(nodes * m, nodes * m);
+        let mut block = vec![Complex64::ZERO; m * m];
+        for source in 0..nodes {
+            for target in 0..nodes {
+                if !self.blocks.block(
+                    self.order[tree.from + target],
+                    self.order[tree.from + source],
+                    &mut block,
+                ) {
+                    continue;
+                }
+                for (row, values) in block.chunks_exact(m).enumerate() {
+                    for (column, value) in values.iter().enumerate() {
+                        matrix[(target * m + row, source * m + column)] = *value;
+                    }
+                }
+            }
+        }
+        matrix
+    }
+
+    /// The block of two parts as a product, by crosses of a target's rows and a source's columns.
+    fn product(&self, targets: &Tree, sources: &Tree) -> Result<Product> {
+        let mut crosses = Crosses::new(self, targets, sources);
+        let mut unexamined = self.samples(targets, sources);
+        let mut quiet = 0;
+        let mut next = unexamined.pop();
+        while let Some(target) = next {
+            if self.progress.is_cancelled() {
+                return Err(Error::interrupted());
+            }
+            let (is_quiet, best) = crosses.add(target);
+            quiet = if is_quiet { quiet + 1 } else { 0 };
+            next = match best {
+                Some(best) if quiet < QUIET_CROSSES => Some(best),
+                _ => {
+                    // Groups that no cross has seen yet may hide more.
+                    let found = loop {
+                        match unexamined.pop() {
+                            Some(target) if crosses.is_approximated(target) => {}
+                            found => break found,
+                        }
+                    };
+                    quiet = 0;
+                    found
+                }
+            };
+        }
+        Ok(crosses.finish())
+    }
+
+    /// Targets at which an approximation is examined: of each group the nearest to the sources, and one in between.
+    fn samples(&self, targets: &Tree, sources: &Tree) -> Vec<usize> {
+        let places = self.places;
+        let count = (sources.to - sources.from) as f64;
+        let mut centre = [0.0; 2];
+        for place in &self.order[sources.from..sources.to] {
+            centre = [0, 1].map(|axis| centre[axis] + places[*place][axis] / count);
+        }
+        let distance = |node: usize| libm::hypot(places[node][0] - centre[0], places[node][1] - centre[1]);
+        let mut groups: std::collections::BTreeMap<usize, Vec<(f64, usize)>> =
+            std::collections::BTreeMap::new();
+        for place in targets.from..targets.to {
+            let node = self.order[place];
+            groups.entry(self.blocks.group(node)).or_default().push((distance(node), place));
+        }
+        let mut samples = Vec::new();
+        for group in groups.values_mut() {
+            group.sort_by(|a, b| a.0.total_cmp(&b.0));
+            samples.extend([group[group.len() / 2].1, group[group.len() / 8].1, group[0].1]);
+        }
+        samples.dedup();
+        samples
+    }
+}
+
+/// An approximation under construction: Σ u vᵀ.
+struct Crosses<'a> {
+    builder: &'a Builder<'a>,
+    targets: &'a Tree,
+    sources: &'a Tree,
+    /// Columns of U and of V one after the other.
+    u: Vec<Complex64>,
+    v: Vec<Complex64>,
+    /// Σ |u|²|v|².
+    norm_squared: f64,
+    used: Vec<bool>,
+}
+
+impl<'a> Crosses<'a> {
+    fn new(builder: &'a Builder<'a>, targets: &'a Tree, sources: &'a Tree) -> Self {
+        let used = vec![false; targets.to - targets.from];
+        Self { builder, targets, sources, u: Vec::new(), v: Vec::new(), norm_squared: 0.0, used }
+    }
+
+    fn rows(&self) -> usize {
+        (self.targets.to - self.targets.from) * self.builder.components
+    }
+
+    fn columns(&self) -> usize {
+        (self.sources.to - self.sources.from) * self.builder.components
+    }
+
+    /// What is left of the rows of a target (a place of the order), one after the other.
+    fn left_of_rows(&self, target: usize) -> Vec<Complex64> {
+        let (m, columns) = (self.builder.components, self.columns());
+        let mut rows = vec![Complex64::ZERO; m * columns];
+        let mut block = vec![Complex64::ZERO; m * m];
+        let order = self.builder.order;
+        for (at, source) in (self.sources.from..self.sources.to).enumerate() {
+            if self.builder.blocks.block(order[target], order[source], &mut block) {
+                for (row, values) in block.chunks_exact(m).enumerate() {
+                    rows[row * columns + at * m..][..m].copy_from_slice(values);
+                }
+            }
+        }
+        let first = (target - self.targets.from) * m;
+        for (u, v) in self.u.chunks_exact(self.rows()).zip(self.v.chunks_exact(columns)) {
+            for (row, factor) in rows.chunks_exact_mut(columns).zip(&u[first..first + m]) {
+                subtract(row, *factor, v);
+            }
+        }
+        rows
+    }
+
+    /// What is left of the columns of a source.
+    fn left_of_columns(&self, source: usize) -> Vec<Complex64> {
+        let (m, rows) = (self.builder.components, self.rows());
+        let mut columns = vec![Complex64::ZERO; m * rows];
+        let mut block = vec![Complex64::ZERO; m * m];
+        let order = self.builder.order;
+        for (at, target) in (self.targets.from..self.targets.to).enumerate() {
+            if self.builder.blocks.block(order[target], order[source], &mut block) {
+                for (row, values) in block.chunks_exact(m).enumerate() {
+                    for (column, value) in values.iter().enumerate() {
+                        columns[column * rows + at * m + row] = *value;
+                    }
+                }
+            }
+        }
+        let first = (source - self.sources.from) * m;
+        for (u, v) in self.u.chunks_exact(rows).zip(self.v.chunks_exact(self.columns())) {
+            for (column, factor) in columns.chunks_exact_mut(rows).zip(&v[first..first + m]) {
+                subtract(column, *factor, u);
+            }
+        }
+        columns
+    }
+
+    /// Adds the cross of a target; whether it was negligible, and the target with most left near its columns.
+    fn add(&mut self, target: usize) -> (bool, Option<usize>) {
+        let (m, rows, columns) = (self.builder.components, self.rows(), self.columns());
+        self.used[target - self.targets.from] = true;
+        let mut left = self.left_of_rows(target);
+        let weight =
+            |at: usize| -> f64 { (0..m).map(|row| square(&left[row * columns + at * m..][..m])).sum() };
+        let Some(best) = (0..columns / m).max_by(|&a, &b| weight(a).total_cmp(&weight(b))) else {
+            return (true, None);
+        };
+        if weight(best) == 0.0 {
+            return (true, None);
+        }
+        let mut across = self.left_of_columns(self.sources.from + best);
+        let before = self.norm_squared;
+        // The block where both meet, pivot by pivot; what cannot be told from rounding stays out.
+        let largest = across.iter().map(Complex64::norm_sqr).fold(0.0, f64::max);
+        let at = (target - self.targets.from) * m;
+        for _ in 0..m {
+            let pivots = (0..m).flat_map(|p| (0..m).map(move |q| (p, q)));
+            let pivot = |p: usize, q: usize| across[q * rows + at + p];
+            let Some((p, q)) =
+                pivots.max_by(|a, b| pivot(a.0, a.1).norm_sqr().total_cmp(&pivot(b.0, b.1).norm_sqr()))
+            else {
+                break;
+            };
+            let pivot = pivot(p, q);
+            if pivot.norm_sqr() <= 1e-24 * largest || pivot.norm_sqr() == 0.0 {
+                break;
+            }
+            let u: Vec<Complex64> = across[q * rows..][..rows].iter().map(|value| value / pivot).collect();
+            let v = left[p * columns..][..columns].to_vec();
+            for (row, part) in left.chunks_exact_mut(columns).zip(&u[at..at + m]) {
+                subtract(row, *part, &v);
+            }
+            for (k, column) in across.chunks_exact_mut(rows).enumerate() {
+                subtract(column, v[best * m + k], &u);
+            }
+            self.norm_squared += square(&u) * square(&v);
+            self.u.extend(&u);
+            self.v.extend(&v);
+        }
+        let added = self.norm_squared - before;
+        let is_quiet = added <= self.builder.tolerance.powi(2) * self.norm_squared;
+        let last = self.u.len() / rows - usize::from(added > 0.0);
+        let near = |place: usize| -> f64 {
+            self.u[last * rows..].chunks_exact(rows).map(|u| square(&u[place * m..][..m])).sum()
+        };
+        let unused = (0..rows / m).filter(|&place| !self.used[place]);
+        let best = unused.max_by(|&a, &b| near(a).total_cmp(&near(b)));
+        (is_quiet, best.map(|place| self.targets.from + place))
+    }
+
+    /// Whether what is left of a target's rows is negligible.
+    fn is_approximated(&self, target: usize) -> bool {
+        let left = square(&self.left_of_rows(target));
+        left <= self.builder.tolerance.powi(2) * self.norm_squared
+    }
+
+    fn finish(self) -> Product {
+        let (rows, columns) = (self.rows(), self.columns());
+        Product { u: Dense::from_columns(rows, self.u), v: Dense::from_columns(columns, self.v) }
+    }
+}
+
+/// y ← y − a x.
+fn subtract(y: &mut [Complex64], a: Complex64, x: &[Complex64]) {
+    if a == Complex64::ZERO {
+        return;
+    }
+    for (y, x) in y.iter_mut().zip(x) {
+        *y -= a * x;
+    }
+}
+
+fn square(values: &[Complex64]) -> f64 {
+    values.iter().map(Complex64::norm_sqr).sum()
+}
+
+/// Halves nodes along the longer side of their box, in place.
+fn split(order: &mut [usize], from: usize, places: &[[f64; 2]]) -> Tree {
+    let to = from + order.len();
+    if order.len() <= LEAF_NODES {
+        return Tree { from, to, halves: None };
+    }
+    let extent = |axis: usize| {
+        let values = order.iter().map(|&node| places[node][axis]);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    };
+    let axis = usize::from(extent(1)[1] - extent(1)[0] > extent(0)[1] - extent(0)[0]);
+    order.sort_by(|&a, &b| places[a][axis].total_cmp(&places[b][axis]).then(a.cmp(&b)));
+    let middle = order.len() / 2;
+    let (left, right) = order.split_at_mut(middle);
+    let halves = [split(left, from, places), split(right, from + middle, places)];
+    Tree { from, to, halves: Some(Box::new(halves)) }
+}
+
+fn depth(tree: &Tree) -> u32 {
+    tree.halves.as_ref().map_or(1, |halves| 1 + depth(&halves[0]).max(depth(&halves[1])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Unobserved;
+
+    /// Nodes on two lines that see each other, and on a third that only sees itself.
+    struct Lines;
+
+    impl Lines {
+        fn at(node: usize) -> [f64; 2] {
+            [(node / 3) as f64 * 0.01, (node % 3) as f64]
+        }
+    }
+
+    impl Blocks for Lines {
+        fn components(&self) -> usize {
+            2
+        }
+
+        fn places(&self) -> Vec<[f64; 2]> {
+            (0..900).map(Self::at).collect()
+        }
+
+        fn group(&self, node: usize) -> usize {
+            node % 3
+        }
+
+        fn block(&self, target: usize, source: usize, block: &mut [Complex64]) -> bool {
+            if (target % 3 == 2) != (source % 3 == 2) {
+                return false;
+            }
+            let (a, b) = (Self::at(target), Self::at(source));
+            let r = libm::hypot(a[0] - b[0], a[1] - b[1]) + 0.02;
+            let wave = Complex64::from_polar(0.01 / r.sqrt(), 9.0 * r);
+            block.copy_from_slice(&[wave, 0.3 * wave * (a[0] - b[0]), wave * wave, 0.5 * wave]);
+            if target == source {
+                block[0] += 1.0;
+                block[3] += 1.0;
+            }
+            true
+        }
+    }
+
+    #[test]
+    fn factors_solve_what_all_elements_say() {
+        let full = |row: usize, column: usize| {
+            let mut block = [Complex64::ZERO; 4];
+            Lines.block(row / 2, column / 2, &mut block);
+            block[(row % 2) * 2 + column % 2]
+        };
+        let matrix = Dense::from_fn(1800, 1800, |i, k| {
+            let coupled = (i / 2 % 3 == 2) == (k / 2 % 3 == 2);
+            if coupled { full(i, k) } else { Complex64::ZERO }
+        });
+        let x = Dense::from_fn(1800, 3, |i, k| Complex64::new((i as f64).sin(), k as f64));
+        let right = matrix.times(&x);
+        let mut before = f64::INFINITY;
+        for tolerance in [1e-3, 1e-6, 1e-9] {
+            let factors = HierarchicalFactors::new(&Lines, tolerance, u64::MAX, &Unobserved).unwrap();
+            let mut b = right.clone();
+            factors.solve(&mut b);
+            let error = b
+                .elements()
+                .iter()
+                .zip(x.elements())
+                .map(|(got, expected)| (got - expected).norm())
+                .fold(0.0, f64::max);
+            println!("{tolerance}: {error:e}, rank {}, {} bytes", factors.largest_rank(), factors.bytes());
+            assert!(error < 30.0 * tolerance && error < before, "{tolerance}: {error:e}");
+            assert!(factors.bytes() < 16 * 1800 * 1800 / 2);
+            before = error;
+        }
+        assert!(HierarchicalFactors::new(&Lines, 1e-6, 1 << 20, &Unobserved).is_err());
+    }
+}
