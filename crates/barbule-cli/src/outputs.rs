@@ -18,7 +18,7 @@ pub(crate) const OUTPUTS: [&str; 3] = ["output", "csv", "summary"];
 const TABLES: [&str; 2] = ["csv", "summary"];
 
 /// Arguments whose values are folders that the program fills, and so no inputs.
-pub(crate) const FOLDERS: [&str; 3] = ["cache", "keep_store", "write_curves"];
+pub(crate) const FOLDERS: [&str; 4] = ["cache", "keep_store", "write_curves", "folder"];
 
 /// A file that a command line asks to be written.
 struct Output {

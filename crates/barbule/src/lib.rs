@@ -43,6 +43,7 @@ pub mod figures;
 pub mod io;
 pub mod picture;
 pub mod plot;
+pub mod validate;
 
 pub use barbule_appearance::{brdf, bsdf, render, scene};
 pub use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};

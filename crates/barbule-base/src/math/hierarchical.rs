@@ -18,6 +18,9 @@ const LEAF_NODES: usize = 160;
 /// Columns that one task solves for: fixed, so that results do not depend on the number of threads.
 const TASK: usize = 48;
 
+/// Targets next to a cut, and in all, that an approximation is examined at, beside those of groups.
+const SAMPLES: usize = 64;
+
 /// Crosses in a row that must be negligible before an approximation is examined.
 const QUIET_CROSSES: usize = 2;
 
@@ -61,6 +64,14 @@ struct Tree {
     from: usize,
     to: usize,
     halves: Option<Box<[Tree; 2]>>,
+    cut: Cut,
+}
+
+/// The line between two halves: its axis, 0 for x, and the place on it.
+#[derive(Debug, Clone, Copy)]
+struct Cut {
+    axis: usize,
+    at: f64,
 }
 
 /// Two thin matrices.
@@ -70,7 +81,7 @@ struct Product {
 }
 
 impl HierarchicalFactors {
-    /// Factors of a system whose far blocks may be off by a part `tolerance` of their norm.
+    /// Factors of a system whose diagonal is about 1 and whose far blocks may be off by `tolerance` (as norms of crosses).
     ///
     /// # Errors
     /// The system is singular, the factors would take more than `bytes`, or the user cancelled.
@@ -204,8 +215,10 @@ impl Builder<'_> {
         };
         let (first, second) = rayon::join(|| self.part(&halves[0]), || self.part(&halves[1]));
         let (first, second) = (first?, second?);
-        let (upper, lower) =
-            rayon::join(|| self.product(&halves[0], &halves[1]), || self.product(&halves[1], &halves[0]));
+        let (upper, lower) = rayon::join(
+            || self.product(&halves[0], &halves[1], tree.cut),
+            || self.product(&halves[1], &halves[0], tree.cut),
+        );
         let (upper, lower) = (upper?, lower?);
         let size = |product: &Product| 16 * (product.u.elements().len() + product.v.elements().len()) as u64;
         let bytes = first.bytes + second.bytes + size(&upper) + size(&lower);
@@ -260,9 +273,9 @@ impl Builder<'_> {
     }
 
     /// The block of two parts as a product, by crosses of a target's rows and a source's columns.
-    fn product(&self, targets: &Tree, sources: &Tree) -> Result<Product> {
+    fn product(&self, targets: &Tree, sources: &Tree, cut: Cut) -> Result<Product> {
         let mut crosses = Crosses::new(self, targets, sources);
-        let mut unexamined = self.samples(targets, sources);
+        let mut unexamined = self.samples(targets, cut);
         let mut quiet = 0;
         let mut next = unexamined.pop();
         while let Some(target) = next {
@@ -289,27 +302,28 @@ impl Builder<'_> {
         Ok(crosses.finish())
     }
 
-    /// Targets at which an approximation is examined: of each group the nearest to the sources, and one in between.
-    fn samples(&self, targets: &Tree, sources: &Tree) -> Vec<usize> {
-        let places = self.places;
-        let count = (sources.to - sources.from) as f64;
-        let mut centre = [0.0; 2];
-        for place in &self.order[sources.from..sources.to] {
-            centre = [0, 1].map(|axis| centre[axis] + places[*place][axis] / count);
+    /// Targets at which an approximation is examined: those next to the cut between the parts, where elements are largest
+    /// and most local; of each group three from near to far; and some of all.
+    fn samples(&self, targets: &Tree, cut: Cut) -> Vec<usize> {
+        let mut near: Vec<(f64, usize)> = (targets.from..targets.to)
+            .map(|place| ((self.places[self.order[place]][cut.axis] - cut.at).abs(), place))
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut groups: std::collections::BTreeMap<usize, Vec<usize>> = std::collections::BTreeMap::new();
+        for &(_, place) in &near {
+            groups.entry(self.blocks.group(self.order[place])).or_default().push(place);
         }
-        let distance = |node: usize| libm::hypot(places[node][0] - centre[0], places[node][1] - centre[1]);
-        let mut groups: std::collections::BTreeMap<usize, Vec<(f64, usize)>> =
-            std::collections::BTreeMap::new();
-        for place in targets.from..targets.to {
-            let node = self.order[place];
-            groups.entry(self.blocks.group(node)).or_default().push((distance(node), place));
+        let step = (near.len() / SAMPLES).max(1);
+        let mut samples: Vec<usize> = near.iter().step_by(step).map(|&(_, place)| place).collect();
+        for group in groups.values() {
+            samples.extend([group[group.len() / 2], group[group.len() / 8], group[0]]);
         }
-        let mut samples = Vec::new();
-        for group in groups.values_mut() {
-            group.sort_by(|a, b| a.0.total_cmp(&b.0));
-            samples.extend([group[group.len() / 2].1, group[group.len() / 8].1, group[0].1]);
-        }
-        samples.dedup();
+        samples.extend(near.iter().take(SAMPLES).map(|&(_, place)| place));
+        let mut seen = std::collections::BTreeSet::new();
+        // The last is examined first.
+        samples.reverse();
+        samples.retain(|place| seen.insert(*place));
+        samples.reverse();
         samples
     }
 }
@@ -322,15 +336,13 @@ struct Crosses<'a> {
     /// Columns of U and of V one after the other.
     u: Vec<Complex64>,
     v: Vec<Complex64>,
-    /// Σ |u|²|v|².
-    norm_squared: f64,
     used: Vec<bool>,
 }
 
 impl<'a> Crosses<'a> {
     fn new(builder: &'a Builder<'a>, targets: &'a Tree, sources: &'a Tree) -> Self {
         let used = vec![false; targets.to - targets.from];
-        Self { builder, targets, sources, u: Vec::new(), v: Vec::new(), norm_squared: 0.0, used }
+        Self { builder, targets, sources, u: Vec::new(), v: Vec::new(), used }
     }
 
     fn rows(&self) -> usize {
@@ -401,7 +413,7 @@ impl<'a> Crosses<'a> {
             return (true, None);
         }
         let mut across = self.left_of_columns(self.sources.from + best);
-        let before = self.norm_squared;
+        let mut added = 0.0;
         // The block where both meet, pivot by pivot; what cannot be told from rounding stays out.
         let largest = across.iter().map(Complex64::norm_sqr).fold(0.0, f64::max);
         let at = (target - self.targets.from) * m;
@@ -425,12 +437,11 @@ impl<'a> Crosses<'a> {
             for (k, column) in across.chunks_exact_mut(rows).enumerate() {
                 subtract(column, v[best * m + k], &u);
             }
-            self.norm_squared += square(&u) * square(&v);
+            added += square(&u) * square(&v);
             self.u.extend(&u);
             self.v.extend(&v);
         }
-        let added = self.norm_squared - before;
-        let is_quiet = added <= self.builder.tolerance.powi(2) * self.norm_squared;
+        let is_quiet = added <= self.builder.tolerance.powi(2);
         let last = self.u.len() / rows - usize::from(added > 0.0);
         let near = |place: usize| -> f64 {
             self.u[last * rows..].chunks_exact(rows).map(|u| square(&u[place * m..][..m])).sum()
@@ -443,7 +454,7 @@ impl<'a> Crosses<'a> {
     /// Whether what is left of a target's rows is negligible.
     fn is_approximated(&self, target: usize) -> bool {
         let left = square(&self.left_of_rows(target));
-        left <= self.builder.tolerance.powi(2) * self.norm_squared
+        left <= self.builder.tolerance.powi(2)
     }
 
     fn finish(self) -> Product {
@@ -470,7 +481,7 @@ fn square(values: &[Complex64]) -> f64 {
 fn split(order: &mut [usize], from: usize, places: &[[f64; 2]]) -> Tree {
     let to = from + order.len();
     if order.len() <= LEAF_NODES {
-        return Tree { from, to, halves: None };
+        return Tree { from, to, halves: None, cut: Cut { axis: 0, at: 0.0 } };
     }
     let extent = |axis: usize| {
         let values = order.iter().map(|&node| places[node][axis]);
@@ -479,9 +490,10 @@ fn split(order: &mut [usize], from: usize, places: &[[f64; 2]]) -> Tree {
     let axis = usize::from(extent(1)[1] - extent(1)[0] > extent(0)[1] - extent(0)[0]);
     order.sort_by(|&a, &b| places[a][axis].total_cmp(&places[b][axis]).then(a.cmp(&b)));
     let middle = order.len() / 2;
+    let cut = Cut { axis, at: places[order[middle]][axis] };
     let (left, right) = order.split_at_mut(middle);
     let halves = [split(left, from, places), split(right, from + middle, places)];
-    Tree { from, to, halves: Some(Box::new(halves)) }
+    Tree { from, to, halves: Some(Box::new(halves)), cut }
 }
 
 fn depth(tree: &Tree) -> u32 {

@@ -73,7 +73,7 @@ fn open_moments(t: &[f64], points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut diagonal: Vec<f64> = (1..=inner).map(|i| 2.0 * (step(t, i - 1) + step(t, i))).collect();
     diagonal[0] += step(t, 0);
     diagonal[inner - 1] += step(t, last - 1);
-    for axis in 0..2 {
+    for axis in [0, 1] {
         let right: Vec<f64> = (1..=inner).map(|i| bend(t, points, [i - 1, i, i + 1], axis)).collect();
         for (i, value) in tridiagonal(&lower, &diagonal, &upper, right).into_iter().enumerate() {
             moments[i + 1][axis] = value;
@@ -98,7 +98,7 @@ fn closed_moments(t: &[f64], points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     (ends[0], ends[count - 1]) = (gamma, corner);
     let z = tridiagonal(&lower, &diagonal, &upper, ends);
     let mut moments = vec![[0.0; 2]; count + 1];
-    for axis in 0..2 {
+    for axis in [0, 1] {
         let right = (0..count).map(|i| bend_closed(t, points, [before(i), i], axis)).collect();
         let y = tridiagonal(&lower, &diagonal, &upper, right);
         let over = |v: &[f64]| v[0] + corner / gamma * v[count - 1];

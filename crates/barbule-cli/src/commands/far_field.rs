@@ -11,7 +11,7 @@ use barbule::scattering::far_field::{FarField, Illumination, Window};
 use barbule::solve::far_fields::{Illuminations, Method, bytes, far_fields};
 use barbule::solve::full_wave::{self, Solved};
 use barbule::solve::surface::{FINE_ELEMENT_UM, LARGEST_MIRROR_ERROR, mirror_fraction};
-use barbule::structure::Section;
+use barbule::structure::{Beneath, Section};
 use barbule::{Error, Result};
 use clap::ValueEnum;
 
@@ -83,13 +83,13 @@ pub(crate) struct Args {
 }
 
 /// Nodes per wavelength that make sense.
-fn elements(text: &str) -> std::result::Result<f64, String> {
+pub(super) fn elements(text: &str) -> std::result::Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|elements| (4.0..=200.0).contains(elements));
     number.ok_or_else(|| format!("{text} is not a number of nodes per wavelength from 4 to 200"))
 }
 
 /// A time in the unit that people would use.
-fn duration(seconds: f64) -> String {
+pub(super) fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 90.0 => format!("{:.0} s", s.max(1.0)),
         s if s < 5400.0 => format!("{:.0} min", s / 60.0),
@@ -235,6 +235,11 @@ impl Args {
 
     /// Full waves, after saying what they will take where that is long.
     fn full_waves(&self, section: &Section, illuminations: &Illuminations) -> Result<Vec<Solved>> {
+        let closed = section.closed(Beneath::Absorbing)?;
+        if !closed.changes.is_empty() {
+            self.common.say(&format!("closed for full waves: {}", closed.changes.join("; ")));
+        }
+        let section = &closed.regions;
         let cost = full_wave::cost(section, illuminations, self.elements, rayon::current_num_threads())?;
         let fewer = "a narrower section, a longer wavelength, or fewer --elements";
         self.common.allowance().check("this full wave", cost.bytes, fewer)?;

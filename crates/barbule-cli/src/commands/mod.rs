@@ -21,6 +21,7 @@ mod render;
 mod simulate;
 mod species;
 mod spectrum;
+mod validate;
 
 /// A command with its arguments.
 #[derive(Debug, Subcommand)]
@@ -55,6 +56,8 @@ pub(crate) enum Command {
     Completions(completions::Args),
     /// Render a picture of a feather
     Render(render::Args),
+    /// How accurate the fast simulation is: against full waves
+    Validate(validate::Args),
     /// Speed in figures
     Bench(bench::Args),
 }
@@ -77,6 +80,7 @@ impl Command {
             Self::Feather(args) => args.run(out),
             Self::Completions(args) => args.run(out),
             Self::Render(args) => args.run(out),
+            Self::Validate(args) => args.run(out),
             Self::Bench(args) => args.run(out),
         }
     }

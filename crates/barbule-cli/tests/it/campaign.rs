@@ -243,7 +243,8 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_nothing() {
         words
     };
     let cases: Vec<(Vec<&str>, &str)> = vec![
-        (with(&["--solver", "full-wave"]), "no full-wave solver"),
+        (with(&["--solver", "full-wave", "--memory", "100M"]), "this full wave needs"),
+        (with(&["--solver", "full-wave", "--elements", "1"]), "from 4 to 200"),
         (with(&["--azimuths", "1"]), "from 2 to 100000"),
         (with(&["--azimuths", "100001"]), "from 2 to 100000"),
         (

@@ -109,3 +109,42 @@ fn the_number_of_threads_decides_no_bit() {
     let with = |threads: &str| run(&[&SETS[..], &["50", "--json", "--threads", threads]].concat()).0;
     assert_eq!(with("1"), with("3"));
 }
+
+const RODS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/rods.json");
+
+/// What is scattered and absorbed is missing behind; light through a window has a reflected part instead.
+#[test]
+fn full_waves_give_widths_that_balance() {
+    let words = [
+        "far-field",
+        RODS,
+        "--solver",
+        "full-wave",
+        "--wavelength",
+        "500",
+        "--theta",
+        "30",
+        "--phi",
+        "0",
+        "--json",
+    ];
+    let plane = document(&[&words[..], &["--window", "none", "--azimuths", "8"]].concat());
+    let keys: Vec<_> = plane.as_object().unwrap().keys().collect();
+    let contract = ["phi_out_deg", "incident_power", "polarization_1", "polarization_2"];
+    assert_eq!(keys[..4], contract);
+    assert_eq!(keys[4..], ["unknowns", "elements_per_wavelength", "seconds", "memory_bytes"]);
+    assert_eq!(plane["phi_out_deg"][0], -180.0);
+    assert_eq!(plane["phi_out_deg"][7], 135.0);
+    for polarization in ["polarization_1", "polarization_2"] {
+        let width = |key: &str| plane[polarization][key].as_f64().unwrap();
+        assert!(width("absorbed") > 0.2, "two of the rods absorb");
+        let balance = (width("scattered") + width("absorbed")) / width("extinction") - 1.0;
+        assert!(balance.abs() < 1e-5, "{polarization}: {balance:e}");
+        assert!(plane[polarization]["reflected_fraction"].is_null());
+    }
+    let beam = document(&[&words[..], &["--azimuths", "8"]].concat());
+    let reflected = beam["polarization_1"]["reflected_fraction"].as_f64().unwrap();
+    assert!(reflected > 0.0 && reflected < 1.0 && beam["polarization_1"]["extinction"].is_null());
+    let (table, _) = run(&words[..words.len() - 1]);
+    assert!(table.contains("nodes per wavelength"), "{table}");
+}

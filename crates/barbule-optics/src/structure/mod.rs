@@ -3,6 +3,7 @@
 mod cast;
 mod chain;
 mod check;
+mod closed;
 mod columns;
 mod contour;
 mod crystal;
@@ -21,6 +22,7 @@ mod sweep;
 mod symmetry;
 
 pub use cast::{Ray, cast};
+pub use closed::{Beneath, Closed, GAP_UM};
 pub use columns::{Columns, PaletteMixture, SlotMixture};
 pub use contour::Contour;
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};

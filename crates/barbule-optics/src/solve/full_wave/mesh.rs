@@ -24,9 +24,13 @@ const LENGTH_PER_GAP: f64 = 2.0;
 /// Panels are not made shorter than this for the sake of gaps, µm.
 const SHORTEST_UM: f64 = 2e-4;
 
-/// Polygons with corners that turn by less than this, between edges of like length, are samples of a smooth curve.
+/// Corners are samples of a smooth curve where they turn by less than this, between edges of like length …
 const SMOOTH_RAD: f64 = 0.3;
 const LIKE_LENGTHS: f64 = 3.0;
+
+/// … or turn by less than this and leave the curve by less than so many µm: the height of an arc over its chord.
+const FINE_RAD: f64 = 0.8;
+const FINE_SAGITTA_UM: f64 = 1e-3;
 
 /// Corners closer to the one before are left out, µm.
 const SAME_UM: f64 = 2e-4;
@@ -40,6 +44,7 @@ const LEAST_SMOOTH_NODES: usize = 4;
 /// At corners that turn by more than this fields are singular: the nodes of their panels, at least so many, crowd to them.
 const SHARP_RAD: f64 = 0.6;
 const NODES_AT_CORNERS: usize = 6;
+const NODES_AT_FINE_CORNERS: usize = 5;
 
 /// How long such a panel is at most, in distances of nodes elsewhere.
 const CORNER_LENGTH: f64 = 4.0;
@@ -312,22 +317,19 @@ fn graded(mut pieces: Vec<Piece>, sharp: [bool; 2]) -> Vec<Piece> {
         let [corner, rest] = at_corner(pieces.remove(0), true);
         pieces.splice(0..0, corner.into_iter().chain(rest));
     }
-    if sharp[1] {
-        if let Some(last) = pieces.pop() {
-            let [corner, rest] = at_corner(last, false);
-            pieces.extend(rest.into_iter().chain(corner));
-        }
+    if let Some(last) = pieces.pop_if(|_| sharp[1]) {
+        let [corner, rest] = at_corner(last, false);
+        pieces.extend(rest.into_iter().chain(corner));
     }
     pieces
 }
 
 /// The part of a panel at a corner, crowded to it, and what is left: crowding thins the nodes out at its other end.
 fn at_corner(piece: Piece, at_start: bool) -> [Option<Piece>; 2] {
-    let crowded = |shape: Shape| Piece {
-        shape: shape.crowded(at_start),
-        nodes: piece.nodes.max(NODES_AT_CORNERS).min(MOST_NODES),
-        ..piece
-    };
+    // Pieces that are short against the wavelength make little of their corner's field.
+    let least = if piece.nodes <= LEAST_SMOOTH_NODES { NODES_AT_FINE_CORNERS } else { NODES_AT_CORNERS };
+    let crowded =
+        |shape: Shape| Piece { shape: shape.crowded(at_start), nodes: piece.nodes.max(least), ..piece };
     if piece.nodes <= NODES_AT_CORNERS {
         return [Some(crowded(piece.shape)), None];
     }
@@ -376,7 +378,9 @@ fn clockwise(corners: &Polyline) -> Vec<Corner> {
         let lengths = [libm::hypot(b[0] - a[0], b[1] - a[1]), libm::hypot(c[0] - b[0], c[1] - b[1])];
         let like = lengths[0] < LIKE_LENGTHS * lengths[1] && lengths[1] < LIKE_LENGTHS * lengths[0];
         let turn = turn(a, b, c);
-        Corner { at: b, turn, is_smooth: turn.abs() < SMOOTH_RAD && like }
+        let sagitta_um = 0.125 * lengths[0].max(lengths[1]) * turn.abs();
+        let is_fine = turn.abs() < FINE_RAD && sagitta_um < FINE_SAGITTA_UM;
+        Corner { at: b, turn, is_smooth: is_fine || (turn.abs() < SMOOTH_RAD && like) }
     };
     (0..count).map(corner).collect()
 }

@@ -64,6 +64,41 @@ impl Weighted<'_> {
     }
 }
 
+impl Weighted<'_> {
+    /// How far A x is from b at most at so many nodes spread over all, against the largest b of each column.
+    pub(super) fn residual(&self, x: &Dense, b: &Dense, samples: usize) -> f64 {
+        let components = self.components();
+        let nodes = self.operator.mesh.nodes.len();
+        let step = (nodes / samples).max(1);
+        let largest = |k: usize| b.column(k).iter().map(|value| value.norm()).fold(0.0, f64::max);
+        let largest: Vec<f64> = (0..b.columns()).map(largest).collect();
+        let targets: Vec<usize> = (0..nodes).step_by(step).collect();
+        let errors = targets.par_iter().map(|&target| {
+            let mut sums = vec![Complex64::ZERO; components * b.columns()];
+            let mut block = vec![Complex64::ZERO; components * components];
+            for source in 0..nodes {
+                if !self.block(target, source, &mut block) {
+                    continue;
+                }
+                for (k, sums) in sums.chunks_exact_mut(components).enumerate() {
+                    let x = &x.column(k)[source * components..][..components];
+                    for (sum, row) in sums.iter_mut().zip(block.chunks_exact(components)) {
+                        *sum += row.iter().zip(x).map(|(a, x)| a * x).sum::<Complex64>();
+                    }
+                }
+            }
+            let mut worst = 0.0_f64;
+            for (k, sums) in sums.chunks_exact(components).enumerate() {
+                let b = &b.column(k)[target * components..][..components];
+                let error = sums.iter().zip(b).map(|(sum, b)| (sum - b).norm()).fold(0.0, f64::max);
+                worst = worst.max(error / largest[k]);
+            }
+            worst
+        });
+        errors.collect::<Vec<_>>().into_iter().fold(0.0, f64::max)
+    }
+}
+
 impl Blocks for Weighted<'_> {
     fn components(&self) -> usize {
         self.coupled.components().len()

@@ -148,6 +148,27 @@ impl SpeciesModel {
         Ok(model)
     }
 
+    /// The same species with other values of some of its generator's parameters.
+    ///
+    /// # Errors
+    /// A parameter that the generator does not have, or a value out of its range.
+    pub fn with_parameters(&self, changes: &[(&str, Value)]) -> Result<Self> {
+        let mut parameters = serde_json::to_value(&self.parameters)
+            .map_err(|error| Error::machine(format!("parameters cannot be written: {error}")))?;
+        for (key, value) in changes {
+            match parameters.get_mut(*key) {
+                Some(place) => *place = value.clone(),
+                None => {
+                    return Err(Error::input(format!("{} has no parameter {key} to change", self.title())));
+                }
+            }
+        }
+        Ok(Self {
+            latin: self.latin.clone(),
+            ..Self::from_parameters(&self.name, &self.variant, &parameters, self.library.clone())?
+        })
+    }
+
     /// Refuses parameters that name media which the library does not have.
     pub(super) fn check_media(&self) -> Result<()> {
         for (key, medium) in self.parameters.generator().media() {

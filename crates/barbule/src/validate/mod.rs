@@ -1,0 +1,130 @@
+//! How accurate the fast simulation is: the same sections by it and by full waves, in numbers and figures.
+
+mod figures;
+mod numbers;
+
+pub use numbers::{Case, Comparison, Incidence};
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::progress::{OnlyStops, Progress};
+use crate::scattering::far_field::{FarField, Polarization, Window};
+use crate::solve::far_fields::{Illuminations, Method, far_fields};
+use crate::solve::full_wave;
+use crate::spectrum::Wavelengths;
+use crate::structure::{Closed, Section};
+use crate::{Error, Result};
+
+/// What is compared.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// What it is called.
+    pub name: String,
+    /// The section as both solvers get it.
+    pub closed: Closed,
+    /// Vacuum wavelengths.
+    pub wavelengths: Wavelengths,
+    /// Azimuths of incidence, rad; θ_i is 0.
+    pub phi_i: Vec<f64>,
+    /// Azimuths of the upper half at which patterns are compared.
+    pub azimuths: usize,
+    /// Nodes per wavelength of the full waves.
+    pub elements_per_wavelength: f64,
+}
+
+impl Plan {
+    /// The light: the fast simulation's own window.
+    #[must_use]
+    pub fn light(&self) -> Illuminations {
+        Illuminations {
+            wavelengths_nm: self.wavelengths.nm().to_vec(),
+            theta_i: vec![0.0],
+            phi_i: self.phi_i.clone(),
+            window: Window::Gaussian,
+        }
+    }
+
+    /// What the full waves take.
+    ///
+    /// # Errors
+    /// As [`full_wave::cost`].
+    pub fn cost(&self, threads: usize) -> Result<full_wave::Cost> {
+        full_wave::cost(&self.closed.regions, &self.light(), self.elements_per_wavelength, threads)
+    }
+
+    /// Runs both.
+    ///
+    /// # Errors
+    /// As the solvers; or the user cancelled.
+    pub fn run(&self, progress: &dyn Progress) -> Result<Comparison> {
+        let light = self.light();
+        let start = Instant::now();
+        let fast = far_fields(&self.closed.fast, &light, self.azimuths, Method::Fast, &OnlyStops(progress))?;
+        let fast_seconds = start.elapsed().as_secs_f64();
+        let (incidences, count) = (self.phi_i.len(), self.wavelengths.len());
+        progress.begin("full waves", count as u64);
+        let mut cases = Vec::with_capacity(light.count());
+        for (w, &wavelength_nm) in self.wavelengths.nm().iter().enumerate() {
+            if progress.is_cancelled() {
+                return Err(Error::interrupted());
+            }
+            let full = self.full_waves(wavelength_nm, &OnlyStops(progress))?;
+            let pairs = fast[w * incidences..][..incidences].iter().zip(&full);
+            cases.extend(pairs.map(|(fast, full)| self.case(wavelength_nm, fast, full)));
+            progress.advance(1);
+        }
+        // [wavelength][incidence] → [incidence][wavelength]
+        let of = |i: usize| (0..count).map(|w| cases[w * incidences + i].clone()).collect::<Vec<_>>();
+        let found = (0..incidences)
+            .into_par_iter()
+            .map(|i| Incidence::new(self.phi_i[i].to_degrees(), of(i), &self.wavelengths));
+        Ok(Comparison {
+            name: self.name.clone(),
+            width_um: self.closed.regions.width_um,
+            changes: self.closed.changes.clone(),
+            wavelengths_nm: self.wavelengths.nm().to_vec(),
+            elements_per_wavelength: self.elements_per_wavelength,
+            fast_seconds,
+            incidences: found.collect(),
+        })
+    }
+
+    fn full_waves(&self, wavelength_nm: f64, progress: &dyn Progress) -> Result<Vec<full_wave::Solved>> {
+        let light = Illuminations { wavelengths_nm: vec![wavelength_nm], ..self.light() };
+        // Every second of four times as many azimuths of the circle is one of the upper half's.
+        let circle = 4 * self.azimuths;
+        full_wave::solve(&self.closed.regions, &light, circle, self.elements_per_wavelength, progress)
+    }
+
+    fn case(&self, wavelength_nm: f64, fast: &FarField, full: &full_wave::Solved) -> Case {
+        let unpolarized = |far: &FarField| -> Vec<f64> {
+            let [a, b] = Polarization::BOTH.map(|p| far.per_radian(p));
+            a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect()
+        };
+        // Both are parts of the fast simulation's incident power, that on the top as it is.
+        let power = |far: &FarField| far.light.scale().powi(-2);
+        let factor = power(&full.scattered.far) / power(fast);
+        let circle = unpolarized(&full.scattered.far);
+        let upper = (0..self.azimuths).map(|n| factor * circle[self.azimuths + 2 * n + 1]);
+        let mean = |both: [f64; 2]| 0.5 * (both[0] + both[1]);
+        let reflected = full.scattered.reflected.map_or(f64::NAN, mean);
+        Case {
+            wavelength_nm,
+            fast: unpolarized(fast),
+            full: upper.collect(),
+            reflected: [mean(fast.radiated), factor * reflected],
+            absorbed: factor * mean(full.scattered.absorbed_um) / power(&full.scattered.far),
+            effort: full.effort,
+        }
+    }
+}
+
+/// The widths, in points, that comparisons of the section should be drawn for: azimuths of the upper half.
+#[must_use]
+pub fn usual_azimuths(section: &Section, shortest_nm: f64) -> usize {
+    // Speckles of a body as wide as W are λ/W wide; eight azimuths for each, and no fewer than 180.
+    let speckle = shortest_nm * 1e-3 / section.width_um;
+    ((8.0 * std::f64::consts::PI / speckle).ceil() as usize).clamp(180, 2000)
+}

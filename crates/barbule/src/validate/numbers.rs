@@ -1,0 +1,251 @@
+//! What differs between two simulations, in numbers.
+
+use serde_json::{Value, json};
+
+use crate::solve::full_wave::Effort;
+use crate::spectrum::Wavelengths;
+use crate::spectrum::colour::{Illuminant, Observer};
+use crate::spectrum::difference::{delta_e_2000, lab};
+
+/// One wavelength and incidence by both simulations; powers are parts of the incident power.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// Unpolarized radiant intensity over the upper half, 1/rad, by the fast simulation.
+    pub fast: Vec<f64>,
+    /// The same by full waves.
+    pub full: Vec<f64>,
+    /// What leaves into the upper half: fast, full.
+    pub reflected: [f64; 2],
+    /// What absorbing regions take, by full waves.
+    pub absorbed: f64,
+    /// What the full waves took: all incidences of a wavelength share it.
+    pub effort: Effort,
+}
+
+/// One incidence at all wavelengths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Incidence {
+    /// φ_i, degrees.
+    pub phi_deg: f64,
+    /// By wavelength.
+    pub cases: Vec<Case>,
+    /// ΔE00 of the colours of all that is reflected.
+    pub delta_e: f64,
+    /// ΔE00 of the colours at each azimuth, weighted by luminance; the brightest of the full waves is white's.
+    pub delta_e_pattern: f64,
+    /// Linear sRGB at each azimuth: fast, full.
+    pub rgb: [Vec<[f64; 3]>; 2],
+}
+
+/// Both simulations of one section.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// What was simulated.
+    pub name: String,
+    /// Its width.
+    pub width_um: f64,
+    /// How it was closed.
+    pub changes: Vec<String>,
+    /// Vacuum wavelengths.
+    pub wavelengths_nm: Vec<f64>,
+    /// Nodes per wavelength of the full waves.
+    pub elements_per_wavelength: f64,
+    /// Wall time of the fast simulation for all of it.
+    pub fast_seconds: f64,
+    /// By incidence.
+    pub incidences: Vec<Incidence>,
+}
+
+impl Case {
+    /// How much more the fast simulation reflects, as a part of what the full waves do.
+    #[must_use]
+    pub fn power_error(&self) -> f64 {
+        self.reflected[0] / self.reflected[1] - 1.0
+    }
+
+    /// The correlation of both patterns.
+    #[must_use]
+    pub fn correlation(&self) -> f64 {
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let (a, b) = (mean(&self.fast), mean(&self.full));
+        let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+            self.fast.iter().zip(&self.full).map(|(x, y)| of(x - a, y - b)).sum()
+        };
+        sum(&|x, y| x * y) / (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt()
+    }
+
+    /// Root mean square of the difference of both patterns over that of the full waves'.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
+        let apart = square(&mut self.fast.iter().zip(&self.full).map(|(x, y)| x - y));
+        (apart / square(&mut self.full.iter().copied())).sqrt()
+    }
+}
+
+impl Incidence {
+    /// From the cases of one incidence, in the order of the wavelengths.
+    #[must_use]
+    pub fn new(phi_deg: f64, cases: Vec<Case>, wavelengths: &Wavelengths) -> Self {
+        let weights = Observer::under(Illuminant::D65).weights(wavelengths);
+        let white = weights.xyz(&vec![1.0; wavelengths.len()]);
+        let colour = |xyz: [f64; 3]| lab(xyz, white);
+        let reflected = |side: usize| -> Vec<f64> { cases.iter().map(|case| case.reflected[side]).collect() };
+        let delta_e = delta_e_2000(colour(weights.xyz(&reflected(0))), colour(weights.xyz(&reflected(1))));
+        let azimuths = cases.first().map_or(0, |case| case.full.len());
+        let samples = |side: usize, at: usize| -> Vec<f64> {
+            cases.iter().map(|case| if side == 0 { case.fast[at] } else { case.full[at] }).collect()
+        };
+        let xyz: Vec<[[f64; 3]; 2]> =
+            (0..azimuths).map(|at| [0, 1].map(|side| weights.xyz(&samples(side, at)))).collect();
+        let brightest = xyz.iter().map(|both| both[1][1]).fold(0.0, f64::max);
+        let scale = 1.0 / brightest.max(f64::MIN_POSITIVE);
+        let (mut sum, mut weight) = (0.0_f64, 0.0_f64);
+        for both in &xyz {
+            let [fast, full] = both.map(|xyz| colour(xyz.map(|value| value * scale)));
+            sum += both[1][1] * delta_e_2000(fast, full);
+            weight += both[1][1];
+        }
+        let rgb = [0, 1].map(|side| {
+            (0..azimuths)
+                .map(|at| weights.linear_rgb(&samples(side, at)).map(|value| value * scale))
+                .collect()
+        });
+        Self { phi_deg, cases, delta_e, delta_e_pattern: sum / weight.max(f64::MIN_POSITIVE), rgb }
+    }
+
+    fn mean(&self, of: impl Fn(&Case) -> f64) -> f64 {
+        self.cases.iter().map(of).sum::<f64>() / self.cases.len() as f64
+    }
+}
+
+impl Comparison {
+    /// Wall time of the full waves.
+    #[must_use]
+    pub fn full_seconds(&self) -> f64 {
+        let Some(first) = self.incidences.first() else { return 0.0 };
+        first.cases.iter().map(|case| case.effort.seconds).sum()
+    }
+
+    /// Everything but the patterns.
+    #[must_use]
+    pub fn numbers(&self) -> Value {
+        let case = |case: &Case| {
+            json!({
+                "wavelength_nm": case.wavelength_nm,
+                "reflected_fast": case.reflected[0],
+                "reflected_full_wave": case.reflected[1],
+                "absorbed_full_wave": case.absorbed,
+                "power_error": case.power_error(),
+                "pattern_correlation": case.correlation(),
+                "pattern_rms": case.rms(),
+                "unknowns": case.effort.unknowns,
+                "full_wave_seconds": case.effort.seconds,
+                "full_wave_bytes": case.effort.memory_bytes,
+            })
+        };
+        let incidence = |found: &Incidence| {
+            json!({
+                "phi_deg": found.phi_deg,
+                "delta_e_2000": found.delta_e,
+                "delta_e_2000_pattern": found.delta_e_pattern,
+                "mean_power_error": found.mean(Case::power_error),
+                "mean_pattern_correlation": found.mean(Case::correlation),
+                "mean_pattern_rms": found.mean(Case::rms),
+                "wavelengths": found.cases.iter().map(case).collect::<Vec<_>>(),
+            })
+        };
+        json!({
+            "structure": self.name,
+            "width_um": self.width_um,
+            "changes": self.changes,
+            "elements_per_wavelength": self.elements_per_wavelength,
+            "fast_seconds": self.fast_seconds,
+            "full_wave_seconds": self.full_seconds(),
+            "speed_ratio": self.full_seconds() / self.fast_seconds,
+            "incidences": self.incidences.iter().map(incidence).collect::<Vec<_>>(),
+        })
+    }
+
+    /// A table for people.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut text = format!(
+            "{}, {} µm wide, {} wavelengths\n{:>8}  {:>8}  {:>8}  {:>12}  {:>12}  {:>8}  {:>8}  {:>12}\n",
+            self.name,
+            self.width_um,
+            self.wavelengths_nm.len(),
+            "φ_i (°)",
+            "fast",
+            "full",
+            "power error",
+            "correlation",
+            "RMS",
+            "ΔE00",
+            "of patterns"
+        );
+        for found in &self.incidences {
+            text += &format!(
+                "{:>8}  {:>8.4}  {:>8.4}  {:>+11.1} %  {:>12.3}  {:>8.3}  {:>8.1}  {:>12.1}\n",
+                format!("{:.0}", found.phi_deg),
+                found.mean(|case| case.reflected[0]),
+                found.mean(|case| case.reflected[1]),
+                1e2 * (found.mean(|case| case.reflected[0]) / found.mean(|case| case.reflected[1]) - 1.0),
+                found.mean(Case::correlation),
+                found.mean(Case::rms),
+                found.delta_e,
+                found.delta_e_pattern
+            );
+        }
+        let unknowns = self.incidences.iter().flat_map(|i| &i.cases).map(|case| case.effort.unknowns).max();
+        text + &format!(
+            "fast {:.2} s, full waves {:.1} s ({} unknowns at most): {:.0} times",
+            self.fast_seconds,
+            self.full_seconds(),
+            unknowns.unwrap_or(0),
+            self.full_seconds() / self.fast_seconds
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn case(wavelength_nm: f64, fast: Vec<f64>, full: Vec<f64>, reflected: [f64; 2]) -> Case {
+        let effort = Effort { unknowns: 8, elements_per_wavelength: 10.0, seconds: 2.0, memory_bytes: 100 };
+        Case { wavelength_nm, fast, full, reflected, absorbed: 0.1, effort }
+    }
+
+    #[test]
+    fn equal_patterns_differ_by_nothing_and_twice_the_light_by_all_of_it() {
+        let pattern = vec![0.1, 0.4, 0.2, 0.05];
+        let same = case(500.0, pattern.clone(), pattern.clone(), [0.3, 0.3]);
+        assert!(same.power_error() == 0.0 && same.rms() == 0.0 && (same.correlation() - 1.0).abs() < 1e-15);
+        let double = pattern.iter().map(|x| 2.0 * x).collect();
+        let twice = case(500.0, double, pattern.clone(), [0.6, 0.3]);
+        assert!((twice.power_error() - 1.0).abs() < 1e-15 && (twice.rms() - 1.0).abs() < 1e-15);
+        assert!((twice.correlation() - 1.0).abs() < 1e-12);
+        let turned = case(500.0, pattern.iter().rev().copied().collect(), pattern, [0.3, 0.3]);
+        assert!(turned.correlation() < 0.5);
+    }
+
+    #[test]
+    fn colours_differ_where_spectra_do() {
+        let wavelengths = Wavelengths::new(vec![400.0, 500.0, 600.0, 700.0]).unwrap();
+        let flat = |level: f64| vec![level; 3];
+        let cases = |levels: [[f64; 2]; 4]| -> Vec<Case> {
+            let nm = wavelengths.nm().iter();
+            nm.zip(levels).map(|(nm, [a, b])| case(*nm, flat(a), flat(b), [a, b])).collect()
+        };
+        let same = Incidence::new(0.0, cases([[0.2, 0.2], [0.5, 0.5], [0.3, 0.3], [0.1, 0.1]]), &wavelengths);
+        assert!(same.delta_e == 0.0 && same.delta_e_pattern == 0.0 && same.rgb[0] == same.rgb[1]);
+        let other =
+            Incidence::new(0.0, cases([[0.2, 0.2], [0.2, 0.5], [0.6, 0.3], [0.1, 0.1]]), &wavelengths);
+        assert!(other.delta_e > 20.0 && other.delta_e_pattern > 20.0);
+        let greenest = |rgb: [f64; 3]| rgb[1] > rgb[0] && rgb[1] > rgb[2];
+        assert!(greenest(other.rgb[1][0]) && !greenest(other.rgb[0][0]));
+    }
+}
