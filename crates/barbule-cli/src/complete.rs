@@ -271,6 +271,7 @@ mod tests {
         assert!(pink.contains(&"starling:pink".to_owned()), "{pink:?}");
         let all = after("barbule spectrum ");
         assert!(all.contains(&"peafowl".into()) && !all.iter().any(|word| word.starts_with('-')), "{all:?}");
+        assert_eq!(after("barbule far-field starling --solver "), ["fast", "direct", "full-wave"]);
         let scenes = after("barbule render ");
         assert!(preset::names().all(|preset| scenes.contains(&preset.to_owned())), "{scenes:?}");
         assert!(after("barbule render starling --material mal").contains(&"mallard".to_owned()));
@@ -279,7 +280,6 @@ mod tests {
 
     #[test]
     fn what_this_version_cannot_do_is_not_offered() {
-        assert_eq!(after("barbule far-field starling --solver "), ["fast", "direct"]);
         assert!(!after("barbule geometry starling --").contains(&"--three-d".to_owned()));
     }
 

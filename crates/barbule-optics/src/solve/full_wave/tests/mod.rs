@@ -77,7 +77,6 @@ fn circles_in_circles_scatter_as_their_series() {
     for circles in cases {
         for theta in [0.0, 30.0, 60.0_f64] {
             let error = error(circles, theta.to_radians(), 0.3, 10.0);
-            println!("{} circles, θ_i = {theta}°: {error:.1e}", circles.len());
             assert!(error < 1e-5, "{} circles, θ_i = {theta}°: {error:e}", circles.len());
         }
     }
@@ -89,12 +88,12 @@ fn errors_converge_with_the_order_of_the_panels() {
     let circles =
         [circle([0.0, 0.0], 0.6, index(1.56, 0.0), None), circle([0.1, 0.2], 0.3, index(1.75, 0.1), Some(0))];
     let error = |elements: f64| error(&circles, 0.5, 0.3, elements);
-    let table: Vec<(f64, f64)> =
-        [5.0, 7.0, 10.0, 14.0, 20.0].map(|elements| (elements, error(elements))).to_vec();
-    println!("elements per wavelength, largest error of amplitudes against their largest: {table:?}");
-    let order = (table[0].1 / table[2].1).log2();
-    assert!(order > 6.0, "order {order}");
-    assert!(table[4].1 < 1e-8, "{table:?}");
+    // The table of the theory page, with a little room.
+    let most = [(5.0, 3e-4), (7.0, 1e-5), (10.0, 4e-7), (14.0, 1e-8), (20.0, 5e-10)];
+    for (elements, most) in most {
+        let error = error(elements);
+        assert!(error < most, "{elements} nodes per wavelength: {error:e}");
+    }
 }
 
 /// A polygon with an index.
@@ -160,7 +159,6 @@ fn scattered_and_absorbed_light_is_what_is_missing_behind() {
         for p in 0..2 {
             let extinct = found.extinction_um.unwrap()[p];
             let balance = (found.scattered_um[p] + found.absorbed_um[p]) / extinct - 1.0;
-            println!("{theta} {phi} {p}: {balance:.1e}");
             assert!(found.absorbed_um[p] > 0.05 * extinct, "the chain absorbs");
             assert!(balance.abs() < 3e-4, "{theta} {phi} {p}: {balance:e}");
         }
@@ -173,7 +171,6 @@ fn polygons_converge_though_fields_are_singular_at_corners() {
     let reference = solved(&body, 0.3, 0.2, 30.0);
     for (elements, most) in [(6.0, 2e-2), (10.0, 2e-3), (20.0, 5e-4)] {
         let error = apart(&reference, &solved(&body, 0.3, 0.2, elements));
-        println!("{elements}: {error:.1e}");
         assert!(error < most, "{elements}: {error:e}");
     }
 }
@@ -191,7 +188,6 @@ fn amplitudes_are_the_same_on_the_way_back() {
         for p in 0..2 {
             for q in 0..2 {
                 let (a, b) = (one.far.amplitudes[q][p][back], other.far.amplitudes[p][q][there]);
-                println!("{theta} {q} {p}: {:.1e}", (a - b).norm() / largest);
                 assert!((a - b).norm() < 5e-4 * largest, "{theta} {q} {p}: {a} {b}");
             }
         }
@@ -206,11 +202,12 @@ fn numbers_of_regions_and_invisible_boundaries_change_nothing() {
     turned.rotate_left(2);
     assert!(apart(&found, &solved(&section(turned), 0.4, 0.3, 10.0)) < 1e-10);
     let mut more = body.inclusions.clone();
-    more.push(polygon(&regular(6, [0.9, -0.65], 0.12), index(1.56, 0.0)));
+    more.push(polygon(&regular(30, [1.1, -0.3], 0.08), index(1.56, 0.0)));
     more.push(polygon(&regular(50, [-1.5, 0.0], 0.3), index(1.0, 0.0)));
     let error = apart(&found, &solved(&section(more), 0.4, 0.3, 10.0));
-    // Currents on an invisible boundary radiate nothing out of it, as far as quadrature tells.
-    assert!(error < 2e-6, "{error:e}");
+    // Currents on an invisible boundary radiate nothing out of it, as far as quadrature tells; it stands so far from the
+    // others that they keep their panels.
+    assert!(error < 1e-5, "{error:e}");
 }
 
 #[test]
@@ -273,7 +270,7 @@ fn slab(length_um: f64) -> Section {
 
 #[test]
 fn thin_products_give_what_all_elements_give() {
-    let slab = slab(6.0);
+    let slab = slab(2.5);
     for theta in [0.0, 0.4] {
         let run = |method| {
             let problem = Problem::new(&slab, 500.0, theta, 8.0).unwrap().by(method);
@@ -281,7 +278,6 @@ fn thin_products_give_what_all_elements_give() {
         };
         let (dense, thin) = (run(Method::Dense), run(Method::Hierarchical));
         let error = apart(&dense.scattered, &thin.scattered);
-        println!("{theta}: {error:.1e}, {:?} {:?}", dense.effort, thin.effort);
         assert!(error < 3e-5, "{theta}: {error:e}");
     }
     let problem = Problem::new(&slab, 500.0, 0.0, 8.0).unwrap().by(Method::Hierarchical).within(1 << 20);
