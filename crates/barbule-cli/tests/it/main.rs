@@ -24,3 +24,4 @@ mod render;
 mod robustness;
 mod species;
 mod spectrum;
+mod validate;

@@ -18,6 +18,9 @@ const LEAST_ARC_NODES: usize = 5;
 /// Least panels of a circle.
 const LEAST_ARCS: usize = 3;
 
+/// No mesh has many more panels than this.
+const MOST_PANELS: usize = 1_000_000;
+
 /// A panel is at most so many times longer than its distance to another boundary.
 const LENGTH_PER_GAP: f64 = 2.0;
 
@@ -121,7 +124,7 @@ impl Mesh {
                 outline(contour.outline, density_um).into_iter().map(|piece| Piece { boundary: l, ..piece }),
             );
         }
-        let pieces = resolve_gaps(pieces);
+        let pieces = resolve_gaps(pieces)?;
         let mut mesh =
             Self { boundaries, panels: Vec::with_capacity(pieces.len()), nodes: Vec::new(), indices };
         let rules: Vec<Vec<(f64, f64)>> = (0..=MOST_NODES).map(gauss_legendre).collect();
@@ -387,11 +390,16 @@ fn clockwise(corners: &Polyline) -> Vec<Corner> {
 
 /// Halves panels until none is long against its distance to another boundary, or to another stretch of its own that it
 /// turns its back to.
-fn resolve_gaps(mut pieces: Vec<Piece>) -> Vec<Piece> {
+fn resolve_gaps(mut pieces: Vec<Piece>) -> Result<Vec<Piece>> {
     loop {
         let close = long_against_gaps(&pieces);
         if close.iter().all(|&split| !split) {
-            return pieces;
+            return Ok(pieces);
+        }
+        if pieces.len() > MOST_PANELS {
+            return Err(Error::input(format!(
+                "boundaries come so close to each other that over {MOST_PANELS} panels are needed; move them apart"
+            )));
         }
         let halves = pieces.iter().zip(&close).flat_map(|(piece, &split)| {
             let [a, b] = piece.shape.split();

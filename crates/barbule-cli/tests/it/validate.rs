@@ -1,0 +1,60 @@
+//! `barbule validate`: both simulations of one section, in figures and numbers.
+
+use serde_json::{Value, json};
+
+fn command(words: &[&str]) -> (bool, String, String) {
+    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.success(), text(output.stdout), text(output.stderr))
+}
+
+/// A flat film 4 µm wide reflects by the fast simulation as by Maxwell's equations, but for its ends.
+#[test]
+fn a_flat_film_is_the_same_by_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let line = |z: f64| json!({"x": [-2.0, 0.0, 2.0], "z": [z, z, z]});
+    let section = json!({
+        "barbule": 1, "units": "um", "width": 4.0, "name": "a film",
+        "boundaries": [line(0.0), line(-0.5)], "media": ["air", "keratin", "air"], "source": "a test"
+    });
+    std::fs::write(path("film.json"), section.to_string()).unwrap();
+    let out = path("out");
+    let words = ["validate", &path("film.json"), "--full-wave", "--wavelengths", "500,600", "-o", &out];
+    let (done, table, said) = command(&words);
+    assert!(done, "{said}");
+    assert!(table.contains("power error") && said.contains("unknowns"), "{table}{said}");
+    let numbers: Value =
+        serde_json::from_slice(&std::fs::read(format!("{out}/numbers.json")).unwrap()).unwrap();
+    let normal = &numbers["incidences"][0];
+    assert_eq!((&normal["phi_deg"], numbers["width_um"].as_f64()), (&json!(0.0), Some(4.0)));
+    for case in normal["wavelengths"].as_array().unwrap() {
+        let value = |key: &str| case[key].as_f64().unwrap();
+        assert!(value("pattern_correlation") > 0.99, "{case}");
+        assert!(value("power_error").abs() < 0.1, "{case}");
+        assert!(value("absorbed_full_wave").abs() < 1e-6, "keratin does not absorb");
+    }
+    assert!(normal["delta_e_2000"].as_f64().unwrap() < 5.0);
+    for name in ["colours.svg", "curves-0-500nm.svg", "curves-60-600nm.svg"] {
+        assert!(std::fs::read_to_string(format!("{out}/{name}")).unwrap().starts_with("<svg"), "{name}");
+    }
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").to_string_lossy().into_owned();
+    let rods = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/rods.json");
+    let cases: [(&[&str], &str); 5] = [
+        (&["validate", rods, "--full-wave"], "no top boundary"),
+        (&["validate", rods, "--full-wave", "--width", "3"], "--width and --layers change species"),
+        (&["validate", "starling", "--full-wave", "--layers", "3"], "no parameter rows"),
+        (&["validate", "starling", "--full-wave", "--memory", "50M"], "these full waves need"),
+        (&["validate", "starling"], "--full-wave"),
+    ];
+    for (words, expected) in cases {
+        let (done, _, said) = command(&[words, &["-o", &out]].concat());
+        assert!(!done && said.contains(expected), "{words:?}: {said}");
+        assert!(!std::path::Path::new(&out).exists());
+    }
+}
