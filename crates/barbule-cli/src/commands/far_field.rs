@@ -39,7 +39,7 @@ const TEXT_BYTES: u64 = 260;
     after_help = "Examples:\n  barbule far-field starling --wavelength 520 --theta 0 --phi 30 --json\n  \
     barbule far-field starling --wavelength 400:700:10 --theta 0 --phi 30 -o map.png --csv fields.csv\n  \
     barbule far-field mallard --side below --wavelength 520 --theta 0 --phi=-30 --json\n  \
-    barbule far-field examples/rods.json --solver full-wave --window none --wavelength 500 --theta 30 --phi 0"
+    barbule far-field examples/rods.json --solver full-wave --wavelength 500 --theta 30 --phi 0"
 )]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]

@@ -77,7 +77,7 @@ impl Args {
         let plan = self.plan()?;
         let cost = plan.cost(rayon::current_num_threads())?;
         let fewer = "a smaller --width, fewer --layers or --elements, or longer --wavelengths";
-        self.common.allowance().check("these full waves", cost.bytes, fewer)?;
+        self.common.allowance().check("this comparison", cost.bytes, fewer)?;
         for change in &plan.closed.changes {
             self.common.explain(change);
         }

@@ -49,7 +49,7 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
         (&["validate", rods, "--full-wave"], "no top boundary"),
         (&["validate", rods, "--full-wave", "--width", "3"], "--width and --layers change species"),
         (&["validate", "starling", "--full-wave", "--layers", "3"], "no parameter rows"),
-        (&["validate", "starling", "--full-wave", "--memory", "50M"], "these full waves need"),
+        (&["validate", "starling", "--full-wave", "--memory", "50M"], "this comparison needs"),
         (&["validate", "starling"], "--full-wave"),
     ];
     for (words, expected) in cases {

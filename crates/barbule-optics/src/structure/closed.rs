@@ -179,7 +179,17 @@ impl Closing {
                     label(host)
                 ));
             }
-            bands = bands.iter().flat_map(|host| inner(host, &curves[top], &lower, walls_um)).collect();
+            let mut moved_um = 0.0_f64;
+            let within = |host: &Band| inner(host, &curves[top], &lower, walls_um, &mut moved_um);
+            bands = bands.iter().flat_map(within).collect();
+            if moved_um > 0.5e-3 {
+                self.changes.push(format!(
+                    "{} keeps {:.0} nm from the boundaries around it, and is thinner by up to {:.1} nm for it",
+                    label(medium),
+                    1e3 * GAP_UM,
+                    1e3 * moved_um
+                ));
+            }
             walls_um = GAP_UM;
             for band in &bands {
                 self.push(band, medium);
@@ -208,7 +218,7 @@ impl Closing {
         let floor_um = layer.lattice.bottom_um() + UNDER_RODS_UM;
         if beneath == Beneath::Absorbing && floor_um + 10.0 * GAP_UM < HOST_UM {
             let top = lowered_along_normals(section.top(), floor_um);
-            let bands = inner(&body, &top, &raised(&body.lower, GAP_UM), GAP_UM);
+            let bands = inner(&body, &top, &raised(&body.lower, GAP_UM), GAP_UM, &mut 0.0);
             let name = self.absorber(section, host)?;
             for band in &bands {
                 self.push(band, &Medium::named(&name));
@@ -356,8 +366,14 @@ fn mean_gap(upper: &[[f64; 2]], lower: &[[f64; 2]]) -> f64 {
 }
 
 /// What of the region between two curves lies in a host, away from its walls and its other boundaries: one band, or several
-/// where it is too thin in between.
-fn inner(host: &Band, upper: &[[f64; 2]], lower: &[[f64; 2]], walls_um: f64) -> Vec<Band> {
+/// where it is too thin in between. The gap is kept along z; `moved_um` learns by how much a curve gave way at most.
+fn inner(
+    host: &Band,
+    upper: &[[f64; 2]],
+    lower: &[[f64; 2]],
+    walls_um: f64,
+    moved_um: &mut f64,
+) -> Vec<Band> {
     let [left, right] = host.ends();
     let (left, right) = (left + walls_um, right - walls_um);
     let mut grid: Vec<f64> = [upper, lower].iter().flat_map(|curve| curve.iter().map(|p| p[0])).collect();
@@ -385,7 +401,11 @@ fn inner(host: &Band, upper: &[[f64; 2]], lower: &[[f64; 2]], walls_um: f64) -> 
             let xs = std::iter::once(from).chain(inside).chain(std::iter::once(to));
             xs.map(|x| [x, heights(x)[side]]).collect()
         };
-        bands.push(Band { upper: cut(upper, 0), lower: cut(lower, 1) });
+        let band = Band { upper: cut(upper, 0), lower: cut(lower, 1) };
+        let moved = band.upper.iter().map(|p| height(upper, p[0]) - p[1]);
+        let moved = moved.chain(band.lower.iter().map(|p| p[1] - height(lower, p[0])));
+        *moved_um = moved.fold(*moved_um, f64::max);
+        bands.push(band);
     }
     bands
 }
@@ -452,6 +472,14 @@ mod tests {
 
     fn closed_changes(section: &Section) -> String {
         section.closed(Beneath::Absorbing).unwrap().changes.join("; ")
+    }
+
+    #[test]
+    fn interfaces_that_give_way_are_said_to() {
+        let said = closed_changes(&Structure::builtin("bronzewing").unwrap().instance(1, 0).unwrap());
+        assert!(said.contains("melanin keeps 10 nm from the boundaries around it"), "{said}");
+        let said = closed_changes(&Structure::builtin("starling").unwrap().instance(1, 0).unwrap());
+        assert!(!said.contains("keeps 10 nm from"), "{said}");
     }
 
     #[test]
