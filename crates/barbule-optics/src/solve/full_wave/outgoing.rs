@@ -16,7 +16,7 @@ const TASK: usize = 16;
 pub(super) type Fields = Vec<[Complex64; 4]>;
 
 /// 𝓔₁ and 𝓔₂ of scattered fields for unit |E|, √µm, at each azimuth for each of `fields`: `[field][e₁, e₂][azimuth]`, from the
-/// currents on the boundaries of the outside (the far field of the fast simulation, spec by spec).
+/// currents on the boundaries of the outside, by the fast simulation's formula.
 pub(super) fn radiate(
     mesh: &Mesh,
     fields: &[Fields],
