@@ -52,7 +52,7 @@ pub(crate) struct Args {
     /// Nodes per wavelength in the denser medium at each boundary
     #[arg(long, value_name = "N", default_value_t = full_wave::ELEMENTS_PER_WAVELENGTH, value_parser = super::far_field::elements)]
     elements: f64,
-    /// A narrow barbule at three wavelengths, in under a minute
+    /// A narrow barbule at three wavelengths: a starling in under a minute
     #[arg(long)]
     quick: bool,
     /// Folder for figures and numbers.json

@@ -22,7 +22,7 @@ impl Comparison {
         shown.dedup();
         for found in &self.incidences {
             for &w in &shown {
-                let name = format!("curves-{:.0}-{:.0}nm.svg", found.phi_deg, self.wavelengths_nm[w]);
+                let name = format!("curves-{:.0}-{}nm.svg", found.phi_deg, self.wavelengths_nm[w]);
                 all.push((name, self.curves(found, w)));
             }
         }
