@@ -15,6 +15,7 @@ mod legacy;
 mod offset;
 mod outline;
 mod section;
+mod segment;
 mod side;
 mod species;
 pub mod stack;
@@ -32,6 +33,7 @@ pub use section::{
     FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,
     Polyline, Section, Substance,
 };
+pub use segment::{Layers, Line, Roughness, Sampled, Segment, SEGMENT_LENGTHS_UM, SegmentGrid};
 pub use side::Side;
 pub use species::{
     Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, Key, LowerSide, Multilayer,

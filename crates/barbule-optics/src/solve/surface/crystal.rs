@@ -56,7 +56,7 @@ pub fn orders(
 ///
 /// # Errors
 /// The crystal cannot be solved, or the user cancelled.
-pub(super) fn series(
+pub(in crate::solve) fn series(
     lattice: &Lattice,
     wavelength_nm: f64,
     theta_i: f64,
@@ -71,7 +71,7 @@ pub(super) fn series(
 }
 
 /// The orders of a crystal at one wavelength and one θ_i, tabulated over the azimuth.
-pub(super) struct CrystalOrders<T> {
+pub(in crate::solve) struct CrystalOrders<T> {
     sin_theta: f64,
     cos_theta: f64,
     /// λ/(Δ cosθ_i)
@@ -92,7 +92,7 @@ struct Tabulated<T> {
 
 impl<T: Real> CrystalOrders<T> {
     /// Tabulates a series for a crystal that is `depth_um` deep.
-    pub(super) fn new(series: &OrderSeries, theta_i: f64, depth_um: f64) -> Self {
+    pub(in crate::solve) fn new(series: &OrderSeries, theta_i: f64, depth_um: f64) -> Self {
         let (per_um, least) = NODES[usize::from(size_of::<T>() == 8)];
         let steps = (per_um * depth_um).clamp(least, MOST_NODES) as usize;
         let (sin_theta, cos_theta) = theta_i.sin_cos();
@@ -121,6 +121,28 @@ impl<T: Real> CrystalOrders<T> {
     /// Bytes that the rows take.
     pub(super) fn bytes(&self) -> usize {
         self.orders.iter().map(|order| size_of_val(&order.rows[..])).sum()
+    }
+}
+
+impl CrystalOrders<f64> {
+    /// Calls `with` for each order that may propagate for light from an azimuth, with its number, λ/(Δ cosθ_i) and its
+    /// Jones matrix: J₁₁, J₁₂, J₂₁, J₂₂, each re, im.
+    pub(in crate::solve) fn each(&self, phi_i: f64, mut with: impl FnMut(i32, f64, [f64; JONES])) {
+        let at = (self.steps as f64 * (phi_i / std::f64::consts::PI + 0.5)).clamp(0.0, self.steps as f64);
+        let (node, part) = (at as usize, at.fract());
+        for order in &self.orders {
+            let mut jones = [0.0; JONES];
+            let mut any = false;
+            for (row, weight) in order.pair(node).into_iter().zip([1.0 - part, part]) {
+                any |= row.is_some();
+                for (sum, value) in jones.iter_mut().zip(row.unwrap_or(&[0.0; JONES])) {
+                    *sum += weight * value;
+                }
+            }
+            if any {
+                with(order.m, self.step, jones);
+            }
+        }
     }
 }
 

@@ -31,8 +31,10 @@ pub use barbule::{Barbule, Size, Underside};
 pub use batch::{Batch, Workspace};
 pub use cone::Cone;
 pub use crystal::orders;
-pub(in crate::solve) use crystal::solver;
+pub(in crate::solve) use crystal::{CrystalOrders, series, solver};
 pub use mirror::{LARGEST_MIRROR_ERROR, mirror_fraction};
+pub(in crate::solve) use points::{Optics, SlotMedium};
+pub(in crate::solve) use reflection::{LANES, add_reflectances};
 pub use resolution::{MOST_RAY_PARTS, ray_parts};
 pub use synthesis::Grid;
 

@@ -88,17 +88,17 @@ const SMOOTH_TURN: f64 = 0.12;
 
 /// Permittivities of one slot at one wavelength, less 1.
 #[derive(Debug, Clone)]
-pub(super) enum SlotMedium<T> {
+pub(in crate::solve) enum SlotMedium<T> {
     Uniform(Complex64),
     Varying { re: Vec<T>, im: Vec<T> },
 }
 
 /// The points' media at one wavelength.
 #[derive(Debug, Clone)]
-pub(super) struct Optics<T> {
+pub(in crate::solve) struct Optics<T> {
     /// Vacuum wave number 2π/λ, rad/µm.
-    pub(super) k: f64,
-    pub(super) slots: Vec<SlotMedium<T>>,
+    pub(in crate::solve) k: f64,
+    pub(in crate::solve) slots: Vec<SlotMedium<T>>,
 }
 
 impl Points {

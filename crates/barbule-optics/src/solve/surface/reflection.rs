@@ -9,11 +9,11 @@
 //! M = −n × E_r = −r_s E_s (n × ŝ) − r_p H_s cosα ŝ,      n × ŝ = (−s_y, s_t)
 //! ```
 
-use fearless_simd::prelude::*;
+use fearless_simd::{dispatch, prelude::*};
 use num_complex::Complex64;
 
 use super::points::{Arrays, Optics, SlotMedium};
-use crate::math::simd::{Complex, Lanes, Real, decay, load, root, sin_cos, splat};
+use crate::math::simd::{Complex, Lanes, Real, Width, decay, load, root, sin_cos, splat};
 
 /// What gives the reflectances r_s and r_p of the stacks under points, as ratios of E and of H perpendicular to the
 /// plane of incidence.
@@ -37,7 +37,8 @@ impl<T: Real> Reflectances<T> for Optics<T> {
         at: usize,
         cos_alpha: T::Native<S>,
     ) -> [Complex<T::Native<S>>; 2] {
-        stack_reflectances::<S, T::Native<S>>(simd, arrays, self, at, cos_alpha)
+        let (thickness_um, padded) = (&arrays.thickness_um, arrays.x_um.len());
+        stack_reflectances::<S, T::Native<S>>(simd, thickness_um, padded, self, at, cos_alpha)
     }
 }
 
@@ -186,6 +187,42 @@ fn weighted<S: Simd, V: Lanes<S>>(x: Complex<V>, a: V, y: Complex<V>, b: V) -> C
     x.scale::<S>(a).plus::<S>(y.scale::<S>(b))
 }
 
+/// Adds r_s and r_p (re, im of each) of stacks at cosines of their local angles of incidence to `out`; `thickness_um` is
+/// `[slot][point]`, and points fill whole vectors of [`LANES`].
+pub(in crate::solve) fn add_reflectances(
+    width: Width,
+    optics: &Optics<f64>,
+    thickness_um: &[f64],
+    cos_alpha: &[f64],
+    out: &mut [Vec<f64>; 4],
+) {
+    dispatch!(width.0, simd => add_reflectances_of(simd, optics, thickness_um, cos_alpha, out));
+}
+
+/// The widest vector of double precision.
+pub(in crate::solve) const LANES: usize = 8;
+
+#[inline(always)]
+fn add_reflectances_of<S: Simd>(
+    simd: S,
+    optics: &Optics<f64>,
+    thickness_um: &[f64],
+    cos_alpha: &[f64],
+    out: &mut [Vec<f64>; 4],
+) {
+    let lanes = S::f64s::LEN;
+    let [s_re, s_im, p_re, p_im] = out;
+    for at in (0..cos_alpha.len()).step_by(lanes) {
+        let cosine = load::<S, S::f64s>(simd, cos_alpha, at).max(splat::<S, S::f64s>(simd, f64::GRAZING));
+        let [r_s, r_p] =
+            stack_reflectances::<S, S::f64s>(simd, thickness_um, cos_alpha.len(), optics, at, cosine);
+        (load::<S, S::f64s>(simd, s_re, at) + r_s.re).store_slice(&mut s_re[at..at + lanes]);
+        (load::<S, S::f64s>(simd, s_im, at) + r_s.im).store_slice(&mut s_im[at..at + lanes]);
+        (load::<S, S::f64s>(simd, p_re, at) + r_p.re).store_slice(&mut p_re[at..at + lanes]);
+        (load::<S, S::f64s>(simd, p_im, at) + r_p.im).store_slice(&mut p_im[at..at + lanes]);
+    }
+}
+
 /// The permittivity and q = √(ε − sin²α) of a medium given as ε − 1, so that nothing cancels in air at grazing angles.
 #[inline(always)]
 pub(super) fn layer<S: Simd, V: Lanes<S>>(
@@ -206,14 +243,15 @@ fn contrast<S: Simd, V: Lanes<S>>(simd: S, slot: &SlotMedium<V::Element>, at: us
     }
 }
 
-/// r_s and r_p of the stacks under the points `at` ….
+/// r_s and r_p of the stacks under the points `at` …; `thickness_um` is `[slot][padded]`.
 ///
 /// The recursion of the theory page, from the substrate up, kept as numerator and denominator so that an interface
 /// costs no division: Γ = N/D → (a D + b N e)/(b D + a N e) with r = a/b and e the round trip through the layer below.
 #[inline(always)]
 fn stack_reflectances<S: Simd, V: Lanes<S>>(
     simd: S,
-    arrays: &Arrays<V::Element>,
+    thickness_um: &[V::Element],
+    padded: usize,
     optics: &Optics<V::Element>,
     at: usize,
     cos_alpha: V,
@@ -221,7 +259,6 @@ fn stack_reflectances<S: Simd, V: Lanes<S>>(
     let one: V = splat(simd, 1.0);
     let zero: V = splat(simd, 0.0);
     let last = optics.slots.len() - 1;
-    let padded = arrays.x_um.len();
     let twice_k: V = splat(simd, 2.0 * optics.k);
     let cos_squared = cos_alpha * cos_alpha;
     let air = (Complex { re: one, im: zero }, Complex { re: cos_alpha, im: zero });
@@ -235,7 +272,7 @@ fn stack_reflectances<S: Simd, V: Lanes<S>>(
         };
         if interface < last {
             // The layer just below this interface.
-            let twice = load::<S, V>(simd, &arrays.thickness_um, interface * padded + at) * twice_k;
+            let twice = load::<S, V>(simd, thickness_um, interface * padded + at) * twice_k;
             let trip = round_trip::<S, V>(simd, below_q, twice);
             for (top, _) in &mut fractions {
                 *top = top.times::<S>(trip);

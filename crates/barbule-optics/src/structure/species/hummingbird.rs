@@ -20,7 +20,10 @@ const CAP_SEGMENTS: usize = 8;
 const FEWEST_SEGMENTS: usize = 4;
 
 /// Bubbles' necks are this part of the smaller half-height: as in chains, a third of the height on either side.
-const NECK: f64 = 2.0 / 3.0;
+pub(in crate::structure) const NECK: f64 = 2.0 / 3.0;
+
+/// The random stream of the layers.
+const LAYERS: u64 = 0;
 
 /// More bubbles than this would be over the limit of points anyway.
 const MOST_BUBBLES: f64 = 1e5;
@@ -84,10 +87,11 @@ parameters! {
 }
 
 /// One layer of melanosomes.
-struct Layer {
-    air: f64,
+pub(in crate::structure) struct Stacked {
+    /// Thickness of the air.
+    pub(in crate::structure) air_um: f64,
     /// Of the middle, below the top.
-    depth: f64,
+    pub(in crate::structure) depth_um: f64,
 }
 
 impl Generator for Hummingbird {
@@ -129,7 +133,7 @@ impl Generator for Hummingbird {
 
     fn parts(&self, random: &Random, _library: &Library) -> Parts {
         let (width, spacing) = (self.width_um, self.point_spacing_um);
-        let (layers, thickness) = self.layers(&mut random.stream(0));
+        let (layers, thickness) = self.layers(&mut random.stream(LAYERS));
         let count = point_count(width, spacing);
         let step = width / (count - 1) as f64;
         let x_um = grid(width, count);
@@ -147,7 +151,7 @@ impl Generator for Hummingbird {
         let bottom = Polyline { x_um: x_um.clone(), z_um: z_bottom };
         let mut inclusions = Vec::new();
         for (index, layer) in layers.iter().enumerate() {
-            let weight = layer.depth / thickness;
+            let weight = layer.depth_um / thickness;
             let z_um =
                 top.z_um.iter().zip(&bottom.z_um).map(|(t, b)| t * (1.0 - weight) + b * weight).collect();
             let guide = Polyline { x_um: x_um.clone(), z_um };
@@ -181,13 +185,18 @@ impl Hummingbird {
         }
     }
 
+    /// The layers of an instance from the top down, and the barbule's thickness, µm.
+    pub(in crate::structure) fn stacked(&self, seed: u64, index: usize) -> (Vec<Stacked>, f64) {
+        self.layers(&mut Random { seed, instance: index as u64 }.stream(LAYERS))
+    }
+
     /// The radius that rounds the ends of a barbule of this thickness.
     fn end_radius(&self, thickness: f64) -> f64 {
         self.end_radius_um.min(LARGEST_ROUNDING * thickness).min(0.25 * self.width_um)
     }
 
     /// The layers from the top down, and the barbule's thickness.
-    fn layers(&self, stream: &mut Stream) -> (Vec<Layer>, f64) {
+    fn layers(&self, stream: &mut Stream) -> (Vec<Stacked>, f64) {
         let mut layers = Vec::with_capacity(self.layers);
         let mut depth = self.cortex_um;
         for index in 0..self.layers {
@@ -199,7 +208,7 @@ impl Hummingbird {
                 _ => regular,
             };
             let outer = air + 2.0 * self.wall_um;
-            layers.push(Layer { air, depth: depth + 0.5 * outer });
+            layers.push(Stacked { air_um: air, depth_um: depth + 0.5 * outer });
             let factor = vary(stream, self.gap_spread);
             let gap = match index {
                 0 => self.gap_um * self.gap_first,
@@ -216,15 +225,15 @@ impl Hummingbird {
         &self,
         stream: &mut Stream,
         index: usize,
-        layer: &Layer,
+        layer: &Stacked,
         thickness: f64,
         guide: Polyline,
         into: &mut Vec<Inclusion>,
     ) {
-        let half = 0.5 * layer.air + self.wall_um;
+        let half = 0.5 * layer.air_um + self.wall_um;
         let radius = self.end_radius(thickness);
         // Where the rounding of the ends leaves the cortex over (or under) the layer.
-        let room = (layer.depth.min(thickness - layer.depth) - half - self.cortex_um).clamp(0.0, radius);
+        let room = (layer.depth_um.min(thickness - layer.depth_um) - half - self.cortex_um).clamp(0.0, radius);
         let inset = radius - libm::sqrt(radius * radius - (radius - room) * (radius - room));
         let inset = inset + self.cortex_um + CLEARANCE_UM;
         let path = Path::new(guide);
@@ -238,7 +247,7 @@ impl Hummingbird {
         let mut at = start + 0.5 * gap;
         for long in lengths {
             let outline = self.pancake(&path, at, long, half);
-            let void = self.void(stream, &path, at, long, layer.air);
+            let void = self.void(stream, &path, at, long, layer.air_um);
             into.push(Inclusion { outline, medium: Medium::named("melanin"), holes: Vec::new() });
             into.push(Inclusion { outline: void, medium: Medium::named("air"), holes: Vec::new() });
             at += long + gap;

@@ -25,6 +25,7 @@ pub use crystal::Crystal;
 pub use file::SpeciesFile;
 pub use generator::{GeneratorParameters, Key};
 pub use hummingbird::Hummingbird;
+pub(in crate::structure) use hummingbird::{NECK, Stacked};
 pub use multilayer::{LowerSide, Multilayer, MultilayerLayer, MultilayerSizes};
 pub use rock_dove::RockDove;
 pub use starling::Starling;
