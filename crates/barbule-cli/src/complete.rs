@@ -279,11 +279,6 @@ mod tests {
     }
 
     #[test]
-    fn what_this_version_cannot_do_is_not_offered() {
-        assert!(!after("barbule geometry starling --").contains(&"--three-d".to_owned()));
-    }
-
-    #[test]
     fn every_argument_that_takes_a_structure_or_a_file_is_known() {
         let command = crate::command();
         for sub in command.get_subcommands() {

@@ -15,6 +15,7 @@ mod outputs;
 pub mod progress;
 pub mod provenance;
 mod scene_arg;
+mod segment_args;
 pub mod sets;
 mod several;
 pub mod structure_arg;

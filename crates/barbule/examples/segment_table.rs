@@ -27,8 +27,7 @@ fn main() -> Result<()> {
     let [width, length, wavelength, species @ ..] = &words[..] else {
         return Err(Error::input("give WIDTH_UM LENGTH_UM WAVELENGTH_NM SPECIES…"));
     };
-    let number =
-        |word: &str| word.parse::<f64>().map_err(|_| Error::input(format!("{word} is no number")));
+    let number = |word: &str| word.parse::<f64>().map_err(|_| Error::input(format!("{word} is no number")));
     let (width_um, length_um, wavelength_nm) = (number(width)?, number(length)?, number(wavelength)?);
     println!("species        seconds  reflected  of half cells: reflected  intensities apart");
     for name in species {

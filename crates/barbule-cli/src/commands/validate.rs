@@ -3,18 +3,21 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use barbule::characterize::CampaignOptions;
 use barbule::io::{make_folder, write_together};
-use barbule::plot::Format;
+use barbule::plot::{Drawing, Format};
 use barbule::solve::full_wave;
 use barbule::spectrum::Wavelengths;
-use barbule::structure::{Beneath, Section, Structure};
-use barbule::validate::{Plan, usual_azimuths};
+use barbule::structure::{Beneath, Structure};
+use barbule::validate::{Plan, three_d, usual_azimuths};
 use barbule::{Error, Result};
 use serde_json::Value;
 
 use crate::common::{Common, print, print_json};
+use crate::materials::{self, Place};
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
+use crate::segment_args::SegmentArgs;
 use crate::{sets, structure_arg};
 
 /// The wavelengths that are compared unless others are asked for, nm: 400 to 694 in steps of 42.
@@ -27,18 +30,38 @@ const QUICK_WIDTH_UM: f64 = 6.0;
 /// Azimuths of incidence, degrees.
 const PHI_DEG: [f64; 3] = [0.0, 30.0, 60.0];
 
+/// How many segments are averaged.
+const USUAL_INSTANCES: usize = 50;
+const QUICK_INSTANCES: usize = 10;
+
+/// θ_i and φ_i of the light on segments, degrees.
+const DIRECTIONS_DEG: [[f64; 2]; 3] = [[0.0, 0.0], [0.0, 30.0], [30.0, 30.0]];
+
 /// Arguments of `barbule validate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barbule validate starling --full-wave --quick -o starling-quick\n  \
-    barbule validate hummingbird:anna --full-wave --width 10 --layers 5 -o anna")]
+    barbule validate hummingbird:anna --full-wave --width 10 --layers 5 -o anna\n  \
+    barbule validate starling --three-d --quick -o starling-three-d")]
+#[command(group = clap::ArgGroup::new("against").required(true).args(["full_wave", "three_d"]))]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
     structure: String,
     /// Against full waves: Maxwell's equations on the same section
-    #[arg(long, required = true)]
+    #[arg(long)]
     full_wave: bool,
-    /// Which random individual, from 0
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    /// Against segments in three dimensions, which are not invariant along the barbule
+    #[arg(long)]
+    three_d: bool,
+    /// With segments that are invariant all the same
+    #[arg(long, conflicts_with = "full_wave")]
+    invariant: bool,
+    /// How many segments [default: 50, --quick 10]
+    #[arg(long, value_name = "N", conflicts_with = "full_wave", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    instances: Option<u32>,
+    #[command(flatten)]
+    segment: SegmentArgs,
+    /// Which random individual meets full waves, from 0
+    #[arg(long, value_name = "K", default_value_t = 0, conflicts_with = "three_d")]
     instance: usize,
     /// Width of a species' barbule in µm
     #[arg(long, value_name = "UM", value_parser = width)]
@@ -50,9 +73,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "SET", value_parser = |text: &str| sets::wavelengths_of("--wavelengths", text).map(Nm))]
     wavelengths: Option<Nm>,
     /// Nodes per wavelength in the denser medium at each boundary
-    #[arg(long, value_name = "N", default_value_t = full_wave::ELEMENTS_PER_WAVELENGTH, value_parser = super::far_field::elements)]
+    #[arg(long, value_name = "N", default_value_t = full_wave::ELEMENTS_PER_WAVELENGTH, conflicts_with = "three_d",
+        value_parser = super::far_field::elements)]
     elements: f64,
-    /// A narrow barbule at three wavelengths: a starling in under a minute
+    /// At three wavelengths: a narrow barbule against full waves, few segments
     #[arg(long)]
     quick: bool,
     /// Folder for figures and numbers.json
@@ -74,6 +98,18 @@ fn width(text: &str) -> std::result::Result<f64, String> {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
+        if self.folder.exists() && !self.folder.is_dir() {
+            return Err(Error::input(format!("{}: is no folder; give another name", self.folder.display())));
+        }
+        if self.three_d { self.three_d(out) } else { self.full_wave(out) }
+    }
+
+    fn full_wave(&self, out: &mut dyn Write) -> Result<()> {
+        if let Some(flag) = self.segment.given() {
+            return Err(Error::input(format!(
+                "{flag} is of segments; give it with --three-d, or leave it out"
+            )));
+        }
         let plan = self.plan()?;
         let cost = plan.cost(rayon::current_num_threads())?;
         let fewer = "a smaller --width, fewer --layers or --elements, or longer --wavelengths";
@@ -90,36 +126,100 @@ impl Args {
         let progress = Terminal::new(&self.common);
         let comparison = plan.run(&progress)?;
         drop(progress);
-        let mut numbers = comparison.numbers();
+        self.write(out, &comparison.name, comparison.numbers(), comparison.figures(), &comparison.table())
+    }
+
+    /// Against segments.
+    fn three_d(&self, out: &mut dyn Write) -> Result<()> {
+        let plan = self.three_d_plan()?;
+        let size = plan.size(rayon::current_num_threads())?;
+        let fewer = "a smaller --length or longer --wavelengths";
+        self.common.allowance().check("this comparison", size.bytes, fewer)?;
+        self.common.say(&format!(
+            "{} far fields of segments of up to {} × {} cells, {:.2} GB at most",
+            plan.count(),
+            size.cells[0],
+            size.cells[1],
+            size.bytes as f64 / 1e9
+        ));
+        let progress = Terminal::new(&self.common);
+        let comparison = plan.run(&progress)?;
+        drop(progress);
+        let name = comparison.plan.structure.name();
+        self.write(out, &name, comparison.numbers(), comparison.figures(), &comparison.table())
+    }
+
+    fn three_d_plan(&self) -> Result<three_d::Plan> {
+        let structure = self.narrowed(structure_arg::parse(&self.structure, &self.common)?, None)?;
+        let most = if self.quick { QUICK_INSTANCES } else { USUAL_INSTANCES };
+        let asked = self.instances.map_or(most, |count| count as usize);
+        // A changed species has no material of its own.
+        let is_as_named = self.width.is_none() && self.layers.is_none();
+        let material =
+            match is_as_named.then(|| materials::locate(&self.structure, &self.common)).transpose()? {
+                Some(Place::There(found)) => Some(Box::new(found.material)),
+                _ => {
+                    self.common.explain(
+                        "no material of this structure is at hand; the BRDF is left out of the pictures",
+                    );
+                    None
+                }
+            };
+        let roughness = self.segment.roughness(self.invariant)?;
+        Ok(three_d::Plan {
+            seed: self.common.seed,
+            instances: structure.count().map_or(asked, |given| asked.min(given)),
+            wavelengths: Wavelengths::new(self.nm())?,
+            directions: DIRECTIONS_DEG.map(|direction| direction.map(f64::to_radians)).to_vec(),
+            length_um: self.segment.length_um(&structure),
+            roughness,
+            // The BRDF contains it.
+            tilt: CampaignOptions::default().tilt_deg.to_radians(),
+            material,
+            structure,
+        })
+    }
+
+    /// Writes figures and numbers, and prints the numbers or their table.
+    fn write(
+        &self,
+        out: &mut dyn Write,
+        name: &str,
+        mut numbers: Value,
+        figures: Vec<(String, Drawing)>,
+        table: &str,
+    ) -> Result<()> {
         let provenance = Provenance::new(&self.common);
         if let Value::Object(map) = &mut numbers {
             map.insert("made".into(), provenance.json());
         }
         let mut files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
-        for (name, drawing) in comparison.figures() {
-            files.push((self.folder.join(name), drawing.encode(Format::Svg, &provenance.notes())?));
+        for (file, drawing) in figures {
+            files.push((self.folder.join(file), drawing.encode(Format::Svg, &provenance.notes())?));
         }
         files.push((self.folder.join("numbers.json"), format!("{numbers:#}\n").into_bytes()));
         make_folder(&self.folder)?;
         let together: Vec<(&Path, &[u8])> = files.iter().map(|(path, bytes)| (&**path, &**bytes)).collect();
         write_together(&together)?;
-        let words = format!("{} figures and numbers.json of {}", files.len() - 1, comparison.name);
+        let words = format!("{} figures and numbers.json of {name}", files.len() - 1);
         self.common.wrote(&self.folder, &words);
-        if self.common.json { print_json(out, &numbers) } else { print(out, &comparison.table()) }
+        if self.common.json { print_json(out, &numbers) } else { print(out, table) }
+    }
+
+    fn nm(&self) -> Vec<f64> {
+        match &self.wavelengths {
+            Some(Nm(nm)) => nm.clone(),
+            None if self.quick => QUICK_NM.to_vec(),
+            None => USUAL_NM.to_vec(),
+        }
     }
 
     /// Everything that is compared, checked before any work.
     fn plan(&self) -> Result<Plan> {
-        if self.folder.exists() && !self.folder.is_dir() {
-            return Err(Error::input(format!("{}: is no folder; give another name", self.folder.display())));
-        }
         let structure = structure_arg::parse(&self.structure, &self.common)?;
-        let section = self.section(&structure)?;
-        let nm = match &self.wavelengths {
-            Some(Nm(nm)) => nm.clone(),
-            None if self.quick => QUICK_NM.to_vec(),
-            None => USUAL_NM.to_vec(),
-        };
+        let quick = self.quick.then_some(QUICK_WIDTH_UM.min(structure.width_um()));
+        let section = self.narrowed(structure, quick)?.instance(self.common.seed, self.instance)?;
+        let nm = self.nm();
         let azimuths = usual_azimuths(&section, nm.iter().copied().fold(f64::INFINITY, f64::min));
         let closed = section.closed(Beneath::Absorbing)?;
         if closed.fast.boundaries.is_empty() {
@@ -138,24 +238,24 @@ impl Args {
         })
     }
 
-    fn section(&self, structure: &Structure) -> Result<Section> {
+    /// The structure with another width and number of layers; as wide as `usual` where nothing is asked.
+    fn narrowed(&self, structure: Structure, usual: Option<f64>) -> Result<Structure> {
         let Structure::Species(model) = structure else {
             if self.width.is_some() || self.layers.is_some() {
                 return Err(Error::input(
                     "--width and --layers change species; a section is validated as it is, so leave them out",
                 ));
             }
-            return structure.instance(self.common.seed, self.instance);
+            return Ok(structure);
         };
-        let quick = self.quick.then_some(QUICK_WIDTH_UM.min(model.width_um()));
-        let mut model = (**model).clone();
-        if let Some(width_um) = self.width.or(quick) {
+        let mut model = *model;
+        if let Some(width_um) = self.width.or(usual) {
             model = model.with_parameters(&[("width_um", width_um.into())])?;
         }
         if let Some(layers) = self.layers {
             let by = |key| model.with_parameters(&[(key, Value::from(layers))]);
             model = by("layers").or_else(|_| by("rows"))?;
         }
-        model.section(self.common.seed, self.instance)
+        Ok(Structure::Species(Box::new(model)))
     }
 }

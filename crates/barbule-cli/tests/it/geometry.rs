@@ -38,7 +38,7 @@ fn refusals_are_one_sentence_with_exit_code_2_and_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("x.svg").to_string_lossy().into_owned();
     for (words, expected) in [
-        (vec!["geometry", "starling", "--three-d", "-o", &output], "three dimensions"),
+        (vec!["geometry", "starling", "--three-d", "--roughness", "0.4", "-o", &output], "half the shorter"),
         (vec!["geometry", "starling"], "say where to write"),
         (vec!["geometry", "starling", "-o", "x.eps"], ".svg, .pdf, .png or .json"),
         (vec!["geometry", "air/keratin:5/air", "--instance", "3", "-o", &output], "no instance 3"),

@@ -33,7 +33,9 @@ pub use section::{
     FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,
     Polyline, Section, Substance,
 };
-pub use segment::{Layers, Line, Roughness, Sampled, Segment, SEGMENT_LENGTHS_UM, SegmentGrid};
+pub use segment::{
+    Cut, CutLayer, Layers, Line, Plane, Roughness, SEGMENT_LENGTHS_UM, Sampled, Segment, SegmentGrid,
+};
 pub use side::Side;
 pub use species::{
     Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, Key, LowerSide, Multilayer,

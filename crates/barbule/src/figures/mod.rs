@@ -3,6 +3,7 @@
 mod far_fields;
 mod lobes;
 mod section;
+mod segment;
 mod simulated;
 mod spectrum;
 mod values;
@@ -10,6 +11,7 @@ mod values;
 pub use far_fields::{check_far_fields, far_fields};
 pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
 pub use section::section;
+pub use segment::segment;
 pub use simulated::{FieldPatterns, FitCurves, InstancePatterns, NoiseCurves, statistics_of_fits};
 pub use spectrum::{Simulated, spectra};
 pub use values::{hemisphere_maps, marginals};

@@ -8,9 +8,9 @@ const PAGE: f64 = 1000.0;
 const NARROWEST: f64 = 320.0;
 /// Parts of the page's width that the zoom may take.
 const ZOOMS: [f64; 4] = [0.62, 0.5, 0.4, 0.3];
-const MARGIN: f64 = 30.0;
-const FONT: f64 = 15.0;
-const HEADING: f64 = 18.0;
+pub(super) const MARGIN: f64 = 30.0;
+pub(super) const FONT: f64 = 15.0;
+pub(super) const HEADING: f64 = 18.0;
 /// Zooms show at most this much, µm; of a crystal, whose rods are small, less.
 const ZOOM_UM: f64 = 5.0;
 const CRYSTAL_ZOOM_UM: f64 = 3.0;
@@ -172,7 +172,7 @@ fn zoom_window(section: &Section) -> [f64; 4] {
 }
 
 /// Shade of a substance.
-fn shade(substance: &Substance) -> [u8; 3] {
+pub(super) fn shade(substance: &Substance) -> [u8; 3] {
     match substance {
         Substance::Named(name) if name == "air" => [255, 255, 255],
         Substance::Named(name) if name == "keratin" => [205, 205, 205],
@@ -187,7 +187,7 @@ fn shade(substance: &Substance) -> [u8; 3] {
     }
 }
 
-fn blend(a: [u8; 3], b: [u8; 3], t: f64) -> [u8; 3] {
+pub(super) fn blend(a: [u8; 3], b: [u8; 3], t: f64) -> [u8; 3] {
     let mix = |i: usize| (f64::from(a[i]) * (1.0 - t) + f64::from(b[i]) * t).round() as u8;
     [mix(0), mix(1), mix(2)]
 }
@@ -342,18 +342,22 @@ fn fill(items: &mut Vec<Item>, medium: &Medium, view: &View, curve: &[[f64; 2]],
 
 /// A bar of a round length under a view.
 fn scale_bar(page: &mut Drawing, view: &View) {
-    let [x, y, wide, tall] = view.area();
-    let about = 0.2 * wide / view.scale;
+    scale_bar_of(page, view.area(), view.scale);
+}
+
+/// A bar of a round length under an area of so many px per µm.
+pub(super) fn scale_bar_of(page: &mut Drawing, [x, y, wide, tall]: [f64; 4], scale: f64) {
+    let about = 0.2 * wide / scale;
     let power = 10_f64.powf(about.log10().floor());
     let length = [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|&m| m <= about).unwrap_or(power);
     let (right, base) = (x + wide, y + tall + 10.0);
-    page.line([right - length * view.scale, base], [right, base], Stroke::solid(Ink::BLACK, 4.0));
+    page.line([right - length * scale, base], [right, base], Stroke::solid(Ink::BLACK, 4.0));
     let label = if length < 0.1 { format!("{:.0} nm", length * 1e3) } else { format!("{length} µm") };
     page.text([right, base + 19.0], FONT, Anchor::End, label);
 }
 
 /// One swatch for each medium, no wider than `most`.
-fn legend(section: &Section, most: f64) -> Drawing {
+pub(super) fn legend(section: &Section, most: f64) -> Drawing {
     let mut entries: Vec<(String, [u8; 3], [u8; 3])> = Vec::new();
     let of_rods: Vec<Medium> = section
         .crystal

@@ -111,6 +111,8 @@ fn section(value: &Value, folder: &Path, library: &Library) -> Result<Section> {
         "source",
         "materials",
         "lattice",
+        // What `geometry --three-d` adds: of the segment that the section was carried to.
+        "segment",
     ];
     let fields = Fields::new(value, "", &known)?;
     let version = fields.need_number("barbule", "the format's version, \"barbule\": 1")?;

@@ -2,6 +2,7 @@
 
 mod figures;
 mod numbers;
+pub mod three_d;
 
 pub use numbers::{Case, Comparison, Incidence};
 

@@ -161,7 +161,8 @@ impl<'a> Crystal<'a> {
             orders.each(phi, |m, step, jones: [f64; JONES]| {
                 let sin_o = (f64::from(m) * step - phi.sin()).clamp(-1.0, 1.0);
                 let cos_o = (1.0 - sin_o * sin_o).sqrt();
-                let lattice = Complex64::from_polar(weight * regularity, std::f64::consts::TAU * f64::from(m) * turns);
+                let lattice =
+                    Complex64::from_polar(weight * regularity, std::f64::consts::TAU * f64::from(m) * turns);
                 let wave = place.wave * lattice;
                 let at = |element: usize| Complex64::new(jones[2 * element], jones[2 * element + 1]) * wave;
                 for (q, [first, second]) in incident.into_iter().enumerate() {
@@ -172,10 +173,13 @@ impl<'a> Crystal<'a> {
                     let vector = |t: Complex64, y: Complex64, axis: usize| {
                         t * frame.tangent[axis] + y * frame.axis[axis]
                     };
-                    add(q, std::array::from_fn(|c| match c {
-                        0..3 => vector(j_t, j_y, c),
-                        _ => vector(m_t, m_y, c - 3),
-                    }));
+                    add(
+                        q,
+                        std::array::from_fn(|c| match c {
+                            0..3 => vector(j_t, j_y, c),
+                            _ => vector(m_t, m_y, c - 3),
+                        }),
+                    );
                 }
             });
         }

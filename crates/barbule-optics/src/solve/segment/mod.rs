@@ -160,11 +160,8 @@ struct Place {
 impl Place {
     /// The point of a line in this row, of cells of `area_um2`; `None` in its own shadow.
     fn new(incidence: &Incidence, line: &Line, row: usize, y_um: f64, area_um2: f64) -> Option<Self> {
-        let up = DVec3::new(
-            -(line.slope + f64::from(line.slopes[0][row])),
-            -f64::from(line.slopes[1][row]),
-            1.0,
-        );
+        let up =
+            DVec3::new(-(line.slope + f64::from(line.slopes[0][row])), -f64::from(line.slopes[1][row]), 1.0);
         let length = up.length();
         let normal = up / length;
         let cos_alpha = normal.dot(incidence.omega);
@@ -238,14 +235,25 @@ impl<'a> Reflector<'a> {
     ) -> Result<Self> {
         Ok(match &segment.section.crystal {
             None => Self::Layers(layered::Stacks::new(sampled, light.wavelength_nm, Width::best())?),
-            Some(layer) => {
-                Self::Crystal(crystal::Crystal::new(segment, layer, sampled, light.wavelength_nm, incidence, progress)?)
-            }
+            Some(layer) => Self::Crystal(crystal::Crystal::new(
+                segment,
+                layer,
+                sampled,
+                light.wavelength_nm,
+                incidence,
+                progress,
+            )?),
         })
     }
 
     /// The currents along a line, and the power that falls on it, µm².
-    fn currents(&self, incidence: &Incidence, line: &Line, room: &mut layered::Room, out: &mut Currents) -> f64 {
+    fn currents(
+        &self,
+        incidence: &Incidence,
+        line: &Line,
+        room: &mut layered::Room,
+        out: &mut Currents,
+    ) -> f64 {
         match self {
             Self::Layers(stacks) => stacks.currents(incidence, line, room, out),
             Self::Crystal(crystal) => crystal.currents(incidence, line, out),

@@ -60,7 +60,12 @@ struct Plan {
 }
 
 impl Plan {
-    fn new(grid: &SegmentGrid, roughness: Roughness, light: &SegmentLight, interpolation: f64) -> Result<Self> {
+    fn new(
+        grid: &SegmentGrid,
+        roughness: Roughness,
+        light: &SegmentLight,
+        interpolation: f64,
+    ) -> Result<Self> {
         let wavelength_um = light.wavelength_nm * 1e-3;
         let k = std::f64::consts::TAU / wavelength_um;
         let length = fast_length(grid.cells[1].max(2));
@@ -69,7 +74,8 @@ impl Plan {
             wavelength_um / (length as f64 * grid.step_um[1]),
         ];
         let mirror_y = -light.theta_i.sin();
-        let rows = ((-1.0 - mirror_y) / step[1]).ceil() as i64..((1.0 - mirror_y) / step[1]).floor() as i64 + 1;
+        let rows =
+            ((-1.0 - mirror_y) / step[1]).ceil() as i64..((1.0 - mirror_y) / step[1]).floor() as i64 + 1;
         let most = (rows.end - rows.start) as usize;
         if most > length {
             return Err(Error::input(format!(
@@ -178,7 +184,8 @@ pub(super) fn radiate(
         let count = at_once.min(rows - first);
         let from = plan.rows.start + first as i64;
         let held = &mut held[..lines * count * plan.columns()];
-        let transformer = Transformer { plan: &plan, sampled, reflector, incidence, rows: from..from + count as i64 };
+        let transformer =
+            Transformer { plan: &plan, sampled, reflector, incidence, rows: from..from + count as i64 };
         out.incident_um2 = transformer.fill(held, progress)?;
         let [a, b] = &mut out.amplitudes;
         a[first * width..(first + count) * width]
@@ -189,7 +196,15 @@ pub(super) fn radiate(
                 if progress.is_cancelled() {
                     return Err(Error::interrupted());
                 }
-                let row = RowOf { plan: &plan, places: &places, turn: light.turn, width: Width::best(), held, count, index };
+                let row = RowOf {
+                    plan: &plan,
+                    places: &places,
+                    turn: light.turn,
+                    width: Width::best(),
+                    held,
+                    count,
+                    index,
+                };
                 row.radiate(plan.omega_y(from + index as i64), room, [a, b]);
                 progress.advance(1);
                 Ok(())
@@ -223,7 +238,13 @@ impl Transformer<'_> {
                         row.resize(grid.cells[1], Complex64::ZERO);
                     }
                     let buffer = vec![Complex32::ZERO; self.plan.length];
-                    (Line::default(), Room::default(), currents, buffer, vec![Complex32::ZERO; transform.scratch_len()])
+                    (
+                        Line::default(),
+                        Room::default(),
+                        currents,
+                        buffer,
+                        vec![Complex32::ZERO; transform.scratch_len()],
+                    )
                 },
                 |(line, room, currents, buffer, scratch), (number, out)| {
                     if progress.is_cancelled() {
@@ -235,9 +256,13 @@ impl Transformer<'_> {
                         self.sampled.line(number * LINES + lane, line);
                         power += self.reflector.currents(self.incidence, line, room, currents);
                         for (node, &height) in self.plan.nodes.iter().enumerate() {
-                            let turns: Vec<Complex64> = line.rise_um.iter().map(|rise| {
-                                Complex64::from_polar(1.0, -self.plan.k * height * f64::from(*rise))
-                            }).collect();
+                            let turns: Vec<Complex64> = line
+                                .rise_um
+                                .iter()
+                                .map(|rise| {
+                                    Complex64::from_polar(1.0, -self.plan.k * height * f64::from(*rise))
+                                })
+                                .collect();
                             for (component, values) in currents.iter().flatten().enumerate() {
                                 for (to, (value, turn)) in buffer.iter_mut().zip(values.iter().zip(&turns)) {
                                     let turned = value * turn;
@@ -338,18 +363,19 @@ impl RowOf<'_> {
                         let read = |column: usize, part: usize| {
                             f64::from(room.products[column * n + part * padded + at])
                         };
-                        let (re, im) = (
-                            read(column, 0) + read(column + 1, 1),
-                            read(column + 1, 0) - read(column, 1),
-                        );
+                        let (re, im) =
+                            (read(column, 0) + read(column + 1, 1), read(column + 1, 0) - read(column, 1));
                         sum += Complex64::new(re, im) * *weight;
                     }
                     sum
                 });
                 let [jx, jy, jz, mx, my, mz] = sums;
                 // e₁·[(1 − ωωᵀ)J̃ − ω × M̃] = e₁·J̃ − e₂·M̃ and e₂·[…] = e₂·J̃ + e₁·M̃.
-                let e1 = jy * cos_theta - (jx * sin_phi + jz * cos_phi) * sin_theta - (mx * cos_phi - mz * sin_phi);
-                let e2 = (jx * cos_phi - jz * sin_phi) + my * cos_theta - (mx * sin_phi + mz * cos_phi) * sin_theta;
+                let e1 = jy * cos_theta
+                    - (jx * sin_phi + jz * cos_phi) * sin_theta
+                    - (mx * cos_phi - mz * sin_phi);
+                let e2 = (jx * cos_phi - jz * sin_phi) + my * cos_theta
+                    - (mx * sin_phi + mz * cos_phi) * sin_theta;
                 *field = [e1, e2].map(|value| {
                     let value = value * factor;
                     Complex32::new(value.re as f32, value.im as f32)
@@ -378,7 +404,9 @@ impl RowOf<'_> {
             }
             room.sources.clear();
             room.sources.resize(lines * columns, 0.0);
-            for (group, target) in (0..lines / LINES).map(|group| (number * (CHUNK / LINES) + group, group * LINES)) {
+            for (group, target) in
+                (0..lines / LINES).map(|group| (number * (CHUNK / LINES) + group, group * LINES))
+            {
                 let from = &self.held[group * block + self.index * columns * LINES..][..columns * LINES];
                 for (values, column) in from.chunks_exact(LINES).zip(room.sources.chunks_exact_mut(lines)) {
                     column[target..target + LINES].copy_from_slice(values);

@@ -11,9 +11,7 @@ use crate::progress::Unobserved;
 use crate::scattering::far_field::{Azimuths, Illumination, Window};
 use crate::solve::film::{Polarization, reflect};
 use crate::solve::surface::{self, Accuracy};
-use crate::structure::{
-    Lattice, Layers, Medium, Parts, Polyline, Roughness, Section, Structure, Substance,
-};
+use crate::structure::{Lattice, Layers, Medium, Parts, Polyline, Roughness, Section, Structure, Substance};
 
 fn fine() -> SegmentAccuracy {
     SegmentAccuracy { cells: [0.04, 0.25], parts: 1, interpolation: 1e-6 }
@@ -76,8 +74,9 @@ fn plain(segment: &Segment, light: &SegmentLight, accuracy: &SegmentAccuracy, w_
             let indices: Vec<Complex64> = std::iter::once(Complex64::ONE)
                 .chain(layers.media.iter().map(|m| palette[usize::from(m.a)]))
                 .collect();
-            let thickness: Vec<f64> =
-                (0..layers.media.len() - 1).map(|layer| 1e3 * layers.thickness_um[layer * layers.stride + row]).collect();
+            let thickness: Vec<f64> = (0..layers.media.len() - 1)
+                .map(|layer| 1e3 * layers.thickness_um[layer * layers.stride + row])
+                .collect();
             let angle = n.dot(w_i).acos();
             let r = |p| reflect(&indices, &thickness, light.wavelength_nm, angle, p).unwrap();
             let (r_s, r_p) = (r(Polarization::S), r(Polarization::P));
@@ -151,7 +150,8 @@ fn goes_with_2_5d(section: &Section, theta: f64, phi: f64, tolerance: f64) {
     let ratio = k * theta.cos() / TAU * (2.0 * PI).sqrt() * window[1];
     let row = far.omega_y.iter().position(|y| (y + theta.sin()).abs() < 1e-12).unwrap();
     let phi_o = Azimuths::UpperHalf(2000).phi_o();
-    let square = |field: &[Complex32; 2]| f64::from(field[0].norm_sqr() + field[1].norm_sqr()) / far.incident_um2;
+    let square =
+        |field: &[Complex32; 2]| f64::from(field[0].norm_sqr() + field[1].norm_sqr()) / far.incident_um2;
     for q in 0..2 {
         let expected: Vec<f64> = flat.amplitudes[q][0]
             .iter()
@@ -168,15 +168,22 @@ fn goes_with_2_5d(section: &Section, theta: f64, phi: f64, tolerance: f64) {
             let at = (sine.asin() + PI / 2.0) / PI * 2000.0 - 0.5;
             let (i, t) = (at.floor() as usize, at.fract());
             let [a, b, c, d] = [0, 1, 2, 3].map(|k| expected[(i + k).saturating_sub(1).min(phi_o.len() - 1)]);
-            let between = b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
+            let between =
+                b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
             let found = square(&far.amplitudes[q][row * far.columns() + column]);
-            assert!((found - between).abs() < tolerance * peak, "{sine}: {found:e} for {between:e}, of {peak:e}");
+            assert!(
+                (found - between).abs() < tolerance * peak,
+                "{sine}: {found:e} for {between:e}, of {peak:e}"
+            );
             for away in 1..4 {
                 let u = away as f64 * far.step[1];
                 let beside = square(&far.amplitudes[q][(row + away) * far.columns() + column]);
                 // Directions off the cone have other obliquities, in the first order of u.
                 let spread = between * (-(k * window[1] * u).powi(2) / 2.0).exp();
-                assert!((beside - spread).abs() < 2.5 * u * peak, "{sine} {away}: {beside:e} for {spread:e} of {peak:e}");
+                assert!(
+                    (beside - spread).abs() < 2.5 * u * peak,
+                    "{sine} {away}: {beside:e} for {spread:e} of {peak:e}"
+                );
             }
         }
     }

@@ -3,12 +3,14 @@
 //! Rock doves' melanin granules and hummingbirds' pancake melanosomes are no bodies that go on along y: they are laid out in
 //! the plane anew. Source: the feather paper's supplement, §6.1, which leaves all numbers open; the theory page says ours.
 
+mod cut;
 mod pancakes;
 mod relief;
 mod sampled;
 #[cfg(test)]
 mod tests;
 
+pub use cut::{Cut, CutLayer, Plane};
 pub use sampled::{Layers, Line, Sampled, SegmentGrid};
 
 use super::section::Section;
@@ -168,7 +170,8 @@ impl Segment {
             let mut stream = Stream::new(seed, &[index as u64, purpose, part]);
             Relief::new(&mut stream, roughness.correlation_um)
         };
-        let boundaries = if rough && section.crystal.is_none() { MOST_BOUNDARIES.min(slots(&section)?) } else { 0 };
+        let boundaries =
+            if rough && section.crystal.is_none() { MOST_BOUNDARIES.min(slots(&section)?) } else { 0 };
         Ok(Self {
             length_um,
             roughness,
@@ -212,13 +215,7 @@ impl Structure {
     ///
     /// # Errors
     /// As [`Structure::instance`] and [`Segment::of_section`].
-    pub fn segment(
-        &self,
-        seed: u64,
-        index: usize,
-        length_um: f64,
-        roughness: Roughness,
-    ) -> Result<Segment> {
+    pub fn segment(&self, seed: u64, index: usize, length_um: f64, roughness: Roughness) -> Result<Segment> {
         match self {
             Self::Species(model) => Segment::of_species(model, length_um, roughness, seed, index),
             _ => Segment::of_section(self.instance(seed, index)?, length_um, roughness, seed, index),

@@ -145,9 +145,7 @@ impl Layer {
             )));
         }
         let count = counts.map(|count| count as usize);
-        let origin_um = [0, 1].map(|axis| {
-            -0.5 * area_um[axis] - (2.0 + stream.unit()) * step_um[axis]
-        });
+        let origin_um = [0, 1].map(|axis| -0.5 * area_um[axis] - (2.0 + stream.unit()) * step_um[axis]);
         let mut discs = Vec::with_capacity(count[0] * count[1]);
         for row in 0..count[1] {
             for column in 0..count[0] {
@@ -181,9 +179,8 @@ impl Layer {
 
     /// The gap between neighbours with which discs cover their part of the area.
     fn fit_gap(&mut self, coverage: f64, area_um: [f64; 2], stream: &mut Stream) {
-        let probes: Vec<[f64; 2]> = (0..PROBES)
-            .map(|_| [0, 1].map(|axis| area_um[axis] * stream.uniform(-0.5, 0.5)))
-            .collect();
+        let probes: Vec<[f64; 2]> =
+            (0..PROBES).map(|_| [0, 1].map(|axis| area_um[axis] * stream.uniform(-0.5, 0.5))).collect();
         let (mut low, mut high) = (0.0, 0.5 * self.step_um[0]);
         for _ in 0..HALVINGS {
             self.gap_um = 0.5 * (low + high);

@@ -223,6 +223,8 @@ impl Sampled<'_> {
         // Roughness is along z, layers are along the normal.
         let cosine = line.slope.hypot(1.0).recip();
         let mut granules = self.granules.as_ref().map(|(granules, _)| *granules);
+        // How much deeper granules begin than the section's.
+        let mut deeper = vec![0.0; if granules.is_some() { self.y_um.len() } else { 0 }];
         for slot in 0..columns.slots - 1 {
             let mixture = columns.mixture[slot].at(ray);
             let base = columns.thickness_um[slot * columns.rays + ray];
@@ -241,14 +243,18 @@ impl Sampled<'_> {
                 }
                 _ => row.fill(base),
             }
-            // Granules begin below the second layer, air, and fill the third.
+            // Granules begin below the second layer, air, and fill the third, down to where the section has its end.
             match (granules, layers.media.len()) {
                 (Some(granules), 1) => {
-                    for (value, field) in row.iter_mut().zip(&line.granules[0]) {
-                        *value = granules.gap.value(*field);
+                    for ((value, field), moved) in row.iter_mut().zip(&line.granules[0]).zip(&mut deeper) {
+                        *moved = granules.gap.value(*field) - *value;
+                        *value += *moved;
                     }
                 }
                 (Some(found), 2) => {
+                    for (value, moved) in row.iter_mut().zip(&deeper) {
+                        *value = (*value - moved).max(0.0);
+                    }
                     let fractions = line.granules[1].iter().map(|field| found.melanin.value(*field));
                     layers.varying = Some((2, fractions.collect()));
                     granules = None;
@@ -266,9 +272,10 @@ impl Sampled<'_> {
         let cosine = line.slope.hypot(1.0).recip();
         let x = line.x_um + ((part as f64 + 0.5) / self.parts as f64 - 0.5) * self.grid.step_um[0];
         let section = &self.segment.section;
-        let local = section.boundaries.get(1).map_or(pancakes.thickness_um, |bottom| {
-            (section.top().height(x) - bottom.height(x)) * cosine
-        });
+        let local = section
+            .boundaries
+            .get(1)
+            .map_or(pancakes.thickness_um, |bottom| (section.top().height(x) - bottom.height(x)) * cosine);
         // Layers follow a blend of both surfaces.
         let scale = (local / pancakes.thickness_um).max(0.0);
         for _ in &pancakes.layers {
@@ -288,7 +295,8 @@ impl Sampled<'_> {
             let mut above = 0.0;
             for (index, layer) in pancakes.layers.iter().enumerate() {
                 let halves = pancakes.at(layer, x, y);
-                let rough = line.boundaries_um.get(index).map_or(0.0, |b| f64::from(line.rise_um[row] - b[row]));
+                let rough =
+                    line.boundaries_um.get(index).map_or(0.0, |b| f64::from(line.rise_um[row] - b[row]));
                 let wall = halves.outer_um - halves.air_um;
                 push((layer.depth_um * scale + cosine * rough - halves.outer_um - above).max(0.0));
                 push(wall);

@@ -60,7 +60,8 @@ fn a_rock_doves_granules_are_laid_out_in_the_plane() {
 
 #[test]
 fn a_hummingbirds_discs_cover_as_much_of_the_plane_as_of_the_section() {
-    let segment = Structure::builtin("hummingbird").unwrap().segment(1, 0, 20.0, Roughness::default()).unwrap();
+    let segment =
+        Structure::builtin("hummingbird").unwrap().segment(1, 0, 20.0, Roughness::default()).unwrap();
     let Under::Pancakes(pancakes) = &segment.under else { panic!("no pancakes") };
     assert_eq!(pancakes.layers.len(), 12);
     for (index, layer) in pancakes.layers.iter().enumerate() {
@@ -85,7 +86,9 @@ fn a_hummingbirds_discs_cover_as_much_of_the_plane_as_of_the_section() {
 #[test]
 fn the_same_seed_gives_the_same_segment_and_another_another() {
     let structure = Structure::builtin("starling").unwrap();
-    let of = |seed, index| layers(&structure.segment(seed, index, 5.0, Roughness::default()).unwrap(), 50).0.rise_um;
+    let of = |seed, index| {
+        layers(&structure.segment(seed, index, 5.0, Roughness::default()).unwrap(), 50).0.rise_um
+    };
     assert_eq!(of(1, 0), of(1, 0));
     assert_ne!(of(1, 0), of(2, 0));
     assert_ne!(of(1, 0), of(1, 1));

@@ -233,7 +233,8 @@ impl Hummingbird {
         let half = 0.5 * layer.air_um + self.wall_um;
         let radius = self.end_radius(thickness);
         // Where the rounding of the ends leaves the cortex over (or under) the layer.
-        let room = (layer.depth_um.min(thickness - layer.depth_um) - half - self.cortex_um).clamp(0.0, radius);
+        let room =
+            (layer.depth_um.min(thickness - layer.depth_um) - half - self.cortex_um).clamp(0.0, radius);
         let inset = radius - libm::sqrt(radius * radius - (radius - room) * (radius - room));
         let inset = inset + self.cortex_um + CLEARANCE_UM;
         let path = Path::new(guide);

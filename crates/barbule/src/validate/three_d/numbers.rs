@@ -1,0 +1,472 @@
+//! What differs between invariant barbules and segments, in numbers.
+
+use serde_json::{Value, json};
+
+use super::Comparison;
+use crate::solve::segment::Hemisphere;
+use crate::spectrum::colour::{Illuminant, Observer};
+use crate::spectrum::difference::{delta_e_2000, lab};
+
+/// Moments of where light goes, over all instances.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Moments {
+    /// Φ_r/Φ_i.
+    pub reflected: f64,
+    /// Mean of ω_x, and its standard deviation.
+    pub across: [f64; 2],
+    /// Mean of ω_y + ω_iy, and its standard deviation; 0 in 2.5D.
+    pub along: [f64; 2],
+}
+
+/// The longitudinal spread, in the σ of exp(−t²/σ²) with t ≈ (ω_y + ω_iy)/2.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Sigma {
+    /// What the window along y makes alone.
+    pub window: f64,
+    /// From the second moment, the window taken off.
+    pub second_moment: f64,
+    /// The part of the light that leaves farther from the mirror's ω_y than [`BEYOND`] standard deviations of the window.
+    pub beyond: f64,
+}
+
+/// One wavelength and direction.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Found {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// θ_i and φ_i, degrees.
+    pub direction_deg: [f64; 2],
+    /// Of the 2.5D simulation.
+    pub flat: Moments,
+    /// Of the segments.
+    pub segments: Moments,
+    /// Of the segments.
+    pub sigma: Sigma,
+    /// Lags at which the covariance of one instance's intensities has fallen to 1/e: across by 2.5D, across and along by
+    /// segments, in ω_x and ω_y.
+    pub correlation: [f64; 3],
+    /// The light over ω_x, in equal bins from −1 to 1: 2.5D, segments. 1 per unit of ω_x.
+    pub over_x: [Vec<f64>; 2],
+    /// The light of segments over ω_y + ω_iy, and what the 2.5D BRDF assumes, in bins over ±[`ALONG`].
+    pub over_y: [Vec<f64>; 2],
+}
+
+/// How far the window alone reaches along y, in standard deviations: 0.3 % of it lie beyond.
+const BEYOND: f64 = 3.0;
+
+/// Bins of the marginals.
+pub(super) const BINS: usize = 200;
+
+/// Marginals along y reach so far.
+pub(super) const ALONG: f64 = 0.4;
+
+/// Sums over instances.
+pub(super) struct Tally {
+    theta_i: f64,
+    k: f64,
+    sigma: f64,
+    instances: f64,
+    /// ∫ I, ∫ I ω_x, ∫ I ω_x²: 2.5D, segments.
+    across: [[f64; 3]; 2],
+    /// ∫ I u, ∫ I u²
+    along: [f64; 2],
+    over_x: [Vec<f64>; 2],
+    over_y: Vec<f64>,
+    /// |u| and the light of each row.
+    within: Vec<(f64, f64)>,
+}
+
+impl Tally {
+    pub(super) fn new(theta_i: f64, k: f64, sigma: f64) -> Self {
+        Self {
+            theta_i,
+            k,
+            sigma,
+            instances: 0.0,
+            across: [[0.0; 3]; 2],
+            along: [0.0; 2],
+            over_x: [vec![0.0; BINS], vec![0.0; BINS]],
+            over_y: vec![0.0; BINS],
+            within: Vec::new(),
+        }
+    }
+
+    /// Adds a 2.5D far field (1/rad over its azimuths) of an instance turned by `turn`.
+    pub(super) fn add_flat(&mut self, flat: &[f64], turn: f64) {
+        let step = std::f64::consts::PI / flat.len() as f64;
+        for (n, value) in flat.iter().enumerate() {
+            let phi = (n as f64 + 0.5) * step - std::f64::consts::FRAC_PI_2 - turn;
+            if phi.cos() > 0.0 {
+                self.across(0, self.theta_i.cos() * phi.sin(), value * step);
+            }
+        }
+    }
+
+    fn across(&mut self, side: usize, x: f64, light: f64) {
+        for (power, sum) in self.across[side].iter_mut().enumerate() {
+            *sum += light * x.powi(power as i32);
+        }
+        let bin = ((0.5 * (x + 1.0) * BINS as f64) as usize).min(BINS - 1);
+        self.over_x[side][bin] += 0.5 * light * BINS as f64;
+    }
+
+    pub(super) fn add_segment(&mut self, far: &Hemisphere, intensity: &[f64]) {
+        self.instances += 1.0;
+        let columns = far.columns();
+        let mirror = -self.theta_i.sin();
+        let angles = far.solid_angles();
+        let rows = intensity.chunks_exact(columns).zip(angles.chunks_exact(columns));
+        for ((row, angles), y) in rows.zip(&far.omega_y) {
+            let u = y - mirror;
+            let mut light = 0.0;
+            for (column, (value, angle)) in row.iter().zip(angles).enumerate() {
+                self.across(1, far.omega_x(column), value * angle);
+                light += value * angle;
+            }
+            self.along[0] += light * u;
+            self.along[1] += light * u * u;
+            self.within.push((u.abs(), light));
+            let bin = 0.5 * (u / ALONG + 1.0) * BINS as f64;
+            if (0.0..BINS as f64).contains(&bin) {
+                // A row of directions spans several bins, or bins several rows.
+                let half = 0.25 * far.step[1] / ALONG * BINS as f64;
+                spread(&mut self.over_y, bin - half, bin + half, light / (2.0 * ALONG) * BINS as f64);
+            }
+        }
+    }
+
+    pub(super) fn found(
+        self,
+        wavelength_nm: f64,
+        direction: [f64; 2],
+        window_um: [f64; 2],
+        correlations: &Correlations,
+    ) -> Found {
+        let count = self.instances;
+        let moments = |side: usize, along: [f64; 2]| {
+            let [whole, first, second] = self.across[side];
+            let mean = first / whole;
+            Moments {
+                reflected: whole / count,
+                across: [mean, (second / whole - mean * mean).max(0.0).sqrt()],
+                along,
+            }
+        };
+        let light = self.across[1][0];
+        let mean = self.along[0] / light;
+        let variance = (self.along[1] / light - mean * mean).max(0.0);
+        let cos_theta = self.theta_i.cos();
+        let of_window = 1.0 / (self.k * window_um[1]);
+        // u is 2t cosθ, and exp(−t²/σ²) has the standard deviation σ/√2.
+        let scale = std::f64::consts::SQRT_2 * 0.5 / cos_theta;
+        let second_moment = scale * (variance - of_window * of_window).max(0.0).sqrt();
+        let beyond =
+            self.within.iter().filter(|(u, _)| *u > BEYOND * of_window).map(|(_, light)| light).sum::<f64>();
+        let model = |bin: usize| {
+            let u = ALONG * (2.0 * (bin as f64 + 0.5) / BINS as f64 - 1.0);
+            let y = u - self.theta_i.sin();
+            if y.abs() >= 1.0 {
+                return 0.0;
+            }
+            let t = (0.5 * (self.theta_i + y.asin())).sin();
+            (-(t / self.sigma).powi(2)).exp()
+        };
+        let mut assumed: Vec<f64> = (0..BINS).map(model).collect();
+        let all = assumed.iter().sum::<f64>() * 2.0 * ALONG / BINS as f64;
+        let reflected = self.across[0][0] / count;
+        assumed.iter_mut().for_each(|value| *value *= reflected / all);
+        let averaged = |values: &Vec<f64>| values.iter().map(|value| value / count).collect::<Vec<f64>>();
+        Found {
+            wavelength_nm,
+            direction_deg: direction.map(f64::to_degrees),
+            flat: moments(0, [0.0; 2]),
+            segments: moments(1, [mean, variance.sqrt()]),
+            sigma: Sigma { window: scale * of_window, second_moment, beyond: beyond / light },
+            correlation: correlations.lags(),
+            over_x: [averaged(&self.over_x[0]), averaged(&self.over_x[1])],
+            over_y: [averaged(&self.over_y), assumed],
+        }
+    }
+}
+
+/// Adds a density to the bins between two places, in parts of their overlap with it.
+fn spread(bins: &mut [f64], from: f64, to: f64, sum: f64) {
+    let first = from.floor().max(0.0) as usize;
+    for (bin, value) in bins.iter_mut().enumerate().skip(first) {
+        let overlap = (bin as f64 + 1.0).min(to) - (bin as f64).max(from);
+        if overlap <= 0.0 {
+            break;
+        }
+        *value += sum * overlap / (to - from);
+    }
+}
+
+/// Covariances of the intensities of single instances, less the mean of all.
+pub(super) struct Correlations {
+    /// ω_y of the mirror.
+    mirror_y: f64,
+    /// The mirror's rows of segments, with what lies beside them along y; the 2.5D far fields over ω_x.
+    patterns: Vec<[Pattern; 2]>,
+    steps: [f64; 2],
+}
+
+/// Intensities `[row][column]`.
+#[derive(Default, Clone)]
+struct Pattern {
+    columns: usize,
+    values: Vec<f64>,
+}
+
+/// How far on either side of the mirror's rows tell the covariance along y.
+const BESIDE: f64 = 0.12;
+
+impl Correlations {
+    pub(super) fn new(theta_i: f64) -> Self {
+        Self { mirror_y: -theta_i.sin(), patterns: Vec::new(), steps: [0.0; 2] }
+    }
+
+    pub(super) fn add(&mut self, far: &Hemisphere, intensity: &[f64], flat: &[f64]) {
+        let columns = far.columns();
+        let from_mirror = |row: &usize| (far.omega_y[*row] - self.mirror_y).abs();
+        let rows = 0..far.omega_y.len();
+        let centre = rows.min_by(|a, b| from_mirror(a).total_cmp(&from_mirror(b))).unwrap_or_default();
+        let beside = (BESIDE / far.step[1]) as usize;
+        let rows = centre.saturating_sub(beside)..(centre + beside + 1).min(far.omega_y.len());
+        let values = intensity[rows.start * columns..rows.end * columns].to_vec();
+        // The 2.5D far field at the same ω_x.
+        let cosine = (1.0 - far.omega_y[centre].powi(2)).sqrt();
+        let at = |column: usize| {
+            let sine = far.omega_x(column) / cosine;
+            if sine.abs() >= 1.0 {
+                return 0.0;
+            }
+            let place = (sine.asin() / std::f64::consts::PI + 0.5) * flat.len() as f64 - 0.5;
+            let read = |k: f64| flat[(k.max(0.0) as usize).min(flat.len() - 1)];
+            let part = place - place.floor();
+            (1.0 - part) * read(place.floor()) + part * read(place.floor() + 1.0)
+        };
+        let flat = Pattern { columns, values: (0..columns).map(at).collect() };
+        self.patterns.push([flat, Pattern { columns, values }]);
+        self.steps = far.step;
+    }
+
+    /// As [`Found::correlation`].
+    fn lags(&self) -> [f64; 3] {
+        let across = |which: usize| self.lag(which, true) * self.steps[0];
+        [across(0), across(1), self.lag(1, false) * self.steps[1]]
+    }
+
+    /// The lag, in steps, at which the covariance along rows or columns has fallen to 1/e.
+    fn lag(&self, which: usize, is_across: bool) -> f64 {
+        let Some(first) = self.patterns.first() else { return 0.0 };
+        let (columns, length) = (first[which].columns, first[which].values.len());
+        let count = self.patterns.len() as f64;
+        let mean: Vec<f64> = (0..length)
+            .map(|i| {
+                self.patterns.iter().map(|p| p[which].values.get(i).unwrap_or(&0.0)).sum::<f64>() / count
+            })
+            .collect();
+        let rows = length / columns;
+        let covariance = |lag: usize| -> f64 {
+            let mut sum = 0.0;
+            for pattern in &self.patterns {
+                let off = |row: usize, column: usize| {
+                    let at = row * columns + column;
+                    pattern[which].values[at] - mean[at]
+                };
+                let [last_row, last_column] =
+                    if is_across { [rows, columns - lag] } else { [rows - lag, columns] };
+                for row in 0..last_row {
+                    for column in 0..last_column {
+                        let other = if is_across { off(row, column + lag) } else { off(row + lag, column) };
+                        sum += off(row, column) * other;
+                    }
+                }
+            }
+            sum
+        };
+        let whole = covariance(0);
+        let most = if is_across { columns / 2 } else { rows / 2 };
+        let mut last = 1.0;
+        for lag in 1..most {
+            let now = covariance(lag) / whole.max(f64::MIN_POSITIVE);
+            let target = (-1.0_f64).exp();
+            if now < target {
+                return (lag - 1) as f64 + (last - target) / (last - now);
+            }
+            last = now;
+        }
+        most as f64
+    }
+}
+
+impl Comparison {
+    /// ΔE00 of the colours of all that is reflected: 2.5D against segments.
+    #[must_use]
+    pub fn delta_e(&self, direction: usize) -> f64 {
+        let wavelengths = &self.plan.wavelengths;
+        let weights = Observer::under(Illuminant::D65).weights(wavelengths);
+        let white = weights.xyz(&vec![1.0; wavelengths.len()]);
+        let colour = |of: fn(&Found) -> f64| {
+            lab(weights.xyz(&self.found[direction].iter().map(of).collect::<Vec<_>>()), white)
+        };
+        delta_e_2000(colour(|f| f.flat.reflected), colour(|f| f.segments.reflected))
+    }
+
+    /// Everything but the pictures.
+    #[must_use]
+    pub fn numbers(&self) -> Value {
+        let moments = |m: &Moments| {
+            json!({
+                "reflected": m.reflected,
+                "across_mean": m.across[0], "across_deviation": m.across[1],
+                "along_mean": m.along[0], "along_deviation": m.along[1],
+            })
+        };
+        let found = |f: &Found| {
+            json!({
+                "wavelength_nm": f.wavelength_nm,
+                "two_and_a_half_d": moments(&f.flat),
+                "three_d": moments(&f.segments),
+                "power_error": f.flat.reflected / f.segments.reflected - 1.0,
+                "sigma_window": f.sigma.window,
+                "sigma_second_moment": f.sigma.second_moment,
+                "beyond_window": f.sigma.beyond,
+                "correlation_across_two_and_a_half_d": f.correlation[0],
+                "correlation_across_three_d": f.correlation[1],
+                "correlation_along_three_d": f.correlation[2],
+            })
+        };
+        let direction = |(index, all): (usize, &Vec<Found>)| {
+            let [theta, phi] = self.plan.directions[index].map(f64::to_degrees);
+            json!({
+                "theta_deg": theta, "phi_deg": phi,
+                "delta_e_2000": self.delta_e(index),
+                "wavelengths": all.iter().map(found).collect::<Vec<_>>(),
+            })
+        };
+        json!({
+            "structure": self.plan.structure.name(),
+            "instances": self.plan.instances,
+            "width_um": self.plan.structure.width_um(),
+            "length_um": self.plan.length_um,
+            "roughness_um": self.plan.roughness.amplitude_um,
+            "correlation_um": self.plan.roughness.correlation_um,
+            "tilt_deg": self.plan.tilt.to_degrees(),
+            "brdf_sigma": self.sigma,
+            "two_and_a_half_d_seconds": self.seconds[0],
+            "three_d_seconds": self.seconds[1],
+            "directions": self.found.iter().enumerate().map(direction).collect::<Vec<_>>(),
+        })
+    }
+
+    /// A table for people: means over the wavelengths.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let plan = &self.plan;
+        let mut text = format!(
+            "{}, {} segments of {} µm, {} wavelengths\n{:>12}  {:>8}  {:>8}  {:>7}  {:>8}  {:>8}  {:>8}  {:>8}  {:>6}\n",
+            plan.structure.name(),
+            plan.instances,
+            plan.length_um,
+            plan.wavelengths.len(),
+            "θ_i, φ_i (°)",
+            "2.5D",
+            "3D",
+            "error",
+            "x width",
+            "of 3D",
+            "σ",
+            "beyond",
+            "ΔE00"
+        );
+        for (index, all) in self.found.iter().enumerate() {
+            let mean = |of: &dyn Fn(&Found) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
+            let [flat, segments] = [mean(&|f| f.flat.reflected), mean(&|f| f.segments.reflected)];
+            let [theta, phi] = plan.directions[index].map(f64::to_degrees);
+            text += &format!(
+                "{:>12}  {flat:>8.4}  {segments:>8.4}  {:>+5.1} %  {:>8.4}  {:>8.4}  {:>8.4}  {:>6.1} %  {:>6.1}\n",
+                format!("{theta:.0}, {phi:.0}"),
+                1e2 * (flat / segments - 1.0),
+                mean(&|f| f.flat.across[1]),
+                mean(&|f| f.segments.across[1]),
+                mean(&|f| f.sigma.second_moment),
+                1e2 * mean(&|f| f.sigma.beyond),
+                self.delta_e(index)
+            );
+        }
+        let [flat, segments] = self.seconds;
+        text + &format!("the BRDF's σ is {}; 2.5D took {flat:.1} s, 3D {segments:.1} s", self.sigma)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field that is a normal distribution along y has the σ that it was made with, and its window is taken off.
+    #[test]
+    fn a_known_spread_is_measured() {
+        let (k, window_um, theta) = (2.0 * std::f64::consts::PI / 0.5, 8.0, 0.0_f64);
+        let sigma: f64 = 0.03;
+        // exp(−u²/(4σ²)) of the barbule by exp(−(k w u)²/2) of the window: their convolution.
+        let variance = 2.0 * sigma * sigma + (k * window_um).powi(-2);
+        let far = Hemisphere {
+            step: [0.05, 0.002],
+            reach: 2,
+            omega_y: (-150..=150).map(|row| 0.002 * f64::from(row)).collect(),
+            amplitudes: Default::default(),
+            incident_um2: 1.0,
+        };
+        let along = |y: f64| (-y * y / (2.0 * variance)).exp();
+        let intensity: Vec<f64> =
+            far.omega_y.iter().flat_map(|&y| [0.0, 0.5, 1.0, 0.5, 0.0].map(|x| x * along(y))).collect();
+        let mut tally = Tally::new(theta, k, 0.04);
+        tally.add_segment(&far, &intensity);
+        let mut correlations = Correlations::new(theta);
+        correlations.add(&far, &intensity, &[1.0; 180]);
+        let found = tally.found(500.0, [0.0, 0.0], [5.0, window_um], &correlations);
+        assert!((found.sigma.second_moment / sigma - 1.0).abs() < 0.01, "{:?}", found.sigma);
+        assert!((found.sigma.window * k * window_um * 2f64.sqrt() - 1.0).abs() < 1e-12);
+        assert!(found.segments.across[0].abs() < 1e-12 && found.segments.along[0].abs() < 1e-12);
+        // The marginals hold all of the light.
+        let total: f64 = found.over_x[1].iter().sum::<f64>() * 2.0 / BINS as f64;
+        assert!((total / found.segments.reflected - 1.0).abs() < 1e-9);
+        let total: f64 = found.over_y[0].iter().sum::<f64>() * 2.0 * ALONG / BINS as f64;
+        assert!(
+            (total / found.segments.reflected - 1.0).abs() < 1e-3,
+            "{total} {}",
+            found.segments.reflected
+        );
+    }
+
+    #[test]
+    fn speckles_as_wide_as_three_steps_are_found_so() {
+        let columns = 400;
+        let mut correlations = Correlations::new(0.0);
+        let far = Hemisphere {
+            step: [0.005, 0.5],
+            reach: 199,
+            omega_y: vec![-0.5, 0.0, 0.5],
+            amplitudes: Default::default(),
+            incident_um2: 1.0,
+        };
+        let mut state = 1_u64;
+        for _ in 0..60 {
+            let white: Vec<f64> = (0..columns + 20)
+                .map(|_| {
+                    state = crate::math::rng::split_mix(state);
+                    crate::math::rng::unit_of(state) - 0.5
+                })
+                .collect();
+            // Smoothed by exp(−i²/(2·3²)): a correlation of exp(−lag²/(4·3²)), 1/e at 6.
+            let smooth = |at: usize| -> f64 {
+                (0..20).map(|i| white[at + i] * (-(i as f64 - 9.5).powi(2) / 18.0).exp()).sum()
+            };
+            let row: Vec<f64> = (0..far.columns()).map(smooth).collect();
+            correlations.add(&far, &[row.clone(), row.clone(), row].concat(), &[1.0; 180]);
+        }
+        let lags = correlations.lags();
+        assert!((lags[1] / 0.005 - 6.0).abs() < 0.5, "{lags:?}");
+    }
+}
