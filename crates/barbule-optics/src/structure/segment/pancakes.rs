@@ -1,6 +1,6 @@
 //! Hummingbirds' melanosomes in three dimensions: discs in layers, each with air bubbles side by side.
 //!
-//! A layer's centres lie on a jittered hexagonal grid, its discs have random sizes and flatten against their neighbours
+//! A layer's centres lie on a jittered hexagonal grid, turned at random, its discs have random sizes and flatten against their neighbours
 //! (cells of the power diagram less half a gap), so that they cover as much of the plane as the section's do of its length.
 
 use std::f64::consts::{PI, TAU};
@@ -10,7 +10,7 @@ use crate::structure::species::{Hummingbird, NECK, Stacked};
 use crate::{Error, Result};
 
 /// A centre is moved off its grid by up to this part of the grid's step.
-const JITTER: f64 = 0.12;
+const JITTER: f64 = 0.2;
 
 /// A disc is at most this many times as wide as one of its size alone, before it meets a neighbour.
 const SWOLLEN: f64 = 1.12;
@@ -43,6 +43,8 @@ pub(super) struct Layer {
     half_um: f64,
     /// Half the length of a bubble.
     bubble_um: f64,
+    /// Cosine and sine of the grid's turn; places of discs are in its own frame.
+    turn: [f64; 2],
     /// Corner of the grid, its steps, and how many there are.
     origin_um: [f64; 2],
     step_um: [f64; 2],
@@ -93,7 +95,9 @@ impl Pancakes {
 
     /// What a layer has at a place.
     pub(super) fn at(&self, layer: &Layer, x_um: f64, y_um: f64) -> Halves {
-        let Some((index, edge)) = layer.nearest([x_um, y_um]) else {
+        let [cos, sin] = layer.turn;
+        let place = [cos * x_um + sin * y_um, cos * y_um - sin * x_um];
+        let Some((index, edge)) = layer.nearest(place) else {
             return Halves { outer_um: 0.0, air_um: 0.0 };
         };
         let outer_um = rounded(edge, layer.half_um);
@@ -102,7 +106,7 @@ impl Pancakes {
             return Halves { outer_um, air_um: 0.0 };
         }
         let disc = layer.discs[index];
-        let (off, cell) = layer.bubble(&disc, [x_um, y_um], self.membrane_um);
+        let (off, cell) = layer.bubble(&disc, place, self.membrane_um);
         let spread = self.bubble_spread_um.min(0.5 * layer.air_um);
         let random = unit_of(hash(layer.seed, &[index as u64, cell[0] as u64, cell[1] as u64]));
         let height = 0.5 * (layer.air_um + spread * (2.0 * random - 1.0));
@@ -128,6 +132,9 @@ impl Layer {
         path: &[u64],
     ) -> Result<Self> {
         let mut stream = Stream::new(seed, path);
+        let (sin, cos) = libm::sincos(TAU * stream.unit());
+        // Turned at will, the area lies in a square as wide as its diagonal.
+        let area_um = [libm::hypot(area_um[0], area_um[1]); 2];
         let spread = bird.melanosome_length_spread;
         // ⟨U²⟩ of sizes U(1−s, 1+s).
         let mean_square = 1.0 + spread * spread / 3.0;
@@ -166,6 +173,7 @@ impl Layer {
             air_um: stacked.air_um,
             half_um: 0.5 * stacked.air_um + bird.wall_um,
             bubble_um: 0.5 * stacked.air_um * bird.bubble_aspect,
+            turn: [cos, sin],
             origin_um,
             step_um,
             count,

@@ -41,7 +41,7 @@ impl Comparison {
         let mut rows = 0;
         for (column, pictures) in self.pictures.iter().enumerate() {
             let x = LEFT + column as f64 * (SIZE + APART);
-            let [theta, phi] = self.plan.directions[column].map(f64::to_degrees);
+            let [theta, phi] = self.plan.direction_deg(column);
             let heading = format!("θ {theta:.0}°, φ {phi:.0}°");
             drawing.text([x + 0.5 * SIZE, TOP - 8.0], FONT - 1.0, Anchor::Middle, heading);
             let shown = [

@@ -105,6 +105,11 @@ impl Plan {
         Ok(size)
     }
 
+    /// θ_i and φ_i of a direction, degrees, as they were meant.
+    fn direction_deg(&self, direction: usize) -> [f64; 2] {
+        self.directions[direction].map(|angle| (angle.to_degrees() * 1e9).round() / 1e9)
+    }
+
     /// Far fields of segments in all.
     #[must_use]
     pub fn count(&self) -> usize {

@@ -338,7 +338,7 @@ impl Comparison {
             })
         };
         let direction = |(index, all): (usize, &Vec<Found>)| {
-            let [theta, phi] = self.plan.directions[index].map(f64::to_degrees);
+            let [theta, phi] = self.plan.direction_deg(index);
             json!({
                 "theta_deg": theta, "phi_deg": phi,
                 "delta_e_2000": self.delta_e(index),
@@ -383,7 +383,7 @@ impl Comparison {
         for (index, all) in self.found.iter().enumerate() {
             let mean = |of: &dyn Fn(&Found) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
             let [flat, segments] = [mean(&|f| f.flat.reflected), mean(&|f| f.segments.reflected)];
-            let [theta, phi] = plan.directions[index].map(f64::to_degrees);
+            let [theta, phi] = plan.direction_deg(index);
             text += &format!(
                 "{:>12}  {flat:>8.4}  {segments:>8.4}  {:>+5.1} %  {:>8.4}  {:>8.4}  {:>8.4}  {:>6.1} %  {:>6.1}\n",
                 format!("{theta:.0}, {phi:.0}"),
