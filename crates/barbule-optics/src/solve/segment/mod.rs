@@ -53,12 +53,14 @@ pub struct SegmentAccuracy {
     pub parts: usize,
     /// Largest error of the interpolation over ω_z, in parts of a current.
     pub interpolation: f64,
+    /// Bytes of transformed currents that are held at a time; what is over it is computed again in further passes.
+    pub held_bytes: usize,
 }
 
 impl Default for SegmentAccuracy {
     /// Fields within 1e-2 (relative L2) of those of cells half as long, energies within 1e-3.
     fn default() -> Self {
-        Self { cells: [0.2, 0.25], parts: 2, interpolation: 1e-4 }
+        Self { cells: [0.2, 0.25], parts: 2, interpolation: 1e-4, held_bytes: 1 << 30 }
     }
 }
 
@@ -207,7 +209,7 @@ pub fn far_field(
     let sampled = segment.sampled(grid, accuracy.parts)?;
     let incidence = Incidence::new(light);
     let reflector = Reflector::new(segment, &sampled, light, &incidence, progress)?;
-    radiate::radiate(&sampled, &reflector, &incidence, light, accuracy.interpolation, progress)
+    radiate::radiate(&sampled, &reflector, &incidence, light, accuracy, progress)
 }
 
 /// The cells on which a segment is sampled.

@@ -5,7 +5,7 @@ use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
 use super::layered::Room;
-use super::{COMPONENTS, Currents, Hemisphere, Incidence, Reflector, SegmentLight};
+use super::{COMPONENTS, Currents, Hemisphere, Incidence, Reflector, SegmentAccuracy, SegmentLight};
 use crate::math::dense::Factor;
 use crate::math::fft::{Transformable, fast_length};
 use crate::math::simd::{Width, sin_cos};
@@ -19,9 +19,6 @@ const LINES: usize = 16;
 
 /// Lines whose kernel is formed at a time.
 const CHUNK: usize = 512;
-
-/// Bytes of transformed currents that are held at a time; what is over it is computed again in further passes.
-const HELD: usize = 1 << 30;
 
 /// Real numbers of both polarizations' currents at a point.
 const VALUES: usize = 2 * 2 * COMPONENTS;
@@ -57,6 +54,7 @@ struct Plan {
     length: usize,
     /// Nodes of ω_z.
     nodes: Vec<f64>,
+    held_bytes: usize,
 }
 
 impl Plan {
@@ -64,7 +62,7 @@ impl Plan {
         grid: &SegmentGrid,
         roughness: Roughness,
         light: &SegmentLight,
-        interpolation: f64,
+        accuracy: &SegmentAccuracy,
     ) -> Result<Self> {
         let wavelength_um = light.wavelength_nm * 1e-3;
         let k = std::f64::consts::TAU / wavelength_um;
@@ -86,7 +84,7 @@ impl Plan {
         // e^{jat} on −1 ≤ t ≤ 1 from n Chebyshev nodes is off by less than 4(a/2)ⁿ/n!.
         let a = 0.5 * k * HIGHEST * roughness.amplitude_um;
         let (mut count, mut error) = (1, if a > 0.0 { 2.0 * a } else { 0.0 });
-        while error > interpolation {
+        while error > accuracy.interpolation {
             count += 1;
             error *= 0.5 * a / count as f64;
         }
@@ -100,6 +98,7 @@ impl Plan {
             first_um: grid.centre_um(1, 0),
             length,
             nodes: (0..count).map(|node| 0.5 + 0.5 * turn(node).cos()).collect(),
+            held_bytes: accuracy.held_bytes,
         })
     }
 
@@ -118,7 +117,7 @@ impl Plan {
 
     /// Rows of a pass.
     fn at_once(&self, lines: usize) -> usize {
-        (HELD / (4 * self.columns() * lines.next_multiple_of(LINES))).max(1)
+        (self.held_bytes / (4 * self.columns() * lines.next_multiple_of(LINES))).max(1)
     }
 
     fn size(&self, grid: &SegmentGrid, threads: usize) -> Size {
@@ -145,10 +144,10 @@ pub fn foretell(
     grid: &SegmentGrid,
     roughness: Roughness,
     light: &SegmentLight,
-    interpolation: f64,
+    accuracy: &SegmentAccuracy,
     threads: usize,
 ) -> Result<Size> {
-    Ok(Plan::new(grid, roughness, light, interpolation)?.size(grid, threads))
+    Ok(Plan::new(grid, roughness, light, accuracy)?.size(grid, threads))
 }
 
 pub(super) fn radiate(
@@ -156,11 +155,11 @@ pub(super) fn radiate(
     reflector: &Reflector<'_>,
     incidence: &Incidence,
     light: &SegmentLight,
-    interpolation: f64,
+    accuracy: &SegmentAccuracy,
     progress: &dyn Progress,
 ) -> Result<Hemisphere> {
     let grid = &sampled.grid;
-    let plan = Plan::new(grid, sampled.roughness(), light, interpolation)?;
+    let plan = Plan::new(grid, sampled.roughness(), light, accuracy)?;
     let rows = (plan.rows.end - plan.rows.start) as usize;
     let (lines, at_once) = (grid.cells[0].next_multiple_of(LINES), plan.at_once(grid.cells[0]));
     let passes = rows.div_ceil(at_once);

@@ -14,7 +14,7 @@ use crate::solve::surface::{self, Accuracy};
 use crate::structure::{Lattice, Layers, Medium, Parts, Polyline, Roughness, Section, Structure, Substance};
 
 fn fine() -> SegmentAccuracy {
-    SegmentAccuracy { cells: [0.04, 0.25], parts: 1, interpolation: 1e-6 }
+    SegmentAccuracy { cells: [0.04, 0.25], parts: 1, interpolation: 1e-6, ..SegmentAccuracy::default() }
 }
 
 /// Boundaries at these depths, all bent by `bend` µm over the half width.
@@ -119,7 +119,8 @@ fn transforms_give_the_plain_sums_fields_on_a_bent_rough_segment() {
     let rough = Roughness { amplitude_um: 0.03, correlation_um: [0.4, 0.6] };
     let segment = segment(film(5.0, 0.6), 4.0, rough);
     let light = light(0.3, -0.4, [1.5, 1.2]);
-    let accuracy = SegmentAccuracy { cells: [0.2, 0.2], parts: 1, interpolation: 1e-7 };
+    let accuracy =
+        SegmentAccuracy { cells: [0.2, 0.2], parts: 1, interpolation: 1e-7, ..SegmentAccuracy::default() };
     let far = lit(&segment, &light, &accuracy);
     let peak = far.amplitudes[1].iter().flatten().map(|v| v.norm()).fold(0.0, f32::max);
     let mut seen = 0;
@@ -319,13 +320,17 @@ fn threads_and_passes_change_no_bit() {
     let segment = structure.segment(1, 0, 4.0, Roughness::default()).unwrap();
     let light = light(0.2, 0.3, [6.0, 1.0]);
     let accuracy = SegmentAccuracy { cells: [0.3, 0.3], ..SegmentAccuracy::default() };
-    let on = |threads: usize| {
+    let on = |threads: usize, accuracy: &SegmentAccuracy| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| lit(&segment, &light, &accuracy))
+        pool.install(|| lit(&segment, &light, accuracy))
     };
-    let (one, three) = (on(1), on(3));
-    assert_eq!(one.amplitudes, three.amplitudes);
-    assert_eq!(one.incident_um2.to_bits(), three.incident_um2.to_bits());
+    let once = on(1, &accuracy);
+    // A few rows of directions in each pass.
+    let little = SegmentAccuracy { held_bytes: 1 << 18, ..accuracy };
+    for other in [on(3, &accuracy), on(2, &little)] {
+        assert_eq!(once.amplitudes, other.amplitudes);
+        assert_eq!(once.incident_um2.to_bits(), other.incident_um2.to_bits());
+    }
 }
 
 #[test]

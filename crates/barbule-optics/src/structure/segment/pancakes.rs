@@ -13,7 +13,7 @@ use crate::{Error, Result};
 const JITTER: f64 = 0.2;
 
 /// A disc is at most this many times as wide as one of its size alone, before it meets a neighbour.
-const SWOLLEN: f64 = 1.12;
+const SWOLLEN: f64 = 1.3;
 
 /// Places at which a layer's coverage is measured, and halvings of the gap that fits it.
 const PROBES: usize = 4000;

@@ -100,7 +100,7 @@ impl Plan {
         let light = self.light(shortest, self.directions[0], 0);
         let accuracy = SegmentAccuracy::default();
         let grid = segment::grid(&segment, &light, &accuracy)?;
-        let mut size = segment::foretell(&grid, self.roughness, &light, accuracy.interpolation, threads)?;
+        let mut size = segment::foretell(&grid, self.roughness, &light, &accuracy, threads)?;
         size.bytes += segment.sampled_bytes(&grid, accuracy.parts);
         Ok(size)
     }
