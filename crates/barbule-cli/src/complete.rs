@@ -271,7 +271,10 @@ mod tests {
         assert!(pink.contains(&"starling:pink".to_owned()), "{pink:?}");
         let all = after("barbule spectrum ");
         assert!(all.contains(&"peafowl".into()) && !all.iter().any(|word| word.starts_with('-')), "{all:?}");
-        assert_eq!(after("barbule far-field starling --solver "), ["fast", "direct", "full-wave"]);
+        assert_eq!(
+            after("barbule far-field starling --solver "),
+            ["fast", "direct", "shadowed", "full-wave"]
+        );
         let scenes = after("barbule render ");
         assert!(preset::names().all(|preset| scenes.contains(&preset.to_owned())), "{scenes:?}");
         assert!(after("barbule render starling --material mal").contains(&"mallard".to_owned()));

@@ -108,6 +108,8 @@ enum Solver {
     Fast,
     /// The same formulas, evaluated plainly
     Direct,
+    /// Plainly, with the top in its own light
+    Shadowed,
     /// Maxwell's equations, exact up to discretization: boundary elements
     FullWave,
 }
@@ -168,7 +170,7 @@ impl Args {
         let section = structure.instance(self.common.seed, self.instance)?;
         let full_wave = match self.solver {
             Solver::FullWave => Some(self.full_waves(&section, &illuminations)?),
-            Solver::Fast | Solver::Direct => None,
+            Solver::Fast | Solver::Direct | Solver::Shadowed => None,
         };
         let found = match &full_wave {
             Some(solved) => solved.iter().map(|solved| solved.scattered.far.clone()).collect(),
@@ -176,7 +178,9 @@ impl Args {
         };
         let mirrors = match self.solver {
             Solver::FullWave => Vec::new(),
-            Solver::Fast | Solver::Direct => self.mirrors(&illuminations, section.width_um),
+            Solver::Fast | Solver::Direct | Solver::Shadowed => {
+                self.mirrors(&illuminations, section.width_um)
+            }
         };
         let title = self.title(&figures::heading(&structure.name()));
         let provenance = Provenance::new(&self.common);
@@ -229,7 +233,11 @@ impl Args {
 
     fn far_fields(&self, section: &Section, illuminations: &Illuminations) -> Result<Vec<FarField>> {
         self.check_memory(section)?;
-        let method = if self.solver == Solver::Direct { Method::Direct } else { Method::Fast };
+        let method = match self.solver {
+            Solver::Direct => Method::Direct,
+            Solver::Shadowed => Method::Shadowed,
+            Solver::Fast | Solver::FullWave => Method::Fast,
+        };
         far_fields(section, illuminations, self.azimuths, method, &Terminal::new(&self.common))
     }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use barbule::characterize::CampaignOptions;
 use barbule::io::{make_folder, write_together};
 use barbule::plot::{Drawing, Format};
+use barbule::solve::far_fields::Method;
 use barbule::solve::full_wave;
 use barbule::spectrum::Wavelengths;
 use barbule::structure::{Beneath, Structure};
@@ -76,6 +77,9 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = full_wave::ELEMENTS_PER_WAVELENGTH, conflicts_with = "three_d",
         value_parser = super::far_field::elements)]
     elements: f64,
+    /// Let the top stand in its own light in the fast simulation's formulas, evaluated plainly (slower)
+    #[arg(long, conflicts_with = "three_d")]
+    shadowing: bool,
     /// At three wavelengths: a narrow barbule against full waves, few segments
     #[arg(long)]
     quick: bool,
@@ -235,6 +239,7 @@ impl Args {
             phi_i: PHI_DEG.map(f64::to_radians).to_vec(),
             azimuths,
             elements_per_wavelength: self.elements,
+            method: if self.shadowing { Method::Shadowed } else { Method::Fast },
         })
     }
 

@@ -36,7 +36,17 @@ pub fn far_field(
     azimuths: usize,
     element_um: f64,
 ) -> Result<FarField> {
-    far_field_observed(section, illumination, azimuths, element_um, &Unobserved)
+    far_field_observed(section, illumination, azimuths, element_um, Shadows::Ignored, &Unobserved)
+}
+
+/// Whether the top stands in its own light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shadows {
+    /// Every point that faces the light is lit, and what leaves it is seen from everywhere.
+    Ignored,
+    /// No light comes or leaves through the top itself: a point neither is lit from nor sends towards directions that other
+    /// points of the top hide.
+    Cast,
 }
 
 /// As [`far_field`], watched by `progress`.
@@ -48,10 +58,11 @@ pub fn far_field_observed(
     illumination: &Illumination,
     azimuths: usize,
     element_um: f64,
+    shadows: Shadows,
     progress: &dyn Progress,
 ) -> Result<FarField> {
     section.check_lit_through_air()?;
-    let lit = illuminate(section, element_um, illumination, progress)?;
+    let lit = illuminate(section, element_um, illumination, shadows, progress)?;
     radiate(&lit, illumination, azimuths, progress)
 }
 
@@ -70,6 +81,45 @@ struct Current {
     z_um: f64,
     electric: Field,
     magnetic: Field,
+    sky: Sky,
+}
+
+/// What a point sees of the sky: the steepest lines dz/|dx| from it to the top on its left and on its right.
+#[derive(Debug, Clone, Copy)]
+struct Sky([f64; 2]);
+
+impl Sky {
+    const OPEN: Self = Self([f64::NEG_INFINITY; 2]);
+
+    fn shows(self, phi: f64) -> bool {
+        let (sin, cos) = phi.sin_cos();
+        cos > self.0[usize::from(sin > 0.0)] * sin.abs()
+    }
+}
+
+/// The sky over each point of a top from left to right: the tangents to the hull of what is beside it.
+fn skies(rays: &[Ray]) -> Vec<Sky> {
+    let mut skies = vec![Sky::OPEN; rays.len()];
+    let mut look = |side: usize, order: &mut dyn Iterator<Item = usize>| {
+        let slope = |from: usize, to: usize| {
+            (rays[to].z_um - rays[from].z_um) / (rays[to].x_um - rays[from].x_um).abs()
+        };
+        let mut hull: Vec<usize> = Vec::new();
+        for here in order {
+            while let [.., second, first] = hull[..]
+                && slope(here, second) >= slope(here, first)
+            {
+                hull.pop();
+            }
+            if let Some(&highest) = hull.last() {
+                skies[here].0[side] = slope(here, highest);
+            }
+            hull.push(here);
+        }
+    };
+    look(0, &mut (0..rays.len()));
+    look(1, &mut (0..rays.len()).rev());
+    skies
 }
 
 /// The currents that the top carries: at each lit point those of the wave that the stack or crystal under it reflects.
@@ -77,6 +127,7 @@ fn illuminate(
     section: &Section,
     element_um: f64,
     illumination: &Illumination,
+    shadows: Shadows,
     progress: &dyn Progress,
 ) -> Result<Lit> {
     let Illumination { wavelength_nm, theta_i, phi_i, window } = *illumination;
@@ -87,6 +138,10 @@ fn illuminate(
         section.crystal.as_ref().map(|layer| Crystalline::new(layer, section, wavelength_nm, theta_i));
     let crystal = crystal.transpose()?;
     let w_i = omega(theta_i, phi_i);
+    let skies = match shadows {
+        Shadows::Ignored => vec![Sky::OPEN; rays.len()],
+        Shadows::Cast => skies(&rays),
+    };
     let mut lit = Lit { currents: Default::default(), incident_power_um: 0.0, radius_um: 0.0 };
     progress.begin("reflecting", rays.len() as u64);
     for (p, (ray, length)) in rays.iter().zip(&lengths_um).enumerate() {
@@ -102,6 +157,9 @@ fn illuminate(
             Window::PlaneWave => 1.0,
         };
         lit.incident_power_um += g * g * cos_alpha * length;
+        if !skies[p].shows(phi_i) {
+            continue;
+        }
         let phase = Complex64::from_polar(g * length, -k * (w_i.x * ray.x_um + w_i.z * ray.z_um));
         let reflected = match &crystal {
             Some(crystal) => crystal.reflect(ray, phi_i, phase)?,
@@ -109,7 +167,7 @@ fn illuminate(
         };
         for (currents, (e, h)) in lit.currents.iter_mut().zip(reflected) {
             let (electric, magnetic) = (cross(normal, &h), cross(-normal, &e));
-            currents.push(Current { x_um: ray.x_um, z_um: ray.z_um, electric, magnetic });
+            currents.push(Current { x_um: ray.x_um, z_um: ray.z_um, electric, magnetic, sky: skies[p] });
         }
     }
     Ok(lit)
@@ -148,7 +206,7 @@ fn radiate(
         {
             let mut electric = [Complex64::ZERO; 3];
             let mut magnetic = [Complex64::ZERO; 3];
-            for current in currents {
+            for current in currents.iter().filter(|current| current.sky.shows(phi_o)) {
                 let path = current.x_um * phi_o.sin() + current.z_um * phi_o.cos();
                 let kernel = Complex64::from_polar(1.0, -kappa * path);
                 for axis in 0..3 {

@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::direct::{self, Shadows};
+use super::surface;
 use super::surface::{Accuracy, FINE_ELEMENT_UM};
-use super::{direct, surface};
 use crate::progress::{OnlyStops, Progress};
 use crate::scattering::far_field::{FarField, Illumination, Window};
 use crate::structure::Section;
@@ -64,6 +65,8 @@ pub enum Method {
     Fast,
     /// [`direct::far_field`], the plain reference.
     Direct,
+    /// The same with the top in its own light, [`Shadows::Cast`].
+    Shadowed,
 }
 
 /// The far fields of a section on so many azimuths of the upper half, in the order of [`Illuminations::iter`]: each the
@@ -85,8 +88,16 @@ pub fn far_fields(
             Method::Fast => {
                 surface::far_field_observed(section, &illumination, azimuths, &Accuracy::default(), progress)
             }
-            Method::Direct => {
-                direct::far_field_observed(section, &illumination, azimuths, FINE_ELEMENT_UM, progress)
+            Method::Direct | Method::Shadowed => {
+                let shadows = if method == Method::Direct { Shadows::Ignored } else { Shadows::Cast };
+                direct::far_field_observed(
+                    section,
+                    &illumination,
+                    azimuths,
+                    FINE_ELEMENT_UM,
+                    shadows,
+                    progress,
+                )
             }
         }
     };

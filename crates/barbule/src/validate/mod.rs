@@ -33,6 +33,8 @@ pub struct Plan {
     pub azimuths: usize,
     /// Nodes per wavelength of the full waves.
     pub elements_per_wavelength: f64,
+    /// What is compared with them: the fast simulation, or its formulas with shadows.
+    pub method: Method,
 }
 
 impl Plan {
@@ -62,7 +64,7 @@ impl Plan {
     pub fn run(&self, progress: &dyn Progress) -> Result<Comparison> {
         let light = self.light();
         let start = Instant::now();
-        let fast = far_fields(&self.closed.fast, &light, self.azimuths, Method::Fast, &OnlyStops(progress))?;
+        let fast = far_fields(&self.closed.fast, &light, self.azimuths, self.method, &OnlyStops(progress))?;
         let fast_seconds = start.elapsed().as_secs_f64();
         let (incidences, count) = (self.phi_i.len(), self.wavelengths.len());
         progress.begin("full waves", count as u64);
@@ -88,6 +90,7 @@ impl Plan {
             wavelengths_nm: self.wavelengths.nm().to_vec(),
             elements_per_wavelength: self.elements_per_wavelength,
             fast_seconds,
+            has_shadows: self.method == Method::Shadowed,
             incidences: found.collect(),
         })
     }

@@ -54,6 +54,8 @@ pub struct Comparison {
     pub elements_per_wavelength: f64,
     /// Wall time of the fast simulation for all of it.
     pub fast_seconds: f64,
+    /// Whether the fast simulation's formulas had the top in its own light.
+    pub has_shadows: bool,
     /// By incidence.
     pub incidences: Vec<Incidence>,
 }
@@ -162,6 +164,7 @@ impl Comparison {
             "width_um": self.width_um,
             "changes": self.changes,
             "elements_per_wavelength": self.elements_per_wavelength,
+            "shadowing": self.has_shadows,
             "fast_seconds": self.fast_seconds,
             "full_wave_seconds": self.full_seconds(),
             "speed_ratio": self.full_seconds() / self.fast_seconds,

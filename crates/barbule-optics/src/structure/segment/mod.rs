@@ -57,7 +57,7 @@ impl Roughness {
     pub const NONE: Self = Self { amplitude_um: 0.0, correlation_um: [1.0, 1.0] };
 
     /// # Errors
-    /// A correlation length is not positive, the amplitude is negative, or slopes would be over 1.
+    /// A correlation length is not positive, the amplitude is negative or over 1 µm, or slopes would be over 1.
     pub fn check(&self) -> Result<()> {
         let Self { amplitude_um, correlation_um } = *self;
         if !correlation_um.iter().all(|tau| (0.02..=1000.0).contains(tau)) {
@@ -66,10 +66,10 @@ impl Roughness {
                 correlation_um[0], correlation_um[1]
             )));
         }
-        let steepest = 0.5 * correlation_um[0].min(correlation_um[1]);
-        if !(0.0..=steepest).contains(&amplitude_um) {
+        let most = (0.5 * correlation_um[0].min(correlation_um[1])).min(1.0);
+        if !(0.0..=most).contains(&amplitude_um) {
             return Err(Error::input(format!(
-                "roughness: the amplitude is {amplitude_um} µm; give 0 to half the shorter correlation length, {steepest} µm"
+                "roughness: the amplitude is {amplitude_um} µm; give 0 to {most} µm (at most 1, and half the shorter correlation length)"
             )));
         }
         Ok(())
