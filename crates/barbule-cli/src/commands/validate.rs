@@ -135,6 +135,7 @@ impl Args {
             phi_i: PHI_DEG.map(f64::to_radians).to_vec(),
             azimuths,
             elements_per_wavelength: self.elements,
+            memory_bytes: self.common.allowance().bytes,
         })
     }
 
