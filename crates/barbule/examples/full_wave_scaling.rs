@@ -1,11 +1,12 @@
 //! Time, memory and accuracy of full waves against the number of unknowns: all elements, and thin products.
 //!
 //! ```text
-//! full_wave_scaling SPECIES WAVELENGTH_NM THETA_DEG WIDTH_UM,WIDTH_UM,… [MOST_DENSE_UNKNOWNS]
+//! full_wave_scaling SPECIES WAVELENGTH_NM THETA_DEG WIDTH_UM,WIDTH_UM,… [MOST_DENSE_UNKNOWNS [FIGURE.svg]]
 //! ```
 
 #![allow(clippy::print_stdout)] // a program that prints
 
+use barbule::plot::{Axis, Curve, Figure, Format, Mark};
 use barbule::progress::Unobserved;
 use barbule::scattering::far_field::Window;
 use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, Method, Problem, Solved};
@@ -31,6 +32,33 @@ fn narrowed(name: &str, width_um: f64) -> Result<Section> {
     model.section(1, 0)
 }
 
+/// What solutions of growing size took: unknowns, seconds, bytes.
+type Efforts = Vec<[f64; 3]>;
+
+/// The power of the unknowns with which a quantity grows: the slope of the line through the logarithms.
+fn exponent(efforts: &Efforts, quantity: usize) -> f64 {
+    let points: Vec<[f64; 2]> = efforts.iter().map(|row| [row[0].ln(), row[quantity].ln()]).collect();
+    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / points.len() as f64;
+    let (x, y) = (mean(0), mean(1));
+    let along: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
+    along / points.iter().map(|p| (p[0] - x).powi(2)).sum::<f64>()
+}
+
+/// Time and memory against unknowns.
+fn figure(title: String, methods: &[(&str, &Efforts)]) -> Figure {
+    let (x, y) = (Axis::logarithmic("unknowns"), Axis::logarithmic("time (s), memory (GB)"));
+    let mut figure = Figure::new(title, x, y);
+    for (name, efforts) in methods {
+        for (quantity, unit, word) in [(1, 1.0, "time"), (2, 1e-9, "memory")] {
+            let points: Vec<[f64; 2]> = efforts.iter().map(|row| [row[0], unit * row[quantity]]).collect();
+            let power = exponent(efforts, quantity);
+            let name = format!("{name}: {word}, power {power:.1}");
+            figure.curves.push(Curve { mark: Mark::Both, ..Curve::line(name, points) });
+        }
+    }
+    figure
+}
+
 fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let number = |at: usize| -> Result<f64> {
@@ -40,6 +68,11 @@ fn main() -> Result<()> {
     };
     let (wavelength_nm, theta) = (number(1)?, number(2)?.to_radians());
     let most_dense = number(4).unwrap_or(20_000.0);
+    let mut efforts: [Efforts; 2] = Default::default();
+    let row = |solved: &Solved| {
+        let effort = solved.effort;
+        [effort.unknowns as f64, effort.seconds, effort.memory_bytes as f64]
+    };
     println!("width_um,unknowns,method,seconds,megabytes,balance_1,balance_2,difference");
     for width in words.get(3).map_or("", |widths| widths).split(',') {
         let width_um = width.parse().map_err(|_| Error::input(format!("{width} is no width in µm")))?;
@@ -69,11 +102,24 @@ fn main() -> Result<()> {
         let dense = if unknowns as f64 <= most_dense { Some(run(Method::Dense)?) } else { None };
         if let Some(dense) = &dense {
             told("dense", dense, None);
+            efforts[0].push(row(dense));
         }
         match run(Method::Hierarchical) {
-            Ok(thin) => told("thin", &thin, dense.as_ref().map(|dense| apart(dense, &thin))),
+            Ok(thin) => {
+                told("thin", &thin, dense.as_ref().map(|dense| apart(dense, &thin)));
+                efforts[1].push(row(&thin));
+            }
             Err(error) => println!("{width_um},{unknowns},thin,{error}"),
         }
+    }
+    if let Some(path) = words.get(5) {
+        let title = format!(
+            "{} at {wavelength_nm} nm, {}",
+            words[0],
+            if theta == 0.0 { "θ_i = 0" } else { "oblique" }
+        );
+        let figure = figure(title, &[("all elements", &efforts[0]), ("thin products", &efforts[1])]);
+        barbule::io::write_whole(path.as_ref(), &figure.draw().encode(Format::Svg, &[])?)?;
     }
     Ok(())
 }

@@ -15,4 +15,5 @@ pub mod quadrature;
 pub mod rng;
 pub mod roots;
 pub mod simd;
+mod single;
 pub mod spline;

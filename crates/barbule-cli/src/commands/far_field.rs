@@ -250,7 +250,8 @@ impl Args {
         let section = &closed.regions;
         let cost = full_wave::cost(section, illuminations, self.elements, rayon::current_num_threads())?;
         let fewer = "a narrower section, a longer wavelength, or fewer --elements";
-        self.common.allowance().check("this full wave", cost.bytes, fewer)?;
+        let allowance = self.common.allowance();
+        allowance.check("this full wave", cost.bytes, fewer)?;
         let said = format!(
             "full waves: {} unknowns, {:.2} GB of memory, about {}",
             cost.unknowns,
@@ -263,7 +264,8 @@ impl Args {
             self.common.explain(&said);
         }
         let progress = Terminal::new(&self.common);
-        full_wave::solve(section, illuminations, self.azimuths, self.elements, &progress)
+        let (azimuths, elements) = (self.azimuths, self.elements);
+        full_wave::solve(section, illuminations, azimuths, elements, allowance.bytes, &progress)
     }
 
     /// Refuses, before any work, a section whose simulation does not fit into memory.

@@ -240,6 +240,7 @@ impl Args {
             azimuths,
             elements_per_wavelength: self.elements,
             method: if self.shadowing { Method::Shadowed } else { Method::Fast },
+            memory_bytes: self.common.allowance().bytes,
         })
     }
 

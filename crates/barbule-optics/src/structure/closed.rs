@@ -470,6 +470,91 @@ mod tests {
         }
     }
 
+    /// Circles of closed crystals: centre, radius, medium.
+    fn closed_circles(closed: &Closed) -> Vec<([f64; 2], f64, &Medium)> {
+        let circle = |inclusion: &'_ Inclusion| match inclusion.outline {
+            Loop::Circle { x_um, z_um, radius_um } => Some(([x_um, z_um], radius_um)),
+            Loop::Polygon(_) => None,
+        };
+        let inclusions = closed.regions.inclusions.iter();
+        inclusions.filter_map(|i| circle(i).map(|(centre, radius)| (centre, radius, &i.medium))).collect()
+    }
+
+    #[test]
+    fn rods_keep_their_distance_and_their_media() {
+        for name in ["mallard", "magpie", "peafowl"] {
+            let section = Structure::builtin(name).unwrap().instance(1, 0).unwrap();
+            let closed = section.closed(Beneath::Absorbing).unwrap();
+            let mut circles = closed_circles(&closed);
+            circles.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+            let (mut least_um, mut compared) = (f64::INFINITY, 0);
+            for (i, (a, r, medium)) in circles.iter().enumerate() {
+                let mut is_innermost = true;
+                let near = |other: &&([f64; 2], f64, &Medium)| (other.0[0] - a[0]).abs() < 1.0;
+                let others = circles[i + 1..].iter().take_while(near);
+                for (b, q, _) in others.chain(circles[..i].iter().rev().take_while(near)) {
+                    let apart = (a[0] - b[0]).hypot(a[1] - b[1]);
+                    // Beside each other, or one in the other.
+                    let gap = if apart < r.max(*q) { (r - q).abs() - apart } else { apart - r - q };
+                    least_um = least_um.min(gap);
+                    compared += 1;
+                    is_innermost &= apart >= *r || q > r;
+                }
+                if is_innermost {
+                    assert_eq!(closed.regions.medium_at(a[0], a[1]), *medium, "{name}, rod at {a:?}");
+                }
+            }
+            assert!(compared > circles.len() && least_um > 0.99 * 2.0 * SHRUNK_UM, "{name}: {least_um} µm");
+            // Between the rods and the absorbing region is the host, around the body air.
+            let [x, top] = [0.0, section.top().height(0.0)];
+            assert_eq!(closed.regions.medium_at(x, top + 0.1), &section.media[0]);
+            let at = closed.regions.medium_at(x, top - 0.5 * GAP_UM);
+            assert_eq!(at, &section.media[1], "{name}");
+            let deep = closed.regions.medium_at(x, top - HOST_UM + 0.2);
+            assert_eq!(deep, &Medium::named(ABSORBER), "{name}");
+        }
+    }
+
+    #[test]
+    fn layers_keep_their_gap_along_z() {
+        let section = Structure::builtin("starling").unwrap().instance(1, 0).unwrap();
+        let closed = section.closed(Beneath::Absorbing).unwrap();
+        let polygons: Vec<&Polyline> = closed
+            .regions
+            .inclusions
+            .iter()
+            .filter_map(|i| match &i.outline {
+                Loop::Polygon(corners) => Some(corners),
+                Loop::Circle { .. } => None,
+            })
+            .collect();
+        // Crossings of a vertical line with all curves.
+        let crossings = |x: f64| -> Vec<f64> {
+            let mut z = Vec::new();
+            for corners in &polygons {
+                let count = corners.x_um.len();
+                for i in 0..count {
+                    let k = (i + 1) % count;
+                    let (a, b) = (corners.x_um[i], corners.x_um[k]);
+                    if (a > x) != (b > x) {
+                        let t = (x - a) / (b - a);
+                        z.push(corners.z_um[i] + t * (corners.z_um[k] - corners.z_um[i]));
+                    }
+                }
+            }
+            z.sort_by(f64::total_cmp);
+            z
+        };
+        let half = 0.5 * section.width_um - 0.5;
+        for i in 0..500 {
+            let x = half * (2.0 * (f64::from(i) + 0.43) / 500.0 - 1.0);
+            let z = crossings(x);
+            assert!(z.len() >= 4 && z.len().is_multiple_of(2), "{z:?}");
+            let least = z.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+            assert!(least > 0.9 * GAP_UM, "at {x}: {least} µm");
+        }
+    }
+
     fn closed_changes(section: &Section) -> String {
         section.closed(Beneath::Absorbing).unwrap().changes.join("; ")
     }

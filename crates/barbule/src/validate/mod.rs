@@ -10,10 +10,12 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use crate::campaign::far_field_bytes;
 use crate::progress::{OnlyStops, Progress};
 use crate::scattering::far_field::{FarField, Polarization, Window};
 use crate::solve::far_fields::{Illuminations, Method, far_fields};
 use crate::solve::full_wave;
+use crate::solve::surface::FINE_ELEMENT_UM;
 use crate::spectrum::Wavelengths;
 use crate::structure::{Closed, Section};
 use crate::{Error, Result};
@@ -35,6 +37,8 @@ pub struct Plan {
     pub elements_per_wavelength: f64,
     /// What is compared with them: the fast simulation, or its formulas with shadows.
     pub method: Method,
+    /// Full waves are given up where their equations would take more, bytes.
+    pub memory_bytes: u64,
 }
 
 impl Plan {
@@ -66,6 +70,8 @@ impl Plan {
         let start = Instant::now();
         let fast = far_fields(&self.closed.fast, &light, self.azimuths, self.method, &OnlyStops(progress))?;
         let fast_seconds = start.elapsed().as_secs_f64();
+        let shortest = self.wavelengths.nm().iter().copied().fold(f64::INFINITY, f64::min);
+        let fast_bytes = far_field_bytes(&self.closed.fast, shortest, self.azimuths, FINE_ELEMENT_UM)?;
         let (incidences, count) = (self.phi_i.len(), self.wavelengths.len());
         progress.begin("full waves", count as u64);
         let mut cases = Vec::with_capacity(light.count());
@@ -91,6 +97,7 @@ impl Plan {
             elements_per_wavelength: self.elements_per_wavelength,
             fast_seconds,
             has_shadows: self.method == Method::Shadowed,
+            fast_bytes,
             incidences: found.collect(),
         })
     }
@@ -99,7 +106,8 @@ impl Plan {
         let light = Illuminations { wavelengths_nm: vec![wavelength_nm], ..self.light() };
         // Every second of four times as many azimuths of the circle is one of the upper half's.
         let circle = 4 * self.azimuths;
-        full_wave::solve(&self.closed.regions, &light, circle, self.elements_per_wavelength, progress)
+        let (elements, memory_bytes) = (self.elements_per_wavelength, self.memory_bytes);
+        full_wave::solve(&self.closed.regions, &light, circle, elements, memory_bytes, progress)
     }
 
     fn case(&self, wavelength_nm: f64, fast: &FarField, full: &full_wave::Solved) -> Case {
@@ -119,6 +127,7 @@ impl Plan {
             fast: unpolarized(fast),
             full: upper.collect(),
             reflected: [mean(fast.radiated), factor * reflected],
+            scattered: factor * mean(full.scattered.far.radiated),
             absorbed: factor * mean(full.scattered.absorbed_um) / power(&full.scattered.far),
             effort: full.effort,
         }

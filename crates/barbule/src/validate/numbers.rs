@@ -20,6 +20,8 @@ pub struct Case {
     pub reflected: [f64; 2],
     /// What absorbing regions take, by full waves.
     pub absorbed: f64,
+    /// What leaves in all directions but for the light itself, by full waves.
+    pub scattered: f64,
     /// What the full waves took: all incidences of a wavelength share it.
     pub effort: Effort,
 }
@@ -56,6 +58,8 @@ pub struct Comparison {
     pub fast_seconds: f64,
     /// Whether the fast simulation's formulas had the top in its own light.
     pub has_shadows: bool,
+    /// Memory that the fast simulation takes for one illumination at most, bytes.
+    pub fast_bytes: u64,
     /// By incidence.
     pub incidences: Vec<Incidence>,
 }
@@ -118,6 +122,13 @@ impl Incidence {
         Self { phi_deg, cases, delta_e, delta_e_pattern: sum / weight.max(f64::MIN_POSITIVE), rgb }
     }
 
+    /// How much more the fast simulation reflects of all wavelengths together, as a part of what the full waves do: dark
+    /// wavelengths, at which both reflect little, count little.
+    #[must_use]
+    pub fn mean_power_error(&self) -> f64 {
+        self.mean(|case| case.reflected[0]) / self.mean(|case| case.reflected[1]) - 1.0
+    }
+
     fn mean(&self, of: impl Fn(&Case) -> f64) -> f64 {
         self.cases.iter().map(of).sum::<f64>() / self.cases.len() as f64
     }
@@ -140,6 +151,7 @@ impl Comparison {
                 "reflected_fast": case.reflected[0],
                 "reflected_full_wave": case.reflected[1],
                 "absorbed_full_wave": case.absorbed,
+                "scattered_full_wave": case.scattered,
                 "power_error": case.power_error(),
                 "pattern_correlation": case.correlation(),
                 "pattern_rms": case.rms(),
@@ -153,7 +165,7 @@ impl Comparison {
                 "phi_deg": found.phi_deg,
                 "delta_e_2000": found.delta_e,
                 "delta_e_2000_pattern": found.delta_e_pattern,
-                "mean_power_error": found.mean(Case::power_error),
+                "mean_power_error": found.mean_power_error(),
                 "mean_pattern_correlation": found.mean(Case::correlation),
                 "mean_pattern_rms": found.mean(Case::rms),
                 "wavelengths": found.cases.iter().map(case).collect::<Vec<_>>(),
@@ -166,6 +178,7 @@ impl Comparison {
             "elements_per_wavelength": self.elements_per_wavelength,
             "shadowing": self.has_shadows,
             "fast_seconds": self.fast_seconds,
+            "fast_bytes": self.fast_bytes,
             "full_wave_seconds": self.full_seconds(),
             "speed_ratio": self.full_seconds() / self.fast_seconds,
             "incidences": self.incidences.iter().map(incidence).collect::<Vec<_>>(),
@@ -195,7 +208,7 @@ impl Comparison {
                 format!("{:.0}", found.phi_deg),
                 found.mean(|case| case.reflected[0]),
                 found.mean(|case| case.reflected[1]),
-                1e2 * (found.mean(|case| case.reflected[0]) / found.mean(|case| case.reflected[1]) - 1.0),
+                1e2 * found.mean_power_error(),
                 found.mean(Case::correlation),
                 found.mean(Case::rms),
                 found.delta_e,
@@ -219,7 +232,7 @@ mod tests {
 
     fn case(wavelength_nm: f64, fast: Vec<f64>, full: Vec<f64>, reflected: [f64; 2]) -> Case {
         let effort = Effort { unknowns: 8, elements_per_wavelength: 10.0, seconds: 2.0, memory_bytes: 100 };
-        Case { wavelength_nm, fast, full, reflected, absorbed: 0.1, effort }
+        Case { wavelength_nm, fast, full, reflected, absorbed: 0.1, scattered: 0.9, effort }
     }
 
     #[test]
@@ -233,6 +246,16 @@ mod tests {
         assert!((twice.correlation() - 1.0).abs() < 1e-12);
         let turned = case(500.0, pattern.iter().rev().copied().collect(), pattern, [0.3, 0.3]);
         assert!(turned.correlation() < 0.5);
+    }
+
+    #[test]
+    fn dark_wavelengths_count_little_in_the_mean_error() {
+        let wavelengths = Wavelengths::new(vec![450.0, 650.0]).unwrap();
+        let flat = vec![1.0; 3];
+        let cases = [(450.0, [0.02, 0.01]), (650.0, [0.49, 0.49])];
+        let cases = cases.map(|(nm, reflected)| case(nm, flat.clone(), flat.clone(), reflected)).to_vec();
+        let error = Incidence::new(0.0, cases, &wavelengths).mean_power_error();
+        assert!((error - 0.02).abs() < 1e-12, "{error}");
     }
 
     #[test]

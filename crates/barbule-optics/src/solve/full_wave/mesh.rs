@@ -171,45 +171,90 @@ fn index(section: &Section, medium: &Medium, wavelength_nm: f64, place: &str) ->
     }
 }
 
-/// Circles are exact here, and only as polygons where the section was checked: they must not touch what they did not then.
+/// How near a circle's line may come to another line, µm.
+const LEAST_GAP_UM: f64 = 1e-7;
+
+/// A circle, or an edge of a polygon, where it lies along x.
+struct Span {
+    left_um: f64,
+    right_um: f64,
+    contour: usize,
+    line: Line,
+}
+
+/// What is swept over.
+#[derive(Clone, Copy)]
+enum Line {
+    Circle { centre: [f64; 2], radius_um: f64 },
+    Edge { from: [f64; 2], to: [f64; 2] },
+}
+
+/// Circles are exact here, and only polygons where the section was checked: they must not touch what they did not then. A sweep
+/// along x compares each with what lies at the same x.
 fn check_circles(contours: &[Contour<'_>]) -> Result<()> {
-    for (a, contour) in contours.iter().enumerate() {
-        let Loop::Circle { x_um, z_um, radius_um } = *contour.outline else { continue };
-        for (b, other) in contours.iter().enumerate().filter(|&(b, _)| b != a) {
-            let gap = match other.outline {
-                Loop::Circle { x_um: x, z_um: z, radius_um: r } => {
-                    let apart = libm::hypot(x - x_um, z - z_um);
-                    if apart > radius_um.max(*r) {
-                        apart - radius_um - r
-                    } else {
-                        (radius_um - r).abs() - apart
+    let mut spans = Vec::new();
+    for (contour, curve) in contours.iter().enumerate() {
+        match *curve.outline {
+            Loop::Circle { x_um, z_um, radius_um } => spans.push(Span {
+                left_um: x_um - radius_um - LEAST_GAP_UM,
+                right_um: x_um + radius_um + LEAST_GAP_UM,
+                contour,
+                line: Line::Circle { centre: [x_um, z_um], radius_um },
+            }),
+            Loop::Polygon(ref corners) => {
+                let count = corners.x_um.len();
+                let corner = |i: usize| [corners.x_um[i % count], corners.z_um[i % count]];
+                spans.extend((0..count).map(|i| {
+                    let (from, to) = (corner(i), corner(i + 1));
+                    Span {
+                        left_um: from[0].min(to[0]),
+                        right_um: from[0].max(to[0]),
+                        contour,
+                        line: Line::Edge { from, to },
                     }
-                }
-                Loop::Polygon(corners) => gap_to_polygon(corners, [x_um, z_um], radius_um),
-            };
-            if gap <= 1e-7 {
-                let first = &contours[a.min(b)].place;
-                let second = &contours[a.max(b)].place;
-                return Err(Error::input(format!(
-                    "{first} and {second} cross or touch near x = {x_um:.4}, z = {z_um:.4} µm; move them apart or nest one in the other"
-                )));
+                }));
             }
         }
+    }
+    spans.sort_by(|a, b| a.left_um.total_cmp(&b.left_um).then(a.contour.cmp(&b.contour)));
+    let mut open: Vec<&Span> = Vec::new();
+    for span in &spans {
+        open.retain(|other| other.right_um >= span.left_um);
+        for other in &open {
+            let Some([x, z]) = span.line.touches(other.line) else { continue };
+            let first = &contours[span.contour.min(other.contour)].place;
+            let second = &contours[span.contour.max(other.contour)].place;
+            return Err(Error::input(format!(
+                "{first} and {second} cross or touch near x = {x:.4}, z = {z:.4} µm; move them apart or nest one in the other"
+            )));
+        }
+        open.push(span);
     }
     Ok(())
 }
 
-/// How far all of a polygon's line stays from a circle, µm; negative where it crosses.
-fn gap_to_polygon(corners: &Polyline, centre: [f64; 2], radius_um: f64) -> f64 {
-    let count = corners.x_um.len();
-    let corner = |i: usize| [corners.x_um[i % count], corners.z_um[i % count]];
-    let (mut nearest, mut farthest) = (f64::INFINITY, 0.0_f64);
-    for i in 0..count {
-        let edge = Shape::Line { from: corner(i), to: corner(i + 1) };
-        nearest = nearest.min(edge.nearest(centre).1);
-        farthest = farthest.max(libm::hypot(corner(i)[0] - centre[0], corner(i)[1] - centre[1]));
+impl Line {
+    /// The centre of the circle of the two that the other one crosses or touches; edges were compared before.
+    fn touches(self, other: Self) -> Option<[f64; 2]> {
+        match (self, other) {
+            (Self::Circle { centre, radius_um }, Self::Circle { centre: [x, z], radius_um: r }) => {
+                let apart = libm::hypot(centre[0] - x, centre[1] - z);
+                let is_clear =
+                    apart > radius_um + r + LEAST_GAP_UM || apart < (radius_um - r).abs() - LEAST_GAP_UM;
+                (!is_clear).then_some(centre)
+            }
+            (Self::Circle { centre, radius_um }, Self::Edge { from, to })
+            | (Self::Edge { from, to }, Self::Circle { centre, radius_um }) => {
+                let nearest = Shape::Line { from, to }.nearest(centre).1;
+                let far = |corner: [f64; 2]| libm::hypot(corner[0] - centre[0], corner[1] - centre[1]);
+                let farthest = far(from).max(far(to));
+                // All of the edge outside, or all of it inside.
+                let is_clear = nearest > radius_um + LEAST_GAP_UM || farthest < radius_um - LEAST_GAP_UM;
+                (!is_clear).then_some(centre)
+            }
+            (Self::Edge { .. }, Self::Edge { .. }) => None,
+        }
     }
-    if nearest > radius_um { nearest - radius_um } else { radius_um - farthest }
 }
 
 /// A panel before nodes are placed.

@@ -48,10 +48,11 @@ const MOST_DENSE: usize = 1500;
 /// What far blocks may be off by, where the equations' diagonal is 1.
 const TOLERANCE: f64 = 1e-5;
 
-/// What thin products take by nodes and components, fitted to starlings from 5 to 25 µm: CPU seconds and bytes.
-const THIN_SECONDS: f64 = 3.7e-6;
+/// What thin products take by nodes and components, fitted to starlings from 5 to 25 µm: CPU seconds, and bytes at most at
+/// once, of which about two thirds are the factors and the rest the crosses that these are made from.
+const THIN_SECONDS: f64 = 4.3e-6;
 const THIN_SECONDS_POWER: f64 = 1.48;
-const THIN_BYTES: f64 = 370.0;
+const THIN_BYTES: f64 = 270.0;
 const THIN_BYTES_POWER: f64 = 1.44;
 
 /// Bytes of the near panels of a node.
@@ -151,7 +152,7 @@ pub fn cost(section: &Section, light: &Illuminations, elements: f64, threads: us
 }
 
 /// Light of each wavelength and direction, in the order of [`Illuminations::iter`], on so many azimuths of the full circle,
-/// with `elements` nodes per wavelength.
+/// with `elements` nodes per wavelength; given up where thin products would take more than `memory_bytes`.
 ///
 /// # Errors
 /// As [`Problem::new`] and [`Problem::solve`].
@@ -160,12 +161,13 @@ pub fn solve(
     light: &Illuminations,
     azimuths: usize,
     elements: f64,
+    memory_bytes: u64,
     progress: &dyn Progress,
 ) -> Result<Vec<Solved>> {
     let mut all = Vec::with_capacity(light.count());
     for &wavelength_nm in &light.wavelengths_nm {
         for &theta_i in &light.theta_i {
-            let problem = Problem::new(section, wavelength_nm, theta_i, elements)?;
+            let problem = Problem::new(section, wavelength_nm, theta_i, elements)?.within(memory_bytes);
             all.extend(problem.solve(&light.phi_i, light.window, azimuths, progress)?);
         }
     }
