@@ -68,7 +68,7 @@ fn bash_completes_species_variants_files_and_values() {
     assert_eq!(after("barbule spectrum starling:pi"), ["pink"]);
     assert_eq!(after("barbule spectrum my-"), ["my-bird.toml", "my-section.json", "my-folder/"]);
     assert_eq!(after("barbule render starling --material ol"), ["old.barbule"]);
-    assert_eq!(after("barbule far-field starling --solver "), ["fast", "direct", "full-wave"]);
+    assert_eq!(after("barbule far-field starling --solver "), ["fast", "direct", "shadowed", "full-wave"]);
     assert_eq!(after("barbule far-field starling --solver=d"), ["direct"]);
     assert_eq!(after("barbule film air/keratin:5/air --medium chitin=n"), ["n\\ k.csv"]);
     assert_eq!(after("barbule -v completions ba"), ["bash"]);

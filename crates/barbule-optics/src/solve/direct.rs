@@ -89,7 +89,8 @@ struct Current {
 struct Sky([f64; 2]);
 
 impl Sky {
-    const OPEN: Self = Self([f64::NEG_INFINITY; 2]);
+    /// Not infinite, so that it is nothing at φ = 0.
+    const OPEN: Self = Self([f64::MIN; 2]);
 
     fn shows(self, phi: f64) -> bool {
         let (sin, cos) = phi.sin_cos();
@@ -373,4 +374,47 @@ fn cross(u: DVec3, f: &Field) -> Field {
 
 fn dot(u: DVec3, f: &Field) -> Complex64 {
     f[0] * u.x + f[1] * u.y + f[2] * u.z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rays(height: impl Fn(f64) -> f64) -> Vec<Ray> {
+        let ray = |i: i32| {
+            let x_um = 0.02 * f64::from(i) - 4.0;
+            Ray { x_um, z_um: height(x_um), normal: [0.0, 1.0] }
+        };
+        (0..=400).map(ray).collect()
+    }
+
+    #[test]
+    fn the_sky_over_a_point_ends_at_the_highest_line_to_another() {
+        let rays = rays(|x| 0.3 * (2.0 * x).sin() + 0.1 * (7.3 * x).cos());
+        for (ray, Sky(found)) in rays.iter().zip(skies(&rays)) {
+            let Sky(mut steepest) = Sky::OPEN;
+            for other in rays.iter().filter(|other| other.x_um != ray.x_um) {
+                let slope = (other.z_um - ray.z_um) / (other.x_um - ray.x_um).abs();
+                let side = usize::from(other.x_um > ray.x_um);
+                steepest[side] = steepest[side].max(slope);
+            }
+            assert_eq!(found, steepest);
+        }
+    }
+
+    #[test]
+    fn an_arch_hides_only_what_lies_behind_its_own_tangent() {
+        let rays = rays(|x| -0.05 * x * x);
+        // The ends see nothing of the arch on one side.
+        for (ray, sky) in rays.iter().zip(skies(&rays)).skip(1).take(rays.len() - 2) {
+            // The tangent's slope, to half a step.
+            let slope = -0.1 * ray.x_um;
+            for phi in [-1.4, -0.9, 0.0, 0.8, 1.3_f64] {
+                let above = phi.cos() - slope * phi.sin();
+                if above.abs() > 0.01 {
+                    assert_eq!(sky.shows(phi), above > 0.0, "{} {phi}", ray.x_um);
+                }
+            }
+        }
+    }
 }

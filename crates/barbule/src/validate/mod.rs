@@ -141,3 +141,51 @@ pub fn usual_azimuths(section: &Section, shortest_nm: f64) -> usize {
     let speckle = shortest_nm * 1e-3 / section.width_um;
     ((8.0 * std::f64::consts::PI / speckle).ceil() as usize).clamp(180, 2000)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Library;
+    use crate::progress::Unobserved;
+    use crate::structure::{Beneath, Medium, Parts, Polyline};
+
+    /// Ridges as steep as 25° hide at 60° what leaves the slopes that face away: with shadows the pattern is nearer to that of
+    /// full waves.
+    #[test]
+    fn shadows_bring_steep_ridges_nearer_to_full_waves() {
+        let x_um: Vec<f64> = (0..=220).map(|i| 0.03 * f64::from(i) - 3.3).collect();
+        let ridge = |x: &f64| 0.25 * (std::f64::consts::TAU * x / 3.3 + 0.4).sin();
+        let line = |depth: f64| Polyline {
+            z_um: x_um.iter().map(|x| ridge(x) - depth).collect(),
+            x_um: x_um.clone(),
+        };
+        let parts = Parts {
+            name: "ridges".into(),
+            width_um: Some(6.6),
+            boundaries: vec![line(0.0), line(0.32), line(2.0)],
+            media: ["air", "keratin", "melanin", "air"].map(Medium::named).to_vec(),
+            ..Parts::default()
+        };
+        let section = Section::new(parts, Library::builtin()).unwrap();
+        let plan = Plan {
+            name: "ridges".into(),
+            azimuths: usual_azimuths(&section, 550.0),
+            closed: section.closed(Beneath::Absorbing).unwrap(),
+            wavelengths: Wavelengths::new(vec![550.0]).unwrap(),
+            phi_i: vec![60_f64.to_radians()],
+            elements_per_wavelength: 6.0,
+            method: Method::Fast,
+            memory_bytes: u64::MAX,
+        };
+        let full = plan.full_waves(550.0, &Unobserved).unwrap().swap_remove(0);
+        let by = |method: Method| {
+            let fast =
+                far_fields(&plan.closed.fast, &plan.light(), plan.azimuths, method, &Unobserved).unwrap();
+            plan.case(550.0, &fast[0], &full)
+        };
+        let (plain, shadowed) = (by(Method::Direct), by(Method::Shadowed));
+        assert!(plain.correlation() < 0.8, "{}", plain.correlation());
+        assert!(shadowed.correlation() > plain.correlation() + 0.1, "{}", shadowed.correlation());
+        assert!(shadowed.rms() < 0.7 * plain.rms(), "{} {}", shadowed.rms(), plain.rms());
+    }
+}
