@@ -15,7 +15,7 @@ mod radiate;
 mod tests;
 
 use glam::DVec3;
-use num_complex::Complex32;
+use num_complex::{Complex32, Complex64};
 
 use crate::math::simd::Width;
 use crate::progress::Progress;
@@ -156,7 +156,7 @@ struct Place {
     normal: DVec3,
     cos_alpha: f64,
     /// Amplitude of the wave times the area of the cell, µm², with its phase but for that along y.
-    wave: num_complex::Complex64,
+    wave: Complex64,
 }
 
 impl Place {
@@ -174,7 +174,7 @@ impl Place {
         let z = line.z_um + f64::from(line.rise_um[row]);
         let path = incidence.omega.x * line.x_um + incidence.omega.z * z;
         let (sin, cos) = (-incidence.k * path).sin_cos();
-        Some(Self { normal, cos_alpha, wave: num_complex::Complex64::new(cos, sin) * size })
+        Some(Self { normal, cos_alpha, wave: Complex64::new(cos, sin) * size })
     }
 
     /// What falls on it, µm²: |wave|²/area·cosα.
@@ -192,7 +192,7 @@ enum Reflector<'a> {
 }
 
 /// Currents of both polarizations along one line, times the cells' areas. Shape: `[polarization][component][y]`.
-type Currents = [[Vec<num_complex::Complex64>; COMPONENTS]; 2];
+type Currents = [[Vec<Complex64>; COMPONENTS]; 2];
 
 /// The far fields of a segment.
 ///

@@ -3,7 +3,7 @@
 use super::numbers::{ALONG, BINS};
 use super::{Comparison, Found, PIXELS};
 use crate::plot::{Anchor, Axis, Curve, Drawing, Figure, Item, Picture};
-use crate::spectrum::colour::{Illuminant, Observer, display, luminance};
+use crate::spectrum::colour::{Illuminant, Observer, Weights, display, luminance};
 
 /// Size of a hemisphere on the page, px.
 const SIZE: f64 = 150.0;
@@ -133,12 +133,12 @@ fn is_inside(at: usize) -> bool {
 }
 
 /// Linear sRGB of a pixel.
-fn colour(weights: &crate::spectrum::colour::Weights, values: &[Vec<f64>], at: usize) -> [f64; 3] {
+fn colour(weights: &Weights, values: &[Vec<f64>], at: usize) -> [f64; 3] {
     weights.linear_rgb(&values.iter().map(|row| row[at]).collect::<Vec<_>>())
 }
 
 /// The exposure with which but a few pixels of a picture are below white.
-fn exposure(weights: &crate::spectrum::colour::Weights, values: &[Vec<f64>]) -> f64 {
+fn exposure(weights: &Weights, values: &[Vec<f64>]) -> f64 {
     let inside = (0..PIXELS * PIXELS).filter(|at| is_inside(*at));
     let mut all: Vec<f64> = inside.map(|at| luminance(colour(weights, values, at))).collect();
     all.sort_by(f64::total_cmp);

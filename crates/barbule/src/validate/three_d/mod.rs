@@ -10,14 +10,14 @@ pub use numbers::{Found, Moments, Sigma};
 
 use rayon::prelude::*;
 
-use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, values};
+use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, Values, values};
 use crate::progress::{OnlyStops, Progress};
 use crate::scattering::directions::omega;
 use crate::scattering::far_field::{FarField, Illumination, Polarization, Window};
 use crate::solve::segment::{self, Hemisphere, SegmentAccuracy, SegmentLight};
 use crate::solve::surface;
 use crate::spectrum::{Wavelengths, wave_number_per_um};
-use crate::structure::{Roughness, Structure};
+use crate::structure::{Roughness, Segment, Structure};
 use crate::{DVec3, Error, Result};
 use numbers::{Correlations, Tally};
 
@@ -163,7 +163,7 @@ impl Plan {
         direction: [f64; 2],
         wavelength_nm: f64,
         sigma: f64,
-        instances: &[crate::structure::Segment],
+        instances: &[Segment],
         wo: &[Option<DVec3>],
         seconds: &mut [f64; 2],
         progress: &dyn Progress,
@@ -272,7 +272,7 @@ fn over_hemisphere(
     instance: Option<u64>,
 ) -> Vec<Vec<f64>> {
     let inside: Vec<DVec3> = wo.iter().flatten().copied().collect();
-    let spread = |row: Vec<crate::brdf::Values>| {
+    let spread = |row: Vec<Values>| {
         let mut row = row.into_iter();
         wo.iter().map(|w| w.and_then(|_| row.next()).map_or(0.0, |value| value.f)).collect()
     };

@@ -25,7 +25,7 @@ pub struct Sigma {
     pub window: f64,
     /// From the second moment, the window taken off.
     pub second_moment: f64,
-    /// The part of the light that leaves farther from the mirror's ω_y than [`BEYOND`] standard deviations of the window.
+    /// The part of the light that leaves farther from the mirror's ω_y than three standard deviations of the window.
     pub beyond: f64,
 }
 
@@ -47,7 +47,7 @@ pub struct Found {
     pub correlation: [f64; 3],
     /// The light over ω_x, in equal bins from −1 to 1: 2.5D, segments. 1 per unit of ω_x.
     pub over_x: [Vec<f64>; 2],
-    /// The light of segments over ω_y + ω_iy, and what the 2.5D BRDF assumes, in bins over ±[`ALONG`].
+    /// The light of segments over ω_y + ω_iy, and what the 2.5D BRDF assumes, in bins over ±0.4.
     pub over_y: [Vec<f64>; 2],
 }
 
@@ -160,8 +160,8 @@ impl Tally {
         // u is 2t cosθ, and exp(−t²/σ²) has the standard deviation σ/√2.
         let scale = std::f64::consts::SQRT_2 * 0.5 / cos_theta;
         let second_moment = scale * (variance - of_window * of_window).max(0.0).sqrt();
-        let beyond =
-            self.within.iter().filter(|(u, _)| *u > BEYOND * of_window).map(|(_, light)| light).sum::<f64>();
+        let is_beyond = |u: f64| u > BEYOND * of_window;
+        let beyond: f64 = self.within.iter().map(|&(u, light)| if is_beyond(u) { light } else { 0.0 }).sum();
         let model = |bin: usize| {
             let u = ALONG * (2.0 * (bin as f64 + 0.5) / BINS as f64 - 1.0);
             let y = u - self.theta_i.sin();
