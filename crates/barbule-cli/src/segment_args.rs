@@ -1,7 +1,7 @@
 //! The flags of segments in three dimensions.
 
-use barbule::Result;
 use barbule::structure::{Roughness, SEGMENT_LENGTHS_UM, Segment, Structure};
+use barbule::{Error, Result};
 use serde_json::{Value, json};
 
 /// How long and how rough segments are.
@@ -39,14 +39,22 @@ fn correlation(text: &str) -> std::result::Result<Correlation, String> {
 }
 
 impl SegmentArgs {
-    /// The first of the flags that is given, for where there are no segments.
-    pub(crate) fn given(&self) -> Option<&'static str> {
+    /// Refuses the flags where there are no segments.
+    ///
+    /// # Errors
+    /// One is given.
+    pub(crate) fn check_unused(&self) -> Result<()> {
         let given = [
             ("--length", self.length.is_some()),
             ("--roughness", self.roughness.is_some()),
             ("--correlation", self.correlation.is_some()),
         ];
-        given.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((flag, _)) => {
+                Err(Error::input(format!("{flag} is of segments; give it with --three-d, or leave it out")))
+            }
+            None => Ok(()),
+        }
     }
 
     /// The roughness, none where segments shall be invariant along y.

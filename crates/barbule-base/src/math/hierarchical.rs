@@ -586,7 +586,7 @@ mod tests {
         let x = Dense::from_fn(1800, 3, |i, k| Complex64::new((i as f64).sin(), k as f64));
         let right = matrix.times(&x);
         let mut before = f64::INFINITY;
-        for tolerance in [1e-2, 1e-4, 1e-6] {
+        for tolerance in [1e-3, 1e-5, 1e-6] {
             let factors = HierarchicalFactors::new(&Lines, tolerance, u64::MAX, &Unobserved).unwrap();
             let mut b = right.clone();
             factors.solve(&mut b);
@@ -597,7 +597,8 @@ mod tests {
                 .map(|(got, expected)| (got - expected).norm())
                 .fold(0.0, f64::max);
             println!("{tolerance}: {error:e}, rank {}, {} bytes", factors.largest_rank(), factors.bytes());
-            assert!(error < 30.0 * tolerance && error < before, "{tolerance}: {error:e}");
+            // About thrice the tolerance is reached; below 1e-6 roundings of single precision end it.
+            assert!(error < 5.0 * tolerance && error < before, "{tolerance}: {error:e}");
             assert!(factors.bytes() < 16 * 1800 * 1800 / 2);
             before = error;
         }

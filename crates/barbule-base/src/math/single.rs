@@ -61,22 +61,14 @@ impl Single {
     /// Aᵀ·B, without conjugation.
     pub(super) fn transposed_times(&self, b: &Dense) -> Dense {
         let mut product = Dense::zeros(self.columns, b.columns());
-        let mut part = vec![Complex32::ZERO; self.columns * b.columns()];
         let mut few = Vec::with_capacity(ROWS * b.columns());
         for (from, count) in blocks(self.rows, ROWS) {
             few.clear();
             for k in 0..b.columns() {
                 few.extend(b.column(k)[from..from + count].iter().map(|&value| rounded(value)));
             }
-            matmul(
-                MatMut::from_column_major_slice_mut(&mut part, self.columns, b.columns()),
-                Accum::Replace,
-                self.view().subrows(from, count).transpose(),
-                MatRef::from_column_major_slice(&few, count, b.columns()),
-                Complex32::ONE,
-                Par::Seq,
-            );
-            product.elements_mut().iter_mut().zip(&part).for_each(|(sum, &value)| *sum += exact(value));
+            let few = MatRef::from_column_major_slice(&few, count, b.columns());
+            self.add_transposed(from, few, &mut product);
         }
         product
     }
@@ -84,19 +76,24 @@ impl Single {
     /// Aᵀ·B, without conjugation.
     pub(super) fn transposed_times_single(&self, b: &Self) -> Dense {
         let mut product = Dense::zeros(self.columns, b.columns);
-        let mut part = vec![Complex32::ZERO; self.columns * b.columns];
         for (from, count) in blocks(self.rows, ROWS) {
-            matmul(
-                MatMut::from_column_major_slice_mut(&mut part, self.columns, b.columns),
-                Accum::Replace,
-                self.view().subrows(from, count).transpose(),
-                b.view().subrows(from, count),
-                Complex32::ONE,
-                Par::Seq,
-            );
-            product.elements_mut().iter_mut().zip(&part).for_each(|(sum, &value)| *sum += exact(value));
+            self.add_transposed(from, b.view().subrows(from, count), &mut product);
         }
         product
+    }
+
+    /// Adds Aᵀ·B of the rows from one on.
+    fn add_transposed(&self, from: usize, b: MatRef<'_, Complex32>, product: &mut Dense) {
+        let mut part = vec![Complex32::ZERO; self.columns * b.ncols()];
+        matmul(
+            MatMut::from_column_major_slice_mut(&mut part, self.columns, b.ncols()),
+            Accum::Replace,
+            self.view().subrows(from, b.nrows()).transpose(),
+            b,
+            Complex32::ONE,
+            Par::Seq,
+        );
+        product.elements_mut().iter_mut().zip(&part).for_each(|(sum, &value)| *sum += exact(value));
     }
 
     /// b ← b − A·C.

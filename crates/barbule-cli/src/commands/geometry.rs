@@ -42,10 +42,8 @@ const OUTPUT: &str = "Where to: a picture (.svg, .pdf, .png) or the section itse
 
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
-        if let Some(flag) = self.segment.given().filter(|_| !self.three_d) {
-            return Err(Error::input(format!(
-                "{flag} is of segments; give it with --three-d, or leave it out"
-            )));
+        if !self.three_d {
+            self.segment.check_unused()?;
         }
         if self.figure.output.is_none() && !self.common.json {
             return Err(Error::input(

@@ -109,11 +109,7 @@ impl Args {
     }
 
     fn full_wave(&self, out: &mut dyn Write) -> Result<()> {
-        if let Some(flag) = self.segment.given() {
-            return Err(Error::input(format!(
-                "{flag} is of segments; give it with --three-d, or leave it out"
-            )));
-        }
+        self.segment.check_unused()?;
         let plan = self.plan()?;
         let cost = plan.cost(rayon::current_num_threads())?;
         let fewer = "a smaller --width, fewer --layers or --elements, or longer --wavelengths";

@@ -515,43 +515,36 @@ mod tests {
         }
     }
 
+    /// Crossings of vertical lines with all curves: they come in pairs, and no two are nearer than the gap.
     #[test]
     fn layers_keep_their_gap_along_z() {
-        let section = Structure::builtin("starling").unwrap().instance(1, 0).unwrap();
-        let closed = section.closed(Beneath::Absorbing).unwrap();
-        let polygons: Vec<&Polyline> = closed
-            .regions
-            .inclusions
-            .iter()
-            .filter_map(|i| match &i.outline {
-                Loop::Polygon(corners) => Some(corners),
-                Loop::Circle { .. } => None,
-            })
-            .collect();
-        // Crossings of a vertical line with all curves.
-        let crossings = |x: f64| -> Vec<f64> {
-            let mut z = Vec::new();
-            for corners in &polygons {
-                let count = corners.x_um.len();
-                for i in 0..count {
-                    let k = (i + 1) % count;
-                    let (a, b) = (corners.x_um[i], corners.x_um[k]);
-                    if (a > x) != (b > x) {
-                        let t = (x - a) / (b - a);
-                        z.push(corners.z_um[i] + t * (corners.z_um[k] - corners.z_um[i]));
+        for name in ["starling", "rock-dove", "bronzewing"] {
+            let section = Structure::builtin(name).unwrap().instance(1, 0).unwrap();
+            let closed = section.closed(Beneath::Absorbing).unwrap();
+            let polygons: Vec<Polyline> =
+                closed.regions.inclusions.iter().map(|inclusion| inclusion.outline.corners()).collect();
+            let half = 0.5 * section.width_um - 0.5;
+            let (mut least_um, mut layered) = (f64::INFINITY, 0);
+            for i in 0..500 {
+                let x = half * (2.0 * (f64::from(i) + 0.43) / 500.0 - 1.0);
+                let mut z = Vec::new();
+                for corners in &polygons {
+                    let count = corners.x_um.len();
+                    for (i, k) in (0..count).map(|i| (i, (i + 1) % count)) {
+                        let (a, b) = (corners.x_um[i], corners.x_um[k]);
+                        if (a > x) != (b > x) {
+                            let t = (x - a) / (b - a);
+                            z.push(corners.z_um[i] + t * (corners.z_um[k] - corners.z_um[i]));
+                        }
                     }
                 }
+                z.sort_by(f64::total_cmp);
+                assert!(z.len() >= 2 && z.len().is_multiple_of(2), "{name} at {x}: {z:?}");
+                layered += usize::from(z.len() >= 4);
+                least_um = z.windows(2).map(|pair| pair[1] - pair[0]).fold(least_um, f64::min);
             }
-            z.sort_by(f64::total_cmp);
-            z
-        };
-        let half = 0.5 * section.width_um - 0.5;
-        for i in 0..500 {
-            let x = half * (2.0 * (f64::from(i) + 0.43) / 500.0 - 1.0);
-            let z = crossings(x);
-            assert!(z.len() >= 4 && z.len().is_multiple_of(2), "{z:?}");
-            let least = z.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-            assert!(least > 0.9 * GAP_UM, "at {x}: {least} µm");
+            assert!(layered > 400, "{name}: layers at {layered} of 500 places");
+            assert!(least_um > 0.9 * GAP_UM, "{name}: {least_um} µm");
         }
     }
 

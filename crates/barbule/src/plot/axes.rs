@@ -94,8 +94,14 @@ fn multiples([low, high]: [f64; 2], step: f64) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// As [`ticks`] for a logarithmic axis: powers of ten, or where these are few 2 and 5 times them too.
+/// As [`ticks`] for a logarithmic axis: powers of ten, or where these are few 2 and 5 times them too, or round numbers where not
+/// two of these are within the range.
 fn log_ticks(range: [f64; 2], wanted: usize) -> Vec<(f64, String)> {
+    let found = decade_ticks(range, wanted);
+    if found.len() < 2 { ticks(range, wanted) } else { found }
+}
+
+fn decade_ticks(range: [f64; 2], wanted: usize) -> Vec<(f64, String)> {
     let [low, high] = [range[0].min(range[1]), range[0].max(range[1])].map(f64::log10);
     if !(high > low && (high - low).is_finite()) {
         return ticks(range, wanted);
@@ -366,6 +372,8 @@ mod tests {
             |range, wanted| log_ticks(range, wanted).into_iter().map(|(_, text)| text).collect::<Vec<_>>();
         assert_eq!(labels([1e-4, 1.0], 5), ["1e−4", "1e−3", "0.01", "0.1", "1"]);
         assert_eq!(labels([50.0, 200.0], 5), ["50", "100", "200"]);
+        // Neither 20,000 nor 50,000 is within.
+        assert_eq!(labels([21_680.0, 35_496.0], 3), ["25000", "30000", "35000"]);
         assert_eq!(labels([1e-12, 1.0], 5).len(), 5);
         assert_eq!(log_covering([0.0, 3e-4, f64::NAN, 0.02].into_iter()), [1e-4, 0.1]);
         assert_eq!(log_covering([10.0].into_iter()), [10.0, 100.0]);

@@ -184,8 +184,8 @@ mod tests {
             plan.case(550.0, &fast[0], &full)
         };
         let (plain, shadowed) = (by(Method::Direct), by(Method::Shadowed));
-        assert!(plain.correlation() < 0.8, "{}", plain.correlation());
-        assert!(shadowed.correlation() > plain.correlation() + 0.1, "{}", shadowed.correlation());
-        assert!(shadowed.rms() < 0.7 * plain.rms(), "{} {}", shadowed.rms(), plain.rms());
+        // 0.568 and 0.776, 1.00 and 0.54 are reached.
+        assert!(plain.correlation() < 0.6 && shadowed.correlation() > 0.75, "{}", shadowed.correlation());
+        assert!(plain.rms() > 0.9 && shadowed.rms() < 0.6, "{} {}", plain.rms(), shadowed.rms());
     }
 }

@@ -58,7 +58,8 @@ pub struct SegmentAccuracy {
 }
 
 impl Default for SegmentAccuracy {
-    /// Fields within 1e-2 (relative L2) of those of cells half as long, energies within 1e-3.
+    /// At 400 nm, intensities within 1.3e-2 (relative L2) of those of cells half as long, energies within 4e-3; of crystals within
+    /// 7e-5 and 1e-5.
     fn default() -> Self {
         Self { cells: [0.2, 0.25], parts: 2, interpolation: 1e-4, held_bytes: 1 << 30 }
     }

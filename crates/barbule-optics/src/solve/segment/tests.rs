@@ -134,13 +134,17 @@ fn transforms_give_the_plain_sums_fields_on_a_bent_rough_segment() {
         let plain = plain(&segment, &light, &accuracy, DVec3::new(x, y, up.sqrt()));
         for (a, b) in far.amplitudes[1][index].iter().zip(plain) {
             let apart = Complex64::new(f64::from(a.re), f64::from(a.im)) - b;
-            assert!(apart.norm() < 1e-5 * f64::from(peak), "{x} {y}: {a} {b}");
+            // 3e-8 is reached: roundings of single precision.
+            assert!(apart.norm() < 1e-7 * f64::from(peak), "{x} {y}: {a} {b}");
         }
     }
     assert!(seen > 10, "{seen}");
 }
 
 /// |𝓔_3D|² = (κ/2π)|∫g_y dy|²·|𝓔_2.5D|² on the cone, and exp(−(k w_y u)²/2) of it at u across.
+///
+/// With cells of λ/25 a film reaches 1e-6 of the peak; a crystal 8e-5, since the elements of 2.5D and the cells of the segment meet
+/// its steep orders at other places.
 fn goes_with_2_5d(section: &Section, theta: f64, phi: f64, tolerance: f64) {
     let window = [section.width_um / 4.0, 2.0];
     let far = lit(&segment(section.clone(), 16.0, Roughness::NONE), &light(theta, phi, window), &fine());
@@ -179,10 +183,10 @@ fn goes_with_2_5d(section: &Section, theta: f64, phi: f64, tolerance: f64) {
             for away in 1..4 {
                 let u = away as f64 * far.step[1];
                 let beside = square(&far.amplitudes[q][(row + away) * far.columns() + column]);
-                // Directions off the cone have other obliquities, in the first order of u.
+                // Directions off the cone have other obliquities, in the first order of u: 0.26 u is reached.
                 let spread = between * (-(k * window[1] * u).powi(2) / 2.0).exp();
                 assert!(
-                    (beside - spread).abs() < 2.5 * u * peak,
+                    (beside - spread).abs() < 0.3 * u * peak,
                     "{sine} {away}: {beside:e} for {spread:e} of {peak:e}"
                 );
             }
@@ -192,18 +196,19 @@ fn goes_with_2_5d(section: &Section, theta: f64, phi: f64, tolerance: f64) {
 
 #[test]
 fn an_invariant_segment_gives_the_cone_of_its_section_and_the_windows_spread_across_it() {
-    goes_with_2_5d(&film(10.0, 0.4), 0.35, 0.2, 1e-4);
-    goes_with_2_5d(&film(10.0, 0.4), 0.0, -0.5, 1e-4);
+    goes_with_2_5d(&film(10.0, 0.4), 0.35, 0.2, 2e-6);
+    goes_with_2_5d(&film(10.0, 0.4), 0.0, -0.5, 2e-6);
 }
 
 #[test]
 fn so_does_one_over_a_crystal() {
     let section = Structure::builtin("mallard").unwrap().instance(1, 0).unwrap();
-    goes_with_2_5d(&section, 0.2, 0.3, 3e-4);
+    goes_with_2_5d(&section, 0.2, 0.3, 1e-4);
 }
 
 #[test]
 fn a_flat_stack_reflects_its_planar_reflectance() {
+    // 3e-4 is reached: the window holds directions around the incident one, and ends at e⁻⁴.
     let segment = segment(film(20.0, 0.0), 20.0, Roughness::NONE);
     let indices: Vec<Complex64> = ["air", "keratin", "melanin"]
         .iter()
@@ -215,11 +220,12 @@ fn a_flat_stack_reflects_its_planar_reflectance() {
         let angle = omega(theta, phi).z.acos();
         let r = |p| reflect(&indices, &[350.0], 500.0, angle, p).unwrap().norm_sqr();
         let planar = 0.5 * (r(Polarization::S) + r(Polarization::P));
-        assert!((far.reflected() / planar - 1.0).abs() < 2e-3, "{theta} {phi}: {} {planar}", far.reflected());
+        assert!((far.reflected() / planar - 1.0).abs() < 5e-4, "{theta} {phi}: {} {planar}", far.reflected());
     }
 }
 
-/// Rods of the host's own medium: the crystal is a bare surface, which the layered solver knows.
+/// Rods of the host's own medium: the crystal is a bare surface, which the layered solver knows. 5e-5 is reached: orders are
+/// interpolated over the angles.
 #[test]
 fn rough_crystals_turn_with_the_surface_as_layers_do() {
     let mut lattice: Lattice = Structure::builtin("mallard").unwrap().lattice().unwrap();
@@ -289,7 +295,8 @@ fn roughness_spreads_light_along_y_by_twice_its_slopes() {
             }
         }
         let far = lit(&segment, &light, &accuracy);
-        assert!((far.reflected() - 1.0).abs() < 3e-3, "{}", far.reflected());
+        // 4e-5 is reached.
+        assert!((far.reflected() - 1.0).abs() < 1e-4, "{}", far.reflected());
         let (mut second, mut whole) = (0.0, 0.0);
         for (index, (value, angle)) in far.intensity().iter().zip(far.solid_angles()).enumerate() {
             let u = far.omega_y[index / far.columns()];
@@ -297,7 +304,7 @@ fn roughness_spreads_light_along_y_by_twice_its_slopes() {
             whole += value * angle;
         }
         let expected = 4.0 * slopes / weights + (TAU / 0.5 * window[1]).powi(-2);
-        assert!((second / whole / expected - 1.0).abs() < 0.03, "{:e} for {expected:e}", second / whole);
+        assert!((second / whole / expected - 1.0).abs() < 0.01, "{:e} for {expected:e}", second / whole);
     }
 }
 

@@ -48,6 +48,11 @@ impl Relief {
         Self { waves: (0..WAVES).map(wave).collect() }
     }
 
+    /// Bytes of a field prepared on so many places.
+    pub(super) fn bytes_on(count: usize) -> usize {
+        (2 * WAVES * size_of::<f32>()).saturating_mul(count)
+    }
+
     pub(super) fn on(&self, y_um: &[f64]) -> Relieved<'_> {
         let mut table = Vec::with_capacity(2 * WAVES * y_um.len());
         for wave in &self.waves {

@@ -1,7 +1,7 @@
 //! A segment on a grid: line by line, so that no map of it is ever held.
 
 use super::pancakes::Pancakes;
-use super::relief::{Part, Relieved};
+use super::relief::{Part, Relief, Relieved};
 use super::{Granules, Roughness, Segment, Under};
 use crate::Result;
 use crate::structure::{Columns, PaletteMixture, Ray, Section, Substance, cast};
@@ -159,8 +159,7 @@ impl Segment {
     /// Bytes that preparing it on a grid takes.
     #[must_use]
     pub fn sampled_bytes(&self, grid: &SegmentGrid, parts: usize) -> u64 {
-        const OF_A_WAVE: usize = 2 * 4 * 96;
-        let lines = (self.boundaries.len() + 3).saturating_mul(grid.cells[1]).saturating_mul(OF_A_WAVE);
+        let lines = (self.boundaries.len() + 3).saturating_mul(Relief::bytes_on(grid.cells[1]));
         let rays = grid.cells[0].saturating_mul(parts).saturating_mul(40 * (self.boundaries.len() + 8));
         lines.saturating_add(rays) as u64
     }

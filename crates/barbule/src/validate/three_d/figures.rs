@@ -1,6 +1,5 @@
 //! Invariant barbules and segments as pictures: hemispheres in colour, and what goes across and along.
 
-use super::numbers::{ALONG, BINS};
 use super::{Comparison, Found, PIXELS};
 use crate::plot::{Anchor, Axis, Curve, Drawing, Figure, Item, Picture};
 use crate::spectrum::colour::{Illuminant, Observer, Weights, display, luminance};
@@ -11,6 +10,9 @@ const APART: f64 = 8.0;
 const LEFT: f64 = 150.0;
 const TOP: f64 = 62.0;
 const FONT: f64 = 13.0;
+
+/// Marginals along y are drawn so far.
+const ALONG: f64 = 0.4;
 
 /// The part of pixels that may be brighter than white.
 const BRIGHTER: f64 = 0.002;
@@ -91,9 +93,8 @@ impl Comparison {
     fn across(&self, found: &Found) -> Drawing {
         let axis = Axis::with_range("x of ω_o", -1.0, 1.0);
         let mut figure = Figure::new(self.title(found), axis, Axis::new("light per unit of x"));
-        for (name, values) in [("3D", &found.over_x[1]), ("2.5D", &found.over_x[0])] {
-            figure.curves.push(Curve::line(name, points(values, 1.0)));
-        }
+        figure.curves.push(Curve::line("3D", curve(&found.over_x, 2)));
+        figure.curves.push(Curve::line("2.5D", curve(&found.over_x, 1)));
         figure.legend = format!("mean of {}", self.plan.instances);
         figure.footnote = Some(format!(
             "reflected: {:.4} 2.5D, {:.4} 3D; widths {:.4} and {:.4}",
@@ -105,10 +106,12 @@ impl Comparison {
     fn along(&self, found: &Found) -> Drawing {
         let axis = Axis::with_range("y of ω_o + y of ω_i", -ALONG, ALONG);
         let mut figure = Figure::new(self.title(found), axis, Axis::logarithmic("light per unit of y"));
-        figure.curves.push(Curve::line("3D", points(&found.over_y[0], ALONG)));
-        let [low, high] = [1e-4, 2.0].map(|part| part * found.over_y[0].iter().copied().fold(0.0, f64::max));
-        let cut = |[x, y]: [f64; 2]| [x, if y < low { f64::NAN } else { y }];
-        let assumed = points(&found.over_y[1], ALONG).into_iter().map(cut).collect();
+        let shown: Vec<[f64; 3]> = found.over_y.iter().filter(|row| row[0].abs() <= ALONG).copied().collect();
+        figure.curves.push(Curve::line("3D", curve(&shown, 2)));
+        let brightest = shown.iter().map(|row| row[2]).fold(0.0, f64::max);
+        let [low, high] = [1e-4, 2.0].map(|part| part * brightest);
+        let cut = |[u, value]: [f64; 2]| [u, if value < low { f64::NAN } else { value }];
+        let assumed = curve(&shown, 1).into_iter().map(cut).collect();
         figure.curves.push(Curve::line(format!("2.5D, σ = {}", self.sigma), assumed));
         figure.y.range = Some([low, high]);
         figure.legend = format!("mean of {}", self.plan.instances);
@@ -122,9 +125,8 @@ impl Comparison {
     }
 }
 
-fn points(values: &[f64], reach: f64) -> Vec<[f64; 2]> {
-    let at = |bin: usize| reach * (2.0 * (bin as f64 + 0.5) / BINS as f64 - 1.0);
-    values.iter().enumerate().map(|(bin, value)| [at(bin), *value]).collect()
+fn curve(rows: &[[f64; 3]], side: usize) -> Vec<[f64; 2]> {
+    rows.iter().map(|row| [row[0], row[side]]).collect()
 }
 
 fn is_inside(at: usize) -> bool {

@@ -191,7 +191,7 @@ impl Plan {
             .collect::<Result<_>>()?;
         seconds[0] += flat_start.elapsed().as_secs_f64();
         let flats: Vec<Vec<f64>> = flats.iter().map(per_radian).collect();
-        let mut tally = Tally::new(direction[0], k, sigma);
+        let mut tally = None;
         let mut cell = Cell::default();
         let mut correlations = Correlations::new(direction[0]);
         let model = Spread::new(direction[0], sigma);
@@ -204,9 +204,9 @@ impl Plan {
             let far = segment::far_field(segment, &light, &SegmentAccuracy::default(), &OnlyStops(progress))?;
             seconds[1] += start.elapsed().as_secs_f64();
             let intensity = far.intensity();
-            tally.add_flat(&flats[index], light.turn);
-            tally.add_segment(&far, &intensity);
-            correlations.add(&far, &intensity, &flats[index]);
+            let sums = tally.get_or_insert_with(|| Tally::new(&far, direction[0], k, sigma));
+            sums.add(&far, &intensity, &flats[index], light.turn);
+            correlations.add(&far, &intensity, &flats[index], light.turn);
             let both = [
                 rendered(wo, |w| model.value(&flats[index], light.turn, w)),
                 rendered(wo, |w| at(&far, &intensity, w) / w.z),
@@ -224,7 +224,9 @@ impl Plan {
             progress.advance(1);
         }
         let window_um = self.light(wavelength_nm, direction, 0).window_um;
-        cell.found = tally.found(wavelength_nm, direction, window_um, &correlations);
+        if let Some(tally) = tally {
+            cell.found = tally.found(wavelength_nm, direction, window_um, &correlations);
+        }
         Ok(cell)
     }
 }
@@ -294,6 +296,14 @@ fn at(far: &Hemisphere, intensity: &[f64], w_o: DVec3) -> f64 {
         + t * ((1.0 - s) * read(column, row + 1.0) + s * read(column + 1.0, row + 1.0))
 }
 
+/// A 2.5D far field (over its azimuths) between two of them; 0 beyond the horizon.
+fn between(flat: &[f64], phi: f64) -> f64 {
+    let place = (phi / std::f64::consts::PI + 0.5) * flat.len() as f64 - 0.5;
+    let (left, part) = (place.floor(), place - place.floor());
+    let read = |at: f64| if (0.0..flat.len() as f64).contains(&at) { flat[at as usize] } else { 0.0 };
+    (1.0 - part) * read(left) + part * read(left + 1.0)
+}
+
 /// The BRDF's model of the spread along y: exp(−t²/σ²), t = sin((θ_i + θ_o)/2).
 struct Spread {
     theta_i: f64,
@@ -318,11 +328,7 @@ impl Spread {
 
     /// f of a 2.5D far field (1/rad over its azimuths) of an instance turned by `turn`.
     fn value(&self, flat: &[f64], turn: f64, w_o: DVec3) -> f64 {
-        let phi = w_o.x.atan2(w_o.z) + turn;
-        let place = (phi / std::f64::consts::PI + 0.5) * flat.len() as f64 - 0.5;
-        let (left, part) = (place.floor(), place - place.floor());
-        let read = |at: f64| if (0.0..flat.len() as f64).contains(&at) { flat[at as usize] } else { 0.0 };
-        let across = (1.0 - part) * read(left) + part * read(left + 1.0);
+        let across = between(flat, w_o.x.atan2(w_o.z) + turn);
         across * self.along(w_o.y.asin()) / (self.whole * w_o.z)
     }
 }

@@ -1,8 +1,10 @@
 //! What differs between invariant barbules and segments, in numbers.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use serde_json::{Value, json};
 
-use super::Comparison;
+use super::{Comparison, between};
 use crate::solve::segment::Hemisphere;
 use crate::spectrum::colour::{Illuminant, Observer};
 use crate::spectrum::difference::{delta_e_2000, lab};
@@ -45,59 +47,69 @@ pub struct Found {
     /// Lags at which the covariance of one instance's intensities has fallen to 1/e: across by 2.5D, across and along by
     /// segments, in ω_x and ω_y.
     pub correlation: [f64; 3],
-    /// The light over ω_x, in equal bins from −1 to 1: 2.5D, segments. 1 per unit of ω_x.
-    pub over_x: [Vec<f64>; 2],
-    /// The light of segments over ω_y + ω_iy, and what the 2.5D BRDF assumes, in bins over ±0.4.
-    pub over_y: [Vec<f64>; 2],
+    /// ω_x of the segments' grid, and the light per unit of ω_x there: 2.5D, segments.
+    pub over_x: Vec<[f64; 3]>,
+    /// ω_y + ω_iy of the segments' grid, and the light per unit of it: as the 2.5D BRDF assumes, segments.
+    pub over_y: Vec<[f64; 3]>,
 }
 
 /// How far the window alone reaches along y, in standard deviations: 0.3 % of it lie beyond.
 const BEYOND: f64 = 3.0;
 
-/// Bins of the marginals.
-pub(super) const BINS: usize = 200;
-
-/// Marginals along y reach so far.
-pub(super) const ALONG: f64 = 0.4;
-
-/// Sums over instances.
+/// Sums over instances, whose far fields share one grid of directions.
 pub(super) struct Tally {
     theta_i: f64,
     k: f64,
     sigma: f64,
     instances: f64,
+    step: [f64; 2],
+    /// ω_x of the columns, ω_y + ω_iy of the rows.
+    x: Vec<f64>,
+    u: Vec<f64>,
     /// ∫ I, ∫ I ω_x, ∫ I ω_x²: 2.5D, segments.
     across: [[f64; 3]; 2],
-    /// ∫ I u, ∫ I u²
-    along: [f64; 2],
-    over_x: [Vec<f64>; 2],
-    over_y: Vec<f64>,
-    /// |u| and the light of each row.
-    within: Vec<(f64, f64)>,
+    /// Light of each column: 2.5D, segments.
+    columns: [Vec<f64>; 2],
+    /// Light of each row of the segments'.
+    rows: Vec<f64>,
 }
 
 impl Tally {
-    pub(super) fn new(theta_i: f64, k: f64, sigma: f64) -> Self {
+    /// Nothing yet, on the grid of a far field.
+    pub(super) fn new(far: &Hemisphere, theta_i: f64, k: f64, sigma: f64) -> Self {
         Self {
             theta_i,
             k,
             sigma,
             instances: 0.0,
+            step: far.step,
+            x: (0..far.columns()).map(|column| far.omega_x(column)).collect(),
+            u: far.omega_y.iter().map(|y| y + theta_i.sin()).collect(),
             across: [[0.0; 3]; 2],
-            along: [0.0; 2],
-            over_x: [vec![0.0; BINS], vec![0.0; BINS]],
-            over_y: vec![0.0; BINS],
-            within: Vec::new(),
+            columns: [vec![0.0; far.columns()], vec![0.0; far.columns()]],
+            rows: vec![0.0; far.omega_y.len()],
         }
     }
 
-    /// Adds a 2.5D far field (1/rad over its azimuths) of an instance turned by `turn`.
-    pub(super) fn add_flat(&mut self, flat: &[f64], turn: f64) {
-        let step = std::f64::consts::PI / flat.len() as f64;
+    /// Adds the far fields of an instance that is turned by `turn`: its segment's, and that of 2.5D (1/rad over its azimuths).
+    pub(super) fn add(&mut self, far: &Hemisphere, intensity: &[f64], flat: &[f64], turn: f64) {
+        self.instances += 1.0;
+        let columns = self.x.len();
+        for (index, (value, angle)) in intensity.iter().zip(far.solid_angles()).enumerate() {
+            let light = value * angle;
+            self.across(1, self.x[index % columns], light);
+            self.columns[1][index % columns] += light;
+            self.rows[index / columns] += light;
+        }
+        let (step, cosine) = (PI / flat.len() as f64, self.theta_i.cos());
+        let x = |edge: f64| cosine * (edge * step - FRAC_PI_2 - turn).clamp(-FRAC_PI_2, FRAC_PI_2).sin();
         for (n, value) in flat.iter().enumerate() {
-            let phi = (n as f64 + 0.5) * step - std::f64::consts::FRAC_PI_2 - turn;
-            if phi.cos() > 0.0 {
-                self.across(0, self.theta_i.cos() * phi.sin(), value * step);
+            let (from, to, light) = (x(n as f64), x(n as f64 + 1.0), value * step);
+            if to > from {
+                self.across(0, x(n as f64 + 0.5), light);
+                // Columns are wider than azimuths' steps, but not by whole numbers.
+                let place = |x: f64| (x - self.x[0]) / self.step[0] + 0.5;
+                spread(&mut self.columns[0], place(from), place(to), light);
             }
         }
     }
@@ -105,33 +117,6 @@ impl Tally {
     fn across(&mut self, side: usize, x: f64, light: f64) {
         for (power, sum) in self.across[side].iter_mut().enumerate() {
             *sum += light * x.powi(power as i32);
-        }
-        let bin = ((0.5 * (x + 1.0) * BINS as f64) as usize).min(BINS - 1);
-        self.over_x[side][bin] += 0.5 * light * BINS as f64;
-    }
-
-    pub(super) fn add_segment(&mut self, far: &Hemisphere, intensity: &[f64]) {
-        self.instances += 1.0;
-        let columns = far.columns();
-        let mirror = -self.theta_i.sin();
-        let angles = far.solid_angles();
-        let rows = intensity.chunks_exact(columns).zip(angles.chunks_exact(columns));
-        for ((row, angles), y) in rows.zip(&far.omega_y) {
-            let u = y - mirror;
-            let mut light = 0.0;
-            for (column, (value, angle)) in row.iter().zip(angles).enumerate() {
-                self.across(1, far.omega_x(column), value * angle);
-                light += value * angle;
-            }
-            self.along[0] += light * u;
-            self.along[1] += light * u * u;
-            self.within.push((u.abs(), light));
-            let bin = 0.5 * (u / ALONG + 1.0) * BINS as f64;
-            if (0.0..BINS as f64).contains(&bin) {
-                // A row of directions spans several bins, or bins several rows.
-                let half = 0.25 * far.step[1] / ALONG * BINS as f64;
-                spread(&mut self.over_y, bin - half, bin + half, light / (2.0 * ALONG) * BINS as f64);
-            }
         }
     }
 
@@ -153,43 +138,49 @@ impl Tally {
             }
         };
         let light = self.across[1][0];
-        let mean = self.along[0] / light;
-        let variance = (self.along[1] / light - mean * mean).max(0.0);
-        let cos_theta = self.theta_i.cos();
+        let moment = |of: &dyn Fn(f64) -> f64| {
+            self.u.iter().zip(&self.rows).map(|(u, light)| of(*u) * light).sum::<f64>() / light
+        };
+        let mean = moment(&|u| u);
+        let variance = (moment(&|u| u * u) - mean * mean).max(0.0);
         let of_window = 1.0 / (self.k * window_um[1]);
         // u is 2t cosθ, and exp(−t²/σ²) has the standard deviation σ/√2.
-        let scale = std::f64::consts::SQRT_2 * 0.5 / cos_theta;
-        let second_moment = scale * (variance - of_window * of_window).max(0.0).sqrt();
-        let is_beyond = |u: f64| u > BEYOND * of_window;
-        let beyond: f64 = self.within.iter().map(|&(u, light)| if is_beyond(u) { light } else { 0.0 }).sum();
-        let model = |bin: usize| {
-            let u = ALONG * (2.0 * (bin as f64 + 0.5) / BINS as f64 - 1.0);
-            let y = u - self.theta_i.sin();
-            if y.abs() >= 1.0 {
-                return 0.0;
-            }
-            let t = (0.5 * (self.theta_i + y.asin())).sin();
-            (-(t / self.sigma).powi(2)).exp()
-        };
-        let mut assumed: Vec<f64> = (0..BINS).map(model).collect();
-        let all = assumed.iter().sum::<f64>() * 2.0 * ALONG / BINS as f64;
-        let reflected = self.across[0][0] / count;
-        assumed.iter_mut().for_each(|value| *value *= reflected / all);
-        let averaged = |values: &Vec<f64>| values.iter().map(|value| value / count).collect::<Vec<f64>>();
+        let scale = std::f64::consts::FRAC_1_SQRT_2 / self.theta_i.cos();
+        let per_x = count * self.step[0];
+        let columns = self.x.iter().zip(self.columns[0].iter().zip(&self.columns[1]));
+        let assumed = self.assumed(self.across[0][0] / count);
+        let rows = self.u.iter().zip(assumed.iter().zip(&self.rows));
         Found {
             wavelength_nm,
             direction_deg: direction.map(f64::to_degrees),
             flat: moments(0, [0.0; 2]),
             segments: moments(1, [mean, variance.sqrt()]),
-            sigma: Sigma { window: scale * of_window, second_moment, beyond: beyond / light },
+            sigma: Sigma {
+                window: scale * of_window,
+                second_moment: scale * (variance - of_window * of_window).max(0.0).sqrt(),
+                beyond: moment(&|u| if u.abs() > BEYOND * of_window { 1.0 } else { 0.0 }),
+            },
             correlation: correlations.lags(),
-            over_x: [averaged(&self.over_x[0]), averaged(&self.over_x[1])],
-            over_y: [averaged(&self.over_y), assumed],
+            over_x: columns.map(|(x, (flat, segments))| [*x, flat / per_x, segments / per_x]).collect(),
+            over_y: rows
+                .map(|(u, (assumed, light))| [*u, *assumed, light / (count * self.step[1])])
+                .collect(),
         }
+    }
+
+    /// What the BRDF's exp(−t²/σ²) makes of all that is reflected, per unit of ω_y, at each row.
+    fn assumed(&self, reflected: f64) -> Vec<f64> {
+        let value = |u: &f64| {
+            let t = (0.5 * (self.theta_i + (u - self.theta_i.sin()).clamp(-1.0, 1.0).asin())).sin();
+            (-(t / self.sigma).powi(2)).exp()
+        };
+        let values: Vec<f64> = self.u.iter().map(value).collect();
+        let whole = values.iter().sum::<f64>() * self.step[1];
+        values.iter().map(|value| value * reflected / whole).collect()
     }
 }
 
-/// Adds a density to the bins between two places, in parts of their overlap with it.
+/// Adds a sum to the bins between two places, in parts of their overlap with it.
 fn spread(bins: &mut [f64], from: f64, to: f64, sum: f64) {
     let first = from.floor().max(0.0) as usize;
     for (bin, value) in bins.iter_mut().enumerate().skip(first) {
@@ -225,7 +216,7 @@ impl Correlations {
         Self { mirror_y: -theta_i.sin(), patterns: Vec::new(), steps: [0.0; 2] }
     }
 
-    pub(super) fn add(&mut self, far: &Hemisphere, intensity: &[f64], flat: &[f64]) {
+    pub(super) fn add(&mut self, far: &Hemisphere, intensity: &[f64], flat: &[f64], turn: f64) {
         let columns = far.columns();
         let from_mirror = |row: &usize| (far.omega_y[*row] - self.mirror_y).abs();
         let rows = 0..far.omega_y.len();
@@ -237,13 +228,7 @@ impl Correlations {
         let cosine = (1.0 - far.omega_y[centre].powi(2)).sqrt();
         let at = |column: usize| {
             let sine = far.omega_x(column) / cosine;
-            if sine.abs() >= 1.0 {
-                return 0.0;
-            }
-            let place = (sine.asin() / std::f64::consts::PI + 0.5) * flat.len() as f64 - 0.5;
-            let read = |k: f64| flat[(k.max(0.0) as usize).min(flat.len() - 1)];
-            let part = place - place.floor();
-            (1.0 - part) * read(place.floor()) + part * read(place.floor() + 1.0)
+            if sine.abs() < 1.0 { between(flat, sine.asin() + turn) } else { 0.0 }
         };
         let flat = Pattern { columns, values: (0..columns).map(at).collect() };
         self.patterns.push([flat, Pattern { columns, values }]);
@@ -421,23 +406,50 @@ mod tests {
         let along = |y: f64| (-y * y / (2.0 * variance)).exp();
         let intensity: Vec<f64> =
             far.omega_y.iter().flat_map(|&y| [0.0, 0.5, 1.0, 0.5, 0.0].map(|x| x * along(y))).collect();
-        let mut tally = Tally::new(theta, k, 0.04);
-        tally.add_segment(&far, &intensity);
+        let flat = [0.1; 180];
+        let mut tally = Tally::new(&far, theta, k, 0.04);
+        tally.add(&far, &intensity, &flat, 0.0);
         let mut correlations = Correlations::new(theta);
-        correlations.add(&far, &intensity, &[1.0; 180]);
+        correlations.add(&far, &intensity, &flat, 0.0);
         let found = tally.found(500.0, [0.0, 0.0], [5.0, window_um], &correlations);
         assert!((found.sigma.second_moment / sigma - 1.0).abs() < 0.01, "{:?}", found.sigma);
         assert!((found.sigma.window * k * window_um * 2f64.sqrt() - 1.0).abs() < 1e-12);
         assert!(found.segments.across[0].abs() < 1e-12 && found.segments.along[0].abs() < 1e-12);
         // The marginals hold all of the light.
-        let total: f64 = found.over_x[1].iter().sum::<f64>() * 2.0 / BINS as f64;
-        assert!((total / found.segments.reflected - 1.0).abs() < 1e-9);
-        let total: f64 = found.over_y[0].iter().sum::<f64>() * 2.0 * ALONG / BINS as f64;
-        assert!(
-            (total / found.segments.reflected - 1.0).abs() < 1e-3,
-            "{total} {}",
-            found.segments.reflected
-        );
+        let total =
+            |rows: &[[f64; 3]], side: usize, step: f64| rows.iter().map(|row| row[side]).sum::<f64>() * step;
+        for (sum, expected) in [
+            (total(&found.over_x, 2, 0.05), found.segments.reflected),
+            (total(&found.over_y, 2, 0.002), found.segments.reflected),
+            (total(&found.over_y, 1, 0.002), found.flat.reflected),
+        ] {
+            assert!((sum / expected - 1.0).abs() < 1e-9, "{sum} {expected}");
+        }
+    }
+
+    /// An intensity that is the same at all azimuths has 1/cosφ of it per unit of ω_x, without a comb of the grid.
+    #[test]
+    fn marginals_are_as_smooth_as_what_they_are_of() {
+        let far = Hemisphere {
+            step: [0.0173, 0.5],
+            reach: 57,
+            omega_y: vec![-0.5, 0.0, 0.5],
+            amplitudes: Default::default(),
+            incident_um2: 1.0,
+        };
+        let intensity = vec![1.0; 3 * far.columns()];
+        let mut tally = Tally::new(&far, 0.0, 12.0, 0.04);
+        tally.add(&far, &intensity, &[0.25; 1440], 0.03);
+        let mut correlations = Correlations::new(0.0);
+        correlations.add(&far, &intensity, &[0.25; 1440], 0.03);
+        let found = tally.found(500.0, [0.0, 0.0], [5.0, 5.0], &correlations);
+        for [x, flat, _] in found.over_x.iter().filter(|row| row[0].abs() < 0.8) {
+            // A column's mean: the middle's value and h²/24 of the second derivative; 2.4e-5 is reached at the edge.
+            let squared = 1.0 - x * x;
+            let bend = (1.0 + 2.0 * x * x) / (squared * squared) * 0.0173 * 0.0173 / 24.0;
+            let expected = 0.25 / squared.sqrt() * (1.0 + bend);
+            assert!((flat / expected - 1.0).abs() < 4e-5, "{x}: {flat} {expected}");
+        }
     }
 
     #[test]
@@ -464,7 +476,7 @@ mod tests {
                 (0..20).map(|i| white[at + i] * (-(i as f64 - 9.5).powi(2) / 18.0).exp()).sum()
             };
             let row: Vec<f64> = (0..far.columns()).map(smooth).collect();
-            correlations.add(&far, &[row.clone(), row.clone(), row].concat(), &[1.0; 180]);
+            correlations.add(&far, &[row.clone(), row.clone(), row].concat(), &[1.0; 180], 0.0);
         }
         let lags = correlations.lags();
         assert!((lags[1] / 0.005 - 6.0).abs() < 0.5, "{lags:?}");
