@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::fresnel::fresnel;
 use super::hit::{Hit, Side};
 use super::lobes::Lobes;
 use super::{Bsdf, BsdfSample, Evaluation, Model};
+use crate::scattering::grating::fresnel;
 use crate::spectrum::dense::WAVES;
 use crate::{Error, Result};
 

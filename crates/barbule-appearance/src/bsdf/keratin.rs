@@ -10,12 +10,12 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::fresnel::fresnel;
 use super::hit::Hit;
 use super::lobes::Lobes;
 use super::microfacet::Ggx;
 use super::reflectance::Reflectance;
 use super::{Bsdf, Model};
+use crate::scattering::grating::fresnel;
 use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
 

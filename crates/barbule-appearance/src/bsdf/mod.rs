@@ -12,7 +12,6 @@ mod conductor;
 mod dielectric;
 mod feather;
 mod frame;
-mod fresnel;
 mod hair;
 mod hit;
 mod keratin;

@@ -5,11 +5,11 @@
 
 use glam::DVec3;
 
-use super::fresnel::fresnel;
 use super::hit::Hit;
 use super::lobes::Lobes;
 use super::microfacet::Ggx;
 use super::{Bsdf, Model};
+use crate::scattering::grating::fresnel;
 use crate::spectrum::dense::WAVES;
 use crate::{Error, Result};
 

@@ -1,6 +1,7 @@
 //! Wave solvers: each takes a structure and gives scattered fields.
 
 pub mod crystal;
+pub mod diffraction;
 pub mod direct;
 pub mod far_fields;
 pub mod film;

@@ -9,6 +9,7 @@ mod contour;
 mod crystal;
 mod curve;
 mod flat;
+mod heightfield;
 mod identify;
 mod lattice;
 mod legacy;
@@ -28,6 +29,7 @@ pub use columns::{Columns, PaletteMixture, SlotMixture};
 pub use contour::Contour;
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
 pub use flat::FlatStack;
+pub use heightfield::{Cleaning, Fingers, Heightfield, MOST_HEIGHTS};
 pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};
 pub use section::{
     FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,
