@@ -56,7 +56,7 @@ impl Heightfield {
                 size_um[0], size_um[1]
             )));
         }
-        if let Some(bad) = height_um.iter().position(|height| !(height.abs() <= 1e4)) {
+        if let Some(bad) = height_um.iter().position(|height| !height.is_finite() || height.abs() > 1e4) {
             return Err(Error::input(format!(
                 "the height at column {}, row {} is not a finite number of at most 10000 µm",
                 bad % cells[0],
