@@ -9,6 +9,7 @@ pub mod common;
 mod complete;
 mod exhausted;
 pub mod figure;
+mod heights_arg;
 mod materials;
 mod media;
 mod outputs;

@@ -39,6 +39,7 @@
 mod base64;
 pub mod campaign;
 pub mod characterize;
+pub mod diffraction;
 pub mod figures;
 pub mod io;
 pub mod picture;

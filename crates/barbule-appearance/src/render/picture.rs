@@ -4,7 +4,7 @@ use super::cryptomatte::{By, matte};
 use super::film::Film;
 use super::tone;
 use crate::scene::backdrop::Backdrop;
-use crate::spectrum::colour::rgb_from_xyz;
+use crate::spectrum::colour::{into_gamut, rgb_from_xyz};
 
 /// How a film becomes a picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +130,7 @@ pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Pla
     add(&["R", "G", "B", "A"], &|x, y| {
         let (mut rgb, alpha) = (rgb_from_xyz(film.xyz(x, y)), film.alpha(x, y));
         if !development.keeps_gamut {
-            rgb = tone::into_gamut(rgb);
+            rgb = into_gamut(rgb);
         }
         match development.radiance_behind(x, y, size) {
             Some(behind) => (0..3).map(|k| rgb[k] + behind[k] * (1.0 - alpha)).chain([1.0]).collect(),
@@ -152,7 +152,7 @@ pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Pla
         add(&["albedo.R", "albedo.G", "albedo.B"], &|x, y| {
             let sum = film.compositing(x, y).map(|pixel| pixel.albedo).unwrap_or_default();
             let mean = sum.map(|value| value / f64::from(film.count(x, y).max(1)));
-            tone::into_gamut(rgb_from_xyz(mean)).into()
+            into_gamut(rgb_from_xyz(mean)).into()
         });
     }
     let bands = film.planes().spectral.nm();

@@ -8,6 +8,8 @@
 //!    1 − 1/(1 + ((m − 1)/3)²) of the colour is replaced by its largest component.
 //! 4. The sRGB transfer curve, rounded to the nearest of 256 steps.
 
+use crate::spectrum::colour::into_gamut;
+
 /// Largest component kept as it is.
 const SHOULDER: f64 = 0.6;
 
@@ -27,23 +29,6 @@ pub fn shown(linear: [f64; 3]) -> [f64; 3] {
 #[must_use]
 pub fn encoded(shown: [f64; 3]) -> [u8; 3] {
     shown.map(|v| (255.0 * transfer(v.clamp(0.0, 1.0)) + 0.5) as u8)
-}
-
-/// A colour outside sRGB moved towards the grey of its luminance until no component is negative; black where the luminance is
-/// not over 0.
-#[must_use]
-pub fn into_gamut(rgb: [f64; 3]) -> [f64; 3] {
-    let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-    let least = rgb[0].min(rgb[1]).min(rgb[2]);
-    if least >= 0.0 {
-        return rgb;
-    }
-    if luminance <= 0.0 {
-        return [0.0; 3];
-    }
-    let keep = luminance / (luminance - least);
-    // Rounding may leave the least component a hair below 0.
-    rgb.map(|v| (luminance + (v - luminance) * keep).max(0.0))
 }
 
 fn shoulder(rgb: [f64; 3]) -> [f64; 3] {

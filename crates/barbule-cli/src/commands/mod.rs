@@ -11,6 +11,7 @@ mod cache;
 mod characterize;
 mod completions;
 mod crystal;
+mod diffract;
 mod far_field;
 mod feather;
 mod film;
@@ -38,6 +39,8 @@ pub(crate) enum Command {
     Spectrum(spectrum::Args),
     /// What a photonic crystal reflects: one point, a map, or the field inside
     Crystal(crystal::Args),
+    /// What a heightfield does with light: colours, tables, a material
+    Diffract(diffract::Args),
     /// Simulate a whole campaign into a store that survives interruptions
     Simulate(simulate::Args),
     /// Fit a material to a finished store
@@ -71,6 +74,7 @@ impl Command {
             Self::FarField(args) => args.run(out),
             Self::Spectrum(args) => args.run(out),
             Self::Crystal(args) => args.run(out),
+            Self::Diffract(args) => args.run(out),
             Self::Simulate(args) => args.run(out),
             Self::Fit(args) => args.run(out),
             Self::Characterize(args) => args.run(out),

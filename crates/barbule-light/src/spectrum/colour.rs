@@ -223,7 +223,7 @@ pub fn chromaticity(xyz: [f64; 3]) -> [f64; 2] {
 }
 
 /// The white point of sRGB, x = 0.3127, y = 0.3290 (IEC 61966-2-1).
-const D65_WHITE: [f64; 3] = [0.3127 / 0.3290, 1.0, (1.0 - 0.3127 - 0.3290) / 0.3290];
+pub const D65_WHITE: [f64; 3] = [0.3127 / 0.3290, 1.0, (1.0 - 0.3127 - 0.3290) / 0.3290];
 
 /// Linear sRGB from XYZ, exact for the primaries and the white of IEC 61966-2-1 (whose own matrix is rounded).
 const XYZ_TO_RGB: [[f64; 3]; 3] = [
@@ -264,6 +264,23 @@ pub fn encode(linear: f64) -> f64 {
 #[must_use]
 pub fn decode(encoded: f64) -> f64 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
+}
+
+/// A colour outside sRGB moved towards the grey of its luminance until no component is negative; black where the luminance is
+/// not over 0.
+#[must_use]
+pub fn into_gamut(rgb: [f64; 3]) -> [f64; 3] {
+    let luminance = luminance(rgb);
+    let least = rgb[0].min(rgb[1]).min(rgb[2]);
+    if least >= 0.0 {
+        return rgb;
+    }
+    if luminance <= 0.0 {
+        return [0.0; 3];
+    }
+    let keep = luminance / (luminance - least);
+    // Rounding may leave the least component a hair below 0.
+    rgb.map(|v| (luminance + (v - luminance) * keep).max(0.0))
 }
 
 /// The colour to show: each linear channel clipped to 0…1 (which may shift the hue of colours outside sRGB), encoded,

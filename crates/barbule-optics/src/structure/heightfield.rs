@@ -7,6 +7,9 @@ use crate::{Error, Result};
 /// Most heights of a field.
 pub const MOST_HEIGHTS: usize = 1 << 26;
 
+/// Built-in samples: the scales of a corn snake and of a sunbeam snake, a blazed grating and a sinusoidal one.
+pub const SAMPLES: [&str; 4] = ["elaphe", "xenopeltis", "blazed", "sinusoid"];
+
 /// Heights over a patch that repeats along both axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Heightfield {
@@ -213,6 +216,18 @@ impl Heightfield {
         let side = period_um * periods as f64;
         let heights = (0..periods * per_period).map(|i| amplitude_um * libm::cos(turn(i))).collect();
         Self::new([periods * per_period, 1], [side, side], heights)
+    }
+
+    /// A built-in sample, of [`SAMPLES`]; the seed is that of the snakes.
+    #[must_use]
+    pub fn sample(name: &str, seed: u64) -> Option<Result<Self>> {
+        match name {
+            "elaphe" => Some(Self::fingers(&Fingers::ELAPHE, seed)),
+            "xenopeltis" => Some(Self::fingers(&Fingers::XENOPELTIS, seed)),
+            "blazed" => Some(Self::blazed(2.5, 0.24623, 26, 100)),
+            "sinusoid" => Some(Self::sinusoid(2.5, 0.123, 26, 100)),
+            _ => None,
+        }
     }
 
     /// Fingers of scales in overlapping rows, as snakes have them: periodic over the patch.

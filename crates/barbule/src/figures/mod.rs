@@ -1,5 +1,6 @@
 //! Figures of sections, spectra and materials.
 
+mod diffraction;
 mod far_fields;
 mod lobes;
 mod section;
@@ -8,6 +9,7 @@ mod simulated;
 mod spectrum;
 mod values;
 
+pub use diffraction::{Pattern, diffraction, diffraction_spectrum};
 pub use far_fields::{check_far_fields, far_fields};
 pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
 pub use section::section;

@@ -3,6 +3,7 @@
 mod cache;
 mod curves;
 mod feather;
+mod grating;
 pub mod image;
 mod kind;
 mod lattice;
@@ -27,6 +28,7 @@ mod zarr;
 pub use cache::{CacheFile, delete_cached, list_cache};
 pub use curves::{curves_text, parse_curves, read_curves};
 pub use feather::{FeatherFormat, MOST_WRITTEN_BARBULES, write_feather};
+pub use grating::{GratingFile, read_grating, write_grating};
 pub use kind::{InputKind, kind_of};
 pub use lattice::read_lattice;
 pub use machine::{available_memory, peak_memory};

@@ -25,6 +25,8 @@ pub struct HeatMap {
     pub range: Option<[f64; 2]>,
     /// The colours.
     pub map: Map,
+    /// A colour for each cell in place of those of a scale, which is then not drawn; empty for none.
+    pub colours: Vec<[u8; 3]>,
     /// Width and height of the map in px.
     pub size: [f64; 2],
     /// Whether the map keeps the shape of `size` on a page of any other shape: both axes are then to one scale.
@@ -67,9 +69,22 @@ impl HeatMap {
             label: String::new(),
             range: None,
             map: Map::default(),
+            colours: Vec::new(),
             size: [420.0, 330.0],
             keeps_shape: false,
         }
+    }
+
+    /// A map of colours, `columns` in a row, the first row at the lower end of y.
+    #[must_use]
+    pub fn of_colours(
+        title: impl Into<String>,
+        x: Axis,
+        y: Axis,
+        columns: usize,
+        colours: Vec<[u8; 3]>,
+    ) -> Self {
+        Self { colours, ..Self::new(title, x, y, columns, Vec::new()) }
     }
 
     /// Draws the map and its scale of colours, as large as `size` says.
@@ -108,7 +123,10 @@ impl HeatMap {
         };
         let left = words.left(&frame([0.0, top, self.size[0], height]), label_at);
         let label = text::wrapped(&self.label, MEDIUM, top + height + 20.0, 2);
-        let right = BAR[0] + BAR[1] + 8.0 + mark_width + LABEL_LINE * label.len() as f64 + 12.0;
+        let right = match self.colours[..] {
+            [] => BAR[0] + BAR[1] + 8.0 + mark_width + LABEL_LINE * label.len() as f64 + 12.0,
+            _ => 20.0,
+        };
         let mut width = size.map_or(self.size[0], |[w, _]| (w - left - right).max(LEAST[0]));
         if self.keeps_shape {
             let scale = (width / self.size[0]).min(height / self.size[1]);
@@ -133,6 +151,9 @@ impl HeatMap {
         drawing.items.push(Item::Picture { area: frame.area, picture: self.picture(range) });
         frame.outline(&mut drawing);
         words.write(&mut drawing, &frame, label_at);
+        if !self.colours.is_empty() {
+            return drawing;
+        }
         let bar = [left + width + BAR[0], top, BAR[1], height];
         let steps = (0..256).rev().map(|i| opaque(self.map.at(f64::from(i) / 255.0))).collect();
         drawing
@@ -182,10 +203,19 @@ impl HeatMap {
 
     fn picture(&self, range: [f64; 2]) -> Picture {
         let columns = self.columns.max(1);
-        let rows: Vec<_> = self.values.chunks_exact(columns).collect();
-        let colour = |v: &f64| opaque(self.map.at((v - range[0]) / (range[1] - range[0])));
-        let rgba = rows.iter().rev().flat_map(|row| row.iter().map(colour)).collect();
-        Picture { width: columns, height: rows.len(), rgba }
+        let colour = |v: &f64| self.map.at((v - range[0]) / (range[1] - range[0]));
+        let of_scale: Vec<[u8; 3]>;
+        let colours = match self.colours[..] {
+            [] => {
+                of_scale = self.values.iter().map(colour).collect();
+                &of_scale
+            }
+            _ => &self.colours,
+        };
+        let rows = colours.chunks_exact(columns);
+        let height = rows.len();
+        let rgba = rows.rev().flat_map(|row| row.iter().copied().map(opaque)).collect();
+        Picture { width: columns, height, rgba }
     }
 }
 

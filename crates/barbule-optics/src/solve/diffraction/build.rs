@@ -77,8 +77,7 @@ impl Builder {
             let um = at[i] * 1e-3;
             let s_f = setup.coherence.frequency_per_um(um);
             orders.check_window(s_f)?;
-            let alone: Vec<f64> = (0..at.len()).map(|other| f64::from(u8::from(other == i))).collect();
-            let xyz = weights.xyz(&alone).map(|weight| weight * setup.of_wavelength(um));
+            let xyz = weights.xyz_parts()[i].map(|weight| weight * setup.of_wavelength(um));
             Ok(Wave { um, s_f, xyz, factors: factors(&amplitudes, basis, setup.place, um, numbers) })
         });
         let waves = waves.collect::<Result<_>>()?;
@@ -112,7 +111,7 @@ impl Builder {
         Tables::new(self.grid, self.basis, self.setup, rows.concat())
     }
 
-    /// X, Y, Z that the tables give between two directions, from the four places about them alone.
+    /// X, Y, Z that the tables give between two directions, from the places about them alone.
     #[must_use]
     pub fn xyz(&self, w_i: DVec3, w_o: DVec3) -> [f64; 3] {
         let q = q(w_i, w_o);
@@ -122,8 +121,7 @@ impl Builder {
             .iter()
             .map(|&[i, j]| self.row(j, i..i + 1).into_iter().map(|value| value as f32).collect())
             .collect();
-        let texels = [&texels[0][..], &texels[1], &texels[2], &texels[3]];
-        interpolated(self.basis, &self.setup, w_i, w_o, &cell.weights, texels)
+        interpolated(self.basis, &self.setup, w_i, w_o, &cell, texels.iter().map(Vec::as_slice))
     }
 
     /// Tables at some places of a row, `[u][table][X, Y, Z]`.
@@ -131,10 +129,11 @@ impl Builder {
         let (numbers, per_place) = (self.numbers, self.basis.count() * 3);
         let columns = self.orders.counts()[0];
         let v = self.grid.coordinate(row);
-        // Directions have u² + v² ≤ 4; the places around them are a step further out.
-        let most = (4.0 - v * v).max(0.0).sqrt();
-        let step = |i: usize| self.grid.coordinate(i.min(self.grid.size - 1));
-        let is_seen = |i: usize| step(i + 1) >= -most && step(i.saturating_sub(1)) <= most;
+        // Directions have u² + v² ≤ 4; places about them are up to two steps further out.
+        let step = |i: usize| self.grid.coordinate(i.min(self.grid.size - 1)).abs();
+        let inner = |i: usize| step(i + 2).min(step(i.saturating_sub(2)));
+        let inner_v = inner(row);
+        let is_seen = |i: usize| inner(i).powi(2) + inner_v.powi(2) <= 4.0;
         let (mut line, mut seen) = (vec![0.0; columns * numbers], vec![0.0; numbers]);
         let mut texels = vec![0.0; places.len() * per_place];
         for wave in &self.waves {
