@@ -1,24 +1,96 @@
 //! Heightfields as they are named on a command line: a sample or a file.
 
+use std::path::Path;
+
 use barbule::error::{did_you_mean, shortened};
+use barbule::io::{Clean, HeightUnit, HeightsOptions, read_heights};
 use barbule::structure::{Heightfield, SAMPLES};
 use barbule::{Error, Result};
 
-/// Which heights.
+/// Which heights, and what their file does not say.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct HeightsArgs {
-    /// Measured heights, or a sample: elaphe, xenopeltis, blazed, sinusoid
+    /// Measured heights (.npy, .tif, .png, rows of numbers, Gwyddion's text), or a sample: elaphe, xenopeltis,
+    /// blazed, sinusoid
     #[arg(value_name = "HEIGHTS|SAMPLE")]
     heights: String,
+    /// Distance of neighbouring heights of a file, µm
+    #[arg(long, value_name = "UM", value_parser = micrometres)]
+    pitch: Option<f64>,
+    /// Unit of a file's numbers [default: um]
+    #[arg(long, value_enum, value_name = "UNIT")]
+    unit: Option<Unit>,
+    /// Height between black and white of a picture, µm
+    #[arg(long, value_name = "UM", value_parser = micrometres)]
+    range: Option<f64>,
+    /// Whether a file's heights are levelled, clipped and blended at their edges [default: auto]
+    #[arg(long, value_enum, value_name = "WHEN")]
+    clean: Option<Cleaned>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Unit {
+    Um,
+    Nm,
+    M,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Cleaned {
+    /// Unless opposite edges fit each other
+    Auto,
+    Always,
+    Never,
+}
+
+fn micrometres(text: &str) -> std::result::Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|value| (1e-6..=1e4).contains(value));
+    number.ok_or_else(|| "give a number of µm over 0, as in 0.0488".into())
 }
 
 impl HeightsArgs {
     /// The heights and what they are called.
     pub(crate) fn read(&self, seed: u64) -> Result<(Heightfield, String)> {
+        let path = Path::new(&self.heights);
         if let Some(sample) = Heightfield::sample(&self.heights, seed) {
+            let given = [
+                ("--pitch", self.pitch.is_some()),
+                ("--unit", self.unit.is_some()),
+                ("--range", self.range.is_some()),
+                ("--clean", self.clean.is_some()),
+            ];
+            if let Some((flag, _)) = given.into_iter().find(|(_, given)| *given) {
+                return Err(Error::input(format!(
+                    "{flag} is of files, but {} is a sample; leave it out",
+                    self.heights
+                )));
+            }
             return Ok((sample?, self.heights.clone()));
         }
-        let near = did_you_mean(&self.heights, SAMPLES);
-        Err(Error::input(format!("{}: no such file or sample{near}", shortened(&self.heights))))
+        if !path.exists() && path.extension().is_none() {
+            let near = did_you_mean(&self.heights, SAMPLES);
+            return Err(Error::input(format!(
+                "{}: no such file or sample{near}; samples are {}",
+                shortened(&self.heights),
+                SAMPLES.join(", ")
+            )));
+        }
+        let options = HeightsOptions {
+            pitch_um: self.pitch,
+            unit: self.unit.map(|unit| match unit {
+                Unit::Um => HeightUnit::Micrometre,
+                Unit::Nm => HeightUnit::Nanometre,
+                Unit::M => HeightUnit::Metre,
+            }),
+            range_um: self.range,
+            clean: match self.clean {
+                None | Some(Cleaned::Auto) => Clean::Auto,
+                Some(Cleaned::Always) => Clean::Always,
+                Some(Cleaned::Never) => Clean::Never,
+            },
+        };
+        let name =
+            path.file_stem().map_or_else(|| "heights".into(), |name| name.to_string_lossy().into_owned());
+        Ok((read_heights(path, &options)?, name))
     }
 }

@@ -117,6 +117,27 @@ impl Heightfield {
         }
     }
 
+    /// Whether opposite edges fit each other: the mean step across them is no greater than the greatest mean step between
+    /// neighbouring columns, and rows, inside.
+    #[must_use]
+    pub fn repeats(&self) -> bool {
+        let [columns, rows] = self.cells;
+        let step = |from: usize, to: usize, stride: usize, lines: usize, along: usize| {
+            let apart = (0..lines).map(|line| {
+                let of = |place: usize| self.height_um[place * along + line * stride];
+                (of(to) - of(from)).abs()
+            });
+            apart.sum::<f64>()
+        };
+        [(columns, columns, rows, 1), (rows, 1, columns, columns)].into_iter().all(
+            |(count, stride, lines, along)| {
+                let inside = (1..count).map(|i| step(i - 1, i, stride, lines, along)).fold(0.0, f64::max);
+                // Rounding is no step.
+                step(count - 1, 0, stride, lines, along) <= inside * (1.0 + 1e-6) + 1e-9 * lines as f64
+            },
+        )
+    }
+
     /// Measured heights made fit to repeat.
     ///
     /// # Errors
@@ -400,6 +421,27 @@ mod tests {
         let row = &clean.height_um()[30 * columns..][..columns];
         assert!((row[42] - row[47] - (wave(4.2) - wave(4.7))).abs() < 0.01);
         assert!(raw.cleaned(&Cleaning { clip: 0.5, ..Cleaning::default() }).is_err());
+    }
+
+    #[test]
+    fn whole_periods_repeat_and_tilted_patches_do_not() {
+        assert!(Heightfield::blazed(2.5, 0.2, 3, 50).unwrap().repeats());
+        assert!(Heightfield::sinusoid(2.5, 0.1, 3, 50).unwrap().repeats());
+        let snake = Fingers { cells: 200, size_um: 15.0, ..Fingers::XENOPELTIS };
+        let snake = Heightfield::fingers(&snake, 2).unwrap();
+        assert!(snake.repeats() && snake.turned().repeats());
+        let tilted = snake.height_um().iter().enumerate();
+        for slope in [[2e-3, 0.0], [0.0, 2e-3]] {
+            let tilt = |place: usize| slope[0] * (place % 200) as f64 + slope[1] * (place / 200) as f64;
+            let heights = tilted.clone().map(|(place, height)| height + tilt(place)).collect();
+            let field = Heightfield::new([200, 200], [15.0; 2], heights).unwrap();
+            assert!(!field.repeats() && field.cleaned(&Cleaning::default()).unwrap().repeats());
+        }
+        // Half a period too many.
+        let half = (0..75).map(|i| 0.1 * libm::sin(std::f64::consts::TAU * f64::from(i) / 50.0)).collect();
+        assert!(Heightfield::new([75, 1], [3.75, 3.75], half).unwrap().repeats());
+        let quarter = (0..62).map(|i| 0.1 * libm::sin(std::f64::consts::TAU * f64::from(i) / 50.0)).collect();
+        assert!(!Heightfield::new([62, 1], [3.1, 3.1], quarter).unwrap().repeats());
     }
 
     #[test]

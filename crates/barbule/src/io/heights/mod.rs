@@ -1,0 +1,161 @@
+//! Measured heightfields: NPY, TIFF, PNG, rows of numbers in text, Gwyddion's text export.
+//!
+//! `docs/formats/heights.md` says what is read as what. Formats are told apart by their content. Sizes that a header claims are
+//! checked before anything is allocated for them.
+
+mod npy;
+mod picture;
+mod text;
+
+use std::path::Path;
+
+use super::whole::read_at_most;
+use crate::structure::{Cleaning, Heightfield, MOST_HEIGHTS};
+use crate::{Error, Result};
+
+/// The largest file: as many heights as are read, in double precision.
+const LARGEST: u64 = (MOST_HEIGHTS as u64) * 8 + (1 << 16);
+
+/// A unit of heights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum HeightUnit {
+    /// 1e-6 m.
+    #[default]
+    Micrometre,
+    /// 1e-9 m.
+    Nanometre,
+    /// 1 m.
+    Metre,
+}
+
+impl HeightUnit {
+    /// In µm.
+    fn um(self) -> f64 {
+        match self {
+            Self::Micrometre => 1.0,
+            Self::Nanometre => 1e-3,
+            Self::Metre => 1e6,
+        }
+    }
+}
+
+/// Whether measured heights are made fit to repeat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Clean {
+    /// Unless their opposite edges fit each other already.
+    #[default]
+    Auto,
+    /// In any case.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// What a file does not say itself.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct HeightsOptions {
+    /// Distance of neighbours, µm.
+    pub pitch_um: Option<f64>,
+    /// Unit of numbers; what a file says of it goes first.
+    pub unit: Option<HeightUnit>,
+    /// Of pictures of whole numbers: height between black and white, µm.
+    pub range_um: Option<f64>,
+    /// Whether they are cleaned.
+    pub clean: Clean,
+}
+
+/// Numbers of a file, the first row at y = 0.
+struct Raw {
+    cells: [usize; 2],
+    values: Vec<f64>,
+    /// What a value of 1 is.
+    scale: Scale,
+    /// Sides, where the file says them, µm.
+    size_um: Option<[f64; 2]>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scale {
+    /// In a unit that the options or the file say.
+    Unit(Option<HeightUnit>),
+    /// The whole range of a picture.
+    Range,
+}
+
+/// Reads heights, µm, and cleans them as the options say.
+///
+/// # Errors
+/// The file is missing, too large, of none of the formats or damaged; the distance of neighbours or the range is not said, or
+/// contradicts the file.
+pub fn read_heights(path: &Path, options: &HeightsOptions) -> Result<Heightfield> {
+    let bytes = read_at_most(path, LARGEST)?;
+    decode(&bytes, options).map_err(|error| error.at(path.display()))
+}
+
+fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<Heightfield> {
+    let raw = if bytes.starts_with(npy::MAGIC) {
+        npy::read(bytes)?
+    } else if bytes.starts_with(b"\x89PNG") {
+        picture::read_png(bytes)?
+    } else if bytes.starts_with(b"II*\0") || bytes.starts_with(b"MM\0*") {
+        picture::read_tiff(bytes)?
+    } else {
+        text::read(bytes)?
+    };
+    let scale_um = match raw.scale {
+        Scale::Unit(own) => {
+            if options.range_um.is_some() {
+                return Err(Error::input(
+                    "holds numbers with a unit, so --range does not apply; give --unit, or leave both out",
+                ));
+            }
+            own.or(options.unit).unwrap_or_default().um()
+        }
+        Scale::Range => options.range_um.ok_or_else(|| {
+            Error::input("is a picture; give --range UM, the height between its black and its white")
+        })?,
+    };
+    let size_um = match (raw.size_um, options.pitch_um) {
+        (None, None) => {
+            return Err(Error::input("does not say how far its heights are apart; give --pitch UM"));
+        }
+        (None, Some(pitch)) => raw.cells.map(|count| count as f64 * pitch),
+        (Some(size), None) => size,
+        (Some(size), Some(pitch)) => {
+            let own = size[0] / raw.cells[0] as f64;
+            if (pitch / own - 1.0).abs() > 0.01 {
+                return Err(Error::input(format!(
+                    "says that its heights are {own} µm apart, but --pitch is {pitch}; leave --pitch out"
+                )));
+            }
+            size
+        }
+    };
+    let heights = raw.values.into_iter().map(|value| value * scale_um).collect();
+    let field = Heightfield::new(raw.cells, size_um, heights)?;
+    match options.clean {
+        Clean::Auto if field.repeats() => Ok(field),
+        Clean::Never => Ok(field),
+        _ => field.cleaned(&Cleaning::default()),
+    }
+}
+
+/// Refuses more heights than are read; how many there are.
+fn count([columns, rows]: [usize; 2]) -> Result<usize> {
+    columns
+        .checked_mul(rows)
+        .filter(|count| (1..=MOST_HEIGHTS).contains(count))
+        .ok_or_else(|| Error::input(format!("has {columns} × {rows} heights; 1 to {MOST_HEIGHTS} are read")))
+}
+
+/// Turns rows from the top of a picture into rows from y = 0.
+fn upside_down(values: &mut [f64], columns: usize) {
+    let rows = values.len() / columns;
+    for row in 0..rows / 2 {
+        let (above, below) = values.split_at_mut((rows - 1 - row) * columns);
+        above[row * columns..][..columns].swap_with_slice(&mut below[..columns]);
+    }
+}
+
+#[cfg(test)]
+mod tests;

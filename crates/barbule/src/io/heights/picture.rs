@@ -1,0 +1,104 @@
+//! Heights as grey pictures: PNG, and TIFF of whole numbers or floats.
+
+use std::io::Cursor;
+
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::{ColorType, TiffError};
+
+use super::{Raw, Scale, count, upside_down};
+use crate::structure::MOST_HEIGHTS;
+use crate::{Error, Result};
+
+/// No picture packs more pixels into a byte: deflate's limit is 1032 bytes, of pixels of one bit.
+const MOST_PIXELS_PER_BYTE: usize = 8 * 1032;
+
+fn short(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).take(160).collect()
+}
+
+/// Refuses a size that a header claims but that cannot be in so many bytes.
+fn check(cells: [usize; 2], bytes: usize) -> Result<usize> {
+    let heights = count(cells)?;
+    if heights > bytes.saturating_mul(MOST_PIXELS_PER_BYTE) {
+        return Err(Error::input(format!(
+            "says that it has {} × {} pixels, which cannot be in {bytes} bytes",
+            cells[0], cells[1]
+        )));
+    }
+    Ok(heights)
+}
+
+pub(super) fn read_png(bytes: &[u8]) -> Result<Raw> {
+    let refuse = |error: png::DecodingError| {
+        Error::input(format!("cannot be read as a PNG ({})", short(&error.to_string())))
+    };
+    let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(refuse)?;
+    let info = reader.info();
+    let cells = [info.width, info.height].map(|side| side as usize);
+    if info.color_type != png::ColorType::Grayscale || info.trns.is_some() {
+        return Err(Error::input("is a PNG with colours or transparency; give one of grey alone"));
+    }
+    check(cells, bytes.len())?;
+    let length = reader.output_buffer_size().ok_or_else(|| Error::input("is too large"))?;
+    let mut buffer = vec![0; length];
+    let frame = reader.next_frame(&mut buffer).map_err(refuse)?;
+    let buffer = &buffer[..frame.buffer_size()];
+    let mut values: Vec<f64> = match frame.bit_depth {
+        png::BitDepth::Sixteen => {
+            buffer.as_chunks::<2>().0.iter().map(|b| f64::from(u16::from_be_bytes(*b)) / 65535.0).collect()
+        }
+        _ => buffer.iter().map(|b| f64::from(*b) / 255.0).collect(),
+    };
+    upside_down(&mut values, cells[0]);
+    Ok(Raw { cells, values, scale: Scale::Range, size_um: None })
+}
+
+pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
+    let refuse =
+        |error: TiffError| Error::input(format!("cannot be read as a TIFF ({})", short(&error.to_string())));
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = MOST_HEIGHTS * size_of::<f64>();
+    limits.intermediate_buffer_size = MOST_HEIGHTS * size_of::<f64>();
+    limits.ifd_value_size = 1 << 24;
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(refuse)?.with_limits(limits);
+    let (width, height) = decoder.dimensions().map_err(refuse)?;
+    let cells = [width as usize, height as usize];
+    match decoder.colortype().map_err(refuse)? {
+        ColorType::Gray(_) => {}
+        other => {
+            return Err(Error::input(format!(
+                "is a TIFF of {}; give one of grey alone",
+                short(&format!("{other:?}"))
+            )));
+        }
+    }
+    let heights = check(cells, bytes.len())?;
+    let whole = |value: f64, most: f64| value / most;
+    let (mut values, scale): (Vec<f64>, Scale) = match decoder.read_image().map_err(refuse)? {
+        DecodingResult::U8(values) => {
+            (values.into_iter().map(|v| whole(v.into(), 255.0)).collect(), Scale::Range)
+        }
+        DecodingResult::U16(values) => {
+            (values.into_iter().map(|v| whole(v.into(), 65535.0)).collect(), Scale::Range)
+        }
+        DecodingResult::F32(values) => (values.into_iter().map(f64::from).collect(), Scale::Unit(None)),
+        DecodingResult::F64(values) => (values, Scale::Unit(None)),
+        _ => {
+            return Err(Error::input(
+                "is a TIFF of another kind of numbers than is read; give 8 or 16 bits without sign, or floats",
+            ));
+        }
+    };
+    if values.len() != heights {
+        return Err(Error::input(format!(
+            "holds {} heights, but says {} × {}",
+            values.len(),
+            cells[0],
+            cells[1]
+        )));
+    }
+    upside_down(&mut values, cells[0]);
+    Ok(Raw { cells, values, scale, size_um: None })
+}

@@ -1,0 +1,128 @@
+//! Rows of numbers, and Gwyddion's export of them with the sizes in comments.
+
+use super::{HeightUnit, Raw, Scale, upside_down};
+use crate::error::shortened;
+use crate::structure::MOST_HEIGHTS;
+use crate::{Error, Result};
+
+/// What Gwyddion's comments say.
+#[derive(Default)]
+struct Comments {
+    width_um: Option<f64>,
+    height_um: Option<f64>,
+    unit: Option<HeightUnit>,
+}
+
+pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
+    let latin;
+    let text = match std::str::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(_) => {
+            // Instruments' programs write µ as one byte; what is no text at all has other control characters.
+            if bytes.iter().any(|b| *b < 0x20 && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0c)) {
+                return Err(Error::input(
+                    "is no heightfield: give an NPY, TIFF or PNG file, or rows of numbers in text",
+                ));
+            }
+            latin = bytes.iter().map(|b| char::from(*b)).collect::<String>();
+            &latin
+        }
+    };
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let rows = || {
+        let numbered = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
+        numbered.filter(|(_, line)| !line.is_empty())
+    };
+    let mut comments = Comments::default();
+    for (number, line) in rows() {
+        if let Some(comment) = line.strip_prefix('#') {
+            comments.read(comment).map_err(|what| Error::input(format!("line {number}: {what}")))?;
+        }
+    }
+    // Where semicolons or tabs separate, commas are decimal.
+    let is_wide = rows().any(|(_, line)| !line.starts_with('#') && line.contains([';', '\t']));
+    let separates = |c: char| match c {
+        ',' => !is_wide,
+        _ => c == ';' || c.is_whitespace(),
+    };
+    let (mut values, mut columns) = (Vec::new(), 0);
+    for (number, line) in rows().filter(|(_, line)| !line.starts_with('#')) {
+        let before = values.len();
+        for word in line.split(separates).filter(|word| !word.is_empty()) {
+            let value = if is_wide { word.replace(',', ".").parse() } else { word.parse() };
+            let value: f64 = value.map_err(|_| {
+                Error::input(format!(
+                    "line {number}, column {}: '{}' is no number; give rows of heights, comments begin with #",
+                    values.len() - before + 1,
+                    shortened(word)
+                ))
+            })?;
+            if values.len() == MOST_HEIGHTS {
+                return Err(Error::input(format!("has over {MOST_HEIGHTS} heights; give a part of them")));
+            }
+            values.push(value);
+        }
+        let found = values.len() - before;
+        if columns == 0 {
+            columns = found;
+        }
+        if found != columns {
+            return Err(Error::input(format!(
+                "line {number} has {found} heights, but those before it have {columns}; give rows of equal length"
+            )));
+        }
+    }
+    if values.is_empty() {
+        return Err(Error::input("has no heights: give rows of numbers"));
+    }
+    let size_um = comments.width_um.zip(comments.height_um).map(|(width, height)| [width, height]);
+    if size_um.is_some() {
+        // An image, whose first row is its top.
+        upside_down(&mut values, columns);
+    }
+    let cells = [columns, values.len() / columns];
+    Ok(Raw { cells, values, scale: Scale::Unit(comments.unit), size_um })
+}
+
+impl Comments {
+    fn read(&mut self, comment: &str) -> std::result::Result<(), String> {
+        let Some((name, value)) = comment.split_once(':') else { return Ok(()) };
+        let value = value.trim();
+        match name.trim() {
+            "Width" => self.width_um = Some(length_um(value)?),
+            "Height" => self.height_um = Some(length_um(value)?),
+            "Value units" => self.unit = Some(unit(value).ok_or_else(|| unknown(value))?),
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+fn unknown(text: &str) -> String {
+    format!("'{}' is no length in m, mm, µm, nm or pm", shortened(text))
+}
+
+/// A length such as `65.0 µm`, in µm.
+fn length_um(text: &str) -> std::result::Result<f64, String> {
+    let (number, unit) = text.split_once(char::is_whitespace).ok_or_else(|| unknown(text))?;
+    let factor = match unit.trim() {
+        "m" => 1e6,
+        "mm" => 1e3,
+        "µm" | "μm" | "um" => 1.0,
+        "nm" => 1e-3,
+        "pm" => 1e-6,
+        _ => return Err(unknown(text)),
+    };
+    let number =
+        number.replace(',', ".").parse::<f64>().ok().filter(|value| *value > 0.0 && value.is_finite());
+    number.map(|number| number * factor).ok_or_else(|| unknown(text))
+}
+
+fn unit(text: &str) -> Option<HeightUnit> {
+    match text {
+        "m" => Some(HeightUnit::Metre),
+        "µm" | "μm" | "um" => Some(HeightUnit::Micrometre),
+        "nm" => Some(HeightUnit::Nanometre),
+        _ => None,
+    }
+}
