@@ -8,7 +8,7 @@ use std::io;
 use std::path::Path;
 
 use barbule::scene::{feather, preset};
-use barbule::structure::{SpeciesFile, species_names};
+use barbule::structure::{SAMPLES, SpeciesFile, species_names};
 use clap::Command;
 use clap_complete::CompleteEnv;
 use clap_complete::engine::{
@@ -68,6 +68,8 @@ enum Names {
     Presets,
     /// Types of feathers, birds' feathers, and `SPECIES[:VARIANT]`.
     Feathers,
+    /// Samples of heights.
+    Heights,
 }
 
 const FIGURES: &[&str] = &["svg", "pdf", "png"];
@@ -81,6 +83,10 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         (_, "structure" | "structures") => files(Names::Species, &["toml", "json"]),
         ("feather", "feather") => files(Names::Feathers, &["toml"]),
         ("feather", "output") => files(Names::None, &["usda", "ply", "obj", "gltf", "pbrt", "txt"]),
+        ("diffract", "heights") => {
+            files(Names::Heights, &["npy", "tif", "tiff", "png", "txt", "csv", "tsv", "asc"])
+        }
+        ("diffract", "output") => files(Names::None, &["grating", "svg", "pdf", "png"]),
         ("film", "stack") => files(Names::None, &["toml"]),
         ("species", "name") => files(Names::Species, &["toml", "json"]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
@@ -134,6 +140,9 @@ impl Names {
             let Ok(file) = SpeciesFile::builtin(species) else { return Vec::new() };
             let variants = file.variants().map(|variant| format!("{species}:{variant}"));
             return starting(variants, text, Some(&file.latin));
+        }
+        if self == Self::Heights {
+            return starting(SAMPLES.map(str::to_owned).into_iter(), text, Some("sample"));
         }
         let species: Vec<&str> = species_names().collect();
         let of = |name: &str| SpeciesFile::builtin(name).map_or_else(|_| String::new(), |f| f.latin.clone());
@@ -278,6 +287,7 @@ mod tests {
         let scenes = after("barbule render ");
         assert!(preset::names().all(|preset| scenes.contains(&preset.to_owned())), "{scenes:?}");
         assert!(after("barbule render starling --material mal").contains(&"mallard".to_owned()));
+        assert_eq!(after("barbule diffract bl"), ["blazed"]);
         assert!(after("barbule -v spec").contains(&"spectrum".to_owned()));
     }
 

@@ -1,18 +1,23 @@
 //! What a heightfield does with light, in colours: the reference, and how far its tables are from it.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::Result;
+use crate::error::{did_you_mean, shortened};
+use crate::math::rng::hash;
 use crate::progress::Progress;
-use crate::scattering::grating::{Setup, Tables};
+use crate::scattering::grating::{Place, Powers, Setup, Tables};
+use crate::scene::description::{GratingDescription, GratingSource, NamedSurface, SceneDescription};
 use crate::solve::diffraction::{Amplitudes, Reach, Series};
 use crate::spectrum::Wavelengths;
 use crate::spectrum::colour::Observer;
+use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM};
 use crate::spectrum::difference::{delta_e_2000, lab};
-use crate::structure::Heightfield;
+use crate::structure::{Fingers, Heightfield, SAMPLES};
+use crate::{Error, Result};
 
 /// Tables are judged where the reference is brighter than this of its brightest.
 const SEEN: f64 = 1e-3;
@@ -206,4 +211,61 @@ pub fn recovered_periods(
 #[must_use]
 pub fn in_plane(steps: usize) -> Vec<f64> {
     (0..steps).map(|i| ((i as f64 + 0.5) / steps as f64 - 0.5) * 2.0 * FRAC_PI_2).collect()
+}
+
+/// Patches of a snake whose powers are averaged for a scene, each this large: scales differ, and one patch has speckles.
+const PATCHES: u64 = 4;
+const PATCH_UM: f64 = 32.5;
+const PATCH_CELLS: usize = 666;
+
+/// Makes the gratings of a scene that are built-in samples and not made yet.
+///
+/// # Errors
+/// A sample that does not exist, by its key; interruption.
+pub fn make_gratings(scene: &mut SceneDescription, seed: u64, progress: &dyn Progress) -> Result<()> {
+    for (name, surface) in &mut scene.named_surfaces {
+        if let NamedSurface::Grating(grating @ GratingDescription { powers: None, .. }) = surface
+            && let GratingSource::Sample(sample) = &grating.source
+        {
+            let powers = sample_powers(sample, seed, progress)
+                .map_err(|error| error.at(format!("surfaces.{name}.sample")))?;
+            grating.powers = Some(Arc::new(powers));
+        }
+    }
+    Ok(())
+}
+
+/// The powers of a built-in sample at the wavelengths of pictures, for snakes the mean of several patches.
+///
+/// # Errors
+/// There is none of this name; interruption.
+pub fn sample_powers(sample: &str, seed: u64, progress: &dyn Progress) -> Result<Powers> {
+    let fingers = match sample {
+        "elaphe" => Some(Fingers::ELAPHE),
+        "xenopeltis" => Some(Fingers::XENOPELTIS),
+        _ => None,
+    };
+    let at = Wavelengths::new([SHORTEST_NM, LONGEST_NM])?;
+    let setup = Setup { place: Place::Anywhere, ..Setup::default() };
+    let powers = |field: Heightfield| {
+        Amplitudes::new(&field, &setup, Reach::of(&setup, &at), Series::Chebyshev, progress)?.powers()
+    };
+    if let Some(fingers) = fingers {
+        let fingers = Fingers { cells: PATCH_CELLS, size_um: PATCH_UM, ..fingers };
+        let patches: Vec<Powers> = (0..PATCHES)
+            .map(|patch| powers(Heightfield::fingers(&fingers, hash(seed, &[patch]))?))
+            .collect::<Result<_>>()?;
+        return Powers::mean(&patches);
+    }
+    match Heightfield::sample(sample, seed) {
+        Some(field) => powers(field?),
+        None => {
+            let near = did_you_mean(sample, SAMPLES);
+            Err(Error::input(format!(
+                "there is no sample '{}'{near}; known are {}",
+                shortened(sample),
+                SAMPLES.join(", ")
+            )))
+        }
+    }
 }

@@ -12,6 +12,7 @@ mod conductor;
 mod dielectric;
 mod feather;
 mod frame;
+mod grating;
 mod hair;
 mod hit;
 mod keratin;
@@ -38,6 +39,7 @@ pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use feather::{Arch, BarbuleSurface, Cells};
 pub use frame::Frame;
+pub use grating::Grating;
 pub use hair::{Absorption, FibreIndex, FibreSection, Hair, HairParameters};
 pub use hit::{Hit, OnRibbon, Side};
 pub use keratin::Keratin;
@@ -74,6 +76,8 @@ pub enum Surface {
     Dielectric(Dielectric),
     /// A rough one.
     RoughDielectric(RoughDielectric),
+    /// A diffraction grating over pigment.
+    Grating(Grating),
     /// Others, chosen from place to place.
     Map(SurfaceMap),
 }
@@ -93,6 +97,7 @@ impl Surface {
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
             Self::Dielectric(surface) => surface.bind(hit, wo),
             Self::RoughDielectric(surface) => surface.bind(hit, wo),
+            Self::Grating(surface) => surface.bind(hit, wo, wavelengths),
             Self::Map(map) => map.at(hit.uv).bind_apart(hit, wo, wavelengths),
         }
     }
@@ -117,7 +122,8 @@ impl Surface {
             | Self::Hair(_)
             | Self::Conductor(_)
             | Self::Dielectric(_)
-            | Self::RoughDielectric(_) => 1.0,
+            | Self::RoughDielectric(_)
+            | Self::Grating(_) => 1.0,
         }
     }
 
@@ -133,7 +139,8 @@ impl Surface {
             | Self::Hair(_)
             | Self::Conductor(_)
             | Self::Dielectric(_)
-            | Self::RoughDielectric(_) => true,
+            | Self::RoughDielectric(_)
+            | Self::Grating(_) => true,
         }
     }
 }
@@ -175,6 +182,7 @@ enum Model<'a> {
     Conductor(conductor::Bound),
     Dielectric(dielectric::Bound),
     RoughDielectric(rough_dielectric::Bound),
+    Grating(grating::Bound<'a>),
 }
 
 /// Calls a function that all models have.
@@ -188,6 +196,7 @@ macro_rules! of_model {
             Model::Conductor(model) => model.$function($($argument),*),
             Model::Dielectric(model) => model.$function($($argument),*),
             Model::RoughDielectric(model) => model.$function($($argument),*),
+            Model::Grating(model) => model.$function($($argument),*),
         }
     };
 }

@@ -45,6 +45,7 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ("barbule", Surface::Barbule(barbule())),
         ("hair", Surface::Hair(hair())),
         ("copper", Surface::Conductor(Conductor::copper([0.3, 0.1]).unwrap())),
+        ("grating", Surface::Grating(super::grating::tests::grating())),
         ("frosted", Surface::RoughDielectric(RoughDielectric::new([0.3, 0.2], 1.5).unwrap())),
     ]
 }
@@ -161,7 +162,7 @@ fn no_surface_gives_more_than_it_gets() {
 #[test]
 fn surfaces_without_instances_or_offsets_are_reciprocal() {
     let hit = hit();
-    let reciprocal = ["white", "sheet", "keratin", "copper"];
+    let reciprocal = ["white", "sheet", "keratin", "copper", "grating"];
     for (name, surface) in surfaces().iter().filter(|(name, _)| reciprocal.contains(name)) {
         for a in viewers() {
             for b in viewers() {

@@ -15,6 +15,7 @@ pub mod light;
 pub mod preset;
 pub mod primaries;
 pub mod sky;
+pub mod snake;
 pub mod spline;
 pub mod window;
 

@@ -1,4 +1,4 @@
-//! Scenes that need no file of the user's: close-ups of feathers and whole ones, as the texts of their scene files.
+//! Scenes that need no file of the user's: close-ups of feathers and whole ones, and gratings, as the texts of their scene files.
 
 use crate::error::{did_you_mean, shortened};
 use crate::{Error, Result};
@@ -21,6 +21,8 @@ const PRESETS: &[(&str, &str)] = &[
     ("osprey", include_str!("presets/osprey.toml")),
     ("turkey-vulture", include_str!("presets/turkey-vulture.toml")),
     ("rock-dove-wing", include_str!("presets/rock-dove-wing.toml")),
+    ("snake", include_str!("presets/snake.toml")),
+    ("diffraction-bench", include_str!("presets/diffraction-bench.toml")),
 ];
 
 /// The presets' names.

@@ -11,7 +11,7 @@ use barbule::plot::{Band, MeasuredBand};
 use barbule::scattering::grating::{
     Basis, Coherence, Normalization, Obliquity, Place, Powers, Setup, TableGrid, Tables,
 };
-use barbule::solve::diffraction::{Amplitudes, Builder, Reach, Series, spectrum, usual_wavelengths};
+use barbule::solve::diffraction::{Amplitudes, Builder, Reach, Series, spectrum};
 use barbule::spectrum::colour::Observer;
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::{Spectrum, Wavelengths};
@@ -24,6 +24,7 @@ use crate::figure::FigureArgs;
 use crate::heights_arg::HeightsArgs;
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
+use crate::sets;
 
 /// Frequencies up to 2/λ: heights farther apart than a quarter of the shortest wavelength do not tell all directions.
 const COARSE: f64 = 0.25;
@@ -43,6 +44,10 @@ pub(crate) struct Args {
     /// Where it goes to, likewise
     #[arg(long, value_name = "POLAR,AZIMUTH", value_parser = over_surface, requires = "wi", allow_hyphen_values = true)]
     wo: Option<Direction>,
+    /// Wavelengths in nm that colours are summed over: where orders are high, steps of 5 nm leave bands
+    #[arg(long, visible_alias = "wavelength", value_name = "SET", default_value = "380:780:5",
+        value_parser = sets::wavelength_set)]
+    wavelengths: Wavelengths,
     /// Taylor's series of this order in place of Chebyshev's: 2N + 1 tables
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=63))]
     orders: Option<u16>,
@@ -171,8 +176,9 @@ impl Args {
         let setup = self.setup()?;
         self.grid().check()?;
         let (field, name) = self.heights.read(self.common.seed)?;
-        let at = usual_wavelengths()?;
+        let at = self.wavelengths.clone();
         self.say_if_coarse(&field, &at);
+        self.check_memory(&field, &setup, &at)?;
         if let Some(path) = stored {
             self.store(path, &field, &name, &setup, &at)?;
         }
@@ -214,6 +220,18 @@ impl Args {
     fn builder(&self, field: &Heightfield, setup: &Setup, at: &Wavelengths) -> Result<Builder> {
         let progress = Terminal::new(&self.common);
         Builder::new(field, setup, self.grid(), self.series(), &Observer::default(), at, &progress)
+    }
+
+    /// Refuses, before any work, what does not fit into memory.
+    fn check_memory(&self, field: &Heightfield, setup: &Setup, at: &Wavelengths) -> Result<()> {
+        let reach = Reach::of(setup, at);
+        let heights = field.height_um().len() as u64 * 24;
+        // Tables and the reference each have series of their own.
+        let series = 2 * Amplitudes::bytes(field, reach, self.series());
+        let count = self.orders.map_or(32, |orders| 2 * u64::from(orders) + 1);
+        let tables = if self.wo.is_some() { 0 } else { 24 * (self.size * self.size) as u64 * count };
+        let what = format!("diffraction by {} × {} heights", field.cells()[0], field.cells()[1]);
+        self.common.allowance().check(&what, heights + series + tables, "a smaller patch or --size")
     }
 
     /// Says that heights are too far apart for all directions at the shortest wavelength.

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::characterize::thinned;
+use barbule::diffraction::make_gratings;
 use barbule::io::image::{RgbImage, read_exr};
 use barbule::io::{check_writable, hash_file, read_at_most, read_scene_files, write_whole};
 use barbule::picture::{Developed, Set, bytes_needed, check_kind, development, is_exr};
@@ -18,8 +19,8 @@ use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND};
 use barbule::scene::description::{
-    Background, Bearing, CoatBody, LightColour, Motion, Moved, ObjectShape, SceneDescription, SkyDescription,
-    SkyImage, USUAL_ARC_DEG, ViewModel,
+    Background, Bearing, CoatBody, GratingDescription, GratingSource, LightColour, Motion, Moved,
+    NamedSurface, ObjectShape, SceneDescription, SkyDescription, SkyImage, USUAL_ARC_DEG, ViewModel,
 };
 use barbule::scene::preset;
 use barbule::scene::sky::Sky;
@@ -194,6 +195,7 @@ impl Args {
             description.size = self.size.or(description.size);
         } else {
             read_scene_files(&mut description, &self.folder())?;
+            make_gratings(&mut description, self.common.seed, &Terminal::new(&self.common))?;
         }
         if let Some(background) = &self.background {
             description.background = background.clone();
@@ -239,6 +241,11 @@ impl Args {
             from_here(file);
         }
         for surface in scene.named_surfaces.values_mut() {
+            if let NamedSurface::Grating(GratingDescription { source: GratingSource::File(file), .. }) =
+                surface
+            {
+                from_here(file);
+            }
             surface.pictures_mut().into_iter().for_each(|(_, picture)| from_here(&mut picture.file));
         }
         for light in &mut scene.lights {
@@ -492,7 +499,7 @@ fn shown(description: &SceneDescription, job: &Job<'_>, film: &Film) -> String {
     let light = &description.light.bearing;
     format!(
         "{}{}, light {},{}, {} x {} pixels, {:.1} samples each",
-        description.material,
+        if description.needs_material() { &description.material } else { "no feather's material" },
         if job.thinned.is_some() { " (thinned)" } else { "" },
         light.azimuth_deg,
         light.elevation_deg,

@@ -9,6 +9,7 @@ mod campaign;
 mod common;
 mod completions;
 mod crystal;
+mod diffract;
 mod far_field;
 mod feather;
 mod figures;

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::curves::read_curves;
+use super::grating::read_grating;
 use super::hash_file;
 use super::image::{Meaning, read_picture};
 use super::measured::{Scale, read_measured};
@@ -12,7 +13,8 @@ use crate::Result;
 use crate::bsdf::Texture;
 use crate::scene::backdrop::{Backdrop, BackdropPicture};
 use crate::scene::description::{
-    Background, CoatBody, LightColour, ObjectShape, SceneDescription, TextureFile,
+    Background, CoatBody, GratingDescription, GratingSource, LightColour, NamedSurface, ObjectShape,
+    SceneDescription, TextureFile,
 };
 
 /// Reads the files that a scene names and that are not read yet, relative to a folder; all but the sky's image and the
@@ -61,6 +63,13 @@ pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<(
         (*mesh, *content) = (Some(Arc::new(read)), hash);
     }
     for (name, surface) in &mut scene.named_surfaces {
+        if let NamedSurface::Grating(grating @ GratingDescription { powers: None, .. }) = surface
+            && let GratingSource::File(file) = &grating.source
+        {
+            let path = folder.join(file);
+            let read = read_grating(&path).map_err(|error| error.at(format!("surfaces.{name}.file")))?;
+            (grating.powers, grating.content) = (Some(Arc::new(read.powers)), hash_file(&path)?);
+        }
         for (key, picture) in surface.pictures_mut() {
             if picture.texture.is_none() {
                 let meaning = if key == "albedo" { Meaning::Colour } else { Meaning::Number };

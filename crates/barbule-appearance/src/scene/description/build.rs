@@ -261,6 +261,7 @@ impl NamedSurface {
                     Conductor::new([*across, *along], |_| [index, absorption])?
                 }
             }),
+            Self::Grating(of) => Surface::Grating(of.build()?),
             Self::Map { picture, surfaces } => {
                 let one = |name: &String| match all.get(name) {
                     Some(Self::Map { .. }) | None => {

@@ -22,7 +22,7 @@ pub use file::SkyImage;
 pub use lights::{LightColour, LightDescription, LightShape};
 pub use objects::{ObjectDescription, ObjectShape, Placement};
 pub use sequence::{Motion, Moved, USUAL_ARC_DEG, Waypoint};
-pub use surfaces::{Metal, NamedSurface, TextureFile};
+pub use surfaces::{GratingDescription, GratingSource, Metal, NamedSurface, TextureFile};
 
 use std::collections::BTreeMap;
 

@@ -15,12 +15,16 @@ use crate::error::{did_you_mean, shortened};
 use crate::fields::{Fields, list};
 use crate::math::rng::hash;
 use crate::scene::geometry::{CurveNode, Geometry, Mesh, Place};
+use crate::scene::snake::Snake;
 use crate::scene::spline::{Basis, ControlCurve};
 use crate::{Error, Result};
 
 /// Most objects, and most instances of one.
 const MOST_OBJECTS: usize = 1000;
 const MOST_INSTANCES: usize = 100_000;
+
+/// Most points of a snake's line.
+const MOST_POINTS: usize = 1000;
 
 /// Most conical segments of an object's curves: as many as a mesh may have triangles.
 const MOST_SEGMENTS: usize = 5_000_000;
@@ -62,6 +66,17 @@ pub enum ObjectShape {
     Rectangle {
         /// Along x and y, mm.
         size_mm: [f64; 2],
+    },
+    /// The scales of a snake's body.
+    Snake {
+        /// Points that guide its middle line, from the neck to the tail, mm.
+        path_mm: Vec<[f64; 3]>,
+        /// Radius of the middle, mm.
+        radius_mm: f64,
+        /// Rows of dorsal scales, odd.
+        rows: usize,
+        /// How strongly scales are keeled, 0 … 1.
+        keel: f64,
     },
     /// A mesh from a file, in mm.
     Mesh {
@@ -134,6 +149,7 @@ impl ObjectShape {
                     )));
                 }
             },
+            ["snake"] => Self::read_snake(fields)?,
             ["mesh"] => Self::Mesh {
                 file: fields.text("mesh")?.unwrap_or_default().to_owned(),
                 mesh: None,
@@ -160,6 +176,50 @@ impl ObjectShape {
     }
 }
 
+impl ObjectShape {
+    fn read_snake(fields: &Fields<'_>) -> Result<Self> {
+        let place = fields.path("snake");
+        let table = fields.need("snake", "a table with path_mm and radius_mm")?;
+        let own = Fields::new(table, &place, &["path_mm", "radius_mm", "rows", "keel"])?;
+        let path = own.path("path_mm");
+        let points = own.list("path_mm", "a list of points [x, y, z] in mm")?;
+        if !(2..=MOST_POINTS).contains(&points.len()) {
+            return Err(Error::input(format!("{path}: give 2 to {MOST_POINTS} points")));
+        }
+        let coordinates = |(i, value): (usize, &Value)| {
+            let numbers: Option<Vec<f64>> =
+                value.as_array().and_then(|list| list.iter().map(Value::as_f64).collect());
+            match numbers.as_deref() {
+                Some(&[x, y, z]) if [x, y, z].iter().all(|v| v.abs() <= 1e5) => Ok([x, y, z]),
+                _ => Err(Error::input(format!("{path}[{i}]: give three numbers in mm, each up to 100000"))),
+            }
+        };
+        let path_mm: Vec<[f64; 3]> = points.iter().enumerate().map(coordinates).collect::<Result<_>>()?;
+        let rows = own.get("rows").map_or(Ok(15.0), |_| own.number_within("rows", 5.0, 61.0))?;
+        if rows % 2.0 != 1.0 {
+            return Err(Error::input(format!("{} is {rows}; give an odd number", own.path("rows"))));
+        }
+        let shape = Self::Snake {
+            path_mm,
+            radius_mm: own.number_within("radius_mm", 0.1, 1000.0)?,
+            rows: rows as usize,
+            keel: own.get("keel").map_or(Ok(0.0), |_| own.number_within("keel", 0.0, 1.0))?,
+        };
+        if shape.snake().is_some_and(|snake| snake.size()[1] > MOST_SEGMENTS) {
+            return Err(Error::input(format!(
+                "{place} has too many scales for its length; give a greater radius_mm or fewer rows"
+            )));
+        }
+        Ok(shape)
+    }
+
+    fn snake(&self) -> Option<Snake> {
+        let Self::Snake { path_mm, radius_mm, rows, keel } = self else { return None };
+        let path_mm = path_mm.iter().copied().map(DVec3::from_array).collect();
+        Some(Snake { path_mm, radius_mm: *radius_mm, rows: *rows, keel: *keel })
+    }
+}
+
 /// A B-spline unless said otherwise.
 fn basis(fields: &Fields<'_>) -> Result<Basis> {
     let name = fields.text("basis")?.unwrap_or(BASES[0].0);
@@ -169,9 +229,10 @@ fn basis(fields: &Fields<'_>) -> Result<Basis> {
 
 impl ObjectDescription {
     fn read(table: &Value, place: &str, surfaces: &BTreeMap<String, NamedSurface>) -> Result<Self> {
-        const KEYS: [&str; 11] = [
+        const KEYS: [&str; 12] = [
             "sphere_mm",
             "rectangle_mm",
+            "snake",
             "mesh",
             "curves",
             "basis",
@@ -183,7 +244,7 @@ impl ObjectDescription {
             "instances",
         ];
         let fields = Fields::new(table, place, &KEYS)?;
-        let shape = ObjectShape::read(&fields, place, &KEYS[..4])?;
+        let shape = ObjectShape::read(&fields, place, &KEYS[..5])?;
         let surface = fields.text("surface")?.ok_or_else(|| {
             Error::input(format!("{place}.surface is missing; give the name of a table [surfaces.NAME]"))
         })?;
@@ -225,6 +286,10 @@ impl ObjectDescription {
         let (key, value) = match &self.shape {
             ObjectShape::Sphere { radius_mm } => ("sphere_mm", serde_json::json!(radius_mm)),
             ObjectShape::Rectangle { size_mm } => ("rectangle_mm", serde_json::json!(size_mm)),
+            ObjectShape::Snake { path_mm, radius_mm, rows, keel } => (
+                "snake",
+                serde_json::json!({"path_mm": path_mm, "radius_mm": radius_mm, "rows": rows, "keel": keel}),
+            ),
             ObjectShape::Mesh { file, .. } => ("mesh", serde_json::json!(file)),
             ObjectShape::Curves { file, .. } => ("curves", serde_json::json!(file)),
         };
@@ -258,6 +323,11 @@ impl ObjectDescription {
                 made = rectangle(*size_mm);
                 &made
             }
+            ObjectShape::Snake { .. } => {
+                let mesh = self.shape.snake().map(|snake| snake.mesh(identity(0))).unwrap_or_default();
+                let meshes = vec![Mesh { id: identity(0), ..mesh }];
+                return Ok(Geometry { meshes, places, ..Geometry::default() });
+            }
             ObjectShape::Mesh { mesh: Some(mesh), .. } => mesh.as_ref(),
             ObjectShape::Mesh { file, .. } => {
                 return Err(Error::input(format!("the mesh '{file}' is not read")));
@@ -286,6 +356,10 @@ impl ObjectDescription {
                 mesh(quadrangles, 2 * quadrangles)
             }
             ObjectShape::Rectangle { .. } => mesh(4, 2),
+            ObjectShape::Snake { .. } => self.shape.snake().map_or(0, |snake| {
+                let [vertices, triangles] = snake.size();
+                mesh(vertices, triangles)
+            }),
             ObjectShape::Mesh { mesh: read, .. } => {
                 read.as_ref().map_or(0, |read| mesh(read.positions.len(), read.triangles.len()))
             }

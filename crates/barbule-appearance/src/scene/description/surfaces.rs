@@ -1,6 +1,7 @@
 //! `[surfaces.NAME]`: what objects are made of.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::Serialize;
 use serde_json::Value;
@@ -8,9 +9,11 @@ use serde_json::Value;
 use super::colour::colour;
 use super::kinds::{kind_of, unknown};
 use super::{FibreDescription, PigmentedKeratin};
-use crate::bsdf::Texture;
+use crate::bsdf::{Grating, Texture};
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
+use crate::scattering::grating::Powers;
+use crate::spectrum::colour::decode;
 use crate::{Error, Result};
 
 /// A surface with a name.
@@ -45,6 +48,8 @@ pub enum NamedSurface {
         /// What it is.
         metal: Metal,
     },
+    /// A diffraction grating over pigment.
+    Grating(GratingDescription),
     /// Others, chosen from place to place.
     Map {
         /// A grey picture: pixels of value i (of 255) are the i-th surface.
@@ -53,6 +58,36 @@ pub enum NamedSurface {
         surfaces: Vec<String>,
     },
 }
+
+/// A grating of a scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GratingDescription {
+    /// Whose heights.
+    pub source: GratingSource,
+    /// The powers of its orders, once they are made or read.
+    #[serde(skip)]
+    pub powers: Option<Arc<Powers>>,
+    /// BLAKE3 of the file.
+    pub content: String,
+    /// Colour of what is beneath, sRGB, 0 … 1.
+    pub pigment: [f64; 3],
+    /// Refractive index.
+    pub index: f64,
+    /// Standard deviation of the window of coherence, µm.
+    pub coherence_um: f64,
+}
+
+/// Where a grating's heights come from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum GratingSource {
+    /// A built-in sample.
+    Sample(String),
+    /// A `.grating` file.
+    File(#[serde(skip)] String),
+}
+
+/// Where nothing is said: lobes are 0.9° wide at 550 nm (standard deviation), as if the scale were a little uneven.
+const USUAL_COHERENCE_UM: f64 = 4.0;
 
 /// What a conductor is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -99,7 +134,7 @@ impl TextureFile {
 /// Keys of pictures on diffuse surfaces: what the colour is multiplied with, what is black where there are holes, normals, heights.
 const PICTURES: [&str; 4] = ["albedo", "alpha", "normal", "bump"];
 
-const TYPES: [&str; 6] = ["diffuse", "keratin", "hair", "dielectric", "conductor", "map"];
+const TYPES: [&str; 7] = ["diffuse", "keratin", "hair", "dielectric", "conductor", "grating", "map"];
 
 /// Most surfaces of a map: as many as an 8-bit grey tells apart.
 const MOST_MAPPED: usize = 256;
@@ -126,6 +161,7 @@ impl NamedSurface {
                     Fields::new(table, place, &["type", "roughness", "metal", "index", "absorption"])?;
                 Ok(Self::Conductor { roughness: roughness(&fields)?, metal: Metal::read(&fields, place)? })
             }
+            "grating" => Ok(Self::Grating(GratingDescription::read(table, place)?)),
             _ => Self::read_map(table, place),
         }
     }
@@ -204,7 +240,11 @@ impl NamedSurface {
                 pictures.iter_mut().map(|(key, picture)| (*key, picture)).collect()
             }
             Self::Map { picture, .. } => vec![("file", picture)],
-            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric { .. } | Self::Conductor { .. } => Vec::new(),
+            Self::Keratin(_)
+            | Self::Hair(_)
+            | Self::Dielectric { .. }
+            | Self::Conductor { .. }
+            | Self::Grating(_) => Vec::new(),
         }
     }
 
@@ -215,6 +255,8 @@ impl NamedSurface {
             Self::Diffuse { pictures, .. } => pictures.values().map(one).sum(),
             Self::Map { picture, .. } => one(picture),
             Self::Keratin(_) | Self::Hair(_) | Self::Dielectric { .. } | Self::Conductor { .. } => 0,
+            // Beside the orders' powers the table that is rendered from, of about as many numbers.
+            Self::Grating(of) => of.powers.as_ref().map_or(0, |powers| 3 * size_of_val(powers.series())),
         }
     }
 
@@ -249,6 +291,7 @@ impl NamedSurface {
                 };
                 ("conductor", table)
             }
+            Self::Grating(of) => ("grating", of.table()),
             Self::Map { picture, surfaces } => {
                 ("map", serde_json::json!({"file": picture.file, "surfaces": surfaces}))
             }
@@ -257,6 +300,63 @@ impl NamedSurface {
             table.insert("type".to_owned(), kind.into());
         }
         table
+    }
+}
+
+impl GratingDescription {
+    fn read(table: &Value, place: &str) -> Result<Self> {
+        let known = ["type", "sample", "file", "pigment", "index", "coherence_um"];
+        let fields = Fields::new(table, place, &known)?;
+        let source = match (fields.text("sample")?, fields.text("file")?) {
+            (Some(sample), None) => GratingSource::Sample(sample.to_owned()),
+            (None, Some(file)) => GratingSource::File(file.to_owned()),
+            (given, _) => {
+                return Err(Error::input(format!(
+                    "{place} has {} heights; give either sample or file",
+                    if given.is_some() { "two" } else { "no" }
+                )));
+            }
+        };
+        let within = |key: &str, low: f64, high: f64, usual: f64| {
+            fields.get(key).map_or(Ok(usual), |_| fields.number_within(key, low, high))
+        };
+        Ok(Self {
+            source,
+            powers: None,
+            content: String::new(),
+            pigment: fields.get("pigment").map_or(Ok([0.0; 3]), |c| colour(c, &fields.path("pigment")))?,
+            index: within("index", 1.01, 3.9, 1.5)?,
+            coherence_um: within("coherence_um", 0.5, 1000.0, USUAL_COHERENCE_UM)?,
+        })
+    }
+
+    /// Its table in a scene file, without its type.
+    fn table(&self) -> Value {
+        let mut table = serde_json::json!({
+            "pigment": self.pigment,
+            "index": self.index,
+            "coherence_um": self.coherence_um,
+        });
+        let (key, value) = match &self.source {
+            GratingSource::Sample(name) => ("sample", name),
+            GratingSource::File(file) => ("file", file),
+        };
+        if let Value::Object(table) = &mut table {
+            table.insert(key.to_owned(), value.as_str().into());
+        }
+        table
+    }
+
+    /// The surface.
+    ///
+    /// # Errors
+    /// Its powers are not there yet; a coherence that they cannot be rendered with.
+    pub(super) fn build(&self) -> Result<Grating> {
+        let powers = self.powers.as_ref().ok_or_else(|| {
+            let (GratingSource::Sample(name) | GratingSource::File(name)) = &self.source;
+            Error::input(format!("the grating '{name}' is not read"))
+        })?;
+        Grating::new(powers, self.coherence_um, self.index, self.pigment.map(decode))
     }
 }
 

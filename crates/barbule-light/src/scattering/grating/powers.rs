@@ -127,6 +127,29 @@ impl Powers {
         Ok(Self { orders, kappa_most, terms, series })
     }
 
+    /// The mean of several patches of the same orders.
+    ///
+    /// # Errors
+    /// No patches, or such of other orders or another range of κ.
+    pub fn mean(patches: &[Self]) -> Result<Self> {
+        let terms = patches.iter().map(|patch| patch.terms).max().unwrap_or(0);
+        let Some(first) = patches.first().filter(|first| {
+            patches.iter().all(|p| p.orders == first.orders && p.kappa_most == first.kappa_most)
+        }) else {
+            return Err(Error::input("gratings of other orders have no mean"));
+        };
+        let [columns, rows] = first.orders.counts();
+        let mut series = vec![0.0; columns * rows * terms];
+        for patch in patches {
+            for (sums, values) in series.chunks_exact_mut(terms).zip(patch.series.chunks_exact(patch.terms)) {
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    *sum += value / patches.len() as f32;
+                }
+            }
+        }
+        Self::new(first.orders, first.kappa_most, terms, series)
+    }
+
     /// The orders.
     #[must_use]
     pub fn orders(&self) -> &Orders {

@@ -76,7 +76,35 @@ fn needed_terms(a: f64, rest: f64) -> usize {
     n as usize + 1
 }
 
+/// Largest height that series are scaled by, µm.
+fn scale_um(field: &Heightfield) -> f64 {
+    field.reach_um().max(1e-6)
+}
+
+/// Which orders, and how many terms.
+fn plan(field: &Heightfield, reach: Reach, series: Series) -> (Orders, usize) {
+    let most = [0, 1].map(|axis| {
+        let needed = (reach.frequency_per_um * field.size_um()[axis]).ceil() as usize;
+        // Beyond half the sampling frequency orders would be others'.
+        needed.min((field.cells()[axis] - 1) / 2)
+    });
+    let terms = match series {
+        Series::Chebyshev => needed_terms(0.5 * reach.kappa_per_um * scale_um(field), AMPLITUDES_REST),
+        Series::Taylor(orders) => orders + 1,
+    };
+    (Orders { most, period_um: field.size_um() }, terms)
+}
+
 impl Amplitudes {
+    /// Memory that [`Self::new`] takes, bytes.
+    #[must_use]
+    pub fn bytes(field: &Heightfield, reach: Reach, series: Series) -> u64 {
+        let (orders, terms) = plan(field, reach, series);
+        let [columns, rows] = orders.counts();
+        // The series, one image by rows and by columns.
+        (columns as u64 * rows as u64 * (terms as u64 + 1) + (columns * field.cells()[1]) as u64) * 16
+    }
+
     /// Transforms of a patch; where the window stands is a phase of each order.
     ///
     /// # Errors
@@ -89,17 +117,8 @@ impl Amplitudes {
         progress: &dyn Progress,
     ) -> Result<Self> {
         setup.check()?;
-        let most = [0, 1].map(|axis| {
-            let needed = (reach.frequency_per_um * field.size_um()[axis]).ceil() as usize;
-            // Beyond half the sampling frequency orders would be others'.
-            needed.min((field.cells()[axis] - 1) / 2)
-        });
-        let orders = Orders { most, period_um: field.size_um() };
-        let height_um = field.reach_um().max(1e-6);
-        let terms = match series {
-            Series::Chebyshev => needed_terms(0.5 * reach.kappa_per_um * height_um, AMPLITUDES_REST),
-            Series::Taylor(orders) => orders + 1,
-        };
+        let (orders, terms) = plan(field, reach, series);
+        let height_um = scale_um(field);
         let counts = orders.counts();
         if counts[0].saturating_mul(counts[1]).saturating_mul(terms) > MOST_BYTES / 16 {
             return Err(Error::input(format!(
