@@ -91,6 +91,24 @@ fn a_sinusoid_has_bessel_functions_and_a_ramp_has_sinc() {
     }
 }
 
+/// Half of each period is `depth` deep: even orders vanish, and order 0 is cos²(κ depth/2).
+#[test]
+fn a_binary_grating_has_odd_orders_alone() {
+    let (depth, w, nm) = (0.1, -1.7, 520.0);
+    let heights = (0..1600).map(|i| if i % 400 < 200 { depth } else { 0.0 }).collect();
+    let field = Heightfield::new([1600, 1], [8.0, 8.0], heights).unwrap();
+    let kappa = std::f64::consts::TAU / (nm * 1e-3) * w;
+    assert!((order(&field, 0, 2.0, w, nm) - (0.5 * kappa * depth).cos().powi(2)).abs() < 1e-12);
+    for m in [-4, -2, 2, 4] {
+        assert!(order(&field, m, 2.0, w, nm) < 1e-20, "{m}");
+    }
+    for m in [-3, -1, 1, 3] {
+        // 2/(πm) of a continuous one; steps of a 400th of the period: 1e-4.
+        let expected = (2.0 / (std::f64::consts::PI * m as f64) * (0.5 * kappa * depth).sin()).powi(2);
+        assert!((order(&field, m, 2.0, w, nm) / expected - 1.0).abs() < 3e-4, "{m}");
+    }
+}
+
 #[test]
 fn a_blazed_grating_sends_green_to_its_first_order_along_x() {
     let field = Heightfield::blazed(2.5, 0.24623, 26, 100).unwrap();
