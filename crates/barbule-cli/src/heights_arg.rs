@@ -7,6 +7,8 @@ use barbule::io::{Clean, HeightUnit, HeightsOptions, read_heights};
 use barbule::structure::{Heightfield, SAMPLES};
 use barbule::{Error, Result};
 
+use crate::common::Common;
+
 /// Which heights, and what their file does not say.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct HeightsArgs {
@@ -45,14 +47,14 @@ enum Cleaned {
 
 fn micrometres(text: &str) -> std::result::Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|value| (1e-6..=1e4).contains(value));
-    number.ok_or_else(|| "give a number of µm over 0, as in 0.0488".into())
+    number.ok_or_else(|| "give a number of µm over 0 and up to 10000, as in 0.0488".into())
 }
 
 impl HeightsArgs {
-    /// The heights and what they are called.
-    pub(crate) fn read(&self, seed: u64) -> Result<(Heightfield, String)> {
+    /// The heights and what they are called; says where they were cleaned unasked.
+    pub(crate) fn read(&self, common: &Common) -> Result<(Heightfield, String)> {
         let path = Path::new(&self.heights);
-        if let Some(sample) = Heightfield::sample(&self.heights, seed) {
+        if let Some(sample) = Heightfield::sample(&self.heights, common.seed) {
             let given = [
                 ("--pitch", self.pitch.is_some()),
                 ("--unit", self.unit.is_some()),
@@ -91,6 +93,10 @@ impl HeightsArgs {
         };
         let name =
             path.file_stem().map_or_else(|| "heights".into(), |name| name.to_string_lossy().into_owned());
-        Ok((read_heights(path, &options)?, name))
+        let (field, is_cleaned) = read_heights(path, &options)?;
+        if is_cleaned && options.clean == Clean::Auto {
+            common.say("opposite edges of these heights do not fit: they were levelled, clipped and blended at the edges; --clean never leaves them as they are");
+        }
+        Ok((field, name))
     }
 }

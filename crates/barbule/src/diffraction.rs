@@ -269,3 +269,61 @@ pub fn sample_powers(sample: &str, seed: u64, progress: &dyn Progress) -> Result
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Unobserved;
+    use crate::scattering::grating::{Normalization, TableGrid};
+    use crate::solve::diffraction::Builder;
+
+    #[test]
+    fn gratings_tell_their_periods() {
+        let at = Wavelengths::new([380.0, 500.0, 620.0, 780.0]).unwrap();
+        for (sample, period) in [("blazed", 2.5), ("sinusoid", 2.5)] {
+            let field = Heightfield::sample(sample, 1).unwrap().unwrap();
+            let setup = Setup { normalization: Normalization::Relative, ..Setup::default() };
+            for found in recovered_periods(&field, &setup, period, &at, &Unobserved).unwrap() {
+                assert!((found - period).abs() < 5e-4, "{sample}: {found}");
+            }
+        }
+    }
+
+    /// Tables of a grating that is bright along one line, at its peak and beside it.
+    #[test]
+    fn errors_of_tables_are_those_of_their_grid() {
+        let at = Wavelengths::new((0..81).map(|i| 380.0 + 5.0 * f64::from(i)).collect::<Vec<_>>()).unwrap();
+        let field = Heightfield::sample("blazed", 1).unwrap().unwrap();
+        let (setup, observer) = (Setup::default(), Observer::default());
+        let reference = Reference::new(&field, &setup, &observer, &at, &Unobserved).unwrap();
+        let errors = [101, 301].map(|size| {
+            let grid = TableGrid { size, ..TableGrid::USUAL };
+            let builder = Builder::new(&field, &setup, grid, Series::Chebyshev, &observer, &at, &Unobserved);
+            table_errors(&reference, &builder.unwrap().tables(&Unobserved).unwrap(), DVec3::Z, 21)
+        });
+        assert!(errors[0].compared > 10 && errors[0].compared == errors[1].compared);
+        let [coarse, fine] = errors.map(|e| e.largest_of_peak);
+        assert!(fine < 0.02 && fine < 0.5 * coarse, "{errors:?}");
+        assert!(errors[1].mean_delta_e < errors[0].mean_delta_e, "{errors:?}");
+    }
+
+    #[test]
+    fn a_mirrors_reflectance_factor_is_its_reflectance_over_the_detectors_solid_angle() {
+        let field = Heightfield::new([8, 8], [65.0; 2], vec![0.0; 64]).unwrap();
+        let at = Wavelengths::new([550.0]).unwrap();
+        let setup = Setup { place: Place::Anywhere, ..Setup::default() };
+        let reference = Reference::new(&field, &setup, &Observer::default(), &at, &Unobserved).unwrap();
+        let (w_i, w_o) = (direction(30.0, 0.0), direction(30.0, 180.0));
+        // The whole lobe is seen: π R/(cosθ_o π sin²a).
+        let half = 3.0_f64.to_radians();
+        let found = reference.reflectance_factor(w_i, w_o, half)[0];
+        let expected = crate::scattering::grating::fresnel(w_i.z, 1.5) / (w_o.z * half.sin().powi(2));
+        assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+    }
+
+    #[test]
+    fn samples_are_offered_by_name() {
+        let error = sample_powers("elafe", 1, &Unobserved).unwrap_err().to_string();
+        assert!(error.contains("did you mean 'elaphe'"), "{error}");
+    }
+}

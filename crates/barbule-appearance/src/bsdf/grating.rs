@@ -284,7 +284,6 @@ impl Tabulated {
         let mut rho = Vec::with_capacity(waves * cosines * azimuths);
         for wave in 0..waves {
             let um = 1e-3 * rho_nm(wave);
-            // κ changes slowly over the places: their series are summed at a few κ.
             for c in 0..cosines {
                 let cos_i = rho_cosine(c);
                 let sin_i = (1.0 - cos_i * cos_i).max(0.0).sqrt();

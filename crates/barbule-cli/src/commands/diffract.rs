@@ -175,7 +175,7 @@ impl Args {
         }
         let setup = self.setup()?;
         self.grid().check()?;
-        let (field, name) = self.heights.read(self.common.seed)?;
+        let (field, name) = self.heights.read(&self.common)?;
         let at = self.wavelengths.clone();
         self.say_if_coarse(&field, &at);
         self.check_memory(&field, &setup, &at)?;
@@ -280,7 +280,7 @@ impl Args {
         let w_i = self.wi.map_or(DVec3::Z, Direction::vector);
         let title = self.figure.title(format!("{name}: diffraction under D65"));
         let pattern = Pattern { field, reference: &reference, tables: &tables, w_i };
-        let (drawing, errors) = diffraction(&title, &pattern, &page);
+        let (drawing, errors) = diffraction(&title, &pattern, &page, &progress);
         Provenance::new(&self.common).write_figure(path, &drawing)?;
         self.common.wrote(
             path,

@@ -28,7 +28,7 @@ pub struct Cleaning {
     pub detrend: bool,
     /// Clip heights at these fractions of their distribution from below and above.
     pub clip: f64,
-    /// Blend the patch with itself across its edges over this part of its sides, so that it repeats without steps.
+    /// Fade heights to their mean towards the edges over this part of the sides, so that the patch repeats without steps.
     pub taper: f64,
 }
 
@@ -442,9 +442,9 @@ mod tests {
             let field = Heightfield::fingers(&snake, 1).unwrap();
             let (found, found_range) = rough(&field);
             assert!((found / rms - 1.0).abs() < 0.05, "rms {found} for {rms}, range {found_range}");
-            // Dust, which makes the tails of measured ranges, is not made.
+            // Measured heights have longer tails.
             assert!(
-                (0.8..1.1).contains(&(found_range / range)),
+                (0.6..1.0).contains(&(found_range / range)),
                 "range {found_range} for {range}, rms {found}"
             );
         }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::DVec3;
 use crate::diffraction::{Reference, TableErrors, direction, in_plane, over, table_errors};
 use crate::plot::{Axis, Band, Curve, Drawing, Figure, HeatMap, MeasuredBand, Page, spectra};
+use crate::progress::Progress;
 use crate::scattering::grating::Tables;
 use crate::spectrum::Spectrum;
 use crate::spectrum::colour::{display, into_gamut, rgb_from_xyz};
@@ -43,9 +44,16 @@ pub struct Pattern<'a> {
 
 /// Draws a patch: four parts under a heading. Also how far the tables are from the reference over the hemisphere.
 #[must_use]
-pub fn diffraction(title: &str, pattern: &Pattern<'_>, page: &Page) -> (Drawing, TableErrors) {
+pub fn diffraction(
+    title: &str,
+    pattern: &Pattern<'_>,
+    page: &Page,
+    progress: &dyn Progress,
+) -> (Drawing, TableErrors) {
+    progress.begin("pattern", PLACES as u64);
     let errors = table_errors(pattern.reference, pattern.tables, pattern.w_i, 41);
-    let parts = [heights(pattern.field), hemisphere(pattern), strips(pattern), curves(pattern, &errors)];
+    let parts =
+        [heights(pattern.field), hemisphere(pattern, progress), strips(pattern), curves(pattern, &errors)];
     let widths = [0, 1].map(|column| parts[column].width.max(parts[column + 2].width));
     let rows = [0, 2].map(|row| parts[row].height.max(parts[row + 1].height));
     let mut drawing = Drawing::new(widths[0] + widths[1], rows[0] + rows[1]);
@@ -126,16 +134,22 @@ fn exposure(colours: impl Iterator<Item = [f64; 3]>) -> f64 {
 }
 
 /// The hemisphere seen from above, in colour.
-fn hemisphere(pattern: &Pattern<'_>) -> Drawing {
-    let colours: Vec<Option<[f64; 3]>> = (0..PLACES * PLACES)
+fn hemisphere(pattern: &Pattern<'_>, progress: &dyn Progress) -> Drawing {
+    let at = |i: usize| (2.0 * i as f64 + 1.0) / PLACES as f64 - 1.0;
+    let colour = |column: usize, row: usize| {
+        let w_o = over(DVec2::new(at(column), at(row)))?;
+        // As a wall shows it: the light that is sent into a solid angle.
+        Some(pattern.reference.xyz(pattern.w_i, w_o).map(|v| v * w_o.z))
+    };
+    let rows: Vec<Vec<Option<[f64; 3]>>> = (0..PLACES)
         .into_par_iter()
-        .map(|i| {
-            let at = |i: usize| (2.0 * i as f64 + 1.0) / PLACES as f64 - 1.0;
-            let w_o = over(DVec2::new(at(i % PLACES), at(i / PLACES)))?;
-            // As a wall shows it: the light that is sent into a solid angle.
-            Some(pattern.reference.xyz(pattern.w_i, w_o).map(|v| v * w_o.z))
+        .map(|row| {
+            let colours = (0..PLACES).map(|column| colour(column, row)).collect();
+            progress.advance(1);
+            colours
         })
         .collect();
+    let colours = rows.concat();
     let exposure = exposure(colours.iter().flatten().copied());
     let bytes = colours.iter().map(|xyz| xyz.map_or([255; 3], |xyz| shown(xyz, exposure))).collect();
     let polar = libm::acos(pattern.w_i.z).to_degrees();

@@ -84,7 +84,7 @@ impl Orders {
         let scale = 1.0 / (side * s_f);
         for (i, weight) in weights[..count].iter_mut().enumerate() {
             let away = (frequency * side - low - i as f64) * scale;
-            *weight = (-0.5 * away * away).exp();
+            *weight = libm::exp(-0.5 * away * away);
         }
         Taps { first: if count > 0 { (low + most) as usize } else { 0 }, count, weights }
     }

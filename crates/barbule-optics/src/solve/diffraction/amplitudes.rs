@@ -10,6 +10,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
+use super::cis;
 use crate::math::chebyshev;
 use crate::math::fft::Transformable;
 use crate::progress::Progress;
@@ -138,7 +139,7 @@ impl Amplitudes {
             }
             let kappa = 0.5 * reach.kappa_per_um * (nodes[step] - 1.0);
             let p = |height: f64| match series {
-                Series::Chebyshev => Complex64::cis(kappa * height),
+                Series::Chebyshev => cis(kappa * height),
                 Series::Taylor(_) => {
                     let power = (height / height_um).powi(step as i32);
                     // jⁿ
@@ -178,7 +179,7 @@ impl Amplitudes {
         let turns =
             |axis: usize, place: usize| (place as f64 - most[axis] as f64) * place_um[axis] / period_um[axis];
         for (index, series) in self.values.chunks_exact_mut(self.terms).enumerate() {
-            let turn = Complex64::cis(TAU * (turns(0, index % columns) + turns(1, index / columns)));
+            let turn = cis(TAU * (turns(0, index % columns) + turns(1, index / columns)));
             for value in series {
                 let turned = turn * Complex64::new(value[0], value[1]);
                 *value = [turned.re, turned.im];

@@ -58,10 +58,16 @@ pub fn value(field: &Heightfield, setup: &Setup, wavelength_nm: f64, w_i: DVec3,
     weight * setup.of_wavelength(wavelength_um) * squared
 }
 
+/// e^{j angle}, the same bits on every system.
+fn cis(angle: f64) -> Complex64 {
+    let (sin, cos) = libm::sincos(angle);
+    Complex64::new(cos, sin)
+}
+
 /// The orders of a patch along one axis that the window lets through, and their weights.
 fn orders(field: &Heightfield, axis: usize, frequency: f64, s_f: f64) -> Vec<(i64, f64)> {
     let (side, count) = (field.size_um()[axis], field.cells()[axis]);
-    let weight = |j: i64| (-(frequency - j as f64 / side).powi(2) / (2.0 * s_f * s_f)).exp();
+    let weight = |j: i64| libm::exp(-(frequency - j as f64 / side).powi(2) / (2.0 * s_f * s_f));
     if count == 1 {
         return vec![(0, weight(0))];
     }
@@ -82,10 +88,7 @@ fn squared_amplitude(field: &Heightfield, place: Place, wavelength_um: f64, s_f:
     let turns = |orders: &[(i64, f64)], axis: usize| -> Vec<Vec<Complex64>> {
         let count = field.cells()[axis] as i64;
         let turn = |j: i64, cell: i64| {
-            Complex64::from_polar(
-                1.0,
-                std::f64::consts::TAU * (j * cell).rem_euclid(count) as f64 / count as f64,
-            )
+            cis(std::f64::consts::TAU * (j * cell).rem_euclid(count) as f64 / count as f64)
         };
         orders.iter().map(|&(j, _)| (0..count).map(|cell| turn(j, cell)).collect()).collect()
     };
@@ -96,7 +99,7 @@ fn squared_amplitude(field: &Heightfield, place: Place, wavelength_um: f64, s_f:
     for (row, heights) in field.height_um().chunks_exact(columns).enumerate() {
         line.fill(Complex64::ZERO);
         for (cell, height) in heights.iter().enumerate() {
-            let p = Complex64::from_polar(1.0, phase_per_um * height);
+            let p = cis(phase_per_um * height);
             for (sum, turns) in line.iter_mut().zip(&by_x) {
                 *sum += p * turns[cell];
             }
@@ -115,9 +118,7 @@ fn squared_amplitude(field: &Heightfield, place: Place, wavelength_um: f64, s_f:
             let [width, height] = field.size_um();
             let shift = |j: i64, at: f64, side: f64| std::f64::consts::TAU * j as f64 * at / side;
             terms
-                .map(|((a, b), c)| {
-                    c * Complex64::from_polar(a.1 * b.1 * scale, shift(b.0, x, width) + shift(a.0, y, height))
-                })
+                .map(|((a, b), c)| c * a.1 * b.1 * scale * cis(shift(b.0, x, width) + shift(a.0, y, height)))
                 .sum::<Complex64>()
                 .norm_sqr()
         }

@@ -76,23 +76,23 @@ struct Raw {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Scale {
-    /// In a unit that the options or the file say.
-    Unit(Option<HeightUnit>),
+    /// In a unit that the file, by its length in µm, or the options say.
+    Unit(Option<f64>),
     /// The whole range of a picture.
     Range,
 }
 
-/// Reads heights, µm, and cleans them as the options say.
+/// Reads heights, µm, and cleans them as the options say: also whether that was done.
 ///
 /// # Errors
 /// The file is missing, too large, of none of the formats or damaged; the distance of neighbours or the range is not said, or
 /// contradicts the file.
-pub fn read_heights(path: &Path, options: &HeightsOptions) -> Result<Heightfield> {
+pub fn read_heights(path: &Path, options: &HeightsOptions) -> Result<(Heightfield, bool)> {
     let bytes = read_at_most(path, LARGEST)?;
     decode(&bytes, options).map_err(|error| error.at(path.display()))
 }
 
-fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<Heightfield> {
+fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)> {
     let raw = if bytes.starts_with(npy::MAGIC) {
         npy::read(bytes)?
     } else if bytes.starts_with(b"\x89PNG") {
@@ -109,7 +109,7 @@ fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<Heightfield> {
                     "holds numbers with a unit, so --range does not apply; give --unit, or leave both out",
                 ));
             }
-            own.or(options.unit).unwrap_or_default().um()
+            own.unwrap_or_else(|| options.unit.unwrap_or_default().um())
         }
         Scale::Range => options.range_um.ok_or_else(|| {
             Error::input("is a picture; give --range UM, the height between its black and its white")
@@ -122,10 +122,11 @@ fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<Heightfield> {
         (None, Some(pitch)) => raw.cells.map(|count| count as f64 * pitch),
         (Some(size), None) => size,
         (Some(size), Some(pitch)) => {
-            let own = size[0] / raw.cells[0] as f64;
-            if (pitch / own - 1.0).abs() > 0.01 {
+            let own = [0, 1].map(|axis| size[axis] / raw.cells[axis] as f64);
+            if own.iter().any(|own| (pitch / own - 1.0).abs() > 0.01) {
                 return Err(Error::input(format!(
-                    "says that its heights are {own} µm apart, but --pitch is {pitch}; leave --pitch out"
+                    "says that its heights are {} µm apart along x and {} µm along y, but --pitch is {pitch}; leave --pitch out",
+                    own[0], own[1]
                 )));
             }
             size
@@ -134,9 +135,9 @@ fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<Heightfield> {
     let heights = raw.values.into_iter().map(|value| value * scale_um).collect();
     let field = Heightfield::new(raw.cells, size_um, heights)?;
     match options.clean {
-        Clean::Auto if field.repeats() => Ok(field),
-        Clean::Never => Ok(field),
-        _ => field.cleaned(&Cleaning::default()),
+        Clean::Auto if field.repeats() => Ok((field, false)),
+        Clean::Never => Ok((field, false)),
+        _ => Ok((field.cleaned(&Cleaning::default())?, true)),
     }
 }
 

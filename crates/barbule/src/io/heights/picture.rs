@@ -3,21 +3,19 @@
 use std::io::Cursor;
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
 use super::{Raw, Scale, count, upside_down};
+use crate::error::shortened;
 use crate::structure::MOST_HEIGHTS;
 use crate::{Error, Result};
 
 /// No picture packs more pixels into a byte: deflate's limit is 1032 bytes, of pixels of one bit.
 const MOST_PIXELS_PER_BYTE: usize = 8 * 1032;
 
-fn short(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).take(160).collect()
-}
-
 /// Refuses a size that a header claims but that cannot be in so many bytes.
-fn check(cells: [usize; 2], bytes: usize) -> Result<usize> {
+pub(super) fn check(cells: [usize; 2], bytes: usize) -> Result<usize> {
     let heights = count(cells)?;
     if heights > bytes.saturating_mul(MOST_PIXELS_PER_BYTE) {
         return Err(Error::input(format!(
@@ -30,7 +28,7 @@ fn check(cells: [usize; 2], bytes: usize) -> Result<usize> {
 
 pub(super) fn read_png(bytes: &[u8]) -> Result<Raw> {
     let refuse = |error: png::DecodingError| {
-        Error::input(format!("cannot be read as a PNG ({})", short(&error.to_string())))
+        Error::input(format!("cannot be read as a PNG ({})", shortened(&error.to_string())))
     };
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND);
@@ -56,8 +54,9 @@ pub(super) fn read_png(bytes: &[u8]) -> Result<Raw> {
 }
 
 pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
-    let refuse =
-        |error: TiffError| Error::input(format!("cannot be read as a TIFF ({})", short(&error.to_string())));
+    let refuse = |error: TiffError| {
+        Error::input(format!("cannot be read as a TIFF ({})", shortened(&error.to_string())))
+    };
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_HEIGHTS * size_of::<f64>();
     limits.intermediate_buffer_size = MOST_HEIGHTS * size_of::<f64>();
@@ -66,15 +65,18 @@ pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
     let (width, height) = decoder.dimensions().map_err(refuse)?;
     let cells = [width as usize, height as usize];
     match decoder.colortype().map_err(refuse)? {
-        ColorType::Gray(_) => {}
+        ColorType::Gray(8 | 16 | 32 | 64) => {}
         other => {
             return Err(Error::input(format!(
-                "is a TIFF of {}; give one of grey alone",
-                short(&format!("{other:?}"))
+                "is a TIFF of {}; give one of grey alone with 8 bits or more",
+                shortened(&format!("{other:?}"))
             )));
         }
     }
     let heights = check(cells, bytes.len())?;
+    // 0 where white is: what that makes of floats nobody says.
+    let is_inverted =
+        decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(refuse)? == Some(0);
     let whole = |value: f64, most: f64| value / most;
     let (mut values, scale): (Vec<f64>, Scale) = match decoder.read_image().map_err(refuse)? {
         DecodingResult::U8(values) => {
@@ -91,6 +93,9 @@ pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
             ));
         }
     };
+    if is_inverted && scale != Scale::Range {
+        return Err(Error::input("is a TIFF of floats whose white is 0; write it with black as 0"));
+    }
     if values.len() != heights {
         return Err(Error::input(format!(
             "holds {} heights, but says {} × {}",

@@ -1,3 +1,4 @@
+use super::picture::check;
 use super::*;
 
 fn options() -> HeightsOptions {
@@ -6,7 +7,7 @@ fn options() -> HeightsOptions {
 
 /// 3 columns, 2 rows: heights 0 … 5, of which the middle is taken off.
 fn read(bytes: &[u8], options: &HeightsOptions) -> Vec<f64> {
-    let field = decode(bytes, options).unwrap();
+    let (field, _) = decode(bytes, options).unwrap();
     assert_eq!(field.cells(), [3, 2]);
     assert!((field.pitch_um()[0] - 0.5).abs() < 1e-9 && (field.pitch_um()[1] - 0.5).abs() < 1e-9);
     field.height_um().to_vec()
@@ -82,9 +83,14 @@ fn numpy_arrays_of_every_kind() {
 
 #[test]
 fn rows_of_numbers_with_any_separator() {
-    for text in
-        ["0 1 2\n3 4 5\n", "# heights\n\n0,1,2\r\n3,4,5", "0;1;2\n3;4,0;5", "\u{feff}0\t1\t2\n3\t4\t5e0\n"]
-    {
+    for text in [
+        "0 1 2\n3 4 5\n",
+        "0 1 2\r3 4 5\r",
+        "0,1,2,\n3, 4, 5,\n",
+        "# heights\n\n0,1,2\r\n3,4,5",
+        "0;1;2\n3;4,0;5",
+        "\u{feff}0\t1\t2\n3\t4\t5e0\n",
+    ] {
         assert_eq!(read(text.as_bytes(), &options()), EXPECTED, "{text}");
     }
     for (text, expected) in [
@@ -92,6 +98,9 @@ fn rows_of_numbers_with_any_separator() {
         ("0 1 2\n3 x 5\n", "line 2, column 2: 'x'"),
         ("# nothing\n", "no heights"),
         ("", "no heights"),
+        ("0,1 0,2 0,3\n", "line 1, column 2: '1 0'"),
+        ("0,,2\n3,4,5\n", "line 1, column 2: ''"),
+        ("# Width: 3 µm\n0 1\n", "only one of Width"),
     ] {
         assert!(refusal(text.as_bytes(), &options()).contains(expected), "{text}");
     }
@@ -108,6 +117,10 @@ fn gwyddion_says_sizes_and_units() {
     assert!(close(read(&latin, &options())));
     let other = HeightsOptions { pitch_um: Some(0.4), ..options() };
     assert!(refusal(text.as_bytes(), &other).contains("--pitch is 0.4"));
+    let upright = text.replace("1000 nm", "2000 nm");
+    assert!(refusal(upright.as_bytes(), &options()).contains("1 µm along y"));
+    let millimetres = text.replace("units: m", "units: mm").replace("e-6", "e-3");
+    assert!(close(read(millimetres.as_bytes(), &none)));
     assert!(refusal(text.replace("1.5 µm", "1.5 ft").as_bytes(), &none).contains("line 2: '1.5 ft'"));
 }
 
@@ -133,8 +146,15 @@ fn grey_pictures_have_a_range_and_their_top_is_the_largest_y() {
     let sixteen = png(png::ColorType::Grayscale, png::BitDepth::Sixteen, &sixteen);
     assert!(close(read(&sixteen, &HeightsOptions { range_um: Some(65535.0), ..options() })));
     assert!(refusal(&eight, &options()).contains("--range"));
-    let rgb = png(png::ColorType::Rgb, png::BitDepth::Eight, &[7; 18]);
-    assert!(refusal(&rgb, &with_range).contains("grey alone"));
+    for (color, count) in [(png::ColorType::Rgb, 18), (png::ColorType::GrayscaleAlpha, 12)] {
+        assert!(
+            refusal(&png(color, png::BitDepth::Eight, &vec![7; count]), &with_range).contains("grey alone")
+        );
+    }
+    // Pixels that cannot be in so few bytes, and more than are read.
+    for (size, expected) in [([60_000, 1000], "cannot be in"), ([60_000, 60_000], "are read")] {
+        assert!(check(size, eight.len()).unwrap_err().to_string().contains(expected));
+    }
     for length in (4..eight.len() - 12).step_by(3) {
         refusal(&eight[..length], &with_range);
     }
@@ -151,7 +171,8 @@ where
 
 #[test]
 fn tiffs_of_whole_numbers_and_of_floats() {
-    use tiff::encoder::colortype::{Gray16, Gray32Float, RGB8};
+    use tiff::encoder::Compression;
+    use tiff::encoder::colortype::{Gray8, Gray16, Gray32Float, RGB8};
     let close = |found: Vec<f64>| found.iter().zip(EXPECTED).all(|(a, b)| (a - b).abs() < 1e-9);
     let whole = tiff::<Gray16>(&[3, 4, 5, 0, 1, 2]);
     let with_range = HeightsOptions { range_um: Some(65535.0), ..options() };
@@ -159,6 +180,14 @@ fn tiffs_of_whole_numbers_and_of_floats() {
     assert!(refusal(&whole, &options()).contains("--range"));
     assert!(close(read(&tiff::<Gray32Float>(&[3.0, 4.0, 5.0, 0.0, 1.0, 2.0]), &options())));
     assert!(refusal(&tiff::<RGB8>(&[1; 18]), &with_range).contains("grey alone"));
+    assert!(refusal(&whole[..whole.len() / 2], &with_range).contains("cannot be read as a TIFF"));
+    for compression in [Compression::Lzw, Compression::Deflate(Default::default()), Compression::Packbits] {
+        let mut file = std::io::Cursor::new(Vec::new());
+        let mut encoder = tiff::encoder::TiffEncoder::new(&mut file).unwrap().with_compression(compression);
+        encoder.write_image::<Gray8>(3, 2, &[3, 4, 5, 0, 1, 2]).unwrap();
+        let eight = HeightsOptions { range_um: Some(255.0), ..options() };
+        assert!(close(read(&file.into_inner(), &eight)));
+    }
     for length in 4..whole.len() {
         if let Err(error) = decode(&whole[..length], &with_range) {
             assert!(error.is_input(), "{error}");
@@ -184,7 +213,8 @@ fn what_does_not_repeat_is_cleaned_unless_told_otherwise() {
                 + "\n"
         })
         .collect();
-    let reach =
-        |clean: Clean| decode(tilted.as_bytes(), &HeightsOptions { clean, ..options() }).unwrap().reach_um();
+    let reach = |clean: Clean| {
+        decode(tilted.as_bytes(), &HeightsOptions { clean, ..options() }).unwrap().0.reach_um()
+    };
     assert!(reach(Clean::Auto) < 0.02 && reach(Clean::Always) < 0.02 && reach(Clean::Never) > 0.15);
 }

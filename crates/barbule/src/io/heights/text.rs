@@ -1,6 +1,6 @@
 //! Rows of numbers, and Gwyddion's export of them with the sizes in comments.
 
-use super::{HeightUnit, Raw, Scale, upside_down};
+use super::{Raw, Scale, upside_down};
 use crate::error::shortened;
 use crate::structure::MOST_HEIGHTS;
 use crate::{Error, Result};
@@ -10,7 +10,7 @@ use crate::{Error, Result};
 struct Comments {
     width_um: Option<f64>,
     height_um: Option<f64>,
-    unit: Option<HeightUnit>,
+    unit_um: Option<f64>,
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
@@ -28,7 +28,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
             &latin
         }
     };
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text).replace("\r\n", "\n").replace('\r', "\n");
     let rows = || {
         let numbered = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
         numbered.filter(|(_, line)| !line.is_empty())
@@ -39,22 +39,32 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
             comments.read(comment).map_err(|what| Error::input(format!("line {number}: {what}")))?;
         }
     }
-    // Where semicolons or tabs separate, commas are decimal.
-    let is_wide = rows().any(|(_, line)| !line.starts_with('#') && line.contains([';', '\t']));
-    let separates = |c: char| match c {
-        ',' => !is_wide,
-        _ => c == ';' || c.is_whitespace(),
+    // Where semicolons or tabs separate, commas are decimal; else commas separate, and blanks where there is none.
+    let data = || rows().filter(|(_, line)| !line.starts_with('#'));
+    let separator = [';', '\t', ','].into_iter().find(|mark| data().any(|(_, line)| line.contains(*mark)));
+    let is_wide = matches!(separator, Some(';' | '\t'));
+    let words = |line: &str| -> Vec<String> {
+        match separator {
+            // One at the end of a line ends it.
+            Some(mark) => line
+                .strip_suffix(mark)
+                .unwrap_or(line)
+                .split(mark)
+                .map(|word| word.trim().to_owned())
+                .collect(),
+            None => line.split_whitespace().map(str::to_owned).collect(),
+        }
     };
     let (mut values, mut columns) = (Vec::new(), 0);
-    for (number, line) in rows().filter(|(_, line)| !line.starts_with('#')) {
+    for (number, line) in data() {
         let before = values.len();
-        for word in line.split(separates).filter(|word| !word.is_empty()) {
+        for word in words(line) {
             let value = if is_wide { word.replace(',', ".").parse() } else { word.parse() };
             let value: f64 = value.map_err(|_| {
                 Error::input(format!(
-                    "line {number}, column {}: '{}' is no number; give rows of heights, comments begin with #",
+                    "line {number}, column {}: '{}' is no number; give rows of heights with one separator, comments begin with #",
                     values.len() - before + 1,
-                    shortened(word)
+                    shortened(&word)
                 ))
             })?;
             if values.len() == MOST_HEIGHTS {
@@ -75,13 +85,16 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
     if values.is_empty() {
         return Err(Error::input("has no heights: give rows of numbers"));
     }
+    if comments.width_um.is_some() != comments.height_um.is_some() {
+        return Err(Error::input("says only one of Width and Height; give both, or neither and --pitch"));
+    }
     let size_um = comments.width_um.zip(comments.height_um).map(|(width, height)| [width, height]);
     if size_um.is_some() {
         // An image, whose first row is its top.
         upside_down(&mut values, columns);
     }
     let cells = [columns, values.len() / columns];
-    Ok(Raw { cells, values, scale: Scale::Unit(comments.unit), size_um })
+    Ok(Raw { cells, values, scale: Scale::Unit(comments.unit_um), size_um })
 }
 
 impl Comments {
@@ -91,7 +104,7 @@ impl Comments {
         match name.trim() {
             "Width" => self.width_um = Some(length_um(value)?),
             "Height" => self.height_um = Some(length_um(value)?),
-            "Value units" => self.unit = Some(unit(value).ok_or_else(|| unknown(value))?),
+            "Value units" => self.unit_um = Some(unit_um(value).ok_or_else(|| unknown(value))?),
             _ => {}
         }
         Ok(())
@@ -105,24 +118,20 @@ fn unknown(text: &str) -> String {
 /// A length such as `65.0 µm`, in µm.
 fn length_um(text: &str) -> std::result::Result<f64, String> {
     let (number, unit) = text.split_once(char::is_whitespace).ok_or_else(|| unknown(text))?;
-    let factor = match unit.trim() {
-        "m" => 1e6,
-        "mm" => 1e3,
-        "µm" | "μm" | "um" => 1.0,
-        "nm" => 1e-3,
-        "pm" => 1e-6,
-        _ => return Err(unknown(text)),
-    };
+    let factor = unit_um(unit.trim()).ok_or_else(|| unknown(text))?;
     let number =
         number.replace(',', ".").parse::<f64>().ok().filter(|value| *value > 0.0 && value.is_finite());
     number.map(|number| number * factor).ok_or_else(|| unknown(text))
 }
 
-fn unit(text: &str) -> Option<HeightUnit> {
+/// A unit of length in µm.
+fn unit_um(text: &str) -> Option<f64> {
     match text {
-        "m" => Some(HeightUnit::Metre),
-        "µm" | "μm" | "um" => Some(HeightUnit::Micrometre),
-        "nm" => Some(HeightUnit::Nanometre),
+        "m" => Some(1e6),
+        "mm" => Some(1e3),
+        "µm" | "μm" | "um" => Some(1.0),
+        "nm" => Some(1e-3),
+        "pm" => Some(1e-6),
         _ => None,
     }
 }
