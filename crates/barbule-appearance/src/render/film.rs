@@ -171,8 +171,9 @@ impl Film {
         &self.tiles[tile].pixels[((y - y0) * (x1 - x0) + x - x0) as usize]
     }
 
-    /// Mean XYZ of a pixel through its tent; zero before its first sample. Where a part of the tent lies outside the
-    /// picture or in a tile without samples, the mean of the rest.
+    /// Mean XYZ of a pixel through its tent; zero before its first sample. The mean is over the samples' own weights, so light that
+    /// is the same everywhere has no noise, and where a part of the tent lies outside the picture or in a tile without samples it is
+    /// that of the rest.
     #[must_use]
     pub fn xyz(&self, x: u32, y: u32) -> [f64; 3] {
         let mut xyz = [0.0; 3];
@@ -183,9 +184,9 @@ impl Film {
     /// Share of a pixel, through its tent, that is not background: exactly 1 where no sample saw the background, 0 where all did.
     #[must_use]
     pub fn alpha(&self, x: u32, y: u32) -> f64 {
-        let mut sums = [0.0; 2];
-        self.through_tent(x, y, &mut sums, |tile, at| &tile.sums[at][3..]);
-        if sums[1] > 0.0 { sums[0] / sums[1] } else { 0.0 }
+        let mut alpha = [0.0];
+        self.through_tent(x, y, &mut alpha, |tile, at| &tile.sums[at][3..]);
+        alpha[0]
     }
 
     /// Mean spectral radiance of a pixel in the film's bands, seen as [`Film::xyz`].
@@ -199,19 +200,20 @@ impl Film {
 
     /// Means of what tiles sum up per pixel, through the tent of a pixel.
     fn through_tent(&self, x: u32, y: u32, to: &mut [f64], sums: impl Fn(&Tile, usize) -> &[f64]) {
-        let mut mass = 0.0;
-        for (index, share) in self.tiles_about(x, y, [INSIDE, BESIDE]) {
+        let mut weight = 0.0;
+        for index in self.tiles_about(x, y) {
             let tile = &self.tiles[index];
             if tile.count > 0 {
                 let [x0, y0, x1, _] = self.bounds(index);
                 let at = ((y + 1 - y0) * (x1 - x0 + 2) + x + 1 - x0) as usize;
+                let share = 1.0 / f64::from(tile.count);
                 for (sum, value) in to.iter_mut().zip(sums(tile, at)) {
-                    *sum += value / f64::from(tile.count);
+                    *sum += value * share;
                 }
-                mass += share;
+                weight += tile.sums[at][4] * share;
             }
         }
-        to.iter_mut().for_each(|value| *value = if mass > 0.0 { *value / mass } else { 0.0 });
+        to.iter_mut().for_each(|value| *value = if weight > 0.0 { *value / weight } else { 0.0 });
     }
 
     /// What compositors want to know of a pixel, where the film keeps it.
@@ -241,20 +243,15 @@ impl Film {
         (y / TILE * tiles(self.size)[0] + x / TILE) as usize
     }
 
-    /// The tiles that a pixel's tent reaches into, and how much of it is in each.
-    fn tiles_about(&self, x: u32, y: u32, shares: [f64; 2]) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let along = move |place: u32, side: u32| {
-            let mut found: [Option<(u32, f64)>; 2] = [None; 2];
-            for (neighbour, share) in neighbours(place, side, shares) {
-                let slot = usize::from(neighbour / TILE != place / TILE);
-                found[slot] = Some((neighbour / TILE, found[slot].map_or(0.0, |(_, sum)| sum) + share));
-            }
-            found.into_iter().flatten()
+    /// The tiles that a pixel's tent reaches into.
+    fn tiles_about(&self, x: u32, y: u32) -> impl Iterator<Item = usize> + '_ {
+        let along = |place: u32, side: u32| {
+            let [first, last] = [place.saturating_sub(1), (place + 1).min(side - 1)];
+            first / TILE..=last / TILE
         };
         let [width, height] = self.size;
-        along(y, height).flat_map(move |(row, tall)| {
-            along(x, width)
-                .map(move |(column, wide)| ((row * tiles([width, height])[0] + column) as usize, wide * tall))
+        along(y, height).flat_map(move |row| {
+            along(x, width).map(move |column| (row * tiles([width, height])[0] + column) as usize)
         })
     }
 
@@ -489,6 +486,30 @@ mod tests {
         // In the tile without samples, away from its neighbours, there is nothing.
         assert_eq!((film.xyz(67, 10), film.count(67, 10)), ([0.0; 3], 0));
         assert!(film.variance(5, 7) < 1e-3 && film.pixel(5, 7).id == 3);
+    }
+
+    /// A few samples at random places of each pixel, in tiles with counts of their own.
+    #[test]
+    fn light_that_is_the_same_everywhere_has_no_noise() {
+        let mut film = Film::new([70, 33]).unwrap();
+        let mut stream = crate::math::rng::Stream::new(5, &[]);
+        let (hero, radiance, first) = (Hero::new(0.3), [1.0; WAVES], NO_HIT);
+        let mut sample = Sample { radiance, hero, first, offset: [0.5; 2], alpha: 1.0, rays: [0; 2] };
+        for tile in 0..film.tiles() {
+            let [x0, y0, x1, y1] = film.bounds(tile);
+            film.tiles[tile].count = 1 + tile as u32;
+            for (x, y) in (x0..x1).flat_map(|x| (y0..y1).map(move |y| (x - x0, y - y0))) {
+                for _ in 0..=tile {
+                    sample.offset = [stream.unit(), stream.unit()];
+                    let Film { planes, tiles, .. } = &mut film;
+                    tiles[tile].add([x, y], x1 - x0, planes, &sample, false);
+                }
+            }
+        }
+        let expected = xyz(&sample)[1];
+        for (x, y) in (0..70).flat_map(|x| (0..33).map(move |y| (x, y))) {
+            assert!((film.xyz(x, y)[1] / expected - 1.0).abs() < 1e-12);
+        }
     }
 
     #[test]

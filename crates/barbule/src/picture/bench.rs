@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
+use glam::{DVec3, DVec4};
 
 use crate::io::peak_memory;
 use crate::progress::Progress;
@@ -12,6 +13,7 @@ use crate::render::light::Lighting;
 use crate::render::run::{Ended, Goal, run};
 use crate::render::stage::Stage;
 use crate::scene::Scene;
+use crate::spectrum::colour::xyz_from_rgb;
 use crate::{Error, Result};
 
 /// What is rendered.
@@ -54,8 +56,19 @@ pub struct RenderFigures {
     pub build_seconds: f64,
     /// The most bytes that the process held by the end.
     pub peak_bytes: Option<u64>,
-    /// Mean linear sRGB of the picture.
+    /// Mean linear sRGB of the pictures.
     pub mean: [f64; 3],
+    /// How far a pixel of one picture lies from its mean; `None` of a single run.
+    pub noise: Option<Noise>,
+}
+
+/// Root mean square errors of a picture's pixels, found from how pictures of other seeds differ.
+#[derive(Debug, Clone, Copy)]
+pub struct Noise {
+    /// Of linear sRGB.
+    pub rgb: [f64; 3],
+    /// Of luminance.
+    pub luminance: f64,
 }
 
 /// Renders a scene a few times.
@@ -76,7 +89,7 @@ pub fn measure(scene: Scene, effort: Effort, seed: u64, progress: &dyn Progress)
     let size = [effort.side; 2];
     let goal = Goal::samples(effort.samples);
     let mut times: Vec<[Duration; 2]> = Vec::new();
-    let mut mean = [0.0; 3];
+    let mut pictures = Pictures::default();
     for number in 0..effort.runs {
         let mut film = Film::new(size)?;
         let (wall, cpu) = (Instant::now(), ProcessTime::now());
@@ -85,7 +98,7 @@ pub fn measure(scene: Scene, effort: Effort, seed: u64, progress: &dyn Progress)
         if ended == Ended::Stopped {
             return Err(Error::interrupted());
         }
-        mean = mean_colour(&film);
+        pictures.add(&film.linear_srgb());
     }
     times.sort();
     let [cpu, wall] = times[times.len() / 2].map(|time| time.as_secs_f64().max(1e-9));
@@ -100,7 +113,8 @@ pub fn measure(scene: Scene, effort: Effort, seed: u64, progress: &dyn Progress)
         hierarchy_bytes: stage.hierarchy_bytes(),
         build_seconds,
         peak_bytes: peak_memory(),
-        mean,
+        mean: pictures.mean(),
+        noise: pictures.noise(),
     })
 }
 
@@ -116,9 +130,58 @@ fn rays_per_path(integrator: &Integrator<'_>, size: [u32; 2], seed: u64) -> [f64
     sums.map(|sum| sum / (f64::from(size[0]) * f64::from(size[1])))
 }
 
-/// Mean linear sRGB of a film.
-fn mean_colour(film: &Film) -> [f64; 3] {
-    let pixels = film.linear_srgb();
-    let sum = |k: usize| pixels.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>();
-    [0, 1, 2].map(|k| sum(k) / pixels.len() as f64)
+/// Sums over pictures of one scene with different seeds.
+#[derive(Default)]
+struct Pictures {
+    count: u32,
+    /// Linear sRGB and luminance of each pixel, and their squares.
+    sums: Vec<[DVec4; 2]>,
+}
+
+impl Pictures {
+    fn add(&mut self, picture: &[[f32; 3]]) {
+        self.count += 1;
+        self.sums.resize(picture.len(), [DVec4::ZERO; 2]);
+        for ([sum, squares], pixel) in self.sums.iter_mut().zip(picture) {
+            let rgb = pixel.map(f64::from);
+            let [_, luminance, _] = xyz_from_rgb(rgb);
+            let pixel = DVec3::from_array(rgb).extend(luminance);
+            *sum += pixel;
+            *squares += pixel * pixel;
+        }
+    }
+
+    fn mean(&self) -> [f64; 3] {
+        let total: DVec4 = self.sums.iter().map(|[sum, _]| *sum).sum();
+        (total / (self.sums.len() as f64 * f64::from(self.count))).truncate().into()
+    }
+
+    fn noise(&self) -> Option<Noise> {
+        let count = f64::from(self.count);
+        let of_pixel = |[sum, squares]: &[DVec4; 2]| (*squares - *sum * *sum / count) / (count - 1.0);
+        let total: DVec4 = self.sums.iter().map(of_pixel).sum();
+        let [r, g, b, luminance] = (total / self.sums.len() as f64).to_array().map(|v| v.max(0.0).sqrt());
+        (self.count > 1).then_some(Noise { rgb: [r, g, b], luminance })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two pixels of three pictures: variances by hand.
+    #[test]
+    fn noise_is_what_pictures_differ_by() {
+        let mut pictures = Pictures::default();
+        pictures.add(&[[0.0, 1.0, 0.5], [2.0; 3]]);
+        assert!(pictures.noise().is_none());
+        pictures.add(&[[3.0, 1.0, 0.5], [2.0; 3]]);
+        pictures.add(&[[6.0, 1.0, 0.5], [2.0; 3]]);
+        let noise = pictures.noise().unwrap();
+        // The first pixel's red has the variance 9, all else none.
+        assert!((noise.rgb[0] - 4.5_f64.sqrt()).abs() < 1e-12, "{noise:?}");
+        assert!(noise.rgb[1] < 1e-12 && noise.rgb[2] < 1e-12, "{noise:?}");
+        assert!((noise.luminance - 0.2126 * 4.5_f64.sqrt()).abs() < 1e-3, "{noise:?}");
+        assert_eq!(pictures.mean(), [2.5, 1.5, 1.25]);
+    }
 }

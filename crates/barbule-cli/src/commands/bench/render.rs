@@ -136,6 +136,8 @@ fn document(effort: Effort, found: &[(&str, RenderFigures)]) -> serde_json::Valu
                 "build_seconds": figures.build_seconds,
                 "peak_bytes": figures.peak_bytes,
                 "mean_rgb": figures.mean,
+                "noise_rgb": figures.noise.map(|noise| noise.rgb),
+                "noise_luminance": figures.noise.map(|noise| noise.luminance),
             })
         })
         .collect();
