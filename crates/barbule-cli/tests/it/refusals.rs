@@ -56,6 +56,14 @@ const LINES: &[(&str, &str)] = &[
     ("spectrum starling --angles 90", "--angles: 90° is at or past grazing"),
     ("far-field starling --wavelengths 299 --theta 0 --phi 0", "--wavelengths: 299 nm is outside"),
     ("film air/keratin:5/air --angles inf", "'inf' is not a number"),
+    // Heights.
+    ("diffract blazed --pitch 1 -o @f.png", "--pitch is of files, but blazed is a sample"),
+    ("diffract @none.npy --pitch 1 -o @f.png", "none.npy: no such file"),
+    ("diffract @good.csv --pitch 0 -o @f.png", "over 0 and up to 10000"),
+    ("diffract blazed --wi 95,0 --wo 0,0", "--wi"),
+    ("diffract blazed --orders 0 -o @f.grating", "--orders"),
+    ("diffract blazed --obliquity cosine -o @f.png", "'cosine'"),
+    ("diffract blazed --coherence 0 -o @f.png", "coherence, µm, is 0; give 0.5 to 1000"),
     // Stacks.
     ("film air", "write at least two media"),
     ("film keratin:5", "at least two media"),

@@ -56,7 +56,7 @@ pub enum Clean {
 pub struct HeightsOptions {
     /// Distance of neighbours, µm.
     pub pitch_um: Option<f64>,
-    /// Unit of numbers; what a file says of it goes first.
+    /// Unit of numbers, where the file says none.
     pub unit: Option<HeightUnit>,
     /// Of pictures of whole numbers: height between black and white, µm.
     pub range_um: Option<f64>,
@@ -64,10 +64,12 @@ pub struct HeightsOptions {
     pub clean: Clean,
 }
 
-/// Numbers of a file, the first row at y = 0.
+/// Numbers of a file, as its rows follow each other.
 struct Raw {
     cells: [usize; 2],
     values: Vec<f64>,
+    /// Whether the first row is the top of a picture; else it is at y = 0.
+    is_picture: bool,
     /// What a value of 1 is.
     scale: Scale,
     /// Sides, where the file says them, µm.
@@ -93,11 +95,11 @@ pub fn read_heights(path: &Path, options: &HeightsOptions) -> Result<(Heightfiel
 }
 
 fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)> {
-    let raw = if bytes.starts_with(npy::MAGIC) {
+    let mut raw = if bytes.starts_with(npy::MAGIC) {
         npy::read(bytes)?
     } else if bytes.starts_with(b"\x89PNG") {
         picture::read_png(bytes)?
-    } else if bytes.starts_with(b"II*\0") || bytes.starts_with(b"MM\0*") {
+    } else if TIFF.iter().any(|magic| bytes.starts_with(magic)) {
         picture::read_tiff(bytes)?
     } else {
         text::read(bytes)?
@@ -109,7 +111,20 @@ fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)>
                     "holds numbers with a unit, so --range does not apply; give --unit, or leave both out",
                 ));
             }
-            own.unwrap_or_else(|| options.unit.unwrap_or_default().um())
+            let asked = options.unit.map(HeightUnit::um);
+            if let (Some(own), Some(asked)) = (own, asked)
+                && (asked / own - 1.0).abs() > 1e-9
+            {
+                return Err(Error::input(format!(
+                    "says that its numbers are {own} µm each, but --unit says {asked} µm; leave --unit out"
+                )));
+            }
+            own.or(asked).unwrap_or(HeightUnit::default().um())
+        }
+        Scale::Range if options.unit.is_some() => {
+            return Err(Error::input(
+                "is a picture of whole numbers, which have no unit; give --range UM in place of --unit",
+            ));
         }
         Scale::Range => options.range_um.ok_or_else(|| {
             Error::input("is a picture; give --range UM, the height between its black and its white")
@@ -132,6 +147,14 @@ fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)>
             size
         }
     };
+    let columns = raw.cells[0];
+    if let Some(place) = raw.values.iter().position(|value| !value.is_finite()) {
+        let (column, row) = (place % columns, place / columns);
+        return Err(Error::input(format!("the height at column {column}, row {row} is not a finite number")));
+    }
+    if raw.is_picture {
+        upside_down(&mut raw.values, columns);
+    }
     let heights = raw.values.into_iter().map(|value| value * scale_um).collect();
     let field = Heightfield::new(raw.cells, size_um, heights)?;
     match options.clean {
@@ -148,6 +171,9 @@ fn count([columns, rows]: [usize; 2]) -> Result<usize> {
         .filter(|count| (1..=MOST_HEIGHTS).contains(count))
         .ok_or_else(|| Error::input(format!("has {columns} × {rows} heights; 1 to {MOST_HEIGHTS} are read")))
 }
+
+/// How TIFF begins: both orders of bytes, and with places of 64 bits.
+const TIFF: [&[u8]; 4] = [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"];
 
 /// Turns rows from the top of a picture into rows from y = 0.
 fn upside_down(values: &mut [f64], columns: usize) {

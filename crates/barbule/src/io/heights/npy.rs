@@ -75,7 +75,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
         false => read(place),
         true => read((place % cells[0]) * cells[1] + place / cells[0]),
     });
-    Ok(Raw { cells, values: values.collect(), scale: Scale::Unit(None), size_um: None })
+    Ok(Raw { cells, values: values.collect(), is_picture: false, scale: Scale::Unit(None), size_um: None })
 }
 
 /// What reads a number of a kind as `f8` from its bytes.

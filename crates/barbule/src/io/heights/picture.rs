@@ -6,7 +6,7 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
-use super::{Raw, Scale, count, upside_down};
+use super::{Raw, Scale, count};
 use crate::error::shortened;
 use crate::structure::MOST_HEIGHTS;
 use crate::{Error, Result};
@@ -43,14 +43,13 @@ pub(super) fn read_png(bytes: &[u8]) -> Result<Raw> {
     let mut buffer = vec![0; length];
     let frame = reader.next_frame(&mut buffer).map_err(refuse)?;
     let buffer = &buffer[..frame.buffer_size()];
-    let mut values: Vec<f64> = match frame.bit_depth {
+    let values: Vec<f64> = match frame.bit_depth {
         png::BitDepth::Sixteen => {
             buffer.as_chunks::<2>().0.iter().map(|b| f64::from(u16::from_be_bytes(*b)) / 65535.0).collect()
         }
         _ => buffer.iter().map(|b| f64::from(*b) / 255.0).collect(),
     };
-    upside_down(&mut values, cells[0]);
-    Ok(Raw { cells, values, scale: Scale::Range, size_um: None })
+    Ok(Raw { cells, values, is_picture: true, scale: Scale::Range, size_um: None })
 }
 
 pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
@@ -78,7 +77,7 @@ pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
     let is_inverted =
         decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(refuse)? == Some(0);
     let whole = |value: f64, most: f64| value / most;
-    let (mut values, scale): (Vec<f64>, Scale) = match decoder.read_image().map_err(refuse)? {
+    let (values, scale): (Vec<f64>, Scale) = match decoder.read_image().map_err(refuse)? {
         DecodingResult::U8(values) => {
             (values.into_iter().map(|v| whole(v.into(), 255.0)).collect(), Scale::Range)
         }
@@ -104,6 +103,5 @@ pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
             cells[1]
         )));
     }
-    upside_down(&mut values, cells[0]);
-    Ok(Raw { cells, values, scale, size_um: None })
+    Ok(Raw { cells, values, is_picture: true, scale, size_um: None })
 }

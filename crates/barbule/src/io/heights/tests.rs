@@ -117,6 +117,14 @@ fn gwyddion_says_sizes_and_units() {
     assert!(close(read(&latin, &options())));
     let other = HeightsOptions { pitch_um: Some(0.4), ..options() };
     assert!(refusal(text.as_bytes(), &other).contains("--pitch is 0.4"));
+    let unit = |unit: HeightUnit| HeightsOptions { unit: Some(unit), ..none };
+    assert!(close(read(text.as_bytes(), &unit(HeightUnit::Metre))));
+    assert!(
+        refusal(text.as_bytes(), &unit(HeightUnit::Nanometre))
+            .contains("1000000 µm each, but --unit says 0.001")
+    );
+    // As the file counts, whose first row is the top.
+    assert!(refusal(text.replace("3e-6", "nan").as_bytes(), &none).contains("column 0, row 0"));
     let upright = text.replace("1000 nm", "2000 nm");
     assert!(refusal(upright.as_bytes(), &options()).contains("1 µm along y"));
     let millimetres = text.replace("units: m", "units: mm").replace("e-6", "e-3");
@@ -151,6 +159,18 @@ fn grey_pictures_have_a_range_and_their_top_is_the_largest_y() {
             refusal(&png(color, png::BitDepth::Eight, &vec![7; count]), &with_range).contains("grey alone")
         );
     }
+    let with_unit = HeightsOptions { unit: Some(HeightUnit::Nanometre), ..with_range };
+    assert!(refusal(&eight, &with_unit).contains("--range UM in place of --unit"));
+    // Two bits a pixel: rows of 3, 2, 1 and 0, 1, 2 in thirds.
+    let two = png(png::ColorType::Grayscale, png::BitDepth::Two, &[0b1110_0100, 0b0001_1000]);
+    let thirds = read(&two, &HeightsOptions { range_um: Some(3.0), ..options() });
+    assert!(thirds.iter().zip([-1.5, -0.5, 0.5, 1.5, 0.5, -0.5]).all(|(a, b)| (a - b).abs() < 1e-9));
+    let mut indexed = Vec::new();
+    let mut encoder = png::Encoder::new(&mut indexed, 3, 2);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_palette(vec![0; 18]);
+    encoder.write_header().unwrap().write_image_data(&[0; 6]).unwrap();
+    assert!(refusal(&indexed, &with_range).contains("grey alone"));
     // Pixels that cannot be in so few bytes, and more than are read.
     for (size, expected) in [([60_000, 1000], "cannot be in"), ([60_000, 60_000], "are read")] {
         assert!(check(size, eight.len()).unwrap_err().to_string().contains(expected));
@@ -172,13 +192,20 @@ where
 #[test]
 fn tiffs_of_whole_numbers_and_of_floats() {
     use tiff::encoder::Compression;
-    use tiff::encoder::colortype::{Gray8, Gray16, Gray32Float, RGB8};
+    use tiff::encoder::colortype::{Gray8, Gray16, Gray32Float, Gray64Float, RGB8};
     let close = |found: Vec<f64>| found.iter().zip(EXPECTED).all(|(a, b)| (a - b).abs() < 1e-9);
     let whole = tiff::<Gray16>(&[3, 4, 5, 0, 1, 2]);
     let with_range = HeightsOptions { range_um: Some(65535.0), ..options() };
     assert!(close(read(&whole, &with_range)));
     assert!(refusal(&whole, &options()).contains("--range"));
     assert!(close(read(&tiff::<Gray32Float>(&[3.0, 4.0, 5.0, 0.0, 1.0, 2.0]), &options())));
+    assert!(close(read(&tiff::<Gray64Float>(&[3.0, 4.0, 5.0, 0.0, 1.0, 2.0]), &options())));
+    let mut big = std::io::Cursor::new(Vec::new());
+    let mut encoder = tiff::encoder::TiffEncoder::new_big(&mut big).unwrap();
+    encoder.write_image::<Gray32Float>(3, 2, &[3.0, 4.0, 5.0, 0.0, 1.0, 2.0]).unwrap();
+    assert!(close(read(&big.into_inner(), &options())));
+    let infinite = tiff::<Gray32Float>(&[3.0, 4.0, 5.0, 0.0, f32::INFINITY, 2.0]);
+    assert!(refusal(&infinite, &options()).contains("column 1, row 1"));
     assert!(refusal(&tiff::<RGB8>(&[1; 18]), &with_range).contains("grey alone"));
     assert!(refusal(&whole[..whole.len() / 2], &with_range).contains("cannot be read as a TIFF"));
     for compression in [Compression::Lzw, Compression::Deflate(Default::default()), Compression::Packbits] {

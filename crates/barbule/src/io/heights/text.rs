@@ -1,6 +1,6 @@
 //! Rows of numbers, and Gwyddion's export of them with the sizes in comments.
 
-use super::{Raw, Scale, upside_down};
+use super::{Raw, Scale};
 use crate::error::shortened;
 use crate::structure::MOST_HEIGHTS;
 use crate::{Error, Result};
@@ -89,12 +89,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
         return Err(Error::input("says only one of Width and Height; give both, or neither and --pitch"));
     }
     let size_um = comments.width_um.zip(comments.height_um).map(|(width, height)| [width, height]);
-    if size_um.is_some() {
-        // An image, whose first row is its top.
-        upside_down(&mut values, columns);
-    }
     let cells = [columns, values.len() / columns];
-    Ok(Raw { cells, values, scale: Scale::Unit(comments.unit_um), size_um })
+    // With sides it is an image.
+    Ok(Raw { cells, values, is_picture: size_um.is_some(), scale: Scale::Unit(comments.unit_um), size_um })
 }
 
 impl Comments {
