@@ -70,6 +70,10 @@ pub(crate) struct Args {
     /// How the light falls on the section
     #[arg(long, value_enum, default_value_t = WindowArg::Gaussian)]
     window: WindowArg,
+    /// Average the outlines of long inclusions along x over this standard deviation, µm: rows of bubbles finer than a
+    /// wavelength then are what light sees
+    #[arg(long, value_name = "UM")]
+    smooth: Option<f64>,
     /// Of full waves: nodes per wavelength in the denser medium at each boundary
     #[arg(long, value_name = "N", default_value_t = full_wave::ELEMENTS_PER_WAVELENGTH, value_parser = elements)]
     elements: f64,
@@ -117,8 +121,10 @@ enum Solver {
 /// Windows of the incident light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum WindowArg {
-    /// Light of limited coherence
+    /// Light of limited coherence, the same on the top wherever it rises; full waves take a beam
     Gaussian,
+    /// A beam that has this window on the plane z = 0
+    Beam,
     /// A plane wave
     None,
 }
@@ -167,7 +173,7 @@ impl Args {
             figures::check_far_fields(&illuminations).map_err(|error| error.at("--output"))?;
         }
         let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
-        let section = structure.instance(self.common.seed, self.instance)?;
+        let section = self.smoothed(structure.instance(self.common.seed, self.instance)?)?;
         let full_wave = match self.solver {
             Solver::FullWave => Some(self.full_waves(&section, &illuminations)?),
             Solver::Fast | Solver::Direct | Solver::Shadowed => None,
@@ -226,9 +232,18 @@ impl Args {
             phi_i: radians(&self.phi),
             window: match self.window {
                 WindowArg::Gaussian => Window::Gaussian,
+                WindowArg::Beam => Window::Beam,
                 WindowArg::None => Window::PlaneWave,
             },
         }
+    }
+
+    fn smoothed(&self, section: Section) -> Result<Section> {
+        let Some(deviation_um) = self.smooth else { return Ok(section) };
+        if self.solver == Solver::FullWave {
+            return Err(Error::input("--smooth is of the fast simulation's formulas; full waves need none"));
+        }
+        section.smoothed(deviation_um).map_err(|error| error.at("--smooth"))
     }
 
     fn far_fields(&self, section: &Section, illuminations: &Illuminations) -> Result<Vec<FarField>> {
@@ -280,7 +295,7 @@ impl Args {
     /// What a mirror would reflect in each case; says where the simulation is off, by the worst case.
     fn mirrors(&self, illuminations: &Illuminations, width_um: f64) -> Vec<Mirror> {
         let fraction = |light: &Illumination| {
-            (light.window == Window::Gaussian)
+            (light.window != Window::PlaneWave)
                 .then(|| mirror_fraction(width_um, light.wavelength_nm, light.theta_i, light.phi_i))
         };
         let lights: Vec<Illumination> = illuminations.iter().collect();

@@ -80,6 +80,9 @@ pub(crate) struct Args {
     /// Let the top stand in its own light in the fast simulation's formulas, evaluated plainly (slower)
     #[arg(long, conflicts_with = "three_d")]
     shadowing: bool,
+    /// In the fast simulation, average the outlines of long inclusions along x over this standard deviation, µm
+    #[arg(long, value_name = "UM", conflicts_with = "three_d")]
+    smooth: Option<f64>,
     /// At three wavelengths: a narrow barbule against full waves, few segments
     #[arg(long)]
     quick: bool,
@@ -221,7 +224,10 @@ impl Args {
         let section = self.narrowed(structure, quick)?.instance(self.common.seed, self.instance)?;
         let nm = self.nm();
         let azimuths = usual_azimuths(&section, nm.iter().copied().fold(f64::INFINITY, f64::min));
-        let closed = section.closed(Beneath::Absorbing)?;
+        let mut closed = section.closed(Beneath::Absorbing)?;
+        if let Some(deviation_um) = self.smooth {
+            closed.fast = closed.fast.smoothed(deviation_um).map_err(|error| error.at("--smooth"))?;
+        }
         if closed.fast.boundaries.is_empty() {
             return Err(Error::input(format!(
                 "{}: the section has no top boundary, which the fast simulation needs; give one with boundaries",
@@ -236,6 +242,7 @@ impl Args {
             azimuths,
             elements_per_wavelength: self.elements,
             method: if self.shadowing { Method::Shadowed } else { Method::Fast },
+            smooth_um: self.smooth,
             memory_bytes: self.common.allowance().bytes,
         })
     }

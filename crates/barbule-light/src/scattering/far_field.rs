@@ -36,10 +36,34 @@ impl Polarization {
 /// How far across the light falls on a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Window {
-    /// g(x) = exp(−x²/(W/4)²) with the section's width W: light of limited coherence on a finite barbule.
+    /// g(x) = exp(−x²/(W/4)²) with the section's width W on the top as it is: light of limited coherence on a finite barbule.
     Gaussian,
+    /// The beam whose field on z = 0 is g(x) times the plane wave's: Maxwell's equations allow no field that is g on a top that is
+    /// not flat. It comes slanting, so that at φ_i = 60° a hill of 1 µm takes what belongs to a place 1.7 µm beside it.
+    Beam,
     /// A plane wave on the whole section.
     PlaneWave,
+}
+
+impl Window {
+    /// Factor to the plane wave's field at a point of the top of a section; of the plane waves of a beam, one.
+    #[inline]
+    #[must_use]
+    pub fn at(self, x_um: f64, width_um: f64) -> f64 {
+        match self {
+            Self::Gaussian => (-(x_um / (width_um / 4.0)).powi(2)).exp(),
+            Self::Beam | Self::PlaneWave => 1.0,
+        }
+    }
+
+    /// The light whose incident power is Φ_i, µm, where it has one.
+    #[must_use]
+    pub fn light(self, power_um: f64) -> IncidentLight {
+        match self {
+            Self::Gaussian | Self::Beam => IncidentLight::Beam { power_um },
+            Self::PlaneWave => IncidentLight::PlaneWave,
+        }
+    }
 }
 
 /// Light of unit |E| at the origin from one direction.

@@ -6,15 +6,14 @@
 use glam::DVec3;
 use num_complex::Complex64;
 
+use super::beam;
 use super::crystal::Cell;
 use super::crystal::multipole::PreparedCell;
 use super::film::{Polarization, reflect};
 use super::surface::solver;
-use crate::progress::{Progress, Unobserved};
+use crate::progress::{OnlyStops, Progress, Unobserved};
 use crate::scattering::directions::{e1, e2, omega};
-use crate::scattering::far_field::{
-    Azimuths, FarField, Illumination, IncidentLight, Window, coefficients, refinement,
-};
+use crate::scattering::far_field::{Azimuths, FarField, Illumination, Window, coefficients, refinement};
 use crate::structure::{Columns, CrystalLayer, Polyline, Ray, Section, cast};
 use crate::{Error, Result};
 
@@ -61,6 +60,11 @@ pub fn far_field_observed(
     shadows: Shadows,
     progress: &dyn Progress,
 ) -> Result<FarField> {
+    if illumination.window == Window::Beam {
+        return beam::far_field(section, illumination, azimuths, &|wave, azimuths| {
+            far_field_observed(section, wave, azimuths, element_um, shadows, &OnlyStops(progress))
+        });
+    }
     section.check_lit_through_air()?;
     let lit = illuminate(section, element_um, illumination, shadows, progress)?;
     radiate(&lit, illumination, azimuths, progress)
@@ -153,10 +157,7 @@ fn illuminate(
         if cos_alpha <= 0.0 {
             continue;
         }
-        let g = match window {
-            Window::Gaussian => (-(ray.x_um / (section.width_um / 4.0)).powi(2)).exp(),
-            Window::PlaneWave => 1.0,
-        };
+        let g = window.at(ray.x_um, section.width_um);
         lit.incident_power_um += g * g * cos_alpha * length;
         if !skies[p].shows(phi_i) {
             continue;
@@ -190,10 +191,7 @@ fn radiate(
         * (j * k)
         * (2.0 / (std::f64::consts::PI * kappa)).sqrt()
         * Complex64::from_polar(1.0, -std::f64::consts::FRAC_PI_4);
-    let light = match illumination.window {
-        Window::Gaussian => IncidentLight::Beam { power_um: lit.incident_power_um },
-        Window::PlaneWave => IncidentLight::PlaneWave,
-    };
+    let light = illumination.window.light(lit.incident_power_um);
     let scale = light.scale();
     let mut amplitudes: [[Vec<Complex64>; 2]; 2] = Default::default();
     let mut radiated = [0.0; 2];

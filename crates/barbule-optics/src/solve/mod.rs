@@ -1,5 +1,6 @@
 //! Wave solvers: each takes a structure and gives scattered fields.
 
+mod beam;
 pub mod crystal;
 pub mod diffraction;
 pub mod direct;

@@ -18,6 +18,7 @@ mod outline;
 mod section;
 mod segment;
 mod side;
+mod smooth;
 mod species;
 pub mod stack;
 mod sweep;

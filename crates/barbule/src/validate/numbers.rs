@@ -7,6 +7,9 @@ use crate::spectrum::Wavelengths;
 use crate::spectrum::colour::{Illuminant, Observer};
 use crate::spectrum::difference::{delta_e_2000, lab};
 
+/// Beyond this light leaves near the horizon, where single reflections are not enough, degrees.
+const UPWARD_DEG: f64 = 75.0;
+
 /// One wavelength and incidence by both simulations; powers are parts of the incident power.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
@@ -18,6 +21,8 @@ pub struct Case {
     pub full: Vec<f64>,
     /// What leaves into the upper half: fast, full.
     pub reflected: [f64; 2],
+    /// The same by the fast simulation under its own window, which lies on the top: a part of what falls through that.
+    pub windowed: f64,
     /// What absorbing regions take, by full waves.
     pub absorbed: f64,
     /// What leaves in all directions but for the light itself, by full waves.
@@ -58,6 +63,8 @@ pub struct Comparison {
     pub fast_seconds: f64,
     /// Whether the fast simulation's formulas had the top in its own light.
     pub has_shadows: bool,
+    /// Over which standard deviation its outlines were averaged, µm.
+    pub smooth_um: Option<f64>,
     /// Memory that the fast simulation takes for one illumination at most, bytes.
     pub fast_bytes: u64,
     /// By incidence.
@@ -69,6 +76,17 @@ impl Case {
     #[must_use]
     pub fn power_error(&self) -> f64 {
         self.reflected[0] / self.reflected[1] - 1.0
+    }
+
+    /// What leaves within [`UPWARD_DEG`] of the z axis, by the patterns: fast, full.
+    #[must_use]
+    pub fn upward(&self) -> [f64; 2] {
+        [&self.fast, &self.full].map(|pattern| {
+            let step = 180.0 / pattern.len() as f64;
+            let phi_deg = |n: usize| (n as f64 + 0.5) * step - 90.0;
+            let values = pattern.iter().enumerate().filter(|(n, _)| phi_deg(*n).abs() < UPWARD_DEG);
+            values.map(|(_, value)| value * step.to_radians()).sum()
+        })
     }
 
     /// The correlation of both patterns.
@@ -129,6 +147,12 @@ impl Incidence {
         self.mean(|case| case.reflected[0]) / self.mean(|case| case.reflected[1]) - 1.0
     }
 
+    /// The same of what leaves within [`UPWARD_DEG`] of the z axis.
+    #[must_use]
+    pub fn mean_upward_error(&self) -> f64 {
+        self.mean(|case| case.upward()[0]) / self.mean(|case| case.upward()[1]) - 1.0
+    }
+
     fn mean(&self, of: impl Fn(&Case) -> f64) -> f64 {
         self.cases.iter().map(of).sum::<f64>() / self.cases.len() as f64
     }
@@ -149,10 +173,12 @@ impl Comparison {
             json!({
                 "wavelength_nm": case.wavelength_nm,
                 "reflected_fast": case.reflected[0],
+                "reflected_fast_window_on_top": case.windowed,
                 "reflected_full_wave": case.reflected[1],
                 "absorbed_full_wave": case.absorbed,
                 "scattered_full_wave": case.scattered,
                 "power_error": case.power_error(),
+                "power_error_within_75_deg": case.upward()[0] / case.upward()[1] - 1.0,
                 "pattern_correlation": case.correlation(),
                 "pattern_rms": case.rms(),
                 "unknowns": case.effort.unknowns,
@@ -166,6 +192,7 @@ impl Comparison {
                 "delta_e_2000": found.delta_e,
                 "delta_e_2000_pattern": found.delta_e_pattern,
                 "mean_power_error": found.mean_power_error(),
+                "mean_power_error_within_75_deg": found.mean_upward_error(),
                 "mean_pattern_correlation": found.mean(Case::correlation),
                 "mean_pattern_rms": found.mean(Case::rms),
                 "wavelengths": found.cases.iter().map(case).collect::<Vec<_>>(),
@@ -177,6 +204,7 @@ impl Comparison {
             "changes": self.changes,
             "elements_per_wavelength": self.elements_per_wavelength,
             "shadowing": self.has_shadows,
+            "smooth_um": self.smooth_um,
             "fast_seconds": self.fast_seconds,
             "fast_bytes": self.fast_bytes,
             "full_wave_seconds": self.full_seconds(),
@@ -189,7 +217,7 @@ impl Comparison {
     #[must_use]
     pub fn table(&self) -> String {
         let mut text = format!(
-            "{}, {} µm wide, {} wavelengths\n{:>8}  {:>8}  {:>8}  {:>12}  {:>12}  {:>8}  {:>8}  {:>12}\n",
+            "{}, {} µm wide, {} wavelengths\n{:>8}  {:>8}  {:>8}  {:>12}  {:>12}  {:>12}  {:>8}  {:>8}  {:>12}\n",
             self.name,
             self.width_um,
             self.wavelengths_nm.len(),
@@ -197,6 +225,7 @@ impl Comparison {
             "fast",
             "full",
             "power error",
+            "within 75°",
             "correlation",
             "RMS",
             "ΔE00",
@@ -204,11 +233,12 @@ impl Comparison {
         );
         for found in &self.incidences {
             text += &format!(
-                "{:>8}  {:>8.4}  {:>8.4}  {:>+11.1} %  {:>12.3}  {:>8.3}  {:>8.1}  {:>12.1}\n",
+                "{:>8}  {:>8.4}  {:>8.4}  {:>+10.1} %  {:>+10.1} %  {:>12.3}  {:>8.3}  {:>8.1}  {:>12.1}\n",
                 format!("{:.0}", found.phi_deg),
                 found.mean(|case| case.reflected[0]),
                 found.mean(|case| case.reflected[1]),
                 1e2 * found.mean_power_error(),
+                1e2 * found.mean_upward_error(),
                 found.mean(Case::correlation),
                 found.mean(Case::rms),
                 found.delta_e,
@@ -232,7 +262,8 @@ mod tests {
 
     fn case(wavelength_nm: f64, fast: Vec<f64>, full: Vec<f64>, reflected: [f64; 2]) -> Case {
         let effort = Effort { unknowns: 8, elements_per_wavelength: 10.0, seconds: 2.0, memory_bytes: 100 };
-        Case { wavelength_nm, fast, full, reflected, absorbed: 0.1, scattered: 0.9, effort }
+        let windowed = reflected[0];
+        Case { wavelength_nm, fast, full, reflected, windowed, absorbed: 0.1, scattered: 0.9, effort }
     }
 
     #[test]
@@ -244,6 +275,11 @@ mod tests {
         let twice = case(500.0, double, pattern.clone(), [0.6, 0.3]);
         assert!((twice.power_error() - 1.0).abs() < 1e-15 && (twice.rms() - 1.0).abs() < 1e-15);
         assert!((twice.correlation() - 1.0).abs() < 1e-12);
+        // Azimuths ±22.5° and ±67.5°, each a quarter of the half circle.
+        assert!((twice.upward()[1] - 0.25 * std::f64::consts::PI * 0.75).abs() < 1e-12);
+        assert!((twice.upward()[0] - 2.0 * twice.upward()[1]).abs() < 1e-12);
+        let horizon = case(500.0, vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], vec![0.1; 8], [0.1, 0.1]);
+        assert_eq!(horizon.upward()[0], 0.0);
         let turned = case(500.0, pattern.iter().rev().copied().collect(), pattern, [0.3, 0.3]);
         assert!(turned.correlation() < 0.5);
     }

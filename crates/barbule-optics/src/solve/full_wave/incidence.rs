@@ -1,16 +1,12 @@
 //! The light that falls on a section, at points.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
+use super::super::beam::{PlaneWave, plane_waves};
 use super::shape::Point;
 use crate::Complex64;
 use crate::scattering::directions::{e1, e2, omega};
-use crate::scattering::far_field::{Illumination, Polarization, Window};
-
-/// Beyond so many beam radii a Gaussian is below 1e-16.
-const GAUSSIAN_END: f64 = 6.1;
+use crate::scattering::far_field::{Illumination, Polarization};
 
 /// Plane waves that make up the light of one polarization.
 #[derive(Debug, Clone)]
@@ -28,9 +24,7 @@ struct Wave {
 }
 
 impl Incidence {
-    /// A plane wave of unit |E|; or, through a Gaussian window on a section `width_um` wide whose points lie within
-    /// `radius_um` of the origin, the beam whose field on z = 0 is g(x) e^{jk_i·r}: plane waves of the same k_y, each with its own
-    /// e₁ or e₂, without evanescent ones.
+    /// The waves of [`plane_waves`], each with its own e₁ or e₂.
     pub(super) fn new(
         light: &Illumination,
         polarization: Polarization,
@@ -38,7 +32,6 @@ impl Incidence {
         radius_um: f64,
     ) -> Self {
         let k = light.wave_number_per_um();
-        let kappa = k * light.theta_i.cos();
         let wave = |phi: f64, amplitude: f64| {
             let (electric, magnetic) = match polarization {
                 Polarization::First => (e1(light.theta_i, phi), e2(phi)),
@@ -47,23 +40,10 @@ impl Incidence {
             let w = omega(light.theta_i, phi);
             Wave { k: [-k * w.x, -k * w.z], amplitude, electric, magnetic }
         };
-        if light.window == Window::PlaneWave {
-            return Self { waves: vec![wave(light.phi_i, 1.0)] };
+        let waves = plane_waves(light, width_um, radius_um);
+        Self {
+            waves: waves.into_iter().map(|PlaneWave { phi_i, amplitude }| wave(phi_i, amplitude)).collect(),
         }
-        let beam = width_um / 4.0;
-        // The spectrum of g is (w/2√π) e^{−(qw/2)²}; a sum at distance Δq repeats the beam at 2π/Δq.
-        let repeat = 2.0 * (radius_um + GAUSSIAN_END * beam);
-        let step = 2.0 * PI / repeat;
-        let end = (2.0 * GAUSSIAN_END / beam / step).ceil() as i64;
-        let middle = kappa * light.phi_i.sin();
-        let waves = (-end..=end).filter_map(|n| {
-            let q = n as f64 * step;
-            // k_x = −κ sinφ.
-            let sin = (middle - q) / kappa;
-            let spectrum = beam / (2.0 * PI.sqrt()) * (-(0.5 * q * beam).powi(2)).exp();
-            (sin.abs() < 1.0).then(|| wave(sin.asin(), spectrum * step))
-        });
-        Self { waves: waves.collect() }
     }
 
     /// E_y, H̃_t, H̃_y, E_t at a point.
@@ -93,6 +73,7 @@ impl Incidence {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scattering::far_field::Window;
 
     #[test]
     fn a_window_gives_its_gaussian_on_the_plane_through_the_origin() {

@@ -19,6 +19,7 @@ mod tests;
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::time::Instant;
 
+use super::beam;
 use super::far_fields::Illuminations;
 use crate::math::dense::Dense;
 use crate::math::hierarchical::HierarchicalFactors;
@@ -308,11 +309,7 @@ impl<'a> Problem<'a> {
             return Err(Error::not_settled("the fields on the boundaries are not finite"));
         }
         let far = lights.iter().zip(&fields).map(|(light, fields)| {
-            let power_um = match window {
-                Window::Gaussian => Some(incident_power_um(section.width_um, light)),
-                Window::PlaneWave => None,
-            };
-            scatter(&operator.mesh, light, fields, power_um, azimuths)
+            scatter(&operator.mesh, light, fields, beam::power_um(section.width_um, light), azimuths)
         });
         let scattered: Vec<Scattered> = far.collect();
         let effort = Effort {
@@ -371,25 +368,18 @@ fn solve_hierarchically(
     Ok(factors.bytes())
 }
 
-/// Φ_i of a beam on a flat top as wide as the section, µm.
-fn incident_power_um(width_um: f64, light: &Illumination) -> f64 {
-    // ∫ exp(−2x²/(W/4)²) dx over ±W/2.
-    let beam = width_um / 4.0;
-    let flat = beam * (PI / 2.0).sqrt() * libm::erf(2.0 * 2f64.sqrt());
-    flat * light.theta_i.cos() * light.phi_i.cos().max(0.0)
-}
-
 /// The far field of fields on the boundaries, by incident polarization.
 fn scatter(
     mesh: &Mesh,
     light: &Illumination,
     fields: &[Fields; 2],
-    power_um: Option<f64>,
+    power_um: f64,
     azimuths: usize,
 ) -> Scattered {
     let (k, theta_i) = (light.wave_number_per_um(), light.theta_i);
     let kappa = k * theta_i.cos();
-    let incident = power_um.map_or(IncidentLight::PlaneWave, |power_um| IncidentLight::Beam { power_um });
+    let incident = light.window.light(power_um);
+    let is_beam = incident != IncidentLight::PlaneWave;
     let circle = Azimuths::FullCircle(azimuths);
     let amplitudes = radiate(mesh, fields, (k, theta_i), &circle.phi_o());
     // Squares have twice the band of fields.
@@ -433,9 +423,9 @@ fn scatter(
     };
     Scattered {
         far,
-        reflected: power_um.map(|_| [0, 1].map(|p| power(&resolved[p], &upper) * scale * scale)),
+        reflected: is_beam.then(|| [0, 1].map(|p| power(&resolved[p], &upper) * scale * scale)),
         scattered_um,
-        extinction_um: power_um.is_none().then(|| [0, 1].map(extinction)),
+        extinction_um: (!is_beam).then(|| [0, 1].map(extinction)),
         absorbed_um: [0, 1].map(|p| absorbed_um(mesh, &fields[p])),
     }
 }

@@ -40,10 +40,11 @@ pub use synthesis::Grid;
 
 use num_complex::Complex64;
 
+use super::beam;
 use crate::Result;
 use crate::math::simd::Width;
-use crate::progress::{Progress, Unobserved};
-use crate::scattering::far_field::{Azimuths, FarField, Illumination, IncidentLight, Window};
+use crate::progress::{OnlyStops, Progress, Unobserved};
+use crate::scattering::far_field::{Azimuths, FarField, Illumination, Window};
 use crate::structure::Section;
 use batch::{Buffers, unless_cancelled};
 use radiation::nodes_at_once;
@@ -99,12 +100,14 @@ pub fn far_field_observed(
 ) -> Result<FarField> {
     let Accuracy { element_um, width } = *accuracy;
     let Illumination { wavelength_nm, theta_i, phi_i, window } = *illumination;
+    if window == Window::Beam {
+        return beam::far_field(section, illumination, azimuths, &|wave, azimuths| {
+            far_field_observed(section, wave, azimuths, accuracy, &OnlyStops(progress))
+        });
+    }
     let barbule = Barbule::new(section, element_um, window)?;
     let cone = Cone::around(std::slice::from_ref(&barbule), wavelength_nm, theta_i);
-    let light = match window {
-        Window::Gaussian => IncidentLight::Beam { power_um: barbule.incident_power_um(theta_i, phi_i) },
-        Window::PlaneWave => IncidentLight::PlaneWave,
-    };
+    let light = window.light(barbule.incident_power_um(theta_i, phi_i));
     let reflector = barbule.exactly(wavelength_nm, theta_i, &[phi_i], progress)?;
     let batch = Batch { cone: &cone, phi_i: &[phi_i], lights: &[light] };
     let mut buffers = Buffers::<f64>::new(width);

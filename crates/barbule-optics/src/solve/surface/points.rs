@@ -122,7 +122,6 @@ impl Points {
     ) -> Result<Self> {
         section.check_lit_through_air()?;
         let top = section.top();
-        let quarter = section.width_um / 4.0;
         let gauss = 0.5 / 3f64.sqrt();
         let mut rays = Vec::new();
         let (mut tangent_x, mut tangent_z) = (Vec::new(), Vec::new());
@@ -145,10 +144,7 @@ impl Points {
                     let t = (element as f64 + 0.5 + side) / elements as f64;
                     let (px, pz) = (x[0] + t * dx, z[0] + t * dz);
                     let weight = length / (2.0 * elements as f64);
-                    let g = match window {
-                        Window::Gaussian => (-(px / quarter).powi(2)).exp(),
-                        Window::PlaneWave => 1.0,
-                    };
+                    let g = window.at(px, section.width_um);
                     rays.push(Ray { x_um: px, z_um: pz, normal: [-tz, tx] });
                     tangent_x.push(tx);
                     tangent_z.push(tz);

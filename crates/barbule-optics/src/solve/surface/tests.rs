@@ -13,7 +13,7 @@ use crate::material::Library;
 use crate::math::rng::Stream;
 use crate::progress::Unobserved;
 use crate::scattering::directions::{e1, e2, omega};
-use crate::scattering::far_field::Polarization;
+use crate::scattering::far_field::{IncidentLight, Polarization};
 use crate::solve::direct;
 use crate::solve::film::{self, reflect};
 use crate::structure::{Medium, Parts, Polyline, Section, SpeciesModel, Substance};
