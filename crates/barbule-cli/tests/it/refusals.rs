@@ -56,6 +56,15 @@ const LINES: &[(&str, &str)] = &[
     ("spectrum starling --angles 90", "--angles: 90° is at or past grazing"),
     ("far-field starling --wavelengths 299 --theta 0 --phi 0", "--wavelengths: 299 nm is outside"),
     ("film air/keratin:5/air --angles inf", "'inf' is not a number"),
+    (
+        "far-field starling --wavelength 550 --theta 0 --phi 0 --smooth 9",
+        "--smooth: outlines averaged over 9 µm",
+    ),
+    (
+        "far-field hummingbird --wavelength 550 --theta 0 --phi 0 --smooth 0.05 --solver full-wave",
+        "--smooth is of the fast simulation's formulas",
+    ),
+    ("far-field starling --wavelength 550 --theta 0 --phi 0 --window round", "'round'"),
     // Heights.
     ("diffract blazed --pitch 1 -o @f.png", "--pitch is of files, but blazed is a sample"),
     ("diffract @none.npy --pitch 1 -o @f.png", "none.npy: no such file"),
