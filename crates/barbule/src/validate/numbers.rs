@@ -78,7 +78,7 @@ impl Case {
         self.reflected[0] / self.reflected[1] - 1.0
     }
 
-    /// What leaves within [`UPWARD_DEG`] of the z axis, by the patterns: fast, full.
+    /// What leaves within 75° of the z axis, by the patterns: fast, full.
     #[must_use]
     pub fn upward(&self) -> [f64; 2] {
         [&self.fast, &self.full].map(|pattern| {
@@ -147,7 +147,7 @@ impl Incidence {
         self.mean(|case| case.reflected[0]) / self.mean(|case| case.reflected[1]) - 1.0
     }
 
-    /// The same of what leaves within [`UPWARD_DEG`] of the z axis.
+    /// The same of what leaves within 75° of the z axis.
     #[must_use]
     pub fn mean_upward_error(&self) -> f64 {
         self.mean(|case| case.upward()[0]) / self.mean(|case| case.upward()[1]) - 1.0
