@@ -2,39 +2,15 @@
 
 use std::sync::LazyLock;
 
-use super::integrator::Sample;
+use super::integrator::{Behind, FirstHit, NO_HIT, Sample};
 use super::planes::{Compositing, Planes};
-use crate::spectrum::colour::{Illuminant, matching, rgb_from_xyz, xyz_from_rgb};
-use crate::spectrum::dense::{DenseSpectrum, SHORTEST_NM, VALUES, WAVES};
+use super::response::xyz;
+use crate::spectrum::colour::{Illuminant, rgb_from_xyz};
+use crate::spectrum::dense::DenseSpectrum;
 use crate::{Error, Result};
 
 /// Side of a tile, pixels.
 pub const TILE: u32 = 32;
-
-/// The colour-matching functions at the renderer's wavelengths, each scaled so that daylight (D65, 1 at 560 nm) cut to
-/// 380 … 720 nm has exactly the X, Y and Z of sRGB's white; a zero fills each row to the width of a register.
-static MATCHING: LazyLock<[[f64; 4]; VALUES]> = LazyLock::new(|| {
-    let nm = |i: usize| SHORTEST_NM + i as f64;
-    let mut table: [[f64; 4]; VALUES] = std::array::from_fn(|i| {
-        let [x, y, z] = matching(nm(i));
-        [x, y, z, 0.0]
-    });
-    let mut sums = [0.0; 3];
-    for (i, row) in table.iter().enumerate() {
-        let weight = if i == 0 || i + 1 == VALUES { 0.5 } else { 1.0 };
-        let daylight = weight * Illuminant::D65.power(nm(i)) / Illuminant::D65.power(560.0);
-        for (sum, value) in sums.iter_mut().zip(row) {
-            *sum += daylight * value;
-        }
-    }
-    let white = xyz_from_rgb([1.0; 3]);
-    for row in &mut table {
-        for k in 0..3 {
-            row[k] *= white[k] / sums[k];
-        }
-    }
-    table
-});
 
 /// What a pixel knows of the samples that were taken in it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -324,33 +300,58 @@ impl Tile {
         sample: &Sample,
         is_first: bool,
     ) {
-        let xyz = xyz(sample);
+        let xyz = xyz(&sample.radiance, &sample.hero);
         let bands = planes.spectral.nm().len();
+        self.each_tent([x, y], width, sample.offset, |tile, at, weight| {
+            tile.sum(at, weight, xyz, sample.alpha);
+            if bands > 0 {
+                let sums = &mut tile.spectra[at * bands..][..bands];
+                planes.spectral.each(sample, |band, value| sums[band] += weight * value);
+            }
+        });
+        let own = (y * width + x) as usize;
+        self.pixels[own].add(&sample.first, xyz[1], is_first);
+        if let Some(compositing) = self.compositing.get_mut(own)
+            && sample.first.id != 0
+        {
+            compositing.add(&sample.first, albedo(sample));
+        }
+    }
+
+    /// The same of a sample that sees what is behind the scene, of which no spectrum is kept.
+    #[inline(always)]
+    pub(super) fn add_behind(&mut self, [x, y]: [u32; 2], width: u32, sample: &Behind) {
+        let Behind { xyz, alpha, offset } = *sample;
+        self.each_tent([x, y], width, offset, |tile, at, weight| tile.sum(at, weight, xyz, alpha));
+        self.pixels[(y * width + x) as usize].add(&NO_HIT, xyz[1], false);
+    }
+
+    #[inline(always)]
+    fn sum(&mut self, at: usize, weight: f64, [x, y, z]: [f64; 3], alpha: f64) {
+        for (sum, value) in self.sums[at].iter_mut().zip([x, y, z, alpha, 1.0]) {
+            *sum += weight * value;
+        }
+    }
+
+    /// Calls `add(tile, place in its sums, weight)` for the four pixels whose tents a sample lies in.
+    #[inline(always)]
+    fn each_tent(
+        &mut self,
+        [x, y]: [u32; 2],
+        width: u32,
+        offset: [f64; 2],
+        mut add: impl FnMut(&mut Self, usize, f64),
+    ) {
         // The pixel's column and the one that is nearer, and their weights.
         let along = |place: u32, offset: f64| {
             let beside = if offset < 0.5 { place } else { place + 2 };
             let away = (offset - 0.5).abs();
             [(place + 1, 1.0 - away), (beside, away)]
         };
-        for (row, tall) in along(y, sample.offset[1]) {
-            for (column, wide) in along(x, sample.offset[0]) {
-                let at = (row * (width + 2) + column) as usize;
-                let values = [xyz[0], xyz[1], xyz[2], sample.alpha, 1.0];
-                for (sum, value) in self.sums[at].iter_mut().zip(values) {
-                    *sum += wide * tall * value;
-                }
-                if bands > 0 {
-                    let sums = &mut self.spectra[at * bands..][..bands];
-                    planes.spectral.each(sample, |band, value| sums[band] += wide * tall * value);
-                }
+        for (row, tall) in along(y, offset[1]) {
+            for (column, wide) in along(x, offset[0]) {
+                add(self, (row * (width + 2) + column) as usize, wide * tall);
             }
-        }
-        let own = (y * width + x) as usize;
-        self.pixels[own].add(sample, xyz[1], is_first);
-        if let Some(compositing) = self.compositing.get_mut(own)
-            && sample.first.id != 0
-        {
-            compositing.add(&sample.first, albedo(sample));
         }
     }
 }
@@ -363,40 +364,23 @@ static DAYLIGHT: LazyLock<DenseSpectrum> =
 fn albedo(sample: &Sample) -> [f64; 3] {
     let daylight = DAYLIGHT.at_each(sample.hero.wavelengths);
     let radiance = std::array::from_fn(|k| sample.first.albedo[k] * daylight[k] / sample.hero.pdf[k]);
-    xyz(&Sample { radiance, ..*sample })
-}
-
-/// Its CIE XYZ.
-#[inline(always)]
-fn xyz(sample: &Sample) -> [f64; 3] {
-    let matching = &*MATCHING;
-    let places = sample.hero.wavelengths.places();
-    let mut xyz = [0.0; 4];
-    for k in 0..WAVES {
-        let index = (places.below[k] as usize).min(VALUES - 2);
-        let (low, high) = (&matching[index], &matching[index + 1]);
-        let share = sample.radiance[k] / WAVES as f64;
-        for i in 0..4 {
-            xyz[i] += share * (low[i] + (high[i] - low[i]) * places.rest[k]);
-        }
-    }
-    [xyz[0], xyz[1], xyz[2]]
+    xyz(&radiance, &sample.hero)
 }
 
 impl Pixel {
     #[inline(always)]
-    fn add(&mut self, sample: &Sample, luminance: f64, is_first: bool) {
+    fn add(&mut self, first: &FirstHit, luminance: f64, is_first: bool) {
         self.luminance += luminance;
         self.squares += luminance * luminance;
-        if sample.first.id != 0 {
-            for (sum, value) in self.normal.iter_mut().zip(sample.first.normal.to_array()) {
+        if first.id != 0 {
+            for (sum, value) in self.normal.iter_mut().zip(first.normal.to_array()) {
                 *sum += value;
             }
-            self.depth += sample.first.depth;
+            self.depth += first.depth;
             self.hits += 1;
         }
         if is_first {
-            self.id = sample.first.id;
+            self.id = first.id;
         }
     }
 
@@ -415,32 +399,8 @@ impl Pixel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::integrator::{FirstHit, NO_HIT};
     use crate::render::wavelengths::Hero;
-
-    #[test]
-    fn daylight_of_radiance_1_is_white() {
-        let mut sum = [0.0; 3];
-        let count = 4096;
-        for i in 0..count {
-            let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
-            let daylight = |w: f64| Illuminant::D65.power(w) / Illuminant::D65.power(560.0);
-            let radiance = std::array::from_fn(|k| daylight(hero.wavelengths.nm()[k]) / hero.pdf[k]);
-            for (sum, value) in sum.iter_mut().zip(xyz(&Sample {
-                radiance,
-                hero,
-                first: NO_HIT,
-                offset: [0.5; 2],
-                alpha: 0.0,
-                rays: [0; 2],
-            })) {
-                *sum += value / f64::from(count);
-            }
-        }
-        let rgb = rgb_from_xyz(sum);
-        // Quadrature of the sharp lines of D65's table: 1e-4.
-        assert!(rgb.iter().all(|v| (v - 1.0).abs() < 1e-4), "{rgb:?}");
-    }
+    use crate::spectrum::dense::WAVES;
 
     /// A ramp of light, in tiles with counts of their own: every pixel is the ramp through its tent, also at the edges.
     #[test]
@@ -469,8 +429,8 @@ mod tests {
             }
             film.tiles[tile].count = repeats * side * side;
         }
-        let (hero, radiance, first) = (Hero::new(0.3), [1.0; WAVES], NO_HIT);
-        let white = xyz(&Sample { radiance, hero, first, offset: [0.5; 2], alpha: 1.0, rays: [0; 2] })[1];
+        let (hero, radiance) = (Hero::new(0.3), [1.0; WAVES]);
+        let white = xyz(&radiance, &hero)[1];
         let value = |x: u32, y: u32| film.xyz(x, y)[1] / white;
         for (x, y, centre) in [
             (5, 7, 5.5),
@@ -506,7 +466,7 @@ mod tests {
                 }
             }
         }
-        let expected = xyz(&sample)[1];
+        let expected = xyz(&radiance, &hero)[1];
         for (x, y) in (0..70).flat_map(|x| (0..33).map(move |y| (x, y))) {
             assert!((film.xyz(x, y)[1] / expected - 1.0).abs() < 1e-12);
         }

@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::accelerator::Beam;
 use super::light::Lighting;
 use super::sampler::Sampler;
 use super::stage::Stage;
@@ -13,7 +14,7 @@ use super::wavelengths::Hero;
 use super::window::{Inside, Met};
 use crate::bsdf::{Bsdf, Hit, Lobes};
 use crate::math::rng::split_mix;
-use crate::scene::camera::{Camera, View};
+use crate::scene::camera::{Camera, CameraRay, View};
 use crate::spectrum::dense::WAVES;
 
 /// Which techniques gather light: all for pictures, one alone for tests.
@@ -97,6 +98,17 @@ pub struct Sample {
     pub alpha: f64,
 }
 
+/// One sample of a pixel that sees no surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Behind {
+    /// CIE XYZ of the light that is seen.
+    pub(super) xyz: [f64; 3],
+    /// As of a [`Sample`].
+    pub(super) alpha: f64,
+    /// As of a [`Sample`].
+    pub(super) offset: [f64; 2],
+}
+
 /// Nothing was hit.
 pub(super) const NO_HIT: FirstHit =
     FirstHit { normal: DVec3::ZERO, depth: 0.0, id: 0, object: 0, albedo: [0.0; WAVES] };
@@ -119,6 +131,14 @@ impl<'a> Integrator<'a> {
         self.camera.view(size)
     }
 
+    /// Whether a ray through the pixels from `low` to below `high` may meet a surface; where not, none does.
+    pub(super) fn may_meet(&self, view: &View, low: [u32; 2], high: [u32; 2], size: [u32; 2]) -> bool {
+        let point = |pixel: [u32; 2]| {
+            DVec2::from_array(std::array::from_fn(|k| f64::from(pixel[k]) / f64::from(size[k])))
+        };
+        self.stage.may_meet(&Beam::about(&view.corners(point(low), point(high))))
+    }
+
     /// As [`Integrator::sample`], with the camera prepared for the size. Inlined with all that it calls often, so that it is
     /// compiled for the caller's instructions.
     #[inline(always)]
@@ -130,16 +150,10 @@ impl<'a> Integrator<'a> {
         sample: u64,
         seed: u64,
     ) -> Sample {
-        let index = u64::from(pixel[1]) * u64::from(size[0]) + u64::from(pixel[0]);
-        let mut sampler = Sampler::new(index, sample, seed);
-        let [x, y, lens_u, lens_v] = sampler.next4();
+        let mut sampler = Sampler::of_pixel(pixel, size, sample, seed);
+        let (offset, ray) = aimed(view, pixel, size, &mut sampler);
         let [wavelength, ..] = sampler.next4();
         let hero = Hero::new(wavelength);
-        let point = DVec2::new(
-            (f64::from(pixel[0]) + x) / f64::from(size[0]),
-            (f64::from(pixel[1]) + y) / f64::from(size[1]),
-        );
-        let ray = view.ray(point, DVec2::new(lens_u, lens_v));
         let mut path = Path::new(ray.origin, ray.direction, hero, [ray.footprint, ray.spread]);
         let mut first = NO_HIT;
         for depth in 0..=self.transport.most_scatterings {
@@ -152,7 +166,27 @@ impl<'a> Integrator<'a> {
             *value /= pdf;
         }
         let alpha = if path.is_through { 0.0 } else { 1.0 };
-        Sample { radiance, hero, first, offset: [x, y], alpha, rays: path.rays }
+        Sample { radiance, hero, first, offset, alpha, rays: path.rays }
+    }
+
+    /// The same of a ray that is known to meet no surface, without noise.
+    #[inline(always)]
+    pub(super) fn behind(
+        &self,
+        view: &View,
+        pixel: [u32; 2],
+        size: [u32; 2],
+        sample: u64,
+        seed: u64,
+    ) -> Behind {
+        let mut sampler = Sampler::of_pixel(pixel, size, sample, seed);
+        let (offset, ray) = aimed(view, pixel, size, &mut sampler);
+        let (xyz, is_lamp) = self.lighting.behind(ray.origin, ray.direction);
+        if is_lamp || self.transport.shows_sky {
+            Behind { xyz, alpha: 1.0, offset }
+        } else {
+            Behind { xyz: [0.0; 3], alpha: 0.0, offset }
+        }
     }
 
     /// Follows the path to its next scattering; `false` when it ends.
@@ -416,6 +450,17 @@ impl Path {
             *sum += weight * value / density;
         }
     }
+}
+
+/// Where in the pixel a sample is taken, and its ray.
+#[inline(always)]
+fn aimed(view: &View, pixel: [u32; 2], size: [u32; 2], sampler: &mut Sampler) -> ([f64; 2], CameraRay) {
+    let [x, y, lens_u, lens_v] = sampler.next4();
+    let point = DVec2::new(
+        (f64::from(pixel[0]) + x) / f64::from(size[0]),
+        (f64::from(pixel[1]) + y) / f64::from(size[1]),
+    );
+    ([x, y], view.ray(point, DVec2::new(lens_u, lens_v)))
 }
 
 #[inline(always)]

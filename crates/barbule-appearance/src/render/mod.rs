@@ -13,6 +13,7 @@ pub mod integrator;
 pub mod light;
 pub mod picture;
 pub mod planes;
+mod response;
 pub mod run;
 pub mod sampler;
 pub mod stage;

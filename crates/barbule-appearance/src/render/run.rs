@@ -29,6 +29,9 @@ pub struct Goal {
 /// Samples per pixel after which noise is looked at, and usually of a round.
 pub const ROUND: u32 = 8;
 
+/// Side of the blocks of pixels that are asked together whether any of their rays may meet a surface.
+const BLOCK: u32 = 4;
+
 impl Goal {
     /// So many samples per pixel, however noisy they leave it and however long they take.
     #[must_use]
@@ -135,11 +138,22 @@ fn grow<S: Simd>(
 ) {
     let ([x0, y0, x1, y1], size, planes) = (film.bounds(number), film.size(), film.planes());
     let view = integrator.view(size);
-    for y in y0..y1 {
-        for x in x0..x1 {
-            for sample in tile.count..samples {
+    let blocks = (x1 - x0).div_ceil(BLOCK);
+    let may_meet: Vec<bool> = (0..blocks * (y1 - y0).div_ceil(BLOCK))
+        .map(|block| [x0 + block % blocks * BLOCK, y0 + block / blocks * BLOCK])
+        .map(|[x, y]| integrator.may_meet(&view, [x, y], [(x + BLOCK).min(x1), (y + BLOCK).min(y1)], size))
+        .collect();
+    let keeps_spectra = !planes.spectral.nm().is_empty();
+    for (x, y) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))) {
+        let may_meet = keeps_spectra || may_meet[((y - y0) / BLOCK * blocks + (x - x0) / BLOCK) as usize];
+        let place = [x - x0, y - y0];
+        for sample in tile.count..samples {
+            if may_meet {
                 let drawn = integrator.seen(&view, [x, y], size, u64::from(sample), seed);
-                tile.add([x - x0, y - y0], x1 - x0, planes, &drawn, sample == 0);
+                tile.add(place, x1 - x0, planes, &drawn, sample == 0);
+            } else {
+                let drawn = integrator.behind(&view, [x, y], size, u64::from(sample), seed);
+                tile.add_behind(place, x1 - x0, &drawn);
             }
         }
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::accelerator::{Accelerator, Instances};
+use super::accelerator::{Accelerator, Beam, Instances};
 use super::window::{Met, Pane};
 use crate::Result;
 use crate::bsdf::{Hit, Surface};
@@ -94,6 +94,13 @@ impl Stage {
         let blocks = |instances: &Instances| instances.is_blocked(origin, direction, nearest, farthest);
         self.accelerator.is_blocked(origin, direction, nearest, farthest)
             || self.instances.as_ref().is_some_and(blocks)
+    }
+
+    /// Whether a ray of a beam may meet anything; where not, none does.
+    #[must_use]
+    pub(super) fn may_meet(&self, beam: &Beam) -> bool {
+        self.accelerator.may_meet(beam)
+            || self.instances.as_ref().is_some_and(|instances| instances.may_meet(beam))
     }
 
     /// What is seen through an object that is a window.

@@ -105,6 +105,25 @@ impl View {
         let direction = (camera.target + shift - origin).normalize();
         CameraRay { origin, direction, footprint: 0.0, spread: self.spread }
     }
+
+    /// Origins and directions (not of length 1) that all rays through a rectangle of the picture lie between.
+    #[must_use]
+    pub fn corners(&self, low: DVec2, high: DVec2) -> Vec<(DVec3, DVec3)> {
+        let Self { camera, right, up, .. } = *self;
+        let mut corners = Vec::with_capacity(16);
+        for [x, y] in [[low.x, low.y], [high.x, low.y], [low.x, high.y], [high.x, high.y]] {
+            let at = camera.target + right * ((x - 0.5) * camera.width_mm) + up * ((0.5 - y) * self.height);
+            let Some(radius) = self.lens_radius else {
+                corners.push((at - camera.target + camera.eye, self.forward));
+                continue;
+            };
+            for [u, v] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+                let origin = camera.eye + (right * u + up * v) * radius;
+                corners.push((origin, at - origin));
+            }
+        }
+        corners
+    }
 }
 
 /// Uniform on the unit disk from two uniform numbers (Shirley and Chiu 1997, the concentric map).

@@ -48,6 +48,12 @@ impl Emission {
             .sum()
     }
 
+    /// At every nanometre.
+    #[must_use]
+    pub fn spectrum(&self) -> &DenseSpectrum {
+        &self.spectrum
+    }
+
     /// At one wavelength, nm.
     #[must_use]
     pub fn at(&self, wavelength_nm: f64) -> f64 {

@@ -25,6 +25,18 @@ pub enum Light {
 }
 
 impl Light {
+    /// Its spectrum: radiance, or of points intensity.
+    #[must_use]
+    pub fn emission(&self) -> &Emission {
+        match self {
+            Self::Sun(Sun { emission, .. })
+            | Self::Rectangle(Rectangle { emission, .. })
+            | Self::Sphere(Sphere { emission, .. })
+            | Self::Point(Point { emission, .. })
+            | Self::Spot(Spot { emission, .. }) => emission,
+        }
+    }
+
     /// The light after a turn about the origin.
     #[must_use]
     pub fn turned(mut self, turn: DMat3) -> Self {

@@ -137,6 +137,12 @@ impl Sky {
         &self.texels
     }
 
+    /// The spectra that texels weigh: one or three.
+    #[must_use]
+    pub fn basis(&self) -> &[Emission] {
+        &self.basis
+    }
+
     /// Radiance from a direction.
     #[must_use]
     pub fn radiance(&self, direction: DVec3, wavelengths: Lambdas) -> [f64; WAVES] {

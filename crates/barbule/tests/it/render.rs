@@ -16,7 +16,7 @@ use barbule::render::checkpoint;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Technique, Transport};
 use barbule::render::light::{LightSample, Lighting};
-use barbule::render::planes::Planes;
+use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, run};
 use barbule::render::stage::Stage;
 use barbule::scene::camera::{Camera, Projection};
@@ -402,6 +402,64 @@ fn a_white_image_lights_as_the_plain_sky_does() {
     });
     let [image, plain] = films.map(|film| luminance(&film).0);
     assert!((image / plain - 1.0).abs() < 1e-6, "{image} {plain}");
+}
+
+/// Behind the scene colour is known without following paths. A film that keeps spectra follows them everywhere: with the same rays
+/// it finds the same shapes, the same alpha and, but for the wavelengths' noise, the same colours: of a sky, a sun and lamps.
+#[test]
+fn what_is_behind_the_scene_is_what_paths_find_there() {
+    let emission = Emission::new(|nm| 2.0 - 0.002 * nm).unwrap();
+    let towards = DVec3::new(0.0, 0.0, 1.0);
+    let view = Projection::Perspective { lens_radius: 0.3 };
+    let camera =
+        Camera { eye: DVec3::Z * 10.0, target: DVec3::ZERO, up: DVec3::Y, width_mm: 9.0, projection: view };
+    let sun = Sun {
+        direction: DVec3::new(0.25, 0.25, -0.9).normalize(),
+        cos_radius: 0.995,
+        emission: emission.clone(),
+    };
+    let plate = Rectangle {
+        corner: DVec3::new(-4.5, -4.0, -1.0),
+        edge_u: DVec3::X * 2.0,
+        edge_v: DVec3::Y * 2.0,
+        emission: emission.scaled(2.0),
+    };
+    let ball = Sphere { centre: towards * -3.0 + DVec3::X * 4.0, radius: 0.6, emission };
+    let lights = [Light::Sun(sun), Light::Rectangle(plate), Light::Sphere(ball)];
+    let lamps: Vec<Lamp> = lights.into_iter().map(|light| Lamp { light, weight: 1.0 }).collect();
+    let sky = Environment { sky: bright_pixel(24, 12), weight: 1.0 };
+    let ready = Ready::new(scene(fibres(), white(), (lamps, Some(sky)), camera));
+    for shows_sky in [true, false] {
+        let transport = Transport { most_scatterings: 2, shows_sky, ..Transport::default() };
+        let integrator = Integrator::new(&ready.stage, &ready.lighting, &ready.camera, transport);
+        let size = [70, 50];
+        let [known, followed] = [&[][..], &[550.0]].map(|nm| {
+            let planes = Planes { spectral: Bands::new(nm).unwrap(), ..Planes::default() };
+            let mut film = Film::with(size, planes).unwrap();
+            run(&integrator, &mut film, 1, goal(64), &Unobserved, &mut |_| Ok(())).unwrap();
+            film
+        });
+        let (mut behind, mut apart) = (0, [0.0; 3]);
+        for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
+            assert_eq!(known.alpha(x, y), followed.alpha(x, y), "{x} {y}");
+            assert_eq!(
+                (known.pixel(x, y).hits, known.pixel(x, y).id),
+                (followed.pixel(x, y).hits, followed.pixel(x, y).id)
+            );
+            if known.pixel(x, y).hits > 0 {
+                continue;
+            }
+            behind += 1;
+            let (known, followed) = (known.xyz(x, y), followed.xyz(x, y));
+            for (sum, (a, b)) in apart.iter_mut().zip(known.iter().zip(followed)) {
+                *sum += (a - b) / b.max(0.05);
+            }
+            let near = known.iter().zip(followed).all(|(a, b)| (a - b).abs() < 0.05 * b + 0.01);
+            assert!(near, "{x} {y}: {known:?} {followed:?}");
+        }
+        assert!(behind > 1000, "{behind}");
+        assert!(apart.iter().all(|sum| (sum / f64::from(behind)).abs() < 2e-3), "{apart:?} of {behind}");
+    }
 }
 
 /// Counts of samples in bins against the integral of the stated density.

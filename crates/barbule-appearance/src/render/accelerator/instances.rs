@@ -9,7 +9,7 @@ use obvhs::{Boundable, BvhBuildParams};
 
 use super::boxes::crossed;
 use super::primitive::Meeting;
-use super::{Accelerator, hits, ray};
+use super::{Accelerator, Beam, enters, hits, ray};
 use crate::bsdf::{Frame, Hit};
 use crate::math::rng::split_mix;
 use crate::math::simd::dispatch_large;
@@ -135,6 +135,12 @@ impl Instances {
         farthest: f64,
     ) -> bool {
         dispatch_large!(self.level, simd => self.any(simd, origin, direction, nearest, farthest))
+    }
+
+    /// Whether a ray of a beam may cross the box about a place.
+    #[must_use]
+    pub(in super::super) fn may_meet(&self, beam: &Beam) -> bool {
+        enters(&self.top, beam)
     }
 
     #[inline(always)]

@@ -3,6 +3,7 @@
 //! Ribbons and curves enter as their segments, so leaves are split along the length, and slanting segments again. Each primitive is one cache line,
 //! in the order of the hierarchy's leaves. Nothing is allocated per ray.
 
+mod beam;
 mod boxes;
 mod hits;
 mod instances;
@@ -15,6 +16,7 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::Ray;
 use obvhs::{Boundable, BvhBuildParams};
 
+pub(super) use beam::Beam;
 use boxes::crossed;
 pub(super) use instances::Instances;
 use primitive::{Meeting, Primitive, collect, meet};
@@ -120,6 +122,12 @@ impl Accelerator {
         dispatch_large!(self.level, simd => self.any(simd, ray))
     }
 
+    /// Whether a ray of a beam may meet anything; where not, none does.
+    #[must_use]
+    pub(super) fn may_meet(&self, beam: &Beam) -> bool {
+        !self.primitives.is_empty() && enters(&self.hierarchy, beam)
+    }
+
     /// The nearest hit. Compiled for each instruction set: traversal counts and finds bits.
     #[inline(always)]
     fn first<S: Simd>(&self, _simd: S, mut ray: Ray) -> Option<(u32, Meeting)> {
@@ -146,6 +154,16 @@ impl Accelerator {
         });
         false
     }
+}
+
+/// Whether a ray of a beam may cross the box of a leaf.
+fn enters(hierarchy: &CwBvh, beam: &Beam) -> bool {
+    let mut state = hierarchy.new_traversal(beam.middle());
+    let mut node;
+    obvhs::traverse!(hierarchy, node, state, beam.crossed(node, state.oct_inv4), {
+        return true;
+    });
+    false
 }
 
 fn ray(origin: DVec3, direction: DVec3, nearest: f64, farthest: f64) -> Ray {

@@ -91,12 +91,12 @@ impl Light {
 
     /// Radiance along a ray that leaves the scene; zero for lights that stand in it.
     pub(super) fn escaped(&self, direction: DVec3, wavelengths: Lambdas) -> [f64; WAVES] {
-        match self {
-            Self::Sun(sun) if sun.direction.dot(direction) >= sun.cos_radius => {
-                sun.emission.at_each(wavelengths)
-            }
-            _ => [0.0; WAVES],
-        }
+        if self.is_behind(direction) { self.emission().at_each(wavelengths) } else { [0.0; WAVES] }
+    }
+
+    /// Whether a ray that leaves the scene sees it.
+    pub(super) fn is_behind(&self, direction: DVec3) -> bool {
+        matches!(self, Self::Sun(sun) if sun.direction.dot(direction) >= sun.cos_radius)
     }
 
     /// Radiance of a light that stands in the scene, seen along a ray that hits it.

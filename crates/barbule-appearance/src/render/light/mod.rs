@@ -12,6 +12,7 @@ use glam::{DVec2, DVec3};
 pub use sample::LightSample;
 use sky::SkySampler;
 
+use super::response::xyz_of;
 use crate::scene::light::{Lamp, Light};
 use crate::scene::sky::Environment;
 use crate::spectrum::dense::{Lambdas, WAVES};
@@ -29,6 +30,8 @@ pub struct Lighting {
     standing: Vec<usize>,
     /// Lamps that only rays which leave the scene see.
     infinite: Vec<usize>,
+    /// CIE XYZ of what each lamp emits.
+    xyz: Vec<[f64; 3]>,
     /// Samples of each light that a point takes in the mean.
     counts: Vec<f64>,
 }
@@ -85,7 +88,8 @@ impl Lighting {
         let infinite = (0..lamps.len()).filter(|&i| lamps[i].light.is_infinite()).collect();
         let meets = |light: &Light| !light.is_infinite() && !light.is_point();
         let standing = (0..lamps.len()).filter(|&i| meets(&lamps[i].light)).collect();
-        Ok(Self { lamps, sky, standing, infinite, counts })
+        let xyz = lamps.iter().map(|lamp| xyz_of(lamp.light.emission())).collect();
+        Ok(Self { lamps, sky, standing, infinite, xyz, counts })
     }
 
     /// How many samples of lights a point takes.
@@ -145,6 +149,25 @@ impl Lighting {
             let texel = sky.sampler.texel(direction);
             see(sky.sampler.spectrum(texel, wavelengths), Far::Sky(texel));
         }
+    }
+
+    /// CIE XYZ of what a ray sees that meets no surface, and whether that is a lamp that stands in the scene.
+    #[inline(always)]
+    #[must_use]
+    pub(super) fn behind(&self, origin: DVec3, direction: DVec3) -> ([f64; 3], bool) {
+        if let Some((lamp, _)) = self.hit(origin, direction, 0.0) {
+            return (self.xyz[lamp], true);
+        }
+        let mut xyz = [0.0; 3];
+        if let Some(Sky { sampler, .. }) = &self.sky {
+            xyz = sampler.xyz(sampler.texel(direction));
+        }
+        for &lamp in &self.infinite {
+            if self.lamps[lamp].light.is_behind(direction) {
+                xyz.iter_mut().zip(self.xyz[lamp]).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        (xyz, false)
     }
 
     /// Density of a direction in all of a point's samples, 1/sr, from what [`Lighting::escaped`] saw along it: whatever lies

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use super::cumulative::Cumulative;
 use super::sample::LightSample;
 use crate::math::elementary::sin_cos_turns;
+use crate::render::response::xyz_of;
 use crate::scene::sky::Sky;
 use crate::spectrum::dense::{Lambdas, WAVES};
 
@@ -19,6 +20,8 @@ pub(super) struct SkySampler {
     rows: Cumulative,
     /// Of each row.
     columns: Cumulative,
+    /// CIE XYZ of each of the sky's spectra.
+    basis: Vec<[f64; 3]>,
     /// One over the solid angle of a row's texels, 1/sr.
     inverse_solid_angles: Vec<f64>,
 }
@@ -35,7 +38,8 @@ impl SkySampler {
         let lines: Vec<f64> = totals.iter().enumerate().map(|(row, total)| total * angle(row)).collect();
         let (rows, _) = Cumulative::new(height, &lines);
         let inverse_solid_angles = (0..height).map(|row| 1.0 / angle(row)).collect();
-        Self { sky, edges, rows, columns, inverse_solid_angles }
+        let basis = sky.basis().iter().map(xyz_of).collect();
+        Self { sky, edges, rows, columns, basis, inverse_solid_angles }
     }
 
     /// Row and column of the texel in a direction.
@@ -48,6 +52,19 @@ impl SkySampler {
     #[inline(always)]
     pub(super) fn spectrum(&self, [row, column]: [usize; 2], wavelengths: Lambdas) -> [f64; WAVES] {
         self.sky.spectrum(row, column, wavelengths)
+    }
+
+    /// CIE XYZ of a texel.
+    #[inline(always)]
+    pub(super) fn xyz(&self, [row, column]: [usize; 2]) -> [f64; 3] {
+        let texel = &self.sky.texels()[row * self.sky.size()[0] + column];
+        let mut xyz = [0.0; 3];
+        for (weight, basis) in texel.iter().zip(&self.basis) {
+            for (sum, value) in xyz.iter_mut().zip(basis) {
+                *sum += f64::from(*weight) * value;
+            }
+        }
+        xyz
     }
 
     /// A direction drawn in proportion to the radiance.
