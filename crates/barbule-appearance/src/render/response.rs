@@ -38,10 +38,10 @@ pub(super) fn xyz(over_pdf: &[f64; WAVES], hero: &Hero) -> [f64; 3] {
     let matching = &*MATCHING;
     let places = hero.wavelengths.places();
     let mut xyz = [0.0; 4];
-    for k in 0..WAVES {
+    for (k, value) in over_pdf.iter().enumerate() {
         let index = (places.below[k] as usize).min(VALUES - 2);
         let (low, high) = (&matching[index], &matching[index + 1]);
-        let share = over_pdf[k] / WAVES as f64;
+        let share = value / WAVES as f64;
         for i in 0..4 {
             xyz[i] += share * (low[i] + (high[i] - low[i]) * places.rest[k]);
         }

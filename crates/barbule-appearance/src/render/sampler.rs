@@ -15,13 +15,22 @@ const SEQUENCE: u64 = 1 << 16;
 /// Dimensions that are computed at once.
 const LANES: usize = 16;
 
-/// Direction vectors of the sequence, reversed: `[group][bit from the top of the reversed index][dimension in the group]`.
-static DIRECTIONS: LazyLock<Vec<[[u32; LANES]; 16]>> = LazyLock::new(|| {
+/// Sums (exclusive or) of the sequence's direction vectors, reversed, for four bits of the index at a time:
+/// `[four bits][their value][dimension in the group]`.
+type Directions = [[[u32; LANES]; 16]; 4];
+
+/// Those of each group of dimensions.
+static DIRECTIONS: LazyLock<Vec<Directions>> = LazyLock::new(|| {
     let groups = NUM_DIMENSIONS / LANES as u32;
-    let row = |group: u32, bit: u32| {
-        std::array::from_fn(|lane| sobol_rev(1 << (31 - bit), group * LANES as u32 + lane as u32))
+    let row = |group: u32, four: u32, value: u32| {
+        // The upper half of the reversed index; the sequence is not longer.
+        let sum = |dimension: u32| sobol_rev(value << (16 + 4 * four), dimension);
+        std::array::from_fn(|lane| sum(group * LANES as u32 + lane as u32))
     };
-    (0..groups).map(|group| std::array::from_fn(|bit| row(group, bit as u32))).collect()
+    let directions = |group: u32| -> Directions {
+        std::array::from_fn(|four| std::array::from_fn(|value| row(group, four as u32, value as u32)))
+    };
+    (0..groups).map(directions).collect()
 });
 
 /// What tells the four dimensions of a set apart, as `sobol_burley` has them.
@@ -83,24 +92,20 @@ impl Sampler {
     /// The numbers of this set and the three after it.
     #[inline(never)] // one copy for all callers, which are inlined into one function
     fn fill(&mut self) {
-        let rows = &DIRECTIONS[self.set as usize / (LANES / 4)];
+        let directions = &DIRECTIONS[self.set as usize / (LANES / 4)];
         self.numbers =
-            dispatch_large!(level(), simd => numbers(simd, rows, self.shuffled, self.set, self.seed));
+            dispatch_large!(level(), simd => numbers(simd, directions, self.shuffled, self.set, self.seed));
     }
 }
 
 /// Compiled for each instruction set.
 #[inline(always)]
-fn numbers<S: Simd>(simd: S, rows: &[[u32; LANES]; 16], shuffled: u32, set: u32, seed: u32) -> [f32; LANES] {
+fn numbers<S: Simd>(simd: S, directions: &Directions, shuffled: u32, set: u32, seed: u32) -> [f32; LANES] {
     let all = |v: u32| u32x16::splat(simd, v);
-    let mut n = all(0);
-    let mut left = shuffled >> 16;
-    while left != 0 {
-        // Bit 15 of what is left is the first row.
-        let bit = left.ilog2();
-        n ^= u32x16::from_slice(simd, &rows[15 - (bit as usize & 15)]);
-        left ^= 1 << bit;
-    }
+    let sum = |four: usize| {
+        u32x16::from_slice(simd, &directions[four][(shuffled >> (16 + 4 * four)) as usize & 15])
+    };
+    let mut n = (sum(0) ^ sum(1)) ^ (sum(2) ^ sum(3));
     let scramble = all(seed.wrapping_mul(0x9c8f_2d3b))
         ^ (all(set) + u32x16::from_slice(simd, &SETS))
         ^ u32x16::from_slice(simd, &APART);

@@ -1,10 +1,11 @@
 //! The scenes on which the renderer is measured against others: a feather of B-spline curves from near and from afar, and
-//! a square of hair and of metal, under a coloured sky with a bright patch and one lamp.
+//! a square of hair, of metal and of a barbule's tables, under a coloured sky with a bright patch and one lamp.
 //!
 //! What other renderers read of them is in cm with +y up: curve files and the numbers below. Here they stand in mm with +z
 //! up.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
@@ -16,7 +17,11 @@ use super::sky::{Environment, Sky};
 use super::spline::{Basis, ControlCurve};
 use super::{Object, Scene};
 use crate::Result;
-use crate::bsdf::{Absorption, Conductor, FibreIndex, Hair, HairParameters, Surface};
+use crate::brdf::FeatherBrdf;
+use crate::bsdf::{
+    Absorption, BarbuleSurface, Cells, Conductor, FibreIndex, Hair, HairParameters, Keratin, Reflectance,
+    Surface,
+};
 use crate::math::rng::Stream;
 
 /// A feather of control points in cm, as curve files hold it.
@@ -115,11 +120,14 @@ pub enum Comparison {
     HairQuad,
     /// A square of brushed copper.
     ConductorQuad,
+    /// A square of a barbule's tables.
+    TableQuad,
 }
 
 impl Comparison {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Close, Self::Full, Self::HairQuad, Self::ConductorQuad];
+    pub const ALL: [Self; 5] =
+        [Self::Close, Self::Full, Self::HairQuad, Self::ConductorQuad, Self::TableQuad];
 
     /// Its name in tables.
     #[must_use]
@@ -129,14 +137,15 @@ impl Comparison {
             Self::Full => "feather, full",
             Self::HairQuad => "quad, hair",
             Self::ConductorQuad => "quad, conductor",
+            Self::TableQuad => "quad, table",
         }
     }
 
-    /// The scene; `feather` where it shows one.
+    /// The scene; `feather` and `tables` where it shows them.
     ///
     /// # Errors
     /// None: what it is made of is in range.
-    pub fn scene(self, feather: &CurveFeather) -> Result<Scene> {
+    pub fn scene(self, feather: &CurveFeather, tables: &Arc<FeatherBrdf>) -> Result<Scene> {
         let objects = match self {
             Self::Close | Self::Full => {
                 let mut geometry = Geometry::default();
@@ -152,6 +161,13 @@ impl Comparison {
                     geometry: square(),
                     surface: Surface::Conductor(Conductor::copper([0.3, 0.1])?),
                 }]
+            }
+            Self::TableQuad => {
+                let under = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0)?)?;
+                let brdf = tables.clone();
+                let surface =
+                    BarbuleSurface { brdf, instances: false, under, cells: Cells::default(), opacity: 1.0 };
+                vec![Object { geometry: square(), surface: Surface::Barbule(surface) }]
             }
         };
         Ok(Scene { objects, lamps: vec![lamp()], environment: Some(environment()?), camera: self.camera() })
@@ -276,6 +292,8 @@ fn environment() -> Result<Environment> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brdf::Options;
+    use crate::brdf::fixtures::example;
 
     #[test]
     fn the_feather_is_as_large_as_it_says() {
@@ -291,8 +309,9 @@ mod tests {
     fn every_scene_is_made_and_its_lamp_looks_at_it() {
         let mut feather = CurveFeather::new();
         feather.barbules.truncate(10);
+        let tables = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
         for comparison in Comparison::ALL {
-            let scene = comparison.scene(&feather).unwrap();
+            let scene = comparison.scene(&feather, &tables).unwrap();
             let Light::Rectangle(lamp) = &scene.lamps[0].light else { panic!("a rectangle") };
             let middle = lamp.corner + 0.5 * (lamp.edge_u + lamp.edge_v);
             let ahead = lamp.edge_u.cross(lamp.edge_v).normalize();

@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use barbule::brdf::{FeatherBrdf, Options};
 use barbule::io::{curves_text, make_folder, read_curves, write_together};
 use barbule::picture::bench::{Effort, RenderFigures, SCATTERINGS, measure};
 use barbule::scene::comparison::{Comparison, CurveFeather};
@@ -13,6 +15,7 @@ use clap::ValueEnum;
 use serde_json::json;
 
 use crate::common::{Common, print, print_json};
+use crate::materials;
 use crate::progress::Terminal;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -25,6 +28,8 @@ enum Name {
     Hair,
     /// A square of brushed copper
     Conductor,
+    /// A square of a starling's tables
+    Table,
 }
 
 impl From<Name> for Comparison {
@@ -34,6 +39,7 @@ impl From<Name> for Comparison {
             Name::Full => Self::Full,
             Name::Hair => Self::HairQuad,
             Name::Conductor => Self::ConductorQuad,
+            Name::Table => Self::TableQuad,
         }
     }
 }
@@ -87,9 +93,11 @@ impl RenderArgs {
             [] => Comparison::ALL.to_vec(),
             given => given.iter().map(|&name| name.into()).collect(),
         };
+        let (material, _) = materials::find("starling", &self.common)?;
+        let tables = Arc::new(FeatherBrdf::new(&material, Options::default())?);
         let mut found = Vec::new();
         for comparison in scenes {
-            let scene = comparison.scene(&feather)?;
+            let scene = comparison.scene(&feather, &tables)?;
             let progress = Terminal::new(&self.common);
             let figures = measure(scene, effort, self.common.seed, &progress)?;
             found.push((comparison.name(), figures));
