@@ -98,6 +98,19 @@ pub struct Sample {
     pub alpha: f64,
 }
 
+/// Which sample of a picture is taken.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shot {
+    /// Column and row of its pixel.
+    pub(super) pixel: [u32; 2],
+    /// Width and height of the picture, pixels.
+    pub(super) size: [u32; 2],
+    /// Its number in the pixel.
+    pub(super) sample: u64,
+    /// Seed of the picture.
+    pub(super) seed: u64,
+}
+
 /// One sample of a pixel that sees no surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Behind {
@@ -123,7 +136,7 @@ impl<'a> Integrator<'a> {
     /// One sample of a pixel; `size` in pixels.
     #[must_use]
     pub fn sample(&self, pixel: [u32; 2], size: [u32; 2], sample: u64, seed: u64) -> Sample {
-        self.seen(&self.camera.view(size), pixel, size, sample, seed)
+        self.seen(&self.camera.view(size), Shot { pixel, size, sample, seed })
     }
 
     /// The camera as [`Integrator::seen`] wants it.
@@ -142,16 +155,9 @@ impl<'a> Integrator<'a> {
     /// As [`Integrator::sample`], with the camera prepared for the size. Inlined with all that it calls often, so that it is
     /// compiled for the caller's instructions.
     #[inline(always)]
-    pub(super) fn seen(
-        &self,
-        view: &View,
-        pixel: [u32; 2],
-        size: [u32; 2],
-        sample: u64,
-        seed: u64,
-    ) -> Sample {
-        let mut sampler = Sampler::of_pixel(pixel, size, sample, seed);
-        let (offset, ray) = aimed(view, pixel, size, &mut sampler);
+    pub(super) fn seen(&self, view: &View, shot: Shot) -> Sample {
+        let mut sampler = shot.sampler();
+        let (offset, ray) = shot.aimed(view, &mut sampler);
         let [wavelength, ..] = sampler.next4();
         let hero = Hero::new(wavelength);
         let mut path = Path::new(ray.origin, ray.direction, hero, [ray.footprint, ray.spread]);
@@ -171,16 +177,8 @@ impl<'a> Integrator<'a> {
 
     /// The same of a ray that is known to meet no surface, without noise.
     #[inline(always)]
-    pub(super) fn behind(
-        &self,
-        view: &View,
-        pixel: [u32; 2],
-        size: [u32; 2],
-        sample: u64,
-        seed: u64,
-    ) -> Behind {
-        let mut sampler = Sampler::of_pixel(pixel, size, sample, seed);
-        let (offset, ray) = aimed(view, pixel, size, &mut sampler);
+    pub(super) fn behind(&self, view: &View, shot: Shot) -> Behind {
+        let (offset, ray) = shot.aimed(view, &mut shot.sampler());
         let (xyz, is_lamp) = self.lighting.behind(ray.origin, ray.direction);
         if is_lamp || self.transport.shows_sky {
             Behind { xyz, alpha: 1.0, offset }
@@ -452,15 +450,25 @@ impl Path {
     }
 }
 
-/// Where in the pixel a sample is taken, and its ray.
-#[inline(always)]
-fn aimed(view: &View, pixel: [u32; 2], size: [u32; 2], sampler: &mut Sampler) -> ([f64; 2], CameraRay) {
-    let [x, y, lens_u, lens_v] = sampler.next4();
-    let point = DVec2::new(
-        (f64::from(pixel[0]) + x) / f64::from(size[0]),
-        (f64::from(pixel[1]) + y) / f64::from(size[1]),
-    );
-    ([x, y], view.ray(point, DVec2::new(lens_u, lens_v)))
+impl Shot {
+    /// Its numbers.
+    #[inline(always)]
+    fn sampler(self) -> Sampler {
+        let Self { pixel: [x, y], size, sample, seed } = self;
+        Sampler::new(u64::from(y) * u64::from(size[0]) + u64::from(x), sample, seed)
+    }
+
+    /// Where in the pixel it is taken, and its ray.
+    #[inline(always)]
+    fn aimed(self, view: &View, sampler: &mut Sampler) -> ([f64; 2], CameraRay) {
+        let Self { pixel, size, .. } = self;
+        let [x, y, lens_u, lens_v] = sampler.next4();
+        let point = DVec2::new(
+            (f64::from(pixel[0]) + x) / f64::from(size[0]),
+            (f64::from(pixel[1]) + y) / f64::from(size[1]),
+        );
+        ([x, y], view.ray(point, DVec2::new(lens_u, lens_v)))
+    }
 }
 
 #[inline(always)]

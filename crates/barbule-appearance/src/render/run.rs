@@ -6,7 +6,7 @@ use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 
 use super::film::{Film, Tile};
-use super::integrator::Integrator;
+use super::integrator::{Integrator, Shot};
 use crate::math::simd::dispatch_large;
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -139,21 +139,21 @@ fn grow<S: Simd>(
     let ([x0, y0, x1, y1], size, planes) = (film.bounds(number), film.size(), film.planes());
     let view = integrator.view(size);
     let blocks = (x1 - x0).div_ceil(BLOCK);
-    let may_meet: Vec<bool> = (0..blocks * (y1 - y0).div_ceil(BLOCK))
-        .map(|block| [x0 + block % blocks * BLOCK, y0 + block / blocks * BLOCK])
-        .map(|[x, y]| integrator.may_meet(&view, [x, y], [(x + BLOCK).min(x1), (y + BLOCK).min(y1)], size))
-        .collect();
     let keeps_spectra = !planes.spectral.nm().is_empty();
+    let follows: Vec<bool> = (0..blocks * (y1 - y0).div_ceil(BLOCK))
+        .map(|block| [x0 + block % blocks * BLOCK, y0 + block / blocks * BLOCK])
+        .map(|low| (low, [(low[0] + BLOCK).min(x1), (low[1] + BLOCK).min(y1)]))
+        .map(|(low, high)| keeps_spectra || integrator.may_meet(&view, low, high, size))
+        .collect();
     for (x, y) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))) {
-        let may_meet = keeps_spectra || may_meet[((y - y0) / BLOCK * blocks + (x - x0) / BLOCK) as usize];
         let place = [x - x0, y - y0];
+        let follows = follows[(place[1] / BLOCK * blocks + place[0] / BLOCK) as usize];
         for sample in tile.count..samples {
-            if may_meet {
-                let drawn = integrator.seen(&view, [x, y], size, u64::from(sample), seed);
-                tile.add(place, x1 - x0, planes, &drawn, sample == 0);
+            let shot = Shot { pixel: [x, y], size, sample: u64::from(sample), seed };
+            if follows {
+                tile.add(place, x1 - x0, planes, &integrator.seen(&view, shot), sample == 0);
             } else {
-                let drawn = integrator.behind(&view, [x, y], size, u64::from(sample), seed);
-                tile.add_behind(place, x1 - x0, &drawn);
+                tile.add_behind(place, x1 - x0, &integrator.behind(&view, shot));
             }
         }
     }

@@ -64,13 +64,6 @@ impl Sampler {
         Self { index, seed, shuffled: shuffled(index, seed), set: 0, numbers: [0.0; LANES] }
     }
 
-    /// The numbers of a sample of a pixel of a picture.
-    #[inline(always)]
-    #[must_use]
-    pub fn of_pixel([x, y]: [u32; 2], size: [u32; 2], sample: u64, seed: u64) -> Self {
-        Self::new(u64::from(y) * u64::from(size[0]) + u64::from(x), sample, seed)
-    }
-
     /// The next four numbers, each in [0, 1).
     #[inline(always)]
     pub fn next4(&mut self) -> [f64; 4] {

@@ -141,11 +141,15 @@ impl Comparison {
         }
     }
 
-    /// The scene; `feather` and `tables` where it shows them.
+    /// The scene; `feather` where it shows one, and `tables`, which are asked for only where it has them.
     ///
     /// # Errors
-    /// None: what it is made of is in range.
-    pub fn scene(self, feather: &CurveFeather, tables: &Arc<FeatherBrdf>) -> Result<Scene> {
+    /// What `tables` says; all else that it is made of is in range.
+    pub fn scene(
+        self,
+        feather: &CurveFeather,
+        tables: impl FnOnce() -> Result<Arc<FeatherBrdf>>,
+    ) -> Result<Scene> {
         let objects = match self {
             Self::Close | Self::Full => {
                 let mut geometry = Geometry::default();
@@ -164,7 +168,7 @@ impl Comparison {
             }
             Self::TableQuad => {
                 let under = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0)?)?;
-                let brdf = tables.clone();
+                let brdf = tables()?;
                 let surface =
                     BarbuleSurface { brdf, instances: false, under, cells: Cells::default(), opacity: 1.0 };
                 vec![Object { geometry: square(), surface: Surface::Barbule(surface) }]
@@ -311,7 +315,7 @@ mod tests {
         feather.barbules.truncate(10);
         let tables = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
         for comparison in Comparison::ALL {
-            let scene = comparison.scene(&feather, &tables).unwrap();
+            let scene = comparison.scene(&feather, || Ok(tables.clone())).unwrap();
             let Light::Rectangle(lamp) = &scene.lamps[0].light else { panic!("a rectangle") };
             let middle = lamp.corner + 0.5 * (lamp.edge_u + lamp.edge_v);
             let ahead = lamp.edge_u.cross(lamp.edge_v).normalize();

@@ -454,11 +454,12 @@ fn what_is_behind_the_scene_is_what_paths_find_there() {
             for (sum, (a, b)) in apart.iter_mut().zip(known.iter().zip(followed)) {
                 *sum += (a - b) / b.max(0.05);
             }
-            let near = known.iter().zip(followed).all(|(a, b)| (a - b).abs() < 0.05 * b + 0.01);
+            // Of 64 samples with eight wavelengths each.
+            let near = known.iter().zip(followed).all(|(a, b)| (a - b).abs() < 0.015 * b + 0.01);
             assert!(near, "{x} {y}: {known:?} {followed:?}");
         }
         assert!(behind > 1000, "{behind}");
-        assert!(apart.iter().all(|sum| (sum / f64::from(behind)).abs() < 2e-3), "{apart:?} of {behind}");
+        assert!(apart.iter().all(|sum| (sum / f64::from(behind)).abs() < 2e-4), "{apart:?} of {behind}");
     }
 }
 

@@ -93,11 +93,13 @@ impl RenderArgs {
             [] => Comparison::ALL.to_vec(),
             given => given.iter().map(|&name| name.into()).collect(),
         };
-        let (material, _) = materials::find("starling", &self.common)?;
-        let tables = Arc::new(FeatherBrdf::new(&material, Options::default())?);
+        let tables = || {
+            let (material, _) = materials::find("starling", &self.common)?;
+            Ok(Arc::new(FeatherBrdf::new(&material, Options::default())?))
+        };
         let mut found = Vec::new();
         for comparison in scenes {
-            let scene = comparison.scene(&feather, &tables)?;
+            let scene = comparison.scene(&feather, tables)?;
             let progress = Terminal::new(&self.common);
             let figures = measure(scene, effort, self.common.seed, &progress)?;
             found.push((comparison.name(), figures));
