@@ -9,5 +9,5 @@ pub mod bsdf;
 pub mod render;
 pub mod scene;
 
-use barbule_base::{Error, Result, error, fields, identity, math, progress};
+use barbule_base::{Error, Result, error, fields, identity, math, progress, record, variants, words};
 use barbule_light::{scattering, spectrum};

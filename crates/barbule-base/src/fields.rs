@@ -1,11 +1,17 @@
 //! Reading tables of keys with messages that name the key, its range, and the nearest known one.
 
+mod key;
+mod record;
 mod toml_text;
 
 use std::ops::RangeInclusive;
 
-use serde_json::{Map, Value};
+pub use serde_json::{Map, Value};
 
+pub use key::{Choice, Key, Kind, Usual, canonical, inner, schema, table_at};
+pub use record::{
+    Fed, FieldValue, Record, Several, Text, Within, chosen, degrees, one_of, unknown, up_to, within,
+};
 pub use toml_text::{at_line, line_of, parse_toml};
 
 use crate::error::{did_you_mean, shortened};
@@ -14,6 +20,7 @@ use crate::{Error, Result};
 /// A table of a user's file; `place` is its path inside the file, empty at the top.
 #[derive(Debug)]
 pub struct Fields<'a> {
+    value: &'a Value,
     table: &'a Map<String, Value>,
     place: String,
 }
@@ -28,7 +35,7 @@ impl<'a> Fields<'a> {
             let what = if place.is_empty() { "the file" } else { place };
             return Err(Error::input(format!("{what} is {}, but must be a table of keys", kind(value))));
         };
-        let fields = Self { table, place: place.to_owned() };
+        let fields = Self { value, table, place: place.to_owned() };
         if let Some(unknown) = table.keys().find(|key| !known.contains(&key.as_str())) {
             let unknown = shortened(unknown);
             let near = did_you_mean(&unknown, known.iter().copied());
@@ -42,10 +49,22 @@ impl<'a> Fields<'a> {
         if self.place.is_empty() { String::new() } else { format!("{}: ", self.place) }
     }
 
+    /// The whole table.
+    #[must_use]
+    pub fn table(&self) -> &'a Value {
+        self.value
+    }
+
+    /// Its path inside the file, empty at the top.
+    #[must_use]
+    pub fn place(&self) -> &str {
+        &self.place
+    }
+
     /// The path of a key inside the file.
     #[must_use]
     pub fn path(&self, key: &str) -> String {
-        if self.place.is_empty() { key.to_owned() } else { format!("{}.{key}", self.place) }
+        path_of(&self.place, key)
     }
 
     /// The value of a key that may be left out.
@@ -100,12 +119,7 @@ impl<'a> Fields<'a> {
     /// # Errors
     /// It is missing, no number or outside.
     pub fn number_within(&self, key: &str, low: f64, high: f64) -> Result<f64> {
-        let value = self.need_number(key, &format!("a number from {low} to {high}"))?;
-        if (low..=high).contains(&value) {
-            return Ok(value);
-        }
-        let hint = if key.ends_with("_um") { typed_in_nm(value, &(low..=high)) } else { String::new() };
-        Err(Error::input(format!("{} is {}, outside {low} to {high}{hint}", self.path(key), shown(value))))
+        number_in(self.need(key, &format!("a number from {low} to {high}"))?, &self.path(key), low, high)
     }
 
     /// A whole number from `low` to `high` that is needed.
@@ -141,6 +155,31 @@ impl<'a> Fields<'a> {
     pub fn list(&self, key: &str, what: &str) -> Result<&'a [Value]> {
         list(self.need(key, what)?, &self.path(key))
     }
+}
+
+/// The path of a key in a table at `place`, which is empty at the top.
+#[must_use]
+pub fn path_of(place: &str, key: &str) -> String {
+    if place.is_empty() { key.to_owned() } else { format!("{place}.{key}") }
+}
+
+/// A value that must be a number from `low` to `high`. Keys that end in `_um` are lengths, and what would fit as nm is asked for.
+///
+/// # Errors
+/// It is no number or outside.
+pub fn number_in(value: &Value, path: &str, low: f64, high: f64) -> Result<f64> {
+    let value = number(value, path)?;
+    if (low..=high).contains(&value) {
+        return Ok(value);
+    }
+    let hint = if path.ends_with("_um") { typed_in_nm(value, &(low..=high)) } else { String::new() };
+    Err(Error::input(format!("{path} is {}, outside {low} to {high}{hint}", shown(value))))
+}
+
+/// The refusal of a value that must be something else.
+#[must_use]
+pub fn wrong_kind(value: &Value, path: &str, wanted: &str) -> Error {
+    Error::input(format!("{path} is {}, but must be {wanted}", kind(value)))
 }
 
 /// `; did you mean 0.2 (200 nm)?` for a length that is out of its range in µm but in it where nm were typed, else nothing.

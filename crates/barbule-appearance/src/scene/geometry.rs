@@ -8,6 +8,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
 use super::window::Window;
+use crate::math::rng::hash;
 use crate::{Error, Result};
 
 /// A triangle mesh.
@@ -96,6 +97,17 @@ pub struct Place {
 impl Place {
     /// Where it was made.
     pub const HERE: Self = Self { scale: 1.0, turn: DMat3::IDENTITY, shift: DVec3::ZERO, id: 0 };
+
+    /// This place inside an object that stands at another.
+    #[must_use]
+    pub fn then(&self, outer: &Self) -> Self {
+        Self {
+            scale: self.scale * outer.scale,
+            turn: outer.turn * self.turn,
+            shift: outer.point(self.shift),
+            id: hash(self.id, &[outer.id]),
+        }
+    }
 
     /// A point of the object in the scene.
     #[inline]

@@ -1,20 +1,21 @@
 //! Round curves given by control points.
 
-use serde::Serialize;
-
 use super::geometry::{CurveNode, Geometry};
+use crate::words;
 
 /// A curve by its control points: x, y, z and radius, of one unit.
 pub type ControlCurve = Vec<[f64; 4]>;
 
-/// How control points make a curve.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub enum Basis {
-    /// Straight from each to the next.
-    Linear,
-    /// A uniform cubic B-spline, of points and radii: of n points n − 3 pieces, from near the second to near the last but
-    /// one.
-    BSpline,
+words! {
+    /// How control points make a curve.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Basis {
+        /// A uniform cubic B-spline, of points and radii: of n points n − 3 pieces, from near the second to near the last but
+        /// one.
+        "bspline": BSpline,
+        /// Straight from each to the next.
+        "linear": Linear,
+    }
 }
 
 /// How far the segments of a curve may stray from it, over its least radius.

@@ -12,7 +12,7 @@ const TOLERANCE: f64 = 1e-8;
 const MOST_STEPS: usize = 4000;
 
 /// A direction that feathers near a place take.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guide {
     /// The place, mm.
     pub position_mm: [f64; 3],

@@ -18,7 +18,7 @@ const MEASURE: u64 = 0x61_7265;
 const DRAW: u64 = 0x64_7261;
 
 /// The part of a body where feathers grow: a box, mm.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Region {
     /// Its least coordinates.
     pub low: [f64; 3],

@@ -39,7 +39,7 @@ const STAND: u64 = 0x73_7461;
 const VARIANT: u64 = 0x7661_7269;
 
 /// How feathers stand on a body.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Coat {
     /// How many there are.
     pub number: Number,
@@ -64,7 +64,7 @@ pub struct Coat {
 }
 
 /// How many feathers there are.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Number {
     /// So many.
     Count(usize),

@@ -1,24 +1,18 @@
 //! From a description to a scene.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
 use glam::{DMat3, DVec3};
 
-use super::{
-    Background, Bearing, FibreDescription, Metal, NamedSurface, PigmentedKeratin, SceneDescription,
-    SkyDescription, TextureFile, ViewProjection,
-};
-use crate::brdf::FeatherBrdf;
-use crate::bsdf::{
-    Absorption, Conductor, Dielectric, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Pictures,
-    Reflectance, Relief, RoughDielectric, Surface, SurfaceMap,
-};
+use super::objects::ObjectShape;
+use super::sky::{Background, SkyDescription};
+use super::{ObjectDescription, ReadyScene, SceneDescription};
+use crate::error::{did_you_mean, shortened};
+use crate::math::rng::hash;
 use crate::scene::backdrop::Backdrop;
-use crate::scene::camera::{Camera, Projection, direction};
+use crate::scene::camera::Camera;
 use crate::scene::emission::Emission;
 use crate::scene::feather::Counts;
-use crate::scene::light::{Lamp, Light, Sun, disc_radiance};
+use crate::scene::geometry::{Geometry, Place};
+use crate::scene::light::{Lamp, Light};
 use crate::scene::sky::{Environment, Sky};
 use crate::scene::{Object, Scene};
 use crate::spectrum::colour::decode;
@@ -28,122 +22,114 @@ use crate::{Error, Result};
 const LAMP_WEIGHT: f64 = 0.6;
 const SKY_WEIGHT: f64 = 0.4;
 
-/// Where nothing is said: four times as far as the picture is wide.
-const USUAL_FOCAL_LENGTH_MM: f64 = 144.0;
+/// Identity of the places of feathers.
+const FEATHER: u64 = 0x6665_6174;
 
-/// Width of the film that focal lengths are told for, mm.
-const FILM_MM: f64 = 36.0;
-
-impl SceneDescription {
-    /// The whole scene under the description's own sky.
+impl ReadyScene {
+    /// The whole scene.
     ///
     /// # Errors
-    /// A number out of range, a file that is not read, or a sky that is an image: give it to
-    /// [`SceneDescription::environment`].
-    pub fn scene(&self, brdf: impl Into<Option<Arc<FeatherBrdf>>>, seed: u64) -> Result<(Scene, Counts)> {
-        let (objects, counts) = self.objects(brdf, seed)?;
-        let environment = self.environment(None)?.map(|environment| self.around_feather(environment));
+    /// A number out of range.
+    pub fn scene(&self, seed: u64) -> Result<(Scene, Counts)> {
+        let (objects, counts) = self.objects(seed)?;
+        let environment = self.environment()?.map(|environment| self.around_objects(environment));
         Ok((Scene { objects, lamps: self.lamps()?, environment, camera: self.camera() }, counts))
     }
 
-    /// The feather: shaft, rami, barbules, or a coat's skin and its feathers; then the other objects. A feather of plain barbules needs no material.
+    /// What stands in the scene, in the order of its objects: of a feather shaft, rami and barbules, of a coat its skin and its
+    /// feathers, of everything else its shape.
     ///
     /// # Errors
-    /// A number out of range, or a file that is not read.
-    pub fn objects(
-        &self,
-        brdf: impl Into<Option<Arc<FeatherBrdf>>>,
-        seed: u64,
-    ) -> Result<(Vec<Object>, Counts)> {
-        self.check()?;
-        let (mut objects, counts) = match &self.coat {
-            Some(coat) => self.coat_parts(coat, brdf.into(), seed)?,
-            None if self.shows_feather => self.feather_parts(brdf.into(), seed)?,
-            None => (Vec::new(), Counts::default()),
-        };
-        for (index, object) in self.objects.iter().enumerate() {
-            let surface = self.named_surfaces.get(&object.surface).ok_or_else(|| {
-                Error::input(format!("objects[{index}]: there is no surface '{}'", object.surface))
-            })?;
-            objects.push(Object {
-                geometry: object.geometry(index)?,
-                surface: surface.build(&self.named_surfaces)?,
-            });
+    /// A number out of range.
+    pub fn objects(&self, seed: u64) -> Result<(Vec<Object>, Counts)> {
+        let (mut all, mut counts) = (Vec::new(), Counts::default());
+        // The first feather grows from the seed itself, as does a scene's only one.
+        let (mut plumages, mut shapes) = (0, 0);
+        for object in &self.objects {
+            if object.is_plumage() {
+                let own_seed = if plumages == 0 { seed } else { hash(seed, &[FEATHER, plumages]) };
+                let (parts, own) = object.plumage(self.camera.width_mm, own_seed, plumages)?;
+                counts.barbs += own.barbs;
+                counts.barbules += own.barbules;
+                all.extend(parts);
+                plumages += 1;
+            } else {
+                let name = object.surface.as_deref().unwrap_or_default();
+                let surface = self.surfaces.named(&format!("the surface of {}", object.label()), name)?;
+                all.push(Object { geometry: object.geometry(shapes)?, surface: surface.build(&self.surfaces)? });
+                shapes += 1;
+            }
         }
-        Ok((objects, counts))
+        Ok((all, counts))
     }
 
     /// The lights that shine, but the sky: the key light in daylight (D65), then the others.
     ///
     /// # Errors
-    /// A spectrum that is not read, or has no power that the eye sees.
+    /// A spectrum that has no power that the eye sees.
     pub fn lamps(&self) -> Result<Vec<Lamp>> {
         let mut lights = Vec::new();
         if self.light.strength > 0.0 {
-            let radius = self.light.radius_deg.to_radians();
-            lights.push(Light::Sun(Sun {
-                direction: self.light.bearing.direction(),
-                cos_radius: radius.cos(),
-                emission: Emission::daylight().scaled(disc_radiance(radius, self.light.strength)),
-            }));
+            lights.push(self.light.build());
         }
         for (index, light) in self.lights.iter().enumerate().filter(|(_, light)| light.strength > 0.0) {
             lights.push(light.build().map_err(|error| error.at(format!("lights[{index}]")))?);
         }
-        let turn = self.turn_about_feather();
+        let turn = self.turn_about_objects();
         let turned = |light| if self.turn_deg == 0.0 { light } else { Light::turned(light, turn) };
         Ok(lights.into_iter().map(|light| Lamp { light: turned(light), weight: LAMP_WEIGHT }).collect())
     }
 
-    /// The sky as the turned feather sees it.
-    #[must_use]
-    pub fn around_feather(&self, environment: Environment) -> Environment {
-        if self.turn_deg == 0.0 {
-            return environment;
-        }
-        Environment { sky: environment.sky.rotated(self.turn_about_feather()), ..environment }
-    }
-
-    /// Directions of the scene as the turned feather sees them: everything else turns the other way.
-    fn turn_about_feather(&self) -> DMat3 {
-        let upright = self.upright_camera();
-        let ahead = (upright.target - upright.eye).normalize_or(DVec3::NEG_Z);
-        let up = (upright.up - ahead * ahead.dot(upright.up)).normalize_or(DVec3::Z);
-        DMat3::from_axis_angle(up, -self.turn_deg.to_radians())
-    }
-
-    /// The sky about a feather that is not turned: that of `image`, or the description's gradient, from the zenith to the
-    /// horizon and below; `None` where it is dark.
+    /// The sky about objects that are not turned: the image, or the gradient from the zenith to the horizon and below; `None`
+    /// where it is dark.
     ///
     /// # Errors
-    /// A description that needs an image.
-    pub fn environment(&self, image: Option<Sky>) -> Result<Option<Environment>> {
-        let sky = match (image, &self.sky) {
-            (Some(sky), _) => sky,
-            (None, _) if self.is_sky_dark() => return Ok(None),
-            (None, SkyDescription::Gradient { zenith, horizon, below }) => {
+    /// A sky that is nowhere bright.
+    pub fn environment(&self) -> Result<Option<Environment>> {
+        if self.sky.is_dark() {
+            return Ok(None);
+        }
+        let sky = match &self.sky {
+            SkyDescription::Image(image) => Sky::clone(image.file.value()?),
+            SkyDescription::Gradient { zenith, horizon, below } => {
                 Sky::grey(64, 32, Emission::daylight(), |d| {
                     if d.z >= 0.0 { zenith * (horizon + (1.0 - horizon) * d.z) } else { below * zenith }
                 })?
-            }
-            (None, SkyDescription::Image(image)) => {
-                return Err(Error::input(format!(
-                    "the sky is the image '{}', which is not read",
-                    image.file
-                )));
             }
         };
         Ok(Some(Environment { sky, weight: SKY_WEIGHT }))
     }
 
-    /// Whether nothing comes from the sky.
+    /// What is behind everything.
+    ///
+    /// # Errors
+    /// None for a scene of which everything is read.
+    pub fn backdrop(&self) -> Result<Backdrop> {
+        Ok(match &self.background {
+            Background::Sky => Backdrop::Sky,
+            Background::None => Backdrop::None,
+            Background::Colour(colour) => Backdrop::Colour(colour.map(decode)),
+            Background::Picture(slot) => Backdrop::Picture(slot.value()?.as_ref().clone()),
+        })
+    }
+}
+
+impl SceneDescription {
+    /// The sky as the turned objects see it.
     #[must_use]
-    pub fn is_sky_dark(&self) -> bool {
-        let strength = match &self.sky {
-            SkyDescription::Gradient { zenith, .. } => *zenith,
-            SkyDescription::Image(image) => image.strength,
-        };
-        strength <= 0.0
+    pub fn around_objects(&self, environment: Environment) -> Environment {
+        if self.turn_deg == 0.0 {
+            return environment;
+        }
+        Environment { sky: environment.sky.rotated(self.turn_about_objects()), ..environment }
+    }
+
+    /// Directions of the scene as the turned objects see them: everything else turns the other way.
+    fn turn_about_objects(&self) -> DMat3 {
+        let upright = self.upright_camera();
+        let ahead = (upright.target - upright.eye).normalize_or(DVec3::NEG_Z);
+        let up = (upright.up - ahead * ahead.dot(upright.up)).normalize_or(DVec3::Z);
+        DMat3::from_axis_angle(up, -self.turn_deg.to_radians())
     }
 
     /// The camera.
@@ -153,143 +139,96 @@ impl SceneDescription {
         if self.turn_deg == 0.0 {
             return camera;
         }
-        let turn = self.turn_about_feather();
+        let turn = self.turn_about_objects();
         Camera { eye: turn * camera.eye, target: turn * camera.target, up: turn * camera.up, ..camera }
     }
 
-    /// The camera about a feather that is not turned. What is in focus need not be what it looks at: then the same picture is that of
-    /// the plane in focus.
+    /// The camera about objects that are not turned.
     fn upright_camera(&self) -> Camera {
-        let view = &self.camera;
-        let target = DVec3::from(view.target);
-        let (eye, width_mm) = match view.position {
-            None => {
-                let distance =
-                    view.focal_length_mm.unwrap_or(USUAL_FOCAL_LENGTH_MM) / FILM_MM * view.width_mm;
-                (target + view.bearing.direction() * distance, view.width_mm)
-            }
-            Some(position) => {
-                let eye = DVec3::from(position);
-                let width = |focal: f64| FILM_MM / focal * (eye - target).length();
-                (eye, view.focal_length_mm.map_or(view.width_mm, width))
-            }
-        };
-        let distance = (eye - target).length();
-        let roll = view.roll_deg.to_radians();
-        let up = DVec3::new(roll.sin(), roll.cos(), 0.0);
-        let towards = (eye - target) / distance;
-        // Straight along the picture's own upward direction the vane's normal is upwards.
-        let up = if towards.cross(up).length() < 1e-3 { DVec3::Z } else { up };
-        let projection = match view.projection {
-            ViewProjection::Perspective => {
-                // A thin lens of focal length f stands f (1 + 1/m) before what it magnifies by m; its radius is f/2N.
-                let magnification = FILM_MM / width_mm;
-                let of = |f_number: f64| 0.5 * magnification / (f_number * (1.0 + magnification));
-                Projection::Perspective { lens_radius: view.f_number.map_or(view.lens, of) * distance }
-            }
-            ViewProjection::Orthographic => Projection::Orthographic,
-        };
-        let camera = Camera { eye, target, up, width_mm, projection };
-        match view.focus_distance_mm {
-            None => camera,
-            Some(focus) => {
-                Camera { target: eye - towards * focus, width_mm: width_mm * focus / distance, ..camera }
-            }
+        let camera = self.camera.camera();
+        match self.frame_of("camera.about", self.camera.about.as_deref()) {
+            Ok(Some(frame)) => Camera {
+                eye: frame.turn * camera.eye + frame.shift,
+                target: frame.turn * camera.target + frame.shift,
+                up: frame.turn * camera.up,
+                ..camera
+            },
+            Ok(None) | Err(_) => camera,
         }
     }
 
-    /// What is behind the feather.
+    /// Where the first instance of an object stands, if one is named; its size does not count.
     ///
     /// # Errors
-    /// A picture that is not read.
-    pub fn backdrop(&self) -> Result<Backdrop> {
-        match &self.background {
-            Background::Sky => Ok(Backdrop::Sky),
-            Background::None => Ok(Backdrop::None),
-            Background::Colour(colour) => Ok(Backdrop::Colour(colour.map(decode))),
-            Background::Picture { picture: picture @ Backdrop::Picture(_), .. } => Ok(picture.clone()),
-            Background::Picture { file, .. } => {
-                Err(Error::input(format!("the background '{file}' is not read")))
-            }
-        }
+    /// There is no object of this name; the nearest is offered.
+    pub(super) fn frame_of(&self, key: &str, name: Option<&str>) -> Result<Option<Place>> {
+        let Some(name) = name else { return Ok(None) };
+        let object = self.objects.iter().find(|object| object.label() == name).ok_or_else(|| {
+            let near = did_you_mean(name, self.objects.iter().map(ObjectDescription::label));
+            Error::input(format!("{key} is '{}'{near}; there is no object of this name", shortened(name)))
+        })?;
+        Ok(object.placements().first().map(|placement| placement.place(0)))
     }
 
-    /// Names of the parts that [`SceneDescription::objects`] gives, in their order.
+    /// Names of the parts that [`ReadyScene::objects`] gives, in their order. Parts of a feather or coat with a name of its own begin with
+    /// it.
     #[must_use]
     pub fn object_names(&self) -> Vec<String> {
-        let parts = match &self.coat {
-            Some(coat) => self.coat_names(coat),
-            None if self.shows_feather => self.part_names(),
-            None => Vec::new(),
-        };
-        (parts.into_iter())
-            .map(str::to_owned)
-            .chain(self.objects.iter().map(|object| object.name.clone()))
-            .collect()
+        let names = self.objects.iter().flat_map(|object| {
+            let parts = match &object.shape {
+                ObjectShape::Feather(of) => of.part_names(object.width_on_it(self.camera.width_mm)),
+                ObjectShape::Coat(of) => of.part_names(object.width_on_it(self.camera.width_mm)),
+                _ => return vec![object.label().to_owned()],
+            };
+            match object.label() {
+                "feather" | "coat" => parts.into_iter().map(str::to_owned).collect(),
+                label => parts.into_iter().map(|part| format!("{label} {part}")).collect::<Vec<_>>(),
+            }
+        });
+        names.collect()
     }
 }
 
-impl Bearing {
-    /// Unit vector towards it.
-    #[must_use]
-    pub fn direction(&self) -> DVec3 {
-        direction(self.azimuth_deg.to_radians(), self.elevation_deg.to_radians())
+impl ObjectDescription {
+    /// How wide a picture is on an object, in its own lengths, where it is largest.
+    fn width_on_it(&self, width_mm: f64) -> f64 {
+        let largest = self.placements().iter().map(|place| place.scale).fold(0.0, f64::max);
+        if largest == 1.0 { width_mm } else { width_mm / largest }
     }
-}
 
-impl NamedSurface {
-    /// The surface; `all`: those that a map chooses among.
-    fn build(&self, all: &BTreeMap<String, Self>) -> Result<Surface> {
-        Ok(match self {
-            Self::Diffuse { colour, pictures, bump_um } => {
-                let read = |key: &str| pictures.get(key).map(TextureFile::read).transpose();
-                let white_mm = bump_um.unwrap_or_default() * 1e-3;
-                let heights = read("bump")?.map(|picture| Relief::Heights { picture, white_mm });
-                let relief = read("normal")?.map(Relief::Normals).or(heights);
-                let pictures = Pictures { albedo: read("albedo")?, alpha: read("alpha")?, relief };
-                Surface::Lambertian(Lambertian::painted(colour.map(decode), pictures)?)
-            }
-            Self::Keratin(of) => Surface::Keratin(keratin(of)?),
-            Self::Hair(of) => Surface::Hair(hair(of)?),
-            Self::Dielectric { index, roughness: None } => Surface::Dielectric(Dielectric::new(*index)?),
-            Self::Dielectric { index, roughness: Some([along, across]) } => {
-                Surface::RoughDielectric(RoughDielectric::new([*across, *along], *index)?)
-            }
-            Self::Conductor { roughness: [along, across], metal } => Surface::Conductor(match *metal {
-                Metal::Copper => Conductor::copper([*across, *along])?,
-                Metal::Constant { index, absorption } => {
-                    Conductor::new([*across, *along], |_| [index, absorption])?
+    /// The parts of a feather or a coat in its places; `index`: its own among such objects.
+    fn plumage(&self, width_mm: f64, seed: u64, index: u64) -> Result<(Vec<Object>, Counts)> {
+        let width_mm = self.width_on_it(width_mm);
+        match &self.shape {
+            ObjectShape::Feather(of) => {
+                let (parts, counts) = of.parts(width_mm, seed)?;
+                let places = self.placements();
+                if index == 0 && places == [super::Placement::HERE] {
+                    return Ok((parts, counts));
                 }
-            }),
-            Self::Grating(of) => Surface::Grating(of.build()?),
-            Self::Map { picture, surfaces } => {
-                let one = |name: &String| match all.get(name) {
-                    Some(Self::Map { .. }) | None => {
-                        Err(Error::input(format!("a map has no surface '{name}' to choose")))
-                    }
-                    Some(surface) => surface.build(all),
-                };
-                let surfaces = surfaces.iter().map(one).collect::<Result<_>>()?;
-                let map = SurfaceMap::new(picture.read()?, surfaces);
-                Surface::Map(map.map_err(|error| error.at(&picture.file))?)
+                let identity = |instance: usize| hash(FEATHER, &[index, instance as u64]);
+                let places: Vec<Place> =
+                    places.iter().enumerate().map(|(i, place)| place.place(identity(i))).collect();
+                let many = places.len();
+                let counts = Counts { barbs: counts.barbs * many, barbules: counts.barbules * many };
+                let placed = |part: Object| Object { geometry: part.geometry.placed_at(&places), ..part };
+                Ok((parts.into_iter().map(placed).collect(), counts))
             }
-        })
+            ObjectShape::Coat(of) => of.parts(&self.place, width_mm, seed),
+            _ => Ok((Vec::new(), Counts::default())),
+        }
     }
 }
 
-pub(super) fn keratin(of: &PigmentedKeratin) -> Result<Keratin> {
-    Keratin::new(of.roughness, of.index, Reflectance::melanin(of.melanin)?)
-}
-
-pub(super) fn hair(of: &FibreDescription) -> Result<Hair> {
-    Hair::new(HairParameters {
-        longitudinal_roughness: of.longitudinal_roughness,
-        azimuthal_roughness: of.azimuthal_roughness,
-        scale_tilt: of.scale_tilt_deg.to_radians(),
-        index: of.index.map_or(FibreIndex::Keratin, FibreIndex::Constant),
-        absorption: Absorption::pigments(of.eumelanin, of.pheomelanin)?,
-        height_over_width: of.height_over_width,
-    })
+impl Geometry {
+    /// The same at several places; where it stands at places of its own, at those of each.
+    fn placed_at(self, places: &[Place]) -> Self {
+        let all = match self.places.is_empty() {
+            true => places.to_vec(),
+            false => places.iter().flat_map(|outer| self.places.iter().map(|own| own.then(outer))).collect(),
+        };
+        Self { places: all, ..self }
+    }
 }
 
 #[cfg(test)]

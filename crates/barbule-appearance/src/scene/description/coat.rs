@@ -1,39 +1,32 @@
-//! `[coat]`: the scene's feather many times on a body.
-
-use std::sync::Arc;
+//! Coats: feathers many times on a body.
 
 use glam::DVec3;
-use serde::Serialize;
-use serde_json::{Map, Value, json};
 
-use super::SceneDescription;
-use super::colour::colour;
+use super::colour::Colour;
 use super::detail::{Detail, DetailLevel, ViewModel};
-use super::lights::point;
+use super::dress::Dress;
 use super::objects::Placement;
-use crate::brdf::FeatherBrdf;
-use crate::bsdf::{Lambertian, Pictures, Surface};
-use crate::fields::{Fields, list};
+use super::slot::Slot;
+use crate::bsdf::{Lambertian, Pictures, Surface, Texture};
+use crate::fields::{Several, Text, up_to, within};
 use crate::math::rng::hash;
 use crate::scene::Object;
 use crate::scene::coat::body::{Body, MOST_TRIANGLES};
 use crate::scene::coat::field::Guide;
 use crate::scene::coat::follicles::Region;
 use crate::scene::coat::{Coat, Laid, MOST_FEATHERS, Number, edge_mm, seed_of, window};
-use crate::scene::feather::{Counts, Level};
+use crate::scene::feather::{Counts, Feather, Level};
 use crate::scene::geometry::{Geometry, Mesh, Place};
 use crate::spectrum::colour::decode;
-use crate::{Error, Result};
+use crate::{Error, Result, record};
 
-/// Most variants and guides.
-const MOST_VARIANTS: usize = 64;
+/// Most variants, guides and kinds of feathers beside the first.
+const MOST_VARIANTS: u8 = 64;
 const MOST_GUIDES: usize = 1000;
+const MOST_KINDS: usize = 254;
 
 /// Skin where no colour is given: dark grey.
-const SKIN: [f64; 3] = [0.1, 0.09, 0.085];
-
-/// What mattes call the skin.
-const SKIN_NAME: &str = "skin";
+const SKIN: Colour = Colour([0.1, 0.09, 0.085]);
 
 /// Identity of the skin and of the feathers' places.
 const COAT: u64 = 0x636f_6174;
@@ -47,259 +40,241 @@ const BYTES_PER_VARIANT: usize = 8_000_000;
 /// Objects that a feather has.
 const PARTS: usize = 5;
 
-/// A coat of the scene's feather.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CoatDescription {
-    /// What it grows on.
-    pub body: CoatBody,
-    /// Where that stands.
-    pub place: Placement,
-    /// How the feathers stand.
-    pub coat: Coat,
-    /// The skin's colour on a screen, sRGB, 0 … 1.
-    pub skin: [f64; 3],
+/// A coat of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoatObject {
+    /// What it grows on, and how its feathers stand.
+    pub coat: CoatDescription,
+    /// Its feathers.
+    pub feather: Feather,
+    /// How finely they are made.
+    pub detail: Detail,
+    /// What their parts are made of.
+    pub dress: Dress,
 }
 
-/// A body under a coat.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub enum CoatBody {
-    /// An ellipsoid about the origin.
-    Ellipsoid {
-        /// Its half axes along x, y, z, mm.
-        radii_mm: [f64; 3],
-    },
-    /// A mesh from a file, in mm.
-    Mesh {
-        /// The file.
-        #[serde(skip)]
-        file: String,
-        /// What is in it, once it is read.
-        #[serde(skip)]
-        mesh: Option<Arc<Mesh>>,
-        /// BLAKE3 of the file.
-        content: String,
-    },
+record! {
+    /// What a coat grows on, and how its feathers stand.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct CoatDescription {
+        /// Half axes of an ellipsoid that it grows on.
+        ellipsoid_mm: Option<[f64; 3]> = "ellipsoid_mm", within(0.1, 1e4);
+        /// A mesh that it grows on, in mm.
+        mesh: Option<Slot<Mesh>> = "mesh", Text("the name of a .ply, .obj, .gltf or .glb");
+        /// How many feathers there are.
+        count: Option<usize> = "count", within(1, MOST_FEATHERS as f64);
+        /// In place of that, how many on the body's surface.
+        density_per_cm2: Option<f64> = "density_per_cm2", within(1e-3, 1e5);
+        /// Two corners of a box outside which none grow.
+        within_mm: Option<Vec<[f64; 3]>> = "within_mm", Several { least: 0, most: 64, of: within(-1e6, 1e6) };
+        /// Directions in which they lie; down the picture where nothing is said.
+        guides: Vec<GuideDescription> = "guides", Several { least: 1, most: MOST_GUIDES, of: () }, or vec![DOWN];
+        /// Angle between the skin and a feather's base.
+        erection_deg: f64 = "erection_deg", within(0, 60), or 8.0;
+        /// Its standard deviation.
+        erection_jitter_deg: f64 = "erection_jitter_deg", within(0, 20), or 0.5;
+        /// Standard deviation of their turn within the skin.
+        turn_jitter_deg: f64 = "turn_jitter_deg", within(0, 60), or 3.0;
+        /// Standard deviation of their size, as a share.
+        size_jitter: f64 = "size_jitter", within(0, 0.3), or 0.05;
+        /// How many are grown of each kind; each stands at many places.
+        variants: usize = "variants", within(1, MOST_VARIANTS), or 16;
+        /// How far over the feathers beneath they lie.
+        clearance_mm: f64 = "clearance_mm", within(0, 2), or 0.1;
+        /// 0: bent as the feather says; 1: bent as the body is.
+        hug: f64 = "hug", within(0, 1), or 1.0;
+        /// Colour of the skin.
+        skin_colour: Colour = "skin_colour", (), or SKIN;
+        /// Further kinds of feathers, from 1; the object's own is kind 0.
+        feathers: Vec<CoatFeather> = "feathers", up_to(MOST_KINDS), or Vec::new();
+        /// Width over which kinds mix where the guides' ones meet.
+        mix_mm: f64 = "mix_mm", within(0, 1000), or 0.0;
+        /// A grey picture over the body's texture coordinates: pixels of value i (of 255) bear the i-th kind.
+        map: Option<Slot<Texture>> = "map", Text("a grey .png");
+        @agree CoatDescription::agree;
+    }
 }
 
-const KEYS: [&str; 17] = [
-    "ellipsoid_mm",
-    "mesh",
-    "scale",
-    "rotate_deg",
-    "translate_mm",
-    "count",
-    "density_per_cm2",
-    "within_mm",
-    "guides",
-    "erection_deg",
-    "erection_jitter_deg",
-    "turn_jitter_deg",
-    "size_jitter",
-    "variants",
-    "clearance_mm",
-    "hug",
-    "skin_colour",
-];
+record! {
+    /// A direction that feathers near a place take.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct GuideDescription {
+        /// The place.
+        position_mm: [f64; 3] = "position_mm", within(-1e6, 1e6), or [0.0; 3];
+        /// From a feather's root to its tip; of any length.
+        direction: [f64; 3] = "direction", within(-1e6, 1e6);
+        /// Which kind of feather grows about there.
+        kind: usize = "kind", within(0, 254), or 0;
+        @agree GuideDescription::agree;
+    }
+}
+
+record! {
+    /// A further kind of feather of a coat.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct CoatFeather {
+        /// Its sizes, or the name of a type.
+        feather: Feather = "feather", ();
+        /// What its parts are made of.
+        dress: Dress = "dress", ();
+    }
+}
+
+/// Where nothing is said feathers lie down the picture.
+const DOWN: GuideDescription = GuideDescription { position_mm: [0.0; 3], direction: [0.0, -1.0, 0.0], kind: 0 };
+
+impl GuideDescription {
+    fn agree(&self, place: &str) -> Result<()> {
+        if DVec3::from(self.direction).length() < 1e-6 {
+            return Err(Error::input(format!("{place}.direction has no length; give where feathers point")));
+        }
+        Ok(())
+    }
+}
 
 impl CoatDescription {
-    pub(super) fn read(table: &Value) -> Result<Self> {
-        let fields = Fields::new(table, "coat", &KEYS)?;
-        let within = |key: &str, usual: f64, low: f64, high: f64| {
-            fields.get(key).map_or(Ok(usual), |_| fields.number_within(key, low, high))
-        };
-        let coat = Coat {
-            number: number(&fields)?,
-            region: region(&fields)?,
-            guides: guides(&fields)?,
-            erection_deg: within("erection_deg", 8.0, 0.0, 60.0)?,
-            erection_jitter_deg: within("erection_jitter_deg", 0.5, 0.0, 20.0)?,
-            turn_jitter_deg: within("turn_jitter_deg", 3.0, 0.0, 60.0)?,
-            size_jitter: within("size_jitter", 0.05, 0.0, 0.3)?,
-            variants: fields
-                .get("variants")
-                .map_or(Ok(16), |_| fields.count_within("variants", 1, MOST_VARIANTS))?,
-            clearance_mm: within("clearance_mm", 0.1, 0.0, 2.0)?,
-            hug: within("hug", 1.0, 0.0, 1.0)?,
-        };
-        let skin = fields.get("skin_colour").map_or(Ok(SKIN), |value| colour(value, "coat.skin_colour"))?;
-        Ok(Self { body: body(&fields)?, place: Placement::read(&fields)?, coat, skin })
+    fn agree(&self, place: &str) -> Result<()> {
+        let both =
+            |a: &str, b: &str| Err(Error::input(format!("{place}.{a} and {place}.{b} are both given; leave one out")));
+        match (&self.ellipsoid_mm, &self.mesh) {
+            (Some(_), Some(_)) => return both("ellipsoid_mm", "mesh"),
+            (None, None) => {
+                return Err(Error::input(format!("[{place}] has no body; give ellipsoid_mm or mesh")));
+            }
+            _ => {}
+        }
+        match (self.count, self.density_per_cm2) {
+            (Some(_), Some(_)) => return both("count", "density_per_cm2"),
+            (None, None) => {
+                return Err(Error::input(format!(
+                    "{place}.count is missing; give the number of feathers, or density_per_cm2"
+                )));
+            }
+            _ => {}
+        }
+        if self.within_mm.is_some() && self.region().is_none() {
+            return Err(Error::input(format!(
+                "{place}.within_mm: give a box as [[x, y, z], [x, y, z]] in mm, each number of the second over that of the first"
+            )));
+        }
+        let kinds = self.feathers.len();
+        if let Some((i, guide)) = self.guides.iter().enumerate().find(|(_, guide)| guide.kind > kinds) {
+            return Err(Error::input(format!(
+                "{place}.guides[{i}].kind is {}, but the coat has {} kinds of feathers, from 0",
+                guide.kind,
+                kinds + 1
+            )));
+        }
+        if self.map.is_some() && kinds == 0 {
+            return Err(Error::input(format!("{place}.map is given, but {place}.feathers has no further kinds")));
+        }
+        Ok(())
     }
 
-    /// Its table in a scene file.
-    pub(super) fn table(&self) -> Value {
-        let coat = &self.coat;
-        let mut table = Map::new();
-        let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
-        match &self.body {
-            CoatBody::Ellipsoid { radii_mm } => put("ellipsoid_mm", json!(radii_mm)),
-            CoatBody::Mesh { file, .. } => put("mesh", json!(file)),
-        };
-        put("scale", self.place.scale.into());
-        put("rotate_deg", json!(self.place.rotate_deg));
-        put("translate_mm", json!(self.place.translate_mm));
-        match coat.number {
-            Number::Count(count) => put("count", count.into()),
-            Number::PerCm2(density) => put("density_per_cm2", density.into()),
-        };
-        if let Some(Region { low, high }) = coat.region {
-            put("within_mm", json!([low, high]));
+    fn region(&self) -> Option<Region> {
+        match self.within_mm.as_deref() {
+            Some(&[low, high]) if (0..3).all(|k| low[k] < high[k]) => Some(Region { low, high }),
+            _ => None,
         }
-        put("guides", coat.guides.iter().map(|guide| json!(guide)).collect());
-        put("erection_deg", coat.erection_deg.into());
-        put("erection_jitter_deg", coat.erection_jitter_deg.into());
-        put("turn_jitter_deg", coat.turn_jitter_deg.into());
-        put("size_jitter", coat.size_jitter.into());
-        put("variants", coat.variants.into());
-        put("clearance_mm", coat.clearance_mm.into());
-        put("hug", coat.hug.into());
-        put("skin_colour", json!(self.skin));
-        Value::Object(table)
+    }
+
+    fn number(&self) -> Number {
+        match (self.count, self.density_per_cm2) {
+            (Some(count), _) => Number::Count(count),
+            (None, density) => Number::PerCm2(density.unwrap_or_default()),
+        }
+    }
+
+    fn coat(&self) -> Coat {
+        let guide = |guide: &GuideDescription| Guide {
+            position_mm: guide.position_mm,
+            direction: guide.direction,
+        };
+        Coat {
+            number: self.number(),
+            region: self.region(),
+            guides: self.guides.iter().map(guide).collect(),
+            erection_deg: self.erection_deg,
+            erection_jitter_deg: self.erection_jitter_deg,
+            turn_jitter_deg: self.turn_jitter_deg,
+            size_jitter: self.size_jitter,
+            variants: self.variants,
+            clearance_mm: self.clearance_mm,
+            hug: self.hug,
+        }
     }
 
     /// Memory that it takes while it is laid and its hierarchy is built, bytes, at most.
     pub(super) fn bytes(&self) -> usize {
-        let feathers = match self.coat.number {
-            Number::Count(count) => count,
-            Number::PerCm2(_) => MOST_FEATHERS,
-        };
-        let triangles = match &self.body {
-            CoatBody::Mesh { mesh: Some(mesh), .. } => mesh.triangles.len(),
-            CoatBody::Mesh { .. } | CoatBody::Ellipsoid { .. } => 0,
-        };
+        let feathers = self.count.unwrap_or(MOST_FEATHERS);
+        let triangles = self.mesh.as_ref().and_then(Slot::get).map_or(0, |mesh| mesh.triangles.len());
         feathers * PARTS * BYTES_PER_PLACE
             + (triangles + MOST_TRIANGLES) * BYTES_PER_TRIANGLE
-            + self.coat.variants * BYTES_PER_VARIANT
+            + self.variants * (1 + self.feathers.len()) * BYTES_PER_VARIANT
     }
 
-    fn grown_on(&self, edge_mm: f64) -> Result<(Body, Geometry)> {
-        let place = self.place.place(COAT);
-        match &self.body {
-            CoatBody::Ellipsoid { radii_mm } => {
+    fn grown_on(&self, placement: &Placement, edge_mm: f64) -> Result<(Body, Geometry)> {
+        let place = placement.place(COAT);
+        match (&self.ellipsoid_mm, &self.mesh) {
+            (Some(radii_mm), _) => {
                 let body = Body::ellipsoid(*radii_mm, &place, edge_mm);
                 let skin = Geometry { meshes: vec![body.skin(COAT)], ..Geometry::default() };
                 Ok((body, skin))
             }
-            CoatBody::Mesh { mesh: Some(mesh), .. } => {
+            (None, Some(mesh)) => {
+                let mesh = mesh.value()?;
                 let body = Body::mesh(mesh, &place, edge_mm).map_err(|error| error.at("coat.mesh"))?;
                 let meshes = vec![Mesh { id: COAT, ..mesh.as_ref().clone() }];
                 Ok((body, Geometry { meshes, places: vec![place], ..Geometry::default() }))
             }
-            CoatBody::Mesh { file, .. } => Err(Error::input(format!("the mesh '{file}' is not read"))),
+            (None, None) => Err(Error::input("[coat] has no body; give ellipsoid_mm or mesh")),
         }
     }
 }
 
-fn body(fields: &Fields<'_>) -> Result<CoatBody> {
-    match (fields.get("ellipsoid_mm"), fields.text("mesh")?) {
-        (Some(_), None) => match fields.numbers("ellipsoid_mm")?[..] {
-            [x, y, z] if [x, y, z].iter().all(|v| (0.1..=1e4).contains(v)) => {
-                Ok(CoatBody::Ellipsoid { radii_mm: [x, y, z] })
-            }
-            _ => Err(Error::input(
-                "coat.ellipsoid_mm: give three half axes [x, y, z] in mm, each 0.1 to 10000",
-            )),
-        },
-        (None, Some(file)) => {
-            Ok(CoatBody::Mesh { file: file.to_owned(), mesh: None, content: String::new() })
+impl CoatObject {
+    /// Refuses a coat of what does not stand on a body.
+    pub(super) fn agree(&self, place: &str) -> Result<()> {
+        let path = |key: &str| crate::fields::path_of(place, key);
+        if self.detail.level == DetailLevel::Barbs {
+            return Err(Error::input(format!(
+                "{} is 'barbs', but a coat's feathers are surfaces, envelopes or barbules; give 'vane'",
+                path("detail.level")
+            )));
         }
-        (Some(_), Some(_)) => {
-            Err(Error::input("coat.ellipsoid_mm and coat.mesh are both given; leave one out"))
+        if self.detail.view_model == ViewModel::Both {
+            return Err(Error::input(format!(
+                "{} is both, but [coat] has no second coat beside it; give substructure or fibre",
+                path("detail.view_model")
+            )));
         }
-        (None, None) => Err(Error::input("[coat] has no body; give ellipsoid_mm or mesh")),
+        Ok(())
     }
-}
 
-fn number(fields: &Fields<'_>) -> Result<Number> {
-    match (fields.get("count"), fields.get("density_per_cm2")) {
-        (Some(_), None) => Ok(Number::Count(fields.count_within("count", 1, MOST_FEATHERS)?)),
-        (None, Some(_)) => Ok(Number::PerCm2(fields.number_within("density_per_cm2", 1e-3, 1e5)?)),
-        (Some(_), Some(_)) => {
-            Err(Error::input("coat.count and coat.density_per_cm2 are both given; leave one out"))
-        }
-        (None, None) => {
-            Err(Error::input("coat.count is missing; give the number of feathers, or density_per_cm2"))
-        }
-    }
-}
-
-fn region(fields: &Fields<'_>) -> Result<Option<Region>> {
-    if fields.get("within_mm").is_none() {
-        return Ok(None);
-    }
-    let corners = fields.list("within_mm", "two corners of a box")?;
-    let corner = |value: &Value| -> Option<[f64; 3]> { serde_json::from_value(value.clone()).ok() };
-    match corners {
-        [low, high] => match (corner(low), corner(high)) {
-            (Some(low), Some(high)) if (0..3).all(|k| low[k] < high[k]) => Ok(Some(Region { low, high })),
-            _ => Err(box_wanted()),
-        },
-        _ => Err(box_wanted()),
-    }
-}
-
-fn box_wanted() -> Error {
-    Error::input(
-        "coat.within_mm: give a box as [[x, y, z], [x, y, z]] in mm, each number of the second over that of the first",
-    )
-}
-
-/// Where nothing is said feathers lie down the picture.
-fn guides(fields: &Fields<'_>) -> Result<Vec<Guide>> {
-    let Some(value) = fields.get("guides") else {
-        return Ok(vec![Guide { position_mm: [0.0; 3], direction: DVec3::NEG_Y.into() }]);
-    };
-    let guides = list(value, "coat.guides")?;
-    if !(1..=MOST_GUIDES).contains(&guides.len()) {
-        return Err(Error::input(format!("coat.guides: give 1 to {MOST_GUIDES} of them")));
-    }
-    let read = |(i, table): (usize, &Value)| {
-        let place = format!("coat.guides[{i}]");
-        let fields = Fields::new(table, &place, &["position_mm", "direction"])?;
-        let direction = point(&fields, "direction")?;
-        if DVec3::from(direction).length() < 1e-6 {
-            return Err(Error::input(format!("{place}.direction has no length; give where feathers point")));
-        }
-        let position_mm =
-            fields.get("position_mm").map_or(Ok([0.0; 3]), |_| point(&fields, "position_mm"))?;
-        Ok(Guide { position_mm, direction })
-    };
-    guides.iter().enumerate().map(read).collect()
-}
-
-impl SceneDescription {
     /// The coat as it is laid, and what is under it.
+    fn laid_on(&self, place: &Placement, seed: u64) -> Result<(Laid, Geometry)> {
+        let (body, skin) = self.coat.grown_on(place, edge_mm(&self.feather))?;
+        Ok((self.coat.coat().lay(body, &self.feather, seed)?, skin))
+    }
+
+    /// The coat as it is laid.
     ///
     /// # Errors
     /// A mesh that is not read, or that bears no coat.
-    fn laid_on(&self, coat: &CoatDescription, seed: u64) -> Result<(Laid, Geometry)> {
-        let (body, skin) = coat.grown_on(edge_mm(&self.feather))?;
-        Ok((coat.coat.lay(body, &self.feather, seed)?, skin))
+    pub fn laid(&self, place: &Placement, seed: u64) -> Result<Laid> {
+        Ok(self.laid_on(place, seed)?.0)
     }
 
-    /// The coat as it is laid; none where the scene has none.
-    ///
-    /// # Errors
-    /// A number out of range, a mesh that is not read, or that bears no coat.
-    pub fn laid_coat(&self, seed: u64) -> Result<Option<Laid>> {
-        self.check()?;
-        self.coat.as_ref().map(|coat| Ok(self.laid_on(coat, seed)?.0)).transpose()
-    }
-
-    /// The skin, then the parts of each variant, at their places.
-    pub(super) fn coat_parts(
-        &self,
-        coat: &CoatDescription,
-        brdf: Option<Arc<FeatherBrdf>>,
-        seed: u64,
-    ) -> Result<(Vec<Object>, Counts)> {
-        let (laid, skin) = self.laid_on(coat, seed)?;
-        let surface = Lambertian::painted(coat.skin.map(decode), Pictures::default())?;
+    /// The skin, then the parts of each variant, at their places; `width_mm`: of the picture.
+    pub(super) fn parts(&self, place: &Placement, width_mm: f64, seed: u64) -> Result<(Vec<Object>, Counts)> {
+        let (laid, skin) = self.laid_on(place, seed)?;
+        let surface = Lambertian::painted(self.coat.skin_colour.0.map(decode), Pictures::default())?;
         let mut objects = vec![Object { geometry: skin, surface: Surface::Lambertian(surface) }];
         let (mut counts, mut windows) = (Counts::default(), None);
-        let mut one = Self { detail: self.coat_detail(), coat: None, ..self.clone() };
+        let detail = self.detail_on_body(width_mm);
         for (variant, feather) in laid.variants.iter().enumerate() {
-            (one.feather, one.window) = (*feather, window(feather));
-            let (mut parts, own) = one.feather_parts(brdf.clone(), seed_of(variant, seed))?;
+            let one = self.one(*feather, detail);
+            let (mut parts, own) = one.parts(width_mm, seed_of(variant, seed))?;
             // The vanes of all show the same swatches, which take memory once.
             match &windows {
                 None => {
@@ -324,45 +299,34 @@ impl SceneDescription {
         Ok((objects, counts))
     }
 
-    /// As fine as the scene says, or surfaces.
-    fn coat_detail(&self) -> Detail {
-        let level = match (self.detail.level, self.level()) {
-            (_, Level::Envelopes) => Level::Envelopes,
-            (DetailLevel::Auto, _) => Level::Vane,
-            (_, level) => level,
+    /// One of its feathers.
+    fn one(&self, feather: Feather, detail: Detail) -> super::FeatherObject {
+        super::FeatherObject {
+            feather,
+            window: window(&feather),
+            detail,
+            dress: self.dress.clone(),
+            zones: Vec::new(),
+            zone_map: None,
+        }
+    }
+
+    /// As fine as is said, or surfaces.
+    fn detail_on_body(&self, width_mm: f64) -> Detail {
+        let level = match (self.detail.level, self.detail.level_of(&self.feather, window(&self.feather), width_mm)) {
+            (_, Level::Envelopes) => DetailLevel::Envelopes,
+            (DetailLevel::Auto, _) => DetailLevel::Vane,
+            (level, _) => level,
         };
-        Detail { level: DetailLevel::Fixed(level), ..self.detail }
+        Detail { level, ..self.detail }
     }
 
-    /// Names of the parts of a coat, in their order.
-    pub(super) fn coat_names(&self, coat: &CoatDescription) -> Vec<&'static str> {
-        let one = Self { detail: self.coat_detail(), coat: None, ..self.clone() };
-        let mut names = vec![SKIN_NAME];
-        (0..coat.coat.variants).for_each(|_| names.extend(one.part_names()));
+    /// Names of its parts, in their order.
+    pub(super) fn part_names(&self, width_mm: f64) -> Vec<&'static str> {
+        let one = self.one(self.feather, self.detail_on_body(width_mm));
+        let mut names = vec!["skin"];
+        (0..self.coat.variants).for_each(|_| names.extend(one.part_names(width_mm)));
         names
-    }
-
-    /// Refuses a coat of what does not stand on a body.
-    pub(super) fn check_coat(&self) -> Result<()> {
-        if self.coat.is_none() {
-            return Ok(());
-        }
-        if !self.shows_feather {
-            return Err(Error::input(
-                "shows_feather is false, but [coat] is made of the feather; leave one out",
-            ));
-        }
-        if self.detail.level == DetailLevel::Fixed(Level::Barbs) {
-            return Err(Error::input(
-                "detail.level is 'barbs', but a coat's feathers are surfaces, envelopes or barbules; give 'vane'",
-            ));
-        }
-        if self.detail.view_model == ViewModel::Both {
-            return Err(Error::input(
-                "detail.view_model is both, but [coat] has no second coat beside it; give substructure or fibre",
-            ));
-        }
-        Ok(())
     }
 }
 
@@ -405,12 +369,12 @@ mod tests {
         let coat = |text: &str| message(&format!("[coat]\nellipsoid_mm = [9, 9, 9]\n{text}"));
         assert_eq!(message("[coat]\ncount = 5"), "[coat] has no body; give ellipsoid_mm or mesh");
         assert!(coat("mesh = 'a.ply'\ncount = 5").contains("both given"));
-        assert!(message("[coat]\nellipsoid_mm = [9, 9]\ncount = 5").contains("three half axes"));
+        assert!(message("[coat]\nellipsoid_mm = [9, 9]\ncount = 5").contains("coat.ellipsoid_mm has 2 numbers; give three numbers"));
         assert!(coat("").starts_with("coat.count is missing"));
         assert!(coat("count = 5\ndensity_per_cm2 = 2").contains("both given"));
         assert_eq!(coat("count = 60000"), "coat.count is 60000, outside 1 to 50000");
         assert!(coat("count = 1.5").contains("whole number"));
-        assert!(coat("count = 5\nguides = []").contains("give 1 to 1000"));
+        assert!(coat("count = 5\nguides = []").contains("give 1 to 1000 of them"));
         assert!(coat("count = 5\nguides = [{direction = [0, 0, 0]}]").contains("coat.guides[0].direction"));
         assert!(
             coat("count = 5\nguides = [{position_mm = [0, 0, 0]}]")
@@ -426,7 +390,7 @@ mod tests {
                 .contains("shows_feather")
         );
         let built = |text: &str| scene(text).unwrap().objects(None, 1).unwrap_err().to_string();
-        assert_eq!(built("[coat]\nmesh = 'a.ply'\ncount = 5"), "the mesh 'a.ply' is not read");
+        assert_eq!(built("[coat]\nmesh = 'a.ply'\ncount = 5"), "'a.ply' is not read");
         let far = "[coat]\nellipsoid_mm = [9, 9, 9]\ncount = 5\nwithin_mm = [[20, 0, 0], [30, 1, 1]]";
         assert!(built(far).contains("hardly any of the body's surface"));
         let dense = "[coat]\nellipsoid_mm = [900, 900, 900]\ndensity_per_cm2 = 99";

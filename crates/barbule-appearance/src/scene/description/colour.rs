@@ -1,16 +1,54 @@
 //! Colours of scene files: what a screen shows, `"#rrggbb"` or three numbers from 0 to 1.
 
-use serde_json::Value;
-
 use crate::error::shortened;
-use crate::fields::{list, number};
+use crate::fields::{FieldValue, Kind, Value, list, number};
+use crate::identity::Hasher;
 use crate::{Error, Result};
+
+/// sRGB, 0 … 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Colour(pub [f64; 3]);
+
+impl Colour {
+    /// Black.
+    pub const BLACK: Self = Self([0.0; 3]);
+    /// White.
+    pub const WHITE: Self = Self([1.0; 3]);
+}
+
+impl FieldValue for Colour {
+    type Limits = ();
+
+    fn of_value(value: &Value, path: &str, (): &()) -> Result<Self> {
+        colour(value, path).map(Self)
+    }
+
+    fn to_value(&self, (): &()) -> Option<Value> {
+        Some(self.0.to_vec().into())
+    }
+
+    fn check_value(&self, path: &str, (): &()) -> Result<()> {
+        if self.0.iter().all(|value| (0.0..=1.0).contains(value)) { Ok(()) } else { Err(wanted(path)) }
+    }
+
+    fn feed_value(&self, key: &str, to: &mut Hasher) {
+        to.numbers(key, &self.0);
+    }
+
+    fn kind((): &()) -> Kind {
+        Kind::Colour
+    }
+}
+
+fn wanted(place: &str) -> Error {
+    Error::input(format!("{place}: give three numbers from 0 to 1, or \"#rrggbb\""))
+}
 
 /// The three numbers of a colour; `place` names it in messages.
 ///
 /// # Errors
 /// Neither six hexadecimal digits after `#` nor three numbers from 0 to 1.
-pub(super) fn colour(value: &Value, place: &str) -> Result<[f64; 3]> {
+fn colour(value: &Value, place: &str) -> Result<[f64; 3]> {
     if let Value::String(text) = value {
         return parse_colour(text).map_err(|error| error.at(place));
     }
@@ -18,7 +56,7 @@ pub(super) fn colour(value: &Value, place: &str) -> Result<[f64; 3]> {
         list(value, place)?.iter().map(|value| number(value, place)).collect::<Result<_>>()?;
     match numbers[..] {
         [r, g, b] if [r, g, b].iter().all(|v| (0.0..=1.0).contains(v)) => Ok([r, g, b]),
-        _ => Err(Error::input(format!("{place}: give three numbers from 0 to 1, or \"#rrggbb\""))),
+        _ => Err(wanted(place)),
     }
 }
 

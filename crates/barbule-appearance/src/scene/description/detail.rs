@@ -1,55 +1,54 @@
-//! `[detail]`: how finely a feather is made, and how its barbs are seen.
+//! `detail`: how finely a feather is made, and how its barbs are seen; `window`: which part of it.
 
-use serde::Serialize;
-use serde_json::{Value, json};
+use crate::fields::{Fields, Key, Map, Record, Value, within};
+use crate::identity::Hasher;
+use crate::scene::feather::{Feather, Level, VaneDisc};
+use crate::{Error, Result, record, words};
 
-use super::SceneDescription;
-use super::kinds::unknown;
-use crate::Result;
-use crate::fields::Fields;
-use crate::scene::feather::Level;
+words! {
+    /// Which parts of a feather stand there one by one.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum DetailLevel {
+        /// As fine as the picture shows.
+        #[default]
+        "auto": Auto,
+        /// Every barbule.
+        "barbules": Barbules,
+        /// Every barb; its barbules are stretches that repeat.
+        "barbs": Barbs,
+        /// The vane as a surface.
+        "vane": Vane,
+        /// Every barb's envelope, on which barbules are looked up.
+        "envelopes": Envelopes,
+    }
+}
 
-/// How finely a feather is made, and how its barbs are seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-pub struct Detail {
-    /// Which parts stand there one by one.
-    pub level: DetailLevel,
+words! {
     /// How barbs are seen.
-    pub view_model: ViewModel,
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum ViewModel {
+        /// As they grew, at the feather's level.
+        #[default]
+        "grown": Grown,
+        /// As rami with barbules that are looked up on envelopes.
+        "substructure": Substructure,
+        /// As one fibre each.
+        "fibre": Fibre,
+        /// Both, side by side.
+        "both": Both,
+    }
 }
 
-/// Which parts of a feather stand there one by one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-pub enum DetailLevel {
-    /// As fine as the picture shows.
-    #[default]
-    Auto,
-    /// This.
-    Fixed(Level),
+record! {
+    /// How finely a feather is made, and how its barbs are seen.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub struct Detail {
+        /// Which parts stand there one by one.
+        level: DetailLevel = "level", (), or DetailLevel::Auto;
+        /// How barbs are seen.
+        view_model: ViewModel = "view_model", (), or ViewModel::Grown;
+    }
 }
-
-/// How barbs are seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-pub enum ViewModel {
-    /// As they grew, at the scene's level.
-    #[default]
-    Grown,
-    /// As rami with barbules that are looked up on envelopes.
-    Substructure,
-    /// As one fibre each.
-    Fibre,
-    /// Both, side by side.
-    Both,
-}
-
-const LEVELS: [(&str, DetailLevel); 6] = [
-    ("auto", DetailLevel::Auto),
-    ("barbules", DetailLevel::Fixed(Level::Barbules)),
-    ("barbs", DetailLevel::Fixed(Level::Barbs)),
-    ("vane", DetailLevel::Fixed(Level::Vane)),
-    ("envelopes", DetailLevel::Fixed(Level::Envelopes)),
-    ("masked", DetailLevel::Fixed(Level::Masked)),
-];
 
 /// The finest pixel that is thought of, as a share of a picture's width.
 const PIXEL: f64 = 1e-3;
@@ -63,59 +62,22 @@ const BARBS: f64 = 3.0;
 /// More barbules than this repeat.
 const MOST_GROWN: f64 = 1.5e6;
 
-impl ViewModel {
-    /// All with their names.
-    pub const ALL: [(&'static str, Self); 4] = [
-        ("grown", Self::Grown),
-        ("substructure", Self::Substructure),
-        ("fibre", Self::Fibre),
-        ("both", Self::Both),
-    ];
-
-    /// By its name.
-    ///
-    /// # Errors
-    /// There is none of this name.
-    pub fn named(name: &str) -> Result<Self> {
-        one_of("detail.view_model", name, &Self::ALL)
-    }
-}
-
 impl Detail {
-    pub(super) fn read(table: &Value) -> Result<Self> {
-        let fields = Fields::new(table, "detail", &["level", "view_model"])?;
-        let level = fields.text("level")?.map(|name| one_of("detail.level", name, &LEVELS)).transpose()?;
-        let view_model = fields.text("view_model")?.map(ViewModel::named).transpose()?;
-        Ok(Self { level: level.unwrap_or_default(), view_model: view_model.unwrap_or_default() })
-    }
-
-    /// The table that is read as this; nothing where all is as usual.
-    pub(super) fn table(self) -> Option<Value> {
-        let name = |known: &[(&'static str, ViewModel)]| {
-            known.iter().find(|(_, m)| *m == self.view_model).map(|k| k.0)
-        };
-        let level = LEVELS.iter().find(|(_, level)| *level == self.level).map(|(name, _)| *name);
-        (self != Self::default()).then(|| json!({"level": level, "view_model": name(&ViewModel::ALL)}))
-    }
-}
-
-fn one_of<T: Copy>(key: &str, name: &str, known: &[(&'static str, T)]) -> Result<T> {
-    let found = known.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
-    found.ok_or_else(|| unknown(key, name, &known.iter().map(|(known, _)| *known).collect::<Vec<_>>()))
-}
-
-impl SceneDescription {
-    /// How finely the feather is made: as the scene says, or as fine as a picture of a thousand pixels shows.
+    /// How finely a feather is made: as is said here, or as fine as a picture of a thousand pixels shows that is so wide on the feather,
+    /// mm.
     #[must_use]
-    pub fn level(&self) -> Level {
-        match self.detail.level {
-            _ if self.detail.view_model != ViewModel::Grown => Level::Envelopes,
-            DetailLevel::Fixed(level) => level,
+    pub fn level_of(&self, feather: &Feather, window: VaneDisc, width_mm: f64) -> Level {
+        match self.level {
+            _ if self.view_model != ViewModel::Grown => Level::Envelopes,
+            DetailLevel::Barbules => Level::Barbules,
+            DetailLevel::Barbs => Level::Barbs,
+            DetailLevel::Vane => Level::Vane,
+            DetailLevel::Envelopes => Level::Envelopes,
             DetailLevel::Auto => {
-                let finest = self.feather.distal.spacing_um.min(self.feather.proximal.spacing_um);
-                let is_resolved = PIXEL * self.camera.width_mm < RESOLVES * 1e-3 * finest;
-                let many = self.feather.barbules_in(self.window) > MOST_GROWN;
-                let shows_barbs = PIXEL * self.camera.width_mm < 1e-3 * BARBS * self.feather.barbs.spacing_um;
+                let finest = feather.distal.spacing_um.min(feather.proximal.spacing_um);
+                let is_resolved = PIXEL * width_mm < RESOLVES * 1e-3 * finest;
+                let many = feather.barbules_in(window) > MOST_GROWN;
+                let shows_barbs = PIXEL * width_mm < 1e-3 * BARBS * feather.barbs.spacing_um;
                 match (is_resolved && !many, shows_barbs) {
                     (true, _) => Level::Barbules,
                     (false, true) => Level::Barbs,
@@ -123,5 +85,66 @@ impl SceneDescription {
                 }
             }
         }
+    }
+}
+
+record! {
+    /// The table `[window]`.
+    #[derive(Debug, Clone, PartialEq)]
+    struct WindowKeys {
+        /// Its middle on the shaft, from the shaft's base: the feather's origin.
+        along_mm: f64 = "along_mm", within(0, 2000), or 0.0;
+        /// Its radius in the vane's plane.
+        radius_mm: Option<f64> = "radius_mm", within(0.01, 500);
+        /// Whether it is the whole feather, as it is where no radius is given.
+        whole: Option<bool> = "whole", ();
+    }
+}
+
+impl VaneDisc {
+    /// The whole feather about its shaft's base.
+    pub const WHOLE: Self = Self { along_mm: 0.0, radius_mm: None };
+
+    fn keys_of(&self) -> WindowKeys {
+        let whole = self.radius_mm.is_none().then_some(true);
+        WindowKeys { along_mm: self.along_mm, radius_mm: self.radius_mm, whole }
+    }
+}
+
+impl Record for VaneDisc {
+    fn keys() -> Vec<Key> {
+        WindowKeys::keys()
+    }
+
+    fn read_fields(fields: &Fields<'_>) -> Result<Self> {
+        let WindowKeys { along_mm, radius_mm, whole } = WindowKeys::read_fields(fields)?;
+        match (whole, radius_mm) {
+            (Some(true), Some(_)) => Err(Error::input(format!(
+                "{} and {} are both given; leave one out",
+                fields.path("whole"),
+                fields.path("radius_mm")
+            ))),
+            (Some(false), None) => Err(Error::input(format!(
+                "{} is missing; give a number from 0.01 to 500",
+                fields.path("radius_mm")
+            ))),
+            (_, radius_mm) => Ok(Self { along_mm, radius_mm }),
+        }
+    }
+
+    fn check_given(fields: &Fields<'_>) -> Result<()> {
+        WindowKeys::check_given(fields)
+    }
+
+    fn write_into(&self, table: &mut Map<String, Value>) {
+        self.keys_of().write_into(table);
+    }
+
+    fn check(&self, place: &str) -> Result<()> {
+        Record::check(&self.keys_of(), place)
+    }
+
+    fn feed_fields(&self, to: &mut Hasher) {
+        self.keys_of().feed_fields(to);
     }
 }

@@ -1,176 +1,58 @@
 //! Scene files, in TOML: a whole scene, or a preset with changes.
+//!
+//! A file of one feather or coat says its parts at the top (`[feather]`, `[window]`, `material`, `[surfaces.shaft]` …): sugar for the first
+//! of the objects.
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::{
-    Background, Bearing, CoatDescription, Detail, KeyLight, SceneDescription, SkyDescription, Surfaces, View,
-    ViewProjection, colour, lights, objects,
+use super::coat::{CoatDescription, CoatObject};
+use super::detail::Detail;
+use super::dress::{Dress, FeatherObject, PARTS, Zone, dressed, of_parts};
+use super::objects::{ObjectDescription, ObjectShape, Placement};
+use super::slot::Slot;
+use super::{SceneDescription, objects};
+use crate::fields::{
+    FieldValue as _, Fields, Key, Map, Record as _, Text, Value, at_line, canonical, parse_toml, up_to,
+    wrong_kind,
 };
-use crate::error::{did_you_mean, shortened};
-use crate::fields::Fields;
-use crate::scene::backdrop::Backdrop;
 use crate::scene::feather::{self, Feather, VaneDisc};
 use crate::scene::preset;
-use crate::{Error, Result};
+use crate::{Error, Result, record};
 
-/// A sky from a file.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct SkyImage {
-    /// Equirectangular EXR, relative to the scene's folder.
-    #[serde(skip_serializing)]
-    pub file: String,
-    /// Factor to the image's radiance.
-    #[serde(default = "one")]
-    pub strength: f64,
-    /// By how much it is turned clockwise seen from above, degrees.
-    #[serde(default, alias = "turn")]
-    pub turn_deg: f64,
+record! {
+    /// What a scene file may say beside a scene's own keys: which preset it changes, and the parts of its one feather or coat.
+    #[derive(Debug, Clone, PartialEq)]
+    struct LoneKeys {
+        /// The preset that the file changes.
+        preset: Option<String> = "preset", Text("the name of a preset");
+        /// The material of the feather's barbules.
+        material: Option<String> = "material", Text("a species, structure or .barbule file");
+        /// The feather: its sizes, or the name of a type.
+        feather: Option<Feather> = "feather", ();
+        /// Whether the feather is there; without it a scene has its other objects only.
+        shows_feather: bool = "shows_feather", (), or true;
+        /// The part of the feather that is grown.
+        window: Option<VaneDisc> = "window", ();
+        /// How finely the feather is made.
+        detail: Detail = "detail", (), or Detail::default();
+        /// The body that the feather covers, many times, in place of standing alone.
+        coat: Option<CoatDescription> = "coat", ();
+        /// Places of the vane with a dress of their own.
+        zones: Vec<Zone> = "zones", up_to(255), or Vec::new();
+        /// A grey picture of the zones over the vane.
+        zone_map: Option<Slot<crate::bsdf::Texture>> = "zone_map", Text("a grey .png");
+    }
 }
 
-fn one() -> f64 {
-    1.0
+/// All keys of scene files.
+#[must_use]
+pub fn scene_keys() -> Vec<Key> {
+    let mut keys = LoneKeys::keys();
+    // A coat's place stands in its own table there.
+    if let Some(Key { kind: crate::fields::Kind::Table(coat), .. }) = keys.iter_mut().find(|key| key.name == "coat") {
+        coat.extend(Placement::keys());
+    }
+    keys.extend(SceneDescription::keys());
+    keys
 }
-
-/// A table of a scene file whose keys may all be left out.
-macro_rules! layer {
-    ($name:ident { $($(#[$attribute:meta])* $field:ident: $kind:ty),* $(,)? }) => {
-        #[derive(Debug, Default, Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct $name { $($(#[$attribute])* $field: Option<$kind>,)* }
-
-        impl $name {
-            /// These values, and the base's where there are none.
-            fn over(self, base: Self) -> Self {
-                Self { $($field: self.$field.or(base.$field),)* }
-            }
-        }
-    };
-}
-
-layer!(LightLayer {
-    #[serde(alias = "azimuth")]
-    azimuth_deg: f64,
-    #[serde(alias = "elevation")]
-    elevation_deg: f64,
-    #[serde(alias = "radius")]
-    radius_deg: f64,
-    strength: f64,
-});
-
-layer!(CameraLayer {
-    #[serde(alias = "azimuth")]
-    azimuth_deg: f64,
-    #[serde(alias = "elevation")]
-    elevation_deg: f64,
-    #[serde(alias = "roll")]
-    roll_deg: f64,
-    width_mm: f64,
-    lens: f64,
-    projection: String,
-    position_mm: [f64; 3],
-    target_mm: [f64; 3],
-    focal_length_mm: f64,
-    focus_distance_mm: f64,
-    f_number: f64,
-});
-
-layer!(WindowLayer { along_mm: f64, radius_mm: f64, whole: bool });
-
-/// Radiance of a plain sky at the horizon and below over that at the zenith, where nothing is said.
-const SKY_HORIZON: f64 = 0.35;
-const SKY_BELOW: f64 = 0.02;
-
-/// A factor, or a word: `"auto"` is by a key.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum Exposure {
-    Factor(f64),
-    Word(String),
-}
-
-/// A scene file as it is written.
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Layer {
-    preset: Option<String>,
-    material: Option<String>,
-    size: Option<[u32; 2]>,
-    exposure: Option<Exposure>,
-    scatterings: Option<u32>,
-    sky: Option<f64>,
-    sky_horizon: Option<f64>,
-    sky_below: Option<f64>,
-    sky_image: Option<SkyImage>,
-    background: Option<Value>,
-    #[serde(alias = "turn")]
-    turn_deg: Option<f64>,
-    #[serde(default)]
-    light: LightLayer,
-    lights: Option<Value>,
-    #[serde(default)]
-    camera: CameraLayer,
-    #[serde(default)]
-    window: WindowLayer,
-    detail: Option<Value>,
-    surfaces: Option<Value>,
-    feather: Option<Value>,
-    shows_feather: Option<bool>,
-    coat: Option<Value>,
-    objects: Option<Value>,
-}
-
-/// Keys of a scene file, for suggestions; those of feathers and surfaces are known where they are read.
-const KEYS: [&str; 47] = [
-    "preset",
-    "material",
-    "size",
-    "exposure",
-    "scatterings",
-    "sky",
-    "sky_horizon",
-    "sky_below",
-    "sky_image",
-    "background",
-    "light",
-    "lights",
-    "camera",
-    "projection",
-    "position_mm",
-    "target_mm",
-    "focal_length_mm",
-    "focus_distance_mm",
-    "f_number",
-    "window",
-    "detail",
-    "level",
-    "view_model",
-    "surfaces",
-    "feather",
-    "shows_feather",
-    "coat",
-    "objects",
-    "azimuth",
-    "azimuth_deg",
-    "elevation",
-    "elevation_deg",
-    "radius",
-    "radius_deg",
-    "strength",
-    "width_mm",
-    "roll",
-    "roll_deg",
-    "lens",
-    "light.radius",
-    "camera.width_mm",
-    "along_mm",
-    "radius_mm",
-    "whole",
-    "file",
-    "turn",
-    "turn_deg",
-];
 
 impl SceneDescription {
     /// A preset by its name, or `SPECIES:VARIANT`: the species' preset with that variant's material.
@@ -179,11 +61,11 @@ impl SceneDescription {
     /// No such preset.
     pub fn named(name: &str) -> Result<Self> {
         let species = name.split_once(':').map_or(name, |(species, _)| species);
-        let mut layer = Layer::of_preset(species)?;
+        let mut layer = preset_layer(species)?;
         if name.contains(':') {
-            layer.material = Some(name.to_owned());
+            layer.insert("material".to_owned(), name.into());
         }
-        layer.resolved()
+        of_layer(layer)
     }
 
     /// A scene file's text.
@@ -191,252 +73,252 @@ impl SceneDescription {
     /// # Errors
     /// Not TOML, an unknown key, a value that is missing, of the wrong kind or out of range.
     pub fn parse(text: &str) -> Result<Self> {
-        let own = Layer::parse(text)?;
-        let base = own.preset.as_deref().map(Layer::of_preset).transpose()?;
-        own.over(base.unwrap_or_default()).resolved()
-    }
-}
-
-impl Layer {
-    fn of_preset(name: &str) -> Result<Self> {
-        let own = Self::parse(preset::toml(name)?)?;
-        match own.preset.clone() {
-            Some(base) => Ok(own.over(Self::of_preset(&base)?)),
-            None => Ok(own),
-        }
-    }
-
-    fn parse(text: &str) -> Result<Self> {
-        let layer: Self = toml::from_str(text).map_err(|error| refusal(text, &error))?;
-        if layer.sky.is_some() && layer.sky_image.is_some() {
-            return Err(Error::input("sky and [sky_image] are both given; leave one out"));
-        }
-        Ok(layer)
-    }
-
-    /// These values, and the base's where there are none.
-    fn over(self, base: Self) -> Self {
-        let has_sky = self.sky.is_some() || self.sky_image.is_some();
-        let (sky, sky_image) = if has_sky { (self.sky, self.sky_image) } else { (base.sky, base.sky_image) };
-        Self {
-            preset: self.preset,
-            material: self.material.or(base.material),
-            size: self.size.or(base.size),
-            exposure: self.exposure.or(base.exposure),
-            scatterings: self.scatterings.or(base.scatterings),
-            sky,
-            sky_horizon: self.sky_horizon.or(base.sky_horizon),
-            sky_below: self.sky_below.or(base.sky_below),
-            sky_image,
-            background: self.background.or(base.background),
-            turn_deg: self.turn_deg.or(base.turn_deg),
-            light: self.light.over(base.light),
-            lights: self.lights.or(base.lights),
-            camera: self.camera.over(base.camera),
-            window: self.window.over_extent(base.window),
-            detail: merged(self.detail, base.detail),
-            surfaces: merged(self.surfaces, base.surfaces),
-            feather: feather::layered(self.feather, base.feather),
-            shows_feather: self.shows_feather.or(base.shows_feather),
-            coat: self.coat.or(base.coat),
-            objects: self.objects.or(base.objects),
-        }
-    }
-
-    /// The description, of which nothing may be missing.
-    fn resolved(self) -> Result<SceneDescription> {
-        let Self { light, camera, window, .. } = self;
-        let sky = match (self.sky_image, self.sky) {
-            (Some(image), _) => SkyDescription::Image(image),
-            (None, sky) => SkyDescription::Gradient {
-                zenith: need(sky, "sky")?,
-                horizon: self.sky_horizon.unwrap_or(SKY_HORIZON),
-                below: self.sky_below.unwrap_or(SKY_BELOW),
-            },
+        let refuse = |error: Error| at_line(error, text);
+        let own = layer_of(text).map_err(refuse)?;
+        let Some(name) = own.get("preset") else {
+            return of_layer(own).map_err(|error| or_a_preset(refuse(error)));
         };
-        let (surfaces, named_surfaces) = Surfaces::read(&need(self.surfaces, "surfaces")?)?;
-        let description = SceneDescription {
-            material: match self.material {
-                // Barbules that are fibres need none.
-                None if surfaces.barbule.is_some() => String::new(),
-                material => need(material, "material")?,
-            },
-            size: self.size,
-            exposure: match self.exposure {
-                Some(Exposure::Factor(factor)) => Some(factor),
-                Some(Exposure::Word(word)) if word != "auto" => {
-                    let word = shortened(&word);
-                    return Err(Error::input(format!("exposure is '{word}'; give a number or \"auto\"")));
-                }
-                Some(Exposure::Word(_)) | None => None,
-            },
-            scatterings: need(self.scatterings, "scatterings")?,
-            sky,
-            light: KeyLight {
-                bearing: Bearing {
-                    azimuth_deg: need(light.azimuth_deg, "light.azimuth_deg")?,
-                    elevation_deg: need(light.elevation_deg, "light.elevation_deg")?,
-                },
-                radius_deg: need(light.radius_deg, "light.radius_deg")?,
-                strength: need(light.strength, "light.strength")?,
-            },
-            lights: match &self.lights {
-                Some(list) => lights::read(list)?,
-                None => Vec::new(),
-            },
-            camera: camera.resolved()?,
-            background: self.background.as_ref().map_or(Ok(Background::Sky), Background::read)?,
-            turn_deg: self.turn_deg.unwrap_or(0.0),
-            window: window.resolved()?,
-            detail: self.detail.as_ref().map_or(Ok(Detail::default()), Detail::read)?,
-            surfaces,
-            feather: Feather::read(&need(self.feather, "feather")?)?,
-            shows_feather: self.shows_feather.unwrap_or(true),
-            coat: self.coat.as_ref().map(CoatDescription::read).transpose()?,
-            objects: match &self.objects {
-                Some(list) => objects::read(list, &named_surfaces)?,
-                None => Vec::new(),
-            },
-            named_surfaces,
-        };
-        description.check()?;
-        Ok(description)
-    }
-}
-
-impl WindowLayer {
-    /// These values, and the base's where there are none; how far it reaches is said by one of two keys.
-    fn over_extent(self, mut base: Self) -> Self {
-        if self.radius_mm.is_some() || self.whole.is_some() {
-            base.radius_mm = base.radius_mm.filter(|_| self.whole == Some(false));
-            base.whole = None;
-        }
-        self.over(base)
+        let name = name.as_str().ok_or_else(|| wrong_kind(name, "preset", "a text in quotes")).map_err(refuse)?;
+        let base = preset_layer(name).map_err(refuse)?;
+        of_layer(over(own, base)).map_err(refuse)
     }
 
-    fn resolved(self) -> Result<VaneDisc> {
-        let is_whole = self.whole == Some(true);
-        if is_whole && self.radius_mm.is_some() {
-            return Err(Error::input("window.whole and window.radius_mm are both given; leave one out"));
-        }
-        Ok(VaneDisc {
-            along_mm: need(self.along_mm, "window.along_mm")?,
-            radius_mm: if is_whole { None } else { Some(need(self.radius_mm, "window.radius_mm")?) },
-        })
-    }
-}
-
-impl CameraLayer {
-    fn resolved(self) -> Result<View> {
-        let projection = match self.projection {
-            None => ViewProjection::Perspective,
-            Some(name) => {
-                let known = ViewProjection::ALL;
-                let found = known.iter().find(|(known, _)| *known == name).map(|(_, projection)| *projection);
-                found.ok_or_else(|| {
-                    let near = did_you_mean(&name, known.map(|(known, _)| known));
-                    let name = shortened(&name);
-                    Error::input(format!(
-                        "camera.projection is '{name}'{near}; give perspective or orthographic"
-                    ))
-                })?
-            }
-        };
-        Ok(View {
-            bearing: Bearing {
-                azimuth_deg: need(self.azimuth_deg, "camera.azimuth_deg")?,
-                elevation_deg: need(self.elevation_deg, "camera.elevation_deg")?,
-            },
-            position: self.position_mm,
-            target: self.target_mm.unwrap_or_default(),
-            projection,
-            focal_length_mm: self.focal_length_mm,
-            focus_distance_mm: self.focus_distance_mm,
-            f_number: self.f_number,
-            roll_deg: need(self.roll_deg, "camera.roll_deg")?,
-            width_mm: need(self.width_mm, "camera.width_mm")?,
-            lens: need(self.lens, "camera.lens")?,
-        })
-    }
-}
-
-impl Background {
-    /// A background as the command line has it: `sky`, `none`, `#rrggbb` or the name of a picture.
+    /// The text of a scene file that needs no preset. Files are named as they are in the description.
     ///
     /// # Errors
-    /// A colour that is none.
-    pub fn parse(text: &str) -> Result<Self> {
-        match text {
-            "sky" => Ok(Self::Sky),
-            "none" => Ok(Self::None),
-            _ if text.starts_with('#') => Ok(Self::Colour(colour::parse_colour(text)?)),
-            file => Ok(Self::Picture { file: file.to_owned(), picture: Backdrop::None }),
+    /// None for a description that was checked.
+    pub fn to_toml(&self) -> Result<String> {
+        let mut scene = Map::new();
+        let lone = self.objects.first().and_then(lone_table);
+        let rest = Self { objects: self.objects[usize::from(lone.is_some())..].to_vec(), ..self.clone() };
+        rest.write_into(&mut scene);
+        if self.lone_feather().is_none() && lone.is_none() {
+            scene.insert("shows_feather".to_owned(), false.into());
         }
-    }
-
-    /// Reads `background = "sky"`, `"none"`, or a table with `colour` or `file`.
-    fn read(value: &Value) -> Result<Self> {
-        match value {
-            Value::String(word) if word == "sky" || word == "none" => Self::parse(word),
-            Value::String(word) => {
-                let near = did_you_mean(word, ["sky", "none"]);
-                let word = shortened(word);
-                Err(Error::input(format!(
-                    "background is '{word}'{near}; give \"sky\", \"none\", or the table [background] with colour or file"
-                )))
-            }
-            table => {
-                let fields = Fields::new(table, "background", &["colour", "file"])?;
-                match (fields.get("colour"), fields.text("file")?) {
-                    (Some(value), None) => Ok(Self::Colour(colour::colour(value, "background.colour")?)),
-                    (None, Some(file)) => {
-                        Ok(Self::Picture { file: file.to_owned(), picture: Backdrop::None })
-                    }
-                    (Some(_), Some(_)) => Err(Error::input(
-                        "background.colour and background.file are both given; leave one out",
-                    )),
-                    (None, None) => Err(Error::input("[background] is empty; give colour or file")),
-                }
+        for (key, value) in lone.into_iter().flatten() {
+            match (scene.get_mut(&key), value) {
+                (Some(Value::Object(own)), Value::Object(more)) => own.extend(more),
+                (_, value) => _ = scene.insert(key, value),
             }
         }
+        toml::to_string(&Value::Object(scene))
+            .map_err(|error| Error::machine(format!("no scene file: {error}")))
     }
 }
 
-fn need<T>(value: Option<T>, key: &str) -> Result<T> {
-    value.ok_or_else(|| {
-        Error::input(format!("{key} is missing; give it, or preset = \"starling\" to change a preset"))
-    })
+/// The keys of a preset's file, over those of the preset that it changes.
+fn preset_layer(name: &str) -> Result<Map<String, Value>> {
+    let own = layer_of(preset::toml(name)?)?;
+    match own.get("preset").and_then(Value::as_str) {
+        Some(base) => {
+            let base = preset_layer(base)?;
+            Ok(over(own, base))
+        }
+        None => Ok(own),
+    }
+}
+
+/// A file's keys under their own names.
+fn layer_of(text: &str) -> Result<Map<String, Value>> {
+    let keys = scene_keys();
+    let value = canonical(parse_toml(text)?, &keys, "")?;
+    let known: Vec<&str> = keys.iter().map(|key| key.name).collect();
+    let fields = Fields::new(&value, "", &known)?;
+    // What one key says must be right where it stands, whatever a preset says of others.
+    let tables = ["light", "camera", "window", "sky_image"];
+    for key in keys.iter().filter(|key| tables.contains(&key.name)) {
+        if let (Some(table), crate::fields::Kind::Table(inner)) = (fields.get(key.name), &key.kind) {
+            let known: Vec<&str> = inner.iter().map(|key| key.name).collect();
+            Fields::new(table, key.name, &known)?;
+        }
+    }
+    if fields.get("sky").is_some() && fields.get("sky_image").is_some() {
+        return Err(Error::input("sky and [sky_image] are both given; leave one out"));
+    }
+    match value {
+        Value::Object(layer) => Ok(layer),
+        other => Err(wrong_kind(&other, "the file", "a table of keys")),
+    }
+}
+
+/// One file's keys, and the base's where there are none.
+fn over(mut own: Map<String, Value>, mut base: Map<String, Value>) -> Map<String, Value> {
+    base.remove("preset");
+    if own.contains_key("sky") || own.contains_key("sky_image") {
+        base.remove("sky");
+        base.remove("sky_image");
+    }
+    // How far a window reaches is said by one of two keys.
+    if let (Some(Value::Object(own)), Some(Value::Object(base))) = (own.get_mut("window"), base.get_mut("window")) {
+        let shows_part = own.get("whole") == Some(&Value::Bool(false));
+        if own.contains_key("radius_mm") || own.contains_key("whole") {
+            base.remove("whole");
+            if !shows_part {
+                base.remove("radius_mm");
+            }
+        }
+        if shows_part {
+            own.remove("whole");
+        }
+    }
+    if let Some(feather) = feather::layered(own.remove("feather"), base.remove("feather")) {
+        own.insert("feather".to_owned(), feather);
+    }
+    for (key, value) in base {
+        let both = match (own.remove(&key), value) {
+            (Some(own), base) if ["light", "camera", "window", "detail", "surfaces"].contains(&key.as_str()) => {
+                merged(own, base)
+            }
+            (Some(own), _) => own,
+            (None, base) => base,
+        };
+        own.insert(key, both);
+    }
+    own
 }
 
 /// A table with the keys of both; where both have one that is no table, this one's value holds.
-fn merged(own: Option<Value>, base: Option<Value>) -> Option<Value> {
+fn merged(own: Value, base: Value) -> Value {
     match (own, base) {
-        (Some(Value::Object(own)), Some(Value::Object(mut base))) => {
+        (Value::Object(own), Value::Object(mut base)) => {
             for (key, value) in own {
-                let both = merged(Some(value), base.remove(&key));
-                base.extend(both.map(|value| (key, value)));
+                let both = match base.remove(&key) {
+                    Some(base) => merged(value, base),
+                    None => value,
+                };
+                base.insert(key, both);
             }
-            Some(Value::Object(base))
+            Value::Object(base)
         }
-        (own, base) => own.or(base),
+        (own, _) => own,
     }
 }
 
-/// One sentence of a TOML error: the line, what it is, and for an unknown key the nearest known.
-fn refusal(text: &str, error: &toml::de::Error) -> Error {
-    let place = error.span().map_or_else(String::new, |span| {
-        let line = text.get(..span.start).map_or(1, |before| before.matches('\n').count() + 1);
-        format!("line {line}: ")
-    });
-    let message: String = error.message().lines().next().unwrap_or("not TOML").chars().take(300).collect();
-    let unknown = message.strip_prefix("unknown field `").and_then(|rest| rest.split('`').next());
-    match unknown {
-        Some(key) => {
-            let key: String = key.chars().take(40).collect();
-            Error::input(format!("{place}there is no key '{key}'{}", did_you_mean(&key, KEYS)))
-        }
-        None => Error::input(format!("{place}{message}")),
+/// The scene of a file's keys.
+fn of_layer(mut layer: Map<String, Value>) -> Result<SceneDescription> {
+    layer.remove("preset");
+    let named = match layer.get("surfaces") {
+        Some(Value::Object(tables)) => tables.clone(),
+        _ => Map::new(),
+    };
+    let lone = take_lone(&mut layer, &named)?;
+    if let Some(Value::Array(list)) = layer.get("objects") {
+        let one = |(i, object): (usize, &Value)| dressed(object, &named, &format!("objects[{i}]"));
+        let objects = list.iter().enumerate().map(one).collect::<Result<Vec<_>>>()?;
+        layer.insert("objects".to_owned(), objects.into());
     }
+    let mut scene = SceneDescription::read(&Value::Object(layer), "")?;
+    scene.objects.splice(0..0, lone);
+    if scene.objects.len() > objects::MOST_OBJECTS {
+        return Err(Error::input(format!("objects: over the limit of {}", objects::MOST_OBJECTS)));
+    }
+    Ok(scene)
+}
+
+/// Takes the parts of a lone feather or coat out of a file's keys.
+fn take_lone(layer: &mut Map<String, Value>, named: &Map<String, Value>) -> Result<Option<ObjectDescription>> {
+    let parts = match layer.get_mut("surfaces") {
+        Some(Value::Object(tables)) => {
+            let is_part = |name: &str, table: &Value| PARTS.contains(&name) && table.get("type").is_none();
+            let names: Vec<String> =
+                tables.iter().filter(|(name, table)| is_part(name, table)).map(|(name, _)| name.clone()).collect();
+            names.into_iter().filter_map(|name| Some((name.clone(), tables.remove(&name)?))).collect()
+        }
+        _ => Map::new(),
+    };
+    let mut take = |key: &str| layer.remove(key);
+    let (material, feather, coat) = (take("material"), take("feather"), take("coat"));
+    let (window, detail) = (take("window"), take("detail"));
+    let (zones, zone_map) = (take("zones"), take("zone_map"));
+    let shows = take("shows_feather").map_or(Ok(true), |value| bool::of_value(&value, "shows_feather", &()))?;
+    if !shows {
+        return match coat {
+            Some(_) => Err(Error::input(
+                "shows_feather is false, but [coat] is made of the feather; leave one out",
+            )),
+            None => Ok(None),
+        };
+    }
+    if material.is_none() && feather.is_none() && coat.is_none() && parts.is_empty() {
+        return Ok(None);
+    }
+    let feather = Feather::read(&feather.unwrap_or_else(|| Value::Object(Map::new())), "feather")?;
+    let detail = detail.map_or(Ok(Detail::default()), |table| Detail::read(&table, "detail"))?;
+    let dress = Dress::read(&of_parts(material, parts)?, "surfaces").map_err(of_sides)?;
+    if let Some(coat) = coat {
+        let (coat, place) = placed(coat)?;
+        let coat = dressed(&serde_json::json!({ "coat": coat }), named, "")?;
+        let coat = CoatDescription::read(&coat["coat"], "coat")?;
+        let of = CoatObject { coat, feather, detail, dress };
+        of.agree("")?;
+        return Ok(Some(ObjectDescription { place, ..ObjectDescription::here("coat", ObjectShape::Coat(Box::new(of))) }));
+    }
+    let window = window.map_or(Ok(VaneDisc::WHOLE), |table| VaneDisc::read(&table, "window"))?;
+    let mut zoned = Map::new();
+    zoned.extend(zones.map(|zones| ("zones".to_owned(), zones)));
+    zoned.extend(zone_map.map(|map| ("zone_map".to_owned(), map)));
+    let zoned = dressed(&Value::Object(zoned), named, "")?;
+    let fields = Fields::new(&zoned, "", &["zones", "zone_map"])?;
+    let zones = fields.get("zones").map_or(Ok(Vec::new()), |zones| Vec::of_value(zones, "zones", &up_to(255)))?;
+    let zone_map = fields.text("zone_map")?.map(Slot::new);
+    let of = FeatherObject { feather, window, detail, dress, zones, zone_map };
+    of.agree(&fields)?;
+    Ok(Some(ObjectDescription::here("feather", ObjectShape::Feather(Box::new(of)))))
+}
+
+/// A coat's table without its body's place, and that place.
+fn placed(coat: Value) -> Result<(Value, Placement)> {
+    let Value::Object(mut coat) = coat else { return Err(wrong_kind(&coat, "coat", "a table of keys")) };
+    let keys: Vec<&str> = Placement::keys().iter().map(|key| key.name).collect();
+    let place: Map<String, Value> =
+        keys.into_iter().filter_map(|key| Some((key.to_owned(), coat.remove(key)?))).collect();
+    Ok((Value::Object(coat), Placement::read(&Value::Object(place), "coat")?))
+}
+
+/// The same error with the path of the table in which a lone feather's file says it.
+fn of_sides(error: Error) -> Error {
+    let text = error.to_string();
+    let text = text.replace("surfaces.distal.underside", "surfaces.underside").replace("surfaces.distal", "surfaces.barbule");
+    Error::input(text)
+}
+
+/// The keys at the top of a file that say an object; nothing where they cannot.
+fn lone_table(object: &ObjectDescription) -> Option<Map<String, Value>> {
+    let is_at = |name: &str| object.name.as_deref() == Some(name) && object.instances.is_empty();
+    let (dress, mut table) = match &object.shape {
+        ObjectShape::Feather(of) if is_at("feather") && object.place == Placement::HERE => {
+            let mut table = Map::new();
+            table.insert("window".to_owned(), of.window.table());
+            table.extend(of.zones.to_value(&up_to(255)).map(|zones| ("zones".to_owned(), zones)));
+            table.extend(of.zone_map.as_ref().map(|map| ("zone_map".to_owned(), map.name.as_str().into())));
+            table.insert("feather".to_owned(), of.feather.table());
+            table.insert("detail".to_owned(), of.detail.table());
+            (&of.dress, table)
+        }
+        ObjectShape::Coat(of) if is_at("coat") => {
+            let mut coat = Map::new();
+            of.coat.write_into(&mut coat);
+            object.place.write_into(&mut coat);
+            let mut table = Map::new();
+            table.insert("coat".to_owned(), Value::Object(coat));
+            table.insert("feather".to_owned(), of.feather.table());
+            table.insert("detail".to_owned(), of.detail.table());
+            (&of.dress, table)
+        }
+        _ => return None,
+    };
+    let (material, parts) = dress.as_parts()?;
+    table.extend(material.map(|name| ("material".to_owned(), name.into())));
+    table.insert("surfaces".to_owned(), Value::Object(parts));
+    Some(table)
+}
+
+/// A missing key may be a preset's.
+fn or_a_preset(error: Error) -> Error {
+    if error.to_string().contains(" is missing; give") {
+        return error.followed_by(", or preset = \"starling\" to change a preset");
+    }
+    error
 }
 
 #[cfg(test)]
@@ -556,5 +438,45 @@ mod tests {
         let dark = "lights = []\n[sky_image]\nfile = \"a.exr\"\nstrength = 0\n[light]\nstrength = 0";
         assert!(starling(dark).contains("sky_image.strength and light.strength are both 0"));
         assert!(message("[[[").len() < 400);
+    }
+
+    #[test]
+    fn a_scene_comes_back_from_its_text() {
+        for name in preset::names() {
+            let scene = SceneDescription::named(name).unwrap();
+            let text = scene.to_toml().unwrap();
+            assert_eq!(SceneDescription::parse(&text).unwrap(), scene, "{text}");
+            // Round numbers stay round.
+            assert!(text.contains("base_angle_deg") && !text.contains("0000000"), "{text}");
+        }
+        let text = "preset = 'magpie'\nexposure = 'auto'\nsize = [40, 20]\nturn = 12.5\n[background]\nfile = 'wall.png'\n\
+                    [sky_image]\nfile = 'sky.exr'\n[surfaces.hair]\neumelanin = 0.3\nheight_over_width = 2.5\n\
+                    [camera]\nprojection = 'orthographic'\ntarget_mm = [0.5, 0, 0]\nposition_mm = [0, 1, 9]\n\
+                    [[lights]]\ntype = 'sun'\nazimuth_deg = 10\nelevation_deg = 30\nstrength = 1\nspectrum = 'lamp.csv'\n\
+                    [[lights]]\ntype = 'point'\nposition_mm = [1, 2, 3]\nstrength = 1\ncolour = '#ffa040'\n\
+                    [[lights]]\ntype = 'spot'\nposition_mm = [1, 2, 3]\ncone_deg = 20\nstrength = 1\n\
+                    [[lights]]\ntype = 'sphere'\nazimuth_deg = 1\nelevation_deg = 2\ndistance_mm = 30\nradius_mm = 2\nstrength = 1\n\
+                    [[lights]]\ntype = 'rectangle'\nposition_mm = [1, 2, 3]\nsize_mm = [1, 2]\nstrength = 1\n";
+        let text = format!(
+            "shows_feather = false\n{text}[surfaces.glass]\ntype = 'dielectric'\nindex = 1.3\n\
+             [surfaces.red]\ntype = 'diffuse'\ncolour = '#ff8000'\nalbedo = 'a.png'\nalpha = 'b.exr'\nnormal = 'c.png'\n\
+             [surfaces.horn]\ntype = 'keratin'\nroughness = 0.2\nindex = 1.5\nmelanin = 3\n[surfaces.fur]\ntype = 'hair'\n\
+             [[objects]]\nname = 'ball'\nsphere_mm = 2.5\nsurface = 'glass'\nrotate_deg = [1, 2, 3]\n\
+             [[objects]]\nmesh = 'a.ply'\nsurface = 'red'\ninstances = [{{scale = 2}}, {{translate_mm = [1, 2, 3]}}]\n\
+             [[objects]]\nrectangle_mm = [1, 2]\nsurface = 'horn'\n\
+             [surfaces.pan]\ntype = 'conductor'\nroughness = 0.1\nmetal = 'copper'\n\
+             [surfaces.steel]\ntype = 'conductor'\nroughness = [0.1, 0.3]\nindex = 2.5\nabsorption = 3.4\n\
+             [[objects]]\ncurves = 'a.txt'\nsurface = 'pan'\n\
+             [[objects]]\ncurves = 'b.txt'\nbasis = 'linear'\nsurface = 'steel'\n"
+        );
+        let scene = SceneDescription::parse(&text).unwrap();
+        assert_eq!(SceneDescription::parse(&scene.to_toml().unwrap()).unwrap(), scene);
+        let mut focused = SceneDescription::named("starling").unwrap();
+        focused.camera.focus_distance_mm = Some(14.0);
+        focused.camera.focal_length_mm = Some(85.0);
+        focused.camera.f_number = Some(11.0);
+        focused.window.radius_mm = None;
+        focused.sky = SkyDescription::Gradient { zenith: 0.5, horizon: 1.0, below: 1.0 };
+        assert_eq!(SceneDescription::parse(&focused.to_toml().unwrap()).unwrap(), focused);
     }
 }

@@ -1,178 +1,350 @@
-//! `[[lights]]`: further lamps of a scene.
+//! `[light]` and `[[lights]]`: the lamps of a scene.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use serde::Serialize;
-use serde_json::Value;
 
-use super::colour::colour;
-use super::kinds::kind_of;
+use super::colour::Colour;
+use super::slot::Slot;
 use super::{Bearing, MOST_TURN_DEG};
-use crate::fields::{Fields, list};
+use crate::fields::{FieldValue as _, Fields, Key, Map, Record, Text, Value, within};
+use crate::identity::Hasher;
 use crate::scene::emission::Emission;
 use crate::scene::light::{Light, Point, Rectangle, Sphere, Spot, Sun, disc_radiance};
 use crate::scene::primaries::primaries;
 use crate::spectrum::Spectrum;
 use crate::spectrum::colour::{Illuminant, decode};
-use crate::{Error, Result};
+use crate::{Error, Result, record, variants};
 
 /// Most lights of a scene: each is asked for at every ray that leaves a surface.
-const MOST_LIGHTS: usize = 64;
+pub(super) const MOST_LIGHTS: usize = 64;
 
-/// One lamp beside the key light.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LightDescription {
-    /// Its shape and place.
-    pub shape: LightShape,
-    /// Its colour.
-    pub colour: LightColour,
-    /// Illuminance that a surface facing it gets at the origin over that under a sky of radiance 1.
-    pub strength: f64,
+record! {
+    /// The key light, a disc at infinity in daylight.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct KeyLight {
+        /// Angular radius.
+        radius_deg: f64 = "radius_deg" | "radius", within(0.1, 60);
+        /// Irradiance over that of a sky of radiance 1; 0: there is none.
+        strength: f64 = "strength", within(0, 1e4);
+        @flat {
+            /// Where it stands.
+            bearing: Bearing;
+        }
+    }
 }
 
-/// What shines, and where. Lengths are mm.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub enum LightShape {
+record! {
+    /// One lamp.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct LightDescription {
+        /// Illuminance that a surface facing it gets at the origin over that under a sky of radiance 1.
+        strength: f64 = "strength", within(0, 1e4);
+        @flat {
+            /// Its shape and place.
+            shape: LightShape;
+            /// Its colour.
+            colour: LightColour;
+        }
+        @agree LightDescription::agree;
+    }
+}
+
+variants! {
+    /// What shines, and where.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum LightShape by "type" {
+        /// A disc at infinity.
+        "sun": Sun(SunShape),
+        /// A point that shines alike into all directions.
+        "point": Point(PointShape),
+        /// A point that shines into a cone.
+        "spot": Spot(SpotShape),
+        /// A sphere.
+        "sphere": Sphere(SphereShape),
+        /// A rectangle that shines towards its target alone.
+        "rectangle": Rectangle(RectangleShape),
+    }
+}
+
+record! {
     /// A disc at infinity.
-    Sun {
-        /// Where it stands.
-        bearing: Bearing,
-        /// Angular radius, degrees.
-        radius_deg: f64,
-    },
-    /// A point that shines alike into all directions.
-    Point {
-        /// Where it is.
-        position: [f64; 3],
-    },
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct SunShape {
+        /// Angular radius.
+        radius_deg: f64 = "radius_deg", within(0.1, 60), or 1.0;
+        @flat {
+            /// Where it stands.
+            bearing: Bearing;
+        }
+    }
+}
+
+record! {
+    /// A point.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct PointShape {
+        @flat {
+            /// Where it is.
+            position: Position;
+        }
+    }
+}
+
+record! {
     /// A point that shines into a cone.
-    Spot {
-        /// Where it is.
-        position: [f64; 3],
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct SpotShape {
         /// What it points at.
-        target: [f64; 3],
-        /// Half angle of the cone, degrees.
-        cone_deg: f64,
-        /// By how much earlier it begins to fade, degrees.
-        edge_deg: f64,
-    },
+        target: [f64; 3] = "target_mm", within(-1e6, 1e6), or [0.0; 3];
+        /// Half angle of the cone.
+        cone_deg: f64 = "cone_deg", within(0.1, 89);
+        /// By how much earlier it begins to fade.
+        edge_deg: f64 = "edge_deg", within(0, 89), or 0.0;
+        @flat {
+            /// Where it is.
+            position: Position;
+        }
+    }
+}
+
+record! {
     /// A sphere.
-    Sphere {
-        /// Its middle.
-        position: [f64; 3],
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct SphereShape {
         /// Its radius.
-        radius_mm: f64,
-    },
-    /// A rectangle that shines towards its target alone.
-    Rectangle {
-        /// Its middle.
-        position: [f64; 3],
+        radius_mm: f64 = "radius_mm", within(1e-3, 1e6);
+        @flat {
+            /// Its middle.
+            position: Position;
+        }
+    }
+}
+
+record! {
+    /// A rectangle.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct RectangleShape {
         /// What it faces.
-        target: [f64; 3],
+        target: [f64; 3] = "target_mm", within(-1e6, 1e6), or [0.0; 3];
         /// Its width, which lies in the vane's plane, and its height.
-        size_mm: [f64; 2],
-    },
+        size_mm: [f64; 2] = "size_mm", within(1e-3, 1e6);
+        @flat {
+            /// Its middle.
+            position: Position;
+        }
+    }
+}
+
+/// Where a lamp is, mm: told as a place, or as a bearing and a distance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Position(pub [f64; 3]);
+
+record! {
+    /// A place as files have it.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    struct PositionKeys {
+        /// Where it is.
+        position_mm: Option<[f64; 3]> = "position_mm", within(-1e6, 1e6);
+        /// In place of that, its azimuth.
+        azimuth_deg: Option<f64> = "azimuth_deg", within(-MOST_TURN_DEG, MOST_TURN_DEG);
+        /// Its elevation.
+        elevation_deg: Option<f64> = "elevation_deg", within(-90, 90);
+        /// How far it is.
+        distance_mm: Option<f64> = "distance_mm", within(1e-3, 1e6);
+    }
+}
+
+impl Position {
+    fn keys_of(&self) -> PositionKeys {
+        PositionKeys { position_mm: Some(self.0), azimuth_deg: None, elevation_deg: None, distance_mm: None }
+    }
+}
+
+impl Record for Position {
+    fn keys() -> Vec<Key> {
+        PositionKeys::keys()
+    }
+
+    fn read_fields(fields: &Fields<'_>) -> Result<Self> {
+        let keys = PositionKeys::read_fields(fields)?;
+        if let Some(position) = keys.position_mm {
+            let others = ["azimuth_deg", "elevation_deg", "distance_mm"];
+            return match others.into_iter().find(|key| fields.get(key).is_some()) {
+                None => Ok(Self(position)),
+                Some(key) => Err(Error::input(format!(
+                    "{} and {} are both given; leave one out",
+                    fields.path("position_mm"),
+                    fields.path(key)
+                ))),
+            };
+        }
+        let place = "position_mm, or azimuth_deg, elevation_deg and distance_mm";
+        let need = |key: &str, value: Option<f64>| match value {
+            Some(value) => Ok(value),
+            None => fields.need(key, place).map(|_| 0.0),
+        };
+        let distance = need("distance_mm", keys.distance_mm)?;
+        let bearing = Bearing {
+            azimuth_deg: need("azimuth_deg", keys.azimuth_deg)?,
+            elevation_deg: need("elevation_deg", keys.elevation_deg)?,
+        };
+        Ok(Self((bearing.direction() * distance).into()))
+    }
+
+    fn check_given(fields: &Fields<'_>) -> Result<()> {
+        PositionKeys::check_given(fields)
+    }
+
+    fn write_into(&self, table: &mut Map<String, Value>) {
+        self.keys_of().write_into(table);
+    }
+
+    fn check(&self, place: &str) -> Result<()> {
+        self.keys_of().check(place)
+    }
+
+    fn feed_fields(&self, to: &mut Hasher) {
+        to.numbers("position_mm", &self.0);
+    }
 }
 
 /// The colour of a lamp; its brightness is the strength's.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum LightColour {
     /// An illuminant of the CIE, by its name.
     Illuminant(&'static str),
     /// Of a screen: sRGB, 0 … 1.
     Rgb([f64; 3]),
     /// A table of wavelengths in nm and relative powers.
-    Table {
-        /// The file.
-        #[serde(skip)]
-        file: String,
-        /// What is in it, once it is read: wavelengths and values.
-        #[serde(serialize_with = "numbers")]
-        spectrum: Option<Spectrum>,
-    },
+    Table(Slot<Spectrum>),
 }
 
-fn numbers<S: serde::Serializer>(spectrum: &Option<Spectrum>, to: S) -> std::result::Result<S::Ok, S::Error> {
-    spectrum.as_ref().map(|spectrum| (spectrum.wavelengths().nm(), spectrum.values())).serialize(to)
-}
-
-const TYPES: [&str; 5] = ["sun", "point", "spot", "sphere", "rectangle"];
-
-/// Keys that all lights have.
-const COMMON: [&str; 5] = ["type", "strength", "illuminant", "colour", "spectrum"];
-
-/// Keys that say where a lamp stands.
-const PLACE: [&str; 4] = ["position_mm", "azimuth_deg", "elevation_deg", "distance_mm"];
-
-/// Reads the list `[[lights]]`.
-pub(super) fn read(value: &Value) -> Result<Vec<LightDescription>> {
-    let lights = list(value, "lights")?;
-    if lights.len() > MOST_LIGHTS {
-        return Err(Error::input(format!("lights: {} are over the limit of {MOST_LIGHTS}", lights.len())));
+record! {
+    /// A colour as files have it.
+    #[derive(Debug, Clone, PartialEq)]
+    struct ColourKeys {
+        /// An illuminant of the CIE; D65 where no colour is given.
+        illuminant: Option<String> = "illuminant", Text("the name of an illuminant, as in D65 or A");
+        /// The colour that a screen shows.
+        colour: Option<Colour> = "colour", ();
+        /// A table of wavelengths in nm and relative powers.
+        spectrum: Option<Slot<Spectrum>> = "spectrum", Text("the name of a file of wavelengths and powers");
     }
-    lights
-        .iter()
-        .enumerate()
-        .map(|(i, light)| LightDescription::read(light, &format!("lights[{i}]")))
-        .collect()
+}
+
+impl LightColour {
+    fn keys_of(&self) -> ColourKeys {
+        let none = ColourKeys { illuminant: None, colour: None, spectrum: None };
+        match self {
+            Self::Illuminant(name) => ColourKeys { illuminant: Some((*name).to_owned()), ..none },
+            Self::Rgb(rgb) => ColourKeys { colour: Some(Colour(*rgb)), ..none },
+            Self::Table(spectrum) => ColourKeys { spectrum: Some(spectrum.clone()), ..none },
+        }
+    }
+    /// As bright to the eye as daylight of radiance 1.
+    fn emission(&self) -> Result<Emission> {
+        let emission = match self {
+            Self::Illuminant("D65") => return Ok(Emission::daylight()),
+            Self::Illuminant(name) => {
+                let illuminant = Illuminant::named(name)?;
+                Emission::new(|nm| illuminant.power(nm))?
+            }
+            Self::Rgb(rgb) => {
+                let (rgb, basis) = (rgb.map(decode), primaries()?);
+                Emission::new(|nm| rgb.iter().zip(&basis).map(|(weight, one)| weight * one.at(nm)).sum())?
+            }
+            Self::Table(slot) => {
+                let table = slot.value()?;
+                Emission::new(|nm| table.value(nm).unwrap_or(0.0)).map_err(|error| error.at(&slot.name))?
+            }
+        };
+        let luminance = emission.luminance();
+        if !(luminance.is_finite() && luminance > 0.0) {
+            return Err(Error::input("a light has no power that the eye sees between 380 and 720 nm"));
+        }
+        Ok(emission.scaled(Emission::daylight().luminance() / luminance))
+    }
+}
+
+impl Record for LightColour {
+    fn keys() -> Vec<Key> {
+        ColourKeys::keys()
+    }
+
+    fn read_fields(fields: &Fields<'_>) -> Result<Self> {
+        let given: Vec<&str> = ["illuminant", "colour", "spectrum"]
+            .into_iter()
+            .filter(|key| fields.get(key).is_some())
+            .collect();
+        if let [first, second, ..] = given[..] {
+            return Err(Error::input(format!(
+                "{} and {} are both given; leave one out",
+                fields.path(first),
+                fields.path(second)
+            )));
+        }
+        match ColourKeys::read_fields(fields)? {
+            ColourKeys { colour: Some(Colour::BLACK), .. } => Err(Error::input(format!(
+                "{} is black; a lamp that is off has strength = 0",
+                fields.path("colour")
+            ))),
+            ColourKeys { colour: Some(Colour(rgb)), .. } => Ok(Self::Rgb(rgb)),
+            ColourKeys { spectrum: Some(spectrum), .. } => Ok(Self::Table(spectrum)),
+            ColourKeys { illuminant, .. } => {
+                let name = illuminant.as_deref().unwrap_or("D65");
+                let found = Illuminant::named(name).map_err(|error| error.at(fields.path("illuminant")))?;
+                let known = Illuminant::ALL.iter().find(|(_, known)| *known == found);
+                Ok(Self::Illuminant(known.map_or("D65", |(name, _)| name)))
+            }
+        }
+    }
+
+    fn check_given(fields: &Fields<'_>) -> Result<()> {
+        ColourKeys::check_given(fields)
+    }
+
+    fn write_into(&self, table: &mut Map<String, Value>) {
+        self.keys_of().write_into(table);
+    }
+
+    fn check(&self, place: &str) -> Result<()> {
+        self.keys_of().check(place)
+    }
+
+    fn feed_fields(&self, to: &mut Hasher) {
+        self.keys_of().feed_fields(to);
+    }
+}
+
+impl KeyLight {
+    /// None.
+    pub const OFF: Self =
+        Self { radius_deg: 2.5, strength: 0.0, bearing: Bearing { azimuth_deg: 0.0, elevation_deg: 45.0 } };
+
+    /// The lamp itself.
+    #[must_use]
+    pub fn build(&self) -> Light {
+        let radius = self.radius_deg.to_radians();
+        Light::Sun(Sun {
+            direction: self.bearing.direction(),
+            cos_radius: radius.cos(),
+            emission: Emission::daylight().scaled(disc_radiance(radius, self.strength)),
+        })
+    }
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    DVec3::from(v).length()
 }
 
 impl LightDescription {
-    fn read(table: &Value, place: &str) -> Result<Self> {
-        let kind = kind_of(table, place, &TYPES)?;
-        let own: &[&str] = match kind {
-            "sun" => &["azimuth_deg", "elevation_deg", "radius_deg"],
-            "point" => &[],
-            "spot" => &["target_mm", "cone_deg", "edge_deg"],
-            "sphere" => &["radius_mm"],
-            _ => &["target_mm", "size_mm"],
-        };
-        let known: Vec<&str> =
-            COMMON.iter().chain(own).chain(PLACE.iter().filter(|_| kind != "sun")).copied().collect();
-        let fields = Fields::new(table, place, &known)?;
-        let within = |key: &str, usual: f64, low: f64, high: f64| match fields.get(key) {
-            None => Ok(usual),
-            Some(_) => fields.number_within(key, low, high),
-        };
-        let target = || fields.get("target_mm").map_or(Ok([0.0; 3]), |_| point(&fields, "target_mm"));
-        let shape = match kind {
-            "sun" => {
-                let bearing = bearing(&fields)?;
-                LightShape::Sun { bearing, radius_deg: within("radius_deg", 1.0, 0.1, 60.0)? }
-            }
-            "point" => LightShape::Point { position: position(&fields)? },
-            "spot" => LightShape::Spot {
-                position: position(&fields)?,
-                target: target()?,
-                cone_deg: fields.number_within("cone_deg", 0.1, 89.0)?,
-                edge_deg: within("edge_deg", 0.0, 0.0, 89.0)?,
-            },
-            "sphere" => LightShape::Sphere {
-                position: position(&fields)?,
-                radius_mm: fields.number_within("radius_mm", 1e-3, 1e6)?,
-            },
-            _ => LightShape::Rectangle {
-                position: position(&fields)?,
-                target: target()?,
-                size_mm: pair(&fields, "size_mm")?,
-            },
-        };
-        let light = Self {
-            shape,
-            colour: LightColour::read(&fields)?,
-            strength: fields.number_within("strength", 0.0, 1e4)?,
-        };
-        light.check(place)?;
-        Ok(light)
-    }
-
     /// Refuses what has no direction: a lamp that stands where it points at, or around the origin.
-    fn check(&self, place: &str) -> Result<()> {
+    fn agree(&self, place: &str) -> Result<()> {
         let apart = match self.shape {
-            LightShape::Sun { .. } => return Ok(()),
-            LightShape::Point { position } => length(position),
-            LightShape::Spot { position, target, cone_deg, edge_deg } => {
+            LightShape::Sun(SunShape { .. }) => return Ok(()),
+            LightShape::Point(PointShape { position: Position(position) }) => length(position),
+            LightShape::Spot(SpotShape { position: Position(position), target, cone_deg, edge_deg }) => {
                 if edge_deg > cone_deg {
                     return Err(Error::input(format!(
                         "{place}.edge_deg is {edge_deg}, but must be at most cone_deg, {cone_deg}"
@@ -185,7 +357,7 @@ impl LightDescription {
                 }
                 length(position).min((DVec3::from(position) - DVec3::from(target)).length())
             }
-            LightShape::Sphere { position, radius_mm } => {
+            LightShape::Sphere(SphereShape { position: Position(position), radius_mm }) => {
                 if length(position) <= radius_mm {
                     return Err(Error::input(format!(
                         "{place}: the middle of the scene lies inside the sphere; give a smaller radius_mm or another place"
@@ -193,7 +365,7 @@ impl LightDescription {
                 }
                 length(position)
             }
-            LightShape::Rectangle { position, target, .. } => {
+            LightShape::Rectangle(RectangleShape { position: Position(position), target, .. }) => {
                 if (DVec3::from(target) - DVec3::from(position)).dot(-DVec3::from(position)) <= 0.0 {
                     return Err(Error::input(format!(
                         "{place}: the rectangle turns its back to the middle of the scene; turn target_mm"
@@ -214,12 +386,12 @@ impl LightDescription {
     /// where no light of it comes there.
     fn unit_emission(&self) -> Option<f64> {
         match self.shape {
-            LightShape::Sun { radius_deg, .. } => Some(disc_radiance(radius_deg.to_radians(), 1.0)),
-            LightShape::Point { position } => Some(PI * DVec3::from(position).length_squared()),
-            LightShape::Sphere { position, radius_mm } => {
+            LightShape::Sun(SunShape { radius_deg, .. }) => Some(disc_radiance(radius_deg.to_radians(), 1.0)),
+            LightShape::Point(PointShape { position: Position(position) }) => Some(PI * DVec3::from(position).length_squared()),
+            LightShape::Sphere(SphereShape { position: Position(position), radius_mm }) => {
                 Some(DVec3::from(position).length_squared() / (radius_mm * radius_mm))
             }
-            LightShape::Spot { .. } | LightShape::Rectangle { .. } => match self.light(&Emission::daylight())
+            LightShape::Spot(SpotShape { .. }) | LightShape::Rectangle(RectangleShape { .. }) => match self.light(&Emission::daylight())
             {
                 Light::Spot(spot) => {
                     let share = spot.share(-spot.position.normalize_or_zero());
@@ -243,23 +415,23 @@ impl LightDescription {
     fn light(&self, emission: &Emission) -> Light {
         let emission = emission.clone();
         match self.shape {
-            LightShape::Sun { bearing, radius_deg } => Light::Sun(Sun {
+            LightShape::Sun(SunShape { bearing, radius_deg }) => Light::Sun(Sun {
                 direction: bearing.direction(),
                 cos_radius: radius_deg.to_radians().cos(),
                 emission,
             }),
-            LightShape::Point { position } => Light::Point(Point { position: position.into(), emission }),
-            LightShape::Spot { position, target, cone_deg, edge_deg } => Light::Spot(Spot {
+            LightShape::Point(PointShape { position: Position(position) }) => Light::Point(Point { position: position.into(), emission }),
+            LightShape::Spot(SpotShape { position: Position(position), target, cone_deg, edge_deg }) => Light::Spot(Spot {
                 position: position.into(),
                 axis: (DVec3::from(target) - DVec3::from(position)).normalize_or(DVec3::NEG_Z),
                 cos_outer: cone_deg.to_radians().cos(),
                 cos_inner: (cone_deg - edge_deg).to_radians().cos(),
                 emission,
             }),
-            LightShape::Sphere { position, radius_mm } => {
+            LightShape::Sphere(SphereShape { position: Position(position), radius_mm }) => {
                 Light::Sphere(Sphere { centre: position.into(), radius: radius_mm, emission })
             }
-            LightShape::Rectangle { position, target, size_mm } => {
+            LightShape::Rectangle(RectangleShape { position: Position(position), target, size_mm }) => {
                 let facing = (DVec3::from(target) - DVec3::from(position)).normalize_or(DVec3::NEG_Z);
                 let level = DVec3::Z.cross(facing);
                 let across = level.normalize_or(DVec3::X);
@@ -271,122 +443,14 @@ impl LightDescription {
     }
 }
 
-impl LightColour {
-    fn read(fields: &Fields<'_>) -> Result<Self> {
-        let given: Vec<&str> = ["illuminant", "colour", "spectrum"]
-            .into_iter()
-            .filter(|key| fields.get(key).is_some())
-            .collect();
-        if let [first, second, ..] = given[..] {
-            return Err(Error::input(format!(
-                "{} and {} are both given; leave one out",
-                fields.path(first),
-                fields.path(second)
-            )));
-        }
-        if let Some(value) = fields.get("colour") {
-            let rgb = colour(value, &fields.path("colour"))?;
-            if rgb == [0.0; 3] {
-                return Err(Error::input(format!(
-                    "{} is black; a lamp that is off has strength = 0",
-                    fields.path("colour")
-                )));
-            }
-            return Ok(Self::Rgb(rgb));
-        }
-        if let Some(file) = fields.text("spectrum")? {
-            return Ok(Self::Table { file: file.to_owned(), spectrum: None });
-        }
-        let name = fields.text("illuminant")?.unwrap_or("D65");
-        let found = Illuminant::named(name).map_err(|error| error.at(fields.path("illuminant")))?;
-        let name = Illuminant::ALL.iter().find(|(_, known)| *known == found).map_or("D65", |(name, _)| name);
-        Ok(Self::Illuminant(name))
-    }
-
-    /// As bright to the eye as daylight of radiance 1.
-    fn emission(&self) -> Result<Emission> {
-        let emission = match self {
-            Self::Illuminant("D65") => return Ok(Emission::daylight()),
-            Self::Illuminant(name) => {
-                let illuminant = Illuminant::named(name)?;
-                Emission::new(|nm| illuminant.power(nm))?
-            }
-            Self::Rgb(rgb) => {
-                let (rgb, basis) = (rgb.map(decode), primaries()?);
-                Emission::new(|nm| rgb.iter().zip(&basis).map(|(weight, one)| weight * one.at(nm)).sum())?
-            }
-            Self::Table { file, spectrum: None } => {
-                return Err(Error::input(format!("the spectrum '{file}' is not read")));
-            }
-            Self::Table { file, spectrum: Some(table) } => {
-                Emission::new(|nm| table.value(nm).unwrap_or(0.0)).map_err(|error| error.at(file))?
-            }
-        };
-        let luminance = emission.luminance();
-        if !(luminance.is_finite() && luminance > 0.0) {
-            return Err(Error::input("a light has no power that the eye sees between 380 and 720 nm"));
-        }
-        Ok(emission.scaled(Emission::daylight().luminance() / luminance))
-    }
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    DVec3::from(v).length()
-}
-
-fn bearing(fields: &Fields<'_>) -> Result<Bearing> {
-    Ok(Bearing {
-        azimuth_deg: fields.number_within("azimuth_deg", -MOST_TURN_DEG, MOST_TURN_DEG)?,
-        elevation_deg: fields.number_within("elevation_deg", -90.0, 90.0)?,
-    })
-}
-
-/// A lamp's place: `position_mm`, or azimuth, elevation and distance.
-fn position(fields: &Fields<'_>) -> Result<[f64; 3]> {
-    if fields.get("position_mm").is_some() {
-        if let Some(key) = PLACE[1..].iter().find(|key| fields.get(key).is_some()) {
-            return Err(Error::input(format!(
-                "{} and {} are both given; leave one out",
-                fields.path("position_mm"),
-                fields.path(key)
-            )));
-        }
-        return point(fields, "position_mm");
-    }
-    let place = "position_mm, or azimuth_deg, elevation_deg and distance_mm";
-    let distance =
-        fields.need("distance_mm", place).and_then(|_| fields.number_within("distance_mm", 1e-3, 1e6))?;
-    Ok((bearing(fields)?.direction() * distance).into())
-}
-
-/// Three coordinates within a kilometre.
-pub(super) fn point(fields: &Fields<'_>, key: &str) -> Result<[f64; 3]> {
-    match fields.numbers(key)?[..] {
-        [x, y, z] if [x, y, z].iter().all(|v| v.abs() <= 1e6) => Ok([x, y, z]),
-        _ => Err(Error::input(format!(
-            "{}: give three numbers [x, y, z] in mm, each at most 1000000",
-            fields.path(key)
-        ))),
-    }
-}
-
-fn pair(fields: &Fields<'_>, key: &str) -> Result<[f64; 2]> {
-    match fields.numbers(key)?[..] {
-        [width, height] if [width, height].iter().all(|v| (1e-3..=1e6).contains(v)) => Ok([width, height]),
-        _ => Err(Error::input(format!(
-            "{}: give width and height in mm, each 0.001 to 1000000",
-            fields.path(key)
-        ))),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fields::up_to;
 
     fn lights(text: &str) -> Result<Vec<LightDescription>> {
         let table: Value = toml::from_str(text).unwrap();
-        read(&table["lights"])
+        Vec::of_value(&table["lights"], "lights", &up_to(MOST_LIGHTS))
     }
 
     /// Whatever the shape and the colour, a white card at the origin that faces the lamp is as bright as under the sky.

@@ -1,33 +1,32 @@
-//! `[[objects]]`: shapes beside the feather.
+//! `[[objects]]`: what stands in a scene.
 
-use std::collections::BTreeMap;
-use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
+use glam::{DMat3, DVec3};
 
-use glam::{DMat3, DVec3, Vec2, Vec3};
-use serde::Serialize;
-use serde_json::Value;
-
-use super::kinds::unknown;
-use super::lights::point;
-use super::surfaces::NamedSurface;
-use crate::error::{did_you_mean, shortened};
-use crate::fields::{Fields, list};
+use super::coat::{CoatDescription, CoatObject};
+use super::detail::Detail;
+use super::dress::{Dress, FeatherObject, Zone};
+use super::shapes::{MOST_SEGMENTS, SPHERE, grow, nodes, rectangle, sphere, upwards};
+use super::slot::Slot;
+use super::surfaces::Surfaces;
+use crate::bsdf::Texture;
+use crate::fields::{Fields, Key, Map, Record, Several, Text, Value, up_to, within};
+use crate::identity::Hasher;
 use crate::math::rng::hash;
-use crate::scene::geometry::{CurveNode, Geometry, Mesh, Place};
+use crate::scene::feather::{Feather, VaneDisc};
+use crate::scene::geometry::{Geometry, Mesh, Place};
 use crate::scene::snake::Snake;
 use crate::scene::spline::{Basis, ControlCurve};
-use crate::{Error, Result};
+use crate::{Error, Result, record};
 
 /// Most objects, and most instances of one.
-const MOST_OBJECTS: usize = 1000;
+pub(super) const MOST_OBJECTS: usize = 1000;
 const MOST_INSTANCES: usize = 100_000;
 
 /// Most points of a snake's line.
 const MOST_POINTS: usize = 1000;
 
-/// Most conical segments of an object's curves: as many as a mesh may have triangles.
-const MOST_SEGMENTS: usize = 5_000_000;
+/// Most zones of a feather: as many as an 8-bit grey tells apart, but for the feather's own dress.
+const MOST_ZONES: usize = 255;
 
 /// Memory that a triangle, a vertex, a segment, a control point and an instance take at most while hierarchies are built, bytes: what
 /// was read, its copy in the scene, and the hierarchy with what it is built of. Measured: 1e6 vertices and 2e6 triangles took
@@ -38,24 +37,41 @@ const BYTES_PER_SEGMENT: usize = 850;
 const BYTES_PER_POINT: usize = 32;
 const BYTES_PER_INSTANCE: usize = 400;
 
-/// Columns and rows of a sphere's quadrangles.
-const SPHERE: [u32; 2] = [192, 96];
+record! {
+    /// Something that stands in a scene, once or several times.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct ObjectDescription {
+        /// What mattes call it; its surface's name where nothing is said.
+        name: Option<String> = "name", Text("a name of your own");
+        /// The table [surfaces.NAME] of a shape that is no feather.
+        surface: Option<String> = "surface", Text("the name of a table [surfaces.NAME]");
+        /// Where it stands several times, in place of its own place.
+        instances: Vec<Placement> = "instances", Several { least: 1, most: MOST_INSTANCES, of: () }, or Vec::new();
+        @flat {
+            /// Its shape.
+            shape: ObjectShape;
+            /// Where it stands.
+            place: Placement;
+        }
+        @agree ObjectDescription::agree;
+    }
+}
 
-/// A shape of one surface, once or several times.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ObjectDescription {
-    /// What mattes call it.
-    pub name: String,
-    /// Its shape.
-    pub shape: ObjectShape,
-    /// The name of its surface.
-    pub surface: String,
-    /// Where it stands; one instance each.
-    pub places: Vec<Placement>,
+record! {
+    /// Where an object stands: scaled, then turned about x, y and z in this order, then moved.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Placement {
+        /// Factor to all lengths.
+        scale: f64 = "scale", within(1e-6, 1e6), or 1.0;
+        /// Turns about x, y, z, counter-clockwise seen from the axis' tip.
+        rotate_deg: [f64; 3] = "rotate_deg", within(-1e6, 1e6), or [0.0; 3];
+        /// The move.
+        translate_mm: [f64; 3] = "translate_mm", within(-1e6, 1e6), or [0.0; 3];
+    }
 }
 
 /// The shape of an object about its own origin.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum ObjectShape {
     /// A sphere.
     Sphere {
@@ -68,251 +84,284 @@ pub enum ObjectShape {
         size_mm: [f64; 2],
     },
     /// The scales of a snake's body.
-    Snake {
-        /// Points that guide its middle line, from the neck to the tail, mm.
-        path_mm: Vec<[f64; 3]>,
-        /// Radius of the middle, mm.
-        radius_mm: f64,
-        /// Rows of dorsal scales, odd.
-        rows: usize,
-        /// How strongly scales are keeled, 0 … 1.
-        keel: f64,
-    },
+    Snake(SnakeShape),
     /// A mesh from a file, in mm.
-    Mesh {
-        /// The file.
-        #[serde(skip)]
-        file: String,
-        /// What is in it, once it is read.
-        #[serde(skip)]
-        mesh: Option<Arc<Mesh>>,
-        /// BLAKE3 of the file.
-        content: String,
-    },
+    Mesh(Slot<Mesh>),
     /// Round curves from a file, in mm.
     Curves {
         /// The file.
-        #[serde(skip)]
-        file: String,
+        file: Slot<Vec<ControlCurve>>,
         /// How its control points make curves.
         basis: Basis,
-        /// What is in it, once it is read.
-        #[serde(skip)]
-        curves: Option<Arc<Vec<ControlCurve>>>,
-        /// BLAKE3 of the file.
-        content: String,
     },
+    /// A feather.
+    Feather(Box<FeatherObject>),
+    /// Many feathers on a body.
+    Coat(Box<CoatObject>),
 }
 
-/// Where an object stands: scaled, then turned about x, y and z in this order, then moved.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Placement {
-    /// Factor to all lengths.
-    pub scale: f64,
-    /// Turns about x, y, z, degrees, counter-clockwise seen from the axis' tip.
-    pub rotate_deg: [f64; 3],
-    /// The move, mm.
-    pub translate_mm: [f64; 3],
-}
-
-/// Names of the bases of curves.
-const BASES: [(&str, Basis); 2] = [("bspline", Basis::BSpline), ("linear", Basis::Linear)];
-
-/// Reads the list `[[objects]]`; their surfaces must be among `surfaces`.
-pub(super) fn read(
-    value: &Value,
-    surfaces: &BTreeMap<String, NamedSurface>,
-) -> Result<Vec<ObjectDescription>> {
-    let objects = list(value, "objects")?;
-    if objects.len() > MOST_OBJECTS {
-        return Err(Error::input(format!("objects: {} are over the limit of {MOST_OBJECTS}", objects.len())));
+record! {
+    /// The scales of a snake's body.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct SnakeShape {
+        /// Points that guide its middle line, from the neck to the tail.
+        path_mm: Vec<[f64; 3]> = "path_mm", Several { least: 2, most: MOST_POINTS, of: within(-1e5, 1e5) };
+        /// Radius of the middle.
+        radius_mm: f64 = "radius_mm", within(0.1, 1000);
+        /// Rows of dorsal scales, odd.
+        rows: usize = "rows", within(5, 61), or 15;
+        /// How strongly scales are keeled.
+        keel: f64 = "keel", within(0, 1), or 0.0;
+        @agree SnakeShape::agree;
     }
-    let read =
-        |(i, object): (usize, &Value)| ObjectDescription::read(object, &format!("objects[{i}]"), surfaces);
-    objects.iter().enumerate().map(read).collect()
 }
+
+record! {
+    /// The keys of shapes as files have them: one of the first seven says which shape it is.
+    #[derive(Debug, Clone, PartialEq)]
+    struct ShapeKeys {
+        /// A sphere of this radius.
+        sphere_mm: Option<f64> = "sphere_mm", within(1e-3, 1e5);
+        /// A rectangle in the plane z = 0 that faces +z: its sides along x and y.
+        rectangle_mm: Option<[f64; 2]> = "rectangle_mm", within(1e-3, 1e5);
+        /// The scales of a snake's body.
+        snake: Option<SnakeShape> = "snake", ();
+        /// A mesh, in mm.
+        mesh: Option<Slot<Mesh>> = "mesh", Text("the name of a .ply, .obj, .gltf or .glb");
+        /// Round curves, in mm.
+        curves: Option<Slot<Vec<ControlCurve>>> = "curves", Text("the name of a file of curves");
+        /// A feather: its sizes, or the name of a type.
+        feather: Option<Feather> = "feather", ();
+        /// Many feathers on a body, like `feather`.
+        coat: Option<CoatDescription> = "coat", ();
+        /// How control points make curves; a B-spline where nothing is said.
+        basis: Option<Basis> = "basis", ();
+        /// The part of the feather that is grown; all of it where nothing is said.
+        window: Option<VaneDisc> = "window", ();
+        /// How finely a feather is made.
+        detail: Detail = "detail", (), or Detail::default();
+        /// What a feather's barbules are made of on both sides of its barbs, where its dress does not say.
+        material: Option<String> = "material", Text("a species, structure or .barbule file");
+        /// What the parts of a feather are made of.
+        dress: Option<Dress> = "dress", ();
+        /// Places of the vane with a dress of their own; the last one that holds a place is its zone.
+        zones: Vec<Zone> = "zones", up_to(MOST_ZONES), or Vec::new();
+        /// A grey picture over the vane, its left edge at the left and its tip above: pixels of value i (of 255) are the i-th zone.
+        zone_map: Option<Slot<Texture>> = "zone_map", Text("a grey .png");
+    }
+}
+
+/// The keys of which one says what shape an object is.
+const SHAPES: [&str; 7] = ["sphere_mm", "rectangle_mm", "snake", "mesh", "curves", "feather", "coat"];
+
+/// Keys of feathers and coats alone, and of feathers alone.
+const OF_FEATHERS: [&str; 3] = ["detail", "material", "dress"];
+const OF_FEATHERS_ALONE: [&str; 3] = ["window", "zones", "zone_map"];
 
 impl ObjectShape {
-    /// The one shape that a table gives by one of these keys.
-    fn read(fields: &Fields<'_>, place: &str, keys: &[&str]) -> Result<Self> {
-        let given: Vec<&str> = keys.iter().copied().filter(|key| fields.get(key).is_some()).collect();
-        let shape = match given[..] {
-            ["sphere_mm"] => Self::Sphere { radius_mm: fields.number_within("sphere_mm", 1e-3, 1e5)? },
-            ["rectangle_mm"] => match fields.numbers("rectangle_mm")?[..] {
-                [x, y] if [x, y].iter().all(|v| (1e-3..=1e5).contains(v)) => {
-                    Self::Rectangle { size_mm: [x, y] }
-                }
-                _ => {
-                    return Err(Error::input(format!(
-                        "{}: give two lengths in mm, each 0.001 to 100000",
-                        fields.path("rectangle_mm")
-                    )));
-                }
-            },
-            ["snake"] => Self::read_snake(fields)?,
-            ["mesh"] => Self::Mesh {
-                file: fields.text("mesh")?.unwrap_or_default().to_owned(),
-                mesh: None,
-                content: String::new(),
-            },
-            ["curves"] => Self::Curves {
-                file: fields.text("curves")?.unwrap_or_default().to_owned(),
-                basis: basis(fields)?,
-                curves: None,
-                content: String::new(),
-            },
-            _ => {
-                return Err(Error::input(format!(
-                    "{place} has {} shapes; give one of {}",
-                    given.len(),
-                    keys.join(", ")
-                )));
-            }
+    fn keys_of(&self) -> ShapeKeys {
+        let none = ShapeKeys {
+            sphere_mm: None,
+            rectangle_mm: None,
+            snake: None,
+            mesh: None,
+            curves: None,
+            feather: None,
+            coat: None,
+            basis: None,
+            window: None,
+            detail: Detail::default(),
+            material: None,
+            dress: None,
+            zones: Vec::new(),
+            zone_map: None,
         };
-        if fields.get("basis").is_some() && !matches!(shape, Self::Curves { .. }) {
+        match self {
+            Self::Sphere { radius_mm } => ShapeKeys { sphere_mm: Some(*radius_mm), ..none },
+            Self::Rectangle { size_mm } => ShapeKeys { rectangle_mm: Some(*size_mm), ..none },
+            Self::Snake(snake) => ShapeKeys { snake: Some(snake.clone()), ..none },
+            Self::Mesh(file) => ShapeKeys { mesh: Some(file.clone()), ..none },
+            Self::Curves { file, basis } => {
+                ShapeKeys { curves: Some(file.clone()), basis: Some(*basis), ..none }
+            }
+            Self::Feather(of) => {
+                let FeatherObject { feather, window, detail, dress, zones, zone_map } = (**of).clone();
+                let dress = Some(dress);
+                ShapeKeys { feather: Some(feather), window: Some(window), detail, dress, zones, zone_map, ..none }
+            }
+            Self::Coat(of) => {
+                let CoatObject { coat, feather, detail, dress } = (**of).clone();
+                ShapeKeys { coat: Some(coat), feather: Some(feather), detail, dress: Some(dress), ..none }
+            }
+        }
+    }
+
+    /// The one shape that keys say.
+    fn of_keys(keys: ShapeKeys, fields: &Fields<'_>) -> Result<Self> {
+        let given: Vec<&str> = SHAPES.into_iter().filter(|key| fields.get(key).is_some()).collect();
+        let none_of = |others: &[&str]| match others.iter().find(|key| fields.get(key).is_some()) {
+            Some(key) => Err(Error::input(format!(
+                "{} is given, but the object is no {}; leave it out",
+                fields.path(key),
+                if OF_FEATHERS.contains(key) { "feather or coat" } else { "feather" }
+            ))),
+            None => Ok(()),
+        };
+        let is_coat = keys.coat.is_some();
+        if !is_coat && keys.feather.is_none() {
+            none_of(&OF_FEATHERS)?;
+        }
+        if is_coat || keys.feather.is_none() {
+            none_of(&OF_FEATHERS_ALONE)?;
+        }
+        if keys.basis.is_some() && keys.curves.is_none() {
             return Err(Error::input(format!("{} is given, but there are no curves", fields.path("basis"))));
         }
-        Ok(shape)
+        let dress = |dress: Option<Dress>| dress.ok_or_else(|| Dress::missing(&fields.path("material")));
+        match (&given[..], keys) {
+            (["sphere_mm"], ShapeKeys { sphere_mm: Some(radius_mm), .. }) => Ok(Self::Sphere { radius_mm }),
+            (["rectangle_mm"], ShapeKeys { rectangle_mm: Some(size_mm), .. }) => {
+                Ok(Self::Rectangle { size_mm })
+            }
+            (["snake"], ShapeKeys { snake: Some(snake), .. }) => Ok(Self::Snake(snake)),
+            (["mesh"], ShapeKeys { mesh: Some(file), .. }) => Ok(Self::Mesh(file)),
+            (["curves"], ShapeKeys { curves: Some(file), basis, .. }) => {
+                Ok(Self::Curves { file, basis: basis.unwrap_or(Basis::BSpline) })
+            }
+            (["feather"], ShapeKeys { feather: Some(feather), window, detail, dress: of, zones, zone_map, .. }) => {
+                let window = window.unwrap_or(VaneDisc::WHOLE);
+                let of = FeatherObject { feather, window, detail, dress: dress(of)?, zones, zone_map };
+                of.agree(fields)?;
+                Ok(Self::Feather(Box::new(of)))
+            }
+            (["feather", "coat"] | ["coat"], ShapeKeys { coat: Some(coat), feather, detail, dress: of, .. }) => {
+                let feather = feather.map_or_else(|| Feather::of_type("contour"), Ok)?;
+                let of = CoatObject { coat, feather, detail, dress: dress(of)? };
+                of.agree(fields.place())?;
+                Ok(Self::Coat(Box::new(of)))
+            }
+            _ => Err(Error::input(format!(
+                "{} has {} shapes; give one of {}",
+                fields.place(),
+                given.len(),
+                SHAPES.join(", ")
+            ))),
+        }
     }
 }
 
-impl ObjectShape {
-    fn read_snake(fields: &Fields<'_>) -> Result<Self> {
-        let place = fields.path("snake");
-        let table = fields.need("snake", "a table with path_mm and radius_mm")?;
-        let own = Fields::new(table, &place, &["path_mm", "radius_mm", "rows", "keel"])?;
-        let path = own.path("path_mm");
-        let points = own.list("path_mm", "a list of points [x, y, z] in mm")?;
-        if !(2..=MOST_POINTS).contains(&points.len()) {
-            return Err(Error::input(format!("{path}: give 2 to {MOST_POINTS} points")));
+impl Record for ObjectShape {
+    fn keys() -> Vec<Key> {
+        ShapeKeys::keys()
+    }
+
+    fn read_fields(fields: &Fields<'_>) -> Result<Self> {
+        Self::of_keys(ShapeKeys::read_fields(fields)?, fields)
+    }
+
+    fn check_given(fields: &Fields<'_>) -> Result<()> {
+        ShapeKeys::check_given(fields)
+    }
+
+    fn write_into(&self, table: &mut Map<String, Value>) {
+        self.keys_of().write_into(table);
+    }
+
+    fn check(&self, place: &str) -> Result<()> {
+        if let Self::Coat(coat) = self {
+            coat.agree(place)?;
         }
-        let coordinates = |(i, value): (usize, &Value)| {
-            let numbers: Option<Vec<f64>> =
-                value.as_array().and_then(|list| list.iter().map(Value::as_f64).collect());
-            match numbers.as_deref() {
-                Some(&[x, y, z]) if [x, y, z].iter().all(|v| v.abs() <= 1e5) => Ok([x, y, z]),
-                _ => Err(Error::input(format!("{path}[{i}]: give three numbers in mm, each up to 100000"))),
-            }
-        };
-        let path_mm: Vec<[f64; 3]> = points.iter().enumerate().map(coordinates).collect::<Result<_>>()?;
-        let rows = own.get("rows").map_or(Ok(15.0), |_| own.number_within("rows", 5.0, 61.0))?;
-        if rows % 2.0 != 1.0 {
-            return Err(Error::input(format!("{} is {rows}; give an odd number", own.path("rows"))));
+        self.keys_of().check(place)
+    }
+
+    fn feed_fields(&self, to: &mut Hasher) {
+        self.keys_of().feed_fields(to);
+    }
+}
+
+impl SnakeShape {
+    fn agree(&self, place: &str) -> Result<()> {
+        if self.rows % 2 != 1 {
+            return Err(Error::input(format!("{place}.rows is {}; give an odd number", self.rows)));
         }
-        let shape = Self::Snake {
-            path_mm,
-            radius_mm: own.number_within("radius_mm", 0.1, 1000.0)?,
-            rows: rows as usize,
-            keel: own.get("keel").map_or(Ok(0.0), |_| own.number_within("keel", 0.0, 1.0))?,
-        };
-        if shape.snake().is_some_and(|snake| snake.size()[1] > MOST_SEGMENTS) {
+        if self.snake().size()[1] > MOST_SEGMENTS {
             return Err(Error::input(format!(
                 "{place} has too many scales for its length; give a greater radius_mm or fewer rows"
             )));
         }
-        Ok(shape)
+        Ok(())
     }
 
-    fn snake(&self) -> Option<Snake> {
-        let Self::Snake { path_mm, radius_mm, rows, keel } = self else { return None };
-        let path_mm = path_mm.iter().copied().map(DVec3::from_array).collect();
-        Some(Snake { path_mm, radius_mm: *radius_mm, rows: *rows, keel: *keel })
+    fn snake(&self) -> Snake {
+        let path_mm = self.path_mm.iter().copied().map(DVec3::from_array).collect();
+        Snake { path_mm, radius_mm: self.radius_mm, rows: self.rows, keel: self.keel }
     }
-}
-
-/// A B-spline unless said otherwise.
-fn basis(fields: &Fields<'_>) -> Result<Basis> {
-    let name = fields.text("basis")?.unwrap_or(BASES[0].0);
-    let known = BASES.iter().find(|(known, _)| *known == name).map(|(_, basis)| *basis);
-    known.ok_or_else(|| unknown(&fields.path("basis"), name, &BASES.map(|(known, _)| known)))
 }
 
 impl ObjectDescription {
-    fn read(table: &Value, place: &str, surfaces: &BTreeMap<String, NamedSurface>) -> Result<Self> {
-        const KEYS: [&str; 12] = [
-            "sphere_mm",
-            "rectangle_mm",
-            "snake",
-            "mesh",
-            "curves",
-            "basis",
-            "name",
-            "surface",
-            "scale",
-            "rotate_deg",
-            "translate_mm",
-            "instances",
-        ];
-        let fields = Fields::new(table, place, &KEYS)?;
-        let shape = ObjectShape::read(&fields, place, &KEYS[..5])?;
-        let surface = fields.text("surface")?.ok_or_else(|| {
-            Error::input(format!("{place}.surface is missing; give the name of a table [surfaces.NAME]"))
-        })?;
-        if !surfaces.contains_key(surface) {
-            let near = did_you_mean(surface, surfaces.keys().map(String::as_str));
-            let surface = shortened(surface);
+    /// Something that stands where it was made.
+    #[must_use]
+    pub fn here(name: &str, shape: ObjectShape) -> Self {
+        let name = Some(name.to_owned());
+        Self { name, surface: None, instances: Vec::new(), shape, place: Placement::HERE }
+    }
+
+    /// What mattes call it.
+    #[must_use]
+    pub fn label(&self) -> &str {
+        let kind = match &self.shape {
+            ObjectShape::Feather(_) => "feather",
+            ObjectShape::Coat(_) => "coat",
+            _ => "",
+        };
+        self.name.as_deref().or(self.surface.as_deref()).unwrap_or(kind)
+    }
+
+    /// Whether it is a feather or a coat, whose parts have surfaces of their own.
+    #[must_use]
+    pub fn is_plumage(&self) -> bool {
+        matches!(self.shape, ObjectShape::Feather(_) | ObjectShape::Coat(_))
+    }
+
+    /// Where it stands, once for each.
+    #[must_use]
+    pub fn placements(&self) -> &[Placement] {
+        if self.instances.is_empty() { std::slice::from_ref(&self.place) } else { &self.instances }
+    }
+
+    fn agree(&self, place: &str) -> Result<()> {
+        if !self.instances.is_empty() && self.place != Placement::HERE {
             return Err(Error::input(format!(
-                "{place}.surface is '{surface}'{near}; there is no table [surfaces.{surface}] with a type"
+                "{place} has instances and a place of its own; give scale, rotate_deg and translate_mm in the instances"
             )));
         }
-        let own = Placement::read(&fields)?;
-        let places = match fields.get("instances") {
-            None => vec![own],
-            Some(value) => {
-                let path = fields.path("instances");
-                let instances = list(value, &path)?;
-                if !(1..=MOST_INSTANCES).contains(&instances.len()) {
-                    return Err(Error::input(format!("{path}: give 1 to {MOST_INSTANCES} instances")));
-                }
-                if own != Placement::HERE {
-                    return Err(Error::input(format!(
-                        "{place} has instances and a place of its own; give scale, rotate_deg and translate_mm in the instances"
-                    )));
-                }
-                let one = |(i, table): (usize, &Value)| {
-                    let known = ["scale", "rotate_deg", "translate_mm"];
-                    Placement::read(&Fields::new(table, &format!("{path}[{i}]"), &known)?)
-                };
-                instances.iter().enumerate().map(one).collect::<Result<_>>()?
+        let path = crate::fields::path_of(place, "surface");
+        match (self.is_plumage(), &self.surface) {
+            (true, Some(_)) => Err(Error::input(format!(
+                "{path} is given, but the object is a feather or coat; give its dress"
+            ))),
+            (false, None) => {
+                Err(Error::input(format!("{path} is missing; give the name of a table [surfaces.NAME]")))
             }
-        };
-        let name = fields.text("name")?.unwrap_or(surface).to_owned();
-        Ok(Self { name, shape, surface: surface.to_owned(), places })
-    }
-
-    /// Its table in a scene file.
-    pub(super) fn table(&self) -> Value {
-        let mut table = serde_json::json!({"name": self.name, "surface": self.surface});
-        let (key, value) = match &self.shape {
-            ObjectShape::Sphere { radius_mm } => ("sphere_mm", serde_json::json!(radius_mm)),
-            ObjectShape::Rectangle { size_mm } => ("rectangle_mm", serde_json::json!(size_mm)),
-            ObjectShape::Snake { path_mm, radius_mm, rows, keel } => (
-                "snake",
-                serde_json::json!({"path_mm": path_mm, "radius_mm": radius_mm, "rows": rows, "keel": keel}),
-            ),
-            ObjectShape::Mesh { file, .. } => ("mesh", serde_json::json!(file)),
-            ObjectShape::Curves { file, .. } => ("curves", serde_json::json!(file)),
-        };
-        if let Value::Object(table) = &mut table {
-            if let ObjectShape::Curves { basis: Basis::Linear, .. } = self.shape {
-                table.insert("basis".to_owned(), "linear".into());
-            }
-            table.insert(key.to_owned(), value);
-            table.insert(
-                "instances".to_owned(),
-                self.places.iter().map(|place| serde_json::json!(place)).collect(),
-            );
+            _ => Ok(()),
         }
-        table
     }
 
-    /// Its shape and where it stands; `index`: its own among the objects.
+    /// Refuses a surface that does not exist.
+    pub(super) fn check_surface(&self, place: &str, surfaces: &Surfaces) -> Result<()> {
+        match &self.surface {
+            Some(name) => surfaces.named(&format!("{place}.surface"), name).map(|_| ()),
+            None => Ok(()),
+        }
+    }
+
+    /// The shape of what is no feather, and where it stands; `index`: its own among such objects.
     ///
     /// # Errors
-    /// A mesh or curves that are not read; curves of too many segments.
+    /// A mesh or curves that are not read; curves of too many segments; a feather or coat.
     pub fn geometry(&self, index: usize) -> Result<Geometry> {
         let identity = |instance: usize| hash(0x006f_626a, &[index as u64, instance as u64]);
-        let places = self.places.iter().enumerate().map(|(i, place)| place.place(identity(i))).collect();
+        let places = self.placements().iter().enumerate().map(|(i, place)| place.place(identity(i))).collect();
         let made;
         let mesh = match &self.shape {
             ObjectShape::Sphere { radius_mm } => {
@@ -323,30 +372,24 @@ impl ObjectDescription {
                 made = rectangle(*size_mm);
                 &made
             }
-            ObjectShape::Snake { .. } => {
-                let mesh = self.shape.snake().map(|snake| snake.mesh(identity(0))).unwrap_or_default();
-                let meshes = vec![Mesh { id: identity(0), ..mesh }];
+            ObjectShape::Snake(snake) => {
+                let meshes = vec![Mesh { id: identity(0), ..snake.snake().mesh(identity(0)) }];
                 return Ok(Geometry { meshes, places, ..Geometry::default() });
             }
-            ObjectShape::Mesh { mesh: Some(mesh), .. } => mesh.as_ref(),
-            ObjectShape::Mesh { file, .. } => {
-                return Err(Error::input(format!("the mesh '{file}' is not read")));
-            }
-            ObjectShape::Curves { file, basis, curves, .. } => {
-                let curves = curves
-                    .as_ref()
-                    .ok_or_else(|| Error::input(format!("the curves '{file}' are not read")))?;
-                let grown = grow(curves, *basis, identity(0)).map_err(|error| error.at(file))?;
+            ObjectShape::Mesh(file) => file.value()?.as_ref(),
+            ObjectShape::Curves { file, basis } => {
+                let grown = grow(file.value()?, *basis, identity(0)).map_err(|error| error.at(&file.name))?;
                 return Ok(Geometry { places, ..grown });
+            }
+            ObjectShape::Feather(_) | ObjectShape::Coat(_) => {
+                return Err(Error::input(format!("the object '{}' has more than one shape", self.label())));
             }
         };
         let mesh = Mesh { tangents: upwards(mesh), id: identity(0), ..mesh.clone() };
         Ok(Geometry { meshes: vec![mesh], places, ..Geometry::default() })
     }
-}
 
-impl ObjectDescription {
-    /// Memory that it takes while its hierarchy is built, bytes, once its file is read.
+    /// Memory that it takes while its hierarchy is built, bytes, once its file is read; of a feather that of its instances alone.
     pub(super) fn bytes(&self) -> usize {
         let mesh =
             |vertices: usize, triangles: usize| vertices * BYTES_PER_VERTEX + triangles * BYTES_PER_TRIANGLE;
@@ -356,37 +399,30 @@ impl ObjectDescription {
                 mesh(quadrangles, 2 * quadrangles)
             }
             ObjectShape::Rectangle { .. } => mesh(4, 2),
-            ObjectShape::Snake { .. } => self.shape.snake().map_or(0, |snake| {
-                let [vertices, triangles] = snake.size();
+            ObjectShape::Snake(snake) => {
+                let [vertices, triangles] = snake.snake().size();
                 mesh(vertices, triangles)
-            }),
-            ObjectShape::Mesh { mesh: read, .. } => {
-                read.as_ref().map_or(0, |read| mesh(read.positions.len(), read.triangles.len()))
             }
-            ObjectShape::Curves { basis, curves, .. } => {
-                let all = curves.iter().flat_map(|curves| curves.iter());
+            ObjectShape::Mesh(file) => {
+                file.get().map_or(0, |read| mesh(read.positions.len(), read.triangles.len()))
+            }
+            ObjectShape::Curves { file, basis } => {
+                let all = file.get().into_iter().flatten();
                 let one = |curve: &ControlCurve| {
                     curve.len() * BYTES_PER_POINT + basis.segments(&nodes(curve)) * BYTES_PER_SEGMENT
                 };
                 all.map(one).sum()
             }
+            ObjectShape::Feather(_) => 0,
+            ObjectShape::Coat(coat) => coat.coat.bytes(),
         };
-        shape + self.places.len() * BYTES_PER_INSTANCE
+        shape + self.placements().len() * BYTES_PER_INSTANCE
     }
 }
 
 impl Placement {
     /// Where a shape is made.
     pub const HERE: Self = Self { scale: 1.0, rotate_deg: [0.0; 3], translate_mm: [0.0; 3] };
-
-    pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
-        let vector = |key: &str| fields.get(key).map_or(Ok([0.0; 3]), |_| point(fields, key));
-        Ok(Self {
-            scale: fields.get("scale").map_or(Ok(1.0), |_| fields.number_within("scale", 1e-6, 1e6))?,
-            rotate_deg: vector("rotate_deg")?,
-            translate_mm: vector("translate_mm")?,
-        })
-    }
 
     pub(super) fn place(&self, id: u64) -> Place {
         let [x, y, z] = self.rotate_deg.map(f64::to_radians);
@@ -395,117 +431,19 @@ impl Placement {
     }
 }
 
-fn nodes(curve: &ControlCurve) -> Vec<CurveNode> {
-    let node = |&[x, y, z, radius]: &[f64; 4]| CurveNode {
-        point: DVec3::new(x, y, z).as_vec3(),
-        radius: radius as f32,
-        ..CurveNode::default()
-    };
-    curve.iter().map(node).collect()
-}
-
-/// Curves as conical segments; `id`: the object's.
-fn grow(curves: &[ControlCurve], basis: Basis, id: u64) -> Result<Geometry> {
-    let mut geometry = Geometry::default();
-    let mut segments = 0;
-    for (index, curve) in (0_u64..).zip(curves) {
-        let nodes = nodes(curve);
-        segments += basis.segments(&nodes);
-        if segments > MOST_SEGMENTS {
-            return Err(Error::input(format!(
-                "its curves need over {MOST_SEGMENTS} segments; give fewer or less bent ones, or share them among several objects"
-            )));
-        }
-        geometry.add_control_curve(&nodes, basis, hash(id, &[index]));
-    }
-    Ok(geometry)
-}
-
-/// At each vertex the direction in which the texture's v grows, the mean over its triangles; none where a mesh has no texture
-/// coordinates.
-fn upwards(mesh: &Mesh) -> Vec<Vec3> {
-    if mesh.uvs.is_empty() {
-        return Vec::new();
-    }
-    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
-    for corners in &mesh.triangles {
-        let [a, b, c] = corners.map(|corner| corner as usize);
-        let (p, q) = (mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
-        let (s, t) = (mesh.uvs[b] - mesh.uvs[a], mesh.uvs[c] - mesh.uvs[a]);
-        // p = s.x ∂u + s.y ∂v, q = t.x ∂u + t.y ∂v, times the determinant's sign.
-        let along = (q * s.x - p * t.x) * s.perp_dot(t).signum();
-        for corner in [a, b, c] {
-            sums[corner] += along;
-        }
-    }
-    sums.into_iter().map(|sum| sum.normalize_or(Vec3::Y)).collect()
-}
-
-/// A sphere of quadrangles; u goes round from +y clockwise seen from +z, v from the lower pole to the upper one.
-fn sphere(radius_mm: f64) -> Mesh {
-    let [columns, rows] = SPHERE;
-    let mut mesh = Mesh::default();
-    for row in 0..=rows {
-        for column in 0..=columns {
-            let (u, v) = (f64::from(column) / f64::from(columns), f64::from(row) / f64::from(rows));
-            let (around, polar) = (TAU * u, PI * (1.0 - v));
-            let (sine, cosine) = (libm::sin(polar), libm::cos(polar));
-            let normal = DVec3::new(sine * libm::sin(around), sine * libm::cos(around), cosine);
-            mesh.positions.push((normal * radius_mm).as_vec3());
-            mesh.normals.push(normal.as_vec3());
-            mesh.uvs.push(Vec2::new(u as f32, v as f32));
-        }
-    }
-    for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
-        let at = row * (columns + 1) + column;
-        let (above, right) = (at + columns + 1, 1);
-        mesh.triangles.push([at, above, at + right]);
-        mesh.triangles.push([at + right, above, above + right]);
-    }
-    mesh
-}
-
-fn rectangle([x, y]: [f64; 2]) -> Mesh {
-    let (x, y) = ((0.5 * x) as f32, (0.5 * y) as f32);
-    Mesh {
-        positions: vec![
-            Vec3::new(-x, -y, 0.0),
-            Vec3::new(x, -y, 0.0),
-            Vec3::new(x, y, 0.0),
-            Vec3::new(-x, y, 0.0),
-        ],
-        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fields::{FieldValue as _, up_to};
+    use crate::scene::spline::ControlCurve;
 
     fn objects(text: &str) -> Result<Vec<ObjectDescription>> {
-        let surfaces =
-            BTreeMap::from([("white".to_owned(), NamedSurface::Dielectric { index: 1.5, roughness: None })]);
+        let surfaces = serde_json::json!({"white": {"type": "dielectric", "index": 1.5}});
         let table: Value = toml::from_str(text).unwrap();
-        read(&table["objects"], &surfaces)
-    }
-
-    /// Outwards, closed, of the sphere's area but for the facets.
-    #[test]
-    fn spheres_are_closed_and_face_outwards() {
-        let mesh = sphere(2.0);
-        let (mut area, mut volume) = (0.0, 0.0);
-        for triangle in &mesh.triangles {
-            let [a, b, c] = triangle.map(|corner| mesh.positions[corner as usize].as_dvec3());
-            let normal = (b - a).cross(c - a);
-            assert!(normal.dot(a + b + c) >= -1e-9);
-            area += 0.5 * normal.length();
-            volume += a.dot(b.cross(c)) / 6.0;
-        }
-        assert!((area / (16.0 * PI) - 1.0).abs() < 1e-3 && (volume / (32.0 / 3.0 * PI) - 1.0).abs() < 2e-3);
-        let all = Geometry { meshes: vec![mesh], ..Geometry::default() };
-        all.check().unwrap();
+        let surfaces = Surfaces::of_value(&surfaces, "surfaces", &()).unwrap();
+        let objects = Vec::<ObjectDescription>::of_value(&table["objects"], "objects", &up_to(MOST_OBJECTS))?;
+        objects.iter().enumerate().try_for_each(|(i, one)| one.check_surface(&format!("objects[{i}]"), &surfaces))?;
+        Ok(objects)
     }
 
     #[test]
@@ -534,10 +472,10 @@ mod tests {
             objects("[[objects]]\ncurves = 'a.txt'\nbasis = 'linear'\nsurface = 'white'\nscale = 2")
                 .unwrap()
                 .remove(0);
-        assert!(object.geometry(0).unwrap_err().to_string().contains("the curves 'a.txt' are not read"));
+        assert!(object.geometry(0).unwrap_err().to_string().contains("'a.txt' is not read"));
         let mut fill = |points: Vec<[f64; 4]>| {
-            let ObjectShape::Curves { curves, .. } = &mut object.shape else { panic!() };
-            *curves = Some(Arc::new(vec![points.clone(), points]));
+            let ObjectShape::Curves { file, .. } = &mut object.shape else { panic!() };
+            file.fill(vec![points.clone(), points], "hash".into());
             object.geometry(0)
         };
         let geometry = fill(vec![[1.0, 2.0, 3.0, 0.5], [1.0, 2.0, 4.0, 0.25]]).unwrap();

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use super::build::{hair, keratin};
-use super::{FibreDescription, SceneDescription, ViewModel};
-use crate::brdf::FeatherBrdf;
+use super::detail::ViewModel;
+use super::dress::{BarbuleDress, FeatherObject, RamusDress};
+use super::surfaces::FibreDescription;
 use crate::bsdf::{
-    BarbModel, BarbSurface, BarbuleSurface, Barbules, Hair, Keratin, MaskedBarbs, Pattern, Ramus, Row,
+    BarbModel, BarbSurface, Barbules, Hair, Keratin, MaskedBarbs, Pattern, Ramus, Row,
     Substance, Surface, VaneSurface,
 };
 use crate::math::rng::hash;
@@ -21,23 +21,20 @@ use crate::{Error, Result};
 /// Between two feathers side by side, over the width of one.
 const GAP: f64 = 0.12;
 
-impl SceneDescription {
-    /// Whether its barbules are made of a material with tables, so that one must be given.
+impl FeatherObject {
+    /// How finely it is made in a picture that is so wide on it, mm.
     #[must_use]
-    pub fn needs_material(&self) -> bool {
-        self.shows_feather && self.surfaces.barbule.is_none()
+    pub fn level(&self, width_mm: f64) -> Level {
+        self.detail.level_of(&self.feather, self.window, width_mm)
     }
 
-    pub(super) fn feather_parts(
-        &self,
-        brdf: Option<Arc<FeatherBrdf>>,
-        seed: u64,
-    ) -> Result<(Vec<Object>, Counts)> {
-        let level = self.level();
+    /// Shaft, rami, barbules; `width_mm`: of the picture, on the feather.
+    pub(super) fn parts(&self, width_mm: f64, seed: u64) -> Result<(Vec<Object>, Counts)> {
+        let level = self.level(width_mm);
         let grown = self.feather.grow(self.window, level, seed, hash(seed, &[1]))?;
         let counts = grown.counts();
-        let substances = Substances::new(self, brdf)?;
-        let shaft = (grown.shaft.clone(), Surface::Keratin(keratin(&self.surfaces.shaft)?));
+        let substances = Substances::new(self)?;
+        let shaft = (grown.shaft.clone(), Surface::Keratin(self.dress.shaft.build()?));
         let parts = match level {
             Level::Barbules | Level::Barbs => [vec![shaft], substances.one_by_one(grown)].concat(),
             Level::Vane | Level::Masked => [vec![shaft], substances.sheets(&grown, level, seed)?].concat(),
@@ -65,9 +62,9 @@ impl SceneDescription {
     }
 
     /// Names of the parts, in their order.
-    pub(super) fn part_names(&self) -> Vec<&'static str> {
+    pub(super) fn part_names(&self, width_mm: f64) -> Vec<&'static str> {
         let barbs = ["shaft", "left barbs", "right barbs", "left down", "right down"];
-        match (self.level(), self.detail.view_model) {
+        match (self.level(width_mm), self.detail.view_model) {
             (Level::Barbules | Level::Barbs, _) => {
                 let rows = ["distal barbules", "proximal barbules", "pale barbules"];
                 [&["shaft", "barbs", "pale barbs"][..], &rows, &["down"]].concat()
@@ -94,7 +91,7 @@ fn moved(geometry: Geometry, right_mm: f64) -> Geometry {
 
 /// What a feather's parts are made of.
 struct Substances<'a> {
-    scene: &'a SceneDescription,
+    of: &'a FeatherObject,
     ramus: Substance,
     /// Towards the feather's tip, and the others.
     barbules: [Substance; 2],
@@ -109,38 +106,32 @@ struct Substances<'a> {
 type Part = (Geometry, Surface);
 
 impl<'a> Substances<'a> {
-    fn new(scene: &'a SceneDescription, brdf: Option<Arc<FeatherBrdf>>) -> Result<Self> {
-        let (feather, surfaces) = (&scene.feather, &scene.surfaces);
-        let barbule = |shape: &BarbuleShape| match &surfaces.barbule {
-            Some(fibre) => Ok(Substance::Fibre(hair(fibre)?)),
-            None => Ok(Substance::Plate(BarbuleSurface {
-                brdf: brdf.clone().ok_or_else(|| Error::input("the feather's barbules have no material"))?,
-                instances: true,
-                under: keratin(&surfaces.underside)?,
-                cells: shape.cells(&feather.disorder),
-                opacity: 1.0,
-            })),
+    fn new(of: &'a FeatherObject) -> Result<Self> {
+        let (feather, dress) = (&of.feather, &of.dress);
+        let barbule = |dress: &BarbuleDress, shape: &BarbuleShape| match dress {
+            BarbuleDress::Hair(fibre) => Ok::<_, Error>(Substance::Fibre(fibre.build()?)),
+            BarbuleDress::Barbule(of) => Ok(Substance::Plate(of.barbules(shape.cells(&feather.disorder))?)),
         };
-        let ramus = match &surfaces.hair {
-            Some(fibre) => Substance::Fibre(hair(fibre)?),
-            None => Substance::Keratin(keratin(&surfaces.ramus)?),
+        let ramus = match &dress.ramus {
+            RamusDress::Hair(fibre) => Substance::Fibre(fibre.build()?),
+            RamusDress::Keratin(keratin) => Substance::Keratin(keratin.build()?),
         };
-        let barbules = [barbule(&feather.distal)?, barbule(&feather.proximal)?];
-        let pale = keratin(&surfaces.pale)?;
+        let barbules = [barbule(&dress.distal, &feather.distal)?, barbule(&dress.proximal, &feather.proximal)?];
+        let pale = dress.pale.build()?;
         let pale_fibre = |fibre: &FibreDescription| {
             let [eumelanin, pheomelanin] =
                 [fibre.eumelanin, fibre.pheomelanin].map(|pigment| pigment * feather.pattern.pale_pigment);
-            Ok::<_, Error>(Surface::Hair(hair(&FibreDescription { eumelanin, pheomelanin, ..*fibre })?))
+            Ok::<_, Error>(Surface::Hair(FibreDescription { eumelanin, pheomelanin, ..*fibre }.build()?))
         };
-        let pale_ramus = match &surfaces.hair {
-            Some(fibre) => pale_fibre(fibre)?,
-            None => Surface::Keratin(pale.clone()),
+        let pale_ramus = match &dress.ramus {
+            RamusDress::Hair(fibre) => pale_fibre(fibre)?,
+            RamusDress::Keratin(_) => Surface::Keratin(pale.clone()),
         };
-        let pale_barbule = match &surfaces.barbule {
-            Some(fibre) => pale_fibre(fibre)?,
-            None => Surface::Keratin(pale.clone()),
+        let pale_barbule = match (&dress.distal, &dress.proximal) {
+            (BarbuleDress::Hair(fibre), _) | (_, BarbuleDress::Hair(fibre)) => pale_fibre(fibre)?,
+            _ => Surface::Keratin(pale.clone()),
         };
-        Ok(Self { scene, ramus, barbules, pale, pale_ramus, pale_barbule, down: hair(&surfaces.down)? })
+        Ok(Self { of, ramus, barbules, pale, pale_ramus, pale_barbule, down: dress.down.build()? })
     }
 
     /// Rami and barbules as they were grown.
@@ -185,7 +176,7 @@ impl<'a> Substances<'a> {
 
     /// The barbs left and right of the shaft, those of the downy part last.
     fn looked_up(&self, grown: &Grown, model: BarbModel) -> Vec<Part> {
-        let feather = &self.scene.feather;
+        let feather = &self.of.feather;
         let row = |shape: &BarbuleShape| shape.row(&feather.disorder);
         let rows = [&feather.distal, &feather.proximal].map(row);
         let [distal, proximal] = self.barbules.clone();
@@ -225,7 +216,7 @@ impl<'a> Substances<'a> {
 impl Substances<'_> {
     /// The vanes left and right of the shaft, then the barbs of the downy part.
     fn sheets(&self, grown: &Grown, level: Level, seed: u64) -> Result<Vec<Part>> {
-        let feather = &self.scene.feather;
+        let feather = &self.of.feather;
         let shapes = [&feather.distal, &feather.proximal];
         let mean = |shape: &BarbuleShape, substance: &Substance| Barbules {
             length: 1e-3 * shape.length_um,

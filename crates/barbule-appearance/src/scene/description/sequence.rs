@@ -1,29 +1,23 @@
 //! Sequences of frames: light, camera or feather move on arcs and paths, everything else stands still.
 
-use serde::Serialize;
-
 use super::{Bearing, SceneDescription};
-use crate::{Error, Result};
+use crate::{Error, Result, words};
 
-/// What moves in a sequence.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub enum Moved {
-    /// The key light.
-    Light,
-    /// The camera.
-    Camera,
-    /// The feather, about the picture's upward direction.
-    Feather,
-}
-
-impl Moved {
-    /// All with their names.
-    pub const ALL: [(&'static str, Self); 3] =
-        [("light", Self::Light), ("camera", Self::Camera), ("feather", Self::Feather)];
+words! {
+    /// What moves in a sequence.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Moved {
+        /// The key light.
+        "light": Light,
+        /// The camera.
+        "camera": Camera,
+        /// The feather, about the picture's upward direction.
+        "feather": Feather,
+    }
 }
 
 /// How it moves.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
     /// At constant elevation over so many degrees of azimuth, half of them to either side of where it stands in the scene; 360 is a whole
     /// turn from there.
@@ -33,7 +27,7 @@ pub enum Motion {
 }
 
 /// A point of a path.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waypoint {
     /// Where what moves stands.
     pub bearing: Bearing,

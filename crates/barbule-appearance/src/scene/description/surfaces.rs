@@ -1,405 +1,480 @@
-//! `[surfaces.NAME]`: what objects are made of.
+//! `[surfaces.NAME]`: what things are made of.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use serde::Serialize;
-use serde_json::Value;
-
-use super::colour::colour;
-use super::kinds::{kind_of, unknown};
-use super::{FibreDescription, PigmentedKeratin};
-use crate::bsdf::{Grating, Texture};
+use super::colour::Colour;
+use super::slot::Slot;
+use crate::brdf::FeatherBrdf;
+use crate::bsdf::{
+    Absorption, BarbuleSurface, Cells, Conductor, Dielectric, FibreIndex, Grating, Hair, HairParameters,
+    Keratin, Lambertian, Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap, Texture,
+};
 use crate::error::{did_you_mean, shortened};
-use crate::fields::Fields;
+use crate::fields::{
+    FieldValue, Kind, Map as Table, Record, Several, Text, Value, path_of, within, wrong_kind,
+};
+use crate::identity::Hasher;
 use crate::scattering::grating::Powers;
 use crate::spectrum::colour::decode;
-use crate::{Error, Result};
-
-/// A surface with a name.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub enum NamedSurface {
-    /// Perfectly diffuse.
-    Diffuse {
-        /// sRGB, 0 … 1.
-        colour: [f64; 3],
-        /// Pictures by their keys: `albedo`, `alpha`, `normal`, `bump`.
-        pictures: BTreeMap<&'static str, TextureFile>,
-        /// Height where `bump` is white, µm.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        bump_um: Option<f64>,
-    },
-    /// Pigmented keratin.
-    Keratin(PigmentedKeratin),
-    /// Fibres of hair.
-    Hair(FibreDescription),
-    /// Glass, clear or frosted.
-    Dielectric {
-        /// Refractive index.
-        index: f64,
-        /// GGX α along the long axis of what it is on, and across; smooth where there is none.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        roughness: Option<[f64; 2]>,
-    },
-    /// Rough metal.
-    Conductor {
-        /// GGX α along the long axis of what it is on, and across.
-        roughness: [f64; 2],
-        /// What it is.
-        metal: Metal,
-    },
-    /// A diffraction grating over pigment.
-    Grating(GratingDescription),
-    /// Others, chosen from place to place.
-    Map {
-        /// A grey picture: pixels of value i (of 255) are the i-th surface.
-        picture: TextureFile,
-        /// Their names.
-        surfaces: Vec<String>,
-    },
-}
-
-/// A grating of a scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct GratingDescription {
-    /// Whose heights.
-    pub source: GratingSource,
-    /// The powers of its orders, once they are made or read.
-    #[serde(skip)]
-    pub powers: Option<Arc<Powers>>,
-    /// BLAKE3 of the file.
-    pub content: String,
-    /// Colour of what is beneath, sRGB, 0 … 1.
-    pub pigment: [f64; 3],
-    /// Refractive index.
-    pub index: f64,
-    /// Standard deviation of the window of coherence, µm.
-    pub coherence_um: f64,
-}
-
-/// Where a grating's heights come from.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub enum GratingSource {
-    /// A built-in sample.
-    Sample(String),
-    /// A `.grating` file.
-    File(#[serde(skip)] String),
-}
-
-/// Where nothing is said: lobes are 0.9° wide at 550 nm (standard deviation), as if the scale were a little uneven.
-const USUAL_COHERENCE_UM: f64 = 4.0;
-
-/// What a conductor is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub enum Metal {
-    /// Copper by Johnson & Christy.
-    Copper,
-    /// One of the same index n + ik at all wavelengths.
-    Constant {
-        /// n.
-        index: f64,
-        /// k.
-        absorption: f64,
-    },
-}
-
-/// A picture on a surface.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TextureFile {
-    /// The file.
-    #[serde(skip)]
-    pub file: String,
-    /// What is in it, once it is read.
-    #[serde(skip)]
-    pub texture: Option<Texture>,
-    /// BLAKE3 of the file.
-    pub content: String,
-}
-
-impl TextureFile {
-    fn new(file: &str) -> Self {
-        Self { file: file.to_owned(), texture: None, content: String::new() }
-    }
-
-    /// The picture.
-    ///
-    /// # Errors
-    /// It is not read.
-    pub fn read(&self) -> Result<Texture> {
-        let unread = || Error::input(format!("the texture '{}' is not read", self.file));
-        self.texture.clone().ok_or_else(unread)
-    }
-}
-
-/// Keys of pictures on diffuse surfaces: what the colour is multiplied with, what is black where there are holes, normals, heights.
-const PICTURES: [&str; 4] = ["albedo", "alpha", "normal", "bump"];
-
-const TYPES: [&str; 7] = ["diffuse", "keratin", "hair", "dielectric", "conductor", "grating", "map"];
+use crate::{Error, Result, record, variants, words};
 
 /// Most surfaces of a map: as many as an 8-bit grey tells apart.
 const MOST_MAPPED: usize = 256;
 
-/// Metals whose index is known.
-const METALS: [&str; 1] = ["copper"];
+/// Where nothing is said: lobes are 0.9° wide at 550 nm (standard deviation), as if the scale were a little uneven.
+const USUAL_COHERENCE_UM: f64 = 4.0;
 
-impl NamedSurface {
-    /// Reads `[surfaces.NAME]` with a `type`.
-    pub(super) fn read(table: &Value, place: &str) -> Result<Self> {
-        let kind = kind_of(table, place, &TYPES)?;
-        match kind {
-            "diffuse" => Self::read_diffuse(table, place),
-            "keratin" => Ok(Self::Keratin(PigmentedKeratin::read(&untyped(table), place)?)),
-            "hair" => Ok(Self::Hair(FibreDescription::read(&untyped(table), place)?)),
-            "dielectric" => {
-                let fields = Fields::new(table, place, &["type", "index", "roughness"])?;
-                let index = fields.number_within("index", 1.01, 3.9)?;
-                let roughness = fields.get("roughness").map(|_| roughness(&fields)).transpose()?;
-                Ok(Self::Dielectric { index, roughness })
-            }
-            "conductor" => {
-                let fields =
-                    Fields::new(table, place, &["type", "roughness", "metal", "index", "absorption"])?;
-                Ok(Self::Conductor { roughness: roughness(&fields)?, metal: Metal::read(&fields, place)? })
-            }
-            "grating" => Ok(Self::Grating(GratingDescription::read(table, place)?)),
-            _ => Self::read_map(table, place),
-        }
+variants! {
+    /// A surface with a name.
+    #[derive(Debug, Clone, PartialEq)]
+    pub enum NamedSurface by "type" {
+        /// Perfectly diffuse.
+        "diffuse": Diffuse(Diffuse),
+        /// Pigmented keratin.
+        "keratin": Keratin(PigmentedKeratin),
+        /// Fibres of hair.
+        "hair": Hair(FibreDescription),
+        /// Glass, clear or frosted.
+        "dielectric": Dielectric(Glass),
+        /// Rough metal.
+        "conductor": Conductor(RoughMetal),
+        /// A diffraction grating over pigment.
+        "grating": Grating(GratingDescription),
+        /// Others, chosen from place to place.
+        "map": Map(SurfacesByPlace),
+        /// Barbules of a computed material.
+        "barbule": Barbule(BarbuleClothing),
     }
+}
 
-    fn read_diffuse(table: &Value, place: &str) -> Result<Self> {
-        let known = [&["type", "colour", "bump_um"][..], &PICTURES].concat();
-        let fields = Fields::new(table, place, &known)?;
-        let mut pictures = BTreeMap::new();
-        for key in PICTURES {
-            if let Some(file) = fields.text(key)? {
-                pictures.insert(key, TextureFile::new(file));
-            }
-        }
-        let has = |key: &str| fields.get(key).is_some();
-        if has("normal") && has("bump") {
-            return Err(Error::input(format!(
-                "{place}.normal and {place}.bump are both given; leave one out"
-            )));
-        }
-        if has("bump_um") && !has("bump") {
-            return Err(Error::input(format!(
-                "{place}.bump_um is given, but there is no picture {place}.bump"
-            )));
-        }
-        let bump_um = has("bump").then(|| fields.number_within("bump_um", -1e5, 1e5)).transpose()?;
-        let colour = fields.get("colour").map_or(Ok([1.0; 3]), |c| colour(c, &fields.path("colour")))?;
-        Ok(Self::Diffuse { colour, pictures, bump_um })
+record! {
+    /// Perfectly diffuse.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Diffuse {
+        /// Its colour.
+        colour: Colour = "colour", (), or Colour::WHITE;
+        /// A picture that the colour is multiplied with.
+        albedo: Option<Slot<Texture>> = "albedo", Text("the name of a .png or .exr");
+        /// A picture that is black where there are holes.
+        alpha: Option<Slot<Texture>> = "alpha", Text("the name of a .png or .exr");
+        /// A picture of normals.
+        normal: Option<Slot<Texture>> = "normal", Text("the name of a .png or .exr");
+        /// A picture of heights.
+        bump: Option<Slot<Texture>> = "bump", Text("the name of a .png or .exr");
+        /// Height where `bump` is white.
+        bump_um: Option<f64> = "bump_um", within(-1e5, 1e5);
+        @agree Diffuse::agree;
     }
+}
 
-    fn read_map(table: &Value, place: &str) -> Result<Self> {
-        let fields = Fields::new(table, place, &["type", "file", "surfaces"])?;
-        let file = fields.need("file", "a grey .png").and_then(|_| fields.text("file"))?.unwrap_or_default();
-        let path = fields.path("surfaces");
-        let names = fields.list("surfaces", "a list of names of tables [surfaces.NAME]")?;
-        if !(1..=MOST_MAPPED).contains(&names.len()) {
-            return Err(Error::input(format!("{path}: give 1 to {MOST_MAPPED} names")));
-        }
-        let name = |(i, name): (usize, &Value)| match name {
-            Value::String(name) => Ok(name.clone()),
-            _ => {
-                Err(Error::input(format!("{path}[{i}] is no text; give the name of a table [surfaces.NAME]")))
+record! {
+    /// Keratin with pigment.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct PigmentedKeratin {
+        /// GGX α of the boundary.
+        roughness: f64 = "roughness", within(0.02, 1);
+        /// Refractive index.
+        index: f64 = "index", within(1.01, 3.9);
+        /// Melanin: absorption over scattering at 550 nm; 0 is white, 1 brown, 20 nearly black.
+        melanin: f64 = "melanin", within(0, 1e6);
+    }
+}
+
+record! {
+    /// A fibre of the hair model; where nothing is said a ramus without pigment.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct FibreDescription {
+        /// How far lobes spread along the fibre.
+        longitudinal_roughness: f64 = "longitudinal_roughness", within(0.02, 1), or 0.3;
+        /// How far they spread around it.
+        azimuthal_roughness: f64 = "azimuthal_roughness", within(0.02, 1), or 0.4;
+        /// By how much scales stand off it.
+        scale_tilt_deg: f64 = "scale_tilt_deg", within(-20, 20), or 0.0;
+        /// Refractive index; that of feather keratin at each wavelength where there is none.
+        index: Option<f64> = "index", within(1.01, 3.9);
+        /// Concentration of eumelanin: 0.3 is blond, 1.3 brown, 8 black.
+        eumelanin: f64 = "eumelanin", within(0, 1e3), or 0.0;
+        /// Concentration of pheomelanin.
+        pheomelanin: f64 = "pheomelanin", within(0, 1e3), or 0.0;
+        /// Height of the section, along the vane's normal, over its width.
+        height_over_width: f64 = "height_over_width", within(0.1, 10), or 1.0;
+    }
+}
+
+record! {
+    /// Glass.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Glass {
+        /// Refractive index.
+        index: f64 = "index", within(1.01, 3.9);
+        /// GGX α; smooth where there is none.
+        roughness: Option<Roughness> = "roughness", ();
+    }
+}
+
+words! {
+    /// Metals whose index is known.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Metal {
+        /// Copper by Johnson & Christy.
+        "copper": Copper,
+    }
+}
+
+record! {
+    /// Rough metal.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct RoughMetal {
+        /// GGX α.
+        roughness: Roughness = "roughness", ();
+        /// What it is.
+        metal: Option<Metal> = "metal", ();
+        /// n of its index n + ik at all wavelengths.
+        index: Option<f64> = "index", within(0.001, 100);
+        /// k of its index.
+        absorption: Option<f64> = "absorption", within(0, 100);
+        @agree RoughMetal::agree;
+    }
+}
+
+record! {
+    /// A grating of a scene.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct GratingDescription {
+        /// A built-in sample whose heights it has.
+        sample: Option<Slot<Powers>> = "sample", Text("the name of a sample");
+        /// A file whose orders it has.
+        file: Option<Slot<Powers>> = "file", Text("the name of a .grating");
+        /// Colour of what is beneath.
+        pigment: Colour = "pigment", (), or Colour::BLACK;
+        /// Refractive index.
+        index: f64 = "index", within(1.01, 3.9), or 1.5;
+        /// Standard deviation of the window of coherence.
+        coherence_um: f64 = "coherence_um", within(0.5, 1000), or USUAL_COHERENCE_UM;
+        @agree GratingDescription::agree;
+    }
+}
+
+record! {
+    /// Several surfaces by the places that a picture says.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct SurfacesByPlace {
+        /// A grey picture: pixels of value i (of 255) are the i-th surface.
+        file: Slot<Texture> = "file", Text("a grey .png");
+        /// Names of tables [surfaces.NAME].
+        surfaces: Vec<String> = "surfaces",
+            Several { least: 1, most: MOST_MAPPED, of: Text("the name of a table [surfaces.NAME]") };
+    }
+}
+
+/// The underside of barbules where nothing is said: nearly black.
+pub const UNDERSIDE: PigmentedKeratin = PigmentedKeratin { roughness: 0.35, index: 1.56, melanin: 20.0 };
+
+record! {
+    /// Barbules of a computed material: those of a feather, or what a mesh or curve with texture coordinates wears.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct BarbuleClothing {
+        /// What their upper sides are made of.
+        material: Slot<FeatherBrdf> = "material", Text("a species, structure or .barbule file");
+        /// Keratin of their lower sides.
+        underside: PigmentedKeratin = "underside", (), or UNDERSIDE;
+        /// On a mesh: lengths along and across barbules on which a texture coordinate grows by 1.
+        uv_mm: [f64; 2] = "uv_mm", within(1e-4, 1e5), or [1.0, 1.0];
+        /// On a mesh: width of a barbule; 0: one from v = -1 to 1.
+        width_um: f64 = "width_um", within(0, 1000), or 0.0;
+        /// On a mesh: length of a barbule; 0: they have no ends.
+        length_um: f64 = "length_um", within(0, 10000), or 0.0;
+        /// On a mesh: length of a cell; 0: a barbule is one cell.
+        cell_um: f64 = "cell_um", within(0, 10000), or 0.0;
+    }
+}
+
+/// GGX α along the long axis of what it is on, and across: one number for both, or two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Roughness {
+    /// Along.
+    pub along: f64,
+    /// Across.
+    pub across: f64,
+}
+
+impl FieldValue for Roughness {
+    type Limits = ();
+
+    fn of_value(value: &Value, path: &str, (): &()) -> Result<Self> {
+        let range = within(0.02, 1);
+        let [along, across] = match value {
+            Value::Array(values) if values.len() != 2 => {
+                return Err(Error::input(format!(
+                    "{path}: give one number or two (along, across), each 0.02 to 1"
+                )));
             }
+            Value::Array(_) => <[f64; 2]>::of_value(value, path, &range)?,
+            one => [f64::of_value(one, path, &range)?; 2],
         };
-        let surfaces = names.iter().enumerate().map(name).collect::<Result<_>>()?;
-        Ok(Self::Map { picture: TextureFile::new(file), surfaces })
+        Ok(Self { along, across })
     }
 
-    /// Refuses a map of surfaces that do not exist or are maps themselves.
-    pub(super) fn check(&self, place: &str, all: &BTreeMap<String, Self>) -> Result<()> {
-        let Self::Map { surfaces, .. } = self else { return Ok(()) };
-        for (i, name) in surfaces.iter().enumerate() {
-            match all.get(name) {
-                None => {
-                    let near = did_you_mean(name, all.keys().map(String::as_str));
-                    let name = shortened(name);
-                    return Err(Error::input(format!(
-                        "{place}.surfaces[{i}] is '{name}'{near}; there is no table [surfaces.{name}] with a type"
-                    )));
-                }
-                Some(Self::Map { .. }) => {
-                    return Err(Error::input(format!(
-                        "{place}.surfaces[{i}] is the map '{}'; give surfaces that are no maps",
-                        shortened(name)
-                    )));
-                }
-                Some(_) => {}
+    fn to_value(&self, (): &()) -> Option<Value> {
+        Some(vec![self.along, self.across].into())
+    }
+
+    fn check_value(&self, path: &str, (): &()) -> Result<()> {
+        [self.along, self.across].check_value(path, &within(0.02, 1))
+    }
+
+    fn feed_value(&self, key: &str, to: &mut Hasher) {
+        to.numbers(key, &[self.along, self.across]);
+    }
+
+    fn kind((): &()) -> Kind {
+        let one = Kind::Number { low: 0.02, high: 1.0, whole: false };
+        Kind::Either(vec![one.clone(), Kind::List { of: Box::new(one), least: 2, most: 2 }])
+    }
+}
+
+impl Diffuse {
+    fn agree(&self, place: &str) -> Result<()> {
+        let both = |one: &str, other: &str| {
+            Err(Error::input(format!("{place}.{one} and {place}.{other} are both given; leave one out")))
+        };
+        match (&self.normal, &self.bump, self.bump_um) {
+            (Some(_), Some(_), _) => both("normal", "bump"),
+            (_, None, Some(_)) => Err(Error::input(format!(
+                "{place}.bump_um is given, but there is no picture {place}.bump"
+            ))),
+            (_, Some(_), None) => {
+                Err(Error::input(format!("{place}.bump_um is missing; give a number from -100000 to 100000")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn build(&self) -> Result<Lambertian> {
+        let read = |slot: &Option<Slot<Texture>>| {
+            slot.as_ref().map(|slot| slot.value().map(|texture| Texture::clone(texture))).transpose()
+        };
+        let white_mm = self.bump_um.unwrap_or_default() * 1e-3;
+        let heights = read(&self.bump)?.map(|picture| Relief::Heights { picture, white_mm });
+        let relief = read(&self.normal)?.map(Relief::Normals).or(heights);
+        let pictures = Pictures { albedo: read(&self.albedo)?, alpha: read(&self.alpha)?, relief };
+        Lambertian::painted(self.colour.0.map(decode), pictures)
+    }
+}
+
+impl PigmentedKeratin {
+    pub(super) fn build(&self) -> Result<Keratin> {
+        Keratin::new(self.roughness, self.index, Reflectance::melanin(self.melanin)?)
+    }
+}
+
+impl FibreDescription {
+    pub(super) fn build(&self) -> Result<Hair> {
+        Hair::new(HairParameters {
+            longitudinal_roughness: self.longitudinal_roughness,
+            azimuthal_roughness: self.azimuthal_roughness,
+            scale_tilt: self.scale_tilt_deg.to_radians(),
+            index: self.index.map_or(FibreIndex::Keratin, FibreIndex::Constant),
+            absorption: Absorption::pigments(self.eumelanin, self.pheomelanin)?,
+            height_over_width: self.height_over_width,
+        })
+    }
+}
+
+impl RoughMetal {
+    fn agree(&self, place: &str) -> Result<()> {
+        let constant = self.index.is_some() || self.absorption.is_some();
+        if self.metal.is_some() == constant {
+            let has = if constant { "a metal and an index" } else { "no metal" };
+            let known: Vec<&str> = Metal::ALL.iter().map(|(word, _)| *word).collect();
+            return Err(Error::input(format!(
+                "{place} has {has}; give either metal ({}) or index and absorption (n and k)",
+                known.join(", ")
+            )));
+        }
+        for (key, value) in [("index", self.index), ("absorption", self.absorption)] {
+            if constant && value.is_none() {
+                return Err(Error::input(format!("{place}.{key} is missing; give n and k")));
             }
         }
         Ok(())
     }
 
-    /// Its pictures with their keys.
-    pub fn pictures_mut(&mut self) -> Vec<(&'static str, &mut TextureFile)> {
-        match self {
-            Self::Diffuse { pictures, .. } => {
-                pictures.iter_mut().map(|(key, picture)| (*key, picture)).collect()
+    fn build(&self) -> Result<Conductor> {
+        let Roughness { along, across } = self.roughness;
+        match (self.metal, self.index.zip(self.absorption)) {
+            (Some(Metal::Copper), _) => Conductor::copper([across, along]),
+            (None, constant) => {
+                let (index, absorption) = constant.unwrap_or_default();
+                Conductor::new([across, along], |_| [index, absorption])
             }
-            Self::Map { picture, .. } => vec![("file", picture)],
-            Self::Keratin(_)
-            | Self::Hair(_)
-            | Self::Dielectric { .. }
-            | Self::Conductor { .. }
-            | Self::Grating(_) => Vec::new(),
         }
-    }
-
-    /// Memory that its pictures take, bytes, once they are read.
-    pub(super) fn bytes(&self) -> usize {
-        let one = |picture: &TextureFile| picture.texture.as_ref().map_or(0, Texture::bytes);
-        match self {
-            Self::Diffuse { pictures, .. } => pictures.values().map(one).sum(),
-            Self::Map { picture, .. } => one(picture),
-            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric { .. } | Self::Conductor { .. } => 0,
-            // Beside the orders' powers the table that is rendered from, of about as many numbers.
-            Self::Grating(of) => of.powers.as_ref().map_or(0, |powers| 3 * size_of_val(powers.series())),
-        }
-    }
-
-    /// Its table in a scene file.
-    pub(super) fn table(&self) -> Value {
-        let (kind, mut table) = match self {
-            Self::Diffuse { colour, pictures, bump_um } => {
-                let mut table = serde_json::json!({"colour": colour});
-                if let Value::Object(table) = &mut table {
-                    let named = |(key, picture): (&&str, &TextureFile)| {
-                        ((*key).to_owned(), picture.file.as_str().into())
-                    };
-                    table.extend(pictures.iter().map(named));
-                    table.extend(bump_um.map(|height| ("bump_um".to_owned(), height.into())));
-                }
-                ("diffuse", table)
-            }
-            Self::Keratin(keratin) => ("keratin", keratin.table()),
-            Self::Hair(hair) => ("hair", hair.table()),
-            Self::Dielectric { index, roughness: None } => {
-                ("dielectric", serde_json::json!({"index": index}))
-            }
-            Self::Dielectric { index, roughness } => {
-                ("dielectric", serde_json::json!({"index": index, "roughness": roughness}))
-            }
-            Self::Conductor { roughness, metal } => {
-                let table = match metal {
-                    Metal::Copper => serde_json::json!({"roughness": roughness, "metal": "copper"}),
-                    Metal::Constant { index, absorption } => {
-                        serde_json::json!({"roughness": roughness, "index": index, "absorption": absorption})
-                    }
-                };
-                ("conductor", table)
-            }
-            Self::Grating(of) => ("grating", of.table()),
-            Self::Map { picture, surfaces } => {
-                ("map", serde_json::json!({"file": picture.file, "surfaces": surfaces}))
-            }
-        };
-        if let Value::Object(table) = &mut table {
-            table.insert("type".to_owned(), kind.into());
-        }
-        table
     }
 }
 
 impl GratingDescription {
-    fn read(table: &Value, place: &str) -> Result<Self> {
-        let known = ["type", "sample", "file", "pigment", "index", "coherence_um"];
-        let fields = Fields::new(table, place, &known)?;
-        let source = match (fields.text("sample")?, fields.text("file")?) {
-            (Some(sample), None) => GratingSource::Sample(sample.to_owned()),
-            (None, Some(file)) => GratingSource::File(file.to_owned()),
-            (given, _) => {
-                return Err(Error::input(format!(
-                    "{place} has {} heights; give either sample or file",
-                    if given.is_some() { "two" } else { "no" }
-                )));
+    fn agree(&self, place: &str) -> Result<()> {
+        if self.sample.is_some() != self.file.is_some() {
+            return Ok(());
+        }
+        let has = if self.file.is_some() { "two" } else { "no" };
+        Err(Error::input(format!("{place} has {has} heights; give either sample or file")))
+    }
+
+    /// The powers of its orders.
+    fn powers(&self) -> Option<&Slot<Powers>> {
+        self.sample.as_ref().or(self.file.as_ref())
+    }
+
+    fn build(&self) -> Result<Grating> {
+        let powers = self.powers().ok_or_else(|| Error::input("a grating has no heights"))?;
+        Grating::new(powers.value()?, self.coherence_um, self.index, self.pigment.0.map(decode))
+    }
+}
+
+impl BarbuleClothing {
+    /// Barbules of this material where nothing else is said.
+    #[must_use]
+    pub fn of(material: &str) -> Self {
+        Self {
+            material: Slot::new(material),
+            underside: UNDERSIDE,
+            uv_mm: [1.0; 2],
+            width_um: 0.0,
+            length_um: 0.0,
+            cell_um: 0.0,
+        }
+    }
+
+    /// The surface of barbules that differ from place to place like this.
+    pub(super) fn barbules(&self, cells: Cells) -> Result<BarbuleSurface> {
+        Ok(BarbuleSurface {
+            brdf: self.material.value()?.clone(),
+            instances: true,
+            under: self.underside.build()?,
+            cells,
+            opacity: 1.0,
+        })
+    }
+}
+
+impl NamedSurface {
+    /// The surface; `all`: those that a map chooses among.
+    pub(super) fn build(&self, all: &Surfaces) -> Result<Surface> {
+        Ok(match self {
+            Self::Diffuse(of) => Surface::Lambertian(of.build()?),
+            Self::Keratin(of) => Surface::Keratin(of.build()?),
+            Self::Hair(of) => Surface::Hair(of.build()?),
+            Self::Dielectric(Glass { index, roughness: None }) => Surface::Dielectric(Dielectric::new(*index)?),
+            Self::Dielectric(Glass { index, roughness: Some(Roughness { along, across }) }) => {
+                Surface::RoughDielectric(RoughDielectric::new([*across, *along], *index)?)
             }
-        };
-        let within = |key: &str, low: f64, high: f64, usual: f64| {
-            fields.get(key).map_or(Ok(usual), |_| fields.number_within(key, low, high))
-        };
-        Ok(Self {
-            source,
-            powers: None,
-            content: String::new(),
-            pigment: fields.get("pigment").map_or(Ok([0.0; 3]), |c| colour(c, &fields.path("pigment")))?,
-            index: within("index", 1.01, 3.9, 1.5)?,
-            coherence_um: within("coherence_um", 0.5, 1000.0, USUAL_COHERENCE_UM)?,
+            Self::Conductor(of) => Surface::Conductor(of.build()?),
+            Self::Grating(of) => Surface::Grating(of.build()?),
+            Self::Map(SurfacesByPlace { file, surfaces }) => {
+                let one = |name: &String| match all.0.get(name) {
+                    Some(Self::Map(_)) | None => {
+                        Err(Error::input(format!("a map has no surface '{name}' to choose")))
+                    }
+                    Some(surface) => surface.build(all),
+                };
+                let surfaces = surfaces.iter().map(one).collect::<Result<_>>()?;
+                let map = SurfaceMap::new(Texture::clone(file.value()?), surfaces);
+                Surface::Map(map.map_err(|error| error.at(&file.name))?)
+            }
+            Self::Barbule(of) => Surface::Barbule(of.barbules(Cells::default())?),
         })
     }
 
-    /// Its table in a scene file, without its type.
-    fn table(&self) -> Value {
-        let mut table = serde_json::json!({
-            "pigment": self.pigment,
-            "index": self.index,
-            "coherence_um": self.coherence_um,
-        });
-        let (key, value) = match &self.source {
-            GratingSource::Sample(name) => ("sample", name),
-            GratingSource::File(file) => ("file", file),
-        };
-        if let Value::Object(table) = &mut table {
-            table.insert(key.to_owned(), value.as_str().into());
+    /// Memory that its pictures take, bytes, once they are read.
+    pub(super) fn bytes(&self) -> usize {
+        let one = |slot: &Slot<Texture>| slot.get().map_or(0, Texture::bytes);
+        match self {
+            Self::Diffuse(of) => {
+                [&of.albedo, &of.alpha, &of.normal, &of.bump].into_iter().flatten().map(one).sum()
+            }
+            Self::Map(of) => one(&of.file),
+            // Beside the orders' powers the table that is rendered from, of about as many numbers.
+            Self::Grating(of) => {
+                of.powers().and_then(Slot::get).map_or(0, |powers| 3 * size_of_val(powers.series()))
+            }
+            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric(_) | Self::Conductor(_) | Self::Barbule(_) => 0,
         }
-        table
     }
+}
 
-    /// The surface.
+/// The tables `[surfaces.NAME]`, by their names.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Surfaces(pub BTreeMap<String, NamedSurface>);
+
+impl Surfaces {
+    /// The surface of a name; `path` is the key that names it.
     ///
     /// # Errors
-    /// Its powers are not there yet; a coherence that they cannot be rendered with.
-    pub(super) fn build(&self) -> Result<Grating> {
-        let powers = self.powers.as_ref().ok_or_else(|| {
-            let (GratingSource::Sample(name) | GratingSource::File(name)) = &self.source;
-            Error::input(format!("the grating '{name}' is not read"))
-        })?;
-        Grating::new(powers, self.coherence_um, self.index, self.pigment.map(decode))
+    /// There is none of this name; the nearest is offered.
+    pub fn named(&self, path: &str, name: &str) -> Result<&NamedSurface> {
+        self.0.get(name).ok_or_else(|| no_surface(path, name, self.0.keys().map(String::as_str)))
+    }
+
+    /// Refuses a map of surfaces that do not exist or are maps themselves.
+    fn check_maps(&self, place: &str) -> Result<()> {
+        for (map, surface) in &self.0 {
+            let NamedSurface::Map(SurfacesByPlace { surfaces, .. }) = surface else { continue };
+            for (i, name) in surfaces.iter().enumerate() {
+                let path = format!("{}.surfaces[{i}]", path_of(place, &shortened(map)));
+                if let NamedSurface::Map(_) = self.named(&path, name)? {
+                    let name = shortened(name);
+                    return Err(Error::input(format!(
+                        "{path} is the map '{name}'; give surfaces that are no maps"
+                    )));
+                }
+            }
+        }
+        Ok(())
     }
 }
 
-impl Metal {
-    fn read(fields: &Fields<'_>, place: &str) -> Result<Self> {
-        let constant = ["index", "absorption"].iter().any(|key| fields.get(key).is_some());
-        match (fields.text("metal")?, constant) {
-            (Some("copper"), false) => Ok(Self::Copper),
-            (Some(other), false) => Err(unknown(&fields.path("metal"), other, &METALS)),
-            (None, true) => Ok(Self::Constant {
-                index: fields.number_within("index", 0.001, 100.0)?,
-                absorption: fields.number_within("absorption", 0.0, 100.0)?,
-            }),
-            (given, _) => Err(Error::input(format!(
-                "{place} has {}; give either metal ({}) or index and absorption (n and k)",
-                if given.is_some() { "a metal and an index" } else { "no metal" },
-                METALS.join(", ")
-            ))),
+/// The refusal of a name that no surface has.
+pub(super) fn no_surface<'a>(path: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Error {
+    let near = did_you_mean(name, known);
+    let name = shortened(name);
+    Error::input(format!("{path} is '{name}'{near}; there is no table [surfaces.{name}] with a type"))
+}
+
+impl FieldValue for Surfaces {
+    type Limits = ();
+
+    fn of_value(value: &Value, path: &str, (): &()) -> Result<Self> {
+        let Value::Object(tables) = value else { return Err(wrong_kind(value, path, "a table of tables")) };
+        let read = |(name, table): (&String, &Value)| {
+            Ok((name.clone(), NamedSurface::read(table, &path_of(path, &shortened(name)))?))
+        };
+        let all = Self(tables.iter().map(read).collect::<Result<_>>()?);
+        all.check_maps(path).map(|()| all)
+    }
+
+    fn to_value(&self, (): &()) -> Option<Value> {
+        let tables: Table<String, Value> =
+            self.0.iter().map(|(name, surface)| (name.clone(), surface.table())).collect();
+        (!tables.is_empty()).then_some(Value::Object(tables))
+    }
+
+    fn check_value(&self, path: &str, (): &()) -> Result<()> {
+        self.0.iter().try_for_each(|(name, surface)| surface.check(&path_of(path, &shortened(name))))?;
+        self.check_maps(path)
+    }
+
+    fn feed_value(&self, key: &str, to: &mut Hasher) {
+        to.count(key, self.0.len() as u64);
+        for (name, surface) in &self.0 {
+            to.text(key, name);
+            surface.feed_fields(to);
         }
     }
-}
 
-/// GGX α along and across: one number for both, or two.
-fn roughness(fields: &Fields<'_>) -> Result<[f64; 2]> {
-    let Some(Value::Array(_)) = fields.get("roughness") else {
-        return Ok([fields.number_within("roughness", 0.02, 1.0)?; 2]);
-    };
-    match fields.numbers("roughness")?[..] {
-        [along, across] if [along, across].iter().all(|a| (0.02..=1.0).contains(a)) => Ok([along, across]),
-        _ => Err(Error::input(format!(
-            "{}: give one number or two (along, across), each 0.02 to 1",
-            fields.path("roughness")
-        ))),
+    fn kind((): &()) -> Kind {
+        Kind::Named(Box::new(Kind::Table(NamedSurface::keys())))
     }
-}
-
-/// A table without its `type`.
-fn untyped(table: &Value) -> Value {
-    let mut table = table.clone();
-    if let Value::Object(table) = &mut table {
-        table.remove("type");
-    }
-    table
 }
 
 #[cfg(test)]
@@ -413,11 +488,7 @@ mod tests {
                 "b = {{type = 'map', file = 'b.png', surfaces = [{surfaces}]}}\nglass = {{type = 'dielectric', index = 1.5}}"
             );
             let table: BTreeMap<String, Value> = toml::from_str(&table).unwrap();
-            let all: BTreeMap<_, _> = table
-                .iter()
-                .map(|(name, one)| (name.clone(), NamedSurface::read(one, name).unwrap()))
-                .collect();
-            all["b"].check("surfaces.b", &all)
+            Surfaces::of_value(&serde_json::to_value(table).unwrap(), "surfaces", &())
         };
         assert!(message("'glass', 'glass'").is_ok());
         assert!(
@@ -455,8 +526,8 @@ mod tests {
         let map = |text: &str| surface(&format!("type = 'map'\n{text}"));
         assert!(map("surfaces = ['a']").contains("surfaces.table.file is missing"));
         assert!(map("file = 'a.png'").contains("surfaces.table.surfaces is missing"));
-        assert!(map("file = 'a.png'\nsurfaces = []").contains("give 1 to 256 names"));
-        assert!(map("file = 'a.png'\nsurfaces = ['a', 3]").contains("surfaces[1] is no text"));
+        assert!(map("file = 'a.png'\nsurfaces = []").contains("give 1 to 256 of them"));
+        assert!(map("file = 'a.png'\nsurfaces = ['a', 3]").contains("surfaces[1] is the number 3"));
         let metal = |text: &str| surface(&format!("type = 'conductor'\n{text}"));
         assert!(surface("type = 'conducter'").contains("did you mean 'conductor'"));
         assert!(metal("metal = 'copper'").contains("surfaces.table.roughness is missing"));

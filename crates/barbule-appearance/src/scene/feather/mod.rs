@@ -41,7 +41,7 @@ use crate::bsdf::Pattern;
 use crate::{Error, Result};
 
 /// The part of a feather to grow: a disc in the plane of the vane about a point of the shaft, or all of it.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VaneDisc {
     /// Arc length of its middle on the shaft, mm: the origin.
     pub along_mm: f64,
@@ -77,7 +77,7 @@ pub struct Grown {
 }
 
 /// Which parts of a feather stand there one by one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
     /// Every barbule.
     Barbules,

@@ -1,12 +1,12 @@
 //! The table `[feather]` of files: a type's sizes, and over them whatever the file gives.
 
-use serde_json::Value;
+use std::borrow::Cow;
 
 use super::sizes::{BarbShape, BarbuleShape, Disorder, DownyShape, PatternShape, ShaftShape, SplitShape};
 use super::types;
 use crate::error::{did_you_mean, shortened};
-use crate::fields::Fields;
-use crate::{Error, Result};
+use crate::fields::{Fields, Key, Kind, Map, Record, Text, Value, path_of};
+use crate::{Error, Result, record, words};
 
 /// The type of a feather of which nothing is said.
 const USUAL_TYPE: &str = "contour";
@@ -18,18 +18,18 @@ const BOTH_VANES: [(&str, [&str; 2]); 3] = [
     ("tip_angle_deg", ["leading_tip_angle_deg", "trailing_tip_angle_deg"]),
 ];
 
-/// Which side of the shaft the leading vane is on, seen from the dorsal side with the tip upwards.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-pub enum LeadingSide {
-    /// Left, as in a right wing.
-    Left,
-    /// Right, as in a left wing.
-    Right,
+words! {
+    /// Which side of the shaft the leading vane is on, seen from the dorsal side with the tip upwards.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum LeadingSide {
+        /// Left, as in a right wing.
+        "left": Left,
+        /// Right, as in a left wing.
+        "right": Right,
+    }
 }
 
 impl LeadingSide {
-    const ALL: [(&'static str, Self); 2] = [("left", Self::Left), ("right", Self::Right)];
-
     /// −1: left, 1: right.
     #[must_use]
     pub fn sign(self) -> f64 {
@@ -37,27 +37,31 @@ impl LeadingSide {
     }
 }
 
-/// A whole feather.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Feather {
-    /// Where the leading vane is.
-    pub leading: LeadingSide,
-    /// The shaft.
-    pub shaft: ShaftShape,
-    /// The barbs.
-    pub barbs: BarbShape,
-    /// Barbules on the barbs' side that faces the feather's tip.
-    pub distal: BarbuleShape,
-    /// Barbules on the other side.
-    pub proximal: BarbuleShape,
-    /// The downy part.
-    pub downy: DownyShape,
-    /// Where the vane gapes.
-    pub splits: SplitShape,
-    /// Random differences.
-    pub disorder: Disorder,
-    /// Where it is dark.
-    pub pattern: PatternShape,
+record! {
+    /// A whole feather. Of a file's table it reads what that leaves out from the feather's `type`, a contour feather's where none is said;
+    /// what neither gives of the proximal barbules is as for the distal ones.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Feather {
+        /// Where the leading vane is.
+        leading: LeadingSide = "leading", (), or LeadingSide::Left;
+        /// The shaft.
+        shaft: ShaftShape = "shaft", ();
+        /// The barbs.
+        barbs: BarbShape = "barbs", ();
+        /// Barbules on the barbs' side that faces the feather's tip.
+        distal: BarbuleShape = "distal", ();
+        /// Barbules on the other side; what is left out is as for the distal ones.
+        proximal: BarbuleShape = "proximal", ();
+        /// The downy part.
+        downy: DownyShape = "downy", ();
+        /// Where the vane gapes.
+        splits: SplitShape = "splits", ();
+        /// Random differences.
+        disorder: Disorder = "disorder", ();
+        /// Where it is dark.
+        pattern: PatternShape = "pattern", ();
+        @prepare written_out, short_keys;
+    }
 }
 
 /// Tables of a feather, in the order of its parts.
@@ -69,76 +73,7 @@ impl Feather {
     /// # Errors
     /// There is none of this name; the message offers the nearest.
     pub fn of_type(name: &str) -> Result<Self> {
-        Self::read(&serde_json::json!({ "type": name }))
-    }
-
-    /// Reads the table `[feather]` of a preset, scene or species: what it leaves out is as in its `type`, a contour feather's
-    /// where none is said; what neither gives of `[feather.proximal]` is as in `[feather.distal]`.
-    ///
-    /// # Errors
-    /// An unknown key or type, a key for both vanes beside one of either, or a size out of its range; the message names the
-    /// key.
-    pub fn read(table: &Value) -> Result<Self> {
-        let known: Vec<&str> = ["type", "leading"].into_iter().chain(TABLES).collect();
-        let fields = Fields::new(table, "feather", &known)?;
-        for key in TABLES {
-            if let Some(part) = fields.get(key) {
-                let path = fields.path(key);
-                Fields::new(part, &path, &keys_of(key))?;
-            }
-        }
-        let own = both_vanes(table)?;
-        let kind = fields.text("type")?.unwrap_or(USUAL_TYPE);
-        let usual = types::table(kind).ok_or_else(|| {
-            let near = did_you_mean(kind, types::names());
-            let known = types::names().collect::<Vec<_>>().join(", ");
-            Error::input(format!("feather.type is '{}'{near} (known are {known})", shortened(kind)))
-        })??;
-        Self::of_tables(&over(own, usual))
-    }
-
-    /// Reads tables of which all keys are given, proximal barbules' aside.
-    fn of_tables(table: &Value) -> Result<Self> {
-        let fields = Fields::new(table, "feather", &[&["type", "leading"], TABLES.as_slice()].concat())?;
-        let need = |key: &str| fields.need(key, &format!("the table [feather.{key}]"));
-        let distal = BarbuleShape::read(need("distal")?, "feather.distal", None)?;
-        let proximal = match fields.get("proximal") {
-            Some(table) => BarbuleShape::read(table, "feather.proximal", Some(&distal))?,
-            None => distal,
-        };
-        let side = fields.text("leading")?.unwrap_or("left");
-        let found = LeadingSide::ALL.iter().find(|(name, _)| *name == side);
-        let leading = found.map(|(_, side)| *side).ok_or_else(|| {
-            Error::input(format!("feather.leading is '{}'; give left or right", shortened(side)))
-        })?;
-        Ok(Self {
-            leading,
-            shaft: ShaftShape::read(need("shaft")?, "feather.shaft", None)?,
-            barbs: BarbShape::read(need("barbs")?, "feather.barbs", None)?,
-            distal,
-            proximal,
-            downy: DownyShape::read(need("downy")?, "feather.downy", None)?,
-            splits: SplitShape::read(need("splits")?, "feather.splits", None)?,
-            disorder: Disorder::read(need("disorder")?, "feather.disorder", None)?,
-            pattern: PatternShape::read(need("pattern")?, "feather.pattern", None)?,
-        })
-    }
-
-    /// The table `[feather]` that is read as this very feather.
-    #[must_use]
-    pub fn table(&self) -> Value {
-        let side = LeadingSide::ALL.iter().find(|(_, side)| *side == self.leading).map(|(name, _)| *name);
-        serde_json::json!({
-            "leading": side,
-            "shaft": self.shaft.table(),
-            "barbs": self.barbs.table(),
-            "distal": self.distal.table(),
-            "proximal": self.proximal.table(),
-            "downy": self.downy.table(),
-            "splits": self.splits.table(),
-            "disorder": self.disorder.table(),
-            "pattern": self.pattern.table(),
-        })
+        Self::read(&serde_json::json!({ "type": name }), "feather")
     }
 
     /// Refuses sizes that make no feather.
@@ -146,15 +81,47 @@ impl Feather {
     /// # Errors
     /// The first size out of its range, by its key in files.
     pub fn check(&self) -> Result<()> {
-        self.shaft.check("feather.shaft")?;
-        self.barbs.check("feather.barbs")?;
-        self.distal.check("feather.distal")?;
-        self.proximal.check("feather.proximal")?;
-        self.downy.check("feather.downy")?;
-        self.splits.check("feather.splits")?;
-        self.disorder.check("feather.disorder")?;
-        self.pattern.check("feather.pattern")
+        Record::check(self, "feather")
     }
+}
+
+/// The key of a feather's type.
+fn short_keys() -> Vec<Key> {
+    let about = "Whose sizes are taken where the tables give none: a type or a bird's feather that is shipped";
+    vec![Key::new::<String>("type", &[], about, &Text("the name of a type"), Some(USUAL_TYPE.to_owned()))]
+}
+
+/// A feather's table in which every size is given, or the name of a type.
+fn written_out<'a>(table: &'a Value, place: &str) -> Result<Cow<'a, Value>> {
+    if let Value::String(kind) = table {
+        return written_out(&serde_json::json!({ "type": kind }), place).map(Cow::into_owned).map(Cow::Owned);
+    }
+    let known: Vec<&str> = ["type", "leading"].into_iter().chain(TABLES).collect();
+    let fields = Fields::new(table, place, &known)?;
+    for key in TABLES {
+        if let Some(part) = fields.get(key) {
+            let path = fields.path(key);
+            Fields::new(part, &path, &keys_of(key))?;
+        }
+    }
+    let mut own = both_vanes(table, place)?;
+    if let Value::Object(own) = &mut own {
+        own.remove("type");
+    }
+    let kind = fields.text("type")?.unwrap_or(USUAL_TYPE);
+    let usual = types::table(kind).ok_or_else(|| {
+        let near = did_you_mean(kind, types::names());
+        let known = types::names().collect::<Vec<_>>().join(", ");
+        Error::input(format!("{} is '{}'{near} (known are {known})", fields.path("type"), shortened(kind)))
+    })??;
+    let mut all = over(own, usual);
+    if let Value::Object(tables) = &mut all
+        && let Some(distal) = tables.get("distal").cloned()
+    {
+        let proximal = tables.remove("proximal").unwrap_or_else(|| Value::Object(Map::new()));
+        tables.insert("proximal".to_owned(), over(proximal, distal));
+    }
+    Ok(Cow::Owned(all))
 }
 
 /// One file's table over another's, as a scene's over its preset's: a type begins anew, and a key for both vanes takes the
@@ -164,7 +131,7 @@ pub(in crate::scene) fn layered(own: Option<Value>, base: Option<Value>) -> Opti
     match (own, base) {
         (Some(own), Some(base)) if own.get("type").is_none() => {
             // A base that is in error is refused where it is read.
-            let base = both_vanes(&base).unwrap_or(base);
+            let base = both_vanes(&base, "feather").unwrap_or(base);
             Some(over(own, base))
         }
         (own, base) => own.or(base),
@@ -193,21 +160,24 @@ fn over(own: Value, base: Value) -> Value {
 }
 
 /// A table in which keys for both vanes are written out for either.
-fn both_vanes(table: &Value) -> Result<Value> {
+fn both_vanes(table: &Value, place: &str) -> Result<Value> {
     let Some(given) = table.get("barbs") else { return Ok(table.clone()) };
-    let fields = Fields::new(given, "feather.barbs", &keys_of("barbs"))?;
+    let barbs_path = path_of(place, "barbs");
+    let fields = Fields::new(given, &barbs_path, &keys_of("barbs"))?;
     let mut table = table.clone();
     let Some(Value::Object(barbs)) = table.get_mut("barbs") else { return Ok(table) };
     for (both, either) in BOTH_VANES {
         let Some(value) = barbs.get(both).cloned() else { continue };
         if let Some(one) = either.iter().find(|key| barbs.contains_key(**key)) {
             return Err(Error::input(format!(
-                "feather.barbs.{both} is of both vanes, and feather.barbs.{one} is given too; leave one out"
+                "{barbs_path}.{both} is of both vanes, and {barbs_path}.{one} is given too; leave one out"
             )));
         }
         // Its range is that of either, but a refusal names the key that was written.
-        if let Some((_, [low, high])) = BarbShape::RANGES.iter().find(|(key, _)| *key == either[0]) {
-            fields.number_within(both, *low, *high)?;
+        if let Some(Kind::Number { low, high, .. }) =
+            BarbShape::keys().into_iter().find(|key| key.name == either[0]).map(|key| key.kind)
+        {
+            fields.number_within(both, low, high)?;
         }
         barbs.remove(both);
         barbs.extend(either.map(|key| (key.to_owned(), value.clone())));
@@ -217,13 +187,15 @@ fn both_vanes(table: &Value) -> Result<Value> {
 
 /// The keys that a table may have.
 fn keys_of(table: &str) -> Vec<&'static str> {
-    match table {
+    let keys = match table {
         "shaft" => ShaftShape::keys(),
-        "barbs" => BarbShape::keys().into_iter().chain(BOTH_VANES.map(|(both, _)| both)).collect(),
+        "barbs" => BarbShape::keys(),
         "distal" | "proximal" => BarbuleShape::keys(),
         "downy" => DownyShape::keys(),
         "splits" => SplitShape::keys(),
         "pattern" => PatternShape::keys(),
         _ => Disorder::keys(),
-    }
+    };
+    let also = BOTH_VANES.iter().map(|(both, _)| *both).filter(|_| table == "barbs");
+    keys.iter().map(|key| key.name).chain(also).collect()
 }

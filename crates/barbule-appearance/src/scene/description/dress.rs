@@ -1,0 +1,389 @@
+//! Feathers of a scene: what their parts are made of, and where on the vane that is something else.
+
+use super::detail::Detail;
+use super::slot::Slot;
+use super::surfaces::{BarbuleClothing, FibreDescription, PigmentedKeratin, no_surface};
+use crate::brdf::FeatherBrdf;
+use crate::bsdf::Texture;
+use crate::error::shortened;
+use crate::fields::{Fields, Map, Value, path_of, unknown, within};
+use crate::scene::feather::{Feather, VaneDisc};
+use crate::{Error, Result, record, variants};
+
+/// A feather of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeatherObject {
+    /// Its sizes.
+    pub feather: Feather,
+    /// The part of it that is grown.
+    pub window: VaneDisc,
+    /// How finely it is made.
+    pub detail: Detail,
+    /// What its parts are made of.
+    pub dress: Dress,
+    /// Places of the vane with a dress of their own.
+    pub zones: Vec<Zone>,
+    /// A picture that says which zone is where.
+    pub zone_map: Option<Slot<Texture>>,
+}
+
+/// Down where nothing is said: grey.
+const DOWN: FibreDescription = FibreDescription {
+    longitudinal_roughness: 0.3,
+    azimuthal_roughness: 0.4,
+    scale_tilt_deg: 0.0,
+    index: None,
+    eumelanin: 2.0,
+    pheomelanin: 0.0,
+    height_over_width: 1.0,
+};
+
+/// Keratin of pale places where nothing is said: buff.
+const PALE: PigmentedKeratin = PigmentedKeratin { roughness: 0.4, index: 1.56, melanin: 0.15 };
+
+/// A dark shaft and dark rami, where nothing is said.
+const SHAFT: PigmentedKeratin = PigmentedKeratin { roughness: 0.22, index: 1.56, melanin: 4.0 };
+const RAMUS: PigmentedKeratin = PigmentedKeratin { roughness: 0.25, index: 1.56, melanin: 20.0 };
+
+variants! {
+    /// What rami are made of.
+    #[derive(Debug, Clone, PartialEq)]
+    pub enum RamusDress by "type" {
+        /// Pigmented keratin.
+        "keratin": Keratin(PigmentedKeratin),
+        /// A fibre of hair.
+        "hair": Hair(FibreDescription),
+    }
+}
+
+variants! {
+    /// What barbules are made of.
+    #[derive(Debug, Clone, PartialEq)]
+    pub enum BarbuleDress by "type" {
+        /// Plates of a computed material.
+        "barbule": Barbule(BarbuleClothing),
+        /// Fibres without structural colour.
+        "hair": Hair(FibreDescription),
+    }
+}
+
+record! {
+    /// What the parts of a feather are made of.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Dress {
+        /// The shaft: keratin.
+        shaft: PigmentedKeratin = "shaft", (), or SHAFT;
+        /// The rami of the barbs.
+        ramus: RamusDress = "ramus", (), or RamusDress::Keratin(RAMUS);
+        /// Barbules on the barbs' side that faces the feather's tip.
+        distal: BarbuleDress = "distal", ();
+        /// Barbules on the other side.
+        proximal: BarbuleDress = "proximal", ();
+        /// Barbules of pale places: keratin.
+        pale: PigmentedKeratin = "pale", (), or PALE;
+        /// Barbs and barbules of the downy part: fibres.
+        down: FibreDescription = "down", (), or DOWN;
+    }
+}
+
+record! {
+    /// A place of the vane with a dress of its own.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Zone {
+        /// From where to where it reaches, as shares of the vane from its base (0) to its tip (1).
+        along: [f64; 2] = "along", within(0, 1), or [0.0, 1.0];
+        /// From where to where across: -1 is the left edge where the vane is widest, 0 the shaft, 1 the right edge.
+        across: [f64; 2] = "across", within(-1.5, 1.5), or [-1.5, 1.5];
+        /// A ring or disc to which it is confined.
+        ring: Option<Ring> = "ring", ();
+        /// Standard deviation of its border from barbule to barbule.
+        edge_mm: f64 = "edge_mm", within(0, 100), or 0.0;
+        /// What its rami are made of, if something else.
+        ramus: Option<RamusDress> = "ramus", ();
+        /// What its barbules towards the feather's tip are made of.
+        distal: Option<BarbuleDress> = "distal", ();
+        /// What its other barbules are made of.
+        proximal: Option<BarbuleDress> = "proximal", ();
+        @agree Zone::agree;
+    }
+}
+
+record! {
+    /// An elliptic ring on the vane.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Ring {
+        /// Its middle: right of the shaft, and along it from the vane's base.
+        centre_mm: [f64; 2] = "centre_mm", within(-2000, 2000);
+        /// Its inner and outer half axis across the vane.
+        radii_mm: [f64; 2] = "radii_mm", within(0, 2000);
+        /// Length along the vane over width.
+        stretch: f64 = "stretch", within(0.05, 20), or 1.0;
+    }
+}
+
+impl Zone {
+    fn agree(&self, place: &str) -> Result<()> {
+        let ring = self.ring.map(|ring| ("ring.radii_mm", ring.radii_mm));
+        for (key, [low, high]) in [("along", self.along), ("across", self.across)].into_iter().chain(ring) {
+            if low >= high {
+                return Err(Error::input(format!(
+                    "{} is from {low} to {high}; give the smaller number first",
+                    path_of(place, key)
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// The materials that it wears.
+    pub(super) fn materials_mut(&mut self) -> impl Iterator<Item = &mut Slot<FeatherBrdf>> {
+        [self.distal.as_mut(), self.proximal.as_mut()].into_iter().flatten().filter_map(BarbuleDress::material_mut)
+    }
+
+    /// What it changes: the rami, the barbules on both sides.
+    fn kinds(&self) -> [Option<(&'static str, &'static str)>; 3] {
+        let barbules = |key, dress: &Option<BarbuleDress>| dress.as_ref().map(|of| (key, of.word()));
+        [
+            self.ramus.as_ref().map(|of| ("ramus", of.word())),
+            barbules("distal", &self.distal),
+            barbules("proximal", &self.proximal),
+        ]
+    }
+}
+
+impl FeatherObject {
+    /// Refuses zones that change what parts are, and not only what they are made of, and a map without zones.
+    pub(super) fn agree(&self, fields: &Fields<'_>) -> Result<()> {
+        let own = [self.dress.ramus.word(), self.dress.distal.word(), self.dress.proximal.word()];
+        for (i, zone) in self.zones.iter().enumerate() {
+            for ((key, kind), own) in zone.kinds().into_iter().zip(own).filter_map(|(of, own)| Some((of?, own))) {
+                if kind != own {
+                    return Err(Error::input(format!(
+                        "{}[{i}].{key} is of type '{kind}', but the feather's own is '{own}'; give the same type",
+                        fields.path("zones")
+                    )));
+                }
+            }
+        }
+        if self.zone_map.is_some() && self.zones.is_empty() {
+            return Err(Error::input(format!(
+                "{} is given, but there are no zones",
+                fields.path("zone_map")
+            )));
+        }
+        Ok(())
+    }
+}
+
+impl BarbuleDress {
+    fn material_mut(&mut self) -> Option<&mut Slot<FeatherBrdf>> {
+        match self {
+            Self::Barbule(of) => Some(&mut of.material),
+            Self::Hair(_) => None,
+        }
+    }
+}
+
+impl Dress {
+    /// The usual dark parts, with barbules of a material on both sides of the barbs.
+    #[must_use]
+    pub fn of(material: &str) -> Self {
+        let barbules = BarbuleDress::Barbule(BarbuleClothing::of(material));
+        Self {
+            shaft: SHAFT,
+            ramus: RamusDress::Keratin(RAMUS),
+            distal: barbules.clone(),
+            proximal: barbules,
+            pale: PALE,
+            down: DOWN,
+        }
+    }
+
+    /// The name of its barbules' material, if they have one.
+    #[must_use]
+    pub fn material(&self) -> Option<&str> {
+        [&self.distal, &self.proximal].into_iter().find_map(|of| match of {
+            BarbuleDress::Barbule(of) => Some(of.material.name.as_str()),
+            BarbuleDress::Hair(_) => None,
+        })
+    }
+
+    pub(super) fn materials_mut(&mut self) -> Vec<&mut Slot<FeatherBrdf>> {
+        [&mut self.distal, &mut self.proximal].into_iter().filter_map(BarbuleDress::material_mut).collect()
+    }
+
+    pub(super) fn missing(path: &str) -> Error {
+        Error::input(format!(
+            "{path} is missing; give a species, structure or .barbule file, or what the barbules are made of"
+        ))
+    }
+
+    /// The tables `[surfaces.shaft]` … and the material of a lone feather's file, where these can say it.
+    pub(super) fn as_parts(&self) -> Option<(Option<String>, Map<String, Value>)> {
+        if self.distal != self.proximal {
+            return None;
+        }
+        let Value::Object(mut parts) = crate::fields::Record::table(self) else { return None };
+        let mut of = |key: &str| parts.remove(key);
+        let (ramus, barbule) = (of("ramus"), of("distal"));
+        of("proximal");
+        let plain = |table: Option<Value>| match table {
+            Some(Value::Object(mut table)) => {
+                table.remove("type");
+                Some(Value::Object(table))
+            }
+            other => other,
+        };
+        let key = if matches!(self.ramus, RamusDress::Hair(_)) { "hair" } else { "ramus" };
+        parts.extend(plain(ramus).map(|table| (key.to_owned(), table)));
+        match &self.distal {
+            BarbuleDress::Hair(_) => {
+                parts.extend(plain(barbule).map(|table| ("barbule".to_owned(), table)));
+                Some((None, parts))
+            }
+            BarbuleDress::Barbule(of) => {
+                let only = BarbuleClothing { underside: of.underside, ..BarbuleClothing::of(&of.material.name) };
+                if of.uv_mm != only.uv_mm || [of.width_um, of.length_um, of.cell_um] != [0.0; 3] {
+                    return None;
+                }
+                parts.insert("underside".to_owned(), crate::fields::Record::table(&of.underside));
+                Some((Some(of.material.name.clone()), parts))
+            }
+        }
+    }
+}
+
+/// The parts of a feather that `[surfaces]` of a lone feather's file names.
+pub(super) const PARTS: [&str; 7] = ["shaft", "ramus", "underside", "hair", "barbule", "pale", "down"];
+
+/// The dress that a lone feather's `material` and `[surfaces.shaft]` … say, as the table `dress`.
+///
+/// # Errors
+/// There is neither a material nor plain barbules.
+pub(super) fn of_parts(material: Option<Value>, mut parts: Map<String, Value>) -> Result<Value> {
+    let mut typed = |key: &str, kind: &str| {
+        let mut table = parts.remove(key)?;
+        if let Value::Object(table) = &mut table {
+            table.insert("type".to_owned(), kind.into());
+        }
+        Some(table)
+    };
+    let (hair, keratin, barbule) = (typed("hair", "hair"), typed("ramus", "keratin"), typed("barbule", "hair"));
+    let underside = parts.remove("underside");
+    let barbules = match (barbule, material) {
+        (Some(barbule), _) => barbule,
+        (None, Some(material)) => {
+            let mut table = Map::from_iter([("type".to_owned(), "barbule".into()), ("material".to_owned(), material)]);
+            table.extend(underside.map(|underside| ("underside".to_owned(), underside)));
+            Value::Object(table)
+        }
+        (None, None) => return Err(Dress::missing("material")),
+    };
+    parts.extend(hair.or(keratin).map(|ramus| ("ramus".to_owned(), ramus)));
+    parts.insert("distal".to_owned(), barbules.clone());
+    parts.insert("proximal".to_owned(), barbules);
+    Ok(Value::Object(parts))
+}
+
+/// An object's table in which names of surfaces in its dress and zones are those surfaces, and its `material` is that of its barbules.
+///
+/// # Errors
+/// There is no surface of a name, or it is of a type that the part cannot have.
+pub(super) fn dressed(object: &Value, surfaces: &Map<String, Value>, place: &str) -> Result<Value> {
+    let Value::Object(object) = object else { return Ok(object.clone()) };
+    let mut object = object.clone();
+    let is_plumage = object.contains_key("feather") || object.contains_key("coat");
+    if let (true, Some(dress)) = (is_plumage, dress_of(&object, "dress", surfaces, place)?) {
+        object.remove("material");
+        object.insert("dress".to_owned(), dress);
+    }
+    if let Some(Value::Array(zones)) = object.get("zones") {
+        let path = path_of(place, "zones");
+        let zones = zones.iter().enumerate().map(|(i, zone)| with_names(zone, surfaces, &format!("{path}[{i}]")));
+        let zones = zones.collect::<Result<Vec<_>>>()?;
+        object.insert("zones".to_owned(), zones.into());
+    }
+    if let Some(Value::Array(kinds)) = object.get("coat").and_then(|coat| coat.get("feathers")) {
+        let path = format!("{}.feathers", path_of(place, "coat"));
+        let kinds = kinds.iter().enumerate().map(|(i, kind)| dressed(kind, surfaces, &format!("{path}[{i}]")));
+        let kinds = kinds.collect::<Result<Vec<_>>>()?;
+        if let Some(Value::Object(coat)) = object.get_mut("coat") {
+            coat.insert("feathers".to_owned(), kinds.into());
+        }
+    }
+    Ok(Value::Object(object))
+}
+
+/// The table under `key` with its material and names written out; nothing where neither it nor a material is given.
+fn dress_of(
+    object: &Map<String, Value>,
+    key: &str,
+    surfaces: &Map<String, Value>,
+    place: &str,
+) -> Result<Option<Value>> {
+    let (dress, material) = (object.get(key), object.get("material"));
+    if dress.is_none() && material.is_none() {
+        return Ok(None);
+    }
+    let mut table = match dress {
+        None => Map::new(),
+        Some(Value::Object(table)) => table.clone(),
+        Some(other) => return Ok(Some(other.clone())),
+    };
+    if let Some(material) = material {
+        table.insert("material".to_owned(), material.clone());
+    }
+    with_names(&Value::Object(table), surfaces, &path_of(place, key)).map(Some)
+}
+
+/// Which types of surfaces a part may have, and whether that is said in its table.
+const TYPES: [(&str, &[&str], bool); 6] = [
+    ("shaft", &["keratin"], false),
+    ("ramus", &["keratin", "hair"], true),
+    ("distal", &["barbule", "hair"], true),
+    ("proximal", &["barbule", "hair"], true),
+    ("pale", &["keratin"], false),
+    ("down", &["hair"], false),
+];
+
+/// A dress's or zone's table in which names are the surfaces, and `material` those of its barbules that are not given.
+fn with_names(table: &Value, surfaces: &Map<String, Value>, place: &str) -> Result<Value> {
+    let Value::Object(table) = table else { return Ok(table.clone()) };
+    let mut table = table.clone();
+    if let Some(material) = table.remove("material") {
+        let barbules = serde_json::json!({"type": "barbule", "material": material});
+        for side in ["distal", "proximal"] {
+            table.entry(side).or_insert_with(|| barbules.clone());
+        }
+    }
+    for (part, types, is_said) in TYPES {
+        let Some(value) = table.get_mut(part) else { continue };
+        let path = path_of(place, part);
+        if let Value::String(name) = value {
+            let named = surfaces.get(name.as_str()).filter(|surface| surface.get("type").is_some());
+            let known = surfaces.keys().map(String::as_str);
+            *value = named.cloned().ok_or_else(|| no_surface(&path, name, known))?;
+            let kind = value.get("type").and_then(Value::as_str).unwrap_or_default();
+            if !types.contains(&kind) {
+                let kind = shortened(kind);
+                return Err(Error::input(format!(
+                    "{path} is a surface of type '{kind}'; give one of type {}",
+                    types.join(" or ")
+                )));
+            }
+        }
+        if let Value::Object(of) = value {
+            match of.get("type").and_then(Value::as_str) {
+                Some(kind) if !types.contains(&kind) => {
+                    return Err(unknown(&format!("{path}.type"), kind, types));
+                }
+                Some(_) if !is_said => _ = of.remove("type"),
+                // The first type is the usual one.
+                None if is_said => _ = of.insert("type".to_owned(), types[0].into()),
+                _ => {}
+            }
+        }
+    }
+    Ok(Value::Object(table))
+}
+

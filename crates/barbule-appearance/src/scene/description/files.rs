@@ -1,0 +1,229 @@
+//! The files and materials that a scene names: one walk over all of them, and scenes that lack none.
+
+use std::ops::Deref;
+
+use super::coat::CoatObject;
+use super::dress::FeatherObject;
+use super::lights::LightColour;
+use super::objects::ObjectShape;
+use super::sky::{Background, SkyDescription};
+use super::slot::Slot;
+use super::surfaces::NamedSurface;
+use super::{Motion, Moved, SceneDescription};
+use crate::brdf::FeatherBrdf;
+use crate::bsdf::Texture;
+use crate::error::shortened;
+use crate::scattering::grating::Powers;
+use crate::scene::backdrop::BackdropPicture;
+use crate::scene::geometry::Mesh;
+use crate::scene::sky::Sky;
+use crate::scene::spline::{Basis, ControlCurve};
+use crate::spectrum::Spectrum;
+use crate::{Error, Result};
+
+/// Something that a scene names, by what it must be.
+#[derive(Debug)]
+pub enum Named<'a> {
+    /// A table of wavelengths and powers.
+    Spectrum(&'a mut Slot<Spectrum>),
+    /// A picture behind everything.
+    Backdrop(&'a mut Slot<BackdropPicture>),
+    /// An image of the sky, its factor, and its turn, degrees.
+    Sky(&'a mut Slot<Sky>, [f64; 2]),
+    /// A mesh.
+    Mesh(&'a mut Slot<Mesh>),
+    /// Round curves, and how their control points make them.
+    Curves(&'a mut Slot<Vec<ControlCurve>>, Basis),
+    /// A picture of colours.
+    Colours(&'a mut Slot<Texture>),
+    /// A picture of numbers.
+    Numbers(&'a mut Slot<Texture>),
+    /// A `.grating` file.
+    Grating(&'a mut Slot<Powers>),
+    /// A built-in sample of heights: no file.
+    Sample(&'a mut Slot<Powers>),
+    /// A material: a name, a structure or a file.
+    Material(&'a mut Slot<FeatherBrdf>),
+}
+
+impl Named<'_> {
+    /// Whether it is read.
+    #[must_use]
+    pub fn is_read(&self) -> bool {
+        match self {
+            Self::Spectrum(slot) => slot.is_read(),
+            Self::Backdrop(slot) => slot.is_read(),
+            Self::Sky(slot, _) => slot.is_read(),
+            Self::Mesh(slot) => slot.is_read(),
+            Self::Curves(slot, _) => slot.is_read(),
+            Self::Colours(slot) | Self::Numbers(slot) => slot.is_read(),
+            Self::Grating(slot) | Self::Sample(slot) => slot.is_read(),
+            Self::Material(slot) => slot.is_read(),
+        }
+    }
+
+    /// The name of a file; nothing of a sample or a material, which may be something else.
+    pub fn file(&mut self) -> Option<&mut String> {
+        match self {
+            Self::Spectrum(slot) => Some(&mut slot.name),
+            Self::Backdrop(slot) => Some(&mut slot.name),
+            Self::Sky(slot, _) => Some(&mut slot.name),
+            Self::Mesh(slot) => Some(&mut slot.name),
+            Self::Curves(slot, _) => Some(&mut slot.name),
+            Self::Colours(slot) | Self::Numbers(slot) => Some(&mut slot.name),
+            Self::Grating(slot) => Some(&mut slot.name),
+            Self::Sample(_) | Self::Material(_) => None,
+        }
+    }
+}
+
+impl SceneDescription {
+    /// Everything that the scene names, with the key that does; of a sky that gives no light nothing.
+    pub fn named_mut(&mut self) -> Vec<(String, Named<'_>)> {
+        let mut named = Vec::new();
+        for (index, light) in self.lights.iter_mut().enumerate() {
+            if let LightColour::Table(slot) = &mut light.colour {
+                named.push((format!("lights[{index}].spectrum"), Named::Spectrum(slot)));
+            }
+        }
+        if let SkyDescription::Image(image) = &mut self.sky
+            && image.strength > 0.0
+        {
+            let how = [image.strength, image.turn_deg];
+            named.push(("sky_image.file".to_owned(), Named::Sky(&mut image.file, how)));
+        }
+        if let Background::Picture(slot) = &mut self.background {
+            named.push(("background".to_owned(), Named::Backdrop(slot)));
+        }
+        for (index, object) in self.objects.iter_mut().enumerate() {
+            object.shape.named_mut(&format!("objects[{index}]"), &mut named);
+        }
+        for (name, surface) in &mut self.surfaces.0 {
+            surface.named_mut(&format!("surfaces.{}", shortened(name)), &mut named);
+        }
+        named
+    }
+
+    /// The names of the materials that are worn, each once, in their order.
+    #[must_use]
+    pub fn material_names(&self) -> Vec<String> {
+        let mut scene = self.clone();
+        let mut names: Vec<String> = Vec::new();
+        for (_, named) in scene.named_mut() {
+            if let Named::Material(slot) = named
+                && !names.contains(&slot.name)
+            {
+                names.push(slot.name.clone());
+            }
+        }
+        names
+    }
+}
+
+impl ObjectShape {
+    fn named_mut<'a>(&'a mut self, place: &str, named: &mut Vec<(String, Named<'a>)>) {
+        let mut add = |key: &str, one: Named<'a>| named.push((format!("{place}.{key}"), one));
+        match self {
+            Self::Mesh(slot) => add("mesh", Named::Mesh(slot)),
+            Self::Curves { file, basis } => add("curves", Named::Curves(file, *basis)),
+            Self::Feather(of) => {
+                let FeatherObject { dress, zones, zone_map, .. } = &mut **of;
+                if let Some(slot) = zone_map {
+                    add("zone_map", Named::Numbers(slot));
+                }
+                dress.materials_mut().into_iter().for_each(|slot| add("material", Named::Material(slot)));
+                for zone in zones {
+                    zone.materials_mut().for_each(|slot| add("zones.material", Named::Material(slot)));
+                }
+            }
+            Self::Coat(of) => {
+                let CoatObject { coat, dress, .. } = &mut **of;
+                if let Some(slot) = &mut coat.mesh {
+                    add("coat.mesh", Named::Mesh(slot));
+                }
+                if let Some(slot) = &mut coat.map {
+                    add("coat.map", Named::Numbers(slot));
+                }
+                dress.materials_mut().into_iter().for_each(|slot| add("material", Named::Material(slot)));
+                let further = coat.feathers.iter_mut().flat_map(|kind| kind.dress.materials_mut());
+                further.for_each(|slot| add("coat.feathers.material", Named::Material(slot)));
+            }
+            Self::Sphere { .. } | Self::Rectangle { .. } | Self::Snake(_) => {}
+        }
+    }
+}
+
+impl NamedSurface {
+    fn named_mut<'a>(&'a mut self, place: &str, named: &mut Vec<(String, Named<'a>)>) {
+        let mut add = |key: &str, one: Named<'a>| named.push((format!("{place}.{key}"), one));
+        match self {
+            Self::Diffuse(of) => {
+                if let Some(slot) = &mut of.albedo {
+                    add("albedo", Named::Colours(slot));
+                }
+                for (key, slot) in [("alpha", &mut of.alpha), ("normal", &mut of.normal), ("bump", &mut of.bump)] {
+                    if let Some(slot) = slot {
+                        add(key, Named::Numbers(slot));
+                    }
+                }
+            }
+            Self::Map(of) => add("file", Named::Numbers(&mut of.file)),
+            Self::Grating(of) => {
+                if let Some(slot) = &mut of.file {
+                    add("file", Named::Grating(slot));
+                }
+                if let Some(slot) = &mut of.sample {
+                    add("sample", Named::Sample(slot));
+                }
+            }
+            Self::Barbule(of) => add("material", Named::Material(&mut of.material)),
+            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric(_) | Self::Conductor(_) => {}
+        }
+    }
+}
+
+/// A scene of which everything that it names is read: what is rendered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadyScene(SceneDescription);
+
+impl ReadyScene {
+    /// The scene, once everything that it names is read.
+    ///
+    /// # Errors
+    /// The first name that is not read, or a number out of range.
+    pub fn new(mut scene: SceneDescription) -> Result<Self> {
+        scene.check()?;
+        for (key, named) in scene.named_mut() {
+            if !named.is_read() {
+                return Err(Error::input(format!("{key} is not read")));
+            }
+        }
+        Ok(Self(scene))
+    }
+
+    /// The scene with changes; what they name further must be read.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn changed(&self, change: impl FnOnce(&mut SceneDescription)) -> Result<Self> {
+        let mut scene = self.0.clone();
+        change(&mut scene);
+        Self::new(scene)
+    }
+
+    /// The frames of a sequence; see [`SceneDescription::frames`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn frames(&self, moves: &[(Moved, Motion)], count: u32) -> Result<Vec<Self>> {
+        Ok(self.0.frames(moves, count)?.into_iter().map(Self).collect())
+    }
+}
+
+impl Deref for ReadyScene {
+    type Target = SceneDescription;
+
+    fn deref(&self) -> &SceneDescription {
+        &self.0
+    }
+}
