@@ -7,7 +7,7 @@ use barbule::error::shortened;
 use barbule::io::{InputKind, kind_of, read_feather, read_material, read_text};
 use barbule::material::Library;
 use barbule::picture::scene_for;
-use barbule::scene::description::SceneDescription;
+use barbule::scene::description::{Named, SceneDescription};
 use barbule::scene::feather::Feather;
 use barbule::scene::preset;
 use barbule::structure::Structure;
@@ -50,14 +50,18 @@ pub(crate) fn parse(text: &str, common: &Common) -> Result<SceneDescription> {
         }
         _ => of_structure(&structure_arg::parse(text, common)?, feather_in(text, kind)?)?,
     };
-    text.clone_into(&mut scene.material);
+    scene.set_material(text);
     Ok(scene)
 }
 
 fn scene_in(text: &str) -> Result<SceneDescription> {
     let path = Path::new(text);
     let mut scene = SceneDescription::parse(&read_text(path)?).map_err(|error| error.at(text))?;
-    scene.material = beside(path, scene.material);
+    for (_, named) in scene.named_mut() {
+        if let Named::Material(slot) = named {
+            slot.name = beside(path, std::mem::take(&mut slot.name));
+        }
+    }
     Ok(scene)
 }
 

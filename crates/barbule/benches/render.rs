@@ -134,7 +134,7 @@ fn main() {
         None => SceneDescription::parse(include_str!("../tests/it/data/close-up.toml")).expect("a scene"),
     };
     let brdf = Arc::new(FeatherBrdf::new(&example(50), Options::default()).expect("a material"));
-    let (scene, _) = description.scene(brdf.clone(), 1).expect("a scene");
+    let (scene, _) = description.clone().wearing(brdf.clone()).expect("a scene").scene(1).expect("a scene");
     measure(&format!("close-up of {}", wanted.as_deref().unwrap_or("a starling")), 16, 5, scene);
     measure("60,000 round barbules of keratin", 16, 8, barbules());
     measure("plane of a tabulated barbule", 32, 8, plane(brdf));

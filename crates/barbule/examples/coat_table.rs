@@ -20,9 +20,10 @@ fn main() -> Result<()> {
     };
     let text = std::fs::read_to_string(file).map_err(|error| Error::input(format!("{file}: {error}")))?;
     let mut scene = SceneDescription::parse(&text)?;
-    read_scene_files(&mut scene, Path::new(file).parent().unwrap_or(Path::new("")))?;
+    let folder = Folder(Path::new(file).parent().unwrap_or(Path::new("")).to_path_buf());
+    read_files(&mut scene, &folder, seed, &Unobserved)?;
     let start = Instant::now();
-    let laid = scene.laid_coat(seed)?.ok_or_else(|| Error::input(format!("{file} has no [coat]")))?;
+    let laid = scene.laid_coats(seed)?.into_iter().next().ok_or_else(|| Error::input(format!("{file} has no [coat]")))?;
     let seconds = start.elapsed().as_secs_f64();
     let lifts: Vec<f64> = (laid.stands.iter().zip(&laid.before))
         .map(|(now, before)| (now.erection - before.erection).to_degrees())

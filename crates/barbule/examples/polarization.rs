@@ -23,7 +23,7 @@ use barbule::render::light::Lighting;
 use barbule::render::stage::Stage;
 use barbule::scattering::far_field::{Illumination, Polarization, Window};
 use barbule::scene::Scene;
-use barbule::scene::description::{PigmentedKeratin, SceneDescription};
+use barbule::scene::description::{BarbuleDress, PigmentedKeratin, RamusDress, SceneDescription};
 use barbule::solve::surface::{Accuracy, far_field};
 use barbule::spectrum::colour::{Illuminant, matching};
 use barbule::spectrum::dense::{LONGEST_NM, Lambdas, SHORTEST_NM, WAVES};
@@ -144,22 +144,26 @@ fn keratin(of: &PigmentedKeratin) -> Result<(Keratin, f64)> {
 
 fn pictures(preset: &str, samples: u64) -> Result<()> {
     let description = SceneDescription::named(preset)?;
-    let wanted = description.material.replace(':', "-");
+    let wanted = description.material().unwrap_or_default().replace(':', "-");
     let (_, bytes) = barbule_materials::MATERIALS
         .iter()
         .find(|(name, _)| name.starts_with(&wanted))
         .ok_or_else(|| Error::input(format!("no shipped material is called {wanted}")))?;
     let material = decode_material(bytes)?;
     let of = |polarization| FeatherBrdf::new(&material, Options { polarization, ..Options::default() });
-    let (Scene { objects, lamps, environment, camera }, _) = description.scene(Arc::new(of(None)?), SEED)?;
+    let (Scene { objects, lamps, environment, camera }, _) = description.clone().wearing(Arc::new(of(None)?))?.scene(SEED)?;
     let (stage, lighting) = (Stage::new(objects)?, Lighting::new(lamps, environment.as_ref())?);
-    let surfaces = &description.surfaces;
+    let no_keratin = || Error::input(format!("{preset}: is not a feather of keratin"));
+    let dress = &description.lone_feather().ok_or_else(no_keratin)?.dress;
+    let (RamusDress::Keratin(ramus), BarbuleDress::Barbule(barbules)) = (&dress.ramus, &dress.distal) else {
+        return Err(no_keratin());
+    };
     let scene = PolarizedScene {
         stage: &stage,
         lighting: &lighting,
         camera: &camera,
         barbules: Some([of(Some(Polarization::First))?, of(Some(Polarization::Second))?]),
-        boundaries: vec![keratin(&surfaces.shaft)?, keratin(&surfaces.ramus)?, keratin(&surfaces.underside)?],
+        boundaries: vec![keratin(&dress.shaft)?, keratin(ramus)?, keratin(&barbules.underside)?],
         scatterings: description.scatterings,
     };
     let transport = Transport { most_scatterings: description.scatterings, ..Transport::default() };
@@ -169,7 +173,7 @@ fn pictures(preset: &str, samples: u64) -> Result<()> {
         .into_par_iter()
         .map(|index| pixel(&scene, &integrator, [index % SIZE[0], index / SIZE[0]], samples, white))
         .collect();
-    report(preset, &pixels, description.exposure.unwrap_or(1.0));
+    report(preset, &pixels, description.exposure.factor().unwrap_or(1.0));
     Ok(())
 }
 

@@ -61,7 +61,7 @@ impl Prepared {
             barbule_materials::MATERIALS.iter().find(|(name, _)| name.starts_with(&wanted)).unwrap();
         let material = decode_material(bytes)?;
         let brdf = Arc::new(FeatherBrdf::new(&material, Options::default())?);
-        let (Scene { objects, lamps, environment, camera }, _) = description.scene(brdf, 1)?;
+        let (Scene { objects, lamps, environment, camera }, _) = description.wearing(brdf)?.scene(1)?;
         Ok(Self {
             stage: Stage::new(objects)?,
             lighting: Lighting::new(lamps, environment.as_ref())?,

@@ -78,7 +78,7 @@ fn radiances(model: &str) -> barbule::Result<Vec<[f64; 2]>> {
         SceneDescription::parse(&format!("{turned}[detail]\n{model}\n"))
     };
     let description = scene(0.0)?;
-    let (objects, _) = description.objects(None, 1)?;
+    let (objects, _) = description.wearing(None)?.objects(1)?;
     let stage = Stage::new(objects)?;
     let lighting = Lighting::new(description.lamps()?, None)?;
     let mut found = Vec::new();

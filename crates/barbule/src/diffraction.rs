@@ -1,7 +1,6 @@
 //! What a heightfield does with light, in colours: the reference, and how far its tables are from it.
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -10,7 +9,6 @@ use crate::error::{did_you_mean, shortened};
 use crate::math::rng::hash;
 use crate::progress::Progress;
 use crate::scattering::grating::{Place, Powers, Setup, Tables};
-use crate::scene::description::{GratingDescription, GratingSource, NamedSurface, SceneDescription};
 use crate::solve::diffraction::{Amplitudes, Reach, Series};
 use crate::spectrum::Wavelengths;
 use crate::spectrum::colour::Observer;
@@ -217,23 +215,6 @@ pub fn in_plane(steps: usize) -> Vec<f64> {
 const PATCHES: u64 = 4;
 const PATCH_UM: f64 = 32.5;
 const PATCH_CELLS: usize = 666;
-
-/// Makes the gratings of a scene that are built-in samples and not made yet.
-///
-/// # Errors
-/// A sample that does not exist, by its key; interruption.
-pub fn make_gratings(scene: &mut SceneDescription, seed: u64, progress: &dyn Progress) -> Result<()> {
-    for (name, surface) in &mut scene.named_surfaces {
-        if let NamedSurface::Grating(grating @ GratingDescription { powers: None, .. }) = surface
-            && let GratingSource::Sample(sample) = &grating.source
-        {
-            let powers = sample_powers(sample, seed, progress)
-                .map_err(|error| error.at(format!("surfaces.{name}.sample")))?;
-            grating.powers = Some(Arc::new(powers));
-        }
-    }
-    Ok(())
-}
 
 /// The powers of a built-in sample at the wavelengths of pictures, for snakes the mean of several patches.
 ///

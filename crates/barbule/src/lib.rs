@@ -10,7 +10,8 @@
 //! ```
 //! use barbule::brdf::fit::FitOptions;
 //! use barbule::characterize::{CampaignOptions, Catalog, Execution, characterize};
-//! use barbule::{Picture, PictureOptions, SceneDescription, Structure, Unobserved};
+//! use barbule::io::Folder;
+//! use barbule::{Picture, PictureOptions, SceneDescription, Structure, Unobserved, Worn, resolve};
 //!
 //! # fn main() -> barbule::Result<()> {
 //! let options = CampaignOptions { thin: Some(10), ..CampaignOptions::default() };
@@ -18,8 +19,10 @@
 //! let made = characterize(&plan, &FitOptions::default(), &Catalog::default(), &Execution::default(), &Unobserved)?;
 //!
 //! let scene = SceneDescription::named("starling")?;
+//! let mut dye = |_: &str| Worn::new(&made.material, "pink".into());
+//! let scene = resolve(scene, &Folder::default(), &mut dye, 1, &Unobserved)?;
 //! let small = PictureOptions { size: [48, 30], samples: 4, ..PictureOptions::default() };
-//! let picture = Picture::of(&scene, &made.material, &small, &Unobserved)?;
+//! let picture = Picture::of(&scene, &small, &Unobserved)?;
 //! picture.save(std::env::temp_dir().join("pink.png"))?;
 //! # Ok(())
 //! # }
@@ -44,6 +47,7 @@ pub mod figures;
 pub mod io;
 pub mod picture;
 pub mod plot;
+pub mod resolve;
 pub mod validate;
 
 pub use barbule_appearance::{brdf, bsdf, render, scene};
@@ -175,13 +179,15 @@ pub use brdf::FeatherBrdf;
 /// use barbule::SceneDescription;
 ///
 /// let closer = SceneDescription::parse("preset = \"starling\"\n[camera]\nwidth_mm = 1.7\n")?;
-/// assert_eq!(closer.material, SceneDescription::named("starling")?.material);
+/// assert_eq!(closer.material(), Some("starling"));
 /// # Ok::<(), barbule::Error>(())
 /// ```
 pub use scene::description::SceneDescription;
 
 /// See the crate's first page for an example.
 pub use characterize::characterize;
+/// See the crate's first page for an example.
+pub use resolve::{Worn, resolve};
 /// See the crate's first page for an example.
 pub use picture::{Picture, PictureOptions};
 

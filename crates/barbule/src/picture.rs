@@ -3,9 +3,7 @@
 pub mod bench;
 
 use std::path::Path;
-use std::sync::Arc;
 
-use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
 use crate::io::hash_bytes;
 use crate::io::image::{Facts, write_exr, write_png};
 use crate::progress::Progress;
@@ -17,36 +15,31 @@ use crate::render::picture::{self, Bytes, Development};
 use crate::render::planes::{COVERS, Planes};
 use crate::render::run::{Ended, Goal, run};
 use crate::render::stage::Stage;
-use crate::scene::description::{Background, SceneDescription};
+use crate::scene::description::{Background, ReadyScene, SceneDescription};
 use crate::scene::feather::{Counts, Feather};
 use crate::scene::preset;
-use crate::scene::sky::{Environment, Sky};
+use crate::scene::sky::Environment;
 use crate::{Error, Result};
 
-/// What all pictures of a scene share, made once: the feather with its hierarchy, and the sky. Lamps, camera and how the feather
-/// is turned are each picture's own.
+/// What all pictures of a scene share, made once: the objects with their hierarchy, and the sky. Lamps, camera and how the objects
+/// are turned are each picture's own.
 pub struct Set {
     stage: Stage,
     counts: Counts,
     lighting: Lighting,
-    /// The sky about a feather that is not turned.
+    /// The sky about objects that are not turned.
     environment: Option<Environment>,
 }
 
 impl Set {
-    /// Grows the feather of a scene; `sky` takes the place of the scene's own.
+    /// Grows what stands in a scene.
     ///
     /// # Errors
-    /// A number of the scene out of range, or a scene whose sky is an image when none is given.
-    pub fn new(
-        scene: &SceneDescription,
-        brdf: impl Into<Option<Arc<FeatherBrdf>>>,
-        sky: Option<Sky>,
-        seed: u64,
-    ) -> Result<Self> {
-        let (objects, counts) = scene.objects(brdf, seed)?;
+    /// A number of the scene out of range.
+    pub fn new(scene: &ReadyScene, seed: u64) -> Result<Self> {
+        let (objects, counts) = scene.objects(seed)?;
         let stage = Stage::new(objects)?;
-        let environment = scene.environment(sky)?;
+        let environment = scene.environment()?;
         let lighting = Lighting::new(scene.lamps()?, environment.as_ref())?;
         Ok(Self { stage, counts, lighting, environment })
     }
@@ -70,7 +63,7 @@ impl Set {
     /// A goal or a lamp out of range, or what `after_round` returns.
     pub fn render(
         &self,
-        scene: &SceneDescription,
+        scene: &ReadyScene,
         film: &mut Film,
         seed: u64,
         goal: Goal,
@@ -80,7 +73,7 @@ impl Set {
         let lighting = if scene.turn_deg == 0.0 {
             self.lighting.with_lamps(scene.lamps()?)?
         } else {
-            let sky = self.environment.clone().map(|environment| scene.around_feather(environment));
+            let sky = self.environment.clone().map(|environment| scene.around_objects(environment));
             Lighting::new(scene.lamps()?, sky.as_ref())?
         };
         let camera = scene.camera();
@@ -120,19 +113,13 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Renders a scene whose feather has this material.
+    /// Renders a scene of which everything is read, as `barbule render` does.
     ///
     /// # Errors
     /// A number of scene or options out of range, or a stop by `progress`.
-    pub fn of(
-        scene: &SceneDescription,
-        material: &FeatherMaterial,
-        options: &PictureOptions,
-        progress: &dyn Progress,
-    ) -> Result<Self> {
+    pub fn of(scene: &ReadyScene, options: &PictureOptions, progress: &dyn Progress) -> Result<Self> {
         let PictureOptions { size, samples, seed } = *options;
-        let brdf = Arc::new(FeatherBrdf::new(material, Options::default())?);
-        let set = Set::new(scene, brdf, None, seed)?;
+        let set = Set::new(scene, seed)?;
         let mut film = Film::new(size)?;
         let goal = Goal::samples(samples);
         match set.render(scene, &mut film, seed, goal, progress, &mut |_| Ok(()))? {
@@ -173,9 +160,9 @@ impl Picture {
 /// How a scene's film is developed: by the scene's exposure, or by a key where it gives none, before its background.
 ///
 /// # Errors
-/// A background that is not read.
-pub fn development(scene: &SceneDescription, film: &Film) -> Result<Development> {
-    let exposure = scene.exposure.unwrap_or_else(|| exposure::by_key(film));
+/// None for a scene of which everything is read.
+pub fn development(scene: &ReadyScene, film: &Film) -> Result<Development> {
+    let exposure = scene.exposure.factor().unwrap_or_else(|| exposure::by_key(film));
     Ok(Development { backdrop: scene.backdrop()?, ..Development::exposed(exposure) })
 }
 
@@ -298,9 +285,9 @@ pub fn scene_for(
     let usual = if is_arched { "rock-dove" } else { "starling" };
     let own = species.filter(|species| preset::names().any(|name| name == *species));
     let mut scene = SceneDescription::named(own.unwrap_or(usual))?;
-    if let Some(feather) = feather {
-        scene.window.along_mm *= feather.shaft.length_mm / scene.feather.shaft.length_mm;
-        scene.feather = feather;
+    if let (Some(feather), Some(shown)) = (feather, scene.lone_feather_mut()) {
+        shown.window.along_mm *= feather.shaft.length_mm / shown.feather.shaft.length_mm;
+        shown.feather = feather;
     }
     Ok(scene)
 }
@@ -346,10 +333,11 @@ mod tests {
         assert_eq!(scene_for(Some("magpie"), true, None).unwrap(), named("magpie"));
         assert_eq!(scene_for(Some("swallow"), false, None).unwrap(), named("starling"));
         assert_eq!(scene_for(None, true, None).unwrap(), named("rock-dove"));
-        let mut feather = named("peafowl").feather;
-        feather.shaft.length_mm = 2.0 * named("starling").feather.shaft.length_mm;
+        let lone = |scene: &SceneDescription| scene.lone_feather().unwrap().clone();
+        let (mut feather, starling) = (lone(&named("peafowl")).feather, lone(&named("starling")));
+        feather.shaft.length_mm = 2.0 * starling.feather.shaft.length_mm;
         let scene = scene_for(Some("starling"), false, Some(feather)).unwrap();
-        assert_eq!((scene.feather, scene.camera), (feather, named("starling").camera));
-        assert_eq!(scene.window.along_mm, 2.0 * named("starling").window.along_mm);
+        assert_eq!((lone(&scene).feather, &scene.camera), (feather, &named("starling").camera));
+        assert_eq!(lone(&scene).window.along_mm, 2.0 * starling.window.along_mm);
     }
 }

@@ -19,20 +19,12 @@ const WEIGHTED: usize = 5 * 8;
 const COMPOSITING: usize = 3 * 8 + COVERS * 3 * 4;
 const SUM: usize = 32;
 
-/// Names a picture by all that decides its samples: the scene, BLAKE3 of its material's bytes, the seed, the program's
-/// version, what names the sky's image (empty without one), and what the film keeps.
+/// Names a picture by all that decides its samples: the scene with what it names, the seed, the program's version, and what the
+/// film keeps.
 #[must_use]
-pub fn name(
-    scene: &impl Identify,
-    material: &str,
-    seed: u64,
-    program: &str,
-    sky: &str,
-    planes: &Planes,
-) -> [u8; 32] {
+pub fn name(scene: &impl Identify, seed: u64, program: &str, planes: &Planes) -> [u8; 32] {
     let mut hasher = Hasher::new("picture");
-    hasher.part("scene", scene).text("material", material).count("seed", seed);
-    hasher.text("program", program).text("sky", sky);
+    hasher.part("scene", scene).count("seed", seed).text("program", program);
     if *planes != Planes::default() {
         hasher.count("compositing", u64::from(planes.compositing)).numbers("bands", planes.spectral.nm());
     }

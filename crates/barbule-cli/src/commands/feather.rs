@@ -82,7 +82,9 @@ impl Args {
         if feather::names().any(|name| name == self.feather) {
             return Feather::of_type(&self.feather);
         }
-        Ok(scene_arg::parse(&self.feather, &self.common)?.feather)
+        let scene = scene_arg::parse(&self.feather, &self.common)?;
+        let none = || Error::input(format!("{}: is a scene without a feather", shortened(&self.feather)));
+        scene.feather().copied().ok_or_else(none)
     }
 
     fn write(&self, out: &mut dyn Write, feather: &Feather, path: &Path) -> Result<()> {

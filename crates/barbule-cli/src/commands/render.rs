@@ -4,14 +4,10 @@ mod flags;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use barbule::brdf::{FeatherBrdf, Options};
 use barbule::characterize::thinned;
-use barbule::diffraction::make_gratings;
-use barbule::io::image::{RgbImage, read_exr};
-use barbule::io::{check_writable, hash_file, read_at_most, read_scene_files, write_whole};
+use barbule::io::{Folder, check_writable, read_at_most, write_whole};
 use barbule::picture::{Developed, Set, bytes_needed, check_kind, development, is_exr};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
@@ -19,11 +15,10 @@ use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND};
 use barbule::scene::description::{
-    Background, Bearing, CoatBody, GratingDescription, GratingSource, LightColour, Motion, Moved,
-    NamedSurface, ObjectShape, SceneDescription, SkyDescription, SkyImage, USUAL_ARC_DEG, ViewModel,
+    Background, Bearing, Exposure, Motion, Moved, Named, ReadyScene, SceneDescription, USUAL_ARC_DEG, ViewModel,
 };
 use barbule::scene::preset;
-use barbule::scene::sky::Sky;
+use barbule::resolve::{Worn, read_files, read_named, resolve};
 use barbule::{Error, Result};
 
 use crate::common::{Common, path_json, print, print_json};
@@ -71,7 +66,7 @@ pub(crate) struct Args {
     view: Option<flags::View>,
     /// Factor from radiance to the picture's values; auto: so that its mean is that of a grey card
     #[arg(long, value_name = "X|auto", allow_hyphen_values = true, value_parser = flags::exposure)]
-    exposure: Option<flags::Exposure>,
+    exposure: Option<Exposure>,
     /// How barbs are seen: with their rami and barbules, as one fibre each, or both side by side
     #[arg(long, value_name = "substructure|fibre|both", value_parser = flags::view_model)]
     view_model: Option<ViewModel>,
@@ -110,36 +105,35 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(15);
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        let (mut description, is_changed) = self.description()?;
+        let (description, is_changed) = self.description()?;
         if self.toml {
             return self.print_toml(description, is_changed, out);
         }
         let size = self.size.or(description.size).unwrap_or([1280, 800]);
         let goal = self.goal()?;
-        let frames = self.frame_descriptions(&description)?;
+        // What the flags ask for is refused before anything is read or made.
+        self.frame_descriptions(&description)?;
         check_size(size)?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
         files.iter().try_for_each(|file| {
             check_kind(file).map_err(|e| e.at("-o")).and_then(|()| check_writable(file))
         })?;
         let planes = self.planes()?;
+        let mut description = description;
+        let terminal = Terminal::new(&self.common);
+        read_files(&mut description, &Folder(self.folder()), self.common.seed, &terminal)?;
         self.check_memory(&description, size, &planes)?;
-        let image = match &description.sky {
-            SkyDescription::Image(image) if image.strength > 0.0 => Some(self.sky(image)?),
-            SkyDescription::Image(_) | SkyDescription::Gradient { .. } => None,
-        };
-        let (sky, sky_name) = image.unzip();
-        let (brdf, hash, thinned) = self.material(&description)?;
+        let (scene, wardrobe) = self.ready(description)?;
         let terminal = Terminal::new(&self.common).keeping_what_is_done();
-        let set = self.set(&description, brdf, sky)?;
+        let set = self.set(&scene)?;
         let mut reports = Vec::new();
-        for (mut frame, file) in frames.into_iter().zip(&files) {
+        let mut exposure = scene.exposure;
+        for (frame, file) in self.frames_of(&scene)?.into_iter().zip(&files) {
             // A sequence that is exposed by a key is so by that of its first frame: it does not flicker.
-            frame.exposure = description.exposure;
-            let sky_name = sky_name.as_deref();
-            let job = Job { file, size, goal, hash: &hash, thinned, sky_name, planes: &planes };
-            let (report, exposure) = self.picture(&frame, &set, &job, &terminal)?;
-            description.exposure = Some(exposure);
+            let frame = frame.changed(|scene| scene.exposure = exposure)?;
+            let job = Job { file, size, goal, wardrobe: &wardrobe, planes: &planes };
+            let (report, used) = self.picture(&frame, &set, &job, &terminal)?;
+            exposure = Exposure::Factor(used);
             reports.push(report);
         }
         if self.common.json {
@@ -148,24 +142,25 @@ impl Args {
         Ok(())
     }
 
-    /// What the barbules are made of, where that is a material with tables, with its hash; and whether it was a quick look, see
-    /// [`Job::thinned`].
-    fn material(
-        &self,
-        description: &SceneDescription,
-    ) -> Result<(Option<Arc<FeatherBrdf>>, String, Option<usize>)> {
-        if !description.needs_material() {
-            return Ok((None, "none".to_owned(), None));
-        }
-        let (material, hash) = materials::find(&description.material, &self.common)?;
-        let thinned = thinned(&material);
-        if let Some(every) = thinned {
-            self.common.say(&format!(
-                "the material is thinned, a quick look: every {every} wavelengths and directions, {} instances",
-                material.info["campaign"]["instances"]
-            ));
-        }
-        Ok((Some(Arc::new(FeatherBrdf::new(&material, Options::default())?)), hash, thinned))
+    /// The scene with everything that it names read, and what its barbules are made of.
+    fn ready(&self, description: SceneDescription) -> Result<(ReadyScene, Wardrobe)> {
+        let mut wardrobe = Wardrobe::default();
+        let mut dye = |name: &str| {
+            let (material, hash) = materials::find(name, &self.common)?;
+            if let Some(every) = thinned(&material) {
+                self.common.say(&format!(
+                    "the material {name} is thinned, a quick look: every {every} wavelengths and directions, {} instances",
+                    material.info["campaign"]["instances"]
+                ));
+                wardrobe.thinned = wardrobe.thinned.max(Some(every));
+            }
+            wardrobe.names.push(name.to_owned());
+            wardrobe.hashes.push(hash.clone());
+            Worn::new(&material, hash)
+        };
+        let (folder, terminal) = (Folder(self.folder()), Terminal::new(&self.common));
+        let scene = resolve(description, &folder, &mut dye, self.common.seed, &terminal)?;
+        Ok((scene, wardrobe))
     }
 
     /// The scene with the changes that the flags ask for, and whether there are any.
@@ -173,7 +168,7 @@ impl Args {
         let mut description = scene_arg::parse(&self.scene, &self.common)?;
         let original = description.clone();
         if let Some(material) = &self.material {
-            description.material.clone_from(material);
+            description.set_material(material);
         }
         if let Some(bearing) = self.light {
             description.light.bearing = bearing;
@@ -185,22 +180,21 @@ impl Args {
             description.camera.width_mm = width_mm.unwrap_or(description.camera.width_mm);
             description.check().map_err(|e| e.at("--view"))?;
         }
-        if let Some(view_model) = self.view_model {
-            description.detail.view_model = view_model;
+        if let (Some(view_model), Some(detail)) = (self.view_model, description.detail_mut()) {
+            detail.view_model = view_model;
         }
-        if let Some(flags::Exposure(exposure)) = self.exposure {
+        if let Some(exposure) = self.exposure {
             description.exposure = exposure;
         }
         if self.toml {
             description.size = self.size.or(description.size);
-        } else {
-            read_scene_files(&mut description, &self.folder())?;
-            make_gratings(&mut description, self.common.seed, &Terminal::new(&self.common))?;
         }
         if let Some(background) = &self.background {
             description.background = background.clone();
-            if !self.toml {
-                read_scene_files(&mut description, Path::new("")).map_err(|e| e.at("--background"))?;
+            if let (Background::Picture(slot), false) = (&mut description.background, self.toml) {
+                // It lies where the command runs, not where the scene does.
+                read_named(Named::Backdrop(slot), &Folder::default(), self.common.seed, &Terminal::new(&self.common))
+                    .map_err(|e| e.at("--background"))?;
             }
         }
         if description.is_lit_from_behind() {
@@ -224,33 +218,11 @@ impl Args {
         if !is_changed && let Ok(text) = preset::toml(&self.scene) {
             return print(out, text.trim_end());
         }
-        let folder = self.folder();
-        let from_here = |file: &mut String| *file = folder.join(&*file).to_string_lossy().into_owned();
-        if let SkyDescription::Image(SkyImage { file, .. }) = &mut scene.sky {
-            from_here(file);
-        }
-        if let (Background::Picture { file, .. }, None) = (&mut scene.background, &self.background) {
-            from_here(file);
-        }
-        for object in &mut scene.objects {
-            if let ObjectShape::Mesh { file, .. } | ObjectShape::Curves { file, .. } = &mut object.shape {
-                from_here(file);
-            }
-        }
-        if let Some(CoatBody::Mesh { file, .. }) = scene.coat.as_mut().map(|coat| &mut coat.body) {
-            from_here(file);
-        }
-        for surface in scene.named_surfaces.values_mut() {
-            if let NamedSurface::Grating(GratingDescription { source: GratingSource::File(file), .. }) =
-                surface
-            {
-                from_here(file);
-            }
-            surface.pictures_mut().into_iter().for_each(|(_, picture)| from_here(&mut picture.file));
-        }
-        for light in &mut scene.lights {
-            if let LightColour::Table { file, .. } = &mut light.colour {
-                from_here(file);
+        let (folder, own) = (self.folder(), self.background.is_some());
+        for (_, mut named) in scene.named_mut() {
+            let is_given = own && matches!(named, Named::Backdrop(_));
+            if let (Some(file), false) = (named.file(), is_given) {
+                *file = folder.join(&*file).to_string_lossy().into_owned();
             }
         }
         print(out, scene.to_toml()?.trim_end())
@@ -258,6 +230,22 @@ impl Args {
 
     /// The frames that are asked for: one is the scene itself.
     fn frame_descriptions(&self, description: &SceneDescription) -> Result<Vec<SceneDescription>> {
+        match self.moves()? {
+            None => Ok(vec![description.clone()]),
+            Some(moves) => description.frames(&moves, self.frames).map_err(|e| e.at("--frames")),
+        }
+    }
+
+    /// The same of a scene that is ready.
+    fn frames_of(&self, scene: &ReadyScene) -> Result<Vec<ReadyScene>> {
+        match self.moves()? {
+            None => Ok(vec![scene.clone()]),
+            Some(moves) => scene.frames(&moves, self.frames).map_err(|e| e.at("--frames")),
+        }
+    }
+
+    /// What moves from frame to frame; nothing where there is one.
+    fn moves(&self) -> Result<Option<Vec<(Moved, Motion)>>> {
         if !(1..=9999).contains(&self.frames) {
             return Err(Error::input(format!("--frames {}: give 1 to 9999", self.frames)));
         }
@@ -266,12 +254,12 @@ impl Args {
             if !moves.is_empty() {
                 self.common.idle("--arc or --path", "there is one frame; give --frames");
             }
-            return Ok(vec![description.clone()]);
+            return Ok(None);
         }
         if moves.is_empty() {
             moves.push((Moved::Light, Motion::Arc(USUAL_ARC_DEG)));
         }
-        description.frames(&moves, self.frames).map_err(|e| e.at("--frames"))
+        Ok(Some(moves))
     }
 
     /// What films keep beside colour, normals and depth.
@@ -288,15 +276,6 @@ impl Args {
             self.common.idle("--keep-gamut", "a PNG's colours are always sRGB's");
         }
         Ok(Planes { compositing, spectral: Bands::new(&nm).map_err(|e| e.at("--spectral"))? })
-    }
-
-    /// A scene's image of the sky, and a name that changes with it.
-    fn sky(&self, image: &SkyImage) -> Result<(Sky, String)> {
-        let path = self.folder().join(&image.file);
-        let RgbImage { size: [width, height], pixels } = read_exr(&path)?;
-        let sky = Sky::image(width, height, pixels, image.strength, image.turn_deg)
-            .map_err(|e| e.at(path.display()))?;
-        Ok((sky, format!("{} {} {}", hash_file(&path)?, image.strength, image.turn_deg)))
     }
 
     /// Refuses, before anything is built, a picture or a scene that does not fit into memory.
@@ -336,15 +315,10 @@ impl Args {
         output.with_file_name(name)
     }
 
-    /// What all frames share: the feather with its hierarchy, and the sky.
-    fn set(
-        &self,
-        description: &SceneDescription,
-        brdf: Option<Arc<FeatherBrdf>>,
-        sky: Option<Sky>,
-    ) -> Result<Set> {
+    /// What all frames share: the objects with their hierarchy, and the sky.
+    fn set(&self, scene: &ReadyScene) -> Result<Set> {
         let begun = Instant::now();
-        let set = Set::new(description, brdf, sky, self.common.seed)?;
+        let set = Set::new(scene, self.common.seed)?;
         let counts = set.counts();
         self.common.explain(&format!(
             "{} barbs, {} barbules, {} primitives; ready in {:.2} s",
@@ -359,7 +333,7 @@ impl Args {
     /// Draws one frame; gives its report and its exposure.
     fn picture(
         &self,
-        description: &SceneDescription,
+        description: &ReadyScene,
         set: &Set,
         job: &Job<'_>,
         terminal: &Terminal,
@@ -375,8 +349,7 @@ impl Args {
             description.camera.width_mm
         ));
         let program = env!("CARGO_PKG_VERSION");
-        let sky_name = job.sky_name.unwrap_or_default();
-        let name = checkpoint::name(description, job.hash, seed, program, sky_name, job.planes);
+        let name = checkpoint::name(&**description, seed, program, job.planes);
         let kept = job.checkpoint();
         let mut film = if self.resume && kept.exists() {
             let bytes = read_at_most(&kept, checkpoint::bytes(job.size, job.planes))?;
@@ -444,7 +417,7 @@ impl Args {
     /// A film as the picture that it is so far, what it says about itself, and its exposure.
     fn developed<'a>(
         &self,
-        description: &SceneDescription,
+        description: &ReadyScene,
         job: &Job<'a>,
         film: &Film,
     ) -> Result<(Developed<'a>, Provenance, f64)> {
@@ -480,14 +453,14 @@ impl Args {
         let (light, view) = (&description.light.bearing, &description.camera.bearing);
         let width_mm = description.camera.width_mm;
         let provenance = Provenance::new(&self.common)
-            .with("material", &description.material)
-            .with("material_hash", job.hash)
+            .with("material", job.wardrobe.names.join(", "))
+            .with("material_hash", job.wardrobe.hash())
             .with("samples", format!("{:.1}", job.samples(film)))
             .with("light", format!("{},{}", light.azimuth_deg, light.elevation_deg))
             .with("view", format!("{},{},{width_mm}", view.azimuth_deg, view.elevation_deg))
             .with("exposure", exposure.to_string())
-            .with("exposure_by", if description.exposure.is_some() { "factor" } else { "key" });
-        match job.thinned {
+            .with("exposure_by", if description.exposure.factor().is_some() { "factor" } else { "key" });
+        match job.wardrobe.thinned {
             Some(every) => provenance.with("thinned", every.to_string()),
             None => provenance,
         }
@@ -499,8 +472,11 @@ fn shown(description: &SceneDescription, job: &Job<'_>, film: &Film) -> String {
     let light = &description.light.bearing;
     format!(
         "{}{}, light {},{}, {} x {} pixels, {:.1} samples each",
-        if description.needs_material() { &description.material } else { "no feather's material" },
-        if job.thinned.is_some() { " (thinned)" } else { "" },
+        match job.wardrobe.names.is_empty() {
+            true => "no feather's material".to_owned(),
+            false => job.wardrobe.names.join(", "),
+        },
+        if job.wardrobe.thinned.is_some() { " (thinned)" } else { "" },
         light.azimuth_deg,
         light.elevation_deg,
         job.size[0],
@@ -509,16 +485,30 @@ fn shown(description: &SceneDescription, job: &Job<'_>, film: &Film) -> String {
     )
 }
 
+/// The materials that a scene's barbules wear.
+#[derive(Debug, Default)]
+struct Wardrobe {
+    names: Vec<String>,
+    /// BLAKE3 of their bytes.
+    hashes: Vec<String>,
+    /// Where one was simulated as a quick look: every how many-th wavelength and direction was, at most.
+    thinned: Option<usize>,
+}
+
+impl Wardrobe {
+    /// What names all of them.
+    fn hash(&self) -> String {
+        if self.hashes.is_empty() { "none".to_owned() } else { self.hashes.join(", ") }
+    }
+}
+
 /// One picture to be made.
 struct Job<'a> {
     file: &'a Path,
     size: [u32; 2],
     goal: Goal,
-    hash: &'a str,
-    /// Of a material that was simulated as a quick look: every how many-th wavelength and direction was.
-    thinned: Option<usize>,
-    /// Of an image in place of the plain sky, a name that changes with it.
-    sky_name: Option<&'a str>,
+    /// What the barbules wear.
+    wardrobe: &'a Wardrobe,
     /// What the film keeps.
     planes: &'a Planes,
 }

@@ -8,7 +8,7 @@ use crate::scene::spline::{Basis, ControlCurve};
 use crate::{Error, Result};
 
 /// The largest curve file: 128 MiB, about 4 million points; the shortest lines become six times their bytes.
-const LARGEST: u64 = 128 << 20;
+pub const LARGEST_CURVES: u64 = 128 << 20;
 
 /// Largest modulus of a coordinate.
 const FARTHEST: f64 = 1e9;
@@ -19,10 +19,16 @@ const FARTHEST: f64 = 1e9;
 /// The file cannot be read or is over 128 MiB; a line is not four finite numbers with a radius over 0; a curve has fewer
 /// points than its basis needs; there is none. The message names the line.
 pub fn read_curves(path: &Path, basis: Basis) -> Result<Vec<ControlCurve>> {
-    let bytes = read_at_most(path, LARGEST)?;
-    let text = std::str::from_utf8(&bytes)
-        .map_err(|_| Error::input(format!("{}: is not UTF-8 text", path.display())))?;
-    parse_curves(&path.display().to_string(), text, basis)
+    decode_curves(&path.display().to_string(), &read_at_most(path, LARGEST_CURVES)?, basis)
+}
+
+/// Reads the bytes of such a file; `name` is what messages call it.
+///
+/// # Errors
+/// As [`read_curves`].
+pub fn decode_curves(name: &str, bytes: &[u8], basis: Basis) -> Result<Vec<ControlCurve>> {
+    let text = std::str::from_utf8(bytes).map_err(|_| Error::input(format!("{name}: is not UTF-8 text")))?;
+    parse_curves(name, text, basis)
 }
 
 /// Reads the text of such a file; `name` is what messages call it.

@@ -20,7 +20,7 @@ const SCHEMA: u32 = 1;
 /// The one entry of the container's metadata.
 const ENTRY: &str = "barbule-grating";
 /// The largest file that is read: tables of 1001² places, thirty of them, beside the powers of a patch.
-const LARGEST: u64 = 2 << 30;
+pub const LARGEST_GRATING: u64 = 2 << 30;
 
 /// What a `.grating` file holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +77,7 @@ pub fn write_grating(path: &Path, grating: &GratingFile) -> Result<()> {
 /// # Errors
 /// The file is missing or too large, or no valid grating; the message begins with the file's name.
 pub fn read_grating(path: &Path) -> Result<GratingFile> {
-    decode(&read_at_most(path, LARGEST)?).map_err(|error| error.at(path.display()))
+    decode_grating(&read_at_most(path, LARGEST_GRATING)?).map_err(|error| error.at(path.display()))
 }
 
 fn encode(grating: &GratingFile) -> Result<Vec<u8>> {
@@ -141,7 +141,11 @@ fn encode(grating: &GratingFile) -> Result<Vec<u8>> {
 }
 
 /// A grating from the bytes of its file. Never allocates more than a few times the bytes given.
-fn decode(bytes: &[u8]) -> Result<GratingFile> {
+/// A grating's bytes.
+///
+/// # Errors
+/// They are no valid grating.
+pub fn decode_grating(bytes: &[u8]) -> Result<GratingFile> {
     let damaged = |what: &str| {
         let what: String = what.chars().map(|c| if c.is_control() { ' ' } else { c }).take(160).collect();
         Error::input(format!("is not a grating: {what}"))
@@ -263,7 +267,7 @@ mod tests {
         {
             let grating = example(setup, basis);
             let bytes = encode(&grating).unwrap();
-            assert_eq!(decode(&bytes).unwrap(), grating);
+            assert_eq!(decode_grating(&bytes).unwrap(), grating);
             assert_eq!(bytes, encode(&grating).unwrap());
         }
     }
@@ -272,17 +276,17 @@ mod tests {
     fn damaged_files_are_refused_in_one_sentence() {
         let bytes = encode(&example(Setup::default(), Basis::Chebyshev { terms: 2 })).unwrap();
         for length in [0, 7, 40, bytes.len() - 1] {
-            assert!(decode(&bytes[..length]).unwrap_err().is_input(), "{length}");
+            assert!(decode_grating(&bytes[..length]).unwrap_err().is_input(), "{length}");
         }
         for place in (0..bytes.len()).step_by(7) {
             let mut bad = bytes.clone();
             bad[place] ^= 0x15;
-            let error = decode(&bad).unwrap_err();
+            let error = decode_grating(&bad).unwrap_err();
             assert!(error.is_input() && !error.to_string().contains('\n'), "{place}: {error}");
         }
         // A header that promises more than there is.
         let mut huge = bytes.clone();
         huge[..8].copy_from_slice(&u64::MAX.to_le_bytes());
-        assert!(decode(&huge).unwrap_err().is_input());
+        assert!(decode_grating(&huge).unwrap_err().is_input());
     }
 }

@@ -8,6 +8,7 @@ use exr::prelude::{
     ReadChannels as _, ReadLayers as _, SmallVec, Text, Vec2, WritableImage as _, read,
 };
 
+use super::assets::ending;
 use super::{read_bytes, write_whole};
 use crate::spectrum::colour::decode;
 use crate::{Error, Result};
@@ -150,29 +151,42 @@ pub enum Meaning {
 /// # Errors
 /// As [`read_exr`]; or neither EXR nor PNG.
 pub fn read_picture(path: &Path, meaning: Meaning) -> Result<(RgbImage, bool)> {
-    let ends_with = |end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
-    if ends_with("exr") {
-        return Ok((read_exr(path)?, true));
+    let name = path.display().to_string();
+    check_ending(&name)?;
+    decode_picture(&name, &read_bytes(path)?, meaning)
+}
+
+/// Reads a picture's bytes by the ending of its name, which is what messages call it; see [`read_picture`].
+///
+/// # Errors
+/// As there.
+pub fn decode_picture(name: &str, bytes: &[u8], meaning: Meaning) -> Result<(RgbImage, bool)> {
+    check_ending(name)?;
+    if ending(name) == "exr" {
+        return Ok((decode_exr(name, bytes)?, true));
     }
-    if ends_with("png") {
-        return Ok((read_png(path, meaning)?, false));
+    Ok((decode_png(name, bytes, meaning)?, false))
+}
+
+fn check_ending(name: &str) -> Result<()> {
+    match ending(name).as_str() {
+        "exr" | "png" => Ok(()),
+        _ => Err(Error::input(format!("{name}: pictures are read from .png or .exr"))),
     }
-    Err(Error::input(format!("{}: pictures are read from .png or .exr", path.display())))
 }
 
 /// Reads a PNG of any kind.
-fn read_png(path: &Path, meaning: Meaning) -> Result<RgbImage> {
-    let bytes = read_bytes(path)?;
-    let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
+fn decode_png(name: &str, bytes: &[u8], meaning: Meaning) -> Result<RgbImage> {
+    let refuse = |what: &str| Error::input(format!("{name}: {what}"));
     let sentence = |error: png::DecodingError| {
         let text: String = error.to_string().chars().take(200).collect();
         refuse(&format!("cannot be read as a PNG ({text})"))
     };
-    let mut decoder = png::Decoder::new(std::io::Cursor::new(&bytes));
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(sentence)?;
     let size = [reader.info().width, reader.info().height].map(|side| side as usize);
-    check_pixels(path, size, bytes.len())?;
+    check_pixels(name, size, bytes.len())?;
     let length = reader.output_buffer_size().ok_or_else(|| refuse("is too large"))?;
     let mut values = vec![0; length];
     let frame = reader.next_frame(&mut values).map_err(sentence)?;
@@ -187,12 +201,11 @@ fn read_png(path: &Path, meaning: Meaning) -> Result<RgbImage> {
 }
 
 /// Refuses a header that claims too much.
-fn check_pixels(path: &Path, [width, height]: [usize; 2], bytes: usize) -> Result<()> {
+fn check_pixels(name: &str, [width, height]: [usize; 2], bytes: usize) -> Result<()> {
     let pixels = width.saturating_mul(height);
     if pixels > MOST_PIXELS || pixels > bytes.saturating_mul(MOST_PIXELS_PER_BYTE) {
         return Err(Error::input(format!(
-            "{}: says that it has {width} x {height} pixels; give a picture of at most 4096 x 2048",
-            path.display()
+            "{name}: says that it has {width} x {height} pixels; give a picture of at most 4096 x 2048"
         )));
     }
     Ok(())
@@ -203,15 +216,18 @@ fn check_pixels(path: &Path, [width, height]: [usize; 2], bytes: usize) -> Resul
 /// # Errors
 /// Missing, over 64 MiB, not an EXR, without these planes, or over 4096 × 2048 pixels.
 pub fn read_exr(path: &Path) -> Result<RgbImage> {
-    let bytes = read_bytes(path)?;
-    let refuse = |what: String| Error::input(format!("{}: {what}", path.display()));
+    decode_exr(&path.display().to_string(), &read_bytes(path)?)
+}
+
+fn decode_exr(name: &str, bytes: &[u8]) -> Result<RgbImage> {
+    let refuse = |what: String| Error::input(format!("{name}: {what}"));
     let sentence = |error: exr::error::Error| {
         let text: String = error.to_string().chars().take(200).collect();
         refuse(format!("cannot be read as an EXR with planes R, G and B ({text})"))
     };
-    let headers = MetaData::read_from_buffered(&bytes[..], false).map_err(sentence)?.headers;
+    let headers = MetaData::read_from_buffered(bytes, false).map_err(sentence)?.headers;
     for header in &headers {
-        check_pixels(path, [header.layer_size.0, header.layer_size.1], bytes.len())?;
+        check_pixels(name, [header.layer_size.0, header.layer_size.1], bytes.len())?;
     }
     let image = read()
         .no_deep_data()
@@ -222,7 +238,7 @@ pub fn read_exr(path: &Path) -> Result<RgbImage> {
         )
         .first_valid_layer()
         .all_attributes()
-        .from_buffered(std::io::Cursor::new(&bytes))
+        .from_buffered(std::io::Cursor::new(bytes))
         .map_err(sentence)?;
     Ok(image.layer_data.channel_data.pixels)
 }

@@ -6,6 +6,7 @@ use serde_json::Value;
 
 use super::read_bytes;
 use crate::Result;
+use crate::scene::description::scene_keys;
 
 /// What a file or folder is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,24 +33,7 @@ pub enum InputKind {
     Other,
 }
 
-/// Keys that only scenes have, species, and stacks.
-const SCENE: [&str; 15] = [
-    "preset",
-    "material",
-    "light",
-    "lights",
-    "background",
-    "objects",
-    "turn_deg",
-    "camera",
-    "window",
-    "surfaces",
-    "exposure",
-    "scatterings",
-    "sky",
-    "sky_image",
-    "size",
-];
+/// Keys that species have, and stacks.
 const SPECIES: [&str; 5] = ["generator", "parameters", "variants", "latin", "coloration"];
 const STACK: [&str; 4] = ["stack", "layers", "entry", "exit"];
 
@@ -89,7 +73,7 @@ pub(super) fn kind_of_text(text: &str) -> InputKind {
         InputKind::Stack
     } else if has(&SPECIES) {
         InputKind::Species
-    } else if has(&SCENE) {
+    } else if scene_keys().iter().any(|key| key.aliases.iter().chain([&key.name]).any(|name| has(&[*name]))) {
         InputKind::Scene
     } else {
         InputKind::Table

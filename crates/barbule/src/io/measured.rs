@@ -14,7 +14,7 @@ use std::path::Path;
 pub(super) use columns::position_unit;
 
 use super::read_at_most;
-use super::whole::LARGEST_TABLE;
+pub use super::whole::LARGEST_TABLE;
 use crate::error::counted;
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::{Error, Result};

@@ -1,5 +1,6 @@
 //! The only module that opens files.
 
+mod assets;
 mod cache;
 mod curves;
 mod feather;
@@ -16,7 +17,6 @@ mod mesh;
 mod named;
 mod orders;
 mod output;
-mod scene;
 mod section;
 mod species;
 mod stack;
@@ -26,20 +26,20 @@ mod temporary;
 mod whole;
 mod zarr;
 
+pub use assets::{Assets, Folder, Memory};
 pub use cache::{CacheFile, delete_cached, list_cache};
-pub use curves::{curves_text, parse_curves, read_curves};
+pub use curves::{LARGEST_CURVES, curves_text, decode_curves, parse_curves, read_curves};
 pub use feather::{FeatherFormat, MOST_WRITTEN_BARBULES, write_feather};
-pub use grating::{GratingFile, read_grating, write_grating};
+pub use grating::{GratingFile, LARGEST_GRATING, decode_grating, read_grating, write_grating};
 pub use heights::{Clean, HeightUnit, HeightsOptions, read_heights};
 pub use kind::{InputKind, kind_of};
 pub use lattice::read_lattice;
 pub use machine::{available_memory, peak_memory};
 pub use material::{decode_material, encode_material, read_material, write_material};
-pub use mesh::read_mesh;
+pub use mesh::{decode_mesh, read_mesh};
 pub use named::{files_in, files_named_in};
 pub use orders::{read_keyed_orders, read_orders, write_orders};
 pub use output::{check_writable, is_inside_store, is_same_file, is_stream, write_together, write_whole};
-pub use scene::read_scene_files;
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use species::{
     feather_of, is_species, read_feather, read_flat_stack, read_species, read_species_file,

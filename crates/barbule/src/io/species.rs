@@ -6,7 +6,7 @@ use super::kind::{InputKind, kind_of_text};
 use super::media::materials;
 use super::{parse_stack, read_text};
 use crate::error::shortened;
-use crate::fields::at_line;
+use crate::fields::{Record as _, at_line};
 use crate::material::Library;
 use crate::scene::feather::Feather;
 use crate::structure::{FlatStack, SpeciesFile, SpeciesModel, Structure};
@@ -68,7 +68,7 @@ fn parse_species(
 /// # Errors
 /// An unknown or missing key, or a size out of its range; the message names the key.
 pub fn feather_of(file: &SpeciesFile) -> Result<Option<Feather>> {
-    file.feather.as_ref().map(Feather::read).transpose()
+    file.feather.as_ref().map(|table| Feather::read(table, "feather")).transpose()
 }
 
 /// The feather of a species file, as [`feather_of`] has it.

@@ -13,7 +13,7 @@ pub const LARGEST_INPUT: u64 = 64 << 20;
 const LARGEST_BY_HAND: u64 = 4 << 20;
 
 /// The largest table in text: 16 MiB, since the shortest lines become 15 bytes per byte.
-pub(super) const LARGEST_TABLE: u64 = 16 << 20;
+pub const LARGEST_TABLE: u64 = 16 << 20;
 
 /// Most commas and opening brackets of a JSON, a bound of its values: each takes up to 300 bytes. The largest section has
 /// half as many.

@@ -100,7 +100,7 @@ fn identities_stay_what_they_are() {
     add("curved crystal", identity::hash("section", &instance("magpie")));
     add("lattice", lattice().hash());
     add("table", identity::hash("material", library.get("chitin").unwrap()));
-    let name = checkpoint::name(library.get("chitin").unwrap(), "ab", 1, "0.1.0", "", &Planes::default());
+    let name = checkpoint::name(library.get("chitin").unwrap(), 1, "0.1.0", &Planes::default());
     add("checkpoint", name.iter().map(|byte| format!("{byte:02x}")).collect());
     let found: Vec<(&str, &str)> = found.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
     assert_eq!(

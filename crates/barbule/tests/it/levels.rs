@@ -38,7 +38,7 @@ fn mean(level: &str, light: &str, extra: &str) -> [f64; 3] {
         let text =
             format!("preset = 'starling'\nlights = []\n{light}\n{PATCH}[detail]\nlevel = '{level}'\n{extra}");
         let scene = SceneDescription::parse(&text).unwrap();
-        let (objects, counts) = scene.objects(brdf.clone(), seed).unwrap();
+        let (objects, counts) = scene.clone().wearing(brdf.clone()).unwrap().objects(seed).unwrap();
         assert!(level == "vane" || counts.barbules > 5000, "{counts:?}");
         let stage = Stage::new(objects).unwrap();
         let lighting =
@@ -99,7 +99,7 @@ fn light_along_the_normal_hardly_passes_a_flight_feather() {
              along_mm = 90.0\nradius_mm = 8.0\n[detail]\nlevel = '{level}'"
         );
         let scene = SceneDescription::parse(&text).unwrap();
-        let (objects, _) = scene.objects(None, 1).unwrap();
+        let (objects, _) = scene.clone().wearing(None).unwrap().objects(1).unwrap();
         let stage = Stage::new(objects).unwrap();
         let mut stream = Stream::new(81, &[]);
         let count = 20_000;
@@ -125,7 +125,7 @@ fn clear_feathers_vanish_in_a_white_furnace() {
             "preset = 'starling'\nlights = []\nscatterings = 1000\n{SKY}\n{PATCH}[detail]\nlevel = '{level}'\n{clear}"
         );
         let scene = SceneDescription::parse(&text).unwrap();
-        let (objects, _) = scene.objects(None, 1).unwrap();
+        let (objects, _) = scene.clone().wearing(None).unwrap().objects(1).unwrap();
         // The vane alone: shafts are pigmented.
         let stage = Stage::new(objects.into_iter().skip(1).collect()).unwrap();
         let sky = Sky::grey(64, 32, Emission::daylight(), |_| 1.0).unwrap();

@@ -7,8 +7,9 @@ use barbule::SceneDescription;
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::io::image::write_png;
-use barbule::io::read_scene_files;
+use barbule::io::Folder;
 use barbule::progress::Unobserved;
+use barbule::resolve::read_files;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Transport};
 use barbule::render::light::Lighting;
@@ -23,13 +24,13 @@ use glam::DVec3;
 fn scene_in(folder: &Path, text: &str) -> SceneDescription {
     let head = "preset = 'starling'\nshows_feather = false\nlights = []\n[light]\nstrength = 0.0\n[camera]\nelevation = 90.0\nroll = 0.0\nlens = 0.0\nwidth_mm = 4.0\ntarget_mm = [0, 0, 0]\n";
     let mut scene = SceneDescription::parse(&format!("{head}{text}")).unwrap();
-    read_scene_files(&mut scene, folder).unwrap();
+    read_files(&mut scene, &Folder(folder.to_path_buf()), 1, &Unobserved).unwrap();
     scene
 }
 
 fn stage(scene: &SceneDescription) -> Stage {
     let brdf = Arc::new(FeatherBrdf::new(&example(3), Options::default()).unwrap());
-    let (objects, counts) = scene.objects(brdf, 1).unwrap();
+    let (objects, counts) = scene.clone().wearing(brdf).unwrap().objects(1).unwrap();
     assert_eq!((objects.len(), counts.barbules), (scene.objects.len(), 0));
     assert_eq!(scene.object_names().len(), objects.len());
     Stage::new(objects).unwrap()
@@ -168,6 +169,6 @@ fn maps_choose_surfaces_by_pixels() {
     }
     greys(&folder.path().join("ids.png"), &[0, 2]);
     let brdf = Arc::new(FeatherBrdf::new(&example(3), Options::default()).unwrap());
-    let refused = scene_in(folder.path(), text).objects(brdf, 1).unwrap_err().to_string();
+    let refused = scene_in(folder.path(), text).wearing(brdf).unwrap().objects(1).unwrap_err().to_string();
     assert!(refused.contains("ids.png: has a pixel of value 2"), "{refused}");
 }

@@ -539,9 +539,9 @@ fn lights_are_sampled_with_their_density() {
 fn starling() -> Ready {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
     let mut description = close_up();
-    description.window.radius_mm = Some(0.7);
+    description.lone_feather_mut().unwrap().window.radius_mm = Some(0.7);
     description.camera.width_mm = 1.0;
-    Ready::new(description.scene(brdf, 7).unwrap().0)
+    Ready::new(description.wearing(brdf).unwrap().scene(7).unwrap().0)
 }
 
 #[test]
@@ -576,7 +576,7 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
     let goal = Goal { noise: Some(0.08), ..Goal::samples(36) };
     let mut whole = Film::new([70, 40]).unwrap();
     run(&integrator, &mut whole, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap();
-    let name = checkpoint::name(&close_up(), "", 1, "", "", &Planes::default());
+    let name = checkpoint::name(&close_up(), 1, "", &Planes::default());
     let mut part = Film::new([70, 40]).unwrap();
     for patience in [8, 12, 6] {
         let ended =
@@ -595,19 +595,19 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
 fn one_stage_serves_every_light_and_camera() {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
     let mut description = close_up();
-    description.window.radius_mm = Some(0.5);
+    description.lone_feather_mut().unwrap().window.radius_mm = Some(0.5);
     description.camera.width_mm = 0.8;
-    let shared = Ready::new(description.scene(brdf.clone(), 7).unwrap().0);
+    let shared = Ready::new(description.clone().wearing(brdf.clone()).unwrap().scene(7).unwrap().0);
     let mut last = None;
     for turn_deg in [0.0, 120.0, 240.0] {
         let mut turned = description.clone();
         turned.light.bearing.azimuth_deg += turn_deg;
         turned.camera.bearing.azimuth_deg += 0.5 * turn_deg;
-        let lighting = shared.lighting.with_lamps(turned.lamps().unwrap()).unwrap();
+        let lighting = shared.lighting.with_lamps(turned.clone().wearing(brdf.clone()).unwrap().lamps().unwrap()).unwrap();
         let camera = turned.camera();
         let integrator = Integrator::new(&shared.stage, &lighting, &camera, Transport::default());
         let relit = film(&integrator, [40, 24], 4);
-        let own = Ready::new(turned.scene(brdf.clone(), 7).unwrap().0);
+        let own = Ready::new(turned.wearing(brdf.clone()).unwrap().scene(7).unwrap().0);
         assert_eq!(relit, film(&own.integrator(5, Technique::Both), [40, 24], 4));
         assert_ne!(last.as_ref(), Some(&relit));
         last = Some(relit);

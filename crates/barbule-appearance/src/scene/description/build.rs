@@ -9,6 +9,7 @@ use crate::error::{did_you_mean, shortened};
 use crate::math::rng::hash;
 use crate::scene::backdrop::Backdrop;
 use crate::scene::camera::Camera;
+use crate::scene::coat::Laid;
 use crate::scene::emission::Emission;
 use crate::scene::feather::Counts;
 use crate::scene::geometry::{Geometry, Place};
@@ -115,6 +116,19 @@ impl ReadyScene {
 }
 
 impl SceneDescription {
+    /// Its coats as they are laid.
+    ///
+    /// # Errors
+    /// A number out of range, a mesh that is not read, or that bears no coat.
+    pub fn laid_coats(&self, seed: u64) -> Result<Vec<Laid>> {
+        self.check()?;
+        let coats = self.objects.iter().filter_map(|object| match &object.shape {
+            ObjectShape::Coat(of) => Some((of, &object.place)),
+            _ => None,
+        });
+        coats.map(|(of, place)| of.laid(place, seed)).collect()
+    }
+
     /// The sky as the turned objects see it.
     #[must_use]
     pub fn around_objects(&self, environment: Environment) -> Environment {
@@ -233,12 +247,22 @@ impl Geometry {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use glam::DVec2;
 
     use super::*;
+    use crate::brdf::fixtures::example;
+    use crate::brdf::{FeatherBrdf, Options};
+    use crate::scene::camera::Projection;
 
     fn starling(text: &str) -> SceneDescription {
         SceneDescription::parse(&format!("preset = 'starling'\n{text}")).unwrap()
+    }
+
+    fn ready(scene: SceneDescription) -> ReadyScene {
+        let brdf = FeatherBrdf::new(&example(3), Options::default()).unwrap();
+        scene.wearing(Arc::new(brdf)).unwrap()
     }
 
     /// Where the eye of a camera without a lens is and what is in focus decides nothing about the picture.
@@ -281,8 +305,9 @@ mod tests {
     #[test]
     fn a_turned_feather_keeps_camera_and_light_together() {
         let text = "[[lights]]\ntype = 'spot'\nposition_mm = [3, 4, 5]\ntarget_mm = [0, 0, 1]\ncone_deg = 20\nstrength = 1";
-        let (still, turned) = (starling(text), starling(&format!("turn_deg = 50.0\n{text}")));
-        let places = |scene: &SceneDescription| {
+        let (still, turned) =
+            (ready(starling(text)), ready(starling(&format!("turn_deg = 50.0\n{text}"))));
+        let places = |scene: &ReadyScene| {
             let lamps = scene.lamps().unwrap();
             let (Light::Sun(sun), Light::Spot(spot)) = (&lamps[0].light, &lamps[1].light) else { panic!() };
             [scene.camera().eye, sun.direction, spot.position, spot.axis]
@@ -303,18 +328,38 @@ mod tests {
         assert!((up - up_turned).length() < 1e-12);
         let angle = before[0].reject_from(up).angle_between(after[0].reject_from(up));
         assert!((angle.to_degrees() - 50.0).abs() < 1e-9);
-        let sky = turned.around_feather(turned.environment(None).unwrap().unwrap()).sky;
+        let sky = turned.around_objects(turned.environment().unwrap().unwrap()).sky;
         assert!((sky.rotation() * before[1] - after[1]).length() < 1e-12);
     }
 
+    /// The upward direction of a camera may be any axis, and its frame that of an object.
     #[test]
-    fn lights_and_backgrounds_that_are_not_read_are_refused() {
-        let scene = starling(
-            "[background]\nfile = 'wall.png'\n[[lights]]\ntype = 'point'\nposition_mm = [0, 0, 5]\nstrength = 1\nspectrum = 'lamp.csv'",
-        );
-        assert!(
-            scene.lamps().unwrap_err().to_string().contains("lights[0]: the spectrum 'lamp.csv' is not read")
-        );
-        assert!(scene.backdrop().unwrap_err().to_string().contains("'wall.png' is not read"));
+    fn cameras_have_an_upward_axis_and_stand_about_objects() {
+        let up = |text: &str| starling(&format!("[camera]\nazimuth = 90\nelevation = 0\n{text}")).camera();
+        let camera = up("up = 'z'\nroll = 0");
+        assert!((camera.up - DVec3::Z).length() < 1e-12);
+        // Clockwise by a quarter, seen from +x: the picture's upward direction is to its right, which is +y.
+        let rolled = up("up = 'z'\nroll = 90");
+        assert!((rolled.up - DVec3::Y).length() < 1e-12, "{:?}", rolled.up);
+        assert!((up("up = [0, 0, 3]\nroll = 0").up - DVec3::Z).length() < 1e-12);
+        let turned = "up = 'z'\nroll = 0\nabout = 'ball'\n[[objects]]\nname = 'ball'\nsphere_mm = 1\nsurface = 'white'\n\
+                      rotate_deg = [0, 90, 0]\ntranslate_mm = [1, 2, 3]\n[surfaces.white]\ntype = 'diffuse'";
+        let about = up(turned);
+        let target = starling("").camera().target;
+        assert!((about.up - DVec3::X).length() < 1e-12);
+        assert!((about.target - (DVec3::new(target.z, target.y, -target.x) + DVec3::new(1.0, 2.0, 3.0))).length() < 1e-12);
+        let none = SceneDescription::parse("preset = 'starling'\n[camera]\nabout = 'bal'").unwrap_err().to_string();
+        assert!(none.contains("camera.about is 'bal'"), "{none}");
+    }
+
+    #[test]
+    fn scenes_that_lack_what_they_name_are_not_ready() {
+        let text = "[background]\nfile = 'wall.png'\n[[lights]]\ntype = 'point'\nposition_mm = [0, 0, 5]\nstrength = 1\nspectrum = 'lamp.csv'";
+        let lacking = ReadyScene::new(starling(text)).unwrap_err().to_string();
+        assert_eq!(lacking, "lights[0].spectrum is not read");
+        let lacking = ReadyScene::new(starling("[background]\nfile = 'wall.png'")).unwrap_err().to_string();
+        assert_eq!(lacking, "background is not read");
+        let lacking = ReadyScene::new(starling("")).unwrap_err().to_string();
+        assert_eq!(lacking, "objects[0].material is not read");
     }
 }

@@ -333,6 +333,7 @@ impl CoatObject {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::description::SceneDescription;
 
     fn scene(text: &str) -> Result<SceneDescription> {
         SceneDescription::parse(&format!("preset = 'osprey'\n{text}"))
@@ -346,20 +347,20 @@ mod tests {
                     guides = [{direction = [0, -1, 0.25]}, {position_mm = [0, 100, 0], direction = [1, 0, 0]}]";
         let scene = scene(text).unwrap();
         assert_eq!(SceneDescription::parse(&scene.to_toml().unwrap()).unwrap(), scene);
-        let (objects, counts) = scene.objects(None, 3).unwrap();
+        let (objects, counts) = scene.clone().wearing(None).unwrap().objects(3).unwrap();
         assert_eq!(objects.len(), 1 + 3 * PARTS);
         assert_eq!(scene.object_names().len(), objects.len());
         for part in 0..PARTS {
             let places: usize = (0..3).map(|v| objects[1 + v * PARTS + part].geometry.places.len()).sum();
             assert_eq!(places, 40);
         }
-        let laid = scene.laid_coat(3).unwrap().unwrap();
+        let laid = scene.laid_coats(3).unwrap().remove(0);
         // The box is in the scene's own place: the body is 120 mm deep, of which it holds the upper 90 mm.
         assert!(laid.stands.iter().all(|stand| (0.0..=90.5).contains(&stand.spot.point.z)));
         assert!(counts.barbs > 0 && scene.object_bytes() > 0);
         let one = "[coat]\nellipsoid_mm = [80, 120, 80]\ncount = 1\nvariants = 3";
         let few = super::tests::scene(one).unwrap();
-        let (objects, _) = few.objects(None, 3).unwrap();
+        let (objects, _) = few.clone().wearing(None).unwrap().objects(3).unwrap();
         assert_eq!(objects.len(), few.object_names().len());
     }
 
@@ -389,7 +390,7 @@ mod tests {
             message("shows_feather = false\n[coat]\nellipsoid_mm = [9, 9, 9]\ncount = 5")
                 .contains("shows_feather")
         );
-        let built = |text: &str| scene(text).unwrap().objects(None, 1).unwrap_err().to_string();
+        let built = |text: &str| scene(text).unwrap().laid_coats(1).unwrap_err().to_string();
         assert_eq!(built("[coat]\nmesh = 'a.ply'\ncount = 5"), "'a.ply' is not read");
         let far = "[coat]\nellipsoid_mm = [9, 9, 9]\ncount = 5\nwithin_mm = [[20, 0, 0], [30, 1, 1]]";
         assert!(built(far).contains("hardly any of the body's surface"));

@@ -324,6 +324,7 @@ fn or_a_preset(error: Error) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::description::{RamusDress, SkyDescription};
     use crate::identity::hash;
 
     #[test]
@@ -331,9 +332,9 @@ mod tests {
         let text = "preset = \"starling\"\nmaterial = \"starling:pink\"\n[light]\nazimuth = 77.0\n";
         let scene = SceneDescription::parse(text).unwrap();
         let starling = SceneDescription::named("starling").unwrap();
-        assert_eq!(scene.material, "starling:pink");
+        assert_eq!(scene.material(), Some("starling:pink"));
         assert_eq!(scene.light.bearing.azimuth_deg, 77.0);
-        assert_eq!((scene.camera, scene.feather), (starling.camera, starling.feather));
+        assert_eq!((&scene.camera, scene.feather()), (&starling.camera, starling.feather()));
         let identity = |scene: &SceneDescription| hash("scene", scene);
         assert_eq!(identity(&SceneDescription::named("starling:pink").unwrap()), identity(&starling));
         assert_ne!(identity(&scene), identity(&starling));
@@ -352,16 +353,18 @@ mod tests {
             let other = if name == "magpie" { "mallard" } else { "magpie" };
             let changed = SceneDescription::parse(&format!("preset = \"{other}\"\n{text}")).unwrap();
             // Keys that a preset leaves out are those of the proximal barbules.
-            assert_eq!(changed.feather.distal, SceneDescription::named(name).unwrap().feather.distal);
+            assert_eq!(changed.feather().unwrap().distal, SceneDescription::named(name).unwrap().feather().unwrap().distal);
         }
         let text = "preset = \"magpie\"\n[feather.proximal]\ntilt_deg = 5.0\n[surfaces.ramus]\nmelanin = 0.5\n\
                     [window]\nradius_mm = 1.0\n";
         let (scene, magpie) =
             (SceneDescription::parse(text).unwrap(), SceneDescription::named("magpie").unwrap());
+        let [scene, magpie] = [&scene, &magpie].map(|scene| scene.lone_feather().unwrap());
         assert_eq!(scene.feather.proximal.tilt, 5.0_f64.to_radians());
         assert_eq!(scene.feather.proximal.base_lift, magpie.feather.proximal.base_lift);
         assert_eq!(scene.feather.distal, magpie.feather.distal);
-        assert_eq!((scene.surfaces.ramus.melanin, scene.surfaces.ramus.index), (0.5, 1.56));
+        let RamusDress::Keratin(ramus) = &scene.dress.ramus else { panic!("{:?}", scene.dress) };
+        assert_eq!((ramus.melanin, ramus.index), (0.5, 1.56));
         assert_eq!((scene.window.radius_mm, scene.window.along_mm), (Some(1.0), 150.0));
     }
 
@@ -371,7 +374,7 @@ mod tests {
         let text = "preset = \"rock-dove\"\n[surfaces.hair]\nlongitudinal_roughness = 0.25\nazimuthal_roughness = 0.3\n\
                     eumelanin = 0.6\npheomelanin = 0.1\nindex = 1.55\nheight_over_width = 2.5\n";
         let scene = SceneDescription::parse(text).unwrap();
-        let hair = scene.surfaces.hair.unwrap();
+        let RamusDress::Hair(hair) = scene.lone_feather().unwrap().dress.ramus.clone() else { panic!() };
         assert_eq!((hair.longitudinal_roughness, hair.azimuthal_roughness), (0.25, 0.3));
         assert_eq!(
             (hair.eumelanin, hair.pheomelanin, hair.index, hair.scale_tilt_deg),
@@ -379,7 +382,7 @@ mod tests {
         );
         assert_eq!(hair.height_over_width, 2.5);
         let bare = SceneDescription::named("rock-dove").unwrap();
-        assert!(bare.surfaces.hair.is_none() && !serde_json::to_string(&bare).unwrap().contains("hair"));
+        assert!(matches!(bare.lone_feather().unwrap().dress.ramus, RamusDress::Keratin(_)));
         assert_ne!(hash("scene", &scene), hash("scene", &bare));
         let message = |text: &str| {
             let text = format!("preset = \"rock-dove\"\n[surfaces.hair]\n{text}");
@@ -395,10 +398,10 @@ mod tests {
     fn a_whole_feather_takes_the_place_of_a_radius() {
         let window = |text: &str| {
             SceneDescription::parse(&format!("preset = 'starling'\n[window]\n{text}"))
-                .map(|scene| scene.window)
+                .map(|scene| scene.lone_feather().unwrap().window)
         };
         assert_eq!(window("whole = true").unwrap().radius_mm, None);
-        assert_eq!(window("whole = false").unwrap(), SceneDescription::named("starling").unwrap().window);
+        assert_eq!(window("whole = false").unwrap(), SceneDescription::named("starling").unwrap().lone_feather().unwrap().window);
         assert_eq!(window("whole = false\nradius_mm = 2").unwrap().radius_mm, Some(2.0));
         let both = window("whole = true\nradius_mm = 2").unwrap_err().to_string();
         assert_eq!(both, "window.whole and window.radius_mm are both given; leave one out");
@@ -410,14 +413,14 @@ mod tests {
         let starling = |text: &str| message(&format!("preset = \"starling\"\n{text}"));
         assert!(message("preset = \"starlign\"").contains("did you mean 'starling'"));
         assert!(
-            starling("exposre = 1.0").contains("line 2: there is no key 'exposre', did you mean 'exposure'")
+            starling("exposre = 1.0").contains("line 2: unknown key 'exposre', did you mean 'exposure'")
         );
-        assert!(message("preset = 3").contains("invalid type"));
+        assert!(message("preset = 3").contains("preset is the number 3"));
         assert!(starling("exposure = -1.0").contains("exposure is -1, outside 0.000001 to 1000000"));
         assert!(
             starling("[light]\nelevation = 100.0").contains("light.elevation_deg is 100, outside -90 to 90")
         );
-        assert!(starling("[light]\nelevation = 10.0\nelevation_deg = 20.0").contains("duplicate"));
+        assert!(starling("[light]\nelevation = 10.0\nelevation_deg = 20.0").contains("are both given"));
         assert!(message("material = \"x\"").contains("preset"));
         assert!(starling("sky = 1.0\n[sky_image]\nfile = \"a.exr\"").contains("both"));
         assert!(starling("[sky_image]\nfiel = \"a.exr\"").contains("did you mean 'file'"));
@@ -475,7 +478,7 @@ mod tests {
         focused.camera.focus_distance_mm = Some(14.0);
         focused.camera.focal_length_mm = Some(85.0);
         focused.camera.f_number = Some(11.0);
-        focused.window.radius_mm = None;
+        focused.lone_feather_mut().unwrap().window.radius_mm = None;
         focused.sky = SkyDescription::Gradient { zenith: 0.5, horizon: 1.0, below: 1.0 };
         assert_eq!(SceneDescription::parse(&focused.to_toml().unwrap()).unwrap(), focused);
     }

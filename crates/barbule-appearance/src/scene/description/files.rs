@@ -1,6 +1,7 @@
 //! The files and materials that a scene names: one walk over all of them, and scenes that lack none.
 
 use std::ops::Deref;
+use std::sync::Arc;
 
 use super::coat::CoatObject;
 use super::dress::FeatherObject;
@@ -102,6 +103,21 @@ impl SceneDescription {
             surface.named_mut(&format!("surfaces.{}", shortened(name)), &mut named);
         }
         named
+    }
+
+    /// The scene with the same material on whatever wears one, whatever it is called; the files that it names must be read.
+    ///
+    /// # Errors
+    /// A file that is not read, a number out of range, or a material that is needed and not given.
+    pub fn wearing(mut self, material: impl Into<Option<Arc<FeatherBrdf>>>) -> Result<ReadyScene> {
+        if let Some(material) = material.into() {
+            for (_, named) in self.named_mut() {
+                if let Named::Material(slot) = named {
+                    slot.fill(material.clone(), String::new());
+                }
+            }
+        }
+        ReadyScene::new(self)
     }
 
     /// The names of the materials that are worn, each once, in their order.

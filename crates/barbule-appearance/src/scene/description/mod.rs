@@ -223,6 +223,16 @@ impl SceneDescription {
         })
     }
 
+    /// The name of the material of the first feather's or coat's barbules, where they wear one.
+    #[must_use]
+    pub fn material(&self) -> Option<&str> {
+        self.objects.iter().find_map(|object| match &object.shape {
+            ObjectShape::Feather(of) => of.dress.material(),
+            ObjectShape::Coat(of) => of.dress.material(),
+            _ => None,
+        })
+    }
+
     /// Puts another material on the first feather's or coat's barbules, where they wear one.
     pub fn set_material(&mut self, name: &str) {
         let Some(dress) = self.dress_mut() else { return };

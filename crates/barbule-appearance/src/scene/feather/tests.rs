@@ -10,7 +10,7 @@ use crate::scene::geometry::RibbonNode;
 use crate::scene::preset;
 
 fn feather(name: &str) -> Feather {
-    SceneDescription::named(name).unwrap().feather
+    *SceneDescription::named(name).unwrap().feather().unwrap()
 }
 
 fn species() -> impl Iterator<Item = (&'static str, Feather)> {
@@ -411,7 +411,7 @@ fn impossible_parameters_are_refused() {
 
 #[test]
 fn tables_start_from_a_type_and_keys_for_both_vanes_mean_either() {
-    let read = |text: &str| Feather::read(&crate::fields::parse_toml(text).unwrap());
+    let read = |text: &str| Feather::read(&crate::fields::parse_toml(text).unwrap(), "feather");
     let primary = Feather::of_type("primary").unwrap();
     assert_eq!(read("type = 'primary'").unwrap(), primary);
     assert_eq!(read("").unwrap(), Feather::of_type("contour").unwrap());
@@ -419,11 +419,11 @@ fn tables_start_from_a_type_and_keys_for_both_vanes_mean_either() {
     assert_eq!((wide.barbs.leading_half_width_mm, wide.barbs.trailing_half_width_mm), (9.0, 9.0));
     assert_eq!(wide.barbs.leading_base_angle, primary.barbs.leading_base_angle);
     for (name, feather) in all() {
-        assert_eq!(Feather::read(&feather.table()).unwrap(), feather, "{name}");
+        assert_eq!(Feather::read(&feather.table(), "feather").unwrap(), feather, "{name}");
     }
     let message = |text: &str| read(text).unwrap_err().to_string();
     assert!(message("type = 'primery'").contains("feather.type is 'primery', did you mean 'primary'"));
-    assert!(message("leading = 'up'").contains("feather.leading is 'up'; give left or right"));
+    assert!(message("leading = 'up'").contains("feather.leading is 'up'; known are left, right"));
     assert!(message("[barbs]\nvane_half_width = 3").contains("did you mean 'vane_half_width_mm'"));
     assert_eq!(
         message("[barbs]\nvane_half_width_mm = 3\nleading_half_width_mm = 2"),
@@ -433,7 +433,7 @@ fn tables_start_from_a_type_and_keys_for_both_vanes_mean_either() {
         message("[barbs]\nvane_half_width_mm = 0").contains("feather.barbs.vane_half_width_mm is 0, outside")
     );
     // A scene over its preset.
-    let scene = |text: &str| SceneDescription::parse(&format!("preset = 'magpie'\n{text}")).unwrap().feather;
+    let scene = |text: &str| *SceneDescription::parse(&format!("preset = 'magpie'\n{text}")).unwrap().feather().unwrap();
     assert_eq!(scene("[feather]\ntype = 'primary'"), primary);
     let magpie = feather("magpie");
     let narrow = scene("[feather.barbs]\nvane_half_width_mm = 3");

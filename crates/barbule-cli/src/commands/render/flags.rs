@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use barbule::error::{did_you_mean, shortened};
-use barbule::scene::description::{Background, Bearing, Motion, Moved, ViewModel, Waypoint};
+use barbule::scene::description::{Background, Bearing, Exposure, Motion, Moved, ViewModel, Waypoint};
 use barbule::{Error, Result};
 
 use crate::sets;
@@ -81,20 +81,16 @@ fn time(text: &str) -> Result<Duration> {
 /// A factor, or `auto` for none.
 pub(super) fn exposure(text: &str) -> Result<Exposure> {
     if text == "auto" {
-        return Ok(Exposure(None));
+        return Ok(Exposure::Auto);
     }
     match text.parse::<f64>() {
-        Ok(factor) if (1e-6..=1e6).contains(&factor) => Ok(Exposure(Some(factor))),
+        Ok(factor) if (1e-6..=1e6).contains(&factor) => Ok(Exposure::Factor(factor)),
         _ => Err(Error::input(format!(
             "--exposure {}: give a factor from 0.000001 to 1000000, or auto",
             shortened(text)
         ))),
     }
 }
-
-/// What `--exposure` says: a factor, or none for one by a key.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Exposure(pub(super) Option<f64>);
 
 /// `sky`, `none`, `#rrggbb` or a picture.
 pub(super) fn background(text: &str) -> Result<Background> {
@@ -103,7 +99,7 @@ pub(super) fn background(text: &str) -> Result<Background> {
 
 /// How barbs are seen.
 pub(super) fn view_model(text: &str) -> Result<ViewModel> {
-    ViewModel::named(text).map_err(|e| e.at("--view-model"))
+    ViewModel::named("detail.view_model", text).map_err(|e| e.at("--view-model"))
 }
 
 /// What moves on an arc, as in `light=40`.
@@ -136,7 +132,7 @@ fn moved<'a>(flag: &str, text: &'a str, example: &str) -> Result<(Moved, &'a str
         Some((_, moved)) if !rest.is_empty() => Ok((*moved, rest)),
         Some(_) => Err(Error::input(format!("{flag} {}: write it as in {example}", shortened(text)))),
         None => {
-            let near = did_you_mean(name, Moved::ALL.map(|(known, _)| known));
+            let near = did_you_mean(name, Moved::ALL.iter().map(|(known, _)| *known));
             Err(Error::input(format!(
                 "{flag} {}: what moves is light, camera or feather{near}, as in {example}",
                 shortened(text)

@@ -6,7 +6,7 @@ use std::path::{Component, Path};
 
 use glam::{DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
 
-use super::{Found, LARGEST_MESH, MOST_VERTICES, Parts, read_at_most};
+use super::{Found, LARGEST_MESH, MOST_VERTICES, Parts};
 use crate::error::shortened;
 use crate::{Error, Result};
 use document::{Accessor, Document, Node, Primitive, entry};
@@ -27,7 +27,7 @@ const STRIP: u32 = 5;
 const FAN: u32 = 6;
 
 /// Reads a file's bytes; buffers in files of their own lie in its folder or below.
-pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<Found> {
+pub(super) fn read(bytes: &[u8], other: &dyn Fn(&str, u64) -> Result<Vec<u8>>) -> Result<Found> {
     let (text, binary) = if bytes.starts_with(b"glTF") { chunks(bytes)? } else { (bytes, None) };
     let document = Document::parse(text)?;
     let mut beside = Vec::new();
@@ -45,7 +45,7 @@ pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<Found> {
                     Place::Embedded(embedded.len() - 1)
                 }
                 None => {
-                    let bytes = read_at_most(&folder.join(local(uri)?), left)?;
+                    let bytes = other(&local(uri)?, left)?;
                     left -= bytes.len() as u64;
                     beside.push(bytes);
                     Place::Beside(beside.len() - 1)

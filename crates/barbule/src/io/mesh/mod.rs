@@ -8,7 +8,8 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::whole::{folder_of, read_at_most};
+use super::assets::{Assets, Folder, ending};
+use super::whole::folder_of;
 use crate::scene::geometry::Mesh;
 use crate::{Error, Result};
 
@@ -24,23 +25,33 @@ const MOST_VERTICES: usize = 5_000_000;
 /// # Errors
 /// Missing, over 256 MiB, of another kind, damaged, or without a triangle.
 pub fn read_mesh(path: &Path) -> Result<(Mesh, String)> {
-    let refuse = |error: Error| error.at(path.display());
-    let read: fn(&[u8], &Path) -> Result<Found> = match extension(path).as_str() {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    decode_mesh(&name, &Folder(folder_of(path).to_path_buf()))
+}
+
+/// Reads a mesh and what it names from where a scene's files are; see [`read_mesh`].
+///
+/// # Errors
+/// As there.
+pub fn decode_mesh(name: &str, assets: &dyn Assets) -> Result<(Mesh, String)> {
+    let refuse = |error: Error| error.at(assets.place(name));
+    let read: fn(&[u8], &dyn Fn(&str, u64) -> Result<Vec<u8>>) -> Result<Found> = match ending(name).as_str() {
         "ply" => |bytes, _| ply::read(bytes).map(Found::from),
         "obj" => |bytes, _| obj::read(&String::from_utf8_lossy(bytes)).map(Found::from),
         "gltf" | "glb" => gltf::read,
         _ => return Err(refuse(Error::input("meshes are read from .ply, .obj, .gltf or .glb"))),
     };
-    let bytes = read_at_most(path, LARGEST_MESH)?;
-    let Found { parts, beside } = read(&bytes, folder_of(path)).map_err(refuse)?;
+    let bytes = assets.read(name, LARGEST_MESH)?;
+    // Names in a file are as seen from it.
+    let beside = |other: &str, largest: u64| {
+        let other = Path::new(name).with_file_name(other);
+        assets.read(&other.to_string_lossy(), largest)
+    };
+    let Found { parts, beside } = read(&bytes, &beside).map_err(refuse)?;
     let mut hasher = blake3::Hasher::new();
     hasher.update(&bytes);
     beside.iter().for_each(|bytes| _ = hasher.update(bytes));
     Ok((parts.finish().map_err(refuse)?, hasher.finalize().to_hex().to_string()))
-}
-
-fn extension(path: &Path) -> String {
-    path.extension().map_or_else(String::new, |end| end.to_string_lossy().to_lowercase())
 }
 
 /// What a file holds of shapes.

@@ -28,9 +28,9 @@ pub(crate) fn close_up() -> SceneDescription {
 pub(crate) fn picture(samples: u32, seed: u64) -> Film {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
     let mut description = close_up();
-    description.window.radius_mm = Some(1.0);
+    description.lone_feather_mut().unwrap().window.radius_mm = Some(1.0);
     description.camera.width_mm = 1.2;
-    let (scene, _) = description.scene(brdf, 1).unwrap();
+    let (scene, _) = description.wearing(brdf).unwrap().scene(1).unwrap();
     let stage = Stage::new(scene.objects).unwrap();
     let lighting = Lighting::new(scene.lamps, scene.environment.as_ref()).unwrap();
     let integrator = Integrator::new(&stage, &lighting, &scene.camera, Transport::default());
