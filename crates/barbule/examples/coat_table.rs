@@ -7,7 +7,9 @@
 use std::path::Path;
 use std::time::Instant;
 
-use barbule::io::read_scene_files;
+use barbule::io::Folder;
+use barbule::progress::Unobserved;
+use barbule::resolve::read_files;
 use barbule::scene::description::SceneDescription;
 use barbule::{Error, Result};
 
@@ -23,7 +25,11 @@ fn main() -> Result<()> {
     let folder = Folder(Path::new(file).parent().unwrap_or(Path::new("")).to_path_buf());
     read_files(&mut scene, &folder, seed, &Unobserved)?;
     let start = Instant::now();
-    let laid = scene.laid_coats(seed)?.into_iter().next().ok_or_else(|| Error::input(format!("{file} has no [coat]")))?;
+    let laid = scene
+        .laid_coats(seed)?
+        .into_iter()
+        .next()
+        .ok_or_else(|| Error::input(format!("{file} has no [coat]")))?;
     let seconds = start.elapsed().as_secs_f64();
     let lifts: Vec<f64> = (laid.stands.iter().zip(&laid.before))
         .map(|(now, before)| (now.erection - before.erection).to_degrees())

@@ -151,7 +151,8 @@ fn pictures(preset: &str, samples: u64) -> Result<()> {
         .ok_or_else(|| Error::input(format!("no shipped material is called {wanted}")))?;
     let material = decode_material(bytes)?;
     let of = |polarization| FeatherBrdf::new(&material, Options { polarization, ..Options::default() });
-    let (Scene { objects, lamps, environment, camera }, _) = description.clone().wearing(Arc::new(of(None)?))?.scene(SEED)?;
+    let (Scene { objects, lamps, environment, camera }, _) =
+        description.clone().wearing(Arc::new(of(None)?))?.scene(SEED)?;
     let (stage, lighting) = (Stage::new(objects)?, Lighting::new(lamps, environment.as_ref())?);
     let no_keratin = || Error::input(format!("{preset}: is not a feather of keratin"));
     let dress = &description.lone_feather().ok_or_else(no_keratin)?.dress;

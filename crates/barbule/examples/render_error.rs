@@ -56,7 +56,7 @@ impl Prepared {
             _ => SceneDescription::named(preset)?,
         };
         description.camera.width_mm *= f64::from(size[0]) / 1280.0;
-        let wanted = description.material.replace(':', "-");
+        let wanted = description.material().unwrap_or_default().replace(':', "-");
         let (_, bytes) =
             barbule_materials::MATERIALS.iter().find(|(name, _)| name.starts_with(&wanted)).unwrap();
         let material = decode_material(bytes)?;

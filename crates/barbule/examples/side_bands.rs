@@ -77,8 +77,8 @@ fn radiances(model: &str) -> barbule::Result<Vec<[f64; 2]>> {
         let turned = SCENE.replace("[camera]", &format!("[camera]\nazimuth_deg = {azimuth}"));
         SceneDescription::parse(&format!("{turned}[detail]\n{model}\n"))
     };
-    let description = scene(0.0)?;
-    let (objects, _) = description.wearing(None)?.objects(1)?;
+    let description = scene(0.0)?.wearing(None)?;
+    let (objects, _) = description.objects(1)?;
     let stage = Stage::new(objects)?;
     let lighting = Lighting::new(description.lamps()?, None)?;
     let mut found = Vec::new();

@@ -187,9 +187,9 @@ pub use scene::description::SceneDescription;
 /// See the crate's first page for an example.
 pub use characterize::characterize;
 /// See the crate's first page for an example.
-pub use resolve::{Worn, resolve};
-/// See the crate's first page for an example.
 pub use picture::{Picture, PictureOptions};
+/// See the crate's first page for an example.
+pub use resolve::{Worn, resolve};
 
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/guide/rust.md")]

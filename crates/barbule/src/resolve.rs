@@ -9,7 +9,8 @@ use crate::diffraction::sample_powers;
 use crate::io::image::{Meaning, RgbImage, decode_picture};
 use crate::io::measured::{LARGEST_TABLE, Scale, parse_measured};
 use crate::io::{
-    Assets, LARGEST_CURVES, LARGEST_GRATING, LARGEST_INPUT, decode_curves, decode_grating, decode_mesh, hash_bytes,
+    Assets, LARGEST_CURVES, LARGEST_GRATING, LARGEST_INPUT, decode_curves, decode_grating, decode_mesh,
+    hash_bytes,
 };
 use crate::progress::Progress;
 use crate::scene::backdrop::BackdropPicture;
@@ -92,14 +93,17 @@ pub fn read_named(named: Named<'_>, assets: &dyn Assets, seed: u64, progress: &d
         Named::Backdrop(slot) => fill_picture(slot, assets, Meaning::Colour, |image, is_radiance| {
             BackdropPicture::new(image.size, image.pixels, is_radiance)
         }),
-        Named::Sky(slot, [strength, turn_deg]) => {
-            fill_picture(slot, assets, Meaning::Colour, |RgbImage { size: [width, height], pixels }, is_radiance| {
+        Named::Sky(slot, [strength, turn_deg]) => fill_picture(
+            slot,
+            assets,
+            Meaning::Colour,
+            |RgbImage { size: [width, height], pixels }, is_radiance| {
                 if !is_radiance {
                     return Err(Error::input("skies are read from .exr"));
                 }
                 Sky::image(width, height, pixels, strength, turn_deg)
-            })
-        }
+            },
+        ),
         Named::Colours(slot) => fill_picture(slot, assets, Meaning::Colour, texture),
         Named::Numbers(slot) => fill_picture(slot, assets, Meaning::Number, texture),
         Named::Mesh(slot) => {

@@ -204,7 +204,9 @@ impl Kind {
             }
             Self::Switch => json!({"type": "boolean"}),
             Self::Word(words) => json!({"enum": words}),
-            Self::Choice(choices) => json!({"enum": choices.iter().map(|choice| choice.word).collect::<Vec<_>>()}),
+            Self::Choice(choices) => {
+                json!({"enum": choices.iter().map(|choice| choice.word).collect::<Vec<_>>()})
+            }
             Self::Text(what) => json!({"type": "string", "description": what}),
             Self::Colour => json!({"anyOf": [
                 {"type": "string", "pattern": "^#[0-9a-fA-F]{6}$"},
@@ -257,7 +259,8 @@ fn object(keys: &[Key], also_needed: &[&str]) -> Value {
             properties.insert((*name).to_owned(), schema.clone());
         }
     }
-    let needed = keys.iter().filter(|key| key.usual == Usual::Needed && key.aliases.is_empty()).map(|key| key.name);
+    let needed =
+        keys.iter().filter(|key| key.usual == Usual::Needed && key.aliases.is_empty()).map(|key| key.name);
     let needed: Vec<&str> = needed.chain(also_needed.iter().copied()).collect();
     json!({"type": "object", "properties": properties, "required": needed, "additionalProperties": false})
 }

@@ -256,7 +256,8 @@ impl<T: FieldValue<Limits = Within>, const N: usize> FieldValue for [T; N] {
         let values = list(value, path)?;
         let read = |(i, value): (usize, &Value)| T::of_value(value, &format!("{path}[{i}]"), limits);
         let count = values.len();
-        let wanted = || Error::input(format!("{path} has {count} numbers; give {}", Self::kind(limits).wanted()));
+        let wanted =
+            || Error::input(format!("{path} has {count} numbers; give {}", Self::kind(limits).wanted()));
         if count != N {
             return Err(wanted());
         }
@@ -396,7 +397,11 @@ impl<T: FieldValue> FieldValue for Vec<T> {
                 format!("{path}: give {least} to {most} of them")
             }));
         }
-        values.iter().enumerate().map(|(i, value)| T::of_value(value, &format!("{path}[{i}]"), &limits.of)).collect()
+        values
+            .iter()
+            .enumerate()
+            .map(|(i, value)| T::of_value(value, &format!("{path}[{i}]"), &limits.of))
+            .collect()
     }
 
     fn to_value(&self, limits: &Self::Limits) -> Option<Value> {
@@ -405,7 +410,9 @@ impl<T: FieldValue> FieldValue for Vec<T> {
     }
 
     fn check_value(&self, path: &str, limits: &Self::Limits) -> Result<()> {
-        self.iter().enumerate().try_for_each(|(i, value)| value.check_value(&format!("{path}[{i}]"), &limits.of))
+        self.iter()
+            .enumerate()
+            .try_for_each(|(i, value)| value.check_value(&format!("{path}[{i}]"), &limits.of))
     }
 
     fn feed_value(&self, key: &str, to: &mut Hasher) {
@@ -790,7 +797,10 @@ mod tests {
     #[test]
     fn what_is_left_out_is_usual_and_what_is_written_is_read_again() {
         let bare = Thing::read(&json!({"thickness_um": 0.5}), "thing").unwrap();
-        assert_eq!((bare.count, bare.turn, bare.hue, bare.on, bare.spot.at_mm), (3, 0.0, Hue::Red, None, [0.0; 3]));
+        assert_eq!(
+            (bare.count, bare.turn, bare.hue, bare.on, bare.spot.at_mm),
+            (3, 0.0, Hue::Red, None, [0.0; 3])
+        );
         let given = json!({"thickness_um": 0.5, "count": 4, "turn_deg": 90, "hue": "green", "on": false,
                            "names": ["a", "b"], "at_mm": [1, 2, 3]});
         let thing = Thing::read(&given, "thing").unwrap();
@@ -818,7 +828,10 @@ mod tests {
         assert!(with("hue", json!("gren")).contains("did you mean 'green'"));
         assert!(with("on", json!(1)).contains("thing.on is the number 1, but must be true or false"));
         assert!(with("names", json!(["a", "b", "c"])).contains("3 are over the limit of 2"));
-        assert!(with("at_mm", json!([1, 2])).contains("thing.at_mm has 2 numbers; give three numbers from -10 to 10"));
+        assert!(
+            with("at_mm", json!([1, 2]))
+                .contains("thing.at_mm has 2 numbers; give three numbers from -10 to 10")
+        );
         assert!(with("at_mm", json!([1, 2, 30])).contains("thing.at_mm[2] is 30"));
         assert!(with("coutn", json!(1)).contains("did you mean 'count'"));
         assert_eq!(with("count", json!(7)), "thing: seven is unlucky");

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use barbule::error::shortened;
 use barbule::io::{FeatherFormat, MOST_WRITTEN_BARBULES, check_writable, write_feather};
 use barbule::scene::feather::{self, Feather, Measures, VaneDisc, VaneMeasures};
 use barbule::{Error, Result};

@@ -14,11 +14,12 @@ use barbule::render::checkpoint;
 use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND};
+use barbule::resolve::{Worn, read_files, read_named, resolve};
 use barbule::scene::description::{
-    Background, Bearing, Exposure, Motion, Moved, Named, ReadyScene, SceneDescription, USUAL_ARC_DEG, ViewModel,
+    Background, Bearing, Exposure, Motion, Moved, Named, ReadyScene, SceneDescription, USUAL_ARC_DEG,
+    ViewModel,
 };
 use barbule::scene::preset;
-use barbule::resolve::{Worn, read_files, read_named, resolve};
 use barbule::{Error, Result};
 
 use crate::common::{Common, path_json, print, print_json};
@@ -193,8 +194,13 @@ impl Args {
             description.background = background.clone();
             if let (Background::Picture(slot), false) = (&mut description.background, self.toml) {
                 // It lies where the command runs, not where the scene does.
-                read_named(Named::Backdrop(slot), &Folder::default(), self.common.seed, &Terminal::new(&self.common))
-                    .map_err(|e| e.at("--background"))?;
+                read_named(
+                    Named::Backdrop(slot),
+                    &Folder::default(),
+                    self.common.seed,
+                    &Terminal::new(&self.common),
+                )
+                .map_err(|e| e.at("--background"))?;
             }
         }
         if description.is_lit_from_behind() {

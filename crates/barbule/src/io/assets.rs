@@ -53,5 +53,7 @@ impl Assets for Memory {
 
 /// The ending of a file's name, in lower case.
 pub(super) fn ending(name: &str) -> String {
-    std::path::Path::new(name).extension().map_or_else(String::new, |end| end.to_string_lossy().to_lowercase())
+    std::path::Path::new(name)
+        .extension()
+        .map_or_else(String::new, |end| end.to_string_lossy().to_lowercase())
 }

@@ -37,12 +37,12 @@ fn mean(level: &str, light: &str, extra: &str) -> [f64; 3] {
     for seed in [1, 2] {
         let text =
             format!("preset = 'starling'\nlights = []\n{light}\n{PATCH}[detail]\nlevel = '{level}'\n{extra}");
-        let scene = SceneDescription::parse(&text).unwrap();
-        let (objects, counts) = scene.clone().wearing(brdf.clone()).unwrap().objects(seed).unwrap();
+        let scene = SceneDescription::parse(&text).unwrap().wearing(brdf.clone()).unwrap();
+        let (objects, counts) = scene.objects(seed).unwrap();
         assert!(level == "vane" || counts.barbules > 5000, "{counts:?}");
         let stage = Stage::new(objects).unwrap();
         let lighting =
-            Lighting::new(scene.lamps().unwrap(), scene.environment(None).unwrap().as_ref()).unwrap();
+            Lighting::new(scene.lamps().unwrap(), scene.environment().unwrap().as_ref()).unwrap();
         for azimuth in AZIMUTHS {
             let turned = text.replace(
                 "elevation_deg = 60.0\n",

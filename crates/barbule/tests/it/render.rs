@@ -603,7 +603,10 @@ fn one_stage_serves_every_light_and_camera() {
         let mut turned = description.clone();
         turned.light.bearing.azimuth_deg += turn_deg;
         turned.camera.bearing.azimuth_deg += 0.5 * turn_deg;
-        let lighting = shared.lighting.with_lamps(turned.clone().wearing(brdf.clone()).unwrap().lamps().unwrap()).unwrap();
+        let lighting = shared
+            .lighting
+            .with_lamps(turned.clone().wearing(brdf.clone()).unwrap().lamps().unwrap())
+            .unwrap();
         let camera = turned.camera();
         let integrator = Integrator::new(&shared.stage, &lighting, &camera, Transport::default());
         let relit = film(&integrator, [40, 24], 4);

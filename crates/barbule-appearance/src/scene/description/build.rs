@@ -57,7 +57,10 @@ impl ReadyScene {
             } else {
                 let name = object.surface.as_deref().unwrap_or_default();
                 let surface = self.surfaces.named(&format!("the surface of {}", object.label()), name)?;
-                all.push(Object { geometry: object.geometry(shapes)?, surface: surface.build(&self.surfaces)? });
+                all.push(Object {
+                    geometry: object.geometry(shapes)?,
+                    surface: surface.build(&self.surfaces)?,
+                });
                 shapes += 1;
             }
         }
@@ -305,8 +308,7 @@ mod tests {
     #[test]
     fn a_turned_feather_keeps_camera_and_light_together() {
         let text = "[[lights]]\ntype = 'spot'\nposition_mm = [3, 4, 5]\ntarget_mm = [0, 0, 1]\ncone_deg = 20\nstrength = 1";
-        let (still, turned) =
-            (ready(starling(text)), ready(starling(&format!("turn_deg = 50.0\n{text}"))));
+        let (still, turned) = (ready(starling(text)), ready(starling(&format!("turn_deg = 50.0\n{text}"))));
         let places = |scene: &ReadyScene| {
             let lamps = scene.lamps().unwrap();
             let (Light::Sun(sun), Light::Spot(spot)) = (&lamps[0].light, &lamps[1].light) else { panic!() };
@@ -347,8 +349,12 @@ mod tests {
         let about = up(turned);
         let target = starling("").camera().target;
         assert!((about.up - DVec3::X).length() < 1e-12);
-        assert!((about.target - (DVec3::new(target.z, target.y, -target.x) + DVec3::new(1.0, 2.0, 3.0))).length() < 1e-12);
-        let none = SceneDescription::parse("preset = 'starling'\n[camera]\nabout = 'bal'").unwrap_err().to_string();
+        assert!(
+            (about.target - (DVec3::new(target.z, target.y, -target.x) + DVec3::new(1.0, 2.0, 3.0))).length()
+                < 1e-12
+        );
+        let none =
+            SceneDescription::parse("preset = 'starling'\n[camera]\nabout = 'bal'").unwrap_err().to_string();
         assert!(none.contains("camera.about is 'bal'"), "{none}");
     }
 

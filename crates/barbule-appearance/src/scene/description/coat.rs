@@ -121,7 +121,8 @@ record! {
 }
 
 /// Where nothing is said feathers lie down the picture.
-const DOWN: GuideDescription = GuideDescription { position_mm: [0.0; 3], direction: [0.0, -1.0, 0.0], kind: 0 };
+const DOWN: GuideDescription =
+    GuideDescription { position_mm: [0.0; 3], direction: [0.0, -1.0, 0.0], kind: 0 };
 
 impl GuideDescription {
     fn agree(&self, place: &str) -> Result<()> {
@@ -134,8 +135,9 @@ impl GuideDescription {
 
 impl CoatDescription {
     fn agree(&self, place: &str) -> Result<()> {
-        let both =
-            |a: &str, b: &str| Err(Error::input(format!("{place}.{a} and {place}.{b} are both given; leave one out")));
+        let both = |a: &str, b: &str| {
+            Err(Error::input(format!("{place}.{a} and {place}.{b} are both given; leave one out")))
+        };
         match (&self.ellipsoid_mm, &self.mesh) {
             (Some(_), Some(_)) => return both("ellipsoid_mm", "mesh"),
             (None, None) => {
@@ -166,7 +168,9 @@ impl CoatDescription {
             )));
         }
         if self.map.is_some() && kinds == 0 {
-            return Err(Error::input(format!("{place}.map is given, but {place}.feathers has no further kinds")));
+            return Err(Error::input(format!(
+                "{place}.map is given, but {place}.feathers has no further kinds"
+            )));
         }
         Ok(())
     }
@@ -186,10 +190,8 @@ impl CoatDescription {
     }
 
     fn coat(&self) -> Coat {
-        let guide = |guide: &GuideDescription| Guide {
-            position_mm: guide.position_mm,
-            direction: guide.direction,
-        };
+        let guide =
+            |guide: &GuideDescription| Guide { position_mm: guide.position_mm, direction: guide.direction };
         Coat {
             number: self.number(),
             region: self.region(),
@@ -313,11 +315,12 @@ impl CoatObject {
 
     /// As fine as is said, or surfaces.
     fn detail_on_body(&self, width_mm: f64) -> Detail {
-        let level = match (self.detail.level, self.detail.level_of(&self.feather, window(&self.feather), width_mm)) {
-            (_, Level::Envelopes) => DetailLevel::Envelopes,
-            (DetailLevel::Auto, _) => DetailLevel::Vane,
-            (level, _) => level,
-        };
+        let level =
+            match (self.detail.level, self.detail.level_of(&self.feather, window(&self.feather), width_mm)) {
+                (_, Level::Envelopes) => DetailLevel::Envelopes,
+                (DetailLevel::Auto, _) => DetailLevel::Vane,
+                (level, _) => level,
+            };
         Detail { level, ..self.detail }
     }
 
@@ -370,7 +373,10 @@ mod tests {
         let coat = |text: &str| message(&format!("[coat]\nellipsoid_mm = [9, 9, 9]\n{text}"));
         assert_eq!(message("[coat]\ncount = 5"), "[coat] has no body; give ellipsoid_mm or mesh");
         assert!(coat("mesh = 'a.ply'\ncount = 5").contains("both given"));
-        assert!(message("[coat]\nellipsoid_mm = [9, 9]\ncount = 5").contains("coat.ellipsoid_mm has 2 numbers; give three numbers"));
+        assert!(
+            message("[coat]\nellipsoid_mm = [9, 9]\ncount = 5")
+                .contains("coat.ellipsoid_mm has 2 numbers; give three numbers")
+        );
         assert!(coat("").starts_with("coat.count is missing"));
         assert!(coat("count = 5\ndensity_per_cm2 = 2").contains("both given"));
         assert_eq!(coat("count = 60000"), "coat.count is 60000, outside 1 to 50000");

@@ -137,7 +137,10 @@ impl Zone {
 
     /// The materials that it wears.
     pub(super) fn materials_mut(&mut self) -> impl Iterator<Item = &mut Slot<FeatherBrdf>> {
-        [self.distal.as_mut(), self.proximal.as_mut()].into_iter().flatten().filter_map(BarbuleDress::material_mut)
+        [self.distal.as_mut(), self.proximal.as_mut()]
+            .into_iter()
+            .flatten()
+            .filter_map(BarbuleDress::material_mut)
     }
 
     /// What it changes: the rami, the barbules on both sides.
@@ -156,7 +159,9 @@ impl FeatherObject {
     pub(super) fn agree(&self, fields: &Fields<'_>) -> Result<()> {
         let own = [self.dress.ramus.word(), self.dress.distal.word(), self.dress.proximal.word()];
         for (i, zone) in self.zones.iter().enumerate() {
-            for ((key, kind), own) in zone.kinds().into_iter().zip(own).filter_map(|(of, own)| Some((of?, own))) {
+            for ((key, kind), own) in
+                zone.kinds().into_iter().zip(own).filter_map(|(of, own)| Some((of?, own)))
+            {
                 if kind != own {
                     return Err(Error::input(format!(
                         "{}[{i}].{key} is of type '{kind}', but the feather's own is '{own}'; give the same type",
@@ -242,7 +247,8 @@ impl Dress {
                 Some((None, parts))
             }
             BarbuleDress::Barbule(of) => {
-                let only = BarbuleClothing { underside: of.underside, ..BarbuleClothing::of(&of.material.name) };
+                let only =
+                    BarbuleClothing { underside: of.underside, ..BarbuleClothing::of(&of.material.name) };
                 if of.uv_mm != only.uv_mm || [of.width_um, of.length_um, of.cell_um] != [0.0; 3] {
                     return None;
                 }
@@ -268,12 +274,14 @@ pub(super) fn of_parts(material: Option<Value>, mut parts: Map<String, Value>) -
         }
         Some(table)
     };
-    let (hair, keratin, barbule) = (typed("hair", "hair"), typed("ramus", "keratin"), typed("barbule", "hair"));
+    let (hair, keratin, barbule) =
+        (typed("hair", "hair"), typed("ramus", "keratin"), typed("barbule", "hair"));
     let underside = parts.remove("underside");
     let barbules = match (barbule, material) {
         (Some(barbule), _) => barbule,
         (None, Some(material)) => {
-            let mut table = Map::from_iter([("type".to_owned(), "barbule".into()), ("material".to_owned(), material)]);
+            let mut table =
+                Map::from_iter([("type".to_owned(), "barbule".into()), ("material".to_owned(), material)]);
             table.extend(underside.map(|underside| ("underside".to_owned(), underside)));
             Value::Object(table)
         }
@@ -299,13 +307,15 @@ pub(super) fn dressed(object: &Value, surfaces: &Map<String, Value>, place: &str
     }
     if let Some(Value::Array(zones)) = object.get("zones") {
         let path = path_of(place, "zones");
-        let zones = zones.iter().enumerate().map(|(i, zone)| with_names(zone, surfaces, &format!("{path}[{i}]")));
+        let zones =
+            zones.iter().enumerate().map(|(i, zone)| with_names(zone, surfaces, &format!("{path}[{i}]")));
         let zones = zones.collect::<Result<Vec<_>>>()?;
         object.insert("zones".to_owned(), zones.into());
     }
     if let Some(Value::Array(kinds)) = object.get("coat").and_then(|coat| coat.get("feathers")) {
         let path = format!("{}.feathers", path_of(place, "coat"));
-        let kinds = kinds.iter().enumerate().map(|(i, kind)| dressed(kind, surfaces, &format!("{path}[{i}]")));
+        let kinds =
+            kinds.iter().enumerate().map(|(i, kind)| dressed(kind, surfaces, &format!("{path}[{i}]")));
         let kinds = kinds.collect::<Result<Vec<_>>>()?;
         if let Some(Value::Object(coat)) = object.get_mut("coat") {
             coat.insert("feathers".to_owned(), kinds.into());
@@ -386,4 +396,3 @@ fn with_names(table: &Value, surfaces: &Map<String, Value>, place: &str) -> Resu
     }
     Ok(Value::Object(table))
 }
-

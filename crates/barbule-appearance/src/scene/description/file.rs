@@ -47,7 +47,9 @@ record! {
 pub fn scene_keys() -> Vec<Key> {
     let mut keys = LoneKeys::keys();
     // A coat's place stands in its own table there.
-    if let Some(Key { kind: crate::fields::Kind::Table(coat), .. }) = keys.iter_mut().find(|key| key.name == "coat") {
+    if let Some(Key { kind: crate::fields::Kind::Table(coat), .. }) =
+        keys.iter_mut().find(|key| key.name == "coat")
+    {
         coat.extend(Placement::keys());
     }
     keys.extend(SceneDescription::keys());
@@ -78,7 +80,8 @@ impl SceneDescription {
         let Some(name) = own.get("preset") else {
             return of_layer(own).map_err(|error| or_a_preset(refuse(error)));
         };
-        let name = name.as_str().ok_or_else(|| wrong_kind(name, "preset", "a text in quotes")).map_err(refuse)?;
+        let name =
+            name.as_str().ok_or_else(|| wrong_kind(name, "preset", "a text in quotes")).map_err(refuse)?;
         let base = preset_layer(name).map_err(refuse)?;
         of_layer(over(own, base)).map_err(refuse)
     }
@@ -149,7 +152,9 @@ fn over(mut own: Map<String, Value>, mut base: Map<String, Value>) -> Map<String
         base.remove("sky_image");
     }
     // How far a window reaches is said by one of two keys.
-    if let (Some(Value::Object(own)), Some(Value::Object(base))) = (own.get_mut("window"), base.get_mut("window")) {
+    if let (Some(Value::Object(own)), Some(Value::Object(base))) =
+        (own.get_mut("window"), base.get_mut("window"))
+    {
         let shows_part = own.get("whole") == Some(&Value::Bool(false));
         if own.contains_key("radius_mm") || own.contains_key("whole") {
             base.remove("whole");
@@ -166,7 +171,9 @@ fn over(mut own: Map<String, Value>, mut base: Map<String, Value>) -> Map<String
     }
     for (key, value) in base {
         let both = match (own.remove(&key), value) {
-            (Some(own), base) if ["light", "camera", "window", "detail", "surfaces"].contains(&key.as_str()) => {
+            (Some(own), base)
+                if ["light", "camera", "window", "detail", "surfaces"].contains(&key.as_str()) =>
+            {
                 merged(own, base)
             }
             (Some(own), _) => own,
@@ -216,12 +223,18 @@ fn of_layer(mut layer: Map<String, Value>) -> Result<SceneDescription> {
 }
 
 /// Takes the parts of a lone feather or coat out of a file's keys.
-fn take_lone(layer: &mut Map<String, Value>, named: &Map<String, Value>) -> Result<Option<ObjectDescription>> {
+fn take_lone(
+    layer: &mut Map<String, Value>,
+    named: &Map<String, Value>,
+) -> Result<Option<ObjectDescription>> {
     let parts = match layer.get_mut("surfaces") {
         Some(Value::Object(tables)) => {
             let is_part = |name: &str, table: &Value| PARTS.contains(&name) && table.get("type").is_none();
-            let names: Vec<String> =
-                tables.iter().filter(|(name, table)| is_part(name, table)).map(|(name, _)| name.clone()).collect();
+            let names: Vec<String> = tables
+                .iter()
+                .filter(|(name, table)| is_part(name, table))
+                .map(|(name, _)| name.clone())
+                .collect();
             names.into_iter().filter_map(|name| Some((name.clone(), tables.remove(&name)?))).collect()
         }
         _ => Map::new(),
@@ -230,12 +243,13 @@ fn take_lone(layer: &mut Map<String, Value>, named: &Map<String, Value>) -> Resu
     let (material, feather, coat) = (take("material"), take("feather"), take("coat"));
     let (window, detail) = (take("window"), take("detail"));
     let (zones, zone_map) = (take("zones"), take("zone_map"));
-    let shows = take("shows_feather").map_or(Ok(true), |value| bool::of_value(&value, "shows_feather", &()))?;
+    let shows =
+        take("shows_feather").map_or(Ok(true), |value| bool::of_value(&value, "shows_feather", &()))?;
     if !shows {
         return match coat {
-            Some(_) => Err(Error::input(
-                "shows_feather is false, but [coat] is made of the feather; leave one out",
-            )),
+            Some(_) => {
+                Err(Error::input("shows_feather is false, but [coat] is made of the feather; leave one out"))
+            }
             None => Ok(None),
         };
     }
@@ -251,7 +265,10 @@ fn take_lone(layer: &mut Map<String, Value>, named: &Map<String, Value>) -> Resu
         let coat = CoatDescription::read(&coat["coat"], "coat")?;
         let of = CoatObject { coat, feather, detail, dress };
         of.agree("")?;
-        return Ok(Some(ObjectDescription { place, ..ObjectDescription::here("coat", ObjectShape::Coat(Box::new(of))) }));
+        return Ok(Some(ObjectDescription {
+            place,
+            ..ObjectDescription::here("coat", ObjectShape::Coat(Box::new(of)))
+        }));
     }
     let window = window.map_or(Ok(VaneDisc::WHOLE), |table| VaneDisc::read(&table, "window"))?;
     let mut zoned = Map::new();
@@ -259,7 +276,8 @@ fn take_lone(layer: &mut Map<String, Value>, named: &Map<String, Value>) -> Resu
     zoned.extend(zone_map.map(|map| ("zone_map".to_owned(), map)));
     let zoned = dressed(&Value::Object(zoned), named, "")?;
     let fields = Fields::new(&zoned, "", &["zones", "zone_map"])?;
-    let zones = fields.get("zones").map_or(Ok(Vec::new()), |zones| Vec::of_value(zones, "zones", &up_to(255)))?;
+    let zones =
+        fields.get("zones").map_or(Ok(Vec::new()), |zones| Vec::of_value(zones, "zones", &up_to(255)))?;
     let zone_map = fields.text("zone_map")?.map(Slot::new);
     let of = FeatherObject { feather, window, detail, dress, zones, zone_map };
     of.agree(&fields)?;
@@ -278,7 +296,9 @@ fn placed(coat: Value) -> Result<(Value, Placement)> {
 /// The same error with the path of the table in which a lone feather's file says it.
 fn of_sides(error: Error) -> Error {
     let text = error.to_string();
-    let text = text.replace("surfaces.distal.underside", "surfaces.underside").replace("surfaces.distal", "surfaces.barbule");
+    let text = text
+        .replace("surfaces.distal.underside", "surfaces.underside")
+        .replace("surfaces.distal", "surfaces.barbule");
     Error::input(text)
 }
 
@@ -324,8 +344,8 @@ fn or_a_preset(error: Error) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::description::{RamusDress, SkyDescription};
     use crate::identity::hash;
+    use crate::scene::description::{RamusDress, SkyDescription};
 
     #[test]
     fn a_scene_is_a_preset_with_changes() {
@@ -353,7 +373,10 @@ mod tests {
             let other = if name == "magpie" { "mallard" } else { "magpie" };
             let changed = SceneDescription::parse(&format!("preset = \"{other}\"\n{text}")).unwrap();
             // Keys that a preset leaves out are those of the proximal barbules.
-            assert_eq!(changed.feather().unwrap().distal, SceneDescription::named(name).unwrap().feather().unwrap().distal);
+            assert_eq!(
+                changed.feather().unwrap().distal,
+                SceneDescription::named(name).unwrap().feather().unwrap().distal
+            );
         }
         let text = "preset = \"magpie\"\n[feather.proximal]\ntilt_deg = 5.0\n[surfaces.ramus]\nmelanin = 0.5\n\
                     [window]\nradius_mm = 1.0\n";
@@ -401,7 +424,10 @@ mod tests {
                 .map(|scene| scene.lone_feather().unwrap().window)
         };
         assert_eq!(window("whole = true").unwrap().radius_mm, None);
-        assert_eq!(window("whole = false").unwrap(), SceneDescription::named("starling").unwrap().lone_feather().unwrap().window);
+        assert_eq!(
+            window("whole = false").unwrap(),
+            SceneDescription::named("starling").unwrap().lone_feather().unwrap().window
+        );
         assert_eq!(window("whole = false\nradius_mm = 2").unwrap().radius_mm, Some(2.0));
         let both = window("whole = true\nradius_mm = 2").unwrap_err().to_string();
         assert_eq!(both, "window.whole and window.radius_mm are both given; leave one out");
@@ -412,9 +438,7 @@ mod tests {
         let message = |text: &str| SceneDescription::parse(text).unwrap_err().to_string();
         let starling = |text: &str| message(&format!("preset = \"starling\"\n{text}"));
         assert!(message("preset = \"starlign\"").contains("did you mean 'starling'"));
-        assert!(
-            starling("exposre = 1.0").contains("line 2: unknown key 'exposre', did you mean 'exposure'")
-        );
+        assert!(starling("exposre = 1.0").contains("line 2: unknown key 'exposre', did you mean 'exposure'"));
         assert!(message("preset = 3").contains("preset is the number 3"));
         assert!(starling("exposure = -1.0").contains("exposure is -1, outside 0.000001 to 1000000"));
         assert!(

@@ -177,7 +177,9 @@ impl NamedSurface {
                 if let Some(slot) = &mut of.albedo {
                     add("albedo", Named::Colours(slot));
                 }
-                for (key, slot) in [("alpha", &mut of.alpha), ("normal", &mut of.normal), ("bump", &mut of.bump)] {
+                for (key, slot) in
+                    [("alpha", &mut of.alpha), ("normal", &mut of.normal), ("bump", &mut of.bump)]
+                {
                     if let Some(slot) = slot {
                         add(key, Named::Numbers(slot));
                     }

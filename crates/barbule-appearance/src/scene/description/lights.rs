@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::colour::Colour;
 use super::slot::Slot;
 use super::{Bearing, MOST_TURN_DEG};
-use crate::fields::{FieldValue as _, Fields, Key, Map, Record, Text, Value, within};
+use crate::fields::{Fields, Key, Map, Record, Text, Value, within};
 use crate::identity::Hasher;
 use crate::scene::emission::Emission;
 use crate::scene::light::{Light, Point, Rectangle, Sphere, Spot, Sun, disc_radiance};
@@ -387,19 +387,22 @@ impl LightDescription {
     fn unit_emission(&self) -> Option<f64> {
         match self.shape {
             LightShape::Sun(SunShape { radius_deg, .. }) => Some(disc_radiance(radius_deg.to_radians(), 1.0)),
-            LightShape::Point(PointShape { position: Position(position) }) => Some(PI * DVec3::from(position).length_squared()),
+            LightShape::Point(PointShape { position: Position(position) }) => {
+                Some(PI * DVec3::from(position).length_squared())
+            }
             LightShape::Sphere(SphereShape { position: Position(position), radius_mm }) => {
                 Some(DVec3::from(position).length_squared() / (radius_mm * radius_mm))
             }
-            LightShape::Spot(SpotShape { .. }) | LightShape::Rectangle(RectangleShape { .. }) => match self.light(&Emission::daylight())
-            {
-                Light::Spot(spot) => {
-                    let share = spot.share(-spot.position.normalize_or_zero());
-                    (share > 0.0).then(|| PI * spot.position.length_squared() / share)
+            LightShape::Spot(SpotShape { .. }) | LightShape::Rectangle(RectangleShape { .. }) => {
+                match self.light(&Emission::daylight()) {
+                    Light::Spot(spot) => {
+                        let share = spot.share(-spot.position.normalize_or_zero());
+                        (share > 0.0).then(|| PI * spot.position.length_squared() / share)
+                    }
+                    Light::Rectangle(rectangle) => Some(PI / rectangle.irradiance_at_origin()),
+                    Light::Sun(_) | Light::Point(_) | Light::Sphere(_) => None,
                 }
-                Light::Rectangle(rectangle) => Some(PI / rectangle.irradiance_at_origin()),
-                Light::Sun(_) | Light::Point(_) | Light::Sphere(_) => None,
-            },
+            }
         }
     }
 
@@ -420,14 +423,18 @@ impl LightDescription {
                 cos_radius: radius_deg.to_radians().cos(),
                 emission,
             }),
-            LightShape::Point(PointShape { position: Position(position) }) => Light::Point(Point { position: position.into(), emission }),
-            LightShape::Spot(SpotShape { position: Position(position), target, cone_deg, edge_deg }) => Light::Spot(Spot {
-                position: position.into(),
-                axis: (DVec3::from(target) - DVec3::from(position)).normalize_or(DVec3::NEG_Z),
-                cos_outer: cone_deg.to_radians().cos(),
-                cos_inner: (cone_deg - edge_deg).to_radians().cos(),
-                emission,
-            }),
+            LightShape::Point(PointShape { position: Position(position) }) => {
+                Light::Point(Point { position: position.into(), emission })
+            }
+            LightShape::Spot(SpotShape { position: Position(position), target, cone_deg, edge_deg }) => {
+                Light::Spot(Spot {
+                    position: position.into(),
+                    axis: (DVec3::from(target) - DVec3::from(position)).normalize_or(DVec3::NEG_Z),
+                    cos_outer: cone_deg.to_radians().cos(),
+                    cos_inner: (cone_deg - edge_deg).to_radians().cos(),
+                    emission,
+                })
+            }
             LightShape::Sphere(SphereShape { position: Position(position), radius_mm }) => {
                 Light::Sphere(Sphere { centre: position.into(), radius: radius_mm, emission })
             }

@@ -187,7 +187,15 @@ impl ObjectShape {
             Self::Feather(of) => {
                 let FeatherObject { feather, window, detail, dress, zones, zone_map } = (**of).clone();
                 let dress = Some(dress);
-                ShapeKeys { feather: Some(feather), window: Some(window), detail, dress, zones, zone_map, ..none }
+                ShapeKeys {
+                    feather: Some(feather),
+                    window: Some(window),
+                    detail,
+                    dress,
+                    zones,
+                    zone_map,
+                    ..none
+                }
             }
             Self::Coat(of) => {
                 let CoatObject { coat, feather, detail, dress } = (**of).clone();
@@ -228,13 +236,19 @@ impl ObjectShape {
             (["curves"], ShapeKeys { curves: Some(file), basis, .. }) => {
                 Ok(Self::Curves { file, basis: basis.unwrap_or(Basis::BSpline) })
             }
-            (["feather"], ShapeKeys { feather: Some(feather), window, detail, dress: of, zones, zone_map, .. }) => {
+            (
+                ["feather"],
+                ShapeKeys { feather: Some(feather), window, detail, dress: of, zones, zone_map, .. },
+            ) => {
                 let window = window.unwrap_or(VaneDisc::WHOLE);
                 let of = FeatherObject { feather, window, detail, dress: dress(of)?, zones, zone_map };
                 of.agree(fields)?;
                 Ok(Self::Feather(Box::new(of)))
             }
-            (["feather", "coat"] | ["coat"], ShapeKeys { coat: Some(coat), feather, detail, dress: of, .. }) => {
+            (
+                ["feather", "coat"] | ["coat"],
+                ShapeKeys { coat: Some(coat), feather, detail, dress: of, .. },
+            ) => {
                 let feather = feather.map_or_else(|| Feather::of_type("contour"), Ok)?;
                 let of = CoatObject { coat, feather, detail, dress: dress(of)? };
                 of.agree(fields.place())?;
@@ -361,7 +375,8 @@ impl ObjectDescription {
     /// A mesh or curves that are not read; curves of too many segments; a feather or coat.
     pub fn geometry(&self, index: usize) -> Result<Geometry> {
         let identity = |instance: usize| hash(0x006f_626a, &[index as u64, instance as u64]);
-        let places = self.placements().iter().enumerate().map(|(i, place)| place.place(identity(i))).collect();
+        let places =
+            self.placements().iter().enumerate().map(|(i, place)| place.place(identity(i))).collect();
         let made;
         let mesh = match &self.shape {
             ObjectShape::Sphere { radius_mm } => {
@@ -442,7 +457,10 @@ mod tests {
         let table: Value = toml::from_str(text).unwrap();
         let surfaces = Surfaces::of_value(&surfaces, "surfaces", &()).unwrap();
         let objects = Vec::<ObjectDescription>::of_value(&table["objects"], "objects", &up_to(MOST_OBJECTS))?;
-        objects.iter().enumerate().try_for_each(|(i, one)| one.check_surface(&format!("objects[{i}]"), &surfaces))?;
+        objects
+            .iter()
+            .enumerate()
+            .try_for_each(|(i, one)| one.check_surface(&format!("objects[{i}]"), &surfaces))?;
         Ok(objects)
     }
 

@@ -8,8 +8,8 @@ use super::detail::ViewModel;
 use super::dress::{BarbuleDress, FeatherObject, RamusDress};
 use super::surfaces::FibreDescription;
 use crate::bsdf::{
-    BarbModel, BarbSurface, Barbules, Hair, Keratin, MaskedBarbs, Pattern, Ramus, Row,
-    Substance, Surface, VaneSurface,
+    BarbModel, BarbSurface, Barbules, Hair, Keratin, MaskedBarbs, Pattern, Ramus, Row, Substance, Surface,
+    VaneSurface,
 };
 use crate::math::rng::hash;
 use crate::scene::Object;
@@ -116,7 +116,8 @@ impl<'a> Substances<'a> {
             RamusDress::Hair(fibre) => Substance::Fibre(fibre.build()?),
             RamusDress::Keratin(keratin) => Substance::Keratin(keratin.build()?),
         };
-        let barbules = [barbule(&dress.distal, &feather.distal)?, barbule(&dress.proximal, &feather.proximal)?];
+        let barbules =
+            [barbule(&dress.distal, &feather.distal)?, barbule(&dress.proximal, &feather.proximal)?];
         let pale = dress.pale.build()?;
         let pale_fibre = |fibre: &FibreDescription| {
             let [eumelanin, pheomelanin] =

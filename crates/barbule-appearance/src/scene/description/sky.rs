@@ -65,7 +65,9 @@ impl SkyDescription {
             (None, Some(zenith)) => {
                 Ok(Self::Gradient { zenith, horizon: keys.sky_horizon, below: keys.sky_below })
             }
-            (None, None) => Err(Error::input("sky is missing; give a number from 0 to 10000, or [sky_image]")),
+            (None, None) => {
+                Err(Error::input("sky is missing; give a number from 0 to 10000, or [sky_image]"))
+            }
             (Some(_), Some(_)) => Err(Error::input("sky and [sky_image] are both given; leave one out")),
         }
     }
@@ -185,9 +187,9 @@ impl FieldValue for Background {
             table => match BackgroundKeys::read(table, path)? {
                 BackgroundKeys { colour: Some(Colour(colour)), file: None } => Ok(Self::Colour(colour)),
                 BackgroundKeys { colour: None, file: Some(file) } => Ok(Self::Picture(file)),
-                BackgroundKeys { colour: Some(_), file: Some(_) } => Err(Error::input(format!(
-                    "{path}.colour and {path}.file are both given; leave one out"
-                ))),
+                BackgroundKeys { colour: Some(_), file: Some(_) } => {
+                    Err(Error::input(format!("{path}.colour and {path}.file are both given; leave one out")))
+                }
                 BackgroundKeys { colour: None, file: None } => {
                     Err(Error::input(format!("[{path}] is empty; give colour or file")))
                 }

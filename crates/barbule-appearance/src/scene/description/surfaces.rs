@@ -168,7 +168,8 @@ record! {
 }
 
 /// The underside of barbules where nothing is said: nearly black.
-pub const UNDERSIDE: PigmentedKeratin = PigmentedKeratin { roughness: 0.35, index: 1.56, melanin: 20.0 };
+pub(super) const UNDERSIDE: PigmentedKeratin =
+    PigmentedKeratin { roughness: 0.35, index: 1.56, melanin: 20.0 };
 
 record! {
     /// Barbules of a computed material: those of a feather, or what a mesh or curve with texture coordinates wears.
@@ -240,9 +241,9 @@ impl Diffuse {
         };
         match (&self.normal, &self.bump, self.bump_um) {
             (Some(_), Some(_), _) => both("normal", "bump"),
-            (_, None, Some(_)) => Err(Error::input(format!(
-                "{place}.bump_um is given, but there is no picture {place}.bump"
-            ))),
+            (_, None, Some(_)) => {
+                Err(Error::input(format!("{place}.bump_um is given, but there is no picture {place}.bump")))
+            }
             (_, Some(_), None) => {
                 Err(Error::input(format!("{place}.bump_um is missing; give a number from -100000 to 100000")))
             }
@@ -365,7 +366,9 @@ impl NamedSurface {
             Self::Diffuse(of) => Surface::Lambertian(of.build()?),
             Self::Keratin(of) => Surface::Keratin(of.build()?),
             Self::Hair(of) => Surface::Hair(of.build()?),
-            Self::Dielectric(Glass { index, roughness: None }) => Surface::Dielectric(Dielectric::new(*index)?),
+            Self::Dielectric(Glass { index, roughness: None }) => {
+                Surface::Dielectric(Dielectric::new(*index)?)
+            }
             Self::Dielectric(Glass { index, roughness: Some(Roughness { along, across }) }) => {
                 Surface::RoughDielectric(RoughDielectric::new([*across, *along], *index)?)
             }
@@ -398,7 +401,11 @@ impl NamedSurface {
             Self::Grating(of) => {
                 of.powers().and_then(Slot::get).map_or(0, |powers| 3 * size_of_val(powers.series()))
             }
-            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric(_) | Self::Conductor(_) | Self::Barbule(_) => 0,
+            Self::Keratin(_)
+            | Self::Hair(_)
+            | Self::Dielectric(_)
+            | Self::Conductor(_)
+            | Self::Barbule(_) => 0,
         }
     }
 }

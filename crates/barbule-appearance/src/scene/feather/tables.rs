@@ -87,7 +87,8 @@ impl Feather {
 
 /// The key of a feather's type.
 fn short_keys() -> Vec<Key> {
-    let about = "Whose sizes are taken where the tables give none: a type or a bird's feather that is shipped";
+    let about =
+        "Whose sizes are taken where the tables give none: a type or a bird's feather that is shipped";
     vec![Key::new::<String>("type", &[], about, &Text("the name of a type"), Some(USUAL_TYPE.to_owned()))]
 }
 

@@ -433,7 +433,9 @@ fn tables_start_from_a_type_and_keys_for_both_vanes_mean_either() {
         message("[barbs]\nvane_half_width_mm = 0").contains("feather.barbs.vane_half_width_mm is 0, outside")
     );
     // A scene over its preset.
-    let scene = |text: &str| *SceneDescription::parse(&format!("preset = 'magpie'\n{text}")).unwrap().feather().unwrap();
+    let scene = |text: &str| {
+        *SceneDescription::parse(&format!("preset = 'magpie'\n{text}")).unwrap().feather().unwrap()
+    };
     assert_eq!(scene("[feather]\ntype = 'primary'"), primary);
     let magpie = feather("magpie");
     let narrow = scene("[feather.barbs]\nvane_half_width_mm = 3");

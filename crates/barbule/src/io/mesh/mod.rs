@@ -35,7 +35,8 @@ pub fn read_mesh(path: &Path) -> Result<(Mesh, String)> {
 /// As there.
 pub fn decode_mesh(name: &str, assets: &dyn Assets) -> Result<(Mesh, String)> {
     let refuse = |error: Error| error.at(assets.place(name));
-    let read: fn(&[u8], &dyn Fn(&str, u64) -> Result<Vec<u8>>) -> Result<Found> = match ending(name).as_str() {
+    let read: fn(&[u8], &dyn Fn(&str, u64) -> Result<Vec<u8>>) -> Result<Found> = match ending(name).as_str()
+    {
         "ply" => |bytes, _| ply::read(bytes).map(Found::from),
         "obj" => |bytes, _| obj::read(&String::from_utf8_lossy(bytes)).map(Found::from),
         "gltf" | "glb" => gltf::read,
