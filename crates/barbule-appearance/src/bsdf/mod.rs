@@ -19,7 +19,6 @@ mod keratin;
 mod lambertian;
 mod lobes;
 mod map;
-pub mod masking;
 mod microfacet;
 mod reflectance;
 mod relief;
@@ -27,7 +26,6 @@ mod rough_dielectric;
 #[cfg(test)]
 mod tests;
 mod texture;
-mod vane;
 
 use glam::DVec3;
 
@@ -46,12 +44,10 @@ pub use keratin::Keratin;
 pub use lambertian::{Lambertian, Pictures};
 pub use lobes::Lobes;
 pub use map::SurfaceMap;
-pub use masking::{Barbs as MaskedBarbs, Barbules};
 pub use reflectance::Reflectance;
 pub use relief::Relief;
 pub use rough_dielectric::RoughDielectric;
 pub use texture::Texture;
-pub use vane::VaneSurface;
 
 use crate::spectrum::dense::{Lambdas, WAVES};
 
@@ -66,8 +62,6 @@ pub enum Surface {
     Barbule(BarbuleSurface),
     /// A barb with the barbules that its ribbon stands for.
     Barb(Box<BarbSurface>),
-    /// A feather's vane from afar.
-    Vane(Box<VaneSurface>),
     /// A fibre of hair, round or elliptical.
     Hair(Hair),
     /// Rough metal.
@@ -92,7 +86,6 @@ impl Surface {
             Self::Keratin(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barb(barb) => barb.bind(hit, wo, wavelengths),
-            Self::Vane(surface) => surface.bind(hit, wo, wavelengths),
             Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
             Self::Dielectric(surface) => surface.bind(hit, wo),
@@ -115,7 +108,6 @@ impl Surface {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
             Self::Barb(barb) => barb.opacity(hit, wo),
-            Self::Vane(vane) => vane.opacity(hit, wo),
             Self::Lambertian(surface) => surface.opacity(hit),
             Self::Map(map) => map.at(hit.uv).opacity(hit, wi, wo),
             Self::Keratin(_)
@@ -132,7 +124,7 @@ impl Surface {
     pub fn is_opaque(&self) -> bool {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
-            Self::Barb(_) | Self::Vane(_) => false,
+            Self::Barb(_) => false,
             Self::Lambertian(surface) => surface.is_opaque(),
             Self::Map(map) => map.surfaces().iter().all(Self::is_opaque),
             Self::Keratin(_)
@@ -149,27 +141,8 @@ impl Surface {
 pub struct Bsdf<'a> {
     model: Model<'a>,
     side: Side,
-    /// What shades it from some directions.
-    shade: Option<Shade<'a>>,
-}
-
-/// What stands about a part of a feather and keeps light from it.
-enum Shade<'a> {
-    /// The barbules beside it.
-    Row(barb::Shade),
-    /// All others of a vane.
-    Masked(vane::Masked<'a>),
-}
-
-impl Shade<'_> {
-    /// Share of the light from a direction that arrives.
-    #[inline]
-    fn share(&self, wi: DVec3) -> f64 {
-        match self {
-            Self::Row(row) => f64::from(u8::from(!row.hides(wi))),
-            Self::Masked(masked) => masked.share(wi),
-        }
-    }
+    /// The barbules beside it that keep light from it.
+    shade: Option<barb::Shade>,
 }
 
 /// A model bound to wavelengths. A surface may bind to different ones: a barbule's underside is keratin.
@@ -233,7 +206,7 @@ impl<'a> Bsdf<'a> {
 
     /// The same among neighbours that keep light from it.
     #[inline]
-    fn shaded(self, shade: Shade<'a>) -> Self {
+    fn shaded(self, shade: barb::Shade) -> Self {
         Self { shade: Some(shade), ..self }
     }
 
@@ -258,17 +231,10 @@ impl<'a> Bsdf<'a> {
         let face = wi.dot(self.side.normal);
         let reflected = face > 0.0 && local.z > 0.0;
         let scatters = reflected || (face < 0.0 && local.z < 0.0 && self.lobes().has(Lobes::TRANSMISSION));
-        if !scatters || self.side.wo.z <= 0.0 {
+        if !scatters || self.side.wo.z <= 0.0 || self.shade.as_ref().is_some_and(|shade| shade.hides(wi)) {
             return NOTHING;
         }
-        let share = self.shade.as_ref().map_or(1.0, |shade| shade.share(wi));
-        if share == 0.0 {
-            return NOTHING;
-        }
-        let (mut f, pdf) = of_model!(&self.model, eval(self.side.wo, local));
-        if share < 1.0 {
-            f = f.map(|f| f * share);
-        }
+        let (f, pdf) = of_model!(&self.model, eval(self.side.wo, local));
         Evaluation { f, pdf, cosine: local.z.abs() }
     }
 

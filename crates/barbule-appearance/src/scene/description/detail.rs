@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 
 use super::SceneDescription;
 use super::kinds::unknown;
-use crate::Result;
 use crate::fields::Fields;
 use crate::scene::feather::Level;
+use crate::{Error, Result};
 
 /// How finely a feather is made, and how its barbs are seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -42,13 +42,12 @@ pub enum ViewModel {
     Both,
 }
 
-const LEVELS: [(&str, DetailLevel); 6] = [
+const LEVELS: [(&str, DetailLevel); 5] = [
     ("auto", DetailLevel::Auto),
     ("barbules", DetailLevel::Fixed(Level::Barbules)),
     ("barbs", DetailLevel::Fixed(Level::Barbs)),
     ("vane", DetailLevel::Fixed(Level::Vane)),
     ("envelopes", DetailLevel::Fixed(Level::Envelopes)),
-    ("masked", DetailLevel::Fixed(Level::Masked)),
 ];
 
 /// The finest pixel that is thought of, as a share of a picture's width.
@@ -84,7 +83,7 @@ impl ViewModel {
 impl Detail {
     pub(super) fn read(table: &Value) -> Result<Self> {
         let fields = Fields::new(table, "detail", &["level", "view_model"])?;
-        let level = fields.text("level")?.map(|name| one_of("detail.level", name, &LEVELS)).transpose()?;
+        let level = fields.text("level")?.map(level).transpose()?;
         let view_model = fields.text("view_model")?.map(ViewModel::named).transpose()?;
         Ok(Self { level: level.unwrap_or_default(), view_model: view_model.unwrap_or_default() })
     }
@@ -97,6 +96,15 @@ impl Detail {
         let level = LEVELS.iter().find(|(_, level)| *level == self.level).map(|(name, _)| *name);
         (self != Self::default()).then(|| json!({"level": level, "view_model": name(&ViewModel::ALL)}))
     }
+}
+
+fn level(name: &str) -> Result<DetailLevel> {
+    if name == "masked" {
+        return Err(Error::input(
+            "detail.level 'masked' is no longer drawn, as its light was off by up to a factor 2.7; give \"vane\", the same surface with the light of its barbules",
+        ));
+    }
+    one_of("detail.level", name, &LEVELS)
 }
 
 fn one_of<T: Copy>(key: &str, name: &str, known: &[(&'static str, T)]) -> Result<T> {
