@@ -36,7 +36,6 @@
 //! ω = (cosθ sinφ, sinθ, cosθ cosφ). Lengths are µm in structures and simulations, wavelengths nm in vacuum, angles
 //! radians; feather-scale lengths are mm. Magnetic fields are scaled by the vacuum impedance.
 
-mod base64;
 pub mod campaign;
 pub mod characterize;
 pub mod diffraction;
