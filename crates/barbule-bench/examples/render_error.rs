@@ -52,7 +52,7 @@ impl Prepared {
     /// The middle of the preset's picture: its pixels are those of the default size.
     fn new(preset: &str, size: [u32; 2]) -> barbule::Result<Self> {
         let mut description = match preset {
-            "close-up" => SceneDescription::parse(include_str!("../tests/it/data/close-up.toml"))?,
+            "close-up" => SceneDescription::parse(include_str!("../../barbule/tests/it/data/close-up.toml"))?,
             _ => SceneDescription::named(preset)?,
         };
         description.camera.width_mm *= f64::from(size[0]) / 1280.0;

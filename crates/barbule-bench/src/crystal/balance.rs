@@ -1,11 +1,11 @@
 //! Energy balance over random waves on random crystals: R + T + A = 1, whatever the rods and the direction.
 
-use crate::material::Library;
-use crate::math::rng::Stream;
-use crate::progress::Progress;
-use crate::solve::crystal::{Cell, CrystalSolver, Incidence};
-use crate::structure::{Circle, Lattice, Rod, SpeciesFile, Substance, crystal_species};
-use crate::{Error, Result};
+use barbule::material::Library;
+use barbule::math::rng::Stream;
+use barbule::progress::Progress;
+use barbule::solve::crystal::{Cell, CrystalSolver, Incidence};
+use barbule::structure::{Circle, Lattice, Rod, SpeciesFile, Substance, crystal_species};
+use barbule::{Error, Result};
 
 /// Wavelengths of random waves, nm.
 pub const WAVELENGTHS_NM: [f64; 2] = [300.0, 830.0];
@@ -153,8 +153,8 @@ pub fn lattice(stream: &mut Stream) -> Lattice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::progress::Unobserved;
-    use crate::solve::crystal::{Multipole, Rcwa};
+    use barbule::progress::Unobserved;
+    use barbule::solve::crystal::{Multipole, Rcwa};
 
     #[test]
     fn random_crystals_are_crystals() {

@@ -1,5 +1,4 @@
-//! The crystal solvers' speed and accuracy in figures, from a sample of points: what `barbule bench crystal` prints.
-//! Not part of solving anything.
+//! The crystal solvers' speed and accuracy in figures, from a sample of points.
 
 pub mod balance;
 
@@ -7,10 +6,10 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use super::{Cell, CrystalResponse, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa};
-use crate::progress::{Progress, Unobserved};
-use crate::structure::Lattice;
-use crate::{Error, Result};
+use barbule::solve::crystal::{Cell, CrystalResponse, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa};
+use barbule::progress::{Progress, Unobserved};
+use barbule::structure::Lattice;
+use barbule::{Error, Result};
 
 /// Wavelengths of the sample, nm.
 const WAVELENGTHS_NM: [f64; 4] = [400.0, 500.0, 600.0, 694.0];
@@ -175,9 +174,9 @@ fn table_point(cells: &[Cell], effort: Effort, progress: &dyn Progress) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::Library;
-    use crate::progress::Unobserved;
-    use crate::structure::SpeciesModel;
+    use barbule::material::Library;
+    use barbule::progress::Unobserved;
+    use barbule::structure::SpeciesModel;
 
     #[test]
     fn one_point_of_each_solver_agrees() {

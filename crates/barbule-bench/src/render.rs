@@ -5,16 +5,16 @@ use std::time::{Duration, Instant};
 use cpu_time::ProcessTime;
 use glam::{DVec3, DVec4};
 
-use crate::io::peak_memory;
-use crate::progress::Progress;
-use crate::render::film::Film;
-use crate::render::integrator::{Integrator, Transport};
-use crate::render::light::Lighting;
-use crate::render::run::{Ended, Goal, run};
-use crate::render::stage::Stage;
-use crate::scene::Scene;
-use crate::spectrum::colour::xyz_from_rgb;
-use crate::{Error, Result};
+use barbule::io::peak_memory;
+use barbule::progress::Progress;
+use barbule::render::film::Film;
+use barbule::render::integrator::{Integrator, Transport};
+use barbule::render::light::Lighting;
+use barbule::render::run::{Ended, Goal, run};
+use barbule::render::stage::Stage;
+use barbule::scene::Scene;
+use barbule::spectrum::colour::xyz_from_rgb;
+use barbule::{Error, Result};
 
 /// What is rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

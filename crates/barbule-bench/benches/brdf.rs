@@ -1,5 +1,5 @@
 //! Cost of one evaluation, sample and density of a feather material, and of a hair fibre, four wavelengths at a time.
-//! `cargo bench -p barbule --bench brdf [-- FILE.barbule]`
+//! `cargo bench --workspace --bench brdf [-- FILE.barbule]`
 //!
 //! Every call has its own directions, instance and wavelengths, so that tables come from the caches in which they
 //! would be in a renderer. Figures are the lower quartile of many short runs: what else runs on the machine lengthens

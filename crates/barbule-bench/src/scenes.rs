@@ -9,20 +9,20 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::camera::{Camera, Projection};
-use super::emission::Emission;
-use super::geometry::{CurveNode, Geometry, Mesh};
-use super::light::{Lamp, Light, Rectangle};
-use super::sky::{Environment, Sky};
-use super::spline::{Basis, ControlCurve};
-use super::{Object, Scene};
-use crate::Result;
-use crate::brdf::FeatherBrdf;
-use crate::bsdf::{
+use barbule::scene::camera::{Camera, Projection};
+use barbule::scene::emission::Emission;
+use barbule::scene::geometry::{CurveNode, Geometry, Mesh};
+use barbule::scene::light::{Lamp, Light, Rectangle};
+use barbule::scene::sky::{Environment, Sky};
+use barbule::scene::spline::{Basis, ControlCurve};
+use barbule::scene::{Object, Scene};
+use barbule::Result;
+use barbule::brdf::FeatherBrdf;
+use barbule::bsdf::{
     Absorption, BarbuleSurface, Cells, Conductor, FibreIndex, Hair, HairParameters, Keratin, Reflectance,
     Surface,
 };
-use crate::math::rng::Stream;
+use barbule::math::rng::Stream;
 
 /// A feather of control points in cm, as curve files hold it.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,7 +111,7 @@ fn barbule(barb: &ControlCurve, side: f64, angle: f64, number: u32, stream: &mut
 
 /// One of the scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Comparison {
+pub enum BenchScene {
     /// The feather from 2 cm away: barbules fill the picture.
     Close,
     /// The whole feather, small in the picture.
@@ -124,7 +124,7 @@ pub enum Comparison {
     TableQuad,
 }
 
-impl Comparison {
+impl BenchScene {
     /// All of them.
     pub const ALL: [Self; 5] =
         [Self::Close, Self::Full, Self::HairQuad, Self::ConductorQuad, Self::TableQuad];
@@ -264,7 +264,7 @@ pub fn sky_node(row: usize, column: usize) -> [f64; 3] {
     [(0.25, 0.12), (0.35, 0.1), (0.6, 0.08)].map(|(above, below)| above * (1.0 - t) + below * t)
 }
 
-/// The sky of the comparison. Others interpolate between nodes, whose first row stands at the zenith and whose last at the
+/// The sky of the scenes. Others interpolate between nodes, whose first row stands at the zenith and whose last at the
 /// nadir; here every texel has the mean of that.
 fn environment() -> Result<Environment> {
     let [height, width] = SKY;
@@ -296,8 +296,8 @@ fn environment() -> Result<Environment> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::Options;
-    use crate::brdf::fixtures::example;
+    use barbule::brdf::Options;
+    use barbule::brdf::fixtures::example;
 
     #[test]
     fn the_feather_is_as_large_as_it_says() {
@@ -314,8 +314,8 @@ mod tests {
         let mut feather = CurveFeather::new();
         feather.barbules.truncate(10);
         let tables = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-        for comparison in Comparison::ALL {
-            let scene = comparison.scene(&feather, || Ok(tables.clone())).unwrap();
+        for scene in BenchScene::ALL {
+            let scene = scene.scene(&feather, || Ok(tables.clone())).unwrap();
             let Light::Rectangle(lamp) = &scene.lamps[0].light else { panic!("a rectangle") };
             let middle = lamp.corner + 0.5 * (lamp.edge_u + lamp.edge_v);
             let ahead = lamp.edge_u.cross(lamp.edge_v).normalize();

@@ -1,6 +1,6 @@
 //! The renderer in figures: camera paths per CPU second on a preset, on 60,000 round barbules of keratin and on a plane
 //! of a tabulated barbule BRDF.
-//! `cargo bench -p barbule --bench render [PRESET]`
+//! `cargo bench --workspace --bench render [PRESET]`
 
 #![allow(clippy::print_stdout)] // its output is its result
 
@@ -131,7 +131,7 @@ fn main() {
     // Without a preset's name the scene of the tests, which stays as it is.
     let description = match &wanted {
         Some(preset) => SceneDescription::named(preset).expect("a preset"),
-        None => SceneDescription::parse(include_str!("../tests/it/data/close-up.toml")).expect("a scene"),
+        None => SceneDescription::parse(include_str!("../../barbule/tests/it/data/close-up.toml")).expect("a scene"),
     };
     let brdf = Arc::new(FeatherBrdf::new(&example(50), Options::default()).expect("a material"));
     let (scene, _) = description.scene(brdf.clone(), 1).expect("a scene");

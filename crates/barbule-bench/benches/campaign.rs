@@ -1,9 +1,9 @@
 //! The fast simulation in figures, as `barbule bench campaign` prints them.
-//! `cargo bench -p barbule --bench campaign [SPECIES]`
+//! `cargo bench --workspace --bench campaign [SPECIES]`
 
 #![allow(clippy::print_stdout)] // its output is its result
 
-use barbule::campaign::bench::measure;
+use barbule_bench::campaign::measure;
 use barbule::material::Library;
 use barbule::math::simd::Width;
 use barbule::progress::Unobserved;

@@ -1,5 +1,5 @@
 //! Making cross sections and casting rays through them, CPU time of the quickest of seven.
-//! `cargo bench -p barbule --bench geometry`
+//! `cargo bench --workspace --bench geometry`
 
 #![allow(clippy::print_stdout)] // its output is its result
 

@@ -8,7 +8,7 @@
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // a program over what tests hold
 
-#[path = "../tests/it/measure/treams.rs"]
+#[path = "../../barbule/tests/it/measure/treams.rs"]
 mod treams;
 
 use std::path::Path;
@@ -17,7 +17,6 @@ use barbule::io::write_whole;
 use barbule::material::Library;
 use barbule::plot::{Axis, Curve, Drawing, Figure, Format, Mark};
 use barbule::progress::Unobserved;
-use barbule::solve::crystal::bench::balance::balance;
 use barbule::solve::crystal::fdtd::Layer;
 use barbule::solve::crystal::planar::jones;
 use barbule::solve::crystal::rcwa::profile::{Body, Outline};
@@ -26,6 +25,7 @@ use barbule::solve::crystal::{
 };
 use barbule::structure::SpeciesModel;
 use barbule::{Complex64, Error, Result};
+use barbule_bench::crystal::balance::balance;
 
 const CRYSTALS: [&str; 3] = ["mallard:lime", "magpie:violet", "peafowl:yellow"];
 
