@@ -38,6 +38,7 @@
 
 pub mod campaign;
 pub mod characterize;
+pub mod clock;
 pub mod diffraction;
 pub mod figures;
 pub mod io;

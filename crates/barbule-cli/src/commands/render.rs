@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::characterize::thinned;
+use barbule::clock;
 use barbule::diffraction::make_gratings;
 use barbule::io::image::{RgbImage, read_exr};
 use barbule::io::{check_writable, hash_file, read_at_most, read_scene_files, write_whole};
@@ -17,7 +18,7 @@ use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
 use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
-use barbule::render::run::{Ended, Goal, ROUND};
+use barbule::render::run::{Ended, Goal, ROUND, TimeLimit};
 use barbule::scene::description::{
     Background, Bearing, CoatBody, GratingDescription, GratingSource, LightColour, Motion, Moved,
     NamedSurface, ObjectShape, SceneDescription, SkyDescription, SkyImage, USUAL_ARC_DEG, ViewModel,
@@ -322,7 +323,8 @@ impl Args {
             return Err(Error::input(format!("--samples {samples}: give 1 to 16777216")));
         }
         let round = if self.preview.is_some() { 1 } else { ROUND };
-        Ok(Goal { samples, noise: self.noise.map(|percent| percent / 100.0), time: self.time, round })
+        let time = self.time.map(|most| TimeLimit { most, clock: clock::system });
+        Ok(Goal { samples, noise: self.noise.map(|percent| percent / 100.0), time, round })
     }
 
     /// The file of a frame: `F.png`, or `F-0007.png` in a sequence.
