@@ -3,11 +3,11 @@
 
 #![allow(clippy::print_stdout)] // its output is its result
 
-use barbule_bench::campaign::measure;
 use barbule::material::Library;
 use barbule::math::simd::Width;
 use barbule::progress::Unobserved;
 use barbule::structure::{SpeciesModel, Structure};
+use barbule_bench::campaign::measure;
 
 fn main() {
     let species = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_else(|| "starling".into());

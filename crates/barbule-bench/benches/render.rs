@@ -131,7 +131,8 @@ fn main() {
     // Without a preset's name the scene of the tests, which stays as it is.
     let description = match &wanted {
         Some(preset) => SceneDescription::named(preset).expect("a preset"),
-        None => SceneDescription::parse(include_str!("../../barbule/tests/it/data/close-up.toml")).expect("a scene"),
+        None => SceneDescription::parse(include_str!("../../barbule/tests/it/data/close-up.toml"))
+            .expect("a scene"),
     };
     let brdf = Arc::new(FeatherBrdf::new(&example(50), Options::default()).expect("a material"));
     let (scene, _) = description.scene(brdf.clone(), 1).expect("a scene");

@@ -9,13 +9,6 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use barbule::scene::camera::{Camera, Projection};
-use barbule::scene::emission::Emission;
-use barbule::scene::geometry::{CurveNode, Geometry, Mesh};
-use barbule::scene::light::{Lamp, Light, Rectangle};
-use barbule::scene::sky::{Environment, Sky};
-use barbule::scene::spline::{Basis, ControlCurve};
-use barbule::scene::{Object, Scene};
 use barbule::Result;
 use barbule::brdf::FeatherBrdf;
 use barbule::bsdf::{
@@ -23,6 +16,13 @@ use barbule::bsdf::{
     Surface,
 };
 use barbule::math::rng::Stream;
+use barbule::scene::camera::{Camera, Projection};
+use barbule::scene::emission::Emission;
+use barbule::scene::geometry::{CurveNode, Geometry, Mesh};
+use barbule::scene::light::{Lamp, Light, Rectangle};
+use barbule::scene::sky::{Environment, Sky};
+use barbule::scene::spline::{Basis, ControlCurve};
+use barbule::scene::{Object, Scene};
 
 /// A feather of control points in cm, as curve files hold it.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,5 @@
 //! From a scene and a material to a picture in a file: what `barbule render` does, as library calls.
 
-
 use std::path::Path;
 use std::sync::Arc;
 

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use barbule::solve::crystal::{Cell, CrystalResponse, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa};
 use barbule::progress::{Progress, Unobserved};
+use barbule::solve::crystal::{Cell, CrystalResponse, CrystalSolver, Fdtd, Incidence, Multipole, Rcwa};
 use barbule::structure::Lattice;
 use barbule::{Error, Result};
 

@@ -281,7 +281,15 @@ impl Args {
         }
         let progress = Terminal::new(&self.common);
         let (azimuths, elements) = (self.azimuths, self.elements);
-        full_wave::solve(section, illuminations, azimuths, elements, allowance.bytes, clock::system, &progress)
+        full_wave::solve(
+            section,
+            illuminations,
+            azimuths,
+            elements,
+            allowance.bytes,
+            clock::system,
+            &progress,
+        )
     }
 
     /// Refuses, before any work, a section whose simulation does not fit into memory.

@@ -74,7 +74,7 @@ impl Material {
     /// The same index at every wavelength.
     ///
     /// # Errors
-    /// n < 0, gain (k < 0), not finite, |n + jk| below 0.001, or a part above 1000.
+    /// n < 0, gain (k < 0), not finite, |n + jk| below 0.001, or a part above 1e9.
     pub fn constant(index: Complex64) -> Result<Self> {
         check(index).map(Self::Constant)
     }

@@ -32,21 +32,27 @@ pub enum InputKind {
     Other,
 }
 
-/// Keys that only scenes have, species, and stacks.
-const SCENE: [&str; 15] = [
+/// Keys that only scenes have, species, and stacks. `feather` is of scenes and species.
+const SCENE: [&str; 21] = [
     "preset",
     "material",
     "light",
     "lights",
     "background",
     "objects",
+    "turn",
     "turn_deg",
     "camera",
     "window",
+    "detail",
     "surfaces",
+    "shows_feather",
+    "coat",
     "exposure",
     "scatterings",
     "sky",
+    "sky_horizon",
+    "sky_below",
     "sky_image",
     "size",
 ];
@@ -106,6 +112,7 @@ fn is_container(bytes: &[u8]) -> bool {
 mod tests {
     use super::*;
     use crate::io::{encode_material, section_json};
+    use crate::scene::description::SceneDescription;
     use crate::structure::{Structure, species_toml};
 
     #[test]
@@ -135,5 +142,30 @@ mod tests {
         std::fs::write(folder.path().join("zarr.json"), "{}").unwrap();
         assert_eq!(kind_of(folder.path()).unwrap(), InputKind::Store);
         assert!(kind_of(&folder.path().join("none")).unwrap_err().to_string().contains("no such file"));
+    }
+
+    /// What is a scene's key by the list is one to its reader, and what the documentation's first tables name is in the list.
+    #[test]
+    fn every_key_of_a_scene_makes_a_scene() {
+        for key in SCENE {
+            if let Err(refused) = SceneDescription::parse(&format!("{key} = 'x'")) {
+                assert!(!refused.to_string().contains("unknown field"), "{refused}");
+            }
+        }
+        let page = include_str!("../../../../docs/formats/scene.md");
+        let keys = page.split("detail.view_model").next().unwrap();
+        let keys: Vec<&str> = keys
+            .lines()
+            .filter_map(|line| line.strip_prefix("| `")?.split(" | ").next())
+            .flat_map(|cell| cell.split(", `"))
+            .map(|key| key.split(['.', '`']).next().unwrap())
+            .collect();
+        assert!(keys.len() > 30);
+        for key in keys {
+            assert_eq!(kind_of_text(&format!("{key} = 1")), InputKind::Scene, "{key}");
+        }
+        for key in ["coat", "lights", "objects", "shows_feather", "surfaces"] {
+            assert_eq!(kind_of_text(&format!("{key} = 1")), InputKind::Scene, "{key}");
+        }
     }
 }

@@ -121,7 +121,15 @@ impl Plan {
         // Every second of four times as many azimuths of the circle is one of the upper half's.
         let circle = 4 * self.azimuths;
         let (elements, memory_bytes) = (self.elements_per_wavelength, self.memory_bytes);
-        full_wave::solve(&self.closed.regions, &light, circle, elements, memory_bytes, clock::system, progress)
+        full_wave::solve(
+            &self.closed.regions,
+            &light,
+            circle,
+            elements,
+            memory_bytes,
+            clock::system,
+            progress,
+        )
     }
 
     fn case(

@@ -27,10 +27,7 @@ impl Stages {
     /// # Errors
     /// As [`Barbule::for_campaign`].
     pub fn new(section: &Section, ray_parts: usize) -> Result<Self> {
-        Ok(Self {
-            barbule: Barbule::for_campaign(section, ray_parts)?,
-            buffers: Buffers::new(Width::best()),
-        })
+        Ok(Self { barbule: Barbule::for_campaign(section, ray_parts)?, buffers: Buffers::new(Width::best()) })
     }
 
     /// Both polarizations of light from the azimuths `phi_i` on the cone of `theta_i` (rad), calling `lap` with its name after
