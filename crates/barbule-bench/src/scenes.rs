@@ -12,8 +12,8 @@ use glam::{DVec3, Vec3};
 use barbule::Result;
 use barbule::brdf::FeatherBrdf;
 use barbule::bsdf::{
-    Absorption, BarbuleSurface, Cells, Conductor, FibreIndex, Hair, HairParameters, Keratin, Reflectance,
-    Surface,
+    Absorption, BarbuleSurface, Cells, Conductor, FacetRoughness, FibreIndex, Hair, HairParameters, Keratin,
+    Reflectance, Surface,
 };
 use barbule::math::rng::Stream;
 use barbule::scene::camera::{Camera, Projection};
@@ -163,7 +163,10 @@ impl BenchScene {
             Self::ConductorQuad => {
                 vec![Object {
                     geometry: square(),
-                    surface: Surface::Conductor(Conductor::copper([0.3, 0.1])?),
+                    surface: Surface::Conductor(Conductor::copper(FacetRoughness {
+                        across: 0.3,
+                        along: 0.1,
+                    })?),
                 }]
             }
             Self::TableQuad => {

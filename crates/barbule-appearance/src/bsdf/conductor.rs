@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::hit::Hit;
 use super::lobes::Lobes;
-use super::microfacet::Ggx;
+use super::microfacet::{FacetRoughness, Ggx};
 use super::{Bsdf, Model};
 use crate::math::simd::{dispatch_large, level};
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
@@ -43,14 +43,14 @@ const COPPER: [[f64; 3]; 15] = [
 ];
 
 impl Conductor {
-    /// - `roughness`: GGX α across and along the frame's y, each 0.02 … 1
+    /// - `roughness`: each 0.02 … 1
     /// - `index`: n and k as a function of the wavelength in nm
     ///
     /// # Errors
     /// A roughness out of range, or an index that is not finite, or has n not over 0 or k below 0.
-    pub fn new(roughness: [f64; 2], index: impl Fn(f64) -> [f64; 2]) -> Result<Self> {
-        if !roughness.iter().all(|a| (0.02..=1.0).contains(a)) {
-            let [across, along] = roughness;
+    pub fn new(roughness: FacetRoughness, index: impl Fn(f64) -> [f64; 2]) -> Result<Self> {
+        if !roughness.is_allowed() {
+            let FacetRoughness { along, across } = roughness;
             return Err(Error::input(format!(
                 "metal of roughness {across} across and {along} along: give 0.02 to 1 for both"
             )));
@@ -68,11 +68,11 @@ impl Conductor {
         Ok(Self { ggx: Ggx::new(roughness), n, k })
     }
 
-    /// Copper of this roughness across and along.
+    /// Copper of this roughness.
     ///
     /// # Errors
     /// A roughness out of range.
-    pub fn copper(roughness: [f64; 2]) -> Result<Self> {
+    pub fn copper(roughness: FacetRoughness) -> Result<Self> {
         Self::new(roughness, |w| {
             let above = COPPER.partition_point(|row| row[0] < w).clamp(1, COPPER.len() - 1);
             let ([from, n0, k0], [to, n1, k1]) = (COPPER[above - 1], COPPER[above]);
@@ -179,7 +179,7 @@ mod tests {
     /// Normal incidence, ((n − 1)² + k²)/((n + 1)² + k²), at nodes of the table and between them.
     #[test]
     fn copper_is_red() {
-        let copper = Conductor::copper([0.1, 0.1]).unwrap();
+        let copper = Conductor::copper(FacetRoughness::even(0.1)).unwrap();
         let at = |w: f64| {
             let (n, k) = (copper.n.at(w), copper.k.at(w));
             ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k)
@@ -195,8 +195,13 @@ mod tests {
 
     #[test]
     fn impossible_metals_are_refused() {
-        assert!(Conductor::copper([0.0, 0.1]).unwrap_err().to_string().contains("0.02 to 1"));
-        assert!(Conductor::new([0.1, 0.1], |_| [f64::NAN, 1.0]).is_err());
-        assert!(Conductor::new([0.1, 0.1], |_| [1.0, -1.0]).is_err());
+        assert!(
+            Conductor::copper(FacetRoughness { across: 0.0, along: 0.1 })
+                .unwrap_err()
+                .to_string()
+                .contains("0.02 to 1")
+        );
+        assert!(Conductor::new(FacetRoughness::even(0.1), |_| [f64::NAN, 1.0]).is_err());
+        assert!(Conductor::new(FacetRoughness::even(0.1), |_| [1.0, -1.0]).is_err());
     }
 }

@@ -44,6 +44,7 @@ pub use keratin::Keratin;
 pub use lambertian::{Lambertian, Pictures};
 pub use lobes::Lobes;
 pub use map::SurfaceMap;
+pub use microfacet::FacetRoughness;
 pub use reflectance::Reflectance;
 pub use relief::Relief;
 pub use rough_dielectric::RoughDielectric;

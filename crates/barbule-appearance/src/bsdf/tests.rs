@@ -44,9 +44,17 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ("keratin", Surface::Keratin(keratin(2.0))),
         ("barbule", Surface::Barbule(barbule())),
         ("hair", Surface::Hair(hair())),
-        ("copper", Surface::Conductor(Conductor::copper([0.3, 0.1]).unwrap())),
+        (
+            "copper",
+            Surface::Conductor(Conductor::copper(FacetRoughness { across: 0.3, along: 0.1 }).unwrap()),
+        ),
         ("grating", Surface::Grating(super::grating::tests::grating())),
-        ("frosted", Surface::RoughDielectric(RoughDielectric::new([0.3, 0.2], 1.5).unwrap())),
+        (
+            "frosted",
+            Surface::RoughDielectric(
+                RoughDielectric::new(FacetRoughness { across: 0.3, along: 0.2 }, 1.5).unwrap(),
+            ),
+        ),
     ]
 }
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{
-    Absorption, BarbuleSurface, Cells, Conductor, FibreIndex, Frame, Hair, HairParameters, Hit, Keratin,
-    Lambertian, Reflectance, RoughDielectric, Surface,
+    Absorption, BarbuleSurface, Cells, Conductor, FacetRoughness, FibreIndex, Frame, Hair, HairParameters,
+    Hit, Keratin, Lambertian, Reflectance, RoughDielectric, Surface,
 };
 use barbule::math::rng::Stream;
 use barbule::scene::emission::Emission;
@@ -46,7 +46,11 @@ fn white() -> Vec<(&'static str, Surface, Geometry)> {
         ("sheet", Surface::Lambertian(sheet), square(2.0)),
         ("keratin", Surface::Keratin(Keratin::new(0.3, 1.56, grey(1.0)).unwrap()), square(2.0)),
         // The reflectance of this index is 1 but for 2e-6; a smooth metal loses next to nothing between its facets.
-        ("metal", Surface::Conductor(Conductor::new([0.05; 2], |_| [1e-3, 40.0]).unwrap()), square(2.0)),
+        (
+            "metal",
+            Surface::Conductor(Conductor::new(FacetRoughness::even(0.05), |_| [1e-3, 40.0]).unwrap()),
+            square(2.0),
+        ),
         ("hair", fibre(Absorption::new(|_| 0.0).unwrap()), fibres()),
     ]
 }
@@ -105,8 +109,18 @@ fn coloured() -> Vec<(&'static str, Surface, Geometry)> {
         ("keratin", Surface::Keratin(under.clone()), square(2.0)),
         ("barbule", barbule(false), square(2.0)),
         ("instance", barbule(true), square(2.0)),
-        ("copper", Surface::Conductor(Conductor::copper([0.4, 0.2]).unwrap()), square(2.0)),
-        ("frosted", Surface::RoughDielectric(RoughDielectric::new([0.4, 0.3], 1.5).unwrap()), square(2.0)),
+        (
+            "copper",
+            Surface::Conductor(Conductor::copper(FacetRoughness { across: 0.4, along: 0.2 }).unwrap()),
+            square(2.0),
+        ),
+        (
+            "frosted",
+            Surface::RoughDielectric(
+                RoughDielectric::new(FacetRoughness { across: 0.4, along: 0.3 }, 1.5).unwrap(),
+            ),
+            square(2.0),
+        ),
         ("hair", fibre(Absorption::pigments(0.6, 0.1).unwrap()), fibres()),
     ]
 }

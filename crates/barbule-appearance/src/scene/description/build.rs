@@ -11,8 +11,8 @@ use super::{
 };
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
-    Absorption, Conductor, Dielectric, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Pictures,
-    Reflectance, Relief, RoughDielectric, Surface, SurfaceMap,
+    Absorption, Conductor, Dielectric, FacetRoughness, FibreIndex, Hair, HairParameters, Keratin, Lambertian,
+    Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap,
 };
 use crate::scene::backdrop::Backdrop;
 use crate::scene::camera::{Camera, Projection, direction};
@@ -253,14 +253,18 @@ impl NamedSurface {
             Self::Hair(of) => Surface::Hair(hair(of)?),
             Self::Dielectric { index, roughness: None } => Surface::Dielectric(Dielectric::new(*index)?),
             Self::Dielectric { index, roughness: Some([along, across]) } => {
-                Surface::RoughDielectric(RoughDielectric::new([*across, *along], *index)?)
+                let roughness = FacetRoughness { along: *along, across: *across };
+                Surface::RoughDielectric(RoughDielectric::new(roughness, *index)?)
             }
-            Self::Conductor { roughness: [along, across], metal } => Surface::Conductor(match *metal {
-                Metal::Copper => Conductor::copper([*across, *along])?,
-                Metal::Constant { index, absorption } => {
-                    Conductor::new([*across, *along], |_| [index, absorption])?
-                }
-            }),
+            Self::Conductor { roughness: [along, across], metal } => {
+                let roughness = FacetRoughness { along: *along, across: *across };
+                Surface::Conductor(match *metal {
+                    Metal::Copper => Conductor::copper(roughness)?,
+                    Metal::Constant { index, absorption } => {
+                        Conductor::new(roughness, |_| [index, absorption])?
+                    }
+                })
+            }
             Self::Grating(of) => Surface::Grating(of.build()?),
             Self::Map { picture, surfaces } => {
                 let one = |name: &String| match all.get(name) {
