@@ -322,5 +322,11 @@ impl VaneDisc {
     }
 }
 
+/// 0 before 0, 1 after 1, a cubic between.
+fn smoothstep(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
 #[cfg(test)]
 mod tests;
