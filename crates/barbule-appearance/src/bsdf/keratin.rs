@@ -15,7 +15,7 @@ use super::lobes::Lobes;
 use super::microfacet::{FacetRoughness, Ggx};
 use super::reflectance::Reflectance;
 use super::{Bsdf, Model};
-use crate::scattering::grating::fresnel;
+use crate::fresnel::fresnel;
 use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
 

@@ -9,7 +9,7 @@ use super::hit::Hit;
 use super::lobes::Lobes;
 use super::microfacet::{FacetRoughness, Ggx};
 use super::{Bsdf, Model};
-use crate::scattering::grating::fresnel;
+use crate::fresnel::fresnel;
 use crate::spectrum::dense::WAVES;
 use crate::{Error, Result};
 

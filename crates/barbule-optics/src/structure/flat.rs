@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use super::Structure;
 use super::section::{MaterialSource, Section};
-use super::stack::Stack;
 use crate::Result;
 use crate::material::Library;
+use crate::stack::Stack;
 
 /// A planar stack that serves as a barbule, [`super::FLAT_WIDTH_UM`] wide.
 #[derive(Debug, Clone, PartialEq)]

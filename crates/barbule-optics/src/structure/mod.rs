@@ -19,7 +19,6 @@ mod segment;
 mod side;
 mod smooth;
 mod species;
-pub mod stack;
 mod sweep;
 mod symmetry;
 

@@ -6,7 +6,7 @@ use barbule::io::{decode_material, parse_section, read_lattice};
 use barbule::material::{Library, Table};
 use barbule::render::checkpoint;
 use barbule::render::planes::Planes;
-use barbule::structure::stack::Stack;
+use barbule::stack::Stack;
 use barbule::structure::{Section, SpeciesModel, Structure, species_names};
 
 fn with_chitin() -> Library {

@@ -9,8 +9,8 @@ use std::f64::consts::{PI, TAU};
 use fearless_simd::{Simd, f64x8, prelude::*};
 
 use super::spread::wrap;
+use crate::fresnel::fresnel;
 use crate::math::elementary::{asin, asin_each, exp_each};
-use crate::scattering::grating::fresnel;
 use crate::spectrum::dense::WAVES;
 
 /// Ways that are followed one by one: R (reflected), TT (through), TRT (reflected once inside).

@@ -24,7 +24,7 @@ const THICKEST_NM: f64 = 1e9;
 /// Layers thinner than this are no layers of molecules: micrometres were meant.
 const THINNEST_USUAL_NM: f64 = 1.0;
 /// Random thicknesses stay within so many standard deviations of the mean.
-pub(super) const CLIP: f64 = 3.0;
+pub const CLIP: f64 = 3.0;
 /// No random layer is thinner than this part of its mean.
 const LEAST_PART: f64 = 1e-3;
 

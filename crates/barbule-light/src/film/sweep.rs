@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{FilmResponse, Polarization, response_at};
 use crate::progress::Progress;
 use crate::spectrum::Wavelengths;
-use crate::structure::stack::Stack;
+use crate::stack::Stack;
 use crate::{Complex64, Error, Result};
 
 /// What becomes of plane waves of unit power at each angle and wavelength.
@@ -108,9 +108,9 @@ impl Sweep {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::response;
     use crate::material::Library;
     use crate::progress::Unobserved;
-    use crate::solve::film::response;
 
     #[test]
     fn a_sweep_holds_the_single_responses_in_order() {

@@ -13,7 +13,7 @@ mod sweep;
 pub use ensemble::{Deviations, Ensemble, ensemble};
 pub use sweep::{FilmTables, Sweep, bytes, sweep};
 
-use crate::structure::stack::Stack;
+use crate::stack::Stack;
 use crate::{Complex64, Error, Result};
 
 /// Which field is perpendicular to the plane of incidence.

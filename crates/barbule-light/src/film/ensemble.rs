@@ -3,7 +3,7 @@
 use super::sweep::{FilmTables, Sweep, compute};
 use crate::progress::Progress;
 use crate::spectrum::Wavelengths;
-use crate::structure::stack::Stack;
+use crate::stack::Stack;
 use crate::{Complex64, Result};
 
 /// What becomes of plane waves at random individuals of a stack.
@@ -110,9 +110,9 @@ impl Moments {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::{Polarization, response, sweep};
     use crate::material::Library;
     use crate::progress::Unobserved;
-    use crate::solve::film::{Polarization, response, sweep};
 
     fn stack(text: &str) -> Stack {
         Stack::parse(text, &Library::builtin()).unwrap()
