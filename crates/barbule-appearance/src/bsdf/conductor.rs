@@ -10,6 +10,7 @@ use super::hit::Hit;
 use super::lobes::Lobes;
 use super::microfacet::{FacetRoughness, Ggx};
 use super::{Bsdf, Model};
+use crate::material::Table;
 use crate::math::simd::{dispatch_large, level};
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
 use crate::{Error, Result};
@@ -21,26 +22,6 @@ pub struct Conductor {
     n: DenseSpectrum,
     k: DenseSpectrum,
 }
-
-/// Copper: wavelength in nm, n, k. Johnson & Christy, *Optical constants of the noble metals*, Phys. Rev. B 6, 4370 (1972),
-/// table I; wavelengths from its photon energies. At room temperature, evaporated films.
-const COPPER: [[f64; 3]; 15] = [
-    [367.9, 1.36, 1.975],
-    [381.5, 1.33, 2.045],
-    [397.4, 1.32, 2.116],
-    [413.3, 1.28, 2.207],
-    [430.5, 1.25, 2.305],
-    [450.9, 1.24, 2.397],
-    [471.4, 1.25, 2.483],
-    [495.9, 1.22, 2.564],
-    [520.9, 1.18, 2.608],
-    [548.6, 1.02, 2.577],
-    [582.1, 0.70, 2.704],
-    [616.8, 0.30, 3.205],
-    [659.5, 0.22, 3.747],
-    [704.5, 0.21, 4.205],
-    [756.0, 0.24, 4.665],
-];
 
 impl Conductor {
     /// - `roughness`: each 0.02 … 1
@@ -68,16 +49,19 @@ impl Conductor {
         Ok(Self { ggx: Ggx::new(roughness), n, k })
     }
 
-    /// Copper of this roughness.
+    /// Copper of this roughness. Between rows of its table the value of the one below is stepped from, which
+    /// differs from the table's own value by rounding: pictures are of these bits.
     ///
     /// # Errors
     /// A roughness out of range.
     pub fn copper(roughness: FacetRoughness) -> Result<Self> {
+        let table = Table::copper();
+        let (nm, index) = (table.wavelengths_nm(), table.indices());
         Self::new(roughness, |w| {
-            let above = COPPER.partition_point(|row| row[0] < w).clamp(1, COPPER.len() - 1);
-            let ([from, n0, k0], [to, n1, k1]) = (COPPER[above - 1], COPPER[above]);
-            let t = (w - from) / (to - from);
-            [n0 + (n1 - n0) * t, k0 + (k1 - k0) * t]
+            let above = nm.partition_point(|nm| *nm < w).clamp(1, nm.len() - 1);
+            let (low, high) = (index[above - 1], index[above]);
+            let t = (w - nm[above - 1]) / (nm[above] - nm[above - 1]);
+            [low.re + (high.re - low.re) * t, low.im + (high.im - low.im) * t]
         })
     }
 

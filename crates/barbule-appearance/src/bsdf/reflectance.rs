@@ -1,6 +1,7 @@
 //! Diffuse reflectances, and those of pigmented keratin: Kubelka and Munk's for melanin, whose absorption falls as k/λ
-//! with k = 0.56 exp(−λ/270 nm) (Stavenga et al. 2015).
+//! with melanin's k.
 
+use crate::material::ExponentialAbsorption;
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, VALUES, WAVES};
 use crate::{Error, Result};
 
@@ -34,7 +35,7 @@ impl Reflectance {
         if !(absorption.is_finite() && absorption >= 0.0) {
             return Err(Error::input("melanin's absorption must be finite and not negative"));
         }
-        let relative = |w: f64| libm::exp(-w / 270.0) / w;
+        let relative = |w: f64| ExponentialAbsorption::MELANIN.decay(w) / w;
         Self::new(|w| {
             let ratio = absorption * relative(w) / relative(550.0);
             1.0 + ratio - (ratio * ratio + 2.0 * ratio).sqrt()

@@ -21,11 +21,15 @@ impl Default for Library {
 }
 
 impl Library {
-    /// Air, keratin and melanin.
+    /// Air, copper, keratin and melanin.
     #[must_use]
     pub fn builtin() -> Self {
-        let materials =
-            [("air", Material::air()), ("keratin", Material::keratin()), ("melanin", Material::melanin())];
+        let materials = [
+            ("air", Material::air()),
+            ("copper", Material::copper()),
+            ("keratin", Material::keratin()),
+            ("melanin", Material::melanin()),
+        ];
         Self { materials: materials.into_iter().map(|(name, m)| (name.to_owned(), m)).collect() }
     }
 
@@ -85,7 +89,13 @@ mod tests {
         assert_eq!(library.get("melanin").unwrap(), &Material::melanin());
         let message = library.get("melanine").unwrap_err().to_string();
         assert_eq!(message, "there is no medium 'melanine', did you mean 'melanin'?");
-        assert!(library.get("zirconium-oxide").unwrap_err().to_string().contains("known are air, keratin"));
+        assert!(
+            library
+                .get("zirconium-oxide")
+                .unwrap_err()
+                .to_string()
+                .contains("known are air, copper, keratin")
+        );
         assert!(library.get(&"x".repeat(10_000)).unwrap_err().to_string().len() < 600);
     }
 

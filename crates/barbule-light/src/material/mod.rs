@@ -4,11 +4,14 @@
 //! exp(−jωt), so absorption is k > 0 and gain (k < 0) is refused. Nothing is ever extrapolated from a table.
 
 mod expression;
+mod law;
 mod library;
+mod metal;
 mod mixture;
 mod table;
 
 pub use expression::parse;
+pub use law::{Cauchy, ExponentialAbsorption};
 pub use library::Library;
 pub use mixture::{Mixture, Rule};
 pub use table::Table;
@@ -28,25 +31,11 @@ const SMALLEST_INDEX: f64 = 1e-3;
 pub enum Material {
     /// The same n + jk at every wavelength.
     Constant(Complex64),
-    /// Cauchy's formula n = a + b/λ².
-    Cauchy {
-        /// The index at infinite wavelength.
-        a: f64,
-        /// Dispersion in nm².
-        b_nm2: f64,
-    },
+    /// Cauchy's formula.
+    Cauchy(Cauchy),
     /// Cauchy's formula with an exponential absorption: n = a + b/λ² + j·c·exp(−λ/l).
-    AbsorbingCauchy {
-        /// The real index at infinite wavelength.
-        a: f64,
-        /// Dispersion in nm².
-        b_nm2: f64,
-        /// Absorption at wavelength zero.
-        c: f64,
-        /// Decay length of the absorption in nm.
-        decay_nm: f64,
-    },
-    /// A user's table, interpolated linearly.
+    AbsorbingCauchy(Cauchy, ExponentialAbsorption),
+    /// A table, interpolated linearly.
     Table(Arc<Table>),
     /// Two media mixed below the scale of the wavelength.
     Mixture(Arc<Mixture>),
@@ -62,13 +51,19 @@ impl Material {
     /// Feather keratin, 1.532 + 5890/λ² (Leertouwer, Wilts & Stavenga 2011).
     #[must_use]
     pub const fn keratin() -> Self {
-        Self::Cauchy { a: 1.532, b_nm2: 5890.0 }
+        Self::Cauchy(Cauchy::KERATIN)
     }
 
     /// Melanin, 1.648 + 23700/λ² + 0.56j·exp(−λ/270) (Stavenga et al. 2015).
     #[must_use]
     pub const fn melanin() -> Self {
-        Self::AbsorbingCauchy { a: 1.648, b_nm2: 23700.0, c: 0.56, decay_nm: 270.0 }
+        Self::AbsorbingCauchy(Cauchy::MELANIN, ExponentialAbsorption::MELANIN)
+    }
+
+    /// Copper, as [`Table::copper`] has it.
+    #[must_use]
+    pub fn copper() -> Self {
+        Self::Table(Table::copper().into())
     }
 
     /// The same index at every wavelength.
@@ -95,12 +90,11 @@ impl Material {
         if !(wavelength_nm > 0.0 && wavelength_nm.is_finite()) {
             return Err(Error::input(format!("the wavelength {wavelength_nm} nm is not greater than zero")));
         }
-        let cauchy = |a: f64, b_nm2: f64| a + b_nm2 / (wavelength_nm * wavelength_nm);
         let index = match self {
             Self::Constant(index) => *index,
-            Self::Cauchy { a, b_nm2 } => cauchy(*a, *b_nm2).into(),
-            Self::AbsorbingCauchy { a, b_nm2, c, decay_nm } => {
-                Complex64::new(cauchy(*a, *b_nm2), c * libm::exp(-wavelength_nm / decay_nm))
+            Self::Cauchy(law) => law.n(wavelength_nm).into(),
+            Self::AbsorbingCauchy(law, absorption) => {
+                Complex64::new(law.n(wavelength_nm), absorption.c * absorption.decay(wavelength_nm))
             }
             Self::Table(table) => table.index(wavelength_nm)?,
             Self::Mixture(mixture) => mixture.index(wavelength_nm)?,
@@ -123,8 +117,8 @@ impl Identify for Material {
     fn feed(&self, to: &mut Hasher) {
         match self {
             Self::Constant(Complex64 { re, im }) => to.numbers("constant", &[*re, *im]),
-            Self::Cauchy { a, b_nm2 } => to.numbers("cauchy", &[*a, *b_nm2]),
-            Self::AbsorbingCauchy { a, b_nm2, c, decay_nm } => {
+            Self::Cauchy(Cauchy { a, b_nm2 }) => to.numbers("cauchy", &[*a, *b_nm2]),
+            Self::AbsorbingCauchy(Cauchy { a, b_nm2 }, ExponentialAbsorption { c, decay_nm }) => {
                 to.numbers("absorbing cauchy", &[*a, *b_nm2, *c, *decay_nm])
             }
             Self::Table(table) => to.part("table", &**table),

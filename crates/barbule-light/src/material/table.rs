@@ -6,9 +6,9 @@ use crate::{Complex64, Error, Result};
 /// n and k against the wavelength, interpolated linearly and never extrapolated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    name: String,
-    wavelength_nm: Vec<f64>,
-    index: Vec<Complex64>,
+    pub(super) name: String,
+    pub(super) wavelength_nm: Vec<f64>,
+    pub(super) index: Vec<Complex64>,
 }
 
 impl Table {
