@@ -10,4 +10,4 @@ pub mod render;
 pub mod scene;
 
 use barbule_base::{Error, Result, error, fields, identity, math, progress};
-use barbule_light::{fresnel, material, scattering, spectrum};
+use barbule_light::{film, fresnel, material, scattering, spectrum, stack};

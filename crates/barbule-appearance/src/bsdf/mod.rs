@@ -26,6 +26,7 @@ mod rough_dielectric;
 #[cfg(test)]
 mod tests;
 mod texture;
+mod thin_film;
 
 use glam::DVec3;
 
@@ -49,6 +50,7 @@ pub use reflectance::Reflectance;
 pub use relief::Relief;
 pub use rough_dielectric::RoughDielectric;
 pub use texture::Texture;
+pub use thin_film::ThinFilm;
 
 use crate::spectrum::dense::{Lambdas, WAVES};
 
@@ -71,6 +73,8 @@ pub enum Surface {
     Dielectric(Dielectric),
     /// A rough one.
     RoughDielectric(RoughDielectric),
+    /// Layers over a rough base.
+    ThinFilm(ThinFilm),
     /// A diffraction grating over pigment.
     Grating(Grating),
     /// Others, chosen from place to place.
@@ -91,6 +95,7 @@ impl Surface {
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
             Self::Dielectric(surface) => surface.bind(hit, wo),
             Self::RoughDielectric(surface) => surface.bind(hit, wo),
+            Self::ThinFilm(surface) => surface.bind(hit, wo, wavelengths),
             Self::Grating(surface) => surface.bind(hit, wo, wavelengths),
             Self::Map(map) => map.at(hit.uv).bind_apart(hit, wo, wavelengths),
         }
@@ -116,6 +121,7 @@ impl Surface {
             | Self::Conductor(_)
             | Self::Dielectric(_)
             | Self::RoughDielectric(_)
+            | Self::ThinFilm(_)
             | Self::Grating(_) => 1.0,
         }
     }
@@ -133,6 +139,7 @@ impl Surface {
             | Self::Conductor(_)
             | Self::Dielectric(_)
             | Self::RoughDielectric(_)
+            | Self::ThinFilm(_)
             | Self::Grating(_) => true,
         }
     }
@@ -156,6 +163,7 @@ enum Model<'a> {
     Conductor(conductor::Bound),
     Dielectric(dielectric::Bound),
     RoughDielectric(rough_dielectric::Bound),
+    ThinFilm(thin_film::Bound<'a>),
     Grating(grating::Bound<'a>),
 }
 
@@ -170,6 +178,7 @@ macro_rules! of_model {
             Model::Conductor(model) => model.$function($($argument),*),
             Model::Dielectric(model) => model.$function($($argument),*),
             Model::RoughDielectric(model) => model.$function($($argument),*),
+            Model::ThinFilm(model) => model.$function($($argument),*),
             Model::Grating(model) => model.$function($($argument),*),
         }
     };

@@ -3,6 +3,7 @@
 
 use crate::material::ExponentialAbsorption;
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, VALUES, WAVES};
+use crate::spectrum::primaries::shares;
 use crate::{Error, Result};
 
 /// A diffuse reflectance or transmittance: one value per nm.
@@ -40,6 +41,19 @@ impl Reflectance {
             let ratio = absorption * relative(w) / relative(550.0);
             1.0 + ratio - (ratio * ratio + 2.0 * ratio).sqrt()
         })
+    }
+
+    /// Of a colour in linear sRGB, 0 … 1: its smoothest spectrum within 0 … 1.
+    ///
+    /// # Errors
+    /// A colour outside 0 … 1.
+    pub fn of_colour(colour: [f64; 3]) -> Result<Self> {
+        if !colour.iter().all(|v| (0.0..=1.0).contains(v)) {
+            return Err(Error::input("a colour must lie between 0 and 1"));
+        }
+        let basis = shares();
+        let sum = |w: f64| basis.iter().zip(colour).map(|(share, c)| c * share.at(w)).sum::<f64>();
+        Self::new(|w| sum(w).clamp(0.0, 1.0))
     }
 
     /// The values, one per nm.

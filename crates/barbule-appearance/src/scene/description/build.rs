@@ -12,8 +12,9 @@ use super::{
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
     Absorption, Conductor, Dielectric, FacetRoughness, FibreIndex, Hair, HairParameters, Keratin, Lambertian,
-    Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap,
+    Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap, ThinFilm,
 };
+use crate::material::Library;
 use crate::scene::backdrop::Backdrop;
 use crate::scene::camera::{Camera, Projection, direction};
 use crate::scene::emission::Emission;
@@ -22,6 +23,7 @@ use crate::scene::light::{Lamp, Light, Sun, disc_radiance};
 use crate::scene::sky::{Environment, Sky};
 use crate::scene::{Object, Scene};
 use crate::spectrum::colour::decode;
+use crate::stack::Stack;
 use crate::{Error, Result};
 
 /// Shares of the samples that each lamp and the sky get.
@@ -264,6 +266,12 @@ impl NamedSurface {
                         Conductor::new(roughness, |_| [index, absorption])?
                     }
                 })
+            }
+            Self::Film { stack, roughness: [along, across], colour } => {
+                let body = colour.map(|c| Reflectance::of_colour(c.map(decode))).transpose()?;
+                let stack = Stack::parse(stack, &Library::builtin())?;
+                let roughness = FacetRoughness { along: *along, across: *across };
+                Surface::ThinFilm(ThinFilm::new(&stack, roughness, body)?)
             }
             Self::Grating(of) => Surface::Grating(of.build()?),
             Self::Map { picture, surfaces } => {

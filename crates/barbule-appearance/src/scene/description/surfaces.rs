@@ -12,8 +12,10 @@ use super::{FibreDescription, PigmentedKeratin};
 use crate::bsdf::{Grating, Texture};
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
+use crate::material::Library;
 use crate::scattering::grating::Powers;
 use crate::spectrum::colour::decode;
+use crate::stack::Stack;
 use crate::{Error, Result};
 
 /// A surface with a name.
@@ -47,6 +49,16 @@ pub enum NamedSurface {
         roughness: [f64; 2],
         /// What it is.
         metal: Metal,
+    },
+    /// Layers over a rough base.
+    Film {
+        /// The layers, in the language of stacks.
+        stack: String,
+        /// GGX α along the long axis of what it is on, and across.
+        roughness: [f64; 2],
+        /// Of a diffuse body beneath, sRGB, 0 … 1.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        colour: Option<[f64; 3]>,
     },
     /// A diffraction grating over pigment.
     Grating(GratingDescription),
@@ -134,7 +146,7 @@ impl TextureFile {
 /// Keys of pictures on diffuse surfaces: what the colour is multiplied with, what is black where there are holes, normals, heights.
 const PICTURES: [&str; 4] = ["albedo", "alpha", "normal", "bump"];
 
-const TYPES: [&str; 7] = ["diffuse", "keratin", "hair", "dielectric", "conductor", "grating", "map"];
+const TYPES: [&str; 8] = ["diffuse", "keratin", "hair", "dielectric", "conductor", "film", "grating", "map"];
 
 /// Most surfaces of a map: as many as an 8-bit grey tells apart.
 const MOST_MAPPED: usize = 256;
@@ -161,6 +173,7 @@ impl NamedSurface {
                     Fields::new(table, place, &["type", "roughness", "metal", "index", "absorption"])?;
                 Ok(Self::Conductor { roughness: roughness(&fields)?, metal: Metal::read(&fields, place)? })
             }
+            "film" => Self::read_film(table, place),
             "grating" => Ok(Self::Grating(GratingDescription::read(table, place)?)),
             _ => Self::read_map(table, place),
         }
@@ -189,6 +202,15 @@ impl NamedSurface {
         let bump_um = has("bump").then(|| fields.number_within("bump_um", -1e5, 1e5)).transpose()?;
         let colour = fields.get("colour").map_or(Ok([1.0; 3]), |c| colour(c, &fields.path("colour")))?;
         Ok(Self::Diffuse { colour, pictures, bump_um })
+    }
+
+    fn read_film(table: &Value, place: &str) -> Result<Self> {
+        let fields = Fields::new(table, place, &["type", "stack", "roughness", "colour"])?;
+        fields.need("stack", "layers such as air/keratin:400/melanin")?;
+        let stack = fields.text("stack")?.unwrap_or_default();
+        Stack::parse(stack, &Library::builtin()).map_err(|error| error.at(fields.path("stack")))?;
+        let colour = fields.get("colour").map(|c| colour(c, &fields.path("colour"))).transpose()?;
+        Ok(Self::Film { stack: stack.to_owned(), roughness: roughness(&fields)?, colour })
     }
 
     fn read_map(table: &Value, place: &str) -> Result<Self> {
@@ -244,6 +266,7 @@ impl NamedSurface {
             | Self::Hair(_)
             | Self::Dielectric { .. }
             | Self::Conductor { .. }
+            | Self::Film { .. }
             | Self::Grating(_) => Vec::new(),
         }
     }
@@ -254,7 +277,11 @@ impl NamedSurface {
         match self {
             Self::Diffuse { pictures, .. } => pictures.values().map(one).sum(),
             Self::Map { picture, .. } => one(picture),
-            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric { .. } | Self::Conductor { .. } => 0,
+            Self::Keratin(_)
+            | Self::Hair(_)
+            | Self::Dielectric { .. }
+            | Self::Conductor { .. }
+            | Self::Film { .. } => 0,
             // Beside the orders' powers the table that is rendered from, of about as many numbers.
             Self::Grating(of) => of.powers.as_ref().map_or(0, |powers| 3 * size_of_val(powers.series())),
         }
@@ -290,6 +317,12 @@ impl NamedSurface {
                     }
                 };
                 ("conductor", table)
+            }
+            Self::Film { stack, roughness, colour: None } => {
+                ("film", serde_json::json!({"stack": stack, "roughness": roughness}))
+            }
+            Self::Film { stack, roughness, colour } => {
+                ("film", serde_json::json!({"stack": stack, "roughness": roughness, "colour": colour}))
             }
             Self::Grating(of) => ("grating", of.table()),
             Self::Map { picture, surfaces } => {
@@ -471,5 +504,13 @@ mod tests {
         assert!(metal("roughness = 0.1\nindex = 1").contains("surfaces.table.absorption is missing"));
         assert!(metal("roughness = 0.1\nindex = 0\nabsorption = 1").contains("surfaces.table.index is 0"));
         assert!(metal("roughnes = 0.1").contains("did you mean 'roughness'"));
+        let film = |text: &str| surface(&format!("type = 'film'\n{text}"));
+        assert!(film("roughness = 0.1").contains("surfaces.table.stack is missing"));
+        assert!(film("stack = 'air/keratn:400/air'").contains("did you mean 'keratin'"));
+        assert!(film("stack = 'air/keratin:400/air'").contains("surfaces.table.roughness is missing"));
+        assert!(
+            film("stack = 'air/keratin:400/air'\nroughness = 0.1\ncolour = 3")
+                .contains("surfaces.table.colour")
+        );
     }
 }
