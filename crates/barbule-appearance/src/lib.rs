@@ -10,4 +10,4 @@ pub mod render;
 pub mod scene;
 
 use barbule_base::{Error, Result, error, fields, identity, math, progress, record, variants, words};
-use barbule_light::{scattering, spectrum};
+use barbule_light::{film, fresnel, material, scattering, spectrum, stack};

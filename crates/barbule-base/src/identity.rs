@@ -4,7 +4,7 @@
 //! literals, so renaming a type, field or variant changes no hash; [`VERSION`] is part of every hash and rises when
 //! what is fed changes.
 
-/// Version of what is fed: 1 were hashes of `Debug` texts, which results of earlier versions hold.
+/// Version of what is fed; 1 were hashes of `Debug` texts, which nothing reads any more.
 pub const VERSION: u64 = 2;
 
 /// A value that has an identity.

@@ -1,5 +1,13 @@
 //! How long work reports its progress and learns that it should stop. The library itself never prints.
 
+use std::time::Duration;
+
+/// Time since any moment. Whoever calls has it: a browser's is not the system's.
+pub type Clock = fn() -> Duration;
+
+/// For whom no time counts.
+pub const NO_CLOCK: Clock = || Duration::ZERO;
+
 /// Watches a long computation. Called from any thread.
 pub trait Progress: Sync {
     /// A stage with `total` equal steps begins; `label` says what it is in a few words.

@@ -1,8 +1,18 @@
-//! What both sides of Barbule speak of: wavelengths and colour, directions and what is scattered into them.
+//! What both sides of Barbule speak of: wavelengths and colour, media and their films, directions and what is scattered into
+//! them.
 //!
-//! The wave side makes [`scattering`] data, the picture side reads them; neither knows the other.
+//! ```text
+//! material ──► stack ──► film
+//! ```
+//!
+//! The wave side makes [`scattering`] data, the picture side reads them; neither knows the other. Flat boundaries and films
+//! reflect alike on both.
 
+pub mod film;
+pub mod fresnel;
+pub mod material;
 pub mod scattering;
 pub mod spectrum;
+pub mod stack;
 
-use barbule_base::{Error, Result, error, math};
+use barbule_base::{Complex64, Error, Result, error, identity, math, progress};

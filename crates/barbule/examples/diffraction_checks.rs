@@ -122,5 +122,5 @@ fn energy(reference: &Reference, polar: f64, index: f64) -> f64 {
             sum += reference.spectrum(w_i, w_o)[0] * step * step;
         }
     }
-    sum / barbule::scattering::grating::fresnel(w_i.z, index)
+    sum / barbule::fresnel::fresnel(w_i.z, index)
 }

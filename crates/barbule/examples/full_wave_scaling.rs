@@ -6,6 +6,7 @@
 
 #![allow(clippy::print_stdout)] // a program that prints
 
+use barbule::clock;
 use barbule::plot::{Axis, Curve, Figure, Format, Mark};
 use barbule::progress::Unobserved;
 use barbule::scattering::far_field::Window;
@@ -79,7 +80,7 @@ fn main() -> Result<()> {
         let section = narrowed(&words[0], width_um)?.closed(Beneath::Absorbing)?.regions;
         let run = |method| -> Result<Solved> {
             let problem = Problem::new(&section, wavelength_nm, theta, ELEMENTS_PER_WAVELENGTH)?.by(method);
-            Ok(problem.solve(&[0.0], Window::PlaneWave, 720, &Unobserved)?.swap_remove(0))
+            Ok(problem.solve(&[0.0], Window::PlaneWave, 720, clock::system, &Unobserved)?.swap_remove(0))
         };
         let told = |name: &str, solved: &Solved, difference: Option<f64>| {
             let (found, effort) = (&solved.scattered, solved.effort);

@@ -298,7 +298,7 @@ mod tests {
         // The whole lobe is seen: π R/(cosθ_o π sin²a).
         let half = 3.0_f64.to_radians();
         let found = reference.reflectance_factor(w_i, w_o, half)[0];
-        let expected = crate::scattering::grating::fresnel(w_i.z, 1.5) / (w_o.z * half.sin().powi(2));
+        let expected = crate::fresnel::fresnel(w_i.z, 1.5) / (w_o.z * half.sin().powi(2));
         assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
     }
 

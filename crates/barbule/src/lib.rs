@@ -39,9 +39,9 @@
 //! ω = (cosθ sinφ, sinθ, cosθ cosφ). Lengths are µm in structures and simulations, wavelengths nm in vacuum, angles
 //! radians; feather-scale lengths are mm. Magnetic fields are scaled by the vacuum impedance.
 
-mod base64;
 pub mod campaign;
 pub mod characterize;
+pub mod clock;
 pub mod diffraction;
 pub mod figures;
 pub mod io;
@@ -52,8 +52,8 @@ pub mod validate;
 
 pub use barbule_appearance::{brdf, bsdf, render, scene};
 pub use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};
-pub use barbule_light::{scattering, spectrum};
-pub use barbule_optics::{material, solve, structure};
+pub use barbule_light::{film, fresnel, material, scattering, spectrum, stack};
+pub use barbule_optics::{solve, structure};
 pub use glam::DVec3;
 pub use progress::Unobserved;
 
@@ -105,7 +105,7 @@ pub use structure::Section;
 
 /// ```
 /// use barbule::material::Library;
-/// use barbule::solve::film::{Polarization, response};
+/// use barbule::film::{Polarization, response};
 /// use barbule::{Complex64, Stack};
 ///
 /// // A quarter-wave layer whose index is the root of the glass's does not reflect.
@@ -113,7 +113,7 @@ pub use structure::Section;
 /// assert!(response(&coated, 550.0, 0.0, Polarization::S)?.reflected < 1e-9);
 /// # Ok::<(), barbule::Error>(())
 /// ```
-pub use structure::stack::Stack;
+pub use stack::Stack;
 
 /// ```
 /// let visible = barbule::Wavelengths::new([400.0, 550.0, 700.0])?;

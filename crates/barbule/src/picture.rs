@@ -1,7 +1,5 @@
 //! From a scene and a material to a picture in a file: what `barbule render` does, as library calls.
 
-pub mod bench;
-
 use std::path::Path;
 
 use crate::io::hash_bytes;

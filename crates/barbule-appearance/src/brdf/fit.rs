@@ -7,6 +7,7 @@ pub use super::patterns::Pattern;
 pub use super::report::{Clipped, FitReport, Flagged, GrazingDirection, LARGEST_RESIDUAL};
 
 use super::fitted::{fitted_on_azimuths, place, scale_of};
+use super::fitted_node::FittedNode;
 use super::length::{self, Length};
 use super::material::{FeatherMaterial, LobeSet, ParameterSet, check_sigma};
 use super::noise::spectrum;
@@ -58,22 +59,6 @@ impl Default for FitOptions {
     }
 }
 
-/// The fits of one (λ, ω_i).
-pub(super) struct Node {
-    pub(super) mean: PairFit,
-    /// Part of the first lobe in what is reflected.
-    first: f64,
-    /// At most 1.
-    pub(super) reflected: f64,
-    /// What was simulated.
-    pub(super) simulated: f64,
-    pub(super) steady: Steady,
-    /// Part of the mean field's intensity V in what was simulated.
-    pub(super) coherent: f64,
-    /// Polarization 1's part.
-    fraction_1: f64,
-}
-
 /// Which polarizations a set stands for.
 type Chosen = &'static [usize];
 
@@ -109,7 +94,7 @@ pub fn fit(
         lights.iter_mut().for_each(|light| task.steady(light, &slopes));
     }
     let sets = lights.iter().map(|light| parameter_set(light, options.lobe)).collect();
-    let nodes: Vec<Node> = lights.into_iter().flat_map(|light| light.nodes).collect();
+    let nodes: Vec<FittedNode> = lights.into_iter().flat_map(|light| light.nodes).collect();
     let mut material = FeatherMaterial {
         axes: axes.clone(),
         kind: options.kind,
@@ -179,7 +164,7 @@ struct Task<'a> {
 struct Light<'a> {
     polarizations: Chosen,
     lengths: &'a [Length],
-    nodes: Vec<Node>,
+    nodes: Vec<FittedNode>,
 }
 
 impl Task<'_> {
@@ -192,7 +177,7 @@ impl Task<'_> {
     ) -> Result<Light<'a>> {
         let axes = &self.statistics.axes;
         let phis = axes.phis();
-        let rows: Vec<Vec<Node>> = (0..axes.wavelengths_nm().len() * axes.cos_theta().len())
+        let rows: Vec<Vec<FittedNode>> = (0..axes.wavelengths_nm().len() * axes.cos_theta().len())
             .into_par_iter()
             .map(|row| {
                 let nodes = row * phis..(row + 1) * phis;
@@ -292,7 +277,7 @@ impl NodeFit<'_> {
     }
 
     /// The mean.
-    fn fit(&self) -> Node {
+    fn fit(&self) -> FittedNode {
         let step = std::f64::consts::PI / AZIMUTHS as f64;
         let u = self.values(&self.statistics.u);
         let mean = self.mean(&u);
@@ -305,11 +290,11 @@ impl NodeFit<'_> {
         let first = if whole > 0.0 { parts[0] / whole } else { 1.0 };
         let fraction_1 = self.fraction(&self.statistics.u);
         let steady = Steady { lobe: mean.pair.lobes[0], reflected: 0.0, fraction_1: 0.5 };
-        Node { mean, first, reflected, simulated, steady, coherent, fraction_1 }
+        FittedNode { mean, first, reflected, simulated, steady, coherent, fraction_1 }
     }
 
     /// The fitted mean intensity, which reflects what is kept of the simulated total.
-    fn shape(&self, node: &Node) -> Vec<f64> {
+    fn shape(&self, node: &FittedNode) -> Vec<f64> {
         let mut shape = vec![0.0; AZIMUTHS];
         for (lobe, part) in node.mean.pair.lobes.into_iter().zip([node.first, 1.0 - node.first]) {
             let values = self.fitter.values(lobe);
@@ -335,7 +320,7 @@ impl NodeFit<'_> {
     }
 
     /// The steady part of a node beside slopes whose g h is `part` of t.
-    fn steady(&self, node: &Node, part: &dyn Fn(f64) -> f64) -> Steady {
+    fn steady(&self, node: &FittedNode, part: &dyn Fn(f64) -> f64) -> Steady {
         let kept = node.reflected / node.simulated.max(f64::MIN_POSITIVE);
         let shape = self.shape(node);
         let observed = self.shares(node.fraction_1).map(|(p, share)| {
@@ -370,7 +355,7 @@ impl NodeFit<'_> {
     }
 
     /// What κ and g are found from: every other azimuth.
-    fn observed(&self, node: &Node, length: &Length) -> Vec<slope::Observed> {
+    fn observed(&self, node: &FittedNode, length: &Length) -> Vec<slope::Observed> {
         let (mean, steady) = (self.shape(node), self.fitter.steady_values(node.steady.lobe));
         let scale = scale_of(&steady, self.cos_theta, node.steady.reflected);
         let of = |((p, of_mean), (_, of_steady)): ((usize, f64), (usize, f64))| {
@@ -409,7 +394,8 @@ impl NodeFit<'_> {
 fn parameter_set(light: &Light, form: LobeForm) -> ParameterSet {
     let Light { polarizations, lengths, nodes } = light;
     let fractions = polarizations.len() == 2;
-    let gather = |value: &dyn Fn(&Node) -> f64| nodes.iter().map(|n| value(n) as f32).collect::<Vec<f32>>();
+    let gather =
+        |value: &dyn Fn(&FittedNode) -> f64| nodes.iter().map(|n| value(n) as f32).collect::<Vec<f32>>();
     let mean = |k: usize| LobeSet {
         m: gather(&|n| n.mean.pair.lobes[k].m),
         phi: gather(&|n| n.mean.pair.lobes[k].phi),

@@ -9,6 +9,7 @@ mod evaluate;
 mod exact;
 pub mod fit;
 mod fitted;
+mod fitted_node;
 // What tests and benchmarks of several crates need, but no user.
 #[doc(hidden)]
 pub mod fixtures;

@@ -1,7 +1,7 @@
 //! How well a material was fitted.
 
-use super::fit::Node;
 use super::fitted::{direction, place};
+use super::fitted_node::FittedNode;
 use super::length;
 use super::material::FeatherMaterial;
 use super::patterns::{Pattern, compare};
@@ -120,14 +120,15 @@ impl FitReport {
 pub(super) fn report(
     statistics: &Statistics,
     material: &FeatherMaterial,
-    nodes: &[Node],
+    nodes: &[FittedNode],
     lengths: &[length::Length],
 ) -> FitReport {
     let axes = &statistics.axes;
     let residuals = || nodes.iter().map(|n| n.mean.residual);
     let off = residuals().enumerate().filter(|(at, _)| cosine(axes, at % axes.len()) >= GRAZING);
     let off: Vec<f64> = off.map(|(_, residual)| residual).collect();
-    let bad = |n: &Node| !n.mean.converged || n.mean.residual > LARGEST_RESIDUAL || n.mean.residual.is_nan();
+    let bad =
+        |n: &FittedNode| !n.mean.converged || n.mean.residual > LARGEST_RESIDUAL || n.mean.residual.is_nan();
     let flagged = nodes.iter().enumerate().filter(|(_, n)| bad(n)).map(|(at, n)| {
         let (wavelength_nm, theta_deg, phi_deg) = direction(axes, at % axes.len());
         let PairFit { residual, converged, .. } = n.mean;
@@ -140,7 +141,7 @@ pub(super) fn report(
     // Of the longest wavelength, the direction nearest to normal incidence.
     let normal = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.cos_phi().len()].map(|n| n - 1);
     let last = &lengths[axes.index(normal[0], normal[1], normal[2])];
-    let share = |n: &Node| n.steady.reflected / n.reflected.max(f64::MIN_POSITIVE);
+    let share = |n: &FittedNode| n.steady.reflected / n.reflected.max(f64::MIN_POSITIVE);
     FitReport {
         residual_median: quantile(residuals().collect(), 0.5),
         residual_95: quantile(residuals().collect(), 0.95),

@@ -8,8 +8,9 @@ use glam::DVec3;
 
 use super::hit::Hit;
 use super::lobes::Lobes;
-use super::microfacet::Ggx;
+use super::microfacet::{FacetRoughness, Ggx};
 use super::{Bsdf, Model};
+use crate::material::Table;
 use crate::math::simd::{dispatch_large, level};
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
 use crate::{Error, Result};
@@ -22,35 +23,15 @@ pub struct Conductor {
     k: DenseSpectrum,
 }
 
-/// Copper: wavelength in nm, n, k. Johnson & Christy, *Optical constants of the noble metals*, Phys. Rev. B 6, 4370 (1972),
-/// table I; wavelengths from its photon energies. At room temperature, evaporated films.
-const COPPER: [[f64; 3]; 15] = [
-    [367.9, 1.36, 1.975],
-    [381.5, 1.33, 2.045],
-    [397.4, 1.32, 2.116],
-    [413.3, 1.28, 2.207],
-    [430.5, 1.25, 2.305],
-    [450.9, 1.24, 2.397],
-    [471.4, 1.25, 2.483],
-    [495.9, 1.22, 2.564],
-    [520.9, 1.18, 2.608],
-    [548.6, 1.02, 2.577],
-    [582.1, 0.70, 2.704],
-    [616.8, 0.30, 3.205],
-    [659.5, 0.22, 3.747],
-    [704.5, 0.21, 4.205],
-    [756.0, 0.24, 4.665],
-];
-
 impl Conductor {
-    /// - `roughness`: GGX α across and along the frame's y, each 0.02 … 1
+    /// - `roughness`: each 0.02 … 1
     /// - `index`: n and k as a function of the wavelength in nm
     ///
     /// # Errors
     /// A roughness out of range, or an index that is not finite, or has n not over 0 or k below 0.
-    pub fn new(roughness: [f64; 2], index: impl Fn(f64) -> [f64; 2]) -> Result<Self> {
-        if !roughness.iter().all(|a| (0.02..=1.0).contains(a)) {
-            let [across, along] = roughness;
+    pub fn new(roughness: FacetRoughness, index: impl Fn(f64) -> [f64; 2]) -> Result<Self> {
+        if !roughness.is_allowed() {
+            let FacetRoughness { along, across } = roughness;
             return Err(Error::input(format!(
                 "metal of roughness {across} across and {along} along: give 0.02 to 1 for both"
             )));
@@ -68,16 +49,19 @@ impl Conductor {
         Ok(Self { ggx: Ggx::new(roughness), n, k })
     }
 
-    /// Copper of this roughness across and along.
+    /// Copper of this roughness. Between rows of its table the value of the one below is stepped from, which
+    /// differs from the table's own value by rounding: pictures are of these bits.
     ///
     /// # Errors
     /// A roughness out of range.
-    pub fn copper(roughness: [f64; 2]) -> Result<Self> {
+    pub fn copper(roughness: FacetRoughness) -> Result<Self> {
+        let table = Table::copper();
+        let (nm, index) = (table.wavelengths_nm(), table.indices());
         Self::new(roughness, |w| {
-            let above = COPPER.partition_point(|row| row[0] < w).clamp(1, COPPER.len() - 1);
-            let ([from, n0, k0], [to, n1, k1]) = (COPPER[above - 1], COPPER[above]);
-            let t = (w - from) / (to - from);
-            [n0 + (n1 - n0) * t, k0 + (k1 - k0) * t]
+            let above = nm.partition_point(|nm| *nm < w).clamp(1, nm.len() - 1);
+            let (low, high) = (index[above - 1], index[above]);
+            let t = (w - nm[above - 1]) / (nm[above] - nm[above - 1]);
+            [low.re + (high.re - low.re) * t, low.im + (high.im - low.im) * t]
         })
     }
 
@@ -179,7 +163,7 @@ mod tests {
     /// Normal incidence, ((n − 1)² + k²)/((n + 1)² + k²), at nodes of the table and between them.
     #[test]
     fn copper_is_red() {
-        let copper = Conductor::copper([0.1, 0.1]).unwrap();
+        let copper = Conductor::copper(FacetRoughness::even(0.1)).unwrap();
         let at = |w: f64| {
             let (n, k) = (copper.n.at(w), copper.k.at(w));
             ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k)
@@ -195,8 +179,13 @@ mod tests {
 
     #[test]
     fn impossible_metals_are_refused() {
-        assert!(Conductor::copper([0.0, 0.1]).unwrap_err().to_string().contains("0.02 to 1"));
-        assert!(Conductor::new([0.1, 0.1], |_| [f64::NAN, 1.0]).is_err());
-        assert!(Conductor::new([0.1, 0.1], |_| [1.0, -1.0]).is_err());
+        assert!(
+            Conductor::copper(FacetRoughness { across: 0.0, along: 0.1 })
+                .unwrap_err()
+                .to_string()
+                .contains("0.02 to 1")
+        );
+        assert!(Conductor::new(FacetRoughness::even(0.1), |_| [f64::NAN, 1.0]).is_err());
+        assert!(Conductor::new(FacetRoughness::even(0.1), |_| [1.0, -1.0]).is_err());
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::hit::{Hit, Side};
 use super::lobes::Lobes;
 use super::{Bsdf, BsdfSample, Evaluation, Model};
-use crate::scattering::grating::fresnel;
+use crate::fresnel::fresnel;
 use crate::spectrum::dense::WAVES;
 use crate::{Error, Result};
 

@@ -18,9 +18,9 @@ use super::hit::Hit;
 use super::lobes::Lobes;
 use super::reflectance::Reflectance;
 use super::{Bsdf, Model};
-use crate::scattering::grating::{Coherence, Obliquity, Powers, fresnel};
+use crate::fresnel::fresnel;
+use crate::scattering::grating::{Coherence, Obliquity, Powers};
 use crate::spectrum::dense::{LONGEST_NM, Lambdas, SHORTEST_NM, WAVES};
-use crate::spectrum::primaries::shares;
 use crate::{Error, Result};
 
 /// Windows reach so many standard deviations.
@@ -93,18 +93,13 @@ impl Grating {
         if !coherence_um.is_finite() || coherence_um <= 0.0 {
             return Err(Error::input(format!("a grating's coherence is {coherence_um} µm; give over 0")));
         }
-        if !pigment.iter().all(|v| (0.0..=1.0).contains(v)) {
-            return Err(Error::input("a grating's pigment must lie between 0 and 1"));
-        }
+        let pigment = Reflectance::of_colour(pigment).map_err(|error| error.at("a grating's pigment"))?;
         if powers.terms() > MOST_TERMS {
             return Err(Error::input(format!(
                 "a grating of {} terms is too deep to be rendered; at most {MOST_TERMS} are",
                 powers.terms()
             )));
         }
-        let basis = shares();
-        let colour = |w: f64| basis.iter().zip(pigment).map(|(share, c)| c * share.at(w)).sum::<f64>();
-        let pigment = Reflectance::new(|w| colour(w).clamp(0.0, 1.0))?;
         let s_f = Coherence::Fixed(coherence_um).frequency_per_um(1.0);
         let deviation = s_f * FRAC_1_SQRT_2;
         let step = STEP * deviation;

@@ -12,10 +12,10 @@ use glam::DVec3;
 
 use super::hit::Hit;
 use super::lobes::Lobes;
-use super::microfacet::Ggx;
+use super::microfacet::{FacetRoughness, Ggx};
 use super::reflectance::Reflectance;
 use super::{Bsdf, Model};
-use crate::scattering::grating::fresnel;
+use crate::fresnel::fresnel;
 use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
 
@@ -46,8 +46,13 @@ impl Keratin {
                 "keratin of roughness {roughness} and index {index}: give a roughness of 0.02 to 1 and an index of 1 to 4"
             )));
         }
-        let mut keratin =
-            Self { ggx: Ggx::new([roughness; 2]), index, body, albedo: [0.0; NODES], mean_albedo: 0.0 };
+        let mut keratin = Self {
+            ggx: Ggx::new(FacetRoughness::even(roughness)),
+            index,
+            body,
+            albedo: [0.0; NODES],
+            mean_albedo: 0.0,
+        };
         for node in 0..NODES {
             keratin.albedo[node] = keratin.boundary_albedo((node as f64 / (NODES - 1) as f64).max(1e-3));
         }

@@ -6,6 +6,28 @@ use glam::DVec3;
 
 use crate::math::elementary::sin_cos_turns;
 
+/// Roughness of a boundary: GGX α towards both axes of its frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FacetRoughness {
+    /// Along the frame's y, the long axis of what was hit.
+    pub along: f64,
+    /// Across it.
+    pub across: f64,
+}
+
+impl FacetRoughness {
+    /// The same in all directions.
+    #[must_use]
+    pub fn even(alpha: f64) -> Self {
+        Self { along: alpha, across: alpha }
+    }
+
+    /// Whether both are 0.02 … 1, as rough boundaries take them.
+    pub(super) fn is_allowed(self) -> bool {
+        [self.along, self.across].iter().all(|alpha| (0.02..=1.0).contains(alpha))
+    }
+}
+
 /// A GGX surface of two roughnesses, along x and y of its frame (Trowbridge & Reitz 1975; Walter et al. 2007), with Smith's
 /// masking.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,8 +40,9 @@ pub(super) struct Ggx {
 }
 
 impl Ggx {
-    /// Roughness α along x and along y, over 0.
-    pub(super) fn new(alpha: [f64; 2]) -> Self {
+    /// Roughness over 0.
+    pub(super) fn new(roughness: FacetRoughness) -> Self {
+        let alpha = [roughness.across, roughness.along];
         Self { alpha, inverse: alpha.map(|a| 1.0 / a), scale: 1.0 / (PI * alpha[0] * alpha[1]) }
     }
 
@@ -60,7 +83,7 @@ mod tests {
     /// midpoint rule over the hemisphere.
     #[test]
     fn normals_cover_the_surface_and_what_is_seen_of_it() {
-        let ggx = Ggx::new([0.3, 0.1]);
+        let ggx = Ggx::new(FacetRoughness { across: 0.3, along: 0.1 });
         let w = DVec3::new(0.5, -0.6, 0.4).normalize();
         let (mut whole, mut seen) = (0.0, 0.0);
         let side = 2000;

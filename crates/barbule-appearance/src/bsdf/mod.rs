@@ -19,7 +19,6 @@ mod keratin;
 mod lambertian;
 mod lobes;
 mod map;
-pub mod masking;
 mod microfacet;
 mod reflectance;
 mod relief;
@@ -27,7 +26,7 @@ mod rough_dielectric;
 #[cfg(test)]
 mod tests;
 mod texture;
-mod vane;
+mod thin_film;
 
 use glam::DVec3;
 
@@ -46,12 +45,12 @@ pub use keratin::Keratin;
 pub use lambertian::{Lambertian, Pictures};
 pub use lobes::Lobes;
 pub use map::SurfaceMap;
-pub use masking::{Barbs as MaskedBarbs, Barbules};
+pub use microfacet::FacetRoughness;
 pub use reflectance::Reflectance;
 pub use relief::Relief;
 pub use rough_dielectric::RoughDielectric;
 pub use texture::Texture;
-pub use vane::VaneSurface;
+pub use thin_film::ThinFilm;
 
 use crate::spectrum::dense::{Lambdas, WAVES};
 
@@ -66,8 +65,6 @@ pub enum Surface {
     Barbule(BarbuleSurface),
     /// A barb with the barbules that its ribbon stands for.
     Barb(Box<BarbSurface>),
-    /// A feather's vane from afar.
-    Vane(Box<VaneSurface>),
     /// A fibre of hair, round or elliptical.
     Hair(Hair),
     /// Rough metal.
@@ -76,6 +73,8 @@ pub enum Surface {
     Dielectric(Dielectric),
     /// A rough one.
     RoughDielectric(RoughDielectric),
+    /// Layers over a rough base.
+    ThinFilm(ThinFilm),
     /// A diffraction grating over pigment.
     Grating(Grating),
     /// Others, chosen from place to place.
@@ -92,11 +91,11 @@ impl Surface {
             Self::Keratin(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barb(barb) => barb.bind(hit, wo, wavelengths),
-            Self::Vane(surface) => surface.bind(hit, wo, wavelengths),
             Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
             Self::Dielectric(surface) => surface.bind(hit, wo),
             Self::RoughDielectric(surface) => surface.bind(hit, wo),
+            Self::ThinFilm(surface) => surface.bind(hit, wo, wavelengths),
             Self::Grating(surface) => surface.bind(hit, wo, wavelengths),
             Self::Map(map) => map.at(hit.uv).bind_apart(hit, wo, wavelengths),
         }
@@ -115,7 +114,6 @@ impl Surface {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
             Self::Barb(barb) => barb.opacity(hit, wo),
-            Self::Vane(vane) => vane.opacity(hit, wo),
             Self::Lambertian(surface) => surface.opacity(hit),
             Self::Map(map) => map.at(hit.uv).opacity(hit, wi, wo),
             Self::Keratin(_)
@@ -123,6 +121,7 @@ impl Surface {
             | Self::Conductor(_)
             | Self::Dielectric(_)
             | Self::RoughDielectric(_)
+            | Self::ThinFilm(_)
             | Self::Grating(_) => 1.0,
         }
     }
@@ -132,7 +131,7 @@ impl Surface {
     pub fn is_opaque(&self) -> bool {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
-            Self::Barb(_) | Self::Vane(_) => false,
+            Self::Barb(_) => false,
             Self::Lambertian(surface) => surface.is_opaque(),
             Self::Map(map) => map.surfaces().iter().all(Self::is_opaque),
             Self::Keratin(_)
@@ -140,6 +139,7 @@ impl Surface {
             | Self::Conductor(_)
             | Self::Dielectric(_)
             | Self::RoughDielectric(_)
+            | Self::ThinFilm(_)
             | Self::Grating(_) => true,
         }
     }
@@ -149,27 +149,8 @@ impl Surface {
 pub struct Bsdf<'a> {
     model: Model<'a>,
     side: Side,
-    /// What shades it from some directions.
-    shade: Option<Shade<'a>>,
-}
-
-/// What stands about a part of a feather and keeps light from it.
-enum Shade<'a> {
-    /// The barbules beside it.
-    Row(barb::Shade),
-    /// All others of a vane.
-    Masked(vane::Masked<'a>),
-}
-
-impl Shade<'_> {
-    /// Share of the light from a direction that arrives.
-    #[inline]
-    fn share(&self, wi: DVec3) -> f64 {
-        match self {
-            Self::Row(row) => f64::from(u8::from(!row.hides(wi))),
-            Self::Masked(masked) => masked.share(wi),
-        }
-    }
+    /// The barbules beside it that keep light from it.
+    shade: Option<barb::Shade>,
 }
 
 /// A model bound to wavelengths. A surface may bind to different ones: a barbule's underside is keratin.
@@ -182,6 +163,7 @@ enum Model<'a> {
     Conductor(conductor::Bound),
     Dielectric(dielectric::Bound),
     RoughDielectric(rough_dielectric::Bound),
+    ThinFilm(thin_film::Bound<'a>),
     Grating(grating::Bound<'a>),
 }
 
@@ -196,6 +178,7 @@ macro_rules! of_model {
             Model::Conductor(model) => model.$function($($argument),*),
             Model::Dielectric(model) => model.$function($($argument),*),
             Model::RoughDielectric(model) => model.$function($($argument),*),
+            Model::ThinFilm(model) => model.$function($($argument),*),
             Model::Grating(model) => model.$function($($argument),*),
         }
     };
@@ -233,7 +216,7 @@ impl<'a> Bsdf<'a> {
 
     /// The same among neighbours that keep light from it.
     #[inline]
-    fn shaded(self, shade: Shade<'a>) -> Self {
+    fn shaded(self, shade: barb::Shade) -> Self {
         Self { shade: Some(shade), ..self }
     }
 
@@ -258,17 +241,10 @@ impl<'a> Bsdf<'a> {
         let face = wi.dot(self.side.normal);
         let reflected = face > 0.0 && local.z > 0.0;
         let scatters = reflected || (face < 0.0 && local.z < 0.0 && self.lobes().has(Lobes::TRANSMISSION));
-        if !scatters || self.side.wo.z <= 0.0 {
+        if !scatters || self.side.wo.z <= 0.0 || self.shade.as_ref().is_some_and(|shade| shade.hides(wi)) {
             return NOTHING;
         }
-        let share = self.shade.as_ref().map_or(1.0, |shade| shade.share(wi));
-        if share == 0.0 {
-            return NOTHING;
-        }
-        let (mut f, pdf) = of_model!(&self.model, eval(self.side.wo, local));
-        if share < 1.0 {
-            f = f.map(|f| f * share);
-        }
+        let (f, pdf) = of_model!(&self.model, eval(self.side.wo, local));
         Evaluation { f, pdf, cosine: local.z.abs() }
     }
 

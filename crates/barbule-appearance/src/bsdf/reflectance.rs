@@ -1,7 +1,9 @@
 //! Diffuse reflectances, and those of pigmented keratin: Kubelka and Munk's for melanin, whose absorption falls as k/λ
-//! with k = 0.56 exp(−λ/270 nm) (Stavenga et al. 2015).
+//! with melanin's k.
 
+use crate::material::ExponentialAbsorption;
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, VALUES, WAVES};
+use crate::spectrum::primaries::shares;
 use crate::{Error, Result};
 
 /// A diffuse reflectance or transmittance: one value per nm.
@@ -34,11 +36,24 @@ impl Reflectance {
         if !(absorption.is_finite() && absorption >= 0.0) {
             return Err(Error::input("melanin's absorption must be finite and not negative"));
         }
-        let relative = |w: f64| libm::exp(-w / 270.0) / w;
+        let relative = |w: f64| ExponentialAbsorption::MELANIN.decay(w) / w;
         Self::new(|w| {
             let ratio = absorption * relative(w) / relative(550.0);
             1.0 + ratio - (ratio * ratio + 2.0 * ratio).sqrt()
         })
+    }
+
+    /// Of a colour in linear sRGB, 0 … 1: its smoothest spectrum within 0 … 1.
+    ///
+    /// # Errors
+    /// A colour outside 0 … 1.
+    pub fn of_colour(colour: [f64; 3]) -> Result<Self> {
+        if !colour.iter().all(|v| (0.0..=1.0).contains(v)) {
+            return Err(Error::input("a colour must lie between 0 and 1"));
+        }
+        let basis = shares();
+        let sum = |w: f64| basis.iter().zip(colour).map(|(share, c)| c * share.at(w)).sum::<f64>();
+        Self::new(|w| sum(w).clamp(0.0, 1.0))
     }
 
     /// The values, one per nm.

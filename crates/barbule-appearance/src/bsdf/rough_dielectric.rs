@@ -7,9 +7,9 @@ use glam::DVec3;
 
 use super::hit::Hit;
 use super::lobes::Lobes;
-use super::microfacet::Ggx;
+use super::microfacet::{FacetRoughness, Ggx};
 use super::{Bsdf, Model};
-use crate::scattering::grating::fresnel;
+use crate::fresnel::fresnel;
 use crate::spectrum::dense::WAVES;
 use crate::{Error, Result};
 
@@ -21,16 +21,16 @@ pub struct RoughDielectric {
 }
 
 impl RoughDielectric {
-    /// - `roughness`: GGX α across and along the frame's y, each 0.02 … 1
+    /// - `roughness`: each 0.02 … 1
     /// - `index`: refractive index in air
     ///
     /// # Errors
     /// A roughness out of range, or an index outside 1.01 to 3.9.
-    pub fn new(roughness: [f64; 2], index: f64) -> Result<Self> {
-        if roughness.iter().all(|a| (0.02..=1.0).contains(a)) && (1.01..=3.9).contains(&index) {
+    pub fn new(roughness: FacetRoughness, index: f64) -> Result<Self> {
+        if roughness.is_allowed() && (1.01..=3.9).contains(&index) {
             return Ok(Self { ggx: Ggx::new(roughness), index });
         }
-        let [across, along] = roughness;
+        let FacetRoughness { along, across } = roughness;
         Err(Error::input(format!(
             "a dielectric of roughness {across} across and {along} along and index {index}: give 0.02 to 1 for both, and an index of 1.01 to 3.9"
         )))
@@ -122,7 +122,7 @@ mod tests {
     }
 
     fn frosted(roughness: f64) -> Surface {
-        Surface::RoughDielectric(RoughDielectric::new([roughness; 2], 1.5).unwrap())
+        Surface::RoughDielectric(RoughDielectric::new(FacetRoughness::even(roughness), 1.5).unwrap())
     }
 
     /// Power that is reflected, and that goes through, by the midpoint rule over all directions: from the values alone.
@@ -200,7 +200,8 @@ mod tests {
     fn nearly_smooth_glass_is_smooth_glass() {
         for polar in [0.3_f64, 0.9, 2.8, 2.0] {
             let wo = direction(polar, 0.0);
-            let surface = Surface::RoughDielectric(RoughDielectric::new([0.02; 2], 1.5).unwrap());
+            let surface =
+                Surface::RoughDielectric(RoughDielectric::new(FacetRoughness::even(0.02), 1.5).unwrap());
             let index: f64 = if wo.z > 0.0 { 1.5 } else { 1.0 / 1.5 };
             let share = fresnel(wo.z.abs(), index);
             let (side, mut reflected, mut through) = (60, 0.0, DVec3::ZERO);
@@ -232,7 +233,9 @@ mod tests {
     /// Helmholtz: seen backwards through the boundary the value is the square of the relative index times as large.
     #[test]
     fn both_ways_through_differ_by_the_square_of_the_index() {
-        let surface = Surface::RoughDielectric(RoughDielectric::new([0.4, 0.15], 1.5).unwrap());
+        let surface = Surface::RoughDielectric(
+            RoughDielectric::new(FacetRoughness { across: 0.4, along: 0.15 }, 1.5).unwrap(),
+        );
         for (polar, other, azimuth) in [(0.3, 2.9, 3.0), (0.9, 2.6, 3.5), (1.2, 2.6, 3.0)] {
             let (a, b) = (direction(polar, 0.4), direction(other, azimuth));
             let [ab, ba] = [(a, b), (b, a)].map(|(wo, wi)| bound(&surface, wo).eval(wi).f[0]);
@@ -243,7 +246,8 @@ mod tests {
             assert!(one > 0.0 && (one / two - 1.0).abs() < 1e-12);
         }
         assert!(
-            RoughDielectric::new([0.01, 0.1], 1.5).is_err() && RoughDielectric::new([0.1; 2], 1.0).is_err()
+            RoughDielectric::new(FacetRoughness { across: 0.01, along: 0.1 }, 1.5).is_err()
+                && RoughDielectric::new(FacetRoughness::even(0.1), 1.0).is_err()
         );
     }
 }

@@ -8,8 +8,10 @@ use glam::DVec3;
 use super::*;
 use crate::brdf::fixtures::example;
 use crate::brdf::{FeatherBrdf, Options};
+use crate::material::Library;
 use crate::math::rng::Stream;
 use crate::spectrum::dense::WAVES;
+use crate::stack::Stack;
 
 fn grey(value: f64) -> Reflectance {
     Reflectance::new(|_| value).unwrap()
@@ -37,6 +39,11 @@ pub(super) fn barbule() -> BarbuleSurface {
     BarbuleSurface { brdf, instances: true, under: keratin(20.0), cells: Cells::default(), opacity: 1.0 }
 }
 
+fn film() -> ThinFilm {
+    let stack = Stack::parse("air/keratin:400/melanin:60/keratin", &Library::builtin()).unwrap();
+    ThinFilm::new(&stack, FacetRoughness { across: 0.3, along: 0.15 }, Some(grey(0.8))).unwrap()
+}
+
 fn surfaces() -> Vec<(&'static str, Surface)> {
     vec![
         ("white", Surface::Lambertian(Lambertian::new(grey(1.0)))),
@@ -44,9 +51,18 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ("keratin", Surface::Keratin(keratin(2.0))),
         ("barbule", Surface::Barbule(barbule())),
         ("hair", Surface::Hair(hair())),
-        ("copper", Surface::Conductor(Conductor::copper([0.3, 0.1]).unwrap())),
+        (
+            "copper",
+            Surface::Conductor(Conductor::copper(FacetRoughness { across: 0.3, along: 0.1 }).unwrap()),
+        ),
+        ("film", Surface::ThinFilm(film())),
         ("grating", Surface::Grating(super::grating::tests::grating())),
-        ("frosted", Surface::RoughDielectric(RoughDielectric::new([0.3, 0.2], 1.5).unwrap())),
+        (
+            "frosted",
+            Surface::RoughDielectric(
+                RoughDielectric::new(FacetRoughness { across: 0.3, along: 0.2 }, 1.5).unwrap(),
+            ),
+        ),
     ]
 }
 
@@ -162,7 +178,7 @@ fn no_surface_gives_more_than_it_gets() {
 #[test]
 fn surfaces_without_instances_or_offsets_are_reciprocal() {
     let hit = hit();
-    let reciprocal = ["white", "sheet", "keratin", "copper", "grating"];
+    let reciprocal = ["white", "sheet", "keratin", "copper", "film", "grating"];
     for (name, surface) in surfaces().iter().filter(|(name, _)| reciprocal.contains(name)) {
         for a in viewers() {
             for b in viewers() {

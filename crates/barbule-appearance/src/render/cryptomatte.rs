@@ -6,13 +6,13 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::film::Film;
-use super::picture::Plane;
+use super::planes::Channel;
 use super::planes::{COVERS, Cover};
 
 /// Planes and what a reader must know of them.
 pub struct Matte {
     /// R, G, B, A of each layer.
-    pub planes: Vec<Plane<f32>>,
+    pub planes: Vec<Channel<f32>>,
     /// Names and texts for the header of the file.
     pub attributes: Vec<(String, String)>,
 }
@@ -63,7 +63,7 @@ pub fn matte(film: &Film, objects: &[String], by: By, layer: &str) -> Matte {
     }
     let plane = |(index, values): (usize, Vec<f32>)| {
         let letter = ["R", "G", "B", "A"][index % 4];
-        Plane { name: format!("{layer}{:02}.{letter}", index / 4), values }
+        Channel { name: format!("{layer}{:02}.{letter}", index / 4), values }
     };
     let key = format!("cryptomatte/{}", &format!("{:08x}", murmur3(layer.as_bytes()))[..7]);
     let entries: Vec<String> =

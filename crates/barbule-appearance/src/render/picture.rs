@@ -2,6 +2,7 @@
 
 use super::cryptomatte::{By, matte};
 use super::film::Film;
+use super::planes::Channel;
 use super::tone;
 use crate::scene::backdrop::Backdrop;
 use crate::spectrum::colour::{into_gamut, rgb_from_xyz};
@@ -87,15 +88,6 @@ pub fn bytes(film: &Film, development: &Development) -> Bytes {
     Bytes { values, has_alpha }
 }
 
-/// One plane of a picture, with its name in an EXR.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Plane<T> {
-    /// Name, as in `normal.X`.
-    pub name: String,
-    /// Values, row by row.
-    pub values: Vec<T>,
-}
-
 /// Depth of what is nowhere, mm, as other renderers have it.
 pub const FAR_MM: f64 = 1e10;
 
@@ -103,9 +95,9 @@ pub const FAR_MM: f64 = 1e10;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Planes {
     /// All but identities.
-    pub floats: Vec<Plane<f32>>,
+    pub floats: Vec<Channel<f32>>,
     /// Identities of barbules, barbs and shaft.
-    pub identities: Plane<u32>,
+    pub identities: Channel<u32>,
     /// Names and texts that compositors look for in the header.
     pub attributes: Vec<(String, String)>,
 }
@@ -118,8 +110,8 @@ pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Pla
     let size = film.size();
     let mut floats = Vec::new();
     let mut add = |names: &[&str], values: &dyn Fn(u32, u32) -> Vec<f64>| {
-        let mut planes: Vec<Plane<f32>> =
-            names.iter().map(|name| Plane { name: (*name).to_owned(), values: Vec::new() }).collect();
+        let mut planes: Vec<Channel<f32>> =
+            names.iter().map(|name| Channel { name: (*name).to_owned(), values: Vec::new() }).collect();
         for (x, y) in places(size) {
             for (plane, value) in planes.iter_mut().zip(values(x, y)) {
                 plane.values.push(value as f32);
@@ -171,7 +163,7 @@ pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Pla
         attributes.push(("emissiveUnits".to_owned(), "relative".to_owned()));
     }
     let values = places(size).map(|(x, y)| film.pixel(x, y).id).collect();
-    Planes { floats, identities: Plane { name: "barbule.ID".to_owned(), values }, attributes }
+    Planes { floats, identities: Channel { name: "barbule.ID".to_owned(), values }, attributes }
 }
 
 /// The name of a spectral plane: unpolarized radiance, as in `S0.452,5nm` (Fichet et al. 2021; points would part layers).

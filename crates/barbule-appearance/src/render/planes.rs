@@ -4,6 +4,15 @@ use super::integrator::{FirstHit, Sample};
 use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, WAVES};
 use crate::{Error, Result};
 
+/// One channel of a picture, with its name in an EXR.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel<T> {
+    /// Name, as in `normal.X`.
+    pub name: String,
+    /// Values, row by row.
+    pub values: Vec<T>,
+}
+
 /// Further planes of a film.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Planes {

@@ -1,6 +1,6 @@
 //! Running the integrator over the film: rounds of samples over tiles, until a count, a noise target or a time.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
@@ -8,22 +8,31 @@ use rayon::prelude::*;
 use super::film::{Film, Tile};
 use super::integrator::{Integrator, Shot};
 use crate::math::simd::dispatch_large;
-use crate::progress::Progress;
+use crate::progress::{Clock, Progress};
 use crate::{Error, Result};
 
 /// When a picture is done.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Goal {
     /// Most samples per pixel.
     pub samples: u32,
     /// A tile is done earlier when the standard error of its mean luminance per pixel, relative to the luminance (with
     /// 0.05 added), is below this on average; `None`: never.
     pub noise: Option<f64>,
-    /// No new round begins that would likely end later than this; `None`: no limit.
-    pub time: Option<Duration>,
+    /// `None`: no limit.
+    pub time: Option<TimeLimit>,
     /// Samples per pixel of a round, 1 to [`ROUND`]: fewer, and the whole picture is there sooner. The film's bits are the
     /// same.
     pub round: u32,
+}
+
+/// How long a picture may take.
+#[derive(Debug, Clone, Copy)]
+pub struct TimeLimit {
+    /// No new round begins that would likely end later than this.
+    pub most: Duration,
+    /// By this clock.
+    pub clock: Clock,
 }
 
 /// Samples per pixel after which noise is looked at, and usually of a round.
@@ -67,7 +76,8 @@ pub fn run(
     if goal.samples == 0 || goal.samples > 1 << 24 {
         return Err(Error::input(format!("{} samples per pixel: give 1 to 16777216", goal.samples)));
     }
-    let start = Instant::now();
+    let now = || goal.time.map_or(Duration::ZERO, |limit| (limit.clock)());
+    let start = now();
     let mut slowest = Duration::ZERO;
     let most = film.tiles.iter().map(|tile| u64::from(goal.samples.saturating_sub(tile.count))).sum();
     progress.begin("rendering", most);
@@ -79,12 +89,12 @@ pub fn run(
         if progress.is_cancelled() {
             return Ok(Ended::Stopped);
         }
-        if goal.time.is_some_and(|time| slowest > Duration::ZERO && start.elapsed() + slowest > time) {
+        let begun = now();
+        if goal.time.is_some_and(|limit| slowest > Duration::ZERO && begun - start + slowest > limit.most) {
             return Ok(Ended::OutOfTime);
         }
-        let begun = Instant::now();
         round(integrator, film, seed, &goal, &open, progress);
-        slowest = slowest.max(begun.elapsed());
+        slowest = slowest.max(now() - begun);
         after_round(film)?;
     }
 }

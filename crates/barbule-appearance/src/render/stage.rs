@@ -33,7 +33,8 @@ impl Stage {
         }
         let (accelerator, instances) = (Accelerator::new(&objects), Instances::new(&objects));
         let nearest_mm = nearest_mm(&objects);
-        let is_opaque = objects.iter().all(|object| object.surface.is_opaque());
+        let is_opaque = |one: &Object| one.geometry.window.is_none() && one.surface.is_opaque();
+        let is_opaque = objects.iter().all(is_opaque);
         let panes = panes(&objects)?;
         Ok(Self { objects, accelerator, instances, panes, nearest_mm, is_opaque })
     }

@@ -6,7 +6,6 @@
 pub mod backdrop;
 pub mod camera;
 pub mod coat;
-pub mod comparison;
 pub mod description;
 pub mod emission;
 pub mod feather;

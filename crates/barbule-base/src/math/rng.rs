@@ -3,8 +3,8 @@
 //! A [`Stream`] is named by a seed and a path of integers (instance, purpose, …). Streams of different names are
 //! independent, so the order in which work is done never changes a draw.
 
-use rand::Rng as _;
 use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::Rng as _;
 
 /// One named stream of random numbers.
 #[derive(Debug, Clone)]

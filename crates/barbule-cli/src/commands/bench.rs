@@ -6,10 +6,10 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use barbule::Result;
-use barbule::campaign::bench::{CampaignFigures, measure};
 use barbule::math::simd::Width;
-use barbule::solve::crystal::bench as crystal;
 use barbule::structure::crystal_species;
+use barbule_bench::campaign::{CampaignFigures, measure};
+use barbule_bench::crystal;
 use serde_json::json;
 
 use crate::common::{Common, print, print_json};

@@ -6,6 +6,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use barbule::campaign::far_field_bytes;
+use barbule::clock;
 use barbule::figures;
 use barbule::scattering::far_field::{FarField, Illumination, Window};
 use barbule::solve::far_fields::{Illuminations, Method, bytes, far_fields};
@@ -280,7 +281,15 @@ impl Args {
         }
         let progress = Terminal::new(&self.common);
         let (azimuths, elements) = (self.azimuths, self.elements);
-        full_wave::solve(section, illuminations, azimuths, elements, allowance.bytes, &progress)
+        full_wave::solve(
+            section,
+            illuminations,
+            azimuths,
+            elements,
+            allowance.bytes,
+            clock::system,
+            &progress,
+        )
     }
 
     /// Refuses, before any work, a section whose simulation does not fit into memory.

@@ -6,12 +6,12 @@ mod tables;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use barbule::film::{self, Deviations, Ensemble, Sweep};
 use barbule::io::read_stack;
 use barbule::material::Library;
-use barbule::solve::film::{self, Deviations, Ensemble, Sweep};
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
-use barbule::structure::stack::Stack;
+use barbule::stack::Stack;
 use barbule::{Error, Result};
 
 use crate::common::{Common, print, print_json};

@@ -191,7 +191,7 @@ fn stored(material: &FeatherMaterial, beside: &Path) -> Result<Statistics> {
     let (ours, theirs) = (&material.info["campaign"], store.description());
     let [here, there] = [ours, theirs].map(CampaignDescription::read);
     let there = there.map_err(|e| e.at(beside.display()))?;
-    if !here.is_ok_and(|here| here.is_same(&there)) {
+    if !here.is_ok_and(|here| here == there) {
         let name = material.info["name"].as_str().map_or_else(|| "an unnamed structure".into(), shortened);
         return Err(Error::input(format!(
             "{}: is not the campaign that the material was fitted to (of {} there, of {name} here, or with other \

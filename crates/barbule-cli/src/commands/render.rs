@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use barbule::characterize::thinned;
+use barbule::clock;
 use barbule::io::{Folder, check_writable, read_at_most, write_whole};
 use barbule::picture::{Developed, Set, bytes_needed, check_kind, development, is_exr};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
 use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
-use barbule::render::run::{Ended, Goal, ROUND};
+use barbule::render::run::{Ended, Goal, ROUND, TimeLimit};
 use barbule::resolve::{Worn, read_files, read_named, resolve};
 use barbule::scene::description::{
     Background, Bearing, Exposure, Motion, Moved, Named, ReadyScene, SceneDescription, USUAL_ARC_DEG,
@@ -307,7 +308,8 @@ impl Args {
             return Err(Error::input(format!("--samples {samples}: give 1 to 16777216")));
         }
         let round = if self.preview.is_some() { 1 } else { ROUND };
-        Ok(Goal { samples, noise: self.noise.map(|percent| percent / 100.0), time: self.time, round })
+        let time = self.time.map(|most| TimeLimit { most, clock: clock::system });
+        Ok(Goal { samples, noise: self.noise.map(|percent| percent / 100.0), time, round })
     }
 
     /// The file of a frame: `F.png`, or `F-0007.png` in a sequence.

@@ -464,6 +464,8 @@ const SCENES: &[Change] = &[
     ("sky = 0.7", "background = {file = \"no.png\"}", "no such file"),
     ("sky = 0.7", "background = {file = \"good.csv\"}", "read from .png or .exr"),
     ("sky = 0.7", "turn_deg = 1e9", "turn_deg is 1000000000, outside -3600 to 3600"),
+    ("sky = 0.7", "detail.level = \"masked\"", "known are auto, barbules, barbs, vane, envelopes"),
+    ("sky = 0.7", "detail.level = \"vanes\"", "detail.level is 'vanes'; did you mean 'vane'"),
     ("sky = 0.7", "lights = 3", "lights is the number 3"),
     ("sky = 0.7", "lights = [{type = \"lamp\"}]", "known are sun, point"),
     ("sky = 0.7", "lights = [{type = \"point\", strength = 1}]", "lights[0].distance_mm is missing"),

@@ -96,12 +96,12 @@ pub(super) fn far_field(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::{self, reflect};
     use crate::material::Library;
     use crate::math::rng::Stream;
     use crate::scattering::far_field::Polarization;
-    use crate::solve::film::reflect;
     use crate::solve::surface::{Accuracy, FINE_ELEMENT_UM};
-    use crate::solve::{direct, film, surface};
+    use crate::solve::{direct, surface};
     use crate::structure::{Medium, Parts, Polyline};
 
     const WAVELENGTH_NM: f64 = 500.0;

@@ -1,6 +1,6 @@
 //! The fast simulation's formulas, evaluated plainly: its reference.
 //!
-//! One loop over points, one over azimuths, vectors in three dimensions, reflectances from [`film`](super::film), crystals
+//! One loop over points, one over azimuths, vectors in three dimensions, reflectances from [`film`](crate::film), crystals
 //! solved for every point. Slow on purpose: no tables, no transforms, no matrix products, no vector instructions.
 
 use glam::DVec3;
@@ -9,8 +9,8 @@ use num_complex::Complex64;
 use super::beam;
 use super::crystal::Cell;
 use super::crystal::multipole::PreparedCell;
-use super::film::{Polarization, reflect};
 use super::surface::solver;
+use crate::film::{Polarization, reflect};
 use crate::progress::{OnlyStops, Progress, Unobserved};
 use crate::scattering::directions::{e1, e2, omega};
 use crate::scattering::far_field::{Azimuths, FarField, Illumination, Window, coefficients, refinement};

@@ -160,7 +160,7 @@ mod tests {
         let mut library = Library::builtin();
         let table = Table::new("glass", &[(500.0, 1.5.into()), (700.0, 1.5.into())]).unwrap();
         library.insert_table("glass", table).unwrap();
-        let stack = crate::structure::stack::Stack::parse("air/glass:300/air", &library).unwrap();
+        let stack = crate::stack::Stack::parse("air/glass:300/air", &library).unwrap();
         let section = Section::flat("glass", &stack, library).unwrap();
         let sweep = Illuminations {
             wavelengths_nm: vec![550.0, 480.0, 320.0],

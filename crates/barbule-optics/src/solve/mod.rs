@@ -5,7 +5,6 @@ pub mod crystal;
 pub mod diffraction;
 pub mod direct;
 pub mod far_fields;
-pub mod film;
 pub mod full_wave;
 pub mod segment;
 pub mod surface;

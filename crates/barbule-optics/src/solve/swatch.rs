@@ -1,6 +1,6 @@
 //! The colour of a barbule seen along its normals: a quick look, not a simulation.
 
-use super::film::{Polarization, reflect};
+use crate::film::{Polarization, reflect};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::structure::{Ray, Section, cast};
 use crate::{Complex64, Result};
@@ -62,8 +62,9 @@ pub fn normal_reflectance(section: &Section, points: usize, at: &Wavelengths) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film;
     use crate::material::Library;
-    use crate::structure::stack::Stack;
+    use crate::stack::Stack;
 
     #[test]
     fn a_flat_section_reflects_as_its_stack() {
@@ -73,7 +74,7 @@ mod tests {
         let at = Wavelengths::new(vec![450.0, 600.0]).unwrap();
         let found = normal_reflectance(&section, 5, &at).unwrap();
         for (&nm, value) in at.nm().iter().zip(found.values()) {
-            let exact = super::super::film::response(&stack, nm, 0.0, Polarization::S).unwrap().reflected;
+            let exact = film::response(&stack, nm, 0.0, Polarization::S).unwrap().reflected;
             assert!((value - exact).abs() < 1e-12, "{value} {exact}");
         }
     }

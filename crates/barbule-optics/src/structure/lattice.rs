@@ -124,12 +124,6 @@ impl Lattice {
         crate::identity::hash("lattice", self)
     }
 
-    /// The hash by which tables of earlier versions name it.
-    #[must_use]
-    pub fn legacy_hash(&self) -> String {
-        super::legacy::lattice_hash(self)
-    }
-
     /// The material of a substance of this lattice.
     ///
     /// # Errors

@@ -12,7 +12,6 @@ mod flat;
 mod heightfield;
 mod identify;
 mod lattice;
-mod legacy;
 mod offset;
 mod outline;
 mod section;
@@ -20,7 +19,6 @@ mod segment;
 mod side;
 mod smooth;
 mod species;
-pub mod stack;
 mod sweep;
 mod symmetry;
 
@@ -265,21 +263,6 @@ impl Structure {
             }),
             Self::Below(upper) => below(upper.description()),
         }
-    }
-
-    /// [`Self::description`] with hashes of the version that `recorded`, a description in an earlier result, has, and with
-    /// the name of given sections where it has one: equal to it where the result is of this structure.
-    #[must_use]
-    pub fn description_like(&self, recorded: &Value) -> Value {
-        if let Self::Below(upper) = self {
-            return below(upper.description_like(recorded));
-        }
-        let mut like =
-            if recorded.get("identity").is_none() { legacy::description(self) } else { self.description() };
-        if let (Some(name), Value::Object(fields)) = (recorded.get("sections"), &mut like) {
-            fields.insert("sections".into(), name.clone());
-        }
-        like
     }
 
     /// The identity of everything that decides the instances, BLAKE3 in hexadecimal.

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 use super::check;
 use super::crystal::{self, CrystalLayer};
 use super::lattice::Lattice;
-use super::stack::Stack;
 use crate::error::shortened;
 use crate::material::{Library, Material};
+use crate::stack::Stack;
 use crate::{Complex64, Error, Result};
 
 /// No coordinate of a section is larger than this.

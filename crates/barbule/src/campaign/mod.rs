@@ -3,7 +3,6 @@
 //! A unit of work is one (λ, θ_i): all φ_i, polarizations and instances. Its fields stay in memory, their statistics
 //! are formed in instance order (so that bits do not depend on threads), and the fields are dropped.
 
-pub mod bench;
 mod covariance;
 mod crystal;
 mod memory;

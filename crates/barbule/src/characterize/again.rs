@@ -44,13 +44,13 @@ impl<'a> Barbules<'a> {
             species_of(material, media).map(|model| Structure::Species(Box::new(model)))
         } else {
             let text = |key: &str| recorded[key].as_str();
-            let name = text("stack").or_else(|| text("sections")).or_else(|| material.info["name"].as_str());
+            let name = text("stack").or_else(|| material.info["name"].as_str());
             let name = name.map(|name| name.strip_suffix(Side::BELOW).unwrap_or(name));
             name.filter(|name| !name.is_empty()).and_then(|name| given(name).ok())
         };
         let is_below = recorded["side"].as_str() == Some("below");
         let structure = structure.and_then(|s| if is_below { s.underside().ok() } else { Some(s) });
-        let structure = structure.filter(|structure| structure.description_like(recorded) == *recorded);
+        let structure = structure.filter(|structure| structure.description() == *recorded);
         Ok(Self { structure: structure.ok_or_else(unrecorded)?, campaign, catalog, progress })
     }
 

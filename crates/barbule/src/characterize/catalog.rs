@@ -98,22 +98,20 @@ impl Catalog {
         let material = decode_material(bytes).map_err(|e| e.at(format!("the shipped material {stem}")))?;
         let recorded = &material.info["campaign"]["structure"];
         // A user's own species may bear the name of a built-in one.
-        let is_it = *recorded == structure.description_like(recorded);
+        let is_it = *recorded == structure.description();
         Ok(is_it.then(|| Found { hash: hash_bytes(bytes), material, origin: Origin::Shipped(bytes) }))
     }
 
-    /// The cached material of a plan that is fitted so; also one that version 0.1.0 kept, if it is just that.
+    /// The cached material of a plan that is fitted so.
     #[must_use]
     pub fn cached(&self, plan: &Plan, options: &FitOptions) -> Option<Found> {
         let is_it = |found: &Found| {
             let FitOptions { kind, lobe, sigma, .. } = *options;
-            plan.description.is_recorded(&found.material.info["campaign"], &plan.structure)
+            plan.description.is_recorded(&found.material.info["campaign"])
                 && (found.material.kind, found.material.sigma) == (kind, sigma)
                 && LobeForm::of(&found.material) == lobe
         };
-        let folder = self.cache.as_ref()?;
-        let paths = [self.path(plan, options).ok()?, folder.join(name_of_0_1_0(&plan.structure.name()))];
-        paths.into_iter().filter_map(|path| Found::in_file(&path).ok()).find(is_it)
+        Found::in_file(&self.path(plan, options).ok()?).ok().filter(is_it)
     }
 
     /// Keeps a plan's material in the cache, whole or not at all, and says where.
@@ -154,8 +152,8 @@ impl Catalog {
         let folder = self.cache.as_ref().filter(|folder| make_folder(folder).is_ok());
         let path = |key: &str| folder.map(|folder| place(folder, &structure.name(), key, "orders"));
         let read = |key: &str| path(key).and_then(|path| read_orders(&path, key).ok());
-        let [key, legacy] = order_keys(&lattice, axes);
-        if let Some(found) = read(&key).or_else(|| read(&legacy)) {
+        let key = orders_key(&lattice, axes);
+        if let Some(found) = read(&key) {
             progress.note("the orders of the crystal are in the cache");
             return Ok(Some(found));
         }
@@ -202,17 +200,14 @@ pub(super) fn material_key(
         .hex()
 }
 
-/// What names a table of orders: now, and in version 0.1.0.
-fn order_keys(lattice: &Lattice, axes: &Axes) -> [String; 2] {
-    let (wavelengths_nm, cos_theta) = (axes.wavelengths_nm(), axes.cos_theta());
-    let key = Hasher::new("orders")
+/// What names a table of orders by everything that decides it.
+fn orders_key(lattice: &Lattice, axes: &Axes) -> String {
+    Hasher::new("orders")
         .count("campaign", CAMPAIGN_VERSION)
         .part("lattice", lattice)
-        .numbers("wavelengths_nm", wavelengths_nm)
-        .numbers("cos_theta", cos_theta)
-        .hex();
-    let legacy = format!("2 {} {wavelengths_nm:?} {cos_theta:?}", lattice.legacy_hash());
-    [key, hash_bytes(legacy.as_bytes())]
+        .numbers("wavelengths_nm", axes.wavelengths_nm())
+        .numbers("cos_theta", axes.cos_theta())
+        .hex()
 }
 
 /// The readable part of a file name for a structure: `starling:green` → `starling-green`, `air/keratin:300/air` →
@@ -239,32 +234,13 @@ pub(super) fn file_stem(name: &str) -> String {
     if stem.is_empty() { "material".into() } else { stem.into() }
 }
 
-/// The file of a structure's material in a cache of version 0.1.0, which had one per name.
-fn name_of_0_1_0(name: &str) -> String {
-    let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' };
-    let stem: String = last.chars().map(plain).take(100).collect();
-    format!("{}.barbule", if stem.is_empty() { "material" } else { &stem })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::characterize::CampaignOptions;
     use crate::io::write_material;
     use crate::material::Library;
-    use crate::spectrum::Wavelengths;
     use crate::structure::SpeciesModel;
-
-    #[test]
-    fn tables_of_version_0_1_are_found_by_their_names() {
-        let model = SpeciesModel::builtin("mallard", None, Library::builtin()).unwrap();
-        let wavelengths = Wavelengths::new([500.0, 520.0]).unwrap();
-        let axes = Axes::new(&wavelengths, vec![1.0 / 3.0, 2.0 / 3.0, 1.0], vec![1.0]).unwrap();
-        let [key, legacy] = order_keys(&model.lattice().unwrap(), &axes);
-        assert_eq!(&legacy[..16], "3d635b5358e5c050");
-        assert_ne!(key, legacy);
-    }
 
     #[test]
     fn every_shipped_material_is_found() {
@@ -302,18 +278,19 @@ mod tests {
     }
 
     #[test]
-    fn materials_of_version_0_1_are_found_if_they_are_what_is_asked_for() {
+    fn a_cached_material_is_found_only_if_it_is_what_is_asked_for() {
         let folder = tempfile::tempdir().unwrap();
         let (catalog, plan, material) = starling_in(folder.path());
-        make_folder(catalog.cache.as_ref().unwrap()).unwrap();
-        let old = catalog.cache.as_ref().unwrap().join("starling-green.barbule");
-        write_material(&old, &material).unwrap();
         let usual = FitOptions::default();
-        assert_eq!(catalog.cached(&plan, &usual).unwrap().origin, Origin::File(old));
-        assert!(catalog.cached(&plan, &FitOptions { sigma: 0.05, ..usual }).is_none());
+        let path = catalog.keep(&plan, &usual, &material).unwrap();
+        assert_eq!(catalog.cached(&plan, &usual).unwrap().origin, Origin::File(path));
         let thinned = CampaignOptions { thin: Some(4), ..CampaignOptions::default() };
         let thinned = thinned.plan(Structure::builtin("starling").unwrap()).unwrap();
-        assert!(catalog.cached(&thinned, &usual).is_none());
+        for (plan, options) in [(&plan, FitOptions { sigma: 0.05, ..usual }), (&thinned, usual)] {
+            assert!(catalog.cached(plan, &options).is_none());
+            write_material(&catalog.path(plan, &options).unwrap(), &material).unwrap();
+            assert!(catalog.cached(plan, &options).is_none());
+        }
     }
 
     #[test]
@@ -363,6 +340,5 @@ mod tests {
             assert_eq!(file_stem(name), stem);
         }
         assert_eq!(file_stem(&"ab:".repeat(1000)).len(), 59);
-        assert_eq!(name_of_0_1_0("air/keratin:300/air"), "air.barbule");
     }
 }

@@ -5,7 +5,6 @@ use serde_json::Value;
 
 use crate::identity::{Hasher, Identify};
 use crate::scattering::statistics::Sides;
-use crate::structure::Structure;
 use crate::{Error, Result};
 
 /// Everything that decides the numbers of a campaign. Results are the same campaign's where these are equal.
@@ -92,35 +91,10 @@ impl CampaignDescription {
         parameters["width_um"].as_f64().or_else(|| self.structure["width_um"].as_f64())
     }
 
-    /// The same campaign of `structure` with hashes of the version that an earlier result has.
+    /// Whether an earlier result is of this campaign.
     #[must_use]
-    pub fn like(&self, recorded: &Value, structure: &Structure) -> Self {
-        Self { structure: structure.description_like(&recorded["structure"]), ..self.clone() }
-    }
-
-    /// Whether two results are of one campaign, whatever names their structures were given. Where their hashes are of
-    /// different versions, a species' parameters speak for it.
-    #[must_use]
-    pub fn is_same(&self, other: &Self) -> bool {
-        let version = |description: &Self| description.structure.get("identity").cloned();
-        let left_out: &[&str] = match version(self) == version(other) {
-            true => &["sections"],
-            false => &["sections", "identity", "materials"],
-        };
-        let compared = |description: &Self| {
-            let mut description = description.clone();
-            if let Value::Object(structure) = &mut description.structure {
-                structure.retain(|key, _| !left_out.contains(&key.as_str()));
-            }
-            description
-        };
-        compared(self) == compared(other)
-    }
-
-    /// Whether an earlier result is of this campaign of `structure`.
-    #[must_use]
-    pub fn is_recorded(&self, recorded: &Value, structure: &Structure) -> bool {
-        Self::read(recorded).is_ok_and(|there| there == self.like(recorded, structure))
+    pub fn is_recorded(&self, recorded: &Value) -> bool {
+        Self::read(recorded).is_ok_and(|there| there == *self)
     }
 }
 
@@ -189,6 +163,7 @@ mod tests {
     use super::*;
     use crate::characterize::CampaignOptions;
     use crate::identity::hash;
+    use crate::structure::Structure;
 
     #[test]
     fn the_order_of_recorded_keys_does_not_count_and_all_else_does() {
@@ -210,37 +185,31 @@ mod tests {
     }
 
     #[test]
-    fn a_campaign_is_the_same_under_another_name_and_of_an_earlier_version() {
+    fn a_campaign_is_what_it_records() {
         let of = |stack: &str, options: &CampaignOptions| {
             options.plan(Structure::flat(stack).unwrap()).unwrap().description
         };
         let (usual, more) =
             (CampaignOptions::default(), CampaignOptions { seed: 2, ..CampaignOptions::default() });
         let film = of("air/keratin:300/air", &usual);
-        assert!(film == of("air/keratin:300.0/air", &usual) && film.is_same(&film));
+        assert_eq!(film, of("air/keratin:300.0/air", &usual));
         assert!(film.to_json().unwrap().get("sides").is_none());
         let mut both = CampaignDescription { sides: Sides::Both, mirror: true, ..film.clone() };
         let mut recorded = both.to_json().unwrap();
         assert_eq!(CampaignDescription::read(&recorded).unwrap(), both);
-        assert!(!both.is_same(&film) && hash("campaign", &both) != hash("campaign", &film));
+        assert!(both != film && hash("campaign", &both) != hash("campaign", &film));
         both.mirror = false;
         assert_ne!(both.to_json().unwrap(), recorded);
         recorded["sides"] = "left".into();
         assert!(
             CampaignDescription::read(&recorded).unwrap_err().to_string().contains("neither alike nor both")
         );
-        let mut named = film.clone();
-        named.structure["sections"] = "a film".into();
-        assert!(named != film && named.is_same(&film));
-        assert!(
-            !film.is_same(&of("air/keratin:301/air", &usual))
-                && !film.is_same(&of("air/keratin:300/air", &more))
-        );
+        assert!(film != of("air/keratin:301/air", &usual) && film != of("air/keratin:300/air", &more));
         let shipped = barbule_materials::material("starling-green").unwrap();
         let shipped = crate::io::decode_material(shipped).unwrap();
         let shipped = CampaignDescription::read(&shipped.info["campaign"]).unwrap();
         let plan = |name: &str| usual.plan(Structure::builtin(name).unwrap()).unwrap().description;
-        assert!(shipped.is_same(&plan("starling")));
-        assert!(!shipped.is_same(&plan("starling:pink")) && !shipped.is_same(&plan("bronzewing")));
+        assert_eq!(shipped, plan("starling"));
+        assert!(shipped != plan("starling:pink") && shipped != plan("bronzewing"));
     }
 }

@@ -144,7 +144,7 @@ pub fn thinned(material: &FeatherMaterial) -> Option<usize> {
 pub fn check_belongs(material: &FeatherMaterial, store: &Store) -> Result<()> {
     let [theirs, ours] = [store.description(), &material.info["campaign"]].map(CampaignDescription::read);
     if let (Ok(theirs), Ok(ours)) = (&theirs, &ours)
-        && theirs.is_same(ours)
+        && theirs == ours
     {
         return Ok(());
     }

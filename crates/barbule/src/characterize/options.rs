@@ -242,7 +242,7 @@ mod tests {
         let plan = CampaignOptions::default().plan(starling()).unwrap();
         let shipped = barbule_materials::material("starling-green").unwrap();
         let shipped = crate::io::decode_material(shipped).unwrap();
-        assert!(plan.description.is_recorded(&shipped.info["campaign"], &plan.structure));
+        assert!(plan.description.is_recorded(&shipped.info["campaign"]));
     }
 
     /// CPU seconds of `barbule characterize` on the machine of `docs/performance.md`; they vary by a third there.

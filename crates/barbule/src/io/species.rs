@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn a_key_counts_where_it_stands_or_is_refused() {
         let text = species_toml("starling").unwrap();
-        // As files of version 0.1.0 have it: the variants give it too.
+        // The variants give it too.
         for value in ["0.200", "200"] {
             let both = text.replace("[parameters]\n", &format!("[parameters]\ncortex_um = {value}\n"));
             let message = parse(&both, None).unwrap_err().to_string();

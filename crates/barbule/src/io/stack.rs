@@ -9,7 +9,7 @@ use super::read_text;
 use super::tables::{MediumSource, add_media};
 use crate::error::shortened;
 use crate::material::Library;
-use crate::structure::stack::{DEEPEST_REPETITION, Part, Stack};
+use crate::stack::{DEEPEST_REPETITION, Part, Stack};
 use crate::{Error, Result};
 
 #[derive(Deserialize)]

@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
+use base64::prelude::{BASE64_STANDARD, Engine as _};
+
 use super::drawing::{Anchor, Drawing, Ink, Item, Stroke};
 use super::raster::encode_picture;
-use crate::base64;
 
 pub(super) fn write(drawing: &Drawing, notes: &[(&str, &str)]) -> String {
     let (w, h) = (Number(drawing.width), Number(drawing.height));
@@ -73,7 +74,7 @@ fn items(out: &mut String, list: &[Item], clips: &mut usize) {
                 let _ = writeln!(
                     out,
                     "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>",
-                    base64::encoded(&encode_picture(picture))
+                    BASE64_STANDARD.encode(encode_picture(picture))
                 );
             }
             Item::Clip { area, items: inner } => {

@@ -3,7 +3,7 @@
 //! The reference values are data (`data/mitsuba.json`); `scripts/mitsuba-bench --agreement` makes them again.
 
 use barbule::bsdf::{
-    Absorption, Conductor, FibreIndex, Hair, HairParameters, Lambertian, Reflectance, Surface,
+    Absorption, Conductor, FacetRoughness, FibreIndex, Hair, HairParameters, Lambertian, Reflectance, Surface,
 };
 use barbule::progress::Unobserved;
 use barbule::render::film::Film;
@@ -131,7 +131,7 @@ fn a_diffuse_box_has_the_colours_of_mitsuba() {
 #[test]
 fn brushed_copper_has_the_colours_of_mitsuba() {
     let geometry = square(Vec3::ZERO, Vec3::Z, 4.0, Vec3::X);
-    let surface = Surface::Conductor(Conductor::copper([0.3, 0.1]).unwrap());
+    let surface = Surface::Conductor(Conductor::copper(FacetRoughness { across: 0.3, along: 0.1 }).unwrap());
     let lamp = lamp(LAMP_AT, DVec3::ZERO, DVec3::Y);
     compare("copper", quarters(vec![Object { geometry, surface }], lamp, DVec3::new(0.0, -12.0, 16.0)));
 }

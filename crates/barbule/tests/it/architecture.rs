@@ -13,11 +13,12 @@ const LIBRARIES: &[&str] =
 /// The crate that serves everyone: its modules need no arrow.
 const BASE: &str = "barbule-base";
 
-/// Opens files, looks at the environment, prints or ends the process: tokens and the modules that may.
+/// Opens files, looks at the environment or the clock, prints or ends the process: tokens and the modules that may.
 const RESERVED: &[(&[&str], &[&str])] = &[
     (&["fs::", "File::", "OpenOptions", "tempfile::", "::to_file(", "::from_file("], &["io"]),
     (&["env::", "process::exit", "println!", "print!", "eprintln!", "eprint!", "stdout()", "stderr()"], &[]),
     (&["build_global"], &[]),
+    (&["Instant::now", "SystemTime::now"], &["clock"]),
 ];
 
 /// A module of a library: what it may use, in the words of the table.

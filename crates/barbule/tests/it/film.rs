@@ -1,9 +1,9 @@
 //! The thin-film solver against the published `tmm` package, closed forms and the laws of optics.
 
 use barbule::Complex64;
+use barbule::film::{FilmResponse, Polarization, reflect, response, response_at};
 use barbule::material::{Library, Material};
-use barbule::solve::film::{FilmResponse, Polarization, reflect, response, response_at};
-use barbule::structure::stack::Stack;
+use barbule::stack::Stack;
 use proptest::prelude::*;
 
 /// Both solvers are exact: this is rounding (2e-13 reached against `tmm`, at 89.9° with 100 layers too).

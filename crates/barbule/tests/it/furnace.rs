@@ -6,15 +6,17 @@ use std::sync::Arc;
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{
-    Absorption, BarbuleSurface, Cells, Conductor, FibreIndex, Frame, Hair, HairParameters, Hit, Keratin,
-    Lambertian, Reflectance, RoughDielectric, Surface,
+    Absorption, BarbuleSurface, Cells, Conductor, FacetRoughness, FibreIndex, Frame, Hair, HairParameters,
+    Hit, Keratin, Lambertian, Reflectance, RoughDielectric, Surface, ThinFilm,
 };
+use barbule::material::Library;
 use barbule::math::rng::Stream;
 use barbule::scene::emission::Emission;
 use barbule::scene::geometry::Geometry;
 use barbule::scene::light::{Lamp, Light, Rectangle, Sphere, Sun, disc_radiance};
 use barbule::scene::sky::{Environment, Sky};
 use barbule::spectrum::dense::{Lambdas, WAVES};
+use barbule::stack::Stack;
 use glam::DVec3;
 
 use crate::render::{
@@ -38,6 +40,12 @@ fn fibre(absorption: Absorption) -> Surface {
     Surface::Hair(Hair::new(parameters).unwrap())
 }
 
+fn film(stack: &str, body: f64) -> Surface {
+    let roughness = FacetRoughness { across: 0.4, along: 0.2 };
+    let stack = Stack::parse(stack, &Library::builtin()).unwrap();
+    Surface::ThinFilm(ThinFilm::new(&stack, roughness, Some(grey(body))).unwrap())
+}
+
 /// What takes nothing of the light, with its shape. Of rough boundaries' single scattering a white body takes what they lose.
 fn white() -> Vec<(&'static str, Surface, Geometry)> {
     let sheet = Lambertian::translucent(grey(0.6), grey(0.4)).unwrap();
@@ -45,8 +53,13 @@ fn white() -> Vec<(&'static str, Surface, Geometry)> {
         ("white", Surface::Lambertian(Lambertian::new(grey(1.0))), square(2.0)),
         ("sheet", Surface::Lambertian(sheet), square(2.0)),
         ("keratin", Surface::Keratin(Keratin::new(0.3, 1.56, grey(1.0)).unwrap()), square(2.0)),
+        ("film", film("air/keratin:400/1.7:100/1.4", 1.0), square(2.0)),
         // The reflectance of this index is 1 but for 2e-6; a smooth metal loses next to nothing between its facets.
-        ("metal", Surface::Conductor(Conductor::new([0.05; 2], |_| [1e-3, 40.0]).unwrap()), square(2.0)),
+        (
+            "metal",
+            Surface::Conductor(Conductor::new(FacetRoughness::even(0.05), |_| [1e-3, 40.0]).unwrap()),
+            square(2.0),
+        ),
         ("hair", fibre(Absorption::new(|_| 0.0).unwrap()), fibres()),
     ]
 }
@@ -105,8 +118,19 @@ fn coloured() -> Vec<(&'static str, Surface, Geometry)> {
         ("keratin", Surface::Keratin(under.clone()), square(2.0)),
         ("barbule", barbule(false), square(2.0)),
         ("instance", barbule(true), square(2.0)),
-        ("copper", Surface::Conductor(Conductor::copper([0.4, 0.2]).unwrap()), square(2.0)),
-        ("frosted", Surface::RoughDielectric(RoughDielectric::new([0.4, 0.3], 1.5).unwrap()), square(2.0)),
+        (
+            "copper",
+            Surface::Conductor(Conductor::copper(FacetRoughness { across: 0.4, along: 0.2 }).unwrap()),
+            square(2.0),
+        ),
+        ("film", film("air/keratin:400/melanin:60/keratin", 0.5), square(2.0)),
+        (
+            "frosted",
+            Surface::RoughDielectric(
+                RoughDielectric::new(FacetRoughness { across: 0.4, along: 0.3 }, 1.5).unwrap(),
+            ),
+            square(2.0),
+        ),
         ("hair", fibre(Absorption::pigments(0.6, 0.1).unwrap()), fibres()),
     ]
 }

@@ -1,4 +1,4 @@
-//! Identities are what they were: in files of earlier versions, and from now on.
+//! Identities are what they were when files were written.
 
 use barbule::Complex64;
 use barbule::identity;
@@ -6,16 +6,8 @@ use barbule::io::{decode_material, parse_section, read_lattice};
 use barbule::material::{Library, Table};
 use barbule::render::checkpoint;
 use barbule::render::planes::Planes;
-use barbule::structure::stack::Stack;
+use barbule::stack::Stack;
 use barbule::structure::{Section, SpeciesModel, Structure, species_names};
-use serde_json::json;
-
-/// A structure like those that earlier versions recorded: without the version of its hashes.
-fn legacy_hash(section: Section) -> String {
-    let structure = Structure::Sections { name: "x".into(), sections: vec![section] };
-    let described = structure.description_like(&json!({}));
-    described["hashes"][0].as_str().unwrap().to_owned()
-}
 
 fn with_chitin() -> Library {
     let rows = [(300.0, 1.5, 0.0), (450.5, 1.52, 0.001), (830.0, 1.48, 0.0)];
@@ -58,35 +50,8 @@ fn what_ships_is_recognised_by_what_it_recorded_when_it_was_made() {
             SpeciesModel::builtin(text("species"), Some(text("variant")), Library::builtin()).unwrap();
         let upper = Structure::Species(Box::new(model));
         let structure = if stem.ends_with("-below") { upper.underside().unwrap() } else { upper };
-        assert_eq!(structure.description_like(recorded), *recorded, "{stem}");
         assert_eq!(structure.description(), *recorded, "{stem}");
     }
-}
-
-/// Hashes that version 0.1.0 wrote into stores.
-#[test]
-fn hashes_of_version_1_are_still_made() {
-    let found = [
-        legacy_hash(stack()),
-        legacy_hash(Section::flat_crystal("x", lattice()).unwrap()),
-        legacy_hash(granules()),
-        legacy_hash(instance("bronzewing")),
-        legacy_hash(instance("rock-dove")),
-        legacy_hash(instance("peafowl")),
-        legacy_hash(instance("magpie")),
-    ];
-    assert_eq!(
-        found,
-        [
-            "4c071791c6c2fa2354e008b8dfbf0ac6dc660f935ff0c07b4cdf76b51fcb5a87",
-            "6ee276142d73c1e718b9f11e96146e9efca3433c49f9db0e92c55aecb2c6591f",
-            "535b2d5c84b727934c939b0ab2209ee9d3bc89083475d10222225a2cff979e83",
-            "dceeb089e4f55b07315351978f11b0cc5b94d33f0f92c09d5aa355b1cb7dfd62",
-            "a4288c56b141cfb5a957f6e8454cca624c7af6a19e121fae3309ed0c7383d84a",
-            "734457dc2ae1728b1c787bb9b522803a65da7baaf9025d959c7ff8da1873c12c",
-            "11407e2e2d12dcd72dfc4522698462ff8077ba9065daf3653a1165d659bd548b",
-        ]
-    );
 }
 
 #[test]

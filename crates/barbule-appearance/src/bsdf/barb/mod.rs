@@ -16,7 +16,6 @@ use glam::DVec3;
 pub use pattern::Pattern;
 pub use row::{Row, RowDisorder, axes, ramus_taper};
 
-pub(super) use self::lookup::tents;
 use self::lookup::{Barbule, Blind, Lookup, Met, Place};
 use super::Bsdf;
 use super::feather::BarbuleSurface;
@@ -248,7 +247,7 @@ impl BarbSurface {
                 hair.bind_section(&section, wo, wavelengths)
             }
         };
-        bsdf.shaded(super::Shade::Row(Shade { blind: *blind, ahead, up }))
+        bsdf.shaded(Shade { blind: *blind, ahead, up })
     }
 
     /// See [`super::Surface::opacity`]: 0 in gaps. The ray may come from either end.

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::bsdf::reflectance::Reflectance;
+use crate::material::ExponentialAbsorption;
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
 use crate::{Error, Result};
 
@@ -54,8 +55,8 @@ impl Absorption {
         Self::new(|w| eumelanin * law(EUMELANIN, w) + pheomelanin * law(PHEOMELANIN, w))
     }
 
-    /// Keratin of which a share is melanin granules: σ_a = f 4πk/λ with k = 0.56 exp(−λ/270 nm) (Stavenga et al.
-    /// 2015); pure melanin has 1.67 /µm at 550 nm. Black barbules have 0.2 to 0.4.
+    /// Keratin of which a share is melanin granules: σ_a = f 4πk/λ with [melanin's k](ExponentialAbsorption::MELANIN);
+    /// pure melanin has 1.67 /µm at 550 nm. Black barbules have 0.2 to 0.4.
     ///
     /// - `share`: of the volume, 0 … 1
     /// - `radius_um`: of the fibre
@@ -68,7 +69,8 @@ impl Absorption {
                 "melanin's share of {share} in a fibre of radius {radius_um} um: give a share of 0 to 1 and a radius over 0"
             )));
         }
-        Self::new(|w| share * radius_um * 4.0 * PI * 0.56 * libm::exp(-w / 270.0) / (1e-3 * w))
+        let of = ExponentialAbsorption::MELANIN;
+        Self::new(|w| share * radius_um * 4.0 * PI * of.c * of.decay(w) / (1e-3 * w))
     }
 
     /// What gives a mass of fibres this reflectance after all their scatterings: the fit of Chiang et al. 2016, §4.2, to

@@ -11,8 +11,8 @@ use fearless_simd::{Simd, f64x8, prelude::*};
 use glam::DVec2;
 
 use super::section::{FOLLOWED, WAYS, fresnel_each};
+use crate::fresnel::fresnel;
 use crate::math::elementary::{asin_each, atan2, exp_each};
-use crate::scattering::grating::fresnel;
 use crate::spectrum::dense::WAVES;
 
 /// Chords that are followed. Light that blades guide by total reflection over more of them leaves anywhere, with what is

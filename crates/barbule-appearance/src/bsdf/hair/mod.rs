@@ -34,6 +34,7 @@ use super::frame::Frame;
 use super::hit::{Hit, Side};
 use super::lobes::Lobes;
 use super::{Bsdf, Model};
+use crate::material::Cauchy;
 use crate::math::elementary::{atan2, sin_cos_turns};
 use crate::spectrum::dense::{Lambdas, WAVES};
 use crate::{Error, Result};
@@ -43,7 +44,7 @@ use crate::{Error, Result};
 pub enum FibreIndex {
     /// The same at all wavelengths: 1.55 is human hair.
     Constant(f64),
-    /// Feather keratin, 1.532 + 5890 nm²/λ² (Leertouwer et al. 2011). Each wavelength goes its own way, which takes longer.
+    /// [Feather keratin](Cauchy::KERATIN). Each wavelength goes its own way, which takes longer.
     Keratin,
 }
 
@@ -257,7 +258,7 @@ impl<'a> Bound<'a> {
                     let section = Round::new(offset, [sin, cos], index);
                     (Middles::Same(section.azimuths), Powers::new(&section, &depths))
                 }
-                FibreIndex::Keratin => dispersed(offset, [sin, cos], &wavelengths.nm().map(keratin), &depths),
+                FibreIndex::Keratin => dispersed(offset, [sin, cos], &keratin(wavelengths), &depths),
             }
         } else {
             let viewer = DVec2::from_array(viewer);
@@ -339,17 +340,17 @@ fn elliptical(
             (Middles::Same(section.azimuths), Powers::of_ellipse(&section, depths))
         }
         FibreIndex::Keratin => {
-            let index = wavelengths.nm().map(keratin);
+            let index = keratin(wavelengths);
             dispersed_ellipse(hair.height, toward, offset, inclination, &index, depths)
         }
     }
 }
 
+/// Refractive indices of feather keratin.
+#[inline(always)]
+fn keratin(wavelengths: Lambdas) -> [f64; WAVES] {
+    wavelengths.map(|w| Cauchy::KERATIN.n(w))
+}
+
 /// Only a direction in the tangent plane itself is nearer.
 const LEAST_COSINE: f64 = 1e-12;
-
-/// Refractive index of feather keratin.
-#[inline(always)]
-fn keratin(wavelength_nm: f64) -> f64 {
-    1.532 + 5890.0 / (wavelength_nm * wavelength_nm)
-}

@@ -9,8 +9,8 @@ use std::f64::consts::{PI, TAU};
 use fearless_simd::{Simd, f64x8, prelude::*};
 
 use super::spread::wrap;
+use crate::fresnel::fresnel;
 use crate::math::elementary::{asin, asin_each, exp_each};
-use crate::scattering::grating::fresnel;
 use crate::spectrum::dense::WAVES;
 
 /// Ways that are followed one by one: R (reflected), TT (through), TRT (reflected once inside).
@@ -150,6 +150,7 @@ pub(super) mod tests {
 
     use super::*;
     use crate::math::rng::Stream;
+    use crate::math::simd::{dispatch_large, level};
 
     /// Snell's law for vectors: `d` goes on, `n` points back; the ratio is that of the indices. Also the Fresnel
     /// reflectance by its amplitudes.
@@ -164,6 +165,21 @@ pub(super) mod tests {
         let s = (from * cosine - to * inner) / (from * cosine + to * inner);
         let p = (to * cosine - from * inner) / (to * cosine + from * inner);
         (Some(tangential - n * inner), 0.5 * (s * s + p * p))
+    }
+
+    #[test]
+    fn fresnel_of_each_has_the_bits_of_one() {
+        let mut stream = Stream::new(23, &[]);
+        for _ in 0..2000 {
+            let (mut cosine, mut index) = ([0.0; WAVES], [0.0; WAVES]);
+            cosine.fill_with(|| stream.uniform(-0.1, 1.1));
+            index.fill_with(|| stream.uniform(0.4, 2.5));
+            let found = dispatch_large!(level(), simd => {
+                fresnel_each(simd, f64x8::from_slice(simd, &cosine), f64x8::from_slice(simd, &index)).to_array()
+            });
+            let expected: [f64; WAVES] = std::array::from_fn(|k| fresnel(cosine[k], index[k]));
+            assert_eq!(found, expected, "{cosine:?} {index:?}");
+        }
     }
 
     /// Follows a ray through a cylinder of radius 1 about y, surface by surface, in space: directions and powers of the

@@ -42,9 +42,8 @@ fn slab((near, far): &mut ([f32; 8], [f32; 8]), min: &[u8; 8], max: &[u8; 8], sc
 #[cfg(test)]
 mod tests {
     use fearless_simd::{Level, Simd};
+    use obvhs::Boundable;
     use obvhs::aabb::Aabb;
-    use obvhs::cwbvh::builder::build_cwbvh;
-    use obvhs::{Boundable, BvhBuildParams};
 
     use super::*;
     use crate::math::rng::Stream;
@@ -76,8 +75,7 @@ mod tests {
                 Cube(Aabb::new(middle - half, middle + half))
             })
             .collect();
-        let mut time = std::time::Duration::ZERO;
-        let hierarchy = build_cwbvh(&cubes, BvhBuildParams::slow_build(), &mut time);
+        let hierarchy = super::super::build::hierarchy(&cubes);
         let mut crossings = 0;
         for k in 0..500 {
             let direction = match k % 10 {

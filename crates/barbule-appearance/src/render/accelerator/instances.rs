@@ -2,14 +2,14 @@
 
 use fearless_simd::{Level, Simd};
 use glam::{DVec3, UVec2, Vec3A};
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::cwbvh::CwBvh;
 use obvhs::ray::Ray;
-use obvhs::{Boundable, BvhBuildParams};
 
 use super::boxes::crossed;
 use super::primitive::Meeting;
-use super::{Accelerator, Beam, enters, hits, ray};
+use super::{Accelerator, Beam, build, enters, hits, ray};
 use crate::bsdf::{Frame, Hit};
 use crate::math::rng::split_mix;
 use crate::math::simd::dispatch_large;
@@ -77,8 +77,7 @@ impl Instances {
         if instances.is_empty() {
             return None;
         }
-        let mut time = std::time::Duration::ZERO;
-        let top = build_cwbvh(&boxes, BvhBuildParams::slow_build(), &mut time);
+        let top = build::hierarchy(&boxes);
         let instances = top.primitive_indices.iter().map(|&index| instances[index as usize]).collect();
         Some(Self { shapes, top, instances, level: Level::new() })
     }

@@ -5,16 +5,17 @@
 
 mod beam;
 mod boxes;
+mod build;
 mod hits;
 mod instances;
 mod primitive;
 
 use fearless_simd::{Level, Simd};
 use glam::{DVec3, UVec2, Vec3A};
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::cwbvh::CwBvh;
 use obvhs::ray::Ray;
-use obvhs::{Boundable, BvhBuildParams};
 
 pub(super) use beam::Beam;
 use boxes::crossed;
@@ -70,8 +71,7 @@ impl Accelerator {
                 (0..count).map(move |k| Piece { aabb: primitive.piece(k, count), primitive: index })
             })
             .collect();
-        let mut time = std::time::Duration::ZERO;
-        let hierarchy = build_cwbvh(&pieces, BvhBuildParams::slow_build(), &mut time);
+        let hierarchy = build::hierarchy(&pieces);
         // A primitive of several pieces is stored with each of them.
         let primitives = hierarchy
             .primitive_indices

@@ -282,8 +282,8 @@ impl CoatObject {
                 None => {
                     windows = Some(parts.iter().map(|part| part.geometry.window.clone()).collect::<Vec<_>>())
                 }
-                Some(windows) => parts.iter_mut().zip(windows).for_each(|(part, window)| {
-                    part.geometry.window.clone_from(window);
+                Some(windows) => parts.iter_mut().zip(windows).for_each(|(part, shared)| {
+                    part.geometry.window = shared.clone().or(part.geometry.window.take());
                 }),
             }
             let at_variant = laid.stands.iter().enumerate().filter(|(_, stand)| stand.variant == variant);

@@ -195,7 +195,7 @@ impl NamedSurface {
                 }
             }
             Self::Barbule(of) => add("material", Named::Material(&mut of.material)),
-            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric(_) | Self::Conductor(_) => {}
+            Self::Keratin(_) | Self::Hair(_) | Self::Dielectric(_) | Self::Conductor(_) | Self::Film(_) => {}
         }
     }
 }

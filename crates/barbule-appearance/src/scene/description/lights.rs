@@ -453,11 +453,11 @@ impl LightDescription {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fields::up_to;
+    use crate::fields::{FieldValue as _, up_to};
 
     fn lights(text: &str) -> Result<Vec<LightDescription>> {
         let table: Value = toml::from_str(text).unwrap();
-        Vec::of_value(&table["lights"], "lights", &up_to(MOST_LIGHTS))
+        Vec::<LightDescription>::of_value(&table["lights"], "lights", &up_to(MOST_LIGHTS))
     }
 
     /// Whatever the shape and the colour, a white card at the origin that faces the lamp is as bright as under the sky.

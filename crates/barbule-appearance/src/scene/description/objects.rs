@@ -448,9 +448,10 @@ impl Placement {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::fields::{FieldValue as _, up_to};
-    use crate::scene::spline::ControlCurve;
 
     fn objects(text: &str) -> Result<Vec<ObjectDescription>> {
         let surfaces = serde_json::json!({"white": {"type": "dielectric", "index": 1.5}});

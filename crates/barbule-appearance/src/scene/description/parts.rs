@@ -8,8 +8,7 @@ use super::detail::ViewModel;
 use super::dress::{BarbuleDress, FeatherObject, RamusDress};
 use super::surfaces::FibreDescription;
 use crate::bsdf::{
-    BarbModel, BarbSurface, Barbules, Hair, Keratin, MaskedBarbs, Pattern, Ramus, Row, Substance, Surface,
-    VaneSurface,
+    BarbModel, BarbSurface, Hair, Keratin, Pattern, Ramus, Row, Substance, Surface,
 };
 use crate::math::rng::hash;
 use crate::scene::Object;
@@ -37,7 +36,7 @@ impl FeatherObject {
         let shaft = (grown.shaft.clone(), Surface::Keratin(self.dress.shaft.build()?));
         let parts = match level {
             Level::Barbules | Level::Barbs => [vec![shaft], substances.one_by_one(grown)].concat(),
-            Level::Vane | Level::Masked => [vec![shaft], substances.sheets(&grown, level, seed)?].concat(),
+            Level::Vane => [vec![shaft], substances.sheets(&grown, seed)?].concat(),
             Level::Envelopes => match self.detail.view_model {
                 ViewModel::Fibre => [vec![shaft], substances.looked_up(&grown, BarbModel::Fibre)].concat(),
                 ViewModel::Grown | ViewModel::Substructure => {
@@ -69,9 +68,7 @@ impl FeatherObject {
                 let rows = ["distal barbules", "proximal barbules", "pale barbules"];
                 [&["shaft", "barbs", "pale barbs"][..], &rows, &["down"]].concat()
             }
-            (Level::Vane | Level::Masked, _) => {
-                vec!["shaft", "left vane", "right vane", "left down", "right down"]
-            }
+            (Level::Vane, _) => vec!["shaft", "left vane", "right vane", "left down", "right down"],
             (Level::Envelopes, ViewModel::Both) => [barbs, barbs].concat(),
             (Level::Envelopes, _) => barbs.to_vec(),
         }
@@ -216,21 +213,8 @@ impl<'a> Substances<'a> {
 
 impl Substances<'_> {
     /// The vanes left and right of the shaft, then the barbs of the downy part.
-    fn sheets(&self, grown: &Grown, level: Level, seed: u64) -> Result<Vec<Part>> {
+    fn sheets(&self, grown: &Grown, seed: u64) -> Result<Vec<Part>> {
         let feather = &self.of.feather;
-        let shapes = [&feather.distal, &feather.proximal];
-        let mean = |shape: &BarbuleShape, substance: &Substance| Barbules {
-            length: 1e-3 * shape.length_um,
-            angle: 0.5 * (shape.base_angle + shape.end_angle),
-            lift: 0.5 * (shape.base_lift + shape.end_lift),
-            tilt: shape.tilt,
-            half_width: 0.5e-3 * shape.width_um,
-            height_over_width: match substance {
-                Substance::Fibre(hair) => hair.height_over_width(),
-                Substance::Plate(_) | Substance::Keratin(_) => PLATE_HEIGHT,
-            },
-            spacing: 1e-3 * shape.spacing_um,
-        };
         let window = |barb_side: f64, barbs: SheetBarbs| {
             let swatch = || feather.swatch(barb_side, &barbs, seed);
             let pale = match feather.pattern.pattern() {
@@ -241,31 +225,14 @@ impl Substances<'_> {
         };
         let sheets = grown.sheets.iter().zip(grown.sheet_barbs).zip([-1.0, 1.0]);
         let vanes = sheets.map(|((geometry, of_sheet), barb_side)| {
-            // Where the feather's tip lies to the right, barbules towards it do.
-            let order = if tip_side(barb_side) > 0.0 { [1, 0] } else { [0, 1] };
-            let barbs = MaskedBarbs {
-                spacing: 1e-3 * feather.barbs.spacing_um,
-                half_width: 0.5e-3 * feather.barbs.width_um,
-                height_over_width: feather.barbs.height,
-                barbules: order.map(|k: usize| mean(shapes[k], &self.barbules[k])),
-            };
-            let [left, right] = order.map(|k| self.barbules[k].clone());
-            let cell_mm = 1e-3 * feather.distal.cell_um;
-            let rows = order.map(|k| shapes[k].row(&feather.disorder));
-            let vane = VaneSurface::new(barbs, [self.ramus.clone(), left, right], cell_mm).with_rows(rows);
-            let window = match of_sheet.filter(|_| level == Level::Vane) {
-                Some(of_sheet) => Some(window(barb_side, of_sheet)?),
-                None => None,
-            };
-            Ok((Geometry { window, ..geometry.clone() }, Surface::Vane(Box::new(vane))))
+            let window = of_sheet.map(|of_sheet| window(barb_side, of_sheet)).transpose()?;
+            // What is met is the window's; the sheet has no light of its own.
+            Ok((Geometry { window, ..geometry.clone() }, self.pale_ramus.clone()))
         });
         let down = self.looked_up(grown, BarbModel::Substructure).into_iter().skip(2);
         vanes.chain(down.map(Ok)).collect()
     }
 }
-
-/// Height over width of a plate's section.
-const PLATE_HEIGHT: f64 = 0.1;
 
 /// What barbs of one kind are made of.
 #[derive(Clone)]

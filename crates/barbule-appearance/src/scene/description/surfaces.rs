@@ -6,16 +6,18 @@ use super::colour::Colour;
 use super::slot::Slot;
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
-    Absorption, BarbuleSurface, Cells, Conductor, Dielectric, FibreIndex, Grating, Hair, HairParameters,
-    Keratin, Lambertian, Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap, Texture,
+    Absorption, BarbuleSurface, Cells, Conductor, Dielectric, FacetRoughness, FibreIndex, Grating, Hair, HairParameters,
+    Keratin, Lambertian, Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap, Texture, ThinFilm,
 };
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{
     FieldValue, Kind, Map as Table, Record, Several, Text, Value, path_of, within, wrong_kind,
 };
 use crate::identity::Hasher;
+use crate::material::Library;
 use crate::scattering::grating::Powers;
 use crate::spectrum::colour::decode;
+use crate::stack::Stack;
 use crate::{Error, Result, record, variants, words};
 
 /// Most surfaces of a map: as many as an 8-bit grey tells apart.
@@ -38,6 +40,8 @@ variants! {
         "dielectric": Dielectric(Glass),
         /// Rough metal.
         "conductor": Conductor(RoughMetal),
+        /// Layers over a rough base.
+        "film": Film(FilmDescription),
         /// A diffraction grating over pigment.
         "grating": Grating(GratingDescription),
         /// Others, chosen from place to place.
@@ -108,7 +112,7 @@ record! {
         /// Refractive index.
         index: f64 = "index", within(1.01, 3.9);
         /// GGX α; smooth where there is none.
-        roughness: Option<Roughness> = "roughness", ();
+        roughness: Option<FacetRoughness> = "roughness", ();
     }
 }
 
@@ -126,7 +130,7 @@ record! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct RoughMetal {
         /// GGX α.
-        roughness: Roughness = "roughness", ();
+        roughness: FacetRoughness = "roughness", ();
         /// What it is.
         metal: Option<Metal> = "metal", ();
         /// n of its index n + ik at all wavelengths.
@@ -134,6 +138,20 @@ record! {
         /// k of its index.
         absorption: Option<f64> = "absorption", within(0, 100);
         @agree RoughMetal::agree;
+    }
+}
+
+record! {
+    /// Layers over a rough base.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct FilmDescription {
+        /// The layers from outside, in the language of stacks.
+        stack: String = "stack", Text("layers such as air/keratin:400/melanin");
+        /// GGX α.
+        roughness: FacetRoughness = "roughness", ();
+        /// Colour of a diffuse body beneath.
+        colour: Option<Colour> = "colour", ();
+        @agree FilmDescription::agree;
     }
 }
 
@@ -190,16 +208,8 @@ record! {
     }
 }
 
-/// GGX α along the long axis of what it is on, and across: one number for both, or two.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Roughness {
-    /// Along.
-    pub along: f64,
-    /// Across.
-    pub across: f64,
-}
-
-impl FieldValue for Roughness {
+/// One number for both, or two: along and across.
+impl FieldValue for FacetRoughness {
     type Limits = ();
 
     fn of_value(value: &Value, path: &str, (): &()) -> Result<Self> {
@@ -302,14 +312,25 @@ impl RoughMetal {
     }
 
     fn build(&self) -> Result<Conductor> {
-        let Roughness { along, across } = self.roughness;
         match (self.metal, self.index.zip(self.absorption)) {
-            (Some(Metal::Copper), _) => Conductor::copper([across, along]),
+            (Some(Metal::Copper), _) => Conductor::copper(self.roughness),
             (None, constant) => {
                 let (index, absorption) = constant.unwrap_or_default();
-                Conductor::new([across, along], |_| [index, absorption])
+                Conductor::new(self.roughness, |_| [index, absorption])
             }
         }
+    }
+}
+
+impl FilmDescription {
+    fn agree(&self, place: &str) -> Result<()> {
+        let stack = Stack::parse(&self.stack, &Library::builtin());
+        stack.map(|_| ()).map_err(|error| error.at(path_of(place, "stack")))
+    }
+
+    fn build(&self) -> Result<ThinFilm> {
+        let body = self.colour.map(|colour| Reflectance::of_colour(colour.0.map(decode))).transpose()?;
+        ThinFilm::new(&Stack::parse(&self.stack, &Library::builtin())?, self.roughness, body)
     }
 }
 
@@ -369,9 +390,10 @@ impl NamedSurface {
             Self::Dielectric(Glass { index, roughness: None }) => {
                 Surface::Dielectric(Dielectric::new(*index)?)
             }
-            Self::Dielectric(Glass { index, roughness: Some(Roughness { along, across }) }) => {
-                Surface::RoughDielectric(RoughDielectric::new([*across, *along], *index)?)
+            Self::Dielectric(Glass { index, roughness: Some(roughness) }) => {
+                Surface::RoughDielectric(RoughDielectric::new(*roughness, *index)?)
             }
+            Self::Film(of) => Surface::ThinFilm(of.build()?),
             Self::Conductor(of) => Surface::Conductor(of.build()?),
             Self::Grating(of) => Surface::Grating(of.build()?),
             Self::Map(SurfacesByPlace { file, surfaces }) => {
@@ -404,8 +426,7 @@ impl NamedSurface {
             Self::Keratin(_)
             | Self::Hair(_)
             | Self::Dielectric(_)
-            | Self::Conductor(_)
-            | Self::Barbule(_) => 0,
+            | Self::Conductor(_) | Self::Film(_) | Self::Barbule(_) => 0,
         }
     }
 }
@@ -548,6 +569,14 @@ mod tests {
         assert!(metal("roughness = 0.1\nmetal = 'copper'\nindex = 1").contains("has a metal and an index"));
         assert!(metal("roughness = 0.1\nindex = 1").contains("surfaces.table.absorption is missing"));
         assert!(metal("roughness = 0.1\nindex = 0\nabsorption = 1").contains("surfaces.table.index is 0"));
+        let film = |text: &str| surface(&format!("type = 'film'\n{text}"));
+        assert!(film("roughness = 0.1").contains("surfaces.table.stack is missing"));
+        assert!(film("roughness = 0.1\nstack = 'air/keratn:400/air'").contains("did you mean 'keratin'"));
+        assert!(film("stack = 'air/keratin:400/air'").contains("surfaces.table.roughness is missing"));
+        assert!(
+            film("stack = 'air/keratin:400/air'\nroughness = 0.1\ncolour = 3")
+                .contains("surfaces.table.colour")
+        );
         assert!(metal("roughnes = 0.1").contains("did you mean 'roughness'"));
     }
 }

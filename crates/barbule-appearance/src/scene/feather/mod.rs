@@ -87,15 +87,6 @@ pub enum Level {
     Vane,
     /// Every barb's envelope, on which barbules are looked up (Baron et al. 2021).
     Envelopes,
-    /// The vane, a surface whose parts are seen and lit in the shares that they hide of each other (Padrón-Griffe et al. 2024); of
-    /// the downy part every envelope.
-    Masked,
-}
-
-impl Level {
-    fn has_sheets(self) -> bool {
-        matches!(self, Self::Vane | Self::Masked)
-    }
 }
 
 impl Grown {
@@ -164,14 +155,14 @@ impl Feather {
         match level {
             Level::Barbules => self.check_count(window)?,
             Level::Barbs => self.check_places(window)?,
-            Level::Vane | Level::Envelopes | Level::Masked => {}
+            Level::Vane | Level::Envelopes => {}
         }
         let (shaft, barbs) = self.barbs_within(window, seed, identity)?;
         let origin = shaft.at(window.along_mm).point;
         let mut grown = Grown::default();
         shaft.mesh(&mut grown.shaft, window, origin, identity);
         let (loose, closed): (Vec<&Barb>, Vec<&Barb>) =
-            barbs.iter().partition(|barb| barb.is_loose && level.has_sheets());
+            barbs.iter().partition(|barb| barb.is_loose && level == Level::Vane);
         match level {
             Level::Barbules => {
                 self.add_rami(&mut grown, &closed, origin);
@@ -182,7 +173,7 @@ impl Feather {
                 self.add_stretches(&mut grown, &closed, (origin, window), seed);
             }
             Level::Envelopes => self.add_envelopes(&mut grown, &closed, origin),
-            Level::Vane | Level::Masked => {
+            Level::Vane => {
                 for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
                     let barbs = closed.iter().copied().filter(|b| b.side == side);
                     grown.sheet_barbs[k] = sheet::add(&mut grown.sheets[k], barbs, origin, identity);
@@ -329,6 +320,12 @@ impl VaneDisc {
     fn holds(&self, point: DVec3) -> bool {
         self.radius_mm.is_none_or(|radius| point.x * point.x + point.y * point.y <= radius * radius)
     }
+}
+
+/// 0 before 0, 1 after 1, a cubic between.
+fn smoothstep(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }
 
 #[cfg(test)]

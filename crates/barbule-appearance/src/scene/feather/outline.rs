@@ -1,7 +1,7 @@
 //! The outline of a vane: its half width along the shaft on either side, and the barbs' angles.
 
 use super::shaft::Shaft;
-use super::{BarbShape, Feather};
+use super::{BarbShape, Feather, smoothstep};
 
 /// Length of the step in an emarginated vane, as a share of the vane.
 const EMARGINATION_STEP: f64 = 0.08;
@@ -72,10 +72,4 @@ impl BarbShape {
         };
         base + (tip - base) * smoothstep(t)
     }
-}
-
-/// 0 before 0, 1 after 1, a cubic between.
-pub(super) fn smoothstep(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
 }

@@ -5,9 +5,9 @@
 
 use glam::DVec2;
 
-use super::outline::{Vane, smoothstep};
+use super::outline::Vane;
 use super::shaft::Shaft;
-use super::{BarbShape, Feather, noise};
+use super::{BarbShape, Feather, noise, smoothstep};
 use crate::math::rng::{Stream, hash};
 
 /// Steps of a barb's path.

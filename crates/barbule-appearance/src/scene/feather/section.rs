@@ -4,8 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 
-use super::ShaftShape;
-use super::outline::smoothstep;
+use super::{ShaftShape, smoothstep};
 use crate::math::rng::Stream;
 
 /// Half the width of the groove over the shaft's half width.

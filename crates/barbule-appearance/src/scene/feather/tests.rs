@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::barb::laid_out;
 use super::row::{BORDER, FlatBarb};
 use super::*;
+use crate::fields::Record as _;
 use crate::scene::description::SceneDescription;
 use crate::scene::geometry::RibbonNode;
 use crate::scene::preset;

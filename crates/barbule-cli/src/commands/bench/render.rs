@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::io::{curves_text, make_folder, read_curves, write_together};
-use barbule::picture::bench::{Effort, RenderFigures, SCATTERINGS, measure};
-use barbule::scene::comparison::{Comparison, CurveFeather};
 use barbule::scene::spline::Basis;
 use barbule::{Error, Result};
+use barbule_bench::render::{Effort, RenderFigures, SCATTERINGS, measure};
+use barbule_bench::scenes::{BenchScene, CurveFeather};
 use clap::ValueEnum;
 use serde_json::json;
 
@@ -32,7 +32,7 @@ enum Name {
     Table,
 }
 
-impl From<Name> for Comparison {
+impl From<Name> for BenchScene {
     fn from(name: Name) -> Self {
         match name {
             Name::Close => Self::Close,
@@ -89,8 +89,8 @@ impl RenderArgs {
             samples: self.samples.unwrap_or(usual.samples),
             runs: self.runs.unwrap_or(usual.runs),
         };
-        let scenes: Vec<Comparison> = match &self.scenes[..] {
-            [] => Comparison::ALL.to_vec(),
+        let scenes: Vec<BenchScene> = match &self.scenes[..] {
+            [] => BenchScene::ALL.to_vec(),
             given => given.iter().map(|&name| name.into()).collect(),
         };
         let tables = || {
@@ -98,11 +98,11 @@ impl RenderArgs {
             Ok(Arc::new(FeatherBrdf::new(&material, Options::default())?))
         };
         let mut found = Vec::new();
-        for comparison in scenes {
-            let scene = comparison.scene(&feather, tables)?;
+        for bench in scenes {
+            let scene = bench.scene(&feather, tables)?;
             let progress = Terminal::new(&self.common);
             let figures = measure(scene, effort, self.common.seed, &progress)?;
-            found.push((comparison.name(), figures));
+            found.push((bench.name(), figures));
         }
         if self.common.json {
             return print_json(out, &document(effort, &found));

@@ -1,7 +1,7 @@
 //! A film's response as a figure.
 
+use barbule::film::Sweep;
 use barbule::plot::{Axis, Curve, Drawing, Figure, HeatMap, Page};
-use barbule::solve::film::Sweep;
 
 use super::Found;
 

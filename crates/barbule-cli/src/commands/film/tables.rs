@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use barbule::Complex64;
-use barbule::solve::film::{FilmTables, Sweep};
+use barbule::film::{FilmTables, Sweep};
 use barbule::spectrum::colour::held;
 use serde_json::{Value, json};
 

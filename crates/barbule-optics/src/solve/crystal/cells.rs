@@ -2,15 +2,20 @@
 
 use super::{Cell, CellRod, CrystalResponse, CrystalSolver, Incidence, Multipole, Shell, Surroundings};
 use crate::Complex64;
+use crate::material::Material;
 
 /// ε of keratin at a wavelength, nm.
 pub(crate) fn keratin(wavelength_nm: f64) -> Complex64 {
-    Complex64::from((1.532 + 5890.0 / wavelength_nm.powi(2)).powi(2))
+    permittivity(&Material::keratin(), wavelength_nm)
 }
 
 /// ε of melanin at a wavelength, nm.
 pub(crate) fn melanin(wavelength_nm: f64) -> Complex64 {
-    let n = Complex64::new(1.648 + 23700.0 / wavelength_nm.powi(2), 0.56 * (-wavelength_nm / 270.0).exp());
+    permittivity(&Material::melanin(), wavelength_nm)
+}
+
+fn permittivity(of: &Material, wavelength_nm: f64) -> Complex64 {
+    let n = of.index(wavelength_nm).expect("an index");
     n * n
 }
 

@@ -11,7 +11,6 @@
 //!
 //! Time dependence e^{−jωt}, waves e^{+jk·r}, absorbing media have Im ε > 0, H̃ = η₀H.
 
-pub mod bench;
 mod cell;
 #[cfg(test)]
 mod cells;

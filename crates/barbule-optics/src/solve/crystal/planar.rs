@@ -1,12 +1,12 @@
 //! Flat layers at any incidence as a Jones matrix: what crystals must become whose rods are of the host's own index or
-//! fill the period. The amplitudes are those of [`film`](crate::solve::film).
+//! fill the period. The amplitudes are those of [`film`](crate::film).
 
 use glam::DVec3;
 
 use super::Incidence;
+use crate::film::{Polarization, reflect};
 use crate::scattering::directions::{e1, e2, omega};
 use crate::scattering::orders::Jones;
-use crate::solve::film::{Polarization, reflect};
 use crate::{Complex64, Result};
 
 /// The Jones matrix `[out][in]` of `layers` (ε, thickness in µm) on a substrate, seen from a medium of index `n`.

@@ -1,8 +1,10 @@
 //! The reference against closed forms and laws.
 
+use barbule_light::fresnel::fresnel;
+
 use super::*;
 use crate::math::bessel::Cylinder;
-use crate::scattering::grating::{Coherence, Obliquity, TableGrid, fresnel};
+use crate::scattering::grating::{Coherence, Obliquity, TableGrid};
 use crate::spectrum::colour::Observer;
 
 /// A direction by its polar angle from the normal and its azimuth from +x, degrees.

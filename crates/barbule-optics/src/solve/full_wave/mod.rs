@@ -17,14 +17,13 @@ mod shape;
 mod tests;
 
 use std::f64::consts::{FRAC_PI_4, PI};
-use std::time::Instant;
 
 use super::beam;
 use super::far_fields::Illuminations;
 use crate::math::dense::Dense;
 use crate::math::hierarchical::HierarchicalFactors;
 use crate::math::large::LargeFactors;
-use crate::progress::Progress;
+use crate::progress::{Clock, Progress};
 use crate::scattering::directions::{e1, e2};
 use crate::scattering::far_field::{
     Azimuths, FarField, Illumination, IncidentLight, Polarization, Window, coefficients,
@@ -153,7 +152,7 @@ pub fn cost(section: &Section, light: &Illuminations, elements: f64, threads: us
 }
 
 /// Light of each wavelength and direction, in the order of [`Illuminations::iter`], on so many azimuths of the full circle,
-/// with `elements` nodes per wavelength; given up where thin products would take more than `memory_bytes`.
+/// with `elements` nodes per wavelength; given up where thin products would take more than `memory_bytes`. `clock` times it.
 ///
 /// # Errors
 /// As [`Problem::new`] and [`Problem::solve`].
@@ -163,13 +162,14 @@ pub fn solve(
     azimuths: usize,
     elements: f64,
     memory_bytes: u64,
+    clock: Clock,
     progress: &dyn Progress,
 ) -> Result<Vec<Solved>> {
     let mut all = Vec::with_capacity(light.count());
     for &wavelength_nm in &light.wavelengths_nm {
         for &theta_i in &light.theta_i {
             let problem = Problem::new(section, wavelength_nm, theta_i, elements)?.within(memory_bytes);
-            all.extend(problem.solve(&light.phi_i, light.window, azimuths, progress)?);
+            all.extend(problem.solve(&light.phi_i, light.window, azimuths, clock, progress)?);
         }
     }
     Ok(all)
@@ -252,7 +252,7 @@ impl<'a> Problem<'a> {
         vec![(Coupled::All, Polarization::BOTH.to_vec())]
     }
 
-    /// Solves for light from each azimuth `phi_i` (rad), in both polarizations, on so many azimuths of the full circle.
+    /// Solves for light from each azimuth `phi_i` (rad), in both polarizations, on so many azimuths of the full circle; `clock` times it.
     ///
     /// # Errors
     /// The equations are singular, or the user cancelled.
@@ -261,9 +261,10 @@ impl<'a> Problem<'a> {
         phi_i: &[f64],
         window: Window,
         azimuths: usize,
+        clock: Clock,
         progress: &dyn Progress,
     ) -> Result<Vec<Solved>> {
-        let start = Instant::now();
+        let start = clock();
         let lights: Vec<Illumination> = phi_i
             .iter()
             .map(|&phi_i| Illumination {
@@ -315,7 +316,7 @@ impl<'a> Problem<'a> {
         let effort = Effort {
             unknowns: cost.unknowns,
             elements_per_wavelength,
-            seconds: start.elapsed().as_secs_f64(),
+            seconds: (clock() - start).as_secs_f64(),
             memory_bytes: bytes,
         };
         Ok(scattered.into_iter().map(|scattered| Solved { scattered, effort }).collect())

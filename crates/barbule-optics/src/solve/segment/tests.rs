@@ -6,10 +6,10 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use super::*;
+use crate::film::{Polarization, reflect};
 use crate::material::Library;
 use crate::progress::Unobserved;
 use crate::scattering::far_field::{Azimuths, Illumination, Window};
-use crate::solve::film::{Polarization, reflect};
 use crate::solve::surface::{self, Accuracy};
 use crate::structure::{Lattice, Layers, Medium, Parts, Polyline, Roughness, Section, Structure, Substance};
 

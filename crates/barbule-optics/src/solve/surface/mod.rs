@@ -10,7 +10,6 @@
 
 mod barbule;
 mod batch;
-pub mod bench;
 mod cone;
 mod crystal;
 mod mirror;
@@ -22,6 +21,7 @@ mod reflection;
 mod reflector;
 mod resolution;
 mod scalar;
+mod stages;
 mod synthesis;
 mod table;
 #[cfg(test)]
@@ -36,6 +36,7 @@ pub use mirror::{LARGEST_MIRROR_ERROR, mirror_fraction};
 pub(in crate::solve) use points::{Optics, SlotMedium};
 pub(in crate::solve) use reflection::{LANES, add_reflectances};
 pub use resolution::{MOST_RAY_PARTS, ray_parts};
+pub use stages::Stages;
 pub use synthesis::Grid;
 
 use num_complex::Complex64;

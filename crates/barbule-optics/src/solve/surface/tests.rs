@@ -9,13 +9,13 @@ use super::radiation::Radiator;
 use super::reflector::Reflector;
 use super::scalar::Scalar;
 use super::*;
+use crate::film::{self, reflect};
 use crate::material::Library;
 use crate::math::rng::Stream;
 use crate::progress::Unobserved;
 use crate::scattering::directions::{e1, e2, omega};
 use crate::scattering::far_field::{IncidentLight, Polarization};
 use crate::solve::direct;
-use crate::solve::film::{self, reflect};
 use crate::structure::{Medium, Parts, Polyline, Section, SpeciesModel, Substance};
 
 /// A perfect conductor to 2e-6: r_s = −1, r_p = +1.

@@ -1,10 +1,10 @@
 //! glTF 2.0 in one file: a mesh a part, the buffer embedded.
 
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use glam::Vec3;
 use serde_json::{Value, json};
 
 use super::parts::Part;
-use crate::base64;
 use crate::{Error, Result};
 
 const FLOATS: u32 = 5126;
@@ -47,7 +47,7 @@ pub(super) fn encoded(parts: &[Part], notes: &[(&str, &str)]) -> Result<Vec<u8>>
     }
     let extras: serde_json::Map<String, Value> =
         notes.iter().map(|(name, text)| ((*name).to_owned(), (*text).into())).collect();
-    let uri = format!("data:application/octet-stream;base64,{}", base64::encoded(&buffer));
+    let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&buffer));
     let roots: Vec<usize> = (0..nodes.len()).collect();
     let document = json!({
         "asset": {"version": "2.0", "generator": "barbule", "extras": extras},

@@ -4,6 +4,9 @@ mod document;
 
 use std::path::{Component, Path};
 
+use base64::Engine as _;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use glam::{DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
 
 use super::{Found, LARGEST_MESH, MOST_VERTICES, Parts};
@@ -20,6 +23,14 @@ const BINARY: u32 = u32::from_le_bytes(*b"BIN\0");
 
 /// Most primitives in all their places.
 const MOST_PLACED: usize = 1_000_000;
+
+/// Files leave padding out and bits over.
+const READ_BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new()
+        .with_decode_allow_trailing_bits(true)
+        .with_decode_padding_mode(DecodePaddingMode::RequireNone),
+);
 
 /// How corners make triangles.
 const TRIANGLES: u32 = 4;
@@ -138,29 +149,7 @@ fn local(uri: &str) -> Result<String> {
 fn decoded(data: &str) -> Result<Vec<u8>> {
     let refuse = || Error::input("its embedded data are no base64");
     let (_, text) = data.split_once(";base64,").ok_or_else(refuse)?;
-    let text = text.trim_end_matches('=').as_bytes();
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 3);
-    for group in text.chunks(4) {
-        let mut word = 0_u32;
-        for letter in group {
-            let value = match letter {
-                b'A'..=b'Z' => letter - b'A',
-                b'a'..=b'z' => letter - b'a' + 26,
-                b'0'..=b'9' => letter - b'0' + 52,
-                b'+' => 62,
-                b'/' => 63,
-                _ => return Err(refuse()),
-            };
-            word = word << 6 | u32::from(value);
-        }
-        let missing = 4 - group.len();
-        if missing == 3 {
-            return Err(refuse());
-        }
-        let [_, all @ ..] = (word << (6 * missing)).to_be_bytes();
-        bytes.extend_from_slice(&all[..3 - missing]);
-    }
-    Ok(bytes)
+    READ_BASE64.decode(text.trim_end_matches('=')).map_err(|_| refuse())
 }
 
 /// A document with what its buffers hold.

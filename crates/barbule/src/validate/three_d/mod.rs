@@ -11,6 +11,7 @@ pub use numbers::{Found, Moments, Sigma};
 use rayon::prelude::*;
 
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, Values, values};
+use crate::clock;
 use crate::progress::{OnlyStops, Progress};
 use crate::scattering::directions::omega;
 use crate::scattering::far_field::{FarField, Illumination, Polarization, Window};
@@ -169,7 +170,7 @@ impl Plan {
         progress: &dyn Progress,
     ) -> Result<Cell> {
         let k = wave_number_per_um(wavelength_nm);
-        let flat_start = std::time::Instant::now();
+        let begun = clock::system();
         let flats: Vec<FarField> = (0..instances.len())
             .into_par_iter()
             .map(|index| {
@@ -189,7 +190,7 @@ impl Plan {
                 )
             })
             .collect::<Result<_>>()?;
-        seconds[0] += flat_start.elapsed().as_secs_f64();
+        seconds[0] += (clock::system() - begun).as_secs_f64();
         let flats: Vec<Vec<f64>> = flats.iter().map(per_radian).collect();
         let mut tally = None;
         let mut cell = Cell::default();
@@ -200,9 +201,9 @@ impl Plan {
                 return Err(Error::interrupted());
             }
             let light = self.light(wavelength_nm, direction, index);
-            let start = std::time::Instant::now();
+            let begun = clock::system();
             let far = segment::far_field(segment, &light, &SegmentAccuracy::default(), &OnlyStops(progress))?;
-            seconds[1] += start.elapsed().as_secs_f64();
+            seconds[1] += (clock::system() - begun).as_secs_f64();
             let intensity = far.intensity();
             let sums = tally.get_or_insert_with(|| Tally::new(&far, direction[0], k, sigma));
             sums.add(&far, &intensity, &flats[index], light.turn);

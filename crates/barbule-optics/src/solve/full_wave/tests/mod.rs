@@ -4,7 +4,7 @@ mod series;
 
 use super::*;
 use crate::material::Library;
-use crate::progress::Unobserved;
+use crate::progress::{NO_CLOCK, Unobserved};
 use crate::structure::{Inclusion, Loop, Medium, Parts, Substance};
 use series::{Circle, Series};
 
@@ -29,7 +29,7 @@ fn section_of(circles: &[Circle]) -> Section {
 
 fn solved(section: &Section, theta: f64, phi: f64, elements: f64) -> Scattered {
     let problem = Problem::new(section, 500.0, theta, elements).unwrap().by(Method::Dense);
-    problem.solve(&[phi], Window::PlaneWave, 72, &Unobserved).unwrap().swap_remove(0).scattered
+    problem.solve(&[phi], Window::PlaneWave, 72, NO_CLOCK, &Unobserved).unwrap().swap_remove(0).scattered
 }
 
 /// The largest error of amplitudes against their largest value.
@@ -238,7 +238,7 @@ fn solutions_are_the_same_bits_on_any_number_of_threads() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let problem = Problem::new(&body, 500.0, 0.4, 7.0).unwrap();
-        pool.install(|| problem.solve(&[0.1, -0.4], Window::Gaussian, 36, &Unobserved).unwrap())
+        pool.install(|| problem.solve(&[0.1, -0.4], Window::Gaussian, 36, NO_CLOCK, &Unobserved).unwrap())
     };
     let (one, three) = (run(1), run(3));
     for (one, three) in one.iter().zip(&three) {
@@ -274,13 +274,13 @@ fn thin_products_give_what_all_elements_give() {
     for theta in [0.0, 0.4] {
         let run = |method| {
             let problem = Problem::new(&slab, 500.0, theta, 8.0).unwrap().by(method);
-            problem.solve(&[0.3], Window::PlaneWave, 72, &Unobserved).unwrap().swap_remove(0)
+            problem.solve(&[0.3], Window::PlaneWave, 72, NO_CLOCK, &Unobserved).unwrap().swap_remove(0)
         };
         let (dense, thin) = (run(Method::Dense), run(Method::Hierarchical));
         let error = apart(&dense.scattered, &thin.scattered);
         assert!(error < 3e-5, "{theta}: {error:e}");
     }
     let problem = Problem::new(&slab, 500.0, 0.0, 8.0).unwrap().by(Method::Hierarchical).within(1 << 20);
-    let refused = problem.solve(&[0.3], Window::PlaneWave, 72, &Unobserved);
+    let refused = problem.solve(&[0.3], Window::PlaneWave, 72, NO_CLOCK, &Unobserved);
     assert!(refused.unwrap_err().to_string().contains("memory"));
 }

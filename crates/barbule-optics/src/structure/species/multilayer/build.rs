@@ -3,10 +3,10 @@
 use super::super::super::curve::{Roughness, grid, mean, point_count};
 use super::super::super::offset::under;
 use super::super::super::section::{Medium, Parts, Polyline, Substance};
-use super::super::super::stack::CLIP;
 use super::super::generator::{Random, parts};
 use super::{LowerSide, Multilayer, MultilayerLayer};
 use crate::math::rng::Stream;
+use crate::stack::CLIP;
 
 /// No layer is anywhere thinner than this part of its mean, and no core than this part of `core_um`.
 const LEAST_PART: f64 = 0.1;

@@ -5,14 +5,14 @@ use serde_json::{Value, json};
 use super::super::{GeneratorParameters, SpeciesModel};
 use super::{LowerSide, Multilayer};
 use crate::Result;
+use crate::film::{self, Polarization as FilmPolarization};
 use crate::material::{Library, Table};
 use crate::math::rng::Stream;
 use crate::scattering::far_field::{Illumination, Polarization, Window};
-use crate::solve::film::{self, Polarization as FilmPolarization};
 use crate::solve::surface::{Accuracy, far_field};
 use crate::solve::swatch::normal_reflectance;
 use crate::spectrum::Wavelengths;
-use crate::structure::stack::Stack;
+use crate::stack::Stack;
 use crate::structure::{Medium, Section, Structure};
 
 /// Six pairs of melanin and keratin under a cortex, with changes.

@@ -20,16 +20,7 @@ fn buffer() -> Vec<u8> {
 }
 
 fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::new();
-    for group in bytes.chunks(3) {
-        let word = group.iter().chain([0; 3].iter()).take(3).fold(0_u32, |word, b| word << 8 | u32::from(*b));
-        for k in 0..4 {
-            let letter = LETTERS[(word >> (18 - 6 * k) & 63) as usize];
-            text.push(if k <= group.len() { char::from(letter) } else { '=' });
-        }
-    }
-    text
+    READ_BASE64.encode(bytes)
 }
 
 /// A file of the square, once.

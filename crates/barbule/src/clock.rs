@@ -1,0 +1,11 @@
+//! The system's time, for what the libraries below measure and limit: they also run where the system is a browser.
+
+use std::sync::LazyLock;
+use std::time::{Duration, Instant};
+
+/// Time since it was first asked for.
+#[must_use]
+pub fn system() -> Duration {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    START.elapsed()
+}
