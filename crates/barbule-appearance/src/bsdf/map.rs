@@ -20,10 +20,7 @@ impl SurfaceMap {
         if surfaces.iter().any(|surface| matches!(surface, Surface::Map(_))) {
             return Err(Error::input("a map chooses among surfaces that are no maps themselves"));
         }
-        if picture.texels().iter().any(|[r, g, b]| r != g || g != b) {
-            return Err(Error::input("has a pixel that is not grey; a map's pixels are 0, 1, 2 … of 255"));
-        }
-        let highest = picture.texels().iter().map(|[value, ..]| index(*value)).max().unwrap_or_default();
+        let highest = picture.highest_value()?;
         if highest >= surfaces.len() {
             return Err(Error::input(format!(
                 "has a pixel of value {highest} (of 255), but the map has {} surfaces, from 0",
@@ -36,17 +33,13 @@ impl SurfaceMap {
     /// What is at texture coordinates.
     #[inline]
     pub(super) fn at(&self, uv: [f64; 2]) -> &Surface {
-        &self.surfaces[index(self.picture.nearest(uv)[0])]
+        &self.surfaces[self.picture.value_at(uv)]
     }
 
     /// All of them.
     pub(super) fn surfaces(&self) -> &[Surface] {
         &self.surfaces
     }
-}
-
-fn index(value: f32) -> usize {
-    (f64::from(value) * 255.0).round() as usize
 }
 
 #[cfg(test)]

@@ -31,8 +31,8 @@ mod thin_film;
 use glam::DVec3;
 
 pub use barb::{
-    BarbModel, BarbSurface, Pattern, RAMUS_DEPTH, RAMUS_ROOT, Ramus, Row, RowDisorder, Substance, axes,
-    ramus_taper,
+    BarbModel, BarbSurface, Dress, FlatVane, Mark, Markings, Pattern, RAMUS_DEPTH, RAMUS_ROOT, Ramus, Region,
+    Ring, Row, RowDisorder, STATIONS, StraightBarb, Substance, ZoneDress, ZonePlan, Zones, axes, ramus_taper,
 };
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;

@@ -32,17 +32,29 @@ impl Texture {
         size_of_val(&self.texels[..])
     }
 
-    /// Row by row from the top.
-    pub(super) fn texels(&self) -> &[[f32; 3]] {
-        &self.texels
-    }
-
     /// The texel that texture coordinates lie in.
     #[inline]
-    pub(super) fn nearest(&self, [u, v]: [f64; 2]) -> [f32; 3] {
+    fn nearest(&self, [u, v]: [f64; 2]) -> [f32; 3] {
         let place =
             |value: f64, side: usize| (((value - value.floor()) * side as f64) as usize).min(side - 1);
         self.texels[place(1.0 - v, self.size[1]) * self.size[0] + place(u, self.size[0])]
+    }
+
+    /// The highest value of a grey picture whose pixels are 0, 1, 2 … of 255.
+    ///
+    /// # Errors
+    /// A pixel that is not grey.
+    pub fn highest_value(&self) -> Result<usize> {
+        if self.texels.iter().any(|[r, g, b]| r != g || g != b) {
+            return Err(Error::input("has a pixel that is not grey; a map's pixels are 0, 1, 2 … of 255"));
+        }
+        Ok(self.texels.iter().map(|[value, ..]| index(*value)).max().unwrap_or_default())
+    }
+
+    /// The value, of 255, of the texel that texture coordinates lie in.
+    #[inline]
+    pub(super) fn value_at(&self, uv: [f64; 2]) -> usize {
+        index(self.nearest(uv)[0])
     }
 
     /// How fast the mean of the three values grows with u and with v: differences over two texels, so that slopes are
@@ -76,6 +88,10 @@ impl Texture {
         }
         value
     }
+}
+
+fn index(value: f32) -> usize {
+    (f64::from(value) * 255.0).round() as usize
 }
 
 #[cfg(test)]

@@ -72,8 +72,7 @@ impl Pane {
     /// # Errors
     /// Broken geometry.
     pub(super) fn new(window: &Arc<Window>) -> Result<Self> {
-        let layers = std::iter::once(&window.layer).chain(window.pale.as_ref().map(|(_, layer)| layer));
-        let layers = layers.map(Shown::new).collect::<Result<_>>()?;
+        let layers = window.layers.iter().map(Shown::new).collect::<Result<_>>()?;
         Ok(Self { layers, window: window.clone() })
     }
 
@@ -86,12 +85,8 @@ impl Pane {
     #[inline(never)]
     pub(super) fn enter(&self, hit: &Hit, direction: DVec3) -> Option<Met> {
         let name = hash(hit.id, &hit.position.to_array().map(f64::to_bits));
-        let is_dark = match &self.window.pale {
-            Some((pattern, _)) => pattern.is_dark(hit.uv[0], hit.uv[1], name),
-            None => true,
-        };
-        let layer = u32::from(!is_dark);
-        let shown = &self.layers[layer as usize];
+        let layer = self.window.layer_at(hit.uv, name);
+        let shown = &self.layers[layer];
         let along = hit.frame.to_local(direction);
         let between = |[low, high]: [f64; 2], name: u64| low + (high - low) * unit_of(name);
         let draw = split_mix(name);
@@ -102,7 +97,7 @@ impl Pane {
         let back = (back / along.z.abs().max(LEAST_RISE)).min(shown.across_mm[1]);
         let inside = Inside {
             object: hit.object,
-            layer,
+            layer: layer as u32,
             frame: hit.frame,
             at: through - along * back,
             part: 0,

@@ -108,7 +108,7 @@ impl Args {
         let grown = match level {
             Level::Barbs => feather.grow_barbs(whole, seed, IDENTITY)?,
             Level::Barbules => {
-                feather.grow(whole, barbule::scene::feather::Level::Barbules, seed, IDENTITY)?
+                feather.grow(whole, barbule::scene::feather::Level::Barbules, None, seed, IDENTITY)?
             }
         };
         let provenance = Provenance::new(&self.common);

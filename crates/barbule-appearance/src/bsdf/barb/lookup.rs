@@ -258,7 +258,7 @@ impl Blind {
 
 /// Two independent numbers of mean 0 and deviation 1 that a name stands for, each the sum of two uniform ones.
 #[inline]
-fn tents(name: u64) -> [f64; 2] {
+pub(super) fn tents(name: u64) -> [f64; 2] {
     let bits = split_mix(name ^ 0x1f83_d9ab_fb41_bd6b);
     let part = |k: u32| (bits >> (16 * k) & 0xffff) as f64;
     // Two uniform numbers of 2¹⁶ values have a mean of 2¹⁶ − 1 and a variance of (2³² − 1)/6.

@@ -6,15 +6,19 @@
 //! rows is that of ribbons that are grown one by one, so both look the same.
 
 mod lookup;
+mod markings;
 mod pattern;
 mod row;
 #[cfg(test)]
 mod tests;
+mod zones;
 
 use glam::DVec3;
 
+pub use markings::{Mark, Markings, ZoneDress};
 pub use pattern::Pattern;
 pub use row::{Row, RowDisorder, axes, ramus_taper};
+pub use zones::{FlatVane, Region, Ring, STATIONS, StraightBarb, ZonePlan, Zones};
 
 use self::lookup::{Barbule, Blind, Lookup, Met, Place};
 use super::Bsdf;
@@ -23,6 +27,7 @@ use super::frame::Frame;
 use super::hair::{FibreSection, Hair};
 use super::hit::{Hit, OnRibbon};
 use super::keratin::Keratin;
+use crate::Result;
 use crate::math::rng::hash;
 use crate::spectrum::dense::Lambdas;
 
@@ -35,6 +40,25 @@ pub enum Substance {
     Keratin(Keratin),
     /// A fibre that light passes.
     Fibre(Hair),
+}
+
+impl Substance {
+    /// What it is called, as part of a sentence.
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Plate(_) => "plates",
+            Self::Keratin(_) => "keratin",
+            Self::Fibre(_) => "fibres",
+        }
+    }
+
+    /// Height over width of a fibre's section; nothing of what is none.
+    fn roundness(&self) -> Option<f64> {
+        match self {
+            Self::Plate(_) | Self::Keratin(_) => None,
+            Self::Fibre(hair) => Some(hair.height_over_width()),
+        }
+    }
 }
 
 /// How barbs are seen.
@@ -66,10 +90,18 @@ pub struct BarbSurface {
     rows: [(Lookup, Substance); 2],
     /// On which side of the ribbon the feather's tip lies: ±1 of x.
     tip: f64,
-    /// Where it has pigment; everywhere, if there is none.
-    pattern: Option<Pattern>,
-    /// What plates are where it has none.
-    pale: Keratin,
+    dress: Dress,
+}
+
+/// What differs from place to place of a vane's barbs.
+#[derive(Debug, Clone)]
+pub struct Dress {
+    /// Where.
+    pub markings: Markings,
+    /// What the markings' zones wear, from zone 1.
+    pub zones: Vec<ZoneDress>,
+    /// What plates are where there is no pigment.
+    pub pale: Keratin,
 }
 
 /// What a ray met within the envelope.
@@ -98,24 +130,23 @@ impl Shade {
 
 impl BarbSurface {
     /// `rows`: the barbules towards the feather's tip and the others; `tip`: ±1, on which side of the ribbon the feather's tip
-    /// lies. `pattern`: where it has pigment, with what plates are where they have none.
-    #[must_use]
+    /// lies.
+    ///
+    /// # Errors
+    /// Zones that have no dress, or one of other kinds of substances ([`Markings::check`]).
     pub fn new(
         model: BarbModel,
         ramus: Ramus,
         rows: [(Row, Substance); 2],
         tip: f64,
-        pattern: Option<Pattern>,
-        pale: Keratin,
-    ) -> Self {
+        dress: Dress,
+    ) -> Result<Self> {
+        dress.markings.check(&dress.zones, [&ramus.substance, &rows[0].1, &rows[1].1])?;
         let rows = rows.map(|(row, substance)| {
-            let round = match &substance {
-                Substance::Plate(_) | Substance::Keratin(_) => None,
-                Substance::Fibre(hair) => Some(hair.height_over_width()),
-            };
+            let round = substance.roundness();
             (Lookup::new(row, round), substance)
         });
-        Self { model, ramus, rows, tip, pattern, pale }
+        Ok(Self { model, ramus, rows, tip, dress })
     }
 
     /// The barb's direction, the direction across it and the vane's normal.
@@ -138,10 +169,7 @@ impl BarbSurface {
         let (dx, dz) = (wo.dot(across), wo.dot(normal));
         let length = (dx * dx + dz * dz).sqrt().max(f64::MIN_POSITIVE);
         // An ellipse whose middle lies a little below the plane of the barbules.
-        let height = match &self.ramus.substance {
-            Substance::Fibre(hair) => hair.height_over_width(),
-            Substance::Plate(_) | Substance::Keratin(_) => self.ramus.height,
-        };
+        let height = self.ramus.substance.roundness().unwrap_or(self.ramus.height);
         let silhouette = half_width * (dz * dz + height * height * dx * dx).sqrt() / length;
         let offset = (x * dz + RAMUS_DEPTH * half_width * height * dx) / (length * silhouette);
         if offset.abs() <= 1.0 && hit.uv[0] <= on.cell_length {
@@ -180,28 +208,37 @@ impl BarbSurface {
     fn bind_ramus<'a>(&'a self, offset: f64, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let [tangent, _, normal] = self.axes(hit);
         let met = || on_fibre(hit, tangent, offset, wo);
-        match &self.ramus.substance {
+        let mark = self.mark(hit, hit.uv[0], hit.id);
+        let zone = self.zone(mark).and_then(|zone| zone.ramus.as_ref());
+        match zone.unwrap_or(&self.ramus.substance) {
             Substance::Plate(plate) => plate.bind(&met(), wo, wavelengths),
             Substance::Keratin(keratin) => keratin.bind(&met(), wo, wavelengths),
             Substance::Fibre(hair) => {
-                let pigment = self.pigment(hit, hit.uv[0], hit.id);
+                let pigment = self.pigment(mark);
                 let section = FibreSection { axis: tangent, up: normal, offset: -offset, pigment };
                 hair.bind_section(&section, wo, wavelengths)
             }
         }
     }
 
-    /// Whether a part of this name, so far along the barb, is dark.
+    /// What marks a part of this name, so far along the barb.
     #[inline]
-    fn is_dark(&self, hit: &Hit, arc: f64, name: u64) -> bool {
-        self.pattern.is_none_or(|pattern| pattern.is_dark(hit.ribbon.station, arc, name))
+    fn mark(&self, hit: &Hit, arc: f64, name: u64) -> Mark {
+        // The feather's tip lies to the left of a right barb.
+        self.dress.markings.at(-self.tip, hit.ribbon.station, arc, name)
     }
 
-    /// Its pigment over that of dark places.
+    /// What a zone beside the feather's own wears there.
     #[inline]
-    fn pigment(&self, hit: &Hit, arc: f64, name: u64) -> f64 {
-        match self.pattern {
-            Some(pattern) if !self.is_dark(hit, arc, name) => pattern.pale,
+    fn zone(&self, mark: Mark) -> Option<&ZoneDress> {
+        mark.zone().checked_sub(1).map(|zone| &self.dress.zones[zone])
+    }
+
+    /// Pigment over that of dark places.
+    #[inline]
+    fn pigment(&self, mark: Mark) -> f64 {
+        match self.dress.markings.pattern {
+            Some(pattern) if mark == Mark::Pale => pattern.pale,
             Some(_) | None => 1.0,
         }
     }
@@ -235,14 +272,14 @@ impl BarbSurface {
             instance,
             ..*hit
         };
-        let bsdf = match substance {
-            Substance::Plate(_) if !self.is_dark(hit, hit.uv[0], met.id) => {
-                self.pale.bind(&place, wo, wavelengths)
-            }
+        let mark = self.mark(hit, hit.uv[0], met.id);
+        let zone = self.zone(mark).and_then(|zone| zone.barbules[which].as_ref());
+        let bsdf = match zone.unwrap_or(substance) {
+            Substance::Plate(_) if mark == Mark::Pale => self.dress.pale.bind(&place, wo, wavelengths),
             Substance::Plate(surface) => surface.bind(&place, wo, wavelengths),
             Substance::Keratin(keratin) => keratin.bind(&place, wo, wavelengths),
             Substance::Fibre(hair) => {
-                let pigment = self.pigment(hit, hit.uv[0], met.id);
+                let pigment = self.pigment(mark);
                 let section = FibreSection { axis: along, up: plate, offset: side * met.across, pigment };
                 hair.bind_section(&section, wo, wavelengths)
             }

@@ -39,7 +39,8 @@ fn row() -> Row {
 fn barb(row: Row, substance: &Substance, tip: f64) -> BarbSurface {
     let ramus = Ramus { substance: Substance::Keratin(keratin()), half_width: 0.015, height: 1.5 };
     let rows = [(row, substance.clone()), (row, substance.clone())];
-    BarbSurface::new(BarbModel::Substructure, ramus, rows, tip, None, keratin())
+    let dress = Dress { markings: Markings::default(), zones: Vec::new(), pale: keratin() };
+    BarbSurface::new(BarbModel::Substructure, ramus, rows, tip, dress).unwrap()
 }
 
 /// On a barb of 10 mm whose envelope is 0.4 mm wide on each side.
@@ -200,4 +201,82 @@ fn slats_shade_each_other() {
         let expected = 1.0 / (1.0 + tilt.tan() * light.tan().max(0.0));
         assert!((share - expected).abs() < 2e-3, "{light}: {share} {expected}");
     }
+}
+
+/// 10 mm of vane, 5 mm wide on either side, with barbs in this direction.
+fn vane(direction: [f64; 2]) -> FlatVane {
+    let barbs = [[StraightBarb { start_mm: 0.0, direction }; STATIONS]; 2];
+    FlatVane { base_mm: 0.0, length_mm: 10.0, half_widths_mm: [5.0; 2], barbs }
+}
+
+/// What is pale is so in every zone, and zones wear only what has the form of the feather's own.
+#[test]
+fn pale_places_win_over_zones_whose_dress_must_fit() {
+    let left = Region { along: [0.0, 1.0], across: [-1.0, 0.0], ring: None, edge_mm: 0.0 };
+    let zones = Some(Zones::new(vane([1.0, 0.0]), ZonePlan::Regions(vec![left])).unwrap());
+    let pattern = Some(Pattern { spacing: 0.0, dark_share: 0.5, lean: 0.0, tip: 8.0, edge: 0.0, pale: 0.1 });
+    let markings = Markings { pattern, zones };
+    for (side, station, expected) in [
+        (-1.0, 3.0, Mark::Zone(1)),
+        (1.0, 3.0, Mark::Zone(0)),
+        (-1.0, 9.0, Mark::Pale),
+        (1.0, 9.0, Mark::Pale),
+    ] {
+        assert_eq!(markings.at(side, station, 2.0, 1), expected);
+    }
+    let refusal = |zones: Vec<ZoneDress>| {
+        let ramus = Ramus { substance: Substance::Keratin(keratin()), half_width: 0.015, height: 1.5 };
+        let rows = [(row(), Substance::Fibre(hair(1.0))), (row(), Substance::Fibre(hair(1.0)))];
+        let dress = Dress { markings: markings.clone(), zones, pale: keratin() };
+        BarbSurface::new(BarbModel::Substructure, ramus, rows, 1.0, dress)
+            .err()
+            .map(|error| error.to_string())
+    };
+    let proximal = |substance| ZoneDress { ramus: None, barbules: [None, Some(substance)] };
+    assert_eq!(refusal(vec![proximal(Substance::Fibre(hair(1.0)))]), None);
+    assert_eq!(refusal(Vec::new()).unwrap(), "the feather has 1 zones but 0 dresses; give each one");
+    assert_eq!(
+        refusal(vec![proximal(Substance::Keratin(keratin()))]).unwrap(),
+        "the proximal barbules of zone 1 are keratin where the feather's own are fibres; give fibres"
+    );
+    assert_eq!(
+        refusal(vec![proximal(Substance::Fibre(hair(0.5)))]).unwrap(),
+        "the proximal barbules of zone 1 are not as high over their width as the feather's own; give the same height_over_width"
+    );
+}
+
+/// On an envelope the barbules and the ramus of a zone are those of its dress.
+#[test]
+fn envelopes_show_the_dress_of_their_zone() {
+    // From the middle of the barb on.
+    let end = Region { along: [0.5, 1.0], across: [-1.0, 1.0], ring: None, edge_mm: 0.0 };
+    let zones = Some(Zones::new(vane([0.0, 1.0]), ZonePlan::Regions(vec![end])).unwrap());
+    let own = Substance::Keratin(keratin());
+    let ramus = Ramus { substance: own.clone(), half_width: 0.015, height: 1.5 };
+    let black = Substance::Keratin(Keratin::new(0.3, 1.56, Reflectance::new(|_| 0.0).unwrap()).unwrap());
+    let dress = Dress {
+        markings: Markings { pattern: None, zones },
+        zones: vec![ZoneDress { ramus: Some(black.clone()), barbules: [Some(black), None] }],
+        pale: keratin(),
+    };
+    let rows = [(row(), own.clone()), (row(), own.clone())];
+    let zoned = BarbSurface::new(BarbModel::Substructure, ramus, rows, 1.0, dress).unwrap();
+    let plain = barb(row(), &own, 1.0);
+    let mut stream = Stream::new(95, &[]);
+    let mut darker = [0; 3];
+    for _ in 0..4000 {
+        let hit = hit(stream.uniform(3.0, 7.0), stream.uniform(-1.0, 1.0));
+        let part = match plain.meet(&hit, DVec3::Z) {
+            Some(Part::Ramus(_)) => 0,
+            Some(Part::Barbule(which, _)) => 1 + which,
+            None => continue,
+        };
+        let wi = DVec3::new(0.3, 0.1, 1.0).normalize();
+        let [a, b] =
+            [&plain, &zoned].map(|barb| barb.bind(&hit, DVec3::Z, Lambdas::splat(550.0)).eval(wi).f[0]);
+        let is_other = hit.uv[0] > 5.0 && part != 2 && a > 0.0;
+        assert!(if is_other { b < a } else { b == a }, "{} {part}: {a} {b}", hit.uv[0]);
+        darker[part] += usize::from(is_other);
+    }
+    assert!(darker[0] > 10 && darker[1] > 100, "{darker:?}");
 }

@@ -4,7 +4,7 @@ use super::detail::Detail;
 use super::slot::Slot;
 use super::surfaces::{BarbuleClothing, FibreDescription, PigmentedKeratin, no_surface};
 use crate::brdf::FeatherBrdf;
-use crate::bsdf::Texture;
+use crate::bsdf::{self, Region, Texture, ZonePlan};
 use crate::error::shortened;
 use crate::fields::{Fields, Map, Value, path_of, unknown, within};
 use crate::scene::feather::{Feather, VaneDisc};
@@ -93,7 +93,7 @@ record! {
         /// From where to where it reaches, as shares of the vane from its base (0) to its tip (1).
         along: [f64; 2] = "along", within(0, 1), or [0.0, 1.0];
         /// From where to where across: -1 is the left edge where the vane is widest, 0 the shaft, 1 the right edge.
-        across: [f64; 2] = "across", within(-1.5, 1.5), or [-1.5, 1.5];
+        across: [f64; 2] = "across", within(-1, 1), or [-1.0, 1.0];
         /// A ring or disc to which it is confined.
         ring: Option<Ring> = "ring", ();
         /// Standard deviation of its border from barbule to barbule.
@@ -143,6 +143,12 @@ impl Zone {
             .filter_map(BarbuleDress::material_mut)
     }
 
+    /// Where it is, if no picture says so.
+    fn region(&self) -> Region {
+        let ring = self.ring.map(|Ring { centre_mm, radii_mm, stretch }| bsdf::Ring { centre_mm, radii_mm, stretch });
+        Region { along: self.along, across: self.across, ring, edge_mm: self.edge_mm }
+    }
+
     /// What it changes: the rami, the barbules on both sides.
     fn kinds(&self) -> [Option<(&'static str, &'static str)>; 3] {
         let barbules = |key, dress: &Option<BarbuleDress>| dress.as_ref().map(|of| (key, of.word()));
@@ -177,6 +183,29 @@ impl FeatherObject {
             )));
         }
         Ok(())
+    }
+}
+
+impl FeatherObject {
+    /// Where its zones lie; nothing where there are none.
+    pub(super) fn zone_plan(&self) -> Result<Option<ZonePlan>> {
+        if self.zones.is_empty() {
+            return Ok(None);
+        }
+        let Some(map) = &self.zone_map else {
+            return Ok(Some(ZonePlan::Regions(self.zones.iter().map(Zone::region).collect())));
+        };
+        let picture = Texture::clone(map.value()?);
+        let highest = picture.highest_value().map_err(|error| error.at(&map.name))?;
+        if highest != self.zones.len() {
+            return Err(Error::input(format!(
+                "{}: has pixels of values 0 to {highest} (of 255), but there are {} zones",
+                map.name,
+                self.zones.len()
+            )));
+        }
+        let edge_mm = self.zones.iter().map(|zone| zone.edge_mm).fold(0.0, f64::max);
+        Ok(Some(ZonePlan::Picture { picture, edge_mm }))
     }
 }
 

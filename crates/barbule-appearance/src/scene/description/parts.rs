@@ -5,10 +5,11 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use super::detail::ViewModel;
-use super::dress::{BarbuleDress, FeatherObject, RamusDress};
+use super::dress::{BarbuleDress, FeatherObject, RamusDress, Zone};
 use super::surfaces::FibreDescription;
 use crate::bsdf::{
-    BarbModel, BarbSurface, Hair, Keratin, Pattern, Ramus, Row, Substance, Surface,
+    BarbModel, BarbSurface, Dress as BarbDress, Hair, Keratin, Mark, Markings, Ramus, Row, Substance, Surface,
+    ZoneDress,
 };
 use crate::math::rng::hash;
 use crate::scene::Object;
@@ -30,23 +31,24 @@ impl FeatherObject {
     /// Shaft, rami, barbules; `width_mm`: of the picture, on the feather.
     pub(super) fn parts(&self, width_mm: f64, seed: u64) -> Result<(Vec<Object>, Counts)> {
         let level = self.level(width_mm);
-        let grown = self.feather.grow(self.window, level, seed, hash(seed, &[1]))?;
+        let zones = self.zone_plan()?.map(|plan| self.feather.zones(plan)).transpose()?;
+        let grown = self.feather.grow(self.window, level, zones.as_ref(), seed, hash(seed, &[1]))?;
         let counts = grown.counts();
-        let substances = Substances::new(self)?;
+        let substances = Substances::new(self, self.feather.markings(zones.as_ref()))?;
         let shaft = (grown.shaft.clone(), Surface::Keratin(self.dress.shaft.build()?));
         let parts = match level {
             Level::Barbules | Level::Barbs => [vec![shaft], substances.one_by_one(grown)].concat(),
             Level::Vane => [vec![shaft], substances.sheets(&grown, seed)?].concat(),
             Level::Envelopes => match self.detail.view_model {
-                ViewModel::Fibre => [vec![shaft], substances.looked_up(&grown, BarbModel::Fibre)].concat(),
+                ViewModel::Fibre => [vec![shaft], substances.looked_up(&grown, BarbModel::Fibre)?].concat(),
                 ViewModel::Grown | ViewModel::Substructure => {
-                    [vec![shaft], substances.looked_up(&grown, BarbModel::Substructure)].concat()
+                    [vec![shaft], substances.looked_up(&grown, BarbModel::Substructure)?].concat()
                 }
                 ViewModel::Both => {
                     let shift = 0.5 * (1.0 + GAP) * width(&grown.envelopes);
                     let mut parts = Vec::new();
                     for (model, side) in [(BarbModel::Fibre, -1.0), (BarbModel::Substructure, 1.0)] {
-                        let all = [vec![shaft.clone()], substances.looked_up(&grown, model)].concat();
+                        let all = [vec![shaft.clone()], substances.looked_up(&grown, model)?].concat();
                         let moved = all
                             .into_iter()
                             .map(|(geometry, surface)| (moved(geometry, side * shift), surface));
@@ -93,6 +95,9 @@ struct Substances<'a> {
     /// Towards the feather's tip, and the others.
     barbules: [Substance; 2],
     pale: Keratin,
+    markings: Markings,
+    /// What its zones wear, from zone 1.
+    zones: Vec<ZoneDress>,
     /// Rami and barbules without pigment, as they stand there one by one.
     pale_ramus: Surface,
     pale_barbule: Surface,
@@ -103,16 +108,17 @@ struct Substances<'a> {
 type Part = (Geometry, Surface);
 
 impl<'a> Substances<'a> {
-    fn new(of: &'a FeatherObject) -> Result<Self> {
+    fn new(of: &'a FeatherObject, markings: Markings) -> Result<Self> {
         let (feather, dress) = (&of.feather, &of.dress);
         let barbule = |dress: &BarbuleDress, shape: &BarbuleShape| match dress {
             BarbuleDress::Hair(fibre) => Ok::<_, Error>(Substance::Fibre(fibre.build()?)),
             BarbuleDress::Barbule(of) => Ok(Substance::Plate(of.barbules(shape.cells(&feather.disorder))?)),
         };
-        let ramus = match &dress.ramus {
-            RamusDress::Hair(fibre) => Substance::Fibre(fibre.build()?),
-            RamusDress::Keratin(keratin) => Substance::Keratin(keratin.build()?),
+        let of_ramus = |dress: &RamusDress| match dress {
+            RamusDress::Hair(fibre) => Ok::<_, Error>(Substance::Fibre(fibre.build()?)),
+            RamusDress::Keratin(keratin) => Ok(Substance::Keratin(keratin.build()?)),
         };
+        let ramus = of_ramus(&dress.ramus)?;
         let barbules =
             [barbule(&dress.distal, &feather.distal)?, barbule(&dress.proximal, &feather.proximal)?];
         let pale = dress.pale.build()?;
@@ -129,82 +135,120 @@ impl<'a> Substances<'a> {
             (BarbuleDress::Hair(fibre), _) | (_, BarbuleDress::Hair(fibre)) => pale_fibre(fibre)?,
             _ => Surface::Keratin(pale.clone()),
         };
-        Ok(Self { of, ramus, barbules, pale, pale_ramus, pale_barbule, down: dress.down.build()? })
+        let zone = |zone: &Zone| {
+            let side = |dress: &Option<BarbuleDress>, shape: &BarbuleShape| {
+                dress.as_ref().map(|dress| barbule(dress, shape)).transpose()
+            };
+            Ok(ZoneDress {
+                ramus: zone.ramus.as_ref().map(of_ramus).transpose()?,
+                barbules: [side(&zone.distal, &feather.distal)?, side(&zone.proximal, &feather.proximal)?],
+            })
+        };
+        let zones = of.zones.iter().map(zone).collect::<Result<Vec<_>>>()?;
+        markings.check(&zones, [&ramus, &barbules[0], &barbules[1]])?;
+        let down = dress.down.build()?;
+        Ok(Self { of, ramus, barbules, pale, markings, zones, pale_ramus, pale_barbule, down })
     }
 
-    /// Rami and barbules as they were grown.
-    fn one_by_one(&self, grown: Grown) -> Vec<Part> {
-        let [dark, pale] = grown.fibres;
-        let rami = match &self.ramus {
-            Substance::Fibre(_) => dark,
-            Substance::Keratin(_) | Substance::Plate(_) => grown.rami,
-        };
+    /// What rami and either row of barbules are made of where something marks them, as they stand there one by one.
+    fn surfaces(&self, mark: Mark) -> [Surface; 3] {
         let surface = |substance: &Substance| match substance {
             Substance::Fibre(hair) => Surface::Hair(hair.clone()),
             Substance::Keratin(keratin) => Surface::Keratin(keratin.clone()),
             Substance::Plate(plate) => Surface::Barbule(plate.clone()),
         };
+        let [distal, proximal] = &self.barbules;
+        let own = [&self.ramus, distal, proximal];
+        match mark {
+            Mark::Pale => [self.pale_ramus.clone(), self.pale_barbule.clone(), self.pale_barbule.clone()],
+            Mark::Zone(0) => own.map(surface),
+            Mark::Zone(zone) => {
+                let ZoneDress { ramus, barbules: [distal, proximal] } = &self.zones[zone - 1];
+                let worn = [ramus, distal, proximal];
+                std::array::from_fn(|part| surface(worn[part].as_ref().unwrap_or(own[part])))
+            }
+        }
+    }
+
+    /// Rami and barbules as they were grown, those of zones last.
+    fn one_by_one(&self, grown: Grown) -> Vec<Part> {
+        let rami = |meshes: Geometry, fibres: Geometry, surface: Surface| {
+            (if let Surface::Hair(_) = surface { fibres } else { meshes }, surface)
+        };
         let row = |row: Geometry, surface: Surface| {
             (if let Surface::Hair(_) = surface { row.ribbons_as_curves() } else { row }, surface)
         };
-        let pale_rami = if let Substance::Fibre(_) = self.ramus { pale } else { Geometry::default() };
+        let [dark, pale] = grown.fibres;
+        let [ramus, of_distal, of_proximal] = self.surfaces(Mark::Zone(0));
         let [distal, proximal] = grown.barbules;
-        vec![
-            (rami, surface(&self.ramus)),
-            (pale_rami, self.pale_ramus.clone()),
-            row(distal, surface(&self.barbules[0])),
-            row(proximal, surface(&self.barbules[1])),
+        let mut parts = vec![
+            rami(grown.rami, dark, ramus),
+            rami(Geometry::default(), pale, self.pale_ramus.clone()),
+            row(distal, of_distal),
+            row(proximal, of_proximal),
             row(grown.pale, self.pale_barbule.clone()),
             row(grown.downy, Surface::Hair(self.down.clone())),
-        ]
+        ];
+        for (index, zone) in grown.zones.into_iter().enumerate() {
+            let [ramus, of_distal, of_proximal] = self.surfaces(Mark::Zone(index + 1));
+            let [distal, proximal] = zone.barbules;
+            parts.push(rami(zone.rami, zone.fibres, ramus));
+            parts.extend([row(distal, of_distal), row(proximal, of_proximal)]);
+        }
+        parts
     }
 
-    /// A vane's swatch; without pigment, if it is pale.
-    fn layer(&self, swatch: Swatch, is_pale: bool) -> Layer {
+    /// A vane's swatch where something marks the vane.
+    fn layer(&self, swatch: Swatch, mark: Mark) -> Layer {
         let Swatch { grown, half_width_mm, along_mm } = swatch;
         let mut parts = self.one_by_one(grown);
-        if is_pale {
-            parts[0].1 = self.pale_ramus.clone();
-            parts[2].1 = self.pale_barbule.clone();
-            parts[3].1 = self.pale_barbule.clone();
+        // Rami and rows of barbules.
+        for (part, surface) in [0, 2, 3].into_iter().zip(self.surfaces(mark)) {
+            parts[part].1 = surface;
         }
         let objects = parts.into_iter().map(|(geometry, surface)| Object { geometry, surface });
         Layer { objects: objects.collect(), across_mm: [-half_width_mm, half_width_mm], along_mm }
     }
 
     /// The barbs left and right of the shaft, those of the downy part last.
-    fn looked_up(&self, grown: &Grown, model: BarbModel) -> Vec<Part> {
+    fn looked_up(&self, grown: &Grown, model: BarbModel) -> Result<Vec<Part>> {
         let feather = &self.of.feather;
         let row = |shape: &BarbuleShape| shape.row(&feather.disorder);
         let rows = [&feather.distal, &feather.proximal].map(row);
         let [distal, proximal] = self.barbules.clone();
+        // A barb that is one fibre looks as its barbules would.
+        let is_barbule = matches!((model, &distal), (BarbModel::Fibre, Substance::Fibre(_)));
+        let zone = |dress: &ZoneDress| {
+            let ramus = if is_barbule { &dress.barbules[0] } else { &dress.ramus };
+            ZoneDress { ramus: ramus.clone(), ..dress.clone() }
+        };
         let vane = Barbs {
             ramus: Ramus {
-                substance: match (model, &distal) {
-                    // A barb that is one fibre looks as its barbules would.
-                    (BarbModel::Fibre, Substance::Fibre(_)) => distal.clone(),
-                    _ => self.ramus.clone(),
-                },
+                substance: if is_barbule { distal.clone() } else { self.ramus.clone() },
                 half_width: 0.5e-3 * feather.barbs.width_um,
                 height: feather.barbs.height,
             },
             rows: [(rows[0], distal), (rows[1], proximal)],
-            pattern: feather.pattern.pattern(),
+            dress: BarbDress {
+                markings: self.markings.clone(),
+                zones: self.zones.iter().map(zone).collect(),
+                pale: self.pale.clone(),
+            },
         };
         let down = Substance::Fibre(self.down.clone());
         let barbule = (row(&feather.downy.barbules()), down.clone());
         let half_width = 0.5e-3 * feather.downy.ramus_width_um;
         let ramus = Ramus { substance: down, half_width, height: 1.0 };
-        let downy = Barbs { ramus, rows: [barbule.clone(), barbule], pattern: None };
+        let plain = BarbDress { markings: Markings::default(), zones: Vec::new(), pale: self.pale.clone() };
+        let downy = Barbs { ramus, rows: [barbule.clone(), barbule], dress: plain };
         // Down is nothing like one fibre as wide as its barbules reach.
         let sides =
             [(model, &vane, &grown.envelopes), (BarbModel::Substructure, &downy, &grown.downy_envelopes)];
         let parts = sides.into_iter().flat_map(|(model, barbs, envelopes)| {
             envelopes.iter().zip([-1.0, 1.0]).map(move |(geometry, barb_side)| {
-                let Barbs { ramus, rows, pattern } = barbs.clone();
-                let tip = tip_side(barb_side);
-                let barb = BarbSurface::new(model, ramus, rows, tip, pattern, self.pale.clone());
-                (geometry.clone(), Surface::Barb(Box::new(barb)))
+                let Barbs { ramus, rows, dress } = barbs.clone();
+                let barb = BarbSurface::new(model, ramus, rows, tip_side(barb_side), dress)?;
+                Ok((geometry.clone(), Surface::Barb(Box::new(barb))))
             })
         });
         parts.collect()
@@ -216,12 +260,11 @@ impl Substances<'_> {
     fn sheets(&self, grown: &Grown, seed: u64) -> Result<Vec<Part>> {
         let feather = &self.of.feather;
         let window = |barb_side: f64, barbs: SheetBarbs| {
-            let swatch = || feather.swatch(barb_side, &barbs, seed);
-            let pale = match feather.pattern.pattern() {
-                Some(pattern) => Some((pattern, self.layer(swatch()?, true))),
-                None => None,
-            };
-            Ok::<_, Error>(Arc::new(Window { layer: self.layer(swatch()?, false), pale }))
+            let swatch = feather.swatch(barb_side, &barbs, seed)?;
+            let zones = (0..=self.zones.len()).map(Mark::Zone);
+            let pale = self.markings.pattern.map(|_| Mark::Pale);
+            let layers = zones.chain(pale).map(|mark| self.layer(swatch.clone(), mark)).collect();
+            Ok::<_, Error>(Arc::new(Window { layers, markings: self.markings.clone(), side: barb_side }))
         };
         let sheets = grown.sheets.iter().zip(grown.sheet_barbs).zip([-1.0, 1.0]);
         let vanes = sheets.map(|((geometry, of_sheet), barb_side)| {
@@ -229,7 +272,7 @@ impl Substances<'_> {
             // What is met is the window's; the sheet has no light of its own.
             Ok((Geometry { window, ..geometry.clone() }, self.pale_ramus.clone()))
         });
-        let down = self.looked_up(grown, BarbModel::Substructure).into_iter().skip(2);
+        let down = self.looked_up(grown, BarbModel::Substructure)?.into_iter().skip(2);
         vanes.chain(down.map(Ok)).collect()
     }
 }
@@ -239,5 +282,8 @@ impl Substances<'_> {
 struct Barbs {
     ramus: Ramus,
     rows: [(Row, Substance); 2],
-    pattern: Option<Pattern>,
+    dress: BarbDress,
 }
+
+#[cfg(test)]
+mod tests;

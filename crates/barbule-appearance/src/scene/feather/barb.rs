@@ -1,5 +1,6 @@
 //! Barbs in space: their curves and their rami.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3, Vec2};
@@ -8,8 +9,8 @@ use super::loose::Loose;
 use super::outline::Vane;
 use super::row::{FlatBarb, PATH_STEPS, Row};
 use super::shaft::{Shaft, Station, tube_triangles};
-use super::{BarbShape, Feather, SplitShape, VaneDisc, split};
-use crate::bsdf::{Pattern, RAMUS_DEPTH, ramus_taper};
+use super::{BarbShape, Feather, Grown, SplitShape, VaneDisc, split};
+use crate::bsdf::{Mark, Markings, RAMUS_DEPTH, ramus_taper};
 use crate::math::rng::hash;
 use crate::scene::geometry::{CurveNode, Geometry, Mesh};
 
@@ -129,10 +130,7 @@ fn raised(feather: &Feather, shaft: &Shaft, side: f64, flat: &FlatBarb) -> Barb 
 fn on_vane(feather: &Feather, shaft: &Shaft, side: f64, vane: Vane, at: DVec2, under: f64) -> DVec3 {
     let shape = &feather.barbs;
     let Station { point, right, normal, .. } = shaft.at(at.y);
-    let half = match vane {
-        Vane::Leading => shape.leading_half_width_mm,
-        Vane::Trailing => shape.trailing_half_width_mm,
-    };
+    let half = shape.half_width_mm(vane);
     let start = BASE_HEIGHT * shaft.radius(at.y) * shaft.height(at.y);
     let z = start + libm::tan(shape.dihedral) * at.x - shape.camber * at.x * at.x / half - under;
     point + right * (side * at.x) + normal * z
@@ -253,25 +251,51 @@ impl Barb {
         geometry.add_curve(&self.nodes(origin), self.id);
     }
 
-    /// Adds the same where it has pigment and where not.
-    pub(super) fn parted(&self, [dark, pale]: &mut [Geometry; 2], pattern: Option<Pattern>, origin: DVec3) {
-        let nodes = self.nodes(origin);
-        let is_dark = |segment: usize| {
+    /// What marks a part of it of this name, so far along it, mm. Down has no markings.
+    pub(super) fn mark(&self, markings: &Markings, along_mm: f64, name: u64) -> Mark {
+        if self.is_loose {
+            return Mark::Zone(0);
+        }
+        markings.at(self.side, self.along_mm, along_mm, name)
+    }
+
+    /// What marks the pieces of its ramus.
+    pub(super) fn marks(&self, markings: &Markings) -> [Mark; STEPS] {
+        std::array::from_fn(|segment| {
             let along = (segment as f64 + 0.5) / STEPS as f64 * self.length_mm;
-            pattern
-                .is_none_or(|pattern| pattern.is_dark(self.along_mm, along, hash(self.id, &[segment as u64])))
-        };
-        let segments: Vec<bool> = (0..STEPS).map(is_dark).collect();
+            self.mark(markings, along, hash(self.id, &[segment as u64]))
+        })
+    }
+
+    /// Adds the ramus to the round fibres, apart by marks.
+    pub(super) fn parted(&self, grown: &mut Grown, marks: &[Mark; STEPS], origin: DVec3) {
+        let nodes = self.nodes(origin);
         let mut first = 0;
-        for run in segments.chunk_by(|a, b| a == b) {
-            let of_run = if run[0] { &mut *dark } else { &mut *pale };
-            of_run.add_curve(&nodes[first..=first + run.len()], self.id);
+        for run in marks.chunk_by(|a, b| a == b) {
+            grown.fibres_at(run[0]).add_curve(&nodes[first..=first + run.len()], self.id);
             first += run.len();
         }
     }
 
-    /// Adds the ramus: a tube taller than wide.
-    pub(super) fn mesh(&self, geometry: &mut Geometry, shape: &BarbShape, origin: DVec3) {
+    /// Adds the ramus to the rami, apart by zones.
+    pub(super) fn meshes(&self, grown: &mut Grown, shape: &BarbShape, marks: &[Mark; STEPS], origin: DVec3) {
+        let mesh = self.mesh(shape, origin);
+        let zones = marks.map(Mark::zone);
+        if zones.iter().all(|zone| *zone == zones[0]) {
+            grown.rami_at(zones[0]).meshes.push(mesh);
+            return;
+        }
+        let mut triangles: BTreeMap<usize, Vec<[u32; 3]>> = BTreeMap::new();
+        for (zone, piece) in zones.into_iter().zip(mesh.triangles.chunks(mesh.triangles.len() / STEPS)) {
+            triangles.entry(zone).or_default().extend_from_slice(piece);
+        }
+        for (zone, triangles) in triangles {
+            grown.rami_at(zone).meshes.push(Mesh { triangles, ..mesh.clone() });
+        }
+    }
+
+    /// The ramus: a tube taller than wide, piece by piece from its base.
+    fn mesh(&self, shape: &BarbShape, origin: DVec3) -> Mesh {
         let mut mesh = Mesh { id: self.id, ..Mesh::default() };
         for ring in 0..=STEPS {
             let share = ring as f64 / STEPS as f64;
@@ -292,6 +316,6 @@ impl Barb {
             }
         }
         mesh.triangles = tube_triangles(STEPS, AROUND);
-        geometry.meshes.push(mesh);
+        mesh
     }
 }

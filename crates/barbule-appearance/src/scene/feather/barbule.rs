@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::barb::Barb;
-use super::{BarbuleShape, Disorder, VaneDisc};
-use crate::bsdf::{Arch, Cells, Pattern, RAMUS_ROOT, Row, RowDisorder, axes};
+use super::{BarbuleShape, Disorder, Grown, VaneDisc};
+use crate::bsdf::{Arch, Cells, Markings, RAMUS_ROOT, Row, RowDisorder, axes};
 use crate::math::rng::{Stream, hash};
-use crate::scene::geometry::{Geometry, Ribbon, RibbonNode};
+use crate::scene::geometry::{Ribbon, RibbonNode};
 
 /// Segments of a barbule.
 const STEPS: usize = 6;
@@ -61,13 +61,13 @@ const LEAST_ARCH: f64 = 1e-3;
 const GREEN_UM: f64 = 0.55;
 
 /// Adds the barbules of one side of a barb (0: towards the feather's tip, 1: the other) whose bases lie in the window. `roll`, rad:
-/// see [`super::envelope::roll`]; `pattern` says which are pale.
+/// see [`super::envelope::roll`].
 pub(super) fn along(
-    [dark, pale]: [&mut Geometry; 2],
+    grown: &mut Grown,
     barb: &Barb,
     row: &Row,
     which: usize,
-    (roll, pattern): (f64, Option<Pattern>),
+    (roll, markings): (f64, &Markings),
     (origin, window): (DVec3, VaneDisc),
     seed: u64,
 ) {
@@ -84,8 +84,8 @@ pub(super) fn along(
         let root = Root::on(barb, along, which, roll).moved(-origin);
         root.grow(&mut nodes, row, row.length_at(along / barb.length_mm), &mut stream);
         let ribbon = ribbon(row, id, &mut stream);
-        let is_dark = pattern.is_none_or(|pattern| pattern.is_dark(barb.along_mm, along, id));
-        if is_dark { &mut *dark } else { &mut *pale }.add_ribbon(&nodes, ribbon);
+        let mark = barb.mark(markings, along, id);
+        grown.barbules_at(barb.is_loose, which, mark).add_ribbon(&nodes, ribbon);
     }
 }
 

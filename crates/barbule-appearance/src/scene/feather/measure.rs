@@ -158,7 +158,7 @@ impl Feather {
             return Ok(None);
         }
         let window = VaneDisc { along_mm, radius_mm: Some(1.5 * outside) };
-        let grown = self.grow(window, Level::Barbules, seed, identity)?;
+        let grown = self.grow(window, Level::Barbules, None, seed, identity)?;
         let station = shaft.at(along_mm);
         let to_vane = |p: Vec3| {
             let p = p.as_dvec3();

@@ -6,6 +6,8 @@
 mod barb;
 mod barbule;
 mod envelope;
+mod flat;
+mod grown;
 mod loose;
 mod measure;
 mod noise;
@@ -25,6 +27,7 @@ use glam::DVec3;
 
 pub use barb::Barb;
 pub use envelope::tip_side;
+pub use grown::{Counts, Grown, ZoneParts};
 pub use measure::{Measures, VaneMeasures};
 pub use outline::Vane;
 pub use shaft::{Shaft, Station};
@@ -36,8 +39,7 @@ pub use tables::{Feather, LeadingSide};
 pub use types::{names, source};
 
 use self::stretch::Stretches;
-use super::geometry::Geometry;
-use crate::bsdf::Pattern;
+use crate::bsdf::{Markings, Zones};
 use crate::{Error, Result};
 
 /// The part of a feather to grow: a disc in the plane of the vane about a point of the shaft, or all of it.
@@ -47,33 +49,6 @@ pub struct VaneDisc {
     pub along_mm: f64,
     /// Its radius, mm; the whole feather where there is none.
     pub radius_mm: Option<f64>,
-}
-
-/// The grown parts, apart by what they are made of.
-#[derive(Debug, Clone, Default)]
-pub struct Grown {
-    /// The shaft.
-    pub shaft: Geometry,
-    /// The rami of the closed vane's barbs.
-    pub rami: Geometry,
-    /// The same rami as round fibres, for those who see hair in them: where they have pigment, and where not.
-    pub fibres: [Geometry; 2],
-    /// All barbs as round fibres, those of the downy part too.
-    pub barbs: Geometry,
-    /// The barbules towards the feather's tip, and the others: ribbons, or stretches of rows that stand in many places.
-    pub barbules: [Geometry; 2],
-    /// Barbules without pigment.
-    pub pale: Geometry,
-    /// Barbs, as round fibres, and barbules of the downy part.
-    pub downy: Geometry,
-    /// In place of rami and barbules: ribbons about the barbs left and right of the shaft.
-    pub envelopes: [Geometry; 2],
-    /// The same of the downy part.
-    pub downy_envelopes: [Geometry; 2],
-    /// In place of them all: sheets through the barbs left and right of the shaft.
-    pub sheets: [Geometry; 2],
-    /// What the barbs of the sheets measure; nothing where there is no sheet.
-    pub sheet_barbs: [Option<SheetBarbs>; 2],
 }
 
 /// Which parts of a feather stand there one by one.
@@ -87,43 +62,6 @@ pub enum Level {
     Vane,
     /// Every barb's envelope, on which barbules are looked up (Baron et al. 2021).
     Envelopes,
-}
-
-impl Grown {
-    /// The barbules of all rows, those of the downy part last.
-    #[must_use]
-    pub fn all_barbules(&self) -> Geometry {
-        let [distal, proximal] = &self.barbules;
-        let mut all = Geometry::default();
-        for row in [distal, proximal, &self.pale, &self.downy] {
-            row.ribbons.iter().for_each(|ribbon| all.add_ribbon(row.nodes_of(ribbon), *ribbon));
-        }
-        all
-    }
-
-    /// How many barbs and barbules there are.
-    #[must_use]
-    pub fn counts(&self) -> Counts {
-        let of = |rows: &[&Geometry]| rows.iter().map(|row| row.ribbon_count()).sum::<usize>();
-        let [left, right] = &self.envelopes;
-        let [downy_left, downy_right] = &self.downy_envelopes;
-        let [distal, proximal] = &self.barbules;
-        Counts {
-            barbs: self.barbs.curves.len()
-                + of(&[left, right, downy_left, downy_right])
-                + self.sheet_barbs.iter().flatten().map(|barbs| barbs.count).sum::<usize>(),
-            barbules: of(&[distal, proximal, &self.pale, &self.downy]),
-        }
-    }
-}
-
-/// How many of each part were grown.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Barbs.
-    pub barbs: usize,
-    /// Barbules.
-    pub barbules: usize,
 }
 
 /// More barbules than this are not grown: each takes about a kilobyte.
@@ -146,11 +84,18 @@ const MOST_PLACES: f64 = 1e7;
 
 impl Feather {
     /// Grows the part of the feather within a window, moved so that the window's middle is the origin. `seed` and
-    /// `identity` name every random draw.
+    /// `identity` name every random draw. Rami and barbules that stand there one by one come apart by `zones`.
     ///
     /// # Errors
     /// As [`Feather::check`]; a window that would hold more than 4 million barbules, or 10 million stretches of them.
-    pub fn grow(&self, window: VaneDisc, level: Level, seed: u64, identity: u64) -> Result<Grown> {
+    pub fn grow(
+        &self,
+        window: VaneDisc,
+        level: Level,
+        zones: Option<&Zones>,
+        seed: u64,
+        identity: u64,
+    ) -> Result<Grown> {
         self.check()?;
         match level {
             Level::Barbules => self.check_count(window)?,
@@ -159,18 +104,19 @@ impl Feather {
         }
         let (shaft, barbs) = self.barbs_within(window, seed, identity)?;
         let origin = shaft.at(window.along_mm).point;
-        let mut grown = Grown::default();
+        let markings = self.markings(zones);
+        let mut grown = Grown::new(markings.zones());
         shaft.mesh(&mut grown.shaft, window, origin, identity);
         let (loose, closed): (Vec<&Barb>, Vec<&Barb>) =
             barbs.iter().partition(|barb| barb.is_loose && level == Level::Vane);
         match level {
             Level::Barbules => {
-                self.add_rami(&mut grown, &closed, origin);
-                self.add_barbules(&mut grown, &closed, (origin, window), seed);
+                self.add_rami(&mut grown, &closed, &markings, origin);
+                self.add_barbules(&mut grown, &closed, &markings, (origin, window), seed);
             }
             Level::Barbs => {
-                self.add_rami(&mut grown, &closed, origin);
-                self.add_stretches(&mut grown, &closed, (origin, window), seed);
+                self.add_rami(&mut grown, &closed, &markings, origin);
+                self.add_stretches(&mut grown, &closed, &markings, (origin, window), seed);
             }
             Level::Envelopes => self.add_envelopes(&mut grown, &closed, origin),
             Level::Vane => {
@@ -193,47 +139,58 @@ impl Feather {
         let origin = shaft.at(window.along_mm).point;
         let mut grown = Grown::default();
         shaft.mesh(&mut grown.shaft, window, origin, identity);
-        self.add_rami(&mut grown, &barbs.iter().collect::<Vec<_>>(), origin);
+        self.add_rami(&mut grown, &barbs.iter().collect::<Vec<_>>(), &self.markings(None), origin);
         Ok(grown)
     }
 
-    fn add_rami(&self, grown: &mut Grown, barbs: &[&Barb], origin: DVec3) {
+    fn add_rami(&self, grown: &mut Grown, barbs: &[&Barb], markings: &Markings, origin: DVec3) {
         for barb in barbs {
             barb.fibre(&mut grown.barbs, origin);
             if barb.is_loose {
                 barb.fibre(&mut grown.downy, origin);
             } else {
-                barb.mesh(&mut grown.rami, &self.barbs, origin);
-                barb.parted(&mut grown.fibres, self.pattern_of(barb), origin);
+                let marks = barb.marks(markings);
+                barb.meshes(grown, &self.barbs, &marks, origin);
+                barb.parted(grown, &marks, origin);
             }
         }
     }
 
-    fn add_barbules(&self, grown: &mut Grown, barbs: &[&Barb], place: (DVec3, VaneDisc), seed: u64) {
+    fn add_barbules(
+        &self,
+        grown: &mut Grown,
+        barbs: &[&Barb],
+        markings: &Markings,
+        place: (DVec3, VaneDisc),
+        seed: u64,
+    ) {
         let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
         for barb in barbs {
-            let pattern = self.pattern_of(barb);
             for (which, shape) in self.barbules_of(barb).iter().enumerate() {
-                let vane = &mut grown.barbules[which];
-                let dark = if barb.is_loose { &mut grown.downy } else { vane };
                 let row = shape.row(&self.disorder);
-                barbule::along([dark, &mut grown.pale], barb, &row, which, (roll, pattern), place, seed);
+                barbule::along(grown, barb, &row, which, (roll, markings), place, seed);
             }
         }
     }
 
-    fn add_stretches(&self, grown: &mut Grown, barbs: &[&Barb], place: (DVec3, VaneDisc), seed: u64) {
+    fn add_stretches(
+        &self,
+        grown: &mut Grown,
+        barbs: &[&Barb],
+        markings: &Markings,
+        place: (DVec3, VaneDisc),
+        seed: u64,
+    ) {
         let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
         for (is_loose, side, which) in SORTS {
             let of_sort = || barbs.iter().filter(|barb| barb.is_loose == is_loose && barb.side == side);
             let Some(first) = of_sort().next() else { continue };
             let row = self.barbules_of(first)[which].row(&self.disorder);
             let mut stretches = Stretches::new(row, side, which, roll, seed);
-            of_sort().for_each(|barb| stretches.along(barb, self.pattern_of(barb), place));
-            let [dark, pale] = stretches.placed();
-            let vane = &mut grown.barbules[which];
-            if is_loose { &mut grown.downy } else { vane }.repeated.extend(dark);
-            grown.pale.repeated.extend(pale);
+            of_sort().for_each(|barb| stretches.along(barb, markings, place));
+            for (mark, stretch) in stretches.placed() {
+                grown.barbules_at(is_loose, which, mark).repeated.push(stretch);
+            }
         }
     }
 
@@ -246,9 +203,10 @@ impl Feather {
         }
     }
 
-    /// Where a barb has pigment; down has it everywhere.
-    fn pattern_of(&self, barb: &Barb) -> Option<Pattern> {
-        self.pattern.pattern().filter(|_| !barb.is_loose)
+    /// What differs from place to place of its vanes.
+    #[must_use]
+    pub fn markings(&self, zones: Option<&Zones>) -> Markings {
+        Markings { pattern: self.pattern.pattern(), zones: zones.cloned() }
     }
 
     /// The shaft and the barbs that reach into a window, in the feather's own place: the shaft's base is the origin.

@@ -63,6 +63,14 @@ impl BarbShape {
         }
     }
 
+    /// Largest half width of a vane, mm.
+    pub(super) fn half_width_mm(&self, vane: Vane) -> f64 {
+        match vane {
+            Vane::Leading => self.leading_half_width_mm,
+            Vane::Trailing => self.trailing_half_width_mm,
+        }
+    }
+
     /// Angle of the barbs to the shaft at a share of the vane's length, rad.
     #[must_use]
     pub fn insertion(&self, vane: Vane, t: f64) -> f64 {

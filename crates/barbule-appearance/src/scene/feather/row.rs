@@ -19,7 +19,7 @@ const SHORTEST_MM: f64 = 0.05;
 /// Most barbs of the tuft at the tip, on one side.
 const MOST_IN_TUFT: usize = 24;
 /// Where barbs begin, over the shaft's half width.
-const BASE_SHARE: f64 = 0.75;
+pub(super) const BASE_SHARE: f64 = 0.75;
 /// Length of the border of the downy part over its length: in it barbs of both kinds alternate.
 pub(super) const BORDER: f64 = 0.4;
 

@@ -3,12 +3,14 @@
 //! A primary has a million barbules and a few hundred stretches in a hundred thousand places. What light does among them is what it
 //! does among barbules that grew one by one; only their draws repeat, and not their instances.
 
+use std::collections::BTreeMap;
+
 use glam::{DMat3, DVec3};
 
 use super::VaneDisc;
 use super::barb::Barb;
 use super::barbule::{Root, ribbon};
-use crate::bsdf::{Pattern, Row};
+use crate::bsdf::{Mark, Markings, Row};
 use crate::math::rng::{Stream, hash, split_mix, unit_of};
 use crate::scene::geometry::{Geometry, Place};
 
@@ -31,11 +33,10 @@ pub(super) struct Stretches {
     made: [Vec<Stretch>; KINDS.len()],
 }
 
-/// One stretch: its barbules, and where they stand with pigment and without.
+/// One stretch: its barbules, and where they stand, apart by marks.
 struct Stretch {
     geometry: Geometry,
-    dark: Vec<Place>,
-    pale: Vec<Place>,
+    places: BTreeMap<Mark, Vec<Place>>,
 }
 
 impl Stretches {
@@ -54,8 +55,7 @@ impl Stretches {
                         count,
                         hash(name, &[kind as u64, variant]),
                     ),
-                    dark: Vec::new(),
-                    pale: Vec::new(),
+                    places: BTreeMap::new(),
                 })
                 .collect()
         });
@@ -63,12 +63,7 @@ impl Stretches {
     }
 
     /// Places stretches along a barb, from its end to its base, where they lie in the window.
-    pub(super) fn along(
-        &mut self,
-        barb: &Barb,
-        pattern: Option<Pattern>,
-        (origin, window): (DVec3, VaneDisc),
-    ) {
+    pub(super) fn along(&mut self, barb: &Barb, markings: &Markings, (origin, window): (DVec3, VaneDisc)) {
         let length = self.count as f64 * self.row.spacing;
         for index in 0..libm::round(barb.length_mm / length) as u64 {
             let along = barb.length_mm - (index as f64 + 0.5) * length;
@@ -87,9 +82,8 @@ impl Stretches {
             };
             let share = (along / barb.length_mm).clamp(0.0, 1.0);
             let longest = self.row.length_at(share) / self.row.length;
-            let stretch = self.pick(longest, id);
-            let is_dark = pattern.is_none_or(|pattern| pattern.is_dark(barb.along_mm, along, id));
-            if is_dark { &mut stretch.dark } else { &mut stretch.pale }.push(place);
+            let mark = barb.mark(markings, along, id);
+            self.pick(longest, id).places.entry(mark).or_default().push(place);
         }
     }
 
@@ -104,17 +98,11 @@ impl Stretches {
         &mut made[(split_mix(draw) % count) as usize]
     }
 
-    /// The barbules in their places: with pigment, and without.
-    pub(super) fn placed(self) -> [Vec<Geometry>; 2] {
-        let mut placed = [Vec::new(), Vec::new()];
-        for Stretch { geometry, dark, pale } in self.made.into_iter().flatten() {
-            for (all, places) in placed.iter_mut().zip([dark, pale]) {
-                if !places.is_empty() {
-                    all.push(Geometry { places, ..geometry.clone() });
-                }
-            }
-        }
-        placed
+    /// The barbules in their places, with what marks them.
+    pub(super) fn placed(self) -> impl Iterator<Item = (Mark, Geometry)> {
+        self.made.into_iter().flatten().flat_map(|Stretch { geometry, places }| {
+            places.into_iter().map(move |(mark, places)| (mark, Geometry { places, ..geometry.clone() }))
+        })
     }
 }
 

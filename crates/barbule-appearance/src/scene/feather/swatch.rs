@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::barb::Barb;
-use super::{Feather, Grown, PatternShape, SheetBarbs, VaneDisc};
+use super::{Feather, Grown, SheetBarbs, VaneDisc};
+use crate::bsdf::Markings;
 use crate::math::rng::hash;
 use crate::{Error, Result};
 
@@ -47,11 +48,10 @@ impl Feather {
             .collect();
         let barbs: Vec<&Barb> = barbs.iter().collect();
         let mut grown = Grown::default();
-        let pattern = PatternShape { bar_spacing_mm: 0.0, pale_tip_from_mm: 0.0, ..self.pattern };
-        let plain = Self { pattern, ..*self };
         let everywhere = VaneDisc { along_mm: 0.0, radius_mm: None };
-        plain.add_rami(&mut grown, &barbs, DVec3::ZERO);
-        plain.add_stretches(&mut grown, &barbs, (DVec3::ZERO, everywhere), name);
+        let plain = Markings::default();
+        self.add_rami(&mut grown, &barbs, &plain, DVec3::ZERO);
+        self.add_stretches(&mut grown, &barbs, &plain, (DVec3::ZERO, everywhere), name);
         let half_width_mm = (0.5 * BARBS as f64 - RIM as f64) * spacing_mm;
         Ok(Swatch { grown, half_width_mm, along_mm: SHOWN.map(|share| share * length_mm) })
     }

@@ -5,9 +5,10 @@ use glam::DVec2;
 use super::barb::laid_out;
 use super::row::{BORDER, FlatBarb};
 use super::*;
+use crate::bsdf::{Region, Ring, ZonePlan};
 use crate::fields::Record as _;
 use crate::scene::description::SceneDescription;
-use crate::scene::geometry::RibbonNode;
+use crate::scene::geometry::{Geometry, RibbonNode};
 use crate::scene::preset;
 
 fn feather(name: &str) -> Feather {
@@ -62,7 +63,11 @@ fn rows(feather: &Feather, seed: u64) -> [Vec<FlatBarb>; 2] {
 fn the_same_seed_gives_the_same_feather_and_another_does_not() {
     let grow = |seed| {
         let feather = feather("starling");
-        feather.grow(window(&feather), Level::Barbules, seed, 5).unwrap().barbules.map(|row| row.ribbon_nodes)
+        feather
+            .grow(window(&feather), Level::Barbules, None, seed, 5)
+            .unwrap()
+            .barbules
+            .map(|row| row.ribbon_nodes)
     };
     assert_eq!(grow(1), grow(1));
     assert_ne!(grow(1), grow(2));
@@ -174,7 +179,7 @@ fn feathers_of_the_two_wings_mirror_each_other() {
         }
         let window = window(&feather);
         let [here, there] = [&feather, &other].map(|feather| {
-            let [distal, _] = feather.grow(window, Level::Barbules, 3, 1).unwrap().barbules;
+            let [distal, _] = feather.grow(window, Level::Barbules, None, 3, 1).unwrap().barbules;
             distal
         });
         assert_eq!(here.ribbons.len(), there.ribbons.len(), "{name}");
@@ -282,7 +287,7 @@ fn the_downy_part_is_loose_and_the_rest_lies_in_the_vane() {
 #[test]
 fn frames_across_a_barbule_face_upwards() {
     for (name, feather) in species() {
-        let grown = feather.grow(window(&feather), Level::Barbules, 1, 1).unwrap();
+        let grown = feather.grow(window(&feather), Level::Barbules, None, 1, 1).unwrap();
         let counts = grown.counts();
         assert!(counts.barbs > 4 && counts.barbules > 400, "{name}: {counts:?}");
         grown.shaft.check().unwrap();
@@ -306,7 +311,8 @@ fn frames_across_a_barbule_face_upwards() {
 fn a_whole_feather_reaches_from_the_base_to_the_tip() {
     for (name, mut feather) in all().filter(|(_, feather)| feather.shaft.length_mm < 40.0) {
         let along_mm = 0.6 * feather.shaft.length_mm;
-        let grown = feather.grow(VaneDisc { along_mm, radius_mm: None }, Level::Barbules, 1, 1).unwrap();
+        let grown =
+            feather.grow(VaneDisc { along_mm, radius_mm: None }, Level::Barbules, None, 1, 1).unwrap();
         for part in [&grown.shaft, &grown.rami, &grown.barbs, &grown.barbules[0], &grown.barbules[1]] {
             part.check().unwrap();
         }
@@ -315,7 +321,8 @@ fn a_whole_feather_reaches_from_the_base_to_the_tip() {
         assert!(length > 0.9 * feather.shaft.length_mm && length < 1.02 * feather.shaft.length_mm, "{name}");
         assert!((f64::from(low.y) + along_mm).abs() < 0.05 * length, "{name}: {low}");
         feather.downy.share = 0.0;
-        let grown = feather.grow(VaneDisc { along_mm, radius_mm: None }, Level::Barbules, 1, 1).unwrap();
+        let grown =
+            feather.grow(VaneDisc { along_mm, radius_mm: None }, Level::Barbules, None, 1, 1).unwrap();
         let [left, right] = grown.rami.bounds().unwrap();
         let full = feather.barbs.leading_half_width_mm + feather.barbs.trailing_half_width_mm;
         let wide = f64::from(right.x - left.x) / full;
@@ -330,6 +337,64 @@ fn a_whole_feather_reaches_from_the_base_to_the_tip() {
     feather.barbs.spacing_um = 50.0;
     let message = feather.check_count(WHOLE).unwrap_err().to_string();
     assert!(message.contains("in place of window.whole"), "{message}");
+}
+
+/// Zones take from the feather what lies in them, and nothing else: every barbule and every piece of ramus is in one of them.
+#[test]
+fn every_barbule_is_in_one_zone() {
+    let feather = feather("starling");
+    let window = VaneDisc { along_mm: 18.0, radius_mm: Some(2.5) };
+    let all = Region { along: [0.0, 1.0], across: [-1.0, 1.0], ring: None, edge_mm: 0.0 };
+    let base = feather.flat_vane().base_mm;
+    let border = (18.0 - base) / feather.flat_vane().length_mm;
+    let disc = Ring { centre_mm: [1.5, 18.0 - base], radii_mm: [0.0, 0.8], stretch: 1.0 };
+    let regions = vec![Region { along: [0.0, border], ..all }, Region { ring: Some(disc), ..all }];
+    let zones = feather.zones(ZonePlan::Regions(regions)).unwrap();
+    for level in [Level::Barbules, Level::Barbs] {
+        let [own, zoned] =
+            [None, Some(&zones)].map(|zones| feather.grow(window, level, zones, 1, 1).unwrap());
+        assert_eq!(own.counts(), zoned.counts());
+        assert!(own.zones.is_empty() && zoned.zones.len() == 2);
+        let row = |grown: &Grown, which: usize| {
+            let of_zones = grown.zones.iter().map(|zone| zone.barbules[which].ribbon_count());
+            let counts: Vec<usize> =
+                std::iter::once(grown.barbules[which].ribbon_count()).chain(of_zones).collect();
+            counts
+        };
+        for which in [0, 1] {
+            let counts = row(&zoned, which);
+            assert_eq!(counts.iter().sum::<usize>(), row(&own, which)[0]);
+            // Half of the patch, and a tenth of it of which half is in the other zone, which wins.
+            let share = |zone: usize| counts[zone] as f64 / counts.iter().sum::<usize>() as f64;
+            assert!((0.38..0.47).contains(&share(1)) && (0.07..0.14).contains(&share(2)), "{counts:?}");
+        }
+        let triangles =
+            |geometry: &Geometry| geometry.meshes.iter().map(|m| m.triangles.len()).sum::<usize>();
+        let segments = |geometry: &Geometry| geometry.curve_nodes.len() - geometry.curves.len();
+        let of_zones = |count: &dyn Fn(&ZoneParts) -> usize| zoned.zones.iter().map(count).sum::<usize>();
+        assert_eq!(triangles(&own.rami), triangles(&zoned.rami) + of_zones(&|zone| triangles(&zone.rami)));
+        let fibres = segments(&zoned.fibres[0]) + of_zones(&|zone| segments(&zone.fibres));
+        assert_eq!(segments(&own.fibres[0]), fibres);
+        zoned.zones.iter().for_each(|zone| zone.rami.check().unwrap());
+    }
+    // Those that grew one by one are the same, and lie where their zone is, within what their barbs differ from straight ones.
+    let grown = feather.grow(window, Level::Barbules, Some(&zones), 1, 1).unwrap();
+    let names = |grown: &Grown| {
+        let mut names: Vec<u64> = grown.all_barbules().ribbons.iter().map(|ribbon| ribbon.id).collect();
+        names.sort_unstable();
+        names
+    };
+    assert_eq!(names(&grown), names(&feather.grow(window, Level::Barbules, None, 1, 1).unwrap()));
+    for (zone, parts) in grown.zones.iter().enumerate() {
+        for geometry in &parts.barbules {
+            for ribbon in &geometry.ribbons {
+                let root = geometry.nodes_of(ribbon)[0].point;
+                let outside =
+                    if zone == 0 { root.y } else { (root.truncate() - glam::Vec2::X * 1.5).length() - 0.8 };
+                assert!(outside < 0.8, "{zone}: {root}");
+            }
+        }
+    }
 }
 
 /// Barbules of either side reach the next barb (spec: l sin φ ≥ p − 2r) in every vane but down's.
@@ -401,7 +466,7 @@ fn impossible_parameters_are_refused() {
     large.barbs.trailing_half_width_mm = 200.0;
     let wide = VaneDisc { along_mm: 90.0, radius_mm: Some(500.0) };
     let refused = |feather: &Feather, level, window, expected: &str| {
-        let refusal = feather.grow(window, level, 1, 1).err();
+        let refusal = feather.grow(window, level, None, 1, 1).err();
         assert!(refusal.is_some_and(|error| error.to_string().contains(expected)), "{expected}");
     };
     refused(&large, Level::Barbules, wide, "give a smaller radius_mm");

@@ -14,7 +14,7 @@ fn grown(barbules: bool) -> Grown {
     feather.barbs.trailing_half_width_mm = 2.0;
     let whole = VaneDisc { along_mm: 0.0, radius_mm: None };
     if barbules {
-        feather.grow(whole, Level::Barbules, 1, 1).unwrap()
+        feather.grow(whole, Level::Barbules, None, 1, 1).unwrap()
     } else {
         feather.grow_barbs(whole, 1, 1).unwrap()
     }

@@ -1,0 +1,162 @@
+//! Zones at every level of detail: pictures of a patch of a starling's vane.
+
+use super::*;
+use crate::brdf::fixtures::example;
+use crate::brdf::{FeatherBrdf, Options};
+use crate::scene::description::{Ring, SceneDescription};
+use crate::progress::Unobserved;
+use crate::render::film::Film;
+use crate::render::integrator::{Integrator, Transport};
+use crate::render::light::Lighting;
+use crate::render::run::{Goal, run};
+use crate::render::stage::Stage;
+
+/// Six millimetres of the vane from above, a little from its base, 18 mm up the shaft, under a sky without lamps.
+const PATCH: &str = "preset = 'starling'
+lights = []
+sky = 1.0
+[light]
+strength = 0.0
+[window]
+along_mm = 18.0
+radius_mm = 4.4
+[camera]
+projection = 'orthographic'
+lens = 0.0
+roll_deg = 0.0
+azimuth_deg = 180.0
+elevation_deg = 80.0
+width_mm = 6.0
+target_mm = [0.0, 0.0, 0.0]
+";
+/// Plain barbules and rami, so that colours are their pigment's; all of the vane has it.
+const PLAIN: &str = "[surfaces.barbule]
+longitudinal_roughness = 0.3
+azimuthal_roughness = 0.4
+eumelanin = 0.1
+[surfaces.hair]
+longitudinal_roughness = 0.3
+azimuthal_roughness = 0.4
+eumelanin = 0.1
+[feather.pattern]
+pale_tip_from_mm = 0.0
+";
+const LEVELS: [&str; 4] = ["barbules", "barbs", "vane", "envelopes"];
+const SIDE: u32 = 64;
+/// Where the patch lies along the vane, mm from its base.
+const MIDDLE_MM: f64 = 18.0 - 0.12 * 30.0;
+/// Length of the vane, mm.
+const VANE_MM: f64 = 0.88 * 30.0;
+
+fn scene(level: &str, extra: &str) -> SceneDescription {
+    SceneDescription::parse(&format!("{PATCH}[detail]\nlevel = '{level}'\n{extra}")).unwrap()
+}
+
+/// Everything below 1 mm under the patch's middle; a disc on the right vane.
+fn zones(edge_mm: f64) -> Vec<Zone> {
+    let all = Zone {
+        along: [0.0, 1.0],
+        across: [-1.0, 1.0],
+        ring: None,
+        edge_mm,
+        ramus: None,
+        distal: None,
+        proximal: None,
+    };
+    let disc = Ring { centre_mm: [1.7, MIDDLE_MM + 1.0], radii_mm: [0.0, 1.2], stretch: 1.3 };
+    vec![Zone { along: [0.0, (MIDDLE_MM - 1.0) / VANE_MM], ..all.clone() }, Zone { ring: Some(disc), ..all }]
+}
+
+/// X, Y and Z of every pixel, rows from the top.
+fn picture(scene: &SceneDescription, zones: Vec<Zone>) -> Vec<[f64; 3]> {
+    let brdf = Arc::new(FeatherBrdf::new(&example(3), Options::default()).unwrap());
+    let mut scene = scene.clone();
+    scene.lone_feather_mut().unwrap().zones = zones;
+    let scene = scene.wearing(brdf).unwrap();
+    let (objects, _) = scene.objects(1).unwrap();
+    let stage = Stage::new(objects).unwrap();
+    let environment = scene.environment().unwrap();
+    let lighting = Lighting::new(scene.lamps().unwrap(), environment.as_ref()).unwrap();
+    let camera = scene.camera();
+    let integrator = Integrator::new(&stage, &lighting, &camera, Transport::default());
+    let mut film = Film::new([SIDE; 2]).unwrap();
+    run(&integrator, &mut film, 1, Goal::samples(16), &Unobserved, &mut |_| Ok(())).unwrap();
+    (0..SIDE * SIDE).map(|pixel| film.xyz(pixel % SIDE, pixel / SIDE)).collect()
+}
+
+/// Zones that wear what the feather does are not seen, also where its tip is pale: on vanes and envelopes not a bit changes. Elsewhere objects
+/// come apart into smaller ones, and with the smallest of them changes how near a ray may meet the next barbule: means differ by 1.1 % at
+/// most, and by 0.02 % between fibres.
+#[test]
+fn zones_in_the_feathers_own_dress_are_not_seen() {
+    let tip = "[feather.pattern]\npale_tip_from_mm = 19.5\nedge_mm = 0.2";
+    let mut seen = Vec::new();
+    for (level, extra) in LEVELS.into_iter().flat_map(|level| [(level, tip), (level, PLAIN)]) {
+        let scene = scene(level, extra);
+        let plain = picture(&scene, Vec::new());
+        let zoned = picture(&scene, zones(0.3));
+        let apart = plain.iter().zip(&zoned).filter(|(a, b)| a != b).count();
+        let sum = |picture: &[[f64; 3]]| picture.iter().map(|xyz| xyz[1]).sum::<f64>();
+        seen.push((level, apart, sum(&zoned) / sum(&plain) - 1.0));
+    }
+    let is_unseen = |(level, apart, mean): &(&str, usize, f64)| {
+        mean.abs() < 0.02 && (*apart == 0 || ["barbules", "barbs"].contains(level))
+    };
+    assert!(seen.iter().all(is_unseen), "{seen:?}");
+}
+
+/// All of it made of plain fibres with so much pigment.
+fn made_of([eumelanin, pheomelanin]: [f64; 2], zone: Zone) -> Zone {
+    let fibre = FibreDescription {
+        longitudinal_roughness: 0.3,
+        azimuthal_roughness: 0.4,
+        scale_tilt_deg: 0.0,
+        index: Some(1.55),
+        eumelanin,
+        pheomelanin,
+        height_over_width: 1.0,
+    };
+    let side = Some(BarbuleDress::Hair(fibre));
+    Zone { ramus: Some(RamusDress::Hair(fibre)), distal: side.clone(), proximal: side, ..zone }
+}
+
+/// Mean X, Y and Z of blocks of 8 × 8 pixels of one column.
+fn blocks(picture: &[[f64; 3]], column: u32, [top, below]: [u32; 2]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (y, x) in (8 * top..8 * below).flat_map(|y| (8 * column..8 * column + 8).map(move |x| (y, x))) {
+        let xyz = picture[(y * SIDE + x) as usize];
+        (0..3).for_each(|k| sum[k] += xyz[k]);
+    }
+    sum.map(|sum| sum / f64::from(64 * (below - top)))
+}
+
+/// Down the right vane: its own barbules, the disc, and the lower zone. Each level draws its own barbules, which shows in so few pixels: X, Y
+/// and Z differ by 15 % at most. On envelopes light is not scattered from barbule to barbule and gaps show the sky below: there the
+/// disc's luminance over the feather's own is held within 40 %, and the lower zone is darker still.
+#[test]
+fn zones_lie_in_the_same_places_at_every_level() {
+    let dressed: Vec<Zone> =
+        [[8.0, 0.0], [0.0, 0.7]].into_iter().zip(zones(0.1)).map(|(of, zone)| made_of(of, zone)).collect();
+    let seen = LEVELS.map(|level| {
+        let scene = scene(level, PLAIN);
+        let picture = picture(&scene, dressed.clone());
+        [[0, 1], [1, 4], [6, 8]].map(|rows| blocks(&picture, 5, rows))
+    });
+    let [own, disc, lower] = seen[0];
+    // Three colours: pheomelanin takes the blue, eumelanin everything.
+    assert!(disc[2] / disc[0] < 0.97 * own[2] / own[0] && lower[1] < 0.25 * own[1], "{seen:.4?}");
+    let expected = [own, disc, lower];
+    for (level, found) in LEVELS.iter().zip(&seen) {
+        let places = found.iter().zip(&expected);
+        if *level == "envelopes" {
+            let over_own = |[own, zone, _]: &[[f64; 3]; 3]| zone[1] / own[1];
+            let apart = over_own(found) / over_own(&expected) - 1.0;
+            assert!(apart.abs() < 0.4 && found[2][1] < 0.4 * found[0][1], "{apart:.3} {found:?}");
+        } else {
+            for (a, b) in places {
+                let apart = [0, 1, 2].map(|k| a[k] / b[k] - 1.0);
+                assert!(apart.iter().all(|d| d.abs() < 0.15), "{level}: {apart:.3?}");
+            }
+        }
+    }
+}
