@@ -18,6 +18,7 @@ mod lights;
 mod measure;
 mod objects;
 mod picture;
+mod places;
 mod polarization;
 mod render;
 mod sides;
