@@ -33,13 +33,13 @@ impl Texture {
     }
 
     /// Row by row from the top.
-    pub(super) fn texels(&self) -> &[[f32; 3]] {
+    fn texels(&self) -> &[[f32; 3]] {
         &self.texels
     }
 
     /// The texel that texture coordinates lie in.
     #[inline]
-    pub(super) fn nearest(&self, [u, v]: [f64; 2]) -> [f32; 3] {
+    fn nearest(&self, [u, v]: [f64; 2]) -> [f32; 3] {
         let place =
             |value: f64, side: usize| (((value - value.floor()) * side as f64) as usize).min(side - 1);
         self.texels[place(1.0 - v, self.size[1]) * self.size[0] + place(u, self.size[0])]
@@ -76,6 +76,40 @@ impl Texture {
         }
         value
     }
+}
+
+/// A grey picture whose pixels of value i (of 255) stand for the i-th of several things. Edges are sharp.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NumberMap(Texture);
+
+impl NumberMap {
+    /// A map of `count` things, which are called `things`.
+    ///
+    /// # Errors
+    /// A pixel that is not grey, or one whose number none of them has.
+    pub fn new(picture: Texture, count: usize, things: &str) -> Result<Self> {
+        if picture.texels().iter().any(|[r, g, b]| r != g || g != b) {
+            return Err(Error::input("has a pixel that is not grey; a map's pixels are 0, 1, 2 … of 255"));
+        }
+        let highest = picture.texels().iter().map(|[value, ..]| number(*value)).max().unwrap_or_default();
+        if highest >= count {
+            return Err(Error::input(format!(
+                "has a pixel of value {highest} (of 255), but the map has {count} {things}, from 0"
+            )));
+        }
+        Ok(Self(picture))
+    }
+
+    /// The number at texture coordinates.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, uv: [f64; 2]) -> usize {
+        number(self.0.nearest(uv)[0])
+    }
+}
+
+fn number(value: f32) -> usize {
+    (f64::from(value) * 255.0).round() as usize
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 mod agreement;
 mod architecture;
 mod brdf;
+mod clad;
 mod colour;
 mod crystal_colours;
 mod crystal_values;
