@@ -19,7 +19,8 @@ use crate::scene::Object;
 use crate::scene::coat::body::{Body, MOST_TRIANGLES};
 use crate::scene::coat::field::Guide;
 use crate::scene::coat::follicles::Region;
-use crate::scene::coat::{Coat, Laid, MOST_FEATHERS, Number, edge_mm, seed_of, window};
+use crate::scene::coat::kinds::Kinds;
+use crate::scene::coat::{Coat, Laid, MOST_FEATHERS, Number, Variant, edge_mm, seed_of, window};
 use crate::scene::feather::{Counts, Level};
 use crate::scene::geometry::{Geometry, Mesh, Place};
 use crate::spectrum::colour::decode;
@@ -246,7 +247,7 @@ fn box_wanted() -> Error {
 /// Where nothing is said feathers lie down the picture.
 fn guides(fields: &Fields<'_>) -> Result<Vec<Guide>> {
     let Some(value) = fields.get("guides") else {
-        return Ok(vec![Guide { position_mm: [0.0; 3], direction: DVec3::NEG_Y.into() }]);
+        return Ok(vec![Guide { position_mm: [0.0; 3], direction: DVec3::NEG_Y.into(), kind: 0 }]);
     };
     let guides = list(value, "coat.guides")?;
     if !(1..=MOST_GUIDES).contains(&guides.len()) {
@@ -261,7 +262,7 @@ fn guides(fields: &Fields<'_>) -> Result<Vec<Guide>> {
         }
         let position_mm =
             fields.get("position_mm").map_or(Ok([0.0; 3]), |_| point(&fields, "position_mm"))?;
-        Ok(Guide { position_mm, direction })
+        Ok(Guide { position_mm, direction, kind: 0 })
     };
     guides.iter().enumerate().map(read).collect()
 }
@@ -272,8 +273,9 @@ impl SceneDescription {
     /// # Errors
     /// A mesh that is not read, or that bears no coat.
     fn laid_on(&self, coat: &CoatDescription, seed: u64) -> Result<(Laid, Geometry)> {
-        let (body, skin) = coat.grown_on(edge_mm(&self.feather))?;
-        Ok((coat.coat.lay(body, &self.feather, seed)?, skin))
+        let feathers = std::slice::from_ref(&self.feather);
+        let (body, skin) = coat.grown_on(edge_mm(feathers))?;
+        Ok((coat.coat.lay(body, feathers, Kinds::Guides { mix_mm: 0.0 }, seed)?, skin))
     }
 
     /// The coat as it is laid; none where the scene has none.
@@ -297,7 +299,7 @@ impl SceneDescription {
         let mut objects = vec![Object { geometry: skin, surface: Surface::Lambertian(surface) }];
         let (mut counts, mut windows) = (Counts::default(), None);
         let mut one = Self { detail: self.coat_detail(), coat: None, ..self.clone() };
-        for (variant, feather) in laid.variants.iter().enumerate() {
+        for (variant, Variant { feather, .. }) in laid.variants.iter().enumerate() {
             (one.feather, one.window) = (*feather, window(feather));
             let (mut parts, own) = one.feather_parts(brdf.clone(), seed_of(variant, seed))?;
             // The vanes of all show the same swatches, which take memory once.
