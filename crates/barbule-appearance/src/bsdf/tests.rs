@@ -46,8 +46,7 @@ fn film() -> ThinFilm {
 
 /// Barbules of a twentieth of a millimetre, of which the hit lies in one.
 fn clad() -> Clad {
-    let layout =
-        Layout { uv_mm: [1.0; 2], width_mm: 0.05, length_mm: 0.0, cell_mm: 0.02, swelling: 0.0 };
+    let layout = Layout { uv_mm: [1.0; 2], width_mm: 0.05, length_mm: 0.0, cell_mm: 0.02, swelling: 0.0 };
     Clad::new(barbule(), layout).unwrap()
 }
 

@@ -220,7 +220,9 @@ impl Geometry {
         match (&self.places[..], &repeated.places[..]) {
             (own, []) => Box::new(own.iter().copied()),
             ([], inner) => Box::new(inner.iter().copied()),
-            (own, inner) => Box::new(own.iter().flat_map(|outer| inner.iter().map(|place| place.then(outer)))),
+            (own, inner) => {
+                Box::new(own.iter().flat_map(|outer| inner.iter().map(|place| place.then(outer))))
+            }
         }
     }
 

@@ -27,7 +27,7 @@ fn feather() -> Feather {
     let distal = &mut feather.distal;
     (distal.cell_um, distal.swelling, distal.wall_um) = (30.0, 0.035, 2.0);
     (distal.arch_low, distal.arch_high) = (-0.3, 0.2);
-    feather.disorder.cell_size = 0.03;
+    (feather.disorder.cell_size, feather.disorder.barbule_size) = (0.03, 0.01);
     feather
 }
 
@@ -96,6 +96,8 @@ struct Worst {
     place: f64,
     value: f64,
     rays: usize,
+    /// Rays that a twisted segment shows to either of its triangles: a ribbon takes the first of them, a mesh the nearer.
+    apart: usize,
 }
 
 impl Worst {
@@ -124,6 +126,10 @@ impl Worst {
             let meet = |stage: &Stage| stage.hit(target + wo, -wo, 0.0, 10.0);
             let (Some(on_ribbon), Some(on_mesh)) = (meet(&own), meet(&worn)) else { continue };
             self.rays += 1;
+            if (on_ribbon.position - on_mesh.position).length() > 1e-4 {
+                self.apart += 1;
+                continue;
+            }
             let found = layout.on_barbule(&on_mesh);
             self.compare(&on_ribbon, &found);
             // A hit within rounding of a cell's end may lie in the next one.
@@ -136,9 +142,8 @@ impl Worst {
             // Where the lobe is, and all around.
             let mut directions: Vec<DVec3> = (0..8).filter_map(|_| Some(drawn()?.wi)).collect();
             directions.extend((0..4).map(|_| random(&mut stream)));
-            let values = |bsdf: Bsdf<'_>| -> Vec<Evaluation> {
-                directions.iter().map(|wi| bsdf.eval(*wi)).collect()
-            };
+            let values =
+                |bsdf: Bsdf<'_>| -> Vec<Evaluation> { directions.iter().map(|wi| bsdf.eval(*wi)).collect() };
             let [expected, found] = bound.map(values);
             for of in [|e: &Evaluation| e.f, |e: &Evaluation| e.pdf] {
                 let peak = expected.iter().flat_map(of).fold(0.0, f64::max);
@@ -175,7 +180,8 @@ fn barbules_as_meshes_scatter_as_those_that_grew() {
         worst.add(&straight(&nodes, [Vec3::X, Vec3::Y], 1.0 / 4096.0), ribbon, &barbule);
     }
     println!("{worst:?}");
-    assert!(worst.rays > 500 && worst.frame < 1e-6 && worst.place < 2e-6 && worst.value < 1e-6, "{worst:?}");
+    assert!(worst.rays > 500 && worst.apart == 0, "{worst:?}");
+    assert!(worst.frame < 1e-6 && worst.place < 1e-6 && worst.value < 1e-6, "{worst:?}");
 }
 
 /// Straight but as they point in the feather: what single precision leaves of directions, and of values on the flanks of narrow lobes.
@@ -189,7 +195,8 @@ fn barbules_that_slant_are_the_same_to_single_precision() {
         worst.add(&straight(&nodes, [across, along], 1e-7), ribbon, &barbule);
     }
     println!("{worst:?}");
-    assert!(worst.rays > 500 && worst.frame < 2e-6 && worst.place < 5e-6 && worst.value < 1e-4, "{worst:?}");
+    assert!(worst.rays > 500 && worst.apart == 0, "{worst:?}");
+    assert!(worst.frame < 3e-6 && worst.place < 5e-5 && worst.value < 1e-4, "{worst:?}");
 }
 
 /// As they grew, bent and tapering: a face of a mesh has one direction of u, which a ribbon's turns over.
@@ -199,11 +206,12 @@ fn bends_and_tapers_turn_a_meshs_frames_by_a_few_degrees_at_most() {
     let mut worst = Worst::default();
     grown().into_iter().for_each(|(nodes, ribbon)| worst.add(&nodes, ribbon, &barbule));
     println!("{worst:?}");
-    assert!(worst.rays > 500 && worst.frame < 0.2 && worst.place < 5e-6, "{worst:?}");
+    assert!(worst.rays > 500 && 50 * worst.apart < worst.rays, "{worst:?}");
+    assert!(worst.frame < 0.06 && worst.place < 1e-4, "{worst:?}");
 }
 
-/// Ribbons side by side and a square clad in them, with other draws: the means agree within four deviations of both pictures' noise and
-/// a hundredth, which the draws of some ten thousand cells leave.
+/// Ribbons side by side and a square clad in them: the means agree within four deviations of both pictures' noise; where cells and
+/// barbules draw sizes and glints of their own, within two hundredths more, for fifty barbules are seen.
 #[test]
 fn a_patch_of_ribbons_looks_as_a_mesh_that_wears_them() {
     const SIDE: f32 = 4.0;
@@ -244,13 +252,17 @@ fn a_patch_of_ribbons_looks_as_a_mesh_that_wears_them() {
         let lights = lamp(Light::Sun(sun.clone()));
         luminance(&film_of(scene(geometry.clone(), surface, lights, view), [32, 32], 64))
     };
-    for instances in [false, true] {
-        let own = mean(&ribbons, Surface::Barbule(barbule(instances)));
-        let clad = Clad::new(barbule(instances), layout).unwrap();
+    for (draws, more) in [(false, 0.0), (true, 0.02)] {
+        let mut barbule = barbule(draws);
+        if !draws {
+            (barbule.cells.size, barbule.cells.barbule_size) = (0.0, 0.0);
+        }
+        let clad = Clad::new(barbule.clone(), layout).unwrap();
+        let own = mean(&ribbons, Surface::Barbule(barbule));
         let worn = mean(&square, Surface::Clad(Box::new(clad)));
         println!("ribbons {own:?}, mesh {worn:?}");
-        let most = 4.0 * own.1.hypot(worn.1) + 0.01 * own.0;
-        assert!(own.0 > 0.01 && (own.0 - worn.0).abs() < most, "{instances}: {own:?} {worn:?}");
+        let most = 4.0 * own.1.hypot(worn.1) + more * own.0;
+        assert!(own.0 > 0.01 && (own.0 - worn.0).abs() < most, "{draws}: {own:?} {worn:?}");
     }
 }
 
@@ -262,8 +274,7 @@ fn a_fibre_wears_a_barbule_that_faces_the_viewer() {
     geometry.add_curve(&[node(-1.0), node(1.0)], 3);
     let surface = Surface::Lambertian(Lambertian::new(Reflectance::new(|_| 1.0).unwrap()));
     let stage = Stage::new(vec![Object { geometry, surface }]).unwrap();
-    let layout =
-        Layout { uv_mm: [2.0, 0.1], width_mm: 0.0, length_mm: 0.0, cell_mm: 0.25, swelling: 0.0 };
+    let layout = Layout { uv_mm: [2.0, 0.1], width_mm: 0.0, length_mm: 0.0, cell_mm: 0.25, swelling: 0.0 };
     let wo = DVec3::new(0.6, 0.0, 0.8);
     let right = DVec3::Y.cross(wo);
     for (y, x) in [(0.3, 0.5), (-0.2, -0.8), (0.9, 0.1)] {

@@ -176,7 +176,16 @@ impl Body {
         corners.sort_unstable();
         let (first_neighbour, neighbours) = rows(points.len(), &edges);
         let (first_around, around) = rows(points.len(), &corners);
-        Self { points, normals, triangles, neighbours, first_neighbour, around, first_around, ..Self::default() }
+        Self {
+            points,
+            normals,
+            triangles,
+            neighbours,
+            first_neighbour,
+            around,
+            first_around,
+            ..Self::default()
+        }
     }
 
     /// Texture coordinates: the mesh's; of an ellipsoid, as of a sphere, u goes round from +y clockwise seen from +z, and v from the lower
@@ -443,9 +452,8 @@ mod tests {
     fn faces_of_closed_meshes_look_outwards() {
         let outwards = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let inwards: Vec<[u32; 3]> = outwards.iter().map(|&[a, b, c]| [a, c, b]).collect();
-        let body = |triangles: &[[u32; 3]]| {
-            Body::mesh(&tetrahedron(triangles.to_vec()), &Place::HERE, 0.6).unwrap()
-        };
+        let body =
+            |triangles: &[[u32; 3]]| Body::mesh(&tetrahedron(triangles.to_vec()), &Place::HERE, 0.6).unwrap();
         let (right, turned) = (body(&outwards), body(&inwards));
         assert!(!right.was_inside_out && turned.was_inside_out);
         for body in [&right, &turned] {

@@ -39,14 +39,18 @@ impl Kinds<'_> {
     ) -> Result<Vec<usize>> {
         match self {
             Self::Guides { mix_mm } => {
-                if let Some((index, guide)) = guides.iter().enumerate().find(|(_, guide)| guide.kind >= count) {
+                if let Some((index, guide)) = guides.iter().enumerate().find(|(_, guide)| guide.kind >= count)
+                {
                     return Err(Error::input(format!(
                         "coat.guides[{index}].kind is {}, but the coat has {count} kinds of feathers, from 0",
                         guide.kind
                     )));
                 }
                 let draw = |index: u64| unit_of(hash(seed, &[KIND, index]));
-                Ok((0..).zip(spots).map(|(i, spot)| nearest(spot.point, guides, count, *mix_mm, draw(i))).collect())
+                Ok((0..)
+                    .zip(spots)
+                    .map(|(i, spot)| nearest(spot.point, guides, count, *mix_mm, draw(i)))
+                    .collect())
             }
             Self::Map(map) => spots.iter().map(|spot| mapped(map, body, spot, count)).collect(),
         }

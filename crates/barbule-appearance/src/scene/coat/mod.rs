@@ -209,14 +209,7 @@ impl Coat {
     }
 
     /// A feather at each follicle, as if it were alone.
-    fn stands(
-        &self,
-        body: &Body,
-        spots: &[Spot],
-        kinds: &[usize],
-        longest_mm: f64,
-        seed: u64,
-    ) -> Vec<Stand> {
+    fn stands(&self, body: &Body, spots: &[Spot], kinds: &[usize], longest_mm: f64, seed: u64) -> Vec<Stand> {
         let field = Field::new(body, &self.guides, 0.5 * longest_mm);
         let stand = |(index, (spot, &kind)): (u64, (&Spot, &usize))| {
             let mut stream = Stream::new(seed, &[STAND, index]);

@@ -162,9 +162,13 @@ fn guides_choose_the_kinds_of_feathers() {
         both += f64::from(u8::from(stand.kind == 1));
         assert!((0.0 < share && share < 1.0) || stand.kind == usize::from(point.y > 0.0));
     }
-    assert!(variance > 20.0 && (both - expected).abs() < 3.0 * variance.sqrt(), "{both} {expected} {variance}");
+    assert!(
+        variance > 20.0 && (both - expected).abs() < 3.0 * variance.sqrt(),
+        "{both} {expected} {variance}"
+    );
     // Follicles, directions and sizes are those of a coat of one kind.
-    let one = Coat { guides: guided().guides.into_iter().map(|g| Guide { kind: 0, ..g }).collect(), ..guided() };
+    let one =
+        Coat { guides: guided().guides.into_iter().map(|g| Guide { kind: 0, ..g }).collect(), ..guided() };
     let one = one.lay(egg(), &two()[..1], SHARP, 7).unwrap();
     assert!(one.before.iter().zip(&sharp.before).all(|(a, b)| (a.spot, a.along) == (b.spot, b.along)));
 }
@@ -195,7 +199,8 @@ fn feathers_of_two_kinds_are_lifted_over_each_other() {
 
 #[test]
 fn kinds_that_are_not_there_are_refused() {
-    let message = |feathers: &[Feather], kinds| guided().lay(egg(), feathers, kinds, 7).unwrap_err().to_string();
+    let message =
+        |feathers: &[Feather], kinds| guided().lay(egg(), feathers, kinds, 7).unwrap_err().to_string();
     assert!(message(&two()[..1], SHARP).contains("coat.guides[0].kind is 1, but the coat has 1 kinds"));
     assert!(message(&[], SHARP).contains("no feather"));
     let picture = Texture::new([1, 1], vec![[1.0 / 255.0; 3]]).unwrap();
@@ -210,7 +215,8 @@ fn kinds_that_are_not_there_are_refused() {
 #[test]
 fn feathers_grow_out_of_a_body_that_is_inside_out() {
     let mut skin = egg().skin(1);
-    let lay = |skin| coat(20).lay(Body::mesh(&skin, &Place::HERE, 4.0).unwrap(), &[contour()], SHARP, 7).unwrap();
+    let lay =
+        |skin| coat(20).lay(Body::mesh(&skin, &Place::HERE, 4.0).unwrap(), &[contour()], SHARP, 7).unwrap();
     assert!(!lay(skin.clone()).was_inside_out);
     skin.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
     let laid = lay(skin);
