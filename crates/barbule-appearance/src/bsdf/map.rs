@@ -1,13 +1,13 @@
 //! Surfaces of several kinds, chosen from place to place by a picture.
 
 use super::Surface;
-use super::texture::Texture;
+use super::texture::{NumberMap, Texture};
 use crate::{Error, Result};
 
-/// A picture whose pixels of value i (of 255) are the i-th of its surfaces. Edges are sharp.
+/// A map of its surfaces.
 #[derive(Debug, Clone)]
 pub struct SurfaceMap {
-    picture: Texture,
+    picture: NumberMap,
     surfaces: Vec<Surface>,
 }
 
@@ -15,25 +15,18 @@ impl SurfaceMap {
     /// From a grey picture.
     ///
     /// # Errors
-    /// No surface, one that is a map itself, a pixel that is not grey, or one whose value no surface has.
+    /// No surface, one that is a map itself, or as [`NumberMap::new`].
     pub fn new(picture: Texture, surfaces: Vec<Surface>) -> Result<Self> {
         if surfaces.iter().any(|surface| matches!(surface, Surface::Map(_))) {
             return Err(Error::input("a map chooses among surfaces that are no maps themselves"));
         }
-        let highest = picture.highest_value()?;
-        if highest >= surfaces.len() {
-            return Err(Error::input(format!(
-                "has a pixel of value {highest} (of 255), but the map has {} surfaces, from 0",
-                surfaces.len()
-            )));
-        }
-        Ok(Self { picture, surfaces })
+        Ok(Self { picture: NumberMap::new(picture, surfaces.len(), "surfaces")?, surfaces })
     }
 
     /// What is at texture coordinates.
     #[inline]
     pub(super) fn at(&self, uv: [f64; 2]) -> &Surface {
-        &self.surfaces[self.picture.value_at(uv)]
+        &self.surfaces[self.picture.at(uv)]
     }
 
     /// All of them.

@@ -8,6 +8,7 @@
 //! are in 1/sr without the cosine.
 
 mod barb;
+mod clad;
 mod conductor;
 mod dielectric;
 mod feather;
@@ -34,6 +35,7 @@ pub use barb::{
     BarbModel, BarbSurface, Dress, FlatVane, Mark, Markings, Pattern, RAMUS_DEPTH, RAMUS_ROOT, Ramus, Region,
     Ring, Row, RowDisorder, STATIONS, StraightBarb, Substance, ZoneDress, ZonePlan, Zones, axes, ramus_taper,
 };
+pub use clad::{Clad, Layout};
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use feather::{Arch, BarbuleSurface, Cells};
@@ -49,7 +51,7 @@ pub use microfacet::FacetRoughness;
 pub use reflectance::Reflectance;
 pub use relief::Relief;
 pub use rough_dielectric::RoughDielectric;
-pub use texture::Texture;
+pub use texture::{NumberMap, Texture};
 pub use thin_film::ThinFilm;
 
 use crate::spectrum::dense::{Lambdas, WAVES};
@@ -63,6 +65,8 @@ pub enum Surface {
     Keratin(Keratin),
     /// A barbule's plate.
     Barbule(BarbuleSurface),
+    /// A surface clad in barbules.
+    Clad(Box<Clad>),
     /// A barb with the barbules that its ribbon stands for.
     Barb(Box<BarbSurface>),
     /// A fibre of hair, round or elliptical.
@@ -90,6 +94,7 @@ impl Surface {
             Self::Lambertian(surface) => surface.bind(hit, wo, wavelengths),
             Self::Keratin(surface) => surface.bind(hit, wo, wavelengths),
             Self::Barbule(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Clad(clad) => clad.bind(hit, wo, wavelengths),
             Self::Barb(barb) => barb.bind(hit, wo, wavelengths),
             Self::Hair(surface) => surface.bind(hit, wo, wavelengths),
             Self::Conductor(surface) => surface.bind(hit, wo, wavelengths),
@@ -113,6 +118,7 @@ impl Surface {
     pub fn opacity(&self, hit: &Hit, wi: DVec3, wo: DVec3) -> f64 {
         match self {
             Self::Barbule(surface) => surface.opacity(hit, wi, wo),
+            Self::Clad(clad) => clad.barbule().opacity(hit, wi, wo),
             Self::Barb(barb) => barb.opacity(hit, wo),
             Self::Lambertian(surface) => surface.opacity(hit),
             Self::Map(map) => map.at(hit.uv).opacity(hit, wi, wo),
@@ -131,6 +137,7 @@ impl Surface {
     pub fn is_opaque(&self) -> bool {
         match self {
             Self::Barbule(surface) => surface.opacity >= 1.0,
+            Self::Clad(clad) => clad.barbule().opacity >= 1.0,
             Self::Barb(_) => false,
             Self::Lambertian(surface) => surface.is_opaque(),
             Self::Map(map) => map.surfaces().iter().all(Self::is_opaque),

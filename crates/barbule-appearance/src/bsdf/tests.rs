@@ -44,12 +44,19 @@ fn film() -> ThinFilm {
     ThinFilm::new(&stack, FacetRoughness { across: 0.3, along: 0.15 }, Some(grey(0.8))).unwrap()
 }
 
+/// Barbules of a twentieth of a millimetre, of which the hit lies in one.
+fn clad() -> Clad {
+    let layout = Layout { uv_mm: [1.0; 2], width_mm: 0.05, length_mm: 0.0, cell_mm: 0.02, swelling: 0.0 };
+    Clad::new(barbule(), layout).unwrap()
+}
+
 fn surfaces() -> Vec<(&'static str, Surface)> {
     vec![
         ("white", Surface::Lambertian(Lambertian::new(grey(1.0)))),
         ("sheet", Surface::Lambertian(Lambertian::translucent(grey(0.2), grey(0.7)).unwrap())),
         ("keratin", Surface::Keratin(keratin(2.0))),
         ("barbule", Surface::Barbule(barbule())),
+        ("clad", Surface::Clad(Box::new(clad()))),
         ("hair", Surface::Hair(hair())),
         (
             "copper",
@@ -70,7 +77,8 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
 pub(super) fn hit() -> Hit {
     let normal = DVec3::new(0.2, -0.3, 0.9).normalize();
     let frame = Frame::new(normal, DVec3::new(0.5, 1.0, 0.1));
-    Hit { normal, vane_normal: normal, frame, instance: 7, ..Hit::default() }
+    let uv_gradients = [frame.y, frame.x];
+    Hit { normal, vane_normal: normal, frame, uv_gradients, instance: 7, ..Hit::default() }
 }
 
 pub(super) const PATH: [f64; WAVES] = [550.0, 610.0, 470.0, 510.0, 400.0, 430.0, 650.0, 690.0];
@@ -165,7 +173,7 @@ fn no_surface_gives_more_than_it_gets() {
                 "white" => 1.0..=1.0,
                 "sheet" => 0.9..=0.9,
                 // A barbule's instance fluctuates about the mean.
-                "barbule" => 0.0..=2.0,
+                "barbule" | "clad" => 0.0..=2.0,
                 // Radiance within glass is higher by the square of its index.
                 "frosted" => 0.0..=2.25,
                 _ => 0.0..=1.0,

@@ -90,6 +90,33 @@ impl Texture {
     }
 }
 
+/// A grey picture whose pixels of value i (of 255) stand for the i-th of several things. Edges are sharp.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NumberMap(Texture);
+
+impl NumberMap {
+    /// A map of `count` things, which are called `things`.
+    ///
+    /// # Errors
+    /// A pixel that is not grey, or one whose number none of them has.
+    pub fn new(picture: Texture, count: usize, things: &str) -> Result<Self> {
+        let highest = picture.highest_value()?;
+        if highest >= count {
+            return Err(Error::input(format!(
+                "has a pixel of value {highest} (of 255), but the map has {count} {things}, from 0"
+            )));
+        }
+        Ok(Self(picture))
+    }
+
+    /// The number at texture coordinates.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, uv: [f64; 2]) -> usize {
+        self.0.value_at(uv)
+    }
+}
+
 fn index(value: f32) -> usize {
     (f64::from(value) * 255.0).round() as usize
 }

@@ -8,8 +8,11 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
 use super::window::Window;
-use crate::math::rng::hash;
+use crate::math::rng::split_mix;
 use crate::{Error, Result};
+
+/// Most places of shapes that repeat in objects that stand in several places: each takes a quarter of a kilobyte.
+const MOST_PLACES: usize = 10_000_000;
 
 /// A triangle mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -98,17 +101,6 @@ impl Place {
     /// Where it was made.
     pub const HERE: Self = Self { scale: 1.0, turn: DMat3::IDENTITY, shift: DVec3::ZERO, id: 0 };
 
-    /// This place inside an object that stands at another.
-    #[must_use]
-    pub fn then(&self, outer: &Self) -> Self {
-        Self {
-            scale: self.scale * outer.scale,
-            turn: outer.turn * self.turn,
-            shift: outer.point(self.shift),
-            id: hash(self.id, &[outer.id]),
-        }
-    }
-
     /// A point of the object in the scene.
     #[inline]
     #[must_use]
@@ -135,6 +127,17 @@ impl Place {
     #[must_use]
     pub fn direction_back(&self, direction: DVec3) -> DVec3 {
         self.turn.transpose() * direction
+    }
+
+    /// This place within an object that stands in another: first here, then there.
+    #[must_use]
+    pub fn then(&self, outer: &Self) -> Self {
+        Self {
+            scale: self.scale * outer.scale,
+            turn: outer.turn * self.turn,
+            shift: outer.point(self.shift),
+            id: split_mix(self.id ^ split_mix(outer.id)),
+        }
     }
 
     /// The box about a box of the object.
@@ -165,7 +168,7 @@ pub struct Geometry {
     pub curve_nodes: Vec<CurveNode>,
     /// Where all of this stands, once for each; where it was made, if there are none.
     pub places: Vec<Place>,
-    /// More shapes, each in places of its own; of an object without places.
+    /// More shapes, each in places of its own, which are places within this object.
     pub repeated: Vec<Self>,
     /// What its meshes show in place of their own surface.
     pub window: Option<Arc<Window>>,
@@ -212,6 +215,17 @@ impl Geometry {
         self
     }
 
+    /// Where shapes that repeat in it stand in the scene: each of their places in each of the object's.
+    pub(crate) fn places_of<'a>(&'a self, repeated: &'a Self) -> Box<dyn Iterator<Item = Place> + 'a> {
+        match (&self.places[..], &repeated.places[..]) {
+            (own, []) => Box::new(own.iter().copied()),
+            ([], inner) => Box::new(inner.iter().copied()),
+            (own, inner) => {
+                Box::new(own.iter().flat_map(|outer| inner.iter().map(|place| place.then(outer))))
+            }
+        }
+    }
+
     /// How many ribbons stand there.
     #[must_use]
     pub fn ribbon_count(&self) -> usize {
@@ -245,11 +259,9 @@ impl Geometry {
     #[must_use]
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
         let both = |[low, high]: [Vec3; 2], [a, b]: [Vec3; 2]| [low.min(a), high.max(b)];
-        let own = self.own_bounds().map(|own| {
-            let all = self.places.iter().map(|place| place.bounds(own));
-            all.reduce(both).unwrap_or(own)
-        });
-        own.into_iter().chain(self.repeated.iter().filter_map(Self::bounds)).reduce(both)
+        let repeated = self.repeated.iter().filter_map(Self::bounds);
+        let within = self.own_bounds().into_iter().chain(repeated).reduce(both)?;
+        Some(self.places.iter().map(|place| place.bounds(within)).reduce(both).unwrap_or(within))
     }
 
     /// The same where it was made, of what is not repeated.
@@ -292,8 +304,17 @@ impl Geometry {
             }
         }
         self.repeated.iter().try_for_each(Self::check)?;
-        if !(self.repeated.is_empty() || self.places.is_empty()) {
-            return Err(Error::input("shapes that repeat cannot stand in several places"));
+        if self.repeated.iter().any(|repeated| !repeated.repeated.is_empty()) {
+            return Err(Error::input("shapes that repeat have shapes that repeat in them"));
+        }
+        let inner: usize = self.repeated.iter().map(|repeated| repeated.places.len()).sum();
+        let all = inner.saturating_mul(self.places.len());
+        if all > MOST_PLACES {
+            return Err(Error::input(format!(
+                "{inner} places of shapes that repeat stand in {} places each, {all} together, over the limit of {MOST_PLACES}; \
+                 give fewer of either",
+                self.places.len()
+            )));
         }
         let finite = self.ribbon_nodes.iter().all(|n| n.point.is_finite() && n.across.is_finite())
             && self.curve_nodes.iter().all(|n| n.point.is_finite() && n.radius.is_finite());
@@ -307,6 +328,37 @@ impl Geometry {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A place within another is both one after the other; of many within many too many are refused.
+    #[test]
+    fn places_stand_within_places() {
+        let place = |angle: f64, scale: f64, id: u64| {
+            let turn = DMat3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), angle);
+            Place { scale, turn, shift: DVec3::new(angle, 2.0, -scale), id }
+        };
+        let (inner, outer) = (place(0.7, 0.5, 3), place(-1.9, 3.0, 4));
+        let both = inner.then(&outer);
+        let point = DVec3::new(0.3, -1.2, 2.5);
+        assert!((both.point(point) - outer.point(inner.point(point))).length() < 1e-12);
+        assert!((both.point_back(both.point(point)) - point).length() < 1e-12);
+        assert_ne!(both.id, outer.then(&inner).id);
+        let node = |x: f32| CurveNode { point: Vec3::new(x, 0.0, 0.0), radius: 0.1, ..CurveNode::default() };
+        let mut shape = Geometry { places: vec![inner; 4000], ..Geometry::default() };
+        shape.add_curve(&[node(0.0), node(1.0)], 0);
+        let object = |count: usize| Geometry {
+            places: vec![outer; count],
+            repeated: vec![shape.clone()],
+            ..Geometry::default()
+        };
+        let (two, many) = (object(2), object(2501));
+        assert!(two.check().is_ok() && two.places_of(&shape).count() == 8000);
+        let [low, high] = two.bounds().unwrap();
+        let end = both.point(DVec3::X).as_vec3();
+        assert!(low.cmple(end + 1e-5).all() && high.cmpge(end - 1e-5).all(), "{low} {high} {end}");
+        assert!(many.check().unwrap_err().to_string().contains("10004000 together, over the limit"));
+        let nested = Geometry { repeated: vec![two], ..Geometry::default() };
+        assert!(nested.check().unwrap_err().to_string().contains("repeat in them"));
+    }
 
     #[test]
     fn missing_corners_and_points_that_are_not_finite_are_refused() {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{
-    Absorption, BarbuleSurface, Cells, Conductor, FacetRoughness, FibreIndex, Frame, Hair, HairParameters,
-    Hit, Keratin, Lambertian, Reflectance, RoughDielectric, Surface, ThinFilm,
+    Absorption, BarbuleSurface, Cells, Clad, Conductor, FacetRoughness, FibreIndex, Frame, Hair,
+    HairParameters, Hit, Keratin, Lambertian, Layout, Reflectance, RoughDielectric, Surface, ThinFilm,
 };
 use barbule::material::Library;
 use barbule::math::rng::Stream;
@@ -103,21 +103,24 @@ fn every_white_material_vanishes_in_a_furnace_of_every_light() {
 fn coloured() -> Vec<(&'static str, Surface, Geometry)> {
     let brdf = Arc::new(FeatherBrdf::new(&example(12), Options::default()).unwrap());
     let under = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0).unwrap()).unwrap();
-    let barbule = |instances| {
-        Surface::Barbule(BarbuleSurface {
-            brdf: brdf.clone(),
-            instances,
-            under: under.clone(),
-            cells: Cells::default(),
-            opacity: 1.0,
-        })
+    let plate = |instances| BarbuleSurface {
+        brdf: brdf.clone(),
+        instances,
+        under: under.clone(),
+        cells: Cells::default(),
+        opacity: 1.0,
     };
+    let barbule = |instances| Surface::Barbule(plate(instances));
+    // Some tens of barbules of swelling cells on a square of two millimetres.
+    let layout = Layout { uv_mm: [1.0; 2], width_mm: 0.05, length_mm: 0.4, cell_mm: 0.03, swelling: 0.1 };
+    let clad = Surface::Clad(Box::new(Clad::new(plate(false), layout).unwrap()));
     let sheet = Lambertian::translucent(grey(0.2), grey(0.7)).unwrap();
     vec![
         ("sheet", Surface::Lambertian(sheet), square(2.0)),
         ("keratin", Surface::Keratin(under.clone()), square(2.0)),
         ("barbule", barbule(false), square(2.0)),
         ("instance", barbule(true), square(2.0)),
+        ("clad", clad, square(2.0)),
         (
             "copper",
             Surface::Conductor(Conductor::copper(FacetRoughness { across: 0.4, along: 0.2 }).unwrap()),

@@ -41,8 +41,7 @@ fn mean(level: &str, light: &str, extra: &str) -> [f64; 3] {
         let (objects, counts) = scene.objects(seed).unwrap();
         assert!(level == "vane" || counts.barbules > 5000, "{counts:?}");
         let stage = Stage::new(objects).unwrap();
-        let lighting =
-            Lighting::new(scene.lamps().unwrap(), scene.environment().unwrap().as_ref()).unwrap();
+        let lighting = Lighting::new(scene.lamps().unwrap(), scene.environment().unwrap().as_ref()).unwrap();
         for azimuth in AZIMUTHS {
             let turned = text.replace(
                 "elevation_deg = 60.0\n",

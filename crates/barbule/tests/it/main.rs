@@ -5,6 +5,7 @@
 mod agreement;
 mod architecture;
 mod brdf;
+mod clad;
 mod colour;
 mod crystal_colours;
 mod crystal_values;
@@ -18,6 +19,7 @@ mod lights;
 mod measure;
 mod objects;
 mod picture;
+mod places;
 mod polarization;
 mod render;
 mod sides;

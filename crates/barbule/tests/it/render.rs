@@ -114,7 +114,7 @@ fn film(integrator: &Integrator<'_>, size: [u32; 2], samples: u32) -> Film {
 }
 
 /// Mean Y of a picture and its standard error.
-fn luminance(film: &Film) -> (f64, f64) {
+pub(crate) fn luminance(film: &Film) -> (f64, f64) {
     let [width, height] = film.size();
     let pixels = f64::from(width * height);
     let (mut sum, mut variance) = (0.0, 0.0);

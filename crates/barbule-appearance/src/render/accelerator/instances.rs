@@ -53,23 +53,25 @@ impl Instances {
     #[must_use]
     pub(in super::super) fn new(objects: &[Object]) -> Option<Self> {
         let (mut shapes, mut instances, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
-        let all = (0_u32..).zip(objects).flat_map(|(index, Object { geometry, .. })| {
-            let repeated = geometry.repeated.iter().enumerate().map(|(k, geometry)| (Some(k), geometry));
-            std::iter::once((None, geometry)).chain(repeated).map(move |(k, geometry)| (index, k, geometry))
+        let all = (0_u32..).zip(objects).flat_map(|(index, Object { geometry: whole, .. })| {
+            let repeated = whole.repeated.iter().enumerate().map(|(k, geometry)| (Some(k), geometry));
+            std::iter::once((None, whole)).chain(repeated).map(move |(k, shapes)| (index, whole, k, shapes))
         });
-        for (index, repeated, geometry) in all {
+        for (index, whole, repeated, geometry) in all {
             let Some(bounds) = geometry.own_bounds() else { continue };
-            if geometry.places.is_empty() {
-                continue;
-            }
+            let (own, before) = (geometry.places.iter().copied(), instances.len());
+            let places = if repeated.is_some() { whole.places_of(geometry) } else { Box::new(own) };
             let widest = geometry.widest();
             let bounds = [bounds[0] - widest, bounds[1] + widest];
-            for &place in &geometry.places {
+            for place in places {
                 let [low, high] = place.bounds(bounds).map(Vec3A::from);
                 // Rays come through in single precision, and flat boxes are missed by rays in their plane.
                 let pad = 1e-6 + 1e-6 * low.abs().max(high.abs());
                 boxes.push(Boxed(Aabb::new(low - pad, high + pad)));
                 instances.push(Instance { shapes: shapes.len() as u32, place });
+            }
+            if instances.len() == before {
+                continue;
             }
             let accelerator = Accelerator::of(std::iter::once((index, geometry)));
             shapes.push(Shapes { accelerator, repeated });

@@ -1,8 +1,9 @@
 //! The body under a coat: a closed or open mesh whose corners are shared, fine enough for its feathers.
 
 use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3, Vec2};
 
 use crate::scene::geometry::{Mesh, Place};
 use crate::{Error, Result};
@@ -41,6 +42,20 @@ pub struct Body {
     /// Triangles of each corner, in the same way.
     around: Vec<u32>,
     first_around: Vec<u32>,
+    chart: Chart,
+    /// Whether it is closed and its faces looked inwards, so that they were turned.
+    pub was_inside_out: bool,
+}
+
+/// Where a body's texture coordinates come from.
+#[derive(Debug, Clone, Default, PartialEq)]
+enum Chart {
+    #[default]
+    None,
+    /// Of an ellipsoid in its place.
+    Ellipsoid { radii: DVec3, place: Place },
+    /// Of the corners of the triangles from which these were made by dividing each into four so many times.
+    Corners { uvs: Vec<[Vec2; 3]>, divisions: u32 },
 }
 
 impl Body {
@@ -77,11 +92,12 @@ impl Body {
         let onto = |point: DVec3| (point / radii).normalize() * radii;
         refine(&mut points, &mut triangles, edge_mm / place.scale, onto);
         points.iter_mut().for_each(|point| *point = place.point(*point));
-        Self::of(points, triangles)
+        Self { chart: Chart::Ellipsoid { radii, place: *place }, ..Self::of(points, triangles) }
     }
 
     /// A mesh in its place: corners at the same point are made one, and flat triangles are divided until their edges are
-    /// `edge_mm` long at most, as far as a body may have triangles.
+    /// `edge_mm` long at most, as far as a body may have triangles. The faces of a closed mesh that look inwards are turned; an open
+    /// one has no inside.
     ///
     /// # Errors
     /// No triangle with an area, too many, or a broken mesh.
@@ -115,17 +131,27 @@ impl Body {
                 })
             })
             .collect();
-        let mut triangles: Vec<[u32; 3]> =
-            mesh.triangles.iter().map(|corners| corners.map(|corner| welded[corner as usize])).collect();
-        triangles.retain(|&[a, b, c]| {
-            let [p, q, r] = [a, b, c].map(|corner| points[corner as usize]);
-            (q - p).cross(r - p).length() > step * step
-        });
+        let uv = |corner: u32| mesh.uvs.get(corner as usize).copied().unwrap_or_default();
+        let (mut triangles, mut uvs): (Vec<[u32; 3]>, Vec<[Vec2; 3]>) = mesh
+            .triangles
+            .iter()
+            .map(|corners| (corners.map(|corner| welded[corner as usize]), corners.map(uv)))
+            .filter(|(corners, _)| {
+                let [p, q, r] = corners.map(|corner| points[corner as usize]);
+                (q - p).cross(r - p).length() > step * step
+            })
+            .unzip();
         if triangles.is_empty() {
             return Err(Error::input("the body has no triangle with an area; give another mesh"));
         }
-        refine(&mut points, &mut triangles, edge_mm, |point| point);
-        Ok(Self::of(points, triangles))
+        let was_inside_out = is_closed(&triangles) && volume(&points, &triangles) < 0.0;
+        if was_inside_out {
+            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+            uvs.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        let divisions = refine(&mut points, &mut triangles, edge_mm, |point| point);
+        let chart = if mesh.uvs.is_empty() { Chart::None } else { Chart::Corners { uvs, divisions } };
+        Ok(Self { chart, was_inside_out, ..Self::of(points, triangles) })
     }
 
     fn of(points: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
@@ -150,7 +176,36 @@ impl Body {
         corners.sort_unstable();
         let (first_neighbour, neighbours) = rows(points.len(), &edges);
         let (first_around, around) = rows(points.len(), &corners);
-        Self { points, normals, triangles, neighbours, first_neighbour, around, first_around }
+        Self {
+            points,
+            normals,
+            triangles,
+            neighbours,
+            first_neighbour,
+            around,
+            first_around,
+            ..Self::default()
+        }
+    }
+
+    /// Texture coordinates: the mesh's; of an ellipsoid, as of a sphere, u goes round from +y clockwise seen from +z, and v from the lower
+    /// pole to the upper one. None where the mesh has none.
+    #[must_use]
+    pub fn uv(&self, spot: &Spot) -> Option<[f64; 2]> {
+        match &self.chart {
+            Chart::None => None,
+            Chart::Ellipsoid { radii, place } => {
+                let DVec3 { x, y, z } = (place.point_back(spot.point) / *radii).normalize_or(DVec3::Z);
+                let turns = libm::atan2(x, y) / TAU;
+                Some([turns - turns.floor(), 1.0 - libm::acos(z) / PI])
+            }
+            Chart::Corners { uvs, divisions } => {
+                let divided = (spot.triangle as usize, spot.weights);
+                let (triangle, weights) = (0..*divisions).fold(divided, |part, _| undivided(part));
+                let uv: DVec2 = uvs[triangle].iter().zip(weights).map(|(uv, w)| uv.as_dvec2() * w).sum();
+                Some([uv.x, uv.y])
+            }
+        }
     }
 
     /// Corners that share an edge with this one.
@@ -235,17 +290,49 @@ fn rows(count: usize, pairs: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
     (first, pairs.iter().map(|(_, value)| *value).collect())
 }
 
-/// Divides every triangle into four until no edge is longer than `edge_mm`, or they would be too many.
+/// Whether every edge has a triangle on each side of it, and both run the same way round.
+fn is_closed(triangles: &[[u32; 3]]) -> bool {
+    let mut edges: Vec<(u32, u32)> =
+        triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
+    edges.sort_unstable();
+    let is_once = edges.windows(2).all(|pair| pair[0] != pair[1]);
+    is_once && edges.iter().all(|&(a, b)| edges.binary_search(&(b, a)).is_ok())
+}
+
+/// Six times the volume within closed triangles, mm³; negative where they are clockwise seen from outside.
+fn volume(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
+    let from = points[0];
+    let of = |corners: &[u32; 3]| {
+        let [p, q, r] = corners.map(|corner| points[corner as usize] - from);
+        p.dot(q.cross(r))
+    };
+    triangles.iter().map(of).sum()
+}
+
+/// The triangle that a division by [`refine`] made this one from, and the weights of its corners.
+fn undivided((triangle, [a, b, c]): (usize, [f64; 3])) -> (usize, [f64; 3]) {
+    let weights = match triangle % 4 {
+        0 => [a + 0.5 * (b + c), 0.5 * b, 0.5 * c],
+        1 => [0.5 * a, b + 0.5 * (a + c), 0.5 * c],
+        2 => [0.5 * a, 0.5 * b, c + 0.5 * (a + b)],
+        _ => [0.5 * (a + c), 0.5 * (a + b), 0.5 * (b + c)],
+    };
+    (triangle / 4, weights)
+}
+
+/// Divides every triangle into four, which stand in its place, until no edge is longer than `edge_mm`, or they would be too many;
+/// how many times.
 fn refine(
     points: &mut Vec<DVec3>,
     triangles: &mut Vec<[u32; 3]>,
     edge_mm: f64,
     onto: impl Fn(DVec3) -> DVec3,
-) {
+) -> u32 {
     let longest = |points: &[DVec3], triangles: &[[u32; 3]]| {
         let edges = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
         edges.map(|[a, b]| (points[a as usize] - points[b as usize]).length()).fold(0.0, f64::max)
     };
+    let mut divisions = 0;
     while 4 * triangles.len() <= MOST_TRIANGLES && longest(points, triangles) > edge_mm {
         let mut middles = HashMap::new();
         let mut middle = |a: u32, b: u32| {
@@ -259,7 +346,9 @@ fn refine(
             [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
         });
         *triangles = divided.collect();
+        divisions += 1;
     }
+    divisions
 }
 
 /// The nearest point of a triangle: its corners' weights, and the distance squared. The regions about corners, edges and the
@@ -294,8 +383,6 @@ fn nearest_in([a, b, c]: [DVec3; 3], point: DVec3) -> ([f64; 3], f64) {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
-
     use glam::Vec3;
 
     use super::*;
@@ -351,5 +438,65 @@ mod tests {
         );
         let broken = Mesh { triangles: vec![[0, 1, 9]], ..mesh };
         assert!(Body::mesh(&broken, &Place::HERE, 1.0).unwrap_err().to_string().contains("does not exist"));
+    }
+
+    /// A tetrahedron about the point (1, 1, 1), with texture coordinates x and y of its corners.
+    fn tetrahedron(triangles: Vec<[u32; 3]>) -> Mesh {
+        let positions = vec![Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0, Vec3::Z * 4.0];
+        let uvs = positions.iter().map(|p| Vec2::new(p.x, p.y)).collect();
+        Mesh { positions, uvs, triangles, ..Mesh::default() }
+    }
+
+    /// What is inside out looks outwards, if it is closed; what is not has no inside.
+    #[test]
+    fn faces_of_closed_meshes_look_outwards() {
+        let outwards = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let inwards: Vec<[u32; 3]> = outwards.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let body =
+            |triangles: &[[u32; 3]]| Body::mesh(&tetrahedron(triangles.to_vec()), &Place::HERE, 0.6).unwrap();
+        let (right, turned) = (body(&outwards), body(&inwards));
+        assert!(!right.was_inside_out && turned.was_inside_out);
+        for body in [&right, &turned] {
+            assert!(body.points.iter().zip(&body.normals).all(|(p, n)| n.dot(*p - DVec3::ONE) > 0.0));
+        }
+        let open = body(&inwards[1..]);
+        assert!(!open.was_inside_out);
+        let spots = (0..open.triangles.len() as u32).map(|t| open.spot(t, [1.0 / 3.0; 3]));
+        // Its face at x = 0 still looks to +x.
+        assert!(spots.filter(|spot| spot.point.x < 1e-9).all(|spot| spot.normal.x > 0.0));
+        // One triangle the other way round: nobody can say which is right.
+        assert!(!body(&[inwards[0], inwards[1], inwards[2], outwards[3]]).was_inside_out);
+    }
+
+    /// Texture coordinates that are linear in the place stay so however finely triangles are divided; an ellipsoid's are a sphere's.
+    #[test]
+    fn texture_coordinates_stay_with_their_places() {
+        let triangles = vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+        let body = Body::mesh(&tetrahedron(triangles), &Place::HERE, 0.3).unwrap();
+        let mut stream = Stream::new(6, &[]);
+        for triangle in 0..body.triangles.len() as u32 {
+            let (a, b) = (stream.unit(), stream.unit());
+            let spot = body.spot(triangle, [a, (1.0 - a) * b, (1.0 - a) * (1.0 - b)]);
+            let [u, v] = body.uv(&spot).unwrap();
+            assert!((u - spot.point.x).abs() + (v - spot.point.y).abs() < 1e-12);
+        }
+        let place = Place { scale: 2.0, shift: DVec3::new(5.0, 0.0, 0.0), ..Place::HERE };
+        let egg = Body::ellipsoid([10.0, 30.0, 20.0], &place, 1.0);
+        let uv = |direction: DVec3| {
+            let point = direction.normalize() * DVec3::new(20.0, 60.0, 40.0) + place.shift;
+            egg.uv(&Spot { point, ..egg.spot(0, [1.0, 0.0, 0.0]) }).unwrap()
+        };
+        for (direction, expected) in [
+            (DVec3::Y, [0.0, 0.5]),
+            (DVec3::X, [0.25, 0.5]),
+            (DVec3::NEG_X, [0.75, 0.5]),
+            (DVec3::new(0.0, -1.0, 1.0), [0.5, 0.75]),
+        ] {
+            let found = uv(direction);
+            assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-12), "{direction} {found:?}");
+        }
+        let bare = Mesh { uvs: Vec::new(), ..tetrahedron(vec![[0, 1, 2]]) };
+        let bare = Body::mesh(&bare, &Place::HERE, 1.0).unwrap();
+        assert_eq!(bare.uv(&bare.spot(0, [1.0, 0.0, 0.0])), None);
     }
 }

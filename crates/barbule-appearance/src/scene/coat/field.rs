@@ -18,6 +18,8 @@ pub struct Guide {
     pub position_mm: [f64; 3],
     /// From a feather's root to its tip; of any length.
     pub direction: [f64; 3],
+    /// Which of a coat's feathers grow near it.
+    pub kind: usize,
 }
 
 /// At each of a body's corners a vector that is harmonic where no guide is.
@@ -164,7 +166,7 @@ mod tests {
     use super::*;
     use crate::scene::geometry::Place;
 
-    const UP: Guide = Guide { position_mm: [0.0, 0.0, 10.0], direction: [3.0, 0.0, 0.0] };
+    const UP: Guide = Guide { position_mm: [0.0, 0.0, 10.0], direction: [3.0, 0.0, 0.0], kind: 0 };
 
     /// One guide: its direction laid onto the sphere, which is that of the meridians about it.
     #[test]
@@ -186,7 +188,7 @@ mod tests {
     #[test]
     fn two_guides_are_joined_harmonically() {
         let body = Body::ellipsoid([10.0; 3], &Place::HERE, 0.4);
-        let down = Guide { position_mm: [0.0, 0.0, -10.0], direction: [0.0, 1.0, 0.0] };
+        let down = Guide { position_mm: [0.0, 0.0, -10.0], direction: [0.0, 1.0, 0.0], kind: 0 };
         let field = Field::new(&body, &[UP, down], 4.0);
         // A chord of 4 mm.
         let rim = 2.0 * libm::asin(0.2);

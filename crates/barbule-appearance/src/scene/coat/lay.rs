@@ -8,10 +8,11 @@ use super::Stand;
 use super::body::{Body, Spot};
 use super::follicles::Near;
 use super::shape::Shape;
-use crate::scene::feather::Feather;
 
 /// Cells in which the coat's height is kept, over the feathers' length.
 const CELL: f64 = 0.02;
+/// Cells are those of the shortest feather, down to this share of the longest one's, which has as many points as there are cells.
+const FINEST: f64 = 0.25;
 /// Most times that a feather is lifted, and the least angle, rad.
 const MOST_LIFTS: u32 = 8;
 const LEAST_LIFT: f64 = 5e-4;
@@ -19,9 +20,9 @@ const LEAST_LIFT: f64 = 5e-4;
 /// rather than pile up, for a pile lifts all that lie over it.
 const MOST_LIFTED: f64 = 0.2;
 
-/// Size of the cells in which the height of a coat of such feathers is kept, mm.
-pub(super) fn cell_mm(feather: &Feather) -> f64 {
-    CELL * feather.shaft.length_mm
+/// Size of the cells in which the height of a coat of feathers of these lengths is kept, mm.
+pub(super) fn cell_mm(shortest_mm: f64, longest_mm: f64) -> f64 {
+    CELL * shortest_mm.max(FINEST * longest_mm)
 }
 
 /// The order in which feathers are laid: of two within a length of each other, the one whose root is nearer the head comes

@@ -1,12 +1,13 @@
 //! Coats: many feathers on a curved body.
 //!
-//! Follicles are spread over the body ([`follicles`]), feathers lie along a field of directions ([`field`]), are bent as the
+//! Follicles are spread over the body ([`follicles`]), each bears one of some kinds of feathers ([`kinds`]), which lie along a field of directions ([`field`]), are bent as the
 //! body is ([`Coat::lay`]), and are laid from the tail to the head, each over those before it (`lay`), after Chen, Xu, Guo &
 //! Shum 2002 and Streit & Heidrich 2002.
 
 pub mod body;
 pub mod field;
 pub mod follicles;
+pub mod kinds;
 mod lay;
 mod shape;
 
@@ -17,6 +18,7 @@ use glam::{DMat3, DVec3};
 use self::body::{Body, Spot};
 use self::field::{Field, Guide};
 use self::follicles::Region;
+use self::kinds::Kinds;
 use super::feather::{Feather, Shaft, VaneDisc};
 use super::geometry::Place;
 use crate::math::rng::{Stream, hash};
@@ -55,7 +57,7 @@ pub struct Coat {
     pub turn_jitter_deg: f64,
     /// Standard deviation of their size, as a share.
     pub size_jitter: f64,
-    /// How many are grown; each stands at many places.
+    /// How many are grown of each kind; each stands at many places.
     pub variants: usize,
     /// How far over the feathers beneath they lie, mm.
     pub clearance_mm: f64,
@@ -83,8 +85,19 @@ pub struct Stand {
     pub erection: f64,
     /// Factor to its lengths.
     pub scale: f64,
+    /// Which of the coat's kinds it is.
+    pub kind: usize,
     /// Which of the coat's feathers it is.
     pub variant: usize,
+}
+
+/// A feather that is grown, bent as the body is at its places.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Variant {
+    /// Of which kind it is.
+    pub kind: usize,
+    /// The feather.
+    pub feather: Feather,
 }
 
 /// A coat that is laid.
@@ -94,8 +107,10 @@ pub struct Laid {
     pub body: Body,
     /// Area where feathers grow, mm².
     pub area_mm2: f64,
-    /// The feathers that are grown, bent as the body is at their places.
-    pub variants: Vec<Feather>,
+    /// Whether the body's faces looked inwards and were turned.
+    pub was_inside_out: bool,
+    /// The feathers that are grown, as many of each kind, in the kinds' order.
+    pub variants: Vec<Variant>,
     /// All feathers.
     pub stands: Vec<Stand>,
     /// The feathers as they stood before they were lifted off each other.
@@ -130,35 +145,50 @@ pub fn seed_of(variant: usize, seed: u64) -> u64 {
     hash(seed, &[VARIANT, variant as u64])
 }
 
-/// Longest edges that a body has under feathers like this one, mm.
+/// Longest edges that a body has under feathers like these, mm.
 #[must_use]
-pub fn edge_mm(feather: &Feather) -> f64 {
-    EDGE * feather.shaft.length_mm
+pub fn edge_mm(feathers: &[Feather]) -> f64 {
+    EDGE * lengths_mm(feathers)[0]
+}
+
+/// The shortest and the longest of feathers, mm.
+fn lengths_mm(feathers: &[Feather]) -> [f64; 2] {
+    let lengths = || feathers.iter().map(|feather| feather.shaft.length_mm);
+    [lengths().fold(f64::INFINITY, f64::min), lengths().fold(0.0, f64::max)]
 }
 
 impl Coat {
-    /// Lays feathers like this one on a body; the same for the same seed on any number of threads.
+    /// Lays feathers like these on a body; the same for the same seed on any number of threads.
     ///
     /// # Errors
-    /// A region that holds next to none of the body, no or too many feathers by the density, or a feather out of range.
-    pub fn lay(&self, body: Body, feather: &Feather, seed: u64) -> Result<Laid> {
+    /// A region that holds next to none of the body, no or too many feathers by the density, no kind of feather or one that is not
+    /// there, or a feather out of range.
+    pub fn lay(&self, body: Body, feathers: &[Feather], kinds: Kinds<'_>, seed: u64) -> Result<Laid> {
+        if feathers.is_empty() {
+            return Err(Error::input("the coat has no feather; give one kind at least"));
+        }
+        let [shortest, longest] = lengths_mm(feathers);
         let area_mm2 = follicles::area(&body, self.region);
         let count = self.count(area_mm2)?;
         let spots = follicles::scattered(&body, self.region, area_mm2, count, seed)?;
-        let mut stands = self.stands(&body, &spots, feather, seed);
-        let variants = self.bent(&body, &mut stands, feather, seed);
+        let kinds = kinds.of(&body, &spots, &self.guides, feathers.len(), seed)?;
+        let mut stands = self.stands(&body, &spots, &kinds, longest, seed);
+        let variants = self.bent(&body, &mut stands, feathers, seed);
         // A bent feather has turned from its y axis by the point where it leaves the skin.
-        stands.iter_mut().for_each(|stand| stand.erection -= heading(&variants[stand.variant]));
-        let step_mm = lay::cell_mm(feather);
+        stands.iter_mut().for_each(|stand| stand.erection -= heading(&variants[stand.variant].feather));
+        let step_mm = lay::cell_mm(shortest, longest);
         let shapes = variants
             .iter()
             .enumerate()
-            .map(|(variant, feather)| shape::Shape::new(feather, seed_of(variant, seed), step_mm))
+            .map(|(variant, Variant { feather, .. })| {
+                shape::Shape::new(feather, seed_of(variant, seed), step_mm)
+            })
             .collect::<Result<Vec<_>>>()?;
         let before = stands.clone();
-        let order = lay::order(&stands, feather.shaft.length_mm);
+        let order = lay::order(&stands, longest);
         lay::lift(&body, &mut stands, &order, &shapes, step_mm, self.clearance_mm);
-        Ok(Laid { body, area_mm2, variants, stands, before, order, shapes })
+        let was_inside_out = body.was_inside_out;
+        Ok(Laid { body, area_mm2, was_inside_out, variants, stands, before, order, shapes })
     }
 
     fn count(&self, area_mm2: f64) -> Result<usize> {
@@ -179,9 +209,9 @@ impl Coat {
     }
 
     /// A feather at each follicle, as if it were alone.
-    fn stands(&self, body: &Body, spots: &[Spot], feather: &Feather, seed: u64) -> Vec<Stand> {
-        let field = Field::new(body, &self.guides, 0.5 * feather.shaft.length_mm);
-        let stand = |(index, spot): (u64, &Spot)| {
+    fn stands(&self, body: &Body, spots: &[Spot], kinds: &[usize], longest_mm: f64, seed: u64) -> Vec<Stand> {
+        let field = Field::new(body, &self.guides, 0.5 * longest_mm);
+        let stand = |(index, (spot, &kind)): (u64, (&Spot, &usize))| {
             let mut stream = Stream::new(seed, &[STAND, index]);
             let mut jitter = |spread: f64| spread * stream.normal().clamp(-2.5, 2.5);
             let along = field.at(body, spot);
@@ -189,13 +219,32 @@ impl Coat {
             let along = along * libm::cos(turn) + spot.normal.cross(along) * libm::sin(turn);
             let erection = (self.erection_deg + jitter(self.erection_jitter_deg)).max(0.0).to_radians();
             let scale = (1.0 + jitter(self.size_jitter)).max(0.2);
-            Stand { spot: *spot, along, erection, scale, variant: 0 }
+            Stand { spot: *spot, along, erection, scale, kind, variant: 0 }
         };
-        (0..).zip(spots).map(stand).collect()
+        (0..).zip(spots.iter().zip(kinds)).map(stand).collect()
     }
 
-    /// The variants, each bent as the body is where it stands; which one each feather is is set here.
-    fn bent(&self, body: &Body, stands: &mut [Stand], feather: &Feather, seed: u64) -> Vec<Feather> {
+    /// The variants of all kinds, each bent as the body is where it stands; which one each feather is is set here.
+    fn bent(&self, body: &Body, stands: &mut [Stand], feathers: &[Feather], seed: u64) -> Vec<Variant> {
+        let mut stream = Stream::new(seed, &[VARIANT]);
+        let mut variants = Vec::with_capacity(feathers.len() * self.variants);
+        for (kind, feather) in feathers.iter().enumerate() {
+            let mut own: Vec<&mut Stand> = stands.iter_mut().filter(|stand| stand.kind == kind).collect();
+            let bent = self.bent_of_kind(body, &mut own, feather, &mut stream);
+            own.iter_mut().for_each(|stand| stand.variant += variants.len());
+            variants.extend(bent.into_iter().map(|feather| Variant { kind, feather }));
+        }
+        variants
+    }
+
+    /// Those of one kind, counted from 0.
+    fn bent_of_kind(
+        &self,
+        body: &Body,
+        stands: &mut [&mut Stand],
+        feather: &Feather,
+        stream: &mut Stream,
+    ) -> Vec<Feather> {
         let width = feather.barbs.leading_half_width_mm.max(feather.barbs.trailing_half_width_mm);
         let length = feather.shaft.length_mm;
         let bends: Vec<[f64; 2]> = stands
@@ -211,7 +260,6 @@ impl Coat {
         ranked.sort_by(|&a, &b| bends[a][0].total_cmp(&bends[b][0]).then(a.cmp(&b)));
         let variants = self.variants;
         let mut sums = vec![([0.0; 2], 0.0); variants];
-        let mut stream = Stream::new(seed, &[VARIANT]);
         for (rank, &index) in ranked.iter().enumerate() {
             let own = (rank as f64 + 0.5) / stands.len() as f64 * variants as f64;
             let variant = (own + stream.uniform(-MIXED, MIXED)).clamp(0.0, variants as f64 - 1.0) as usize;
@@ -256,7 +304,7 @@ impl Laid {
     /// Area of all vanes over that of the body: how many feathers lie over each other.
     #[must_use]
     pub fn layers(&self) -> f64 {
-        let vanes: Vec<f64> = self.variants.iter().map(Feather::vane_area).collect();
+        let vanes: Vec<f64> = self.variants.iter().map(|variant| variant.feather.vane_area()).collect();
         let all: f64 = self.stands.iter().map(|s| s.scale * s.scale * vanes[s.variant]).sum();
         all / self.area_mm2
     }
@@ -266,7 +314,7 @@ impl Laid {
     pub fn overlap(&self) -> f64 {
         let count = self.stands.len() as f64;
         let lengths: f64 =
-            self.stands.iter().map(|s| s.scale * self.variants[s.variant].shaft.length_mm).sum();
+            self.stands.iter().map(|s| s.scale * self.variants[s.variant].feather.shaft.length_mm).sum();
         lengths / count * (count / self.area_mm2).sqrt()
     }
 

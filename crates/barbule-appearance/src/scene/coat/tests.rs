@@ -1,10 +1,11 @@
 use super::*;
+use crate::bsdf::{NumberMap, Texture};
 
 fn coat(count: usize) -> Coat {
     Coat {
         number: Number::Count(count),
         region: None,
-        guides: vec![Guide { position_mm: [0.0; 3], direction: [0.0, -1.0, 0.0] }],
+        guides: vec![Guide { position_mm: [0.0; 3], direction: [0.0, -1.0, 0.0], kind: 0 }],
         erection_deg: 8.0,
         erection_jitter_deg: 0.5,
         turn_jitter_deg: 3.0,
@@ -15,13 +16,17 @@ fn coat(count: usize) -> Coat {
     }
 }
 
+/// Kinds of the nearest guides.
+const SHARP: Kinds<'_> = Kinds::Guides { mix_mm: 0.0 };
+
 fn contour() -> Feather {
     Feather::of_type("contour").unwrap()
 }
 
 fn laid(coat: &Coat) -> Laid {
-    let feather = contour();
-    coat.lay(Body::ellipsoid([60.0, 90.0, 60.0], &Place::HERE, edge_mm(&feather)), &feather, 7).unwrap()
+    let feathers = [contour()];
+    let body = Body::ellipsoid([60.0, 90.0, 60.0], &Place::HERE, edge_mm(&feathers));
+    coat.lay(body, &feathers, SHARP, 7).unwrap()
 }
 
 /// Feathers that stand as they fall cut through each other; lifted they lie on each other.
@@ -48,8 +53,7 @@ fn the_same_seed_lays_the_same_coat() {
     let second = std::thread::spawn(move || laid(&Coat { number: Number::PerCm2(density), ..coat(1) }));
     let second = second.join().unwrap();
     assert_eq!((&first.stands, &first.variants), (&second.stands, &second.variants));
-    let feather = contour();
-    let other = coat(150).lay(first.body.clone(), &feather, 8).unwrap();
+    let other = coat(150).lay(first.body.clone(), &[contour()], SHARP, 8).unwrap();
     assert_ne!(other.stands, first.stands);
 }
 
@@ -96,7 +100,7 @@ fn feathers_lie_along_the_field_from_tail_to_head() {
 fn feathers_are_bent_as_the_body() {
     let heights = |hug: f64| {
         let feather = contour();
-        let body = Body::ellipsoid([50.0; 3], &Place::HERE, edge_mm(&feather));
+        let body = Body::ellipsoid([50.0; 3], &Place::HERE, edge_mm(&[feather]));
         let quiet = Coat {
             hug,
             erection_deg: 0.0,
@@ -107,7 +111,7 @@ fn feathers_are_bent_as_the_body() {
         };
         let mut stiff = feather;
         stiff.shaft.arch_quadratic = 0.0;
-        let laid = quiet.lay(body, &stiff, 1).unwrap();
+        let laid = quiet.lay(body, &[stiff], SHARP, 1).unwrap();
         let tip = laid.shapes[0].tests[4];
         laid.before[0].place(0).point(tip).length() - 50.0
     };
@@ -116,4 +120,109 @@ fn feathers_are_bent_as_the_body() {
     let [straight, bent] = [0.0, 1.0].map(heights);
     assert!((straight - stands_off).abs() < 0.2, "{straight} {stands_off}");
     assert!(bent.abs() < 0.25, "{bent}");
+}
+
+/// A contour feather and a covert half as long.
+fn two() -> [Feather; 2] {
+    let mut short = Feather::of_type("covert").unwrap();
+    short.shaft.length_mm = 0.5 * contour().shaft.length_mm;
+    [contour(), short]
+}
+
+fn guided() -> Coat {
+    let guide = |y: f64, kind| Guide { position_mm: [0.0, y, 0.0], direction: [0.0, -1.0, 0.0], kind };
+    Coat { guides: vec![guide(90.0, 1), guide(-90.0, 0)], ..coat(500) }
+}
+
+fn egg() -> Body {
+    Body::ellipsoid([60.0, 90.0, 60.0], &Place::HERE, edge_mm(&two()))
+}
+
+/// Each follicle bears what the nearer guide says; over a band both, with a share that falls from one side to the other.
+#[test]
+fn guides_choose_the_kinds_of_feathers() {
+    let sharp = guided().lay(egg(), &two(), SHARP, 7).unwrap();
+    assert!(sharp.stands.iter().all(|stand| stand.kind == usize::from(stand.spot.point.y > 0.0)));
+    assert_eq!(sharp.variants.len(), 8);
+    let own = |stand: &Stand| sharp.variants[stand.variant].kind == stand.kind;
+    assert!(sharp.stands.iter().all(own));
+    for (kind, feather) in two().iter().enumerate() {
+        let lengths = sharp.variants.iter().filter(|v| v.kind == kind).map(|v| v.feather.shaft.length_mm);
+        assert_eq!(lengths.collect::<Vec<_>>(), [feather.shaft.length_mm; 4]);
+    }
+    let mixed = guided().lay(egg(), &two(), Kinds::Guides { mix_mm: 80.0 }, 7).unwrap();
+    let (mut both, mut expected, mut variance) = (0.0, 0.0, 0.0);
+    for stand in &mixed.stands {
+        let point = stand.spot.point;
+        let [near, far] = [-90.0, 90.0].map(|y| (point - DVec3::Y * y).length());
+        // The farther kind's weight is less by the difference of the distances, of 80 mm.
+        let less = |distance: f64| (near.min(far) + 80.0 - distance).max(0.0);
+        let share = less(far) / (less(near) + less(far));
+        (expected, variance) = (expected + share, variance + share * (1.0 - share));
+        both += f64::from(u8::from(stand.kind == 1));
+        assert!((0.0 < share && share < 1.0) || stand.kind == usize::from(point.y > 0.0));
+    }
+    assert!(
+        variance > 20.0 && (both - expected).abs() < 3.0 * variance.sqrt(),
+        "{both} {expected} {variance}"
+    );
+    // Follicles, directions and sizes are those of a coat of one kind.
+    let one =
+        Coat { guides: guided().guides.into_iter().map(|g| Guide { kind: 0, ..g }).collect(), ..guided() };
+    let one = one.lay(egg(), &two()[..1], SHARP, 7).unwrap();
+    assert!(one.before.iter().zip(&sharp.before).all(|(a, b)| (a.spot, a.along) == (b.spot, b.along)));
+}
+
+/// A map of two halves: feathers right and left of the body. The same seed lays the same on any thread.
+#[test]
+fn a_map_chooses_the_kinds_of_feathers() {
+    let texels = vec![[1.0 / 255.0; 3], [0.0; 3]];
+    let map = NumberMap::new(Texture::new([2, 1], texels).unwrap(), 2, "feathers").unwrap();
+    let lay = |seed| coat(200).lay(egg(), &two(), Kinds::Map(&map), seed).unwrap();
+    let first = lay(7);
+    // u < 0.5 is where x > 0.
+    assert!(first.stands.iter().all(|stand| stand.kind == usize::from(stand.spot.point.x > 0.0)));
+    let second = std::thread::scope(|scope| scope.spawn(|| lay(7)).join().unwrap());
+    assert_eq!((&first.stands, &first.variants), (&second.stands, &second.variants));
+    assert_ne!(first.stands, lay(8).stands);
+}
+
+/// Two kinds lie over each other as one does.
+#[test]
+fn feathers_of_two_kinds_are_lifted_over_each_other() {
+    let region = Some(Region { low: [-100.0, -65.0, -100.0], high: [100.0, 65.0, 100.0] });
+    let coat = Coat { region, ..guided() };
+    let [before, after] = coat.lay(egg(), &two(), Kinds::Guides { mix_mm: 60.0 }, 7).unwrap().buried();
+    println!("buried: {before:.4} before, {after:.4} after");
+    assert!(before > 0.01 && after < 0.003, "{before} {after}");
+}
+
+#[test]
+fn kinds_that_are_not_there_are_refused() {
+    let message =
+        |feathers: &[Feather], kinds| guided().lay(egg(), feathers, kinds, 7).unwrap_err().to_string();
+    assert!(message(&two()[..1], SHARP).contains("coat.guides[0].kind is 1, but the coat has 1 kinds"));
+    assert!(message(&[], SHARP).contains("no feather"));
+    let picture = Texture::new([1, 1], vec![[1.0 / 255.0; 3]]).unwrap();
+    let map = NumberMap::new(picture, 2, "feathers").unwrap();
+    assert!(message(&two()[..1], Kinds::Map(&map)).contains("value 1 (of 255), but the coat has 1 kinds"));
+    let bare = Body::mesh(&egg().skin(1), &Place::HERE, 4.0).unwrap();
+    let refused = coat(5).lay(bare, &two(), Kinds::Map(&map), 7).unwrap_err().to_string();
+    assert!(refused.contains("needs texture coordinates"), "{refused}");
+}
+
+/// A sphere whose faces look inwards bears its feathers outside.
+#[test]
+fn feathers_grow_out_of_a_body_that_is_inside_out() {
+    let mut skin = egg().skin(1);
+    let lay =
+        |skin| coat(20).lay(Body::mesh(&skin, &Place::HERE, 4.0).unwrap(), &[contour()], SHARP, 7).unwrap();
+    assert!(!lay(skin.clone()).was_inside_out);
+    skin.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
+    let laid = lay(skin);
+    assert!(laid.was_inside_out);
+    for stand in &laid.stands {
+        assert!(stand.spot.normal.dot(stand.spot.point) > 0.0);
+        assert!(stand.place(0).direction(DVec3::Z).dot(stand.spot.point) > 0.0);
+    }
 }

@@ -1,5 +1,7 @@
 //! Coats: feathers many times on a body.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::colour::Colour;
@@ -7,16 +9,18 @@ use super::detail::{Detail, DetailLevel, ViewModel};
 use super::dress::Dress;
 use super::objects::Placement;
 use super::slot::Slot;
-use crate::bsdf::{Lambertian, Pictures, Surface, Texture};
+use crate::bsdf::{Lambertian, NumberMap, Pictures, Surface, Texture};
 use crate::fields::{Several, Text, up_to, within};
 use crate::math::rng::hash;
 use crate::scene::Object;
 use crate::scene::coat::body::{Body, MOST_TRIANGLES};
 use crate::scene::coat::field::Guide;
 use crate::scene::coat::follicles::Region;
-use crate::scene::coat::{Coat, Laid, MOST_FEATHERS, Number, edge_mm, seed_of, window};
+use crate::scene::coat::kinds::Kinds;
+use crate::scene::coat::{Coat, Laid, MOST_FEATHERS, Number, Variant, edge_mm, seed_of, window};
 use crate::scene::feather::{Counts, Feather, Level};
 use crate::scene::geometry::{Geometry, Mesh, Place};
+use crate::scene::window::Window;
 use crate::spectrum::colour::decode;
 use crate::{Error, Result, record};
 
@@ -190,8 +194,11 @@ impl CoatDescription {
     }
 
     fn coat(&self) -> Coat {
-        let guide =
-            |guide: &GuideDescription| Guide { position_mm: guide.position_mm, direction: guide.direction };
+        let guide = |&GuideDescription { position_mm, direction, kind }: &GuideDescription| Guide {
+            position_mm,
+            direction,
+            kind,
+        };
         Coat {
             number: self.number(),
             region: self.region(),
@@ -255,8 +262,19 @@ impl CoatObject {
 
     /// The coat as it is laid, and what is under it.
     fn laid_on(&self, place: &Placement, seed: u64) -> Result<(Laid, Geometry)> {
-        let (body, skin) = self.coat.grown_on(place, edge_mm(&self.feather))?;
-        Ok((self.coat.coat().lay(body, &self.feather, seed)?, skin))
+        let further = self.coat.feathers.iter().map(|kind| kind.feather);
+        let feathers: Vec<Feather> = std::iter::once(self.feather).chain(further).collect();
+        let (body, skin) = self.coat.grown_on(place, edge_mm(&feathers))?;
+        let map = self.coat.map.as_ref().map(|slot| {
+            let map = NumberMap::new(Texture::clone(slot.value()?), feathers.len(), "kinds of feathers");
+            map.map_err(|error| error.at(&slot.name))
+        });
+        let map = map.transpose()?;
+        let kinds = match &map {
+            Some(map) => Kinds::Map(map),
+            None => Kinds::Guides { mix_mm: self.coat.mix_mm },
+        };
+        Ok((self.coat.coat().lay(body, &feathers, kinds, seed)?, skin))
     }
 
     /// The coat as it is laid.
@@ -274,17 +292,22 @@ impl CoatObject {
         let mut objects = vec![Object { geometry: skin, surface: Surface::Lambertian(surface) }];
         let (mut counts, mut windows) = (Counts::default(), None);
         let detail = self.detail_on_body(width_mm);
-        for (variant, feather) in laid.variants.iter().enumerate() {
-            let one = self.one(*feather, detail);
+        for (variant, Variant { kind, feather }) in laid.variants.iter().enumerate() {
+            let one = self.one(*kind, *feather, detail);
             let (mut parts, own) = one.parts(width_mm, seed_of(variant, seed))?;
-            // The vanes of all show the same swatches, which take memory once.
+            // The vanes of all of a kind show the same swatches, which take memory once.
             match &windows {
-                None => {
-                    windows = Some(parts.iter().map(|part| part.geometry.window.clone()).collect::<Vec<_>>())
+                Some((shown, windows)) if shown == kind => {
+                    parts.iter_mut().zip(windows).for_each(
+                        |(part, window): (&mut Object, &Option<Arc<Window>>)| {
+                            part.geometry.window = window.clone().or(part.geometry.window.take());
+                        },
+                    );
                 }
-                Some(windows) => parts.iter_mut().zip(windows).for_each(|(part, shared)| {
-                    part.geometry.window = shared.clone().or(part.geometry.window.take());
-                }),
+                _ => {
+                    let own = parts.iter().map(|part| part.geometry.window.clone()).collect::<Vec<_>>();
+                    windows = Some((*kind, own));
+                }
             }
             let at_variant = laid.stands.iter().enumerate().filter(|(_, stand)| stand.variant == variant);
             let places: Vec<Place> =
@@ -302,12 +325,13 @@ impl CoatObject {
     }
 
     /// One of its feathers.
-    fn one(&self, feather: Feather, detail: Detail) -> super::FeatherObject {
+    fn one(&self, kind: usize, feather: Feather, detail: Detail) -> super::FeatherObject {
+        let further = kind.checked_sub(1).and_then(|index| self.coat.feathers.get(index));
         super::FeatherObject {
             feather,
             window: window(&feather),
             detail,
-            dress: self.dress.clone(),
+            dress: further.map_or(&self.dress, |kind| &kind.dress).clone(),
             zones: Vec::new(),
             zone_map: None,
         }
@@ -326,9 +350,10 @@ impl CoatObject {
 
     /// Names of its parts, in their order.
     pub(super) fn part_names(&self, width_mm: f64) -> Vec<&'static str> {
-        let one = self.one(self.feather, self.detail_on_body(width_mm));
+        let one = self.one(0, self.feather, self.detail_on_body(width_mm));
         let mut names = vec!["skin"];
-        (0..self.coat.variants).for_each(|_| names.extend(one.part_names(width_mm)));
+        (0..self.coat.variants * (1 + self.coat.feathers.len()))
+            .for_each(|_| names.extend(one.part_names(width_mm)));
         names
     }
 }

@@ -145,7 +145,11 @@ impl Zone {
 
     /// Where it is, if no picture says so.
     fn region(&self) -> Region {
-        let ring = self.ring.map(|Ring { centre_mm, radii_mm, stretch }| bsdf::Ring { centre_mm, radii_mm, stretch });
+        let ring = self.ring.map(|Ring { centre_mm, radii_mm, stretch }| bsdf::Ring {
+            centre_mm,
+            radii_mm,
+            stretch,
+        });
         Region { along: self.along, across: self.across, ring, edge_mm: self.edge_mm }
     }
 

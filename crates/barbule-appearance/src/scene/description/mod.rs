@@ -32,8 +32,8 @@ pub use sequence::{Motion, Moved, USUAL_ARC_DEG, Waypoint};
 pub use sky::{Background, SkyDescription, SkyImage};
 pub use slot::Slot;
 pub use surfaces::{
-    BarbuleClothing, Diffuse, FibreDescription, FilmDescription, Glass, GratingDescription, Metal, NamedSurface,
-    PigmentedKeratin, RoughMetal, Surfaces, SurfacesByPlace,
+    BarbuleClothing, Diffuse, FibreDescription, FilmDescription, Glass, GratingDescription, Metal,
+    NamedSurface, PigmentedKeratin, RoughMetal, Surfaces, SurfacesByPlace,
 };
 pub use view::{Up, View, ViewProjection};
 

@@ -8,8 +8,8 @@ use super::detail::ViewModel;
 use super::dress::{BarbuleDress, FeatherObject, RamusDress, Zone};
 use super::surfaces::FibreDescription;
 use crate::bsdf::{
-    BarbModel, BarbSurface, Dress as BarbDress, Hair, Keratin, Mark, Markings, Ramus, Row, Substance, Surface,
-    ZoneDress,
+    BarbModel, BarbSurface, Dress as BarbDress, Hair, Keratin, Mark, Markings, Ramus, Row, Substance,
+    Surface, ZoneDress,
 };
 use crate::math::rng::hash;
 use crate::scene::Object;

@@ -6,8 +6,9 @@ use super::colour::Colour;
 use super::slot::Slot;
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
-    Absorption, BarbuleSurface, Cells, Conductor, Dielectric, FacetRoughness, FibreIndex, Grating, Hair, HairParameters,
-    Keratin, Lambertian, Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap, Texture, ThinFilm,
+    Absorption, BarbuleSurface, Cells, Clad, Conductor, Dielectric, FacetRoughness, FibreIndex, Grating,
+    Hair, HairParameters, Keratin, Lambertian, Layout, Pictures, Reflectance, Relief, RoughDielectric,
+    Surface, SurfaceMap, Texture, ThinFilm,
 };
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{
@@ -380,6 +381,16 @@ impl BarbuleClothing {
     }
 }
 
+impl BarbuleClothing {
+    /// What a mesh or curve wears.
+    fn clad(&self) -> Result<Clad> {
+        let [width_mm, length_mm, cell_mm] =
+            [self.width_um, self.length_um, self.cell_um].map(|um| 1e-3 * um);
+        let layout = Layout { uv_mm: self.uv_mm, width_mm, length_mm, cell_mm, swelling: 0.0 };
+        Clad::new(self.barbules(Cells::default())?, layout)
+    }
+}
+
 impl NamedSurface {
     /// The surface; `all`: those that a map chooses among.
     pub(super) fn build(&self, all: &Surfaces) -> Result<Surface> {
@@ -407,7 +418,7 @@ impl NamedSurface {
                 let map = SurfaceMap::new(Texture::clone(file.value()?), surfaces);
                 Surface::Map(map.map_err(|error| error.at(&file.name))?)
             }
-            Self::Barbule(of) => Surface::Barbule(of.barbules(Cells::default())?),
+            Self::Barbule(of) => Surface::Clad(Box::new(of.clad()?)),
         })
     }
 
@@ -426,7 +437,9 @@ impl NamedSurface {
             Self::Keratin(_)
             | Self::Hair(_)
             | Self::Dielectric(_)
-            | Self::Conductor(_) | Self::Film(_) | Self::Barbule(_) => 0,
+            | Self::Conductor(_)
+            | Self::Film(_)
+            | Self::Barbule(_) => 0,
         }
     }
 }

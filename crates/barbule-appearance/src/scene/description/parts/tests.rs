@@ -3,13 +3,13 @@
 use super::*;
 use crate::brdf::fixtures::example;
 use crate::brdf::{FeatherBrdf, Options};
-use crate::scene::description::{Ring, SceneDescription};
 use crate::progress::Unobserved;
 use crate::render::film::Film;
 use crate::render::integrator::{Integrator, Transport};
 use crate::render::light::Lighting;
 use crate::render::run::{Goal, run};
 use crate::render::stage::Stage;
+use crate::scene::description::{Ring, SceneDescription};
 
 /// Six millimetres of the vane from above, a little from its base, 18 mm up the shaft, under a sky without lamps.
 const PATCH: &str = "preset = 'starling'
