@@ -1,6 +1,8 @@
 //! The only module that opens files.
 
+mod brdf_tables;
 mod cache;
+mod container;
 mod curves;
 mod feather;
 mod grating;
@@ -26,6 +28,7 @@ mod temporary;
 mod whole;
 mod zarr;
 
+pub use brdf_tables::{decode_tables, encode_tables, read_tables, write_tables};
 pub use cache::{CacheFile, delete_cached, list_cache};
 pub use curves::{curves_text, parse_curves, read_curves};
 pub use feather::{FeatherFormat, MOST_WRITTEN_BARBULES, write_feather};

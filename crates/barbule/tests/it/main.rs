@@ -12,6 +12,7 @@ mod crystals;
 mod film;
 mod furnace;
 mod geometry;
+mod golden;
 mod identity;
 mod levels;
 mod lights;
