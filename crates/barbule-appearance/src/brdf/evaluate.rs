@@ -4,42 +4,24 @@ use fearless_simd::{Level, Simd, f32x4, prelude::*};
 use glam::DVec3;
 
 use super::lanes::{Cosine, Extras, Mixed, Outgoing, Simplices, density, exp_of_negative};
-use super::material::{FeatherMaterial, check_sigma};
+use super::material::FeatherMaterial;
 use super::noise::{Draw, Noise};
-use super::profile::{Longitudinal, half_sine_squared};
-use super::sample::{Sampler, direction};
+use super::profile::half_sine_squared;
+use super::sample::direction;
 use super::slope::{FALL, FARTHEST, Slope};
-use super::table::{Grid, Incident, Table};
+use super::table::{Incident, Table};
+use super::tables::{BrdfTables, Options};
 use crate::Result;
 use crate::math::simd::dispatch_large;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
 
-/// How a material is prepared.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Options {
-    /// Longitudinal spread σ instead of the material's own.
-    pub sigma: Option<f64>,
-    /// Whether values are symmetrized, (f(ω_i, ω_o) + f(ω_o, ω_i))/2, at twice the cost.
-    pub reciprocal: bool,
-    /// The incident polarization; `None` for unpolarized light.
-    pub polarization: Option<Polarization>,
-}
-
 /// A feather material that is ready for evaluation. Shared between threads; nothing in it changes.
 #[derive(Debug, Clone)]
 pub struct FeatherBrdf {
-    pub(super) grid: Grid,
-    /// One, or one for each incident polarization.
-    pub(super) tables: Vec<Table>,
-    pub(super) longitudinal: Longitudinal,
+    pub(super) tables: BrdfTables,
     inverse_sigma2: f64,
-    pub(super) sampler: Sampler,
-    noise: Noise,
-    pub(super) kind: FitKind,
-    pub(super) options: Options,
     level: Level,
-    range_nm: (f64, f64),
 }
 
 /// A [`FeatherBrdf`] at N wavelengths and one incident direction; N is a multiple of four.
@@ -57,27 +39,20 @@ impl FeatherBrdf {
     /// # Errors
     /// A material that fails [`FeatherMaterial::check`], or σ out of range.
     pub fn new(material: &FeatherMaterial, options: Options) -> Result<Self> {
-        material.check()?;
-        let sigma = options.sigma.unwrap_or(material.sigma);
-        check_sigma(sigma)?;
-        let only = match options.polarization {
-            Some(Polarization::Second) if material.sets.len() == 2 => &material.sets[1..],
-            Some(Polarization::First) if material.sets.len() == 2 => &material.sets[..1],
-            _ => &material.sets[..],
-        };
-        let waves = material.axes.wavelengths_nm();
-        Ok(Self {
-            grid: Grid::new(material),
-            tables: only.iter().map(|set| Table::new(material, set, options.polarization)).collect(),
-            longitudinal: Longitudinal::new(sigma),
-            inverse_sigma2: 1.0 / (sigma * sigma),
-            sampler: Sampler::new(sigma),
-            noise: Noise::new(&material.noise_power, material.seed),
-            kind: material.kind,
-            options,
-            level: Level::new(),
-            range_nm: (waves[0], waves[waves.len() - 1]),
-        })
+        Ok(Self::from_tables(BrdfTables::new(material, options)?))
+    }
+
+    /// What these tables hold.
+    #[must_use]
+    pub fn from_tables(tables: BrdfTables) -> Self {
+        let sigma = tables.longitudinal.sigma;
+        Self { tables, inverse_sigma2: 1.0 / (sigma * sigma), level: Level::new() }
+    }
+
+    /// The tables that are evaluated.
+    #[must_use]
+    pub fn tables(&self) -> &BrdfTables {
+        &self.tables
     }
 
     /// f in 1/sr at N wavelengths (four, eight, …), without the cosine; zero unless both directions have z > 0.
@@ -95,7 +70,7 @@ impl FeatherBrdf {
         if is_above(wi) && is_above(wo) {
             let instance = instance.map(|name| self.instance(name));
             self.add_values(&wavelengths_nm, [wi, wo], None, instance.as_ref(), &mut values);
-            if self.options.reciprocal {
+            if self.tables.reciprocal {
                 self.add_values(&wavelengths_nm, [wo, wi], None, instance.as_ref(), &mut values);
                 values.iter_mut().for_each(|value| *value *= 0.5);
             }
@@ -125,19 +100,19 @@ impl FeatherBrdf {
     /// Shortest and longest wavelength of the tables, nm; beyond them the end values hold.
     #[must_use]
     pub fn wavelength_range_nm(&self) -> (f64, f64) {
-        self.range_nm
+        self.tables.grid.wavelength_range_nm()
     }
 
     /// The longitudinal spread in use.
     #[must_use]
     pub fn sigma(&self) -> f64 {
-        self.longitudinal.sigma
+        self.tables.longitudinal.sigma
     }
 
     /// The noise in use.
     #[must_use]
     pub fn noise(&self) -> &Noise {
-        &self.noise
+        &self.tables.noise
     }
 
     /// ∫ f (z·ω_o) dω_o of the smooth mean (before any symmetrization): what the mixed nodes reflect.
@@ -147,29 +122,19 @@ impl FeatherBrdf {
             return 0.0;
         }
         let incident = self.incident(wi);
-        let simplex = self.grid.simplex(&incident, f64::from(wavelength_nm));
+        let simplex = self.tables.grid.simplex(&incident, f64::from(wavelength_nm));
         let reflected = |table: &Table| -> f64 {
             let node = |k: usize| f64::from(simplex.weight[k]) * table.reflected(simplex.at[k]);
             (0..4).map(node).sum()
         };
-        self.tables.iter().map(reflected).sum::<f64>() / self.tables.len() as f64
-    }
-
-    /// Whose pattern a set's instances show: one polarization's, or both, summed by their fractions.
-    pub(super) fn polarization_of(&self, set: usize) -> Option<Polarization> {
-        match (self.options.polarization, self.tables.len(), set) {
-            (Some(polarization), ..) => Some(polarization),
-            (None, 1, _) => None,
-            (None, _, 0) => Some(Polarization::First),
-            (None, ..) => Some(Polarization::Second),
-        }
+        self.tables.sets.iter().map(reflected).sum::<f64>() / self.tables.sets.len() as f64
     }
 
     /// The barbule of this name, for [`PreparedBrdf::eval`].
     #[must_use]
     #[inline]
     pub fn instance(&self, name: u64) -> Draw {
-        self.noise.draw(name)
+        self.tables.noise.draw(name)
     }
 
     /// Everything about N wavelengths and one incident direction, to be used with many outgoing ones.
@@ -182,12 +147,12 @@ impl FeatherBrdf {
 
     /// ω_i in the tables.
     pub(super) fn incident(&self, wi: DVec3) -> Incident {
-        self.grid.incident([wi.x, wi.y, wi.z])
+        self.tables.grid.incident([wi.x, wi.y, wi.z])
     }
 
     #[inline(always)]
     fn cosine(&self) -> Cosine {
-        Cosine(if self.kind == FitKind::Marginal { 1.0 } else { 0.0 })
+        Cosine(if self.tables.kind == FitKind::Marginal { 1.0 } else { 0.0 })
     }
 
     /// f cosφ_o of one set at four wavelengths but for what the spread along the barbule makes of it.
@@ -200,19 +165,19 @@ impl FeatherBrdf {
         slope: &Slope,
         instance: Option<&At>,
     ) -> f32x4<S> {
-        let Some(at) = instance else { return Mixed::new(simd, &self.tables[set], simplices).mean };
+        let Some(at) = instance else { return Mixed::new(simd, &self.tables.sets[set], simplices).mean };
         // Noise before lobes: its loads wait longest.
-        let extras = Extras::new(simd, &self.tables[set], simplices);
-        let place = self.noise.place(simd, extras.inverse_length * at.x);
-        let [qr, qi, own_r, own_i] = self.noise.at_four(simd, at.draw, &place);
-        let Mixed { mean, steady } = Mixed::new(simd, &self.tables[set], simplices);
-        let value = if self.polarization_of(set) == Some(Polarization::First) {
+        let extras = Extras::new(simd, &self.tables.sets[set], simplices);
+        let place = self.tables.noise.place(simd, extras.inverse_length * at.x);
+        let [qr, qi, own_r, own_i] = self.tables.noise.at_four(simd, at.draw, &place);
+        let Mixed { mean, steady } = Mixed::new(simd, &self.tables.sets[set], simplices);
+        let value = if self.tables.polarization_of(set) == Some(Polarization::First) {
             speckled(mean, steady, qr, qi)
         } else {
             let gamma = extras.correlation;
             let rest = (f32x4::splat(simd, 1.0) - gamma * gamma).max(0.0).sqrt();
             let (second_r, second_i) = (gamma.mul_add(qr, rest * own_r), gamma.mul_add(qi, rest * own_i));
-            if self.polarization_of(set).is_some() {
+            if self.tables.polarization_of(set).is_some() {
                 speckled(mean, steady, second_r, second_i)
             } else {
                 // Half of each polarization's own values.
@@ -282,7 +247,7 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         if is_above(self.wi) && is_above(wo) {
             let (brdf, waves) = (self.brdf, &self.wavelengths_nm);
             brdf.add_values(waves, [self.wi, wo], Some(&self.incident), instance, &mut values);
-            if brdf.options.reciprocal {
+            if brdf.tables.reciprocal {
                 brdf.add_values(waves, [wo, self.wi], None, instance, &mut values);
                 values.iter_mut().for_each(|value| *value *= 0.5);
             }
@@ -303,8 +268,8 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         if !is_above(self.wi) {
             return None;
         }
-        let (incident, tables) = (&self.incident, &self.brdf.tables);
-        let simplex = self.brdf.grid.simplex(incident, f64::from(self.wavelengths_nm[lane]));
+        let (incident, tables) = (&self.incident, &self.brdf.tables.sets);
+        let simplex = self.brdf.tables.grid.simplex(incident, f64::from(self.wavelengths_nm[lane]));
         let share = |table: &Table, k: usize, lobe: usize| {
             f64::from(simplex.weight[k]) * f64::from(table.shares[simplex.at[k] as usize].0[2 + lobe])
         };
@@ -335,8 +300,8 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         let (table, k, lobe) = chosen;
         let node = &tables[table].nodes[simplex.at[k] as usize];
         let [_, own] = incident.corner(simplex.corners()[k]);
-        let azimuth = self.brdf.sampler.azimuth(node, lobe, incident, own, u[1]);
-        let inclination = self.brdf.sampler.inclination(incident.along, left);
+        let azimuth = self.brdf.tables.sampler.azimuth(node, lobe, incident, own, u[1]);
+        let inclination = self.brdf.tables.sampler.inclination(incident.along, left);
         let outgoing = direction(incident, azimuth, inclination);
         (outgoing.z > 0.0).then_some(outgoing)
     }
@@ -380,7 +345,7 @@ impl FeatherBrdf {
         instance: Option<&Draw>,
         values: &mut [f32],
     ) {
-        for set in 0..self.tables.len() {
+        for set in 0..self.tables.sets.len() {
             for (nm, values) in wavelengths_nm.chunks(8).zip(values.chunks_mut(8)) {
                 // A kernel for each, without what the other needs.
                 match instance {
@@ -429,11 +394,11 @@ impl FeatherBrdf {
         instance: Option<&Draw>,
         values: &mut [f32],
     ) {
-        let instance = instance.map(|draw| At::new(&self.noise, draw, [wi, wo]));
+        let instance = instance.map(|draw| At::new(&self.tables.noise, draw, [wi, wo]));
         let instance = instance.as_ref();
         let incident = match prepared {
             Some(incident) => *incident,
-            None => self.grid.incident([wi.x, wi.y, wi.z]),
+            None => self.tables.grid.incident([wi.x, wi.y, wi.z]),
         };
         let towards = self.towards(simd, incident, wo);
         let factor = self.factor(simd, &towards, wo);
@@ -470,12 +435,12 @@ impl FeatherBrdf {
     /// Densities of ω_o per sr at each wavelength.
     fn densities(&self, wavelengths_nm: &[f32], incident: &Incident, wo: DVec3, densities: &mut [f64]) {
         let towards = dispatch_large!(self.level, simd => self.towards(simd, *incident, wo));
-        let along = self.sampler.along(incident.along, [wo.y, towards.cos_theta]) / towards.cos_phi;
+        let along = self.tables.sampler.along(incident.along, [wo.y, towards.cos_theta]) / towards.cos_phi;
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = densities.as_chunks_mut::<4>();
         for (four, lanes) in fours.iter().zip(lanes) {
             let (mut sums, mut totals) = ([0.0_f32; 4], [0.0_f32; 4]);
-            for table in &self.tables {
+            for table in &self.tables.sets {
                 dispatch_large!(self.level, simd => {
                     let simplices = self.simplices(simd, &towards, four);
                     let [sum, total] = density(simd, table, &simplices);
@@ -503,14 +468,14 @@ impl FeatherBrdf {
         let Towards { incident: Incident { along, .. }, cos_theta, cos_phi, .. } = towards;
         let exponent = half_sine_squared(*along, [wo.y, *cos_theta]) * self.inverse_sigma2;
         let spread = exp_of_negative(simd, f32x4::splat(simd, exponent as f32))[0];
-        let share = if self.tables.len() == 2 { 0.5 } else { 1.0 };
-        spread * (self.longitudinal.inverse_q(along[1]) * share / (wo.z * cos_phi)) as f32
+        let share = if self.tables.sets.len() == 2 { 0.5 } else { 1.0 };
+        spread * (self.tables.longitudinal.inverse_q(along[1]) * share / (wo.z * cos_phi)) as f32
     }
 
     #[inline(always)]
     fn simplices<S: Simd>(&self, simd: S, towards: &Towards, four: &[f32; 4]) -> Simplices<S> {
         let Towards { incident, outgoing, .. } = towards;
-        Simplices::new(simd, &self.grid, incident, outgoing, four, self.cosine())
+        Simplices::new(simd, &self.tables.grid, incident, outgoing, four, self.cosine())
     }
 }
 

@@ -50,7 +50,7 @@ impl FeatherBrdf {
     pub fn exact(&self, wavelength_nm: f64, wi: DVec3) -> ExactBrdf<'_> {
         let place = (wi.z > 0.0).then(|| {
             let incident = self.incident(wi);
-            (incident, self.grid.simplex(&incident, wavelength_nm))
+            (incident, self.tables.grid.simplex(&incident, wavelength_nm))
         });
         ExactBrdf { brdf: self, wavelength_nm, incident: wi, place }
     }
@@ -65,7 +65,7 @@ impl ExactBrdf<'_> {
         }
         let draw = instance.map(|instance| self.brdf.noise().draw(instance));
         let mut values = self.one_way(wo, draw.as_ref());
-        if self.brdf.options.reciprocal {
+        if self.brdf.tables.reciprocal {
             let back = self.brdf.exact(self.wavelength_nm, wo).one_way(self.incident, draw.as_ref());
             values.f = 0.5 * (values.f + back.f);
             values.steady = 0.5 * (values.steady + back.steady);
@@ -78,7 +78,7 @@ impl ExactBrdf<'_> {
     fn one_way(&self, wo: DVec3, draw: Option<&Draw>) -> Values {
         let Some((incident, _)) = &self.place else { return Values::default() };
         let cos_o = wo.x.hypot(wo.z);
-        let along = self.brdf.longitudinal.value(incident.along, [wo.y, cos_o]) / wo.z;
+        let along = self.brdf.tables.longitudinal.value(incident.along, [wo.y, cos_o]) / wo.z;
         let across = self.across([wo.x / cos_o, wo.z / cos_o], cos_o, draw);
         Values { f: along * across.f, steady: along * across.steady, pdf: 0.0 }
     }
@@ -86,7 +86,7 @@ impl ExactBrdf<'_> {
     /// The factors across the barbule, in rad⁻¹, mean over the sets: f (of an instance) and s, at an azimuth by its sine and
     /// cosine. Noise and slope are those at this cosθ_o.
     pub(super) fn across(&self, [sin_phi, cos_phi]: [f64; 2], cos_theta: f64, draw: Option<&Draw>) -> Values {
-        let tables = &self.brdf.tables;
+        let tables = &self.brdf.tables.sets;
         let share = 1.0 / tables.len() as f64;
         let mut sum = Values::default();
         let [x, z] = [self.incident.x + cos_theta * sin_phi, self.incident.z + cos_theta * cos_phi];
@@ -102,7 +102,7 @@ impl ExactBrdf<'_> {
     /// 1/l of each set.
     pub(super) fn inverse_lengths(&self, sin_phi: f64, cos_phi: f64) -> Vec<f64> {
         let of = |table: &Table| self.mixed(table, sin_phi, cos_phi).inverse_length;
-        self.brdf.tables.iter().map(of).collect()
+        self.brdf.tables.sets.iter().map(of).collect()
     }
 
     /// f of an instance, S.25, each polarization with its own noise, at x = x_i + x_o and the slope of the facet that mirrors.
@@ -117,7 +117,7 @@ impl ExactBrdf<'_> {
         let slope = self.place.as_ref().map_or(Slope::default(), |(incident, _)| incident.slope);
         let factor = draw.factor(slope.part(facet, across.inverse_length), facet);
         factor
-            * match self.brdf.polarization_of(set) {
+            * match self.brdf.tables.polarization_of(set) {
                 Some(Polarization::First) => of(across.mean, across.steady, first),
                 Some(Polarization::Second) => of(across.mean, across.steady, second),
                 None => {
@@ -138,9 +138,10 @@ impl ExactBrdf<'_> {
             let weight = f64::from(simplex.weight[k]);
             let node = &table.nodes[simplex.at[k] as usize];
             let turned = Turned::new(incident.corner(simplex.corners()[k]), tau, cos_phi);
-            let mean = turned.shape(node, 0, self.brdf.kind) + turned.shape(node, 1, self.brdf.kind);
+            let mean =
+                turned.shape(node, 0, self.brdf.tables.kind) + turned.shape(node, 1, self.brdf.tables.kind);
             sum.mean += weight * turned.stretch * mean;
-            sum.steady += weight * turned.stretch * turned.shape(node, LOBES - 1, self.brdf.kind);
+            sum.steady += weight * turned.stretch * turned.shape(node, LOBES - 1, self.brdf.tables.kind);
             let extra = |k: usize| weight * f64::from(node.0[EXTRAS + k]);
             sum.inverse_length += extra(0);
             sum.correlation += extra(1);
@@ -156,7 +157,7 @@ impl ExactBrdf<'_> {
         let cos_o = wo.x.hypot(wo.z);
         let (tau, cos_phi) = incident.product(wo.x, wo.z, cos_o);
         let (mut sum, mut total) = (0.0, 0.0);
-        for table in &self.brdf.tables {
+        for table in &self.brdf.tables.sets {
             for k in 0..4 {
                 let weight = f64::from(simplex.weight[k]);
                 let at = simplex.at[k] as usize;
@@ -168,7 +169,7 @@ impl ExactBrdf<'_> {
                 }
             }
         }
-        sum / total * self.brdf.sampler.along(incident.along, [wo.y, cos_o])
+        sum / total * self.brdf.tables.sampler.along(incident.along, [wo.y, cos_o])
     }
 }
 

@@ -108,7 +108,7 @@ impl Meridian<'_> {
         let (sine, cosine) = self.phi.sin_cos();
         let f = |theta: f64| {
             let (y_o, cos_o) = theta.sin_cos();
-            let along = self.exact.brdf.longitudinal.value([wi.y, cos_i], [y_o, cos_o]);
+            let along = self.exact.brdf.tables.longitudinal.value([wi.y, cos_i], [y_o, cos_o]);
             self.exact.across([sine, cosine], cos_o, Some(self.draw)).f * along * cos_o / cos_i
         };
         let edges = self.edges();

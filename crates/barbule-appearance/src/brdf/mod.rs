@@ -4,6 +4,7 @@
 //! the tables that a `.barbule` file holds; [`FeatherBrdf`] prepares one for evaluation. Directions are in the
 //! barbule's frame (x across, y along, z up) and point away from the surface; values are in 1/sr without the cosine.
 
+mod arrays;
 mod correlation;
 mod evaluate;
 mod exact;
@@ -20,6 +21,7 @@ mod material;
 mod noise;
 mod patterns;
 pub mod pictures;
+mod plain;
 mod profile;
 mod report;
 mod sample;
@@ -27,8 +29,10 @@ mod simd;
 mod slope;
 mod steady;
 mod table;
+mod tables;
 
-pub use evaluate::{FeatherBrdf, Options, PreparedBrdf};
+pub use arrays::{Numbers, TableArray};
+pub use evaluate::{FeatherBrdf, PreparedBrdf};
 pub use exact::{ExactBrdf, Values, values};
 pub use marginal::{Marginal, marginals};
 pub use material::{
@@ -36,4 +40,6 @@ pub use material::{
 };
 pub use noise::{Draw, Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;
+pub use plain::PlainBrdf;
 pub use profile::lobe_integral;
+pub use tables::{BrdfTables, Options, TABLES_VERSION, TablesHeader};

@@ -5,9 +5,11 @@ use num_complex::Complex;
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
+use super::arrays::{Arrays, TableArray};
 use super::material::NOISE_TERMS;
 use super::simd::whole_and_rest;
 use super::slope::{self, VALUES};
+use crate::Result;
 use crate::math::fft::Transformable as _;
 use crate::math::rng::{Stream, hash};
 use crate::scattering::statistics::NOISE_POINTS;
@@ -55,7 +57,7 @@ pub fn spectrum(autocovariance: &[f64]) -> Vec<f64> {
 }
 
 /// Draws of the process, ready for lookup.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
     /// In sixteen bits, so that all stay in a core's cache (1 MB), and one load holds all about a place. Shape
     /// `[base, point, 4]`.
@@ -137,9 +139,36 @@ impl Noise {
                 [(step * cos) as f32, (step * sin) as f32]
             })
             .collect();
-        let loss = (2.0 * (1.0 - autocovariance[1])) as f32;
         let wings = slope::values().into_iter().map(|value| value as f32).collect();
-        Self { values, rotations, wings, autocovariance, loss, seed }
+        Self { values, rotations, wings, loss: loss(&autocovariance), autocovariance, seed }
+    }
+
+    pub(super) fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    pub(super) fn arrays(&self) -> [TableArray<'_>; 4] {
+        [
+            TableArray::new("codes", &[BASES, HALF + 1, 4], self.values.as_flattened()),
+            TableArray::new("rotations", &[ROTATIONS, 2], self.rotations.as_flattened()),
+            TableArray::new("wings", &[VALUES], &self.wings),
+            TableArray::new("autocovariance", &[HALF + 1], &self.autocovariance),
+        ]
+    }
+
+    pub(super) fn from_arrays(from: Arrays<'_>, seed: u64) -> Result<Self> {
+        let codes = from.get("codes", &[BASES, HALF + 1, 4], &[[-32_768.0, 32_767.0]])?;
+        let rotations = from.get("rotations", &[ROTATIONS, 2], &[[-1e3, 1e3]])?;
+        let one = 1.0 + 1e-9;
+        let autocovariance = from.get("autocovariance", &[HALF + 1], &[[-one, one]])?.to_vec();
+        Ok(Self {
+            values: codes.as_chunks().0.to_vec(),
+            rotations: rotations.as_chunks().0.to_vec(),
+            wings: from.get("wings", &[VALUES], &[[0.0, 100.0]])?.to_vec(),
+            loss: loss(&autocovariance),
+            autocovariance,
+            seed,
+        })
     }
 
     /// The autocovariance of the process at lags 0 … N/2, spacing 2/N.
@@ -238,6 +267,11 @@ impl Noise {
         let point = (draw.shift + draw.direction * point) as usize % HALF;
         black_box(self.values[draw.base][4 * point]);
     }
+}
+
+/// 1 − C₁, twice.
+fn loss(autocovariance: &[f64]) -> f32 {
+    (2.0 * (1.0 - autocovariance[1])) as f32
 }
 
 /// Points of the noise beside four places, and their weights.

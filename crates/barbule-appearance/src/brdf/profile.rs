@@ -6,6 +6,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::arrays::{Arrays, TableArray};
 use super::material::check_sigma;
 use crate::math::quadrature::gauss_legendre;
 use crate::scattering::lobe::{FitKind, Lobe};
@@ -70,7 +71,7 @@ impl Areas {
 }
 
 /// The longitudinal spread of one σ.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Longitudinal {
     pub(super) sigma: f64,
     /// 1/Q at evenly spaced √cosθ_i.
@@ -93,6 +94,15 @@ impl Longitudinal {
             })
             .collect();
         Self { sigma, inverse_q }
+    }
+
+    pub(super) fn array(&self) -> TableArray<'_> {
+        TableArray::new("inverse_q", &[INTERVALS + 1], &self.inverse_q)
+    }
+
+    pub(super) fn from_arrays(from: Arrays<'_>, sigma: f64) -> Result<Self> {
+        let inverse_q = from.get("inverse_q", &[INTERVALS + 1], &[[1e-3, 1e9]])?.to_vec();
+        Ok(Self { sigma, inverse_q })
     }
 
     /// 1/Q at this cosθ_i.

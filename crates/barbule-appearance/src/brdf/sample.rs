@@ -8,8 +8,10 @@
 use glam::DVec3;
 use std::f64::consts::PI;
 
+use super::arrays::{Arrays, TableArray};
 use super::profile::half_sine_squared;
 use super::table::{Incident, M2, MIDDLE, Node, tangent};
+use crate::Result;
 use crate::math::normal;
 
 /// From this a on, h is uniform within a relative 2e-6.
@@ -22,7 +24,7 @@ const INTERVALS: usize = 64;
 const SURE: f64 = 6.0;
 
 /// What all draws of one σ share.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sampler {
     sigma: f64,
     /// δ and dδ/ds at evenly spaced s; see [`Sampler::inverse`].
@@ -41,6 +43,15 @@ impl Sampler {
             })
             .collect();
         Self { sigma, nodes }
+    }
+
+    pub(super) fn array(&self) -> TableArray<'_> {
+        TableArray::new("student", &[INTERVALS + 1, 2], self.nodes.as_flattened())
+    }
+
+    pub(super) fn from_arrays(from: Arrays<'_>, sigma: f64) -> Result<Self> {
+        let nodes = from.get("student", &[INTERVALS + 1, 2], &[[0.0, 3.2], [0.5, 2.0]])?;
+        Ok(Self { sigma, nodes: nodes.as_chunks().0.to_vec() })
     }
 
     /// sinφ_o and cosφ_o of a lobe of a node whose own φ_i has this τ, as the light's side sees them.

@@ -12,12 +12,15 @@
 
 use fearless_simd::{Simd, f32x4, i32x4, prelude::*};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::material::{FeatherMaterial, LobeSet, ParameterSet};
+use super::arrays::{Arrays, Numbers, TableArray};
+use super::material::{FeatherMaterial, LENGTHS, LobeSet, ParameterSet};
 use super::profile::{Areas, Part};
 use super::sample::distribution;
-use super::slope::Slope;
+use super::slope::{STEEPNESS, Slope};
+use crate::Result;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::{FitKind, Lobe};
 use crate::scattering::statistics::{Axes, Sides};
@@ -27,7 +30,7 @@ pub(super) const LOBES: usize = 3;
 
 /// A node in one cache line: by parameter, then by lobe. A load of four at the first parameters reads one number of the
 /// next parameter beside the three lobes'.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub(super) struct Node(pub(super) [f32; 16]);
 
@@ -44,7 +47,7 @@ pub(super) const EXTRAS: usize = 12;
 
 /// What sampling needs of a node: of each mean lobe the factor of its density (with cosψ), and the fraction that each
 /// reflects.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(16))]
 pub(super) struct Shares(pub(super) [f32; 4]);
 
@@ -57,8 +60,30 @@ const LEAST_COSINE: f64 = 1e-4;
 /// φ_o nearer to grazing count as this cosφ_o.
 const LEAST_OUTGOING: f64 = 1e-8;
 
+/// The largest number in single precision.
+const LARGEST: f64 = f32::MAX as f64;
+
+/// Ranges of a node's numbers.
+const NODE_RANGES: [[f64; 2]; 16] = {
+    let (m2, rest, middle, strength) = ([9e-7, 1.0], [0.0, 1.0], [1e-12, 1e12], [0.0, LARGEST]);
+    let (length, share) = ([1.0 / LENGTHS.1 as f64, 1.0 / LENGTHS.0 as f64], [0.0, 1.0]);
+    [
+        m2, m2, m2, rest, rest, rest, middle, middle, middle, strength, strength, strength, length, share,
+        share, share,
+    ]
+};
+
+/// Of what sampling needs of it.
+const SHARE_RANGES: [[f64; 2]; 4] = [[0.0, LARGEST], [0.0, LARGEST], [1e-13, 4.0], [1e-13, 4.0]];
+
+/// Of what it reflects: of one polarization twice as much as of unpolarized light.
+const REFLECTED_RANGE: [f64; 2] = [0.0, 2.001];
+
+/// Of κ and g.
+const SLOPE_RANGES: [[f64; 2]; 2] = [[STEEPNESS.0 as f64, STEEPNESS.1 as f64], [0.0, 1.0]];
+
 /// Lookup table of one parameter set.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Table {
     /// Shape `[θ_i, φ_i, λ]`.
     pub(super) nodes: Vec<Node>,
@@ -69,7 +94,7 @@ pub(super) struct Table {
 }
 
 /// The axes of a material's tables, with the nodes that are added at grazing.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid {
     theta: Axis,
     phi: Axis,
@@ -86,7 +111,7 @@ pub(super) struct Grid {
 }
 
 /// Rising places, found by arithmetic where they are evenly spaced.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 struct Axis {
     places: Vec<f64>,
     inverse_spacing: Option<f64>,
@@ -232,6 +257,54 @@ impl Grid {
             wavelengths: Axis::new(axes.wavelengths_nm().to_vec()),
             waves,
         }
+    }
+
+    /// Numbers of θ_i, φ_i and λ.
+    pub(super) fn sizes(&self) -> [usize; 3] {
+        [self.cos_theta.len(), self.tangents.len(), self.waves]
+    }
+
+    pub(super) fn sides(&self) -> Sides {
+        self.sides
+    }
+
+    /// Shortest and longest wavelength, nm.
+    pub(super) fn wavelength_range_nm(&self) -> (f64, f64) {
+        let places = &self.wavelengths.places;
+        (places[0], places[places.len() - 1])
+    }
+
+    pub(super) fn arrays(&self) -> Vec<TableArray<'_>> {
+        let [thetas, phis, waves] = self.sizes();
+        let slopes = self.slopes.iter().flat_map(|slope| [slope.steepness, slope.strength]).collect();
+        vec![
+            TableArray::new("wavelengths_nm", &[waves], &self.wavelengths.places),
+            TableArray::new("theta", &[thetas], &self.theta.places),
+            TableArray::new("phi", &[phis], &self.phi.places),
+            TableArray::new("cos_theta", &[thetas], &self.cos_theta),
+            TableArray::new("tangents", &[phis], &self.tangents),
+            TableArray {
+                name: "slopes".into(),
+                shape: vec![thetas, phis, 2],
+                numbers: Numbers::F64(Cow::Owned(slopes)),
+            },
+        ]
+    }
+
+    pub(super) fn from_arrays(from: Arrays<'_>, sides: Sides, sizes: [usize; 3]) -> Result<Self> {
+        let [thetas, phis, waves] = sizes;
+        let axis = |name, count, range| Ok(Axis::new(from.rising(name, count, range)?.to_vec()));
+        let slopes = from.get::<f64>("slopes", &[thetas, phis, 2], &SLOPE_RANGES)?.as_chunks().0;
+        Ok(Self {
+            theta: axis("theta", thetas, [0.0, 1.0])?,
+            phi: axis("phi", phis, [-1.0, 1.0])?,
+            cos_theta: from.get("cos_theta", &[thetas], &[[1e-7, 1.0]])?.to_vec(),
+            tangents: from.get("tangents", &[phis], &[[1e-7, 1e7]])?.to_vec(),
+            slopes: slopes.iter().map(|&[steepness, strength]| Slope { steepness, strength }).collect(),
+            sides,
+            wavelengths: axis("wavelengths_nm", waves, [100.0, 20_000.0])?,
+            waves,
+        })
     }
 
     /// ω_i in the tables; both of its x and z count, z > 0.
@@ -397,6 +470,35 @@ impl Table {
 }
 
 impl Table {
+    /// The arrays of this set; `prefix` stands before their names.
+    pub(super) fn arrays(&self, prefix: &str, sizes: [usize; 3]) -> [TableArray<'_>; 3] {
+        let [thetas, phis, waves] = sizes;
+        let flat = |name: &str, width: usize, numbers: Vec<f32>| TableArray {
+            name: format!("{prefix}{name}"),
+            shape: vec![thetas, phis, waves, width],
+            numbers: Numbers::F32(Cow::Owned(numbers)),
+        };
+        [
+            flat("nodes", 16, self.nodes.iter().flat_map(|node| node.0).collect()),
+            flat("shares", 4, self.shares.iter().flat_map(|shares| shares.0).collect()),
+            TableArray::new(format!("{prefix}reflected"), &sizes, &self.reflected),
+        ]
+    }
+
+    pub(super) fn from_arrays(from: Arrays<'_>, prefix: &str, sizes: [usize; 3]) -> Result<Self> {
+        let [thetas, phis, waves] = sizes;
+        let get = |name: &str, shape: &[usize], ranges: &[[f64; 2]]| {
+            from.get::<f32>(&format!("{prefix}{name}"), shape, ranges)
+        };
+        let nodes = get("nodes", &[thetas, phis, waves, 16], &NODE_RANGES)?;
+        let shares = get("shares", &[thetas, phis, waves, 4], &SHARE_RANGES)?;
+        Ok(Self {
+            nodes: nodes.as_chunks().0.iter().map(|node| Node(*node)).collect(),
+            shares: shares.as_chunks().0.iter().map(|shares| Shares(*shares)).collect(),
+            reflected: get("reflected", &sizes, &[REFLECTED_RANGE])?.to_vec(),
+        })
+    }
+
     /// What the mean lobes of a node reflect.
     pub(super) fn reflected(&self, at: u32) -> f64 {
         f64::from(self.reflected[at as usize])

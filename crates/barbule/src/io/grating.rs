@@ -9,7 +9,7 @@ use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 
 use super::whole::read_at_most;
-use super::write_whole;
+use super::{container, write_whole};
 use crate::scattering::grating::{
     Basis, Coherence, Normalization, Obliquity, Orders, Place, Powers, Setup, TableGrid, Tables,
 };
@@ -228,12 +228,7 @@ fn checksum<'a>(
 ) -> Result<String> {
     let bare = Description { checksum: String::new(), ..description.clone() };
     let json = serde_json::to_string(&bare).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(json.as_bytes());
-    for (name, bytes) in tensors {
-        hasher.update(name.as_bytes()).update(&[0]).update(bytes);
-    }
-    Ok(hasher.finalize().to_hex().to_string())
+    Ok(container::checksum(&json, tensors))
 }
 
 #[cfg(test)]

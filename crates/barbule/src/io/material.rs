@@ -9,7 +9,7 @@ use std::path::Path;
 use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 
-use super::{read_bytes, write_whole};
+use super::{container, read_bytes, write_whole};
 use crate::brdf::{FeatherMaterial, LobeSet, ParameterSet, table_axes};
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::{Axes, Sides};
@@ -396,12 +396,7 @@ fn checksum<'a>(
 ) -> Result<String> {
     let bare = Description { checksum: String::new(), ..description.clone() };
     let json = serde_json::to_string(&bare).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(json.as_bytes());
-    for (name, bytes) in tensors {
-        hasher.update(name.as_bytes()).update(&[0]).update(bytes);
-    }
-    Ok(hasher.finalize().to_hex().to_string())
+    Ok(container::checksum(&json, tensors))
 }
 
 fn kind_name(kind: FitKind) -> &'static str {

@@ -1,7 +1,9 @@
 //! The only module that opens files.
 
 mod assets;
+mod brdf_tables;
 mod cache;
+mod container;
 mod curves;
 mod feather;
 mod grating;
@@ -27,6 +29,7 @@ mod whole;
 mod zarr;
 
 pub use assets::{Assets, Folder, Memory};
+pub use brdf_tables::{decode_tables, encode_tables, read_tables, write_tables};
 pub use cache::{CacheFile, delete_cached, list_cache};
 pub use curves::{LARGEST_CURVES, curves_text, decode_curves, parse_curves, read_curves};
 pub use feather::{FeatherFormat, MOST_WRITTEN_BARBULES, write_feather};

@@ -47,7 +47,7 @@ fn barbule(instances: bool) -> BarbuleSurface {
 fn grown() -> Vec<(Vec<RibbonNode>, Ribbon)> {
     let feather = feather();
     let window = VaneDisc { along_mm: 0.6 * feather.shaft.length_mm, radius_mm: Some(1.0) };
-    let grown = feather.grow(window, Level::Barbules, 1, 1).unwrap();
+    let grown = feather.grow(window, Level::Barbules, None, 1, 1).unwrap();
     let [distal, _] = &grown.barbules;
     let step = distal.ribbons.len() / 24;
     let of = |ribbon: &Ribbon| {

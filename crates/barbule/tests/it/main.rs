@@ -13,6 +13,7 @@ mod crystals;
 mod film;
 mod furnace;
 mod geometry;
+mod golden;
 mod identity;
 mod levels;
 mod lights;

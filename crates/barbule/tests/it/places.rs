@@ -73,10 +73,11 @@ fn mean(mut objects: Vec<Object>, place: &Place) -> [f64; 3] {
 fn a_feather_looks_the_same_wherever_it_stands() {
     let brdf = Arc::new(FeatherBrdf::new(&example(3), Options::default()).unwrap());
     for level in ["barbules", "barbs", "vane", "envelopes"] {
-        let scene = SceneDescription::parse(&format!("{PATCH}'{level}'")).unwrap();
+        let scene =
+            SceneDescription::parse(&format!("{PATCH}'{level}'")).unwrap().wearing(brdf.clone()).unwrap();
         let (mut expected, mut found) = ([0.0; 3], [0.0; 3]);
         for seed in 1..=SEEDS {
-            let (objects, _) = scene.objects(brdf.clone(), seed).unwrap();
+            let (objects, _) = scene.objects(seed).unwrap();
             let places = vec![Place { shift: DVec3::X * 8.0, id: 11, ..Place::HERE }, second()];
             let placed = objects.iter().map(|object| {
                 let geometry = Geometry { places: places.clone(), ..object.geometry.clone() };

@@ -1,0 +1,275 @@
+//! All that a BRDF evaluates, in the open: named arrays of plain numbers.
+//!
+//! `docs/formats/brdf-tables.md` says what each array holds and how values follow from them;
+//! [`PlainBrdf`](super::PlainBrdf) does so formula by formula.
+
+use super::arrays::{Arrays, TableArray};
+use super::material::{FeatherMaterial, check_sigma};
+use super::noise::Noise;
+use super::profile::Longitudinal;
+use super::sample::Sampler;
+use super::table::{Grid, Table};
+use crate::scattering::far_field::Polarization;
+use crate::scattering::lobe::FitKind;
+use crate::scattering::statistics::Sides;
+use crate::{Error, Result};
+
+/// Version of the arrays and of what they mean.
+pub const TABLES_VERSION: u32 = 1;
+
+/// No tables have more nodes than this: those of a material with both grazing sides added to its axes.
+const MOST_NODES: usize = 16_000_000;
+
+/// How a material is prepared.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Options {
+    /// Longitudinal spread σ instead of the material's own.
+    pub sigma: Option<f64>,
+    /// Whether values are symmetrized, (f(ω_i, ω_o) + f(ω_o, ω_i))/2, at twice the cost.
+    pub reciprocal: bool,
+    /// The incident polarization; `None` for unpolarized light.
+    pub polarization: Option<Polarization>,
+}
+
+/// What the arrays mean, and how large they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TablesHeader {
+    /// [`TABLES_VERSION`] of the program that made them.
+    pub version: u32,
+    /// Whether shapes have the cosine.
+    pub kind: FitKind,
+    /// Whether light from φ_i < 0 is the mirror image.
+    pub sides: Sides,
+    /// The incident polarization that the values are of; `None` for unpolarized light.
+    pub polarization: Option<Polarization>,
+    /// Whether values are symmetrized.
+    pub reciprocal: bool,
+    /// Longitudinal spread σ.
+    pub sigma: f64,
+    /// Seed that instances are named with.
+    pub seed: u64,
+    /// Sets of nodes, 1 or 2.
+    pub sets: usize,
+    /// Places along cosθ_i, with the one at grazing.
+    pub thetas: usize,
+    /// Places along φ_i, with those at grazing.
+    pub phis: usize,
+    /// Wavelengths.
+    pub waves: usize,
+}
+
+/// All that a [`FeatherBrdf`](super::FeatherBrdf) evaluates. Always whole and in range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BrdfTables {
+    pub(super) kind: FitKind,
+    pub(super) polarization: Option<Polarization>,
+    pub(super) reciprocal: bool,
+    pub(super) grid: Grid,
+    /// One, or one for each incident polarization.
+    pub(super) sets: Vec<Table>,
+    pub(super) longitudinal: Longitudinal,
+    pub(super) sampler: Sampler,
+    pub(super) noise: Noise,
+}
+
+impl BrdfTables {
+    /// Checks the material, integrates the lobes of its nodes and draws its noise: about a second per million nodes.
+    ///
+    /// # Errors
+    /// A material that fails [`FeatherMaterial::check`], or σ out of range.
+    pub fn new(material: &FeatherMaterial, options: Options) -> Result<Self> {
+        material.check()?;
+        let sigma = options.sigma.unwrap_or(material.sigma);
+        check_sigma(sigma)?;
+        let only = match options.polarization {
+            Some(Polarization::Second) if material.sets.len() == 2 => &material.sets[1..],
+            Some(Polarization::First) if material.sets.len() == 2 => &material.sets[..1],
+            _ => &material.sets[..],
+        };
+        Ok(Self {
+            kind: material.kind,
+            polarization: options.polarization,
+            reciprocal: options.reciprocal,
+            grid: Grid::new(material),
+            sets: only.iter().map(|set| Table::new(material, set, options.polarization)).collect(),
+            longitudinal: Longitudinal::new(sigma),
+            sampler: Sampler::new(sigma),
+            noise: Noise::new(&material.noise_power, material.seed),
+        })
+    }
+
+    /// What the arrays mean.
+    #[must_use]
+    pub fn header(&self) -> TablesHeader {
+        let [thetas, phis, waves] = self.grid.sizes();
+        TablesHeader {
+            version: TABLES_VERSION,
+            kind: self.kind,
+            sides: self.grid.sides(),
+            polarization: self.polarization,
+            reciprocal: self.reciprocal,
+            sigma: self.longitudinal.sigma,
+            seed: self.noise.seed(),
+            sets: self.sets.len(),
+            thetas,
+            phis,
+            waves,
+        }
+    }
+
+    /// The arrays, always in the same order.
+    #[must_use]
+    pub fn arrays(&self) -> Vec<TableArray<'_>> {
+        let mut all = self.grid.arrays();
+        for (number, set) in self.sets.iter().enumerate() {
+            all.extend(set.arrays(&prefix(number, self.sets.len()), self.grid.sizes()));
+        }
+        all.extend([self.longitudinal.array(), self.sampler.array()]);
+        all.extend(self.noise.arrays());
+        all
+    }
+
+    /// Whose pattern a set's instances show: one polarization's, or both, summed by their fractions.
+    #[inline(always)]
+    pub(super) fn polarization_of(&self, set: usize) -> Option<Polarization> {
+        match (self.polarization, self.sets.len(), set) {
+            (Some(polarization), ..) => Some(polarization),
+            (None, 1, _) => None,
+            (None, _, 0) => Some(Polarization::First),
+            (None, ..) => Some(Polarization::Second),
+        }
+    }
+
+    /// Tables from arrays as [`arrays`](Self::arrays) gives them, in any order.
+    ///
+    /// # Errors
+    /// Another version; an array that is missing, or whose type, shape or numbers no material has.
+    pub fn from_arrays(header: &TablesHeader, arrays: &[TableArray<'_>]) -> Result<Self> {
+        check_header(header)?;
+        let sizes = [header.thetas, header.phis, header.waves];
+        let from = Arrays::new(arrays);
+        let set = |number: usize| Table::from_arrays(from, &prefix(number, header.sets), sizes);
+        Ok(Self {
+            kind: header.kind,
+            polarization: header.polarization,
+            reciprocal: header.reciprocal,
+            grid: Grid::from_arrays(from, header.sides, sizes)?,
+            sets: (0..header.sets).map(set).collect::<Result<_>>()?,
+            longitudinal: Longitudinal::from_arrays(from, header.sigma)?,
+            sampler: Sampler::from_arrays(from, header.sigma)?,
+            noise: Noise::from_arrays(from, header.seed)?,
+        })
+    }
+}
+
+/// What stands before the names of a set's arrays.
+fn prefix(set: usize, sets: usize) -> String {
+    if sets == 1 { String::new() } else { format!("p{}.", set + 1) }
+}
+
+fn check_header(header: &TablesHeader) -> Result<()> {
+    let TablesHeader { version, sets, thetas, phis, waves, .. } = *header;
+    if version != TABLES_VERSION {
+        return Err(Error::input(format!(
+            "the tables have version {version}, but this program reads version {TABLES_VERSION}; make them again from the material"
+        )));
+    }
+    check_sigma(header.sigma)?;
+    if sets == 2 && header.polarization.is_some() {
+        return Err(Error::input("the tables have 2 sets, but one polarization has only its own"));
+    }
+    let nodes = thetas.checked_mul(phis).and_then(|cells| cells.checked_mul(waves));
+    let fit = (1..=2).contains(&sets) && thetas > 1 && phis > 1 && waves > 0;
+    if !fit || nodes.is_none_or(|nodes| nodes > MOST_NODES) {
+        return Err(Error::input(format!(
+            "the tables have {sets} sets of {thetas} × {phis} × {waves} nodes, but 1 or 2 sets of 2 × 2 × 1 to {MOST_NODES} nodes are possible"
+        )));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::borrow::Cow;
+
+    use super::*;
+    use crate::brdf::arrays::Numbers;
+    use crate::brdf::fixtures::example;
+
+    fn tables() -> BrdfTables {
+        BrdfTables::new(&example(3), Options::default()).unwrap()
+    }
+
+    #[test]
+    fn tables_are_what_their_arrays_are() {
+        for options in [
+            Options::default(),
+            Options { sigma: Some(0.1), reciprocal: true, polarization: Some(Polarization::Second) },
+        ] {
+            let tables = BrdfTables::new(&example(3), options).unwrap();
+            let mut arrays = tables.arrays();
+            for array in &arrays {
+                let count = match &array.numbers {
+                    Numbers::F64(v) => v.len(),
+                    Numbers::F32(v) => v.len(),
+                    Numbers::I16(v) => v.len(),
+                };
+                assert_eq!(count, array.shape.iter().product::<usize>(), "{}", array.name);
+            }
+            arrays.reverse();
+            assert_eq!(BrdfTables::from_arrays(&tables.header(), &arrays).unwrap(), tables);
+        }
+    }
+
+    #[test]
+    fn what_no_material_has_is_refused() {
+        let tables = tables();
+        let header = tables.header();
+        let refused = |header: TablesHeader, arrays: &[TableArray<'_>]| {
+            BrdfTables::from_arrays(&header, arrays).unwrap_err().to_string()
+        };
+        for (header, expected) in [
+            (TablesHeader { version: 2, ..header }, "version 2, but this program reads version 1"),
+            (TablesHeader { sigma: f64::NAN, ..header }, "sigma is NaN"),
+            (TablesHeader { sets: 0, ..header }, "0 sets"),
+            (
+                TablesHeader { sets: 2, polarization: Some(Polarization::First), ..header },
+                "2 sets, but one polarization",
+            ),
+            (TablesHeader { thetas: usize::MAX, ..header }, "1 or 2 sets of"),
+            (TablesHeader { waves: 4, ..header }, "wavelengths_nm has 3 numbers and not the shape [4]"),
+            (TablesHeader { sets: 2, ..header }, "p1.nodes is missing"),
+        ] {
+            let found = refused(header, &tables.arrays());
+            assert!(found.contains(expected), "{found}");
+        }
+        for number in 0..tables.arrays().len() {
+            let mut arrays = tables.arrays();
+            let name = arrays.remove(number).name;
+            assert!(refused(header, &arrays).contains(&format!("array {name} is missing")));
+            let mut arrays = tables.arrays();
+            arrays[number].numbers = Numbers::I16(Cow::Owned(vec![0; 7]));
+            let found = refused(header, &arrays);
+            assert!(found.contains(&format!("array {name} has ")), "{found}");
+            let mut arrays = tables.arrays();
+            let expected = match &mut arrays[number].numbers {
+                Numbers::F64(values) => {
+                    values.to_mut()[0] = f64::NAN;
+                    format!("{name}[0] = NaN is not in")
+                }
+                Numbers::F32(values) => {
+                    values.to_mut()[1] = f32::INFINITY;
+                    format!("{name}[1] = inf is not in")
+                }
+                // Any code is one.
+                Numbers::I16(_) => continue,
+            };
+            let found = refused(header, &arrays);
+            assert!(found.contains(&expected), "{found}");
+        }
+        let mut arrays = tables.arrays();
+        let Numbers::F64(waves) = &mut arrays[0].numbers else { panic!("wavelengths first") };
+        waves.to_mut().swap(0, 1);
+        assert!(refused(header, &arrays).contains("wavelengths_nm[1] does not exceed"));
+    }
+}
