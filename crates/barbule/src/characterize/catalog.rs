@@ -58,7 +58,7 @@ impl Found {
     /// As [`crate::io::read_material`].
     pub fn in_file(path: &Path) -> Result<Self> {
         let bytes = read_bytes(path)?;
-        let material = decode_material(&bytes).map_err(|error| error.at(path.display()))?;
+        let material = decode_material(&bytes).map_err(|error| error.in_file(path))?;
         Ok(Self { material, hash: hash_bytes(&bytes), origin: Origin::File(path.to_owned()) })
     }
 

@@ -20,9 +20,8 @@ const FARTHEST: f64 = 1e9;
 /// points than its basis needs; there is none. The message names the line.
 pub fn read_curves(path: &Path, basis: Basis) -> Result<Vec<ControlCurve>> {
     let bytes = read_at_most(path, LARGEST)?;
-    let text = std::str::from_utf8(&bytes)
-        .map_err(|_| Error::input(format!("{}: is not UTF-8 text", path.display())))?;
-    parse_curves(&path.display().to_string(), text, basis)
+    let text = std::str::from_utf8(&bytes).map_err(|_| Error::input("is not UTF-8 text").in_file(path))?;
+    parse_curves(&path.display().to_string(), text, basis).map_err(|error| error.of_file(path))
 }
 
 /// Reads the text of such a file; `name` is what messages call it.
@@ -52,7 +51,7 @@ pub fn parse_curves(name: &str, text: &str, basis: Basis) -> Result<Vec<ControlC
         if words.is_empty() {
             close(&mut points, line)?;
         } else {
-            points.push(point(words).map_err(|error| error.at(format!("{name}: line {line}")))?);
+            points.push(point(words).map_err(|error| error.in_line(line).at(name))?);
         }
     }
     close(&mut points, last + 1)?;

@@ -31,7 +31,7 @@ pub fn write_png(
     encoder.set_color(if has_alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let refuse = |e: png::EncodingError| Error::machine(format!("{}: no PNG ({e})", path.display()));
+    let refuse = |e: png::EncodingError| Error::machine(format!("no PNG ({e})")).in_file(path);
     for (name, text) in facts {
         encoder.add_itxt_chunk((*name).to_owned(), (*text).to_owned()).map_err(refuse)?;
     }
@@ -86,7 +86,7 @@ pub fn write_exr(
     Image::from_layer(layer)
         .write()
         .to_buffered(&mut bytes)
-        .map_err(|e| Error::machine(format!("{}: no EXR ({e})", path.display())))?;
+        .map_err(|e| Error::machine(format!("no EXR ({e})")).in_file(path))?;
     let mut bytes = bytes.into_inner();
     sort_attributes(&mut bytes);
     write_whole(path, &bytes)
@@ -157,13 +157,13 @@ pub fn read_picture(path: &Path, meaning: Meaning) -> Result<(RgbImage, bool)> {
     if ends_with("png") {
         return Ok((read_png(path, meaning)?, false));
     }
-    Err(Error::input(format!("{}: pictures are read from .png or .exr", path.display())))
+    Err(Error::input("pictures are read from .png or .exr").in_file(path))
 }
 
 /// Reads a PNG of any kind.
 fn read_png(path: &Path, meaning: Meaning) -> Result<RgbImage> {
     let bytes = read_bytes(path)?;
-    let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
+    let refuse = |what: &str| Error::input(what).in_file(path);
     let sentence = |error: png::DecodingError| {
         let text: String = error.to_string().chars().take(200).collect();
         refuse(&format!("cannot be read as a PNG ({text})"))
@@ -191,9 +191,9 @@ fn check_pixels(path: &Path, [width, height]: [usize; 2], bytes: usize) -> Resul
     let pixels = width.saturating_mul(height);
     if pixels > MOST_PIXELS || pixels > bytes.saturating_mul(MOST_PIXELS_PER_BYTE) {
         return Err(Error::input(format!(
-            "{}: says that it has {width} x {height} pixels; give a picture of at most 4096 x 2048",
-            path.display()
-        )));
+            "says that it has {width} x {height} pixels; give a picture of at most 4096 x 2048"
+        ))
+        .in_file(path));
     }
     Ok(())
 }
@@ -204,7 +204,7 @@ fn check_pixels(path: &Path, [width, height]: [usize; 2], bytes: usize) -> Resul
 /// Missing, over 64 MiB, not an EXR, without these planes, or over 4096 × 2048 pixels.
 pub fn read_exr(path: &Path) -> Result<RgbImage> {
     let bytes = read_bytes(path)?;
-    let refuse = |what: String| Error::input(format!("{}: {what}", path.display()));
+    let refuse = |what: String| Error::input(what).in_file(path);
     let sentence = |error: exr::error::Error| {
         let text: String = error.to_string().chars().take(200).collect();
         refuse(format!("cannot be read as an EXR with planes R, G and B ({text})"))

@@ -36,7 +36,7 @@ pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<(
             read_picture(&path, Meaning::Colour).map_err(|error| error.at("background"))?;
         *picture = Backdrop::Picture(
             BackdropPicture::new(image.size, image.pixels, is_radiance)
-                .map_err(|error| error.at(path.display()))?,
+                .map_err(|error| error.in_file(&path))?,
         );
     }
     for (index, object) in scene.objects.iter_mut().enumerate() {
@@ -85,7 +85,7 @@ pub fn read_scene_files(scene: &mut SceneDescription, folder: &Path) -> Result<(
 fn read_texture(texture: &mut TextureFile, folder: &Path, meaning: Meaning) -> Result<()> {
     let path = folder.join(&texture.file);
     let (image, _) = read_picture(&path, meaning)?;
-    let read = Texture::new(image.size, image.pixels).map_err(|error| error.at(path.display()))?;
+    let read = Texture::new(image.size, image.pixels).map_err(|error| error.in_file(&path))?;
     (texture.texture, texture.content) = (Some(read), hash_file(&path)?);
     Ok(())
 }

@@ -8,7 +8,7 @@ use super::{
     ViewProjection, colour, lights, objects,
 };
 use crate::error::{did_you_mean, shortened};
-use crate::fields::Fields;
+use crate::fields::{Fields, at_span, in_toml};
 use crate::scene::backdrop::Backdrop;
 use crate::scene::feather::{self, Feather, VaneDisc};
 use crate::scene::preset;
@@ -193,7 +193,7 @@ impl SceneDescription {
     pub fn parse(text: &str) -> Result<Self> {
         let own = Layer::parse(text)?;
         let base = own.preset.as_deref().map(Layer::of_preset).transpose()?;
-        own.over(base.unwrap_or_default()).resolved()
+        own.over(base.unwrap_or_default()).resolved().map_err(|error| in_toml(error, text))
     }
 }
 
@@ -430,13 +430,14 @@ fn refusal(text: &str, error: &toml::de::Error) -> Error {
     });
     let message: String = error.message().lines().next().unwrap_or("not TOML").chars().take(300).collect();
     let unknown = message.strip_prefix("unknown field `").and_then(|rest| rest.split('`').next());
-    match unknown {
+    let refusal = match unknown {
         Some(key) => {
             let key: String = key.chars().take(40).collect();
             Error::input(format!("{place}there is no key '{key}'{}", did_you_mean(&key, KEYS)))
         }
         None => Error::input(format!("{place}{message}")),
-    }
+    };
+    at_span(refusal, text, error.span())
 }
 
 #[cfg(test)]

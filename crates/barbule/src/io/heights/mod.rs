@@ -91,7 +91,7 @@ enum Scale {
 /// contradicts the file.
 pub fn read_heights(path: &Path, options: &HeightsOptions) -> Result<(Heightfield, bool)> {
     let bytes = read_at_most(path, LARGEST)?;
-    decode(&bytes, options).map_err(|error| error.at(path.display()))
+    decode(&bytes, options).map_err(|error| error.in_file(path))
 }
 
 fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)> {

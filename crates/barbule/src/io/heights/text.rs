@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
     let mut comments = Comments::default();
     for (number, line) in rows() {
         if let Some(comment) = line.strip_prefix('#') {
-            comments.read(comment).map_err(|what| Error::input(format!("line {number}: {what}")))?;
+            comments.read(comment).map_err(|what| Error::input(what).in_line(number))?;
         }
     }
     // Where semicolons or tabs separate, commas are decimal; else commas separate, and blanks where there is none.
@@ -66,6 +66,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
                     values.len() - before + 1,
                     shortened(&word)
                 ))
+                .on_line(number, None)
             })?;
             if values.len() == MOST_HEIGHTS {
                 return Err(Error::input(format!("has over {MOST_HEIGHTS} heights; give a part of them")));
@@ -77,9 +78,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
             columns = found;
         }
         if found != columns {
-            return Err(Error::input(format!(
+            let error = Error::input(format!(
                 "line {number} has {found} heights, but those before it have {columns}; give rows of equal length"
-            )));
+            ));
+            return Err(error.on_line(number, None));
         }
     }
     if values.is_empty() {

@@ -24,7 +24,7 @@ const MOST_VERTICES: usize = 5_000_000;
 /// # Errors
 /// Missing, over 256 MiB, of another kind, damaged, or without a triangle.
 pub fn read_mesh(path: &Path) -> Result<(Mesh, String)> {
-    let refuse = |error: Error| error.at(path.display());
+    let refuse = |error: Error| error.in_file(path);
     let read: fn(&[u8], &Path) -> Result<Found> = match extension(path).as_str() {
         "ply" => |bytes, _| ply::read(bytes).map(Found::from),
         "obj" => |bytes, _| obj::read(&String::from_utf8_lossy(bytes)).map(Found::from),
