@@ -26,7 +26,9 @@ pub struct CacheFile {
 pub fn list_cache(folder: &Path) -> Result<Vec<CacheFile>> {
     let refuse = |what: String| Error::input(what).in_file(folder);
     if folder.is_file() {
-        return Err(refuse("is a file, but a cache is a folder; give another with --cache".into()));
+        return Err(
+            refuse("is a file, but a cache is a folder; give another with `cache`".into()).naming(&["cache"])
+        );
     }
     let unreadable = |e: std::io::Error| refuse(format!("cannot be read ({e})"));
     let entries = match fs::read_dir(folder) {

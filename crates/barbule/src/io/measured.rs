@@ -193,7 +193,9 @@ impl Found {
             .collect();
         let lost = known.iter().filter(|known| !**known).count();
         if lost == known.len() {
-            return Err(Error::input("no line has a number for every sample; name one sample with --column"));
+            let refusal =
+                Error::input("no line has a number for every sample; name one sample with `column`");
+            return Err(refusal.naming(&["column"]));
         }
         if lost > 0 {
             self.said.push(format!("{} with missing values left out", counted(lost, "line")));

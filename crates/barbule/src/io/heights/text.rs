@@ -88,7 +88,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
         return Err(Error::input("has no heights: give rows of numbers"));
     }
     if comments.width_um.is_some() != comments.height_um.is_some() {
-        return Err(Error::input("says only one of Width and Height; give both, or neither and --pitch"));
+        let refusal = Error::input("says only one of Width and Height; give both, or neither and `pitch_um`");
+        return Err(refusal.naming(&["pitch_um"]));
     }
     let size_um = comments.width_um.zip(comments.height_um).map(|(width, height)| [width, height]);
     let cells = [columns, values.len() / columns];

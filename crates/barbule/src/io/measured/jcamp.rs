@@ -115,9 +115,10 @@ fn choose(blocks: Vec<Block>, wanted: Option<&str>) -> Result<Found> {
             let by_number = wanted.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
             let at = by_title.or(by_number).filter(|at| *at < count).ok_or_else(|| {
                 Error::input(format!(
-                    "--column {}: there is no such spectrum; the file holds {count}",
+                    "`column` {}: there is no such spectrum; the file holds {count}",
                     shortened(wanted)
                 ))
+                .naming(&["column"])
             })?;
             vec![blocks[at].clone()]
         }
@@ -132,9 +133,9 @@ fn choose(blocks: Vec<Block>, wanted: Option<&str>) -> Result<Found> {
         let same = block.points.len() == first.points.len()
             && block.points.iter().zip(&first.points).all(|(a, b)| a.1 == b.1);
         if !same || self::unit(block)? != unit {
-            return Err(Error::input(format!(
-                "holds {count} spectra at different positions; name one with --column"
-            )));
+            let refusal =
+                Error::input(format!("holds {count} spectra at different positions; name one with `column`"));
+            return Err(refusal.naming(&["column"]));
         }
         percent |= is_percent(block)?;
         samples.push((shortened(&block.title), block.points.iter().map(|p| p.2).collect()));
