@@ -12,7 +12,6 @@ mod exhausted;
 pub mod figure;
 mod heights_arg;
 mod materials;
-mod media;
 mod outputs;
 pub mod progress;
 pub mod provenance;
