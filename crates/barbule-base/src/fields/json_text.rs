@@ -122,7 +122,7 @@ mod tests {
             ("a[7] is none", Some(("a", 2, 2))),
             ("b_um is 2", Some(("b_um", 3, 3))),
             ("b: unknown key 'c', did you mean", Some(("b.c", 3, 32))),
-            ("b.c[1].d is null", Some(("b.c[1].d", 4, 13))),
+            ("b.c[1].d is null", Some(("b.c[1].d", 4, 12))),
             ("b.d is missing", Some(("b", 3, 14))),
             ("nothing of the kind", None),
         ] {
