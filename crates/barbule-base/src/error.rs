@@ -2,15 +2,29 @@
 //!
 //! A message is one sentence in lower case without a full stop: the user's own file and field first, then what was
 //! found, what is allowed, and what to do. Whatever texts of users go into it, it is one line without control characters
-//! of fewer than 600 bytes.
+//! of fewer than 600 bytes. Arguments of the call stand in it in backticks, and programs may call them otherwise.
+//!
+//! Beside the sentence an error carries, where they are known, the file that it is about, the key in it, line and column.
 
 use std::fmt;
+use std::path::{Path, PathBuf};
 
 /// What went wrong, with a sentence for the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Error {
     kind: Kind,
     message: String,
+    about: Option<Box<About>>,
+}
+
+/// What a sentence is about, as data.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+struct About {
+    file: Option<PathBuf>,
+    key: Option<String>,
+    line: Option<usize>,
+    column: Option<usize>,
+    arguments: &'static [&'static str],
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,7 +40,19 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
     fn of(kind: Kind, message: &str) -> Self {
-        Self { kind, message: sentence(message) }
+        Self { kind, message: sentence(message), about: None }
+    }
+
+    fn saying(self, message: &str) -> Self {
+        Self { message: sentence(message), ..self }
+    }
+
+    /// Changes what is known of the file's content, which once the file has a name stays: what is outside is about another one.
+    fn placed(mut self, change: impl FnOnce(&mut About)) -> Self {
+        if self.file().is_none() {
+            change(self.about.get_or_insert_default());
+        }
+        self
     }
 
     /// Something that the user can mend: an argument, a file's contents, a missing or unwritable file.
@@ -59,13 +85,94 @@ impl Error {
     /// The same error with a place in front of its message: `name: message`.
     #[must_use]
     pub fn at(self, place: impl fmt::Display) -> Self {
-        Self::of(self.kind, &format!("{place}: {}", self.message))
+        let message = format!("{place}: {}", self.message);
+        self.saying(&message)
     }
 
     /// The same error with more behind its message.
     #[must_use]
     pub fn followed_by(self, more: &str) -> Self {
-        Self::of(self.kind, &format!("{}{more}", self.message))
+        let message = format!("{}{more}", self.message);
+        self.saying(&message)
+    }
+
+    /// The same error, known to be about a key of a file, as in `lights[2].strength`.
+    #[must_use]
+    pub fn about(self, key: impl Into<String>) -> Self {
+        self.placed(|about| about.key = Some(key.into()))
+    }
+
+    /// The same error, known to be about a line and a column of a text, both from 1.
+    #[must_use]
+    pub fn on_line(self, line: usize, column: Option<usize>) -> Self {
+        self.placed(|about| (about.line, about.column) = (Some(line), column))
+    }
+
+    /// The same error about a line, from 1, whose number goes in front of its message.
+    #[must_use]
+    pub fn in_line(self, line: usize) -> Self {
+        self.on_line(line, None).at(format!("line {line}"))
+    }
+
+    /// The same error, known to be about a file that its message names already. The innermost file is kept, which key, line
+    /// and column are of.
+    #[must_use]
+    pub fn of_file(self, path: &Path) -> Self {
+        self.placed(|about| about.file = Some(path.to_owned()))
+    }
+
+    /// The same error about a file, whose name goes in front of its message.
+    #[must_use]
+    pub fn in_file(self, path: &Path) -> Self {
+        self.of_file(path).at(path.display())
+    }
+
+    /// The same error, whose message names these arguments of the call in backticks.
+    #[must_use]
+    pub fn naming(mut self, arguments: &'static [&'static str]) -> Self {
+        self.about.get_or_insert_default().arguments = arguments;
+        self
+    }
+
+    /// The message with the arguments of the call as somebody else calls them, without backticks.
+    #[must_use]
+    pub fn calling(&self, name: impl Fn(&str) -> String) -> String {
+        let message = self.message.clone();
+        let renamed = self
+            .arguments()
+            .iter()
+            .fold(message, |message, argument| message.replace(&format!("`{argument}`"), &name(argument)));
+        sentence(&renamed)
+    }
+
+    /// The arguments of the call that the message names.
+    #[must_use]
+    pub fn arguments(&self) -> &'static [&'static str] {
+        self.about.as_ref().map_or(&[], |about| about.arguments)
+    }
+
+    /// The file that it is about; of nested ones the innermost.
+    #[must_use]
+    pub fn file(&self) -> Option<&Path> {
+        self.about.as_ref()?.file.as_deref()
+    }
+
+    /// The key that it is about, as a path inside the file: `lights[2].strength`.
+    #[must_use]
+    pub fn key(&self) -> Option<&str> {
+        self.about.as_ref()?.key.as_deref()
+    }
+
+    /// The line that it is about, from 1.
+    #[must_use]
+    pub fn line(&self) -> Option<usize> {
+        self.about.as_ref()?.line
+    }
+
+    /// The column in that line, from 1.
+    #[must_use]
+    pub fn column(&self) -> Option<usize> {
+        self.about.as_ref()?.column
     }
 
     /// Whether the user can mend it.
@@ -182,6 +289,31 @@ mod tests {
         let error = Error::input("width is 0").at("a.json");
         assert_eq!(error.to_string(), "a.json: width is 0");
         assert!(error.is_input());
+    }
+
+    #[test]
+    fn what_is_known_of_the_innermost_file_stays_and_the_sentence_is_as_without() {
+        let inner = Error::input("n is 0").about("n").on_line(3, Some(5)).in_file(Path::new("a.csv"));
+        let outer =
+            inner.at("lights[0].spectrum").about("lights[0].spectrum").in_file(Path::new("scene.toml"));
+        assert_eq!(outer.to_string(), "scene.toml: lights[0].spectrum: a.csv: n is 0");
+        assert_eq!(
+            (outer.file(), outer.key(), outer.line(), outer.column()),
+            (Some(Path::new("a.csv")), Some("n"), Some(3), Some(5))
+        );
+        let renamed = Error::input("x").about("parameters.x").about("variants[1].x");
+        assert_eq!((renamed.key(), renamed.file(), renamed.line()), (Some("variants[1].x"), None, None));
+        assert!(size_of::<Error>() <= 40, "an error is returned by everything: {} bytes", size_of::<Error>());
+    }
+
+    #[test]
+    fn arguments_are_called_as_the_caller_calls_them_and_nothing_else_is() {
+        let error = Error::input("give `unit` or `range_um`, not `unity`").naming(&["unit", "range_um"]);
+        let called = error.calling(|name| format!("--{}", name.trim_end_matches("_um")));
+        assert_eq!(called, "give --unit or --range, not `unity`");
+        assert_eq!(error.at("a.png").arguments(), ["unit", "range_um"]);
+        // Whatever a user's file has in backticks.
+        assert_eq!(Error::input("unknown field `unit`").calling(|_| "--unit".into()), "unknown field `unit`");
     }
 
     #[test]

@@ -1,18 +1,21 @@
 //! Reading tables of keys with messages that name the key, its range, and the nearest known one.
 
+mod json_text;
 mod key;
 mod record;
+mod spot;
 mod toml_text;
 
 use std::ops::RangeInclusive;
 
 pub use serde_json::{Map, Value};
 
+pub use json_text::{in_json, parse_json};
 pub use key::{Choice, Key, Kind, Usual, canonical, inner, schema, table_at};
 pub use record::{
     Fed, FieldValue, Record, Several, Text, Within, chosen, degrees, one_of, unknown, up_to, within,
 };
-pub use toml_text::{at_line, line_of, parse_toml};
+pub use toml_text::{at_key, at_line, at_span, in_toml, line_of, parse_toml};
 
 use crate::error::{did_you_mean, shortened};
 use crate::{Error, Result};
@@ -33,14 +36,16 @@ impl<'a> Fields<'a> {
     pub fn new(value: &'a Value, place: &str, known: &[&str]) -> Result<Self> {
         let Value::Object(table) = value else {
             let what = if place.is_empty() { "the file" } else { place };
-            return Err(Error::input(format!("{what} is {}, but must be a table of keys", kind(value))));
+            let error = Error::input(format!("{what} is {}, but must be a table of keys", kind(value)));
+            return Err(if place.is_empty() { error } else { error.about(place) });
         };
         let fields = Self { value, table, place: place.to_owned() };
-        if let Some(unknown) = table.keys().find(|key| !known.contains(&key.as_str())) {
-            let unknown = shortened(unknown);
+        if let Some(key) = table.keys().find(|key| !known.contains(&key.as_str())) {
+            let unknown = shortened(key);
             let near = did_you_mean(&unknown, known.iter().copied());
             let help = if near.is_empty() { format!("; known are {}", known.join(", ")) } else { near };
-            return Err(Error::input(format!("{}unknown key '{unknown}'{help}", fields.prefix())));
+            let error = Error::input(format!("{}unknown key '{unknown}'{help}", fields.prefix()));
+            return Err(error.about(fields.path(key)));
         }
         Ok(fields)
     }
@@ -78,7 +83,7 @@ impl<'a> Fields<'a> {
     /// # Errors
     /// It is missing.
     pub fn need(&self, key: &str, what: &str) -> Result<&'a Value> {
-        self.get(key).ok_or_else(|| Error::input(format!("{} is missing; give {what}", self.path(key))))
+        self.get(key).ok_or_else(|| refused(self.path(key), &format!("is missing; give {what}")))
     }
 
     /// A text that may be left out.
@@ -89,11 +94,9 @@ impl<'a> Fields<'a> {
         match self.get(key) {
             None => Ok(None),
             Some(Value::String(text)) => Ok(Some(text)),
-            Some(other) => Err(Error::input(format!(
-                "{} is {}, but must be a text in quotes",
-                self.path(key),
-                kind(other)
-            ))),
+            Some(other) => {
+                Err(refused(self.path(key), &format!("is {}, but must be a text in quotes", kind(other))))
+            }
         }
     }
 
@@ -129,11 +132,8 @@ impl<'a> Fields<'a> {
     pub fn count_within(&self, key: &str, low: usize, high: usize) -> Result<usize> {
         let value = self.number_within(key, low as f64, high as f64)?;
         if value.fract() != 0.0 {
-            return Err(Error::input(format!(
-                "{} is {}, but must be a whole number",
-                self.path(key),
-                shown(value)
-            )));
+            let what = format!("is {}, but must be a whole number", shown(value));
+            return Err(refused(self.path(key), &what));
         }
         Ok(value as usize)
     }
@@ -173,13 +173,13 @@ pub fn number_in(value: &Value, path: &str, low: f64, high: f64) -> Result<f64> 
         return Ok(value);
     }
     let hint = if path.ends_with("_um") { typed_in_nm(value, &(low..=high)) } else { String::new() };
-    Err(Error::input(format!("{path} is {}, outside {low} to {high}{hint}", shown(value))))
+    Err(refused(path, &format!("is {}, outside {low} to {high}{hint}", shown(value))))
 }
 
 /// The refusal of a value that must be something else.
 #[must_use]
 pub fn wrong_kind(value: &Value, path: &str, wanted: &str) -> Error {
-    Error::input(format!("{path} is {}, but must be {wanted}", kind(value)))
+    refused(path, &format!("is {}, but must be {wanted}", kind(value)))
 }
 
 /// `; did you mean 0.2 (200 nm)?` for a length that is out of its range in µm but in it where nm were typed, else nothing.
@@ -207,7 +207,7 @@ pub fn shown(value: f64) -> String {
 pub fn list<'a>(value: &'a Value, place: &str) -> Result<&'a [Value]> {
     match value {
         Value::Array(values) => Ok(values),
-        other => Err(Error::input(format!("{place} is {}, but must be a list", kind(other)))),
+        other => Err(refused(place, &format!("is {}, but must be a list", kind(other)))),
     }
 }
 
@@ -218,12 +218,18 @@ pub fn list<'a>(value: &'a Value, place: &str) -> Result<&'a [Value]> {
 pub fn number(value: &Value, place: &str) -> Result<f64> {
     match value {
         Value::Number(number) => number.as_f64().filter(|n| n.is_finite()).ok_or_else(|| {
-            Error::input(format!("{place} is {number}, which no 64-bit float holds; give a smaller number"))
+            refused(place, &format!("is {number}, which no 64-bit float holds; give a smaller number"))
         }),
         // JSON has no NaN, and TOML's ones arrive as null.
-        Value::Null => Err(Error::input(format!("{place} is not a finite number; give a finite one"))),
-        other => Err(Error::input(format!("{place} is {}, but must be a number", kind(other)))),
+        Value::Null => Err(refused(place, "is not a finite number; give a finite one")),
+        other => Err(refused(place, &format!("is {}, but must be a number", kind(other)))),
     }
+}
+
+/// A sentence about a key that begins with it.
+pub(crate) fn refused(key: impl Into<String>, what: &str) -> Error {
+    let key = key.into();
+    Error::input(format!("{key} {what}")).about(key)
 }
 
 fn kind(value: &Value) -> String {

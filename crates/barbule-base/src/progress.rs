@@ -18,6 +18,10 @@ pub trait Progress: Sync {
     fn is_cancelled(&self) -> bool;
     /// Something was decided that explains what happens, for example that a table was found in a cache.
     fn note(&self, _what: &str) {}
+    /// What was given is done as it says, but probably meant otherwise, or something that was wished for is left out.
+    fn doubt(&self, what: &str) {
+        self.note(what);
+    }
 }
 
 /// Passes on nothing but the wish to stop: for a part of work whose progress is told as a whole.

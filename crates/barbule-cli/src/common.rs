@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use barbule::campaign::Allowance;
 use barbule::error::{shortened, visible};
 use barbule::io::available_memory;
-use barbule::io::tables::read_index_table;
-use barbule::material::Library;
+use barbule::open::{Media, Opening};
 use barbule::{Error, Result};
 use clap::Args;
+
+use crate::materials::catalog;
 
 /// Flags that every command takes.
 #[derive(Debug, Clone, Args)]
@@ -63,12 +64,12 @@ impl Common {
         }
     }
 
-    /// The media that structures may name: those built in, and those of `--medium`.
+    /// What decides how names and files are opened: media, those of `--medium` among them, cache and seed.
     ///
     /// # Errors
     /// A `--medium` is not NAME=FILE, its name cannot be one, or its table cannot be read.
-    pub fn library(&self) -> Result<Library> {
-        let mut library = Library::builtin();
+    pub(crate) fn opening(&self) -> Result<Opening> {
+        let mut media = Media::default();
         for given in &self.medium {
             let (name, file) =
                 given.split_once('=').filter(|(_, file)| !file.is_empty()).ok_or_else(|| {
@@ -77,10 +78,9 @@ impl Common {
                         shortened(given)
                     ))
                 })?;
-            let table = read_index_table(file.as_ref())?;
-            library.insert_table(name.trim(), table).map_err(|e| e.at("--medium"))?;
+            media.add(name.trim(), file.as_ref())?;
         }
-        Ok(library)
+        Ok(Opening { media, catalog: catalog(self), seed: self.seed, ..Opening::default() })
     }
 
     /// The memory that may be taken: `--memory`, else what the machine has left.
@@ -107,6 +107,14 @@ impl Common {
     /// Says that a flag that was given changes nothing in this run: `--flag has no effect here: why`.
     pub fn idle(&self, flag: &str, why: &str) {
         self.say(&format!("{flag} has no effect here: {why}"));
+    }
+
+    /// Says of each of these `--medium` that nothing is made of it.
+    pub(crate) fn say_unused(&self, what: &str, media: &[&str]) {
+        for name in media {
+            let why = format!("nothing in {} is made of it", shortened(what));
+            self.idle(&format!("--medium {}", shortened(name)), &why);
+        }
     }
 
     /// Writes what was decided to standard error, with `--verbose`.

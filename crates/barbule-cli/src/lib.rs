@@ -3,6 +3,7 @@
 //! Nothing is computed here. Each command is one file in [`commands`]; what all share is in [`common`] (flags, exit
 //! codes, output), [`sets`] (sets of numbers) and [`progress`].
 
+mod arguments;
 mod campaign;
 pub mod commands;
 pub mod common;
@@ -11,7 +12,6 @@ mod exhausted;
 pub mod figure;
 mod heights_arg;
 mod materials;
-mod media;
 mod outputs;
 pub mod progress;
 pub mod provenance;
@@ -99,7 +99,7 @@ fn done(words: &[std::ffi::OsString], out: &mut dyn Write) -> Result<(), Ending>
 }
 
 fn refused(error: &Error, words: &[std::ffi::OsString], err: &mut dyn Write) -> ExitCode {
-    let _ = writeln!(err, "barbule: {}", as_typed(error.to_string(), words));
+    let _ = writeln!(err, "barbule: {}", as_typed(arguments::spoken(error), words));
     ExitCode::from(common::exit_code(error))
 }
 

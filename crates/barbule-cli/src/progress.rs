@@ -170,10 +170,33 @@ impl Progress for Terminal {
     }
 
     fn note(&self, what: &str) {
-        match &now().bar {
-            Some(bar) => bar.suspend(|| self.common.explain(what)),
-            None => self.common.explain(what),
-        }
+        aside(|| self.common.explain(what));
+    }
+
+    fn doubt(&self, what: &str) {
+        aside(|| self.common.say(what));
+    }
+}
+
+/// Writes beside a bar.
+fn aside(write: impl FnOnce()) {
+    match &now().bar {
+        Some(bar) => bar.suspend(write),
+        None => write(),
+    }
+}
+
+/// Says what is doubtful about work that is too short to be watched or stopped.
+pub(crate) struct Doubts<'a>(pub(crate) &'a Common);
+
+impl Progress for Doubts<'_> {
+    fn begin(&self, _label: &str, _total: u64) {}
+    fn advance(&self, _steps: u64) {}
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+    fn doubt(&self, what: &str) {
+        self.0.say(what);
     }
 }
 

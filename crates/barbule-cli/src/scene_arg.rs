@@ -6,6 +6,7 @@ use barbule::characterize::species_of;
 use barbule::error::shortened;
 use barbule::io::{InputKind, kind_of, read_feather, read_material, read_text};
 use barbule::material::Library;
+use barbule::open::is_built_in;
 use barbule::picture::scene_for;
 use barbule::scene::description::{Named, SceneDescription};
 use barbule::scene::feather::Feather;
@@ -56,7 +57,7 @@ pub(crate) fn parse(text: &str, common: &Common) -> Result<SceneDescription> {
 
 fn scene_in(text: &str) -> Result<SceneDescription> {
     let path = Path::new(text);
-    let mut scene = SceneDescription::parse(&read_text(path)?).map_err(|error| error.at(text))?;
+    let mut scene = SceneDescription::parse(&read_text(path)?).map_err(|error| error.in_file(path))?;
     for (_, named) in scene.named_mut() {
         if let Named::Material(slot) = named {
             slot.name = beside(path, std::mem::take(&mut slot.name));
@@ -68,7 +69,7 @@ fn scene_in(text: &str) -> Result<SceneDescription> {
 /// A scene's material, where it is a file or folder: as seen from the scene's folder. Names of species and stacks stay.
 fn beside(scene: &Path, material: String) -> String {
     const ENDINGS: [&str; 3] = [".toml", ".json", ".barbule"];
-    if structure_arg::is_built_in(&material) {
+    if is_built_in(&material) {
         return material;
     }
     let name = material.split_once(':').map_or(material.as_str(), |(name, _)| name);

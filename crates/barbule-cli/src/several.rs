@@ -64,6 +64,10 @@ impl Progress for Part<'_> {
     fn note(&self, what: &str) {
         self.whole.note(what);
     }
+
+    fn doubt(&self, what: &str) {
+        self.whole.doubt(what);
+    }
 }
 
 impl Drop for Part<'_> {

@@ -28,6 +28,8 @@
 //! # }
 //! ```
 //!
+//! What people type, files of their own among them, is opened by [`open`]; [`characterize`] and [`Picture`] do the rest.
+//!
 //! This crate is the façade over four others, each of which compiles alone: what it re-exports from `barbule-base`,
 //! `barbule-light`, `barbule-optics` and `barbule-appearance` is all there is. Modules use each other along the arrows of
 //! `ARCHITECTURE.md`, which the compiler holds between crates and a test inside them; [`io`] alone touches files.
@@ -45,6 +47,7 @@ pub mod clock;
 pub mod diffraction;
 pub mod figures;
 pub mod io;
+pub mod open;
 pub mod picture;
 pub mod plot;
 pub mod resolve;

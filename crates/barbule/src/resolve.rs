@@ -1,6 +1,7 @@
 //! From a scene to one that can be rendered: whatever it names is read or made, by one walk.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
@@ -115,7 +116,7 @@ pub fn read_named(named: Named<'_>, assets: &dyn Assets, seed: u64, progress: &d
             fill(slot, assets, LARGEST_CURVES, |place, bytes| decode_curves(place, bytes, basis))
         }
         Named::Grating(slot) => fill(slot, assets, LARGEST_GRATING, |place, bytes| {
-            Ok(decode_grating(bytes).map_err(|error| error.at(place))?.powers)
+            Ok(decode_grating(bytes).map_err(|error| error.in_file(Path::new(place)))?.powers)
         }),
         Named::Sample(slot) => {
             let hash = format!("{} {seed}", slot.name);
@@ -149,6 +150,6 @@ fn fill_picture<T>(
 ) -> Result<()> {
     fill(slot, assets, LARGEST_INPUT, |place, bytes| {
         let (image, is_radiance) = decode_picture(place, bytes, meaning)?;
-        make(image, is_radiance).map_err(|error| error.at(place))
+        make(image, is_radiance).map_err(|error| error.in_file(Path::new(place)))
     })
 }

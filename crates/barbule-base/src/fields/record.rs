@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use serde_json::{Map, Value};
 
 use super::key::{Key, Kind};
-use super::{Fields, list, number_in, path_of, shown, wrong_kind};
+use super::{Fields, list, number_in, path_of, refused, shown, wrong_kind};
 use crate::error::{did_you_mean, shortened};
 use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
@@ -106,7 +106,7 @@ pub trait FieldValue: Sized {
     /// # Errors
     /// It may not be left out.
     fn missing(path: &str, limits: &Self::Limits) -> Result<Self> {
-        Err(Error::input(format!("{path} is missing; give {}", Self::kind(limits).wanted())))
+        Err(refused(path, &format!("is missing; give {}", Self::kind(limits).wanted())))
     }
 
     /// The value in a file; `None`: the key is left out.
@@ -178,7 +178,7 @@ impl Within {
         if (low * unit..=high * unit).contains(&value) {
             return Ok(());
         }
-        Err(Error::input(format!("{path} is {}, outside {low} to {high}", shown(value / unit))))
+        Err(refused(path, &format!("is {}, outside {low} to {high}", shown(value / unit))))
     }
 
     /// The number with the fewest digits that is read as this value.
@@ -439,7 +439,7 @@ pub fn one_of<T: Copy>(path: &str, name: &str, known: &[(&'static str, T)]) -> R
 pub fn unknown(path: &str, name: &str, known: &[&str]) -> Error {
     let name = shortened(name);
     let near = did_you_mean(&name, known.iter().copied());
-    Error::input(format!("{path} is '{name}'{near}; known are {}", known.join(", ")))
+    refused(path, &format!("is '{name}'{near}; known are {}", known.join(", ")))
 }
 
 /// The word under the key that chooses what else a table has.

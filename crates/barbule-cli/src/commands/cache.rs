@@ -8,13 +8,14 @@ use barbule::brdf::fit::LobeForm;
 use barbule::characterize::{Cached, CachedMaterial, Contents, Origin};
 use barbule::error::shortened;
 use barbule::io::{check_writable, delete_cached, write_whole};
+use barbule::open::Located;
 use barbule::scattering::lobe::FitKind;
 use barbule::{Error, Result};
 use serde_json::{Value, json};
 
 use crate::campaign::expected;
 use crate::common::{Common, path_json, print, print_json};
-use crate::materials::{self, Place};
+use crate::materials;
 use crate::provenance::quoted;
 
 /// Arguments of `barbule cache`.
@@ -50,8 +51,8 @@ impl Args {
     /// Prints where a material is.
     fn locate(&self, name: &str, out: &mut dyn Write) -> Result<()> {
         let found = match materials::locate(name, &self.common)? {
-            Place::There(found) => found,
-            Place::Missing(plan) => return Err(not_there(name, &expected(&plan))),
+            Located::There(found) => found,
+            Located::Missing(plan) => return Err(not_there(name, &expected(&plan))),
         };
         let Origin::File(path) = &found.origin else {
             return Err(Error::input(format!(
@@ -69,8 +70,8 @@ impl Args {
     fn copy(&self, name: &str, output: &Path, out: &mut dyn Write) -> Result<()> {
         check_writable(output)?;
         let found = match materials::locate(name, &self.common)? {
-            Place::There(found) => found,
-            Place::Missing(plan) => return Err(not_there(name, &expected(&plan))),
+            Located::There(found) => found,
+            Located::Missing(plan) => return Err(not_there(name, &expected(&plan))),
         };
         write_whole(output, &found.bytes()?)?;
         let title = found.material.info["name"].as_str().unwrap_or(name);

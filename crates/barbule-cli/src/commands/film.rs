@@ -18,7 +18,7 @@ use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
-use crate::{media, sets};
+use crate::sets;
 
 /// What a sweep may take in memory unless `--memory` says otherwise.
 const USUAL_MEMORY: u64 = 4 << 30;
@@ -82,9 +82,10 @@ impl Args {
         self.common.start_threads()?;
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
-        let stack = read(&self.stack, &self.common.library()?)?;
+        let media = self.common.opening()?.media;
+        let stack = read(&self.stack, media.library())?;
         let used: Vec<&str> = (0..stack.layers() + 2).map(|region| stack.medium(region)).collect();
-        media::say_unused_of(&self.stack, &used, &self.common);
+        self.common.say_unused(&self.stack, &media.unused(&used));
         if let Some(doubt) = stack.doubt() {
             self.common.say(&doubt);
         }

@@ -16,6 +16,7 @@ use barbule::{Error, Result};
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use crate::arguments::spoken;
 use crate::common::{Common, print_json};
 use crate::figure::FigureArgs;
 use crate::materials;
@@ -110,8 +111,9 @@ impl Args {
             return self.of("parameters", "maps of the parameters", &maps, draw);
         }
         if self.noise {
-            let barbules =
-                barbules().inspect_err(|error| self.common.say(&format!("no single barbules: {error}"))).ok();
+            let barbules = barbules()
+                .inspect_err(|error| self.common.say(&format!("no single barbules: {}", spoken(error))))
+                .ok();
             let curves = NoiseCurves::new(material, barbules.as_ref())?;
             return self.of("noise", "the noise", &curves, || tiled(curves.draw(), 2, title));
         }
@@ -142,7 +144,7 @@ impl Args {
         let patterns = |count: usize| match barbules() {
             Ok(barbules) => InstancePatterns::new(material, count, &barbules).map(Some),
             Err(error) => {
-                self.common.say(&format!("synthesized instances only: {error}"));
+                self.common.say(&format!("synthesized instances only: {}", spoken(&error)));
                 Ok(None)
             }
         };

@@ -113,7 +113,8 @@ impl Args {
 
     /// Built-in names come before files.
     fn find(&self, text: &str) -> Result<Subject> {
-        let library = self.common.library()?;
+        let opening = self.common.opening()?;
+        let library = opening.media.library();
         let (name, variant) =
             text.split_once(':').map_or((text, None), |(name, variant)| (name, Some(variant)));
         let species = |file: SpeciesFile, library, variant: Option<&str>, path| {
@@ -122,7 +123,7 @@ impl Args {
             Ok(Subject::Species { file: Box::new(file), library, wanted, path })
         };
         if let Ok(name) = species_name(name) {
-            return species(SpeciesFile::builtin(name)?, library, variant, None);
+            return species(SpeciesFile::builtin(name)?, library.clone(), variant, None);
         }
         let is_toml = |text: &str| text.to_lowercase().ends_with(".toml");
         let (path, variant) = match text.rsplit_once(':').filter(|(path, _)| is_toml(path)) {
@@ -130,7 +131,7 @@ impl Args {
             None => (text, None),
         };
         if is_toml(path) && is_species(Path::new(path))? {
-            let (file, library) = read_species_file(Path::new(path), &library)?;
+            let (file, library) = read_species_file(Path::new(path), library)?;
             return species(file, library, variant, Some(path.into())).map_err(|error| error.at(path));
         }
         structure_arg::parse(text, &self.common).map(Subject::Other)

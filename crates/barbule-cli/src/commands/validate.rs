@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use barbule::characterize::CampaignOptions;
 use barbule::io::{make_folder, write_together};
+use barbule::open::Located;
 use barbule::plot::{Drawing, Format};
 use barbule::solve::far_fields::Method;
 use barbule::solve::full_wave;
@@ -15,7 +16,7 @@ use barbule::{Error, Result};
 use serde_json::Value;
 
 use crate::common::{Common, print, print_json};
-use crate::materials::{self, Place};
+use crate::materials;
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::segment_args::SegmentArgs;
@@ -160,7 +161,7 @@ impl Args {
         let is_as_named = self.width.is_none() && self.layers.is_none();
         let material =
             match is_as_named.then(|| materials::locate(&self.structure, &self.common)).transpose()? {
-                Some(Place::There(found)) => Some(Box::new(found.material)),
+                Some(Located::There(found)) => Some(Box::new(found.material)),
                 _ => {
                     self.common.explain(
                         "no material of this structure is at hand; the BRDF is left out of the pictures",

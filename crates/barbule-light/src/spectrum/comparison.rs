@@ -54,9 +54,10 @@ impl Comparison {
         let Some((measured, simulated)) = both else {
             let (first, last) = simulated.wavelengths().range_nm();
             return Err(Error::input(format!(
-                "the measurement from {from} to {to} nm and the simulation from {first} to {last} nm have {} wavelengths in common; give --wavelengths that lie within the measurement",
+                "the measurement from {from} to {to} nm and the simulation from {first} to {last} nm have {} wavelengths in common; give `wavelengths` that lie within the measurement",
                 pairs.len()
-            )));
+            ))
+            .naming(&["wavelengths"]));
         };
         let rms = |scale: f64| {
             let squares: f64 = pairs.iter().map(|[s, m]| (scale * s - m).powi(2)).sum();

@@ -55,13 +55,14 @@ impl Allowance {
             return Ok(());
         }
         let (need, limit) = (bytes.div_ceil(1_000_000), self.bytes / 1_000_000);
-        Err(Error::input(if self.asked {
+        let refusal = Error::input(if self.asked {
             format!(
-                "{what} needs {need} MB of memory, but {limit} MB are allowed; raise --memory, or give {remedy}"
+                "{what} needs {need} MB of memory, but {limit} MB are allowed; raise `memory`, or give {remedy}"
             )
         } else {
             format!("{what} needs {need} MB of memory, but {limit} MB are free; give {remedy}")
-        }))
+        });
+        Err(refusal.naming(&["memory", "instances", "threads", "directions"]))
     }
 }
 
@@ -227,7 +228,7 @@ impl Demand {
 }
 
 const WHAT: &str = "this campaign, with one unit of work at a time,";
-const FEWER: &str = "fewer --instances, --threads or --directions";
+const FEWER: &str = "fewer `instances`, `threads` or `directions`";
 
 fn shortest(parameters: &CampaignParameters) -> Result<f64> {
     let first = parameters.axes.wavelengths_nm().first().copied();
@@ -295,7 +296,7 @@ mod tests {
         assert_eq!(within(u64::MAX).unwrap(), 5);
         let refusal = within(1_299_999).unwrap_err();
         assert!(refusal.is_input() && refusal.to_string().contains("needs 2 MB"), "{refusal}");
-        assert!(refusal.to_string().contains("raise --memory"), "{refusal}");
+        assert!(refusal.to_string().contains("raise `memory`, or give fewer `instances`"), "{refusal}");
         let free = demand.units_within(Allowance { bytes: 1_000_000, asked: false }).unwrap_err();
         assert!(free.to_string().contains("1 MB are free; give fewer"), "{free}");
     }

@@ -8,8 +8,8 @@ use crate::brdf::fit::{FitOptions, LobeForm};
 use crate::campaign::orders;
 use crate::identity::Hasher;
 use crate::io::{
-    decode_material, encode_material, hash_bytes, list_cache, make_folder, read_bytes, read_orders,
-    write_orders, write_whole,
+    check_writable, decode_material, encode_material, hash_bytes, list_cache, make_folder, read_bytes,
+    read_orders, write_orders, write_whole,
 };
 use crate::progress::Progress;
 use crate::scattering::lobe::FitKind;
@@ -49,6 +49,8 @@ pub enum Origin {
     Shipped(&'static [u8]),
     /// A file.
     File(PathBuf),
+    /// It was made just now and is kept nowhere.
+    Memory,
 }
 
 impl Found {
@@ -58,7 +60,7 @@ impl Found {
     /// As [`crate::io::read_material`].
     pub fn in_file(path: &Path) -> Result<Self> {
         let bytes = read_bytes(path)?;
-        let material = decode_material(&bytes).map_err(|error| error.at(path.display()))?;
+        let material = decode_material(&bytes).map_err(|error| error.in_file(path))?;
         Ok(Self { material, hash: hash_bytes(&bytes), origin: Origin::File(path.to_owned()) })
     }
 
@@ -70,6 +72,7 @@ impl Found {
         match &self.origin {
             Origin::Shipped(bytes) => Ok(bytes.to_vec()),
             Origin::File(path) => read_bytes(path),
+            Origin::Memory => encode_material(&self.material),
         }
     }
 }
@@ -135,6 +138,17 @@ impl Catalog {
         let folder = self.cache.as_ref().ok_or_else(|| Error::input("no cache folder is given; give one"))?;
         let key = material_key(&plan.description, options.kind, options.lobe, options.sigma);
         Ok(place(folder, &plan.structure.name(), &key, "barbule"))
+    }
+
+    /// Where a plan's material can be kept, tried before any work; the folder is made.
+    ///
+    /// # Errors
+    /// There is no cache, or it cannot be written.
+    pub fn room(&self, plan: &Plan, options: &FitOptions) -> Result<PathBuf> {
+        let path = self.path(plan, options)?;
+        path.parent().map_or(Ok(()), make_folder)?;
+        check_writable(&path)?;
+        Ok(path)
     }
 
     /// The orders of a structure's crystal on these axes, from the cache or solved and kept there; `None` for layers.

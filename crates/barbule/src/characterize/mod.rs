@@ -159,6 +159,7 @@ pub fn check_belongs(material: &FeatherMaterial, store: &Store) -> Result<()> {
 fn unrecorded() -> Error {
     Error::input(
         "the barbules that this material was simulated from cannot be made again from what it records; characterize \
-         the structure again, or give its sections and --medium as they were then",
+         the structure again, or give its sections and `media` as they were then",
     )
+    .naming(&["media"])
 }

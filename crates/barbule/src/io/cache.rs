@@ -24,9 +24,11 @@ pub struct CacheFile {
 /// # Errors
 /// The path is a file, or the folder cannot be read.
 pub fn list_cache(folder: &Path) -> Result<Vec<CacheFile>> {
-    let refuse = |what: String| Error::input(format!("{}: {what}", folder.display()));
+    let refuse = |what: String| Error::input(what).in_file(folder);
     if folder.is_file() {
-        return Err(refuse("is a file, but a cache is a folder; give another with --cache".into()));
+        return Err(
+            refuse("is a file, but a cache is a folder; give another with `cache`".into()).naming(&["cache"])
+        );
     }
     let unreadable = |e: std::io::Error| refuse(format!("cannot be read ({e})"));
     let entries = match fs::read_dir(folder) {
@@ -57,7 +59,7 @@ pub fn list_cache(folder: &Path) -> Result<Vec<CacheFile>> {
 pub fn delete_cached(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => {
-            Err(Error::input(format!("{}: cannot be deleted ({error})", path.display())))
+            Err(Error::input(format!("cannot be deleted ({error})")).in_file(path))
         }
         _ => Ok(()),
     }

@@ -27,8 +27,9 @@ pub fn read_curves(path: &Path, basis: Basis) -> Result<Vec<ControlCurve>> {
 /// # Errors
 /// As [`read_curves`].
 pub fn decode_curves(name: &str, bytes: &[u8], basis: Basis) -> Result<Vec<ControlCurve>> {
-    let text = std::str::from_utf8(bytes).map_err(|_| Error::input(format!("{name}: is not UTF-8 text")))?;
-    parse_curves(name, text, basis)
+    let text =
+        std::str::from_utf8(bytes).map_err(|_| Error::input("is not UTF-8 text").in_file(Path::new(name)))?;
+    parse_curves(name, text, basis).map_err(|error| error.of_file(Path::new(name)))
 }
 
 /// Reads the text of such a file; `name` is what messages call it.
@@ -58,7 +59,7 @@ pub fn parse_curves(name: &str, text: &str, basis: Basis) -> Result<Vec<ControlC
         if words.is_empty() {
             close(&mut points, line)?;
         } else {
-            points.push(point(words).map_err(|error| error.at(format!("{name}: line {line}")))?);
+            points.push(point(words).map_err(|error| error.in_line(line).at(name))?);
         }
     }
     close(&mut points, last + 1)?;

@@ -77,7 +77,7 @@ pub fn write_grating(path: &Path, grating: &GratingFile) -> Result<()> {
 /// # Errors
 /// The file is missing or too large, or no valid grating; the message begins with the file's name.
 pub fn read_grating(path: &Path) -> Result<GratingFile> {
-    decode_grating(&read_at_most(path, LARGEST_GRATING)?).map_err(|error| error.at(path.display()))
+    decode_grating(&read_at_most(path, LARGEST_GRATING)?).map_err(|error| error.in_file(path))
 }
 
 fn encode(grating: &GratingFile) -> Result<Vec<u8>> {

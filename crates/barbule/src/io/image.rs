@@ -32,7 +32,7 @@ pub fn write_png(
     encoder.set_color(if has_alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let refuse = |e: png::EncodingError| Error::machine(format!("{}: no PNG ({e})", path.display()));
+    let refuse = |e: png::EncodingError| Error::machine(format!("no PNG ({e})")).in_file(path);
     for (name, text) in facts {
         encoder.add_itxt_chunk((*name).to_owned(), (*text).to_owned()).map_err(refuse)?;
     }
@@ -87,7 +87,7 @@ pub fn write_exr(
     Image::from_layer(layer)
         .write()
         .to_buffered(&mut bytes)
-        .map_err(|e| Error::machine(format!("{}: no EXR ({e})", path.display())))?;
+        .map_err(|e| Error::machine(format!("no EXR ({e})")).in_file(path))?;
     let mut bytes = bytes.into_inner();
     sort_attributes(&mut bytes);
     write_whole(path, &bytes)
@@ -171,13 +171,13 @@ pub fn decode_picture(name: &str, bytes: &[u8], meaning: Meaning) -> Result<(Rgb
 fn check_ending(name: &str) -> Result<()> {
     match ending(name).as_str() {
         "exr" | "png" => Ok(()),
-        _ => Err(Error::input(format!("{name}: pictures are read from .png or .exr"))),
+        _ => Err(Error::input("pictures are read from .png or .exr").in_file(Path::new(name))),
     }
 }
 
 /// Reads a PNG of any kind.
 fn decode_png(name: &str, bytes: &[u8], meaning: Meaning) -> Result<RgbImage> {
-    let refuse = |what: &str| Error::input(format!("{name}: {what}"));
+    let refuse = |what: &str| Error::input(what).in_file(Path::new(name));
     let sentence = |error: png::DecodingError| {
         let text: String = error.to_string().chars().take(200).collect();
         refuse(&format!("cannot be read as a PNG ({text})"))
@@ -205,8 +205,9 @@ fn check_pixels(name: &str, [width, height]: [usize; 2], bytes: usize) -> Result
     let pixels = width.saturating_mul(height);
     if pixels > MOST_PIXELS || pixels > bytes.saturating_mul(MOST_PIXELS_PER_BYTE) {
         return Err(Error::input(format!(
-            "{name}: says that it has {width} x {height} pixels; give a picture of at most 4096 x 2048"
-        )));
+            "says that it has {width} x {height} pixels; give a picture of at most 4096 x 2048"
+        ))
+        .in_file(Path::new(name)));
     }
     Ok(())
 }
@@ -220,7 +221,7 @@ pub fn read_exr(path: &Path) -> Result<RgbImage> {
 }
 
 fn decode_exr(name: &str, bytes: &[u8]) -> Result<RgbImage> {
-    let refuse = |what: String| Error::input(format!("{name}: {what}"));
+    let refuse = |what: String| Error::input(what).in_file(Path::new(name));
     let sentence = |error: exr::error::Error| {
         let text: String = error.to_string().chars().take(200).collect();
         refuse(format!("cannot be read as an EXR with planes R, G and B ({text})"))

@@ -6,8 +6,7 @@ use serde_json::{Value, json};
 
 use super::media::{materials, substance, substance_json};
 use super::read_text;
-use crate::error::shortened;
-use crate::fields::{Fields, at_line, list, number, parse_toml, typed_in_nm};
+use crate::fields::{Fields, at_line, in_json, list, number, parse_json, parse_toml, typed_in_nm};
 use crate::material::Library;
 use crate::structure::{Circle, CrystalLayer, Lattice, MOST_RODS, Regularity, Rod, Substance};
 use crate::{Error, Result};
@@ -28,14 +27,12 @@ const UNDER_A_TOP: &[&str] = &["offset", "regularity"];
 pub fn read_lattice(path: &Path, library: &Library) -> Result<Lattice> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let is_json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-    parse(&read_text(path)?, is_json, folder, library).map_err(|error| error.at(path.display()))
+    parse(&read_text(path)?, is_json, folder, library).map_err(|error| error.in_file(path))
 }
 
 fn parse(text: &str, is_json: bool, folder: &Path, library: &Library) -> Result<Lattice> {
     if is_json {
-        let value = serde_json::from_str(text)
-            .map_err(|error| Error::input(format!("is not JSON: {}", shortened(&error.to_string()))))?;
-        return alone(&value, folder, library);
+        return alone(&parse_json(text)?, folder, library).map_err(|error| in_json(error, text));
     }
     alone(&parse_toml(text)?, folder, library).map_err(|error| at_line(error, text))
 }

@@ -160,7 +160,7 @@ pub fn write_material(path: &Path, material: &FeatherMaterial) -> Result<()> {
 /// # Errors
 /// The file is missing or too large, or no valid material; the message begins with the file's name.
 pub fn read_material(path: &Path) -> Result<FeatherMaterial> {
-    decode_material(&read_bytes(path)?).map_err(|error| error.at(path.display()))
+    decode_material(&read_bytes(path)?).map_err(|error| error.in_file(path))
 }
 
 /// The bytes of a material's file. Equal materials give equal bytes.
@@ -292,10 +292,9 @@ fn describe(json: &str) -> Result<Description> {
     let description: Description = serde_json::from_str(json).map_err(refuse)?;
     for (name, map) in maps() {
         if description.maps.get(&name).map(String::as_str) != Some(map.text()) {
-            return Err(Error::input(format!(
-                "array {name} has another map than '{}'; fit it again",
-                map.text()
-            )));
+            let error =
+                Error::input(format!("array {name} has another map than '{}'; fit it again", map.text()));
+            return Err(error.about(name));
         }
     }
     Ok(description)
@@ -356,11 +355,12 @@ fn shaped<'a, 'b>(
 ) -> Result<&'a TensorView<'b>> {
     let view = view(views, name, dtype)?;
     if view.shape() != shape {
-        return Err(Error::input(format!(
+        let error = Error::input(format!(
             "array {name} has shape {}, but the axes ask for {}",
             short(&format!("{:?}", view.shape())),
             short(&format!("{shape:?}"))
-        )));
+        ));
+        return Err(error.about(name));
     }
     Ok(view)
 }
@@ -372,9 +372,11 @@ fn view<'a, 'b>(
 ) -> Result<&'a TensorView<'b>> {
     let view = views.get(name).ok_or_else(|| {
         Error::input(format!("array {name} is missing; the file is incomplete, fit the material again"))
+            .about(name)
     })?;
     if view.dtype() != dtype {
-        return Err(Error::input(format!("array {name} has type {:?}, but must be {dtype:?}", view.dtype())));
+        let error = Error::input(format!("array {name} has type {:?}, but must be {dtype:?}", view.dtype()));
+        return Err(error.about(name));
     }
     Ok(view)
 }
@@ -382,10 +384,9 @@ fn view<'a, 'b>(
 fn doubles(views: &BTreeMap<&str, TensorView<'_>>, name: &str) -> Result<Vec<f64>> {
     let view = view(views, name, Dtype::F64)?;
     if view.shape().len() != 1 {
-        return Err(Error::input(format!(
-            "array {name} has {} dimensions, but must have one",
-            view.shape().len()
-        )));
+        let error =
+            Error::input(format!("array {name} has {} dimensions, but must have one", view.shape().len()));
+        return Err(error.about(name));
     }
     Ok(view.data().as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect())
 }

@@ -72,7 +72,8 @@ pub struct Measured {
 /// # Errors
 /// The file cannot be read, is no such file, or can be read in two ways; the message names the line or the choice.
 pub fn read_measured(path: &Path, column: Option<&str>, scale: Option<Scale>) -> Result<Measured> {
-    parse_measured(&path.display().to_string(), &read_at_most(path, LARGEST_TABLE)?, column, scale)
+    let bytes = read_at_most(path, LARGEST_TABLE)?;
+    parse_measured(&path.display().to_string(), &bytes, column, scale).map_err(|error| error.of_file(path))
 }
 
 /// Reads measurements from a file's bytes; `name` is what messages call the file.
@@ -192,7 +193,9 @@ impl Found {
             .collect();
         let lost = known.iter().filter(|known| !**known).count();
         if lost == known.len() {
-            return Err(Error::input("no line has a number for every sample; name one sample with --column"));
+            let refusal =
+                Error::input("no line has a number for every sample; name one sample with `column`");
+            return Err(refusal.naming(&["column"]));
         }
         if lost > 0 {
             self.said.push(format!("{} with missing values left out", counted(lost, "line")));
@@ -217,10 +220,9 @@ impl Found {
     /// Turns positions into nm.
     fn convert(&mut self) -> Result<()> {
         if let Some((line, bad)) = self.rows.iter().find(|row| row.1 <= 0.0) {
-            return Err(Error::input(format!(
-                "line {line}: the wavelength {bad} in {} is not greater than zero",
-                self.position
-            )));
+            let error =
+                Error::input(format!("the wavelength {bad} in {} is not greater than zero", self.position));
+            return Err(error.in_line(*line));
         }
         let largest = self.rows.iter().map(|row| row.1).fold(0.0, f64::max);
         if self.unit == Unit::Nanometres && largest < 30.0 {
@@ -252,10 +254,11 @@ impl Found {
             self.said.push("falling wavelengths turned round".into());
         }
         if let Some(pair) = self.rows.windows(2).find(|pair| pair[1].1 < pair[0].1) {
-            return Err(Error::input(format!(
-                "line {}: the wavelength {} nm is out of order beside {} nm in line {}; sort the lines, and give each sample a column of its own",
-                pair[1].0, pair[1].1, pair[0].1, pair[0].0
-            )));
+            let error = Error::input(format!(
+                "the wavelength {} nm is out of order beside {} nm in line {}; sort the lines, and give each sample a column of its own",
+                pair[1].1, pair[0].1, pair[0].0
+            ));
+            return Err(error.in_line(pair[1].0));
         }
         let starts: Vec<usize> =
             (0..self.rows.len()).filter(|&i| i == 0 || self.rows[i].1 > self.rows[i - 1].1).collect();

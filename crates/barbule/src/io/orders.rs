@@ -60,9 +60,9 @@ pub fn write_orders(path: &Path, key: &str, table: &OrderTable) -> Result<()> {
 /// The file is missing, of another key, or damaged.
 pub fn read_orders(path: &Path, key: &str) -> Result<OrderTable> {
     let found = decode(&read_bytes(path)?).filter(|(found, _)| found == key);
-    found.map(|(_, table)| table).ok_or_else(|| {
-        Error::input(format!("{}: is no table of these orders, or was damaged; delete it", path.display()))
-    })
+    found
+        .map(|(_, table)| table)
+        .ok_or_else(|| Error::input("is no table of these orders, or was damaged; delete it").in_file(path))
 }
 
 /// Reads any table, with its key.

@@ -137,7 +137,7 @@ pub(super) fn behind_links(path: &Path) -> Result<PathBuf> {
             Err(error) => return Err(failure(path, "cannot be written", &error)),
         }
     }
-    Err(Error::input(format!("{}: leads in a circle of links; give another name", path.display())))
+    Err(Error::input("leads in a circle of links; give another name").in_file(path))
 }
 
 /// Whether an error says that nothing is there.
@@ -147,7 +147,7 @@ fn is_nothing(error: &io::Error) -> bool {
 
 /// Where an output goes.
 fn target(path: &Path) -> Result<Target> {
-    let refuse = |what: &str| Err(Error::input(format!("{}: {what}", path.display())));
+    let refuse = |what: &str| Err(Error::input(what).in_file(path));
     if path.as_os_str().is_empty() {
         return refuse("an output needs a name; give one");
     }

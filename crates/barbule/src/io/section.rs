@@ -8,7 +8,7 @@ use super::lattice::{crystal_from, crystal_json};
 use super::media::{materials, medium, medium_json};
 use super::{read_text, write_whole};
 use crate::error::shortened;
-use crate::fields::{Fields, list};
+use crate::fields::{Fields, in_json, list, parse_json};
 use crate::material::Library;
 use crate::structure::{Inclusion, Loop, MOST_POINTS, MaterialSource, Medium, Parts, Polyline, Section};
 use crate::{Error, Result};
@@ -24,7 +24,7 @@ const MOST_SECTIONS: usize = 10_000;
 pub fn read_section(path: &Path, library: &Library) -> Result<Section> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let text = read_text(path)?;
-    let mut section = parse_section(&text, folder, library).map_err(|error| error.at(path.display()))?;
+    let mut section = parse_section(&text, folder, library).map_err(|error| error.in_file(path))?;
     if section.name.is_empty() {
         section.name = stem(path);
     }
@@ -36,7 +36,7 @@ pub fn read_section(path: &Path, library: &Library) -> Result<Section> {
 /// # Errors
 /// No such file, over 10,000 of them, widths that differ by over 1 %, lattices that differ, or as [`read_section`].
 pub fn read_sections(folder: &Path, library: &Library) -> Result<Vec<Section>> {
-    let refuse = |what: String| Error::input(format!("{}: {what}", folder.display()));
+    let refuse = |what: String| Error::input(what).in_file(folder);
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(|e| refuse(format!("cannot be read ({e})")))? {
         let path = entry.map_err(|e| refuse(format!("cannot be read ({e})")))?.path();
@@ -88,15 +88,15 @@ pub fn parse_section(text: &str, folder: &Path, library: &Library) -> Result<Sec
             "has over 5000000 values, but a section may have 1000000 points; sample it more coarsely",
         ));
     }
-    let value: Value = serde_json::from_str(text).map_err(|error| {
-        let hint = if text.contains("NaN") || text.contains("Infinity") {
+    let value = parse_json(text).map_err(|error| {
+        let is_number = text.contains("NaN") || text.contains("Infinity");
+        error.followed_by(if is_number {
             " (JSON has no NaN or infinity; leave such points out)"
         } else {
             ""
-        };
-        Error::input(format!("is not JSON: {}{hint}", shortened(&error.to_string())))
+        })
     })?;
-    section(&value, folder, library)
+    section(&value, folder, library).map_err(|error| in_json(error, text))
 }
 
 fn section(value: &Value, folder: &Path, library: &Library) -> Result<Section> {

@@ -18,7 +18,7 @@ use crate::{Error, Result};
 /// As [`read_species_file`], or no such variant.
 pub fn read_species(path: &Path, variant: Option<&str>, library: &Library) -> Result<SpeciesModel> {
     let (file, library) = read_species_file(path, library)?;
-    file.model(variant, library).map_err(|error| error.at(path.display()))
+    file.model(variant, library).map_err(|error| error.in_file(path))
 }
 
 /// Reads a species file with all its variants; also the media that its sections are made of: those of `library` and its own.
@@ -28,7 +28,7 @@ pub fn read_species(path: &Path, variant: Option<&str>, library: &Library) -> Re
 /// the key.
 pub fn read_species_file(path: &Path, library: &Library) -> Result<(SpeciesFile, Library)> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    parse_file(&read_text(path)?, folder, library).map_err(|error| error.at(path.display()))
+    parse_file(&read_text(path)?, folder, library).map_err(|error| error.in_file(path))
 }
 
 /// Whether a TOML file is meant as a species: it is neither a lattice nor a stack.
@@ -77,7 +77,7 @@ pub fn feather_of(file: &SpeciesFile) -> Result<Option<Feather>> {
 /// The file cannot be read or is no species; the message names the file and the key.
 pub fn read_feather(path: &Path) -> Result<Option<Feather>> {
     let file = SpeciesFile::parse(&read_text(path)?);
-    file.and_then(|file| feather_of(&file)).map_err(|error| error.at(path.display()))
+    file.and_then(|file| feather_of(&file)).map_err(|error| error.in_file(path))
 }
 
 /// Reads a structure in TOML: a species, or a stack, which becomes a flat section.
@@ -87,7 +87,7 @@ pub fn read_feather(path: &Path) -> Result<Option<Feather>> {
 pub fn read_structure_toml(path: &Path, variant: Option<&str>, library: &Library) -> Result<Structure> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let text = read_text(path)?;
-    let at = |error: Error| error.at(path.display());
+    let at = |error: Error| error.in_file(path);
     if kind_of_text(&text) != InputKind::Stack {
         return parse_species(&text, variant, folder, library)
             .map(|m| Structure::Species(Box::new(m)))
@@ -109,7 +109,7 @@ pub fn read_flat_stack(path: &Path, library: &Library) -> Result<Option<FlatStac
     if kind_of_text(&text) != InputKind::Stack {
         return Ok(None);
     }
-    flat_stack(path, &text, library).map(Some).map_err(|error| error.at(path.display()))
+    flat_stack(path, &text, library).map(Some).map_err(|error| error.in_file(path))
 }
 
 fn flat_stack(path: &Path, text: &str, library: &Library) -> Result<FlatStack> {

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::read_text;
 use super::tables::{MediumSource, add_media};
 use crate::error::shortened;
+use crate::fields::{at_span, in_toml};
 use crate::material::Library;
 use crate::stack::{DEEPEST_REPETITION, Part, Stack};
 use crate::{Error, Result};
@@ -42,7 +43,7 @@ struct Layer {
 /// The file cannot be read, is not such TOML, or describes no valid stack.
 pub fn read_stack(path: &Path, library: &Library) -> Result<Stack> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    parse_stack(&read_text(path)?, folder, library).map_err(|e| e.at(path.display()))
+    parse_stack(&read_text(path)?, folder, library).map_err(|e| e.in_file(path))
 }
 
 /// As [`read_stack`], from text; `folder` is where the files of media lie.
@@ -50,8 +51,14 @@ pub fn read_stack(path: &Path, library: &Library) -> Result<Stack> {
 /// # Errors
 /// As [`read_stack`].
 pub fn parse_stack(text: &str, folder: &Path, library: &Library) -> Result<Stack> {
-    let document: Document = toml::from_str(text)
-        .map_err(|e| Error::input(format!("is not a stack in TOML: {}", one_line(&e, text))))?;
+    let document: Document = toml::from_str(text).map_err(|error| {
+        let refusal = Error::input(format!("is not a stack in TOML: {}", one_line(&error, text)));
+        at_span(refusal, text, error.span())
+    })?;
+    stack(document, folder, library).map_err(|error| in_toml(error, text))
+}
+
+fn stack(document: Document, folder: &Path, library: &Library) -> Result<Stack> {
     let mut library = library.clone();
     add_media(&document.materials, folder, &mut library)?;
     let Document { stack, entry, exit, layers, .. } = document;
@@ -115,7 +122,7 @@ fn spread_nm(layer: &Layer) -> Result<Option<f64>> {
 }
 
 /// A TOML error as one line with its place.
-pub(super) fn one_line(error: &toml::de::Error, text: &str) -> String {
+fn one_line(error: &toml::de::Error, text: &str) -> String {
     let message = shortened(error.message());
     match error.span() {
         Some(span) => {

@@ -80,7 +80,7 @@ impl Store {
         }
         let here = Attributes::new(axes, instances, name, width, kept_nm, description);
         let given = path;
-        let refuse = |what: &str| Err(Error::input(format!("{}: {what}", given.display())));
+        let refuse = |what: &str| Err(Error::input(what).in_file(given));
         let path = &behind_links(given)?;
         if path.file_name().is_none() {
             return refuse("a store needs a name of its own; give one, as in S.zarr");
@@ -112,7 +112,7 @@ impl Store {
     /// # Errors
     /// Missing, unreadable, or not a campaign store of this version.
     pub fn open(path: &Path) -> Result<Self> {
-        let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
+        let refuse = |what: &str| Error::input(what).in_file(path);
         if !path.exists() {
             return Err(refuse("no such store"));
         }

@@ -34,7 +34,8 @@ pub fn read_index_table(path: &Path) -> Result<Table> {
     let name = path.display().to_string();
     let yaml =
         path.extension().is_some_and(|e| e.eq_ignore_ascii_case("yml") || e.eq_ignore_ascii_case("yaml"));
-    if yaml { parse_index_yaml(&name, &text) } else { parse_index_csv(&name, &text) }
+    let read = if yaml { parse_index_yaml } else { parse_index_csv };
+    read(&name, &text).map_err(|error| error.of_file(path))
 }
 
 /// Reads CSV with the columns nm, n, k; `name` is what messages call the file.
@@ -49,7 +50,7 @@ pub fn parse_index_csv(name: &str, text: &str) -> Result<Table> {
         let at = |column: usize| if column < row.len() { row[column] } else { 0.0 };
         // A line's own number helps more than a row's.
         Material::constant(Complex64::new(at(order[0]), at(order[1])))
-            .map_err(|e| e.at(format!("{name}: line {line}")))?;
+            .map_err(|e| e.in_line(*line).at(name))?;
         rows.push((row[0], Complex64::new(at(order[0]), at(order[1]))));
     }
     sheet.check_wavelengths(name)?;
@@ -77,35 +78,33 @@ impl Sheet {
                 sheet.names = cells.iter().map(|c| c.trim_matches('"').to_lowercase()).collect();
                 continue;
             }
-            let place = || format!("{name}: line {number}");
+            let here = |error: Error| error.in_line(number).at(name);
             if !(2..=MOST_COLUMNS).contains(&cells.len()) {
                 let found = if cells.len() < 2 { "1 column" } else { "over 3 columns" };
-                return Err(Error::input(format!(
-                    "{}: has {found}, but needs wavelength in nm, n and k, separated by commas",
-                    place()
-                )));
+                return Err(here(Error::input(format!(
+                    "has {found}, but needs wavelength in nm, n and k, separated by commas"
+                ))));
             }
             let mut row = Vec::with_capacity(cells.len());
             for (column, cell) in cells.iter().enumerate() {
                 let value = number_of(cell).ok_or_else(|| {
                     Error::input(format!(
-                        "{}, column {}: '{}' is not a finite number; write for example 1.56",
-                        place(),
+                        "{name}: line {number}, column {}: '{}' is not a finite number; write for example 1.56",
                         column + 1,
                         shortened(cell)
                     ))
+                    .on_line(number, None)
                 });
                 row.push(value?);
             }
             if let Some((first, before)) = sheet.rows.first()
                 && before.len() != row.len()
             {
-                return Err(Error::input(format!(
-                    "{}: has {} columns, but line {first} has {}",
-                    place(),
+                return Err(here(Error::input(format!(
+                    "has {} columns, but line {first} has {}",
                     row.len(),
                     before.len()
-                )));
+                ))));
             }
             sheet.rows.push((number, row));
         }
@@ -169,10 +168,11 @@ impl Sheet {
         }
         for pair in self.rows.windows(2) {
             if pair[1].1[0] <= pair[0].1[0] {
-                return Err(Error::input(format!(
-                    "{name}: line {}: the wavelength {} nm follows {} nm; sort the lines so that wavelengths rise",
-                    pair[1].0, pair[1].1[0], pair[0].1[0]
-                )));
+                let error = Error::input(format!(
+                    "the wavelength {} nm follows {} nm; sort the lines so that wavelengths rise",
+                    pair[1].1[0], pair[0].1[0]
+                ));
+                return Err(error.in_line(pair[1].0).at(name));
             }
         }
         Ok(())

@@ -32,7 +32,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
 /// # Errors
 /// As [`read_bytes`].
 pub fn read_at_most(path: &Path, largest: u64) -> Result<Vec<u8>> {
-    let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
+    let refuse = |what: &str| Error::input(what).in_file(path);
     let metadata = fs::metadata(path).map_err(|error| match error.kind() {
         ErrorKind::NotFound => refuse("no such file"),
         _ => failure(path, "cannot be read", &error),
@@ -73,7 +73,7 @@ pub fn read_text(path: &Path) -> Result<String> {
         _ => LARGEST_TABLE,
     };
     let bytes = read_at_most(path, largest)?;
-    let refuse = |what: &str| Error::input(format!("{}: {what}", path.display()));
+    let refuse = |what: &str| Error::input(what).in_file(path);
     if extension == "json" && bytes.iter().filter(|b| b",[{".contains(b)).count() > MOST_JSON_VALUES {
         return Err(refuse(&format!(
             "has over {MOST_JSON_VALUES} commas and opening brackets, more than any file that is read here needs"
@@ -100,8 +100,8 @@ pub(super) fn folder_of(path: &Path) -> &Path {
 
 /// An error of the file system as a sentence: the user's where a path or a permission is wrong, else the machine's.
 pub(super) fn failure(path: &Path, what: &str, error: &io::Error) -> Error {
-    let sentence = format!("{}: {what} ({error})", path.display());
-    match error.kind() {
+    let sentence = format!("{what} ({error})");
+    let error = match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
             Error::machine(format!("{sentence}; free some space and run the same command again"))
         }
@@ -119,7 +119,8 @@ pub(super) fn failure(path: &Path, what: &str, error: &io::Error) -> Error {
         | ErrorKind::CrossesDevices
         | ErrorKind::Unsupported => Error::input(sentence),
         _ => Error::machine(sentence),
-    }
+    };
+    error.in_file(path)
 }
 
 /// BLAKE3 of bytes, in hexadecimal.

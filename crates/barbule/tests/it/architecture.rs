@@ -317,6 +317,27 @@ fn only_io_opens_files_and_no_library_prints_or_looks_around() {
     assert!(wrong.is_empty(), "not here:\n{}", Vec::from_iter(wrong).join("\n"));
 }
 
+/// Whatever calls the library has its own names for its arguments: messages have them in backticks ([`barbule::Error::naming`]).
+#[test]
+fn messages_of_the_libraries_name_no_flags() {
+    let mut wrong = BTreeSet::new();
+    for (_, path) in LIBRARIES.iter().flat_map(|library| sources(library)) {
+        let text = fs::read_to_string(&path).unwrap();
+        let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+        for (number, line) in (1..).zip(code.lines().map(str::trim_start)) {
+            if !line.starts_with("//") && names_a_flag(line) {
+                wrong.insert(format!("{}:{number}: {line}", path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "flags in the library:\n{}", Vec::from_iter(wrong).join("\n"));
+    assert!(names_a_flag("\"give --simd {}\"") && !names_a_flag("a - -b") && !names_a_flag("// ----"));
+}
+
+fn names_a_flag(line: &str) -> bool {
+    line.match_indices("--").any(|(at, _)| line[at + 2..].starts_with(|c: char| c.is_ascii_lowercase()))
+}
+
 #[test]
 fn programs_see_the_facade_only() {
     for entry in fs::read_dir(root().join("crates")).unwrap() {

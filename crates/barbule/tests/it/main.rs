@@ -10,6 +10,7 @@ mod colour;
 mod crystal_colours;
 mod crystal_values;
 mod crystals;
+mod errors;
 mod film;
 mod furnace;
 mod geometry;

@@ -10,8 +10,8 @@ use super::objects::{ObjectDescription, ObjectShape, Placement};
 use super::slot::Slot;
 use super::{SceneDescription, objects};
 use crate::fields::{
-    FieldValue as _, Fields, Key, Map, Record as _, Text, Value, at_line, canonical, parse_toml, up_to,
-    wrong_kind,
+    FieldValue as _, Fields, Key, Map, Record as _, Text, Value, at_line, canonical, in_toml, parse_toml,
+    up_to, wrong_kind,
 };
 use crate::scene::feather::{self, Feather, VaneDisc};
 use crate::scene::preset;
@@ -75,7 +75,10 @@ impl SceneDescription {
     /// # Errors
     /// Not TOML, an unknown key, a value that is missing, of the wrong kind or out of range.
     pub fn parse(text: &str) -> Result<Self> {
-        let refuse = |error: Error| at_line(error, text);
+        let refuse = |error: Error| match error.to_string().contains("unknown key '") {
+            true => at_line(error, text),
+            false => in_toml(error, text),
+        };
         let own = layer_of(text).map_err(refuse)?;
         let Some(name) = own.get("preset") else {
             return of_layer(own).map_err(|error| or_a_preset(refuse(error)));

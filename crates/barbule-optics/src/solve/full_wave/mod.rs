@@ -359,9 +359,10 @@ fn solve_hierarchically(
         factors.largest_rank()
     ));
     if residual.is_nan() || residual > MOST_RESIDUAL {
-        return Err(Error::not_settled(format!(
-            "the equations of this full wave are only solved to {residual:.1e} of the light; give more --elements"
-        )));
+        let refusal = Error::not_settled(format!(
+            "the equations of this full wave are only solved to {residual:.1e} of the light; give more `elements`"
+        ));
+        return Err(refusal.naming(&["elements"]));
     }
     for k in 0..unknowns.columns() {
         unknowns.column_mut(k).iter_mut().zip(&roots).for_each(|(value, root)| *value /= root);

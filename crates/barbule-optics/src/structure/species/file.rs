@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use super::generator::generator_names;
 use super::{DEFAULT_VARIANT, GeneratorParameters, Key, SpeciesModel, species_toml};
 use crate::error::{did_you_mean, shortened};
-use crate::fields::{Fields, at_line, line_of, list, parse_toml};
+use crate::fields::{Fields, at_key, at_line, in_toml, line_of, list, parse_toml};
 use crate::material::Library;
 use crate::{Error, Result};
 
@@ -118,13 +118,14 @@ impl SpeciesFile {
         for (index, variant) in self.variants.iter().enumerate() {
             if let Some(key) = variant.overrides.keys().find(|key| self.parameters.contains_key(*key)) {
                 let line = |path: &str| line_of(text, path).map_or(String::new(), |n| format!(" (line {n})"));
-                return Err(Error::input(format!(
+                let error = Error::input(format!(
                     "parameters.{key}{} has no effect on variant '{}', which gives {key} too{}; keep it in \
                      [parameters] or in all variants, not in both",
                     line(&format!("parameters.{key}")),
                     variant.name,
                     line(&format!("variants[{index}].{key}")),
-                )));
+                ));
+                return Err(in_toml(error, text));
             }
             self.parameters_of(index).map_err(|error| self.of_variant(error, index, text))?;
         }
@@ -143,10 +144,7 @@ impl SpeciesFile {
         };
         let error =
             if self.variants.len() > 1 { error.at(format!("variant {}", variant.name)) } else { error };
-        match line_of(text, &path) {
-            Some(line) => error.at(format!("line {line}")),
-            None => error,
-        }
+        at_key(error, text, &path)
     }
 
     /// The names of the variants in the file's order.
@@ -206,10 +204,12 @@ impl SpeciesFile {
         let merged = self.merged(index);
         for key in keys.iter().filter(|key| key.usual.is_none() && !merged.contains_key(key.name)) {
             if let Some(other) = self.variants.iter().find(|v| v.overrides.contains_key(key.name)) {
+                let missing = format!("variants[{index}].{}", key.name);
                 return Err(Error::input(format!(
-                    "variants[{index}].{} is missing; give it here as variant '{}' does, or in [parameters] alone",
-                    key.name, other.name
-                )));
+                    "{missing} is missing; give it here as variant '{}' does, or in [parameters] alone",
+                    other.name
+                ))
+                .about(missing));
             }
         }
         let names: Vec<_> = keys.iter().map(|key| key.name).collect();

@@ -91,7 +91,7 @@ enum Scale {
 /// contradicts the file.
 pub fn read_heights(path: &Path, options: &HeightsOptions) -> Result<(Heightfield, bool)> {
     let bytes = read_at_most(path, LARGEST)?;
-    decode(&bytes, options).map_err(|error| error.at(path.display()))
+    decode(&bytes, options).map_err(|error| error.in_file(path))
 }
 
 fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)> {
@@ -107,32 +107,35 @@ fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)>
     let scale_um = match raw.scale {
         Scale::Unit(own) => {
             if options.range_um.is_some() {
-                return Err(Error::input(
-                    "holds numbers with a unit, so --range does not apply; give --unit, or leave both out",
-                ));
+                let what =
+                    "holds numbers with a unit, so `range_um` does not apply; give `unit`, or leave both out";
+                return Err(Error::input(what).naming(&["range_um", "unit"]));
             }
             let asked = options.unit.map(HeightUnit::um);
             if let (Some(own), Some(asked)) = (own, asked)
                 && (asked / own - 1.0).abs() > 1e-9
             {
                 return Err(Error::input(format!(
-                    "says that its numbers are {own} µm each, but --unit says {asked} µm; leave --unit out"
-                )));
+                    "says that its numbers are {own} µm each, but `unit` says {asked} µm; leave `unit` out"
+                ))
+                .naming(&["unit"]));
             }
             own.or(asked).unwrap_or(HeightUnit::default().um())
         }
         Scale::Range if options.unit.is_some() => {
-            return Err(Error::input(
-                "is a picture of whole numbers, which have no unit; give --range UM in place of --unit",
-            ));
+            let what =
+                "is a picture of whole numbers, which have no unit; give `range_um` in place of `unit`";
+            return Err(Error::input(what).naming(&["range_um", "unit"]));
         }
         Scale::Range => options.range_um.ok_or_else(|| {
-            Error::input("is a picture; give --range UM, the height between its black and its white")
+            Error::input("is a picture; give `range_um`, the height in µm between its black and its white")
+                .naming(&["range_um"])
         })?,
     };
     let size_um = match (raw.size_um, options.pitch_um) {
         (None, None) => {
-            return Err(Error::input("does not say how far its heights are apart; give --pitch UM"));
+            let what = "does not say how far its heights are apart; give `pitch_um`, their distance in µm";
+            return Err(Error::input(what).naming(&["pitch_um"]));
         }
         (None, Some(pitch)) => raw.cells.map(|count| count as f64 * pitch),
         (Some(size), None) => size,
@@ -140,9 +143,10 @@ fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)>
             let own = [0, 1].map(|axis| size[axis] / raw.cells[axis] as f64);
             if own.iter().any(|own| (pitch / own - 1.0).abs() > 0.01) {
                 return Err(Error::input(format!(
-                    "says that its heights are {} µm apart along x and {} µm along y, but --pitch is {pitch}; leave --pitch out",
+                    "says that its heights are {} µm apart along x and {} µm along y, but `pitch_um` is {pitch}; leave `pitch_um` out",
                     own[0], own[1]
-                )));
+                ))
+                .naming(&["pitch_um"]));
             }
             size
         }

@@ -77,8 +77,8 @@ fn numpy_arrays_of_every_kind() {
     assert!(
         refusal(&npy(1, &header("<f8", "False", "(2, 3)"), &nan), &options()).contains("column 2, row 0")
     );
-    assert!(refusal(&whole, &HeightsOptions::default()).contains("--pitch"));
-    assert!(refusal(&whole, &HeightsOptions { range_um: Some(1.0), ..options() }).contains("--range"));
+    assert!(refusal(&whole, &HeightsOptions::default()).contains("`pitch_um`"));
+    assert!(refusal(&whole, &HeightsOptions { range_um: Some(1.0), ..options() }).contains("`range_um`"));
 }
 
 #[test]
@@ -116,12 +116,12 @@ fn gwyddion_says_sizes_and_units() {
     let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
     assert!(close(read(&latin, &options())));
     let other = HeightsOptions { pitch_um: Some(0.4), ..options() };
-    assert!(refusal(text.as_bytes(), &other).contains("--pitch is 0.4"));
+    assert!(refusal(text.as_bytes(), &other).contains("`pitch_um` is 0.4"));
     let unit = |unit: HeightUnit| HeightsOptions { unit: Some(unit), ..none };
     assert!(close(read(text.as_bytes(), &unit(HeightUnit::Metre))));
     assert!(
         refusal(text.as_bytes(), &unit(HeightUnit::Nanometre))
-            .contains("1000000 µm each, but --unit says 0.001")
+            .contains("1000000 µm each, but `unit` says 0.001")
     );
     // As the file counts, whose first row is the top.
     assert!(refusal(text.replace("3e-6", "nan").as_bytes(), &none).contains("column 0, row 0"));
@@ -153,14 +153,14 @@ fn grey_pictures_have_a_range_and_their_top_is_the_largest_y() {
     let sixteen: Vec<u8> = [3_u16, 4, 5, 0, 1, 2].iter().flat_map(|v| v.to_be_bytes()).collect();
     let sixteen = png(png::ColorType::Grayscale, png::BitDepth::Sixteen, &sixteen);
     assert!(close(read(&sixteen, &HeightsOptions { range_um: Some(65535.0), ..options() })));
-    assert!(refusal(&eight, &options()).contains("--range"));
+    assert!(refusal(&eight, &options()).contains("`range_um`"));
     for (color, count) in [(png::ColorType::Rgb, 18), (png::ColorType::GrayscaleAlpha, 12)] {
         assert!(
             refusal(&png(color, png::BitDepth::Eight, &vec![7; count]), &with_range).contains("grey alone")
         );
     }
     let with_unit = HeightsOptions { unit: Some(HeightUnit::Nanometre), ..with_range };
-    assert!(refusal(&eight, &with_unit).contains("--range UM in place of --unit"));
+    assert!(refusal(&eight, &with_unit).contains("`range_um` in place of `unit`"));
     // Two bits a pixel: rows of 3, 2, 1 and 0, 1, 2 in thirds.
     let two = png(png::ColorType::Grayscale, png::BitDepth::Two, &[0b1110_0100, 0b0001_1000]);
     let thirds = read(&two, &HeightsOptions { range_um: Some(3.0), ..options() });
@@ -197,7 +197,7 @@ fn tiffs_of_whole_numbers_and_of_floats() {
     let whole = tiff::<Gray16>(&[3, 4, 5, 0, 1, 2]);
     let with_range = HeightsOptions { range_um: Some(65535.0), ..options() };
     assert!(close(read(&whole, &with_range)));
-    assert!(refusal(&whole, &options()).contains("--range"));
+    assert!(refusal(&whole, &options()).contains("`range_um`"));
     assert!(close(read(&tiff::<Gray32Float>(&[3.0, 4.0, 5.0, 0.0, 1.0, 2.0]), &options())));
     assert!(close(read(&tiff::<Gray64Float>(&[3.0, 4.0, 5.0, 0.0, 1.0, 2.0]), &options())));
     let mut big = std::io::Cursor::new(Vec::new());

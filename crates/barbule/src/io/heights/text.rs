@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
     let mut comments = Comments::default();
     for (number, line) in rows() {
         if let Some(comment) = line.strip_prefix('#') {
-            comments.read(comment).map_err(|what| Error::input(format!("line {number}: {what}")))?;
+            comments.read(comment).map_err(|what| Error::input(what).in_line(number))?;
         }
     }
     // Where semicolons or tabs separate, commas are decimal; else commas separate, and blanks where there is none.
@@ -66,6 +66,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
                     values.len() - before + 1,
                     shortened(&word)
                 ))
+                .on_line(number, None)
             })?;
             if values.len() == MOST_HEIGHTS {
                 return Err(Error::input(format!("has over {MOST_HEIGHTS} heights; give a part of them")));
@@ -77,16 +78,18 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
             columns = found;
         }
         if found != columns {
-            return Err(Error::input(format!(
+            let error = Error::input(format!(
                 "line {number} has {found} heights, but those before it have {columns}; give rows of equal length"
-            )));
+            ));
+            return Err(error.on_line(number, None));
         }
     }
     if values.is_empty() {
         return Err(Error::input("has no heights: give rows of numbers"));
     }
     if comments.width_um.is_some() != comments.height_um.is_some() {
-        return Err(Error::input("says only one of Width and Height; give both, or neither and --pitch"));
+        let refusal = Error::input("says only one of Width and Height; give both, or neither and `pitch_um`");
+        return Err(refusal.naming(&["pitch_um"]));
     }
     let size_um = comments.width_um.zip(comments.height_um).map(|(width, height)| [width, height]);
     let cells = [columns, values.len() / columns];

@@ -238,6 +238,9 @@ fn malformed_files_are_refused_by_name() {
         assert!(error.is_input(), "{name}: {text}");
         assert!(text.contains(fragment), "{name}: '{text}' lacks '{fragment}'");
         assert!(text.len() < 600 && !text.ends_with('.') && !text.contains('\n'), "{name}: {text}");
+        if let Some(array) = fragment.strip_prefix("array ").and_then(|rest| rest.split(' ').next()) {
+            assert_eq!(error.key(), Some(array), "{name}");
+        }
     }
     // Codes at their ends are valid values.
     for (name, value) in [("m", 0), ("m", 65535), ("phi", 0), ("length", 0), ("rho_sta", 65535)] {

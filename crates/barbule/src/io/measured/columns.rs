@@ -152,10 +152,11 @@ pub(super) fn choose(table: Table, wanted: Option<&str>) -> Result<Found> {
         && let Some(other) = chosen.iter().find(|i| !headed(i) && largest(i) <= super::PERCENT_ABOVE)
     {
         return Err(Error::input(format!(
-            "some columns are in percent by their names, but {} is not and has values to {}; name one with --column",
+            "some columns are in percent by their names, but {} is not and has values to {}; name one with `column`",
             label(*other),
             largest(other)
-        )));
+        ))
+        .naming(&["column"]));
     }
     let samples =
         chosen.iter().map(|&i| (shortened(table.names[i].trim()), table.columns[i].clone())).collect();
@@ -243,9 +244,10 @@ fn samples(
             let mut all = [reflectances, raw, samples].concat();
             all.sort_unstable();
             return Err(Error::input(format!(
-                "columns {} are not all reflectances by their names; name one with --column",
+                "columns {} are not all reflectances by their names; name one with `column`",
                 list(&all)
-            )));
+            ))
+            .naming(&["column"]));
         }
     };
     let dropped: Vec<usize> =
@@ -268,11 +270,12 @@ fn named(table: &Table, position: usize, wanted: &str) -> Result<usize> {
         [one] => one,
         [one, other, ..] => {
             return Err(Error::input(format!(
-                "--column {}: columns {} and {} have this name; give the number",
+                "`column` {}: columns {} and {} have this name; give the number",
                 shortened(wanted),
                 one + 1,
                 other + 1
-            )));
+            ))
+            .naming(&["column"]));
         }
         [] => match by_number {
             Some(number) => number - 1,
@@ -281,19 +284,21 @@ fn named(table: &Table, position: usize, wanted: &str) -> Result<usize> {
                 let list: Vec<_> = known().take(8).map(|n| format!("'{}'", shortened(n))).collect();
                 let near = did_you_mean(&shortened(wanted), known().take(1000));
                 return Err(Error::input(format!(
-                    "--column {}: there is no such column{near}; there are {} columns{}",
+                    "`column` {}: there is no such column{near}; there are {} columns{}",
                     shortened(wanted),
                     table.names.len(),
                     if list.is_empty() { String::new() } else { format!(": {}", shortened_list(&list)) }
-                )));
+                ))
+                .naming(&["column"]));
             }
         },
     };
     if found == position {
         return Err(Error::input(format!(
-            "--column {}: that column is the wavelength; name one of reflectance",
+            "`column` {}: that column is the wavelength; name one of reflectance",
             shortened(wanted)
-        )));
+        ))
+        .naming(&["column"]));
     }
     Ok(found)
 }

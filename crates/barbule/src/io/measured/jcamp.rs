@@ -40,7 +40,7 @@ pub(super) fn read(text: &str, wanted: Option<&str>) -> Result<Found> {
         else {
             continue;
         };
-        let place = |error: Error| error.at(format!("line {number}"));
+        let place = |error: Error| error.in_line(number);
         match label_of(label).as_str() {
             "TITLE" => block = Block { title: value.trim().to_owned(), ..Block::default() },
             "XUNITS" => block.x_units = value.trim().to_uppercase(),
@@ -115,9 +115,10 @@ fn choose(blocks: Vec<Block>, wanted: Option<&str>) -> Result<Found> {
             let by_number = wanted.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
             let at = by_title.or(by_number).filter(|at| *at < count).ok_or_else(|| {
                 Error::input(format!(
-                    "--column {}: there is no such spectrum; the file holds {count}",
+                    "`column` {}: there is no such spectrum; the file holds {count}",
                     shortened(wanted)
                 ))
+                .naming(&["column"])
             })?;
             vec![blocks[at].clone()]
         }
@@ -132,9 +133,9 @@ fn choose(blocks: Vec<Block>, wanted: Option<&str>) -> Result<Found> {
         let same = block.points.len() == first.points.len()
             && block.points.iter().zip(&first.points).all(|(a, b)| a.1 == b.1);
         if !same || self::unit(block)? != unit {
-            return Err(Error::input(format!(
-                "holds {count} spectra at different positions; name one with --column"
-            )));
+            let refusal =
+                Error::input(format!("holds {count} spectra at different positions; name one with `column`"));
+            return Err(refusal.naming(&["column"]));
         }
         percent |= is_percent(block)?;
         samples.push((shortened(&block.title), block.points.iter().map(|p| p.2).collect()));
@@ -194,7 +195,7 @@ fn pairs<'a>(block: &Block, data: impl Iterator<Item = (usize, &'a str)>) -> Res
     let [x_factor, y_factor] = block.factors.map(|f| f.unwrap_or(1.0));
     let mut points = Vec::new();
     for (line, text) in data {
-        let refuse = |what: String| Error::input(format!("line {line}: {what}"));
+        let refuse = |what: String| Error::input(what).in_line(line);
         let mut x = None;
         for word in text.split([',', ';', ' ', '\t']).filter(|word| !word.is_empty()) {
             let value = word
@@ -249,10 +250,11 @@ fn equidistant<'a>(
         // Positions are often rounded to whole units.
         let near = (x * x_factor - expected).abs() <= 1.01 * step.abs() + 0.5 * x_factor.abs();
         if !near {
-            return Err(Error::input(format!(
-                "line {line}: begins at {}, but {place} steps of {step} from {first} lead to {expected}; is a line missing?",
+            let error = Error::input(format!(
+                "begins at {}, but {place} steps of {step} from {first} lead to {expected}; is a line missing?",
                 x * x_factor
-            )));
+            ));
+            return Err(error.in_line(line));
         }
     }
     Ok(values
@@ -279,7 +281,7 @@ fn unpacked(data: &[(usize, &str)]) -> Result<Unpacked> {
     let Unpacked { mut values, mut positions } = Unpacked::default();
     let mut differs = false;
     for &(line, text) in data {
-        let refuse = |what: String| Error::input(format!("line {line}: {what}"));
+        let refuse = |what: String| Error::input(what).in_line(line);
         let mut tokens = Tokens { text, packed };
         let Some(Token::Value(x)) = tokens.next().transpose().map_err(refuse)? else {
             return Err(refuse("does not begin with a position".into()));

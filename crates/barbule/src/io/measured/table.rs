@@ -182,9 +182,10 @@ fn style(body: &[(usize, &str)]) -> Result<Style> {
         let shown = body.iter().find(|(_, line)| line.starts_with(|c: char| c.is_ascii_digit()));
         match shown {
             Some((line, text)) => Error::input(format!(
-                "line {line}: '{}' is not a wavelength and a reflectance; write lines such as 500,0.12",
+                "'{}' is not a wavelength and a reflectance; write lines such as 500,0.12",
                 shortened(text)
-            )),
+            ))
+            .in_line(*line),
             None => Error::input("has no lines of numbers; write lines such as 500,0.12"),
         }
     })
@@ -221,10 +222,8 @@ fn numbers(body: &[(usize, &str)], style: Style, width: usize) -> Result<Numbers
     for (number, line) in &rows {
         let cells = style.cells(line).count();
         if cells != width {
-            return Err(Error::input(format!(
-                "line {number}: has {cells} columns, but line {} has {width}",
-                rows[0].0
-            )));
+            let error = Error::input(format!("has {cells} columns, but line {} has {width}", rows[0].0));
+            return Err(error.in_line(*number));
         }
         for (column, text) in style.cells(line).enumerate() {
             let value = match style.cell(&text) {
@@ -239,7 +238,8 @@ fn numbers(body: &[(usize, &str)], style: Style, width: usize) -> Result<Numbers
                         "line {number}, column {}: '{}' is not a finite number",
                         column + 1,
                         shortened(&text)
-                    )));
+                    ))
+                    .on_line(*number, None));
                 }
             };
             columns[column].push(value);
@@ -273,10 +273,11 @@ fn header<'a>(
     if names.len() != width {
         // A title or a setting, unless it names a wavelength.
         if names.len() > 1 && names.iter().any(|name| position_unit(name).is_some()) {
-            return Err(Error::input(format!(
-                "line {number}: names {} columns, but the lines of numbers have {width} (are these decimal commas? separate cells by semicolons)",
+            let error = Error::input(format!(
+                "names {} columns, but the lines of numbers have {width} (are these decimal commas? separate cells by semicolons)",
                 style.cells(line).count()
-            )));
+            ));
+            return Err(error.in_line(number));
         }
         return Ok(none);
     }

@@ -154,7 +154,7 @@ fn what_can_be_read_in_two_ways_is_refused_with_the_choice() {
         ("nm,R\n400,-0.4\n500,0.3\n", "mostly below zero"),
         (
             "nm,R,depth\n400,0.1,3\n500,0.3,3\n",
-            "'R', 'depth' are not all reflectances by their names; name one with --column",
+            "'R', 'depth' are not all reflectances by their names; name one with `column`",
         ),
         ("nm,absorbance\n400,0.1\n500,0.3\n", "are not all reflectances"),
         ("wl,wl,R\n400,410,0.1\n500,510,0.3\n", "are both wavelengths, and differ"),

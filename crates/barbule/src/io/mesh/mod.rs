@@ -34,7 +34,8 @@ pub fn read_mesh(path: &Path) -> Result<(Mesh, String)> {
 /// # Errors
 /// As there.
 pub fn decode_mesh(name: &str, assets: &dyn Assets) -> Result<(Mesh, String)> {
-    let refuse = |error: Error| error.at(assets.place(name));
+    let place = assets.place(name);
+    let refuse = |error: Error| error.in_file(Path::new(&place));
     let read: fn(&[u8], &dyn Fn(&str, u64) -> Result<Vec<u8>>) -> Result<Found> = match ending(name).as_str()
     {
         "ply" => |bytes, _| ply::read(bytes).map(Found::from),

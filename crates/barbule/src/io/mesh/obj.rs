@@ -17,7 +17,7 @@ pub(super) fn read(text: &str) -> Result<Parts> {
     let mut faces: Vec<Vec<Corner>> = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let mut words = line.split('#').next().unwrap_or_default().split_whitespace();
-        let place = |error: Error| error.at(format!("line {}", number + 1));
+        let place = |error: Error| error.in_line(number + 1);
         match words.next() {
             Some("v") => positions.push(Vec3::from_array(numbers(words).map_err(place)?)),
             Some("vn") => normals.push(Vec3::from_array(numbers(words).map_err(place)?)),

@@ -279,18 +279,17 @@ impl Attributes {
             difference(&parts(self), &parts(here), "").or_else(|| difference(&axes(self), &axes(here), ""));
         if let Some(difference) = found {
             return Err(Error::input(format!(
-                "{}: this store was made with other parameters ({difference}); give another name, or the same parameters to resume",
-                path.display()
-            )));
+                "this store was made with other parameters ({difference}); give another name, or the same parameters to resume"
+            ))
+            .in_file(path));
         }
         if self.width != here.width {
             return Err(Error::input(format!(
-                "{}: was computed with {} instructions, this run would use {}; give --simd {} to continue it with the same bits",
-                path.display(),
-                self.width,
-                here.width,
-                self.width
-            )));
+                "was computed with {} instructions, this run would use {}; give `width` {} to continue it with the same bits",
+                self.width, here.width, self.width
+            ))
+            .in_file(path)
+            .naming(&["width"]));
         }
         Ok(())
     }
