@@ -11,9 +11,11 @@ use barbule::brdf::{FeatherBrdf, Options};
 use barbule::characterize::thinned;
 use barbule::clock;
 use barbule::diffraction::make_gratings;
+use barbule::error::shortened;
+use barbule::identity;
 use barbule::io::image::{RgbImage, read_exr};
 use barbule::io::{check_writable, hash_file, read_at_most, read_scene_files, write_whole};
-use barbule::picture::{Developed, Set, bytes_needed, check_kind, development, is_exr};
+use barbule::picture::{Developed, Set, bytes_needed, check_colours, check_kind, development, is_exr};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
 use barbule::render::film::{Film, check_size};
@@ -25,6 +27,7 @@ use barbule::scene::description::{
 };
 use barbule::scene::preset;
 use barbule::scene::sky::Sky;
+use barbule::spectrum::sensor::Sensor;
 use barbule::{Error, Result};
 
 use crate::common::{Common, path_json, print, print_json};
@@ -79,6 +82,9 @@ pub(crate) struct Args {
     /// What is seen behind the feather: sky, none (the picture is cut out), a colour #rrggbb, or a .png or .exr
     #[arg(long, value_name = "sky|none|#RRGGBB|FILE", value_parser = flags::background)]
     background: Option<Background>,
+    /// Who sees the picture: human, or a file of what channels answer to light
+    #[arg(long, value_name = "human|FILE", default_value = HUMAN, value_parser = flags::sensor)]
+    sensor: Sensor,
     /// EXR: planes of radiance about these wavelengths, nm
     #[arg(long, value_name = "SET")]
     spectral: Option<String>,
@@ -104,6 +110,9 @@ pub(crate) struct Args {
     #[command(flatten)]
     common: Common,
 }
+
+/// The usual sensor.
+const HUMAN: &str = "human";
 
 /// How often a checkpoint is written.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(15);
@@ -131,6 +140,7 @@ impl Args {
         };
         let (sky, sky_name) = image.unzip();
         let (brdf, hash, thinned) = self.material(&description)?;
+        self.say_what_is_held(brdf.as_deref());
         let terminal = Terminal::new(&self.common).keeping_what_is_done();
         let set = self.set(&description, brdf, sky)?;
         let mut reports = Vec::new();
@@ -167,6 +177,22 @@ impl Args {
             ));
         }
         Ok((Some(Arc::new(FeatherBrdf::new(&material, Options::default())?)), hash, thinned))
+    }
+
+    /// Says where a sensor sees more than the material's tables hold. To the human eye it is the dim ends of the spectrum.
+    fn say_what_is_held(&self, brdf: Option<&FeatherBrdf>) {
+        let (sensor, band) = (&self.sensor, self.sensor.band());
+        if let Some((low, high)) = brdf.map(FeatherBrdf::wavelength_range_nm)
+            && !sensor.is_human()
+            && (band.low_nm() < low || band.high_nm() > high)
+        {
+            self.common.say(&format!(
+                "the sensor '{}' sees {} to {} nm, but the material is known from {low} to {high} nm: its end values are held outside",
+                shortened(sensor.name()),
+                band.low_nm(),
+                band.high_nm()
+            ));
+        }
     }
 
     /// The scene with the changes that the flags ask for, and whether there are any.
@@ -275,8 +301,10 @@ impl Args {
         description.frames(&moves, self.frames).map_err(|e| e.at("--frames"))
     }
 
-    /// What films keep beside colour, normals and depth.
+    /// Who sees films, and what they keep beside what is seen, normals and depth.
     fn planes(&self) -> Result<Planes> {
+        let sensor = self.sensor.clone();
+        self.output.iter().try_for_each(|file| check_colours(file, &sensor).map_err(|e| e.at("-o")))?;
         let compositing = self.output.as_deref().is_some_and(is_exr);
         let nm = match &self.spectral {
             Some(_) if !compositing => {
@@ -288,7 +316,8 @@ impl Args {
         if self.keep_gamut && !compositing {
             self.common.idle("--keep-gamut", "a PNG's colours are always sRGB's");
         }
-        Ok(Planes { compositing, spectral: Bands::new(&nm).map_err(|e| e.at("--spectral"))? })
+        let spectral = Bands::new(&nm, sensor.band()).map_err(|e| e.at("--spectral"))?;
+        Ok(Planes { sensor, compositing, spectral })
     }
 
     /// A scene's image of the sky, and a name that changes with it.
@@ -489,6 +518,13 @@ impl Args {
             .with("view", format!("{},{},{width_mm}", view.azimuth_deg, view.elevation_deg))
             .with("exposure", exposure.to_string())
             .with("exposure_by", if description.exposure.is_some() { "factor" } else { "key" });
+        let provenance = if self.sensor.is_human() {
+            provenance
+        } else {
+            provenance
+                .with("sensor", self.sensor.name())
+                .with("sensor_hash", identity::hash("sensor", &self.sensor))
+        };
         match job.thinned {
             Some(every) => provenance.with("thinned", every.to_string()),
             None => provenance,

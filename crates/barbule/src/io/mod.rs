@@ -18,6 +18,7 @@ mod orders;
 mod output;
 mod scene;
 mod section;
+mod sensor;
 mod species;
 mod stack;
 pub mod store;
@@ -41,6 +42,7 @@ pub use orders::{read_keyed_orders, read_orders, write_orders};
 pub use output::{check_writable, is_inside_store, is_same_file, is_stream, write_together, write_whole};
 pub use scene::read_scene_files;
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
+pub use sensor::read_sensor;
 pub use species::{
     feather_of, is_species, read_feather, read_flat_stack, read_species, read_species_file,
     read_structure_toml,

@@ -20,6 +20,7 @@ mod objects;
 mod picture;
 mod polarization;
 mod render;
+mod sensor;
 mod sides;
 mod simulation;
 mod statistics;
