@@ -92,6 +92,7 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         ("render", "scene") => files(Names::Presets, &["toml"]),
         ("render" | "lobes" | "brdf", "material") => files(Names::Species, &["barbule", "toml", "json"]),
         ("render", "background") => files(Names::None, &["png", "exr"]),
+        ("render", "sensor") => files(Names::None, &["toml", "csv"]),
         (_, "medium") => Some(Kind { names: Names::None, extensions: TABLES, after: Some('=') }),
         (_, "measured") => files(Names::None, TABLES),
         ("geometry", "output") => files(Names::None, &["svg", "pdf", "png", "json"]),

@@ -26,8 +26,9 @@ use barbule::scene::Scene;
 use barbule::scene::description::{BarbuleDress, PigmentedKeratin, RamusDress, SceneDescription};
 use barbule::solve::surface::{Accuracy, far_field};
 use barbule::spectrum::colour::{Illuminant, matching};
-use barbule::spectrum::dense::{LONGEST_NM, Lambdas, SHORTEST_NM, WAVES};
+use barbule::spectrum::dense::{Lambdas, WAVES};
 use barbule::spectrum::difference::{delta_e_2000, lab};
+use barbule::spectrum::sensor::Band;
 use barbule::structure::{SpeciesModel, Structure};
 use barbule::{Error, Result};
 use measure::polarized::{BarbuleModel, MODELS, PolarizedScene, fresnel};
@@ -101,8 +102,7 @@ fn xyz(radiance: &[f64; WAVES], wavelengths: Lambdas, white: [f64; 3]) -> [f64; 
 
 fn daylight() -> [f64; 3] {
     let mut sum = [0.0; 3];
-    for i in 0..(LONGEST_NM - SHORTEST_NM) as u32 {
-        let nm = SHORTEST_NM + f64::from(i) + 0.5;
+    for nm in Band::HUMAN.each_nm().map(|nm| nm + 0.5).filter(|nm| Band::HUMAN.contains(*nm)) {
         let power = Illuminant::D65.power(nm) / Illuminant::D65.power(560.0);
         for (sum, weight) in sum.iter_mut().zip(matching(nm)) {
             *sum += power * weight;

@@ -12,8 +12,8 @@ use crate::scattering::grating::{Place, Powers, Setup, Tables};
 use crate::solve::diffraction::{Amplitudes, Reach, Series};
 use crate::spectrum::Wavelengths;
 use crate::spectrum::colour::Observer;
-use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM};
 use crate::spectrum::difference::{delta_e_2000, lab};
+use crate::spectrum::sensor::Band;
 use crate::structure::{Fingers, Heightfield, SAMPLES};
 use crate::{Error, Result};
 
@@ -226,7 +226,7 @@ pub fn sample_powers(sample: &str, seed: u64, progress: &dyn Progress) -> Result
         "xenopeltis" => Some(Fingers::XENOPELTIS),
         _ => None,
     };
-    let at = Wavelengths::new([SHORTEST_NM, LONGEST_NM])?;
+    let at = Wavelengths::new([Band::HUMAN.low_nm(), Band::HUMAN.high_nm()])?;
     let setup = Setup { place: Place::Anywhere, ..Setup::default() };
     let powers = |field: Heightfield| {
         Amplitudes::new(&field, &setup, Reach::of(&setup, &at), Series::Chebyshev, progress)?.powers()

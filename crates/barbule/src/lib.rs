@@ -152,6 +152,22 @@ pub use scattering::far_field::FarField;
 pub use scattering::far_field::Illumination;
 
 /// ```
+/// use barbule::spectrum::dense::DenseSpectrum;
+/// use barbule::spectrum::sensor::{Band, Curve};
+/// use barbule::{PictureOptions, Sensor};
+///
+/// // A camera with a filter that passes ultraviolet light.
+/// let passed = DenseSpectrum::new(|nm| (-(nm - 360.0) * (nm - 360.0) / 450.0).exp());
+/// let channels = vec![Curve { name: "UV".into(), response: passed }];
+/// let sensor = Sensor::new("filtered camera", Band::new(300, 420)?, channels)?;
+/// let options = PictureOptions { sensor, ..PictureOptions::default() };
+/// assert_eq!(PictureOptions::default().sensor, Sensor::human());
+/// # assert_ne!(options, PictureOptions::default());
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use spectrum::sensor::Sensor;
+
+/// ```
 /// use barbule::characterize::Catalog;
 /// use barbule::{FeatherMaterial, Structure};
 ///

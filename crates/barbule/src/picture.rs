@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::error::shortened;
 use crate::io::hash_bytes;
 use crate::io::image::{Facts, write_exr, write_png};
 use crate::progress::Progress;
@@ -17,6 +18,7 @@ use crate::scene::description::{Background, ReadyScene, SceneDescription};
 use crate::scene::feather::{Counts, Feather};
 use crate::scene::preset;
 use crate::scene::sky::Environment;
+use crate::spectrum::sensor::Sensor;
 use crate::{Error, Result};
 
 /// What all pictures of a scene share, made once: the objects with their hierarchy, and the sky. Lamps, camera and how the objects
@@ -86,7 +88,7 @@ impl Set {
 }
 
 /// How a picture is made; the default is that of `barbule render`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PictureOptions {
     /// Width and height, pixels.
     pub size: [u32; 2],
@@ -94,11 +96,13 @@ pub struct PictureOptions {
     pub samples: u32,
     /// Seed of feather, instances and samples.
     pub seed: u64,
+    /// Who sees it.
+    pub sensor: Sensor,
 }
 
 impl Default for PictureOptions {
     fn default() -> Self {
-        Self { size: [1280, 800], samples: 16, seed: 1 }
+        Self { size: [1280, 800], samples: 16, seed: 1, sensor: Sensor::human() }
     }
 }
 
@@ -116,9 +120,10 @@ impl Picture {
     /// # Errors
     /// A number of scene or options out of range, or a stop by `progress`.
     pub fn of(scene: &ReadyScene, options: &PictureOptions, progress: &dyn Progress) -> Result<Self> {
-        let PictureOptions { size, samples, seed } = *options;
+        let PictureOptions { size, samples, seed, ref sensor } = *options;
         let set = Set::new(scene, seed)?;
-        let mut film = Film::new(size)?;
+        let planes = Planes { sensor: sensor.clone(), ..Planes::default() };
+        let mut film = Film::with(size, planes)?;
         let goal = Goal::samples(samples);
         match set.render(scene, &mut film, seed, goal, progress, &mut |_| Ok(()))? {
             Ended::Stopped => Err(Error::interrupted()),
@@ -129,13 +134,13 @@ impl Picture {
         }
     }
 
-    /// The film: linear radiance, normals, depth and identities per pixel.
+    /// The film: what the sensor's channels saw, normals, depth and identities per pixel.
     #[must_use]
     pub fn film(&self) -> &Film {
         &self.film
     }
 
-    /// 8-bit sRGB, row by row, after exposure and tone curve. Shape: `[height, width, 3]`.
+    /// 8-bit sRGB, row by row, after exposure and tone curve; grey of a sensor without colours. Shape: `[height, width, 3]`.
     #[must_use]
     pub fn rgb(&self) -> Vec<u8> {
         let Bytes { values, has_alpha } = picture::bytes(&self.film, &self.development);
@@ -148,7 +153,7 @@ impl Picture {
     /// Writes the picture as `.png`, or all its planes as `.exr`.
     ///
     /// # Errors
-    /// Another ending, or the file cannot be written.
+    /// Another ending, a `.png` of a sensor without colours, or the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let version = [("barbule_version", env!("CARGO_PKG_VERSION"))];
         Developed::new(path.as_ref(), &self.film, &self.development, &self.objects)?.write(&version)
@@ -170,7 +175,8 @@ pub fn development(scene: &ReadyScene, film: &Film) -> Result<Development> {
 pub fn bytes_needed(size: [u32; 2], planes: &Planes) -> u64 {
     let rendered = bytes_per_pixel(planes);
     // A PNG has 4 bytes.
-    let channels = if planes.compositing { 20 + 4 * COVERS + planes.spectral.nm().len() } else { 1 };
+    let own = 2 * planes.sensor.channels().len();
+    let channels = if planes.compositing { 14 + own + 4 * COVERS + planes.spectral.nm().len() } else { 1 };
     let written = rendered / 2 + 2 * channels * size_of::<f32>();
     64_000_000 + u64::from(size[0]) * u64::from(size[1]) * rendered.max(written) as u64
 }
@@ -184,6 +190,21 @@ pub fn check_kind(path: &Path) -> Result<()> {
         "png" | "exr" => Ok(()),
         _ => Err(Error::input(format!("{}: pictures are written as .png or .exr", path.display()))),
     }
+}
+
+/// Refuses a name that ends in `.png` for what a sensor without colours sees.
+///
+/// # Errors
+/// It is that.
+pub fn check_colours(path: &Path, sensor: &Sensor) -> Result<()> {
+    if is_exr(path) || sensor.has_colours() {
+        return Ok(());
+    }
+    Err(Error::input(format!(
+        "{}: the sensor '{}' does not say how its channels look on a screen (to_xyz); write them as .exr",
+        path.display(),
+        shortened(sensor.name())
+    )))
 }
 
 /// What of a film goes into a file.
@@ -206,9 +227,10 @@ impl<'a> Developed<'a> {
     /// `objects`: the names of the scene's objects, for mattes.
     ///
     /// # Errors
-    /// As [`check_kind`].
+    /// As [`check_kind`] and [`check_colours`].
     pub fn new(path: &'a Path, film: &Film, development: &Development, objects: &[String]) -> Result<Self> {
         check_kind(path)?;
+        check_colours(path, &film.planes().sensor)?;
         let pixels = if is_exr(path) {
             Pixels::Exr(picture::planes(film, development, objects))
         } else {

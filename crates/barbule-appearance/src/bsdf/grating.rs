@@ -20,7 +20,8 @@ use super::reflectance::Reflectance;
 use super::{Bsdf, Model};
 use crate::fresnel::fresnel;
 use crate::scattering::grating::{Coherence, Obliquity, Powers};
-use crate::spectrum::dense::{LONGEST_NM, Lambdas, SHORTEST_NM, WAVES};
+use crate::spectrum::dense::{Lambdas, WAVES};
+use crate::spectrum::sensor::Band;
 use crate::{Error, Result};
 
 /// Windows reach so many standard deviations.
@@ -80,6 +81,9 @@ struct Taps {
 }
 
 impl Grating {
+    /// Whose wavelengths its tables serve: shorter ones have orders beyond them.
+    pub const BAND: Band = Band::HUMAN;
+
     /// - `coherence_um`: standard deviation of the window of coherence; the narrower, the wider are lobes
     /// - `index`: refractive index of the surface
     /// - `pigment`: colour of what is beneath, linear sRGB, 0 … 1
@@ -106,7 +110,7 @@ impl Grating {
         let orders = powers.orders();
         let most = [0, 1].map(|axis| {
             let far = orders.most[axis] as f64 / orders.period_um[axis] + REACH * deviation;
-            (far.min(2e3 / SHORTEST_NM) / step).ceil() as usize
+            (far.min(2e3 / Self::BAND.low_nm()) / step).ceil() as usize
         });
         if most.iter().any(|most| 2 * most + 1 > MOST_PLACES) {
             return Err(Error::input(format!(
@@ -316,7 +320,7 @@ impl Tabulated {
             let low = (at as usize).min(count - 2);
             (low, at - low as f64)
         };
-        let (wave, a) = place((nm - SHORTEST_NM) / (LONGEST_NM - SHORTEST_NM), waves);
+        let (wave, a) = place((nm - Grating::BAND.low_nm()) / Grating::BAND.width_nm(), waves);
         let (cosine, b) = place((w.z.max(LOWEST) - LOWEST).sqrt() / (1.0 - LOWEST).sqrt(), cosines);
         let turn = libm::atan2(w.y, w.x).rem_euclid(TAU) / TAU * azimuths as f64;
         let (azimuth, c) = (turn as usize % azimuths, turn - turn.floor());
@@ -331,7 +335,7 @@ impl Tabulated {
 
 /// Wavelengths of the table of ρ.
 fn rho_nm(wave: usize) -> f64 {
-    SHORTEST_NM + (LONGEST_NM - SHORTEST_NM) * wave as f64 / (RHO[2] - 1) as f64
+    Grating::BAND.low_nm() + Grating::BAND.width_nm() * wave as f64 / (RHO[2] - 1) as f64
 }
 
 /// Cosines of the table of ρ, closest at grazing incidence.

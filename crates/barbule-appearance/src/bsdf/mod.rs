@@ -55,6 +55,7 @@ pub use texture::{NumberMap, Texture};
 pub use thin_film::ThinFilm;
 
 use crate::spectrum::dense::{Lambdas, WAVES};
+use crate::spectrum::sensor::Band;
 
 /// What a surface is made of.
 #[derive(Debug, Clone)]
@@ -110,6 +111,17 @@ impl Surface {
     #[inline(never)] // a copy of its own ends the recursion
     fn bind_apart(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {
         self.bind(hit, wo, wavelengths)
+    }
+
+    /// The band of the tables of gratings and films, beyond which they have no values; nothing of all others.
+    #[must_use]
+    pub fn tabulated(&self) -> Option<Band> {
+        match self {
+            Self::Grating(_) => Some(Grating::BAND),
+            Self::ThinFilm(_) => Some(ThinFilm::BAND),
+            Self::Map(map) => map.surfaces().iter().find_map(Self::tabulated),
+            _ => None,
+        }
     }
 
     /// Share of the light along a straight line that does not pass a hit unchanged, 0 … 1. `wo` points back along the

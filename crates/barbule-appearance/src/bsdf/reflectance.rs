@@ -2,8 +2,9 @@
 //! with melanin's k.
 
 use crate::material::ExponentialAbsorption;
-use crate::spectrum::dense::{DenseSpectrum, Lambdas, VALUES, WAVES};
+use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
 use crate::spectrum::primaries::shares;
+use crate::spectrum::sensor::Band;
 use crate::{Error, Result};
 
 /// A diffuse reflectance or transmittance: one value per nm.
@@ -23,7 +24,9 @@ impl Reflectance {
         if !spectrum.values().iter().all(|v| (0.0..=1.0).contains(v)) {
             return Err(Error::input("a reflectance must lie between 0 and 1 at every wavelength"));
         }
-        let mean = spectrum.values().iter().sum::<f64>() / VALUES as f64;
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let seen = mean(Band::HUMAN.of(&spectrum));
+        let mean = if seen > 0.0 { seen } else { mean(spectrum.values()) };
         Ok(Self { spectrum, mean })
     }
 
@@ -76,7 +79,7 @@ impl Reflectance {
         self.spectrum.at_each(wavelengths)
     }
 
-    /// Mean over the sampled wavelengths.
+    /// Mean over the wavelengths of the human eye, or over all where it is black to it: the part of it in samples.
     #[inline]
     #[must_use]
     pub fn mean(&self) -> f64 {

@@ -28,7 +28,8 @@ use super::reflectance::Reflectance;
 use super::{Bsdf, Model};
 use crate::film::{Polarization, response_at};
 use crate::math::elementary::sin_cos_turns;
-use crate::spectrum::dense::{LONGEST_NM, Lambdas, SHORTEST_NM, WAVES};
+use crate::spectrum::dense::{Lambdas, WAVES};
+use crate::spectrum::sensor::Band;
 use crate::stack::Stack;
 use crate::{Error, Result};
 
@@ -67,6 +68,9 @@ struct Body {
 }
 
 impl ThinFilm {
+    /// Whose wavelengths its tables serve.
+    pub const BAND: Band = Band::HUMAN;
+
     /// - `stack`: first the medium outside, last what the layers lie on
     /// - `roughness`: each 0.02 … 1
     /// - `body`: what is diffuse beneath; `None`: nothing comes back
@@ -225,7 +229,7 @@ impl Grid {
     fn of(stack: &Stack) -> Result<Self> {
         let mut grid = Self { per_nm: 1, steps: LEAST_STEPS };
         let spread = |i: usize| (i as f64 + 0.5) / LINES as f64;
-        let nm = |i: usize| SHORTEST_NM + (LONGEST_NM - SHORTEST_NM) * spread(i);
+        let nm = |i: usize| ThinFilm::BAND.low_nm() + ThinFilm::BAND.width_nm() * spread(i);
         loop {
             let finer = Self { per_nm: 2 * grid.per_nm, ..grid };
             let columns: Vec<Vec<[f64; 2]>> = (0..finer.wavelengths())
@@ -261,11 +265,11 @@ impl Grid {
     }
 
     fn wavelengths(self) -> usize {
-        (LONGEST_NM - SHORTEST_NM) as usize * self.per_nm + 1
+        ThinFilm::BAND.width_nm() as usize * self.per_nm + 1
     }
 
     fn nm(self, column: usize) -> f64 {
-        SHORTEST_NM + column as f64 / self.per_nm as f64
+        ThinFilm::BAND.low_nm() + column as f64 / self.per_nm as f64
     }
 
     fn cosine(self, node: usize) -> f64 {
@@ -286,7 +290,7 @@ impl Grid {
     fn waves(self, wavelengths: Lambdas) -> Waves {
         let last = self.wavelengths() - 1;
         let place = |nm: f64| {
-            let at = ((nm - SHORTEST_NM) * self.per_nm as f64).clamp(0.0, last as f64);
+            let at = ((nm - ThinFilm::BAND.low_nm()) * self.per_nm as f64).clamp(0.0, last as f64);
             let column = (at as usize).min(last - 1);
             (column, at - column as f64)
         };

@@ -1,13 +1,14 @@
 //! A film as bytes: to go on with a picture later, to the same bits as without the break.
 //!
 //! Layout, little-endian: `BARBFILM`, version (u32), width and height (u32), 32 bytes that name the scene and its
-//! settings; of each tile its sample count (u32), X, Y, Z, alpha and weight of its pixels and of a border of one (f64), of each pixel
-//! luminance, squares, normal, depth (f64), hits and identity (u32); where the film keeps them of each pixel the albedo's X, Y, Z (f64)
+//! settings; of each tile its sample count (u32), the channels, alpha and weight of its pixels and of a border of one (f64), of each pixel
+//! luminance, squares, normal, depth (f64), hits and identity (u32); where the film keeps them of each pixel the albedo's channels (f64)
 //! and of six shapes identity, object and hits (u32), and of each pixel with the border its radiance in each band (f64); and a BLAKE3
-//! checksum of all before it.
+//! checksum of all before it. Channels are X, Y, Z of the human eye, and of other sensors eight, those that they lack 0.
 
-use super::film::{Film, Pixel, TILE, bordered};
+use super::film::{Film, Pixel, TILE, bordered, stride};
 use super::planes::{COVERS, Compositing, Cover, Planes};
+use super::response::lanes;
 use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
 
@@ -15,18 +16,21 @@ const MAGIC: &[u8; 8] = b"BARBFILM";
 const VERSION: u32 = 4;
 const HEAD: usize = 8 + 3 * 4 + 32;
 const PIXEL: usize = 6 * 8 + 2 * 4;
-const WEIGHTED: usize = 5 * 8;
-const COMPOSITING: usize = 3 * 8 + COVERS * 3 * 4;
+const COVERED: usize = COVERS * 3 * 4;
 const SUM: usize = 32;
 
-/// Names a picture by all that decides its samples: the scene with what it names, the seed, the program's version, and what the
-/// film keeps.
+/// Names a picture by all that decides its samples: the scene with what it names, the seed, the program's version, who sees the film,
+/// and what it keeps.
 #[must_use]
 pub fn name(scene: &impl Identify, seed: u64, program: &str, planes: &Planes) -> [u8; 32] {
     let mut hasher = Hasher::new("picture");
     hasher.part("scene", scene).count("seed", seed).text("program", program);
-    if *planes != Planes::default() {
-        hasher.count("compositing", u64::from(planes.compositing)).numbers("bands", planes.spectral.nm());
+    let Planes { sensor, compositing, spectral } = planes;
+    if *compositing || !spectral.nm().is_empty() {
+        hasher.count("compositing", u64::from(*compositing)).numbers("bands", spectral.nm());
+    }
+    if !sensor.is_human() {
+        hasher.part("sensor", sensor);
     }
     hasher.finish()
 }
@@ -36,8 +40,8 @@ pub fn name(scene: &impl Identify, seed: u64, program: &str, planes: &Planes) ->
 pub fn bytes(size: [u32; 2], planes: &Planes) -> u64 {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     let tiles = u64::from(size[0].div_ceil(TILE)) * u64::from(size[1].div_ceil(TILE));
-    let pixel = PIXEL + if planes.compositing { COMPOSITING } else { 0 };
-    let sums = WEIGHTED + planes.spectral.nm().len() * 8;
+    let pixel = PIXEL + if planes.compositing { COVERED + lanes(&planes.sensor) * 8 } else { 0 };
+    let sums = (stride(&planes.sensor) + planes.spectral.nm().len()) * 8;
     (HEAD + SUM) as u64 + 4 * tiles + bordered(size) * sums as u64 + pixels * pixel as u64
 }
 
@@ -52,7 +56,7 @@ pub fn write(film: &Film, name: &[u8; 32]) -> Vec<u8> {
     to.extend_from_slice(name);
     for tile in &film.tiles {
         to.extend_from_slice(&tile.count.to_le_bytes());
-        for value in tile.sums.as_flattened() {
+        for value in &tile.sums {
             to.extend_from_slice(&value.to_le_bytes());
         }
         for pixel in &tile.pixels {
@@ -63,7 +67,8 @@ pub fn write(film: &Film, name: &[u8; 32]) -> Vec<u8> {
             to.extend_from_slice(&hits.to_le_bytes());
             to.extend_from_slice(&id.to_le_bytes());
         }
-        for Compositing { albedo, covers } in &tile.compositing {
+        let albedos = tile.albedo.chunks_exact(lanes(&film.planes().sensor));
+        for (Compositing { covers }, albedo) in tile.compositing.iter().zip(albedos) {
             for value in albedo {
                 to.extend_from_slice(&value.to_le_bytes());
             }
@@ -101,15 +106,16 @@ pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2], planes: Planes) -> Re
         return refuse("is of a picture of another size");
     }
     if words.take::<32>() != *name {
-        return refuse("is of another picture (scene, material, light, view or seed differ)");
+        return refuse("is of another picture (scene, material, light, view, sensor or seed differ)");
     }
     if bytes.len() as u64 != self::bytes(size, &planes) {
         return refuse("is damaged (its length is wrong)");
     }
+    let lanes = lanes(&planes.sensor);
     let mut film = Film::with(size, planes)?;
     for tile in &mut film.tiles {
         tile.count = words.count();
-        for value in tile.sums.as_flattened_mut() {
+        for value in &mut tile.sums {
             *value = words.number();
         }
         for pixel in &mut tile.pixels {
@@ -122,10 +128,10 @@ pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2], planes: Planes) -> Re
                 id: words.count(),
             };
         }
-        for compositing in &mut tile.compositing {
-            let albedo = std::array::from_fn(|_| words.number());
+        for (compositing, albedo) in tile.compositing.iter_mut().zip(tile.albedo.chunks_exact_mut(lanes)) {
+            albedo.fill_with(|| words.number());
             let mut cover = || Cover { id: words.count(), object: words.count(), hits: words.count() };
-            *compositing = Compositing { albedo, covers: std::array::from_fn(|_| cover()) };
+            *compositing = Compositing { covers: std::array::from_fn(|_| cover()) };
         }
         for value in &mut tile.spectra {
             *value = words.number();
@@ -160,16 +166,24 @@ impl Words<'_> {
 mod tests {
     use super::*;
     use crate::render::planes::Bands;
+    use crate::spectrum::dense::DenseSpectrum;
+    use crate::spectrum::sensor::{Band, Curve, Sensor};
 
-    fn planes() -> Planes {
-        Planes { compositing: true, spectral: Bands::new(&[450.0, 550.0]).unwrap() }
+    fn planes(sensor: Sensor) -> Planes {
+        let spectral = Bands::new(&[450.0, 550.0], sensor.band()).unwrap();
+        Planes { sensor, compositing: true, spectral }
     }
 
-    fn film() -> Film {
-        let mut film = Film::with([40, 10], planes()).unwrap();
+    fn cone() -> Sensor {
+        let channel = Curve { name: "cone".to_owned(), response: DenseSpectrum::new(|_| 1.0) };
+        Sensor::new("one cone", Band::new(300, 700).unwrap(), vec![channel]).unwrap()
+    }
+
+    fn film(sensor: Sensor) -> Film {
+        let mut film = Film::with([40, 10], planes(sensor)).unwrap();
         film.tiles[1].count = 8;
-        film.tiles[1].sums[7] = [0.1, 0.2, 0.3, 0.4, 0.5];
-        film.tiles[0].compositing[9].albedo = [0.6, 0.5, 0.4];
+        film.tiles[1].sums[35..40].copy_from_slice(&[0.1, 0.2, 0.3, 0.4, 0.5]);
+        film.tiles[0].albedo[27..30].copy_from_slice(&[0.6, 0.5, 0.4]);
         film.tiles[0].compositing[9].covers[2] = Cover { id: 5, object: 2, hits: 4 };
         film.tiles[1].spectra[11] = 0.125;
         film.tiles[0].pixels[5] = Pixel { luminance: 0.2, squares: 0.7, hits: 3, id: 9, ..Pixel::default() };
@@ -178,15 +192,18 @@ mod tests {
 
     #[test]
     fn a_checkpoint_gives_the_same_film_back() {
-        let bytes = write(&film(), &[1; 32]);
-        assert_eq!(read(&bytes, &[1; 32], [40, 10], planes()).unwrap(), film());
+        for sensor in [Sensor::human(), cone()] {
+            let bytes = write(&film(sensor.clone()), &[1; 32]);
+            assert_eq!(bytes.len() as u64, self::bytes([40, 10], &planes(sensor.clone())));
+            assert_eq!(read(&bytes, &[1; 32], [40, 10], planes(sensor.clone())).unwrap(), film(sensor));
+        }
     }
 
     #[test]
     fn damaged_and_foreign_checkpoints_are_refused() {
-        let bytes = write(&film(), &[1; 32]);
+        let (human, bytes) = (|| planes(Sensor::human()), write(&film(Sensor::human()), &[1; 32]));
         let message =
-            |bytes: &[u8], n: u8, size| read(bytes, &[n; 32], size, planes()).unwrap_err().to_string();
+            |bytes: &[u8], n: u8, size| read(bytes, &[n; 32], size, human()).unwrap_err().to_string();
         assert!(message(&bytes, 2, [40, 10]).contains("another picture"));
         assert!(message(&bytes, 1, [40, 11]).contains("another size"));
         assert!(message(b"hello", 1, [40, 10]).contains("not one of this program"));

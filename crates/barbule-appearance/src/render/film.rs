@@ -1,12 +1,13 @@
 //! The film: sums per pixel, in tiles with sample counts of their own.
 
-use std::sync::LazyLock;
+use std::sync::Arc;
 
 use super::integrator::{Behind, FirstHit, NO_HIT, Sample};
 use super::planes::{Compositing, Planes};
-use super::response::xyz;
-use crate::spectrum::colour::{Illuminant, rgb_from_xyz};
-use crate::spectrum::dense::DenseSpectrum;
+use super::response::{Response, Rows, lanes, seen};
+use crate::spectrum::colour::rgb_from_xyz;
+use crate::spectrum::dense::WAVES;
+use crate::spectrum::sensor::{MOST_CHANNELS, Sensor};
 use crate::{Error, Result};
 
 /// Side of a tile, pixels.
@@ -15,7 +16,8 @@ pub const TILE: u32 = 32;
 /// What a pixel knows of the samples that were taken in it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Pixel {
-    /// Luminances Y.
+    /// Luminances Y; of other sensors than the human eye the mean of the channels in its place, as everywhere, each over what it
+    /// sees of radiance 1.
     pub luminance: f64,
     /// Squares of Y.
     pub squares: f64,
@@ -35,13 +37,15 @@ pub struct Pixel {
 pub(super) struct Tile {
     /// Samples per pixel.
     pub(super) count: u32,
-    /// CIE XYZ, alpha and the tent itself; daylight of radiance 1 from everywhere on white gives Y = 1. Row by row, with a border of
-    /// one pixel.
-    pub(super) sums: Vec<[f64; 5]>,
+    /// Of each pixel the sensor's channels, alpha and the tent itself; of the human eye daylight of radiance 1 from everywhere on white
+    /// gives Y = 1. Row by row, with a border of one pixel.
+    pub(super) sums: Vec<f64>,
     /// Of the pixels without the border.
     pub(super) pixels: Vec<Pixel>,
     /// Of the same pixels, where the film keeps it.
     pub(super) compositing: Vec<Compositing>,
+    /// Likewise the sums of the albedos of first hits as the sensor's channels see them.
+    pub(super) albedo: Vec<f64>,
     /// Radiance in the film's bands, pixel by pixel as in `sums`.
     pub(super) spectra: Vec<f64>,
 }
@@ -49,9 +53,15 @@ pub(super) struct Tile {
 /// Bytes that a film takes per pixel while it is rendered: its sums, and those of the tiles in work.
 #[must_use]
 pub fn bytes_per_pixel(planes: &Planes) -> usize {
-    let compositing = if planes.compositing { size_of::<Compositing>() } else { 0 };
-    let bordered = size_of::<[f64; 5]>() + size_of_val(planes.spectral.nm());
+    let albedo = lanes(&planes.sensor) * size_of::<f64>();
+    let compositing = if planes.compositing { size_of::<Compositing>() + albedo } else { 0 };
+    let bordered = stride(&planes.sensor) * size_of::<f64>() + size_of_val(planes.spectral.nm());
     2 * (size_of::<Pixel>() + compositing + bordered * 9 / 8)
+}
+
+/// Numbers that a pixel sums up: its channels, alpha and the tent.
+pub(super) fn stride(sensor: &Sensor) -> usize {
+    lanes(sensor) + 2
 }
 
 /// The part of a tent of half width 1, the filter of a pixel, that lies in the pixel itself; the rest is in both
@@ -79,12 +89,13 @@ pub fn check_size(size: [u32; 2]) -> Result<()> {
 pub struct Film {
     size: [u32; 2],
     planes: Planes,
+    response: Arc<Response>,
     /// Row by row.
     pub(super) tiles: Vec<Tile>,
 }
 
 impl Film {
-    /// A black film of colour, normals and depth.
+    /// A black film of colour, normals and depth, seen by the human eye.
     ///
     /// # Errors
     /// As [`check_size`].
@@ -92,7 +103,7 @@ impl Film {
         Self::with(size, Planes::default())
     }
 
-    /// A black film with further planes.
+    /// A black film of any sensor, with further planes.
     ///
     /// # Errors
     /// As [`check_size`].
@@ -100,13 +111,19 @@ impl Film {
         check_size(size)?;
         let [across, down] = tiles(size);
         let tiles = (0..across * down).map(|tile| Tile::new(bounds(size, tile as usize), &planes)).collect();
-        Ok(Self { size, planes, tiles })
+        let response = Arc::new(Response::new(&planes.sensor));
+        Ok(Self { size, planes, response, tiles })
     }
 
-    /// What it keeps beside colour, normals and depth.
+    /// Who sees it, and what it keeps beside what is seen, normals and depth.
     #[must_use]
     pub fn planes(&self) -> &Planes {
         &self.planes
+    }
+
+    /// The sensor as samples are added.
+    pub(super) fn response(&self) -> &Response {
+        &self.response
     }
 
     /// Width and height, pixels.
@@ -147,25 +164,35 @@ impl Film {
         &self.tiles[tile].pixels[((y - y0) * (x1 - x0) + x - x0) as usize]
     }
 
-    /// Mean XYZ of a pixel through its tent; zero before its first sample. The mean is over the samples' own weights, so light that
-    /// is the same everywhere has no noise, and where a part of the tent lies outside the picture or in a tile without samples it is
-    /// that of the rest.
+    /// Means of the sensor's channels of a pixel through its tent; zero before its first sample. The mean is over the samples' own
+    /// weights, so light that is the same everywhere has no noise, and where a part of the tent lies outside the picture or in a
+    /// tile without samples it is that of the rest.
+    #[must_use]
+    pub fn channels(&self, x: u32, y: u32) -> Vec<f64> {
+        self.seen(x, y)[..self.planes.sensor.channels().len()].to_vec()
+    }
+
+    /// CIE XYZ of the same as [`Sensor::xyz`] makes it.
     #[must_use]
     pub fn xyz(&self, x: u32, y: u32) -> [f64; 3] {
-        let mut xyz = [0.0; 3];
-        self.through_tent(x, y, &mut xyz, |tile, at| &tile.sums[at]);
-        xyz
+        self.planes.sensor.xyz(&self.seen(x, y))
+    }
+
+    fn seen(&self, x: u32, y: u32) -> [f64; MOST_CHANNELS] {
+        let (mut seen, stride) = ([0.0; MOST_CHANNELS], stride(&self.planes.sensor));
+        self.through_tent(x, y, &mut seen[..stride - 2], |tile, at| &tile.sums[at * stride..]);
+        seen
     }
 
     /// Share of a pixel, through its tent, that is not background: exactly 1 where no sample saw the background, 0 where all did.
     #[must_use]
     pub fn alpha(&self, x: u32, y: u32) -> f64 {
-        let mut alpha = [0.0];
-        self.through_tent(x, y, &mut alpha, |tile, at| &tile.sums[at][3..]);
+        let (mut alpha, stride) = ([0.0], stride(&self.planes.sensor));
+        self.through_tent(x, y, &mut alpha, |tile, at| &tile.sums[(at + 1) * stride - 2..]);
         alpha[0]
     }
 
-    /// Mean spectral radiance of a pixel in the film's bands, seen as [`Film::xyz`].
+    /// Mean spectral radiance of a pixel in the film's bands, seen as [`Film::channels`].
     #[must_use]
     pub fn spectrum(&self, x: u32, y: u32) -> Vec<f64> {
         let bands = self.planes.spectral.nm().len();
@@ -176,7 +203,7 @@ impl Film {
 
     /// Means of what tiles sum up per pixel, through the tent of a pixel.
     fn through_tent(&self, x: u32, y: u32, to: &mut [f64], sums: impl Fn(&Tile, usize) -> &[f64]) {
-        let mut weight = 0.0;
+        let (mut weight, stride) = (0.0, stride(&self.planes.sensor));
         for index in self.tiles_about(x, y) {
             let tile = &self.tiles[index];
             if tile.count > 0 {
@@ -186,7 +213,7 @@ impl Film {
                 for (sum, value) in to.iter_mut().zip(sums(tile, at)) {
                     *sum += value * share;
                 }
-                weight += tile.sums[at][4] * share;
+                weight += tile.sums[(at + 1) * stride - 1] * share;
             }
         }
         to.iter_mut().for_each(|value| *value = if weight > 0.0 { *value / weight } else { 0.0 });
@@ -198,6 +225,18 @@ impl Film {
         let tile = self.tile_at(x, y);
         let [x0, y0, x1, _] = self.bounds(tile);
         self.tiles[tile].compositing.get(((y - y0) * (x1 - x0) + x - x0) as usize)
+    }
+
+    /// Mean albedo of a pixel's first hits as the sensor's channels see it, where the film keeps it, over what they see of a white one:
+    /// under daylight by the human eye, XYZ of which white has sRGB's white; by others under the same power at all wavelengths.
+    #[must_use]
+    pub fn albedo(&self, x: u32, y: u32) -> Option<Vec<f64>> {
+        let tile = self.tile_at(x, y);
+        let [x0, y0, x1, _] = self.bounds(tile);
+        let (sensor, count) = (&self.planes.sensor, f64::from(self.count(x, y).max(1)));
+        let at = ((y - y0) * (x1 - x0) + x - x0) as usize * lanes(sensor);
+        let sums = self.tiles[tile].albedo.get(at..at + lanes(sensor))?.iter().zip(self.response.white);
+        Some(sums.take(sensor.channels().len()).map(|(sum, white)| sum / count / white).collect())
     }
 
     /// Variance of a pixel's mean Y, as of independent samples.
@@ -270,11 +309,13 @@ impl Tile {
     fn new([x0, y0, x1, y1]: [u32; 4], planes: &Planes) -> Self {
         let (width, height) = ((x1 - x0) as usize, (y1 - y0) as usize);
         let (own, bordered) = (width * height, (width + 2) * (height + 2));
+        let kept = if planes.compositing { own } else { 0 };
         Self {
             count: 0,
-            sums: vec![[0.0; 5]; bordered],
+            sums: vec![0.0; bordered * stride(&planes.sensor)],
             pixels: vec![Pixel::default(); own],
-            compositing: vec![Compositing::default(); if planes.compositing { own } else { 0 }],
+            compositing: vec![Compositing::default(); kept],
+            albedo: vec![0.0; kept * lanes(&planes.sensor)],
             spectra: vec![0.0; bordered * planes.spectral.nm().len()],
         }
     }
@@ -294,43 +335,82 @@ impl Tile {
     #[inline(always)]
     pub(super) fn add(
         &mut self,
-        [x, y]: [u32; 2],
+        place: [u32; 2],
         width: u32,
-        planes: &Planes,
+        (planes, response): (&Planes, &Response),
         sample: &Sample,
         is_first: bool,
     ) {
-        let xyz = xyz(&sample.radiance, &sample.hero);
+        match &response.rows {
+            Rows::Eye(rows) => {
+                self.add_seen(place, width, (planes, response), sample, is_first, |over_pdf| {
+                    let [x, y, z, _] = seen(rows, over_pdf, &sample.hero);
+                    [x, y, z]
+                });
+            }
+            Rows::Any(rows) => {
+                self.add_seen(place, width, (planes, response), sample, is_first, |over_pdf| {
+                    seen(rows, over_pdf, &sample.hero)
+                });
+            }
+        }
+    }
+
+    /// As [`Tile::add`]; `see`: what the sensor's channels answer to a spectrum over its wavelengths' densities.
+    #[inline(always)]
+    fn add_seen<const LANES: usize>(
+        &mut self,
+        [x, y]: [u32; 2],
+        width: u32,
+        (planes, response): (&Planes, &Response),
+        sample: &Sample,
+        is_first: bool,
+        see: impl Fn(&[f64; WAVES]) -> [f64; LANES],
+    ) {
+        let channels = see(&sample.radiance);
         let bands = planes.spectral.nm().len();
         self.each_tent([x, y], width, sample.offset, |tile, at, weight| {
-            tile.sum(at, weight, xyz, sample.alpha);
+            tile.sum(at, weight, &channels, sample.alpha);
             if bands > 0 {
                 let sums = &mut tile.spectra[at * bands..][..bands];
                 planes.spectral.each(sample, |band, value| sums[band] += weight * value);
             }
         });
         let own = (y * width + x) as usize;
-        self.pixels[own].add(&sample.first, xyz[1], is_first);
+        self.pixels[own].add(&sample.first, response.brightness(&channels), is_first);
         if let Some(compositing) = self.compositing.get_mut(own)
             && sample.first.id != 0
         {
-            compositing.add(&sample.first, albedo(sample));
+            compositing.add(&sample.first);
+            let seen = see(&response.lit(&sample.first.albedo, &sample.hero));
+            for (sum, value) in self.albedo[own * LANES..][..LANES].iter_mut().zip(seen) {
+                *sum += value;
+            }
         }
     }
 
     /// The same of a sample that sees what is behind the scene, of which no spectrum is kept.
     #[inline(always)]
-    pub(super) fn add_behind(&mut self, [x, y]: [u32; 2], width: u32, sample: &Behind) {
-        let Behind { xyz, alpha, offset } = *sample;
-        self.each_tent([x, y], width, offset, |tile, at, weight| tile.sum(at, weight, xyz, alpha));
-        self.pixels[(y * width + x) as usize].add(&NO_HIT, xyz[1], false);
+    pub(super) fn add_behind<const LANES: usize>(
+        &mut self,
+        [x, y]: [u32; 2],
+        width: u32,
+        response: &Response,
+        sample: &Behind<LANES>,
+    ) {
+        let Behind { channels, alpha, offset } = *sample;
+        self.each_tent([x, y], width, offset, |tile, at, weight| tile.sum(at, weight, &channels, alpha));
+        self.pixels[(y * width + x) as usize].add(&NO_HIT, response.brightness(&channels), false);
     }
 
     #[inline(always)]
-    fn sum(&mut self, at: usize, weight: f64, [x, y, z]: [f64; 3], alpha: f64) {
-        for (sum, value) in self.sums[at].iter_mut().zip([x, y, z, alpha, 1.0]) {
+    fn sum<const LANES: usize>(&mut self, at: usize, weight: f64, channels: &[f64; LANES], alpha: f64) {
+        let sums = &mut self.sums[at * (LANES + 2)..][..LANES + 2];
+        for (sum, value) in sums.iter_mut().zip(channels) {
             *sum += weight * value;
         }
+        sums[LANES] += weight * alpha;
+        sums[LANES + 1] += weight;
     }
 
     /// Calls `add(tile, place in its sums, weight)` for the four pixels whose tents a sample lies in.
@@ -354,17 +434,6 @@ impl Tile {
             }
         }
     }
-}
-
-/// Daylight of radiance 1, cut to the renderer's wavelengths.
-static DAYLIGHT: LazyLock<DenseSpectrum> =
-    LazyLock::new(|| DenseSpectrum::new(|nm| Illuminant::D65.power(nm) / Illuminant::D65.power(560.0)));
-
-/// CIE XYZ of the first hit's albedo under daylight: white is sRGB's white.
-fn albedo(sample: &Sample) -> [f64; 3] {
-    let daylight = DAYLIGHT.at_each(sample.hero.wavelengths);
-    let radiance = std::array::from_fn(|k| sample.first.albedo[k] * daylight[k] / sample.hero.pdf[k]);
-    xyz(&radiance, &sample.hero)
 }
 
 impl Pixel {
@@ -399,8 +468,17 @@ impl Pixel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::wavelengths::Hero;
-    use crate::spectrum::dense::WAVES;
+    use crate::spectrum::hero::Hero;
+
+    fn hero() -> Hero {
+        Sensor::human().density().draw(0.3)
+    }
+
+    /// CIE XYZ of radiance 1 over the densities.
+    fn white() -> [f64; 4] {
+        let Rows::Eye(rows) = Response::new(&Sensor::human()).rows else { panic!("the eye's rows") };
+        seen(&rows, &[1.0; WAVES], &hero())
+    }
 
     /// A ramp of light, in tiles with counts of their own: every pixel is the ramp through its tent, also at the edges.
     #[test]
@@ -419,18 +497,17 @@ mod tests {
                     let offset =
                         [at % side, at / side % side].map(|k| (f64::from(k) + 0.5) / f64::from(side));
                     let value = 1.0 + 0.1 * (f64::from(x) + offset[0]);
-                    let hero = Hero::new(0.3);
+                    let hero = hero();
                     let first = FirstHit { id: 3, ..NO_HIT };
                     let rays = [0; 2];
                     let sample = Sample { radiance: [value; WAVES], hero, first, offset, alpha: 0.5, rays };
-                    let Film { planes, tiles, .. } = &mut film;
-                    tiles[tile].add([x - x0, y - y0], x1 - x0, planes, &sample, at == 0);
+                    let Film { planes, response, tiles, .. } = &mut film;
+                    tiles[tile].add([x - x0, y - y0], x1 - x0, (planes, response), &sample, at == 0);
                 }
             }
             film.tiles[tile].count = repeats * side * side;
         }
-        let (hero, radiance) = (Hero::new(0.3), [1.0; WAVES]);
-        let white = xyz(&radiance, &hero)[1];
+        let white = white()[1];
         let value = |x: u32, y: u32| film.xyz(x, y)[1] / white;
         for (x, y, centre) in [
             (5, 7, 5.5),
@@ -453,7 +530,7 @@ mod tests {
     fn light_that_is_the_same_everywhere_has_no_noise() {
         let mut film = Film::new([70, 33]).unwrap();
         let mut stream = crate::math::rng::Stream::new(5, &[]);
-        let (hero, radiance, first) = (Hero::new(0.3), [1.0; WAVES], NO_HIT);
+        let (hero, radiance, first) = (hero(), [1.0; WAVES], NO_HIT);
         let mut sample = Sample { radiance, hero, first, offset: [0.5; 2], alpha: 1.0, rays: [0; 2] };
         for tile in 0..film.tiles() {
             let [x0, y0, x1, y1] = film.bounds(tile);
@@ -461,12 +538,12 @@ mod tests {
             for (x, y) in (x0..x1).flat_map(|x| (y0..y1).map(move |y| (x - x0, y - y0))) {
                 for _ in 0..=tile {
                     sample.offset = [stream.unit(), stream.unit()];
-                    let Film { planes, tiles, .. } = &mut film;
-                    tiles[tile].add([x, y], x1 - x0, planes, &sample, false);
+                    let Film { planes, response, tiles, .. } = &mut film;
+                    tiles[tile].add([x, y], x1 - x0, (planes, response), &sample, false);
                 }
             }
         }
-        let expected = xyz(&radiance, &hero)[1];
+        let expected = white()[1];
         for (x, y) in (0..70).flat_map(|x| (0..33).map(move |y| (x, y))) {
             assert!((film.xyz(x, y)[1] / expected - 1.0).abs() < 1e-12);
         }

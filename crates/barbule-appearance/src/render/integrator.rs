@@ -7,15 +7,18 @@
 use glam::{DVec2, DVec3};
 
 use super::accelerator::Beam;
-use super::light::Lighting;
+use super::light::{Glow, Lighting};
+use super::response::Response;
 use super::sampler::Sampler;
 use super::stage::Stage;
-use super::wavelengths::Hero;
 use super::window::{Inside, Met};
-use crate::bsdf::{Bsdf, Hit, Lobes};
+use crate::bsdf::{Bsdf, Hit, Lobes, Surface};
 use crate::math::rng::split_mix;
 use crate::scene::camera::{Camera, CameraRay, View};
 use crate::spectrum::dense::WAVES;
+use crate::spectrum::hero::{Hero, HeroDensity};
+use crate::spectrum::sensor::{Band, Sensor};
+use crate::{Error, Result};
 
 /// Which techniques gather light: all for pictures, one alone for tests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,9 +116,9 @@ pub(super) struct Shot {
 
 /// One sample of a pixel that sees no surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Behind {
-    /// CIE XYZ of the light that is seen.
-    pub(super) xyz: [f64; 3],
+pub(super) struct Behind<const LANES: usize> {
+    /// What the sensor's channels answer to the light that is seen.
+    pub(super) channels: [f64; LANES],
     /// As of a [`Sample`].
     pub(super) alpha: f64,
     /// As of a [`Sample`].
@@ -133,10 +136,35 @@ impl<'a> Integrator<'a> {
         Self { stage, lighting, camera, transport }
     }
 
-    /// One sample of a pixel; `size` in pixels.
+    /// One sample of a pixel, of wavelengths for the human eye; `size` in pixels.
     #[must_use]
     pub fn sample(&self, pixel: [u32; 2], size: [u32; 2], sample: u64, seed: u64) -> Sample {
-        self.seen(&self.camera.view(size), Shot { pixel, size, sample, seed })
+        self.seen(&self.camera.view(size), Shot { pixel, size, sample, seed }, Sensor::human().density())
+    }
+
+    /// Refuses a sensor that sees wavelengths for which a surface has no values.
+    ///
+    /// # Errors
+    /// A surface whose tables end within the sensor's band.
+    pub(super) fn check(&self, sensor: &Sensor) -> Result<()> {
+        let (band, surfaces) = (sensor.band(), self.stage.objects().iter().map(|object| &object.surface));
+        let short = |known: &Band| !(known.contains(band.low_nm()) && known.contains(band.high_nm()));
+        match surfaces.filter_map(Surface::tabulated).find(short) {
+            None => Ok(()),
+            Some(known) => Err(Error::input(format!(
+                "the scene's gratings and films are known from {} to {} nm, but the sensor '{}' sees {} to {} nm; leave them out",
+                known.low_nm(),
+                known.high_nm(),
+                sensor.name(),
+                band.low_nm(),
+                band.high_nm()
+            ))),
+        }
+    }
+
+    /// What a sensor sees of the lights themselves.
+    pub(super) fn glow(&self, response: &Response) -> Glow {
+        self.lighting.glow(response)
     }
 
     /// The camera as [`Integrator::seen`] wants it.
@@ -155,11 +183,11 @@ impl<'a> Integrator<'a> {
     /// As [`Integrator::sample`], with the camera prepared for the size. Inlined with all that it calls often, so that it is
     /// compiled for the caller's instructions.
     #[inline(always)]
-    pub(super) fn seen(&self, view: &View, shot: Shot) -> Sample {
+    pub(super) fn seen(&self, view: &View, shot: Shot, density: &HeroDensity) -> Sample {
         let mut sampler = shot.sampler();
         let (offset, ray) = shot.aimed(view, &mut sampler);
         let [wavelength, ..] = sampler.next4();
-        let hero = Hero::new(wavelength);
+        let hero = density.draw(wavelength);
         let mut path = Path::new(ray.origin, ray.direction, hero, [ray.footprint, ray.spread]);
         let mut first = NO_HIT;
         for depth in 0..=self.transport.most_scatterings {
@@ -177,13 +205,13 @@ impl<'a> Integrator<'a> {
 
     /// The same of a ray that is known to meet no surface, without noise.
     #[inline(always)]
-    pub(super) fn behind(&self, view: &View, shot: Shot) -> Behind {
+    pub(super) fn behind<const LANES: usize>(&self, view: &View, shot: Shot, glow: &Glow) -> Behind<LANES> {
         let (offset, ray) = shot.aimed(view, &mut shot.sampler());
-        let (xyz, is_lamp) = self.lighting.behind(ray.origin, ray.direction);
+        let (channels, is_lamp) = self.lighting.behind(glow, ray.origin, ray.direction);
         if is_lamp || self.transport.shows_sky {
-            Behind { xyz, alpha: 1.0, offset }
+            Behind { channels, alpha: 1.0, offset }
         } else {
-            Behind { xyz: [0.0; 3], alpha: 0.0, offset }
+            Behind { channels: [0.0; LANES], alpha: 0.0, offset }
         }
     }
 

@@ -18,5 +18,4 @@ pub mod run;
 pub mod sampler;
 pub mod stage;
 pub mod tone;
-pub mod wavelengths;
 mod window;

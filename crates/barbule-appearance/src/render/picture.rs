@@ -6,6 +6,7 @@ use super::planes::Channel;
 use super::tone;
 use crate::scene::backdrop::Backdrop;
 use crate::spectrum::colour::{into_gamut, rgb_from_xyz};
+use crate::spectrum::sensor::Sensor;
 
 /// How a film becomes a picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,11 +104,11 @@ pub struct Planes {
 }
 
 /// Linear sRGB and XYZ (both without exposure, multiplied with alpha), alpha, normal, depth in mm, variance of the luminance's
-/// mean, sample count and identities; where the film keeps them albedo, mattes and spectral bands. `objects`: names of the scene's
-/// objects.
+/// mean, sample count and identities; where the film keeps them albedo, mattes and spectral bands. Of other sensors than the human
+/// eye their channels in place of XYZ, and sRGB where they have colours. `objects`: names of the scene's objects.
 #[must_use]
 pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Planes {
-    let size = film.size();
+    let (size, sensor) = (film.size(), &film.planes().sensor);
     let mut floats = Vec::new();
     let mut add = |names: &[&str], values: &dyn Fn(u32, u32) -> Vec<f64>| {
         let mut planes: Vec<Channel<f32>> =
@@ -119,7 +120,9 @@ pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Pla
         }
         floats.append(&mut planes);
     };
-    add(&["R", "G", "B", "A"], &|x, y| {
+    let own: Vec<String> = sensor.channels().iter().map(|curve| channel_name(sensor, &curve.name)).collect();
+    let own: Vec<&str> = own.iter().map(String::as_str).collect();
+    let colours = |x, y| {
         let (mut rgb, alpha) = (rgb_from_xyz(film.xyz(x, y)), film.alpha(x, y));
         if !development.keeps_gamut {
             rgb = into_gamut(rgb);
@@ -128,8 +131,13 @@ pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Pla
             Some(behind) => (0..3).map(|k| rgb[k] + behind[k] * (1.0 - alpha)).chain([1.0]).collect(),
             None => rgb.into_iter().chain([alpha]).collect(),
         }
-    });
-    add(&["XYZ.X", "XYZ.Y", "XYZ.Z"], &|x, y| film.xyz(x, y).into());
+    };
+    if sensor.has_colours() {
+        add(&["R", "G", "B", "A"], &colours);
+    } else {
+        add(&["A"], &|x, y| vec![film.alpha(x, y)]);
+    }
+    add(&own, &|x, y| film.channels(x, y));
     let hits = |x, y| f64::from(film.pixel(x, y).hits.max(1));
     add(&["normal.X", "normal.Y", "normal.Z"], &|x, y| {
         film.pixel(x, y).normal.map(|sum| sum / hits(x, y)).into()
@@ -138,14 +146,19 @@ pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Pla
         let pixel = film.pixel(x, y);
         vec![if pixel.hits > 0 { pixel.depth / hits(x, y) } else { FAR_MM }]
     });
-    add(&["variance.Y"], &|x, y| vec![film.variance(x, y)]);
+    add(&[if sensor.is_human() { "variance.Y" } else { "variance.mean" }], &|x, y| vec![film.variance(x, y)]);
     add(&["samples.N"], &|x, y| vec![f64::from(film.count(x, y))]);
     if film.planes().compositing {
-        add(&["albedo.R", "albedo.G", "albedo.B"], &|x, y| {
-            let sum = film.compositing(x, y).map(|pixel| pixel.albedo).unwrap_or_default();
-            let mean = sum.map(|value| value / f64::from(film.count(x, y).max(1)));
-            into_gamut(rgb_from_xyz(mean)).into()
-        });
+        let albedo = |x, y| film.albedo(x, y).unwrap_or_default();
+        if sensor.is_human() {
+            add(&["albedo.R", "albedo.G", "albedo.B"], &|x, y| match albedo(x, y)[..] {
+                [x, y, z] => into_gamut(rgb_from_xyz([x, y, z])).into(),
+                _ => vec![0.0; 3],
+            });
+        } else {
+            let names: Vec<String> = own.iter().map(|name| name.replacen("CH", "albedo", 1)).collect();
+            add(&names.iter().map(String::as_str).collect::<Vec<_>>(), &albedo);
+        }
     }
     let bands = film.planes().spectral.nm();
     let names: Vec<String> = bands.iter().map(|nm| band_name(*nm)).collect();
@@ -164,6 +177,11 @@ pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Pla
     }
     let values = places(size).map(|(x, y)| film.pixel(x, y).id).collect();
     Planes { floats, identities: Channel { name: "barbule.ID".to_owned(), values }, attributes }
+}
+
+/// The name of a sensor's channel as a plane.
+fn channel_name(sensor: &Sensor, channel: &str) -> String {
+    format!("{}.{channel}", if sensor.is_human() { "XYZ" } else { "CH" })
 }
 
 /// The name of a spectral plane: unpolarized radiance, as in `S0.452,5nm` (Fichet et al. 2021; points would part layers).

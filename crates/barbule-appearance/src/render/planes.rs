@@ -1,7 +1,9 @@
-//! What a film keeps beside colour, normals and depth, where it is asked to: what compositors and spectroscopists use.
+//! Who sees a film, and what it keeps beside what is seen, normals and depth, where it is asked to: what compositors and
+//! spectroscopists use.
 
 use super::integrator::{FirstHit, Sample};
-use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, WAVES};
+use crate::spectrum::dense::WAVES;
+use crate::spectrum::sensor::{Band, Sensor};
 use crate::{Error, Result};
 
 /// One channel of a picture, with its name in an EXR.
@@ -13,9 +15,11 @@ pub struct Channel<T> {
     pub values: Vec<T>,
 }
 
-/// Further planes of a film.
+/// The planes of a film.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Planes {
+    /// Who sees it: its first planes are the channels of this sensor.
+    pub sensor: Sensor,
     /// Whether pixels keep the albedo of first hits and which shapes cover them.
     pub compositing: bool,
     /// Where radiance itself is kept.
@@ -23,7 +27,7 @@ pub struct Planes {
 }
 
 /// Triangular bands of the spectrum about rising wavelengths, each as wide to both sides as its nearest neighbour is far (10 nm
-/// where there is only one), cut at the ends of the range that is sampled.
+/// where there is only one), cut at the ends of the sensor's band.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Bands {
     nm: Vec<f64>,
@@ -38,14 +42,15 @@ const ALONE_NM: f64 = 10.0;
 const NEAREST_NM: f64 = 1.0;
 
 impl Bands {
-    /// Bands about these wavelengths, nm.
+    /// Bands about these wavelengths, nm, within that of a sensor.
     ///
     /// # Errors
-    /// A wavelength outside 380 to 720 nm, or not 1 nm or more above the one before.
-    pub fn new(nm: &[f64]) -> Result<Self> {
-        if let Some(bad) = nm.iter().find(|w| !(SHORTEST_NM..=LONGEST_NM).contains(*w)) {
+    /// A wavelength outside the sensor's band, or not 1 nm or more above the one before.
+    pub fn new(nm: &[f64], within: Band) -> Result<Self> {
+        let (shortest, longest) = (within.low_nm(), within.high_nm());
+        if let Some(bad) = nm.iter().find(|w| !within.contains(**w)) {
             return Err(Error::input(format!(
-                "{bad} nm is outside the wavelengths that are rendered, {SHORTEST_NM} to {LONGEST_NM}"
+                "{bad} nm is outside the wavelengths that are rendered, {shortest} to {longest}"
             )));
         }
         if let Some(pair) = nm.windows(2).find(|pair| pair[1] - pair[0] < NEAREST_NM) {
@@ -67,7 +72,7 @@ impl Bands {
             reach - 0.5 * reach * reach / width
         };
         let area = nm.iter().zip(&half_width);
-        let area = area.map(|(w, width)| side(*width, w - SHORTEST_NM) + side(*width, LONGEST_NM - w));
+        let area = area.map(|(w, width)| side(*width, w - shortest) + side(*width, longest - w));
         Ok(Self { area: area.collect(), nm: nm.to_vec(), half_width })
     }
 
@@ -107,20 +112,15 @@ pub struct Cover {
 pub const COVERS: usize = 6;
 
 /// What compositors want to know of a pixel.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Compositing {
-    /// Sum of the albedos of first hits, CIE XYZ under daylight.
-    pub albedo: [f64; 3],
     /// The first shapes that were hit, in their order.
     pub covers: [Cover; COVERS],
 }
 
 impl Compositing {
     /// Adds a sample that hit something.
-    pub(super) fn add(&mut self, first: &FirstHit, albedo: [f64; 3]) {
-        for (sum, value) in self.albedo.iter_mut().zip(albedo) {
-            *sum += value;
-        }
+    pub(super) fn add(&mut self, first: &FirstHit) {
         let slot = self.covers.iter_mut().find(|cover| cover.id == first.id || cover.id == 0);
         if let Some(cover) = slot {
             *cover = Cover { id: first.id, object: first.object, hits: cover.hits + 1 };
@@ -132,17 +132,17 @@ impl Compositing {
 mod tests {
     use super::*;
     use crate::render::integrator::NO_HIT;
-    use crate::render::wavelengths::Hero;
 
     /// A spectrum that is linear in the wavelength is found at each band but those that the range cuts, whose middle
     /// moves: there the mean over the part that is left.
     #[test]
     fn bands_hold_the_mean_radiance_about_their_wavelengths() {
-        let bands = Bands::new(&[385.0, 420.0, 450.0, 600.0, 601.0, 720.0]).unwrap();
+        let bands = Bands::new(&[385.0, 420.0, 450.0, 600.0, 601.0, 720.0], Band::HUMAN).unwrap();
+        let sensor = Sensor::human();
         let mut sums = [0.0; 6];
         let count = 200_000;
         for i in 0..count {
-            let hero = Hero::new((f64::from(i) + 0.5) / f64::from(count));
+            let hero = sensor.density().draw((f64::from(i) + 0.5) / f64::from(count));
             let radiance = std::array::from_fn(|k| hero.wavelengths.nm()[k] / hero.pdf[k]);
             let sample = Sample { radiance, hero, first: NO_HIT, offset: [0.5; 2], alpha: 1.0, rays: [0; 2] };
             bands.each(&sample, |band, value| sums[band] += value / f64::from(count));
@@ -161,18 +161,23 @@ mod tests {
         for (bad, part) in
             [(&[300.0][..], "300 nm is outside"), (&[500.0, 500.5][..], "500.5 nm follows 500 nm")]
         {
-            assert!(Bands::new(bad).unwrap_err().to_string().contains(part));
+            assert!(Bands::new(bad, Band::HUMAN).unwrap_err().to_string().contains(part));
         }
-        assert!(Bands::new(&[f64::NAN]).is_err() && Bands::new(&[]).unwrap().nm().is_empty());
+        let ultraviolet = Band::new(300, 400).unwrap();
+        assert!(
+            Bands::new(&[300.0, 400.0], ultraviolet).is_ok() && Bands::new(&[401.0], ultraviolet).is_err()
+        );
+        assert!(Bands::new(&[f64::NAN], ultraviolet).is_err());
+        assert!(Bands::new(&[], ultraviolet).unwrap().nm().is_empty());
     }
 
     #[test]
     fn shapes_are_counted_until_there_is_no_room() {
         let mut pixel = Compositing::default();
         for id in (1..=8).chain([2, 2]) {
-            pixel.add(&FirstHit { id, object: 3, ..NO_HIT }, [0.5, 0.25, 0.0]);
+            pixel.add(&FirstHit { id, object: 3, ..NO_HIT });
         }
         assert_eq!(pixel.covers.map(|c| (c.id, c.hits)), [(1, 1), (2, 3), (3, 1), (4, 1), (5, 1), (6, 1)]);
-        assert_eq!((pixel.covers[0].object, pixel.albedo), (3, [5.0, 2.5, 0.0]));
+        assert_eq!(pixel.covers[0].object, 3);
     }
 }

@@ -7,8 +7,11 @@ use rayon::prelude::*;
 
 use super::film::{Film, Tile};
 use super::integrator::{Integrator, Shot};
+use super::light::Glow;
+use super::response::{EYE, Rows};
 use crate::math::simd::dispatch_large;
 use crate::progress::{Clock, Progress};
+use crate::spectrum::sensor::MOST_CHANNELS;
 use crate::{Error, Result};
 
 /// When a picture is done.
@@ -64,7 +67,7 @@ pub enum Ended {
 /// same bits for any number of threads and however often a run was interrupted.
 ///
 /// # Errors
-/// A goal out of range.
+/// A goal out of range, or a sensor that sees wavelengths for which the scene has no values.
 pub fn run(
     integrator: &Integrator<'_>,
     film: &mut Film,
@@ -76,6 +79,8 @@ pub fn run(
     if goal.samples == 0 || goal.samples > 1 << 24 {
         return Err(Error::input(format!("{} samples per pixel: give 1 to 16777216", goal.samples)));
     }
+    integrator.check(&film.planes().sensor)?;
+    let glow = integrator.glow(film.response());
     let now = || goal.time.map_or(Duration::ZERO, |limit| (limit.clock)());
     let start = now();
     let mut slowest = Duration::ZERO;
@@ -93,7 +98,7 @@ pub fn run(
         if goal.time.is_some_and(|limit| slowest > Duration::ZERO && begun - start + slowest > limit.most) {
             return Ok(Ended::OutOfTime);
         }
-        round(integrator, film, seed, &goal, &open, progress);
+        round((integrator, &glow), film, seed, &goal, &open, progress);
         slowest = slowest.max(now() - begun);
         after_round(film)?;
     }
@@ -101,7 +106,7 @@ pub fn run(
 
 /// One round of all open tiles; a tile that a cancellation kept from starting stays as it was.
 fn round(
-    integrator: &Integrator<'_>,
+    scene: (&Integrator<'_>, &Glow),
     film: &mut Film,
     seed: u64,
     goal: &Goal,
@@ -117,7 +122,7 @@ fn round(
             let from = film.tiles[tile].count;
             let step = goal.round.clamp(1, ROUND);
             let to = goal.samples.min((from / ROUND + 1) * ROUND).min(from + step);
-            let grown = grown(integrator, film, tile, seed, to);
+            let grown = grown(scene, film, tile, seed, to);
             progress.advance(u64::from(to - from));
             Some(grown)
         })
@@ -130,9 +135,9 @@ fn round(
 }
 
 /// A tile with so many samples per pixel.
-fn grown(integrator: &Integrator<'_>, film: &Film, tile: usize, seed: u64, samples: u32) -> Tile {
+fn grown(scene: (&Integrator<'_>, &Glow), film: &Film, tile: usize, seed: u64, samples: u32) -> Tile {
     let mut grown = film.tiles[tile].clone();
-    dispatch_large!(Level::new(), simd => grow(simd, integrator, film, (tile, &mut grown), seed, samples));
+    dispatch_large!(Level::new(), simd => grow(simd, scene, film, (tile, &mut grown), seed, samples));
     grown
 }
 
@@ -140,13 +145,15 @@ fn grown(integrator: &Integrator<'_>, film: &Film, tile: usize, seed: u64, sampl
 #[inline(always)]
 fn grow<S: Simd>(
     _simd: S,
-    integrator: &Integrator<'_>,
+    (integrator, glow): (&Integrator<'_>, &Glow),
     film: &Film,
     (number, tile): (usize, &mut Tile),
     seed: u64,
     samples: u32,
 ) {
-    let ([x0, y0, x1, y1], size, planes) = (film.bounds(number), film.size(), film.planes());
+    let ([x0, y0, x1, y1], size) = (film.bounds(number), film.size());
+    let (planes, response) = (film.planes(), film.response());
+    let density = planes.sensor.density();
     let view = integrator.view(size);
     let blocks = (x1 - x0).div_ceil(BLOCK);
     let keeps_spectra = !planes.spectral.nm().is_empty();
@@ -161,9 +168,13 @@ fn grow<S: Simd>(
         for sample in tile.count..samples {
             let shot = Shot { pixel: [x, y], size, sample: u64::from(sample), seed };
             if follows {
-                tile.add(place, x1 - x0, planes, &integrator.seen(&view, shot), sample == 0);
+                let seen = integrator.seen(&view, shot, density);
+                tile.add(place, x1 - x0, (planes, response), &seen, sample == 0);
+            } else if let Rows::Eye(_) = response.rows {
+                tile.add_behind(place, x1 - x0, response, &integrator.behind::<EYE>(&view, shot, glow));
             } else {
-                tile.add_behind(place, x1 - x0, &integrator.behind(&view, shot));
+                let behind = integrator.behind::<MOST_CHANNELS>(&view, shot, glow);
+                tile.add_behind(place, x1 - x0, response, &behind);
             }
         }
     }

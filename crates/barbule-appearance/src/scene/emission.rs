@@ -1,7 +1,8 @@
 //! Spectra of lights.
 
 use crate::spectrum::colour::{Illuminant, matching};
-use crate::spectrum::dense::{DenseSpectrum, Lambdas, SHORTEST_NM, VALUES, WAVES};
+use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
+use crate::spectrum::sensor::Band;
 use crate::{Error, Result};
 
 /// Spectral radiance, finite and not negative.
@@ -39,11 +40,12 @@ impl Emission {
     /// How bright it is to the eye: the integral with ȳ over 380 to 720 nm, nm.
     #[must_use]
     pub fn luminance(&self) -> f64 {
-        let values = self.spectrum.values().iter().enumerate();
+        let band = Band::HUMAN;
+        let values = band.each_nm().zip(band.of(&self.spectrum));
         values
-            .map(|(i, value)| {
-                let weight = if i == 0 || i + 1 == VALUES { 0.5 } else { 1.0 };
-                weight * value * matching(SHORTEST_NM + i as f64)[1]
+            .map(|(nm, value)| {
+                let weight = if nm == band.low_nm() || nm == band.high_nm() { 0.5 } else { 1.0 };
+                weight * value * matching(nm)[1]
             })
             .sum()
     }

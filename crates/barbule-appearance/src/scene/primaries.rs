@@ -21,16 +21,15 @@ pub fn primaries() -> Result<[Emission; 3]> {
 mod tests {
     use super::*;
     use crate::spectrum::colour::{matching, rgb_from_xyz, xyz_from_rgb};
-    use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, VALUES};
+    use crate::spectrum::sensor::Band;
 
     /// Linear sRGB of a light whose white is daylight, from the renderer's wavelengths.
     fn colour(light: &Emission) -> [f64; 3] {
         let daylight = Emission::daylight();
         let white = xyz_from_rgb([1.0; 3]);
         let (mut sums, mut whites) = ([0.0; 3], [0.0; 3]);
-        for i in 0..VALUES {
-            let nm = SHORTEST_NM + i as f64;
-            let weight = if nm == SHORTEST_NM || nm == LONGEST_NM { 0.5 } else { 1.0 };
+        for nm in Band::HUMAN.each_nm() {
+            let weight = if nm == 380.0 || nm == 720.0 { 0.5 } else { 1.0 };
             for (k, value) in matching(nm).into_iter().enumerate() {
                 sums[k] += weight * value * light.at(nm);
                 whites[k] += weight * value * daylight.at(nm);
@@ -49,8 +48,7 @@ mod tests {
                 assert!((value - expected).abs() < 3e-7, "{k} {j}: {value}");
             }
         }
-        for i in 0..VALUES {
-            let nm = SHORTEST_NM + i as f64;
+        for nm in (300..=830).map(f64::from) {
             let sum: f64 = primaries.iter().map(|p| p.at(nm)).sum();
             assert!((sum / daylight.at(nm) - 1.0).abs() < 1e-6, "{nm}: {sum}");
         }

@@ -6,10 +6,12 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use barbule::brdf::FeatherBrdf;
 use barbule::characterize::thinned;
 use barbule::clock;
+use barbule::error::shortened;
 use barbule::io::{Folder, check_writable, read_at_most, write_whole};
-use barbule::picture::{Developed, Set, bytes_needed, check_kind, development, is_exr};
+use barbule::picture::{Developed, Set, bytes_needed, check_colours, check_kind, development, is_exr};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
 use barbule::render::film::{Film, check_size};
@@ -21,7 +23,8 @@ use barbule::scene::description::{
     ViewModel,
 };
 use barbule::scene::preset;
-use barbule::{Error, Result};
+use barbule::spectrum::sensor::Sensor;
+use barbule::{Error, Result, identity};
 
 use crate::common::{Common, path_json, print, print_json};
 use crate::progress::Terminal;
@@ -75,6 +78,9 @@ pub(crate) struct Args {
     /// What is seen behind the feather: sky, none (the picture is cut out), a colour #rrggbb, or a .png or .exr
     #[arg(long, value_name = "sky|none|#RRGGBB|FILE", value_parser = flags::background)]
     background: Option<Background>,
+    /// Who sees the picture: human, or a file of what channels answer to light
+    #[arg(long, value_name = "human|FILE", default_value = HUMAN, value_parser = flags::sensor)]
+    sensor: Sensor,
     /// EXR: planes of radiance about these wavelengths, nm
     #[arg(long, value_name = "SET")]
     spectral: Option<String>,
@@ -100,6 +106,9 @@ pub(crate) struct Args {
     #[command(flatten)]
     common: Common,
 }
+
+/// The usual sensor.
+const HUMAN: &str = "human";
 
 /// How often a checkpoint is written.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(15);
@@ -158,11 +167,27 @@ impl Args {
             }
             wardrobe.names.push(name.to_owned());
             wardrobe.hashes.push(hash.clone());
-            Worn::new(&material, hash)
+            let worn = Worn::new(&material, hash)?;
+            self.say_what_is_held(&worn.brdf);
+            Ok(worn)
         };
         let (folder, terminal) = (Folder(self.folder()), Terminal::new(&self.common));
         let scene = resolve(description, &folder, &mut dye, self.common.seed, &terminal)?;
         Ok((scene, wardrobe))
+    }
+
+    /// Says where a sensor sees more than the material's tables hold. To the human eye it is the dim ends of the spectrum.
+    fn say_what_is_held(&self, brdf: &FeatherBrdf) {
+        let (sensor, band) = (&self.sensor, self.sensor.band());
+        let (low, high) = brdf.wavelength_range_nm();
+        if !sensor.is_human() && (band.low_nm() < low || band.high_nm() > high) {
+            self.common.say(&format!(
+                "the sensor '{}' sees {} to {} nm, but the material is known from {low} to {high} nm: its end values are held outside",
+                shortened(sensor.name()),
+                band.low_nm(),
+                band.high_nm()
+            ));
+        }
     }
 
     /// The scene with the changes that the flags ask for, and whether there are any.
@@ -269,8 +294,10 @@ impl Args {
         Ok(Some(moves))
     }
 
-    /// What films keep beside colour, normals and depth.
+    /// Who sees films, and what they keep beside what is seen, normals and depth.
     fn planes(&self) -> Result<Planes> {
+        let sensor = self.sensor.clone();
+        self.output.iter().try_for_each(|file| check_colours(file, &sensor).map_err(|e| e.at("-o")))?;
         let compositing = self.output.as_deref().is_some_and(is_exr);
         let nm = match &self.spectral {
             Some(_) if !compositing => {
@@ -282,7 +309,8 @@ impl Args {
         if self.keep_gamut && !compositing {
             self.common.idle("--keep-gamut", "a PNG's colours are always sRGB's");
         }
-        Ok(Planes { compositing, spectral: Bands::new(&nm).map_err(|e| e.at("--spectral"))? })
+        let spectral = Bands::new(&nm, sensor.band()).map_err(|e| e.at("--spectral"))?;
+        Ok(Planes { sensor, compositing, spectral })
     }
 
     /// Refuses, before anything is built, a picture or a scene that does not fit into memory.
@@ -468,6 +496,13 @@ impl Args {
             .with("view", format!("{},{},{width_mm}", view.azimuth_deg, view.elevation_deg))
             .with("exposure", exposure.to_string())
             .with("exposure_by", if description.exposure.factor().is_some() { "factor" } else { "key" });
+        let provenance = if self.sensor.is_human() {
+            provenance
+        } else {
+            provenance
+                .with("sensor", self.sensor.name())
+                .with("sensor_hash", identity::hash("sensor", &self.sensor))
+        };
         match job.wardrobe.thinned {
             Some(every) => provenance.with("thinned", every.to_string()),
             None => provenance,

@@ -402,6 +402,37 @@ fn a_coat_is_drawn_alike_on_any_number_of_threads() {
     refused("count = 60", "coat.mesh");
 }
 
+/// Two cones of a file: a plane for each, false colours where the file has them, a checkpoint that is theirs.
+#[test]
+fn a_sensor_of_a_file_sees_its_own_channels() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("cones.csv", "wavelength_nm,UV,S\n300,0,0\n370,1,0\n400,0.5,0.5\n450,0,1\n550,0,0\n");
+    let values = "[[channels]]\nname = 'UV'\nvalues = [1, 0]\n[[channels]]\nname = 'S'\nvalues = [0, 1]\n";
+    let rows = "to_xyz = [[0.3, 0.1], [0.1, 0.3], [0.2, 0.2]]\n";
+    write("false.toml", &format!("name = 'false colours'\nwavelength_nm = [300, 600]\n{rows}{values}"));
+    let path = |name: &str| folder.path().join(name);
+    let seen = report(folder.path(), &["starling", "-o", "c.exr", "--sensor", "cones.csv", "--resume"]);
+    assert_eq!(seen["sensor"], "cones");
+    for name in ["CH.UV", "CH.S", "albedo.UV", "variance.mean", "A"] {
+        assert!(plane(&path("c.exr"), name).iter().sum::<f32>() > 0.0, "{name}");
+    }
+    let names = std::fs::read(path("c.exr")).unwrap();
+    assert!(!String::from_utf8_lossy(&names[..4000]).contains("XYZ.Y"));
+    let again = ["starling", "-o", "c.exr", "--sensor", "false.toml", "--resume"];
+    let refused = barbule(folder.path(), &[&again, QUICK].concat()).assert().code(2);
+    let message = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(message.contains("another picture") && message.contains("sensor"), "{message}");
+    // The made-up material ends where the cones see on.
+    let drawn = ["starling", "-o", "f.png", "--sensor", "false.toml"];
+    let drawn = barbule(folder.path(), &[&drawn, QUICK].concat()).assert().success();
+    let said = String::from_utf8_lossy(&drawn.get_output().stderr).into_owned();
+    assert!(said.contains("'false colours' sees 300 to 600 nm, but the material is known"), "{said}");
+    let human = report(folder.path(), &["starling", "-o", "h.png", "--sensor", "human"]);
+    assert_eq!(human["pixel_hash"], report(folder.path(), &["starling", "-o", "i.png"])["pixel_hash"]);
+    assert!(human.get("sensor").is_none());
+}
+
 /// Previews change nothing about the picture, nor does the size of rounds.
 #[test]
 fn a_previewed_picture_has_the_same_bits() {
@@ -437,6 +468,8 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
     std::fs::create_dir(folder.path().join("d.png")).unwrap();
     std::fs::write(folder.path().join("bad.toml"), "preset = \"starling\"\nexposre = 1\n").unwrap();
     std::fs::write(folder.path().join("bad.barbule"), "no material").unwrap();
+    std::fs::write(folder.path().join("uv.csv"), "wavelength_nm,a\n300,1\n400,1\n").unwrap();
+    std::fs::write(folder.path().join("bad.csv"), "wavelength_nm,a\n300,x\n").unwrap();
     let cases: &[(&[&str], &str)] = &[
         (&["starlign", "-o", "x.png"], "did you mean 'starling'"),
         (&["starling:pnk", "-o", "x.png"], "pnk"),
@@ -465,6 +498,17 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
         (&["starling", "-o", "x.png", "--background", "none.png"], "no such file"),
         (&["starling", "-o", "x.png", "--spectral", "500"], "end the name with .exr"),
         (&["starling", "-o", "x.exr", "--spectral", "300:700:10"], "--spectral: 300 nm is outside"),
+        (&["starling", "-o", "x.png", "--sensor", "humn"], "did you mean 'human'?"),
+        (
+            &["starling", "-o", "x.png", "--sensor", "uv.csv"],
+            "-o: x.png: the sensor 'uv' does not say how its",
+        ),
+        (&["starling", "-o", "x.exr", "--sensor", "bad.csv"], "--sensor: bad.csv: line 2: a is 'x'"),
+        (&["starling", "-o", "x.exr", "--sensor", "uv.csv", "--spectral", "550"], "rendered, 300 to 400"),
+        (
+            &["diffraction-bench", "-o", "x.exr", "--sensor", "uv.csv"],
+            "gratings and films are known from 380 to 720 nm",
+        ),
         (&["starling", "-o", "x.png", "--preview=soon"], "--preview soon: give a time"),
         (&["none.toml", "-o", "x.png"], "no such file"),
         (&["bad.toml", "-o", "x.png"], "did you mean 'exposure'"),
@@ -474,6 +518,6 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
         let message = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
         assert!(message.contains(fragment) && message.len() < 600, "{arguments:?}: {message}");
         assert_eq!(message.trim_end().lines().count(), 1, "{message}");
-        assert!(!folder.path().join("x.png").exists());
+        assert!(!["x.png", "x.exr"].iter().any(|name| folder.path().join(name).exists()));
     }
 }

@@ -40,7 +40,7 @@ impl Illuminant {
         })
     }
 
-    /// Relative power at a wavelength in nm, 100 at 560 nm; 0 outside 360 to 830 nm.
+    /// Relative power at a wavelength in nm, 100 at 560 nm; 0 outside 300 to 830 nm.
     #[must_use]
     pub fn power(self, nm: f64) -> f64 {
         self.of(&cie::at(nm), nm)
@@ -51,7 +51,7 @@ impl Illuminant {
             Self::A => row[3],
             Self::D50 => row[4],
             Self::D65 => row[5],
-            Self::E if (cie::FIRST_NM..=cie::LAST_NM).contains(&nm) => 100.0,
+            Self::E if (cie::FIRST_POWER_NM..=cie::LAST_NM).contains(&nm) => 100.0,
             Self::E => 0.0,
         }
     }

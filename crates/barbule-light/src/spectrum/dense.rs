@@ -1,13 +1,13 @@
-//! Spectra at every nanometre of the visible range, and the wavelengths of a light path: what renderers sample.
+//! Spectra at every nanometre that any sensor may see, and the wavelengths of a light path: what renderers sample.
 
 use std::sync::Arc;
 
-/// Shortest wavelength that is sampled, nm.
-pub const SHORTEST_NM: f64 = 380.0;
-/// Longest wavelength that is sampled, nm.
-pub const LONGEST_NM: f64 = 720.0;
+/// Shortest wavelength of a [`DenseSpectrum`], nm.
+pub const SHORTEST_NM: f64 = 300.0;
+/// Longest wavelength of a [`DenseSpectrum`], nm.
+pub const LONGEST_NM: f64 = 830.0;
 /// Values of a [`DenseSpectrum`]: one per nm, both ends included.
-pub const VALUES: usize = 341;
+pub const VALUES: usize = 531;
 
 /// Wavelengths of a light path. Eight cost a feather half as much again as four, and leave half the colour noise.
 pub const WAVES: usize = 8;
@@ -79,7 +79,7 @@ impl Lambdas {
     }
 }
 
-/// A quantity at 380, 381 … 720 nm, linear between and held outside. A copy costs nothing.
+/// A quantity at 300, 301 … 830 nm, linear between and held outside. A copy costs nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DenseSpectrum {
     values: Arc<[f64; VALUES]>,
@@ -140,11 +140,11 @@ mod tests {
     fn tables_are_linear_inside_and_held_outside() {
         let spectrum = DenseSpectrum::new(|w| w);
         assert_eq!(spectrum.at(500.25), 500.25);
-        assert_eq!([300.0, 800.0, 380.5, 719.5].map(|nm| spectrum.at(nm)), [380.0, 720.0, 380.5, 719.5]);
+        assert_eq!([200.0, 900.0, 300.5, 829.5].map(|nm| spectrum.at(nm)), [300.0, 830.0, 300.5, 829.5]);
         assert_eq!(spectrum.at_each(Lambdas::splat(500.25)), [500.25; WAVES]);
-        for nm in [300.0, 380.0, 380.5, 555.125, 719.5, 720.0, 800.0] {
+        for nm in [200.0, 300.0, 300.5, 555.125, 829.5, 830.0, 900.0] {
             assert_eq!(spectrum.at_each(Lambdas::splat(nm)), [spectrum.at(nm); WAVES]);
         }
-        assert_eq!((spectrum.values().len(), spectrum.scaled(2.0).at(LONGEST_NM)), (VALUES, 1440.0));
+        assert_eq!((spectrum.values().len(), spectrum.scaled(2.0).at(LONGEST_NM)), (VALUES, 1660.0));
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! [`Wavelengths`] are a sorted set in nm that is cheap to share; a [`Spectrum`] has one value for each and is linear
 //! between them, a [`dense::DenseSpectrum`] one for each nm. [`colour`] turns reflectances into what an observer sees, [`hue`] says which colour that is, [`look`] gives
-//! all numbers of a colour together; [`comparison`] holds a simulated spectrum against a measured one.
+//! all numbers of a colour together; [`comparison`] holds a simulated spectrum against a measured one. [`sensor`] is who looks at a
+//! picture, [`hero`] which wavelengths its paths have.
 
 mod cie;
 pub mod colour;
@@ -10,9 +11,11 @@ pub mod comparison;
 pub mod dense;
 pub mod difference;
 pub mod fields;
+pub mod hero;
 pub mod hue;
 pub mod look;
 pub mod primaries;
+pub mod sensor;
 
 use std::sync::Arc;
 

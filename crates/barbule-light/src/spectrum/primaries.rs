@@ -1,8 +1,10 @@
 //! Smooth spectra that colours are made of.
 
-use super::dense::{DenseSpectrum, SHORTEST_NM};
+use super::dense::DenseSpectrum;
 
-/// Step of the tables below, nm.
+/// First wavelength of the tables below, nm.
+const FIRST_NM: f64 = 380.0;
+/// Their step, nm.
 const STEP_NM: f64 = 10.0;
 
 /// Red's share of daylight at 380, 390 … 720 nm; `scripts/sky-primaries.py` makes both.
@@ -23,7 +25,7 @@ const GREEN: [f64; 35] = [
 
 /// Shares of sRGB's red, green and blue in daylight (D65): between 0 and 1, in sum 1 at every wavelength, the smoothest whose
 /// colours, seen at the renderer's wavelengths, are the primaries (after Mallett & Yuksel, *Spectral Primary Decomposition for Rendering
-/// with sRGB Reflectance*, EGSR 2019). Weighted with a colour's linear R, G and B of 0 to 1 they are a reflectance of that colour.
+/// with sRGB Reflectance*, EGSR 2019); outside 380 to 720 nm those of the ends. Weighted with a colour's linear R, G and B of 0 to 1 they are a reflectance of that colour.
 #[must_use]
 pub fn shares() -> [DenseSpectrum; 3] {
     let red = |nm: f64| between(&RED, nm);
@@ -35,9 +37,9 @@ pub fn shares() -> [DenseSpectrum; 3] {
     ]
 }
 
-/// Linear between the tables' values.
+/// Linear between the tables' values, and the end values outside.
 fn between(table: &[f64; 35], nm: f64) -> f64 {
-    let at = ((nm - SHORTEST_NM) / STEP_NM).clamp(0.0, 34.0);
+    let at = ((nm - FIRST_NM) / STEP_NM).clamp(0.0, 34.0);
     let index = (at as usize).min(33);
     table[index] + (table[index + 1] - table[index]) * (at - index as f64)
 }
@@ -49,7 +51,7 @@ mod tests {
     #[test]
     fn shares_are_parts_of_a_whole() {
         let [red, green, blue] = shares();
-        for nm in 380..=720 {
+        for nm in 300..=830 {
             let parts = [&red, &green, &blue].map(|share| share.at(f64::from(nm)));
             assert!(parts.iter().all(|part| (0.0..=1.0).contains(part)));
             assert!((parts.iter().sum::<f64>() - 1.0).abs() < 1e-12);

@@ -20,6 +20,7 @@ mod named;
 mod orders;
 mod output;
 mod section;
+mod sensor;
 mod species;
 mod stack;
 pub mod store;
@@ -44,6 +45,7 @@ pub use named::{files_in, files_named_in};
 pub use orders::{read_keyed_orders, read_orders, write_orders};
 pub use output::{check_writable, is_inside_store, is_same_file, is_stream, write_together, write_whole};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
+pub use sensor::read_sensor;
 pub use species::{
     feather_of, is_species, read_feather, read_flat_stack, read_species, read_species_file,
     read_structure_toml,

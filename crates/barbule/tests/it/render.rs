@@ -26,6 +26,7 @@ use barbule::scene::light::{Lamp, Light, Rectangle, Sphere, Sun, disc_radiance};
 use barbule::scene::sky::{Environment, Sky};
 use barbule::scene::{Object, Scene};
 use barbule::spectrum::dense::Lambdas;
+use barbule::spectrum::sensor::Band;
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::measure::picture::close_up;
@@ -434,7 +435,7 @@ fn what_is_behind_the_scene_is_what_paths_find_there() {
         let integrator = Integrator::new(&ready.stage, &ready.lighting, &ready.camera, transport);
         let size = [70, 50];
         let [known, followed] = [&[][..], &[550.0]].map(|nm| {
-            let planes = Planes { spectral: Bands::new(nm).unwrap(), ..Planes::default() };
+            let planes = Planes { spectral: Bands::new(nm, Band::HUMAN).unwrap(), ..Planes::default() };
             let mut film = Film::with(size, planes).unwrap();
             run(&integrator, &mut film, 1, goal(64), &Unobserved, &mut |_| Ok(())).unwrap();
             film

@@ -12,10 +12,11 @@ use glam::{DVec2, DVec3};
 pub use sample::LightSample;
 use sky::SkySampler;
 
-use super::response::xyz_of;
+use super::response::Response;
 use crate::scene::light::{Lamp, Light};
 use crate::scene::sky::Environment;
 use crate::spectrum::dense::{Lambdas, WAVES};
+use crate::spectrum::sensor::MOST_CHANNELS;
 use crate::{Error, Result};
 
 /// Of so many lights each is sampled at every point; of more so many are drawn, by their weights.
@@ -30,8 +31,6 @@ pub struct Lighting {
     standing: Vec<usize>,
     /// Lamps that only rays which leave the scene see.
     infinite: Vec<usize>,
-    /// CIE XYZ of what each lamp emits.
-    xyz: Vec<[f64; 3]>,
     /// Samples of each light that a point takes in the mean.
     counts: Vec<f64>,
 }
@@ -41,6 +40,15 @@ pub struct Lighting {
 struct Sky {
     sampler: Arc<SkySampler>,
     weight: f64,
+}
+
+/// What a sensor's channels see of lights themselves.
+#[derive(Debug, Clone)]
+pub(super) struct Glow {
+    /// Of each lamp.
+    lamps: Vec<[f64; MOST_CHANNELS]>,
+    /// Of each of the sky's spectra.
+    sky: Vec<[f64; MOST_CHANNELS]>,
 }
 
 /// What a ray that leaves the scene sees.
@@ -88,8 +96,7 @@ impl Lighting {
         let infinite = (0..lamps.len()).filter(|&i| lamps[i].light.is_infinite()).collect();
         let meets = |light: &Light| !light.is_infinite() && !light.is_point();
         let standing = (0..lamps.len()).filter(|&i| meets(&lamps[i].light)).collect();
-        let xyz = lamps.iter().map(|lamp| xyz_of(lamp.light.emission())).collect();
-        Ok(Self { lamps, sky, standing, infinite, xyz, counts })
+        Ok(Self { lamps, sky, standing, infinite, counts })
     }
 
     /// How many samples of lights a point takes.
@@ -151,23 +158,37 @@ impl Lighting {
         }
     }
 
-    /// CIE XYZ of what a ray sees that meets no surface, and whether that is a lamp that stands in the scene.
+    /// What a sensor sees of the lights themselves.
+    pub(super) fn glow(&self, response: &Response) -> Glow {
+        let sky = self.sky.iter().flat_map(|sky| sky.sampler.basis());
+        Glow {
+            lamps: self.lamps.iter().map(|lamp| response.of(lamp.light.emission())).collect(),
+            sky: sky.map(|light| response.of(light)).collect(),
+        }
+    }
+
+    /// What of a glow a ray sees that meets no surface, and whether that is a lamp that stands in the scene.
     #[inline(always)]
     #[must_use]
-    pub(super) fn behind(&self, origin: DVec3, direction: DVec3) -> ([f64; 3], bool) {
+    pub(super) fn behind<const LANES: usize>(
+        &self,
+        glow: &Glow,
+        origin: DVec3,
+        direction: DVec3,
+    ) -> ([f64; LANES], bool) {
         if let Some((lamp, _)) = self.hit(origin, direction, 0.0) {
-            return (self.xyz[lamp], true);
+            return (std::array::from_fn(|k| glow.lamps[lamp][k]), true);
         }
-        let mut xyz = [0.0; 3];
+        let mut seen = [0.0; LANES];
         if let Some(Sky { sampler, .. }) = &self.sky {
-            xyz = sampler.xyz(sampler.texel(direction));
+            seen = sampler.glow(&glow.sky, sampler.texel(direction));
         }
         for &lamp in &self.infinite {
             if self.lamps[lamp].light.is_behind(direction) {
-                xyz.iter_mut().zip(self.xyz[lamp]).for_each(|(sum, value)| *sum += value);
+                seen.iter_mut().zip(glow.lamps[lamp]).for_each(|(sum, value)| *sum += value);
             }
         }
-        (xyz, false)
+        (seen, false)
     }
 
     /// Density of a direction in all of a point's samples, 1/sr, from what [`Lighting::escaped`] saw along it: whatever lies

@@ -7,9 +7,10 @@ use glam::{DVec2, DVec3};
 use super::cumulative::Cumulative;
 use super::sample::LightSample;
 use crate::math::elementary::sin_cos_turns;
-use crate::render::response::xyz_of;
+use crate::scene::emission::Emission;
 use crate::scene::sky::Sky;
 use crate::spectrum::dense::{Lambdas, WAVES};
+use crate::spectrum::sensor::MOST_CHANNELS;
 
 /// A sky with the distributions that its samples follow.
 #[derive(Debug)]
@@ -20,8 +21,6 @@ pub(super) struct SkySampler {
     rows: Cumulative,
     /// Of each row.
     columns: Cumulative,
-    /// CIE XYZ of each of the sky's spectra.
-    basis: Vec<[f64; 3]>,
     /// One over the solid angle of a row's texels, 1/sr.
     inverse_solid_angles: Vec<f64>,
 }
@@ -38,8 +37,7 @@ impl SkySampler {
         let lines: Vec<f64> = totals.iter().enumerate().map(|(row, total)| total * angle(row)).collect();
         let (rows, _) = Cumulative::new(height, &lines);
         let inverse_solid_angles = (0..height).map(|row| 1.0 / angle(row)).collect();
-        let basis = sky.basis().iter().map(xyz_of).collect();
-        Self { sky, edges, rows, columns, basis, inverse_solid_angles }
+        Self { sky, edges, rows, columns, inverse_solid_angles }
     }
 
     /// Row and column of the texel in a direction.
@@ -54,17 +52,26 @@ impl SkySampler {
         self.sky.spectrum(row, column, wavelengths)
     }
 
-    /// CIE XYZ of a texel.
+    /// The spectra that its texels are sums of.
+    pub(super) fn basis(&self) -> &[Emission] {
+        self.sky.basis()
+    }
+
+    /// What a sensor sees of a texel, by what it sees of each of the sky's spectra.
     #[inline(always)]
-    pub(super) fn xyz(&self, [row, column]: [usize; 2]) -> [f64; 3] {
+    pub(super) fn glow<const LANES: usize>(
+        &self,
+        basis: &[[f64; MOST_CHANNELS]],
+        [row, column]: [usize; 2],
+    ) -> [f64; LANES] {
         let texel = &self.sky.texels()[row * self.sky.size()[0] + column];
-        let mut xyz = [0.0; 3];
-        for (weight, basis) in texel.iter().zip(&self.basis) {
-            for (sum, value) in xyz.iter_mut().zip(basis) {
+        let mut seen = [0.0; LANES];
+        for (weight, basis) in texel.iter().zip(basis) {
+            for (sum, value) in seen.iter_mut().zip(basis) {
                 *sum += f64::from(*weight) * value;
             }
         }
-        xyz
+        seen
     }
 
     /// A direction drawn in proportion to the radiance.
@@ -108,7 +115,6 @@ fn solid_angle(edges: &[f64], row: usize, width: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::emission::Emission;
 
     fn sky() -> SkySampler {
         let emission = Emission::new(|_| 1.0).unwrap();

@@ -14,6 +14,7 @@ use crate::scene::light::{Light, Point, Rectangle, Sphere, Spot, Sun, disc_radia
 use crate::scene::primaries::primaries;
 use crate::spectrum::Spectrum;
 use crate::spectrum::colour::{Illuminant, decode};
+use crate::spectrum::sensor::Band;
 use crate::{Error, Result, record, variants};
 
 /// Most lights of a scene: each is asked for at every ray that leaves a surface.
@@ -256,7 +257,10 @@ impl LightColour {
             }
             Self::Table(slot) => {
                 let table = slot.value()?;
-                Emission::new(|nm| table.value(nm).unwrap_or(0.0)).map_err(|error| error.at(&slot.name))?
+                let power = |nm: f64| table.value(nm).unwrap_or(0.0);
+                // What the eye does not see of a measurement may be a spectrometer's noise about 0.
+                let held = |nm: f64| if Band::HUMAN.contains(nm) { power(nm) } else { power(nm).max(0.0) };
+                Emission::new(held).map_err(|error| error.at(&slot.name))?
             }
         };
         let luminance = emission.luminance();

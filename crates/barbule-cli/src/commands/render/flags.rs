@@ -1,9 +1,12 @@
 //! Values of the flags of `barbule render`, as people type them.
 
+use std::path::Path;
 use std::time::Duration;
 
 use barbule::error::{did_you_mean, shortened};
+use barbule::io::read_sensor;
 use barbule::scene::description::{Background, Bearing, Exposure, Motion, Moved, ViewModel, Waypoint};
+use barbule::spectrum::sensor::Sensor;
 use barbule::{Error, Result};
 
 use crate::sets;
@@ -100,6 +103,22 @@ pub(super) fn background(text: &str) -> Result<Background> {
 /// How barbs are seen.
 pub(super) fn view_model(text: &str) -> Result<ViewModel> {
     ViewModel::named("detail.view_model", text).map_err(|e| e.at("--view-model"))
+}
+
+/// `human`, or a file of curves.
+pub(super) fn sensor(text: &str) -> Result<Sensor> {
+    if text == super::HUMAN {
+        return Ok(Sensor::human());
+    }
+    let path = Path::new(text);
+    if !path.exists() {
+        let near = did_you_mean(text, [super::HUMAN]);
+        return Err(Error::input(format!(
+            "--sensor {}: give human, or a file of curves (.csv or .toml) that is there{near}",
+            shortened(text)
+        )));
+    }
+    read_sensor(path).map_err(|e| e.at("--sensor"))
 }
 
 /// What moves on an arc, as in `light=40`.

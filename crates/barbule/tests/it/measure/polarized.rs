@@ -11,9 +11,10 @@ use barbule::bsdf::{Bsdf, Hit, Keratin, Side, Surface};
 use barbule::render::light::Lighting;
 use barbule::render::sampler::Sampler;
 use barbule::render::stage::Stage;
-use barbule::render::wavelengths::Hero;
 use barbule::scene::camera::Camera;
 use barbule::spectrum::dense::WAVES;
+use barbule::spectrum::hero::Hero;
+use barbule::spectrum::sensor::Sensor;
 use glam::{DVec2, DVec3};
 
 /// What a camera sees per I, Q and U of the light on a path.
@@ -144,7 +145,7 @@ impl PolarizedScene<'_> {
         let index = u64::from(pixel[1]) * u64::from(size[0]) + u64::from(pixel[0]);
         let mut sampler = Sampler::new(index, sample, seed);
         let [x, y, lens_u, lens_v] = sampler.next4();
-        let hero = Hero::new(sampler.next4()[0]);
+        let hero = Sensor::human().density().draw(sampler.next4()[0]);
         let place = |k: usize, offset: f64| (f64::from(pixel[k]) + offset) / f64::from(size[k]);
         let ray = self.camera.ray(DVec2::new(place(0, x), place(1, y)), DVec2::new(lens_u, lens_v), size);
         let mut path = Path {
