@@ -71,7 +71,7 @@ fn of(sensor: Sensor) -> Planes {
 #[test]
 fn a_sensor_whose_channels_sum_to_the_eyes_sees_the_eyes_picture() {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let scene = close_up().scene(brdf, 7).unwrap().0;
+    let scene = close_up().wearing(brdf).unwrap().scene(7).unwrap().0;
     let four = four_channels();
     let shared = four.clone().drawn_as(&Sensor::human()).unwrap();
     let size = [32, 24];
@@ -180,7 +180,7 @@ fn pictures_of_channels_have_a_plane_for_each() {
 #[test]
 fn checkpoints_are_of_one_sensor() {
     let planes = |sensor: Sensor| Planes { sensor, ..Planes::default() };
-    let name = |planes: &Planes| checkpoint::name(&close_up(), "", 1, "", "", planes);
+    let name = |planes: &Planes| checkpoint::name(&close_up(), 1, "", planes);
     let (human, other) = (planes(Sensor::human()), planes(four_channels()));
     let shared = planes(four_channels().drawn_as(&Sensor::human()).unwrap());
     assert_eq!(name(&human), name(&Planes::default()));
