@@ -7,5 +7,5 @@
 pub mod solve;
 pub mod structure;
 
-use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};
+use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress, record};
 use barbule_light::{film, material, scattering, spectrum, stack};

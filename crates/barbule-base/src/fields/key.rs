@@ -83,6 +83,17 @@ pub struct Choice {
     pub keys: Vec<Key>,
 }
 
+impl Usual {
+    /// The value, where there is one.
+    #[must_use]
+    pub fn value(&self) -> Option<&Value> {
+        match self {
+            Self::Value(value) => Some(value),
+            Self::Needed | Self::Nothing => None,
+        }
+    }
+}
+
 impl Key {
     /// A key of values of a type.
     #[must_use]
@@ -149,9 +160,7 @@ impl Kind {
     /// What it may be, as in `0.001 to 10 µm`.
     fn allowed(&self, unit: &str) -> String {
         match self {
-            Self::Number { low, high, whole } => {
-                format!("{}{} to {}{unit}", if *whole { "whole, " } else { "" }, shown(*low), shown(*high))
-            }
+            Self::Number { low, high, .. } => format!("{} to {}{unit}", shown(*low), shown(*high)),
             Self::Switch => "true or false".to_owned(),
             Self::Word(words) => words.join(", "),
             Self::Choice(choices) => choices.iter().map(|choice| choice.word).collect::<Vec<_>>().join(", "),
@@ -159,7 +168,7 @@ impl Kind {
             Self::Colour => "\"#rrggbb\", or three numbers from 0 to 1".to_owned(),
             Self::List { of, least, most } if least == most => format!("{least} of: {}", of.allowed(unit)),
             Self::List { of, least, most } => match **of {
-                Self::Table(_) => format!("a list of {least} to {most} tables"),
+                Self::Table(_) => format!("{least} to {most} tables"),
                 _ => format!("{least} to {most} of: {}", of.allowed(unit)),
             },
             Self::Table(_) => "a table".to_owned(),

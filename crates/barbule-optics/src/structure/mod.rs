@@ -39,7 +39,7 @@ pub use segment::{
 };
 pub use side::Side;
 pub use species::{
-    Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, Key, LowerSide, Multilayer,
+    Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, LowerSide, Multilayer,
     MultilayerLayer, MultilayerSizes, RockDove, SpeciesFile, SpeciesModel, Starling, crystal_species,
     layered_species, species_name, species_names, species_toml,
 };

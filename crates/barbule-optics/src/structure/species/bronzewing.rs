@@ -4,9 +4,11 @@ use super::super::chain::chain;
 use super::super::curve::Roughness;
 use super::super::outline::rounded;
 use super::super::section::{Medium, Parts, Polyline};
-use super::generator::{Generator, Random, ordered, parameters, parts};
+use super::generator::{Generator, Random, ordered, parts};
 use super::starling::mixture;
+use crate::fields::within;
 use crate::material::Library;
+use crate::record;
 
 /// How far chains go on past the ends before they are cut, µm for each row.
 const PAST_ENDS_UM: f64 = 1.0;
@@ -14,33 +16,34 @@ const PAST_ENDS_UM: f64 = 1.0;
 /// The barbule's thickness is two cortices and this many times the height of one stack.
 const STACKS: f64 = 4.5;
 
-parameters! {
+record! {
     /// Parameters of the bronzewing generator.
-    Bronzewing {
+    #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+    pub struct Bronzewing {
         /// Width of the barbule.
-        width_um: f64 = 1 to 200,
+        width_um: f64 = "width_um", within(1, 200);
         /// Melanosome layers in each stack.
-        rows: usize = 1 to 40,
+        rows: usize = "rows", within(1, 40);
         /// Correlation length of the outline's roughness.
-        roughness_correlation_um: f64 = 0.05 to 100,
+        roughness_correlation_um: f64 = "roughness_correlation_um", within(0.05, 100);
         /// The outline's roughness spans ± this.
-        roughness_amplitude_um: f64 = 0 to 10,
+        roughness_amplitude_um: f64 = "roughness_amplitude_um", within(0, 10);
         /// Keratin between the surface and the first layer.
-        cortex_um: f64 = 0.001 to 10,
+        cortex_um: f64 = "cortex_um", within(0.001, 10);
         /// Mean diameter of the melanosomes.
-        melanosome_diameter_um: f64 = 0.02 to 5,
+        melanosome_diameter_um: f64 = "melanosome_diameter_um", within(0.02, 5);
         /// Diameters are D·U(1−this, 1+this).
-        melanosome_spread: f64 = 0 to 0.5,
+        melanosome_spread: f64 = "melanosome_spread", within(0, 0.5);
         /// Keratin between layers: the period is the diameter plus this.
-        spacing_um: f64 = 0.001 to 5,
+        spacing_um: f64 = "spacing_um", within(0.001, 5);
         /// Correlation length of the melanin fraction between the stacks.
-        core_correlation_um: f64 = 0.05 to 100,
+        core_correlation_um: f64 = "core_correlation_um", within(0.05, 100);
         /// Least melanin fraction between the stacks.
-        core_fraction_low: f64 = 0 to 1,
+        core_fraction_low: f64 = "core_fraction_low", within(0, 1);
         /// Largest melanin fraction between the stacks.
-        core_fraction_high: f64 = 0 to 1,
+        core_fraction_high: f64 = "core_fraction_high", within(0, 1);
         /// Distance of points along the shapes.
-        point_spacing_um: f64 = 0.005 to 1,
+        point_spacing_um: f64 = "point_spacing_um", within(0.005, 1);
     }
 }
 

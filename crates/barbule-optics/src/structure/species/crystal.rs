@@ -7,53 +7,56 @@ use super::super::lattice::{Circle, Lattice, Rod};
 use super::super::outline::{arched, rounded};
 use super::super::section::{Medium, Parts, Polyline, Substance};
 use super::super::side::Side;
-use super::generator::{Generator, Random, ordered, parameters, parts};
+use super::generator::{Generator, Random, ordered, parts};
 use crate::Result;
+use crate::fields::within;
 use crate::material::Library;
+use crate::record;
 
-parameters! {
+record! {
     /// Parameters of the crystal generator.
-    Crystal {
+    #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+    pub struct Crystal {
         /// Width of the barbule.
-        width_um: f64 = 1 to 200,
+        width_um: f64 = "width_um", within(1, 200);
         /// Correlation length of the top's roughness.
-        roughness_correlation_um: f64 = 0.05 to 100,
+        roughness_correlation_um: f64 = "roughness_correlation_um", within(0.05, 100);
         /// The top's roughness spans ± this.
-        roughness_amplitude_um: f64 = 0 to 10,
+        roughness_amplitude_um: f64 = "roughness_amplitude_um", within(0, 10);
         /// Mean thickness of a flat barbule with rounded ends; 0: an arch.
-        thickness_um: f64 = 0 to 50 or 0.0,
+        thickness_um: f64 = "thickness_um", within(0, 50), or 0.0;
         /// An arch ends at an angle Φ of at least this.
-        arc_low_deg: f64 = 5 to 85 or 30.0,
+        arc_low_deg: f64 = "arc_low_deg", within(5, 85), or 30.0;
         /// An arch ends at an angle Φ of at most this.
-        arc_high_deg: f64 = 5 to 85 or 75.0,
+        arc_high_deg: f64 = "arc_high_deg", within(5, 85), or 75.0;
         /// The ends of an arch slope by an angle β of at least this.
-        slope_low_deg: f64 = 0 to 60 or 15.0,
+        slope_low_deg: f64 = "slope_low_deg", within(0, 60), or 15.0;
         /// The ends of an arch slope by an angle β of at most this.
-        slope_high_deg: f64 = 0 to 60 or 27.0,
+        slope_high_deg: f64 = "slope_high_deg", within(0, 60), or 27.0;
         /// Correlation length of the crystal's regularity.
-        regularity_correlation_um: f64 = 0.05 to 100 or 0.5,
+        regularity_correlation_um: f64 = "regularity_correlation_um", within(0.05, 100), or 0.5;
         /// Least regularity: the part of the ideal crystal's reflected field that a place gives.
-        regularity_low: f64 = 0 to 1 or 1.0,
+        regularity_low: f64 = "regularity_low", within(0, 1), or 1.0;
         /// Largest regularity; what comes out over 1 counts as 1.
-        regularity_high: f64 = 0 to 2 or 1.0,
+        regularity_high: f64 = "regularity_high", within(0, 2), or 1.0;
         /// Distance of points along the top.
-        point_spacing_um: f64 = 0.005 to 1,
+        point_spacing_um: f64 = "point_spacing_um", within(0.005, 1);
         /// Period across the barbule.
-        period_um: f64 = 0.001 to 10,
+        period_um: f64 = "period_um", within(0.001, 10);
         /// Rows of rods.
-        rows: usize = 1 to 100,
+        rows: usize = "rows", within(1, 100);
         /// Distance of rows.
-        row_pitch_um: f64 = 0.001 to 10,
+        row_pitch_um: f64 = "row_pitch_um", within(0.001, 10);
         /// Shift of every other row, in periods.
-        row_shift: f64 = 0 to 1,
+        row_shift: f64 = "row_shift", within(0, 1);
         /// Keratin above the first row.
-        cortex_um: f64 = 0 to 10,
+        cortex_um: f64 = "cortex_um", within(0, 10);
         /// Diameter of the rods.
-        rod_diameter_um: f64 = 0.001 to 10,
+        rod_diameter_um: f64 = "rod_diameter_um", within(0.001, 10);
         /// Diameter of the air inside the rods; 0: solid ones.
-        core_diameter_um: f64 = 0 to 10,
+        core_diameter_um: f64 = "core_diameter_um", within(0, 10);
         /// Diameter of the air channels between rods, halfway between rows and columns; 0: none.
-        channel_diameter_um: f64 = 0 to 10,
+        channel_diameter_um: f64 = "channel_diameter_um", within(0, 10);
     }
 }
 

@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use serde_json::{Map, Value};
 
 use super::generator::generator_names;
-use super::{DEFAULT_VARIANT, GeneratorParameters, Key, SpeciesModel, species_toml};
+use super::{DEFAULT_VARIANT, GeneratorParameters, SpeciesModel, species_toml};
 use crate::error::{did_you_mean, shortened};
-use crate::fields::{Fields, at_key, at_line, in_toml, line_of, list, parse_toml};
+use crate::fields::{Fields, Key, Usual, at_key, at_line, in_toml, line_of, list, parse_toml};
 use crate::material::Library;
 use crate::{Error, Result};
 
@@ -179,7 +179,7 @@ impl SpeciesFile {
         let merged = self.merged(self.index(variant)?);
         let keys = GeneratorParameters::keys(&self.generator)?;
         let with_value = |key: Key| {
-            let value = merged.get(key.name).cloned().or_else(|| key.usual.clone())?;
+            let value = merged.get(key.name).cloned().or_else(|| key.usual.value().cloned())?;
             Some((key, value))
         };
         Ok(keys.into_iter().filter_map(with_value).collect())
@@ -202,7 +202,7 @@ impl SpeciesFile {
     fn parameters_of(&self, index: usize) -> Result<GeneratorParameters> {
         let keys = GeneratorParameters::keys(&self.generator)?;
         let merged = self.merged(index);
-        for key in keys.iter().filter(|key| key.usual.is_none() && !merged.contains_key(key.name)) {
+        for key in keys.iter().filter(|key| key.usual == Usual::Needed && !merged.contains_key(key.name)) {
             if let Some(other) = self.variants.iter().find(|v| v.overrides.contains_key(key.name)) {
                 let missing = format!("variants[{index}].{}", key.name);
                 return Err(Error::input(format!(

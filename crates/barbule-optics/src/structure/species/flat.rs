@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use serde_json::{Map, Value};
 
-use super::{DEFAULT_VARIANT, GeneratorParameters, Key, SpeciesFile};
+use super::{DEFAULT_VARIANT, GeneratorParameters, SpeciesFile};
+use crate::fields::Key;
 use crate::{Error, Result};
 
 /// What the species of a copy is called, until its owner finds a better name.
@@ -78,7 +79,7 @@ fn line(key: &Key, value: &Value) -> Result<String> {
 
 /// What a parameter is and its range.
 fn explained(key: &Key) -> String {
-    format!("{} ({})", about(key.about), key.allowed)
+    format!("{} ({})", about(key.about), key.allowed())
 }
 
 /// A sentence of the documentation as a comment: no full stop, no capital but in formulas and names.

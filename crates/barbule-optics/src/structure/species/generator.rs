@@ -1,11 +1,10 @@
 //! What makes the sections of a species: a generator is a struct of parameters, which are the keys of its files.
 
 use serde::Serialize;
-use serde_json::Value;
 
 use super::{Bronzewing, Crystal, Hummingbird, Multilayer, RockDove, Starling};
 use crate::error::{did_you_mean, shortened};
-use crate::fields::Fields;
+use crate::fields::{Fed, Fields, Key, Record};
 use crate::identity::{Hasher, Identify};
 use crate::material::Library;
 use crate::math::rng::Stream;
@@ -48,41 +47,6 @@ pub(super) trait Generator {
     }
 }
 
-/// A key of a generator's parameters, as files explain it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Key {
-    /// The key.
-    pub name: &'static str,
-    /// What it is, in a sentence.
-    pub about: &'static str,
-    /// What it may be, as in `0.001 to 10 µm`.
-    pub allowed: String,
-    /// What a missing key means; `None`: it is needed.
-    pub usual: Option<Value>,
-}
-
-impl Key {
-    /// A number in a range; the end of its name is its unit.
-    pub(super) fn number(
-        name: &'static str,
-        about: &'static str,
-        [low, high]: [f64; 2],
-        usual: Option<f64>,
-    ) -> Self {
-        let unit = match name.rsplit_once('_') {
-            Some((_, "um")) => " µm",
-            Some((_, "deg")) => "°",
-            _ => "",
-        };
-        Self { name, about, allowed: format!("{low} to {high}{unit}"), usual: usual.map(Value::from) }
-    }
-
-    /// A text that may be left out.
-    pub(super) fn text(name: &'static str, about: &'static str, allowed: &str, usual: &'static str) -> Self {
-        Self { name, about, allowed: allowed.to_owned(), usual: Some(usual.into()) }
-    }
-}
-
 /// The generators: their names in files, which are those of [`GeneratorParameters`]' variants in lower case, and their parameters.
 macro_rules! generators {
     ($($name:literal: $(#[doc = $about:literal])* $kind:ident,)*) => {
@@ -101,7 +65,7 @@ macro_rules! generators {
             /// There is no such generator; the nearest is offered.
             pub fn keys(generator: &str) -> Result<Vec<Key>> {
                 match generator {
-                    $($name => Ok($kind::keys()),)*
+                    $($name => Ok(<$kind as Record>::keys()),)*
                     other => Err(unknown(other)),
                 }
             }
@@ -120,7 +84,7 @@ macro_rules! generators {
             /// Checks each parameter that a table gives against its range.
             pub(super) fn check_given(generator: &str, fields: &Fields<'_>) -> Result<()> {
                 match generator {
-                    $($name => $kind::check_given(fields),)*
+                    $($name => <$kind as Record>::check_given(fields),)*
                     other => Err(unknown(other)),
                 }
             }
@@ -128,7 +92,7 @@ macro_rules! generators {
             /// Reads and checks the parameters of a generator.
             pub(super) fn read(generator: &str, fields: &Fields<'_>) -> Result<Self> {
                 let parameters = match generator {
-                    $($name => Self::$kind($kind::read(fields)?),)*
+                    $($name => Self::$kind(<$kind as Record>::read_fields(fields)?),)*
                     other => return Err(unknown(other)),
                 };
                 parameters.generator().check()?;
@@ -142,7 +106,7 @@ macro_rules! generators {
 
         impl Identify for GeneratorParameters {
             fn feed(&self, to: &mut Hasher) {
-                match self { $(Self::$kind(parameters) => to.part($name, parameters),)* };
+                match self { $(Self::$kind(parameters) => to.part($name, &Fed(parameters)),)* };
             }
         }
     };
@@ -180,73 +144,6 @@ fn unknown(generator: &str) -> Error {
     let help = if near.is_empty() { format!("; known are {}", NAMES.join(", ")) } else { near };
     Error::input(format!("generator: there is no '{}'{help}", shortened(generator)))
 }
-
-/// Reads the values of one generator's parameters.
-pub(super) trait Parameter: Sized {
-    fn read(fields: &Fields<'_>, key: &str, low: f64, high: f64) -> Result<Self>;
-}
-
-impl Parameter for f64 {
-    fn read(fields: &Fields<'_>, key: &str, low: f64, high: f64) -> Result<Self> {
-        fields.number_within(key, low, high)
-    }
-}
-
-impl Parameter for usize {
-    fn read(fields: &Fields<'_>, key: &str, low: f64, high: f64) -> Result<Self> {
-        fields.count_within(key, low as usize, high as usize)
-    }
-}
-
-/// A generator's parameters: a struct whose fields are the keys of its species files, with their ranges, and for keys that
-/// may be left out what they then are.
-macro_rules! parameters {
-    ($(#[$about:meta])* $name:ident {
-        $($(#[doc = $doc:literal])* $field:ident: $kind:ty = $low:literal to $high:literal $(or $usual:literal)?,)*
-    }) => {
-        $(#[$about])*
-        #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-        pub struct $name { $($(#[doc = $doc])* pub $field: $kind,)* }
-
-        impl $name {
-            pub(super) fn keys() -> Vec<$crate::structure::species::Key> {
-                vec![$($crate::structure::species::Key::number(
-                    stringify!($field),
-                    concat!($($doc),*).trim(),
-                    [f64::from($low), f64::from($high)],
-                    <[f64]>::first(&[$(f64::from($usual))?]).copied(),
-                )),*]
-            }
-
-            pub(super) fn check_given(fields: &$crate::fields::Fields<'_>) -> $crate::Result<()> {
-                use $crate::structure::species::generator::Parameter;
-                $(if fields.get(stringify!($field)).is_some() {
-                    <$kind as Parameter>::read(
-                        fields, stringify!($field), f64::from($low), f64::from($high))?;
-                })*
-                Ok(())
-            }
-
-            pub(super) fn read(fields: &$crate::fields::Fields<'_>) -> $crate::Result<Self> {
-                Ok(Self {
-                    $($field: match (<[$kind]>::first(&[$($usual)?]), fields.get(stringify!($field))) {
-                        (Some(&usual), None) => usual,
-                        _ => $crate::structure::species::generator::Parameter::read(
-                            fields, stringify!($field), f64::from($low), f64::from($high))?,
-                    },)*
-                })
-            }
-        }
-
-        impl $crate::identity::Identify for $name {
-            fn feed(&self, to: &mut $crate::identity::Hasher) {
-                // The keys of species files, which stay.
-                $(to.number(stringify!($field), self.$field as f64);)*
-            }
-        }
-    };
-}
-pub(super) use parameters;
 
 /// Refuses a range whose low end is above its high end.
 pub(super) fn ordered(low_key: &str, low: f64, high_key: &str, high: f64) -> Result<()> {

@@ -4,10 +4,11 @@ use std::f64::consts::PI;
 
 use super::super::curve::{Roughness, grid, point_count};
 use super::super::section::{Inclusion, Loop, Medium, Parts, Polyline};
-use super::generator::{Generator, Random, parameters, parts};
+use super::generator::{Generator, Random, parts};
+use crate::fields::within;
 use crate::material::Library;
 use crate::math::rng::Stream;
-use crate::{Error, Result};
+use crate::{Error, Result, record};
 
 /// The ends' rounding takes at most this part of the thickness from above and from below.
 const LARGEST_ROUNDING: f64 = 0.45;
@@ -28,61 +29,62 @@ const LAYERS: u64 = 0;
 /// More bubbles than this would be over the limit of points anyway.
 const MOST_BUBBLES: f64 = 1e5;
 
-parameters! {
+record! {
     /// Parameters of the hummingbird generator.
-    Hummingbird {
+    #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+    pub struct Hummingbird {
         /// Width of the barbule.
-        width_um: f64 = 1 to 200,
+        width_um: f64 = "width_um", within(1, 200);
         /// Layers of melanosomes.
-        layers: usize = 1 to 60,
+        layers: usize = "layers", within(1, 60);
         /// Correlation length of the top's roughness.
-        roughness_correlation_um: f64 = 0.05 to 100,
+        roughness_correlation_um: f64 = "roughness_correlation_um", within(0.05, 100);
         /// The top's roughness spans ± this.
-        roughness_amplitude_um: f64 = 0 to 10,
+        roughness_amplitude_um: f64 = "roughness_amplitude_um", within(0, 10);
         /// Correlation length of the bottom's roughness against the top.
-        bottom_correlation_um: f64 = 0.05 to 100,
+        bottom_correlation_um: f64 = "bottom_correlation_um", within(0.05, 100);
         /// The bottom's roughness against the top spans ± this.
-        bottom_amplitude_um: f64 = 0 to 10,
+        bottom_amplitude_um: f64 = "bottom_amplitude_um", within(0, 10);
         /// Radius of the circles that round the ends.
-        end_radius_um: f64 = 0 to 10,
+        end_radius_um: f64 = "end_radius_um", within(0, 10);
         /// Keratin over the first layer and under the last.
-        cortex_um: f64 = 0.001 to 5,
+        cortex_um: f64 = "cortex_um", within(0.001, 5);
         /// Melanin over and under the air of a melanosome.
-        wall_um: f64 = 0.002 to 2,
+        wall_um: f64 = "wall_um", within(0.002, 2);
         /// Thickness of the air in a melanosome.
-        air_um: f64 = 0.005 to 5,
+        air_um: f64 = "air_um", within(0.005, 5);
         /// Thickness of the air in the topmost layer.
-        air_first_um: f64 = 0.005 to 5,
+        air_first_um: f64 = "air_first_um", within(0.005, 5);
         /// The second layer's air is this part of the first's and the rest of the others'.
-        air_second_share: f64 = 0 to 1,
+        air_second_share: f64 = "air_second_share", within(0, 1);
         /// The other layers' air is `air_um`·U(1−this, 1+this).
-        air_spread: f64 = 0 to 0.9,
+        air_spread: f64 = "air_spread", within(0, 0.9);
         /// Keratin between layers.
-        gap_um: f64 = 0.002 to 5,
+        gap_um: f64 = "gap_um", within(0.002, 5);
         /// Factor of the gap under the first layer.
-        gap_first: f64 = 0.1 to 10,
+        gap_first: f64 = "gap_first", within(0.1, 10);
         /// Factor of the gap under the second layer.
-        gap_second: f64 = 0.1 to 10,
+        gap_second: f64 = "gap_second", within(0.1, 10);
         /// The other gaps are `gap_um`·U(1−this, 1+this).
-        gap_spread: f64 = 0 to 0.9,
+        gap_spread: f64 = "gap_spread", within(0, 0.9);
         /// Mean length of a melanosome.
-        melanosome_length_um: f64 = 0.05 to 100,
+        melanosome_length_um: f64 = "melanosome_length_um", within(0.05, 100);
         /// Lengths are U(1−this, 1+this) of the mean, then rescaled to the coverage.
-        melanosome_length_spread: f64 = 0 to 0.9,
+        melanosome_length_spread: f64 = "melanosome_length_spread", within(0, 0.9);
         /// Part of the topmost layer's length that melanosomes cover.
-        coverage_first: f64 = 0.05 to 0.99,
+        coverage_first: f64 = "coverage_first", within(0.05, 0.99);
         /// Part of the other layers' length that melanosomes cover.
-        coverage: f64 = 0.05 to 0.99,
+        coverage: f64 = "coverage", within(0.05, 0.99);
         /// Mean length of a bubble in units of the air's thickness.
-        bubble_aspect: f64 = 0.1 to 100,
+        bubble_aspect: f64 = "bubble_aspect", within(0.1, 100);
         /// Bubbles' lengths are U(1−this, 1+this) of the mean, then rescaled to fill the melanosome.
-        bubble_length_spread: f64 = 0 to 0.9,
+        bubble_length_spread: f64 = "bubble_length_spread", within(0, 0.9);
         /// Bubbles' heights are the air's thickness + U(−this, this).
-        bubble_height_spread_um: f64 = 0 to 1,
+        bubble_height_spread_um: f64 = "bubble_height_spread_um", within(0, 1);
         /// Between neighbouring bubbles.
-        membrane_um: f64 = 0 to 1,
+        membrane_um: f64 = "membrane_um", within(0, 1);
         /// Distance of points along the shapes.
-        point_spacing_um: f64 = 0.005 to 1,
+        point_spacing_um: f64 = "point_spacing_um", within(0.005, 1);
     }
 }
 

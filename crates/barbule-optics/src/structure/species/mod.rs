@@ -23,7 +23,7 @@ use generator::Random;
 pub use bronzewing::Bronzewing;
 pub use crystal::Crystal;
 pub use file::SpeciesFile;
-pub use generator::{GeneratorParameters, Key};
+pub use generator::GeneratorParameters;
 pub use hummingbird::Hummingbird;
 pub(in crate::structure) use hummingbird::{NECK, Stacked};
 pub use multilayer::{LowerSide, Multilayer, MultilayerLayer, MultilayerSizes};

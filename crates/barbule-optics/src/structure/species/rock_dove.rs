@@ -3,50 +3,53 @@
 use super::super::curve::{Roughness, grid, point_count};
 use super::super::outline::arched;
 use super::super::section::{Medium, Parts, Polyline, Substance};
-use super::generator::{Generator, Random, ordered, parameters, parts};
+use super::generator::{Generator, Random, ordered, parts};
+use crate::fields::within;
 use crate::material::Library;
+use crate::record;
 
-parameters! {
+record! {
     /// Parameters of the rock dove generator.
-    RockDove {
+    #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+    pub struct RockDove {
         /// Width of the barbule.
-        width_um: f64 = 1 to 200,
+        width_um: f64 = "width_um", within(1, 200);
         /// Mean distance of the top and the lower inner cortex.
-        thickness_um: f64 = 0.1 to 50,
+        thickness_um: f64 = "thickness_um", within(0.1, 50);
         /// The arc ends at an angle Φ of at least this.
-        arc_low_deg: f64 = 5 to 85,
+        arc_low_deg: f64 = "arc_low_deg", within(5, 85);
         /// The arc ends at an angle Φ of at most this.
-        arc_high_deg: f64 = 5 to 85,
+        arc_high_deg: f64 = "arc_high_deg", within(5, 85);
         /// The ends slope by an angle β of at least this.
-        slope_low_deg: f64 = 0 to 60,
+        slope_low_deg: f64 = "slope_low_deg", within(0, 60);
         /// The ends slope by an angle β of at most this.
-        slope_high_deg: f64 = 0 to 60,
+        slope_high_deg: f64 = "slope_high_deg", within(0, 60);
         /// Correlation length of the top's roughness.
-        roughness_correlation_um: f64 = 0.05 to 100,
+        roughness_correlation_um: f64 = "roughness_correlation_um", within(0.05, 100);
         /// The top's roughness spans ± this.
-        roughness_amplitude_um: f64 = 0 to 10,
+        roughness_amplitude_um: f64 = "roughness_amplitude_um", within(0, 10);
         /// Thickness of the keratin cortex, top and bottom.
-        cortex_um: f64 = 0.001 to 10,
+        cortex_um: f64 = "cortex_um", within(0.001, 10);
         /// Correlation length of the air gap under the cortex.
-        gap_correlation_um: f64 = 0.05 to 100,
+        gap_correlation_um: f64 = "gap_correlation_um", within(0.05, 100);
         /// Least air gap.
-        gap_low_um: f64 = 0 to 10,
+        gap_low_um: f64 = "gap_low_um", within(0, 10);
         /// Largest air gap.
-        gap_high_um: f64 = 0 to 10,
+        gap_high_um: f64 = "gap_high_um", within(0, 10);
         /// Correlation length of the melanin fraction inside.
-        melanin_correlation_um: f64 = 0.05 to 100,
+        melanin_correlation_um: f64 = "melanin_correlation_um", within(0.05, 100);
         /// Least melanin fraction.
-        melanin_low: f64 = 0 to 1,
+        melanin_low: f64 = "melanin_low", within(0, 1);
         /// Largest melanin fraction.
-        melanin_high: f64 = 0 to 1,
+        melanin_high: f64 = "melanin_high", within(0, 1);
         /// tanβ of the lower cortex is this times the top's.
-        lower_slope: f64 = 0 to 2,
+        lower_slope: f64 = "lower_slope", within(0, 2);
         /// Correlation length of the lower cortex's roughness.
-        lower_roughness_correlation_um: f64 = 0.05 to 100,
+        lower_roughness_correlation_um: f64 = "lower_roughness_correlation_um", within(0.05, 100);
         /// The lower cortex's roughness spans ± this.
-        lower_roughness_amplitude_um: f64 = 0 to 10,
+        lower_roughness_amplitude_um: f64 = "lower_roughness_amplitude_um", within(0, 10);
         /// Distance of points along the shapes.
-        point_spacing_um: f64 = 0.005 to 1,
+        point_spacing_um: f64 = "point_spacing_um", within(0.005, 1);
     }
 }
 

@@ -4,38 +4,41 @@ use super::super::chain::chain;
 use super::super::curve::{Roughness, grid, point_count};
 use super::super::outline::rounded;
 use super::super::section::{Medium, Parts, Polyline, Substance};
-use super::generator::{Generator, Random, ordered, parameters, parts};
+use super::generator::{Generator, Random, ordered, parts};
+use crate::fields::within;
 use crate::material::Library;
 use crate::math::rng::Stream;
+use crate::record;
 
 /// How far chains go on past the ends before they are cut, µm.
 const PAST_ENDS_UM: f64 = 2.0;
 
-parameters! {
+record! {
     /// Parameters of the starling generator.
-    Starling {
+    #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+    pub struct Starling {
         /// Width of the barbule.
-        width_um: f64 = 1 to 200,
+        width_um: f64 = "width_um", within(1, 200);
         /// Mean distance of top and bottom.
-        thickness_um: f64 = 0.1 to 50,
+        thickness_um: f64 = "thickness_um", within(0.1, 50);
         /// Correlation length of the outline's roughness.
-        roughness_correlation_um: f64 = 0.05 to 100,
+        roughness_correlation_um: f64 = "roughness_correlation_um", within(0.05, 100);
         /// The outline's roughness spans ± this.
-        roughness_amplitude_um: f64 = 0 to 10,
+        roughness_amplitude_um: f64 = "roughness_amplitude_um", within(0, 10);
         /// Keratin between the surface and the melanosomes.
-        cortex_um: f64 = 0.001 to 10,
+        cortex_um: f64 = "cortex_um", within(0.001, 10);
         /// Mean diameter of the melanosomes.
-        melanosome_diameter_um: f64 = 0.02 to 5,
+        melanosome_diameter_um: f64 = "melanosome_diameter_um", within(0.02, 5);
         /// Diameters are D·U(1−this, 1+this).
-        melanosome_spread: f64 = 0 to 0.5,
+        melanosome_spread: f64 = "melanosome_spread", within(0, 0.5);
         /// Correlation length of the melanin fraction between the chains.
-        core_correlation_um: f64 = 0.05 to 100,
+        core_correlation_um: f64 = "core_correlation_um", within(0.05, 100);
         /// Least melanin fraction between the chains.
-        core_fraction_low: f64 = 0 to 1,
+        core_fraction_low: f64 = "core_fraction_low", within(0, 1);
         /// Largest melanin fraction between the chains.
-        core_fraction_high: f64 = 0 to 1,
+        core_fraction_high: f64 = "core_fraction_high", within(0, 1);
         /// Distance of points along the shapes.
-        point_spacing_um: f64 = 0.005 to 1,
+        point_spacing_um: f64 = "point_spacing_um", within(0.005, 1);
     }
 }
 

@@ -7,16 +7,15 @@ mod build;
 mod tests;
 
 use serde::Serialize;
-use serde_json::Value;
 
 use super::super::curve::point_count;
 use super::super::section::{MOST_POINTS, Parts};
-use super::generator::{Generator, Key, Random, parameters};
+use super::generator::{Generator, Random};
 use crate::error::{did_you_mean, shortened};
-use crate::fields::Fields;
+use crate::fields::{Fed, Fields, Key, Kind, Map, Record, Text, Usual, Value, within};
 use crate::identity::{Hasher, Identify};
 use crate::material::Library;
-use crate::{Error, Result};
+use crate::{Error, Result, record};
 
 /// Layers of one stack, repetitions written out.
 const MOST_LAYERS: usize = 2000;
@@ -62,7 +61,23 @@ pub struct MultilayerLayer {
 }
 
 impl MultilayerLayer {
-    const KEYS: [&str; 5] = ["medium", "thickness_um", "spread", "spread_within", "waviness"];
+    fn keys() -> Vec<Key> {
+        let part =
+            |name, about: &'static str| Key::new::<Option<f64>>(name, &[], about, &within(0, 0.5), None);
+        vec![
+            Key::new::<String>(
+                "medium",
+                &[],
+                "What it is made of.",
+                &Text("a medium, a mixture or an index"),
+                None,
+            ),
+            Key::new::<f64>("thickness_um", &[], "Its mean thickness.", &within(0.001, 10), None),
+            part("spread", "Standard deviation of its thickness between individuals, as a part."),
+            part("spread_within", "The same between repetitions in an individual."),
+            part("waviness", "Its thickness varies along the barbule by ± this part."),
+        ]
+    }
 }
 
 impl Identify for MultilayerLayer {
@@ -76,45 +91,46 @@ impl Identify for MultilayerLayer {
     }
 }
 
-parameters! {
+record! {
     /// The numbers of the multilayer generator.
-    MultilayerSizes {
+    #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+    pub struct MultilayerSizes {
         /// Width of the barbule.
-        width_um: f64 = 1 to 200,
+        width_um: f64 = "width_um", within(1, 200);
         /// Thickness of the cortex above the layers; 0: none.
-        cortex_um: f64 = 0 to 10 or 0.0,
+        cortex_um: f64 = "cortex_um", within(0, 10), or 0.0;
         /// How often the layers follow each other.
-        repeats: usize = 1 to 2000 or 1,
+        repeats: usize = "repeats", within(1, 2000), or 1;
         /// Mean thickness of the core, where there is a lower side.
-        core_um: f64 = 0.01 to 100 or 1.0,
+        core_um: f64 = "core_um", within(0.01, 100), or 1.0;
         /// Standard deviation of thicknesses between individuals, as a part, for the cortex and layers that give none.
-        spread: f64 = 0 to 0.5 or 0.0,
+        spread: f64 = "spread", within(0, 0.5), or 0.0;
         /// Standard deviation of thicknesses between repetitions in an individual, as a part, for layers that give none.
-        spread_within: f64 = 0 to 0.5 or 0.0,
+        spread_within: f64 = "spread_within", within(0, 0.5), or 0.0;
         /// Thicknesses vary along the barbule by ± this part, for the cortex and layers that give none.
-        waviness: f64 = 0 to 0.5 or 0.0,
+        waviness: f64 = "waviness", within(0, 0.5), or 0.0;
         /// Correlation length of the waviness.
-        waviness_correlation_um: f64 = 0.05 to 100 or 2.0,
+        waviness_correlation_um: f64 = "waviness_correlation_um", within(0.05, 100), or 2.0;
         /// The boundary under each layer is rough by ± this.
-        layer_roughness_um: f64 = 0 to 1 or 0.0,
+        layer_roughness_um: f64 = "layer_roughness_um", within(0, 1), or 0.0;
         /// Correlation length of these boundaries' roughness.
-        layer_roughness_correlation_um: f64 = 0.05 to 100 or 0.5,
+        layer_roughness_correlation_um: f64 = "layer_roughness_correlation_um", within(0.05, 100), or 0.5;
         /// The top's and the bottom's roughness spans ± this.
-        roughness_amplitude_um: f64 = 0 to 10 or 0.0,
+        roughness_amplitude_um: f64 = "roughness_amplitude_um", within(0, 10), or 0.0;
         /// Correlation length of the top's and the bottom's roughness.
-        roughness_correlation_um: f64 = 0.05 to 100 or 1.5,
+        roughness_correlation_um: f64 = "roughness_correlation_um", within(0.05, 100), or 1.5;
         /// Height of an arch's middle over its ends; negative: a trough.
-        sagitta_um: f64 = -70 to 70 or 0.0,
+        sagitta_um: f64 = "sagitta_um", within(-70, 70), or 0.0;
         /// Slope of the two arms of a folded barbule; positive: a ridge, negative: a groove.
-        fold_deg: f64 = -60 to 60 or 0.0,
+        fold_deg: f64 = "fold_deg", within(-60, 60), or 0.0;
         /// Radius that rounds the fold.
-        fold_radius_um: f64 = 0 to 200 or 1.0,
+        fold_radius_um: f64 = "fold_radius_um", within(0, 200), or 1.0;
         /// Width of a level part between the arms.
-        fold_flat_um: f64 = 0 to 200 or 0.0,
+        fold_flat_um: f64 = "fold_flat_um", within(0, 200), or 0.0;
         /// Only over this width, about the middle, are there layers; beyond they are their own mean.
-        layered_width_um: f64 = 0.5 to 200 or 200.0,
+        layered_width_um: f64 = "layered_width_um", within(0.5, 200), or 200.0;
         /// Distance of points along the shapes.
-        point_spacing_um: f64 = 0.005 to 1 or 0.03,
+        point_spacing_um: f64 = "point_spacing_um", within(0.005, 1), or 0.03;
     }
 }
 
@@ -136,40 +152,36 @@ pub struct Multilayer {
     pub sizes: MultilayerSizes,
 }
 
-impl Multilayer {
-    pub(super) fn keys() -> Vec<Key> {
-        let layers = Key {
-            name: "layers",
-            about: "The layers from the top down, each { medium, thickness_um } and, where its own, spread, spread_within, waviness.",
-            allowed: format!("1 to {MOST_LAYERS} layers"),
-            usual: None,
+impl Record for Multilayer {
+    fn keys() -> Vec<Key> {
+        let about = "The layers from the top down, each { medium, thickness_um } and, where its own, spread, spread_within, waviness.";
+        let layer = Kind::Table(MultilayerLayer::keys());
+        let layers = Kind::List { of: Box::new(layer), least: 1, most: MOST_LAYERS };
+        let text = |name, about: &'static str, usual: &str| {
+            Key::new::<String>(
+                name,
+                &[],
+                about,
+                &Text("a medium, a mixture or an index"),
+                Some(usual.to_owned()),
+            )
         };
-        let medium = "a medium, a mixture or an index";
+        let lower = Kind::Word(LowerSide::NAMES.map(|(name, _)| name).to_vec());
+        let usual = Usual::Value(LowerSide::Plain.name().into());
         let mut keys = vec![
-            layers,
-            Key::text("outside", "The medium around the barbule.", medium, "air"),
-            Key::text("cortex_medium", "The medium of the cortex.", medium, "keratin"),
-            Key::text("core", "The medium under the layers.", medium, "keratin"),
-            Key::text("lower", "What is on the lower side.", "none, plain or mirrored", "plain"),
+            Key { name: "layers", aliases: &[], about, kind: layers, usual: Usual::Needed },
+            text("outside", "The medium around the barbule.", "air"),
+            text("cortex_medium", "The medium of the cortex.", "keratin"),
+            text("core", "The medium under the layers.", "keratin"),
+            Key { name: "lower", aliases: &[], about: "What is on the lower side.", kind: lower, usual },
         ];
         keys.extend(MultilayerSizes::keys());
         keys
     }
 
-    pub(super) fn check_given(fields: &Fields<'_>) -> Result<()> {
-        MultilayerSizes::check_given(fields)?;
-        if fields.get("layers").is_some() {
-            layers(fields, [0.0; 3])?;
-        }
-        for key in ["outside", "cortex_medium", "core"] {
-            fields.text(key)?;
-        }
-        lower_side(fields).map(drop)
-    }
-
-    pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
+    fn read_fields(fields: &Fields<'_>) -> Result<Self> {
         let text = |key: &str, usual: &str| Ok::<_, Error>(fields.text(key)?.unwrap_or(usual).to_owned());
-        let sizes = MultilayerSizes::read(fields)?;
+        let sizes = MultilayerSizes::read_fields(fields)?;
         Ok(Self {
             layers: layers(fields, [sizes.spread, sizes.spread_within, sizes.waviness])?,
             outside: text("outside", "air")?,
@@ -180,6 +192,39 @@ impl Multilayer {
         })
     }
 
+    fn check_given(fields: &Fields<'_>) -> Result<()> {
+        MultilayerSizes::check_given(fields)?;
+        if fields.get("layers").is_some() {
+            layers(fields, [0.0; 3])?;
+        }
+        for key in ["outside", "cortex_medium", "core"] {
+            fields.text(key)?;
+        }
+        lower_side(fields).map(drop)
+    }
+
+    fn write_into(&self, table: &mut Map<String, Value>) {
+        if let Ok(Value::Object(own)) = serde_json::to_value(self) {
+            table.extend(own);
+        }
+    }
+
+    fn check(&self, place: &str) -> Result<()> {
+        Record::check(&self.sizes, place)
+    }
+
+    fn feed_fields(&self, to: &mut Hasher) {
+        let Self { layers, outside, cortex_medium, core, lower, sizes } = self;
+        to.list("layers", layers)
+            .text("outside", outside)
+            .text("cortex_medium", cortex_medium)
+            .text("core", core)
+            .text("lower", lower.name())
+            .part("sizes", &Fed(sizes));
+    }
+}
+
+impl Multilayer {
     fn check_shape(&self) -> Result<()> {
         let refuse = |message: String| Err(Error::input(message));
         let width = self.sizes.width_um;
@@ -275,18 +320,6 @@ impl Generator for Multilayer {
     }
 }
 
-impl Identify for Multilayer {
-    fn feed(&self, to: &mut Hasher) {
-        let Self { layers, outside, cortex_medium, core, lower, sizes } = self;
-        to.list("layers", layers)
-            .text("outside", outside)
-            .text("cortex_medium", cortex_medium)
-            .text("core", core)
-            .text("lower", lower.name())
-            .part("sizes", sizes);
-    }
-}
-
 /// Spread, spread within and waviness of a layer, as given or else as usual.
 fn spreads(fields: &Fields<'_>, usual: [f64; 3]) -> Result<[f64; 3]> {
     let part = |key: &str, usual: f64| {
@@ -306,8 +339,10 @@ fn layers(fields: &Fields<'_>, usual: [f64; 3]) -> Result<Vec<MultilayerLayer>> 
             list.len()
         )));
     }
+    let keys = MultilayerLayer::keys();
+    let known: Vec<&str> = keys.iter().map(|key| key.name).collect();
     let layer = |(index, value): (usize, &Value)| {
-        let fields = Fields::new(value, &format!("{path}[{index}]"), &MultilayerLayer::KEYS)?;
+        let fields = Fields::new(value, &format!("{path}[{index}]"), &known)?;
         let medium = fields.text("medium")?.ok_or_else(|| {
             Error::input(format!("{} is missing; give a medium, as in \"melanin\"", fields.path("medium")))
         })?;
