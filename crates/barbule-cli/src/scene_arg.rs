@@ -1,108 +1,19 @@
-//! What `barbule render` draws, as people type it: a preset, a scene, or any material or structure in a preset's scene.
+//! What `barbule render` draws, as people type it.
 
-use std::path::Path;
-
-use barbule::characterize::species_of;
-use barbule::error::shortened;
-use barbule::io::{InputKind, kind_of, read_feather, read_material, read_text};
-use barbule::material::Library;
-use barbule::open::is_built_in;
-use barbule::picture::scene_for;
-use barbule::scene::description::{Named, SceneDescription};
-use barbule::scene::feather::Feather;
-use barbule::scene::preset;
-use barbule::structure::Structure;
-use barbule::{Error, Result};
+use barbule::scene::description::SceneDescription;
+use barbule::{Result, open};
 
 use crate::common::Common;
-use crate::structure_arg;
+use crate::progress::Doubts;
+use crate::structure_arg::with_advice;
 
 /// What every SCENE argument says in `--help`.
 pub(crate) const HELP: &str = "A preset, SPECIES:VARIANT, a scene .toml, or your own bird: a species or lattice .toml, a section .json, a folder of sections, a stack, or a .barbule file";
 
-/// The scene of a name, file, folder or stack. Presets come first, whatever files and folders are called; files are told
-/// apart by what is in them.
+/// The scene of a name, file, folder or stack; see [`open::description`].
 ///
 /// # Errors
-/// An unknown name (the nearest known one is offered), or a file that is missing, damaged or of another kind.
+/// As there.
 pub(crate) fn parse(text: &str, common: &Common) -> Result<SceneDescription> {
-    let name = text.split_once(':').map_or(text, |(name, _)| name);
-    if preset::names().any(|known| known == name) {
-        return SceneDescription::named(text);
-    }
-    let path = Path::new(text);
-    let ends_with = |end: &str| text.to_lowercase().ends_with(end);
-    let kind = if path.exists() || ends_with(".toml") { kind_of(path)? } else { InputKind::Other };
-    let mut scene = match kind {
-        InputKind::Scene => return scene_in(text),
-        // What is no TOML is refused as a scene, with the line.
-        InputKind::Other if path.is_file() && ends_with(".toml") => return scene_in(text),
-        InputKind::Table if ends_with(".toml") => {
-            return Err(Error::input(format!(
-                "{}: is neither a scene (preset, material, light …), nor a species (generator, parameters), a stack (stack) or a lattice ([lattice])",
-                shortened(text)
-            )));
-        }
-        InputKind::Material => of_material(path)?,
-        _ if ends_with(".barbule") => of_material(path)?,
-        InputKind::Table | InputKind::Other if path.is_file() && !ends_with(".json") => {
-            let text = shortened(text);
-            return Err(Error::input(format!("{text}: is neither a scene, a material nor a structure")));
-        }
-        _ => of_structure(&structure_arg::parse(text, common)?, feather_in(text, kind)?)?,
-    };
-    scene.set_material(text);
-    Ok(scene)
-}
-
-fn scene_in(text: &str) -> Result<SceneDescription> {
-    let path = Path::new(text);
-    let mut scene = SceneDescription::parse(&read_text(path)?).map_err(|error| error.in_file(path))?;
-    for (_, named) in scene.named_mut() {
-        if let Named::Material(slot) = named {
-            slot.name = beside(path, std::mem::take(&mut slot.name));
-        }
-    }
-    Ok(scene)
-}
-
-/// A scene's material, where it is a file or folder: as seen from the scene's folder. Names of species and stacks stay.
-fn beside(scene: &Path, material: String) -> String {
-    const ENDINGS: [&str; 3] = [".toml", ".json", ".barbule"];
-    if is_built_in(&material) {
-        return material;
-    }
-    let name = material.split_once(':').map_or(material.as_str(), |(name, _)| name);
-    let place = scene.with_file_name(&material);
-    let is_file = ENDINGS.iter().any(|ending| name.to_lowercase().ends_with(ending))
-        || ["./", "../"].iter().any(|start| material.starts_with(start))
-        // What stands where the program runs is not meant, though it bears the name.
-        || place.exists()
-        || Path::new(&material).exists();
-    if is_file { place.to_string_lossy().into_owned() } else { material }
-}
-
-/// The feather that a species file brings; `FILE.toml:VARIANT` names one too.
-fn feather_in(text: &str, kind: InputKind) -> Result<Option<Feather>> {
-    let file = match kind {
-        InputKind::Species => text,
-        InputKind::Other if text.contains(".toml:") => text.rsplit_once(':').map_or(text, |(file, _)| file),
-        _ => return Ok(None),
-    };
-    read_feather(Path::new(file))
-}
-
-fn of_structure(structure: &Structure, feather: Option<Feather>) -> Result<SceneDescription> {
-    let species = match structure.upper() {
-        Structure::Species(model) => Some(model.name.as_str()),
-        Structure::Stack(_) | Structure::Sections { .. } | Structure::Below(_) => None,
-    };
-    scene_for(species, structure.is_curved(), feather)
-}
-
-fn of_material(path: &Path) -> Result<SceneDescription> {
-    let material = read_material(path)?;
-    let model = species_of(&material, Library::builtin());
-    let is_arched = model.is_some_and(|model| model.is_curved());
-    scene_for(material.info["species"].as_str(), is_arched, None)
+    open::description(text, &common.opening()?, &Doubts(common)).map_err(|error| with_advice(error, text))
 }

@@ -59,7 +59,7 @@ pub fn parse(text: &str, common: &Common) -> Result<Structure> {
 }
 
 /// What to do with a file that is something else than a structure.
-fn with_advice(error: Error, text: &str) -> Error {
+pub(crate) fn with_advice(error: Error, text: &str) -> Error {
     let text = text.strip_suffix(Side::BELOW).unwrap_or(text);
     let file = quoted(&shortened(text));
     match kind_of(Path::new(text)) {

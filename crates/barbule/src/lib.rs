@@ -47,6 +47,7 @@ pub mod clock;
 pub mod diffraction;
 pub mod figures;
 pub mod io;
+pub mod keys;
 pub mod open;
 pub mod picture;
 pub mod plot;

@@ -17,6 +17,7 @@ mod feather;
 mod film;
 mod fit;
 mod geometry;
+mod keys;
 mod lobes;
 mod render;
 mod simulate;
@@ -57,6 +58,8 @@ pub(crate) enum Command {
     Feather(feather::Args),
     /// Print completions for a shell
     Completions(completions::Args),
+    /// The keys of scene and species files: listings, schemas for editors
+    Keys(keys::Args),
     /// Render a picture of a feather
     Render(render::Args),
     /// How accurate the fast simulation is: against full waves
@@ -83,6 +86,7 @@ impl Command {
             Self::Species(args) => args.run(out),
             Self::Feather(args) => args.run(out),
             Self::Completions(args) => args.run(out),
+            Self::Keys(args) => args.run(out),
             Self::Render(args) => args.run(out),
             Self::Validate(args) => args.run(out),
             Self::Bench(args) => args.run(out),

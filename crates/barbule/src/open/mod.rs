@@ -27,12 +27,14 @@
 
 mod material;
 mod media;
+mod scene;
 mod structure;
 
 use std::path::Path;
 
 pub use material::{Located, locate, made, material, material_of};
 pub use media::Media;
+pub use scene::{description, folder_of, scene};
 pub use structure::{is_built_in, lattice, lattice_of, structure};
 
 use crate::Result;

@@ -24,6 +24,7 @@ mod picture;
 mod places;
 mod polarization;
 mod render;
+mod scenes;
 mod sensor;
 mod sides;
 mod simulation;

@@ -198,7 +198,7 @@ impl SceneDescription {
                 _ => return vec![object.label().to_owned()],
             };
             match object.label() {
-                "feather" | "coat" => parts.into_iter().map(str::to_owned).collect(),
+                "feather" | "coat" => parts,
                 label => parts.into_iter().map(|part| format!("{label} {part}")).collect::<Vec<_>>(),
             }
         });

@@ -349,9 +349,9 @@ impl CoatObject {
     }
 
     /// Names of its parts, in their order.
-    pub(super) fn part_names(&self, width_mm: f64) -> Vec<&'static str> {
+    pub(super) fn part_names(&self, width_mm: f64) -> Vec<String> {
         let one = self.one(0, self.feather, self.detail_on_body(width_mm));
-        let mut names = vec!["skin"];
+        let mut names = vec!["skin".to_owned()];
         (0..self.coat.variants * (1 + self.coat.feathers.len()))
             .for_each(|_| names.extend(one.part_names(width_mm)));
         names

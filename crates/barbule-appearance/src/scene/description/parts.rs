@@ -62,10 +62,11 @@ impl FeatherObject {
         Ok((objects.collect(), counts))
     }
 
-    /// Names of the parts, in their order.
-    pub(super) fn part_names(&self, width_mm: f64) -> Vec<&'static str> {
+    /// Names of the parts, in their order; what stands there one by one in a zone has its number.
+    pub(super) fn part_names(&self, width_mm: f64) -> Vec<String> {
         let barbs = ["shaft", "left barbs", "right barbs", "left down", "right down"];
-        match (self.level(width_mm), self.detail.view_model) {
+        let level = self.level(width_mm);
+        let names = match (level, self.detail.view_model) {
             (Level::Barbules | Level::Barbs, _) => {
                 let rows = ["distal barbules", "proximal barbules", "pale barbules"];
                 [&["shaft", "barbs", "pale barbs"][..], &rows, &["down"]].concat()
@@ -73,7 +74,11 @@ impl FeatherObject {
             (Level::Vane, _) => vec!["shaft", "left vane", "right vane", "left down", "right down"],
             (Level::Envelopes, ViewModel::Both) => [barbs, barbs].concat(),
             (Level::Envelopes, _) => barbs.to_vec(),
-        }
+        };
+        let zones = if matches!(level, Level::Barbules | Level::Barbs) { self.zones.len() } else { 0 };
+        let parts = ["barbs", "distal barbules", "proximal barbules"];
+        let zoned = (1..=zones).flat_map(|zone| parts.map(|part| format!("zone {zone} {part}")));
+        names.into_iter().map(str::to_owned).chain(zoned).collect()
     }
 }
 

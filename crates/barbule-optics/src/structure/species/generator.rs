@@ -59,6 +59,9 @@ macro_rules! generators {
         const NAMES: &[&str] = &[$($name),*];
 
         impl GeneratorParameters {
+            /// The names of all generators.
+            pub const GENERATORS: &[&str] = NAMES;
+
             /// The keys of a generator's parameters, in the order of its files.
             ///
             /// # Errors

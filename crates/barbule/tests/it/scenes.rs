@@ -1,0 +1,147 @@
+//! Scenes as lists of objects, opened and rendered by the library as the command does it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use barbule::brdf::fixtures::example;
+use barbule::io::image::{write_exr, write_png};
+use barbule::io::{Folder, Memory};
+use barbule::open::{Opening, scene};
+use barbule::scene::description::{Named, ReadyScene};
+use barbule::{Picture, PictureOptions, SceneDescription, Unobserved, Worn, resolve};
+
+const SMALL: [u32; 2] = [48, 30];
+
+fn options(samples: u32) -> PictureOptions {
+    PictureOptions { size: SMALL, samples, ..PictureOptions::default() }
+}
+
+fn in_examples(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples/scenes")
+        .join(name)
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// How many pixels an object changes.
+fn seen(picture: &Picture, ready: &ReadyScene, name: &str, samples: u32) -> usize {
+    let without = ready.changed(|scene| scene.objects.retain(|object| object.label() != name)).unwrap();
+    let other = Picture::of(&without, &options(samples), &Unobserved).unwrap();
+    let pixels = (0..SMALL[1]).flat_map(|y| (0..SMALL[0]).map(move |x| (x, y)));
+    pixels.filter(|&(x, y)| picture.film().xyz(x, y) != other.film().xyz(x, y)).count()
+}
+
+/// Two feathers of two species and a coat stand in one picture, each in its own colour; the same again from its own text.
+#[test]
+fn two_birds_and_a_coat_are_one_scene() {
+    let ready = scene(&in_examples("two-birds.toml"), &Opening::default(), &Unobserved).unwrap();
+    let materials = ready.material_names();
+    assert_eq!(materials, ["hummingbird", "mallard", "starling"]);
+    let again = SceneDescription::parse(&ready.to_toml().unwrap()).unwrap();
+    assert_eq!(again.objects.len(), 3);
+    assert_eq!(SceneDescription::parse(&again.to_toml().unwrap()).unwrap(), again);
+    let picture = Picture::of(&ready, &options(2), &Unobserved).unwrap();
+    let names = ready.object_names();
+    for bird in ["hummingbird", "mallard", "starling"] {
+        assert!(names.iter().any(|name| name.starts_with(bird)), "{names:?}");
+    }
+    for bird in ["hummingbird", "mallard", "starling"] {
+        let count = seen(&picture, &ready, bird, 2);
+        assert!(count > 60, "{bird}: {count}");
+    }
+}
+
+/// One vane of three materials: the zones are there, in colours of their own, and the rest of the feather keeps its bits.
+#[test]
+fn a_vane_has_three_zones() {
+    let ready = scene(&in_examples("three-zones.toml"), &Opening::default(), &Unobserved).unwrap();
+    assert_eq!(ready.material_names(), ["starling", "starling:pink", "bronzewing"]);
+    let names = ready.object_names();
+    assert!(names.iter().any(|name| name.starts_with("zone 2")), "{names:?}");
+    let (objects, counts) = ready.objects(1).unwrap();
+    assert_eq!(objects.len(), names.len());
+    let barbules: usize = objects
+        .iter()
+        .zip(&names)
+        .filter(|(_, name)| name.ends_with("barbules") || *name == "down")
+        .map(|(object, _)| object.geometry.ribbon_count())
+        .sum();
+    assert_eq!(barbules, counts.barbules);
+    let plain = ready.changed(|scene| scene.lone_feather_mut().unwrap().zones.clear()).unwrap();
+    let [zoned, plain] = [&ready, &plain].map(|scene| Picture::of(scene, &options(4), &Unobserved).unwrap());
+    let differs = |x: u32, y: u32| zoned.film().xyz(x, y) != plain.film().xyz(x, y);
+    let (top, bottom) =
+        ((0..SMALL[0]).filter(|x| differs(*x, 3)).count(), (0..SMALL[0]).filter(|x| differs(*x, 28)).count());
+    assert!(top > 20 && bottom < top, "{top} {bottom}");
+}
+
+/// A sky, a mesh, a texture and a grating's sample: whatever a scene names, from a folder or from memory, to the same bits.
+#[test]
+fn the_library_renders_whatever_a_scene_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let plane = |value: f32| vec![value; 8 * 4];
+    write_exr(
+        &path("sky.exr"),
+        [8, 4],
+        vec![("R", plane(0.4)), ("G", plane(0.5)), ("B", plane(0.9))],
+        vec![],
+        &[],
+        &[],
+    )
+    .unwrap();
+    write_png(&path("paint.png"), [2, 1], &[255, 40, 20, 20, 60, 255], false, &[]).unwrap();
+    std::fs::write(
+        path("tent.obj"),
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 1\nv -1 1 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n",
+    )
+    .unwrap();
+    let text = "preset = 'starling'\nshows_feather = false\nlights = []\nsky_image = { file = 'sky.exr' }\n\
+                [camera]\nwidth_mm = 6\nlens = 0\ntarget_mm = [0, 0, 0]\n\
+                [surfaces.paint]\ntype = 'diffuse'\nalbedo = 'paint.png'\n[surfaces.rainbow]\ntype = 'grating'\nsample = 'blazed'\n\
+                [[objects]]\nmesh = 'tent.obj'\nsurface = 'paint'\n\
+                [[objects]]\nrectangle_mm = [1, 1]\nsurface = 'rainbow'\ntranslate_mm = [2, 0, 0]\n";
+    std::fs::write(path("scene.toml"), text).unwrap();
+    let ready = scene(&path("scene.toml").to_string_lossy(), &Opening::default(), &Unobserved).unwrap();
+    let picture = Picture::of(&ready, &options(8), &Unobserved).unwrap();
+    let counts = ["paint", "rainbow"].map(|name| seen(&picture, &ready, name, 8));
+    assert!(counts[0] > 100 && counts[1] > 10, "{counts:?}");
+    let files = ["sky.exr", "paint.png", "tent.obj"];
+    let read = |name: &&str| ((*name).to_owned(), std::fs::read(path(name)).unwrap());
+    let memory = Memory(files.iter().map(read).collect::<BTreeMap<_, _>>());
+    let mut dye = |_: &str| Worn::new(&example(3), String::new());
+    let same = resolve(SceneDescription::parse(text).unwrap(), &memory, &mut dye, 1, &Unobserved).unwrap();
+    assert_eq!(Picture::of(&same, &options(8), &Unobserved).unwrap().film(), picture.film());
+    // What is missing is refused by its key, whatever it is.
+    for lost in files {
+        let mut fewer = memory.clone();
+        fewer.0.remove(lost);
+        let refused =
+            resolve(SceneDescription::parse(text).unwrap(), &fewer, &mut dye, 1, &Unobserved).unwrap_err();
+        assert!(
+            refused.to_string().contains(lost) && refused.to_string().contains("no such file"),
+            "{refused}"
+        );
+    }
+}
+
+/// A mesh wears the barbules of a material that its surface names, and one name is asked for once.
+#[test]
+fn a_mesh_of_a_scene_wears_a_material() {
+    let text = "preset = 'starling'\n[surfaces.green]\ntype = 'barbule'\nmaterial = 'starling'\nuv_mm = [4, 3]\nwidth_um = 30\ncell_um = 40\n\
+                [[objects]]\nname = 'sheet'\nrectangle_mm = [4, 3]\nsurface = 'green'\ntranslate_mm = [0, 0, 3]\n";
+    let mut asked = Vec::new();
+    let mut dye = |name: &str| {
+        asked.push(name.to_owned());
+        Worn::new(&example(3), String::new())
+    };
+    let description = SceneDescription::parse(text).unwrap();
+    let ready = resolve(description.clone(), &Folder::default(), &mut dye, 1, &Unobserved).unwrap();
+    assert_eq!(asked, ["starling"]);
+    let picture = Picture::of(&ready, &options(4), &Unobserved).unwrap();
+    let count = seen(&picture, &ready, "sheet", 4);
+    assert!(count > 300, "{count}");
+    let mut named = description;
+    assert_eq!(named.named_mut().iter().filter(|(_, one)| matches!(one, Named::Material(_))).count(), 3);
+}
