@@ -1,5 +1,11 @@
 //! How long work reports its progress and learns that it should stop. The library itself never prints.
 
+mod several;
+mod shared;
+
+pub use several::{Part, Several};
+pub use shared::{Shared, Snapshot, left};
+
 /// Watches a long computation. Called from any thread.
 pub trait Progress: Sync {
     /// A stage with `total` equal steps begins; `label` says what it is in a few words.
