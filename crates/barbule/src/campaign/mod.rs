@@ -13,7 +13,7 @@ mod run;
 pub mod single;
 pub mod spectrum;
 
-pub use memory::{Allowance, Demand, PROGRAM, Results, far_field_bytes, spectrum_bytes, statistics_bytes};
+pub use memory::{Allowance, Demand, Results, spectrum_bytes, statistics_bytes};
 pub use run::{Outcome, run, statistics};
 
 use num_complex::Complex;
