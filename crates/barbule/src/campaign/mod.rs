@@ -1,6 +1,6 @@
 //! Many illuminations of many instances: from a structure to the statistics that its BRDF is made of.
 //!
-//! A [unit](Unit) of work is one (λ, θ_i): all φ_i, polarizations and instances. Its fields stay in memory, their statistics
+//! A [unit](crate::scattering::statistics::Unit) of work is one (λ, θ_i): all φ_i, polarizations and instances. Its fields stay in memory, their statistics
 //! are formed in instance order (so that bits do not depend on threads) and go to a [`Sink`], and the fields are dropped.
 
 pub mod bench;
