@@ -10,7 +10,6 @@ use barbule::characterize::{
 };
 use barbule::error::shortened;
 use barbule::io::{InputKind, check_writable, kind_of, make_folder};
-use barbule::progress::Progress;
 use barbule::{Error, Result};
 
 use crate::campaign::{expected, explain_sides, say_given, units_at_once};
@@ -99,14 +98,9 @@ fn make(plan: Plan, common: &Common) -> Result<(FeatherMaterial, String)> {
 ///
 /// # Errors
 /// As [`Barbules::of`].
-pub(crate) fn barbules<'a>(
-    material: &FeatherMaterial,
-    catalog: &'a Catalog,
-    progress: &'a dyn Progress,
-    common: &Common,
-) -> Result<Barbules<'a>> {
+pub(crate) fn barbules(material: &FeatherMaterial, common: &Common) -> Result<Barbules> {
     let given = |name: &str| structure_arg::parse(name, common);
-    Barbules::of(material, common.library()?, &given, catalog, progress)
+    Barbules::of(material, common.library()?, &given, catalog(common))
 }
 
 /// Shipped materials, and the cache where one is known.
