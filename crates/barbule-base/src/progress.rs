@@ -1,6 +1,12 @@
 //! How long work reports its progress and learns that it should stop. The library itself never prints.
 
+mod several;
+mod shared;
+
 use std::time::Duration;
+
+pub use several::{Part, Several};
+pub use shared::{Shared, Snapshot, left};
 
 /// Time since any moment. Whoever calls has it: a browser's is not the system's.
 pub type Clock = fn() -> Duration;

@@ -18,7 +18,6 @@ pub mod provenance;
 mod scene_arg;
 mod segment_args;
 pub mod sets;
-mod several;
 pub mod structure_arg;
 
 pub use exhausted::EndsWhenExhausted;

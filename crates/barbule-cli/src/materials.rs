@@ -9,7 +9,6 @@ use barbule::characterize::{Barbules, Catalog, Found, Plan};
 use barbule::error::shortened;
 use barbule::io::make_folder;
 use barbule::open::{self, Located, Opening};
-use barbule::progress::Progress;
 use barbule::{Error, Result};
 
 use crate::arguments::spoken;
@@ -67,14 +66,9 @@ fn make(plan: &Plan, common: &Common) -> Result<Found> {
 ///
 /// # Errors
 /// As [`Barbules::of`].
-pub(crate) fn barbules<'a>(
-    material: &FeatherMaterial,
-    catalog: &'a Catalog,
-    progress: &'a dyn Progress,
-    common: &Common,
-) -> Result<Barbules<'a>> {
+pub(crate) fn barbules(material: &FeatherMaterial, common: &Common) -> Result<Barbules> {
     let given = |name: &str| structure_arg::parse(name, common);
-    Barbules::of(material, common.opening()?.media.library().clone(), &given, catalog, progress)
+    Barbules::of(material, common.opening()?.media.library().clone(), &given, catalog(common))
 }
 
 /// Shipped materials, and the cache where one is known.

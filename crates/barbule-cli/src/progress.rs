@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use barbule::progress::Progress;
+use barbule::progress::{Progress, left};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::common::Common;
@@ -122,14 +122,6 @@ fn meaning(first: Option<Instant>, now: Instant) -> Press {
     }
 }
 
-/// The time that is left at the pace so far; unknown before the first step and after the last.
-fn left(done: u64, total: u64, elapsed: Duration) -> Option<Duration> {
-    if done == 0 || done >= total {
-        return None;
-    }
-    Duration::try_from_secs_f64(elapsed.as_secs_f64() * (total - done) as f64 / done as f64).ok()
-}
-
 fn style() -> Option<ProgressStyle> {
     let template = "{msg:28} {wide_bar} {percent:>3} %  {elapsed} gone{left}";
     let write_left = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
@@ -211,16 +203,6 @@ impl Drop for Terminal {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_time_left_follows_the_pace_and_is_not_guessed_without_one() {
-        let seconds = |done, total, elapsed| left(done, total, Duration::from_secs(elapsed));
-        assert_eq!(seconds(0, 100, 3), None);
-        assert_eq!(seconds(25, 100, 3), Some(Duration::from_secs(9)));
-        assert_eq!(seconds(100, 100, 3), None);
-        assert_eq!(seconds(1, u64::MAX, u64::MAX / 2), None);
-        assert!(style().is_some());
-    }
 
     #[test]
     fn one_press_stops_its_echo_is_nothing_and_another_press_ends() {

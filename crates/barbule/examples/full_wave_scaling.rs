@@ -10,15 +10,15 @@ use barbule::clock;
 use barbule::plot::{Axis, Curve, Figure, Format, Mark};
 use barbule::progress::Unobserved;
 use barbule::scattering::far_field::Window;
-use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, Method, Problem, Solved};
+use barbule::solve::far_fields::{Effort, Scattered};
+use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, Method, Problem};
 use barbule::structure::{Beneath, Section, Structure};
 use barbule::{Error, Result};
 
 /// The largest difference of amplitudes against the largest one.
-fn apart(a: &Solved, b: &Solved) -> f64 {
-    let all = |solved: &Solved| {
-        solved.scattered.far.amplitudes.iter().flatten().flatten().copied().collect::<Vec<_>>()
-    };
+fn apart(a: &Scattered, b: &Scattered) -> f64 {
+    let all =
+        |found: &Scattered| found.far.amplitudes.iter().flatten().flatten().copied().collect::<Vec<_>>();
     let (a, b) = (all(a), all(b));
     let worst = a.iter().zip(&b).map(|(x, y)| (x - y).norm()).fold(0.0, f64::max);
     worst / a.iter().map(|x| x.norm()).fold(0.0, f64::max)
@@ -70,23 +70,24 @@ fn main() -> Result<()> {
     let (wavelength_nm, theta) = (number(1)?, number(2)?.to_radians());
     let most_dense = number(4).unwrap_or(20_000.0);
     let mut efforts: [Efforts; 2] = Default::default();
-    let row = |solved: &Solved| {
-        let effort = solved.effort;
-        [effort.unknowns as f64, effort.seconds, effort.memory_bytes as f64]
-    };
+    let row = |effort: Effort| [effort.unknowns as f64, effort.seconds, effort.memory_bytes as f64];
     println!("width_um,unknowns,method,seconds,megabytes,balance_1,balance_2,difference");
     for width in words.get(3).map_or("", |widths| widths).split(',') {
         let width_um = width.parse().map_err(|_| Error::input(format!("{width} is no width in µm")))?;
         let section = narrowed(&words[0], width_um)?.closed(Beneath::Absorbing)?.regions;
-        let run = |method| -> Result<Solved> {
+        let run = |method| -> Result<(Scattered, Effort)> {
             let problem = Problem::new(&section, wavelength_nm, theta, ELEMENTS_PER_WAVELENGTH)?.by(method);
-            Ok(problem.solve(&[0.0], Window::PlaneWave, 720, clock::system, &Unobserved)?.swap_remove(0))
+            let found =
+                problem.solve(&[0.0], Window::PlaneWave, 720, clock::system, &Unobserved)?.swap_remove(0);
+            let effort = found.effort.ok_or_else(|| Error::machine("full waves say what they took"))?;
+            Ok((found, effort))
         };
-        let told = |name: &str, solved: &Solved, difference: Option<f64>| {
-            let (found, effort) = (&solved.scattered, solved.effort);
+        let told = |name: &str, (found, effort): &(Scattered, Effort), difference: Option<f64>| {
             let balance = |p: usize| {
-                let extinct = found.extinction_um.map_or(f64::NAN, |both| both[p]);
-                (found.scattered_um[p] + found.absorbed_um[p]) / extinct - 1.0
+                found.exact.map_or(f64::NAN, |exact| {
+                    let extinct = exact.extinction_um.map_or(f64::NAN, |both| both[p]);
+                    (exact.scattered_um[p] + exact.absorbed_um[p]) / extinct - 1.0
+                })
             };
             println!(
                 "{width_um},{},{name},{:.2},{:.0},{:.1e},{:.1e},{}",
@@ -103,12 +104,12 @@ fn main() -> Result<()> {
         let dense = if unknowns as f64 <= most_dense { Some(run(Method::Dense)?) } else { None };
         if let Some(dense) = &dense {
             told("dense", dense, None);
-            efforts[0].push(row(dense));
+            efforts[0].push(row(dense.1));
         }
         match run(Method::Hierarchical) {
             Ok(thin) => {
-                told("thin", &thin, dense.as_ref().map(|dense| apart(dense, &thin)));
-                efforts[1].push(row(&thin));
+                told("thin", &thin, dense.as_ref().map(|dense| apart(&dense.0, &thin.0)));
+                efforts[1].push(row(thin.1));
             }
             Err(error) => println!("{width_um},{unknowns},thin,{error}"),
         }

@@ -5,16 +5,17 @@ mod output;
 use std::io::Write;
 use std::path::PathBuf;
 
-use barbule::campaign::far_field_bytes;
 use barbule::clock;
 use barbule::figures;
-use barbule::scattering::far_field::{FarField, Illumination, Window};
-use barbule::solve::far_fields::{Illuminations, Method, bytes, far_fields};
-use barbule::solve::full_wave::{self, Solved};
-use barbule::solve::surface::{FINE_ELEMENT_UM, LARGEST_MIRROR_ERROR, mirror_fraction};
-use barbule::structure::{Beneath, Section};
+use barbule::scattering::far_field::{Illumination, Window};
+use barbule::solve::far_fields::{Illuminations, Method, Prepared, Scattered, Settings, bytes};
+use barbule::solve::full_wave::ELEMENTS_PER_WAVELENGTH;
+use barbule::solve::surface::{LARGEST_MIRROR_ERROR, mirror_fraction};
+use barbule::solve::{FAST, METHODS, method};
+use barbule::structure::Section;
 use barbule::{Error, Result};
 use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
@@ -28,7 +29,7 @@ use output::{Document, csv, summary, table};
 /// What far fields and their texts may take in memory unless `--memory` says otherwise.
 const USUAL_MEMORY: u64 = 4 << 30;
 
-/// Full waves that take longer are announced, s.
+/// Far fields that take longer are announced, s.
 const SOON_SECONDS: f64 = 20.0;
 
 /// Bytes of text for each outgoing azimuth, at most: the ten numbers of JSON or CSV.
@@ -66,8 +67,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = 400)]
     azimuths: usize,
     /// How to compute
-    #[arg(long, value_enum, default_value_t = Solver::Fast)]
-    solver: Solver,
+    #[arg(long, default_value = FAST.name, value_parser = solvers())]
+    solver: Method,
     /// How the light falls on the section
     #[arg(long, value_enum, default_value_t = WindowArg::Gaussian)]
     window: WindowArg,
@@ -76,7 +77,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "UM")]
     smooth: Option<f64>,
     /// Of full waves: nodes per wavelength in the denser medium at each boundary
-    #[arg(long, value_name = "N", default_value_t = full_wave::ELEMENTS_PER_WAVELENGTH, value_parser = elements)]
+    #[arg(long, value_name = "N", default_value_t = ELEMENTS_PER_WAVELENGTH, value_parser = elements)]
     elements: f64,
     #[command(flatten)]
     figure: FigureArgs,
@@ -106,17 +107,10 @@ pub(super) fn duration(seconds: f64) -> String {
 #[derive(Debug, Clone)]
 struct Wavelengths(Vec<f64>);
 
-/// Solvers of far fields.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Solver {
-    /// The fast 2.5D simulation
-    Fast,
-    /// The same formulas, evaluated plainly
-    Direct,
-    /// Plainly, with the top in its own light
-    Shadowed,
-    /// Maxwell's equations, exact up to discretization: boundary elements
-    FullWave,
+/// Reads the name of a solver.
+fn solvers() -> impl TypedValueParser<Value = Method> {
+    let names = METHODS.map(|method| PossibleValue::new(method.name).help(method.about));
+    PossibleValuesParser::new(names).try_map(|name| method(&name).ok_or("is no solver"))
 }
 
 /// Windows of the incident light.
@@ -135,11 +129,9 @@ struct Fields<'a> {
     wavelengths_nm: &'a [f64],
     theta_deg: &'a [f64],
     phi_deg: &'a [f64],
-    found: &'a [FarField],
-    /// None of full waves.
+    found: &'a [Scattered],
+    /// None of exact solvers.
     mirrors: &'a [Mirror],
-    /// What full waves give besides.
-    full_wave: Option<&'a [Solved]>,
 }
 
 /// How far the simulation is off near grazing: what it makes a flat perfect mirror as wide reflect; none under a plane wave.
@@ -175,19 +167,11 @@ impl Args {
         }
         let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
         let section = self.smoothed(structure.instance(self.common.seed, self.instance)?)?;
-        let full_wave = match self.solver {
-            Solver::FullWave => Some(self.full_waves(&section, &illuminations)?),
-            Solver::Fast | Solver::Direct | Solver::Shadowed => None,
-        };
-        let found = match &full_wave {
-            Some(solved) => solved.iter().map(|solved| solved.scattered.far.clone()).collect(),
-            None => self.far_fields(&section, &illuminations)?,
-        };
-        let mirrors = match self.solver {
-            Solver::FullWave => Vec::new(),
-            Solver::Fast | Solver::Direct | Solver::Shadowed => {
-                self.mirrors(&illuminations, section.width_um)
-            }
+        let solver = (self.solver.solver)(&self.settings());
+        let found = self.scatter(&*solver.prepare(&section)?, &illuminations)?;
+        let mirrors = match self.solver.is_exact {
+            true => Vec::new(),
+            false => self.mirrors(&illuminations, section.width_um),
         };
         let title = self.title(&figures::heading(&structure.name()));
         let provenance = Provenance::new(&self.common);
@@ -203,7 +187,6 @@ impl Args {
             phi_deg: &self.phi.0,
             found: &found,
             mirrors: &mirrors,
-            full_wave: full_wave.as_deref(),
         };
         if let Some(path) = &self.csv {
             provenance.write_csv(path, &csv(&fields))?;
@@ -217,10 +200,7 @@ impl Args {
             return Ok(());
         }
         match &found[..] {
-            [far] => {
-                let full_wave = fields.full_wave.and_then(|solved| solved.first());
-                print(out, &format!("{title}\n{}", table(far, full_wave)))
-            }
+            [one] => print(out, &format!("{title}\n{}", table(one))),
             _ => print(out, &format!("{title}\n{}", summary(&fields))),
         }
     }
@@ -241,64 +221,45 @@ impl Args {
 
     fn smoothed(&self, section: Section) -> Result<Section> {
         let Some(deviation_um) = self.smooth else { return Ok(section) };
-        if self.solver == Solver::FullWave {
-            return Err(Error::input("--smooth is of the fast simulation's formulas; full waves need none"));
+        if self.solver.is_exact {
+            return Err(Error::input(format!(
+                "--smooth is of the fast simulation's formulas; {}s need none",
+                self.solver.noun
+            )));
         }
         section.smoothed(deviation_um).map_err(|error| error.at("--smooth"))
     }
 
-    fn far_fields(&self, section: &Section, illuminations: &Illuminations) -> Result<Vec<FarField>> {
-        self.check_memory(section)?;
-        let method = match self.solver {
-            Solver::Direct => Method::Direct,
-            Solver::Shadowed => Method::Shadowed,
-            Solver::Fast | Solver::FullWave => Method::Fast,
-        };
-        far_fields(section, illuminations, self.azimuths, method, &Terminal::new(&self.common))
+    fn settings(&self) -> Settings {
+        Settings {
+            elements_per_wavelength: self.elements,
+            memory_bytes: self.common.allowance().bytes,
+            clock: clock::system,
+        }
     }
 
-    /// Full waves, after saying what they will take where that is long.
-    fn full_waves(&self, section: &Section, illuminations: &Illuminations) -> Result<Vec<Solved>> {
-        let closed = section.closed(Beneath::Absorbing)?;
-        if !closed.changes.is_empty() {
-            self.common.say(&format!("closed for full waves: {}", closed.changes.join("; ")));
+    /// What the section scatters, after refusing what does not fit into memory and saying what takes long.
+    fn scatter(&self, section: &dyn Prepared, illuminations: &Illuminations) -> Result<Vec<Scattered>> {
+        let Method { noun, smaller, .. } = self.solver;
+        if !section.changes().is_empty() {
+            self.common.say(&format!("closed for {noun}s: {}", section.changes().join("; ")));
         }
-        let section = &closed.regions;
-        let cost = full_wave::cost(section, illuminations, self.elements, rayon::current_num_threads())?;
-        let fewer = "a narrower section, a longer wavelength, or fewer --elements";
-        let allowance = self.common.allowance();
-        allowance.check("this full wave", cost.bytes, fewer)?;
-        let said = format!(
-            "full waves: {} unknowns, {:.2} GB of memory, about {}",
-            cost.unknowns,
-            cost.bytes as f64 / 1e9,
-            duration(cost.seconds)
-        );
-        if cost.seconds > SOON_SECONDS {
-            self.common.say(&said);
-        } else {
-            self.common.explain(&said);
+        let cost = section.cost(illuminations, self.azimuths, rayon::current_num_threads())?;
+        self.common.allowance().check(&format!("this {noun}"), cost.bytes, smaller)?;
+        if let Some(seconds) = cost.seconds {
+            let said = format!(
+                "{noun}s: {} unknowns, {:.2} GB of memory, about {}",
+                cost.unknowns,
+                cost.bytes as f64 / 1e9,
+                duration(seconds)
+            );
+            if seconds > SOON_SECONDS {
+                self.common.say(&said);
+            } else {
+                self.common.explain(&said);
+            }
         }
-        let progress = Terminal::new(&self.common);
-        let (azimuths, elements) = (self.azimuths, self.elements);
-        full_wave::solve(
-            section,
-            illuminations,
-            azimuths,
-            elements,
-            allowance.bytes,
-            clock::system,
-            &progress,
-        )
-    }
-
-    /// Refuses, before any work, a section whose simulation does not fit into memory.
-    fn check_memory(&self, section: &Section) -> Result<()> {
-        let shortest = self.wavelength.0.iter().copied().fold(f64::INFINITY, f64::min);
-        let each = far_field_bytes(section, shortest, self.azimuths, FINE_ELEMENT_UM)?;
-        let at_once = self.illuminations().count().min(rayon::current_num_threads()) as u64;
-        let fewer = "fewer layers, a narrower section, fewer --azimuths or --threads";
-        self.common.allowance().check("this far field", each.saturating_mul(at_once), fewer)
+        section.scatter(illuminations, self.azimuths, &Terminal::new(&self.common))
     }
 
     /// What a mirror would reflect in each case; says where the simulation is off, by the worst case.

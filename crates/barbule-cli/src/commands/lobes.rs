@@ -4,13 +4,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::brdf::FeatherMaterial;
-use barbule::characterize::{Barbules, CampaignDescription};
+use barbule::characterize::CampaignDescription;
 use barbule::error::shortened;
 use barbule::figures::{
     self, FieldPatterns, FitCurves, Hemispheres, InstancePatterns, NoiseCurves, ParameterMaps, tiled,
 };
 use barbule::io::store::Store;
 use barbule::plot::Drawing;
+use barbule::progress::Progress;
 use barbule::scattering::statistics::Statistics;
 use barbule::{Error, Result};
 use serde::Serialize;
@@ -103,8 +104,8 @@ impl Args {
     }
 
     fn answer(&self, material: &FeatherMaterial, title: &str) -> Result<Answer> {
-        let (catalog, progress) = (materials::catalog(&self.common), Terminal::new(&self.common));
-        let barbules = || materials::barbules(material, &catalog, &progress, &self.common);
+        let progress = Terminal::new(&self.common);
+        let barbules = || materials::barbules(material, &self.common);
         if self.parameters {
             let maps = ParameterMaps::new(material)?;
             let draw = || tiled(maps.draw(), 4, title);
@@ -114,35 +115,35 @@ impl Args {
             let barbules = barbules()
                 .inspect_err(|error| self.common.say(&format!("no single barbules: {}", spoken(error))))
                 .ok();
-            let curves = NoiseCurves::new(material, barbules.as_ref())?;
+            let curves = NoiseCurves::new(material, barbules.as_ref(), &progress)?;
             return self.of("noise", "the noise", &curves, || tiled(curves.draw(), 2, title));
         }
         if self.fields {
-            let patterns = FieldPatterns::new(material, &barbules()?)?;
+            let patterns = FieldPatterns::new(material, &barbules()?, &progress)?;
             let draw = || tiled(patterns.draw(), 2, title);
             return self.of("fields", "fields of a single barbule", &patterns, draw);
         }
         if self.fits {
             let statistics = match self.store_beside() {
                 Some(store) => stored(material, &store)?,
-                None => figures::statistics_of_fits(material, &barbules()?)?,
+                None => figures::statistics_of_fits(material, &barbules()?, &progress)?,
             };
             let fits = FitCurves::of(material, &statistics)?;
             let draw = || tiled(fits.iter().map(FitCurves::draw).collect(), 2, title);
             return self.of("fits", "simulated and fitted U and V", &fits, draw);
         }
-        self.hemispheres(material, title, &barbules)
+        self.hemispheres(material, title, &progress)
     }
 
     /// The lobes, and the patterns of instances where their number was given.
-    fn hemispheres<'a>(
+    fn hemispheres(
         &self,
         material: &FeatherMaterial,
         title: &str,
-        barbules: &dyn Fn() -> Result<Barbules<'a>>,
+        progress: &dyn Progress,
     ) -> Result<Answer> {
-        let patterns = |count: usize| match barbules() {
-            Ok(barbules) => InstancePatterns::new(material, count, &barbules).map(Some),
+        let patterns = |count: usize| match materials::barbules(material, &self.common) {
+            Ok(barbules) => InstancePatterns::new(material, count, &barbules, progress).map(Some),
             Err(error) => {
                 self.common.say(&format!("synthesized instances only: {}", spoken(&error)));
                 Ok(None)

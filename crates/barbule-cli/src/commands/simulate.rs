@@ -60,8 +60,8 @@ impl Args {
         let units_at_once = units_at_once(&plan, keep, Results::Stored, &self.common)?;
         let resources = Resources { width, units_at_once };
         let store = plan.store(path, kept, &resources)?;
-        let units = store.shard(shard, shards);
-        if units.iter().all(|&(w, t)| store.is_whole(w, t)) {
+        let units = store.axes().shard(shard, shards);
+        if units.iter().all(|unit| store.is_whole(unit.wavelength, unit.theta)) {
             store.end_writing();
             self.common.say("everything is there already: nothing to do");
         } else {
@@ -69,9 +69,9 @@ impl Args {
             let progress = Terminal::new(&self.common);
             let outcome = plan
                 .campaign(&resources, &catalog(&self.common), &progress)
-                .and_then(|campaign| run(&campaign, &store, shard, shards, &progress));
+                .and_then(|campaign| run(&campaign, &units, &store, &progress));
             drop(progress);
-            let done = || units.iter().filter(|&&(w, t)| store.is_done(w, t)).count();
+            let done = || units.iter().filter(|unit| store.is_done(unit.wavelength, unit.theta)).count();
             let outcome = outcome.map_err(|error| {
                 if !error.is_interrupted() {
                     return error;

@@ -10,7 +10,7 @@ use barbule::error::{counted, shortened};
 use barbule::figures::{self, Simulated};
 use barbule::io::measured::{Measured, Scale, read_measured};
 use barbule::plot::{Band, MeasuredBand};
-use barbule::progress::Progress;
+use barbule::progress::{Progress, Several};
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
@@ -24,7 +24,6 @@ use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs, csv_cell};
-use crate::several::Several;
 use crate::structure_arg::SideArg;
 use crate::{sets, structure_arg};
 
@@ -179,7 +178,8 @@ impl Args {
 
     fn simulate(&self, structures: &[Structure], measured: Option<&Measured>) -> Result<Vec<Found>> {
         let terminal = Terminal::new(&self.common);
-        let several = (structures.len() > 1).then(|| Several::begin(&terminal, structures.len()));
+        let label = format!("simulating {} structures", structures.len());
+        let several = (structures.len() > 1).then(|| Several::begin(&terminal, &label, structures.len()));
         let mut all = Vec::with_capacity(structures.len());
         for (typed, structure) in self.structures.iter().zip(structures) {
             let found = match several.as_ref().map(Several::part) {

@@ -4,11 +4,12 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::characterize::CampaignOptions;
+use barbule::clock;
 use barbule::io::{make_folder, write_together};
 use barbule::open::Located;
 use barbule::plot::{Drawing, Format};
-use barbule::solve::far_fields::Method;
-use barbule::solve::full_wave;
+use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, FullWave};
+use barbule::solve::{FAST, SHADOWED};
 use barbule::spectrum::Wavelengths;
 use barbule::structure::{Beneath, Structure};
 use barbule::validate::{Plan, three_d, usual_azimuths};
@@ -75,7 +76,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "SET", value_parser = |text: &str| sets::wavelengths_of("--wavelengths", text).map(Nm))]
     wavelengths: Option<Nm>,
     /// Nodes per wavelength in the denser medium at each boundary
-    #[arg(long, value_name = "N", default_value_t = full_wave::ELEMENTS_PER_WAVELENGTH, conflicts_with = "three_d",
+    #[arg(long, value_name = "N", default_value_t = ELEMENTS_PER_WAVELENGTH, conflicts_with = "three_d",
         value_parser = super::far_field::elements)]
     elements: f64,
     /// Let the top stand in its own light in the fast simulation's formulas, evaluated plainly (slower)
@@ -125,7 +126,7 @@ impl Args {
             "full waves: {} unknowns and {:.2} GB at most, about {} in all",
             cost.unknowns,
             cost.bytes as f64 / 1e9,
-            super::far_field::duration(cost.seconds)
+            super::far_field::duration(cost.seconds.unwrap_or_default())
         ));
         let progress = Terminal::new(&self.common);
         let comparison = plan.run(&progress)?;
@@ -136,15 +137,14 @@ impl Args {
     /// Against segments.
     fn three_d(&self, out: &mut dyn Write) -> Result<()> {
         let plan = self.three_d_plan()?;
-        let size = plan.size(rayon::current_num_threads())?;
+        let cost = plan.cost(rayon::current_num_threads())?;
         let fewer = "a smaller --length or longer --wavelengths";
-        self.common.allowance().check("this comparison", size.bytes, fewer)?;
+        self.common.allowance().check("this comparison", cost.bytes, fewer)?;
+        let [across, along] = plan.cells()?;
         self.common.say(&format!(
-            "{} far fields of segments of up to {} × {} cells, {:.2} GB at most",
+            "{} far fields of segments of up to {across} × {along} cells, {:.2} GB at most",
             plan.count(),
-            size.cells[0],
-            size.cells[1],
-            size.bytes as f64 / 1e9
+            cost.bytes as f64 / 1e9
         ));
         let progress = Terminal::new(&self.common);
         let comparison = plan.run(&progress)?;
@@ -241,10 +241,13 @@ impl Args {
             wavelengths: Wavelengths::new(nm)?,
             phi_i: PHI_DEG.map(f64::to_radians).to_vec(),
             azimuths,
-            elements_per_wavelength: self.elements,
-            method: if self.shadowing { Method::Shadowed } else { Method::Fast },
+            full: FullWave {
+                elements_per_wavelength: self.elements,
+                memory_bytes: self.common.allowance().bytes,
+                clock: clock::system,
+            },
+            method: if self.shadowing { SHADOWED } else { FAST },
             smooth_um: self.smooth,
-            memory_bytes: self.common.allowance().bytes,
         })
     }
 

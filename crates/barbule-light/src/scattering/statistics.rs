@@ -1,6 +1,8 @@
 //! What a campaign keeps of its fields: the narrow waist between wave simulation and BRDF.
 
 use num_complex::Complex;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::spectrum::Wavelengths;
 use crate::{Error, Result};
@@ -15,7 +17,8 @@ pub const NOISE_POINTS: usize = 1024;
 pub const LAGS: usize = NOISE_POINTS / 2;
 
 /// Which signs of φ_i the arrays of a campaign hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Sides {
     /// φ_i ≥ 0 alone: light from the other side is the mirror image.
     #[default]
@@ -25,12 +28,48 @@ pub enum Sides {
 }
 
 /// The axes shared by every array of a campaign.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "GivenAxes", into = "GivenAxes")]
 pub struct Axes {
     wavelengths: Wavelengths,
     cos_theta: Vec<f64>,
     cos_phi: Vec<f64>,
     sides: Sides,
+}
+
+/// Axes as they are written, not checked.
+#[derive(Serialize, Deserialize)]
+struct GivenAxes {
+    wavelengths_nm: Vec<f64>,
+    cos_theta_i: Vec<f64>,
+    cos_phi_i: Vec<f64>,
+    #[serde(default)]
+    sides: Sides,
+}
+
+impl TryFrom<GivenAxes> for Axes {
+    type Error = Error;
+
+    fn try_from(given: GivenAxes) -> Result<Self> {
+        let wavelengths = Wavelengths::new(given.wavelengths_nm)?;
+        Ok(Self::new(&wavelengths, given.cos_theta_i, given.cos_phi_i)?.with_sides(given.sides))
+    }
+}
+
+impl From<Axes> for GivenAxes {
+    fn from(axes: Axes) -> Self {
+        let Axes { wavelengths, cos_theta: cos_theta_i, cos_phi: cos_phi_i, sides } = axes;
+        Self { wavelengths_nm: wavelengths.to_vec(), cos_theta_i, cos_phi_i, sides }
+    }
+}
+
+/// A unit of a campaign's work by its numbers on the axes: all φ_i, polarizations and instances of one (λ, θ_i).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Unit {
+    /// Number of the wavelength.
+    pub wavelength: usize,
+    /// Number of θ_i.
+    pub theta: usize,
 }
 
 /// cosφ_i above this is light across the barbule's normal plane, which has no other side.
@@ -113,6 +152,20 @@ impl Axes {
         self.wavelengths.len() * self.cos_theta.len() * self.phis()
     }
 
+    /// All units of work, λ slowest.
+    pub fn units(&self) -> impl Iterator<Item = Unit> + use<> {
+        let (wavelengths, thetas) = (self.wavelengths.len(), self.cos_theta.len());
+        (0..wavelengths).flat_map(move |wavelength| (0..thetas).map(move |theta| Unit { wavelength, theta }))
+    }
+
+    /// The units of shard `shard` of `shards`: neighbours, so that those of one wavelength mostly fall together.
+    #[must_use]
+    pub fn shard(&self, shard: usize, shards: usize) -> Vec<Unit> {
+        let count = self.wavelengths.len() * self.cos_theta.len();
+        let bound = |shard: usize| count * shard / shards.max(1);
+        self.units().skip(bound(shard)).take(bound(shard + 1) - bound(shard)).collect()
+    }
+
     /// θ_i number `theta`, rad, 0 to π/2.
     #[must_use]
     pub fn theta_i(&self, theta: usize) -> f64 {
@@ -139,8 +192,10 @@ fn angle(cosine: f64) -> f64 {
 
 /// The statistics of one campaign. All arrays are row-major.
 ///
-/// Index of polarization 0 means the page's polarization 1 (E along e₁), 1 means polarization 2.
-#[derive(Debug, Clone, PartialEq)]
+/// Index of polarization 0 means the page's polarization 1 (E along e₁), 1 means polarization 2. Values that are undefined
+/// where nothing is reflected are NaN, which JSON does not have.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Statistics {
     /// Wavelengths and directions.
     pub axes: Axes,
@@ -187,7 +242,7 @@ impl Statistics {
     }
 
     /// Adds the next unit, λ slowest, then θ_i.
-    pub fn append(&mut self, unit: Unit) {
+    pub fn append(&mut self, unit: UnitStatistics) {
         self.u.extend(unit.u);
         self.v.extend(unit.v);
         self.autocovariance.extend(unit.autocovariance);
@@ -199,9 +254,38 @@ impl Statistics {
     }
 }
 
-/// The statistics of one (λ, θ_i), the unit of work: rows of the arrays of [`Statistics`] from the axis φ_i on.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Unit {
+/// Values of all arrays at each (λ, θ_i, φ_i), in the order of the fields from `u` on.
+const VALUES: [usize; 8] = [2 * AZIMUTHS, 2 * AZIMUTHS, 2 * LAGS, 2, 2, 1, 1, 2 * AZIMUTHS];
+
+impl Serialize for Statistics {
+    fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        Self::serialize(self, to)
+    }
+}
+
+impl<'a> Deserialize<'a> for Statistics {
+    fn deserialize<D: Deserializer<'a>>(from: D) -> std::result::Result<Self, D::Error> {
+        let found = Self::deserialize(from)?;
+        let lengths = [
+            found.u.len(),
+            found.v.len(),
+            found.autocovariance.len(),
+            found.reflected.len(),
+            found.reflected_std.len(),
+            found.pattern_correlation.len(),
+            found.unpolarized_contrast.len(),
+            found.contrast.len(),
+        ];
+        if lengths != VALUES.map(|values| values * found.axes.len()) {
+            return Err(D::Error::custom("arrays of statistics have other lengths than their axes say"));
+        }
+        Ok(found)
+    }
+}
+
+/// The statistics of one [`Unit`]: rows of the arrays of [`Statistics`] from the axis φ_i on.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct UnitStatistics {
     /// Shape `[φ_i, polarization, AZIMUTHS]`.
     pub u: Vec<f32>,
     /// Shape `[φ_i, polarization, AZIMUTHS]`.
@@ -219,5 +303,39 @@ pub struct Unit {
     /// Shape `[φ_i, polarization, AZIMUTHS]`.
     pub contrast: Vec<f32>,
     /// Fields over √Φ_i where they are kept, else empty. Shape `[φ_i, polarization, e₁ e₂, instance, AZIMUTHS]`.
+    #[serde(with = "pairs")]
     pub fields: Vec<Complex<f32>>,
+}
+
+impl UnitStatistics {
+    /// Whether its arrays are as long as those of a unit of these axes.
+    #[must_use]
+    pub fn is_of(&self, axes: &Axes) -> bool {
+        let lengths = [
+            self.u.len(),
+            self.v.len(),
+            self.autocovariance.len(),
+            self.reflected.len(),
+            self.reflected_std.len(),
+            self.pattern_correlation.len(),
+            self.unpolarized_contrast.len(),
+            self.contrast.len(),
+        ];
+        lengths == VALUES.map(|values| values * axes.phis())
+    }
+}
+
+/// Complex numbers as pairs of their parts.
+mod pairs {
+    use num_complex::Complex;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(values: &[Complex<f32>], to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(values.iter().map(|value| [value.re, value.im]))
+    }
+
+    pub(super) fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Vec<Complex<f32>>, D::Error> {
+        let pairs = Vec::<[f32; 2]>::deserialize(from)?;
+        Ok(pairs.into_iter().map(|[re, im]| Complex { re, im }).collect())
+    }
 }

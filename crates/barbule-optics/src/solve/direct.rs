@@ -9,7 +9,8 @@ use num_complex::Complex64;
 use super::beam;
 use super::crystal::Cell;
 use super::crystal::multipole::PreparedCell;
-use super::surface::solver;
+use super::far_fields::{OneByOne, Prepared, SectionSolver};
+use super::surface::{FINE_ELEMENT_UM, solver};
 use crate::film::{Polarization, reflect};
 use crate::progress::{OnlyStops, Progress, Unobserved};
 use crate::scattering::directions::{e1, e2, omega};
@@ -36,6 +37,32 @@ pub fn far_field(
     element_um: f64,
 ) -> Result<FarField> {
     far_field_observed(section, illumination, azimuths, element_um, Shadows::Ignored, &Unobserved)
+}
+
+/// This evaluation as a solver of sections.
+#[derive(Debug, Clone, Copy)]
+pub struct Direct {
+    /// Longest element, µm.
+    pub element_um: f64,
+    /// Whether the top stands in its own light.
+    pub shadows: Shadows,
+}
+
+impl Default for Direct {
+    fn default() -> Self {
+        Self { element_um: FINE_ELEMENT_UM, shadows: Shadows::Ignored }
+    }
+}
+
+impl SectionSolver for Direct {
+    fn prepare<'a>(&self, section: &'a Section) -> Result<Box<dyn Prepared + 'a>> {
+        let Self { element_um, shadows } = *self;
+        let far_field =
+            move |section: &Section, light: &Illumination, azimuths: usize, progress: &dyn Progress| {
+                far_field_observed(section, light, azimuths, element_um, shadows, progress)
+            };
+        Ok(Box::new(OneByOne { section, element_um, far_field }))
+    }
 }
 
 /// Whether the top stands in its own light.

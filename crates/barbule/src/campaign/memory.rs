@@ -8,15 +8,13 @@ use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS};
+use crate::solve::cost::PROGRAM;
 use crate::solve::surface::{Barbule, CAMPAIGN_ELEMENT_UM, Cone, MOST_RAY_PARTS, Size, Underside, orders};
 use crate::structure::{Section, Structure};
 use crate::{Error, Result};
 
 use super::spectrum::SpectrumRequest;
 use super::{ASKED, CampaignParameters, Keep};
-
-/// The program itself with its data, and what allocators keep.
-pub const PROGRAM: u64 = 48 << 20;
 
 /// Instances differ from the first ones, and allocators lose some.
 const MARGIN: f64 = 1.25;
@@ -29,9 +27,6 @@ const LARGEST_TABLE: usize = 256 * 16;
 
 /// Bytes of a value of a spectrum with its deviation, as numbers and as text.
 const SPECTRUM_VALUE: usize = 300;
-
-/// Bytes of an element of a double-precision field on azimuths, with those it is refined from.
-const FIELD_VALUE: usize = 64;
 
 /// What may be taken, and who says so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -261,21 +256,6 @@ pub fn spectrum_bytes(structure: &Structure, request: &SpectrumRequest) -> Resul
     let values = directions.len().saturating_mul(wavelengths.len());
     let results = values.saturating_mul(8 * instances + SPECTRUM_VALUE);
     Ok(PROGRAM.saturating_add(((MARGIN * (threads * own) as f64) as u64).saturating_add(results as u64)))
-}
-
-/// What the far field of a section on so many azimuths takes in memory, bytes, at most.
-///
-/// # Errors
-/// The section has no layers that can be found.
-pub fn far_field_bytes(
-    section: &Section,
-    wavelength_nm: f64,
-    azimuths: usize,
-    element_um: f64,
-) -> Result<u64> {
-    let size = Size::foretell(section, element_um)?;
-    let own = size.casting_bytes(1) + size.bytes() + size.workspace_bytes(wavelength_nm, 1, 8);
-    Ok(PROGRAM + (own + 4 * FIELD_VALUE * azimuths) as u64)
 }
 
 #[cfg(test)]

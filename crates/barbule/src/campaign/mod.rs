@@ -1,7 +1,7 @@
 //! Many illuminations of many instances: from a structure to the statistics that its BRDF is made of.
 //!
-//! A unit of work is one (λ, θ_i): all φ_i, polarizations and instances. Its fields stay in memory, their statistics
-//! are formed in instance order (so that bits do not depend on threads), and the fields are dropped.
+//! A [unit](crate::scattering::statistics::Unit) of work is one (λ, θ_i): all φ_i, polarizations and instances. Its fields stay in memory, their statistics
+//! are formed in instance order (so that bits do not depend on threads) and go to a [`Sink`], and the fields are dropped.
 
 mod covariance;
 mod crystal;
@@ -10,13 +10,16 @@ mod mirror;
 mod reduce;
 mod run;
 pub mod single;
+mod sink;
 pub mod spectrum;
 
-pub use memory::{Allowance, Demand, PROGRAM, Results, far_field_bytes, spectrum_bytes, statistics_bytes};
+pub use memory::{Allowance, Demand, Results, spectrum_bytes, statistics_bytes};
 pub use run::{Outcome, run, statistics};
+pub use sink::{Held, Memory, Sink};
 
 use num_complex::Complex;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::math::rng::Stream;
 use crate::math::simd::Width;
@@ -24,7 +27,7 @@ use crate::progress::Progress;
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::far_field::IncidentLight;
 use crate::scattering::orders::OrderTable;
-use crate::scattering::statistics::{AZIMUTHS, Axes, Sides, Unit};
+use crate::scattering::statistics::{AZIMUTHS, Axes, Sides, UnitStatistics};
 use crate::solve::surface::{self, Barbule, Batch, Cone, Grid, Underside, Workspace};
 use crate::structure::{Section, Structure, Symmetry};
 use crate::{Error, Result};
@@ -34,7 +37,7 @@ use crystal::Crystal;
 const TILT_STREAM: u64 = 0x7469_6c74;
 
 /// What a campaign simulates.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CampaignParameters {
     /// Wavelengths and directions.
     pub axes: Axes,
@@ -328,7 +331,7 @@ impl Campaign {
         theta: usize,
         keep: Keep,
         progress: &dyn Progress,
-    ) -> Result<Unit> {
+    ) -> Result<UnitStatistics> {
         let fields = self.fields(tables, theta, progress)?;
         let mut unit = reduce::unit(&self.parameters.axes, &fields);
         if keep == Keep::Fields {

@@ -8,17 +8,17 @@ use super::covariance::Covariance;
 use crate::math::band_limited::{TAPS, weights};
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::lobe::{FitKind, fit};
-use crate::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, Unit};
+use crate::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, UnitStatistics};
 
 /// Forms the statistics of the fields of one (λ, θ_i), φ_i in parallel, instances in order.
-pub(super) fn unit(axes: &Axes, fields: &Fields) -> Unit {
+pub(super) fn unit(axes: &Axes, fields: &Fields) -> UnitStatistics {
     let grid = NoiseGrid::new(fields.theta_i, fields.refine);
     let covariance = Covariance::<f32>::new();
     let parts: Vec<Direction> = (0..axes.phis())
         .into_par_iter()
         .map(|phi| direction(fields, axes.phi_i(phi), phi, &grid, &covariance))
         .collect();
-    let mut unit = Unit::default();
+    let mut unit = UnitStatistics::default();
     for part in parts {
         for polarization in part.polarizations {
             unit.u.extend(polarization.u.iter().map(|&v| v as f32));

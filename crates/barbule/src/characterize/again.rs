@@ -19,14 +19,14 @@ pub fn species_of(material: &FeatherMaterial, media: Library) -> Option<SpeciesM
 }
 
 /// A material's barbules, with what simulating them needs.
-pub struct Barbules<'a> {
+#[derive(Debug, Clone)]
+pub struct Barbules {
     structure: Structure,
     campaign: CampaignDescription,
-    catalog: &'a Catalog,
-    progress: &'a dyn Progress,
+    catalog: Catalog,
 }
 
-impl<'a> Barbules<'a> {
+impl Barbules {
     /// Those of a material; `given` finds the structure of the name of given sections or of a stack, `media` are the media of species.
     ///
     /// # Errors
@@ -35,8 +35,7 @@ impl<'a> Barbules<'a> {
         material: &FeatherMaterial,
         media: Library,
         given: &dyn Fn(&str) -> Result<Structure>,
-        catalog: &'a Catalog,
-        progress: &'a dyn Progress,
+        catalog: Catalog,
     ) -> Result<Self> {
         let campaign = CampaignDescription::read(&material.info["campaign"]).map_err(|_| unrecorded())?;
         let recorded = &campaign.structure;
@@ -51,29 +50,40 @@ impl<'a> Barbules<'a> {
         let is_below = recorded["side"].as_str() == Some("below");
         let structure = structure.and_then(|s| if is_below { s.underside().ok() } else { Some(s) });
         let structure = structure.filter(|structure| structure.description() == *recorded);
-        Ok(Self { structure: structure.ok_or_else(unrecorded)?, campaign, catalog, progress })
+        Ok(Self { structure: structure.ok_or_else(unrecorded)?, campaign, catalog })
     }
 
     /// The campaign that the material was made in, on other axes; with so many instances, or without tilt, where asked.
     ///
     /// # Errors
     /// As [`Campaign::with_orders`].
-    pub fn campaign(&self, axes: Axes, instances: Option<usize>, tilted: bool) -> Result<Campaign> {
+    pub fn campaign(
+        &self,
+        axes: Axes,
+        instances: Option<usize>,
+        tilted: bool,
+        progress: &dyn Progress,
+    ) -> Result<Campaign> {
         let recorded = self.campaign.instances.clamp(1, 10_000);
         let mut instances = instances.unwrap_or(recorded).max(1);
         if let Some(count) = self.structure.count().filter(|count| *count > 1) {
             instances = instances.min(count);
         }
         let tilt = if tilted { self.campaign.tilt_deg.clamp(0.0, 30.0).to_radians() } else { 0.0 };
-        let orders = self.catalog.orders(&self.structure, &axes, self.progress)?;
+        let orders = self.catalog.orders(&self.structure, &axes, progress)?;
         let mirror = self.campaign.mirror && axes.sides() == Sides::Alike;
         let parameters = CampaignParameters { axes, instances, seed: self.campaign.seed, tilt, mirror };
-        Campaign::with_orders(&self.structure, parameters, orders, &Resources::default(), self.progress)
+        Campaign::with_orders(&self.structure, parameters, orders, &Resources::default(), progress)
     }
+}
 
-    /// What watches the simulations.
-    #[must_use]
-    pub fn progress(&self) -> &dyn Progress {
-        self.progress
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whoever_holds_barbules_holds_all_they_need() {
+        fn is_owned<T: Clone + Send + Sync + 'static>() {}
+        is_owned::<Barbules>();
     }
 }

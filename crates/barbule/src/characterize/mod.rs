@@ -72,7 +72,7 @@ pub fn characterize(
         None => (statistics(&campaign, progress)?, 0),
         Some(path) => {
             let store = plan.store(path, &[], &how.resources)?;
-            let outcome = run(&campaign, &store, 0, 1, progress)?;
+            let outcome = run(&campaign, &store.axes().shard(0, 1), &store, progress)?;
             (store.statistics()?, outcome.repaired)
         }
     };

@@ -6,11 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use super::catalog::{DIGITS, file_stem};
 use super::{CAMPAIGN_VERSION, CampaignDescription, Catalog};
-use crate::campaign::{Campaign, CampaignParameters, Resources, sides};
+use crate::campaign::{Campaign, CampaignParameters, Demand, Keep, Resources, Results, sides};
 use crate::io::store::Store;
 use crate::progress::Progress;
 use crate::scattering::far_field::Window;
 use crate::scattering::statistics::{Axes, Sides};
+use crate::solve::cost::Cost;
 use crate::solve::surface::{Barbule, CAMPAIGN_ELEMENT_UM};
 use crate::spectrum::Wavelengths;
 use crate::structure::{Structure, Symmetry};
@@ -210,6 +211,24 @@ impl Plan {
     /// Seconds that simulation and fit take on so many cores that do nothing else, roughly.
     #[must_use]
     pub fn seconds(&self, cores: usize) -> f64 {
+        let fit = START_S + FIT_S * self.parameters.axes.len() as f64;
+        (fit + self.simulating_seconds()) / cores as f64
+    }
+
+    /// What one [unit](crate::scattering::statistics::Unit) takes on so many cores, beside what all share: its fields and results,
+    /// and its part of the time; at most and roughly.
+    ///
+    /// # Errors
+    /// An instance cannot be made.
+    pub fn unit_cost(&self, keep: Keep, cores: usize) -> Result<Cost> {
+        let demand = Demand::bound(&self.structure, &self.parameters, keep, Results::Stored)?;
+        let units = self.parameters.axes.units().count() * cores;
+        let seconds = self.simulating_seconds() / units as f64;
+        Ok(Cost { bytes: demand.unit, seconds: Some(seconds), ..Cost::default() })
+    }
+
+    /// Seconds that the simulation takes on one core.
+    fn simulating_seconds(&self) -> f64 {
         let CampaignParameters { axes, instances, seed, .. } = &self.parameters;
         let layers = self
             .structure
@@ -222,8 +241,7 @@ impl Plan {
         let per_um = ILLUMINATION_S_PER_UM * self.illuminations() as f64
             + LAYER_S_PER_UM * layers * tables
             + LAYER_PAIR_S_PER_UM * layers * layers * prepared;
-        let width = self.structure.width_um() * if self.structure.is_curved() { ARCH } else { 1.0 };
-        (START_S + FIT_S * axes.len() as f64 + per_um * width) / cores as f64
+        per_um * self.structure.width_um() * if self.structure.is_curved() { ARCH } else { 1.0 }
     }
 }
 
@@ -264,6 +282,17 @@ mod tests {
                 assert!((plan.seconds(1) / plan.seconds(4) - 4.0).abs() < 1e-12);
             }
         }
+    }
+
+    #[test]
+    fn units_take_their_part_of_the_time_and_keeping_fields_takes_memory() {
+        let plan = CampaignOptions::default().plan(starling()).unwrap();
+        let cost = |keep, cores| plan.unit_cost(keep, cores).unwrap();
+        let seconds = cost(Keep::Statistics, 2).seconds.unwrap();
+        let units = plan.parameters.axes.units().count() as f64;
+        // The rest is the fit's.
+        assert!((0.8..1.0).contains(&(seconds * units / plan.seconds(2))), "{seconds}");
+        assert!(cost(Keep::Fields, 1).bytes > cost(Keep::Statistics, 1).bytes);
     }
 
     #[test]

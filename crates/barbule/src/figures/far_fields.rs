@@ -2,7 +2,7 @@
 
 use crate::plot::{Axis, Curve, Drawing, Figure, HeatMap, Page};
 use crate::scattering::far_field::{Azimuths, FarField, IncidentLight, Polarization};
-use crate::solve::far_fields::Illuminations;
+use crate::solve::far_fields::{Illuminations, Scattered};
 use crate::{Error, Result};
 
 /// More far fields than this are no longer told apart as curves.
@@ -40,11 +40,11 @@ pub fn check_far_fields(illuminations: &Illuminations) -> Result<()> {
 pub fn far_fields(
     title: &str,
     illuminations: &Illuminations,
-    found: &[FarField],
+    found: &[Scattered],
     page: &Page,
 ) -> Result<Drawing> {
     check_far_fields(illuminations)?;
-    let quantity = match found.first().map(|far| far.light) {
+    let quantity = match found.first().map(|found| found.far.light) {
         Some(IncidentLight::PlaneWave) => "differential scattering width (µm/rad)",
         _ => "intensity (1/rad)",
     };
@@ -54,13 +54,13 @@ pub fn far_fields(
         return Ok(map(title, azimuth, axis, quantity, found).draw_on(page));
     }
     let mut chart = Figure::new(title, azimuth, Axis::new(quantity));
-    if let [far] = found {
+    if let [Scattered { far, .. }] = found {
         for (polarization, name) in Polarization::BOTH.into_iter().zip(["polarization 1", "polarization 2"]) {
             chart.curves.push(Curve::line(name, points(far, &far.per_radian(polarization))));
         }
         return Ok(chart.draw_on(page));
     }
-    for (far, light) in found.iter().zip(illuminations.iter()) {
+    for (Scattered { far, .. }, light) in found.iter().zip(illuminations.iter()) {
         let words = axes.iter().map(|axis| match axis.label {
             WAVELENGTH => format!("{} nm", short(light.wavelength_nm)),
             THETA => format!("θ_i = {}°", short(light.theta_i.to_degrees())),
@@ -103,12 +103,12 @@ fn points(far: &FarField, values: &[f64]) -> Vec<[f64; 2]> {
 }
 
 /// The mean of both polarizations over the azimuth and one axis; each cell shows the nearest far field.
-fn map(title: &str, azimuth: Axis, axis: &Varied, quantity: &str, found: &[FarField]) -> HeatMap {
+fn map(title: &str, azimuth: Axis, axis: &Varied, quantity: &str, found: &[Scattered]) -> HeatMap {
     let mut order: Vec<usize> = (0..axis.values.len()).collect();
     order.sort_by(|a, b| axis.values[*a].total_cmp(&axis.values[*b]));
     let sorted: Vec<f64> = order.iter().map(|at| axis.values[*at]).collect();
     let (low, high) = (sorted[0], sorted[sorted.len() - 1]);
-    let rows: Vec<Vec<f64>> = found.iter().map(unpolarized).collect();
+    let rows: Vec<Vec<f64>> = found.iter().map(|found| unpolarized(&found.far)).collect();
     let mut values = Vec::with_capacity(CELLS[0] * CELLS[1]);
     for j in 0..CELLS[1] {
         let at = low + (high - low) * (j as f64 + 0.5) / CELLS[1] as f64;
@@ -118,7 +118,7 @@ fn map(title: &str, azimuth: Axis, axis: &Varied, quantity: &str, found: &[FarFi
         let row = &rows[order[nearest]];
         values.extend((0..CELLS[0]).map(|i| row[i * row.len() / CELLS[0]]));
     }
-    let end = match found.first().map(|far| far.azimuths) {
+    let end = match found.first().map(|found| found.far.azimuths) {
         Some(Azimuths::FullCircle(_)) => 180.0,
         _ => 90.0,
     };
@@ -134,7 +134,8 @@ mod tests {
     use crate::plot::Format;
     use crate::progress::Unobserved;
     use crate::scattering::far_field::Window;
-    use crate::solve::far_fields::{Method, far_fields as solve};
+    use crate::solve::FAST;
+    use crate::solve::far_fields::Settings;
     use crate::structure::Structure;
 
     fn drawn(wavelengths: usize, phi_i: &[f64], window: Window) -> Result<String> {
@@ -146,7 +147,8 @@ mod tests {
         };
         check_far_fields(&sweep)?;
         let section = Structure::flat("air/keratin:300/air").unwrap().instance(1, 0).unwrap();
-        let found = solve(&section, &sweep, 40, Method::Fast, &Unobserved).unwrap();
+        let solver = (FAST.solver)(&Settings::default());
+        let found = solver.prepare(&section).unwrap().scatter(&sweep, 40, &Unobserved).unwrap();
         let bytes = far_fields("a title", &sweep, &found, &Page::default())?.encode(Format::Svg, &[])?;
         Ok(String::from_utf8(bytes).unwrap())
     }

@@ -22,7 +22,7 @@ use self::layout::{ARRAYS, Arrays, Attributes};
 use super::output::{behind_links, is_inside_store};
 use super::whole::{failure, folder_of, read_text};
 use super::zarr::{Array, Element};
-use crate::scattering::statistics::{Axes, Statistics, Unit};
+use crate::scattering::statistics::{Axes, Statistics, UnitStatistics};
 use crate::{Error, Result};
 
 /// How far a store is.
@@ -256,18 +256,9 @@ impl Store {
         &self.attributes.description
     }
 
-    /// All units (λ, θ_i), in the order of work.
+    /// The numbers of all units (λ, θ_i), in the order of work.
     pub fn units(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let thetas = self.attributes.axes.cos_theta().len();
-        (0..self.attributes.axes.wavelengths_nm().len()).flat_map(move |w| (0..thetas).map(move |t| (w, t)))
-    }
-
-    /// The units of shard `shard` of `shards`: neighbours, so that those of one wavelength mostly fall together.
-    #[must_use]
-    pub fn shard(&self, shard: usize, shards: usize) -> Vec<(usize, usize)> {
-        let count = self.units().count();
-        let bound = |shard: usize| count * shard / shards.max(1);
-        self.units().skip(bound(shard)).take(bound(shard + 1) - bound(shard)).collect()
+        self.axes().units().map(|unit| (unit.wavelength, unit.theta))
     }
 
     /// Whether a unit is there, by the presence of its last chunk.
@@ -281,7 +272,7 @@ impl Store {
     /// # Errors
     /// The disk is full or the store is not writable; the unit is of other axes than the store; its values are none that
     /// a reflection can have.
-    pub fn write(&self, wavelength: usize, theta: usize, unit: &Unit) -> Result<()> {
+    pub fn write(&self, wavelength: usize, theta: usize, unit: &UnitStatistics) -> Result<()> {
         if !is_possible(unit) {
             return Err(Error::not_settled(format!(
                 "{}: the unit at {} nm and cosθ = {} came out with values that are not finite or negative",
@@ -350,13 +341,13 @@ impl Store {
     /// Reads a unit; `None` when it is missing or damaged (a checksum or digest fails, a chunk is not of the length that
     /// its shape asks for, or has values that no reflection has), so that it can be computed again.
     #[must_use]
-    pub fn read(&self, wavelength: usize, theta: usize) -> Option<Unit> {
+    pub fn read(&self, wavelength: usize, theta: usize) -> Option<UnitStatistics> {
         if !self.is_done(wavelength, theta) {
             return None;
         }
         let at = [wavelength, theta];
         let digests = self.digest(at)?;
-        let unit = Unit {
+        let unit = UnitStatistics {
             u: self.read_chunk(0, &at, &digests)?,
             v: self.read_chunk(1, &at, &digests)?,
             autocovariance: self.read_chunk(2, &at, &digests)?,
@@ -404,7 +395,7 @@ impl Store {
 
 /// Whether values can be those of a reflection: finite, and intensities not negative. What is relative to the light that
 /// comes back is undefined where none does.
-fn is_possible(unit: &Unit) -> bool {
+fn is_possible(unit: &UnitStatistics) -> bool {
     let intensity = |values: &[f64]| values.iter().all(|v| v.is_finite() && *v >= 0.0);
     unit.u.iter().all(|v| v.is_finite() && *v >= 0.0)
         && unit.v.iter().chain(&unit.autocovariance).all(|v| v.is_finite())

@@ -8,13 +8,13 @@ pub use numbers::{Case, Comparison, Incidence};
 
 use rayon::prelude::*;
 
-use crate::campaign::far_field_bytes;
 use crate::clock;
 use crate::progress::{OnlyStops, Progress};
 use crate::scattering::far_field::{FarField, Polarization, Window};
-use crate::solve::far_fields::{Illuminations, Method, far_fields};
-use crate::solve::full_wave;
-use crate::solve::surface::FINE_ELEMENT_UM;
+use crate::solve::SHADOWED;
+use crate::solve::cost::Cost;
+use crate::solve::far_fields::{Illuminations, Method, Scattered, SectionSolver as _, Settings};
+use crate::solve::full_wave::FullWave;
 use crate::spectrum::Wavelengths;
 use crate::structure::{Closed, Section};
 use crate::{Error, Result};
@@ -32,14 +32,12 @@ pub struct Plan {
     pub phi_i: Vec<f64>,
     /// Azimuths of the upper half at which patterns are compared.
     pub azimuths: usize,
-    /// Nodes per wavelength of the full waves.
-    pub elements_per_wavelength: f64,
+    /// How full waves are solved.
+    pub full: FullWave,
     /// What is compared with them: the fast simulation, or its formulas with shadows.
     pub method: Method,
     /// Standard deviation over which the fast simulation's outlines were averaged, µm.
     pub smooth_um: Option<f64>,
-    /// Full waves are given up where their equations would take more, bytes.
-    pub memory_bytes: u64,
 }
 
 impl Plan {
@@ -62,9 +60,14 @@ impl Plan {
     /// What the full waves take.
     ///
     /// # Errors
-    /// As [`full_wave::cost`].
-    pub fn cost(&self, threads: usize) -> Result<full_wave::Cost> {
-        full_wave::cost(&self.closed.regions, &self.light(), self.elements_per_wavelength, threads)
+    /// As [`Prepared::cost`](crate::solve::far_fields::Prepared::cost).
+    pub fn cost(&self, threads: usize) -> Result<Cost> {
+        self.full.prepare(&self.closed.regions)?.cost(&self.light(), self.circle(), threads)
+    }
+
+    /// Azimuths of the full waves: every second of four times as many of the circle is one of the upper half's.
+    fn circle(&self) -> usize {
+        4 * self.azimuths
     }
 
     /// Runs both.
@@ -73,15 +76,16 @@ impl Plan {
     /// As the solvers; or the user cancelled.
     pub fn run(&self, progress: &dyn Progress) -> Result<Comparison> {
         let light = self.light();
-        let by_formulas = |light: &Illuminations| {
-            far_fields(&self.closed.fast, light, self.azimuths, self.method, &OnlyStops(progress))
-        };
+        let solver = (self.method.solver)(&Settings::default());
+        let (formulas, exact) =
+            (solver.prepare(&self.closed.fast)?, self.full.prepare(&self.closed.regions)?);
+        let by_formulas =
+            |light: &Illuminations| formulas.scatter(light, self.azimuths, &OnlyStops(progress));
         let start = clock::system();
         let windowed = by_formulas(&self.light_through(Window::Gaussian))?;
         let fast_seconds = (clock::system() - start).as_secs_f64();
         let fast = by_formulas(&light)?;
-        let shortest = self.wavelengths.nm().iter().copied().fold(f64::INFINITY, f64::min);
-        let fast_bytes = far_field_bytes(&self.closed.fast, shortest, self.azimuths, FINE_ELEMENT_UM)?;
+        let fast_bytes = formulas.cost(&light, self.azimuths, 1)?.bytes;
         let (incidences, count) = (self.phi_i.len(), self.wavelengths.len());
         progress.begin("full waves", count as u64);
         let mut cases = Vec::with_capacity(light.count());
@@ -89,12 +93,13 @@ impl Plan {
             if progress.is_cancelled() {
                 return Err(Error::interrupted());
             }
-            let full = self.full_waves(wavelength_nm, &OnlyStops(progress))?;
+            let one = Illuminations { wavelengths_nm: vec![wavelength_nm], ..light.clone() };
+            let full = exact.scatter(&one, self.circle(), &OnlyStops(progress))?;
             let of_this = w * incidences..(w + 1) * incidences;
-            let formulas = fast[of_this.clone()].iter().zip(&windowed[of_this]);
-            let pairs = formulas.zip(&full);
-            cases
-                .extend(pairs.map(|((fast, windowed), full)| self.case(wavelength_nm, fast, windowed, full)));
+            let of_formulas = fast[of_this.clone()].iter().zip(&windowed[of_this]);
+            for ((fast, windowed), full) in of_formulas.zip(&full) {
+                cases.push(self.case(wavelength_nm, &fast.far, &windowed.far, full)?);
+            }
             progress.advance(1);
         }
         // [wavelength][incidence] → [incidence][wavelength]
@@ -107,29 +112,13 @@ impl Plan {
             width_um: self.closed.regions.width_um,
             changes: self.closed.changes.clone(),
             wavelengths_nm: self.wavelengths.nm().to_vec(),
-            elements_per_wavelength: self.elements_per_wavelength,
+            elements_per_wavelength: self.full.elements_per_wavelength,
             fast_seconds,
-            has_shadows: self.method == Method::Shadowed,
+            has_shadows: self.method == SHADOWED,
             smooth_um: self.smooth_um,
             fast_bytes,
             incidences: found.collect(),
         })
-    }
-
-    fn full_waves(&self, wavelength_nm: f64, progress: &dyn Progress) -> Result<Vec<full_wave::Solved>> {
-        let light = Illuminations { wavelengths_nm: vec![wavelength_nm], ..self.light() };
-        // Every second of four times as many azimuths of the circle is one of the upper half's.
-        let circle = 4 * self.azimuths;
-        let (elements, memory_bytes) = (self.elements_per_wavelength, self.memory_bytes);
-        full_wave::solve(
-            &self.closed.regions,
-            &light,
-            circle,
-            elements,
-            memory_bytes,
-            clock::system,
-            progress,
-        )
     }
 
     fn case(
@@ -137,27 +126,30 @@ impl Plan {
         wavelength_nm: f64,
         fast: &FarField,
         windowed: &FarField,
-        full: &full_wave::Solved,
-    ) -> Case {
+        full: &Scattered,
+    ) -> Result<Case> {
+        let Scattered { far, reflected, exact: Some(exact), effort: Some(effort) } = full else {
+            return Err(Error::machine("the solver to compare with does not solve Maxwell's equations"));
+        };
         let unpolarized = |far: &FarField| -> Vec<f64> {
             let [a, b] = Polarization::BOTH.map(|p| far.per_radian(p));
             a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect()
         };
-        let circle = unpolarized(&full.scattered.far);
+        let circle = unpolarized(far);
         let upper = (0..self.azimuths).map(|n| circle[self.azimuths + 2 * n + 1]);
-        let power_um = full.scattered.far.light.scale().powi(-2);
+        let power_um = far.light.scale().powi(-2);
         let mean = |both: [f64; 2]| 0.5 * (both[0] + both[1]);
-        let reflected = full.scattered.reflected.map_or(f64::NAN, mean);
-        Case {
+        let reflected = reflected.map_or(f64::NAN, mean);
+        Ok(Case {
             wavelength_nm,
             fast: unpolarized(fast),
             full: upper.collect(),
             reflected: [mean(fast.radiated), reflected],
             windowed: mean(windowed.radiated),
-            scattered: mean(full.scattered.far.radiated),
-            absorbed: mean(full.scattered.absorbed_um) / power_um,
-            effort: full.effort,
-        }
+            scattered: mean(far.radiated),
+            absorbed: mean(exact.absorbed_um) / power_um,
+            effort: *effort,
+        })
     }
 }
 
@@ -173,7 +165,9 @@ pub fn usual_azimuths(section: &Section, shortest_nm: f64) -> usize {
 mod tests {
     use super::*;
     use crate::material::Library;
-    use crate::progress::Unobserved;
+    use crate::progress::{NO_CLOCK, Unobserved};
+    use crate::solve::DIRECT;
+    use crate::solve::far_fields::SectionSolver;
     use crate::structure::{Beneath, Medium, Parts, Polyline};
 
     /// Ridges as steep as 25° hide at 60° what leaves the slopes that face away: with shadows the pattern is nearer to that of
@@ -200,18 +194,21 @@ mod tests {
             closed: section.closed(Beneath::Absorbing).unwrap(),
             wavelengths: Wavelengths::new(vec![550.0]).unwrap(),
             phi_i: vec![60_f64.to_radians()],
-            elements_per_wavelength: 6.0,
-            method: Method::Fast,
+            full: FullWave { elements_per_wavelength: 6.0, memory_bytes: u64::MAX, clock: NO_CLOCK },
+            method: DIRECT,
             smooth_um: None,
-            memory_bytes: u64::MAX,
         };
-        let full = plan.full_waves(550.0, &Unobserved).unwrap().swap_remove(0);
+        let scattered = |solver: &dyn SectionSolver, section: &Section, azimuths: usize| {
+            let prepared = solver.prepare(section).unwrap();
+            prepared.scatter(&plan.light(), azimuths, &Unobserved).unwrap().swap_remove(0)
+        };
+        let full = scattered(&plan.full, &plan.closed.regions, plan.circle());
         let by = |method: Method| {
-            let fast =
-                far_fields(&plan.closed.fast, &plan.light(), plan.azimuths, method, &Unobserved).unwrap();
-            plan.case(550.0, &fast[0], &fast[0], &full)
+            let solver = (method.solver)(&Settings::default());
+            let fast = scattered(&*solver, &plan.closed.fast, plan.azimuths).far;
+            plan.case(550.0, &fast, &fast, &full).unwrap()
         };
-        let (plain, shadowed) = (by(Method::Direct), by(Method::Shadowed));
+        let (plain, shadowed) = (by(DIRECT), by(SHADOWED));
         // 0.620 and 0.804, 0.81 and 0.50 are reached.
         assert!(plain.correlation() < 0.65 && shadowed.correlation() > 0.75, "{}", shadowed.correlation());
         assert!(plain.rms() > 0.75 && shadowed.rms() < 0.55, "{} {}", plain.rms(), shadowed.rms());

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::solve::full_wave::Effort;
+use crate::solve::far_fields::Effort;
 use crate::spectrum::Wavelengths;
 use crate::spectrum::colour::{Illuminant, Observer};
 use crate::spectrum::difference::{delta_e_2000, lab};

@@ -4,18 +4,18 @@ use std::fmt::Write as _;
 
 use barbule::Complex64;
 use barbule::scattering::far_field::{FarField, IncidentLight, Polarization};
-use barbule::solve::full_wave::Solved;
+use barbule::solve::far_fields::{Effort, Exact, Scattered};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::{Fields, Mirror};
 
 impl Fields<'_> {
     /// Every far field with its wavelength (nm), θ_i and φ_i (degrees as typed), φ_i fastest.
-    fn cases(&self) -> impl Iterator<Item = ([f64; 3], &FarField)> {
+    fn cases(&self) -> impl Iterator<Item = ([f64; 3], &Scattered)> {
         let (thetas, phis) = (self.theta_deg.len(), self.phi_deg.len());
-        self.found.iter().enumerate().map(move |(index, far)| {
+        self.found.iter().enumerate().map(move |(index, found)| {
             let (rest, phi) = (index / phis, self.phi_deg[index % phis]);
-            ([self.wavelengths_nm[rest / thetas], self.theta_deg[rest % thetas], phi], far)
+            ([self.wavelengths_nm[rest / thetas], self.theta_deg[rest % thetas], phi], found)
         })
     }
 }
@@ -37,28 +37,31 @@ impl Serialize for Document<'_> {
             map.serialize_entry("phi_deg", fields.phi_deg)?;
             &shape
         };
-        if let Some(far) = fields.found.first() {
-            map.serialize_entry("phi_out_deg", &phi_out_deg(far))?;
+        let found = fields.found;
+        if let Some(first) = found.first() {
+            map.serialize_entry("phi_out_deg", &phi_out_deg(&first.far))?;
         }
-        let power = |far: &FarField| match far.light {
+        let power = |found: &Scattered| match found.far.light {
             IncidentLight::Beam { power_um } => Some(power_um),
             IncidentLight::PlaneWave => None,
         };
-        map.serialize_entry("incident_power", &Stacked { found: fields.found, sizes, of: &power })?;
+        map.serialize_entry("incident_power", &Stacked { found, sizes, of: &power })?;
         for (polarization, name) in Polarization::BOTH.into_iter().zip(["polarization_1", "polarization_2"]) {
-            let polarized =
-                Polarized { found: fields.found, full_wave: fields.full_wave, sizes, polarization };
-            map.serialize_entry(name, &polarized)?;
+            map.serialize_entry(name, &Polarized { found, sizes, polarization })?;
         }
-        if let Some(found) = fields.full_wave {
-            let unknowns = |solved: &Solved| solved.effort.unknowns;
-            let elements = |solved: &Solved| solved.effort.elements_per_wavelength;
-            let seconds = |solved: &Solved| solved.effort.seconds;
-            let memory = |solved: &Solved| solved.effort.memory_bytes;
+        let efforts: Vec<Effort> = found.iter().filter_map(|found| found.effort).collect();
+        if !efforts.is_empty() {
+            let found = &efforts[..];
+            let unknowns = |effort: &Effort| effort.unknowns;
+            let elements = |effort: &Effort| effort.elements_per_wavelength;
+            let seconds = |effort: &Effort| effort.seconds;
+            let memory = |effort: &Effort| effort.memory_bytes;
             map.serialize_entry("unknowns", &Stacked { found, sizes, of: &unknowns })?;
             map.serialize_entry("elements_per_wavelength", &Stacked { found, sizes, of: &elements })?;
             map.serialize_entry("seconds", &Stacked { found, sizes, of: &seconds })?;
             map.serialize_entry("memory_bytes", &Stacked { found, sizes, of: &memory })?;
+        }
+        if fields.mirrors.is_empty() {
             return map.end();
         }
         let mirror = |mirror: &Mirror| mirror.fraction;
@@ -71,42 +74,38 @@ impl Serialize for Document<'_> {
 
 /// What leaves for one incident polarization.
 struct Polarized<'a> {
-    found: &'a [FarField],
-    full_wave: Option<&'a [Solved]>,
+    found: &'a [Scattered],
     sizes: &'a [usize],
     polarization: Polarization,
 }
 
 impl Serialize for Polarized<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { found, full_wave, sizes, polarization } = *self;
+        let Self { found, sizes, polarization } = *self;
+        let p = polarization.index();
         let complex = |along: usize| {
-            move |far: &FarField| {
-                let values: &[Complex64] = &far.amplitudes[polarization.index()][along];
+            move |found: &Scattered| {
+                let values: &[Complex64] = &found.far.amplitudes[p][along];
                 values.iter().map(|z| [z.re, z.im]).collect::<Vec<_>>()
             }
         };
+        let intensity = |found: &Scattered| found.far.per_radian(polarization);
+        let reflected = |found: &Scattered| found.reflected.map(|both| both[p]);
         let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry(
-            "intensity",
-            &Stacked { found, sizes, of: &|far: &FarField| far.per_radian(polarization) },
-        )?;
+        map.serialize_entry("intensity", &Stacked { found, sizes, of: &intensity })?;
         map.serialize_entry("e1", &Stacked { found, sizes, of: &complex(0) })?;
         map.serialize_entry("e2", &Stacked { found, sizes, of: &complex(1) })?;
-        let Some(found) = full_wave else {
-            let reflected = |far: &FarField| far.reflected_fraction(polarization);
-            map.serialize_entry("reflected_fraction", &Stacked { found, sizes, of: &reflected })?;
-            return map.end();
-        };
-        let p = polarization.index();
-        let reflected = |solved: &Solved| solved.scattered.reflected.map(|both| both[p]);
-        let scattered = |solved: &Solved| solved.scattered.scattered_um[p];
-        let extinction = |solved: &Solved| solved.scattered.extinction_um.map(|both| both[p]);
-        let absorbed = |solved: &Solved| solved.scattered.absorbed_um[p];
         map.serialize_entry("reflected_fraction", &Stacked { found, sizes, of: &reflected })?;
-        map.serialize_entry("scattered", &Stacked { found, sizes, of: &scattered })?;
-        map.serialize_entry("extinction", &Stacked { found, sizes, of: &extinction })?;
-        map.serialize_entry("absorbed", &Stacked { found, sizes, of: &absorbed })?;
+        let exact: Vec<Exact> = found.iter().filter_map(|found| found.exact).collect();
+        if !exact.is_empty() {
+            let found = &exact[..];
+            let scattered = |exact: &Exact| exact.scattered_um[p];
+            let extinction = |exact: &Exact| exact.extinction_um.map(|both| both[p]);
+            let absorbed = |exact: &Exact| exact.absorbed_um[p];
+            map.serialize_entry("scattered", &Stacked { found, sizes, of: &scattered })?;
+            map.serialize_entry("extinction", &Stacked { found, sizes, of: &extinction })?;
+            map.serialize_entry("absorbed", &Stacked { found, sizes, of: &absorbed })?;
+        }
         map.end()
     }
 }
@@ -147,7 +146,7 @@ pub(super) fn csv(fields: &Fields<'_>) -> String {
         "wavelength_nm,theta_deg,phi_deg,phi_out_deg,intensity_1,intensity_2,\
          e1_re_1,e1_im_1,e2_re_1,e2_im_1,e1_re_2,e1_im_2,e2_re_2,e2_im_2\n",
     );
-    for ([nm, theta, phi], far) in fields.cases() {
+    for ([nm, theta, phi], Scattered { far, .. }) in fields.cases() {
         let intensity = Polarization::BOTH.map(|p| far.per_radian(p));
         for (n, phi_out) in phi_out_deg(far).into_iter().enumerate() {
             // Writing to a string cannot fail, here and below.
@@ -162,11 +161,12 @@ pub(super) fn csv(fields: &Fields<'_>) -> String {
 }
 
 /// One far field: its power, then azimuths and intensities as columns.
-pub(super) fn table(far: &FarField, full_wave: Option<&Solved>) -> String {
+pub(super) fn table(found: &Scattered) -> String {
+    let Scattered { far, reflected, exact, effort } = found;
     let intensity = Polarization::BOTH.map(|p| far.per_radian(p));
-    let [first, second] = full_wave.and_then(|solved| solved.scattered.reflected).unwrap_or(far.radiated);
+    let [first, second] = reflected.unwrap_or(far.radiated);
     let (unit, mut text) = match far.light {
-        IncidentLight::PlaneWave if full_wave.is_some() => ("µm/rad", String::new()),
+        IncidentLight::PlaneWave if exact.is_some() => ("µm/rad", String::new()),
         IncidentLight::Beam { power_um } => (
             "1/rad",
             format!(
@@ -177,18 +177,20 @@ pub(super) fn table(far: &FarField, full_wave: Option<&Solved>) -> String {
             ("µm/rad", format!("reflected width {first:.6} µm (polarization 1), {second:.6} µm (2)\n"))
         }
     };
-    if let Some(Solved { scattered, effort }) = full_wave {
+    if let Some(exact) = exact {
         for p in [0, 1] {
-            let extinct = scattered.extinction_um.map(|both| format!(", extinct {:.6}", both[p]));
+            let extinct = exact.extinction_um.map(|both| format!(", extinct {:.6}", both[p]));
             let _ = writeln!(
                 text,
                 "polarization {}: scattered {:.6}, absorbed {:.6}{} µm",
                 p + 1,
-                scattered.scattered_um[p],
-                scattered.absorbed_um[p],
+                exact.scattered_um[p],
+                exact.absorbed_um[p],
                 extinct.unwrap_or_default()
             );
         }
+    }
+    if let Some(effort) = effort {
         let _ = writeln!(
             text,
             "{} unknowns, {} nodes per wavelength, {:.2} s",
@@ -205,7 +207,7 @@ pub(super) fn table(far: &FarField, full_wave: Option<&Solved>) -> String {
 
 /// Several far fields, one in each row: what part is reflected, and where and how high the mean intensity peaks.
 pub(super) fn summary(fields: &Fields<'_>) -> String {
-    let (part, unit) = match fields.found.first().map(|far| far.light) {
+    let (part, unit) = match fields.found.first().map(|found| found.far.light) {
         Some(IncidentLight::PlaneWave) => ("width (µm)", "µm/rad"),
         _ => ("reflected", "1/rad"),
     };
@@ -219,15 +221,14 @@ pub(super) fn summary(fields: &Fields<'_>) -> String {
         "peak φ_o (°)",
         format!("there ({unit})")
     );
-    for (index, ([nm, theta, phi], far)) in fields.cases().enumerate() {
+    for ([nm, theta, phi], Scattered { far, reflected, .. }) in fields.cases() {
         let [first, second] = Polarization::BOTH.map(|p| far.per_radian(p));
         let mean = first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b));
         let (peak, height) = phi_out_deg(far)
             .into_iter()
             .zip(mean)
             .fold((0.0, f64::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best });
-        let full_wave = fields.full_wave.and_then(|solved| solved[index].scattered.reflected);
-        let [one, two] = full_wave.unwrap_or(far.radiated);
+        let [one, two] = reflected.unwrap_or(far.radiated);
         let _ = write!(
             text,
             "\n{nm:>8}  {theta:>8}  {phi:>8}  {one:>12.6}  {two:>12.6}  {peak:>13.3}  {height:>16.5e}"

@@ -16,10 +16,12 @@ mod shape;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use super::beam;
-use super::far_fields::Illuminations;
+use super::cost::Cost;
+use super::far_fields::{Effort, Exact, Illuminations, Prepared, Scattered, SectionSolver, Settings};
 use crate::math::dense::Dense;
 use crate::math::hierarchical::HierarchicalFactors;
 use crate::math::large::LargeFactors;
@@ -28,7 +30,7 @@ use crate::scattering::directions::{e1, e2};
 use crate::scattering::far_field::{
     Azimuths, FarField, Illumination, IncidentLight, Polarization, Window, coefficients,
 };
-use crate::structure::Section;
+use crate::structure::{Beneath, Section};
 use crate::{Complex64, Error, Result};
 use incidence::Incidence;
 use kernel::{COMPONENTS, Kernel};
@@ -86,93 +88,80 @@ pub enum Method {
     Hierarchical,
 }
 
-/// What solving takes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cost {
-    /// Unknown numbers, four for each node.
-    pub unknowns: usize,
-    /// Memory, bytes.
-    pub bytes: u64,
-    /// About how long on so many threads, s.
-    pub seconds: f64,
-}
-
-/// What a section does with light, exact up to discretization.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Scattered {
-    /// The scattered far field over the full circle of azimuths.
-    pub far: FarField,
-    /// The part of Φ_i that leaves into the upper half, by incident polarization; `None` for a plane wave.
-    pub reflected: Option<[f64; 2]>,
-    /// ∫ dσ over all azimuths, µm for unit |E|.
-    pub scattered_um: [f64; 2],
-    /// By the forward amplitude (optical theorem), µm; `None` for a beam.
-    pub extinction_um: Option<[f64; 2]>,
-    /// What flows into absorbing regions, µm for unit |E|.
-    pub absorbed_um: [f64; 2],
-}
-
-/// What a section does with light, and what it took to find out.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Solved {
-    /// What it does.
-    pub scattered: Scattered,
-    /// What it took: light of one wavelength and θ_i shares one solution.
-    pub effort: Effort,
-}
-
-/// The size of a solution.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Effort {
-    /// Unknown numbers, four for each node.
-    pub unknowns: usize,
-    /// Nodes per wavelength in the denser medium.
+/// Full waves as a solver of sections, which it closes; its far fields are over the full circle.
+#[derive(Debug, Clone, Copy)]
+pub struct FullWave {
+    /// Nodes per wavelength in the denser of the media at each boundary.
     pub elements_per_wavelength: f64,
-    /// Wall time, s.
-    pub seconds: f64,
-    /// Memory of the equations, bytes.
+    /// Given up where thin products would take more, bytes.
     pub memory_bytes: u64,
+    /// Times it.
+    pub clock: Clock,
 }
 
-/// What light of each wavelength and direction takes at most at once, and in all.
-///
-/// # Errors
-/// As [`Problem::new`].
-pub fn cost(section: &Section, light: &Illuminations, elements: f64, threads: usize) -> Result<Cost> {
-    let mut all = Cost { unknowns: 0, bytes: 0, seconds: 0.0 };
-    for &wavelength_nm in &light.wavelengths_nm {
-        for &theta_i in &light.theta_i {
-            let one = Problem::new(section, wavelength_nm, theta_i, elements)?.cost(threads);
-            all.unknowns = all.unknowns.max(one.unknowns);
-            all.bytes = all.bytes.max(one.bytes);
-            all.seconds += one.seconds;
-        }
-    }
-    Ok(all)
+/// A section whose regions are closed.
+struct Regions<'a> {
+    section: Cow<'a, Section>,
+    changes: Vec<String>,
+    solver: FullWave,
 }
 
-/// Light of each wavelength and direction, in the order of [`Illuminations::iter`], on so many azimuths of the full circle,
-/// with `elements` nodes per wavelength; given up where thin products would take more than `memory_bytes`. `clock` times it.
-///
-/// # Errors
-/// As [`Problem::new`] and [`Problem::solve`].
-pub fn solve(
-    section: &Section,
-    light: &Illuminations,
-    azimuths: usize,
-    elements: f64,
-    memory_bytes: u64,
-    clock: Clock,
-    progress: &dyn Progress,
-) -> Result<Vec<Solved>> {
-    let mut all = Vec::with_capacity(light.count());
-    for &wavelength_nm in &light.wavelengths_nm {
-        for &theta_i in &light.theta_i {
-            let problem = Problem::new(section, wavelength_nm, theta_i, elements)?.within(memory_bytes);
-            all.extend(problem.solve(&light.phi_i, light.window, azimuths, clock, progress)?);
-        }
+impl FullWave {
+    /// With what concerns it of the settings.
+    #[must_use]
+    pub fn new(settings: &Settings) -> Self {
+        let Settings { elements_per_wavelength, memory_bytes, clock } = *settings;
+        Self { elements_per_wavelength, memory_bytes, clock }
     }
-    Ok(all)
+}
+
+impl SectionSolver for FullWave {
+    fn prepare<'a>(&self, section: &'a Section) -> Result<Box<dyn Prepared + 'a>> {
+        let is_closed = section.boundaries.is_empty();
+        let (section, changes) = if is_closed {
+            (Cow::Borrowed(section), Vec::new())
+        } else {
+            let closed = section.closed(Beneath::Absorbing)?;
+            (Cow::Owned(closed.regions), closed.changes)
+        };
+        Ok(Box::new(Regions { section, changes, solver: *self }))
+    }
+}
+
+impl Regions<'_> {
+    /// What light of each wavelength and θ_i asks for, which shares one solution.
+    fn problems(&self, light: &Illuminations) -> impl Iterator<Item = Result<Problem<'_>>> {
+        let FullWave { elements_per_wavelength, memory_bytes, .. } = self.solver;
+        light.wavelengths_nm.iter().flat_map(move |&wavelength_nm| {
+            light.theta_i.iter().map(move |&theta_i| {
+                let problem = Problem::new(&self.section, wavelength_nm, theta_i, elements_per_wavelength)?;
+                Ok(problem.within(memory_bytes))
+            })
+        })
+    }
+}
+
+impl Prepared for Regions<'_> {
+    fn changes(&self) -> &[String] {
+        &self.changes
+    }
+
+    fn cost(&self, light: &Illuminations, _azimuths: usize, threads: usize) -> Result<Cost> {
+        self.problems(light).try_fold(Cost::default(), |all, problem| Ok(all.then(problem?.cost(threads))))
+    }
+
+    fn scatter(
+        &self,
+        light: &Illuminations,
+        azimuths: usize,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Scattered>> {
+        let mut all = Vec::with_capacity(light.count());
+        for problem in self.problems(light) {
+            all.extend(problem?.solve(&light.phi_i, light.window, azimuths, self.solver.clock, progress)?);
+        }
+        Ok(all)
+    }
 }
 
 impl<'a> Problem<'a> {
@@ -236,7 +225,7 @@ impl<'a> Problem<'a> {
             unknowns: nodes * COMPONENTS,
             // Near panels have their blocks beside.
             bytes: bytes as u64 + nodes as u64 * NEAR_BYTES,
-            seconds: systems.len() as f64 * work / threads.max(1) as f64,
+            seconds: Some(systems.len() as f64 * work / threads.max(1) as f64),
         }
     }
 
@@ -263,7 +252,7 @@ impl<'a> Problem<'a> {
         azimuths: usize,
         clock: Clock,
         progress: &dyn Progress,
-    ) -> Result<Vec<Solved>> {
+    ) -> Result<Vec<Scattered>> {
         let start = clock();
         let lights: Vec<Illumination> = phi_i
             .iter()
@@ -313,13 +302,13 @@ impl<'a> Problem<'a> {
             scatter(&operator.mesh, light, fields, beam::power_um(section.width_um, light), azimuths)
         });
         let scattered: Vec<Scattered> = far.collect();
-        let effort = Effort {
+        let effort = Some(Effort {
             unknowns: cost.unknowns,
             elements_per_wavelength,
             seconds: (clock() - start).as_secs_f64(),
             memory_bytes: bytes,
-        };
-        Ok(scattered.into_iter().map(|scattered| Solved { scattered, effort }).collect())
+        });
+        Ok(scattered.into_iter().map(|scattered| Scattered { effort, ..scattered }).collect())
     }
 }
 
@@ -426,8 +415,11 @@ fn scatter(
     Scattered {
         far,
         reflected: is_beam.then(|| [0, 1].map(|p| power(&resolved[p], &upper) * scale * scale)),
-        scattered_um,
-        extinction_um: (!is_beam).then(|| [0, 1].map(extinction)),
-        absorbed_um: [0, 1].map(|p| absorbed_um(mesh, &fields[p])),
+        exact: Some(Exact {
+            scattered_um,
+            extinction_um: (!is_beam).then(|| [0, 1].map(extinction)),
+            absorbed_um: [0, 1].map(|p| absorbed_um(mesh, &fields[p])),
+        }),
+        effort: None,
     }
 }

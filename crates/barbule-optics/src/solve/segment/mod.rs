@@ -17,14 +17,13 @@ mod tests;
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 
+use super::cost::Cost;
 use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::directions::{e1, e2, omega};
 use crate::spectrum::wave_number_per_um;
 use crate::structure::{Line, Sampled, Segment, SegmentGrid};
 use crate::{Error, Result};
-
-pub use radiate::{Size, foretell};
 
 /// Components of a current: J_x, J_y, J_z, M_x, M_y, M_z.
 const COMPONENTS: usize = 6;
@@ -211,6 +210,21 @@ pub fn far_field(
     let incidence = Incidence::new(light);
     let reflector = Reflector::new(segment, &sampled, light, &incidence, progress)?;
     radiate::radiate(&sampled, &reflector, &incidence, light, accuracy, progress)
+}
+
+/// What [`far_field`] takes on so many threads.
+///
+/// # Errors
+/// As [`far_field`], as far as that is known without its work.
+pub fn cost(
+    segment: &Segment,
+    light: &SegmentLight,
+    accuracy: &SegmentAccuracy,
+    threads: usize,
+) -> Result<Cost> {
+    let grid = grid(segment, light, accuracy)?;
+    let radiated = radiate::bytes(&grid, segment.roughness, light, accuracy, threads)?;
+    Ok(Cost { bytes: radiated + segment.sampled_bytes(&grid, accuracy.parts), ..Cost::default() })
 }
 
 /// The cells on which a segment is sampled.

@@ -26,19 +26,6 @@ const VALUES: usize = 2 * 2 * COMPONENTS;
 /// Standard deviations of the roughness that the interpolation over ω_z holds.
 const HIGHEST: f64 = 5.0;
 
-/// The grids of a far field, and what it takes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Size {
-    /// Cells of the segment.
-    pub cells: [usize; 2],
-    /// Directions along ω_x and ω_y.
-    pub directions: [usize; 2],
-    /// Nodes over ω_z.
-    pub nodes: usize,
-    /// Bytes on so many threads.
-    pub bytes: u64,
-}
-
 /// Where currents go.
 struct Plan {
     k: f64,
@@ -120,34 +107,30 @@ impl Plan {
         (self.held_bytes / (4 * self.columns() * lines.next_multiple_of(LINES))).max(1)
     }
 
-    fn size(&self, grid: &SegmentGrid, threads: usize) -> Size {
+    /// Memory on so many threads.
+    fn bytes(&self, grid: &SegmentGrid, threads: usize) -> u64 {
         let lines = grid.cells[0].next_multiple_of(LINES);
         let rows = (self.rows.end - self.rows.start) as usize;
         let held = rows.min(self.at_once(lines)) * self.columns() * lines * 4;
         let results = rows * self.directions() * 2 * size_of::<[Complex32; 2]>();
         let line = self.length * 8 + 16 * grid.cells[1] * (VALUES + 40) + rows * self.columns() * LINES * 4;
         let kernel = 4 * (2 * self.directions() * (CHUNK + self.columns()) + self.columns() * lines);
-        Size {
-            cells: grid.cells,
-            directions: [self.directions(), rows],
-            nodes: self.nodes.len(),
-            bytes: (held + results + threads * line.max(kernel)) as u64,
-        }
+        (held + results + threads * line.max(kernel)) as u64
     }
 }
 
-/// What a far field takes, foretold.
+/// Memory that a far field takes on so many threads, bytes.
 ///
 /// # Errors
 /// Cells are too long for the wavelength.
-pub fn foretell(
+pub(super) fn bytes(
     grid: &SegmentGrid,
     roughness: Roughness,
     light: &SegmentLight,
     accuracy: &SegmentAccuracy,
     threads: usize,
-) -> Result<Size> {
-    Ok(Plan::new(grid, roughness, light, accuracy)?.size(grid, threads))
+) -> Result<u64> {
+    Ok(Plan::new(grid, roughness, light, accuracy)?.bytes(grid, threads))
 }
 
 pub(super) fn radiate(

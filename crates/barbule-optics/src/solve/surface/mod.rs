@@ -42,6 +42,7 @@ pub use synthesis::Grid;
 use num_complex::Complex64;
 
 use super::beam;
+use super::far_fields::{OneByOne, Prepared, SectionSolver};
 use crate::Result;
 use crate::math::simd::Width;
 use crate::progress::{OnlyStops, Progress, Unobserved};
@@ -70,6 +71,21 @@ pub struct Accuracy {
 impl Default for Accuracy {
     fn default() -> Self {
         Self { element_um: FINE_ELEMENT_UM, width: Width::best() }
+    }
+}
+
+/// This simulation as a solver of sections.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Fast(pub Accuracy);
+
+impl SectionSolver for Fast {
+    fn prepare<'a>(&self, section: &'a Section) -> Result<Box<dyn Prepared + 'a>> {
+        let Self(accuracy) = *self;
+        let far_field =
+            move |section: &Section, light: &Illumination, azimuths: usize, progress: &dyn Progress| {
+                far_field_observed(section, light, azimuths, &accuracy, progress)
+            };
+        Ok(Box::new(OneByOne { section, element_um: accuracy.element_um, far_field }))
     }
 }
 

@@ -8,7 +8,7 @@ use crate::Result;
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, marginals};
 use crate::characterize::Barbules;
 use crate::plot::{Axis, Curve, Drawing, Figure, style};
-use crate::progress::Unobserved;
+use crate::progress::{Progress, Unobserved};
 use crate::scattering::directions::omega;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::statistics::Axes;
@@ -46,21 +46,20 @@ impl FieldPatterns {
     ///
     /// # Errors
     /// As [`Barbules::campaign`].
-    pub fn new(material: &FeatherMaterial, barbules: &Barbules<'_>) -> Result<Self> {
+    pub fn new(material: &FeatherMaterial, barbules: &Barbules, progress: &dyn Progress) -> Result<Self> {
         let waves = three(&material.axes);
         let nm: Vec<f64> = waves.iter().map(|k| material.axes.wavelengths_nm()[*k]).collect();
         let cos_phi = ANGLES.iter().map(|a| a.to_radians().cos()).collect();
         let axes = Axes::new(&Wavelengths::new(nm.clone())?, vec![1.0], cos_phi)?;
-        let campaign = barbules.campaign(axes, Some(1), false)?;
+        let campaign = barbules.campaign(axes, Some(1), false, progress)?;
         let mut found = Self { oblique: Vec::new(), normal: Vec::new(), weighted: Vec::new() };
         for (wave, wavelength_nm) in nm.into_iter().enumerate() {
-            let tables = campaign.tables(wave, barbules.progress())?;
+            let tables = campaign.tables(wave, progress)?;
             for (phi, phi_in_deg) in ANGLES.into_iter().enumerate().rev() {
                 if wave > 0 && phi_in_deg > 0.0 {
                     continue;
                 }
-                let mut patterns =
-                    campaign.patterns(&tables, 0, phi, Polarization::First, barbules.progress())?;
+                let mut patterns = campaign.patterns(&tables, 0, phi, Polarization::First, progress)?;
                 let pattern = FieldPattern {
                     wavelength_nm,
                     phi_in_deg,

@@ -9,7 +9,7 @@ use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, marginals};
 use crate::campaign::statistics;
 use crate::characterize::Barbules;
 use crate::plot::{Axis, Curve, Drawing, Figure};
-use crate::progress::Unobserved;
+use crate::progress::{Progress, Unobserved};
 use crate::scattering::directions::{azimuths, omega};
 use crate::scattering::statistics::{AZIMUTHS, Axes, Statistics};
 use crate::spectrum::Wavelengths;
@@ -25,13 +25,17 @@ fn fitted_phis(axes: &Axes) -> Vec<usize> {
 ///
 /// # Errors
 /// As [`Barbules::campaign`].
-pub fn statistics_of_fits(material: &FeatherMaterial, barbules: &Barbules<'_>) -> Result<Statistics> {
+pub fn statistics_of_fits(
+    material: &FeatherMaterial,
+    barbules: &Barbules,
+    progress: &dyn Progress,
+) -> Result<Statistics> {
     let from = &material.axes;
     let nm: Vec<f64> = three(from).into_iter().map(|k| from.wavelengths_nm()[k]).collect();
     let cos_theta = vec![from.cos_theta()[from.cos_theta().len() - 1]];
     let cos_phi = fitted_phis(from).iter().map(|k| from.cos_phi()[*k]).collect();
     let axes = Axes::new(&Wavelengths::new(nm)?, cos_theta, cos_phi)?;
-    statistics(&barbules.campaign(axes, None, true)?, barbules.progress())
+    statistics(&barbules.campaign(axes, None, true, progress)?, progress)
 }
 
 /// Simulated and fitted U and V over φ_o at one wavelength and incident direction, 1/rad, mean over the polarizations.

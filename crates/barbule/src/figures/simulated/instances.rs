@@ -9,6 +9,7 @@ use crate::campaign::Keep;
 use crate::campaign::single::intensities;
 use crate::characterize::Barbules;
 use crate::plot::{Anchor, Axis, Curve, Drawing, Figure, Item, Picture};
+use crate::progress::Progress;
 use crate::scattering::directions::azimuths;
 use crate::scattering::statistics::{AZIMUTHS, Axes};
 use crate::spectrum::Wavelengths;
@@ -51,7 +52,12 @@ impl InstancePatterns {
     ///
     /// # Errors
     /// As [`Barbules::campaign`].
-    pub fn new(material: &FeatherMaterial, count: usize, barbules: &Barbules<'_>) -> Result<Self> {
+    pub fn new(
+        material: &FeatherMaterial,
+        count: usize,
+        barbules: &Barbules,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let from = &material.axes;
         let theta = from.cos_theta().len() - 1;
         let mut phis =
@@ -62,14 +68,10 @@ impl InstancePatterns {
         let nm: Vec<f64> = waves.iter().map(|k| from.wavelengths_nm()[*k]).collect();
         let cos_phi = phis.iter().map(|k| from.cos_phi()[*k]).collect();
         let axes = Axes::new(&Wavelengths::new(nm.clone())?, vec![from.cos_theta()[theta]], cos_phi)?;
-        let campaign = barbules.campaign(axes, Some(count), true)?;
+        let campaign = barbules.campaign(axes, Some(count), true, progress)?;
         let count = campaign.parameters().realizations();
         let kept = (0..waves.len())
-            .map(|w| {
-                Ok(campaign
-                    .unit(&campaign.tables(w, barbules.progress())?, 0, Keep::Fields, barbules.progress())?
-                    .fields)
-            })
+            .map(|w| Ok(campaign.unit(&campaign.tables(w, progress)?, 0, Keep::Fields, progress)?.fields))
             .collect::<Result<Vec<_>>>()?;
         let noise = Noise::new(&material.noise_power, material.seed);
         let column = |place: usize| {

@@ -7,6 +7,7 @@ use crate::Result;
 use crate::brdf::{FeatherMaterial, Noise};
 use crate::characterize::Barbules;
 use crate::plot::{Axis, Curve, Drawing, Figure, Ink, Stroke};
+use crate::progress::Progress;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::statistics::{Axes, LAGS, NOISE_POINTS};
 use crate::spectrum::Wavelengths;
@@ -49,7 +50,11 @@ impl NoiseCurves {
     ///
     /// # Errors
     /// As [`Barbules::campaign`].
-    pub fn new(material: &FeatherMaterial, barbules: Option<&Barbules<'_>>) -> Result<Self> {
+    pub fn new(
+        material: &FeatherMaterial,
+        barbules: Option<&Barbules>,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let noise = Noise::new(&material.noise_power, material.seed);
         let x: Vec<f64> = (0..=800).map(|k| f64::from(k) / 400.0 - 1.0).collect();
         let q_r = (0..SHOWN as u64).map(|instance| {
@@ -59,7 +64,7 @@ impl NoiseCurves {
         Ok(Self {
             lag: (0..LAGS).map(|k| 2.0 * k as f64 / NOISE_POINTS as f64).collect(),
             c0: normalized(&noise.autocovariance()[..LAGS]),
-            simulated: barbules.map(|barbules| Covariances::new(material, barbules)).transpose()?,
+            simulated: barbules.map(|barbules| Covariances::new(material, barbules, progress)).transpose()?,
             power: material.noise_power.clone(),
             q_r: q_r.collect(),
             x,
@@ -122,7 +127,7 @@ impl NoiseCurves {
 }
 
 impl Covariances {
-    fn new(material: &FeatherMaterial, barbules: &Barbules<'_>) -> Result<Self> {
+    fn new(material: &FeatherMaterial, barbules: &Barbules, progress: &dyn Progress) -> Result<Self> {
         let from = &material.axes;
         let all = from.wavelengths_nm();
         let last = all.len() - 1;
@@ -131,13 +136,13 @@ impl Covariances {
         // A single wavelength is the shortest and the longest.
         let simulated = Wavelengths::new(&waves[..if last == 0 { 1 } else { 2 }])?;
         let axes = Axes::new(&simulated, vec![from.cos_theta()[theta]], vec![from.cos_phi()[phi]])?;
-        let campaign = barbules.campaign(axes, None, true)?;
+        let campaign = barbules.campaign(axes, None, true, progress)?;
         let mut single = Vec::new();
         let mut means = [vec![0.0; LAGS], vec![0.0; LAGS]];
         for (number, mean) in means.iter_mut().enumerate() {
-            let tables = campaign.tables(number.min(last), barbules.progress())?;
+            let tables = campaign.tables(number.min(last), progress)?;
             for polarization in Polarization::BOTH {
-                let patterns = campaign.patterns(&tables, 0, 0, polarization, barbules.progress())?;
+                let patterns = campaign.patterns(&tables, 0, 0, polarization, progress)?;
                 for instance in 0..patterns.fields.len() {
                     let own = patterns.autocovariance(instance);
                     for (sum, value) in mean.iter_mut().zip(&own) {

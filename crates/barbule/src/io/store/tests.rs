@@ -12,10 +12,10 @@ fn axes() -> Axes {
     Axes::new(&Wavelengths::new([450.0, 550.0]).unwrap(), vec![0.5, 1.0], vec![0.25, 0.75]).unwrap()
 }
 
-fn unit(shift: f32) -> Unit {
+fn unit(shift: f32) -> UnitStatistics {
     let singles = |n: usize| (0..n).map(|k| k as f32 + shift).collect();
     let doubles = |n: usize| (0..n).map(|k| 9.0 + k as f64 - f64::from(shift)).collect();
-    Unit {
+    UnitStatistics {
         u: singles(2 * 2 * 400),
         v: singles(2 * 2 * 400),
         autocovariance: singles(2 * 2 * 512),
@@ -60,7 +60,7 @@ fn units_come_back_with_their_fields() {
     let store = create(&path).unwrap();
     assert_eq!(store.status(), Status { units: 4, done: 4, damaged: 0 });
     let back = store.read(1, 0).unwrap();
-    assert_eq!(Unit { fields: store.fields(1, 0).unwrap(), ..back }, unit(2.0));
+    assert_eq!(UnitStatistics { fields: store.fields(1, 0).unwrap(), ..back }, unit(2.0));
     assert!(store.fields(0, 0).is_none() && !store.keeps(0) && store.keeps(1) && !store.keeps(2));
     assert_eq!(store.statistics().unwrap().u.len(), 4 * 1600);
     // A file per array and unit, of exactly its values and a checksum.
@@ -78,7 +78,7 @@ fn both_signs_of_phi_come_back_and_are_another_campaign() {
         |path: &Path| Store::create(path, &both, 3, "nobody", &json!({"seed": 1}), &[], "scalar");
     let store = create_both(&path).unwrap();
     let [right, left] = [unit(1.0), unit(2.0)];
-    let wide = Unit {
+    let wide = UnitStatistics {
         u: [right.u, left.u].concat(),
         v: [right.v, left.v].concat(),
         autocovariance: [right.autocovariance, left.autocovariance].concat(),

@@ -15,6 +15,7 @@ use crate::clock;
 use crate::progress::{OnlyStops, Progress};
 use crate::scattering::directions::omega;
 use crate::scattering::far_field::{FarField, Illumination, Polarization, Window};
+use crate::solve::cost::Cost;
 use crate::solve::segment::{self, Hemisphere, SegmentAccuracy, SegmentLight};
 use crate::solve::surface;
 use crate::spectrum::{Wavelengths, wave_number_per_um};
@@ -91,19 +92,29 @@ impl Plan {
         (2.0 * instance as f64 / (self.instances - 1) as f64 - 1.0) * self.tilt
     }
 
-    /// How large the largest far field is.
+    /// The largest far field: its segment and its light.
+    fn largest(&self) -> Result<(Segment, SegmentLight)> {
+        let segment = self.structure.segment(self.seed, 0, self.length_um, self.roughness)?;
+        let shortest = self.wavelengths.nm().iter().copied().fold(f64::INFINITY, f64::min);
+        Ok((segment, self.light(shortest, self.directions[0], 0)))
+    }
+
+    /// What the largest far field takes on so many threads.
     ///
     /// # Errors
     /// A segment cannot be made, or cells do not suit the light.
-    pub fn size(&self, threads: usize) -> Result<segment::Size> {
-        let segment = self.structure.segment(self.seed, 0, self.length_um, self.roughness)?;
-        let shortest = self.wavelengths.nm().iter().copied().fold(f64::INFINITY, f64::min);
-        let light = self.light(shortest, self.directions[0], 0);
-        let accuracy = SegmentAccuracy::default();
-        let grid = segment::grid(&segment, &light, &accuracy)?;
-        let mut size = segment::foretell(&grid, self.roughness, &light, &accuracy, threads)?;
-        size.bytes += segment.sampled_bytes(&grid, accuracy.parts);
-        Ok(size)
+    pub fn cost(&self, threads: usize) -> Result<Cost> {
+        let (segment, light) = self.largest()?;
+        segment::cost(&segment, &light, &SegmentAccuracy::default(), threads)
+    }
+
+    /// The cells of the largest far field, along x and y.
+    ///
+    /// # Errors
+    /// As [`Self::cost`].
+    pub fn cells(&self) -> Result<[usize; 2]> {
+        let (segment, light) = self.largest()?;
+        Ok(segment::grid(&segment, &light, &SegmentAccuracy::default())?.cells)
     }
 
     /// θ_i and φ_i of a direction, degrees, as they were meant.

@@ -29,7 +29,7 @@ fn section_of(circles: &[Circle]) -> Section {
 
 fn solved(section: &Section, theta: f64, phi: f64, elements: f64) -> Scattered {
     let problem = Problem::new(section, 500.0, theta, elements).unwrap().by(Method::Dense);
-    problem.solve(&[phi], Window::PlaneWave, 72, NO_CLOCK, &Unobserved).unwrap().swap_remove(0).scattered
+    problem.solve(&[phi], Window::PlaneWave, 72, NO_CLOCK, &Unobserved).unwrap().swap_remove(0)
 }
 
 /// The largest error of amplitudes against their largest value.
@@ -157,9 +157,10 @@ fn scattered_and_absorbed_light_is_what_is_missing_behind() {
     for (theta, phi) in [(0.0, 0.3), (0.7, -0.5), (-0.4, 1.1)] {
         let found = solved(&body, theta, phi, 10.0);
         for p in 0..2 {
-            let extinct = found.extinction_um.unwrap()[p];
-            let balance = (found.scattered_um[p] + found.absorbed_um[p]) / extinct - 1.0;
-            assert!(found.absorbed_um[p] > 0.05 * extinct, "the chain absorbs");
+            let Exact { scattered_um, extinction_um, absorbed_um } = found.exact.unwrap();
+            let extinct = extinction_um.unwrap()[p];
+            let balance = (scattered_um[p] + absorbed_um[p]) / extinct - 1.0;
+            assert!(absorbed_um[p] > 0.05 * extinct, "the chain absorbs");
             assert!(balance.abs() < 3e-4, "{theta} {phi} {p}: {balance:e}");
         }
     }
@@ -242,12 +243,14 @@ fn solutions_are_the_same_bits_on_any_number_of_threads() {
     };
     let (one, three) = (run(1), run(3));
     for (one, three) in one.iter().zip(&three) {
-        assert_eq!(one.scattered, three.scattered);
-        let found = &one.scattered;
-        let reflected = found.reflected.unwrap();
-        assert!((0..2).all(|p| reflected[p] > 0.0 && reflected[p] < found.far.radiated[p]));
-        assert!(found.extinction_um.is_none());
-        assert_eq!(one.effort.unknowns, Problem::new(&body, 500.0, 0.4, 7.0).unwrap().cost(1).unknowns);
+        assert_eq!((&one.far, one.reflected, one.exact), (&three.far, three.reflected, three.exact));
+        let reflected = one.reflected.unwrap();
+        assert!((0..2).all(|p| reflected[p] > 0.0 && reflected[p] < one.far.radiated[p]));
+        assert!(one.exact.unwrap().extinction_um.is_none());
+        assert_eq!(
+            one.effort.unwrap().unknowns,
+            Problem::new(&body, 500.0, 0.4, 7.0).unwrap().cost(1).unknowns
+        );
     }
 }
 
@@ -277,7 +280,7 @@ fn thin_products_give_what_all_elements_give() {
             problem.solve(&[0.3], Window::PlaneWave, 72, NO_CLOCK, &Unobserved).unwrap().swap_remove(0)
         };
         let (dense, thin) = (run(Method::Dense), run(Method::Hierarchical));
-        let error = apart(&dense.scattered, &thin.scattered);
+        let error = apart(&dense, &thin);
         assert!(error < 3e-5, "{theta}: {error:e}");
     }
     let problem = Problem::new(&slab, 500.0, 0.0, 8.0).unwrap().by(Method::Hierarchical).within(1 << 20);

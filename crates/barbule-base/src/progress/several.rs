@@ -1,41 +1,44 @@
-//! One bar over several structures whose own stages are not known beforehand.
+//! One stage over several parts whose own stages are not known beforehand.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
-use barbule::progress::Progress;
+use super::Progress;
 
-/// Steps of the whole bar that one structure has.
+/// Steps of the whole that one part has.
 const STEPS: u64 = 1000;
 
-/// Shows the work on several structures as one stage: each has the same part of the bar.
-pub(crate) struct Several<'a> {
+/// Shows several pieces of work as one stage: each has the same part of it.
+pub struct Several<'a> {
     whole: &'a dyn Progress,
 }
 
-/// The part of one structure.
-pub(crate) struct Part<'a> {
+/// The part of one piece of work.
+pub struct Part<'a> {
     whole: &'a dyn Progress,
     /// Steps of the present stage: all, done.
     stage: Mutex<[u64; 2]>,
-    /// Steps of the bar that have been shown.
+    /// Steps of the whole that have been shown.
     shown: AtomicU64,
 }
 
 impl<'a> Several<'a> {
-    pub(crate) fn begin(whole: &'a dyn Progress, count: usize) -> Self {
-        whole.begin(&format!("simulating {count} structures"), STEPS * count as u64);
+    /// Begins the one stage of `whole`, of so many parts.
+    #[must_use]
+    pub fn begin(whole: &'a dyn Progress, label: &str, count: usize) -> Self {
+        whole.begin(label, STEPS * count as u64);
         Self { whole }
     }
 
-    /// The next structure's part; what it has not shown when it is dropped is shown then.
-    pub(crate) fn part(&self) -> Part<'a> {
+    /// The next piece of work's part; what it has not shown when it is dropped is shown then.
+    #[must_use]
+    pub fn part(&self) -> Part<'a> {
         Part { whole: self.whole, stage: Mutex::new([0, 0]), shown: AtomicU64::new(0) }
     }
 }
 
 impl Part<'_> {
-    /// Moves the bar on to `steps` of this part; a later stage that starts over moves it only past what is shown.
+    /// Moves the whole on to `steps` of this part; a later stage that starts over moves it only past what is shown.
     fn show(&self, steps: u64) {
         let before = self.shown.fetch_max(steps, Ordering::Relaxed);
         if steps > before {
@@ -46,11 +49,11 @@ impl Part<'_> {
 
 impl Progress for Part<'_> {
     fn begin(&self, _label: &str, total: u64) {
-        *self.stage.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = [total, 0];
+        *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = [total, 0];
     }
 
     fn advance(&self, steps: u64) {
-        let mut stage = self.stage.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
         stage[1] += steps;
         let [all, done] = *stage;
         drop(stage);
@@ -80,7 +83,7 @@ impl Drop for Part<'_> {
 mod tests {
     use super::*;
 
-    /// The bar's length and place.
+    /// Length and place of the whole.
     #[derive(Default)]
     struct Bar(AtomicU64, AtomicU64);
 
@@ -97,9 +100,9 @@ mod tests {
     }
 
     #[test]
-    fn the_bar_never_goes_back_and_ends_full_whatever_stages_there_are() {
+    fn the_whole_never_goes_back_and_ends_full_whatever_stages_there_are() {
         let bar = Bar::default();
-        let several = Several::begin(&bar, 3);
+        let several = Several::begin(&bar, "three", 3);
         let at = || bar.1.load(Ordering::Relaxed);
         for stages in [&[4, 10][..], &[1], &[]] {
             let part = several.part();

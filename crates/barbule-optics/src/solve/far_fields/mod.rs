@@ -1,14 +1,11 @@
-//! Far fields of one section under light of several wavelengths and directions.
+//! Far fields of one section under light of several wavelengths and directions, by any solver of [`METHODS`](super::METHODS).
 
-use rayon::prelude::*;
+mod solver;
 
-use super::direct::{self, Shadows};
-use super::surface;
-use super::surface::{Accuracy, FINE_ELEMENT_UM};
-use crate::progress::{OnlyStops, Progress};
-use crate::scattering::far_field::{FarField, Illumination, Window};
-use crate::structure::Section;
-use crate::{Error, Result};
+pub(super) use solver::OneByOne;
+pub use solver::{Effort, Exact, Method, Prepared, Scattered, SectionSolver, Settings};
+
+use crate::scattering::far_field::{Illumination, Window};
 
 /// Every wavelength with every direction: results are `[wavelength][theta_i][phi_i]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,67 +55,6 @@ impl Illuminations {
     }
 }
 
-/// Which formulas compute a far field.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// [`surface::far_field`].
-    Fast,
-    /// [`direct::far_field`], the plain reference.
-    Direct,
-    /// The same with the top in its own light, [`Shadows::Cast`].
-    Shadowed,
-}
-
-/// The far fields of a section on so many azimuths of the upper half, in the order of [`Illuminations::iter`]: each the
-/// same bits as alone, whatever the number of threads.
-///
-/// # Errors
-/// As [`surface::far_field`], the first in this order; or a stop by `progress`.
-pub fn far_fields(
-    section: &Section,
-    illuminations: &Illuminations,
-    azimuths: usize,
-    method: Method,
-    progress: &dyn Progress,
-) -> Result<Vec<FarField>> {
-    let count = illuminations.count();
-    let one = |index: usize, progress: &dyn Progress| {
-        let illumination = illuminations.at(index);
-        match method {
-            Method::Fast => {
-                surface::far_field_observed(section, &illumination, azimuths, &Accuracy::default(), progress)
-            }
-            Method::Direct | Method::Shadowed => {
-                let shadows = if method == Method::Direct { Shadows::Ignored } else { Shadows::Cast };
-                direct::far_field_observed(
-                    section,
-                    &illumination,
-                    azimuths,
-                    FINE_ELEMENT_UM,
-                    shadows,
-                    progress,
-                )
-            }
-        }
-    };
-    if count == 1 {
-        return Ok(vec![one(0, progress)?]);
-    }
-    progress.begin("far fields", count as u64);
-    let found: Vec<_> = (0..count)
-        .into_par_iter()
-        .map(|index| {
-            if progress.is_cancelled() {
-                return Err(Error::interrupted());
-            }
-            let far = one(index, &OnlyStops(progress));
-            progress.advance(1);
-            far
-        })
-        .collect();
-    found.into_iter().collect()
-}
-
 /// Bytes of so many far fields on so many azimuths.
 #[must_use]
 pub fn bytes(count: usize, azimuths: usize) -> u64 {
@@ -130,8 +66,17 @@ pub fn bytes(count: usize, azimuths: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::{Library, Table};
     use crate::progress::Unobserved;
-    use crate::structure::Structure;
+    use crate::scattering::far_field::Azimuths;
+    use crate::solve::surface::{self, Accuracy};
+    use crate::solve::{FAST, METHODS, method};
+    use crate::structure::{Medium, Parts, Polyline, Section, Structure};
+    use crate::{Error, Result};
+
+    fn solved(method: &Method, section: &Section, light: &Illuminations, n: usize) -> Result<Vec<Scattered>> {
+        (method.solver)(&Settings::default()).prepare(section)?.scatter(light, n, &Unobserved)
+    }
 
     #[test]
     fn each_of_many_is_the_one_that_it_is_alone() {
@@ -142,21 +87,57 @@ mod tests {
             phi_i: vec![-0.4, 0.0, 0.7],
             window: Window::Gaussian,
         };
-        let found = far_fields(&section, &sweep, 90, Method::Fast, &Unobserved).unwrap();
+        let found = solved(&FAST, &section, &sweep, 90).unwrap();
         assert_eq!((found.len(), sweep.shape()), (6, [2, 1, 3]));
-        for (far, illumination) in found.iter().zip(sweep.iter()) {
+        for (found, illumination) in found.iter().zip(sweep.iter()) {
             let alone = surface::far_field(&section, &illumination, 90, &Accuracy::default()).unwrap();
-            assert_eq!(*far, alone);
+            assert_eq!(found.far, alone);
         }
         assert_eq!((sweep.at(4).wavelength_nm, sweep.at(4).phi_i), (600.0, 0.0));
         // Components of two polarizations on every azimuth.
-        let held: usize = found.iter().flat_map(|f| f.amplitudes.iter().flatten()).map(Vec::len).sum();
+        let held: usize = found.iter().flat_map(|f| f.far.amplitudes.iter().flatten()).map(Vec::len).sum();
         assert_eq!(bytes(6, 90), 16 * held as u64);
     }
 
     #[test]
+    fn every_method_says_what_it_is_takes_and_gives() {
+        let line = |z_um: f64| Polyline { x_um: vec![-1.0, 0.0, 1.0], z_um: vec![z_um; 3] };
+        let parts = Parts {
+            width_um: Some(2.0),
+            boundaries: vec![line(0.0), line(-0.3)],
+            media: ["air", "keratin", "air"].map(Medium::named).to_vec(),
+            ..Parts::default()
+        };
+        let section = Section::new(parts, Library::builtin()).unwrap();
+        let light = |window| Illuminations {
+            wavelengths_nm: vec![500.0, 600.0],
+            theta_i: vec![0.0],
+            phi_i: vec![0.2],
+            window,
+        };
+        for own in METHODS {
+            assert_eq!(method(own.name), Some(own));
+            let solver = (own.solver)(&Settings::default());
+            let prepared = solver.prepare(&section).unwrap();
+            for window in [Window::Gaussian, Window::PlaneWave] {
+                let cost = prepared.cost(&light(window), 36, 2).unwrap();
+                assert!(cost.bytes > 0 && (cost.unknowns > 0) == own.is_exact, "{}: {cost:?}", own.name);
+                let found = prepared.scatter(&light(window), 36, &Unobserved).unwrap();
+                assert_eq!(found.len(), 2);
+                for Scattered { far, reflected, exact, effort } in found {
+                    let azimuths =
+                        if own.is_exact { Azimuths::FullCircle(36) } else { Azimuths::UpperHalf(36) };
+                    assert_eq!(far.azimuths, azimuths, "{}", own.name);
+                    assert_eq!((exact.is_some(), effort.is_some()), (own.is_exact, own.is_exact));
+                    assert_eq!(reflected.is_some(), window == Window::Gaussian, "{}", own.name);
+                }
+            }
+        }
+        assert_eq!(method("guess"), None);
+    }
+
+    #[test]
     fn the_first_error_is_the_one_that_is_said() {
-        use crate::material::{Library, Table};
         let mut library = Library::builtin();
         let table = Table::new("glass", &[(500.0, 1.5.into()), (700.0, 1.5.into())]).unwrap();
         library.insert_table("glass", table).unwrap();
@@ -168,7 +149,7 @@ mod tests {
             phi_i: vec![0.0],
             window: Window::Gaussian,
         };
-        let error = far_fields(&section, &sweep, 90, Method::Fast, &Unobserved).unwrap_err();
+        let error: Error = solved(&FAST, &section, &sweep, 90).unwrap_err();
         assert!(error.to_string().contains("480"), "{error}");
     }
 }
