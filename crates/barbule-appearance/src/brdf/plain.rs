@@ -414,7 +414,7 @@ mod tests {
     fn assert_same(material: &FeatherMaterial, options: Options) {
         let [f, pdf, direction] = errors(material, options);
         println!("{:?}: f {f:.1e}, pdf {pdf:.1e}, direction {direction:.1e}", material.kind);
-        assert!(f < 1e-9 && pdf < 1e-9 && direction < 1e-9, "{options:?}: {f} {pdf} {direction}");
+        assert!(f < 1e-12 && pdf < 1e-12 && direction < 1e-12, "{options:?}: {f} {pdf} {direction}");
     }
 
     #[test]
