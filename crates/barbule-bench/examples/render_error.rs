@@ -57,8 +57,7 @@ impl Prepared {
         };
         description.camera.width_mm *= f64::from(size[0]) / 1280.0;
         let wanted = description.material().unwrap_or_default().replace(':', "-");
-        let (_, bytes) =
-            barbule_materials::MATERIALS.iter().find(|(name, _)| name.starts_with(&wanted)).unwrap();
+        let (_, bytes) = barbule_birds::materials().find(|(name, _)| name.starts_with(&wanted)).unwrap();
         let material = decode_material(bytes)?;
         let brdf = Arc::new(FeatherBrdf::new(&material, Options::default())?);
         let (Scene { objects, lamps, environment, camera }, _) = description.wearing(brdf)?.scene(1)?;

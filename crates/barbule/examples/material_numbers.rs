@@ -22,7 +22,7 @@ fn main() -> barbule::Result<()> {
     let mut table = String::from(
         "| material | reciprocity deviation | albedo of instances | χ² of 20,000 samples: p at 3 directions | ∫pdf | largest albedo | white furnace | lobes | flagged | at all light | near grazing | l at the longest λ | residual: median, 95 % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
-    for (stem, _) in barbule_materials::MATERIALS {
+    for (stem, _) in barbule_birds::materials() {
         let mut material = shipped(stem);
         let info = material.info.clone();
         let number = |key: &str| info[key].as_f64().unwrap_or(f64::NAN);

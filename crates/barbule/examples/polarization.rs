@@ -145,8 +145,7 @@ fn keratin(of: &PigmentedKeratin) -> Result<(Keratin, f64)> {
 fn pictures(preset: &str, samples: u64) -> Result<()> {
     let description = SceneDescription::named(preset)?;
     let wanted = description.material().unwrap_or_default().replace(':', "-");
-    let (_, bytes) = barbule_materials::MATERIALS
-        .iter()
+    let (_, bytes) = barbule_birds::materials()
         .find(|(name, _)| name.starts_with(&wanted))
         .ok_or_else(|| Error::input(format!("no shipped material is called {wanted}")))?;
     let material = decode_material(bytes)?;

@@ -224,7 +224,7 @@ fn values_written_again_in_python_agree() {
     }
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("starling.barbule");
-    std::fs::write(&file, barbule_materials::material("starling-green").unwrap()).unwrap();
+    std::fs::write(&file, barbule_birds::material("starling-green").unwrap()).unwrap();
     let file = file.to_str().unwrap();
     let documents = [
         &["--wavelength", "520", "--wi", "0,30", "--wo", "0,-30", "--wo", "2,-20", "--wo=-3,40"][..],

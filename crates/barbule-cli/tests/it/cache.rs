@@ -168,7 +168,7 @@ fn shipped_and_cached_materials_are_written_as_files() {
     let place = Place::new();
     let (_, said) = place.succeed(&["cache", "--copy", "starling", "-o", "s.barbule"]);
     assert_eq!(said, "wrote s.barbule: the material starling:green");
-    let shipped = barbule_materials::material("starling-green").unwrap();
+    let shipped = barbule_birds::material("starling-green").unwrap();
     assert!(std::fs::read(place.path("s.barbule")).unwrap() == shipped);
     let kept = place.keep_full(place.swallow());
     let copied = place.json(&["cache", "--copy", "swallow.toml", "-o", "w.barbule"]);
@@ -280,7 +280,7 @@ fn built_in_names_never_mean_a_file_or_a_folder() {
         place.succeed(&["geometry", name, "-o", "g.svg"]);
     }
     let report = place.json(&[&["render", "starling", "-o", "r.png"], SMALL].concat());
-    let shipped = barbule_materials::material("starling-green").unwrap();
+    let shipped = barbule_birds::material("starling-green").unwrap();
     assert_eq!(report[0]["material_hash"], hash_bytes(shipped));
     place.refused(&["geometry", "starling:grean", "-o", "g.svg"], "did you mean 'green'");
 }
@@ -396,7 +396,7 @@ fn what_a_file_is_is_said_with_what_to_do() {
     place.write("odd.toml", "a = 1\n");
     place.write("broken.toml", "a = = 1\n");
     place.write("words.txt", "words");
-    std::fs::write(place.path("m.barbule"), barbule_materials::material("starling-green").unwrap()).unwrap();
+    std::fs::write(place.path("m.barbule"), barbule_birds::material("starling-green").unwrap()).unwrap();
     place.succeed(&[&["simulate", "starling", "-o", "s.zarr"], TINY].concat());
     let fit = "`barbule fit s.zarr -o material.barbule`";
     for (words, part) in [

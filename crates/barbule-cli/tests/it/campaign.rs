@@ -159,7 +159,7 @@ fn the_shipped_materials_are_what_the_command_makes() {
         let words = ["characterize", species, "-o", &path(stem), "--cache", &path("cache")];
         succeed(&[&words[..], &["--wavelengths", "400,520", "--directions", "2x2"]].concat());
         let thinned = barbule::io::read_material(path(stem).as_ref()).unwrap();
-        let shipped = barbule::io::decode_material(barbule_materials::material(stem).unwrap()).unwrap();
+        let shipped = barbule::io::decode_material(barbule_birds::material(stem).unwrap()).unwrap();
         let parameters = |m: &FeatherMaterial| m.info["campaign"]["structure"]["parameters"].clone();
         assert_eq!(parameters(&thinned), parameters(&shipped));
         for (w, wavelength) in [(0, 0), (1, 20)] {

@@ -94,8 +94,7 @@ impl Catalog {
     /// A shipped file is damaged.
     pub fn shipped(&self, structure: &Structure) -> Result<Option<Found>> {
         let stem = structure.name().replace(Side::BELOW, BELOW).replace(':', "-");
-        let (Structure::Species(_), Some(bytes)) = (structure.upper(), barbule_materials::material(&stem))
-        else {
+        let (Structure::Species(_), Some(bytes)) = (structure.upper(), barbule_birds::material(&stem)) else {
             return Ok(None);
         };
         let material = decode_material(bytes).map_err(|e| e.at(format!("the shipped material {stem}")))?;
@@ -258,7 +257,7 @@ mod tests {
 
     #[test]
     fn every_shipped_material_is_found() {
-        for (stem, bytes) in barbule_materials::MATERIALS {
+        for (stem, bytes) in barbule_birds::materials() {
             let info = decode_material(bytes).unwrap().info;
             let (species, variant) = (info["species"].as_str().unwrap(), info["variant"].as_str().unwrap());
             let model = SpeciesModel::builtin(species, Some(variant), Library::builtin()).unwrap();
@@ -273,7 +272,7 @@ mod tests {
     fn starling_in(folder: &Path) -> (Catalog, Plan, FeatherMaterial) {
         let catalog = Catalog { cache: Some(folder.join("cache")) };
         let plan = CampaignOptions::default().plan(Structure::builtin("starling").unwrap()).unwrap();
-        let mut material = decode_material(barbule_materials::material("starling-green").unwrap()).unwrap();
+        let mut material = decode_material(barbule_birds::material("starling-green").unwrap()).unwrap();
         // Between two of the numbers that a file can hold.
         material.sets[0].mean[0].reflected[0] *= 0.999_99;
         (catalog, plan, material)

@@ -181,7 +181,7 @@ mod tests {
         let refused = CampaignDescription::read(&recorded).unwrap_err().to_string();
         assert!(refused.contains("`left`, expected `alike` or `both`"), "{refused}");
         assert!(film != of("air/keratin:301/air", &usual) && film != of("air/keratin:300/air", &more));
-        let shipped = barbule_materials::material("starling-green").unwrap();
+        let shipped = barbule_birds::material("starling-green").unwrap();
         let shipped = crate::io::decode_material(shipped).unwrap();
         let shipped = CampaignDescription::read(&shipped.info["campaign"]).unwrap();
         let plan = |name: &str| usual.plan(Structure::builtin(name).unwrap()).unwrap().description;

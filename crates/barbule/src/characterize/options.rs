@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn defaults_are_those_of_the_shipped_materials() {
         let plan = CampaignOptions::default().plan(starling()).unwrap();
-        let shipped = barbule_materials::material("starling-green").unwrap();
+        let shipped = barbule_birds::material("starling-green").unwrap();
         let shipped = crate::io::decode_material(shipped).unwrap();
         assert!(plan.description.is_recorded(&shipped.info["campaign"]));
     }

@@ -116,7 +116,7 @@ mod tests {
     fn a_text_is_opened_as_what_it_names() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-        let bytes = barbule_materials::material("starling-green").unwrap();
+        let bytes = barbule_birds::material("starling-green").unwrap();
         for name in ["a.barbule", "without-ending"] {
             std::fs::write(path(name), bytes).unwrap();
             let opened = open(&path(name), &Opening::default(), &Unobserved).unwrap();

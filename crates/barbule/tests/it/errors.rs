@@ -105,7 +105,7 @@ fn tables_know_the_line_and_every_file_its_name() {
         "{error}"
     );
 
-    let shipped = barbule_materials::material("starling-green").unwrap();
+    let shipped = barbule_birds::material("starling-green").unwrap();
     let error = refused("m.barbule", &shipped[..shipped.len() / 2], read_material);
     assert_eq!(place(&error), (None, None, None), "{error}");
 }

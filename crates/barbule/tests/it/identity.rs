@@ -43,7 +43,7 @@ fn model(species: &str) -> Structure {
 
 #[test]
 fn what_ships_is_recognised_by_what_it_recorded_when_it_was_made() {
-    for (stem, bytes) in barbule_materials::MATERIALS {
+    for (stem, bytes) in barbule_birds::materials() {
         let recorded = &decode_material(bytes).unwrap().info["campaign"]["structure"];
         let text = |key: &str| recorded[key].as_str().unwrap();
         let model =

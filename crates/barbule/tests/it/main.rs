@@ -4,6 +4,7 @@
 
 mod agreement;
 mod architecture;
+mod birds;
 mod brdf;
 mod clad;
 mod colour;

@@ -1,5 +1,6 @@
 //! The feathers that are shipped as data: types, and single birds' feathers that differ from them.
 
+use barbule_birds::BIRDS;
 use serde_json::Value;
 
 use super::tables::layered;
@@ -7,8 +8,11 @@ use crate::Result;
 use crate::fields::parse_toml;
 use crate::scene::preset;
 
-/// Each with the type that it differs from; a contour feather gives every size.
-const FEATHERS: &[(&str, Option<&str>, &str)] = &[
+/// A feather with the type that it differs from, and the text of its sizes.
+type Feather = (&'static str, Option<&'static str>, &'static str);
+
+/// The types; a contour feather gives every size.
+const TYPES: [Feather; 7] = [
     ("contour", None, include_str!("types/contour.toml")),
     ("primary", Some("contour"), include_str!("types/primary.toml")),
     ("secondary", Some("primary"), include_str!("types/secondary.toml")),
@@ -16,19 +20,22 @@ const FEATHERS: &[(&str, Option<&str>, &str)] = &[
     ("covert", Some("contour"), include_str!("types/covert.toml")),
     ("semiplume", Some("contour"), include_str!("types/semiplume.toml")),
     ("down", Some("semiplume"), include_str!("types/down.toml")),
-    ("osprey", Some("primary"), include_str!("types/osprey.toml")),
-    ("turkey-vulture", Some("primary"), include_str!("types/turkey-vulture.toml")),
-    ("rock-dove-wing", Some("primary"), include_str!("types/rock-dove-wing.toml")),
 ];
+
+/// The types, then single birds' feathers.
+fn feathers() -> impl Iterator<Item = Feather> + Clone {
+    let birds = BIRDS.iter().filter_map(|bird| Some((bird.name, Some("primary"), bird.primary?)));
+    TYPES.into_iter().chain(birds)
+}
 
 /// Names of all types and birds.
 pub fn names() -> impl Iterator<Item = &'static str> + Clone {
-    FEATHERS.iter().map(|(name, ..)| *name)
+    feathers().map(|(name, ..)| name)
 }
 
 /// The table of a type, with every key; nothing where there is none of this name.
 pub(super) fn table(name: &str) -> Option<Result<Value>> {
-    let (_, base, text) = FEATHERS.iter().find(|(known, ..)| *known == name)?;
+    let (_, base, text) = feathers().find(|(known, ..)| *known == name)?;
     let own = parse_toml(text);
     Some(match base.and_then(table) {
         None => own,
@@ -41,8 +48,8 @@ pub(super) fn table(name: &str) -> Option<Result<Value>> {
 #[must_use]
 pub fn source(name: &str, key: &str) -> Option<&'static str> {
     let (table, key) = key.split_once('.')?;
-    if let Some((_, base, text)) = FEATHERS.iter().find(|(known, ..)| *known == name) {
-        return comment(text, table, key).or_else(|| source((*base)?, &format!("{table}.{key}")));
+    if let Some((_, base, text)) = feathers().find(|(known, ..)| *known == name) {
+        return comment(text, table, key).or_else(|| source(base?, &format!("{table}.{key}")));
     }
     let text = preset::toml(name).ok()?;
     let kind = line_in(text, "feather", "type").and_then(|line| line.split('"').nth(1)).unwrap_or("contour");

@@ -10,6 +10,7 @@ mod multilayer;
 mod rock_dove;
 mod starling;
 
+use barbule_birds::{BIRDS, Bird};
 use serde_json::Value;
 
 use super::lattice::Lattice;
@@ -32,58 +33,6 @@ pub use starling::Starling;
 
 /// The variant of a file without variants; titles do without it.
 pub const DEFAULT_VARIANT: &str = "default";
-
-/// A built-in species.
-struct Builtin {
-    name: &'static str,
-    /// The text of its file.
-    toml: &'static str,
-    /// Its Latin name and what else people call it, spelled as [`spelled`] does.
-    also: &'static [&'static str],
-}
-
-/// Species made of layers.
-const LAYERED: &[Builtin] = &[
-    Builtin {
-        name: "rock-dove",
-        toml: include_str!("rock-dove.toml"),
-        also: &["columba-livia", "rock-pigeon", "feral-pigeon", "common-pigeon", "pigeon", "dove"],
-    },
-    Builtin {
-        name: "starling",
-        toml: include_str!("starling.toml"),
-        also: &["sturnus-vulgaris", "european-starling", "common-starling"],
-    },
-    Builtin {
-        name: "bronzewing",
-        toml: include_str!("bronzewing.toml"),
-        also: &["phaps-chalcoptera", "common-bronzewing", "bronzewing-pigeon"],
-    },
-    Builtin {
-        name: "hummingbird",
-        toml: include_str!("hummingbird.toml"),
-        also: &["calypte-anna", "annas-hummingbird", "anna-hummingbird"],
-    },
-];
-
-/// Species coloured by a photonic crystal.
-const CRYSTALS: &[Builtin] = &[
-    Builtin {
-        name: "mallard",
-        toml: include_str!("mallard.toml"),
-        also: &["anas-platyrhynchos", "mallard-duck", "wild-duck", "duck"],
-    },
-    Builtin {
-        name: "magpie",
-        toml: include_str!("magpie.toml"),
-        also: &["pica-hudsonia", "black-billed-magpie", "american-magpie"],
-    },
-    Builtin {
-        name: "peafowl",
-        toml: include_str!("peafowl.toml"),
-        also: &["pavo-cristatus", "indian-peafowl", "blue-peafowl", "common-peafowl", "peacock"],
-    },
-];
 
 /// The media that generators name of themselves.
 const USUAL_MEDIA: [&str; 3] = ["air", "keratin", "melanin"];
@@ -257,21 +206,26 @@ impl SpeciesModel {
 
 /// The names of the built-in species that are made of layers.
 pub fn layered_species() -> impl Iterator<Item = &'static str> + Clone {
-    LAYERED.iter().map(|species| species.name)
+    species_names().filter(|name| !is_crystal(name))
 }
 
 /// The names of the built-in species that a photonic crystal colours.
 pub fn crystal_species() -> impl Iterator<Item = &'static str> + Clone {
-    CRYSTALS.iter().map(|species| species.name)
+    species_names().filter(|name| is_crystal(name))
+}
+
+fn is_crystal(name: &str) -> bool {
+    SpeciesFile::builtin(name).is_ok_and(|file| file.generator == "crystal")
 }
 
 /// The names of the built-in species.
 pub fn species_names() -> impl Iterator<Item = &'static str> + Clone {
-    builtin().map(|species| species.name)
+    builtin().map(|(bird, _)| bird.name)
 }
 
-fn builtin() -> impl Iterator<Item = &'static Builtin> + Clone {
-    LAYERED.iter().chain(CRYSTALS)
+/// The birds with a species file, and its text.
+fn builtin() -> impl Iterator<Item = (&'static Bird, &'static str)> + Clone {
+    BIRDS.iter().filter_map(|bird| Some((bird, bird.species?)))
 }
 
 /// The text of a built-in species' file.
@@ -279,7 +233,7 @@ fn builtin() -> impl Iterator<Item = &'static Builtin> + Clone {
 /// # Errors
 /// As [`SpeciesModel::builtin`].
 pub fn species_toml(name: &str) -> Result<&'static str> {
-    Ok(find(name)?.toml)
+    Ok(find(name)?.1)
 }
 
 /// The built-in species that a name means: its own, its Latin one or another that people use, however it is spelled.
@@ -287,16 +241,16 @@ pub fn species_toml(name: &str) -> Result<&'static str> {
 /// # Errors
 /// Unknown names; the nearest is offered, and all are listed.
 pub fn species_name(name: &str) -> Result<&'static str> {
-    Ok(find(name)?.name)
+    Ok(find(name)?.0.name)
 }
 
-fn find(name: &str) -> Result<&'static Builtin> {
+fn find(name: &str) -> Result<(&'static Bird, &'static str)> {
     let wanted = spelled(name);
-    let is_it = |species: &&Builtin| species.name == wanted || species.also.contains(&wanted.as_str());
+    let is_it = |(bird, _): &(&Bird, &str)| bird.name == wanted || bird.also.contains(&wanted.as_str());
     builtin().find(is_it).ok_or_else(|| {
         let near = match did_you_mean(&wanted, species_names()) {
             none if none.is_empty() => {
-                did_you_mean(&wanted, builtin().flat_map(|species| species.also.iter().copied()))
+                did_you_mean(&wanted, builtin().flat_map(|(bird, _)| bird.also.iter().copied()))
             }
             near => near,
         };
@@ -324,7 +278,7 @@ mod tests {
     #[test]
     fn every_species_is_found_by_its_latin_name_and_by_no_name_of_another() {
         let mut all = std::collections::BTreeSet::new();
-        for species in builtin() {
+        for (species, _) in builtin() {
             let file = SpeciesFile::builtin(species.name).unwrap();
             assert!(species.also.contains(&spelled(&file.latin).as_str()), "{}", file.latin);
             assert_eq!(file.name, species.name);

@@ -61,7 +61,7 @@ pub(crate) struct Light {
 
 /// The tables of a material of the file.
 pub(crate) fn tables(name: &str) -> BrdfTables {
-    let material = barbule::io::decode_material(barbule_materials::material(name).unwrap()).unwrap();
+    let material = barbule::io::decode_material(barbule_birds::material(name).unwrap()).unwrap();
     BrdfTables::new(&material, Options::default()).unwrap()
 }
 
@@ -86,7 +86,7 @@ impl Material {
     fn made(name: &str) -> Self {
         let brdf = FeatherBrdf::from_tables(tables(name));
         let light = INCIDENT.iter().map(|angles| Light::made(&brdf, *angles)).collect();
-        let bytes = barbule_materials::material(name).unwrap();
+        let bytes = barbule_birds::material(name).unwrap();
         Self { name: name.to_owned(), hash: hash_bytes(bytes), light }
     }
 }

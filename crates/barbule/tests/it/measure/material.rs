@@ -191,5 +191,5 @@ pub(crate) fn whiten(material: &mut FeatherMaterial) {
 
 /// A material that ships.
 pub(crate) fn shipped(stem: &str) -> FeatherMaterial {
-    barbule::io::decode_material(barbule_materials::material(stem).unwrap()).unwrap()
+    barbule::io::decode_material(barbule_birds::material(stem).unwrap()).unwrap()
 }
