@@ -70,6 +70,8 @@ enum Names {
     Feathers,
     /// Samples of heights.
     Heights,
+    /// Kinds of files that have keys.
+    Keys,
 }
 
 const FIGURES: &[&str] = &["svg", "pdf", "png"];
@@ -89,6 +91,7 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         ("diffract", "output") => files(Names::None, &["grating", "svg", "pdf", "png"]),
         ("film", "stack") => files(Names::None, &["toml"]),
         ("species", "name") => files(Names::Species, &["toml", "json"]),
+        ("keys", "kind") => files(Names::Keys, &[]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
         ("render" | "lobes" | "brdf", "material") => files(Names::Species, &["barbule", "toml", "json"]),
         ("render", "background") => files(Names::None, &["png", "exr"]),
@@ -136,6 +139,9 @@ impl Names {
     fn complete(self, text: &str) -> Vec<CompletionCandidate> {
         if self == Self::None {
             return Vec::new();
+        }
+        if self == Self::Keys {
+            return starting(barbule::keys::kinds().into_iter(), text, None);
         }
         if let Some((species, _)) = text.split_once(':') {
             let Ok(file) = SpeciesFile::builtin(species) else { return Vec::new() };

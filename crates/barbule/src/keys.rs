@@ -84,9 +84,9 @@ pub fn json_of(keys: &[Key]) -> Value {
 #[must_use]
 pub fn page() -> String {
     let mut page = String::from(
-        "# All keys\n\nMade from the definitions that the readers use (`barbule keys --markdown`); a test holds this page to them. \
-         [Scenes](scene.md) and [species](species.md) are explained on pages of their own. `barbule keys scene camera` lists one table, \
-         `barbule keys scene --schema` prints a JSON schema for editors.\n",
+        "# All keys\n\nMade by the command `barbule keys` from the definitions that the readers use; a test holds this page to them. \
+         [Scenes](scene.md) and [species](species.md) are explained on pages of their own. `barbule keys scene camera` lists one table; \
+         the command's help says how to get a JSON schema for editors.\n",
     );
     for kind in kinds() {
         let keys = keys_of(&kind, None).unwrap_or_default();
@@ -153,12 +153,12 @@ mod tests {
             let names = |line: &str| {
                 let cell = line.split('|').nth(1).unwrap_or_default().to_owned();
                 let cell = cell.replace('`', " ");
-                cell.split([',', ' ', '/'])
-                    .any(|name| name == key.name || name == format!("{path}.{}", key.name))
+                cell.split([',', ' ', '/', '.', '[', ']']).any(|name| name == key.name)
             };
             if !rows.clone().any(names)
                 && !scene.contains(&format!("`{}", key.name))
                 && !scene.contains(&format!("[{path}.{}]", key.name))
+                && !scene.contains(&format!("[[{}]]", key.name))
             {
                 missing.push(format!("{path}.{}", key.name));
             }

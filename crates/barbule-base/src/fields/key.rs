@@ -104,8 +104,9 @@ impl Key {
         limits: &T::Limits,
         usual: Option<T>,
     ) -> Self {
-        let usual = match usual.and_then(|value| value.to_value(limits)) {
-            Some(value) => Usual::Value(value),
+        let usual = match usual.map(|value| value.to_value(limits)) {
+            Some(Some(value)) => Usual::Value(value),
+            Some(None) => Usual::Nothing,
             None if T::OPTIONAL => Usual::Nothing,
             None => Usual::Needed,
         };

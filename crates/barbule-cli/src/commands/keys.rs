@@ -16,7 +16,7 @@ pub(crate) struct Args {
     #[arg(value_name = "KIND")]
     kind: Option<String>,
     /// One of its tables, as in camera or feather.distal
-    #[arg(value_name = "TABLE", requires = "kind")]
+    #[arg(value_name = "TABLE", requires = "kind", value_hint = clap::ValueHint::Other)]
     table: Option<String>,
     /// Print a JSON schema of the whole file, for editors
     #[arg(long, requires = "kind", conflicts_with_all = ["table", "markdown"])]

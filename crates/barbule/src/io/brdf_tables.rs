@@ -286,7 +286,8 @@ mod tests {
         assert!(decode_tables(&huge).unwrap_err().is_input());
         let material = crate::io::encode_material(&example(2)).unwrap();
         assert!(decode_tables(&material).unwrap_err().to_string().contains("another kind of safetensors?"));
-        let edits: [(&str, fn(&mut Description)); 7] = [
+        type Edit = (&'static str, fn(&mut Description));
+        let edits: [Edit; 7] = [
             ("has another version than 1", |d| d.version = 2),
             ("kind must be 'marginal' or 'cone'", |d| d.kind = "half".into()),
             ("sides must be 'alike' or 'both'", |d| d.sides = String::new()),

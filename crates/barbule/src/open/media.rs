@@ -21,7 +21,7 @@ impl Media {
     /// The table cannot be read, or the name cannot be one of a medium.
     pub fn add(&mut self, name: &str, file: &Path) -> Result<()> {
         let table = read_index_table(file)?;
-        self.library.insert_table(name, table).map_err(|e| e.at("`medium`").naming(&["medium"]))?;
+        self.library.insert_table(name, table).map_err(|e| e.at("`media`").naming(&["media"]))?;
         let path = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
         self.own.retain(|(known, _)| known != name);
         self.own.push((name.to_owned(), MaterialSource::File(path)));
@@ -117,6 +117,6 @@ mod tests {
         assert_eq!(stack.materials["q"], MaterialSource::File(other));
         assert_eq!((media.unused(&["air"]), media.unused(&["mix(q,air,0.5)"])), (vec!["q"], vec![]));
         let refused = media.add("5x", &one).unwrap_err();
-        assert!(refused.to_string().starts_with("`medium`: '5x' cannot name"), "{refused}");
+        assert!(refused.to_string().starts_with("`media`: '5x' cannot name"), "{refused}");
     }
 }

@@ -83,7 +83,7 @@ fn identities_stay_what_they_are() {
             ("curved crystal", "a5f14a203906b847"),
             ("lattice", "e597d260f809822d"),
             ("table", "41da704f7c7b2660"),
-            ("checkpoint", "b4f819200de86f06"),
+            ("checkpoint", "3b63214dbc8ce13a"),
         ]
     );
 }

@@ -279,6 +279,9 @@ impl Record for ObjectShape {
 
     fn write_into(&self, table: &mut Map<String, Value>) {
         self.keys_of().write_into(table);
+        if !matches!(self, Self::Feather(_) | Self::Coat(_)) {
+            table.remove("detail");
+        }
     }
 
     fn check(&self, place: &str) -> Result<()> {
@@ -524,7 +527,7 @@ mod tests {
         assert!(
             message("sphere_mm = 1\nbasis = 'linear'\nsurface = 'white'").contains("there are no curves")
         );
-        assert!(message("rectangle_mm = [1]\nsurface = 'white'").contains("two lengths"));
+        assert!(message("rectangle_mm = [1]\nsurface = 'white'").contains("two numbers"));
         assert!(message("sphere_mm = 1\nsurface = 'white'\ninstances = []").contains("1 to 100000"));
         assert!(
             message("sphere_mm = 1\nsurface = 'white'\nscale = 2\ninstances = [{}]")

@@ -574,7 +574,8 @@ mod tests {
         assert!(metal("metal = 'copper'").contains("surfaces.table.roughness is missing"));
         assert!(metal("roughness = 0.01\nmetal = 'copper'").contains("roughness is 0.01, outside 0.02 to 1"));
         assert!(
-            metal("roughness = [0.1, 2]\nmetal = 'copper'").contains("two (along, across), each 0.02 to 1")
+            metal("roughness = [0.1, 2]\nmetal = 'copper'")
+                .contains("surfaces.table.roughness[1] is 2, outside 0.02 to 1")
         );
         assert!(metal("roughness = [0.1]\nmetal = 'copper'").contains("one number or two"));
         assert!(metal("roughness = 0.1\nmetal = 'coper'").contains("did you mean 'copper'"));

@@ -16,7 +16,7 @@ fn feather(name: &str) -> Feather {
 }
 
 fn species() -> impl Iterator<Item = (&'static str, Feather)> {
-    preset::names().map(|name| (name, feather(name)))
+    preset::names().filter_map(|name| Some((name, *SceneDescription::named(name).unwrap().feather()?)))
 }
 
 /// The feathers of all presets and all types.

@@ -36,8 +36,7 @@ pub fn read_mesh(path: &Path) -> Result<(Mesh, String)> {
 pub fn decode_mesh(name: &str, assets: &dyn Assets) -> Result<(Mesh, String)> {
     let place = assets.place(name);
     let refuse = |error: Error| error.in_file(Path::new(&place));
-    let read: fn(&[u8], &dyn Fn(&str, u64) -> Result<Vec<u8>>) -> Result<Found> = match ending(name).as_str()
-    {
+    let read: Reader = match ending(name).as_str() {
         "ply" => |bytes, _| ply::read(bytes).map(Found::from),
         "obj" => |bytes, _| obj::read(&String::from_utf8_lossy(bytes)).map(Found::from),
         "gltf" | "glb" => gltf::read,
@@ -55,6 +54,9 @@ pub fn decode_mesh(name: &str, assets: &dyn Assets) -> Result<(Mesh, String)> {
     beside.iter().for_each(|bytes| _ = hasher.update(bytes));
     Ok((parts.finish().map_err(refuse)?, hasher.finalize().to_hex().to_string()))
 }
+
+/// Reads a mesh from a file's bytes, and what it names beside it by name and greatest size.
+type Reader = fn(&[u8], &dyn Fn(&str, u64) -> Result<Vec<u8>>) -> Result<Found>;
 
 /// What a file holds of shapes.
 struct Found {
