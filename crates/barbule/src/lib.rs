@@ -28,7 +28,7 @@
 //! # }
 //! ```
 //!
-//! What people type, files of their own among them, is opened by [`open`]; [`characterize`] and [`Picture`] do the rest.
+//! What people type, files of their own among them, is opened by [`open`]; [`characterize()`] and [`Picture`] do the rest.
 //!
 //! This crate is the façade over four others, each of which compiles alone: what it re-exports from `barbule-base`,
 //! `barbule-light`, `barbule-optics` and `barbule-appearance` is all there is. Modules use each other along the arrows of

@@ -12,7 +12,7 @@ use crate::{Error, Result};
 pub struct CampaignDescription {
     /// [`CAMPAIGN_VERSION`](super::CAMPAIGN_VERSION) of the program that computes.
     pub campaign_version: u64,
-    /// [`Structure::description`].
+    /// [`crate::structure::Structure::description`].
     pub structure: Value,
     /// Vacuum wavelengths, nm, rising.
     pub wavelengths_nm: Vec<f64>,
