@@ -435,7 +435,7 @@ fn pictures_of_a_quick_look_say_so() {
     place.succeed(&["characterize", "air/keratin:300/air", "--thin", "10", "-o", "t.barbule"]);
     let words = [&["render", "starling", "--material", "t.barbule", "-o", "t.png"], SMALL].concat();
     let (_, said) = place.succeed(&words);
-    assert!(said.contains("the material is thinned, a quick look: every 10 wavelengths"), "{said}");
+    assert!(said.contains("the material t.barbule is thinned, a quick look: every 10 wavelengths"), "{said}");
     assert!(said.contains("wrote t.png: t.barbule (thinned), light"), "{said}");
     let bytes = std::fs::read(place.path("t.png")).unwrap();
     assert!(bytes.windows(7).any(|word| word == b"thinned"));

@@ -364,7 +364,7 @@ mod tests {
         // Names decide as long as nobody has read what they stand for.
         assert_ne!(identity(&SceneDescription::named("starling:pink").unwrap()), identity(&starling));
         assert_ne!(identity(&scene), identity(&starling));
-        let other = SceneDescription::parse("preset = \"starling\"\n[light]\nazimuth_deg = 77.0").unwrap();
+        let other = SceneDescription::parse(&text.replace("azimuth ", "azimuth_deg ")).unwrap();
         assert_eq!(identity(&other), identity(&scene));
     }
 
