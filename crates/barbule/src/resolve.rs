@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
 use crate::bsdf::Texture;
 use crate::diffraction::sample_powers;
-use crate::io::image::{Meaning, RgbImage, decode_picture};
+use crate::io::image::{Meaning, RgbImage, check_ending, decode_picture};
 use crate::io::measured::{LARGEST_TABLE, Scale, parse_measured};
 use crate::io::{
     Assets, LARGEST_CURVES, LARGEST_GRATING, LARGEST_INPUT, decode_curves, decode_grating, decode_mesh,
@@ -148,6 +148,7 @@ fn fill_picture<T>(
     meaning: Meaning,
     make: impl Fn(RgbImage, bool) -> Result<T>,
 ) -> Result<()> {
+    check_ending(&assets.place(&slot.name))?;
     fill(slot, assets, LARGEST_INPUT, |place, bytes| {
         let (image, is_radiance) = decode_picture(place, bytes, meaning)?;
         make(image, is_radiance).map_err(|error| error.in_file(Path::new(place)))

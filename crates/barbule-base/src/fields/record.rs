@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 
 use super::key::{Key, Kind};
 use super::{Fields, list, number_in, path_of, refused, shown, wrong_kind};
-use crate::error::{did_you_mean, shortened};
+use crate::error::{counted, did_you_mean, shortened};
 use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
 
@@ -255,10 +255,9 @@ impl<T: FieldValue<Limits = Within>, const N: usize> FieldValue for [T; N] {
     fn of_value(value: &Value, path: &str, limits: &Within) -> Result<Self> {
         let values = list(value, path)?;
         let read = |(i, value): (usize, &Value)| T::of_value(value, &format!("{path}[{i}]"), limits);
-        let count = values.len();
-        let wanted =
-            || Error::input(format!("{path} has {count} numbers; give {}", Self::kind(limits).wanted()));
-        if count != N {
+        let count = counted(values.len(), "number");
+        let wanted = || Error::input(format!("{path} has {count}; give {}", Self::kind(limits).wanted()));
+        if values.len() != N {
             return Err(wanted());
         }
         let values: Vec<T> = values.iter().enumerate().map(read).collect::<Result<_>>()?;

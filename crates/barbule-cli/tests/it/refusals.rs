@@ -488,7 +488,7 @@ const SCENES: &[Change] = &[
     (
         "sky = 0.7",
         "objects = [{mesh = \"no.ply\", surface = \"x\"}]\nsurfaces.x = {type = \"dielectric\", index = 1.5}",
-        "objects[1].mesh",
+        "objects[0].mesh",
     ),
     (
         "sky = 0.7",
@@ -501,7 +501,11 @@ const SCENES: &[Change] = &[
         "surfaces.x.roughness[1] is 2, outside 0.02 to 1",
     ),
     ("sky = 0.7", "surfaces.x = {type = \"difuse\"}", "did you mean 'diffuse'"),
-    ("sky = 0.7", "surfaces.rmaus = {melanin = 3}", "surfaces.rmaus.type is missing"),
+    (
+        "sky = 0.7",
+        "surfaces.rmaus = {melanin = 3}",
+        "surfaces.rmaus has no type and is no part of a feather, did you mean 'ramus'?",
+    ),
     ("sky = 0.7", "surfaces.x = {type = \"diffuse\", albedo = \"no.png\"}", "surfaces.x.albedo"),
     ("sky = 0.7", "surfaces.x = {type = \"diffuse\", bump = \"no.png\", bump_um = 3}", "surfaces.x.bump"),
     ("sky = 0.7", "surfaces.x = {type = \"diffuse\", bump = \"no.png\"}", "surfaces.x.bump_um is missing"),
@@ -522,7 +526,7 @@ const SCENES: &[Change] = &[
     ("elevation = 60.0", "elevation = 91.0", "light.elevation_deg is 91, outside -90 to 90"),
     ("width_mm = 4.4", "width_mm = 0.0", "camera.width_mm is 0, outside 0.05 to 2000"),
     ("sky = 0.7", "size = [0, 5]", "0"),
-    ("sky = 0.7", "size = [10]", "size has 1 numbers"),
+    ("sky = 0.7", "size = [10]", "size has 1 number; give two numbers"),
     ("sky = 0.7", "material = \"no.barbule\"", "no such file"),
     ("[light]", "[sky_image]\nfile = \"no.exr\"\n[light]", "leave one out"),
     ("sky = 0.7\n[light]", "[sky_image]\nfile = \"no.exr\"\n[light]", "no such file"),

@@ -168,7 +168,8 @@ pub fn decode_picture(name: &str, bytes: &[u8], meaning: Meaning) -> Result<(Rgb
     Ok((decode_png(name, bytes, meaning)?, false))
 }
 
-fn check_ending(name: &str) -> Result<()> {
+/// Refuses a name that no picture that can be read has.
+pub(crate) fn check_ending(name: &str) -> Result<()> {
     match ending(name).as_str() {
         "exr" | "png" => Ok(()),
         _ => Err(Error::input("pictures are read from .png or .exr").in_file(Path::new(name))),

@@ -57,7 +57,7 @@ fn two_birds_and_a_coat_are_one_scene() {
 #[test]
 fn a_vane_has_three_zones() {
     let ready = scene(&in_examples("three-zones.toml"), &Opening::default(), &Unobserved).unwrap();
-    assert_eq!(ready.material_names(), ["starling", "starling:pink", "bronzewing"]);
+    assert_eq!(ready.material_names(), ["starling", "rock-dove:purple", "bronzewing"]);
     let names = ready.object_names();
     assert!(names.iter().any(|name| name.starts_with("zone 2")), "{names:?}");
     let (objects, counts) = ready.objects(1).unwrap();

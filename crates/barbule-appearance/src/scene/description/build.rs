@@ -356,6 +356,9 @@ mod tests {
         let none =
             SceneDescription::parse("preset = 'starling'\n[camera]\nabout = 'bal'").unwrap_err().to_string();
         assert!(none.contains("camera.about is 'bal'"), "{none}");
+        // The feather of a file is an object as well.
+        let feather = SceneDescription::parse("preset = 'starling'\n[camera]\nabout = 'feather'").unwrap();
+        assert_eq!(feather.camera.about.as_deref(), Some("feather"));
     }
 
     #[test]
@@ -366,6 +369,6 @@ mod tests {
         let lacking = ReadyScene::new(starling("[background]\nfile = 'wall.png'")).unwrap_err().to_string();
         assert_eq!(lacking, "background is not read");
         let lacking = ReadyScene::new(starling("")).unwrap_err().to_string();
-        assert_eq!(lacking, "objects[0].material is not read");
+        assert_eq!(lacking, "material is not read");
     }
 }

@@ -9,6 +9,7 @@ use super::dress::{Dress, FeatherObject, PARTS, Zone, dressed, of_parts};
 use super::objects::{ObjectDescription, ObjectShape, Placement};
 use super::slot::Slot;
 use super::{SceneDescription, objects};
+use crate::error::{did_you_mean, shortened};
 use crate::fields::{
     FieldValue as _, Fields, Key, Map, Record as _, Text, Value, at_line, canonical, in_toml, parse_toml,
     up_to, wrong_kind,
@@ -211,6 +212,7 @@ fn of_layer(mut layer: Map<String, Value>) -> Result<SceneDescription> {
         Some(Value::Object(tables)) => tables.clone(),
         _ => Map::new(),
     };
+    refuse_misspelt_parts(&named)?;
     let lone = take_lone(&mut layer, &named)?;
     if let Some(Value::Array(list)) = layer.get("objects") {
         let one = |(i, object): (usize, &Value)| dressed(object, &named, &format!("objects[{i}]"));
@@ -219,10 +221,28 @@ fn of_layer(mut layer: Map<String, Value>) -> Result<SceneDescription> {
     }
     let mut scene = SceneDescription::read(&Value::Object(layer), "")?;
     scene.objects.splice(0..0, lone);
+    scene.frame_of("camera.about", scene.camera.about.as_deref())?;
     if scene.objects.len() > objects::MOST_OBJECTS {
         return Err(Error::input(format!("objects: over the limit of {}", objects::MOST_OBJECTS)));
     }
     Ok(scene)
+}
+
+/// Refuses tables that are no surfaces of their own and have nearly the name of a feather's part.
+fn refuse_misspelt_parts(surfaces: &Map<String, Value>) -> Result<()> {
+    let is_typed = |table: &Value| table.get("type").is_some();
+    for (name, _) in
+        surfaces.iter().filter(|(name, table)| !PARTS.contains(&name.as_str()) && !is_typed(table))
+    {
+        let near = did_you_mean(name, PARTS);
+        if !near.is_empty() {
+            let name = shortened(name);
+            return Err(Error::input(format!(
+                "surfaces.{name} has no type and is no part of a feather{near}"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Takes the parts of a lone feather or coat out of a file's keys.
@@ -309,9 +329,11 @@ fn of_sides(error: Error, ramus: &str) -> Error {
 
 /// The keys at the top of a file that say an object; nothing where they cannot.
 fn lone_table(object: &ObjectDescription) -> Option<Map<String, Value>> {
-    let is_at = |name: &str| object.name.as_deref() == Some(name) && object.instances.is_empty();
+    if !object.stands_at_top() {
+        return None;
+    }
     let (dress, mut table) = match &object.shape {
-        ObjectShape::Feather(of) if is_at("feather") && object.place == Placement::HERE => {
+        ObjectShape::Feather(of) => {
             let mut table = Map::new();
             table.insert("window".to_owned(), of.window.table());
             table.extend(of.zones.to_value(&up_to(255)).map(|zones| ("zones".to_owned(), zones)));
@@ -320,7 +342,7 @@ fn lone_table(object: &ObjectDescription) -> Option<Map<String, Value>> {
             table.insert("detail".to_owned(), of.detail.table());
             (&of.dress, table)
         }
-        ObjectShape::Coat(of) if is_at("coat") => {
+        ObjectShape::Coat(of) => {
             let mut coat = Map::new();
             of.coat.write_into(&mut coat);
             object.place.write_into(&mut coat);

@@ -14,6 +14,7 @@ use super::{Motion, Moved, SceneDescription};
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::Texture;
 use crate::error::shortened;
+use crate::fields::path_of;
 use crate::scattering::grating::Powers;
 use crate::scene::backdrop::BackdropPicture;
 use crate::scene::geometry::Mesh;
@@ -81,6 +82,7 @@ impl Named<'_> {
 impl SceneDescription {
     /// Everything that the scene names, with the key that does; of a sky that gives no light nothing.
     pub fn named_mut(&mut self) -> Vec<(String, Named<'_>)> {
+        let places = self.object_places();
         let mut named = Vec::new();
         for (index, light) in self.lights.iter_mut().enumerate() {
             if let LightColour::Table(slot) = &mut light.colour {
@@ -96,8 +98,8 @@ impl SceneDescription {
         if let Background::Picture(slot) = &mut self.background {
             named.push(("background".to_owned(), Named::Backdrop(slot)));
         }
-        for (index, object) in self.objects.iter_mut().enumerate() {
-            object.shape.named_mut(&format!("objects[{index}]"), &mut named);
+        for (object, place) in self.objects.iter_mut().zip(&places) {
+            object.shape.named_mut(place, &mut named);
         }
         for (name, surface) in &mut self.surfaces.0 {
             surface.named_mut(&format!("surfaces.{}", shortened(name)), &mut named);
@@ -138,7 +140,7 @@ impl SceneDescription {
 
 impl ObjectShape {
     fn named_mut<'a>(&'a mut self, place: &str, named: &mut Vec<(String, Named<'a>)>) {
-        let mut add = |key: &str, one: Named<'a>| named.push((format!("{place}.{key}"), one));
+        let mut add = |key: &str, one: Named<'a>| named.push((path_of(place, key), one));
         match self {
             Self::Mesh(slot) => add("mesh", Named::Mesh(slot)),
             Self::Curves { file, basis } => add("curves", Named::Curves(file, *basis)),
@@ -171,7 +173,7 @@ impl ObjectShape {
 
 impl NamedSurface {
     fn named_mut<'a>(&'a mut self, place: &str, named: &mut Vec<(String, Named<'a>)>) {
-        let mut add = |key: &str, one: Named<'a>| named.push((format!("{place}.{key}"), one));
+        let mut add = |key: &str, one: Named<'a>| named.push((path_of(place, key), one));
         match self {
             Self::Diffuse(of) => {
                 if let Some(slot) = &mut of.albedo {

@@ -160,7 +160,8 @@ impl SceneDescription {
     /// # Errors
     /// The first number out of range.
     pub fn check(&self) -> Result<()> {
-        Record::check(self, "")
+        Record::check(self, "")?;
+        self.frame_of("camera.about", self.camera.about.as_deref()).map(|_| ())
     }
 
     /// Refuses darkness, and names of surfaces and objects that do not exist.
@@ -172,10 +173,15 @@ impl SceneDescription {
                 self.sky.strength_key()
             )));
         }
-        for (i, object) in self.objects.iter().enumerate() {
-            object.check_surface(&format!("objects[{i}]"), &self.surfaces)?;
-        }
-        self.frame_of("camera.about", self.camera.about.as_deref()).map(|_| ())
+        let places = self.object_places();
+        self.objects.iter().zip(&places).try_for_each(|(object, at)| object.check_surface(at, &self.surfaces))
+    }
+
+    /// Where a scene file says each object: at its top (which has no path), or in one of its tables.
+    fn object_places(&self) -> Vec<String> {
+        let lone = usize::from(self.objects.first().is_some_and(ObjectDescription::stands_at_top));
+        let place = |i: usize| if i < lone { String::new() } else { format!("objects[{}]", i - lone) };
+        (0..self.objects.len()).map(place).collect()
     }
 
     /// The first feather, or that of the first coat.

@@ -334,6 +334,16 @@ impl ObjectDescription {
         self.name.as_deref().or(self.surface.as_deref()).unwrap_or(kind)
     }
 
+    /// Whether the top of a scene file may say it: its one feather or coat.
+    pub(super) fn stands_at_top(&self) -> bool {
+        let is_named = |name: &str| self.name.as_deref() == Some(name) && self.instances.is_empty();
+        match &self.shape {
+            ObjectShape::Feather(_) => is_named("feather") && self.place == Placement::HERE,
+            ObjectShape::Coat(_) => is_named("coat"),
+            _ => false,
+        }
+    }
+
     /// Whether it is a feather or a coat, whose parts have surfaces of their own.
     #[must_use]
     pub fn is_plumage(&self) -> bool {
