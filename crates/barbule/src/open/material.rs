@@ -30,7 +30,7 @@ pub enum Located {
 /// # let folder = tempfile::tempdir().unwrap();
 /// let catalog = Catalog { cache: Some(folder.path().join("cache")) };
 /// let opening = Opening { catalog, may_compute: false, ..Opening::default() };
-/// let starling = material("starling:pink", &opening, &Unobserved)?; // ships
+/// let starling = material("starling:green", &opening, &Unobserved)?; // ships
 /// std::fs::write(folder.path().join("mine.barbule"), starling.bytes()?)?;
 ///
 /// let mine = material(&folder.path().join("mine.barbule").to_string_lossy(), &opening, &Unobserved)?;
