@@ -45,13 +45,16 @@ pub mod campaign;
 pub mod characterize;
 pub mod clock;
 pub mod diffraction;
+#[cfg(feature = "figures")]
 pub mod figures;
 pub mod io;
 pub mod keys;
 pub mod open;
 pub mod picture;
+#[cfg(feature = "figures")]
 pub mod plot;
 pub mod resolve;
+#[cfg(all(feature = "figures", feature = "full-waves"))]
 pub mod validate;
 
 pub use barbule_appearance::{brdf, bsdf, render, scene};

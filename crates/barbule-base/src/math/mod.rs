@@ -8,12 +8,15 @@ pub mod chebyshev;
 pub mod dense;
 pub mod elementary;
 pub mod fft;
+#[cfg(feature = "full-waves")]
 pub mod hierarchical;
+#[cfg(feature = "full-waves")]
 pub mod large;
 pub mod normal;
 pub mod quadrature;
 pub mod rng;
 pub mod roots;
 pub mod simd;
+#[cfg(feature = "full-waves")]
 mod single;
 pub mod spline;

@@ -8,8 +8,9 @@ use std::path::PathBuf;
 use barbule::clock;
 use barbule::figures;
 use barbule::scattering::far_field::{Illumination, Window};
-use barbule::solve::far_fields::{Illuminations, Method, Prepared, Scattered, Settings, bytes};
-use barbule::solve::full_wave::ELEMENTS_PER_WAVELENGTH;
+use barbule::solve::far_fields::{
+    ELEMENTS_PER_WAVELENGTH, Illuminations, Method, Prepared, Scattered, Settings, bytes,
+};
 use barbule::solve::surface::{LARGEST_MIRROR_ERROR, mirror_fraction};
 use barbule::solve::{FAST, METHODS, method};
 use barbule::structure::Section;
@@ -109,7 +110,7 @@ struct Wavelengths(Vec<f64>);
 
 /// Reads the name of a solver.
 fn solvers() -> impl TypedValueParser<Value = Method> {
-    let names = METHODS.map(|method| PossibleValue::new(method.name).help(method.about));
+    let names = METHODS.iter().map(|method| PossibleValue::new(method.name).help(method.about));
     PossibleValuesParser::new(names).try_map(|name| method(&name).ok_or("is no solver"))
 }
 

@@ -6,6 +6,7 @@ pub mod crystal;
 pub mod diffraction;
 pub mod direct;
 pub mod far_fields;
+#[cfg(feature = "full-waves")]
 pub mod full_wave;
 pub mod segment;
 pub mod surface;
@@ -13,7 +14,6 @@ pub mod swatch;
 
 use direct::{Direct, Shadows};
 use far_fields::Method;
-use full_wave::FullWave;
 use surface::Fast;
 
 /// What makes the formulas along a top smaller.
@@ -45,21 +45,28 @@ pub const SHADOWED: Method = Method {
     ..FAST
 };
 
-/// [`full_wave`].
+/// [`full_wave`], where the feature `full-waves` is on.
+#[cfg(feature = "full-waves")]
 pub const FULL_WAVE: Method = Method {
     name: "full-wave",
     about: "Maxwell's equations, exact up to discretization: boundary elements",
     noun: "full wave",
     smaller: "a narrower section, a longer wavelength, or fewer elements",
     is_exact: true,
-    solver: |settings| Box::new(FullWave::new(settings)),
+    solver: |settings| Box::new(full_wave::FullWave::new(settings)),
 };
 
 /// All solvers of sections.
-pub const METHODS: [Method; 4] = [FAST, DIRECT, SHADOWED, FULL_WAVE];
+pub const METHODS: &[Method] = &[
+    FAST,
+    DIRECT,
+    SHADOWED,
+    #[cfg(feature = "full-waves")]
+    FULL_WAVE,
+];
 
 /// The solver of sections of this name.
 #[must_use]
 pub fn method(name: &str) -> Option<Method> {
-    METHODS.into_iter().find(|method| method.name == name)
+    METHODS.iter().copied().find(|method| method.name == name)
 }

@@ -1,7 +1,7 @@
 //! Photonic crystals of rods: periodic along x, invariant along y, a few rows deep.
 //!
 //! A [`Cell`] is lit by a wave ([`Incidence`]) and answers with its [`CrystalResponse`]; three independent solvers stand behind
-//! one interface, [`CrystalSolver`]:
+//! one interface, [`CrystalSolver`] (the last by the feature `fdtd`):
 //!
 //! | solver | method | cannot do |
 //! | --- | --- | --- |
@@ -14,6 +14,7 @@
 mod cell;
 #[cfg(test)]
 mod cells;
+#[cfg(feature = "fdtd")]
 pub mod fdtd;
 pub mod multipole;
 mod orders;
@@ -24,6 +25,7 @@ mod solver;
 mod table;
 
 pub use cell::{Cell, CellRod, Incidence, Shell, Surroundings};
+#[cfg(feature = "fdtd")]
 pub use fdtd::{Fdtd, NearField};
 pub use multipole::Multipole;
 pub use rcwa::Rcwa;

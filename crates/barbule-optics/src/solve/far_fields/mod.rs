@@ -3,7 +3,9 @@
 mod solver;
 
 pub(super) use solver::OneByOne;
-pub use solver::{Effort, Exact, Method, Prepared, Scattered, SectionSolver, Settings};
+pub use solver::{
+    ELEMENTS_PER_WAVELENGTH, Effort, Exact, Method, Prepared, Scattered, SectionSolver, Settings,
+};
 
 use crate::scattering::far_field::{Illumination, Window};
 
@@ -115,7 +117,7 @@ mod tests {
             phi_i: vec![0.2],
             window,
         };
-        for own in METHODS {
+        for &own in METHODS {
             assert_eq!(method(own.name), Some(own));
             let solver = (own.solver)(&Settings::default());
             let prepared = solver.prepare(&section).unwrap();

@@ -6,10 +6,12 @@ use super::Illuminations;
 use crate::progress::{Clock, NO_CLOCK, OnlyStops, Progress};
 use crate::scattering::far_field::{FarField, Illumination, IncidentLight};
 use crate::solve::cost::{Cost, PROGRAM};
-use crate::solve::full_wave::ELEMENTS_PER_WAVELENGTH;
 use crate::solve::surface::Size;
 use crate::structure::Section;
 use crate::{Error, Result};
+
+/// Nodes per wavelength of solvers of equations, in the denser of the media at each boundary, unless somebody asks for others.
+pub const ELEMENTS_PER_WAVELENGTH: f64 = 10.0;
 
 /// A way to the far fields of sections, as programs offer it; its name tells it apart.
 #[derive(Debug, Clone, Copy)]

@@ -38,8 +38,7 @@ use mesh::Mesh;
 use operator::{Coupled, Operator, Weighted};
 use outgoing::{Fields, absorbed_um, radiate};
 
-/// Nodes per wavelength, in the denser of the media at each boundary, unless somebody asks for others.
-pub const ELEMENTS_PER_WAVELENGTH: f64 = 10.0;
+pub use crate::solve::far_fields::ELEMENTS_PER_WAVELENGTH;
 
 /// Bytes of a complex number.
 const COMPLEX: u64 = size_of::<Complex64>() as u64;
