@@ -120,14 +120,19 @@ impl Reference {
     }
 }
 
-/// ΔE00 of two colours, both scaled so that the first has luminance 1; 0 where it has none.
+/// Luminances up to this, 1/sr or of a mirror's peak, are black: 3e-6 of what a white that scatters evenly has. What two
+/// computations leave there is rounding.
+const BLACK: f64 = 1e-6;
+
+/// ΔE00 of two colours, both scaled so that the first has luminance 1, or the second where the first is black; 0 where both
+/// are.
 #[must_use]
 pub fn delta_e(reference: [f64; 3], other: [f64; 3]) -> f64 {
-    if reference[1] <= 0.0 {
+    let white = if reference[1] > BLACK { reference[1] } else { other[1] };
+    if white <= BLACK {
         return 0.0;
     }
-    let scaled =
-        |xyz: [f64; 3]| lab(xyz.map(|v| (v / reference[1]).max(0.0)), crate::spectrum::colour::D65_WHITE);
+    let scaled = |xyz: [f64; 3]| lab(xyz.map(|v| (v / white).max(0.0)), crate::spectrum::colour::D65_WHITE);
     delta_e_2000(scaled(reference), scaled(other))
 }
 

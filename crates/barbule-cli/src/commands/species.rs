@@ -269,27 +269,59 @@ impl Variant {
     }
 }
 
+/// Columns of a terminal.
+const COLUMNS: usize = 80;
+/// Parameters up to so long stand beside what they are, longer ones above it.
+const LONGEST_BESIDE: usize = 28;
+
 fn list(out: &mut dyn Write, entries: &[Entry]) -> Result<()> {
     let blocks = std::io::stdout().is_terminal();
     for entry in entries {
-        print(out, &entry.title())?;
+        print(out, &wrapped("", &entry.title(), 2))?;
         if !entry.source.is_empty() {
-            print(out, &format!("  source: {}", entry.source))?;
+            print(out, &wrapped("  source:", &entry.source, 4))?;
         }
         for variant in &entry.variants {
             print(out, &line(variant, variant.name == entry.default, blocks))?;
         }
         let [variant] = &entry.variants[..] else { continue };
-        print(out, &format!("  {}", variant.look.words()))?;
+        print(out, &wrapped(" ", &variant.look.words(), 4))?;
         if let Some(generator) = &entry.generator {
             print(out, &format!("  parameters of the generator {generator}:"))?;
         }
-        let width = variant.explained.iter().map(|(line, _)| line.chars().count()).max().unwrap_or(0);
+        let lengths = variant.explained.iter().map(|(line, _)| line.chars().count());
+        let width = lengths.filter(|length| *length <= LONGEST_BESIDE).max().unwrap_or(0);
         for (line, about) in &variant.explained {
-            print(out, &format!("    {line:width$}  {about}"))?;
+            if line.chars().count() <= width {
+                print(out, &wrapped(&format!("    {line:width$} "), about, width + 6))?;
+            } else {
+                print(out, &wrapped("   ", line, 6))?;
+                print(out, &wrapped(&" ".repeat(width + 5), about, width + 6))?;
+            }
         }
     }
     Ok(())
+}
+
+/// The words of a text behind a start, in lines of a terminal's width; all but the first are indented. A word that is longer
+/// has a line of its own.
+fn wrapped(start: &str, text: &str, indent: usize) -> String {
+    let (mut done, mut line) = (String::new(), start.to_owned());
+    let mut is_begun = false;
+    for word in text.split_whitespace() {
+        let gap = usize::from(!line.is_empty());
+        if is_begun && line.chars().count() + gap + word.chars().count() > COLUMNS {
+            done += &line;
+            done.push('\n');
+            line = " ".repeat(indent.saturating_sub(1));
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line += word;
+        is_begun = true;
+    }
+    done + &line
 }
 
 /// A variant in one line: brightened colour, name, how bright it is and where it peaks.

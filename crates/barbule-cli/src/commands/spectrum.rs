@@ -1,16 +1,21 @@
 //! `barbule spectrum`: reflectance against wavelength, mean and spread over instances, and the numbers of its colour.
 
+mod tables;
+
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use barbule::campaign::spectrum::{Collect, Grazing, Spectra, SpectrumRequest, spectra};
+use barbule::campaign::spectrum::{
+    Collect, Grazing, Individuals, Spectra, SpectrumRequest, spectra_and_individuals,
+};
 use barbule::campaign::spectrum_bytes;
 use barbule::error::{counted, shortened};
 use barbule::figures::{self, Simulated};
 use barbule::io::measured::{Measured, Scale, read_measured};
 use barbule::plot::{Band, MeasuredBand};
 use barbule::progress::{Progress, Several};
+use barbule::solve::surface::LARGEST_MIRROR_ERROR;
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
@@ -40,6 +45,7 @@ const MOST_CURVES: usize = 18;
   barbule spectrum starling --measured examples/measured/starling-back.csv -o both.png
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
   barbule spectrum rock-dove --side below --angle=-30,30
+  barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
 
 Printed, and in --json under 'look': peak, full width at half maximum (half-way between the peak and the lowest \
 reflectance), mean reflectance (pavo's B2), saturation (S8), wavelength of the highest sample (H1, in --json and \
@@ -83,9 +89,16 @@ pub(crate) struct Args {
     measured_unit: Option<MeasuredUnit>,
     #[command(flatten)]
     figure: FigureArgs,
-    /// Write a table: angle_deg,wavelength_nm,mean,std (of several structures with their names in front)
+    /// Write a table: angle_deg,wavelength_nm,mean,std (of several structures with their names in front), with --measured
+    /// also the measured mean
     #[arg(long, value_name = "F")]
     csv: Option<PathBuf>,
+    /// A line of --csv for each angle and wavelength, or for each of every curve, as R's and pandas' grouping wants it
+    #[arg(long, value_enum, value_name = "LAYOUT", default_value_t = Layout::Wide, requires = "csv")]
+    csv_layout: Layout,
+    /// With the spectrum of each random individual, and the standard error, in --csv and --json
+    #[arg(long)]
+    individuals: bool,
     /// Write the numbers of the colours, one row for each structure and angle, with --measured also those of the
     /// comparison
     #[arg(long, value_name = "F.csv")]
@@ -101,6 +114,15 @@ enum Plane {
     Across,
     /// The angle is θ_i
     Along,
+}
+
+/// Layouts of tables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Layout {
+    /// A column for each curve
+    Wide,
+    /// A line for each value
+    Tidy,
 }
 
 /// Units of measured values.
@@ -120,10 +142,19 @@ struct Found {
     name: String,
     instances: usize,
     spectra: Spectra,
+    /// Where they are asked for.
+    individuals: Option<Individuals>,
     /// One for each angle.
     looks: Vec<Look>,
     /// One for each angle, with a measurement.
     comparisons: Vec<Comparison>,
+}
+
+impl Found {
+    /// At how many wavelengths of an angle light grazes so that the simulation is off.
+    fn flagged(&self, angle: usize) -> usize {
+        self.spectra.flagged()[angle].iter().filter(|flagged| **flagged).count()
+    }
 }
 
 impl Args {
@@ -148,6 +179,9 @@ impl Args {
     fn check(&self) -> Result<()> {
         if let Some(instances) = self.instances.filter(|n| !(1..=10_000).contains(n)) {
             return Err(Error::input(format!("--instances {instances}: give a number from 1 to 10000")));
+        }
+        if self.individuals && self.csv.is_none() && !self.common.json {
+            return Err(Error::input("--individuals: give --csv F or --json, which hold them"));
         }
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
@@ -225,7 +259,7 @@ impl Args {
         let bytes = spectrum_bytes(structure, &request)?;
         let fewer = "fewer --wavelengths, angles, --instances or --threads";
         self.common.allowance().check("this spectrum", bytes, fewer)?;
-        let found = spectra(structure, &request, progress)?;
+        let (found, individuals) = spectra_and_individuals(structure, &request, progress)?;
         self.say_grazing(&found, structure.width_um());
         let means = found
             .mean
@@ -244,6 +278,7 @@ impl Args {
             name: name.strip_suffix(":default").unwrap_or(&name).to_owned(),
             instances,
             spectra: found,
+            individuals: self.individuals.then_some(individuals),
             looks: means.iter().map(Look::of).collect(),
             comparisons,
         })
@@ -275,8 +310,14 @@ impl Args {
             self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
         }
         if let Some(path) = &self.csv {
-            provenance.write_csv(path, &self.csv_text(all))?;
-            self.common.wrote(path, &shown("reflectance"));
+            let tables =
+                tables::Tables { all, angles_deg: &self.angle.0, nm: self.wavelengths.nm(), measured };
+            let text = match self.csv_layout {
+                Layout::Wide => tables.wide(),
+                Layout::Tidy => tables.tidy(),
+            };
+            provenance.write_csv(path, &text)?;
+            self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
         }
         if let Some(path) = &self.summary {
             provenance.write_csv(path, &self.summary_text(all))?;
@@ -329,37 +370,22 @@ impl Args {
         figures::spectra(&title, &self.wavelengths, &simulated, measured.as_ref(), &page)
     }
 
-    /// The contract's table; of several structures with their names in front.
-    fn csv_text(&self, all: &[Found]) -> String {
-        let several = all.len() > 1;
-        let mut text = String::from(if several { "structure," } else { "" });
-        text.push_str("angle_deg,wavelength_nm,mean,std\n");
-        for found in all {
-            let name = if several { format!("{},", csv_cell(&found.typed)) } else { String::new() };
-            for (a, angle) in self.angle.0.iter().enumerate() {
-                for (w, nm) in self.wavelengths.iter().enumerate() {
-                    let (mean, std) = (found.spectra.mean[a][w], found.spectra.std[a][w]);
-                    // Writing to a string cannot fail.
-                    let _ = writeln!(text, "{name}{angle},{nm},{mean},{std}");
-                }
-            }
-        }
-        text
-    }
-
     fn summary_text(&self, all: &[Found]) -> String {
         let mut text = String::from("structure,angle_deg,instances");
         let first = all.iter().flat_map(|found| found.looks.first()).next();
         let compared = all.iter().flat_map(|found| found.comparisons.first()).next();
-        let headers = [first.map(Look::fields), compared.map(Comparison::fields)];
-        for fields in headers.into_iter().flatten() {
+        if let Some(fields) = first.map(Look::fields) {
+            let _ = write!(text, ",{},flagged_wavelengths", fields.csv_header());
+        }
+        if let Some(fields) = compared.map(Comparison::fields) {
             let _ = write!(text, ",{}", fields.csv_header());
         }
         for found in all {
             for (a, angle) in self.angle.0.iter().enumerate() {
                 let name = csv_cell(&found.typed);
                 let cells = found.looks[a].fields().csv_cells();
-                let _ = write!(text, "\n{name},{angle},{},{cells}", found.instances);
+                let flagged = found.flagged(a);
+                let _ = write!(text, "\n{name},{angle},{},{cells},{flagged}", found.instances);
                 if let Some(comparison) = found.comparisons.get(a) {
                     let _ = write!(text, ",{}", comparison.fields().csv_cells());
                 }
@@ -388,6 +414,12 @@ impl Args {
                 "instances": found.instances,
                 "look": found.looks,
             });
+            if let Some(individuals) = &found.individuals {
+                let of = |a: usize| {
+                    (0..individuals.count()).map(move |i| individuals.of(i, a)).collect::<Vec<_>>()
+                };
+                document["individuals"] = json!((0..self.angle.0.len()).map(of).collect::<Vec<_>>());
+            }
             if measured.is_some() {
                 document["comparison"] = json!(found.comparisons);
             }
@@ -416,7 +448,16 @@ impl Args {
         for found in all {
             for (a, angle) in self.angle.0.iter().enumerate() {
                 let name = if all.len() > 1 { shortened(&found.typed) } else { found.name.clone() };
-                print(out, &format!("{name}, {}: {}", self.direction_name(*angle), found.looks[a].words()))?;
+                let flagged = match found.flagged(a) {
+                    0 => String::new(),
+                    count => format!(
+                        ", flagged: off by over {:.0} % at {count} of {}",
+                        100.0 * LARGEST_MIRROR_ERROR,
+                        counted(self.wavelengths.len(), "wavelength")
+                    ),
+                };
+                let words = found.looks[a].words();
+                print(out, &format!("{name}, {}: {words}{flagged}", self.direction_name(*angle)))?;
                 if let (Some(comparison), Some(file)) = (found.comparisons.get(a), &file) {
                     print(out, &format!("  against {file}: {}", comparison.words()))?;
                 }

@@ -151,3 +151,19 @@ fn snakes_and_the_bench_render() {
     let (_, out, _) = command(&["render", "snake", "--toml"]);
     assert!(out.contains("sample = \"xenopeltis\""));
 }
+
+/// Far from every order a table has zeros, and the exact sum what rounding leaves: both are black.
+#[test]
+fn black_beside_black_is_no_difference_and_no_zero_has_a_sign() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = document(&["diffract", "blazed", "--wi", "0,0", "--wo", "5,90", "--json"]);
+    assert_eq!(found["delta_e"], 0.0, "{found}");
+    let path = folder.path().join("flat.txt").to_string_lossy().into_owned();
+    std::fs::write(&path, "0 0.1 0 0.1 0 0.1 0 0.1\n".repeat(8)).unwrap();
+    // Steps of 1 µm tell nothing of directions so far from the mirror's.
+    let words =
+        ["diffract", &path, "--pitch", "1", "--wi", "0,0", "--wo", "70,0", "--place", "anywhere", "--json"];
+    let (code, out, said) = command(&words);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(out.contains("0.0") && !out.contains("-0.0"), "{out}");
+}

@@ -122,3 +122,21 @@ fn every_kind_of_structure_has_its_colour() {
         "{message}"
     );
 }
+
+#[test]
+fn what_is_printed_fits_a_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml").to_string_lossy().into_owned();
+    for name in ["starling:pink", "hummingbird", "peafowl:blue", "rock-dove"] {
+        std::fs::write(&path, succeed(&["species", name, "--toml"])).unwrap();
+        for structure in [name, &path] {
+            let text = succeed(&["species", structure]);
+            let widest = text.lines().max_by_key(|line| line.chars().count()).unwrap();
+            assert!(widest.chars().count() <= 80, "{structure}: {widest}");
+        }
+    }
+    // Parameters begin lines, and what they are stands beside them in a column of its own.
+    let text = succeed(&["species", "starling:pink"]);
+    let key = text.lines().find(|line| line.starts_with("    cortex_um = 0.38 ")).unwrap();
+    assert!(key.trim_end().len() > 40, "{key}");
+}

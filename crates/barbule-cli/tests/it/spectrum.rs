@@ -195,3 +195,130 @@ fn what_cannot_be_is_refused_before_any_work_and_leaves_nothing() {
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+/// A table as rows of cells, with the names of its columns.
+fn table(folder: &Path, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let text = std::fs::read_to_string(folder.join(name)).unwrap();
+    let mut rows = text.lines().map(|row| row.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let names = rows.next().unwrap();
+    let rows: Vec<_> = rows.collect();
+    assert!(rows.iter().all(|row| row.len() == names.len()), "{text}");
+    (names, rows)
+}
+
+#[test]
+fn tables_hold_individuals_errors_and_what_was_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = example("starling-back.csv");
+    let words = [&["spectrum", "starling", "--angle", "0,30", "--measured", &file], QUICK].concat();
+    let document = json(folder.path(), &[&words[..], &["--csv", "w.csv", "--individuals"]].concat());
+    let (names, rows) = table(folder.path(), "w.csv");
+    assert_eq!(
+        names.join(","),
+        "angle_deg,wavelength_nm,mean,std,standard_error,individual_1,individual_2,individual_3,measured_mean,measured_std,measured_1,measured_2,measured_3"
+    );
+    assert_eq!(rows.len(), 62);
+    let number = |row: &[String], at: usize| row[at].parse::<f64>().unwrap();
+    for (w, row) in rows[31..].iter().enumerate() {
+        let of: Vec<f64> = (5..8).map(|i| number(row, i)).collect();
+        let mean = of.iter().sum::<f64>() / 3.0;
+        let std = (of.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 2.0).sqrt();
+        assert!((number(row, 2) - mean).abs() < 1e-12 && (number(row, 3) - std).abs() < 1e-12, "{row:?}");
+        assert!((number(row, 4) - std / 3f64.sqrt()).abs() < 1e-12, "{row:?}");
+        assert_eq!(document["individuals"][1][2][w], number(row, 7));
+        let measured = (10..13).map(|i| number(row, i)).sum::<f64>() / 3.0;
+        assert!((number(row, 8) - measured).abs() < 1e-12, "{row:?}");
+    }
+    succeed(
+        folder.path(),
+        &[&words[..], &["--csv", "t.csv", "--individuals", "--csv-layout", "tidy"]].concat(),
+    );
+    let (names, tidy) = table(folder.path(), "t.csv");
+    assert_eq!(
+        names.join(","),
+        "structure,angle_deg,source,curve,sample,wavelength_nm,reflectance,std,standard_error"
+    );
+    let of = |source: &str, curve: &str| -> Vec<&Vec<String>> {
+        tidy.iter().filter(|row| row[2] == source && row[3] == curve).collect()
+    };
+    assert_eq!(of("simulated", "individual").len(), 2 * 3 * 31);
+    let means = of("simulated", "mean");
+    assert_eq!(means.len(), 62);
+    for (row, wide) in means.iter().zip(&rows) {
+        assert_eq!(
+            [&row[1], &row[5], &row[6], &row[7], &row[8]],
+            [&wide[0], &wide[1], &wide[2], &wide[3], &wide[4]]
+        );
+    }
+    let measured = of("measured", "individual");
+    assert_eq!((measured.len(), measured[0][4].as_str(), of("measured", "mean").len()), (303, "back_1", 101));
+    // Without flags the table is as it was; with a measurement its mean stands beside.
+    succeed(folder.path(), &[&words[..4], QUICK, &["--csv", "p.csv"]].concat());
+    assert_eq!(table(folder.path(), "p.csv").0.join(","), "angle_deg,wavelength_nm,mean,std");
+    succeed(folder.path(), &[&words[..], &["--csv", "m.csv"]].concat());
+    assert!(table(folder.path(), "m.csv").0.join(",").ends_with(",mean,std,measured_mean,measured_std"));
+    for (more, part) in [
+        (&["--individuals"][..], "--individuals: give --csv F or --json, which hold them"),
+        (&["--csv-layout", "tidy"], "--csv"),
+    ] {
+        let (code, _, message) = run_in(folder.path(), &[&["spectrum", "starling"], more].concat());
+        assert!(code == 2 && message.contains(part), "{message}");
+    }
+}
+
+/// A table that is written can be read back as a measurement: all individuals, by their numbers.
+#[test]
+fn a_tidy_table_of_individuals_is_a_measurement_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = [&["spectrum", "starling"], QUICK].concat();
+    let first = json(
+        folder.path(),
+        &[&words[..], &["--csv", "t.csv", "--csv-layout", "tidy", "--individuals"]].concat(),
+    );
+    let text = std::fs::read_to_string(folder.path().join("t.csv")).unwrap();
+    let of = |line: &&str| line.starts_with("structure") || line.contains(",individual,");
+    let kept: Vec<&str> = text.lines().filter(of).collect();
+    std::fs::write(folder.path().join("back.csv"), kept.join("\n")).unwrap();
+    let again = json(folder.path(), &[&words[..], &["--measured", "back.csv"]].concat());
+    assert_eq!(again["measured"]["samples"], serde_json::json!(["1", "2", "3"]));
+    let values = |document: &Value| -> Vec<f64> { serde_json::from_value(document.clone()).unwrap() };
+    for (a, b) in values(&again["measured"]["mean"]).iter().zip(values(&first["mean"][0])) {
+        assert!((a - b).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn grazing_angles_are_flagged_wherever_their_numbers_stand() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = [&["spectrum", "starling", "--angle", "0,85", "--summary", "s.csv"], QUICK].concat();
+    let (out, message) = succeed(folder.path(), &words);
+    let lines: Vec<&str> = out.lines().collect();
+    assert!(!lines[0].contains("flagged") && lines[1].contains(", flagged: off by over 3 % at "), "{out}");
+    assert!(message.contains("values are flagged"), "{message}");
+    let (names, rows) = table(folder.path(), "s.csv");
+    let at = names.iter().position(|name| name == "flagged_wavelengths").unwrap();
+    let counts: Vec<usize> = rows.iter().map(|row| row[at].parse().unwrap()).collect();
+    assert!(counts[0] == 0 && counts[1] > 10, "{counts:?}");
+    assert!(lines[1].ends_with(&format!("at {} of 31 wavelengths", counts[1])), "{out}");
+}
+
+#[test]
+fn samples_of_a_long_table_are_named_like_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = (0..41).flat_map(|i| {
+        let nm = 400 + i * 8;
+        ["left", "right"].map(|sample| format!("{nm},{sample},{:.4}", 0.04 + 0.0001 * f64::from(i)))
+    });
+    let text = format!("wl,sample,R\n{}\n", rows.collect::<Vec<_>>().join("\n"));
+    std::fs::write(folder.path().join("long.csv"), text).unwrap();
+    let words = [&["spectrum", "starling", "--measured", "long.csv"], QUICK].concat();
+    let (_, message) = succeed(folder.path(), &words);
+    assert!(message.contains("a line for each wavelength and sample, told apart by 'sample'"), "{message}");
+    let one = json(folder.path(), &[&words[..], &["--column", "right"]].concat());
+    assert_eq!(one["measured"]["samples"], serde_json::json!(["right"]));
+    let (code, _, message) = run_in(folder.path(), &[&words[..], &["--column", "rigth"]].concat());
+    assert!(
+        code == 2 && message.contains("--column rigth: there is no such sample, did you mean 'right'?"),
+        "{message}"
+    );
+}

@@ -87,18 +87,57 @@ impl Spectra {
     }
 }
 
+/// The reflected fraction of each instance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Individuals {
+    /// `[instance][direction · wavelength]`.
+    fractions: Vec<Vec<f64>>,
+    wavelengths: usize,
+}
+
+impl Individuals {
+    /// How many instances there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.fractions.len()
+    }
+
+    /// The reflected fractions of one instance at one direction, one for each wavelength.
+    ///
+    /// # Panics
+    /// There is no such instance or direction.
+    #[must_use]
+    pub fn of(&self, instance: usize, direction: usize) -> &[f64] {
+        &self.fractions[instance][direction * self.wavelengths..][..self.wavelengths]
+    }
+}
+
 /// Simulates the spectra; instances in parallel, none tilted.
 ///
 /// # Errors
 /// An instance cannot be made, a table does not reach a wavelength, or the user cancelled.
 pub fn spectra(structure: &Structure, request: &SpectrumRequest, progress: &dyn Progress) -> Result<Spectra> {
-    let per_instance = fractions(structure, request, progress)?;
+    Ok(spectra_and_individuals(structure, request, progress)?.0)
+}
+
+/// The same with the instances one by one.
+///
+/// # Errors
+/// As [`spectra`].
+pub fn spectra_and_individuals(
+    structure: &Structure,
+    request: &SpectrumRequest,
+    progress: &dyn Progress,
+) -> Result<(Spectra, Individuals)> {
+    let columns = request.wavelengths.len();
+    let individuals =
+        Individuals { fractions: fractions(structure, request, progress)?, wavelengths: columns };
     let count = request.instances as f64;
     let mut spectra = Spectra { mean: Vec::new(), std: Vec::new(), mirror: Vec::new() };
-    let columns = request.wavelengths.len();
     for direction in 0..request.directions.len() {
-        let values =
-            |wavelength: usize| per_instance.iter().map(move |v| v[direction * columns + wavelength]);
+        let values = |wavelength: usize| {
+            individuals.fractions.iter().map(move |v| v[direction * columns + wavelength])
+        };
         let mean: Vec<f64> = (0..columns).map(|w| values(w).sum::<f64>() / count).collect();
         let std = (0..columns)
             .map(|w| (values(w).map(|v| (v - mean[w]).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt())
@@ -109,7 +148,7 @@ pub fn spectra(structure: &Structure, request: &SpectrumRequest, progress: &dyn 
         let of_mirror = |&nm: &f64| mirror_fraction(structure.width_um(), nm, theta_i, phi_i);
         spectra.mirror.push(request.wavelengths.iter().map(of_mirror).collect());
     }
-    Ok(spectra)
+    Ok((spectra, individuals))
 }
 
 /// Reflected fractions, `[instance][direction · wavelength]`; instances in parallel.

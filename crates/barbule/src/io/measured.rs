@@ -5,13 +5,17 @@
 
 mod columns;
 mod jcamp;
+mod long;
+mod names;
+mod resample;
+mod scale;
 mod table;
 #[cfg(test)]
 mod tests;
 
 use std::path::Path;
 
-pub(super) use columns::position_unit;
+pub(super) use names::position_unit;
 
 use super::read_at_most;
 pub use super::whole::LARGEST_TABLE;
@@ -25,10 +29,8 @@ const KEPT_NM: [f64; 2] = [300.0, 830.0];
 const MOST_ROWS: usize = 100_000;
 const MOST_COLUMNS: usize = 2_000;
 const MOST_NUMBERS: usize = 4_000_000;
-/// A reflectance above this is percent.
-const PERCENT_ABOVE: f64 = 1.5;
-/// A value above this is a detector's count.
-const COUNTS_ABOVE: f64 = 1000.0;
+/// Wavelengths beyond these, nm, are typing errors: of light none are measured there.
+const POSSIBLE_NM: [f64; 2] = [1.0, 1e6];
 
 /// In which unit the values of a file are, when the user says so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,8 +68,9 @@ pub struct Measured {
 /// Reads the measured reflectance of one or several samples; `column` is the name of one or its number from 1.
 ///
 /// Read are tables of text (commas, semicolons, tabs or blanks; points or commas as decimal signs; with or without a
-/// line of names; R's row numbers; the headers of spectrometers) and JCAMP-DX (`.jdx`, `.dx`). Wavelengths in nm, or
-/// in µm or wave numbers in 1/cm where the file says so; reflectance as a part of 1 or in percent.
+/// line of names; the row numbers of R and pandas; the headers of spectrometers; one column for each sample, or one line for
+/// each wavelength of each sample, which `column` then names) and JCAMP-DX (`.jdx`, `.dx`). Wavelengths in nm, or in µm or
+/// wave numbers in 1/cm where the file says so; reflectance as a part of 1 or in percent.
 ///
 /// # Errors
 /// The file cannot be read, is no such file, or can be read in two ways; the message names the line or the choice.
@@ -90,7 +93,11 @@ pub fn parse_measured(
     let found = if jcamp::is_jcamp(&text) {
         jcamp::read(&text, column)
     } else {
-        table::read(&text).and_then(|table| columns::choose(table, column))
+        match long::read(&text, column) {
+            Ok(Some(found)) => Ok(found),
+            Ok(None) => table::read(&text).and_then(|table| columns::choose(table, column)),
+            Err(error) => Err(error),
+        }
     };
     found.and_then(|found| found.finish(scale)).map_err(|e| e.at(name)).map(|mut measured| {
         measured.reading = format!("{name}: {}", measured.reading);
@@ -159,8 +166,8 @@ struct Found {
     rows: Vec<(usize, f64)>,
     /// (name, shortened; one value per row, NaN where it is missing).
     samples: Vec<(String, Vec<f64>)>,
-    /// Whether names or cells say percent.
-    percent: bool,
+    /// Whether the name or cells of each sample say percent.
+    percent: Vec<bool>,
 }
 
 impl Found {
@@ -231,8 +238,17 @@ impl Found {
                 self.position
             )));
         }
+        let [shortest, longest] = POSSIBLE_NM;
         for row in &mut self.rows {
-            row.1 = self.unit.nm(row.1);
+            let nm = self.unit.nm(row.1);
+            if !(shortest..=longest).contains(&nm) {
+                let error = Error::input(format!(
+                    "{} in {} is no wavelength of light, which has {shortest} to {longest} nm",
+                    row.1, self.position
+                ));
+                return Err(error.in_line(row.0));
+            }
+            row.1 = nm;
         }
         let (first, last) = (self.rows[0].1, self.rows[self.rows.len() - 1].1);
         let from = match self.unit {
@@ -295,54 +311,6 @@ impl Found {
         }
         Ok(())
     }
-
-    /// Settles percent or parts of 1, and says which.
-    fn scale(&mut self, given: Option<Scale>) -> Result<Vec<String>> {
-        if given == Some(Scale::Power) {
-            return Ok(Vec::new());
-        }
-        let values = || self.samples.iter().flat_map(|(_, values)| values).copied();
-        let largest = values().fold(f64::NEG_INFINITY, f64::max);
-        let lowest = values().fold(f64::INFINITY, f64::min);
-        let extreme = if -lowest > largest { lowest } else { largest };
-        if extreme.abs() > COUNTS_ABOVE {
-            return Err(Error::input(format!(
-                "the values reach {extreme}, which is no reflectance (are these counts?); give reflectance as parts of 1 or in percent"
-            )));
-        }
-        if -lowest > largest {
-            return Err(Error::input(format!(
-                "the values go from {lowest} to {largest}, mostly below zero, which is no reflectance; check the dark measurement"
-            )));
-        }
-        let mut said = vec![match &self.samples[..] {
-            [(name, _)] if name.is_empty() => "1 sample".to_owned(),
-            [(name, _)] => format!("1 sample, '{name}'"),
-            many => counted(many.len(), "sample"),
-        }];
-        let percent = match given {
-            Some(scale) => scale == Scale::Percent,
-            None => self.percent || largest > PERCENT_ABOVE,
-        };
-        if percent {
-            let why = match given {
-                None if !self.percent => format!(", since they reach {}", rounded(largest)),
-                _ => String::new(),
-            };
-            said.push(format!("percent divided by 100{why}"));
-            self.samples.iter_mut().flat_map(|(_, v)| v).for_each(|value| *value /= 100.0);
-        } else {
-            said.push(format!("values to {} taken as parts of 1", rounded(largest)));
-        }
-        Ok(said)
-    }
-}
-
-/// Four digits are enough for a sentence.
-fn rounded(value: f64) -> f64 {
-    let unit = 10f64.powf(value.abs().max(1e-9).log10().floor() - 3.0);
-    let short = (value / unit).round() * unit;
-    format!("{short:.9}").parse().unwrap_or(short)
 }
 
 /// Mean and standard deviation over samples at the same wavelengths.

@@ -55,7 +55,8 @@ pub fn value(field: &Heightfield, setup: &Setup, wavelength_nm: f64, w_i: DVec3,
     }
     let s_f = setup.coherence.frequency_per_um(wavelength_um);
     let squared = squared_amplitude(field, setup.place, wavelength_um, s_f, q(w_i, w_o));
-    weight * setup.of_wavelength(wavelength_um) * squared
+    // A sum over no orders is a zero with a sign.
+    weight * setup.of_wavelength(wavelength_um) * squared + 0.0
 }
 
 /// e^{j angle}, the same bits on every system.

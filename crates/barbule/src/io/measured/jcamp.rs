@@ -3,6 +3,7 @@
 //! Source: McDonald & Wilks 1988, "JCAMP-DX: a standard form for exchange of infrared spectra in computer readable
 //! form", *Appl. Spectrosc.* 42, 151 (version 4.24); its sections on ASDF forms: AFFN, PAC, SQZ, DIF and DUP.
 
+use super::names::{is_bare_quantity, is_other_quantity};
 use super::{Found, MOST_COLUMNS, MOST_NUMBERS, MOST_ROWS, Unit, lines};
 use crate::error::shortened;
 use crate::{Error, Result};
@@ -79,6 +80,13 @@ pub(super) fn read(text: &str, wanted: Option<&str>) -> Result<Found> {
                         ))));
                     }
                 };
+                if let Some((line, x, y)) =
+                    block.points.iter().find(|(_, x, y)| !(x.is_finite() && y.is_finite()))
+                {
+                    let error =
+                        Error::input(format!("the point ({x}, {y}), with its factors, is not finite"));
+                    return Err(error.in_line(*line));
+                }
                 total += block.points.len();
                 if total > MOST_NUMBERS || blocks.len() > MOST_COLUMNS {
                     return Err(place(Error::input(format!(
@@ -127,7 +135,7 @@ fn choose(blocks: Vec<Block>, wanted: Option<&str>) -> Result<Found> {
         return Err(Error::input("is JCAMP-DX without XYDATA or XYPOINTS"));
     };
     let unit = unit(first)?;
-    let mut percent = false;
+    let mut percent = Vec::new();
     let mut samples = Vec::new();
     for block in &chosen {
         let same = block.points.len() == first.points.len()
@@ -137,7 +145,7 @@ fn choose(blocks: Vec<Block>, wanted: Option<&str>) -> Result<Found> {
                 Error::input(format!("holds {count} spectra at different positions; name one with `column`"));
             return Err(refusal.naming(&["column"]));
         }
-        percent |= is_percent(block)?;
+        percent.push(is_percent(block)?);
         samples.push((shortened(&block.title), block.points.iter().map(|p| p.2).collect()));
     }
     Ok(Found {
@@ -165,7 +173,8 @@ fn unit(block: &Block) -> Result<Unit> {
 /// Whether the values are percent; refuses those that are no reflectance.
 fn is_percent(block: &Block) -> Result<bool> {
     let units = &block.y_units;
-    if ["ABSORB", "TRANSMI", "KUBELKA", "COUNTS", "EMISSION"].iter().any(|other| units.contains(other)) {
+    let is_other = is_other_quantity(units) || is_bare_quantity(units, &[]);
+    if is_other || ["KUBELKA", "COUNTS", "EMISSION"].iter().any(|other| units.contains(other)) {
         return Err(Error::input(format!(
             "YUNITS is '{}', which is no reflectance; export reflectance",
             shortened(units)

@@ -2,24 +2,25 @@
 
 use std::borrow::Cow;
 
-use super::columns::{is_count, position_unit};
+use super::columns::is_count;
+use super::names::position_unit;
 use super::{MOST_COLUMNS, MOST_NUMBERS, MOST_ROWS, lines};
 use crate::error::shortened;
 use crate::{Error, Result};
 
 /// What stands between cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Separator {
+pub(super) enum Separator {
     Sign(char),
     Blanks,
 }
 
 impl Separator {
     /// In the order of trust: a tab is never part of a number or of a name.
-    const ALL: [Self; 5] =
+    pub(super) const ALL: [Self; 5] =
         [Self::Sign('\t'), Self::Sign(';'), Self::Sign(','), Self::Sign('|'), Self::Blanks];
 
-    fn words(self) -> &'static str {
+    pub(super) fn words(self) -> &'static str {
         match self {
             Self::Sign('\t') => "tabs",
             Self::Sign(';') => "semicolons",
@@ -32,14 +33,14 @@ impl Separator {
 
 /// How numbers are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Style {
-    separator: Separator,
-    decimal_comma: bool,
+pub(super) struct Style {
+    pub(super) separator: Separator,
+    pub(super) decimal_comma: bool,
 }
 
 /// A cell that is one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Cell {
+pub(super) enum Cell {
     Number(f64),
     Percent(f64),
     Missing,
@@ -56,7 +57,7 @@ impl Style {
     }
 
     /// The cells of a line; a separator between double quotes does not count.
-    fn cells(self, line: &str) -> impl Iterator<Item = Cow<'_, str>> {
+    pub(super) fn cells(self, line: &str) -> impl Iterator<Item = Cow<'_, str>> {
         let mut rest = Some(line);
         std::iter::from_fn(move || {
             let text = match self.separator {
@@ -81,7 +82,7 @@ impl Style {
         })
     }
 
-    fn cell(self, text: &str) -> Option<Cell> {
+    pub(super) fn cell(self, text: &str) -> Option<Cell> {
         let percent = text.ends_with('%');
         let text = text.trim_end_matches('%').trim_end();
         let number = if self.decimal_comma {
@@ -131,8 +132,11 @@ pub(super) struct Table {
     pub(super) lines: Vec<usize>,
     /// `[column][row]`, NaN where a cell is missing.
     pub(super) columns: Vec<Vec<f64>>,
-    /// Whether a cell ends in %.
-    pub(super) percent: bool,
+    /// Whether a cell of a column ends in %.
+    pub(super) percent: Vec<bool>,
+    /// The first cell of the line of names that is no number, where it may be a line of numbers with a typing error:
+    /// line, column from 1, text.
+    pub(super) spoilt: Option<(usize, usize, String)>,
 }
 
 /// Reads a table: everything before its first line of numbers is a header, everything after is numbers.
@@ -149,13 +153,26 @@ pub(super) fn read(text: &str) -> Result<Table> {
     let style = style(&body)?;
     let width = width(&body, style);
     let start = body.iter().position(|(_, line)| style.numbers(line) == Some(width)).unwrap_or_default();
-    let (percent, table_lines, columns) = numbers(&body[start..], style, width)?;
-    let above = lines(text).take(body[start].0 - 1).skip(begin);
-    let names = header(above, style, &columns)?;
+    // pandas numbers columns without names, and leaves the name of its row numbers empty: that line is one of numbers, too.
+    let counted = numbered_names(body[start].1, style, width).filter(|_| start + 1 < body.len());
+    let first = start + usize::from(counted.is_some());
+    let (percent, table_lines, columns) = numbers(&body[first..], style, width)?;
+    let (names, spoilt) = match counted {
+        Some(names) => (names, None),
+        None => header(lines(text).take(body[start].0 - 1).skip(begin), style, &columns)?,
+    };
     let origin = if begin > 0 { "spectrometer text, " } else { "" };
     let decimal = if style.decimal_comma { ", decimal commas" } else { "" };
     let said = format!("{origin}{}{decimal}", style.separator.words());
-    Ok(Table { said, names, lines: table_lines, columns, percent })
+    Ok(Table { said, names, lines: table_lines, columns, percent, spoilt })
+}
+
+/// The names of a line whose first cell is empty and whose others count from 0 or 1.
+fn numbered_names(line: &str, style: Style, width: usize) -> Option<Vec<String>> {
+    let names: Vec<String> = style.cells(line).take(width).map(Cow::into_owned).collect();
+    let (index, others) = names.split_first()?;
+    let numbers: Vec<f64> = others.iter().map_while(|name| name.parse().ok()).collect();
+    (index.is_empty() && numbers.len() == others.len() && is_count(&numbers)).then_some(names)
 }
 
 /// The style in which most lines follow one another as numbers.
@@ -205,9 +222,9 @@ fn width(body: &[(usize, &str)], style: Style) -> usize {
     width
 }
 
-type Numbers = (bool, Vec<usize>, Vec<Vec<f64>>);
+type Numbers = (Vec<bool>, Vec<usize>, Vec<Vec<f64>>);
 
-/// Whether a cell says percent, the lines, and `[column][row]`.
+/// Whether a cell of each column says percent, the lines, and `[column][row]`.
 fn numbers(body: &[(usize, &str)], style: Style, width: usize) -> Result<Numbers> {
     let rows: Vec<&(usize, &str)> =
         body.iter().filter(|(_, line)| !line.trim_start().starts_with('#')).collect();
@@ -218,7 +235,7 @@ fn numbers(body: &[(usize, &str)], style: Style, width: usize) -> Result<Numbers
         )));
     }
     let mut columns = vec![Vec::with_capacity(rows.len()); width];
-    let mut percent = false;
+    let mut percent = vec![false; width];
     for (number, line) in &rows {
         let cells = style.cells(line).count();
         if cells != width {
@@ -229,7 +246,7 @@ fn numbers(body: &[(usize, &str)], style: Style, width: usize) -> Result<Numbers
             let value = match style.cell(&text) {
                 Some(Cell::Number(value)) => value,
                 Some(Cell::Percent(value)) => {
-                    percent = true;
+                    percent[column] = true;
                     value
                 }
                 Some(Cell::Missing) => f64::NAN,
@@ -248,25 +265,41 @@ fn numbers(body: &[(usize, &str)], style: Style, width: usize) -> Result<Numbers
     Ok((percent, rows.iter().map(|row| row.0).collect(), columns))
 }
 
+type Header = (Vec<String>, Option<(usize, usize, String)>);
+
 /// The names above the numbers, one for each column; R writes none for its row numbers. A second line with units in
-/// brackets is joined to the names.
+/// brackets is joined to the names. Beside them what [`Table::spoilt`] is.
 fn header<'a>(
     lines: impl Iterator<Item = (usize, &'a str)>,
     style: Style,
     columns: &[Vec<f64>],
-) -> Result<Vec<String>> {
+) -> Result<Header> {
     let width = columns.len();
     let mut above = [None, None];
+    let mut is_comment = false;
     for (number, line) in lines {
-        let line = line.trim_start().trim_start_matches('#').trim_start();
-        if !line.is_empty() {
-            above = [above[1], Some((number, line))];
+        let line = line.trim_start();
+        let bare = line.trim_start_matches('#').trim_start();
+        if !bare.is_empty() {
+            above = [above[1], Some((number, bare))];
+            is_comment = bare.len() < line.len();
         }
     }
     let words = |line: &str| style.cells(line).take(width + 1).map(Cow::into_owned).collect::<Vec<_>>();
-    let none = vec![String::new(); width];
+    let none = (vec![String::new(); width], None);
     let Some((number, line)) = above[1] else { return Ok(none) };
     let mut names = words(line);
+    if is_comment && style.numbers(line).is_some() {
+        return Ok(none);
+    }
+    // A line of numbers that does not fit those below is no title.
+    if names.len() != width && style.numbers(line).is_some() {
+        let error = Error::input(format!(
+            "has {} columns, but the lines of numbers below have {width}",
+            style.cells(line).count()
+        ));
+        return Err(error.in_line(number));
+    }
     if names.len() + 1 == width && is_count(&columns[0]) {
         names.insert(0, String::new());
     }
@@ -288,5 +321,8 @@ fn header<'a>(
     {
         names = first.into_iter().zip(names).map(|(word, unit)| format!("{word} {unit}")).collect();
     }
-    Ok(names)
+    let spoilt = names.iter().position(|name| style.cell(name).is_none());
+    // What is commented out is no line of numbers.
+    let spoilt = spoilt.filter(|_| !is_comment).map(|at| (number, at + 1, shortened(&names[at])));
+    Ok((names, spoilt))
 }

@@ -1,0 +1,130 @@
+//! The tables of `barbule spectrum --csv`: one line for each wavelength, or one for each wavelength of each curve.
+
+use std::fmt::Write as _;
+
+use barbule::io::measured::Measured;
+use barbule::spectrum::Spectrum;
+
+use super::Found;
+use crate::provenance::csv_cell;
+
+/// What a table is of.
+pub(super) struct Tables<'a> {
+    pub(super) all: &'a [Found],
+    pub(super) angles_deg: &'a [f64],
+    pub(super) nm: &'a [f64],
+    pub(super) measured: Option<&'a Measured>,
+}
+
+impl Tables<'_> {
+    /// A line for each angle and wavelength, with a column for each curve; of several structures with their names in
+    /// front. Measured curves are taken at the simulated wavelengths, and empty beyond their own.
+    pub(super) fn wide(&self) -> String {
+        let most = self.all.iter().filter_map(|found| found.individuals.as_ref()).map(|i| i.count()).max();
+        let samples: &[_] = self.measured.filter(|_| most.is_some()).map_or(&[], |m| &m.samples);
+        let measured_std = self.measured.and_then(std_of);
+        let mut text = String::from(if self.all.len() > 1 { "structure," } else { "" });
+        text.push_str("angle_deg,wavelength_nm,mean,std");
+        if let Some(most) = most {
+            text.push_str(",standard_error");
+            (1..=most).for_each(|i| push(&mut text, format_args!(",individual_{i}")));
+        }
+        if self.measured.is_some() {
+            text.push_str(",measured_mean,measured_std");
+            (1..=samples.len()).for_each(|i| push(&mut text, format_args!(",measured_{i}")));
+        }
+        text.push('\n');
+        for found in self.all {
+            let name = if self.all.len() > 1 { csv_cell(&found.typed) + "," } else { String::new() };
+            for (a, angle) in self.angles_deg.iter().enumerate() {
+                for (w, nm) in self.nm.iter().enumerate() {
+                    let (mean, std) = (found.spectra.mean[a][w], found.spectra.std[a][w]);
+                    push(&mut text, format_args!("{name}{angle},{nm},{mean},{std}"));
+                    if let (Some(most), Some(individuals)) = (most, &found.individuals) {
+                        push(&mut text, format_args!(",{}", cell(standard_error(std, found.instances))));
+                        let of = |i| (i < individuals.count()).then(|| individuals.of(i, a)[w]);
+                        (0..most).for_each(|i| push(&mut text, format_args!(",{}", cell(of(i)))));
+                    }
+                    if let Some(measured) = self.measured {
+                        let std = measured_std.as_ref().and_then(|std| std.value(*nm));
+                        let curves = samples.iter().map(|sample| sample.spectrum.value(*nm));
+                        for value in [measured.mean.value(*nm), std].into_iter().chain(curves) {
+                            push(&mut text, format_args!(",{}", cell(value)));
+                        }
+                    }
+                    text.push('\n');
+                }
+            }
+        }
+        text
+    }
+
+    /// A line for each wavelength of each curve: means with their spread, individuals by their numbers from 1, and what was
+    /// measured, by its samples' names and at its own wavelengths.
+    pub(super) fn tidy(&self) -> String {
+        let mut text = String::from(
+            "structure,angle_deg,source,curve,sample,wavelength_nm,reflectance,std,standard_error\n",
+        );
+        for found in self.all {
+            let name = csv_cell(&found.typed);
+            for (a, angle) in self.angles_deg.iter().enumerate() {
+                for (w, nm) in self.nm.iter().enumerate() {
+                    let (mean, std) = (found.spectra.mean[a][w], found.spectra.std[a][w]);
+                    let error = cell(standard_error(std, found.instances));
+                    push(
+                        &mut text,
+                        format_args!("{name},{angle},simulated,mean,,{nm},{mean},{std},{error}\n"),
+                    );
+                }
+                let Some(individuals) = &found.individuals else { continue };
+                for i in 0..individuals.count() {
+                    for (nm, value) in self.nm.iter().zip(individuals.of(i, a)) {
+                        let i = i + 1;
+                        push(
+                            &mut text,
+                            format_args!("{name},{angle},simulated,individual,{i},{nm},{value},,\n"),
+                        );
+                    }
+                }
+            }
+        }
+        let Some(measured) = self.measured else { return text };
+        for (w, (nm, mean)) in points(&measured.mean).enumerate() {
+            let std = measured.std.as_ref().map(|std| std[w]);
+            let error = cell(std.and_then(|std| standard_error(std, measured.samples.len())));
+            push(&mut text, format_args!(",,measured,mean,,{nm},{mean},{},{error}\n", cell(std)));
+        }
+        for (number, sample) in measured.samples.iter().enumerate() {
+            let name = if sample.name.is_empty() { (number + 1).to_string() } else { csv_cell(&sample.name) };
+            for (nm, value) in points(&sample.spectrum) {
+                push(&mut text, format_args!(",,measured,individual,{name},{nm},{value},,\n"));
+            }
+        }
+        text
+    }
+}
+
+/// Writing to a string cannot fail.
+fn push(text: &mut String, more: std::fmt::Arguments<'_>) {
+    let _ = text.write_fmt(more);
+}
+
+/// A number, or an empty cell.
+fn cell(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+/// The standard error of a mean; none of a single individual.
+fn standard_error(std: f64, count: usize) -> Option<f64> {
+    (count > 1).then(|| std / (count as f64).sqrt())
+}
+
+fn points(spectrum: &Spectrum) -> impl Iterator<Item = (f64, f64)> {
+    spectrum.wavelengths().iter().copied().zip(spectrum.values().iter().copied())
+}
+
+/// The standard deviation of what was measured, as a curve.
+fn std_of(measured: &Measured) -> Option<Spectrum> {
+    let std = measured.std.clone()?;
+    Spectrum::new(measured.mean.wavelengths().clone(), std).ok()
+}

@@ -1,0 +1,223 @@
+//! What a column of a measured table is by its name.
+
+use super::Unit;
+
+/// What a column is by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Where the values lie.
+    Position(Unit),
+    /// A reflectance, by its name.
+    Reflectance,
+    /// A mean of the samples beside it, or else a sample.
+    Mean,
+    /// What spectrometers' own files hold beside: counts, dark, reference, and other quantities than reflectance.
+    Raw,
+    /// A spread, a bound, an angle, a number of birds or another thing that is no sample.
+    Beside,
+    /// Anything else: the name of a sample.
+    Sample,
+}
+
+const POSITIONS: [&str; 10] =
+    ["wl", "wvl", "wave", "wavelength", "wavelengths", "lambda", "λ", "nm", "nanometers", "nanometres"];
+const MICROMETRES: [&str; 7] = ["um", "µm", "μm", "micron", "microns", "micrometers", "micrometres"];
+const WAVE_NUMBERS: [&str; 4] = ["wavenumber", "wavenumbers", "cm⁻¹", "kayser"];
+/// Each alone says reflectance, whatever stands beside it.
+const REFLECTANCES: [&str; 7] =
+    ["refl", "reflectance", "reflectances", "reflection", "reflectivity", "reflektanz", "processed"];
+/// A reflectance when nothing else stands beside.
+const SHORT_REFLECTANCES: [&str; 6] = ["r", "%r", "r%", "%", "percent", "pct"];
+/// The words of means, of all samples when no sample's name stands beside.
+const MEANS: [&str; 9] =
+    ["mean", "means", "avg", "average", "averaged", "median", "mittelwert", "mittel", "moyenne"];
+/// No reflectance when nothing else stands beside: a sample may be a white throat.
+const RAW: [&str; 19] = [
+    "dark",
+    "dunkel",
+    "reference",
+    "referenz",
+    "ref",
+    "white",
+    "standard",
+    "counts",
+    "count",
+    "scope",
+    "raw",
+    "intensity",
+    "irradiance",
+    "radiance",
+    "background",
+    "trans",
+    "abs",
+    "od",
+    "%",
+];
+/// Beginnings of words for other quantities than reflectance, whatever stands beside.
+const QUANTITIES: [&str; 5] = ["transmi", "absorb", "absorp", "extin", "kubelka"];
+/// Spreads, first or last in a name.
+const SPREADS: [&str; 15] = [
+    "sd",
+    "std",
+    "stdev",
+    "stddev",
+    "stabw",
+    "se",
+    "sem",
+    "stderr",
+    "err",
+    "error",
+    "var",
+    "variance",
+    "cv",
+    "ci",
+    "uncertainty",
+];
+/// Bounds of a band about a mean.
+const BOUNDS: [&str; 12] =
+    ["lower", "upper", "lwr", "upr", "lcl", "ucl", "lci", "uci", "min", "max", "minimum", "maximum"];
+/// What may stand beside a bound.
+const BESIDE_BOUNDS: [&str; 6] = ["conf", "confidence", "limit", "bound", "cl", "ci"];
+/// Other columns than samples when nothing else stands beside.
+const BESIDE: [&str; 24] = [
+    "angle",
+    "theta",
+    "phi",
+    "deg",
+    "temperature",
+    "temp",
+    "time",
+    "date",
+    "year",
+    "day",
+    "n",
+    "no",
+    "nr",
+    "num",
+    "number",
+    "id",
+    "ids",
+    "age",
+    "row",
+    "index",
+    "obs",
+    "size",
+    "weight",
+    "mass",
+];
+
+/// The words of a name in lower case.
+pub(super) fn words(name: &str) -> Vec<String> {
+    let word = |c: char| c.is_alphanumeric() || c == '%' || c == '⁻';
+    name.split(|c| !word(c)).filter(|w| !w.is_empty()).map(str::to_lowercase).collect()
+}
+
+/// A word without the number behind it, as in `sd2`; a single letter keeps its number, since n1 is a sample.
+fn unnumbered(word: &str) -> &str {
+    let bare = word.trim_end_matches(|c: char| c.is_ascii_digit());
+    if bare.chars().count() > 1 { bare } else { word }
+}
+
+fn is_number(word: &str) -> bool {
+    word.trim_matches('%').chars().all(|c| c.is_ascii_digit())
+}
+
+/// The unit of a column whose name says that it is a wavelength or a wave number; none of another.
+pub(in crate::io) fn position_unit(name: &str) -> Option<Unit> {
+    let words = words(name);
+    let has = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
+    let all_are = |known: &[&[&str]]| words.iter().all(|w| known.iter().any(|k| k.contains(&w.as_str())));
+    let inverse = name.to_lowercase().replace(' ', "");
+    if has(&WAVE_NUMBERS) || ["1/cm", "cm-1", "cm^-1"].iter().any(|unit| inverse.contains(unit)) {
+        return Some(Unit::PerCentimetre);
+    }
+    if words.is_empty() || !all_are(&[&POSITIONS, &MICROMETRES, &["in", "vacuum", "air", "x"]]) {
+        return None;
+    }
+    if has(&MICROMETRES) {
+        return Some(Unit::Micrometres);
+    }
+    has(&POSITIONS).then_some(Unit::Nanometres)
+}
+
+/// The unit of a column that is called a wavelength with a number behind it, as `wl2`, `wl.1` or `Wavelength (nm).1`.
+pub(super) fn numbered_position_unit(name: &str) -> Option<Unit> {
+    let bare = name.trim_end().trim_end_matches(|c: char| c.is_ascii_digit());
+    let bare = bare.trim_end_matches(['.', '_', '-', ' ']);
+    if bare.len() < name.trim_end().len() { position_unit(bare) } else { None }
+}
+
+/// Whether a name says percent.
+pub(super) fn says_percent(name: &str) -> bool {
+    name.contains('%') || words(name).iter().any(|w| ["percent", "percentage", "pct"].contains(&w.as_str()))
+}
+
+/// The letter of transmittance or absorbance that is all of a name, as of `T`, `%T` or `A (%)`.
+fn quantity_letter(words: &[String]) -> Option<&str> {
+    let mut letters = words.iter().map(|word| word.trim_matches('%')).filter(|word| !word.is_empty());
+    match (letters.next(), letters.next()) {
+        (Some(letter @ ("t" | "a")), None) => Some(letter),
+        _ => None,
+    }
+}
+
+/// Whether a name or a unit is that of another quantity than reflectance.
+pub(super) fn is_other_quantity(name: &str) -> bool {
+    let words = words(name);
+    let begins =
+        |word: &String| QUANTITIES.iter().any(|quantity| word.trim_matches('%').starts_with(quantity));
+    let is_raw = |word: &String| RAW.contains(&unnumbered(word.trim_start_matches('%')));
+    let is_word = |word: &&String| !is_number(word);
+    let raw = words.iter().any(|w| is_word(&w)) && words.iter().filter(is_word).all(is_raw);
+    words.iter().any(begins)
+        || raw
+        || is_logarithm(name)
+        || quantity_letter(&words).is_some() && name.contains('%')
+}
+
+/// Whether a name is a logarithm's, as `log(1/R)`.
+fn is_logarithm(name: &str) -> bool {
+    name.contains('(') && words(name).iter().any(|word| ["log", "log10", "ln"].contains(&word.as_str()))
+}
+
+/// What a column is by its name alone.
+pub(super) fn role(name: &str) -> Role {
+    if let Some(unit) = position_unit(name) {
+        return Role::Position(unit);
+    }
+    let words = words(name);
+    let is = |word: &String, known: &[&str]| known.contains(&word.as_str());
+    let any = |known: &[&str]| words.iter().any(|word| is(word, known));
+    let all = |known: &[&[&str]]| words.iter().all(|word| known.iter().any(|known| is(word, known)));
+    let some = |known: &[&str]| any(known) && all(&[known]);
+    let ends = [words.first(), words.last()];
+    let is_spread = |word: &&String| SPREADS.contains(&unnumbered(word));
+    let is_bound = |word: &String| {
+        let bare = unnumbered(word);
+        BOUNDS.contains(&bare) || BESIDE_BOUNDS.contains(&bare) || is_number(word)
+    };
+    let is_mean =
+        |word: &String| [&MEANS[..], &REFLECTANCES, &SHORT_REFLECTANCES].iter().any(|known| is(word, known));
+    let has_bound = words.iter().any(|word| BOUNDS.contains(&unnumbered(word)));
+    match () {
+        () if ends.iter().flatten().any(is_spread) => Role::Beside,
+        () if some(&BESIDE) => Role::Beside,
+        () if has_bound && words.iter().all(|word| is_bound(word) || is_mean(word)) => Role::Beside,
+        () if any(&MEANS) && words.iter().all(is_mean) => Role::Mean,
+        () if is_logarithm(name) => Role::Raw,
+        () if any(&REFLECTANCES) || some(&SHORT_REFLECTANCES) => Role::Reflectance,
+        () if is_other_quantity(name) => Role::Raw,
+        () => Role::Sample,
+    }
+}
+
+/// Names `T` and `A` mean transmittance and absorbance, unless they stand among other single letters; small ones only
+/// where nothing else is a sample.
+pub(super) fn is_bare_quantity(name: &str, other_samples: &[&str]) -> bool {
+    let all = words(name);
+    let Some(letter) = quantity_letter(&all) else { return false };
+    let single = |other: &&&str| words(other).first().is_some_and(|word| word.chars().count() == 1);
+    let labels = other_samples.iter().filter(single).any(|other| quantity_letter(&words(other)).is_none());
+    let others = other_samples.iter().any(|other| quantity_letter(&words(other)).is_none());
+    !labels && (!others || !name.contains(letter))
+}
