@@ -13,6 +13,7 @@ pub mod figure;
 mod heights_arg;
 mod materials;
 mod outputs;
+mod peak_args;
 pub mod progress;
 pub mod provenance;
 mod scene_arg;

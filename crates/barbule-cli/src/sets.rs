@@ -1,6 +1,6 @@
 //! Sets of numbers as people type them: `520`, `400,442,484`, `400:694:6` (start:stop:step, stop included).
 
-use barbule::characterize::WAVELENGTHS_NM;
+use barbule::characterize::outside_wavelengths;
 use barbule::error::shortened;
 use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
@@ -86,8 +86,8 @@ pub fn wavelengths(text: &str) -> Result<Vec<f64>> {
 /// As [`wavelengths`].
 pub fn wavelengths_of(flag: &str, text: &str) -> Result<Vec<f64>> {
     let mut values = parse(flag, text)?;
-    if let Some(bad) = values.iter().find(|v| !WAVELENGTHS_NM.contains(*v)) {
-        return Err(Error::input(format!("{flag}: {bad} nm is outside 300 to 830 nm")));
+    if let Some(outside) = values.iter().find_map(|nm| outside_wavelengths(*nm)) {
+        return Err(Error::input(format!("{flag}: {outside}")));
     }
     values.sort_by(f64::total_cmp);
     values.dedup();
@@ -100,6 +100,21 @@ pub fn wavelengths_of(flag: &str, text: &str) -> Result<Vec<f64>> {
 /// As [`wavelengths`].
 pub fn wavelength_set(text: &str) -> Result<Wavelengths> {
     Wavelengths::new(wavelengths(text)?)
+}
+
+/// A range of wavelengths in nm, as in 400:700: both ends positive and finite, the second above the first.
+///
+/// # Errors
+/// Not such a range.
+pub fn range_nm(flag: &str, text: &str) -> Result<[f64; 2]> {
+    let end = |text: &str| text.trim().parse::<f64>().ok().filter(|nm| nm.is_finite() && *nm > 0.0);
+    let ends = text.split_once(':').and_then(|(from, to)| Some([end(from)?, end(to)?]));
+    ends.filter(|[from, to]| from < to).ok_or_else(|| {
+        Error::input(format!(
+            "{flag} {}: write FROM:TO in nm with FROM below TO, as in 400:700",
+            shortened(text)
+        ))
+    })
 }
 
 /// A single wavelength in nm.

@@ -329,7 +329,7 @@ impl Args {
         let comparison = factor
             .as_ref()
             .zip(measured.as_ref())
-            .map(|(factor, measured)| Comparison::of(factor, &measured.mean))
+            .map(|(factor, measured)| Comparison::of(factor, &measured.mean, None))
             .transpose()?;
         if let Some(path) = self.figure.path().filter(|path| !is_grating(path)) {
             self.draw_spectrum(path, name, &found, factor.as_ref(), measured.as_ref(), [wi, wo], at)?;
@@ -388,7 +388,12 @@ impl Args {
             (None, Normalized::Relative) => (&plain, "f of a mirror's peak"),
         };
         let band = measured.map(|measured| MeasuredBand {
-            band: Band { name: "measured".into(), mean: measured.mean.clone(), std: measured.std.clone() },
+            band: Band {
+                name: "measured".into(),
+                mean: measured.mean.clone(),
+                std: measured.std.clone(),
+                peak: None,
+            },
             samples: Vec::new(),
         });
         let drawing = diffraction_spectrum(&title, shown, quantity, band.as_ref(), &self.figure.page()?);

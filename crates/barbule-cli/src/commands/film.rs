@@ -16,6 +16,7 @@ use barbule::{Error, Result};
 
 use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
+use crate::peak_args::PeakArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
 use crate::sets;
@@ -46,6 +47,8 @@ pub(crate) struct Args {
     /// Random individuals of a stack whose thicknesses spread, as in keratin:200±5% [default: 50]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
     instances: Option<u64>,
+    #[command(flatten)]
+    peak: PeakArgs,
     #[command(flatten)]
     figure: FigureArgs,
     /// Write a table: `angle_deg,wavelength_nm,R_s,R_p,T_s,T_p,A_s,A_p,R,T,A`, the last three unpolarized
@@ -80,6 +83,7 @@ struct Looks {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
+        let peak_range = self.peak.within(&self.wavelengths)?;
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
         let media = self.common.opening()?.media;
@@ -91,7 +95,7 @@ impl Args {
         }
         self.check_memory(&stack)?;
         let found = self.find(&stack)?;
-        let looks = found.looks()?;
+        let looks = found.looks(peak_range)?;
         let provenance = Provenance::new(&self.common);
         let shown = format!("{} at {} wavelengths", angles(&found.angle_deg), found.mean.at.len());
         if let Some(path) = self.figure.path() {
@@ -158,26 +162,20 @@ impl Args {
 
 impl Found {
     /// The numbers of the colours, angle by angle; none of too few samples.
-    fn looks(&self) -> Result<Vec<Looks>> {
+    fn looks(&self, peak_range_nm: Option<[f64; 2]>) -> Result<Vec<Looks>> {
         let at = &self.mean.at;
         if at.len() < FEWEST_SAMPLES {
             return Ok(Vec::new());
         }
         let [s, p] = &self.mean.polarization;
-        let unpolarized = self.mean.unpolarized();
-        let look = |values: &[f64], angle: usize| {
-            let row = values[angle * at.len()..][..at.len()].to_vec();
-            Ok::<_, Error>(Look::of(&Spectrum::new(at.clone(), row)?))
+        let series = |values: &[f64]| {
+            let rows = values.chunks_exact(at.len()).map(|row| Spectrum::new(at.clone(), row.to_vec()));
+            Ok::<_, Error>(Look::series(&self.angle_deg, &rows.collect::<Result<Vec<_>>>()?, peak_range_nm))
         };
-        let all = self.angle_deg.iter().enumerate().map(|(angle, &angle_deg)| {
-            Ok(Looks {
-                angle_deg,
-                unpolarized: look(&unpolarized, angle)?,
-                s: look(&s.reflected, angle)?,
-                p: look(&p.reflected, angle)?,
-            })
-        });
-        all.collect()
+        let [unpolarized, s, p] =
+            [&self.mean.unpolarized(), &s.reflected, &p.reflected].map(|values| series(values));
+        let all = self.angle_deg.iter().zip(unpolarized?).zip(s?.into_iter().zip(p?));
+        Ok(all.map(|((&angle_deg, unpolarized), (s, p))| Looks { angle_deg, unpolarized, s, p }).collect())
     }
 }
 

@@ -20,6 +20,7 @@ use serde_json::{Map, Value, json};
 
 use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
+use crate::peak_args::PeakArgs;
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::{sets, structure_arg};
@@ -48,6 +49,8 @@ pub(crate) struct Args {
     /// Wavelengths in nm of which colours are made
     #[arg(long, alias = "wavelength", value_name = "SET", default_value = "380:780:10", value_parser = sets::wavelength_set)]
     wavelengths: Wavelengths,
+    #[command(flatten)]
+    peak: PeakArgs,
     #[command(flatten)]
     figure: FigureArgs,
     #[command(flatten)]
@@ -84,6 +87,7 @@ struct Variant {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
+        self.peak.within(&self.wavelengths)?;
         self.figure.check_rigid(&self.common)?;
         if self.toml {
             let text = self.file_text()?;
@@ -216,7 +220,7 @@ impl Args {
             let found = sweep(&Multipole::default(), &lattice, at.nm(), 0.0, &[0.0], &Unobserved)?;
             let values = found.into_iter().map(|[a, b]| 0.5 * (a + b)).collect();
             progress.advance(1);
-            return Ok(Look::of(&Spectrum::new(at.clone(), values)?));
+            return self.look_of(values);
         }
         let instances = match structure {
             Structure::Species(_) | Structure::Below(_) => INSTANCES,
@@ -238,7 +242,12 @@ impl Args {
             }
         }
         progress.advance(1);
-        Ok(Look::of(&Spectrum::new(at.clone(), mean)?))
+        self.look_of(mean)
+    }
+
+    fn look_of(&self, values: Vec<f64>) -> Result<Look> {
+        let reflectance = Spectrum::new(self.wavelengths.clone(), values)?;
+        Ok(Look::with_peak_in(&reflectance, self.peak.within(&self.wavelengths)?))
     }
 }
 

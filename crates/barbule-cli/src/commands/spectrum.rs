@@ -15,6 +15,7 @@ use barbule::figures::{self, Simulated};
 use barbule::io::measured::{Measured, Scale, read_measured};
 use barbule::plot::{Band, MeasuredBand};
 use barbule::progress::{Progress, Several};
+use barbule::solve::core_fringes::{CoreFringes, core_fringes};
 use barbule::solve::surface::LARGEST_MIRROR_ERROR;
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
@@ -27,6 +28,7 @@ use serde_json::{Value, json};
 use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
+use crate::peak_args::{self, PeakArgs};
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs, csv_cell};
 use crate::structure_arg::SideArg;
@@ -46,8 +48,10 @@ const MOST_CURVES: usize = 18;
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
   barbule spectrum rock-dove --side below --angle=-30,30
   barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
+  barbule spectrum rock-dove --angle 0:60:15 --wavelengths 300:700:4 --peak-range 400:700
 
-Printed, and in --json under 'look': peak, full width at half maximum (half-way between the peak and the lowest \
+Printed, and in --json under 'look': peak (through several angles that of one order of interference, from the angle \
+nearest to the normal; --json lists all peaks), full width at half maximum (half-way between the peak and the lowest \
 reflectance), mean reflectance (pavo's B2), saturation (S8), wavelength of the highest sample (H1, in --json and \
 --summary), luminous reflectance Y, x, y, dominant wavelength, purity, Oklab's hue angle, sRGB at true and at \
 normalized luminance, all under D65.")]
@@ -76,6 +80,8 @@ pub(crate) struct Args {
     #[arg(long, alias = "wavelength", value_name = "SET", default_value = "400:694:6",
         value_parser = sets::wavelength_set)]
     wavelengths: Wavelengths,
+    #[command(flatten)]
+    peak: PeakArgs,
     /// A measured spectrum to compare with: a table of text (commas, semicolons, tabs or blanks; decimal points or
     /// commas; with names or without; one column per sample; parts of 1 or percent), the text of Ocean Optics,
     /// Avantes and similar spectrometers, or JCAMP-DX (.jdx). How it is read is said
@@ -144,6 +150,8 @@ struct Found {
     spectra: Spectra,
     /// Where they are asked for.
     individuals: Option<Individuals>,
+    /// Of a core between two sides, in the mean over several instances.
+    core_fringes: Option<CoreFringes>,
     /// One for each angle.
     looks: Vec<Look>,
     /// One for each angle, with a measurement.
@@ -183,6 +191,7 @@ impl Args {
         if self.individuals && self.csv.is_none() && !self.common.json {
             return Err(Error::input("--individuals: give --csv F or --json, which hold them"));
         }
+        self.peak.within(&self.wavelengths)?;
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
         check_outputs(None, self.summary.as_deref())?;
@@ -206,7 +215,7 @@ impl Args {
         let measured = read_measured(path, self.column.as_deref(), scale)?;
         self.common.say(&measured.reading);
         let nothing = Spectrum::new(self.wavelengths.clone(), vec![0.0; self.wavelengths.len()])?;
-        Comparison::of(&nothing, &measured.mean).map_err(|e| e.at(path.display()))?;
+        Comparison::of(&nothing, &measured.mean, None).map_err(|e| e.at(path.display()))?;
         Ok(Some(measured))
     }
 
@@ -261,13 +270,19 @@ impl Args {
         self.common.allowance().check("this spectrum", bytes, fewer)?;
         let (found, individuals) = spectra_and_individuals(structure, &request, progress)?;
         self.say_grazing(&found, structure.width_um());
+        let core_fringes = match instances {
+            // What one individual has is no mean's.
+            1 => None,
+            _ => core_fringes(structure, self.common.seed, instances, &self.wavelengths)?,
+        };
         let means = found
             .mean
             .iter()
             .map(|mean| Spectrum::new(self.wavelengths.clone(), mean.clone()))
             .collect::<Result<Vec<_>>>()?;
+        let peak_range = self.peak.within(&self.wavelengths)?;
         let comparisons = measured.map_or(Ok(Vec::new()), |measured| {
-            means.iter().map(|mean| Comparison::of(mean, &measured.mean)).collect()
+            means.iter().map(|mean| Comparison::of(mean, &measured.mean, peak_range)).collect()
         })?;
         let name = structure.name();
         Ok(Found {
@@ -279,7 +294,8 @@ impl Args {
             instances,
             spectra: found,
             individuals: self.individuals.then_some(individuals),
-            looks: means.iter().map(Look::of).collect(),
+            core_fringes: core_fringes.filter(CoreFringes::mislead),
+            looks: Look::series(&self.angle.0, &means, peak_range),
             comparisons,
         })
     }
@@ -350,7 +366,12 @@ impl Args {
         let simulated: Vec<Simulated> = all
             .iter()
             .zip(&names)
-            .map(|(found, names)| Simulated { names, spectra: &found.spectra, instances: found.instances })
+            .map(|(found, names)| Simulated {
+                names,
+                spectra: &found.spectra,
+                instances: found.instances,
+                looks: &found.looks,
+            })
             .collect();
         let measured = measured.map(|measured| MeasuredBand {
             band: Band {
@@ -360,6 +381,7 @@ impl Args {
                 },
                 mean: measured.mean.clone(),
                 std: measured.std.clone(),
+                peak: None,
             },
             samples: match &measured.samples[..] {
                 [_] => Vec::new(),
@@ -413,6 +435,8 @@ impl Args {
                 "standard_error": standard_error,
                 "instances": found.instances,
                 "look": found.looks,
+                "core_note": found.core_fringes.map(|fringes| core_note(&fringes, found.instances)),
+                "order_notes": peak_args::notes(&self.angle.0, &found.looks),
             });
             if let Some(individuals) = &found.individuals {
                 let of = |a: usize| {
@@ -436,7 +460,7 @@ impl Args {
                 "wavelength_nm": measured.mean.wavelengths().nm(),
                 "mean": measured.mean.values(),
                 "std": measured.std,
-                "look": Look::of(&measured.mean),
+                "look": Look::with_peak_in(&measured.mean, self.peak.within(&self.wavelengths).ok().flatten()),
             });
         }
         document
@@ -462,12 +486,30 @@ impl Args {
                     print(out, &format!("  against {file}: {}", comparison.words()))?;
                 }
             }
+            let core = found.core_fringes.map(|fringes| core_note(&fringes, found.instances));
+            for note in peak_args::notes(&self.angle.0, &found.looks).into_iter().chain(core) {
+                let name =
+                    if all.len() > 1 { format!("{}: ", shortened(&found.typed)) } else { String::new() };
+                self.common.say(&format!("{name}{note}"));
+            }
         }
         if let Some(note) = all.first().and_then(|found| found.looks[0].colour_note.as_ref()) {
             self.common.say(note);
         }
         Ok(())
     }
+}
+
+/// What to tell of fringes that look like peaks of the structure.
+fn core_note(fringes: &CoreFringes, instances: usize) -> String {
+    format!(
+        "the core, a film between both sides, makes fringes of ±{:.1} % of the light ({:.0} % of the mean) about {:.0} nm at normal incidence, {:.0} nm from one to the next; the mean of {instances} individuals keeps {:.0} % of them, since their cores are alike: core_spread = 0.1 in the species file, or lower = \"none\", takes them out",
+        100.0 * fringes.amplitude,
+        100.0 * fringes.part,
+        fringes.near_nm,
+        fringes.period_nm,
+        100.0 * fringes.kept
+    )
 }
 
 fn collect(text: &str) -> Result<Collect> {

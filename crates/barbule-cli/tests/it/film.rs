@@ -297,3 +297,26 @@ fn a_material_of_a_stack_that_spreads_shows_its_individuals() {
         .success();
     assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
 }
+
+/// A film on melanin: its peak moves by √(n² − sin²θ) whatever order is highest, and so do those of s and p light.
+#[test]
+fn the_peaks_of_several_angles_are_of_one_order() {
+    let film = ["air/keratin:300/melanin:300/air", "--angles", "0:75:15", "--wavelengths", "300:700:4"];
+    let document = film_json(&film);
+    let mut jumps = 0;
+    for which in ["unpolarized", "s"] {
+        let peaks: Vec<f64> = document["looks"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|look| look[which]["peak_nm"].as_f64().unwrap())
+            .collect();
+        for (angle, nm) in peaks.iter().enumerate() {
+            let sine = (15.0 * angle as f64).to_radians().sin();
+            let law = peaks[0] * (1.56f64 * 1.56 - sine * sine).sqrt() / 1.56;
+            assert!((nm / law - 1.0).abs() < 0.05, "{which}: {peaks:?}");
+            jumps += usize::from(document["looks"][angle][which]["highest_is_another_order"] == true);
+        }
+    }
+    assert!(jumps > 0, "no order but one was ever highest");
+}

@@ -104,7 +104,15 @@ fn thinned_materials_are_marked_in_titles() {
     succeed(here, &words);
     let (_, said) = succeed(here, &["lobes", "thin.barbule", "--parameters", "-o", "p.svg"]);
     assert!(said.contains("of starling green (thinned)"), "{said}");
-    assert!(std::fs::read_to_string(here.join("p.svg")).unwrap().contains("starling green (thinned)"));
+    let figure = std::fs::read_to_string(here.join("p.svg")).unwrap();
+    assert!(figure.contains("starling green (thinned)"));
+    // Three wavelengths are drawn; the numbers are those of all five.
+    assert!(figure.contains("m_eff, 520 nm") && !figure.contains("m_eff, 460 nm"));
+    let parameters = &numbers(here, &["thin.barbule", "--parameters"])["parameters"];
+    assert_eq!(parameters["wavelength_nm"], serde_json::json!([400.0, 460.0, 520.0, 580.0, 640.0]));
+    for key in ["m", "f", "phi_shift_deg", "second"] {
+        assert_eq!(parameters[key].as_array().unwrap().len(), 5, "{key}");
+    }
     let (out, _) =
         succeed(here, &["brdf", "thin.barbule", "--wavelength", "520", "--wi", "0,0", "--wo", "0,0"]);
     assert!(out.starts_with("starling green (thinned), mean"), "{out}");

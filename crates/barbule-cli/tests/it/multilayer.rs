@@ -152,3 +152,34 @@ fn media_of_a_multilayer_come_from_its_file_the_flags_and_nowhere_else() {
     write("[materials]\nresin = [1.6, 0.0]\n");
     assert!(run(&[]).status.success());
 }
+
+/// A clear core is a film, whose fringes the mean over individuals keeps as long as their cores are alike.
+#[test]
+fn fringes_of_cores_that_are_alike_are_said_with_what_takes_them_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mine.toml");
+    let spectrum = |more: &str| {
+        let text = format!(
+            "barbule = 1\nname = \"mine\"\ngenerator = \"multilayer\"\n[parameters]\nwidth_um = 20.0\n\
+            cortex_um = 0.28\nspread = 0.05\ncore_um = 2.0\n{more}\n\
+            layers = [{{ medium = \"melanin\", thickness_um = 0.1 }}]\n"
+        );
+        std::fs::write(&file, text).unwrap();
+        let words = ["spectrum", file.to_str().unwrap(), "--instances", "20", "--wavelengths", "500:700:5"];
+        let output = barbule(&[&words[..], &["--json"]].concat()).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let mean = numbers(&document["mean"][0]);
+        // What is left of a running mean over one fringe, 30 to 60 nm.
+        let ripple = |i: usize| mean[i] - mean[i - 5..=i + 5].iter().sum::<f64>() / 11.0;
+        let squares: f64 = (5..mean.len() - 5).map(|i| ripple(i).powi(2)).sum();
+        ((squares / (mean.len() - 10) as f64).sqrt(), document["core_note"].clone())
+    };
+    let (alike, note) = spectrum("");
+    let note = note.as_str().unwrap();
+    assert!(note.contains("of 20 individuals keeps") && note.contains("core_spread = 0.1"), "{note}");
+    for more in ["core_spread = 0.1", "lower = \"none\""] {
+        let (left, note) = spectrum(more);
+        assert!(note.is_null() && left < 0.5 * alike, "{more}: {left} of {alike}, {note}");
+    }
+}

@@ -40,8 +40,14 @@ const LINES: &[(&str, &str)] = &[
     ),
     ("film air/keratin:5/air --medium mix=@good.csv", "cannot name a medium"),
     // Sets of numbers.
-    ("film air/keratin:5/air --wavelengths 299", "299 nm is outside 300 to 830 nm"),
-    ("film air/keratin:5/air --wavelengths 831", "outside 300 to 830"),
+    (
+        "film air/keratin:5/air --wavelengths 299",
+        "299 nm is outside 300 to 830 nm: the formula of keratin's index begins there",
+    ),
+    (
+        "film air/keratin:5/air --wavelengths 831",
+        "outside 300 to 830 nm: the tables of lights and of the eye end there",
+    ),
     ("film air/keratin:5/air --wavelengths 400:700", "start:stop:step"),
     ("film air/keratin:5/air --wavelengths 400:700:0", "the step 0 does not lead"),
     ("film air/keratin:5/air --wavelengths 400:700:-5", "the step -5 does not lead from 400 to 700"),

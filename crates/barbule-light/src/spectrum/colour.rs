@@ -189,13 +189,21 @@ fn dot(weights: &[[f64; 3]], samples: &[f64]) -> [f64; 3] {
     sum
 }
 
-/// What to tell the user where a reflectance is continued: nothing when the samples cover all that the eye sees.
+/// The part of X, Y or Z of white that may lie outside the samples before it is said: of less, neither twice the light nor
+/// none makes a difference that is seen.
+const SAID_FROM: f64 = 0.01;
+
+/// What to tell the user where so much of a reflectance is continued that its colour depends on it; nothing when the samples
+/// cover at least 99 % of each of X, Y and Z of white under D65, as those from 400 to 694 nm do.
 #[must_use]
 pub fn held(at: &Wavelengths) -> Option<String> {
     let (first, last) = at.range_nm();
-    // The eye's response outside 380 to 780 nm is below 1e-4 of its peak.
-    (first > 380.0 || last < 780.0).then(|| {
-        format!("colour: reflectance is known from {first} to {last} nm; its end values are held outside")
+    let unknown = 1.0 - known_share(at);
+    (unknown > SAID_FROM).then(|| {
+        format!(
+            "colour: reflectance is known from {first} to {last} nm; its end values are held outside, where {:.0} % of what the eye sees of white lies",
+            100.0 * unknown
+        )
     })
 }
 
@@ -395,8 +403,28 @@ mod tests {
 
     #[test]
     fn continued_reflectances_are_said_and_names_are_read() {
-        assert!(held(&Wavelengths::usual()).unwrap().contains("from 400 to 694 nm"));
-        assert_eq!(held(&Wavelengths::new([360.0, 830.0]).unwrap()), None);
+        let said = |range: [f64; 2]| held(&Wavelengths::new(range).unwrap());
+        assert!(
+            said([420.0, 700.0])
+                .unwrap()
+                .contains("from 420 to 700 nm; its end values are held outside, where ")
+        );
+        assert_eq!(
+            (held(&Wavelengths::usual()), said([300.0, 700.0]), said([360.0, 830.0])),
+            (None, None, None)
+        );
+        // Twice as much light beyond 700 nm, or none, is no difference that anybody sees.
+        let lab = |beyond: f64| {
+            let white = flat(360.0, 830.0, 1.0);
+            let values =
+                white.wavelengths().iter().map(|&nm| if nm > 700.0 { beyond } else { 0.1 }).collect();
+            let xyz = Observer::default().xyz(&Spectrum::new(white.wavelengths().clone(), values).unwrap());
+            super::super::difference::lab(xyz, Observer::default().xyz(&white))
+        };
+        for beyond in [0.0, 0.2] {
+            let seen = super::super::difference::delta_e_2000(lab(0.1), lab(beyond));
+            assert!(seen < 0.3, "{beyond}: {seen}");
+        }
         assert_eq!(Illuminant::named("d50").unwrap(), Illuminant::D50);
         assert!(Illuminant::named("D75").unwrap_err().to_string().contains("did you mean 'D65'"));
     }

@@ -7,6 +7,8 @@ use super::colour::Observer;
 use super::difference::{delta_e_76, delta_e_2000, lab};
 use super::fields::{Field, Fields};
 use super::look::Look;
+use super::orders::{ANY_STRETCH, Correspondence, LEAST_CORRELATION, Lost, corresponding};
+use super::peaks::Peak;
 use crate::{Error, Result};
 
 /// How far two reflectances agree over the wavelengths that both have.
@@ -16,10 +18,12 @@ pub struct Comparison {
     pub range_nm: [f64; 2],
     /// How many wavelengths of the simulation lie in it; differences are taken there.
     pub points: usize,
-    /// The simulated curve over the common range.
+    /// The simulated curve over the common range; its peak is the one that corresponds to the measured one, if there is one.
     pub simulated: Look,
     /// The measured curve over the common range.
     pub measured: Look,
+    /// Which simulated peak the measured one corresponds to; none where none is measured.
+    pub correspondence: Option<Correspondence>,
     /// Root mean square of simulated − measured.
     pub rmse: f64,
     /// What the simulation must be multiplied by for the least squares; none where it is zero throughout.
@@ -35,11 +39,12 @@ pub struct Comparison {
 
 impl Comparison {
     /// Compares over the common range, at the wavelengths of the simulation; the measurement is linear between its
-    /// samples.
+    /// samples. The measured peak is the highest, within a range in nm if one is given, and the simulated one that which
+    /// corresponds to it: where the stretch that makes the curves most alike puts it.
     ///
     /// # Errors
     /// Fewer than two wavelengths of the simulation lie within those of the measurement.
-    pub fn of(simulated: &Spectrum, measured: &Spectrum) -> Result<Self> {
+    pub fn of(simulated: &Spectrum, measured: &Spectrum, peak_range_nm: Option<[f64; 2]>) -> Result<Self> {
         let (from, to) = measured.wavelengths().range_nm();
         let pairs: Vec<[f64; 2]> = simulated
             .wavelengths()
@@ -65,7 +70,13 @@ impl Comparison {
         };
         let products = |a: usize, b: usize| pairs.iter().map(|pair| pair[a] * pair[b]).sum::<f64>();
         let scale = Some(products(0, 1) / products(0, 0)).filter(|scale| scale.is_finite());
-        let looks = [&simulated, &measured].map(Look::of);
+        let mut looks = [&simulated, &measured].map(|curve| Look::with_peak_in(curve, peak_range_nm));
+        let correspondence = looks[1]
+            .peak
+            .map(|peak| corresponding(&measured, peak.nm, &simulated, &looks[0].peaks, ANY_STRETCH));
+        if let Some(peak) = correspondence.and_then(|found| found.peak.ok()) {
+            looks[0].peak = Some(peak);
+        }
         let labs = looks[0].colour.zip(looks[1].colour).map(|(s, m)| {
             let white = white();
             (lab(s.xyz, white), lab(m.xyz, white))
@@ -77,6 +88,7 @@ impl Comparison {
             points: pairs.len(),
             simulated,
             measured,
+            correspondence,
             rmse: rms(1.0),
             scale,
             rmse_scaled: scale.map(rms),
@@ -85,19 +97,44 @@ impl Comparison {
         })
     }
 
-    /// Peak of the simulation − peak of the measurement, nm; none where either has no peak.
+    /// The simulated peak that corresponds to the measured one, and that one.
+    fn pair(&self) -> Option<[Peak; 2]> {
+        Some([self.correspondence?.peak.ok()?, self.measured.peak?])
+    }
+
+    /// The simulated peak that corresponds to the measured one − the measured peak, nm; none where either has no peak or
+    /// none corresponds.
     #[must_use]
     pub fn peak_shift_nm(&self) -> Option<f64> {
-        Some(self.simulated.peak?.nm - self.measured.peak?.nm)
+        self.pair().map(|[simulated, measured]| simulated.nm - measured.nm)
+    }
+
+    /// Why there is no shift though both have a peak.
+    fn no_shift(&self) -> Option<String> {
+        let lost = self.correspondence?.peak.err()?;
+        self.simulated.peak?;
+        Some(match lost {
+            Lost::Outside(nm) => {
+                format!("the measured peak corresponds to one near {nm:.0} nm, outside the common range")
+            }
+            Lost::Gone(nm) => format!("the measured peak corresponds to {nm:.0} nm, where none is simulated"),
+            Lost::Unlike(Some(correlation)) => format!(
+                "at no stretch of wavelengths up to 30 % are the curves alike: correlation {correlation:.2}, under {LEAST_CORRELATION}"
+            ),
+            Lost::Unlike(None) => "the curves have too little in common to say which peaks correspond".into(),
+        })
     }
 
     /// Every number by its name, in the order of tables. `common_from_nm`, `common_to_nm`: the common range, to which
-    /// all the others belong. `simulated_…` and `measured_…`: as the names of [`Look::fields`].
+    /// all the others belong. `simulated_…` and `measured_…`: as the names of [`Look::fields`]. `stretch`: the factor on the
+    /// wavelengths of the measurement that makes the curves most alike, `correlation`: how alike; `shift_note`: why there is no
+    /// `peak_shift_nm`.
     #[must_use]
     pub fn fields(&self) -> Fields {
         let number = |value: Option<f64>| Field::number(value);
         let (s, m) = (&self.simulated, &self.measured);
-        let (s_half, m_half) = (s.half_width, m.half_width);
+        let (s_half, m_half) = (s.peak.map(|p| p.half), m.peak.map(|p| p.half));
+        let stretch = self.correspondence.and_then(|found| found.stretch);
         Fields(vec![
             ("common_from_nm", number(Some(self.range_nm[0]))),
             ("common_to_nm", number(Some(self.range_nm[1]))),
@@ -105,17 +142,20 @@ impl Comparison {
             ("simulated_peak_nm", number(s.peak.map(|p| p.nm))),
             ("simulated_peak_reflectance", number(s.peak.map(|p| p.reflectance))),
             ("simulated_half_level", number(s_half.map(|h| h.level))),
-            ("simulated_half_width_nm", number(s_half.map(|h| h.nm()))),
+            ("simulated_half_width_nm", number(s_half.and_then(|h| h.nm()))),
             ("measured_peak_nm", number(m.peak.map(|p| p.nm))),
             ("measured_peak_reflectance", number(m.peak.map(|p| p.reflectance))),
             ("measured_half_level", number(m_half.map(|h| h.level))),
-            ("measured_half_width_nm", number(m_half.map(|h| h.nm()))),
+            ("measured_half_width_nm", number(m_half.and_then(|h| h.nm()))),
             ("peak_shift_nm", number(self.peak_shift_nm())),
+            ("stretch", number(stretch.map(|stretch| stretch.factor))),
+            ("correlation", number(stretch.map(|stretch| stretch.correlation))),
             ("rmse", number(Some(self.rmse))),
             ("scale", number(self.scale)),
             ("rmse_scaled", number(self.rmse_scaled)),
             ("delta_e_2000", number(self.delta_e_2000)),
             ("delta_e_76", number(self.delta_e_76)),
+            ("shift_note", Field::Note(self.no_shift())),
         ])
     }
 
@@ -126,18 +166,27 @@ impl Comparison {
         let mut parts = vec![format!("{} wavelengths from {from} to {to} nm", self.points)];
         parts.push(match (self.simulated.peak, self.measured.peak) {
             (Some(s), Some(m)) => {
-                format!("peak {:.0} nm, measured {:.0} nm (shift {:+.0} nm)", s.nm, m.nm, s.nm - m.nm)
+                let shift = match self.no_shift() {
+                    Some(why) => format!("no shift, since {why}"),
+                    None => format!("shift {:+.0} nm", s.nm - m.nm),
+                };
+                let higher = self.simulated.highest.filter(|_| self.simulated.highest_is_another());
+                let other = higher.map_or_else(String::new, |higher| {
+                    format!(" (its highest, {:.0} nm, is of another order)", higher.nm)
+                });
+                format!("peak {:.0} nm{other}, measured {:.0} nm ({shift})", s.nm, m.nm)
             }
             (None, Some(m)) => format!("no peak, measured {:.0} nm", m.nm),
             (Some(s), None) => format!("peak {:.0} nm, none measured", s.nm),
             (None, None) => "no peak in either".into(),
         });
-        if let (Some(s), Some(m)) = (self.simulated.half_width, self.measured.half_width) {
+        let halves = [self.simulated.peak, self.measured.peak].map(|peak| peak.map(|peak| peak.half));
+        if let [Some(s), Some(m)] = halves
+            && let (Some(s_nm), Some(m_nm)) = (s.nm(), m.nm())
+        {
             parts.push(format!(
-                "half width {:.0} nm at {:.1} %, measured {:.0} nm at {:.1} %",
-                s.nm(),
+                "half width {s_nm:.0} nm at {:.1} %, measured {m_nm:.0} nm at {:.1} %",
                 100.0 * s.level,
-                m.nm(),
                 100.0 * m.level
             ));
         }
@@ -183,7 +232,8 @@ mod tests {
     #[test]
     fn a_spectrum_agrees_with_itself_whatever_the_sampling() {
         let (fine, coarse) = (steps(300, 700, 1), steps(400, 694, 6));
-        let found = Comparison::of(&bell(&coarse, 530.0, 40.0, 0.2), &bell(&fine, 530.0, 40.0, 0.2)).unwrap();
+        let found =
+            Comparison::of(&bell(&coarse, 530.0, 40.0, 0.2), &bell(&fine, 530.0, 40.0, 0.2), None).unwrap();
         assert_eq!((found.range_nm, found.points), ([400.0, 694.0], 50));
         assert!(found.rmse < 1e-12 && (found.scale.unwrap() - 1.0).abs() < 1e-12, "{found:?}");
         assert!(found.peak_shift_nm().unwrap().abs() < 0.1 && found.delta_e_2000.unwrap() < 0.2, "{found:?}");
@@ -195,13 +245,13 @@ mod tests {
         let simulated = bell(&nm, 540.0, 30.0, 0.2);
         let half = simulated.values().iter().map(|v| 0.5 * v).collect();
         let measured = Spectrum::new(simulated.wavelengths().clone(), half).unwrap();
-        let found = Comparison::of(&simulated, &measured).unwrap();
+        let found = Comparison::of(&simulated, &measured, None).unwrap();
         let squares: f64 = simulated.values().iter().map(|v| 0.25 * v * v).sum();
         assert!((found.rmse - (squares / 101.0).sqrt()).abs() < 1e-12);
         assert!((found.scale.unwrap() - 0.5).abs() < 1e-12 && found.rmse_scaled.unwrap() < 1e-12);
         // Half the light at the same chromaticity: a* and b* shrink with L*.
         assert!(found.delta_e_2000.unwrap() > 5.0 && found.delta_e_76.unwrap() > 5.0);
-        let moved = Comparison::of(&simulated, &bell(&nm, 520.0, 30.0, 0.2)).unwrap();
+        let moved = Comparison::of(&simulated, &bell(&nm, 520.0, 30.0, 0.2), None).unwrap();
         assert!((moved.peak_shift_nm().unwrap() - 20.0).abs() < 0.1);
         assert!(moved.words().contains("(shift +20 nm)"), "{}", moved.words());
     }
@@ -215,17 +265,57 @@ mod tests {
         let both = ultraviolet.values().iter().zip(green.values()).map(|(a, b)| a + b);
         let measured = Spectrum::new(Wavelengths::new(nm.clone()).unwrap(), both.collect()).unwrap();
         assert!((Look::of(&measured).peak.unwrap().nm - 350.0).abs() < 1.0);
-        assert!(Comparison::of(&simulated, &measured).unwrap().peak_shift_nm().unwrap().abs() < 1.0);
+        assert!(Comparison::of(&simulated, &measured, None).unwrap().peak_shift_nm().unwrap().abs() < 1.0);
+    }
+
+    /// Violet and green orders: one is higher in the model and the other in the feather, which is 2 % thicker.
+    #[test]
+    fn the_shift_is_that_of_the_peak_that_corresponds() {
+        let nm = steps(300, 700, 4);
+        let two = |factor: f64, violet: f64, green: f64| {
+            let (a, b) = (bell(&nm, 345.0 * factor, 18.0, violet), bell(&nm, 520.0 * factor, 35.0, green));
+            let sum = a.values().iter().zip(b.values()).map(|(a, b)| a + b).collect();
+            Spectrum::new(a.wavelengths().clone(), sum).unwrap()
+        };
+        let (model, feather) = (two(1.0, 0.21, 0.2), two(1.02, 0.2, 0.21));
+        let found = Comparison::of(&model, &feather, None).unwrap();
+        assert!((found.peak_shift_nm().unwrap() + 10.4).abs() < 1.0, "{found:?}");
+        assert!(
+            (found.simulated.peak.unwrap().nm - 520.0).abs() < 1.0 && found.simulated.highest_is_another()
+        );
+        let words = found.words();
+        assert!(
+            words.contains(
+                "peak 520 nm (its highest, 345 nm, is of another order), measured 530 nm (shift -10 nm)"
+            ),
+            "{words}"
+        );
+        let stretch = found.correspondence.unwrap().stretch.unwrap();
+        assert!((stretch.factor * 1.02 - 1.0).abs() < 0.005 && stretch.correlation > 0.98, "{stretch:?}");
+        let violet = Comparison::of(&model, &feather, Some([300.0, 400.0])).unwrap();
+        assert!((violet.peak_shift_nm().unwrap() + 6.9).abs() < 1.0, "{violet:?}");
+    }
+
+    #[test]
+    fn no_shift_is_claimed_between_curves_that_are_not_alike_or_a_peak_that_is_not_there() {
+        let nm = steps(300, 700, 4);
+        let (violet, red) = (bell(&nm, 330.0, 12.0, 0.2), bell(&nm, 650.0, 12.0, 0.2));
+        let found = Comparison::of(&violet, &red, None).unwrap();
+        assert_eq!(found.peak_shift_nm(), None);
+        assert!(found.words().contains("no shift, since "), "{}", found.words());
+        assert!(found.words().contains("peak 330 nm, measured 650 nm (no shift"), "{}", found.words());
+        let cells = found.fields().csv_cells();
+        assert_eq!(cells.split(',').nth(11), Some(""), "{cells}");
     }
 
     #[test]
     fn too_little_in_common_is_refused_and_short_ranges_have_no_colour() {
         let simulated = bell(&steps(400, 700, 4), 540.0, 30.0, 0.2);
         for far in [steps(300, 400, 5), steps(300, 390, 5), steps(750, 800, 5)] {
-            let error = Comparison::of(&simulated, &bell(&far, 350.0, 20.0, 0.5)).unwrap_err();
+            let error = Comparison::of(&simulated, &bell(&far, 350.0, 20.0, 0.5), None).unwrap_err();
             assert!(error.is_input() && error.to_string().contains("in common"), "{error}");
         }
-        let short = Comparison::of(&simulated, &bell(&steps(500, 600, 5), 540.0, 30.0, 0.2)).unwrap();
+        let short = Comparison::of(&simulated, &bell(&steps(500, 600, 5), 540.0, 30.0, 0.2), None).unwrap();
         assert_eq!((short.delta_e_2000, short.points), (None, 26));
         assert!(short.words().contains("no ΔE"));
     }

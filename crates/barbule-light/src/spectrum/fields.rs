@@ -15,6 +15,8 @@ pub enum Field {
     Word(Option<String>),
     /// A sentence, which tables leave out.
     Note(Option<String>),
+    /// Several things of the same kind, which tables leave out.
+    List(Vec<Fields>),
 }
 
 impl Field {
@@ -30,6 +32,7 @@ impl Field {
             Self::Count(value) => value.to_string(),
             Self::Flag(value) => value.map_or_else(String::new, |v| v.to_string()),
             Self::Word(value) | Self::Note(value) => value.clone().unwrap_or_default(),
+            Self::List(_) => String::new(),
         }
     }
 }
@@ -53,7 +56,7 @@ impl Fields {
     }
 
     fn columns(&self) -> impl Iterator<Item = &(&'static str, Field)> {
-        self.0.iter().filter(|(_, field)| !matches!(field, Field::Note(_)))
+        self.0.iter().filter(|(_, field)| !matches!(field, Field::Note(_) | Field::List(_)))
     }
 }
 
@@ -64,6 +67,7 @@ impl Serialize for Field {
             Self::Count(value) => value.serialize(serializer),
             Self::Flag(value) => value.serialize(serializer),
             Self::Word(value) | Self::Note(value) => value.serialize(serializer),
+            Self::List(values) => values.serialize(serializer),
         }
     }
 }

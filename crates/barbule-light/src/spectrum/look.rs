@@ -10,16 +10,8 @@ use super::Spectrum;
 use super::colour::{Observer, chromaticity, display, held, known_share};
 use super::fields::{Field, Fields};
 use super::hue::{Dominant, dominant, hue_deg};
-
-/// Half the width in nm of the window in which a parabola is fitted before peaks are looked for (Savitzky–Golay);
-/// samples 6 nm apart or more are left as they are.
-const SMOOTHING_NM: f64 = 10.0;
-
-/// Samples closer than this are averaged first, in nm: spectrometers oversample.
-const FINEST_NM: f64 = 1.0;
-
-/// A local maximum counts when the curve falls on both sides by this part of its whole range: noise does not.
-const PROMINENCE: f64 = 0.01;
+use super::orders::{LEAST_CORRELATION, Lost, follow, nearest_to_normal, outwards};
+use super::peaks::{Peak, highest, peaks};
 
 /// The part of each of X, Y and Z of white that a spectrum must cover to have a colour.
 const COLOUR_NEEDS: f64 = 0.9;
@@ -32,10 +24,17 @@ const NORMALIZED: f64 = 0.9;
 pub struct Look {
     /// The wavelengths between which all is measured, nm.
     pub range_nm: [f64; 2],
-    /// The highest local maximum; none where the reflectance only rises or falls.
+    /// The peak: the highest local maximum, or in a series of angles the one that is followed. None where the reflectance
+    /// only rises or falls, or where it is [`Self::lost`].
     pub peak: Option<Peak>,
-    /// The peak's width; none where one side stays above the half level.
-    pub half_width: Option<HalfWidth>,
+    /// The highest local maximum, of whatever order.
+    pub highest: Option<Peak>,
+    /// All peaks from short to long wavelengths.
+    pub peaks: Vec<Peak>,
+    /// Where a peak was looked for, nm; none: everywhere.
+    pub peak_range_nm: Option<[f64; 2]>,
+    /// Why the peak that is followed through a series of angles is not found here.
+    pub lost: Option<Lost>,
     /// Mean over the range (pavo's B2).
     pub mean_reflectance: f64,
     /// (highest − lowest) / mean over the range (pavo's S8); none of a reflectance whose mean is not positive.
@@ -46,33 +45,6 @@ pub struct Look {
     pub colour: Option<Colour>,
     /// What to tell people about the colour: over which wavelengths the ends are held, or why there is none.
     pub colour_note: Option<String>,
-}
-
-/// A local maximum.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Peak {
-    /// Its wavelength, nm.
-    pub nm: f64,
-    /// Its height.
-    pub reflectance: f64,
-}
-
-/// Where a peak falls to its half level: half-way between its height and the lowest reflectance of the range, as
-/// pavo's HM and FWHM.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HalfWidth {
-    /// The half level.
-    pub level: f64,
-    /// The wavelengths on both sides where the curve first crosses it, nm.
-    pub between_nm: [f64; 2],
-}
-
-impl HalfWidth {
-    /// The full width at half maximum, nm.
-    #[must_use]
-    pub fn nm(&self) -> f64 {
-        self.between_nm[1] - self.between_nm[0]
-    }
 }
 
 /// What the 1931 2° observer sees under D65.
@@ -115,10 +87,17 @@ impl Look {
     /// The numbers of a reflectance.
     #[must_use]
     pub fn of(reflectance: &Spectrum) -> Self {
+        Self::with_peak_in(reflectance, None)
+    }
+
+    /// The numbers of a reflectance whose peak is the highest within a range of wavelengths in nm; half levels are half-way to
+    /// the lowest reflectance in that range.
+    #[must_use]
+    pub fn with_peak_in(reflectance: &Spectrum, peak_range_nm: Option<[f64; 2]>) -> Self {
         let (nm, values) = (reflectance.wavelengths().nm(), reflectance.values());
         let (first, last) = reflectance.wavelengths().range_nm();
-        let smooth = smoothed(nm, values);
-        let top = highest_peak(&smooth);
+        let peaks = peaks(reflectance, peak_range_nm);
+        let top = highest(&peaks, peak_range_nm);
         let mean = mean(nm, values);
         let (low, high) = range(values.iter().copied());
         let highest = values.iter().position(|v| *v == high).unwrap_or_default();
@@ -133,8 +112,11 @@ impl Look {
         };
         Self {
             range_nm: [first, last],
-            peak: top.map(|(_, peak)| peak),
-            half_width: top.and_then(|(at, peak)| half_width(&smooth, at, peak)),
+            peak: top,
+            highest: top,
+            peaks,
+            peak_range_nm,
+            lost: None,
             mean_reflectance: mean,
             saturation: (mean > 0.0).then(|| (high - low) / mean),
             hue_nm: nm[highest],
@@ -143,18 +125,48 @@ impl Look {
         }
     }
 
+    /// The numbers of a series of reflectances at several angles of incidence: the peak of each is the one that the peak of
+    /// the angle nearest to the normal has become ([`follow`]), within one order of interference.
+    #[must_use]
+    pub fn series(
+        angles_deg: &[f64],
+        reflectances: &[Spectrum],
+        peak_range_nm: Option<[f64; 2]>,
+    ) -> Vec<Self> {
+        let mut looks: Vec<Self> =
+            reflectances.iter().map(|reflectance| Self::with_peak_in(reflectance, peak_range_nm)).collect();
+        let Some(start) = looks.get(nearest_to_normal(angles_deg)).and_then(|look| look.peak) else {
+            return looks;
+        };
+        let all: Vec<Vec<Peak>> = looks.iter().map(|look| look.peaks.clone()).collect();
+        for (look, found) in looks.iter_mut().zip(follow(angles_deg, reflectances, &all, start)) {
+            (look.peak, look.lost) = (found.peak.ok(), found.peak.err());
+        }
+        looks
+    }
+
+    /// Whether the highest local maximum is another one than the peak.
+    #[must_use]
+    pub fn highest_is_another(&self) -> bool {
+        self.highest.is_some() && self.highest != self.peak
+    }
+
     /// Every number by its name, in the order of tables; lengths in nm, reflectances as parts of 1.
     ///
-    /// `from_nm`, `to_nm`: the range. `peak_nm`, `peak_reflectance`: the highest local maximum. `half_level`,
-    /// `half_width_nm`, `half_from_nm`, `half_to_nm`: half-way between it and the lowest reflectance. `mean_reflectance`,
+    /// `from_nm`, `to_nm`: the range. `peak_nm`, `peak_reflectance`: the highest local maximum, or in a series of angles the
+    /// one that is followed. `half_level`, `half_width_nm`, `half_from_nm`, `half_to_nm`: half-way between it and the lowest
+    /// reflectance. `highest_nm`, `highest_reflectance`: the highest local maximum; `highest_is_another_order`: whether the
+    /// peak is another one. `mean_reflectance`,
     /// `saturation`, `hue_nm`: pavo's B2, S8, H1. `luminous_reflectance`, `x`, `y`, `X`, `Y`, `Z`, `dominant_nm`,
     /// `dominant_is_complementary`, `purity`, `hue_deg` (Oklab), `srgb` (at its own luminance), `srgb_normalized` (as
-    /// bright as a screen can show it), under D65; `colour_note`: what part of the colour is continued, or why there is none.
+    /// bright as a screen can show it), under D65; `peaks`: all of them ([`Peak::fields`]); `colour_note`: what part of the colour
+    /// is continued, or why there is none.
     #[must_use]
     pub fn fields(&self) -> Fields {
         let number = |value: Option<f64>| Field::number(value);
         let word = Field::Word;
-        let (colour, half) = (self.colour, self.half_width);
+        let (colour, half) = (self.colour, self.peak.map(|peak| peak.half));
+        let side = |at: usize| number(half.and_then(|half| half.sides[at].crossing_nm()));
         let xyz = |c: usize| number(colour.map(|seen| seen.xyz[c]));
         let xy = |c: usize| number(colour.and_then(|seen| seen.xy).map(|xy| xy[c]));
         let pure = colour.and_then(|seen| seen.dominant);
@@ -164,9 +176,12 @@ impl Look {
             ("peak_nm", number(self.peak.map(|p| p.nm))),
             ("peak_reflectance", number(self.peak.map(|p| p.reflectance))),
             ("half_level", number(half.map(|h| h.level))),
-            ("half_width_nm", number(half.map(|h| h.nm()))),
-            ("half_from_nm", number(half.map(|h| h.between_nm[0]))),
-            ("half_to_nm", number(half.map(|h| h.between_nm[1]))),
+            ("half_width_nm", number(half.and_then(|h| h.nm()))),
+            ("half_from_nm", side(0)),
+            ("half_to_nm", side(1)),
+            ("highest_nm", number(self.highest.map(|p| p.nm))),
+            ("highest_reflectance", number(self.highest.map(|p| p.reflectance))),
+            ("highest_is_another_order", Field::Flag(self.highest.map(|_| self.highest_is_another()))),
             ("mean_reflectance", number(Some(self.mean_reflectance))),
             ("saturation", number(self.saturation)),
             ("hue_nm", number(Some(self.hue_nm))),
@@ -182,6 +197,7 @@ impl Look {
             ("Z", xyz(2)),
             ("srgb", word(colour.map(|seen| hex(seen.srgb())))),
             ("srgb_normalized", word(colour.map(|seen| hex(seen.srgb_normalized())))),
+            ("peaks", Field::List(self.peaks.iter().map(Peak::fields).collect())),
             ("colour_note", Field::Note(self.colour_note.clone())),
         ])
     }
@@ -190,15 +206,21 @@ impl Look {
     #[must_use]
     pub fn words(&self) -> String {
         let percent = |v: f64| format!("{:.1} %", 100.0 * v);
-        let mut parts = vec![match self.peak {
-            Some(peak) => format!("peak {:.0} nm ({})", peak.nm, percent(peak.reflectance)),
-            None => format!("no peak (highest at {:.0} nm)", self.hue_nm),
+        let at = |peak: Peak| format!("{:.0} nm ({})", peak.nm, percent(peak.reflectance));
+        let mut parts = vec![match (self.peak, self.highest) {
+            (Some(peak), Some(other)) if peak != other => {
+                format!("peak {}, of another order a higher one at {}", at(peak), at(other))
+            }
+            (Some(peak), _) => format!("peak {}", at(peak)),
+            (None, Some(other)) => format!("no peak of this order (of another one at {})", at(other)),
+            (None, None) => match self.peak_range_nm {
+                Some([from, to]) => {
+                    format!("no peak from {from} to {to} nm (highest at {:.0} nm)", self.hue_nm)
+                }
+                None => format!("no peak (highest at {:.0} nm)", self.hue_nm),
+            },
         }];
-        if let Some(half) = self.half_width {
-            parts.push(format!("half width {:.0} nm at {}", half.nm(), percent(half.level)));
-        } else if self.peak.is_some() {
-            parts.push("no half width (one side stays above it)".into());
-        }
+        parts.extend(self.peak.map(|peak| peak.half.words()));
         parts.push(format!("mean {}", percent(self.mean_reflectance)));
         if let Some(saturation) = self.saturation {
             parts.push(format!("saturation S8 {saturation:.2}"));
@@ -217,6 +239,43 @@ impl Look {
         }
         parts.join(", ")
     }
+}
+
+/// What to tell people of the peaks of a series of angles ([`Look::series`]): from which angle on the highest is of another
+/// order than the peak of the angle nearest to the normal, and where that one is lost.
+#[must_use]
+pub fn order_notes(angles_deg: &[f64], looks: &[Look]) -> Vec<String> {
+    let normal = nearest_to_normal(angles_deg);
+    let Some(start) = looks.get(normal).and_then(|look| look.peak) else { return Vec::new() };
+    let whose = format!("the peak of {}° ({:.0} nm)", angles_deg[normal], start.nm);
+    // The innermost angle of which something holds, and whether it holds of all further out.
+    let first = |holds: &dyn Fn(&Look) -> bool| {
+        let places: Vec<usize> = outwards(angles_deg).filter(|&at| at < looks.len()).collect();
+        let begin = places.iter().position(|&at| holds(&looks[at]))?;
+        let all = places.len() > begin + 1 && places[begin..].iter().all(|&at| holds(&looks[at]));
+        let at = places[begin];
+        Some((format!("{} {}°", if all { "from" } else { "at" }, angles_deg[at]), &looks[at]))
+    };
+    let mut notes = Vec::new();
+    if let Some((place, look)) = first(&|look| look.peak.is_some() && look.highest_is_another())
+        && let (Some(peak), Some(other)) = (look.peak, look.highest)
+    {
+        notes.push(format!(
+            "{place} the highest peak is of another order: {:.0} nm; {whose} is at {:.0} nm there",
+            other.nm, peak.nm
+        ));
+    }
+    if let Some((place, look)) = first(&|look| look.lost.is_some()) {
+        notes.push(match look.lost {
+            Some(Lost::Outside(nm)) => format!("{place} {whose} lies outside the wavelengths, near {nm:.0} nm"),
+            Some(Lost::Gone(nm)) => format!("{place} {whose} is no peak any more, where it would lie near {nm:.0} nm"),
+            Some(Lost::Unlike(Some(correlation))) => format!(
+                "{place} the spectrum is too unlike the one before to follow {whose} (correlation {correlation:.2}, under {LEAST_CORRELATION})"
+            ),
+            Some(Lost::Unlike(None)) | None => format!("{place} the spectrum has too little variation to follow {whose}"),
+        });
+    }
+    notes
 }
 
 impl Serialize for Look {
@@ -248,139 +307,10 @@ fn mean(nm: &[f64], values: &[f64]) -> f64 {
     area / (nm[nm.len() - 1] - nm[0])
 }
 
-/// (nm, reflectance), rising, with the noise of finely sampled spectra taken out: means over [`FINEST_NM`], then the
-/// middle value of the parabola fitted within [`SMOOTHING_NM`] on either side.
-fn smoothed(nm: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
-    let points = binned(nm, values);
-    let (mut from, mut to) = (0, 0);
-    points
-        .iter()
-        .map(|&[at, value]| {
-            while points[from][0] < at - SMOOTHING_NM {
-                from += 1;
-            }
-            while to < points.len() && points[to][0] <= at + SMOOTHING_NM {
-                to += 1;
-            }
-            let near = &points[from..to];
-            [at, if near.len() > 3 { parabola_at(near, at).unwrap_or(value) } else { value }]
-        })
-        .collect()
-}
-
-/// Means of samples that lie closer than [`FINEST_NM`].
-fn binned(nm: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
-    let mut points: Vec<[f64; 2]> = Vec::new();
-    let (mut start, mut count) = (f64::NEG_INFINITY, 0.0);
-    for (&nm, &value) in nm.iter().zip(values) {
-        match points.last_mut() {
-            // A small tolerance, so that steps of 1 nm are not paired by a rounding.
-            Some(last) if nm - start < FINEST_NM * (1.0 - 1e-9) => {
-                count += 1.0;
-                last[0] += (nm - last[0]) / count;
-                last[1] += (value - last[1]) / count;
-            }
-            _ => {
-                points.push([nm, value]);
-                (start, count) = (nm, 1.0);
-            }
-        }
-    }
-    points
-}
-
-/// The value at `at` of the least-squares parabola through points; none where they do not fix one.
-fn parabola_at(points: &[[f64; 2]], at: f64) -> Option<f64> {
-    let mut moments = [0.0; 5];
-    let mut sums = [0.0; 3];
-    for [nm, value] in points {
-        let x = (nm - at) / SMOOTHING_NM;
-        let mut power = 1.0;
-        for (k, moment) in moments.iter_mut().enumerate() {
-            *moment += power;
-            if k < 3 {
-                sums[k] += power * value;
-            }
-            power *= x;
-        }
-    }
-    // Cramer's rule for the constant of the normal equations.
-    let [m0, m1, m2, m3, m4] = moments;
-    let (c0, c1, c2) = (m2 * m4 - m3 * m3, m2 * m3 - m1 * m4, m1 * m3 - m2 * m2);
-    let determinant = m0 * c0 + m1 * c1 + m2 * c2;
-    let value = (sums[0] * c0 + sums[1] * c1 + sums[2] * c2) / determinant;
-    (determinant > 1e-9 * m0 * m0 * m0 && value.is_finite()).then_some(value)
-}
-
-/// The highest local maximum that stands out, with its place; by the parabola through it and its neighbours.
-fn highest_peak(points: &[[f64; 2]]) -> Option<(usize, Peak)> {
-    let (low, high) = range(points.iter().map(|p| p[1]));
-    let least = PROMINENCE * (high - low);
-    let mut tops: Vec<(usize, usize)> = Vec::new();
-    let mut start = 0;
-    for at in 1..points.len() {
-        // A plateau is one maximum.
-        if points[at][1] != points[at - 1][1] {
-            if points[at][1] < points[at - 1][1] && start > 0 {
-                tops.push((start, at - 1));
-            }
-            start = if points[at][1] > points[at - 1][1] { at } else { 0 };
-        }
-    }
-    tops.sort_by(|a, b| points[b.0][1].total_cmp(&points[a.0][1]));
-    let (first, last) = tops.into_iter().find(|&top| stands_out(points, top, least))?;
-    if first != last {
-        let nm = 0.5 * (points[first][0] + points[last][0]);
-        return Some((first, Peak { nm, reflectance: points[first][1] }));
-    }
-    let [[x0, y0], [x1, y1], [x2, y2]] = [points[first - 1], points[first], points[first + 1]];
-    let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
-    let bend = (right - left) / (x2 - x0);
-    // The slope of the parabola at x1.
-    let slope = left + bend * (x1 - x0);
-    let shift = -0.5 * slope / bend;
-    Some((first, Peak { nm: x1 + shift, reflectance: y1 + 0.5 * slope * shift }))
-}
-
-/// Whether the curve falls by `least` on both sides of a maximum before it rises above it. Both sides are walked in
-/// step, so that many small maxima do not cost the square of their number.
-fn stands_out(points: &[[f64; 2]], (first, last): (usize, usize), least: f64) -> bool {
-    let height = points[first][1];
-    let mut sides = [(false, first, false), (false, last, true)];
-    loop {
-        for (fell, at, up) in &mut sides {
-            if *fell {
-                continue;
-            }
-            let next = if *up { (*at + 1 < points.len()).then(|| *at + 1) } else { at.checked_sub(1) };
-            let Some(next) = next else { return false };
-            if points[next][1] > height {
-                return false;
-            }
-            *fell = points[next][1] <= height - least;
-            *at = next;
-        }
-        if sides.iter().all(|side| side.0) {
-            return true;
-        }
-    }
-}
-
-fn half_width(points: &[[f64; 2]], top: usize, peak: Peak) -> Option<HalfWidth> {
-    let (low, _) = range(points.iter().map(|p| p[1]));
-    let level = 0.5 * (peak.reflectance + low);
-    let crossing = |above: [f64; 2], below: [f64; 2]| {
-        above[0] + (below[0] - above[0]) * (above[1] - level) / (above[1] - below[1])
-    };
-    let left = (0..top).rev().find(|&i| points[i][1] <= level)?;
-    let right = (top + 1..points.len()).find(|&i| points[i][1] <= level)?;
-    let between_nm = [crossing(points[left + 1], points[left]), crossing(points[right - 1], points[right])];
-    Some(HalfWidth { level, between_nm })
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::Wavelengths;
+    use super::super::peaks::Side;
     use super::*;
 
     fn sampled(first: f64, last: f64, step: f64, value: impl Fn(f64) -> f64) -> Spectrum {
@@ -399,14 +329,15 @@ mod tests {
     fn a_bell_has_its_own_peak_and_width_at_any_sampling() {
         for step in [0.25, 1.0, 2.0, 4.0, 6.0, 10.0] {
             let look = Look::of(&sampled(300.0, 700.0, step, bell));
-            let (peak, half) = (look.peak.unwrap(), look.half_width.unwrap());
+            let peak = look.peak.unwrap();
+            let (half, width) = (peak.half, peak.half.nm().unwrap());
             // Parabolas through a bell: second order in the step over σ.
             assert!(
                 (peak.nm - 533.3).abs() < 0.15 && (peak.reflectance - 0.25).abs() < 3e-4,
                 "{step}: {peak:?}"
             );
             assert!((half.level - 0.15).abs() < 3e-4, "{step}: {half:?}");
-            assert!((half.nm() - 30.0 * (8.0 * 2f64.ln()).sqrt()).abs() < 0.7, "{step}: {half:?}");
+            assert!((width - 30.0 * (8.0 * 2f64.ln()).sqrt()).abs() < 0.7, "{step}: {half:?}");
             let area = 0.2 * 30.0 * std::f64::consts::TAU.sqrt();
             let span = look.range_nm[1] - look.range_nm[0];
             assert!((look.mean_reflectance - (0.05 + area / span)).abs() < 1e-6);
@@ -422,7 +353,12 @@ mod tests {
         assert!((peak.nm - 533.3).abs() < 3.0, "{peak:?}");
         let slope = Look::of(&sampled(300.0, 700.0, 0.3, |nm| nm / 1000.0 + 0.2 * noise(nm)));
         assert_eq!(slope.peak, None);
-        assert_eq!(slope.half_width, None);
+        // Its end is highest, which is no peak but may be part of one.
+        assert!(
+            slope.peaks.len() == 1 && slope.peaks[0].at_end && slope.peaks[0].nm > 699.0,
+            "{:?}",
+            slope.peaks
+        );
         assert!(slope.words().starts_with("no peak (highest at 700 nm)"));
     }
 
@@ -446,8 +382,107 @@ mod tests {
         }
         // The side that never falls to half has no width, though the peak is one.
         let shelf = of(&[0.0, 1.0, 0.8, 0.8]);
-        assert!(shelf.peak.is_some() && shelf.half_width.is_none());
-        assert!(shelf.words().contains("no half width"));
+        assert_eq!(shelf.peak.unwrap().half.sides[1], Side::Ends(460.0));
+        assert!(
+            shelf.words().contains("no half width (the range ends at 460 nm above 53.3 %)"),
+            "{}",
+            shelf.words()
+        );
+    }
+
+    #[test]
+    fn all_peaks_are_listed_with_their_prominence_and_the_sides_of_their_half_width() {
+        let at = |nm: f64, at: f64, width: f64| (-0.5 * ((nm - at) / width).powi(2)).exp();
+        let look = Look::of(&sampled(300.0, 700.0, 2.0, |nm| {
+            0.1 + 0.2 * at(nm, 400.0, 25.0) + 0.3 * at(nm, 490.0, 25.0) + 0.4 * at(nm, 720.0, 25.0)
+        }));
+        let [blue, green, red] = look.peaks[..] else { panic!("{:?}", look.peaks) };
+        assert!((blue.nm - 400.0).abs() < 3.0 && (green.nm - 490.0).abs() < 3.0 && red.nm == 700.0);
+        assert_eq!((blue.at_end, green.at_end, red.at_end), (false, false, true));
+        assert_eq!(look.peak, Some(green), "an end is no peak");
+        // The dip between the first two, at 443 nm, is where their bells are 1.72 and 1.88 widths away.
+        let dip = 0.1 + 0.2 * at(443.0, 400.0, 25.0) + 0.3 * at(443.0, 490.0, 25.0);
+        assert!((blue.prominence - (blue.reflectance - dip)).abs() < 2e-3, "{blue:?} {dip}");
+        assert!((green.prominence - 0.3).abs() < 3e-3, "{green:?}");
+        assert!((red.prominence - (red.reflectance - 0.1)).abs() < 2e-3, "{red:?}");
+        assert!(blue.half.nm().is_some() && matches!(red.half.sides, [Side::Falls(_), Side::Ends(700.0)]));
+        // A shoulder that rises to a higher peak before it is half as high has no width of its own.
+        let close =
+            Look::of(&sampled(300.0, 700.0, 2.0, |nm| 0.3 * at(nm, 440.0, 25.0) + 0.4 * at(nm, 510.0, 25.0)));
+        let [shoulder, _] = close.peaks[..] else { panic!("{:?}", close.peaks) };
+        assert!(matches!(shoulder.half.sides, [Side::Falls(_), Side::Rises(_)]), "{shoulder:?}");
+        assert!(shoulder.half.words().contains("it rises again above"));
+        let fields = look.fields();
+        let Some((_, Field::List(listed))) = fields.0.iter().find(|(name, _)| *name == "peaks") else {
+            panic!()
+        };
+        assert_eq!((listed.len(), listed[2].csv_header().split(',').count()), (3, 8));
+        assert!(
+            listed[2].csv_cells().contains(",true,") && listed[2].csv_cells().ends_with(','),
+            "{listed:?}"
+        );
+    }
+
+    #[test]
+    fn a_range_says_which_peak_is_meant_and_from_where_half_levels_are_measured() {
+        let two = |nm: f64| {
+            bell(nm) + 0.3 * (-0.5 * ((nm - 360.0) / 15.0).powi(2)).exp() - 0.04 * f64::from(nm < 310.0)
+        };
+        let all = sampled(300.0, 700.0, 4.0, two);
+        let green = Look::with_peak_in(&all, Some([400.0, 700.0]));
+        assert!((green.peak.unwrap().nm - 533.3).abs() < 0.5 && !green.highest_is_another());
+        assert!((green.peak.unwrap().half.level - 0.15).abs() < 1e-3, "{green:?}");
+        assert!((Look::of(&all).peaks[1].half.level - 0.13).abs() < 3e-3);
+        let none = Look::with_peak_in(&all, Some([580.0, 700.0]));
+        assert!(
+            none.peak.is_none() && none.words().starts_with("no peak from 580 to 700 nm"),
+            "{}",
+            none.words()
+        );
+    }
+
+    /// Two bells move from 540 and 340 nm towards the blue, and the violet one, the lower one first, outgrows the other.
+    #[test]
+    fn a_series_follows_one_peak_and_says_where_another_is_higher_or_it_is_lost() {
+        let angles = [0.0, 20.0, 40.0, 60.0];
+        let curves: Vec<Spectrum> = [(1.0, 0.1), (0.97, 0.15), (0.91, 0.25), (0.84, 0.3)]
+            .map(|(factor, violet)| {
+                let at = |nm: f64, at: f64| (-0.5 * ((nm - at * factor) / 20.0).powi(2)).exp();
+                sampled(300.0, 700.0, 4.0, |nm| 0.05 + 0.2 * at(nm, 540.0) + violet * at(nm, 370.0))
+            })
+            .to_vec();
+        let looks = Look::series(&angles, &curves, None);
+        let nm: Vec<f64> = looks.iter().map(|look| look.peak.unwrap().nm).collect();
+        for (found, expected) in nm.iter().zip([540.0, 523.8, 491.4, 453.6]) {
+            assert!((found - expected).abs() < 1.5, "{nm:?}");
+        }
+        let other: Vec<bool> = looks.iter().map(Look::highest_is_another).collect();
+        assert_eq!(other, [false, false, true, true]);
+        assert_eq!(
+            order_notes(&angles, &looks),
+            [
+                "from 40° the highest peak is of another order: 337 nm; the peak of 0° (540 nm) is at 491 nm there"
+            ]
+        );
+        assert!(
+            looks[2]
+                .words()
+                .starts_with("peak 491 nm (25.0 %), of another order a higher one at 337 nm (30.0 %)")
+        );
+        let violet = Look::series(&angles, &curves, Some([300.0, 400.0]));
+        assert_eq!(violet[3].highest, violet[3].peak, "at 311 nm, still inside");
+        let cut: Vec<Spectrum> = curves.iter().map(|curve| curve.within([330.0, 700.0]).unwrap()).collect();
+        let violet = Look::series(&angles, &cut, Some([330.0, 400.0]));
+        assert!(
+            violet[3].peak.is_none() && matches!(violet[3].lost, Some(Lost::Outside(_))),
+            "{:?}",
+            violet[3]
+        );
+        let notes = order_notes(&angles, &violet);
+        assert!(
+            notes[0].starts_with("at 60° the peak of 0° (370 nm) lies outside the wavelengths, near 3"),
+            "{notes:?}"
+        );
     }
 
     #[test]
@@ -461,8 +496,10 @@ mod tests {
     fn colours_are_given_only_where_most_of_what_the_eye_sees_is_known() {
         for (first, last, known, noted) in [
             (360.0, 830.0, true, false),
-            (400.0, 694.0, true, true),
-            (300.0, 700.0, true, true),
+            (400.0, 694.0, true, false),
+            (300.0, 700.0, true, false),
+            (415.0, 700.0, true, true),
+            (300.0, 670.0, true, true),
             (450.0, 650.0, false, true),
             (300.0, 400.0, false, true),
         ] {
@@ -488,6 +525,6 @@ mod tests {
         let fields = Look::of(&sampled(400.0, 700.0, 5.0, |nm| nm / 1000.0)).fields();
         assert!(fields.csv_header().starts_with("from_nm,to_nm,peak_nm,peak_reflectance,half_level,"));
         assert!(fields.csv_header().ends_with(",srgb,srgb_normalized"));
-        assert!(fields.csv_cells().starts_with("400,700,,,,,,,0.55,"));
+        assert!(fields.csv_cells().starts_with("400,700,,,,,,,,,,0.55,"));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! [`Wavelengths`] are a sorted set in nm that is cheap to share; a [`Spectrum`] has one value for each and is linear
 //! between them, a [`dense::DenseSpectrum`] one for each nm. [`colour`] turns reflectances into what an observer sees, [`hue`] says which colour that is, [`look`] gives
-//! all numbers of a colour together; [`comparison`] holds a simulated spectrum against a measured one. [`sensor`] is who looks at a
+//! all numbers of a colour together, [`peaks`] finds peaks and [`orders`] which of them correspond; [`comparison`] holds a simulated spectrum against a measured one. [`sensor`] is who looks at a
 //! picture, [`hero`] which wavelengths its paths have.
 
 mod cie;
@@ -14,6 +14,8 @@ pub mod fields;
 pub mod hero;
 pub mod hue;
 pub mod look;
+pub mod orders;
+pub mod peaks;
 pub mod primaries;
 pub mod sensor;
 

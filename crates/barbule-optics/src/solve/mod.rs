@@ -1,6 +1,7 @@
 //! Wave solvers: each takes a structure and gives scattered fields.
 
 mod beam;
+pub mod core_fringes;
 pub mod cost;
 pub mod crystal;
 pub mod diffraction;

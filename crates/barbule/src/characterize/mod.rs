@@ -16,7 +16,7 @@ pub use catalog::{Catalog, Found, Origin, as_filed};
 pub use description::CampaignDescription;
 use grazing::grazing;
 pub use listing::{Cached, CachedMaterial, CachedOrders, Contents};
-pub use options::{CampaignOptions, Plan, WAVELENGTHS_NM};
+pub use options::{CampaignOptions, Plan, WAVELENGTHS_NM, outside_wavelengths};
 
 use std::path::Path;
 

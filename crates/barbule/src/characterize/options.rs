@@ -20,6 +20,21 @@ use crate::{Error, Result, identity};
 /// Wavelengths that can be simulated, nm.
 pub const WAVELENGTHS_NM: std::ops::RangeInclusive<f64> = 300.0..=830.0;
 
+/// Why a wavelength in nm cannot be simulated, as the end of a sentence; none of one that can.
+#[must_use]
+pub fn outside_wavelengths(nm: f64) -> Option<String> {
+    let (low, high) = (WAVELENGTHS_NM.start(), WAVELENGTHS_NM.end());
+    if WAVELENGTHS_NM.contains(&nm) {
+        return None;
+    }
+    let why = if nm < *low {
+        "the formula of keratin's index begins there, since below keratin absorbs"
+    } else {
+        "the tables of lights and of the eye end there"
+    };
+    Some(format!("{nm} nm is outside {low} to {high} nm: {why}"))
+}
+
 /// Fields at one direction, at most.
 const MOST_INSTANCES: usize = 10_000;
 
@@ -88,9 +103,8 @@ impl CampaignOptions {
         if wavelengths_nm.is_empty() || !wavelengths_nm.is_sorted_by(|a, b| a < b) {
             return refuse("wavelengths: give at least one, rising".into());
         }
-        if let Some(bad) = wavelengths_nm.iter().find(|nm| !WAVELENGTHS_NM.contains(*nm)) {
-            let (low, high) = (WAVELENGTHS_NM.start(), WAVELENGTHS_NM.end());
-            return refuse(format!("wavelengths: {bad} nm is outside {low} to {high} nm"));
+        if let Some(outside) = wavelengths_nm.iter().find_map(|nm| outside_wavelengths(*nm)) {
+            return refuse(format!("wavelengths: {outside}"));
         }
         if ![thetas, phis].into_iter().all(|n| (2..=200).contains(n)) {
             return refuse(format!("directions {thetas}x{phis}: write NxM with 2 to 200 each, as in 20x20"));

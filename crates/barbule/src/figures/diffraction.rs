@@ -72,7 +72,7 @@ pub fn diffraction_spectrum(
     measured: Option<&MeasuredBand>,
     page: &Page,
 ) -> Drawing {
-    let band = Band { name: "simulated".into(), mean: found.clone(), std: None };
+    let band = Band { name: "simulated".into(), mean: found.clone(), std: None, peak: None };
     let mut figure = spectra(title, &[band], measured);
     figure.y.label = quantity.into();
     if measured.is_none() {

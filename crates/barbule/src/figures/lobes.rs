@@ -119,8 +119,7 @@ fn pixel(value: Rgb, exposure: f64) -> [u8; 4] {
     })
 }
 
-/// The parameters of the larger mean lobes at the shortest, the middle and the longest wavelength, each
-/// `[wavelength][theta_in][phi_in]`.
+/// The parameters of the larger mean lobes at every wavelength, each `[wavelength][theta_in][phi_in]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ParameterMaps {
     /// The wavelengths, nm.
@@ -152,11 +151,11 @@ impl ParameterMaps {
             let row =
                 |wave, theta| (0..axes.cos_phi().len()).map(move |phi| value(wave, theta, phi)).collect();
             let layer = |wave| (0..axes.cos_theta().len()).map(|theta| row(wave, theta)).collect();
-            super::three(axes).into_iter().map(layer).collect()
+            (0..axes.wavelengths_nm().len()).map(layer).collect()
         };
         let shape = |at: usize| Lobe { m: f64::from(lobe.m[at]), phi: f64::from(lobe.phi[at]) };
         Ok(Self {
-            wavelength_nm: super::three(axes).into_iter().map(|wave| axes.wavelengths_nm()[wave]).collect(),
+            wavelength_nm: axes.wavelengths_nm().to_vec(),
             cos_theta_in: axes.cos_theta().to_vec(),
             cos_phi_in: axes.cos_phi().to_vec(),
             m: map(&|w, t, p| Ok(shape(axes.index(w, t, p)).m))?,
@@ -174,7 +173,7 @@ impl ParameterMaps {
         })
     }
 
-    /// Rows of wavelengths, columns of parameters.
+    /// Rows of the shortest, the middle and the longest wavelength, columns of parameters.
     #[must_use]
     pub fn draw(&self) -> Vec<Drawing> {
         let flat = |map: &[Vec<f64>]| -> Vec<f64> { map.iter().flatten().copied().collect() };
@@ -182,7 +181,8 @@ impl ParameterMaps {
             Axis::with_range(label, cosines[0], cosines.last().copied().unwrap_or(1.0))
         };
         let mut maps = Vec::new();
-        for (wave, nm) in self.wavelength_nm.iter().enumerate() {
+        for wave in super::three(self.wavelength_nm.len()) {
+            let nm = self.wavelength_nm[wave];
             let f = flat(&self.f[wave]).into_iter().map(|f| f.max(1e-6).log10()).collect();
             for (label, values) in [
                 ("m_eff", flat(&self.m[wave])),

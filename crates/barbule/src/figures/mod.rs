@@ -18,17 +18,14 @@ pub use simulated::{FieldPatterns, FitCurves, InstancePatterns, NoiseCurves, sta
 pub use spectrum::{Simulated, spectra};
 pub use values::{hemisphere_maps, marginals};
 
-use crate::scattering::statistics::Axes;
-
 /// A structure's name as a heading says it: the only variant of a species goes without its name.
 #[must_use]
 pub fn heading(name: &str) -> String {
     name.replace(":default", "")
 }
 
-/// The shortest, the middle and the longest wavelength of the axes.
-fn three(axes: &Axes) -> Vec<usize> {
-    let count = axes.wavelengths_nm().len();
+/// The places of the first, the middle and the last of so many wavelengths.
+fn three(count: usize) -> Vec<usize> {
     let mut waves = vec![0, count / 2, count - 1];
     waves.dedup();
     waves

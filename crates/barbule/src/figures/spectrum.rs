@@ -3,6 +3,7 @@
 use crate::Result;
 use crate::campaign::spectrum::Spectra;
 use crate::plot::{self, Band, Drawing, MeasuredBand, Page};
+use crate::spectrum::look::Look;
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// The simulated curves of one structure.
@@ -14,6 +15,8 @@ pub struct Simulated<'a> {
     pub spectra: &'a Spectra,
     /// Of how many instances; the spread of a single one is not drawn.
     pub instances: usize,
+    /// The numbers of each direction; of several the peak that is followed through them is marked.
+    pub looks: &'a [Look],
 }
 
 /// Mean and spread of each direction of each structure at common wavelengths, and measured ones beside them.
@@ -29,11 +32,15 @@ pub fn spectra(
 ) -> Result<Drawing> {
     let mut bands = Vec::new();
     for of in simulated {
-        for (name, (mean, std)) in of.names.iter().zip(of.spectra.mean.iter().zip(&of.spectra.std)) {
+        let followed = of.looks.len() > 1;
+        for (k, (name, (mean, std))) in
+            of.names.iter().zip(of.spectra.mean.iter().zip(&of.spectra.std)).enumerate()
+        {
             bands.push(Band {
                 name: name.clone(),
                 mean: Spectrum::new(at.clone(), mean.clone())?,
                 std: (of.instances > 1).then(|| std.clone()),
+                peak: of.looks.get(k).filter(|_| followed).and_then(|look| look.peak),
             });
         }
     }

@@ -128,7 +128,12 @@ fn label(value: f64, step: f64) -> String {
     format!("{value:.decimals$}").replace('-', "−")
 }
 
-/// A range that covers all `values` and ends on ticks; from 0 when they are positive and reach far towards it.
+/// Values below zero by less than this part of a tick's step begin the axis themselves, and not the next tick: most of the
+/// step would be empty.
+const LITTLE_BELOW: f64 = 0.25;
+
+/// A range that covers all `values` and ends on ticks; from 0 when they are positive and reach far towards it, and from the
+/// lowest of them where they reach a little below.
 pub(super) fn covering(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values.filter(|v| v.is_finite()) {
@@ -147,7 +152,9 @@ pub(super) fn covering(values: impl Iterator<Item = f64>) -> [f64; 2] {
         (low, high) = (low - half, high + half);
     }
     let step = step([low, high], 5);
-    [(low / step + 1e-6).floor() * step, (high / step - 1e-6).ceil() * step]
+    let little = low < -1e-6 * step && low > -LITTLE_BELOW * step && high > 0.0;
+    let from = if little { 1.2 * low } else { (low / step + 1e-6).floor() * step };
+    [from, (high / step - 1e-6).ceil() * step]
 }
 
 /// As [`covering`] for a logarithmic axis: whole powers of ten about the positive values.
@@ -409,6 +416,11 @@ mod tests {
         assert_eq!(of(&[0.03, 0.41]), [0.0, 0.5]);
         assert_eq!(of(&[]), [0.0, 1.0]);
         assert_eq!(of(&[f64::NAN]), [0.0, 1.0]);
+        // A little below zero takes no whole step, much does.
+        let [from, to] = of(&[-0.004, 0.36]);
+        assert!((-0.006..-0.004).contains(&from) && (to - 0.4).abs() < 1e-12, "{from} {to}");
+        assert_eq!(of(&[-0.04, 0.36])[0], -0.1);
+        assert_eq!(of(&[-1e-12, 0.36])[0], 0.0);
         let flat = of(&[1.0, 1.0]);
         assert!(flat[0] < 1.0 && flat[1] > 1.0);
         let zero = of(&[0.0, 0.0]);

@@ -5,6 +5,7 @@ use super::drawing::{Ink, Stroke};
 use super::figure::{Curve, Figure};
 use crate::spectrum::Spectrum;
 use crate::spectrum::look::Look;
+use crate::spectrum::peaks::Peak;
 
 /// A mean spectrum with the spread of the individuals behind it.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +16,8 @@ pub struct Band {
     pub mean: Spectrum,
     /// One standard deviation, one number per wavelength of the mean; drawn as a band of twice this height.
     pub std: Option<Vec<f64>>,
+    /// A peak to be marked: of a series of angles the one that is followed.
+    pub peak: Option<Peak>,
 }
 
 /// A measured spectrum: a mean, and the samples behind it when there are several.
@@ -50,6 +53,11 @@ pub fn spectra(title: &str, bands: &[Band], measured: Option<&MeasuredBand>) -> 
         let dashed = Stroke { ink: Ink::BLACK, width: 1.8, dash: vec![6.0, 3.0] };
         figure.curves.push(Curve { stroke: Some(dashed), ..curve(&measured.band) });
     }
+    // Without names, so that the legend has none of them, and last, so that all curves keep their looks.
+    for (i, peak) in bands.iter().enumerate().filter_map(|(i, band)| Some((i, band.peak?))) {
+        let stroke = Some(figure.stroke(i));
+        figure.curves.push(Curve { stroke, ..Curve::points("", vec![[peak.nm, peak.reflectance]]) });
+    }
     // A band may reach below zero where individuals differ much, but reflectance does not.
     if figure.curves.iter().flat_map(|c| &c.points).all(|p| p[1] >= 0.0) {
         let tops = figure.curves.iter().flat_map(|c| {
@@ -59,13 +67,16 @@ pub fn spectra(title: &str, bands: &[Band], measured: Option<&MeasuredBand>) -> 
         figure.y.range = Some([0.0, covering(tops.chain([0.0]))[1]]);
     }
     let spread = bands.iter().chain(measured.map(|m| &m.band)).any(|b| b.std.is_some());
+    let peak =
+        if bands.iter().any(|band| band.peak.is_some()) { "; signs: the peak of one order" } else { "" };
     figure.legend = match (spread, figure.curves.iter().any(|c| !c.swatches.is_empty())) {
         (true, true) => "mean ± 1 std; colour under D65: true, normalized",
         (true, false) => "mean ± 1 std",
         (false, true) => "colour under D65: true, normalized",
         (false, false) => "",
     }
-    .into();
+    .to_owned()
+        + peak;
     figure.footnote = bands.iter().find_map(|b| Look::of(&b.mean).colour_note);
     figure
 }
@@ -84,22 +95,39 @@ mod tests {
         let at = Wavelengths::usual();
         let red = at.iter().map(|w| if *w > 600.0 { 0.2 } else { 0.0 }).collect();
         let bands = [
-            Band { name: "white".into(), mean: flat(1.0), std: Some(vec![0.1; 50]) },
-            Band { name: "red".into(), mean: Spectrum::new(at, red).unwrap(), std: None },
+            Band { name: "white".into(), mean: flat(1.0), std: Some(vec![0.1; 50]), peak: None },
+            Band { name: "red".into(), mean: Spectrum::new(at, red).unwrap(), std: None, peak: None },
         ];
         let figure = spectra("t", &bands, None);
         assert_eq!(figure.curves[0].swatches[0], [255; 3]);
         let [[r, g, b], [brighter, ..]] = figure.curves[1].swatches[..] else { panic!() };
         assert!(r > 60 && g < 60 && b < 50 && brighter > 230, "{r} {g} {b} {brighter}");
-        assert!(figure.footnote.unwrap().contains("held") && figure.legend.contains("true, normalized"));
+        assert!(figure.footnote.is_none() && figure.legend.contains("true, normalized"));
         assert_eq!(figure.y.range.unwrap()[0], 0.0);
     }
 
     #[test]
+    fn peaks_of_a_series_are_signs_in_the_looks_of_their_curves() {
+        let band = |at: f64, peak: bool| {
+            let bell = |nm: &f64| 0.1 + 0.2 * (-0.5 * ((nm - at) / 30.0).powi(2)).exp();
+            let mean =
+                Spectrum::new(Wavelengths::usual(), Wavelengths::usual().iter().map(bell).collect()).unwrap();
+            let found = Look::of(&mean).peak.filter(|_| peak);
+            Band { name: format!("{at}"), mean, std: None, peak: found }
+        };
+        let figure = spectra("t", &[band(480.0, false), band(530.0, true)], None);
+        assert_eq!(figure.curves.len(), 3);
+        let sign = &figure.curves[2];
+        assert!((sign.points[0][0] - 530.0).abs() < 0.5 && (sign.points[0][1] - 0.3).abs() < 1e-3);
+        assert_eq!((sign.name.as_str(), sign.stroke.clone()), ("", Some(figure.stroke(1))));
+        assert!(figure.legend.ends_with("signs: the peak of one order"));
+    }
+
+    #[test]
     fn measured_samples_are_thin_lines_without_names_under_a_dashed_mean() {
-        let band = Band { name: "measured".into(), mean: flat(0.3), std: Some(vec![0.1; 50]) };
+        let band = Band { name: "measured".into(), mean: flat(0.3), std: Some(vec![0.1; 50]), peak: None };
         let measured = MeasuredBand { band, samples: vec![flat(0.2), flat(0.4)] };
-        let simulated = Band { name: "simulated".into(), mean: flat(0.3), std: None };
+        let simulated = Band { name: "simulated".into(), mean: flat(0.3), std: None, peak: None };
         let figure = spectra("t", &[simulated], Some(&measured));
         let names: Vec<_> = figure.curves.iter().map(|c| c.name.as_str()).collect();
         assert_eq!(names, ["simulated", "", "", "measured"]);

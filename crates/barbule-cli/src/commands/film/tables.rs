@@ -8,6 +8,7 @@ use barbule::spectrum::colour::held;
 use serde_json::{Value, json};
 
 use super::{Found, Looks};
+use crate::peak_args::notes;
 
 /// The contract's JSON; `absorbed_per_layer` is `{"s": [layer][angle][wavelength], "p": …}`.
 pub(super) fn document(found: &Found, looks: &[Looks], layers: usize) -> Value {
@@ -109,6 +110,8 @@ pub(super) fn words(found: &Found, looks: &[Looks]) -> Vec<String> {
     if let Some(spread) = &found.spread {
         lines.push(format!("means over {} random individuals", spread.individuals));
     }
+    let unpolarized: Vec<_> = looks.iter().map(|look| look.unpolarized.clone()).collect();
+    lines.extend(notes(&found.angle_deg, &unpolarized));
     lines.extend(held(&found.mean.at).filter(|_| !looks.is_empty()));
     lines
 }

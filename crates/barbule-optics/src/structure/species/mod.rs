@@ -105,13 +105,14 @@ impl SpeciesModel {
     pub fn with_parameters(&self, changes: &[(&str, Value)]) -> Result<Self> {
         let mut parameters = serde_json::to_value(&self.parameters)
             .map_err(|error| Error::machine(format!("parameters cannot be written: {error}")))?;
+        let generator = parameters["generator"].as_str().unwrap_or_default();
+        let keys = GeneratorParameters::keys(generator)?;
         for (key, value) in changes {
-            match parameters.get_mut(*key) {
-                Some(place) => *place = value.clone(),
-                None => {
-                    return Err(Error::input(format!("{} has no parameter {key} to change", self.title())));
-                }
+            // One that is left out is none of the table's.
+            if !keys.iter().any(|known| known.name == *key) {
+                return Err(Error::input(format!("{} has no parameter {key} to change", self.title())));
             }
+            parameters[*key] = value.clone();
         }
         Ok(Self {
             latin: self.latin.clone(),

@@ -47,7 +47,7 @@ impl FieldPatterns {
     /// # Errors
     /// As [`Barbules::campaign`].
     pub fn new(material: &FeatherMaterial, barbules: &Barbules, progress: &dyn Progress) -> Result<Self> {
-        let waves = three(&material.axes);
+        let waves = three(material.axes.wavelengths_nm().len());
         let nm: Vec<f64> = waves.iter().map(|k| material.axes.wavelengths_nm()[*k]).collect();
         let cos_phi = ANGLES.iter().map(|a| a.to_radians().cos()).collect();
         let axes = Axes::new(&Wavelengths::new(nm.clone())?, vec![1.0], cos_phi)?;

@@ -31,7 +31,8 @@ pub fn statistics_of_fits(
     progress: &dyn Progress,
 ) -> Result<Statistics> {
     let from = &material.axes;
-    let nm: Vec<f64> = three(from).into_iter().map(|k| from.wavelengths_nm()[k]).collect();
+    let nm: Vec<f64> =
+        three(from.wavelengths_nm().len()).into_iter().map(|k| from.wavelengths_nm()[k]).collect();
     let cos_theta = vec![from.cos_theta()[from.cos_theta().len() - 1]];
     let cos_phi = fitted_phis(from).iter().map(|k| from.cos_phi()[*k]).collect();
     let axes = Axes::new(&Wavelengths::new(nm)?, cos_theta, cos_phi)?;
@@ -91,7 +92,7 @@ impl FitCurves {
             })
         };
         let phis = fitted_phis(axes);
-        three(axes)
+        three(axes.wavelengths_nm().len())
             .iter()
             .flat_map(|&wave| phis.iter().rev().map(move |&phi| (wave, phi)))
             .map(|(w, p)| at(w, p))

@@ -20,6 +20,7 @@ const BETWEEN: u64 = 2;
 const WITHIN: u64 = 3;
 const WAVINESS: u64 = 5;
 const ROUGHNESS: u64 = 7;
+const CORE: u64 = 9;
 
 impl Multilayer {
     /// One random section, but for name and source.
@@ -37,9 +38,7 @@ impl Multilayer {
             LowerSide::Plain => layers.into_iter().filter(|(place, _)| *place == 0).collect(),
             LowerSide::Mirrored => layers,
         };
-        let deep =
-            |layers: &[(usize, MultilayerLayer)]| layers.iter().map(|(_, l)| l.thickness_um).sum::<f64>();
-        let thickness = deep(&self.written_out()) + self.sizes.core_um + deep(&lower);
+        let thickness = self.thickness_um(random, [&self.written_out(), &lower]);
         let bottom = under(&shape, &vec![thickness; shape.x_um.len()]);
         let bottom = self.rough(random, BOTTOM, bottom).flipped();
         let mut below = vec![bottom];
@@ -50,6 +49,38 @@ impl Multilayer {
         media.extend(self.media_of(&lower).into_iter().rev());
         media.push(Medium::named(&self.outside));
         parts(self.sizes.width_um, boundaries, media)
+    }
+
+    /// From the top to the bottom of an individual with layers on both sides of the core, without roughness.
+    fn thickness_um(&self, random: &Random, sides: [&[(usize, MultilayerLayer)]; 2]) -> f64 {
+        let Some(spread) = self.core_spread else {
+            let [upper, lower] =
+                sides.map(|layers| layers.iter().map(|(_, layer)| layer.thickness_um).sum::<f64>());
+            return upper + self.sizes.core_um + lower;
+        };
+        let core = 1.0 + spread * deviate(&mut random.stream(CORE));
+        let own = |side: u64, layers: &[(usize, MultilayerLayer)]| -> f64 {
+            let thick = layers.iter().enumerate().map(|(written, (place, layer))| {
+                layer.thickness_um * self.relative_thickness(random, side, written, *place, layer)
+            });
+            thick.sum()
+        };
+        own(0, sides[0]) + self.sizes.core_um * core.max(LEAST_PART) + own(1, sides[1])
+    }
+
+    /// How thick a layer is in an individual, as a part of its mean. What individuals differ by is common to all repetitions
+    /// and to both sides.
+    fn relative_thickness(
+        &self,
+        random: &Random,
+        side: u64,
+        written: usize,
+        place: usize,
+        layer: &MultilayerLayer,
+    ) -> f64 {
+        let between = layer.spread * deviate(&mut random.part(BETWEEN, place));
+        let within = layer.spread_within * deviate(&mut random.part(WITHIN + side, written));
+        1.0 + between + within
     }
 
     /// The cortex, where there is one, and the layers, with the place of each in its group.
@@ -129,14 +160,11 @@ impl Multilayer {
         surface: &Polyline,
         layers: &[(usize, MultilayerLayer)],
     ) -> Vec<Polyline> {
-        let normal = |stream: &mut Stream| stream.normal().clamp(-CLIP, CLIP);
         let mut boundaries: Vec<Polyline> = Vec::with_capacity(layers.len());
         // By how much roughness has moved the last boundary up.
         let mut above = vec![0.0; surface.x_um.len()];
         for (written, (place, layer)) in layers.iter().enumerate() {
-            // What individuals differ by is common to all repetitions and to both sides.
-            let between = layer.spread * normal(&mut random.part(BETWEEN, *place));
-            let within = layer.spread_within * normal(&mut random.part(WITHIN + side, written));
+            let part = self.relative_thickness(random, side, written, *place, layer);
             let waviness = Roughness::symmetric(self.sizes.waviness_correlation_um, layer.waviness);
             let waviness = self.profile(waviness, &mut random.part(WAVINESS + side, written));
             let rough = Roughness::symmetric(
@@ -149,7 +177,7 @@ impl Multilayer {
                 .zip(&waviness)
                 .zip(&mut above)
                 .map(|((rough, waviness), above)| {
-                    let smooth = layer.thickness_um * (1.0 + between + within) * (1.0 + waviness);
+                    let smooth = layer.thickness_um * part * (1.0 + waviness);
                     // A boundary's own roughness moves it and not those below.
                     let depth = (smooth + *above - rough).max(LEAST_PART * layer.thickness_um);
                     *above += smooth - depth;
@@ -206,4 +234,9 @@ impl Multilayer {
             boundary.z_um.iter_mut().for_each(|z| *z -= missing);
         }
     }
+}
+
+/// A standard normal deviation, clipped.
+fn deviate(stream: &mut Stream) -> f64 {
+    stream.normal().clamp(-CLIP, CLIP)
 }

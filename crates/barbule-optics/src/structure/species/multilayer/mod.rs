@@ -12,7 +12,7 @@ use super::super::curve::point_count;
 use super::super::section::{MOST_POINTS, Parts};
 use super::generator::{Generator, Random};
 use crate::error::{did_you_mean, shortened};
-use crate::fields::{Fed, Fields, Key, Kind, Map, Record, Text, Usual, Value, within};
+use crate::fields::{Fed, FieldValue, Fields, Key, Kind, Map, Record, Text, Usual, Value, path_of, within};
 use crate::identity::{Hasher, Identify};
 use crate::material::Library;
 use crate::{Error, Result, record};
@@ -21,6 +21,10 @@ use crate::{Error, Result, record};
 const MOST_LAYERS: usize = 2000;
 /// No stack of layers is thicker.
 const THICKEST_UM: f64 = 100.0;
+/// No spread of thicknesses is larger, as a part.
+const LARGEST_SPREAD: f64 = 0.5;
+/// What the key `core_spread` is, for people.
+const CORE_SPREAD: &str = "Standard deviation of the core's own thickness between individuals, as a part; unless given, barbules are equally thick and the core takes up what layers differ by.";
 /// An arch is no higher than this part of its width: its ends slope by 70°.
 const HIGHEST_ARCH: f64 = 0.35;
 
@@ -147,6 +151,10 @@ pub struct Multilayer {
     pub core: String,
     /// What is on the lower side.
     pub lower: LowerSide,
+    /// Standard deviation of the core's own thickness between individuals, a part of it. None: the barbule is equally thick in
+    /// all individuals, and the core takes up what their layers differ by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub core_spread: Option<f64>,
     /// The numbers.
     #[serde(flatten)]
     pub sizes: MultilayerSizes,
@@ -174,6 +182,7 @@ impl Record for Multilayer {
             text("cortex_medium", "The medium of the cortex.", "keratin"),
             text("core", "The medium under the layers.", "keratin"),
             Key { name: "lower", aliases: &[], about: "What is on the lower side.", kind: lower, usual },
+            Key::new::<Option<f64>>("core_spread", &[], CORE_SPREAD, &within(0, LARGEST_SPREAD), None),
         ];
         keys.extend(MultilayerSizes::keys());
         keys
@@ -188,6 +197,7 @@ impl Record for Multilayer {
             cortex_medium: text("cortex_medium", "keratin")?,
             core: text("core", "keratin")?,
             lower: lower_side(fields)?,
+            core_spread: core_spread(fields)?,
             sizes,
         })
     }
@@ -200,7 +210,8 @@ impl Record for Multilayer {
         for key in ["outside", "cortex_medium", "core"] {
             fields.text(key)?;
         }
-        lower_side(fields).map(drop)
+        lower_side(fields)?;
+        core_spread(fields).map(drop)
     }
 
     fn write_into(&self, table: &mut Map<String, Value>) {
@@ -210,21 +221,33 @@ impl Record for Multilayer {
     }
 
     fn check(&self, place: &str) -> Result<()> {
+        self.core_spread.check_value(&path_of(place, "core_spread"), &within(0, LARGEST_SPREAD))?;
         Record::check(&self.sizes, place)
     }
 
     fn feed_fields(&self, to: &mut Hasher) {
-        let Self { layers, outside, cortex_medium, core, lower, sizes } = self;
+        let Self { layers, outside, cortex_medium, core, lower, core_spread, sizes } = self;
         to.list("layers", layers)
             .text("outside", outside)
             .text("cortex_medium", cortex_medium)
             .text("core", core)
             .text("lower", lower.name())
             .part("sizes", &Fed(sizes));
+        // Only where it is given, so that what was made before there was this key keeps its name.
+        if let Some(core_spread) = core_spread {
+            to.number("core_spread", *core_spread);
+        }
     }
 }
 
 impl Multilayer {
+    /// The number of the core among the media of a section that has a lower side; none of a section without.
+    #[must_use]
+    pub fn core_region(&self) -> Option<usize> {
+        let cortex = usize::from(self.sizes.cortex_um > 0.0);
+        (self.lower != LowerSide::None).then(|| 1 + cortex + self.layers.len() * self.sizes.repeats)
+    }
+
     fn check_shape(&self) -> Result<()> {
         let refuse = |message: String| Err(Error::input(message));
         let width = self.sizes.width_um;
@@ -326,6 +349,11 @@ fn spreads(fields: &Fields<'_>, usual: [f64; 3]) -> Result<[f64; 3]> {
         if fields.get(key).is_some() { fields.number_within(key, 0.0, 0.5) } else { Ok(usual) }
     };
     Ok([part("spread", usual[0])?, part("spread_within", usual[1])?, part("waviness", usual[2])?])
+}
+
+fn core_spread(fields: &Fields<'_>) -> Result<Option<f64>> {
+    let given = fields.get("core_spread").is_some();
+    given.then(|| fields.number_within("core_spread", 0.0, LARGEST_SPREAD)).transpose()
 }
 
 fn layers(fields: &Fields<'_>, usual: [f64; 3]) -> Result<Vec<MultilayerLayer>> {

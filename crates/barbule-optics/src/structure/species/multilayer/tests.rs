@@ -232,6 +232,7 @@ fn layers_never_cross_whatever_the_parameters() {
             "cortex_um": if trial % 2 == 0 { 0.0 } else { draw(0.005, 1.0) },
             "core_um": draw(0.01, 4.0),
             "lower": (["none", "plain", "mirrored"][trial % 3]),
+            "core_spread": draw(0.0, 0.5),
             "spread": draw(0.0, 0.5),
             "spread_within": draw(0.0, 0.5),
             "waviness": draw(0.0, 0.5),
@@ -258,6 +259,7 @@ fn what_is_recorded_makes_the_same_species_again() {
     for changes in [
         json!({}),
         json!({ "lower": "mirrored", "core": "mix(keratin,melanin,0.2)", "fold_deg": -20.5, "layered_width_um": 6.0 }),
+        json!({ "lower": "plain", "core_spread": 0.1 }),
         json!({ "layers": [{ "medium": "1.7+0.1j", "thickness_um": 0.2, "waviness": 0.1 }], "spread": 0.07 }),
     ] {
         let model = with(&changes).unwrap();
@@ -285,6 +287,8 @@ fn every_parameter_and_every_medium_is_part_of_the_identity() {
         json!({ "core_um": 2.0 }),
         json!({ "lower": "plain" }),
         json!({ "lower": "mirrored" }),
+        json!({ "core_spread": 0.0 }),
+        json!({ "core_spread": 0.1 }),
         json!({ "spread": 0.1 }),
         json!({ "spread_within": 0.1 }),
         json!({ "waviness": 0.1 }),
@@ -350,6 +354,36 @@ fn the_core_keeps_a_tenth_of_its_thickness() {
     assert_eq!(multilayer(&changes).lower, LowerSide::Mirrored);
 }
 
+/// Unless it is given, all barbules are equally thick; given, the core deviates by itself and the barbule is as thick as its parts.
+#[test]
+fn a_core_takes_up_what_layers_differ_by_or_has_a_spread_of_its_own() {
+    let changes = |more: &Value| {
+        let mut all = json!({ "core_um": 2.0, "lower": "mirrored", "spread": 0.05, "repeats": 2 });
+        all.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        all
+    };
+    let (plain, own) = (changes(&json!({})), changes(&json!({ "core_spread": 0.1 })));
+    // Under the cortex and two pairs.
+    let core = |changes: &Value, index| mean(&thickness(&section(changes, index), 5));
+    let whole = |changes: &Value, index| {
+        let section = section(changes, index);
+        section.top().z_um[0] - section.boundaries.last().unwrap().z_um[0]
+    };
+    assert!((0..5).all(|k| (whole(&plain, k) - whole(&plain, 0)).abs() < 1e-12));
+    let layers = |changes: &Value, index| whole(changes, index) - core(changes, index);
+    let count = 300;
+    let cores: Vec<f64> = (0..count).map(|index| core(&own, index) / 2.0 - 1.0).collect();
+    let square = cores.iter().map(|d| d * d).sum::<f64>() / f64::from(count as u32);
+    assert!(mean(&cores).abs() < 0.02 && (square.sqrt() / 0.0987 - 1.0).abs() < 0.12, "{square}");
+    for index in 0..5 {
+        assert!((layers(&own, index) - layers(&plain, index)).abs() < 1e-12, "layers are those without");
+    }
+    let none = changes(&json!({ "core_spread": 0.0 }));
+    assert!((0..5).all(|k| (core(&none, k) - 2.0).abs() < 1e-12));
+    let changed = with(&plain).unwrap().with_parameters(&[("core_spread", 0.1.into())]).unwrap();
+    assert_eq!(changed.parameters, with(&own).unwrap().parameters);
+}
+
 #[test]
 fn what_cannot_be_is_refused_with_its_key() {
     for (changes, part) in [
@@ -390,6 +424,8 @@ fn what_cannot_be_is_refused_with_its_key() {
             json!({ "layered_width_um": 5.0, "layers": [{ "medium": "keratin", "thickness_um": 0.1 }] }),
             "needs layers of two different media",
         ),
+        (json!({ "core_spread": 0.6 }), "parameters.core_spread is 0.6, outside 0 to 0.5"),
+        (json!({ "core_spreads": 0.1 }), "unknown key 'core_spreads', did you mean 'core_spread'?"),
         (json!({ "spread": 5.0 }), "parameters.spread is 5, outside 0 to 0.5"),
     ] {
         let message = refusal(&changes);
