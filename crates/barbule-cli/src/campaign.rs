@@ -25,16 +25,16 @@ pub(crate) struct CampaignArgs {
     /// Directions: cosθ_i in N equal steps up to 1, cosφ_i in M
     #[arg(long, value_name = "NxM", default_value_t = usual_directions())]
     directions: String,
-    /// Random instances
-    #[arg(long, value_name = "N", default_value_t = CampaignOptions::default().instances)]
-    instances: usize,
+    /// Random instances [default: 50, with --thin 12]
+    #[arg(long, value_name = "N")]
+    instances: Option<usize>,
     /// Keep both incident polarizations apart in the material
     #[arg(long)]
     polarized: bool,
     /// Largest tilt of an instance about its axis, degrees
     #[arg(long, value_name = "DEG", default_value_t = CampaignOptions::default().tilt_deg)]
     tilt: f64,
-    /// Every N-th wavelength and direction only, and 12 instances: a quick look
+    /// Every N-th wavelength and direction only, and 12 instances unless --instances says another number: a quick look
     #[arg(long, value_name = "N")]
     thin: Option<usize>,
     /// Barbules lie either way round: each instance counts with its mirror image, and both sides are alike

@@ -101,7 +101,8 @@ fn outputs(matches: &ArgMatches) -> Vec<Output> {
         for path in values(matches, id).into_iter().map(PathBuf::from) {
             let name = format!("{flag} {}", path.display());
             let is_table = TABLES.contains(&id);
-            if is_table && is_beside(&path) {
+            let has_notes = is_table || ["csv", "npy"].iter().any(|end| ends_with(&path, end));
+            if has_notes && is_beside(&path) {
                 let notes = sidecar(&path);
                 let name = format!("{} (the notes beside {name})", notes.display());
                 found.push(Output { path: notes, name, flag: flag.clone(), is_table: false });

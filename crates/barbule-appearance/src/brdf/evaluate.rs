@@ -118,16 +118,7 @@ impl FeatherBrdf {
     /// ∫ f (z·ω_o) dω_o of the smooth mean (before any symmetrization): what the mixed nodes reflect.
     #[must_use]
     pub fn albedo(&self, wavelength_nm: f32, wi: DVec3) -> f64 {
-        if wi.z <= 0.0 || wi.z.is_nan() {
-            return 0.0;
-        }
-        let incident = self.incident(wi);
-        let simplex = self.tables.grid.simplex(&incident, f64::from(wavelength_nm));
-        let reflected = |table: &Table| -> f64 {
-            let node = |k: usize| f64::from(simplex.weight[k]) * table.reflected(simplex.at[k]);
-            (0..4).map(node).sum()
-        };
-        self.tables.sets.iter().map(reflected).sum::<f64>() / self.tables.sets.len() as f64
+        self.exact(f64::from(wavelength_nm), wi).reflected()
     }
 
     /// The barbule of this name, for [`PreparedBrdf::eval`].

@@ -74,6 +74,16 @@ impl ExactBrdf<'_> {
         values
     }
 
+    /// ∫ f (z·ω_o) dω_o of the smooth mean, before any symmetrization: what the mixed nodes reflect.
+    #[must_use]
+    pub fn reflected(&self) -> f64 {
+        let Some((_, simplex)) = &self.place else { return 0.0 };
+        let of = |table: &Table| -> f64 {
+            (0..4).map(|k| f64::from(simplex.weight[k]) * table.reflected(simplex.at[k])).sum()
+        };
+        self.brdf.tables.sets.iter().map(of).sum::<f64>() / self.brdf.tables.sets.len() as f64
+    }
+
     /// f and s before any symmetrization, without the density.
     fn one_way(&self, wo: DVec3, draw: Option<&Draw>) -> Values {
         let Some((incident, _)) = &self.place else { return Values::default() };

@@ -34,7 +34,7 @@ mod tables;
 pub use arrays::{Numbers, TableArray};
 pub use evaluate::{FeatherBrdf, PreparedBrdf};
 pub use exact::{ExactBrdf, Values, values};
-pub use marginal::{Marginal, marginals};
+pub use marginal::{Marginal, marginals, reflected_fractions};
 pub use material::{
     FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, check_axes, check_sigma, table_axes,
 };

@@ -1,11 +1,13 @@
 //! A film as bytes: to go on with a picture later, to the same bits as without the break.
 //!
 //! Layout, little-endian: `BARBFILM`, version (u32), width and height (u32), 32 bytes that name the scene and its
-//! settings; of each tile its sample count (u32), the channels, alpha and weight of its pixels and of a border of one (f64), of each pixel
+//! settings; of each tile its sample count, how many samples were left out and of the first of them
+//! sample, column, row, and its object's index and 1 (0: none) (u32), the channels, alpha and weight of its pixels and of a border of one (f64), of each pixel
 //! luminance, squares, normal, depth (f64), hits and identity (u32); where the film keeps them of each pixel the albedo's channels (f64)
 //! and of six shapes identity, object and hits (u32), and of each pixel with the border its radiance in each band (f64); and a BLAKE3
 //! checksum of all before it. Channels are X, Y, Z of the human eye, and of other sensors eight, those that they lack 0.
 
+use super::faults::{Fault, Faults};
 use super::film::{Film, Pixel, TILE, bordered, stride};
 use super::planes::{COVERS, Compositing, Cover, Planes};
 use super::response::lanes;
@@ -13,7 +15,8 @@ use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
 
 const MAGIC: &[u8; 8] = b"BARBFILM";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
+const TILE_HEAD: usize = 6 * 4;
 const HEAD: usize = 8 + 3 * 4 + 32;
 const PIXEL: usize = 6 * 8 + 2 * 4;
 const COVERED: usize = COVERS * 3 * 4;
@@ -42,7 +45,7 @@ pub fn bytes(size: [u32; 2], planes: &Planes) -> u64 {
     let tiles = u64::from(size[0].div_ceil(TILE)) * u64::from(size[1].div_ceil(TILE));
     let pixel = PIXEL + if planes.compositing { COVERED + lanes(&planes.sensor) * 8 } else { 0 };
     let sums = (stride(&planes.sensor) + planes.spectral.nm().len()) * 8;
-    (HEAD + SUM) as u64 + 4 * tiles + bordered(size) * sums as u64 + pixels * pixel as u64
+    (HEAD + SUM) as u64 + TILE_HEAD as u64 * tiles + bordered(size) * sums as u64 + pixels * pixel as u64
 }
 
 /// The film as bytes.
@@ -55,7 +58,14 @@ pub fn write(film: &Film, name: &[u8; 32]) -> Vec<u8> {
     }
     to.extend_from_slice(name);
     for tile in &film.tiles {
-        to.extend_from_slice(&tile.count.to_le_bytes());
+        let Faults { count, first } = tile.faults;
+        let place = first.map_or([0; 4], |Fault { pixel: [x, y], sample, object }| {
+            [sample, x, y, object.map_or(0, |object| object + 1)]
+        });
+        let left_out = u32::try_from(count).unwrap_or(u32::MAX);
+        for word in [tile.count, left_out].into_iter().chain(place) {
+            to.extend_from_slice(&word.to_le_bytes());
+        }
         for value in &tile.sums {
             to.extend_from_slice(&value.to_le_bytes());
         }
@@ -115,6 +125,10 @@ pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2], planes: Planes) -> Re
     let mut film = Film::with(size, planes)?;
     for tile in &mut film.tiles {
         tile.count = words.count();
+        let left_out = words.count();
+        let [sample, x, y, object] = std::array::from_fn(|_| words.count());
+        let fault = Fault { pixel: [x, y], sample, object: object.checked_sub(1) };
+        tile.faults = Faults { count: left_out.into(), first: (left_out > 0).then_some(fault) };
         for value in &mut tile.sums {
             *value = words.number();
         }
@@ -182,6 +196,7 @@ mod tests {
     fn film(sensor: Sensor) -> Film {
         let mut film = Film::with([40, 10], planes(sensor)).unwrap();
         film.tiles[1].count = 8;
+        film.tiles[1].faults.add(Fault { pixel: [33, 2], sample: 7, object: Some(0) });
         film.tiles[1].sums[35..40].copy_from_slice(&[0.1, 0.2, 0.3, 0.4, 0.5]);
         film.tiles[0].albedo[27..30].copy_from_slice(&[0.6, 0.5, 0.4]);
         film.tiles[0].compositing[9].covers[2] = Cover { id: 5, object: 2, hits: 4 };

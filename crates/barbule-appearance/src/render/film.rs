@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::faults::Faults;
 use super::integrator::{Behind, FirstHit, NO_HIT, Sample};
 use super::planes::{Compositing, Planes};
 use super::response::{Response, Rows, lanes, seen};
@@ -37,6 +38,8 @@ pub struct Pixel {
 pub(super) struct Tile {
     /// Samples per pixel.
     pub(super) count: u32,
+    /// Those that were left out.
+    pub(super) faults: Faults,
     /// Of each pixel the sensor's channels, alpha and the tent itself; of the human eye daylight of radiance 1 from everywhere on white
     /// gives Y = 1. Row by row, with a border of one pixel.
     pub(super) sums: Vec<f64>,
@@ -148,6 +151,12 @@ impl Film {
     #[must_use]
     pub fn samples(&self) -> u64 {
         self.tiles.iter().map(|tile| tile.pixels.len() as u64 * u64::from(tile.count)).sum()
+    }
+
+    /// Samples that no light can make, which are left out of everything else that the film keeps.
+    #[must_use]
+    pub fn faults(&self) -> Faults {
+        self.tiles.iter().fold(Faults::default(), |all, tile| all.with(&tile.faults))
     }
 
     /// The pixels of a tile: x from, y from, x to, y to.
@@ -312,6 +321,7 @@ impl Tile {
         let kept = if planes.compositing { own } else { 0 };
         Self {
             count: 0,
+            faults: Faults::default(),
             sums: vec![0.0; bordered * stride(&planes.sensor)],
             pixels: vec![Pixel::default(); own],
             compositing: vec![Compositing::default(); kept],

@@ -8,6 +8,7 @@ mod accelerator;
 pub mod checkpoint;
 pub mod cryptomatte;
 pub mod exposure;
+pub mod faults;
 pub mod film;
 pub mod integrator;
 pub mod light;

@@ -5,10 +5,11 @@ use std::time::Duration;
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 
+use super::faults::{Fault, is_possible};
 use super::film::{Film, Tile};
-use super::integrator::{Integrator, Shot};
+use super::integrator::{Behind, Integrator, NO_HIT, Shot};
 use super::light::Glow;
-use super::response::{EYE, Rows};
+use super::response::{EYE, Response, Rows};
 use crate::math::simd::dispatch_large;
 use crate::progress::{Clock, Progress};
 use crate::spectrum::sensor::MOST_CHANNELS;
@@ -169,16 +170,38 @@ fn grow<S: Simd>(
             let shot = Shot { pixel: [x, y], size, sample: u64::from(sample), seed };
             if follows {
                 let seen = integrator.seen(&view, shot, density);
-                tile.add(place, x1 - x0, (planes, response), &seen, sample == 0);
+                if is_possible(&seen.radiance) {
+                    tile.add(place, x1 - x0, (planes, response), &seen, sample == 0);
+                } else {
+                    tile.faults.add(Fault::new([x, y], sample, &seen.first));
+                }
             } else if let Rows::Eye(_) = response.rows {
-                tile.add_behind(place, x1 - x0, response, &integrator.behind::<EYE>(&view, shot, glow));
+                let behind = integrator.behind::<EYE>(&view, shot, glow);
+                add_behind(tile, (place, [x, y], sample), x1 - x0, response, &behind);
             } else {
                 let behind = integrator.behind::<MOST_CHANNELS>(&view, shot, glow);
-                tile.add_behind(place, x1 - x0, response, &behind);
+                add_behind(tile, (place, [x, y], sample), x1 - x0, response, &behind);
             }
         }
     }
     tile.count = samples;
+}
+
+/// Adds a sample of what is behind the scene, of pixel `[x, y]` at `place` in its tile. Channels may be negative where a sensor's
+/// curves are.
+#[inline(always)]
+fn add_behind<const LANES: usize>(
+    tile: &mut Tile,
+    (place, pixel, sample): ([u32; 2], [u32; 2], u32),
+    width: u32,
+    response: &Response,
+    behind: &Behind<LANES>,
+) {
+    if behind.channels.iter().all(|value| value.is_finite()) {
+        tile.add_behind(place, width, response, behind);
+    } else {
+        tile.faults.add(Fault::new(pixel, sample, &NO_HIT));
+    }
 }
 
 /// Depends on the tile's own samples only, at counts that do not depend on how a run was cut into pieces.

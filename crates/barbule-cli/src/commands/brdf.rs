@@ -1,30 +1,44 @@
 //! `barbule brdf`: values of a material's BRDF as numbers.
 
-use std::fmt::Write as _;
+mod asked;
+mod output;
+
 use std::io::Write;
 use std::path::PathBuf;
 
 use barbule::brdf::pictures::projected_grid;
-use barbule::brdf::{FeatherBrdf, Marginal, Options, Values, marginals, values};
+use barbule::brdf::{FeatherBrdf, Marginal, Options, marginals, reflected_fractions, values};
 use barbule::error::shortened;
 use barbule::figures;
-use barbule::plot::Drawing;
-use barbule::scattering::directions::{azimuths, omega};
+use barbule::io::{Coordinate, LabelledArrays, Numbers, Quantity};
+use barbule::progress::{OnlyStops, Progress as _};
+use barbule::scattering::directions::azimuths;
 use barbule::scattering::far_field::Polarization;
 use barbule::{DVec3, Error, Result};
 use clap::ValueEnum;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::common::{Common, print, print_json};
+use crate::materials;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
-use crate::{materials, sets};
+use asked::{Direction, Instances, Wavelengths, angles_of, direction, instances, towards, wavelengths};
+use output::{Answer, Form, INCIDENT, INSTANCE};
 
-/// Most values of one run: wavelengths times outgoing directions or azimuths.
+/// Most values of one run as text: instances times incident directions, wavelengths, and outgoing directions or azimuths.
 const MOST_VALUES: usize = 2_000_000;
+
+/// The same as arrays alone.
+const MOST_IN_ARRAYS: usize = 100_000_000;
 
 /// Most curves or maps in one figure.
 const MOST_DRAWN: usize = 9;
+
+/// Names of axes, and the unit of angles.
+const WAVELENGTH: &str = "wavelength_nm";
+const OUTGOING: &str = "wo";
+const AZIMUTH: &str = "phi_out_deg";
+const DEGREE: &str = "degree";
 
 /// Where examples and the meaning of angles are.
 const AFTER: &str = "\
@@ -35,11 +49,13 @@ the mirror direction is 0,-30.
 Examples:
   barbule brdf starling --wavelength 520 --wi 0,30 --wo 0,-30 --wo 0,-20
   barbule brdf starling --wavelength 450,550,650 --wi 0,0 --wo-grid 64 --instance 3 --csv grid.csv
+  barbule brdf starling --wavelength 520 --wi 0,0 --wi 0,30 --instance 0:59:1 --wo-grid 16 -o table.zarr
   barbule brdf starling --wavelength 400:694:6 --wi 0,30 --marginal --json";
 
 /// Arguments of `barbule brdf`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER)]
+#[command(group = clap::ArgGroup::new("incoming").required(true).args(["wi", "wi_grid"]))]
 #[command(group = clap::ArgGroup::new("outgoing").required(true).args(["wo", "wo_grid", "marginal"]))]
 pub(crate) struct Args {
     /// A material file, or SPECIES[:VARIANT]
@@ -47,10 +63,13 @@ pub(crate) struct Args {
     /// Vacuum wavelengths in nm, within the material's
     #[arg(long, alias = "wavelengths", value_name = "SET", value_parser = wavelengths)]
     wavelength: Wavelengths,
-    /// Direction towards the light
+    /// Direction towards the light (repeatable)
     #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true,
         value_parser = |text: &str| direction("--wi", text))]
-    wi: Direction,
+    wi: Vec<Direction>,
+    /// Towards the light: the centres of N × N cells over the hemisphere seen from above, where they lie inside it
+    #[arg(long, value_name = "N")]
+    wi_grid: Option<usize>,
     /// Direction towards the eye (repeatable)
     #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true,
         value_parser = |text: &str| direction("--wo", text))]
@@ -64,14 +83,14 @@ pub(crate) struct Args {
     /// Outgoing azimuths of --marginal, at (n+½)·180°/N − 90° [default: 400]
     #[arg(long, value_name = "N")]
     azimuths: Option<usize>,
-    /// Which instance, from 0 to 2⁶⁴ − 1; without it the smooth mean
-    #[arg(long, value_name = "K", allow_hyphen_values = true)]
-    instance: Option<u64>,
+    /// Which instance, from 0 to 2⁶⁴ − 1, or a set of them, as in 0:59:1; without it the smooth mean
+    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = instances)]
+    instance: Option<Instances>,
     /// Incident polarization: of the electric field along e₁ (1) or e₂ (2), or unpolarized light
     #[arg(long, value_enum, default_value_t = Light::Mean)]
     polarization: Light,
-    /// Draw --marginal as curves or --wo-grid as maps: .svg or .png
-    #[arg(short, long, value_name = "FIG")]
+    /// Draw --marginal as curves or --wo-grid as maps (.svg, .pdf or .png), or write all values: .csv, .npy or .zarr
+    #[arg(short, long, value_name = "F")]
     output: Option<PathBuf>,
     /// Write a table, one row per wavelength and direction
     #[arg(long, value_name = "F")]
@@ -79,13 +98,6 @@ pub(crate) struct Args {
     #[command(flatten)]
     common: Common,
 }
-
-/// Wavelengths, rising.
-#[derive(Debug, Clone)]
-struct Wavelengths(Vec<f64>);
-
-/// θ and φ in degrees.
-type Direction = [f64; 2];
 
 /// Incident polarizations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -126,65 +138,72 @@ impl Light {
     }
 }
 
-/// What was computed, in each form of output.
-struct Answer {
-    /// One JSON document without what was asked.
-    json: Map<String, Value>,
-    /// Names, and rows of numbers, of the table.
-    columns: Vec<&'static str>,
-    rows: Vec<Vec<f64>>,
-    drawing: Option<Drawing>,
-}
-
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        self.check()?;
-        check_outputs(self.output.as_deref(), self.csv.as_deref())?;
+        let form = self.output.as_deref().map(Form::of);
+        self.check(form)?;
+        let figure = self.output.as_deref().filter(|_| form == Some(Form::Figure));
+        check_outputs(figure, self.csv.as_deref())?;
+        if let (Some(path), Some(form)) = (&self.output, form) {
+            form.check(path)?;
+        }
         let (material, hash) = materials::find(&self.material, &self.common)?;
         self.check_range(material.axes.wavelengths_nm())?;
         let options = Options { polarization: self.polarization.polarization(), ..Options::default() };
         // Only what decides the values is prepared.
         let brdf = FeatherBrdf::new(&material.around(&self.wavelength.0)?, options)?;
-        let title = self.title(&figures::title(&material));
-        let answer = if self.marginal { self.marginal(&brdf, &title)? } else { self.values(&brdf, &title) };
+        let incoming = self.incoming();
+        let title = self.title(&figures::title(&material), &incoming);
+        let answer = if self.marginal {
+            self.marginal(&brdf, &title, &incoming)?
+        } else {
+            self.values(&brdf, &title, &incoming)?
+        };
+        self.say_flagged(&answer, &incoming);
         let provenance =
             Provenance::new(&self.common).with("material", &self.material).with("material_hash", &hash);
-        if let (Some(path), Some(drawing)) = (&self.output, &answer.drawing) {
-            provenance.write_figure(path, drawing)?;
-            self.common.wrote(path, &format!("{} of {title}", if self.marginal { "marginals" } else { "f" }));
+        let columns = || answer.columns().iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+        if let (Some(path), Some(form)) = (&self.output, form) {
+            answer.write(form, path, &provenance)?;
+            let what = match form {
+                Form::Figure if self.marginal => "marginals".to_owned(),
+                Form::Figure => "f".to_owned(),
+                Form::Npy => answer.arrays.quantities[0].name.to_owned(),
+                Form::Table | Form::Zarr => columns(),
+            };
+            self.common.wrote(path, &format!("{what} of {title}"));
         }
         if let Some(path) = &self.csv {
-            provenance.write_csv(path, &csv(&answer))?;
-            self.common.wrote(path, &format!("{} of {title}", answer.columns.join(", ")));
+            provenance.write_csv(path, &answer.csv())?;
+            self.common.wrote(path, &format!("{} of {title}", columns()));
         }
         if self.common.json {
             let mut document = json!({
                 "material": self.material,
                 "material_hash": hash,
-                "instance": self.instance,
+                "instance": null,
                 "polarization": self.polarization.name(),
                 "sigma": brdf.sigma(),
-                "wavelength_nm": self.wavelength.0,
-                "theta_in_deg": self.wi[0],
-                "phi_in_deg": self.wi[1],
             });
             if let Value::Object(keys) = &mut document {
-                keys.extend(answer.json);
+                keys.extend(answer.json());
             }
             return print_json(out, &document);
         }
         if self.output.is_none() && self.csv.is_none() {
-            return print(out, &format!("{title}\n{}", aligned(&answer)));
+            return print(out, &format!("{title}\n{}", answer.aligned()));
         }
         Ok(())
     }
 
     /// What can be refused before any work.
-    fn check(&self) -> Result<()> {
+    fn check(&self, form: Option<Form>) -> Result<()> {
         let refuse = |message: String| Err(Error::input(message));
-        if let Some(size) = self.wo_grid.filter(|size| !(1..=1000).contains(size)) {
-            return refuse(format!("--wo-grid {size}: give a number from 1 to 1000"));
+        for (flag, size) in [("--wo-grid", self.wo_grid), ("--wi-grid", self.wi_grid)] {
+            if let Some(size) = size.filter(|size| !(1..=1000).contains(size)) {
+                return refuse(format!("{flag} {size}: give a number from 1 to 1000"));
+            }
         }
         if self.azimuths.is_some() && !self.marginal {
             return refuse("--azimuths is of --marginal only; give --marginal, or leave it out".into());
@@ -192,22 +211,61 @@ impl Args {
         if let Some(count) = self.azimuths.filter(|count| !(2..=100_000).contains(count)) {
             return refuse(format!("--azimuths {count}: give a number from 2 to 100000"));
         }
-        let waves = self.wavelength.0.len();
-        let each = self.wo.len() + self.wo_grid.map_or(0, |size| size * size) + self.azimuth_count();
-        if waves * each > MOST_VALUES {
-            return refuse(format!(
-                "{waves} wavelengths times {each} directions are over {MOST_VALUES} values; give fewer"
-            ));
-        }
-        if self.output.is_some() {
+        self.check_count(form)?;
+        if form == Some(Form::Figure) {
             if !self.wo.is_empty() {
-                return refuse("-o draws --marginal or --wo-grid; single directions have no figure".into());
+                return refuse("-o draws --marginal or --wo-grid, and writes .csv, .npy and .zarr; single directions have no figure".into());
             }
+            if self.wi.len() != 1 || self.names().len() != 1 {
+                return refuse(
+                    "-o draws one --wi and one --instance; give one each, or a .csv, .npy or .zarr".into(),
+                );
+            }
+            let waves = self.wavelength.0.len();
             if waves > MOST_DRAWN {
                 return refuse(format!("-o draws at most {MOST_DRAWN} wavelengths, not {waves}; give fewer"));
             }
         }
         Ok(())
+    }
+
+    /// Refuses more values than can be written or held.
+    fn check_count(&self, form: Option<Form>) -> Result<()> {
+        let waves = self.wavelength.0.len();
+        let incident = self.wi.len() + self.wi_grid.map_or(0, |size| size * size);
+        let each = self.wo.len() + self.wo_grid.map_or(0, |size| size * size) + self.azimuth_count();
+        let names = self.names().len();
+        let count = names.saturating_mul(incident).saturating_mul(waves).saturating_mul(each);
+        let is_text = self.common.json || self.csv.is_some() || !matches!(form, Some(Form::Npy | Form::Zarr));
+        let most = if is_text { MOST_VALUES } else { MOST_IN_ARRAYS };
+        if count > most {
+            let arrays = if is_text { ", or -o F.npy or F.zarr alone" } else { "" };
+            let sets = match (names, incident) {
+                (1, 1) => String::new(),
+                _ => format!("{names} instances times {incident} incident directions times "),
+            };
+            return Err(Error::input(format!(
+                "{sets}{waves} wavelengths times {each} directions are over {most} values; give fewer{arrays}"
+            )));
+        }
+        // Three quantities, each as numbers and, one at a time, as bytes.
+        self.common.allowance().check("this table", 32 * count as u64, "fewer values")
+    }
+
+    /// The instances asked for; `None` is the mean.
+    fn names(&self) -> Vec<Option<u64>> {
+        match &self.instance {
+            None => vec![None],
+            Some(Instances(names)) => names.iter().map(|name| Some(*name)).collect(),
+        }
+    }
+
+    /// Towards the light: as typed, or over the hemisphere.
+    fn incoming(&self) -> Vec<(Direction, DVec3)> {
+        match self.wi_grid {
+            None => self.wi.iter().map(|wi| (*wi, towards(*wi))).collect(),
+            Some(size) => projected_grid(size).into_iter().map(|w| (angles_of(&w), w)).collect(),
+        }
     }
 
     fn azimuth_count(&self) -> usize {
@@ -225,13 +283,59 @@ impl Args {
         }
     }
 
-    fn title(&self, material: &str) -> String {
-        let which = self.instance.map_or("mean".to_owned(), |instance| format!("instance {instance}"));
-        let [theta, phi] = self.wi;
-        format!("{material}, {which}, {}, θ_i {theta}°, φ_i {phi}°", self.polarization.words())
+    fn title(&self, material: &str, incoming: &[(Direction, DVec3)]) -> String {
+        let which = match self.names()[..] {
+            [None] => "mean".to_owned(),
+            [Some(name)] => format!("instance {name}"),
+            ref names => format!("{} instances", names.len()),
+        };
+        let from = match incoming {
+            [([theta, phi], _)] => format!("θ_i {theta}°, φ_i {phi}°"),
+            several => format!("{} incident directions", several.len()),
+        };
+        format!("{material}, {which}, {}, {from}", self.polarization.words())
     }
 
-    fn values(&self, brdf: &FeatherBrdf, title: &str) -> Answer {
+    /// The axes that both kinds of values share, with the outgoing one.
+    fn labelled(
+        &self,
+        incoming: &[(Direction, DVec3)],
+        outgoing: (&'static str, usize),
+        along: Vec<Coordinate>,
+        quantities: Vec<Quantity>,
+    ) -> LabelledArrays {
+        let nm = &self.wavelength.0;
+        let mut arrays = LabelledArrays { quantities, ..LabelledArrays::default() };
+        let floats = |name, axis, units, meaning, values| Coordinate {
+            name,
+            axis,
+            units,
+            meaning,
+            values: Numbers::Floats(values),
+        };
+        if let Some(Instances(names)) = &self.instance {
+            arrays.axes.push((INSTANCE, names.len()));
+            let (values, meaning) = (Numbers::Counts(names.clone()), "which barbule");
+            arrays.coordinates.push(Coordinate {
+                name: INSTANCE,
+                axis: INSTANCE,
+                units: "",
+                meaning,
+                values,
+            });
+        }
+        arrays.axes.extend([(INCIDENT, incoming.len()), (WAVELENGTH, nm.len()), outgoing]);
+        let angles = |k: usize| incoming.iter().map(|(angles, _)| angles[k]).collect();
+        let (along_it, across) =
+            ("inclination along the barbule towards the light", "azimuth across it towards the light");
+        arrays.coordinates.push(floats(WAVELENGTH, WAVELENGTH, "nm", "vacuum wavelength", nm.clone()));
+        arrays.coordinates.push(floats("theta_in_deg", INCIDENT, DEGREE, along_it, angles(0)));
+        arrays.coordinates.push(floats("phi_in_deg", INCIDENT, DEGREE, across, angles(1)));
+        arrays.coordinates.extend(along);
+        arrays
+    }
+
+    fn values(&self, brdf: &FeatherBrdf, title: &str, incoming: &[(Direction, DVec3)]) -> Result<Answer> {
         let nm = &self.wavelength.0;
         let grid = self.wo_grid.map(projected_grid);
         let asked = || self.wo.iter().map(|wo| towards(*wo)).collect();
@@ -239,126 +343,118 @@ impl Args {
         // As typed where they were typed.
         let angles: Vec<Direction> =
             if grid.is_some() { wo.iter().map(angles_of).collect() } else { self.wo.clone() };
-        let found = values(brdf, nm, towards(self.wi), &wo, self.instance);
-        let each = |part: fn(&Values) -> f64| -> Vec<Vec<f64>> {
-            found.iter().map(|row| row.iter().map(part).collect()).collect()
-        };
-        let mut json = Map::new();
-        json.insert("theta_out_deg".into(), angles.iter().map(|a| a[0]).collect());
-        json.insert("phi_out_deg".into(), angles.iter().map(|a| a[1]).collect());
-        let mut columns = vec!["wavelength_nm", "theta_out_deg", "phi_out_deg"];
-        if let Some(size) = self.wo_grid {
-            json.insert("grid".into(), size.into());
-            json.insert("x_out".into(), wo.iter().map(|w| w.x).collect());
-            json.insert("y_out".into(), wo.iter().map(|w| w.y).collect());
-            columns.extend(["x_out", "y_out"]);
-        }
-        columns.extend(["f", "s", "pdf"]);
-        json.insert("f".into(), json!(each(|v| v.f)));
-        json.insert("s".into(), json!(each(|v| v.steady)));
-        json.insert("pdf".into(), json!(each(|v| v.pdf)));
-        let mut rows = Vec::new();
-        for (nm, found) in nm.iter().zip(&found) {
-            for ((wo, [theta, phi]), v) in wo.iter().zip(&angles).zip(found) {
-                let mut row = vec![*nm, *theta, *phi];
-                if grid.is_some() {
-                    row.extend([wo.x, wo.y]);
+        let quantity = |name, meaning| Quantity { name, units: "1/sr", meaning, values: Vec::new() };
+        let mut quantities = vec![
+            quantity("f", "BRDF, without the cosine"),
+            quantity("s", "its steady part, the same in all instances"),
+            quantity("pdf", "density with which the outgoing direction is drawn"),
+        ];
+        let names = self.names();
+        let progress = Terminal::new(&self.common);
+        progress.begin("values", (names.len() * incoming.len()) as u64);
+        for name in names {
+            for (_, wi) in incoming {
+                if progress.is_cancelled() {
+                    return Err(Error::interrupted());
                 }
-                row.extend([v.f, v.steady, v.pdf]);
-                rows.push(row);
+                for value in values(brdf, nm, *wi, &wo, name).into_iter().flatten() {
+                    for (to, value) in quantities.iter_mut().zip([value.f, value.steady, value.pdf]) {
+                        to.values.push(value);
+                    }
+                }
+                progress.advance(1);
             }
         }
-        let maps = |size| figures::hemisphere_maps(title, size, nm, &each(|v| v.f));
-        let drawing = self.wo_grid.filter(|_| self.output.is_some()).map(maps);
-        Answer { json, columns, rows, drawing }
+        drop(progress);
+        let along = |name, units, meaning, of: &dyn Fn(usize) -> f64| {
+            let values = Numbers::Floats((0..wo.len()).map(of).collect());
+            Coordinate { name, axis: OUTGOING, units, meaning, values }
+        };
+        let mut coordinates = vec![
+            along("theta_out_deg", DEGREE, "inclination along the barbule towards the eye", &|k| {
+                angles[k][0]
+            }),
+            along("phi_out_deg", DEGREE, "azimuth across it towards the eye", &|k| angles[k][1]),
+        ];
+        if grid.is_some() {
+            coordinates.push(along("x_out", "", "x of the direction towards the eye", &|k| wo[k].x));
+            coordinates.push(along("y_out", "", "y of the direction towards the eye", &|k| wo[k].y));
+        }
+        let drawing = self.wo_grid.filter(|_| self.draws()).map(|size| {
+            let f: Vec<Vec<f64>> = quantities[0].values.chunks(wo.len()).map(<[f64]>::to_vec).collect();
+            figures::hemisphere_maps(title, size, nm, &f)
+        });
+        let arrays = self.labelled(incoming, (OUTGOING, wo.len()), coordinates, quantities);
+        Ok(Answer { arrays, reflected: None, grid: self.wo_grid, drawing })
     }
 
-    fn marginal(&self, brdf: &FeatherBrdf, title: &str) -> Result<Answer> {
+    /// Whether `-o` is a figure.
+    fn draws(&self) -> bool {
+        self.output.as_deref().is_some_and(|path| Form::of(path) == Form::Figure)
+    }
+
+    fn marginal(&self, brdf: &FeatherBrdf, title: &str, incoming: &[(Direction, DVec3)]) -> Result<Answer> {
         let nm = &self.wavelength.0;
         let phi_out: Vec<f64> = azimuths(self.azimuth_count()).collect();
+        let quantity = |name, meaning| Quantity { name, units: "1/rad", meaning, values: Vec::new() };
+        let mut quantities = vec![
+            quantity(
+                "marginal",
+                "integral of f cos(phi_out) cos(theta_out)^2 over theta_out, over cos(theta_in)",
+            ),
+            quantity("marginal_s", "the same of the steady part"),
+        ];
+        let mut reflected = Vec::new();
+        let names = self.names();
         let progress = Terminal::new(&self.common);
-        let found = marginals(brdf, nm, towards(self.wi), &phi_out, self.instance, &progress)?;
-        drop(progress);
-        let step = std::f64::consts::PI / phi_out.len() as f64 * self.wi[0].to_radians().cos();
-        let reflected = found.iter().map(|row| step * row.f.iter().sum::<f64>());
-        let each = |part: fn(&Marginal) -> &Vec<f64>| -> Vec<Vec<f64>> {
-            found.iter().map(|m| part(m).clone()).collect()
-        };
-        let phi_out_deg: Vec<f64> = phi_out.iter().map(|phi| phi.to_degrees()).collect();
-        let mut json = Map::new();
-        json.insert("phi_out_deg".into(), json!(phi_out_deg));
-        json.insert("marginal".into(), json!(each(|m| &m.f)));
-        json.insert("marginal_s".into(), json!(each(|m| &m.steady)));
-        json.insert("reflected_fraction".into(), reflected.collect());
-        let rows = nm.iter().zip(&found).flat_map(|(nm, Marginal { f, steady })| {
-            let values = phi_out_deg.iter().zip(f).zip(steady);
-            values.map(|((phi, f), steady)| vec![*nm, *phi, *f, *steady])
-        });
-        Ok(Answer {
-            json,
-            columns: vec!["wavelength_nm", "phi_out_deg", "marginal", "marginal_s"],
-            rows: rows.collect(),
-            drawing: self
-                .output
-                .is_some()
-                .then(|| figures::marginals(title, nm, &phi_out_deg, &each(|m| &m.f))),
-        })
-    }
-}
-
-fn towards([theta, phi]: Direction) -> DVec3 {
-    omega(theta.to_radians(), phi.to_radians())
-}
-
-/// θ and φ in degrees.
-fn angles_of(w: &DVec3) -> Direction {
-    [w.y.clamp(-1.0, 1.0).asin().to_degrees(), w.x.atan2(w.z).to_degrees()]
-}
-
-fn csv(answer: &Answer) -> String {
-    let mut text = answer.columns.join(",");
-    for row in &answer.rows {
-        text.push('\n');
-        text += &row.iter().map(|value| written(*value)).collect::<Vec<_>>().join(",");
-    }
-    text + "\n"
-}
-
-/// A number in as few digits as tell it apart.
-fn written(value: f64) -> String {
-    if value != 0.0 && value.abs() < 1e-4 { format!("{value:e}") } else { value.to_string() }
-}
-
-/// The table for people: columns as wide as their names.
-fn aligned(answer: &Answer) -> String {
-    let unit = |name: &&str| match *name {
-        "f" | "s" | "pdf" => format!("{name} (1/sr)"),
-        "marginal" | "marginal_s" => format!("{name} (1/rad)"),
-        name => name.to_owned(),
-    };
-    let names: Vec<String> = answer.columns.iter().map(unit).collect();
-    let mut text = names.iter().map(|name| format!("{name:>14}")).collect::<String>();
-    for row in &answer.rows {
-        text.push('\n');
-        for (value, name) in row.iter().zip(&names) {
-            // Writing to a string cannot fail.
-            let _ = if name.ends_with(')') {
-                write!(text, "{value:14.6e}")
-            } else {
-                write!(text, "{value:14.4}")
-            };
+        progress.begin("marginals", (names.len() * incoming.len()) as u64);
+        for name in names {
+            for (_, wi) in incoming {
+                let stops = OnlyStops(&progress);
+                for Marginal { f, steady } in marginals(brdf, nm, *wi, &phi_out, name, &stops)? {
+                    quantities[0].values.extend(f);
+                    quantities[1].values.extend(steady);
+                }
+                reflected.extend(reflected_fractions(brdf, nm, *wi, name, &stops)?);
+                progress.advance(1);
+            }
         }
+        drop(progress);
+        let phi_out_deg: Vec<f64> = phi_out.iter().map(|phi| phi.to_degrees()).collect();
+        let drawing = self.draws().then(|| {
+            let f: Vec<Vec<f64>> = quantities[0].values.chunks(phi_out.len()).map(<[f64]>::to_vec).collect();
+            figures::marginals(title, nm, &phi_out_deg, &f)
+        });
+        let coordinate = Coordinate {
+            name: AZIMUTH,
+            axis: AZIMUTH,
+            units: DEGREE,
+            meaning: "azimuth across the barbule towards the eye",
+            values: Numbers::Floats(phi_out_deg),
+        };
+        let arrays = self.labelled(incoming, (AZIMUTH, phi_out.len()), vec![coordinate], quantities);
+        Ok(Answer { arrays, reflected: Some(reflected), grid: None, drawing })
     }
-    text
-}
 
-fn wavelengths(text: &str) -> Result<Wavelengths> {
-    sets::wavelengths(text).map(Wavelengths)
-}
-
-fn direction(flag: &str, text: &str) -> Result<Direction> {
-    match text.split(',').collect::<Vec<_>>()[..] {
-        [theta, phi] => Ok([sets::angle(flag, theta)?, sets::angle(flag, phi)?]),
-        _ => Err(Error::input(format!("{flag} {}: write THETA,PHI in degrees, as in 0,30", shortened(text)))),
+    /// Says which instances give back more than falls in.
+    fn say_flagged(&self, answer: &Answer, incoming: &[(Direction, DVec3)]) {
+        let flagged = answer.flagged();
+        let reflected = answer.reflected.as_deref().unwrap_or_default();
+        let worst =
+            (0..flagged.len()).filter(|k| flagged[*k]).max_by(|a, b| reflected[*a].total_cmp(&reflected[*b]));
+        let Some(worst) = worst else { return };
+        let nm = &self.wavelength.0;
+        let ([theta, phi], _) = incoming[worst / nm.len() % incoming.len()];
+        let which = match self.names()[worst / nm.len() / incoming.len()] {
+            None => "the mean".to_owned(),
+            Some(name) => format!("instance {name}"),
+        };
+        let count = flagged.iter().filter(|flagged| **flagged).count();
+        self.common.say(&format!(
+            "{which} gives back {:.2} of the light from θ_i {theta}°, φ_i {phi}° at {} nm: single instances may where light grazes, their mean does not ({count} of {} are flagged)",
+            reflected[worst],
+            nm[worst % nm.len()],
+            flagged.len()
+        ));
     }
 }

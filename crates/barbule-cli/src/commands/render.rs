@@ -14,6 +14,7 @@ use barbule::io::{Folder, check_writable, read_at_most, write_whole};
 use barbule::picture::{Developed, Set, bytes_needed, check_colours, check_kind, development, is_exr};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
+use barbule::render::faults::Faults;
 use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND, TimeLimit};
@@ -427,6 +428,7 @@ impl Args {
         if film.samples() > 0 {
             picture.write(&provenance.notes())?;
             self.common.wrote(job.file, &shown(description, job, &film));
+            self.say_faults(&film.faults(), description);
         }
         if self.resume {
             let written = if film.samples() > 0 { "; the picture itself is written" } else { "" };
@@ -442,12 +444,26 @@ impl Args {
             "barbs": counts.barbs, "barbules": counts.barbules, "primitives": set.primitives(),
             "paths": paths, "seconds": seconds, "paths_per_second": paths as f64 / seconds.max(1e-9),
             "ended": if ended == Ended::OutOfTime { "time" } else { "done" },
+            "impossible_samples": film.faults().count,
         });
         if let (Some(report), serde_json::Value::Object(notes)) = (report.as_object_mut(), provenance.json())
         {
             report.extend(notes);
         }
         Ok((report, exposure))
+    }
+
+    /// Says how many samples no light could make, and where the first of them was.
+    fn say_faults(&self, faults: &Faults, description: &ReadyScene) {
+        let Some(first) = faults.first else { return };
+        let names = description.object_names();
+        let object = first.object.and_then(|object| names.get(object as usize));
+        let of = object.map_or_else(|| "what is behind the scene".to_owned(), |name| shortened(name));
+        let [x, y] = first.pixel;
+        self.common.say(&format!(
+            "{} impossible samples (not finite, or negative) are left out, the first in pixel {x},{y} of {of}: a fault of its material or of this program; please report it",
+            faults.count
+        ));
     }
 
     /// A film as the picture that it is so far, what it says about itself, and its exposure.

@@ -7,7 +7,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::campaign::spectrum::{
-    Collect, Grazing, Individuals, Spectra, SpectrumRequest, spectra_and_individuals,
+    Collect, Grazing, Individuals, Over, Spectra, SpectrumRequest, spectra_and_individuals,
 };
 use barbule::campaign::spectrum_bytes;
 use barbule::error::{counted, shortened};
@@ -300,8 +300,16 @@ impl Args {
         })
     }
 
-    /// Says where light grazes so that the simulation is off.
+    /// Says where light grazes so that the simulation is off, and where more than all of it comes back.
     fn say_grazing(&self, found: &Spectra, width_um: f64) {
+        if let Some(Over { direction, wavelength, reflected, count }) = found.over() {
+            self.common.say(&format!(
+                "at {} and {} nm {:.1} % of the light come back, more than all of it: this structure is beyond what single reflections describe ({count} values are flagged)",
+                self.direction_name(self.angle.0[direction]),
+                self.wavelengths[wavelength],
+                100.0 * reflected
+            ));
+        }
         let Some(Grazing { direction, wavelength, mirror_fraction, flagged }) = found.grazing() else {
             return;
         };

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use barbule::characterize::CampaignOptions;
 use barbule::clock;
-use barbule::io::{make_folder, write_together};
+use barbule::error::shortened;
+use barbule::io::{Units, make_folder, write_together};
 use barbule::open::Located;
 use barbule::plot::{Drawing, Format};
 use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, FullWave};
 use barbule::solve::{FAST, SHADOWED};
 use barbule::spectrum::Wavelengths;
-use barbule::structure::{Beneath, Structure};
+use barbule::structure::{Beneath, SpeciesModel, Structure};
 use barbule::validate::{Plan, three_d, usual_azimuths};
 use barbule::{Error, Result};
 use serde_json::Value;
@@ -44,7 +45,8 @@ const DIRECTIONS_DEG: [[f64; 2]; 3] = [[0.0, 0.0], [0.0, 30.0], [30.0, 30.0]];
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barbule validate starling --full-wave --quick -o starling-quick\n  \
     barbule validate hummingbird:anna --full-wave --width 10 --layers 5 -o anna\n  \
-    barbule validate starling --three-d --quick -o starling-three-d")]
+    barbule validate starling --three-d --quick -o starling-three-d\n\n\
+    What is done is kept in the folder's `units`: after Ctrl-C the same command goes on.")]
 #[command(group = clap::ArgGroup::new("against").required(true).args(["full_wave", "three_d"]))]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
@@ -95,6 +97,9 @@ pub(crate) struct Args {
     common: Common,
 }
 
+/// The folder, in that of the figures, in which what is done is kept.
+const UNITS: &str = "units";
+
 /// Vacuum wavelengths in nm, rising.
 #[derive(Debug, Clone)]
 struct Nm(Vec<f64>);
@@ -128,9 +133,13 @@ impl Args {
             cost.bytes as f64 / 1e9,
             super::far_field::duration(cost.seconds.unwrap_or_default())
         ));
+        let (units, count) = (self.units(), plan.wavelengths.len());
+        self.say_found(plan.done(&units), count, "wavelengths");
         let progress = Terminal::new(&self.common);
-        let comparison = plan.run(&progress)?;
+        let comparison = plan.run(Some(&units), &progress);
         drop(progress);
+        let comparison =
+            comparison.map_err(|error| interrupted(error, || plan.done(&units), count, "wavelengths"))?;
         self.write(out, &comparison.name, comparison.numbers(), comparison.figures(), &comparison.table())
     }
 
@@ -146,11 +155,26 @@ impl Args {
             plan.count(),
             cost.bytes as f64 / 1e9
         ));
+        let (units, count) = (self.units(), plan.count());
+        self.say_found(plan.done(&units), count, "far fields");
         let progress = Terminal::new(&self.common);
-        let comparison = plan.run(&progress)?;
+        let comparison = plan.run(Some(&units), &progress);
         drop(progress);
+        let comparison =
+            comparison.map_err(|error| interrupted(error, || plan.done(&units), count, "far fields"))?;
         let name = comparison.plan.structure.name();
         self.write(out, &name, comparison.numbers(), comparison.figures(), &comparison.table())
+    }
+
+    /// Where what is done is kept.
+    fn units(&self) -> Units {
+        Units::new(&self.folder.join(UNITS))
+    }
+
+    fn say_found(&self, done: usize, count: usize, what: &str) {
+        if done > 0 {
+            self.common.say(&format!("{done} of {count} {what} are there from before"));
+        }
     }
 
     fn three_d_plan(&self) -> Result<three_d::Plan> {
@@ -266,9 +290,32 @@ impl Args {
             model = model.with_parameters(&[("width_um", width_um.into())])?;
         }
         if let Some(layers) = self.layers {
-            let by = |key| model.with_parameters(&[(key, Value::from(layers))]);
-            model = by("layers").or_else(|_| by("rows"))?;
+            model = with_layers(&model, layers)?;
         }
         Ok(Structure::Species(Box::new(model)))
     }
+}
+
+/// Ctrl-C: what is kept, and how it goes on.
+fn interrupted(error: Error, done: impl Fn() -> usize, count: usize, what: &str) -> Error {
+    if !error.is_interrupted() {
+        return error;
+    }
+    Error::interrupted_after(format!("{} of {count} {what} are kept; the same command goes on", done()))
+}
+
+/// The species with so many layers or rows, where it counts them.
+fn with_layers(model: &SpeciesModel, count: u32) -> Result<SpeciesModel> {
+    let parameters = serde_json::to_value(&model.parameters)
+        .map_err(|error| Error::machine(format!("parameters cannot be written: {error}")))?;
+    if let Some(key) = ["layers", "rows"].into_iter().find(|key| parameters[*key].is_number()) {
+        return model.with_parameters(&[(key, count.into())]).map_err(|error| error.at("--layers"));
+    }
+    let title = model.title();
+    let what = if parameters["layers"].is_array() {
+        "lists its layers one by one, so no number changes them; take some out of `layers` in its file"
+    } else {
+        "has neither layers nor rows that are counted; leave it out"
+    };
+    Err(Error::input(format!("--layers {count}: {} {what}", shortened(&title))))
 }

@@ -97,7 +97,8 @@ fn a_grid_integrates_to_what_the_marginal_says_is_reflected() {
     for (wave, (f, row)) in table(&grid["f"]).iter().zip(table(&marginal["marginal"])).enumerate() {
         let by_cells = f.iter().sum::<f64>() * 4.0 / 40_000.0;
         let by_azimuths = row.iter().sum::<f64>() * (0.6f64).to_radians() * 15f64.to_radians().cos();
-        assert!((by_azimuths / reflected[wave] - 1.0).abs() < 1e-12);
+        // The fraction is the material's own; 300 azimuths come this near.
+        assert!((by_azimuths / reflected[wave] - 1.0).abs() < 1e-4, "{by_azimuths} {}", reflected[wave]);
         // Cells 0.01 wide under a ridge of σ = 0.04.
         assert!((by_cells / by_azimuths - 1.0).abs() < 1e-3, "{by_cells} {by_azimuths}");
     }
@@ -185,6 +186,100 @@ fn tables_and_figures_are_written_and_said() {
     assert_eq!(printed.lines().count(), 2 + 40);
 }
 
+/// A set of instances and incident directions is the single runs one beside the other, in every form of output.
+#[test]
+fn sets_are_the_single_values_with_their_axes() {
+    write_made_up();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let common = [MADE_UP, "--wavelength", "450,500", "--wo", "0,-30", "--wo", "3,10", "--wo", "0,80"];
+    let sets = ["--wi", "0,30", "--wi=-10,20", "--instance", "0:4:4,9"];
+    let with = |more: &[&str]| document(&[&common[..], more].concat());
+    let found = with(&sets);
+    assert_eq!(found["axes"], serde_json::json!(["instance", "wi", "wavelength_nm", "wo"]));
+    assert_eq!(found["instance"], serde_json::json!([0, 4, 9]));
+    assert_eq!(found["theta_in_deg"], serde_json::json!([0.0, -10.0]));
+    let mut flat = Vec::new();
+    for (k, instance) in ["0", "4", "9"].into_iter().enumerate() {
+        for (d, wi) in ["--wi=0,30", "--wi=-10,20"].into_iter().enumerate() {
+            let single = with(&[wi, "--instance", instance]);
+            assert_eq!(single["axes"], serde_json::json!(["wavelength_nm", "wo"]));
+            assert_eq!(found["f"][k][d], single["f"]);
+            flat.extend(table(&single["f"]).concat());
+        }
+    }
+    let bytes: Vec<u8> = flat.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let write = |name: &str| {
+        let output = run(&[&["brdf"], &common[..], &sets, &["-o", &path(name)]].concat());
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && output.stdout.is_empty() && said.contains("wrote"), "{said}");
+    };
+    write("t.npy");
+    let npy = std::fs::read(path("t.npy")).unwrap();
+    assert!(npy.ends_with(&bytes));
+    let labels: Value = serde_json::from_slice(&std::fs::read(path("t.npy.json")).unwrap()).unwrap();
+    assert_eq!((&labels["axes"], &labels["shape"]), (&found["axes"], &serde_json::json!([3, 2, 2, 3])));
+    assert_eq!(
+        (labels["units"].as_str(), labels["coordinates"][0]["values"][2].as_u64()),
+        (Some("1/sr"), Some(9))
+    );
+    write("t.zarr");
+    let chunk = std::fs::read(path("t.zarr/f/c.0.0.0.0")).unwrap();
+    assert_eq!(chunk[..chunk.len() - 4], bytes);
+    let group: Value = serde_json::from_slice(&std::fs::read(path("t.zarr/zarr.json")).unwrap()).unwrap();
+    assert!(group["attributes"]["material_hash"].is_string(), "{group}");
+    let again = run(&[&["brdf"], &common[..], &sets, &["-o", &path("t.zarr")]].concat());
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8(again.stderr).unwrap().contains("is there already; give another name"));
+    write("t.csv");
+    let rows = std::fs::read_to_string(path("t.csv")).unwrap();
+    let head =
+        "instance,theta_in_deg,phi_in_deg,wavelength_nm,theta_out_deg,phi_out_deg,f,s,pdf\n0,0,30,450,0,-30,";
+    assert!(rows.starts_with(head) && rows.lines().count() == 1 + 36, "{rows}");
+    assert!(Path::new(&path("t.csv.json")).is_file());
+}
+
+#[test]
+fn long_tables_are_printed_short_and_grids_of_light_are_directions() {
+    write_made_up();
+    let words = ["brdf", MADE_UP, "--wavelength", "500", "--wi-grid", "8", "--wo-grid", "8"];
+    let printed = text(&words);
+    assert_eq!(printed.lines().count(), 2 + 40 + 1, "{printed}");
+    // 52 of the 64 centres lie inside the circle.
+    assert!(
+        printed.ends_with("… and 2664 rows more: all with -o F.csv, F.npy or F.zarr, or --json\n"),
+        "{printed}"
+    );
+    let found: Value = serde_json::from_str(&text(&[&words[..], &["--json"]].concat())).unwrap();
+    assert_eq!(found["axes"], serde_json::json!(["wi", "wavelength_nm", "wo"]));
+    assert_eq!(found["theta_in_deg"], found["theta_out_deg"]);
+}
+
+/// What is reflected does not depend on the azimuths asked for, and single instances over all light are flagged.
+#[test]
+fn reflected_fractions_are_the_materials_own() {
+    let of = |azimuths: &str, more: &[&str]| {
+        let words = ["hummingbird", "--wavelength", "550", "--marginal", "--azimuths", azimuths];
+        document(&[&words[..], more].concat())
+    };
+    let grazing = ["--wi", "0,89.99"];
+    let (few, many) = (of("2", &grazing), of("4000", &grazing));
+    assert_eq!(few["reflected_fraction"], many["reflected_fraction"]);
+    assert_eq!(few["flagged"], serde_json::json!([false]));
+    let drawn = of("2", &["--wi", "87,87", "--instance", "0:15:1"]);
+    let fractions = table(&drawn["reflected_fraction"]).concat();
+    let flagged: Vec<bool> = fractions.iter().map(|fraction| *fraction > 1.0).collect();
+    assert!(flagged.contains(&true) && flagged.contains(&false), "{fractions:?}");
+    let said: Vec<bool> =
+        drawn["flagged"].as_array().unwrap().iter().map(|row| row[0].as_bool().unwrap()).collect();
+    assert_eq!(said, flagged);
+    let words =
+        ["brdf", "hummingbird", "--wavelength", "550", "--marginal", "--azimuths", "2", "--wi", "87,87"];
+    let output = run(&[&words[..], &["--instance", "0:15:1"]].concat());
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("single instances may where light grazes, their mean does not"), "{message}");
+}
+
 #[test]
 fn what_cannot_be_is_refused_in_one_sentence() {
     write_made_up();
@@ -201,6 +296,21 @@ fn what_cannot_be_is_refused_in_one_sentence() {
         (&["--wavelength", "400:690:1", "--wi", "0,0", "--wo-grid", "1000"], "give fewer"),
         (&["--wavelength", "500", "--wi", "0,0", "--marginal", "--azimuths", "1"], "from 2 to 100000"),
         (&["--wavelength", "500", "--wi", "0,0", "--marginal", "--wo", "0,0"], "cannot be used with"),
+        (&["--wavelength", "500", "--wi", "0,0", "--wi-grid", "4", "--wo", "0,0"], "cannot be used with"),
+        (
+            &["--wavelength", "500", "--wi-grid", "0", "--wo", "0,0"],
+            "--wi-grid 0: give a number from 1 to 1000",
+        ),
+        (
+            &["--wavelength", "500", "--wi-grid", "100", "--wo-grid", "40"],
+            "incident directions times 1 wavelengths",
+        ),
+        (&[&usual[..], &["--instance", "5:1:1"]].concat(), "0:59:1"),
+        (
+            &["--wavelength", "500", "--wi", "0,0", "--wi", "0,9", "--wo-grid", "9", "-o", "x.svg"],
+            "draws one --wi and one --instance",
+        ),
+        (&[&usual[..], &["-o", "no/x.zarr"]].concat(), "the folder no does not exist"),
         (&[&usual[..], &["--azimuths", "10"]].concat(), "--marginal only"),
         (&[&usual[..], &["-o", "x.svg"]].concat(), "have no figure"),
         (&[&usual[..], &["--instance", "-1"]].concat(), "--instance <K>"),

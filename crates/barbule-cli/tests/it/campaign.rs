@@ -70,6 +70,32 @@ fn stores_are_the_same_bytes_whole_sharded_interrupted_or_repaired() {
     assert!(message.contains("other parameters (campaign.seed: 1 there, 2 here)"), "{message}");
 }
 
+/// `--thin` asks for 12 instances where nobody asks for another number.
+#[test]
+fn instances_that_are_asked_for_are_simulated_in_thinned_campaigns_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let store = path("s.zarr");
+    let thinned = ["simulate", "air/keratin:300/melanin:300/air", "--thin", "20", "-o", &store];
+    let simulate = |more: &[&str]| run(&[&thinned[..], more].concat());
+    assert_eq!(simulate(&["--instances", "2"]).0, 0);
+    let attributes = std::fs::read_to_string(path("s.zarr/zarr.json")).unwrap();
+    let attributes: Value = serde_json::from_str(&attributes).unwrap();
+    let attributes = &attributes["attributes"];
+    assert_eq!((&attributes["instances"], &attributes["campaign"]["instances"]), (&2.into(), &2.into()));
+    let (code, _, message) = simulate(&["--instances", "2"]);
+    assert!(code == 0 && message.contains("nothing to do"), "{message}");
+    for (asked, count) in [(&["--instances", "20"][..], 20), (&[], 12)] {
+        let (code, _, message) = simulate(asked);
+        assert_eq!(code, 2, "{message}");
+        assert!(message.contains(&format!("campaign.instances: 2 there, {count} here")), "{message}");
+    }
+    let words = ["characterize", "air/keratin:300/melanin:300/air", "--thin", "20", "--instances", "3"];
+    succeed(&[&words[..], &["-o", &path("m.barbule")]].concat());
+    let material = barbule::io::read_material(path("m.barbule").as_ref()).unwrap();
+    assert_eq!(material.info["campaign"]["instances"], 3);
+}
+
 #[test]
 fn a_strangers_bird_becomes_a_picture() {
     let folder = tempfile::tempdir().unwrap();

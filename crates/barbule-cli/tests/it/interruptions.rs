@@ -83,3 +83,35 @@ fn a_command_that_keeps_nothing_says_that_it_stops_and_leaves_no_file() {
     assert_eq!(said, "stopping … Ctrl-C again to end at once\nbarbule: interrupted\n");
     assert!(!output.exists());
 }
+
+/// Each wavelength of full waves is kept as it comes.
+#[test]
+fn a_comparison_with_full_waves_goes_on_after_ctrl_c() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("out");
+    let words = ["validate", "starling", "--full-wave", "--width", "2", "--wavelengths", "400:700:20", "-o"];
+    let begin = || {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+        command.args(words).arg(&output).stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap()
+    };
+    let kept = || std::fs::read_dir(output.join("units")).map_or(0, |units| units.count());
+    let mut child = begin();
+    while kept() == 0 && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    interrupt(&child);
+    let mut said = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{said}");
+    assert!(said.contains(" of 16 wavelengths are kept; the same command goes on"), "{said}");
+    assert!(!output.join("numbers.json").exists());
+    let there = kept();
+    assert!((1..16).contains(&there));
+    let resumed = begin().wait_with_output().unwrap();
+    let said = String::from_utf8(resumed.stderr).unwrap();
+    assert!(
+        resumed.status.success() && said.contains(&format!("{there} of 16 wavelengths are there")),
+        "{said}"
+    );
+    assert!(output.join("numbers.json").is_file());
+}

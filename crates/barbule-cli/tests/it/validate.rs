@@ -40,15 +40,81 @@ fn a_flat_film_is_the_same_by_both() {
     }
 }
 
+/// Numbers without what made them and how long it took.
+fn timeless(mut value: Value) -> Value {
+    fn strip(value: &mut Value) {
+        match value {
+            Value::Object(fields) => {
+                fields.retain(|key, _| !key.ends_with("seconds") && key != "speed_ratio" && key != "made");
+                fields.values_mut().for_each(strip);
+            }
+            Value::Array(values) => values.iter_mut().for_each(strip),
+            _ => {}
+        }
+    }
+    strip(&mut value);
+    value
+}
+
+/// Full waves of a wavelength are kept: the same section at more wavelengths asks for the others only, another section for all.
+#[test]
+fn what_was_compared_before_is_taken_from_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let film = |name: &str, depth: f64| {
+        let line = |z: f64| json!({"x": [-1.0, 0.0, 1.0], "z": [z, z, z]});
+        let section = json!({
+            "barbule": 1, "units": "um", "width": 2.0, "name": "a film",
+            "boundaries": [line(0.0), line(-depth)], "media": ["air", "keratin", "air"], "source": "a test"
+        });
+        std::fs::write(path(name), section.to_string()).unwrap();
+    };
+    film("film.json", 0.4);
+    film("thicker.json", 0.5);
+    let run = |section: &str, nm: &str, out: &str| -> (Value, String) {
+        let words = ["validate", &path(section), "--full-wave", "--wavelengths", nm, "-o", &path(out)];
+        let (done, _, said) = command(&words);
+        assert!(done, "{said}");
+        let numbers = std::fs::read(format!("{}/numbers.json", path(out))).unwrap();
+        (serde_json::from_slice(&numbers).unwrap(), said)
+    };
+    assert!(!run("film.json", "500", "a").1.contains("from before"));
+    let (resumed, said) = run("film.json", "500,600", "a");
+    assert!(said.contains("1 of 2 wavelengths are there from before"), "{said}");
+    let (fresh, _) = run("film.json", "500,600", "b");
+    assert_eq!(timeless(resumed.clone()), timeless(fresh));
+    let (again, said) = run("film.json", "500,600", "a");
+    assert!(said.contains("2 of 2 wavelengths"), "{said}");
+    assert_eq!(again["incidences"], resumed["incidences"]);
+    let (other, said) = run("thicker.json", "500", "a");
+    assert!(!said.contains("from before"), "{said}");
+    assert_ne!(other["incidences"][0]["wavelengths"][0], resumed["incidences"][0]["wavelengths"][0]);
+    // Nobody's unit is believed that is not whole.
+    for unit in std::fs::read_dir(path("b/units")).unwrap() {
+        std::fs::write(unit.unwrap().path(), "half").unwrap();
+    }
+    let (mended, said) = run("film.json", "500,600", "b");
+    assert!(!said.contains("from before"), "{said}");
+    assert_eq!(timeless(mended), timeless(resumed));
+}
+
 #[test]
 fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out").to_string_lossy().into_owned();
     let rods = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/rods.json");
-    let cases: [(&[&str], &str); 11] = [
+    let swallow = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/species/tree-swallow.toml");
+    let cases: [(&[&str], &str); 12] = [
         (&["validate", rods, "--full-wave"], "no top boundary"),
         (&["validate", rods, "--full-wave", "--width", "3"], "--width and --layers change species"),
-        (&["validate", "starling", "--full-wave", "--layers", "3"], "no parameter rows"),
+        (
+            &["validate", "starling", "--full-wave", "--layers", "3"],
+            "has neither layers nor rows that are counted",
+        ),
+        (
+            &["validate", swallow, "--full-wave", "--layers", "2"],
+            "--layers 2: tree-swallow:blue lists its layers one by one",
+        ),
         (&["validate", "starling", "--full-wave", "--memory", "50M"], "this comparison needs"),
         (&["validate", "starling"], "--full-wave"),
         (&["validate", "starling", "--full-wave", "--three-d"], "cannot be used with"),
@@ -89,6 +155,25 @@ fn segments_without_roughness_are_what_invariant_barbules_are() {
         numbers["directions"][direction]["wavelengths"][0].pointer(key).unwrap().as_f64().unwrap()
     };
     let (smooth, rough) = (numbers("smooth", &["--invariant"]), numbers("rough", &[]));
+    assert_eq!(numbers("smooth", &["--invariant"])["directions"], smooth["directions"]);
+    let (kept, _, said) = command(
+        &[
+            &[
+                "validate",
+                "starling",
+                "--three-d",
+                "--instances",
+                "2",
+                "--wavelengths",
+                "600",
+                "--width",
+                "8",
+            ][..],
+            &["--length", "16", "--invariant", "-o", &folder.path().join("smooth").to_string_lossy()],
+        ]
+        .concat(),
+    );
+    assert!(kept && said.contains("6 of 6 far fields are there from before"), "{said}");
     for direction in 0..3 {
         let of = |key: &str| value(&smooth, direction, key);
         assert!(of("/power_error").abs() < 0.01, "{}", of("/power_error"));

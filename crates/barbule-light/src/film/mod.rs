@@ -52,8 +52,8 @@ pub struct FilmResponse {
 /// `angle` is in the entry medium, from the normal; its sign does not matter.
 ///
 /// # Errors
-/// |angle| ≥ π/2, an absorbing entry medium, a medium without an index at this wavelength, or an exact resonance of
-/// lossless media, where the response is infinite.
+/// |angle| ≥ π/2, an absorbing entry medium, a medium without an index at this wavelength, an exact resonance of
+/// lossless media, where the response is infinite, or more than all light, as media with gain make it.
 pub fn response(
     stack: &Stack,
     wavelength_nm: f64,
@@ -105,10 +105,14 @@ pub fn response_at(
         absorbed: absorbed_per_layer.iter().sum(),
         absorbed_per_layer,
     };
-    if result.r.is_finite() && result.transmitted.is_finite() && result.absorbed.is_finite() {
+    if !(result.r.is_finite() && result.transmitted.is_finite() && result.absorbed.is_finite()) {
+        return Err(resonance(wavelength_nm));
+    }
+    let leaves = [result.reflected, result.transmitted, result.reflected + result.transmitted];
+    if leaves.iter().all(|part| (-MOST_GAIN..=1.0 + MOST_GAIN).contains(part)) {
         return Ok(result);
     }
-    Err(resonance(wavelength_nm))
+    Err(gain(leaves[0], leaves[1], wavelength_nm, angle, polarization))
 }
 
 /// Only the reflected amplitude, without allocation; arguments as for [`response_at`].
@@ -129,7 +133,13 @@ pub fn reflect(
         fields.climb(&entry, indices[layer + 1], thickness_nm[layer]);
     }
     let (r, _) = fields.split(&entry);
-    if r.is_finite() { Ok(r) } else { Err(resonance(wavelength_nm)) }
+    if !r.is_finite() {
+        return Err(resonance(wavelength_nm));
+    }
+    if r.norm_sqr() <= 1.0 + MOST_GAIN {
+        return Ok(r);
+    }
+    Err(gain(r.norm_sqr(), 0.0, wavelength_nm, angle, polarization))
 }
 
 /// The cosine times the index, q = n·cosα, in a medium of index `n` for a wave that comes at `angle` (rad) in a
@@ -165,6 +175,28 @@ fn exp_m1(z: Complex64) -> Complex64 {
     let half = (z.im / 2.0).sin();
     let grown = z.re.exp();
     Complex64::new(z.re.exp_m1() - 2.0 * grown * half * half, grown * z.im.sin())
+}
+
+/// By how much parts of the power may be below 0 or above 1: a hundred times what extreme stacks of passive media were seen to be off
+/// (n from 0.05 to 4, k to 60, layers to 100 µm, angles to 89.999999°).
+const MOST_GAIN: f64 = 1e-5;
+
+/// More light than falls in, or less than none, which no media without gain can make.
+fn gain(
+    reflected: f64,
+    transmitted: f64,
+    wavelength_nm: f64,
+    angle: f64,
+    polarization: Polarization,
+) -> Error {
+    let name = match polarization {
+        Polarization::S => "s",
+        Polarization::P => "p",
+    };
+    Error::not_settled(format!(
+        "at {wavelength_nm} nm and {}° the stack reflects {reflected:.6} and transmits {transmitted:.6} of {name}-polarized light, which passive media cannot: a medium has gain (k < 0), or the numbers of this stack are beyond what can be computed",
+        angle.to_degrees()
+    ))
 }
 
 fn resonance(wavelength_nm: f64) -> Error {

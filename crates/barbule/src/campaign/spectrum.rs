@@ -65,12 +65,49 @@ pub struct Grazing {
     pub flagged: usize,
 }
 
+/// A reflected fraction over all light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Over {
+    /// Number of the direction of the largest.
+    pub direction: usize,
+    /// Number of its wavelength.
+    pub wavelength: usize,
+    /// The largest.
+    pub reflected: f64,
+    /// How many there are.
+    pub count: usize,
+}
+
+/// What a reflected fraction may be: all light, and a sum's rounding in single precision.
+const ALL_LIGHT: f64 = 1.0 + 1e-5;
+
 impl Spectra {
-    /// Whether the simulation is off by more than [`LARGEST_MIRROR_ERROR`], `[direction][wavelength]`.
+    /// Whether the simulation is off by more than [`LARGEST_MIRROR_ERROR`], or reflects more than all light, `[direction][wavelength]`.
     #[must_use]
     pub fn flagged(&self) -> Vec<Vec<bool>> {
         let off = |mirror: &f64| (mirror - 1.0).abs() > LARGEST_MIRROR_ERROR;
-        self.mirror.iter().map(|row| row.iter().map(off).collect()).collect()
+        let rows = self.mirror.iter().zip(&self.mean);
+        rows.map(|(mirror, mean)| mirror.iter().zip(mean).map(|(m, r)| off(m) || *r > ALL_LIGHT).collect())
+            .collect()
+    }
+
+    /// Where the simulation reflects more than all light though a mirror would reflect what it should: the largest such value, and
+    /// how many there are.
+    #[must_use]
+    pub fn over(&self) -> Option<Over> {
+        let mut found: Option<Over> = None;
+        for (direction, (mirror, mean)) in self.mirror.iter().zip(&self.mean).enumerate() {
+            for (wavelength, (mirror, reflected)) in mirror.iter().zip(mean).enumerate() {
+                if *reflected <= ALL_LIGHT || (mirror - 1.0).abs() > LARGEST_MIRROR_ERROR {
+                    continue;
+                }
+                let count = found.map_or(0, |over| over.count) + 1;
+                let largest = found.filter(|over| over.reflected >= *reflected);
+                let here = Over { direction, wavelength, reflected: *reflected, count };
+                found = Some(largest.map_or(here, |over| Over { count, ..over }));
+            }
+        }
+        found
     }
 
     /// Where the simulation is furthest off; `None` where it holds everywhere.
@@ -249,4 +286,22 @@ fn collected(values: &[Complex<f32>], collect: Collect, theta_i: f64, phi_i: f64
             f64::from(value.norm_sqr()) * part
         })
         .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_than_all_light_is_flagged_where_no_grazing_light_explains_it() {
+        let spectra = Spectra {
+            mean: vec![vec![0.4, 1.2, 0.9], vec![1.5, 1.3, 1.0]],
+            std: vec![vec![0.0; 3]; 2],
+            mirror: vec![vec![1.0, 1.0, 1.0], vec![2.0, 1.01, 1.0]],
+        };
+        assert_eq!(spectra.flagged(), [[false, true, false], [true, true, false]]);
+        assert_eq!(spectra.over(), Some(Over { direction: 1, wavelength: 1, reflected: 1.3, count: 2 }));
+        let passive = Spectra { mean: vec![vec![1.0; 3]; 2], ..spectra };
+        assert_eq!(passive.over(), None);
+    }
 }

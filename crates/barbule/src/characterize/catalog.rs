@@ -318,11 +318,11 @@ mod tests {
         let names = [
             name(film, &usual(), &fit),
             name("air/melanin:100/air", &usual(), &fit),
-            name(film, &CampaignOptions { thin: Some(1), instances: 12, ..usual() }, &fit),
+            name(film, &CampaignOptions { thin: Some(1), instances: Some(12), ..usual() }, &fit),
             name(film, &CampaignOptions { thin: Some(4), ..usual() }, &fit),
             name(film, &CampaignOptions { wavelengths_nm: vec![500.0, 600.0], ..usual() }, &fit),
             name(film, &CampaignOptions { directions: [20, 19], ..usual() }, &fit),
-            name(film, &CampaignOptions { instances: 49, ..usual() }, &fit),
+            name(film, &CampaignOptions { instances: Some(49), ..usual() }, &fit),
             name(film, &CampaignOptions { tilt_deg: 1.0, ..usual() }, &fit),
             name(film, &CampaignOptions { polarized: true, ..usual() }, &fit),
             name(film, &CampaignOptions { seed: 2, ..usual() }, &fit),

@@ -150,7 +150,7 @@ mod tests {
             CampaignOptions {
                 wavelengths_nm: vec![500.0],
                 directions: [2, 2],
-                instances: 2,
+                instances: Some(2),
                 ..Default::default()
             },
             FitOptions::default(),

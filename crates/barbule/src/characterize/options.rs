@@ -38,7 +38,8 @@ pub fn outside_wavelengths(nm: f64) -> Option<String> {
 /// Fields at one direction, at most.
 const MOST_INSTANCES: usize = 10_000;
 
-/// Instances of a thinned campaign.
+/// Instances of a campaign, and of a thinned one, where nobody asks for others.
+const USUAL_INSTANCES: usize = 50;
 const THINNED_INSTANCES: usize = 12;
 
 /// What simulations take on one core, to foretell durations (`barbule bench campaign`), each per µm of the barbule's width:
@@ -62,13 +63,13 @@ pub struct CampaignOptions {
     pub wavelengths_nm: Vec<f64>,
     /// Directions: cosθ_i in so many equal steps up to 1, cosφ_i likewise.
     pub directions: [usize; 2],
-    /// Random instances; structures of given sections may have fewer.
-    pub instances: usize,
+    /// Random instances: without a number 50, of a thinned campaign 12. Structures of given sections may have fewer.
+    pub instances: Option<usize>,
     /// Largest tilt of an instance about its axis, degrees.
     pub tilt_deg: f64,
     /// Keep both incident polarizations apart in the material.
     pub polarized: bool,
-    /// Every so many-th wavelength and direction only, and 12 instances.
+    /// Every so many-th wavelength and direction only.
     pub thin: Option<usize>,
     /// Seed of instances and tilts.
     pub seed: u64,
@@ -82,7 +83,7 @@ impl Default for CampaignOptions {
         Self {
             wavelengths_nm: (0..50).map(|i| f64::from(400 + 6 * i)).collect(),
             directions: [20, 20],
-            instances: 50,
+            instances: None,
             tilt_deg: 2.0,
             polarized: false,
             thin: None,
@@ -111,8 +112,8 @@ impl CampaignOptions {
         }
         // With its mirror image each instance counts twice.
         let most = if self.mirror { MOST_INSTANCES / 2 } else { MOST_INSTANCES };
-        if !(1..=most).contains(instances) {
-            return refuse(format!("instances {instances}: give a number from 1 to {most}"));
+        if let Some(bad) = instances.filter(|count| !(1..=most).contains(count)) {
+            return refuse(format!("instances {bad}: give a number from 1 to {most}"));
         }
         if !(0.0..=30.0).contains(tilt_deg) {
             return refuse(format!("tilt {tilt_deg}: give degrees from 0 to 30"));
@@ -123,6 +124,13 @@ impl CampaignOptions {
             }
             _ => Ok(()),
         }
+    }
+
+    /// How many instances that is.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        let usual = if self.thin.is_some() { THINNED_INSTANCES } else { USUAL_INSTANCES };
+        self.instances.unwrap_or(usual)
     }
 
     /// The campaign of a structure.
@@ -138,7 +146,7 @@ impl CampaignOptions {
         let mirror = self.mirror && !symmetry.is_mirrored();
         let sides = if mirror { Sides::Alike } else { sides(&symmetry) };
         let axes = Axes::new(&Wavelengths::new(nm)?, cos_theta, cos_phi)?.with_sides(sides);
-        let asked = self.instances.min(if self.thin.is_some() { THINNED_INSTANCES } else { usize::MAX });
+        let asked = self.count();
         // A single section serves any number of instances, which differ by their tilts.
         let instances = structure.count().filter(|count| *count > 1).map_or(asked, |count| asked.min(count));
         let description = CampaignDescription {
@@ -319,6 +327,21 @@ mod tests {
     }
 
     #[test]
+    fn instances_that_are_asked_for_are_simulated_thinned_or_not() {
+        for (thin, instances, simulated) in [
+            (None, None, 50),
+            (Some(4), None, 12),
+            (Some(4), Some(20), 20),
+            (Some(4), Some(3), 3),
+            (None, Some(12), 12),
+        ] {
+            let options = CampaignOptions { thin, instances, ..CampaignOptions::default() };
+            let plan = options.plan(starling()).unwrap();
+            assert_eq!((plan.parameters.instances, plan.description.instances), (simulated, simulated));
+        }
+    }
+
+    #[test]
     fn options_out_of_range_are_refused_by_name() {
         let usual = CampaignOptions::default;
         for (bad, part) in [
@@ -326,7 +349,7 @@ mod tests {
             (CampaignOptions { wavelengths_nm: vec![500.0, 400.0], ..usual() }, "rising"),
             (CampaignOptions { wavelengths_nm: vec![900.0], ..usual() }, "900 nm is outside 300 to 830"),
             (CampaignOptions { directions: [1, 20], ..usual() }, "directions 1x20"),
-            (CampaignOptions { instances: 0, ..usual() }, "instances 0"),
+            (CampaignOptions { instances: Some(0), ..usual() }, "instances 0"),
             (CampaignOptions { tilt_deg: f64::NAN, ..usual() }, "tilt NaN"),
             (CampaignOptions { thin: Some(21), ..usual() }, "thin 21"),
         ] {

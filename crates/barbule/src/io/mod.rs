@@ -1,5 +1,6 @@
 //! The only module that opens files.
 
+mod arrays;
 mod assets;
 mod brdf_tables;
 mod cache;
@@ -26,9 +27,11 @@ mod stack;
 pub mod store;
 pub mod tables;
 mod temporary;
+mod units;
 mod whole;
 mod zarr;
 
+pub use arrays::{Coordinate, LabelledArrays, Numbers, Quantity, check_new_zarr, write_zarr};
 pub use assets::{Assets, Folder, Memory};
 pub use brdf_tables::{decode_tables, encode_tables, read_tables, write_tables};
 pub use cache::{CacheFile, delete_cached, list_cache};
@@ -51,4 +54,5 @@ pub use species::{
     read_structure_toml,
 };
 pub use stack::{parse_stack, read_stack};
+pub use units::Units;
 pub use whole::{LARGEST_INPUT, hash_bytes, hash_file, make_folder, read_at_most, read_bytes, read_text};

@@ -17,7 +17,7 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use self::aside::Files;
+pub(super) use self::aside::{Files, create_folder, sweep_beside};
 use self::layout::{ARRAYS, Arrays, Attributes};
 use super::output::{behind_links, is_inside_store};
 use super::whole::{failure, folder_of, read_text};
@@ -90,7 +90,7 @@ impl Store {
         }
         let is_empty =
             |folder: &Path| std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
-        aside::sweep_beside(path);
+        sweep_beside(path);
         if !path.exists() || is_empty(path) {
             let folder = folder_of(path);
             if !folder.is_dir() {
@@ -100,7 +100,7 @@ impl Store {
                 ));
             }
             // Processes that create one store at the same instant each build their own; the first rename wins.
-            aside::create_folder(path, |made| here.build(path, made))?;
+            create_folder(path, |made| here.build(path, made))?;
         }
         let store = Self::open(path)?;
         store.attributes.check_same(path, &here)?;

@@ -112,7 +112,7 @@ mod tests {
         let options = CampaignOptions {
             wavelengths_nm: vec![500.0, 600.0],
             directions: [2, 2],
-            instances: 2,
+            instances: Some(2),
             ..CampaignOptions::default()
         };
         let plan = options.plan(Structure::builtin("starling").unwrap()).unwrap();

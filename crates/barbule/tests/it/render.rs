@@ -13,6 +13,7 @@ use barbule::bsdf::{
 use barbule::math::rng::Stream;
 use barbule::progress::{Progress, Unobserved};
 use barbule::render::checkpoint;
+use barbule::render::faults::Faults;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Technique, Transport};
 use barbule::render::light::{LightSample, Lighting};
@@ -677,4 +678,31 @@ fn light_that_passes_straight_through_is_counted_once() {
     let allowed = 4.0 * error.hypot(black_error) + 5e-3;
     assert!(allowed < 0.1 * expected, "{allowed}");
     assert!((floor - expected).abs() < allowed, "{floor} ± {allowed}, expected {expected}");
+}
+
+/// A light that cannot be: what it makes is counted with its place, and nothing of it gets into the picture.
+#[test]
+fn samples_that_no_light_can_make_are_counted_and_left_out() {
+    let lit = |factor: f64| {
+        let emission = Emission::daylight().scaled(factor);
+        let whole = Sun { direction: DVec3::X, cos_radius: -1.0, emission };
+        let surface = Surface::Lambertian(Lambertian::new(Reflectance::new(|_| 0.5).unwrap()));
+        film_of(scene(square(1.0), surface, lamp(Light::Sun(whole)), camera(1.0, 4.0)), [24, 24], 4)
+    };
+    assert_eq!(lit(1.0).faults(), Faults::default());
+    for factor in [-1.0, f64::NAN] {
+        let film = lit(factor);
+        let faults = film.faults();
+        let first = faults.first.unwrap();
+        assert!(faults.count > 50 && first.sample == 0, "{factor}: {faults:?}");
+        let on_it = film.pixel(12, 12);
+        assert!(on_it.luminance.is_finite() && on_it.luminance >= 0.0, "{factor}: {on_it:?}");
+        let size = film.size();
+        let all = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+        assert!(all.clone().all(|(x, y)| film.xyz(x, y).iter().all(|value| value.is_finite())), "{factor}");
+        if factor < 0.0 {
+            // Only paths from the square run into it; where the camera looks past it, channels may be negative.
+            assert_eq!(first.object, Some(0));
+        }
+    }
 }

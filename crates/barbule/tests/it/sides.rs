@@ -266,7 +266,7 @@ fn descriptions_and_stores_of_symmetric_structures_are_what_they_were() {
         let options = CampaignOptions {
             wavelengths_nm: vec![450.0, 550.0],
             directions: [2, 2],
-            instances: 2,
+            instances: Some(2),
             mirror,
             ..CampaignOptions::default()
         };

@@ -1,6 +1,7 @@
 //! The interface that all solvers of sections share.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::Illuminations;
 use crate::progress::{Clock, NO_CLOCK, OnlyStops, Progress};
@@ -115,7 +116,7 @@ pub struct Exact {
 }
 
 /// The size of a solution.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Effort {
     /// Unknown numbers, four for each node.
     pub unknowns: usize,

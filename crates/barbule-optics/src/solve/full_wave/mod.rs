@@ -301,6 +301,11 @@ impl<'a> Problem<'a> {
             scatter(&operator.mesh, light, fields, beam::power_um(section.width_um, light), azimuths)
         });
         let scattered: Vec<Scattered> = far.collect();
+        for (light, scattered) in lights.iter().zip(&scattered) {
+            if let Some(doubt) = balance_doubt(light, scattered) {
+                progress.doubt(&doubt);
+            }
+        }
         let effort = Some(Effort {
             unknowns: cost.unknowns,
             elements_per_wavelength,
@@ -309,6 +314,40 @@ impl<'a> Problem<'a> {
         });
         Ok(scattered.into_iter().map(|scattered| Scattered { effort, ..scattered }).collect())
     }
+}
+
+/// By which part of all light, or of the extinction, the balance of power may be off before it is said.
+const MOST_IMBALANCE: f64 = 0.05;
+
+/// What is wrong with the balance of power, in a sentence: of a plane wave extinction is what is scattered and absorbed, and of a beam no
+/// more than all light is reflected and absorbed.
+fn balance_doubt(light: &Illumination, scattered: &Scattered) -> Option<String> {
+    let exact = scattered.exact.as_ref()?;
+    let place = format!("at {} nm and φ_i = {:.4}°", light.wavelength_nm, light.phi_i.to_degrees());
+    for p in 0..2 {
+        let absorbed = exact.absorbed_um[p];
+        if let Some(extinction) = exact.extinction_um {
+            let found = exact.scattered_um[p] + absorbed;
+            if (found - extinction[p]).abs() > MOST_IMBALANCE * extinction[p].abs() {
+                return Some(format!(
+                    "{place} polarization {} scatters and absorbs {found:.4} µm of an extinction of {:.4} µm: the full waves are not resolved; give more elements per wavelength",
+                    p + 1,
+                    extinction[p]
+                ));
+            }
+        }
+        if let Some(reflected) = scattered.reflected {
+            let absorbed = absorbed * scattered.far.light.scale().powi(2);
+            if reflected[p] + absorbed > 1.0 + MOST_IMBALANCE || absorbed < -MOST_IMBALANCE {
+                return Some(format!(
+                    "{place} polarization {} reflects {:.4} and absorbs {absorbed:.4} of the light: the shadow reaches over the horizon, or the full waves are not resolved and need more elements per wavelength",
+                    p + 1,
+                    reflected[p]
+                ));
+            }
+        }
+    }
+    None
 }
 
 /// x ← A⁻¹ x by LU factors; the bytes that it took.

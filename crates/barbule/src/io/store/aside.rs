@@ -18,14 +18,14 @@ const PREFIX: &str = "new-";
 
 /// The files of a store; their keys are relative paths with `/`.
 #[derive(Debug)]
-pub(super) struct Files {
+pub(in crate::io) struct Files {
     folder: PathBuf,
     aside: PathBuf,
 }
 
 impl Files {
     /// The files in the folder `path`.
-    pub(super) fn new(path: &Path) -> Self {
+    pub(in crate::io) fn new(path: &Path) -> Self {
         Self { folder: path.to_owned(), aside: path.join(FOLDER) }
     }
 
@@ -45,7 +45,7 @@ impl Files {
     }
 
     /// Writes a file aside, then renames it over what is there.
-    pub(super) fn write(&self, key: &str, bytes: &[u8]) -> io::Result<()> {
+    pub(in crate::io) fn write(&self, key: &str, bytes: &[u8]) -> io::Result<()> {
         let path = self.folder.join(key);
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder)?;
@@ -84,7 +84,7 @@ impl Files {
     }
 
     /// Removes the folder of temporaries if nobody uses it.
-    pub(super) fn tidy(&self) {
+    pub(in crate::io) fn tidy(&self) {
         // It is in use where it cannot be removed.
         let _ = fs::remove_dir(&self.aside);
     }
@@ -96,7 +96,7 @@ fn prefix_beside(path: &Path) -> String {
 }
 
 /// Deletes what killed processes left beside the store `path` when they built it.
-pub(super) fn sweep_beside(path: &Path) {
+pub(in crate::io) fn sweep_beside(path: &Path) {
     let prefix = prefix_beside(path);
     sweep(folder_of(path), |name| name.starts_with(&prefix));
 }
@@ -106,7 +106,7 @@ pub(super) fn sweep_beside(path: &Path) {
 ///
 /// # Errors
 /// `build` fails, or the folder cannot be made or renamed.
-pub(super) fn create_folder(path: &Path, build: impl Fn(&Path) -> Result<()>) -> Result<()> {
+pub(in crate::io) fn create_folder(path: &Path, build: impl Fn(&Path) -> Result<()>) -> Result<()> {
     let refuse = |e: io::Error| match e.kind() {
         ErrorKind::ResourceBusy => Error::input(format!(
             "{}: is a mount point or in use, and a store cannot take its place; name a folder inside it",

@@ -4,6 +4,7 @@
 //! segment scatters off the cone, along y, is what the 2.5D side only assumes: the spread σ of its BRDF.
 
 mod figures;
+mod kept;
 mod numbers;
 
 pub use numbers::{Found, Moments, Sigma};
@@ -12,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, Values, values};
 use crate::clock;
+use crate::io::Units;
 use crate::progress::{OnlyStops, Progress};
 use crate::scattering::directions::omega;
 use crate::scattering::far_field::{FarField, Illumination, Polarization, Window};
@@ -21,6 +23,7 @@ use crate::solve::surface;
 use crate::spectrum::{Wavelengths, wave_number_per_um};
 use crate::structure::{Roughness, Segment, Structure};
 use crate::{DVec3, Error, Result};
+use kept::{Cell, Scattered};
 use numbers::{Correlations, Tally};
 
 /// Pixels across the pictures of hemispheres.
@@ -128,26 +131,31 @@ impl Plan {
         self.instances * self.wavelengths.len() * self.directions.len()
     }
 
-    /// Runs both.
+    /// Runs both. The far field of each segment is kept as it comes, and those of all instances as one unit when they are there;
+    /// what was kept is taken from there another time: to the same bits, times and all.
     ///
     /// # Errors
-    /// As the solvers, or the user cancelled.
-    pub fn run(self, progress: &dyn Progress) -> Result<Comparison> {
+    /// As the solvers; a unit cannot be written; or the user cancelled.
+    pub fn run(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Comparison> {
         let brdf = self.material.as_deref().map(|m| FeatherBrdf::new(m, Options::default())).transpose()?;
-        let sigma = brdf.as_ref().map_or(USUAL_SIGMA, FeatherBrdf::sigma);
+        let sigma = self.sigma();
         let instances = (0..self.instances)
             .map(|index| self.structure.segment(self.seed, index, self.length_um, self.roughness))
             .collect::<Result<Vec<_>>>()?;
         progress.begin("segments", self.count() as u64);
         let wo = pixels();
-        let mut comparison =
-            Comparison { sigma, found: Vec::new(), pictures: Vec::new(), seconds: [0.0; 2], plan: self };
-        let plan = &comparison.plan;
         let (mut all_found, mut all_pictures, mut seconds) = (Vec::new(), Vec::new(), [0.0; 2]);
-        for &direction in &plan.directions {
+        for &direction in &self.directions {
             let (mut found, mut pictures) = (Vec::new(), Pictures::default());
-            for &nm in plan.wavelengths.nm() {
-                let cell = plan.one(direction, nm, sigma, &instances, &wo, &mut seconds, progress)?;
+            for &nm in self.wavelengths.nm() {
+                let cell = match units.and_then(|units| self.kept_cell(units, direction, nm, sigma)) {
+                    Some(cell) => {
+                        progress.advance(self.instances as u64);
+                        cell
+                    }
+                    None => self.one(direction, nm, sigma, &instances, &wo, units, progress)?,
+                };
+                seconds.iter_mut().zip(cell.seconds).for_each(|(sum, own)| *sum += own);
                 found.push(cell.found);
                 for (kind, pixels) in cell.flat.into_iter().enumerate() {
                     pictures.flat[kind].push(pixels);
@@ -159,14 +167,13 @@ impl Plan {
             if let Some(brdf) = &brdf {
                 let wi = omega(direction[0], direction[1]);
                 for (picture, instance) in pictures.brdf.iter_mut().zip([None, Some(0)]) {
-                    *picture = over_hemisphere(brdf, plan.wavelengths.nm(), wi, &wo, instance);
+                    *picture = over_hemisphere(brdf, self.wavelengths.nm(), wi, &wo, instance);
                 }
             }
             all_found.push(found);
             all_pictures.push(pictures);
         }
-        (comparison.found, comparison.pictures, comparison.seconds) = (all_found, all_pictures, seconds);
-        Ok(comparison)
+        Ok(Comparison { plan: self.clone(), sigma, found: all_found, pictures: all_pictures, seconds })
     }
 
     /// Both simulations of all instances at one wavelength under light from one direction.
@@ -177,7 +184,7 @@ impl Plan {
         sigma: f64,
         instances: &[Segment],
         wo: &[Option<DVec3>],
-        seconds: &mut [f64; 2],
+        units: Option<&Units>,
         progress: &dyn Progress,
     ) -> Result<Cell> {
         let k = wave_number_per_um(wavelength_nm);
@@ -201,10 +208,10 @@ impl Plan {
                 )
             })
             .collect::<Result<_>>()?;
-        seconds[0] += (clock::system() - begun).as_secs_f64();
+        let mut cell = Cell::default();
+        cell.seconds[0] = (clock::system() - begun).as_secs_f64();
         let flats: Vec<Vec<f64>> = flats.iter().map(per_radian).collect();
         let mut tally = None;
-        let mut cell = Cell::default();
         let mut correlations = Correlations::new(direction[0]);
         let model = Spread::new(direction[0], sigma);
         for (index, segment) in instances.iter().enumerate() {
@@ -212,10 +219,9 @@ impl Plan {
                 return Err(Error::interrupted());
             }
             let light = self.light(wavelength_nm, direction, index);
-            let begun = clock::system();
-            let far = segment::far_field(segment, &light, &SegmentAccuracy::default(), &OnlyStops(progress))?;
-            seconds[1] += (clock::system() - begun).as_secs_f64();
-            let intensity = far.intensity();
+            let Scattered { far, intensity, seconds } =
+                self.scattered(segment, &light, index, units, progress)?;
+            cell.seconds[1] += seconds;
             let sums = tally.get_or_insert_with(|| Tally::new(&far, direction[0], k, sigma));
             sums.add(&far, &intensity, &flats[index], light.turn);
             correlations.add(&far, &intensity, &flats[index], light.turn);
@@ -239,17 +245,11 @@ impl Plan {
         if let Some(tally) = tally {
             cell.found = tally.found(wavelength_nm, direction, window_um, &correlations);
         }
+        if let Some(units) = units {
+            self.keep_cell(units, direction, wavelength_nm, sigma, &cell)?;
+        }
         Ok(cell)
     }
-}
-
-/// What one wavelength and direction give.
-#[derive(Default)]
-struct Cell {
-    found: Found,
-    /// The mean and one instance.
-    flat: [Vec<f64>; 2],
-    segments: [Vec<f64>; 2],
 }
 
 /// σ where no material says another.

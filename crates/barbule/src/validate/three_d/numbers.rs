@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Comparison, between};
@@ -10,7 +11,7 @@ use crate::spectrum::colour::{Illuminant, Observer};
 use crate::spectrum::difference::{delta_e_2000, lab};
 
 /// Moments of where light goes, over all instances.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
     /// Φ_r/Φ_i.
     pub reflected: f64,
@@ -21,7 +22,7 @@ pub struct Moments {
 }
 
 /// The longitudinal spread, in the σ of exp(−t²/σ²) with t ≈ (ω_y + ω_iy)/2.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sigma {
     /// What the window along y makes alone.
     pub window: f64,
@@ -32,7 +33,7 @@ pub struct Sigma {
 }
 
 /// One wavelength and direction.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Found {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,

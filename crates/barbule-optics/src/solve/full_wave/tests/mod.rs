@@ -287,3 +287,19 @@ fn thin_products_give_what_all_elements_give() {
     let refused = problem.solve(&[0.3], Window::PlaneWave, 72, NO_CLOCK, &Unobserved);
     assert!(refused.unwrap_err().to_string().contains("memory"));
 }
+
+/// A solution whose powers do not balance is said to be none.
+#[test]
+fn powers_that_do_not_balance_are_said() {
+    let section = section_of(&[circle([0.0; 2], 0.3, index(1.5, 0.1), None)]);
+    let found = solved(&section, 0.2, 0.1, 10.0);
+    let light = Illumination { wavelength_nm: 500.0, theta_i: 0.2, phi_i: 0.1, window: Window::PlaneWave };
+    assert_eq!(balance_doubt(&light, &found), None);
+    let mut exact = found.exact.unwrap();
+    exact.scattered_um[1] *= 1.2;
+    let doubt = balance_doubt(&light, &Scattered { exact: Some(exact), ..found.clone() }).unwrap();
+    assert!(doubt.contains("at 500 nm") && doubt.contains("polarization 2 scatters and absorbs"), "{doubt}");
+    let exact = Some(Exact { extinction_um: None, ..found.exact.unwrap() });
+    let beam = Scattered { reflected: Some([0.2, 1.2]), exact, ..found };
+    assert!(balance_doubt(&light, &beam).unwrap().contains("polarization 2 reflects 1.2000"));
+}
