@@ -31,6 +31,13 @@ const MOST_VALUES: usize = 2_000_000;
 /// The same as arrays alone.
 const MOST_IN_ARRAYS: usize = 100_000_000;
 
+/// Bytes of the program with a material.
+const MATERIAL_BYTES: u64 = 24_000_000;
+
+/// Bytes of a value as a number and as text, at most; and in arrays alone: three quantities, each as numbers and, one at a time, as bytes.
+const VALUE_BYTES: u64 = 560;
+const ARRAY_VALUE_BYTES: u64 = 32;
+
 /// Most curves or maps in one figure.
 const MOST_DRAWN: usize = 9;
 
@@ -248,8 +255,8 @@ impl Args {
                 "{sets}{waves} wavelengths times {each} directions are over {most} values; give fewer{arrays}"
             )));
         }
-        // Three quantities, each as numbers and, one at a time, as bytes.
-        self.common.allowance().check("this table", 32 * count as u64, "fewer values")
+        let each_bytes = if is_text { VALUE_BYTES } else { ARRAY_VALUE_BYTES };
+        self.common.check_memory("this table", MATERIAL_BYTES + each_bytes * count as u64, "fewer values")
     }
 
     /// The instances asked for; `None` is the mean.
