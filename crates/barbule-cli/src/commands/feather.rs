@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 
 use barbule::error::shortened;
 use barbule::io::{FeatherFormat, MOST_WRITTEN_BARBULES, check_writable, write_feather};
+use barbule::progress::Progress as _;
 use barbule::scene::feather::{self, Feather, Measures, VaneDisc, VaneMeasures};
 use barbule::{Error, Result};
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use crate::common::{Common, path_json, print, print_json};
+use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::scene_arg;
 
@@ -68,7 +70,11 @@ impl Args {
             if self.level.is_some() {
                 self.common.idle("--level", "the measures are of the whole feather; give -o F to write it");
             }
-            let measures = feather.measures(self.common.seed, IDENTITY)?;
+            let measures = feather.measures(
+                self.common.seed,
+                IDENTITY,
+                &Terminal::new(&self.common).writing_nothing(),
+            )?;
             let rows = self.rows(&feather, &measures);
             return match self.common.json {
                 true => print_json(out, &self.document(&measures, &rows)),
@@ -91,7 +97,8 @@ impl Args {
     fn write(&self, out: &mut dyn Write, feather: &Feather, path: &Path) -> Result<()> {
         let whole = VaneDisc { along_mm: 0.0, radius_mm: None };
         let seed = self.common.seed;
-        let (_, barbs) = feather.barbs_within(whole, seed, IDENTITY)?;
+        let terminal = Terminal::new(&self.common).writing_nothing();
+        let (_, barbs) = feather.barbs_watched(whole, (seed, IDENTITY), &terminal)?;
         let barbules: usize = barbs.iter().map(|barb| feather.barbule_count(barb)).sum();
         let level =
             self.level.unwrap_or(if barbules < FEW_BARBULES { Level::Barbules } else { Level::Barbs });
@@ -106,11 +113,16 @@ impl Args {
             ));
         }
         let grown = match level {
-            Level::Barbs => feather.grow_barbs(whole, seed, IDENTITY)?,
+            Level::Barbs => feather.grow_barbs(whole, seed, IDENTITY, &terminal)?,
             Level::Barbules => {
-                feather.grow(whole, barbule::scene::feather::Level::Barbules, None, seed, IDENTITY)?
+                let every = barbule::scene::feather::Level::Barbules;
+                feather.grow_watched(whole, every, None, (seed, IDENTITY), &terminal)?
             }
         };
+        if terminal.is_cancelled() {
+            return Err(Error::interrupted());
+        }
+        drop(terminal);
         let provenance = Provenance::new(&self.common);
         write_feather(path, &grown, &provenance.notes())?;
         let counts = grown.counts();
