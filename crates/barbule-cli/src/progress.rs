@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
+use barbule::Error;
 use barbule::progress::{Progress, left};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
@@ -16,7 +17,11 @@ static CANCELLED: AtomicBool = AtomicBool::new(false);
 const SAME_PRESS: Duration = Duration::from_millis(300);
 
 /// What Ctrl-C does now. One for the process, as its signals are.
-static NOW: Mutex<Now> = Mutex::new(Now { pressed: None, bar: None, quiet: false, words: PLAIN });
+static NOW: Mutex<Now> =
+    Mutex::new(Now { pressed: None, bar: None, quiet: false, words: PLAIN, writes_nothing: false });
+
+/// How long work that writes nothing has to end by itself: parts of it, as in the library that makes hierarchies, ask nobody.
+const PATIENCE: Duration = Duration::from_millis(300);
 
 struct Now {
     /// When Ctrl-C came first.
@@ -25,6 +30,8 @@ struct Now {
     bar: Option<ProgressBar>,
     quiet: bool,
     words: Words,
+    /// Whether the work may be ended anywhere: it writes nothing.
+    writes_nothing: bool,
 }
 
 /// What is said after Ctrl-C.
@@ -61,9 +68,16 @@ impl Terminal {
             let _ = ctrlc::set_handler(pressed);
         });
         let mut now = now();
-        (now.quiet, now.words) = (common.quiet, PLAIN);
+        (now.quiet, now.words, now.writes_nothing) = (common.quiet, PLAIN, false);
         let visible = !common.quiet && std::io::stderr().is_terminal();
         Self { visible, common: common.clone() }
+    }
+
+    /// The same for work that writes nothing, as long as this lives: where it does not stop soon, Ctrl-C ends the program.
+    #[must_use]
+    pub fn writing_nothing(self) -> Self {
+        now().writes_nothing = true;
+        self
     }
 
     /// The same for work whose state is written after the first Ctrl-C, which then says so.
@@ -77,7 +91,7 @@ impl Terminal {
 /// Ctrl-C: the first asks the work to stop, one more ends the program.
 fn pressed() {
     let mut now = now();
-    let Now { pressed, bar, quiet, words } = &mut *now;
+    let Now { pressed, bar, quiet, words, .. } = &mut *now;
     let say = |text: &str| {
         let write = || {
             let _ = writeln!(std::io::stderr(), "{text}");
@@ -94,12 +108,28 @@ fn pressed() {
             if !*quiet {
                 say(words.first);
             }
+            // Held back by the lock as long as this.
+            std::thread::spawn(end_what_writes_nothing);
         }
         Press::Same => {}
         Press::End => {
             say(&format!("barbule: {}", words.second));
             std::process::exit(130);
         }
+    }
+}
+
+/// Ends the program, if after a while it is still at work that writes nothing.
+fn end_what_writes_nothing() {
+    std::thread::sleep(PATIENCE);
+    // No such work ends while this is held, so that nothing is begun to be written.
+    let now = now();
+    if now.writes_nothing {
+        if let Some(bar) = &now.bar {
+            bar.finish_and_clear();
+        }
+        let _ = writeln!(std::io::stderr(), "barbule: {}", Error::interrupted());
+        std::process::exit(130);
     }
 }
 
@@ -194,7 +224,9 @@ impl Progress for Doubts<'_> {
 
 impl Drop for Terminal {
     fn drop(&mut self) {
-        if let Some(bar) = now().bar.take() {
+        let mut now = now();
+        now.writes_nothing = false;
+        if let Some(bar) = now.bar.take() {
             bar.finish_and_clear();
         }
     }

@@ -35,10 +35,10 @@ impl Set {
     /// Grows what stands in a scene.
     ///
     /// # Errors
-    /// A number of the scene out of range.
-    pub fn new(scene: &ReadyScene, seed: u64) -> Result<Self> {
-        let (objects, counts) = scene.objects(seed)?;
-        let stage = Stage::new(objects)?;
+    /// A number of the scene out of range, or a stop by `progress`.
+    pub fn new(scene: &ReadyScene, seed: u64, progress: &dyn Progress) -> Result<Self> {
+        let (objects, counts) = scene.objects_watched(seed, progress)?;
+        let stage = Stage::watched(objects, progress)?;
         let environment = scene.environment()?;
         let lighting = Lighting::new(scene.lamps()?, environment.as_ref())?;
         Ok(Self { stage, counts, lighting, environment })
@@ -121,7 +121,7 @@ impl Picture {
     /// A number of scene or options out of range, or a stop by `progress`.
     pub fn of(scene: &ReadyScene, options: &PictureOptions, progress: &dyn Progress) -> Result<Self> {
         let PictureOptions { size, samples, seed, ref sensor } = *options;
-        let set = Set::new(scene, seed)?;
+        let set = Set::new(scene, seed, progress)?;
         let planes = Planes { sensor: sensor.clone(), ..Planes::default() };
         let mut film = Film::with(size, planes)?;
         let goal = Goal::samples(samples);

@@ -173,6 +173,14 @@ impl Film {
         &self.tiles[tile].pixels[((y - y0) * (x1 - x0) + x - x0) as usize]
     }
 
+    /// Noise of the tile that has most of it: the standard error of a pixel's luminance over the luminance (with 0.05 added), mean over the
+    /// tile, which a [`Goal`](super::run::Goal) may ask for. `None` where a tile has less than two samples, of which nothing is known.
+    #[must_use]
+    pub fn noise(&self) -> Option<f64> {
+        let known = self.tiles.iter().all(|tile| tile.count >= 2);
+        known.then(|| self.tiles.iter().map(Tile::noise).fold(0.0, f64::max))
+    }
+
     /// Means of the sensor's channels of a pixel through its tent; zero before its first sample. The mean is over the samples' own
     /// weights, so light that is the same everywhere has no noise, and where a part of the tent lies outside the picture or in a
     /// tile without samples it is that of the rest.

@@ -33,7 +33,7 @@ pub struct Goal {
 /// How long a picture may take.
 #[derive(Debug, Clone, Copy)]
 pub struct TimeLimit {
-    /// No new round begins that would likely end later than this.
+    /// No sample begins that would likely end later than this: the last rounds are as short as they must be.
     pub most: Duration,
     /// By this clock.
     pub clock: Clock,
@@ -83,8 +83,8 @@ pub fn run(
     integrator.check(&film.planes().sensor)?;
     let glow = integrator.glow(film.response());
     let now = || goal.time.map_or(Duration::ZERO, |limit| (limit.clock)());
+    let mut clock = Pace::default();
     let start = now();
-    let mut slowest = Duration::ZERO;
     let most = film.tiles.iter().map(|tile| u64::from(goal.samples.saturating_sub(tile.count))).sum();
     progress.begin("rendering", most);
     loop {
@@ -96,24 +96,60 @@ pub fn run(
             return Ok(Ended::Stopped);
         }
         let begun = now();
-        if goal.time.is_some_and(|limit| slowest > Duration::ZERO && begun - start + slowest > limit.most) {
-            return Ok(Ended::OutOfTime);
-        }
-        round((integrator, &glow), film, seed, &goal, &open, progress);
-        slowest = slowest.max(now() - begun);
+        let step = match goal.time {
+            None => goal.round.clamp(1, ROUND),
+            Some(limit) => {
+                let left = limit.most.saturating_sub(begun.saturating_sub(start));
+                match clock.affords(open.len(), left) {
+                    0 => return Ok(Ended::OutOfTime),
+                    samples => samples.min(goal.round.clamp(1, ROUND)),
+                }
+            }
+        };
+        let samples = round((integrator, &glow), film, seed, (&goal, step), &open, progress);
+        clock.add(samples, now().saturating_sub(begun));
         after_round(film)?;
     }
 }
 
-/// One round of all open tiles; a tile that a cancellation kept from starting stays as it was.
+/// How long samples took so far, each that of all pixels of a tile.
+#[derive(Debug, Default)]
+struct Pace {
+    samples: u64,
+    taken: Duration,
+    /// Seconds of one, in the last round.
+    last: f64,
+}
+
+impl Pace {
+    fn add(&mut self, samples: u64, taken: Duration) {
+        self.last = taken.as_secs_f64() / samples.max(1) as f64;
+        self.samples += samples;
+        self.taken += taken;
+    }
+
+    /// How many samples of so many tiles likely end within a time; one where nothing is known yet.
+    fn affords(&self, tiles: usize, left: Duration) -> u32 {
+        if self.samples == 0 {
+            return 1;
+        }
+        // What is left to do may be slower than what is done, and the machine busier.
+        let mean = self.taken.as_secs_f64() / self.samples as f64;
+        let one = mean.max(self.last) * tiles as f64;
+        (left.as_secs_f64() / one.max(1e-9)) as u32
+    }
+}
+
+/// One round of `step` samples of all open tiles, and how many those were together. A tile stays as it was where a cancellation kept it from
+/// starting or from ending: a sample of the whole tile may take long.
 fn round(
     scene: (&Integrator<'_>, &Glow),
     film: &mut Film,
     seed: u64,
-    goal: &Goal,
+    (goal, step): (&Goal, u32),
     open: &[usize],
     progress: &dyn Progress,
-) {
+) -> u64 {
     let done: Vec<Option<Tile>> = open
         .par_iter()
         .map(|&tile| {
@@ -121,37 +157,45 @@ fn round(
                 return None;
             }
             let from = film.tiles[tile].count;
-            let step = goal.round.clamp(1, ROUND);
             let to = goal.samples.min((from / ROUND + 1) * ROUND).min(from + step);
-            let grown = grown(scene, film, tile, seed, to);
+            let grown = grown(scene, film, tile, (seed, to), progress)?;
             progress.advance(u64::from(to - from));
             Some(grown)
         })
         .collect();
+    let mut samples = 0;
     for (&tile, grown) in open.iter().zip(done) {
         if let Some(grown) = grown {
+            samples += u64::from(grown.count - film.tiles[tile].count);
             film.tiles[tile] = grown;
         }
     }
+    samples
 }
 
-/// A tile with so many samples per pixel.
-fn grown(scene: (&Integrator<'_>, &Glow), film: &Film, tile: usize, seed: u64, samples: u32) -> Tile {
+/// A tile with so many samples per pixel; none where a cancellation came before.
+fn grown(
+    scene: (&Integrator<'_>, &Glow),
+    film: &Film,
+    tile: usize,
+    (seed, samples): (u64, u32),
+    progress: &dyn Progress,
+) -> Option<Tile> {
     let mut grown = film.tiles[tile].clone();
-    dispatch_large!(Level::new(), simd => grow(simd, scene, film, (tile, &mut grown), seed, samples));
-    grown
+    let whole = dispatch_large!(Level::new(), simd => grow(simd, scene, film, (tile, &mut grown), (seed, samples), progress));
+    whole.then_some(grown)
 }
 
-/// Compiled for each instruction set: paths of eight wavelengths are loops over arrays of eight.
+/// Whether the tile came so far. Compiled for each instruction set: paths of eight wavelengths are loops over arrays of eight.
 #[inline(always)]
 fn grow<S: Simd>(
     _simd: S,
     (integrator, glow): (&Integrator<'_>, &Glow),
     film: &Film,
     (number, tile): (usize, &mut Tile),
-    seed: u64,
-    samples: u32,
-) {
+    (seed, samples): (u64, u32),
+    progress: &dyn Progress,
+) -> bool {
     let ([x0, y0, x1, y1], size) = (film.bounds(number), film.size());
     let (planes, response) = (film.planes(), film.response());
     let density = planes.sensor.density();
@@ -167,6 +211,9 @@ fn grow<S: Simd>(
         let place = [x - x0, y - y0];
         let follows = follows[(place[1] / BLOCK * blocks + place[0] / BLOCK) as usize];
         for sample in tile.count..samples {
+            if progress.is_cancelled() {
+                return false;
+            }
             let shot = Shot { pixel: [x, y], size, sample: u64::from(sample), seed };
             if follows {
                 let seen = integrator.seen(&view, shot, density);
@@ -185,6 +232,7 @@ fn grow<S: Simd>(
         }
     }
     tile.count = samples;
+    true
 }
 
 /// Adds a sample of what is behind the scene, of pixel `[x, y]` at `place` in its tile. Channels may be negative where a sensor's
@@ -215,4 +263,27 @@ fn is_done(film: &Film, tile: usize, goal: &Goal) -> bool {
         return false;
     }
     film.tiles[tile].noise() < noise
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first round learns how long a sample takes; the last ones are short, and none begins that ends too late.
+    #[test]
+    fn rounds_fit_into_the_time_that_is_left() {
+        let second = Duration::from_secs(1);
+        let mut pace = Pace::default();
+        assert_eq!(pace.affords(10, Duration::ZERO), 1);
+        // Half a second for a sample of ten tiles.
+        pace.add(10, second / 2);
+        assert_eq!([0, 1, 4].map(|left| pace.affords(10, left * second)), [0, 2, 8]);
+        assert_eq!(pace.affords(5, second), 4);
+        assert_eq!(pace.affords(10, second * 49 / 100), 0);
+        // Slower now: the last round counts; faster: all do.
+        pace.add(10, 2 * second);
+        assert_eq!(pace.affords(10, 4 * second), 2);
+        pace.add(80, second / 2);
+        assert_eq!(pace.affords(10, 31 * second / 10), 10);
+    }
 }

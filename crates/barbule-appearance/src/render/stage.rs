@@ -8,6 +8,7 @@ use super::accelerator::{Accelerator, Beam, Instances};
 use super::window::{Met, Pane};
 use crate::Result;
 use crate::bsdf::{Hit, Surface};
+use crate::progress::{Progress, Unobserved};
 use crate::scene::Object;
 use crate::scene::window::Window;
 
@@ -28,14 +29,23 @@ impl Stage {
     /// # Errors
     /// Broken geometry; the message names the object and the shape.
     pub fn new(objects: Vec<Object>) -> Result<Self> {
+        Self::watched(objects, &Unobserved)
+    }
+
+    /// The same for who may stop it.
+    ///
+    /// # Errors
+    /// As [`Stage::new`], or a stop by `progress`.
+    pub fn watched(objects: Vec<Object>, progress: &dyn Progress) -> Result<Self> {
         for (index, object) in objects.iter().enumerate() {
             object.geometry.check().map_err(|error| error.at(format!("object {index}")))?;
         }
-        let (accelerator, instances) = (Accelerator::new(&objects), Instances::new(&objects));
+        let accelerator = Accelerator::new(&objects, progress)?;
+        let instances = Instances::new(&objects, progress)?;
         let nearest_mm = nearest_mm(&objects);
         let is_opaque = |one: &Object| one.geometry.window.is_none() && one.surface.is_opaque();
         let is_opaque = objects.iter().all(is_opaque);
-        let panes = panes(&objects)?;
+        let panes = panes(&objects, progress)?;
         Ok(Self { objects, accelerator, instances, panes, nearest_mm, is_opaque })
     }
 
@@ -126,7 +136,7 @@ impl Stage {
 }
 
 /// What is seen through each object that is a window, made once for all that show the same; nothing, if there is none.
-fn panes(objects: &[Object]) -> Result<Vec<Option<Arc<Pane>>>> {
+fn panes(objects: &[Object], progress: &dyn Progress) -> Result<Vec<Option<Arc<Pane>>>> {
     if objects.iter().all(|object| object.geometry.window.is_none()) {
         return Ok(Vec::new());
     }
@@ -138,7 +148,7 @@ fn panes(objects: &[Object]) -> Result<Vec<Option<Arc<Pane>>>> {
             continue;
         };
         let same = made.iter().find(|(of, _)| Arc::ptr_eq(of, window)).map(|(_, pane)| pane.clone());
-        let pane = same.map_or_else(|| Pane::new(window).map(Arc::new), Ok)?;
+        let pane = same.map_or_else(|| Pane::new(window, progress).map(Arc::new), Ok)?;
         made.push((window, pane.clone()));
         panes.push(Some(pane));
     }

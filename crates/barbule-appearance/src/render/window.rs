@@ -13,6 +13,7 @@ use super::stage::Stage;
 use crate::Result;
 use crate::bsdf::{Frame, Hit, Surface};
 use crate::math::rng::{hash, split_mix, unit_of};
+use crate::progress::Progress;
 use crate::scene::Object;
 use crate::scene::window::{Layer, Window};
 
@@ -70,9 +71,9 @@ const LEAST_RISE: f64 = 0.02;
 
 impl Pane {
     /// # Errors
-    /// Broken geometry.
-    pub(super) fn new(window: &Arc<Window>) -> Result<Self> {
-        let layers = window.layers.iter().map(Shown::new).collect::<Result<_>>()?;
+    /// Broken geometry, or a stop by `progress`.
+    pub(super) fn new(window: &Arc<Window>, progress: &dyn Progress) -> Result<Self> {
+        let layers = window.layers.iter().map(|layer| Shown::new(layer, progress)).collect::<Result<_>>()?;
         Ok(Self { layers, window: window.clone() })
     }
 
@@ -158,9 +159,9 @@ impl Inside {
 }
 
 impl Shown {
-    fn new(layer: &Layer) -> Result<Self> {
+    fn new(layer: &Layer, progress: &dyn Progress) -> Result<Self> {
         let Layer { objects, across_mm, along_mm } = layer;
-        let stage = Stage::new(objects.clone())?;
+        let stage = Stage::watched(objects.clone(), progress)?;
         let heights = objects.iter().fold([0.0_f64; 2], |[low, high], Object { geometry, .. }| {
             let widest = geometry.widest();
             geometry.bounds().map_or([low, high], |[a, b]| {

@@ -25,6 +25,13 @@ use light::Lamp;
 use sky::Environment;
 
 use crate::bsdf::Surface;
+use crate::progress::Progress;
+use crate::{Error, Result};
+
+/// Ends work that shall stop.
+pub(crate) fn go_on(progress: &dyn Progress) -> Result<()> {
+    if progress.is_cancelled() { Err(Error::interrupted()) } else { Ok(()) }
+}
 
 /// Shapes of one surface.
 #[derive(Debug, Clone)]

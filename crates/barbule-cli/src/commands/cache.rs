@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use barbule::brdf::fit::LobeForm;
 use barbule::characterize::{Cached, CachedMaterial, Contents, Origin};
 use barbule::error::shortened;
-use barbule::io::{check_writable, delete_cached, write_whole};
+use barbule::io::{check_writable, delete_file, write_whole};
 use barbule::open::Located;
 use barbule::scattering::lobe::FitKind;
 use barbule::{Error, Result};
@@ -87,10 +87,7 @@ impl Args {
         let folder = materials::known_folder(&self.common)?;
         let files = Cached::all(&folder)?;
         let doomed = |cached: &Cached| self.clear && cached.is_ours;
-        files
-            .iter()
-            .filter(|cached| doomed(cached))
-            .try_for_each(|cached| delete_cached(&cached.file.path))?;
+        files.iter().filter(|cached| doomed(cached)).try_for_each(|cached| delete_file(&cached.file.path))?;
         if self.common.json {
             let list: Vec<Value> = files
                 .iter()

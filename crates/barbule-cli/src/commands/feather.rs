@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use barbule::error::shortened;
 use barbule::io::{FeatherFormat, MOST_WRITTEN_BARBULES, check_writable, foretell_written, write_feather};
+use barbule::progress::Progress as _;
 use barbule::scene::feather::{self, Feather, Measures, VaneDisc, VaneMeasures};
 use barbule::solve::cost::PROGRAM;
 use barbule::{Error, Result};
@@ -12,6 +13,7 @@ use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use crate::common::{Common, path_json, print, print_json};
+use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::scene_arg;
 
@@ -70,7 +72,11 @@ impl Args {
                 self.common.idle("--level", "the measures are of the whole feather; give -o F to write it");
             }
             self.check_memory("measuring the feather", &feather, 0)?;
-            let measures = feather.measures(self.common.seed, IDENTITY)?;
+            let measures = feather.measures(
+                self.common.seed,
+                IDENTITY,
+                &Terminal::new(&self.common).writing_nothing(),
+            )?;
             let rows = self.rows(&feather, &measures);
             return match self.common.json {
                 true => print_json(out, &self.document(&measures, &rows)),
@@ -94,8 +100,9 @@ impl Args {
         let whole = VaneDisc { along_mm: 0.0, radius_mm: None };
         let seed = self.common.seed;
         self.check_memory("laying out the feather", feather, 0)?;
+        let terminal = Terminal::new(&self.common).writing_nothing();
         let barbules: usize = {
-            let (_, barbs) = feather.barbs_within(whole, seed, IDENTITY)?;
+            let (_, barbs) = feather.barbs_watched(whole, (seed, IDENTITY), &terminal)?;
             barbs.iter().map(|barb| feather.barbule_count(barb)).sum()
         };
         let level =
@@ -114,11 +121,16 @@ impl Args {
         let barbs = feather.census(whole).raised;
         self.check_memory("writing the feather", feather, foretell_written(path, barbs, written)?)?;
         let grown = match level {
-            Level::Barbs => feather.grow_barbs(whole, seed, IDENTITY)?,
+            Level::Barbs => feather.grow_barbs(whole, seed, IDENTITY, &terminal)?,
             Level::Barbules => {
-                feather.grow(whole, barbule::scene::feather::Level::Barbules, None, seed, IDENTITY)?
+                let every = barbule::scene::feather::Level::Barbules;
+                feather.grow_watched(whole, every, None, (seed, IDENTITY), &terminal)?
             }
         };
+        if terminal.is_cancelled() {
+            return Err(Error::interrupted());
+        }
+        drop(terminal);
         let provenance = Provenance::new(&self.common);
         write_feather(path, &grown, &provenance.notes())?;
         let counts = grown.counts();

@@ -1,6 +1,8 @@
 //! `barbule render`: a picture of a preset or a scene.
 
+mod checkpoints;
 mod flags;
+mod noise;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -10,7 +12,7 @@ use barbule::brdf::FeatherBrdf;
 use barbule::characterize::thinned;
 use barbule::clock;
 use barbule::error::shortened;
-use barbule::io::{Folder, check_writable, read_at_most, write_whole};
+use barbule::io::{Folder, check_writable};
 use barbule::picture::{Developed, Set, bytes_needed, check_colours, check_kind, development, is_exr};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
@@ -27,6 +29,8 @@ use barbule::scene::preset;
 use barbule::spectrum::sensor::Sensor;
 use barbule::{Error, Result, identity};
 
+use self::checkpoints::Checkpoints;
+use self::noise::Noise;
 use crate::common::{Common, path_json, print, print_json};
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
@@ -101,7 +105,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "TIME", value_parser = flags::preview, num_args = 0..=1, require_equals = true,
         default_missing_value = "5s")]
     preview: Option<Duration>,
-    /// Go on from F.checkpoint if it is there, and keep one
+    /// Go on from F.checkpoint if it is there, and keep one until the picture is done
     #[arg(long)]
     resume: bool,
     #[command(flatten)]
@@ -114,9 +118,6 @@ const HUMAN: &str = "human";
 /// What of a scene takes less memory.
 const SMALLER: &str =
     "smaller meshes, curves or pictures, or a smaller window or a coarser detail.level of a feather";
-
-/// How often a checkpoint is written.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(15);
 
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
@@ -138,18 +139,21 @@ impl Args {
         let mut description = description;
         self.read(&mut description, size, &planes)?;
         let (scene, wardrobe) = self.ready(description)?;
+        let set = self.set(&scene, &Terminal::new(&self.common).writing_nothing())?;
         let terminal = Terminal::new(&self.common).keeping_what_is_done();
-        let set = self.set(&scene)?;
-        let mut reports = Vec::new();
+        let checkpoints = Checkpoints::new(&self.common, self.resume);
+        let (mut reports, mut all_done) = (Vec::new(), true);
         let mut exposure = scene.exposure;
         for (frame, file) in self.frames_of(&scene)?.into_iter().zip(&files) {
             // A sequence that is exposed by a key is so by that of its first frame: it does not flicker.
             let frame = frame.changed(|scene| scene.exposure = exposure)?;
             let job = Job { file, size, goal, wardrobe: &wardrobe, planes: &planes };
-            let (report, used) = self.picture(&frame, &set, &job, &terminal)?;
+            let (report, used, ended) = self.picture(&frame, &set, &job, &checkpoints, &terminal)?;
             exposure = Exposure::Factor(used);
             reports.push(report);
+            all_done &= ended == Ended::Done;
         }
+        checkpoints.end(all_done, &files)?;
         if self.common.json {
             print_json(out, &reports)?;
         }
@@ -358,9 +362,9 @@ impl Args {
     }
 
     /// What all frames share: the objects with their hierarchy, and the sky.
-    fn set(&self, scene: &ReadyScene) -> Result<Set> {
+    fn set(&self, scene: &ReadyScene, terminal: &Terminal) -> Result<Set> {
         let begun = Instant::now();
-        let set = Set::new(scene, self.common.seed)?;
+        let set = Set::new(scene, self.common.seed, terminal)?;
         let counts = set.counts();
         self.common.explain(&format!(
             "{} barbs, {} barbules, {} primitives; ready in {:.2} s",
@@ -372,14 +376,15 @@ impl Args {
         Ok(set)
     }
 
-    /// Draws one frame; gives its report and its exposure.
+    /// Draws one frame; gives its report, its exposure, and why it ended.
     fn picture(
         &self,
         description: &ReadyScene,
         set: &Set,
         job: &Job<'_>,
+        checkpoints: &Checkpoints<'_>,
         terminal: &Terminal,
-    ) -> Result<(serde_json::Value, f64)> {
+    ) -> Result<(serde_json::Value, f64, Ended)> {
         let seed = self.common.seed;
         let (light, view) = (&description.light.bearing, &description.camera.bearing);
         self.common.explain(&format!(
@@ -392,32 +397,18 @@ impl Args {
         ));
         let program = env!("CARGO_PKG_VERSION");
         let name = checkpoint::name(&**description, seed, program, job.planes);
-        let kept = job.checkpoint();
-        let mut film = if self.resume && kept.exists() {
-            let bytes = read_at_most(&kept, checkpoint::bytes(job.size, job.planes))?;
-            checkpoint::read(&bytes, &name, job.size, job.planes.clone()).map_err(|e| e.at(kept.display()))?
-        } else {
-            Film::with(job.size, job.planes.clone())?
-        };
+        let mut kept = checkpoints.of(job, name);
+        let mut film = kept.film(job)?;
         let before = film.samples();
         let begun = Instant::now();
-        let (mut last, mut last_seen) = (Instant::now(), Instant::now());
-        // A picture is worth more than what it could go on from: a full disk does not end it.
-        let keep = |film: &Film| write_whole(&kept, &checkpoint::write(film, &name));
-        let mut said = false;
+        let (mut last_seen, mut said) = (Instant::now(), false);
         let ended = set.render(description, &mut film, seed, job.goal, terminal, &mut |film| {
-            if self.resume && last.elapsed() > CHECKPOINT_EVERY {
-                if let Err(error) = keep(film)
-                    && !std::mem::replace(&mut said, true)
-                {
-                    self.common.say(&format!("{error}; rendering goes on without it"));
-                }
-                last = Instant::now();
-            }
+            kept.now_and_then(film);
             if self.preview.is_some_and(|every| last_seen.elapsed() >= every) {
-                let shown = self.developed(description, job, film).and_then(|(picture, provenance, _)| {
-                    picture.write(&provenance.with("preview", "yes").notes())
-                });
+                let shown =
+                    self.developed(description, job, film, None).and_then(|(picture, provenance, _)| {
+                        picture.write(&provenance.with("preview", "yes").notes())
+                    });
                 if let Err(error) = shown
                     && !std::mem::replace(&mut said, true)
                 {
@@ -428,19 +419,20 @@ impl Args {
             Ok(())
         })?;
         let seconds = begun.elapsed().as_secs_f64();
-        let (picture, provenance, exposure) = self.developed(description, job, &film)?;
+        let noise = job.goal.noise.map(|target| Noise::of(&film, target, &job.goal, ended));
+        let (picture, provenance, exposure) = self.developed(description, job, &film, noise.as_ref())?;
         let provenance = provenance.with("pixel_hash", picture.pixel_hash());
         if film.samples() > 0 {
             picture.write(&provenance.notes())?;
-            self.common.wrote(job.file, &shown(description, job, &film));
+            self.common.wrote(job.file, &shown(description, job, &film, noise.as_ref()));
             self.say_faults(&film.faults(), description);
         }
-        if self.resume {
-            let written = if film.samples() > 0 { "; the picture itself is written" } else { "" };
-            keep(&film).map_err(|error| error.followed_by(written))?;
+        // One picture that is done needs none; those of a sequence are done together.
+        if ended != Ended::Done || self.frames > 1 {
+            kept.at_the_end(&film);
         }
         if ended == Ended::Stopped || terminal.is_cancelled() {
-            return Err(self.interrupted(job, &film));
+            return Err(self.interrupted(job, &film, checkpoints));
         }
         let (counts, paths) = (set.counts(), film.samples() - before);
         self.common.explain(&format!("{paths} paths in {seconds:.1} s"));
@@ -454,8 +446,9 @@ impl Args {
         if let (Some(report), serde_json::Value::Object(notes)) = (report.as_object_mut(), provenance.json())
         {
             report.extend(notes);
+            report.extend(noise.iter().flat_map(Noise::json));
         }
-        Ok((report, exposure))
+        Ok((report, exposure, ended))
     }
 
     /// Says how many samples no light could make, and where the first of them was.
@@ -477,23 +470,33 @@ impl Args {
         description: &ReadyScene,
         job: &Job<'a>,
         film: &Film,
+        noise: Option<&Noise>,
     ) -> Result<(Developed<'a>, Provenance, f64)> {
         let mut development = development(description, film)?;
         development.keeps_gamut = self.keep_gamut;
         let exposure = development.exposure;
         let picture = Developed::new(job.file, film, &development, &description.object_names())?;
-        Ok((picture, self.provenance(description, job, film, exposure), exposure))
+        let provenance = self.provenance(description, job, film, exposure);
+        let provenance = match noise {
+            Some(noise) => provenance.with("noise", noise.to_string()),
+            None => provenance,
+        };
+        Ok((picture, provenance, exposure))
     }
 
     /// Where the work was when Ctrl-C ended it, and how it goes on.
-    fn interrupted(&self, job: &Job<'_>, film: &Film) -> Error {
+    fn interrupted(&self, job: &Job<'_>, film: &Film, checkpoints: &Checkpoints<'_>) -> Error {
         let pixels = f64::from(job.size[0]) * f64::from(job.size[1]);
         let samples = film.samples() as f64 / pixels;
         if samples == 0.0 {
             return Error::interrupted_after("no sample is done, nothing is written");
         }
         let (most, file) = (job.goal.samples, job.file.display());
-        let next = if self.resume { "the same command goes on" } else { "with --resume it could go on" };
+        let next = match (self.resume, checkpoints.lack_one()) {
+            (true, false) => "the same command goes on",
+            (true, true) => "there is no checkpoint to go on from",
+            (false, _) => "with --resume it could go on",
+        };
         Error::interrupted_after(format!(
             "{samples:.1} of {most} samples done; {file} shows what is done; {next}"
         ))
@@ -532,10 +535,10 @@ impl Args {
 }
 
 /// What a picture shows, in a line.
-fn shown(description: &SceneDescription, job: &Job<'_>, film: &Film) -> String {
+fn shown(description: &SceneDescription, job: &Job<'_>, film: &Film, noise: Option<&Noise>) -> String {
     let light = &description.light.bearing;
     format!(
-        "{}{}, light {},{}, {} x {} pixels, {:.1} samples each",
+        "{}{}, light {},{}, {} x {} pixels, {:.1} samples each{}",
         match job.wardrobe.names.is_empty() {
             true => "no feather's material".to_owned(),
             false => job.wardrobe.names.join(", "),
@@ -545,7 +548,8 @@ fn shown(description: &SceneDescription, job: &Job<'_>, film: &Film) -> String {
         light.elevation_deg,
         job.size[0],
         job.size[1],
-        job.samples(film)
+        job.samples(film),
+        noise.map_or_else(String::new, |noise| format!(", noise {noise}"))
     )
 }
 
@@ -581,11 +585,5 @@ impl Job<'_> {
     /// Samples per pixel, in the mean.
     fn samples(&self, film: &Film) -> f64 {
         film.samples() as f64 / (f64::from(self.size[0]) * f64::from(self.size[1]))
-    }
-
-    fn checkpoint(&self) -> PathBuf {
-        let mut name = self.file.as_os_str().to_owned();
-        name.push(".checkpoint");
-        name.into()
     }
 }

@@ -115,3 +115,43 @@ fn a_comparison_with_full_waves_goes_on_after_ctrl_c() {
     );
     assert!(output.join("numbers.json").is_file());
 }
+
+/// While a scene is built, whatever of it takes long: feathers, coats, places of objects and their hierarchies.
+#[test]
+fn scenes_that_take_long_to_build_stop_soon() {
+    let folder = tempfile::tempdir().unwrap();
+    let feather = "preset = 'starling'\n[detail]\nlevel = 'barbs'\n[window]\nwhole = true\n\
+        [feather.shaft]\nlength_mm = 1000\n[feather.barbs]\nspacing_um = 20\n";
+    let coat = "preset = 'starling-feather'\n[detail]\nlevel = 'vane'\n[coat]\nellipsoid_mm = [38, 70, 38]\n\
+        count = 50000\n";
+    let instances: String = (0..100_000).map(|i| format!("{{translate_mm = [{i}, 0, 0]}},")).collect();
+    let balls = format!(
+        "preset = 'starling'\nshows_feather = false\n[surfaces.a]\ntype = 'diffuse'\n[[objects]]\n\
+        sphere_mm = 0.1\nsurface = 'a'\ninstances = [{instances}]\n"
+    );
+    for (name, text) in [("feather", feather), ("coat", coat), ("balls", &balls)] {
+        write_made_up();
+        std::fs::write(folder.path().join("s.toml"), text).unwrap();
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+        command.args([
+            "render",
+            "s.toml",
+            "--material",
+            MADE_UP,
+            "--size",
+            "1200x900",
+            "--samples",
+            "1000000",
+        ]);
+        command.args(["-o", "x.png"]).current_dir(folder.path());
+        let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(1200));
+        let asked = Instant::now();
+        interrupt(&child);
+        let mut said = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{name}: {said}");
+        // Half a second is promised on a machine of its own; tests share theirs.
+        assert!(asked.elapsed() < Duration::from_secs(5), "{name}: {:?}", asked.elapsed());
+    }
+}

@@ -419,7 +419,10 @@ fn a_sensor_of_a_file_sees_its_own_channels() {
     }
     let names = std::fs::read(path("c.exr")).unwrap();
     assert!(!String::from_utf8_lossy(&names[..4000]).contains("XYZ.Y"));
-    let again = ["starling", "-o", "c.exr", "--sensor", "false.toml", "--resume"];
+    // A picture that is not done keeps a checkpoint.
+    let begun = ["starling", "-o", "k.exr", "--sensor", "cones.csv", "--resume", "--time", "0.001s"];
+    barbule(folder.path(), &[&begun, QUICK].concat()).assert().success();
+    let again = ["starling", "-o", "k.exr", "--sensor", "false.toml", "--resume"];
     let refused = barbule(folder.path(), &[&again, QUICK].concat()).assert().code(2);
     let message = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
     assert!(message.contains("another picture") && message.contains("sensor"), "{message}");
@@ -443,23 +446,73 @@ fn a_previewed_picture_has_the_same_bits() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
+/// A time that is over at once ends it after a sample of each pixel. What is done needs no checkpoint any more.
 #[test]
-fn a_resumed_picture_has_the_same_bits() {
+fn a_resumed_picture_has_the_same_bits_and_leaves_no_checkpoint() {
     let folder = tempfile::tempdir().unwrap();
-    let render = |name: &str, samples: &str| {
-        let arguments = ["starling", "--material", MADE_UP, "--size", "40x24", "--resume", "-o", name];
-        barbule(folder.path(), &[&arguments[..], &["--samples", samples]].concat()).assert().success();
+    let render = |name: &str, more: &[&str]| {
+        let arguments = ["starling", "--resume", "-o", name];
+        report(folder.path(), &[&arguments[..], more].concat())
     };
-    render("a.png", "8");
-    render("a.png", "20");
-    render("b.png", "20");
-    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
-    assert_eq!(read("a.png.checkpoint"), read("b.png.checkpoint"));
+    let is_kept = |name: &str| folder.path().join(format!("{name}.checkpoint")).exists();
+    let begun = render("a.png", &["--time", "0.001s"]);
+    assert_eq!((&begun["ended"], &begun["samples"]), (&"time".into(), &"1.0".into()));
+    assert!(is_kept("a.png"));
     // Another light is another picture.
-    let other =
-        ["starling", "--material", MADE_UP, "--size", "40x24", "--resume", "-o", "a.png", "--light=1,50"];
+    let other = [&["starling", "--resume", "-o", "a.png", "--light=1,50"][..], QUICK].concat();
     let refused = barbule(folder.path(), &other).assert().code(2);
     assert!(String::from_utf8_lossy(&refused.get_output().stderr).contains("another picture"));
+    let (resumed, whole) = (render("a.png", &[]), render("b.png", &[]));
+    assert_eq!((&resumed["pixel_hash"], &resumed["ended"]), (&whole["pixel_hash"], &"done".into()));
+    assert!(resumed["paths"].as_u64() < whole["paths"].as_u64());
+    assert!(!is_kept("a.png") && !is_kept("b.png"));
+}
+
+/// Frames that are done keep theirs until all are: the sequence goes on after them.
+#[test]
+fn a_sequence_keeps_checkpoints_until_all_its_frames_are_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["starling", "--resume", "--frames", "2", "-o", "f.png", "--json"];
+    let render = |more: &[&str]| {
+        let run = barbule(folder.path(), &[&arguments[..], QUICK, more].concat()).assert().success();
+        serde_json::from_slice::<Value>(&run.get_output().stdout).unwrap()
+    };
+    let count = || std::fs::read_dir(folder.path()).unwrap().count();
+    render(&["--time", "0.001s"]);
+    assert_eq!(count(), 4);
+    let done = render(&[]);
+    assert_eq!(count(), 2);
+    assert_eq!(done[1]["paths"], 3 * 48 * 30);
+}
+
+/// Which noise was asked for, what was reached, and why not: in the line, in the picture and in JSON.
+#[test]
+fn a_picture_says_whether_its_noise_was_reached() {
+    let folder = tempfile::tempdir().unwrap();
+    let render = |name: &str, more: &[&str]| {
+        let arguments = ["starling", "--material", MADE_UP, "--size", "48x30", "--json", "-o", name];
+        let run = barbule(folder.path(), &[&arguments[..], more].concat()).assert().success();
+        let report: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+        let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        (report[0].clone(), said)
+    };
+    let (report, said) = render("a.png", &["--noise", "0.3", "--time", "0.5s"]);
+    assert!(
+        said.contains("samples each, noise ") && said.contains(" %, target 0.3 % not reached: time is up"),
+        "{said}"
+    );
+    assert_eq!((&report["noise_reached"], &report["noise_target_percent"]), (&false.into(), &0.3.into()));
+    assert!(report["noise_percent"].as_f64().unwrap() > 0.3, "{report}");
+    let bytes = std::fs::read(folder.path().join("a.png")).unwrap();
+    assert!(String::from_utf8_lossy(&bytes).contains("target 0.3 % not reached: time is up"));
+    let (report, said) = render("b.png", &["--noise", "90"]);
+    assert!(said.contains("target 90 % reached") && report["noise_reached"] == true, "{said} {report}");
+    let (_, said) = render("c.png", &["--noise", "0.3", "--samples", "4"]);
+    assert!(said.contains("target 0.3 % not reached: all 4 samples are taken"), "{said}");
+    let (_, said) = render("d.png", &["--noise", "0.3", "--samples", "1"]);
+    assert!(said.contains("noise unknown, target 0.3 % not reached"), "{said}");
+    let (_, said) = render("e.png", &["--samples", "4"]);
+    assert!(!said.contains("noise"), "{said}");
 }
 
 #[test]

@@ -250,7 +250,10 @@ fn a_disk_too_small_for_a_checkpoint_does_not_lose_the_picture() {
         ]);
         command.args(["--size", "64x64", "-o"]).args(more).output().unwrap()
     };
-    let output = render(&["r.png", "--resume"]);
+    // A picture that is done needs no checkpoint; one that is not goes on without.
+    assert!(render(&["d.png", "--resume"]).status.success());
+    std::fs::remove_file(disk.0.path().join("d.png")).unwrap();
+    let output = render(&["r.png", "--resume", "--time", "0.001s"]);
     let text = message(&output);
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("r.png.checkpoint: cannot be written (No space left"), "{text}");
@@ -258,6 +261,17 @@ fn a_disk_too_small_for_a_checkpoint_does_not_lose_the_picture() {
     let picture = std::fs::read(disk.0.path().join("r.png")).unwrap();
     assert!(picture.starts_with(b"\x89PNG") && picture.ends_with(b"IEND\xaeB`\x82"));
     assert_eq!(std::fs::read_dir(disk.0.path()).unwrap().count(), 1);
+    // All frames of a sequence are drawn, and it is said once.
+    std::fs::remove_file(disk.0.path().join("r.png")).unwrap();
+    let output = render(&["f.png", "--resume", "--frames", "3"]);
+    let text = message(&output);
+    assert!(output.status.success(), "{text}");
+    assert_eq!(text.matches("cannot be written (No space left").count(), 1, "{text}");
+    assert!(
+        text.contains("f-0000.png.checkpoint: ") && text.contains("rendering goes on without it"),
+        "{text}"
+    );
+    assert_eq!(std::fs::read_dir(disk.0.path()).unwrap().count(), 3);
 }
 
 #[cfg(target_os = "linux")]

@@ -52,11 +52,11 @@ pub fn list_cache(folder: &Path) -> Result<Vec<CacheFile>> {
     Ok(files)
 }
 
-/// Deletes a file of a cache; one that is gone already is fine.
+/// Deletes a file that can be made again; one that is gone already is fine.
 ///
 /// # Errors
 /// It cannot be deleted.
-pub fn delete_cached(path: &Path) -> Result<()> {
+pub fn delete_file(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => {
             Err(Error::input(format!("cannot be deleted ({error})")).in_file(path))
@@ -84,8 +84,8 @@ mod tests {
             files.iter().map(|f| (f.path.file_name().unwrap().to_str().unwrap(), f.bytes)).collect();
         assert_eq!(names, [("a.barbule", 9), ("b.orders", 8)]);
         assert!(list_cache(&files[0].path).unwrap_err().to_string().contains("a cache is a folder"));
-        delete_cached(&files[0].path).unwrap();
-        delete_cached(&files[0].path).unwrap();
+        delete_file(&files[0].path).unwrap();
+        delete_file(&files[0].path).unwrap();
         assert_eq!(list_cache(folder.path()).unwrap().len(), 1);
     }
 }

@@ -34,7 +34,7 @@ mod zarr;
 pub use arrays::{Coordinate, LabelledArrays, Numbers, Quantity, check_new_zarr, write_zarr};
 pub use assets::{Assets, Folder, Memory};
 pub use brdf_tables::{decode_tables, encode_tables, read_tables, write_tables};
-pub use cache::{CacheFile, delete_cached, list_cache};
+pub use cache::{CacheFile, delete_file, list_cache};
 pub use curves::{LARGEST_CURVES, curves_text, decode_curves, foretell_curves, parse_curves, read_curves};
 pub use feather::{FeatherFormat, MOST_WRITTEN_BARBULES, foretell_written, write_feather};
 pub use grating::{GratingFile, LARGEST_GRATING, decode_grating, read_grating, write_grating};

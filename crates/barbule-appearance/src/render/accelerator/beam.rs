@@ -87,6 +87,7 @@ mod tests {
     use super::*;
     use crate::bsdf::{Lambertian, Reflectance, Surface};
     use crate::math::rng::Stream;
+    use crate::progress::Unobserved;
     use crate::render::accelerator::Accelerator;
     use crate::scene::Object;
     use crate::scene::geometry::{CurveNode, Geometry};
@@ -106,7 +107,7 @@ mod tests {
         }
         let surface = Surface::Lambertian(Lambertian::new(Reflectance::new(|_| 1.0).unwrap()));
         let objects = [Object { geometry, surface }];
-        let accelerator = Accelerator::new(&objects);
+        let accelerator = Accelerator::new(&objects, &Unobserved).unwrap();
         let (mut met, mut missed, mut known) = (0, 0, 0);
         for turn in 0..3000 {
             let mut random = || DVec3::new(stream.normal(), stream.normal(), stream.normal());

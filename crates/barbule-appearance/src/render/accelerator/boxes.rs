@@ -75,7 +75,7 @@ mod tests {
                 Cube(Aabb::new(middle - half, middle + half))
             })
             .collect();
-        let hierarchy = super::super::build::hierarchy(&cubes);
+        let hierarchy = super::super::build::hierarchy(&cubes, &crate::progress::Unobserved).unwrap();
         let mut crossings = 0;
         for k in 0..500 {
             let direction = match k % 10 {

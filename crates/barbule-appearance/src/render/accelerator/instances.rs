@@ -10,9 +10,11 @@ use obvhs::ray::Ray;
 use super::boxes::crossed;
 use super::primitive::Meeting;
 use super::{Accelerator, Beam, build, enters, hits, ray};
+use crate::Result;
 use crate::bsdf::{Frame, Hit};
 use crate::math::rng::split_mix;
 use crate::math::simd::dispatch_large;
+use crate::progress::Progress;
 use crate::scene::Object;
 use crate::scene::geometry::Place;
 
@@ -50,8 +52,10 @@ impl Boundable for Boxed {
 
 impl Instances {
     /// Those of a list of objects; `None` where no object has places.
-    #[must_use]
-    pub(in super::super) fn new(objects: &[Object]) -> Option<Self> {
+    ///
+    /// # Errors
+    /// A stop by `progress`.
+    pub(in super::super) fn new(objects: &[Object], progress: &dyn Progress) -> Result<Option<Self>> {
         let (mut shapes, mut instances, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
         let all = (0_u32..).zip(objects).flat_map(|(index, Object { geometry: whole, .. })| {
             let repeated = whole.repeated.iter().enumerate().map(|(k, geometry)| (Some(k), geometry));
@@ -73,15 +77,15 @@ impl Instances {
             if instances.len() == before {
                 continue;
             }
-            let accelerator = Accelerator::of(std::iter::once((index, geometry)));
+            let accelerator = Accelerator::of(std::iter::once((index, geometry)), progress)?;
             shapes.push(Shapes { accelerator, repeated });
         }
         if instances.is_empty() {
-            return None;
+            return Ok(None);
         }
-        let top = build::hierarchy(&boxes);
+        let top = build::hierarchy(&boxes, progress)?;
         let instances = top.primitive_indices.iter().map(|&index| instances[index as usize]).collect();
-        Some(Self { shapes, top, instances, level: Level::new() })
+        Ok(Some(Self { shapes, top, instances, level: Level::new() }))
     }
 
     /// Bytes of all hierarchies, primitives included.
@@ -206,6 +210,7 @@ mod tests {
     use super::*;
     use crate::bsdf::{Lambertian, Reflectance, Surface};
     use crate::math::rng::Stream;
+    use crate::progress::Unobserved;
     use crate::scene::geometry::{CurveNode, Geometry, Mesh};
 
     fn object(geometry: Geometry) -> Object {
@@ -244,7 +249,7 @@ mod tests {
         let mut geometry = Geometry { places: vec![place], ..Geometry::default() };
         geometry.add_curve(&[node(-1.0), node(1.0)], 7);
         let objects = [object(geometry)];
-        let instances = Instances::new(&objects).unwrap();
+        let instances = Instances::new(&objects, &Unobserved).unwrap().unwrap();
         for (y, expected) in [(1.19, true), (0.81, true), (1.21, false), (0.79, false)] {
             let hit = instances.hit(&objects, DVec3::new(0.3, y, 5.0), DVec3::NEG_Z, 0.0, 10.0);
             assert_eq!(hit.is_some(), expected, "{y}");
@@ -268,8 +273,10 @@ mod tests {
             .collect();
         let copies: Vec<Object> = places.iter().map(|place| object(moved(place))).collect();
         let placed = [object(Geometry { places, ..shapes() })];
-        let (flat, instances) = (Accelerator::new(&copies), Instances::new(&placed).unwrap());
-        assert!(Accelerator::new(&placed).primitives.is_empty() && Instances::new(&copies).is_none());
+        let flat_of = |objects: &[Object]| Accelerator::new(objects, &Unobserved).unwrap();
+        let instances_of = |objects: &[Object]| Instances::new(objects, &Unobserved).unwrap();
+        let (flat, instances) = (flat_of(&copies), instances_of(&placed).unwrap());
+        assert!(flat_of(&placed).primitives.is_empty() && instances_of(&copies).is_none());
         let (mut met, mut apart, mut ids) = (0, 0, std::collections::BTreeSet::new());
         for _ in 0..20_000 {
             let direction = DVec3::new(stream.normal(), stream.normal(), stream.normal()).normalize();

@@ -6,6 +6,7 @@
 mod beam;
 mod boxes;
 mod build;
+mod clusters;
 mod hits;
 mod instances;
 mod primitive;
@@ -22,11 +23,13 @@ use boxes::crossed;
 pub(super) use instances::Instances;
 use primitive::{Meeting, Primitive, collect, meet};
 
+use crate::Result;
 use crate::bsdf::Hit;
 use crate::math::simd::dispatch_large;
-use crate::scene::Object;
+use crate::progress::Progress;
 use crate::scene::geometry::Geometry;
 use crate::scene::memory::MOST_IN_PIECES;
+use crate::scene::{Object, go_on};
 
 /// What the hierarchy is built of: the box about a piece of a primitive.
 struct Piece {
@@ -49,18 +52,24 @@ pub(super) struct Accelerator {
 
 impl Accelerator {
     /// Builds the hierarchy of those of a list of objects that stand where they were made.
-    #[must_use]
-    pub(super) fn new(objects: &[Object]) -> Self {
+    ///
+    /// # Errors
+    /// A stop by `progress`.
+    pub(super) fn new(objects: &[Object], progress: &dyn Progress) -> Result<Self> {
         let geometries = (0..).zip(objects.iter().map(|object| &object.geometry));
-        Self::of(geometries.filter(|(_, geometry)| geometry.places.is_empty()))
+        Self::of(geometries.filter(|(_, geometry)| geometry.places.is_empty()), progress)
     }
 
     /// Builds the hierarchy of geometries with the indices of their objects.
-    fn of<'a>(geometries: impl Iterator<Item = (u32, &'a Geometry)>) -> Self {
+    fn of<'a>(
+        geometries: impl Iterator<Item = (u32, &'a Geometry)>,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let primitives = collect(geometries);
         if primitives.is_empty() {
-            return Self { hierarchy: CwBvh::default(), primitives, level: Level::new() };
+            return Ok(Self { hierarchy: CwBvh::default(), primitives, level: Level::new() });
         }
+        go_on(progress)?;
         let whole = primitives.len() > MOST_IN_PIECES;
         let pieces: Vec<Piece> = (0_u32..)
             .zip(&primitives)
@@ -69,14 +78,14 @@ impl Accelerator {
                 (0..count).map(move |k| Piece { aabb: primitive.piece(k, count), primitive: index })
             })
             .collect();
-        let hierarchy = build::hierarchy(&pieces);
+        let hierarchy = build::hierarchy(&pieces, progress)?;
         // A primitive of several pieces is stored with each of them.
         let primitives = hierarchy
             .primitive_indices
             .iter()
             .map(|&index| primitives[pieces[index as usize].primitive as usize])
             .collect();
-        Self { hierarchy, primitives, level: Level::new() }
+        Ok(Self { hierarchy, primitives, level: Level::new() })
     }
 
     /// Bytes of nodes and primitives.

@@ -232,9 +232,14 @@ impl Body {
     #[must_use]
     pub fn spot(&self, triangle: u32, weights: [f64; 3]) -> Spot {
         let corners = self.triangles[triangle as usize];
-        let blend = |of: &[DVec3]| (0..3).map(|k| of[corners[k] as usize] * weights[k]).sum::<DVec3>();
-        let normal = blend(&self.normals).normalize_or(self.normals[corners[0] as usize]);
-        Spot { point: blend(&self.points), normal, triangle, weights }
+        let normal = blend(&self.normals, corners, weights).normalize_or(self.normals[corners[0] as usize]);
+        Spot { point: self.point(triangle, weights), normal, triangle, weights }
+    }
+
+    /// The same, its place alone, mm.
+    #[must_use]
+    pub fn point(&self, triangle: u32, weights: [f64; 3]) -> DVec3 {
+        blend(&self.points, self.triangles[triangle as usize], weights)
     }
 
     /// The surface's nearest point to `point` among those that a walk from corner to nearer corner leads to; for points
@@ -278,6 +283,11 @@ impl Body {
             ..Mesh::default()
         }
     }
+}
+
+/// What lies between the values at corners by their weights.
+fn blend(of: &[DVec3], corners: [u32; 3], weights: [f64; 3]) -> DVec3 {
+    (0..3).map(|k| of[corners[k] as usize] * weights[k]).sum()
 }
 
 /// Rows of sorted pairs: where each row begins, and all second numbers.

@@ -3,6 +3,9 @@
 use glam::DVec3;
 
 use super::body::{Body, Spot};
+use crate::Result;
+use crate::progress::Progress;
+use crate::scene::go_on;
 
 /// Least weight of an edge over the mean: obtuse triangles have negative ones, by which a solution would overshoot its guides.
 const LEAST_WEIGHT: f64 = 1e-3;
@@ -31,13 +34,15 @@ pub struct Field {
 impl Field {
     /// The vectors whose coordinates solve Laplace's equation on the surface (cotangent weights; Pinkall & Polthier 1993) with
     /// those of the guides within `reach_mm` of them; the same everywhere where there is one guide.
-    #[must_use]
-    pub fn new(body: &Body, guides: &[Guide], reach_mm: f64) -> Self {
+    ///
+    /// # Errors
+    /// A stop by `progress`.
+    pub fn new(body: &Body, guides: &[Guide], reach_mm: f64, progress: &dyn Progress) -> Result<Self> {
         let directions: Vec<DVec3> =
             guides.iter().map(|g| DVec3::from(g.direction).normalize_or(DVec3::NEG_Y)).collect();
         if directions.len() < 2 {
             let everywhere = directions.first().copied().unwrap_or(DVec3::NEG_Y);
-            return Self { vectors: vec![everywhere; body.points.len()] };
+            return Ok(Self { vectors: vec![everywhere; body.points.len()] });
         }
         let distance = |point: DVec3, guide: &Guide| (point - DVec3::from(guide.position_mm)).length();
         let nearest = |point: DVec3| {
@@ -63,7 +68,7 @@ impl Field {
             .map(|(&point, fixed)| fixed.unwrap_or_else(|| directions[nearest(point).0]));
         let start: Vec<DVec3> = start.collect();
         let is_free: Vec<bool> = fixed.iter().map(Option::is_none).collect();
-        Self { vectors: Laplacian::new(body).solve(start, &is_free) }
+        Ok(Self { vectors: Laplacian::new(body).solve(start, &is_free, progress)? })
     }
 
     /// The direction at a point of the surface: the vector there as far as it lies in the surface; any where it stands on it.
@@ -121,7 +126,10 @@ impl<'a> Laplacian<'a> {
     }
 
     /// Conjugate gradients with the diagonal as preconditioner, all three coordinates at once; sums run in one order.
-    fn solve(&self, start: Vec<DVec3>, is_free: &[bool]) -> Vec<DVec3> {
+    ///
+    /// # Errors
+    /// A stop by `progress`.
+    fn solve(&self, start: Vec<DVec3>, is_free: &[bool], progress: &dyn Progress) -> Result<Vec<DVec3>> {
         let count = start.len();
         let mut solution = start;
         let mut image = vec![DVec3::ZERO; count];
@@ -140,6 +148,7 @@ impl<'a> Laplacian<'a> {
         let mut energy = products(&residual, &conditioned);
         let enough = energy * (TOLERANCE * TOLERANCE);
         for _ in 0..MOST_STEPS {
+            go_on(progress)?;
             if energy.cmple(enough).all() {
                 break;
             }
@@ -157,13 +166,14 @@ impl<'a> Laplacian<'a> {
             }
             energy = next;
         }
-        solution
+        Ok(solution)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::progress::Unobserved;
     use crate::scene::geometry::Place;
 
     const UP: Guide = Guide { position_mm: [0.0, 0.0, 10.0], direction: [3.0, 0.0, 0.0], kind: 0 };
@@ -172,7 +182,7 @@ mod tests {
     #[test]
     fn one_guide_gives_meridians() {
         let body = Body::ellipsoid([10.0; 3], &Place::HERE, 0.8);
-        let field = Field::new(&body, &[UP], 1.0);
+        let field = Field::new(&body, &[UP], 1.0, &Unobserved).unwrap();
         for triangle in 0..body.triangles.len() as u32 {
             let spot = body.spot(triangle, [0.2, 0.5, 0.3]);
             let n = spot.point.normalize();
@@ -189,7 +199,7 @@ mod tests {
     fn two_guides_are_joined_harmonically() {
         let body = Body::ellipsoid([10.0; 3], &Place::HERE, 0.4);
         let down = Guide { position_mm: [0.0, 0.0, -10.0], direction: [0.0, 1.0, 0.0], kind: 0 };
-        let field = Field::new(&body, &[UP, down], 4.0);
+        let field = Field::new(&body, &[UP, down], 4.0, &Unobserved).unwrap();
         // A chord of 4 mm.
         let rim = 2.0 * libm::asin(0.2);
         let lean = |theta: f64| libm::log(libm::tan(0.5 * theta));

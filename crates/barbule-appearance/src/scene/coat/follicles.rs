@@ -4,15 +4,23 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
 use glam::{DVec3, I64Vec3};
+use rayon::prelude::*;
 
 use super::body::{Body, Spot};
 use crate::math::rng::Stream;
+use crate::progress::Progress;
+use crate::scene::go_on;
 use crate::{Error, Result};
 
 /// Random points for each that stays.
 const CANDIDATES: usize = 5;
 /// Points thrown at a surface by which the area within a box is known.
 const THROWS: u32 = 40_000;
+/// Least share of a surface that a region may hold: so many points are thrown for each candidate at most.
+const LEAST_SHARE: f64 = 1e-3;
+const THROWN: usize = 1000;
+/// Points that are thrown between two looks at whether to stop.
+const AT_ONCE: usize = 1 << 14;
 /// Names of random streams.
 const MEASURE: u64 = 0x61_7265;
 const DRAW: u64 = 0x64_7261;
@@ -58,8 +66,9 @@ impl<'a> Surface<'a> {
         let at = stream.unit() * self.whole_area();
         let triangle = self.areas.partition_point(|&area| area <= at).min(self.areas.len() - 1);
         let (root, across) = (stream.unit().sqrt(), stream.unit());
-        let spot = self.body.spot(triangle as u32, [1.0 - root, root * (1.0 - across), root * across]);
-        self.region.is_none_or(|region| region.holds(spot.point)).then_some(spot)
+        let weights = [1.0 - root, root * (1.0 - across), root * across];
+        let is_within = |region: Region| region.holds(self.body.point(triangle as u32, weights));
+        self.region.is_none_or(is_within).then(|| self.body.spot(triangle as u32, weights))
     }
 }
 
@@ -79,30 +88,48 @@ pub fn area(body: &Body, region: Option<Region>) -> f64 {
 /// which has most others near it (sample elimination; Yuksel 2015, Computer Graphics Forum 34(2)).
 ///
 /// # Errors
-/// A region that holds next to none of the surface.
+/// A region that holds next to none of the surface, or a stop by `progress`.
 pub fn scattered(
     body: &Body,
     region: Option<Region>,
     area: f64,
     count: usize,
     seed: u64,
+    progress: &dyn Progress,
 ) -> Result<Vec<Spot>> {
     let surface = Surface::new(body, region);
+    let refuse = |share: f64| {
+        Err(Error::input(format!(
+            "coat.within_mm holds hardly any of the body's surface (about {:.3} %); give a box that holds {} % of it at least",
+            100.0 * share,
+            100.0 * LEAST_SHARE
+        )))
+    };
+    // What is known of the area is uncertain; half of the least is certainly too little.
+    let share = area / surface.whole_area();
+    if share.is_nan() || share < 0.5 * LEAST_SHARE {
+        return refuse(share.max(0.0));
+    }
+    let (wanted, mut thrown) = (CANDIDATES * count, 0);
     let mut stream = Stream::new(seed, &[DRAW]);
-    let mut spots = Vec::with_capacity(CANDIDATES * count);
-    // A region of a thousandth of the surface is still found.
-    for _ in 0..1000 * CANDIDATES * count {
-        spots.extend(surface.draw(&mut stream));
-        if spots.len() == CANDIDATES * count {
-            break;
+    let mut spots = Vec::with_capacity(wanted);
+    progress.begin("spreading the coat's follicles", wanted as u64);
+    while spots.len() < wanted {
+        if thrown >= THROWN * wanted {
+            return refuse(spots.len() as f64 / thrown as f64);
         }
+        go_on(progress)?;
+        let before = spots.len();
+        for _ in 0..AT_ONCE.min(THROWN * wanted - thrown) {
+            thrown += 1;
+            spots.extend(surface.draw(&mut stream));
+            if spots.len() == wanted {
+                break;
+            }
+        }
+        progress.advance((spots.len() - before) as u64);
     }
-    if spots.len() < CANDIDATES * count || area <= 0.0 {
-        return Err(Error::input(
-            "coat.within_mm holds hardly any of the body's surface; give a box that holds more",
-        ));
-    }
-    let kept = eliminated(&spots, area, count);
+    let kept = eliminated(&spots, area, count, progress)?;
     Ok(spots.into_iter().zip(kept).filter_map(|(spot, is_kept)| is_kept.then_some(spot)).collect())
 }
 
@@ -113,11 +140,14 @@ pub fn widest_spacing(area: f64, count: usize) -> f64 {
 }
 
 /// Which of the points stay.
-fn eliminated(spots: &[Spot], area: f64, count: usize) -> Vec<bool> {
+///
+/// # Errors
+/// A stop by `progress`.
+fn eliminated(spots: &[Spot], area: f64, count: usize, progress: &dyn Progress) -> Result<Vec<bool>> {
     let reach = widest_spacing(area, count);
     // Yuksel's limit, by which no pair weighs much more than others: β = 0.65, γ = 1.5.
     let least = reach * (1.0 - libm::pow(count as f64 / spots.len() as f64, 1.5)) * 0.65;
-    let pairs = neighbours(spots, reach);
+    let pairs = neighbours(spots, reach, progress)?;
     let weight = |a: u32, b: u32| {
         let distance = (spots[a as usize].point - spots[b as usize].point).length();
         libm::pow(1.0 - distance.max(least).min(reach) / reach, 8.0)
@@ -129,12 +159,15 @@ fn eliminated(spots: &[Spot], area: f64, count: usize) -> Vec<bool> {
         (0_u32..).zip(&weights).map(|(a, w)| (w.to_bits(), Reverse(a))).collect();
     let mut is_kept = vec![true; spots.len()];
     let mut left = spots.len();
+    progress.begin("thinning the coat's follicles", (left - count) as u64);
     while left > count
         && let Some((bits, Reverse(a))) = heap.pop()
     {
         if !is_kept[a as usize] || bits != weights[a as usize].to_bits() {
             continue;
         }
+        go_on(progress)?;
+        progress.advance(1);
         is_kept[a as usize] = false;
         left -= 1;
         for &b in pairs[a as usize].iter().filter(|&&b| is_kept[b as usize]) {
@@ -142,13 +175,17 @@ fn eliminated(spots: &[Spot], area: f64, count: usize) -> Vec<bool> {
             heap.push((weights[b as usize].to_bits(), Reverse(b)));
         }
     }
-    is_kept
+    Ok(is_kept)
 }
 
 /// Of each point those that are nearer than `reach` on the same side of the body.
-fn neighbours(spots: &[Spot], reach: f64) -> Vec<Vec<u32>> {
+///
+/// # Errors
+/// A stop by `progress`.
+fn neighbours(spots: &[Spot], reach: f64, progress: &dyn Progress) -> Result<Vec<Vec<u32>>> {
     let near = Near::new(spots.iter().map(|spot| spot.point), reach);
     let of = |(a, spot): (u32, &Spot)| {
+        go_on(progress)?;
         let mut found = Vec::new();
         near.visit(spot.point, |b| {
             let other = &spots[b as usize];
@@ -157,9 +194,9 @@ fn neighbours(spots: &[Spot], reach: f64) -> Vec<Vec<u32>> {
                 found.push(b);
             }
         });
-        found
+        Ok(found)
     };
-    (0_u32..).zip(spots).map(of).collect()
+    (0..spots.len() as u32).into_par_iter().zip(spots).map(of).collect()
 }
 
 /// Points in cubes of a size, to be found again.
@@ -195,6 +232,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+    use crate::progress::Unobserved;
     use crate::scene::geometry::Place;
 
     fn nearest(spots: &[Spot]) -> Vec<f64> {
@@ -212,9 +250,9 @@ mod tests {
         let body = Body::ellipsoid([30.0, 50.0, 30.0], &Place::HERE, 3.0);
         let whole = area(&body, None);
         for count in [1, 7, 600] {
-            assert_eq!(scattered(&body, None, whole, count, 3).unwrap().len(), count);
+            assert_eq!(scattered(&body, None, whole, count, 3, &Unobserved).unwrap().len(), count);
         }
-        let spots = scattered(&body, None, whole, 600, 3).unwrap();
+        let spots = scattered(&body, None, whole, 600, 3, &Unobserved).unwrap();
         let widest = widest_spacing(whole, 600);
         let apart = nearest(&spots);
         let least = apart.iter().fold(f64::MAX, |a, b| a.min(*b)) / widest;
@@ -238,11 +276,11 @@ mod tests {
         let half = Region { low: [-30.0, -30.0, 0.0], high: [30.0; 3] };
         let found = area(&body, Some(half));
         assert!((found / (2.0 * PI * 400.0) - 1.0).abs() < 0.02, "{found}");
-        let spots = scattered(&body, Some(half), found, 100, 1).unwrap();
+        let spots = scattered(&body, Some(half), found, 100, 1, &Unobserved).unwrap();
         assert!(spots.len() == 100 && spots.iter().all(|spot| spot.point.z >= 0.0));
         let beside = Region { low: [30.0; 3], high: [40.0; 3] };
         assert_eq!(area(&body, Some(beside)), 0.0);
-        let refused = scattered(&body, Some(beside), 0.0, 10, 1).unwrap_err().to_string();
+        let refused = scattered(&body, Some(beside), 0.0, 10, 1, &Unobserved).unwrap_err().to_string();
         assert!(refused.starts_with("coat.within_mm holds hardly any"), "{refused}");
     }
 }

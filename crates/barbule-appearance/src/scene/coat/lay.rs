@@ -1,13 +1,18 @@
 //! Laying feathers over each other: from the tail to the head, each lifted until it lies over those before it.
 
-use std::collections::{BTreeSet, HashMap};
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
 
 use glam::{DVec3, I64Vec3};
+use rayon::prelude::*;
 
 use super::Stand;
 use super::body::{Body, Spot};
 use super::follicles::Near;
 use super::shape::Shape;
+use crate::Result;
+use crate::progress::Progress;
+use crate::scene::go_on;
 
 /// Cells in which the coat's height is kept, over the feathers' length.
 const CELL: f64 = 0.02;
@@ -27,39 +32,61 @@ pub(super) fn cell_mm(shortest_mm: f64, longest_mm: f64) -> f64 {
 
 /// The order in which feathers are laid: of two within a length of each other, the one whose root is nearer the head comes
 /// later. Where that runs in circles, the one with the fewest beneath it still missing comes first.
-pub(super) fn order(stands: &[Stand], length_mm: f64) -> Vec<u32> {
+///
+/// Pairs are looked for twice and never kept: a crowd of feathers has billions of them.
+///
+/// # Errors
+/// A stop by `progress`.
+pub(super) fn order(stands: &[Stand], length_mm: f64, progress: &dyn Progress) -> Result<Vec<u32>> {
     let largest = stands.iter().map(|stand| stand.scale).fold(0.0, f64::max);
     let reach = 1.1 * length_mm * largest;
     let near = Near::new(stands.iter().map(|stand| stand.spot.point), reach);
-    let mut above: Vec<Vec<u32>> = vec![Vec::new(); stands.len()];
-    let mut missing = vec![0_u32; stands.len()];
-    for (index, stand) in (0_u32..).zip(stands) {
-        near.visit(stand.spot.point, |other| {
-            let there = &stands[other as usize];
-            let apart = there.spot.point - stand.spot.point;
-            // The other one is nearer the tail: it lies beneath.
-            if other != index && apart.length() < reach && apart.dot(there.along + stand.along) > 0.0 {
-                above[other as usize].push(index);
-                missing[index as usize] += 1;
+    // Of two the one that is nearer the tail lies beneath.
+    let lies_over = |upper: &Stand, lower: &Stand| {
+        let apart = lower.spot.point - upper.spot.point;
+        apart.length() < reach && apart.dot(lower.along + upper.along) > 0.0
+    };
+    progress.begin("ordering the coat's feathers", 2 * stands.len() as u64);
+    let mut missing: Vec<u32> = (0..stands.len())
+        .into_par_iter()
+        .map(|index| {
+            go_on(progress)?;
+            progress.advance(1);
+            let mut beneath = 0;
+            near.visit(stands[index].spot.point, |other| {
+                let is_beneath =
+                    other as usize != index && lies_over(&stands[index], &stands[other as usize]);
+                beneath += u32::from(is_beneath);
+            });
+            Ok(beneath)
+        })
+        .collect::<Result<_>>()?;
+    // Those with nothing beneath them, the first of them first.
+    let mut free: BinaryHeap<Reverse<u32>> =
+        (0_u32..).zip(&missing).filter(|(_, count)| **count == 0).map(|(index, _)| Reverse(index)).collect();
+    let mut order = Vec::with_capacity(stands.len());
+    while order.len() < stands.len() {
+        go_on(progress)?;
+        progress.advance(1);
+        let fewest = || (0_u32..).zip(&missing).min_by_key(|(_, count)| **count).map(|(index, _)| index);
+        let Some(index) = free.pop().map(|Reverse(index)| index).or_else(fewest) else { break };
+        missing[index as usize] = LAID;
+        order.push(index);
+        near.visit(stands[index as usize].spot.point, |upper| {
+            let count = &mut missing[upper as usize];
+            if *count != LAID && lies_over(&stands[upper as usize], &stands[index as usize]) {
+                *count -= 1;
+                if *count == 0 {
+                    free.push(Reverse(upper));
+                }
             }
         });
     }
-    let mut waiting: BTreeSet<(u32, u32)> =
-        (0_u32..).zip(&missing).map(|(index, &count)| (count, index)).collect();
-    let mut is_laid = vec![false; stands.len()];
-    let mut order = Vec::with_capacity(stands.len());
-    while let Some((_, index)) = waiting.pop_first() {
-        is_laid[index as usize] = true;
-        order.push(index);
-        for &upper in above[index as usize].iter().filter(|&&upper| !is_laid[upper as usize]) {
-            let count = &mut missing[upper as usize];
-            waiting.remove(&(*count, upper));
-            *count -= 1;
-            waiting.insert((*count, upper));
-        }
-    }
-    order
+    Ok(order)
 }
+
+/// In place of how many are missing beneath a feather: it is laid.
+const LAID: u32 = u32::MAX;
 
 /// Height of what lies on a body so far.
 struct Heights {
@@ -84,16 +111,22 @@ impl Heights {
 }
 
 /// Turns each feather about its base until its test points are `clearance_mm` over those beneath and out of the body.
+///
+/// # Errors
+/// A stop by `progress`.
 pub(super) fn lift(
     body: &Body,
     stands: &mut [Stand],
-    order: &[u32],
-    shapes: &[Shape],
+    (order, shapes): (&[u32], &[Shape]),
     cell_mm: f64,
     clearance_mm: f64,
-) {
+    progress: &dyn Progress,
+) -> Result<()> {
     let mut heights = Heights { cells: HashMap::new(), cell_mm };
+    progress.begin("laying the coat's feathers", order.len() as u64);
     for &index in order {
+        go_on(progress)?;
+        progress.advance(1);
         let stand = &mut stands[index as usize];
         let shape = &shapes[stand.variant];
         let begin = body.triangles[stand.spot.triangle as usize][0];
@@ -115,6 +148,7 @@ pub(super) fn lift(
             }
         }
     }
+    Ok(())
 }
 
 /// The angle by which a feather must be lifted so that its points are free, if heights grow with the distance from its base.
@@ -131,4 +165,64 @@ fn missing(body: &Body, heights: &Heights, stand: &Stand, tests: &[DVec3], clear
         }
     }
     most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::rng::Stream;
+    use crate::progress::{Shared, Unobserved};
+
+    /// Feathers in a square of 10 mm that lie any way: so close together much of it runs in circles.
+    fn crowd(count: usize) -> Vec<Stand> {
+        let mut stream = Stream::new(8, &[count as u64]);
+        (0..count)
+            .map(|_| {
+                let point = DVec3::new(10.0 * stream.unit(), 10.0 * stream.unit(), 0.0);
+                let along = DVec3::new(stream.normal(), 3.0 + stream.normal(), 0.0).normalize();
+                let spot = Spot { point, normal: DVec3::Z, triangle: 0, weights: [1.0, 0.0, 0.0] };
+                Stand { spot, along, erection: 0.1, scale: 1.0, kind: 0, variant: 0 }
+            })
+            .collect()
+    }
+
+    /// By looking at all pairs each time: the first of those with the fewest beneath them that are not laid.
+    fn plain_order(stands: &[Stand], length_mm: f64) -> Vec<u32> {
+        let is_over = |upper: &Stand, lower: &Stand| {
+            let apart = lower.spot.point - upper.spot.point;
+            apart.length() < 1.1 * length_mm && apart.dot(lower.along + upper.along) > 0.0
+        };
+        let mut left: Vec<usize> = (0..stands.len()).collect();
+        let mut order = Vec::new();
+        while !left.is_empty() {
+            let missing = |&&of: &&usize| left.iter().filter(|&&b| is_over(&stands[of], &stands[b])).count();
+            let next = *left.iter().min_by_key(missing).unwrap();
+            left.retain(|&index| index != next);
+            order.push(next as u32);
+        }
+        order
+    }
+
+    #[test]
+    fn the_order_is_that_of_all_pairs() {
+        for (count, length_mm) in [(1, 1.0), (150, 0.8), (150, 3.0), (90, 30.0)] {
+            let stands = crowd(count);
+            assert_eq!(order(&stands, length_mm, &Unobserved).unwrap(), plain_order(&stands, length_mm));
+        }
+    }
+
+    /// Among 200 million pairs.
+    #[test]
+    fn a_crowd_is_stopped() {
+        let stands = crowd(20_000);
+        let stopped = Shared::default();
+        std::thread::scope(|scope| {
+            let work = scope.spawn(|| order(&stands, 30.0, &stopped));
+            while stopped.snapshot().done == 0 {
+                std::thread::yield_now();
+            }
+            stopped.cancel();
+            assert!(work.join().unwrap().unwrap_err().is_interrupted());
+        });
+    }
 }

@@ -22,6 +22,8 @@ use self::kinds::Kinds;
 use super::feather::{Feather, Shaft, VaneDisc};
 use super::geometry::Place;
 use crate::math::rng::{Stream, hash};
+use crate::progress::{Progress, Unobserved};
+use crate::scene::go_on;
 use crate::{Error, Result};
 
 /// Most feathers.
@@ -164,16 +166,31 @@ impl Coat {
     /// A region that holds next to none of the body, no or too many feathers by the density, no kind of feather or one that is not
     /// there, or a feather out of range.
     pub fn lay(&self, body: Body, feathers: &[Feather], kinds: Kinds<'_>, seed: u64) -> Result<Laid> {
+        self.lay_watched(body, feathers, kinds, seed, &Unobserved)
+    }
+
+    /// The same for who may stop it.
+    ///
+    /// # Errors
+    /// As [`Coat::lay`], or a stop by `progress`.
+    pub fn lay_watched(
+        &self,
+        body: Body,
+        feathers: &[Feather],
+        kinds: Kinds<'_>,
+        seed: u64,
+        progress: &dyn Progress,
+    ) -> Result<Laid> {
         if feathers.is_empty() {
             return Err(Error::input("the coat has no feather; give one kind at least"));
         }
         let [shortest, longest] = lengths_mm(feathers);
         let area_mm2 = follicles::area(&body, self.region);
         let count = self.count(area_mm2)?;
-        let spots = follicles::scattered(&body, self.region, area_mm2, count, seed)?;
+        let spots = follicles::scattered(&body, self.region, area_mm2, count, seed, progress)?;
         let kinds = kinds.of(&body, &spots, &self.guides, feathers.len(), seed)?;
-        let mut stands = self.stands(&body, &spots, &kinds, longest, seed);
-        let variants = self.bent(&body, &mut stands, feathers, seed);
+        let mut stands = self.stands(&body, (&spots, &kinds), longest, seed, progress)?;
+        let variants = self.bent(&body, &mut stands, feathers, seed, progress)?;
         // A bent feather has turned from its y axis by the point where it leaves the skin.
         stands.iter_mut().for_each(|stand| stand.erection -= heading(&variants[stand.variant].feather));
         let step_mm = lay::cell_mm(shortest, longest);
@@ -181,12 +198,12 @@ impl Coat {
             .iter()
             .enumerate()
             .map(|(variant, Variant { feather, .. })| {
-                shape::Shape::new(feather, seed_of(variant, seed), step_mm)
+                shape::Shape::new(feather, seed_of(variant, seed), step_mm, progress)
             })
             .collect::<Result<Vec<_>>>()?;
         let before = stands.clone();
-        let order = lay::order(&stands, longest);
-        lay::lift(&body, &mut stands, &order, &shapes, step_mm, self.clearance_mm);
+        let order = lay::order(&stands, longest, progress)?;
+        lay::lift(&body, &mut stands, (&order, &shapes), step_mm, self.clearance_mm, progress)?;
         let was_inside_out = body.was_inside_out;
         Ok(Laid { body, area_mm2, was_inside_out, variants, stands, before, order, shapes })
     }
@@ -209,8 +226,15 @@ impl Coat {
     }
 
     /// A feather at each follicle, as if it were alone.
-    fn stands(&self, body: &Body, spots: &[Spot], kinds: &[usize], longest_mm: f64, seed: u64) -> Vec<Stand> {
-        let field = Field::new(body, &self.guides, 0.5 * longest_mm);
+    fn stands(
+        &self,
+        body: &Body,
+        (spots, kinds): (&[Spot], &[usize]),
+        longest_mm: f64,
+        seed: u64,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Stand>> {
+        let field = Field::new(body, &self.guides, 0.5 * longest_mm, progress)?;
         let stand = |(index, (spot, &kind)): (u64, (&Spot, &usize))| {
             let mut stream = Stream::new(seed, &[STAND, index]);
             let mut jitter = |spread: f64| spread * stream.normal().clamp(-2.5, 2.5);
@@ -221,20 +245,28 @@ impl Coat {
             let scale = (1.0 + jitter(self.size_jitter)).max(0.2);
             Stand { spot: *spot, along, erection, scale, kind, variant: 0 }
         };
-        (0..).zip(spots.iter().zip(kinds)).map(stand).collect()
+        Ok((0..).zip(spots.iter().zip(kinds)).map(stand).collect())
     }
 
     /// The variants of all kinds, each bent as the body is where it stands; which one each feather is is set here.
-    fn bent(&self, body: &Body, stands: &mut [Stand], feathers: &[Feather], seed: u64) -> Vec<Variant> {
+    fn bent(
+        &self,
+        body: &Body,
+        stands: &mut [Stand],
+        feathers: &[Feather],
+        seed: u64,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Variant>> {
         let mut stream = Stream::new(seed, &[VARIANT]);
         let mut variants = Vec::with_capacity(feathers.len() * self.variants);
         for (kind, feather) in feathers.iter().enumerate() {
+            go_on(progress)?;
             let mut own: Vec<&mut Stand> = stands.iter_mut().filter(|stand| stand.kind == kind).collect();
             let bent = self.bent_of_kind(body, &mut own, feather, &mut stream);
             own.iter_mut().for_each(|stand| stand.variant += variants.len());
             variants.extend(bent.into_iter().map(|feather| Variant { kind, feather }));
         }
-        variants
+        Ok(variants)
     }
 
     /// Those of one kind, counted from 0.

@@ -7,6 +7,7 @@ use super::follicles::Near;
 use super::{Stand, window};
 use crate::Result;
 use crate::math::rng::hash;
+use crate::progress::Progress;
 use crate::scene::feather::{Barb, Feather};
 
 /// Stations along the shaft whose points must be free, as shares of its length (Chen et al. 2002 have five points).
@@ -33,9 +34,12 @@ pub(super) struct Shape {
 
 impl Shape {
     /// The shape of the feather that grows from a seed as those of scenes do; `step_mm`: distance of its points.
-    pub(super) fn new(feather: &Feather, seed: u64, step_mm: f64) -> Result<Self> {
+    ///
+    /// # Errors
+    /// A feather out of range, or a stop by `progress`.
+    pub(super) fn new(feather: &Feather, seed: u64, step_mm: f64, progress: &dyn Progress) -> Result<Self> {
         let window = window(feather);
-        let (shaft, barbs) = feather.barbs_within(window, seed, hash(seed, &[1]))?;
+        let (shaft, barbs) = feather.barbs_watched(window, (seed, hash(seed, &[1])), progress)?;
         let origin = shaft.at(window.along_mm).point;
         let length = feather.shaft.length_mm;
         let steps = (length / step_mm).ceil() as u32;

@@ -7,6 +7,7 @@ use super::sky::{Background, SkyDescription};
 use super::{ObjectDescription, ReadyScene, SceneDescription};
 use crate::error::{did_you_mean, shortened};
 use crate::math::rng::hash;
+use crate::progress::{Progress, Unobserved};
 use crate::scene::backdrop::Backdrop;
 use crate::scene::camera::Camera;
 use crate::scene::coat::Laid;
@@ -15,7 +16,7 @@ use crate::scene::feather::Counts;
 use crate::scene::geometry::{Geometry, Place};
 use crate::scene::light::{Lamp, Light};
 use crate::scene::sky::{Environment, Sky};
-use crate::scene::{Object, Scene};
+use crate::scene::{Object, Scene, go_on};
 use crate::spectrum::colour::decode;
 use crate::{Error, Result};
 
@@ -43,13 +44,22 @@ impl ReadyScene {
     /// # Errors
     /// A number out of range.
     pub fn objects(&self, seed: u64) -> Result<(Vec<Object>, Counts)> {
+        self.objects_watched(seed, &Unobserved)
+    }
+
+    /// The same for who may stop it.
+    ///
+    /// # Errors
+    /// As [`ReadyScene::objects`], or a stop by `progress`.
+    pub fn objects_watched(&self, seed: u64, progress: &dyn Progress) -> Result<(Vec<Object>, Counts)> {
         let (mut all, mut counts) = (Vec::new(), Counts::default());
         // The first feather grows from the seed itself, as does a scene's only one.
         let (mut plumages, mut shapes) = (0, 0);
         for object in &self.objects {
+            go_on(progress)?;
             if object.is_plumage() {
                 let own_seed = if plumages == 0 { seed } else { hash(seed, &[FEATHER, plumages]) };
-                let (parts, own) = object.plumage(self.camera.width_mm, own_seed, plumages)?;
+                let (parts, own) = object.plumage(self.camera.width_mm, (own_seed, plumages), progress)?;
                 counts.barbs += own.barbs;
                 counts.barbules += own.barbules;
                 all.extend(parts);
@@ -214,11 +224,16 @@ impl ObjectDescription {
     }
 
     /// The parts of a feather or a coat in its places; `index`: its own among such objects.
-    fn plumage(&self, width_mm: f64, seed: u64, index: u64) -> Result<(Vec<Object>, Counts)> {
+    fn plumage(
+        &self,
+        width_mm: f64,
+        (seed, index): (u64, u64),
+        progress: &dyn Progress,
+    ) -> Result<(Vec<Object>, Counts)> {
         let width_mm = self.width_on_it(width_mm);
         match &self.shape {
             ObjectShape::Feather(of) => {
-                let (parts, counts) = of.parts(width_mm, seed)?;
+                let (parts, counts) = of.parts(width_mm, seed, progress)?;
                 let places = self.placements();
                 if index == 0 && places == [super::Placement::HERE] {
                     return Ok((parts, counts));
@@ -231,7 +246,7 @@ impl ObjectDescription {
                 let placed = |part: Object| Object { geometry: part.geometry.placed_at(&places), ..part };
                 Ok((parts.into_iter().map(placed).collect(), counts))
             }
-            ObjectShape::Coat(of) => of.parts(&self.place, width_mm, seed),
+            ObjectShape::Coat(of) => of.parts(&self.place, width_mm, seed, progress),
             _ => Ok((Vec::new(), Counts::default())),
         }
     }

@@ -12,6 +12,7 @@ use super::slot::Slot;
 use crate::bsdf::{Lambertian, NumberMap, Pictures, Surface, Texture};
 use crate::fields::{Several, Text, up_to, within};
 use crate::math::rng::hash;
+use crate::progress::{Progress, Unobserved};
 use crate::scene::Object;
 use crate::scene::coat::body::{Body, MOST_TRIANGLES};
 use crate::scene::coat::field::Guide;
@@ -250,7 +251,7 @@ impl CoatObject {
     }
 
     /// The coat as it is laid, and what is under it.
-    fn laid_on(&self, place: &Placement, seed: u64) -> Result<(Laid, Geometry)> {
+    fn laid_on(&self, place: &Placement, seed: u64, progress: &dyn Progress) -> Result<(Laid, Geometry)> {
         let further = self.coat.feathers.iter().map(|kind| kind.feather);
         let feathers: Vec<Feather> = std::iter::once(self.feather).chain(further).collect();
         let (body, skin) = self.coat.grown_on(place, edge_mm(&feathers))?;
@@ -263,7 +264,7 @@ impl CoatObject {
             Some(map) => Kinds::Map(map),
             None => Kinds::Guides { mix_mm: self.coat.mix_mm },
         };
-        Ok((self.coat.coat().lay(body, &feathers, kinds, seed)?, skin))
+        Ok((self.coat.coat().lay_watched(body, &feathers, kinds, seed, progress)?, skin))
     }
 
     /// The coat as it is laid.
@@ -271,19 +272,25 @@ impl CoatObject {
     /// # Errors
     /// A mesh that is not read, or that bears no coat.
     pub fn laid(&self, place: &Placement, seed: u64) -> Result<Laid> {
-        Ok(self.laid_on(place, seed)?.0)
+        Ok(self.laid_on(place, seed, &Unobserved)?.0)
     }
 
     /// The skin, then the parts of each variant, at their places; `width_mm`: of the picture.
-    pub(super) fn parts(&self, place: &Placement, width_mm: f64, seed: u64) -> Result<(Vec<Object>, Counts)> {
-        let (laid, skin) = self.laid_on(place, seed)?;
+    pub(super) fn parts(
+        &self,
+        place: &Placement,
+        width_mm: f64,
+        seed: u64,
+        progress: &dyn Progress,
+    ) -> Result<(Vec<Object>, Counts)> {
+        let (laid, skin) = self.laid_on(place, seed, progress)?;
         let surface = Lambertian::painted(self.coat.skin_colour.0.map(decode), Pictures::default())?;
         let mut objects = vec![Object { geometry: skin, surface: Surface::Lambertian(surface) }];
         let (mut counts, mut windows) = (Counts::default(), None);
         let detail = self.detail_on_body(width_mm);
         for (variant, Variant { kind, feather }) in laid.variants.iter().enumerate() {
             let one = self.one(*kind, *feather, detail);
-            let (mut parts, own) = one.parts(width_mm, seed_of(variant, seed))?;
+            let (mut parts, own) = one.parts(width_mm, seed_of(variant, seed), progress)?;
             // The vanes of all of a kind show the same swatches, which take memory once.
             match &windows {
                 Some((shown, windows)) if shown == kind => {

@@ -12,6 +12,7 @@ use crate::bsdf::{
     Surface, ZoneDress,
 };
 use crate::math::rng::hash;
+use crate::progress::Progress;
 use crate::scene::Object;
 use crate::scene::feather::{BarbuleShape, Counts, Grown, Level, SheetBarbs, Swatch, tip_side};
 use crate::scene::geometry::{Geometry, Place};
@@ -29,10 +30,16 @@ impl FeatherObject {
     }
 
     /// Shaft, rami, barbules; `width_mm`: of the picture, on the feather.
-    pub(super) fn parts(&self, width_mm: f64, seed: u64) -> Result<(Vec<Object>, Counts)> {
+    pub(super) fn parts(
+        &self,
+        width_mm: f64,
+        seed: u64,
+        progress: &dyn Progress,
+    ) -> Result<(Vec<Object>, Counts)> {
         let level = self.level(width_mm);
         let zones = self.zone_plan()?.map(|plan| self.feather.zones(plan)).transpose()?;
-        let grown = self.feather.grow(self.window, level, zones.as_ref(), seed, hash(seed, &[1]))?;
+        let names = (seed, hash(seed, &[1]));
+        let grown = self.feather.grow_watched(self.window, level, zones.as_ref(), names, progress)?;
         let counts = grown.counts();
         let substances = Substances::new(self, self.feather.markings(zones.as_ref()))?;
         let shaft = (grown.shaft.clone(), Surface::Keratin(self.dress.shaft.build()?));

@@ -10,9 +10,12 @@ use super::outline::Vane;
 use super::row::{FlatBarb, PATH_STEPS, Row};
 use super::shaft::{Shaft, Station, tube_triangles};
 use super::{BarbShape, Feather, Grown, SplitShape, VaneDisc, split};
+use crate::Result;
 use crate::bsdf::{Mark, Markings, RAMUS_DEPTH, ramus_taper};
 use crate::math::rng::hash;
+use crate::progress::Progress;
 use crate::scene::geometry::{CurveNode, Geometry, Mesh};
+use crate::scene::go_on;
 
 /// Steps of a barb's curve.
 const STEPS: usize = 24;
@@ -50,39 +53,49 @@ pub struct Barb {
     pub is_free: [bool; 2],
 }
 
-/// All barbs of one side whose bases can reach into a window.
+/// All barbs of one side whose bases can reach into a window; seed and identity name the draws.
+///
+/// # Errors
+/// A stop by `progress`.
 pub(super) fn along(
     feather: &Feather,
     shaft: &Shaft,
     side: f64,
     window: VaneDisc,
-    seed: u64,
-    identity: u64,
-) -> Vec<Barb> {
-    let flat = laid_out(feather, shaft, side, seed, identity);
+    (seed, identity): (u64, u64),
+    progress: &dyn Progress,
+) -> Result<Vec<Barb>> {
+    let flat = laid_out(feather, shaft, side, (seed, identity), progress)?;
     let reaches = |barb: &&FlatBarb| {
         window.radius_mm.is_none_or(|radius| {
             barb.along > window.along_mm - barb.length - radius && barb.along < window.along_mm + 1.2 * radius
         })
     };
-    flat.iter().filter(reaches).map(|barb| raised(feather, shaft, side, barb)).collect()
+    let raised = |barb: &FlatBarb| {
+        go_on(progress)?;
+        Ok(raised(feather, shaft, side, barb))
+    };
+    flat.iter().filter(reaches).map(raised).collect()
 }
 
 /// The barbs of one side in the plane of the vane, after all that befell them.
+///
+/// # Errors
+/// A stop by `progress`.
 pub(super) fn laid_out(
     feather: &Feather,
     shaft: &Shaft,
     side: f64,
-    seed: u64,
-    identity: u64,
-) -> Vec<FlatBarb> {
+    (seed, identity): (u64, u64),
+    progress: &dyn Progress,
+) -> Result<Vec<FlatBarb>> {
     let vane = feather.vane_at(side);
     // Draws belong to the vane, not to the side: a feather of the other wing is the mirror image.
     let name = hash(seed, &[identity, u64::from(vane == Vane::Leading)]);
-    let mut barbs = Row { feather, shaft, vane, name }.barbs();
+    let mut barbs = Row { feather, shaft, vane, name }.barbs(progress)?;
     split::open(feather, &mut barbs, SplitShape::name(name));
     split::clump(&feather.disorder, &mut barbs);
-    barbs
+    Ok(barbs)
 }
 
 /// A barb on the curved vane, at equal steps of its arc length in space.

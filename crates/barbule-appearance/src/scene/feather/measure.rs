@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::{Barb, Feather, Grown, Level, Shaft, Vane, VaneDisc};
 use crate::Result;
+use crate::progress::Progress;
 
 /// Cells of the grid on which coverage is counted, along either side.
 const CELLS: usize = 512;
@@ -64,10 +65,10 @@ impl Feather {
     /// Measures a feather that is grown from these draws.
     ///
     /// # Errors
-    /// As [`Feather::check`].
-    pub fn measures(&self, seed: u64, identity: u64) -> Result<Measures> {
+    /// As [`Feather::check`], or a stop by `progress`.
+    pub fn measures(&self, seed: u64, identity: u64, progress: &dyn Progress) -> Result<Measures> {
         let whole = VaneDisc { along_mm: 0.0, radius_mm: None };
-        let (shaft, barbs) = self.barbs_within(whole, seed, identity)?;
+        let (shaft, barbs) = self.barbs_watched(whole, (seed, identity), progress)?;
         let [first, last] = shaft.vane_range();
         let points: Vec<DVec3> = (0..=1000).map(|i| shaft.at(last * f64::from(i) / 1000.0).point).collect();
         let of = |vane| self.vane_measures(&shaft, &barbs, vane);
@@ -84,7 +85,7 @@ impl Feather {
             downy_barbs: barbs.iter().filter(|barb| barb.is_loose).count(),
             barbules,
             barbules_per_mm: if self.downy.share < 1.0 { per_mm } else { downy_per_mm },
-            coverage: self.coverage(seed, identity)?,
+            coverage: self.coverage(seed, identity, progress)?,
         })
     }
 
@@ -141,8 +142,8 @@ impl Feather {
     /// shaft, counted on a grid. Nothing where all is downy.
     ///
     /// # Errors
-    /// As [`Feather::grow`].
-    pub fn coverage(&self, seed: u64, identity: u64) -> Result<Option<f64>> {
+    /// As [`Feather::grow`], or a stop by `progress`.
+    pub fn coverage(&self, seed: u64, identity: u64, progress: &dyn Progress) -> Result<Option<f64>> {
         if self.downy.share > PLACE {
             return Ok(None);
         }
@@ -158,7 +159,7 @@ impl Feather {
             return Ok(None);
         }
         let window = VaneDisc { along_mm, radius_mm: Some(1.5 * outside) };
-        let grown = self.grow(window, Level::Barbules, None, seed, identity)?;
+        let grown = self.grow_watched(window, Level::Barbules, None, (seed, identity), progress)?;
         let station = shaft.at(along_mm);
         let to_vane = |p: Vec3| {
             let p = p.as_dvec3();

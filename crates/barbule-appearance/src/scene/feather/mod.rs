@@ -42,6 +42,8 @@ pub use types::{names, source};
 
 use self::stretch::Stretches;
 use crate::bsdf::{Markings, Zones};
+use crate::progress::{Progress, Unobserved};
+use crate::scene::go_on;
 use crate::{Error, Result};
 
 /// The part of a feather to grow: a disc in the plane of the vane about a point of the shaft, or all of it.
@@ -98,13 +100,28 @@ impl Feather {
         seed: u64,
         identity: u64,
     ) -> Result<Grown> {
+        self.grow_watched(window, level, zones, (seed, identity), &Unobserved)
+    }
+
+    /// The same for who may stop it.
+    ///
+    /// # Errors
+    /// As [`Feather::grow`], or a stop by `progress`.
+    pub fn grow_watched(
+        &self,
+        window: VaneDisc,
+        level: Level,
+        zones: Option<&Zones>,
+        (seed, identity): (u64, u64),
+        progress: &dyn Progress,
+    ) -> Result<Grown> {
         self.check()?;
         match level {
             Level::Barbules => self.check_count(window)?,
             Level::Barbs => self.check_places(window)?,
             Level::Vane | Level::Envelopes => {}
         }
-        let (shaft, barbs) = self.barbs_within(window, seed, identity)?;
+        let (shaft, barbs) = self.barbs_watched(window, (seed, identity), progress)?;
         let origin = shaft.at(window.along_mm).point;
         let markings = self.markings(zones);
         let mut grown = Grown::new(markings.zones());
@@ -113,14 +130,14 @@ impl Feather {
             barbs.iter().partition(|barb| barb.is_loose && level == Level::Vane);
         match level {
             Level::Barbules => {
-                self.add_rami(&mut grown, &closed, &markings, origin);
-                self.add_barbules(&mut grown, &closed, &markings, (origin, window), seed);
+                self.add_rami(&mut grown, &closed, &markings, origin, progress)?;
+                self.add_barbules(&mut grown, &closed, &markings, (origin, window), seed, progress)?;
             }
             Level::Barbs => {
-                self.add_rami(&mut grown, &closed, &markings, origin);
-                self.add_stretches(&mut grown, &closed, &markings, (origin, window), seed);
+                self.add_rami(&mut grown, &closed, &markings, origin, progress)?;
+                self.add_stretches(&mut grown, &closed, &markings, (origin, window), seed, progress)?;
             }
-            Level::Envelopes => self.add_envelopes(&mut grown, &closed, origin),
+            Level::Envelopes => self.add_envelopes(&mut grown, &closed, origin, progress)?,
             Level::Vane => {
                 for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
                     let barbs = closed.iter().copied().filter(|b| b.side == side);
@@ -128,25 +145,42 @@ impl Feather {
                 }
             }
         }
-        self.add_envelopes(&mut grown, &loose, origin);
+        self.add_envelopes(&mut grown, &loose, origin, progress)?;
         Ok(grown)
     }
 
     /// Shaft and barbs alone, these as round fibres.
     ///
     /// # Errors
-    /// As [`Feather::check`].
-    pub fn grow_barbs(&self, window: VaneDisc, seed: u64, identity: u64) -> Result<Grown> {
-        let (shaft, barbs) = self.barbs_within(window, seed, identity)?;
+    /// As [`Feather::check`], or a stop by `progress`.
+    pub fn grow_barbs(
+        &self,
+        window: VaneDisc,
+        seed: u64,
+        identity: u64,
+        progress: &dyn Progress,
+    ) -> Result<Grown> {
+        let (shaft, barbs) = self.barbs_watched(window, (seed, identity), progress)?;
         let origin = shaft.at(window.along_mm).point;
         let mut grown = Grown::default();
         shaft.mesh(&mut grown.shaft, window, origin, identity);
-        barbs.iter().for_each(|barb| barb.fibre(&mut grown.barbs, origin));
+        for barb in &barbs {
+            go_on(progress)?;
+            barb.fibre(&mut grown.barbs, origin);
+        }
         Ok(grown)
     }
 
-    fn add_rami(&self, grown: &mut Grown, barbs: &[&Barb], markings: &Markings, origin: DVec3) {
+    fn add_rami(
+        &self,
+        grown: &mut Grown,
+        barbs: &[&Barb],
+        markings: &Markings,
+        origin: DVec3,
+        progress: &dyn Progress,
+    ) -> Result<()> {
         for barb in barbs {
+            go_on(progress)?;
             barb.fibre(&mut grown.barbs, origin);
             if barb.is_loose {
                 barb.fibre(&mut grown.downy, origin);
@@ -156,6 +190,7 @@ impl Feather {
                 barb.parted(grown, &marks, origin);
             }
         }
+        Ok(())
     }
 
     fn add_barbules(
@@ -165,14 +200,17 @@ impl Feather {
         markings: &Markings,
         place: (DVec3, VaneDisc),
         seed: u64,
-    ) {
+        progress: &dyn Progress,
+    ) -> Result<()> {
         let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
         for barb in barbs {
+            go_on(progress)?;
             for (which, shape) in self.barbules_of(barb).iter().enumerate() {
                 let row = shape.row(&self.disorder);
                 barbule::along(grown, barb, &row, which, (roll, markings), place, seed);
             }
         }
+        Ok(())
     }
 
     fn add_stretches(
@@ -182,27 +220,40 @@ impl Feather {
         markings: &Markings,
         place: (DVec3, VaneDisc),
         seed: u64,
-    ) {
+        progress: &dyn Progress,
+    ) -> Result<()> {
         let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
         for (is_loose, side, which) in SORTS {
             let of_sort = || barbs.iter().filter(|barb| barb.is_loose == is_loose && barb.side == side);
             let Some(first) = of_sort().next() else { continue };
             let row = self.barbules_of(first)[which].row(&self.disorder);
             let mut stretches = Stretches::new(row, side, which, roll, seed);
-            of_sort().for_each(|barb| stretches.along(barb, markings, place));
+            for barb in of_sort() {
+                go_on(progress)?;
+                stretches.along(barb, markings, place);
+            }
             for (mark, stretch) in stretches.placed() {
                 grown.barbules_at(is_loose, which, mark).repeated.push(stretch);
             }
         }
+        Ok(())
     }
 
-    fn add_envelopes(&self, grown: &mut Grown, barbs: &[&Barb], origin: DVec3) {
+    fn add_envelopes(
+        &self,
+        grown: &mut Grown,
+        barbs: &[&Barb],
+        origin: DVec3,
+        progress: &dyn Progress,
+    ) -> Result<()> {
         let roll = envelope::roll(1e-3 * self.barbs.spacing_um);
         for barb in barbs {
+            go_on(progress)?;
             let rows = self.barbules_of(barb).map(|shape| shape.row(&self.disorder));
             let envelopes = if barb.is_loose { &mut grown.downy_envelopes } else { &mut grown.envelopes };
             envelope::add(&mut envelopes[usize::from(barb.side > 0.0)], barb, &rows, roll, origin);
         }
+        Ok(())
     }
 
     /// What differs from place to place of its vanes.
@@ -216,12 +267,25 @@ impl Feather {
     /// # Errors
     /// As [`Feather::check`].
     pub fn barbs_within(&self, window: VaneDisc, seed: u64, identity: u64) -> Result<(Shaft, Vec<Barb>)> {
+        self.barbs_watched(window, (seed, identity), &Unobserved)
+    }
+
+    /// The same for who may stop it.
+    ///
+    /// # Errors
+    /// As [`Feather::check`], or a stop by `progress`.
+    pub fn barbs_watched(
+        &self,
+        window: VaneDisc,
+        (seed, identity): (u64, u64),
+        progress: &dyn Progress,
+    ) -> Result<(Shaft, Vec<Barb>)> {
         self.check()?;
         let shaft = Shaft::new(&self.shaft);
         let origin = shaft.at(window.along_mm).point;
         let mut barbs = Vec::new();
         for side in [-1.0, 1.0] {
-            let row = barb::along(self, &shaft, side, window, seed, identity);
+            let row = barb::along(self, &shaft, side, window, (seed, identity), progress)?;
             barbs.extend(row.into_iter().filter(|barb| barb.is_within(origin, window)));
         }
         Ok((shaft, barbs))

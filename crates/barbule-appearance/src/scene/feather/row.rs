@@ -8,7 +8,10 @@ use glam::DVec2;
 use super::outline::Vane;
 use super::shaft::Shaft;
 use super::{BarbShape, Feather, noise, smoothstep};
+use crate::Result;
 use crate::math::rng::{Stream, hash};
+use crate::progress::Progress;
+use crate::scene::go_on;
 
 /// Steps of a barb's path.
 pub(super) const PATH_STEPS: usize = 48;
@@ -79,8 +82,15 @@ impl BarbShape {
 
 impl Row<'_> {
     /// All barbs from the vane's base to its tip.
-    pub(super) fn barbs(&self) -> Vec<FlatBarb> {
-        self.bases().iter().enumerate().map(|(index, base)| self.barb(index, base)).collect()
+    ///
+    /// # Errors
+    /// A stop by `progress`.
+    pub(super) fn barbs(&self, progress: &dyn Progress) -> Result<Vec<FlatBarb>> {
+        let barb = |(index, base): (usize, &Base)| {
+            go_on(progress)?;
+            Ok(self.barb(index, base))
+        };
+        self.bases().iter().enumerate().map(barb).collect()
     }
 
     /// Barbs stand at their perpendicular spacing, so at steps p/sin α of the shaft; a fan of them ends the vane.

@@ -6,6 +6,7 @@ use super::barb::Barb;
 use super::{Feather, Grown, SheetBarbs, VaneDisc};
 use crate::bsdf::Markings;
 use crate::math::rng::hash;
+use crate::progress::Unobserved;
 use crate::{Error, Result};
 
 /// Straight barbs side by side along y with their barbules, in the plane z = 0 of the vane; z is its normal.
@@ -50,8 +51,8 @@ impl Feather {
         let mut grown = Grown::default();
         let everywhere = VaneDisc { along_mm: 0.0, radius_mm: None };
         let plain = Markings::default();
-        self.add_rami(&mut grown, &barbs, &plain, DVec3::ZERO);
-        self.add_stretches(&mut grown, &barbs, &plain, (DVec3::ZERO, everywhere), name);
+        self.add_rami(&mut grown, &barbs, &plain, DVec3::ZERO, &Unobserved)?;
+        self.add_stretches(&mut grown, &barbs, &plain, (DVec3::ZERO, everywhere), name, &Unobserved)?;
         let half_width_mm = (0.5 * BARBS as f64 - RIM as f64) * spacing_mm;
         Ok(Swatch { grown, half_width_mm, along_mm: SHOWN.map(|share| share * length_mm) })
     }

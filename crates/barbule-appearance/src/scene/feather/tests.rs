@@ -56,7 +56,7 @@ const WHOLE: VaneDisc = VaneDisc { along_mm: 0.0, radius_mm: None };
 
 fn rows(feather: &Feather, seed: u64) -> [Vec<FlatBarb>; 2] {
     let shaft = Shaft::new(&feather.shaft);
-    [-1.0, 1.0].map(|side| laid_out(feather, &shaft, side, seed, 1))
+    [-1.0, 1.0].map(|side| laid_out(feather, &shaft, side, (seed, 1), &Unobserved).unwrap())
 }
 
 #[test]
@@ -412,19 +412,19 @@ fn vanes_are_closed() {
 /// Hit fraction of the closed vane along its normal: flight feathers are shut, contour feathers let some light through.
 #[test]
 fn light_along_the_normal_meets_closed_vanes() {
-    let coverage = |name: &str| Feather::of_type(name).unwrap().coverage(1, 1).unwrap().unwrap();
+    let coverage = |name: &str| Feather::of_type(name).unwrap().coverage(1, 1, &Unobserved).unwrap().unwrap();
     for name in ["primary", "secondary", "tail", "osprey", "turkey-vulture", "rock-dove-wing"] {
         assert!(coverage(name) >= 0.97, "{name}: {}", coverage(name));
     }
     for name in ["contour", "covert"] {
         assert!((0.7..0.95).contains(&coverage(name)), "{name}: {}", coverage(name));
     }
-    assert_eq!(Feather::of_type("down").unwrap().coverage(1, 1).unwrap(), None);
+    assert_eq!(Feather::of_type("down").unwrap().coverage(1, 1, &Unobserved).unwrap(), None);
     // Without barbules only the rami are met: about their mean width over their spacing.
     let mut bare = Feather::of_type("contour").unwrap();
     bare.distal.length_um = 5.0;
     bare.proximal.length_um = 5.0;
-    let rami = bare.coverage(1, 1).unwrap().unwrap();
+    let rami = bare.coverage(1, 1, &Unobserved).unwrap().unwrap();
     let most = bare.barbs.width_um / bare.barbs.spacing_um;
     assert!((0.4 * most..2.0 * most).contains(&rami), "{rami} {most}");
 }
@@ -433,7 +433,7 @@ fn light_along_the_normal_meets_closed_vanes() {
 /// 990,000 barbules in a primary within 10 %.
 #[test]
 fn flight_feathers_measure_what_a_rock_doves_do() {
-    let measures = |name: &str| Feather::of_type(name).unwrap().measures(1, 1).unwrap();
+    let measures = |name: &str| Feather::of_type(name).unwrap().measures(1, 1, &Unobserved).unwrap();
     for (name, leading, trailing, vane) in
         [("primary", 5.2, 13.9, 135.0), ("secondary", 8.6, 12.5, 84.5), ("rock-dove-wing", 4.4, 13.2, 146.0)]
     {

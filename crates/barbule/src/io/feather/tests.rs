@@ -16,7 +16,7 @@ fn grown(barbules: bool) -> Grown {
     if barbules {
         feather.grow(whole, Level::Barbules, None, 1, 1).unwrap()
     } else {
-        feather.grow_barbs(whole, 1, 1).unwrap()
+        feather.grow_barbs(whole, 1, 1, &crate::progress::Unobserved).unwrap()
     }
 }
 
