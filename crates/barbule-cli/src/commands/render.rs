@@ -10,7 +10,7 @@ use barbule::brdf::FeatherBrdf;
 use barbule::characterize::thinned;
 use barbule::clock;
 use barbule::error::shortened;
-use barbule::io::{Folder, check_writable, read_at_most, write_whole};
+use barbule::io::{Folder, check_writable, read_own, write_whole};
 use barbule::picture::{Developed, Set, bytes_needed, check_colours, check_kind, development, is_exr};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
@@ -388,7 +388,7 @@ impl Args {
         let name = checkpoint::name(&**description, seed, program, job.planes);
         let kept = job.checkpoint();
         let mut film = if self.resume && kept.exists() {
-            let bytes = read_at_most(&kept, checkpoint::bytes(job.size, job.planes))?;
+            let bytes = read_own(&kept, checkpoint::bytes(job.size, job.planes))?;
             checkpoint::read(&bytes, &name, job.size, job.planes.clone()).map_err(|e| e.at(kept.display()))?
         } else {
             Film::with(job.size, job.planes.clone())?
