@@ -203,10 +203,12 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {}
 
 /// `, did you mean 'x'?` with the known name nearest to `given`, or nothing when none is near. A name is near too that
-/// stands as a word in `given`, as in `European-starling`.
+/// stands as a word in `given`, as in `European-starling`, and the nearest of all is `given` with its unit: `width_mm` for `width`.
 #[must_use]
 pub fn did_you_mean<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    const UNITS: [&str; 4] = ["_um", "_nm", "_mm", "_deg"];
     let given = given.to_lowercase();
+    let has_its_unit = |name: &str| name.strip_prefix(&given).is_some_and(|rest| UNITS.contains(&rest));
     let is_word = |name: &str| {
         let ends = |c: Option<char>| !c.is_some_and(char::is_alphanumeric);
         given.match_indices(name).any(|(at, found)| {
@@ -217,8 +219,12 @@ pub fn did_you_mean<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -
         .into_iter()
         .map(|name| {
             let lower = name.to_lowercase();
-            let distance = strsim::damerau_levenshtein(&given, &lower);
-            (if !lower.is_empty() && is_word(&lower) { distance.min(1) } else { distance }, name)
+            let distance = match strsim::damerau_levenshtein(&given, &lower) {
+                _ if has_its_unit(&lower) => 0,
+                distance if !lower.is_empty() && is_word(&lower) => distance.min(1),
+                distance => distance,
+            };
+            (distance, name)
         })
         .min_by_key(|(distance, _)| *distance)
         .filter(|(distance, name)| *distance <= 2.max(name.chars().count() / 2))
@@ -277,6 +283,8 @@ mod tests {
         assert_eq!(did_you_mean("qqqqqqqqqqqq", ["mallard", "starling"]), "");
         assert_eq!(did_you_mean("European-Starling", ["mallard", "starling"]), ", did you mean 'starling'?");
         assert_eq!(did_you_mean("starlingsandtheirfriends", ["mallard", "starling"]), "");
+        assert_eq!(did_you_mean("cortex", ["core", "cortex_um", "vortex"]), ", did you mean 'cortex_um'?");
+        assert_eq!(did_you_mean("tilt", ["tilt_spread", "tile", "tilt_deg"]), ", did you mean 'tilt_deg'?");
     }
 
     #[test]

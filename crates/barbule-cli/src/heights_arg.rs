@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use barbule::error::{did_you_mean, shortened};
+use barbule::fields::typed_in_nm;
 use barbule::io::{Clean, HeightUnit, HeightsOptions, foretell_heights, read_heights};
 use barbule::solve::cost::PROGRAM;
 use barbule::structure::{Heightfield, SAMPLES};
@@ -45,6 +46,9 @@ enum Cleaned {
     Always,
     Never,
 }
+
+/// Heights that are farther apart than this, µm, are more likely so many nm apart.
+const MOST_USUAL_PITCH_UM: f64 = 10.0;
 
 fn micrometres(text: &str) -> std::result::Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|value| (1e-6..=1e4).contains(value));
@@ -99,6 +103,13 @@ impl HeightsArgs {
             common.check_memory(&what, PROGRAM + bytes, "a smaller file")?;
         }
         let (field, is_cleaned) = read_heights(path, &options)?;
+        if let Some(pitch_um) = self.pitch {
+            // Farther apart nothing that diffracts is resolved.
+            let meant = typed_in_nm(pitch_um, &(1e-6..=MOST_USUAL_PITCH_UM));
+            if !meant.is_empty() {
+                common.say(&format!("--pitch {pitch_um}: heights {pitch_um} µm apart{meant}"));
+            }
+        }
         if is_cleaned && options.clean == Clean::Auto {
             common.say("opposite edges of these heights do not fit: they were levelled, clipped and blended at the edges; --clean never leaves them as they are");
         }

@@ -27,6 +27,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use barbule::error::sentence;
+use barbule::io::Ledger;
 use barbule::{Error, Result};
 use clap::{CommandFactory, FromArgMatches, Parser};
 
@@ -95,6 +96,8 @@ enum Ending {
 fn done(words: &[std::ffi::OsString], out: &mut dyn Write) -> Result<(), Ending> {
     let matches = Cli::command().try_get_matches_from(words).map_err(Ending::Unclear)?;
     let cli = Cli::from_arg_matches(&matches).map_err(|e| Ending::Unclear(e.format(&mut Cli::command())))?;
+    // No command can leave it out: what is read from here on is never written over.
+    let _ledger = Ledger::open();
     outputs::check(&matches).and_then(|()| cli.command.run(out)).map_err(Ending::Failed)
 }
 

@@ -1,9 +1,9 @@
 //! Names of outputs, before any work: each its own, none that of an input.
 
 use std::ffi::{OsStr, OsString};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use barbule::io::{files_in, files_named_in, is_inside_store, is_same_file};
+use barbule::io::{claim_output, is_inside_store, is_same_file, note_input};
 use barbule::structure::species_names;
 use barbule::{Error, Result};
 use clap::ArgMatches;
@@ -29,8 +29,9 @@ struct Output {
     is_table: bool,
 }
 
-/// Refuses what would destroy a file that the same command reads or writes: by whatever other spelling, link or second
-/// name, and also where only a file of the command line names it.
+/// Refuses, before any work, what would destroy a file that the same command reads or writes: by whatever other spelling,
+/// link or second name, and also where only a file of the command line names it. What commands read and write beside what
+/// the command line names is found by the ledger that is open.
 ///
 /// # Errors
 /// One output for two purposes; an output that is an input; a table with another format's ending.
@@ -54,43 +55,12 @@ pub(crate) fn check(matches: &ArgMatches) -> Result<()> {
             )));
         }
     }
-    if outputs.is_empty() {
-        return Ok(());
-    }
     outputs
         .iter()
         .filter(|output| output.is_table)
         .try_for_each(|table| check_table(&table.flag, &table.path))?;
-    let inputs: Vec<PathBuf> = words(matches).iter().flat_map(|word| readings(word)).collect();
-    for folder in inputs.iter().filter(|path| path.is_dir()) {
-        let joins = |output: &&Output| {
-            ends_with(&output.path, "json")
-                && output.path.parent().is_some_and(|at| is_same_file(folder, nonempty(at)))
-        };
-        if let Some(output) = outputs.iter().find(joins) {
-            return Err(Error::input(format!(
-                "{}: would become one of the sections in {}, which this command reads; give a name elsewhere",
-                output.name,
-                folder.display()
-            )));
-        }
-    }
-    // What is not there yet cannot be read.
-    let there: Vec<&Output> = outputs.iter().filter(|output| output.path.is_file()).collect();
-    if there.is_empty() {
-        return Ok(());
-    }
-    let read: Vec<PathBuf> = inputs.into_iter().flat_map(with_what_it_names).collect();
-    for output in there {
-        if let Some(input) = read.iter().find(|input| is_same_file(input, &output.path)) {
-            return Err(Error::input(format!(
-                "{}: would be overwritten, but this command reads it (as {}); give another name",
-                output.name,
-                input.display()
-            )));
-        }
-    }
-    Ok(())
+    outputs.iter().try_for_each(|output| claim_output(&output.path, &output.name))?;
+    words(matches).iter().flat_map(|word| readings(word)).try_for_each(|path| note_input(&path))
 }
 
 /// All outputs, notes beside tables too.
@@ -143,20 +113,6 @@ fn readings(word: &OsStr) -> Vec<PathBuf> {
     }
     found.retain(|path| path.exists());
     found
-}
-
-/// A file with those that it names; a folder's files likewise.
-fn with_what_it_names(input: PathBuf) -> Vec<PathBuf> {
-    let files = if input.is_dir() { files_in(&input, "json") } else { vec![input] };
-    files.into_iter().flat_map(|file| files_named_in(&file).into_iter().chain([file])).collect()
-}
-
-fn ends_with(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
-}
-
-fn nonempty(folder: &Path) -> &Path {
-    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
 #[cfg(test)]

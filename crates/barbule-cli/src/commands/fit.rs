@@ -10,6 +10,7 @@ use barbule::characterize::{CampaignDescription, material_of};
 use barbule::io::store::Store;
 use barbule::io::{check_writable, write_material};
 
+use super::simulate::damaged;
 use crate::campaign::{FitArgs, summary};
 use crate::common::{Common, print_json};
 use crate::progress::Terminal;
@@ -35,6 +36,11 @@ impl Args {
         check_writable(&self.output)?;
         let options = self.fit.options()?;
         let store = Store::open(&self.store)?;
+        let coordinates = store.damaged_coordinates();
+        if !coordinates.is_empty() {
+            // The fit has the axes from the attributes.
+            self.common.say(&format!("{}; simulate writes them again", damaged(&coordinates)));
+        }
         check_axes(store.axes()).map_err(|e| e.at(self.store.display()))?;
         let bytes = statistics_bytes(store.axes());
         self.common.allowance().check("this store's statistics", bytes, "a store of fewer directions")?;

@@ -61,9 +61,16 @@ impl Args {
         let resources = Resources { width, units_at_once };
         let store = plan.store(path, kept, &resources)?;
         let units = store.axes().shard(shard, shards);
+        let coordinates = store.damaged_coordinates();
+        if !coordinates.is_empty() {
+            store.prepare_writing()?;
+            self.common.say(&format!("{}; they are written again", damaged(&coordinates)));
+        }
         if units.iter().all(|unit| store.is_whole(unit.wavelength, unit.theta)) {
             store.end_writing();
-            self.common.say("everything is there already: nothing to do");
+            if coordinates.is_empty() {
+                self.common.say("everything is there already: nothing to do");
+            }
         } else {
             store.prepare_writing()?;
             let progress = Terminal::new(&self.common);
@@ -95,14 +102,24 @@ impl Args {
         if self.common.json {
             return print_json(out, &status(&store));
         }
-        let Status { units, done, damaged } = store.status();
+        let Status { units, done, damaged: broken } = store.status();
         let text = format!(
-            "{}: {done} of {units} units done, {} missing, {damaged} damaged",
+            "{}: {done} of {units} units done, {} missing, {broken} damaged",
             store.name(),
-            units - done - damaged
+            units - done - broken
         );
-        print(out, &text)
+        print(out, &text)?;
+        let coordinates = store.damaged_coordinates();
+        if coordinates.is_empty() {
+            return Ok(());
+        }
+        print(out, &format!("{}; the same simulate command writes them again", damaged(&coordinates)))
     }
+}
+
+/// Says of coordinates that other readers of the store would miss them.
+pub(super) fn damaged(coordinates: &[&str]) -> String {
+    format!("missing or damaged coordinates: {}", coordinates.join(", "))
 }
 
 fn status(store: &Store) -> serde_json::Value {
@@ -113,6 +130,7 @@ fn status(store: &Store) -> serde_json::Value {
         "done": status.done,
         "missing": status.missing(),
         "damaged": status.damaged,
+        "damaged_coordinates": store.damaged_coordinates(),
         "simd": store.width(),
     })
 }

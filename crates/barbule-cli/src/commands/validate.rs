@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use barbule::characterize::CampaignOptions;
 use barbule::clock;
 use barbule::error::shortened;
-use barbule::io::{Units, make_folder, write_together};
+use barbule::io::{Units, claim_output, files_in, make_folder, write_together};
 use barbule::open::Located;
 use barbule::plot::{Drawing, Format};
 use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, FullWave};
@@ -114,6 +114,11 @@ impl Args {
         self.common.start_threads()?;
         if self.folder.exists() && !self.folder.is_dir() {
             return Err(Error::input(format!("{}: is no folder; give another name", self.folder.display())));
+        }
+        // What a figure may take the place of is known before anything is read.
+        let figures = files_in(&self.folder, "svg");
+        for path in figures.iter().chain([&self.folder.join("numbers.json")]) {
+            claim_output(path, &format!("-o {}", path.display()))?;
         }
         if self.three_d { self.three_d(out) } else { self.full_wave(out) }
     }

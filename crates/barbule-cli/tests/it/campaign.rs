@@ -65,6 +65,21 @@ fn stores_are_the_same_bytes_whole_sharded_interrupted_or_repaired() {
     assert_eq!(code, 0);
     assert!(message.contains("nothing to do"));
 
+    // Other readers find values by the coordinates.
+    std::fs::remove_file(chunk("wavelength/c.0")).unwrap();
+    std::fs::write(chunk("lag/c.0"), b"cut").unwrap();
+    let lost = "missing or damaged coordinates: wavelength, lag";
+    let status = succeed(&["simulate", &path("b.zarr"), "--status"]);
+    assert!(status.contains("6 of 6 units done") && status.contains(lost), "{status}");
+    let status: Value =
+        serde_json::from_str(&succeed(&["simulate", &path("b.zarr"), "--status", "--json"])).unwrap();
+    assert_eq!(status["damaged_coordinates"], serde_json::json!(["wavelength", "lag"]));
+    let fitted = run(&["fit", &path("b.zarr"), "-o", &path("b.barbule")]);
+    assert!(fitted.0 == 0 && fitted.2.contains(lost), "{}", fitted.2);
+    let (code, _, message) = simulate("b.zarr", &[]);
+    assert!(code == 0 && message.contains(lost) && !message.contains("nothing to do"), "{message}");
+    assert_eq!(whole, bytes_of(&folder.path().join("b.zarr")));
+
     let (code, _, message) = simulate("b.zarr", &["--seed", "2"]);
     assert_eq!(code, 2);
     assert!(message.contains("other parameters (campaign.seed: 1 there, 2 here)"), "{message}");

@@ -74,6 +74,8 @@ fn heights_from_a_file_are_as_good_as_a_sample() {
         let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
         assert!((a - b).abs() <= 1e-9 * b.abs() + 1e-12, "{a} {b}");
     }
+    let far = command(&[&["diffract", file, "--pitch", "25"], &directions[..]].concat()).2;
+    assert!(far.contains("--pitch 25: heights 25 µm apart; did you mean 0.025 (25 nm)?"), "{far}");
     let said = refusal(&[&["diffract", file], &directions[..]].concat());
     assert!(said.contains("sine.npy") && said.contains("--pitch"), "{said}");
 }

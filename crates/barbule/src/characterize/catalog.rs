@@ -8,8 +8,8 @@ use crate::brdf::fit::{FitOptions, LobeForm};
 use crate::campaign::orders;
 use crate::identity::Hasher;
 use crate::io::{
-    check_writable, decode_material, encode_material, hash_bytes, list_cache, make_folder, read_bytes,
-    read_orders, write_orders, write_whole,
+    LARGEST_INPUT, check_writable, decode_material, encode_material, hash_bytes, list_cache, make_folder,
+    read_bytes, read_orders, read_own, write_orders, write_whole,
 };
 use crate::progress::Progress;
 use crate::scattering::lobe::FitKind;
@@ -59,9 +59,12 @@ impl Found {
     /// # Errors
     /// As [`crate::io::read_material`].
     pub fn in_file(path: &Path) -> Result<Self> {
-        let bytes = read_bytes(path)?;
-        let material = decode_material(&bytes).map_err(|error| error.in_file(path))?;
-        Ok(Self { material, hash: hash_bytes(&bytes), origin: Origin::File(path.to_owned()) })
+        Self::from_bytes(path, &read_bytes(path)?)
+    }
+
+    fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self> {
+        let material = decode_material(bytes).map_err(|error| error.in_file(path))?;
+        Ok(Self { material, hash: hash_bytes(bytes), origin: Origin::File(path.to_owned()) })
     }
 
     /// The bytes of its file.
@@ -113,7 +116,9 @@ impl Catalog {
                 && (found.material.kind, found.material.sigma) == (kind, sigma)
                 && LobeForm::of(&found.material) == lobe
         };
-        Found::in_file(&self.path(plan, options).ok()?).ok().filter(is_it)
+        let path = self.path(plan, options).ok()?;
+        let bytes = read_own(&path, LARGEST_INPUT).ok()?;
+        Found::from_bytes(&path, &bytes).ok().filter(is_it)
     }
 
     /// Keeps a plan's material in the cache, whole or not at all, and says where.

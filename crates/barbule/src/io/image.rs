@@ -221,7 +221,7 @@ fn check_pixels(name: &str, [width, height]: [usize; 2], bytes: usize) -> Result
     let pixels = width.saturating_mul(height);
     if pixels > MOST_PIXELS || pixels > bytes.saturating_mul(MOST_PIXELS_PER_BYTE) {
         return Err(Error::input(format!(
-            "says that it has {width} x {height} pixels; give a picture of at most 4096 x 2048"
+            "says that it has {width} x {height} pixels; give a picture of at most {MOST_PIXELS}, as 4096 x 2048 has"
         ))
         .in_file(Path::new(name)));
     }

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::media::{materials, substance, substance_json};
 use super::read_text;
+use super::section::KEYS as SECTION_KEYS;
 use crate::fields::{Fields, at_line, in_json, list, number, parse_json, parse_toml, typed_in_nm};
 use crate::material::Library;
 use crate::structure::{Circle, CrystalLayer, Lattice, MOST_RODS, Regularity, Rod, Substance};
@@ -13,6 +14,9 @@ use crate::{Error, Result};
 
 const KEYS: &[&str] =
     &["period", "host", "incidence", "cortex", "depth_to_center", "rows", "row_pitch", "row_shift", "rod"];
+
+/// What a file of a lattice alone consists of.
+const BESIDE: &[&str] = &["lattice", "materials"];
 
 /// Host above the first row that can be meant, µm.
 const CORTEX_UM: std::ops::RangeInclusive<f64> = 0.0..=50.0;
@@ -38,13 +42,12 @@ fn parse(text: &str, is_json: bool, folder: &Path, library: &Library) -> Result<
 }
 
 fn alone(value: &Value, folder: &Path, library: &Library) -> Result<Lattice> {
-    let mut library = library.clone();
-    materials(value.get("materials"), folder, &mut library)?;
-    let Some(lattice) = value.get("lattice") else {
-        return Err(Error::input("lattice is missing; give a table [lattice]"));
-    };
     // A section's lattice is as good, where it lies under the top apart.
     let alone = value.get("boundaries").is_none();
+    let fields = Fields::new(value, "", if alone { BESIDE } else { &SECTION_KEYS })?;
+    let mut library = library.clone();
+    materials(fields.get("materials"), folder, &mut library)?;
+    let lattice = fields.need("lattice", "a table [lattice]")?;
     if let Some(key) = UNDER_A_TOP.iter().find(|key| alone && lattice.get(key).is_some()) {
         return Err(Error::input(format!(
             "lattice.{key} is for a lattice inside a section; leave it out of a lattice alone"
@@ -295,7 +298,10 @@ mod tests {
         assert!(refusal("row_pitch = 0.17", "").contains("lattice.row_pitch is missing"));
         assert!(refusal("row_pitch = 0.17", "row_pitch = 0.05").contains("overlap"));
         assert!(refusal("\"melanin\"", "\"melamin\"").contains("did you mean 'melanin'"));
-        assert!(refusal("[lattice]", "[latice]").contains("lattice"));
+        assert!(refusal("[lattice]", "[latice]").contains("unknown key 'latice', did you mean 'lattice'?"));
+        assert!(refusal("[lattice]", "[materials]\nchitin = [1.5, 0]").contains("lattice.rod"));
+        let foreign = refusal("[lattice]", "[materails]\nkeratin = [1.9, 0.0]\n[lattice]");
+        assert!(foreign.contains("line 2: unknown key 'materails', did you mean 'materials'?"), "{foreign}");
         assert!(refusal("[lattice]", "[lattice").contains("is not TOML"));
     }
 }

@@ -12,6 +12,7 @@ mod heights;
 pub mod image;
 mod kind;
 mod lattice;
+mod ledger;
 mod machine;
 mod material;
 pub mod measured;
@@ -41,10 +42,11 @@ pub use grating::{GratingFile, LARGEST_GRATING, decode_grating, read_grating, wr
 pub use heights::{Clean, HeightUnit, HeightsOptions, foretell_heights, read_heights};
 pub use kind::{InputKind, kind_of};
 pub use lattice::read_lattice;
+pub use ledger::{Ledger, claim_output, note_input};
 pub use machine::{available_memory, peak_memory};
 pub use material::{decode_material, encode_material, read_material, write_material};
 pub use mesh::{decode_mesh, foretell_mesh, read_mesh};
-pub use named::{files_in, files_named_in};
+pub use named::files_in;
 pub use orders::{read_keyed_orders, read_orders, write_orders};
 pub use output::{check_writable, is_inside_store, is_same_file, is_stream, write_together, write_whole};
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
@@ -55,4 +57,6 @@ pub use species::{
 };
 pub use stack::{parse_stack, read_stack};
 pub use units::Units;
-pub use whole::{LARGEST_INPUT, hash_bytes, hash_file, make_folder, read_at_most, read_bytes, read_text};
+pub use whole::{
+    LARGEST_INPUT, hash_bytes, hash_file, make_folder, read_at_most, read_bytes, read_own, read_text,
+};

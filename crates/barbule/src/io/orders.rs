@@ -5,7 +5,7 @@ use std::path::Path;
 
 use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 
-use super::{hash_bytes, read_bytes, write_whole};
+use super::{LARGEST_INPUT, hash_bytes, read_bytes, read_own, write_whole};
 use crate::scattering::orders::{JONES, OrderSeries, OrderTable, Piece};
 use crate::{Error, Result};
 
@@ -54,12 +54,12 @@ pub fn write_orders(path: &Path, key: &str, table: &OrderTable) -> Result<()> {
     write_whole(path, &bytes)
 }
 
-/// Reads the table of a key.
+/// Reads the table of a key, from a cache.
 ///
 /// # Errors
 /// The file is missing, of another key, or damaged.
 pub fn read_orders(path: &Path, key: &str) -> Result<OrderTable> {
-    let found = decode(&read_bytes(path)?).filter(|(found, _)| found == key);
+    let found = decode(&read_own(path, LARGEST_INPUT)?).filter(|(found, _)| found == key);
     found
         .map(|(_, table)| table)
         .ok_or_else(|| Error::input("is no table of these orders, or was damaged; delete it").in_file(path))

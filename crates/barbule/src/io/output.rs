@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+use super::ledger::{begin_output, claim_output};
 use super::temporary::{again, shared, sweep};
 use super::whole::{failure, folder_of, is_descriptor};
 use crate::{Error, Result};
@@ -62,9 +63,11 @@ pub fn write_together(files: &[(&Path, &[u8])]) -> Result<()> {
 ///
 /// # Errors
 /// No name; a folder, a disk or a socket; write-protected; in a folder that is missing or not writable; inside a campaign
-/// store.
+/// store; a file that is read while a [`super::Ledger`] is open.
 pub fn check_writable(path: &Path) -> Result<()> {
-    match target(path)? {
+    let target = target(path)?;
+    claim_output(path, &path.display().to_string())?;
+    match target {
         Target::Stream => Ok(()),
         Target::File(file) => {
             again(|| temporary_beside(&file)).map(|_| ()).map_err(|e| failure(path, "cannot be written", &e))
@@ -83,7 +86,10 @@ pub fn is_stream(path: &Path) -> bool {
 #[must_use]
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
     match (fs::metadata(a), fs::metadata(b)) {
-        (Ok(of_a), Ok(of_b)) => !is_pipe_or_device(&of_a) && is_same(a, &of_a, b, &of_b),
+        (Ok(of_a), Ok(of_b)) => {
+            let found = file_id(a, &of_a);
+            !is_pipe_or_device(&of_a) && found.is_some() && found == file_id(b, &of_b)
+        }
         (Err(_), Err(_)) => {
             let place = |path: &Path| {
                 let end = behind_links(path).ok()?;
@@ -95,15 +101,25 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
+/// What tells files and folders apart, whatever they are called: device and number.
 #[cfg(unix)]
-fn is_same(_: &Path, a: &Metadata, _: &Path, b: &Metadata) -> bool {
+pub(super) type FileId = (u64, u64);
+
+/// Where there is no such number: the path without links.
+#[cfg(not(unix))]
+pub(super) type FileId = PathBuf;
+
+/// Which file or folder a path leads to.
+#[cfg(unix)]
+pub(super) fn file_id(_: &Path, metadata: &Metadata) -> Option<FileId> {
     use std::os::unix::fs::MetadataExt as _;
-    (a.dev(), a.ino()) == (b.dev(), b.ino())
+    Some((metadata.dev(), metadata.ino()))
 }
 
+/// Which file or folder a path leads to.
 #[cfg(not(unix))]
-fn is_same(a: &Path, _: &Metadata, b: &Path, _: &Metadata) -> bool {
-    fs::canonicalize(a).ok().is_some_and(|at| fs::canonicalize(b).is_ok_and(|other| at == other))
+pub(super) fn file_id(path: &Path, _: &Metadata) -> Option<FileId> {
+    fs::canonicalize(path).ok()
 }
 
 /// Whether a path lies inside a campaign store, whose files are its own.
@@ -222,6 +238,7 @@ impl<'a> Output<'a> {
     /// Writes the bytes aside, where they can be.
     fn prepared(path: &'a Path, bytes: &'a [u8]) -> Result<Self> {
         let target = target(path)?;
+        begin_output(path)?;
         let mut output = Self { path, bytes, target, aside: None, before: None };
         if let Target::File(file) = &output.target {
             let aside = again(|| aside(file, bytes)).map_err(|e| failure(path, "cannot be written", &e))?;

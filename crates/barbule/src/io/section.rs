@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::lattice::{crystal_from, crystal_json};
 use super::media::{materials, medium, medium_json};
-use super::{read_text, write_whole};
+use super::{note_input, read_text, write_whole};
 use crate::error::shortened;
 use crate::fields::{Fields, in_json, list, parse_json};
 use crate::material::Library;
@@ -15,6 +15,22 @@ use crate::{Error, Result};
 
 /// A folder of sections has no more files than this.
 const MOST_SECTIONS: usize = 10_000;
+
+/// What a section's file consists of.
+pub(super) const KEYS: [&str; 11] = [
+    "barbule",
+    "units",
+    "width",
+    "name",
+    "boundaries",
+    "media",
+    "inclusions",
+    "source",
+    "materials",
+    "lattice",
+    // What `geometry --three-d` adds: of the segment that the section was carried to.
+    "segment",
+];
 
 /// Reads a section.
 ///
@@ -38,6 +54,7 @@ pub fn read_section(path: &Path, library: &Library) -> Result<Section> {
 pub fn read_sections(folder: &Path, library: &Library) -> Result<Vec<Section>> {
     let refuse = |what: String| Error::input(what).in_file(folder);
     let mut files = Vec::new();
+    note_input(folder)?;
     for entry in std::fs::read_dir(folder).map_err(|e| refuse(format!("cannot be read ({e})")))? {
         let path = entry.map_err(|e| refuse(format!("cannot be read ({e})")))?.path();
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) && path.is_file() {
@@ -100,21 +117,7 @@ pub fn parse_section(text: &str, folder: &Path, library: &Library) -> Result<Sec
 }
 
 fn section(value: &Value, folder: &Path, library: &Library) -> Result<Section> {
-    let known = [
-        "barbule",
-        "units",
-        "width",
-        "name",
-        "boundaries",
-        "media",
-        "inclusions",
-        "source",
-        "materials",
-        "lattice",
-        // What `geometry --three-d` adds: of the segment that the section was carried to.
-        "segment",
-    ];
-    let fields = Fields::new(value, "", &known)?;
+    let fields = Fields::new(value, "", &KEYS)?;
     let version = fields.need_number("barbule", "the format's version, \"barbule\": 1")?;
     if version != 1.0 {
         return Err(Error::input(format!("barbule is {version}, but this version reads format 1 only")));

@@ -161,7 +161,7 @@ impl Store {
     }
 
     /// Makes ready for writing: deletes what writers left that are no more, tries whether files can be written, and
-    /// restores coordinates that somebody changed.
+    /// restores coordinates that somebody changed or lost.
     ///
     /// # Errors
     /// The store is not writable, or the disk is full.
@@ -189,6 +189,14 @@ impl Store {
         let present = count(&|w, t| self.is_done(w, t));
         let done = count(&|w, t| self.is_whole(w, t));
         Status { units: units.len(), done, damaged: present.saturating_sub(done) }
+    }
+
+    /// The names of the coordinates (`wavelength`, `theta_i` …) that are missing or not as the attributes say. Units do not
+    /// need them, but other readers find their values by them: a missing one is zeros there. [`Self::prepare_writing`]
+    /// restores them.
+    #[must_use]
+    pub fn damaged_coordinates(&self) -> Vec<&'static str> {
+        self.arrays.damaged_coordinates(&self.files).map(|coordinate| coordinate.array.name).collect()
     }
 
     /// The structure's name.

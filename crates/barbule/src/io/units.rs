@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::whole::{hash_bytes, make_folder, read_at_most};
+use super::whole::{hash_bytes, make_folder, read_own};
 use super::write_whole;
 use crate::{Error, Result};
 
@@ -35,7 +35,7 @@ impl Units {
     /// The unit of this name and identity, where it was kept and is whole.
     #[must_use]
     pub fn get<T: DeserializeOwned>(&self, name: &str, identity: &str) -> Option<T> {
-        let bytes = read_at_most(&self.path(name, identity), LARGEST).ok()?;
+        let bytes = read_own(&self.path(name, identity), LARGEST).ok()?;
         let text = std::str::from_utf8(&bytes).ok()?;
         let (sum, rest) = text.split_once('\n')?;
         let (of, value) = rest.split_once('\n')?;

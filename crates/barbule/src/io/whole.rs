@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _};
 use std::path::Path;
 
+use super::ledger::note_input;
 use crate::{Error, Result};
 
 /// The largest input file that is read: 64 MiB.
@@ -22,7 +23,8 @@ const MOST_JSON_VALUES: usize = 4_000_000;
 /// Reads a user's file of at most [`LARGEST_INPUT`] bytes.
 ///
 /// # Errors
-/// Missing, a folder or another thing that is no file, unreadable, or too large.
+/// Missing, a folder or another thing that is no file, unreadable, or too large; an output of a [`super::Ledger`] that is
+/// open.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     read_at_most(path, LARGEST_INPUT)
 }
@@ -32,6 +34,16 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
 /// # Errors
 /// As [`read_bytes`].
 pub fn read_at_most(path: &Path, largest: u64) -> Result<Vec<u8>> {
+    note_input(path)?;
+    read_own(path, largest)
+}
+
+/// Reads a file of the program's own, which it replaces when it likes: of a cache, a checkpoint. Users' files are read by
+/// [`read_at_most`], which keeps them from being overwritten.
+///
+/// # Errors
+/// As [`read_bytes`].
+pub fn read_own(path: &Path, largest: u64) -> Result<Vec<u8>> {
     let refuse = |what: &str| Error::input(what).in_file(path);
     let metadata = fs::metadata(path).map_err(|error| match error.kind() {
         ErrorKind::NotFound => refuse("no such file"),
@@ -145,6 +157,7 @@ pub fn hash_file(path: &Path) -> Result<String> {
     if !fs::metadata(path).is_ok_and(|metadata| metadata.is_file()) {
         return Ok(hash_bytes(&read_bytes(path)?));
     }
+    note_input(path)?;
     let mut hasher = blake3::Hasher::new();
     let read = File::open(path).and_then(|file| hasher.update_reader(file).map(drop));
     read.map_err(|e| failure(path, "cannot be read", &e))?;

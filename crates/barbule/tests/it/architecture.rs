@@ -317,6 +317,43 @@ fn only_io_opens_files_and_no_library_prints_or_looks_around() {
     assert!(wrong.is_empty(), "not here:\n{}", Vec::from_iter(wrong).join("\n"));
 }
 
+/// Opening and making files: tokens.
+const OPENING: [&str; 11] = [
+    "File::open",
+    "File::options",
+    "File::create",
+    "OpenOptions",
+    "fs::read(",
+    "fs::read_to_string(",
+    "fs::write(",
+    "fs::copy(",
+    "fs::rename(",
+    "hard_link(",
+    ".persist(",
+];
+
+/// The files of `io` with them: where inputs are noted and outputs ask first, and what is never an input.
+const OPENERS: [&str; 5] = ["whole.rs", "output.rs", "temporary.rs", "aside.rs", "machine.rs"];
+
+#[test]
+fn files_are_read_and_written_where_the_ledger_hears_of_it() {
+    let commands = sources("barbule-cli").into_iter().map(|(_, path)| {
+        let (code, _) = library_code(&bare(&fs::read_to_string(&path).unwrap()));
+        (path, code)
+    });
+    let mut wrong = BTreeSet::new();
+    for (path, code) in code_of_all().into_iter().map(|(_, _, path, code)| (path, code)).chain(commands) {
+        let may = OPENERS.iter().any(|name| path.ends_with(name));
+        wrong.extend(
+            OPENING
+                .iter()
+                .filter(|token| !may && code.contains(**token))
+                .map(|token| format!("{}: {token}", path.display())),
+        );
+    }
+    assert!(wrong.is_empty(), "not here:\n{}", Vec::from_iter(wrong).join("\n"));
+}
+
 /// Whatever calls the library has its own names for its arguments: messages have them in backticks ([`barbule::Error::naming`]).
 #[test]
 fn messages_of_the_libraries_name_no_flags() {

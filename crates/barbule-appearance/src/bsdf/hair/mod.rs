@@ -211,7 +211,7 @@ fn in_section(frame: &Frame, direction: DVec3) -> DVec2 {
 const HEIGHTS: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
 /// 20°.
-const MOST_TILT: f64 = 0.349_065_85;
+const MOST_TILT: f64 = 20_f64.to_radians();
 
 /// √(π/8): a logistic distribution of this scale has at 0 the density of the normal one of deviation 1.
 const SCALE: f64 = 0.626_657_068_657_750_1;

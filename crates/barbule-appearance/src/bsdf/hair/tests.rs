@@ -379,6 +379,9 @@ fn impossible_fibres_are_refused() {
     assert_eq!(message(rough), "hair of roughness 0.3 along and 0 around the fibre: give 0.02 to 1 for both");
     let tilted = HairParameters { scale_tilt: 1.0, ..parameters() };
     assert!(message(tilted).contains("give -20 to 20"));
+    for degrees in [-20.0_f64, 20.0] {
+        assert!(Hair::new(HairParameters { scale_tilt: degrees.to_radians(), ..parameters() }).is_ok());
+    }
     let thin = HairParameters { index: FibreIndex::Constant(1.0), ..parameters() };
     assert!(message(thin).contains("hair of index 1: give 1.01 to 3.9"));
     for height_over_width in [0.05, 11.0, f64::NAN] {

@@ -160,13 +160,21 @@ impl Background {
     /// A background as the command line has it: `sky`, `none`, `#rrggbb` or the name of a picture.
     ///
     /// # Errors
-    /// A colour that is none.
+    /// A colour that is none, or a word that names no file.
     pub fn parse(text: &str) -> Result<Self> {
         match text {
             "sky" => Ok(Self::Sky),
             "none" => Ok(Self::None),
             _ if text.starts_with('#') => Ok(Self::Colour(parse_colour(text)?)),
-            file => Ok(Self::Picture(Slot::new(file))),
+            // Files that can be read have an ending.
+            file if file.contains('.') => Ok(Self::Picture(Slot::new(file))),
+            word => {
+                let near = did_you_mean(word, ["sky", "none"]);
+                let word = shortened(word);
+                Err(Error::input(format!(
+                    "'{word}' is no background{near}; give sky, none, a colour as in #808080, or a .png or .exr"
+                )))
+            }
         }
     }
 }

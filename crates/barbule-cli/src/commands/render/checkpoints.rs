@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use barbule::io::{delete_file, read_at_most, write_whole};
+use barbule::io::{delete_file, read_own, write_whole};
 use barbule::render::checkpoint;
 use barbule::render::film::Film;
 use barbule::{Error, Result};
@@ -78,7 +78,7 @@ impl Kept<'_> {
         if !(self.of.are_wanted && path.exists()) {
             return Film::with(job.size, job.planes.clone());
         }
-        let bytes = read_at_most(path, checkpoint::bytes(job.size, job.planes))?;
+        let bytes = read_own(path, checkpoint::bytes(job.size, job.planes))?;
         checkpoint::read(&bytes, &self.name, job.size, job.planes.clone()).map_err(|e| e.at(path.display()))
     }
 

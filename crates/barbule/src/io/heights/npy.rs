@@ -40,6 +40,11 @@ pub(super) fn head(bytes: &[u8]) -> Result<Head<'_>> {
     }
     let (header, data) = rest.split_at_checked(length).ok_or_else(truncated)?;
     let header = std::str::from_utf8(header).map_err(|_| damaged("its header is no text"))?;
+    // Of one that stands twice NumPy takes the last, and others the first.
+    let mut keys = ["descr", "fortran_order", "shape"].into_iter();
+    if let Some(key) = keys.find(|key| header.matches(&format!("'{key}'")).count() > 1) {
+        return Err(damaged(&format!("its header has the key '{key}' twice")));
+    }
     let after = |key: &str| {
         let at = header.find(&format!("'{key}'"))?;
         header[at + key.len() + 2..].trim_start().strip_prefix(':').map(str::trim_start)

@@ -76,6 +76,12 @@ fn numpy_arrays_of_every_kind() {
         let text = refusal(&npy(1, &header(kind, "False", shape), &doubles), &options());
         assert!(text.contains(expected), "{text}");
     }
+    // Whichever of two is meant: programs differ in which they take.
+    for key in ["'shape': (3, 2)", "'descr': '<f8'", "'fortran_order': True"] {
+        let twice = header("<f8", "False", "(2, 3)").replacen('{', &format!("{{{key}, "), 1);
+        let text = refusal(&npy(1, &twice, &doubles), &options());
+        assert!(text.contains("twice"), "{text}");
+    }
     let nan: Vec<u8> =
         [0.0, 1.0, f64::NAN, 3.0, 4.0, 5.0].iter().flat_map(|v: &f64| v.to_le_bytes()).collect();
     assert!(
@@ -219,6 +225,13 @@ fn tiffs_of_whole_numbers_and_of_floats() {
         let eight = HeightsOptions { range_um: Some(255.0), ..options() };
         assert!(close(read(&file.into_inner(), &eight)));
     }
+    // Which of the two is the picture nobody says.
+    let mut both = std::io::Cursor::new(Vec::new());
+    let mut encoder = tiff::encoder::TiffEncoder::new(&mut both).unwrap();
+    let mut image = encoder.new_image::<Gray8>(3, 2).unwrap();
+    image.encoder().write_tag(tiff::tags::Tag::TileWidth, 0_u32).unwrap();
+    image.write_data(&[3, 4, 5, 0, 1, 2]).unwrap();
+    assert!(refusal(&both.into_inner(), &with_range).contains("tiles beside strips"));
     for length in 4..whole.len() {
         if let Err(error) = decode(&whole[..length], &with_range) {
             assert!(error.is_input(), "{error}");

@@ -92,7 +92,7 @@ enum Place {
 }
 
 /// The text and the binary chunk of a binary file.
-fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
+pub(in crate::io) fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
     let damaged = || Error::input("is no binary glTF 2.0: its header or a chunk is damaged");
     let word = |at: usize| -> Result<u32> {
         let bytes = bytes.get(at..at + 4).ok_or_else(damaged)?;
@@ -117,7 +117,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
 }
 
 /// A path below the file's folder, with `%20` and such made letters.
-fn local(uri: &str) -> Result<String> {
+pub(in crate::io) fn local(uri: &str) -> Result<String> {
     let refuse = || {
         Error::input(format!(
             "has a buffer in '{}'; buffers are read from the file itself, or from files in its folder",

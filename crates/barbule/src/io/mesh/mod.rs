@@ -7,6 +7,7 @@ mod ply;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
+pub(super) use gltf::{chunks, local};
 
 use super::assets::{Assets, Folder, ending};
 use super::whole::folder_of;
@@ -14,7 +15,7 @@ use crate::scene::geometry::Mesh;
 use crate::{Error, Result};
 
 /// The largest file of a mesh: 256 MiB.
-const LARGEST_MESH: u64 = 256 << 20;
+pub(super) const LARGEST_MESH: u64 = 256 << 20;
 
 /// Most vertices, and most faces.
 const MOST_VERTICES: usize = 5_000_000;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::io::zarr::{Array, DataType};
 use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, NOISE_POINTS};
 
-/// A dimension's values; they follow from the attributes and are never read back.
+/// A dimension's values; they follow from the attributes, and what is read back is only held against them.
 pub(super) struct Coordinate {
     pub(super) array: Array,
     values: Values,
@@ -32,6 +32,11 @@ impl Coordinate {
             meaning,
         };
         Self { array, values }
+    }
+
+    /// The path of its only chunk.
+    pub(super) fn key(&self) -> String {
+        self.array.chunk_path(&[])
     }
 
     /// Its only chunk.

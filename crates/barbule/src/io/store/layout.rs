@@ -145,15 +145,18 @@ impl Arrays {
         self.unit.iter().chain(&self.fields).chain([&self.digest]).chain(coordinates)
     }
 
+    /// The coordinates that are missing or not as the axes say.
+    pub(super) fn damaged_coordinates(&self, files: &Files) -> impl Iterator<Item = &Coordinate> {
+        self.coordinates.iter().filter(|coordinate| {
+            let chunk = coordinate.chunk();
+            files.read(&coordinate.key(), chunk.len()).is_none_or(|there| there != chunk)
+        })
+    }
+
     /// Writes the coordinates that are missing or not as the axes say.
     pub(super) fn write_coordinates(&self, files: &Files) -> std::io::Result<()> {
-        for coordinate in &self.coordinates {
-            let (key, chunk) = (coordinate.array.chunk_path(&[]), coordinate.chunk());
-            if files.read(&key, chunk.len()).is_none_or(|there| there != chunk) {
-                files.write(&key, &chunk)?;
-            }
-        }
-        Ok(())
+        self.damaged_coordinates(files)
+            .try_for_each(|coordinate| files.write(&coordinate.key(), &coordinate.chunk()))
     }
 }
 

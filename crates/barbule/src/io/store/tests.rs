@@ -286,12 +286,18 @@ fn every_dimension_but_that_of_digests_has_its_coordinates() {
     let azimuth = numbers("azimuth");
     assert!((azimuth[0] + 89.775).abs() < 1e-12 && (azimuth[399] - 89.775).abs() < 1e-12);
     assert_eq!((numbers("lag")[1], numbers("lag").len()), (2.0 / 1024.0, 512));
-    // Somebody changed one: it says what the attributes say again when the store is continued.
-    let before = fs::read(path.join("wavelength/c.0")).unwrap();
-    fs::write(path.join("wavelength/c.0"), b"x").unwrap();
-    Store::open(&path).unwrap();
+    // Somebody changed one and lost another: they say what the attributes say again when the store is continued.
+    let files = ["wavelength/c.0", "lag/c.0"].map(|name| path.join(name));
+    let before = files.clone().map(|file| fs::read(file).unwrap());
+    assert!(store.damaged_coordinates().is_empty());
+    let mut flipped = before[0].clone();
+    flipped[3] ^= 1;
+    fs::write(&files[0], flipped).unwrap();
+    fs::remove_file(&files[1]).unwrap();
+    assert_eq!(Store::open(&path).unwrap().damaged_coordinates(), ["wavelength", "lag"]);
     store.prepare_writing().unwrap();
-    assert_eq!(fs::read(path.join("wavelength/c.0")).unwrap(), before);
+    assert_eq!(files.map(|file| fs::read(file).unwrap()), before);
+    assert!(store.damaged_coordinates().is_empty());
     assert!(!path.join(".aside").exists());
 }
 
