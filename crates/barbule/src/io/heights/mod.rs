@@ -1,8 +1,9 @@
-//! Measured heightfields: NPY, TIFF, PNG, rows of numbers in text, Gwyddion's text export.
+//! Measured heightfields: NPY, TIFF, PNG, Gwyddion's own files, rows of numbers in text, Gwyddion's text export.
 //!
 //! `docs/formats/heights.md` says what is read as what. Formats are told apart by their content. Sizes that a header claims are
 //! checked before anything is allocated for them.
 
+mod gwyddion;
 mod npy;
 mod picture;
 mod text;
@@ -101,6 +102,8 @@ fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)>
         picture::read_png(bytes)?
     } else if TIFF.iter().any(|magic| bytes.starts_with(magic)) {
         picture::read_tiff(bytes)?
+    } else if bytes.starts_with(gwyddion::MAGIC) {
+        gwyddion::read(bytes)?
     } else {
         text::read(bytes)?
     };
