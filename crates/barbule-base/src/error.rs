@@ -219,16 +219,18 @@ pub fn did_you_mean<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -
         .into_iter()
         .map(|name| {
             let lower = name.to_lowercase();
-            let distance = match strsim::damerau_levenshtein(&given, &lower) {
+            let distance = strsim::damerau_levenshtein(&given, &lower);
+            let nearness = match distance {
                 _ if has_its_unit(&lower) => 0,
                 distance if !lower.is_empty() && is_word(&lower) => distance.min(1),
                 distance => distance,
             };
-            (distance, name)
+            (nearness, distance, name)
         })
-        .min_by_key(|(distance, _)| *distance)
-        .filter(|(distance, name)| *distance <= 2.max(name.chars().count() / 2))
-        .map_or_else(String::new, |(_, name)| format!(", did you mean '{name}'?"))
+        // Of a word in it and a name that is but a letter away the latter is meant.
+        .min_by_key(|(nearness, distance, _)| (*nearness, *distance))
+        .filter(|(nearness, _, name)| *nearness <= 2.max(name.chars().count() / 2))
+        .map_or_else(String::new, |(.., name)| format!(", did you mean '{name}'?"))
 }
 
 /// A user's text short enough for a message, on one line and without control characters.
@@ -282,6 +284,10 @@ mod tests {
         assert_eq!(did_you_mean("starlign", ["mallard", "starling"]), ", did you mean 'starling'?");
         assert_eq!(did_you_mean("qqqqqqqqqqqq", ["mallard", "starling"]), "");
         assert_eq!(did_you_mean("European-Starling", ["mallard", "starling"]), ", did you mean 'starling'?");
+        assert_eq!(
+            did_you_mean("starling-feathers", ["starling", "starling-feather"]),
+            ", did you mean 'starling-feather'?"
+        );
         assert_eq!(did_you_mean("starlingsandtheirfriends", ["mallard", "starling"]), "");
         assert_eq!(did_you_mean("cortex", ["core", "cortex_um", "vortex"]), ", did you mean 'cortex_um'?");
         assert_eq!(did_you_mean("tilt", ["tilt_spread", "tile", "tilt_deg"]), ", did you mean 'tilt_deg'?");

@@ -161,7 +161,12 @@ pub(crate) fn grazing(incidence: &str, wavelength_nm: f64, width_um: f64, mirror
 
 /// The duration to expect of a campaign, in words.
 pub(crate) fn expected(plan: &Plan) -> String {
-    match plan.seconds(rayon::current_num_threads()) {
+    in_words(plan.seconds(rayon::current_num_threads()))
+}
+
+/// A time that is foretold, in seconds or minutes.
+pub(crate) fn in_words(seconds: f64) -> String {
+    match seconds {
         s if s < 120.0 => format!("{:.0} s", s.max(1.0)),
         s => format!("{:.0} min", s / 60.0),
     }

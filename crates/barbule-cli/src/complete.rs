@@ -86,7 +86,7 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         ("feather", "feather") => files(Names::Feathers, &["toml"]),
         ("feather", "output") => files(Names::None, &["usda", "ply", "obj", "gltf", "pbrt", "txt"]),
         ("diffract", "heights") => {
-            files(Names::Heights, &["npy", "tif", "tiff", "png", "txt", "csv", "tsv", "asc"])
+            files(Names::Heights, &["npy", "tif", "tiff", "png", "gwy", "txt", "csv", "tsv", "asc"])
         }
         ("diffract", "output") => files(Names::None, &["grating", "svg", "pdf", "png"]),
         ("film", "stack") => files(Names::None, &["toml"]),
@@ -94,7 +94,8 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         ("keys", "kind") => files(Names::Keys, &[]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
         ("render" | "lobes" | "brdf", "material") => files(Names::Species, &["barbule", "toml", "json"]),
-        ("render", "background") => files(Names::None, &["png", "exr"]),
+        ("render", "background") => files(Names::None, &["png", "exr", "hdr"]),
+        ("render", "output") => files(Names::None, &["png", "jpg", "webp", "exr"]),
         ("render", "sensor") => files(Names::None, &["toml", "csv"]),
         (_, "medium") => Some(Kind { names: Names::None, extensions: TABLES, after: Some('=') }),
         (_, "measured") => files(Names::None, TABLES),

@@ -14,7 +14,7 @@ use crate::common::Common;
 /// Which heights, and what their file does not say.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct HeightsArgs {
-    /// Measured heights (.npy, .tif, .png, rows of numbers, Gwyddion's text), or a sample: elaphe, xenopeltis,
+    /// Measured heights (.npy, .tif, .png, .gwy, rows of numbers, Gwyddion's text), or a sample: elaphe, xenopeltis,
     /// blazed, sinusoid
     #[arg(value_name = "HEIGHTS|SAMPLE")]
     heights: String,
@@ -58,8 +58,17 @@ fn micrometres(text: &str) -> std::result::Result<f64, String> {
 impl HeightsArgs {
     /// The heights and what they are called; says where they were cleaned unasked.
     pub(crate) fn read(&self, common: &Common) -> Result<(Heightfield, String)> {
+        let (field, name, is_cleaned) = self.open(common.seed)?;
+        if is_cleaned && self.clean.is_none_or(|clean| clean == Cleaned::Auto) {
+            common.say("opposite edges of these heights do not fit: they were levelled, clipped and blended at the edges; --clean never leaves them as they are");
+        }
+        Ok((field, name))
+    }
+
+    /// The same, and whether they were cleaned; says nothing.
+    pub(crate) fn open(&self, seed: u64) -> Result<(Heightfield, String, bool)> {
         let path = Path::new(&self.heights);
-        if let Some(sample) = Heightfield::sample(&self.heights, common.seed) {
+        if let Some(sample) = Heightfield::sample(&self.heights, seed) {
             let given = [
                 ("--pitch", self.pitch.is_some()),
                 ("--unit", self.unit.is_some()),
@@ -72,7 +81,7 @@ impl HeightsArgs {
                     self.heights
                 )));
             }
-            return Ok((sample?, self.heights.clone()));
+            return Ok((sample?, self.heights.clone(), false));
         }
         if !path.exists() && path.extension().is_none() {
             let near = did_you_mean(&self.heights, SAMPLES);
@@ -110,9 +119,6 @@ impl HeightsArgs {
                 common.say(&format!("--pitch {pitch_um}: heights {pitch_um} µm apart{meant}"));
             }
         }
-        if is_cleaned && options.clean == Clean::Auto {
-            common.say("opposite edges of these heights do not fit: they were levelled, clipped and blended at the edges; --clean never leaves them as they are");
-        }
-        Ok((field, name))
+        Ok((field, name, is_cleaned))
     }
 }

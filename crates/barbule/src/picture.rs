@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::error::shortened;
 use crate::io::hash_bytes;
 use crate::io::image::{Facts, write_exr, write_png};
+use crate::io::web::{write_jpeg, write_webp};
 use crate::progress::Progress;
 use crate::render::exposure;
 use crate::render::film::{Film, bytes_per_pixel};
@@ -14,7 +15,8 @@ use crate::render::picture::{self, Bytes, Development};
 use crate::render::planes::{COVERS, Planes};
 use crate::render::run::{Ended, Goal, run};
 use crate::render::stage::Stage;
-use crate::scene::description::{Background, ReadyScene, SceneDescription};
+use crate::scene::backdrop::Backdrop;
+use crate::scene::description::{Background, Exposure, ReadyScene, SceneDescription};
 use crate::scene::feather::{Counts, Feather};
 use crate::scene::preset;
 use crate::scene::sky::Environment;
@@ -150,22 +152,22 @@ impl Picture {
         values.chunks_exact(4).flat_map(|pixel| pixel[..3].to_vec()).collect()
     }
 
-    /// Writes the picture as `.png`, or all its planes as `.exr`.
+    /// Writes the picture as `.png`, `.jpg` or `.webp`, or all its planes as `.exr`.
     ///
     /// # Errors
-    /// Another ending, a `.png` of a sensor without colours, or the file cannot be written.
+    /// Another ending, a picture other than an `.exr` of a sensor without colours, or the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let version = [("barbule_version", env!("CARGO_PKG_VERSION"))];
         Developed::new(path.as_ref(), &self.film, &self.development, &self.objects)?.write(&version)
     }
 }
 
-/// How a scene's film is developed: by the scene's exposure, or by a key where it gives none, before its background.
+/// How a scene's film is developed: by the scene's exposure, or by what it shows where that gives none, before its background.
 ///
 /// # Errors
 /// None for a scene of which everything is read.
 pub fn development(scene: &ReadyScene, film: &Film) -> Result<Development> {
-    let exposure = scene.exposure.factor().unwrap_or_else(|| exposure::by_key(film));
+    let exposure = scene.exposure.or_by(|| exposure::automatic(film));
     Ok(Development { backdrop: scene.backdrop()?, ..Development::exposed(exposure) })
 }
 
@@ -188,15 +190,32 @@ pub fn bytes_needed(size: [u32; 2], planes: &Planes) -> u64 {
 /// Refuses what no picture can be written as.
 ///
 /// # Errors
-/// The name ends in neither `.png` nor `.exr`.
+/// The name ends in none of `.png`, `.jpg`, `.jpeg`, `.webp` and `.exr`.
 pub fn check_kind(path: &Path) -> Result<()> {
     match extension(path).as_str() {
-        "png" | "exr" => Ok(()),
-        _ => Err(Error::input(format!("{}: pictures are written as .png or .exr", path.display()))),
+        "png" | "jpg" | "jpeg" | "webp" | "exr" => Ok(()),
+        _ => Err(Error::input(format!(
+            "{}: pictures are written as .png, .jpg, .webp or .exr",
+            path.display()
+        ))),
     }
 }
 
-/// Refuses a name that ends in `.png` for what a sensor without colours sees.
+/// Refuses a JPEG for a picture that is cut out: it knows no alpha.
+///
+/// # Errors
+/// It is that.
+pub fn check_alpha(path: &Path, background: &Background) -> Result<()> {
+    if *background == Background::None && is_jpeg(path) {
+        return Err(Error::input(format!(
+            "{}: a JPEG cannot be cut out; write .png, .webp or .exr, or give another background",
+            path.display()
+        )));
+    }
+    Ok(())
+}
+
+/// Refuses a name that does not end in `.exr` for what a sensor without colours sees.
 ///
 /// # Errors
 /// It is that.
@@ -213,8 +232,8 @@ pub fn check_colours(path: &Path, sensor: &Sensor) -> Result<()> {
 
 /// What of a film goes into a file.
 enum Pixels {
-    /// 8-bit sRGB, row by row.
-    Png(Bytes),
+    /// 8-bit sRGB, row by row: a PNG, JPEG or WebP.
+    Screen(Bytes),
     /// All planes, linear.
     Exr(picture::Planes),
 }
@@ -227,29 +246,32 @@ pub struct Developed<'a> {
 }
 
 impl<'a> Developed<'a> {
-    /// Develops a film for a file: `.png` (8 bits, after exposure and the tone curve) or `.exr` (all its planes, linear).
+    /// Develops a film for a file: `.png`, `.jpg` or `.webp` (8 bits, after exposure and the tone curve) or `.exr` (all its planes, linear).
     /// `objects`: the names of the scene's objects, for mattes.
     ///
     /// # Errors
-    /// As [`check_kind`] and [`check_colours`].
+    /// As [`check_kind`], [`check_colours`] and [`check_alpha`].
     pub fn new(path: &'a Path, film: &Film, development: &Development, objects: &[String]) -> Result<Self> {
         check_kind(path)?;
         check_colours(path, &film.planes().sensor)?;
+        if development.backdrop == Backdrop::None {
+            check_alpha(path, &Background::None)?;
+        }
         let pixels = if is_exr(path) {
             Pixels::Exr(picture::planes(film, development, objects))
         } else {
-            Pixels::Png(picture::bytes(film, development))
+            Pixels::Screen(picture::bytes(film, development))
         };
         Ok(Self { path, size: film.size(), pixels })
     }
 
-    /// BLAKE3 of the pixels alone, hexadecimal: equal where pictures are, whatever their metadata say. Of a PNG, of its bytes
-    /// row by row; of an EXR, of each plane's 32-bit values, little-endian, row by row, in the order of the planes'
+    /// BLAKE3 of the pixels alone, hexadecimal: equal where pictures are, whatever their metadata say. Of a PNG or WebP, of its bytes
+    /// row by row, of a JPEG of those that it was made from; of an EXR, of each plane's 32-bit values, little-endian, row by row, in the order of the planes'
     /// names.
     #[must_use]
     pub fn pixel_hash(&self) -> String {
         let planes = match &self.pixels {
-            Pixels::Png(bytes) => return hash_bytes(&bytes.values),
+            Pixels::Screen(bytes) => return hash_bytes(&bytes.values),
             Pixels::Exr(planes) => planes,
         };
         let identities = &planes.identities;
@@ -273,9 +295,11 @@ impl<'a> Developed<'a> {
     /// It cannot be written.
     pub fn write(self, facts: &Facts<'_>) -> Result<()> {
         match self.pixels {
-            Pixels::Png(Bytes { values, has_alpha }) => {
-                write_png(self.path, self.size, &values, has_alpha, facts)
-            }
+            Pixels::Screen(Bytes { values, has_alpha }) => match extension(self.path).as_str() {
+                "webp" => write_webp(self.path, self.size, &values, has_alpha, facts),
+                _ if is_jpeg(self.path) => write_jpeg(self.path, self.size, &values, facts),
+                _ => write_png(self.path, self.size, &values, has_alpha, facts),
+            },
             Pixels::Exr(picture::Planes { floats, identities, attributes }) => {
                 let (names, values): (Vec<_>, Vec<_>) =
                     floats.into_iter().map(|plane| (plane.name, plane.values)).unzip();
@@ -289,26 +313,27 @@ impl<'a> Developed<'a> {
     }
 }
 
+fn is_jpeg(path: &Path) -> bool {
+    matches!(extension(path).as_str(), "jpg" | "jpeg")
+}
+
 /// Whether a picture of this name is written as EXR.
 #[must_use]
 pub fn is_exr(path: &Path) -> bool {
     extension(path) == "exr"
 }
 
-/// The scene that shows a material in which no scene is named: that of the species' own preset where there is one, else
-/// the rock dove's for arched barbules and the starling's for flat ones; with a feather of one's own where there is
-/// such, in the same part of its vane.
+/// The scene that shows a material in which no scene is named: the preset of this name where there is one, else the `usual` one, exposed
+/// by what it shows, since its own exposure is for another bird; with a feather of one's own where there is such, in the same part of its vane.
 ///
 /// # Errors
-/// A preset that is no scene; never for those built in.
-pub fn scene_for(
-    species: Option<&str>,
-    is_arched: bool,
-    feather: Option<Feather>,
-) -> Result<SceneDescription> {
-    let usual = if is_arched { "rock-dove" } else { "starling" };
-    let own = species.filter(|species| preset::names().any(|name| name == *species));
+/// There is no preset of the usual name, or one is no scene; never for those built in.
+pub fn scene_for(own: Option<&str>, usual: &str, feather: Option<Feather>) -> Result<SceneDescription> {
+    let own = own.filter(|own| preset::names().any(|name| name == *own));
     let mut scene = SceneDescription::named(own.unwrap_or(usual))?;
+    if own.is_none() {
+        scene.exposure = Exposure::AUTO;
+    }
     if let (Some(feather), Some(shown)) = (feather, scene.lone_feather_mut()) {
         shown.window.along_mm *= feather.shaft.length_mm / shown.feather.shaft.length_mm;
         shown.feather = feather;
@@ -354,13 +379,14 @@ mod tests {
     #[test]
     fn a_bird_of_ones_own_is_shown_as_the_nearest_preset() {
         let named = |name: &str| SceneDescription::named(name).unwrap();
-        assert_eq!(scene_for(Some("magpie"), true, None).unwrap(), named("magpie"));
-        assert_eq!(scene_for(Some("swallow"), false, None).unwrap(), named("starling"));
-        assert_eq!(scene_for(None, true, None).unwrap(), named("rock-dove"));
+        let exposed = |name: &str| SceneDescription { exposure: Exposure::AUTO, ..named(name) };
+        assert_eq!(scene_for(Some("magpie"), "starling", None).unwrap(), named("magpie"));
+        assert_eq!(scene_for(Some("swallow"), "mallard", None).unwrap(), exposed("mallard"));
+        assert_eq!(scene_for(None, "rock-dove", None).unwrap(), exposed("rock-dove"));
         let lone = |scene: &SceneDescription| scene.lone_feather().unwrap().clone();
         let (mut feather, starling) = (lone(&named("peafowl")).feather, lone(&named("starling")));
         feather.shaft.length_mm = 2.0 * starling.feather.shaft.length_mm;
-        let scene = scene_for(Some("starling"), false, Some(feather)).unwrap();
+        let scene = scene_for(Some("starling"), "mallard", Some(feather)).unwrap();
         assert_eq!((lone(&scene).feather, &scene.camera), (feather, &named("starling").camera));
         assert_eq!(lone(&scene).window.along_mm, 2.0 * starling.window.along_mm);
     }

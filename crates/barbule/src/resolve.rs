@@ -16,7 +16,7 @@ use crate::io::{
 use crate::progress::Progress;
 use crate::scattering::grating::Powers;
 use crate::scene::backdrop::BackdropPicture;
-use crate::scene::description::{Foreseen, Holds, Named, ReadyScene, SceneDescription, Slot};
+use crate::scene::description::{Foreseen, Holds, Named, ReadyScene, Remark, SceneDescription, Slot};
 use crate::scene::geometry::Mesh;
 use crate::scene::sky::Sky;
 use crate::{Error, Result};
@@ -41,7 +41,7 @@ impl Worn {
 }
 
 /// Reads and makes everything that a scene names and that is not there yet: files from `assets`, materials by `materials`, which is
-/// asked once for each name; `seed` is that of samples' heights.
+/// asked once for each name; `seed` is that of samples' heights. `progress` is told on which side of meshes feathers and barbules grow.
 ///
 /// # Errors
 /// A file or material that is missing, too large or of another kind; the message begins with the key. Interruption.
@@ -62,6 +62,13 @@ pub fn resolve(
             };
             slot.fill(material.brdf.clone(), material.hash.clone());
             worn.insert(slot.name.clone(), material);
+        }
+    }
+    for Remark { sentence, is_doubt } in scene.remarks_on_sides() {
+        if is_doubt {
+            progress.doubt(&sentence);
+        } else {
+            progress.note(&sentence);
         }
     }
     ReadyScene::new(scene)
@@ -208,7 +215,7 @@ pub fn read_named(
             Meaning::Colour,
             |RgbImage { size: [width, height], pixels }, is_radiance| {
                 if !is_radiance {
-                    return Err(Error::input("skies are read from .exr"));
+                    return Err(Error::input("skies are read from .exr or .hdr"));
                 }
                 Sky::image(width, height, pixels, strength, turn_deg)
             },

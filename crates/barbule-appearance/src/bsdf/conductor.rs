@@ -49,13 +49,23 @@ impl Conductor {
         Ok(Self { ggx: Ggx::new(roughness), n, k })
     }
 
-    /// Copper of this roughness. Between rows of its table the value of the one below is stepped from, which
-    /// differs from the table's own value by rounding: pictures are of these bits.
+    /// Copper of this roughness.
     ///
     /// # Errors
     /// A roughness out of range.
     pub fn copper(roughness: FacetRoughness) -> Result<Self> {
-        let table = Table::copper();
+        Self::of_table(roughness, &Table::copper())
+    }
+
+    /// A metal of this roughness whose index a table has; beyond its ends n and k go on in straight lines. Between rows the value of the one
+    /// below is stepped from, which differs from the table's own value by rounding: pictures are of these bits.
+    ///
+    /// # Errors
+    /// A roughness out of range, a table of fewer than two rows, or one that goes on to an index that is none.
+    pub fn of_table(roughness: FacetRoughness, table: &Table) -> Result<Self> {
+        if table.wavelengths_nm().len() < 2 {
+            return Err(Error::input(format!("{}: a metal needs two rows at least", table.name())));
+        }
         let (nm, index) = (table.wavelengths_nm(), table.indices());
         Self::new(roughness, |w| {
             let above = nm.partition_point(|nm| *nm < w).clamp(1, nm.len() - 1);

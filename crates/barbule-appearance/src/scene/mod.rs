@@ -8,6 +8,7 @@ pub mod camera;
 pub mod coat;
 pub mod description;
 pub mod emission;
+pub mod faces;
 pub mod feather;
 pub mod geometry;
 pub mod light;

@@ -35,3 +35,32 @@ pub fn toml(name: &str) -> Result<&'static str> {
         Error::input(format!("there is no preset '{}'{near} (known are {known})", shortened(name)))
     })
 }
+
+/// What a preset shows: the first sentence of its file's first comment.
+///
+/// # Errors
+/// As [`toml`].
+pub fn about(name: &str) -> Result<String> {
+    let comment: Vec<&str> =
+        toml(name)?.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).collect();
+    let comment = comment.join(" ");
+    Ok(comment.split_inclusive(". ").next().unwrap_or_default().trim_end_matches(['.', ' ']).to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_says_what_it_shows_in_a_line() {
+        for name in names() {
+            let about = about(name).unwrap();
+            assert!((20..=200).contains(&about.len()) && !about.contains('\n'), "{name}: {about}");
+        }
+        assert_eq!(
+            about("starling-feather").unwrap(),
+            "A starling's breast feather, whole: lanceolate, glossy, with a buff tip"
+        );
+        assert!(about("starlin").unwrap_err().to_string().contains("did you mean 'starling'"));
+    }
+}

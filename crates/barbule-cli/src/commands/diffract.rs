@@ -2,9 +2,10 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use barbule::diffraction::{Reference, delta_e, direction};
-use barbule::figures::{Pattern, diffraction, diffraction_spectrum};
+use barbule::figures::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
 use barbule::io::measured::{Measured, read_measured};
 use barbule::io::{GratingFile, check_writable, write_grating};
 use barbule::plot::{Band, MeasuredBand};
@@ -18,8 +19,10 @@ use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::Heightfield;
 use barbule::{DVec3, Error, Result};
+use rayon::prelude::*;
 use serde_json::json;
 
+use crate::campaign::in_words;
 use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
 use crate::heights_arg::HeightsArgs;
@@ -167,9 +170,7 @@ impl Args {
             return Err(Error::input("--wi alone lights the pictures of -o FIG; give --wo too, or -o FIG"));
         }
         if self.figure.output.is_none() && self.wo.is_none() {
-            return Err(Error::input(
-                "nothing to do: give -o FIG for pictures, -o NAME.grating for tables, or --wi and --wo for values",
-            ));
+            return Err(self.nothing_to_do());
         }
         if !(0.0..=30.0).contains(&self.aperture) {
             return Err(Error::input(format!("--aperture {}: give 0 to 30 degrees", self.aperture)));
@@ -188,6 +189,16 @@ impl Args {
             (Some(wi), Some(wo)) => self.values(&field, &name, &setup, &at, [wi, wo], out),
             _ if stored.is_none() => self.draw(&field, &name, &setup, &at),
             _ => Ok(()),
+        }
+    }
+
+    /// What is to be given, and at once what the file of heights lacks.
+    fn nothing_to_do(&self) -> Error {
+        const GIVE: &str =
+            "give -o FIG for pictures, -o NAME.grating for tables, or --wi and --wo for values";
+        match self.heights.open(self.common.seed) {
+            Err(lack) if lack.is_input() => lack.followed_by(&format!("; and {GIVE}")),
+            _ => Error::input(format!("nothing to do: {GIVE}")),
         }
     }
 
@@ -290,6 +301,9 @@ impl Args {
         let tables = self.builder(field, setup, at)?.tables(&progress)?;
         let reference = Reference::new(field, setup, &Observer::default(), at, &progress)?;
         let w_i = self.wi.map_or(DVec3::Z, Direction::vector);
+        if let Some(time) = time_of_pattern(|w_o| reference.xyz(w_i, w_o)) {
+            self.common.say(&format!("the pattern of {DIRECTIONS} directions takes about {time}"));
+        }
         let title = self.figure.title(format!("{name}: diffraction under D65"));
         let pattern = Pattern { field, reference: &reference, tables: &tables, w_i };
         let (drawing, errors) = diffraction(&title, &pattern, &page, &progress);
@@ -415,6 +429,21 @@ impl Args {
     }
 }
 
+/// How long a pattern takes, where that is long: by the time of a few directions that lie all over the hemisphere.
+fn time_of_pattern(colour: impl Fn(DVec3) -> [f64; 3] + Sync) -> Option<String> {
+    /// Enough for every thread.
+    const FEW: usize = 256;
+    const LONG_S: f64 = 5.0;
+    let begun = Instant::now();
+    let some = (0..FEW).into_par_iter().map(|i| {
+        let share = (i as f64 + 0.5) / FEW as f64;
+        colour(direction(share.sqrt().asin().to_degrees(), 137.5 * i as f64))
+    });
+    let all: Vec<[f64; 3]> = some.collect();
+    let seconds = begun.elapsed().as_secs_f64() * DIRECTIONS as f64 / all.len() as f64;
+    (seconds > LONG_S).then(|| in_words(seconds))
+}
+
 /// Tables and powers in words.
 fn words(tables: &Tables, powers: &Powers) -> String {
     let kind = match tables.basis() {
@@ -431,4 +460,23 @@ fn words(tables: &Tables, powers: &Powers) -> String {
 
 fn is_grating(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("grating"))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn only_patterns_that_take_long_are_foretold() {
+        assert_eq!(time_of_pattern(|_| [0.0; 3]), None);
+        let slow = time_of_pattern(|w_o| {
+            assert!((w_o.length() - 1.0).abs() < 1e-12 && w_o.z > 0.0);
+            std::thread::sleep(Duration::from_millis(4));
+            [0.0; 3]
+        });
+        // On one thread 188 s; on many as much less.
+        assert!(slow.is_some_and(|time| time.ends_with(" s") || time.ends_with(" min")));
+    }
 }

@@ -3,6 +3,7 @@
 mod checkpoints;
 mod flags;
 mod noise;
+mod presets;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -13,9 +14,12 @@ use barbule::characterize::thinned;
 use barbule::clock;
 use barbule::error::shortened;
 use barbule::io::{Folder, check_writable};
-use barbule::picture::{Developed, Set, bytes_needed, check_colours, check_kind, development, is_exr};
+use barbule::picture::{
+    Developed, Set, bytes_needed, check_alpha, check_colours, check_kind, development, is_exr,
+};
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
+use barbule::render::exposure::clipped;
 use barbule::render::faults::Faults;
 use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
@@ -39,16 +43,15 @@ use crate::{materials, scene_arg};
 
 /// Arguments of `barbule render`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  barbule render starling -o starling.png\n  \
-    barbule render my-bird.toml -o my-bird.png\n  \
-    barbule render starling --background none -o starling.exr\n  \
-    barbule render starling --frames 25 --arc light=40 -o glints.png\n  \
-    barbule render starling --toml")]
+#[command(after_help = presets::after_help())]
 pub(crate) struct Args {
-    #[arg(value_name = "PRESET|SPECIES:VARIANT|SCENE", help = scene_arg::HELP)]
-    scene: String,
-    /// The picture: .png or .exr
-    #[arg(short, long, value_name = "FILE", required_unless_present = "toml")]
+    #[arg(value_name = "PRESET|SPECIES:VARIANT|SCENE", help = scene_arg::HELP, required_unless_present = "list")]
+    scene: Option<String>,
+    /// Print the presets and what they show, and draw nothing
+    #[arg(long, conflicts_with_all = ["scene", "output", "toml"])]
+    list: bool,
+    /// The picture: .png, .jpg, .webp or .exr
+    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["toml", "list"])]
     output: Option<PathBuf>,
     /// Print the scene as a file to start from, and draw nothing
     #[arg(long, conflicts_with = "output")]
@@ -74,13 +77,14 @@ pub(crate) struct Args {
     /// Azimuth and elevation of the camera, degrees, and the width of the picture in mm
     #[arg(long, value_name = "AZ,EL[,MM]", allow_hyphen_values = true, value_parser = flags::view)]
     view: Option<flags::View>,
-    /// Factor from radiance to the picture's values; auto: so that its mean is that of a grey card
-    #[arg(long, value_name = "X|auto", allow_hyphen_values = true, value_parser = flags::exposure)]
-    exposure: Option<Exposure>,
+    /// Factor from radiance to the picture's values; auto: by what it shows, as bright as a grey card with highlights kept; auto-1.5: by 1.5
+    /// stops darker; +1: by a stop brighter than the scene says
+    #[arg(long, value_name = "X|auto|STOPS", allow_hyphen_values = true, value_parser = flags::exposure)]
+    exposure: Option<flags::Exposed>,
     /// How barbs are seen: with their rami and barbules, as one fibre each, or both side by side
     #[arg(long, value_name = "substructure|fibre|both", value_parser = flags::view_model)]
     view_model: Option<ViewModel>,
-    /// What is seen behind the feather: sky, none (the picture is cut out), a colour #rrggbb, or a .png or .exr
+    /// What is seen behind the feather: sky, none (the picture is cut out), a colour #rrggbb, or a .png, .exr or .hdr
     #[arg(long, value_name = "sky|none|#RRGGBB|FILE", value_parser = flags::background)]
     background: Option<Background>,
     /// Who sees the picture: human, or a file of what channels answer to light
@@ -122,6 +126,9 @@ const SMALLER: &str =
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
+        if self.list {
+            return presets::print_list(&self.common, out);
+        }
         let (description, is_changed) = self.description()?;
         if self.toml {
             return self.print_toml(description, is_changed, out);
@@ -133,7 +140,8 @@ impl Args {
         check_size(size)?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
         files.iter().try_for_each(|file| {
-            check_kind(file).map_err(|e| e.at("-o")).and_then(|()| check_writable(file))
+            let fits = check_kind(file).and_then(|()| check_alpha(file, &description.background));
+            fits.map_err(|e| e.at("-o")).and_then(|()| check_writable(file))
         })?;
         let planes = self.planes()?;
         let mut description = description;
@@ -213,7 +221,7 @@ impl Args {
 
     /// The scene with the changes that the flags ask for, and whether there are any.
     fn description(&self) -> Result<(SceneDescription, bool)> {
-        let mut description = scene_arg::parse(&self.scene, &self.common)?;
+        let mut description = scene_arg::parse(self.scene(), &self.common)?;
         let original = description.clone();
         if let Some(material) = &self.material {
             description.set_material(material);
@@ -221,6 +229,12 @@ impl Args {
         if let Some(bearing) = self.light {
             description.light.bearing = bearing;
             description.check().map_err(|e| e.at("--light"))?;
+            if description.light.strength == 0.0 {
+                self.common.idle(
+                    "--light",
+                    "the scene's key light has strength 0; its lamps are those of [[lights]]",
+                );
+            }
         }
         if let Some(flags::View { bearing, width_mm }) = self.view {
             description.camera.bearing = bearing;
@@ -232,7 +246,8 @@ impl Args {
             detail.view_model = view_model;
         }
         if let Some(exposure) = self.exposure {
-            description.exposure = exposure;
+            description.exposure = exposure.of(description.exposure);
+            description.check().map_err(|e| e.at("--exposure"))?;
         }
         if self.toml {
             description.size = self.size.or(description.size);
@@ -260,15 +275,20 @@ impl Args {
         Ok((description, is_changed))
     }
 
+    /// What is drawn.
+    fn scene(&self) -> &str {
+        self.scene.as_deref().unwrap_or_default()
+    }
+
     /// Where the files lie that a scene file names.
     fn folder(&self) -> PathBuf {
-        Path::new(&self.scene).with_file_name("")
+        Path::new(self.scene()).with_file_name("")
     }
 
     /// Prints a preset's own text, with its comments, or that of the scene that the command line describes, whose files are named as seen
     /// from here.
     fn print_toml(&self, mut scene: SceneDescription, is_changed: bool, out: &mut dyn Write) -> Result<()> {
-        if !is_changed && let Ok(text) = preset::toml(&self.scene) {
+        if !is_changed && let Ok(text) = preset::toml(self.scene()) {
             return print(out, text.trim_end());
         }
         let (folder, own) = (self.folder(), self.background.is_some());
@@ -322,13 +342,16 @@ impl Args {
         let compositing = self.output.as_deref().is_some_and(is_exr);
         let nm = match &self.spectral {
             Some(_) if !compositing => {
-                return Err(Error::input("--spectral: a PNG has no spectral planes; end the name with .exr"));
+                return Err(Error::input(
+                    "--spectral: only an EXR has spectral planes; end the name with .exr",
+                ));
             }
             Some(set) => sets::parse("--spectral", set)?,
             None => Vec::new(),
         };
         if self.keep_gamut && !compositing {
-            self.common.idle("--keep-gamut", "a PNG's colours are always sRGB's");
+            self.common
+                .idle("--keep-gamut", "only an EXR keeps colours outside sRGB; end the name with .exr");
         }
         let spectral = Bands::new(&nm, sensor.band()).map_err(|e| e.at("--spectral"))?;
         Ok(Planes { sensor, compositing, spectral })
@@ -440,6 +463,7 @@ impl Args {
             "output": path_json(job.file), "width": job.size[0], "height": job.size[1],
             "barbs": counts.barbs, "barbules": counts.barbules, "primitives": set.primitives(),
             "paths": paths, "seconds": seconds, "paths_per_second": paths as f64 / seconds.max(1e-9),
+            "clipped": clipped(&film, exposure),
             "ended": if ended == Ended::OutOfTime { "time" } else { "done" },
             "impossible_samples": film.faults().count,
         });
@@ -536,21 +560,20 @@ impl Args {
 
 /// What a picture shows, in a line.
 fn shown(description: &SceneDescription, job: &Job<'_>, film: &Film, noise: Option<&Noise>) -> String {
-    let light = &description.light.bearing;
-    format!(
-        "{}{}, light {},{}, {} x {} pixels, {:.1} samples each{}",
-        match job.wardrobe.names.is_empty() {
-            true => "no feather's material".to_owned(),
-            false => job.wardrobe.names.join(", "),
-        },
-        if job.wardrobe.thinned.is_some() { " (thinned)" } else { "" },
-        light.azimuth_deg,
-        light.elevation_deg,
-        job.size[0],
-        job.size[1],
-        job.samples(film),
-        noise.map_or_else(String::new, |noise| format!(", noise {noise}"))
-    )
+    let mut parts = Vec::new();
+    if !job.wardrobe.names.is_empty() {
+        let thinned = if job.wardrobe.thinned.is_some() { " (thinned)" } else { "" };
+        parts.push(format!("{}{thinned}", job.wardrobe.names.join(", ")));
+    }
+    // A key light that does not shine stands nowhere.
+    if description.light.strength > 0.0 {
+        let light = &description.light.bearing;
+        parts.push(format!("light {},{}", light.azimuth_deg, light.elevation_deg));
+    }
+    let [width, height] = job.size;
+    parts.push(format!("{width} x {height} pixels, {:.1} samples each", job.samples(film)));
+    parts.extend(noise.map(|noise| format!("noise {noise}")));
+    parts.join(", ")
 }
 
 /// The materials that a scene's barbules wear.

@@ -84,6 +84,13 @@ fn heights_from_a_file_are_as_good_as_a_sample() {
 fn what_cannot_be_is_refused_in_one_sentence() {
     assert!(refusal(&["diffract", "blazd", "-o", "a.png"]).contains("did you mean 'blazed'"));
     assert!(refusal(&["diffract", "blazed"]).contains("nothing to do"));
+    // What a file lacks is said at once, and not only when there is something to do.
+    let folder = tempfile::tempdir().unwrap();
+    let heights = folder.path().join("afm.txt").to_string_lossy().into_owned();
+    std::fs::write(&heights, "0 1\n1 0\n").unwrap();
+    let said = refusal(&["diffract", &heights]);
+    assert!(said.contains("give --pitch, their distance in µm; and give -o FIG"), "{said}");
+    assert!(refusal(&["diffract", &heights, "--pitch", "0.1"]).contains("nothing to do: give -o FIG"));
     assert!(refusal(&["diffract", "blazed", "--wi", "10,0", "--json"]).contains("give --wo too"));
     assert!(refusal(&["diffract", "blazed", "--wi", "95,0", "--wo", "0,0"]).contains("POLAR,AZIMUTH"));
     assert!(refusal(&["diffract", "blazed", "-o", "a.jpg"]).contains(".svg, .pdf or .png"));

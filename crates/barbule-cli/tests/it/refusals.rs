@@ -297,7 +297,7 @@ const LINES: &[(&str, &str)] = &[
     ("lobes nobody -o @f.svg", "nobody"),
     // Pictures.
     ("render starling", "--output"),
-    ("render starling -o @f.bmp", "written as .png or .exr"),
+    ("render starling -o @f.bmp", "written as .png, .jpg, .webp or .exr"),
     ("render starling -o @no/f.png", "does not exist"),
     ("render starlign -o @f.png", "did you mean 'starling'"),
     ("render starling:puce -o @f.png", "no variant 'puce'"),
@@ -479,7 +479,7 @@ const SCENES: &[Change] = &[
     ("sky = 0.7", "background = \"nothing\"", "give \"sky\", \"none\", or the table [background]"),
     ("sky = 0.7", "background = {colour = [1, 2, 3]}", "background.colour: give three numbers"),
     ("sky = 0.7", "background = {file = \"no.png\"}", "no such file"),
-    ("sky = 0.7", "background = {file = \"good.csv\"}", "read from .png or .exr"),
+    ("sky = 0.7", "background = {file = \"good.csv\"}", "read from .png, .exr or .hdr"),
     ("sky = 0.7", "turn_deg = 1e9", "turn_deg is 1000000000, outside -3600 to 3600"),
     ("sky = 0.7", "detail.level = \"masked\"", "known are auto, barbules, barbs, vane, envelopes"),
     ("sky = 0.7", "detail.level = \"vanes\"", "detail.level is 'vanes', did you mean 'vane'?"),

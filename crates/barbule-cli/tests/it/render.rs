@@ -208,7 +208,7 @@ fn pictures_are_cut_out_or_stand_before_a_background() {
     let refused =
         barbule(folder.path(), &["starling", "-o", "x.png", "--background", "wall.jpg"]).assert().code(2);
     let message = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-    assert!(message.contains("--background") && message.contains(".png or .exr"), "{message}");
+    assert!(message.contains("--background") && message.contains(".png, .exr or .hdr"), "{message}");
 }
 
 /// One plane of a picture in an EXR.
@@ -526,7 +526,11 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
     let cases: &[(&[&str], &str)] = &[
         (&["starlign", "-o", "x.png"], "did you mean 'starling'"),
         (&["starling:pnk", "-o", "x.png"], "pnk"),
-        (&["starling", "-o", "x.jpg", "--material", MADE_UP], "pictures are written as .png or .exr"),
+        (
+            &["starling", "-o", "x.bmp", "--material", MADE_UP],
+            "pictures are written as .png, .jpg, .webp or .exr",
+        ),
+        (&["starling", "-o", "x.jpg", "--background", "none"], "-o: x.jpg: a JPEG cannot be cut out"),
         (&["starling", "-o", "no/x.png", "--material", MADE_UP], "does not exist"),
         (&["starling", "-o", "d.png", "--material", MADE_UP], "is a folder"),
         (&["starling", "-o", "x.png", "--material", "none.barbule"], "no such file"),
@@ -546,7 +550,7 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
         (&["starling", "-o", "x.png", "--frames", "3", "--arc", "lght=3"], "did you mean 'light'"),
         (&["starling", "-o", "x.png", "--frames", "3", "--arc", "light=9999"], "at most 3600"),
         (&["starling", "-o", "x.png", "--frames", "3", "--path", "light=3,50"], "two points"),
-        (&["starling", "-o", "x.png", "--exposure", "-2"], "--exposure -2: give a factor"),
+        (&["starling", "-o", "x.png", "--exposure", "-200"], "--exposure -200: give a factor"),
         (&["starling", "-o", "x.png", "--background", "#12"], "as in #20406a"),
         (&["starling", "-o", "x.png", "--background", "none.png"], "no such file"),
         (&["starling", "-o", "x.png", "--spectral", "500"], "end the name with .exr"),

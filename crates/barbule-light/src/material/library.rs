@@ -21,14 +21,17 @@ impl Default for Library {
 }
 
 impl Library {
-    /// Air, copper, keratin and melanin.
+    /// Air, keratin and melanin; aluminium, copper, gold and silver.
     #[must_use]
     pub fn builtin() -> Self {
         let materials = [
             ("air", Material::air()),
+            ("aluminium", Material::aluminium()),
             ("copper", Material::copper()),
+            ("gold", Material::gold()),
             ("keratin", Material::keratin()),
             ("melanin", Material::melanin()),
+            ("silver", Material::silver()),
         ];
         Self { materials: materials.into_iter().map(|(name, m)| (name.to_owned(), m)).collect() }
     }
@@ -94,7 +97,7 @@ mod tests {
                 .get("zirconium-oxide")
                 .unwrap_err()
                 .to_string()
-                .contains("known are air, copper, keratin")
+                .contains("known are air, aluminium, copper, gold, keratin")
         );
         assert!(library.get(&"x".repeat(10_000)).unwrap_err().to_string().len() < 600);
     }

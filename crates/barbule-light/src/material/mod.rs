@@ -66,6 +66,24 @@ impl Material {
         Self::Table(Table::copper().into())
     }
 
+    /// Gold, as [`Table::gold`] has it.
+    #[must_use]
+    pub fn gold() -> Self {
+        Self::Table(Table::gold().into())
+    }
+
+    /// Silver, as [`Table::silver`] has it.
+    #[must_use]
+    pub fn silver() -> Self {
+        Self::Table(Table::silver().into())
+    }
+
+    /// Aluminium, as [`Table::aluminium`] has it.
+    #[must_use]
+    pub fn aluminium() -> Self {
+        Self::Table(Table::aluminium().into())
+    }
+
     /// The same index at every wavelength.
     ///
     /// # Errors

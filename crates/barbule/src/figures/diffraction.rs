@@ -25,6 +25,11 @@ const PLACES: usize = 240;
 const ANGLES: usize = 360;
 /// Polar angles of incidence of the strips of colours, degrees.
 const INCIDENCES: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
+/// Places along the diameter of the hemisphere over which tables are judged.
+const JUDGED: usize = 41;
+/// How many directions the reference is asked for, of which a disc holds 0.785 of the square about it: what the picture takes its time for.
+pub const DIRECTIONS: usize =
+    (PLACES * PLACES + JUDGED * JUDGED) * 785 / 1000 + (INCIDENCES.len() + 2) * ANGLES;
 /// This part of the hemisphere's places is drawn as white or brighter than a screen: the mirror's direction and what is about it.
 const BRIGHTEST: f64 = 0.01;
 /// Width and height of each plane, px.
@@ -51,7 +56,7 @@ pub fn diffraction(
     progress: &dyn Progress,
 ) -> (Drawing, TableErrors) {
     progress.begin("pattern", PLACES as u64);
-    let errors = table_errors(pattern.reference, pattern.tables, pattern.w_i, 41);
+    let errors = table_errors(pattern.reference, pattern.tables, pattern.w_i, JUDGED);
     let parts =
         [heights(pattern.field), hemisphere(pattern, progress), strips(pattern), curves(pattern, &errors)];
     let widths = [0, 1].map(|column| parts[column].width.max(parts[column + 2].width));

@@ -9,7 +9,7 @@ mod simulated;
 mod spectrum;
 mod values;
 
-pub use diffraction::{Pattern, diffraction, diffraction_spectrum};
+pub use diffraction::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
 pub use far_fields::{check_far_fields, far_fields};
 pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
 pub use section::section;

@@ -1,4 +1,4 @@
-//! PNG and EXR: pictures are written, skies and backgrounds are read.
+//! PNG and EXR: pictures are written, skies and backgrounds are read, these from Radiance files too.
 
 use std::path::Path;
 
@@ -9,6 +9,7 @@ use exr::prelude::{
 };
 
 use super::assets::ending;
+use super::radiance::decode_radiance;
 use super::{read_bytes, write_whole};
 use crate::spectrum::colour::decode;
 use crate::{Error, Result};
@@ -145,11 +146,11 @@ pub enum Meaning {
     Number,
 }
 
-/// Reads a picture, colours in linear sRGB, and whether it is one of radiance: an EXR, or a PNG, whose 1 is a screen's white. Alpha
-/// is left out.
+/// Reads a picture, colours in linear sRGB, and whether it is one of radiance: an EXR or a Radiance file, or a PNG, whose 1 is a screen's
+/// white. Alpha is left out.
 ///
 /// # Errors
-/// As [`read_exr`]; or neither EXR nor PNG.
+/// As [`read_exr`]; or none of these.
 pub fn read_picture(path: &Path, meaning: Meaning) -> Result<(RgbImage, bool)> {
     let name = path.display().to_string();
     check_ending(&name)?;
@@ -162,10 +163,11 @@ pub fn read_picture(path: &Path, meaning: Meaning) -> Result<(RgbImage, bool)> {
 /// As there.
 pub fn decode_picture(name: &str, bytes: &[u8], meaning: Meaning) -> Result<(RgbImage, bool)> {
     check_ending(name)?;
-    if ending(name) == "exr" {
-        return Ok((decode_exr(name, bytes)?, true));
+    match ending(name).as_str() {
+        "exr" => Ok((decode_exr(name, bytes)?, true)),
+        "hdr" => Ok((decode_radiance(name, bytes)?, true)),
+        _ => Ok((decode_png(name, bytes, meaning)?, false)),
     }
-    Ok((decode_png(name, bytes, meaning)?, false))
 }
 
 /// How many pixels a picture says that it has, by the ending of its name and its first bytes; `None` where it is no such
@@ -186,8 +188,8 @@ pub fn foretell_picture(name: &str, head: &[u8]) -> Option<usize> {
 /// Refuses a name that no picture that can be read has.
 pub(crate) fn check_ending(name: &str) -> Result<()> {
     match ending(name).as_str() {
-        "exr" | "png" => Ok(()),
-        _ => Err(Error::input("pictures are read from .png or .exr").in_file(Path::new(name))),
+        "exr" | "hdr" | "png" => Ok(()),
+        _ => Err(Error::input("pictures are read from .png, .exr or .hdr").in_file(Path::new(name))),
     }
 }
 
@@ -217,7 +219,7 @@ fn decode_png(name: &str, bytes: &[u8], meaning: Meaning) -> Result<RgbImage> {
 }
 
 /// Refuses a header that claims too much.
-fn check_pixels(name: &str, [width, height]: [usize; 2], bytes: usize) -> Result<()> {
+pub(super) fn check_pixels(name: &str, [width, height]: [usize; 2], bytes: usize) -> Result<()> {
     let pixels = width.saturating_mul(height);
     if pixels > MOST_PIXELS || pixels > bytes.saturating_mul(MOST_PIXELS_PER_BYTE) {
         return Err(Error::input(format!(
@@ -349,7 +351,7 @@ mod tests {
             read_picture(&folder.path().join("wall.jpg"), Meaning::Colour)
                 .unwrap_err()
                 .to_string()
-                .contains(".png or .exr")
+                .contains(".png, .exr or .hdr")
         );
     }
 

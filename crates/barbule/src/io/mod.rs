@@ -21,6 +21,7 @@ mod mesh;
 mod named;
 mod orders;
 mod output;
+mod radiance;
 mod section;
 mod sensor;
 mod species;
@@ -29,6 +30,7 @@ pub mod store;
 pub mod tables;
 mod temporary;
 mod units;
+pub mod web;
 mod whole;
 mod zarr;
 
@@ -52,8 +54,8 @@ pub use output::{check_writable, is_inside_store, is_same_file, is_stream, write
 pub use section::{parse_section, read_section, read_sections, section_json, write_section};
 pub use sensor::read_sensor;
 pub use species::{
-    feather_of, is_species, read_feather, read_flat_stack, read_species, read_species_file,
-    read_structure_toml,
+    Shown, feather_of, is_species, read_flat_stack, read_shown, read_species, read_species_file,
+    read_structure_toml, shown_of,
 };
 pub use stack::{parse_stack, read_stack};
 pub use units::Units;

@@ -8,7 +8,9 @@ use super::{parse_stack, read_text};
 use crate::error::shortened;
 use crate::fields::{Record as _, at_line};
 use crate::material::Library;
+use crate::scene::description::SceneDescription;
 use crate::scene::feather::Feather;
+use crate::scene::preset;
 use crate::structure::{FlatStack, SpeciesFile, SpeciesModel, Structure};
 use crate::{Error, Result};
 
@@ -47,9 +49,9 @@ fn is_stack(table: &toml::Table) -> bool {
 fn parse_file(text: &str, folder: &Path, library: &Library) -> Result<(SpeciesFile, Library)> {
     let file = SpeciesFile::parse(text)?;
     let mut library = library.clone();
-    let feather = feather_of(&file).map(drop);
+    let shown = shown_of(&file).map(drop);
     let media = materials(file.materials.as_ref(), folder, &mut library).map(drop);
-    media.and(feather).map_err(|error| at_line(error, text))?;
+    media.and(shown).map_err(|error| at_line(error, text))?;
     Ok((file, library))
 }
 
@@ -71,13 +73,40 @@ pub fn feather_of(file: &SpeciesFile) -> Result<Option<Feather>> {
     file.feather.as_ref().map(|table| Feather::read(table, "feather")).transpose()
 }
 
-/// The feather of a species file, as [`feather_of`] has it.
+/// What a species file says about its picture.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Shown {
+    /// The preset in which it is shown.
+    pub preset: Option<String>,
+    /// The feather that bears it.
+    pub feather: Option<Feather>,
+}
+
+/// What a species file says about its picture.
+///
+/// # Errors
+/// As [`feather_of`]; or no preset of this name, or one that does not show one feather.
+pub fn shown_of(file: &SpeciesFile) -> Result<Shown> {
+    if let Some(name) = &file.preset {
+        preset::toml(name).map_err(|error| error.at("preset"))?;
+        if SceneDescription::named(name)?.lone_feather().is_none() {
+            return Err(Error::input(format!(
+                "preset is '{name}', which shows no feather; give a bird's, as in \"hummingbird\""
+            )));
+        }
+    }
+    Ok(Shown { preset: file.preset.clone(), feather: feather_of(file)? })
+}
+
+/// What a species file says about its picture, as [`shown_of`] has it.
 ///
 /// # Errors
 /// The file cannot be read or is no species; the message names the file and the key.
-pub fn read_feather(path: &Path) -> Result<Option<Feather>> {
-    let file = SpeciesFile::parse(&read_text(path)?);
-    file.and_then(|file| feather_of(&file)).map_err(|error| error.in_file(path))
+pub fn read_shown(path: &Path) -> Result<Shown> {
+    let text = read_text(path)?;
+    let shown =
+        SpeciesFile::parse(&text).and_then(|file| shown_of(&file).map_err(|error| at_line(error, &text)));
+    shown.map_err(|error| error.in_file(path))
 }
 
 /// Reads a structure in TOML: a species, or a stack, which becomes a flat section.
@@ -254,6 +283,30 @@ mod tests {
             let line = text.lines().find(|line| line.starts_with(good)).unwrap();
             let message = parse(&text.replacen(line, bad, 1), None).unwrap_err().to_string();
             assert!(message.contains(expected), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_species_file_says_in_which_scene_it_is_shown() {
+        let with = |preset: &str| {
+            let text = species_toml("starling").unwrap();
+            text.replacen("generator =", &format!("preset = \"{preset}\"\ngenerator ="), 1)
+        };
+        let file = SpeciesFile::parse(&with("hummingbird")).unwrap();
+        assert_eq!(shown_of(&file).unwrap().preset.as_deref(), Some("hummingbird"));
+        assert_eq!(
+            parse(&with("hummingbird"), None).unwrap(),
+            parse(species_toml("starling").unwrap(), None).unwrap()
+        );
+        let flat = file.flat_toml(None).unwrap();
+        assert_eq!(SpeciesFile::parse(&flat).unwrap().preset.as_deref(), Some("hummingbird"));
+        for (preset, expected) in [
+            ("hummingbrd", "preset: there is no preset 'hummingbrd', did you mean 'hummingbird'?"),
+            ("hummingbird:anna", "preset: there is no preset 'hummingbird:anna'"),
+            ("snake", "preset is 'snake', which shows no feather"),
+        ] {
+            let message = parse(&with(preset), None).unwrap_err().to_string();
+            assert!(message.starts_with("line 6: ") && message.contains(expected), "{message}");
         }
     }
 

@@ -29,6 +29,7 @@ mod material;
 mod media;
 mod scene;
 mod structure;
+mod unknown;
 
 use std::path::Path;
 

@@ -2,18 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Opening, is_built_in, material, structure};
+use super::{Opening, is_built_in, material, structure, unknown};
 use crate::characterize::species_of;
 use crate::error::shortened;
-use crate::io::{Folder, InputKind, kind_of, read_feather, read_material, read_text};
+use crate::io::{Folder, InputKind, Shown, kind_of, read_material, read_shown, read_text};
 use crate::material::Library;
 use crate::picture::scene_for;
 use crate::progress::Progress;
 use crate::resolve::{Worn, resolve};
 use crate::scene::description::{Named, ReadyScene, SceneDescription};
-use crate::scene::feather::Feather;
 use crate::scene::preset;
-use crate::structure::Structure;
+use crate::structure::{GeneratorParameters, SpeciesModel, Structure};
 use crate::{Error, Result};
 
 /// Opens a scene as `barbule render` takes it, with everything that it names: a preset, `SPECIES:VARIANT`, a scene file, or a structure or
@@ -61,6 +60,13 @@ pub fn description(text: &str, opening: &Opening, progress: &dyn Progress) -> Re
     }
     let path = Path::new(text);
     let ends_with = |end: &str| text.to_lowercase().ends_with(end);
+    if !path.exists() && !is_built_in(text) && names_nothing(text) {
+        return Err(if unknown::is_file_name(text) {
+            unknown::no_file(text)
+        } else {
+            unknown::no_scene(text)
+        });
+    }
     let kind = if path.exists() || ends_with(".toml") { kind_of(path)? } else { InputKind::Other };
     let mut scene = match kind {
         InputKind::Scene => return scene_in(text),
@@ -78,10 +84,15 @@ pub fn description(text: &str, opening: &Opening, progress: &dyn Progress) -> Re
             let text = shortened(text);
             return Err(Error::input(format!("{text}: is neither a scene, a material nor a structure")));
         }
-        _ => of_structure(&structure(text, opening, progress)?, feather_in(text, kind)?)?,
+        _ => of_structure(&structure(text, opening, progress)?, shown_in(text, kind)?)?,
     };
     scene.set_material(text);
     Ok(scene)
+}
+
+/// Whether a text that is no file and no built-in name cannot be a variant, a lower side, a stack or a folder either.
+fn names_nothing(text: &str) -> bool {
+    unknown::is_file_name(text) || !text.contains(['/', ':', '('])
 }
 
 fn scene_in(text: &str) -> Result<SceneDescription> {
@@ -111,27 +122,42 @@ fn beside(scene: &Path, material: String) -> String {
     if is_file { place.to_string_lossy().into_owned() } else { material }
 }
 
-/// The feather that a species file brings; `FILE.toml:VARIANT` names one too.
-fn feather_in(text: &str, kind: InputKind) -> Result<Option<Feather>> {
+/// What a species file says about its picture; `FILE.toml:VARIANT` names one too.
+fn shown_in(text: &str, kind: InputKind) -> Result<Shown> {
     let file = match kind {
         InputKind::Species => text,
         InputKind::Other if text.contains(".toml:") => text.rsplit_once(':').map_or(text, |(file, _)| file),
-        _ => return Ok(None),
+        _ => return Ok(Shown::default()),
     };
-    read_feather(Path::new(file))
+    read_shown(Path::new(file))
 }
 
-fn of_structure(structure: &Structure, feather: Option<Feather>) -> Result<SceneDescription> {
+fn of_structure(structure: &Structure, Shown { preset, feather }: Shown) -> Result<SceneDescription> {
     let species = match structure.upper() {
-        Structure::Species(model) => Some(model.name.as_str()),
+        Structure::Species(model) => Some(&**model),
         Structure::Stack(_) | Structure::Sections { .. } | Structure::Below(_) => None,
     };
-    scene_for(species, structure.is_curved(), feather)
+    let own = preset.as_deref().or(species.map(|model| model.name.as_str()));
+    scene_for(own, usual_preset(species, structure.is_curved()), feather)
 }
 
 fn of_material(path: &Path) -> Result<SceneDescription> {
     let material = read_material(path)?;
     let model = species_of(&material, Library::builtin());
-    let is_arched = model.is_some_and(|model| model.is_curved());
-    scene_for(material.info["species"].as_str(), is_arched, None)
+    let is_arched = model.as_ref().is_some_and(SpeciesModel::is_curved);
+    scene_for(material.info["species"].as_str(), usual_preset(model.as_ref(), is_arched), None)
+}
+
+/// The preset that shows barbules of which no preset's name is known: that of the bird that has such, a close-up without pale tips where
+/// several have.
+fn usual_preset(species: Option<&SpeciesModel>, is_arched: bool) -> &'static str {
+    match species.map(|model| &model.parameters) {
+        Some(GeneratorParameters::Starling(_)) => "starling",
+        Some(GeneratorParameters::Bronzewing(_)) => "bronzewing",
+        Some(GeneratorParameters::Hummingbird(_)) => "hummingbird",
+        Some(GeneratorParameters::Crystal(_)) if is_arched => "peafowl",
+        Some(GeneratorParameters::Crystal(_) | GeneratorParameters::Multilayer(_)) if !is_arched => "mallard",
+        Some(_) | None if is_arched => "rock-dove",
+        Some(_) | None => "starling",
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::Opening;
+use super::{Opening, unknown};
 use crate::error::shortened;
 use crate::io::{
     InputKind, kind_of, read_flat_stack, read_lattice, read_section, read_sections, read_structure_toml,
@@ -56,6 +56,9 @@ pub fn structure(text: &str, opening: &Opening, progress: &dyn Progress) -> Resu
     }
     let path = Path::new(text);
     let ends_with = |text: &str, end: &str| text.to_lowercase().ends_with(end);
+    if !path.exists() && unknown::is_file_name(text) {
+        return Err(unknown::no_file(text));
+    }
     if ends_with(text, ".json") || ends_with(text, ".toml") || path.exists() {
         return in_file(text, opening, progress);
     }
@@ -221,6 +224,7 @@ mod tests {
         assert!(refusal("mallard:pink").contains("no variant 'pink'"));
         assert!(refusal("nowhere.json").contains("no such file"));
         assert!(refusal("nowhere.toml").contains("no such file"));
+        assert!(refusal("nowhere.tml").contains("nowhere.tml: no such file"));
         assert!(refusal("nowhere/").contains("no such folder"));
         assert!(refusal("air/keratine:5/air").contains("did you mean 'keratin'"));
         assert!(refusal(&other.to_string_lossy()).contains("is no structure"));

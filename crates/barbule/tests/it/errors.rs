@@ -5,7 +5,7 @@ use std::path::Path;
 use barbule::io::measured::read_measured;
 use barbule::io::tables::read_index_table;
 use barbule::io::{
-    read_feather, read_lattice, read_material, read_section, read_species, read_stack, read_text,
+    read_lattice, read_material, read_section, read_shown, read_species, read_stack, read_text,
 };
 use barbule::material::Library;
 use barbule::structure::species_toml;
@@ -57,7 +57,7 @@ fn files_keys_lines_and_columns_are_known() {
     let error =
         refused("a.toml", starling.replace("core_fraction_low = 0.3", "core_fraction_low = 0.9"), species);
     assert_eq!(place(&error), (Some("parameters.core_fraction_low"), Some(20), Some(1)), "{error}");
-    let error = refused("a.toml", format!("{starling}\n[feather]\ntype = 3\n"), read_feather);
+    let error = refused("a.toml", format!("{starling}\n[feather]\ntype = 3\n"), read_shown);
     assert_eq!(error.key(), Some("feather.type"), "{error}");
 
     let stack = |path: &Path| read_stack(path, &media);

@@ -5,14 +5,12 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3, Vec2};
 
+use crate::scene::faces::{Facing, Welded, has_area};
 use crate::scene::geometry::{Mesh, Place};
 use crate::{Error, Result};
 
 /// Most triangles of a body.
 pub const MOST_TRIANGLES: usize = 200_000;
-
-/// Corners nearer than this share of the body's size are one.
-const WELD: f64 = 1e-6;
 
 /// A point of a body's surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +41,7 @@ pub struct Body {
     around: Vec<u32>,
     first_around: Vec<u32>,
     chart: Chart,
-    /// Whether it is closed and its faces looked inwards, so that they were turned.
+    /// Whether faces of closed parts of it looked inwards, so that they were turned.
     pub was_inside_out: bool,
 }
 
@@ -96,8 +94,8 @@ impl Body {
     }
 
     /// A mesh in its place: corners at the same point are made one, and flat triangles are divided until their edges are
-    /// `edge_mm` long at most, as far as a body may have triangles. The faces of a closed mesh that look inwards are turned; an open
-    /// one has no inside.
+    /// `edge_mm` long at most, as far as a body may have triangles. Faces of closed parts that look inwards are turned; what is open has
+    /// no inside.
     ///
     /// # Errors
     /// No triangle with an area, too many, or a broken mesh.
@@ -115,39 +113,24 @@ impl Body {
         {
             return Err(Error::input("the body's mesh has a corner that does not exist or is not finite"));
         }
-        let (low, high) = positions
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
-        let step = WELD * (high - low).max_element().max(1e-9);
-        let mut known = HashMap::new();
-        let mut points = Vec::new();
-        let welded: Vec<u32> = positions
-            .iter()
-            .map(|&p| {
-                let cell = ((p - low) / step).round().as_i64vec3();
-                *known.entry(cell).or_insert_with(|| {
-                    points.push(p);
-                    points.len() as u32 - 1
-                })
-            })
-            .collect();
+        let Welded { mut points, of: welded, step } = Welded::of(&positions);
         let uv = |corner: u32| mesh.uvs.get(corner as usize).copied().unwrap_or_default();
         let (mut triangles, mut uvs): (Vec<[u32; 3]>, Vec<[Vec2; 3]>) = mesh
             .triangles
             .iter()
             .map(|corners| (corners.map(|corner| welded[corner as usize]), corners.map(uv)))
-            .filter(|(corners, _)| {
-                let [p, q, r] = corners.map(|corner| points[corner as usize]);
-                (q - p).cross(r - p).length() > step * step
-            })
+            .filter(|(corners, _)| has_area(&points, *corners, step))
             .unzip();
         if triangles.is_empty() {
             return Err(Error::input("the body has no triangle with an area; give another mesh"));
         }
-        let was_inside_out = is_closed(&triangles) && volume(&points, &triangles) < 0.0;
-        if was_inside_out {
-            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
-            uvs.iter_mut().for_each(|corners| corners.swap(1, 2));
+        let facing = Facing::of(&points, &triangles);
+        let was_inside_out = facing.is_inside_out();
+        for ((corners, uvs), _) in
+            triangles.iter_mut().zip(&mut uvs).zip(&facing.is_turned).filter(|(_, turned)| **turned)
+        {
+            corners.swap(1, 2);
+            uvs.swap(1, 2);
         }
         let divisions = refine(&mut points, &mut triangles, edge_mm, |point| point);
         let chart = if mesh.uvs.is_empty() { Chart::None } else { Chart::Corners { uvs, divisions } };
@@ -298,25 +281,6 @@ fn rows(count: usize, pairs: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
         first[i + 1] += first[i];
     }
     (first, pairs.iter().map(|(_, value)| *value).collect())
-}
-
-/// Whether every edge has a triangle on each side of it, and both run the same way round.
-fn is_closed(triangles: &[[u32; 3]]) -> bool {
-    let mut edges: Vec<(u32, u32)> =
-        triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
-    edges.sort_unstable();
-    let is_once = edges.windows(2).all(|pair| pair[0] != pair[1]);
-    is_once && edges.iter().all(|&(a, b)| edges.binary_search(&(b, a)).is_ok())
-}
-
-/// Six times the volume within closed triangles, mm³; negative where they are clockwise seen from outside.
-fn volume(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
-    let from = points[0];
-    let of = |corners: &[u32; 3]| {
-        let [p, q, r] = corners.map(|corner| points[corner as usize] - from);
-        p.dot(q.cross(r))
-    };
-    triangles.iter().map(of).sum()
 }
 
 /// The triangle that a division by [`refine`] made this one from, and the weights of its corners.
@@ -474,8 +438,9 @@ mod tests {
         let spots = (0..open.triangles.len() as u32).map(|t| open.spot(t, [1.0 / 3.0; 3]));
         // Its face at x = 0 still looks to +x.
         assert!(spots.filter(|spot| spot.point.x < 1e-9).all(|spot| spot.normal.x > 0.0));
-        // One triangle the other way round: nobody can say which is right.
-        assert!(!body(&[inwards[0], inwards[1], inwards[2], outwards[3]]).was_inside_out);
+        // One triangle the other way round.
+        let mixed = body(&[inwards[0], inwards[1], inwards[2], outwards[3]]);
+        assert!(mixed.was_inside_out && mixed == turned);
     }
 
     /// Texture coordinates that are linear in the place stay so however finely triangles are divided; an ellipsoid's are a sphere's.

@@ -12,6 +12,7 @@ use crate::scene::backdrop::Backdrop;
 use crate::scene::camera::Camera;
 use crate::scene::coat::Laid;
 use crate::scene::emission::Emission;
+use crate::scene::faces::outwards;
 use crate::scene::feather::Counts;
 use crate::scene::geometry::{Geometry, Place};
 use crate::scene::light::{Lamp, Light};
@@ -67,10 +68,11 @@ impl ReadyScene {
             } else {
                 let name = object.surface.as_deref().unwrap_or_default();
                 let surface = self.surfaces.named(&format!("the surface of {}", object.label()), name)?;
-                all.push(Object {
-                    geometry: object.geometry(shapes)?,
-                    surface: surface.build(&self.surfaces)?,
-                });
+                let mut geometry = object.geometry(shapes)?;
+                if object.is_clad_mesh(&self.surfaces) {
+                    geometry.meshes = geometry.meshes.into_iter().map(outwards).collect();
+                }
+                all.push(Object { geometry, surface: surface.build(&self.surfaces)? });
                 shapes += 1;
             }
         }

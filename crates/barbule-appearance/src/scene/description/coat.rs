@@ -19,6 +19,7 @@ use crate::scene::coat::field::Guide;
 use crate::scene::coat::follicles::Region;
 use crate::scene::coat::kinds::Kinds;
 use crate::scene::coat::{Coat, Laid, MOST_FEATHERS, Number, Variant, edge_mm, seed_of, window};
+use crate::scene::faces::turned_round;
 use crate::scene::feather::{Counts, Feather, Level};
 use crate::scene::geometry::{Geometry, Mesh, Place};
 use crate::scene::memory::PER_PLACE;
@@ -64,6 +65,8 @@ record! {
         ellipsoid_mm: Option<[f64; 3]> = "ellipsoid_mm", within(0.1, 1e4);
         /// A mesh that it grows on, in mm.
         mesh: Option<Slot<Mesh>> = "mesh", Text("the name of a .ply, .obj, .gltf or .glb");
+        /// Whether they grow on the other side of an open mesh than that to which its faces look; of a closed one they grow outwards.
+        other_side: bool = "other_side", (), or false;
         /// How many feathers there are.
         count: Option<usize> = "count", within(1, MOST_FEATHERS as f64);
         /// In place of that, how many on the body's surface.
@@ -222,7 +225,14 @@ impl CoatDescription {
             }
             (None, Some(mesh)) => {
                 let mesh = mesh.value()?;
-                let body = Body::mesh(mesh, &place, edge_mm).map_err(|error| error.at("coat.mesh"))?;
+                let turned;
+                let sided = if self.other_side {
+                    turned = turned_round(mesh);
+                    &turned
+                } else {
+                    mesh.as_ref()
+                };
+                let body = Body::mesh(sided, &place, edge_mm).map_err(|error| error.at("coat.mesh"))?;
                 let meshes = vec![Mesh { id: COAT, ..mesh.as_ref().clone() }];
                 Ok((body, Geometry { meshes, places: vec![place], ..Geometry::default() }))
             }

@@ -16,6 +16,7 @@ mod objects;
 mod parts;
 mod sequence;
 mod shapes;
+mod sides;
 mod sky;
 mod slot;
 mod surfaces;
@@ -31,6 +32,7 @@ pub use lights::{KeyLight, LightColour, LightDescription, LightShape};
 pub use memory::{Foreseen, Holds};
 pub use objects::{ObjectDescription, ObjectShape, Placement, SnakeShape};
 pub use sequence::{Motion, Moved, USUAL_ARC_DEG, Waypoint};
+pub use sides::Remark;
 pub use sky::{Background, SkyDescription, SkyImage};
 pub use slot::Slot;
 pub use surfaces::{
@@ -55,8 +57,9 @@ record! {
     pub struct SceneDescription {
         /// Width and height in pixels.
         size: Option<[u32; 2]> = "size", within(1, u32::MAX);
-        /// Factor from radiance to the picture's linear values, or "auto": so that its mean is that of a grey card.
-        exposure: Exposure = "exposure", (), or Exposure::Auto;
+        /// Factor from radiance to the picture's linear values, or "auto": so that its middle is that of a grey card and highlights keep their
+        /// colours, with stops more or less as in "auto-1.5".
+        exposure: Exposure = "exposure", (), or Exposure::AUTO;
         /// Most scatterings of a light path.
         scatterings: u32 = "scatterings", within(1, 1000), or 5;
         /// By how much the objects are turned about the picture's upward direction, counter-clockwise seen from above.
@@ -96,22 +99,67 @@ record! {
 /// How radiance becomes a picture's values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Exposure {
-    /// So that its mean is that of a grey card.
-    Auto,
+    /// By what the picture shows.
+    Auto {
+        /// So many times 2 brighter than that.
+        stops: f64,
+    },
     /// By this factor.
     Factor(f64),
 }
 
 impl Exposure {
+    /// By what the picture shows alone.
+    pub const AUTO: Self = Self::Auto { stops: 0.0 };
     const RANGE: [f64; 2] = [1e-6, 1e6];
+    /// Most stops to either side.
+    const MOST_STOPS: f64 = 20.0;
+    /// What `auto` takes, for messages.
+    const WORDS: &str = "\"auto\", with stops as in \"auto-1.5\"";
 
     /// The factor, where there is one.
     #[must_use]
     pub fn factor(self) -> Option<f64> {
         match self {
-            Self::Auto => None,
+            Self::Auto { .. } => None,
             Self::Factor(factor) => Some(factor),
         }
+    }
+
+    /// The factor, where a picture by itself has the factor that `automatic` says.
+    #[must_use]
+    pub fn or_by(self, automatic: impl FnOnce() -> f64) -> f64 {
+        let [low, high] = Self::RANGE;
+        match self {
+            Self::Auto { stops } => (automatic() * libm::exp2(stops)).clamp(low, high),
+            Self::Factor(factor) => factor,
+        }
+    }
+
+    /// The same by so many stops brighter; a factor stays in its range.
+    #[must_use]
+    pub fn brighter(self, by: f64) -> Self {
+        let [low, high] = Self::RANGE;
+        match self {
+            Self::Auto { stops } => Self::Auto { stops: stops + by },
+            Self::Factor(factor) => Self::Factor((factor * libm::exp2(by)).clamp(low, high)),
+        }
+    }
+
+    /// `auto`, `auto-1.5` or `auto+1`; nothing if it is none of them.
+    #[must_use]
+    pub fn of_word(word: &str) -> Option<Self> {
+        match word.strip_prefix("auto")? {
+            "" => Some(Self::AUTO),
+            stops => Self::stops(stops).map(|stops| Self::Auto { stops }),
+        }
+    }
+
+    /// Stops with their sign, as in `+1` or `-1.5`.
+    #[must_use]
+    pub fn stops(text: &str) -> Option<f64> {
+        let stops = text.starts_with(['+', '-']).then(|| text.parse::<f64>().ok()).flatten()?;
+        (stops.abs() <= Self::MOST_STOPS).then_some(stops)
     }
 }
 
@@ -121,21 +169,29 @@ impl FieldValue for Exposure {
     fn of_value(value: &Value, path: &str, (): &()) -> Result<Self> {
         let [low, high] = Self::RANGE;
         match value {
-            Value::String(word) if word == "auto" => Ok(Self::Auto),
-            Value::String(word) => {
+            Value::String(word) => Self::of_word(word).ok_or_else(|| {
                 let word = crate::error::shortened(word);
-                Err(Error::input(format!("{path} is '{word}'; give a number or \"auto\"")))
-            }
+                Error::input(format!("{path} is '{word}'; give a number or {}", Self::WORDS))
+            }),
             other => f64::of_value(other, path, &within(low, high)).map(Self::Factor),
         }
     }
 
     fn to_value(&self, (): &()) -> Option<Value> {
-        Some(self.factor().map_or("auto".into(), Value::from))
+        Some(match self {
+            Self::Factor(factor) => Value::from(*factor),
+            Self::Auto { stops: 0.0 } => "auto".into(),
+            Self::Auto { stops } => format!("auto{stops:+}").into(),
+        })
     }
 
     fn check_value(&self, path: &str, (): &()) -> Result<()> {
         let [low, high] = Self::RANGE;
+        if let Self::Auto { stops } = self
+            && (stops.is_nan() || stops.abs() > Self::MOST_STOPS)
+        {
+            return Err(Error::input(format!("{path} is auto by {stops} stops; give -20 to 20")));
+        }
         self.factor().check_value(path, &within(low, high))
     }
 
@@ -144,7 +200,7 @@ impl FieldValue for Exposure {
 
     fn kind((): &()) -> Kind {
         let [low, high] = Self::RANGE;
-        Kind::Either(vec![Kind::Number { low, high, whole: false }, Kind::Word(vec!["auto"])])
+        Kind::Either(vec![Kind::Number { low, high, whole: false }, Kind::Text(Self::WORDS)])
     }
 }
 

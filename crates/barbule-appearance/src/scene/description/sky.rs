@@ -35,7 +35,7 @@ record! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct SkyImage {
         /// Equirectangular EXR.
-        file: Slot<Sky> = "file", Text("the name of an .exr");
+        file: Slot<Sky> = "file", Text("the name of an .exr or .hdr");
         /// Factor to the image's radiance.
         strength: f64 = "strength", within(0, 1e6), or 1.0;
         /// By how much it is turned clockwise seen from above.
@@ -152,7 +152,7 @@ record! {
         /// A colour on the screen.
         colour: Option<Colour> = "colour", ();
         /// A picture.
-        file: Option<Slot<BackdropPicture>> = "file", Text("the name of a .png or .exr");
+        file: Option<Slot<BackdropPicture>> = "file", Text("the name of a .png, .exr or .hdr");
     }
 }
 

@@ -11,11 +11,9 @@ use crate::bsdf::{
     Surface, SurfaceMap, Texture, ThinFilm,
 };
 use crate::error::{did_you_mean, shortened};
-use crate::fields::{
-    FieldValue, Kind, Map as Table, Record, Several, Text, Value, path_of, within, wrong_kind,
-};
+use crate::fields::{FieldValue, Kind, Map, Record, Several, Text, Value, path_of, within, wrong_kind};
 use crate::identity::Hasher;
-use crate::material::Library;
+use crate::material::{Library, Table};
 use crate::scattering::grating::Powers;
 use crate::spectrum::colour::decode;
 use crate::stack::Stack;
@@ -59,13 +57,13 @@ record! {
         /// Its colour.
         colour: Colour = "colour", (), or Colour::WHITE;
         /// A picture that the colour is multiplied with.
-        albedo: Option<Slot<Texture>> = "albedo", Text("the name of a .png or .exr");
+        albedo: Option<Slot<Texture>> = "albedo", Text("the name of a .png, .exr or .hdr");
         /// A picture that is black where there are holes.
-        alpha: Option<Slot<Texture>> = "alpha", Text("the name of a .png or .exr");
+        alpha: Option<Slot<Texture>> = "alpha", Text("the name of a .png, .exr or .hdr");
         /// A picture of normals.
-        normal: Option<Slot<Texture>> = "normal", Text("the name of a .png or .exr");
+        normal: Option<Slot<Texture>> = "normal", Text("the name of a .png, .exr or .hdr");
         /// A picture of heights.
-        bump: Option<Slot<Texture>> = "bump", Text("the name of a .png or .exr");
+        bump: Option<Slot<Texture>> = "bump", Text("the name of a .png, .exr or .hdr");
         /// Height where `bump` is white.
         bump_um: Option<f64> = "bump_um", within(-1e5, 1e5);
         @agree Diffuse::agree;
@@ -123,6 +121,12 @@ words! {
     pub enum Metal {
         /// Copper by Johnson & Christy.
         "copper": Copper,
+        /// Gold by the same.
+        "gold": Gold,
+        /// Silver by the same.
+        "silver": Silver,
+        /// Aluminium by Rakić.
+        "aluminium": Aluminium,
     }
 }
 
@@ -314,7 +318,15 @@ impl RoughMetal {
 
     fn build(&self) -> Result<Conductor> {
         match (self.metal, self.index.zip(self.absorption)) {
-            (Some(Metal::Copper), _) => Conductor::copper(self.roughness),
+            (Some(metal), _) => {
+                let table = match metal {
+                    Metal::Copper => Table::copper(),
+                    Metal::Gold => Table::gold(),
+                    Metal::Silver => Table::silver(),
+                    Metal::Aluminium => Table::aluminium(),
+                };
+                Conductor::of_table(self.roughness, &table)
+            }
             (None, constant) => {
                 let (index, absorption) = constant.unwrap_or_default();
                 Conductor::new(self.roughness, |_| [index, absorption])
@@ -486,7 +498,7 @@ impl FieldValue for Surfaces {
     }
 
     fn to_value(&self, (): &()) -> Option<Value> {
-        let tables: Table<String, Value> =
+        let tables: Map<String, Value> =
             self.0.iter().map(|(name, surface)| (name.clone(), surface.table())).collect();
         (!tables.is_empty()).then_some(Value::Object(tables))
     }

@@ -81,15 +81,37 @@ fn time(text: &str) -> Result<Duration> {
     }
 }
 
-/// A factor, or `auto` for none.
-pub(super) fn exposure(text: &str) -> Result<Exposure> {
-    if text == "auto" {
-        return Ok(Exposure::Auto);
+/// What `--exposure` says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Exposed {
+    /// This, whatever the scene says.
+    As(Exposure),
+    /// By so many stops brighter than the scene says.
+    Stops(f64),
+}
+
+impl Exposed {
+    /// The exposure of a scene that has its own.
+    pub(super) fn of(self, own: Exposure) -> Exposure {
+        match self {
+            Self::As(exposure) => exposure,
+            Self::Stops(stops) => own.brighter(stops),
+        }
+    }
+}
+
+/// A factor, `auto` with or without stops, or stops alone, which have a sign.
+pub(super) fn exposure(text: &str) -> Result<Exposed> {
+    if let Some(exposure) = Exposure::of_word(text) {
+        return Ok(Exposed::As(exposure));
+    }
+    if let Some(stops) = Exposure::stops(text) {
+        return Ok(Exposed::Stops(stops));
     }
     match text.parse::<f64>() {
-        Ok(factor) if (1e-6..=1e6).contains(&factor) => Ok(Exposure::Factor(factor)),
+        Ok(factor) if (1e-6..=1e6).contains(&factor) => Ok(Exposed::As(Exposure::Factor(factor))),
         _ => Err(Error::input(format!(
-            "--exposure {}: give a factor from 0.000001 to 1000000, or auto",
+            "--exposure {}: give a factor from 0.000001 to 1000000, or auto, each with stops as in auto-1.5, or stops alone as in +1",
             shortened(text)
         ))),
     }
@@ -170,6 +192,20 @@ mod tests {
         assert_eq!(duration("1.5m").unwrap(), Duration::from_secs(90));
         for bad in ["", "s", "-3s", "0", "5d", "inf"] {
             assert!(duration(bad).unwrap_err().is_input(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn exposures_are_factors_auto_or_stops() {
+        let of = |text: &str, own| exposure(text).unwrap().of(own);
+        let half = Exposure::Factor(0.5);
+        assert_eq!(of("auto", half), Exposure::AUTO);
+        assert_eq!(of("auto-1.5", half), Exposure::Auto { stops: -1.5 });
+        assert_eq!(of("2", half), Exposure::Factor(2.0));
+        assert_eq!([of("+1", half), of("-2", half)], [1.0, 0.125].map(Exposure::Factor));
+        assert_eq!(of("+1", Exposure::Auto { stops: -1.5 }), Exposure::Auto { stops: -0.5 });
+        for bad in ["0", "auto1", "auto-", "auto+nan", "-99", "+inf", "autos", "+", "nan"] {
+            assert!(exposure(bad).unwrap_err().to_string().contains("give a factor"), "{bad}");
         }
     }
 

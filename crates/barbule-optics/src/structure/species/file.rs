@@ -25,6 +25,7 @@ const KEYS: &[&str] = &[
     "parameters",
     "variants",
     "materials",
+    "preset",
     "feather",
 ];
 
@@ -45,6 +46,8 @@ pub struct SpeciesFile {
     pub generator: String,
     /// The table of the file's own materials, which lie in other files.
     pub materials: Option<Value>,
+    /// The scene in which it is shown: whoever draws feathers knows the names.
+    pub preset: Option<String>,
     /// The table of the feather that bears the barbules, as it is written: whoever draws feathers reads it.
     pub feather: Option<Value>,
     variants: Vec<Variant>,
@@ -108,6 +111,7 @@ impl SpeciesFile {
             generator,
             parameters: parameters.as_object().cloned().unwrap_or_default(),
             materials: fields.get("materials").cloned(),
+            preset: fields.text("preset")?.map(str::to_owned),
             feather: fields.get("feather").cloned(),
             variants: if variants.is_empty() { vec![Variant::only()] } else { variants },
         })

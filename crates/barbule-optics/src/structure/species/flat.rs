@@ -36,6 +36,9 @@ impl SpeciesFile {
         for (key, value) in words.into_iter().filter(|(_, value)| !value.is_empty()) {
             lines.push((format!("{key} = {}", text(value)), String::new()));
         }
+        if let Some(preset) = &self.preset {
+            lines.push((format!("preset = {}", text(preset)), "the scene that shows it".to_owned()));
+        }
         // Writing to a string cannot fail, here and below.
         let mut out = String::new();
         let _ = writeln!(

@@ -1,8 +1,9 @@
-//! Measured heightfields: NPY, TIFF, PNG, rows of numbers in text, Gwyddion's text export.
+//! Measured heightfields: NPY, TIFF, PNG, Gwyddion's own files, rows of numbers in text, Gwyddion's text export.
 //!
 //! `docs/formats/heights.md` says what is read as what. Formats are told apart by their content. Sizes that a header claims are
 //! checked before anything is allocated for them.
 
+mod gwyddion;
 mod npy;
 mod picture;
 mod text;
@@ -115,6 +116,8 @@ pub fn foretell_heights(path: &Path, options: &HeightsOptions) -> Option<u64> {
         picture::head_of_png(file).ok()?
     } else if TIFF.iter().any(|magic| head.starts_with(magic)) {
         picture::head_of_tiff(file).ok()?
+    } else if head.starts_with(gwyddion::MAGIC) {
+        (0, usize::try_from(length / 8).ok()?)
     } else {
         // Its ends of lines are made alike in a copy.
         (2 * length, text::count(file).ok()?)
@@ -133,6 +136,8 @@ fn decode(bytes: &[u8]) -> Result<Raw> {
         picture::read_png(bytes)
     } else if TIFF.iter().any(|magic| bytes.starts_with(magic)) {
         picture::read_tiff(bytes)
+    } else if bytes.starts_with(gwyddion::MAGIC) {
+        gwyddion::read(bytes)
     } else {
         text::read(bytes)
     }

@@ -48,7 +48,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
             // Instruments' programs write µ as one byte; what is no text at all has other control characters.
             if bytes.iter().any(|b| *b < 0x20 && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0c)) {
                 return Err(Error::input(
-                    "is no heightfield: give an NPY, TIFF or PNG file, or rows of numbers in text",
+                    "is no heightfield: give an NPY, TIFF, PNG or .gwy file, or rows of numbers in text",
                 ));
             }
             latin = bytes.iter().map(|b| char::from(*b)).collect::<String>();
@@ -152,7 +152,7 @@ fn length_um(text: &str) -> std::result::Result<f64, String> {
 }
 
 /// A unit of length in µm.
-fn unit_um(text: &str) -> Option<f64> {
+pub(super) fn unit_um(text: &str) -> Option<f64> {
     match text {
         "m" => Some(1e6),
         "mm" => Some(1e3),

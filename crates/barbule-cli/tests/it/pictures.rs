@@ -1,0 +1,143 @@
+//! Formats of pictures, skies as Radiance files, metals, and exposures of dark things with highlights.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::common::{MADE_UP, write_made_up};
+
+fn render(folder: &Path, words: &[&str]) -> (String, Value) {
+    write_made_up();
+    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule")
+        .arg("render")
+        .args(words)
+        .args(["--size", "48x36", "--samples", "4", "--json"])
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{words:?}: {said}");
+    let report: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
+    (said, report[0].clone())
+}
+
+/// JPEG and WebP are of the same pixels as the PNG, and say how they were made.
+#[test]
+fn pictures_are_written_for_the_web() {
+    let folder = tempfile::tempdir().unwrap();
+    let draw = |name: &str| render(folder.path(), &["starling", "--material", MADE_UP, "-o", name]).1;
+    let png = draw("a.png");
+    for name in ["a.jpg", "a.jpeg", "a.webp"] {
+        let report = draw(name);
+        assert_eq!(report["pixel_hash"], png["pixel_hash"], "{name}");
+        let bytes = std::fs::read(folder.path().join(name)).unwrap();
+        assert!(bytes.len() > 500, "{name}");
+        if name == "a.webp" {
+            assert_eq!((&bytes[..4], &bytes[8..12]), (&b"RIFF"[..], &b"WEBP"[..]));
+        } else {
+            assert_eq!(bytes[..2], [0xff, 0xd8]);
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        for fact in ["command: barbule render starling", "seed: 1", "material_hash: ", "pixel_hash: "] {
+            assert!(text.contains(fact), "{name} {fact}");
+        }
+    }
+    render(folder.path(), &["starling", "--material", MADE_UP, "--background", "none", "-o", "cut.webp"]);
+}
+
+/// A ball that is nothing but a mirror or dull, in a sky alone.
+fn ball(surface: &str) -> String {
+    format!(
+        "preset = 'starling'\nshows_feather = false\nlights = []\nexposure = 0.3\n[light]\nstrength = 0\n[sky_image]\nfile = 'sky.hdr'\n\
+         [camera]\nwidth_mm = 3\ntarget_mm = [0, 0, 0]\n[surfaces.of]\n{surface}\n[[objects]]\nsphere_mm = 1\nsurface = 'of'\n"
+    )
+}
+
+/// A sky of one colour in 8 x 4 pixels, plain or with a spot.
+fn sky(spot: bool) -> Vec<u8> {
+    let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n".to_vec();
+    for pixel in 0..32 {
+        bytes.extend(if spot && pixel == 6 { [128, 128, 128, 141] } else { [128, 128, 128, 129] });
+    }
+    bytes
+}
+
+fn mean(folder: &Path) -> [f64; 3] {
+    let image = barbule::io::image::read_exr(&folder.join("a.exr")).unwrap();
+    let middle = image.pixels[18 * 48 + 24];
+    middle.map(f64::from)
+}
+
+#[test]
+fn skies_are_read_from_radiance_files_and_metals_have_their_colours_in_them() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("sky.hdr"), sky(false)).unwrap();
+    let colour = |metal: &str| {
+        let surface = format!("type = 'conductor'\nroughness = 0.05\nmetal = '{metal}'");
+        std::fs::write(folder.path().join("s.toml"), ball(&surface)).unwrap();
+        render(folder.path(), &["s.toml", "-o", "a.exr"]);
+        mean(folder.path())
+    };
+    // Reflectances of the metals in a sky of radiance 1, nearly straight on.
+    for (metal, expected) in
+        [("gold", [1.0, 0.77, 0.34]), ("silver", [0.98, 0.98, 0.97]), ("aluminium", [0.91, 0.92, 0.92])]
+    {
+        let found = colour(metal);
+        assert!((0..3).all(|k| (found[k] - expected[k]).abs() < 0.04), "{metal} {found:?}");
+    }
+    std::fs::write(folder.path().join("sky.hdr"), &sky(false)[..60]).unwrap();
+    let refused = assert_cmd::cargo::cargo_bin_cmd!("barbule")
+        .args(["render", "s.toml", "-o", "b.png"])
+        .current_dir(folder.path())
+        .assert()
+        .code(2);
+    let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(
+        said.contains("sky.hdr: is cut off or damaged in line 1 of 4") && said.trim().lines().count() == 1,
+        "{said}"
+    );
+}
+
+/// Of a dark, glossy ball under a small bright lamp a share that the key alone would leave white keeps its colours.
+#[test]
+fn automatic_exposure_keeps_highlights_and_takes_stops() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("sky.hdr"), sky(true)).unwrap();
+    std::fs::write(
+        folder.path().join("s.toml"),
+        ball("type = 'keratin'\nroughness = 0.3\nindex = 1.56\nmelanin = 50"),
+    )
+    .unwrap();
+    let draw = |exposure: &str| {
+        let (_, report) = render(folder.path(), &["s.toml", "-o", "a.png", "--exposure", exposure]);
+        let factor = report["exposure"].as_str().unwrap().parse::<f64>().unwrap();
+        (factor, report["clipped"].as_f64().unwrap())
+    };
+    let (auto, clipped) = draw("auto");
+    let (_, brighter) = draw(&(4.0 * auto).to_string());
+    println!("clipped: {clipped:.3} by auto, {brighter:.3} two stops brighter");
+    assert!(clipped <= 0.02 && brighter > 2.0 * clipped + 0.01, "{clipped} {brighter}");
+    let (darker, none) = draw("auto-1.5");
+    assert!((darker / auto - 2.0_f64.powf(-1.5)).abs() < 1e-12 && none <= clipped);
+    assert!((draw("+1").0 - 0.6).abs() < 1e-12, "of the scene's 0.3");
+    assert!((draw("-2").0 - 0.075).abs() < 1e-12);
+    let scene = std::fs::read_to_string(folder.path().join("s.toml")).unwrap();
+    std::fs::write(folder.path().join("s.toml"), scene.replace("exposure = 0.3", "exposure = 'auto+1'"))
+        .unwrap();
+    let (_, report) = render(folder.path(), &["s.toml", "-o", "a.png"]);
+    let factor = report["exposure"].as_str().unwrap().parse::<f64>().unwrap();
+    assert!((factor / auto - 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_key_light_that_does_not_shine_stands_nowhere() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("sky.hdr"), sky(false)).unwrap();
+    std::fs::write(folder.path().join("s.toml"), ball("type = 'diffuse'")).unwrap();
+    let (said, _) = render(folder.path(), &["s.toml", "-o", "a.png", "--light", "60,40"]);
+    assert!(said.contains("--light has no effect here: the scene's key light has strength 0"), "{said}");
+    assert!(said.contains("wrote a.png: 48 x 36 pixels, 4.0 samples each\n"), "{said}");
+    let (said, _) =
+        render(folder.path(), &["starling", "--material", MADE_UP, "-o", "a.png", "--light", "60,40"]);
+    assert!(said.contains("light 60,40, 48 x 36 pixels") && !said.contains("no effect"), "{said}");
+}
