@@ -58,7 +58,18 @@ fn micrometres(text: &str) -> std::result::Result<f64, String> {
 impl HeightsArgs {
     /// The heights and what they are called; says where they were cleaned unasked.
     pub(crate) fn read(&self, common: &Common) -> Result<(Heightfield, String)> {
+        if let Some(bytes) = foretell_heights(Path::new(&self.heights), &self.options()) {
+            let what = format!("reading {}", shortened(&self.heights));
+            common.check_memory(&what, PROGRAM + bytes, "a smaller file")?;
+        }
         let (field, name, is_cleaned) = self.open(common.seed)?;
+        if let Some(pitch_um) = self.pitch {
+            // Farther apart nothing that diffracts is resolved.
+            let meant = typed_in_nm(pitch_um, &(1e-6..=MOST_USUAL_PITCH_UM));
+            if !meant.is_empty() {
+                common.say(&format!("--pitch {pitch_um}: heights {pitch_um} µm apart{meant}"));
+            }
+        }
         if is_cleaned && self.clean.is_none_or(|clean| clean == Cleaned::Auto) {
             common.say("opposite edges of these heights do not fit: they were levelled, clipped and blended at the edges; --clean never leaves them as they are");
         }
@@ -91,7 +102,14 @@ impl HeightsArgs {
                 SAMPLES.join(", ")
             )));
         }
-        let options = HeightsOptions {
+        let name =
+            path.file_stem().map_or_else(|| "heights".into(), |name| name.to_string_lossy().into_owned());
+        let (field, is_cleaned) = read_heights(path, &self.options())?;
+        Ok((field, name, is_cleaned))
+    }
+    /// How a file is read.
+    fn options(&self) -> HeightsOptions {
+        HeightsOptions {
             pitch_um: self.pitch,
             unit: self.unit.map(|unit| match unit {
                 Unit::Um => HeightUnit::Micrometre,
@@ -104,21 +122,6 @@ impl HeightsArgs {
                 Some(Cleaned::Always) => Clean::Always,
                 Some(Cleaned::Never) => Clean::Never,
             },
-        };
-        let name =
-            path.file_stem().map_or_else(|| "heights".into(), |name| name.to_string_lossy().into_owned());
-        if let Some(bytes) = foretell_heights(path, &options) {
-            let what = format!("reading {}", shortened(&self.heights));
-            common.check_memory(&what, PROGRAM + bytes, "a smaller file")?;
         }
-        let (field, is_cleaned) = read_heights(path, &options)?;
-        if let Some(pitch_um) = self.pitch {
-            // Farther apart nothing that diffracts is resolved.
-            let meant = typed_in_nm(pitch_um, &(1e-6..=MOST_USUAL_PITCH_UM));
-            if !meant.is_empty() {
-                common.say(&format!("--pitch {pitch_um}: heights {pitch_um} µm apart{meant}"));
-            }
-        }
-        Ok((field, name, is_cleaned))
     }
 }

@@ -1,7 +1,7 @@
 //! Names of outputs, before any work: each its own, none that of an input.
 
 use std::ffi::{OsStr, OsString};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use barbule::io::{claim_output, is_inside_store, is_same_file, note_input};
 use barbule::structure::species_names;
@@ -81,6 +81,10 @@ fn outputs(matches: &ArgMatches) -> Vec<Output> {
         }
     }
     found
+}
+
+fn ends_with(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
 /// The words of a command line that may name what is read.

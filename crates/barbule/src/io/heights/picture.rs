@@ -99,7 +99,7 @@ pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
     let heights = check(cells, bytes.len())?;
     let is_there = |decoder: &mut Decoder<_>, tags: &[Tag]| {
         tags.iter()
-            .try_fold(false, |found, tag| Ok(found || decoder.find_tag(*tag).map_err(refuse)?.is_some()))
+            .try_fold(false, |found, tag| Ok(found || decoder.find_tag(*tag).map_err(refuse_tiff)?.is_some()))
     };
     // What is left out of the two is another picture.
     let tiles = [Tag::TileWidth, Tag::TileLength, Tag::TileOffsets, Tag::TileByteCounts];
