@@ -305,8 +305,12 @@ fn the_peaks_of_several_angles_are_of_one_order() {
     let document = film_json(&film);
     let mut jumps = 0;
     for which in ["unpolarized", "s"] {
-        let peaks: Vec<f64> =
-            document["looks"].as_array().unwrap().iter().map(|look| look[which]["peak_nm"].as_f64().unwrap()).collect();
+        let peaks: Vec<f64> = document["looks"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|look| look[which]["peak_nm"].as_f64().unwrap())
+            .collect();
         for (angle, nm) in peaks.iter().enumerate() {
             let sine = (15.0 * angle as f64).to_radians().sin();
             let law = peaks[0] * (1.56f64 * 1.56 - sine * sine).sqrt() / 1.56;

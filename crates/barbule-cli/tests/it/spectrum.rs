@@ -114,11 +114,13 @@ fn a_named_column_is_one_sample_and_a_figure_shows_all() {
 #[test]
 fn the_peak_of_a_series_stays_in_its_order_and_what_is_higher_is_said() {
     let folder = tempfile::tempdir().unwrap();
-    let words = ["spectrum", "starling", "--angle", "0:60:15", "--wavelengths", "300:700:4", "--instances", "8"];
+    let words =
+        ["spectrum", "starling", "--angle", "0:60:15", "--wavelengths", "300:700:4", "--instances", "8"];
     let document = json(folder.path(), &words);
     let looks = document["look"].as_array().unwrap();
     let number = |look: &Value, key: &str| look[key].as_f64().unwrap();
-    let inside = |angle: usize| (1.56f64 * 1.56 - (15.0 * angle as f64).to_radians().sin().powi(2)).sqrt() / 1.56;
+    let inside =
+        |angle: usize| (1.56f64 * 1.56 - (15.0 * angle as f64).to_radians().sin().powi(2)).sqrt() / 1.56;
     for (angle, look) in looks.iter().enumerate() {
         let expected = number(&looks[0], "peak_nm") * inside(angle);
         assert!((number(look, "peak_nm") / expected - 1.0).abs() < 0.04, "{angle}: {look}");
@@ -129,29 +131,42 @@ fn the_peak_of_a_series_stays_in_its_order_and_what_is_higher_is_said() {
     assert!(number(&looks[3], "highest_nm") < 350.0);
     let note = document["order_notes"][0].as_str().unwrap();
     assert!(note.starts_with("from 45° the highest peak is of another order: 33"), "{note}");
-    let (out, message) = succeed(folder.path(), &[&words[..], &["--summary", "s.csv", "-o", "s.svg"]].concat());
-    assert!(message.contains(note) && out.lines().nth(3).unwrap().contains("of another order a higher one at 33"));
+    let (out, message) =
+        succeed(folder.path(), &[&words[..], &["--summary", "s.csv", "-o", "s.svg"]].concat());
+    assert!(
+        message.contains(note) && out.lines().nth(3).unwrap().contains("of another order a higher one at 33")
+    );
     let table = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
     let column = |name: &str, row: usize| {
         let at = table.lines().next().unwrap().split(',').position(|column| column == name).unwrap();
         table.lines().nth(row).unwrap().split(',').nth(at).unwrap().to_owned()
     };
     assert_eq!(column("peak_nm", 4), number(&looks[3], "peak_nm").to_string());
-    assert_eq!((column("highest_is_another_order", 4), column("highest_is_another_order", 1)), ("true".into(), "false".into()));
+    assert_eq!(
+        (column("highest_is_another_order", 4), column("highest_is_another_order", 1)),
+        ("true".into(), "false".into())
+    );
     let figure = std::fs::read_to_string(folder.path().join("s.svg")).unwrap();
-    assert!(figure.contains("signs: the peak of one order"));
+    assert!(figure.contains("signs: the peak that is followed through the angles"));
     let violet = json(folder.path(), &[&words[..], &["--peak-range", "300:400"]].concat());
-    assert!((340.0..380.0).contains(&number(&violet["look"][0], "peak_nm")), "{}", violet["look"][0]["peak_nm"]);
+    assert!(
+        (340.0..380.0).contains(&number(&violet["look"][0], "peak_nm")),
+        "{}",
+        violet["look"][0]["peak_nm"]
+    );
 }
 
 /// A measurement that differs from the model by a slope alone has another highest peak and no shift.
 #[test]
 fn the_shift_against_a_measurement_is_that_of_the_peak_that_corresponds() {
     let folder = tempfile::tempdir().unwrap();
-    let words = ["spectrum", "air/keratin:280/melanin:400/mix(keratin,melanin,0.3)", "--wavelengths", "300:700:4"];
+    let words =
+        ["spectrum", "air/keratin:280/melanin:400/mix(keratin,melanin,0.3)", "--wavelengths", "300:700:4"];
     let model = json(folder.path(), &words);
     let mut table = "wl,R\n".to_owned();
-    for (nm, value) in model["wavelength_nm"].as_array().unwrap().iter().zip(model["mean"][0].as_array().unwrap()) {
+    for (nm, value) in
+        model["wavelength_nm"].as_array().unwrap().iter().zip(model["mean"][0].as_array().unwrap())
+    {
         let (nm, value) = (nm.as_f64().unwrap(), value.as_f64().unwrap());
         table += &format!("{nm},{}\n", value * (1.0 + 0.3 * (nm - 440.0) / 100.0));
     }
@@ -232,13 +247,19 @@ fn what_cannot_be_is_refused_before_any_work_and_leaves_nothing() {
         std::iter::once("spectrum").chain(["starling"; 19]).chain(["-o", "f.png"]).collect();
     let cases: Vec<(Vec<&str>, &str)> = vec![
         (vec!["--csv", "-"], "--csv -: name a file; --json prints the numbers"),
-        (vec!["--peak-range", "700:400"], "--peak-range 700:400: write FROM:TO in nm with FROM below TO, as in 400:700"),
+        (
+            vec!["--peak-range", "700:400"],
+            "--peak-range 700:400: write FROM:TO in nm with FROM below TO, as in 400:700",
+        ),
         (vec!["--peak-range", "blue"], "write FROM:TO in nm"),
         (
             vec!["--peak-range", "300:350"],
             "--peak-range 300:350: none of the wavelengths from 400 to 694 nm lies within",
         ),
-        (vec!["--wavelengths", "280:700:4"], "280 nm is outside 300 to 830 nm: the formula of keratin's index begins there"),
+        (
+            vec!["--wavelengths", "280:700:4"],
+            "280 nm is outside 300 to 830 nm: the formula of keratin's index begins there",
+        ),
         (vec!["--csv", "t.xlsx"], "tables are written as CSV, not as .xlsx"),
         (vec!["--summary", "t.json"], "--summary t.json"),
         (vec!["--summary", "t.csv", "--csv", "t.csv"], "give two names"),
