@@ -147,7 +147,7 @@ fn the_peak_of_a_series_stays_in_its_order_and_what_is_higher_is_said() {
         ("true".into(), "false".into())
     );
     let figure = std::fs::read_to_string(folder.path().join("s.svg")).unwrap();
-    assert!(figure.contains("signs: the peak of one order"));
+    assert!(figure.contains("signs: the peak that is followed through the angles"));
     let violet = json(folder.path(), &[&words[..], &["--peak-range", "300:400"]].concat());
     assert!(
         (340.0..380.0).contains(&number(&violet["look"][0], "peak_nm")),

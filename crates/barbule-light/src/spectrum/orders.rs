@@ -245,9 +245,10 @@ mod tests {
         for factor in [0.8, 0.93, 1.0, 1.07, 1.25] {
             let (a, b) =
                 (curve([300.0, 700.0], 4.0, bell(480.0)), curve([320.0, 720.0], 1.0, bell(480.0 * factor)));
+            // What counts for a large common part draws far stretches a little towards 1.
             let found = stretch(&a, &b, ANY_STRETCH).unwrap();
             assert!(
-                (found.factor / factor - 1.0).abs() < 0.004 && found.correlation > 0.99,
+                (found.factor / factor - 1.0).abs() < 0.008 && found.correlation > 0.99,
                 "{factor}: {found:?}"
             );
         }

@@ -67,17 +67,18 @@ pub fn spectra(title: &str, bands: &[Band], measured: Option<&MeasuredBand>) -> 
         figure.y.range = Some([0.0, covering(tops.chain([0.0]))[1]]);
     }
     let spread = bands.iter().chain(measured.map(|m| &m.band)).any(|b| b.std.is_some());
-    let peak =
-        if bands.iter().any(|band| band.peak.is_some()) { "; signs: the peak of one order" } else { "" };
     figure.legend = match (spread, figure.curves.iter().any(|c| !c.swatches.is_empty())) {
         (true, true) => "mean ± 1 std; colour under D65: true, normalized",
         (true, false) => "mean ± 1 std",
         (false, true) => "colour under D65: true, normalized",
         (false, false) => "",
     }
-    .to_owned()
-        + peak;
-    figure.footnote = bands.iter().find_map(|b| Look::of(&b.mean).colour_note);
+    .into();
+    let signs = bands.iter().any(|band| band.peak.is_some());
+    let signs = signs.then(|| "signs: the peak that is followed through the angles, of one order".to_owned());
+    let notes: Vec<String> =
+        bands.iter().find_map(|b| Look::of(&b.mean).colour_note).into_iter().chain(signs).collect();
+    figure.footnote = Some(notes.join("; ")).filter(|note| !note.is_empty());
     figure
 }
 
@@ -120,7 +121,7 @@ mod tests {
         let sign = &figure.curves[2];
         assert!((sign.points[0][0] - 530.0).abs() < 0.5 && (sign.points[0][1] - 0.3).abs() < 1e-3);
         assert_eq!((sign.name.as_str(), sign.stroke.clone()), ("", Some(figure.stroke(1))));
-        assert!(figure.legend.ends_with("signs: the peak of one order"));
+        assert!(figure.footnote.unwrap().starts_with("signs: the peak that is followed"));
     }
 
     #[test]

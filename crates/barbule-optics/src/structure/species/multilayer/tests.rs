@@ -425,7 +425,6 @@ fn what_cannot_be_is_refused_with_its_key() {
             "needs layers of two different media",
         ),
         (json!({ "core_spread": 0.6 }), "parameters.core_spread is 0.6, outside 0 to 0.5"),
-        (json!({ "core_spreads": 0.1 }), "unknown key 'core_spreads', did you mean 'core_spread'?"),
         (json!({ "spread": 5.0 }), "parameters.spread is 5, outside 0 to 0.5"),
     ] {
         let message = refusal(&changes);
