@@ -92,6 +92,23 @@ impl Common {
         }
     }
 
+    /// Refuses, before any work, what does not fit into memory; `what` begins the sentence, `remedy` ends it. Says what is foretold,
+    /// with `--verbose` or where it is much.
+    ///
+    /// # Errors
+    /// It does not fit.
+    pub fn check_memory(&self, what: &str, bytes: u64, remedy: &str) -> Result<()> {
+        self.allowance().check(what, bytes, remedy)?;
+        self.say_memory(what, bytes);
+        Ok(())
+    }
+
+    /// Says what memory is foretold, bytes, with `--verbose` or where it is much.
+    pub fn say_memory(&self, what: &str, bytes: u64) {
+        let said = format!("{what}: up to {} MB of memory", bytes.div_ceil(1_000_000));
+        if bytes > MUCH_MEMORY { self.say(&said) } else { self.explain(&said) }
+    }
+
     /// Writes a message for people to standard error, unless `--quiet`.
     pub fn say(&self, message: &str) {
         if !self.quiet {
@@ -167,8 +184,11 @@ pub fn print_json(out: &mut dyn Write, value: &impl serde::Serialize) -> Result<
     print(out, &text)
 }
 
+/// More than this is said before it is taken, bytes.
+const MUCH_MEMORY: u64 = 1_000_000_000;
+
 /// What the smallest command takes, bytes.
-const LEAST_MEMORY: f64 = 16e6;
+pub(crate) const LEAST_MEMORY: f64 = 16e6;
 
 /// A memory size: a number with an optional unit B, kB, MB, GB, KiB, MiB, GiB.
 fn memory(text: &str) -> Result<u64, String> {

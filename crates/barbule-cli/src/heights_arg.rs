@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use barbule::error::{did_you_mean, shortened};
-use barbule::io::{Clean, HeightUnit, HeightsOptions, read_heights};
+use barbule::io::{Clean, HeightUnit, HeightsOptions, foretell_heights, read_heights};
+use barbule::solve::cost::PROGRAM;
 use barbule::structure::{Heightfield, SAMPLES};
 use barbule::{Error, Result};
 
@@ -93,6 +94,10 @@ impl HeightsArgs {
         };
         let name =
             path.file_stem().map_or_else(|| "heights".into(), |name| name.to_string_lossy().into_owned());
+        if let Some(bytes) = foretell_heights(path, &options) {
+            let what = format!("reading {}", shortened(&self.heights));
+            common.check_memory(&what, PROGRAM + bytes, "a smaller file")?;
+        }
         let (field, is_cleaned) = read_heights(path, &options)?;
         if is_cleaned && options.clean == Clean::Auto {
             common.say("opposite edges of these heights do not fit: they were levelled, clipped and blended at the edges; --clean never leaves them as they are");

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use crate::error::{did_you_mean, shortened};
 use crate::math::rng::hash;
 use crate::progress::Progress;
-use crate::scattering::grating::{Place, Powers, Setup, Tables};
-use crate::solve::diffraction::{Amplitudes, Reach, Series};
+use crate::scattering::grating::{Place, Powers, Setup, TableGrid, Tables};
+use crate::solve::diffraction::{Amplitudes, Builder, Reach, Series};
 use crate::spectrum::Wavelengths;
 use crate::spectrum::colour::Observer;
 use crate::spectrum::difference::{delta_e_2000, lab};
@@ -216,23 +216,44 @@ const PATCHES: u64 = 4;
 const PATCH_UM: f64 = 32.5;
 const PATCH_CELLS: usize = 666;
 
+/// The fingers of a sample of which several patches are averaged.
+fn fingers_of(sample: &str) -> Option<Fingers> {
+    let fingers = match sample {
+        "elaphe" => Fingers::ELAPHE,
+        "xenopeltis" => Fingers::XENOPELTIS,
+        _ => return None,
+    };
+    Some(Fingers { cells: PATCH_CELLS, size_um: PATCH_UM, ..fingers })
+}
+
+/// For which wavelengths and through which window the powers of samples are.
+fn of_samples() -> Result<(Wavelengths, Setup)> {
+    let at = Wavelengths::new([Band::HUMAN.low_nm(), Band::HUMAN.high_nm()])?;
+    Ok((at, Setup { place: Place::Anywhere, ..Setup::default() }))
+}
+
+/// Memory of a sample's powers, and what [`sample_powers`] takes at most at once, bytes; nothing where there is none of this name.
+#[must_use]
+pub fn foretell_sample(sample: &str, seed: u64) -> Option<[u64; 2]> {
+    let (at, setup) = of_samples().ok()?;
+    let (field, patches) = match fingers_of(sample) {
+        Some(fingers) => (Heightfield::fingers(&fingers, hash(seed, &[0])).ok()?, PATCHES),
+        None => (Heightfield::sample(sample, seed)?.ok()?, 1),
+    };
+    let need = Builder::need(&field, &setup, TableGrid::USUAL, Series::Chebyshev, &at);
+    Some([need.powers, need.making + patches * need.powers])
+}
+
 /// The powers of a built-in sample at the wavelengths of pictures, for snakes the mean of several patches.
 ///
 /// # Errors
 /// There is none of this name; interruption.
 pub fn sample_powers(sample: &str, seed: u64, progress: &dyn Progress) -> Result<Powers> {
-    let fingers = match sample {
-        "elaphe" => Some(Fingers::ELAPHE),
-        "xenopeltis" => Some(Fingers::XENOPELTIS),
-        _ => None,
-    };
-    let at = Wavelengths::new([Band::HUMAN.low_nm(), Band::HUMAN.high_nm()])?;
-    let setup = Setup { place: Place::Anywhere, ..Setup::default() };
+    let (at, setup) = of_samples()?;
     let powers = |field: Heightfield| {
         Amplitudes::new(&field, &setup, Reach::of(&setup, &at), Series::Chebyshev, progress)?.powers()
     };
-    if let Some(fingers) = fingers {
-        let fingers = Fingers { cells: PATCH_CELLS, size_um: PATCH_UM, ..fingers };
+    if let Some(fingers) = fingers_of(sample) {
         let patches: Vec<Powers> = (0..PATCHES)
             .map(|patch| powers(Heightfield::fingers(&fingers, hash(seed, &[patch]))?))
             .collect::<Result<_>>()?;
@@ -255,8 +276,7 @@ pub fn sample_powers(sample: &str, seed: u64, progress: &dyn Progress) -> Result
 mod tests {
     use super::*;
     use crate::progress::Unobserved;
-    use crate::scattering::grating::{Normalization, TableGrid};
-    use crate::solve::diffraction::Builder;
+    use crate::scattering::grating::Normalization;
 
     #[test]
     fn gratings_tell_their_periods() {

@@ -169,8 +169,12 @@ pub fn development(scene: &ReadyScene, film: &Film) -> Result<Development> {
     Ok(Development { backdrop: scene.backdrop()?, ..Development::exposed(exposure) })
 }
 
+/// The program that renders nothing, bytes.
+const PROGRAM: u64 = 32_000_000;
+
 /// Memory that a picture of this size takes, bytes: its pixels while it is rendered or while it is written (the film, its planes
-/// and their encoded bytes), and 64 MB for program, material and feather.
+/// and their encoded bytes), and the program; what stands in the scene aside
+/// ([`SceneDescription::bytes`](crate::scene::description::SceneDescription::bytes)).
 #[must_use]
 pub fn bytes_needed(size: [u32; 2], planes: &Planes) -> u64 {
     let rendered = bytes_per_pixel(planes);
@@ -178,7 +182,7 @@ pub fn bytes_needed(size: [u32; 2], planes: &Planes) -> u64 {
     let own = 2 * planes.sensor.channels().len();
     let channels = if planes.compositing { 14 + own + 4 * COVERS + planes.spectral.nm().len() } else { 1 };
     let written = rendered / 2 + 2 * channels * size_of::<f32>();
-    64_000_000 + u64::from(size[0]) * u64::from(size[1]) * rendered.max(written) as u64
+    PROGRAM + u64::from(size[0]) * u64::from(size[1]) * rendered.max(written) as u64
 }
 
 /// Refuses what no picture can be written as.

@@ -6,16 +6,18 @@ use std::sync::Arc;
 
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
 use crate::bsdf::Texture;
-use crate::diffraction::sample_powers;
-use crate::io::image::{Meaning, RgbImage, check_ending, decode_picture};
+use crate::diffraction::{foretell_sample, sample_powers};
+use crate::io::image::{Meaning, RgbImage, check_ending, decode_picture, foretell_picture};
 use crate::io::measured::{LARGEST_TABLE, Scale, parse_measured};
 use crate::io::{
     Assets, LARGEST_CURVES, LARGEST_GRATING, LARGEST_INPUT, decode_curves, decode_grating, decode_mesh,
-    hash_bytes,
+    foretell_curves, foretell_mesh, hash_bytes,
 };
 use crate::progress::Progress;
+use crate::scattering::grating::Powers;
 use crate::scene::backdrop::BackdropPicture;
-use crate::scene::description::{Named, ReadyScene, SceneDescription, Slot};
+use crate::scene::description::{Foreseen, Holds, Named, ReadyScene, SceneDescription, Slot};
+use crate::scene::geometry::Mesh;
 use crate::scene::sky::Sky;
 use crate::{Error, Result};
 
@@ -52,7 +54,7 @@ pub fn resolve(
 ) -> Result<ReadyScene> {
     let mut worn: BTreeMap<String, Worn> = BTreeMap::new();
     read_files(&mut scene, assets, seed, progress)?;
-    for (_, named) in scene.named_mut().into_iter().filter(|(_, named)| !named.is_read()) {
+    for (_, named) in scene.needed_mut().into_iter().filter(|(_, named)| !named.is_read()) {
         if let Named::Material(slot) = named {
             let material = match worn.get(&slot.name) {
                 Some(material) => material.clone(),
@@ -65,7 +67,8 @@ pub fn resolve(
     ReadyScene::new(scene)
 }
 
-/// Reads and makes everything that a scene names and that is not there yet, but its materials.
+/// Reads and makes everything that a picture of a scene needs and that is not there yet, but its materials: a file that is named several
+/// times once.
 ///
 /// # Errors
 /// As [`resolve`].
@@ -75,18 +78,123 @@ pub fn read_files(
     seed: u64,
     progress: &dyn Progress,
 ) -> Result<()> {
-    let is_left = |named: &Named<'_>| !named.is_read() && !matches!(named, Named::Material(_));
-    for (key, named) in scene.named_mut().into_iter().filter(|(_, named)| is_left(named)) {
-        read_named(named, assets, seed, progress).map_err(|error| error.at(key))?;
+    let mut known = Known::default();
+    for (key, mut named) in scene.needed_mut().into_iter().filter(|(_, named)| is_left(named)) {
+        if known.fill(&mut named) {
+            continue;
+        }
+        read_named(&mut named, assets, seed, progress).map_err(|error| error.at(key))?;
+        known.keep(&named)?;
     }
     Ok(())
 }
+
+fn is_left(named: &Named<'_>) -> bool {
+    !named.is_read() && !matches!(named, Named::Material(_))
+}
+
+/// What was read of a name, with its hash.
+type Read<T> = BTreeMap<String, (Arc<T>, String)>;
+
+/// What was read, for whoever names it again.
+#[derive(Default)]
+struct Known {
+    colours: Read<Texture>,
+    numbers: Read<Texture>,
+    meshes: Read<Mesh>,
+    powers: Read<Powers>,
+}
+
+impl Known {
+    /// Fills in what is known; whether it is.
+    fn fill(&self, named: &mut Named<'_>) -> bool {
+        fn from<T>(known: &Read<T>, slot: &mut Slot<T>) -> bool {
+            let found = known.get(&slot.name).cloned();
+            found.map(|(value, hash)| slot.fill(value, hash)).is_some()
+        }
+        match named {
+            Named::Colours(slot) => from(&self.colours, slot),
+            Named::Numbers(slot) => from(&self.numbers, slot),
+            Named::Mesh(slot) => from(&self.meshes, slot),
+            Named::Grating(slot) | Named::Sample(slot) => from(&self.powers, slot),
+            Named::Spectrum(_)
+            | Named::Backdrop(_)
+            | Named::Sky(..)
+            | Named::Curves(..)
+            | Named::Material(_) => false,
+        }
+    }
+
+    /// Keeps what was read.
+    fn keep(&mut self, named: &Named<'_>) -> Result<()> {
+        fn in_<T>(known: &mut Read<T>, slot: &Slot<T>) -> Result<()> {
+            known.insert(slot.name.clone(), (slot.value()?.clone(), slot.hash().to_owned()));
+            Ok(())
+        }
+        match named {
+            Named::Colours(slot) => in_(&mut self.colours, slot),
+            Named::Numbers(slot) => in_(&mut self.numbers, slot),
+            Named::Mesh(slot) => in_(&mut self.meshes, slot),
+            Named::Grating(slot) | Named::Sample(slot) => in_(&mut self.powers, slot),
+            Named::Spectrum(_)
+            | Named::Backdrop(_)
+            | Named::Sky(..)
+            | Named::Curves(..)
+            | Named::Material(_) => Ok(()),
+        }
+    }
+}
+
+/// What a scene's files hold, as they say at their beginnings, and how much memory reading one of them takes at most beside what is
+/// kept of it, bytes. What cannot be looked at is left out; reading it will say why.
+#[must_use]
+pub fn foretell_files(scene: &SceneDescription, assets: &dyn Assets, seed: u64) -> (Foreseen, u64) {
+    let (mut foreseen, mut reading) = (Foreseen::new(), 0);
+    let mut scene = scene.clone();
+    for (_, mut named) in scene.needed_mut().into_iter().filter(|(_, named)| is_left(named)) {
+        if let Named::Sample(slot) = &named {
+            if let (false, Some([kept, making])) =
+                (foreseen.contains_key(&slot.name), foretell_sample(&slot.name, seed))
+            {
+                foreseen.insert(slot.name.clone(), Holds::Powers(kept as f64));
+                reading = reading.max(making);
+            }
+            continue;
+        }
+        let Some(name) = named.file().cloned().filter(|name| !foreseen.contains_key(name)) else { continue };
+        let Some((head, length)) = assets.beginning(&name, HEAD) else { continue };
+        let (holds, beside) = match &named {
+            Named::Colours(_) | Named::Numbers(_) | Named::Sky(..) | Named::Backdrop(_) => {
+                let Some(pixels) = foretell_picture(&name, &head) else { continue };
+                (Some(Holds::Pixels(pixels as f64)), length + DECODED_PER_PIXEL * pixels as u64)
+            }
+            Named::Mesh(_) => (foretell_mesh(&name, &head, length).map(Holds::Mesh), 2 * length),
+            Named::Curves(..) => (Some(Holds::Points(foretell_curves(&head, length))), length),
+            Named::Grating(_) => (Some(Holds::Powers(length as f64)), length),
+            Named::Spectrum(_) | Named::Sample(_) | Named::Material(_) => (None, length),
+        };
+        foreseen.extend(holds.map(|holds| (name, holds)));
+        reading = reading.max(beside);
+    }
+    (foreseen, reading)
+}
+
+/// So many bytes of a file tell what it holds.
+const HEAD: usize = 1 << 16;
+
+/// A picture's pixels as they are decoded, and once more in linear light before they are shared.
+const DECODED_PER_PIXEL: u64 = 16;
 
 /// Reads or makes one thing that a scene names and that is no material.
 ///
 /// # Errors
 /// As [`resolve`].
-pub fn read_named(named: Named<'_>, assets: &dyn Assets, seed: u64, progress: &dyn Progress) -> Result<()> {
+pub fn read_named(
+    named: &mut Named<'_>,
+    assets: &dyn Assets,
+    seed: u64,
+    progress: &dyn Progress,
+) -> Result<()> {
     match named {
         Named::Spectrum(slot) => fill(slot, assets, LARGEST_TABLE, |place, bytes| {
             Ok(parse_measured(place, bytes, None, Some(Scale::Power))?.mean)
@@ -94,7 +202,7 @@ pub fn read_named(named: Named<'_>, assets: &dyn Assets, seed: u64, progress: &d
         Named::Backdrop(slot) => fill_picture(slot, assets, Meaning::Colour, |image, is_radiance| {
             BackdropPicture::new(image.size, image.pixels, is_radiance)
         }),
-        Named::Sky(slot, [strength, turn_deg]) => fill_picture(
+        &mut Named::Sky(ref mut slot, [strength, turn_deg]) => fill_picture(
             slot,
             assets,
             Meaning::Colour,
@@ -113,7 +221,7 @@ pub fn read_named(named: Named<'_>, assets: &dyn Assets, seed: u64, progress: &d
             Ok(())
         }
         Named::Curves(slot, basis) => {
-            fill(slot, assets, LARGEST_CURVES, |place, bytes| decode_curves(place, bytes, basis))
+            fill(slot, assets, LARGEST_CURVES, |place, bytes| decode_curves(place, bytes, *basis))
         }
         Named::Grating(slot) => fill(slot, assets, LARGEST_GRATING, |place, bytes| {
             Ok(decode_grating(bytes).map_err(|error| error.in_file(Path::new(place)))?.powers)

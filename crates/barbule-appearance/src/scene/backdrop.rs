@@ -42,6 +42,12 @@ impl BackdropPicture {
         Ok(Self { size, pixels: pixels.into(), is_radiance })
     }
 
+    /// How many pixels it has.
+    #[must_use]
+    pub fn pixels(&self) -> usize {
+        self.pixels.len()
+    }
+
     /// Whether it is exposed as the scene is.
     #[must_use]
     pub fn is_radiance(&self) -> bool {

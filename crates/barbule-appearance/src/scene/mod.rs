@@ -11,6 +11,7 @@ pub mod emission;
 pub mod feather;
 pub mod geometry;
 pub mod light;
+pub mod memory;
 pub mod preset;
 pub mod primaries;
 pub mod sky;

@@ -23,6 +23,10 @@ use crate::{materials, sets};
 /// Most values of one run: wavelengths times outgoing directions or azimuths.
 const MOST_VALUES: usize = 2_000_000;
 
+/// Bytes of the program with a material, and of a value as a number and as text, at most.
+const MATERIAL_BYTES: u64 = 24_000_000;
+const VALUE_BYTES: u64 = 560;
+
 /// Most curves or maps in one figure.
 const MOST_DRAWN: usize = 9;
 
@@ -199,6 +203,9 @@ impl Args {
                 "{waves} wavelengths times {each} directions are over {MOST_VALUES} values; give fewer"
             ));
         }
+        let needed = MATERIAL_BYTES + (waves * each) as u64 * VALUE_BYTES;
+        let what = format!("{waves} wavelengths times {each} directions");
+        self.common.check_memory(&what, needed, "fewer of either")?;
         if self.output.is_some() {
             if !self.wo.is_empty() {
                 return refuse("-o draws --marginal or --wo-grid; single directions have no figure".into());

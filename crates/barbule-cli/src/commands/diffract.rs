@@ -11,7 +11,8 @@ use barbule::plot::{Band, MeasuredBand};
 use barbule::scattering::grating::{
     Basis, Coherence, Normalization, Obliquity, Place, Powers, Setup, TableGrid, Tables,
 };
-use barbule::solve::diffraction::{Amplitudes, Builder, Reach, Series, spectrum};
+use barbule::solve::cost::PROGRAM;
+use barbule::solve::diffraction::{Amplitudes, Builder, Reach, Series, TablesNeed, check_patch, spectrum};
 use barbule::spectrum::colour::Observer;
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::{Spectrum, Wavelengths};
@@ -178,6 +179,7 @@ impl Args {
         let (field, name) = self.heights.read(&self.common)?;
         let at = self.wavelengths.clone();
         self.say_if_coarse(&field, &at);
+        check_patch(field.size_um(), &setup, &at)?;
         self.check_memory(&field, &setup, &at)?;
         if let Some(path) = stored {
             self.store(path, &field, &name, &setup, &at)?;
@@ -224,14 +226,24 @@ impl Args {
 
     /// Refuses, before any work, what does not fit into memory.
     fn check_memory(&self, field: &Heightfield, setup: &Setup, at: &Wavelengths) -> Result<()> {
-        let reach = Reach::of(setup, at);
-        let heights = field.height_um().len() as u64 * 24;
-        // Tables and the reference each have series of their own.
-        let series = 2 * Amplitudes::bytes(field, reach, self.series());
-        let count = self.orders.map_or(32, |orders| 2 * u64::from(orders) + 1);
-        let tables = if self.wo.is_some() { 0 } else { 24 * (self.size * self.size) as u64 * count };
+        let TablesNeed { making, kept, tables, powers } =
+            Builder::need(field, setup, self.grid(), self.series(), at);
+        // The reference has a series of its own.
+        let reference = Amplitudes::bytes(field, Reach::of(setup, at), Series::Chebyshev);
+        let values = making.max(kept + if self.measured.is_some() { reference } else { 0 });
+        let drawn = making.max(kept + 2 * tables).max(tables + reference);
+        // A file is encoded part by part, then as a whole.
+        let stored = drawn.max(tables + reference.max(2 * powers)).max(3 * (tables + powers));
+        let path = self.figure.path();
+        let work = [
+            self.wo.map(|_| values),
+            path.filter(|path| !is_grating(path) && self.wo.is_none()).map(|_| drawn),
+            path.filter(|path| is_grating(path)).map(|_| stored),
+        ];
+        let work = work.into_iter().flatten().max().unwrap_or_default();
         let what = format!("diffraction by {} × {} heights", field.cells()[0], field.cells()[1]);
-        self.common.allowance().check(&what, heights + series + tables, "a smaller patch or --size")
+        let heights = size_of_val(field.height_um()) as u64;
+        self.common.check_memory(&what, PROGRAM + heights + work, "a smaller patch or --size")
     }
 
     /// Says that heights are too far apart for all directions at the shortest wavelength.
@@ -313,7 +325,7 @@ impl Args {
         if let Some(measured) = &measured {
             self.common.say(&measured.reading);
         }
-        let values = spectrum(field, setup, at, w_i, w_o)?;
+        let values = spectrum(field, setup, at, w_i, w_o, &Terminal::new(&self.common))?;
         let reference = Observer::default().weights(at).xyz(&values);
         let builder = self.builder(field, setup, at)?;
         let found = Found { tables: builder.xyz(w_i, w_o), values, reference };

@@ -18,7 +18,7 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::campaign::grazing;
-use crate::common::{Common, print, print_json};
+use crate::common::{Common, LEAST_MEMORY, print, print_json};
 use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
@@ -32,8 +32,9 @@ const USUAL_MEMORY: u64 = 4 << 30;
 /// Far fields that take longer are announced, s.
 const SOON_SECONDS: f64 = 20.0;
 
-/// Bytes of text for each outgoing azimuth, at most: the ten numbers of JSON or CSV.
-const TEXT_BYTES: u64 = 260;
+/// Bytes of text for each outgoing azimuth, at most: the ten numbers of JSON and of CSV.
+const TEXT_OF_JSON: u64 = 480;
+const TEXT_OF_CSV: u64 = 260;
 
 /// Arguments of `barbule far-field`.
 #[derive(Debug, clap::Args)]
@@ -289,10 +290,12 @@ impl Args {
     /// Refuses, before any work, more far fields than there is memory for.
     fn check_size(&self, count: usize) -> Result<()> {
         let allowed = self.common.memory.unwrap_or(USUAL_MEMORY);
-        let texts = u64::from(self.common.json) + u64::from(self.csv.is_some());
+        let texts = TEXT_OF_JSON * u64::from(self.common.json) + TEXT_OF_CSV * u64::from(self.csv.is_some());
         let azimuths = (count as u64).saturating_mul(self.azimuths as u64);
-        let needed = bytes(count, self.azimuths).saturating_add(azimuths.saturating_mul(TEXT_BYTES * texts));
+        let needed = bytes(count, self.azimuths).saturating_add(azimuths.saturating_mul(texts));
         if needed <= allowed {
+            let what = format!("{count} far fields on {} azimuths", self.azimuths);
+            self.common.say_memory(&what, needed + LEAST_MEMORY as u64);
             return Ok(());
         }
         Err(Error::input(format!(

@@ -4,8 +4,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::error::shortened;
-use barbule::io::{FeatherFormat, MOST_WRITTEN_BARBULES, check_writable, write_feather};
+use barbule::io::{FeatherFormat, MOST_WRITTEN_BARBULES, check_writable, foretell_written, write_feather};
 use barbule::scene::feather::{self, Feather, Measures, VaneDisc, VaneMeasures};
+use barbule::solve::cost::PROGRAM;
 use barbule::{Error, Result};
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -68,6 +69,7 @@ impl Args {
             if self.level.is_some() {
                 self.common.idle("--level", "the measures are of the whole feather; give -o F to write it");
             }
+            self.check_memory("measuring the feather", &feather, 0)?;
             let measures = feather.measures(self.common.seed, IDENTITY)?;
             let rows = self.rows(&feather, &measures);
             return match self.common.json {
@@ -91,8 +93,11 @@ impl Args {
     fn write(&self, out: &mut dyn Write, feather: &Feather, path: &Path) -> Result<()> {
         let whole = VaneDisc { along_mm: 0.0, radius_mm: None };
         let seed = self.common.seed;
-        let (_, barbs) = feather.barbs_within(whole, seed, IDENTITY)?;
-        let barbules: usize = barbs.iter().map(|barb| feather.barbule_count(barb)).sum();
+        self.check_memory("laying out the feather", feather, 0)?;
+        let barbules: usize = {
+            let (_, barbs) = feather.barbs_within(whole, seed, IDENTITY)?;
+            barbs.iter().map(|barb| feather.barbule_count(barb)).sum()
+        };
         let level =
             self.level.unwrap_or(if barbules < FEW_BARBULES { Level::Barbules } else { Level::Barbs });
         if level == Level::Barbules && barbules > MOST_WRITTEN_BARBULES {
@@ -105,6 +110,9 @@ impl Args {
                 "barbs only: with its {barbules} barbules the file would be large (--level barbules)"
             ));
         }
+        let written = if level == Level::Barbules { barbules as f64 } else { 0.0 };
+        let barbs = feather.census(whole).raised;
+        self.check_memory("writing the feather", feather, foretell_written(path, barbs, written)?)?;
         let grown = match level {
             Level::Barbs => feather.grow_barbs(whole, seed, IDENTITY)?,
             Level::Barbules => {
@@ -130,6 +138,16 @@ impl Args {
                 "feather": self.feather, "seed": seed, "level": level, "file": path_json(path),
                 "barbs": counts.barbs, "barbules": counts.barbules,
             }),
+        )
+    }
+
+    /// Refuses a feather whose barbs do not fit into memory together with `more` bytes.
+    fn check_memory(&self, what: &str, feather: &Feather, more: u64) -> Result<()> {
+        let barbs = feather.census(VaneDisc::WHOLE).laid_out_bytes() as u64;
+        self.common.check_memory(
+            what,
+            PROGRAM + barbs + more,
+            "a shorter feather or a greater barbs.spacing_um",
         )
     }
 

@@ -14,11 +14,17 @@ use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::stack::Stack;
 use barbule::{Error, Result};
 
-use crate::common::{Common, print, print_json};
+use crate::common::{Common, LEAST_MEMORY, print, print_json};
 use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
 use crate::sets;
+
+/// Bytes of text for each wavelength and angle, at most: of a table on the screen, of CSV, of JSON, and there of each layer.
+const TEXT_OF_TABLE: u64 = 420;
+const TEXT_OF_CSV: u64 = 480;
+const TEXT_OF_JSON: u64 = 1700;
+const TEXT_OF_LAYER: u64 = 120;
 
 /// What a sweep may take in memory unless `--memory` says otherwise.
 const USUAL_MEMORY: u64 = 4 << 30;
@@ -143,8 +149,18 @@ impl Args {
         let allowed = self.common.memory.unwrap_or(USUAL_MEMORY);
         // One individual at a time, beside the means.
         let tables = if stack.is_random() { 2 } else { 1 };
-        let needed = film::bytes(stack.layers(), wavelengths, angles).saturating_mul(tables);
+        let places = (wavelengths as u64).saturating_mul(angles as u64);
+        let of_json = TEXT_OF_JSON + TEXT_OF_LAYER * stack.layers() as u64;
+        // One text after the other.
+        let text = [(self.csv.is_some(), TEXT_OF_CSV), (self.common.json, of_json)];
+        let text = text.into_iter().filter(|(asked, _)| *asked).map(|(_, bytes)| bytes).max();
+        let needed = film::bytes(stack.layers(), wavelengths, angles)
+            .saturating_mul(tables)
+            .saturating_add(places.saturating_mul(text.unwrap_or(TEXT_OF_TABLE)))
+            .saturating_add(LEAST_MEMORY as u64);
         if needed <= allowed {
+            let what = format!("{wavelengths} wavelengths at {angles} angles");
+            self.common.say_memory(&what, needed);
             return Ok(());
         }
         Err(Error::input(format!(

@@ -17,10 +17,10 @@ use barbule::render::checkpoint;
 use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND, TimeLimit};
-use barbule::resolve::{Worn, read_files, read_named, resolve};
+use barbule::resolve::{Worn, foretell_files, read_files, read_named, resolve};
 use barbule::scene::description::{
-    Background, Bearing, Exposure, Motion, Moved, Named, ReadyScene, SceneDescription, USUAL_ARC_DEG,
-    ViewModel,
+    Background, Bearing, Exposure, Foreseen, Motion, Moved, Named, ReadyScene, SceneDescription,
+    USUAL_ARC_DEG, ViewModel,
 };
 use barbule::scene::preset;
 use barbule::spectrum::sensor::Sensor;
@@ -110,6 +110,10 @@ pub(crate) struct Args {
 /// The usual sensor.
 const HUMAN: &str = "human";
 
+/// What of a scene takes less memory.
+const SMALLER: &str =
+    "smaller meshes, curves or pictures, or a smaller window or a coarser detail.level of a feather";
+
 /// How often a checkpoint is written.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(15);
 
@@ -131,9 +135,7 @@ impl Args {
         })?;
         let planes = self.planes()?;
         let mut description = description;
-        let terminal = Terminal::new(&self.common);
-        read_files(&mut description, &Folder(self.folder()), self.common.seed, &terminal)?;
-        self.check_memory(&description, size, &planes)?;
+        self.read(&mut description, size, &planes)?;
         let (scene, wardrobe) = self.ready(description)?;
         let terminal = Terminal::new(&self.common).keeping_what_is_done();
         let set = self.set(&scene)?;
@@ -151,6 +153,20 @@ impl Args {
             print_json(out, &reports)?;
         }
         Ok(())
+    }
+
+    /// Reads the files that the scene names, after refusing a picture or a scene that does not fit into memory.
+    fn read(&self, scene: &mut SceneDescription, size: [u32; 2], planes: &Planes) -> Result<()> {
+        let (folder, allowance) = (Folder(self.folder()), self.common.allowance());
+        let what = format!("a picture of {}x{} pixels", size[0], size[1]);
+        let (pixels, none) = (bytes_needed(size, planes), bytes_needed([0; 2], planes));
+        allowance.check(&what, pixels, "a smaller --size")?;
+        let what = format!("{what} with the scene's objects and their pictures");
+        // Most files say at their beginning what they hold; while they are read there are no pixels yet.
+        let (foreseen, reading) = foretell_files(scene, &folder, self.common.seed);
+        allowance.check(&what, scene.bytes(&foreseen) + pixels.max(none + reading), SMALLER)?;
+        read_files(scene, &folder, self.common.seed, &Terminal::new(&self.common))?;
+        self.common.check_memory(&what, scene.bytes(&Foreseen::new()) + pixels, SMALLER)
     }
 
     /// The scene with everything that it names read, and what its barbules are made of.
@@ -221,7 +237,7 @@ impl Args {
             if let (Background::Picture(slot), false) = (&mut description.background, self.toml) {
                 // It lies where the command runs, not where the scene does.
                 read_named(
-                    Named::Backdrop(slot),
+                    &mut Named::Backdrop(slot),
                     &Folder::default(),
                     self.common.seed,
                     &Terminal::new(&self.common),
@@ -311,17 +327,6 @@ impl Args {
         }
         let spectral = Bands::new(&nm, sensor.band()).map_err(|e| e.at("--spectral"))?;
         Ok(Planes { sensor, compositing, spectral })
-    }
-
-    /// Refuses, before anything is built, a picture or a scene that does not fit into memory.
-    fn check_memory(&self, scene: &SceneDescription, size: [u32; 2], planes: &Planes) -> Result<()> {
-        let [width, height] = size;
-        let (pixels, objects) = (bytes_needed(size, planes), scene.object_bytes());
-        let what = format!("a picture of {width}x{height} pixels");
-        let allowance = self.common.allowance();
-        allowance.check(&what, pixels, "a smaller --size")?;
-        let what = format!("{what} with the scene's objects and their pictures");
-        allowance.check(&what, pixels + objects, "smaller meshes, curves or pictures")
     }
 
     fn goal(&self) -> Result<Goal> {

@@ -19,7 +19,7 @@ fn document(words: &[&str]) -> (Value, String) {
     (serde_json::from_str(&out).unwrap(), message)
 }
 
-fn write(folder: &Path, name: &str, text: &str) -> String {
+pub(crate) fn write(folder: &Path, name: &str, text: &str) -> String {
     let path = folder.join(name);
     std::fs::write(&path, text).unwrap();
     path.to_string_lossy().into_owned()

@@ -18,6 +18,7 @@ mod geometry;
 mod interruptions;
 mod limits;
 mod lobes;
+mod memory;
 mod multilayer;
 mod outputs;
 mod refusals;

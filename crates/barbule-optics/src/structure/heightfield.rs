@@ -153,7 +153,7 @@ impl Heightfield {
         }
         if clip > 0.0 {
             let mut sorted = field.height_um.clone();
-            sorted.sort_by(f64::total_cmp);
+            sorted.sort_unstable_by(f64::total_cmp);
             let last = sorted.len() - 1;
             let at = |part: f64| sorted[(part * last as f64).round() as usize];
             let (low, high) = (at(clip), at(1.0 - clip));

@@ -22,6 +22,13 @@ pub fn read_curves(path: &Path, basis: Basis) -> Result<Vec<ControlCurve>> {
     decode_curves(&path.display().to_string(), &read_at_most(path, LARGEST_CURVES)?, basis)
 }
 
+/// About how many control points such a file of so many bytes has, by its first lines.
+#[must_use]
+pub fn foretell_curves(head: &[u8], length: u64) -> f64 {
+    let lines = head.split(|byte| *byte == b'\n').filter(|line| !line.trim_ascii().is_empty()).count();
+    lines as f64 * length as f64 / head.len().max(1) as f64
+}
+
 /// Reads the bytes of such a file; `name` is what messages call it.
 ///
 /// # Errors

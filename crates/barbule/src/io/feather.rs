@@ -59,6 +59,27 @@ impl FeatherFormat {
     }
 }
 
+/// Memory that [`write_feather`] takes for so many barbs and barbules with the feather itself, bytes, at most and about.
+///
+/// # Errors
+/// An unknown ending.
+pub fn foretell_written(path: &Path, barbs: f64, barbules: f64) -> Result<u64> {
+    // Of a node: what is grown, its triangles, and the file's text, which grows by doubling.
+    let per_node = match FeatherFormat::of(path)? {
+        FeatherFormat::Ply => 210.0,
+        FeatherFormat::Obj => 420.0,
+        FeatherFormat::Gltf => 530.0,
+        FeatherFormat::Usda => 230.0,
+        FeatherFormat::Pbrt => 350.0,
+        FeatherFormat::Curves => 180.0,
+    };
+    Ok((per_node * (NODES_OF_BARB * barbs + NODES_OF_BARBULE * barbules)) as u64)
+}
+
+/// Nodes of a barb and of a barbule as they are grown.
+const NODES_OF_BARB: f64 = 25.0;
+const NODES_OF_BARBULE: f64 = 7.0;
+
 /// Writes a feather, whole or not at all; `notes` say what made it, in formats that have comments.
 ///
 /// # Errors

@@ -168,6 +168,21 @@ pub fn decode_picture(name: &str, bytes: &[u8], meaning: Meaning) -> Result<(Rgb
     Ok((decode_png(name, bytes, meaning)?, false))
 }
 
+/// How many pixels a picture says that it has, by the ending of its name and its first bytes; `None` where it is no such
+/// picture or says more than is read.
+#[must_use]
+pub fn foretell_picture(name: &str, head: &[u8]) -> Option<usize> {
+    let sizes = if ending(name) == "exr" {
+        let headers = MetaData::read_from_buffered(head, false).ok()?.headers;
+        headers.iter().map(|header| header.layer_size.area()).max()
+    } else {
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(head));
+        let info = decoder.read_header_info().ok()?;
+        Some((info.width as usize).saturating_mul(info.height as usize))
+    };
+    sizes.filter(|pixels| *pixels <= MOST_PIXELS)
+}
+
 /// Refuses a name that no picture that can be read has.
 pub(crate) fn check_ending(name: &str) -> Result<()> {
     match ending(name).as_str() {

@@ -60,6 +60,14 @@ pub fn read_at_most(path: &Path, largest: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// A regular file and its length, bytes, for looking at what it says of its size; nothing of anything else, which would be read
+/// only once.
+pub(super) fn open_regular(path: &Path) -> Option<(File, u64)> {
+    let file = fs::metadata(path).ok().filter(fs::Metadata::is_file).and_then(|_| File::open(path).ok())?;
+    let length = file.metadata().ok()?.len();
+    Some((file, length))
+}
+
 /// Reads a user's text file (UTF-8, a byte-order mark is dropped): at most 4 MiB of TOML or YAML, 64 MiB of JSON with
 /// 4,000,000 commas and opening brackets, 16 MiB of anything else.
 ///

@@ -26,9 +26,7 @@ use crate::bsdf::Hit;
 use crate::math::simd::dispatch_large;
 use crate::scene::Object;
 use crate::scene::geometry::Geometry;
-
-/// More primitives than this are entered whole, to save memory.
-const MOST_IN_PIECES: usize = 2_000_000;
+use crate::scene::memory::MOST_IN_PIECES;
 
 /// What the hierarchy is built of: the box about a piece of a primitive.
 struct Piece {

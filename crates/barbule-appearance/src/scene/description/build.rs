@@ -208,7 +208,7 @@ impl SceneDescription {
 
 impl ObjectDescription {
     /// How wide a picture is on an object, in its own lengths, where it is largest.
-    fn width_on_it(&self, width_mm: f64) -> f64 {
+    pub(super) fn width_on_it(&self, width_mm: f64) -> f64 {
         let largest = self.placements().iter().map(|place| place.scale).fold(0.0, f64::max);
         if largest == 1.0 { width_mm } else { width_mm / largest }
     }

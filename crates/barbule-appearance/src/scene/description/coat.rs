@@ -20,6 +20,7 @@ use crate::scene::coat::kinds::Kinds;
 use crate::scene::coat::{Coat, Laid, MOST_FEATHERS, Number, Variant, edge_mm, seed_of, window};
 use crate::scene::feather::{Counts, Feather, Level};
 use crate::scene::geometry::{Geometry, Mesh, Place};
+use crate::scene::memory::PER_PLACE;
 use crate::scene::window::Window;
 use crate::spectrum::colour::decode;
 use crate::{Error, Result, record};
@@ -35,11 +36,8 @@ const SKIN: Colour = Colour([0.1, 0.09, 0.085]);
 /// Identity of the skin and of the feathers' places.
 const COAT: u64 = 0x636f_6174;
 
-/// Memory at most, bytes: of a feather's place in a part's list and in the hierarchy, of a body's triangle, and of a feather that is
-/// grown, its barbs and their barbules one by one aside.
-const BYTES_PER_PLACE: usize = 500;
-const BYTES_PER_TRIANGLE: usize = 1500;
-const BYTES_PER_VARIANT: usize = 8_000_000;
+/// Memory at most of a body's triangle while it is laid, bytes.
+const PER_BODY_TRIANGLE: f64 = 1500.0;
 
 /// Objects that a feather has.
 const PARTS: usize = 5;
@@ -213,15 +211,6 @@ impl CoatDescription {
         }
     }
 
-    /// Memory that it takes while it is laid and its hierarchy is built, bytes, at most.
-    pub(super) fn bytes(&self) -> usize {
-        let feathers = self.count.unwrap_or(MOST_FEATHERS);
-        let triangles = self.mesh.as_ref().and_then(Slot::get).map_or(0, |mesh| mesh.triangles.len());
-        feathers * PARTS * BYTES_PER_PLACE
-            + (triangles + MOST_TRIANGLES) * BYTES_PER_TRIANGLE
-            + self.variants * (1 + self.feathers.len()) * BYTES_PER_VARIANT
-    }
-
     fn grown_on(&self, placement: &Placement, edge_mm: f64) -> Result<(Body, Geometry)> {
         let place = placement.place(COAT);
         match (&self.ellipsoid_mm, &self.mesh) {
@@ -337,6 +326,26 @@ impl CoatObject {
         }
     }
 
+    /// Memory that it takes while it is laid and its hierarchy is built, bytes, at most; `triangles`: of the mesh that it grows on.
+    pub(super) fn bytes(&self, triangles: f64, width_mm: f64) -> f64 {
+        let feathers = self.coat.count.unwrap_or(MOST_FEATHERS);
+        let detail = self.detail_on_body(width_mm);
+        let further = self.coat.feathers.iter().map(|kind| kind.feather);
+        let variants: f64 = std::iter::once(self.feather)
+            .chain(further)
+            .enumerate()
+            .map(|(kind, feather)| {
+                let one = self.one(kind, feather, detail);
+                let shown = one.shown_bytes(width_mm);
+                // Each variant makes what its vanes show, but all of a kind show the first one's.
+                self.coat.variants as f64 * (one.bytes(width_mm) - shown) + 2.0 * shown
+            })
+            .sum();
+        (feathers * PARTS) as f64 * PER_PLACE
+            + (triangles + MOST_TRIANGLES as f64) * PER_BODY_TRIANGLE
+            + variants
+    }
+
     /// As fine as is said, or surfaces.
     fn detail_on_body(&self, width_mm: f64) -> Detail {
         let level =
@@ -361,7 +370,7 @@ impl CoatObject {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::description::SceneDescription;
+    use crate::scene::description::{Foreseen, SceneDescription};
 
     fn scene(text: &str) -> Result<SceneDescription> {
         SceneDescription::parse(&format!("preset = 'osprey'\n{text}"))
@@ -385,7 +394,7 @@ mod tests {
         let laid = scene.laid_coats(3).unwrap().remove(0);
         // The box is in the scene's own place: the body is 120 mm deep, of which it holds the upper 90 mm.
         assert!(laid.stands.iter().all(|stand| (0.0..=90.5).contains(&stand.spot.point.z)));
-        assert!(counts.barbs > 0 && scene.object_bytes() > 0);
+        assert!(counts.barbs > 0 && scene.bytes(&Foreseen::new()) > 0);
         let one = "[coat]\nellipsoid_mm = [80, 120, 80]\ncount = 1\nvariants = 3";
         let few = super::tests::scene(one).unwrap();
         let (objects, _) = few.clone().wearing(None).unwrap().objects(3).unwrap();

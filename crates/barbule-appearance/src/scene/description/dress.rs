@@ -1,13 +1,14 @@
 //! Feathers of a scene: what their parts are made of, and where on the vane that is something else.
 
-use super::detail::Detail;
+use super::detail::{Detail, ViewModel};
 use super::slot::Slot;
 use super::surfaces::{BarbuleClothing, FibreDescription, PigmentedKeratin, no_surface};
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{self, Region, Texture, ZonePlan};
 use crate::error::shortened;
 use crate::fields::{Fields, Map, Value, path_of, unknown, within};
-use crate::scene::feather::{Feather, VaneDisc};
+use crate::scene::feather::{Feather, Level, VaneDisc};
+use crate::scene::memory::Rami;
 use crate::{Error, Result, record, variants};
 
 /// A feather of a scene.
@@ -191,6 +192,34 @@ impl FeatherObject {
 }
 
 impl FeatherObject {
+    /// Memory that it takes while it grows and its hierarchy is built, bytes, at most and about; `width_mm`: of the picture, on it.
+    pub(super) fn bytes(&self, width_mm: f64) -> f64 {
+        let copies = if self.detail.view_model == ViewModel::Both { 2.0 } else { 1.0 };
+        copies * self.feather.bytes(self.window, self.level(width_mm), self.rami(), self.layers())
+    }
+
+    /// Places of stretches of its barbules, where these repeat.
+    pub(super) fn places(&self, width_mm: f64) -> f64 {
+        if self.level(width_mm) == Level::Barbs { self.feather.places_in(self.window) } else { 0.0 }
+    }
+
+    /// How much of that is for what its vanes show, where they are sheets.
+    pub(super) fn shown_bytes(&self, width_mm: f64) -> f64 {
+        match self.level(width_mm) {
+            Level::Vane => self.feather.shown_bytes(self.rami(), self.layers()),
+            _ => 0.0,
+        }
+    }
+
+    fn rami(&self) -> Rami {
+        if matches!(self.dress.ramus, RamusDress::Hair(_)) { Rami::Fibres } else { Rami::Meshes }
+    }
+
+    /// Sorts of places that its vanes show.
+    fn layers(&self) -> usize {
+        1 + self.zones.len() + usize::from(self.feather.pattern.pattern().is_some())
+    }
+
     /// Where its zones lie; nothing where there are none.
     pub(super) fn zone_plan(&self) -> Result<Option<ZonePlan>> {
         if self.zones.is_empty() {

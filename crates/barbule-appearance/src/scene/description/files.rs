@@ -1,5 +1,6 @@
 //! The files and materials that a scene names: one walk over all of them, and scenes that lack none.
 
+use std::collections::BTreeSet;
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -82,6 +83,18 @@ impl Named<'_> {
 impl SceneDescription {
     /// Everything that the scene names, with the key that does; of a sky that gives no light nothing.
     pub fn named_mut(&mut self) -> Vec<(String, Named<'_>)> {
+        self.walk(None)
+    }
+
+    /// What of that a picture needs: nothing of surfaces that no object has.
+    pub fn needed_mut(&mut self) -> Vec<(String, Named<'_>)> {
+        let names = self.objects.iter().filter_map(|object| object.surface.as_deref());
+        let used = self.surfaces.used_by(names).into_iter().map(str::to_owned).collect();
+        self.walk(Some(&used))
+    }
+
+    /// Everything that the scene names, of surfaces only these, where some are given.
+    fn walk(&mut self, surfaces: Option<&BTreeSet<String>>) -> Vec<(String, Named<'_>)> {
         let places = self.object_places();
         let mut named = Vec::new();
         for (index, light) in self.lights.iter_mut().enumerate() {
@@ -101,7 +114,8 @@ impl SceneDescription {
         for (object, place) in self.objects.iter_mut().zip(&places) {
             object.shape.named_mut(place, &mut named);
         }
-        for (name, surface) in &mut self.surfaces.0 {
+        let is_needed = |name: &String| surfaces.is_none_or(|needed| needed.contains(name));
+        for (name, surface) in self.surfaces.0.iter_mut().filter(|(name, _)| is_needed(name)) {
             surface.named_mut(&format!("surfaces.{}", shortened(name)), &mut named);
         }
         named
@@ -213,7 +227,7 @@ impl ReadyScene {
     /// The first name that is not read, or a number out of range.
     pub fn new(mut scene: SceneDescription) -> Result<Self> {
         scene.check()?;
-        for (key, named) in scene.named_mut() {
+        for (key, named) in scene.needed_mut() {
             if !named.is_read() {
                 return Err(Error::input(format!("{key} is not read")));
             }

@@ -11,6 +11,7 @@ mod dress;
 mod file;
 mod files;
 mod lights;
+mod memory;
 mod objects;
 mod parts;
 mod sequence;
@@ -27,6 +28,7 @@ pub use dress::{BarbuleDress, Dress, FeatherObject, RamusDress, Ring, Zone};
 pub use file::scene_keys;
 pub use files::{Named, ReadyScene};
 pub use lights::{KeyLight, LightColour, LightDescription, LightShape};
+pub use memory::{Foreseen, Holds};
 pub use objects::{ObjectDescription, ObjectShape, Placement, SnakeShape};
 pub use sequence::{Motion, Moved, USUAL_ARC_DEG, Waypoint};
 pub use sky::{Background, SkyDescription, SkyImage};
@@ -247,14 +249,6 @@ impl SceneDescription {
                 of.material = Slot::new(name);
             }
         }
-    }
-
-    /// Memory that its coats, its objects and their pictures take while the scene is built, bytes, once its files are read.
-    #[must_use]
-    pub fn object_bytes(&self) -> u64 {
-        let objects: usize = self.objects.iter().map(ObjectDescription::bytes).sum();
-        let pictures: usize = self.surfaces.0.values().map(NamedSurface::bytes).sum();
-        (objects + pictures) as u64
     }
 
     /// Whether the key light shines from behind the vane of a lone feather, as the camera sees it.

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use super::coat::{CoatDescription, CoatObject};
 use super::detail::Detail;
 use super::dress::{Dress, FeatherObject, Zone};
-use super::shapes::{MOST_SEGMENTS, SPHERE, grow, nodes, rectangle, sphere, upwards};
+use super::shapes::{MOST_SEGMENTS, grow, rectangle, sphere, upwards};
 use super::slot::Slot;
 use super::surfaces::Surfaces;
 use crate::bsdf::Texture;
@@ -27,15 +27,6 @@ const MOST_POINTS: usize = 1000;
 
 /// Most zones of a feather: as many as an 8-bit grey tells apart, but for the feather's own dress.
 const MOST_ZONES: usize = 255;
-
-/// Memory that a triangle, a vertex, a segment, a control point and an instance take at most while hierarchies are built, bytes: what
-/// was read, its copy in the scene, and the hierarchy with what it is built of. Measured: 1e6 vertices and 2e6 triangles took
-/// 0.80 GB, 8e5 points of 7.6e5 slanting segments 0.66 GB.
-const BYTES_PER_TRIANGLE: usize = 380;
-const BYTES_PER_VERTEX: usize = 90;
-const BYTES_PER_SEGMENT: usize = 850;
-const BYTES_PER_POINT: usize = 32;
-const BYTES_PER_INSTANCE: usize = 400;
 
 record! {
     /// Something that stands in a scene, once or several times.
@@ -309,7 +300,7 @@ impl SnakeShape {
         Ok(())
     }
 
-    fn snake(&self) -> Snake {
+    pub(super) fn snake(&self) -> Snake {
         let path_mm = self.path_mm.iter().copied().map(DVec3::from_array).collect();
         Snake { path_mm, radius_mm: self.radius_mm, rows: self.rows, keel: self.keel }
     }
@@ -415,36 +406,6 @@ impl ObjectDescription {
         };
         let mesh = Mesh { tangents: upwards(mesh), id: identity(0), ..mesh.clone() };
         Ok(Geometry { meshes: vec![mesh], places, ..Geometry::default() })
-    }
-
-    /// Memory that it takes while its hierarchy is built, bytes, once its file is read; of a feather that of its instances alone.
-    pub(super) fn bytes(&self) -> usize {
-        let mesh =
-            |vertices: usize, triangles: usize| vertices * BYTES_PER_VERTEX + triangles * BYTES_PER_TRIANGLE;
-        let shape = match &self.shape {
-            ObjectShape::Sphere { .. } => {
-                let quadrangles = (SPHERE[0] * SPHERE[1]) as usize;
-                mesh(quadrangles, 2 * quadrangles)
-            }
-            ObjectShape::Rectangle { .. } => mesh(4, 2),
-            ObjectShape::Snake(snake) => {
-                let [vertices, triangles] = snake.snake().size();
-                mesh(vertices, triangles)
-            }
-            ObjectShape::Mesh(file) => {
-                file.get().map_or(0, |read| mesh(read.positions.len(), read.triangles.len()))
-            }
-            ObjectShape::Curves { file, basis } => {
-                let all = file.get().into_iter().flatten();
-                let one = |curve: &ControlCurve| {
-                    curve.len() * BYTES_PER_POINT + basis.segments(&nodes(curve)) * BYTES_PER_SEGMENT
-                };
-                all.map(one).sum()
-            }
-            ObjectShape::Feather(_) => 0,
-            ObjectShape::Coat(coat) => coat.coat.bytes(),
-        };
-        shape + self.placements().len() * BYTES_PER_INSTANCE
     }
 }
 

@@ -1,6 +1,6 @@
 //! `[surfaces.NAME]`: what things are made of.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::colour::Colour;
 use super::slot::Slot;
@@ -345,7 +345,7 @@ impl GratingDescription {
     }
 
     /// The powers of its orders.
-    fn powers(&self) -> Option<&Slot<Powers>> {
+    pub(super) fn powers(&self) -> Option<&Slot<Powers>> {
         self.sample.as_ref().or(self.file.as_ref())
     }
 
@@ -421,27 +421,6 @@ impl NamedSurface {
             Self::Barbule(of) => Surface::Clad(Box::new(of.clad()?)),
         })
     }
-
-    /// Memory that its pictures take, bytes, once they are read.
-    pub(super) fn bytes(&self) -> usize {
-        let one = |slot: &Slot<Texture>| slot.get().map_or(0, Texture::bytes);
-        match self {
-            Self::Diffuse(of) => {
-                [&of.albedo, &of.alpha, &of.normal, &of.bump].into_iter().flatten().map(one).sum()
-            }
-            Self::Map(of) => one(&of.file),
-            // Beside the orders' powers the table that is rendered from, of about as many numbers.
-            Self::Grating(of) => {
-                of.powers().and_then(Slot::get).map_or(0, |powers| 3 * size_of_val(powers.series()))
-            }
-            Self::Keratin(_)
-            | Self::Hair(_)
-            | Self::Dielectric(_)
-            | Self::Conductor(_)
-            | Self::Film(_)
-            | Self::Barbule(_) => 0,
-        }
-    }
 }
 
 /// The tables `[surfaces.NAME]`, by their names.
@@ -455,6 +434,18 @@ impl Surfaces {
     /// There is none of this name; the nearest is offered.
     pub fn named(&self, path: &str, name: &str) -> Result<&NamedSurface> {
         self.0.get(name).ok_or_else(|| no_surface(path, name, self.0.keys().map(String::as_str)))
+    }
+
+    /// The names of those that these name, themselves or through a map.
+    pub(super) fn used_by<'a>(&'a self, names: impl Iterator<Item = &'a str>) -> BTreeSet<&'a str> {
+        let mut used: BTreeSet<&str> = names.collect();
+        let maps = used.iter().filter_map(|name| match self.0.get(*name) {
+            Some(NamedSurface::Map(map)) => Some(&map.surfaces),
+            _ => None,
+        });
+        let through: Vec<&str> = maps.flatten().map(String::as_str).collect();
+        used.extend(through);
+        used
     }
 
     /// Refuses a map of surfaces that do not exist or are maps themselves.

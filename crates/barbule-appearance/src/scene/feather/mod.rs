@@ -10,6 +10,7 @@ mod flat;
 mod grown;
 mod loose;
 mod measure;
+mod memory;
 mod noise;
 mod outline;
 mod row;
@@ -29,6 +30,7 @@ pub use barb::Barb;
 pub use envelope::tip_side;
 pub use grown::{Counts, Grown, ZoneParts};
 pub use measure::{Measures, VaneMeasures};
+pub use memory::Census;
 pub use outline::Vane;
 pub use shaft::{Shaft, Station};
 pub use sheet::SheetBarbs;
@@ -130,7 +132,7 @@ impl Feather {
         Ok(grown)
     }
 
-    /// Shaft and rami alone.
+    /// Shaft and barbs alone, these as round fibres.
     ///
     /// # Errors
     /// As [`Feather::check`].
@@ -139,7 +141,7 @@ impl Feather {
         let origin = shaft.at(window.along_mm).point;
         let mut grown = Grown::default();
         shaft.mesh(&mut grown.shaft, window, origin, identity);
-        self.add_rami(&mut grown, &barbs.iter().collect::<Vec<_>>(), &self.markings(None), origin);
+        barbs.iter().for_each(|barb| barb.fibre(&mut grown.barbs, origin));
         Ok(grown)
     }
 

@@ -13,11 +13,11 @@ use crate::math::rng::{Stream, hash};
 /// Steps of a barb's path.
 pub(super) const PATH_STEPS: usize = 48;
 /// Least sine of the insertion angle: barbs parallel to the shaft would never leave it.
-const LEAST_SINE: f64 = 0.15;
+pub(super) const LEAST_SINE: f64 = 0.15;
 /// Shortest barb, mm.
 const SHORTEST_MM: f64 = 0.05;
 /// Most barbs of the tuft at the tip, on one side.
-const MOST_IN_TUFT: usize = 24;
+pub(super) const MOST_IN_TUFT: usize = 24;
 /// Where barbs begin, over the shaft's half width.
 pub(super) const BASE_SHARE: f64 = 0.75;
 /// Length of the border of the downy part over its length: in it barbs of both kinds alternate.

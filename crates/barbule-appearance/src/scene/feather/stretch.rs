@@ -20,6 +20,16 @@ pub(super) const LENGTH_MM: f64 = 0.25;
 const KINDS: [(f64, u64); 8] =
     [(0.1, 4), (0.2, 4), (0.35, 4), (0.5, 6), (0.65, 12), (0.8, 32), (0.9, 40), (1.0, 48)];
 
+/// How many stretches there are of a row.
+pub(super) const MADE: u64 = {
+    let (mut sum, mut kind) = (0, 0);
+    while kind < KINDS.len() {
+        sum += KINDS[kind].1;
+        kind += 1;
+    }
+    sum
+};
+
 /// The stretches of the rows of one side of the barbs left or right of the shaft.
 pub(super) struct Stretches {
     row: Row,

@@ -20,7 +20,7 @@ pub struct Swatch {
 }
 
 /// Barbs of a swatch; and how many of them at each rim are there for the others' sake.
-const BARBS: usize = 27;
+pub(super) const BARBS: usize = 27;
 const RIM: usize = 6;
 /// Where on its barbs a swatch is shown, as shares of their length: bases and ends differ.
 const SHOWN: [f64; 2] = [0.15, 0.8];

@@ -97,13 +97,21 @@ fn plan(field: &Heightfield, reach: Reach, series: Series) -> (Orders, usize) {
 }
 
 impl Amplitudes {
-    /// Memory that [`Self::new`] takes, bytes.
+    /// Memory that [`Self::new`] takes at most at once, bytes.
     #[must_use]
     pub fn bytes(field: &Heightfield, reach: Reach, series: Series) -> u64 {
         let (orders, terms) = plan(field, reach, series);
-        let [columns, rows] = orders.counts();
-        // The series, one image by rows and by columns.
-        (columns as u64 * rows as u64 * (terms as u64 + 1) + (columns * field.cells()[1]) as u64) * 16
+        let [columns, rows] = orders.counts().map(|count| count as u64);
+        // The series, and one image: by rows of the patch, by columns, and whole.
+        16 * columns * (rows * (terms as u64 + 2) + field.cells()[1] as u64)
+    }
+
+    /// Numbers of orders, of terms of the series and of those of powers, before there are any.
+    pub(super) fn foretell(field: &Heightfield, reach: Reach, series: Series) -> [u64; 3] {
+        let (orders, terms) = plan(field, reach, series);
+        let [columns, rows] = orders.counts().map(|count| count as u64);
+        let of_powers = needed_terms(reach.kappa_per_um * scale_um(field), POWERS_REST);
+        [columns * rows, terms as u64, of_powers as u64]
     }
 
     /// Transforms of a patch; where the window stands is a phase of each order.

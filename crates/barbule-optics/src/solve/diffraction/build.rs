@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::{Amplitudes, Reach, Series};
+use super::{Amplitudes, Reach, Series, check_patch};
 use crate::math::chebyshev;
 use crate::progress::Progress;
 use crate::scattering::grating::{
@@ -42,7 +42,51 @@ pub struct Builder {
     images: Vec<f64>,
 }
 
+/// What a [`Builder`] and its tables take in memory, bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TablesNeed {
+    /// While the builder is made, at most at once.
+    pub making: u64,
+    /// What it keeps.
+    pub kept: u64,
+    /// All its tables.
+    pub tables: u64,
+    /// The powers of all orders that a renderer reads, which are no part of it.
+    pub powers: u64,
+}
+
 impl Builder {
+    /// What [`Self::new`] and [`Self::tables`] will take; while tables are made they are there twice.
+    #[must_use]
+    pub fn need(
+        field: &Heightfield,
+        setup: &Setup,
+        grid: TableGrid,
+        series: Series,
+        at: &Wavelengths,
+    ) -> TablesNeed {
+        let reach = Reach::of(setup, at);
+        let [orders, terms, of_powers] = Amplitudes::foretell(field, reach, series);
+        let (numbers, count) = match (setup.place, series) {
+            (Place::At(_), Series::Chebyshev) => (2 * terms, of_powers),
+            (Place::Anywhere, Series::Chebyshev) => (of_powers, of_powers),
+            (Place::At(_), Series::Taylor(order)) => (2 * terms, 2 * order as u64 + 1),
+            (Place::Anywhere, Series::Taylor(order)) => (2 * order as u64 + 1, 2 * order as u64 + 1),
+        };
+        let kept = 8 * orders * numbers;
+        let powers = 4 * orders * of_powers;
+        // Powers are gathered from many threads' parts.
+        let gathered =
+            if setup.place == Place::Anywhere && series == Series::Chebyshev { 2 * powers } else { 0 };
+        let size = grid.size as u64;
+        TablesNeed {
+            making: Amplitudes::bytes(field, reach, series).max(16 * orders * terms + kept + gathered),
+            kept,
+            tables: 12 * size * size * count,
+            powers,
+        }
+    }
+
     /// For tables of a patch under a light's observer; `at` are the wavelengths that are summed.
     ///
     /// # Errors
@@ -60,6 +104,7 @@ impl Builder {
         if let Series::Taylor(orders) = series {
             check_size(grid, Basis::Taylor { orders })?;
         }
+        check_patch(field.size_um(), setup, at)?;
         let amplitudes = Amplitudes::new(field, setup, Reach::of(setup, at), series, progress)?;
         let basis = match series {
             Series::Taylor(orders) => Basis::Taylor { orders },
@@ -76,12 +121,10 @@ impl Builder {
         let waves = (0..at.len()).map(|i| {
             let um = at[i] * 1e-3;
             let s_f = setup.coherence.frequency_per_um(um);
-            orders.check_window(s_f)?;
             let xyz = weights.xyz_parts()[i].map(|weight| weight * setup.of_wavelength(um));
-            Ok(Wave { um, s_f, xyz, factors: factors(&amplitudes, basis, setup.place, um, numbers) })
+            Wave { um, s_f, xyz, factors: factors(&amplitudes, basis, setup.place, um, numbers) }
         });
-        let waves = waves.collect::<Result<_>>()?;
-        Ok(Self { grid, basis, setup: *setup, waves, orders, numbers, images })
+        Ok(Self { grid, basis, setup: *setup, waves: waves.collect(), orders, numbers, images })
     }
 
     /// Which functions of w the tables go with, and how many they are.

@@ -1,6 +1,6 @@
 //! Diffraction by heightfields: the reference that tables are judged by, and what makes tables.
 //!
-//! [`value`] is the sum over all heights of a patch, as [`crate::scattering::grating`] defines it, with nothing precomputed. What is
+//! [`spectrum`] is the sum over all heights of a patch, as [`crate::scattering::grating`] defines it, with nothing precomputed. What is
 //! precomputed are [`Amplitudes`]: transforms of the patch at a few κ, from which any direction and wavelength follow, [`Builder`]'s
 //! tables of colour, and the powers that a renderer reads.
 
@@ -14,12 +14,13 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 pub use amplitudes::{Amplitudes, Reach, Series};
-pub use build::Builder;
+pub use build::{Builder, TablesNeed};
 
-use crate::Result;
-use crate::scattering::grating::{Place, Setup, WINDOW, q};
+use crate::progress::Progress;
+use crate::scattering::grating::{Orders, Place, Setup, WINDOW, q};
 use crate::spectrum::Wavelengths;
 use crate::structure::Heightfield;
+use crate::{Error, Result};
 
 /// 380, 385, …, 780 nm: what colours are summed over.
 ///
@@ -30,32 +31,53 @@ pub fn usual_wavelengths() -> Result<Wavelengths> {
 }
 
 /// f at each wavelength for light from `w_i` towards `w_o`, 1/sr or relative; 0 below the surface and beyond the frequencies
-/// that the heights' distance can tell.
+/// that the heights' distance can tell. Beside the heights it takes memory for their rows and columns alone.
 ///
 /// # Errors
-/// A setup out of range.
+/// A setup out of range, a patch far wider than the coherence, interruption.
 pub fn spectrum(
     field: &Heightfield,
     setup: &Setup,
     at: &Wavelengths,
     w_i: DVec3,
     w_o: DVec3,
+    progress: &dyn Progress,
 ) -> Result<Vec<f64>> {
     setup.check()?;
-    Ok(at.nm().par_iter().map(|nm| value(field, setup, *nm, w_i, w_o)).collect())
+    check_patch(field.size_um(), setup, at)?;
+    let turns = Turns::of(field);
+    progress.begin("sums over heights", (at.len() * field.cells()[1]) as u64);
+    let one = |nm: &f64| value(field, &turns, setup, *nm, [w_i, w_o], progress);
+    at.nm().par_iter().map(one).collect()
+}
+
+/// Refuses a patch with these periods, µm, that is far wider than the window of coherence at one of the wavelengths: its orders
+/// in the window would be too many.
+///
+/// # Errors
+/// It is that.
+pub fn check_patch(period_um: [f64; 2], setup: &Setup, at: &Wavelengths) -> Result<()> {
+    let orders = Orders { most: [0; 2], period_um };
+    at.nm().iter().try_for_each(|nm| orders.check_window(setup.coherence.frequency_per_um(nm * 1e-3)))
 }
 
 /// [`spectrum`] at one wavelength; the setup is not checked.
-#[must_use]
-pub fn value(field: &Heightfield, setup: &Setup, wavelength_nm: f64, w_i: DVec3, w_o: DVec3) -> f64 {
+fn value(
+    field: &Heightfield,
+    turns: &Turns,
+    setup: &Setup,
+    wavelength_nm: f64,
+    [w_i, w_o]: [DVec3; 2],
+    progress: &dyn Progress,
+) -> Result<f64> {
     let wavelength_um = wavelength_nm * 1e-3;
     let weight = setup.of_directions(w_i, w_o);
     if weight == 0.0 {
-        return 0.0;
+        return Ok(0.0);
     }
     let s_f = setup.coherence.frequency_per_um(wavelength_um);
-    let squared = squared_amplitude(field, setup.place, wavelength_um, s_f, q(w_i, w_o));
-    weight * setup.of_wavelength(wavelength_um) * squared
+    let squared = squared_amplitude(field, turns, setup.place, (wavelength_um, s_f), q(w_i, w_o), progress)?;
+    Ok(weight * setup.of_wavelength(wavelength_um) * squared)
 }
 
 /// e^{j angle}, the same bits on every system.
@@ -78,42 +100,87 @@ fn orders(field: &Heightfield, axis: usize, frequency: f64, s_f: f64) -> Vec<(i6
     (low.max(-most)..=high.min(most)).map(|j| (j, weight(j))).collect()
 }
 
-/// |P_g|², or its mean over all places of the window.
-fn squared_amplitude(field: &Heightfield, place: Place, wavelength_um: f64, s_f: f64, q: DVec3) -> f64 {
+/// e^{2πi k/N} for each k of the N cells along either axis: whatever an order turns a cell by is among them.
+struct Turns([Vec<Complex64>; 2]);
+
+impl Turns {
+    fn of(field: &Heightfield) -> Self {
+        let along = |count: usize| {
+            (0..count).map(|k| cis(std::f64::consts::TAU * k as f64 / count as f64)).collect::<Vec<_>>()
+        };
+        Self(field.cells().map(along))
+    }
+}
+
+/// Where among the turns of an axis each order stands at a cell: 0 at the first, and by how much it goes on from cell to cell.
+struct Places {
+    steps: Vec<usize>,
+    at: Vec<usize>,
+}
+
+impl Places {
+    fn of(orders: &[(i64, f64)], count: usize) -> Self {
+        let steps = orders.iter().map(|(j, _)| j.rem_euclid(count as i64) as usize).collect();
+        Self { steps, at: vec![0; orders.len()] }
+    }
+
+    /// Gives each order's turn at this cell with its sum, and goes on to the next cell.
+    #[inline]
+    fn next<T>(
+        &mut self,
+        turns: &[Complex64],
+        sums: impl Iterator<Item = T>,
+        mut add: impl FnMut(T, Complex64),
+    ) {
+        for ((at, step), sum) in self.at.iter_mut().zip(&self.steps).zip(sums) {
+            add(sum, turns[*at]);
+            *at += step;
+            if *at >= turns.len() {
+                *at -= turns.len();
+            }
+        }
+    }
+}
+
+/// |P_g|², or its mean over all places of the window; at a wavelength through a window of standard deviation s_f, µm and 1/µm.
+fn squared_amplitude(
+    field: &Heightfield,
+    turns: &Turns,
+    place: Place,
+    (wavelength_um, s_f): (f64, f64),
+    q: DVec3,
+    progress: &dyn Progress,
+) -> Result<f64> {
     let [columns, rows] = field.cells();
     let frequencies = [q.x / wavelength_um, q.y / wavelength_um];
     let [across, along] = [0, 1].map(|axis| orders(field, axis, frequencies[axis], s_f));
     let phase_per_um = std::f64::consts::TAU / wavelength_um * q.z;
-    // e^{2πi j x/T} at each cell, `[order][cell]`.
-    let turns = |orders: &[(i64, f64)], axis: usize| -> Vec<Vec<Complex64>> {
-        let count = field.cells()[axis] as i64;
-        let turn = |j: i64, cell: i64| {
-            cis(std::f64::consts::TAU * (j * cell).rem_euclid(count) as f64 / count as f64)
-        };
-        orders.iter().map(|&(j, _)| (0..count).map(|cell| turn(j, cell)).collect()).collect()
-    };
-    let (by_x, by_y) = (turns(&across, 0), turns(&along, 1));
+    let Turns([by_x, by_y]) = turns;
+    let mut rows_at = Places::of(&along, rows);
     // c_j, `[along][across]`
     let mut sums = vec![Complex64::ZERO; across.len() * along.len()];
     let mut line = vec![Complex64::ZERO; across.len()];
-    for (row, heights) in field.height_um().chunks_exact(columns).enumerate() {
+    for heights in field.height_um().chunks_exact(columns) {
+        if progress.is_cancelled() {
+            return Err(Error::interrupted());
+        }
         line.fill(Complex64::ZERO);
-        for (cell, height) in heights.iter().enumerate() {
+        let mut columns_at = Places::of(&across, columns);
+        for height in heights {
             let p = cis(phase_per_um * height);
-            for (sum, turns) in line.iter_mut().zip(&by_x) {
-                *sum += p * turns[cell];
-            }
+            columns_at.next(by_x, line.iter_mut(), |sum, turn| *sum += p * turn);
         }
-        for (turns, sums) in by_y.iter().zip(sums.chunks_exact_mut(across.len().max(1))) {
+        rows_at.next(by_y, sums.chunks_exact_mut(across.len().max(1)), |sums, turn| {
             for (sum, value) in sums.iter_mut().zip(&line) {
-                *sum += value * turns[row];
+                *sum += value * turn;
             }
-        }
+        });
+        progress.advance(1);
     }
     let scale = 1.0 / (columns * rows) as f64;
     let terms = along.iter().flat_map(|a| across.iter().map(move |b| (a, b))).zip(&sums);
-    match place {
-        Place::Anywhere => terms.map(|((a, b), c)| (a.1 * b.1 * scale).powi(2) * c.norm_sqr()).sum(),
+    Ok(match place {
+        Place::Anywhere => terms.map(|((a, b), c)| (a.1 * b.1 * scale).powi(2) * c.norm_sqr()).sum::<f64>(),
         Place::At([x, y]) => {
             let [width, height] = field.size_um();
             let shift = |j: i64, at: f64, side: f64| std::f64::consts::TAU * j as f64 * at / side;
@@ -122,5 +189,5 @@ fn squared_amplitude(field: &Heightfield, place: Place, wavelength_um: f64, s_f:
                 .sum::<Complex64>()
                 .norm_sqr()
         }
-    }
+    })
 }

@@ -4,6 +4,7 @@ use barbule_light::fresnel::fresnel;
 
 use super::*;
 use crate::math::bessel::Cylinder;
+use crate::progress::Unobserved;
 use crate::scattering::grating::{Coherence, Obliquity, TableGrid};
 use crate::spectrum::colour::Observer;
 
@@ -19,7 +20,7 @@ fn flat(cells: [usize; 2]) -> Heightfield {
 }
 
 fn f(field: &Heightfield, setup: &Setup, nm: f64, w_i: DVec3, w_o: DVec3) -> f64 {
-    value(field, setup, nm, w_i, w_o)
+    value(field, &Turns::of(field), setup, nm, [w_i, w_o], &Unobserved).unwrap()
 }
 
 /// ∫ f (z·ω_o) dω_o over a square of direction cosines around a direction.
@@ -69,7 +70,8 @@ fn a_flat_field_is_a_mirror() {
 fn order(field: &Heightfield, j: i64, period_um: f64, w: f64, nm: f64) -> f64 {
     let wavelength = nm * 1e-3;
     let u = j as f64 * wavelength / period_um;
-    squared_amplitude(field, Place::Anywhere, wavelength, 1e-4, DVec3::new(u, 0.0, w))
+    let (turns, q) = (Turns::of(field), DVec3::new(u, 0.0, w));
+    squared_amplitude(field, &turns, Place::Anywhere, (wavelength, 1e-4), q, &Unobserved).unwrap()
 }
 
 #[test]
@@ -238,8 +240,7 @@ fn amplitudes_and_powers_give_the_plain_sums() {
     for place in [Place::At([2.0, 7.5]), Place::Anywhere] {
         let setup = Setup { place, ..setup };
         let reach = Reach::of(&setup, &at);
-        let fast =
-            Amplitudes::new(&field, &setup, reach, Series::Chebyshev, &crate::progress::Unobserved).unwrap();
+        let fast = Amplitudes::new(&field, &setup, reach, Series::Chebyshev, &Unobserved).unwrap();
         let powers = fast.powers().unwrap();
         for nm in at.nm() {
             for (w_i, w_o) in pairs() {
@@ -268,10 +269,8 @@ fn tables_are_the_sum_over_wavelengths() {
     for place in [Place::At([0.0; 2]), Place::Anywhere] {
         let setup = Setup { place, ..setup };
         for (series, tolerance) in [(Series::Chebyshev, 1e-6), (Series::Taylor(18), 1e-6)] {
-            let builder =
-                Builder::new(&field, &setup, grid, series, &observer, &at, &crate::progress::Unobserved)
-                    .unwrap();
-            let tables = builder.tables(&crate::progress::Unobserved).unwrap();
+            let builder = Builder::new(&field, &setup, grid, series, &observer, &at, &Unobserved).unwrap();
+            let tables = builder.tables(&Unobserved).unwrap();
             let mut largest: f64 = 0.0;
             let mut compared = 0;
             for (i, j) in [(10, 10), (11, 9), (7, 12), (14, 10), (10, 6)] {
@@ -314,4 +313,40 @@ fn bits_do_not_depend_on_the_number_of_threads() {
         })
     };
     assert_eq!(make(1), make(3));
+}
+
+/// The turns that orders go through from cell to cell are those of e^{2πi j x/T} to the last bit, on either side of zero.
+#[test]
+fn orders_go_from_cell_to_cell_through_the_turns_of_the_axis() {
+    for count in [1_i64, 2, 7, 64, 1000] {
+        let field = Heightfield::new([count as usize, 3], [1.0; 2], vec![0.0; 3 * count as usize]).unwrap();
+        let Turns([by_x, by_y]) = Turns::of(&field);
+        assert_eq!((by_x.len(), by_y.len()), (count as usize, 3));
+        let orders: Vec<(i64, f64)> = (-9..=9).map(|j| (j, 1.0)).collect();
+        let mut places = Places::of(&orders, count as usize);
+        for cell in 0..count {
+            places.next(&by_x, orders.iter(), |(j, _), turn| {
+                let part = (j * cell).rem_euclid(count) as f64;
+                assert_eq!(turn, cis(std::f64::consts::TAU * part / count as f64), "order {j}, cell {cell}");
+            });
+        }
+    }
+}
+
+/// A patch far wider than the coherence is refused before anything is summed, by values as by tables.
+#[test]
+fn patches_far_wider_than_the_coherence_are_refused_first() {
+    let field = Heightfield::new([100, 1], [30_000.0, 1.0], vec![0.0; 100]).unwrap();
+    let at = Wavelengths::new([450.0, 550.0]).unwrap();
+    let (setup, observer) = (Setup::default(), Observer::default());
+    let values = spectrum(&field, &setup, &at, DVec3::Z, DVec3::Z, &Unobserved).unwrap_err();
+    let grid = TableGrid { size: 3, ..TableGrid::USUAL };
+    let tables =
+        Builder::new(&field, &setup, grid, Series::Chebyshev, &observer, &at, &Unobserved).err().unwrap();
+    for error in [values, tables] {
+        assert!(
+            error.to_string().starts_with("a patch of 30000 µm is far wider than the coherence"),
+            "{error}"
+        );
+    }
 }

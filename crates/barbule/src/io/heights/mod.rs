@@ -7,14 +7,18 @@ mod npy;
 mod picture;
 mod text;
 
+use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 
-use super::whole::read_at_most;
+use super::whole::{open_regular, read_at_most};
 use crate::structure::{Cleaning, Heightfield, MOST_HEIGHTS};
 use crate::{Error, Result};
 
 /// The largest file: as many heights as are read, in double precision.
 const LARGEST: u64 = (MOST_HEIGHTS as u64) * 8 + (1 << 16);
+
+/// A header and more is among the first bytes of a file.
+const HEAD: usize = 1 << 16;
 
 /// A unit of heights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -91,19 +95,51 @@ enum Scale {
 /// contradicts the file.
 pub fn read_heights(path: &Path, options: &HeightsOptions) -> Result<(Heightfield, bool)> {
     let bytes = read_at_most(path, LARGEST)?;
-    decode(&bytes, options).map_err(|error| error.in_file(path))
+    let raw = decode(&bytes).map_err(|error| error.in_file(path))?;
+    // Cleaning needs the memory.
+    drop(bytes);
+    field(raw, options).map_err(|error| error.in_file(path))
 }
 
-fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)> {
-    let mut raw = if bytes.starts_with(npy::MAGIC) {
-        npy::read(bytes)?
-    } else if bytes.starts_with(b"\x89PNG") {
-        picture::read_png(bytes)?
-    } else if TIFF.iter().any(|magic| bytes.starts_with(magic)) {
-        picture::read_tiff(bytes)?
+/// Memory that [`read_heights`] takes at most at once, bytes, from the header of the file, or from counting the numbers of a
+/// text; nothing where it is no regular file or cannot be read, which reading it will say.
+#[must_use]
+pub fn foretell_heights(path: &Path, options: &HeightsOptions) -> Option<u64> {
+    let (file, length) = open_regular(path)?;
+    let mut file = BufReader::with_capacity(HEAD, file);
+    let head = file.fill_buf().ok()?;
+    // What is decoded of a file beside its numbers, and how many these are.
+    let (decoded, heights) = if head.starts_with(npy::MAGIC) {
+        (0, npy::head(head).ok()?.heights)
+    } else if head.starts_with(b"\x89PNG") {
+        picture::head_of_png(file).ok()?
+    } else if TIFF.iter().any(|magic| head.starts_with(magic)) {
+        picture::head_of_tiff(file).ok()?
     } else {
-        text::read(bytes)?
+        // Its ends of lines are made alike in a copy.
+        (2 * length, text::count(file).ok()?)
     };
+    let numbers = (heights as u64).saturating_mul(8);
+    let reading = length.saturating_add(decoded).saturating_add(numbers);
+    // A copy that is cleaned, and one in order.
+    let cleaning = if options.clean == Clean::Never { numbers } else { 3 * numbers };
+    Some(reading.max(cleaning))
+}
+
+fn decode(bytes: &[u8]) -> Result<Raw> {
+    if bytes.starts_with(npy::MAGIC) {
+        npy::read(bytes)
+    } else if bytes.starts_with(b"\x89PNG") {
+        picture::read_png(bytes)
+    } else if TIFF.iter().any(|magic| bytes.starts_with(magic)) {
+        picture::read_tiff(bytes)
+    } else {
+        text::read(bytes)
+    }
+}
+
+/// The heightfield of a file's numbers, cleaned as the options say: also whether that was done.
+fn field(mut raw: Raw, options: &HeightsOptions) -> Result<(Heightfield, bool)> {
     let scale_um = match raw.scale {
         Scale::Unit(own) => {
             if options.range_um.is_some() {

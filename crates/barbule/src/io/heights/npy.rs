@@ -14,7 +14,19 @@ fn damaged(what: &str) -> Error {
     Error::input(format!("is no NPY file of heights: {what}"))
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
+/// What a header says.
+pub(super) struct Head<'a> {
+    cells: [usize; 2],
+    pub(super) heights: usize,
+    kind: &'a str,
+    is_fortran: bool,
+    is_big: bool,
+    /// What follows it.
+    data: &'a [u8],
+}
+
+/// Reads the header that these bytes begin with.
+pub(super) fn head(bytes: &[u8]) -> Result<Head<'_>> {
     let truncated = || damaged("it ends within its header");
     let (version, rest) = bytes[MAGIC.len()..].split_first_chunk::<2>().ok_or_else(truncated)?;
     let (length, rest) = match version[0] {
@@ -57,6 +69,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
         ">" => true,
         _ => return Err(damaged("its type is none of numbers")),
     };
+    Ok(Head { cells, heights, kind, is_fortran, is_big, data })
+}
+
+pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
+    let Head { cells, heights, kind, is_fortran, is_big, data } = head(bytes)?;
     let number = reader(kind, is_big).ok_or_else(|| {
         damaged(&format!("its type is '{}'; numbers f4, f8, i1 to i8 and u1 to u8 are read", shortened(kind)))
     })?;

@@ -1,6 +1,6 @@
 //! Heights as grey pictures: PNG, and TIFF of whole numbers or floats.
 
-use std::io::Cursor;
+use std::io::{BufRead, Cursor, Read, Seek};
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
@@ -26,13 +26,40 @@ pub(super) fn check(cells: [usize; 2], bytes: usize) -> Result<usize> {
     Ok(heights)
 }
 
-pub(super) fn read_png(bytes: &[u8]) -> Result<Raw> {
-    let refuse = |error: png::DecodingError| {
-        Error::input(format!("cannot be read as a PNG ({})", shortened(&error.to_string())))
+fn refuse_png(error: png::DecodingError) -> Error {
+    Error::input(format!("cannot be read as a PNG ({})", shortened(&error.to_string())))
+}
+
+fn refuse_tiff(error: TiffError) -> Error {
+    Error::input(format!("cannot be read as a TIFF ({})", shortened(&error.to_string())))
+}
+
+/// Bytes of the pixels as they are decoded, and how many there are.
+pub(super) fn head_of_png(file: impl BufRead + Seek) -> Result<(u64, usize)> {
+    let mut decoder = png::Decoder::new(file);
+    let info = decoder.read_header_info().map_err(refuse_png)?;
+    let heights = count([info.width, info.height].map(|side| side as usize))?;
+    let width = if info.bit_depth == png::BitDepth::Sixteen { 2 } else { 1 };
+    Ok((heights as u64 * width, heights))
+}
+
+/// The same of a TIFF.
+pub(super) fn head_of_tiff(file: impl Read + Seek) -> Result<(u64, usize)> {
+    let mut decoder = Decoder::new(file).map_err(refuse_tiff)?;
+    let (width, height) = decoder.dimensions().map_err(refuse_tiff)?;
+    let heights = count([width as usize, height as usize])?;
+    let depth = match decoder.colortype().map_err(refuse_tiff)? {
+        // Floats of full width are the numbers themselves.
+        ColorType::Gray(depth) if depth < 64 => u64::from(depth.div_ceil(8)),
+        _ => 0,
     };
+    Ok((heights as u64 * depth, heights))
+}
+
+pub(super) fn read_png(bytes: &[u8]) -> Result<Raw> {
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND);
-    let mut reader = decoder.read_info().map_err(refuse)?;
+    let mut reader = decoder.read_info().map_err(refuse_png)?;
     let info = reader.info();
     let cells = [info.width, info.height].map(|side| side as usize);
     if info.color_type != png::ColorType::Grayscale || info.trns.is_some() {
@@ -41,7 +68,7 @@ pub(super) fn read_png(bytes: &[u8]) -> Result<Raw> {
     check(cells, bytes.len())?;
     let length = reader.output_buffer_size().ok_or_else(|| Error::input("is too large"))?;
     let mut buffer = vec![0; length];
-    let frame = reader.next_frame(&mut buffer).map_err(refuse)?;
+    let frame = reader.next_frame(&mut buffer).map_err(refuse_png)?;
     let buffer = &buffer[..frame.buffer_size()];
     let values: Vec<f64> = match frame.bit_depth {
         png::BitDepth::Sixteen => {
@@ -53,17 +80,14 @@ pub(super) fn read_png(bytes: &[u8]) -> Result<Raw> {
 }
 
 pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
-    let refuse = |error: TiffError| {
-        Error::input(format!("cannot be read as a TIFF ({})", shortened(&error.to_string())))
-    };
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_HEIGHTS * size_of::<f64>();
     limits.intermediate_buffer_size = MOST_HEIGHTS * size_of::<f64>();
     limits.ifd_value_size = 1 << 24;
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(refuse)?.with_limits(limits);
-    let (width, height) = decoder.dimensions().map_err(refuse)?;
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(refuse_tiff)?.with_limits(limits);
+    let (width, height) = decoder.dimensions().map_err(refuse_tiff)?;
     let cells = [width as usize, height as usize];
-    match decoder.colortype().map_err(refuse)? {
+    match decoder.colortype().map_err(refuse_tiff)? {
         ColorType::Gray(8 | 16 | 32 | 64) => {}
         other => {
             return Err(Error::input(format!(
@@ -75,9 +99,9 @@ pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
     let heights = check(cells, bytes.len())?;
     // 0 where white is: what that makes of floats nobody says.
     let is_inverted =
-        decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(refuse)? == Some(0);
+        decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(refuse_tiff)? == Some(0);
     let whole = |value: f64, most: f64| value / most;
-    let (values, scale): (Vec<f64>, Scale) = match decoder.read_image().map_err(refuse)? {
+    let (values, scale): (Vec<f64>, Scale) = match decoder.read_image().map_err(refuse_tiff)? {
         DecodingResult::U8(values) => {
             (values.into_iter().map(|v| whole(v.into(), 255.0)).collect(), Scale::Range)
         }

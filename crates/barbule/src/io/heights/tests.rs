@@ -5,6 +5,10 @@ fn options() -> HeightsOptions {
     HeightsOptions { pitch_um: Some(0.5), clean: Clean::Never, ..HeightsOptions::default() }
 }
 
+fn decode(bytes: &[u8], options: &HeightsOptions) -> Result<(Heightfield, bool)> {
+    super::decode(bytes).and_then(|raw| field(raw, options))
+}
+
 /// 3 columns, 2 rows: heights 0 … 5, of which the middle is taken off.
 fn read(bytes: &[u8], options: &HeightsOptions) -> Vec<f64> {
     let (field, _) = decode(bytes, options).unwrap();

@@ -1,5 +1,7 @@
 //! Rows of numbers, and Gwyddion's export of them with the sizes in comments.
 
+use std::io::{self, BufRead};
+
 use super::{Raw, Scale};
 use crate::error::shortened;
 use crate::structure::MOST_HEIGHTS;
@@ -11,6 +13,31 @@ struct Comments {
     width_um: Option<f64>,
     height_um: Option<f64>,
     unit_um: Option<f64>,
+}
+
+/// About how many numbers a text has, by the marks between them; read piece by piece.
+pub(super) fn count(mut text: impl BufRead) -> io::Result<usize> {
+    // Semicolons, tabs, commas, words and lines; comments count as numbers.
+    let ([mut semicolons, mut tabs, mut commas, mut words, mut lines], mut in_word) = ([0; 5], false);
+    loop {
+        let piece = text.fill_buf()?;
+        if piece.is_empty() {
+            break;
+        }
+        for byte in piece {
+            semicolons += usize::from(*byte == b';');
+            tabs += usize::from(*byte == b'\t');
+            commas += usize::from(*byte == b',');
+            lines += usize::from(matches!(byte, b'\n' | b'\r'));
+            let is_blank = byte.is_ascii_whitespace();
+            words += usize::from(!is_blank && !in_word);
+            in_word = !is_blank;
+        }
+        let length = piece.len();
+        text.consume(length);
+    }
+    let marks = [semicolons, tabs, commas].into_iter().find(|count| *count > 0);
+    Ok(marks.map_or(words, |marks| marks + lines + 1))
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Raw> {

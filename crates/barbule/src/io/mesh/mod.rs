@@ -55,6 +55,13 @@ pub fn decode_mesh(name: &str, assets: &dyn Assets) -> Result<(Mesh, String)> {
     Ok((parts.finish().map_err(refuse)?, hasher.finalize().to_hex().to_string()))
 }
 
+/// How many vertices and triangles a mesh says that it has, by the ending of its name, its first bytes and its length; `None` where
+/// its kind of file does not say so at its beginning.
+#[must_use]
+pub fn foretell_mesh(name: &str, head: &[u8], length: u64) -> Option<[f64; 2]> {
+    if ending(name) == "ply" { ply::foretell(head, length) } else { None }
+}
+
 /// Reads a mesh from a file's bytes, and what it names beside it by name and greatest size.
 type Reader = fn(&[u8], &dyn Fn(&str, u64) -> Result<Vec<u8>>) -> Result<Found>;
 

@@ -91,6 +91,31 @@ pub(super) fn read(bytes: &[u8]) -> Result<Parts> {
     Ok(parts)
 }
 
+/// How many vertices and triangles a header announces of a file of so many bytes. A binary file whose faces have nothing but their
+/// corners tells exactly; else each face counts as one triangle.
+pub(super) fn foretell(head: &[u8], length: u64) -> Option<[f64; 2]> {
+    let (encoding, elements, body) = header(head).ok()?;
+    let most = length.min(MOST_VERTICES as u64) as usize;
+    let count =
+        |name: &str| elements.iter().find(|one| one.name == name).map_or(0, |one| one.count.min(most));
+    let [vertices, faces] = ["vertex", "face"].map(|name| count(name) as f64);
+    let rows = |element: &Element| {
+        let sizes = element
+            .properties
+            .iter()
+            .map(|property| property.length.is_none().then(|| property.kind.bytes()));
+        sizes.sum::<Option<usize>>().map(|row| (row * element.count.min(most)) as f64)
+    };
+    let corners = || {
+        let [vertex, face] = &elements[..] else { return None };
+        let [Property { length: Some(counted), kind, .. }] = &face.properties[..] else { return None };
+        let rest = length as f64 - (head.len() - body.len()) as f64 - rows(vertex)?;
+        (encoding != Encoding::Text).then(|| (rest - faces * counted.bytes() as f64) / kind.bytes() as f64)
+    };
+    let triangles = corners().map_or(faces, |corners| (corners - 2.0 * faces).max(0.0));
+    Some([vertices, triangles.min(MOST_VERTICES as f64)])
+}
+
 /// The header's lines, and what follows them.
 fn header(bytes: &[u8]) -> Result<(Encoding, Vec<Element>, &[u8])> {
     let refuse = |what: &str| Error::input(format!("is no PLY: {what}"));
