@@ -4,11 +4,10 @@ use std::path::Path;
 
 use barbule::error::{did_you_mean, shortened};
 use barbule::io::{Clean, HeightUnit, HeightsOptions, foretell_heights, read_heights};
-use barbule::solve::cost::PROGRAM;
 use barbule::structure::{Heightfield, SAMPLES};
 use barbule::{Error, Result};
 
-use crate::common::Common;
+use crate::common::{Common, LEAST_MEMORY};
 
 /// Which heights, and what their file does not say.
 #[derive(Debug, Clone, clap::Args)]
@@ -96,7 +95,7 @@ impl HeightsArgs {
             path.file_stem().map_or_else(|| "heights".into(), |name| name.to_string_lossy().into_owned());
         if let Some(bytes) = foretell_heights(path, &options) {
             let what = format!("reading {}", shortened(&self.heights));
-            common.check_memory(&what, PROGRAM + bytes, "a smaller file")?;
+            common.check_memory(&what, LEAST_MEMORY as u64 + bytes, "a smaller file")?;
         }
         let (field, is_cleaned) = read_heights(path, &options)?;
         if is_cleaned && options.clean == Clean::Auto {
