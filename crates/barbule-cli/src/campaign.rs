@@ -13,7 +13,7 @@ use barbule::structure::{Structure, Symmetry};
 use barbule::{Error, Result};
 use clap::ValueEnum;
 
-use crate::common::Common;
+use crate::common::{Common, duration};
 use crate::sets;
 
 /// Flags that say what is simulated.
@@ -161,15 +161,7 @@ pub(crate) fn grazing(incidence: &str, wavelength_nm: f64, width_um: f64, mirror
 
 /// The duration to expect of a campaign, in words.
 pub(crate) fn expected(plan: &Plan) -> String {
-    in_words(plan.seconds(rayon::current_num_threads()))
-}
-
-/// A time that is foretold, in seconds or minutes.
-pub(crate) fn in_words(seconds: f64) -> String {
-    match seconds {
-        s if s < 120.0 => format!("{:.0} s", s.max(1.0)),
-        s => format!("{:.0} min", s / 60.0),
-    }
+    duration(plan.seconds(rayon::current_num_threads()))
 }
 
 impl FitArgs {

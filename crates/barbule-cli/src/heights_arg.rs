@@ -5,11 +5,10 @@ use std::path::Path;
 use barbule::error::{did_you_mean, shortened};
 use barbule::fields::typed_in_nm;
 use barbule::io::{Clean, HeightUnit, HeightsOptions, foretell_heights, read_heights};
-use barbule::solve::cost::PROGRAM;
 use barbule::structure::{Heightfield, SAMPLES};
 use barbule::{Error, Result};
 
-use crate::common::Common;
+use crate::common::{Common, LEAST_MEMORY};
 
 /// Which heights, and what their file does not say.
 #[derive(Debug, Clone, clap::Args)]
@@ -60,7 +59,7 @@ impl HeightsArgs {
     pub(crate) fn read(&self, common: &Common) -> Result<(Heightfield, String)> {
         if let Some(bytes) = foretell_heights(Path::new(&self.heights), &self.options()) {
             let what = format!("reading {}", shortened(&self.heights));
-            common.check_memory(&what, PROGRAM + bytes, "a smaller file")?;
+            common.check_memory(&what, LEAST_MEMORY as u64 + bytes, "a smaller file")?;
         }
         let (field, name, is_cleaned) = self.open(common.seed)?;
         if let Some(pitch_um) = self.pitch {

@@ -172,7 +172,7 @@ pub fn development(scene: &ReadyScene, film: &Film) -> Result<Development> {
 }
 
 /// The program that renders nothing, bytes.
-const PROGRAM: u64 = 32_000_000;
+const PROGRAM: u64 = 26_000_000;
 
 /// Memory that a picture of this size takes, bytes: its pixels while it is rendered or while it is written (the film, its planes
 /// and their encoded bytes), and the program; what stands in the scene aside

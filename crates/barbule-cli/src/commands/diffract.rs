@@ -12,8 +12,9 @@ use barbule::plot::{Band, MeasuredBand};
 use barbule::scattering::grating::{
     Basis, Coherence, Normalization, Obliquity, Place, Powers, Setup, TableGrid, Tables,
 };
-use barbule::solve::cost::PROGRAM;
-use barbule::solve::diffraction::{Amplitudes, Builder, Reach, Series, TablesNeed, check_patch, spectrum};
+use barbule::solve::diffraction::{
+    Amplitudes, Builder, Reach, Series, TablesNeed, check_patch, foretell_seconds, spectrum,
+};
 use barbule::spectrum::colour::Observer;
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::{Spectrum, Wavelengths};
@@ -22,13 +23,18 @@ use barbule::{DVec3, Error, Result};
 use rayon::prelude::*;
 use serde_json::json;
 
-use crate::campaign::in_words;
-use crate::common::{Common, print, print_json};
+use crate::common::{Common, LEAST_MEMORY, duration, print, print_json};
 use crate::figure::FigureArgs;
 use crate::heights_arg::HeightsArgs;
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::sets;
+
+/// Bytes of a figure while it is drawn.
+const DRAWING_BYTES: u64 = 24_000_000;
+
+/// Work that takes longer is announced.
+const SOON_SECONDS: f64 = 20.0;
 
 /// Frequencies up to 2/λ: heights farther apart than a quarter of the shortest wavelength do not tell all directions.
 const COARSE: f64 = 0.25;
@@ -237,24 +243,29 @@ impl Args {
 
     /// Refuses, before any work, what does not fit into memory.
     fn check_memory(&self, field: &Heightfield, setup: &Setup, at: &Wavelengths) -> Result<()> {
-        let TablesNeed { making, kept, tables, powers } =
+        let TablesNeed { making, kept, tables, powers, seconds } =
             Builder::need(field, setup, self.grid(), self.series(), at);
         // The reference has a series of its own.
         let reference = Amplitudes::bytes(field, Reach::of(setup, at), Series::Chebyshev);
         let values = making.max(kept + if self.measured.is_some() { reference } else { 0 });
-        let drawn = making.max(kept + 2 * tables).max(tables + reference);
+        let made = making.max(kept + 2 * tables).max(tables + reference);
         // A file is encoded part by part, then as a whole.
-        let stored = drawn.max(tables + reference.max(2 * powers)).max(3 * (tables + powers));
+        let stored = made.max(tables + reference.max(2 * powers)).max(3 * (tables + powers));
         let path = self.figure.path();
         let work = [
             self.wo.map(|_| values),
-            path.filter(|path| !is_grating(path) && self.wo.is_none()).map(|_| drawn),
+            path.filter(|path| !is_grating(path) && self.wo.is_none()).map(|_| made + DRAWING_BYTES),
             path.filter(|path| is_grating(path)).map(|_| stored),
         ];
         let work = work.into_iter().flatten().max().unwrap_or_default();
         let what = format!("diffraction by {} × {} heights", field.cells()[0], field.cells()[1]);
         let heights = size_of_val(field.height_um()) as u64;
-        self.common.check_memory(&what, PROGRAM + heights + work, "a smaller patch or --size")
+        let sums = if self.wo.is_some() { foretell_seconds(field, setup, at) } else { 0.0 };
+        let seconds = (seconds + sums) / rayon::current_num_threads() as f64;
+        if seconds > SOON_SECONDS {
+            self.common.say(&format!("{what}: about {}", duration(seconds)));
+        }
+        self.common.check_memory(&what, LEAST_MEMORY as u64 + heights + work, "a smaller patch or --size")
     }
 
     /// Says that heights are too far apart for all directions at the shortest wavelength.
@@ -441,7 +452,7 @@ fn time_of_pattern(colour: impl Fn(DVec3) -> [f64; 3] + Sync) -> Option<String> 
     });
     let all: Vec<[f64; 3]> = some.collect();
     let seconds = begun.elapsed().as_secs_f64() * DIRECTIONS as f64 / all.len() as f64;
-    (seconds > LONG_S).then(|| in_words(seconds))
+    (seconds > LONG_S).then(|| duration(seconds))
 }
 
 /// Tables and powers in words.

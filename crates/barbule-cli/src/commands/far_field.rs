@@ -19,7 +19,7 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::campaign::grazing;
-use crate::common::{Common, LEAST_MEMORY, print, print_json};
+use crate::common::{Common, duration, print, print_json};
 use crate::figure::FigureArgs;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
@@ -32,6 +32,9 @@ const USUAL_MEMORY: u64 = 4 << 30;
 
 /// Far fields that take longer are announced, s.
 const SOON_SECONDS: f64 = 20.0;
+
+/// Bytes of the program with a section that is prepared.
+const PREPARED_BYTES: u64 = 24_000_000;
 
 /// Bytes of text for each outgoing azimuth, at most: the ten numbers of JSON and of CSV.
 const TEXT_OF_JSON: u64 = 480;
@@ -94,15 +97,6 @@ pub(crate) struct Args {
 pub(super) fn elements(text: &str) -> std::result::Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|elements| (4.0..=200.0).contains(elements));
     number.ok_or_else(|| format!("{text} is not a number of nodes per wavelength from 4 to 200"))
-}
-
-/// A time in the unit that people would use.
-pub(super) fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s < 90.0 => format!("{:.0} s", s.max(1.0)),
-        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
-    }
 }
 
 /// Vacuum wavelengths in nm, rising.
@@ -293,10 +287,12 @@ impl Args {
         let allowed = self.common.memory.unwrap_or(USUAL_MEMORY);
         let texts = TEXT_OF_JSON * u64::from(self.common.json) + TEXT_OF_CSV * u64::from(self.csv.is_some());
         let azimuths = (count as u64).saturating_mul(self.azimuths as u64);
-        let needed = bytes(count, self.azimuths).saturating_add(azimuths.saturating_mul(texts));
+        let needed = bytes(count, self.azimuths)
+            .saturating_add(azimuths.saturating_mul(texts))
+            .saturating_add(PREPARED_BYTES);
         if needed <= allowed {
             let what = format!("{count} far fields on {} azimuths", self.azimuths);
-            self.common.say_memory(&what, needed + LEAST_MEMORY as u64);
+            self.common.say_memory(&what, needed);
             return Ok(());
         }
         Err(Error::input(format!(

@@ -7,12 +7,11 @@ use barbule::error::shortened;
 use barbule::io::{FeatherFormat, MOST_WRITTEN_BARBULES, check_writable, foretell_written, write_feather};
 use barbule::progress::Progress as _;
 use barbule::scene::feather::{self, Feather, Measures, VaneDisc, VaneMeasures};
-use barbule::solve::cost::PROGRAM;
 use barbule::{Error, Result};
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use crate::common::{Common, path_json, print, print_json};
+use crate::common::{Common, LEAST_MEMORY, path_json, print, print_json};
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::scene_arg;
@@ -158,7 +157,7 @@ impl Args {
         let barbs = feather.census(VaneDisc::WHOLE).laid_out_bytes() as u64;
         self.common.check_memory(
             what,
-            PROGRAM + barbs + more,
+            LEAST_MEMORY as u64 + barbs + more,
             "a shorter feather or a greater barbs.spacing_um",
         )
     }

@@ -177,9 +177,13 @@ impl Args {
         let what = format!("{what} with the scene's objects and their pictures");
         // Most files say at their beginning what they hold; while they are read there are no pixels yet.
         let (foreseen, reading) = foretell_files(scene, &folder, self.common.seed);
-        allowance.check(&what, scene.bytes(&foreseen) + pixels.max(none + reading), SMALLER)?;
+        let before = scene.bytes(&foreseen) + pixels.max(none + reading);
+        allowance.check(&what, before, SMALLER)?;
         read_files(scene, &folder, self.common.seed, &Terminal::new(&self.common))?;
-        self.common.check_memory(&what, scene.bytes(&Foreseen::new()) + pixels, SMALLER)
+        let read = scene.bytes(&Foreseen::new()) + pixels;
+        allowance.check(&what, read, SMALLER)?;
+        self.common.say_memory(&what, before.max(read));
+        Ok(())
     }
 
     /// The scene with everything that it names read, and what its barbules are made of.

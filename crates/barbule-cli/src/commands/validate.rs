@@ -17,7 +17,7 @@ use barbule::validate::{Plan, three_d, usual_azimuths};
 use barbule::{Error, Result};
 use serde_json::Value;
 
-use crate::common::{Common, print, print_json};
+use crate::common::{Common, duration, print, print_json};
 use crate::materials;
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
@@ -136,7 +136,7 @@ impl Args {
             "full waves: {} unknowns and {:.2} GB at most, about {} in all",
             cost.unknowns,
             cost.bytes as f64 / 1e9,
-            super::far_field::duration(cost.seconds.unwrap_or_default())
+            duration(cost.seconds.unwrap_or_default())
         ));
         let (units, count) = (self.units(), plan.wavelengths.len());
         self.say_found(plan.done(&units), count, "wavelengths");

@@ -255,7 +255,7 @@ fn scenes_stay_within_the_memory_that_is_foretold() {
         let out = folder.path().join("a.png");
         let words =
             ["render", &scene, "-o", out.to_str().unwrap(), "--size", "16x16", "--samples", "1", "--memory"];
-        let (code, _, message) = run(&[&words[..], &["70MB"]].concat());
+        let (code, _, message) = run(&[&words[..], &["100MB"]].concat());
         assert!(
             code == 2 && message.contains("smaller meshes, curves or pictures") && !out.exists(),
             "{message}"

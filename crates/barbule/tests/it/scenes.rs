@@ -2,13 +2,16 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use barbule::brdf::fixtures::example;
 use barbule::io::image::{write_exr, write_png};
 use barbule::io::{Folder, Memory};
 use barbule::open::{Opening, scene};
+use barbule::resolve::{foretell_files, read_files};
 use barbule::scene::Object;
-use barbule::scene::description::{Named, ReadyScene};
+use barbule::scene::description::{Holds, Named, ReadyScene};
+use barbule::scene::feather::{Feather, Level, VaneDisc};
 use barbule::{Picture, PictureOptions, SceneDescription, Unobserved, Worn, resolve};
 
 const SMALL: [u32; 2] = [48, 30];
@@ -141,4 +144,62 @@ fn a_mesh_of_a_scene_wears_a_material() {
     assert!(count > 300, "{count}");
     let mut named = description;
     assert_eq!(named.named_mut().iter().filter(|(_, one)| matches!(one, Named::Material(_))).count(), 3);
+}
+
+/// A file that is named several times is held once; what no object has is not read, and need not be there.
+#[test]
+fn files_are_held_once_and_only_where_an_object_has_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("paint.png");
+    write_png(&path, [2, 1], &[255, 40, 20, 20, 60, 255], false, &[]).unwrap();
+    let tent = b"v -1 -1 0\nv 1 -1 0\nv 1 1 1\nf 1 2 3\n".to_vec();
+    let files = [("paint.png", std::fs::read(&path).unwrap()), ("tent.obj", tent)];
+    let memory = Memory(files.into_iter().map(|(name, bytes)| (name.to_owned(), bytes)).collect());
+    let text = "preset = 'starling'\nshows_feather = false\n\
+                [surfaces.a]\ntype = 'diffuse'\nalbedo = 'paint.png'\n[surfaces.b]\ntype = 'diffuse'\nalbedo = 'paint.png'\n\
+                [surfaces.unseen]\ntype = 'diffuse'\nalbedo = 'none.png'\n\
+                [surfaces.by_place]\ntype = 'map'\nfile = 'paint.png'\nsurfaces = ['b']\n\
+                [[objects]]\nmesh = 'tent.obj'\nsurface = 'a'\n[[objects]]\nmesh = 'tent.obj'\nsurface = 'by_place'\n";
+    let mut scene = SceneDescription::parse(text).unwrap();
+    let (foreseen, reading) = foretell_files(&scene, &memory, 1);
+    assert_eq!(foreseen.get("paint.png"), Some(&Holds::Pixels(2.0)));
+    assert!(reading > 0 && scene.bytes(&foreseen) > 0);
+    assert_eq!(scene.named_mut().len(), 6);
+    read_files(&mut scene, &memory, 1, &Unobserved).unwrap();
+    let (mut colours, mut meshes) = (Vec::new(), Vec::new());
+    for (_, named) in scene.needed_mut() {
+        assert!(named.is_read(), "{named:?}");
+        match named {
+            Named::Colours(slot) => colours.push(slot.value().unwrap().clone()),
+            Named::Mesh(slot) => meshes.push(slot.value().unwrap().clone()),
+            _ => {}
+        }
+    }
+    assert!(colours.len() == 2 && Arc::ptr_eq(&colours[0], &colours[1]));
+    assert!(meshes.len() == 2 && Arc::ptr_eq(&meshes[0], &meshes[1]));
+}
+
+/// What is counted of a feather before it grows is at least what grows, within the noise of its disorder, and not far more.
+#[test]
+fn a_census_counts_what_grows() {
+    for (name, along_mm, radius_mm) in [
+        ("contour", 25.0, Some(4.0)),
+        ("contour", 20.0, None),
+        ("down", 5.0, Some(1.5)),
+        ("semiplume", 20.0, Some(3.0)),
+        ("primary", 90.0, Some(3.0)),
+    ] {
+        let feather = Feather::of_type(name).unwrap();
+        let window = VaneDisc { along_mm, radius_mm };
+        let grown = feather.grow(window, Level::Barbules, None, 3, 1).unwrap().counts();
+        let census = feather.census(window);
+        for (what, count, foretold) in
+            [("barbs", grown.barbs, census.barbs), ("barbules", grown.barbules, census.barbules)]
+        {
+            let foretold = foretold[0] + foretold[1];
+            let ratio = foretold / count as f64;
+            let place = format!("{name}, {radius_mm:?}: {count} {what}, {foretold} foretold");
+            assert!(ratio > 0.9 && (ratio < 4.0 || foretold < 200.0), "{place}");
+        }
+    }
 }

@@ -22,12 +22,14 @@ const PER_VERTEX: f64 = 90.0;
 const PER_SEGMENT: f64 = 850.0;
 const PER_POINT: f64 = 32.0;
 
-/// Of a pixel of a picture on a surface, behind a scene, or of a sky, with what chooses directions of it.
+/// Of a pixel of a picture on a surface or behind a scene; of one of a sky with what chooses directions of it, which turned objects
+/// have a second time.
 const PER_TEXEL: f64 = 12.0;
 const PER_SKY_PIXEL: f64 = 40.0;
+const PER_TURNED_PIXEL: f64 = 20.0;
 
 /// Of a material with its tables.
-const PER_MATERIAL: f64 = 16e6;
+const PER_MATERIAL: f64 = 10e6;
 
 /// What a file of a scene holds, as its header says.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,13 +64,14 @@ impl SceneDescription {
     fn shared_bytes(&self, foreseen: &Foreseen) -> f64 {
         let mut scene = self.clone();
         let (mut seen, mut bytes) = (BTreeSet::new(), 0.0);
+        let per_sky_pixel = PER_SKY_PIXEL + if self.turn_deg == 0.0 { 0.0 } else { PER_TURNED_PIXEL };
         for (_, named) in scene.needed_mut() {
             let (kind, name, own) = match named {
                 Named::Colours(slot) => (0, &slot.name, texels(slot, foreseen)),
                 Named::Numbers(slot) => (1, &slot.name, texels(slot, foreseen)),
                 Named::Sky(slot, _) => {
                     let read = slot.get().map(|sky| sky.size().iter().product::<usize>() as f64);
-                    (2, &slot.name, PER_SKY_PIXEL * read.unwrap_or_else(|| pixels(&slot.name, foreseen)))
+                    (2, &slot.name, per_sky_pixel * read.unwrap_or_else(|| pixels(&slot.name, foreseen)))
                 }
                 Named::Backdrop(slot) => {
                     let read = slot.get().map(|picture| picture.pixels() as f64);

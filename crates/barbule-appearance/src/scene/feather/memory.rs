@@ -1,12 +1,13 @@
 //! The memory that a feather takes, from its sizes alone, before anything grows.
 //!
 //! Counts are integrals over the vane, upper ones where disorder decides; bytes are what allocators hold while the feather grows and the
-//! hierarchy over it is built, at most at once. Both are held against runs by `memory::feathers_…` of the program's tests.
+//! hierarchy over it is built, at most at once. Both are held against
+//! what grows and what runs take by tests of the library and of the program.
 
 use super::outline::Vane;
 use super::row::{BORDER, LEAST_SINE, MOST_IN_TUFT};
 use super::{Feather, Level, VaneDisc, stretch, swatch};
-use crate::scene::memory::{IN_PIECES, PER_PLACE, Rami, per_segment};
+use crate::scene::memory::{IN_PIECES, PER_PLACE, REPEATED, Rami, per_segment};
 
 /// Bytes of a shaft with its hierarchy.
 const PER_SHAFT: f64 = 3.5e6;
@@ -15,8 +16,9 @@ const PER_FLAT_BARB: f64 = 900.0;
 const PER_BARB: f64 = 2000.0;
 const PER_RAMUS: f64 = 20_000.0;
 const PER_FIBRE: f64 = 2200.0;
-/// Bytes of a barbule's nodes.
+/// Bytes of a barbule's nodes, and of those of a downy one, which becomes a curve.
 const PER_BARBULE: f64 = 400.0;
+const PER_DOWNY_BARBULE: f64 = 600.0;
 /// Bytes of a barb's strip of a sheet with its hierarchy, and of an envelope.
 const PER_STRIP: f64 = 19_000.0;
 const PER_ENVELOPE: f64 = 22_000.0;
@@ -116,10 +118,10 @@ impl Feather {
         };
         let grown = match level {
             Level::Barbules => {
-                let all = barbules[0] + barbules[1];
-                let segments = BARBULE_SEGMENTS * all + RAMUS_TRIANGLES * closed;
-                let segment = per_segment(segments);
-                all * (PER_BARBULE + BARBULE_SEGMENTS * segment)
+                let segments = BARBULE_SEGMENTS * (barbules[0] + barbules[1]) + RAMUS_TRIANGLES * closed;
+                let [segment, of_down] = per_segment(segments);
+                barbules[0] * (PER_BARBULE + BARBULE_SEGMENTS * segment)
+                    + barbules[1] * (PER_DOWNY_BARBULE + BARBULE_SEGMENTS * of_down)
                     + closed * ramus(segment)
                     + loose * (PER_FIBRE + RAMUS_SEGMENTS * segment)
             }
@@ -153,7 +155,7 @@ impl Feather {
             let places = mm / (count * spacing_mm);
             let made = 2.0 * stretch::MADE as f64;
             let shown = made.min(places);
-            count * (made * PER_BARBULE + shown * BARBULE_SEGMENTS * IN_PIECES) + places * PER_PLACE
+            count * (made * PER_BARBULE + shown * BARBULE_SEGMENTS * REPEATED) + places * PER_PLACE
         };
         rows.into_iter().map(one).sum()
     }

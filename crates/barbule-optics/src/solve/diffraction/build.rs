@@ -42,8 +42,8 @@ pub struct Builder {
     images: Vec<f64>,
 }
 
-/// What a [`Builder`] and its tables take in memory, bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What a [`Builder`] and its tables take: memory in bytes, and time.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TablesNeed {
     /// While the builder is made, at most at once.
     pub making: u64,
@@ -53,7 +53,12 @@ pub struct TablesNeed {
     pub tables: u64,
     /// The powers of all orders that a renderer reads, which are no part of it.
     pub powers: u64,
+    /// About how long it takes to make it on one thread, s.
+    pub seconds: f64,
 }
+
+/// What a transform takes of each height, s.
+const SECONDS_PER_HEIGHT: f64 = 35e-9;
 
 impl Builder {
     /// What [`Self::new`] and [`Self::tables`] will take; while tables are made they are there twice.
@@ -84,6 +89,7 @@ impl Builder {
             kept,
             tables: 12 * size * size * count,
             powers,
+            seconds: field.height_um().len() as f64 * terms as f64 * SECONDS_PER_HEIGHT,
         }
     }
 

@@ -51,6 +51,15 @@ pub fn spectrum(
     at.nm().par_iter().map(one).collect()
 }
 
+/// About how long [`spectrum`] takes on one thread, s.
+#[must_use]
+pub fn foretell_seconds(field: &Heightfield, setup: &Setup, at: &Wavelengths) -> f64 {
+    const PER_TURN: f64 = 3e-9;
+    let turns = |nm: &f64| orders(field, 0, 0.0, setup.coherence.frequency_per_um(nm * 1e-3)).len() + 1;
+    let all: usize = at.nm().iter().map(turns).sum();
+    all as f64 * field.height_um().len() as f64 * PER_TURN
+}
+
 /// Refuses a patch with these periods, µm, that is far wider than the window of coherence at one of the wavelengths: its orders
 /// in the window would be too many.
 ///

@@ -18,6 +18,9 @@ use crate::{Error, Result};
 /// The largest file: as many heights as are read, in double precision.
 const LARGEST: u64 = (MOST_HEIGHTS as u64) * 8 + (1 << 16);
 
+/// Bytes of a word of a line.
+const PER_WORD: u64 = 64;
+
 /// A header and more is among the first bytes of a file.
 const HEAD: usize = 1 << 16;
 
@@ -119,8 +122,9 @@ pub fn foretell_heights(path: &Path, options: &HeightsOptions) -> Option<u64> {
     } else if head.starts_with(gwyddion::MAGIC) {
         (0, usize::try_from(length / 8).ok()?)
     } else {
-        // Its ends of lines are made alike in a copy.
-        (2 * length, text::count(file).ok()?)
+        let [all, longest] = text::count(file).ok()?;
+        // Its ends of lines are made alike in a copy, and the words of a line stand apart.
+        (2 * length + PER_WORD * longest as u64, all)
     };
     let numbers = (heights as u64).saturating_mul(8);
     let reading = length.saturating_add(decoded).saturating_add(numbers);

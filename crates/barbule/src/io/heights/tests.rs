@@ -262,3 +262,25 @@ fn what_does_not_repeat_is_cleaned_unless_told_otherwise() {
     };
     assert!(reach(Clean::Auto) < 0.02 && reach(Clean::Always) < 0.02 && reach(Clean::Never) > 0.15);
 }
+
+/// Headers say how much reading takes, whatever the rest of the file is; a text is counted; a pipe is left alone.
+#[test]
+fn what_heights_take_is_foretold_from_their_beginnings() {
+    let folder = tempfile::tempdir().unwrap();
+    let foretold = |name: &str, bytes: &[u8], clean: Clean| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        foretell_heights(&path, &HeightsOptions { clean, ..options() })
+    };
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (8192, 8192), }";
+    let bytes = npy(1, header, &[]);
+    let numbers = 8192 * 8192 * 8;
+    assert_eq!(foretold("a.npy", &bytes, Clean::Never), Some(numbers + bytes.len() as u64));
+    assert_eq!(foretold("a.npy", &bytes, Clean::Auto), Some(3 * numbers));
+    for (text, count, longest) in [("1 2 3\n4 5\n", 5, 3), ("1,5;2\n3;4\n", 5, 2), ("1\t2\n", 3, 2)] {
+        let expected = 3 * text.len() as u64 + PER_WORD * longest + 8 * count;
+        assert_eq!(foretold("a.txt", text.as_bytes(), Clean::Never), Some(expected), "{text}");
+    }
+    assert_eq!(foretell_heights(&folder.path().join("none.txt"), &options()), None);
+    assert_eq!(foretell_heights(folder.path(), &options()), None);
+}

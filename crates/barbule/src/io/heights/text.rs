@@ -15,29 +15,47 @@ struct Comments {
     unit_um: Option<f64>,
 }
 
-/// About how many numbers a text has, by the marks between them; read piece by piece.
-pub(super) fn count(mut text: impl BufRead) -> io::Result<usize> {
-    // Semicolons, tabs, commas, words and lines; comments count as numbers.
-    let ([mut semicolons, mut tabs, mut commas, mut words, mut lines], mut in_word) = ([0; 5], false);
+/// About how many numbers a text has, and how many its longest line, by the marks between them; read piece by piece.
+pub(super) fn count(mut text: impl BufRead) -> io::Result<[usize; 2]> {
+    // Of semicolons, tabs, commas and words, in all and in the longest line; comments count as well.
+    let (mut all, mut longest, mut line) = ([0_usize; 4], [0_usize; 4], [0_usize; 4]);
+    let (mut lines, mut in_word) = (0, false);
     loop {
         let piece = text.fill_buf()?;
         if piece.is_empty() {
             break;
         }
         for byte in piece {
-            semicolons += usize::from(*byte == b';');
-            tabs += usize::from(*byte == b'\t');
-            commas += usize::from(*byte == b',');
-            lines += usize::from(matches!(byte, b'\n' | b'\r'));
             let is_blank = byte.is_ascii_whitespace();
-            words += usize::from(!is_blank && !in_word);
+            match byte {
+                b';' => line[0] += 1,
+                b'\t' => line[1] += 1,
+                b',' => line[2] += 1,
+                b'\n' | b'\r' => {
+                    lines += 1;
+                    close(&mut all, &mut longest, &mut line);
+                }
+                _ if !is_blank && !in_word => line[3] += 1,
+                _ => {}
+            }
             in_word = !is_blank;
         }
         let length = piece.len();
         text.consume(length);
     }
-    let marks = [semicolons, tabs, commas].into_iter().find(|count| *count > 0);
-    Ok(marks.map_or(words, |marks| marks + lines + 1))
+    close(&mut all, &mut longest, &mut line);
+    Ok(match (0..3).find(|mark| all[*mark] > 0) {
+        Some(mark) => [all[mark] + lines + 1, longest[mark] + 1],
+        None => [all[3], longest[3]],
+    })
+}
+
+/// Ends a line.
+fn close(all: &mut [usize; 4], longest: &mut [usize; 4], line: &mut [usize; 4]) {
+    for (kind, count) in std::mem::take(line).into_iter().enumerate() {
+        all[kind] += count;
+        longest[kind] = longest[kind].max(count);
+    }
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Raw> {

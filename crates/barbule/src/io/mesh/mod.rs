@@ -185,6 +185,17 @@ mod tests {
     }
 
     #[test]
+    fn the_header_of_a_ply_says_what_it_holds() {
+        let foretold = |bytes: &[u8]| foretell_mesh("a.ply", bytes, bytes.len() as u64);
+        // Two faces of which one has four corners: text does not say so at its beginning.
+        assert_eq!(foretold(PLY.as_bytes()), Some([5.0, 2.0]));
+        assert_eq!(foretold(&binary(false)), Some([5.0, 3.0]));
+        let many = PLY.replace("face 2", "face 99999999999");
+        assert_eq!(foretold(many.as_bytes()).map(|[_, faces]| faces), Some(many.len() as f64));
+        assert_eq!((foretold(b"ply\nform"), foretell_mesh("a.obj", b"v 1", 3)), (None, None));
+    }
+
+    #[test]
     fn damaged_meshes_are_refused_with_their_name() {
         let message = |name: &str, text: &str| {
             let message = read(name, text.as_bytes()).unwrap_err().to_string();
