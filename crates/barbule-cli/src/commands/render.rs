@@ -117,7 +117,9 @@ const HUMAN: &str = "human";
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
+        let terminal = Terminal::new(&self.common).writing_nothing();
         let (description, is_changed) = self.description()?;
+        drop(terminal);
         if self.toml {
             return self.print_toml(description, is_changed, out);
         }
