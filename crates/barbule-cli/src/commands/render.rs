@@ -129,7 +129,9 @@ impl Args {
         if self.list {
             return presets::print_list(&self.common, out);
         }
+        let terminal = Terminal::new(&self.common).writing_nothing();
         let (description, is_changed) = self.description()?;
+        drop(terminal);
         if self.toml {
             return self.print_toml(description, is_changed, out);
         }
