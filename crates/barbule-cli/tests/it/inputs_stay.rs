@@ -19,7 +19,7 @@ const LATTICE: &str = "[lattice]\nperiod = 0.19\nhost = 'chitin'\ncortex = 0.2\n
 
 /// Objects, lamps and surfaces that name a file each.
 const SCENE: &str = "preset = 'starling'\nmaterial = 'made.barbule'\n[background]\nfile = 'bg.png'\n\
-    [sky_image]\nfile = 'sky.exr'\n[[lights]]\nspectrum = 'lamp.csv'\n\
+    [sky_image]\nfile = 'sky.exr'\n[[lights]]\ntype = 'sun'\nazimuth_deg = 0\nelevation_deg = 50\nstrength = 1\nspectrum = 'lamp.csv'\n\
     [surfaces.a]\ntype = 'diffuse'\nalbedo = 'f-0001.png'\nalpha = 'leaf.png'\nnormal = 'n.png'\n\
     [surfaces.b]\ntype = 'diffuse'\n[surfaces.scales]\ntype = 'grating'\nfile = 'g.grating'\n\
     [[objects]]\ncurves = 'c.txt'\nsurface = 'b'\n[[objects]]\nmesh = 'm.gltf'\nsurface = 'a'\n\
@@ -27,11 +27,11 @@ const SCENE: &str = "preset = 'starling'\nmaterial = 'made.barbule'\n[background
 
 /// Each command that writes with its inputs; then the flags of its outputs, and the files that it reads, under whatever
 /// names. `@` is the folder.
-const LINES: [(&str, &[&str], &[&str]); 22] = [
+const LINES: [(&str, &[&str], &[&str]); 23] = [
     ("film @stack.toml --medium q=@q.csv", &["-o", "--csv"], &["stack.toml", "n.csv", "q.csv"]),
     ("lobes @made.barbule", &["-o"], &["made.barbule"]),
-    ("brdf @made.barbule --wi 10,20", &["-o", "--csv"], &["made.barbule"]),
-    ("far-field @in.json", &["-o", "--csv"], &["in.json", "n.csv"]),
+    ("brdf @made.barbule --wi 10,20 --wo 0,0 --wavelength 550", &["-o", "--csv"], &["made.barbule"]),
+    ("far-field @in.json --wavelength 550 --theta 0 --phi 0", &["-o", "--csv"], &["in.json", "n.csv"]),
     ("spectrum @secs --measured @r.csv", &["-o", "--csv", "--summary"], &["secs/a.json", "n.csv", "r.csv"]),
     ("spectrum @mine.toml:green", &["-o", "--csv", "--summary"], &["mine.toml"]),
     ("crystal @lattice.toml", &["-o"], &["lattice.toml", "n.csv"]),
@@ -44,6 +44,7 @@ const LINES: [(&str, &[&str], &[&str]); 22] = [
     ("geometry @in.json", &["-o"], &["in.json", "n.csv"]),
     ("geometry @secs", &["-o"], &["secs/a.json", "n.csv"]),
     ("feather @s.toml --level barbs", &["-o"], &["s.toml", "c.txt", "m.gltf", "x.txt", "made.barbule"]),
+    ("species @mine.toml", &["-o"], &["mine.toml"]),
     ("feather @mine.toml", &["-o"], &["mine.toml"]),
     (
         "render @s.toml --sensor @eye.toml",
@@ -90,7 +91,9 @@ fn inputs(folder: &Path) {
     write("s.toml", SCENE);
     write("m.gltf", r#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "x.txt", "byteLength": 4}]}"#);
     write("eye.toml", "wavelength_nm = [400, 700]\n[[channels]]\nname = 'L'\nvalues = [1, 1]\n");
-    for name in ["made.barbule", "sky.exr", "lamp.csv", "leaf.png", "n.png", "g.grating", "c.txt", "x.txt", "m.ply"] {
+    for name in
+        ["made.barbule", "sky.exr", "lamp.csv", "leaf.png", "n.png", "g.grating", "c.txt", "x.txt", "m.ply"]
+    {
         write(name, "never looked at");
     }
     for name in ["bg.png", "f-0001.png"] {
@@ -104,15 +107,17 @@ fn inputs(folder: &Path) {
     fs::write(folder.join("mine.toml"), species).unwrap();
     let axes = Axes::new(&Wavelengths::new([450.0]).unwrap(), vec![1.0], vec![1.0]).unwrap();
     let description = serde_json::json!({});
-    barbule::io::store::Store::create(&folder.join("s.zarr"), &axes, 2, "x", &description, &[], "scalar").unwrap();
+    barbule::io::store::Store::create(&folder.join("s.zarr"), &axes, 2, "x", &description, &[], "scalar")
+        .unwrap();
 }
 
 /// The program's exit code and message.
 fn run(folder: &Path, line: &str) -> (ExitCode, String) {
     let place = format!("{}/", folder.display());
-    let words = line.split_whitespace().map(|word| word.replace('@', &place));
+    let words = line.split_whitespace().chain(["--quiet"]).map(|word| word.replace('@', &place));
     let mut err = Vec::new();
-    let code = barbule_cli::run(std::iter::once("barbule".to_owned()).chain(words), &mut Vec::new(), &mut err);
+    let code =
+        barbule_cli::run(std::iter::once("barbule".to_owned()).chain(words), &mut Vec::new(), &mut err);
     (code, String::from_utf8_lossy(&err).into_owned())
 }
 
@@ -143,7 +148,12 @@ fn no_command_writes_over_any_kind_of_its_inputs() {
             for output in own.chain(others) {
                 let line = format!("{line} {flag} @{output}");
                 let (code, text) = run(at, &line);
-                let said = ["this command reads it", "one of the sections", "inside a campaign store", "tables are written as CSV"];
+                let said = [
+                    "this command reads it",
+                    "one of the sections",
+                    "inside a campaign store",
+                    "tables are written as CSV",
+                ];
                 // A store is a folder; that a figure's name has no such ending is said first, too.
                 let is_said = said.iter().any(|part| text.contains(part));
                 assert!(is(code, 2) && is_said, "{line}\n{text}");
@@ -164,7 +174,11 @@ fn every_command_that_writes_is_tried() {
         let mut open = vec![command];
         while let Some(inner) = open.pop() {
             let writes = inner.get_arguments().any(|argument| WRITTEN.contains(&argument.get_id().as_str()));
-            assert!(!writes || tried.contains(command.get_name()), "{}: say what it reads", command.get_name());
+            assert!(
+                !writes || tried.contains(command.get_name()),
+                "{}: say what it reads",
+                command.get_name()
+            );
             open.extend(inner.get_subcommands());
         }
     }
@@ -179,7 +193,10 @@ fn names_that_only_the_command_makes_up_are_refused_too() {
     for (line, part) in [
         ("validate @v/numbers.json --full-wave -o @v", "numbers.json: would be overwritten"),
         ("validate @v/numbers.json --three-d -o @v", "numbers.json: would be overwritten"),
-        ("validate air/q:300/air --medium q=@v/colours.svg --full-wave -o @v", "colours.svg: would be overwritten"),
+        (
+            "validate air/q:300/air --medium q=@v/colours.svg --full-wave -o @v",
+            "colours.svg: would be overwritten",
+        ),
         ("validate @secs --full-wave -o @secs", "numbers.json: would become one of the sections"),
         ("render @s.toml --frames 2 --size 8x8 --samples 1 -o @f.png", "f-0001.png: would be overwritten"),
         (
@@ -202,7 +219,8 @@ fn what_a_command_wrote_it_writes_again() {
     let at = folder.path();
     write_made_up();
     fs::write(at.join("s.toml"), CLOSE_UP).unwrap();
-    let picture = format!("render @s.toml --material {MADE_UP} --size 8x8 --samples 1 --frames 2 --resume -o @f.png");
+    let picture =
+        format!("render @s.toml --material {MADE_UP} --size 8x8 --samples 1 --frames 2 --resume -o @f.png");
     let cached = "characterize air/keratin:300/air --wavelengths 450:650:100 --directions 2x2 --instances 2 --cache @c";
     for line in [&picture, cached, "film air/keratin:3/air --wavelengths 500 -o @t.svg --csv @t.csv"] {
         for _ in 0..2 {

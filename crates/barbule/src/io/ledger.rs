@@ -202,7 +202,10 @@ mod tests {
             let before = fs::read(path(name)).unwrap();
             for result in [write_whole(&path(name), b"lost"), check_writable(&path(name))] {
                 let message = refusal(result);
-                assert!(message.contains("would be overwritten, but this command reads it (as "), "{message}");
+                assert!(
+                    message.contains("would be overwritten, but this command reads it (as "),
+                    "{message}"
+                );
             }
             assert_eq!(fs::read(path(name)).unwrap(), before);
         }

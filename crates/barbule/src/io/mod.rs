@@ -53,4 +53,6 @@ pub use species::{
     read_structure_toml,
 };
 pub use stack::{parse_stack, read_stack};
-pub use whole::{LARGEST_INPUT, hash_bytes, hash_file, make_folder, read_at_most, read_bytes, read_own, read_text};
+pub use whole::{
+    LARGEST_INPUT, hash_bytes, hash_file, make_folder, read_at_most, read_bytes, read_own, read_text,
+};

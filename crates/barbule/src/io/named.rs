@@ -20,7 +20,11 @@ pub(super) fn files_named_in(path: &Path) -> Vec<PathBuf> {
         return Vec::new();
     }
     let bytes = read_own(path, LARGEST_MESH).unwrap_or_default();
-    let text = String::from_utf8_lossy(if extension == "glb" { chunks(&bytes).map_or(&[][..], |(text, _)| text) } else { &bytes });
+    let text = String::from_utf8_lossy(if extension == "glb" {
+        chunks(&bytes).map_or(&[][..], |(text, _)| text)
+    } else {
+        &bytes
+    });
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let Texts(names) = match &*extension {
         "toml" => toml::from_str(text).unwrap_or_default(),
@@ -129,7 +133,10 @@ mod tests {
         write("m.gltf", r#"{"buffers": [{"uri": "c%20d.bin"}, {"uri": "data:,"}]}"#);
         let glb = [&b"glTF\x02\0\0\0\x34\0\0\0\x20\0\0\0JSON"[..], br#"{"buffers": [{"uri": "b.csv"} ]}"#];
         fs::write(folder.path().join("m.glb"), glb.concat()).unwrap();
-        write("s.toml", "material = 'a.csv'\nday = 2026-01-02\n[sky_image]\nfile = 'x.exr'\n[[objects]]\ncurves = 'b.csv'\n");
+        write(
+            "s.toml",
+            "material = 'a.csv'\nday = 2026-01-02\n[sky_image]\nfile = 'x.exr'\n[[objects]]\ncurves = 'b.csv'\n",
+        );
         write("bad.toml", "material = ");
         let found = |name: &str| {
             let names = files_named_in(&folder.path().join(name));

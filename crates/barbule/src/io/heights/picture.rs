@@ -74,11 +74,13 @@ pub(super) fn read_tiff(bytes: &[u8]) -> Result<Raw> {
     }
     let heights = check(cells, bytes.len())?;
     let is_there = |decoder: &mut Decoder<_>, tags: &[Tag]| {
-        tags.iter().try_fold(false, |found, tag| Ok(found || decoder.find_tag(*tag).map_err(refuse)?.is_some()))
+        tags.iter()
+            .try_fold(false, |found, tag| Ok(found || decoder.find_tag(*tag).map_err(refuse)?.is_some()))
     };
     // What is left out of the two is another picture.
     let tiles = [Tag::TileWidth, Tag::TileLength, Tag::TileOffsets, Tag::TileByteCounts];
-    if is_there(&mut decoder, &tiles)? && is_there(&mut decoder, &[Tag::StripOffsets, Tag::StripByteCounts])? {
+    if is_there(&mut decoder, &tiles)? && is_there(&mut decoder, &[Tag::StripOffsets, Tag::StripByteCounts])?
+    {
         return Err(Error::input("is a TIFF with tiles beside strips; write it with one of the two"));
     }
     // 0 where white is: what that makes of floats nobody says.

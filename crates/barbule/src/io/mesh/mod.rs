@@ -6,8 +6,8 @@ mod ply;
 
 use std::path::Path;
 
-pub(super) use gltf::{chunks, local};
 use glam::{Vec2, Vec3};
+pub(super) use gltf::{chunks, local};
 
 use super::assets::{Assets, Folder, ending};
 use super::whole::folder_of;
