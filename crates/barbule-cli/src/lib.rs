@@ -94,10 +94,10 @@ enum Ending {
 }
 
 fn done(words: &[std::ffi::OsString], out: &mut dyn Write) -> Result<(), Ending> {
+    // No command can leave it out: what is read from here on, by readers of arguments too, is never written over.
+    let _ledger = Ledger::open();
     let matches = Cli::command().try_get_matches_from(words).map_err(Ending::Unclear)?;
     let cli = Cli::from_arg_matches(&matches).map_err(|e| Ending::Unclear(e.format(&mut Cli::command())))?;
-    // No command can leave it out: what is read from here on is never written over.
-    let _ledger = Ledger::open();
     outputs::check(&matches).and_then(|()| cli.command.run(out)).map_err(Ending::Failed)
 }
 

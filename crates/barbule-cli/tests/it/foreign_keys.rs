@@ -74,7 +74,11 @@ fn in_every_table(original: &Path, text: &str, readers: &[Reader]) {
     let mut changed: Vec<(usize, String)> = vec![(0, format!("{FOREIGN} = 1"))];
     for (index, line) in lines.iter().enumerate() {
         let code = line.trim_start();
-        if code.starts_with('[') && line.starts_with('[') {
+        // Names of media are the user's own.
+        if code.starts_with("[materials]") {
+            continue;
+        }
+        if line.starts_with('[') {
             changed.push((index + 1, format!("{FOREIGN} = 1")));
         } else if !code.starts_with('#') {
             let code = &line[..line.find(" #").unwrap_or(line.len())];
@@ -201,12 +205,12 @@ fn lattices() {
 fn sections_and_segments() {
     walk(&files("examples", "json"), &[section, opened]);
     let json = r#"{"barbule": 1, "units": "um", "width": 2.0, "materials": {"mine": [1.5, 0]},
-        "boundaries": [{"x": [-1, 1], "z": [0, 0]}, {"x": [-1, 1], "z": [-3, -3]}],
+        "boundaries": [{"x": [-1, 0, 1], "z": [0, 0, 0]}, {"x": [-1, 0, 1], "z": [-3, -3, -3]}],
         "media": ["air", {"mix": [{"index": [1.5, 0]}, "keratin"], "x": [-1, 1], "fraction": [0, 1]}, "keratin"],
         "inclusions": [{"circle": {"x": 0, "z": -1, "radius": 0.3}, "medium": {"index": [1, 0]},
             "holes": [{"circle": {"x": 0, "z": -1, "radius": 0.1}}]}]}"#;
     written("s.json", json, &[section, opened]);
-    let json = r#"{"barbule": 1, "units": "um", "width": 2.0, "boundaries": [{"x": [-1, 1], "z": [0, 0]}],
+    let json = r#"{"barbule": 1, "units": "um", "width": 2.0, "boundaries": [{"x": [-1, 0, 1], "z": [0, 0, 0]}],
         "lattice": {"period": 0.19, "cortex": 0.28, "offset": 0.1, "regularity": {"x": [-1, 1], "value": [1, 1]},
             "rod": [{"circles": [{"diameter": 0.13, "medium": "melanin"}]}]}}"#;
     written("c.json", json, &[section, opened, lattice]);

@@ -19,7 +19,7 @@ const LATTICE: &str = "[lattice]\nperiod = 0.19\nhost = 'chitin'\ncortex = 0.2\n
 
 /// Objects, lamps and surfaces that name a file each.
 const SCENE: &str = "preset = 'starling'\nmaterial = 'made.barbule'\n[background]\nfile = 'bg.png'\n\
-    [sky_image]\nfile = 'sky.exr'\n[[lights]]\nspectrum = 'lamp.csv'\n\
+    [sky_image]\nfile = 'sky.exr'\n[[lights]]\ntype = 'sun'\nazimuth_deg = 0\nelevation_deg = 50\nstrength = 1\nspectrum = 'lamp.csv'\n\
     [surfaces.a]\ntype = 'diffuse'\nalbedo = 'f-0001.png'\nalpha = 'leaf.png'\nnormal = 'n.png'\n\
     [surfaces.b]\ntype = 'diffuse'\n[surfaces.scales]\ntype = 'grating'\nfile = 'g.grating'\n\
     [[objects]]\ncurves = 'c.txt'\nsurface = 'b'\n[[objects]]\nmesh = 'm.gltf'\nsurface = 'a'\n\
@@ -27,11 +27,11 @@ const SCENE: &str = "preset = 'starling'\nmaterial = 'made.barbule'\n[background
 
 /// Each command that writes with its inputs; then the flags of its outputs, and the files that it reads, under whatever
 /// names. `@` is the folder.
-const LINES: [(&str, &[&str], &[&str]); 22] = [
+const LINES: [(&str, &[&str], &[&str]); 23] = [
     ("film @stack.toml --medium q=@q.csv", &["-o", "--csv"], &["stack.toml", "n.csv", "q.csv"]),
     ("lobes @made.barbule", &["-o"], &["made.barbule"]),
-    ("brdf @made.barbule --wi 10,20", &["-o", "--csv"], &["made.barbule"]),
-    ("far-field @in.json", &["-o", "--csv"], &["in.json", "n.csv"]),
+    ("brdf @made.barbule --wi 10,20 --wo 0,0 --wavelength 550", &["-o", "--csv"], &["made.barbule"]),
+    ("far-field @in.json --wavelength 550 --theta 0 --phi 0", &["-o", "--csv"], &["in.json", "n.csv"]),
     ("spectrum @secs --measured @r.csv", &["-o", "--csv", "--summary"], &["secs/a.json", "n.csv", "r.csv"]),
     ("spectrum @mine.toml:green", &["-o", "--csv", "--summary"], &["mine.toml"]),
     ("crystal @lattice.toml", &["-o"], &["lattice.toml", "n.csv"]),
@@ -44,6 +44,7 @@ const LINES: [(&str, &[&str], &[&str]); 22] = [
     ("geometry @in.json", &["-o"], &["in.json", "n.csv"]),
     ("geometry @secs", &["-o"], &["secs/a.json", "n.csv"]),
     ("feather @s.toml --level barbs", &["-o"], &["s.toml", "c.txt", "m.gltf", "x.txt", "made.barbule"]),
+    ("species @mine.toml", &["-o"], &["mine.toml"]),
     ("feather @mine.toml", &["-o"], &["mine.toml"]),
     (
         "render @s.toml --sensor @eye.toml",
@@ -113,7 +114,7 @@ fn inputs(folder: &Path) {
 /// The program's exit code and message.
 fn run(folder: &Path, line: &str) -> (ExitCode, String) {
     let place = format!("{}/", folder.display());
-    let words = line.split_whitespace().map(|word| word.replace('@', &place));
+    let words = line.split_whitespace().chain(["--quiet"]).map(|word| word.replace('@', &place));
     let mut err = Vec::new();
     let code =
         barbule_cli::run(std::iter::once("barbule".to_owned()).chain(words), &mut Vec::new(), &mut err);

@@ -84,15 +84,7 @@ impl Drop for Ledger {
 /// # Errors
 /// It is an output too, or it names one, by whatever spelling, link or second name.
 pub fn note_input(path: &Path) -> Result<()> {
-    let mut state = state();
-    let Some(state) = state.as_mut() else { return Ok(()) };
-    if !path.is_dir() {
-        state.note(path);
-        return state.check();
-    }
-    state.folders.push(path.to_owned());
-    files_in(path, SECTIONS).iter().for_each(|file| state.note(file));
-    state.check()
+    state().as_mut().map_or(Ok(()), |state| state.note_input(path))
 }
 
 /// Says that a file will be written, and how messages call it (`-o f.svg`), so that it is refused before any work.
@@ -100,12 +92,7 @@ pub fn note_input(path: &Path) -> Result<()> {
 /// # Errors
 /// It is an input too, or would become one of a folder of sections.
 pub fn claim_output(path: &Path, name: &str) -> Result<()> {
-    let mut state = state();
-    let Some(state) = state.as_mut() else { return Ok(()) };
-    let claim = Claim { path: path.to_owned(), name: name.to_owned(), before: id(path) };
-    state.check_claim(&claim)?;
-    state.claims.push(claim);
-    Ok(())
+    state().as_mut().map_or(Ok(()), |state| state.claim(path, name))
 }
 
 /// Asks whether a file may be written now.
@@ -113,13 +100,7 @@ pub fn claim_output(path: &Path, name: &str) -> Result<()> {
 /// # Errors
 /// As [`claim_output`].
 pub(super) fn begin_output(path: &Path) -> Result<()> {
-    let mut state = state();
-    let Some(state) = state.as_mut() else { return Ok(()) };
-    let claim = Claim { path: path.to_owned(), name: path.display().to_string(), before: id(path) };
-    state.check_claim(&claim)?;
-    // What takes its place is the program's, which may read it again.
-    state.claims.retain(|other| other.before.is_none() || other.before != claim.before);
-    Ok(())
+    state().as_mut().map_or(Ok(()), |state| state.begin(path))
 }
 
 /// Which file a path leads to; none where there is none, or no regular file.
@@ -129,6 +110,34 @@ fn id(path: &Path) -> Option<FileId> {
 }
 
 impl State {
+    fn note_input(&mut self, path: &Path) -> Result<()> {
+        if path.is_dir() {
+            self.folders.push(path.to_owned());
+            files_in(path, SECTIONS).iter().for_each(|file| self.note(file));
+        } else {
+            self.note(path);
+        }
+        let claims = std::mem::take(&mut self.claims);
+        let checked = claims.iter().try_for_each(|claim| self.check(claim));
+        self.claims = claims;
+        checked
+    }
+
+    fn claim(&mut self, path: &Path, name: &str) -> Result<()> {
+        let claim = Claim { path: path.to_owned(), name: name.to_owned(), before: id(path) };
+        self.check(&claim)?;
+        self.claims.push(claim);
+        Ok(())
+    }
+
+    fn begin(&mut self, path: &Path) -> Result<()> {
+        let claim = Claim { path: path.to_owned(), name: path.display().to_string(), before: id(path) };
+        self.check(&claim)?;
+        // What takes its place is the program's, which may read it again.
+        self.claims.retain(|other| other.before.is_none() || other.before != claim.before);
+        Ok(())
+    }
+
     fn note(&mut self, path: &Path) {
         if let Some(id) = id(path)
             && !self.read.contains_key(&id)
@@ -145,14 +154,8 @@ impl State {
         }
     }
 
-    fn check(&mut self) -> Result<()> {
-        let claims = std::mem::take(&mut self.claims);
-        let checked = claims.iter().try_for_each(|claim| self.check_claim(claim));
-        self.claims = claims;
-        checked
-    }
-
-    fn check_claim(&mut self, Claim { path, name, before }: &Claim) -> Result<()> {
+    /// Refuses an output that is an input, or would become one.
+    fn check(&mut self, Claim { path, name, before }: &Claim) -> Result<()> {
         let is_section = path.extension().is_some_and(|e| e.eq_ignore_ascii_case(SECTIONS));
         let joined = self.folders.iter().find(|folder| is_section && is_same_file(folder, folder_of(path)));
         if let Some(folder) = joined {
@@ -177,61 +180,69 @@ impl State {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::{check_writable, read_own, read_text, write_whole};
 
-    #[test]
-    fn whichever_of_reading_and_writing_comes_second_is_refused() {
+    /// In a folder: what names what, and a file that nobody names.
+    fn folder() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
-        let path = |name: &str| folder.path().join(name);
         for (name, text) in [
             ("a.toml", "curves = 'b.gltf'"),
             ("b.gltf", r#"{"buffers": [{"uri": "c%20d.bin"}]}"#),
             ("c d.bin", "x"),
             ("late.csv", "x"),
-            ("own", "x"),
         ] {
-            fs::write(path(name), text).unwrap();
+            fs::write(folder.path().join(name), text).unwrap();
         }
+        folder
+    }
+
+    // Not by way of the one that all tests of this process share.
+    #[test]
+    fn whichever_of_reading_and_writing_comes_second_is_refused() {
+        let folder = folder();
+        let path = |name: &str| folder.path().join(name);
+        let mut state = State::default();
         let refusal = |result: Result<()>| result.unwrap_err().to_string();
-        // Nobody asked for it.
-        read_text(&path("late.csv")).unwrap();
-        write_whole(&path("late.csv"), b"y").unwrap();
-        let ledger = Ledger::open();
-        read_text(&path("a.toml")).unwrap();
+        state.note_input(&path("a.toml")).unwrap();
         for name in ["a.toml", "b.gltf", "c d.bin"] {
-            let before = fs::read(path(name)).unwrap();
-            for result in [write_whole(&path(name), b"lost"), check_writable(&path(name))] {
+            for result in [state.begin(&path(name)), state.claim(&path(name), "-o it")] {
                 let message = refusal(result);
                 assert!(
                     message.contains("would be overwritten, but this command reads it (as "),
                     "{message}"
                 );
             }
-            assert_eq!(fs::read(path(name)).unwrap(), before);
         }
-        // The other way round; and once it is written it is the program's.
-        check_writable(&path("late.csv")).unwrap();
-        assert!(refusal(read_text(&path("late.csv")).map(drop)).contains("late.csv: would be overwritten"));
-        check_writable(&path("new.csv")).unwrap();
-        for _ in 0..2 {
-            write_whole(&path("new.csv"), b"mine").unwrap();
-            read_own(&path("new.csv"), 100).unwrap();
+        state.claim(&path("late.csv"), "-o late.csv").unwrap();
+        let message = refusal(state.note_input(&path("late.csv")));
+        assert!(message.starts_with("-o late.csv: would be overwritten"), "{message}");
+        // It was read all the same.
+        assert!(state.begin(&path("late.csv")).is_err());
+    }
+
+    #[test]
+    fn what_the_program_wrote_it_may_read_and_write_again() {
+        let folder = folder();
+        let (old, new) = (folder.path().join("late.csv"), folder.path().join("new.csv"));
+        let mut state = State::default();
+        for path in [&old, &new] {
+            state.claim(path, "-o F").unwrap();
+            state.begin(path).unwrap();
+            // As outputs appear: under another name, then in its place.
+            let aside = folder.path().join("aside");
+            fs::write(&aside, "mine").unwrap();
+            fs::rename(&aside, path).unwrap();
+            state.begin(path).unwrap();
+            state.note_input(path).unwrap();
         }
-        read_own(&path("own"), 100).unwrap();
-        write_whole(&path("own"), b"again").unwrap();
-        drop(ledger);
-        write_whole(&path("a.toml"), b"mine").unwrap();
     }
 
     #[test]
     fn nothing_joins_a_folder_of_sections_that_is_read() {
-        let folder = tempfile::tempdir().unwrap();
-        let new = folder.path().join("new.json");
-        let _ledger = Ledger::open();
-        note_input(folder.path()).unwrap();
-        let message = check_writable(&new).unwrap_err().to_string();
-        assert!(message.contains("would become one of the sections in"), "{message}");
-        assert!(write_whole(&new, b"{}").is_err() && !new.exists());
-        write_whole(&folder.path().join("new.svg"), b"").unwrap();
+        let folder = folder();
+        let mut state = State::default();
+        state.note_input(folder.path()).unwrap();
+        let message = state.claim(&folder.path().join("new.json"), "-o new.json").unwrap_err().to_string();
+        assert!(message.contains("new.json: would become one of the sections in"), "{message}");
+        state.claim(&folder.path().join("new.svg"), "-o new.svg").unwrap();
     }
 }
