@@ -83,11 +83,11 @@ pub(crate) struct Args {
     #[command(flatten)]
     peak: PeakArgs,
     /// A measured spectrum to compare with: a table of text (commas, semicolons, tabs or blanks; decimal points or
-    /// commas; with names or without; one column per sample; parts of 1 or percent), the text of Ocean Optics,
-    /// Avantes and similar spectrometers, or JCAMP-DX (.jdx). How it is read is said
+    /// commas; with names or without; one column per sample, or a line for each wavelength of each sample; parts of 1 or
+    /// percent), the text of Ocean Optics, Avantes and similar spectrometers, or JCAMP-DX (.jdx). How it is read is said
     #[arg(long, value_name = "FILE")]
     measured: Option<PathBuf>,
-    /// The column of --measured to use, by name or by number from 1 [default: all samples and their mean]
+    /// The column or sample of --measured to use, by name or by number from 1 [default: all samples and their mean]
     #[arg(long, value_name = "NAME|N", requires = "measured")]
     column: Option<String>,
     /// Whether --measured is percent or parts of 1 [default: percent where names say so or values exceed 1.5]
