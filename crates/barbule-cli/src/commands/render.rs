@@ -457,10 +457,11 @@ impl Args {
             self.say_faults(&film.faults(), description);
         }
         // One picture that is done needs none; those of a sequence are done together.
-        if ended != Ended::Done || self.frames > 1 {
+        let is_stopped = ended == Ended::Stopped || terminal.is_cancelled();
+        if is_stopped || ended != Ended::Done || self.frames > 1 {
             kept.at_the_end(&film);
         }
-        if ended == Ended::Stopped || terminal.is_cancelled() {
+        if is_stopped {
             return Err(self.interrupted(job, &film, checkpoints));
         }
         let (counts, paths) = (set.counts(), film.samples() - before);

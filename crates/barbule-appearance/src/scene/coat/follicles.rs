@@ -232,7 +232,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::progress::Unobserved;
+    use crate::progress::{Shared, Unobserved};
     use crate::scene::geometry::Place;
 
     fn nearest(spots: &[Spot]) -> Vec<f64> {
@@ -282,5 +282,11 @@ mod tests {
         assert_eq!(area(&body, Some(beside)), 0.0);
         let refused = scattered(&body, Some(beside), 0.0, 10, 1, &Unobserved).unwrap_err().to_string();
         assert!(refused.starts_with("coat.within_mm holds hardly any"), "{refused}");
+        // What holds far too little is known before any of 250 million points is thrown.
+        let (whole, watched) = (area(&body, None), Shared::default());
+        let refused =
+            scattered(&body, Some(half), 4e-4 * whole, 50_000, 1, &watched).unwrap_err().to_string();
+        assert!(refused.contains("(about 0.040 %); give a box that holds 0.1 % of it at least"), "{refused}");
+        assert_eq!(watched.snapshot().stage, 0);
     }
 }

@@ -41,22 +41,23 @@ pub(super) fn order(stands: &[Stand], length_mm: f64, progress: &dyn Progress) -
     let largest = stands.iter().map(|stand| stand.scale).fold(0.0, f64::max);
     let reach = 1.1 * length_mm * largest;
     let near = Near::new(stands.iter().map(|stand| stand.spot.point), reach);
+    // Side by side in memory: in a crowd that is most of the time.
+    let at: Vec<[DVec3; 2]> = stands.iter().map(|stand| [stand.spot.point, stand.along]).collect();
     // Of two the one that is nearer the tail lies beneath.
-    let lies_over = |upper: &Stand, lower: &Stand| {
-        let apart = lower.spot.point - upper.spot.point;
-        apart.length() < reach && apart.dot(lower.along + upper.along) > 0.0
+    let lies_over = |upper: u32, lower: u32| {
+        let ([point, along], [other, other_along]) = (at[upper as usize], at[lower as usize]);
+        let apart = other - point;
+        apart.length() < reach && apart.dot(other_along + along) > 0.0
     };
     progress.begin("ordering the coat's feathers", 2 * stands.len() as u64);
-    let mut missing: Vec<u32> = (0..stands.len())
+    let mut missing: Vec<u32> = (0..at.len() as u32)
         .into_par_iter()
         .map(|index| {
             go_on(progress)?;
             progress.advance(1);
             let mut beneath = 0;
-            near.visit(stands[index].spot.point, |other| {
-                let is_beneath =
-                    other as usize != index && lies_over(&stands[index], &stands[other as usize]);
-                beneath += u32::from(is_beneath);
+            near.visit(at[index as usize][0], |other| {
+                beneath += u32::from(other != index && lies_over(index, other));
             });
             Ok(beneath)
         })
@@ -65,16 +66,16 @@ pub(super) fn order(stands: &[Stand], length_mm: f64, progress: &dyn Progress) -
     let mut free: BinaryHeap<Reverse<u32>> =
         (0_u32..).zip(&missing).filter(|(_, count)| **count == 0).map(|(index, _)| Reverse(index)).collect();
     let mut order = Vec::with_capacity(stands.len());
-    while order.len() < stands.len() {
+    while order.len() < at.len() {
         go_on(progress)?;
         progress.advance(1);
         let fewest = || (0_u32..).zip(&missing).min_by_key(|(_, count)| **count).map(|(index, _)| index);
         let Some(index) = free.pop().map(|Reverse(index)| index).or_else(fewest) else { break };
         missing[index as usize] = LAID;
         order.push(index);
-        near.visit(stands[index as usize].spot.point, |upper| {
+        near.visit(at[index as usize][0], |upper| {
             let count = &mut missing[upper as usize];
-            if *count != LAID && lies_over(&stands[upper as usize], &stands[index as usize]) {
+            if *count != LAID && lies_over(upper, index) {
                 *count -= 1;
                 if *count == 0 {
                     free.push(Reverse(upper));
