@@ -213,7 +213,7 @@ fn sections_and_segments() {
     let json = r#"{"barbule": 1, "units": "um", "width": 2.0, "boundaries": [{"x": [-1, 0, 1], "z": [0, 0, 0]}],
         "lattice": {"period": 0.19, "cortex": 0.28, "offset": 0.1, "regularity": {"x": [-1, 1], "value": [1, 1]},
             "rod": [{"circles": [{"diameter": 0.13, "medium": "melanin"}]}]}}"#;
-    written("c.json", json, &[section, opened, lattice]);
+    written("c.json", json, &[section, opened]);
 }
 
 #[test]

@@ -299,7 +299,6 @@ mod tests {
         assert!(refusal("row_pitch = 0.17", "row_pitch = 0.05").contains("overlap"));
         assert!(refusal("\"melanin\"", "\"melamin\"").contains("did you mean 'melanin'"));
         assert!(refusal("[lattice]", "[latice]").contains("unknown key 'latice', did you mean 'lattice'?"));
-        assert!(refusal("[lattice]", "[materials]\nchitin = [1.5, 0]").contains("lattice.rod"));
         let foreign = refusal("[lattice]", "[materails]\nkeratin = [1.9, 0.0]\n[lattice]");
         assert!(foreign.contains("line 2: unknown key 'materails', did you mean 'materials'?"), "{foreign}");
         assert!(refusal("[lattice]", "[lattice").contains("is not TOML"));

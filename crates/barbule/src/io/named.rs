@@ -32,7 +32,10 @@ pub(super) fn files_named_in(path: &Path) -> Vec<PathBuf> {
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     // glTF writes blanks as %20.
-    let spelled = names.into_iter().flat_map(|name| local(&name).into_iter().chain([name]));
+    let spelled = names.into_iter().flat_map(|name| {
+        let decoded = local(&name).ok().filter(|decoded| *decoded != name);
+        decoded.into_iter().chain([name])
+    });
     spelled.map(|name| folder.join(name)).filter(|place| place.is_file()).collect()
 }
 
