@@ -83,7 +83,7 @@ fn scene_of(folder: &Path, species: &str) -> toml::Table {
 fn a_species_file_chooses_the_close_up_that_suits_it() {
     let folder = tempfile::tempdir().unwrap();
     let scene = |name: &str| -> toml::Table {
-        let (_, text, _) = render(folder.path(), &[name, "--exposure", "+0", "--toml"]);
+        let (_, text, _) = render(folder.path(), &[name, "--material", "mine.toml", "--toml"]);
         toml::from_str(&text).unwrap()
     };
     let starling = barbule::structure::species_toml("starling").unwrap();

@@ -53,7 +53,7 @@ fn coats_and_barbules_stand_outside_whichever_way_faces_look() {
     for (scene, part) in [(COAT, "feathers grow outwards"), (CLAD, "barbules show their upper sides outside")]
     {
         let scene = scene.replace('M', MADE_UP);
-        let mut draw = |is_inside_out| {
+        let draw = |is_inside_out| {
             std::fs::write(folder.path().join("body.obj"), octahedron(8, is_inside_out)).unwrap();
             drawn(folder.path(), &scene)
         };
@@ -73,7 +73,7 @@ fn coats_and_barbules_stand_outside_whichever_way_faces_look() {
 fn of_open_meshes_the_side_is_said_and_can_be_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let scene = COAT.replace('M', MADE_UP);
-    let mut draw = |is_inside_out, scene: &str| {
+    let draw = |is_inside_out, scene: &str| {
         std::fs::write(folder.path().join("body.obj"), octahedron(4, is_inside_out)).unwrap();
         drawn(folder.path(), scene)
     };

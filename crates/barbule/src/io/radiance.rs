@@ -14,45 +14,16 @@ const PACKED: std::ops::RangeInclusive<usize> = 8..=32_767;
 /// # Errors
 /// Not such a picture, of another colour space, turned by 90°, with too many pixels, cut off or damaged; `name` is what messages call it.
 pub(super) fn decode_radiance(name: &str, bytes: &[u8]) -> Result<RgbImage> {
-    let refuse = |what: String| Error::input(what).in_file(Path::new(name));
-    let mut lines = Lines(bytes);
-    if !bytes.starts_with(b"#?") {
-        return Err(refuse("is no Radiance picture, which begins with #?RADIANCE or #?RGBE".into()));
-    }
-    let mut exposure = 1.0;
-    loop {
-        let line = lines.next().ok_or_else(|| refuse("has a header that does not end".into()))?;
-        match line.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
-            _ if line.is_empty() => break,
-            Some(("FORMAT", "32-bit_rle_rgbe")) => {}
-            Some(("FORMAT", other)) => {
-                return Err(refuse(format!(
-                    "holds pixels of format '{}'; 32-bit_rle_rgbe is read",
-                    shortened(other)
-                )));
-            }
-            Some(("EXPOSURE", value)) => {
-                let factor = value.parse::<f64>().ok().filter(|factor| (1e-30..=1e30).contains(factor));
-                exposure *=
-                    factor.ok_or_else(|| refuse(format!("has the exposure '{}'", shortened(value))))?;
-            }
-            _ => {}
-        }
-    }
-    let line = lines.next().unwrap_or_default();
-    let Some(Order { size: [width, height], is_upwards, is_mirrored }) = Order::of(&line) else {
-        return Err(refuse(format!(
-            "says '{}' in place of its size, as in -Y 512 +X 1024",
-            shortened(&line)
-        )));
-    };
+    let Header { order, exposure, mut rest } = Header::read(name, bytes)?;
+    let Order { size: [width, height], is_upwards, is_mirrored } = order;
     check_pixels(name, [width, height], bytes.len())?;
     let mut pixels = vec![[0.0; 3]; width * height];
-    let mut rest = lines.0;
     let mut scanline = vec![[0_u8; 4]; width];
     for row in 0..height {
-        rest = unpack(rest, &mut scanline)
-            .ok_or_else(|| refuse(format!("is cut off or damaged in line {} of {height}", row + 1)))?;
+        rest = unpack(rest, &mut scanline).ok_or_else(|| {
+            let what = format!("is cut off or damaged in line {} of {height}", row + 1);
+            Error::input(what).in_file(Path::new(name))
+        })?;
         let at = if is_upwards { height - 1 - row } else { row };
         for (column, rgbe) in scanline.iter().enumerate() {
             let at = at * width + if is_mirrored { width - 1 - column } else { column };
@@ -60,6 +31,51 @@ pub(super) fn decode_radiance(name: &str, bytes: &[u8]) -> Result<RgbImage> {
         }
     }
     Ok(RgbImage { size: [width, height], pixels })
+}
+
+/// What stands before the pixels.
+struct Header<'a> {
+    order: Order,
+    /// The product of all exposures.
+    exposure: f64,
+    /// The pixels' bytes.
+    rest: &'a [u8],
+}
+
+impl<'a> Header<'a> {
+    fn read(name: &str, bytes: &'a [u8]) -> Result<Self> {
+        let refuse = |what: String| Error::input(what).in_file(Path::new(name));
+        let mut lines = Lines(bytes);
+        if !bytes.starts_with(b"#?") {
+            let what = "is no Radiance picture, which begins with #?RADIANCE or #?RGBE";
+            return Err(refuse(what.into()));
+        }
+        let mut exposure = 1.0;
+        loop {
+            let line = lines.next().ok_or_else(|| refuse("has a header that does not end".into()))?;
+            match line.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
+                _ if line.is_empty() => break,
+                Some(("FORMAT", "32-bit_rle_rgbe")) => {}
+                Some(("FORMAT", other)) => {
+                    return Err(refuse(format!(
+                        "holds pixels of format '{}'; 32-bit_rle_rgbe is read",
+                        shortened(other)
+                    )));
+                }
+                Some(("EXPOSURE", value)) => {
+                    let factor = value.parse::<f64>().ok().filter(|factor| (1e-30..=1e30).contains(factor));
+                    exposure *=
+                        factor.ok_or_else(|| refuse(format!("has the exposure '{}'", shortened(value))))?;
+                }
+                _ => {}
+            }
+        }
+        let line = lines.next().unwrap_or_default();
+        let order = Order::of(&line).ok_or_else(|| {
+            refuse(format!("says '{}' in place of its size, as in -Y 512 +X 1024", shortened(&line)))
+        })?;
+        Ok(Self { order, exposure, rest: lines.0 })
+    }
 }
 
 /// Lines of a header, and what follows them.

@@ -33,7 +33,12 @@ pub(super) fn no_scene(text: &str) -> Error {
     let files = files_beside(text);
     let names: Vec<&str> = preset::names().chain(species_names()).collect();
     let known = names.iter().copied().chain(files.iter().map(String::as_str));
-    let near = did_you_mean(&beginning(text), known);
+    let is_it = |file: &&String| Path::new(file).file_stem() == Path::new(text).file_name();
+    // A file without its ending, else the nearest.
+    let near = match files.iter().find(is_it) {
+        Some(file) => format!(", did you mean '{}'?", shortened(file)),
+        None => did_you_mean(&beginning(text), known),
+    };
     let presets = preset::names().collect::<Vec<_>>().join(", ");
     let known = if near.is_empty() { format!(" (presets are {presets})") } else { near };
     Error::input(format!("there is no preset, species or file '{}'{known}", shortened(text)))

@@ -19,7 +19,7 @@ use crate::scene::coat::field::Guide;
 use crate::scene::coat::follicles::Region;
 use crate::scene::coat::kinds::Kinds;
 use crate::scene::coat::{Coat, Laid, MOST_FEATHERS, Number, Variant, edge_mm, seed_of, window};
-use crate::scene::faces::turned_round;
+use crate::scene::faces::{outwards, turned_round};
 use crate::scene::feather::{Counts, Feather, Level};
 use crate::scene::geometry::{Geometry, Mesh, Place};
 use crate::scene::memory::PER_PLACE;
@@ -233,7 +233,7 @@ impl CoatDescription {
                     mesh.as_ref()
                 };
                 let body = Body::mesh(sided, &place, edge_mm).map_err(|error| error.at("coat.mesh"))?;
-                let meshes = vec![Mesh { id: COAT, ..mesh.as_ref().clone() }];
+                let meshes = vec![Mesh { id: COAT, ..outwards(sided.clone()) }];
                 Ok((body, Geometry { meshes, places: vec![place], ..Geometry::default() }))
             }
             (None, None) => Err(Error::input("[coat] has no body; give ellipsoid_mm or mesh")),
