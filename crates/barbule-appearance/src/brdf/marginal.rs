@@ -14,11 +14,10 @@ use crate::{Error, Result};
 /// A piece is cut in half until that changes it by less than this part of the whole.
 const TOLERANCE: f64 = 1e-9;
 
-/// The widest piece in v of the reflected fraction of an instance, and to which part of the mean's all pieces together are refined.
-const PIECE: f64 = 0.5;
-const REFLECTED_TOLERANCE: f64 = 1e-4;
-/// Pieces in which the mean gives back less than this part of what they may be off by are the mean's: hardly an instance is a hundred times as bright.
-const NEGLIGIBLE: f64 = 0.01;
+/// Steps of v in the reflected fraction of an instance, and how far beyond the mirror direction they go: what leaves farther off
+/// falls with 1/cosh² v, to under 5e-4 of it.
+const STEP: f64 = 0.01;
+const BEYOND: f64 = 4.5;
 
 /// Halvings of a piece at most.
 const MOST_HALVINGS: u32 = 20;
@@ -75,9 +74,10 @@ pub fn marginals(
 
 /// The reflected fraction ∫ f (z·ω_o) dω_o at each wavelength, of an instance or of the smooth mean, whatever azimuths anybody asks for.
 ///
-/// Of the mean it is known. Of an instance it is integrated over the azimuth in v = arsinh(tanφ_o), in which lobes near the horizon are
-/// as wide as elsewhere, to 1e-4. An instance may give back more than falls in where light grazes: its speckle multiplies lobes that the
-/// horizon cuts, and only the mean over instances is the mean's. f is not symmetrized.
+/// Of the mean it is known. Of an instance its marginal is summed over even steps of v = arsinh(tanφ_o), in which lobes near the horizon
+/// are as wide as elsewhere: good to about 1e-3, which is what the speckle leaves between the steps. An instance may give back more than
+/// falls in where light grazes: its speckle multiplies lobes that the horizon cuts, and only the mean over instances is the mean's. f is
+/// not symmetrized.
 ///
 /// # Errors
 /// A stop by `progress`.
@@ -88,44 +88,17 @@ pub fn reflected_fractions(
     instance: Option<u64>,
     progress: &dyn Progress,
 ) -> Result<Vec<f64>> {
-    let Some(instance) = instance else {
+    if instance.is_none() {
         return Ok(wavelengths_nm.iter().map(|&nm| brdf.exact(nm, wi).reflected()).collect());
-    };
-    let (draw, rule) = (brdf.noise().draw(instance), Rule::new());
-    let cos_i = wi.x.hypot(wi.z);
-    // Beyond both horizons by twelve: cosφ_o, and with it what leaves there, is under 2e-5 of what it is at the mirror.
-    let reach = libm::asinh(wi.x / wi.z).abs() + 12.0;
-    let pieces = (2.0 * reach / PIECE).ceil() as usize;
-    let width = 2.0 * reach / pieces as f64;
-    wavelengths_nm
-        .iter()
-        .map(|&nm| {
-            let exact = brdf.exact(nm, wi);
-            let allowed = REFLECTED_TOLERANCE * exact.reflected() / pieces as f64;
-            // sinφ_o and cosφ_o are tanh v and 1/cosh v.
-            let smooth =
-                |v: f64| exact.across([libm::tanh(v), 1.0 / libm::cosh(v)], 1.0, None).f / libm::cosh(v);
-            let f = |v: f64| {
-                let phi = libm::atan(libm::sinh(v));
-                Meridian { exact: &exact, phi, draw: &draw, rule: &rule }.integral() * cos_i / libm::cosh(v)
-            };
-            let parts: Vec<f64> = (0..pieces)
-                .into_par_iter()
-                .map(|k| {
-                    if progress.is_cancelled() {
-                        return Err(Error::interrupted());
-                    }
-                    let piece = [k as f64 * width - reach, (k + 1) as f64 * width - reach];
-                    let mean = rule.over(&smooth, piece);
-                    if mean <= NEGLIGIBLE * allowed {
-                        return Ok(mean);
-                    }
-                    Ok(rule.refined(&f, piece, rule.over(&f, piece), allowed, 0))
-                })
-                .collect::<Result<_>>()?;
-            Ok(parts.iter().sum())
-        })
-        .collect()
+    }
+    let reach = libm::asinh(wi.x / wi.z).abs() + BEYOND;
+    let steps = (reach / STEP).ceil();
+    let nodes: Vec<f64> = (0..=2 * steps as usize).map(|k| STEP * (k as f64 - steps)).collect();
+    let phi_o: Vec<f64> = nodes.iter().map(|&v| libm::atan(libm::sinh(v))).collect();
+    // dφ_o = dv / cosh v.
+    let scale = STEP * wi.x.hypot(wi.z);
+    let sum = |row: Marginal| row.f.iter().zip(&nodes).map(|(f, &v)| f / libm::cosh(v)).sum::<f64>() * scale;
+    Ok(marginals(brdf, wavelengths_nm, wi, &phi_o, instance, progress)?.into_iter().map(sum).collect())
 }
 
 /// Eight nodes and weights on \[0, 1\].
@@ -291,7 +264,7 @@ mod tests {
         let of = |wi: DVec3, instance: Option<u64>| {
             reflected_fractions(&brdf, &[500.0], wi, instance, &Unobserved).unwrap()[0]
         };
-        let count = 20_000;
+        let count = 2000;
         let phi: Vec<f64> = azimuths(count).collect();
         for (theta, phi_i) in [(0.0_f64, 0.0_f64), (40.0, 30.0), (10.0, -75.0)] {
             let wi = omega(theta.to_radians(), phi_i.to_radians());
@@ -300,15 +273,15 @@ mod tests {
                 let summed = sum * std::f64::consts::PI / count as f64 * theta.to_radians().cos();
                 let found = of(wi, instance);
                 assert!(
-                    (found / summed - 1.0).abs() < 1e-4,
+                    (found / summed - 1.0).abs() < 3e-3,
                     "{theta} {phi_i} {instance:?}: {found} {summed}"
                 );
             }
         }
         let grazing = omega(0.0, f64::to_radians(89.99));
         let mean = of(grazing, None);
-        let drawn = (0..60).map(|k| of(grazing, Some(k))).sum::<f64>() / 60.0;
+        let drawn = (0..20).map(|k| of(grazing, Some(k))).sum::<f64>() / 20.0;
         // Single ones scatter by about as much as they are: three standard errors.
-        assert!((drawn / mean - 1.0).abs() < 0.4, "{drawn} {mean}");
+        assert!((drawn / mean - 1.0).abs() < 0.7, "{drawn} {mean}");
     }
 }

@@ -57,7 +57,7 @@ pub(super) fn is_possible(radiance: &[f64; WAVES]) -> bool {
     let largest = radiance.iter().fold(0.0, |largest, value| f64::max(largest, value.abs()));
     let least = -(ROUNDING_AT_ALL + ROUNDING * largest);
     // Comparisons with NaN are false.
-    radiance.iter().all(|value| *value >= least && *value < f64::INFINITY)
+    largest < f64::INFINITY && radiance.iter().all(|value| *value >= least)
 }
 
 #[cfg(test)]

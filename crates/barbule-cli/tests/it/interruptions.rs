@@ -89,10 +89,25 @@ fn a_command_that_keeps_nothing_says_that_it_stops_and_leaves_no_file() {
 fn a_comparison_with_full_waves_goes_on_after_ctrl_c() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("out");
-    let words = ["validate", "starling", "--full-wave", "--width", "2", "--wavelengths", "400:700:20", "-o"];
+    let line = |z: f64| serde_json::json!({"x": [-2.0, 0.0, 2.0], "z": [z, z, z]});
+    let section = serde_json::json!({
+        "barbule": 1, "units": "um", "width": 4.0, "name": "a film",
+        "boundaries": [line(0.0), line(-0.5)], "media": ["air", "keratin", "air"], "source": "a test"
+    });
+    let film = folder.path().join("film.json");
+    std::fs::write(&film, section.to_string()).unwrap();
+    let words = ["--full-wave", "--wavelengths", "400:700:20", "-o"];
     let begin = || {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
-        command.args(words).arg(&output).stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap()
+        command
+            .arg("validate")
+            .arg(&film)
+            .args(words)
+            .arg(&output)
+            .stderr(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap()
     };
     let kept = || std::fs::read_dir(output.join("units")).map_or(0, |units| units.count());
     let mut child = begin();

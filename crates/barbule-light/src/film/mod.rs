@@ -52,8 +52,8 @@ pub struct FilmResponse {
 /// `angle` is in the entry medium, from the normal; its sign does not matter.
 ///
 /// # Errors
-/// |angle| ≥ π/2, an absorbing entry medium, a medium without an index at this wavelength, an exact resonance of
-/// lossless media, where the response is infinite, or more than all light, as media with gain make it.
+/// |angle| ≥ π/2, an absorbing entry medium, a medium without an index at this wavelength, gain, an exact
+/// resonance of lossless media, where the response is infinite, or numbers that give more than all light.
 pub fn response(
     stack: &Stack,
     wavelength_nm: f64,
@@ -108,11 +108,8 @@ pub fn response_at(
     if !(result.r.is_finite() && result.transmitted.is_finite() && result.absorbed.is_finite()) {
         return Err(resonance(wavelength_nm));
     }
-    let leaves = [result.reflected, result.transmitted, result.reflected + result.transmitted];
-    if leaves.iter().all(|part| (-MOST_GAIN..=1.0 + MOST_GAIN).contains(part)) {
-        return Ok(result);
-    }
-    Err(gain(leaves[0], leaves[1], wavelength_nm, angle, polarization))
+    check_balance([result.reflected, result.transmitted], wavelength_nm, angle, polarization)?;
+    Ok(result)
 }
 
 /// Only the reflected amplitude, without allocation; arguments as for [`response_at`].
@@ -136,10 +133,8 @@ pub fn reflect(
     if !r.is_finite() {
         return Err(resonance(wavelength_nm));
     }
-    if r.norm_sqr() <= 1.0 + MOST_GAIN {
-        return Ok(r);
-    }
-    Err(gain(r.norm_sqr(), 0.0, wavelength_nm, angle, polarization))
+    check_balance([r.norm_sqr(), 0.0], wavelength_nm, angle, polarization)?;
+    Ok(r)
 }
 
 /// The cosine times the index, q = n·cosα, in a medium of index `n` for a wave that comes at `angle` (rad) in a
@@ -181,22 +176,25 @@ fn exp_m1(z: Complex64) -> Complex64 {
 /// (n from 0.05 to 4, k to 60, layers to 100 µm, angles to 89.999999°).
 const MOST_GAIN: f64 = 1e-5;
 
-/// More light than falls in, or less than none, which no media without gain can make.
-fn gain(
-    reflected: f64,
-    transmitted: f64,
+/// Refuses more light than falls in, or less than none, which no media without gain can make.
+fn check_balance(
+    [reflected, transmitted]: [f64; 2],
     wavelength_nm: f64,
     angle: f64,
     polarization: Polarization,
-) -> Error {
+) -> Result<()> {
+    let parts = [reflected, transmitted, reflected + transmitted];
+    if parts.iter().all(|part| (-MOST_GAIN..=1.0 + MOST_GAIN).contains(part)) {
+        return Ok(());
+    }
     let name = match polarization {
         Polarization::S => "s",
         Polarization::P => "p",
     };
-    Error::not_settled(format!(
-        "at {wavelength_nm} nm and {}° the stack reflects {reflected:.6} and transmits {transmitted:.6} of {name}-polarized light, which passive media cannot: a medium has gain (k < 0), or the numbers of this stack are beyond what can be computed",
+    Err(Error::not_settled(format!(
+        "at {wavelength_nm} nm and {}° the stack reflects {reflected:.6} and transmits {transmitted:.6} of {name}-polarized light, which passive media cannot: the numbers of this stack are beyond what can be computed",
         angle.to_degrees()
-    ))
+    )))
 }
 
 fn resonance(wavelength_nm: f64) -> Error {
@@ -228,6 +226,12 @@ fn entry(
             "{} indices do not fit {} layers and two half-spaces",
             indices.len(),
             thickness_nm.len()
+        )));
+    }
+    if let Some(bad) = indices.iter().find(|n| n.im < 0.0) {
+        return Err(Error::input(format!(
+            "the index {bad} has gain, k = {}; absorbing media have k > 0 here",
+            bad.im
         )));
     }
     if angle.is_nan() || angle.abs() >= std::f64::consts::FRAC_PI_2 {
@@ -338,5 +342,22 @@ impl Fields {
     fn split(&self, entry: &Entry) -> (Complex64, Complex64) {
         let partner = self.g / entry.y;
         ((self.f - partner) / (self.f + partner), (self.f + partner) * 0.5)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_that_no_passive_stack_has_are_refused() {
+        let checked = |parts| check_balance(parts, 500.0, 0.3, Polarization::S);
+        for fine in [[0.0, 1.0], [1.0, 0.0], [0.4, 0.3], [1.0 + 1e-7, -1e-7]] {
+            checked(fine).unwrap();
+        }
+        for bad in [[1.1, 0.0], [0.6, 0.6], [-0.1, 0.5], [0.5, -0.1], [f64::NAN, 0.0]] {
+            let message = checked(bad).unwrap_err().to_string();
+            assert!(message.contains("passive media cannot") && message.contains("at 500 nm"), "{message}");
+        }
     }
 }

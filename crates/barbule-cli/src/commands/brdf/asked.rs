@@ -34,10 +34,12 @@ pub(super) fn direction(flag: &str, text: &str) -> Result<Direction> {
 /// A set of whole numbers: of 64 bits, none of which a floating-point number would keep.
 pub(super) fn instances(text: &str) -> Result<Instances> {
     let refuse = || {
-        Error::input(
-            "write whole numbers from 0 to 2⁶⁴ − 1, as in 3, 0,5,9 or 0:59:1 (start:stop:step, stop included)",
-        )
+        Error::input(format!(
+            "--instance {}: write whole numbers from 0 to 2⁶⁴ − 1, as in 3, 0,5,9 or 0:59:1 (start:stop:step, stop included)",
+            shortened(text)
+        ))
     };
+    let too_many = || Error::input(format!("--instance: over {MOST_INSTANCES} instances; give fewer"));
     let mut names = Vec::new();
     for part in text.split(',') {
         let numbers = part.split(':').map(|t| t.trim().parse::<u64>().ok()).collect::<Option<Vec<_>>>();
@@ -46,14 +48,14 @@ pub(super) fn instances(text: &str) -> Result<Instances> {
             [start, stop, step] if step > 0 && stop >= start => {
                 let count = (stop - start) / step;
                 if count >= MOST_INSTANCES {
-                    return Err(Error::input(format!("over {MOST_INSTANCES} instances; give fewer")));
+                    return Err(too_many());
                 }
                 names.extend((0..=count).map(|k| start + k * step));
             }
             _ => return Err(refuse()),
         }
         if names.len() as u64 > MOST_INSTANCES {
-            return Err(Error::input(format!("over {MOST_INSTANCES} instances; give fewer")));
+            return Err(too_many());
         }
     }
     Ok(Instances(names))

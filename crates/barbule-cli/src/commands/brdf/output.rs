@@ -66,7 +66,7 @@ pub(super) struct Answer {
 }
 
 /// What a fraction may be over 1 by the error of its integral alone.
-const OVER: f64 = 1e-4;
+const OVER: f64 = 1e-3;
 
 impl Answer {
     /// Which reflected fractions are over all light.
