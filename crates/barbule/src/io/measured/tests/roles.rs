@@ -164,10 +164,10 @@ fn percent_and_parts_of_1_are_told_for_each_column() {
     assert_eq!(read("wl,R1,R2\n400,10%,0.12\n500,30%,0.28\n").samples[1].spectrum.values(), [0.12, 0.28]);
     assert_eq!(read("wl,%back,bird\n400,10,0.12\n500,30,0.28\n").samples[1].spectrum.values(), [0.12, 0.28]);
     // A black one in percent beside a white one, or parts of 1: nobody can tell.
-    let black = "wl,a1,b1\n400,0.5,10\n500,0.9,20\n";
+    let black = "wl,a1,b1\n400,0.5,10\n500,0.9,16\n";
     refused(
         black,
-        "'b1' may be percent (to 20) beside 'a1' in parts of 1 (to 0.9), or all percent; write % into",
+        "'b1' may be percent (to 16) beside 'a1' in parts of 1 (to 0.9), or all percent; write % into",
     );
     assert_eq!(
         read(&black.replace("a1,b1", "a1%,b1%")).samples[0].spectrum.values(),
