@@ -243,7 +243,7 @@ impl Found {
             let nm = self.unit.nm(row.1);
             if !(shortest..=longest).contains(&nm) {
                 let error = Error::input(format!(
-                    "{} in {} is no wavelength of light, which has {shortest} to {longest} nm",
+                    "{:e} in {} is no wavelength of light, which has {shortest} to {longest} nm",
                     row.1, self.position
                 ));
                 return Err(error.in_line(row.0));

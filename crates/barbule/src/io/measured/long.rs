@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use super::columns::{is_count, no_such, shortened_list};
+use super::columns::{no_such, shortened_list};
 use super::names::{Role, is_bare_quantity, position_unit, role, says_percent, words};
 use super::resample::{Own, brought_to};
 use super::table::{Cell, Separator, Style};
@@ -146,9 +146,14 @@ impl<'a> Long<'a> {
         }
         self.groups.extend(numbered);
         self.groups.sort_unstable();
-        let cell = |line: &'a str, i: usize| self.cells(line).nth(i);
-        let varies = |&i: &usize| self.rows.iter().any(|(_, line)| cell(line, i) != cell(self.rows[0].1, i));
-        let varying: Vec<usize> = self.groups.iter().copied().filter(varies).collect();
+        let first: Vec<Cow<'_, str>> = self.cells(self.rows[0].1).collect();
+        let mut varies = vec![false; self.names.len()];
+        for (_, line) in &self.rows {
+            for (i, (varies, cell)) in varies.iter_mut().zip(self.cells(line)).enumerate() {
+                *varies |= first.get(i) != Some(&cell);
+            }
+        }
+        let varying: Vec<usize> = self.groups.iter().copied().filter(|&i| varies[i]).collect();
         self.telling = if varying.is_empty() { self.groups[..1].to_vec() } else { varying };
         Some(self)
     }
@@ -187,16 +192,10 @@ impl<'a> Long<'a> {
     /// The column of reflectance, and what is said of the others.
     fn values(&self, said: &mut Vec<String>) -> Result<usize> {
         let label = |i: &usize| format!("'{}'", shortened(self.names[*i].trim()));
-        let column = |i: usize| -> Vec<f64> {
-            let value = |text: Cow<'_, str>| match self.style.cell(&text) {
-                Some(Cell::Number(value)) => value,
-                _ => f64::NAN,
-            };
-            self.rows.iter().map(|(_, line)| self.cells(line).nth(i).map_or(f64::NAN, value)).collect()
-        };
+        // Row numbers and empty ends of lines have no names.
         let rest: Vec<usize> = (0..self.names.len())
             .filter(|i| *i != self.position && !self.groups.contains(i))
-            .filter(|&i| !(self.names[i].trim().is_empty() && is_count(&column(i))))
+            .filter(|&i| !self.names[i].trim().is_empty())
             .collect();
         let of = |wanted: &dyn Fn(&str) -> bool| -> Vec<usize> {
             rest.iter().copied().filter(|&i| wanted(self.names[i].trim())).collect()

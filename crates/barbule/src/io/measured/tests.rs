@@ -253,6 +253,7 @@ fn mutated_files_are_read_or_refused_but_never_more() {
         "Jaz Data File\n>>>>>Begin Processed Spectral Data<<<<<\nW\tD\tR\tS\tP\n400\t1\t2\t3\t4\n500\t1\t2\t3\t5\n>>>>>End\n".to_owned(),
         jdx("##FIRSTX= 400\n##LASTX= 460\n##NPOINTS= 7", "##XYDATA=(X++(Y..Y))\n400A0JT%T\n440A2jk\n460I"),
         jdx("##DELTAX= 10", "##XYDATA=(X++(Y..Y))\n400 10 11 12"),
+        "wl,id,R\n400,s0,0.1\n500,s0,0.3\n400,s1,0.2\n500,s1,0.4\n".to_owned(),
     ];
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
     let mut next = |below: usize| {
