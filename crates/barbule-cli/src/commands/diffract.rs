@@ -262,10 +262,11 @@ impl Args {
         let heights = size_of_val(field.height_um()) as u64;
         let sums = if self.wo.is_some() { foretell_seconds(field, setup, at) } else { 0.0 };
         let seconds = (seconds + sums) / rayon::current_num_threads() as f64;
+        self.common.check_memory(&what, LEAST_MEMORY as u64 + heights + work, "a smaller patch or --size")?;
         if seconds > SOON_SECONDS {
             self.common.say(&format!("{what}: about {}", duration(seconds)));
         }
-        self.common.check_memory(&what, LEAST_MEMORY as u64 + heights + work, "a smaller patch or --size")
+        Ok(())
     }
 
     /// Says that heights are too far apart for all directions at the shortest wavelength.

@@ -278,7 +278,7 @@ fn threads_that_cannot_start_and_memory_that_is_not_there_end_in_a_sentence() {
     assert_eq!(output.status.code(), Some(2), "{}", message(&output));
     assert!(message(&output).contains("--threads 20: cannot be started"), "{}", message(&output));
     assert!(is_one_sentence(&message(&output)));
-    let sweep = "film air/keratin:3/air --threads 1 --wavelengths 300:830:0.1 --angles 0:80:0.05 --csv t.csv";
+    let sweep = "film air/keratin:3/air --threads 1 --wavelengths 300:830:0.2 --angles 0:80:0.2 --csv t.csv";
     let output = limited(folder.path(), 300_000, sweep);
     assert_eq!(output.status.code(), Some(1), "{}", message(&output));
     assert!(message(&output).contains("the system has no more memory"), "{}", message(&output));

@@ -189,7 +189,7 @@ const LINES: &[(&str, &str)] = &[
     ("far-field starling --wavelength 500 --theta 0 --phi 0:90:10", "--phi: 90° is at or past grazing"),
     (
         "far-field starling --wavelength 300:830:0.1 --theta 0 --phi 0 --memory 100MB",
-        "5301 far fields on 400 azimuths need 135.7 MB of memory, but 100.0 MB are allowed",
+        "5301 far fields on 400 azimuths need 159.7 MB of memory, but 100.0 MB are allowed",
     ),
     (
         "far-field starling --wavelength 300:830:0.1 --theta=-80:80:0.1 --phi=-80:80:0.1 --json",
@@ -306,7 +306,7 @@ const LINES: &[(&str, &str)] = &[
     ("render starling -o @f.png --size 999999x999999", "999999"),
     (
         "render mallard -o @f.png --size 16384x16384 --samples 1 --memory 1GB",
-        "needs 54288 MB of memory, but 1000 MB are allowed",
+        "needs 54250 MB of memory, but 1000 MB are allowed",
     ),
     ("render mallard -o @f.exr --size 1000x1000 --memory 100MB", "raise --memory, or give a smaller --size"),
     ("render @large.toml -o @f.png", "over the limit of 4 MiB"),
@@ -523,8 +523,16 @@ const SCENES: &[Change] = &[
         "surfaces.rmaus = {melanin = 3}",
         "surfaces.rmaus has no type and is no part of a feather, did you mean 'ramus'?",
     ),
-    ("sky = 0.7", "surfaces.x = {type = \"diffuse\", albedo = \"no.png\"}", "surfaces.x.albedo"),
-    ("sky = 0.7", "surfaces.x = {type = \"diffuse\", bump = \"no.png\", bump_um = 3}", "surfaces.x.bump"),
+    (
+        "sky = 0.7",
+        "surfaces.x = {type = \"diffuse\", albedo = \"no.png\"}\nobjects = [{sphere_mm = 1, surface = \"x\"}]",
+        "surfaces.x.albedo",
+    ),
+    (
+        "sky = 0.7",
+        "surfaces.x = {type = \"diffuse\", bump = \"no.png\", bump_um = 3}\nobjects = [{sphere_mm = 1, surface = \"x\"}]",
+        "surfaces.x.bump",
+    ),
     ("sky = 0.7", "surfaces.x = {type = \"diffuse\", bump = \"no.png\"}", "surfaces.x.bump_um is missing"),
     (
         "sky = 0.7",

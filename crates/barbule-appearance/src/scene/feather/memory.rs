@@ -28,6 +28,8 @@ const RAMUS_SEGMENTS: f64 = 24.0;
 const BARBULE_SEGMENTS: f64 = 6.0;
 /// Bytes that a triangle takes in a hierarchy that is built.
 const PER_TRIANGLE: f64 = 300.0;
+/// How much closer loose barbs stand, seen from above, than those of the vane: they are all about the shaft.
+const CLOSER: f64 = 1.6;
 /// Parts of a vane on which it is summed.
 const PARTS: u32 = 256;
 
@@ -90,9 +92,8 @@ impl Feather {
         let crossing = window.radius_mm.map_or(f64::INFINITY, |radius| 4.0 * (radius / spacing_mm + 1.0));
         let closed_mm = if downy.share < 1.0 { self.barbs_mm_in(window) } else { 0.0 };
         let loose_mm = match own_mm {
-            // All about the shaft they stand closer than in the vane.
             own if own > 0.0 => (1.15 * own * raised[1]).min(2.5 * disc / spacing_mm),
-            _ => self.barbs_mm_in(window) * loose_to.min(1.0),
+            _ => self.vane_area().min(CLOSER * disc) / spacing_mm * loose_to.min(1.0),
         };
         let tuft = 2.0 * MOST_IN_TUFT as f64;
         let rows = [1e3 / self.distal.spacing_um + 1e3 / self.proximal.spacing_um, 2e3 / downy.spacing_um];
