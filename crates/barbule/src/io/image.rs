@@ -9,7 +9,7 @@ use exr::prelude::{
 };
 
 use super::assets::ending;
-use super::radiance::decode_radiance;
+use super::radiance::{decode_radiance, foretell_radiance};
 use super::{read_bytes, write_whole};
 use crate::spectrum::colour::decode;
 use crate::{Error, Result};
@@ -177,6 +177,8 @@ pub fn foretell_picture(name: &str, head: &[u8]) -> Option<usize> {
     let sizes = if ending(name) == "exr" {
         let headers = MetaData::read_from_buffered(head, false).ok()?.headers;
         headers.iter().map(|header| header.layer_size.area()).max()
+    } else if ending(name) == "hdr" {
+        foretell_radiance(name, head)
     } else {
         let mut decoder = png::Decoder::new(std::io::Cursor::new(head));
         let info = decoder.read_header_info().ok()?;

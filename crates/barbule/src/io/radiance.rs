@@ -33,6 +33,12 @@ pub(super) fn decode_radiance(name: &str, bytes: &[u8]) -> Result<RgbImage> {
     Ok(RgbImage { size: [width, height], pixels })
 }
 
+/// How many pixels a picture has, from its header alone; nothing where that does not say.
+pub(super) fn foretell_radiance(name: &str, head: &[u8]) -> Option<usize> {
+    let [width, height] = Header::read(name, head).ok()?.order.size;
+    Some(width.saturating_mul(height))
+}
+
 /// What stands before the pixels.
 struct Header<'a> {
     order: Order,
