@@ -289,7 +289,7 @@ fn mutated_files_are_read_or_refused_but_never_more() {
         b">>>>>Begin",
     ];
     let (mut read, mut refused) = (0, 0);
-    for round in 0..8_000 {
+    for round in 0..10_000 {
         let mut bytes = seeds[round % seeds.len()].clone().into_bytes();
         for _ in 0..=next(4) {
             let at = next(bytes.len() + 1);
