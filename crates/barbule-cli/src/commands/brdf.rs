@@ -35,7 +35,7 @@ const MOST_IN_ARRAYS: usize = 100_000_000;
 const MATERIAL_BYTES: u64 = 24_000_000;
 
 /// Bytes of a value as a number and as text, at most; and in arrays alone: three quantities, each as numbers and, one at a time, as bytes.
-const VALUE_BYTES: u64 = 560;
+const VALUE_BYTES: u64 = 320;
 const ARRAY_VALUE_BYTES: u64 = 32;
 
 /// Most curves or maps in one figure.

@@ -422,7 +422,7 @@ fn what_a_file_is_is_said_with_what_to_do() {
         (&["render", "none.barbule", "-o", "x.png"], "none.barbule: no such file"),
         (&["render", "none.toml:x", "-o", "x.png"], "none.toml: no such file"),
         (&["render", "European-starlign", "-o", "x.png"], "did you mean 'european-starling'"),
-        (&["render", "sparrow", "-o", "x.png"], "known are rock-dove, starling"),
+        (&["render", "sparrow", "-o", "x.png"], "presets are rock-dove, starling"),
     ] {
         place.refused(words, part);
     }

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use barbule_birds::BIRDS;
+
 use crate::Error;
 use crate::error::{did_you_mean, shortened};
 use crate::io::files_in;
@@ -38,6 +40,11 @@ pub(super) fn no_scene(text: &str) -> Error {
     let near = match files.iter().find(is_it) {
         Some(file) => format!(", did you mean '{}'?", shortened(file)),
         None => did_you_mean(&beginning(text), known),
+    };
+    // Then by the other names that birds have.
+    let near = match near.is_empty() {
+        true => did_you_mean(&beginning(text), BIRDS.iter().flat_map(|bird| bird.also.iter().copied())),
+        false => near,
     };
     let presets = preset::names().collect::<Vec<_>>().join(", ");
     let known = if near.is_empty() { format!(" (presets are {presets})") } else { near };

@@ -30,6 +30,8 @@ const BARBULE_SEGMENTS: f64 = 6.0;
 const PER_TRIANGLE: f64 = 300.0;
 /// How much closer loose barbs stand, seen from above, than those of the vane: they are all about the shaft.
 const CLOSER: f64 = 1.6;
+/// How much more of a vane a window may hold than of one of straight shaft and barbs at right angles.
+const LEANING: f64 = 1.1;
 /// Parts of a vane on which it is summed.
 const PARTS: u32 = 256;
 
@@ -90,7 +92,9 @@ impl Feather {
         let disc = window.radius_mm.map_or(f64::INFINITY, |radius| std::f64::consts::PI * radius * radius);
         // So many barbs cross a disc on either side of the shaft.
         let crossing = window.radius_mm.map_or(f64::INFINITY, |radius| 4.0 * (radius / spacing_mm + 1.0));
-        let closed_mm = if downy.share < 1.0 { self.barbs_mm_in(window) } else { 0.0 };
+        // Barbs that lean, and a shaft that is bent, bring some more into it.
+        let closed = (LEANING * self.vane_area_in(window)).min(self.vane_area().min(disc)) / spacing_mm;
+        let closed_mm = if downy.share < 1.0 { closed } else { 0.0 };
         let loose_mm = match own_mm {
             own if own > 0.0 => (1.15 * own * raised[1]).min(2.5 * disc / spacing_mm),
             _ => self.vane_area().min(CLOSER * disc) / spacing_mm * loose_to.min(1.0),

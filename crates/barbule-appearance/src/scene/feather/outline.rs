@@ -1,7 +1,7 @@
 //! The outline of a vane: its half width along the shaft on either side, and the barbs' angles.
 
 use super::shaft::Shaft;
-use super::{BarbShape, Feather, smoothstep};
+use super::{BarbShape, Feather, VaneDisc, smoothstep};
 
 /// Length of the step in an emarginated vane, as a share of the vane.
 const EMARGINATION_STEP: f64 = 0.08;
@@ -34,12 +34,29 @@ impl Feather {
         self.barbs.outline(vane, shaft.vane(along_mm)).max(shaft.radius(along_mm))
     }
 
-    /// Area of both vanes, mm² (midpoint rule).
+    /// Area of both vanes, mm².
     #[must_use]
     pub fn vane_area(&self) -> f64 {
+        self.vane_area_in(VaneDisc::WHOLE)
+    }
+
+    /// Area of both vanes within a window about a straight shaft, mm² (midpoint rule).
+    #[must_use]
+    pub fn vane_area_in(&self, window: VaneDisc) -> f64 {
         const PARTS: u32 = 400;
-        let length = self.shaft.length_mm * (1.0 - self.shaft.calamus);
-        let width = |t: f64| Vane::BOTH.iter().map(|vane| self.barbs.outline(*vane, t)).sum::<f64>();
+        let first = self.shaft.length_mm * self.shaft.calamus;
+        let length = self.shaft.length_mm - first;
+        // Half a chord of the window.
+        let chord = |along_mm: f64| {
+            window.radius_mm.map_or(f64::INFINITY, |radius| {
+                let away = along_mm - window.along_mm;
+                (radius * radius - away * away).max(0.0).sqrt()
+            })
+        };
+        let width = |t: f64| {
+            let half = chord(first + t * length);
+            Vane::BOTH.iter().map(|vane| self.barbs.outline(*vane, t).min(half)).sum::<f64>()
+        };
         let parts = (0..PARTS).map(|i| width((f64::from(i) + 0.5) / f64::from(PARTS)));
         parts.sum::<f64>() * length / f64::from(PARTS)
     }
