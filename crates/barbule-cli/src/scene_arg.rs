@@ -1,5 +1,8 @@
 //! What `barbule render` draws, as people type it.
 
+use std::path::Path;
+
+use barbule::io::{InputKind, kind_of};
 use barbule::scene::description::SceneDescription;
 use barbule::{Result, open};
 
@@ -15,5 +18,11 @@ pub(crate) const HELP: &str = "A preset, SPECIES:VARIANT, a scene .toml, or your
 /// # Errors
 /// As there.
 pub(crate) fn parse(text: &str, common: &Common) -> Result<SceneDescription> {
-    open::description(text, &common.opening()?, &Doubts(common)).map_err(|error| with_advice(error, text))
+    open::description(text, &common.opening()?, &Doubts(common)).map_err(|error| {
+        match kind_of(Path::new(text)) {
+            // It is one, with a fault.
+            Ok(InputKind::Scene) => error,
+            _ => with_advice(error, text),
+        }
+    })
 }

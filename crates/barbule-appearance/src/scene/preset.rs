@@ -39,7 +39,7 @@ pub fn toml(name: &str) -> Result<&'static str> {
 /// What a preset shows: the first sentence of its file's first comment.
 ///
 /// # Errors
-/// As [`toml`].
+/// As [`toml()`].
 pub fn about(name: &str) -> Result<String> {
     let comment: Vec<&str> =
         toml(name)?.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).collect();

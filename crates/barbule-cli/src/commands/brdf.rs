@@ -56,7 +56,7 @@ the mirror direction is 0,-30.
 Examples:
   barbule brdf starling --wavelength 520 --wi 0,30 --wo 0,-30 --wo 0,-20
   barbule brdf starling --wavelength 450,550,650 --wi 0,0 --wo-grid 64 --instance 3 --csv grid.csv
-  barbule brdf starling --wavelength 520 --wi 0,0 --wi 0,30 --instance 0:59:1 --wo-grid 16 -o table.zarr
+  barbule brdf starling --wavelength 520 --wi 0,30 --instance 0:59:1 --wo-grid 9 -o g.zarr
   barbule brdf starling --wavelength 400:694:6 --wi 0,30 --marginal --json";
 
 /// Arguments of `barbule brdf`.

@@ -43,7 +43,7 @@ impl Args {
         }
         check_axes(store.axes()).map_err(|e| e.at(self.store.display()))?;
         let bytes = statistics_bytes(store.axes());
-        self.common.allowance().check("this store's statistics", bytes, "a store of fewer directions")?;
+        self.common.check_memory("this store's statistics", bytes, "a store of fewer directions")?;
         let statistics = store.statistics()?;
         let campaign =
             CampaignDescription::read(store.description()).map_err(|e| e.at(self.store.display()))?;

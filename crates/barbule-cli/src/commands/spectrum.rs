@@ -267,7 +267,7 @@ impl Args {
         };
         let bytes = spectrum_bytes(structure, &request)?;
         let fewer = "fewer --wavelengths, angles, --instances or --threads";
-        self.common.allowance().check("this spectrum", bytes, fewer)?;
+        self.common.check_memory("this spectrum", bytes, fewer)?;
         let (found, individuals) = spectra_and_individuals(structure, &request, progress)?;
         self.say_grazing(&found, structure.width_um());
         let core_fringes = match instances {

@@ -426,6 +426,10 @@ fn what_a_file_is_is_said_with_what_to_do() {
     ] {
         place.refused(words, part);
     }
+    // A scene with a fault is one all the same.
+    place.write("fault.toml", "preset = 'starling'\nskies = 1\n");
+    let (code, _, said) = place.run(&["render", "fault.toml", "-o", "x.png"]);
+    assert!(code == 2 && said.contains("skies") && !said.contains("draw it with"), "{said}");
     assert!(!place.path("x.png").exists());
 }
 

@@ -263,6 +263,20 @@ fn samples_of_scenes_are_foretold() {
     is_refused(&words, 60, &picture);
 }
 
+/// Spectra of many instances, and the statistics of a store while they are fitted.
+#[test]
+fn spectra_and_fits_keep_to_what_is_foretold() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (summary, store, material) = (at("s.csv"), at("s.zarr"), at("m.barbule"));
+    let spectrum =
+        ["spectrum", "hummingbird", "--wavelengths", "400:690:10", "--instances", "4", "--summary", &summary];
+    keeps_to_what_is_foretold(&spectrum, Path::new(&summary));
+    let simulate = ["simulate", "starling", "--thin", "10", "--instances", "4", "-o", &store];
+    assert_eq!(run(&simulate).code, 0);
+    keeps_to_what_is_foretold(&["fit", &store, "-o", &material], Path::new(&material));
+}
+
 #[test]
 fn numbers_and_their_texts_are_foretold() {
     let folder = tempfile::tempdir().unwrap();
