@@ -74,7 +74,9 @@ impl Comparison {
         let correspondence = looks[1]
             .peak
             .map(|peak| corresponding(&measured, peak.nm, &simulated, &looks[0].peaks, ANY_STRETCH));
-        if let Some(peak) = correspondence.and_then(|found| found.peak.ok()) {
+        if let Some(peak) =
+            correspondence.filter(|found| found.rival.is_none()).and_then(|found| found.peak.ok())
+        {
             looks[0].peak = Some(peak);
         }
         let labs = looks[0].colour.zip(looks[1].colour).map(|(s, m)| {
@@ -99,7 +101,8 @@ impl Comparison {
 
     /// The simulated peak that corresponds to the measured one, and that one.
     fn pair(&self) -> Option<[Peak; 2]> {
-        Some([self.correspondence?.peak.ok()?, self.measured.peak?])
+        let found = self.correspondence.filter(|found| found.rival.is_none())?;
+        Some([found.peak.ok()?, self.measured.peak?])
     }
 
     /// The simulated peak that corresponds to the measured one − the measured peak, nm; none where either has no peak or
@@ -111,9 +114,15 @@ impl Comparison {
 
     /// Why there is no shift though both have a peak.
     fn no_shift(&self) -> Option<String> {
-        let lost = self.correspondence?.peak.err()?;
+        let found = self.correspondence?;
         self.simulated.peak?;
-        Some(match lost {
+        if let (Ok(peak), Some(rival)) = (found.peak, found.rival) {
+            return Some(format!(
+                "two stretches of wavelengths make the curves about as alike, and the measured peak corresponds to {:.0} or to {:.0} nm",
+                peak.nm, rival.nm
+            ));
+        }
+        Some(match found.peak.err()? {
             Lost::Outside(nm) => {
                 format!("the measured peak corresponds to one near {nm:.0} nm, outside the common range")
             }
@@ -306,6 +315,29 @@ mod tests {
         assert!(found.words().contains("peak 330 nm, measured 650 nm (no shift"), "{}", found.words());
         let cells = found.fields().csv_cells();
         assert_eq!(cells.split(',').nth(11), Some(""), "{cells}");
+    }
+
+    #[test]
+    fn no_shift_is_claimed_where_two_stretches_are_as_good() {
+        let nm = steps(300, 830, 4);
+        let measured = bell(&nm, 500.0, 25.0, 0.2);
+        // Two orders, as far above as below.
+        let orders = bell(&nm, 500.0 / 1.12, 25.0 / 1.12, 0.2);
+        let twin = bell(&nm, 500.0 * 1.12, 25.0 * 1.12, 0.2);
+        let sum = orders.values().iter().zip(twin.values()).map(|(a, b)| a + b).collect();
+        let both = Spectrum::new(Wavelengths::new(nm.clone()).unwrap(), sum).unwrap();
+        let found = Comparison::of(&both, &measured, None).unwrap();
+        assert_eq!(found.peak_shift_nm(), None);
+        let words = found.words();
+        assert!(
+            words.contains("no shift, since two stretches") && words.contains("560 or to 446"),
+            "{words}"
+        );
+        // One of them alone is claimed.
+        for (simulated, shift) in [(&orders, -54.0), (&twin, 60.0)] {
+            let found = Comparison::of(simulated, &measured, None).unwrap();
+            assert!((found.peak_shift_nm().unwrap() - shift).abs() < 2.0, "{}", found.words());
+        }
     }
 
     #[test]

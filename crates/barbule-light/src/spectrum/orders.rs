@@ -20,6 +20,9 @@ const LEAST_OVERLAP: f64 = 0.5;
 /// Fewer common steps say nothing.
 const FEWEST_STEPS: usize = 8;
 
+/// A stretch whose score is as near as this to the best one's leaves open which of the two holds.
+const AMBIGUOUS: f64 = 0.1;
+
 /// A peak further than this from where the stretch puts it, in ln λ, is not the one that is meant.
 const TOLERANCE: f64 = 0.08;
 
@@ -48,7 +51,7 @@ pub struct Stretch {
 /// stretch is taken.
 #[must_use]
 pub fn stretch(from: &Spectrum, to: &Spectrum, factors: [f64; 2]) -> Option<Stretch> {
-    Stretchable::of(from).onto(&Stretchable::of(to), factors)
+    Tried::new(from, to, factors).best()
 }
 
 /// A curve at whole steps of ln λ.
@@ -65,21 +68,6 @@ impl Stretchable {
         let last = (libm::log(to) / STEP).floor() as i64;
         let values = (first..=last).map(|step| curve.held(libm::exp(step as f64 * STEP))).collect();
         Self { first, values }
-    }
-
-    fn onto(&self, to: &Self, factors: [f64; 2]) -> Option<Stretch> {
-        let [low, high] = factors.map(|factor| (libm::log(factor) / STEP).round() as i64);
-        let mut shifts: Vec<i64> = (low..=high).collect();
-        shifts.sort_by_key(|shift| shift.abs());
-        let mut best: Option<(f64, Stretch)> = None;
-        for shift in shifts {
-            let Some((correlation, share)) = self.correlation(to, shift) else { continue };
-            let score = correlation * share.sqrt();
-            if best.is_none_or(|(highest, _)| score > highest) {
-                best = Some((score, Stretch { factor: libm::exp(shift as f64 * STEP), correlation }));
-            }
-        }
-        best.map(|(_, stretch)| stretch)
     }
 
     /// Pearson's correlation once this curve is moved up by a number of steps, and over which part of the shorter one.
@@ -113,6 +101,46 @@ impl Stretchable {
     }
 }
 
+/// Stretches within a range of factors, from the least, and their scores.
+struct Tried(Vec<(f64, Stretch)>);
+
+impl Tried {
+    fn new(from: &Spectrum, to: &Spectrum, factors: [f64; 2]) -> Self {
+        let [from, to] = [from, to].map(Stretchable::of);
+        let [low, high] = factors.map(|factor| (libm::log(factor) / STEP).round() as i64);
+        let one = |shift: i64| {
+            let (correlation, share) = from.correlation(&to, shift)?;
+            Some((
+                correlation * share.sqrt(),
+                Stretch { factor: libm::exp(shift as f64 * STEP), correlation },
+            ))
+        };
+        Self((low..=high).filter_map(one).collect())
+    }
+
+    /// The place of the highest score, of equal ones that of the least stretch.
+    fn highest(&self) -> Option<usize> {
+        let far = |at: usize| libm::log(self.0[at].1.factor).abs();
+        (0..self.0.len()).max_by(|&a, &b| self.0[a].0.total_cmp(&self.0[b].0).then(far(b).total_cmp(&far(a))))
+    }
+
+    fn best(&self) -> Option<Stretch> {
+        Some(self.0[self.highest()?].1)
+    }
+
+    /// The next best of those that are better than their neighbours, where it is nearly as good as the best.
+    fn rival(&self) -> Option<Stretch> {
+        let highest = self.highest()?;
+        let score = |at: usize| self.0[at].0;
+        let is_peak = |&at: &usize| {
+            (at == 0 || score(at) > score(at - 1)) && (at + 1 == self.0.len() || score(at) > score(at + 1))
+        };
+        let others = (0..self.0.len()).filter(is_peak).filter(|at| *at != highest);
+        let next = others.max_by(|&a, &b| score(a).total_cmp(&score(b)))?;
+        (score(highest) - score(next) <= AMBIGUOUS).then(|| self.0[next].1)
+    }
+}
+
 /// Why a curve has no peak that corresponds to another curve's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lost {
@@ -131,6 +159,8 @@ pub struct Correspondence {
     pub peak: Result<Peak, Lost>,
     /// The stretch by which it was found; none of the curve that is followed from.
     pub stretch: Option<Stretch>,
+    /// Another peak, which it would be by another stretch that makes the curves nearly as alike.
+    pub rival: Option<Peak>,
 }
 
 /// What a peak at `nm` of the curve `from` has become in `to`, whose peaks these are.
@@ -142,12 +172,16 @@ pub fn corresponding(
     peaks: &[Peak],
     factors: [f64; 2],
 ) -> Correspondence {
-    let stretch = stretch(from, to, factors);
-    let peak = match stretch.filter(|stretch| stretch.correlation >= LEAST_CORRELATION) {
+    let tried = Tried::new(from, to, factors);
+    let is_alike = |stretch: &Stretch| stretch.correlation >= LEAST_CORRELATION;
+    let stretch = tried.best();
+    let peak = match stretch.filter(is_alike) {
         None => Err(Lost::Unlike(stretch.map(|stretch| stretch.correlation))),
         Some(stretch) => nearest(to, nm * stretch.factor, peaks),
     };
-    Correspondence { peak, stretch }
+    let other = tried.rival().filter(is_alike).and_then(|rival| nearest(to, nm * rival.factor, peaks).ok());
+    let rival = other.filter(|other| peak.is_ok_and(|peak| peak.nm != other.nm));
+    Correspondence { peak, stretch, rival }
 }
 
 /// The peak that is nearest to a wavelength, if it is near enough to be meant.
@@ -174,7 +208,7 @@ pub fn follow(
     start: Peak,
 ) -> Vec<Correspondence> {
     let from = nearest_to_normal(angles_deg);
-    let alone = Correspondence { peak: Ok(start), stretch: None };
+    let alone = Correspondence { peak: Ok(start), stretch: None, rival: None };
     let mut found = vec![alone; angles_deg.len()];
     for side in [-1.0, 1.0] {
         let (mut last, mut last_nm) = (from, start.nm);
