@@ -24,8 +24,6 @@ const SECTIONS: &str = "json";
 /// What is read and written between [`Ledger::open`] and the last drop.
 #[derive(Default)]
 struct State {
-    /// Ledgers that are open: commands that run at once in one process share one.
-    open: usize,
     /// Files that are read, with the names under which they are.
     read: HashMap<FileId, PathBuf>,
     /// Those of them whose texts are not searched for names yet.
@@ -53,28 +51,29 @@ fn state() -> MutexGuard<'static, Option<State>> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Keeps, while it lives, every file that is read from being overwritten.
+/// Held by the ledger that is open: what one command writes is no concern of another's.
+static ONE: Mutex<()> = Mutex::new(());
+
+/// Keeps, while it lives, every file that is read from being overwritten. There is one at a time in a process: a second
+/// command waits until the first is done.
 #[derive(Debug)]
 #[must_use = "inputs are safe for as long as it lives"]
-pub struct Ledger(());
+pub struct Ledger {
+    _one: MutexGuard<'static, ()>,
+}
 
 impl Ledger {
-    /// Begins to note what is read.
+    /// Begins to note what is read, once no other ledger is open. (On a thread that holds one it would wait for itself.)
     pub fn open() -> Self {
-        state().get_or_insert_default().open += 1;
-        Self(())
+        let one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+        *state() = Some(State::default());
+        Self { _one: one }
     }
 }
 
 impl Drop for Ledger {
     fn drop(&mut self) {
-        let mut state = state();
-        if let Some(open) = state.as_mut() {
-            open.open -= 1;
-            if open.open == 0 {
-                *state = None;
-            }
-        }
+        *state() = None;
     }
 }
 
