@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::Duration;
 
 use serde_json::{Value, json};
+
+use super::common::run_and_peak;
 
 fn run(words: &[&str]) -> (i32, String, String) {
     let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
@@ -157,21 +157,7 @@ fn a_structure_that_reflects_nothing_is_fitted_in_words() {
 
 /// The largest resident memory of a run, as often as it was looked at, and what the run said.
 fn peak_mb(words: &[&str]) -> (f64, String) {
-    let mut child = Command::new(assert_cmd::cargo::cargo_bin!("barbule"))
-        .args(words)
-        .stderr(Stdio::piped())
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap();
-    let status = format!("/proc/{}/status", child.id());
-    let mut peak = 0f64;
-    while child.try_wait().unwrap().is_none() {
-        let text = std::fs::read_to_string(&status).unwrap_or_default();
-        let kilobytes = text.lines().find_map(|l| l.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
-        peak = peak.max(kilobytes.and_then(|k| k.trim().parse::<f64>().ok()).unwrap_or(0.0) * 1024e-6);
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    let output = child.wait_with_output().unwrap();
+    let (output, peak) = run_and_peak(words);
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success(), "{message}");
     (peak, message)

@@ -2,15 +2,14 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::Duration;
 
+use super::common::run_and_peak;
 use super::limits::write;
 
 /// What a run took, foretold and said.
 struct Run {
     code: i32,
-    /// The largest resident memory, as often as it was looked at, MB; 0 where the system does not say.
+    /// As [`run_and_peak`] has it, MB.
     peak: f64,
     /// The largest that was foretold, MB.
     foretold: f64,
@@ -18,22 +17,7 @@ struct Run {
 }
 
 fn run(words: &[&str]) -> Run {
-    let mut child = Command::new(assert_cmd::cargo::cargo_bin!("barbule"))
-        .args(words)
-        .args(["-v", "--threads", "2"])
-        .stderr(Stdio::piped())
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap();
-    let status = format!("/proc/{}/status", child.id());
-    let mut peak = 0f64;
-    while child.try_wait().unwrap().is_none() {
-        let text = std::fs::read_to_string(&status).unwrap_or_default();
-        let kilobytes = text.lines().find_map(|l| l.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
-        peak = peak.max(kilobytes.and_then(|k| k.trim().parse::<f64>().ok()).unwrap_or(0.0) * 1024e-6);
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    let output = child.wait_with_output().unwrap();
+    let (output, peak) = run_and_peak(&[words, &["-v", "--threads", "2"]].concat());
     let message = String::from_utf8(output.stderr).unwrap();
     let foretold = message
         .lines()

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
+use std::time::Duration;
 
 use barbule::brdf::fixtures::example;
 use barbule::io::write_material;
@@ -18,6 +20,25 @@ pub(crate) fn write_made_up() {
 
 /// A scene whose light and framing are the tests' own: presets may be composed anew.
 pub(crate) const CLOSE_UP: &str = include_str!("../../../../barbule/tests/it/data/close-up.toml");
+
+/// A run of the program, and its largest resident memory, as often as it was looked at, MB; 0 where the system does not say.
+pub(crate) fn run_and_peak(words: &[&str]) -> (Output, f64) {
+    let mut child = Command::new(assert_cmd::cargo::cargo_bin!("barbule"))
+        .args(words)
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut peak = 0f64;
+    while child.try_wait().unwrap().is_none() {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let kilobytes = text.lines().find_map(|l| l.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
+        peak = peak.max(kilobytes.and_then(|k| k.trim().parse::<f64>().ok()).unwrap_or(0.0) * 1024e-6);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    (child.wait_with_output().unwrap(), peak)
+}
 
 /// Everything in a folder, hidden files too: relative path → bytes.
 pub(crate) fn bytes_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {
