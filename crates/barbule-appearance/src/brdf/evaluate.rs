@@ -15,6 +15,7 @@ use crate::Result;
 use crate::math::simd::dispatch_large;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
+use crate::spectrum::wave_number_per_um;
 
 /// A feather material that is ready for evaluation. Shared between threads; nothing in it changes.
 #[derive(Debug, Clone)]
@@ -154,12 +155,18 @@ impl FeatherBrdf {
         set: usize,
         simplices: &Simplices<S>,
         slope: &Slope,
+        inverse_nm: f32x4<S>,
         instance: Option<&At>,
     ) -> f32x4<S> {
         let Some(at) = instance else { return Mixed::new(simd, &self.tables.sets[set], simplices).mean };
         // Noise before lobes: its loads wait longest.
         let extras = Extras::new(simd, &self.tables.sets[set], simplices);
-        let place = self.tables.noise.place(simd, extras.inverse_length * at.x);
+        let inverse_length = if at.draw.is_achromatic() {
+            f32x4::splat(simd, slope.achromatic_inverse_length as f32)
+        } else {
+            extras.inverse_length
+        };
+        let place = self.tables.noise.place(simd, at.draw, inverse_length * at.x, inverse_nm * at.phase_nm);
         let [qr, qi, own_r, own_i] = self.tables.noise.at_four(simd, at.draw, &place);
         let Mixed { mean, steady } = Mixed::new(simd, &self.tables.sets[set], simplices);
         let value = if self.tables.polarization_of(set) == Some(Polarization::First) {
@@ -191,10 +198,15 @@ fn is_above(w: DVec3) -> bool {
     w.z > 0.0
 }
 
+/// A wavelength in the middle of the visible, nm.
+const USUAL_NM: f32 = 550.0;
+
 /// Which instance, and where its noise is looked up but for the length: x_i + x_o.
 struct At<'a> {
     draw: &'a Draw,
     x: f32,
+    /// Height phase times the wavelength, (rad/µm) nm.
+    phase_nm: f32,
     /// Slope t of the facet that mirrors.
     facet: f64,
     /// E − 1 on its side.
@@ -204,10 +216,11 @@ struct At<'a> {
 impl<'a> At<'a> {
     #[inline(always)]
     fn new(noise: &Noise, draw: &'a Draw, [wi, wo]: [DVec3; 2]) -> Self {
-        let x = wi.x + wo.x;
-        noise.fetch(draw, x as f32);
-        let facet = x / (wi.z + wo.z);
-        Self { draw, x: x as f32, facet, wing: draw.wing(facet) - 1.0 }
+        let (x, z) = (wi.x + wo.x, wi.z + wo.z);
+        let phase_nm = (z * wave_number_per_um(1.0)) as f32;
+        noise.fetch(draw, x as f32, phase_nm / USUAL_NM);
+        let facet = x / z;
+        Self { draw, x: x as f32, phase_nm, facet, wing: draw.wing(facet) - 1.0 }
     }
 
     /// τ, see the module `slope`.
@@ -419,7 +432,9 @@ impl FeatherBrdf {
         lanes: &mut [f32; 4],
     ) {
         let simplices = self.simplices(simd, towards, four);
-        let value = self.across(simd, set, &simplices, &towards.incident.slope, instance) * factor;
+        let inverse_nm = f32x4::splat(simd, 1.0) / f32x4::from_slice(simd, four);
+        let slope = &towards.incident.slope;
+        let value = self.across(simd, set, &simplices, slope, inverse_nm, instance) * factor;
         *lanes = (f32x4::from_slice(simd, lanes) + value).into();
     }
 

@@ -5,11 +5,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::evaluate::FeatherBrdf;
-use super::noise::Draw;
+use super::noise::{At, Draw};
 use super::slope::Slope;
 use super::table::{EXTRAS, Incident, LOBES, M2, MIDDLE, Node, REST, STRENGTH, Simplex, Table};
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
+use crate::spectrum::wave_number_per_um;
 
 /// What a material says about one pair of directions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -102,8 +103,7 @@ impl ExactBrdf<'_> {
         let [x, z] = [self.incident.x + cos_theta * sin_phi, self.incident.z + cos_theta * cos_phi];
         for (number, table) in tables.iter().enumerate() {
             let across = self.mixed(table, sin_phi, cos_phi);
-            sum.f +=
-                share * draw.map_or(across.mean, |draw| self.speckled(&across, number, [x, x / z], draw));
+            sum.f += share * draw.map_or(across.mean, |draw| self.speckled(&across, number, [x, z], draw));
             sum.steady += share * across.steady;
         }
         sum
@@ -115,16 +115,21 @@ impl ExactBrdf<'_> {
         self.brdf.tables.sets.iter().map(of).collect()
     }
 
-    /// f of an instance, S.25, each polarization with its own noise, at x = x_i + x_o and the slope of the facet that mirrors.
-    fn speckled(&self, across: &Across, set: usize, [x, facet]: [f64; 2], draw: &Draw) -> f64 {
-        let place = x * across.inverse_length;
-        let [first, second] = self.brdf.noise().at_both(draw, place, across.correlation);
+    /// f of an instance, S.25, each polarization with its own noise, at x = x_i + x_o and z = z_i + z_o.
+    fn speckled(&self, across: &Across, set: usize, [x, z]: [f64; 2], draw: &Draw) -> f64 {
+        let slope = self.place.as_ref().map_or(Slope::default(), |(incident, _)| incident.slope);
+        let at = At {
+            x: x * across.inverse_length,
+            achromatic_x: x * slope.achromatic_inverse_length,
+            height_phase_per_um: z * wave_number_per_um(self.wavelength_nm),
+        };
+        let [first, second] = self.brdf.noise().at_both(draw, &at, across.correlation);
         let of = |mean: f64, steady: f64, [qr, qi]: [f64; 2]| {
             let steady = steady.clamp(0.0, mean);
             let spread = (0.5 * (mean - steady)).sqrt();
             (spread * qr + steady.sqrt()).powi(2) + (spread * qi).powi(2)
         };
-        let slope = self.place.as_ref().map_or(Slope::default(), |(incident, _)| incident.slope);
+        let facet = x / z;
         let factor = draw.factor(slope.part(facet, across.inverse_length), facet);
         factor
             * match self.brdf.tables.polarization_of(set) {

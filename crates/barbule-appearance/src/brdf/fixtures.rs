@@ -1,7 +1,7 @@
 //! A made-up material for tests and benchmarks.
 
-use super::material::{FeatherMaterial, LobeSet, ParameterSet};
-use super::noise::spectrum;
+use super::material::{FeatherMaterial, LobeSet, ParameterSet, achromatic_lengths};
+use super::noise::{Spectral, spectrum};
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::Axes;
 use crate::spectrum::Wavelengths;
@@ -46,16 +46,19 @@ pub fn example(waves: usize) -> FeatherMaterial {
         }
     }
     let lags: Vec<f64> = (0..512).map(|k| libm::exp(-(f64::from(k) / 8.0).powi(2))).collect();
+    let sets = vec![set];
     FeatherMaterial {
-        axes,
         kind: FitKind::Marginal,
         sigma: 0.04,
-        sets: vec![set],
         correlation,
         steepness: vec![6.0; 400],
         strength: vec![0.8; 400],
+        achromatic_length: achromatic_lengths(&axes, &sets),
+        spectral: Spectral { height_um: 0.15, achromatic: 0.25 },
         noise_power: spectrum(&lags),
         seed: 1,
+        axes,
+        sets,
         info: serde_json::json!({ "species": "example", "variant": "green" }),
     }
 }

@@ -27,6 +27,7 @@ mod report;
 mod sample;
 mod simd;
 mod slope;
+mod spectral;
 mod steady;
 mod table;
 mod tables;
@@ -36,9 +37,10 @@ pub use evaluate::{FeatherBrdf, PreparedBrdf};
 pub use exact::{ExactBrdf, Values, values};
 pub use marginal::{Marginal, marginals, reflected_fractions};
 pub use material::{
-    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, check_axes, check_sigma, table_axes,
+    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, achromatic_lengths, check_axes, check_sigma,
+    table_axes,
 };
-pub use noise::{Draw, Noise, spectrum as noise_spectrum};
+pub use noise::{At, Draw, Noise, Spectral, spectrum as noise_spectrum};
 pub use patterns::Synthesis;
 pub use plain::PlainBrdf;
 pub use profile::lobe_integral;

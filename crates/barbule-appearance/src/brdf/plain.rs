@@ -175,16 +175,16 @@ impl PlainBrdf {
         nodes
     }
 
-    /// κ and g.
-    fn slope(&self, light: &Light) -> [f64; 2] {
+    /// κ, g and 1/l of achromatic instances.
+    fn slope(&self, light: &Light) -> [f64; 3] {
         let [theta, phi] = light.shares;
         let (a, b) = (theta.max(phi), theta.min(phi));
         let first = if theta >= phi { [1, 0] } else { [0, 1] };
-        let mut mixed = [0.0; 2];
+        let mut mixed = [0.0; 3];
         for (weight, [row, column]) in [(1.0 - a, [0, 0]), (a - b, first), (b, [1, 1])] {
             let at = light.rows[row] * self.header.phis + light.columns[column];
             for (k, sum) in mixed.iter_mut().enumerate() {
-                *sum += weight * self.of("slopes")[2 * at + k];
+                *sum += weight * self.of("slopes")[3 * at + k];
             }
         }
         mixed
@@ -231,7 +231,7 @@ impl PlainBrdf {
             let across = self.across(set, &light, &nodes, [wo.x / cos_o, wo.z / cos_o]);
             f += match instance {
                 None => across.mean,
-                Some(name) => self.drawn(set, &across, self.slope(&light), [wi, wo], name),
+                Some(name) => self.drawn(set, &across, self.slope(&light), [wi, wo], wavelength_nm, name),
             } / sets as f64;
             steady += across.steady / sets as f64;
             density += across.density;
@@ -257,12 +257,13 @@ impl PlainBrdf {
         &self,
         set: usize,
         across: &Across,
-        [kappa, g]: [f64; 2],
+        [kappa, g, achromatic]: [f64; 3],
         [wi, wo]: [DVec3; 2],
+        wavelength_nm: f64,
         name: u64,
     ) -> f64 {
         let h = hash(self.header.seed, &[name]);
-        let [first, own] = self.noise(h, (wi.x + wo.x) * across.inverse_length);
+        let [first, own] = self.noise(h, wi + wo, wavelength_nm, [across.inverse_length, achromatic]);
         let rest = (1.0 - across.gamma * across.gamma).max(0.0).sqrt();
         let second = [0, 1].map(|k| across.gamma * first[k] + rest * own[k]);
         let Across { mean, steady, fraction, steady_fraction, .. } = *across;
@@ -281,19 +282,36 @@ impl PlainBrdf {
         value * (1.0 + g * (wing - 1.0) * a * a / (1.0 + 2.0 * a.powi(3) / 27.0_f64.sqrt()))
     }
 
-    /// q and q' of an instance by its hash.
-    fn noise(&self, h: u64, x: f64) -> [[f64; 2]; 2] {
+    /// q and q' of an instance by its hash, at ω_i + ω_o, with 1/l and that of achromatic instances.
+    fn noise(
+        &self,
+        h: u64,
+        sum: DVec3,
+        wavelength_nm: f64,
+        [inverse_length, achromatic]: [f64; 2],
+    ) -> [[f64; 2]; 2] {
+        let more = h.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let is_achromatic = ((more >> 48) as f64) < 65_536.0 * self.header.spectral.achromatic;
+        let x = sum.x * if is_achromatic { achromatic } else { inverse_length };
         let place = 512.0 * x.clamp(-512.0, 512.0) - 0.5;
         let (k, t) = (place.floor() as i64, place - place.floor());
         let (shift, direction) = ((h >> 16) as i64 % 1024, if h >> 63 == 1 { -1 } else { 1 });
-        let scale = (1.0 - 2.0 * t * (1.0 - t) * (1.0 - self.of("autocovariance")[1])).sqrt();
+        let first = (h % 128) as f64 + (more >> 40 & 255) as f64 / 256.0;
+        // Single precision, as of the program's own.
+        let height = if is_achromatic { 0.0 } else { (self.header.spectral.height_um / 1.5175) as f32 };
+        let base = (first + f64::from(height) * sum.z * 2000.0 * PI / wavelength_nm).min(32_768.0);
+        let s = base - base.floor();
+        let scale = (1.0 - 2.0 * t * (1.0 - t) * (1.0 - self.of("autocovariance")[1])).sqrt()
+            * (1.0 - 2.0 * s * (1.0 - s)).sqrt();
         let mut numbers = [0.0; 4];
         for (k, weight) in [(k, 1.0 - t), (k + 1, t)] {
             let point = (shift + direction * k).rem_euclid(1024) as usize;
-            for (part, sum) in numbers.iter_mut().enumerate() {
+            let row = (base as usize % 128) * (HALF + 1) + point % HALF;
+            for (part, number) in numbers.iter_mut().enumerate() {
                 let part = if point < HALF { part } else { (part + 2) % 4 };
-                let row = (h as usize % 256) * (HALF + 1) + point % HALF;
-                *sum += weight / scale * self.of("codes")[4 * row + part];
+                for (next, share) in [(0, 1.0 - s), (4, s)] {
+                    *number += weight * share / scale * self.of("codes")[8 * row + next + part];
+                }
             }
         }
         let turned = |bits: u64, [a, b]: [f64; 2]| {
@@ -459,6 +477,7 @@ mod tests {
         material.correlation = spread(&material.correlation, 1.0, 1.0);
         material.steepness = vec![6.0; axes.cos_theta().len() * both.phis()];
         material.strength = (0..material.steepness.len()).map(|k| (k % 10) as f32 / 10.0).collect();
+        material.achromatic_length = vec![1.3; material.steepness.len()];
         let mut second = set.clone();
         second.mean[1].reflected.iter_mut().for_each(|rho| *rho *= 0.5);
         material.sets = vec![set, second];

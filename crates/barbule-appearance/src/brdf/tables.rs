@@ -5,7 +5,7 @@
 
 use super::arrays::{Arrays, TableArray};
 use super::material::{FeatherMaterial, check_sigma};
-use super::noise::Noise;
+use super::noise::{Noise, Spectral};
 use super::profile::Longitudinal;
 use super::sample::Sampler;
 use super::table::{Grid, Table};
@@ -15,7 +15,7 @@ use crate::scattering::statistics::Sides;
 use crate::{Error, Result};
 
 /// Version of the arrays and of what they mean.
-pub const TABLES_VERSION: u32 = 1;
+pub const TABLES_VERSION: u32 = 2;
 
 /// No tables have more nodes than this: those of a material with both grazing sides added to its axes.
 const MOST_NODES: usize = 16_000_000;
@@ -46,6 +46,8 @@ pub struct TablesHeader {
     pub reciprocal: bool,
     /// Longitudinal spread σ.
     pub sigma: f64,
+    /// How instances differ from wavelength to wavelength.
+    pub spectral: Spectral,
     /// Seed that instances are named with.
     pub seed: u64,
     /// Sets of nodes, 1 or 2.
@@ -94,7 +96,7 @@ impl BrdfTables {
             sets: only.iter().map(|set| Table::new(material, set, options.polarization)).collect(),
             longitudinal: Longitudinal::new(sigma),
             sampler: Sampler::new(sigma),
-            noise: Noise::new(&material.noise_power, material.seed),
+            noise: material.noise(),
         })
     }
 
@@ -109,6 +111,7 @@ impl BrdfTables {
             polarization: self.polarization,
             reciprocal: self.reciprocal,
             sigma: self.longitudinal.sigma,
+            spectral: self.noise.spectral(),
             seed: self.noise.seed(),
             sets: self.sets.len(),
             thetas,
@@ -157,7 +160,7 @@ impl BrdfTables {
             sets: (0..header.sets).map(set).collect::<Result<_>>()?,
             longitudinal: Longitudinal::from_arrays(from, header.sigma)?,
             sampler: Sampler::from_arrays(from, header.sigma)?,
-            noise: Noise::from_arrays(from, header.seed)?,
+            noise: Noise::from_arrays(from, header.spectral, header.seed)?,
         })
     }
 }
@@ -175,6 +178,7 @@ fn check_header(header: &TablesHeader) -> Result<()> {
         )));
     }
     check_sigma(header.sigma)?;
+    header.spectral.check()?;
     if sets == 2 && header.polarization.is_some() {
         return Err(Error::input("the tables have 2 sets, but one polarization has only its own"));
     }
@@ -229,8 +233,12 @@ mod tests {
             BrdfTables::from_arrays(&header, arrays).unwrap_err().to_string()
         };
         for (header, expected) in [
-            (TablesHeader { version: 2, ..header }, "version 2, but this program reads version 1"),
+            (TablesHeader { version: 1, ..header }, "version 1, but this program reads version 2"),
             (TablesHeader { sigma: f64::NAN, ..header }, "sigma is NaN"),
+            (
+                TablesHeader { spectral: Spectral { achromatic: 1.5, ..header.spectral }, ..header },
+                "achromatic is 1.5",
+            ),
             (TablesHeader { sets: 0, ..header }, "0 sets"),
             (
                 TablesHeader { sets: 2, polarization: Some(Polarization::First), ..header },

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::container::checksum;
 use super::whole::read_at_most;
 use super::write_whole;
-use crate::brdf::{BrdfTables, Numbers, TABLES_VERSION, TableArray, TablesHeader};
+use crate::brdf::{BrdfTables, Numbers, Spectral, TABLES_VERSION, TableArray, TablesHeader};
 use crate::error::shortened;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
@@ -39,6 +39,9 @@ struct Description {
     polarization: Option<u8>,
     reciprocal: bool,
     sigma: f64,
+    /// h of the height phase, µm, and the share of achromatic instances.
+    height_um: f64,
+    achromatic: f64,
     seed: u64,
     sets: usize,
     thetas: usize,
@@ -160,7 +163,7 @@ fn numbers_of(view: &TensorView<'_>) -> Option<Numbers<'static>> {
 }
 
 fn description_of(header: &TablesHeader) -> Description {
-    let TablesHeader { version, reciprocal, sigma, seed, sets, thetas, phis, waves, .. } = *header;
+    let TablesHeader { version, reciprocal, sigma, spectral, seed, sets, thetas, phis, waves, .. } = *header;
     Description {
         version,
         program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
@@ -180,6 +183,8 @@ fn description_of(header: &TablesHeader) -> Description {
         }),
         reciprocal,
         sigma,
+        height_um: spectral.height_um,
+        achromatic: spectral.achromatic,
         seed,
         sets,
         thetas,
@@ -191,7 +196,19 @@ fn description_of(header: &TablesHeader) -> Description {
 
 fn header_of(description: &Description) -> Result<TablesHeader> {
     let refuse = |what: &str| Err(Error::input(format!("its {what}")));
-    let Description { version, reciprocal, sigma, seed, sets, thetas, phis, waves, .. } = *description;
+    let Description {
+        version,
+        reciprocal,
+        sigma,
+        height_um,
+        achromatic,
+        seed,
+        sets,
+        thetas,
+        phis,
+        waves,
+        ..
+    } = *description;
     Ok(TablesHeader {
         version,
         kind: match description.kind.as_str() {
@@ -212,6 +229,7 @@ fn header_of(description: &Description) -> Result<TablesHeader> {
         },
         reciprocal,
         sigma,
+        spectral: Spectral { height_um, achromatic },
         seed,
         sets,
         thetas,
@@ -287,8 +305,9 @@ mod tests {
         let material = crate::io::encode_material(&example(2)).unwrap();
         assert!(decode_tables(&material).unwrap_err().to_string().contains("another kind of safetensors?"));
         type Edit = (&'static str, fn(&mut Description));
-        let edits: [Edit; 7] = [
-            ("has another version than 1", |d| d.version = 2),
+        let edits: [Edit; 8] = [
+            ("has another version than 2", |d| d.version = 1),
+            ("achromatic is -1", |d| d.achromatic = -1.0),
             ("kind must be 'marginal' or 'cone'", |d| d.kind = "half".into()),
             ("sides must be 'alike' or 'both'", |d| d.sides = String::new()),
             ("polarization must be 1, 2 or null", |d| d.polarization = Some(3)),

@@ -10,13 +10,15 @@ use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 
 use super::{container, read_bytes, write_whole};
-use crate::brdf::{FeatherMaterial, LobeSet, ParameterSet, table_axes};
+use crate::brdf::{FeatherMaterial, LobeSet, ParameterSet, Spectral, achromatic_lengths, table_axes};
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::{Axes, Sides};
 use crate::{Error, Result};
 
-/// Version of the layout.
+/// Versions of the layout: of materials without spectral noise, and with it, which earlier programs would leave out without a
+/// word.
 const SCHEMA: u32 = 3;
+const SCHEMA_SPECTRAL: u32 = 4;
 
 /// The one entry of the container's metadata.
 const ENTRY: &str = "barbule";
@@ -31,6 +33,11 @@ struct Description {
     sides: String,
     sigma: f64,
     seed: u64,
+    /// h of the height phase, µm, and the share of achromatic instances; left out where both are 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    height_um: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    achromatic: Option<f64>,
     /// How a code k of each array becomes a value.
     maps: BTreeMap<String, String>,
     info: serde_json::Value,
@@ -193,17 +200,20 @@ pub fn encode_material(material: &FeatherMaterial) -> Result<Vec<u8>> {
     for (name, map, _) in OTHERS.into_iter().filter(|(.., belongs)| *belongs == Belongs::Material) {
         tensors.insert(name.into(), (Dtype::U16, shape.clone(), codes(map, &material.correlation)));
     }
+    let spectral = (material.spectral != Spectral::default()).then_some(material.spectral);
     for (name, values) in SLOPES.into_iter().zip([&material.steepness, &material.strength]) {
         let bytes = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         tensors.insert(name.into(), (Dtype::F32, shape[1..].to_vec(), bytes));
     }
     let mut description = Description {
-        schema: SCHEMA,
+        schema: if spectral.is_some() { SCHEMA_SPECTRAL } else { SCHEMA },
         program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
         kind: kind_name(material.kind).into(),
         sides: sides_name(axes.sides()).into(),
         sigma: material.sigma,
         seed: material.seed,
+        height_um: spectral.map(|spectral| spectral.height_um),
+        achromatic: spectral.map(|spectral| spectral.achromatic),
         maps: maps().map(|(name, map)| (name, map.text().to_owned())).collect(),
         info: material.info.clone(),
         checksum: String::new(),
@@ -255,14 +265,19 @@ pub fn decode_material(bytes: &[u8]) -> Result<FeatherMaterial> {
         doubles(&views, "cos_phi")?,
     )?
     .with_sides(sides_of(&description.sides)?);
-    let sets = if views.contains_key("p1.m") { 2 } else { 1 };
+    let count = if views.contains_key("p1.m") { 2 } else { 1 };
+    let sets: Vec<ParameterSet> = (0..count)
+        .map(|set| decode_set(&views, &axes, &prefix(set, count), count == 1))
+        .collect::<Result<_>>()?;
+    let [height_um, achromatic] =
+        [description.height_um, description.achromatic].map(|value| value.unwrap_or_default());
     let material = FeatherMaterial {
-        sets: (0..sets)
-            .map(|set| decode_set(&views, &axes, &prefix(set, sets), sets == 1))
-            .collect::<Result<_>>()?,
         correlation: codes(&views, &axes, "correlation", Map::Share)?,
         steepness: singles(&views, &axes, SLOPES[0])?,
         strength: singles(&views, &axes, SLOPES[1])?,
+        achromatic_length: achromatic_lengths(&axes, &sets),
+        sets,
+        spectral: Spectral { height_um, achromatic },
         axes,
         kind: kind_of(&description.kind)?,
         sigma: description.sigma,
@@ -284,9 +299,9 @@ fn describe(json: &str) -> Result<Description> {
         Error::input(format!("the description in its metadata is not valid: {}", short(&e.to_string())))
     };
     let Schema { schema } = serde_json::from_str(json).map_err(refuse)?;
-    if schema != SCHEMA {
+    if ![SCHEMA, SCHEMA_SPECTRAL].contains(&schema) {
         return Err(Error::input(format!(
-            "has schema {schema}, but this program reads schema {SCHEMA}; fit it again or use another version of barbule"
+            "has schema {schema}, but this program reads schemas {SCHEMA} and {SCHEMA_SPECTRAL}; fit it again or use another version of barbule"
         )));
     }
     let description: Description = serde_json::from_str(json).map_err(refuse)?;

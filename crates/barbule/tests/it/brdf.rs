@@ -28,6 +28,8 @@ fn constant(m: f32, reflected: f32, steady: f32) -> FeatherMaterial {
         }
     }
     set.length.fill(1.0);
+    material.achromatic_length.fill(1.0);
+    let set = &mut material.sets[0];
     set.fraction_1.fill(0.5);
     set.steady_fraction_1.fill(0.5);
     material.correlation.fill(1.0);

@@ -1,6 +1,6 @@
 use super::*;
-use crate::brdf::Values;
 use crate::brdf::fixtures::example;
+use crate::brdf::{Values, achromatic_lengths};
 use crate::math::rng::Stream;
 use crate::scattering::directions::omega;
 use crate::scattering::statistics::{Axes, Sides};
@@ -170,6 +170,7 @@ fn both_signs_have_their_own_lobes() {
     for values in [&mut set.length, &mut set.fraction_1, &mut set.steady_fraction_1, &mut both.correlation] {
         *values = spread(values, 1.0);
     }
+    both.achromatic_length = achromatic_lengths(&both.axes, &both.sets);
     both.steepness.resize(20 * two.phis(), 6.0);
     both.strength.resize(20 * two.phis(), 0.8);
     let mut dark = both.clone();
