@@ -24,7 +24,7 @@ assert about["schema"] in (3, 4) and "m" in header
 arrays = {name: array({"F64": "d", "F32": "f", "U16": "H"}[entry["dtype"]], data[slice(*(start + at for at in entry["data_offsets"]))])
           for name, entry in header.items()}
 waves, cos_theta, cos_phi, power = (arrays[k] for k in ("wavelengths_nm", "cos_theta", "cos_phi", "noise_power"))
-both, sigma, seed = about["sides"] == "both", about["sigma"], about["seed"]
+both, SIGMA, seed = about["sides"] == "both", about["sigma"], about["seed"]
 single = lambda v: array("f", [v])[0]
 stored = lambda name, at, ending="": single(MAPS[name](arrays[name + ending][at]))
 # The nodes: φ_i rises, and each axis has one more at grazing, with the lobes of its neighbour.
@@ -37,19 +37,19 @@ def find(places, at):  # the place below and the share of the next
     below = clamp(sum(place <= at for place in places), 1, max(len(places) - 1, 1)) - 1
     return below, clamp((at - places[below]) / (places[below + 1] - places[below]), 0, 1) if len(places) > 1 else 0.0
 
-def knot(nm, c, cos_p):  # shares of the halo's Gaussians, and its power last
+def knot(nm, c, cos_p):  # shares of the halo's Gaussians, then its power
     if "halo_sigma" not in arrays:
         return [1.0]
-    axes, n = [arrays["halo_" + k] for k in ("wavelengths_nm", "cos_theta", "cos_phi")], arrays["halo_index"][0]
-    inside = lambda z: sqrt(1 - (1 - z * z) / n**2)
-    (t, a), (p, b), count, sums = find(axes[1], c), find(axes[2], cos_p), len(axes[0]) * len(axes[1]) * len(axes[2]), None
-    for row, column, weight in (t, p, (1 - a) * (1 - b)), (t, p + 1, (1 - a) * b), (t + 1, p, a * (1 - b)), (t + 1, p + 1, a * b):
-        if weight:
-            k, up = find(axes[0], nm * inside(axes[1][row] * axes[2][column]) / inside(c * cos_p))
-            for wave, part in (k, weight * (1 - up)), (k + 1, weight * up):
-                at = (wave * len(axes[1]) + row) * len(axes[2]) + column
-                values = [*arrays["halo_shares"][at::count], arrays["halo_power"][at]] if part else []
-                sums = [part * v + s for v, s in zip(values, sums or [0.0] * len(values))] if part else sums
+    (nms, cs, ps), n = (arrays["halo_" + k] for k in ("wavelengths_nm", "cos_theta", "cos_phi")), arrays["halo_index"][0]
+    inside, (t, a), (p, b) = (lambda z: sqrt(1 - (1 - z * z) / n**2)), find(cs, c), find(ps, cos_p)
+    sums, corners = [0.0] * (1 + len(arrays["halo_sigma"])), [(t + i, p + j, (a if i else 1 - a) * (b if j else 1 - b)) for i in (0, 1) for j in (0, 1)]
+    for row, column, weight in corners:
+        k, up = find(nms, nm * inside(cs[row] * ps[column]) / inside(c * cos_p)) if weight else (0, 0)
+        for wave, part in (k, weight * (1 - up)), (k + 1, weight * up):
+            if part:
+                at = (wave * len(cs) + row) * len(ps) + column
+                values = *arrays["halo_shares"][at :: len(nms) * len(cs) * len(ps)], arrays["halo_power"][at]
+                sums = [sum + part * value for sum, value in zip(sums, values)]
     return sums
 
 def profile(m2, sine, cosine, half, z, steady):  # a lobe of strength 1; half: sin and cos of φ_o/2
@@ -126,18 +126,11 @@ def mixed(nodes, phi, phi_o, polarization):  # P of mean and steady part, densit
         sums = [total + weight * part for total, part in zip(sums, parts)]
     return [sums[0], min(sums[:2]), *sums[2:]]
 
-SIGMAS = [sigma, *arrays.get("halo_sigma", [])]
-places, columns_v = [0, *cos_theta], [1 - abs(v) for v in PHI]
-
-def along(nodes, theta, t2):  # E/Q and density over cosθ_o of the mixture
-    shares = [0.0] * len(SIGMAS)
-    for weight, t, p, wave in nodes:
-        halo = knot(waves[wave], places[t], columns_v[p])[:-1]
-        shares = [total + weight * single(share) for total, share in zip(shares, [1 - sum(halo), *halo])]
-    sums = [0.0, 0.0]
-    for sigma, share in zip(SIGMAS, shares):
+def along(nodes, theta, t2):  # E/Q of all Gaussians, and their density over cosθ_o
+    sums, halos = [0.0, 0.0], [knot(waves[wave], [0, *cos_theta][t], 1 - abs(PHI[p]))[:-1] for _, t, p, wave in nodes]
+    for k, sigma in enumerate([SIGMA, *arrays.get("halo_sigma", [])]):
+        own = exp(-t2 / sigma**2) * sum(node[0] * single(halo[k - 1] if k else 1 - sum(halo)) for node, halo in zip(nodes, halos))
         ends = erf(cos(pi / 4 - theta / 2) / sigma) + erf(sin(pi / 4 - theta / 2) / sigma)
-        own = share * exp(-t2 / sigma**2)
         sums = [sums[0] + own / spread(theta, sigma), sums[1] + own * sqrt(1 - t2) / (sigma * sqrt(pi) * ends)]
     return sums
 

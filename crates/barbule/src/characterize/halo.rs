@@ -116,9 +116,7 @@ impl HaloPlan {
     /// # Errors
     /// As the solvers; a unit cannot be written; or the user cancelled.
     pub fn measure(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Halo> {
-        let instances = (0..self.instances)
-            .map(|index| self.structure.segment(self.seed, index, self.length_um, self.roughness))
-            .collect::<Result<Vec<_>>>()?;
+        let instances = (0..self.instances).map(|index| self.segment(index)).collect::<Result<Vec<_>>>()?;
         progress.begin("segments", self.count() as u64);
         let mut knots = Vec::new();
         for &nm in &self.wavelengths_nm {
@@ -139,6 +137,13 @@ impl HaloPlan {
             shares: shares.collect(),
             power: knots.iter().map(Knot::power).collect(),
         })
+    }
+
+    /// Given sections serve again with other heights when there are no more.
+    fn segment(&self, index: usize) -> Result<Segment> {
+        let given = self.structure.count().unwrap_or(usize::MAX).max(1);
+        let seed = self.seed.wrapping_add((index / given) as u64);
+        self.structure.segment(seed, index % given, self.length_um, self.roughness)
     }
 
     fn kept_knot(
