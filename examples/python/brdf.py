@@ -24,7 +24,7 @@ assert about["schema"] in (3, 4) and "m" in header
 arrays = {name: array({"F64": "d", "F32": "f", "U16": "H"}[entry["dtype"]], data[slice(*(start + at for at in entry["data_offsets"]))])
           for name, entry in header.items()}
 waves, cos_theta, cos_phi, power = (arrays[k] for k in ("wavelengths_nm", "cos_theta", "cos_phi", "noise_power"))
-both, sigma, seed = about["sides"] == "both", about["sigma"], about["seed"]
+both, SIGMA, seed = about["sides"] == "both", about["sigma"], about["seed"]
 height, achromatic = about.get("height_um", 0), about.get("achromatic", 0)
 single = lambda v: array("f", [v])[0]
 stored = lambda name, at, ending="": single(MAPS[name](arrays[name + ending][at]))
@@ -37,6 +37,21 @@ PHI = [-1] * both + [copysign(1 - cos(phi_i[p]), phi_i[p]) for p in order] + [1]
 def find(places, at):  # the place below and the share of the next
     below = clamp(sum(place <= at for place in places), 1, max(len(places) - 1, 1)) - 1
     return below, clamp((at - places[below]) / (places[below + 1] - places[below]), 0, 1) if len(places) > 1 else 0.0
+
+def knot(nm, c, cos_p):  # shares of the halo's Gaussians, then its power
+    if "halo_sigma" not in arrays:
+        return [1.0]
+    (nms, cs, ps), n = (arrays["halo_" + k] for k in ("wavelengths_nm", "cos_theta", "cos_phi")), arrays["halo_index"][0]
+    inside, (t, a), (p, b) = (lambda z: sqrt(1 - (1 - z * z) / n**2)), find(cs, c), find(ps, cos_p)
+    sums, corners = [0.0] * (1 + len(arrays["halo_sigma"])), [(t + i, p + j, (a if i else 1 - a) * (b if j else 1 - b)) for i in (0, 1) for j in (0, 1)]
+    for row, column, weight in corners:
+        k, up = find(nms, nm * inside(cs[row] * ps[column]) / inside(c * cos_p)) if weight else (0, 0)
+        for wave, part in (k, weight * (1 - up)), (k + 1, weight * up):
+            if part:
+                at = (wave * len(cs) + row) * len(ps) + column
+                values = *arrays["halo_shares"][at :: len(nms) * len(cs) * len(ps)], arrays["halo_power"][at]
+                sums = [sum + part * value for sum, value in zip(sums, values)]
+    return sums
 
 def profile(m2, sine, cosine, half, z, steady):  # a lobe of strength 1; half: sin and cos of φ_o/2
     q = m2 + (1 - m2) * (half[0] * cosine + half[1] * sine) ** 2
@@ -68,7 +83,9 @@ def chromatic(measured, common):  # l of the others
 @lru_cache(None)
 def node(t, p, wave, polarization):  # m², sin and cos of φ_eff/2, strength, density and chance of lobes; what else there is
     index = lambda t, p: (wave * thetas + max(t - 1, 0)) * phis + columns[p]
-    rho = lambda t, p: sum(stored("rho", index(t, p), ending) for ending in ("", "_2")[:1 + ("rho_2" in arrays)])
+    bare = lambda t, p: sum(stored("rho", index(t, p), ending) for ending in ("", "_2")[:1 + ("rho_2" in arrays)])
+    power = lambda t, p: min(knot(waves[wave], cos_theta[max(t - 1, 0)], cos(phi_i[columns[p]]))[-1], 1 / max(bare(t, p), 1e-30))
+    rho = lambda t, p: bare(t, p) * power(t, p)
     at, here, factor, lobes = index(t, p), rho(t, p), 1.0, []
     if t == 0 and thetas > 1:
         factor *= continued(here, rho(2, p), *cos_theta[:2])
@@ -81,7 +98,7 @@ def node(t, p, wave, polarization):  # m², sin and cos of φ_eff/2, strength, d
         there = "m" + ending in arrays
         m, phi, energy = (stored(name, at, ending) if there else none for name, none in (("m", 1.0), ("phi", 0.0), ("rho", 0.0)))
         phi = clamp(phi, 1e-4 - pi / 2, pi / 2 - 1e-4)
-        energy *= {"mean": 1, "1": 2 * fraction, "2": 2 - 2 * fraction}[polarization]
+        energy *= power(t, p) * {"mean": 1, "1": 2 * fraction, "2": 2 - 2 * fraction}[polarization]
         strength = factor * energy / area(m * m, phi, cos_theta[max(t - 1, 0)], ending == "_sta")
         rest, chance = sqrt(max(1 - m * m, 1e-12)), max(energy, 1e-9) * max(factor, 1e-3)
         inside = student(sin(pi / 4 + phi / 2) * rest / m) + student(sin(pi / 4 - phi / 2) * rest / m)
@@ -122,7 +139,16 @@ def mixed(nodes, phi, phi_o, polarization):  # P of mean and steady part, densit
         sums = [total + weight * part for total, part in zip(sums, parts)]
     return [sums[0], min(sums[:2]), *sums[2:]]
 
-def spread(theta):  # Q = ∫ exp(−sin²((θ_i + θ_o)/2)/σ²) cosθ_o dθ_o
+def along(nodes, theta, t2):  # E/Q of all Gaussians, and their density over cosθ_o
+    sums, halos = [0.0, 0.0], [knot(waves[wave], [0, *cos_theta][t], 1 - abs(PHI[p]))[:-1] for _, t, p, wave in nodes]
+    for k, sigma in enumerate([SIGMA, *arrays.get("halo_sigma", [])]):
+        own = exp(-t2 / sigma**2) * sum(node[0] * single(halo[k - 1] if k else 1 - sum(halo)) for node, halo in zip(nodes, halos))
+        ends = erf(cos(pi / 4 - theta / 2) / sigma) + erf(sin(pi / 4 - theta / 2) / sigma)
+        sums = [sums[0] + own / spread(theta, sigma), sums[1] + own * sqrt(1 - t2) / (sigma * sqrt(pi) * ends)]
+    return sums
+
+@lru_cache(None)
+def spread(theta, sigma):  # Q = ∫ exp(−sin²((θ_i + θ_o)/2)/σ²) cosθ_o dθ_o
     reach = 2 * asin(min(7 * sigma, 1))
     term = lambda angle: exp(-((sin(angle / 2) / sigma) ** 2)) * cos(angle - theta)
     return integral(term, 0, min(pi / 2 + theta, reach)) - integral(term, 0, max(theta - pi / 2, -reach))
@@ -196,7 +222,6 @@ for asked in map(json.loads, sys.stdin):
     theta, phi, polarization, found = radians(asked["theta_in_deg"]), radians(asked["phi_in_deg"]), asked["polarization"], []
     side = -1 if phi < 0 and not both else 1
     azimuth = clamp(side * phi, -acos(1e-4), acos(1e-4))
-    ends = erf(cos(pi / 4 - theta / 2) / sigma) + erf(sin(pi / 4 - theta / 2) / sigma)
     for nm in asked["wavelength_nm"]:
         nodes = list(simplex(theta, azimuth, nm))
         for theta_o, phi_o in zip(map(radians, asked["theta_out_deg"]), map(radians, asked["phi_out_deg"])):
@@ -207,8 +232,8 @@ for asked in map(json.loads, sys.stdin):
                 place = x * (common if is_achromatic(chained(split_mix(seed), asked["instance"])) else inverse_length)
                 f = speckled(f, s, asked["instance"], place, 2000 * pi / nm * z, gamma, fractions, polarization)
                 f *= factor(asked["instance"], steepness, strength, inverse_length, x / z)
-            along = exp(-t2 / sigma**2) / (spread(theta) * cos(theta_o) * cos(phi_o))
-            density = exp(-t2 / sigma**2) * sqrt(1 - t2) / (sigma * sqrt(pi) * ends * cos(theta_o))
-            found.append((along * f, along * s, density * drawn / weight))
+            value, density = along(nodes, theta, t2)
+            value /= cos(theta_o) * cos(phi_o)
+            found.append((value * f, value * s, density / cos(theta_o) * drawn / weight))
     rows = [found[r:r + len(asked["phi_out_deg"])] for r in range(0, len(found), len(asked["phi_out_deg"]))]
     print(json.dumps({name: [[values[k] for values in row] for row in rows] for k, name in enumerate(("f", "s", "pdf"))}))

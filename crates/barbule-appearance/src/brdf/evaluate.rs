@@ -3,10 +3,10 @@
 use fearless_simd::{Level, Simd, f32x4, prelude::*};
 use glam::DVec3;
 
-use super::lanes::{Cosine, Extras, Mixed, Outgoing, Simplices, density, exp_of_negative};
+use super::lanes::{Cosine, Extras, Mixed, Outgoing, Simplices, density, exp_of_negative, parts};
+use super::longitudinal::{PARTS, half_sine_squared};
 use super::material::FeatherMaterial;
 use super::noise::{Draw, Noise};
-use super::profile::half_sine_squared;
 use super::sample::direction;
 use super::slope::{FALL, FARTHEST, Slope};
 use super::table::{Incident, Table};
@@ -21,7 +21,8 @@ use crate::spectrum::wave_number_per_um;
 #[derive(Debug, Clone)]
 pub struct FeatherBrdf {
     pub(super) tables: BrdfTables,
-    inverse_sigma2: f64,
+    /// 1/σ² of the Gaussians along the barbule; 0 where there is none.
+    inverse_sigma2: [f64; PARTS],
     level: Level,
 }
 
@@ -46,8 +47,9 @@ impl FeatherBrdf {
     /// What these tables hold.
     #[must_use]
     pub fn from_tables(tables: BrdfTables) -> Self {
-        let sigma = tables.longitudinal.sigma;
-        Self { tables, inverse_sigma2: 1.0 / (sigma * sigma), level: Level::new() }
+        let sigmas = tables.longitudinal.sigmas();
+        let inverse_sigma2 = std::array::from_fn(|k| sigmas.get(k).map_or(0.0, |s| 1.0 / (s * s)));
+        Self { tables, inverse_sigma2, level: Level::new() }
     }
 
     /// The tables that are evaluated.
@@ -104,10 +106,16 @@ impl FeatherBrdf {
         self.tables.grid.wavelength_range_nm()
     }
 
-    /// The longitudinal spread in use.
+    /// The longitudinal spread in use: with a halo, that of the narrow part.
     #[must_use]
     pub fn sigma(&self) -> f64 {
-        self.tables.longitudinal.sigma
+        self.tables.longitudinal.sigma()
+    }
+
+    /// σ of the Gaussians beside it.
+    #[must_use]
+    pub fn halo_sigmas(&self) -> &[f64] {
+        &self.tables.longitudinal.sigmas()[1..]
     }
 
     /// The noise in use.
@@ -305,7 +313,8 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         let node = &tables[table].nodes[simplex.at[k] as usize];
         let [_, own] = incident.corner(simplex.corners()[k]);
         let azimuth = self.brdf.tables.sampler.azimuth(node, lobe, incident, own, u[1]);
-        let inclination = self.brdf.tables.sampler.inclination(incident.along, left);
+        let longitudinal = &self.brdf.tables.longitudinal;
+        let inclination = longitudinal.draw(&longitudinal.mixed(&simplex), incident.along, left);
         let outgoing = direction(incident, azimuth, inclination);
         (outgoing.z > 0.0).then_some(outgoing)
     }
@@ -405,18 +414,18 @@ impl FeatherBrdf {
             None => self.tables.grid.incident([wi.x, wi.y, wi.z]),
         };
         let towards = self.towards(simd, incident, wo);
-        let factor = self.factor(simd, &towards, wo);
-        // Most directions are far off the barbule's narrow cone.
-        if factor == 0.0 {
+        let factors = self.factors(simd, &towards, wo);
+        // Most directions are far off the barbule's narrow cone, and of its halo.
+        if factors == [0.0; PARTS] {
             return;
         }
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = values.as_chunks_mut::<4>();
         if let ([four, ..], [lanes, ..]) = (fours, &mut *lanes) {
-            self.add_four(simd, set, &towards, factor, instance, four, lanes);
+            self.add_four(simd, set, &towards, &factors, instance, four, lanes);
         }
         if let ([_, four, ..], [_, lanes, ..]) = (fours, lanes) {
-            self.add_four(simd, set, &towards, factor, instance, four, lanes);
+            self.add_four(simd, set, &towards, &factors, instance, four, lanes);
         }
     }
 
@@ -426,7 +435,7 @@ impl FeatherBrdf {
         simd: S,
         set: usize,
         towards: &Towards,
-        factor: f32,
+        factors: &[f32; PARTS],
         instance: Option<&At>,
         four: &[f32; 4],
         lanes: &mut [f32; 4],
@@ -434,18 +443,38 @@ impl FeatherBrdf {
         let simplices = self.simplices(simd, towards, four);
         let inverse_nm = f32x4::splat(simd, 1.0) / f32x4::from_slice(simd, four);
         let slope = &towards.incident.slope;
-        let value = self.across(simd, set, &simplices, slope, inverse_nm, instance) * factor;
+        let across = self.across(simd, set, &simplices, slope, inverse_nm, instance);
+        let shares = self.tables.longitudinal.shares();
+        let [first, second, third, fourth] = *factors;
+        let value = if shares.is_empty() {
+            across * first
+        } else {
+            let [a, b, c, d] = parts(simd, shares, &simplices);
+            across * ((a * first + b * second) + (c * third + d * fourth))
+        };
         *lanes = (f32x4::from_slice(simd, lanes) + value).into();
     }
 
     /// Densities of ω_o per sr at each wavelength.
     fn densities(&self, wavelengths_nm: &[f32], incident: &Incident, wo: DVec3, densities: &mut [f64]) {
         let towards = dispatch_large!(self.level, simd => self.towards(simd, *incident, wo));
-        let along = self.tables.sampler.along(incident.along, [wo.y, towards.cos_theta]) / towards.cos_phi;
+        let longitudinal = &self.tables.longitudinal;
+        let along = longitudinal
+            .densities(incident.along, [wo.y, towards.cos_theta])
+            .map(|density| density / towards.cos_phi);
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = densities.as_chunks_mut::<4>();
         for (four, lanes) in fours.iter().zip(lanes) {
             let (mut sums, mut totals) = ([0.0_f32; 4], [0.0_f32; 4]);
+            let mut mixed = [along[0]; 4];
+            if !longitudinal.shares().is_empty() {
+                let shares = dispatch_large!(self.level, simd => {
+                    let simplices = self.simplices(simd, &towards, four);
+                    parts(simd, longitudinal.shares(), &simplices).map(|lanes| <[f32; 4]>::from(lanes))
+                });
+                let of = |lane: usize| shares.iter().zip(along).map(|(s, d)| f64::from(s[lane]) * d).sum();
+                mixed = std::array::from_fn(of);
+            }
             for table in &self.tables.sets {
                 dispatch_large!(self.level, simd => {
                     let simplices = self.simplices(simd, &towards, four);
@@ -454,7 +483,7 @@ impl FeatherBrdf {
                     totals = (f32x4::from_slice(simd, &totals) + total).into();
                 });
             }
-            for ((value, sum), total) in lanes.iter_mut().zip(sums).zip(totals) {
+            for (((value, sum), total), along) in lanes.iter_mut().zip(sums).zip(totals).zip(mixed) {
                 *value = f64::from(sum / total) * along;
             }
         }
@@ -468,14 +497,18 @@ impl FeatherBrdf {
         Towards { incident, outgoing, cos_theta, cos_phi }
     }
 
-    /// What the spread along the barbule, z·ω_o and cosφ_o make of f.
+    /// What each Gaussian along the barbule, z·ω_o and cosφ_o make of f.
     #[inline(always)]
-    fn factor<S: Simd>(&self, simd: S, towards: &Towards, wo: DVec3) -> f32 {
+    fn factors<S: Simd>(&self, simd: S, towards: &Towards, wo: DVec3) -> [f32; PARTS] {
         let Towards { incident: Incident { along, .. }, cos_theta, cos_phi, .. } = towards;
-        let exponent = half_sine_squared(*along, [wo.y, *cos_theta]) * self.inverse_sigma2;
-        let spread = exp_of_negative(simd, f32x4::splat(simd, exponent as f32))[0];
+        let t2 = half_sine_squared(*along, [wo.y, *cos_theta]);
+        let exponents = self.inverse_sigma2.map(|inverse| (t2 * inverse) as f32);
+        let spread = exp_of_negative(simd, f32x4::from_slice(simd, &exponents));
         let share = if self.tables.sets.len() == 2 { 0.5 } else { 1.0 };
-        spread * (self.tables.longitudinal.inverse_q(along[1]) * share / (wo.z * cos_phi)) as f32
+        let over = wo.z * cos_phi;
+        let scale =
+            self.tables.longitudinal.inverse_q(along[1]).map(|inverse| (inverse * share / over) as f32);
+        (spread * f32x4::from_slice(simd, &scale)).into()
     }
 
     #[inline(always)]

@@ -87,11 +87,17 @@ impl ExactBrdf<'_> {
 
     /// f and s before any symmetrization, without the density.
     fn one_way(&self, wo: DVec3, draw: Option<&Draw>) -> Values {
-        let Some((incident, _)) = &self.place else { return Values::default() };
         let cos_o = wo.x.hypot(wo.z);
-        let along = self.brdf.tables.longitudinal.value(incident.along, [wo.y, cos_o]) / wo.z;
+        let along = self.along([wo.y, cos_o]) / wo.z;
         let across = self.across([wo.x / cos_o, wo.z / cos_o], cos_o, draw);
         Values { f: along * across.f, steady: along * across.steady, pdf: 0.0 }
+    }
+
+    /// The factor along the barbule towards an ω_o by its y and cosθ_o.
+    pub(super) fn along(&self, outgoing: [f64; 2]) -> f64 {
+        let Some((incident, simplex)) = &self.place else { return 0.0 };
+        let longitudinal = &self.brdf.tables.longitudinal;
+        longitudinal.value(&longitudinal.mixed(simplex), incident.along, outgoing)
     }
 
     /// The factors across the barbule, in rad⁻¹, mean over the sets: f (of an instance) and s, at an azimuth by its sine and
@@ -184,7 +190,9 @@ impl ExactBrdf<'_> {
                 }
             }
         }
-        sum / total * self.brdf.tables.sampler.along(incident.along, [wo.y, cos_o])
+        let longitudinal = &self.brdf.tables.longitudinal;
+        let along = longitudinal.density(&longitudinal.mixed(simplex), incident.along, [wo.y, cos_o]);
+        sum / total * along
     }
 }
 

@@ -48,6 +48,8 @@ pub struct FitOptions {
     pub lobe: LobeForm,
     /// Longitudinal spread σ that the material proposes.
     pub sigma: f64,
+    /// Whether the material is to have a halo, which no statistics hold: who makes it sees to that.
+    pub halo: bool,
     /// Whether both incident polarizations keep sets of their own.
     pub polarized: bool,
     /// Seed of the material's noise.
@@ -56,7 +58,14 @@ pub struct FitOptions {
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { kind: FitKind::Marginal, lobe: LobeForm::Pair, sigma: 0.04, polarized: false, seed: 1 }
+        Self {
+            kind: FitKind::Marginal,
+            lobe: LobeForm::Pair,
+            sigma: 0.04,
+            halo: false,
+            polarized: false,
+            seed: 1,
+        }
     }
 }
 
@@ -101,6 +110,7 @@ pub fn fit(
         axes: axes.clone(),
         kind: options.kind,
         sigma: options.sigma,
+        halo: None,
         sets,
         correlation: Vec::new(),
         steepness: slopes.iter().map(|slope| slope.steepness as f32).collect(),

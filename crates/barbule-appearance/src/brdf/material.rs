@@ -1,5 +1,6 @@
 //! The tables of a feather material, as a file holds them.
 
+use super::halo::Halo;
 use super::noise::{Noise, Spectral};
 use super::slope::{STEEPNESS, Slope};
 use crate::scattering::lobe::{FitKind, SMALLEST_M};
@@ -43,8 +44,10 @@ pub struct FeatherMaterial {
     pub axes: Axes,
     /// How the lobes were fitted.
     pub kind: FitKind,
-    /// Longitudinal spread σ that applies unless the user gives another.
+    /// Longitudinal spread σ that applies unless the user gives another: with a halo, of the narrow part.
     pub sigma: f64,
+    /// What leaves beside the narrow part, where segments in three dimensions were simulated.
+    pub halo: Option<Halo>,
     /// One set (unpolarized light), or two (incident polarizations 1 and 2).
     pub sets: Vec<ParameterSet>,
     /// Correlation γ, in \[0, 1\], of the noise that both incident polarizations carry. Shape `[λ, θ_i, φ_i]`.
@@ -81,6 +84,7 @@ impl FeatherMaterial {
         check_axes(&self.axes)?;
         let nodes = self.axes.len();
         check_sigma(self.sigma)?;
+        self.halo.as_ref().map_or(Ok(()), Halo::check)?;
         if !(1..=2).contains(&self.sets.len()) {
             return Err(Error::input(format!("{} parameter sets, but 1 or 2 are possible", self.sets.len())));
         }
@@ -150,6 +154,7 @@ impl FeatherMaterial {
             achromatic_length: self.achromatic_length.clone(),
             noise_power: self.noise_power.clone(),
             info: self.info.clone(),
+            halo: self.halo.clone(),
             ..*self
         })
     }
@@ -295,7 +300,7 @@ pub fn check_sigma(sigma: f64) -> Result<()> {
     Err(Error::input(format!("sigma is {sigma}, but must lie between 0.002 and 0.25 (0.04 is the default)")))
 }
 
-fn check_axis(name: &str, values: &[f64], low: f64, high: f64) -> Result<()> {
+pub(super) fn check_axis(name: &str, values: &[f64], low: f64, high: f64) -> Result<()> {
     if values.is_empty() {
         return Err(Error::input(format!("{name} is empty, but needs at least one value")));
     }
@@ -310,7 +315,7 @@ fn check_axis(name: &str, values: &[f64], low: f64, high: f64) -> Result<()> {
     }
 }
 
-fn check_range<T: Copy + PartialOrd + std::fmt::Display>(
+pub(super) fn check_range<T: Copy + PartialOrd + std::fmt::Display>(
     name: &str,
     values: &[T],
     count: usize,

@@ -14,8 +14,10 @@ mod fitted_node;
 // What tests and benchmarks of several crates need, but no user.
 #[doc(hidden)]
 pub mod fixtures;
+mod halo;
 mod lanes;
 mod length;
+mod longitudinal;
 mod marginal;
 mod material;
 mod noise;
@@ -35,6 +37,7 @@ mod tables;
 pub use arrays::{Numbers, TableArray};
 pub use evaluate::{FeatherBrdf, PreparedBrdf};
 pub use exact::{ExactBrdf, Values, values};
+pub use halo::{HALO_SIGMAS, Halo, HaloAt, MOST_HALOS};
 pub use marginal::{Marginal, marginals, reflected_fractions};
 pub use material::{
     FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, achromatic_lengths, check_axes, check_sigma,

@@ -118,7 +118,7 @@ impl PlainBrdf {
         let (set, node, lobe, u) = drawn?;
         let numbers = &self.of_set(set, "nodes")[16 * node.at..][..16];
         let [sin_phi, cos_phi] = azimuth(numbers[lobe], numbers[6 + lobe] / node.t, node.t / light.tau, u1);
-        let [y, cos_theta] = self.inclination(&light, u);
+        let [y, cos_theta] = self.inclination(&light, &nodes, u);
         let wo = DVec3::new(cos_theta * light.sign * sin_phi, y, cos_theta * cos_phi);
         (wo.z > 0.0).then_some(wo)
     }
@@ -240,16 +240,34 @@ impl PlainBrdf {
         let cosine = light.cos_theta * cos_o - light.y * wo.y;
         let sine = light.y * cos_o + wo.y * light.cos_theta;
         let t2 = if cosine > 0.0 { sine * sine / (2.0 + 2.0 * cosine) } else { 0.5 * (1.0 - cosine) };
-        let sigma = self.header.sigma;
-        let spread = (-t2 / (sigma * sigma)).exp();
+        let sigmas = self.sigmas();
         let inverse_q = self.of("inverse_q");
-        let place = light.cos_theta.sqrt() * (inverse_q.len() - 1) as f64;
-        let low = (place as usize).min(inverse_q.len() - 2);
+        let last = inverse_q.len() / sigmas.len() - 1;
+        let place = light.cos_theta.sqrt() * last as f64;
+        let low = (place as usize).min(last - 1);
         let share = place - low as f64;
-        let l = spread * (inverse_q[low] * (1.0 - share) + inverse_q[low + 1] * share) / wo.z;
-        let mass: f64 = ends(light.y).iter().map(|t| libm::erf(t / sigma)).sum();
-        let along = spread * (1.0 - t2).max(0.0).sqrt() / (sigma * PI.sqrt() * cos_o * mass);
+        let (mut l, mut along) = (0.0, 0.0);
+        for (part, (sigma, own)) in sigmas.iter().zip(self.parts(&nodes)).enumerate() {
+            let spread = own * (-t2 / (sigma * sigma)).exp();
+            let q = |row: usize| inverse_q[row * sigmas.len() + part];
+            l += spread * (q(low) * (1.0 - share) + q(low + 1) * share) / wo.z;
+            let mass: f64 = ends(light.y).iter().map(|t| libm::erf(t / sigma)).sum();
+            along += spread * (1.0 - t2).max(0.0).sqrt() / (sigma * PI.sqrt() * cos_o * mass);
+        }
         Values { f: l * f, steady: l * steady, pdf: density / chance * along }
+    }
+
+    /// σ of the Gaussians along the barbule.
+    fn sigmas(&self) -> Vec<f64> {
+        let halo = self.header.halo.into_iter().take_while(|sigma| *sigma > 0.0);
+        std::iter::once(self.header.sigma).chain(halo).collect()
+    }
+
+    /// Their shares.
+    fn parts(&self, nodes: &[Node]) -> [f64; 4] {
+        let Some(along) = self.arrays.get("along") else { return [1.0, 0.0, 0.0, 0.0] };
+        let of = |part: usize| nodes.iter().map(|node| node.weight * along[4 * node.at + part]).sum();
+        [0, 1, 2, 3].map(of)
     }
 
     /// P of an instance, steps 7 and 8.
@@ -324,8 +342,15 @@ impl PlainBrdf {
     }
 
     /// sinθ_o and cosθ_o, step 13.
-    fn inclination(&self, light: &Light, u: f64) -> [f64; 2] {
-        let sigma = self.header.sigma;
+    fn inclination(&self, light: &Light, nodes: &[Node], u: f64) -> [f64; 2] {
+        let (sigmas, parts) = (self.sigmas(), self.parts(nodes));
+        let (mut part, mut u) = (0, u * parts.iter().sum::<f64>());
+        while part + 1 < sigmas.len() && u >= parts[part] {
+            u -= parts[part];
+            part += 1;
+        }
+        let u = (u / parts[part]).min(1.0 - f64::EPSILON);
+        let sigma = sigmas[part];
         let [below, above] = ends(light.y);
         let [from, to] = [0.5 * libm::erfc(below / sigma), 0.5 * libm::erfc(-above / sigma)];
         let p = (from + u * (to - from)).clamp(1e-300, 1.0 - f64::EPSILON / 2.0);
@@ -396,7 +421,7 @@ fn quantile(v: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::fixtures::example;
+    use crate::brdf::fixtures::{example, halo};
     use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
     use crate::math::rng::Stream;
 
@@ -447,6 +472,7 @@ mod tests {
             assert_same(&material, options);
         }
         assert_same(&example(1), Options::default());
+        assert_same(&FeatherMaterial { halo: Some(halo()), ..example(5) }, Options::default());
         assert_same(&FeatherMaterial { kind: FitKind::Cone, ..material }, Options::default());
     }
 

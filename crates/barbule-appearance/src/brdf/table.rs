@@ -16,6 +16,7 @@ use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::arrays::{Arrays, Numbers, TableArray};
+use super::halo::Halo;
 use super::material::{FeatherMaterial, LENGTHS, LobeSet, ParameterSet};
 use super::profile::{Areas, Part};
 use super::sample::distribution;
@@ -45,8 +46,8 @@ pub(super) const STRENGTH: usize = 9;
 /// 1/l, γ, and polarization 1's fraction in the mean and in the steady part.
 pub(super) const EXTRAS: usize = 12;
 
-/// What sampling needs of a node: of each mean lobe the factor of its density (with cosψ), and the fraction that each
-/// reflects.
+/// Four numbers of a node. What sampling needs: of each mean lobe the factor of its density (with cosψ), and the fraction that
+/// each reflects. Or the shares of the Gaussians along the barbule.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(16))]
 pub(super) struct Shares(pub(super) [f32; 4]);
@@ -312,6 +313,21 @@ impl Grid {
             wavelengths: axis("wavelengths_nm", waves, [100.0, 20_000.0])?,
             waves,
         })
+    }
+
+    /// The shares of the Gaussians along the barbule at the nodes, the narrow one first.
+    pub(super) fn shares(&self, halo: &Halo) -> Vec<Shares> {
+        let mut shares = Vec::with_capacity(self.cos_theta.len() * self.tangents.len() * self.waves);
+        for cos_theta in &self.theta.places {
+            for place in &self.phi.places {
+                for nm in &self.wavelengths.places {
+                    let [a, b, c] = halo.at(*nm, *cos_theta, 1.0 - place.abs()).shares;
+                    let narrow = (1.0 - a - b - c).clamp(0.0, 1.0);
+                    shares.push(Shares([narrow, a, b, c].map(|share| share as f32)));
+                }
+            }
+        }
+        shares
     }
 
     /// ω_i in the tables; both of its x and z count, z > 0.

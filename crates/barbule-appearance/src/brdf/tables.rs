@@ -4,9 +4,10 @@
 //! [`PlainBrdf`](super::PlainBrdf) does so formula by formula.
 
 use super::arrays::{Arrays, TableArray};
+use super::halo::MOST_HALOS;
+use super::longitudinal::Longitudinal;
 use super::material::{FeatherMaterial, check_sigma};
 use super::noise::{Noise, Spectral};
-use super::profile::Longitudinal;
 use super::sample::Sampler;
 use super::table::{Grid, Table};
 use crate::scattering::far_field::Polarization;
@@ -23,7 +24,7 @@ const MOST_NODES: usize = 16_000_000;
 /// How a material is prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
-    /// Longitudinal spread σ instead of the material's own.
+    /// One longitudinal spread σ instead of the material's own and of its halo; what is reflected is then that of its lobes.
     pub sigma: Option<f64>,
     /// Whether values are symmetrized, (f(ω_i, ω_o) + f(ω_o, ω_i))/2, at twice the cost.
     pub reciprocal: bool,
@@ -44,10 +45,12 @@ pub struct TablesHeader {
     pub polarization: Option<Polarization>,
     /// Whether values are symmetrized.
     pub reciprocal: bool,
-    /// Longitudinal spread σ.
+    /// Longitudinal spread σ: with a halo, of the narrow part.
     pub sigma: f64,
     /// How instances differ from wavelength to wavelength.
     pub spectral: Spectral,
+    /// σ of the halo's Gaussians, rising; 0 where there are fewer.
+    pub halo: [f64; MOST_HALOS],
     /// Seed that instances are named with.
     pub seed: u64,
     /// Sets of nodes, 1 or 2.
@@ -83,19 +86,30 @@ impl BrdfTables {
         material.check()?;
         let sigma = options.sigma.unwrap_or(material.sigma);
         check_sigma(sigma)?;
+        let halo = material.halo.as_ref().filter(|_| options.sigma.is_none());
+        let powered = halo.map(|halo| material.with_power(halo));
+        let material = powered.as_ref().unwrap_or(material);
         let only = match options.polarization {
             Some(Polarization::Second) if material.sets.len() == 2 => &material.sets[1..],
             Some(Polarization::First) if material.sets.len() == 2 => &material.sets[..1],
             _ => &material.sets[..],
         };
+        let grid = Grid::new(material);
+        let longitudinal = match halo {
+            Some(halo) => {
+                let sigmas = std::iter::once(sigma).chain(halo.sigma.iter().copied()).collect();
+                Longitudinal::new(sigmas, grid.shares(halo))
+            }
+            None => Longitudinal::new(vec![sigma], Vec::new()),
+        };
         Ok(Self {
             kind: material.kind,
             polarization: options.polarization,
             reciprocal: options.reciprocal,
-            grid: Grid::new(material),
             sets: only.iter().map(|set| Table::new(material, set, options.polarization)).collect(),
-            longitudinal: Longitudinal::new(sigma),
-            sampler: Sampler::new(sigma),
+            grid,
+            longitudinal,
+            sampler: Sampler::new(),
             noise: material.noise(),
         })
     }
@@ -110,7 +124,8 @@ impl BrdfTables {
             sides: self.grid.sides(),
             polarization: self.polarization,
             reciprocal: self.reciprocal,
-            sigma: self.longitudinal.sigma,
+            sigma: self.longitudinal.sigma(),
+            halo: self.longitudinal.halo(),
             spectral: self.noise.spectral(),
             seed: self.noise.seed(),
             sets: self.sets.len(),
@@ -127,7 +142,8 @@ impl BrdfTables {
         for (number, set) in self.sets.iter().enumerate() {
             all.extend(set.arrays(&prefix(number, self.sets.len()), self.grid.sizes()));
         }
-        all.extend([self.longitudinal.array(), self.sampler.array()]);
+        all.extend(self.longitudinal.arrays(self.grid.sizes()));
+        all.push(self.sampler.array());
         all.extend(self.noise.arrays());
         all
     }
@@ -158,8 +174,8 @@ impl BrdfTables {
             reciprocal: header.reciprocal,
             grid: Grid::from_arrays(from, header.sides, sizes)?,
             sets: (0..header.sets).map(set).collect::<Result<_>>()?,
-            longitudinal: Longitudinal::from_arrays(from, header.sigma)?,
-            sampler: Sampler::from_arrays(from, header.sigma)?,
+            longitudinal: Longitudinal::from_arrays(from, header.sigma, header.halo, sizes)?,
+            sampler: Sampler::from_arrays(from)?,
             noise: Noise::from_arrays(from, header.spectral, header.seed)?,
         })
     }
@@ -198,7 +214,7 @@ mod tests {
 
     use super::*;
     use crate::brdf::arrays::Numbers;
-    use crate::brdf::fixtures::example;
+    use crate::brdf::fixtures::{example, halo};
 
     fn tables() -> BrdfTables {
         BrdfTables::new(&example(3), Options::default()).unwrap()
@@ -210,7 +226,8 @@ mod tests {
             Options::default(),
             Options { sigma: Some(0.1), reciprocal: true, polarization: Some(Polarization::Second) },
         ] {
-            let tables = BrdfTables::new(&example(3), options).unwrap();
+            let halo = options.sigma.is_none().then(halo);
+            let tables = BrdfTables::new(&FeatherMaterial { halo, ..example(3) }, options).unwrap();
             let mut arrays = tables.arrays();
             for array in &arrays {
                 let count = match &array.numbers {
@@ -223,6 +240,14 @@ mod tests {
             arrays.reverse();
             assert_eq!(BrdfTables::from_arrays(&tables.header(), &arrays).unwrap(), tables);
         }
+    }
+
+    /// Another σ stands for the narrow part, the halo and its power.
+    #[test]
+    fn a_sigma_of_the_users_takes_the_halos_place() {
+        let material = FeatherMaterial { halo: Some(halo()), ..example(3) };
+        let options = Options { sigma: Some(material.sigma), ..Options::default() };
+        assert_eq!(BrdfTables::new(&material, options).unwrap(), tables());
     }
 
     #[test]
@@ -238,6 +263,15 @@ mod tests {
             (
                 TablesHeader { spectral: Spectral { achromatic: 1.5, ..header.spectral }, ..header },
                 "achromatic is 1.5",
+            ),
+            (
+                TablesHeader { halo: [0.2, 0.0, 0.3], ..header },
+                "the halo of the tables has σ [0.2, 0.0, 0.3]",
+            ),
+            (TablesHeader { halo: [0.9, 0.0, 0.0], ..header }, "from 0.002 to 0.6"),
+            (
+                TablesHeader { halo: [0.2, 0.0, 0.0], ..header },
+                "inverse_q has 4097 numbers and not the shape",
             ),
             (TablesHeader { sets: 0, ..header }, "0 sets"),
             (

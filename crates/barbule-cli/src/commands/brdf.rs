@@ -192,6 +192,7 @@ impl Args {
                 "instance": null,
                 "polarization": self.polarization.name(),
                 "sigma": brdf.sigma(),
+                "halo_sigma": brdf.halo_sigmas(),
             });
             if let Value::Object(keys) = &mut document {
                 keys.extend(answer.json());

@@ -60,6 +60,9 @@ pub(crate) struct Args {
     /// With segments that are invariant all the same
     #[arg(long, conflicts_with = "full_wave")]
     invariant: bool,
+    /// The material to compare segments with [default: that of the structure, where it is at hand]
+    #[arg(long, value_name = "M", conflicts_with = "full_wave")]
+    material: Option<String>,
     /// How many segments [default: 50, --quick 10]
     #[arg(long, value_name = "N", conflicts_with = "full_wave", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     instances: Option<u32>,
@@ -188,16 +191,16 @@ impl Args {
         let asked = self.instances.map_or(most, |count| count as usize);
         // A changed species has no material of its own.
         let is_as_named = self.width.is_none() && self.layers.is_none();
-        let material =
-            match is_as_named.then(|| materials::locate(&self.structure, &self.common)).transpose()? {
-                Some(Located::There(found)) => Some(Box::new(found.material)),
-                _ => {
-                    self.common.explain(
-                        "no material of this structure is at hand; the BRDF is left out of the pictures",
-                    );
-                    None
-                }
-            };
+        let name = self.material.as_ref().or(is_as_named.then_some(&self.structure));
+        let material = match name.map(|name| materials::locate(name, &self.common)).transpose()? {
+            Some(Located::There(found)) => Some(Box::new(found.material)),
+            _ => {
+                self.common.explain(
+                    "no material of this structure is at hand; the BRDF is left out of the pictures",
+                );
+                None
+            }
+        };
         let roughness = self.segment.roughness(self.invariant)?;
         Ok(three_d::Plan {
             seed: self.common.seed,

@@ -4,6 +4,8 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use barbule::brdf::FeatherMaterial;
+use barbule::brdf::fixtures::halo;
 use serde_json::Value;
 
 use crate::common::{MADE_UP, write_made_up};
@@ -331,9 +333,15 @@ fn values_written_again_in_python_agree() {
         println!("skipped: there is no python3 here");
         return;
     }
+    let material = barbule::io::decode_material(barbule_birds::material("starling-green").unwrap()).unwrap();
+    python_agrees(&material);
+    python_agrees(&FeatherMaterial { halo: Some(halo()), ..material });
+}
+
+fn python_agrees(material: &FeatherMaterial) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("starling.barbule");
-    std::fs::write(&file, barbule_birds::material("starling-green").unwrap()).unwrap();
+    barbule::io::write_material(&file, material).unwrap();
     let file = file.to_str().unwrap();
     let documents = [
         &["--wavelength", "520", "--wi", "0,30", "--wo", "0,-30", "--wo", "2,-20", "--wo=-3,40"][..],

@@ -12,7 +12,9 @@ use serde::{Deserialize, Serialize};
 use super::container::checksum;
 use super::whole::read_at_most;
 use super::write_whole;
-use crate::brdf::{BrdfTables, Numbers, Spectral, TABLES_VERSION, TableArray, TablesHeader};
+use crate::brdf::{
+    BrdfTables, MOST_HALOS, Numbers, Spectral, TABLES_VERSION, TableArray, TablesHeader,
+};
 use crate::error::shortened;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
@@ -42,6 +44,8 @@ struct Description {
     /// h of the height phase, µm, and the share of achromatic instances.
     height_um: f64,
     achromatic: f64,
+    /// σ of the halo's Gaussians.
+    halo: Vec<f64>,
     seed: u64,
     sets: usize,
     thetas: usize,
@@ -163,7 +167,7 @@ fn numbers_of(view: &TensorView<'_>) -> Option<Numbers<'static>> {
 }
 
 fn description_of(header: &TablesHeader) -> Description {
-    let TablesHeader { version, reciprocal, sigma, spectral, seed, sets, thetas, phis, waves, .. } = *header;
+    let TablesHeader { version, reciprocal, sigma, halo, spectral, seed, sets, thetas, phis, waves, .. } = *header;
     Description {
         version,
         program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
@@ -183,6 +187,7 @@ fn description_of(header: &TablesHeader) -> Description {
         }),
         reciprocal,
         sigma,
+        halo: halo.into_iter().filter(|sigma| *sigma != 0.0).collect(),
         height_um: spectral.height_um,
         achromatic: spectral.achromatic,
         seed,
@@ -196,19 +201,11 @@ fn description_of(header: &TablesHeader) -> Description {
 
 fn header_of(description: &Description) -> Result<TablesHeader> {
     let refuse = |what: &str| Err(Error::input(format!("its {what}")));
-    let Description {
-        version,
-        reciprocal,
-        sigma,
-        height_um,
-        achromatic,
-        seed,
-        sets,
-        thetas,
-        phis,
-        waves,
-        ..
-    } = *description;
+    let Description { version, reciprocal, sigma, height_um, achromatic, seed, sets, thetas, phis, waves, .. } =
+        *description;
+    if description.halo.len() > MOST_HALOS {
+        return refuse(&format!("halo has {} σ, over the limit of {MOST_HALOS}", description.halo.len()));
+    }
     Ok(TablesHeader {
         version,
         kind: match description.kind.as_str() {
@@ -229,6 +226,7 @@ fn header_of(description: &Description) -> Result<TablesHeader> {
         },
         reciprocal,
         sigma,
+        halo: std::array::from_fn(|k| description.halo.get(k).copied().unwrap_or_default()),
         spectral: Spectral { height_um, achromatic },
         seed,
         sets,
@@ -241,12 +239,13 @@ fn header_of(description: &Description) -> Result<TablesHeader> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::fixtures::example;
-    use crate::brdf::{FeatherBrdf, Options};
+    use crate::brdf::fixtures::{example, halo};
+    use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
     use glam::DVec3;
 
     fn tables(options: Options) -> BrdfTables {
-        BrdfTables::new(&example(2), options).unwrap()
+        let halo = options.sigma.is_none().then(halo);
+        BrdfTables::new(&FeatherMaterial { halo, ..example(2) }, options).unwrap()
     }
 
     #[test]
@@ -305,9 +304,12 @@ mod tests {
         let material = crate::io::encode_material(&example(2)).unwrap();
         assert!(decode_tables(&material).unwrap_err().to_string().contains("another kind of safetensors?"));
         type Edit = (&'static str, fn(&mut Description));
-        let edits: [Edit; 8] = [
+        let edits: [Edit; 11] = [
             ("has another version than 2", |d| d.version = 1),
             ("achromatic is -1", |d| d.achromatic = -1.0),
+            ("halo has 4 σ, over the limit of 3", |d| d.halo = vec![0.1; 4]),
+            ("the halo of the tables has σ", |d| d.halo = vec![2.0]),
+            ("inverse_q has 12291 numbers", |d| d.halo = vec![0.1]),
             ("kind must be 'marginal' or 'cone'", |d| d.kind = "half".into()),
             ("sides must be 'alike' or 'both'", |d| d.sides = String::new()),
             ("polarization must be 1, 2 or null", |d| d.polarization = Some(3)),

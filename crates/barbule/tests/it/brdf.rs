@@ -1,7 +1,7 @@
 //! The feather BRDF against what it promises: sampling follows its density, energy is conserved, instances average to
 //! the smooth lobe, and the lobe radiates what was fitted.
 
-use barbule::brdf::fixtures::example;
+use barbule::brdf::fixtures::{example, halo};
 use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options};
 use barbule::math::rng::Stream;
 use barbule::scattering::directions::{azimuths, omega};
@@ -77,6 +77,18 @@ fn samples_follow_their_density() {
 }
 
 #[test]
+fn samples_of_a_halo_follow_its_density() {
+    let mut halo = halo();
+    halo.shares.iter_mut().for_each(|share| *share *= 3.0);
+    let brdf = brdf(&FeatherMaterial { halo: Some(halo), ..constant(0.1, 0.5, 0.2) });
+    for (number, (theta, phi)) in DIRECTIONS.into_iter().enumerate().step_by(2) {
+        let wi = omega(theta.to_radians(), phi.to_radians());
+        let stream = Stream::new(17, &[number as u64]);
+        assert_samples_follow_their_density(&brdf, wi, stream, &format!("{theta}°, {phi}°"));
+    }
+}
+
+#[test]
 fn samples_of_shipped_materials_follow_their_density() {
     for stem in SHIPPED {
         let brdf = brdf(&shipped(stem));
@@ -99,8 +111,8 @@ fn the_density_integrates_to_one_where_nothing_is_lost() {
 
 #[test]
 fn sampled_albedo_is_that_of_the_quadrature() {
-    for m in [0.001, 0.15, 1.0] {
-        let material = constant(m, 0.5, 0.2);
+    for (m, halo) in [(0.001, None), (0.15, None), (1.0, None), (0.15, Some(halo()))] {
+        let material = FeatherMaterial { halo, ..constant(m, 0.5, 0.2) };
         let brdf = brdf(&material);
         for (theta, phi) in DIRECTIONS {
             let wi = omega(theta.to_radians(), phi.to_radians());
@@ -149,16 +161,29 @@ fn the_lobe_reflects_the_stored_fraction_at_the_nodes() {
 /// The same by brute force on the values themselves, so that quadrature and evaluation cannot share an error.
 #[test]
 fn evaluated_values_integrate_to_the_stored_fraction() {
-    let material = example(3);
-    let brdf = brdf(&material);
+    values_integrate_to(&example(3), 0.7, |_, _| 1.0);
+}
+
+/// Light of a halo leaves up to the horizon; all of it together is the lobes' times the halo's power.
+#[test]
+fn evaluated_values_of_a_halo_integrate_to_its_power() {
+    let halo = halo();
+    let material = FeatherMaterial { halo: Some(halo.clone()), ..example(3) };
+    let nm = material.axes.wavelengths_nm()[1];
+    values_integrate_to(&material, 4.0, |theta, phi| halo.at(nm, theta.cos(), phi.cos()).power);
+}
+
+/// Values summed over θ_o within `reach` of the mirror's are what is stored times a factor of θ_i and φ_i.
+fn values_integrate_to(material: &FeatherMaterial, reach: f64, power: impl Fn(f64, f64) -> f64) {
+    let brdf = brdf(material);
     let axes = &material.axes;
     for (t, p) in [(19, 19), (10, 9), (19, 7)] {
         let (theta, phi) = (axes.theta_i(t), axes.phi_i(p));
-        let stored = material.sets[0].reflected(axes.index(1, t, p));
+        let stored = material.sets[0].reflected(axes.index(1, t, p)) * power(theta, phi);
         let prepared = brdf.prepare([axes.wavelengths_nm()[1] as f32; 4], omega(theta, phi));
         let (rows, columns) = (300, 600);
         let right = std::f64::consts::FRAC_PI_2;
-        let (low, high) = ((-theta - 0.7).max(-right), (-theta + 0.7).min(right));
+        let (low, high) = ((-theta - reach).max(-right), (-theta + reach).min(right));
         let mut sum = 0.0;
         for i in 0..rows {
             let theta_o = low + (high - low) * (f64::from(i) + 0.5) / f64::from(rows);
@@ -179,7 +204,10 @@ fn a_white_furnace_gains_nothing_between_the_nodes() {
     let mut white = example(3);
     whiten(&mut white);
     let mut largest = 0.0_f64;
-    for material in [constant(0.03, 1.0, 0.0), constant(0.3, 1.0, 0.0), constant(1.0, 1.0, 0.0), white] {
+    let bright = FeatherMaterial { halo: Some(halo()), ..white.clone() };
+    for material in
+        [constant(0.03, 1.0, 0.0), constant(0.3, 1.0, 0.0), constant(1.0, 1.0, 0.0), white, bright]
+    {
         let brdf = brdf(&material);
         for _ in 0..400 {
             let (z, azimuth) = (stream.unit().max(1e-4), stream.uniform(0.0, std::f64::consts::TAU));

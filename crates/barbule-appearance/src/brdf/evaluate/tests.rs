@@ -1,5 +1,5 @@
 use super::*;
-use crate::brdf::fixtures::example;
+use crate::brdf::fixtures::{example, halo};
 use crate::brdf::{Values, achromatic_lengths};
 use crate::math::rng::Stream;
 use crate::scattering::directions::omega;
@@ -8,7 +8,12 @@ use crate::scattering::statistics::{Axes, Sides};
 /// Single precision leaves h_x an error of 1e-7, which is a relative 1e-7/m of D₁ and of the noise's slope.
 #[test]
 fn registers_agree_with_the_exact_formulas_at_every_width() {
-    let mut brdf = FeatherBrdf::new(&example(7), Options::default()).unwrap();
+    agree_at_every_width(&example(7));
+    agree_at_every_width(&FeatherMaterial { halo: Some(halo()), ..example(7) });
+}
+
+fn agree_at_every_width(material: &FeatherMaterial) {
+    let mut brdf = FeatherBrdf::new(material, Options::default()).unwrap();
     let mut levels = vec![Level::new()];
     #[cfg(target_arch = "x86_64")]
     levels.extend(

@@ -38,6 +38,7 @@ fn model(sides: Sides, steady: f64, gamma: f32) -> FeatherMaterial {
     FeatherMaterial {
         kind: FitKind::Marginal,
         sigma: 0.04,
+        halo: None,
         correlation: vec![gamma; axes.len()],
         steepness: vec![4.0; axes.len() / 2],
         strength: vec![0.0; axes.len() / 2],
