@@ -12,9 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::container::checksum;
 use super::whole::read_at_most;
 use super::write_whole;
-use crate::brdf::{
-    BrdfTables, MOST_HALOS, Numbers, Spectral, TABLES_VERSION, TableArray, TablesHeader,
-};
+use crate::brdf::{BrdfTables, MOST_HALOS, Numbers, Spectral, TABLES_VERSION, TableArray, TablesHeader};
 use crate::error::shortened;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
@@ -167,7 +165,8 @@ fn numbers_of(view: &TensorView<'_>) -> Option<Numbers<'static>> {
 }
 
 fn description_of(header: &TablesHeader) -> Description {
-    let TablesHeader { version, reciprocal, sigma, halo, spectral, seed, sets, thetas, phis, waves, .. } = *header;
+    let TablesHeader { version, reciprocal, sigma, halo, spectral, seed, sets, thetas, phis, waves, .. } =
+        *header;
     Description {
         version,
         program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
@@ -201,8 +200,19 @@ fn description_of(header: &TablesHeader) -> Description {
 
 fn header_of(description: &Description) -> Result<TablesHeader> {
     let refuse = |what: &str| Err(Error::input(format!("its {what}")));
-    let Description { version, reciprocal, sigma, height_um, achromatic, seed, sets, thetas, phis, waves, .. } =
-        *description;
+    let Description {
+        version,
+        reciprocal,
+        sigma,
+        height_um,
+        achromatic,
+        seed,
+        sets,
+        thetas,
+        phis,
+        waves,
+        ..
+    } = *description;
     if description.halo.len() > MOST_HALOS {
         return refuse(&format!("halo has {} σ, over the limit of {MOST_HALOS}", description.halo.len()));
     }
