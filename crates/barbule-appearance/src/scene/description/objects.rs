@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::barbules::Under;
 use super::coat::{CoatDescription, CoatObject};
 use super::detail::Detail;
 use super::dress::{Dress, FeatherObject, Zone};
@@ -133,6 +134,8 @@ record! {
         detail: Detail = "detail", (), or Detail::default();
         /// What a feather's barbules are made of on both sides of its barbs, where its dress does not say.
         material: Option<String> = "material", Text("a species, structure or .barbule file");
+        /// What the lower sides of a feather's barbules are made of, where its dress does not say; `default` where that does not either.
+        under: Option<Under> = "under", ();
         /// What the parts of a feather are made of.
         dress: Option<Dress> = "dress", ();
         /// Places of the vane with a dress of their own; the last one that holds a place is its zone.
@@ -146,7 +149,7 @@ record! {
 const SHAPES: [&str; 7] = ["sphere_mm", "rectangle_mm", "snake", "mesh", "curves", "feather", "coat"];
 
 /// Keys of feathers and coats alone, and of feathers alone.
-const OF_FEATHERS: [&str; 3] = ["detail", "material", "dress"];
+const OF_FEATHERS: [&str; 4] = ["detail", "material", "under", "dress"];
 const OF_FEATHERS_ALONE: [&str; 3] = ["window", "zones", "zone_map"];
 
 impl ObjectShape {
@@ -163,6 +166,7 @@ impl ObjectShape {
             window: None,
             detail: Detail::default(),
             material: None,
+            under: None,
             dress: None,
             zones: Vec::new(),
             zone_map: None,
