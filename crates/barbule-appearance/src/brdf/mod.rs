@@ -42,4 +42,4 @@ pub use noise::{Draw, Noise, spectrum as noise_spectrum};
 pub use patterns::Synthesis;
 pub use plain::PlainBrdf;
 pub use profile::lobe_integral;
-pub use tables::{BrdfTables, Options, TABLES_VERSION, TablesHeader};
+pub use tables::{BrdfTables, Options, Reciprocity, TABLES_VERSION, TablesHeader};

@@ -8,11 +8,12 @@ use std::path::Path;
 
 use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::container::checksum;
 use super::whole::read_at_most;
 use super::write_whole;
-use crate::brdf::{BrdfTables, Numbers, TABLES_VERSION, TableArray, TablesHeader};
+use crate::brdf::{BrdfTables, Numbers, Reciprocity, TABLES_VERSION, TableArray, TablesHeader};
 use crate::error::shortened;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
@@ -37,7 +38,8 @@ struct Description {
     sides: String,
     /// 1 or 2, or none for unpolarized light.
     polarization: Option<u8>,
-    reciprocal: bool,
+    /// False or true, and of later ones a word of [`Reciprocity`] that is neither.
+    reciprocal: Value,
     sigma: f64,
     seed: u64,
     sets: usize,
@@ -160,7 +162,7 @@ fn numbers_of(view: &TensorView<'_>) -> Option<Numbers<'static>> {
 }
 
 fn description_of(header: &TablesHeader) -> Description {
-    let TablesHeader { version, reciprocal, sigma, seed, sets, thetas, phis, waves, .. } = *header;
+    let TablesHeader { version, reciprocity, sigma, seed, sets, thetas, phis, waves, .. } = *header;
     Description {
         version,
         program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
@@ -178,7 +180,11 @@ fn description_of(header: &TablesHeader) -> Description {
             Polarization::First => 1,
             Polarization::Second => 2,
         }),
-        reciprocal,
+        reciprocal: match reciprocity {
+            Reciprocity::AsFitted => false.into(),
+            Reciprocity::Mean => true.into(),
+            Reciprocity::Steeper => reciprocity.word().into(),
+        },
         sigma,
         seed,
         sets,
@@ -191,7 +197,7 @@ fn description_of(header: &TablesHeader) -> Description {
 
 fn header_of(description: &Description) -> Result<TablesHeader> {
     let refuse = |what: &str| Err(Error::input(format!("its {what}")));
-    let Description { version, reciprocal, sigma, seed, sets, thetas, phis, waves, .. } = *description;
+    let Description { version, sigma, seed, sets, thetas, phis, waves, .. } = *description;
     Ok(TablesHeader {
         version,
         kind: match description.kind.as_str() {
@@ -210,7 +216,12 @@ fn header_of(description: &Description) -> Result<TablesHeader> {
             Some(2) => Some(Polarization::Second),
             Some(_) => return refuse("polarization must be 1, 2 or null"),
         },
-        reciprocal,
+        reciprocity: match &description.reciprocal {
+            Value::Bool(false) => Reciprocity::AsFitted,
+            Value::Bool(true) => Reciprocity::Mean,
+            Value::String(word) if word == Reciprocity::Steeper.word() => Reciprocity::Steeper,
+            _ => return refuse("reciprocal must be false, true or 'steeper'"),
+        },
         sigma,
         seed,
         sets,
@@ -236,7 +247,8 @@ mod tests {
         let second = Some(Polarization::Second);
         for options in [
             Options::default(),
-            Options { sigma: Some(0.1), reciprocal: true, ..Options::default() },
+            Options { sigma: Some(0.1), reciprocity: Reciprocity::Mean, ..Options::default() },
+            Options { reciprocity: Reciprocity::Steeper, ..Options::default() },
             Options { polarization: second, ..Options::default() },
         ] {
             let tables = tables(options);

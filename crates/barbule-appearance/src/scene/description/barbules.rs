@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::slot::Slot;
 use super::surfaces::PigmentedKeratin;
-use crate::brdf::FeatherBrdf;
+use crate::brdf::{FeatherBrdf, Reciprocity};
 use crate::bsdf::{BarbuleSurface, Cells, Clad, Layout};
 use crate::fields::{FieldValue, Kind, Text, Value, within, wrong_kind};
 use crate::identity::Hasher;
@@ -24,6 +24,9 @@ record! {
         under: Under = "under", (), or Under::default();
         /// Keratin of lower sides that are made of it, and of the walls between cells.
         underside: PigmentedKeratin = "underside", (), or UNDERSIDE;
+        /// What makes them show the same when light and eye change places: steeper, each value is that of the tables of whichever direction
+        /// is steeper across the barbule; mean, of both, which takes longer; none, the tables of the eye's side.
+        reciprocity: Reciprocity = "reciprocity", (), or Reciprocity::Steeper;
         /// On a mesh: lengths along and across barbules on which a texture coordinate grows by 1.
         uv_mm: [f64; 2] = "uv_mm", within(1e-4, 1e5), or [1.0, 1.0];
         /// On a mesh: width of a barbule; 0: one from v = -1 to 1.
@@ -141,6 +144,7 @@ impl BarbuleClothing {
             material: Slot::new(material),
             under: Under::default(),
             underside: UNDERSIDE,
+            reciprocity: Reciprocity::Steeper,
             uv_mm: [1.0; 2],
             width_um: 0.0,
             length_um: 0.0,
@@ -155,13 +159,17 @@ impl BarbuleClothing {
 
     fn surface(&self, cells: Cells, below: Option<Arc<FeatherBrdf>>) -> Result<BarbuleSurface> {
         Ok(BarbuleSurface {
-            brdf: self.material.value()?.clone(),
+            brdf: self.reciprocal(self.material.value()?),
             instances: true,
-            below,
+            below: below.map(|brdf| self.reciprocal(&brdf)),
             under: self.underside.build()?,
             cells,
             opacity: 1.0,
         })
+    }
+
+    fn reciprocal(&self, brdf: &FeatherBrdf) -> Arc<FeatherBrdf> {
+        Arc::new(brdf.reciprocal_by(self.reciprocity))
     }
 
     /// What a mesh or curve wears. Lower sides that no light reaches were not read.

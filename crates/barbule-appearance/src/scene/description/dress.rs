@@ -320,8 +320,12 @@ impl Dress {
                 parts.insert("underside".to_owned(), crate::fields::Record::table(&of.underside));
                 let Value::Object(mut keys) = crate::fields::Record::table(of) else { return None };
                 keys.retain(|key, _| OF_MATERIAL.contains(&key.as_str()));
+                let usual = BarbuleClothing::of("");
                 if of.under.is_default() {
                     keys.remove("under");
+                }
+                if of.reciprocity == usual.reciprocity {
+                    keys.remove("reciprocity");
                 }
                 Some((keys, parts))
             }
@@ -330,7 +334,7 @@ impl Dress {
 }
 
 /// Keys that beside the parts of a feather are those of all its barbules that wear a material.
-pub(super) const OF_MATERIAL: [&str; 2] = ["material", "under"];
+pub(super) const OF_MATERIAL: [&str; 3] = ["material", "under", "reciprocity"];
 
 /// The parts of a feather that `[surfaces]` of a lone feather's file names.
 pub(super) const PARTS: [&str; 7] = ["shaft", "ramus", "underside", "hair", "barbule", "pale", "down"];
@@ -432,8 +436,9 @@ const TYPES: [(&str, &[&str], bool); 6] = [
 fn with_names(table: &Value, surfaces: &Map<String, Value>, place: &str) -> Result<Value> {
     let Value::Object(table) = table else { return Ok(table.clone()) };
     let mut table = table.clone();
-    let [material, under] = OF_MATERIAL.map(|key| table.remove(key));
-    if let Some(material) = material {
+    let of_material: Vec<(&str, Value)> =
+        OF_MATERIAL.into_iter().filter_map(|key| Some((key, table.remove(key)?))).collect();
+    if let Some((_, material)) = of_material.iter().find(|(key, _)| *key == "material") {
         let barbules = serde_json::json!({"type": "barbule", "material": material});
         for side in ["distal", "proximal"] {
             table.entry(side).or_insert_with(|| barbules.clone());
@@ -467,17 +472,17 @@ fn with_names(table: &Value, surfaces: &Map<String, Value>, place: &str) -> Resu
             }
         }
     }
-    if let Some(under) = under {
+    for (key, value) in of_material.iter().filter(|(key, _)| *key != "material") {
         let mut is_worn = false;
         for side in ["distal", "proximal"] {
             let Some(Value::Object(of)) = table.get_mut(side) else { continue };
             if of.get("type").is_some_and(|kind| kind == "barbule") {
-                of.entry("under").or_insert_with(|| under.clone());
+                of.entry(*key).or_insert_with(|| value.clone());
                 is_worn = true;
             }
         }
         if !is_worn {
-            let path = path_of(place, "under");
+            let path = path_of(place, key);
             return Err(Error::input(format!(
                 "{path} is given, but no barbules of a material; give one, too"
             )));

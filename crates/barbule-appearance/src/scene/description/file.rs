@@ -10,6 +10,7 @@ use super::dress::{Dress, FeatherObject, OF_MATERIAL, PARTS, Zone, dressed, of_p
 use super::objects::{ObjectDescription, ObjectShape, Placement};
 use super::slot::Slot;
 use super::{SceneDescription, objects};
+use crate::brdf::Reciprocity;
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{
     FieldValue as _, Fields, Key, Map, Record as _, Text, Value, at_line, canonical, in_toml, parse_toml,
@@ -29,6 +30,8 @@ record! {
         material: Option<String> = "material", Text("a species, structure or .barbule file");
         /// What the lower sides of its barbules are made of.
         under: Under = "under", (), or Under::default();
+        /// What makes its barbules reciprocal.
+        reciprocity: Reciprocity = "reciprocity", (), or Reciprocity::Steeper;
         /// The feather: its sizes, or the name of a type.
         feather: Option<Feather> = "feather", ();
         /// Whether the feather is there; without it a scene has its other objects only.
@@ -328,6 +331,7 @@ fn of_sides(error: Error, ramus: &str) -> Error {
     let text = text
         .replace("surfaces.distal.underside", "surfaces.underside")
         .replace("surfaces.distal.under ", "under ")
+        .replace("surfaces.distal.reciprocity", "reciprocity")
         .replace("surfaces.distal", "surfaces.barbule")
         .replace("surfaces.ramus", ramus);
     Error::input(text)

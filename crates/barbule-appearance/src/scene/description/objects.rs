@@ -9,6 +9,7 @@ use super::dress::{Dress, FeatherObject, Zone};
 use super::shapes::{MOST_SEGMENTS, grow, rectangle, sphere, upwards};
 use super::slot::Slot;
 use super::surfaces::Surfaces;
+use crate::brdf::Reciprocity;
 use crate::bsdf::Texture;
 use crate::fields::{Fields, Key, Map, Record, Several, Text, Value, up_to, within};
 use crate::identity::Hasher;
@@ -136,6 +137,8 @@ record! {
         material: Option<String> = "material", Text("a species, structure or .barbule file");
         /// What the lower sides of a feather's barbules are made of, where its dress does not say; `default` where that does not either.
         under: Option<Under> = "under", ();
+        /// What makes them reciprocal, where its dress does not say; `steeper` where that does not either.
+        reciprocity: Option<Reciprocity> = "reciprocity", ();
         /// What the parts of a feather are made of.
         dress: Option<Dress> = "dress", ();
         /// Places of the vane with a dress of their own; the last one that holds a place is its zone.
@@ -149,7 +152,7 @@ record! {
 const SHAPES: [&str; 7] = ["sphere_mm", "rectangle_mm", "snake", "mesh", "curves", "feather", "coat"];
 
 /// Keys of feathers and coats alone, and of feathers alone.
-const OF_FEATHERS: [&str; 4] = ["detail", "material", "under", "dress"];
+const OF_FEATHERS: [&str; 5] = ["detail", "material", "under", "reciprocity", "dress"];
 const OF_FEATHERS_ALONE: [&str; 3] = ["window", "zones", "zone_map"];
 
 impl ObjectShape {
@@ -167,6 +170,7 @@ impl ObjectShape {
             detail: Detail::default(),
             material: None,
             under: None,
+            reciprocity: None,
             dress: None,
             zones: Vec::new(),
             zone_map: None,
