@@ -2,6 +2,7 @@
 //! the smooth lobe, and the lobe radiates what was fitted.
 
 use barbule::brdf::fixtures::example;
+use barbule::brdf::pictures::projected_grid;
 use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options, Reciprocity};
 use barbule::math::rng::Stream;
 use barbule::scattering::directions::{azimuths, omega};
@@ -387,37 +388,32 @@ fn the_reciprocal_options_make_values_symmetric() {
     }
 }
 
-/// Symmetrized, a lobe reflects no longer what was fitted: the sum over the hemisphere at 547 nm over that, at θ_i = 0.
+/// By the steeper direction's tables a lobe reflects no longer what was fitted: the sum over the hemisphere at 547 nm and θ_i = 0 over
+/// that. Within 6 % to 75°; beyond, where the simulation does not hold, a fifth less.
 #[test]
 fn steeper_tables_reflect_nearly_what_was_fitted() {
-    let mut shown = String::new();
-    for (stem, _) in barbule_birds::materials() {
+    const GRID: usize = 120;
+    let outgoing = projected_grid(GRID);
+    for (stem, known) in
+        [("starling-green", [1.00, 0.99, 0.99, 1.00, 0.78]), ("mallard-lime", [1.00, 1.06, 1.04, 1.04, 0.80])]
+    {
         let fitted = brdf(&shipped(stem));
-        for reciprocity in [Reciprocity::Steeper, Reciprocity::Mean] {
-            let other = fitted.reciprocal_by(reciprocity);
-            shown += &format!("{stem} {reciprocity:?}:");
-            for (theta, phi) in
-                [(0.0_f64, 0.0_f64), (0.0, 30.0), (0.0, 60.0), (0.0, 75.0), (0.0, 85.0), (60.0, 60.0)]
-            {
-                let wi = omega(theta.to_radians(), phi.to_radians());
-                let mut stream = Stream::new(9, &[]);
-                let (mut sums, mut largest) = ([0.0; 2], 0.0_f64);
-                for _ in 0..20_000 {
-                    let Some((wo, pdf)) = fitted.sample(547.0, wi, [stream.unit(), stream.unit()]) else {
-                        continue;
-                    };
-                    for (sum, brdf) in sums.iter_mut().zip([&fitted, &other]) {
-                        let weight = f64::from(brdf.eval([547.0; 4], wi, wo, None)[0]) * wo.z / pdf;
-                        *sum += weight / 20_000.0;
-                        largest = largest.max(weight);
-                    }
-                }
-                shown += &format!("  {:.3} ({:.3}, {largest:.0})", sums[1] / sums[0], sums[1]);
-            }
-            shown += "\n";
+        let steeper = fitted.reciprocal_by(Reciprocity::Steeper);
+        for (phi_deg, known) in [0.0_f64, 30.0, 60.0, 75.0, 85.0].into_iter().zip(known) {
+            let wi = omega(0.0, phi_deg.to_radians());
+            let reflected = |brdf: &FeatherBrdf| {
+                let prepared = brdf.prepare([547.0; 4], wi);
+                let sum: f64 = outgoing.iter().map(|wo| f64::from(prepared.eval(*wo, None)[0])).sum();
+                sum * 4.0 / (GRID * GRID) as f64
+            };
+            let [all, ratio] = [reflected(&steeper), reflected(&steeper) / reflected(&fitted)];
+            // Two digits are written here.
+            assert!(
+                (ratio - known).abs() < 0.006 && all < 0.5,
+                "{stem} {phi_deg}: {ratio}, known {known}, {all}"
+            );
         }
     }
-    println!("{shown}");
 }
 
 #[test]
