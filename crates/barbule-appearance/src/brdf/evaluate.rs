@@ -1,5 +1,7 @@
 //! Evaluation of a feather material: what renderers call.
 
+use std::sync::Arc;
+
 use fearless_simd::{Level, Simd, f32x4, prelude::*};
 use glam::DVec3;
 
@@ -10,17 +12,19 @@ use super::noise::{Draw, Noise};
 use super::sample::direction;
 use super::slope::{FALL, FARTHEST, Slope};
 use super::table::{Incident, Table};
-use super::tables::{BrdfTables, Options};
+use super::tables::{BrdfTables, Options, Reciprocity};
 use crate::Result;
 use crate::math::simd::dispatch_large;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
+use crate::scattering::statistics::Sides;
 use crate::spectrum::wave_number_per_um;
 
 /// A feather material that is ready for evaluation. Shared between threads; nothing in it changes.
 #[derive(Debug, Clone)]
 pub struct FeatherBrdf {
-    pub(super) tables: BrdfTables,
+    pub(super) tables: Arc<BrdfTables>,
+    pub(super) reciprocity: Reciprocity,
     /// 1/σ² of the Gaussians along the barbule; 0 where there is none.
     inverse_sigma2: [f64; PARTS],
     level: Level,
@@ -49,7 +53,20 @@ impl FeatherBrdf {
     pub fn from_tables(tables: BrdfTables) -> Self {
         let sigmas = tables.longitudinal.sigmas();
         let inverse_sigma2 = std::array::from_fn(|k| sigmas.get(k).map_or(0.0, |s| 1.0 / (s * s)));
-        Self { tables, inverse_sigma2, level: Level::new() }
+        let reciprocity = usable(tables.reciprocity, &tables);
+        Self { tables: Arc::new(tables), reciprocity, inverse_sigma2, level: Level::new() }
+    }
+
+    /// The same tables evaluated so that values are reciprocal in another way.
+    #[must_use]
+    pub fn reciprocal_by(&self, reciprocity: Reciprocity) -> Self {
+        Self { reciprocity: usable(reciprocity, &self.tables), ..self.clone() }
+    }
+
+    /// What makes values reciprocal.
+    #[must_use]
+    pub fn reciprocity(&self) -> Reciprocity {
+        self.reciprocity
     }
 
     /// The tables that are evaluated.
@@ -72,11 +89,7 @@ impl FeatherBrdf {
         let mut values = [0.0; N];
         if is_above(wi) && is_above(wo) {
             let instance = instance.map(|name| self.instance(name));
-            self.add_values(&wavelengths_nm, [wi, wo], None, instance.as_ref(), &mut values);
-            if self.tables.reciprocal {
-                self.add_values(&wavelengths_nm, [wo, wi], None, instance.as_ref(), &mut values);
-                values.iter_mut().for_each(|value| *value *= 0.5);
-            }
+            self.add_both_ways(&wavelengths_nm, [wi, wo], None, instance.as_ref(), &mut values);
         }
         values
     }
@@ -200,6 +213,14 @@ impl FeatherBrdf {
     }
 }
 
+/// What tables of two sides can do without a step in the lobe.
+fn usable(reciprocity: Reciprocity, tables: &BrdfTables) -> Reciprocity {
+    match (reciprocity, tables.grid.sides()) {
+        (Reciprocity::Steeper, Sides::Both) => Reciprocity::Mean,
+        (other, _) => other,
+    }
+}
+
 /// Whether a direction leaves the surface.
 #[inline(always)]
 fn is_above(w: DVec3) -> bool {
@@ -257,12 +278,8 @@ impl<const N: usize> PreparedBrdf<'_, N> {
     pub fn eval(&self, wo: DVec3, instance: Option<&Draw>) -> [f32; N] {
         let mut values = [0.0; N];
         if is_above(self.wi) && is_above(wo) {
-            let (brdf, waves) = (self.brdf, &self.wavelengths_nm);
-            brdf.add_values(waves, [self.wi, wo], Some(&self.incident), instance, &mut values);
-            if brdf.tables.reciprocal {
-                brdf.add_values(waves, [wo, self.wi], None, instance, &mut values);
-                values.iter_mut().for_each(|value| *value *= 0.5);
-            }
+            let (waves, directions) = (&self.wavelengths_nm, [self.wi, wo]);
+            self.brdf.add_both_ways(waves, directions, Some(&self.incident), instance, &mut values);
         }
         values
     }
@@ -349,6 +366,32 @@ struct Towards {
 // Not generic over the number of wavelengths, so that the kernels are compiled once, here; and each without a loop: in
 // loops their many bounds checks occupy the compiler for minutes.
 impl FeatherBrdf {
+    /// Adds f as [`Reciprocity`] has it to values that are 0; `prepared` is ω_i in the tables if it is known.
+    #[inline]
+    fn add_both_ways(
+        &self,
+        wavelengths_nm: &[f32],
+        [wi, wo]: [DVec3; 2],
+        prepared: Option<&Incident>,
+        instance: Option<&Draw>,
+        values: &mut [f32],
+    ) {
+        let (there, back) = ([wi, wo], [wo, wi]);
+        match self.reciprocity {
+            Reciprocity::Steeper if Reciprocity::is_steeper(there) => {
+                self.add_values(wavelengths_nm, back, None, instance, values);
+            }
+            Reciprocity::AsFitted | Reciprocity::Steeper => {
+                self.add_values(wavelengths_nm, there, prepared, instance, values);
+            }
+            Reciprocity::Mean => {
+                self.add_values(wavelengths_nm, there, prepared, instance, values);
+                self.add_values(wavelengths_nm, back, None, instance, values);
+                values.iter_mut().for_each(|value| *value *= 0.5);
+            }
+        }
+    }
+
     /// Adds f, mean over the sets, at each wavelength; `prepared` is ω_i in the tables if it is known.
     fn add_values(
         &self,

@@ -8,6 +8,7 @@ use super::evaluate::FeatherBrdf;
 use super::noise::{At, Draw};
 use super::slope::Slope;
 use super::table::{EXTRAS, Incident, LOBES, M2, MIDDLE, Node, REST, STRENGTH, Simplex, Table};
+use super::tables::Reciprocity;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
 use crate::spectrum::wave_number_per_um;
@@ -65,12 +66,17 @@ impl ExactBrdf<'_> {
             return Values::default();
         }
         let draw = instance.map(|instance| self.brdf.noise().draw(instance));
-        let mut values = self.one_way(wo, draw.as_ref());
-        if self.brdf.tables.reciprocal {
-            let back = self.brdf.exact(self.wavelength_nm, wo).one_way(self.incident, draw.as_ref());
-            values.f = 0.5 * (values.f + back.f);
-            values.steady = 0.5 * (values.steady + back.steady);
-        }
+        let there = || self.one_way(wo, draw.as_ref());
+        let back = || self.brdf.exact(self.wavelength_nm, wo).one_way(self.incident, draw.as_ref());
+        let mut values = match self.brdf.reciprocity {
+            Reciprocity::Steeper if Reciprocity::is_steeper([self.incident, wo]) => back(),
+            Reciprocity::AsFitted | Reciprocity::Steeper => there(),
+            Reciprocity::Mean => {
+                let (there, back) = (there(), back());
+                let mean = |of: fn(&Values) -> f64| 0.5 * (of(&there) + of(&back));
+                Values { f: mean(|values| values.f), steady: mean(|values| values.steady), pdf: 0.0 }
+            }
+        };
         values.pdf = self.density(wo);
         values
     }

@@ -47,4 +47,4 @@ pub use noise::{At, Draw, Noise, Spectral, spectrum as noise_spectrum};
 pub use patterns::Synthesis;
 pub use plain::PlainBrdf;
 pub use profile::lobe_integral;
-pub use tables::{BrdfTables, Options, TABLES_VERSION, TablesHeader};
+pub use tables::{BrdfTables, Options, Reciprocity, TABLES_VERSION, TablesHeader};

@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use super::arrays::Numbers;
 use super::exact::Values;
-use super::tables::{BrdfTables, TablesHeader};
+use super::tables::{BrdfTables, Reciprocity, TablesHeader};
 use crate::math::normal;
 use crate::math::rng::hash;
 use crate::scattering::far_field::Polarization;
@@ -80,13 +80,20 @@ impl PlainBrdf {
         if !(wi.z > 0.0 && wo.z > 0.0) {
             return Values::default();
         }
-        let mut values = self.one_way(wavelength_nm, wi, wo, instance);
-        if self.header.reciprocal {
-            let back = self.one_way(wavelength_nm, wo, wi, instance);
-            values.f = 0.5 * (values.f + back.f);
-            values.steady = 0.5 * (values.steady + back.steady);
+        let there = self.one_way(wavelength_nm, wi, wo, instance);
+        let back = || self.one_way(wavelength_nm, wo, wi, instance);
+        let tangents = [wi, wo].map(|w| w.x.abs() / w.z);
+        let is_steeper = tangents[1] < tangents[0] || (tangents[1] == tangents[0] && wo.z > wi.z);
+        match (self.header.reciprocity, self.header.sides) {
+            (Reciprocity::Steeper, Sides::Alike) if is_steeper => Values { pdf: there.pdf, ..back() },
+            (Reciprocity::AsFitted, _) | (Reciprocity::Steeper, Sides::Alike) => there,
+            (Reciprocity::Mean, _) | (Reciprocity::Steeper, Sides::Both) => {
+                let back = back();
+                let mean = |there: f64, back: f64| 0.5 * (there + back);
+                let (f, steady) = (mean(there.f, back.f), mean(there.steady, back.steady));
+                Values { f, steady, pdf: there.pdf }
+            }
         }
-        values
     }
 
     /// ω_o drawn from the mean lobes at a wavelength (nm), steps 11 to 14.
@@ -465,7 +472,8 @@ mod tests {
         let material = example(5);
         for options in [
             Options::default(),
-            Options { reciprocal: true, sigma: Some(0.2), ..Options::default() },
+            Options { reciprocity: Reciprocity::Mean, sigma: Some(0.2), ..Options::default() },
+            Options { reciprocity: Reciprocity::Steeper, ..Options::default() },
             Options { polarization: Some(Polarization::First), ..Options::default() },
             Options { polarization: Some(Polarization::Second), ..Options::default() },
         ] {
@@ -510,5 +518,6 @@ mod tests {
         for polarization in [None, Some(Polarization::First), Some(Polarization::Second)] {
             assert_same(&material, Options { polarization, ..Options::default() });
         }
+        assert_same(&material, Options { reciprocity: Reciprocity::Steeper, ..Options::default() });
     }
 }

@@ -3,6 +3,8 @@
 //! `docs/formats/brdf-tables.md` says what each array holds and how values follow from them;
 //! [`PlainBrdf`](super::PlainBrdf) does so formula by formula.
 
+use glam::DVec3;
+
 use super::arrays::{Arrays, TableArray};
 use super::halo::MOST_HALOS;
 use super::longitudinal::Longitudinal;
@@ -13,7 +15,7 @@ use super::table::{Grid, Table};
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::Sides;
-use crate::{Error, Result};
+use crate::{Error, Result, words};
 
 /// Version of the arrays and of what they mean.
 pub const TABLES_VERSION: u32 = 2;
@@ -21,13 +23,38 @@ pub const TABLES_VERSION: u32 = 2;
 /// No tables have more nodes than this: those of a material with both grazing sides added to its axes.
 const MOST_NODES: usize = 16_000_000;
 
+words! {
+    /// What makes values the same when light and eye change places.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum Reciprocity {
+        /// Nothing: every value is from the tables of the incident direction, as it was fitted.
+        #[default]
+        "none": AsFitted,
+        /// Each value is from the tables of whichever of both directions is steeper across the barbule, that is of smaller |φ|, where the
+        /// simulation is nearer to Maxwell's equations. Materials whose sides differ have the mean: at their mirror directions both
+        /// tables may differ, and the lobe would have a step there.
+        "steeper": Steeper,
+        /// Each value is the mean of both orders, at twice the cost.
+        "mean": Mean,
+    }
+}
+
+impl Reciprocity {
+    /// Whether the tables of the second direction are those to take: of smaller |φ|, and where both have the same, of smaller |θ|.
+    #[inline(always)]
+    pub(super) fn is_steeper([first, second]: [DVec3; 2]) -> bool {
+        let [own, other] = [first.z * second.x.abs(), second.z * first.x.abs()];
+        other > own || (other == own && second.z > first.z)
+    }
+}
+
 /// How a material is prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
     /// One longitudinal spread σ instead of the material's own and of its halo; what is reflected is then that of its lobes.
     pub sigma: Option<f64>,
-    /// Whether values are symmetrized, (f(ω_i, ω_o) + f(ω_o, ω_i))/2, at twice the cost.
-    pub reciprocal: bool,
+    /// What makes values reciprocal.
+    pub reciprocity: Reciprocity,
     /// The incident polarization; `None` for unpolarized light.
     pub polarization: Option<Polarization>,
 }
@@ -43,8 +70,8 @@ pub struct TablesHeader {
     pub sides: Sides,
     /// The incident polarization that the values are of; `None` for unpolarized light.
     pub polarization: Option<Polarization>,
-    /// Whether values are symmetrized.
-    pub reciprocal: bool,
+    /// What makes values reciprocal.
+    pub reciprocity: Reciprocity,
     /// Longitudinal spread σ: with a halo, of the narrow part.
     pub sigma: f64,
     /// How instances differ from wavelength to wavelength.
@@ -68,7 +95,7 @@ pub struct TablesHeader {
 pub struct BrdfTables {
     pub(super) kind: FitKind,
     pub(super) polarization: Option<Polarization>,
-    pub(super) reciprocal: bool,
+    pub(super) reciprocity: Reciprocity,
     pub(super) grid: Grid,
     /// One, or one for each incident polarization.
     pub(super) sets: Vec<Table>,
@@ -105,7 +132,7 @@ impl BrdfTables {
         Ok(Self {
             kind: material.kind,
             polarization: options.polarization,
-            reciprocal: options.reciprocal,
+            reciprocity: options.reciprocity,
             sets: only.iter().map(|set| Table::new(material, set, options.polarization)).collect(),
             grid,
             longitudinal,
@@ -123,7 +150,7 @@ impl BrdfTables {
             kind: self.kind,
             sides: self.grid.sides(),
             polarization: self.polarization,
-            reciprocal: self.reciprocal,
+            reciprocity: self.reciprocity,
             sigma: self.longitudinal.sigma(),
             halo: self.longitudinal.halo(),
             spectral: self.noise.spectral(),
@@ -171,7 +198,7 @@ impl BrdfTables {
         Ok(Self {
             kind: header.kind,
             polarization: header.polarization,
-            reciprocal: header.reciprocal,
+            reciprocity: header.reciprocity,
             grid: Grid::from_arrays(from, header.sides, sizes)?,
             sets: (0..header.sets).map(set).collect::<Result<_>>()?,
             longitudinal: Longitudinal::from_arrays(from, header.sigma, header.halo, sizes)?,
@@ -224,7 +251,11 @@ mod tests {
     fn tables_are_what_their_arrays_are() {
         for options in [
             Options::default(),
-            Options { sigma: Some(0.1), reciprocal: true, polarization: Some(Polarization::Second) },
+            Options {
+                sigma: Some(0.1),
+                reciprocity: Reciprocity::Mean,
+                polarization: Some(Polarization::Second),
+            },
         ] {
             let halo = options.sigma.is_none().then(halo);
             let tables = BrdfTables::new(&FeatherMaterial { halo, ..example(3) }, options).unwrap();

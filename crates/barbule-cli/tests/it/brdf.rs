@@ -62,6 +62,28 @@ fn values_have_the_contracts_keys_and_shapes() {
     assert_eq!(third["material_hash"].as_str().unwrap().len(), 64);
 }
 
+/// Exchanged, light and eye see the same where that is asked for: what one of both orders gives, or their mean.
+#[test]
+fn values_are_reciprocal_where_that_is_asked_for() {
+    let of = |wi: &str, wo: &str, how: &str| {
+        let words = ["starling", "--wavelength", "550", "--wi", wi, "--wo", wo, "--reciprocity", how];
+        let found = document(&words);
+        assert_eq!(found["reciprocity"], how);
+        [table(&found["f"])[0][0], table(&found["pdf"])[0][0]]
+    };
+    let orders = |how: &str| [of("2,60", "-2,-25", how), of("-2,-25", "2,60", how)];
+    let [[flat, flat_pdf], [steep, _]] = orders("none");
+    assert!((flat / steep - 1.0).abs() > 0.01, "{flat} {steep}");
+    let [[there, pdf], [back, _]] = orders("steeper");
+    assert_eq!((there, back, pdf), (steep, steep, flat_pdf));
+    let [[there, _], [back, _]] = orders("mean");
+    assert!((there - 0.5 * (flat + steep)).abs() < 1e-12 && (there - back).abs() < 1e-12);
+    let refused =
+        run(&["brdf", MADE_UP, "--wavelength", "500", "--wi", "0,0", "--marginal", "--reciprocity", "mean"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("leave --reciprocity out"));
+}
+
 /// The lower side of a species that ships with both: a material of its own.
 #[test]
 fn undersides_have_values_of_their_own() {

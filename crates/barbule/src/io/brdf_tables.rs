@@ -8,11 +8,14 @@ use std::path::Path;
 
 use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::container::checksum;
 use super::whole::read_at_most;
 use super::write_whole;
-use crate::brdf::{BrdfTables, MOST_HALOS, Numbers, Spectral, TABLES_VERSION, TableArray, TablesHeader};
+use crate::brdf::{
+    BrdfTables, MOST_HALOS, Numbers, Reciprocity, Spectral, TABLES_VERSION, TableArray, TablesHeader,
+};
 use crate::error::shortened;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
@@ -37,7 +40,8 @@ struct Description {
     sides: String,
     /// 1 or 2, or none for unpolarized light.
     polarization: Option<u8>,
-    reciprocal: bool,
+    /// False or true, and of later ones a word of [`Reciprocity`] that is neither.
+    reciprocal: Value,
     sigma: f64,
     /// h of the height phase, µm, and the share of achromatic instances.
     height_um: f64,
@@ -165,7 +169,7 @@ fn numbers_of(view: &TensorView<'_>) -> Option<Numbers<'static>> {
 }
 
 fn description_of(header: &TablesHeader) -> Description {
-    let TablesHeader { version, reciprocal, sigma, halo, spectral, seed, sets, thetas, phis, waves, .. } =
+    let TablesHeader { version, reciprocity, sigma, halo, spectral, seed, sets, thetas, phis, waves, .. } =
         *header;
     Description {
         version,
@@ -184,7 +188,11 @@ fn description_of(header: &TablesHeader) -> Description {
             Polarization::First => 1,
             Polarization::Second => 2,
         }),
-        reciprocal,
+        reciprocal: match reciprocity {
+            Reciprocity::AsFitted => false.into(),
+            Reciprocity::Mean => true.into(),
+            Reciprocity::Steeper => reciprocity.word().into(),
+        },
         sigma,
         halo: halo.into_iter().filter(|sigma| *sigma != 0.0).collect(),
         height_um: spectral.height_um,
@@ -200,19 +208,8 @@ fn description_of(header: &TablesHeader) -> Description {
 
 fn header_of(description: &Description) -> Result<TablesHeader> {
     let refuse = |what: &str| Err(Error::input(format!("its {what}")));
-    let Description {
-        version,
-        reciprocal,
-        sigma,
-        height_um,
-        achromatic,
-        seed,
-        sets,
-        thetas,
-        phis,
-        waves,
-        ..
-    } = *description;
+    let Description { version, sigma, height_um, achromatic, seed, sets, thetas, phis, waves, .. } =
+        *description;
     if description.halo.len() > MOST_HALOS {
         return refuse(&format!("halo has {} σ, over the limit of {MOST_HALOS}", description.halo.len()));
     }
@@ -234,7 +231,12 @@ fn header_of(description: &Description) -> Result<TablesHeader> {
             Some(2) => Some(Polarization::Second),
             Some(_) => return refuse("polarization must be 1, 2 or null"),
         },
-        reciprocal,
+        reciprocity: match &description.reciprocal {
+            Value::Bool(false) => Reciprocity::AsFitted,
+            Value::Bool(true) => Reciprocity::Mean,
+            Value::String(word) if word == Reciprocity::Steeper.word() => Reciprocity::Steeper,
+            _ => return refuse("reciprocal must be false, true or 'steeper'"),
+        },
         sigma,
         halo: std::array::from_fn(|k| description.halo.get(k).copied().unwrap_or_default()),
         spectral: Spectral { height_um, achromatic },
@@ -263,7 +265,8 @@ mod tests {
         let second = Some(Polarization::Second);
         for options in [
             Options::default(),
-            Options { sigma: Some(0.1), reciprocal: true, ..Options::default() },
+            Options { sigma: Some(0.1), reciprocity: Reciprocity::Mean, ..Options::default() },
+            Options { reciprocity: Reciprocity::Steeper, ..Options::default() },
             Options { polarization: second, ..Options::default() },
         ] {
             let tables = tables(options);

@@ -2,7 +2,8 @@
 //! the smooth lobe, and the lobe radiates what was fitted.
 
 use barbule::brdf::fixtures::{example, halo};
-use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options};
+use barbule::brdf::pictures::projected_grid;
+use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options, Reciprocity};
 use barbule::math::rng::Stream;
 use barbule::scattering::directions::{azimuths, omega};
 use barbule::scattering::far_field::Polarization;
@@ -387,14 +388,61 @@ fn mirrored_directions_have_equal_values() {
 }
 
 #[test]
-fn the_reciprocal_option_makes_values_symmetric() {
-    let options = Options { reciprocal: true, ..Options::default() };
-    let brdf = FeatherBrdf::new(&example(3), options).unwrap();
-    let (wi, wo) = (omega(0.4, 0.5), omega(-0.42, -0.3));
-    for instance in [None, Some(4)] {
-        let (there, back) =
-            (brdf.eval([550.0; 4], wi, wo, instance), brdf.eval([550.0; 4], wo, wi, instance));
-        assert!((there[0] - back[0]).abs() <= 1e-6 * there[0], "{there:?} {back:?}");
+fn the_reciprocal_options_make_values_symmetric() {
+    let fitted = FeatherBrdf::new(&example(3), Options::default()).unwrap();
+    let pairs = [(omega(0.4, 0.5), omega(-0.42, -0.3)), (omega(0.3, 0.0), omega(-0.35, 0.0))];
+    let pairs = pairs.into_iter().chain([(omega(0.3, 0.7), omega(-0.35, -0.7))]);
+    for (wi, wo) in pairs {
+        for instance in [None, Some(4)] {
+            let values = |reciprocity| {
+                let brdf = fitted.reciprocal_by(reciprocity);
+                [(wi, wo), (wo, wi)].map(|(wi, wo)| {
+                    let value = brdf.eval([550.0; 4], wi, wo, instance)[0];
+                    assert_eq!(
+                        value,
+                        brdf.prepare([550.0; 4], wi)
+                            .eval(wo, instance.map(|name| brdf.instance(name)).as_ref())[0]
+                    );
+                    value
+                })
+            };
+            let [there, back] = values(Reciprocity::AsFitted);
+            assert!((there / back - 1.0).abs() > 1e-3, "{there} {back}");
+            let [mean, same] = values(Reciprocity::Mean);
+            assert!((mean - same).abs() <= 1e-6 * mean && (mean - 0.5 * (there + back)).abs() <= 1e-6 * mean);
+            let [steep, same] = values(Reciprocity::Steeper);
+            let is_first = wi.z * wo.x.abs() > wo.z * wi.x.abs()
+                || (wi.x.abs() * wo.z == wo.x.abs() * wi.z && wi.z >= wo.z);
+            assert_eq!((steep, same), if is_first { (there, there) } else { (back, back) }, "{wi} {wo}");
+        }
+    }
+}
+
+/// By the steeper direction's tables a lobe reflects no longer what was fitted: the sum over the hemisphere at 547 nm and θ_i = 0 over
+/// that. Within 6 % to 75°; beyond, where the simulation does not hold, a fifth less.
+#[test]
+fn steeper_tables_reflect_nearly_what_was_fitted() {
+    const GRID: usize = 120;
+    let outgoing = projected_grid(GRID);
+    for (stem, known) in
+        [("starling-green", [1.00, 0.99, 0.99, 1.00, 0.78]), ("mallard-lime", [1.00, 1.06, 1.04, 1.04, 0.80])]
+    {
+        let fitted = brdf(&shipped(stem));
+        let steeper = fitted.reciprocal_by(Reciprocity::Steeper);
+        for (phi_deg, known) in [0.0_f64, 30.0, 60.0, 75.0, 85.0].into_iter().zip(known) {
+            let wi = omega(0.0, phi_deg.to_radians());
+            let reflected = |brdf: &FeatherBrdf| {
+                let prepared = brdf.prepare([547.0; 4], wi);
+                let sum: f64 = outgoing.iter().map(|wo| f64::from(prepared.eval(*wo, None)[0])).sum();
+                sum * 4.0 / (GRID * GRID) as f64
+            };
+            let [all, ratio] = [reflected(&steeper), reflected(&steeper) / reflected(&fitted)];
+            // Two digits are written here.
+            assert!(
+                (ratio - known).abs() < 0.006 && all < 0.5,
+                "{stem} {phi_deg}: {ratio}, known {known}, {all}"
+            );
+        }
     }
 }
 
@@ -420,7 +468,11 @@ fn the_deviation_from_reciprocity_is_known() {
         (SHIPPED[1], shipped(SHIPPED[1]), 0.1628),
     ];
     for (name, material, known) in cases {
-        let deviation = reciprocity_deviation(&brdf(&material));
+        let fitted = brdf(&material);
+        // As in pictures: but for the rounding of equal sines.
+        let steeper = reciprocity_deviation(&fitted.reciprocal_by(Reciprocity::Steeper));
+        assert!(steeper < 1e-6, "{name}: {steeper}");
+        let deviation = reciprocity_deviation(&fitted);
         // The same draws each time: what is left is the digits that are written here.
         assert!((deviation / known - 1.0).abs() < 0.01, "{name}: {deviation}, known {known}");
     }

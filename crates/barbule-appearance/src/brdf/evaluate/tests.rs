@@ -100,8 +100,8 @@ fn registers_agree_with_the_exact_formulas_for_all_options() {
     }
     let (wi, wo) = (DVec3::new(0.3, 0.2, 0.9).normalize(), DVec3::new(-0.25, -0.18, 0.9).normalize());
     for polarization in [None, Some(Polarization::First), Some(Polarization::Second)] {
-        for reciprocal in [false, true] {
-            let options = Options { polarization, reciprocal, ..Options::default() };
+        for reciprocity in [Reciprocity::AsFitted, Reciprocity::Mean, Reciprocity::Steeper] {
+            let options = Options { polarization, reciprocity, ..Options::default() };
             let brdf = FeatherBrdf::new(&material, options).unwrap();
             let exact = brdf.exact(500.0, wi).values(wo, Some(3));
             let found = brdf.eval([500.0; 4], wi, wo, Some(3))[0];

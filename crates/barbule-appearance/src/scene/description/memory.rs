@@ -2,12 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::SceneDescription;
 use super::files::Named;
 use super::objects::{ObjectDescription, ObjectShape};
 use super::shapes::{SPHERE, nodes};
 use super::slot::Slot;
 use super::surfaces::NamedSurface;
+use super::{LowerSide, SceneDescription};
 use crate::bsdf::Texture;
 use crate::scattering::grating::Powers;
 use crate::scene::geometry::Mesh;
@@ -67,21 +67,29 @@ impl SceneDescription {
         let per_sky_pixel = PER_SKY_PIXEL + if self.turn_deg == 0.0 { 0.0 } else { PER_TURNED_PIXEL };
         for (_, named) in scene.needed_mut() {
             let (kind, name, own) = match named {
-                Named::Colours(slot) => (0, &slot.name, texels(slot, foreseen)),
-                Named::Numbers(slot) => (1, &slot.name, texels(slot, foreseen)),
+                Named::Colours(slot) => (0, slot.name.clone(), texels(slot, foreseen)),
+                Named::Numbers(slot) => (1, slot.name.clone(), texels(slot, foreseen)),
                 Named::Sky(slot, _) => {
                     let read = slot.get().map(|sky| sky.size().iter().product::<usize>() as f64);
-                    (2, &slot.name, per_sky_pixel * read.unwrap_or_else(|| pixels(&slot.name, foreseen)))
+                    (
+                        2,
+                        slot.name.clone(),
+                        per_sky_pixel * read.unwrap_or_else(|| pixels(&slot.name, foreseen)),
+                    )
                 }
                 Named::Backdrop(slot) => {
                     let read = slot.get().map(|picture| picture.pixels() as f64);
-                    (3, &slot.name, PER_TEXEL * read.unwrap_or_else(|| pixels(&slot.name, foreseen)))
+                    (3, slot.name.clone(), PER_TEXEL * read.unwrap_or_else(|| pixels(&slot.name, foreseen)))
                 }
-                Named::Grating(slot) | Named::Sample(slot) => (4, &slot.name, powers(slot, foreseen)),
-                Named::Material(slot) => (5, &slot.name, PER_MATERIAL),
+                Named::Grating(slot) | Named::Sample(slot) => (4, slot.name.clone(), powers(slot, foreseen)),
+                Named::Material(slot) => (5, slot.name.clone(), PER_MATERIAL),
+                Named::Lower(upper, slot) => {
+                    let is_keratin = slot.get().is_some_and(|LowerSide(brdf)| brdf.is_none());
+                    (6, upper, if is_keratin { 0.0 } else { PER_MATERIAL })
+                }
                 Named::Mesh(_) | Named::Curves(..) | Named::Spectrum(_) => continue,
             };
-            if seen.insert((kind, name.clone())) {
+            if seen.insert((kind, name)) {
                 bytes += own;
             }
         }

@@ -183,6 +183,12 @@ impl SpeciesModel {
         self.parameters.generator().lower_lattice(&self.library)
     }
 
+    /// Whether the lower side, lit from below, shows what the upper one does, up to single individuals: the same layers lie under both.
+    #[must_use]
+    pub fn is_alike_below(&self) -> bool {
+        self.parameters.generator().is_alike_below()
+    }
+
     /// `species:variant`; the name alone where a file has no variants.
     #[must_use]
     pub fn title(&self) -> String {

@@ -1,6 +1,6 @@
 use super::*;
-use crate::brdf::fixtures::{example, halo};
 use crate::brdf::Spectral;
+use crate::brdf::fixtures::{example, halo};
 
 /// A container with the given header and data.
 fn container(header: &str, data: &[u8]) -> Vec<u8> {
