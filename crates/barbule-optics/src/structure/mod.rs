@@ -23,7 +23,7 @@ mod sweep;
 mod symmetry;
 
 pub use cast::{Ray, cast};
-pub use closed::{Beneath, Closed, GAP_UM};
+pub use closed::{ABSORPTION, Beneath, Closed, Ends, GAP_UM, RAMP, RAMP_STEP_UM};
 pub use columns::{Columns, PaletteMixture, SlotMixture};
 pub use contour::Contour;
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
