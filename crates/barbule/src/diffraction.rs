@@ -217,7 +217,9 @@ pub fn in_plane(steps: usize) -> Vec<f64> {
 }
 
 /// Patches of a snake whose powers are averaged for a scene: scales differ, and one patch has speckles.
-const PATCHES: u64 = 4;
+const PATCHES: u64 = 2;
+/// Their heights along either side: as near as the shortest wavelength asks for, a number that transforms are fast for.
+const PATCH_CELLS: usize = 768;
 
 /// The fingers of a sample of which several patches are averaged.
 fn fingers_of(sample: &str) -> Option<Fingers> {
@@ -226,7 +228,9 @@ fn fingers_of(sample: &str) -> Option<Fingers> {
         "xenopeltis" => Fingers::XENOPELTIS,
         _ => return None,
     };
-    Some(fingers)
+    // White noise keeps its density over frequencies.
+    let noise_um = fingers.noise_um * PATCH_CELLS as f64 / fingers.cells as f64;
+    Some(Fingers { cells: PATCH_CELLS, noise_um, ..fingers })
 }
 
 /// For which wavelengths and through which window the powers of samples are.

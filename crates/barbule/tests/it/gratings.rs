@@ -72,9 +72,11 @@ fn the_scalar_sum_holds_for_ridges_wider_than_the_wavelength() {
     let sinusoid = orders(&Heightfield::sinusoid(2.5, 0.123, 1, 120).unwrap(), 0.0);
     let rows = orders(&Fingers::XENOPELTIS.along(120).unwrap(), 30.0);
     let elaphe = orders(&Fingers::ELAPHE.across(120).unwrap(), 0.0);
-    for (name, found, misplaced) in
-        [("sinusoid", &sinusoid, 0.010), ("xenopeltis rows", &rows, 0.036), ("elaphe fingers", &elaphe, 0.014)]
-    {
+    for (name, found, misplaced) in [
+        ("sinusoid", &sinusoid, 0.010),
+        ("xenopeltis rows", &rows, 0.036),
+        ("elaphe fingers", &elaphe, 0.014),
+    ] {
         let share = found.misplaced(OrderPower::unpolarized);
         assert!((share - misplaced).abs() < 0.006, "{name}: {share} for {misplaced}");
     }
