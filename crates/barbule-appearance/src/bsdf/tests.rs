@@ -78,6 +78,7 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ),
         ("film", Surface::ThinFilm(film())),
         ("grating", Surface::Grating(super::grating::tests::grating())),
+        ("rough grating", Surface::Grating(super::grating::tests::rough())),
         (
             "frosted",
             Surface::RoughDielectric(
@@ -200,7 +201,7 @@ fn no_surface_gives_more_than_it_gets() {
 #[test]
 fn surfaces_without_instances_or_offsets_are_reciprocal() {
     let hit = hit();
-    let reciprocal = ["white", "sheet", "keratin", "copper", "film", "grating"];
+    let reciprocal = ["white", "sheet", "keratin", "copper", "film", "grating", "rough grating"];
     for (name, surface) in surfaces().iter().filter(|(name, _)| reciprocal.contains(name)) {
         for a in viewers() {
             for b in viewers() {

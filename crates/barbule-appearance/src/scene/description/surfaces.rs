@@ -21,8 +21,9 @@ use crate::{Error, Result, record, variants, words};
 /// Most surfaces of a map: as many as an 8-bit grey tells apart.
 const MOST_MAPPED: usize = 256;
 
-/// Where nothing is said: lobes are 0.9° wide at 550 nm (standard deviation), as if the scale were a little uneven.
-const USUAL_COHERENCE_UM: f64 = 4.0;
+/// Where nothing is said: four are 65 µm, the side of patches that heights are measured on, beyond which nothing is known of how the
+/// surface goes on. Lobes are 0.22° wide at 550 nm (standard deviation), before any lamp.
+const USUAL_COHERENCE_UM: f64 = 16.25;
 
 variants! {
     /// A surface with a name.
