@@ -326,7 +326,8 @@ mod tests {
     use crate::characterize::CampaignOptions;
     use crate::progress::Unobserved;
 
-    /// A made-up row of light: the window's lobe and two of the Gaussians come back.
+    /// A made-up row of light: two of the Gaussians come back, the narrow one with the 5e-4 of the window's lobe that lie beyond
+    /// its end and what that makes under it, 1.2e-3.
     #[test]
     fn a_known_halo_is_fitted() {
         for theta_i in [0.0, 0.6] {
@@ -345,7 +346,10 @@ mod tests {
             };
             let rows: Vec<f64> = omega_y.iter().map(|y| of(*y)).collect();
             let [a, b, c] = fitted(&omega_y, &rows, step, theta_i, deviation);
-            assert!((a - 0.05).abs() < 1e-3 && b < 1e-3 && (c - 0.2).abs() < 1e-3, "{theta_i}: {a} {b} {c}");
+            assert!(
+                (a - 0.05).abs() < 1.5e-3 && b < 1e-3 && (c - 0.2).abs() < 1e-3,
+                "{theta_i}: {a} {b} {c}"
+            );
         }
     }
 
@@ -360,12 +364,12 @@ mod tests {
         HaloPlan { length_um: 12.0, ..HaloPlan::new(&options.plan(structure).unwrap()) }
     }
 
-    /// A flat film: heights of rms A far below the wavelength take the part (2k A z)² out of the mirror's line (perturbation of the
+    /// A flat mirror, melanin that light does not pass: heights of rms A far below the wavelength take the part (2k A z)² out of the mirror's line (perturbation of the
     /// first order) and lose next to nothing; a smooth one sends nothing off it.
     #[test]
-    fn a_rough_film_has_the_halo_of_perturbation_theory() {
-        let film = Structure::flat("air/keratin:300/melanin:500/air").unwrap();
-        let plan = small(film);
+    fn a_rough_mirror_has_the_halo_of_perturbation_theory() {
+        let mirror = Structure::flat("air/melanin:3000/air").unwrap();
+        let plan = small(mirror);
         let halo = plan.measure(None, &Unobserved).unwrap();
         halo.check().unwrap();
         let rough = halo.at(550.0, 1.0, 1.0);
