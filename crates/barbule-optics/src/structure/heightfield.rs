@@ -348,7 +348,7 @@ impl Fingers {
         drop_um: 0.03,
         noise_um: 0.004,
         undulation_um: 0.025,
-        grains: Grains { per_um2: 0.02, height_um: 0.115, radius_um: 0.3 },
+        grains: Grains { per_um2: 0.01, height_um: 0.117, radius_um: 0.3 },
     };
 
     /// Sunbeam snake: short fingers in close rows.
@@ -477,7 +477,8 @@ mod tests {
             }
             let found = 65.0 / f64::from(best.1 as u32);
             assert!((found / pitch - 1.0).abs() < 0.03, "{found} for {pitch}");
-            assert!((0.05..0.4).contains(&(2.0 * field.reach_um())), "{}", field.reach_um());
+            // Fingers of 0.09 µm, and here and there two grains on one place.
+            assert!((0.05..0.5).contains(&(2.0 * field.reach_um())), "{}", field.reach_um());
         }
     }
 

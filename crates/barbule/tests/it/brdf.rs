@@ -483,7 +483,7 @@ fn the_deviation_from_reciprocity_is_known() {
 fn albedos_of_instances_scatter_about_the_mean() {
     let cases = [
         ("example", example(3), 0.2538),
-        (SHIPPED[0], shipped(SHIPPED[0]), 0.2660),
+        (SHIPPED[0], shipped(SHIPPED[0]), 0.2700),
         (SHIPPED[1], shipped(SHIPPED[1]), 0.2250),
     ];
     for (name, material, known) in cases {

@@ -25,7 +25,7 @@ fn second_moment(radius_deg: f64, coherence_um: f64) -> f64 {
     let description = SceneDescription::parse(&text).unwrap();
     let mut none = |name: &str| panic!("no material is worn, but '{name}' asked for");
     let ready = resolve(description, &Folder::default(), &mut none, 1, &Unobserved).unwrap();
-    let options = PictureOptions { size: SIZE, samples: 64, ..PictureOptions::default() };
+    let options = PictureOptions { size: SIZE, samples: 256, ..PictureOptions::default() };
     let picture = Picture::of(&ready, &options, &Unobserved).unwrap();
     let (mut whole, mut second) = (0.0, 0.0);
     for x in 0..SIZE[0] {
