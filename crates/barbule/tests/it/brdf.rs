@@ -484,7 +484,7 @@ fn albedos_of_instances_scatter_about_the_mean() {
     let cases = [
         ("example", example(3), 0.2538),
         (SHIPPED[0], shipped(SHIPPED[0]), 0.2700),
-        (SHIPPED[1], shipped(SHIPPED[1]), 0.2250),
+        (SHIPPED[1], shipped(SHIPPED[1]), 0.2316),
     ];
     for (name, material, known) in cases {
         let [average, spread] = instance_albedos(&brdf(&material));
