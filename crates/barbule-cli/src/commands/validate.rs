@@ -12,7 +12,7 @@ use barbule::plot::{Drawing, Format};
 use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, FullWave};
 use barbule::solve::{FAST, SHADOWED};
 use barbule::spectrum::Wavelengths;
-use barbule::structure::{Beneath, SpeciesModel, Structure};
+use barbule::structure::{Beneath, Smoothing, SpeciesModel, Structure};
 use barbule::validate::{Plan, three_d, usual_azimuths};
 use barbule::{Error, Result};
 use serde_json::Value;
@@ -84,9 +84,8 @@ pub(crate) struct Args {
     /// Let the top stand in its own light in the fast simulation's formulas, evaluated plainly (slower)
     #[arg(long, conflicts_with = "three_d")]
     shadowing: bool,
-    /// In the fast simulation, average the outlines of long inclusions along x over this standard deviation, µm
-    #[arg(long, value_name = "UM", conflicts_with = "three_d")]
-    smooth: Option<f64>,
+    #[arg(long, value_name = "UM", conflicts_with = "three_d", value_parser = structure_arg::smoothing, help = structure_arg::SMOOTH)]
+    smooth: Option<Smoothing>,
     /// At three wavelengths: a narrow barbule against full waves, few segments
     #[arg(long)]
     quick: bool,
@@ -183,7 +182,9 @@ impl Args {
     }
 
     fn three_d_plan(&self) -> Result<three_d::Plan> {
-        let structure = self.narrowed(structure_arg::parse(&self.structure, &self.common)?, None)?;
+        // Segments take each column for itself, and so does what they are held against.
+        let structure = structure_arg::parse(&self.structure, &self.common)?.smoothed(Smoothing::Off);
+        let structure = self.narrowed(structure, None)?;
         let most = if self.quick { QUICK_INSTANCES } else { USUAL_INSTANCES };
         let asked = self.instances.map_or(most, |count| count as usize);
         // A changed species has no material of its own.
@@ -250,14 +251,12 @@ impl Args {
     /// Everything that is compared, checked before any work.
     fn plan(&self) -> Result<Plan> {
         let structure = structure_arg::parse(&self.structure, &self.common)?;
+        let structure = self.smooth.into_iter().fold(structure, Structure::smoothed);
         let quick = self.quick.then_some(QUICK_WIDTH_UM.min(structure.width_um()));
         let section = self.narrowed(structure, quick)?.instance(self.common.seed, self.instance)?;
         let nm = self.nm();
         let azimuths = usual_azimuths(&section, nm.iter().copied().fold(f64::INFINITY, f64::min));
-        let mut closed = section.closed(Beneath::Absorbing)?;
-        if let Some(deviation_um) = self.smooth {
-            closed.fast = closed.fast.smoothed(deviation_um).map_err(|error| error.at("--smooth"))?;
-        }
+        let closed = section.closed(Beneath::Absorbing)?;
         if closed.fast.boundaries.is_empty() {
             return Err(Error::input(format!(
                 "{}: the section has no top boundary, which the fast simulation needs; give one with boundaries",
@@ -276,7 +275,6 @@ impl Args {
                 clock: clock::system,
             },
             method: if self.shadowing { SHADOWED } else { FAST },
-            smooth_um: self.smooth,
         })
     }
 

@@ -148,3 +148,27 @@ fn full_waves_give_widths_that_balance() {
     let (table, _) = run(&words[..words.len() - 1]);
     assert!(table.contains("nodes per wavelength"), "{table}");
 }
+
+/// The power of both polarizations at once, printed for one far field.
+fn reflected(words: &[&str]) -> f64 {
+    let document = document(
+        &[&["far-field", "--wavelength", "550", "--theta", "0", "--phi", "0", "--json"], words].concat(),
+    );
+    let power = |key: &str| {
+        let intensity = document[key]["intensity"].as_array().unwrap();
+        intensity.iter().map(|value| value.as_f64().unwrap()).sum::<f64>()
+    };
+    power("polarization_1") + power("polarization_2")
+}
+
+#[test]
+fn bubbles_are_averaged_unless_somebody_says_otherwise() {
+    let bird = |words: &[&str]| reflected(&[&["hummingbird"], words].concat());
+    let (usual, off) = (bird(&[]), bird(&["--smooth", "off"]));
+    assert!(usual > 1.1 * off, "{usual} {off}");
+    assert_eq!(usual, bird(&["--smooth", "0.06"]));
+    assert!((bird(&["--smooth", "0.1"]) / usual - 1.0).abs() < 0.02);
+    // The plain evaluation sees the same layers.
+    assert!((bird(&["--solver", "direct"]) / usual - 1.0).abs() < 1e-6);
+    assert_eq!(reflected(&["starling"]), reflected(&["starling", "--smooth", "0.06"]));
+}

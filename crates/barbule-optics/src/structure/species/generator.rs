@@ -37,6 +37,11 @@ pub(super) trait Generator {
     fn room(&self) -> String {
         "make its parts smaller, or the barbule larger".into()
     }
+    /// The standard deviation, µm, over which simulations should average inclusions along the top: where rows of them begin, end
+    /// and bulge within less than a wavelength.
+    fn smooth_um(&self) -> Option<f64> {
+        None
+    }
     /// Whether the outline is an arch rather than a slab.
     fn is_curved(&self) -> bool {
         false
