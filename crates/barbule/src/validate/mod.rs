@@ -160,7 +160,7 @@ mod tests {
     use crate::progress::{NO_CLOCK, Unobserved};
     use crate::solve::far_fields::SectionSolver;
     use crate::solve::{DIRECT, FAST};
-    use crate::structure::{Beneath, FINER_THAN_LIGHT_UM, Inclusion, Loop, Medium, Parts, Polyline};
+    use crate::structure::{Beneath, Inclusion, Loop, Medium, Parts, Polyline};
 
     /// Ridges as steep as 25° hide at 60° what leaves the slopes that face away: with shadows the pattern is nearer to that of
     /// full waves.
@@ -241,11 +241,12 @@ mod tests {
         let full = reflected(&full, &closed.regions);
         let fast = (FAST.solver)(&Settings::default());
         let mut smooth = closed.fast.clone();
-        smooth.smooth_um = Some(FINER_THAN_LIGHT_UM);
+        // The rows' period, 0.24 µm, is seven tenths of a wavelength in keratin: 0.06 µm would leave a third of it.
+        smooth.smooth_um = Some(0.1);
         let (plain, smooth) = (reflected(&*fast, &closed.fast), reflected(&*fast, &smooth));
-        // −14 and −10 % without, +0.7 and +1.2 % with averages.
+        // −14 and −10 % without, +0.2 and +0.5 % with averages.
         for ((full, plain), smooth) in full.iter().zip(plain).zip(smooth) {
-            assert!(plain / full < 0.91 && (smooth / full - 1.0).abs() < 0.015, "{full} {plain} {smooth}");
+            assert!(plain / full < 0.91 && (smooth / full - 1.0).abs() < 0.01, "{full} {plain} {smooth}");
         }
     }
 }
