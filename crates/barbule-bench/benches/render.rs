@@ -119,6 +119,7 @@ fn plane(brdf: Arc<FeatherBrdf>) -> Scene {
     let surface = Surface::Barbule(BarbuleSurface {
         brdf,
         instances: true,
+        below: None,
         under: keratin(),
         cells: Cells::default(),
         opacity: 1.0,

@@ -172,8 +172,14 @@ impl BenchScene {
             Self::TableQuad => {
                 let under = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0)?)?;
                 let brdf = tables()?;
-                let surface =
-                    BarbuleSurface { brdf, instances: false, under, cells: Cells::default(), opacity: 1.0 };
+                let surface = BarbuleSurface {
+                    brdf,
+                    instances: false,
+                    below: None,
+                    under,
+                    cells: Cells::default(),
+                    opacity: 1.0,
+                };
                 vec![Object { geometry: square(), surface: Surface::Barbule(surface) }]
             }
         };

@@ -224,6 +224,11 @@ pub(crate) fn summary(report: &FitReport) -> String {
             text += &format!("\ncontrast of one polarization {part}: {}", pair(found));
         }
     }
+    let errors = report.spectral;
+    text += &format!(
+        "\ncorrelation of instances between wavelengths: off by {:.2} in the mirror direction, {:.2} beside it; between lights by {:.2}",
+        errors.mirror, errors.beside, errors.turned
+    );
     if !report.grazing.is_empty() {
         text += &format!(
             "\n{} wavelengths and directions are so near grazing that the simulation would be over {:.0} % off for a flat mirror",

@@ -93,7 +93,9 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         ("species", "name") => files(Names::Species, &["toml", "json"]),
         ("keys", "kind") => files(Names::Keys, &[]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
-        ("render" | "lobes" | "brdf", "material") => files(Names::Species, &["barbule", "toml", "json"]),
+        ("render" | "lobes" | "brdf", "material") | ("render", "under") => {
+            files(Names::Species, &["barbule", "toml", "json"])
+        }
         ("render", "background") => files(Names::None, &["png", "exr", "hdr"]),
         ("render", "output") => files(Names::None, &["png", "jpg", "webp", "exr"]),
         ("render", "sensor") => files(Names::None, &["toml", "csv"]),

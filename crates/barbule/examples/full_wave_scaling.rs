@@ -12,7 +12,7 @@ use barbule::progress::Unobserved;
 use barbule::scattering::far_field::Window;
 use barbule::solve::far_fields::{Effort, Scattered};
 use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, Method, Problem};
-use barbule::structure::{Beneath, Section, Structure};
+use barbule::structure::{Beneath, Ends, Section, Structure};
 use barbule::{Error, Result};
 
 /// The largest difference of amplitudes against the largest one.
@@ -74,7 +74,7 @@ fn main() -> Result<()> {
     println!("width_um,unknowns,method,seconds,megabytes,balance_1,balance_2,difference");
     for width in words.get(3).map_or("", |widths| widths).split(',') {
         let width_um = width.parse().map_err(|_| Error::input(format!("{width} is no width in µm")))?;
-        let section = narrowed(&words[0], width_um)?.closed(Beneath::Absorbing)?.regions;
+        let section = narrowed(&words[0], width_um)?.closed(Beneath::Absorbing, Ends::Closed)?.regions;
         let run = |method| -> Result<(Scattered, Effort)> {
             let problem = Problem::new(&section, wavelength_nm, theta, ELEMENTS_PER_WAVELENGTH)?.by(method);
             let found =

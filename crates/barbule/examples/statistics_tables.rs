@@ -14,7 +14,7 @@ use barbule::plot::{Axis, Curve, Drawing, Figure, Format, Ink, Stroke};
 use barbule::structure::species_names;
 use num_complex::Complex64;
 
-use speckle::{Species, fitted, moments, simulate, speckle, synthesized};
+use speckle::{Species, correlations, fitted, moments, simulate, speckle, synthesized};
 
 fn main() -> barbule::Result<()> {
     let species: Vec<Species> = species_names().map(simulate).collect();
@@ -63,6 +63,20 @@ fn main() -> barbule::Result<()> {
         "\n| 1/e lengths of | fields, 400 nm | intensities | fields, 694 nm | intensities | fields, 400 nm, 46° | intensities |\n{}",
         lengths.join("\n")
     );
+    println!(
+        "\n| species | two wavelengths, mirror direction: simulated / published / now | apart | over the lobe | apart | two lights | apart |"
+    );
+    for one in &species {
+        let [published, now] = correlations(one);
+        let cells: Vec<String> =
+            [(published.mirror, now.mirror), (published.lobe, now.lobe), (published.turned, now.turned)]
+                .iter()
+                .map(|([simulated, before, apart_before], [_, after, apart])| {
+                    format!("{simulated:.2} / {before:.2} / {after:.2} | {apart_before:.2} → {apart:.2}")
+                })
+                .collect();
+        println!("| {} | {} |", one.name, cells.join(" | "));
+    }
     std::env::args().nth(1).map_or(Ok(()), |path| quantiles(&species, Path::new(&path)))
 }
 

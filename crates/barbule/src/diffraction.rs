@@ -216,10 +216,10 @@ pub fn in_plane(steps: usize) -> Vec<f64> {
     (0..steps).map(|i| ((i as f64 + 0.5) / steps as f64 - 0.5) * 2.0 * FRAC_PI_2).collect()
 }
 
-/// Patches of a snake whose powers are averaged for a scene, each this large: scales differ, and one patch has speckles.
-const PATCHES: u64 = 4;
-const PATCH_UM: f64 = 32.5;
-const PATCH_CELLS: usize = 666;
+/// Patches of a snake whose powers are averaged for a scene: scales differ, and one patch has speckles.
+const PATCHES: u64 = 2;
+/// Their heights along either side: as near as the shortest wavelength asks for, a number that transforms are fast for.
+const PATCH_CELLS: usize = 768;
 
 /// The fingers of a sample of which several patches are averaged.
 fn fingers_of(sample: &str) -> Option<Fingers> {
@@ -228,7 +228,9 @@ fn fingers_of(sample: &str) -> Option<Fingers> {
         "xenopeltis" => Fingers::XENOPELTIS,
         _ => return None,
     };
-    Some(Fingers { cells: PATCH_CELLS, size_um: PATCH_UM, ..fingers })
+    // White noise keeps its density over frequencies.
+    let noise_um = fingers.noise_um * PATCH_CELLS as f64 / fingers.cells as f64;
+    Some(Fingers { cells: PATCH_CELLS, noise_um, ..fingers })
 }
 
 /// For which wavelengths and through which window the powers of samples are.
@@ -241,12 +243,13 @@ fn of_samples() -> Result<(Wavelengths, Setup)> {
 #[must_use]
 pub fn foretell_sample(sample: &str, seed: u64) -> Option<[u64; 2]> {
     let (at, setup) = of_samples().ok()?;
-    let (field, patches) = match fingers_of(sample) {
-        Some(fingers) => (Heightfield::fingers(&fingers, hash(seed, &[0])).ok()?, PATCHES),
+    let (field, sums) = match fingers_of(sample) {
+        Some(fingers) => (Heightfield::fingers(&fingers, hash(seed, &[0])).ok()?, 2),
         None => (Heightfield::sample(sample, seed)?.ok()?, 1),
     };
     let need = Builder::need(&field, &setup, TableGrid::USUAL, Series::Chebyshev, &at);
-    Some([need.powers, need.making + patches * need.powers])
+    let heights = size_of_val(field.height_um()) as u64;
+    Some([need.powers, need.making + sums * need.powers + heights])
 }
 
 /// The powers of a built-in sample at the wavelengths of pictures, for snakes the mean of several patches.
@@ -259,10 +262,8 @@ pub fn sample_powers(sample: &str, seed: u64, progress: &dyn Progress) -> Result
         Amplitudes::new(&field, &setup, Reach::of(&setup, &at), Series::Chebyshev, progress)?.powers()
     };
     if let Some(fingers) = fingers_of(sample) {
-        let patches: Vec<Powers> = (0..PATCHES)
-            .map(|patch| powers(Heightfield::fingers(&fingers, hash(seed, &[patch]))?))
-            .collect::<Result<_>>()?;
-        return Powers::mean(&patches);
+        let patch = |patch: u64| powers(Heightfield::fingers(&fingers, hash(seed, &[patch]))?);
+        return Powers::mean((0..PATCHES).map(patch));
     }
     match Heightfield::sample(sample, seed) {
         Some(field) => powers(field?),

@@ -16,7 +16,9 @@ use crate::io::{
 use crate::progress::Progress;
 use crate::scattering::grating::Powers;
 use crate::scene::backdrop::BackdropPicture;
-use crate::scene::description::{Foreseen, Holds, Named, ReadyScene, Remark, SceneDescription, Slot};
+use crate::scene::description::{
+    Foreseen, Holds, LowerSide, Named, ReadyScene, Remark, SceneDescription, Slot, Under,
+};
 use crate::scene::geometry::Mesh;
 use crate::scene::sky::Sky;
 use crate::{Error, Result};
@@ -28,20 +30,34 @@ pub struct Worn {
     pub brdf: Arc<FeatherBrdf>,
     /// BLAKE3 of the material's bytes.
     pub hash: String,
+    /// What is known of the lower sides of its barbules.
+    pub below: Below,
+}
+
+/// What the lower sides of a material's barbules show.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Below {
+    /// Nothing is known: keratin.
+    Keratin,
+    /// The same as their upper sides.
+    Same,
+    /// Another material of this name.
+    Named(String),
 }
 
 impl Worn {
-    /// A material as it is evaluated by default; `hash` is BLAKE3 of its bytes.
+    /// A material as it is evaluated by default, with keratin below; `hash` is BLAKE3 of its bytes.
     ///
     /// # Errors
     /// Tables that do not belong together.
     pub fn new(material: &FeatherMaterial, hash: String) -> Result<Self> {
-        Ok(Self { brdf: Arc::new(FeatherBrdf::new(material, Options::default())?), hash })
+        let brdf = Arc::new(FeatherBrdf::new(material, Options::default())?);
+        Ok(Self { brdf, hash, below: Below::Keratin })
     }
 }
 
 /// Reads and makes everything that a scene names and that is not there yet: files from `assets`, materials by `materials`, which is
-/// asked once for each name; `seed` is that of samples' heights. `progress` is told on which side of meshes feathers and barbules grow.
+/// asked once for each name, and for those of lower sides ([`Worn::below`]) only where the scene shows them; `seed` is that of samples' heights. `progress` is told on which side of meshes feathers and barbules grow.
 ///
 /// # Errors
 /// A file or material that is missing, too large or of another kind; the message begins with the key. Interruption.
@@ -52,16 +68,25 @@ pub fn resolve(
     seed: u64,
     progress: &dyn Progress,
 ) -> Result<ReadyScene> {
-    let mut worn: BTreeMap<String, Worn> = BTreeMap::new();
+    let mut wardrobe = Wardrobe { worn: BTreeMap::new(), materials };
     read_files(&mut scene, assets, seed, progress)?;
     for (_, named) in scene.needed_mut().into_iter().filter(|(_, named)| !named.is_read()) {
-        if let Named::Material(slot) = named {
-            let material = match worn.get(&slot.name) {
-                Some(material) => material.clone(),
-                None => materials(&slot.name)?,
-            };
-            slot.fill(material.brdf.clone(), material.hash.clone());
-            worn.insert(slot.name.clone(), material);
+        match named {
+            Named::Material(slot) => {
+                let Worn { brdf, hash, .. } = wardrobe.worn(&slot.name)?;
+                slot.fill(brdf, hash);
+            }
+            Named::Lower(upper, slot) => {
+                let own = wardrobe.worn(&upper)?;
+                let lower = match own.below.clone() {
+                    Below::Keratin => None,
+                    Below::Same => Some(own),
+                    Below::Named(name) => Some(wardrobe.worn(&name)?),
+                };
+                let (brdf, hash) = lower.map(|Worn { brdf, hash, .. }| (brdf, hash)).unzip();
+                slot.fill(LowerSide(brdf), hash.unwrap_or_else(|| Under::KERATIN.to_owned()));
+            }
+            _ => {}
         }
     }
     for Remark { sentence, is_doubt } in scene.remarks_on_sides() {
@@ -72,6 +97,23 @@ pub fn resolve(
         }
     }
     ReadyScene::new(scene)
+}
+
+/// Materials, each asked for once.
+struct Wardrobe<'a> {
+    worn: BTreeMap<String, Worn>,
+    materials: &'a mut dyn FnMut(&str) -> Result<Worn>,
+}
+
+impl Wardrobe<'_> {
+    fn worn(&mut self, name: &str) -> Result<Worn> {
+        if let Some(worn) = self.worn.get(name) {
+            return Ok(worn.clone());
+        }
+        let worn = (self.materials)(name)?;
+        self.worn.insert(name.to_owned(), worn.clone());
+        Ok(worn)
+    }
 }
 
 /// Reads and makes everything that a picture of a scene needs and that is not there yet, but its materials: a file that is named several
@@ -97,7 +139,7 @@ pub fn read_files(
 }
 
 fn is_left(named: &Named<'_>) -> bool {
-    !named.is_read() && !matches!(named, Named::Material(_))
+    !named.is_read() && !matches!(named, Named::Material(_) | Named::Lower(..))
 }
 
 /// What was read of a name, with its hash.
@@ -128,7 +170,8 @@ impl Known {
             | Named::Backdrop(_)
             | Named::Sky(..)
             | Named::Curves(..)
-            | Named::Material(_) => false,
+            | Named::Material(_)
+            | Named::Lower(..) => false,
         }
     }
 
@@ -147,7 +190,8 @@ impl Known {
             | Named::Backdrop(_)
             | Named::Sky(..)
             | Named::Curves(..)
-            | Named::Material(_) => Ok(()),
+            | Named::Material(_)
+            | Named::Lower(..) => Ok(()),
         }
     }
 }
@@ -178,7 +222,7 @@ pub fn foretell_files(scene: &SceneDescription, assets: &dyn Assets, seed: u64) 
             Named::Mesh(_) => (foretell_mesh(&name, &head, length).map(Holds::Mesh), 2 * length),
             Named::Curves(..) => (Some(Holds::Points(foretell_curves(&head, length))), length),
             Named::Grating(_) => (Some(Holds::Powers(length as f64)), length),
-            Named::Spectrum(_) | Named::Sample(_) | Named::Material(_) => (None, length),
+            Named::Spectrum(_) | Named::Sample(_) | Named::Material(_) | Named::Lower(..) => (None, length),
         };
         foreseen.extend(holds.map(|holds| (name, holds)));
         reading = reading.max(beside);
@@ -238,7 +282,9 @@ pub fn read_named(
             slot.fill(sample_powers(&slot.name, seed, progress)?, hash);
             Ok(())
         }
-        Named::Material(slot) => Err(Error::input(format!("'{}' is a material, not a file", slot.name))),
+        Named::Material(Slot { name, .. }) | Named::Lower(name, _) => {
+            Err(Error::input(format!("'{name}' is a material, not a file")))
+        }
     }
 }
 

@@ -1,26 +1,32 @@
 //! Evaluation of a feather material: what renderers call.
 
+use std::sync::Arc;
+
 use fearless_simd::{Level, Simd, f32x4, prelude::*};
 use glam::DVec3;
 
-use super::lanes::{Cosine, Extras, Mixed, Outgoing, Simplices, density, exp_of_negative};
+use super::lanes::{Cosine, Extras, Mixed, Outgoing, Simplices, density, exp_of_negative, parts};
+use super::longitudinal::{PARTS, half_sine_squared};
 use super::material::FeatherMaterial;
 use super::noise::{Draw, Noise};
-use super::profile::half_sine_squared;
 use super::sample::direction;
 use super::slope::{FALL, FARTHEST, Slope};
 use super::table::{Incident, Table};
-use super::tables::{BrdfTables, Options};
+use super::tables::{BrdfTables, Options, Reciprocity};
 use crate::Result;
 use crate::math::simd::dispatch_large;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
+use crate::scattering::statistics::Sides;
+use crate::spectrum::wave_number_per_um;
 
 /// A feather material that is ready for evaluation. Shared between threads; nothing in it changes.
 #[derive(Debug, Clone)]
 pub struct FeatherBrdf {
-    pub(super) tables: BrdfTables,
-    inverse_sigma2: f64,
+    pub(super) tables: Arc<BrdfTables>,
+    pub(super) reciprocity: Reciprocity,
+    /// 1/σ² of the Gaussians along the barbule; 0 where there is none.
+    inverse_sigma2: [f64; PARTS],
     level: Level,
 }
 
@@ -45,8 +51,22 @@ impl FeatherBrdf {
     /// What these tables hold.
     #[must_use]
     pub fn from_tables(tables: BrdfTables) -> Self {
-        let sigma = tables.longitudinal.sigma;
-        Self { tables, inverse_sigma2: 1.0 / (sigma * sigma), level: Level::new() }
+        let sigmas = tables.longitudinal.sigmas();
+        let inverse_sigma2 = std::array::from_fn(|k| sigmas.get(k).map_or(0.0, |s| 1.0 / (s * s)));
+        let reciprocity = usable(tables.reciprocity, &tables);
+        Self { tables: Arc::new(tables), reciprocity, inverse_sigma2, level: Level::new() }
+    }
+
+    /// The same tables evaluated so that values are reciprocal in another way.
+    #[must_use]
+    pub fn reciprocal_by(&self, reciprocity: Reciprocity) -> Self {
+        Self { reciprocity: usable(reciprocity, &self.tables), ..self.clone() }
+    }
+
+    /// What makes values reciprocal.
+    #[must_use]
+    pub fn reciprocity(&self) -> Reciprocity {
+        self.reciprocity
     }
 
     /// The tables that are evaluated.
@@ -69,11 +89,7 @@ impl FeatherBrdf {
         let mut values = [0.0; N];
         if is_above(wi) && is_above(wo) {
             let instance = instance.map(|name| self.instance(name));
-            self.add_values(&wavelengths_nm, [wi, wo], None, instance.as_ref(), &mut values);
-            if self.tables.reciprocal {
-                self.add_values(&wavelengths_nm, [wo, wi], None, instance.as_ref(), &mut values);
-                values.iter_mut().for_each(|value| *value *= 0.5);
-            }
+            self.add_both_ways(&wavelengths_nm, [wi, wo], None, instance.as_ref(), &mut values);
         }
         values
     }
@@ -103,10 +119,16 @@ impl FeatherBrdf {
         self.tables.grid.wavelength_range_nm()
     }
 
-    /// The longitudinal spread in use.
+    /// The longitudinal spread in use: with a halo, that of the narrow part.
     #[must_use]
     pub fn sigma(&self) -> f64 {
-        self.tables.longitudinal.sigma
+        self.tables.longitudinal.sigma()
+    }
+
+    /// σ of the Gaussians beside it.
+    #[must_use]
+    pub fn halo_sigmas(&self) -> &[f64] {
+        &self.tables.longitudinal.sigmas()[1..]
     }
 
     /// The noise in use.
@@ -154,12 +176,18 @@ impl FeatherBrdf {
         set: usize,
         simplices: &Simplices<S>,
         slope: &Slope,
+        inverse_nm: f32x4<S>,
         instance: Option<&At>,
     ) -> f32x4<S> {
         let Some(at) = instance else { return Mixed::new(simd, &self.tables.sets[set], simplices).mean };
         // Noise before lobes: its loads wait longest.
         let extras = Extras::new(simd, &self.tables.sets[set], simplices);
-        let place = self.tables.noise.place(simd, extras.inverse_length * at.x);
+        let inverse_length = if at.draw.is_achromatic() {
+            f32x4::splat(simd, slope.achromatic_inverse_length as f32)
+        } else {
+            extras.inverse_length
+        };
+        let place = self.tables.noise.place(simd, at.draw, inverse_length * at.x, inverse_nm * at.phase_nm);
         let [qr, qi, own_r, own_i] = self.tables.noise.at_four(simd, at.draw, &place);
         let Mixed { mean, steady } = Mixed::new(simd, &self.tables.sets[set], simplices);
         let value = if self.tables.polarization_of(set) == Some(Polarization::First) {
@@ -185,16 +213,29 @@ impl FeatherBrdf {
     }
 }
 
+/// What tables of two sides can do without a step in the lobe.
+fn usable(reciprocity: Reciprocity, tables: &BrdfTables) -> Reciprocity {
+    match (reciprocity, tables.grid.sides()) {
+        (Reciprocity::Steeper, Sides::Both) => Reciprocity::Mean,
+        (other, _) => other,
+    }
+}
+
 /// Whether a direction leaves the surface.
 #[inline(always)]
 fn is_above(w: DVec3) -> bool {
     w.z > 0.0
 }
 
+/// A wavelength in the middle of the visible, nm.
+const USUAL_NM: f32 = 550.0;
+
 /// Which instance, and where its noise is looked up but for the length: x_i + x_o.
 struct At<'a> {
     draw: &'a Draw,
     x: f32,
+    /// Height phase times the wavelength, (rad/µm) nm.
+    phase_nm: f32,
     /// Slope t of the facet that mirrors.
     facet: f64,
     /// E − 1 on its side.
@@ -204,10 +245,11 @@ struct At<'a> {
 impl<'a> At<'a> {
     #[inline(always)]
     fn new(noise: &Noise, draw: &'a Draw, [wi, wo]: [DVec3; 2]) -> Self {
-        let x = wi.x + wo.x;
-        noise.fetch(draw, x as f32);
-        let facet = x / (wi.z + wo.z);
-        Self { draw, x: x as f32, facet, wing: draw.wing(facet) - 1.0 }
+        let (x, z) = (wi.x + wo.x, wi.z + wo.z);
+        let phase_nm = (z * wave_number_per_um(1.0)) as f32;
+        noise.fetch(draw, x as f32, phase_nm / USUAL_NM);
+        let facet = x / z;
+        Self { draw, x: x as f32, phase_nm, facet, wing: draw.wing(facet) - 1.0 }
     }
 
     /// τ, see the module `slope`.
@@ -236,12 +278,8 @@ impl<const N: usize> PreparedBrdf<'_, N> {
     pub fn eval(&self, wo: DVec3, instance: Option<&Draw>) -> [f32; N] {
         let mut values = [0.0; N];
         if is_above(self.wi) && is_above(wo) {
-            let (brdf, waves) = (self.brdf, &self.wavelengths_nm);
-            brdf.add_values(waves, [self.wi, wo], Some(&self.incident), instance, &mut values);
-            if brdf.tables.reciprocal {
-                brdf.add_values(waves, [wo, self.wi], None, instance, &mut values);
-                values.iter_mut().for_each(|value| *value *= 0.5);
-            }
+            let (waves, directions) = (&self.wavelengths_nm, [self.wi, wo]);
+            self.brdf.add_both_ways(waves, directions, Some(&self.incident), instance, &mut values);
         }
         values
     }
@@ -292,7 +330,8 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         let node = &tables[table].nodes[simplex.at[k] as usize];
         let [_, own] = incident.corner(simplex.corners()[k]);
         let azimuth = self.brdf.tables.sampler.azimuth(node, lobe, incident, own, u[1]);
-        let inclination = self.brdf.tables.sampler.inclination(incident.along, left);
+        let longitudinal = &self.brdf.tables.longitudinal;
+        let inclination = longitudinal.draw(&longitudinal.mixed(&simplex), incident.along, left);
         let outgoing = direction(incident, azimuth, inclination);
         (outgoing.z > 0.0).then_some(outgoing)
     }
@@ -327,6 +366,32 @@ struct Towards {
 // Not generic over the number of wavelengths, so that the kernels are compiled once, here; and each without a loop: in
 // loops their many bounds checks occupy the compiler for minutes.
 impl FeatherBrdf {
+    /// Adds f as [`Reciprocity`] has it to values that are 0; `prepared` is ω_i in the tables if it is known.
+    #[inline]
+    fn add_both_ways(
+        &self,
+        wavelengths_nm: &[f32],
+        [wi, wo]: [DVec3; 2],
+        prepared: Option<&Incident>,
+        instance: Option<&Draw>,
+        values: &mut [f32],
+    ) {
+        let (there, back) = ([wi, wo], [wo, wi]);
+        match self.reciprocity {
+            Reciprocity::Steeper if Reciprocity::is_steeper(there) => {
+                self.add_values(wavelengths_nm, back, None, instance, values);
+            }
+            Reciprocity::AsFitted | Reciprocity::Steeper => {
+                self.add_values(wavelengths_nm, there, prepared, instance, values);
+            }
+            Reciprocity::Mean => {
+                self.add_values(wavelengths_nm, there, prepared, instance, values);
+                self.add_values(wavelengths_nm, back, None, instance, values);
+                values.iter_mut().for_each(|value| *value *= 0.5);
+            }
+        }
+    }
+
     /// Adds f, mean over the sets, at each wavelength; `prepared` is ω_i in the tables if it is known.
     fn add_values(
         &self,
@@ -392,18 +457,18 @@ impl FeatherBrdf {
             None => self.tables.grid.incident([wi.x, wi.y, wi.z]),
         };
         let towards = self.towards(simd, incident, wo);
-        let factor = self.factor(simd, &towards, wo);
-        // Most directions are far off the barbule's narrow cone.
-        if factor == 0.0 {
+        let factors = self.factors(simd, &towards, wo);
+        // Most directions are far off the barbule's narrow cone, and of its halo.
+        if factors == [0.0; PARTS] {
             return;
         }
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = values.as_chunks_mut::<4>();
         if let ([four, ..], [lanes, ..]) = (fours, &mut *lanes) {
-            self.add_four(simd, set, &towards, factor, instance, four, lanes);
+            self.add_four(simd, set, &towards, &factors, instance, four, lanes);
         }
         if let ([_, four, ..], [_, lanes, ..]) = (fours, lanes) {
-            self.add_four(simd, set, &towards, factor, instance, four, lanes);
+            self.add_four(simd, set, &towards, &factors, instance, four, lanes);
         }
     }
 
@@ -413,24 +478,46 @@ impl FeatherBrdf {
         simd: S,
         set: usize,
         towards: &Towards,
-        factor: f32,
+        factors: &[f32; PARTS],
         instance: Option<&At>,
         four: &[f32; 4],
         lanes: &mut [f32; 4],
     ) {
         let simplices = self.simplices(simd, towards, four);
-        let value = self.across(simd, set, &simplices, &towards.incident.slope, instance) * factor;
+        let inverse_nm = f32x4::splat(simd, 1.0) / f32x4::from_slice(simd, four);
+        let slope = &towards.incident.slope;
+        let across = self.across(simd, set, &simplices, slope, inverse_nm, instance);
+        let shares = self.tables.longitudinal.shares();
+        let [first, second, third, fourth] = *factors;
+        let value = if shares.is_empty() {
+            across * first
+        } else {
+            let [a, b, c, d] = parts(simd, shares, &simplices);
+            across * ((a * first + b * second) + (c * third + d * fourth))
+        };
         *lanes = (f32x4::from_slice(simd, lanes) + value).into();
     }
 
     /// Densities of ω_o per sr at each wavelength.
     fn densities(&self, wavelengths_nm: &[f32], incident: &Incident, wo: DVec3, densities: &mut [f64]) {
         let towards = dispatch_large!(self.level, simd => self.towards(simd, *incident, wo));
-        let along = self.tables.sampler.along(incident.along, [wo.y, towards.cos_theta]) / towards.cos_phi;
+        let longitudinal = &self.tables.longitudinal;
+        let along = longitudinal
+            .densities(incident.along, [wo.y, towards.cos_theta])
+            .map(|density| density / towards.cos_phi);
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = densities.as_chunks_mut::<4>();
         for (four, lanes) in fours.iter().zip(lanes) {
             let (mut sums, mut totals) = ([0.0_f32; 4], [0.0_f32; 4]);
+            let mut mixed = [along[0]; 4];
+            if !longitudinal.shares().is_empty() {
+                let shares = dispatch_large!(self.level, simd => {
+                    let simplices = self.simplices(simd, &towards, four);
+                    parts(simd, longitudinal.shares(), &simplices).map(|lanes| <[f32; 4]>::from(lanes))
+                });
+                let of = |lane: usize| shares.iter().zip(along).map(|(s, d)| f64::from(s[lane]) * d).sum();
+                mixed = std::array::from_fn(of);
+            }
             for table in &self.tables.sets {
                 dispatch_large!(self.level, simd => {
                     let simplices = self.simplices(simd, &towards, four);
@@ -439,7 +526,7 @@ impl FeatherBrdf {
                     totals = (f32x4::from_slice(simd, &totals) + total).into();
                 });
             }
-            for ((value, sum), total) in lanes.iter_mut().zip(sums).zip(totals) {
+            for (((value, sum), total), along) in lanes.iter_mut().zip(sums).zip(totals).zip(mixed) {
                 *value = f64::from(sum / total) * along;
             }
         }
@@ -453,14 +540,18 @@ impl FeatherBrdf {
         Towards { incident, outgoing, cos_theta, cos_phi }
     }
 
-    /// What the spread along the barbule, z·ω_o and cosφ_o make of f.
+    /// What each Gaussian along the barbule, z·ω_o and cosφ_o make of f.
     #[inline(always)]
-    fn factor<S: Simd>(&self, simd: S, towards: &Towards, wo: DVec3) -> f32 {
+    fn factors<S: Simd>(&self, simd: S, towards: &Towards, wo: DVec3) -> [f32; PARTS] {
         let Towards { incident: Incident { along, .. }, cos_theta, cos_phi, .. } = towards;
-        let exponent = half_sine_squared(*along, [wo.y, *cos_theta]) * self.inverse_sigma2;
-        let spread = exp_of_negative(simd, f32x4::splat(simd, exponent as f32))[0];
+        let t2 = half_sine_squared(*along, [wo.y, *cos_theta]);
+        let exponents = self.inverse_sigma2.map(|inverse| (t2 * inverse) as f32);
+        let spread = exp_of_negative(simd, f32x4::from_slice(simd, &exponents));
         let share = if self.tables.sets.len() == 2 { 0.5 } else { 1.0 };
-        spread * (self.tables.longitudinal.inverse_q(along[1]) * share / (wo.z * cos_phi)) as f32
+        let over = wo.z * cos_phi;
+        let scale =
+            self.tables.longitudinal.inverse_q(along[1]).map(|inverse| (inverse * share / over) as f32);
+        (spread * f32x4::from_slice(simd, &scale)).into()
     }
 
     #[inline(always)]

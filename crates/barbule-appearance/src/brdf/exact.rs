@@ -5,11 +5,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::evaluate::FeatherBrdf;
-use super::noise::Draw;
+use super::noise::{At, Draw};
 use super::slope::Slope;
 use super::table::{EXTRAS, Incident, LOBES, M2, MIDDLE, Node, REST, STRENGTH, Simplex, Table};
+use super::tables::Reciprocity;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
+use crate::spectrum::wave_number_per_um;
 
 /// What a material says about one pair of directions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -64,12 +66,17 @@ impl ExactBrdf<'_> {
             return Values::default();
         }
         let draw = instance.map(|instance| self.brdf.noise().draw(instance));
-        let mut values = self.one_way(wo, draw.as_ref());
-        if self.brdf.tables.reciprocal {
-            let back = self.brdf.exact(self.wavelength_nm, wo).one_way(self.incident, draw.as_ref());
-            values.f = 0.5 * (values.f + back.f);
-            values.steady = 0.5 * (values.steady + back.steady);
-        }
+        let there = || self.one_way(wo, draw.as_ref());
+        let back = || self.brdf.exact(self.wavelength_nm, wo).one_way(self.incident, draw.as_ref());
+        let mut values = match self.brdf.reciprocity {
+            Reciprocity::Steeper if Reciprocity::is_steeper([self.incident, wo]) => back(),
+            Reciprocity::AsFitted | Reciprocity::Steeper => there(),
+            Reciprocity::Mean => {
+                let (there, back) = (there(), back());
+                let mean = |of: fn(&Values) -> f64| 0.5 * (of(&there) + of(&back));
+                Values { f: mean(|values| values.f), steady: mean(|values| values.steady), pdf: 0.0 }
+            }
+        };
         values.pdf = self.density(wo);
         values
     }
@@ -86,11 +93,17 @@ impl ExactBrdf<'_> {
 
     /// f and s before any symmetrization, without the density.
     fn one_way(&self, wo: DVec3, draw: Option<&Draw>) -> Values {
-        let Some((incident, _)) = &self.place else { return Values::default() };
         let cos_o = wo.x.hypot(wo.z);
-        let along = self.brdf.tables.longitudinal.value(incident.along, [wo.y, cos_o]) / wo.z;
+        let along = self.along([wo.y, cos_o]) / wo.z;
         let across = self.across([wo.x / cos_o, wo.z / cos_o], cos_o, draw);
         Values { f: along * across.f, steady: along * across.steady, pdf: 0.0 }
+    }
+
+    /// The factor along the barbule towards an ω_o by its y and cosθ_o.
+    pub(super) fn along(&self, outgoing: [f64; 2]) -> f64 {
+        let Some((incident, simplex)) = &self.place else { return 0.0 };
+        let longitudinal = &self.brdf.tables.longitudinal;
+        longitudinal.value(&longitudinal.mixed(simplex), incident.along, outgoing)
     }
 
     /// The factors across the barbule, in rad⁻¹, mean over the sets: f (of an instance) and s, at an azimuth by its sine and
@@ -102,8 +115,7 @@ impl ExactBrdf<'_> {
         let [x, z] = [self.incident.x + cos_theta * sin_phi, self.incident.z + cos_theta * cos_phi];
         for (number, table) in tables.iter().enumerate() {
             let across = self.mixed(table, sin_phi, cos_phi);
-            sum.f +=
-                share * draw.map_or(across.mean, |draw| self.speckled(&across, number, [x, x / z], draw));
+            sum.f += share * draw.map_or(across.mean, |draw| self.speckled(&across, number, [x, z], draw));
             sum.steady += share * across.steady;
         }
         sum
@@ -115,16 +127,21 @@ impl ExactBrdf<'_> {
         self.brdf.tables.sets.iter().map(of).collect()
     }
 
-    /// f of an instance, S.25, each polarization with its own noise, at x = x_i + x_o and the slope of the facet that mirrors.
-    fn speckled(&self, across: &Across, set: usize, [x, facet]: [f64; 2], draw: &Draw) -> f64 {
-        let place = x * across.inverse_length;
-        let [first, second] = self.brdf.noise().at_both(draw, place, across.correlation);
+    /// f of an instance, S.25, each polarization with its own noise, at x = x_i + x_o and z = z_i + z_o.
+    fn speckled(&self, across: &Across, set: usize, [x, z]: [f64; 2], draw: &Draw) -> f64 {
+        let slope = self.place.as_ref().map_or(Slope::default(), |(incident, _)| incident.slope);
+        let at = At {
+            x: x * across.inverse_length,
+            achromatic_x: x * slope.achromatic_inverse_length,
+            height_phase_per_um: z * wave_number_per_um(self.wavelength_nm),
+        };
+        let [first, second] = self.brdf.noise().at_both(draw, &at, across.correlation);
         let of = |mean: f64, steady: f64, [qr, qi]: [f64; 2]| {
             let steady = steady.clamp(0.0, mean);
             let spread = (0.5 * (mean - steady)).sqrt();
             (spread * qr + steady.sqrt()).powi(2) + (spread * qi).powi(2)
         };
-        let slope = self.place.as_ref().map_or(Slope::default(), |(incident, _)| incident.slope);
+        let facet = x / z;
         let factor = draw.factor(slope.part(facet, across.inverse_length), facet);
         factor
             * match self.brdf.tables.polarization_of(set) {
@@ -179,7 +196,9 @@ impl ExactBrdf<'_> {
                 }
             }
         }
-        sum / total * self.brdf.tables.sampler.along(incident.along, [wo.y, cos_o])
+        let longitudinal = &self.brdf.tables.longitudinal;
+        let along = longitudinal.density(&longitudinal.mixed(simplex), incident.along, [wo.y, cos_o]);
+        sum / total * along
     }
 }
 

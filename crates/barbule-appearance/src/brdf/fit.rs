@@ -5,19 +5,20 @@ use rayon::prelude::*;
 pub use super::fitted::{Fitted, fitted, fitted_scale, fitted_values};
 pub use super::patterns::Pattern;
 pub use super::report::{Clipped, FitReport, Flagged, GrazingDirection, LARGEST_RESIDUAL};
+pub use super::spectral::SpectralErrors;
 
 use super::fitted::{fitted_on_azimuths, place, scale_of};
 use super::fitted_node::FittedNode;
 use super::length::{self, Length};
-use super::material::{FeatherMaterial, LobeSet, ParameterSet, check_sigma};
-use super::noise::spectrum;
+use super::material::{FeatherMaterial, LobeSet, ParameterSet, achromatic_lengths, check_sigma};
+use super::noise::{Spectral, spectrum};
 use super::slope::{self, Contrasts, Slope};
 use super::steady::{self, Observed, Steady};
-use super::{correlation, report};
+use super::{correlation, report, spectral};
 use crate::progress::Progress;
 use crate::scattering::directions;
 use crate::scattering::lobe::{FitKind, Fitter, PairFit};
-use crate::scattering::statistics::{AZIMUTHS, LAGS, Sides, Statistics};
+use crate::scattering::statistics::{AZIMUTHS, GLINTS, LAGS, Sides, Statistics};
 use crate::{Error, Result};
 
 /// What stands for the mean intensity.
@@ -47,6 +48,8 @@ pub struct FitOptions {
     pub lobe: LobeForm,
     /// Longitudinal spread σ that the material proposes.
     pub sigma: f64,
+    /// Whether the material is to have a halo, which no statistics hold: who makes it sees to that.
+    pub halo: bool,
     /// Whether both incident polarizations keep sets of their own.
     pub polarized: bool,
     /// Seed of the material's noise.
@@ -55,7 +58,14 @@ pub struct FitOptions {
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { kind: FitKind::Marginal, lobe: LobeForm::Pair, sigma: 0.04, polarized: false, seed: 1 }
+        Self {
+            kind: FitKind::Marginal,
+            lobe: LobeForm::Pair,
+            sigma: 0.04,
+            halo: false,
+            polarized: false,
+            seed: 1,
+        }
     }
 }
 
@@ -93,16 +103,19 @@ pub fn fit(
         slopes = task.slopes(&lights);
         lights.iter_mut().for_each(|light| task.steady(light, &slopes));
     }
-    let sets = lights.iter().map(|light| parameter_set(light, options.lobe)).collect();
+    let sets: Vec<ParameterSet> = lights.iter().map(|light| parameter_set(light, options.lobe)).collect();
     let nodes: Vec<FittedNode> = lights.into_iter().flat_map(|light| light.nodes).collect();
     let mut material = FeatherMaterial {
+        achromatic_length: achromatic_lengths(axes, &sets),
         axes: axes.clone(),
         kind: options.kind,
         sigma: options.sigma,
+        halo: None,
         sets,
         correlation: Vec::new(),
         steepness: slopes.iter().map(|slope| slope.steepness as f32).collect(),
         strength: slopes.iter().map(|slope| slope.strength as f32).collect(),
+        spectral: Spectral::default(),
         noise_power: spectrum(&length::reference(statistics)),
         seed: options.seed,
         info: serde_json::Value::Null,
@@ -114,8 +127,23 @@ pub fn fit(
             correlation::solved(&sides, statistics.pattern_correlation[node]) as f32
         })
         .collect();
-    let report = report::report(statistics, &material, &nodes, &lengths.concat());
+    let spectral_errors = tell_wavelengths_apart(statistics, &mut material, &fitters);
+    let report = report::report(statistics, &material, &nodes, &lengths.concat(), spectral_errors);
     Ok((material, report))
+}
+
+/// Gives a material its spectral noise; what of the correlations that were found it does not show.
+fn tell_wavelengths_apart(
+    statistics: &Statistics,
+    material: &mut FeatherMaterial,
+    fitters: &[Fitter],
+) -> SpectralErrors {
+    if statistics.instances < steady::FEWEST || statistics.glints.is_empty() {
+        return SpectralErrors::default();
+    }
+    let (found, errors) = spectral::solved(statistics, material, fitters);
+    material.spectral = found;
+    errors
 }
 
 fn check(statistics: &Statistics) -> Result<()> {
@@ -136,11 +164,13 @@ fn check(statistics: &Statistics) -> Result<()> {
             return Err(Error::input(format!("{name} has {found} values, but the axes ask for {expected}")));
         }
     }
+    let (glints, expected) = (statistics.glints.len(), nodes * GLINTS.len() * statistics.instances);
+    if glints != 0 && glints != expected {
+        return Err(Error::input(format!("glints has {glints} values, but the axes ask for {expected}")));
+    }
     let finite = |values: &[f32]| values.iter().all(|v| v.is_finite());
-    if ![&statistics.u, &statistics.v, &statistics.autocovariance, &statistics.contrast]
-        .into_iter()
-        .all(|v| finite(v))
-    {
+    let Statistics { u, v, autocovariance, contrast, glints, .. } = statistics;
+    if ![u, v, autocovariance, contrast, glints].into_iter().all(|v| finite(v)) {
         return Err(Error::not_settled(
             "the statistics hold values that are not finite, so nothing can be fitted",
         ));

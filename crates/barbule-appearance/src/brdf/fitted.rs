@@ -76,7 +76,7 @@ fn assemble(
         let (at, reflected) = lobe_at(&set.steady, node);
         let scale = scale_of(&fitter.steady_values(at), cos_theta, reflected);
         let steady: Vec<f64> = steady_shape(at).into_iter().map(|value| scale * value).collect();
-        let (slope, inverse_length) = (material.slope(node), 1.0 / f64::from(set.length[node]));
+        let (slope, inverse_length) = (material.slope(node), material.inverse_length(set, node));
         let h = |phi_o: &f64| slope.part(libm::tan(0.5 * (phi_i + phi_o)), inverse_length);
         Fitted { mean, steady, sloped: phi_o.iter().map(h).collect() }
     };

@@ -1,7 +1,8 @@
 //! A made-up material for tests and benchmarks.
 
-use super::material::{FeatherMaterial, LobeSet, ParameterSet};
-use super::noise::spectrum;
+use super::halo::Halo;
+use super::material::{FeatherMaterial, LobeSet, ParameterSet, achromatic_lengths};
+use super::noise::{Spectral, spectrum};
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::Axes;
 use crate::spectrum::Wavelengths;
@@ -46,18 +47,49 @@ pub fn example(waves: usize) -> FeatherMaterial {
         }
     }
     let lags: Vec<f64> = (0..512).map(|k| libm::exp(-(f64::from(k) / 8.0).powi(2))).collect();
+    let sets = vec![set];
     FeatherMaterial {
-        axes,
         kind: FitKind::Marginal,
         sigma: 0.04,
-        sets: vec![set],
+        halo: None,
         correlation,
         steepness: vec![6.0; 400],
         strength: vec![0.8; 400],
+        achromatic_length: achromatic_lengths(&axes, &sets),
+        spectral: Spectral { height_um: 0.15, achromatic: 0.25 },
         noise_power: spectrum(&lags),
         seed: 1,
+        axes,
+        sets,
         info: serde_json::json!({ "species": "example", "variant": "green" }),
     }
+}
+
+/// A plausible halo of two Gaussians, whose shares and power change with wavelength and direction.
+#[must_use]
+pub fn halo() -> Halo {
+    let mut halo = Halo {
+        sigma: vec![0.1, 0.3],
+        wavelengths_nm: vec![400.0, 530.0, 700.0],
+        cos_theta: vec![0.5, 1.0],
+        cos_phi: vec![0.4, 0.9, 1.0],
+        index: 1.6,
+        ..Halo::default()
+    };
+    for narrow in [true, false] {
+        for &nm in &halo.wavelengths_nm {
+            for ct in &halo.cos_theta {
+                for cp in &halo.cos_phi {
+                    let share = 0.05 * (550.0 / nm).powi(2) * (0.5 + 0.5 * ct * cp);
+                    halo.shares.push((if narrow { 2.0 * share } else { 0.1 - 0.5 * share }) as f32);
+                    if narrow {
+                        halo.power.push((0.8 + 0.1 * ct + 0.1 * cp) as f32);
+                    }
+                }
+            }
+        }
+    }
+    halo
 }
 
 fn push(lobe: &mut LobeSet, m: f64, phi: f64, reflected: f64) {

@@ -9,9 +9,9 @@
 use fearless_simd::{Simd, f32x4, f32x8, f32x16, i32x4, mask32x16, prelude::*};
 use std::f32::consts::{LN_2, LOG2_E};
 
-use super::profile::END;
+use super::longitudinal::{END, PARTS};
 use super::simd::transposed;
-use super::table::{EXTRAS, Grid, Incident, M2, MIDDLE, Node, REST, STRENGTH, Table};
+use super::table::{EXTRAS, Grid, Incident, M2, MIDDLE, Node, REST, STRENGTH, Shares, Table};
 
 /// What the shapes of lobes need of τ = τ(φ_i) τ(φ_o) at the three corners of a cell; lanes are corners. φ' is φ_o turned
 /// to the corner.
@@ -262,6 +262,16 @@ fn part<S: Simd>(simd: S, node: &Node, first: usize) -> f32x4<S> {
 const STEADY: [f32; 16] = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 const MEAN: [f32; 16] = [1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0];
 
+/// The shares of the Gaussians along the barbule, each at four wavelengths.
+#[inline(always)]
+pub(super) fn parts<S: Simd>(simd: S, shares: &[Shares], simplices: &Simplices<S>) -> [f32x4<S>; PARTS] {
+    let [a, b, c, d] = &simplices.roles;
+    let sum = a.shares(simd, shares) * a.weight;
+    let sum = b.shares(simd, shares).mul_add(b.weight, sum);
+    let sum = c.shares(simd, shares).mul_add(c.weight, sum);
+    columns(d.shares(simd, shares).mul_add(d.weight, sum))
+}
+
 /// Σ w cosφ' ρ_k p_k(φ') in rad⁻¹, and Σ w ρ_k, at four wavelengths.
 #[inline(always)]
 pub(super) fn density<S: Simd>(simd: S, table: &Table, simplices: &Simplices<S>) -> [f32x4<S>; 2] {
@@ -280,16 +290,15 @@ impl<S: Simd> Role<S> {
         let Corner { level, square, drawn, .. } = self.corner;
         let (m2, rest) = (self.part(simd, table, M2), self.part(simd, table, REST));
         let middle = self.part(simd, table, MIDDLE);
-        let shares = self.weight * self.shares(simd, table);
+        let shares = self.weight * self.shares(simd, &table.shares);
         let away = tau - middle;
         let q = (rest * level).mul_add(away * away, m2);
         [shares * (tau.mul_add(middle, square) * drawn) / (q * q), shares]
     }
 
     #[inline(always)]
-    fn shares(&self, simd: S, table: &Table) -> f32x16<S> {
+    fn shares(&self, simd: S, shares: &[Shares]) -> f32x16<S> {
         let [a, b, c, d] = self.at;
-        let shares = &table.shares[..];
         let (a, b) = (&shares[a as usize].0, &shares[b as usize].0);
         let (c, d) = (&shares[c as usize].0, &shares[d as usize].0);
         let low: f32x8<S> = f32x4::from_slice(simd, a).combine(f32x4::from_slice(simd, b));

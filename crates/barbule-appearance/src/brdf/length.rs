@@ -95,7 +95,7 @@ fn best_scale(reference: &[f64], lags: &[f64], start: f64, own: f64) -> f64 {
 }
 
 /// C₀ between lags, by a cubic through four neighbours (the function is even), zero beyond the last.
-fn interpolate(lags: &[f64], at: f64) -> f64 {
+pub(super) fn interpolate(lags: &[f64], at: f64) -> f64 {
     let k = at as usize;
     if k + 2 >= lags.len() {
         return lags.get(k).copied().unwrap_or(0.0);

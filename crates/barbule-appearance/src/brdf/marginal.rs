@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::evaluate::FeatherBrdf;
 use super::exact::ExactBrdf;
+use super::longitudinal::END;
 use super::noise::{Draw, knots};
-use super::profile::END;
 use crate::math::quadrature::gauss_legendre;
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -142,7 +142,7 @@ impl Meridian<'_> {
         let (sine, cosine) = self.phi.sin_cos();
         let f = |theta: f64| {
             let (y_o, cos_o) = theta.sin_cos();
-            let along = self.exact.brdf.tables.longitudinal.value([wi.y, cos_i], [y_o, cos_o]);
+            let along = self.exact.along([y_o, cos_o]);
             self.exact.across([sine, cosine], cos_o, Some(self.draw)).f * along * cos_o / cos_i
         };
         let edges = self.edges();
@@ -152,15 +152,18 @@ impl Meridian<'_> {
         pieces.iter().zip(coarse).map(|(piece, whole)| self.rule.refined(&f, *piece, whole, allowed, 0)).sum()
     }
 
-    /// θ_o between which f is smooth and not too narrow a peak, rad, rising: the longitudinal spread in steps of its
-    /// width, and where the noise passes from point to point.
+    /// θ_o between which f is smooth and not too narrow a peak, rad, rising: each Gaussian along the barbule in steps
+    /// of its width, and where the noise passes from point to point.
     fn edges(&self) -> Vec<f64> {
-        let sigma = self.exact.brdf.sigma();
         let right = std::f64::consts::FRAC_PI_2;
         let centre = -self.exact.incident.y.asin();
-        let reach = 2.0 * libm::asin((END.sqrt() * sigma).min(1.0));
+        let steps = |sigma: &f64| {
+            let reach = 2.0 * libm::asin((END.sqrt() * sigma).min(1.0));
+            (-4..=4).map(move |k| (centre + 0.25 * f64::from(k) * reach).clamp(-right, right))
+        };
         let mut edges: Vec<f64> =
-            (-4..=4).map(|k| (centre + 0.25 * f64::from(k) * reach).clamp(-right, right)).collect();
+            self.exact.brdf.tables.longitudinal.sigmas().iter().flat_map(steps).collect();
+        edges.sort_by(f64::total_cmp);
         let (first, last) = (edges[0], edges[edges.len() - 1]);
         // The turning point of x_o.
         let mut inner = vec![0.0];

@@ -1,5 +1,7 @@
 //! The tables of a feather material, as a file holds them.
 
+use super::halo::Halo;
+use super::noise::{Noise, Spectral};
 use super::slope::{STEEPNESS, Slope};
 use crate::scattering::lobe::{FitKind, SMALLEST_M};
 use crate::scattering::statistics::{Axes, NOISE_POINTS};
@@ -42,8 +44,10 @@ pub struct FeatherMaterial {
     pub axes: Axes,
     /// How the lobes were fitted.
     pub kind: FitKind,
-    /// Longitudinal spread σ that applies unless the user gives another.
+    /// Longitudinal spread σ that applies unless the user gives another: with a halo, of the narrow part.
     pub sigma: f64,
+    /// What leaves beside the narrow part, where segments in three dimensions were simulated.
+    pub halo: Option<Halo>,
     /// One set (unpolarized light), or two (incident polarizations 1 and 2).
     pub sets: Vec<ParameterSet>,
     /// Correlation γ, in \[0, 1\], of the noise that both incident polarizations carry. Shape `[λ, θ_i, φ_i]`.
@@ -52,6 +56,11 @@ pub struct FeatherMaterial {
     pub steepness: Vec<f32>,
     /// g of each direction: how much it tells at most, 0 to 1. Shape of `steepness`.
     pub strength: Vec<f32>,
+    /// Length l that all wavelengths share in the instances whose pattern is the same at all of them:
+    /// [`achromatic_lengths`] of the sets. Shape of `steepness`.
+    pub achromatic_length: Vec<f32>,
+    /// How instances differ from wavelength to wavelength.
+    pub spectral: Spectral,
     /// P₁ … P_{N/2−1} of the noise process (S.34), Σ = ½. Length [`NOISE_TERMS`].
     pub noise_power: Vec<f64>,
     /// Seed of the noise that is drawn from `noise_power` when the material is prepared.
@@ -75,6 +84,7 @@ impl FeatherMaterial {
         check_axes(&self.axes)?;
         let nodes = self.axes.len();
         check_sigma(self.sigma)?;
+        self.halo.as_ref().map_or(Ok(()), Halo::check)?;
         if !(1..=2).contains(&self.sets.len()) {
             return Err(Error::input(format!("{} parameter sets, but 1 or 2 are possible", self.sets.len())));
         }
@@ -82,6 +92,8 @@ impl FeatherMaterial {
         let directions = nodes / self.axes.wavelengths_nm().len();
         check_range("steepness", &self.steepness, directions, STEEPNESS.0, STEEPNESS.1)?;
         check_range("strength", &self.strength, directions, 0.0, 1.0)?;
+        check_range("achromatic_length", &self.achromatic_length, directions, LENGTHS.0, LENGTHS.1)?;
+        self.spectral.check()?;
         for (number, set) in self.sets.iter().enumerate() {
             let place = if self.sets.len() == 1 { String::new() } else { format!("p{}.", number + 1) };
             set.check(&place, nodes, self.sets.len() == 1)?;
@@ -139,8 +151,10 @@ impl FeatherMaterial {
             correlation: part(&self.correlation),
             steepness: self.steepness.clone(),
             strength: self.strength.clone(),
+            achromatic_length: self.achromatic_length.clone(),
             noise_power: self.noise_power.clone(),
             info: self.info.clone(),
+            halo: self.halo.clone(),
             ..*self
         })
     }
@@ -150,8 +164,52 @@ impl FeatherMaterial {
     /// How slopes tell at a node of the tables.
     pub(super) fn slope(&self, node: usize) -> Slope {
         let of = |values: &[f32]| f64::from(values[node % values.len()]);
-        Slope { steepness: of(&self.steepness), strength: of(&self.strength) }
+        Slope {
+            steepness: of(&self.steepness),
+            strength: of(&self.strength),
+            achromatic_inverse_length: 1.0 / of(&self.achromatic_length),
+        }
     }
+
+    /// 1/l with which the chromatic instances of a set look up noise at a node.
+    pub(super) fn inverse_length(&self, set: &ParameterSet, node: usize) -> f64 {
+        let common = self.achromatic_length[node % self.achromatic_length.len()];
+        1.0 / chromatic_length(f64::from(set.length[node]), f64::from(common), self.spectral.achromatic)
+    }
+
+    /// The noise that tells its instances apart.
+    #[must_use]
+    pub fn noise(&self) -> Noise {
+        Noise::new(&self.noise_power, self.spectral, self.seed)
+    }
+}
+
+/// Geometric means of the lengths l of all wavelengths and sets, by direction. Shape `[θ_i, φ_i]`; the arrays of the sets are as
+/// long as the axes ask.
+#[must_use]
+pub fn achromatic_lengths(axes: &Axes, sets: &[ParameterSet]) -> Vec<f32> {
+    let directions = axes.len() / axes.wavelengths_nm().len();
+    let mean = |direction: usize| {
+        let of = |set: &ParameterSet| -> Vec<f64> {
+            set.length.iter().skip(direction).step_by(directions).map(|l| libm::log(f64::from(*l))).collect()
+        };
+        let logarithms: Vec<f64> = sets.iter().flat_map(of).collect();
+        let mean = logarithms.iter().sum::<f64>() / logarithms.len().max(1) as f64;
+        (libm::exp(mean) as f32).clamp(LENGTHS.0, LENGTHS.1)
+    };
+    (0..directions).map(mean).collect()
+}
+
+/// The length with which chromatic instances must stretch so that they and a share of achromatic ones have the measured one together:
+/// both kinds' covariances, taken as Gaussian, sum to 1/e there.
+pub(super) fn chromatic_length(measured: f64, achromatic: f64, share: f64) -> f64 {
+    if share == 0.0 {
+        return measured;
+    }
+    let common = share * libm::exp(-(measured / achromatic).powi(2));
+    let rest = ((libm::exp(-1.0) - common) / (1.0 - share).max(1e-3)).clamp(0.05, 0.8);
+    let length = measured / (-libm::log(rest)).sqrt();
+    length.clamp(f64::from(LENGTHS.0), f64::from(LENGTHS.1))
 }
 
 /// The codes of a file round two fractions that sum to 1 to this at most.
@@ -242,7 +300,7 @@ pub fn check_sigma(sigma: f64) -> Result<()> {
     Err(Error::input(format!("sigma is {sigma}, but must lie between 0.002 and 0.25 (0.04 is the default)")))
 }
 
-fn check_axis(name: &str, values: &[f64], low: f64, high: f64) -> Result<()> {
+pub(super) fn check_axis(name: &str, values: &[f64], low: f64, high: f64) -> Result<()> {
     if values.is_empty() {
         return Err(Error::input(format!("{name} is empty, but needs at least one value")));
     }
@@ -257,7 +315,7 @@ fn check_axis(name: &str, values: &[f64], low: f64, high: f64) -> Result<()> {
     }
 }
 
-fn check_range<T: Copy + PartialOrd + std::fmt::Display>(
+pub(super) fn check_range<T: Copy + PartialOrd + std::fmt::Display>(
     name: &str,
     values: &[T],
     count: usize,

@@ -14,8 +14,10 @@ mod fitted_node;
 // What tests and benchmarks of several crates need, but no user.
 #[doc(hidden)]
 pub mod fixtures;
+mod halo;
 mod lanes;
 mod length;
+mod longitudinal;
 mod marginal;
 mod material;
 mod noise;
@@ -27,6 +29,7 @@ mod report;
 mod sample;
 mod simd;
 mod slope;
+mod spectral;
 mod steady;
 mod table;
 mod tables;
@@ -34,12 +37,14 @@ mod tables;
 pub use arrays::{Numbers, TableArray};
 pub use evaluate::{FeatherBrdf, PreparedBrdf};
 pub use exact::{ExactBrdf, Values, values};
+pub use halo::{HALO_SIGMAS, Halo, HaloAt, MOST_HALOS};
 pub use marginal::{Marginal, marginals, reflected_fractions};
 pub use material::{
-    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, check_axes, check_sigma, table_axes,
+    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, achromatic_lengths, check_axes, check_sigma,
+    table_axes,
 };
-pub use noise::{Draw, Noise, spectrum as noise_spectrum};
+pub use noise::{At, Draw, Noise, Spectral, spectrum as noise_spectrum};
 pub use patterns::Synthesis;
 pub use plain::PlainBrdf;
 pub use profile::lobe_integral;
-pub use tables::{BrdfTables, Options, TABLES_VERSION, TablesHeader};
+pub use tables::{BrdfTables, Options, Reciprocity, TABLES_VERSION, TablesHeader};

@@ -1,35 +1,48 @@
 //! The Gaussian process whose draws tell one barbule from another (S.32–S.49).
 
-use fearless_simd::{Simd, f32x4, f32x8, f32x16, i16x8, i32x4, mask32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, i16x16, i32x4, mask32x4, prelude::*};
 use num_complex::Complex;
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use super::arrays::{Arrays, TableArray};
 use super::material::NOISE_TERMS;
-use super::simd::whole_and_rest;
+use super::simd::{transposed, whole_and_rest};
 use super::slope::{self, VALUES};
-use crate::Result;
 use crate::math::fft::Transformable as _;
 use crate::math::rng::{Stream, hash};
 use crate::scattering::statistics::NOISE_POINTS;
+use crate::{Error, Result};
 
 /// Base functions; rotated, shifted and mirrored they give every instance functions of its own: what both polarizations
 /// share, and half a period further what the second has beside it.
-const BASES: usize = 256;
+const BASES: usize = 128;
 
 /// Points in half a period.
 const HALF: usize = NOISE_POINTS / 2;
 
-/// Numbers of a base: (q_r, q_i) at a point and half a period further, for each point of half a period and the next. The
-/// second half has the same in the other order.
-const ROW: usize = 4 * (HALF + 1);
+/// Numbers at a point: of a base and of the next, (q_r, q_i) there and half a period further.
+const WIDTH: usize = 8;
+
+/// Numbers of a base: those of each point of half a period and of the next one. The second half of the period has the same
+/// in another order.
+const ROW: usize = WIDTH * (HALF + 1);
+
+/// From one base to the next, over 1/h of the height phase k(z_i + z_o): intensities whose phases differ by Δ then correlate by
+/// exp(−(hΔ)²) within 0.013, mean over where between two bases they lie.
+const SLICE: f64 = 1.5175;
 
 /// A length in the middle of the visible.
 const USUAL_LENGTH: f32 = 1.3;
 
 /// Rotations of (q_r, q_i) in their plane.
 const ROTATIONS: usize = 1024;
+
+/// Bases beyond which the height phase does not count on, so that their numbers stay exact in single precision.
+const MOST_SLICES: f64 = 32_768.0;
+
+/// An odd number whose multiples spread over all bits.
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Purpose of the random streams of this file.
 const PURPOSE: u64 = 0x006e_6f69_7365;
@@ -56,11 +69,53 @@ pub fn spectrum(autocovariance: &[f64]) -> Vec<f64> {
     }
 }
 
+/// How noise changes with the wavelength, and as the light turns while x_i + x_o stays.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spectral {
+    /// h, µm: fields whose height phases k(z_i + z_o) differ by Δ correlate by exp(−(hΔ)²/2).
+    pub height_um: f64,
+    /// Share of the instances whose pattern is the same at all wavelengths.
+    pub achromatic: f64,
+}
+
+/// h that a material may have, µm.
+const HEIGHTS_UM: [f64; 2] = [0.0, 100.0];
+
+impl Spectral {
+    /// Refuses what no material has.
+    ///
+    /// # Errors
+    /// h is outside 0 to 100 µm, or the share outside 0 to 1.
+    pub fn check(&self) -> Result<()> {
+        for (name, value, [low, high]) in
+            [("height_um", self.height_um, HEIGHTS_UM), ("achromatic", self.achromatic, [0.0, 1.0])]
+        {
+            if !(low..=high).contains(&value) {
+                return Err(Error::input(format!(
+                    "{name} is {value}, but must lie between {low} and {high}; fit the material again"
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where noise is looked up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct At {
+    /// (x_i + x_o)/l.
+    pub x: f64,
+    /// The same over the length that all wavelengths of an achromatic instance share.
+    pub achromatic_x: f64,
+    /// k(z_i + z_o), rad/µm.
+    pub height_phase_per_um: f64,
+}
+
 /// Draws of the process, ready for lookup.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
     /// In sixteen bits, so that all stay in a core's cache (1 MB), and one load holds all about a place. Shape
-    /// `[base, point, 4]`.
+    /// `[base, point, 8]`.
     values: Vec<[i16; ROW]>,
     /// Cosine and sine of evenly spread angles, times the step of `values`.
     rotations: Vec<[f32; 2]>,
@@ -70,6 +125,7 @@ pub struct Noise {
     autocovariance: Vec<f64>,
     /// 1 − C₁, twice: the interpolation's loss of variance at t.
     loss: f32,
+    spectral: Spectral,
     seed: u64,
 }
 
@@ -78,7 +134,12 @@ pub struct Noise {
 pub struct Draw {
     /// E on the sides of t < 0 and of t ≥ 0, see the module `slope`.
     wings: [f32; 2],
-    base: usize,
+    /// Where the height phase is 0, in bases.
+    base: f32,
+    /// Bases over the height phase in rad/µm; none where all wavelengths share one pattern.
+    bases_um: f32,
+    /// Whether they do.
+    achromatic: bool,
     /// How both functions are shifted and mirrored.
     shift: i32,
     direction: i32,
@@ -94,6 +155,17 @@ impl Draw {
         1.0 + part * (f64::from(self.wing(t)) - 1.0)
     }
 
+    /// The x of this instance at a place.
+    fn x(&self, at: &At) -> f64 {
+        if self.achromatic { at.achromatic_x } else { at.x }
+    }
+
+    /// Whether the pattern is the same at all wavelengths.
+    #[inline(always)]
+    pub(super) fn is_achromatic(&self) -> bool {
+        self.achromatic
+    }
+
     /// E on the side of t.
     #[inline(always)]
     pub(super) fn wing(&self, t: f64) -> f32 {
@@ -104,7 +176,7 @@ impl Draw {
 impl Noise {
     /// Draws the base functions of P₁ … P_{N/2−1}.
     #[must_use]
-    pub fn new(power: &[f64], seed: u64) -> Self {
+    pub fn new(power: &[f64], spectral: Spectral, seed: u64) -> Self {
         let n = NOISE_POINTS;
 
         let inverse = f64::inverse(n);
@@ -140,24 +212,30 @@ impl Noise {
             })
             .collect();
         let wings = slope::values().into_iter().map(|value| value as f32).collect();
-        Self { values, rotations, wings, loss: loss(&autocovariance), autocovariance, seed }
+        Self { values, rotations, wings, loss: loss(&autocovariance), autocovariance, spectral, seed }
     }
 
     pub(super) fn seed(&self) -> u64 {
         self.seed
     }
 
+    /// How it changes with the wavelength.
+    #[must_use]
+    pub fn spectral(&self) -> Spectral {
+        self.spectral
+    }
+
     pub(super) fn arrays(&self) -> [TableArray<'_>; 4] {
         [
-            TableArray::new("codes", &[BASES, HALF + 1, 4], self.values.as_flattened()),
+            TableArray::new("codes", &[BASES, HALF + 1, WIDTH], self.values.as_flattened()),
             TableArray::new("rotations", &[ROTATIONS, 2], self.rotations.as_flattened()),
             TableArray::new("wings", &[VALUES], &self.wings),
             TableArray::new("autocovariance", &[HALF + 1], &self.autocovariance),
         ]
     }
 
-    pub(super) fn from_arrays(from: Arrays<'_>, seed: u64) -> Result<Self> {
-        let codes = from.get("codes", &[BASES, HALF + 1, 4], &[[-32_768.0, 32_767.0]])?;
+    pub(super) fn from_arrays(from: Arrays<'_>, spectral: Spectral, seed: u64) -> Result<Self> {
+        let codes = from.get("codes", &[BASES, HALF + 1, WIDTH], &[[-32_768.0, 32_767.0]])?;
         let rotations = from.get("rotations", &[ROTATIONS, 2], &[[-1e3, 1e3]])?;
         let one = 1.0 + 1e-9;
         let autocovariance = from.get("autocovariance", &[HALF + 1], &[[-one, one]])?.to_vec();
@@ -167,6 +245,7 @@ impl Noise {
             wings: from.get("wings", &[VALUES], &[[0.0, 100.0]])?.to_vec(),
             loss: loss(&autocovariance),
             autocovariance,
+            spectral,
             seed,
         })
     }
@@ -183,9 +262,15 @@ impl Noise {
     pub fn draw(&self, instance: u64) -> Draw {
         let bits = hash(self.seed, &[instance]);
         let rotation = |first: u32| self.rotations[(bits >> first) as usize % ROTATIONS];
+        // Other bits of the same name.
+        let more = bits.wrapping_mul(GOLDEN);
+        let Spectral { height_um, achromatic } = self.spectral;
+        let achromatic = ((more >> 48) as f64) < achromatic * 65_536.0;
         Draw {
             wings: [bits >> 8, bits >> 28].map(|bits| self.wings[bits as usize % VALUES]),
-            base: bits as usize % BASES,
+            base: (bits as usize % BASES) as f32 + (more >> 40 & 0xff) as f32 / 256.0,
+            bases_um: if achromatic { 0.0 } else { (height_um / SLICE) as f32 },
+            achromatic,
             shift: (bits >> 16) as i32 & (NOISE_POINTS as i32 - 1),
             direction: if bits >> 63 == 0 { 1 } else { -1 },
             shared: rotation(40),
@@ -193,26 +278,32 @@ impl Noise {
         }
     }
 
-    /// (q_r, q_i) at x for each incident polarization: the second's is γ q + √(1−γ²) q' with γ = `correlation`.
-    /// Interpolated with the weights of S.47, which keep the variance; the period is 2.
+    /// (q_r, q_i) for each incident polarization: the second's is γ q + √(1−γ²) q' with γ = `correlation`.
+    /// Interpolated with the weights of S.47, which keep the variance; the period along x is 2.
     #[must_use]
-    pub fn at_both(&self, draw: &Draw, x: f64, correlation: f64) -> [[f64; 2]; 2] {
-        let [first, own] = self.exact(draw, x);
+    pub fn at_both(&self, draw: &Draw, at: &At, correlation: f64) -> [[f64; 2]; 2] {
+        let [first, own] = self.exact(draw, at);
         let rest = (1.0 - correlation * correlation).max(0.0).sqrt();
         [first, [0, 1].map(|part| correlation * first[part] + rest * own[part])]
     }
 
     /// [`at_four`](Self::at_four) in double precision, one formula after another.
-    fn exact(&self, draw: &Draw, x: f64) -> [[f64; 2]; 2] {
-        let position = x.clamp(-512.0, 512.0) * (0.5 * NOISE_POINTS as f64) - 0.5;
+    fn exact(&self, draw: &Draw, at: &At) -> [[f64; 2]; 2] {
+        let position = draw.x(at).clamp(-512.0, 512.0) * (0.5 * NOISE_POINTS as f64) - 0.5;
         let (k, t) = (position.floor(), position - position.floor());
+        let slice = f64::from(draw.base) + f64::from(draw.bases_um) * at.height_phase_per_um;
+        let slice = slice.min(MOST_SLICES);
+        let (base, s) = (slice.floor(), slice - slice.floor());
+        let row = &self.values[base as usize % BASES];
         let value = |k: i32, part: usize| {
             let point = (draw.shift + draw.direction * k) as usize & (NOISE_POINTS - 1);
             let part = if point < HALF { part } else { part ^ 2 };
-            f64::from(self.values[draw.base][4 * (point % HALF) + part])
+            let of = |next: usize| f64::from(row[WIDTH * (point % HALF) + 4 * next + part]);
+            (1.0 - s) * of(0) + s * of(1)
         };
-        // (1−t)² + t² + 2 t (1−t) C₁
+        // (1−t)² + t² + 2 t (1−t) C₁, and the same of independent functions
         let scale = 1.0 / (1.0 - 2.0 * t * (1.0 - t) * (1.0 - self.autocovariance[1])).sqrt();
+        let scale = scale / (1.0 - 2.0 * s * (1.0 - s)).sqrt();
         let between =
             |part: usize| scale * ((1.0 - t) * value(k as i32, part) + t * value(k as i32 + 1, part));
         let turned = |[cosine, sine]: [f32; 2], part: usize| {
@@ -223,17 +314,19 @@ impl Noise {
         [turned(draw.shared, 0), turned(draw.own, 2)]
     }
 
-    /// Where four x lie between the points.
+    /// Where four x lie between the points, and their height phases (rad/µm) between the bases.
     #[inline(always)]
-    pub(super) fn place<S: Simd>(&self, simd: S, x: f32x4<S>) -> Place<S> {
+    pub(super) fn place<S: Simd>(&self, simd: S, draw: &Draw, x: f32x4<S>, phase: f32x4<S>) -> Place<S> {
         let one = f32x4::splat(simd, 1.0);
         // x_k = (2k + 1 − N)/N, up to half a period. The bounds keep the index exact far outside (−1, 1).
         let position = x.max(-512.0).min(512.0) * (0.5 * NOISE_POINTS as f32) - 0.5;
         let (index, t) = whole_and_rest(position);
-        // (1−t)² + t² + 2 t (1−t) C₁ = 1 − 2 t (1−t)(1 − C₁).
-        let rest = one - t;
-        let scale = one / (one - t * rest * self.loss).sqrt();
-        Place { index, near: rest * scale, far: t * scale }
+        let bases = phase.mul_add(f32x4::splat(simd, draw.bases_um), f32x4::splat(simd, draw.base));
+        let (base, s) = whole_and_rest(bases.min(MOST_SLICES as f32));
+        // (1−t)² + t² + 2 t (1−t) C₁ = 1 − 2 t (1−t)(1 − C₁), and the same with C₁ = 0.
+        let (rest, left) = (one - t, one - s);
+        let scale = one / ((one - t * rest * self.loss) * (one - s * left * 2.0)).sqrt();
+        Place { index, near: rest * scale, far: t * scale, base, this: left, next: s }
     }
 
     /// q_r and q_i of what both polarizations share, then of what the second has beside it, at four places.
@@ -246,26 +339,36 @@ impl Noise {
         let (low, high) = (mask.select(place.far, place.near), mask.select(place.near, place.far));
         let shift = i32x4::splat(simd, draw.shift - i32::from(mirrored));
         let index = mask.select(shift - place.index, shift + place.index);
-        let base = &self.values[draw.base];
-        let (a, b) = (points(simd, base, index[0]), points(simd, base, index[1]));
-        let (c, d) = (points(simd, base, index[2]), points(simd, base, index[3]));
-        // Each part at the four places side by side, for the lower point of each and for the higher.
-        let low = fours(low) * sixteen(a.zip_low(c), b.zip_low(d));
-        let (first, second) = fours(high).mul_add(sixteen(a.zip_high(c), b.zip_high(d)), low).split();
+        let weights = [low * place.this, low * place.next, high * place.this, high * place.next];
+        let lane = |k: usize| self.lane(simd, [place.base[k], index[k]], weights.map(|weight| weight[k]));
+        let [a, b, c, d] = transposed(lane(0), lane(1), lane(2), lane(3));
         let further = (index & i32x4::splat(simd, HALF as i32)).simd_gt(i32x4::splat(simd, 0));
-        let ((a, b), (c, d)) = (first.split(), second.split());
         let (a, c) = (further.select(c, a), further.select(a, c));
         let (b, d) = (further.select(d, b), further.select(b, d));
         let ([cos, sin], [cos_own, sin_own]) = (draw.shared, draw.own);
         [a * cos - b * sin, a * sin + b * cos, c * cos_own - d * sin_own, c * sin_own + d * cos_own]
     }
 
-    /// Fetches what [`at_four`](Self::at_four) will read at x over common lengths, long before it does.
+    /// The four numbers between two points and two bases: one load holds all sixteen.
     #[inline(always)]
-    pub(super) fn fetch(&self, draw: &Draw, x: f32) {
+    fn lane<S: Simd>(&self, simd: S, [base, index]: [i32; 2], weights: [f32; 4]) -> f32x4<S> {
+        let at = WIDTH * (index as usize & (HALF - 1));
+        let row = &self.values[base as usize & (BASES - 1)];
+        let (low, high) = i16x16::from_slice(simd, &row[at..at + 2 * WIDTH]).widen();
+        let [a, b, c, d] = weights.map(|weight| f32x4::splat(simd, weight));
+        let low: f32x8<S> = f32x8::float_from(low) * a.combine(b);
+        let (this, next) = f32x8::float_from(high).mul_add(c.combine(d), low).split();
+        this + next
+    }
+
+    /// Fetches what [`at_four`](Self::at_four) will read at x over common lengths and near this height phase (rad/µm), long
+    /// before it does.
+    #[inline(always)]
+    pub(super) fn fetch(&self, draw: &Draw, x: f32, phase: f32) {
         let point = (x * (0.5 * NOISE_POINTS as f32 / USUAL_LENGTH)) as i32;
         let point = (draw.shift + draw.direction * point) as usize % HALF;
-        black_box(self.values[draw.base][4 * point]);
+        let base = phase.mul_add(draw.bases_um, draw.base).min(MOST_SLICES as f32) as usize % BASES;
+        black_box(self.values[base][WIDTH * point]);
     }
 }
 
@@ -274,11 +377,14 @@ fn loss(autocovariance: &[f64]) -> f32 {
     (2.0 * (1.0 - autocovariance[1])) as f32
 }
 
-/// Points of the noise beside four places, and their weights.
+/// Points and bases of the noise beside four places, and their weights.
 pub(super) struct Place<S: Simd> {
     index: i32x4<S>,
     near: f32x4<S>,
     far: f32x4<S>,
+    base: i32x4<S>,
+    this: f32x4<S>,
+    next: f32x4<S>,
 }
 
 /// The points of the noise between two places, where its interpolation has corners.
@@ -289,42 +395,23 @@ pub(super) fn knots(low: f64, high: f64) -> impl Iterator<Item = f64> {
     (first..=last).map(move |k| (2.0 * k as f64 + 1.0 - n) / n)
 }
 
-/// The four numbers at a point and at the next.
-#[inline(always)]
-fn points<S: Simd>(simd: S, base: &[i16; ROW], index: i32) -> i16x8<S> {
-    let at = 4 * (index as usize & (HALF - 1));
-    i16x8::from_slice(simd, &base[at..at + 8])
-}
-
-/// Four numbers, four times.
-#[inline(always)]
-fn fours<S: Simd>(values: f32x4<S>) -> f32x16<S> {
-    let twice: f32x8<S> = values.combine(values);
-    twice.combine(twice)
-}
-
-/// The lanes of two registers in turn, as floats.
-#[inline(always)]
-fn sixteen<S: Simd>(a: i16x8<S>, b: i16x8<S>) -> f32x16<S> {
-    let (low, high) = (a.zip_low(b).widen(), a.zip_high(b).widen());
-    let low: f32x8<S> = f32x8::float_from(low.0.combine(low.1));
-    low.combine(f32x8::float_from(high.0.combine(high.1)))
-}
-
 /// In sixteen bits, with the step that makes the variance over all bases and points exactly 1, so that E[f] = f̂ over
 /// the instances that exist.
 fn quantized(values: &[[f32; 2 * NOISE_POINTS]]) -> (Vec<[i16; ROW]>, f64) {
     let largest = values.as_flattened().iter().fold(1e-30_f32, |largest, v| largest.max(v.abs()));
     let scale = f32::from(i16::MAX) / largest;
-    let whole = |row: &[f32; 2 * NOISE_POINTS]| -> [i16; ROW] {
+    let whole = |base: usize| -> [i16; ROW] {
         std::array::from_fn(|k| {
-            let (point, part) = (k / 4 + k % 4 / 2 * HALF, k % 2);
+            let row = &values[(base + k % WIDTH / 4) % values.len()];
+            let (point, part) = (k / WIDTH + k % 4 / 2 * HALF, k % 2);
             (row[2 * (point % NOISE_POINTS) + part] * scale).round() as i16
         })
     };
-    let rows: Vec<[i16; ROW]> = values.iter().map(whole).collect();
-    let squares = |row: &[i16; ROW]| -> f64 { row[..4 * HALF].iter().map(|v| f64::from(*v).powi(2)).sum() };
-    let sum: f64 = rows.iter().map(squares).sum();
+    let rows: Vec<[i16; ROW]> = (0..values.len()).map(whole).collect();
+    // Each base stands in two rows.
+    let squares =
+        |row: &[i16; ROW]| -> f64 { row[..WIDTH * HALF].iter().map(|v| f64::from(*v).powi(2)).sum() };
+    let sum: f64 = 0.5 * rows.iter().map(squares).sum::<f64>();
     let step = ((2 * NOISE_POINTS * rows.len()) as f64 / sum.max(1.0)).sqrt();
     (rows, step)
 }
@@ -337,7 +424,36 @@ mod tests {
     fn noise() -> Noise {
         let lags: Vec<f64> =
             (0..512).map(|k| libm::exp(-(2.0 * f64::from(k) / 1024.0 / 0.02).powi(2))).collect();
-        Noise::new(&spectrum(&lags), 5)
+        Noise::new(&spectrum(&lags), Spectral { height_um: 0.2, achromatic: 0.25 }, 5)
+    }
+
+    fn at(x: f64, height_phase_per_um: f64) -> At {
+        At { x, achromatic_x: x, height_phase_per_um }
+    }
+
+    /// Intensities of chromatic instances correlate by exp(−(hΔ)²), those of achromatic ones wholly, and where they are looked up
+    /// at other places only these are the same.
+    #[test]
+    fn height_phases_and_lengths_tell_wavelengths_apart() {
+        let noise = noise();
+        let intensity = |instance: u64, at: &At| -> f64 {
+            let [[r, i], _] = noise.at_both(&noise.draw(instance), at, 1.0);
+            0.5 * (r * r + i * i)
+        };
+        let correlation = |first: &At, second: &At| -> f64 {
+            let count = 60_000;
+            let terms = (0..count).map(|k| (intensity(k, first) - 1.0) * (intensity(k, second) - 1.0));
+            terms.sum::<f64>() / count as f64
+        };
+        let Spectral { height_um, achromatic } = noise.spectral();
+        for apart in [0.0, 1.5, 3.0, 5.0, 8.0, 15.0] {
+            let found = correlation(&at(0.1, 12.0), &at(0.1, 12.0 + apart));
+            let expected = achromatic + (1.0 - achromatic) * libm::exp(-(height_um * apart).powi(2));
+            // Three standard deviations of a product of exponential numbers.
+            assert!((found - expected).abs() < 0.04, "{apart}: {found} {expected}");
+        }
+        let found = correlation(&at(0.1, 12.0), &At { achromatic_x: 0.1, ..at(0.2, 12.0) });
+        assert!((found - achromatic).abs() < 0.04, "{found}");
     }
 
     #[test]
@@ -349,13 +465,14 @@ mod tests {
             let mut lag = [0.0; 3];
             for instance in 0..count {
                 let draw = noise.draw(instance);
-                let [[r, i], [r_2, i_2]] = noise.at_both(&draw, x, 0.6);
+                let [[r, i], [r_2, i_2]] = noise.at_both(&draw, &at(x, 17.3), 0.6);
                 between += 0.5 * (r * r_2 + i * i_2);
                 mean += r + i;
                 variance += 0.5 * (r * r + i * i);
                 cross += r * i;
                 for (k, sum) in lag.iter_mut().enumerate() {
-                    let [[r2, i2], _] = noise.at_both(&draw, x + (5 * (k + 1)) as f64 / 512.0, 1.0);
+                    let [[r2, i2], _] =
+                        noise.at_both(&draw, &at(x + (5 * (k + 1)) as f64 / 512.0, 17.3), 1.0);
                     *sum += 0.5 * (r * r2 + i * i2);
                 }
             }
@@ -376,9 +493,10 @@ mod tests {
     fn interpolation_loses_no_variance_for_a_rough_process() {
         // Correlation length 0.6 of a spacing: plain linear interpolation would lose 40 % of the variance midway.
         let lags: Vec<f64> = (0..512).map(|k| libm::exp(-(f64::from(k) / 0.6).powi(2))).collect();
-        let noise = Noise::new(&spectrum(&lags), 1);
+        let noise = Noise::new(&spectrum(&lags), Spectral::default(), 1);
         let count = 40_000;
-        let mid: f64 = (0..count).map(|i| noise.at_both(&noise.draw(i), 0.0, 1.0)[0][0].powi(2)).sum::<f64>();
+        let mid: f64 =
+            (0..count).map(|i| noise.at_both(&noise.draw(i), &at(0.0, 0.0), 1.0)[0][0].powi(2)).sum::<f64>();
         assert!((mid / count as f64 - 1.0).abs() < 0.02, "{}", mid / count as f64);
     }
 

@@ -4,9 +4,10 @@ use rayon::prelude::*;
 
 use super::fitted::{Fitted, direction, fitted, place};
 use super::material::FeatherMaterial;
-use super::noise::Noise;
+use super::noise::{At, Noise};
 use crate::scattering::directions;
 use crate::scattering::statistics::{AZIMUTHS, Axes, Statistics};
+use crate::spectrum::wave_number_per_um;
 
 /// Least number of instances drawn per (λ, ω_i): few of them make most of the wings' contrast.
 const DRAWS: usize = 4000;
@@ -41,7 +42,7 @@ pub struct Synthesis {
     /// By incident polarization.
     sides: [Fitted; 2],
     /// Arguments of each polarization's noise.
-    positions: [Vec<f64>; 2],
+    places: [Vec<At>; 2],
     /// Slopes t of the facets that mirror.
     facets: Vec<f64>,
     /// Correlation of both polarizations' noise.
@@ -59,17 +60,27 @@ impl Synthesis {
     /// The same on other azimuths φ_o, rad.
     #[must_use]
     pub fn on(material: &FeatherMaterial, node: usize, phi_o: &[f64]) -> Self {
-        let [_, theta, phi] = place(&material.axes, node);
+        let [wave, theta, phi] = place(&material.axes, node);
         let (cosine, phi_i) = (material.axes.cos_theta()[theta], material.axes.phi_i(phi));
-        let positions = [0, 1].map(|polarization| {
+        let wave_number = wave_number_per_um(material.axes.wavelengths_nm()[wave]);
+        let achromatic = material.slope(node).achromatic_inverse_length;
+        let places = [0, 1].map(|polarization| {
             let set = &material.sets[polarization.min(material.sets.len() - 1)];
-            let length = f64::from(set.length[node]);
-            let x = |phi_o: &f64| cosine * (libm::sin(phi_i) + libm::sin(*phi_o)) / length;
-            phi_o.iter().map(x).collect()
+            let inverse_length = material.inverse_length(set, node);
+            let at = |phi_o: &f64| {
+                let x = cosine * (libm::sin(phi_i) + libm::sin(*phi_o));
+                let z = cosine * (libm::cos(phi_i) + libm::cos(*phi_o));
+                At {
+                    x: x * inverse_length,
+                    achromatic_x: x * achromatic,
+                    height_phase_per_um: wave_number * z,
+                }
+            };
+            phi_o.iter().map(at).collect()
         });
         Self {
             sides: fitted(material, node, phi_o),
-            positions,
+            places,
             facets: phi_o.iter().map(|phi_o| libm::tan(0.5 * (phi_i + phi_o))).collect(),
             gamma: f64::from(material.correlation[node]),
         }
@@ -85,11 +96,11 @@ impl Synthesis {
     /// modulus is the intensity (S.25).
     pub fn fields<'a>(&'a self, noise: &'a Noise, instance: u64) -> impl Iterator<Item = [[f64; 2]; 2]> + 'a {
         let draw = noise.draw(instance);
-        (0..self.positions[0].len()).map(move |k| {
+        (0..self.places[0].len()).map(move |k| {
             let facet = self.facets[k];
             [0, 1].map(|p| {
                 // Polarizations whose patterns stretch differently read the noise at different places.
-                let [qr, qi] = noise.at_both(&draw, self.positions[p][k], self.gamma)[p];
+                let [qr, qi] = noise.at_both(&draw, &self.places[p][k], self.gamma)[p];
                 let (mean, steady) = (self.sides[p].mean[k], self.sides[p].steady[k]);
                 let spread = (0.5 * (mean - steady)).max(0.0).sqrt();
                 let root = draw.factor(self.sides[p].sloped[k], facet).sqrt();
@@ -131,7 +142,7 @@ fn chosen(axes: &Axes) -> Vec<usize> {
 /// Instances of the material beside what the campaign found, at up to nine (λ, ω_i).
 pub(super) fn compare(statistics: &Statistics, material: &FeatherMaterial) -> Vec<Pattern> {
     let axes = &statistics.axes;
-    let noise = Noise::new(&material.noise_power, material.seed);
+    let noise = material.noise();
     let pattern = |node: usize| {
         // Of other instances than any other node's, so that means of all are more certain than each.
         let first = (node * 2 * DRAWS) as u64;

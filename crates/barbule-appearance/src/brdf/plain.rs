@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use super::arrays::Numbers;
 use super::exact::Values;
-use super::tables::{BrdfTables, TablesHeader};
+use super::tables::{BrdfTables, Reciprocity, TablesHeader};
 use crate::math::normal;
 use crate::math::rng::hash;
 use crate::scattering::far_field::Polarization;
@@ -80,13 +80,20 @@ impl PlainBrdf {
         if !(wi.z > 0.0 && wo.z > 0.0) {
             return Values::default();
         }
-        let mut values = self.one_way(wavelength_nm, wi, wo, instance);
-        if self.header.reciprocal {
-            let back = self.one_way(wavelength_nm, wo, wi, instance);
-            values.f = 0.5 * (values.f + back.f);
-            values.steady = 0.5 * (values.steady + back.steady);
+        let there = self.one_way(wavelength_nm, wi, wo, instance);
+        let back = || self.one_way(wavelength_nm, wo, wi, instance);
+        let tangents = [wi, wo].map(|w| w.x.abs() / w.z);
+        let is_steeper = tangents[1] < tangents[0] || (tangents[1] == tangents[0] && wo.z > wi.z);
+        match (self.header.reciprocity, self.header.sides) {
+            (Reciprocity::Steeper, Sides::Alike) if is_steeper => Values { pdf: there.pdf, ..back() },
+            (Reciprocity::AsFitted, _) | (Reciprocity::Steeper, Sides::Alike) => there,
+            (Reciprocity::Mean, _) | (Reciprocity::Steeper, Sides::Both) => {
+                let back = back();
+                let mean = |there: f64, back: f64| 0.5 * (there + back);
+                let (f, steady) = (mean(there.f, back.f), mean(there.steady, back.steady));
+                Values { f, steady, pdf: there.pdf }
+            }
         }
-        values
     }
 
     /// ω_o drawn from the mean lobes at a wavelength (nm), steps 11 to 14.
@@ -118,7 +125,7 @@ impl PlainBrdf {
         let (set, node, lobe, u) = drawn?;
         let numbers = &self.of_set(set, "nodes")[16 * node.at..][..16];
         let [sin_phi, cos_phi] = azimuth(numbers[lobe], numbers[6 + lobe] / node.t, node.t / light.tau, u1);
-        let [y, cos_theta] = self.inclination(&light, u);
+        let [y, cos_theta] = self.inclination(&light, &nodes, u);
         let wo = DVec3::new(cos_theta * light.sign * sin_phi, y, cos_theta * cos_phi);
         (wo.z > 0.0).then_some(wo)
     }
@@ -175,16 +182,16 @@ impl PlainBrdf {
         nodes
     }
 
-    /// κ and g.
-    fn slope(&self, light: &Light) -> [f64; 2] {
+    /// κ, g and 1/l of achromatic instances.
+    fn slope(&self, light: &Light) -> [f64; 3] {
         let [theta, phi] = light.shares;
         let (a, b) = (theta.max(phi), theta.min(phi));
         let first = if theta >= phi { [1, 0] } else { [0, 1] };
-        let mut mixed = [0.0; 2];
+        let mut mixed = [0.0; 3];
         for (weight, [row, column]) in [(1.0 - a, [0, 0]), (a - b, first), (b, [1, 1])] {
             let at = light.rows[row] * self.header.phis + light.columns[column];
             for (k, sum) in mixed.iter_mut().enumerate() {
-                *sum += weight * self.of("slopes")[2 * at + k];
+                *sum += weight * self.of("slopes")[3 * at + k];
             }
         }
         mixed
@@ -231,7 +238,7 @@ impl PlainBrdf {
             let across = self.across(set, &light, &nodes, [wo.x / cos_o, wo.z / cos_o]);
             f += match instance {
                 None => across.mean,
-                Some(name) => self.drawn(set, &across, self.slope(&light), [wi, wo], name),
+                Some(name) => self.drawn(set, &across, self.slope(&light), [wi, wo], wavelength_nm, name),
             } / sets as f64;
             steady += across.steady / sets as f64;
             density += across.density;
@@ -240,16 +247,34 @@ impl PlainBrdf {
         let cosine = light.cos_theta * cos_o - light.y * wo.y;
         let sine = light.y * cos_o + wo.y * light.cos_theta;
         let t2 = if cosine > 0.0 { sine * sine / (2.0 + 2.0 * cosine) } else { 0.5 * (1.0 - cosine) };
-        let sigma = self.header.sigma;
-        let spread = (-t2 / (sigma * sigma)).exp();
+        let sigmas = self.sigmas();
         let inverse_q = self.of("inverse_q");
-        let place = light.cos_theta.sqrt() * (inverse_q.len() - 1) as f64;
-        let low = (place as usize).min(inverse_q.len() - 2);
+        let last = inverse_q.len() / sigmas.len() - 1;
+        let place = light.cos_theta.sqrt() * last as f64;
+        let low = (place as usize).min(last - 1);
         let share = place - low as f64;
-        let l = spread * (inverse_q[low] * (1.0 - share) + inverse_q[low + 1] * share) / wo.z;
-        let mass: f64 = ends(light.y).iter().map(|t| libm::erf(t / sigma)).sum();
-        let along = spread * (1.0 - t2).max(0.0).sqrt() / (sigma * PI.sqrt() * cos_o * mass);
+        let (mut l, mut along) = (0.0, 0.0);
+        for (part, (sigma, own)) in sigmas.iter().zip(self.parts(&nodes)).enumerate() {
+            let spread = own * (-t2 / (sigma * sigma)).exp();
+            let q = |row: usize| inverse_q[row * sigmas.len() + part];
+            l += spread * (q(low) * (1.0 - share) + q(low + 1) * share) / wo.z;
+            let mass: f64 = ends(light.y).iter().map(|t| libm::erf(t / sigma)).sum();
+            along += spread * (1.0 - t2).max(0.0).sqrt() / (sigma * PI.sqrt() * cos_o * mass);
+        }
         Values { f: l * f, steady: l * steady, pdf: density / chance * along }
+    }
+
+    /// σ of the Gaussians along the barbule.
+    fn sigmas(&self) -> Vec<f64> {
+        let halo = self.header.halo.into_iter().take_while(|sigma| *sigma > 0.0);
+        std::iter::once(self.header.sigma).chain(halo).collect()
+    }
+
+    /// Their shares.
+    fn parts(&self, nodes: &[Node]) -> [f64; 4] {
+        let Some(along) = self.arrays.get("along") else { return [1.0, 0.0, 0.0, 0.0] };
+        let of = |part: usize| nodes.iter().map(|node| node.weight * along[4 * node.at + part]).sum();
+        [0, 1, 2, 3].map(of)
     }
 
     /// P of an instance, steps 7 and 8.
@@ -257,12 +282,13 @@ impl PlainBrdf {
         &self,
         set: usize,
         across: &Across,
-        [kappa, g]: [f64; 2],
+        [kappa, g, achromatic]: [f64; 3],
         [wi, wo]: [DVec3; 2],
+        wavelength_nm: f64,
         name: u64,
     ) -> f64 {
         let h = hash(self.header.seed, &[name]);
-        let [first, own] = self.noise(h, (wi.x + wo.x) * across.inverse_length);
+        let [first, own] = self.noise(h, wi + wo, wavelength_nm, [across.inverse_length, achromatic]);
         let rest = (1.0 - across.gamma * across.gamma).max(0.0).sqrt();
         let second = [0, 1].map(|k| across.gamma * first[k] + rest * own[k]);
         let Across { mean, steady, fraction, steady_fraction, .. } = *across;
@@ -281,19 +307,36 @@ impl PlainBrdf {
         value * (1.0 + g * (wing - 1.0) * a * a / (1.0 + 2.0 * a.powi(3) / 27.0_f64.sqrt()))
     }
 
-    /// q and q' of an instance by its hash.
-    fn noise(&self, h: u64, x: f64) -> [[f64; 2]; 2] {
+    /// q and q' of an instance by its hash, at ω_i + ω_o, with 1/l and that of achromatic instances.
+    fn noise(
+        &self,
+        h: u64,
+        sum: DVec3,
+        wavelength_nm: f64,
+        [inverse_length, achromatic]: [f64; 2],
+    ) -> [[f64; 2]; 2] {
+        let more = h.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let is_achromatic = ((more >> 48) as f64) < 65_536.0 * self.header.spectral.achromatic;
+        let x = sum.x * if is_achromatic { achromatic } else { inverse_length };
         let place = 512.0 * x.clamp(-512.0, 512.0) - 0.5;
         let (k, t) = (place.floor() as i64, place - place.floor());
         let (shift, direction) = ((h >> 16) as i64 % 1024, if h >> 63 == 1 { -1 } else { 1 });
-        let scale = (1.0 - 2.0 * t * (1.0 - t) * (1.0 - self.of("autocovariance")[1])).sqrt();
+        let first = (h % 128) as f64 + (more >> 40 & 255) as f64 / 256.0;
+        // Single precision, as of the program's own.
+        let height = if is_achromatic { 0.0 } else { (self.header.spectral.height_um / 1.5175) as f32 };
+        let base = (first + f64::from(height) * sum.z * 2000.0 * PI / wavelength_nm).min(32_768.0);
+        let s = base - base.floor();
+        let scale = (1.0 - 2.0 * t * (1.0 - t) * (1.0 - self.of("autocovariance")[1])).sqrt()
+            * (1.0 - 2.0 * s * (1.0 - s)).sqrt();
         let mut numbers = [0.0; 4];
         for (k, weight) in [(k, 1.0 - t), (k + 1, t)] {
             let point = (shift + direction * k).rem_euclid(1024) as usize;
-            for (part, sum) in numbers.iter_mut().enumerate() {
+            let row = (base as usize % 128) * (HALF + 1) + point % HALF;
+            for (part, number) in numbers.iter_mut().enumerate() {
                 let part = if point < HALF { part } else { (part + 2) % 4 };
-                let row = (h as usize % 256) * (HALF + 1) + point % HALF;
-                *sum += weight / scale * self.of("codes")[4 * row + part];
+                for (next, share) in [(0, 1.0 - s), (4, s)] {
+                    *number += weight * share / scale * self.of("codes")[8 * row + next + part];
+                }
             }
         }
         let turned = |bits: u64, [a, b]: [f64; 2]| {
@@ -306,8 +349,15 @@ impl PlainBrdf {
     }
 
     /// sinθ_o and cosθ_o, step 13.
-    fn inclination(&self, light: &Light, u: f64) -> [f64; 2] {
-        let sigma = self.header.sigma;
+    fn inclination(&self, light: &Light, nodes: &[Node], u: f64) -> [f64; 2] {
+        let (sigmas, parts) = (self.sigmas(), self.parts(nodes));
+        let (mut part, mut u) = (0, u * parts.iter().sum::<f64>());
+        while part + 1 < sigmas.len() && u >= parts[part] {
+            u -= parts[part];
+            part += 1;
+        }
+        let u = (u / parts[part]).min(1.0 - f64::EPSILON);
+        let sigma = sigmas[part];
         let [below, above] = ends(light.y);
         let [from, to] = [0.5 * libm::erfc(below / sigma), 0.5 * libm::erfc(-above / sigma)];
         let p = (from + u * (to - from)).clamp(1e-300, 1.0 - f64::EPSILON / 2.0);
@@ -378,7 +428,7 @@ fn quantile(v: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::fixtures::example;
+    use crate::brdf::fixtures::{example, halo};
     use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
     use crate::math::rng::Stream;
 
@@ -422,13 +472,15 @@ mod tests {
         let material = example(5);
         for options in [
             Options::default(),
-            Options { reciprocal: true, sigma: Some(0.2), ..Options::default() },
+            Options { reciprocity: Reciprocity::Mean, sigma: Some(0.2), ..Options::default() },
+            Options { reciprocity: Reciprocity::Steeper, ..Options::default() },
             Options { polarization: Some(Polarization::First), ..Options::default() },
             Options { polarization: Some(Polarization::Second), ..Options::default() },
         ] {
             assert_same(&material, options);
         }
         assert_same(&example(1), Options::default());
+        assert_same(&FeatherMaterial { halo: Some(halo()), ..example(5) }, Options::default());
         assert_same(&FeatherMaterial { kind: FitKind::Cone, ..material }, Options::default());
     }
 
@@ -459,11 +511,13 @@ mod tests {
         material.correlation = spread(&material.correlation, 1.0, 1.0);
         material.steepness = vec![6.0; axes.cos_theta().len() * both.phis()];
         material.strength = (0..material.steepness.len()).map(|k| (k % 10) as f32 / 10.0).collect();
+        material.achromatic_length = vec![1.3; material.steepness.len()];
         let mut second = set.clone();
         second.mean[1].reflected.iter_mut().for_each(|rho| *rho *= 0.5);
         material.sets = vec![set, second];
         for polarization in [None, Some(Polarization::First), Some(Polarization::Second)] {
             assert_same(&material, Options { polarization, ..Options::default() });
         }
+        assert_same(&material, Options { reciprocity: Reciprocity::Steeper, ..Options::default() });
     }
 }

@@ -1,12 +1,11 @@
-//! The two factors of the lobe: across the barbule the fitted shape, along it the spread.
+//! The lobe's factor across the barbule, the fitted shape.
 //!
-//! f̂ (z·ω_o) = P(φ_o) · E/Q(θ_i) with P = Σ ρ_k shape_k(φ_o)/area_k and E = exp(−t²/σ²), t = sin((θ_i + θ_o)/2), which
-//! is h_y of a half vector in the barbule's long plane. Since Q = ∫ E cosθ_o dθ_o, the far field that is radiated per
-//! dφ_o, ∫ f̂ (z·ω_o) cosθ_o dθ_o, is P at every azimuth and for every σ.
+//! f̂ (z·ω_o) = P(φ_o) · E/Q(θ_i) with P = Σ ρ_k shape_k(φ_o)/area_k and the spread E/Q along the barbule (the module
+//! `longitudinal`). Since ∫ E/Q cosθ_o dθ_o is 1, the far field that is radiated per dφ_o, ∫ f̂ (z·ω_o) cosθ_o dθ_o, is P at
+//! every azimuth and for every spread.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::arrays::{Arrays, TableArray};
 use super::material::check_sigma;
 use crate::math::quadrature::gauss_legendre;
 use crate::scattering::lobe::{FitKind, Lobe};
@@ -70,82 +69,6 @@ impl Areas {
     }
 }
 
-/// The longitudinal spread of one σ.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Longitudinal {
-    pub(super) sigma: f64,
-    /// 1/Q at evenly spaced √cosθ_i.
-    inverse_q: Vec<f64>,
-}
-
-/// Intervals of the table of 1/Q: linear interpolation is right to 1e-6 at σ = 0.04, to 1e-5 at the smallest.
-const INTERVALS: usize = 4096;
-
-/// exp(−this) is nothing.
-pub(super) const END: f64 = 45.0;
-
-impl Longitudinal {
-    pub(super) fn new(sigma: f64) -> Self {
-        let rule = gauss_legendre(32);
-        let inverse_q = (0..=INTERVALS)
-            .map(|k| {
-                let cos_theta = (k as f64 / INTERVALS as f64).powi(2);
-                1.0 / spread_integral(&rule, sigma, libm::acos(cos_theta))
-            })
-            .collect();
-        Self { sigma, inverse_q }
-    }
-
-    pub(super) fn array(&self) -> TableArray<'_> {
-        TableArray::new("inverse_q", &[INTERVALS + 1], &self.inverse_q)
-    }
-
-    pub(super) fn from_arrays(from: Arrays<'_>, sigma: f64) -> Result<Self> {
-        let inverse_q = from.get("inverse_q", &[INTERVALS + 1], &[[1e-3, 1e9]])?.to_vec();
-        Ok(Self { sigma, inverse_q })
-    }
-
-    /// 1/Q at this cosθ_i.
-    #[inline]
-    pub(super) fn inverse_q(&self, cos_theta: f64) -> f64 {
-        let position = cos_theta.clamp(0.0, 1.0).sqrt() * INTERVALS as f64;
-        let index = (position as usize).min(INTERVALS - 1);
-        let t = position - index as f64;
-        self.inverse_q[index] * (1.0 - t) + self.inverse_q[index + 1] * t
-    }
-
-    /// E/Q for the y of ω_i and of ω_o and the cosines of θ_i and θ_o.
-    #[inline]
-    pub(super) fn value(&self, [y_i, cos_i]: [f64; 2], [y_o, cos_o]: [f64; 2]) -> f64 {
-        let t2 = half_sine_squared([y_i, cos_i], [y_o, cos_o]);
-        (-t2 / (self.sigma * self.sigma)).exp() * self.inverse_q(cos_i)
-    }
-}
-
-/// t² = sin²((θ_i + θ_o)/2) from sines and cosines, without cancellation.
-#[inline]
-pub(super) fn half_sine_squared([y_i, cos_i]: [f64; 2], [y_o, cos_o]: [f64; 2]) -> f64 {
-    let sine = y_i * cos_o + y_o * cos_i;
-    let cosine = cos_i * cos_o - y_i * y_o;
-    // For directions that run together, sinδ is small where t is 1.
-    if cosine > 0.0 { sine * sine / (2.0 * (1.0 + cosine)) } else { 0.5 * (1.0 - cosine) }
-}
-
-/// Q = ∫ exp(−sin²((θ_i + θ_o)/2)/σ²) cosθ_o dθ_o.
-fn spread_integral(rule: &[(f64, f64)], sigma: f64, theta_i: f64) -> f64 {
-    let farthest = 2.0 * libm::asin((END.sqrt() * sigma).min(1.0));
-    let side = |end: f64| -> f64 {
-        let width = end.abs().min(farthest) * end.signum();
-        let term = |&(u, w): &(f64, f64)| {
-            let delta = width * u;
-            let t = libm::sin(0.5 * delta) / sigma;
-            w * libm::exp(-t * t) * libm::cos(delta - theta_i)
-        };
-        width.abs() * rule.iter().map(term).sum::<f64>()
-    };
-    side(FRAC_PI_2 + theta_i) + side(theta_i - FRAC_PI_2)
-}
-
 /// I = ∫ D G (z·ω_o) dω_o / (4 (z·ω_eff)(z·ω_o)) of a narrow spread, with which F_eff = ρ/I (S.11): in the leading order
 /// in σ, σ√π G₁(ω_eff) area/(2 cosφ_eff).
 ///
@@ -192,25 +115,6 @@ mod tests {
                     let fast = areas.area(part, lobe, libm::cos(theta));
                     assert!((fast / plain - 1.0).abs() < 1e-6, "{kind:?} {part:?} {lobe:?}: {fast} {plain}");
                 }
-            }
-        }
-    }
-
-    #[test]
-    fn the_spread_integrates_to_one() {
-        for sigma in [0.01, 0.04, 0.25] {
-            let longitudinal = Longitudinal::new(sigma);
-            for theta_i in [0.0, 0.5, -1.0, 1.4, 1.55, 1.5705] {
-                let count = 100_000;
-                let step = PI / f64::from(count);
-                let incident = [f64::sin(theta_i), f64::cos(theta_i)];
-                let sum: f64 = (0..count)
-                    .map(|k| {
-                        let theta_o = (f64::from(k) + 0.5) * step - FRAC_PI_2;
-                        longitudinal.value(incident, [theta_o.sin(), theta_o.cos()]) * theta_o.cos()
-                    })
-                    .sum();
-                assert!((sum * step - 1.0).abs() < 4e-6, "{sigma} {theta_i}: {}", sum * step);
             }
         }
     }

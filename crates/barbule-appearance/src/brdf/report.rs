@@ -5,6 +5,7 @@ use super::fitted_node::FittedNode;
 use super::length;
 use super::material::FeatherMaterial;
 use super::patterns::{Pattern, compare};
+use super::spectral::SpectralErrors;
 use crate::scattering::lobe::PairFit;
 use crate::scattering::statistics::{Axes, Statistics};
 
@@ -37,6 +38,8 @@ pub struct FitReport {
     pub length_disagreement: f64,
     /// What instances do beside the simulated barbules, at up to nine (λ, ω_i).
     pub patterns: Vec<Pattern>,
+    /// Correlations of instances between wavelengths and between lights: how far they are from the simulated ones.
+    pub spectral: SpectralErrors,
     /// Nodes that reflected over all light: the material has 1 there.
     pub clipped: Vec<Clipped>,
     /// Directions so near grazing incidence that the simulation does not hold; left to the caller, who knows the barbule.
@@ -122,6 +125,7 @@ pub(super) fn report(
     material: &FeatherMaterial,
     nodes: &[FittedNode],
     lengths: &[length::Length],
+    spectral: SpectralErrors,
 ) -> FitReport {
     let axes = &statistics.axes;
     let residuals = || nodes.iter().map(|n| n.mean.residual);
@@ -156,6 +160,7 @@ pub(super) fn report(
             0.5,
         ),
         patterns: compare(statistics, material),
+        spectral,
         clipped: clipped.collect(),
         grazing: Vec::new(),
     }

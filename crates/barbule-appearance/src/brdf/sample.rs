@@ -2,17 +2,15 @@
 //!
 //! Of the nodes that are mixed one is chosen by its weight, of its two lobes one by what it reflects. Across the barbule
 //! h = sin((φ_o + φ_eff)/2) follows 1/(a² + h²)², a = m/√(1−m²), a Student t with three degrees of freedom; along it t =
-//! sin((θ_i + θ_o)/2) is normal with standard deviation σ/√2. Both are cut at the horizon, and their densities know it,
-//! so that every draw leaves the surface.
+//! sin((θ_i + θ_o)/2) follows a mixture of normal distributions (the module `longitudinal`). Both are cut at the horizon, and
+//! their densities know it, so that every draw leaves the surface.
 
 use glam::DVec3;
 use std::f64::consts::PI;
 
 use super::arrays::{Arrays, TableArray};
-use super::profile::half_sine_squared;
 use super::table::{Incident, M2, MIDDLE, Node, tangent};
 use crate::Result;
-use crate::math::normal;
 
 /// From this a on, h is uniform within a relative 2e-6.
 const UNIFORM: f64 = 1000.0;
@@ -20,19 +18,15 @@ const UNIFORM: f64 = 1000.0;
 /// Intervals of the tabulated inverse of h's distribution.
 const INTERVALS: usize = 64;
 
-/// erf of more than this is 1.
-const SURE: f64 = 6.0;
-
-/// What all draws of one σ share.
+/// What all draws share.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sampler {
-    sigma: f64,
     /// δ and dδ/ds at evenly spaced s; see [`Sampler::inverse`].
     nodes: Vec<[f64; 2]>,
 }
 
 impl Sampler {
-    pub(super) fn new(sigma: f64) -> Self {
+    pub(super) fn new() -> Self {
         let nodes = (0..=INTERVALS)
             .map(|k| {
                 let s = LAST * k as f64 / INTERVALS as f64;
@@ -42,16 +36,16 @@ impl Sampler {
                 [delta, slope]
             })
             .collect();
-        Self { sigma, nodes }
+        Self { nodes }
     }
 
     pub(super) fn array(&self) -> TableArray<'_> {
         TableArray::new("student", &[INTERVALS + 1, 2], self.nodes.as_flattened())
     }
 
-    pub(super) fn from_arrays(from: Arrays<'_>, sigma: f64) -> Result<Self> {
+    pub(super) fn from_arrays(from: Arrays<'_>) -> Result<Self> {
         let nodes = from.get("student", &[INTERVALS + 1, 2], &[[0.0, 3.2], [0.5, 2.0]])?;
-        Ok(Self { sigma, nodes: nodes.as_chunks().0.to_vec() })
+        Ok(Self { nodes: nodes.as_chunks().0.to_vec() })
     }
 
     /// sinφ_o and cosφ_o of a lobe of a node whose own φ_i has this τ, as the light's side sees them.
@@ -90,34 +84,6 @@ impl Sampler {
         let (above, below) = (above * own * over, below * light);
         let inverse = 1.0 / (above * above + below * below);
         [(above - below) * (above + below) * inverse, 2.0 * above * below * inverse]
-    }
-
-    /// sinθ_o and cosθ_o.
-    pub(super) fn inclination(&self, [y_i, cos_i]: [f64; 2], u: f64) -> [f64; 2] {
-        let (low, high) = self.ends(y_i);
-        let [from, to] = [low, high].map(|t| 0.5 * libm::erfc(-t / self.sigma));
-        let p = (from + u * (to - from)).clamp(1e-300, 1.0 - f64::EPSILON / 2.0);
-        let t = self.sigma * std::f64::consts::FRAC_1_SQRT_2 * normal::quantile(p);
-        let t = t.clamp(low, high);
-        let (sine, cosine) = (2.0 * t * (1.0 - t * t).max(0.0).sqrt(), 1.0 - 2.0 * t * t);
-        [sine * cos_i - cosine * y_i, (cosine * cos_i + sine * y_i).max(0.0)]
-    }
-
-    /// t at θ_o = ∓90°.
-    fn ends(&self, y_i: f64) -> (f64, f64) {
-        (-(0.5 * (1.0 - y_i)).max(0.0).sqrt(), (0.5 * (1.0 + y_i)).max(0.0).sqrt())
-    }
-
-    /// Density of θ_o over cosθ_o: what the density of φ_o is to be multiplied by for that of ω_o per sr.
-    #[inline]
-    pub(super) fn along(&self, [y_i, cos_i]: [f64; 2], [y_o, cos_o]: [f64; 2]) -> f64 {
-        let (low, high) = self.ends(y_i);
-        let erf = |t: f64| if t > SURE * self.sigma { 1.0 } else { libm::erf(t / self.sigma) };
-        let mass = erf(high) + erf(-low);
-        let t2 = half_sine_squared([y_i, cos_i], [y_o, cos_o]);
-        // dt = ½ √(1 − t²) dθ_o; the normal density is exp(−t²/σ²)/(σ√π) over half of `mass`.
-        let spread = (-t2 / (self.sigma * self.sigma)).exp() * (1.0 - t2).max(0.0).sqrt();
-        spread / (self.sigma * PI.sqrt() * mass * cos_o)
     }
 
     /// The t of a value of [`distribution`] in (−½, ½).
@@ -191,7 +157,7 @@ mod tests {
 
     #[test]
     fn the_inverse_inverts() {
-        let shared = Sampler::new(0.04);
+        let shared = Sampler::new();
         for k in 0..1000 {
             let v = -0.499_999 + 0.999_998 * f64::from(k) / 999.0;
             let t = shared.inverse(v);

@@ -48,6 +48,8 @@ pub(super) struct Slope {
     pub(super) steepness: f64,
     /// g, 0 to 1.
     pub(super) strength: f64,
+    /// 1/l of the instances whose pattern is the same at all wavelengths.
+    pub(super) achromatic_inverse_length: f64,
 }
 
 impl Slope {
@@ -179,8 +181,9 @@ pub(super) fn solved(contrasts: &Contrasts, observed: &[Observed]) -> Slope {
     let error = |slope: &Slope| -> f64 { observed.iter().map(|one| one.error(contrasts, slope)).sum() };
     let at = |ln: f64| -> (f64, Slope) {
         let steepness = libm::exp(ln);
-        let (strength, least) = golden([0.0, 1.0], |strength| error(&Slope { steepness, strength }));
-        (least, Slope { steepness, strength })
+        let (strength, least) =
+            golden([0.0, 1.0], |strength| error(&Slope { steepness, strength, ..Slope::default() }));
+        (least, Slope { steepness, strength, ..Slope::default() })
     };
     let (first, last, steps) = SCAN;
     let step = (last - first) / steps as f64;
@@ -222,7 +225,7 @@ mod tests {
         // The log-normal distribution's own variance, less what quantiles leave out of its tail.
         let whole = libm::exp(DEVIATION * DEVIATION) - 1.0;
         assert!((0.75 * whole..whole).contains(&*VARIANCE), "{} {whole}", *VARIANCE);
-        let slope = Slope { steepness: 1.0, strength: 1.0 };
+        let slope = Slope { steepness: 1.0, strength: 1.0, ..Slope::default() };
         let most = (0..10_000).map(|k| slope.part(0.001 * f64::from(k), 1.0)).fold(0.0, f64::max);
         assert!((most - 1.0).abs() < 1e-6 && slope.part(3.0_f64.powf(0.25), 1.0) <= 1.0 + 1e-12, "{most}");
         assert_eq!(slope.part(0.0, 1.0), 0.0);

@@ -16,6 +16,7 @@ use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::arrays::{Arrays, Numbers, TableArray};
+use super::halo::Halo;
 use super::material::{FeatherMaterial, LENGTHS, LobeSet, ParameterSet};
 use super::profile::{Areas, Part};
 use super::sample::distribution;
@@ -45,8 +46,8 @@ pub(super) const STRENGTH: usize = 9;
 /// 1/l, γ, and polarization 1's fraction in the mean and in the steady part.
 pub(super) const EXTRAS: usize = 12;
 
-/// What sampling needs of a node: of each mean lobe the factor of its density (with cosψ), and the fraction that each
-/// reflects.
+/// Four numbers of a node. What sampling needs: of each mean lobe the factor of its density (with cosψ), and the fraction that
+/// each reflects. Or the shares of the Gaussians along the barbule.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(16))]
 pub(super) struct Shares(pub(super) [f32; 4]);
@@ -79,8 +80,9 @@ const SHARE_RANGES: [[f64; 2]; 4] = [[0.0, LARGEST], [0.0, LARGEST], [1e-13, 4.0
 /// Of what it reflects: of one polarization twice as much as of unpolarized light.
 const REFLECTED_RANGE: [f64; 2] = [0.0, 2.001];
 
-/// Of κ and g.
-const SLOPE_RANGES: [[f64; 2]; 2] = [[STEEPNESS.0 as f64, STEEPNESS.1 as f64], [0.0, 1.0]];
+/// Of κ, g and 1/l of achromatic instances.
+const SLOPE_RANGES: [[f64; 2]; 3] =
+    [[STEEPNESS.0 as f64, STEEPNESS.1 as f64], [0.0, 1.0], [1.0 / LENGTHS.1 as f64, 1.0 / LENGTHS.0 as f64]];
 
 /// Lookup table of one parameter set.
 #[derive(Debug, Clone, PartialEq)]
@@ -276,7 +278,8 @@ impl Grid {
 
     pub(super) fn arrays(&self) -> Vec<TableArray<'_>> {
         let [thetas, phis, waves] = self.sizes();
-        let slopes = self.slopes.iter().flat_map(|slope| [slope.steepness, slope.strength]).collect();
+        let numbers = |slope: &Slope| [slope.steepness, slope.strength, slope.achromatic_inverse_length];
+        let slopes = self.slopes.iter().flat_map(numbers).collect();
         vec![
             TableArray::new("wavelengths_nm", &[waves], &self.wavelengths.places),
             TableArray::new("theta", &[thetas], &self.theta.places),
@@ -285,7 +288,7 @@ impl Grid {
             TableArray::new("tangents", &[phis], &self.tangents),
             TableArray {
                 name: "slopes".into(),
-                shape: vec![thetas, phis, 2],
+                shape: vec![thetas, phis, 3],
                 numbers: Numbers::F64(Cow::Owned(slopes)),
             },
         ]
@@ -294,17 +297,37 @@ impl Grid {
     pub(super) fn from_arrays(from: Arrays<'_>, sides: Sides, sizes: [usize; 3]) -> Result<Self> {
         let [thetas, phis, waves] = sizes;
         let axis = |name, count, range| Ok(Axis::new(from.rising(name, count, range)?.to_vec()));
-        let slopes = from.get::<f64>("slopes", &[thetas, phis, 2], &SLOPE_RANGES)?.as_chunks().0;
+        let slopes = from.get::<f64>("slopes", &[thetas, phis, 3], &SLOPE_RANGES)?.as_chunks().0;
+        let slope = |&[steepness, strength, achromatic_inverse_length]: &[f64; 3]| Slope {
+            steepness,
+            strength,
+            achromatic_inverse_length,
+        };
         Ok(Self {
             theta: axis("theta", thetas, [0.0, 1.0])?,
             phi: axis("phi", phis, [-1.0, 1.0])?,
             cos_theta: from.get("cos_theta", &[thetas], &[[1e-7, 1.0]])?.to_vec(),
             tangents: from.get("tangents", &[phis], &[[1e-7, 1e7]])?.to_vec(),
-            slopes: slopes.iter().map(|&[steepness, strength]| Slope { steepness, strength }).collect(),
+            slopes: slopes.iter().map(slope).collect(),
             sides,
             wavelengths: axis("wavelengths_nm", waves, [100.0, 20_000.0])?,
             waves,
         })
+    }
+
+    /// The shares of the Gaussians along the barbule at the nodes, the narrow one first.
+    pub(super) fn shares(&self, halo: &Halo) -> Vec<Shares> {
+        let mut shares = Vec::with_capacity(self.cos_theta.len() * self.tangents.len() * self.waves);
+        for cos_theta in &self.theta.places {
+            for place in &self.phi.places {
+                for nm in &self.wavelengths.places {
+                    let [a, b, c] = halo.at(*nm, *cos_theta, 1.0 - place.abs()).shares;
+                    let narrow = (1.0 - a - b - c).clamp(0.0, 1.0);
+                    shares.push(Shares([narrow, a, b, c].map(|share| share as f32)));
+                }
+            }
+        }
+        shares
     }
 
     /// ω_i in the tables; both of its x and z count, z > 0.
@@ -332,6 +355,11 @@ impl Grid {
         let slope = Slope {
             steepness: mixed(one.steepness, two.steepness, three.steepness),
             strength: mixed(one.strength, two.strength, three.strength),
+            achromatic_inverse_length: mixed(
+                one.achromatic_inverse_length,
+                two.achromatic_inverse_length,
+                three.achromatic_inverse_length,
+            ),
         };
         Incident {
             first: [node(cells[0]), node(cells[1]), node(cells[2])],
@@ -578,7 +606,7 @@ impl Entry<'_> {
             }
         }
         let extras = [
-            1.0 / f64::from(set.length[at]),
+            material.inverse_length(set, at),
             f64::from(material.correlation[at]),
             fractions[0],
             fractions[1],

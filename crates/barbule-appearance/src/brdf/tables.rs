@@ -3,30 +3,58 @@
 //! `docs/formats/brdf-tables.md` says what each array holds and how values follow from them;
 //! [`PlainBrdf`](super::PlainBrdf) does so formula by formula.
 
+use glam::DVec3;
+
 use super::arrays::{Arrays, TableArray};
+use super::halo::MOST_HALOS;
+use super::longitudinal::Longitudinal;
 use super::material::{FeatherMaterial, check_sigma};
-use super::noise::Noise;
-use super::profile::Longitudinal;
+use super::noise::{Noise, Spectral};
 use super::sample::Sampler;
 use super::table::{Grid, Table};
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::Sides;
-use crate::{Error, Result};
+use crate::{Error, Result, words};
 
 /// Version of the arrays and of what they mean.
-pub const TABLES_VERSION: u32 = 1;
+pub const TABLES_VERSION: u32 = 2;
 
 /// No tables have more nodes than this: those of a material with both grazing sides added to its axes.
 const MOST_NODES: usize = 16_000_000;
 
+words! {
+    /// What makes values the same when light and eye change places.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub enum Reciprocity {
+        /// Nothing: every value is from the tables of the incident direction, as it was fitted.
+        #[default]
+        "none": AsFitted,
+        /// Each value is from the tables of whichever of both directions is steeper across the barbule, that is of smaller |φ|, where the
+        /// simulation is nearer to Maxwell's equations. Materials whose sides differ have the mean: at their mirror directions both
+        /// tables may differ, and the lobe would have a step there.
+        "steeper": Steeper,
+        /// Each value is the mean of both orders, at twice the cost.
+        "mean": Mean,
+    }
+}
+
+impl Reciprocity {
+    /// Whether the tables of the second direction are those to take: of smaller |φ|, and where both have the same, of smaller |θ|.
+    #[inline(always)]
+    pub(super) fn is_steeper([first, second]: [DVec3; 2]) -> bool {
+        let [own, other] = [first.z * second.x.abs(), second.z * first.x.abs()];
+        other > own || (other == own && second.z > first.z)
+    }
+}
+
 /// How a material is prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
-    /// Longitudinal spread σ instead of the material's own.
+    /// One longitudinal spread σ instead of the material's own and of its halo; what is reflected is then that of its lobes.
     pub sigma: Option<f64>,
-    /// Whether values are symmetrized, (f(ω_i, ω_o) + f(ω_o, ω_i))/2, at twice the cost.
-    pub reciprocal: bool,
+    /// What makes values reciprocal.
+    pub reciprocity: Reciprocity,
     /// The incident polarization; `None` for unpolarized light.
     pub polarization: Option<Polarization>,
 }
@@ -42,10 +70,14 @@ pub struct TablesHeader {
     pub sides: Sides,
     /// The incident polarization that the values are of; `None` for unpolarized light.
     pub polarization: Option<Polarization>,
-    /// Whether values are symmetrized.
-    pub reciprocal: bool,
-    /// Longitudinal spread σ.
+    /// What makes values reciprocal.
+    pub reciprocity: Reciprocity,
+    /// Longitudinal spread σ: with a halo, of the narrow part.
     pub sigma: f64,
+    /// How instances differ from wavelength to wavelength.
+    pub spectral: Spectral,
+    /// σ of the halo's Gaussians, rising; 0 where there are fewer.
+    pub halo: [f64; MOST_HALOS],
     /// Seed that instances are named with.
     pub seed: u64,
     /// Sets of nodes, 1 or 2.
@@ -63,7 +95,7 @@ pub struct TablesHeader {
 pub struct BrdfTables {
     pub(super) kind: FitKind,
     pub(super) polarization: Option<Polarization>,
-    pub(super) reciprocal: bool,
+    pub(super) reciprocity: Reciprocity,
     pub(super) grid: Grid,
     /// One, or one for each incident polarization.
     pub(super) sets: Vec<Table>,
@@ -81,20 +113,31 @@ impl BrdfTables {
         material.check()?;
         let sigma = options.sigma.unwrap_or(material.sigma);
         check_sigma(sigma)?;
+        let halo = material.halo.as_ref().filter(|_| options.sigma.is_none());
+        let powered = halo.map(|halo| material.with_power(halo));
+        let material = powered.as_ref().unwrap_or(material);
         let only = match options.polarization {
             Some(Polarization::Second) if material.sets.len() == 2 => &material.sets[1..],
             Some(Polarization::First) if material.sets.len() == 2 => &material.sets[..1],
             _ => &material.sets[..],
         };
+        let grid = Grid::new(material);
+        let longitudinal = match halo {
+            Some(halo) => {
+                let sigmas = std::iter::once(sigma).chain(halo.sigma.iter().copied()).collect();
+                Longitudinal::new(sigmas, grid.shares(halo))
+            }
+            None => Longitudinal::new(vec![sigma], Vec::new()),
+        };
         Ok(Self {
             kind: material.kind,
             polarization: options.polarization,
-            reciprocal: options.reciprocal,
-            grid: Grid::new(material),
+            reciprocity: options.reciprocity,
             sets: only.iter().map(|set| Table::new(material, set, options.polarization)).collect(),
-            longitudinal: Longitudinal::new(sigma),
-            sampler: Sampler::new(sigma),
-            noise: Noise::new(&material.noise_power, material.seed),
+            grid,
+            longitudinal,
+            sampler: Sampler::new(),
+            noise: material.noise(),
         })
     }
 
@@ -107,8 +150,10 @@ impl BrdfTables {
             kind: self.kind,
             sides: self.grid.sides(),
             polarization: self.polarization,
-            reciprocal: self.reciprocal,
-            sigma: self.longitudinal.sigma,
+            reciprocity: self.reciprocity,
+            sigma: self.longitudinal.sigma(),
+            halo: self.longitudinal.halo(),
+            spectral: self.noise.spectral(),
             seed: self.noise.seed(),
             sets: self.sets.len(),
             thetas,
@@ -124,7 +169,8 @@ impl BrdfTables {
         for (number, set) in self.sets.iter().enumerate() {
             all.extend(set.arrays(&prefix(number, self.sets.len()), self.grid.sizes()));
         }
-        all.extend([self.longitudinal.array(), self.sampler.array()]);
+        all.extend(self.longitudinal.arrays(self.grid.sizes()));
+        all.push(self.sampler.array());
         all.extend(self.noise.arrays());
         all
     }
@@ -152,12 +198,12 @@ impl BrdfTables {
         Ok(Self {
             kind: header.kind,
             polarization: header.polarization,
-            reciprocal: header.reciprocal,
+            reciprocity: header.reciprocity,
             grid: Grid::from_arrays(from, header.sides, sizes)?,
             sets: (0..header.sets).map(set).collect::<Result<_>>()?,
-            longitudinal: Longitudinal::from_arrays(from, header.sigma)?,
-            sampler: Sampler::from_arrays(from, header.sigma)?,
-            noise: Noise::from_arrays(from, header.seed)?,
+            longitudinal: Longitudinal::from_arrays(from, header.sigma, header.halo, sizes)?,
+            sampler: Sampler::from_arrays(from)?,
+            noise: Noise::from_arrays(from, header.spectral, header.seed)?,
         })
     }
 }
@@ -175,6 +221,7 @@ fn check_header(header: &TablesHeader) -> Result<()> {
         )));
     }
     check_sigma(header.sigma)?;
+    header.spectral.check()?;
     if sets == 2 && header.polarization.is_some() {
         return Err(Error::input("the tables have 2 sets, but one polarization has only its own"));
     }
@@ -194,7 +241,7 @@ mod tests {
 
     use super::*;
     use crate::brdf::arrays::Numbers;
-    use crate::brdf::fixtures::example;
+    use crate::brdf::fixtures::{example, halo};
 
     fn tables() -> BrdfTables {
         BrdfTables::new(&example(3), Options::default()).unwrap()
@@ -204,9 +251,14 @@ mod tests {
     fn tables_are_what_their_arrays_are() {
         for options in [
             Options::default(),
-            Options { sigma: Some(0.1), reciprocal: true, polarization: Some(Polarization::Second) },
+            Options {
+                sigma: Some(0.1),
+                reciprocity: Reciprocity::Mean,
+                polarization: Some(Polarization::Second),
+            },
         ] {
-            let tables = BrdfTables::new(&example(3), options).unwrap();
+            let halo = options.sigma.is_none().then(halo);
+            let tables = BrdfTables::new(&FeatherMaterial { halo, ..example(3) }, options).unwrap();
             let mut arrays = tables.arrays();
             for array in &arrays {
                 let count = match &array.numbers {
@@ -221,6 +273,14 @@ mod tests {
         }
     }
 
+    /// Another σ stands for the narrow part, the halo and its power.
+    #[test]
+    fn a_sigma_of_the_users_takes_the_halos_place() {
+        let material = FeatherMaterial { halo: Some(halo()), ..example(3) };
+        let options = Options { sigma: Some(material.sigma), ..Options::default() };
+        assert_eq!(BrdfTables::new(&material, options).unwrap(), tables());
+    }
+
     #[test]
     fn what_no_material_has_is_refused() {
         let tables = tables();
@@ -229,8 +289,21 @@ mod tests {
             BrdfTables::from_arrays(&header, arrays).unwrap_err().to_string()
         };
         for (header, expected) in [
-            (TablesHeader { version: 2, ..header }, "version 2, but this program reads version 1"),
+            (TablesHeader { version: 1, ..header }, "version 1, but this program reads version 2"),
             (TablesHeader { sigma: f64::NAN, ..header }, "sigma is NaN"),
+            (
+                TablesHeader { spectral: Spectral { achromatic: 1.5, ..header.spectral }, ..header },
+                "achromatic is 1.5",
+            ),
+            (
+                TablesHeader { halo: [0.2, 0.0, 0.3], ..header },
+                "the halo of the tables has σ [0.2, 0.0, 0.3]",
+            ),
+            (TablesHeader { halo: [0.9, 0.0, 0.0], ..header }, "from 0.002 to 0.6"),
+            (
+                TablesHeader { halo: [0.2, 0.0, 0.0], ..header },
+                "inverse_q has 4097 numbers and not the shape",
+            ),
             (TablesHeader { sets: 0, ..header }, "0 sets"),
             (
                 TablesHeader { sets: 2, polarization: Some(Polarization::First), ..header },

@@ -1,4 +1,4 @@
-//! A barbule's surface: its tabulated BRDF above, dark keratin below and where its cells meet.
+//! A barbule's surface: its tabulated BRDF above, another one or dark keratin below, and keratin where its cells meet.
 
 mod cells;
 
@@ -15,14 +15,16 @@ use super::{Bsdf, Model};
 use crate::brdf::{Draw, FeatherBrdf, PreparedBrdf};
 use crate::spectrum::dense::{Lambdas, WAVES};
 
-/// A barbule: its own BRDF above, dark keratin below. What neither reflects is absorbed by the melanin inside.
+/// A barbule: a BRDF of its own above, and below too or keratin. What neither reflects is absorbed by the melanin inside.
 #[derive(Debug, Clone)]
 pub struct BarbuleSurface {
     /// Of the upper side.
     pub brdf: Arc<FeatherBrdf>,
     /// Whether every cell is a draw of its own (its glints), or all show the smooth mean.
     pub instances: bool,
-    /// Of the underside.
+    /// Of the lower side as lit from below, turned by 180° about the barbule's long axis; `None`: that is keratin.
+    pub below: Option<Arc<FeatherBrdf>>,
+    /// Of the lower side without a BRDF, and of the walls between cells on both.
     pub under: Keratin,
     /// How it differs from place to place.
     pub cells: Cells,
@@ -36,20 +38,20 @@ impl BarbuleSurface {
     #[inline]
     pub(super) fn bind<'a>(&'a self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'a> {
         let side = hit.side(wo);
-        let model = if side.is_upper && side.wo.z > 0.0 && !self.cells.is_wall(hit) {
-            let size = self.cells.size(hit);
-            let prepared = self.brdf.prepare(wavelengths.nm().map(|w| (w / size) as f32), side.wo);
-            let contrast = hit.ribbon.contrast;
-            let seen = self.instances && contrast > LEAST_CONTRAST;
-            let instance = seen.then(|| self.brdf.instance(hit.instance));
-            Model::Feather(Bound {
-                prepared,
-                instance,
-                contrast,
-                arch: self.cells.arch.map(|arch| arch.at(hit)),
-            })
-        } else {
-            Model::Keratin(keratin::Bound { keratin: &self.under, wavelengths })
+        // The frame of a lower side is the upper one turned about the barbule, as the section was when it was simulated from below.
+        let brdf = if side.is_upper { Some(&self.brdf) } else { self.below.as_ref() };
+        let model = match brdf {
+            Some(brdf) if side.wo.z > 0.0 && !self.cells.is_wall(hit) => {
+                let size = self.cells.size(hit);
+                let prepared = brdf.prepare(wavelengths.nm().map(|w| (w / size) as f32), side.wo);
+                let contrast = hit.ribbon.contrast;
+                let seen = self.instances && contrast > LEAST_CONTRAST;
+                let instance = seen.then(|| brdf.instance(hit.instance));
+                // An arch is a trough from below: at −x it leans as the arch at x.
+                let arch = self.cells.arch.map(|arch| arch.at(hit));
+                Model::Feather(Bound { prepared, instance, contrast, arch })
+            }
+            _ => Model::Keratin(keratin::Bound { keratin: &self.under, wavelengths }),
         };
         Bsdf::new(model, side)
     }

@@ -36,7 +36,20 @@ fn hair() -> Hair {
 
 pub(super) fn barbule() -> BarbuleSurface {
     let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    BarbuleSurface { brdf, instances: true, under: keratin(20.0), cells: Cells::default(), opacity: 1.0 }
+    BarbuleSurface {
+        brdf,
+        instances: true,
+        below: None,
+        under: keratin(20.0),
+        cells: Cells::default(),
+        opacity: 1.0,
+    }
+}
+
+/// A barbule whose lower side has a BRDF, too.
+fn two_sided() -> BarbuleSurface {
+    let one = barbule();
+    BarbuleSurface { below: Some(one.brdf.clone()), ..one }
 }
 
 fn film() -> ThinFilm {
@@ -56,6 +69,7 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ("sheet", Surface::Lambertian(Lambertian::translucent(grey(0.2), grey(0.7)).unwrap())),
         ("keratin", Surface::Keratin(keratin(2.0))),
         ("barbule", Surface::Barbule(barbule())),
+        ("two-sided", Surface::Barbule(two_sided())),
         ("clad", Surface::Clad(Box::new(clad()))),
         ("hair", Surface::Hair(hair())),
         (
@@ -64,6 +78,7 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ),
         ("film", Surface::ThinFilm(film())),
         ("grating", Surface::Grating(super::grating::tests::grating())),
+        ("rough grating", Surface::Grating(super::grating::tests::rough())),
         (
             "frosted",
             Surface::RoughDielectric(
@@ -173,7 +188,7 @@ fn no_surface_gives_more_than_it_gets() {
                 "white" => 1.0..=1.0,
                 "sheet" => 0.9..=0.9,
                 // A barbule's instance fluctuates about the mean.
-                "barbule" | "clad" => 0.0..=2.0,
+                "barbule" | "two-sided" | "clad" => 0.0..=2.0,
                 // Radiance within glass is higher by the square of its index.
                 "frosted" => 0.0..=2.25,
                 _ => 0.0..=1.0,
@@ -186,7 +201,7 @@ fn no_surface_gives_more_than_it_gets() {
 #[test]
 fn surfaces_without_instances_or_offsets_are_reciprocal() {
     let hit = hit();
-    let reciprocal = ["white", "sheet", "keratin", "copper", "film", "grating"];
+    let reciprocal = ["white", "sheet", "keratin", "copper", "film", "grating", "rough grating"];
     for (name, surface) in surfaces().iter().filter(|(name, _)| reciprocal.contains(name)) {
         for a in viewers() {
             for b in viewers() {
@@ -208,5 +223,39 @@ fn opaque_surfaces_scatter_nothing_to_the_other_side() {
             assert!(evaluation.cosine >= 0.0);
         }
         assert!(surface.is_opaque() && surface.opacity(&hit(), -above, above) == 1.0);
+    }
+}
+
+/// Lit and seen from below, a barbule whose lower side has the BRDF of the upper one is that barbule turned by 180° about its axis, lit
+/// and seen from above; the trough of an arch leans as an arch whose ends are exchanged.
+#[test]
+fn a_lower_side_is_the_upper_side_of_the_turned_barbule() {
+    let arch = |low, high| Some(Arch { low, high, blur: 0.2 });
+    let cells = |arch| Cells { size: 0.05, wall_mm: 0.002, arch, ..Cells::default() };
+    for (own, turned) in [(None, None), (arch(-0.9, 0.7), arch(0.7, -0.9))] {
+        let own = Surface::Barbule(BarbuleSurface { cells: cells(own), ..two_sided() });
+        let turned = Surface::Barbule(BarbuleSurface { cells: cells(turned), below: None, ..two_sided() });
+        for place in [0.01, 0.4] {
+            let ribbon = OnRibbon { half_width: 0.01, cell_length: 0.03, place, ..OnRibbon::default() };
+            let upright = Hit { uv: [0.1, 0.3], ribbon, ..hit() };
+            let over =
+                Hit { normal: -upright.normal, frame: upright.frame.flipped(), uv: [0.1, -0.3], ..upright };
+            let viewers = [[0.0, 0.1, -1.0], [0.7, -0.2, -0.6], [-0.5, 0.2, -0.4]];
+            let world = |v: [f64; 3]| upright.frame.to_world(DVec3::from_array(v).normalize());
+            for wo in viewers.map(world) {
+                let below = own.bind(&upright, wo, Lambdas::new(PATH));
+                let above = turned.bind(&over, wo, Lambdas::new(PATH));
+                let mut seen = 0.0_f64;
+                for u in [[0.1, 0.7, 0.2], [0.5, 0.5, 0.5], [0.9, 0.2, 0.4]] {
+                    let (Some(a), Some(b)) = (below.sample(u), above.sample(u)) else { panic!("{wo}") };
+                    assert_eq!((a.wi, a.evaluation.pdf), (b.wi, b.evaluation.pdf));
+                    for (a, b) in a.evaluation.f.into_iter().zip(b.evaluation.f) {
+                        assert!((a - b).abs() <= 1e-12 * a.abs(), "{a} {b}");
+                        seen = seen.max(a);
+                    }
+                }
+                assert!(seen > 0.0);
+            }
+        }
     }
 }

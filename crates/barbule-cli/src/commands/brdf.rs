@@ -7,7 +7,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use barbule::brdf::pictures::projected_grid;
-use barbule::brdf::{FeatherBrdf, Marginal, Options, marginals, reflected_fractions, values};
+use barbule::brdf::{FeatherBrdf, Marginal, Options, Reciprocity, marginals, reflected_fractions, values};
 use barbule::error::shortened;
 use barbule::figures;
 use barbule::io::{Coordinate, LabelledArrays, Numbers, Quantity};
@@ -56,6 +56,7 @@ the mirror direction is 0,-30.
 Examples:
   barbule brdf starling --wavelength 520 --wi 0,30 --wo 0,-30 --wo 0,-20
   barbule brdf starling --wavelength 450,550,650 --wi 0,0 --wo-grid 64 --instance 3 --csv grid.csv
+  barbule brdf starling --wavelength 520 --wi 0,60 --wo 0,-20 --reciprocity steeper
   barbule brdf starling --wavelength 520 --wi 0,30 --instance 0:59:1 --wo-grid 9 -o g.zarr
   barbule brdf starling --wavelength 400:694:6 --wi 0,30 --marginal --json";
 
@@ -96,6 +97,11 @@ pub(crate) struct Args {
     /// Incident polarization: of the electric field along e₁ (1) or e₂ (2), or unpolarized light
     #[arg(long, value_enum, default_value_t = Light::Mean)]
     polarization: Light,
+    /// What makes values the same when light and eye change places: none, as fitted; steeper, as in pictures, the tables of whichever
+    /// direction has the smaller |PHI|; mean, of both orders
+    #[arg(long, value_name = "none|steeper|mean", default_value = Reciprocity::AsFitted.word(),
+        value_parser = |text: &str| Reciprocity::named("--reciprocity", text))]
+    reciprocity: Reciprocity,
     /// Draw --marginal as curves or --wo-grid as maps (.svg, .pdf or .png), or write all values: .csv, .npy or .zarr
     #[arg(short, long, value_name = "F")]
     output: Option<PathBuf>,
@@ -157,7 +163,8 @@ impl Args {
         }
         let (material, hash) = materials::find(&self.material, &self.common)?;
         self.check_range(material.axes.wavelengths_nm())?;
-        let options = Options { polarization: self.polarization.polarization(), ..Options::default() };
+        let (polarization, reciprocity) = (self.polarization.polarization(), self.reciprocity);
+        let options = Options { polarization, reciprocity, ..Options::default() };
         // Only what decides the values is prepared.
         let brdf = FeatherBrdf::new(&material.around(&self.wavelength.0)?, options)?;
         let incoming = self.incoming();
@@ -191,7 +198,9 @@ impl Args {
                 "material_hash": hash,
                 "instance": null,
                 "polarization": self.polarization.name(),
+                "reciprocity": brdf.reciprocity().word(),
                 "sigma": brdf.sigma(),
+                "halo_sigma": brdf.halo_sigmas(),
             });
             if let Value::Object(keys) = &mut document {
                 keys.extend(answer.json());
@@ -217,6 +226,9 @@ impl Args {
         }
         if let Some(count) = self.azimuths.filter(|count| !(2..=100_000).contains(count)) {
             return refuse(format!("--azimuths {count}: give a number from 2 to 100000"));
+        }
+        if self.marginal && self.reciprocity != Reciprocity::AsFitted {
+            return refuse("--marginal is of the lobes as they were fitted; leave --reciprocity out".into());
         }
         self.check_count(form)?;
         if form == Some(Form::Figure) {
@@ -300,7 +312,12 @@ impl Args {
             [([theta, phi], _)] => format!("θ_i {theta}°, φ_i {phi}°"),
             several => format!("{} incident directions", several.len()),
         };
-        format!("{material}, {which}, {}, {from}", self.polarization.words())
+        let order = match self.reciprocity {
+            Reciprocity::AsFitted => "",
+            Reciprocity::Steeper => ", by the steeper direction",
+            Reciprocity::Mean => ", mean of both orders",
+        };
+        format!("{material}, {which}, {}, {from}{order}", self.polarization.words())
     }
 
     /// The axes that both kinds of values share, with the outgoing one.

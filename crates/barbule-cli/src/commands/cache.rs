@@ -164,6 +164,9 @@ fn sampling(material: &CachedMaterial) -> String {
     if material.lobe == LobeForm::Ggx {
         what += ", single lobes";
     }
+    if material.has_halo {
+        what += ", with a halo";
+    }
     what += &format!(", sigma {}, seed {}, version {}", material.sigma, material.seed, material.version);
     what
 }
@@ -198,6 +201,7 @@ fn document(cached: &Cached) -> Value {
             "seed": material.seed,
             "polarized": material.is_polarized,
             "sigma": material.sigma,
+            "halo": material.has_halo,
             "fit": if material.kind == FitKind::Cone { "cone" } else { "marginal" },
             "lobe": if material.lobe == LobeForm::Ggx { "ggx" } else { "pair" },
         }),

@@ -3,8 +3,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use barbule::brdf::fit::FitOptions;
 use barbule::campaign::{Keep, Resources, Results};
-use barbule::characterize::{Catalog, Characterized, Execution, Plan, characterize, check, thinned};
+use barbule::characterize::{
+    Catalog, Characterized, Execution, HaloPlan, Plan, characterize, check, thinned,
+};
 use barbule::io::{check_writable, write_material};
 use barbule::{Error, Result};
 
@@ -18,7 +21,8 @@ use crate::{materials, structure_arg};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barbule characterize starling:pink --thin 4 -o pink.barbule\n  \
     barbule characterize starling --side below --thin 10 -o underside.barbule\n  \
-    barbule characterize my-species.toml -o mine.barbule")]
+    barbule characterize my-species.toml -o mine.barbule\n  \
+    barbule characterize rock-dove --halo -o dove-3d.barbule")]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
     structure: String,
@@ -28,6 +32,9 @@ pub(crate) struct Args {
     /// Keep the campaign store in this folder
     #[arg(long, value_name = "DIR")]
     keep_store: Option<PathBuf>,
+    /// Simulate segments in three dimensions too: the light along the barbule beside σ, and what is reflected
+    #[arg(long)]
+    halo: bool,
     #[command(flatten)]
     side: SideArg,
     #[command(flatten)]
@@ -44,7 +51,7 @@ impl Args {
         let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
         let name = structure.name();
         let plan = self.campaign.plan(structure, &self.common)?;
-        let options = self.fit.options()?;
+        let options = FitOptions { halo: self.halo, ..self.fit.options()? };
         check(&plan, &options)?;
         let output = match &self.output {
             Some(path) => path.clone(),
@@ -55,6 +62,10 @@ impl Args {
         let width = self.campaign.width();
         let units_at_once = units_at_once(&plan, Keep::Statistics, Results::Gathered, &self.common)?;
         self.common.say(&format!("characterizing {name}: about {}", expected(&plan)));
+        if self.halo {
+            let count = HaloPlan::new(&plan).count();
+            self.common.say(&format!("then {count} far fields of segments, for its halo"));
+        }
         let how = Execution { resources: Resources { width, units_at_once }, store: store.as_deref() };
         let progress = Terminal::new(&self.common);
         let catalog = materials::catalog(&self.common);

@@ -42,7 +42,7 @@ impl Args {
             self.common.say(&format!("{}; simulate writes them again", damaged(&coordinates)));
         }
         check_axes(store.axes()).map_err(|e| e.at(self.store.display()))?;
-        let bytes = statistics_bytes(store.axes());
+        let bytes = statistics_bytes(store.axes(), store.instances());
         self.common.check_memory("this store's statistics", bytes, "a store of fewer directions")?;
         let statistics = store.statistics()?;
         let campaign =

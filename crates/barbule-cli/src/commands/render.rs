@@ -14,6 +14,7 @@ use barbule::characterize::thinned;
 use barbule::clock;
 use barbule::error::shortened;
 use barbule::io::{Folder, check_writable};
+use barbule::open;
 use barbule::picture::{
     Developed, Set, bytes_needed, check_alpha, check_colours, check_kind, development, is_exr,
 };
@@ -24,10 +25,10 @@ use barbule::render::faults::Faults;
 use barbule::render::film::{Film, check_size};
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND, TimeLimit};
-use barbule::resolve::{Worn, foretell_files, read_files, read_named, resolve};
+use barbule::resolve::{foretell_files, read_files, read_named, resolve};
 use barbule::scene::description::{
     Background, Bearing, Exposure, Foreseen, Motion, Moved, Named, ReadyScene, SceneDescription,
-    USUAL_ARC_DEG, ViewModel,
+    USUAL_ARC_DEG, Under, ViewModel,
 };
 use barbule::scene::preset;
 use barbule::spectrum::sensor::Sensor;
@@ -59,6 +60,9 @@ pub(crate) struct Args {
     /// Another material than the scene's
     #[arg(long, value_name = "NAME|FILE|STRUCTURE", long_help = materials::HELP)]
     material: Option<String>,
+    /// The lower sides of its barbules: default (the material's own where they are known, else keratin), keratin, or another material
+    #[arg(long, value_name = "default|keratin|NAME|FILE|STRUCTURE")]
+    under: Option<String>,
     /// Width and height in pixels [default: 1280x800]
     #[arg(long, value_name = "WxH", value_parser = flags::size)]
     size: Option<[u32; 2]>,
@@ -202,7 +206,7 @@ impl Args {
             }
             wardrobe.names.push(name.to_owned());
             wardrobe.hashes.push(hash.clone());
-            let worn = Worn::new(&material, hash)?;
+            let worn = open::worn(&material, hash)?;
             self.say_what_is_held(&worn.brdf);
             Ok(worn)
         };
@@ -231,6 +235,9 @@ impl Args {
         let original = description.clone();
         if let Some(material) = &self.material {
             description.set_material(material);
+        }
+        if let Some(under) = &self.under {
+            description.set_under(&Under::named(under));
         }
         if let Some(bearing) = self.light {
             description.light.bearing = bearing;

@@ -9,11 +9,12 @@ use barbule::error::shortened;
 use barbule::io::{Units, claim_output, files_in, make_folder, write_together};
 use barbule::open::Located;
 use barbule::plot::{Drawing, Format};
+use barbule::solve::cost::Cost;
 use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, FullWave};
 use barbule::solve::{FAST, SHADOWED};
 use barbule::spectrum::Wavelengths;
-use barbule::structure::{Beneath, Smoothing, SpeciesModel, Structure};
-use barbule::validate::{Plan, three_d, usual_azimuths};
+use barbule::structure::{Beneath, Ends, Smoothing, SpeciesModel, Structure};
+use barbule::validate::{Plan, run_all, three_d, usual_azimuths};
 use barbule::{Error, Result};
 use serde_json::Value;
 
@@ -24,15 +25,18 @@ use crate::provenance::Provenance;
 use crate::segment_args::SegmentArgs;
 use crate::{sets, structure_arg};
 
-/// The wavelengths that are compared unless others are asked for, nm: 400 to 694 in steps of 42.
-const USUAL_NM: [f64; 8] = [400.0, 442.0, 484.0, 526.0, 568.0, 610.0, 652.0, 694.0];
-/// And for a quick look.
-const QUICK_NM: [f64; 3] = [400.0, 550.0, 694.0];
-/// How wide species are then, µm.
+/// The wavelengths of full waves unless others are asked for: first, step (nm) and number. In steps of 24.5 nm colours can still be told.
+const USUAL_NM: [f64; 3] = [400.0, 12.0, 25.0];
+const QUICK_NM: [f64; 3] = [400.0, 24.5, 13.0];
+/// Those of segments, nm.
+const SEGMENTS_NM: [f64; 8] = [400.0, 442.0, 484.0, 526.0, 568.0, 610.0, 652.0, 694.0];
+const QUICK_SEGMENTS_NM: [f64; 3] = [400.0, 550.0, 694.0];
+/// How wide species are in a quick look, µm.
 const QUICK_WIDTH_UM: f64 = 6.0;
 
-/// Azimuths of incidence, degrees.
+/// Azimuths of incidence, degrees. On 6 µm no beam comes from 60° alone.
 const PHI_DEG: [f64; 3] = [0.0, 30.0, 60.0];
+const QUICK_PHI_DEG: [f64; 2] = [0.0, 30.0];
 
 /// How many segments are averaged.
 const USUAL_INSTANCES: usize = 50;
@@ -44,7 +48,7 @@ const DIRECTIONS_DEG: [[f64; 2]; 3] = [[0.0, 0.0], [0.0, 30.0], [30.0, 30.0]];
 /// Arguments of `barbule validate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barbule validate starling --full-wave --quick -o starling-quick\n  \
-    barbule validate hummingbird:anna --full-wave --width 10 --layers 5 -o anna\n  \
+    barbule validate hummingbird:anna --full-wave --width 10 --layers 5 --ensemble 5 -o anna\n  \
     barbule validate starling --three-d --quick -o starling-three-d\n\n\
     What is done is kept in the folder's `units`: after Ctrl-C the same command goes on.")]
 #[command(group = clap::ArgGroup::new("against").required(true).args(["full_wave", "three_d"]))]
@@ -60,6 +64,9 @@ pub(crate) struct Args {
     /// With segments that are invariant all the same
     #[arg(long, conflicts_with = "full_wave")]
     invariant: bool,
+    /// The material to compare segments with [default: that of the structure, where it is at hand]
+    #[arg(long, value_name = "M", conflicts_with = "full_wave")]
+    material: Option<String>,
     /// How many segments [default: 50, --quick 10]
     #[arg(long, value_name = "N", conflicts_with = "full_wave", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     instances: Option<u32>,
@@ -68,13 +75,23 @@ pub(crate) struct Args {
     /// Which random individual meets full waves, from 0
     #[arg(long, value_name = "K", default_value_t = 0, conflicts_with = "three_d")]
     instance: usize,
+    /// Compare so many individuals, from that one on: means and spreads
+    #[arg(long, value_name = "N", conflicts_with = "three_d", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    ensemble: Option<u32>,
+    /// How layers end at the sides: in air, or in walls that close the barbule's outline
+    #[arg(long, value_name = "ENDS", value_enum, default_value_t = EndsArg::Open, conflicts_with = "three_d")]
+    ends: EndsArg,
+    /// Azimuths of the light on full waves in degrees [default: 0,30,60, --quick 0,30]
+    #[arg(long, value_name = "SET", allow_hyphen_values = true, conflicts_with = "three_d",
+        value_parser = |text: &str| sets::angles("--phi", text))]
+    phi: Option<sets::Angles>,
     /// Width of a species' barbule in µm
     #[arg(long, value_name = "UM", value_parser = width)]
     width: Option<f64>,
     /// Number of layers of a species that has layers
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
     layers: Option<u32>,
-    /// Vacuum wavelengths in nm [default: 400:694:42]
+    /// Vacuum wavelengths in nm [default: 400:694:12, --three-d 400:694:42]
     #[arg(long, value_name = "SET", value_parser = |text: &str| sets::wavelengths_of("--wavelengths", text).map(Nm))]
     wavelengths: Option<Nm>,
     /// Nodes per wavelength in the denser medium at each boundary
@@ -86,14 +103,21 @@ pub(crate) struct Args {
     shadowing: bool,
     #[arg(long, value_name = "UM", conflicts_with = "three_d", value_parser = structure_arg::smoothing, help = structure_arg::SMOOTH)]
     smooth: Option<Smoothing>,
-    /// At three wavelengths: a narrow barbule against full waves, few segments
+    /// Less of all: a barbule 6 µm wide at 13 wavelengths from 0° and 30° against full waves, few segments at three wavelengths
     #[arg(long)]
     quick: bool,
-    /// Folder for figures and numbers.json
+    /// Folder for figures, numbers.json and tables
     #[arg(short = 'o', long = "output", value_name = "FOLDER")]
     folder: PathBuf,
     #[command(flatten)]
     common: Common,
+}
+
+/// How layers end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum EndsArg {
+    Open,
+    Closed,
 }
 
 /// The folder, in that of the figures, in which what is done is kept.
@@ -116,7 +140,8 @@ impl Args {
         }
         // What a figure may take the place of is known before anything is read.
         let figures = files_in(&self.folder, "svg");
-        for path in figures.iter().chain([&self.folder.join("numbers.json")]) {
+        let tables = ["numbers.json", "numbers.csv", "patterns.csv"].map(|name| self.folder.join(name));
+        for path in figures.iter().chain(&tables) {
             claim_output(path, &format!("-o {}", path.display()))?;
         }
         if self.three_d { self.three_d(out) } else { self.full_wave(out) }
@@ -124,11 +149,15 @@ impl Args {
 
     fn full_wave(&self, out: &mut dyn Write) -> Result<()> {
         self.segment.check_unused()?;
-        let plan = self.plan()?;
-        let cost = plan.cost(rayon::current_num_threads())?;
+        let plans = self.plans()?;
+        let threads = rayon::current_num_threads();
+        let mut cost = Cost::default();
+        for plan in &plans {
+            cost = plan.costs(threads)?.into_iter().fold(cost, Cost::then);
+        }
         let fewer = "a smaller --width, fewer --layers or --elements, or longer --wavelengths";
         self.common.allowance().check("this comparison", cost.bytes, fewer)?;
-        for change in &plan.closed.changes {
+        for change in &plans[0].closed.changes {
             self.common.explain(change);
         }
         self.common.say(&format!(
@@ -137,14 +166,18 @@ impl Args {
             cost.bytes as f64 / 1e9,
             duration(cost.seconds.unwrap_or_default())
         ));
-        let (units, count) = (self.units(), plan.wavelengths.len());
-        self.say_found(plan.done(&units), count, "wavelengths");
+        let units = self.units();
+        let count = plans.iter().map(|plan| plan.wavelengths.len()).sum();
+        let what = if plans.len() > 1 { "individuals' wavelengths" } else { "wavelengths" };
+        let done = || plans.iter().map(|plan| plan.done(&units)).sum();
+        self.say_found(done(), count, what);
         let progress = Terminal::new(&self.common);
-        let comparison = plan.run(Some(&units), &progress);
+        let ensemble = run_all(&plans, Some(&units), &progress);
         drop(progress);
-        let comparison =
-            comparison.map_err(|error| interrupted(error, || plan.done(&units), count, "wavelengths"))?;
-        self.write(out, &comparison.name, comparison.numbers(), comparison.figures(), &comparison.table())
+        let ensemble = ensemble.map_err(|error| interrupted(error, done, count, what))?;
+        let tables = [("numbers.csv", ensemble.csv()), ("patterns.csv", ensemble.patterns_csv())];
+        let name = &plans[0].name;
+        self.write(out, name, ensemble.numbers(), ensemble.figures(), &tables, &ensemble.table())
     }
 
     /// Against segments.
@@ -167,7 +200,7 @@ impl Args {
         let comparison =
             comparison.map_err(|error| interrupted(error, || plan.done(&units), count, "far fields"))?;
         let name = comparison.plan.structure.name();
-        self.write(out, &name, comparison.numbers(), comparison.figures(), &comparison.table())
+        self.write(out, &name, comparison.numbers(), comparison.figures(), &[], &comparison.table())
     }
 
     /// Where what is done is kept.
@@ -189,16 +222,16 @@ impl Args {
         let asked = self.instances.map_or(most, |count| count as usize);
         // A changed species has no material of its own.
         let is_as_named = self.width.is_none() && self.layers.is_none();
-        let material =
-            match is_as_named.then(|| materials::locate(&self.structure, &self.common)).transpose()? {
-                Some(Located::There(found)) => Some(Box::new(found.material)),
-                _ => {
-                    self.common.explain(
-                        "no material of this structure is at hand; the BRDF is left out of the pictures",
-                    );
-                    None
-                }
-            };
+        let name = self.material.as_ref().or(is_as_named.then_some(&self.structure));
+        let material = match name.map(|name| materials::locate(name, &self.common)).transpose()? {
+            Some(Located::There(found)) => Some(Box::new(found.material)),
+            _ => {
+                self.common.explain(
+                    "no material of this structure is at hand; the BRDF is left out of the pictures",
+                );
+                None
+            }
+        };
         let roughness = self.segment.roughness(self.invariant)?;
         Ok(three_d::Plan {
             seed: self.common.seed,
@@ -221,6 +254,7 @@ impl Args {
         name: &str,
         mut numbers: Value,
         figures: Vec<(String, Drawing)>,
+        tables: &[(&str, String)],
         table: &str,
     ) -> Result<()> {
         let provenance = Provenance::new(&self.common);
@@ -231,43 +265,72 @@ impl Args {
         for (file, drawing) in figures {
             files.push((self.folder.join(file), drawing.encode(Format::Svg, &provenance.notes())?));
         }
+        let of_figures = files.len();
+        files.extend(tables.iter().map(|(file, text)| (self.folder.join(file), text.clone().into_bytes())));
         files.push((self.folder.join("numbers.json"), format!("{numbers:#}\n").into_bytes()));
         make_folder(&self.folder)?;
         let together: Vec<(&Path, &[u8])> = files.iter().map(|(path, bytes)| (&**path, &**bytes)).collect();
         write_together(&together)?;
-        let words = format!("{} figures and numbers.json of {name}", files.len() - 1);
+        let words = format!("{of_figures} figures, numbers.json and tables of {name}");
         self.common.wrote(&self.folder, &words);
         if self.common.json { print_json(out, &numbers) } else { print(out, table) }
     }
 
     fn nm(&self) -> Vec<f64> {
-        match &self.wavelengths {
-            Some(Nm(nm)) => nm.clone(),
-            None if self.quick => QUICK_NM.to_vec(),
-            None => USUAL_NM.to_vec(),
+        let evenly =
+            |[first, step, count]: [f64; 3]| (0..count as u32).map(|i| first + step * f64::from(i)).collect();
+        match (&self.wavelengths, self.three_d, self.quick) {
+            (Some(Nm(nm)), _, _) => nm.clone(),
+            (None, true, true) => QUICK_SEGMENTS_NM.to_vec(),
+            (None, true, false) => SEGMENTS_NM.to_vec(),
+            (None, false, true) => evenly(QUICK_NM),
+            (None, false, false) => evenly(USUAL_NM),
         }
     }
 
+    /// Azimuths of incidence, rad, rising and none twice.
+    fn phi_i(&self) -> Vec<f64> {
+        let mut degrees = match &self.phi {
+            Some(sets::Angles(degrees)) => degrees.clone(),
+            None if self.quick => QUICK_PHI_DEG.to_vec(),
+            None => PHI_DEG.to_vec(),
+        };
+        degrees.sort_by(f64::total_cmp);
+        degrees.dedup();
+        degrees.into_iter().map(f64::to_radians).collect()
+    }
+
     /// Everything that is compared, checked before any work.
-    fn plan(&self) -> Result<Plan> {
+    fn plans(&self) -> Result<Vec<Plan>> {
         let structure = structure_arg::parse(&self.structure, &self.common)?;
         let structure = self.smooth.into_iter().fold(structure, Structure::smoothed);
         let quick = self.quick.then_some(QUICK_WIDTH_UM.min(structure.width_um()));
-        let section = self.narrowed(structure, quick)?.instance(self.common.seed, self.instance)?;
+        let structure = self.narrowed(structure, quick)?;
+        let count = self.ensemble.map_or(1, |count| count as usize);
+        (self.instance..self.instance + count).map(|instance| self.plan(&structure, instance)).collect()
+    }
+
+    fn plan(&self, structure: &Structure, instance: usize) -> Result<Plan> {
+        let section = structure.instance(self.common.seed, instance)?;
         let nm = self.nm();
         let azimuths = usual_azimuths(&section, nm.iter().copied().fold(f64::INFINITY, f64::min));
-        let closed = section.closed(Beneath::Absorbing)?;
+        let ends = match self.ends {
+            EndsArg::Open => Ends::Open,
+            EndsArg::Closed => Ends::Closed,
+        };
+        let closed = section.closed(Beneath::Absorbing, ends)?;
         if closed.fast.boundaries.is_empty() {
             return Err(Error::input(format!(
                 "{}: the section has no top boundary, which the fast simulation needs; give one with boundaries",
                 self.structure
             )));
         }
-        Ok(Plan {
+        let plan = Plan {
             name: section.name.clone(),
+            instance,
             closed,
             wavelengths: Wavelengths::new(nm)?,
-            phi_i: PHI_DEG.map(f64::to_radians).to_vec(),
+            phi_i: self.phi_i(),
             azimuths,
             full: FullWave {
                 elements_per_wavelength: self.elements,
@@ -275,7 +338,9 @@ impl Args {
                 clock: clock::system,
             },
             method: if self.shadowing { SHADOWED } else { FAST },
-        })
+        };
+        plan.check_beams().map_err(|error| error.at("--phi"))?;
+        Ok(plan)
     }
 
     /// The structure with another width and number of layers; as wide as `usual` where nothing is asked.

@@ -4,6 +4,8 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use barbule::brdf::FeatherMaterial;
+use barbule::brdf::fixtures::halo;
 use serde_json::Value;
 
 use crate::common::{MADE_UP, write_made_up};
@@ -58,6 +60,28 @@ fn values_have_the_contracts_keys_and_shapes() {
     assert_ne!(third["f"], found["f"]);
     assert_ne!(third["f"], with(&["--instance", "18446744073709551615"])["f"]);
     assert_eq!(third["material_hash"].as_str().unwrap().len(), 64);
+}
+
+/// Exchanged, light and eye see the same where that is asked for: what one of both orders gives, or their mean.
+#[test]
+fn values_are_reciprocal_where_that_is_asked_for() {
+    let of = |wi: &str, wo: &str, how: &str| {
+        let words = ["starling", "--wavelength", "550", "--wi", wi, "--wo", wo, "--reciprocity", how];
+        let found = document(&words);
+        assert_eq!(found["reciprocity"], how);
+        [table(&found["f"])[0][0], table(&found["pdf"])[0][0]]
+    };
+    let orders = |how: &str| [of("2,60", "-2,-25", how), of("-2,-25", "2,60", how)];
+    let [[flat, flat_pdf], [steep, _]] = orders("none");
+    assert!((flat / steep - 1.0).abs() > 0.01, "{flat} {steep}");
+    let [[there, pdf], [back, _]] = orders("steeper");
+    assert_eq!((there, back, pdf), (steep, steep, flat_pdf));
+    let [[there, _], [back, _]] = orders("mean");
+    assert!((there - 0.5 * (flat + steep)).abs() < 1e-12 && (there - back).abs() < 1e-12);
+    let refused =
+        run(&["brdf", MADE_UP, "--wavelength", "500", "--wi", "0,0", "--marginal", "--reciprocity", "mean"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("leave --reciprocity out"));
 }
 
 /// The lower side of a species that ships with both: a material of its own.
@@ -331,9 +355,15 @@ fn values_written_again_in_python_agree() {
         println!("skipped: there is no python3 here");
         return;
     }
+    let material = barbule::io::decode_material(barbule_birds::material("starling-green").unwrap()).unwrap();
+    python_agrees(&material);
+    python_agrees(&FeatherMaterial { halo: Some(halo()), ..material });
+}
+
+fn python_agrees(material: &FeatherMaterial) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("starling.barbule");
-    std::fs::write(&file, barbule_birds::material("starling-green").unwrap()).unwrap();
+    barbule::io::write_material(&file, material).unwrap();
     let file = file.to_str().unwrap();
     let documents = [
         &["--wavelength", "520", "--wi", "0,30", "--wo", "0,-30", "--wo", "2,-20", "--wo=-3,40"][..],
@@ -345,7 +375,7 @@ fn values_written_again_in_python_agree() {
     .map(|words| text(&[&["brdf", file], words, &["--json"]].concat()));
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/python/brdf.py");
     let source = std::fs::read_to_string(&script).unwrap();
-    assert!(source.lines().count() <= 220);
+    assert!(source.lines().count() <= 240);
     let mut python = Command::new("python3")
         .arg(&script)
         .arg(file)

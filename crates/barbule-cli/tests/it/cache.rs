@@ -108,6 +108,7 @@ fn materials_of_other_structures_and_options_stand_beside_each_other() {
         characterize(&["air/melanin:100/air", "--thin", "10"]),
         characterize(&[&["air/keratin:300/air"], TINY].concat()),
         characterize(&[&["air/keratin:300/air", "--sigma", "0.05"], TINY].concat()),
+        characterize(&[&["air/keratin:300/air", "--halo"], TINY].concat()),
         characterize(&[&["starling"], TINY].concat()),
     ];
     assert!(paths[0].contains("air-keratin-300-air-") && paths[0].ends_with(".barbule"), "{}", paths[0]);
@@ -121,12 +122,13 @@ fn materials_of_other_structures_and_options_stand_beside_each_other() {
     assert_eq!(characterize(&["air/keratin:300.0/air", "--thin", "10"]), paths[0]);
     paths.sort();
     paths.dedup();
-    assert_eq!((paths.len(), place.cached().len()), (5, 5));
+    assert_eq!((paths.len(), place.cached().len()), (6, 6));
     let list = place.json(&["cache"]);
     let files = list["files"].as_array().unwrap();
     assert!(files.iter().all(|file| file["full"] == false && file["own"] == false), "{list}");
     assert_eq!(files.iter().filter(|file| file["thinned"] == 10).count(), 2);
     assert_eq!(files.iter().filter(|file| file["sigma"] == 0.05).count(), 1);
+    assert_eq!(files.iter().filter(|file| file["halo"] == true).count(), 1);
 }
 
 #[test]

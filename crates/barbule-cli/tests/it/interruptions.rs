@@ -96,7 +96,7 @@ fn a_comparison_with_full_waves_goes_on_after_ctrl_c() {
     });
     let film = folder.path().join("film.json");
     std::fs::write(&film, section.to_string()).unwrap();
-    let words = ["--full-wave", "--wavelengths", "400:700:20", "-o"];
+    let words = ["--full-wave", "--wavelengths", "400:700:20", "--phi", "0", "-o"];
     let begin = || {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
         command

@@ -561,9 +561,9 @@ const SCENES: &[Change] = &[
 
 /// Changes of a store's zarr.json, read by `simulate --status`.
 const STORES: &[Change] = &[
-    ("\"barbule_store\": 4", "\"barbule_store\": 9", "not a campaign store of this version (its layout is 9"),
-    ("\"barbule_store\": 4,", "", "not a campaign store of this version"),
-    ("\"barbule_store\": 4", "\"barbule_store\": 3", "its layout is 3, this program's is 4"),
+    ("\"barbule_store\": 5", "\"barbule_store\": 9", "not a campaign store of this version (its layout is 9"),
+    ("\"barbule_store\": 5,", "", "not a campaign store of this version"),
+    ("\"barbule_store\": 5", "\"barbule_store\": 3", "its layout is 3, this program's is 5"),
     ("\"kept_nm\": []", "\"kept_nm\": [], \"sides\": \"left\"", "'sides' is not 'both', all it can be"),
     ("\"kept_nm\": []", "\"kept_nm\": [], \"sides\": \"both\"", "another shape than its axes say"),
     ("{", "", "zarr.json is damaged"),

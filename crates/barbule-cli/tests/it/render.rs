@@ -40,6 +40,29 @@ fn a_picture_is_a_png_that_says_where_it_comes_from() {
 }
 
 #[test]
+fn what_lower_sides_wear_is_said_by_a_flag_and_kept_in_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let toml = |arguments: &[&str]| {
+        let output = barbule(folder.path(), arguments).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let text = toml(&["mallard", "--under", "keratin", "--toml"]);
+    assert!(text.contains("under = \"keratin\"\n"), "{text}");
+    std::fs::write(folder.path().join("dark.toml"), text).unwrap();
+    assert!(toml(&["dark.toml", "--under", "default", "--toml"]).contains("underside"));
+    assert!(!toml(&["dark.toml", "--under", "default", "--toml"]).contains("under = "));
+    // The material is read, and named in the picture.
+    let seen_from_below = ["--view=180,-60", "--under", MADE_UP, "-o", "s.png"];
+    let arguments = [&["starling"], &seen_from_below[..], QUICK].concat();
+    barbule(folder.path(), &arguments).assert().success();
+    let refused = barbule(folder.path(), &["starling", "--under", "malard", "-o", "n.png"]).output().unwrap();
+    let message = String::from_utf8_lossy(&refused.stderr);
+    assert!(refused.status.code() == Some(2) && message.contains("did you mean 'mallard'"), "{message}");
+    assert!(!folder.path().join("n.png").exists());
+}
+
+#[test]
 fn exr_frames_and_scene_files_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let scene = format!(

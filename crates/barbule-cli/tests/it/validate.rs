@@ -8,36 +8,133 @@ fn command(words: &[&str]) -> (bool, String, String) {
     (output.status.success(), text(output.stdout), text(output.stderr))
 }
 
-/// A flat film 4 µm wide reflects by the fast simulation as by Maxwell's equations, but for its ends.
+/// A flat film as a file: its name, and how wide and deep it is, µm.
+fn write_film(path: &str, width_um: f64, depth_um: f64) {
+    let half = 0.5 * width_um;
+    let line = |z: f64| json!({"x": [-half, 0.0, half], "z": [z, z, z]});
+    let section = json!({
+        "barbule": 1, "units": "um", "width": width_um, "name": "a film",
+        "boundaries": [line(0.0), line(-depth_um)], "media": ["air", "keratin", "air"], "source": "a test"
+    });
+    std::fs::write(path, section.to_string()).unwrap();
+}
+
+fn numbers_in(folder: &str) -> Value {
+    serde_json::from_slice(&std::fs::read(format!("{folder}/numbers.json")).unwrap()).unwrap()
+}
+
+/// A flat film 5 µm wide reflects by the fast simulation as by Maxwell's equations, but for its ends.
 #[test]
 fn a_flat_film_is_the_same_by_both() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    let line = |z: f64| json!({"x": [-2.0, 0.0, 2.0], "z": [z, z, z]});
-    let section = json!({
-        "barbule": 1, "units": "um", "width": 4.0, "name": "a film",
-        "boundaries": [line(0.0), line(-0.5)], "media": ["air", "keratin", "air"], "source": "a test"
-    });
-    std::fs::write(path("film.json"), section.to_string()).unwrap();
+    write_film(&path("film.json"), 5.0, 0.5);
     let out = path("out");
-    let words = ["validate", &path("film.json"), "--full-wave", "--wavelengths", "500,600", "-o", &out];
+    let film = path("film.json");
+    let words =
+        ["validate", &film, "--full-wave", "--wavelengths", "400:694:24.5", "--phi", "30,0", "-o", &out];
     let (done, table, said) = command(&words);
     assert!(done, "{said}");
     assert!(table.contains("power error") && said.contains("unknowns"), "{table}{said}");
-    let numbers: Value =
-        serde_json::from_slice(&std::fs::read(format!("{out}/numbers.json")).unwrap()).unwrap();
+    assert!(table.contains("5 µm wide, ends open, 13 wavelengths") && table.contains("-10 to 10"), "{table}");
+    let numbers = numbers_in(&out);
     let normal = &numbers["incidences"][0];
-    assert_eq!((&normal["phi_deg"], numbers["width_um"].as_f64()), (&json!(0.0), Some(4.0)));
+    assert_eq!((&normal["phi_deg"], numbers["width_um"].as_f64()), (&json!(0.0), Some(5.0)));
+    // ±λ/(πw) in the sine, at the longest wavelength.
+    let end = normal["beam_range_deg"][1].as_f64().unwrap();
+    assert!((end - (0.694 / (1.25 * std::f64::consts::PI)).asin().to_degrees()).abs() < 1e-9, "{end}");
     for case in normal["wavelengths"].as_array().unwrap() {
         let value = |key: &str| case[key].as_f64().unwrap();
         assert!(value("pattern_correlation") > 0.99, "{case}");
         assert!(value("power_error").abs() < 0.1, "{case}");
         assert!(value("absorbed_full_wave").abs() < 1e-6, "keratin does not absorb");
     }
-    assert!(normal["delta_e_2000"].as_f64().unwrap() < 5.0);
-    for name in ["colours.svg", "curves-0-500nm.svg", "curves-60-600nm.svg"] {
+    assert!(normal["delta_e"].as_f64().unwrap() < 5.0);
+    for name in ["colours.svg", "spectra-30.svg", "curves-0-400nm.svg", "curves-30-694nm.svg"] {
         assert!(std::fs::read_to_string(format!("{out}/{name}")).unwrap().starts_with("<svg"), "{name}");
     }
+    let lines = |name: &str| std::fs::read_to_string(format!("{out}/{name}")).unwrap().lines().count();
+    assert_eq!(lines("numbers.csv"), 1 + 2 * 13);
+    assert_eq!((lines("patterns.csv") - 1) % (2 * 13), 0);
+    let (done, _, said) = command(&[&words[..], &["--ensemble", "2"]].concat());
+    assert!(!done && said.contains("has instances 0 to 0, so there is no instance 1"), "{said}");
+}
+
+/// Several individuals are compared one by one: what is printed of them are means of what is printed of each, and each is what it is
+/// alone. What is done of one is kept for all.
+#[test]
+fn several_individuals_are_means_and_spreads_of_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let (a, b) = (path("a"), path("b"));
+    let asked = [
+        "validate",
+        "air/keratin:400±10%/air",
+        "--full-wave",
+        "--elements",
+        "5",
+        "--wavelengths",
+        "600,650",
+        "--phi",
+        "0",
+    ];
+    let run = |out: &str, more: &[&str]| -> (Value, String) {
+        let (done, table, said) = command(&[&asked[..], &["-o", out], more].concat());
+        assert!(done, "{said}");
+        assert!(
+            table.contains("no colours") && !std::path::Path::new(out).join("colours.svg").exists(),
+            "{table}"
+        );
+        (numbers_in(out), table + &said)
+    };
+    let (one, _) = run(&a, &["--instance", "1"]);
+    let (three, said) = run(&a, &["--ensemble", "3"]);
+    assert!(said.contains("2 of 6 individuals' wavelengths are there from before"), "{said}");
+    assert!(said.contains("mean ± standard deviation of 3 individuals"), "{said}");
+    let (fresh, _) = run(&b, &["--ensemble", "3"]);
+    assert_eq!(timeless(three.clone()), timeless(fresh));
+    assert_eq!(timeless(three["individuals"][1].clone()), timeless(one));
+    for (w, of_all) in three["incidences"][0]["wavelengths"].as_array().unwrap().iter().enumerate() {
+        let each: Vec<f64> = (0..3)
+            .map(|k| {
+                three["individuals"][k]["incidences"][0]["wavelengths"][w]["reflected_full_wave"]
+                    .as_f64()
+                    .unwrap()
+            })
+            .collect();
+        let mean = each.iter().sum::<f64>() / 3.0;
+        let std = (each.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 2.0).sqrt();
+        assert!(std > 1e-4, "individuals differ: {each:?}");
+        assert!((of_all["full"]["mean"].as_f64().unwrap() - mean).abs() < 1e-12);
+        assert!((of_all["full"]["std"].as_f64().unwrap() - std).abs() < 1e-12);
+    }
+    let incidence = &three["incidences"][0];
+    assert!(incidence["delta_e"].is_null() && incidence["beam_range_deg"][1].as_f64().unwrap() < 3.0);
+    assert!(incidence["fast"]["mean"].is_f64() && incidence["full"]["std"].is_f64(), "{incidence}");
+}
+
+/// Two slabs in air are solved as such with open ends; walls and rings of 10 nm take many times the memory.
+#[test]
+fn layers_that_air_parts_end_freely_or_in_walls() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").to_string_lossy().into_owned();
+    let words = |ends: &'static str| {
+        let asked = ["validate", "rock-dove", "--full-wave", "--width", "5", "--wavelengths", "690"];
+        let more = ["--phi", "0", "--elements", "6", "--memory", "250M", "--ends", ends, "-o"];
+        [&asked[..], &more].concat()
+    };
+    let (done, table, said) = command(&[&words("open")[..], &[&out]].concat());
+    assert!(done && table.contains("ends open"), "{table}{said}");
+    let numbers = numbers_in(&out);
+    let changes = numbers["changes"].to_string();
+    assert!(
+        changes.contains("end freely in air") && changes.contains("is left out on both sides"),
+        "{changes}"
+    );
+    let case = &numbers["incidences"][0]["wavelengths"][0];
+    assert!(case["power_error"].as_f64().unwrap().abs() < 0.15, "{case}");
+    let (done, _, said) = command(&[&words("closed")[..], &[&out]].concat());
+    assert!(!done && said.contains("this comparison needs"), "{said}");
 }
 
 /// Numbers without what made them and how long it took.
@@ -61,18 +158,11 @@ fn timeless(mut value: Value) -> Value {
 fn what_was_compared_before_is_taken_from_the_folder() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    let film = |name: &str, depth: f64| {
-        let line = |z: f64| json!({"x": [-1.0, 0.0, 1.0], "z": [z, z, z]});
-        let section = json!({
-            "barbule": 1, "units": "um", "width": 2.0, "name": "a film",
-            "boundaries": [line(0.0), line(-depth)], "media": ["air", "keratin", "air"], "source": "a test"
-        });
-        std::fs::write(path(name), section.to_string()).unwrap();
-    };
-    film("film.json", 0.4);
-    film("thicker.json", 0.5);
+    write_film(&path("film.json"), 3.0, 0.4);
+    write_film(&path("thicker.json"), 3.0, 0.5);
     let run = |section: &str, nm: &str, out: &str| -> (Value, String) {
-        let words = ["validate", &path(section), "--full-wave", "--wavelengths", nm, "-o", &path(out)];
+        let words =
+            ["validate", &path(section), "--full-wave", "--wavelengths", nm, "--phi", "0", "-o", &path(out)];
         let (done, _, said) = command(&words);
         assert!(done, "{said}");
         let numbers = std::fs::read(format!("{}/numbers.json", path(out))).unwrap();
@@ -104,7 +194,7 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
     let out = folder.path().join("out").to_string_lossy().into_owned();
     let rods = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/rods.json");
     let swallow = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/species/tree-swallow.toml");
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 16] = [
         (&["validate", rods, "--full-wave"], "no top boundary"),
         (&["validate", rods, "--full-wave", "--width", "3"], "--width and --layers change species"),
         (
@@ -116,6 +206,14 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
             "--layers 2: tree-swallow:blue lists its layers one by one",
         ),
         (&["validate", "starling", "--full-wave", "--memory", "50M"], "this comparison needs"),
+        (
+            &["validate", "starling", "--full-wave", "--width", "6", "--wavelengths", "550,694"],
+            "--phi: φ_i = 60°: the beam on 6 µm comes from 46° to 90° at 694 nm, more than 15° beside it; take a section from 8.9 µm on, \
+             or leave this angle out",
+        ),
+        (&["validate", "starling", "--full-wave", "--phi=-80"], "φ_i = -80°"),
+        (&["validate", "starling", "--full-wave", "--phi", "80"], "give angles below 75°"),
+        (&["validate", "starling", "--three-d", "--ensemble", "2"], "cannot be used with"),
         (&["validate", "starling"], "--full-wave"),
         (&["validate", "starling", "--full-wave", "--three-d"], "cannot be used with"),
         (&["validate", "starling", "--full-wave", "--invariant"], "cannot be used with"),

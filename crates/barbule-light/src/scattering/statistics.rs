@@ -16,6 +16,20 @@ pub const NOISE_POINTS: usize = 1024;
 /// Lags 0 … LAGS − 1 of the autocovariance that are kept.
 pub const LAGS: usize = NOISE_POINTS / 2;
 
+/// Azimuths at which the intensities of all instances are kept, in steps of [`AZIMUTHS`] from the one nearest to the mirror
+/// direction: it, 4° and 12° to both sides.
+pub const GLINTS: [i32; 5] = [0, -9, 9, -27, 27];
+
+/// Numbers of the azimuths of [`GLINTS`] for light from φ_i (rad); `None` beyond the horizon.
+#[must_use]
+pub fn glints(phi_i: f64) -> [Option<usize>; GLINTS.len()] {
+    let step = std::f64::consts::PI / AZIMUTHS as f64;
+    let mirror = ((std::f64::consts::FRAC_PI_2 - phi_i) / step - 0.5).round() as i32;
+    GLINTS.map(|offset| {
+        usize::try_from(mirror.clamp(0, AZIMUTHS as i32 - 1) + offset).ok().filter(|at| *at < AZIMUTHS)
+    })
+}
+
 /// Which signs of φ_i the arrays of a campaign hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -221,6 +235,9 @@ pub struct Statistics {
     /// Contrast of each polarization's intensity over instances at each azimuth, 0 where nothing is reflected. Shape of
     /// `u`.
     pub contrast: Vec<f32>,
+    /// Unpolarized intensity of every instance at the azimuths of [`GLINTS`], rad⁻¹; 0 beyond the horizon. Shape
+    /// `[λ, θ_i, φ_i, GLINTS, instance]`; a fit can do without.
+    pub glints: Vec<f32>,
 }
 
 impl Statistics {
@@ -238,6 +255,7 @@ impl Statistics {
             pattern_correlation: Vec::new(),
             unpolarized_contrast: Vec::new(),
             contrast: Vec::new(),
+            glints: Vec::new(),
         }
     }
 
@@ -251,11 +269,17 @@ impl Statistics {
         self.pattern_correlation.extend(unit.pattern_correlation);
         self.unpolarized_contrast.extend(unit.unpolarized_contrast);
         self.contrast.extend(unit.contrast);
+        self.glints.extend(unit.glints);
     }
 }
 
 /// Values of all arrays at each (λ, θ_i, φ_i), in the order of the fields from `u` on.
-const VALUES: [usize; 8] = [2 * AZIMUTHS, 2 * AZIMUTHS, 2 * LAGS, 2, 2, 1, 1, 2 * AZIMUTHS];
+const fn values(instances: usize) -> [usize; 9] {
+    [2 * AZIMUTHS, 2 * AZIMUTHS, 2 * LAGS, 2, 2, 1, 1, 2 * AZIMUTHS, GLINTS.len() * instances]
+}
+
+/// More than any campaign has; what reads as more is damaged.
+const MOST_INSTANCES: usize = 1 << 20;
 
 impl Serialize for Statistics {
     fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
@@ -275,8 +299,10 @@ impl<'a> Deserialize<'a> for Statistics {
             found.pattern_correlation.len(),
             found.unpolarized_contrast.len(),
             found.contrast.len(),
+            found.glints.len(),
         ];
-        if lengths != VALUES.map(|values| values * found.axes.len()) {
+        let expected = values(found.instances.min(MOST_INSTANCES));
+        if lengths != expected.map(|values| values * found.axes.len()) {
             return Err(D::Error::custom("arrays of statistics have other lengths than their axes say"));
         }
         Ok(found)
@@ -302,15 +328,17 @@ pub struct UnitStatistics {
     pub unpolarized_contrast: Vec<f64>,
     /// Shape `[φ_i, polarization, AZIMUTHS]`.
     pub contrast: Vec<f32>,
+    /// Shape `[φ_i, GLINTS, instance]`.
+    pub glints: Vec<f32>,
     /// Fields over √Φ_i where they are kept, else empty. Shape `[φ_i, polarization, e₁ e₂, instance, AZIMUTHS]`.
     #[serde(with = "pairs")]
     pub fields: Vec<Complex<f32>>,
 }
 
 impl UnitStatistics {
-    /// Whether its arrays are as long as those of a unit of these axes.
+    /// Whether its arrays are as long as those of a unit of these axes and so many instances.
     #[must_use]
-    pub fn is_of(&self, axes: &Axes) -> bool {
+    pub fn is_of(&self, axes: &Axes, instances: usize) -> bool {
         let lengths = [
             self.u.len(),
             self.v.len(),
@@ -320,8 +348,9 @@ impl UnitStatistics {
             self.pattern_correlation.len(),
             self.unpolarized_contrast.len(),
             self.contrast.len(),
+            self.glints.len(),
         ];
-        lengths == VALUES.map(|values| values * axes.phis())
+        lengths == values(instances).map(|values| values * axes.phis())
     }
 }
 

@@ -1,6 +1,6 @@
 //! Beams as plane waves: light whose field is a window's on the plane z = 0, not on a top that rises and falls.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 
 use crate::scattering::far_field::{
     Azimuths, FarField, Illumination, IncidentLight, Window, coefficients, refinement,
@@ -41,6 +41,40 @@ pub(super) fn plane_waves(light: &Illumination, width_um: f64, radius_um: f64) -
         (sin.abs() < 1.0).then(|| PlaneWave { phi_i: sin.asin(), amplitude: spectrum * step })
     });
     waves.collect()
+}
+
+/// From where the light of a beam comes: no bounded light has one direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IncidentRange {
+    /// The azimuths at which the field's spectrum has fallen to 1/e of its middle's, rad; ±90° where that lies beyond the horizon.
+    pub phi_i: [f64; 2],
+    /// The part of the window's power whose waves would come from beyond the horizon, and so do not come.
+    pub beyond_horizon: f64,
+}
+
+/// The range of a beam with the window g(x) = exp(−x²/w²), w = W/4, of a section W wide: its spectrum e^{−(qw/2)²} over k_x is that of
+/// sinφ = sinφ_i ± λ/(πw cosθ_i) at 1/e.
+#[must_use]
+pub fn incident_range(light: &Illumination, width_um: f64) -> IncidentRange {
+    let kappa_w = light.wave_number_per_um() * light.theta_i.cos() * width_um / 4.0;
+    let (middle, half) = (libm::sin(light.phi_i), 2.0 / kappa_w);
+    // Power has the square of the field's spectrum: a normal distribution of deviation 1/w.
+    let beyond = |room: f64| 0.5 * libm::erfc(room * kappa_w / SQRT_2);
+    IncidentRange {
+        phi_i: [middle - half, middle + half].map(|sine| libm::asin(sine.clamp(-1.0, 1.0))),
+        beyond_horizon: beyond(1.0 - middle) + beyond(1.0 + middle),
+    }
+}
+
+/// How wide a section must be for the light of a beam to come from within `most_off` (rad) of its azimuth, µm, by [`incident_range`];
+/// `None` where that reaches over the horizon at any width.
+#[must_use]
+pub fn width_within_um(light: &Illumination, most_off: f64) -> Option<f64> {
+    let phi = light.phi_i.abs();
+    // Towards the horizon angles open faster.
+    let half = libm::sin(phi + most_off) - libm::sin(phi);
+    let kappa = light.wave_number_per_um() * light.theta_i.cos();
+    (phi + most_off < 0.5 * PI).then(|| 8.0 / (kappa * half))
 }
 
 /// Φ_i of a beam, that on a flat top as wide as the section, µm.
@@ -156,6 +190,45 @@ mod tests {
             let expected = 1.0 - slope * f64::to_radians(phi_deg).tan();
             assert!((power(&on_top) / power(&in_beam) - expected).abs() < 1e-3, "{phi_deg} {expected}");
         }
+    }
+
+    /// What the formulas say of the waves that a beam is made of.
+    #[test]
+    fn the_range_of_a_beam_is_that_of_its_waves() {
+        for (width_um, phi_deg, nm) in
+            [(3.0, 60.0, 550.0), (6.0, 60.0, 550.0), (10.0, -30.0, 694.0), (20.0, 0.0, 400.0)]
+        {
+            let light = Illumination { wavelength_nm: nm, ..light(phi_deg, Window::Beam) };
+            let range = incident_range(&light, width_um);
+            // Far enough for the sum to be the integral.
+            let waves = plane_waves(&light, width_um, 40.0 * width_um);
+            let most = waves.iter().map(|wave| wave.amplitude).fold(0.0, f64::max);
+            let strong = |wave: &&PlaneWave| wave.amplitude > most / std::f64::consts::E;
+            let found =
+                [waves.iter().find(strong), waves.iter().rfind(strong)].map(|wave| wave.unwrap().phi_i);
+            let [from, to] = range.phi_i;
+            let (low, high) = (found[0].min(found[1]), found[0].max(found[1]));
+            let at_horizon = to > 0.499 * PI;
+            assert!(
+                (low - from).abs() < 0.01 && (at_horizon || (high - to).abs() < 0.01),
+                "{found:?} {range:?}"
+            );
+            // ∫ (w/2√π)² e^{−(qw)²/2} dq = w/(2√(2π)), over the step of the sum.
+            let step = 2.0 * PI / (2.0 * (40.0 * width_um + GAUSSIAN_END * width_um / 4.0));
+            let all = 0.25 * width_um / (2.0 * (2.0 * PI).sqrt()) * step;
+            let kept: f64 = waves.iter().map(|wave| wave.amplitude.powi(2)).sum();
+            assert!((1.0 - kept / all - range.beyond_horizon).abs() < 5e-3, "{} {range:?}", 1.0 - kept / all);
+        }
+        let [at_3_um, at_6_um] = [3.0, 6.0]
+            .map(|w| incident_range(&Illumination { wavelength_nm: 550.0, ..light(60.0, Window::Beam) }, w));
+        assert!((at_3_um.beyond_horizon - 0.13).abs() < 0.005, "{at_3_um:?}");
+        let [from, to] = at_6_um.phi_i.map(f64::to_degrees);
+        assert!((from - 48.5).abs() < 0.1 && (to - 79.4).abs() < 0.1, "{from} {to}");
+        let oblique = light(60.0, Window::Beam);
+        let width_um = width_within_um(&oblique, 15_f64.to_radians()).unwrap();
+        let to = incident_range(&oblique, width_um).phi_i[1];
+        assert!((to.to_degrees() - 75.0).abs() < 1e-9, "{to}");
+        assert_eq!(width_within_um(&light(80.0, Window::Beam), 15_f64.to_radians()), None);
     }
 
     /// A plane of another height is met elsewhere by a slanting beam, and sends up the same pattern. At z = 0 the beam's field is

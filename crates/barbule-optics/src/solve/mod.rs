@@ -13,6 +13,7 @@ pub mod segment;
 pub mod surface;
 pub mod swatch;
 
+pub use beam::{IncidentRange, incident_range, width_within_um};
 use direct::{Direct, Shadows};
 use far_fields::Method;
 use surface::Fast;

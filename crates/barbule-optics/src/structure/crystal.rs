@@ -36,6 +36,8 @@ pub struct BuriedCircle {
     pub z_um: f64,
     /// Radius.
     pub radius_um: f64,
+    /// Row, from 0.
+    pub row: usize,
     /// Which rod of [`Lattice::rods`].
     pub rod: usize,
     /// Which circle of it.
@@ -76,6 +78,7 @@ impl CrystalLayer {
                     x_um,
                     z_um,
                     radius_um: 0.5 * c.diameter_um,
+                    row: placed.row,
                     rod: placed.rod,
                     circle,
                 }));

@@ -23,12 +23,12 @@ mod sweep;
 mod symmetry;
 
 pub use cast::{Ray, cast};
-pub use closed::{Beneath, Closed, GAP_UM};
+pub use closed::{ABSORPTION, Beneath, Closed, Ends, GAP_UM, RAMP, RAMP_STEP_UM};
 pub use columns::{Columns, Palette, PaletteMixture, SlotMixture};
 pub use contour::Contour;
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
 pub use flat::FlatStack;
-pub use heightfield::{Cleaning, Fingers, Heightfield, MOST_HEIGHTS, SAMPLES};
+pub use heightfield::{Cleaning, Fingers, Grains, Heightfield, MOST_HEIGHTS, SAMPLES};
 pub use lattice::{Circle, Lattice, MOST_RODS, Placed, Rod, TOUCHING_UM};
 pub use section::{
     FLAT_WIDTH_UM, Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, MaterialSource, Medium, Parts,

@@ -38,7 +38,7 @@ const MOST_LAYERS: usize = 3;
 /// Whether the layers under a top are averaged along it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Smoothing {
-    /// As it is right for the structure.
+    /// As a given section says; species not at all.
     #[default]
     Usual,
     /// Every column for itself.
@@ -59,7 +59,7 @@ impl Smoothing {
         Err(Error::input(format!("an average over {deviation_um} µm: give 0.005 to 1 µm, or off")))
     }
 
-    /// The standard deviation, µm, where `usual` is what is right for the structure.
+    /// The standard deviation, µm, where `usual` is what a given section says.
     #[must_use]
     pub fn deviation_um(self, usual: Option<f64>) -> Option<f64> {
         match self {
@@ -385,14 +385,13 @@ mod tests {
     }
 
     #[test]
-    fn species_with_rows_of_bubbles_are_averaged_and_others_are_not() {
+    fn species_are_averaged_where_somebody_asks_for_it() {
         let builtin = |name: &str| Structure::builtin(name).unwrap();
         for name in crate::structure::species_names() {
-            let usual = (name == "hummingbird").then_some(FINER_THAN_LIGHT_UM);
-            assert_eq!(builtin(name).smooth_um(), usual, "{name}");
-            assert_eq!(builtin(name).instance(1, 0).unwrap().smooth_um, usual, "{name}");
+            assert_eq!(builtin(name).smooth_um(), None, "{name}");
+            assert_eq!(builtin(name).instance(1, 0).unwrap().smooth_um, None, "{name}");
         }
-        let bird = builtin("hummingbird");
+        let bird = builtin("hummingbird").smoothed(Smoothing::Over(FINER_THAN_LIGHT_UM));
         assert_eq!(bird.clone().underside().unwrap().instance(1, 0).unwrap().smooth_um, bird.smooth_um());
         let off = bird.clone().smoothed(Smoothing::Off);
         assert_eq!((off.smooth_um(), off.instance(1, 0).unwrap().smooth_um), (None, None));
@@ -411,7 +410,8 @@ mod tests {
 
     #[test]
     fn averages_do_not_gain_and_shares_are_whole() {
-        let section = Structure::builtin("hummingbird").unwrap().instance(1, 0).unwrap();
+        let bird = Structure::builtin("hummingbird").unwrap();
+        let section = bird.smoothed(Smoothing::Over(FINER_THAN_LIGHT_UM)).instance(1, 0).unwrap();
         let columns = cast(&section, &across(&section, 15.0)).unwrap();
         assert!(
             columns.palette.indices(400.0).unwrap().iter().all(|n| n.im >= 0.0 && (1.0..2.0).contains(&n.re))

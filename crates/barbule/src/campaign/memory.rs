@@ -7,7 +7,7 @@
 use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::directions::AZIMUTH_MARGIN;
-use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS};
+use crate::scattering::statistics::{AZIMUTHS, Axes, GLINTS, LAGS};
 use crate::solve::cost::PROGRAM;
 use crate::solve::surface::{Barbule, CAMPAIGN_ELEMENT_UM, Cone, MOST_RAY_PARTS, Size, Underside, orders};
 use crate::structure::{Section, Structure};
@@ -19,8 +19,10 @@ use super::{ASKED, CampaignParameters, Keep};
 /// Instances differ from the first ones, and allocators lose some.
 const MARGIN: f64 = 1.25;
 
-/// Bytes of the statistics of one (λ, θ_i, φ_i), both polarizations.
-const STATISTICS: u64 = (2 * (3 * AZIMUTHS + LAGS) * 4 + 6 * 8) as u64;
+/// Bytes of the statistics of one (λ, θ_i, φ_i), both polarizations, so many fields.
+const fn statistics(realizations: usize) -> u64 {
+    ((2 * (3 * AZIMUTHS + LAGS) + GLINTS.len() * realizations) * 4 + 6 * 8) as u64
+}
 
 /// Bytes of a reflectance table per point, at most: blocks of longer series have none.
 const LARGEST_TABLE: usize = 256 * 16;
@@ -197,10 +199,15 @@ impl Demand {
         let axes = &parameters.axes;
         let fields = 4 * axes.phis() * parameters.realizations();
         let kept = if keep == Keep::Fields { 3 * 8 * fields * AZIMUTHS } else { 0 };
-        let gathered = if results == Results::Gathered { 2 * STATISTICS * axes.len() as u64 } else { 0 };
+        let gathered = if results == Results::Gathered {
+            2 * statistics(parameters.realizations()) * axes.len() as u64
+        } else {
+            0
+        };
         Self {
             fixed: PROGRAM + instances + gathered,
-            unit: (8 * fields * azimuths + kept) as u64 + 2 * STATISTICS * axes.phis() as u64,
+            unit: (8 * fields * azimuths + kept) as u64
+                + 2 * statistics(parameters.realizations()) * axes.phis() as u64,
             most_units: axes.cos_theta().len().min(super::most_units()),
         }
     }
@@ -236,10 +243,10 @@ fn azimuths(sections: &[Section], parameters: &CampaignParameters) -> Result<usi
     Ok(AZIMUTHS * Cone::new(shortest(parameters)?, 0.0, radius_um).refinement(AZIMUTHS) + 2 * AZIMUTH_MARGIN)
 }
 
-/// What the statistics of all units take in memory while a material is fitted to them, bytes, at most.
+/// What the statistics of all units, each of so many fields at a direction, take in memory while a material is fitted to them, bytes, at most.
 #[must_use]
-pub fn statistics_bytes(axes: &Axes) -> u64 {
-    PROGRAM + 2 * STATISTICS * axes.len() as u64
+pub fn statistics_bytes(axes: &Axes, realizations: usize) -> u64 {
+    PROGRAM + 2 * statistics(realizations) * axes.len() as u64
 }
 
 /// What a request for spectra takes in memory, bytes, at most.

@@ -8,7 +8,7 @@ use super::covariance::Covariance;
 use crate::math::band_limited::{TAPS, weights};
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::lobe::{FitKind, fit};
-use crate::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, UnitStatistics};
+use crate::scattering::statistics::{self, AZIMUTHS, Axes, NOISE_POINTS, UnitStatistics};
 
 /// Forms the statistics of the fields of one (λ, θ_i), φ_i in parallel, instances in order.
 pub(super) fn unit(axes: &Axes, fields: &Fields) -> UnitStatistics {
@@ -30,6 +30,7 @@ pub(super) fn unit(axes: &Axes, fields: &Fields) -> UnitStatistics {
         }
         unit.pattern_correlation.push(part.pattern_correlation);
         unit.unpolarized_contrast.push(part.unpolarized_contrast);
+        unit.glints.extend(part.glints);
     }
     unit
 }
@@ -63,6 +64,7 @@ pub(super) fn mean_intensity(fields: &Fields, pair: usize) -> Vec<f64> {
 
 struct Direction {
     polarizations: [Polarization; 2],
+    glints: Vec<f32>,
     pattern_correlation: f64,
     unpolarized_contrast: f64,
 }
@@ -84,10 +86,29 @@ fn direction(
     covariance: &Covariance<f32>,
 ) -> Direction {
     let polarizations =
-        [0, 1].map(|polarization| statistics(fields, phi_i, 2 * phi + polarization, grid, covariance));
+        [0, 1].map(|polarization| of_polarization(fields, phi_i, 2 * phi + polarization, grid, covariance));
     let (pattern_correlation, unpolarized_contrast) =
         patterns(fields, phi, [&polarizations[0].u, &polarizations[1].u]);
-    Direction { polarizations, pattern_correlation, unpolarized_contrast }
+    let glints = glints(fields, phi_i, phi);
+    Direction { polarizations, glints, pattern_correlation, unpolarized_contrast }
+}
+
+/// Unpolarized intensities about the mirror direction, `[GLINTS, instance]`.
+fn glints(fields: &Fields, phi_i: f64, phi: usize) -> Vec<f32> {
+    let intensity = |instance: usize, at: usize| -> f32 {
+        let of = |polarization: usize| {
+            let (e1, e2) = components(fields, instance, 2 * phi + polarization);
+            e1[at].norm_sqr() + e2[at].norm_sqr()
+        };
+        0.5 * (of(0) + of(1))
+    };
+    statistics::glints(phi_i)
+        .into_iter()
+        .flat_map(|azimuth| {
+            let at = azimuth.map(|azimuth| tabulated_at(fields, azimuth));
+            (0..fields.values.len()).map(move |instance| at.map_or(0.0, |at| intensity(instance, at)))
+        })
+        .collect()
 }
 
 /// The two components of one instance, margins included; `pair` counts (φ_i, polarization).
@@ -100,13 +121,17 @@ pub(super) fn components(
     fields.values[instance][start..start + 2 * fields.points].split_at(fields.points)
 }
 
-/// Indices of the tabulated azimuths in the fine ones.
-fn tabulated(fields: &Fields) -> impl Iterator<Item = usize> + use<> {
-    let refine = fields.refine;
-    (0..AZIMUTHS).map(move |n| AZIMUTH_MARGIN + refine / 2 + n * refine)
+/// Index of a tabulated azimuth in the fine ones.
+fn tabulated_at(fields: &Fields, azimuth: usize) -> usize {
+    AZIMUTH_MARGIN + fields.refine / 2 + azimuth * fields.refine
 }
 
-fn statistics(
+/// Indices of the tabulated azimuths in the fine ones.
+fn tabulated(fields: &Fields) -> impl Iterator<Item = usize> + '_ {
+    (0..AZIMUTHS).map(|azimuth| tabulated_at(fields, azimuth))
+}
+
+fn of_polarization(
     fields: &Fields,
     phi_i: f64,
     pair: usize,

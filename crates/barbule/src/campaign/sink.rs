@@ -125,7 +125,7 @@ impl Sink for Memory {
     fn put(&self, unit: Unit, results: UnitStatistics) -> Result<()> {
         let axes = &self.campaign.axes;
         let is_there = unit.wavelength < axes.wavelengths_nm().len() && unit.theta < axes.cos_theta().len();
-        if !is_there || !results.is_of(axes) {
+        if !is_there || !results.is_of(axes, self.campaign.realizations()) {
             return Err(Error::input("these results are of other axes than the campaign's"));
         }
         self.units().insert(unit, results);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{CAMPAIGN_VERSION, CampaignDescription, Plan};
+use super::{CAMPAIGN_VERSION, CampaignDescription, HALO_VERSION, Plan};
 use crate::brdf::FeatherMaterial;
 use crate::brdf::fit::{FitOptions, LobeForm};
 use crate::campaign::orders;
@@ -115,10 +115,10 @@ impl Catalog {
     #[must_use]
     pub fn cached(&self, plan: &Plan, options: &FitOptions) -> Option<Found> {
         let is_it = |found: &Found| {
-            let FitOptions { kind, lobe, sigma, .. } = *options;
+            let FitOptions { kind, lobe, sigma, halo, .. } = *options;
             plan.description.is_recorded(&found.material.info["campaign"])
                 && (found.material.kind, found.material.sigma) == (kind, sigma)
-                && LobeForm::of(&found.material) == lobe
+                && (LobeForm::of(&found.material), found.material.halo.is_some()) == (lobe, halo)
         };
         let path = self.path(plan, options).ok()?;
         let bytes = read_own(&path, LARGEST_INPUT).ok()?;
@@ -144,7 +144,7 @@ impl Catalog {
     /// There is no cache.
     pub fn path(&self, plan: &Plan, options: &FitOptions) -> Result<PathBuf> {
         let folder = self.cache.as_ref().ok_or_else(|| Error::input("no cache folder is given; give one"))?;
-        let key = material_key(&plan.description, options.kind, options.lobe, options.sigma);
+        let key = material_key(&plan.description, options);
         Ok(place(folder, &plan.structure.name(), &key, "barbule"))
     }
 
@@ -200,26 +200,21 @@ fn place(folder: &Path, name: &str, key: &str, extension: &str) -> PathBuf {
 }
 
 /// What names a material by everything that decides it: its campaign, and how it was fitted.
-pub(super) fn material_key(
-    campaign: &CampaignDescription,
-    kind: FitKind,
-    lobe: LobeForm,
-    sigma: f64,
-) -> String {
-    let kind = match kind {
+pub(super) fn material_key(campaign: &CampaignDescription, options: &FitOptions) -> String {
+    let kind = match options.kind {
         FitKind::Marginal => "marginal",
         FitKind::Cone => "cone",
     };
-    let lobe = match lobe {
+    let lobe = match options.lobe {
         LobeForm::Pair => "pair",
         LobeForm::Ggx => "ggx",
     };
-    Hasher::new("cached material")
-        .part("campaign", campaign)
-        .text("fit", kind)
-        .text("lobe", lobe)
-        .number("sigma", sigma)
-        .hex()
+    let mut hasher = Hasher::new("cached material");
+    hasher.part("campaign", campaign).text("fit", kind).text("lobe", lobe).number("sigma", options.sigma);
+    if options.halo {
+        hasher.count("halo", HALO_VERSION);
+    }
+    hasher.hex()
 }
 
 /// What names a table of orders by everything that decides it.
@@ -345,6 +340,7 @@ mod tests {
             name(film, &CampaignOptions { polarized: true, ..usual() }, &fit),
             name(film, &CampaignOptions { seed: 2, ..usual() }, &fit),
             name(film, &usual(), &FitOptions { sigma: 0.05, ..fit }),
+            name(film, &usual(), &FitOptions { halo: true, ..fit }),
             name(film, &usual(), &FitOptions { kind: FitKind::Cone, ..fit }),
             name(film, &usual(), &FitOptions { lobe: LobeForm::Ggx, ..fit }),
         ];

@@ -202,8 +202,9 @@ mod tests {
             let bird = Structure::builtin("hummingbird").unwrap().smoothed(smoothing);
             CampaignOptions::default().plan(bird).unwrap().description
         };
-        let (usual, off) = (of(Smoothing::Usual), of(Smoothing::Off));
+        let (usual, off) = (of(Smoothing::Over(FINER_THAN_LIGHT_UM)), of(Smoothing::Usual));
         assert_eq!((usual.smooth_um, off.smooth_um), (Some(FINER_THAN_LIGHT_UM), None));
+        assert!(off == of(Smoothing::Off));
         assert!(off.to_json().unwrap().get("smooth_um").is_none());
         for (one, other) in [(&usual, &off), (&usual, &of(Smoothing::Over(0.1)))] {
             assert!(one != other && hash("campaign", one) != hash("campaign", other));

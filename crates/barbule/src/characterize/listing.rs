@@ -5,7 +5,7 @@ use std::path::Path;
 use super::catalog::{DIGITS, material_key};
 use super::{CampaignDescription, CampaignOptions, thinned};
 use crate::Result;
-use crate::brdf::fit::LobeForm;
+use crate::brdf::fit::{FitOptions, LobeForm};
 use crate::io::{CacheFile, hash_file, list_cache, read_keyed_orders, read_material};
 use crate::scattering::lobe::FitKind;
 
@@ -54,6 +54,8 @@ pub struct CachedMaterial {
     pub is_polarized: bool,
     /// Longitudinal spread σ of the lobe.
     pub sigma: f64,
+    /// Whether segments in three dimensions gave it a halo beside.
+    pub has_halo: bool,
     /// What the lobe was fitted to.
     pub kind: FitKind,
     /// What stands for its mean intensity.
@@ -113,7 +115,14 @@ fn material(path: &Path) -> Result<Read> {
     let material = read_material(path)?;
     let campaign = CampaignDescription::read(&material.info["campaign"]).ok();
     let lobe = LobeForm::of(&material);
-    let key = campaign.as_ref().map(|campaign| material_key(campaign, material.kind, lobe, material.sigma));
+    let options = FitOptions {
+        kind: material.kind,
+        lobe,
+        sigma: material.sigma,
+        halo: material.halo.is_some(),
+        ..FitOptions::default()
+    };
+    let key = campaign.as_ref().map(|campaign| material_key(campaign, &options));
     let text = |key: &str| material.info[key].as_str().unwrap_or_default().to_owned();
     let axes = &material.axes;
     let said = CachedMaterial {
@@ -126,6 +135,7 @@ fn material(path: &Path) -> Result<Read> {
         seed: material.seed,
         is_polarized: material.sets.len() == 2,
         sigma: material.sigma,
+        has_halo: options.halo,
         kind: material.kind,
         lobe,
     };
@@ -135,7 +145,6 @@ fn material(path: &Path) -> Result<Read> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::fit::FitOptions;
     use crate::campaign::{Resources, statistics};
     use crate::characterize::{Catalog, material_of};
     use crate::io::write_material;

@@ -8,6 +8,7 @@ mod again;
 mod catalog;
 mod description;
 mod grazing;
+mod halo;
 mod listing;
 mod options;
 
@@ -15,6 +16,8 @@ pub use again::{Barbules, species_of};
 pub use catalog::{Catalog, Found, Origin, as_filed};
 pub use description::CampaignDescription;
 use grazing::grazing;
+use halo::HALO_VERSION;
+pub use halo::HaloPlan;
 pub use listing::{Cached, CachedMaterial, CachedOrders, Contents};
 pub use options::{CampaignOptions, Plan, WAVELENGTHS_NM, outside_wavelengths};
 
@@ -26,6 +29,7 @@ use crate::brdf::fit::{FitOptions, FitReport, LobeForm, fit};
 use crate::brdf::{FeatherMaterial, check_axes, check_sigma};
 use crate::campaign::{Resources, run, statistics};
 use crate::error::shortened;
+use crate::io::Units;
 use crate::io::store::Store;
 use crate::progress::Progress;
 use crate::scattering::statistics::Statistics;
@@ -54,7 +58,7 @@ pub struct Characterized {
     pub repaired: usize,
 }
 
-/// Simulates a plan and fits its material; orders of crystals come from the catalog's cache or go there.
+/// Simulates a plan and fits its material, with a halo if `options` ask for it; orders of crystals come from the catalog's cache or go there.
 ///
 /// # Errors
 /// What no material can have is refused before any work ([`check`]); media whose tables do not reach a wavelength, a store that
@@ -77,7 +81,14 @@ pub fn characterize(
         }
     };
     let name = plan.structure.name();
-    let (material, report) = material_of(&statistics, &name, &plan.description, options, progress)?;
+    let (mut material, report) = material_of(&statistics, &name, &plan.description, options, progress)?;
+    if options.halo {
+        // Beside the store, which is of 2.5D alone.
+        let units = how.store.map(|path| Units::new(&path.with_extension("halo")));
+        let halo = HaloPlan::new(plan);
+        material.halo = Some(halo.measure(units.as_ref(), progress)?);
+        material.info["halo"] = halo.info();
+    }
     Ok(Characterized { material, report, repaired })
 }
 

@@ -8,11 +8,14 @@ use std::path::Path;
 
 use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::container::checksum;
 use super::whole::read_at_most;
 use super::write_whole;
-use crate::brdf::{BrdfTables, Numbers, TABLES_VERSION, TableArray, TablesHeader};
+use crate::brdf::{
+    BrdfTables, MOST_HALOS, Numbers, Reciprocity, Spectral, TABLES_VERSION, TableArray, TablesHeader,
+};
 use crate::error::shortened;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
@@ -37,8 +40,14 @@ struct Description {
     sides: String,
     /// 1 or 2, or none for unpolarized light.
     polarization: Option<u8>,
-    reciprocal: bool,
+    /// False or true, and of later ones a word of [`Reciprocity`] that is neither.
+    reciprocal: Value,
     sigma: f64,
+    /// h of the height phase, µm, and the share of achromatic instances.
+    height_um: f64,
+    achromatic: f64,
+    /// σ of the halo's Gaussians.
+    halo: Vec<f64>,
     seed: u64,
     sets: usize,
     thetas: usize,
@@ -160,7 +169,8 @@ fn numbers_of(view: &TensorView<'_>) -> Option<Numbers<'static>> {
 }
 
 fn description_of(header: &TablesHeader) -> Description {
-    let TablesHeader { version, reciprocal, sigma, seed, sets, thetas, phis, waves, .. } = *header;
+    let TablesHeader { version, reciprocity, sigma, halo, spectral, seed, sets, thetas, phis, waves, .. } =
+        *header;
     Description {
         version,
         program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
@@ -178,8 +188,15 @@ fn description_of(header: &TablesHeader) -> Description {
             Polarization::First => 1,
             Polarization::Second => 2,
         }),
-        reciprocal,
+        reciprocal: match reciprocity {
+            Reciprocity::AsFitted => false.into(),
+            Reciprocity::Mean => true.into(),
+            Reciprocity::Steeper => reciprocity.word().into(),
+        },
         sigma,
+        halo: halo.into_iter().filter(|sigma| *sigma != 0.0).collect(),
+        height_um: spectral.height_um,
+        achromatic: spectral.achromatic,
         seed,
         sets,
         thetas,
@@ -191,7 +208,11 @@ fn description_of(header: &TablesHeader) -> Description {
 
 fn header_of(description: &Description) -> Result<TablesHeader> {
     let refuse = |what: &str| Err(Error::input(format!("its {what}")));
-    let Description { version, reciprocal, sigma, seed, sets, thetas, phis, waves, .. } = *description;
+    let Description { version, sigma, height_um, achromatic, seed, sets, thetas, phis, waves, .. } =
+        *description;
+    if description.halo.len() > MOST_HALOS {
+        return refuse(&format!("halo has {} σ, over the limit of {MOST_HALOS}", description.halo.len()));
+    }
     Ok(TablesHeader {
         version,
         kind: match description.kind.as_str() {
@@ -210,8 +231,15 @@ fn header_of(description: &Description) -> Result<TablesHeader> {
             Some(2) => Some(Polarization::Second),
             Some(_) => return refuse("polarization must be 1, 2 or null"),
         },
-        reciprocal,
+        reciprocity: match &description.reciprocal {
+            Value::Bool(false) => Reciprocity::AsFitted,
+            Value::Bool(true) => Reciprocity::Mean,
+            Value::String(word) if word == Reciprocity::Steeper.word() => Reciprocity::Steeper,
+            _ => return refuse("reciprocal must be false, true or 'steeper'"),
+        },
         sigma,
+        halo: std::array::from_fn(|k| description.halo.get(k).copied().unwrap_or_default()),
+        spectral: Spectral { height_um, achromatic },
         seed,
         sets,
         thetas,
@@ -223,12 +251,13 @@ fn header_of(description: &Description) -> Result<TablesHeader> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::fixtures::example;
-    use crate::brdf::{FeatherBrdf, Options};
+    use crate::brdf::fixtures::{example, halo};
+    use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
     use glam::DVec3;
 
     fn tables(options: Options) -> BrdfTables {
-        BrdfTables::new(&example(2), options).unwrap()
+        let halo = options.sigma.is_none().then(halo);
+        BrdfTables::new(&FeatherMaterial { halo, ..example(2) }, options).unwrap()
     }
 
     #[test]
@@ -236,7 +265,8 @@ mod tests {
         let second = Some(Polarization::Second);
         for options in [
             Options::default(),
-            Options { sigma: Some(0.1), reciprocal: true, ..Options::default() },
+            Options { sigma: Some(0.1), reciprocity: Reciprocity::Mean, ..Options::default() },
+            Options { reciprocity: Reciprocity::Steeper, ..Options::default() },
             Options { polarization: second, ..Options::default() },
         ] {
             let tables = tables(options);
@@ -287,8 +317,12 @@ mod tests {
         let material = crate::io::encode_material(&example(2)).unwrap();
         assert!(decode_tables(&material).unwrap_err().to_string().contains("another kind of safetensors?"));
         type Edit = (&'static str, fn(&mut Description));
-        let edits: [Edit; 7] = [
-            ("has another version than 1", |d| d.version = 2),
+        let edits: [Edit; 11] = [
+            ("has another version than 2", |d| d.version = 1),
+            ("achromatic is -1", |d| d.achromatic = -1.0),
+            ("halo has 4 σ, over the limit of 3", |d| d.halo = vec![0.1; 4]),
+            ("the halo of the tables has σ", |d| d.halo = vec![2.0]),
+            ("inverse_q has 12291 numbers", |d| d.halo = vec![0.1]),
             ("kind must be 'marginal' or 'cone'", |d| d.kind = "half".into()),
             ("sides must be 'alike' or 'both'", |d| d.sides = String::new()),
             ("polarization must be 1, 2 or null", |d| d.polarization = Some(3)),

@@ -10,13 +10,15 @@ use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 
 use super::{container, read_bytes, write_whole};
-use crate::brdf::{FeatherMaterial, LobeSet, ParameterSet, table_axes};
+use crate::brdf::{FeatherMaterial, Halo, LobeSet, ParameterSet, Spectral, achromatic_lengths, table_axes};
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::{Axes, Sides};
 use crate::{Error, Result};
 
-/// Version of the layout.
+/// Versions of the layout: of materials with neither spectral noise nor a halo, and with either, which earlier programs would leave
+/// out without a word.
 const SCHEMA: u32 = 3;
+const SCHEMA_WITH_MORE: u32 = 4;
 
 /// The one entry of the container's metadata.
 const ENTRY: &str = "barbule";
@@ -31,6 +33,11 @@ struct Description {
     sides: String,
     sigma: f64,
     seed: u64,
+    /// h of the height phase, µm, and the share of achromatic instances; left out where both are 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    height_um: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    achromatic: Option<f64>,
     /// How a code k of each array becomes a value.
     maps: BTreeMap<String, String>,
     info: serde_json::Value,
@@ -116,6 +123,12 @@ const OTHERS: [(&str, Map, Belongs); 4] = [
 /// The arrays over directions alone, in single precision.
 const SLOPES: [&str; 2] = ["steepness", "strength"];
 
+/// The arrays of a halo: its widths and axes in double precision, then its shares and its power in single.
+const HALO_AXES: [&str; 4] = ["halo_sigma", "halo_wavelengths_nm", "halo_cos_theta", "halo_cos_phi"];
+const HALO_INDEX: &str = "halo_index";
+const HALO_SHARES: &str = "halo_shares";
+const HALO_POWER: &str = "halo_power";
+
 /// The arrays of a set by name, empty ones left out.
 fn arrays(set: &ParameterSet) -> Vec<(String, Map, &[f32])> {
     let endings = MEAN.iter().zip(&set.mean).chain([(&STEADY, &set.steady)]);
@@ -175,6 +188,7 @@ pub fn encode_material(material: &FeatherMaterial) -> Result<Vec<u8>> {
         values.iter().flat_map(|&v| map.code(v).to_le_bytes()).collect()
     };
     let doubles = |values: &[f64]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let mut tensors: BTreeMap<String, (Dtype, Vec<usize>, Vec<u8>)> = BTreeMap::new();
     for (name, values) in [
         ("wavelengths_nm", axes.wavelengths_nm()),
@@ -193,17 +207,29 @@ pub fn encode_material(material: &FeatherMaterial) -> Result<Vec<u8>> {
     for (name, map, _) in OTHERS.into_iter().filter(|(.., belongs)| *belongs == Belongs::Material) {
         tensors.insert(name.into(), (Dtype::U16, shape.clone(), codes(map, &material.correlation)));
     }
+    let spectral = (material.spectral != Spectral::default()).then_some(material.spectral);
     for (name, values) in SLOPES.into_iter().zip([&material.steepness, &material.strength]) {
-        let bytes = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-        tensors.insert(name.into(), (Dtype::F32, shape[1..].to_vec(), bytes));
+        tensors.insert(name.into(), (Dtype::F32, shape[1..].to_vec(), floats(values)));
+    }
+    if let Some(halo) = &material.halo {
+        let axes = [&halo.sigma, &halo.wavelengths_nm, &halo.cos_theta, &halo.cos_phi];
+        for (name, values) in HALO_AXES.into_iter().zip(axes) {
+            tensors.insert(name.into(), (Dtype::F64, vec![values.len()], doubles(values)));
+        }
+        let shape: Vec<usize> = axes.iter().map(|axis| axis.len()).collect();
+        tensors.insert(HALO_INDEX.into(), (Dtype::F64, vec![1], doubles(&[halo.index])));
+        tensors.insert(HALO_POWER.into(), (Dtype::F32, shape[1..].to_vec(), floats(&halo.power)));
+        tensors.insert(HALO_SHARES.into(), (Dtype::F32, shape, floats(&halo.shares)));
     }
     let mut description = Description {
-        schema: SCHEMA,
+        schema: if spectral.is_some() || material.halo.is_some() { SCHEMA_WITH_MORE } else { SCHEMA },
         program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
         kind: kind_name(material.kind).into(),
         sides: sides_name(axes.sides()).into(),
         sigma: material.sigma,
         seed: material.seed,
+        height_um: spectral.map(|spectral| spectral.height_um),
+        achromatic: spectral.map(|spectral| spectral.achromatic),
         maps: maps().map(|(name, map)| (name, map.text().to_owned())).collect(),
         info: material.info.clone(),
         checksum: String::new(),
@@ -255,14 +281,20 @@ pub fn decode_material(bytes: &[u8]) -> Result<FeatherMaterial> {
         doubles(&views, "cos_phi")?,
     )?
     .with_sides(sides_of(&description.sides)?);
-    let sets = if views.contains_key("p1.m") { 2 } else { 1 };
+    let count = if views.contains_key("p1.m") { 2 } else { 1 };
+    let sets: Vec<ParameterSet> = (0..count)
+        .map(|set| decode_set(&views, &axes, &prefix(set, count), count == 1))
+        .collect::<Result<_>>()?;
+    let [height_um, achromatic] =
+        [description.height_um, description.achromatic].map(|value| value.unwrap_or_default());
     let material = FeatherMaterial {
-        sets: (0..sets)
-            .map(|set| decode_set(&views, &axes, &prefix(set, sets), sets == 1))
-            .collect::<Result<_>>()?,
         correlation: codes(&views, &axes, "correlation", Map::Share)?,
-        steepness: singles(&views, &axes, SLOPES[0])?,
-        strength: singles(&views, &axes, SLOPES[1])?,
+        steepness: singles(&views, SLOPES[0], &[axes.cos_theta().len(), axes.phis()])?,
+        strength: singles(&views, SLOPES[1], &[axes.cos_theta().len(), axes.phis()])?,
+        achromatic_length: achromatic_lengths(&axes, &sets),
+        sets,
+        spectral: Spectral { height_um, achromatic },
+        halo: views.contains_key(HALO_SHARES).then(|| decode_halo(&views)).transpose()?,
         axes,
         kind: kind_of(&description.kind)?,
         sigma: description.sigma,
@@ -284,9 +316,9 @@ fn describe(json: &str) -> Result<Description> {
         Error::input(format!("the description in its metadata is not valid: {}", short(&e.to_string())))
     };
     let Schema { schema } = serde_json::from_str(json).map_err(refuse)?;
-    if schema != SCHEMA {
+    if ![SCHEMA, SCHEMA_WITH_MORE].contains(&schema) {
         return Err(Error::input(format!(
-            "has schema {schema}, but this program reads schema {SCHEMA}; fit it again or use another version of barbule"
+            "has schema {schema}, but this program reads schemas {SCHEMA} and {SCHEMA_WITH_MORE}; fit it again or use another version of barbule"
         )));
     }
     let description: Description = serde_json::from_str(json).map_err(refuse)?;
@@ -340,9 +372,24 @@ fn codes(views: &BTreeMap<&str, TensorView<'_>>, axes: &Axes, name: &str, map: M
     Ok(view.data().as_chunks::<2>().0.iter().map(|b| map.value(u16::from_le_bytes(*b))).collect())
 }
 
-/// The values of an array over directions.
-fn singles(views: &BTreeMap<&str, TensorView<'_>>, axes: &Axes, name: &str) -> Result<Vec<f32>> {
-    let view = shaped(views, name, Dtype::F32, &[axes.cos_theta().len(), axes.phis()])?;
+fn decode_halo(views: &BTreeMap<&str, TensorView<'_>>) -> Result<Halo> {
+    let [sigma, nm, cos_theta, cos_phi] = HALO_AXES.map(|name| doubles(views, name));
+    let (sigma, wavelengths_nm, cos_theta, cos_phi) = (sigma?, nm?, cos_theta?, cos_phi?);
+    let shape = [sigma.len(), wavelengths_nm.len(), cos_theta.len(), cos_phi.len()];
+    Ok(Halo {
+        shares: singles(views, HALO_SHARES, &shape)?,
+        power: singles(views, HALO_POWER, &shape[1..])?,
+        index: shaped(views, HALO_INDEX, Dtype::F64, &[1]).and(doubles(views, HALO_INDEX))?[0],
+        sigma,
+        wavelengths_nm,
+        cos_theta,
+        cos_phi,
+    })
+}
+
+/// The values of an array of this shape in single precision.
+fn singles(views: &BTreeMap<&str, TensorView<'_>>, name: &str, shape: &[usize]) -> Result<Vec<f32>> {
+    let view = shaped(views, name, Dtype::F32, shape)?;
     Ok(view.data().as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect())
 }
 

@@ -303,6 +303,7 @@ impl Store {
         digests[5] = self.write_chunk(&arrays[5], at, &unit.pattern_correlation)?;
         digests[6] = self.write_chunk(&arrays[6], at, &unit.unpolarized_contrast)?;
         digests[7] = self.write_chunk(&arrays[7], at, &unit.contrast)?;
+        digests[8] = self.write_chunk(&arrays[8], at, &unit.glints)?;
         self.write_chunk(&self.arrays.digest, at, &digests)?;
         Ok(())
     }
@@ -364,6 +365,7 @@ impl Store {
             pattern_correlation: self.read_chunk(5, &at, &digests)?,
             unpolarized_contrast: self.read_chunk(6, &at, &digests)?,
             contrast: self.read_chunk(7, &at, &digests)?,
+            glints: self.read_chunk(8, &at, &digests)?,
             fields: Vec::new(),
         };
         is_possible(&unit).then_some(unit)
@@ -410,7 +412,7 @@ fn is_possible(unit: &UnitStatistics) -> bool {
         && intensity(&unit.reflected)
         && intensity(&unit.reflected_std)
         && unit.unpolarized_contrast.iter().all(|v| v.is_nan() || *v >= 0.0)
-        && unit.contrast.iter().all(|v| v.is_finite() && *v >= 0.0)
+        && unit.contrast.iter().chain(&unit.glints).all(|v| v.is_finite() && *v >= 0.0)
         && !unit.pattern_correlation.iter().any(|v| v.is_infinite())
         && unit.fields.iter().all(|e| e.is_finite())
 }

@@ -1,10 +1,15 @@
 //! Materials as people name them: files, or structures whose material ships, is cached or is characterized.
 
 use super::{Opening, material_file, structure};
+use crate::brdf::FeatherMaterial;
 use crate::brdf::fit::FitOptions;
-use crate::characterize::{CampaignOptions, Execution, Found, Origin, Plan, as_filed, characterize};
+use crate::characterize::{
+    CampaignOptions, Catalog, Execution, Found, Origin, Plan, as_filed, characterize, species_of,
+};
 use crate::error::shortened;
+use crate::material::Library;
 use crate::progress::Progress;
+use crate::resolve::{Below, Worn};
 use crate::structure::Structure;
 use crate::{Error, Result};
 
@@ -100,11 +105,59 @@ pub fn made(plan: &Plan, opening: &Opening, progress: &dyn Progress) -> Result<F
     Ok(Found { material, hash, origin })
 }
 
+/// A material ready to be worn, with what is known of the lower sides of its barbules: of species that are alike on both, and of those
+/// of which the other side's material ships. `hash` is BLAKE3 of its bytes.
+///
+/// # Errors
+/// As [`Worn::new`].
+pub fn worn(material: &FeatherMaterial, hash: String) -> Result<Worn> {
+    Ok(Worn { below: below(material), ..Worn::new(material, hash)? })
+}
+
+fn below(material: &FeatherMaterial) -> Below {
+    let recorded = &material.info["campaign"]["structure"];
+    let Some(model) = species_of(material, Library::builtin()) else { return Below::Keratin };
+    if model.is_alike_below() {
+        return Below::Same;
+    }
+    let is_upper = recorded["side"].as_str() != Some("below");
+    let upper = Structure::Species(Box::new(model));
+    let Ok(lower) = upper.clone().underside() else { return Below::Keratin };
+    let (own, other) = if is_upper { (upper, lower) } else { (lower, upper) };
+    match Catalog::default().shipped(&other) {
+        // A user's own media are not those that ship.
+        Ok(Some(_)) if own.description() == *recorded => Below::Named(other.name()),
+        _ => Below::Keratin,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Unobserved;
-    use crate::characterize::Catalog;
+    use crate::structure::Side;
+
+    #[test]
+    fn shipped_materials_know_their_other_sides() {
+        for (stem, bytes) in barbule_birds::materials() {
+            let material = crate::io::decode_material(bytes).unwrap();
+            let (bird, _) = stem.split_once('-').unwrap();
+            let (variant, is_lower) = (material.info["variant"].as_str().unwrap(), stem.ends_with("-below"));
+            let expected = match bird {
+                "starling" | "bronzewing" => Below::Same,
+                "mallard" | "magpie" | "peafowl" => {
+                    let end = if is_lower { "" } else { Side::BELOW };
+                    Below::Named(format!("{bird}:{variant}{end}"))
+                }
+                _ => Below::Keratin,
+            };
+            assert_eq!(below(&material), expected, "{stem}");
+        }
+        // Made of other media it is another bird.
+        let mut own = crate::io::decode_material(barbule_birds::material("mallard-lime").unwrap()).unwrap();
+        own.info["campaign"]["structure"]["materials"]["keratin"] = "another".into();
+        assert_eq!(below(&own), Below::Keratin);
+    }
 
     #[test]
     fn a_material_is_kept_where_it_can_be_and_used_where_it_cannot() {

@@ -33,7 +33,7 @@ mod unknown;
 
 use std::path::Path;
 
-pub use material::{Located, locate, made, material, material_of};
+pub use material::{Located, locate, made, material, material_of, worn};
 pub use media::Media;
 pub use scene::{description, folder_of, scene};
 pub use structure::{is_built_in, lattice, lattice_of, structure};

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Opening, is_built_in, material, structure, unknown};
+use super::{Opening, is_built_in, material, structure, unknown, worn};
 use crate::characterize::species_of;
 use crate::error::shortened;
 use crate::io::{Folder, InputKind, Shown, kind_of, read_material, read_shown, read_text};
 use crate::material::Library;
 use crate::picture::scene_for;
 use crate::progress::Progress;
-use crate::resolve::{Worn, resolve};
+use crate::resolve::resolve;
 use crate::scene::description::{Named, ReadyScene, SceneDescription};
 use crate::scene::preset;
 use crate::structure::{GeneratorParameters, SpeciesModel, Structure};
@@ -37,7 +37,7 @@ pub fn scene(text: &str, opening: &Opening, progress: &dyn Progress) -> Result<R
     let description = description(text, opening, progress)?;
     let mut dye = |name: &str| {
         let found = material(name, opening, progress)?;
-        Worn::new(&found.material, found.hash)
+        worn(&found.material, found.hash)
     };
     resolve(description, &Folder(folder_of(text)), &mut dye, opening.seed, progress)
 }

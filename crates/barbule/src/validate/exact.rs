@@ -7,7 +7,7 @@ use crate::identity::Hasher;
 use crate::io::Units;
 use crate::math::simd::Width;
 use crate::progress::{OnlyStops, Progress};
-use crate::solve::far_fields::{Effort, Illuminations, Prepared, Scattered};
+use crate::solve::far_fields::{Effort, Prepared, Scattered};
 use crate::{Error, Result};
 
 /// One incidence by full waves; powers are parts of the incident power.
@@ -51,27 +51,32 @@ impl Plan {
     /// How many of the wavelengths are there from before.
     #[must_use]
     pub fn done(&self, units: &Units) -> usize {
-        self.wavelengths.nm().iter().filter(|nm| self.kept(units, **nm).is_some()).count()
+        self.wavelengths.len() - self.missing(Some(units)).count()
     }
 
-    /// Full waves of all incidences of a wavelength.
+    /// The wavelengths, by their places, that are not there from before.
+    pub(super) fn missing(&self, units: Option<&Units>) -> impl Iterator<Item = usize> {
+        let is_kept = move |nm: f64| units.is_some_and(|units| self.kept(units, nm).is_some());
+        (0..self.wavelengths.len()).filter(move |w| !is_kept(self.wavelengths.nm()[*w]))
+    }
+
+    /// Full waves of all incidences of a wavelength, and whether they were not there from before.
     pub(super) fn solved(
         &self,
         exact: &dyn Prepared,
         wavelength_nm: f64,
         units: Option<&Units>,
         progress: &dyn Progress,
-    ) -> Result<Vec<Solved>> {
+    ) -> Result<(Vec<Solved>, bool)> {
         if let Some(kept) = units.and_then(|units| self.kept(units, wavelength_nm)) {
-            return Ok(kept);
+            return Ok((kept, false));
         }
-        let one = Illuminations { wavelengths_nm: vec![wavelength_nm], ..self.light() };
-        let found = exact.scatter(&one, self.circle(), &OnlyStops(progress))?;
+        let found = exact.scatter(&self.light_of(wavelength_nm), self.circle(), &OnlyStops(progress))?;
         let found = found.iter().map(|full| Solved::new(full, self.azimuths)).collect::<Result<Vec<_>>>()?;
         if let Some(units) = units {
             units.keep(&unit_name(wavelength_nm), &self.identity(wavelength_nm), &found)?;
         }
-        Ok(found)
+        Ok((found, true))
     }
 
     fn kept(&self, units: &Units, wavelength_nm: f64) -> Option<Vec<Solved>> {

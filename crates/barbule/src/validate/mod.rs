@@ -1,11 +1,15 @@
 //! How accurate the fast simulation is: the same sections by it and by full waves, in numbers and figures.
 
+mod ensemble;
 mod exact;
 mod figures;
 mod numbers;
+mod spread;
 pub mod three_d;
 
-pub use numbers::{Case, Comparison, Incidence};
+pub use ensemble::Ensemble;
+pub use numbers::{Case, Comparison, Incidence, tells_colours};
+pub use spread::Spread;
 
 use exact::Solved;
 use rayon::prelude::*;
@@ -13,20 +17,26 @@ use rayon::prelude::*;
 use crate::clock;
 use crate::io::Units;
 use crate::progress::{OnlyStops, Progress};
-use crate::scattering::far_field::{FarField, Polarization, Window};
-use crate::solve::SHADOWED;
+use crate::scattering::far_field::{FarField, Illumination, Polarization, Window};
 use crate::solve::cost::Cost;
 use crate::solve::far_fields::{Illuminations, Method, SectionSolver as _, Settings};
 use crate::solve::full_wave::FullWave;
+use crate::solve::{SHADOWED, incident_range, width_within_um};
 use crate::spectrum::Wavelengths;
 use crate::structure::{Closed, Section};
 use crate::{Error, Result};
+
+/// Light of a beam should come from within so many degrees of the azimuth asked: at 60° that is from less than 75°, from where on single
+/// reflections are not enough, and leaves at most 2.3 % of the power beyond (two deviations).
+pub const MOST_OFF_DEG: f64 = 15.0;
 
 /// What is compared.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// What it is called.
     pub name: String,
+    /// Which individual, from 0.
+    pub instance: usize,
     /// The section as both solvers get it.
     pub closed: Closed,
     /// Vacuum wavelengths.
@@ -58,12 +68,48 @@ impl Plan {
         }
     }
 
-    /// What the full waves take.
+    /// What the full waves of each wavelength take.
     ///
     /// # Errors
     /// As [`Prepared::cost`](crate::solve::far_fields::Prepared::cost).
-    pub fn cost(&self, threads: usize) -> Result<Cost> {
-        self.full.prepare(&self.closed.regions)?.cost(&self.light(), self.circle(), threads)
+    pub fn costs(&self, threads: usize) -> Result<Vec<Cost>> {
+        let exact = self.full.prepare(&self.closed.regions)?;
+        let cost = |&nm: &f64| exact.cost(&self.light_of(nm), self.circle(), threads);
+        self.wavelengths.nm().iter().map(cost).collect()
+    }
+
+    /// Refuses angles from which the light does not come: a beam on a narrow section comes from many.
+    ///
+    /// # Errors
+    /// At the longest wavelength the field's spectrum at 1/e lies more than [`MOST_OFF_DEG`] beside an azimuth.
+    pub fn check_beams(&self) -> Result<()> {
+        let (width_um, longest_nm) = (self.closed.regions.width_um, self.wavelengths.range_nm().1);
+        for light in self.light_of(longest_nm).iter() {
+            let least_um = width_within_um(&light, MOST_OFF_DEG.to_radians());
+            if least_um.is_some_and(|least_um| width_um >= least_um) {
+                continue;
+            }
+            let [from, to] = incident_range(&light, width_um).phi_i.map(f64::to_degrees);
+            let remedy = least_um.map_or_else(
+                || format!("give angles below {:.0}°", 90.0 - MOST_OFF_DEG),
+                |least_um| {
+                    format!(
+                        "take a section from {:.1} µm on, or leave this angle out",
+                        (10.0 * least_um).ceil() / 10.0
+                    )
+                },
+            );
+            return Err(Error::input(format!(
+                "φ_i = {:.0}°: the beam on {width_um} µm comes from {from:.0}° to {to:.0}° at {longest_nm} nm, more than {MOST_OFF_DEG}° beside it; {remedy}",
+                light.phi_i.to_degrees()
+            )));
+        }
+        Ok(())
+    }
+
+    /// The light of one wavelength.
+    fn light_of(&self, wavelength_nm: f64) -> Illuminations {
+        Illuminations { wavelengths_nm: vec![wavelength_nm], ..self.light() }
     }
 
     /// Azimuths of the full waves: every second of four times as many of the circle is one of the upper half's.
@@ -71,17 +117,42 @@ impl Plan {
         4 * self.azimuths
     }
 
-    /// Runs both. Full waves of each wavelength, whose incidences share one solution, are kept as they come and taken from there
-    /// another time: to the same bits, times and all.
+    /// Runs both: [`run_all`] of one.
     ///
     /// # Errors
-    /// As the solvers; a unit cannot be written; or the user cancelled.
+    /// As [`run_all`].
     pub fn run(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Comparison> {
+        let steps = self.begin(std::slice::from_ref(self), units, progress)?;
+        self.compare(units, &steps, progress)
+    }
+
+    /// Says how much there is to do, in steps of what the first plan's wavelengths take; the steps of each wavelength.
+    fn begin(&self, plans: &[Self], units: Option<&Units>, progress: &dyn Progress) -> Result<Vec<u64>> {
+        let seconds: Vec<f64> =
+            self.costs(1)?.into_iter().map(|cost| cost.seconds.unwrap_or_default()).collect();
+        let all = seconds.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let steps: Vec<u64> = seconds.iter().map(|one| (STEPS * one / all).ceil() as u64).collect();
+        // What is there from before takes no time.
+        let left = plans.iter().flat_map(|plan| plan.missing(units)).map(|w| steps[w]).sum();
+        progress.begin("full waves", left);
+        Ok(steps)
+    }
+
+    fn compare(&self, units: Option<&Units>, steps: &[u64], progress: &dyn Progress) -> Result<Comparison> {
         let light = self.light();
         let solver = (self.method.solver)(&Settings::default());
         let (formulas, exact) =
             (solver.prepare(&self.closed.fast)?, self.full.prepare(&self.closed.regions)?);
-        let solved = |wavelength_nm| self.solved(&*exact, wavelength_nm, units, progress);
+        // Full waves first: what is dear is kept before anything else can fail.
+        let mut full = Vec::with_capacity(light.count());
+        for (&wavelength_nm, &steps) in self.wavelengths.nm().iter().zip(steps) {
+            if progress.is_cancelled() {
+                return Err(Error::interrupted());
+            }
+            let (found, is_new) = self.solved(&*exact, wavelength_nm, units, progress)?;
+            full.extend(found);
+            progress.advance(if is_new { steps } else { 0 });
+        }
         let by_formulas =
             |light: &Illuminations| formulas.scatter(light, self.azimuths, &OnlyStops(progress));
         let start = clock::system();
@@ -89,29 +160,21 @@ impl Plan {
         let fast_seconds = (clock::system() - start).as_secs_f64();
         let fast = by_formulas(&light)?;
         let fast_bytes = formulas.cost(&light, self.azimuths, 1)?.bytes;
-        let (incidences, count) = (self.phi_i.len(), self.wavelengths.len());
-        progress.begin("full waves", count as u64);
-        let mut cases = Vec::with_capacity(light.count());
-        for (w, &wavelength_nm) in self.wavelengths.nm().iter().enumerate() {
-            if progress.is_cancelled() {
-                return Err(Error::interrupted());
-            }
-            let full = solved(wavelength_nm)?;
-            let of_this = w * incidences..(w + 1) * incidences;
-            let of_formulas = fast[of_this.clone()].iter().zip(&windowed[of_this]);
-            for ((fast, windowed), full) in of_formulas.zip(&full) {
-                cases.push(case(wavelength_nm, &fast.far, &windowed.far, full));
-            }
-            progress.advance(1);
-        }
+        let width_um = self.closed.regions.width_um;
+        let cases: Vec<Case> = (light.iter().zip(&fast).zip(&windowed).zip(&full))
+            .map(|(((one, fast), windowed), full)| case(&one, width_um, [&fast.far, &windowed.far], full))
+            .collect();
         // [wavelength][incidence] → [incidence][wavelength]
+        let (incidences, count) = (self.phi_i.len(), self.wavelengths.len());
         let of = |i: usize| (0..count).map(|w| cases[w * incidences + i].clone()).collect::<Vec<_>>();
         let found = (0..incidences)
             .into_par_iter()
             .map(|i| Incidence::new(self.phi_i[i].to_degrees(), of(i), &self.wavelengths));
         Ok(Comparison {
             name: self.name.clone(),
-            width_um: self.closed.regions.width_um,
+            instance: self.instance,
+            width_um,
+            ends: self.closed.ends,
             changes: self.closed.changes.clone(),
             wavelengths_nm: self.wavelengths.nm().to_vec(),
             elements_per_wavelength: self.full.elements_per_wavelength,
@@ -124,17 +187,36 @@ impl Plan {
     }
 }
 
+/// In how many steps the progress of an individual is told, about.
+const STEPS: f64 = 1000.0;
+
+/// Runs both of each individual, one after the other. Full waves of each wavelength, whose incidences share one solution, are kept as they
+/// come and taken from there another time: to the same bits, times and all.
+///
+/// # Errors
+/// No plans; as the solvers; a unit cannot be written; the plans' light differs; or the user cancelled.
+pub fn run_all(plans: &[Plan], units: Option<&Units>, progress: &dyn Progress) -> Result<Ensemble> {
+    let Some(first) = plans.first() else { return Ensemble::new(Vec::new()) };
+    if plans.iter().any(|plan| plan.wavelengths.nm() != first.wavelengths.nm()) {
+        return Err(Error::input("individuals are compared under different light; give all the same"));
+    }
+    let steps = first.begin(plans, units, progress)?;
+    let found = plans.iter().map(|plan| plan.compare(units, &steps, progress));
+    Ensemble::new(found.collect::<Result<_>>()?)
+}
+
 /// One wavelength and incidence by both.
-fn case(wavelength_nm: f64, fast: &FarField, windowed: &FarField, full: &Solved) -> Case {
+fn case(light: &Illumination, width_um: f64, [fast, windowed]: [&FarField; 2], full: &Solved) -> Case {
     let mean = |both: [f64; 2]| 0.5 * (both[0] + both[1]);
     Case {
-        wavelength_nm,
+        wavelength_nm: light.wavelength_nm,
         fast: unpolarized(fast),
         full: full.pattern.clone(),
         reflected: [mean(fast.radiated), full.reflected],
         windowed: mean(windowed.radiated),
         scattered: full.scattered,
         absorbed: full.absorbed,
+        range: incident_range(light, width_um),
         effort: full.effort,
     }
 }
@@ -160,7 +242,7 @@ mod tests {
     use crate::progress::{NO_CLOCK, Unobserved};
     use crate::solve::far_fields::SectionSolver;
     use crate::solve::{DIRECT, FAST};
-    use crate::structure::{Beneath, Inclusion, Loop, Medium, Parts, Polyline};
+    use crate::structure::{Beneath, Ends, Inclusion, Loop, Medium, Parts, Polyline};
 
     /// Ridges as steep as 25° hide at 60° what leaves the slopes that face away: with shadows the pattern is nearer to that of
     /// full waves.
@@ -182,8 +264,9 @@ mod tests {
         let section = Section::new(parts, Library::builtin()).unwrap();
         let plan = Plan {
             name: "ridges".into(),
+            instance: 0,
             azimuths: usual_azimuths(&section, 550.0),
-            closed: section.closed(Beneath::Absorbing).unwrap(),
+            closed: section.closed(Beneath::Absorbing, Ends::Open).unwrap(),
             wavelengths: Wavelengths::new(vec![550.0]).unwrap(),
             phi_i: vec![60_f64.to_radians()],
             full: FullWave { elements_per_wavelength: 6.0, memory_bytes: u64::MAX, clock: NO_CLOCK },
@@ -197,7 +280,7 @@ mod tests {
         let by = |method: Method| {
             let solver = (method.solver)(&Settings::default());
             let fast = scattered(&*solver, &plan.closed.fast, plan.azimuths).far;
-            case(550.0, &fast, &fast, &Solved::new(&full, plan.azimuths).unwrap())
+            case(&plan.light().at(0), 6.6, [&fast, &fast], &Solved::new(&full, plan.azimuths).unwrap())
         };
         let (plain, shadowed) = (by(DIRECT), by(SHADOWED));
         // 0.620 and 0.804, 0.81 and 0.50 are reached.
@@ -226,7 +309,7 @@ mod tests {
             ..Parts::default()
         };
         let section = Section::new(parts, Library::builtin()).unwrap();
-        let closed = section.closed(Beneath::Absorbing).unwrap();
+        let closed = section.closed(Beneath::Absorbing, Ends::Open).unwrap();
         let light = Illuminations {
             wavelengths_nm: vec![550.0],
             theta_i: vec![0.0],

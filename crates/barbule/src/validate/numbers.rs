@@ -2,13 +2,25 @@
 
 use serde_json::{Value, json};
 
+use crate::solve::IncidentRange;
 use crate::solve::far_fields::Effort;
 use crate::spectrum::Wavelengths;
-use crate::spectrum::colour::{Illuminant, Observer};
+use crate::spectrum::colour::{Illuminant, Observer, held};
 use crate::spectrum::difference::{delta_e_2000, lab};
+use crate::structure::Ends;
 
 /// Beyond this light leaves near the horizon, where single reflections are not enough, degrees.
 const UPWARD_DEG: f64 = 75.0;
+
+/// Colours are told where no two wavelengths lie farther apart than this, nm: bands of films and crystals are some 50 nm wide and more.
+const COLOUR_STEP_NM: f64 = 25.0;
+
+/// Whether what is known at wavelengths makes a colour: they cover what is seen, and lie close enough.
+#[must_use]
+pub fn tells_colours(wavelengths: &Wavelengths) -> bool {
+    let is_close = wavelengths.nm().windows(2).all(|pair| pair[1] - pair[0] <= COLOUR_STEP_NM);
+    is_close && held(wavelengths).is_none()
+}
 
 /// One wavelength and incidence by both simulations; powers are parts of the incident power.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +39,8 @@ pub struct Case {
     pub absorbed: f64,
     /// What leaves in all directions but for the light itself, by full waves.
     pub scattered: f64,
+    /// From where the light comes.
+    pub range: IncidentRange,
     /// What the full waves took: all incidences of a wavelength share it.
     pub effort: Effort,
 }
@@ -38,10 +52,10 @@ pub struct Incidence {
     pub phi_deg: f64,
     /// By wavelength.
     pub cases: Vec<Case>,
-    /// ΔE00 of the colours of all that is reflected.
-    pub delta_e: f64,
+    /// ΔE00 of the colours of all that is reflected; `None` where wavelengths do not tell ([`tells_colours`]).
+    pub delta_e: Option<f64>,
     /// ΔE00 of the colours at each azimuth, weighted by luminance; the brightest of the full waves is white's.
-    pub delta_e_pattern: f64,
+    pub delta_e_pattern: Option<f64>,
     /// Linear sRGB at each azimuth: fast, full.
     pub rgb: [Vec<[f64; 3]>; 2],
 }
@@ -51,8 +65,12 @@ pub struct Incidence {
 pub struct Comparison {
     /// What was simulated.
     pub name: String,
+    /// Which individual, from 0.
+    pub instance: usize,
     /// Its width.
     pub width_um: f64,
+    /// How its layers end; `None` for crystals and sections of closed regions.
+    pub ends: Option<Ends>,
     /// How it was closed.
     pub changes: Vec<String>,
     /// Vacuum wavelengths.
@@ -137,7 +155,26 @@ impl Incidence {
                 .map(|at| weights.linear_rgb(&samples(side, at)).map(|value| value * scale))
                 .collect()
         });
-        Self { phi_deg, cases, delta_e, delta_e_pattern: sum / weight.max(f64::MIN_POSITIVE), rgb }
+        let told = |value: f64| tells_colours(wavelengths).then_some(value);
+        let delta_e_pattern = told(sum / weight.max(f64::MIN_POSITIVE));
+        Self { phi_deg, cases, delta_e: told(delta_e), delta_e_pattern, rgb }
+    }
+
+    /// The widest range of azimuths that light of a wavelength comes from, degrees, and the largest part beyond the horizon: those of the
+    /// longest wavelength.
+    #[must_use]
+    pub fn beam(&self) -> ([f64; 2], f64) {
+        let ranges = || self.cases.iter().map(|case| case.range);
+        let from = ranges().map(|range| range.phi_i[0]).fold(f64::INFINITY, f64::min);
+        let to = ranges().map(|range| range.phi_i[1]).fold(f64::NEG_INFINITY, f64::max);
+        let beyond = ranges().map(|range| range.beyond_horizon).fold(0.0, f64::max);
+        ([from, to].map(f64::to_degrees), beyond)
+    }
+
+    /// By wavelength what is reflected: fast (0) or full (1).
+    #[must_use]
+    pub fn reflected(&self, side: usize) -> Vec<f64> {
+        self.cases.iter().map(|case| case.reflected[side]).collect()
     }
 
     /// How much more the fast simulation reflects of all wavelengths together, as a part of what the full waves do: dark
@@ -153,7 +190,8 @@ impl Incidence {
         self.mean(|case| case.upward()[0]) / self.mean(|case| case.upward()[1]) - 1.0
     }
 
-    fn mean(&self, of: impl Fn(&Case) -> f64) -> f64 {
+    /// The mean over wavelengths.
+    pub(super) fn mean(&self, of: impl Fn(&Case) -> f64) -> f64 {
         self.cases.iter().map(of).sum::<f64>() / self.cases.len() as f64
     }
 }
@@ -181,16 +219,23 @@ impl Comparison {
                 "power_error_within_75_deg": case.upward()[0] / case.upward()[1] - 1.0,
                 "pattern_correlation": case.correlation(),
                 "pattern_rms": case.rms(),
+                "beam_range_deg": case.range.phi_i.map(f64::to_degrees),
+                "beyond_horizon": case.range.beyond_horizon,
                 "unknowns": case.effort.unknowns,
                 "full_wave_seconds": case.effort.seconds,
                 "full_wave_bytes": case.effort.memory_bytes,
             })
         };
         let incidence = |found: &Incidence| {
+            let (range_deg, beyond) = found.beam();
             json!({
                 "phi_deg": found.phi_deg,
-                "delta_e_2000": found.delta_e,
-                "delta_e_2000_pattern": found.delta_e_pattern,
+                "beam_range_deg": range_deg,
+                "beyond_horizon": beyond,
+                "fast": {"mean": found.mean(|case| case.reflected[0]), "std": null},
+                "full": {"mean": found.mean(|case| case.reflected[1]), "std": null},
+                "delta_e": found.delta_e,
+                "delta_e_patterns": found.delta_e_pattern,
                 "mean_power_error": found.mean_power_error(),
                 "mean_power_error_within_75_deg": found.mean_upward_error(),
                 "mean_pattern_correlation": found.mean(Case::correlation),
@@ -200,7 +245,9 @@ impl Comparison {
         };
         json!({
             "structure": self.name,
+            "instance": self.instance,
             "width_um": self.width_um,
+            "ends": self.ends.map(Ends::name),
             "changes": self.changes,
             "elements_per_wavelength": self.elements_per_wavelength,
             "shadowing": self.has_shadows,
@@ -212,48 +259,6 @@ impl Comparison {
             "incidences": self.incidences.iter().map(incidence).collect::<Vec<_>>(),
         })
     }
-
-    /// A table for people.
-    #[must_use]
-    pub fn table(&self) -> String {
-        let mut text = format!(
-            "{}, {} µm wide, {} wavelengths\n{:>8}  {:>8}  {:>8}  {:>12}  {:>12}  {:>12}  {:>8}  {:>8}  {:>12}\n",
-            self.name,
-            self.width_um,
-            self.wavelengths_nm.len(),
-            "φ_i (°)",
-            "fast",
-            "full",
-            "power error",
-            "within 75°",
-            "correlation",
-            "RMS",
-            "ΔE00",
-            "of patterns"
-        );
-        for found in &self.incidences {
-            text += &format!(
-                "{:>8}  {:>8.4}  {:>8.4}  {:>+10.1} %  {:>+10.1} %  {:>12.3}  {:>8.3}  {:>8.1}  {:>12.1}\n",
-                format!("{:.0}", found.phi_deg),
-                found.mean(|case| case.reflected[0]),
-                found.mean(|case| case.reflected[1]),
-                1e2 * found.mean_power_error(),
-                1e2 * found.mean_upward_error(),
-                found.mean(Case::correlation),
-                found.mean(Case::rms),
-                found.delta_e,
-                found.delta_e_pattern
-            );
-        }
-        let unknowns = self.incidences.iter().flat_map(|i| &i.cases).map(|case| case.effort.unknowns).max();
-        text + &format!(
-            "fast {:.2} s, full waves {:.1} s ({} unknowns at most): {:.0} times",
-            self.fast_seconds,
-            self.full_seconds(),
-            unknowns.unwrap_or(0),
-            self.full_seconds() / self.fast_seconds
-        )
-    }
 }
 
 #[cfg(test)]
@@ -263,7 +268,8 @@ mod tests {
     fn case(wavelength_nm: f64, fast: Vec<f64>, full: Vec<f64>, reflected: [f64; 2]) -> Case {
         let effort = Effort { unknowns: 8, elements_per_wavelength: 10.0, seconds: 2.0, memory_bytes: 100 };
         let windowed = reflected[0];
-        Case { wavelength_nm, fast, full, reflected, windowed, absorbed: 0.1, scattered: 0.9, effort }
+        let range = IncidentRange { phi_i: [-0.1, 0.1], beyond_horizon: 0.0 };
+        Case { wavelength_nm, fast, full, reflected, windowed, absorbed: 0.1, scattered: 0.9, range, effort }
     }
 
     #[test]
@@ -296,18 +302,47 @@ mod tests {
 
     #[test]
     fn colours_differ_where_spectra_do() {
-        let wavelengths = Wavelengths::new(vec![400.0, 500.0, 600.0, 700.0]).unwrap();
+        let wavelengths =
+            Wavelengths::new((0..13).map(|i| 400.0 + 24.5 * f64::from(i)).collect::<Vec<_>>()).unwrap();
         let flat = |level: f64| vec![level; 3];
-        let cases = |levels: [[f64; 2]; 4]| -> Vec<Case> {
-            let nm = wavelengths.nm().iter();
-            nm.zip(levels).map(|(nm, [a, b])| case(*nm, flat(a), flat(b), [a, b])).collect()
+        // Levels at 400, 500, 600 and 700 nm, linear between.
+        let at = |levels: [f64; 4], nm: f64| {
+            let place = (nm - 400.0) / 100.0;
+            let left = (place as usize).min(2);
+            levels[left] + (place - left as f64) * (levels[left + 1] - levels[left])
         };
-        let same = Incidence::new(0.0, cases([[0.2, 0.2], [0.5, 0.5], [0.3, 0.3], [0.1, 0.1]]), &wavelengths);
-        assert!(same.delta_e == 0.0 && same.delta_e_pattern == 0.0 && same.rgb[0] == same.rgb[1]);
-        let other =
-            Incidence::new(0.0, cases([[0.2, 0.2], [0.2, 0.5], [0.6, 0.3], [0.1, 0.1]]), &wavelengths);
-        assert!(other.delta_e > 20.0 && other.delta_e_pattern > 20.0);
+        let cases = |fast: [f64; 4], full: [f64; 4]| -> Vec<Case> {
+            let case = |nm: &f64| {
+                let (a, b) = (at(fast, *nm), at(full, *nm));
+                case(*nm, flat(a), flat(b), [a, b])
+            };
+            wavelengths.nm().iter().map(case).collect()
+        };
+        let full = [0.2, 0.5, 0.3, 0.1];
+        let same = Incidence::new(0.0, cases(full, full), &wavelengths);
+        assert!(same.delta_e == Some(0.0) && same.delta_e_pattern == Some(0.0) && same.rgb[0] == same.rgb[1]);
+        let other = Incidence::new(0.0, cases([0.2, 0.2, 0.6, 0.1], full), &wavelengths);
+        assert!(other.delta_e.unwrap() > 20.0 && other.delta_e_pattern.unwrap() > 20.0);
         let greenest = |rgb: [f64; 3]| rgb[1] > rgb[0] && rgb[1] > rgb[2];
         assert!(greenest(other.rgb[1][0]) && !greenest(other.rgb[0][0]));
+    }
+
+    /// Three wavelengths make a blue mallard magenta: no colour is told of them, nor of a part of the spectrum.
+    #[test]
+    fn few_wavelengths_tell_no_colours() {
+        let told = |nm: &[f64]| tells_colours(&Wavelengths::new(nm.to_vec()).unwrap());
+        let steps = |first: f64, step: f64, count: u32| -> Vec<f64> {
+            (0..count).map(|i| first + step * f64::from(i)).collect()
+        };
+        assert!(told(&steps(400.0, 24.5, 13)) && told(&steps(400.0, 12.0, 25)));
+        assert!(
+            !told(&[400.0, 550.0, 694.0]) && !told(&steps(400.0, 42.0, 8)) && !told(&steps(400.0, 12.0, 15))
+        );
+        let cases = vec![
+            case(400.0, vec![0.1], vec![0.2], [0.1, 0.2]),
+            case(694.0, vec![0.1], vec![0.1], [0.1, 0.1]),
+        ];
+        let found = Incidence::new(0.0, cases, &Wavelengths::new(vec![400.0, 694.0]).unwrap());
+        assert_eq!((found.delta_e, found.delta_e_pattern), (None, None));
     }
 }

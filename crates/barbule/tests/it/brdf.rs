@@ -1,8 +1,9 @@
 //! The feather BRDF against what it promises: sampling follows its density, energy is conserved, instances average to
 //! the smooth lobe, and the lobe radiates what was fitted.
 
-use barbule::brdf::fixtures::example;
-use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options};
+use barbule::brdf::fixtures::{example, halo};
+use barbule::brdf::pictures::projected_grid;
+use barbule::brdf::{FeatherBrdf, FeatherMaterial, Options, Reciprocity};
 use barbule::math::rng::Stream;
 use barbule::scattering::directions::{azimuths, omega};
 use barbule::scattering::far_field::Polarization;
@@ -28,6 +29,8 @@ fn constant(m: f32, reflected: f32, steady: f32) -> FeatherMaterial {
         }
     }
     set.length.fill(1.0);
+    material.achromatic_length.fill(1.0);
+    let set = &mut material.sets[0];
     set.fraction_1.fill(0.5);
     set.steady_fraction_1.fill(0.5);
     material.correlation.fill(1.0);
@@ -75,6 +78,18 @@ fn samples_follow_their_density() {
 }
 
 #[test]
+fn samples_of_a_halo_follow_its_density() {
+    let mut halo = halo();
+    halo.shares.iter_mut().for_each(|share| *share *= 3.0);
+    let brdf = brdf(&FeatherMaterial { halo: Some(halo), ..constant(0.1, 0.5, 0.2) });
+    for (number, (theta, phi)) in DIRECTIONS.into_iter().enumerate().step_by(2) {
+        let wi = omega(theta.to_radians(), phi.to_radians());
+        let stream = Stream::new(17, &[number as u64]);
+        assert_samples_follow_their_density(&brdf, wi, stream, &format!("{theta}°, {phi}°"));
+    }
+}
+
+#[test]
 fn samples_of_shipped_materials_follow_their_density() {
     for stem in SHIPPED {
         let brdf = brdf(&shipped(stem));
@@ -97,8 +112,8 @@ fn the_density_integrates_to_one_where_nothing_is_lost() {
 
 #[test]
 fn sampled_albedo_is_that_of_the_quadrature() {
-    for m in [0.001, 0.15, 1.0] {
-        let material = constant(m, 0.5, 0.2);
+    for (m, halo) in [(0.001, None), (0.15, None), (1.0, None), (0.15, Some(halo()))] {
+        let material = FeatherMaterial { halo, ..constant(m, 0.5, 0.2) };
         let brdf = brdf(&material);
         for (theta, phi) in DIRECTIONS {
             let wi = omega(theta.to_radians(), phi.to_radians());
@@ -147,16 +162,29 @@ fn the_lobe_reflects_the_stored_fraction_at_the_nodes() {
 /// The same by brute force on the values themselves, so that quadrature and evaluation cannot share an error.
 #[test]
 fn evaluated_values_integrate_to_the_stored_fraction() {
-    let material = example(3);
-    let brdf = brdf(&material);
+    values_integrate_to(&example(3), 0.7, |_, _| 1.0);
+}
+
+/// Light of a halo leaves up to the horizon; all of it together is the lobes' times the halo's power.
+#[test]
+fn evaluated_values_of_a_halo_integrate_to_its_power() {
+    let halo = halo();
+    let material = FeatherMaterial { halo: Some(halo.clone()), ..example(3) };
+    let nm = material.axes.wavelengths_nm()[1];
+    values_integrate_to(&material, 4.0, |theta, phi| halo.at(nm, theta.cos(), phi.cos()).power);
+}
+
+/// Values summed over θ_o within `reach` of the mirror's are what is stored times a factor of θ_i and φ_i.
+fn values_integrate_to(material: &FeatherMaterial, reach: f64, power: impl Fn(f64, f64) -> f64) {
+    let brdf = brdf(material);
     let axes = &material.axes;
     for (t, p) in [(19, 19), (10, 9), (19, 7)] {
         let (theta, phi) = (axes.theta_i(t), axes.phi_i(p));
-        let stored = material.sets[0].reflected(axes.index(1, t, p));
+        let stored = material.sets[0].reflected(axes.index(1, t, p)) * power(theta, phi);
         let prepared = brdf.prepare([axes.wavelengths_nm()[1] as f32; 4], omega(theta, phi));
         let (rows, columns) = (300, 600);
         let right = std::f64::consts::FRAC_PI_2;
-        let (low, high) = ((-theta - 0.7).max(-right), (-theta + 0.7).min(right));
+        let (low, high) = ((-theta - reach).max(-right), (-theta + reach).min(right));
         let mut sum = 0.0;
         for i in 0..rows {
             let theta_o = low + (high - low) * (f64::from(i) + 0.5) / f64::from(rows);
@@ -177,7 +205,10 @@ fn a_white_furnace_gains_nothing_between_the_nodes() {
     let mut white = example(3);
     whiten(&mut white);
     let mut largest = 0.0_f64;
-    for material in [constant(0.03, 1.0, 0.0), constant(0.3, 1.0, 0.0), constant(1.0, 1.0, 0.0), white] {
+    let bright = FeatherMaterial { halo: Some(halo()), ..white.clone() };
+    for material in
+        [constant(0.03, 1.0, 0.0), constant(0.3, 1.0, 0.0), constant(1.0, 1.0, 0.0), white, bright]
+    {
         let brdf = brdf(&material);
         for _ in 0..400 {
             let (z, azimuth) = (stream.unit().max(1e-4), stream.uniform(0.0, std::f64::consts::TAU));
@@ -357,14 +388,61 @@ fn mirrored_directions_have_equal_values() {
 }
 
 #[test]
-fn the_reciprocal_option_makes_values_symmetric() {
-    let options = Options { reciprocal: true, ..Options::default() };
-    let brdf = FeatherBrdf::new(&example(3), options).unwrap();
-    let (wi, wo) = (omega(0.4, 0.5), omega(-0.42, -0.3));
-    for instance in [None, Some(4)] {
-        let (there, back) =
-            (brdf.eval([550.0; 4], wi, wo, instance), brdf.eval([550.0; 4], wo, wi, instance));
-        assert!((there[0] - back[0]).abs() <= 1e-6 * there[0], "{there:?} {back:?}");
+fn the_reciprocal_options_make_values_symmetric() {
+    let fitted = FeatherBrdf::new(&example(3), Options::default()).unwrap();
+    let pairs = [(omega(0.4, 0.5), omega(-0.42, -0.3)), (omega(0.3, 0.0), omega(-0.35, 0.0))];
+    let pairs = pairs.into_iter().chain([(omega(0.3, 0.7), omega(-0.35, -0.7))]);
+    for (wi, wo) in pairs {
+        for instance in [None, Some(4)] {
+            let values = |reciprocity| {
+                let brdf = fitted.reciprocal_by(reciprocity);
+                [(wi, wo), (wo, wi)].map(|(wi, wo)| {
+                    let value = brdf.eval([550.0; 4], wi, wo, instance)[0];
+                    assert_eq!(
+                        value,
+                        brdf.prepare([550.0; 4], wi)
+                            .eval(wo, instance.map(|name| brdf.instance(name)).as_ref())[0]
+                    );
+                    value
+                })
+            };
+            let [there, back] = values(Reciprocity::AsFitted);
+            assert!((there / back - 1.0).abs() > 1e-3, "{there} {back}");
+            let [mean, same] = values(Reciprocity::Mean);
+            assert!((mean - same).abs() <= 1e-6 * mean && (mean - 0.5 * (there + back)).abs() <= 1e-6 * mean);
+            let [steep, same] = values(Reciprocity::Steeper);
+            let is_first = wi.z * wo.x.abs() > wo.z * wi.x.abs()
+                || (wi.x.abs() * wo.z == wo.x.abs() * wi.z && wi.z >= wo.z);
+            assert_eq!((steep, same), if is_first { (there, there) } else { (back, back) }, "{wi} {wo}");
+        }
+    }
+}
+
+/// By the steeper direction's tables a lobe reflects no longer what was fitted: the sum over the hemisphere at 547 nm and θ_i = 0 over
+/// that. Within 6 % to 75°; beyond, where the simulation does not hold, a fifth less.
+#[test]
+fn steeper_tables_reflect_nearly_what_was_fitted() {
+    const GRID: usize = 120;
+    let outgoing = projected_grid(GRID);
+    for (stem, known) in
+        [("starling-green", [1.00, 0.99, 0.99, 1.00, 0.78]), ("mallard-lime", [1.00, 1.06, 1.04, 1.04, 0.80])]
+    {
+        let fitted = brdf(&shipped(stem));
+        let steeper = fitted.reciprocal_by(Reciprocity::Steeper);
+        for (phi_deg, known) in [0.0_f64, 30.0, 60.0, 75.0, 85.0].into_iter().zip(known) {
+            let wi = omega(0.0, phi_deg.to_radians());
+            let reflected = |brdf: &FeatherBrdf| {
+                let prepared = brdf.prepare([547.0; 4], wi);
+                let sum: f64 = outgoing.iter().map(|wo| f64::from(prepared.eval(*wo, None)[0])).sum();
+                sum * 4.0 / (GRID * GRID) as f64
+            };
+            let [all, ratio] = [reflected(&steeper), reflected(&steeper) / reflected(&fitted)];
+            // Two digits are written here.
+            assert!(
+                (ratio - known).abs() < 0.006 && all < 0.5,
+                "{stem} {phi_deg}: {ratio}, known {known}, {all}"
+            );
+        }
     }
 }
 
@@ -390,7 +468,11 @@ fn the_deviation_from_reciprocity_is_known() {
         (SHIPPED[1], shipped(SHIPPED[1]), 0.1628),
     ];
     for (name, material, known) in cases {
-        let deviation = reciprocity_deviation(&brdf(&material));
+        let fitted = brdf(&material);
+        // As in pictures: but for the rounding of equal sines.
+        let steeper = reciprocity_deviation(&fitted.reciprocal_by(Reciprocity::Steeper));
+        assert!(steeper < 1e-6, "{name}: {steeper}");
+        let deviation = reciprocity_deviation(&fitted);
         // The same draws each time: what is left is the digits that are written here.
         assert!((deviation / known - 1.0).abs() < 0.01, "{name}: {deviation}, known {known}");
     }
@@ -401,8 +483,8 @@ fn the_deviation_from_reciprocity_is_known() {
 fn albedos_of_instances_scatter_about_the_mean() {
     let cases = [
         ("example", example(3), 0.2538),
-        (SHIPPED[0], shipped(SHIPPED[0]), 0.2660),
-        (SHIPPED[1], shipped(SHIPPED[1]), 0.2250),
+        (SHIPPED[0], shipped(SHIPPED[0]), 0.2700),
+        (SHIPPED[1], shipped(SHIPPED[1]), 0.2316),
     ];
     for (name, material, known) in cases {
         let [average, spread] = instance_albedos(&brdf(&material));

@@ -37,6 +37,7 @@ fn barbule(instances: bool) -> BarbuleSurface {
     BarbuleSurface {
         brdf: Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap()),
         instances,
+        below: None,
         under: Keratin::new(0.3, 1.56, Reflectance::melanin(20.0).unwrap()).unwrap(),
         cells: feather.distal.cells(&feather.disorder),
         opacity: 1.0,

@@ -106,6 +106,7 @@ fn coloured() -> Vec<(&'static str, Surface, Geometry)> {
     let plate = |instances| BarbuleSurface {
         brdf: brdf.clone(),
         instances,
+        below: None,
         under: under.clone(),
         cells: Cells::default(),
         opacity: 1.0,

@@ -16,6 +16,7 @@ mod film;
 mod furnace;
 mod geometry;
 mod golden;
+mod gratings;
 mod identity;
 mod levels;
 mod lights;

@@ -268,6 +268,7 @@ fn feathers_in_the_furnace_have_their_own_albedo() {
             let surface = Surface::Barbule(BarbuleSurface {
                 brdf: Arc::clone(&brdf),
                 instances,
+                below: None,
                 under: under.clone(),
                 cells: Cells::default(),
                 opacity: 1.0,
@@ -341,6 +342,7 @@ fn techniques_agree_with_each_other() {
     let feather = Surface::Barbule(BarbuleSurface {
         brdf,
         instances: false,
+        below: None,
         under: under.clone(),
         cells: Cells::default(),
         opacity: 1.0,
@@ -657,6 +659,7 @@ fn light_that_passes_straight_through_is_counted_once() {
         let surface = BarbuleSurface {
             brdf: brdf.clone(),
             instances: false,
+            below: None,
             under: under.clone(),
             cells: Cells::default(),
             opacity,

@@ -8,7 +8,7 @@ use barbule::brdf::fixtures::example;
 use barbule::io::image::{write_exr, write_png};
 use barbule::io::{Folder, Memory};
 use barbule::open::{Opening, scene};
-use barbule::resolve::{foretell_files, read_files};
+use barbule::resolve::{Below, foretell_files, read_files};
 use barbule::scene::Object;
 use barbule::scene::description::{Holds, Named, ReadyScene};
 use barbule::scene::feather::{Feather, Level, VaneDisc};
@@ -144,6 +144,79 @@ fn a_mesh_of_a_scene_wears_a_material() {
     assert!(count > 300, "{count}");
     let mut named = description;
     assert_eq!(named.named_mut().iter().filter(|(_, one)| matches!(one, Named::Material(_))).count(), 3);
+}
+
+/// The material of lower sides is asked for where a picture may show it, once, and looks as if it had been named.
+#[test]
+fn lower_sides_are_worn_where_they_show_and_left_alone_elsewhere() {
+    let ready = |text: &str| {
+        let mut asked = Vec::new();
+        let mut dye = |name: &str| {
+            asked.push(name.to_owned());
+            let below = if name == "duck" { Below::Named("duck (below)".into()) } else { Below::Same };
+            let size = if name == "duck" { 3 } else { 5 };
+            Ok(Worn { below, ..Worn::new(&example(size), format!("hash of {name}"))? })
+        };
+        let scene = SceneDescription::parse(text).unwrap();
+        assert_eq!(SceneDescription::parse(&scene.to_toml().unwrap()).unwrap(), scene, "{text}");
+        let scene = resolve(scene, &Folder::default(), &mut dye, 1, &Unobserved).unwrap();
+        (scene, asked)
+    };
+    let feather = "preset = 'starling-feather'\nmaterial = 'duck'\n[camera]\nelevation_deg = -60\n";
+    let with = |under: &str| ready(&format!("under = '{under}'\n{feather}"));
+    let (own, asked) = ready(feather);
+    assert_eq!(asked, ["duck", "duck (below)"]);
+    let (named, asked) = with("duck (below)");
+    assert_eq!(asked, ["duck", "duck (below)"]);
+    let (keratin, asked) = with("keratin");
+    assert_eq!(asked, ["duck"]);
+    let film = |scene: &ReadyScene| Picture::of(scene, &options(4), &Unobserved).unwrap().film().clone();
+    let hash = |scene: &ReadyScene| barbule::identity::hash("scene", &**scene);
+    assert_eq!((film(&own), hash(&own)), (film(&named), hash(&named)));
+    assert!(film(&own) != film(&keratin) && hash(&own) != hash(&keratin));
+    // What is alike on both sides is held once, and is not asked for again.
+    assert_eq!(ready(&feather.replace("'duck'", "'starling'")).1, ["starling"]);
+    // Zones, coats and meshes have lower sides of their own.
+    let zone = format!("{feather}[[zones]]\nalong = [0.5, 1]\nmaterial = 'crow'\nunder = 'tit'\n");
+    assert_eq!(ready(&zone).1, ["duck", "duck (below)", "crow", "tit"]);
+    let objects = |what: &str| {
+        ready(&format!(
+            "preset = 'starling'\nshows_feather = false\n[surfaces.plates]\ntype = 'barbule'\nmaterial = 'duck'\n[[objects]]\n{what}\n"
+        ))
+    };
+    let coat = "sphere_mm = 9\nsurface = 'plates'\n[[objects]]\nfeather = 'contour'\nmaterial = 'crow'\nunder = 'tit'";
+    assert_eq!(objects(coat).1, ["crow", "tit", "duck", "duck (below)"]);
+    let refused = |text: &str| SceneDescription::parse(text).unwrap_err().to_string();
+    let alone = format!("{feather}[[zones]]\nalong = [0.5, 1]\nunder = 'tit'\n");
+    assert!(
+        refused(&alone).contains("zones[0].under is given, but no barbules of a material"),
+        "{}",
+        refused(&alone)
+    );
+    assert!(refused(&format!("under = 3\n{feather}")).contains("under is the number 3"));
+}
+
+/// Barbules that curves wear face outwards all round: what lies inside is not asked for.
+#[test]
+fn curves_have_no_lower_sides() {
+    let text = "preset = 'starling'\nshows_feather = false\n[surfaces.plates]\ntype = 'barbule'\nmaterial = 'duck'\nunder = 'tit'\n\
+                [[objects]]\ncurves = 'a.txt'\nsurface = 'plates'\n";
+    let memory =
+        Memory([("a.txt".to_owned(), b"0 0 0 0.1\n0 1 0 0.1\n0 2 0 0.1\n0 3 0 0.1\n".to_vec())].into());
+    let asked = |text: &str| {
+        let mut asked = Vec::new();
+        let mut dye = |name: &str| {
+            asked.push(name.to_owned());
+            Worn::new(&example(3), String::new())
+        };
+        let ready =
+            resolve(SceneDescription::parse(text).unwrap(), &memory, &mut dye, 1, &Unobserved).unwrap();
+        ready.objects(1).unwrap();
+        asked
+    };
+    assert_eq!(asked(text), ["duck"]);
+    let both = format!("{text}[[objects]]\nrectangle_mm = [1, 1]\nsurface = 'plates'\n");
+    assert_eq!(asked(&both), ["duck", "tit"]);
 }
 
 /// A file that is named several times is held once; what no object has is not read, and need not be there.

@@ -1,6 +1,6 @@
 use super::*;
-use crate::brdf::Values;
-use crate::brdf::fixtures::example;
+use crate::brdf::fixtures::{example, halo};
+use crate::brdf::{Values, achromatic_lengths};
 use crate::math::rng::Stream;
 use crate::scattering::directions::omega;
 use crate::scattering::statistics::{Axes, Sides};
@@ -8,7 +8,12 @@ use crate::scattering::statistics::{Axes, Sides};
 /// Single precision leaves h_x an error of 1e-7, which is a relative 1e-7/m of D₁ and of the noise's slope.
 #[test]
 fn registers_agree_with_the_exact_formulas_at_every_width() {
-    let mut brdf = FeatherBrdf::new(&example(7), Options::default()).unwrap();
+    agree_at_every_width(&example(7));
+    agree_at_every_width(&FeatherMaterial { halo: Some(halo()), ..example(7) });
+}
+
+fn agree_at_every_width(material: &FeatherMaterial) {
+    let mut brdf = FeatherBrdf::new(material, Options::default()).unwrap();
     let mut levels = vec![Level::new()];
     #[cfg(target_arch = "x86_64")]
     levels.extend(
@@ -95,8 +100,8 @@ fn registers_agree_with_the_exact_formulas_for_all_options() {
     }
     let (wi, wo) = (DVec3::new(0.3, 0.2, 0.9).normalize(), DVec3::new(-0.25, -0.18, 0.9).normalize());
     for polarization in [None, Some(Polarization::First), Some(Polarization::Second)] {
-        for reciprocal in [false, true] {
-            let options = Options { polarization, reciprocal, ..Options::default() };
+        for reciprocity in [Reciprocity::AsFitted, Reciprocity::Mean, Reciprocity::Steeper] {
+            let options = Options { polarization, reciprocity, ..Options::default() };
             let brdf = FeatherBrdf::new(&material, options).unwrap();
             let exact = brdf.exact(500.0, wi).values(wo, Some(3));
             let found = brdf.eval([500.0; 4], wi, wo, Some(3))[0];
@@ -170,6 +175,7 @@ fn both_signs_have_their_own_lobes() {
     for values in [&mut set.length, &mut set.fraction_1, &mut set.steady_fraction_1, &mut both.correlation] {
         *values = spread(values, 1.0);
     }
+    both.achromatic_length = achromatic_lengths(&both.axes, &both.sets);
     both.steepness.resize(20 * two.phis(), 6.0);
     both.strength.resize(20 * two.phis(), 0.8);
     let mut dark = both.clone();

@@ -1,8 +1,8 @@
 use super::*;
-use crate::brdf::{Noise, Synthesis};
+use crate::brdf::Synthesis;
 use crate::progress::Unobserved;
 use crate::scattering::directions;
-use crate::scattering::statistics::Axes;
+use crate::scattering::statistics::{Axes, glints};
 use crate::spectrum::Wavelengths;
 
 const INSTANCES: usize = 50;
@@ -34,13 +34,17 @@ fn model(sides: Sides, steady: f64, gamma: f32) -> FeatherMaterial {
         set.steady_fraction_1.push(0.55);
     }
     let lags: Vec<f64> = (0..LAGS).map(|k| libm::exp(-(k as f64 / 8.0).powi(2))).collect();
+    let sets = vec![set];
     FeatherMaterial {
         kind: FitKind::Marginal,
         sigma: 0.04,
-        sets: vec![set],
+        halo: None,
         correlation: vec![gamma; axes.len()],
         steepness: vec![4.0; axes.len() / 2],
         strength: vec![0.0; axes.len() / 2],
+        achromatic_length: achromatic_lengths(&axes, &sets),
+        sets,
+        spectral: Spectral::default(),
         noise_power: spectrum(&lags),
         seed: 1,
         info: serde_json::Value::Null,
@@ -78,6 +82,36 @@ fn statistics_of(material: &FeatherMaterial, instances: usize) -> Statistics {
         out.unpolarized_contrast.push(1.0);
     }
     out
+}
+
+/// The same with the intensities of drawn instances about the mirror direction.
+fn with_glints(material: &FeatherMaterial, instances: usize) -> Statistics {
+    let mut out = statistics_of(material, instances);
+    let noise = material.noise();
+    for node in 0..material.axes.len() {
+        let [_, _, phi] = place(&material.axes, node);
+        let synthesis = Synthesis::new(material, node);
+        let drawn: Vec<Vec<f64>> =
+            (0..instances as u64).map(|name| synthesis.intensity(&noise, name)).collect();
+        for at in glints(material.axes.phi_i(phi)) {
+            out.glints.extend(drawn.iter().map(|all| at.map_or(0.0, |at| all[at] as f32)));
+        }
+    }
+    out
+}
+
+#[test]
+fn how_wavelengths_differ_is_found_again_from_drawn_instances() {
+    for (height_um, achromatic) in [(0.12, 0.3), (0.3, 0.0)] {
+        let mut material = model(Sides::Alike, 0.0, 1.0);
+        material.spectral = Spectral { height_um, achromatic };
+        let (found, report) = fit(&with_glints(&material, 600), &FitOptions::default(), &Unobserved).unwrap();
+        let Spectral { height_um: height, achromatic: share } = found.spectral;
+        assert!((height / height_um - 1.0).abs() < 0.1, "{height} {height_um}");
+        assert!((share - achromatic).abs() < 0.06, "{share} {achromatic}");
+        let errors = report.spectral;
+        assert!(errors.mirror < 0.05 && errors.beside < 0.05 && errors.turned < 0.05, "{errors:?}");
+    }
 }
 
 /// ‖a − b‖/‖b‖.
@@ -131,7 +165,7 @@ fn one_lobe_is_one_set_of_arrays() {
 /// The statistics of so many drawn instances.
 fn drawn(material: &FeatherMaterial, first: u64, instances: usize) -> Statistics {
     let mut out = statistics_of(material, instances);
-    let noise = Noise::new(&material.noise_power, material.seed);
+    let noise = material.noise();
     let count = instances as f64;
     for node in 0..material.axes.len() {
         let synthesis = Synthesis::new(material, node);

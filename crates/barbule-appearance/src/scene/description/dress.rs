@@ -1,9 +1,9 @@
 //! Feathers of a scene: what their parts are made of, and where on the vane that is something else.
 
+use super::barbules::BarbuleClothing;
 use super::detail::{Detail, ViewModel};
 use super::slot::Slot;
-use super::surfaces::{BarbuleClothing, FibreDescription, PigmentedKeratin, no_surface};
-use crate::brdf::FeatherBrdf;
+use super::surfaces::{FibreDescription, PigmentedKeratin, no_surface};
 use crate::bsdf::{self, Region, Texture, ZonePlan};
 use crate::error::shortened;
 use crate::fields::{Fields, Map, Value, path_of, unknown, within};
@@ -136,12 +136,12 @@ impl Zone {
         Ok(())
     }
 
-    /// The materials that it wears.
-    pub(super) fn materials_mut(&mut self) -> impl Iterator<Item = &mut Slot<FeatherBrdf>> {
+    /// Its barbules that wear a material.
+    pub(super) fn clothing_mut(&mut self) -> impl Iterator<Item = &mut BarbuleClothing> {
         [self.distal.as_mut(), self.proximal.as_mut()]
             .into_iter()
             .flatten()
-            .filter_map(BarbuleDress::material_mut)
+            .filter_map(BarbuleDress::clothing_mut)
     }
 
     /// Where it is, if no picture says so.
@@ -243,9 +243,9 @@ impl FeatherObject {
 }
 
 impl BarbuleDress {
-    fn material_mut(&mut self) -> Option<&mut Slot<FeatherBrdf>> {
+    fn clothing_mut(&mut self) -> Option<&mut BarbuleClothing> {
         match self {
-            Self::Barbule(of) => Some(&mut of.material),
+            Self::Barbule(of) => Some(of),
             Self::Hair(_) => None,
         }
     }
@@ -275,8 +275,9 @@ impl Dress {
         })
     }
 
-    pub(super) fn materials_mut(&mut self) -> Vec<&mut Slot<FeatherBrdf>> {
-        [&mut self.distal, &mut self.proximal].into_iter().filter_map(BarbuleDress::material_mut).collect()
+    /// Its barbules that wear a material.
+    pub(super) fn clothing_mut(&mut self) -> impl Iterator<Item = &mut BarbuleClothing> {
+        [&mut self.distal, &mut self.proximal].into_iter().filter_map(BarbuleDress::clothing_mut)
     }
 
     pub(super) fn missing(path: &str) -> Error {
@@ -285,8 +286,8 @@ impl Dress {
         ))
     }
 
-    /// The tables `[surfaces.shaft]` … and the material of a lone feather's file, where these can say it.
-    pub(super) fn as_parts(&self) -> Option<(Option<String>, Map<String, Value>)> {
+    /// The tables `[surfaces.shaft]` … of a lone feather's file and its keys of the barbules' material, where these can say it.
+    pub(super) fn as_parts(&self) -> Option<(Map<String, Value>, Map<String, Value>)> {
         if self.distal != self.proximal {
             return None;
         }
@@ -306,29 +307,43 @@ impl Dress {
         match &self.distal {
             BarbuleDress::Hair(_) => {
                 parts.extend(plain(barbule).map(|table| ("barbule".to_owned(), table)));
-                Some((None, parts))
+                Some((Map::new(), parts))
             }
             BarbuleDress::Barbule(of) => {
-                let only =
-                    BarbuleClothing { underside: of.underside, ..BarbuleClothing::of(&of.material.name) };
-                if of.uv_mm != only.uv_mm || [of.width_um, of.length_um, of.cell_um] != [0.0; 3] {
+                let BarbuleClothing { uv_mm, width_um, length_um, cell_um, .. } =
+                    BarbuleClothing::of(&of.material.name);
+                if of.uv_mm != uv_mm
+                    || [of.width_um, of.length_um, of.cell_um] != [width_um, length_um, cell_um]
+                {
                     return None;
                 }
                 parts.insert("underside".to_owned(), crate::fields::Record::table(&of.underside));
-                Some((Some(of.material.name.clone()), parts))
+                let Value::Object(mut keys) = crate::fields::Record::table(of) else { return None };
+                keys.retain(|key, _| OF_MATERIAL.contains(&key.as_str()));
+                let usual = BarbuleClothing::of("");
+                if of.under.is_default() {
+                    keys.remove("under");
+                }
+                if of.reciprocity == usual.reciprocity {
+                    keys.remove("reciprocity");
+                }
+                Some((keys, parts))
             }
         }
     }
 }
 
+/// Keys that beside the parts of a feather are those of all its barbules that wear a material.
+pub(super) const OF_MATERIAL: [&str; 3] = ["material", "under", "reciprocity"];
+
 /// The parts of a feather that `[surfaces]` of a lone feather's file names.
 pub(super) const PARTS: [&str; 7] = ["shaft", "ramus", "underside", "hair", "barbule", "pale", "down"];
 
-/// The dress that a lone feather's `material` and `[surfaces.shaft]` … say, as the table `dress`.
+/// The dress that a lone feather's keys [`OF_MATERIAL`] and `[surfaces.shaft]` … say, as the table `dress`.
 ///
 /// # Errors
 /// There is neither a material nor plain barbules.
-pub(super) fn of_parts(material: Option<Value>, mut parts: Map<String, Value>) -> Result<Value> {
+pub(super) fn of_parts(of_material: Map<String, Value>, mut parts: Map<String, Value>) -> Result<Value> {
     let mut typed = |key: &str, kind: &str| {
         let mut table = parts.remove(key)?;
         if let Value::Object(table) = &mut table {
@@ -339,15 +354,15 @@ pub(super) fn of_parts(material: Option<Value>, mut parts: Map<String, Value>) -
     let (hair, keratin, barbule) =
         (typed("hair", "hair"), typed("ramus", "keratin"), typed("barbule", "hair"));
     let underside = parts.remove("underside");
-    let barbules = match (barbule, material) {
-        (Some(barbule), _) => barbule,
-        (None, Some(material)) => {
-            let mut table =
-                Map::from_iter([("type".to_owned(), "barbule".into()), ("material".to_owned(), material)]);
+    let barbules = match barbule {
+        Some(barbule) => barbule,
+        None if of_material.contains_key("material") => {
+            let mut table = of_material;
+            table.insert("type".to_owned(), "barbule".into());
             table.extend(underside.map(|underside| ("underside".to_owned(), underside)));
             Value::Object(table)
         }
-        (None, None) => return Err(Dress::missing("material")),
+        None => return Err(Dress::missing("material")),
     };
     parts.extend(hair.or(keratin).map(|ramus| ("ramus".to_owned(), ramus)));
     parts.insert("distal".to_owned(), barbules.clone());
@@ -364,7 +379,7 @@ pub(super) fn dressed(object: &Value, surfaces: &Map<String, Value>, place: &str
     let mut object = object.clone();
     let is_plumage = object.contains_key("feather") || object.contains_key("coat");
     if let (true, Some(dress)) = (is_plumage, dress_of(&object, "dress", surfaces, place)?) {
-        object.remove("material");
+        object.retain(|key, _| !OF_MATERIAL.contains(&key.as_str()));
         object.insert("dress".to_owned(), dress);
     }
     if let Some(Value::Array(zones)) = object.get("zones") {
@@ -386,25 +401,23 @@ pub(super) fn dressed(object: &Value, surfaces: &Map<String, Value>, place: &str
     Ok(Value::Object(object))
 }
 
-/// The table under `key` with its material and names written out; nothing where neither it nor a material is given.
+/// The table under `key` with the keys [`OF_MATERIAL`] and names written out; nothing where neither it nor such a key is given.
 fn dress_of(
     object: &Map<String, Value>,
     key: &str,
     surfaces: &Map<String, Value>,
     place: &str,
 ) -> Result<Option<Value>> {
-    let (dress, material) = (object.get(key), object.get("material"));
-    if dress.is_none() && material.is_none() {
-        return Ok(None);
-    }
-    let mut table = match dress {
+    let of_material =
+        OF_MATERIAL.into_iter().filter_map(|key| Some((key.to_owned(), object.get(key)?.clone())));
+    let of_material: Map<String, Value> = of_material.collect();
+    let mut table = match object.get(key) {
+        None if of_material.is_empty() => return Ok(None),
         None => Map::new(),
         Some(Value::Object(table)) => table.clone(),
         Some(other) => return Ok(Some(other.clone())),
     };
-    if let Some(material) = material {
-        table.insert("material".to_owned(), material.clone());
-    }
+    table.extend(of_material);
     with_names(&Value::Object(table), surfaces, &path_of(place, key)).map(Some)
 }
 
@@ -418,11 +431,14 @@ const TYPES: [(&str, &[&str], bool); 6] = [
     ("down", &["hair"], false),
 ];
 
-/// A dress's or zone's table in which names are the surfaces, and `material` those of its barbules that are not given.
+/// A dress's or zone's table in which names are the surfaces, and the keys [`OF_MATERIAL`] those of its barbules: `material` is what those
+/// are made of that are not given, the others are said of all that do not say it themselves.
 fn with_names(table: &Value, surfaces: &Map<String, Value>, place: &str) -> Result<Value> {
     let Value::Object(table) = table else { return Ok(table.clone()) };
     let mut table = table.clone();
-    if let Some(material) = table.remove("material") {
+    let of_material: Vec<(&str, Value)> =
+        OF_MATERIAL.into_iter().filter_map(|key| Some((key, table.remove(key)?))).collect();
+    if let Some((_, material)) = of_material.iter().find(|(key, _)| *key == "material") {
         let barbules = serde_json::json!({"type": "barbule", "material": material});
         for side in ["distal", "proximal"] {
             table.entry(side).or_insert_with(|| barbules.clone());
@@ -454,6 +470,22 @@ fn with_names(table: &Value, surfaces: &Map<String, Value>, place: &str) -> Resu
                 None if is_said => _ = of.insert("type".to_owned(), types[0].into()),
                 _ => {}
             }
+        }
+    }
+    for (key, value) in of_material.iter().filter(|(key, _)| *key != "material") {
+        let mut is_worn = false;
+        for side in ["distal", "proximal"] {
+            let Some(Value::Object(of)) = table.get_mut(side) else { continue };
+            if of.get("type").is_some_and(|kind| kind == "barbule") {
+                of.entry(*key).or_insert_with(|| value.clone());
+                is_worn = true;
+            }
+        }
+        if !is_worn {
+            let path = path_of(place, key);
+            return Err(Error::input(format!(
+                "{path} is given, but no barbules of a material; give one, too"
+            )));
         }
     }
     Ok(Value::Object(table))

@@ -3,12 +3,14 @@
 //! A file of one feather or coat says its parts at the top (`[feather]`, `[window]`, `material`, `[surfaces.shaft]` …): sugar for the first
 //! of the objects.
 
+use super::barbules::Under;
 use super::coat::{CoatDescription, CoatObject};
 use super::detail::Detail;
-use super::dress::{Dress, FeatherObject, PARTS, Zone, dressed, of_parts};
+use super::dress::{Dress, FeatherObject, OF_MATERIAL, PARTS, Zone, dressed, of_parts};
 use super::objects::{ObjectDescription, ObjectShape, Placement};
 use super::slot::Slot;
 use super::{SceneDescription, objects};
+use crate::brdf::Reciprocity;
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{
     FieldValue as _, Fields, Key, Map, Record as _, Text, Value, at_line, canonical, in_toml, parse_toml,
@@ -26,6 +28,10 @@ record! {
         preset: Option<String> = "preset", Text("the name of a preset");
         /// The material of the feather's barbules.
         material: Option<String> = "material", Text("a species, structure or .barbule file");
+        /// What the lower sides of its barbules are made of.
+        under: Under = "under", (), or Under::default();
+        /// What makes its barbules reciprocal.
+        reciprocity: Reciprocity = "reciprocity", (), or Reciprocity::Steeper;
         /// The feather: its sizes, or the name of a type.
         feather: Option<Feather> = "feather", ();
         /// Whether the feather is there; without it a scene has its other objects only.
@@ -263,7 +269,9 @@ fn take_lone(
         _ => Map::new(),
     };
     let mut take = |key: &str| layer.remove(key);
-    let (material, feather, coat) = (take("material"), take("feather"), take("coat"));
+    let of_material = OF_MATERIAL.into_iter().filter_map(|key| Some((key.to_owned(), take(key)?)));
+    let of_material: Map<String, Value> = of_material.collect();
+    let (feather, coat) = (take("feather"), take("coat"));
     let (window, detail) = (take("window"), take("detail"));
     let (zones, zone_map) = (take("zones"), take("zone_map"));
     let shows =
@@ -276,13 +284,13 @@ fn take_lone(
             None => Ok(None),
         };
     }
-    if material.is_none() && feather.is_none() && coat.is_none() && parts.is_empty() {
+    if of_material.is_empty() && feather.is_none() && coat.is_none() && parts.is_empty() {
         return Ok(None);
     }
     let feather = Feather::read(&feather.unwrap_or_else(|| Value::Object(Map::new())), "feather")?;
     let detail = detail.map_or(Ok(Detail::default()), |table| Detail::read(&table, "detail"))?;
     let ramus = if parts.contains_key("hair") { "surfaces.hair" } else { "surfaces.ramus" };
-    let dress = Dress::read(&of_parts(material, parts)?, "surfaces").map_err(|e| of_sides(e, ramus))?;
+    let dress = Dress::read(&of_parts(of_material, parts)?, "surfaces").map_err(|e| of_sides(e, ramus))?;
     if let Some(coat) = coat {
         let (coat, place) = placed(coat)?;
         let coat = dressed(&serde_json::json!({ "coat": coat }), named, "")?;
@@ -322,6 +330,8 @@ fn of_sides(error: Error, ramus: &str) -> Error {
     let text = error.to_string();
     let text = text
         .replace("surfaces.distal.underside", "surfaces.underside")
+        .replace("surfaces.distal.under ", "under ")
+        .replace("surfaces.distal.reciprocity", "reciprocity")
         .replace("surfaces.distal", "surfaces.barbule")
         .replace("surfaces.ramus", ramus);
     Error::input(text)
@@ -354,8 +364,8 @@ fn lone_table(object: &ObjectDescription) -> Option<Map<String, Value>> {
         }
         _ => return None,
     };
-    let (material, parts) = dress.as_parts()?;
-    table.extend(material.map(|name| ("material".to_owned(), name.into())));
+    let (of_material, parts) = dress.as_parts()?;
+    table.extend(of_material);
     table.insert("surfaces".to_owned(), Value::Object(parts));
     Some(table)
 }

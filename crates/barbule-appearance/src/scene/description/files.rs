@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::ops::Deref;
 use std::sync::Arc;
 
+use super::barbules::{BarbuleClothing, LowerSide, Under};
 use super::coat::CoatObject;
 use super::dress::FeatherObject;
 use super::lights::LightColour;
@@ -47,6 +48,8 @@ pub enum Named<'a> {
     Sample(&'a mut Slot<Powers>),
     /// A material: a name, a structure or a file.
     Material(&'a mut Slot<FeatherBrdf>),
+    /// The lower sides of the barbules of the material that is named first.
+    Lower(String, &'a mut Slot<LowerSide>),
 }
 
 impl Named<'_> {
@@ -62,6 +65,7 @@ impl Named<'_> {
             Self::Colours(slot) | Self::Numbers(slot) => slot.is_read(),
             Self::Grating(slot) | Self::Sample(slot) => slot.is_read(),
             Self::Material(slot) => slot.is_read(),
+            Self::Lower(_, slot) => slot.is_read(),
         }
     }
 
@@ -75,7 +79,7 @@ impl Named<'_> {
             Self::Curves(slot, _) => Some(&mut slot.name),
             Self::Colours(slot) | Self::Numbers(slot) => Some(&mut slot.name),
             Self::Grating(slot) => Some(&mut slot.name),
-            Self::Sample(_) | Self::Material(_) => None,
+            Self::Sample(_) | Self::Material(_) | Self::Lower(..) => None,
         }
     }
 }
@@ -86,11 +90,23 @@ impl SceneDescription {
         self.walk(None)
     }
 
-    /// What of that a picture needs: nothing of surfaces that no object has.
+    /// What of that a picture needs: nothing of surfaces that no object has, and nothing of the lower sides of barbules that curves alone
+    /// wear, which lie inside of these.
     pub fn needed_mut(&mut self) -> Vec<(String, Named<'_>)> {
-        let names = self.objects.iter().filter_map(|object| object.surface.as_deref());
-        let used = self.surfaces.used_by(names).into_iter().map(str::to_owned).collect();
-        self.walk(Some(&used))
+        let used_by = |is_one: &dyn Fn(&ObjectShape) -> bool| -> BTreeSet<String> {
+            let objects = self.objects.iter().filter(|object| is_one(&object.shape));
+            let names = objects.filter_map(|object| object.surface.as_deref());
+            self.surfaces.used_by(names).into_iter().map(str::to_owned).collect()
+        };
+        let used = used_by(&|_| true);
+        let two_sided = used_by(&|shape| !matches!(shape, ObjectShape::Curves { .. }));
+        let mut named = self.walk(Some(&used));
+        let is_inside = |key: &str| {
+            let surface = key.strip_prefix("surfaces.").and_then(|key| key.strip_suffix(".under"));
+            surface.is_some_and(|name| !two_sided.iter().any(|used| shortened(used) == name))
+        };
+        named.retain(|(key, _)| !is_inside(key));
+        named
     }
 
     /// Everything that the scene names, of surfaces only these, where some are given.
@@ -121,15 +137,18 @@ impl SceneDescription {
         named
     }
 
-    /// The scene with the same material on whatever wears one, whatever it is called; the files that it names must be read.
+    /// The scene with the same material on whatever wears one, whatever it is called, and keratin below where nothing else is named; the
+    /// files that it names must be read.
     ///
     /// # Errors
     /// A file that is not read, a number out of range, or a material that is needed and not given.
     pub fn wearing(mut self, material: impl Into<Option<Arc<FeatherBrdf>>>) -> Result<ReadyScene> {
         if let Some(material) = material.into() {
             for (_, named) in self.named_mut() {
-                if let Named::Material(slot) = named {
-                    slot.fill(material.clone(), String::new());
+                match named {
+                    Named::Material(slot) => slot.fill(material.clone(), String::new()),
+                    Named::Lower(_, slot) => slot.fill(LowerSide(None), Under::KERATIN.to_owned()),
+                    _ => {}
                 }
             }
         }
@@ -163,9 +182,9 @@ impl ObjectShape {
                 if let Some(slot) = zone_map {
                     add("zone_map", Named::Numbers(slot));
                 }
-                dress.materials_mut().into_iter().for_each(|slot| add("material", Named::Material(slot)));
+                dress.clothing_mut().for_each(|of| of.named_mut("", &mut add));
                 for zone in zones {
-                    zone.materials_mut().for_each(|slot| add("zones.material", Named::Material(slot)));
+                    zone.clothing_mut().for_each(|of| of.named_mut("zones.", &mut add));
                 }
             }
             Self::Coat(of) => {
@@ -176,11 +195,26 @@ impl ObjectShape {
                 if let Some(slot) = &mut coat.map {
                     add("coat.map", Named::Numbers(slot));
                 }
-                dress.materials_mut().into_iter().for_each(|slot| add("material", Named::Material(slot)));
-                let further = coat.feathers.iter_mut().flat_map(|kind| kind.dress.materials_mut());
-                further.for_each(|slot| add("coat.feathers.material", Named::Material(slot)));
+                dress.clothing_mut().for_each(|of| of.named_mut("", &mut add));
+                let further = coat.feathers.iter_mut().flat_map(|kind| kind.dress.clothing_mut());
+                further.for_each(|of| of.named_mut("coat.feathers.", &mut add));
             }
             Self::Sphere { .. } | Self::Rectangle { .. } | Self::Snake(_) => {}
+        }
+    }
+}
+
+impl BarbuleClothing {
+    /// Adds its material and that of its lower sides, under keys of this table.
+    fn named_mut<'a>(&'a mut self, table: &str, add: &mut impl FnMut(&str, Named<'a>)) {
+        let Self { material, under, .. } = self;
+        let name = material.name.clone();
+        add(&format!("{table}material"), Named::Material(material));
+        let key = format!("{table}under");
+        match under {
+            Under::Own(slot) => add(&key, Named::Lower(name, slot)),
+            Under::Material(slot) => add(&key, Named::Material(slot)),
+            Under::Keratin => {}
         }
     }
 }
@@ -210,7 +244,7 @@ impl NamedSurface {
                     add("sample", Named::Sample(slot));
                 }
             }
-            Self::Barbule(of) => add("material", Named::Material(&mut of.material)),
+            Self::Barbule(of) => of.named_mut("", &mut add),
             Self::Keratin(_) | Self::Hair(_) | Self::Dielectric(_) | Self::Conductor(_) | Self::Film(_) => {}
         }
     }

@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::SceneDescription;
 use super::files::Named;
 use super::objects::{ObjectDescription, ObjectShape};
 use super::shapes::{SPHERE, nodes};
 use super::slot::Slot;
 use super::surfaces::NamedSurface;
-use crate::bsdf::Texture;
+use super::{LowerSide, SceneDescription};
+use crate::bsdf::{Grating, Texture};
 use crate::scattering::grating::Powers;
 use crate::scene::geometry::Mesh;
 use crate::scene::memory::PER_PLACE;
@@ -27,6 +27,9 @@ const PER_POINT: f64 = 32.0;
 const PER_TEXEL: f64 = 12.0;
 const PER_SKY_PIXEL: f64 = 40.0;
 const PER_TURNED_PIXEL: f64 = 20.0;
+
+/// What a grating is rendered from, over its powers, whatever its coherence.
+const PER_POWER: f64 = 4.0;
 
 /// Of a material with its tables.
 const PER_MATERIAL: f64 = 10e6;
@@ -56,7 +59,7 @@ impl SceneDescription {
         let objects: f64 = self.objects.iter().map(|object| object.bytes(width_mm, foreseen)).sum();
         // Tables of gratings are made for each object.
         let worn = self.objects.iter().filter_map(|object| self.surfaces.0.get(object.surface.as_deref()?));
-        let tables: f64 = worn.map(|surface| 2.0 * surface.powers_bytes(foreseen)).sum();
+        let tables: f64 = worn.map(|surface| surface.grating_bytes(foreseen)).sum();
         (objects + tables + self.shared_bytes(foreseen)) as u64
     }
 
@@ -67,21 +70,29 @@ impl SceneDescription {
         let per_sky_pixel = PER_SKY_PIXEL + if self.turn_deg == 0.0 { 0.0 } else { PER_TURNED_PIXEL };
         for (_, named) in scene.needed_mut() {
             let (kind, name, own) = match named {
-                Named::Colours(slot) => (0, &slot.name, texels(slot, foreseen)),
-                Named::Numbers(slot) => (1, &slot.name, texels(slot, foreseen)),
+                Named::Colours(slot) => (0, slot.name.clone(), texels(slot, foreseen)),
+                Named::Numbers(slot) => (1, slot.name.clone(), texels(slot, foreseen)),
                 Named::Sky(slot, _) => {
                     let read = slot.get().map(|sky| sky.size().iter().product::<usize>() as f64);
-                    (2, &slot.name, per_sky_pixel * read.unwrap_or_else(|| pixels(&slot.name, foreseen)))
+                    (
+                        2,
+                        slot.name.clone(),
+                        per_sky_pixel * read.unwrap_or_else(|| pixels(&slot.name, foreseen)),
+                    )
                 }
                 Named::Backdrop(slot) => {
                     let read = slot.get().map(|picture| picture.pixels() as f64);
-                    (3, &slot.name, PER_TEXEL * read.unwrap_or_else(|| pixels(&slot.name, foreseen)))
+                    (3, slot.name.clone(), PER_TEXEL * read.unwrap_or_else(|| pixels(&slot.name, foreseen)))
                 }
-                Named::Grating(slot) | Named::Sample(slot) => (4, &slot.name, powers(slot, foreseen)),
-                Named::Material(slot) => (5, &slot.name, PER_MATERIAL),
+                Named::Grating(slot) | Named::Sample(slot) => (4, slot.name.clone(), powers(slot, foreseen)),
+                Named::Material(slot) => (5, slot.name.clone(), PER_MATERIAL),
+                Named::Lower(upper, slot) => {
+                    let is_keratin = slot.get().is_some_and(|LowerSide(brdf)| brdf.is_none());
+                    (6, upper, if is_keratin { 0.0 } else { PER_MATERIAL })
+                }
                 Named::Mesh(_) | Named::Curves(..) | Named::Spectrum(_) => continue,
             };
-            if seen.insert((kind, name.clone())) {
+            if seen.insert((kind, name)) {
                 bytes += own;
             }
         }
@@ -129,11 +140,13 @@ impl ObjectDescription {
 }
 
 impl NamedSurface {
-    /// Bytes of the powers of its orders, where it is a grating.
-    fn powers_bytes(&self, foreseen: &Foreseen) -> f64 {
-        match self {
-            Self::Grating(of) => of.powers().map_or(0.0, |slot| powers(slot, foreseen)),
-            _ => 0.0,
+    /// Bytes of the tables and probabilities that it is rendered from beside its powers, where it is a grating.
+    fn grating_bytes(&self, foreseen: &Foreseen) -> f64 {
+        let Self::Grating(of) = self else { return 0.0 };
+        let Some(slot) = of.powers() else { return 0.0 };
+        match slot.get() {
+            Some(powers) => Grating::bytes(powers, of.coherence_um) as f64,
+            None => PER_POWER * powers(slot, foreseen),
         }
     }
 }

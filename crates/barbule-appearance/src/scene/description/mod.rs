@@ -3,6 +3,7 @@
 //! Every table is a record whose keys are defined once, where its type is (`fields::record`). Presets are such files, which a user's
 //! file may change (`docs/guide/render.md`). As in files, angles are degrees here.
 
+mod barbules;
 mod build;
 mod coat;
 mod colour;
@@ -22,6 +23,7 @@ mod slot;
 mod surfaces;
 mod view;
 
+pub use barbules::{BarbuleClothing, LowerSide, Under};
 pub use coat::{CoatDescription, CoatFeather, CoatObject, GuideDescription};
 pub use colour::{Colour, parse_colour};
 pub use detail::{Detail, DetailLevel, ViewModel};
@@ -36,8 +38,8 @@ pub use sides::Remark;
 pub use sky::{Background, SkyDescription, SkyImage};
 pub use slot::Slot;
 pub use surfaces::{
-    BarbuleClothing, Diffuse, FibreDescription, FilmDescription, Glass, GratingDescription, Metal,
-    NamedSurface, PigmentedKeratin, RoughMetal, Surfaces, SurfacesByPlace,
+    Diffuse, FibreDescription, FilmDescription, Glass, GratingDescription, Metal, NamedSurface,
+    PigmentedKeratin, RoughMetal, Surfaces, SurfacesByPlace,
 };
 pub use view::{Up, View, ViewProjection};
 
@@ -299,12 +301,16 @@ impl SceneDescription {
 
     /// Puts another material on the first feather's or coat's barbules, where they wear one.
     pub fn set_material(&mut self, name: &str) {
-        let Some(dress) = self.dress_mut() else { return };
-        for side in [&mut dress.distal, &mut dress.proximal] {
-            if let BarbuleDress::Barbule(of) = side {
-                of.material = Slot::new(name);
-            }
-        }
+        self.clothing_mut().for_each(|of| of.material = Slot::new(name));
+    }
+
+    /// Puts something else on the lower sides of the first feather's or coat's barbules, where they wear a material.
+    pub fn set_under(&mut self, under: &Under) {
+        self.clothing_mut().for_each(|of| of.under = under.clone());
+    }
+
+    fn clothing_mut(&mut self) -> impl Iterator<Item = &mut BarbuleClothing> {
+        self.dress_mut().into_iter().flat_map(Dress::clothing_mut)
     }
 
     /// Whether the key light shines from behind the vane of a lone feather, as the camera sees it.

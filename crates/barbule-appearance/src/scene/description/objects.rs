@@ -2,12 +2,14 @@
 
 use glam::{DMat3, DVec3};
 
+use super::barbules::Under;
 use super::coat::{CoatDescription, CoatObject};
 use super::detail::Detail;
 use super::dress::{Dress, FeatherObject, Zone};
 use super::shapes::{MOST_SEGMENTS, grow, rectangle, sphere, upwards};
 use super::slot::Slot;
 use super::surfaces::Surfaces;
+use crate::brdf::Reciprocity;
 use crate::bsdf::Texture;
 use crate::fields::{Fields, Key, Map, Record, Several, Text, Value, up_to, within};
 use crate::identity::Hasher;
@@ -133,6 +135,10 @@ record! {
         detail: Detail = "detail", (), or Detail::default();
         /// What a feather's barbules are made of on both sides of its barbs, where its dress does not say.
         material: Option<String> = "material", Text("a species, structure or .barbule file");
+        /// What the lower sides of a feather's barbules are made of, where its dress does not say; `default` where that does not either.
+        under: Option<Under> = "under", ();
+        /// What makes them reciprocal, where its dress does not say; `steeper` where that does not either.
+        reciprocity: Option<Reciprocity> = "reciprocity", ();
         /// What the parts of a feather are made of.
         dress: Option<Dress> = "dress", ();
         /// Places of the vane with a dress of their own; the last one that holds a place is its zone.
@@ -146,7 +152,7 @@ record! {
 const SHAPES: [&str; 7] = ["sphere_mm", "rectangle_mm", "snake", "mesh", "curves", "feather", "coat"];
 
 /// Keys of feathers and coats alone, and of feathers alone.
-const OF_FEATHERS: [&str; 3] = ["detail", "material", "dress"];
+const OF_FEATHERS: [&str; 5] = ["detail", "material", "under", "reciprocity", "dress"];
 const OF_FEATHERS_ALONE: [&str; 3] = ["window", "zones", "zone_map"];
 
 impl ObjectShape {
@@ -163,6 +169,8 @@ impl ObjectShape {
             window: None,
             detail: Detail::default(),
             material: None,
+            under: None,
+            reciprocity: None,
             dress: None,
             zones: Vec::new(),
             zone_map: None,

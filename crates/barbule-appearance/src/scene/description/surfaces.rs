@@ -2,13 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::barbules::BarbuleClothing;
 use super::colour::Colour;
 use super::slot::Slot;
-use crate::brdf::FeatherBrdf;
 use crate::bsdf::{
-    Absorption, BarbuleSurface, Cells, Clad, Conductor, Dielectric, FacetRoughness, FibreIndex, Grating,
-    Hair, HairParameters, Keratin, Lambertian, Layout, Pictures, Reflectance, Relief, RoughDielectric,
-    Surface, SurfaceMap, Texture, ThinFilm,
+    Absorption, Conductor, Dielectric, FacetRoughness, FibreIndex, Grating, Hair, HairParameters, Keratin,
+    Lambertian, Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap, Texture, ThinFilm,
 };
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{FieldValue, Kind, Map, Record, Several, Text, Value, path_of, within, wrong_kind};
@@ -22,8 +21,9 @@ use crate::{Error, Result, record, variants, words};
 /// Most surfaces of a map: as many as an 8-bit grey tells apart.
 const MOST_MAPPED: usize = 256;
 
-/// Where nothing is said: lobes are 0.9° wide at 550 nm (standard deviation), as if the scale were a little uneven.
-const USUAL_COHERENCE_UM: f64 = 4.0;
+/// Where nothing is said: four are 65 µm, the side of patches that heights are measured on, beyond which nothing is known of how the
+/// surface goes on. Lobes are 0.22° wide at 550 nm (standard deviation), before any lamp.
+const USUAL_COHERENCE_UM: f64 = 16.25;
 
 variants! {
     /// A surface with a name.
@@ -190,29 +190,6 @@ record! {
     }
 }
 
-/// The underside of barbules where nothing is said: nearly black.
-pub(super) const UNDERSIDE: PigmentedKeratin =
-    PigmentedKeratin { roughness: 0.35, index: 1.56, melanin: 20.0 };
-
-record! {
-    /// Barbules of a computed material: those of a feather, or what a mesh or curve with texture coordinates wears.
-    #[derive(Debug, Clone, PartialEq)]
-    pub struct BarbuleClothing {
-        /// What their upper sides are made of.
-        material: Slot<FeatherBrdf> = "material", Text("a species, structure or .barbule file");
-        /// Keratin of their lower sides.
-        underside: PigmentedKeratin = "underside", (), or UNDERSIDE;
-        /// On a mesh: lengths along and across barbules on which a texture coordinate grows by 1.
-        uv_mm: [f64; 2] = "uv_mm", within(1e-4, 1e5), or [1.0, 1.0];
-        /// On a mesh: width of a barbule; 0: one from v = -1 to 1.
-        width_um: f64 = "width_um", within(0, 1000), or 0.0;
-        /// On a mesh: length of a barbule; 0: they have no ends.
-        length_um: f64 = "length_um", within(0, 10000), or 0.0;
-        /// On a mesh: length of a cell; 0: a barbule is one cell.
-        cell_um: f64 = "cell_um", within(0, 10000), or 0.0;
-    }
-}
-
 /// One number for both, or two: along and across.
 impl FieldValue for FacetRoughness {
     type Limits = ();
@@ -364,42 +341,6 @@ impl GratingDescription {
     fn build(&self) -> Result<Grating> {
         let powers = self.powers().ok_or_else(|| Error::input("a grating has no heights"))?;
         Grating::new(powers.value()?, self.coherence_um, self.index, self.pigment.0.map(decode))
-    }
-}
-
-impl BarbuleClothing {
-    /// Barbules of this material where nothing else is said.
-    #[must_use]
-    pub fn of(material: &str) -> Self {
-        Self {
-            material: Slot::new(material),
-            underside: UNDERSIDE,
-            uv_mm: [1.0; 2],
-            width_um: 0.0,
-            length_um: 0.0,
-            cell_um: 0.0,
-        }
-    }
-
-    /// The surface of barbules that differ from place to place like this.
-    pub(super) fn barbules(&self, cells: Cells) -> Result<BarbuleSurface> {
-        Ok(BarbuleSurface {
-            brdf: self.material.value()?.clone(),
-            instances: true,
-            under: self.underside.build()?,
-            cells,
-            opacity: 1.0,
-        })
-    }
-}
-
-impl BarbuleClothing {
-    /// What a mesh or curve wears.
-    fn clad(&self) -> Result<Clad> {
-        let [width_mm, length_mm, cell_mm] =
-            [self.width_um, self.length_um, self.cell_um].map(|um| 1e-3 * um);
-        let layout = Layout { uv_mm: self.uv_mm, width_mm, length_mm, cell_mm, swelling: 0.0 };
-        Clad::new(self.barbules(Cells::default())?, layout)
     }
 }
 

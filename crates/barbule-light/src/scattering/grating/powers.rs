@@ -127,27 +127,30 @@ impl Powers {
         Ok(Self { orders, kappa_most, terms, series })
     }
 
-    /// The mean of several patches of the same orders.
+    /// The mean of several patches of the same orders, which are taken one after the other.
     ///
     /// # Errors
-    /// No patches, or such of other orders or another range of κ.
-    pub fn mean(patches: &[Self]) -> Result<Self> {
-        let terms = patches.iter().map(|patch| patch.terms).max().unwrap_or(0);
-        let Some(first) = patches.first().filter(|first| {
-            patches.iter().all(|p| p.orders == first.orders && p.kappa_most == first.kappa_most)
-        }) else {
-            return Err(Error::input("gratings of other orders have no mean"));
-        };
-        let [columns, rows] = first.orders.counts();
-        let mut series = vec![0.0; columns * rows * terms];
+    /// A patch's own; no patches, or such of other orders or another range of κ.
+    pub fn mean(patches: impl IntoIterator<Item = Result<Self>>) -> Result<Self> {
+        let mut patches = patches.into_iter();
+        let none = || Error::input("gratings of other orders have no mean");
+        let mut sum = patches.next().ok_or_else(none)??;
+        let mut count = 1.0;
         for patch in patches {
-            for (sums, values) in series.chunks_exact_mut(terms).zip(patch.series.chunks_exact(patch.terms)) {
-                for (sum, value) in sums.iter_mut().zip(values) {
-                    *sum += value / patches.len() as f32;
-                }
+            let patch = patch?;
+            if patch.orders != sum.orders || patch.kappa_most != sum.kappa_most {
+                return Err(none());
             }
+            let (mut more, fewer) = if patch.terms > sum.terms { (patch, sum) } else { (sum, patch) };
+            let series = more.series.chunks_exact_mut(more.terms).zip(fewer.series.chunks_exact(fewer.terms));
+            for (sums, values) in series {
+                sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+            }
+            sum = more;
+            count += 1.0;
         }
-        Self::new(first.orders, first.kappa_most, terms, series)
+        sum.series.iter_mut().for_each(|value| *value /= count);
+        Ok(sum)
     }
 
     /// The orders.
@@ -258,6 +261,19 @@ mod tests {
         // Nothing beyond the highest order, though the patch repeats.
         assert_eq!(powers.smoothed([0.2, 1.0], kappa, s_f), 0.0);
         assert!((powers.of_order(2, kappa) - 0.625).abs() < 1e-7);
+    }
+
+    #[test]
+    fn patches_of_one_or_several_terms_have_a_mean() {
+        let orders = Orders { most: [1, 0], period_um: [10.0, 10.0] };
+        let of = |terms: usize, values: &[f32]| Powers::new(orders, 30.0, terms, values.to_vec());
+        let flat = [0.25, 0.0, 0.5];
+        let sloping = [0.5, 0.25, 0.0, 0.5, 0.25, 0.0];
+        let expected = of(2, &[0.375, 0.125, 0.0, 0.25, 0.375, 0.0]).unwrap();
+        assert_eq!(Powers::mean([of(1, &flat), of(2, &sloping)]).unwrap(), expected);
+        assert_eq!(Powers::mean([of(2, &sloping), of(1, &flat)]).unwrap(), expected);
+        let other = Powers::new(orders, 31.0, 1, flat.to_vec());
+        assert!(Powers::mean([of(1, &flat), other]).is_err() && Powers::mean([]).is_err());
     }
 
     #[test]

@@ -2,10 +2,11 @@
 //!
 //! [`spectrum`] is the sum over all heights of a patch, as [`crate::scattering::grating`] defines it, with nothing precomputed. What is
 //! precomputed are [`Amplitudes`]: transforms of the patch at a few κ, from which any direction and wavelength follow, [`Builder`]'s
-//! tables of colour, and the powers that a renderer reads.
+//! tables of colour, and the powers that a renderer reads. [`ridge_orders`] holds the sum itself against Maxwell's equations.
 
 mod amplitudes;
 mod build;
+mod exact;
 #[cfg(test)]
 mod tests;
 
@@ -15,6 +16,7 @@ use rayon::prelude::*;
 
 pub use amplitudes::{Amplitudes, Reach, Series};
 pub use build::{Builder, TablesNeed};
+pub use exact::{OrderPower, RidgeOrders, ridge_orders};
 
 use crate::progress::Progress;
 use crate::scattering::grating::{Orders, Place, Setup, WINDOW, q};

@@ -6,6 +6,7 @@ use super::*;
 use crate::math::bessel::Cylinder;
 use crate::progress::Unobserved;
 use crate::scattering::grating::{Coherence, Obliquity, TableGrid};
+use crate::solve::crystal::Rcwa;
 use crate::spectrum::colour::Observer;
 
 /// A direction by its polar angle from the normal and its azimuth from +x, degrees.
@@ -268,7 +269,7 @@ fn tables_are_the_sum_over_wavelengths() {
     let weights = observer.weights(&at);
     for place in [Place::At([0.0; 2]), Place::Anywhere] {
         let setup = Setup { place, ..setup };
-        for (series, tolerance) in [(Series::Chebyshev, 1e-6), (Series::Taylor(18), 1e-6)] {
+        for (series, tolerance) in [(Series::Chebyshev, 1e-6), (Series::Taylor(30), 1e-6)] {
             let builder = Builder::new(&field, &setup, grid, series, &observer, &at, &Unobserved).unwrap();
             let tables = builder.tables(&Unobserved).unwrap();
             let mut largest: f64 = 0.0;
@@ -349,4 +350,26 @@ fn patches_far_wider_than_the_coherence_are_refused_first() {
             "{error}"
         );
     }
+}
+
+/// Without heights both are Fresnel's mirror in both polarizations; with heights far below the wavelength over a period far above it they have the
+/// same orders.
+#[test]
+fn gentle_ridges_have_the_orders_of_maxwells_equations() {
+    let solver = Rcwa { orders: 12, slices: 8, estimate: false };
+    let flat = Heightfield::new([16, 1], [2.0; 2], vec![0.0; 16]).unwrap();
+    for phi in [0.0, 0.7_f64] {
+        let found = ridge_orders(&flat, 1.56, 550.0, phi, &solver).unwrap();
+        for polarization in [0, 1] {
+            let [scalar, exact] = found.whole(|order| order.polarized(polarization));
+            assert!((scalar / exact - 1.0).abs() < 1e-9, "{phi} {polarization}: {scalar} {exact}");
+        }
+        let [scalar, _] = found.whole(OrderPower::unpolarized);
+        assert!((scalar / fresnel(phi.cos(), 1.56) - 1.0).abs() < 1e-9);
+    }
+    let gentle = Heightfield::sinusoid(5.5, 0.02, 1, 64).unwrap();
+    let solver = Rcwa { orders: 36, slices: 12, estimate: false };
+    let found = ridge_orders(&gentle, 1.56, 550.0, 0.3, &solver).unwrap();
+    assert!(found.misplaced(OrderPower::unpolarized) < 0.01, "{found:?}");
+    assert!(ridge_orders(&flat.turned(), 1.56, 550.0, 0.0, &solver).unwrap_err().is_input());
 }

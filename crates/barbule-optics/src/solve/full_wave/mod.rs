@@ -30,7 +30,7 @@ use crate::scattering::directions::{e1, e2};
 use crate::scattering::far_field::{
     Azimuths, FarField, Illumination, IncidentLight, Polarization, Window, coefficients,
 };
-use crate::structure::{Beneath, Section};
+use crate::structure::{Beneath, Ends, Section};
 use crate::{Complex64, Error, Result};
 use incidence::Incidence;
 use kernel::{COMPONENTS, Kernel};
@@ -120,7 +120,7 @@ impl SectionSolver for FullWave {
         let (section, changes) = if is_closed {
             (Cow::Borrowed(section), Vec::new())
         } else {
-            let closed = section.closed(Beneath::Absorbing)?;
+            let closed = section.closed(Beneath::Absorbing, Ends::Closed)?;
             (Cow::Owned(closed.regions), closed.changes)
         };
         Ok(Box::new(Regions { section, changes, solver: *self }))

@@ -52,6 +52,10 @@ impl Generator for Bronzewing {
         self.width_um
     }
 
+    fn is_alike_below(&self) -> bool {
+        true
+    }
+
     fn check(&self) -> crate::Result<()> {
         ordered("core_fraction_low", self.core_fraction_low, "core_fraction_high", self.core_fraction_high)?;
         let room = self.spacing_um - self.melanosome_spread * self.melanosome_diameter_um;

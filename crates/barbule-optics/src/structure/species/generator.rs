@@ -33,14 +33,13 @@ pub(super) trait Generator {
     fn lower_lattice(&self, _library: &Library) -> Option<Lattice> {
         None
     }
+    /// Whether the lower side, lit from below, is as random as the upper one: the same in the mean and in all statistics.
+    fn is_alike_below(&self) -> bool {
+        false
+    }
     /// Which parameters decide whether all regions find room, and how to give them more.
     fn room(&self) -> String {
         "make its parts smaller, or the barbule larger".into()
-    }
-    /// The standard deviation, µm, over which simulations should average inclusions along the top: where rows of them begin, end
-    /// and bulge within less than a wavelength.
-    fn smooth_um(&self) -> Option<f64> {
-        None
     }
     /// Whether the outline is an arch rather than a slab.
     fn is_curved(&self) -> bool {

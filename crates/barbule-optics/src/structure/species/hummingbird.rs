@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use super::super::curve::{Roughness, grid, point_count};
 use super::super::section::{Inclusion, Loop, Medium, Parts, Polyline};
-use super::super::smooth::FINER_THAN_LIGHT_UM;
 use super::generator::{Generator, Random, parts};
 use crate::fields::within;
 use crate::material::Library;
@@ -132,10 +131,6 @@ impl Generator for Hummingbird {
             "{} layers are gap_um apart, less air_spread × air_um and bubble_height_spread_um, between a top and a bottom that differ by bottom_amplitude_um; make gap_um or cortex_um larger, or these smaller",
             self.layers
         )
-    }
-
-    fn smooth_um(&self) -> Option<f64> {
-        Some(FINER_THAN_LIGHT_UM)
     }
 
     fn parts(&self, random: &Random, _library: &Library) -> Parts {

@@ -188,6 +188,12 @@ impl SpeciesModel {
         self.parameters.generator().lower_lattice(&self.library)
     }
 
+    /// Whether the lower side, lit from below, shows what the upper one does, up to single individuals: the same layers lie under both.
+    #[must_use]
+    pub fn is_alike_below(&self) -> bool {
+        self.parameters.generator().is_alike_below()
+    }
+
     /// `species:variant`; the name alone where a file has no variants.
     #[must_use]
     pub fn title(&self) -> String {
@@ -200,7 +206,7 @@ impl SpeciesModel {
     /// The standard deviation, µm, over which simulations average inclusions along the top; `None`: not at all.
     #[must_use]
     pub fn smooth_um(&self) -> Option<f64> {
-        self.smoothing.deviation_um(self.parameters.generator().smooth_um())
+        self.smoothing.deviation_um(None)
     }
 
     /// The barbule's width.

@@ -47,6 +47,10 @@ impl Generator for Starling {
         self.width_um
     }
 
+    fn is_alike_below(&self) -> bool {
+        true
+    }
+
     fn check(&self) -> crate::Result<()> {
         ordered("core_fraction_low", self.core_fraction_low, "core_fraction_high", self.core_fraction_high)
     }

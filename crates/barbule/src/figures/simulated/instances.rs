@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{PER_RADIAN, nearest};
 use crate::Result;
-use crate::brdf::{FeatherMaterial, Noise, Synthesis};
+use crate::brdf::{FeatherMaterial, Synthesis};
 use crate::campaign::Keep;
 use crate::campaign::single::intensities;
 use crate::characterize::Barbules;
@@ -73,7 +73,7 @@ impl InstancePatterns {
         let kept = (0..waves.len())
             .map(|w| Ok(campaign.unit(&campaign.tables(w, progress)?, 0, Keep::Fields, progress)?.fields))
             .collect::<Result<Vec<_>>>()?;
-        let noise = Noise::new(&material.noise_power, material.seed);
+        let noise = material.noise();
         let column = |place: usize| {
             let node = |wave: usize| from.index(wave, theta, phis[place]);
             let synthesis: Vec<Synthesis> =

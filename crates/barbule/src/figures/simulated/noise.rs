@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::ghost;
 use crate::Result;
-use crate::brdf::{FeatherMaterial, Noise};
+use crate::brdf::{At, FeatherMaterial};
 use crate::characterize::Barbules;
 use crate::plot::{Axis, Curve, Drawing, Figure, Ink, Stroke};
 use crate::progress::Progress;
@@ -55,11 +55,13 @@ impl NoiseCurves {
         barbules: Option<&Barbules>,
         progress: &dyn Progress,
     ) -> Result<Self> {
-        let noise = Noise::new(&material.noise_power, material.seed);
+        let noise = material.noise();
         let x: Vec<f64> = (0..=800).map(|k| f64::from(k) / 400.0 - 1.0).collect();
         let q_r = (0..SHOWN as u64).map(|instance| {
             let draw = noise.draw(instance);
-            x.iter().map(|x| noise.at_both(&draw, *x, 1.0)[0][0]).collect()
+            // As at one wavelength, where nothing but x changes.
+            let at = |x: &f64| At { x: *x, achromatic_x: *x, height_phase_per_um: 0.0 };
+            x.iter().map(|x| noise.at_both(&draw, &at(x), 1.0)[0][0]).collect()
         });
         Ok(Self {
             lag: (0..LAGS).map(|k| 2.0 * k as f64 / NOISE_POINTS as f64).collect(),

@@ -1,5 +1,6 @@
 use super::*;
-use crate::brdf::fixtures::example;
+use crate::brdf::Spectral;
+use crate::brdf::fixtures::{example, halo};
 
 /// A container with the given header and data.
 fn container(header: &str, data: &[u8]) -> Vec<u8> {
@@ -79,6 +80,24 @@ fn a_material_survives_its_file() {
     let single = encode_material(&one).unwrap();
     assert!(single.len() + 6 * material.axes.len() <= bytes.len() + 100);
     assert_eq!(decode_material(&single).unwrap().sets[0].mean.len(), 1);
+}
+
+#[test]
+fn a_halo_survives_its_file_and_files_without_one_stay_as_they_were() {
+    let material = FeatherMaterial { halo: Some(halo()), ..example(2) };
+    let bytes = encode_material(&material).unwrap();
+    assert_eq!(decode_material(&bytes).unwrap().halo, material.halo);
+    assert_eq!(open(&bytes).2["schema"], 4);
+    let plain = FeatherMaterial { spectral: Spectral::default(), ..example(2) };
+    let without = encode_material(&plain).unwrap();
+    assert_eq!(open(&without).2["schema"], 3);
+    assert_eq!(decode_material(&without).unwrap().halo, None);
+    assert_eq!(decode_material(&without).unwrap().spectral, Spectral::default());
+    let back = decode_material(&encode_material(&example(2)).unwrap()).unwrap();
+    assert_eq!((back.spectral, back.halo), (example(2).spectral, None));
+    let mut wrong = material.clone();
+    wrong.halo.as_mut().unwrap().power[1] = f32::NAN;
+    assert!(encode_material(&wrong).unwrap_err().to_string().contains("halo_power[1] = NaN"));
 }
 
 #[test]

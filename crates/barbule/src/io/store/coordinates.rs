@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::io::zarr::{Array, DataType};
-use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, NOISE_POINTS};
+use crate::scattering::statistics::{AZIMUTHS, Axes, GLINTS, LAGS, NOISE_POINTS};
 
 /// A dimension's values; they follow from the attributes, and what is read back is only held against them.
 pub(super) struct Coordinate {
@@ -76,11 +76,17 @@ pub(super) fn coordinates(axes: &Axes, instances: usize, kept_nm: &[f64]) -> Vec
         Coordinate::new("polarization", count(1, 2), "", "incident polarization: E along e1, E along e2"),
         Coordinate::new("azimuth", degrees(AZIMUTHS, &azimuth), "degree", "outgoing azimuth phi_o"),
         Coordinate::new("lag", Values::Numbers(lags), "", "lag in x_o"),
+        Coordinate::new(
+            "glint",
+            degrees(GLINTS.len(), &|i| f64::from(GLINTS[i]) * PI / AZIMUTHS as f64),
+            "degree",
+            "azimuth from the one nearest to the mirror direction",
+        ),
+        Coordinate::new("instance", count(0, instances - 1), "", "random individual"),
     ];
     if !kept_nm.is_empty() {
         all.push(Coordinate::new("kept_wavelength", nm(kept_nm), "nm", "vacuum wavelength of kept fields"));
         all.push(Coordinate::new("component", count(1, 2), "", "component of the field: along e1, along e2"));
-        all.push(Coordinate::new("instance", count(0, instances - 1), "", "random individual"));
     }
     all
 }

@@ -8,12 +8,12 @@ use super::aside::Files;
 use super::coordinates::{Coordinate, coordinates};
 use crate::io::whole::{failure, hash_bytes};
 use crate::io::zarr::{Array, DataType, group_metadata};
-use crate::scattering::statistics::{AZIMUTHS, Axes, LAGS, Sides};
+use crate::scattering::statistics::{AZIMUTHS, Axes, GLINTS, LAGS, Sides};
 use crate::spectrum::Wavelengths;
 use crate::{Error, Result};
 
 /// The version of the layout; others are not read.
-pub(super) const LAYOUT: u64 = 4;
+pub(super) const LAYOUT: u64 = 5;
 
 /// The attribute that says that both signs of φ_i were simulated, and how; without it φ_i ≥ 0 stands for both.
 const SIDES: &str = "sides";
@@ -32,7 +32,7 @@ struct ArrayKind {
 const POLARIZATION: (&str, usize) = ("polarization", 2);
 
 /// Number of arrays that every unit writes.
-pub(super) const ARRAYS: usize = 8;
+pub(super) const ARRAYS: usize = 9;
 
 /// Arrays in the order in which a unit writes them.
 const KINDS: [ArrayKind; ARRAYS] = [
@@ -92,7 +92,17 @@ const KINDS: [ArrayKind; ARRAYS] = [
         units: "",
         meaning: "contrast of |E|^2 over instances",
     },
+    ArrayKind {
+        name: "glints",
+        data_type: DataType::Float32,
+        trailing: &[("glint", GLINTS.len()), INSTANCE],
+        units: "1/rad",
+        meaning: "unpolarized |E|^2/Phi_i of each instance at azimuths about the mirror direction",
+    },
 ];
+
+/// As long as the campaign has instances.
+const INSTANCE: (&str, usize) = ("instance", 0);
 
 /// The arrays of a store.
 pub(super) struct Arrays {
@@ -117,7 +127,11 @@ impl Arrays {
         };
         let first = [("wavelength", shape[0]), ("theta_i", shape[1]), ("phi_i", shape[2])];
         let unit = KINDS.map(|ArrayKind { name, data_type, trailing, units, meaning }| {
-            array(name, data_type, units, meaning, &[&first, trailing].concat())
+            let trailing: Vec<_> = trailing
+                .iter()
+                .map(|dimension| if *dimension == INSTANCE { (INSTANCE.0, instances) } else { *dimension })
+                .collect();
+            array(name, data_type, units, meaning, &[&first[..], &trailing].concat())
         });
         let fields = (!kept_nm.is_empty()).then(|| {
             let dimensions = [

@@ -24,6 +24,7 @@ fn unit(shift: f32) -> UnitStatistics {
         pattern_correlation: doubles(2),
         unpolarized_contrast: doubles(2),
         contrast: singles(2 * 2 * 400),
+        glints: singles(2 * 5 * 3),
         fields: (0..2 * 2 * 2 * 3 * 400).map(|k| Complex::new(k as f32, shift)).collect(),
     }
 }
@@ -66,7 +67,7 @@ fn units_come_back_with_their_fields() {
     // A file per array and unit, of exactly its values and a checksum.
     let files = ["u/c.1.0.0.0.0", "unpolarized_contrast/c.1.0.0", "digest/c.1.0.0"];
     let sizes = files.map(|f| fs::metadata(path.join(f)).unwrap().len());
-    assert_eq!(sizes, [4 * 1600 + 4, 8 * 2 + 4, 8 * 9 + 4]);
+    assert_eq!(sizes, [4 * 1600 + 4, 8 * 2 + 4, 8 * 10 + 4]);
 }
 
 #[test]
@@ -87,6 +88,7 @@ fn both_signs_of_phi_come_back_and_are_another_campaign() {
         pattern_correlation: [right.pattern_correlation, left.pattern_correlation].concat(),
         unpolarized_contrast: [right.unpolarized_contrast, left.unpolarized_contrast].concat(),
         contrast: [right.contrast, left.contrast].concat(),
+        glints: [right.glints, left.glints].concat(),
         fields: Vec::new(),
     };
     for (w, t) in store.units() {

@@ -4,9 +4,11 @@
 //! segment scatters off the cone, along y, is what the 2.5D side only assumes: the spread σ of its BRDF.
 
 mod figures;
+mod halo;
 mod kept;
 mod numbers;
 
+pub use halo::WithHalo;
 pub use numbers::{Found, Moments, Sigma};
 
 use rayon::prelude::*;

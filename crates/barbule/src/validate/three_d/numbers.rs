@@ -55,7 +55,7 @@ pub struct Found {
 }
 
 /// How far the window alone reaches along y, in standard deviations: 0.3 % of it lie beyond.
-const BEYOND: f64 = 3.0;
+pub(super) const BEYOND: f64 = 3.0;
 
 /// Sums over instances, whose far fields share one grid of directions.
 pub(super) struct Tally {
@@ -290,13 +290,17 @@ impl Comparison {
     /// ΔE00 of the colours of all that is reflected: 2.5D against segments.
     #[must_use]
     pub fn delta_e(&self, direction: usize) -> f64 {
+        let of = |of: fn(&Found) -> f64| self.found[direction].iter().map(of).collect::<Vec<_>>();
+        self.difference(&of(|f| f.flat.reflected), &of(|f| f.segments.reflected))
+    }
+
+    /// ΔE00 of two reflected fractions at the wavelengths.
+    pub(super) fn difference(&self, one: &[f64], other: &[f64]) -> f64 {
         let wavelengths = &self.plan.wavelengths;
         let weights = Observer::under(Illuminant::D65).weights(wavelengths);
         let white = weights.xyz(&vec![1.0; wavelengths.len()]);
-        let colour = |of: fn(&Found) -> f64| {
-            lab(weights.xyz(&self.found[direction].iter().map(of).collect::<Vec<_>>()), white)
-        };
-        delta_e_2000(colour(|f| f.flat.reflected), colour(|f| f.segments.reflected))
+        let [one, other] = [one, other].map(|reflected| lab(weights.xyz(reflected), white));
+        delta_e_2000(one, other)
     }
 
     /// Everything but the pictures.
@@ -321,6 +325,11 @@ impl Comparison {
                 "correlation_across_two_and_a_half_d": f.correlation[0],
                 "correlation_across_three_d": f.correlation[1],
                 "correlation_along_three_d": f.correlation[2],
+                "with_halo": self.with_halo(f).map(|with| json!({
+                    "reflected": with.reflected,
+                    "power_error": with.reflected / f.segments.reflected - 1.0,
+                    "beyond_window": with.beyond,
+                })),
             })
         };
         let direction = |(index, all): (usize, &Vec<Found>)| {
@@ -328,6 +337,7 @@ impl Comparison {
             json!({
                 "theta_deg": theta, "phi_deg": phi,
                 "delta_e_2000": self.delta_e(index),
+                "delta_e_2000_with_halo": self.delta_e_with_halo(index),
                 "wavelengths": all.iter().map(found).collect::<Vec<_>>(),
             })
         };
@@ -380,6 +390,7 @@ impl Comparison {
                 1e2 * mean(&|f| f.sigma.beyond),
                 self.delta_e(index)
             );
+            text += &self.halo_line(index).unwrap_or_default();
         }
         let [flat, segments] = self.seconds;
         text + &format!("the BRDF's σ is {}; 2.5D took {flat:.1} s, 3D {segments:.1} s", self.sigma)
