@@ -5,7 +5,7 @@ use std::path::Path;
 use barbule::error::shortened;
 use barbule::io::{InputKind, kind_of};
 use barbule::open;
-use barbule::structure::{Lattice, Side, Structure};
+use barbule::structure::{Lattice, Side, Smoothing, Structure};
 use barbule::{Error, Result};
 use clap::ValueEnum;
 
@@ -16,12 +16,26 @@ use crate::provenance::quoted;
 /// What every STRUCTURE argument says in `--help`.
 pub const HELP: &str = "A stack as in 'air/keratin:595/air', SPECIES[:VARIANT], a section .json, a species or lattice .toml, or a folder of sections; with ' (below)' behind it its lower side";
 
-/// Which side of the barbules is lit.
+/// Which side of the barbules is lit, and how what is finer than light is taken.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(crate) struct SideArg {
     /// The side that is lit: below is each barbule turned upside down, by 180° about its long axis
     #[arg(long, value_enum, default_value_t = Lit::Above)]
     side: Lit,
+    #[arg(long, value_name = "UM", value_parser = smoothing, help = SMOOTH)]
+    smooth: Option<Smoothing>,
+}
+
+/// What `--smooth` says in `--help`.
+pub(crate) const SMOOTH: &str = "Average inclusions along the top by a Gaussian of this standard deviation, µm, or off: what is finer than light becomes an effective medium, 0.06 for hummingbirds [default: off]";
+
+/// Reads what `--smooth` is given.
+pub(crate) fn smoothing(text: &str) -> std::result::Result<Smoothing, String> {
+    if text == "off" {
+        return Ok(Smoothing::Off);
+    }
+    let deviation_um = text.parse().map_err(|_| format!("{text} is neither a length in µm nor off"))?;
+    Smoothing::over(deviation_um).map_err(|error| error.to_string())
 }
 
 /// Sides of barbules.
@@ -39,10 +53,16 @@ impl SideArg {
     /// # Errors
     /// It has no lower side that can be simulated.
     pub(crate) fn of(self, structure: Structure) -> Result<Structure> {
+        let structure = self.smooth.into_iter().fold(structure, Structure::smoothed);
         match self.side {
             Lit::Above => Ok(structure),
             Lit::Below => structure.underside().map_err(|error| error.at("--side below")),
         }
+    }
+
+    /// Whether an average along the top is asked for.
+    pub(crate) fn is_smoothed(self) -> bool {
+        matches!(self.smooth, Some(Smoothing::Over(_)))
     }
 }
 

@@ -13,7 +13,6 @@ use barbule::solve::far_fields::{
 };
 use barbule::solve::surface::{LARGEST_MIRROR_ERROR, mirror_fraction};
 use barbule::solve::{FAST, METHODS, method};
-use barbule::structure::Section;
 use barbule::{Error, Result};
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -46,6 +45,7 @@ const TEXT_OF_CSV: u64 = 260;
     after_help = "Examples:\n  barbule far-field starling --wavelength 520 --theta 0 --phi 30 --json\n  \
     barbule far-field starling --wavelength 400:700:10 --theta 0 --phi 30 -o map.png --csv fields.csv\n  \
     barbule far-field mallard --side below --wavelength 520 --theta 0 --phi=-30 --json\n  \
+    barbule far-field hummingbird --smooth off --wavelength 550 --theta 0 --phi 0\n  \
     barbule far-field examples/rods.json --solver full-wave --wavelength 500 --theta 30 --phi 0"
 )]
 pub(crate) struct Args {
@@ -77,10 +77,6 @@ pub(crate) struct Args {
     /// How the light falls on the section
     #[arg(long, value_enum, default_value_t = WindowArg::Gaussian)]
     window: WindowArg,
-    /// Average the outlines of long inclusions along x over this standard deviation, µm: rows of bubbles finer than a
-    /// wavelength then are what light sees
-    #[arg(long, value_name = "UM")]
-    smooth: Option<f64>,
     /// Of full waves: nodes per wavelength in the denser medium at each boundary
     #[arg(long, value_name = "N", default_value_t = ELEMENTS_PER_WAVELENGTH, value_parser = elements)]
     elements: f64,
@@ -156,13 +152,19 @@ impl Args {
         }
         let illuminations = self.illuminations();
         self.check_size(illuminations.count())?;
+        if self.solver.is_exact && self.side.is_smoothed() {
+            return Err(Error::input(format!(
+                "--smooth is of the fast simulation's formulas; {}s need none",
+                self.solver.noun
+            )));
+        }
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
         if self.figure.output.is_some() {
             figures::check_far_fields(&illuminations).map_err(|error| error.at("--output"))?;
         }
         let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
-        let section = self.smoothed(structure.instance(self.common.seed, self.instance)?)?;
+        let section = structure.instance(self.common.seed, self.instance)?;
         let solver = (self.solver.solver)(&self.settings());
         let found = self.scatter(&*solver.prepare(&section)?, &illuminations)?;
         let mirrors = match self.solver.is_exact {
@@ -213,17 +215,6 @@ impl Args {
                 WindowArg::None => Window::PlaneWave,
             },
         }
-    }
-
-    fn smoothed(&self, section: Section) -> Result<Section> {
-        let Some(deviation_um) = self.smooth else { return Ok(section) };
-        if self.solver.is_exact {
-            return Err(Error::input(format!(
-                "--smooth is of the fast simulation's formulas; {}s need none",
-                self.solver.noun
-            )));
-        }
-        section.smoothed(deviation_um).map_err(|error| error.at("--smooth"))
     }
 
     fn settings(&self) -> Settings {

@@ -13,7 +13,7 @@ use barbule::solve::cost::Cost;
 use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, FullWave};
 use barbule::solve::{FAST, SHADOWED};
 use barbule::spectrum::Wavelengths;
-use barbule::structure::{Beneath, Ends, SpeciesModel, Structure};
+use barbule::structure::{Beneath, Ends, Smoothing, SpeciesModel, Structure};
 use barbule::validate::{Plan, run_all, three_d, usual_azimuths};
 use barbule::{Error, Result};
 use serde_json::Value;
@@ -101,9 +101,8 @@ pub(crate) struct Args {
     /// Let the top stand in its own light in the fast simulation's formulas, evaluated plainly (slower)
     #[arg(long, conflicts_with = "three_d")]
     shadowing: bool,
-    /// In the fast simulation, average the outlines of long inclusions along x over this standard deviation, µm
-    #[arg(long, value_name = "UM", conflicts_with = "three_d")]
-    smooth: Option<f64>,
+    #[arg(long, value_name = "UM", conflicts_with = "three_d", value_parser = structure_arg::smoothing, help = structure_arg::SMOOTH)]
+    smooth: Option<Smoothing>,
     /// Less of all: a barbule 6 µm wide at 13 wavelengths from 0° and 30° against full waves, few segments at three wavelengths
     #[arg(long)]
     quick: bool,
@@ -216,7 +215,9 @@ impl Args {
     }
 
     fn three_d_plan(&self) -> Result<three_d::Plan> {
-        let structure = self.narrowed(structure_arg::parse(&self.structure, &self.common)?, None)?;
+        // Segments take each column for itself, and so does what they are held against.
+        let structure = structure_arg::parse(&self.structure, &self.common)?.smoothed(Smoothing::Off);
+        let structure = self.narrowed(structure, None)?;
         let most = if self.quick { QUICK_INSTANCES } else { USUAL_INSTANCES };
         let asked = self.instances.map_or(most, |count| count as usize);
         // A changed species has no material of its own.
@@ -302,6 +303,7 @@ impl Args {
     /// Everything that is compared, checked before any work.
     fn plans(&self) -> Result<Vec<Plan>> {
         let structure = structure_arg::parse(&self.structure, &self.common)?;
+        let structure = self.smooth.into_iter().fold(structure, Structure::smoothed);
         let quick = self.quick.then_some(QUICK_WIDTH_UM.min(structure.width_um()));
         let structure = self.narrowed(structure, quick)?;
         let count = self.ensemble.map_or(1, |count| count as usize);
@@ -316,10 +318,7 @@ impl Args {
             EndsArg::Open => Ends::Open,
             EndsArg::Closed => Ends::Closed,
         };
-        let mut closed = section.closed(Beneath::Absorbing, ends)?;
-        if let Some(deviation_um) = self.smooth {
-            closed.fast = closed.fast.smoothed(deviation_um).map_err(|error| error.at("--smooth"))?;
-        }
+        let closed = section.closed(Beneath::Absorbing, ends)?;
         if closed.fast.boundaries.is_empty() {
             return Err(Error::input(format!(
                 "{}: the section has no top boundary, which the fast simulation needs; give one with boundaries",
@@ -339,7 +338,6 @@ impl Args {
                 clock: clock::system,
             },
             method: if self.shadowing { SHADOWED } else { FAST },
-            smooth_um: self.smooth,
         };
         plan.check_beams().map_err(|error| error.at("--phi"))?;
         Ok(plan)

@@ -148,3 +148,27 @@ fn full_waves_give_widths_that_balance() {
     let (table, _) = run(&words[..words.len() - 1]);
     assert!(table.contains("nodes per wavelength"), "{table}");
 }
+
+/// The power of both polarizations at once, printed for one far field.
+fn reflected(words: &[&str]) -> f64 {
+    let document = document(
+        &[&["far-field", "--wavelength", "550", "--theta", "0", "--phi", "0", "--json"], words].concat(),
+    );
+    let power = |key: &str| {
+        let intensity = document[key]["intensity"].as_array().unwrap();
+        intensity.iter().map(|value| value.as_f64().unwrap()).sum::<f64>()
+    };
+    power("polarization_1") + power("polarization_2")
+}
+
+#[test]
+fn bubbles_are_averaged_where_somebody_asks_for_it() {
+    let bird = |words: &[&str]| reflected(&[&["hummingbird"], words].concat());
+    let (averaged, off) = (bird(&["--smooth", "0.06"]), bird(&["--smooth", "off"]));
+    assert!(averaged > 1.1 * off, "{averaged} {off}");
+    assert_eq!(off, bird(&[]));
+    assert!((bird(&["--smooth", "0.1"]) / averaged - 1.0).abs() < 0.02);
+    // The plain evaluation sees the same layers.
+    assert!((bird(&["--smooth", "0.06", "--solver", "direct"]) / averaged - 1.0).abs() < 1e-6);
+    assert_eq!(reflected(&["starling"]), reflected(&["starling", "--smooth", "0.06"]));
+}

@@ -64,7 +64,7 @@ const LINES: &[(&str, &str)] = &[
     ("film air/keratin:5/air --angles inf", "'inf' is not a number"),
     (
         "far-field starling --wavelength 550 --theta 0 --phi 0 --smooth 9",
-        "--smooth: outlines averaged over 9 µm",
+        "an average over 9 µm: give 0.005 to 1 µm, or off",
     ),
     (
         "far-field hummingbird --wavelength 550 --theta 0 --phi 0 --smooth 0.05 --solver full-wave",

@@ -294,7 +294,7 @@ struct Stacks {
 impl Stacks {
     fn new(section: &Section, rays: &[Ray], wavelength_nm: f64) -> Result<Self> {
         let columns = cast(section, rays)?;
-        let palette = columns.palette.iter().map(|m| m.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
+        let palette = columns.palette.indices(wavelength_nm)?;
         Ok(Self { columns, palette, wavelength_nm })
     }
 
@@ -326,9 +326,7 @@ impl Stacks {
         let mut indices = vec![Complex64::ONE];
         let mut thickness_nm = Vec::new();
         for slot in 0..slots {
-            let m = self.columns.mixture[slot].at(p);
-            let (a, b) = (self.palette[usize::from(m.a)], self.palette[usize::from(m.b)]);
-            indices.push(a * (1.0 - m.fraction) + b * m.fraction);
+            indices.push(self.columns.mixture[slot].at(p).index(&self.palette));
             if slot + 1 < slots {
                 thickness_nm.push(self.columns.thickness_um[slot * rays + p] * 1e3);
             }

@@ -72,7 +72,7 @@ impl Columns {
     /// The column of each point at a wavelength.
     pub(super) fn at(&self, nm: f64) -> Result<Vec<Column>> {
         let below = &self.below;
-        let palette = below.palette.iter().map(|material| material.index(nm)).collect::<Result<Vec<_>>>()?;
+        let palette = below.palette.indices(nm)?;
         let entry = self.entry.as_ref().map_or(Ok(1.0.into()), |material| material.index(nm))?;
         let column = |ray: usize| {
             let mut column = Column::default();
@@ -82,8 +82,7 @@ impl Columns {
                 let (mixture, thickness) = (below.mixture[slot].at(ray), below.thickness_um[place]);
                 let last = slot + 1 == below.slots;
                 if thickness > 0.0 || last {
-                    let (a, b) = (palette[usize::from(mixture.a)], palette[usize::from(mixture.b)]);
-                    column.indices.push(a * (1.0 - mixture.fraction) + b * mixture.fraction);
+                    column.indices.push(mixture.index(&palette));
                 }
                 if thickness > 0.0 && !last {
                     column.thickness_nm.push(thickness * 1e3);

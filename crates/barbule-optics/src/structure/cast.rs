@@ -1,7 +1,8 @@
 //! What lies below points of the top surface, along the inward normal, in the true regions.
 
-use super::columns::{Columns, PaletteMixture, SlotMixture};
+use super::columns::{Columns, Palette, PaletteMixture, SlotMixture};
 use super::section::{Loop, Medium, Polyline, Section, Substance};
+use super::smooth::averaged;
 use crate::error::shortened;
 use crate::material::Material;
 use crate::{Error, Result};
@@ -10,7 +11,7 @@ use crate::{Error, Result};
 const NO_THICKNESS_UM: f64 = 1e-9;
 
 /// Layers under all rays together, and slots times rays; simulations take about 40 bytes for each.
-const MOST_LAYERS: usize = 1 << 26;
+pub(super) const MOST_LAYERS: usize = 1 << 26;
 
 /// A point on the top boundary.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,11 +29,22 @@ pub struct Ray {
 /// Exact for polylines and circles. Beyond the ends of the section the end segments' lines go on, until the ray is
 /// above or below all of them. A ray ends at twice the height of the section (which only rays inclined by over 60°
 /// reach, where no layered description holds): the medium there goes on as its substrate. A mixture's fraction is that
-/// at the ray's own x, the point on the top, all the way down.
+/// at the ray's own x, the point on the top, all the way down. Where the section says so ([`Section::smooth_um`]) the layers are
+/// averaged along the top.
 ///
 /// # Errors
 /// The section has no boundaries, over 65,535 media, or over 67,108,864 layers under the rays together.
 pub fn cast(section: &Section, rays: &[Ray]) -> Result<Columns> {
+    match section.smooth_um {
+        Some(deviation_um) if !section.inclusions.is_empty() && !section.boundaries.is_empty() => {
+            averaged(section, rays, deviation_um)
+        }
+        _ => layers(section, rays),
+    }
+}
+
+/// As [`cast`], every ray for itself.
+pub(super) fn layers(section: &Section, rays: &[Ray]) -> Result<Columns> {
     if section.boundaries.is_empty() {
         return Err(Error::input(format!(
             "the section '{}' has no top boundary, so that nothing lies below it; add boundaries, or use the full-wave solver",
@@ -93,7 +105,7 @@ pub fn cast(section: &Section, rays: &[Ray]) -> Result<Columns> {
         }
     }
     let mixture = mixture.into_iter().map(SlotMixture::simplified).collect();
-    Ok(Columns { rays: rays.len(), slots: layers + 1, thickness_um, mixture, palette })
+    Ok(Columns { rays: rays.len(), slots: layers + 1, thickness_um, mixture, palette: Palette::of(palette) })
 }
 
 /// The boundaries at which the medium changes, with the fillings of inclusions and then of the layers between these.

@@ -87,6 +87,8 @@ impl Identify for Section {
             source: _,
             library,
             materials: _,
+            // How it is simulated, which campaigns record beside it.
+            smooth_um: _,
             nesting: _,
         } = self;
         to.number("width_um", *width_um)
@@ -142,7 +144,8 @@ impl Identify for Placed {
 
 impl Identify for SpeciesModel {
     fn feed(&self, to: &mut Hasher) {
-        let Self { name, variant, latin: _, coloration: _, parameters, library } = self;
+        // How it is simulated is recorded beside it.
+        let Self { name, variant, latin: _, coloration: _, parameters, library, smoothing: _ } = self;
         let media: Vec<Substance> = self.media().map(Substance::named).collect();
         to.text("species", name)
             .text("variant", variant)

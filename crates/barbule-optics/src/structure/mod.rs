@@ -24,7 +24,7 @@ mod symmetry;
 
 pub use cast::{Ray, cast};
 pub use closed::{ABSORPTION, Beneath, Closed, Ends, GAP_UM, RAMP, RAMP_STEP_UM};
-pub use columns::{Columns, PaletteMixture, SlotMixture};
+pub use columns::{Columns, Palette, PaletteMixture, SlotMixture};
 pub use contour::Contour;
 pub use crystal::{BuriedCircle, CrystalLayer, Regularity};
 pub use flat::FlatStack;
@@ -38,6 +38,7 @@ pub use segment::{
     Cut, CutLayer, Layers, Line, Plane, Roughness, SEGMENT_LENGTHS_UM, Sampled, Segment, SegmentGrid,
 };
 pub use side::Side;
+pub use smooth::{FINER_THAN_LIGHT_UM, Smoothing};
 pub use species::{
     Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, LowerSide, Multilayer,
     MultilayerLayer, MultilayerSizes, RockDove, SpeciesFile, SpeciesModel, Starling, crystal_species,
@@ -97,7 +98,7 @@ impl Structure {
     /// # Errors
     /// There is no such instance, or a user's species whose regions do not fit.
     pub fn instance(&self, seed: u64, index: usize) -> Result<Section> {
-        match self {
+        let section = match self {
             Self::Species(model) => model.section(seed, index),
             Self::Stack(flat) => flat.section(seed, index),
             Self::Sections { name, sections } => sections.get(index).cloned().ok_or_else(|| {
@@ -115,6 +116,39 @@ impl Structure {
                 section.source += ", its lower side";
                 Ok(section)
             }
+        }?;
+        match self {
+            Self::Sections { .. } => Ok(section),
+            _ => Ok(Section { smooth_um: self.smooth_um(), ..section }),
+        }
+    }
+
+    /// The same structure with what is finer than light averaged so: of species and of sections with inclusions, since nothing
+    /// else has any. One place decides for all simulations; [`Smoothing::Usual`] leaves given sections as they are.
+    #[must_use]
+    pub fn smoothed(self, smoothing: Smoothing) -> Self {
+        match self {
+            Self::Species(model) => Self::Species(Box::new(SpeciesModel { smoothing, ..*model })),
+            Self::Sections { name, mut sections } => {
+                let any = sections.iter().any(|section| !section.inclusions.is_empty());
+                for section in &mut sections {
+                    section.smooth_um = smoothing.deviation_um(section.smooth_um).filter(|_| any);
+                }
+                Self::Sections { name, sections }
+            }
+            Self::Below(upper) => Self::Below(Box::new(upper.smoothed(smoothing))),
+            stack @ Self::Stack(_) => stack,
+        }
+    }
+
+    /// The standard deviation, µm, over which simulations average inclusions along the top; `None`: not at all.
+    #[must_use]
+    pub fn smooth_um(&self) -> Option<f64> {
+        match self {
+            Self::Species(model) => model.smooth_um(),
+            Self::Stack(_) => None,
+            Self::Sections { sections, .. } => sections.first().and_then(|section| section.smooth_um),
+            Self::Below(upper) => upper.smooth_um(),
         }
     }
 

@@ -228,6 +228,9 @@ pub struct Section {
     pub library: Library,
     /// The user's own among them.
     pub materials: BTreeMap<String, MaterialSource>,
+    /// The standard deviation, µm, over which the fast simulation averages inclusions along the top; `None`: not at all. Full
+    /// waves need none.
+    pub smooth_um: Option<f64>,
     pub(super) nesting: check::Nesting,
 }
 
@@ -255,6 +258,7 @@ impl Section {
             source,
             library,
             materials,
+            smooth_um: None,
             nesting,
         })
     }

@@ -50,7 +50,8 @@ impl Barbules {
         let is_below = recorded["side"].as_str() == Some("below");
         let structure = structure.and_then(|s| if is_below { s.underside().ok() } else { Some(s) });
         let structure = structure.filter(|structure| structure.description() == *recorded);
-        Ok(Self { structure: structure.ok_or_else(unrecorded)?, campaign, catalog })
+        let structure = structure.ok_or_else(unrecorded)?.smoothed(campaign.smooth_um.into());
+        Ok(Self { structure, campaign, catalog })
     }
 
     /// The campaign that the material was made in, on other axes; with so many instances, or without tilt, where asked.

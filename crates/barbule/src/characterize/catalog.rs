@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::scattering::lobe::FitKind;
 use crate::scattering::orders::OrderTable;
 use crate::scattering::statistics::Axes;
-use crate::structure::{Lattice, Side, Structure};
+use crate::structure::{Lattice, Side, Smoothing, Structure};
 use crate::{Error, Result};
 
 /// What the file names of lower sides end in.
@@ -97,13 +97,17 @@ impl Catalog {
     /// A shipped file is damaged.
     pub fn shipped(&self, structure: &Structure) -> Result<Option<Found>> {
         let stem = structure.name().replace(Side::BELOW, BELOW).replace(':', "-");
-        let (Structure::Species(_), Some(bytes)) = (structure.upper(), barbule_birds::material(&stem)) else {
+        let (Structure::Species(model), Some(bytes)) = (structure.upper(), barbule_birds::material(&stem))
+        else {
             return Ok(None);
         };
         let material = decode_material(bytes).map_err(|e| e.at(format!("the shipped material {stem}")))?;
-        let recorded = &material.info["campaign"]["structure"];
+        let campaign = &material.info["campaign"];
+        // Whoever does not ask for an average takes the one that it was made with.
+        let is_averaged_so =
+            model.smoothing == Smoothing::Usual || campaign["smooth_um"].as_f64() == structure.smooth_um();
         // A user's own species may bear the name of a built-in one.
-        let is_it = *recorded == structure.description();
+        let is_it = campaign["structure"] == structure.description() && is_averaged_so;
         Ok(is_it.then(|| Found { hash: hash_bytes(bytes), material, origin: Origin::Shipped(bytes) }))
     }
 
@@ -267,6 +271,15 @@ mod tests {
             assert_eq!((found.hash.clone(), found.bytes().unwrap()), (hash_bytes(bytes), bytes.to_vec()));
             assert_eq!(found.origin, Origin::Shipped(bytes), "{stem}");
         }
+    }
+
+    #[test]
+    fn a_shipped_material_is_not_that_of_another_average() {
+        let bird = || Structure::builtin("hummingbird").unwrap();
+        let found = |structure: &Structure| Catalog::default().shipped(structure).unwrap();
+        let recorded = found(&bird()).unwrap().material.info["campaign"]["smooth_um"].as_f64();
+        assert!(found(&bird().smoothed(recorded.into())).is_some());
+        assert!(found(&bird().smoothed(Smoothing::Over(0.2))).is_none());
     }
 
     fn starling_in(folder: &Path) -> (Catalog, Plan, FeatherMaterial) {

@@ -36,6 +36,9 @@ pub struct CampaignDescription {
     /// Whether each instance counts with its mirror image; recorded only where it does.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub mirror: bool,
+    /// The standard deviation, µm, over which inclusions are averaged along the top; recorded only where they are.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub smooth_um: Option<f64>,
 }
 
 fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
@@ -90,6 +93,7 @@ impl Identify for CampaignDescription {
             thinned,
             sides,
             mirror,
+            smooth_um,
         } = self;
         to.count("campaign", *campaign_version)
             .part("structure", &Recorded(structure))
@@ -107,6 +111,9 @@ impl Identify for CampaignDescription {
         }
         if *mirror {
             to.count("mirror", 1);
+        }
+        if let Some(deviation_um) = smooth_um {
+            to.number("smooth_um", *deviation_um);
         }
     }
 }
@@ -140,7 +147,7 @@ mod tests {
     use super::*;
     use crate::characterize::CampaignOptions;
     use crate::identity::hash;
-    use crate::structure::Structure;
+    use crate::structure::{FINER_THAN_LIGHT_UM, Smoothing, Structure};
 
     #[test]
     fn the_order_of_recorded_keys_does_not_count_and_all_else_does() {
@@ -187,5 +194,22 @@ mod tests {
         let plan = |name: &str| usual.plan(Structure::builtin(name).unwrap()).unwrap().description;
         assert_eq!(shipped, plan("starling"));
         assert!(shipped != plan("starling:pink") && shipped != plan("bronzewing"));
+    }
+
+    #[test]
+    fn averages_along_the_top_are_recorded_where_they_are() {
+        let of = |smoothing: Smoothing| {
+            let bird = Structure::builtin("hummingbird").unwrap().smoothed(smoothing);
+            CampaignOptions::default().plan(bird).unwrap().description
+        };
+        let (usual, off) = (of(Smoothing::Over(FINER_THAN_LIGHT_UM)), of(Smoothing::Usual));
+        assert_eq!((usual.smooth_um, off.smooth_um), (Some(FINER_THAN_LIGHT_UM), None));
+        assert!(off == of(Smoothing::Off));
+        assert!(off.to_json().unwrap().get("smooth_um").is_none());
+        for (one, other) in [(&usual, &off), (&usual, &of(Smoothing::Over(0.1)))] {
+            assert!(one != other && hash("campaign", one) != hash("campaign", other));
+            assert_eq!(one.structure, other.structure);
+            assert_eq!(CampaignDescription::read(&one.to_json().unwrap()).unwrap(), *one);
+        }
     }
 }

@@ -162,6 +162,7 @@ impl CampaignOptions {
             thinned: self.thin,
             sides,
             mirror,
+            smooth_um: structure.smooth_um(),
         };
         let tilt = self.tilt_deg.to_radians();
         let parameters = CampaignParameters { axes, instances, seed: self.seed, tilt, mirror };

@@ -81,7 +81,7 @@ pub struct Comparison {
     pub fast_seconds: f64,
     /// Whether the fast simulation's formulas had the top in its own light.
     pub has_shadows: bool,
-    /// Over which standard deviation its outlines were averaged, µm.
+    /// Over which standard deviation it averaged inclusions along the top, µm.
     pub smooth_um: Option<f64>,
     /// Memory that the fast simulation takes for one illumination at most, bytes.
     pub fast_bytes: u64,

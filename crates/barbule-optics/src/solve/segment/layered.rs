@@ -29,8 +29,7 @@ pub(super) struct Room {
 
 impl<'a> Stacks<'a> {
     pub(super) fn new(sampled: &'a Sampled<'a>, wavelength_nm: f64, width: Width) -> Result<Self> {
-        let palette = &sampled.columns.palette;
-        let indices = palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<_>>()?;
+        let indices = sampled.columns.palette.indices(wavelength_nm)?;
         Ok(Self { sampled, k: wave_number_per_um(wavelength_nm), indices, width })
     }
 

@@ -55,8 +55,7 @@ fn plain(segment: &Segment, light: &SegmentLight, accuracy: &SegmentAccuracy, w_
     let k = TAU / (light.wavelength_nm * 1e-3);
     let w_i = omega(light.theta_i, light.phi_i);
     let electric = e2(light.phi_i);
-    let palette: Vec<Complex64> =
-        sampled.columns.palette.iter().map(|m| m.index(light.wavelength_nm).unwrap()).collect();
+    let palette: Vec<Complex64> = sampled.columns.palette.indices(light.wavelength_nm).unwrap();
     let (mut line, mut layers) = (Line::default(), Layers::default());
     let (mut j, mut m) = ([Complex64::ZERO; 3], [Complex64::ZERO; 3]);
     for column in 0..grid.cells[0] {

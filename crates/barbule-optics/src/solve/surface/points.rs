@@ -3,12 +3,11 @@
 use num_complex::Complex64;
 
 use super::reflection::{BLOCK, Incidence};
-use crate::material::Material;
 use crate::math::simd::Real;
 use crate::scattering::far_field::Window;
 use crate::spectrum::wave_number_per_um;
 use crate::structure::{
-    Columns, CrystalLayer, Lattice, PaletteMixture, Polyline, Ray, Section, SlotMixture, cast,
+    Columns, CrystalLayer, Lattice, Palette, PaletteMixture, Polyline, Ray, Section, SlotMixture, cast,
 };
 use crate::{Error, Result};
 
@@ -30,7 +29,7 @@ pub(super) struct Points {
     pub(super) count: usize,
     /// Layers and substrate under a point, those of no thickness included.
     pub(super) slots: usize,
-    pub(super) palette: Vec<Material>,
+    pub(super) palette: Palette,
     mixtures: Vec<SlotMixture>,
     /// Corners of the top that turn by more than [`SMOOTH_TURN`]: first point after each, then `count`.
     pub(super) pieces: Vec<usize>,
@@ -242,6 +241,7 @@ impl Points {
             .map(|slot| match slot {
                 SlotMixture::Uniform(_) => 0,
                 SlotMixture::Varying(row) => size_of_val(&row[..]),
+                SlotMixture::Entries(row) => size_of_val(&row[..]),
             })
             .sum();
         let lengths = (self.power_length_um.capacity() + self.arc_um.capacity()) * size_of::<f64>();
@@ -258,8 +258,7 @@ impl Points {
     /// # Errors
     /// A table of a medium does not reach the wavelength.
     pub(super) fn optics<T: Real>(&self, wavelength_nm: f64) -> Result<Optics<T>> {
-        let indices =
-            self.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
+        let indices = self.palette.indices(wavelength_nm)?;
         let padded = self.padded();
         let contrast = |m: &PaletteMixture| m.contrast(&indices);
         let slots = self
@@ -267,9 +266,10 @@ impl Points {
             .iter()
             .map(|slot| match slot {
                 SlotMixture::Uniform(mixture) => SlotMedium::Uniform(contrast(mixture)),
-                SlotMixture::Varying(row) => {
+                varying => {
+                    let values = (0..self.count).map(|point| contrast(&varying.at(point)));
                     let (mut re, mut im): (Vec<T>, Vec<T>) =
-                        row.iter().map(contrast).map(|value| (T::of(value.re), T::of(value.im))).unzip();
+                        values.map(|value| (T::of(value.re), T::of(value.im))).unzip();
                     re.resize(padded, re[self.count - 1]);
                     im.resize(padded, im[self.count - 1]);
                     SlotMedium::Varying { re, im }

@@ -9,11 +9,10 @@ use num_complex::{Complex32, Complex64};
 use super::points::Points;
 use super::reflection::{BLOCK, Fractions, RESCALE_EVERY, cross, lanes, layer, reflectances_of, rescale};
 use crate::Result;
-use crate::material::Material;
 use crate::math::simd::{Complex, SLIGHT, decay, load, slight_decay, splat, turn};
 use crate::scattering::far_field::Window;
 use crate::spectrum::wave_number_per_um;
-use crate::structure::{PaletteMixture, Section};
+use crate::structure::{Palette, PaletteMixture, Section};
 
 /// Real numbers per ray: real and imaginary parts of r_s and r_p.
 pub(super) const SERIES: usize = 4;
@@ -31,7 +30,7 @@ pub(super) struct Rays {
     parts: usize,
     /// `[point of the element][ray of the element]`
     weights: [Vec<f32>; 2],
-    palette: Vec<Material>,
+    palette: Palette,
     /// Media that fill a layer of a whole block.
     uniform: Vec<PaletteMixture>,
     /// Media of layers that differ between the rays of a block.
@@ -183,8 +182,7 @@ impl Rays {
     /// # Errors
     /// A table of a medium does not reach the wavelength.
     pub(super) fn media(&self, wavelength_nm: f64) -> Result<Media> {
-        let indices =
-            self.palette.iter().map(|medium| medium.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
+        let indices = self.palette.indices(wavelength_nm)?;
         let uniform = self.uniform.iter().map(|m| m.contrast(&indices)).collect();
         let split = |media: &[PaletteMixture; BLOCK]| {
             let values = media.map(|m| m.contrast(&indices));

@@ -96,7 +96,7 @@ impl Segment {
 
     /// The name of an entry of the palette: that of the section's substance with the same material.
     fn substance(&self, sampled: &Sampled<'_>, entry: u16) -> Substance {
-        let material = &sampled.columns.palette[usize::from(entry)];
+        let material = &sampled.columns.palette.materials[usize::from(entry)];
         let is_it =
             |substance: &&Substance| self.section.material(substance).is_ok_and(|own| own == *material);
         let found = self.section.all_media().flat_map(Medium::substances).find(is_it);

@@ -150,7 +150,7 @@ impl Segment {
         let mut media = [None; 3];
         for (medium, name) in media.iter_mut().zip(["keratin", "melanin", "air"]) {
             let material = self.section.material(&Substance::named(name))?;
-            let at = columns.palette.iter().position(|known| *known == material);
+            let at = columns.palette.materials.iter().position(|known| *known == material);
             *medium = at.map(|at| PaletteMixture { a: at as u16, b: at as u16, fraction: 0.0 });
         }
         Ok(media)

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Map, Value};
 
+use super::super::smooth::Smoothing;
 use super::generator::generator_names;
 use super::{DEFAULT_VARIANT, GeneratorParameters, SpeciesModel, species_toml};
 use crate::error::{did_you_mean, shortened};
@@ -169,6 +170,7 @@ impl SpeciesFile {
             coloration: self.coloration.clone(),
             parameters: self.parameters_of(index)?,
             library,
+            smoothing: Smoothing::default(),
         };
         model.check_media()?;
         Ok(model)

@@ -15,6 +15,7 @@ use serde_json::Value;
 
 use super::lattice::Lattice;
 use super::section::{Parts, Section};
+use super::smooth::Smoothing;
 use crate::error::{did_you_mean, shortened};
 use crate::fields::Fields;
 use crate::material::Library;
@@ -52,6 +53,8 @@ pub struct SpeciesModel {
     pub parameters: GeneratorParameters,
     /// The materials that keratin, melanin and air mean.
     pub library: Library,
+    /// Whether simulations of its [`Structure`](super::Structure) average what is finer than light.
+    pub smoothing: Smoothing,
 }
 
 impl SpeciesModel {
@@ -93,6 +96,7 @@ impl SpeciesModel {
             coloration: about(|file| &file.coloration),
             parameters: GeneratorParameters::read(generator, &fields)?,
             library,
+            smoothing: Smoothing::default(),
         };
         model.check_media()?;
         Ok(model)
@@ -116,6 +120,7 @@ impl SpeciesModel {
         }
         Ok(Self {
             latin: self.latin.clone(),
+            smoothing: self.smoothing,
             ..Self::from_parameters(&self.name, &self.variant, &parameters, self.library.clone())?
         })
     }
@@ -196,6 +201,12 @@ impl SpeciesModel {
             return self.name.clone();
         }
         format!("{}:{}", self.name, self.variant)
+    }
+
+    /// The standard deviation, µm, over which simulations average inclusions along the top; `None`: not at all.
+    #[must_use]
+    pub fn smooth_um(&self) -> Option<f64> {
+        self.smoothing.deviation_um(None)
     }
 
     /// The barbule's width.
