@@ -167,7 +167,8 @@ fn bubbles_are_averaged_where_somebody_asks_for_it() {
     let (averaged, off) = (bird(&["--smooth", "0.06"]), bird(&["--smooth", "off"]));
     assert!(averaged > 1.1 * off, "{averaged} {off}");
     assert_eq!(off, bird(&[]));
-    assert!((bird(&["--smooth", "0.1"]) / averaged - 1.0).abs() < 0.02);
+    // Twelve layers hang on the length a little: 5 % less.
+    assert!((bird(&["--smooth", "0.1"]) / averaged - 0.946).abs() < 0.01);
     // The plain evaluation sees the same layers.
     assert!((bird(&["--smooth", "0.06", "--solver", "direct"]) / averaged - 1.0).abs() < 1e-6);
     assert_eq!(reflected(&["starling"]), reflected(&["starling", "--smooth", "0.06"]));
