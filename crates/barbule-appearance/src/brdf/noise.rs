@@ -339,9 +339,30 @@ impl Noise {
         let (low, high) = (mask.select(place.far, place.near), mask.select(place.near, place.far));
         let shift = i32x4::splat(simd, draw.shift - i32::from(mirrored));
         let index = mask.select(shift - place.index, shift + place.index);
-        let weights = [low * place.this, low * place.next, high * place.this, high * place.next];
-        let lane = |k: usize| self.lane(simd, [place.base[k], index[k]], weights.map(|weight| weight[k]));
-        let [a, b, c, d] = transposed(lane(0), lane(1), lane(2), lane(3));
+        // Without closures, which are not always inlined into the dispatched function.
+        let (low_this, low_next) = (low * place.this, low * place.next);
+        let (high_this, high_next) = (high * place.this, high * place.next);
+        let a = self.lane(
+            simd,
+            [place.base[0], index[0]],
+            [low_this[0], low_next[0], high_this[0], high_next[0]],
+        );
+        let b = self.lane(
+            simd,
+            [place.base[1], index[1]],
+            [low_this[1], low_next[1], high_this[1], high_next[1]],
+        );
+        let c = self.lane(
+            simd,
+            [place.base[2], index[2]],
+            [low_this[2], low_next[2], high_this[2], high_next[2]],
+        );
+        let d = self.lane(
+            simd,
+            [place.base[3], index[3]],
+            [low_this[3], low_next[3], high_this[3], high_next[3]],
+        );
+        let [a, b, c, d] = transposed(a, b, c, d);
         let further = (index & i32x4::splat(simd, HALF as i32)).simd_gt(i32x4::splat(simd, 0));
         let (a, c) = (further.select(c, a), further.select(a, c));
         let (b, d) = (further.select(d, b), further.select(b, d));
@@ -355,9 +376,11 @@ impl Noise {
         let at = WIDTH * (index as usize & (HALF - 1));
         let row = &self.values[base as usize & (BASES - 1)];
         let (low, high) = i16x16::from_slice(simd, &row[at..at + 2 * WIDTH]).widen();
-        let [a, b, c, d] = weights.map(|weight| f32x4::splat(simd, weight));
-        let low: f32x8<S> = f32x8::float_from(low) * a.combine(b);
-        let (this, next) = f32x8::float_from(high).mul_add(c.combine(d), low).split();
+        let [low_this, low_next, high_this, high_next] = weights;
+        let at_low: f32x8<S> = f32x4::splat(simd, low_this).combine(f32x4::splat(simd, low_next));
+        let at_high: f32x8<S> = f32x4::splat(simd, high_this).combine(f32x4::splat(simd, high_next));
+        let low = f32x8::float_from(low) * at_low;
+        let (this, next) = f32x8::float_from(high).mul_add(at_high, low).split();
         this + next
     }
 
