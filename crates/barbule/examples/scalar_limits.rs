@@ -106,7 +106,7 @@ fn figure() -> Result<Figure> {
     let mut figure = Figure::new(
         "Light that the scalar sum puts into wrong orders",
         Axis::logarithmic("period over the wavelength"),
-        Axis::logarithmic("of all reflected light, unpolarized"),
+        Axis::logarithmic("part of all reflected light, unpolarized"),
     );
     for (name, shape) in SHAPES {
         for deg in [0.0, 60.0] {

@@ -91,6 +91,8 @@ fn several_individuals_are_means_and_spreads_of_each() {
     let (three, said) = run(&a, &["--ensemble", "3"]);
     assert!(said.contains("2 of 6 individuals' wavelengths are there from before"), "{said}");
     assert!(said.contains("mean ± standard deviation of 3 individuals"), "{said}");
+    let [of_three, of_one] = [&three, &three["individuals"][1]].map(|one| one["structure"].as_str().unwrap());
+    assert!(of_one.starts_with(of_three) && of_one.ends_with(" 1") && !of_three.ends_with(" 0"), "{of_one}");
     let (fresh, _) = run(&b, &["--ensemble", "3"]);
     assert_eq!(timeless(three.clone()), timeless(fresh));
     assert_eq!(timeless(three["individuals"][1].clone()), timeless(one));

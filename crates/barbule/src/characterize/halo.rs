@@ -375,7 +375,8 @@ mod tests {
         let rough = halo.at(550.0, 1.0, 1.0);
         let share = rough.shares.iter().sum::<f64>();
         let expected = (2.0 * wave_number_per_um(550.0) * plan.roughness.amplitude_um).powi(2);
-        assert!((share / expected - 1.0).abs() < 0.25, "{share} {expected}");
+        // Of first order in (2k A)² = 0.05, and four segments: 12 % less is found.
+        assert!((share / expected - 1.0).abs() < 0.15, "{share} {expected}");
         assert!((rough.power - 1.0).abs() < 0.05, "{}", rough.power);
         let smooth = HaloPlan { roughness: Roughness::NONE, ..plan }.measure(None, &Unobserved).unwrap();
         let smooth = smooth.at(550.0, 1.0, 1.0);

@@ -53,6 +53,17 @@ impl Ensemble {
         Ok(Self { individuals, wavelengths, means })
     }
 
+    /// The words that all names of the individuals begin with: without their numbers.
+    pub(super) fn name(&self) -> String {
+        let words = |one: &Comparison| one.name.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        let mut common = words(self.first());
+        for one in &self.individuals {
+            let same = common.iter().zip(words(one)).take_while(|(a, b)| *a == b).count();
+            common.truncate(same);
+        }
+        common.join(" ")
+    }
+
     /// The mean over individuals, by incidence.
     #[must_use]
     pub fn means(&self) -> &[Incidence] {
@@ -113,7 +124,7 @@ impl Ensemble {
         let sum = |of: fn(&Comparison) -> f64| self.individuals.iter().map(of).sum::<f64>();
         let (fast, full) = (sum(|one| one.fast_seconds), sum(Comparison::full_seconds));
         json!({
-            "structure": first.name,
+            "structure": self.name(),
             "count": self.individuals.len(),
             "width_um": first.width_um,
             "ends": first.ends.map(Ends::name),
@@ -216,7 +227,7 @@ impl Ensemble {
         }
         let mut text = format!(
             "{}, {} µm wide{ends}, {} wavelengths{several}\n",
-            first.name,
+            self.name(),
             first.width_um,
             self.wavelengths.len()
         );

@@ -49,7 +49,7 @@ impl Ensemble {
 
     /// The name, and of how many individuals the mean is shown.
     fn title(&self, of: &str) -> String {
-        let name = &self.first().name;
+        let name = self.name();
         if self.is_several() {
             format!("{name}{of}, mean of {} individuals", self.individuals.len())
         } else {
