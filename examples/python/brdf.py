@@ -13,14 +13,14 @@ N, BASES, WORD = 1024, 128, 2**64 - 1  # points and number of the noise's base f
 clamp = lambda v, low, high: min(max(v, low), high)
 signed, share = (lambda k: max((k - 32768) / 32767, -1)), (lambda k: k / 65535)
 MAPS = {"m": lambda k: 0.001 ** (1 - share(k)), "phi": lambda k: signed(k) * pi / 2 * (1 - 1e-7), "rho": lambda k: share(k) ** 2,
-        "length": lambda k: 64 ** signed(k), "fraction_1": share, "correlation": share}
+        "length": lambda k: 64 ** signed(k), "fraction_1": share, "fraction_1_slope": lambda k: 4 * signed(k), "share": share, "correlation": share}
 STEPS = [k / 10 for k in range(-30, 31)]  # of tanh-sinh quadrature
 TANH_SINH = [(0.5 + 0.5 * tanh(pi / 2 * sinh(k)), pi / 40 * cosh(k) / cosh(pi / 2 * sinh(k)) ** 2) for k in STEPS]  # on [0, 1]
 integral = lambda f, a, b: (b - a) * sum(w * f(a + (b - a) * u) for u, w in TANH_SINH)
 data = open(sys.argv[1], "rb").read()
 header = json.loads(data[8:(start := 8 + int.from_bytes(data[:8], "little"))])
 about = json.loads(header.pop("__metadata__")["barbule"])
-assert about["schema"] in (3, 4) and "m" in header
+assert about["schema"] == 5 and "m" in header
 arrays = {name: array({"F64": "d", "F32": "f", "U16": "H"}[entry["dtype"]], data[slice(*(start + at for at in entry["data_offsets"]))])
           for name, entry in header.items()}
 waves, cos_theta, cos_phi, power = (arrays[k] for k in ("wavelengths_nm", "cos_theta", "cos_phi", "noise_power"))
@@ -53,17 +53,17 @@ def knot(nm, c, cos_p):  # shares of the halo's Gaussians, then its power
                 sums = [sum + part * value for sum, value in zip(sums, values)]
     return sums
 
-def profile(m2, sine, cosine, half, z, steady):  # a lobe of strength 1; half: sin and cos of φ_o/2
+def profile(m2, sine, cosine, half, z):  # a lobe of strength 1; half: sin and cos of φ_o/2
     q = m2 + (1 - m2) * (half[0] * cosine + half[1] * sine) ** 2
     along = half[1] * cosine + half[0] * sine if about["kind"] == "marginal" else 1
-    return along * z / (q ** (4 if steady else 2) * (z + sqrt(z * z + m2 * (1 - z * z))))
+    return along * z / (q**2 * (z + sqrt(z * z + m2 * (1 - z * z))))
 
-def area(m2, phi, cosine_i, steady):  # ∫ profile dφ_o, flat in s with h = a s/√(1 − s²)
+def area(m2, phi, cosine_i):  # ∫ profile dφ_o, flat in s with h = a s/√(1 − s²)
     a = sqrt(m2 / max(1 - m2, 1e-12))
     def term(s):
         h = clamp(a * s / sqrt(1 - s * s), -1, 1)
         half = asin(h) - phi / 2  # φ_o/2
-        value = profile(m2, sin(phi / 2), cos(phi / 2), (sin(half), cos(half)), max(cosine_i * cos(2 * half), 0), steady)
+        value = profile(m2, sin(phi / 2), cos(phi / 2), (sin(half), cos(half)), max(cosine_i * cos(2 * half), 0))
         return value * 2 * a / ((1 - s * s) ** 1.5 * max(sqrt(1 - h * h), 1e-9))
     first, last = ((h := sin((end + phi) / 2)) / sqrt(a * a + h * h) for end in (-pi / 2, pi / 2))
     return integral(term, (middle := clamp(0, first, last)), last) - integral(term, middle, first)
@@ -81,7 +81,7 @@ def chromatic(measured, common):  # l of the others
     return measured / sqrt(-log(clamp(rest, 0.05, 0.8))) if achromatic else measured
 
 @lru_cache(None)
-def node(t, p, wave, polarization):  # m², sin and cos of φ_eff/2, strength, density and chance of lobes; what else there is
+def node(t, p, wave):  # m², sin and cos of φ_eff/2, strength, density and chance of lobes; what else there is
     index = lambda t, p: (wave * thetas + max(t - 1, 0)) * phis + columns[p]
     bare = lambda t, p: sum(stored("rho", index(t, p), ending) for ending in ("", "_2")[:1 + ("rho_2" in arrays)])
     power = lambda t, p: min(knot(waves[wave], cos_theta[max(t - 1, 0)], cos(phi_i[columns[p]]))[-1], 1 / max(bare(t, p), 1e-30))
@@ -93,16 +93,18 @@ def node(t, p, wave, polarization):  # m², sin and cos of φ_eff/2, strength, d
         beside = p - 2 if p else 2
         factor *= continued(here, rho(t, beside), cos(phi_i[columns[p]]), cos(phi_i[columns[beside]]))
     factor = min(factor, 1 / here) if here > 0 else 1.0
-    extras = 1 / chromatic(stored("length", at), lengths(at % (thetas * phis))), stored("correlation", at), stored("fraction_1", at), stored("fraction_1", at, "_sta")
-    for ending, fraction in ("", extras[2]), ("_2", extras[2]), ("_sta", extras[3]):
+    extras = 1 / chromatic(stored("length", at), lengths(at % (thetas * phis))), stored("correlation", at), stored("fraction_1", at), stored("fraction_1_slope", at)
+    for ending in ("", "_2"):
         there = "m" + ending in arrays
         m, phi, energy = (stored(name, at, ending) if there else none for name, none in (("m", 1.0), ("phi", 0.0), ("rho", 0.0)))
         phi = clamp(phi, 1e-4 - pi / 2, pi / 2 - 1e-4)
-        energy *= power(t, p) * {"mean": 1, "1": 2 * fraction, "2": 2 - 2 * fraction}[polarization]
-        strength = factor * energy / area(m * m, phi, cos_theta[max(t - 1, 0)], ending == "_sta")
+        energy *= power(t, p)
+        strength = factor * energy / area(m * m, phi, cos_theta[max(t - 1, 0)])
         rest, chance = sqrt(max(1 - m * m, 1e-12)), max(energy, 1e-9) * max(factor, 1e-3)
         inside = student(sin(pi / 4 + phi / 2) * rest / m) + student(sin(pi / 4 - phi / 2) * rest / m)
         lobes.append([*map(single, (m * m, sin(phi / 2), cos(phi / 2), strength)), chance * m**3 * rest / (pi * inside), chance])
+    m, phi, share = (clamp(stored(name, at, "_sta"), 1e-4 - pi / 2, pi / 2 - 1e-4) for name in ("m", "phi", "share"))
+    lobes.append([*map(single, (m * m, sin(phi / 2), cos(phi / 2), share * m**4))])
     return lobes, [*map(single, extras)]
 
 def simplex(theta, phi, nm):  # (weight, t, p, wave) of the nodes that are mixed; φ on the side of the tables
@@ -123,21 +125,22 @@ def slopes(theta, phi):  # κ, g and 1/l of achromatic instances
     mixed = [sum(w * stored(name, row, p) for w, row, p in weights) for name in ("steepness", "strength")]
     return [*mixed, sum(w * common(row, p) for w, row, p in weights)]
 
-def mixed(nodes, phi, phi_o, polarization):  # P of mean and steady part, density of φ_o, its weight, extras
+def mixed(nodes, phi, phi_o):  # P of mean and steady part, density of φ_o, its weight, extras
     sums = [0.0] * 8
     for weight, t, p, wave in nodes:
-        lobes, extras = node(t, p, wave, polarization)
+        lobes, extras = node(t, p, wave)
         phi_n, cosine_n = phi_i[columns[p]], cos_theta[max(t - 1, 0)]
         level, shift = 1 - sin(phi) * sin(phi_n), sin(phi) - sin(phi_n)
         stretch = cos(phi) * cos(phi_n) / (level + shift * sin(phi_o))
         sine, cosine = (level * sin(phi_o) + shift) / (level + shift * sin(phi_o)), cos(phi_o) * stretch
         half = sine / sqrt(2 + 2 * cosine), sqrt(0.5 + 0.5 * cosine)
-        one, two, steady = (lobe[3] * profile(*lobe[:3], half, cosine_n * cosine, lobe is lobes[2]) for lobe in lobes)
+        one, two = (lobe[3] * profile(*lobe[:3], half, cosine_n * cosine) for lobe in lobes[:2])
         h2 = [(half[0] * c + half[1] * s) ** 2 for _, s, c, *_ in lobes]
+        steady = lobes[2][3] / (lobes[2][0] + (1 - lobes[2][0]) * h2[2]) ** 2
         drawn = sum(d * sqrt(1 - h) / (m2 + (1 - m2) * h) ** 2 for (m2, *_, d, _), h in zip(lobes[:2], h2))
-        parts = stretch * (one + two), stretch * steady, stretch * drawn, lobes[0][5] + lobes[1][5], *extras
+        parts = stretch * (one + two), steady, stretch * drawn, lobes[0][5] + lobes[1][5], *extras
         sums = [total + weight * part for total, part in zip(sums, parts)]
-    return [sums[0], min(sums[:2]), *sums[2:]]
+    return [sums[0], sums[0] * min(sums[1], 1), *sums[2:]]
 
 def along(nodes, theta, t2):  # E/Q of all Gaussians, and their density over cosθ_o
     sums, halos = [0.0, 0.0], [knot(waves[wave], [0, *cos_theta][t], 1 - abs(PHI[p]))[:-1] for _, t, p, wave in nodes]
@@ -205,18 +208,18 @@ def wings():  # values of E
     values = [exp(1.16 * NormalDist().inv_cdf((k + 0.5) / 256)) for k in range(256)]
     return [single(256 * value / sum(values)) for value in values]
 
-def factor(instance, steepness, strength, inverse_length, facet):  # τ
-    a = min((steepness * facet) ** 2 * inverse_length, 1e6)
-    own = wings()[chained(split_mix(seed), instance) >> (28 if facet >= 0 else 8) & 255]
-    return 1 + strength * a * a / (1 + 2 * a**3 / sqrt(27)) * (own - 1)
+def factor(instance, steepness, strength, inverse_length, x, z):  # τ
+    a = min(steepness**2 * x * x / (2 * z) * inverse_length, 1e6)
+    own = wings()[chained(split_mix(seed), instance) >> (28 if x >= 0 else 8) & 255]
+    return 1 + strength * a * a / (0.2 + 0.2 * a + 0.6 * a**3) * (own - 1)
 
-def speckled(mean, steady, instance, x, phase, gamma, fractions, polarization):
+def speckled(mean, steady, instance, x, phase, gamma, part, polarization):
     name = chained(split_mix(seed), instance)
     first = noise(name, 0, x, phase)
     second = gamma * first + sqrt(max(1 - gamma * gamma, 0)) * noise(name, 1, x, phase)
     of = lambda f, s, q: abs(sqrt((f - min(s, f)) / 2) * q + sqrt(min(s, f))) ** 2
-    parts = {"1": [(1, 1, first)], "2": [(1, 1, second)], "mean": [(*fractions, first), (*(1 - v for v in fractions), second)]}
-    return sum(of(mean * a, steady * b, q) for a, b, q in parts[polarization])
+    parts = {"1": [(1, first)], "2": [(1, second)], "mean": [(part, first), (1 - part, second)]}
+    return sum(of(mean * a, steady * a, q) for a, q in parts[polarization])
 
 for asked in map(json.loads, sys.stdin):
     theta, phi, polarization, found = radians(asked["theta_in_deg"]), radians(asked["phi_in_deg"]), asked["polarization"], []
@@ -226,12 +229,15 @@ for asked in map(json.loads, sys.stdin):
         nodes = list(simplex(theta, azimuth, nm))
         for theta_o, phi_o in zip(map(radians, asked["theta_out_deg"]), map(radians, asked["phi_out_deg"])):
             t2, x = sin((theta + theta_o) / 2) ** 2, cos(theta) * sin(phi) + cos(theta_o) * sin(phi_o)
-            f, s, drawn, weight, inverse_length, gamma, *fractions = mixed(nodes, azimuth, side * phi_o, polarization)
+            f, s, drawn, weight, inverse_length, gamma, *first = mixed(nodes, azimuth, side * phi_o)
+            z = cos(theta) * cos(phi) + cos(theta_o) * cos(phi_o)
+            part = clamp(first[0] + first[1] * clamp(side * x / z, -1, 1), 0, 1)
+            f, s = (v * {"mean": 1, "1": 2 * part, "2": 2 - 2 * part}[polarization] for v in (f, s))
             if asked["instance"] is not None:
-                z, (steepness, strength, common) = cos(theta) * cos(phi) + cos(theta_o) * cos(phi_o), slopes(theta, azimuth)
+                steepness, strength, common = slopes(theta, azimuth)
                 place = x * (common if is_achromatic(chained(split_mix(seed), asked["instance"])) else inverse_length)
-                f = speckled(f, s, asked["instance"], place, 2000 * pi / nm * z, gamma, fractions, polarization)
-                f *= factor(asked["instance"], steepness, strength, inverse_length, x / z)
+                f = speckled(f, s, asked["instance"], place, 2000 * pi / nm * z, gamma, part, polarization)
+                f *= factor(asked["instance"], steepness, strength, inverse_length, x, z)
             value, density = along(nodes, theta, t2)
             value /= cos(theta_o) * cos(phi_o)
             found.append((value * f, value * s, density / cos(theta_o) * drawn / weight))

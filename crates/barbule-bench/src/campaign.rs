@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
 
-use barbule::campaign::{Campaign, CampaignParameters, Keep, Resources, orders, sides};
+use barbule::campaign::{Campaign, CampaignParameters, Keep, Resources, orders, places, sides};
 use barbule::math::simd::Width;
 use barbule::progress::{Progress, Unobserved};
 use barbule::scattering::far_field::{Illumination, Window};
@@ -85,7 +85,8 @@ fn sample(
     let phis = axes.phis();
     let phi_i: Vec<f64> = (0..phis).map(|phi| axes.phi_i(phi)).collect();
     let theta_i = axes.theta_i(2);
-    let parameters = CampaignParameters { axes, instances, seed, tilt: 2f64.to_radians(), mirror: false };
+    let (tilt, places) = (2f64.to_radians(), places(structure, instances));
+    let parameters = CampaignParameters { axes, instances, seed, tilt, mirror: false, places };
     progress.begin("measuring", (SAMPLE_NM.len() * SAMPLE_COS_THETA.len()) as u64);
     let begun = ProcessTime::now();
     let orders = orders(structure, &parameters.axes, &Unobserved)?;

@@ -27,7 +27,7 @@ pub(crate) struct SideArg {
 }
 
 /// What `--smooth` says in `--help`.
-pub(crate) const SMOOTH: &str = "Average inclusions along the top by a Gaussian of this standard deviation, µm, or off: what is finer than light becomes an effective medium, 0.06 for hummingbirds [default: off]";
+pub(crate) const SMOOTH: &str = "Average inclusions along the top by a Gaussian of this standard deviation, µm, or off: what is finer than light becomes an effective medium [default: 0.06 for hummingbirds, else off]";
 
 /// Reads what `--smooth` is given.
 pub(crate) fn smoothing(text: &str) -> std::result::Result<Smoothing, String> {

@@ -7,7 +7,7 @@
 #![allow(clippy::print_stdout)] // a program that prints
 
 use barbule::brdf::fit::{FitOptions, LobeForm, fit, fitted};
-use barbule::campaign::{Campaign, CampaignParameters, Resources, statistics};
+use barbule::campaign::{Campaign, CampaignParameters, Resources, places, statistics};
 use barbule::material::Library;
 use barbule::progress::Unobserved;
 use barbule::scattering::directions::azimuths;
@@ -52,7 +52,8 @@ fn simulate(species: &str, instances: usize, seed: u64) -> Result<Statistics> {
     let wavelengths = Wavelengths::new([400.0, 478.0, 550.0, 622.0, 694.0])?;
     let cos_phi = (1..=10).map(|k| f64::from(k) / 10.0).collect();
     let axes = Axes::new(&wavelengths, vec![0.25, 0.5, 0.75, 1.0], cos_phi)?;
-    let parameters = CampaignParameters { axes, instances, seed, tilt: 2f64.to_radians(), mirror: false };
+    let (tilt, places) = (2f64.to_radians(), places(&structure, instances));
+    let parameters = CampaignParameters { axes, instances, seed, tilt, mirror: false, places };
     statistics(&Campaign::new(&structure, parameters, &Resources::default(), &Unobserved)?, &Unobserved)
 }
 

@@ -14,7 +14,10 @@ use barbule::plot::{Axis, Curve, Drawing, Figure, Format, Ink, Stroke};
 use barbule::structure::species_names;
 use num_complex::Complex64;
 
-use speckle::{Species, correlations, fitted, moments, simulate, speckle, synthesized};
+use speckle::{Species, contrasts, correlations, fitted, moments, simulate, speckle, synthesized};
+
+/// Barbules that contrasts are held against.
+const OTHERS: usize = 400;
 
 fn main() -> barbule::Result<()> {
     let species: Vec<Species> = species_names().map(simulate).collect();
@@ -76,6 +79,17 @@ fn main() -> barbule::Result<()> {
                 })
                 .collect();
         println!("| {} | {} |", one.name, cells.join(" | "));
+    }
+    println!(
+        "\n| species | contrast, {OTHERS} barbules / material of 50 | apart, mean | most | where: nm, cosθ_i, φ_i, from the mirror direction | those 50 themselves, mean | most |\n| --- | --- | --- | --- | --- | --- | --- |"
+    );
+    for one in &species {
+        let found = contrasts(one, OTHERS);
+        let ([a, b], [most, x, y], [nm, cosine, phi, offset]) = (found.mean, found.farthest, found.at);
+        println!(
+            "| {} | {a:.3} / {b:.3} | {:.3} | {most:.2} ({x:.2} / {y:.2}) | {nm}, {cosine}, {phi:.0}°, {offset:+}° | {:.3} | {:.2} |",
+            one.name, found.apart, found.sampled, found.farthest_sampled
+        );
     }
     std::env::args().nth(1).map_or(Ok(()), |path| quantiles(&species, Path::new(&path)))
 }

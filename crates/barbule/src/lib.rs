@@ -177,7 +177,7 @@ pub use spectrum::sensor::Sensor;
 ///
 /// let shipped = Catalog::default().shipped(&Structure::builtin("starling")?)?.unwrap();
 /// let material: FeatherMaterial = shipped.material;
-/// assert_eq!(material.axes.wavelengths_nm().len(), 50);
+/// assert_eq!(material.axes.wavelengths_nm().len(), 51);
 /// # Ok::<(), barbule::Error>(())
 /// ```
 pub use brdf::FeatherMaterial;

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use fearless_simd::{Level, Simd, f32x4, prelude::*};
 use glam::DVec3;
+use std::f64::consts::TAU;
 
 use super::lanes::{Cosine, Extras, Mixed, Outgoing, Simplices, density, exp_of_negative, parts};
 use super::longitudinal::{PARTS, half_sine_squared};
 use super::material::FeatherMaterial;
 use super::noise::{Draw, Noise};
 use super::sample::direction;
-use super::slope::{FALL, FARTHEST, Slope};
+use super::slope::{FARTHEST, RISE, Slope};
 use super::table::{Incident, Table};
 use super::tables::{BrdfTables, Options, Reciprocity};
 use crate::Result;
@@ -18,7 +19,6 @@ use crate::math::simd::dispatch_large;
 use crate::scattering::far_field::Polarization;
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::Sides;
-use crate::spectrum::wave_number_per_um;
 
 /// A feather material that is ready for evaluation. Shared between threads; nothing in it changes.
 #[derive(Debug, Clone)]
@@ -177,9 +177,15 @@ impl FeatherBrdf {
         simplices: &Simplices<S>,
         slope: &Slope,
         inverse_nm: f32x4<S>,
+        facet: f32,
         instance: Option<&At>,
     ) -> f32x4<S> {
-        let Some(at) = instance else { return Mixed::new(simd, &self.tables.sets[set], simplices).mean };
+        let Some(at) = instance else {
+            let mean = Mixed::new(simd, &self.tables.sets[set], simplices).mean;
+            let Some(polarization) = self.tables.polarization else { return mean };
+            let extras = Extras::new(simd, &self.tables.sets[set], simplices);
+            return mean * own(simd, &extras, facet, polarization);
+        };
         // Noise before lobes: its loads wait longest.
         let extras = Extras::new(simd, &self.tables.sets[set], simplices);
         let inverse_length = if at.draw.is_achromatic() {
@@ -189,21 +195,24 @@ impl FeatherBrdf {
         };
         let place = self.tables.noise.place(simd, at.draw, inverse_length * at.x, inverse_nm * at.phase_nm);
         let [qr, qi, own_r, own_i] = self.tables.noise.at_four(simd, at.draw, &place);
-        let Mixed { mean, steady } = Mixed::new(simd, &self.tables.sets[set], simplices);
+        let Mixed { mut mean, mut steady } = Mixed::new(simd, &self.tables.sets[set], simplices);
+        if let Some(polarization) = self.tables.polarization {
+            let own = own(simd, &extras, facet, polarization);
+            (mean, steady) = (mean * own, steady * own);
+        }
         let value = if self.tables.polarization_of(set) == Some(Polarization::First) {
             speckled(mean, steady, qr, qi)
         } else {
-            let gamma = extras.correlation;
-            let rest = (f32x4::splat(simd, 1.0) - gamma * gamma).max(0.0).sqrt();
+            let (gamma, rest) = (extras.correlation, extras.rest);
             let (second_r, second_i) = (gamma.mul_add(qr, rest * own_r), gamma.mul_add(qi, rest * own_i));
             if self.tables.polarization_of(set).is_some() {
                 speckled(mean, steady, second_r, second_i)
             } else {
                 // Half of each polarization's own values.
-                let first = mean * extras.fraction;
-                let first_steady = steady * extras.steady_fraction;
+                let part = part_of_first(simd, &extras, facet);
+                let (first, first_steady) = (mean * part, steady * part);
                 let mean = first.combine(mean - first);
-                let steady = first_steady.combine(steady - first_steady).min(mean);
+                let steady = first_steady.combine(steady - first_steady);
                 let both = speckled(mean, steady, qr.combine(second_r), qi.combine(second_i));
                 let (first, second) = both.split();
                 first + second
@@ -211,6 +220,21 @@ impl FeatherBrdf {
         };
         value * at.factor(simd, slope, extras.inverse_length)
     }
+}
+
+/// [`material::part_of_first`](super::material::part_of_first) of four wavelengths.
+#[inline(always)]
+fn part_of_first<S: Simd>(simd: S, extras: &Extras<S>, facet: f32) -> f32x4<S> {
+    let facet = f32x4::splat(simd, facet.clamp(-1.0, 1.0));
+    extras.fraction_slope.mul_add(facet, extras.fraction).max(0.0).min(1.0)
+}
+
+/// The values of one polarization over those of unpolarized light.
+#[inline(always)]
+fn own<S: Simd>(simd: S, extras: &Extras<S>, facet: f32, polarization: Polarization) -> f32x4<S> {
+    let first = part_of_first(simd, extras, facet);
+    let part = if polarization == Polarization::First { first } else { f32x4::splat(simd, 1.0) - first };
+    part * 2.0
 }
 
 /// What tables of two sides can do without a step in the lobe.
@@ -227,8 +251,8 @@ fn is_above(w: DVec3) -> bool {
     w.z > 0.0
 }
 
-/// A wavelength in the middle of the visible, nm.
-const USUAL_NM: f32 = 550.0;
+/// Wave number times wavelength, (rad/µm) nm.
+const PHASE_NM: f64 = 1000.0 * TAU;
 
 /// Which instance, and where its noise is looked up but for the length: x_i + x_o.
 struct At<'a> {
@@ -236,6 +260,8 @@ struct At<'a> {
     x: f32,
     /// Height phase times the wavelength, (rad/µm) nm.
     phase_nm: f32,
+    /// b of the module `slope`.
+    bend: f64,
     /// Slope t of the facet that mirrors.
     facet: f64,
     /// E − 1 on its side.
@@ -244,21 +270,21 @@ struct At<'a> {
 
 impl<'a> At<'a> {
     #[inline(always)]
-    fn new(noise: &Noise, draw: &'a Draw, [wi, wo]: [DVec3; 2]) -> Self {
+    fn new(draw: &'a Draw, [wi, wo]: [DVec3; 2]) -> Self {
         let (x, z) = (wi.x + wo.x, wi.z + wo.z);
-        let phase_nm = (z * wave_number_per_um(1.0)) as f32;
-        noise.fetch(draw, x as f32, phase_nm / USUAL_NM);
+        let phase_nm = (z * PHASE_NM) as f32;
         let facet = x / z;
-        Self { draw, x: x as f32, phase_nm, facet, wing: draw.wing(facet) - 1.0 }
+        Self { draw, x: x as f32, phase_nm, bend: 0.5 * x * facet, facet, wing: draw.wing(x) - 1.0 }
     }
 
     /// τ, see the module `slope`.
     #[inline(always)]
     fn factor<S: Simd>(&self, simd: S, slope: &Slope, inverse_length: f32x4<S>) -> f32x4<S> {
-        let steep = slope.steepness * self.facet;
-        let a = (inverse_length * (steep * steep) as f32).min(FARTHEST as f32);
+        let steep = slope.steepness * slope.steepness * self.bend;
+        let a = (inverse_length * steep as f32).min(FARTHEST as f32);
         let (square, one) = (a * a, f32x4::splat(simd, 1.0));
-        let part = square / (square * a).mul_add(f32x4::splat(simd, FALL as f32), one);
+        let [start, rise, fall] = RISE.map(|part| f32x4::splat(simd, part as f32));
+        let part = square / (square * a).mul_add(fall, rise.mul_add(a, start));
         part.mul_add(f32x4::splat(simd, slope.strength as f32 * self.wing), one)
     }
 }
@@ -358,9 +384,11 @@ impl<const N: usize> PreparedBrdf<'_, N> {
 struct Towards {
     incident: Incident,
     outgoing: Outgoing,
-    /// cosθ_o and cosφ_o.
+    /// cosθ_o, and cosθ_o cosφ_o.
     cos_theta: f64,
-    cos_phi: f64,
+    z: f64,
+    /// Slope of the facet that mirrors, on the side of the tables, where somebody asks for it.
+    facet: f32,
 }
 
 // Not generic over the number of wavelengths, so that the kernels are compiled once, here; and each without a loop: in
@@ -450,18 +478,24 @@ impl FeatherBrdf {
         instance: Option<&Draw>,
         values: &mut [f32],
     ) {
-        let instance = instance.map(|draw| At::new(&self.tables.noise, draw, [wi, wo]));
+        let instance = instance.map(|draw| At::new(draw, [wi, wo]));
         let instance = instance.as_ref();
         let incident = match prepared {
             Some(incident) => *incident,
             None => self.tables.grid.incident([wi.x, wi.y, wi.z]),
         };
-        let towards = self.towards(simd, incident, wo);
+        let mut towards = self.towards(simd, incident, wo);
         let factors = self.factors(simd, &towards, wo);
         // Most directions are far off the barbule's narrow cone, and of its halo.
         if factors == [0.0; PARTS] {
             return;
         }
+        let facet = match instance {
+            Some(at) => at.facet,
+            None if self.tables.polarization.is_some() => (wi.x + wo.x) / (wi.z + wo.z),
+            None => 0.0,
+        };
+        towards.facet = if incident.mirrored { -facet } else { facet } as f32;
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = values.as_chunks_mut::<4>();
         if let ([four, ..], [lanes, ..]) = (fours, &mut *lanes) {
@@ -486,7 +520,7 @@ impl FeatherBrdf {
         let simplices = self.simplices(simd, towards, four);
         let inverse_nm = f32x4::splat(simd, 1.0) / f32x4::from_slice(simd, four);
         let slope = &towards.incident.slope;
-        let across = self.across(simd, set, &simplices, slope, inverse_nm, instance);
+        let across = self.across(simd, set, &simplices, slope, inverse_nm, towards.facet, instance);
         let shares = self.tables.longitudinal.shares();
         let [first, second, third, fourth] = *factors;
         let value = if shares.is_empty() {
@@ -504,7 +538,7 @@ impl FeatherBrdf {
         let longitudinal = &self.tables.longitudinal;
         let along = longitudinal
             .densities(incident.along, [wo.y, towards.cos_theta])
-            .map(|density| density / towards.cos_phi);
+            .map(|density| density * towards.cos_theta / towards.z);
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = densities.as_chunks_mut::<4>();
         for (four, lanes) in fours.iter().zip(lanes) {
@@ -535,23 +569,22 @@ impl FeatherBrdf {
     #[inline(always)]
     fn towards<S: Simd>(&self, simd: S, incident: Incident, wo: DVec3) -> Towards {
         let cos_theta = (wo.x * wo.x + wo.z * wo.z).sqrt();
-        let (tau, cos_phi) = incident.product(wo.x, wo.z, cos_theta);
+        let (tau, z) = incident.product(wo.x, wo.z, cos_theta);
         let outgoing = Outgoing::new(simd, &incident, tau as f32, self.cosine());
-        Towards { incident, outgoing, cos_theta, cos_phi }
+        Towards { incident, outgoing, cos_theta, z, facet: 0.0 }
     }
 
     /// What each Gaussian along the barbule, z·ω_o and cosφ_o make of f.
     #[inline(always)]
     fn factors<S: Simd>(&self, simd: S, towards: &Towards, wo: DVec3) -> [f32; PARTS] {
-        let Towards { incident: Incident { along, .. }, cos_theta, cos_phi, .. } = towards;
+        let Towards { incident: Incident { along, .. }, cos_theta, z, .. } = towards;
         let t2 = half_sine_squared(*along, [wo.y, *cos_theta]);
         let exponents = self.inverse_sigma2.map(|inverse| (t2 * inverse) as f32);
         let spread = exp_of_negative(simd, f32x4::from_slice(simd, &exponents));
         let share = if self.tables.sets.len() == 2 { 0.5 } else { 1.0 };
-        let over = wo.z * cos_phi;
-        let scale =
-            self.tables.longitudinal.inverse_q(along[1]).map(|inverse| (inverse * share / over) as f32);
-        (spread * f32x4::from_slice(simd, &scale)).into()
+        let scale = share * cos_theta / (wo.z * z);
+        let scales = self.tables.longitudinal.inverse_q(along[1]).map(|inverse| (inverse * scale) as f32);
+        (spread * f32x4::from_slice(simd, &scales)).into()
     }
 
     #[inline(always)]

@@ -5,6 +5,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::evaluate::FeatherBrdf;
+use super::material::part_of_first;
 use super::noise::{At, Draw};
 use super::slope::Slope;
 use super::table::{EXTRAS, Incident, LOBES, M2, MIDDLE, Node, REST, STRENGTH, Simplex, Table};
@@ -41,8 +42,8 @@ pub(super) struct Across {
     pub(super) steady: f64,
     pub(super) inverse_length: f64,
     correlation: f64,
-    fraction: f64,
-    steady_fraction: f64,
+    /// Polarization 1's part and its slope.
+    first: [f64; 2],
 }
 
 impl FeatherBrdf {
@@ -115,10 +116,24 @@ impl ExactBrdf<'_> {
         let [x, z] = [self.incident.x + cos_theta * sin_phi, self.incident.z + cos_theta * cos_phi];
         for (number, table) in tables.iter().enumerate() {
             let across = self.mixed(table, sin_phi, cos_phi);
-            sum.f += share * draw.map_or(across.mean, |draw| self.speckled(&across, number, [x, z], draw));
+            let first = part_of_first(across.first, self.facet([x, z]));
+            let own = match self.brdf.tables.polarization_of(number) {
+                Some(Polarization::First) => 2.0 * first,
+                Some(Polarization::Second) => 2.0 - 2.0 * first,
+                None => 1.0,
+            };
+            let across = Across { mean: own * across.mean, steady: own * across.steady, ..across };
+            let of_instance = |draw| self.speckled(&across, number, first, [x, z], draw);
+            sum.f += share * draw.map_or(across.mean, of_instance);
             sum.steady += share * across.steady;
         }
         sum
+    }
+
+    /// The slope of the facet that mirrors, on the side of the tables.
+    fn facet(&self, [x, z]: [f64; 2]) -> f64 {
+        let mirrored = self.place.as_ref().is_some_and(|(incident, _)| incident.mirrored);
+        if mirrored { -x / z } else { x / z }
     }
 
     /// 1/l of each set.
@@ -128,7 +143,7 @@ impl ExactBrdf<'_> {
     }
 
     /// f of an instance, S.25, each polarization with its own noise, at x = x_i + x_o and z = z_i + z_o.
-    fn speckled(&self, across: &Across, set: usize, [x, z]: [f64; 2], draw: &Draw) -> f64 {
+    fn speckled(&self, across: &Across, set: usize, part: f64, [x, z]: [f64; 2], draw: &Draw) -> f64 {
         let slope = self.place.as_ref().map_or(Slope::default(), |(incident, _)| incident.slope);
         let at = At {
             x: x * across.inverse_length,
@@ -141,17 +156,15 @@ impl ExactBrdf<'_> {
             let spread = (0.5 * (mean - steady)).sqrt();
             (spread * qr + steady.sqrt()).powi(2) + (spread * qi).powi(2)
         };
-        let facet = x / z;
-        let factor = draw.factor(slope.part(facet, across.inverse_length), facet);
+        let factor = draw.factor(slope.part([x, z], across.inverse_length), x);
         factor
             * match self.brdf.tables.polarization_of(set) {
                 Some(Polarization::First) => of(across.mean, across.steady, first),
                 Some(Polarization::Second) => of(across.mean, across.steady, second),
                 None => {
-                    let [mean, steady] =
-                        [2.0 * across.mean * across.fraction, 2.0 * across.steady * across.steady_fraction];
-                    let (rest, steady_rest) = (2.0 * across.mean - mean, 2.0 * across.steady - steady);
-                    0.5 * (of(mean, steady, first) + of(rest, steady_rest, second))
+                    let of =
+                        |part: f64, noise| of(2.0 * part * across.mean, 2.0 * part * across.steady, noise);
+                    0.5 * (of(part, first) + of(1.0 - part, second))
                 }
             }
     }
@@ -168,21 +181,22 @@ impl ExactBrdf<'_> {
             let mean =
                 turned.shape(node, 0, self.brdf.tables.kind) + turned.shape(node, 1, self.brdf.tables.kind);
             sum.mean += weight * turned.stretch * mean;
-            sum.steady += weight * turned.stretch * turned.shape(node, LOBES - 1, self.brdf.tables.kind);
+            sum.steady += weight * turned.steady(node);
             let extra = |k: usize| weight * f64::from(node.0[EXTRAS + k]);
             sum.inverse_length += extra(0);
             sum.correlation += extra(1);
-            sum.fraction += extra(2);
-            sum.steady_fraction += extra(3);
+            sum.first[0] += extra(2);
+            sum.first[1] += extra(3);
         }
-        Across { steady: sum.steady.min(sum.mean), ..sum }
+        Across { steady: sum.steady.min(1.0) * sum.mean, ..sum }
     }
 
     /// Density per sr, over the sets in proportion to what they reflect.
     fn density(&self, wo: DVec3) -> f64 {
         let Some((incident, simplex)) = &self.place else { return 0.0 };
         let cos_o = wo.x.hypot(wo.z);
-        let (tau, cos_phi) = incident.product(wo.x, wo.z, cos_o);
+        let (tau, cosine) = incident.product(wo.x, wo.z, cos_o);
+        let cos_phi = cosine / cos_o;
         let (mut sum, mut total) = (0.0, 0.0);
         for table in &self.brdf.tables.sets {
             for k in 0..4 {
@@ -235,8 +249,12 @@ impl Turned {
             FitKind::Cone => 1.0,
         };
         let root = (self.z * self.z + m2 * (1.0 - self.z * self.z)).sqrt();
-        let power = if lobe + 1 == LOBES { q.powi(4) } else { q * q };
-        strength * aligned * self.z / (power * (self.z + root))
+        strength * aligned * self.z / (q * q * (self.z + root))
+    }
+
+    /// The part of the mean that is steady.
+    fn steady(&self, node: &Node) -> f64 {
+        f64::from(node.0[STRENGTH + LOBES - 1]) / self.half(node, LOBES - 1).powi(2)
     }
 
     /// A lobe's density over its share.

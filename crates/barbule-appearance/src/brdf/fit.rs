@@ -7,10 +7,12 @@ pub use super::patterns::Pattern;
 pub use super::report::{Clipped, FitReport, Flagged, GrazingDirection, LARGEST_RESIDUAL};
 pub use super::spectral::SpectralErrors;
 
-use super::fitted::{fitted_on_azimuths, place, scale_of};
+use super::fitted::{fitted_on_azimuths, place, scale_of, shares_of};
 use super::fitted_node::FittedNode;
 use super::length::{self, Length};
-use super::material::{FeatherMaterial, LobeSet, ParameterSet, achromatic_lengths, check_sigma};
+use super::material::{
+    FeatherMaterial, LobeSet, ParameterSet, STEEPEST_FRACTION, SteadySet, achromatic_lengths, check_sigma,
+};
 use super::noise::{Spectral, spectrum};
 use super::slope::{self, Contrasts, Slope};
 use super::steady::{self, Observed, Steady};
@@ -90,7 +92,7 @@ pub fn fit(
         .map(|theta| Fitter::new(options.kind, axes.theta_i(theta), AZIMUTHS))
         .collect();
     let lengths: Vec<Vec<Length>> = chosen.iter().map(|of| length::lengths(statistics, of)).collect();
-    let contrasts = Contrasts::new(statistics.instances);
+    let contrasts = Contrasts::new(statistics.instances_of_a_place());
     let task = Task { statistics, options, fitters: &fitters, contrasts };
     let mut lights = chosen
         .iter()
@@ -224,7 +226,7 @@ impl Task<'_> {
         let Light { polarizations, lengths, nodes } = light;
         nodes.par_iter_mut().zip(*lengths).enumerate().for_each(|(at, (node, length))| {
             let slope = slopes[at % slopes.len()];
-            let part = |facet| slope.part(facet, 1.0 / length.fitted);
+            let part = |sum| slope.part(sum, 1.0 / length.fitted);
             node.steady = self.node(at, polarizations).steady(node, &part);
         });
     }
@@ -249,7 +251,7 @@ impl Task<'_> {
     fn slopes(&self, lights: &[Light]) -> Vec<Slope> {
         let axes = &self.statistics.axes;
         let (waves, directions) = (axes.wavelengths_nm().len(), axes.cos_theta().len() * axes.phis());
-        if self.statistics.instances < steady::FEWEST {
+        if self.statistics.instances_of_a_place() < steady::FEWEST {
             return vec![Slope::default(); directions];
         }
         (0..directions)
@@ -318,8 +320,8 @@ impl NodeFit<'_> {
         let parts = [0, 1].map(|k| mean.pair.scales[k] * total(&self.fitter.values(mean.pair.lobes[k])));
         let whole = parts[0] + parts[1];
         let first = if whole > 0.0 { parts[0] / whole } else { 1.0 };
-        let fraction_1 = self.fraction(&self.statistics.u);
-        let steady = Steady { lobe: mean.pair.lobes[0], reflected: 0.0, fraction_1: 0.5 };
+        let fraction_1 = self.first_part();
+        let steady = Steady::none(mean.pair.lobes[0]);
         FittedNode { mean, first, reflected, simulated, steady, coherent, fraction_1 }
     }
 
@@ -344,39 +346,45 @@ impl NodeFit<'_> {
         }
     }
 
-    /// t of all azimuths: the slope of the facet that mirrors.
-    fn facets(&self) -> impl Iterator<Item = f64> {
-        directions::azimuths(AZIMUTHS).map(|phi_o| libm::tan(0.5 * (self.phi_i + phi_o)))
+    /// ω_i + ω_o of all azimuths, x and z.
+    fn sums(&self) -> impl Iterator<Item = [f64; 2]> {
+        let of = |trig: fn(f64) -> f64, phi_o: f64| self.cos_theta * (trig(self.phi_i) + trig(phi_o));
+        directions::azimuths(AZIMUTHS).map(move |phi_o| [of(libm::sin, phi_o), of(libm::cos, phi_o)])
     }
 
-    /// The steady part of a node beside slopes whose g h is `part` of t.
-    fn steady(&self, node: &FittedNode, part: &dyn Fn(f64) -> f64) -> Steady {
-        let kept = node.reflected / node.simulated.max(f64::MIN_POSITIVE);
+    /// The steady part of a node beside slopes whose g h is `part` of ω_i + ω_o.
+    fn steady(&self, node: &FittedNode, part: &dyn Fn([f64; 2]) -> f64) -> Steady {
         let shape = self.shape(node);
-        let observed = self.shares(node.fraction_1).map(|(p, share)| {
-            let scaled = |array: &[f32]| self.row(array, p).into_iter().map(|v| kept * v).collect();
-            Observed {
-                u: scaled(&self.statistics.u),
-                v: scaled(&self.statistics.v),
-                contrast2: self.squares(p),
-                mean: shape.iter().map(|value| share * value).collect(),
-            }
+        let observed = self.polarizations.iter().map(|&p| Observed {
+            u: self.row(&self.statistics.u, p),
+            v: self.row(&self.statistics.v, p),
+            contrast2: self.squares(p),
+            mean: shape
+                .iter()
+                .zip(self.shares(node.fraction_1, p))
+                .map(|(value, share)| share * value)
+                .collect(),
         });
+        // Without any, all azimuths count as one.
+        let correlation =
+            length::correlation_length(self.statistics, self.node, self.polarizations).unwrap_or(2.0);
+        let kept = steady::of_kept_energy(&shape, self.cos_theta, correlation);
+        let expected = |sum| {
+            let [speckle, alone] = self.contrasts.at(part(sum));
+            [kept * speckle, alone]
+        };
         let problem = steady::Node {
             fitter: self.fitter,
             cos_theta: self.cos_theta,
             phi_i: self.phi_i,
             is_even: self.is_even,
-            instances: self.statistics.instances,
-            // Without any, all azimuths count as one.
-            correlation: length::correlation_length(self.statistics, self.node, self.polarizations)
-                .unwrap_or(2.0),
+            instances: self.statistics.instances_of_a_place(),
+            correlation,
             lobes: &node.mean.pair.lobes,
-            expected: self.facets().map(|t| self.contrasts.at(part(t))).collect(),
+            expected: self.sums().map(expected).collect(),
             observed: observed.collect(),
         };
-        let steady = problem.fit();
-        Steady { reflected: steady.reflected.clamp(0.0, node.reflected), ..steady }
+        problem.fit()
     }
 
     /// C² of one polarization.
@@ -384,40 +392,50 @@ impl NodeFit<'_> {
         self.row(&self.statistics.contrast, polarization).into_iter().map(|c| c * c).collect()
     }
 
-    /// What κ and g are found from: every other azimuth.
+    /// What κ and g are found from.
     fn observed(&self, node: &FittedNode, length: &Length) -> Vec<slope::Observed> {
-        let (mean, steady) = (self.shape(node), self.fitter.steady_values(node.steady.lobe));
-        let scale = scale_of(&steady, self.cos_theta, node.steady.reflected);
-        let of = |((p, of_mean), (_, of_steady)): ((usize, f64), (usize, f64))| {
-            let square = |(mean, steady): (&f64, &f64)| {
-                let part = of_steady * scale * steady / (of_mean * mean).max(f64::MIN_POSITIVE);
-                part.min(1.0) * part.min(1.0)
-            };
-            slope::Observed {
-                inverse_length: 1.0 / length.fitted,
-                facets: self.facets().step_by(2).collect(),
-                mean: self.row(&self.statistics.u, p).into_iter().step_by(2).collect(),
-                contrast2: self.squares(p).into_iter().step_by(2).collect(),
-                steady2: mean.iter().zip(&steady).map(square).step_by(2).collect(),
-            }
+        let steady = self.fitter.steady_shares(node.steady.lobe);
+        let of = |&p: &usize| {
+            let square = |steady: &f64| (node.steady.share * steady).powi(2);
+            let found = self.squares(p).into_iter().zip(&steady).map(|(c2, steady)| [c2, square(steady)]);
+            let azimuths = directions::azimuths(AZIMUTHS).zip(found);
+            slope::Observed::new([self.cos_theta, self.phi_i], 1.0 / length.fitted, azimuths)
         };
-        self.shares(node.fraction_1).zip(self.shares(node.steady.fraction_1)).map(of).collect()
+        self.polarizations.iter().map(of).collect()
     }
 
-    /// The set's polarizations, and the factors on its values that give those of each.
-    fn shares(&self, fraction_1: f64) -> impl Iterator<Item = (usize, f64)> {
-        let alone = self.polarizations.len() == 1;
-        self.polarizations.iter().map(move |&p| match (alone, p) {
-            (true, _) => (p, 1.0),
-            (false, 0) => (p, 2.0 * fraction_1),
-            (false, _) => (p, 2.0 - 2.0 * fraction_1),
-        })
+    /// What the set's values are multiplied by to be those of a polarization, on azimuths.
+    fn shares(&self, fraction_1: [f64; 2], polarization: usize) -> Vec<f64> {
+        if self.polarizations.len() == 1 {
+            return vec![1.0; AZIMUTHS];
+        }
+        shares_of(fraction_1, polarization, self.phi_i, directions::azimuths(AZIMUTHS)).collect()
     }
 
-    /// Polarization 1's part of the energy.
-    fn fraction(&self, array: &[f32]) -> f64 {
-        let [first, second] = [0, 1].map(|p| self.row(array, p).iter().sum::<f64>().max(0.0));
-        if first + second > 0.0 { first / (first + second) } else { 0.5 }
+    /// Polarization 1's part of the light over the slope of the facet that mirrors: the straight line of least squares, weighted by
+    /// the light, which keeps the part of all of it; a constant where no line stays between 0 and 1 in the mirror direction.
+    fn first_part(&self) -> [f64; 2] {
+        let [first, second] = [0, 1].map(|p| self.row(&self.statistics.u, p));
+        let (mut weights, mut values) = ([0.0; 3], [0.0; 2]);
+        for ((phi_o, first), second) in directions::azimuths(AZIMUTHS).zip(first).zip(second) {
+            let t = libm::tan(0.5 * (self.phi_i + phi_o)).clamp(-1.0, 1.0);
+            let (first, both) = (first.max(0.0), first.max(0.0) + second.max(0.0));
+            weights.iter_mut().zip([1.0, t, t * t]).for_each(|(sum, power)| *sum += both * power);
+            values.iter_mut().zip([1.0, t]).for_each(|(sum, power)| *sum += first * power);
+        }
+        let [whole, by_t, by_t2] = weights;
+        if whole <= 0.0 {
+            return [0.5, 0.0];
+        }
+        let constant = [values[0] / whole, 0.0];
+        let spread = whole * by_t2 - by_t * by_t;
+        if self.is_even || spread <= 1e-9 * whole * whole {
+            return constant;
+        }
+        let slope = (whole * values[1] - by_t * values[0]) / spread;
+        let slope = slope.clamp(-STEEPEST_FRACTION, STEEPEST_FRACTION);
+        let fraction = (values[0] - slope * by_t) / whole;
+        if (0.0..=1.0).contains(&fraction) { [fraction, slope] } else { constant }
     }
 }
 
@@ -434,14 +452,14 @@ fn parameter_set(light: &Light, form: LobeForm) -> ParameterSet {
     let lobes = if form == LobeForm::Pair { 2 } else { 1 };
     ParameterSet {
         mean: (0..lobes).map(mean).collect(),
-        steady: LobeSet {
+        steady: SteadySet {
             m: gather(&|n| n.steady.lobe.m),
             phi: gather(&|n| n.steady.lobe.phi),
-            reflected: gather(&|n| n.steady.reflected),
+            share: gather(&|n| n.steady.share),
         },
         length: lengths.iter().map(|l| l.fitted as f32).collect(),
-        fraction_1: if fractions { gather(&|n| n.fraction_1) } else { Vec::new() },
-        steady_fraction_1: if fractions { gather(&|n| n.steady.fraction_1) } else { Vec::new() },
+        fraction_1: if fractions { gather(&|n| n.fraction_1[0]) } else { Vec::new() },
+        fraction_1_slope: if fractions { gather(&|n| n.fraction_1[1]) } else { Vec::new() },
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a material says at the nodes of its tables: the one place that turns parameters into intensities per azimuth.
 
-use super::material::{FeatherMaterial, LobeSet};
+use super::material::{FeatherMaterial, LobeSet, ParameterSet, SteadySet, part_of_first};
 use crate::scattering::directions;
 use crate::scattering::lobe::{FitKind, Fitter, Lobe};
 use crate::scattering::statistics::{AZIMUTHS, Axes};
@@ -41,14 +41,14 @@ pub fn fitted(material: &FeatherMaterial, node: usize, phi_o: &[f64]) -> [Fitted
         &fitter,
         phi_o,
         &|lobe: Lobe| phi_o.iter().map(|phi| lobe.shape(kind, theta_i, *phi)).collect(),
-        &|lobe: Lobe| phi_o.iter().map(|phi| lobe.steady_shape(kind, theta_i, *phi)).collect(),
+        &|lobe: Lobe| phi_o.iter().map(|phi| lobe.steady_share(*phi)).collect(),
     )
 }
 
 /// The same on the azimuths of U, with the fitter of the node's θ_i.
 pub(super) fn fitted_on_azimuths(material: &FeatherMaterial, node: usize, fitter: &Fitter) -> [Fitted; 2] {
     let phi_o: Vec<f64> = directions::azimuths(AZIMUTHS).collect();
-    assemble(material, node, fitter, &phi_o, &|lobe| fitter.values(lobe), &|lobe| fitter.steady_values(lobe))
+    assemble(material, node, fitter, &phi_o, &|lobe| fitter.values(lobe), &|lobe| fitter.steady_shares(lobe))
 }
 
 fn assemble(
@@ -57,10 +57,10 @@ fn assemble(
     fitter: &Fitter,
     phi_o: &[f64],
     shape: &dyn Fn(Lobe) -> Vec<f64>,
-    steady_shape: &dyn Fn(Lobe) -> Vec<f64>,
+    steady_share: &dyn Fn(Lobe) -> Vec<f64>,
 ) -> [Fitted; 2] {
-    let [_, theta, phi] = place(&material.axes, node);
-    let (cos_theta, phi_i) = (material.axes.cos_theta()[theta], material.axes.phi_i(phi));
+    let [_, theta, phi_at] = place(&material.axes, node);
+    let (cos_theta, phi_i) = (material.axes.cos_theta()[theta], material.axes.phi_i(phi_at));
     let of_set = |number: usize| {
         let set = &material.sets[number];
         let mut mean = Vec::new();
@@ -73,27 +73,55 @@ fn assemble(
                 *sum += scale * value;
             }
         }
-        let (at, reflected) = lobe_at(&set.steady, node);
-        let scale = scale_of(&fitter.steady_values(at), cos_theta, reflected);
-        let steady: Vec<f64> = steady_shape(at).into_iter().map(|value| scale * value).collect();
+        let SteadySet { m, phi, share } = &set.steady;
+        let at = Lobe { m: f64::from(m[node]), phi: f64::from(phi[node]) };
+        let share = f64::from(share[node]);
+        let steady =
+            steady_share(at).into_iter().zip(&mean).map(|(part, mean)| share * part * mean).collect();
         let (slope, inverse_length) = (material.slope(node), material.inverse_length(set, node));
-        let h = |phi_o: &f64| slope.part(libm::tan(0.5 * (phi_i + phi_o)), inverse_length);
+        let sum = |trig: fn(f64) -> f64, phi_o: f64| cos_theta * (trig(phi_i) + trig(phi_o));
+        let h = |&phi_o: &f64| slope.part([sum(libm::sin, phi_o), sum(libm::cos, phi_o)], inverse_length);
         Fitted { mean, steady, sloped: phi_o.iter().map(h).collect() }
     };
     let sets: Vec<Fitted> = (0..material.sets.len()).map(of_set).collect();
     [0, 1].map(|polarization| {
         let number = polarization.min(material.sets.len() - 1);
         let set = &material.sets[number];
-        let share = |fractions: &[f32]| match fractions.get(node) {
-            Some(&first) if polarization == 0 => 2.0 * f64::from(first),
-            Some(&first) => 2.0 - 2.0 * f64::from(first),
-            None => 1.0,
-        };
-        let (of_mean, of_steady) = (share(&set.fraction_1), share(&set.steady_fraction_1));
-        let mean: Vec<f64> = sets[number].mean.iter().map(|value| of_mean * value).collect();
-        let steady =
-            sets[number].steady.iter().zip(&mean).map(|(s, mean)| (of_steady * s).min(*mean)).collect();
-        Fitted { mean, steady, sloped: sets[number].sloped.clone() }
+        let Fitted { mean, steady, sloped } = &sets[number];
+        let shares = polarization_shares(set, node, polarization, phi_i, phi_o);
+        let scaled =
+            |values: &[f64]| values.iter().zip(&shares).map(|(value, share)| value * share).collect();
+        Fitted { mean: scaled(mean), steady: scaled(steady), sloped: sloped.clone() }
+    })
+}
+
+/// What a set's values are multiplied by to be those of one polarization (0: the first), at the azimuths φ_o.
+fn polarization_shares(
+    set: &ParameterSet,
+    node: usize,
+    polarization: usize,
+    phi_i: f64,
+    phi_o: &[f64],
+) -> Vec<f64> {
+    match (set.fraction_1.get(node), set.fraction_1_slope.get(node)) {
+        (Some(&fraction), Some(&slope)) => {
+            let parts = [fraction, slope].map(f64::from);
+            shares_of(parts, polarization, phi_i, phi_o.iter().copied()).collect()
+        }
+        _ => vec![1.0; phi_o.len()],
+    }
+}
+
+/// 2 f or 2 − 2 f with polarization 1's part f, at azimuths.
+pub(super) fn shares_of(
+    parts: [f64; 2],
+    polarization: usize,
+    phi_i: f64,
+    phi_o: impl Iterator<Item = f64>,
+) -> impl Iterator<Item = f64> {
+    phi_o.map(move |phi_o| {
+        let first = part_of_first(parts, libm::tan(0.5 * (phi_i + phi_o)));
+        2.0 * if polarization == 0 { first } else { 1.0 - first }
     })
 }
 

@@ -15,6 +15,6 @@ pub(super) struct FittedNode {
     pub(super) steady: Steady,
     /// Part of the mean field's intensity V in what was simulated.
     pub(super) coherent: f64,
-    /// Polarization 1's part.
-    pub(super) fraction_1: f64,
+    /// Polarization 1's part in the mirror direction, and its slope.
+    pub(super) fraction_1: [f64; 2],
 }

@@ -38,10 +38,12 @@ pub fn example(waves: usize) -> FeatherMaterial {
                 push(&mut set.mean[0], m, phi, 0.8 * reflected);
                 // Nearer to the normal and wider.
                 push(&mut set.mean[1], 1.6 * m, 0.9 * phi, 0.2 * reflected);
-                push(&mut set.steady, 0.05 + 0.05 * (1.0 - cp), phi_i, 0.7 * coherent * reflected);
+                set.steady.m.push((0.1 + 0.3 * (1.0 - cp)) as f32);
+                set.steady.phi.push(phi_i as f32);
+                set.steady.share.push(coherent as f32);
                 set.length.push((wave / 400.0 * (0.8 + 0.2 * cp)) as f32);
                 set.fraction_1.push((0.5 + 0.3 * (1.0 - grazing)) as f32);
-                set.steady_fraction_1.push((0.5 + 0.2 * (1.0 - grazing)) as f32);
+                set.fraction_1_slope.push((-0.4 * libm::sin(phi_i)) as f32);
                 correlation.push((0.6 + 0.4 * grazing) as f32);
             }
         }

@@ -151,7 +151,7 @@ impl FeatherMaterial {
                 let cosines = [axes.cos_theta()[theta], axes.cos_phi()[axes.cosine_of(phi)]];
                 let power = halo.at(axes.wavelengths_nm()[wave], cosines[0], cosines[1]).power;
                 let power = power.min(1.0 / set.reflected(node).max(f64::MIN_POSITIVE)) as f32;
-                for lobe in set.mean.iter_mut().chain([&mut set.steady]) {
+                for lobe in &mut set.mean {
                     lobe.reflected[node] = (lobe.reflected[node] * power).min(1.0);
                 }
             }

@@ -33,8 +33,8 @@ const SURE: f64 = 6.0;
 pub(super) struct Longitudinal {
     /// σ of the narrow Gaussian, then of the halo's, rising.
     sigmas: Vec<f64>,
-    /// 1/Q at evenly spaced √cosθ_i. Shape `[place, σ]`.
-    inverse_q: Vec<f64>,
+    /// 1/Q of each Gaussian at evenly spaced √cosθ_i; 0 where there is none.
+    inverse_q: Vec<[f64; PARTS]>,
     /// Of the nodes of the tables, `[θ_i, φ_i, λ]`; the unused ones 0. Empty without a halo.
     shares: Vec<Shares>,
 }
@@ -44,11 +44,11 @@ impl Longitudinal {
     pub(super) fn new(sigmas: Vec<f64>, shares: Vec<Shares>) -> Self {
         let rule = gauss_legendre(32);
         let inverse_q = (0..=INTERVALS)
-            .flat_map(|k| {
+            .map(|k| {
                 let cos_theta = (k as f64 / INTERVALS as f64).powi(2);
                 let theta_i = libm::acos(cos_theta);
                 let of = |sigma: &f64| 1.0 / spread_integral(&rule, *sigma, theta_i);
-                sigmas.iter().map(of).collect::<Vec<_>>()
+                std::array::from_fn(|part| sigmas.get(part).map_or(0.0, of))
             })
             .collect();
         Self { sigmas, inverse_q, shares }
@@ -56,8 +56,13 @@ impl Longitudinal {
 
     /// `nodes` are the sizes of the tables.
     pub(super) fn arrays(&self, nodes: [usize; 3]) -> Vec<TableArray<'_>> {
-        let mut all =
-            vec![TableArray::new("inverse_q", &[INTERVALS + 1, self.sigmas.len()], &self.inverse_q)];
+        let count = self.sigmas.len();
+        let inverse_q = self.inverse_q.iter().flat_map(|row| row[..count].to_vec()).collect();
+        let mut all = vec![TableArray {
+            name: "inverse_q".into(),
+            shape: vec![INTERVALS + 1, count],
+            numbers: Numbers::F64(Cow::Owned(inverse_q)),
+        }];
         if !self.shares.is_empty() {
             let shares = self.shares.iter().flat_map(|shares| shares.0).collect();
             let [thetas, phis, waves] = nodes;
@@ -84,7 +89,9 @@ impl Longitudinal {
                 "the halo of the tables has σ {halo:?}, but must have up to {MOST_HALOS} from {low} to {high}"
             )));
         }
-        let inverse_q = from.get("inverse_q", &[INTERVALS + 1, sigmas.len()], &[[1e-3, 1e9]])?.to_vec();
+        let rows = from.get::<f64>("inverse_q", &[INTERVALS + 1, sigmas.len()], &[[1e-3, 1e9]])?;
+        let padded_row = |row: &[f64]| std::array::from_fn(|part| row.get(part).copied().unwrap_or_default());
+        let inverse_q = rows.chunks_exact(sigmas.len()).map(padded_row).collect();
         let [thetas, phis, waves] = nodes;
         let shares = if sigmas.len() > 1 {
             let shares =
@@ -141,13 +148,8 @@ impl Longitudinal {
         let position = cos_theta.clamp(0.0, 1.0).sqrt() * INTERVALS as f64;
         let index = (position as usize).min(INTERVALS - 1);
         let t = position - index as f64;
-        let count = self.sigmas.len();
-        let rows = &self.inverse_q[index * count..(index + 2) * count];
-        let mut values = [0.0; PARTS];
-        for (k, value) in values.iter_mut().enumerate().take(count) {
-            *value = rows[k] * (1.0 - t) + rows[k + count] * t;
-        }
-        values
+        let [low, high] = [&self.inverse_q[index], &self.inverse_q[index + 1]];
+        std::array::from_fn(|part| low[part] * (1.0 - t) + high[part] * t)
     }
 
     /// E/Q of the mixture for the y of ω_i and of ω_o and the cosines of θ_i and θ_o.

@@ -22,19 +22,32 @@ pub struct LobeSet {
     pub reflected: Vec<f32>,
 }
 
+/// What part of the mean does not fluctuate: [`Lobe::steady_share`](crate::scattering::lobe::Lobe::steady_share) of a lobe, times
+/// what it is at the lobe's middle. Arrays of shape `[λ, θ_i, φ_i]`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SteadySet {
+    /// Roughness of the lobe, in \[0.001, 1\]: 1 where the part is the same at all azimuths.
+    pub m: Vec<f32>,
+    /// Its effective azimuth, rad, in (−π/2, π/2).
+    pub phi: Vec<f32>,
+    /// The part of the mean in its middle, in \[0, 1\].
+    pub share: Vec<f32>,
+}
+
 /// The parameters of one kind of light: unpolarized, or one incident polarization.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ParameterSet {
     /// The mean intensity is the sum of these lobes: two, or a single one. The second may reflect nothing.
     pub mean: Vec<LobeSet>,
-    /// The lobe s of what does not fluctuate from instance to instance.
-    pub steady: LobeSet,
+    /// What of it does not fluctuate from instance to instance.
+    pub steady: SteadySet,
     /// Length l of S.26 relative to the shortest wavelength at normal incidence. Shape `[λ, θ_i, φ_i]`.
     pub length: Vec<f32>,
-    /// Fraction of incident polarization 1 in the reflected energy; empty in a set of one polarization.
+    /// Part of incident polarization 1 in the mean, in the mirror direction; empty in a set of one polarization.
     pub fraction_1: Vec<f32>,
-    /// The same of the steady part.
-    pub steady_fraction_1: Vec<f32>,
+    /// How fast it changes with the slope t of the facet that mirrors, which decides the angle of incidence: it is
+    /// F + slope · t, within 0 and 1, with t within ±1. Length of `fraction_1`.
+    pub fraction_1_slope: Vec<f32>,
 }
 
 /// A feather material: everything that a renderer needs, and where it came from.
@@ -138,10 +151,14 @@ impl FeatherMaterial {
         };
         let set = |set: &ParameterSet| ParameterSet {
             mean: set.mean.iter().map(lobe).collect(),
-            steady: lobe(&set.steady),
+            steady: SteadySet {
+                m: part(&set.steady.m),
+                phi: part(&set.steady.phi),
+                share: part(&set.steady.share),
+            },
             length: part(&set.length),
             fraction_1: part(&set.fraction_1),
-            steady_fraction_1: part(&set.steady_fraction_1),
+            fraction_1_slope: part(&set.fraction_1_slope),
         };
         let wavelengths = Wavelengths::new(kept.iter().map(|wave| nodes[*wave]).collect::<Vec<_>>())?;
         let axes = Axes::new(&wavelengths, self.axes.cos_theta().to_vec(), self.axes.cos_phi().to_vec())?;
@@ -215,6 +232,15 @@ pub(super) fn chromatic_length(measured: f64, achromatic: f64, share: f64) -> f6
 /// The codes of a file round two fractions that sum to 1 to this at most.
 const MOST_REFLECTED: f64 = 1.0 + 1e-4;
 
+/// |slope| of polarization 1's part, at most.
+pub const STEEPEST_FRACTION: f64 = 4.0;
+
+/// Polarization 1's part of the mean where a facet of the slope `t` mirrors; beyond 45° it is as there.
+#[inline(always)]
+pub(super) fn part_of_first([fraction, slope]: [f64; 2], t: f64) -> f64 {
+    (fraction + slope * t.clamp(-1.0, 1.0)).clamp(0.0, 1.0)
+}
+
 impl ParameterSet {
     /// The reflected fraction of a node: that of all its mean lobes.
     #[must_use]
@@ -230,11 +256,15 @@ impl ParameterSet {
         if !(1..=2).contains(&self.mean.len()) {
             return Err(Error::input(format!("{} mean lobes, but 1 or 2 are possible", self.mean.len())));
         }
-        for (lobe, suffix) in self.mean.iter().zip(["", "_2"]).chain([(&self.steady, "_sta")]) {
+        for (lobe, suffix) in self.mean.iter().zip(["", "_2"]) {
             check(&format!("m{suffix}"), &lobe.m, 0.999 * SMALLEST_M as f32, 1.0)?;
             check(&format!("phi{suffix}"), &lobe.phi, -right, right)?;
             check(&format!("rho{suffix}"), &lobe.reflected, 0.0, 1.0)?;
         }
+        let SteadySet { m, phi, share } = &self.steady;
+        check("m_sta", m, 0.999 * SMALLEST_M as f32, 1.0)?;
+        check("phi_sta", phi, -right, right)?;
+        check("share_sta", share, 0.0, 1.0)?;
         if let Some(at) = (0..nodes).find(|&node| self.reflected(node) > MOST_REFLECTED) {
             return Err(Error::input(format!(
                 "{place}rho[{at}] and {place}rho_2[{at}] sum to {}, more than all light; the file is damaged, fit the material again",
@@ -244,7 +274,8 @@ impl ParameterSet {
         check("length", &self.length, LENGTHS.0, LENGTHS.1)?;
         let nodes = if fractions { nodes } else { 0 };
         check_range(&format!("{place}fraction_1"), &self.fraction_1, nodes, 0.0, 1.0)?;
-        check_range(&format!("{place}fraction_1_sta"), &self.steady_fraction_1, nodes, 0.0, 1.0)
+        let steepest = STEEPEST_FRACTION as f32;
+        check_range(&format!("{place}fraction_1_slope"), &self.fraction_1_slope, nodes, -steepest, steepest)
     }
 }
 

@@ -40,8 +40,8 @@ pub use exact::{ExactBrdf, Values, values};
 pub use halo::{HALO_SIGMAS, Halo, HaloAt, MOST_HALOS};
 pub use marginal::{Marginal, marginals, reflected_fractions};
 pub use material::{
-    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, achromatic_lengths, check_axes, check_sigma,
-    table_axes,
+    FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, STEEPEST_FRACTION, SteadySet, achromatic_lengths,
+    check_axes, check_sigma, table_axes,
 };
 pub use noise::{At, Draw, Noise, Spectral, spectrum as noise_spectrum};
 pub use patterns::Synthesis;

@@ -1,13 +1,12 @@
 //! The Gaussian process whose draws tell one barbule from another (S.32–S.49).
 
-use fearless_simd::{Simd, f32x4, f32x8, i16x16, i32x4, mask32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x16, f64x4, i16x16, i32x4, mask32x4, prelude::*};
 use num_complex::Complex;
 use std::f64::consts::TAU;
-use std::hint::black_box;
 
 use super::arrays::{Arrays, TableArray};
 use super::material::NOISE_TERMS;
-use super::simd::{transposed, whole_and_rest};
+use super::simd::{columns, spread, transposed, whole_and_rest};
 use super::slope::{self, VALUES};
 use crate::math::fft::Transformable as _;
 use crate::math::rng::{Stream, hash};
@@ -31,9 +30,6 @@ const ROW: usize = WIDTH * (HALF + 1);
 /// From one base to the next, over 1/h of the height phase k(z_i + z_o): intensities whose phases differ by Δ then correlate by
 /// exp(−(hΔ)²) within 0.013, mean over where between two bases they lie.
 const SLICE: f64 = 1.5175;
-
-/// A length in the middle of the visible.
-const USUAL_LENGTH: f32 = 1.3;
 
 /// Rotations of (q_r, q_i) in their plane.
 const ROTATIONS: usize = 1024;
@@ -326,73 +322,64 @@ impl Noise {
         // (1−t)² + t² + 2 t (1−t) C₁ = 1 − 2 t (1−t)(1 − C₁), and the same with C₁ = 0.
         let (rest, left) = (one - t, one - s);
         let scale = one / ((one - t * rest * self.loss) * (one - s * left * 2.0)).sqrt();
-        Place { index, near: rest * scale, far: t * scale, base, this: left, next: s }
+        // Mirrored functions go downwards: both points are still read together. Half of all draws are, so a branch would
+        // be foretold wrongly as often.
+        let mirrored = draw.direction < 0;
+        let mask = mask32x4::splat(simd, mirrored);
+        let shift = i32x4::splat(simd, draw.shift - i32::from(mirrored));
+        let point = mask.select(shift - index, shift + index);
+        let (low, high) = (mask.select(t, rest), mask.select(rest, t));
+        Place { point, low, high, base, this: left, next: s, scale }
     }
 
     /// q_r and q_i of what both polarizations share, then of what the second has beside it, at four places.
     #[inline(always)]
     pub(super) fn at_four<S: Simd>(&self, simd: S, draw: &Draw, place: &Place<S>) -> [f32x4<S>; 4] {
-        // Mirrored functions go downwards: both points are still read together. Half of all draws are, so a branch would
-        // be foretold wrongly as often.
-        let mirrored = draw.direction < 0;
-        let mask = mask32x4::splat(simd, mirrored);
-        let (low, high) = (mask.select(place.far, place.near), mask.select(place.near, place.far));
-        let shift = i32x4::splat(simd, draw.shift - i32::from(mirrored));
-        let index = mask.select(shift - place.index, shift + place.index);
-        // Without closures, which are not always inlined into the dispatched function.
-        let (low_this, low_next) = (low * place.this, low * place.next);
-        let (high_this, high_next) = (high * place.this, high * place.next);
-        let a = self.lane(
+        let Place { point, low, high, base, this, next, scale } = *place;
+        let [a, b, c, d] = quarters(
             simd,
-            [place.base[0], index[0]],
-            [low_this[0], low_next[0], high_this[0], high_next[0]],
+            [
+                self.about(base[0], point[0]),
+                self.about(base[1], point[1]),
+                self.about(base[2], point[2]),
+                self.about(base[3], point[3]),
+            ],
         );
-        let b = self.lane(
-            simd,
-            [place.base[1], index[1]],
-            [low_this[1], low_next[1], high_this[1], high_next[1]],
-        );
-        let c = self.lane(
-            simd,
-            [place.base[2], index[2]],
-            [low_this[2], low_next[2], high_this[2], high_next[2]],
-        );
-        let d = self.lane(
-            simd,
-            [place.base[3], index[3]],
-            [low_this[3], low_next[3], high_this[3], high_next[3]],
-        );
-        let [a, b, c, d] = transposed(a, b, c, d);
-        let further = (index & i32x4::splat(simd, HALF as i32)).simd_gt(i32x4::splat(simd, 0));
+        let near = quarter(b).mul_add(spread(low * next), quarter(a) * spread(low * this));
+        let far = quarter(d).mul_add(spread(high * next), quarter(c) * spread(high * this));
+        let [a, b, c, d] = columns(near + far);
+        let further = (point & i32x4::splat(simd, HALF as i32)).simd_gt(i32x4::splat(simd, 0));
         let (a, c) = (further.select(c, a), further.select(a, c));
         let (b, d) = (further.select(d, b), further.select(b, d));
-        let ([cos, sin], [cos_own, sin_own]) = (draw.shared, draw.own);
+        // Last, since the codes are read while the scale's root and division take their time.
+        let (cos, sin) = (scale * draw.shared[0], scale * draw.shared[1]);
+        let (cos_own, sin_own) = (scale * draw.own[0], scale * draw.own[1]);
         [a * cos - b * sin, a * sin + b * cos, c * cos_own - d * sin_own, c * sin_own + d * cos_own]
     }
 
-    /// The four numbers between two points and two bases: one load holds all sixteen.
+    /// The codes at a point and the next, of a base and the next: one load holds all sixteen.
     #[inline(always)]
-    fn lane<S: Simd>(&self, simd: S, [base, index]: [i32; 2], weights: [f32; 4]) -> f32x4<S> {
-        let at = WIDTH * (index as usize & (HALF - 1));
-        let row = &self.values[base as usize & (BASES - 1)];
-        let (low, high) = i16x16::from_slice(simd, &row[at..at + 2 * WIDTH]).widen();
-        let [low_this, low_next, high_this, high_next] = weights;
-        let at_low: f32x8<S> = f32x4::splat(simd, low_this).combine(f32x4::splat(simd, low_next));
-        let at_high: f32x8<S> = f32x4::splat(simd, high_this).combine(f32x4::splat(simd, high_next));
-        let low = f32x8::float_from(low) * at_low;
-        let (this, next) = f32x8::float_from(high).mul_add(at_high, low).split();
-        this + next
+    fn about(&self, base: i32, point: i32) -> &[i16] {
+        let at = WIDTH * (point as usize & (HALF - 1));
+        &self.values[base as usize & (BASES - 1)][at..at + 2 * WIDTH]
     }
+}
 
-    /// Fetches what [`at_four`](Self::at_four) will read at x over common lengths and near this height phase (rad/µm), long
-    /// before it does.
-    #[inline(always)]
-    pub(super) fn fetch(&self, draw: &Draw, x: f32, phase: f32) {
-        let point = (x * (0.5 * NOISE_POINTS as f32 / USUAL_LENGTH)) as i32;
-        let point = (draw.shift + draw.direction * point) as usize % HALF;
-        let base = phase.mul_add(draw.bases_um, draw.base).min(MOST_SLICES as f32) as usize % BASES;
-        black_box(self.values[base][WIDTH * point]);
-    }
+/// The first four codes of four places side by side, the second, the third and the fourth.
+#[inline(always)]
+fn quarters<S: Simd>(simd: S, [a, b, c, d]: [&[i16]; 4]) -> [i16x16<S>; 4] {
+    let a = i16x16::from_slice(simd, a).bitcast::<f64x4<S>>();
+    let b = i16x16::from_slice(simd, b).bitcast::<f64x4<S>>();
+    let c = i16x16::from_slice(simd, c).bitcast::<f64x4<S>>();
+    let d = i16x16::from_slice(simd, d).bitcast::<f64x4<S>>();
+    let [a, b, c, d] = transposed(a, b, c, d);
+    [a.bitcast(), b.bitcast(), c.bitcast(), d.bitcast()]
+}
+
+#[inline(always)]
+fn quarter<S: Simd>(codes: i16x16<S>) -> f32x16<S> {
+    let (low, high) = codes.widen();
+    f32x16::float_from(low.combine(high))
 }
 
 /// 1 − C₁, twice.
@@ -402,12 +389,15 @@ fn loss(autocovariance: &[f64]) -> f32 {
 
 /// Points and bases of the noise beside four places, and their weights.
 pub(super) struct Place<S: Simd> {
-    index: i32x4<S>,
-    near: f32x4<S>,
-    far: f32x4<S>,
+    /// The lower of both points.
+    point: i32x4<S>,
+    low: f32x4<S>,
+    high: f32x4<S>,
     base: i32x4<S>,
     this: f32x4<S>,
     next: f32x4<S>,
+    /// What keeps the variance.
+    scale: f32x4<S>,
 }
 
 /// The points of the noise between two places, where its interpolation has corners.

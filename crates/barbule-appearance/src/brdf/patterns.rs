@@ -146,7 +146,8 @@ pub(super) fn compare(statistics: &Statistics, material: &FeatherMaterial) -> Ve
     let pattern = |node: usize| {
         // Of other instances than any other node's, so that means of all are more certain than each.
         let first = (node * 2 * DRAWS) as u64;
-        let synthesized = Synthesis::new(material, node).drawn(&noise, first, statistics.instances);
+        let synthesized =
+            Synthesis::new(material, node).drawn(&noise, first, statistics.instances_of_a_place());
         let (wavelength_nm, theta_deg, phi_deg) = direction(axes, node);
         let [first, second] = [0, 1].map(|p| statistics.reflected[node * 2 + p].max(0.0));
         let whole = (first + second).max(f64::MIN_POSITIVE);

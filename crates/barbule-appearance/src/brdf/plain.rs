@@ -54,7 +54,7 @@ struct Across {
     inverse_length: f64,
     gamma: f64,
     fraction: f64,
-    steady_fraction: f64,
+    fraction_slope: f64,
     density: f64,
     chance: f64,
 }
@@ -212,11 +212,10 @@ impl PlainBrdf {
                 let q = m2 + r * ((tau - m) * e).powi(2);
                 let aligned = if self.header.kind == FitKind::Marginal { (tau + m) * e } else { 1.0 };
                 let root = (z * z + m2 * (1.0 - z * z)).sqrt();
-                let value = a * aligned * z / (q.powi(if lobe == 2 { 4 } else { 2 }) * (z + root));
                 if lobe == 2 {
-                    sum.steady += weighted * value;
+                    sum.steady += weight * a / (q * q);
                 } else {
-                    sum.mean += weighted * value;
+                    sum.mean += weighted * a * aligned * z / (q * q * (z + root));
                     sum.density += weighted * shares[lobe] * (t + tau * m / t) * e / (q * q);
                     sum.chance += weight * shares[2 + lobe];
                 }
@@ -224,9 +223,9 @@ impl PlainBrdf {
             sum.inverse_length += weight * numbers[12];
             sum.gamma += weight * numbers[13];
             sum.fraction += weight * numbers[14];
-            sum.steady_fraction += weight * numbers[15];
+            sum.fraction_slope += weight * numbers[15];
         }
-        Across { steady: sum.steady.min(sum.mean), ..sum }
+        Across { steady: sum.steady.min(1.0) * sum.mean, ..sum }
     }
 
     fn one_way(&self, wavelength_nm: f64, wi: DVec3, wo: DVec3, instance: Option<u64>) -> Values {
@@ -235,7 +234,15 @@ impl PlainBrdf {
         let sets = self.header.sets;
         let (mut f, mut steady, mut density, mut chance) = (0.0, 0.0, 0.0, 0.0);
         for set in 0..sets {
-            let across = self.across(set, &light, &nodes, [wo.x / cos_o, wo.z / cos_o]);
+            let mut across = self.across(set, &light, &nodes, [wo.x / cos_o, wo.z / cos_o]);
+            let facet = (light.sign * (wi.x + wo.x) / (wi.z + wo.z)).clamp(-1.0, 1.0);
+            across.fraction = (across.fraction + across.fraction_slope * facet).clamp(0.0, 1.0);
+            let own = match (self.header.polarization, sets, set) {
+                (Some(Polarization::First), ..) | (None, 2, 0) => 2.0 * across.fraction,
+                (Some(Polarization::Second), ..) | (None, 2, _) => 2.0 - 2.0 * across.fraction,
+                (None, ..) => 1.0,
+            };
+            (across.mean, across.steady) = (own * across.mean, own * across.steady);
             f += match instance {
                 None => across.mean,
                 Some(name) => self.drawn(set, &across, self.slope(&light), [wi, wo], wavelength_nm, name),
@@ -291,20 +298,19 @@ impl PlainBrdf {
         let [first, own] = self.noise(h, wi + wo, wavelength_nm, [across.inverse_length, achromatic]);
         let rest = (1.0 - across.gamma * across.gamma).max(0.0).sqrt();
         let second = [0, 1].map(|k| across.gamma * first[k] + rest * own[k]);
-        let Across { mean, steady, fraction, steady_fraction, .. } = *across;
+        let Across { mean, steady, fraction, .. } = *across;
         let value = match (self.header.polarization, self.header.sets, set) {
             (Some(Polarization::First), ..) | (None, 2, 0) => speckle(mean, steady, first),
             (Some(Polarization::Second), ..) | (None, 2, _) => speckle(mean, steady, second),
             (None, ..) => {
-                let one = speckle(2.0 * fraction * mean, 2.0 * steady_fraction * steady, first);
-                let (rest, steady_rest) = (1.0 - fraction, 1.0 - steady_fraction);
-                0.5 * (one + speckle(2.0 * rest * mean, 2.0 * steady_rest * steady, second))
+                let of = |part: f64, noise| speckle(2.0 * part * mean, 2.0 * part * steady, noise);
+                0.5 * (of(fraction, first) + of(1.0 - fraction, second))
             }
         };
-        let facet = (wi.x + wo.x) / (wi.z + wo.z);
-        let wing = self.of("wings")[(h >> if facet < 0.0 { 8 } else { 28 }) as usize % 256];
-        let a = ((kappa * facet).powi(2) * across.inverse_length).min(1e6);
-        value * (1.0 + g * (wing - 1.0) * a * a / (1.0 + 2.0 * a.powi(3) / 27.0_f64.sqrt()))
+        let sum = wi + wo;
+        let wing = self.of("wings")[(h >> if sum.x < 0.0 { 8 } else { 28 }) as usize % 256];
+        let a = (0.5 * kappa * kappa * sum.x * sum.x / sum.z * across.inverse_length).min(1e6);
+        value * (1.0 + g * (wing - 1.0) * a * a / (0.2 + 0.2 * a + 0.6 * a.powi(3)))
     }
 
     /// q and q' of an instance by its hash, at ω_i + ω_o, with 1/l and that of achromatic instances.
@@ -501,13 +507,16 @@ mod tests {
                 .collect()
         };
         let mut set = material.sets[0].clone();
-        for lobe in set.mean.iter_mut().chain([&mut set.steady]) {
+        for lobe in &mut set.mean {
             lobe.m = spread(&lobe.m, 1.0, 0.6);
             lobe.phi = spread(&lobe.phi, -1.0, 1.0);
             lobe.reflected = spread(&lobe.reflected, 1.0, 0.8);
         }
+        set.steady.m = spread(&set.steady.m, 1.0, 0.6);
+        set.steady.phi = spread(&set.steady.phi, -1.0, 1.0);
+        set.steady.share = spread(&set.steady.share, 1.0, 0.8);
         set.length = spread(&set.length, 1.0, 1.0);
-        (set.fraction_1, set.steady_fraction_1) = (Vec::new(), Vec::new());
+        (set.fraction_1, set.fraction_1_slope) = (Vec::new(), Vec::new());
         material.correlation = spread(&material.correlation, 1.0, 1.0);
         material.steepness = vec![6.0; axes.cos_theta().len() * both.phis()];
         material.strength = (0..material.steepness.len()).map(|k| (k % 10) as f32 / 10.0).collect();

@@ -145,7 +145,7 @@ pub(super) fn report(
     // Of the longest wavelength, the direction nearest to normal incidence.
     let normal = [axes.wavelengths_nm().len(), axes.cos_theta().len(), axes.cos_phi().len()].map(|n| n - 1);
     let last = &lengths[axes.index(normal[0], normal[1], normal[2])];
-    let share = |n: &FittedNode| n.steady.reflected / n.reflected.max(f64::MIN_POSITIVE);
+    let share = |n: &FittedNode| n.steady.energy;
     FitReport {
         residual_median: quantile(residuals().collect(), 0.5),
         residual_95: quantile(residuals().collect(), 0.95),

@@ -4,16 +4,16 @@
 //! speckle does (a contrast above 1), which no Gaussian field of one mean can. An instance's values are multiplied by
 //!
 //! ```text
-//! τ = 1 + g(ω_i) h (E − 1),    h = a²/(1 + 2 a³/√27),    a = κ(ω_i)² t²/l(λ, ω_i),    t = (x_i + x_o)/(z_i + z_o)
+//! τ = 1 + g(ω_i) h (E − 1),    h = a²/(0.2 + 0.2 a + 0.6 a³),    a = κ(ω_i)² b/l(λ, ω_i),    b = (x_i + x_o)²/(2 (z_i + z_o))
 //! ```
 //!
-//! t is the slope of the facet that mirrors ω_i into ω_o, the same both ways, so that τ is reciprocal. h is 0 in the mirror
+//! b is t² (z_i + z_o)/2 with the slope t = (x_i + x_o)/(z_i + z_o) of the facet that mirrors ω_i into ω_o: of facets that stand up, fewer
+//! differ in phase where light comes and leaves flatly. It is the same both ways, so that τ is reciprocal. h is 0 in the mirror
 //! direction, 1 at most, and falls again where light comes from edges instead of facets. E ≥ 0 of mean 1 is drawn for each
 //! instance and each side of the mirror direction, the two wings of one barbule hardly correlate; E[τ] = 1 keeps the mean.
 
 use std::sync::LazyLock;
 
-use super::patterns::contrast;
 use crate::math::normal;
 use crate::math::rng::Stream;
 
@@ -32,8 +32,9 @@ const SCAN: (f64, f64, usize) = (-1.2, 4.6, 24);
 /// Golden sections of a step, and of g from 0 to 1.
 const SECTIONS: usize = 8;
 
-/// 2/√27, with which h is 1 at most.
-pub(super) const FALL: f64 = 0.384_900_179_459_750_5;
+/// α, β and γ of h = a²/(α + β a + γ a³), which is largest, 1, at a = 1: γ = 2α + β and 3α + 2β = 1. α was chosen: a smaller one
+/// follows the wavelength better 30° beside the mirror direction, a larger one the starling's wings.
+pub(super) const RISE: [f64; 3] = [0.2, 0.2, 0.6];
 
 /// a beyond which h stays as it is, so that nothing overflows in single precision.
 pub(super) const FARTHEST: f64 = 1e6;
@@ -53,12 +54,23 @@ pub(super) struct Slope {
 }
 
 impl Slope {
-    /// g h for the slope t of a facet.
-    pub(super) fn part(&self, facet: f64, inverse_length: f64) -> f64 {
-        let steep = self.steepness * facet;
-        let a = (steep * steep * inverse_length).min(FARTHEST);
-        self.strength * a * a / (1.0 + FALL * a * a * a)
+    /// g h where ω_i + ω_o is `[x, z]`.
+    pub(super) fn part(&self, [x, z]: [f64; 2], inverse_length: f64) -> f64 {
+        self.of(self.steepness * self.steepness * bend([x, z]) * inverse_length)
     }
+
+    /// g h for a.
+    fn of(&self, a: f64) -> f64 {
+        let a = a.min(FARTHEST);
+        let [start, rise, fall] = RISE;
+        self.strength * a * a / (start + rise * a + fall * a * a * a)
+    }
+}
+
+/// b where ω_i + ω_o is `[x, z]`.
+#[inline(always)]
+pub(super) fn bend([x, z]: [f64; 2]) -> f64 {
+    0.5 * x * x / z
 }
 
 /// The values of E: quantiles of a log-normal distribution, over their mean.
@@ -134,44 +146,72 @@ impl Contrasts {
     }
 }
 
-/// Parts of a lobe by mean intensity over its peak, and what their contrasts count: about the mirror direction, shoulders,
-/// wings, what is beyond, and all of it, which unpolarized light shows.
-const WEIGHTS: [([f64; 2], f64); 5] =
-    [([0.5, 1.01], 1.0), ([0.1, 0.5], 1.0), ([0.02, 0.1], 3.0), ([0.002, 0.02], 0.1), ([0.0, 1.01], 3.0)];
+/// Width of a band of outgoing azimuths over which contrasts are taken together, and how far from the mirror direction bands reach,
+/// rad: beyond 40° they count less.
+const BAND: f64 = 4.0 * RAD;
+const NEAR: f64 = 40.0 * RAD;
+const FAR: f64 = 48.0 * RAD;
+const OF_FAR: f64 = 0.3;
+const RAD: f64 = std::f64::consts::PI / 180.0;
 
-/// What was found of one incident polarization at one node, on azimuths.
-pub(super) struct Observed {
-    /// 1/l.
-    pub(super) inverse_length: f64,
-    /// t.
-    pub(super) facets: Vec<f64>,
-    /// U.
-    pub(super) mean: Vec<f64>,
-    /// C².
-    pub(super) contrast2: Vec<f64>,
+/// What is within this of the horizon counts for nothing.
+const HORIZON: f64 = 78.0 * RAD;
+
+/// What was found of one incident polarization at one node in a band of azimuths.
+struct Band {
+    /// b/l.
+    bend: f64,
+    /// Contrast.
+    contrast: f64,
     /// (s/f̂)² of the steady part.
-    pub(super) steady2: Vec<f64>,
+    steady2: f64,
+    /// What it counts.
+    weight: f64,
+}
+
+/// What was found of one incident polarization at one node.
+pub(super) struct Observed {
+    bands: Vec<Band>,
 }
 
 impl Observed {
+    /// From C² and (s/f̂)² of azimuths φ_o (rad) under light from φ_i at θ_i.
+    pub(super) fn new(
+        [cos_theta, phi_i]: [f64; 2],
+        inverse_length: f64,
+        azimuths: impl Iterator<Item = (f64, [f64; 2])>,
+    ) -> Self {
+        let count = (2.0 * FAR / BAND).round();
+        let mut sums = vec![[0.0; 4]; count as usize];
+        for (phi_o, [contrast2, steady2]) in azimuths {
+            let place = ((phi_o + phi_i + FAR) / BAND).floor();
+            if phi_o.abs() < HORIZON && contrast2 > 0.0 && (0.0..count).contains(&place) {
+                let terms = [1.0, phi_o, contrast2, steady2];
+                sums[place as usize].iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+            }
+        }
+        let band = |[count, phi_o, contrast2, steady2]: [f64; 4]| {
+            let (phi_o, contrast) = (phi_o / count, (contrast2 / count).sqrt());
+            let [x, z] = [libm::sin, libm::cos].map(|of| cos_theta * (of(phi_i) + of(phi_o)));
+            let near = if (phi_o + phi_i).abs() < NEAR { 1.0 } else { OF_FAR };
+            // Contrasts above 1 are those of a few bright instances, and as uncertain as they are large.
+            let weight = near / contrast.max(1.0);
+            Band { bend: bend([x, z]) * inverse_length, contrast, steady2: steady2 / count, weight }
+        };
+        Self { bands: sums.into_iter().filter(|[count, ..]| *count > 0.0).map(band).collect() }
+    }
+
     /// How far from the contrasts that were found those are which this slope gives. What was found below that of speckle is
     /// the steady part's doing and no slope's: there the slope's aim is to leave speckle as it is.
     fn error(&self, contrasts: &Contrasts, slope: &Slope) -> f64 {
-        let expected = self.facets.iter().map(|t| contrasts.at(slope.part(*t, self.inverse_length)));
-        let expected: Vec<[f64; 2]> = expected.collect();
-        let speckle: Vec<f64> = expected.iter().map(|[speckle, _]| *speckle).collect();
-        let with_steady = expected.iter().zip(&self.steady2);
-        let with_steady: Vec<f64> =
-            with_steady.map(|([speckle, alone], part)| speckle - part * (speckle - alone)).collect();
         let least = contrasts.at(0.0)[0].sqrt();
-        let mut sum = 0.0;
-        for (region, weight) in WEIGHTS {
-            let Some(found) = contrast(&self.mean, &self.contrast2, region) else { continue };
-            let expected = if found > least { &with_steady } else { &speckle };
-            let expected = contrast(&self.mean, expected, region).unwrap_or(found);
-            sum += weight * (found.max(least) - expected) * (found.max(least) - expected);
-        }
-        sum
+        let of = |band: &Band| {
+            let [speckle, alone] = contrasts.at(slope.of(slope.steepness * slope.steepness * band.bend));
+            let steady2 = if band.contrast > least { band.steady2 } else { 0.0 };
+            let apart = band.contrast.max(least) - (speckle - steady2 * (speckle - alone)).sqrt();
+            band.weight * apart * apart
+        };
+        self.bands.iter().map(of).sum()
     }
 }
 
@@ -226,10 +266,10 @@ mod tests {
         let whole = libm::exp(DEVIATION * DEVIATION) - 1.0;
         assert!((0.75 * whole..whole).contains(&*VARIANCE), "{} {whole}", *VARIANCE);
         let slope = Slope { steepness: 1.0, strength: 1.0, ..Slope::default() };
-        let most = (0..10_000).map(|k| slope.part(0.001 * f64::from(k), 1.0)).fold(0.0, f64::max);
-        assert!((most - 1.0).abs() < 1e-6 && slope.part(3.0_f64.powf(0.25), 1.0) <= 1.0 + 1e-12, "{most}");
-        assert_eq!(slope.part(0.0, 1.0), 0.0);
-        assert!(Slope { steepness: 1000.0, ..slope }.part(1e9, 64.0).is_finite());
+        let most = (0..10_000).map(|k| slope.part([0.001 * f64::from(k), 0.5], 1.0)).fold(0.0, f64::max);
+        assert!((most - 1.0).abs() < 1e-6 && slope.part([1.0, 0.5], 1.0) <= 1.0 + 1e-12, "{most}");
+        assert_eq!(slope.part([0.0, 1.0], 1.0), 0.0);
+        assert!(Slope { steepness: 1000.0, ..slope }.part([1.9, 1e-12], 64.0).is_finite());
     }
 
     /// Of many instances the contrasts are those of the moments: E[τ²] times 2 or 1, less 1.

@@ -35,6 +35,10 @@ const LEAST_MEAN: f64 = 0.1;
 const SHARES: [f64; 2] = [0.0, 0.6];
 const HEIGHTS_UM: [f64; 2] = [0.005, 1.5];
 
+/// Intensities of which a material's instances have less relative variance than this are steady there: they correlate with
+/// nothing.
+const LEAST_VARIANCE: f64 = 1e-6;
+
 /// Steps along each, and how often they are made finer about the best.
 const STEPS: usize = 13;
 const ROUNDS: usize = 4;
@@ -151,11 +155,15 @@ impl Pair {
             let both = 1.0 + *slope::VARIANCE * a.sloped * b.sloped;
             both * (1.0 + 2.0 * (a.steady * b.steady * rest).sqrt() * gamma + rest * gamma * gamma) - 1.0
         };
-        let own = |end: &End| {
-            (1.0 + *slope::VARIANCE * end.sloped * end.sloped) * (2.0 - end.steady * end.steady) - 1.0
-        };
         let covariance = spectral.achromatic * cross(1.0) + (1.0 - spectral.achromatic) * cross(gamma);
-        covariance / (own(&a) * own(&b)).max(f64::MIN_POSITIVE).sqrt()
+        covariance / (a.variance() * b.variance()).sqrt()
+    }
+}
+
+impl End {
+    /// The relative variance of instances' intensities.
+    fn variance(&self) -> f64 {
+        (1.0 + *slope::VARIANCE * self.sloped * self.sloped) * (2.0 - self.steady * self.steady) - 1.0
     }
 }
 
@@ -218,6 +226,9 @@ fn pairs(statistics: &Statistics, material: &FeatherMaterial, fitters: &[Fitter]
 
 fn pair(kind: Kind, first: &Option<Glint>, second: &Option<Glint>) -> Option<Pair> {
     let (first, second) = (first.as_ref()?, second.as_ref()?);
+    if first.end.variance().min(second.end.variance()) < LEAST_VARIANCE {
+        return None;
+    }
     let found = first.deviations.iter().zip(&second.deviations).map(|(a, b)| a * b).sum::<f64>();
     Some(Pair { kind, ends: [first.end, second.end], x: first.x, found })
 }
@@ -268,4 +279,23 @@ fn standardized(values: &[f32]) -> Option<Vec<f64>> {
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where all is steady nothing varies that could correlate; it once counted with a correlation of 10¹³⁷.
+    #[test]
+    fn what_is_steady_forms_no_pair() {
+        let glint = |steady: f64| {
+            let end = End { length: 1.0, achromatic: 1.0, phase_per_um: 20.0, steady, sloped: 0.0 };
+            Some(Glint { end, x: 0.1, deviations: vec![0.6, 0.8] })
+        };
+        let [some, all] = [glint(0.9), glint(1.0)];
+        assert!(pair(Kind::Mirror, &some, &all).is_none() && pair(Kind::Mirror, &all, &all).is_none());
+        let pair = pair(Kind::Mirror, &some, &some).unwrap();
+        let whole = pair.expected(Spectral { height_um: 0.1, achromatic: 0.2 }, &|_| 1.0);
+        assert!((whole - 1.0).abs() < 1e-12 && (pair.found - 1.0).abs() < 1e-12, "{whole}");
+    }
 }

@@ -8,9 +8,9 @@
 //! A⁴ = U² (C₀² − C²)/(C₀² − C₁²),    without slopes C₀² = (M − 1)/(M + 1), C₁² = 0,
 //! ```
 //!
-//! signed, like the intensity V of the mean field, which is a second, lower bound of A².
+//! (C₀² less what is fixed since every barbule reflects as much, see [`of_kept_energy`]), signed, like the intensity V of the mean field, which is a second, lower bound of A². What is looked for is the part A²/U:
+//! a narrow lobe of mirrors on flat tops, and much the same all over the lobe of an arch.
 
-use super::fitted::scale_of;
 use crate::scattering::lobe::{Fitter, Lobe, Power, SteadyFit};
 use crate::scattering::statistics::AZIMUTHS;
 
@@ -20,9 +20,6 @@ pub(super) const FEWEST: usize = 8;
 /// Where residuals of steady parts count less: a part of the mean's peak.
 const FLOOR: f64 = 0.01;
 
-/// The most that a steady part is raised to make up for what the mean cuts off.
-const MOST_RAISED: f64 = 3.0;
-
 /// What was found of one incident polarization at one node, on the azimuths.
 pub(super) struct Observed {
     /// U, 1/rad.
@@ -31,7 +28,7 @@ pub(super) struct Observed {
     pub(super) v: Vec<f64>,
     /// Squared contrast C², population form.
     pub(super) contrast2: Vec<f64>,
-    /// The mean intensity of the fitted lobes, which the steady part never exceeds.
+    /// The mean intensity of the fitted lobes.
     pub(super) mean: Vec<f64>,
 }
 
@@ -58,10 +55,17 @@ pub(super) struct Node<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Steady {
     pub(super) lobe: Lobe,
-    /// Reflected fraction, mean over the polarizations.
-    pub(super) reflected: f64,
-    /// Part of the first polarization in it.
-    pub(super) fraction_1: f64,
+    /// Part of the mean in the lobe's middle, the same of both polarizations.
+    pub(super) share: f64,
+    /// Part of the whole mean.
+    pub(super) energy: f64,
+}
+
+impl Steady {
+    /// Nothing.
+    pub(super) fn none(lobe: Lobe) -> Self {
+        Self { lobe, share: 0.0, energy: 0.0 }
+    }
 }
 
 impl Node<'_> {
@@ -69,63 +73,68 @@ impl Node<'_> {
     pub(super) fn fit(&self) -> Steady {
         let squared = (self.instances >= FEWEST).then(|| self.squares()).flatten();
         let coherent = (self.instances > 1).then(|| self.coherent()).flatten();
-        let total = |fit: &SteadyFit| {
-            fit.scales.iter().sum::<f64>()
-                / scale_of(&self.fitter.steady_values(fit.lobe), self.cos_theta, 1.0)
-        };
-        let best = [squared, coherent].into_iter().flatten().max_by(|a, b| total(a).total_cmp(&total(b)));
-        let Some(best) = best else {
-            return Steady { lobe: self.lobes[0], reflected: 0.0, fraction_1: 0.5 };
-        };
-        let shape = self.fitter.steady_values(best.lobe);
-        let mut scales = best.scales;
-        for (scale, observed) in scales.iter_mut().zip(&self.observed) {
-            *scale = raised(*scale, &shape, &observed.mean);
-        }
-        let count = self.observed.len() as f64;
-        let sum: f64 = scales.iter().sum();
-        let reflected = sum / count / scale_of(&shape, self.cos_theta, 1.0);
-        let fraction_1 = if sum > 0.0 { scales[0] / sum } else { 0.5 };
-        Steady { lobe: best.lobe, reflected, fraction_1 }
+        let both = [squared, coherent].into_iter().flatten().map(|fit| self.steady(&fit));
+        both.max_by(|a, b| a.energy.total_cmp(&b.energy)).unwrap_or(Steady::none(self.lobes[0]))
     }
 
-    /// s from A⁴: scales on the steady shape.
+    /// What the scales of a shape make of the means.
+    fn steady(&self, fit: &SteadyFit) -> Steady {
+        let shape = self.fitter.steady_shares(fit.lobe);
+        let (mut whole, mut energy, mut sum) = (0.0, 0.0, 0.0);
+        for (observed, scale) in self.observed.iter().zip(fit.scales) {
+            let mean: f64 = observed.mean.iter().sum();
+            let steady = observed.mean.iter().zip(&shape).map(|(mean, part)| mean * part).sum::<f64>();
+            (whole, sum) = (whole + mean, sum + scale.min(1.0) * mean);
+            energy += scale.min(1.0) * steady;
+        }
+        let whole = f64::max(whole, f64::MIN_POSITIVE);
+        Steady { lobe: fit.lobe, share: (sum / whole).min(1.0), energy: energy / whole }
+    }
+
+    /// s from A⁴: scales on the steady shares.
     fn squares(&self) -> Option<SteadyFit> {
         let count = self.instances as f64;
         let target = |o: &Observed| {
             let found = o.u.iter().zip(&o.contrast2).zip(&self.expected);
-            self.folded(found.map(|((u, c2), [speckle, steady])| u * u * (speckle - c2) / (speckle - steady)))
+            let is_dark = |u: f64| u <= f64::MIN_POSITIVE;
+            self.folded(found.map(
+                |((u, c2), [speckle, steady])| {
+                    if is_dark(*u) { 0.0 } else { (speckle - c2) / (speckle - steady) }
+                },
+            ))
         };
         let targets: Vec<Vec<f64>> = self.observed.iter().map(target).collect();
-        // What counts is the contrast where the light is: residuals of (s/f̂)² times f̂.
-        let weights = self.weights(1.0);
+        let weights = self.weights();
         let mut fit = self.best(Power::Second, &targets, &weights)?;
-        let shape = self.fitter.steady_values(fit.lobe);
+        let shape = self.fitter.steady_shares(fit.lobe);
         let weights: Vec<f64> = shape.iter().zip(&weights).map(|(s, w)| s * s * w * w).collect();
         let square = weights.iter().zip(&shape).map(|(w, s)| w * s * s).sum();
         for (scale, observed) in fit.scales.iter_mut().zip(&self.observed) {
             // 4I − I², whose mean is 2⟨I⟩² − ⟨I²⟩ about ⟨I⟩ = 1, is 2 − 2L₂(I) with Laguerre's polynomial L₂: of
             // speckle it has the variance 4 and the correlation |μ|⁴; of a field that is nearly steady 4C².
-            let deviation = observed.u.iter().zip(&observed.contrast2).map(|(u, c2)| 2.0 * u * u * c2.sqrt());
-            let variance = self.variance(&weights, square, deviation, 0.5) / count;
+            let deviation = observed.contrast2.iter().map(|c2| 2.0 * c2.sqrt());
+            let variance = self.variance(&weights, square, deviation, 0.5) / count * self.chances(&shape);
             *scale = shrunk(*scale, variance).sqrt();
         }
         Some(fit)
     }
 
-    /// s from V: scales on the steady shape.
+    /// s from V: scales on the steady shares.
     fn coherent(&self) -> Option<SteadyFit> {
         let count = self.instances as f64;
-        let targets: Vec<Vec<f64>> = self.observed.iter().map(|o| self.folded(o.v.iter().copied())).collect();
-        let weights = self.weights(0.5);
+        let part = |(u, v): (&f64, &f64)| if *u > f64::MIN_POSITIVE { v / u } else { 0.0 };
+        let target = |o: &Observed| self.folded(o.u.iter().zip(&o.v).map(part));
+        let targets: Vec<Vec<f64>> = self.observed.iter().map(target).collect();
+        let weights = self.weights();
         let mut fit = self.best(Power::First, &targets, &weights)?;
-        let shape = self.fitter.steady_values(fit.lobe);
+        let shape = self.fitter.steady_shares(fit.lobe);
         let weights: Vec<f64> = shape.iter().zip(&weights).map(|(s, w)| s * w * w).collect();
         let square = weights.iter().zip(&shape).map(|(w, s)| w * s).sum();
-        for (scale, observed) in fit.scales.iter_mut().zip(&self.observed) {
+        for scale in &mut fit.scales {
             // Of speckle |mean|² is exponential with the mean U/M; it correlates as |μ|².
-            let deviation = observed.u.iter().map(|u| u / count);
+            let deviation = shape.iter().map(|_| 1.0 / count);
             let variance = self.variance(&weights, square, deviation, std::f64::consts::FRAC_1_SQRT_2);
+            let variance = variance * self.chances(&shape);
             *scale = shrunk(*scale, variance);
         }
         Some(fit)
@@ -144,7 +153,7 @@ impl Node<'_> {
             .iter()
             .chain([&at_peak])
             .flat_map(|lobe| {
-                [1.0, 2.5].map(|factor| Lobe {
+                [1.0, 2.5, 10.0].map(|factor| Lobe {
                     m: (factor * lobe.m).clamp(0.003, 0.95),
                     phi: if self.is_even { 0.0 } else { lobe.phi },
                 })
@@ -154,11 +163,11 @@ impl Node<'_> {
         self.fitter.fit_steady(power, self.phi_i, !self.is_even, &starts, &targets, weights)
     }
 
-    /// The fitted mean to a negative power, bounded in the wings.
-    fn weights(&self, power: f64) -> Vec<f64> {
+    /// The root of the fitted mean, so that squares of residuals count by the light there, with something for the wings.
+    fn weights(&self) -> Vec<f64> {
         let sum = |k: usize| self.observed.iter().map(|o| o.mean[k]).sum::<f64>();
         let peak = (0..AZIMUTHS).map(sum).fold(f64::MIN_POSITIVE, f64::max);
-        (0..AZIMUTHS).map(|k| libm::pow(sum(k) / peak + FLOOR, -power)).collect()
+        (0..AZIMUTHS).map(|k| (sum(k) / peak + FLOOR).sqrt()).collect()
     }
 
     /// The mean with the mirror image where the node is its own.
@@ -168,6 +177,18 @@ impl Node<'_> {
             fold(&mut values);
         }
         values
+    }
+
+    /// How much a variance grows by the choice of the best of many places: of N independent normal numbers the largest is about
+    /// √(2 lnN) deviations, and a narrow shape could stand at as many places as the mean is wider than it.
+    fn chances(&self, shape: &[f64]) -> f64 {
+        let (mut whole, mut part) = (0.0, 0.0);
+        for observed in &self.observed {
+            for (mean, share) in observed.mean.iter().zip(shape) {
+                (whole, part) = (whole + mean, part + mean * share);
+            }
+        }
+        1.0 + 2.0 * libm::log(f64::max(whole / f64::max(part, f64::MIN_POSITIVE), 1.0))
     }
 
     /// Variance of Σ weight · noise / `square` for noise of these deviations; neighbours correlate as exp(−(Δx/(cℓ))²) with
@@ -194,6 +215,27 @@ impl Node<'_> {
     }
 }
 
+/// What is left of C² of speckle where every barbule reflects as much as the next one: of N cells of speckle in a lobe that share
+/// out what is reflected (a Dirichlet distribution) each has (N − 1)/(N + 1). Instances know of no such sharing: taken as steady it
+/// makes their patterns coarser, left out it makes them vary too much. Its fourth root leaves both within what 50 barbules tell.
+///
+/// `mean` is the lobe on azimuths, `correlation` the Δx_o at which the autocovariance of the fields falls to 1/e.
+pub(super) fn of_kept_energy(mean: &[f64], cos_theta: f64, correlation: f64) -> f64 {
+    let step = std::f64::consts::PI / mean.len().max(1) as f64;
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for (k, value) in mean.iter().enumerate() {
+        let phi_o = (k as f64 + 0.5) * step - std::f64::consts::FRAC_PI_2;
+        let dx = cos_theta * libm::cos(phi_o) * step;
+        (sum, squares) = (sum + value * dx, squares + value * value * dx);
+    }
+    let cell = correlation * std::f64::consts::FRAC_PI_2.sqrt();
+    let cells = (sum * sum / (squares * cell).max(f64::MIN_POSITIVE)).max(FEWEST_CELLS);
+    ((cells - 1.0) / (cells + 1.0)).sqrt().sqrt()
+}
+
+/// A lobe of fewer cells is one cell with its rim, and says nothing of the kind.
+const FEWEST_CELLS: f64 = 8.0;
+
 /// What an estimate with this variance says: all of it where it is many deviations, next to nothing below one.
 fn shrunk(estimate: f64, variance: f64) -> f64 {
     let square = estimate * estimate;
@@ -201,24 +243,6 @@ fn shrunk(estimate: f64, variance: f64) -> f64 {
         return 0.0;
     }
     estimate / (1.0 + 4.0 * (variance / square) * (variance / square))
-}
-
-/// The scale with which the shape, cut off at `mean`, has the squares that it has with `scale` uncut.
-fn raised(scale: f64, shape: &[f64], mean: &[f64]) -> f64 {
-    let squares = |scale: f64| -> f64 {
-        let cut = shape.iter().zip(mean).map(|(shape, mean)| (scale * shape).min(*mean) * shape);
-        cut.map(|v| v * v).sum()
-    };
-    let wanted: f64 = shape.iter().map(|s| (scale * s * s) * (scale * s * s)).sum();
-    if squares(scale) >= wanted * (1.0 - 1e-9) {
-        return scale;
-    }
-    let (mut low, mut high) = (scale, MOST_RAISED * scale);
-    for _ in 0..20 {
-        let middle = 0.5 * (low + high);
-        if squares(middle) < wanted { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }
 
 /// Takes the mean with the mirror image.

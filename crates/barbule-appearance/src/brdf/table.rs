@@ -17,8 +17,10 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::arrays::{Arrays, Numbers, TableArray};
 use super::halo::Halo;
-use super::material::{FeatherMaterial, LENGTHS, LobeSet, ParameterSet};
-use super::profile::{Areas, Part};
+use super::material::{
+    FeatherMaterial, LENGTHS, LobeSet, ParameterSet, STEEPEST_FRACTION, SteadySet, part_of_first,
+};
+use super::profile::Areas;
 use super::sample::distribution;
 use super::slope::{STEEPNESS, Slope};
 use crate::Result;
@@ -41,7 +43,7 @@ pub(super) const M2: usize = 0;
 pub(super) const REST: usize = 3;
 /// Where the middle begins: τ(φ_i) τ(−φ_eff) with the node's own φ_i.
 pub(super) const MIDDLE: usize = 6;
-/// Where 2ρ/(π area)·m² begins, for the steady lobe with m⁶; times cosψ where shapes have the cosine.
+/// Where 2ρ/(π area)·m² begins, times cosψ where shapes have the cosine; of the steady part its share times m⁴.
 pub(super) const STRENGTH: usize = 9;
 /// 1/l, γ, and polarization 1's fraction in the mean and in the steady part.
 pub(super) const EXTRAS: usize = 12;
@@ -68,9 +70,10 @@ const LARGEST: f64 = f32::MAX as f64;
 const NODE_RANGES: [[f64; 2]; 16] = {
     let (m2, rest, middle, strength) = ([9e-7, 1.0], [0.0, 1.0], [1e-12, 1e12], [0.0, LARGEST]);
     let (length, share) = ([1.0 / LENGTHS.1 as f64, 1.0 / LENGTHS.0 as f64], [0.0, 1.0]);
+    let slope = [-STEEPEST_FRACTION, STEEPEST_FRACTION];
     [
         m2, m2, m2, rest, rest, rest, middle, middle, middle, strength, strength, strength, length, share,
-        share, share,
+        share, slope,
     ]
 };
 
@@ -186,13 +189,13 @@ impl Incident {
         [self.cos_theta[k], self.tangents[k]].map(f64::from)
     }
 
-    /// τ(φ_i) τ(φ_o) of an azimuth's sine and cosine times the same factor, and cosφ_o, both kept off the horizon so far
+    /// τ(φ_i) τ(φ_o) of an azimuth's sine and cosine times the same factor, and that cosine, both kept off the horizon so far
     /// that nothing overflows in single precision.
     #[inline(always)]
     pub(super) fn product(&self, sine: f64, cosine: f64, factor: f64) -> (f64, f64) {
         let cosine = cosine.max(LEAST_OUTGOING * factor);
         let [above, below] = tangent(if self.mirrored { -sine } else { sine }, cosine, factor);
-        (self.tangent[0] * above / (self.tangent[1] * below), cosine / factor)
+        (self.tangent[0] * above / (self.tangent[1] * below), cosine)
     }
 }
 
@@ -439,7 +442,7 @@ fn columns(order: &[usize], axes: &Axes) -> Vec<usize> {
 }
 
 impl Table {
-    /// Prepares one set; `polarization` takes the share of one incident polarization of all values.
+    /// Prepares one set; of unpolarized light `polarization` says whose part of it `reflected` is.
     pub(super) fn new(
         material: &FeatherMaterial,
         set: &ParameterSet,
@@ -454,11 +457,22 @@ impl Table {
             .map(|at| {
                 let cos_theta = axes.cos_theta()[at / phis % thetas];
                 let phi_i = axes.phi_i(at % phis);
-                Entry { material, set, at, cos_theta, phi_i, polarization, areas: &areas }.node()
+                Entry { material, set, at, cos_theta, phi_i, areas: &areas }.node()
             })
             .collect();
         let reflected =
             |wave: usize, theta: usize, phi: usize| -> f64 { set.reflected(axes.index(wave, theta, phi)) };
+        let energies: Vec<f64> = match polarization {
+            Some(polarization) if material.sets.len() == 1 => (0..waves * thetas * phis)
+                .into_par_iter()
+                .map(|at| {
+                    let (cos_theta, phi_i) = (axes.cos_theta()[at / phis % thetas], axes.phi_i(at % phis));
+                    let first = Entry { material, set, at, cos_theta, phi_i, areas: &areas }.first_energy();
+                    2.0 * if polarization == Polarization::First { first } else { 1.0 - first }
+                })
+                .collect(),
+            _ => Vec::new(),
+        };
         let both = axes.sides() == Sides::Both;
         let columns = phis + 1 + usize::from(both);
         let mut nodes = Vec::with_capacity((thetas + 1) * columns * waves);
@@ -475,7 +489,7 @@ impl Table {
                 for wave in 0..waves {
                     let at = axes.index(wave, theta, phi);
                     let (node, share) = stored[at];
-                    let own = share_of(material, fraction(&set.fraction_1, at), polarization);
+                    let own = energies.get(at).copied().unwrap_or(1.0);
                     let mut factor = 1.0;
                     let here = reflected(wave, theta, phi);
                     if t == 0 && thetas > 1 {
@@ -542,9 +556,9 @@ fn continued([here, beside]: [f64; 2], [cosine, next]: [f64; 2]) -> f64 {
 }
 
 impl Node {
-    /// Reflects so many times as much.
+    /// Reflects so many times as much, of which the same part is steady.
     fn times(mut self, factor: f32) -> Self {
-        self.0[STRENGTH..STRENGTH + LOBES].iter_mut().for_each(|strength| *strength *= factor);
+        self.0[STRENGTH..STRENGTH + LOBES - 1].iter_mut().for_each(|strength| *strength *= factor);
         self
     }
 }
@@ -562,7 +576,6 @@ struct Entry<'a> {
     at: usize,
     cos_theta: f64,
     phi_i: f64,
-    polarization: Option<Polarization>,
     areas: &'a Areas,
 }
 
@@ -571,31 +584,33 @@ impl Entry<'_> {
         let Self { material, set, at, .. } = *self;
         let mut node = Node([0.0; 16]);
         let mut shares = Shares([0.0; 4]);
-        let fractions = [fraction(&set.fraction_1, at), fraction(&set.steady_fraction_1, at)];
-        let share = fractions.map(|first| share_of(material, first, self.polarization));
         for number in 0..LOBES {
-            let part = if number + 1 == LOBES { Part::Steady } else { Part::Mean };
-            let (lobes, share): (Option<&LobeSet>, f64) = match part {
-                Part::Steady => (Some(&set.steady), share[1]),
-                Part::Mean => (set.mean.get(number), share[0]),
+            let is_steady = number + 1 == LOBES;
+            let lobe_of = |m: &[f32], phi: &[f32]| Lobe { m: f64::from(m[at]), phi: bounded(phi[at]) };
+            let (lobe, reflected) = match set.mean.get(number) {
+                _ if is_steady => {
+                    let SteadySet { m, phi, share: part } = &set.steady;
+                    (lobe_of(m, phi), f64::from(part[at]))
+                }
+                Some(LobeSet { m, phi, reflected }) => (lobe_of(m, phi), f64::from(reflected[at])),
+                None => (Lobe { m: 1.0, phi: 0.0 }, 0.0),
             };
-            let (lobe, reflected) = lobes.map_or((Lobe { m: 1.0, phi: 0.0 }, 0.0), |lobes| {
-                let lobe = Lobe { m: f64::from(lobes.m[at]), phi: bounded(lobes.phi[at]) };
-                (lobe, share * f64::from(lobes.reflected[at]))
-            });
             let m2 = lobe.m * lobe.m;
             // ψ and the node's own, in which the middle is a tangent of each.
             let [(sine, cosine), (own_sine, own_cosine)] =
                 [-lobe.phi, self.phi_i].map(|phi| libm::sincos(0.5 * phi + FRAC_PI_4));
-            let power = if part == Part::Steady { m2 * m2 * m2 } else { m2 };
-            let strength = 2.0 / PI * power * reflected / self.areas.area(part, lobe, self.cos_theta);
-            let strength = if material.kind == FitKind::Marginal { strength * cosine } else { strength };
+            let strength = if is_steady {
+                m2 * m2 * reflected.min(1.0)
+            } else {
+                let aligned = if material.kind == FitKind::Marginal { cosine } else { 1.0 };
+                2.0 / PI * m2 * aligned * reflected / self.areas.area(lobe, self.cos_theta)
+            };
             let rest = (1.0 - m2) * cosine * cosine;
             let middle = sine * own_sine / (cosine * own_cosine);
             for (first, value) in [(M2, m2), (REST, rest), (MIDDLE, middle), (STRENGTH, strength)] {
                 node.0[first + number] = value as f32;
             }
-            if part == Part::Mean {
+            if !is_steady {
                 let rest = (1.0 - m2).max(1e-12);
                 let a = (m2 / rest).sqrt();
                 let [first, last] = [-FRAC_PI_2, FRAC_PI_2]
@@ -605,30 +620,37 @@ impl Entry<'_> {
                 shares.0[2 + number] = drawn as f32;
             }
         }
-        let extras = [
-            material.inverse_length(set, at),
-            f64::from(material.correlation[at]),
-            fractions[0],
-            fractions[1],
-        ];
+        let [first, first_slope] = self.first_part();
+        let extras =
+            [material.inverse_length(set, at), f64::from(material.correlation[at]), first, first_slope];
         for (slot, extra) in node.0[EXTRAS..].iter_mut().zip(extras) {
             *slot = extra as f32;
         }
         (node, shares)
     }
-}
 
-/// Polarization 1's part of the energy; one half in a set of one polarization, which does not ask.
-fn fraction(fractions: &[f32], at: usize) -> f64 {
-    fractions.get(at).map_or(0.5, |&f| f64::from(f))
-}
+    /// Polarization 1's part and its slope; one half in a set of one polarization, whose values are those of no other.
+    fn first_part(&self) -> [f64; 2] {
+        let ParameterSet { fraction_1, fraction_1_slope, .. } = self.set;
+        match (fraction_1.get(self.at), fraction_1_slope.get(self.at)) {
+            (Some(&first), Some(&slope)) => [first, slope].map(f64::from),
+            _ => [0.5, 0.0],
+        }
+    }
 
-/// The values of one polarization over those of unpolarized light.
-fn share_of(material: &FeatherMaterial, first: f64, polarization: Option<Polarization>) -> f64 {
-    match polarization {
-        Some(Polarization::First) if material.sets.len() == 1 => 2.0 * first,
-        Some(Polarization::Second) if material.sets.len() == 1 => 2.0 - 2.0 * first,
-        _ => 1.0,
+    /// Polarization 1's part of what is reflected.
+    fn first_energy(&self) -> f64 {
+        let (parts, at) = (self.first_part(), self.at);
+        let (mut whole, mut first) = (0.0, 0.0);
+        for LobeSet { m, phi, reflected } in &self.set.mean {
+            let lobe = Lobe { m: f64::from(m[at]), phi: bounded(phi[at]) };
+            let part = |phi_o: f64| part_of_first(parts, libm::tan(0.5 * (self.phi_i + phi_o)));
+            let mean =
+                self.areas.integral(lobe, self.cos_theta, part) / self.areas.area(lobe, self.cos_theta);
+            whole += f64::from(reflected[at]);
+            first += f64::from(reflected[at]) * mean;
+        }
+        if whole > 0.0 { first / whole } else { part_of_first(parts, 0.0) }
     }
 }
 

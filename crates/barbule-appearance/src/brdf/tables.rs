@@ -18,7 +18,7 @@ use crate::scattering::statistics::Sides;
 use crate::{Error, Result, words};
 
 /// Version of the arrays and of what they mean.
-pub const TABLES_VERSION: u32 = 2;
+pub const TABLES_VERSION: u32 = 3;
 
 /// No tables have more nodes than this: those of a material with both grazing sides added to its axes.
 const MOST_NODES: usize = 16_000_000;
@@ -289,7 +289,7 @@ mod tests {
             BrdfTables::from_arrays(&header, arrays).unwrap_err().to_string()
         };
         for (header, expected) in [
-            (TablesHeader { version: 1, ..header }, "version 1, but this program reads version 2"),
+            (TablesHeader { version: 1, ..header }, "version 1, but this program reads version 3"),
             (TablesHeader { sigma: f64::NAN, ..header }, "sigma is NaN"),
             (
                 TablesHeader { spectral: Spectral { achromatic: 1.5, ..header.spectral }, ..header },

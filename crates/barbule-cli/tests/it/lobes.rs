@@ -106,12 +106,12 @@ fn thinned_materials_are_marked_in_titles() {
     assert!(said.contains("of starling green (thinned)"), "{said}");
     let figure = std::fs::read_to_string(here.join("p.svg")).unwrap();
     assert!(figure.contains("starling green (thinned)"));
-    // Three wavelengths are drawn; the numbers are those of all five.
-    assert!(figure.contains("m_eff, 520 nm") && !figure.contains("m_eff, 460 nm"));
+    // Three wavelengths are drawn; the numbers are those of all six.
+    assert!(figure.contains("m_eff, 540 nm") && !figure.contains("m_eff, 460 nm"));
     let parameters = &numbers(here, &["thin.barbule", "--parameters"])["parameters"];
-    assert_eq!(parameters["wavelength_nm"], serde_json::json!([400.0, 460.0, 520.0, 580.0, 640.0]));
+    assert_eq!(parameters["wavelength_nm"], serde_json::json!([300.0, 380.0, 460.0, 540.0, 620.0, 700.0]));
     for key in ["m", "f", "phi_shift_deg", "second"] {
-        assert_eq!(parameters[key].as_array().unwrap().len(), 5, "{key}");
+        assert_eq!(parameters[key].as_array().unwrap().len(), 6, "{key}");
     }
     let (out, _) =
         succeed(here, &["brdf", "thin.barbule", "--wavelength", "520", "--wi", "0,0", "--wo", "0,0"]);

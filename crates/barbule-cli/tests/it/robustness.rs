@@ -136,7 +136,7 @@ fn ctrl_c_ends_soon_and_leaves_what_can_be_resumed() {
     let status = barbule::io::store::Store::open(&store).unwrap().status();
     assert!(status.done > 0 && status.damaged == 0 && status.missing() > 0, "{status:?}");
     let said = String::from_utf8(output.stderr).unwrap();
-    let sentence = format!("interrupted: {} of 1000 units done; the same command goes on", status.done);
+    let sentence = format!("interrupted: {} of 1020 units done; the same command goes on", status.done);
     assert!(said.contains(&sentence), "{said}");
     assert!(!store.join(".aside").exists());
 }

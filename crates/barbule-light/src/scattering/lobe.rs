@@ -12,17 +12,18 @@
 //! where the cosine is dθ_o/dh_y · ω_eff·h. Source: Yu et al., *Appearance Modeling of Iridescent Feathers with Diverse
 //! Nanostructures*, section 5.2 and its supplement, section 3.
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{DVector, Dyn, Matrix, OMatrix, U2, VecStorage, Vector2, storage::Owned};
 use std::f64::consts::PI;
 
-use super::directions;
-
 mod pair;
+mod products;
+mod search;
 mod steady;
 
 pub use pair::{Pair, PairFit};
 pub use steady::{Power, SteadyFit};
+
+use products::{Azimuths, Single};
+use search::{Least, Limits, Normal, least, of_one};
 
 /// The smallest roughness of a lobe.
 pub const SMALLEST_M: f64 = 0.001;
@@ -35,6 +36,9 @@ const SECOND_START: f64 = 0.2;
 
 /// Between these values of cosθ_i cosφ_i the fitted φ_eff passes over into φ_i.
 const BLEND: (f64, f64) = (0.05, 0.1);
+
+/// When searches end.
+const LIMITS: Limits = Limits { error: 1e-9, step: 1e-7, evaluations: 45 };
 
 /// Shape of a lobe at one wavelength and incident direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,13 +82,13 @@ impl Lobe {
         Parameters::new(*self).shape(kind, sin_o, cos_o, slope)
     }
 
-    /// What a lobe of a steady field has instead: [`shape`](Self::shape) times π m² D₁, with narrower wings.
+    /// What part of a mean is steady over what it is in the lobe's middle: π m² D₁ of φ_o, 1 everywhere for m = 1.
     #[must_use]
-    pub fn steady_shape(&self, kind: FitKind, theta_i: f64, phi_o: f64) -> f64 {
+    pub fn steady_share(&self, phi_o: f64) -> f64 {
         let hx = libm::sin(0.5 * (phi_o + self.phi));
         let m2 = self.m * self.m;
         let part = m2 / (m2 + (1.0 - m2) * hx * hx);
-        part * part * self.shape(kind, theta_i, phi_o)
+        part * part
     }
 
     /// The lobe of the mirror image.
@@ -92,15 +96,6 @@ impl Lobe {
     pub fn mirrored(self) -> Self {
         Self { phi: -self.phi, ..self }
     }
-}
-
-/// What does not change between trials: per outgoing azimuth sin and cos of φ_o/2 and (1 − ω_z²)/ω_z². Arrays apart,
-/// so that the loops over azimuths are vectorized.
-#[derive(Debug, Clone)]
-struct Azimuths {
-    sin: Vec<f64>,
-    cos: Vec<f64>,
-    slope: Vec<f64>,
 }
 
 /// m² and the sine and cosine of φ_eff/2.
@@ -129,27 +124,6 @@ impl Parameters {
             FitKind::Cone => value,
         }
     }
-
-    /// The shape and its derivatives by ln m and by φ_eff.
-    #[inline(always)]
-    fn derivatives(&self, kind: FitKind, sin: f64, cos: f64, slope: f64) -> [f64; 3] {
-        let hx = sin * self.cos + cos * self.sin;
-        let hx_by_phi = 0.5 * (cos * self.cos - sin * self.sin);
-        let inverse_q = 1.0 / (self.m2 + (1.0 - self.m2) * hx * hx);
-        let root = (1.0 + self.m2 * slope).sqrt();
-        let g = 2.0 / (1.0 + root);
-        let value = self.m2 / PI * inverse_q * inverse_q * g;
-        let by_ln_m = 2.0 - 4.0 * self.m2 * (1.0 - hx * hx) * inverse_q - 0.5 * g * self.m2 * slope / root;
-        let by_phi = -4.0 * (1.0 - self.m2) * hx * inverse_q * hx_by_phi;
-        match kind {
-            FitKind::Marginal => {
-                let cosine = cos * self.cos + sin * self.sin;
-                let cosine_by_phi = 0.5 * (sin * self.cos - cos * self.sin);
-                [value * cosine, value * cosine * by_ln_m, value * (cosine * by_phi + cosine_by_phi)]
-            }
-            FitKind::Cone => [value, value * by_ln_m, value * by_phi],
-        }
-    }
 }
 
 /// Sum of products in four lanes, which the compiler vectorizes.
@@ -176,18 +150,11 @@ pub struct Fitter {
 }
 
 impl Fitter {
-    /// For values on [`directions::azimuths`]`(count)` at this θ_i, rad.
+    /// For values on [`azimuths`](crate::scattering::directions::azimuths)`(count)` at this θ_i, rad.
     #[must_use]
     pub fn new(kind: FitKind, theta_i: f64, count: usize) -> Self {
         let cos_theta = libm::cos(theta_i);
-        let (sin, cos) = directions::azimuths(count).map(|phi_o| libm::sincos(0.5 * phi_o)).unzip();
-        let slope = directions::azimuths(count)
-            .map(|phi_o| {
-                let cos_z = cos_theta * libm::cos(phi_o);
-                (1.0 - cos_z * cos_z) / (cos_z * cos_z)
-            })
-            .collect();
-        let azimuths = Azimuths { sin, cos, slope };
+        let azimuths = Azimuths::new(cos_theta, count);
         Self { kind, cos_theta, azimuths, step: PI / count.max(1) as f64 }
     }
 
@@ -203,15 +170,15 @@ impl Fitter {
     /// The lobe's shape on the azimuths.
     #[must_use]
     pub fn values(&self, lobe: Lobe) -> Vec<f64> {
-        let mut shape = vec![0.0; self.azimuths.sin.len()];
+        let mut shape = vec![0.0; self.azimuths.count];
         self.evaluate(&Parameters::new(lobe), &mut shape);
         shape
     }
 
-    /// The lobe's steady shape on the azimuths.
+    /// [`Lobe::steady_share`] on the azimuths.
     #[must_use]
-    pub fn steady_values(&self, lobe: Lobe) -> Vec<f64> {
-        let mut shape = self.values(lobe);
+    pub fn steady_shares(&self, lobe: Lobe) -> Vec<f64> {
+        let mut shape = vec![1.0; self.azimuths.count];
         steady::narrow(&Parameters::new(lobe), &self.azimuths, &mut shape);
         shape
     }
@@ -224,7 +191,7 @@ impl Fitter {
     #[must_use]
     pub fn fit(&self, phi_i: f64, values: &[f64]) -> Fit {
         let norm = values.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let usable = values.len() == self.azimuths.sin.len() && norm.is_finite();
+        let usable = values.len() == self.azimuths.count && norm.is_finite();
         if !usable || norm == 0.0 {
             let residual = if usable { 0.0 } else { f64::NAN };
             let lobe = Lobe { m: 1.0, phi: bounded_phi(phi_i) };
@@ -247,7 +214,7 @@ impl Fitter {
     pub fn fit_m(&self, phi: f64, values: &[f64]) -> Fit {
         let norm = values.iter().map(|v| v * v).sum::<f64>().sqrt();
         let phi = bounded_phi(phi);
-        if norm == 0.0 || !norm.is_finite() || values.len() != self.azimuths.sin.len() {
+        if norm == 0.0 || !norm.is_finite() || values.len() != self.azimuths.count {
             return Fit { lobe: Lobe { m: 1.0, phi }, scale: 0.0, residual: norm, converged: norm == 0.0 };
         }
         let starts = [0.004, 0.03, 0.1, 0.4].map(|m| Lobe { m, phi });
@@ -257,22 +224,14 @@ impl Fitter {
 
     /// Refines the best of the starts, and where it fits badly the best one elsewhere too.
     fn best(&self, starts: &[Lobe], values: &[f64], norm: f64, free_phi: bool) -> Option<Fit> {
-        let mut shape = vec![0.0; values.len()];
+        let problem = Problem::new(self, values, norm * norm, free_phi);
         let mut ranked: Vec<(f64, Lobe)> =
-            starts.iter().map(|&lobe| (self.match_of(lobe, values, &mut shape).1, lobe)).collect();
-        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut refine = |start: Lobe| {
-            let problem = Problem::new(self, values, norm, start, free_phi);
-            let (problem, report) = LevenbergMarquardt::new()
-                .with_ftol(1e-9)
-                .with_xtol(1e-7)
-                .with_gtol(1e-9)
-                .with_patience(15)
-                .minimize(problem);
-            let lobe = problem.lobe();
-            let (scale, explained) = self.match_of(lobe, values, &mut shape);
-            let residual = (1.0 - explained / (norm * norm)).max(0.0).sqrt();
-            Fit { lobe, scale, residual, converged: report.termination.was_successful() }
+            starts.iter().map(|&lobe| (problem.at(unbounded(lobe, free_phi)).0.error, lobe)).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let refine = |start: Lobe| {
+            let found = least(unbounded(start, free_phi), LIMITS, |place| problem.at(place));
+            let Least { parameters: [t, u], error, with: [scale], converged } = found;
+            Fit { lobe: bounded(t, u), scale, residual: error.sqrt(), converged }
         };
         let first_start = ranked.first()?.1;
         let first = refine(first_start);
@@ -287,7 +246,7 @@ impl Fitter {
 
     /// Fills `shape`.
     fn evaluate(&self, parameters: &Parameters, shape: &mut [f64]) {
-        let Azimuths { sin, cos, slope } = &self.azimuths;
+        let Azimuths { sin, cos, slope, .. } = &self.azimuths;
         // One loop per kind, so that the choice is not made per azimuth.
         match self.kind {
             FitKind::Marginal => {
@@ -301,13 +260,6 @@ impl Fitter {
                 }
             }
         }
-    }
-
-    /// The best scale ≥ 0 of a lobe, and the squared norm that it explains; `shape` is room to work in.
-    fn match_of(&self, lobe: Lobe, values: &[f64], shape: &mut [f64]) -> (f64, f64) {
-        self.evaluate(&Parameters::new(lobe), shape);
-        let (product, square) = (dot(shape, values), dot(shape, shape));
-        if product > 0.0 { (product / square, product * product / square) } else { (0.0, 0.0) }
     }
 
     /// φ_i, the centroid and the two highest separate peaks, each with the widths that the area under it suggests.
@@ -348,7 +300,7 @@ impl Fitter {
     }
 }
 
-/// Fits a lobe to `values` on [`directions::azimuths`]`(values.len())`; see [`Fitter::fit`]. Angles in rad.
+/// Fits a lobe to `values` on [`azimuths`](crate::scattering::directions::azimuths)`(values.len())`; see [`Fitter::fit`]. Angles in rad.
 #[must_use]
 pub fn fit(kind: FitKind, theta_i: f64, phi_i: f64, values: &[f64]) -> Fit {
     Fitter::new(kind, theta_i, values.len()).fit(phi_i, values)
@@ -382,79 +334,33 @@ fn chain(t: f64, u: f64, free_phi: bool) -> [f64; 2] {
     [-0.5 * libm::log(SMALLEST_M) * libm::cos(t), if free_phi { largest_phi() * libm::cos(u) } else { 0.0 }]
 }
 
-/// Least squares over the two unbounded parameters of a lobe. The scale is eliminated: it is the projection of the values
-/// on the shape.
+/// Least squares over the two unbounded parameters of a lobe, its scale eliminated.
 struct Problem<'a> {
     fitter: &'a Fitter,
-    values: &'a [f64],
-    norm: f64,
+    values: Vec<f64>,
+    total: f64,
     free_phi: bool,
-    parameters: Vector2<f64>,
 }
 
 impl<'a> Problem<'a> {
-    fn new(fitter: &'a Fitter, values: &'a [f64], norm: f64, start: Lobe, free_phi: bool) -> Self {
-        let [t, u] = unbounded(start, free_phi);
-        Self { fitter, values, norm, free_phi, parameters: Vector2::new(t, u) }
+    /// `total` is the sum of the values' squares.
+    fn new(fitter: &'a Fitter, values: &[f64], total: f64, free_phi: bool) -> Self {
+        Self { fitter, values: fitter.azimuths.padded(values.iter().copied()), total, free_phi }
     }
 
-    fn lobe(&self) -> Lobe {
-        bounded(self.parameters.x, self.parameters.y)
-    }
-}
-
-impl LeastSquaresProblem<f64, Dyn, U2> for Problem<'_> {
-    type ResidualStorage = VecStorage<f64, Dyn, nalgebra::U1>;
-    type JacobianStorage = Owned<f64, Dyn, U2>;
-    type ParameterStorage = Owned<f64, U2>;
-
-    fn set_params(&mut self, parameters: &Vector2<f64>) {
-        self.parameters = *parameters;
-    }
-
-    fn params(&self) -> Vector2<f64> {
-        self.parameters
-    }
-
-    fn residuals(&self) -> Option<Matrix<f64, Dyn, nalgebra::U1, Self::ResidualStorage>> {
-        let mut shape = DVector::zeros(self.values.len());
-        self.fitter.evaluate(&Parameters::new(self.lobe()), shape.as_mut_slice());
-        let scale = dot(shape.as_slice(), self.values) / dot(shape.as_slice(), shape.as_slice());
-        let inverse = 1.0 / self.norm;
-        for (out, value) in shape.iter_mut().zip(self.values) {
-            *out = (*out * scale - value) * inverse;
-        }
-        Some(shape)
-    }
-
-    fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U2>> {
-        let parameters = Parameters::new(self.lobe());
-        let kind = self.fitter.kind;
-        let count = self.values.len();
-        let mut shape = vec![0.0; count];
-        let mut jacobian = OMatrix::<f64, Dyn, U2>::zeros(count);
-        let (by_m, by_phi) = jacobian.as_mut_slice().split_at_mut(count);
-        let Azimuths { sin, cos, slope } = &self.fitter.azimuths;
-        for k in 0..count {
-            [shape[k], by_m[k], by_phi[k]] = parameters.derivatives(kind, sin[k], cos[k], slope[k]);
-        }
-        let square = dot(&shape, &shape);
-        let scale = dot(&shape, self.values) / square;
-        let chain = chain(self.parameters.x, self.parameters.y, self.free_phi);
-        for (chain, column) in chain.into_iter().zip([by_m, by_phi]) {
-            let scale_by = (dot(column, self.values) - 2.0 * scale * dot(column, &shape)) / square;
-            let factor = chain / self.norm;
-            for (out, g) in column.iter_mut().zip(&shape) {
-                *out = (*out * scale + g * scale_by) * factor;
-            }
-        }
-        Some(jacobian)
+    /// The equations at parameters, and the scale.
+    fn at(&self, [t, u]: [f64; 2]) -> (Normal<2>, [f64; 1]) {
+        let Fitter { azimuths, kind, .. } = self.fitter;
+        let products = azimuths.products(*kind, &Single(bounded(t, u)), [&self.values[..]]);
+        of_one(&products, chain(t, u, self.free_phi), self.total)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scattering::directions;
+    use crate::scattering::lobe::search::tests::gradients_match;
 
     fn values(kind: FitKind, theta: f64, lobe: Lobe, count: usize) -> Vec<f64> {
         directions::azimuths(count).map(|phi| 0.7 * lobe.shape(kind, theta, phi)).collect()
@@ -509,12 +415,41 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_match_differences() {
+    fn gradients_match_differences() {
         let fitter = Fitter::new(FitKind::Marginal, 0.4, 50);
         let values = values(FitKind::Marginal, 0.4, Lobe { m: 0.2, phi: 0.3 }, 50);
-        let mut problem = Problem::new(&fitter, &values, 2.0, Lobe { m: 0.15, phi: 0.2 }, true);
-        let analytic = problem.jacobian().unwrap();
-        let numeric = levenberg_marquardt::differentiate_numerically(&mut problem).unwrap();
-        assert!((analytic - numeric).abs().max() < 1e-6);
+        let problem = Problem::new(&fitter, &values, dot(&values, &values), true);
+        let start = Lobe { m: 0.15, phi: 0.2 };
+        gradients_match(unbounded(start, true), 1e-7, |place| problem.at(place));
+    }
+
+    /// The kernel's products against plain sums of shapes and of their differences, where azimuths do not fill the last vector.
+    #[test]
+    fn products_are_those_of_shapes_and_differences() {
+        let step = 1e-5;
+        for kind in [FitKind::Marginal, FitKind::Cone] {
+            let lobe = Lobe { m: 0.3, phi: 0.4 };
+            let fitter = Fitter::new(kind, 0.6, 43);
+            let target: Vec<f64> = (0..43).map(|k| libm::sin(0.3 * f64::from(k))).collect();
+            let padded = fitter.azimuths.padded(target.iter().copied());
+            let found = fitter.azimuths.products(kind, &Single(lobe), [&padded[..]]);
+            let values =
+                |m: f64, phi: f64| fitter.values(Lobe { m: lobe.m * libm::exp(m), phi: lobe.phi + phi });
+            let difference = |m: f64, phi: f64| -> Vec<f64> {
+                values(m, phi).iter().zip(values(-m, -phi)).map(|(a, b)| (a - b) / (2.0 * step)).collect()
+            };
+            let columns = [values(0.0, 0.0), difference(step, 0.0), difference(0.0, step)];
+            for (i, column) in columns.iter().enumerate() {
+                let plain = dot(column, &target);
+                assert!((found.targets[0][i] - plain).abs() < 1e-7 * (1.0 + plain.abs()), "{kind:?} {i}");
+                for (j, other) in columns.iter().enumerate() {
+                    let plain = dot(column, other);
+                    assert!(
+                        (found.gram[i][j] - plain).abs() < 1e-7 * (1.0 + plain.abs()),
+                        "{kind:?} {i} {j}"
+                    );
+                }
+            }
+        }
     }
 }

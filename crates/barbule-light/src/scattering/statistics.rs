@@ -215,6 +215,9 @@ pub struct Statistics {
     pub axes: Axes,
     /// Number of instances M.
     pub instances: usize,
+    /// Places across the barbules at which instances were lit in turn; V, contrasts and glints are about the mean of each place.
+    #[serde(default = "one")]
+    pub places: usize,
     /// U of S.12, rad⁻¹. Shape `[λ, θ_i, φ_i, polarization, AZIMUTHS]`.
     pub u: Vec<f32>,
     /// V of S.21 without its bias, not clipped, so values may be slightly negative. Shape of `u`.
@@ -235,7 +238,8 @@ pub struct Statistics {
     /// Contrast of each polarization's intensity over instances at each azimuth, 0 where nothing is reflected. Shape of
     /// `u`.
     pub contrast: Vec<f32>,
-    /// Unpolarized intensity of every instance at the azimuths of [`GLINTS`], rad⁻¹; 0 beyond the horizon. Shape
+    /// Unpolarized intensity of every instance at the azimuths of [`GLINTS`], rad⁻¹; 0 beyond the horizon. Of several places: the
+    /// mean of all, and beside it the instance's departure from its own place's, with the contrast of all. Shape
     /// `[λ, θ_i, φ_i, GLINTS, instance]`; a fit can do without.
     pub glints: Vec<f32>,
 }
@@ -247,6 +251,7 @@ impl Statistics {
         Self {
             axes,
             instances,
+            places: 1,
             u: Vec::new(),
             v: Vec::new(),
             autocovariance: Vec::new(),
@@ -257,6 +262,18 @@ impl Statistics {
             contrast: Vec::new(),
             glints: Vec::new(),
         }
+    }
+
+    /// The same of instances that were lit at so many places in turn.
+    #[must_use]
+    pub fn with_places(self, places: usize) -> Self {
+        Self { places: places.max(1), ..self }
+    }
+
+    /// Instances of one place, as many as contrasts are told from.
+    #[must_use]
+    pub fn instances_of_a_place(&self) -> usize {
+        self.instances / self.places.max(1)
     }
 
     /// Adds the next unit, λ slowest, then θ_i.
@@ -271,6 +288,10 @@ impl Statistics {
         self.contrast.extend(unit.contrast);
         self.glints.extend(unit.glints);
     }
+}
+
+fn one() -> usize {
+    1
 }
 
 /// Values of all arrays at each (λ, θ_i, φ_i), in the order of the fields from `u` on.

@@ -326,7 +326,7 @@ impl Stacks {
         let mut indices = vec![Complex64::ONE];
         let mut thickness_nm = Vec::new();
         for slot in 0..slots {
-            indices.push(self.columns.mixture[slot].at(p).index(&self.palette));
+            indices.push(self.columns.mixture[slot].index(p, &self.palette));
             if slot + 1 < slots {
                 thickness_nm.push(self.columns.thickness_um[slot * rays + p] * 1e3);
             }

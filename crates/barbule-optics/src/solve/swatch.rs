@@ -79,10 +79,10 @@ impl Columns {
             column.indices.push(entry);
             for slot in 0..below.slots {
                 let place = slot * below.rays + ray;
-                let (mixture, thickness) = (below.mixture[slot].at(ray), below.thickness_um[place]);
+                let thickness = below.thickness_um[place];
                 let last = slot + 1 == below.slots;
                 if thickness > 0.0 || last {
-                    column.indices.push(mixture.index(&palette));
+                    column.indices.push(below.mixture[slot].index(ray, &palette));
                 }
                 if thickness > 0.0 && !last {
                     column.thickness_nm.push(thickness * 1e3);

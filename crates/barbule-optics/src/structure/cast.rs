@@ -104,8 +104,9 @@ pub(super) fn layers(section: &Section, rays: &[Ray]) -> Result<Columns> {
             }
         }
     }
-    let mixture = mixture.into_iter().map(SlotMixture::simplified).collect();
-    Ok(Columns { rays: rays.len(), slots: layers + 1, thickness_um, mixture, palette: Palette::of(palette) })
+    let mixture = mixture.into_iter().map(|slot| slot.simplified(palette.len())).collect();
+    let palette = Palette { materials: palette };
+    Ok(Columns { rays: rays.len(), slots: layers + 1, thickness_um, mixture, palette })
 }
 
 /// The boundaries at which the medium changes, with the fillings of inclusions and then of the layers between these.

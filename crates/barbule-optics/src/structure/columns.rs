@@ -1,74 +1,53 @@
 //! The layers under many rays, in slots that all rays share.
 
-use std::collections::BTreeMap;
-
 use num_complex::Complex64;
 
+use crate::Result;
 use crate::material::Material;
-use crate::{Error, Result};
 
-/// Parts into which the volume of an effective medium is divided.
-pub(super) const SHARES: u8 = 128;
-
-/// The media that mixtures point at by number: materials, then what is finer than light of them.
+/// The materials that mixtures point at by number.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Palette {
     /// Materials.
     pub materials: Vec<Material>,
-    /// Effective media, numbered after the materials: the share of each material in [`SHARES`]ths of the volume.
-    effective: Vec<Vec<u8>>,
-    known: BTreeMap<Vec<u8>, u16>,
 }
 
 impl Palette {
-    /// Of materials alone.
-    pub(super) fn of(materials: Vec<Material>) -> Self {
-        Self { materials, ..Self::default() }
-    }
-
-    /// The number of a medium with these shares of the materials: of a material where it is all.
-    ///
-    /// # Errors
-    /// There are over 65,535 media.
-    pub(super) fn entry(&mut self, shares: &[u8]) -> Result<u16> {
-        if let Some(at) = shares.iter().position(|share| *share == SHARES) {
-            return Ok(at as u16);
-        }
-        if let Some(at) = self.known.get(shares) {
-            return Ok(*at);
-        }
-        let at = u16::try_from(self.materials.len() + self.effective.len()).map_err(|_| {
-            Error::input("averages along the top have over 65535 different media; turn them off".to_owned())
-        })?;
-        self.effective.push(shares.to_vec());
-        self.known.insert(shares.to_vec(), at);
-        Ok(at)
-    }
-
-    /// The refractive index of each medium at a vacuum wavelength.
+    /// The refractive index of each material at a vacuum wavelength.
     ///
     /// # Errors
     /// A table of a material does not reach the wavelength.
     pub fn indices(&self, wavelength_nm: f64) -> Result<Vec<Complex64>> {
-        let mut indices =
-            self.materials.iter().map(|m| m.index(wavelength_nm)).collect::<Result<Vec<_>>>()?;
-        let permittivities: Vec<Complex64> = indices.iter().map(|n| n * n).collect();
-        indices.extend(self.effective.iter().map(|shares| effective_index(shares, &permittivities)));
-        Ok(indices)
+        self.materials.iter().map(|m| m.index(wavelength_nm)).collect()
     }
 }
 
-/// The index of what is finer than light. A field along the axis, in which nothing changes, sees the mean ⟨ε⟩; a field across the
-/// axis crosses as many walls as it runs along and sees √(⟨ε⟩ ⟨1/ε⟩⁻¹). The index is that of the geometric mean of both.
-///
-/// Each root is of a number that does not gain, so that none changes the sign of the absorption.
-fn effective_index(shares: &[u8], permittivities: &[Complex64]) -> Complex64 {
-    let parts =
-        || shares.iter().zip(permittivities).map(|(share, e)| (f64::from(*share) / f64::from(SHARES), e));
-    let mean: Complex64 = parts().map(|(part, e)| e * part).sum();
-    let inverse: Complex64 = parts().map(|(part, e)| e.inv() * part).sum();
-    let across = mean.sqrt() * inverse.inv().sqrt();
-    (mean.sqrt() * across.sqrt()).sqrt()
+/// The permittivity of what is finer than light, from shares of the volume and the indices of materials. A field along the axis,
+/// in which nothing changes, sees the mean ⟨ε⟩; a field across the axis crosses as many walls as it runs along and sees
+/// √(⟨ε⟩ ⟨1/ε⟩⁻¹). This is the geometric mean of both.
+fn effective(shares: &[f32], indices: &[Complex64]) -> Complex64 {
+    let (mut mean, mut inverse) = (Complex64::ZERO, Complex64::ZERO);
+    for (share, n) in shares.iter().zip(indices) {
+        let (share, permittivity) = (f64::from(*share), n * n);
+        mean += permittivity * share;
+        inverse += permittivity.conj() * (share / permittivity.norm_sqr());
+    }
+    let across = inverse.inv();
+    if mean.re > 0.0 && across.re > 0.0 {
+        return root(mean * root(mean * across));
+    }
+    // Of metals: each root is of a number that does not gain, so that none changes the sign of the absorption.
+    mean.sqrt() * (mean.sqrt() * across.sqrt()).sqrt()
+}
+
+/// The root of a number that does not gain.
+fn root(of: Complex64) -> Complex64 {
+    if of.re <= 0.0 {
+        return of.sqrt();
+    }
+    // Ten times faster than by polar coordinates, and nothing cancels.
+    let re = (0.5 * (of.norm_sqr().sqrt() + of.re)).sqrt();
+    Complex64::new(re, 0.5 * of.im / re)
 }
 
 /// A medium made of up to two of a palette: index (1−f)·n_a + f·n_b.
@@ -104,37 +83,83 @@ pub enum SlotMixture {
     Uniform(PaletteMixture),
     /// Shape: `[ray]`.
     Varying(Vec<PaletteMixture>),
-    /// The entry of the palette under each ray, pure.
-    Entries(Vec<u16>),
+    /// What is finer than light: the share of the volume that each of the palette's materials has. Shape: `[ray][material]`.
+    Effective(Vec<f32>),
 }
 
 impl SlotMixture {
-    /// What fills it under a ray.
+    /// What fills it under a ray; `None`: an effective medium.
     #[must_use]
-    pub fn at(&self, ray: usize) -> PaletteMixture {
+    pub fn at(&self, ray: usize) -> Option<PaletteMixture> {
         match self {
-            Self::Uniform(mixture) => *mixture,
-            Self::Varying(row) => row[ray],
-            Self::Entries(row) => PaletteMixture { a: row[ray], b: row[ray], fraction: 0.0 },
+            Self::Uniform(mixture) => Some(*mixture),
+            Self::Varying(row) => Some(row[ray]),
+            Self::Effective(_) => None,
         }
     }
 
-    /// Varying mixtures that are all the same are one.
-    pub(super) fn simplified(self) -> Self {
-        match &self {
-            Self::Varying(row) => match row.first() {
-                Some(first) if row.iter().all(|m| m == first) => Self::Uniform(*first),
-                _ => self,
-            },
-            Self::Entries(row) => match row.first() {
-                Some(first) if row.iter().all(|m| m == first) => {
-                    Self::Uniform(PaletteMixture { a: *first, b: *first, fraction: 0.0 })
-                }
-                _ => self,
-            },
-            Self::Uniform(_) => self,
+    /// Its index under a ray, given the palette's.
+    #[must_use]
+    pub fn index(&self, ray: usize, indices: &[Complex64]) -> Complex64 {
+        match self {
+            Self::Uniform(mixture) => mixture.index(indices),
+            Self::Varying(row) => row[ray].index(indices),
+            Self::Effective(shares) => root(effective(shares_of(shares, ray, indices.len()), indices)),
         }
     }
+
+    /// ε − 1 under a ray, given the palette's indices.
+    #[must_use]
+    pub fn contrast(&self, ray: usize, indices: &[Complex64]) -> Complex64 {
+        match self {
+            Self::Uniform(mixture) => mixture.contrast(indices),
+            Self::Varying(row) => row[ray].contrast(indices),
+            Self::Effective(shares) => effective(shares_of(shares, ray, indices.len()), indices) - 1.0,
+        }
+    }
+
+    /// What fills it under some of the rays, of a palette of so many `materials`.
+    #[must_use]
+    pub fn under(&self, rays: impl Iterator<Item = usize>, materials: usize) -> Self {
+        let some = match self {
+            Self::Uniform(_) => return self.clone(),
+            Self::Varying(row) => Self::Varying(rays.map(|ray| row[ray]).collect()),
+            Self::Effective(shares) => {
+                Self::Effective(rays.flat_map(|ray| shares_of(shares, ray, materials)).copied().collect())
+            }
+        };
+        some.simplified(materials)
+    }
+
+    /// Bytes that it takes beside itself.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Uniform(_) => 0,
+            Self::Varying(row) => size_of_val(&row[..]),
+            Self::Effective(shares) => size_of_val(&shares[..]),
+        }
+    }
+
+    /// Mixtures that are all the same are one, and so is one material under all rays, of a palette of so many `materials`.
+    pub(super) fn simplified(self, materials: usize) -> Self {
+        let one = match &self {
+            Self::Uniform(_) => None,
+            Self::Varying(row) => row.first().filter(|first| row.iter().all(|m| m == *first)).copied(),
+            Self::Effective(shares) => {
+                let first = shares.iter().take(materials).position(|share| *share == 1.0);
+                let all = |at: &usize| shares.chunks_exact(materials).all(|shares| shares[*at] == 1.0);
+                let pure = |at: usize| PaletteMixture { a: at as u16, b: at as u16, fraction: 0.0 };
+                first.filter(all).map(pure)
+            }
+        };
+        one.map_or(self, Self::Uniform)
+    }
+}
+
+/// The shares under a ray.
+fn shares_of(shares: &[f32], ray: usize, materials: usize) -> &[f32] {
+    &shares[ray * materials..(ray + 1) * materials]
 }
 
 /// The layers below each ray, in slots that all rays share.

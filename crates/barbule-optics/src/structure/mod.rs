@@ -38,7 +38,7 @@ pub use segment::{
     Cut, CutLayer, Layers, Line, Plane, Roughness, SEGMENT_LENGTHS_UM, Sampled, Segment, SegmentGrid,
 };
 pub use side::Side;
-pub use smooth::{FINER_THAN_LIGHT_UM, Smoothing};
+pub use smooth::{FINER_THAN_LIGHT_UM, Smoothing, averaged_columns};
 pub use species::{
     Bronzewing, Crystal, DEFAULT_VARIANT, GeneratorParameters, Hummingbird, LowerSide, Multilayer,
     MultilayerLayer, MultilayerSizes, RockDove, SpeciesFile, SpeciesModel, Starling, crystal_species,

@@ -1,13 +1,12 @@
 //! What is finer than light: the layers under a top as light sees them, averaged along it.
 //!
 //! The fast simulation takes each column under the top for itself. Where inclusions begin, end and bulge within less than a
-//! wavelength, light takes them together: as [effective media](super::columns::Palette), layer by layer, in columns that are
+//! wavelength, light takes them together: as [effective media](super::columns::SlotMixture::Effective), layer by layer, in columns that are
 //! means over their neighbours at the same depth.
 
 use super::cast::{Ray, layers};
-use super::columns::{Columns, Palette, SHARES, SlotMixture};
+use super::columns::{Columns, Palette, PaletteMixture, SlotMixture};
 use super::section::{Polyline, Section};
-use crate::material::Material;
 use crate::{Error, Result};
 
 /// The standard deviation that serves feathers, µm: λ/(2πn) at 550 nm in n = 1.5, over which a field that belongs to detail
@@ -24,16 +23,24 @@ const PER_DEVIATION: f64 = 12.0;
 /// The Gaussian is cut off after so many standard deviations.
 const GAUSSIAN_END: f64 = 3.0;
 
-/// Depth is cut into steps of at most this, µm: a thirtieth of the shortest wavelength in the densest usual medium. Half or twice
-/// as much changes the power that a hummingbird reflects by 3e-4 of it.
-const STEP_UM: f64 = 0.008;
+/// Depth is first cut into steps of at most this, µm: a sixtieth of the shortest wavelength in the densest usual medium. Boundaries
+/// of layers, which lie on the edges of steps, are the nearest ones moved to them.
+const STEP_UM: f64 = 0.004;
 
-/// Steps of which no medium's share is further than this from their mean are one layer.
-const ALIKE: f64 = 0.06;
+/// Steps are joined to layers as long as the share of a medium that is moved, times how far, changes by less than this, µm². Where
+/// k is the vacuum wave number, a reflectance changes by k² δε of it: here by 0.004 at 550 nm, of a layer of air in melanin.
+const JOINED_UM2: f64 = 1.5e-5;
 
-/// So many times as many layers as its section has under the median point of the top no column keeps; what is alike then means
-/// more. Under ends, where normals run along layers, there would be hundreds.
+/// Steps whose shares differ by less than this are the same layer anyway.
+const SAME: f64 = 1e-4;
+
+/// So many times as many layers as its section has under the median point of the top no column keeps. Under ends, where normals
+/// run along layers, there would be hundreds.
 const MOST_LAYERS: usize = 3;
+
+/// Columns within a stretch of so many standard deviations are cut at the same depths, so that layers change along the top as
+/// little as the averages themselves.
+const STRETCH: f64 = 2.5;
 
 /// Whether the layers under a top are averaged along it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -86,16 +93,16 @@ struct Profile {
     layers: Vec<Slice>,
 }
 
-/// A layer of a column: its lower end, and its medium as parts of up to two of the palette.
+/// A layer of a column: its lower end, and its medium.
 struct Slice {
     to_um: f64,
-    media: [(usize, f64); 2],
+    medium: PaletteMixture,
 }
 
 /// The layers below each ray, as [`cast`](super::cast) finds them, averaged along the top.
 ///
 /// # Errors
-/// As [`cast`](super::cast), or over 65,535 different media.
+/// As [`cast`](super::cast).
 pub(super) fn averaged(section: &Section, rays: &[Ray], deviation_um: f64) -> Result<Columns> {
     let top = section.top();
     let arc_um = top.arc_um();
@@ -115,18 +122,40 @@ pub(super) fn averaged(section: &Section, rays: &[Ray], deviation_um: f64) -> Re
     let mut counts: Vec<usize> = profiles.iter().map(|profile| profile.layers.len()).collect();
     counts.sort_unstable();
     let most = MOST_LAYERS * counts[counts.len() / 2];
-    let materials = exact.palette.materials.clone();
-    let mut mean = Mean { count: materials.len(), ..Mean::default() };
-    let mut found = Vec::with_capacity(rays.len());
-    for ray in rays {
-        let right = top.x_um.partition_point(|&x| x <= ray.x_um).clamp(1, top.x_um.len() - 1);
-        let (x0, x1) = (top.x_um[right - 1], top.x_um[right]);
-        let part = (ray.x_um - x0) / (x1 - x0);
-        let here_um = arc_um[right - 1] + part * (arc_um[right] - arc_um[right - 1]);
-        mean.of(&profiles, here_um, deviation_um);
-        found.push(mean.layers(most));
+    let here_um: Vec<f64> = rays.iter().map(|ray| place(top, &arc_um, ray)).collect();
+    let mut order: Vec<usize> = (0..rays.len()).collect();
+    order.sort_by(|a, b| here_um[*a].total_cmp(&here_um[*b]));
+    let stretch = |ray: usize| (here_um[ray] / (STRETCH * deviation_um)).floor();
+    let palette = exact.palette;
+    let materials = palette.materials.len();
+    let mut found =
+        Averages { thickness_um: Vec::new(), of: vec![0; rays.len()], shares: vec![Vec::new(); rays.len()] };
+    for group in order.chunk_by(|a, b| stretch(*a) == stretch(*b)) {
+        let middle_um = (stretch(group[0]) + 0.5) * STRETCH * deviation_um;
+        let mut cut = Cut::about(&profiles, materials, middle_um, deviation_um);
+        let layers = cut.layers(middle_um, most);
+        for ray in group {
+            found.of[*ray] = found.thickness_um.len();
+            found.shares[*ray] = cut.shares(here_um[*ray], &layers);
+        }
+        found.thickness_um.push(cut.thickness_um(&layers));
     }
-    columns(materials, &found)
+    columns(palette, &found)
+}
+
+/// About how many columns under a top `arc_um` long are averaged; none where [`cast`](super::cast) averages nothing.
+#[must_use]
+pub fn averaged_columns(section: &Section, arc_um: f64) -> usize {
+    let deviation_um = section.smooth_um.filter(|_| !section.inclusions.is_empty());
+    deviation_um.map_or(0, |deviation_um| (arc_um * PER_DEVIATION / deviation_um).ceil() as usize)
+}
+
+/// Where along a top a ray begins, µm.
+fn place(top: &Polyline, arc_um: &[f64], ray: &Ray) -> f64 {
+    let right = top.x_um.partition_point(|&x| x <= ray.x_um).clamp(1, top.x_um.len() - 1);
+    let (x0, x1) = (top.x_um[right - 1], top.x_um[right]);
+    let part = (ray.x_um - x0) / (x1 - x0);
+    arc_um[right - 1] + part * (arc_um[right] - arc_um[right - 1])
 }
 
 /// Places along a top at most `step_um` apart, with the length that each stands for.
@@ -157,144 +186,260 @@ fn slices(columns: &Columns, ray: usize) -> Vec<Slice> {
             continue;
         }
         depth_um = if last { f64::INFINITY } else { depth_um + thickness_um };
-        let mixture = columns.mixture[slot].at(ray);
-        let media = [(mixture.a, 1.0 - mixture.fraction), (mixture.b, mixture.fraction)];
-        slices.push(Slice { to_um: depth_um, media: media.map(|(at, part)| (usize::from(at), part)) });
+        slices.extend(columns.mixture[slot].at(ray).map(|medium| Slice { to_um: depth_um, medium }));
     }
     slices
 }
 
-/// One layer of a column: thickness, and the share of each material in [`SHARES`]ths.
-type Averaged = (f64, Vec<u8>);
-
-/// The mean of columns beside each other.
-#[derive(Default)]
-struct Mean {
-    /// Materials.
-    count: usize,
-    /// `[step of depth][material]`; the last step goes on for ever.
-    shares: Vec<f64>,
+/// Averages under rays.
+struct Averages {
+    /// Of each stretch of the top, layers from the top down but for the substrate.
+    thickness_um: Vec<Vec<f64>>,
+    /// The stretch of each ray.
+    of: Vec<usize>,
+    /// Of each ray, `[layer][material]`, the substrate last.
+    shares: Vec<Vec<f32>>,
 }
 
-impl Mean {
-    /// Over the columns about a place, by a Gaussian.
-    fn of(&mut self, profiles: &[Profile], here_um: f64, deviation_um: f64) {
-        let reach_um = GAUSSIAN_END * deviation_um;
-        let first = profiles.partition_point(|p| p.arc_um < here_um - reach_um).min(profiles.len() - 1);
-        let end = profiles.partition_point(|p| p.arc_um <= here_um + reach_um).max(first + 1);
-        let near = &profiles[first..end];
+/// The columns about a stretch of the top, cut at the same depths.
+struct Cut<'a> {
+    profiles: &'a [Profile],
+    deviation_um: f64,
+    materials: usize,
+    /// Edges of steps from 0 down; the last step goes on for ever.
+    edges_um: Vec<f64>,
+    /// `[profile][material][step]`
+    parts: Vec<f32>,
+    /// The mean of columns, `[material][step]`.
+    mean: Vec<f32>,
+}
+
+impl<'a> Cut<'a> {
+    /// About the middle of a stretch, as far as its averages reach.
+    fn about(all: &'a [Profile], materials: usize, middle_um: f64, deviation_um: f64) -> Self {
+        let profiles = near(all, middle_um, (GAUSSIAN_END + 0.5 * STRETCH) * deviation_um);
         let bottom_um = |p: &Profile| match p.layers[..] {
             [.., ref last, _] => last.to_um,
             _ => 0.0,
         };
-        let deepest_um = near.iter().map(bottom_um).fold(0.0, f64::max);
-        let steps = (deepest_um / STEP_UM).ceil() as usize + 1;
-        self.shares.clear();
-        self.shares.resize(steps * self.count, 0.0);
+        let deepest_um = profiles.iter().map(bottom_um).fold(0.0, f64::max);
+        let middle = profiles.partition_point(|p| p.arc_um < middle_um).min(profiles.len() - 1);
+        let edges_um = edges(&profiles[middle], deepest_um);
+        let steps = edges_um.len();
+        let mut parts = vec![0.0; profiles.len() * materials * steps];
+        for (profile, parts) in profiles.iter().zip(parts.chunks_exact_mut(materials * steps)) {
+            profile.cut(&edges_um, parts);
+        }
+        let mean = vec![0.0; materials * steps];
+        Self { profiles, deviation_um, materials, edges_um, parts, mean }
+    }
+
+    /// Averages the columns about a place by a Gaussian.
+    fn average(&mut self, here_um: f64) {
+        let near = near(self.profiles, here_um, GAUSSIAN_END * self.deviation_um);
+        let first = self.profiles.partition_point(|p| p.arc_um < near[0].arc_um);
         let weight = |p: &Profile| {
-            let away = (p.arc_um - here_um) / deviation_um;
+            let away = (p.arc_um - here_um) / self.deviation_um;
             p.length_um * libm::exp(-0.5 * away * away)
         };
         let whole: f64 = near.iter().map(weight).sum();
-        for profile in near {
-            self.add(profile, weight(profile) / whole);
+        self.mean.fill(0.0);
+        let rows = self.parts.chunks_exact(self.mean.len()).skip(first);
+        for (profile, row) in near.iter().zip(rows) {
+            let weight = (weight(profile) / whole) as f32;
+            self.mean.iter_mut().zip(row).for_each(|(sum, part)| *sum += weight * part);
         }
     }
 
-    fn add(&mut self, profile: &Profile, weight: f64) {
-        let steps = self.shares.len() / self.count;
-        let mut from = 0.0_f64;
-        for slice in &profile.layers {
-            let to = (slice.to_um / STEP_UM).min(steps as f64);
-            let mut step = from as usize;
-            while step < steps && (step as f64) < to {
-                let part = to.min(step as f64 + 1.0) - from.max(step as f64);
-                for (medium, share) in slice.media {
-                    self.shares[step * self.count + medium] += weight * part * share;
+    /// The layers into which steps are joined, at most `most`, as the end of each; the substrate is the last step alone.
+    fn layers(&mut self, middle_um: f64, most: usize) -> Vec<usize> {
+        self.average(middle_um);
+        let steps = self.edges_um.len();
+        let mut joined = Joined::default();
+        for step in 0..steps - 1 {
+            let shares = (0..self.materials).map(|m| f64::from(self.mean[m * steps + step])).collect();
+            joined.push(step + 1, self.edges_um[step + 1] - self.edges_um[step], shares);
+        }
+        joined.join(most);
+        joined.ends
+    }
+
+    /// The thickness of each of these layers, µm.
+    fn thickness_um(&self, layers: &[usize]) -> Vec<f64> {
+        let starts = std::iter::once(&0).chain(layers);
+        layers.iter().zip(starts).map(|(end, start)| self.edges_um[*end] - self.edges_um[*start]).collect()
+    }
+
+    /// The shares of the materials in these layers under a place, `[layer][material]`, then in the substrate.
+    fn shares(&mut self, here_um: f64, layers: &[usize]) -> Vec<f32> {
+        self.average(here_um);
+        let steps = self.edges_um.len();
+        let mut shares = Vec::with_capacity((layers.len() + 1) * self.materials);
+        let mut start = 0;
+        for end in layers {
+            let whole = self.edges_um[*end] - self.edges_um[start];
+            for row in self.mean.chunks_exact(steps) {
+                let of = |step: usize| f64::from(row[step]) * (self.edges_um[step + 1] - self.edges_um[step]);
+                shares.push(((start..*end).map(of).sum::<f64>() / whole) as f32);
+            }
+            start = *end;
+        }
+        shares.extend(self.mean.chunks_exact(steps).map(|row| row[steps - 1]));
+        for shares in shares.chunks_exact_mut(self.materials) {
+            whole(shares);
+        }
+        shares
+    }
+}
+
+/// Makes one material of what is but for rounding.
+fn whole(shares: &mut [f32]) {
+    if let Some(at) = shares.iter().position(|share| *share > 1.0 - 1e-5) {
+        shares.fill(0.0);
+        shares[at] = 1.0;
+    }
+}
+
+/// The columns within a distance of a place, at least one.
+fn near(profiles: &[Profile], here_um: f64, reach_um: f64) -> &[Profile] {
+    let first = profiles.partition_point(|p| p.arc_um < here_um - reach_um).min(profiles.len() - 1);
+    let end = profiles.partition_point(|p| p.arc_um <= here_um + reach_um).max(first + 1);
+    &profiles[first..end]
+}
+
+/// The edges of steps down to a depth, where a column's layers are between two of them.
+fn edges(middle: &Profile, deepest_um: f64) -> Vec<f64> {
+    let count = (deepest_um / STEP_UM).ceil() as usize;
+    let mut edges_um: Vec<f64> = (0..=count).map(|k| deepest_um * (k as f64 / count.max(1) as f64)).collect();
+    let mut free = 1;
+    for slice in &middle.layers {
+        let nearest = (slice.to_um / deepest_um * count as f64).round();
+        // Not the last one, below which there is nothing but the substrate.
+        let nearest = (nearest.max(free as f64)) as usize;
+        if nearest >= count {
+            break;
+        }
+        if slice.to_um > edges_um[nearest - 1] && slice.to_um < edges_um[nearest + 1] {
+            edges_um[nearest] = slice.to_um;
+            free = nearest + 1;
+        }
+    }
+    edges_um
+}
+
+impl Profile {
+    /// The part of each material in each step, `[material][step]`; the last step is below everything.
+    fn cut(&self, edges_um: &[f64], parts: &mut [f32]) {
+        let steps = edges_um.len();
+        let mut put = |step: usize, slice: &Slice, part: f64| {
+            let PaletteMixture { a, b, fraction } = slice.medium;
+            for (material, share) in [(a, 1.0 - fraction), (b, fraction)] {
+                parts[usize::from(material) * steps + step] += (part * share) as f32;
+            }
+        };
+        let (mut step, mut from_um) = (0, 0.0);
+        for slice in &self.layers {
+            while step + 1 < steps {
+                let to_um = slice.to_um.min(edges_um[step + 1]);
+                put(step, slice, (to_um - from_um) / (edges_um[step + 1] - edges_um[step]));
+                from_um = to_um;
+                if to_um < edges_um[step + 1] {
+                    break;
                 }
                 step += 1;
             }
-            from = to;
         }
-    }
-
-    /// The steps as at most `most` layers, the substrate last.
-    fn layers(&self, most: usize) -> Vec<Averaged> {
-        let mut alike = ALIKE;
-        loop {
-            let layers = self.alike(alike);
-            if layers.len() <= most || alike >= 1.0 {
-                return layers;
-            }
-            alike *= 2.0;
+        if let Some(substrate) = self.layers.last() {
+            put(steps - 1, substrate, 1.0);
         }
-    }
-
-    fn alike(&self, tolerance: f64) -> Vec<Averaged> {
-        let mut layers: Vec<Averaged> = Vec::new();
-        let (mut sums, mut count) = (vec![0.0; self.count], 0.0);
-        let mut put = |sums: &mut [f64], count: &mut f64| {
-            if *count > 0.0 {
-                let mean: Vec<f64> = sums.iter().map(|sum| sum / *count).collect();
-                layers.push((*count * STEP_UM, in_shares(&mean)));
-            }
-            sums.fill(0.0);
-            *count = 0.0;
-        };
-        let steps = self.shares.len() / self.count;
-        for (step, shares) in self.shares.chunks_exact(self.count).enumerate() {
-            let is_one =
-                shares.iter().zip(&sums).all(|(share, sum)| (share * count - sum).abs() <= tolerance * count);
-            // The last goes on for ever and is mixed with nothing.
-            if !is_one || step + 1 == steps {
-                put(&mut sums, &mut count);
-            }
-            sums.iter_mut().zip(shares).for_each(|(sum, share)| *sum += share);
-            count += 1.0;
-        }
-        put(&mut sums, &mut count);
-        layers
     }
 }
 
-/// Shares that sum to 1 in [`SHARES`]ths, which do too: rounding goes to the largest.
-fn in_shares(shares: &[f64]) -> Vec<u8> {
-    let whole = f64::from(SHARES);
-    let mut parts: Vec<i32> = shares.iter().map(|share| (whole * share).round() as i32).collect();
-    let rest = i32::from(SHARES) - parts.iter().sum::<i32>();
-    if let Some(largest) = parts.iter_mut().max() {
-        *largest += rest;
+/// Neighbouring steps of depth that are joined where that changes least.
+#[derive(Default)]
+struct Joined {
+    ends: Vec<usize>,
+    thickness_um: Vec<f64>,
+    shares: Vec<Vec<f64>>,
+}
+
+impl Joined {
+    /// Adds the next step, to the layer above it where both are the same.
+    fn push(&mut self, end: usize, thickness_um: f64, shares: Vec<f64>) {
+        let is_same = self.shares.last().is_some_and(|above| change(above, &shares) < SAME);
+        self.ends.push(end);
+        self.thickness_um.push(thickness_um);
+        self.shares.push(shares);
+        if is_same {
+            self.unite(self.ends.len() - 2);
+        }
     }
-    parts.into_iter().map(|part| part.clamp(0, i32::from(SHARES)) as u8).collect()
+
+    /// Makes one layer of number `at` and the next.
+    fn unite(&mut self, at: usize) {
+        let (one, other) = (self.thickness_um[at], self.thickness_um.remove(at + 1));
+        let below = self.shares.remove(at + 1);
+        for (share, below) in self.shares[at].iter_mut().zip(below) {
+            *share = (*share * one + below * other) / (one + other);
+        }
+        self.thickness_um[at] = one + other;
+        self.ends.remove(at);
+    }
+
+    /// The moment that uniting number `at` and the next moves, µm².
+    fn moved_um2(&self, at: usize) -> f64 {
+        change(&self.shares[at], &self.shares[at + 1]) * self.thickness_um[at] * self.thickness_um[at + 1]
+    }
+
+    /// Unites what changes least, as long as it is little or there are over `most`.
+    fn join(&mut self, most: usize) {
+        let mut moved: Vec<f64> = (1..self.ends.len()).map(|below| self.moved_um2(below - 1)).collect();
+        while let Some(at) = (0..moved.len()).min_by(|a, b| moved[*a].total_cmp(&moved[*b])) {
+            if moved[at] > JOINED_UM2 && self.ends.len() <= most {
+                break;
+            }
+            self.unite(at);
+            moved.remove(at);
+            for pair in at.saturating_sub(1)..(at + 1).min(moved.len()) {
+                moved[pair] = self.moved_um2(pair);
+            }
+        }
+    }
+}
+
+/// The largest difference of a share.
+fn change(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
 }
 
 /// Columns of layers from the top down: slot k holds each ray's k-th layer, the last slot the substrates.
-fn columns(materials: Vec<Material>, found: &[Vec<Averaged>]) -> Result<Columns> {
-    let rays = found.len();
-    let slots = found.iter().map(Vec::len).max().unwrap_or(1);
+fn columns(palette: Palette, found: &Averages) -> Result<Columns> {
+    let rays = found.of.len();
+    let slots = found.thickness_um.iter().map(Vec::len).max().unwrap_or(0) + 1;
     if slots.saturating_mul(rays) > super::cast::MOST_LAYERS {
         return Err(Error::input(format!(
             "averages along the top have {slots} layers under {rays} places, more than can be simulated; turn them off, or \
              give a narrower section"
         )));
     }
-    let mut palette = Palette::of(materials);
-    let mut entries = vec![vec![0_u16; rays]; slots];
+    let materials = palette.materials.len();
     let mut thickness_um = vec![0.0; slots * rays];
-    for (ray, layers) in found.iter().enumerate() {
-        let Some((substrate, inner)) = layers.split_last() else { continue };
-        let substrate = palette.entry(&substrate.1)?;
-        for (slot, row) in entries.iter_mut().enumerate() {
-            row[ray] = match inner.get(slot).filter(|_| slot + 1 < slots) {
-                Some((thickness, shares)) => {
-                    thickness_um[slot * rays + ray] = *thickness;
-                    palette.entry(shares)?
-                }
-                None => substrate,
-            };
+    let mixture = |slot: usize| {
+        let mut all = Vec::with_capacity(rays * materials);
+        for (of, shares) in found.of.iter().zip(&found.shares) {
+            // What a ray lacks is as its substrate.
+            let layers = found.thickness_um[*of].len();
+            let layer = if slot + 1 < slots { slot.min(layers) } else { layers };
+            all.extend(&shares[layer * materials..(layer + 1) * materials]);
+        }
+        SlotMixture::Effective(all).simplified(materials)
+    };
+    let mixture = (0..slots).map(mixture).collect();
+    for (ray, of) in found.of.iter().enumerate() {
+        for (slot, thickness) in found.thickness_um[*of].iter().enumerate() {
+            thickness_um[slot * rays + ray] = *thickness;
         }
     }
-    let mixture = entries.into_iter().map(|row| SlotMixture::Entries(row).simplified()).collect();
     Ok(Columns { rays, slots, thickness_um, mixture, palette })
 }
 
@@ -338,7 +483,7 @@ mod tests {
         let indices = columns.palette.indices(550.0).unwrap();
         let thickness = |slot: usize| columns.thickness_um[slot * columns.rays + ray];
         let inner = (0..columns.slots).filter(|slot| thickness(*slot) > 0.0 || slot + 1 == columns.slots);
-        inner.map(|slot| (thickness(slot), columns.mixture[slot].at(ray).index(&indices))).collect()
+        inner.map(|slot| (thickness(slot), columns.mixture[slot].index(ray, &indices))).collect()
     }
 
     #[test]
@@ -385,11 +530,13 @@ mod tests {
     }
 
     #[test]
-    fn species_are_averaged_where_somebody_asks_for_it() {
+    fn species_are_averaged_by_default_or_where_somebody_asks_for_it() {
         let builtin = |name: &str| Structure::builtin(name).unwrap();
         for name in crate::structure::species_names() {
-            assert_eq!(builtin(name).smooth_um(), None, "{name}");
-            assert_eq!(builtin(name).instance(1, 0).unwrap().smooth_um, None, "{name}");
+            // Of the shipped species, one has bubbles finer than light.
+            let averaged = (name == "hummingbird").then_some(FINER_THAN_LIGHT_UM);
+            assert_eq!(builtin(name).smooth_um(), averaged, "{name}");
+            assert_eq!(builtin(name).instance(1, 0).unwrap().smooth_um, averaged, "{name}");
         }
         let bird = builtin("hummingbird").smoothed(Smoothing::Over(FINER_THAN_LIGHT_UM));
         assert_eq!(bird.clone().underside().unwrap().instance(1, 0).unwrap().smooth_um, bird.smooth_um());
@@ -413,10 +560,16 @@ mod tests {
         let bird = Structure::builtin("hummingbird").unwrap();
         let section = bird.smoothed(Smoothing::Over(FINER_THAN_LIGHT_UM)).instance(1, 0).unwrap();
         let columns = cast(&section, &across(&section, 15.0)).unwrap();
-        assert!(
-            columns.palette.indices(400.0).unwrap().iter().all(|n| n.im >= 0.0 && (1.0..2.0).contains(&n.re))
-        );
-        let sum = |shares: &[f64]| in_shares(shares).iter().map(|s| u32::from(*s)).sum::<u32>();
-        assert_eq!((sum(&[0.333, 0.333, 0.334]), sum(&[0.5, 0.5]), sum(&[1.0])), (128, 128, 128));
+        let indices = columns.palette.indices(400.0).unwrap();
+        for slot in &columns.mixture {
+            if let SlotMixture::Effective(shares) = slot {
+                let mut each = shares.chunks_exact(indices.len());
+                assert!(each.all(|shares| (shares.iter().sum::<f32>() - 1.0).abs() < 1e-5));
+            }
+            for ray in 0..columns.rays {
+                let index = slot.index(ray, &indices);
+                assert!(index.im >= 0.0 && (1.0..2.0).contains(&index.re), "{index}");
+            }
+        }
     }
 }

@@ -92,7 +92,7 @@ struct First {
 impl First {
     fn of(structure: &Structure, seed: u64, distinct: usize, element_um: f64) -> Result<Self> {
         let sections = (0..distinct.clamp(1, ASKED))
-            .map(|instance| structure.instance(seed, instance))
+            .map(|instance| structure.instance(seed, super::individual(structure, instance)))
             .collect::<Result<Vec<_>>>()?;
         let mut sizes = sections.iter().map(|section| Size::foretell(section, element_um));
         let first = sizes.next().ok_or_else(|| Error::input("there is no instance"))??;
@@ -296,7 +296,8 @@ mod tests {
             let cos_phi = (1..=phis).map(|i| i as f64 / phis as f64).collect();
             let axes =
                 Axes::new(&Wavelengths::new([450.0, 650.0]).unwrap(), vec![0.5, 1.0], cos_phi).unwrap();
-            let parameters = CampaignParameters { axes, instances, seed: 1, tilt: 0.0, mirror: false };
+            let parameters =
+                CampaignParameters { axes, instances, seed: 1, tilt: 0.0, mirror: false, places: 1 };
             let bound = Demand::bound(&structure, &parameters, keep, Results::Stored).unwrap();
             let allowed = Allowance::UNKNOWN;
             let found = Demand::predict(&structure, &parameters, keep, Results::Stored, allowed, &Unobserved)

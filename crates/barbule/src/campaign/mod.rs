@@ -49,6 +49,19 @@ pub struct CampaignParameters {
     pub tilt: f64,
     /// Whether barbules lie either way round: each instance counts with its mirror image.
     pub mirror: bool,
+    /// Places across the barbule at which instances are lit in turn ([`places`]).
+    pub places: usize,
+}
+
+/// Places across an arch, which faces another way at each: a quarter of the width apart, so that their windows together light all of
+/// it evenly within 2 %.
+pub const PLACES: usize = 5;
+
+/// At how many places the instances of a structure are lit: flat ones are everywhere alike; an arch's are lit in turn at
+/// [`PLACES`], if there are at least two for each.
+#[must_use]
+pub fn places(structure: &Structure, instances: usize) -> usize {
+    if structure.is_curved() && instances >= 2 * PLACES { PLACES } else { 1 }
 }
 
 impl CampaignParameters {
@@ -68,6 +81,17 @@ impl CampaignParameters {
     /// In how many ways each instance lies.
     pub(crate) fn ways(&self) -> usize {
         if self.mirror { 2 } else { 1 }
+    }
+
+    /// At which of the places an instance is lit.
+    pub(crate) fn place(&self, instance: usize) -> usize {
+        instance % self.places.max(1)
+    }
+
+    /// Where the window of an instance stands on a barbule, x in µm, where there are several places.
+    fn place_um(&self, instance: usize, width_um: f64) -> Option<f64> {
+        let from_middle = self.place(instance) as f64 - 0.5 * (self.places as f64 - 1.0);
+        (self.places > 1).then_some(from_middle * width_um / (self.places as f64 - 1.0))
     }
 
     /// The tilt δ_m of each instance, rad: (−1 + 2π(m)/(M−1))·tilt with π a random permutation of 0 … M − 1.
@@ -116,7 +140,7 @@ pub struct Campaign {
     tilts: Vec<f64>,
     /// What is simulated, of the parameters.
     simulated: Axes,
-    /// Incident power at θ_i = 0 per instance and simulated φ_i, µm.
+    /// Incident power at θ_i = 0 per instance and simulated φ_i, µm, times what makes each place count by the light on it.
     powers_um: Vec<Vec<f64>>,
     width: Width,
     units_at_once: usize,
@@ -152,12 +176,21 @@ pub(crate) struct Fields {
     pub(crate) values: Vec<Vec<Complex<f32>>>,
     /// In how many ways each instance lies.
     pub(crate) ways: usize,
+    /// Places at which instances were lit in turn.
+    pub(crate) places: usize,
     /// Values per (φ_i, polarization, component).
     pub(crate) points: usize,
     /// How many times finer than [`AZIMUTHS`] the azimuths are.
     pub(crate) refine: usize,
     /// rad
     pub(crate) theta_i: f64,
+}
+
+impl Fields {
+    /// The place at which a field's instance was lit.
+    pub(crate) fn place(&self, field: usize) -> usize {
+        field / self.ways % self.places
+    }
 }
 
 impl Campaign {
@@ -208,9 +241,13 @@ impl Campaign {
                 if progress.is_cancelled() {
                     return Err(Error::interrupted());
                 }
+                let place = |section: &Section| parameters.place_um(instance, section.width_um);
                 let barbule = match sections.get(instance) {
-                    Some(section) => Barbule::for_campaign(section, parts)?,
-                    None => Barbule::for_campaign(&structure.instance(parameters.seed, instance)?, parts)?,
+                    Some(section) => Barbule::at_place(section, parts, place(section))?,
+                    None => {
+                        let section = structure.instance(parameters.seed, individual(structure, instance))?;
+                        Barbule::at_place(&section, parts, place(&section))?
+                    }
                 };
                 progress.advance(1);
                 Ok(barbule)
@@ -225,7 +262,7 @@ impl Campaign {
         }
         let tilts = parameters.tilts();
         let simulated = parameters.simulated();
-        let powers_um = tilts
+        let mut powers_um: Vec<Vec<f64>> = tilts
             .par_iter()
             .enumerate()
             .map(|(instance, tilt)| {
@@ -233,6 +270,7 @@ impl Campaign {
                 azimuths(&simulated).map(|phi| barbule.incident_power_um(0.0, phi + tilt)).collect()
             })
             .collect();
+        weigh(&mut powers_um, &parameters);
         Ok(Self { parameters, barbules, crystal, tilts, simulated, powers_um, width, units_at_once })
     }
 
@@ -318,7 +356,7 @@ impl Campaign {
             )
             .collect::<Result<_>>()?;
         let values = values.into_iter().flatten().collect();
-        Ok(Fields { values, ways, points: grid.points(), refine, theta_i })
+        Ok(Fields { values, ways, places: self.parameters.places, points: grid.points(), refine, theta_i })
     }
 
     /// The statistics of one (λ, θ_i), with what else is kept of it.
@@ -347,9 +385,39 @@ pub fn sides(symmetry: &Symmetry) -> Sides {
     if symmetry.is_mirrored() { Sides::Alike } else { Sides::Both }
 }
 
-/// Instances that differ by more than their tilts.
+/// Instances that differ by more than their tilts: a single section serves all of one place.
 fn distinct(structure: &Structure, parameters: &CampaignParameters) -> usize {
-    if structure.count() == Some(1) { 1 } else { parameters.instances }
+    if structure.count() == Some(1) { parameters.places } else { parameters.instances }
+}
+
+/// The individual of a structure that a distinct instance is of.
+fn individual(structure: &Structure, distinct: usize) -> usize {
+    if structure.count() == Some(1) { 0 } else { distinct }
+}
+
+/// Multiplies the power of each instance by the mean over all places over that of its own. What is reflected is divided by it, so
+/// that the mean over instances is what a whole barbule reflects of what falls on it: places that face away count less.
+fn weigh(powers_um: &mut [Vec<f64>], parameters: &CampaignParameters) {
+    if parameters.places == 1 {
+        return;
+    }
+    for phi in 0..powers_um.first().map_or(0, Vec::len) {
+        let mut means = vec![[0.0; 2]; parameters.places];
+        for (instance, powers) in powers_um.iter().enumerate() {
+            let [sum, count] = &mut means[parameters.place(instance)];
+            *sum += powers[phi];
+            *count += 1.0;
+        }
+        // Every instance of a place stands for as much of the barbule, however many there are.
+        let counts = powers_um.len() as f64 / parameters.places as f64;
+        let means: Vec<[f64; 2]> = means.into_iter().map(|[sum, count]| [sum / count, count]).collect();
+        let all = means.iter().map(|[mean, _]| mean).sum::<f64>() / means.len() as f64;
+        for (instance, powers) in powers_um.iter_mut().enumerate() {
+            let [mean, count] = means[parameters.place(instance)];
+            // Where no light falls nothing is reflected, whatever it is divided by.
+            powers[phi] *= all / mean.max(f64::MIN_POSITIVE) * count / counts;
+        }
+    }
 }
 
 /// Instances that are asked how densely rays must lie.
@@ -363,8 +431,8 @@ fn ray_parts(
     progress: &dyn Progress,
 ) -> Result<(Vec<Section>, usize)> {
     let asked = 0..distinct(structure, parameters).min(ASKED);
-    let sections =
-        asked.map(|instance| structure.instance(parameters.seed, instance)).collect::<Result<Vec<_>>>()?;
+    let asked = asked.map(|instance| structure.instance(parameters.seed, individual(structure, instance)));
+    let sections = asked.collect::<Result<Vec<_>>>()?;
     let shortest_nm = parameters.axes.wavelengths_nm().first().copied().unwrap_or(400.0);
     let parts = surface::ray_parts(&sections, shortest_nm, width, progress)?;
     Ok((sections, parts))
@@ -382,12 +450,15 @@ fn azimuths(axes: &Axes) -> impl Iterator<Item = f64> + '_ {
 
 /// Zeroes what a tilted instance would send below its own horizon.
 fn hide_below_horizon(out: &mut [Complex<f32>], tilt: f64, refine: usize) {
-    let step = std::f64::consts::PI / (AZIMUTHS * refine) as f64;
-    for (n, value) in out.iter_mut().enumerate() {
-        let phi_o = (n as f64 - AZIMUTH_MARGIN as f64 + 0.5) * step - std::f64::consts::FRAC_PI_2;
-        // Margins keep the formal continuation, which interpolation near the horizon needs.
-        if phi_o.abs() < std::f64::consts::FRAC_PI_2 && (phi_o + tilt).abs() > std::f64::consts::FRAC_PI_2 {
-            *value = Complex::new(0.0, 0.0);
+    let azimuths = AZIMUTHS * refine;
+    let step = std::f64::consts::PI / azimuths as f64;
+    // Margins keep the formal continuation, which interpolation near the horizon needs; only the first and the last azimuths
+    // can be below.
+    let reach = ((tilt.abs() / step) as usize + 1).min(azimuths);
+    for n in (0..reach).chain(azimuths - reach..azimuths) {
+        let phi_o = (n as f64 + 0.5) * step - std::f64::consts::FRAC_PI_2;
+        if (phi_o + tilt).abs() > std::f64::consts::FRAC_PI_2 {
+            out[AZIMUTH_MARGIN + n] = Complex::new(0.0, 0.0);
         }
     }
 }

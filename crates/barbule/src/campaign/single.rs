@@ -22,8 +22,6 @@ pub struct Patterns {
     pub fields: Vec<Vec<Complex64>>,
     /// U' of the lobe fitted to the mean intensity of the instances, at the same points.
     pub fitted: Vec<f64>,
-    /// Which of S.44's points the first one is.
-    first: usize,
 }
 
 impl Campaign {
@@ -65,7 +63,6 @@ impl Campaign {
             phi_o: grid.points.iter().map(|p| p.phi_o).collect(),
             fitted: grid.points.iter().map(|p| shape(p.phi_o).max(0.0)).collect(),
             fields: larger,
-            first: grid.points.first().map_or(0, |p| p.index),
         })
     }
 }
@@ -80,16 +77,16 @@ impl Patterns {
     /// The autocovariance C_m of S.30 of one instance at lags 0 … [`LAGS`](crate::scattering::statistics::LAGS) − 1, mean of the real and the imaginary part.
     #[must_use]
     pub fn autocovariance(&self, instance: usize) -> Vec<f64> {
-        autocovariance(&self.weighted(instance), self.first)
+        autocovariance(&self.weighted(instance))
     }
 }
 
-/// S.30 of values on consecutive points of S.44 from `first` on; zero elsewhere.
+/// S.30 of values on consecutive points of S.44; zero elsewhere.
 #[must_use]
-pub fn autocovariance(values: &[Complex64], first: usize) -> Vec<f64> {
-    let covariance = Covariance::<f64>::new();
+pub fn autocovariance(values: &[Complex64]) -> Vec<f64> {
+    let covariance = Covariance::<f64>::new(values.len());
     let mut sum = covariance.sum();
-    sum.add(first, values.iter().copied());
+    sum.add(values.iter().copied());
     sum.mean()
 }
 

@@ -108,7 +108,8 @@ impl Memory {
         if missing > 0 {
             return Err(Error::input(format!("{missing} units of the campaign are missing; run them")));
         }
-        let mut statistics = Statistics::empty(axes, self.campaign.realizations());
+        let mut statistics =
+            Statistics::empty(axes, self.campaign.realizations()).with_places(self.campaign.places);
         // Each is dropped as it is appended.
         while let Some((_, unit)) = units.pop_first() {
             statistics.append(unit);
@@ -148,7 +149,8 @@ mod tests {
     fn campaign() -> Campaign {
         let wavelengths = Wavelengths::new([450.0, 600.0]).unwrap();
         let axes = Axes::new(&wavelengths, vec![0.5, 1.0], vec![0.7, 1.0]).unwrap();
-        let parameters = CampaignParameters { axes, instances: 2, seed: 1, tilt: 0.02, mirror: false };
+        let parameters =
+            CampaignParameters { axes, instances: 2, seed: 1, tilt: 0.02, mirror: false, places: 1 };
         let structure = Structure::flat("air/keratin:300/air").unwrap();
         Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap()
     }

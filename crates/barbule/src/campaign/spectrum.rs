@@ -210,6 +210,12 @@ fn crystal(lattice: &Lattice, request: &SpectrumRequest, progress: &dyn Progress
     Ok(Crystal::of(surface::orders(lattice, &request.wavelengths, &cos_theta, progress)?, lattice))
 }
 
+/// The light on a barbule: an arch shows its colours from edge to edge only where it is lit from edge to edge; what is flat is alike
+/// everywhere.
+pub(super) fn window(structure: &Structure) -> Window {
+    if structure.is_curved() { Window::PlaneWave } else { Window::Gaussian }
+}
+
 /// Longest quadrature element, µm: reflected fractions of means over instances are then good to 1e-3.
 pub(super) const ELEMENT_UM: f64 = 0.02;
 
@@ -225,7 +231,7 @@ fn of_instance(
     progress: &dyn Progress,
 ) -> Result<Vec<f64>> {
     let section = structure.instance(request.seed, instance)?;
-    let barbule = Barbule::new(&section, ELEMENT_UM, Window::Gaussian)?;
+    let barbule = Barbule::new(&section, ELEMENT_UM, window(structure))?;
     let columns = request.wavelengths.len();
     let mut result = vec![0.0; request.directions.len() * columns];
     let mut workspace = Workspace::new(Width::best());

@@ -73,7 +73,9 @@ impl Barbules {
         let tilt = if tilted { self.campaign.tilt_deg.clamp(0.0, 30.0).to_radians() } else { 0.0 };
         let orders = self.catalog.orders(&self.structure, &axes, progress)?;
         let mirror = self.campaign.mirror && axes.sides() == Sides::Alike;
-        let parameters = CampaignParameters { axes, instances, seed: self.campaign.seed, tilt, mirror };
+        let places = self.campaign.places.clamp(1, instances);
+        let parameters =
+            CampaignParameters { axes, instances, seed: self.campaign.seed, tilt, mirror, places };
         Campaign::with_orders(&self.structure, parameters, orders, &Resources::default(), progress)
     }
 }

@@ -286,6 +286,8 @@ mod tests {
         let catalog = Catalog { cache: Some(folder.join("cache")) };
         let plan = CampaignOptions::default().plan(Structure::builtin("starling").unwrap()).unwrap();
         let mut material = decode_material(barbule_birds::material("starling-green").unwrap()).unwrap();
+        // As a plan without segments makes it.
+        material.halo = None;
         // Between two of the numbers that a file can hold.
         material.sets[0].mean[0].reflected[0] *= 0.999_99;
         (catalog, plan, material)

@@ -39,6 +39,17 @@ pub struct CampaignDescription {
     /// The standard deviation, µm, over which inclusions are averaged along the top; recorded only where they are.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub smooth_um: Option<f64>,
+    /// Places across the barbule at which instances were lit in turn; recorded only where they are several.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub places: usize,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn is_one(value: &usize) -> bool {
+    *value == 1
 }
 
 fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
@@ -94,6 +105,7 @@ impl Identify for CampaignDescription {
             sides,
             mirror,
             smooth_um,
+            places,
         } = self;
         to.count("campaign", *campaign_version)
             .part("structure", &Recorded(structure))
@@ -114,6 +126,9 @@ impl Identify for CampaignDescription {
         }
         if let Some(deviation_um) = smooth_um {
             to.number("smooth_um", *deviation_um);
+        }
+        if *places > 1 {
+            to.count("places", *places as u64);
         }
     }
 }
@@ -202,9 +217,9 @@ mod tests {
             let bird = Structure::builtin("hummingbird").unwrap().smoothed(smoothing);
             CampaignOptions::default().plan(bird).unwrap().description
         };
-        let (usual, off) = (of(Smoothing::Over(FINER_THAN_LIGHT_UM)), of(Smoothing::Usual));
+        let (usual, off) = (of(Smoothing::Usual), of(Smoothing::Off));
         assert_eq!((usual.smooth_um, off.smooth_um), (Some(FINER_THAN_LIGHT_UM), None));
-        assert!(off == of(Smoothing::Off));
+        assert!(usual == of(Smoothing::Over(FINER_THAN_LIGHT_UM)));
         assert!(off.to_json().unwrap().get("smooth_um").is_none());
         for (one, other) in [(&usual, &off), (&usual, &of(Smoothing::Over(0.1)))] {
             assert!(one != other && hash("campaign", one) != hash("campaign", other));

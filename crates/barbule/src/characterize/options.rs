@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::catalog::{DIGITS, file_stem};
 use super::{CAMPAIGN_VERSION, CampaignDescription, Catalog};
-use crate::campaign::{Campaign, CampaignParameters, Demand, Keep, Resources, Results, sides};
+use crate::campaign::{Campaign, CampaignParameters, Demand, Keep, Resources, Results, places, sides};
 use crate::io::store::Store;
 use crate::progress::Progress;
 use crate::scattering::far_field::Window;
@@ -44,16 +44,21 @@ const THINNED_INSTANCES: usize = 12;
 
 /// What simulations take on one core, to foretell durations (`barbule bench campaign`), each per µm of the barbule's width:
 /// seconds per illumination, per layer under the top of one instance at one wavelength, and per pair of an instance's layers.
-const ILLUMINATION_S_PER_UM: f64 = 4.3e-6;
-const LAYER_S_PER_UM: f64 = 6e-5;
+const ILLUMINATION_S_PER_UM: f64 = 2.3e-6;
+const LAYER_S_PER_UM: f64 = 4e-5;
 const LAYER_PAIR_S_PER_UM: f64 = 6e-6;
+
+/// How much longer light on a crystal takes, and how much of a layer's time one that is an average: it needs one ray where others
+/// need several.
+const OVER_CRYSTAL: f64 = 1.7;
+const OF_AVERAGES: f64 = 0.4;
 
 /// How much more of an arch there is than its width.
 const ARCH: f64 = 1.5;
 
 /// Seconds that the fit takes per wavelength and direction, and at all, on one core.
-const FIT_S: f64 = 6e-4;
-const START_S: f64 = 0.15;
+const FIT_S: f64 = 1e-3;
+const START_S: f64 = 1.6;
 
 /// What a campaign simulates; the default is that of every command.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -81,7 +86,7 @@ pub struct CampaignOptions {
 impl Default for CampaignOptions {
     fn default() -> Self {
         Self {
-            wavelengths_nm: (0..50).map(|i| f64::from(400 + 6 * i)).collect(),
+            wavelengths_nm: (0..51).map(|i| f64::from(300 + 8 * i)).collect(),
             directions: [20, 20],
             instances: None,
             tilt_deg: 2.0,
@@ -149,6 +154,7 @@ impl CampaignOptions {
         let asked = self.count();
         // A single section serves any number of instances, which differ by their tilts.
         let instances = structure.count().filter(|count| *count > 1).map_or(asked, |count| asked.min(count));
+        let places = places(&structure, instances);
         let description = CampaignDescription {
             campaign_version: CAMPAIGN_VERSION,
             structure: structure.description(),
@@ -163,9 +169,10 @@ impl CampaignOptions {
             sides,
             mirror,
             smooth_um: structure.smooth_um(),
+            places,
         };
         let tilt = self.tilt_deg.to_radians();
-        let parameters = CampaignParameters { axes, instances, seed: self.seed, tilt, mirror };
+        let parameters = CampaignParameters { axes, instances, seed: self.seed, tilt, mirror, places };
         Ok(Plan { structure, symmetry, parameters, description, asked })
     }
 }
@@ -258,10 +265,12 @@ impl Plan {
             .instance(*seed, 0)
             .and_then(|section| Barbule::new(&section, CAMPAIGN_ELEMENT_UM, Window::Gaussian))
             .map_or(6.0, |barbule| barbule.slots() as f64);
+        let layers = layers * if self.structure.smooth_um().is_some() { OF_AVERAGES } else { 1.0 };
+        let crystal = if self.structure.lattice().is_some() { OVER_CRYSTAL } else { 1.0 };
         // A single given section serves all instances.
         let prepared = self.structure.count().map_or(*instances, |count| count.min(*instances)) as f64;
         let tables = prepared * axes.wavelengths_nm().len() as f64;
-        let per_um = ILLUMINATION_S_PER_UM * self.illuminations() as f64
+        let per_um = crystal * ILLUMINATION_S_PER_UM * self.illuminations() as f64
             + LAYER_S_PER_UM * layers * tables
             + LAYER_PAIR_S_PER_UM * layers * layers * prepared;
         per_um * self.structure.width_um() * if self.structure.is_curved() { ARCH } else { 1.0 }
@@ -291,11 +300,11 @@ mod tests {
     fn durations_are_foretold_within_a_half() {
         let thinned = CampaignOptions { thin: Some(4), ..CampaignOptions::default() };
         for (name, full_s, thinned_s) in [
-            ("starling", 230.0, 2.4),
-            ("rock-dove", 260.0, 4.1),
-            ("bronzewing", 490.0, 14.1),
-            ("hummingbird", 830.0, 42.8),
-            ("mallard", 320.0, 2.6),
+            ("starling", 115.0, 3.7),
+            ("rock-dove", 165.0, 4.1),
+            ("bronzewing", 350.0, 9.1),
+            ("hummingbird", 520.0, 20.7),
+            ("mallard", 320.0, 4.2),
         ] {
             for (options, measured_s) in [(CampaignOptions::default(), full_s), (thinned.clone(), thinned_s)]
             {
@@ -324,7 +333,7 @@ mod tests {
         let plan = options.plan(starling()).unwrap();
         let axes = &plan.parameters.axes;
         assert_eq!((axes.cos_theta(), plan.parameters.instances), (&[0.5, 1.0][..], 12));
-        assert_eq!(axes.wavelengths_nm(), [400.0, 460.0, 520.0, 580.0, 640.0]);
+        assert_eq!(axes.wavelengths_nm(), [300.0, 380.0, 460.0, 540.0, 620.0, 700.0]);
     }
 
     #[test]

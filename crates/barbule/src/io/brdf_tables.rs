@@ -318,7 +318,7 @@ mod tests {
         assert!(decode_tables(&material).unwrap_err().to_string().contains("another kind of safetensors?"));
         type Edit = (&'static str, fn(&mut Description));
         let edits: [Edit; 11] = [
-            ("has another version than 2", |d| d.version = 1),
+            ("has another version than 3", |d| d.version = 1),
             ("achromatic is -1", |d| d.achromatic = -1.0),
             ("halo has 4 σ, over the limit of 3", |d| d.halo = vec![0.1; 4]),
             ("the halo of the tables has σ", |d| d.halo = vec![2.0]),

@@ -10,15 +10,16 @@ use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 
 use super::{container, read_bytes, write_whole};
-use crate::brdf::{FeatherMaterial, Halo, LobeSet, ParameterSet, Spectral, achromatic_lengths, table_axes};
+use crate::brdf::{
+    FeatherMaterial, Halo, LobeSet, ParameterSet, STEEPEST_FRACTION, Spectral, SteadySet, achromatic_lengths,
+    table_axes,
+};
 use crate::scattering::lobe::FitKind;
 use crate::scattering::statistics::{Axes, Sides};
 use crate::{Error, Result};
 
-/// Versions of the layout: of materials with neither spectral noise nor a halo, and with either, which earlier programs would leave
-/// out without a word.
-const SCHEMA: u32 = 3;
-const SCHEMA_WITH_MORE: u32 = 4;
+/// Version of the layout: steady parts are shares of the mean since 5.
+const SCHEMA: u32 = 5;
 
 /// The one entry of the container's metadata.
 const ENTRY: &str = "barbule";
@@ -58,6 +59,8 @@ enum Map {
     Length,
     /// k/65535.
     Share,
+    /// (k − 32768)/32767 · 4, so that 0 is exact.
+    Slope,
 }
 
 impl Map {
@@ -68,6 +71,7 @@ impl Map {
             Self::Fraction => "(k/65535)^2",
             Self::Length => "64^((k - 32768)/32767)",
             Self::Share => "k/65535",
+            Self::Slope => "(k - 32768)/32767 * 4",
         }
     }
 
@@ -80,6 +84,7 @@ impl Map {
             Self::Fraction => unit * unit,
             Self::Length => libm::pow(64.0, signed),
             Self::Share => unit,
+            Self::Slope => STEEPEST_FRACTION * signed,
         }) as f32
     }
 
@@ -92,17 +97,21 @@ impl Map {
             Self::Fraction => 65535.0 * v.max(0.0).sqrt(),
             Self::Length => signed(libm::log(v.max(1e-9)) / libm::log(64.0)),
             Self::Share => 65535.0 * v,
+            Self::Slope => signed(v / STEEPEST_FRACTION),
         };
         code.round().clamp(0.0, 65535.0) as u16
     }
 }
 
-/// Arrays of a lobe, with their maps; the names of the second and of the steady lobe have an ending.
+/// Arrays of a lobe of the mean, with their maps; the names of the second have an ending.
 const LOBE: [(&str, Map); 3] = [("m", Map::Roughness), ("phi", Map::Azimuth), ("rho", Map::Fraction)];
 
-/// Endings of a set's lobes: of the mean, where a single lobe has none of the second, and of the steady part.
+/// Endings of the lobes of a set's mean: a single lobe has none of the second.
 const MEAN: [&str; 2] = ["", "_2"];
-const STEADY: &str = "_sta";
+
+/// Arrays of the steady part.
+const STEADY: [(&str, Map); 3] =
+    [("m_sta", Map::Roughness), ("phi_sta", Map::Azimuth), ("share_sta", Map::Share)];
 
 /// Whether an array belongs to each set, to those of unpolarized light alone, or to all sets together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,7 +125,7 @@ enum Belongs {
 const OTHERS: [(&str, Map, Belongs); 4] = [
     ("length", Map::Length, Belongs::Set),
     ("fraction_1", Map::Share, Belongs::Unpolarized),
-    ("fraction_1_sta", Map::Share, Belongs::Unpolarized),
+    ("fraction_1_slope", Map::Slope, Belongs::Unpolarized),
     ("correlation", Map::Share, Belongs::Material),
 ];
 
@@ -131,16 +140,19 @@ const HALO_POWER: &str = "halo_power";
 
 /// The arrays of a set by name, empty ones left out.
 fn arrays(set: &ParameterSet) -> Vec<(String, Map, &[f32])> {
-    let endings = MEAN.iter().zip(&set.mean).chain([(&STEADY, &set.steady)]);
     let mut all = Vec::new();
-    for (ending, LobeSet { m, phi, reflected }) in endings {
+    for (ending, LobeSet { m, phi, reflected }) in MEAN.iter().zip(&set.mean) {
         for ((name, map), values) in LOBE.into_iter().zip([m, phi, reflected]) {
             all.push((format!("{name}{ending}"), map, &values[..]));
         }
     }
-    let [length, fraction, steady_fraction, _] = OTHERS;
+    let SteadySet { m, phi, share } = &set.steady;
+    for ((name, map), values) in STEADY.into_iter().zip([m, phi, share]) {
+        all.push((name.to_owned(), map, &values[..]));
+    }
+    let [length, fraction, fraction_slope, _] = OTHERS;
     for ((name, map, _), values) in
-        [(length, &set.length), (fraction, &set.fraction_1), (steady_fraction, &set.steady_fraction_1)]
+        [(length, &set.length), (fraction, &set.fraction_1), (fraction_slope, &set.fraction_1_slope)]
     {
         all.push((name.to_owned(), map, &values[..]));
     }
@@ -150,9 +162,9 @@ fn arrays(set: &ParameterSet) -> Vec<(String, Map, &[f32])> {
 
 /// How the codes of every array that can be become values.
 fn maps() -> impl Iterator<Item = (String, Map)> {
-    let lobes = MEAN.into_iter().chain([STEADY]);
     let of_lobe = |ending: &'static str| LOBE.map(|(name, map)| (format!("{name}{ending}"), map));
-    lobes.flat_map(of_lobe).chain(OTHERS.map(|(name, map, _)| (name.to_owned(), map)))
+    let others = STEADY.into_iter().chain(OTHERS.map(|(name, map, _)| (name, map)));
+    MEAN.into_iter().flat_map(of_lobe).chain(others.map(|(name, map)| (name.to_owned(), map)))
 }
 
 /// Prefix of a set's arrays.
@@ -222,7 +234,7 @@ pub fn encode_material(material: &FeatherMaterial) -> Result<Vec<u8>> {
         tensors.insert(HALO_SHARES.into(), (Dtype::F32, shape, floats(&halo.shares)));
     }
     let mut description = Description {
-        schema: if spectral.is_some() || material.halo.is_some() { SCHEMA_WITH_MORE } else { SCHEMA },
+        schema: SCHEMA,
         program: format!("barbule {}", env!("CARGO_PKG_VERSION")),
         kind: kind_name(material.kind).into(),
         sides: sides_name(axes.sides()).into(),
@@ -316,9 +328,9 @@ fn describe(json: &str) -> Result<Description> {
         Error::input(format!("the description in its metadata is not valid: {}", short(&e.to_string())))
     };
     let Schema { schema } = serde_json::from_str(json).map_err(refuse)?;
-    if ![SCHEMA, SCHEMA_WITH_MORE].contains(&schema) {
+    if schema != SCHEMA {
         return Err(Error::input(format!(
-            "has schema {schema}, but this program reads schemas {SCHEMA} and {SCHEMA_WITH_MORE}; fit it again or use another version of barbule"
+            "has schema {schema}, but this program reads schema {SCHEMA}; fit it again or use another version of barbule"
         )));
     }
     let description: Description = serde_json::from_str(json).map_err(refuse)?;
@@ -348,7 +360,7 @@ fn decode_set(
             reflected: array(rho, ending, fraction)?,
         })
     };
-    let [length, fraction, steady_fraction, _] = OTHERS;
+    let [length, fraction, fraction_slope, _] = OTHERS;
     let other = |(name, map, belongs): (&str, Map, Belongs)| match belongs {
         Belongs::Unpolarized if !fractions => Ok(Vec::new()),
         _ => array(name, "", map),
@@ -358,10 +370,14 @@ fn decode_set(
         LOBE.iter().any(|(name, _)| views.contains_key(format!("{place}{name}{}", MEAN[1]).as_str()));
     Ok(ParameterSet {
         mean: MEAN[..=usize::from(second)].iter().map(|ending| lobe(ending)).collect::<Result<_>>()?,
-        steady: lobe(STEADY)?,
+        steady: SteadySet {
+            m: array(STEADY[0].0, "", STEADY[0].1)?,
+            phi: array(STEADY[1].0, "", STEADY[1].1)?,
+            share: array(STEADY[2].0, "", STEADY[2].1)?,
+        },
         length: other(length)?,
         fraction_1: other(fraction)?,
-        steady_fraction_1: other(steady_fraction)?,
+        fraction_1_slope: other(fraction_slope)?,
     })
 }
 

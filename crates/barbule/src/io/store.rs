@@ -381,7 +381,8 @@ impl Store {
     /// # Errors
     /// Units are missing or damaged: says how many and which is first.
     pub fn statistics(&self) -> Result<Statistics> {
-        let mut statistics = Statistics::empty(self.attributes.axes.clone(), self.attributes.instances);
+        let mut statistics = Statistics::empty(self.attributes.axes.clone(), self.attributes.instances)
+            .with_places(self.attributes.places());
         let mut missing = Vec::new();
         for (wavelength, theta) in self.units() {
             match self.read(wavelength, theta) {
@@ -408,11 +409,12 @@ impl Store {
 fn is_possible(unit: &UnitStatistics) -> bool {
     let intensity = |values: &[f64]| values.iter().all(|v| v.is_finite() && *v >= 0.0);
     unit.u.iter().all(|v| v.is_finite() && *v >= 0.0)
-        && unit.v.iter().chain(&unit.autocovariance).all(|v| v.is_finite())
+        // Glints of several places are departures from their means.
+        && unit.v.iter().chain(&unit.autocovariance).chain(&unit.glints).all(|v| v.is_finite())
         && intensity(&unit.reflected)
         && intensity(&unit.reflected_std)
         && unit.unpolarized_contrast.iter().all(|v| v.is_nan() || *v >= 0.0)
-        && unit.contrast.iter().chain(&unit.glints).all(|v| v.is_finite() && *v >= 0.0)
+        && unit.contrast.iter().all(|v| v.is_finite() && *v >= 0.0)
         && !unit.pattern_correlation.iter().any(|v| v.is_infinite())
         && unit.fields.iter().all(|e| e.is_finite())
 }

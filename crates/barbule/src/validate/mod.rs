@@ -242,7 +242,10 @@ mod tests {
     use crate::progress::{NO_CLOCK, Unobserved};
     use crate::solve::far_fields::SectionSolver;
     use crate::solve::{DIRECT, FAST};
-    use crate::structure::{Beneath, Ends, Inclusion, Loop, Medium, Parts, Polyline};
+    use crate::structure::{
+        Beneath, Ends, FINER_THAN_LIGHT_UM, Inclusion, Loop, Medium, Parts, Polyline, Smoothing,
+        SpeciesModel, Structure,
+    };
 
     /// Ridges as steep as 25° hide at 60° what leaves the slopes that face away: with shadows the pattern is nearer to that of
     /// full waves.
@@ -310,17 +313,8 @@ mod tests {
         };
         let section = Section::new(parts, Library::builtin()).unwrap();
         let closed = section.closed(Beneath::Absorbing, Ends::Open).unwrap();
-        let light = Illuminations {
-            wavelengths_nm: vec![550.0],
-            theta_i: vec![0.0],
-            phi_i: vec![0.0, 30_f64.to_radians()],
-            window: Window::Beam,
-        };
-        let reflected = |solver: &dyn SectionSolver, section: &Section| -> Vec<f64> {
-            let found = solver.prepare(section).unwrap().scatter(&light, 180, &Unobserved).unwrap();
-            found.iter().map(|found| found.reflected.unwrap().iter().sum::<f64>() / 2.0).collect()
-        };
         let full = FullWave { elements_per_wavelength: 6.0, memory_bytes: u64::MAX, clock: NO_CLOCK };
+        let reflected = |solver: &dyn SectionSolver, section: &Section| reflected(solver, section, 550.0);
         let full = reflected(&full, &closed.regions);
         let fast = (FAST.solver)(&Settings::default());
         let mut smooth = closed.fast.clone();
@@ -331,5 +325,40 @@ mod tests {
         for ((full, plain), smooth) in full.iter().zip(plain).zip(smooth) {
             assert!(plain / full < 0.91 && (smooth / full - 1.0).abs() < 0.01, "{full} {plain} {smooth}");
         }
+    }
+
+    /// What a section reflects of unpolarized light of a wavelength from φ_i = 0° and 30°.
+    fn reflected(solver: &dyn SectionSolver, section: &Section, wavelength_nm: f64) -> Vec<f64> {
+        let light = Illuminations {
+            wavelengths_nm: vec![wavelength_nm],
+            theta_i: vec![0.0],
+            phi_i: vec![0.0, 30_f64.to_radians()],
+            window: Window::Beam,
+        };
+        let found = solver.prepare(section).unwrap().scatter(&light, 180, &Unobserved).unwrap();
+        found.iter().map(|found| found.reflected.unwrap().iter().sum::<f64>() / 2.0).collect()
+    }
+
+    /// What full waves say that two hummingbirds reflect from 0° and 30°, by wavelength, nm:
+    /// `barbule validate hummingbird:anna --full-wave --width 10 --layers 5 --wavelengths 550 --phi 0,30 --instance 0 -o anna`,
+    /// and so with instance 1.
+    const BY_FULL_WAVES: [(usize, f64, [f64; 2]); 2] =
+        [(0, 550.0, [0.1860, 0.1270]), (1, 550.0, [0.1858, 0.1995])];
+
+    #[test]
+    fn hummingbirds_reflect_as_full_waves_say() {
+        let anna = SpeciesModel::builtin("hummingbird", Some("anna"), Library::builtin()).unwrap();
+        let narrow = anna.with_parameters(&[("width_um", 10.0.into()), ("layers", 5.into())]).unwrap();
+        let structure = Structure::Species(Box::new(narrow)).smoothed(Smoothing::Over(FINER_THAN_LIGHT_UM));
+        let fast = (FAST.solver)(&Settings::default());
+        let mut errors = Vec::new();
+        for (instance, wavelength_nm, full) in BY_FULL_WAVES {
+            let section = structure.instance(1, instance).unwrap();
+            let closed = section.closed(Beneath::Absorbing, Ends::Open).unwrap();
+            let found = reflected(&*fast, &closed.fast, wavelength_nm);
+            errors.extend(found.iter().zip(full).map(|(found, full)| found / full - 1.0));
+        }
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        assert!(mean.abs() < 0.03 && errors.iter().all(|error| error.abs() < 0.08), "{mean} {errors:?}");
     }
 }

@@ -21,18 +21,19 @@ fn constant(m: f32, reflected: f32, steady: f32) -> FeatherMaterial {
     let phis: Vec<f32> = material.axes.cos_phi().iter().map(|c| c.acos() as f32).collect();
     let set = &mut material.sets[0];
     set.mean.truncate(1);
-    for (lobe, share) in set.mean.iter_mut().map(|lobe| (lobe, 1.0)).chain([(&mut set.steady, steady)]) {
-        lobe.m.fill(m);
-        lobe.reflected.fill(reflected * share);
-        for (k, phi) in lobe.phi.iter_mut().enumerate() {
-            *phi = phis[k % phis.len()];
-        }
+    let (lobe, part) = (&mut set.mean[0], &mut set.steady);
+    lobe.m.fill(m);
+    part.m.fill(m);
+    lobe.reflected.fill(reflected);
+    part.share.fill(steady);
+    for (k, (phi, of_part)) in lobe.phi.iter_mut().zip(&mut part.phi).enumerate() {
+        (*phi, *of_part) = (phis[k % phis.len()], phis[k % phis.len()]);
     }
     set.length.fill(1.0);
     material.achromatic_length.fill(1.0);
     let set = &mut material.sets[0];
     set.fraction_1.fill(0.5);
-    set.steady_fraction_1.fill(0.5);
+    set.fraction_1_slope.fill(0.0);
     material.correlation.fill(1.0);
     material.strength.fill(0.0);
     material
@@ -252,8 +253,8 @@ fn instances_have_their_moments(brdf: &FeatherBrdf, strength: f64) {
     let wi = omega(0.3, 0.4);
     for (theta_o, phi_o) in [(-0.3, -0.4), (-0.28, -0.2), (-0.33, -0.7)] {
         let wo = omega(theta_o, phi_o);
-        let a = (9.0 * (wi.x + wo.x) / (wi.z + wo.z)).powi(2);
-        let part = strength * a * a / (1.0 + 2.0 * a * a * a / 27f64.sqrt());
+        let a = 81.0 * (wi.x + wo.x).powi(2) / (2.0 * (wi.z + wo.z));
+        let part = strength * a * a / (0.2 + 0.2 * a + 0.6 * a * a * a);
         let tau_squared = 1.0 + part * part * slope_variance();
         let smooth = f64::from(brdf.eval([550.0; 4], wi, wo, None)[0]);
         let (mut sum, mut squares) = (0.0, 0.0);
@@ -465,7 +466,7 @@ fn the_deviation_from_reciprocity_is_known() {
         ("φ_eff = φ_i, constant", constant(0.1, 0.3, 0.0), 0.0119),
         ("example", example(3), 0.2714),
         (SHIPPED[0], shipped(SHIPPED[0]), 0.1621),
-        (SHIPPED[1], shipped(SHIPPED[1]), 0.1628),
+        (SHIPPED[1], shipped(SHIPPED[1]), 0.1656),
     ];
     for (name, material, known) in cases {
         let fitted = brdf(&material);
@@ -482,9 +483,9 @@ fn the_deviation_from_reciprocity_is_known() {
 #[test]
 fn albedos_of_instances_scatter_about_the_mean() {
     let cases = [
-        ("example", example(3), 0.2538),
-        (SHIPPED[0], shipped(SHIPPED[0]), 0.2700),
-        (SHIPPED[1], shipped(SHIPPED[1]), 0.2316),
+        ("example", example(3), 0.2752),
+        (SHIPPED[0], shipped(SHIPPED[0]), 0.2743),
+        (SHIPPED[1], shipped(SHIPPED[1]), 0.2126),
     ];
     for (name, material, known) in cases {
         let [average, spread] = instance_albedos(&brdf(&material));

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests; some print the figures that they hold
 
 mod agreement;
+mod arches;
 mod architecture;
 mod birds;
 mod brdf;

@@ -66,7 +66,7 @@ fn simulated(structure: &Structure, mirror: bool) -> Statistics {
     let axes = Axes::new(&Wavelengths::new([500.0]).unwrap(), vec![0.8, 1.0], cosines).unwrap();
     let axes = axes.with_sides(sides);
     let instances = structure.count().unwrap_or(1);
-    let parameters = CampaignParameters { axes, instances, seed: 1, tilt: 0.0, mirror };
+    let parameters = CampaignParameters { axes, instances, seed: 1, tilt: 0.0, mirror, places: 1 };
     let campaign = Campaign::new(structure, parameters, &Resources::default(), &Unobserved).unwrap();
     statistics(&campaign, &Unobserved).unwrap()
 }

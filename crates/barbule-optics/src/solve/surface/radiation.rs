@@ -11,7 +11,7 @@ use num_complex::Complex;
 use super::cone::Cone;
 use super::nodes::Nodes;
 use super::points::Points;
-use super::reflection::{BLOCK, COMPONENTS, Currents, Incidence, Lit};
+use super::reflection::{BLOCK, COMPONENTS, Currents, Incidence, Lit, TOGETHER};
 use super::reflector::Reflector;
 use super::scalar::Scalar;
 use crate::Result;
@@ -137,23 +137,24 @@ impl<T: Scalar> Radiator<T> {
         stride: usize,
         lap: &mut Lap<'_>,
     ) -> Result<()> {
-        let mut currents: Currents<T> = [[T::of(0.0); BLOCK]; COMPONENTS];
+        let mut currents: [Currents<T>; TOGETHER] = [[[T::of(0.0); BLOCK]; COMPONENTS]; TOGETHER];
         // Blocks outside, so that what is known of a block's points stays near.
         for (number, block) in range.clone().step_by(BLOCK).enumerate() {
             if number % BLOCKS_PER_LAP == BLOCKS_PER_LAP - 1 {
                 lap("reflection and spreading")?;
             }
-            for (lit, columns) in lit.iter().zip(self.sources.chunks_exact_mut(stride * COMPONENTS)) {
+            let at = block - range.start;
+            let (together, alone) = lit.as_chunks::<TOGETHER>();
+            let (first, rest) = self.sources.split_at_mut(together.len() * TOGETHER * COMPONENTS * stride);
+            for (lit, columns) in together.iter().zip(first.chunks_exact_mut(TOGETHER * COMPONENTS * stride))
+            {
                 reflector.currents(self.width, lit, block, &mut currents);
-                match &nodes.taps {
-                    Some(taps) => T::spread(self.width, taps, block, &currents, stride, columns),
-                    None => {
-                        for (row, column) in currents.iter().zip(columns.chunks_exact_mut(stride)) {
-                            let at = block - range.start;
-                            column[at..at + BLOCK].copy_from_slice(row);
-                        }
-                    }
-                }
+                add_currents(self.width, nodes, &currents, [block, at], stride, columns);
+            }
+            for (lit, columns) in alone.iter().zip(rest.chunks_exact_mut(COMPONENTS * stride)) {
+                let currents = std::array::from_mut(&mut currents[0]);
+                reflector.currents(self.width, std::array::from_ref(lit), block, currents);
+                add_currents(self.width, nodes, currents, [block, at], stride, columns);
             }
         }
         lap("reflection and spreading")
@@ -215,6 +216,28 @@ impl<T: Scalar> Radiator<T> {
             }
             transform.process(first, &mut self.scratch);
             transform.process(second, &mut self.scratch);
+        }
+    }
+}
+
+/// Adds currents of the points from `block` on to their `columns`, `[light][component][node]`, which are those of nodes, or of
+/// points of which the first is number `at`.
+fn add_currents<T: Scalar>(
+    width: Width,
+    nodes: &Nodes<T>,
+    currents: &[Currents<T>],
+    [block, at]: [usize; 2],
+    stride: usize,
+    columns: &mut [T],
+) {
+    for (currents, columns) in currents.iter().zip(columns.chunks_exact_mut(COMPONENTS * stride)) {
+        match &nodes.taps {
+            Some(taps) => T::spread(width, taps, block, currents, stride, columns),
+            None => {
+                for (row, column) in currents.iter().zip(columns.chunks_exact_mut(stride)) {
+                    column[at..at + BLOCK].copy_from_slice(row);
+                }
+            }
         }
     }
 }

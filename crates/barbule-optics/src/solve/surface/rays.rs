@@ -12,7 +12,7 @@ use crate::Result;
 use crate::math::simd::{Complex, SLIGHT, decay, load, slight_decay, splat, turn};
 use crate::scattering::far_field::Window;
 use crate::spectrum::wave_number_per_um;
-use crate::structure::{Palette, PaletteMixture, Section};
+use crate::structure::{Palette, PaletteMixture, Section, SlotMixture};
 
 /// Real numbers per ray: real and imaginary parts of r_s and r_p.
 pub(super) const SERIES: usize = 4;
@@ -33,8 +33,8 @@ pub(super) struct Rays {
     palette: Palette,
     /// Media that fill a layer of a whole block.
     uniform: Vec<PaletteMixture>,
-    /// Media of layers that differ between the rays of a block.
-    varying: Vec<[PaletteMixture; BLOCK]>,
+    /// Media of layers that differ between the rays of a block, under these.
+    varying: Vec<SlotMixture>,
     /// Uniform media that meet: above (`None`: air) and below.
     meetings: Vec<(Option<usize>, usize)>,
     /// Layers of all blocks, top to bottom; the last of each block is its substrate.
@@ -67,13 +67,27 @@ pub(super) struct Media {
     varying: Vec<[[f32; BLOCK]; 2]>,
 }
 
+impl Media {
+    /// ε − 1 of a varying medium for the rays `at` … of a block.
+    #[inline(always)]
+    fn varying<S: Simd>(&self, simd: S, medium: usize, at: usize) -> Complex<S::f32s> {
+        let [re, im] = &self.varying[medium];
+        Complex { re: load(simd, re, at), im: load(simd, im, at) }
+    }
+}
+
 impl Rays {
-    /// Casts rays for elements of at most `element_um`.
+    /// Casts rays for elements of at most `element_um`, at a place if there is one ([`Points::subdivided`]).
     ///
     /// # Errors
     /// As [`Points::new`].
-    pub(super) fn cast(section: &Section, element_um: f64, parts: usize) -> Result<Self> {
-        let points = Points::subdivided(section, element_um, parts, Window::Gaussian)?;
+    pub(super) fn cast(section: &Section, element_um: f64, parts: usize, place: Option<f64>) -> Result<Self> {
+        let points = Points::subdivided(section, element_um, parts, Window::Gaussian, place)?;
+        Ok(Self::under(&points, parts))
+    }
+
+    /// The rays under points, as many as elements cut into `parts` have.
+    pub(super) fn under(points: &Points, parts: usize) -> Self {
         let mut rays = Self {
             parts,
             weights: moments(parts),
@@ -86,12 +100,12 @@ impl Rays {
             blocks: Vec::new(),
         };
         for start in (0..points.padded()).step_by(BLOCK) {
-            rays.add_block(&points, start);
+            rays.add_block(points, start);
         }
         rays.varying.shrink_to_fit();
         rays.layers.shrink_to_fit();
         rays.thickness_um.shrink_to_fit();
-        Ok(rays)
+        rays
     }
 
     /// Lists the layers of the rays `start` … `start + BLOCK`.
@@ -130,15 +144,16 @@ impl Rays {
 
     /// What fills a slot under the rays `start` ….
     fn fill(&mut self, points: &Points, slot: usize, start: usize) -> Fill {
-        let media: [PaletteMixture; BLOCK] =
-            std::array::from_fn(|ray| points.mixture(slot, (start + ray).min(points.count - 1)));
-        if media.iter().any(|m| *m != media[0]) {
-            self.varying.push(media);
-            return Fill::Varying(self.varying.len() - 1);
-        }
-        let known = self.uniform.iter().position(|m| *m == media[0]);
+        let one = match points.mixture(slot, start, start + BLOCK) {
+            SlotMixture::Uniform(one) => one,
+            varying => {
+                self.varying.push(varying);
+                return Fill::Varying(self.varying.len() - 1);
+            }
+        };
+        let known = self.uniform.iter().position(|m| *m == one);
         Fill::Uniform(known.unwrap_or_else(|| {
-            self.uniform.push(media[0]);
+            self.uniform.push(one);
             self.uniform.len() - 1
         }))
     }
@@ -174,7 +189,8 @@ impl Rays {
 
     /// Bytes that they take.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&self.thickness_um[..]) + size_of_val(&self.layers[..]) + size_of_val(&self.varying[..])
+        let varying: usize = self.varying.iter().map(|media| size_of_val(media) + media.bytes()).sum();
+        size_of_val(&self.thickness_um[..]) + size_of_val(&self.layers[..]) + varying
     }
 
     /// The media at a vacuum wavelength.
@@ -184,8 +200,8 @@ impl Rays {
     pub(super) fn media(&self, wavelength_nm: f64) -> Result<Media> {
         let indices = self.palette.indices(wavelength_nm)?;
         let uniform = self.uniform.iter().map(|m| m.contrast(&indices)).collect();
-        let split = |media: &[PaletteMixture; BLOCK]| {
-            let values = media.map(|m| m.contrast(&indices));
+        let split = |media: &SlotMixture| {
+            let values: [Complex64; BLOCK] = std::array::from_fn(|ray| media.contrast(ray, &indices));
             [values.map(|v| v.re as f32), values.map(|v| v.im as f32)]
         };
         Ok(Media {
@@ -210,9 +226,8 @@ impl Rays {
         let end = self.blocks[block];
         let (layers, thickness_um) = (&self.layers[first..end], &self.thickness_um[first..end]);
         // Apart from the recursion, which waits for its own results, these keep all units busy.
-        trips.resize(layers.len(), [[0.0; BLOCK]; 2]);
-        let inner = layers.len() - 1;
-        for ((layer, row), trip) in layers[..inner].iter().zip(thickness_um).zip(&mut *trips) {
+        trips.resize(layers.len(), [[0.0; BLOCK]; 4]);
+        for ((layer, row), trip) in layers.iter().zip(thickness_um).zip(&mut *trips) {
             round_trips(simd, media, angle, layer, row, trip);
         }
         let lanes = S::f32s::LEN;
@@ -228,8 +243,8 @@ impl Rays {
     }
 }
 
-/// e^{2jkqd} of a layer for the rays of a block, `[re, im][ray]`.
-pub(super) type Trip = [[f32; BLOCK]; 2];
+/// e^{2jkqd} of a layer for the rays of a block, and q where it varies, `[re, im, re q, im q][ray]`.
+pub(super) type Trip = [[f32; BLOCK]; 4];
 
 /// e^{2jkqd} of a layer of thicknesses `row` (µm).
 #[inline(always)]
@@ -239,21 +254,28 @@ fn round_trips<S: Simd>(
     angle: &AtAngle,
     layer: &Layer,
     row: &[f32; BLOCK],
-    [out_re, out_im]: &mut Trip,
+    [out_re, out_im, q_re, q_im]: &mut Trip,
 ) {
     let lanes = S::f32s::LEN;
-    let Fill::Uniform(medium) = layer.medium else {
-        let (turns, decays): (S::f32s, S::f32s) =
-            (splat(simd, media.k / std::f64::consts::PI), splat(simd, 2.0 * media.k));
-        for at in (0..BLOCK).step_by(lanes) {
-            let thickness: S::f32s = load(simd, row, at);
-            let (_, q) = angle.medium(simd, media, Some(layer.medium), at);
-            let (sin, cos) = turn(simd, thickness * turns * q.re);
-            let size: S::f32s = decay(simd, thickness * decays * q.im);
-            (cos * size).store_slice(&mut out_re[at..at + lanes]);
-            (sin * size).store_slice(&mut out_im[at..at + lanes]);
+    let medium = match layer.medium {
+        Fill::Uniform(medium) => medium,
+        Fill::Varying(medium) => {
+            let (turns, decays): (S::f32s, S::f32s) =
+                (splat(simd, media.k / std::f64::consts::PI), splat(simd, 2.0 * media.k));
+            let cos_squared: S::f32s = splat(simd, angle.cos_alpha * angle.cos_alpha);
+            for at in (0..BLOCK).step_by(lanes) {
+                let thickness: S::f32s = load(simd, row, at);
+                let contrast = media.varying::<S>(simd, medium, at);
+                let (_, q) = self::layer::<S, S::f32s>(simd, contrast, cos_squared);
+                q.re.store_slice(&mut q_re[at..at + lanes]);
+                q.im.store_slice(&mut q_im[at..at + lanes]);
+                let (sin, cos) = turn(simd, thickness * turns * q.re);
+                let size: S::f32s = decay(simd, thickness * decays * q.im);
+                (cos * size).store_slice(&mut out_re[at..at + lanes]);
+                (sin * size).store_slice(&mut out_im[at..at + lanes]);
+            }
+            return;
         }
-        return;
     };
     let Wave { turns_per_um, decay_per_um, .. } = angle.waves[medium];
     let (turns, decays) = (S::f32s::splat(simd, turns_per_um), S::f32s::splat(simd, decay_per_um));
@@ -297,7 +319,7 @@ fn recur<S: Simd>(
     let (zero, one): (S::f32s, S::f32s) = (splat(simd, 0.0), splat(simd, 1.0));
     let nothing = (Complex { re: zero, im: zero }, Complex { re: one, im: zero });
     let mut fractions: [Fractions<S::f32s>; TOGETHER] = [[nothing; 2]; TOGETHER];
-    for (index, (layer, [re, im])) in layers.iter().zip(trips).enumerate().rev() {
+    for (index, (layer, [re, im, ..])) in layers.iter().zip(trips).enumerate().rev() {
         if index + 1 < layers.len() {
             for (vector, fractions) in fractions.iter_mut().enumerate() {
                 let at = from + vector * S::f32s::LEN;
@@ -316,11 +338,12 @@ fn recur<S: Simd>(
                 }
             }
         } else {
-            let above = index.checked_sub(1).map(|above| layers[above].medium);
+            let above = index.checked_sub(1).map(|above| (layers[above].medium, &trips[above]));
+            let below = (layer.medium, &trips[index]);
             for (vector, fractions) in fractions.iter_mut().enumerate() {
                 let at = from + vector * S::f32s::LEN;
                 let above = angle.medium(simd, media, above, at);
-                let below = angle.medium(simd, media, Some(layer.medium), at);
+                let below = angle.medium(simd, media, Some(below), at);
                 cross::<S, S::f32s>(above, below, fractions);
             }
         }
@@ -381,25 +404,25 @@ impl AtAngle {
         Self { cos_alpha, waves, meetings }
     }
 
-    /// ε and q of a medium (`None`: air) for the rays `at` … of a block.
+    /// ε and q of a layer's medium (`None`: air) for the rays `at` … of a block.
     #[inline(always)]
     fn medium<S: Simd>(
         &self,
         simd: S,
         media: &Media,
-        medium: Option<Fill>,
+        medium: Option<(Fill, &Trip)>,
         at: usize,
     ) -> (Complex<S::f32s>, Complex<S::f32s>) {
         match medium {
             None => lanes::<S, S::f32s>(simd, (Complex64::ONE, Complex64::from(self.cos_alpha))),
-            Some(Fill::Uniform(medium)) => {
+            Some((Fill::Uniform(medium), _)) => {
                 let Wave { eps, q, .. } = self.waves[medium];
                 lanes::<S, S::f32s>(simd, (eps, q))
             }
-            Some(Fill::Varying(medium)) => {
-                let [re, im] = &media.varying[medium];
-                let contrast = Complex { re: load(simd, re, at), im: load(simd, im, at) };
-                layer::<S, S::f32s>(simd, contrast, splat(simd, self.cos_alpha * self.cos_alpha))
+            Some((Fill::Varying(medium), [_, _, q_re, q_im])) => {
+                let contrast = media.varying::<S>(simd, medium, at);
+                let eps = Complex { re: contrast.re + splat::<S, S::f32s>(simd, 1.0), im: contrast.im };
+                (eps, Complex { re: load(simd, q_re, at), im: load(simd, q_im, at) })
             }
         }
     }

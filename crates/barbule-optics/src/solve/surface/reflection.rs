@@ -26,6 +26,28 @@ pub(super) trait Reflectances<T: Real> {
         at: usize,
         cos_alpha: T::Native<S>,
     ) -> [Complex<T::Native<S>>; 2];
+
+    /// Of the same points for light from several directions.
+    #[inline(always)]
+    fn at_each<S: Simd, const G: usize>(
+        &self,
+        simd: S,
+        arrays: &Arrays<T>,
+        at: usize,
+        cos_alpha: [T::Native<S>; G],
+    ) -> [[Complex<T::Native<S>>; 2]; G] {
+        let mut reflected = none(simd);
+        for (reflected, cos_alpha) in reflected.iter_mut().zip(cos_alpha) {
+            *reflected = self.at(simd, arrays, at, cos_alpha);
+        }
+        reflected
+    }
+}
+
+/// No reflection, to be filled in: loops are inlined into kernels, closures over arrays not always.
+#[inline(always)]
+pub(super) fn none<S: Simd, V: Lanes<S>, const G: usize>(simd: S) -> [[Complex<V>; 2]; G] {
+    [[Complex { re: splat(simd, 0.0), im: splat(simd, 0.0) }; 2]; G]
 }
 
 impl<T: Real> Reflectances<T> for Optics<T> {
@@ -91,6 +113,7 @@ impl Incidence {
 }
 
 /// Points under light from one direction.
+#[derive(Clone, Copy)]
 pub(super) struct Lit<'a, T> {
     pub(super) arrays: &'a Arrays<T>,
     /// Height of each point over the place from which its current radiates.
@@ -100,16 +123,60 @@ pub(super) struct Lit<'a, T> {
     pub(super) incidence: Incidence,
 }
 
+/// Directions whose reflectances are read from tables together: what a table says of points is then loaded once for all.
+pub(super) const TOGETHER: usize = 4;
+
 /// The currents g·J·dl and g·M·dl of the stacks under the points `start` … `start + BLOCK`, for both incident
-/// polarizations.
+/// polarizations, under light from each of some directions.
 ///
 /// The rise counts as a phase for light to the mirror direction φ_o = −φ_i.
 #[inline(always)]
-pub(super) fn reflect_block<S: Simd, T: Real>(
+pub(super) fn reflect_block<S: Simd, T: Real, const G: usize>(
     simd: S,
-    lit: &Lit<'_, T>,
+    lights: &[Lit<'_, T>; G],
     reflectances: &impl Reflectances<T>,
     start: usize,
+    out: &mut [Currents<T>; G],
+) {
+    let arrays = lights[0].arrays;
+    let lanes = T::Native::<S>::LEN;
+    for offset in (0..BLOCK).step_by(lanes) {
+        let at = start + offset;
+        let mut cosines = [splat::<S, T::Native<S>>(simd, 0.0); G];
+        for (cosine, lit) in cosines.iter_mut().zip(lights) {
+            *cosine =
+                cos_alpha(simd, arrays, at, &lit.incidence).max(splat::<S, T::Native<S>>(simd, T::GRAZING));
+        }
+        let reflected = reflectances.at_each(simd, arrays, at, cosines);
+        for ((lit, reflected), out) in lights.iter().zip(reflected).zip(&mut *out) {
+            reflect(simd, lit, reflected, at, offset, out);
+        }
+    }
+}
+
+/// n·ω_i of the points `at` ….
+#[inline(always)]
+fn cos_alpha<S: Simd, T: Real>(
+    simd: S,
+    arrays: &Arrays<T>,
+    at: usize,
+    incidence: &Incidence,
+) -> T::Native<S> {
+    let tangent_x: T::Native<S> = load(simd, &arrays.tangent_x, at);
+    let tangent_z: T::Native<S> = load(simd, &arrays.tangent_z, at);
+    let [sin_phi, cos_phi, cos_theta]: [T::Native<S>; 3] =
+        [incidence.sin_phi, incidence.cos_phi, incidence.cos_theta].map(|value| splat(simd, value));
+    (tangent_x * cos_phi - tangent_z * sin_phi) * cos_theta
+}
+
+/// The currents of the points `at` … with these reflectances, which stand from `offset` on in their block.
+#[inline(always)]
+fn reflect<S: Simd, T: Real>(
+    simd: S,
+    lit: &Lit<'_, T>,
+    [r_s, r_p]: [Complex<T::Native<S>>; 2],
+    at: usize,
+    offset: usize,
     out: &mut Currents<T>,
 ) {
     let Lit { arrays, rise_um, k, incidence } = *lit;
@@ -120,63 +187,58 @@ pub(super) fn reflect_block<S: Simd, T: Real>(
     let sin_phi: T::Native<S> = splat(simd, incidence.sin_phi);
     let cos_phi: T::Native<S> = splat(simd, incidence.cos_phi);
     let backward: T::Native<S> = splat(simd, -k);
-    for offset in (0..BLOCK).step_by(lanes) {
-        let at = start + offset;
-        let tangent_x: T::Native<S> = load(simd, &arrays.tangent_x, at);
-        let tangent_z: T::Native<S> = load(simd, &arrays.tangent_z, at);
-        // ω_i in the local frame.
-        let cos_alpha = (tangent_x * cos_phi - tangent_z * sin_phi) * cos_theta;
-        let lit = cos_alpha.simd_gt(zero);
-        let cos_alpha = cos_alpha.max(splat::<S, T::Native<S>>(simd, T::GRAZING));
-        let omega_t = (tangent_x * sin_phi + tangent_z * cos_phi) * cos_theta;
-        let omega_y = sin_theta;
-        let sin_squared = omega_t.mul_add(omega_t, omega_y * omega_y);
-        // ŝ; at exactly normal incidence any direction does.
-        let least: T::Native<S> = splat(simd, 1e-24);
-        let degenerate = sin_squared.simd_le(least);
-        let length = sin_squared.max(least).sqrt();
-        let s_t = degenerate.select(zero, -omega_y / length);
-        let s_y = degenerate.select(splat(simd, 1.0), omega_t / length);
+    let tangent_x: T::Native<S> = load(simd, &arrays.tangent_x, at);
+    let tangent_z: T::Native<S> = load(simd, &arrays.tangent_z, at);
+    // ω_i in the local frame.
+    let cos_alpha = cos_alpha(simd, arrays, at, &incidence);
+    let lit = cos_alpha.simd_gt(zero);
+    let cos_alpha = cos_alpha.max(splat::<S, T::Native<S>>(simd, T::GRAZING));
+    let omega_t = (tangent_x * sin_phi + tangent_z * cos_phi) * cos_theta;
+    let omega_y = sin_theta;
+    let sin_squared = omega_t.mul_add(omega_t, omega_y * omega_y);
+    // ŝ; at exactly normal incidence any direction does.
+    let least: T::Native<S> = splat(simd, 1e-24);
+    let degenerate = sin_squared.simd_le(least);
+    let length = sin_squared.max(least).sqrt();
+    let s_t = degenerate.select(zero, -omega_y / length);
+    let s_y = degenerate.select(splat(simd, 1.0), omega_t / length);
 
-        let [r_s, r_p] = reflectances.at(simd, arrays, at, cos_alpha);
+    let x: T::Native<S> = load(simd, &arrays.x_um, at);
+    let z: T::Native<S> = load(simd, &arrays.z_um, at);
+    let path = (x * sin_phi + z * cos_phi) * cos_theta;
+    let rise: T::Native<S> = load(simd, rise_um, at);
+    let phase = rise.mul_add(cos_theta * cos_phi, path) * backward;
+    let (sin, cos) = sin_cos::<S, T::Native<S>>(simd, phase);
+    let weight = lit.select(load(simd, &arrays.window_length_um, at), zero);
+    let wave = Complex { re: cos * weight, im: sin * weight };
+    let s_wave = r_s.times::<S>(wave);
+    let p_wave = r_p.times::<S>(wave);
 
-        let x: T::Native<S> = load(simd, &arrays.x_um, at);
-        let z: T::Native<S> = load(simd, &arrays.z_um, at);
-        let path = (x * sin_phi + z * cos_phi) * cos_theta;
-        let rise: T::Native<S> = load(simd, rise_um, at);
-        let phase = rise.mul_add(cos_theta * cos_phi, path) * backward;
-        let (sin, cos) = sin_cos::<S, T::Native<S>>(simd, phase);
-        let weight = lit.select(load(simd, &arrays.window_length_um, at), zero);
-        let wave = Complex { re: cos * weight, im: sin * weight };
-        let s_wave = r_s.times::<S>(wave);
-        let p_wave = r_p.times::<S>(wave);
-
-        // E_s and H_s of the two incident polarizations: (a, b) and (b, −a) with a = e₁·ŝ, b = e₂·ŝ.
-        let e1_t = (tangent_x * sin_phi + tangent_z * cos_phi) * (-sin_theta);
-        let e2_t = tangent_x * cos_phi - tangent_z * sin_phi;
-        let a = e1_t.mul_add(s_t, s_y * cos_theta);
-        let b = e2_t * s_t;
-        let (c_t, c_y) = (cos_alpha * s_t, cos_alpha * s_y);
-        let (first, second) = out.split_at_mut(COMPONENTS / 2);
-        for (rows, e_s, h_s) in [(first, a, b), (second, b, -a)] {
-            let electric = s_wave.scale::<S>(e_s);
-            let magnetic = p_wave.scale::<S>(h_s);
-            let j_t = weighted::<S, T::Native<S>>(magnetic, -s_y, electric, -c_t);
-            let j_y = weighted::<S, T::Native<S>>(magnetic, s_t, electric, -c_y);
-            let m_t = weighted::<S, T::Native<S>>(magnetic, -c_t, electric, s_y);
-            let m_y = weighted::<S, T::Native<S>>(magnetic, -c_y, electric, -s_t);
-            let vectors = [
-                j_t.scale::<S>(tangent_x),
-                j_y,
-                j_t.scale::<S>(tangent_z),
-                m_t.scale::<S>(tangent_x),
-                m_y,
-                m_t.scale::<S>(tangent_z),
-            ];
-            for (pair, value) in rows.chunks_exact_mut(2).zip(vectors) {
-                value.re.store_slice(&mut pair[0][offset..offset + lanes]);
-                value.im.store_slice(&mut pair[1][offset..offset + lanes]);
-            }
+    // E_s and H_s of the two incident polarizations: (a, b) and (b, −a) with a = e₁·ŝ, b = e₂·ŝ.
+    let e1_t = (tangent_x * sin_phi + tangent_z * cos_phi) * (-sin_theta);
+    let e2_t = tangent_x * cos_phi - tangent_z * sin_phi;
+    let a = e1_t.mul_add(s_t, s_y * cos_theta);
+    let b = e2_t * s_t;
+    let (c_t, c_y) = (cos_alpha * s_t, cos_alpha * s_y);
+    let (first, second) = out.split_at_mut(COMPONENTS / 2);
+    for (rows, e_s, h_s) in [(first, a, b), (second, b, -a)] {
+        let electric = s_wave.scale::<S>(e_s);
+        let magnetic = p_wave.scale::<S>(h_s);
+        let j_t = weighted::<S, T::Native<S>>(magnetic, -s_y, electric, -c_t);
+        let j_y = weighted::<S, T::Native<S>>(magnetic, s_t, electric, -c_y);
+        let m_t = weighted::<S, T::Native<S>>(magnetic, -c_t, electric, s_y);
+        let m_y = weighted::<S, T::Native<S>>(magnetic, -c_y, electric, -s_t);
+        let vectors = [
+            j_t.scale::<S>(tangent_x),
+            j_y,
+            j_t.scale::<S>(tangent_z),
+            m_t.scale::<S>(tangent_x),
+            m_y,
+            m_t.scale::<S>(tangent_z),
+        ];
+        for (pair, value) in rows.chunks_exact_mut(2).zip(vectors) {
+            value.re.store_slice(&mut pair[0][offset..offset + lanes]);
+            value.im.store_slice(&mut pair[1][offset..offset + lanes]);
         }
     }
 }

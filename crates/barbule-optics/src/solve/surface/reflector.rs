@@ -19,13 +19,30 @@ pub(super) enum Reflector<T: Scalar> {
 }
 
 impl<T: Scalar> Reflector<T> {
-    /// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations, times the
-    /// phase of the rise towards where each point sends its light.
-    pub(super) fn currents(&self, width: Width, lit: &Lit<'_, T>, start: usize, out: &mut Currents<T>) {
+    /// The currents g·J·dl and g·M·dl of the points `start` … `start + BLOCK`, for both incident polarizations, under light
+    /// from each of some directions, times the phase of the rise towards where each point sends its light.
+    pub(super) fn currents<const G: usize>(
+        &self,
+        width: Width,
+        lights: &[Lit<'_, T>; G],
+        start: usize,
+        out: &mut [Currents<T>; G],
+    ) {
         match self {
-            Self::Stacks(optics) => dispatch!(width.0, simd => reflect_block(simd, lit, optics, start, out)),
-            Self::Tabulated(table) => dispatch!(width.0, simd => reflect_block(simd, lit, table, start, out)),
-            Self::Crystal(orders) => dispatch!(width.0, simd => orders.reflect_block(simd, lit, start, out)),
+            Self::Tabulated(table) => {
+                dispatch!(width.0, simd => reflect_block(simd, lights, table, start, out));
+            }
+            Self::Stacks(optics) => {
+                for (lit, out) in lights.iter().zip(out.as_chunks_mut::<1>().0) {
+                    let lit = std::array::from_ref(lit);
+                    dispatch!(width.0, simd => reflect_block(simd, lit, optics, start, out));
+                }
+            }
+            Self::Crystal(orders) => {
+                for (lit, out) in lights.iter().zip(out) {
+                    dispatch!(width.0, simd => orders.reflect_block(simd, lit, start, out));
+                }
+            }
         }
     }
 }

@@ -23,7 +23,7 @@ const SETTLED: f64 = 6.0e-4;
 pub const MOST_RAY_PARTS: usize = 8;
 
 /// The parts into which elements must be cut for rays under all of some sections at a vacuum wavelength (nm) and normal
-/// incidence.
+/// incidence. Averages along the top vary no faster than their Gaussian, which points follow by themselves: one part.
 ///
 /// # Errors
 /// A section cannot be prepared, a medium's table does not reach, or the user cancelled.
@@ -35,10 +35,13 @@ pub fn ray_parts(
     progress: &dyn Progress,
 ) -> Result<usize> {
     let mut parts = 1;
-    for section in sections {
+    for section in sections.iter().filter(|section| section.smooth_um.is_none()) {
         let points = Points::new(section, CAMPAIGN_ELEMENT_UM, Window::Gaussian)?;
         let field = |parts: usize| -> Result<Vec<Complex<f32>>> {
-            let rays = Rays::cast(section, CAMPAIGN_ELEMENT_UM, parts)?;
+            let rays = match parts {
+                1 => Rays::under(&points, 1),
+                _ => Rays::cast(section, CAMPAIGN_ELEMENT_UM, parts, None)?,
+            };
             let table = ReflectanceTable::new(width, &points, &rays, wavelength_nm, progress)?;
             let cone = Cone::new(wavelength_nm, 0.0, points.radius_um);
             let batch = Batch { cone: &cone, phi_i: &[0.0], lights: &[IncidentLight::PlaneWave] };

@@ -10,7 +10,7 @@ use fearless_simd::{dispatch, prelude::*};
 use super::batch::unless_cancelled;
 use super::points::{Arrays, Optics, Points, SlotMedium};
 use super::rays::{AtAngle, Media, Rays, SERIES};
-use super::reflection::{BLOCK, Reflectances};
+use super::reflection::{BLOCK, Reflectances, none};
 use crate::Result;
 use crate::math::chebyshev;
 use crate::math::simd::{Complex, Real, Width, load, splat};
@@ -120,26 +120,72 @@ impl Reflectances<f32> for ReflectanceTable {
         at: usize,
         cos_alpha: S::f32s,
     ) -> [Complex<S::f32s>; 2] {
+        let [reflected] = self.at_each(simd, arrays, at, [cos_alpha]);
+        reflected
+    }
+
+    #[inline(always)]
+    fn at_each<S: Simd, const G: usize>(
+        &self,
+        simd: S,
+        arrays: &Arrays<f32>,
+        at: usize,
+        cos_alpha: [S::f32s; G],
+    ) -> [[Complex<S::f32s>; 2]; G] {
         let (block, offset) = (at / BLOCK, at % BLOCK);
         let (begin, terms) = self.blocks[block];
-        if terms == 0 {
-            return self.optics.at(simd, arrays, at, cos_alpha);
+        let series = self.coefficients[begin..begin + terms * SERIES * BLOCK].as_chunks().0;
+        if terms > 0 && S::f32s::LEN >= 16 {
+            return sums(simd, series, offset, cos_alpha);
         }
-        let one: S::f32s = splat(simd, 1.0);
-        let t = (cos_alpha - splat::<S, S::f32s>(simd, CENTRE)) * splat::<S, S::f32s>(simd, HALF.recip());
-        let twice_t = t + t;
-        let (mut before, mut now) = (t, one);
-        let mut sums = [splat::<S, S::f32s>(simd, 0.0); SERIES];
-        let series = &self.coefficients[begin..begin + terms * SERIES * BLOCK];
-        for term in series.as_chunks::<{ SERIES * BLOCK }>().0 {
-            for (index, sum) in sums.iter_mut().enumerate() {
-                *sum = load::<S, S::f32s>(simd, term, index * BLOCK + offset).mul_add(now, *sum);
+        let mut reflected = none(simd);
+        for (reflected, cos_alpha) in reflected.iter_mut().zip(cos_alpha) {
+            if terms == 0 {
+                *reflected = self.optics.at(simd, arrays, at, cos_alpha);
+            } else {
+                // Narrower registers are too few for the sums of several directions.
+                [*reflected] = sums(simd, series, offset, [cos_alpha]);
             }
-            (before, now) = (now, twice_t.mul_sub(now, before));
         }
-        let [s_re, s_im, p_re, p_im] = sums;
-        [Complex { re: s_re, im: s_im }, Complex { re: p_re, im: p_im }]
+        reflected
     }
+}
+
+/// The series of the points from `offset` on, summed for light from several directions.
+#[inline(always)]
+fn sums<S: Simd, const G: usize>(
+    simd: S,
+    series: &[Term],
+    offset: usize,
+    cos_alpha: [S::f32s; G],
+) -> [[Complex<S::f32s>; 2]; G] {
+    let (centre, scale) = (splat::<S, S::f32s>(simd, CENTRE), splat::<S, S::f32s>(simd, HALF.recip()));
+    let mut before = cos_alpha;
+    for value in &mut before {
+        *value = (*value - centre) * scale;
+    }
+    let mut twice = before;
+    for value in &mut twice {
+        *value = *value + *value;
+    }
+    let mut now = [splat::<S, S::f32s>(simd, 1.0); G];
+    let mut sums = [[splat::<S, S::f32s>(simd, 0.0); SERIES]; G];
+    for term in series {
+        for index in 0..SERIES {
+            let coefficients: S::f32s = load(simd, term, index * BLOCK + offset);
+            for (sums, now) in sums.iter_mut().zip(&now) {
+                sums[index] = coefficients.mul_add(*now, sums[index]);
+            }
+        }
+        for ((before, now), twice) in before.iter_mut().zip(&mut now).zip(&twice) {
+            (*before, *now) = (*now, twice.mul_sub(*now, *before));
+        }
+    }
+    let mut reflected = none(simd);
+    for ([r_s, r_p], [s_re, s_im, p_re, p_im]) in reflected.iter_mut().zip(sums) {
+        (*r_s, *r_p) = (Complex { re: s_re, im: s_im }, Complex { re: p_re, im: p_im });
+    }
+    reflected
 }
 
 /// The Chebyshev nodes of cosα.
@@ -253,7 +299,7 @@ mod tests {
             let section = model.section(1, 0).unwrap();
             let points = Points::new(&section, 0.1, Window::Gaussian).unwrap();
             // One ray per point: nothing is averaged.
-            let rays = Rays::cast(&section, 0.1, 1).unwrap();
+            let rays = Rays::cast(&section, 0.1, 1, None).unwrap();
             let table = ReflectanceTable::new(Width::best(), &points, &rays, 437.0, &Unobserved).unwrap();
             let optics = points.optics::<f32>(437.0).unwrap();
             for cos_alpha in [0.0015, 0.01, 0.1, 0.3, 0.55, 0.8, 0.97, 1.0] {

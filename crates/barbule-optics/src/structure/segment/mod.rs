@@ -223,8 +223,8 @@ impl Structure {
     }
 }
 
-/// Layers under the places of a section's top, those of no thickness included.
+/// Layers under the places of a section's top, those of no thickness included; in three dimensions none are averages.
 fn slots(section: &Section) -> Result<usize> {
     let grid = SegmentGrid::across(section, sampled::COARSE_UM);
-    Ok(super::cast(section, &grid.rays(section, 1))?.slots)
+    Ok(super::cast::layers(section, &grid.rays(section, 1))?.slots)
 }

@@ -4,7 +4,8 @@ use super::pancakes::Pancakes;
 use super::relief::{Part, Relief, Relieved};
 use super::{Granules, Roughness, Segment, Under};
 use crate::Result;
-use crate::structure::{Columns, PaletteMixture, Ray, Section, Substance, cast};
+use crate::structure::cast::layers;
+use crate::structure::{Columns, PaletteMixture, Ray, Section, Substance};
 
 /// Cells that show which layers a section has, µm.
 pub(super) const COARSE_UM: f64 = 0.05;
@@ -114,9 +115,9 @@ impl Segment {
     /// Prepares the segment on a grid, with layers known at `parts` places of each cell across.
     ///
     /// # Errors
-    /// As [`cast`].
+    /// As [`cast`](crate::structure::cast()).
     pub fn sampled(&self, grid: SegmentGrid, parts: usize) -> Result<Sampled<'_>> {
-        let columns = cast(&self.section, &grid.rays(&self.section, parts))?;
+        let columns = layers(&self.section, &grid.rays(&self.section, parts))?;
         let y_um: Vec<f64> = (0..grid.cells[1]).map(|row| grid.centre_um(1, row)).collect();
         let needed = match &self.under {
             Under::Pancakes(pancakes) => pancakes.layers.len(),
@@ -225,7 +226,7 @@ impl Sampled<'_> {
         // How much deeper granules begin than the section's.
         let mut deeper = vec![0.0; if granules.is_some() { self.y_um.len() } else { 0 }];
         for slot in 0..columns.slots - 1 {
-            let mixture = columns.mixture[slot].at(ray);
+            let Some(mixture) = columns.mixture[slot].at(ray) else { continue };
             let base = columns.thickness_um[slot * columns.rays + ray];
             if base <= 0.0 {
                 continue;
@@ -262,7 +263,7 @@ impl Sampled<'_> {
             }
             layers.media.push(mixture);
         }
-        layers.media.push(columns.mixture[columns.slots - 1].at(ray));
+        layers.media.extend(columns.mixture[columns.slots - 1].at(ray));
     }
 
     fn pancakes(&self, pancakes: &Pancakes, line: &Line, part: usize, layers: &mut Layers) {

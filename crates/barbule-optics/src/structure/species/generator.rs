@@ -45,6 +45,11 @@ pub(super) trait Generator {
     fn is_curved(&self) -> bool {
         false
     }
+    /// The standard deviation, µm, over which simulations average inclusions along the top unless somebody says otherwise; `None`:
+    /// there are none that are finer than light.
+    fn smooth_um(&self) -> Option<f64> {
+        None
+    }
     /// The media that the parameters name, each with its key.
     fn media(&self) -> Vec<(String, &str)> {
         Vec::new()

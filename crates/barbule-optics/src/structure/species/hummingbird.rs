@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::super::curve::{Roughness, grid, point_count};
 use super::super::section::{Inclusion, Loop, Medium, Parts, Polyline};
+use super::super::smooth::FINER_THAN_LIGHT_UM;
 use super::generator::{Generator, Random, parts};
 use crate::fields::within;
 use crate::material::Library;
@@ -99,6 +100,10 @@ pub(in crate::structure) struct Stacked {
 impl Generator for Hummingbird {
     fn width_um(&self) -> f64 {
         self.width_um
+    }
+
+    fn smooth_um(&self) -> Option<f64> {
+        Some(FINER_THAN_LIGHT_UM)
     }
 
     fn check(&self) -> Result<()> {

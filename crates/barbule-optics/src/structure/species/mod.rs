@@ -206,7 +206,7 @@ impl SpeciesModel {
     /// The standard deviation, µm, over which simulations average inclusions along the top; `None`: not at all.
     #[must_use]
     pub fn smooth_um(&self) -> Option<f64> {
-        self.smoothing.deviation_um(None)
+        self.smoothing.deviation_um(self.parameters.generator().smooth_um())
     }
 
     /// The barbule's width.

@@ -226,6 +226,12 @@ impl Attributes {
         }
     }
 
+    /// Places across the barbule at which instances were lit in turn.
+    pub(super) fn places(&self) -> usize {
+        let recorded = self.description["places"].as_u64().and_then(|places| usize::try_from(places).ok());
+        recorded.map_or(1, |places| places.clamp(1, self.instances))
+    }
+
     /// Whether the checksum among a group's attributes is that of what was read from them.
     pub(super) fn matches(&self, attributes: &Value) -> bool {
         attributes["campaign_hash"] == json!(self.hash())

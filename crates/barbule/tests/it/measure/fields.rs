@@ -27,7 +27,7 @@ pub(crate) fn campaign_errors(section: &Section, nm: f64, cosines: [f64; 2], ele
     let axes = Axes::new(&wavelengths, vec![cosines[0]], vec![cosines[1], 1.0]).unwrap();
     let structure = Structure::Sections { name: section.name.clone(), sections: vec![section.clone()] };
     let parameters =
-        CampaignParameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0, mirror: false };
+        CampaignParameters { axes: axes.clone(), instances: 1, seed: 1, tilt: 0.0, mirror: false, places: 1 };
     let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
     let tables = campaign.tables(0, &Unobserved).unwrap();
     let unit = campaign.unit(&tables, 0, Keep::Fields, &Unobserved).unwrap();

@@ -3,7 +3,7 @@
 use barbule::brdf::fit::{FitOptions, FitReport, LobeForm, fit};
 use barbule::brdf::{FeatherMaterial, Synthesis};
 use barbule::campaign::single::autocovariance;
-use barbule::campaign::{Campaign, CampaignParameters, Keep, Resources};
+use barbule::campaign::{Campaign, CampaignParameters, Keep, Resources, places};
 use barbule::material::Library;
 use barbule::progress::Unobserved;
 use barbule::scattering::directions::azimuths;
@@ -29,6 +29,15 @@ pub(crate) struct Species {
     /// Whether its tops are arches.
     #[allow(dead_code)] // the tests'
     pub(crate) is_arched: bool,
+    structure: Structure,
+    /// Lit in the middle, as is published.
+    middle: Ensemble,
+    /// Of arches: lit at all places in turn, as materials are made.
+    places: Option<Ensemble>,
+}
+
+/// Simulated barbules lit in one way.
+struct Ensemble {
     campaign: Campaign,
     statistics: Statistics,
     /// `[unit][φ_i, polarization, e₁ e₂, instance, AZIMUTHS]`.
@@ -38,51 +47,86 @@ pub(crate) struct Species {
 /// 50 instances with tilts, three wavelengths and θ_i, four φ_i.
 pub(crate) fn simulate(name: &'static str) -> Species {
     let model = SpeciesModel::builtin(name, None, Library::builtin()).unwrap();
-    let wavelengths = Wavelengths::new([400.0, 550.0, 694.0]).unwrap();
-    let axes = Axes::new(&wavelengths, vec![0.1, 0.5, 1.0], vec![0.1, 0.35, 0.7, 1.0]).unwrap();
-    let parameters = CampaignParameters {
-        axes: axes.clone(),
-        instances: INSTANCES,
-        seed: 1,
-        tilt: 2f64.to_radians(),
-        mirror: false,
-    };
     let is_arched = model.is_curved();
     let structure = Structure::Species(Box::new(model));
-    let campaign = Campaign::new(&structure, parameters, &Resources::default(), &Unobserved).unwrap();
-    let mut statistics = Statistics::empty(axes, INSTANCES);
+    let all = places(&structure, INSTANCES);
+    let usual =
+        |places: usize| ensemble(&structure, &[0.1, 0.5, 1.0], &[0.1, 0.35, 0.7, 1.0], INSTANCES, 1, places);
+    let (middle, places) = (usual(1), (all > 1).then(|| usual(all)));
+    Species { name, is_arched, structure, middle, places }
+}
+
+fn ensemble(
+    structure: &Structure,
+    cos_theta: &[f64],
+    cos_phi: &[f64],
+    instances: usize,
+    seed: u64,
+    places: usize,
+) -> Ensemble {
+    let wavelengths = Wavelengths::new([400.0, 550.0, 694.0]).unwrap();
+    let axes = Axes::new(&wavelengths, cos_theta.to_vec(), cos_phi.to_vec()).unwrap();
+    let parameters = CampaignParameters {
+        axes: axes.clone(),
+        instances,
+        seed,
+        tilt: 2f64.to_radians(),
+        mirror: false,
+        places,
+    };
+    let campaign = Campaign::new(structure, parameters, &Resources::default(), &Unobserved).unwrap();
+    let mut statistics = Statistics::empty(axes, instances).with_places(places);
     let mut fields = Vec::new();
     for wave in 0..3 {
         let tables = campaign.tables(wave, &Unobserved).unwrap();
-        for theta in 0..3 {
+        for theta in 0..cos_theta.len() {
             let mut unit = campaign.unit(&tables, theta, Keep::Fields, &Unobserved).unwrap();
             fields.push(std::mem::take(&mut unit.fields));
             statistics.append(unit);
         }
     }
-    Species { name, is_arched, campaign, statistics, fields }
+    Ensemble { campaign, statistics, fields }
 }
 
 impl Species {
-    /// The stronger component's values over instances where the lobe is seen, `(node, [φ_o][instance])`.
+    /// Lit as materials are made.
+    fn lit(&self) -> &Ensemble {
+        self.places.as_ref().unwrap_or(&self.middle)
+    }
+
+    /// The stronger component's values over instances where the lobe is seen, lit in the middle, `(node, [φ_o][instance])`.
+    #[allow(dead_code)] // the program's
     pub(crate) fn samples(&self) -> impl Iterator<Item = (usize, Vec<Vec<Complex64>>)> + '_ {
+        self.middle.samples()
+    }
+
+    /// Whether light comes from within about 45° of the normal.
+    #[allow(dead_code)] // the program's
+    pub(crate) fn is_steep(&self, node: usize) -> bool {
+        self.middle.is_steep(node)
+    }
+}
+
+impl Ensemble {
+    fn samples(&self) -> impl Iterator<Item = (usize, Vec<Vec<Complex64>>)> + '_ {
         let phis = self.statistics.axes.cos_phi().len();
+        let instances = self.statistics.instances;
         (0..self.statistics.axes.len() * 2).map(move |at| {
             let (node, polarization) = (at / 2, at % 2);
             let fields = &self.fields[node / phis];
             let component = |along: usize, instance: usize| {
                 let part = ((node % phis) * 2 + polarization) * 2 + along;
-                &fields[(part * INSTANCES + instance) * AZIMUTHS..][..AZIMUTHS]
+                &fields[(part * instances + instance) * AZIMUTHS..][..AZIMUTHS]
             };
             let energy = |along: usize| -> f64 {
-                (0..INSTANCES).flat_map(|m| component(along, m)).map(|v| f64::from(v.norm_sqr())).sum()
+                (0..instances).flat_map(|m| component(along, m)).map(|v| f64::from(v.norm_sqr())).sum()
             };
             let along = usize::from(energy(1) > energy(0));
             let u = &self.statistics.u[at * AZIMUTHS..][..AZIMUTHS];
             let peak = u.iter().fold(0.0_f32, |a, b| a.max(*b));
             let seen = (0..AZIMUTHS).filter(|k| f64::from(u[*k]) > WEAKEST * f64::from(peak));
             let of = |k: usize| {
-                (0..INSTANCES)
+                (0..instances)
                     .map(|m| {
                         let value = component(along, m)[k];
                         Complex64::new(f64::from(value.re), f64::from(value.im))
@@ -93,21 +137,22 @@ impl Species {
         })
     }
 
-    /// Unpolarized intensities, `[instance][azimuth]`.
+    /// Unpolarized intensities about the mean of each instance's place, with the mean of all, `[instance][azimuth]`.
     fn intensities(&self, wave: usize, theta: usize, phi: usize) -> Vec<Vec<f64>> {
-        let axes = &self.statistics.axes;
+        let Statistics { axes, instances, .. } = &self.statistics;
+        let instances = *instances;
         let fields = &self.fields[wave * axes.cos_theta().len() + theta];
         let of = |instance: usize, azimuth: usize| -> f64 {
             let parts = 4 * phi..4 * (phi + 1);
             let squares = parts
-                .map(|part| f64::from(fields[(part * INSTANCES + instance) * AZIMUTHS + azimuth].norm_sqr()));
+                .map(|part| f64::from(fields[(part * instances + instance) * AZIMUTHS + azimuth].norm_sqr()));
             0.5 * squares.sum::<f64>()
         };
-        (0..INSTANCES).map(|instance| (0..AZIMUTHS).map(|at| of(instance, at)).collect()).collect()
+        let all = (0..instances).map(|instance| (0..AZIMUTHS).map(|at| of(instance, at)).collect()).collect();
+        about_places(all, self.statistics.places)
     }
 
-    /// Whether light comes from within about 45° of the normal.
-    pub(crate) fn is_steep(&self, node: usize) -> bool {
+    fn is_steep(&self, node: usize) -> bool {
         let axes = &self.statistics.axes;
         let phis = axes.cos_phi().len();
         axes.cos_phi()[node % phis] * axes.cos_theta()[node / phis % axes.cos_theta().len()] > 0.65
@@ -116,6 +161,22 @@ impl Species {
     fn fitted(&self, lobe: LobeForm, polarized: bool) -> (FeatherMaterial, FitReport) {
         fit(&self.statistics, &FitOptions { lobe, polarized, ..FitOptions::default() }, &Unobserved).unwrap()
     }
+}
+
+/// Intensities whose departures are those from the mean of their place, and whose mean is that of all, to the scale at which both
+/// have the same contrast.
+fn about_places(mut all: Vec<Vec<f64>>, places: usize) -> Vec<Vec<f64>> {
+    for at in 0..all[0].len() {
+        let mean_at = |from: usize, step: usize| mean(all.iter().skip(from).step_by(step).map(|one| one[at]));
+        let (whole, of_places): (f64, Vec<f64>) =
+            (mean_at(0, 1), (0..places).map(|p| mean_at(p, places)).collect());
+        let square: f64 = mean(of_places.iter().map(|mean| mean * mean));
+        let scale = if places > 1 { whole / square.sqrt().max(f64::MIN_POSITIVE) } else { 1.0 };
+        for (n, one) in all.iter_mut().enumerate() {
+            one[at] = whole + scale * (one[at] - of_places[n % places]);
+        }
+    }
+    all
 }
 
 /// Mean and standard deviation of a sample.
@@ -147,7 +208,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Share of rejections of real and imaginary parts, for steep and for other incidence.
-fn rejected(species: &Species) -> [f64; 2] {
+fn rejected(species: &Ensemble) -> [f64; 2] {
     let mut counts = [[0.0; 2]; 2];
     for (node, samples) in species.samples() {
         let group = &mut counts[usize::from(!species.is_steep(node))];
@@ -164,7 +225,7 @@ fn rejected(species: &Species) -> [f64; 2] {
 }
 
 /// σ_R/σ_I of each (λ, ω_i) and polarization, variances summed over the lobe.
-fn ratios(species: &Species, steep: bool) -> Vec<f64> {
+fn ratios(species: &Ensemble, steep: bool) -> Vec<f64> {
     let mut ratios = Vec::new();
     for (_, samples) in species.samples().filter(|(node, _)| species.is_steep(*node) == steep) {
         let mut sums = [0.0; 2];
@@ -196,7 +257,7 @@ fn decay(lags: &[f64]) -> f64 {
 
 /// 1/e lengths at polarization 1, simulated and synthesized: of the weighted fields (S.30) and of the intensities
 /// about their mean over instances.
-fn lengths(species: &Species, material: &FeatherMaterial, wave: usize, phi: usize) -> [[f64; 2]; 2] {
+fn lengths(species: &Ensemble, material: &FeatherMaterial, wave: usize, phi: usize) -> [[f64; 2]; 2] {
     let axes = &species.statistics.axes;
     let theta = axes.cos_theta().len() - 1;
     let patterns = species.campaign.patterns(
@@ -207,29 +268,33 @@ fn lengths(species: &Species, material: &FeatherMaterial, wave: usize, phi: usiz
         &Unobserved,
     );
     let patterns = patterns.unwrap();
-    let first = ((patterns.x[0] + 1.0) * 0.5 * NOISE_POINTS as f64) as usize;
     let synthesis = Synthesis::on(material, axes.index(wave, theta, phi), &patterns.phi_o);
     let noise = material.noise();
     let synthesized: Vec<Vec<Complex64>> = (0..200)
         .map(|n| synthesis.fields(&noise, n).map(|[[re, im], _]| Complex64::new(re, im)).collect())
         .collect();
-    let decays = |fields: &[Vec<Complex64>]| {
-        let mean: Vec<f64> = (0..patterns.x.len())
-            .map(|k| fields.iter().map(|f| f[k].norm_sqr()).sum::<f64>() / fields.len() as f64)
-            .collect();
-        let of = |weigh: &dyn Fn(usize, Complex64) -> Complex64| {
-            let mut sum = vec![0.0; NOISE_POINTS / 2];
-            for field in fields {
-                let values: Vec<Complex64> = field.iter().enumerate().map(|(k, v)| weigh(k, *v)).collect();
-                for (sum, value) in sum.iter_mut().zip(autocovariance(&values, first)) {
-                    *sum += value;
-                }
-            }
-            decay(&sum)
-        };
-        [of(&|k, v| v * patterns.fitted[k].sqrt()), of(&|k, v| Complex64::new(v.norm_sqr() - mean[k], 0.0))]
+    let of = |rows: &mut dyn Iterator<Item = Vec<Complex64>>| {
+        let mut sum = vec![0.0; NOISE_POINTS / 2];
+        for values in rows {
+            sum.iter_mut().zip(autocovariance(&values)).for_each(|(sum, value)| *sum += value);
+        }
+        decay(&sum)
     };
-    let (a, b) = (decays(&patterns.fields), decays(&synthesized));
+    let decays = |fields: &[Vec<Complex64>], places: usize| {
+        let weighted = |field: &Vec<Complex64>| -> Vec<Complex64> {
+            field.iter().zip(&patterns.fitted).map(|(v, u)| v * u.sqrt()).collect()
+        };
+        let intensities: Vec<Vec<f64>> =
+            fields.iter().map(|field| field.iter().map(Complex64::norm_sqr).collect()).collect();
+        let whole: Vec<f64> =
+            (0..patterns.x.len()).map(|k| mean(intensities.iter().map(|one| one[k]))).collect();
+        let departure = |one: Vec<f64>| {
+            one.iter().zip(&whole).map(|(value, mean)| Complex64::new(value - mean, 0.0)).collect()
+        };
+        let about = about_places(intensities, places);
+        [of(&mut fields.iter().map(weighted)), of(&mut about.into_iter().map(departure))]
+    };
+    let (a, b) = (decays(&patterns.fields, species.statistics.places), decays(&synthesized, 1));
     [[a[0], b[0]], [a[1], b[1]]]
 }
 
@@ -246,6 +311,7 @@ pub(crate) struct Correlations {
 
 /// Measures [`Correlations`] of a material without what tells wavelengths apart, as it is published, and of one with it.
 pub(crate) fn correlations(species: &Species) -> [Correlations; 2] {
+    let species = species.lit();
     let published = Statistics { glints: Vec::new(), ..species.statistics.clone() };
     [&published, &species.statistics].map(|statistics| {
         let (material, _) = fit(statistics, &FitOptions::default(), &Unobserved).unwrap();
@@ -256,7 +322,7 @@ pub(crate) fn correlations(species: &Species) -> [Correlations; 2] {
 /// Instances that are drawn.
 const DRAWN: u64 = 400;
 
-fn correlations_of(species: &Species, material: &FeatherMaterial) -> Correlations {
+fn correlations_of(species: &Ensemble, material: &FeatherMaterial) -> Correlations {
     let axes = &species.statistics.axes;
     let noise = material.noise();
     // θ_i and φ_i that are not grazing.
@@ -318,6 +384,74 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
+/// How much single barbules vary, simulated and synthesized: the contrast of unpolarized light within 1.6° of places in the lobe.
+#[derive(Debug, Default)]
+pub(crate) struct Contrasts {
+    /// Means over all places.
+    pub(crate) mean: [f64; 2],
+    /// Mean of the distances.
+    pub(crate) apart: f64,
+    /// The same of the few barbules that the material was fitted to, from the many: what chance makes of contrasts.
+    pub(crate) sampled: f64,
+    pub(crate) farthest_sampled: f64,
+    /// The largest distance, with both contrasts there.
+    pub(crate) farthest: [f64; 3],
+    /// Wavelength in nm, cosθ_i, φ_i and distance from the mirror direction in degrees of that.
+    pub(crate) at: [f64; 4],
+}
+
+/// Distances from the mirror direction at which contrasts are compared, degrees.
+const OFFSETS_DEG: [f64; 9] = [-30.0, -20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0, 30.0];
+
+/// Half the width over which a contrast is taken, degrees.
+const WITHIN_DEG: f64 = 1.6;
+
+/// Measures [`Contrasts`] of a material of the usual number of barbules against so many others.
+pub(crate) fn contrasts(species: &Species, others: usize) -> Contrasts {
+    let lit = species.lit();
+    let (material, _) = fit(&lit.statistics, &FitOptions::default(), &Unobserved).unwrap();
+    let (cosines, noise) = ([[0.5, 1.0].as_slice(), &[0.35, 0.7, 1.0]], material.noise());
+    let many = ensemble(&species.structure, cosines[0], cosines[1], others, 2, lit.statistics.places);
+    let (axes, azimuths): (_, Vec<f64>) = (&many.statistics.axes, azimuths(AZIMUTHS).collect());
+    let (mut found, mut count) = (Contrasts::default(), 0.0);
+    for (wave, theta, phi) in (0..18).map(|k| (k / 6, k / 3 % 2, k % 3)) {
+        let simulated = many.intensities(wave, theta, phi);
+        let few = lit.intensities(wave, theta + 1, phi + 1);
+        let synthesis = Synthesis::new(&material, material.axes.index(wave, theta + 1, phi + 1));
+        let drawn: Vec<Vec<f64>> = (0..10 * DRAWN).map(|name| synthesis.intensity(&noise, name)).collect();
+        let phi_deg = axes.phi_i(phi).to_degrees();
+        for offset in OFFSETS_DEG.into_iter().filter(|offset| (offset - phi_deg).abs() < 75.0) {
+            let near = |phi_o: &f64| (phi_o.to_degrees() + phi_deg - offset).abs() < WITHIN_DEG;
+            let places: Vec<usize> = (0..AZIMUTHS).filter(|k| near(&azimuths[*k])).collect();
+            let pair = [contrast(&simulated, &places), contrast(&drawn, &places)];
+            let apart = (pair[0] - pair[1]).abs();
+            let own = contrast(&few, &places);
+            found.sampled += (own - pair[0]).abs();
+            found.farthest_sampled = found.farthest_sampled.max((own - pair[0]).abs());
+            (found.mean, found.apart) =
+                ([found.mean[0] + pair[0], found.mean[1] + pair[1]], found.apart + apart);
+            count += 1.0;
+            if apart > found.farthest[0] {
+                found.farthest = [apart, pair[0], pair[1]];
+                found.at = [axes.wavelengths_nm()[wave], axes.cos_theta()[theta], phi_deg, offset];
+            }
+        }
+    }
+    found.mean = found.mean.map(|sum| sum / count);
+    found.apart /= count;
+    found.sampled /= count;
+    found
+}
+
+/// Root mean square of the contrasts at some azimuths.
+fn contrast(instances: &[Vec<f64>], azimuths: &[usize]) -> f64 {
+    let squared = azimuths.iter().map(|&at| {
+        let (mean, deviation) = moments(&instances.iter().map(|one| one[at]).collect::<Vec<_>>());
+        (deviation / mean).powi(2)
+    });
+    mean(squared).sqrt()
+}
+
 /// Normality, equal parts, and a mean field that grows towards grazing incidence.
 pub(crate) struct Speckle {
     /// Share of rejections of normality at 1 %, for steep and for other incidence.
@@ -330,6 +464,7 @@ pub(crate) struct Speckle {
 
 /// Measures [`Speckle`].
 pub(crate) fn speckle(species: &Species) -> Speckle {
+    let species = &species.middle;
     let spread = |values: Vec<f64>| {
         let low = values.iter().copied().fold(f64::MAX, f64::min);
         let high = values.iter().copied().fold(0.0, f64::max);
@@ -356,6 +491,7 @@ pub(crate) struct Fitted {
 
 /// Measures [`Fitted`].
 pub(crate) fn fitted(species: &Species) -> Fitted {
+    let species = &species.middle;
     let (material, _) = species.fitted(LobeForm::Ggx, false);
     let (polarized, _) = species.fitted(LobeForm::Ggx, true);
     let axes = &material.axes;
@@ -424,6 +560,7 @@ const DRAWS: u64 = 8000;
 
 /// Measures [`Synthesized`].
 pub(crate) fn synthesized(species: &Species) -> Synthesized {
+    let species = species.lit();
     let (material, report) = species.fitted(LobeForm::Pair, false);
     let count = report.patterns.len() as f64;
     let balance: f64 = report.patterns.iter().map(|p| p.balance).sum();
