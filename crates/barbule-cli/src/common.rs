@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use barbule::campaign::Allowance;
 use barbule::error::{shortened, visible};
 use barbule::io::available_memory;
+use barbule::material::KERATIN_CLEAR_FROM_NM;
 use barbule::open::{Media, Opening};
 use barbule::{Error, Result};
 use clap::Args;
@@ -132,6 +133,13 @@ impl Common {
             let why = format!("nothing in {} is made of it", shortened(what));
             self.idle(&format!("--medium {}", shortened(name)), &why);
         }
+    }
+
+    /// Says that what is shown below 350 nm is that of keratin that absorbs nothing.
+    pub(crate) fn say_guessed(&self) {
+        self.say(&format!(
+            "below {KERATIN_CLEAR_FROM_NM} nm keratin absorbs, how much nobody has tabulated: k = 0 is taken there, so that birds are darker than this"
+        ));
     }
 
     /// Writes what was decided to standard error, with `--verbose`.

@@ -14,6 +14,7 @@ use barbule::characterize::thinned;
 use barbule::clock;
 use barbule::error::shortened;
 use barbule::io::{Folder, check_writable};
+use barbule::material::KERATIN_CLEAR_FROM_NM;
 use barbule::open;
 use barbule::picture::{
     Developed, Set, bytes_needed, check_alpha, check_colours, check_kind, development, is_exr,
@@ -226,6 +227,9 @@ impl Args {
                 band.low_nm(),
                 band.high_nm()
             ));
+        }
+        if !sensor.is_human() && f64::from(band.low_nm()) < KERATIN_CLEAR_FROM_NM {
+            self.common.say_guessed();
         }
     }
 

@@ -23,6 +23,9 @@ use crate::{Complex64, Error, Result};
 
 /// The largest |n| or k of any medium: beyond it the formulas lose their digits.
 const LARGEST_INDEX: f64 = 1e9;
+/// From here on keratin's absorption is known to be negligible, nm; below it has some that nobody has tabulated, and
+/// [`Material::keratin`] has none.
+pub const KERATIN_CLEAR_FROM_NM: f64 = 350.0;
 /// The smallest |n + jk| of any medium.
 const SMALLEST_INDEX: f64 = 1e-3;
 

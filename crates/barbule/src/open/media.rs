@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::Result;
 use crate::io::tables::read_index_table;
-use crate::material::Library;
+use crate::material::{KERATIN_CLEAR_FROM_NM, Library, Material};
 use crate::structure::{FlatStack, MaterialSource, Medium, Section, Structure, Substance};
 
 /// Media by name: those built in, and the caller's own, each from a table of n and k.
@@ -48,16 +48,24 @@ impl Media {
             return Vec::new();
         }
         let Ok(section) = structure.instance(seed, 0) else { return Vec::new() };
-        let lattice = section.crystal.iter().map(|crystal| &crystal.lattice);
-        let rods = lattice.flat_map(|lattice| &lattice.rods).flat_map(|rod| &rod.circles).map(|c| &c.medium);
-        let media = section.all_media().flat_map(Medium::substances).chain(rods);
-        let names: Vec<&str> = media
-            .filter_map(|substance| match substance {
-                Substance::Named(name) => Some(name.as_str()),
-                Substance::Index(_) => None,
-            })
-            .collect();
-        self.unused(&names)
+        self.unused(&named_in(&section))
+    }
+
+    /// Whether light of this wavelength, nm, meets keratin where nobody has measured what it absorbs, if these are the media.
+    #[must_use]
+    pub fn guesses(&self, media: &[&str], wavelength_nm: f64) -> bool {
+        wavelength_nm < KERATIN_CLEAR_FROM_NM
+            && self.library.get("keratin").is_ok_and(|own| *own == Material::keratin())
+            && media.iter().any(|medium| is_made_of(medium, "keratin"))
+    }
+
+    /// [`guesses`](Self::guesses) of what a structure's first individual is made of.
+    #[must_use]
+    pub fn guesses_in(&self, structure: &Structure, seed: u64, wavelength_nm: f64) -> bool {
+        wavelength_nm < KERATIN_CLEAR_FROM_NM
+            && structure
+                .instance(seed, 0)
+                .is_ok_and(|section| self.guesses(&named_in(&section), wavelength_nm))
     }
 
     /// Keeps the files of own media with sections that name them, so that a written section finds them again.
@@ -83,6 +91,19 @@ impl Media {
     }
 }
 
+/// The names of all media of a section and of its crystal's rods.
+fn named_in(section: &Section) -> Vec<&str> {
+    let lattice = section.crystal.iter().map(|crystal| &crystal.lattice);
+    let rods = lattice.flat_map(|lattice| &lattice.rods).flat_map(|rod| &rod.circles).map(|c| &c.medium);
+    let media = section.all_media().flat_map(Medium::substances).chain(rods);
+    media
+        .filter_map(|substance| match substance {
+            Substance::Named(name) => Some(name.as_str()),
+            Substance::Index(_) => None,
+        })
+        .collect()
+}
+
 /// Whether a medium, such as `keratin` or `mix(keratin,melanin,0.4)`, names another one.
 fn is_made_of(medium: &str, name: &str) -> bool {
     let of_names = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
@@ -98,6 +119,21 @@ mod tests {
         assert!(is_made_of("keratin", "keratin") && is_made_of("mix(keratin,melanin,0.4)", "melanin"));
         assert!(is_made_of("mix(chitin.2,melanin,0.4)", "chitin.2"));
         assert!(!is_made_of("mykeratin", "keratin") && !is_made_of("keratin", "mykeratin"));
+    }
+
+    #[test]
+    fn keratin_is_guessed_at_below_its_measurements_and_a_table_of_it_is_not() {
+        let mut media = Media::default();
+        let starling = Structure::builtin("starling").unwrap();
+        assert!(
+            media.guesses(&["air", "mix(keratin,air,0.5)"], 349.0) && media.guesses_in(&starling, 1, 300.0)
+        );
+        assert!(!media.guesses(&["keratin"], 350.0) && !media.guesses(&["air", "melanin"], 300.0));
+        let folder = tempfile::tempdir().unwrap();
+        let own = folder.path().join("keratin.csv");
+        std::fs::write(&own, "300,1.6,0.01\n830,1.55,0\n").unwrap();
+        media.add("keratin", &own).unwrap();
+        assert!(!media.guesses(&["keratin"], 300.0) && !media.guesses_in(&starling, 1, 300.0));
     }
 
     #[test]
