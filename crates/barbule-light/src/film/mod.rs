@@ -8,6 +8,7 @@
 //! incidence r_p = −r_s.
 
 mod ensemble;
+pub mod gradient;
 mod sweep;
 
 pub use ensemble::{Deviations, Ensemble, ensemble};
