@@ -22,9 +22,9 @@ pub mod sets;
 pub mod structure_arg;
 
 pub use exhausted::EndsWhenExhausted;
+pub use materials::usual_cache_folder;
 
 use std::io::Write;
-use std::process::ExitCode;
 
 use barbule::error::sentence;
 use barbule::io::Ledger;
@@ -43,14 +43,14 @@ struct Cli {
     _common: common::Common,
 }
 
-/// Runs the program on the process's arguments.
-pub fn main() -> ExitCode {
-    let arguments: Vec<_> = std::env::args_os().collect();
+/// Runs the program on these arguments, the first of which is its own name, with the process's outputs.
+#[must_use]
+pub fn program(arguments: Vec<std::ffi::OsString>) -> u8 {
     match complete::answer(&arguments) {
         Ok(false) => {}
-        Ok(true) => return ExitCode::SUCCESS,
+        Ok(true) => return 0,
         // A shell shows nothing of it.
-        Err(_) => return ExitCode::FAILURE,
+        Err(_) => return 1,
     }
     let mut out = std::io::stdout().lock();
     run(arguments, &mut out, &mut std::io::stderr())
@@ -58,15 +58,15 @@ pub fn main() -> ExitCode {
 
 /// Runs one command line: results to `out`, messages to `err`.
 ///
-/// Exit codes: 0 done, 2 what the user can mend, 1 failures of the machine or of convergence, 130 after Ctrl-C.
-pub fn run<I, T>(args: I, out: &mut dyn Write, err: &mut dyn Write) -> ExitCode
+/// Returns the exit code: 0 done, 2 what the user can mend, 1 failures of the machine or of convergence, 130 after Ctrl-C.
+pub fn run<I, T>(args: I, out: &mut dyn Write, err: &mut dyn Write) -> u8
 where
     I: IntoIterator<Item = T>,
     T: Into<std::ffi::OsString> + Clone,
 {
     let words: Vec<std::ffi::OsString> = args.into_iter().map(Into::into).collect();
     match done(&words, out) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(Ending::Unclear(error)) if error.use_stderr() => {
             // A closed pipe on the other side is not an error of ours.
             let _ = match error.kind() {
@@ -75,11 +75,11 @@ where
                 }
                 _ => writeln!(err, "barbule: {}", as_typed(unclear(&error), &words)),
             };
-            ExitCode::from(2)
+            2
         }
         // Help and version.
         Err(Ending::Unclear(text)) => match common::print(out, text.render().to_string().trim_end()) {
-            Ok(()) => ExitCode::SUCCESS,
+            Ok(()) => 0,
             Err(error) => refused(&error, &words, err),
         },
         Err(Ending::Failed(error)) => refused(&error, &words, err),
@@ -101,9 +101,9 @@ fn done(words: &[std::ffi::OsString], out: &mut dyn Write) -> Result<(), Ending>
     outputs::check(&matches).and_then(|()| cli.command.run(out)).map_err(Ending::Failed)
 }
 
-fn refused(error: &Error, words: &[std::ffi::OsString], err: &mut dyn Write) -> ExitCode {
+fn refused(error: &Error, words: &[std::ffi::OsString], err: &mut dyn Write) -> u8 {
     let _ = writeln!(err, "barbule: {}", as_typed(arguments::spoken(error), words));
-    ExitCode::from(common::exit_code(error))
+    common::exit_code(error)
 }
 
 /// A sentence that begins with a flag, with the synonym of it that was typed.

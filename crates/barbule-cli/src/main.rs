@@ -8,5 +8,5 @@ use barbule_cli::EndsWhenExhausted;
 static ALLOCATOR: EndsWhenExhausted = EndsWhenExhausted;
 
 fn main() -> ExitCode {
-    barbule_cli::main()
+    barbule_cli::program(std::env::args_os().collect()).into()
 }

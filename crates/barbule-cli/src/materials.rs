@@ -83,14 +83,16 @@ pub(crate) fn cache_folder(common: &Common) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// Where the cache is: `--cache`, else `$XDG_CACHE_HOME/barbule`, `~/.cache/barbule`, or `%LOCALAPPDATA%\barbule`.
+/// Where the cache is: `--cache`, else the usual one.
+pub(crate) fn known_folder(common: &Common) -> Result<PathBuf> {
+    common.cache.clone().map_or_else(usual_cache_folder, Ok)
+}
+
+/// Where the cache is if nobody says otherwise: `$XDG_CACHE_HOME/barbule`, `%LOCALAPPDATA%\barbule` or `~/.cache/barbule`.
 ///
 /// # Errors
 /// None is known, or the variable names a place that changes with the working folder.
-pub(crate) fn known_folder(common: &Common) -> Result<PathBuf> {
-    if let Some(folder) = &common.cache {
-        return Ok(folder.clone());
-    }
+pub fn usual_cache_folder() -> Result<PathBuf> {
     for (name, below) in [("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache")] {
         let Some(base) = std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from) else {
             continue;

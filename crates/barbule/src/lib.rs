@@ -158,14 +158,16 @@ pub use scattering::far_field::Illumination;
 /// ```
 /// use barbule::spectrum::dense::DenseSpectrum;
 /// use barbule::spectrum::sensor::{Band, Curve};
+/// use barbule::render::planes::Planes;
 /// use barbule::{PictureOptions, Sensor};
 ///
 /// // A camera with a filter that passes ultraviolet light.
 /// let passed = DenseSpectrum::new(|nm| (-(nm - 360.0) * (nm - 360.0) / 450.0).exp());
 /// let channels = vec![Curve { name: "UV".into(), response: passed }];
 /// let sensor = Sensor::new("filtered camera", Band::new(300, 420)?, channels)?;
-/// let options = PictureOptions { sensor, ..PictureOptions::default() };
-/// assert_eq!(PictureOptions::default().sensor, Sensor::human());
+/// let planes = Planes { sensor, ..Planes::default() };
+/// let options = PictureOptions { planes, ..PictureOptions::default() };
+/// assert_eq!(PictureOptions::default().planes.sensor, Sensor::human());
 /// # assert_ne!(options, PictureOptions::default());
 /// # Ok::<(), barbule::Error>(())
 /// ```

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::shortened;
 use crate::io::hash_bytes;
-use crate::io::image::{Facts, write_exr, write_png};
+use crate::io::image::{Facts, encode_png, write_exr, write_png};
 use crate::io::web::{write_jpeg, write_webp};
 use crate::progress::Progress;
 use crate::render::exposure;
@@ -94,17 +94,19 @@ impl Set {
 pub struct PictureOptions {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Samples per pixel.
+    /// Samples per pixel; the most, where `noise` may end a tile earlier.
     pub samples: u32,
+    /// As [`Goal::noise`].
+    pub noise: Option<f64>,
     /// Seed of feather, instances and samples.
     pub seed: u64,
-    /// Who sees it.
-    pub sensor: Sensor,
+    /// Who sees it, and what else pixels keep.
+    pub planes: Planes,
 }
 
 impl Default for PictureOptions {
     fn default() -> Self {
-        Self { size: [1280, 800], samples: 16, seed: 1, sensor: Sensor::human() }
+        Self { size: [1280, 800], samples: 16, noise: None, seed: 1, planes: Planes::default() }
     }
 }
 
@@ -122,11 +124,10 @@ impl Picture {
     /// # Errors
     /// A number of scene or options out of range, or a stop by `progress`.
     pub fn of(scene: &ReadyScene, options: &PictureOptions, progress: &dyn Progress) -> Result<Self> {
-        let PictureOptions { size, samples, seed, ref sensor } = *options;
+        let PictureOptions { size, samples, noise, seed, ref planes } = *options;
         let set = Set::new(scene, seed, progress)?;
-        let planes = Planes { sensor: sensor.clone(), ..Planes::default() };
-        let mut film = Film::with(size, planes)?;
-        let goal = Goal::samples(samples);
+        let mut film = Film::with(size, planes.clone())?;
+        let goal = Goal { noise, ..Goal::samples(samples) };
         match set.render(scene, &mut film, seed, goal, progress, &mut |_| Ok(()))? {
             Ended::Stopped => Err(Error::interrupted()),
             Ended::Done | Ended::OutOfTime => {
@@ -150,6 +151,15 @@ impl Picture {
             return values;
         }
         values.chunks_exact(4).flat_map(|pixel| pixel[..3].to_vec()).collect()
+    }
+
+    /// The bytes of a PNG of it.
+    ///
+    /// # Errors
+    /// None of a picture that has pixels.
+    pub fn png(&self) -> Result<Vec<u8>> {
+        let Bytes { values, has_alpha } = picture::bytes(&self.film, &self.development);
+        encode_png(self.film.size(), &values, has_alpha, &[])
     }
 
     /// Writes the picture as `.png`, `.jpg` or `.webp`, or all its planes as `.exr`.

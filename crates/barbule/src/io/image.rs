@@ -28,19 +28,28 @@ pub fn write_png(
     has_alpha: bool,
     facts: &Facts<'_>,
 ) -> Result<()> {
+    let bytes = encode_png(size, pixels, has_alpha, facts).map_err(|error| error.in_file(path))?;
+    write_whole(path, &bytes)
+}
+
+/// The bytes of such a PNG.
+///
+/// # Errors
+/// `pixels` is not width × height × 3 or 4 bytes.
+pub fn encode_png(size: [u32; 2], pixels: &[u8], has_alpha: bool, facts: &Facts<'_>) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
     encoder.set_color(if has_alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let refuse = |e: png::EncodingError| Error::machine(format!("no PNG ({e})")).in_file(path);
+    let refuse = |e: png::EncodingError| Error::machine(format!("no PNG ({e})"));
     for (name, text) in facts {
         encoder.add_itxt_chunk((*name).to_owned(), (*text).to_owned()).map_err(refuse)?;
     }
     let mut writer = encoder.write_header().map_err(refuse)?;
     writer.write_image_data(pixels).map_err(refuse)?;
     writer.finish().map_err(refuse)?;
-    write_whole(path, &bytes)
+    Ok(bytes)
 }
 
 /// Writes an EXR (ZIP compression) with named planes of 32-bit floats and of 32-bit integers, and text attributes: facts with

@@ -1,0 +1,117 @@
+//! Planar multilayers.
+
+use barbule::film::gradient::{Gradient, gradient_at};
+use barbule::film::{FilmTables, Polarization, sweep};
+use barbule::progress::Progress;
+use barbule::{Complex64, Error, Result, Stack, Wavelengths};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::prelude::*;
+
+use crate::arrays::{Floats, complex, radians, shaped, wavelengths};
+use crate::error::OrRaise as _;
+use crate::opening::Given;
+use crate::work::How;
+
+/// Amplitudes and powers, `[angle, wavelength]`: r_s, r_p, t_s, t_p, R_s, R_p, T_s, T_p, A_s, A_p and the absorption in each layer
+/// (`[layer, angle, wavelength]`), A_layer_s and A_layer_p.
+#[pyfunction]
+#[pyo3(signature = (stack, wavelengths_nm, angles_deg, media, threads, progress))]
+pub(crate) fn film<'py>(
+    py: Python<'py>,
+    stack: &str,
+    wavelengths_nm: Floats<'py>,
+    angles_deg: Floats<'py>,
+    media: Vec<(String, String)>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (stack, at, angles) = inputs(stack, &wavelengths_nm, &angles_deg, media).or_raise(py)?;
+    let found = How::new(threads, progress).run(py, |progress| sweep(&stack, &at, &angles, progress))?;
+    let all = PyDict::new(py);
+    let shape = [angles.len(), at.len()];
+    let layered = [stack.layers(), angles.len(), at.len()];
+    for (name, tables) in ["s", "p"].into_iter().zip(found.polarization) {
+        let FilmTables { r, t, reflected, transmitted, absorbed, absorbed_per_layer } = tables;
+        all.set_item(format!("r_{name}"), complex(py, r, &shape)?)?;
+        all.set_item(format!("t_{name}"), complex(py, t, &shape)?)?;
+        all.set_item(format!("R_{name}"), shaped(py, reflected, &shape)?)?;
+        all.set_item(format!("T_{name}"), shaped(py, transmitted, &shape)?)?;
+        all.set_item(format!("A_{name}"), shaped(py, absorbed, &shape)?)?;
+        all.set_item(format!("A_layer_{name}"), shaped(py, absorbed_per_layer, &layered)?)?;
+    }
+    Ok(all)
+}
+
+/// Derivatives of the reflected amplitudes: by thickness `[angle, wavelength, layer]`, 1/nm, and by index `[angle, wavelength,
+/// layer and exit]`, each for s and p.
+type Gradients<'py> = [Bound<'py, PyArrayDyn<Complex64>>; 4];
+
+/// See [`Gradients`]: s by thickness, s by index, p by thickness, p by index.
+#[pyfunction]
+#[pyo3(signature = (stack, wavelengths_nm, angles_deg, media, threads))]
+pub(crate) fn film_gradients<'py>(
+    py: Python<'py>,
+    stack: &str,
+    wavelengths_nm: Floats<'py>,
+    angles_deg: Floats<'py>,
+    media: Vec<(String, String)>,
+    threads: Option<usize>,
+) -> PyResult<Gradients<'py>> {
+    let (stack, at, angles) = inputs(stack, &wavelengths_nm, &angles_deg, media).or_raise(py)?;
+    let how = How::new(threads, None);
+    let found = how.run(py, |progress| gradients(&stack, &at, &angles, progress))?;
+    let (layers, cells) = (stack.layers(), angles.len() * at.len());
+    // Found wavelength by wavelength; given angle by angle.
+    let table = |polarization: usize, by_index: bool| {
+        let depth = layers + usize::from(by_index);
+        let mut values = Vec::with_capacity(cells * depth);
+        for angle in 0..angles.len() {
+            for column in &found {
+                let Gradient { by_thickness, by_index: indices, .. } = &column[angle][polarization];
+                values.extend_from_slice(if by_index { indices } else { by_thickness });
+            }
+        }
+        complex(py, values, &[angles.len(), at.len(), depth])
+    };
+    Ok([table(0, false)?, table(0, true)?, table(1, false)?, table(1, true)?])
+}
+
+fn inputs(
+    stack: &str,
+    wavelengths_nm: &Floats<'_>,
+    angles_deg: &Floats<'_>,
+    media: Vec<(String, String)>,
+) -> Result<(Stack, Wavelengths, Vec<f64>)> {
+    let stack = Given { media, ..Given::default() }.stack(stack)?;
+    let angles = radians(angles_deg);
+    if angles.is_empty() {
+        return Err(Error::input("'angles_deg' is empty; give at least one angle"));
+    }
+    Ok((stack, wavelengths(wavelengths_nm)?, angles))
+}
+
+/// `[wavelength][angle][polarization]`.
+fn gradients(
+    stack: &Stack,
+    at: &Wavelengths,
+    angles: &[f64],
+    progress: &dyn Progress,
+) -> Result<Vec<Vec<[Gradient; 2]>>> {
+    progress.begin("derivatives", at.len() as u64);
+    let column = |&nm: &f64| {
+        let indices = stack.indices(nm)?;
+        let mut column = Vec::with_capacity(angles.len());
+        for &angle in angles {
+            if progress.is_cancelled() {
+                return Err(Error::interrupted());
+            }
+            let of = |polarization| gradient_at(&indices, stack.thickness_nm(), nm, angle, polarization);
+            column.push([of(Polarization::S)?, of(Polarization::P)?]);
+        }
+        progress.advance(1);
+        Ok(column)
+    };
+    at.nm().par_iter().map(column).collect()
+}

@@ -1,0 +1,49 @@
+//! `barbule._native`: what the Python package `barbule` is made of.
+//!
+//! Each module is one subject. Functions take and give plain NumPy arrays and names; labels, units and documentation are
+//! in `python/barbule`. Whatever may take longer than 10 ms runs without the interpreter's lock ([`work`]).
+
+mod arrays;
+mod colour;
+mod crystal;
+mod diffraction;
+mod error;
+mod field;
+mod film;
+mod make;
+mod material;
+mod opening;
+mod program;
+mod scene;
+mod spectrum;
+mod structure;
+mod work;
+
+/// What `barbule` is made of. Private: use `barbule`.
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::colour::{delta_e_2000, xyz_of};
+    #[pymodule_export]
+    use super::crystal::crystal;
+    #[pymodule_export]
+    use super::diffraction::Heights;
+    #[pymodule_export]
+    use super::field::far_fields;
+    #[pymodule_export]
+    use super::film::{film, film_gradients};
+    #[pymodule_export]
+    use super::make::{characterize, fit, simulate};
+    #[pymodule_export]
+    use super::material::Material;
+    #[pymodule_export]
+    use super::opening::{open, species};
+    #[pymodule_export]
+    use super::program::{run, version};
+    #[pymodule_export]
+    use super::scene::{Picture, Scene, presets};
+    #[pymodule_export]
+    use super::spectrum::spectra;
+    #[pymodule_export]
+    use super::structure::{Section, Structure};
+}

@@ -1,0 +1,107 @@
+//! Campaigns and fits: from structures to materials.
+
+use std::path::PathBuf;
+
+use barbule::brdf::fit::FitOptions;
+use barbule::campaign::{Resources, run};
+use barbule::characterize::{
+    CampaignDescription, CampaignOptions, Execution, Found, Origin, as_filed, characterize as made_of,
+    material_of,
+};
+use barbule::io::store::Store;
+use barbule::{Error, Result};
+use pyo3::prelude::*;
+
+use crate::error::OrRaise as _;
+use crate::material::{Choices, Material};
+use crate::opening::Given;
+use crate::structure::Structure;
+use crate::work::How;
+
+/// What `options`, JSON, says of a campaign; what it leaves out is usual.
+fn campaign(options: &str) -> Result<CampaignOptions> {
+    serde_json::from_str(options).map_err(|error| Error::input(format!("the campaign's options: {error}")))
+}
+
+/// Simulates a structure and fits its material.
+#[pyfunction]
+#[pyo3(signature = (structure, options, halo, sigma, store, cache, threads, progress))]
+#[allow(clippy::too_many_arguments)] // they have names in Python
+pub(crate) fn characterize(
+    py: Python<'_>,
+    structure: &Structure,
+    options: &str,
+    halo: bool,
+    sigma: Option<f64>,
+    store: Option<PathBuf>,
+    cache: Option<PathBuf>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Material> {
+    let plan = campaign(options).and_then(|options| options.plan(structure.inner.clone())).or_raise(py)?;
+    let catalog = Given { cache, ..Given::default() }.opening().or_raise(py)?.catalog;
+    let usual = FitOptions::default();
+    let fitted = FitOptions { halo, sigma: sigma.unwrap_or(usual.sigma), ..usual };
+    let how = Execution { resources: Resources::default(), store: store.as_deref() };
+    let found = How::new(threads, progress).run(py, |progress| {
+        let made = made_of(&plan, &fitted, &catalog, &how, progress)?;
+        let (material, hash) = as_filed(&made.material)?;
+        Ok(Found { material, hash, origin: Origin::Memory })
+    })?;
+    Material::of(py, found, Choices::default())
+}
+
+/// Fills a campaign's store, or goes on with it; how many units were computed and how many were there.
+#[pyfunction]
+#[pyo3(signature = (structure, path, options, keep_fields_nm, shard, cache, threads, progress))]
+#[allow(clippy::too_many_arguments)] // they have names in Python
+pub(crate) fn simulate(
+    py: Python<'_>,
+    structure: &Structure,
+    path: PathBuf,
+    options: &str,
+    keep_fields_nm: Vec<f64>,
+    shard: (usize, usize),
+    cache: Option<PathBuf>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(usize, usize)> {
+    let plan = campaign(options).and_then(|options| options.plan(structure.inner.clone())).or_raise(py)?;
+    let catalog = Given { cache, ..Given::default() }.opening().or_raise(py)?.catalog;
+    let resources = Resources::default();
+    How::new(threads, progress).run(py, |progress| {
+        let (number, of) = shard;
+        if number >= of {
+            return Err(Error::input(format!("'shard' is ({number}, {of}); give (i, n) with i below n")));
+        }
+        let store = plan.store(&path, &keep_fields_nm, &resources)?;
+        store.prepare_writing()?;
+        let campaign = plan.campaign(&resources, &catalog, progress)?;
+        let outcome = run(&campaign, &store.axes().shard(number, of), &store, progress)?;
+        store.end_writing();
+        Ok((outcome.computed, outcome.found))
+    })
+}
+
+/// Fits the material of a finished store.
+#[pyfunction]
+#[pyo3(signature = (store, sigma, threads, progress))]
+pub(crate) fn fit(
+    py: Python<'_>,
+    store: PathBuf,
+    sigma: Option<f64>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Material> {
+    let usual = FitOptions::default();
+    let options = FitOptions { sigma: sigma.unwrap_or(usual.sigma), ..usual };
+    let found = How::new(threads, progress).run(py, |progress| {
+        let opened = Store::open(&store)?;
+        let statistics = opened.statistics()?;
+        let described = CampaignDescription::read(opened.description()).map_err(|e| e.in_file(&store))?;
+        let (material, _) = material_of(&statistics, opened.name(), &described, &options, progress)?;
+        let (material, hash) = as_filed(&material)?;
+        Ok(Found { material, hash, origin: Origin::Memory })
+    })?;
+    Material::of(py, found, Choices::default())
+}

@@ -1,0 +1,468 @@
+//! Materials: values, samples and densities in batches, and the tables behind them.
+
+use std::borrow::Cow;
+use std::path::PathBuf;
+
+use barbule::brdf::{FeatherBrdf, FeatherMaterial, Numbers, Options, Reciprocity};
+use barbule::characterize::{Found, Origin};
+use barbule::io::encode_material;
+use barbule::open;
+use barbule::scattering::far_field::Polarization;
+use barbule::scattering::lobe::FitKind;
+use barbule::scattering::statistics::Sides;
+use barbule::{DVec3, Error, Result};
+use numpy::ndarray::{ArrayViewD, IxDyn};
+use numpy::{
+    Element, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods as _, PyReadonlyArray1, PyReadonlyArray2,
+    PyReadwriteArray,
+};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use rayon::prelude::*;
+
+use crate::arrays::shaped;
+use crate::error::OrRaise as _;
+use crate::opening::Given;
+use crate::work::How;
+
+/// Directions that one thread does in a row.
+const BLOCK: usize = 1024;
+/// Wavelengths that the kernel does at once.
+const LANES: usize = 4;
+
+/// A feather's material, ready to be evaluated.
+#[pyclass(frozen, module = "barbule._native", subclass)]
+pub(crate) struct Material {
+    pub(crate) material: FeatherMaterial,
+    pub(crate) brdf: FeatherBrdf,
+    hash: String,
+    source: String,
+}
+
+/// How a material is evaluated, as Python says it.
+#[derive(Default)]
+pub(crate) struct Choices {
+    reciprocity: Option<String>,
+    sigma: Option<f64>,
+    polarization: Option<u8>,
+}
+
+impl Choices {
+    fn options(&self) -> Result<Options> {
+        let polarization = match self.polarization {
+            None => None,
+            Some(1) => Some(Polarization::First),
+            Some(2) => Some(Polarization::Second),
+            Some(other) => {
+                return Err(Error::input(format!("'polarization' is {other}; give 1, 2 or None")));
+            }
+        };
+        let reciprocity = match &self.reciprocity {
+            None => Reciprocity::default(),
+            Some(word) => Reciprocity::named("'reciprocity'", word)?,
+        };
+        Ok(Options { sigma: self.sigma, reciprocity, polarization })
+    }
+}
+
+impl Material {
+    pub(crate) fn of(py: Python<'_>, found: Found, choices: Choices) -> PyResult<Self> {
+        let options = choices.options().or_raise(py)?;
+        let source = match &found.origin {
+            Origin::Shipped(_) => "shipped".to_owned(),
+            Origin::File(path) => path.to_string_lossy().into_owned(),
+            Origin::Memory => "memory".to_owned(),
+        };
+        let brdf = py.detach(|| FeatherBrdf::new(&found.material, options)).or_raise(py)?;
+        Ok(Self { material: found.material, brdf, hash: found.hash, source })
+    }
+}
+
+/// Rows of numbers, one for all or one for each value.
+#[derive(Clone, Copy)]
+struct Rows<'a, T> {
+    values: &'a [T],
+    width: usize,
+    step: usize,
+}
+
+impl<'a, T: Copy> Rows<'a, T> {
+    fn new(name: &str, values: &'a [T], width: usize, count: usize) -> Result<Self> {
+        let step = if values.len() == width { 0 } else { width };
+        if values.len() != width && values.len() != width * count {
+            let rows = values.len() / width.max(1);
+            return Err(Error::input(format!("'{name}' has {rows} rows for {count} values")));
+        }
+        Ok(Self { values, width, step })
+    }
+
+    fn at(&self, row: usize) -> &'a [T] {
+        &self.values[row * self.step..][..self.width]
+    }
+
+    fn is_one(&self) -> bool {
+        self.step == 0
+    }
+}
+
+fn vector(row: &[f64]) -> DVec3 {
+    DVec3::new(row[0], row[1], row[2])
+}
+
+/// Refuses directions that are no unit vectors, with the first of them.
+fn check_unit(name: &str, rows: Rows<'_, f64>) -> Result<()> {
+    let bad =
+        rows.values.par_chunks_exact(3).position_first(|w| (vector(w).length_squared() - 1.0).abs() > 1e-3);
+    bad.map_or(Ok(()), |row| {
+        let [x, y, z] = [0, 1, 2].map(|k| rows.values[3 * row + k]);
+        Err(Error::input(format!(
+            "'{name}' in row {row} is ({x}, {y}, {z}), of length {:.3}; give unit vectors",
+            vector(&[x, y, z]).length()
+        )))
+    })
+}
+
+fn slice<'a, T: Element>(array: &'a PyReadonlyArray1<'_, T>) -> Result<&'a [T]> {
+    array.as_slice().map_err(|_| Error::input("an array is not contiguous"))
+}
+
+fn slice2<'a, T: Element>(array: &'a PyReadonlyArray2<'_, T>) -> Result<&'a [T]> {
+    array.as_slice().map_err(|_| Error::input("an array is not contiguous"))
+}
+
+/// A batch of evaluations, as rows.
+struct Batch<'a> {
+    nm: Rows<'a, f64>,
+    wi: Rows<'a, f64>,
+    wo: Rows<'a, f64>,
+    count: usize,
+}
+
+impl<'a> Batch<'a> {
+    fn new(nm: &'a [f64], waves: usize, wi: &'a [f64], wo: &'a [f64], count: usize) -> Result<Self> {
+        let batch = Self {
+            nm: Rows::new("wavelengths_nm", nm, waves, count)?,
+            wi: Rows::new("wi", wi, 3, count)?,
+            wo: Rows::new("wo", wo, 3, count)?,
+            count,
+        };
+        check_unit("wi", batch.wi)?;
+        check_unit("wo", batch.wo)?;
+        Ok(batch)
+    }
+
+    /// Four wavelengths of a row from the `first` on; the last one stands for those that there are not.
+    fn lanes(&self, row: usize, first: usize) -> [f32; LANES] {
+        let nm = self.nm.at(row);
+        std::array::from_fn(|lane| nm[(first + lane).min(nm.len() - 1)] as f32)
+    }
+
+    /// Fills `[row, wavelength]`, in parallel.
+    fn fill<T: Copy + Send + Default>(&self, values: impl Fn(&mut [T], usize, usize) + Sync) -> Vec<T> {
+        let waves = self.nm.width;
+        let mut all = vec![T::default(); self.count * waves];
+        all.par_chunks_mut(waves * BLOCK).enumerate().for_each(|(block, chunk)| {
+            for first in (0..waves).step_by(LANES) {
+                values(chunk, block * BLOCK, first);
+            }
+        });
+        all
+    }
+
+    fn eval(&self, brdf: &FeatherBrdf, instance: Option<Rows<'_, u64>>) -> Vec<f32> {
+        let waves = self.nm.width;
+        let one_draw = instance.filter(Rows::is_one).map(|names| brdf.instance(names.at(0)[0]));
+        self.fill(|chunk, row, first| {
+            let width = LANES.min(waves - first);
+            let shared = (self.nm.is_one() && self.wi.is_one())
+                .then(|| brdf.prepare(self.lanes(0, first), vector(self.wi.at(0))));
+            for (k, to) in chunk.chunks_exact_mut(waves).enumerate() {
+                let at = row + k;
+                let own = match (&one_draw, instance) {
+                    (None, Some(names)) => Some(brdf.instance(names.at(at)[0])),
+                    _ => None,
+                };
+                let draw = one_draw.as_ref().or(own.as_ref());
+                let wo = vector(self.wo.at(at));
+                let found = match &shared {
+                    Some(prepared) => prepared.eval(wo, draw),
+                    None => brdf.prepare(self.lanes(at, first), vector(self.wi.at(at))).eval(wo, draw),
+                };
+                to[first..first + width].copy_from_slice(&found[..width]);
+            }
+        })
+    }
+
+    fn pdf(&self, brdf: &FeatherBrdf) -> Vec<f64> {
+        let waves = self.nm.width;
+        self.fill(|chunk, row, first| {
+            let width = LANES.min(waves - first);
+            let shared = (self.nm.is_one() && self.wi.is_one())
+                .then(|| brdf.prepare(self.lanes(0, first), vector(self.wi.at(0))));
+            for (k, to) in chunk.chunks_exact_mut(waves).enumerate() {
+                let wo = vector(self.wo.at(row + k));
+                let found = match &shared {
+                    Some(prepared) => prepared.pdfs(wo),
+                    None => brdf.pdfs(self.lanes(row + k, first), vector(self.wi.at(row + k)), wo),
+                };
+                to[first..first + width].copy_from_slice(&found[..width]);
+            }
+        })
+    }
+}
+
+/// Runs at once, without the lock, on so many threads.
+fn at_once<T: Send>(py: Python<'_>, threads: Option<usize>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    let pool = How::new(threads, None).pool().or_raise(py)?;
+    Ok(py.detach(|| match pool {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }))
+}
+
+#[pymethods]
+impl Material {
+    /// Opens a material: a file, or a structure whose material ships, is cached, or is made now.
+    #[staticmethod]
+    #[pyo3(signature = (text, media, cache, seed, may_compute, reciprocity, sigma, polarization, threads, progress))]
+    #[allow(clippy::too_many_arguments)] // they have names in Python
+    fn open(
+        py: Python<'_>,
+        text: &str,
+        media: Vec<(String, String)>,
+        cache: Option<PathBuf>,
+        seed: Option<u64>,
+        may_compute: bool,
+        reciprocity: Option<String>,
+        sigma: Option<f64>,
+        polarization: Option<u8>,
+        threads: Option<usize>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let opening = Given { media, cache, seed, may_compute }.opening().or_raise(py)?;
+        let how = How::new(threads, progress);
+        let found = how.run(py, |progress| open::material(text, &opening, progress))?;
+        Self::of(py, found, Choices { reciprocity, sigma, polarization })
+    }
+
+    /// f `[row, wavelength]`, 1/sr; rows of each argument are one or as many as there are values.
+    #[pyo3(signature = (wavelengths_nm, wi, wo, instance, count, threads))]
+    fn eval_rows<'py>(
+        &self,
+        py: Python<'py>,
+        wavelengths_nm: PyReadonlyArray2<'py, f64>,
+        wi: PyReadonlyArray2<'py, f64>,
+        wo: PyReadonlyArray2<'py, f64>,
+        instance: Option<PyReadonlyArray1<'py, u64>>,
+        count: usize,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let waves = wavelengths_nm.as_array().ncols();
+        let names = instance.as_ref().map(slice).transpose().or_raise(py)?;
+        let [nm, wi, wo] = [&wavelengths_nm, &wi, &wo].map(slice2);
+        let (nm, wi, wo) = (nm.or_raise(py)?, wi.or_raise(py)?, wo.or_raise(py)?);
+        let values = at_once(py, threads, || {
+            let batch = Batch::new(nm, waves, wi, wo, count)?;
+            let names = names.map(|names| Rows::new("instance", names, 1, count)).transpose()?;
+            Ok(batch.eval(&self.brdf, names))
+        })?;
+        shaped(py, values.or_raise(py)?, &[count, waves])
+    }
+
+    /// Densities `[row, wavelength]`, 1/sr.
+    #[pyo3(signature = (wavelengths_nm, wi, wo, count, threads))]
+    fn pdf_rows<'py>(
+        &self,
+        py: Python<'py>,
+        wavelengths_nm: PyReadonlyArray2<'py, f64>,
+        wi: PyReadonlyArray2<'py, f64>,
+        wo: PyReadonlyArray2<'py, f64>,
+        count: usize,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let waves = wavelengths_nm.as_array().ncols();
+        let [nm, wi, wo] = [&wavelengths_nm, &wi, &wo].map(slice2);
+        let (nm, wi, wo) = (nm.or_raise(py)?, wi.or_raise(py)?, wo.or_raise(py)?);
+        let values = at_once(py, threads, || Ok(Batch::new(nm, waves, wi, wo, count)?.pdf(&self.brdf)))?;
+        shaped(py, values.or_raise(py)?, &[count, waves])
+    }
+
+    /// Outgoing directions `[row, 3]` and their densities `[row]`; NaN and 0 where light comes from below or none is drawn.
+    #[pyo3(signature = (wavelength_nm, wi, u, count, threads))]
+    fn sample_rows<'py>(
+        &self,
+        py: Python<'py>,
+        wavelength_nm: PyReadonlyArray2<'py, f64>,
+        wi: PyReadonlyArray2<'py, f64>,
+        u: PyReadonlyArray2<'py, f64>,
+        count: usize,
+        threads: Option<usize>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let [nm, wi, u] = [&wavelength_nm, &wi, &u].map(slice2);
+        let (nm, wi, u) = (nm.or_raise(py)?, wi.or_raise(py)?, u.or_raise(py)?);
+        let drawn = at_once(py, threads, || {
+            let nm = Rows::new("wavelength_nm", nm, 1, count)?;
+            let wi = Rows::new("wi", wi, 3, count)?;
+            let u = Rows::new("u", u, 2, count)?;
+            check_unit("wi", wi)?;
+            let one = |row: usize| {
+                let u = u.at(row);
+                self.brdf.sample(nm.at(row)[0] as f32, vector(wi.at(row)), [u[0], u[1]])
+            };
+            Ok((0..count).into_par_iter().map(one).collect::<Vec<_>>())
+        })?;
+        let drawn = drawn.or_raise(py)?;
+        let directions: Vec<f64> =
+            drawn.iter().flat_map(|one| one.map_or([f64::NAN; 3], |(wo, _)| wo.to_array())).collect();
+        let densities: Vec<f64> = drawn.iter().map(|one| one.map_or(0.0, |(_, pdf)| pdf)).collect();
+        let directions = PyArray1::from_vec(py, directions).reshape([count, 3])?;
+        Ok((directions, PyArray1::from_vec(py, densities)))
+    }
+
+    /// What the mean reflects of light from `wi`, `[row]`.
+    #[pyo3(signature = (wavelength_nm, wi, count, threads))]
+    fn albedo_rows<'py>(
+        &self,
+        py: Python<'py>,
+        wavelength_nm: PyReadonlyArray2<'py, f64>,
+        wi: PyReadonlyArray2<'py, f64>,
+        count: usize,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let [nm, wi] = [&wavelength_nm, &wi].map(slice2);
+        let (nm, wi) = (nm.or_raise(py)?, wi.or_raise(py)?);
+        let values = at_once(py, threads, || {
+            let nm = Rows::new("wavelength_nm", nm, 1, count)?;
+            let wi = Rows::new("wi", wi, 3, count)?;
+            check_unit("wi", wi)?;
+            let one = |row: usize| self.brdf.albedo(nm.at(row)[0] as f32, vector(wi.at(row)));
+            Ok((0..count).into_par_iter().map(one).collect::<Vec<_>>())
+        })?;
+        Ok(PyArray1::from_vec(py, values.or_raise(py)?))
+    }
+
+    /// All that is evaluated, by name, as read-only arrays on this material's own memory (`docs/formats/brdf-tables.md`).
+    fn tables<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        let py = slf.py();
+        let all = PyDict::new(py);
+        for array in slf.get().brdf.tables().arrays() {
+            let (name, shape) = (array.name, array.shape);
+            let values = match array.numbers {
+                Numbers::F64(values) => held(slf, &values, &shape)?.into_any(),
+                Numbers::F32(values) => held(slf, &values, &shape)?.into_any(),
+                Numbers::I16(values) => held(slf, &values, &shape)?.into_any(),
+            };
+            all.set_item(name, values)?;
+        }
+        Ok(all)
+    }
+
+    /// What the tables mean: the header of `docs/formats/brdf-tables.md`.
+    fn header<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let header = self.brdf.tables().header();
+        let all = PyDict::new(py);
+        all.set_item("version", header.version)?;
+        all.set_item(
+            "kind",
+            match header.kind {
+                FitKind::Marginal => "marginal",
+                FitKind::Cone => "cone",
+            },
+        )?;
+        all.set_item(
+            "sides",
+            match header.sides {
+                Sides::Alike => "alike",
+                Sides::Both => "both",
+            },
+        )?;
+        all.set_item("polarization", header.polarization.map(|p| p.index() + 1))?;
+        all.set_item("reciprocity", self.brdf.reciprocity().word())?;
+        all.set_item("sigma", header.sigma)?;
+        all.set_item("halo", header.halo)?;
+        all.set_item("seed", header.seed)?;
+        all.set_item("sets", header.sets)?;
+        all.set_item("thetas", header.thetas)?;
+        all.set_item("phis", header.phis)?;
+        all.set_item("waves", header.waves)?;
+        Ok(all)
+    }
+
+    /// The bytes of its file.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| encode_material(&self.material)).or_raise(py)?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Writes a material file, whole or not at all.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| barbule::io::write_material(&path, &self.material)).or_raise(py)
+    }
+
+    /// How it was made, as JSON.
+    fn info_json(&self) -> String {
+        self.material.info.to_string()
+    }
+
+    #[getter]
+    fn name(&self) -> String {
+        barbule::figures::title(&self.material)
+    }
+
+    #[getter]
+    fn hash(&self) -> &str {
+        &self.hash
+    }
+
+    #[getter]
+    fn source(&self) -> &str {
+        &self.source
+    }
+
+    #[getter]
+    fn wavelengths_nm<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.material.axes.wavelengths_nm())
+    }
+
+    #[getter]
+    fn cos_theta_i<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.material.axes.cos_theta())
+    }
+
+    #[getter]
+    fn cos_phi_i<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.material.axes.cos_phi())
+    }
+
+    #[getter]
+    fn sigma(&self) -> f64 {
+        self.brdf.sigma()
+    }
+
+    #[getter]
+    fn halo_sigmas(&self) -> Vec<f64> {
+        self.brdf.halo_sigmas().to_vec()
+    }
+}
+
+/// A read-only array over numbers that a material holds, or over a copy of those that are computed as they are asked for.
+fn held<'py, T: Element + Copy>(
+    owner: &Bound<'py, Material>,
+    values: &Cow<'_, [T]>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    let array = match values {
+        Cow::Owned(values) => shaped(owner.py(), values.clone(), shape)?,
+        Cow::Borrowed(values) => {
+            let view = ArrayViewD::from_shape(IxDyn(shape), values);
+            let view = view.map_err(|error| Error::machine(error.to_string())).or_raise(owner.py())?;
+            // SAFETY: the numbers lie in the tables of `owner`, which nobody can change or move (the class is frozen, the tables are
+            // behind an `Arc` that it keeps), NumPy keeps `owner` alive, and the array is made read-only before anybody sees it.
+            #[allow(unsafe_code)]
+            let array = unsafe { PyArrayDyn::borrow_from_array(&view, owner.clone().into_any()) };
+            array
+        }
+    };
+    PyReadwriteArray::make_nonwriteable(array.readwrite());
+    Ok(array)
+}

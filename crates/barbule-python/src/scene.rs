@@ -1,0 +1,221 @@
+//! Scenes and their pictures.
+
+use std::path::PathBuf;
+
+use barbule::io::Folder;
+use barbule::open::{self, material, worn};
+use barbule::progress::Progress;
+use barbule::render::film::{Film, Pixel};
+use barbule::render::planes::{Bands, Planes};
+use barbule::scene::preset;
+use barbule::{PictureOptions, Result, SceneDescription, Sensor, resolve};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::arrays::shaped;
+use crate::error::OrRaise as _;
+use crate::opening::Given;
+use crate::work::How;
+
+/// Names of the presets and what they show.
+#[pyfunction]
+pub(crate) fn presets() -> Vec<(String, String)> {
+    preset::names()
+        .map(|name| (name.to_owned(), preset::about(name).unwrap_or_default().to_owned()))
+        .collect()
+}
+
+/// A scene of which nothing is read yet that it names.
+#[pyclass(frozen, module = "barbule._native")]
+pub(crate) struct Scene {
+    description: SceneDescription,
+    folder: PathBuf,
+}
+
+/// How a scene is rendered.
+struct Choices {
+    options: PictureOptions,
+    spectral_nm: Vec<f64>,
+    compositing: bool,
+}
+
+#[pymethods]
+impl Scene {
+    /// What `barbule render` takes: a preset, a scene file, a material or a structure.
+    #[staticmethod]
+    #[pyo3(signature = (text, media, progress))]
+    fn open(
+        py: Python<'_>,
+        text: &str,
+        media: Vec<(String, String)>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let opening = Given { media, ..Given::default() }.opening().or_raise(py)?;
+        let how = How::new(None, progress);
+        let description = how.run(py, |progress| open::description(text, &opening, progress))?;
+        Ok(Self { description, folder: open::folder_of(text) })
+    }
+
+    /// A scene from the text of a scene file, whose files lie in `folder`.
+    #[staticmethod]
+    fn parse(py: Python<'_>, toml: &str, folder: PathBuf) -> PyResult<Self> {
+        Ok(Self { description: SceneDescription::parse(toml).or_raise(py)?, folder })
+    }
+
+    /// The same scene with another material on its barbules.
+    fn with_material(&self, name: &str) -> Self {
+        let mut description = self.description.clone();
+        description.set_material(name);
+        Self { description, folder: self.folder.clone() }
+    }
+
+    /// The text of a scene file.
+    fn toml(&self, py: Python<'_>) -> PyResult<String> {
+        self.description.to_toml().or_raise(py)
+    }
+
+    /// Renders it.
+    #[pyo3(signature = (size, samples, noise, seed, spectral_nm, compositing, media, cache, threads, progress))]
+    #[allow(clippy::too_many_arguments)] // they have names in Python
+    fn render(
+        &self,
+        py: Python<'_>,
+        size: [u32; 2],
+        samples: u32,
+        noise: Option<f64>,
+        seed: u64,
+        spectral_nm: Vec<f64>,
+        compositing: bool,
+        media: Vec<(String, String)>,
+        cache: Option<PathBuf>,
+        threads: Option<usize>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Picture> {
+        let given = Given { media, cache, seed: Some(seed), may_compute: true };
+        let options = PictureOptions { size, samples, noise, seed, ..PictureOptions::default() };
+        let choices = Choices { options, spectral_nm, compositing };
+        How::new(threads, progress).run(py, |progress| self.picture(&given, &choices, progress))
+    }
+}
+
+impl Scene {
+    fn picture(&self, given: &Given, choices: &Choices, progress: &dyn Progress) -> Result<Picture> {
+        let opening = given.opening()?;
+        let mut dye = |name: &str| {
+            let found = material(name, &opening, progress)?;
+            worn(&found.material, found.hash)
+        };
+        let folder = Folder(self.folder.clone());
+        let scene = resolve(self.description.clone(), &folder, &mut dye, choices.options.seed, progress)?;
+        let sensor = Sensor::human();
+        let spectral = Bands::new(&choices.spectral_nm, sensor.band()).map_err(|e| e.at("'spectral_nm'"))?;
+        let planes = Planes { sensor, compositing: choices.compositing, spectral };
+        let options = PictureOptions { planes, ..choices.options.clone() };
+        Ok(Picture { inner: barbule::Picture::of(&scene, &options, progress)? })
+    }
+}
+
+/// A rendered picture: what a sensor saw, and what a screen shows of it.
+#[pyclass(frozen, module = "barbule._native")]
+pub(crate) struct Picture {
+    inner: barbule::Picture,
+}
+
+impl Picture {
+    fn size(&self) -> [usize; 2] {
+        self.inner.film().size().map(|side| side as usize)
+    }
+
+    /// An array `[row, column]` or `[row, column, k]` of what each pixel gives.
+    fn plane<'py, T: numpy::Element + Copy>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&Film, u32, u32) -> Vec<T>,
+        is_flat: bool,
+    ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+        let [width, height] = self.inner.film().size();
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let values: Vec<T> = places.flat_map(|(x, y)| of(self.inner.film(), x, y)).collect();
+        let (rows, columns) = (height as usize, width as usize);
+        let depth = values.len() / (rows * columns);
+        let shape = [rows, columns, depth];
+        shaped(py, values, if is_flat { &shape[..2] } else { &shape })
+    }
+}
+
+#[pymethods]
+impl Picture {
+    /// 8-bit sRGB, `[row, column, 3]`.
+    fn rgb<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
+        let [width, height] = self.size();
+        shaped(py, py.detach(|| self.inner.rgb()), &[height, width, 3])
+    }
+
+    /// The planes by name.
+    fn planes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        let film = self.inner.film();
+        let per_hit = |pixel: &Pixel, value: f64| value / f64::from(pixel.hits.max(1));
+        let single = |values: [f64; 3]| values.map(|value| value as f32).to_vec();
+        all.set_item("xyz", self.plane(py, |film, x, y| single(film.xyz(x, y)), false)?)?;
+        let [width, height] = self.size();
+        let linear = film.linear_srgb().concat();
+        all.set_item("linear_srgb", shaped(py, linear, &[height, width, 3])?)?;
+        all.set_item("alpha", self.plane(py, |film, x, y| vec![film.alpha(x, y) as f32], true)?)?;
+        let normal = |film: &Film, x, y| {
+            let pixel = film.pixel(x, y);
+            single(pixel.normal.map(|part| per_hit(pixel, part)))
+        };
+        all.set_item("normal", self.plane(py, normal, false)?)?;
+        let depth = |film: &Film, x, y| {
+            let pixel = film.pixel(x, y);
+            vec![if pixel.hits == 0 { f32::INFINITY } else { per_hit(pixel, pixel.depth) as f32 }]
+        };
+        all.set_item("depth_mm", self.plane(py, depth, true)?)?;
+        all.set_item("id", self.plane(py, |film, x, y| vec![film.pixel(x, y).id], true)?)?;
+        let variance = |film: &Film, x, y| vec![film.variance(x, y) as f32];
+        all.set_item("variance", self.plane(py, variance, true)?)?;
+        if !film.planes().spectral.nm().is_empty() {
+            let spectrum =
+                |film: &Film, x, y| film.spectrum(x, y).into_iter().map(|v| v as f32).collect::<Vec<_>>();
+            all.set_item("spectrum", self.plane(py, spectrum, false)?)?;
+        }
+        if film.planes().compositing {
+            let albedo = |film: &Film, x, y| {
+                let values = film.albedo(x, y).unwrap_or_default();
+                values.into_iter().map(|value| value as f32).collect::<Vec<_>>()
+            };
+            all.set_item("albedo", self.plane(py, albedo, false)?)?;
+        }
+        Ok(all)
+    }
+
+    /// Width and height, pixels.
+    #[getter]
+    fn shape(&self) -> (usize, usize) {
+        let [width, height] = self.size();
+        (height, width)
+    }
+
+    /// Wavelengths of the plane `spectrum`, nm.
+    #[getter]
+    fn spectral_nm(&self) -> Vec<f64> {
+        self.inner.film().planes().spectral.nm().to_vec()
+    }
+
+    /// Writes `.png`, `.jpg`, `.webp`, or all planes as `.exr`.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| self.inner.save(path)).or_raise(py)
+    }
+
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| self.inner.png()).or_raise(py)?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    fn __repr__(&self) -> String {
+        let [width, height] = self.size();
+        format!("<barbule.Picture {width} × {height}>")
+    }
+}
