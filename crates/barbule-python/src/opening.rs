@@ -7,7 +7,7 @@ use barbule::characterize::Catalog;
 use barbule::io::read_stack;
 use barbule::open::{Media, Opened, Opening, open as opened_as};
 use barbule::structure::{SpeciesFile, species_names};
-use barbule::{Result, Stack, Structure};
+use barbule::{Result, Stack};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

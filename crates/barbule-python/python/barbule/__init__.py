@@ -1,0 +1,54 @@
+"""From the nanostructure of a bird's feather to its reflectance, its BRDF and its picture.
+
+    structure ──► waves ──► statistics ──► material ──► picture
+
+Names open as on the command line: `barbule.open("starling:pink")`, a stack such as `air/keratin:595/air`, or files.
+Lengths are µm in structures, nm for films and vacuum wavelengths; angles are degrees. Directions are unit vectors in the barbule's frame
+(x across, y along, z up) that point away from the surface.
+"""
+
+from __future__ import annotations
+
+from ._colour import colours, delta_e_2000
+from ._make import characterize, fit, simulate
+from ._material import Material
+from ._native import Picture, Section, Structure, species, version
+from ._optics import Heights, crystal, far_fields, film, spectrum
+from ._opening import open
+from ._progress import Bar
+from ._labels import Arrays, Axis, Quantity
+from ._scene import Scene, presets, render
+from .errors import BarbuleError, DoubtWarning, InputError, MachineError, NotSettledError
+
+__version__ = version()
+
+__all__ = [
+    "Arrays",
+    "Axis",
+    "Bar",
+    "BarbuleError",
+    "DoubtWarning",
+    "Heights",
+    "InputError",
+    "MachineError",
+    "Material",
+    "NotSettledError",
+    "Picture",
+    "Quantity",
+    "Scene",
+    "Section",
+    "Structure",
+    "characterize",
+    "colours",
+    "crystal",
+    "delta_e_2000",
+    "far_fields",
+    "film",
+    "fit",
+    "open",
+    "presets",
+    "render",
+    "simulate",
+    "species",
+    "spectrum",
+]

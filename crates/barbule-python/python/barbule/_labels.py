@@ -1,0 +1,121 @@
+"""Labelled results: xarray datasets where xarray is installed, else `Arrays`, which have the same names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A coordinate: its values along one dimension, what they are and in which unit."""
+
+    values: NDArray[Any]
+    long_name: str
+    units: str = ""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """An array with the names of its dimensions, what it is and in which unit."""
+
+    values: NDArray[Any]
+    dims: tuple[str, ...]
+    long_name: str
+    units: str = ""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the dimensions."""
+        return self.values.shape
+
+    @property
+    def attrs(self) -> dict[str, str]:
+        """`long_name` and `units`, as xarray has them."""
+        return {"long_name": self.long_name, "units": self.units}
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.values, dtype=dtype) if copy else np.asarray(self.values, dtype=dtype)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self.values[index]
+
+
+@dataclass(frozen=True)
+class Arrays(Mapping[str, Quantity]):
+    """Named arrays with coordinates, where xarray is not installed.
+
+    Example:
+        >>> import barbule
+        >>> film = barbule.film("air/keratin:595/air", [450.0, 550.0], [0.0])
+        >>> film["r_s"].shape
+        (1, 2)
+    """
+
+    data: dict[str, Quantity]
+    coords: dict[str, Axis]
+    attrs: dict[str, Any] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> Quantity:
+        if name in self.coords:
+            axis = self.coords[name]
+            return Quantity(axis.values, (name,), axis.long_name, axis.units)
+        return self.data[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.data)
+
+    def __len__(self) -> int:
+        return len(self.data)
+
+    def __repr__(self) -> str:
+        rows = [f"  {name:<14} {', '.join(q.dims):<28} {q.long_name} ({q.units or '1'})" for name, q in self.data.items()]
+        return "\n".join(["<barbule.Arrays>", *rows])
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The same as an xarray dataset, which has to be installed."""
+        import xarray
+
+        variables = {
+            name: (q.dims, q.values, {"long_name": q.long_name, "units": q.units}) for name, q in self.data.items()
+        }
+        coords = {
+            name: (name, axis.values, {"long_name": axis.long_name, "units": axis.units})
+            for name, axis in self.coords.items()
+        }
+        return xarray.Dataset(variables, coords, self.attrs)
+
+
+def labelled(data: Mapping[str, Quantity], coords: Mapping[str, Axis], **attrs: Any) -> xarray.Dataset:
+    """A dataset of xarray, or `Arrays` where it is not installed."""
+    arrays = Arrays(dict(data), dict(coords), attrs)
+    try:
+        import xarray  # noqa: F401
+    except ImportError:
+        # Its names are those of a dataset; annotations say the usual case.
+        return arrays  # type: ignore[return-value]
+    from . import _accessor  # noqa: F401
+
+    return arrays.to_xarray()
+
+
+def numbers(values: ArrayLike) -> NDArray[np.float64]:
+    """Numbers as a flat array of 64-bit floats."""
+    return np.atleast_1d(np.asarray(values, dtype=np.float64)).ravel()
+
+
+def media_of(media: Mapping[str, Any] | None) -> list[tuple[str, str]]:
+    """Media of the caller's own, as the native module takes them."""
+    return [(name, str(path)) for name, path in (media or {}).items()]
+
+
+def axis_nm(values: Sequence[float] | NDArray[np.float64]) -> Axis:
+    """The coordinate of vacuum wavelengths."""
+    return Axis(np.asarray(values, dtype=np.float64), "vacuum wavelength", "nm")

@@ -1,0 +1,129 @@
+"""Scenes and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Union
+
+from . import _native
+from ._labels import media_of
+from ._native import Picture
+from ._opening import Name
+from ._progress import ProgressLike, watched
+
+
+def presets() -> dict[str, str]:
+    """The names of the presets, and what each shows.
+
+    Example:
+        >>> import barbule
+        >>> "starling" in barbule.presets()
+        True
+    """
+    return dict(_native.presets())
+
+
+class Scene:
+    """A scene: feathers, coats, meshes, light and camera, as in a scene file.
+
+    Example:
+        >>> import barbule
+        >>> closer = barbule.Scene.parse('preset = "starling"\\n[camera]\\nwidth_mm = 1.2\\n')
+        >>> closer.render(size=(24, 16), samples=1).shape
+        (16, 24)
+    """
+
+    def __init__(self, native: _native.Scene) -> None:
+        self._native = native
+
+    @classmethod
+    def load(cls, name: Name, *, media: Mapping[str, Name] | None = None, progress: ProgressLike = True) -> Scene:
+        """Opens what ``barbule render`` takes: a preset, a scene file, a material or a structure."""
+        with watched(progress) as watch:
+            return cls(_native.Scene.open(str(name), media_of(media), watch))
+
+    @classmethod
+    def parse(cls, toml: str, folder: Union[str, "PathLike[str]"] = ".") -> Scene:
+        """A scene from the text of a scene file, which may begin with a preset; the files that it names lie in `folder`."""
+        return cls(_native.Scene.parse(toml, Path(folder)))
+
+    def with_material(self, name: Name) -> Scene:
+        """The same scene with another material on its barbules: a file, or a structure."""
+        return Scene(self._native.with_material(str(name)))
+
+    def render(
+        self,
+        size: tuple[int, int] = (1280, 800),
+        samples: int = 16,
+        *,
+        noise: float | None = None,
+        seed: int = 1,
+        spectral_nm: Sequence[float] = (),
+        compositing: bool = False,
+        media: Mapping[str, Name] | None = None,
+        cache: Union[str, "PathLike[str]", None] = None,
+        threads: int | None = None,
+        progress: ProgressLike = True,
+    ) -> Picture:
+        """Renders it; the same bits on any number of threads.
+
+        Args:
+            size: Width and height, pixels.
+            samples: Samples per pixel; the most, where `noise` is given.
+            noise: Ends tiles whose relative standard error is below this.
+            seed: Seed of feather, individuals and samples.
+            spectral_nm: Wavelengths about which radiance itself is kept (plane ``spectrum``).
+            compositing: Whether the albedo of first hits is kept.
+            media: Media of your own by name, each a file of n and k.
+            cache: Folder of computed materials; that of the command line without one.
+            threads: Threads; all cores without a number.
+            progress: True for a bar, False for none, or a function ``(label, done, total)``.
+
+        Returns:
+            A picture: ``rgb()``, ``planes()``, ``save(path)``.
+        """
+        bands = [float(nm) for nm in spectral_nm]
+        folder = None if cache is None else Path(cache)
+        with watched(progress) as watch:
+            return self._native.render(
+                list(size), samples, noise, seed, bands, compositing, media_of(media), folder, threads, watch
+            )
+
+
+def render(
+    scene: Scene | Name,
+    size: tuple[int, int] = (1280, 800),
+    samples: int = 16,
+    *,
+    noise: float | None = None,
+    seed: int = 1,
+    spectral_nm: Sequence[float] = (),
+    compositing: bool = False,
+    media: Mapping[str, Name] | None = None,
+    cache: Union[str, "PathLike[str]", None] = None,
+    threads: int | None = None,
+    progress: ProgressLike = True,
+) -> Picture:
+    """Renders a scene or a preset; arguments as for `Scene.render`.
+
+    Example:
+        >>> import barbule
+        >>> picture = barbule.render("starling", size=(24, 16), samples=1)
+        >>> picture.rgb().shape
+        (16, 24, 3)
+    """
+    opened = scene if isinstance(scene, Scene) else Scene.load(scene, media=media, progress=progress)
+    return opened.render(
+        size,
+        samples,
+        noise=noise,
+        seed=seed,
+        spectral_nm=spectral_nm,
+        compositing=compositing,
+        media=media,
+        cache=cache,
+        threads=threads,
+        progress=progress,
+    )

@@ -1,0 +1,54 @@
+"""What goes wrong, with the place in the user's file as attributes."""
+
+from __future__ import annotations
+
+__all__ = ["BarbuleError", "DoubtWarning", "InputError", "MachineError", "NotSettledError"]
+
+
+class BarbuleError(Exception):
+    """The base of all errors of Barbule.
+
+    The message is one sentence: what was found, where, what is allowed and what to do.
+
+    Attributes:
+        file: The file that it is about, or None.
+        line: The line in it, from 1, or None.
+        column: The column in it, from 1, or None.
+        key: The key in it, as in ``lights[2].strength``, or None.
+    """
+
+    file: str | None
+    line: int | None
+    column: int | None
+    key: str | None
+
+    def __init__(
+        self,
+        message: str = "",
+        *,
+        file: str | None = None,
+        line: int | None = None,
+        column: int | None = None,
+        key: str | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.file = file
+        self.line = line
+        self.column = column
+        self.key = key
+
+
+class InputError(BarbuleError, ValueError):
+    """Something that the caller can mend: an argument, a file's contents, a missing or unwritable file."""
+
+
+class MachineError(BarbuleError, RuntimeError):
+    """The machine's fault: a full disk, a failed read in the middle of a file, no memory."""
+
+
+class NotSettledError(BarbuleError, ArithmeticError):
+    """A computation that did not reach its accuracy."""
+
+
+class DoubtWarning(UserWarning):
+    """What was given is done as it says, but probably meant otherwise."""
