@@ -67,7 +67,7 @@ birds! {
     "bronzewing"
         also ["phaps-chalcoptera", "common-bronzewing", "bronzewing-pigeon"]
         has [species scene feather]
-        materials ["green"]
+        materials ["green" "red"]
     "hummingbird"
         also ["calypte-anna", "annas-hummingbird", "anna-hummingbird"]
         has [species scene feather]
@@ -83,7 +83,7 @@ birds! {
     "peafowl"
         also ["pavo-cristatus", "indian-peafowl", "blue-peafowl", "common-peafowl", "peacock"]
         has [species scene feather]
-        materials ["yellow" "yellow-below"]
+        materials ["scaled-blue" "scaled-bronze" "scaled-green" "scaled-turquoise" "scaled-violet" "yellow" "yellow-below"]
     "osprey" also [] has [wing primary] materials []
     "turkey-vulture" also [] has [wing primary] materials []
     "rock-dove-wing" also [] has [wing primary] materials []

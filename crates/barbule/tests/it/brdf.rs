@@ -488,7 +488,7 @@ fn albedos_of_instances_scatter_about_the_mean() {
         (SHIPPED[1], shipped(SHIPPED[1]), 0.2126),
     ];
     for (name, material, known) in cases {
-        let [average, spread] = instance_albedos(&brdf(&material));
+        let [average, spread] = instance_albedos(&brdf(&material), 0);
         assert!((average - 1.0).abs() < 4.0 * spread / 20.0 + 0.005, "{name}: {average} ± {spread}");
         // With these draws.
         assert!((spread - known).abs() < 0.001, "{name}: {spread}");

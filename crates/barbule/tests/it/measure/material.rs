@@ -147,8 +147,8 @@ pub(crate) fn reciprocity_deviation(brdf: &FeatherBrdf) -> f64 {
     difference / sum
 }
 
-/// Albedos of 400 instances at 547 nm over that of the mean: average and standard deviation.
-pub(crate) fn instance_albedos(brdf: &FeatherBrdf) -> [f64; 2] {
+/// Albedos of 400 instances, from the `first` name on, at 547 nm over that of the mean: average and standard deviation.
+pub(crate) fn instance_albedos(brdf: &FeatherBrdf, first: u64) -> [f64; 2] {
     let wi = omega(0.2, 0.3);
     let mut stream = Stream::new(5, &[]);
     let samples: Vec<(DVec3, f64)> =
@@ -160,7 +160,7 @@ pub(crate) fn instance_albedos(brdf: &FeatherBrdf) -> [f64; 2] {
     };
     let mean = albedo(None);
     let count = 400;
-    let ratios: Vec<f64> = (0..count).map(|n| albedo(Some(n)) / mean).collect();
+    let ratios: Vec<f64> = (first..first + count).map(|n| albedo(Some(n)) / mean).collect();
     let average = ratios.iter().sum::<f64>() / count as f64;
     let variance = ratios.iter().map(|r| (r - average).powi(2)).sum::<f64>() / count as f64;
     [average, variance.sqrt()]
