@@ -8,6 +8,8 @@
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 
+use bytemuck::cast_slice;
+
 use super::arrays::{Arrays, Numbers, TableArray};
 use super::halo::{HALO_SIGMAS, MOST_HALOS};
 use super::material::check_sigma;
@@ -57,20 +59,20 @@ impl Longitudinal {
     /// `nodes` are the sizes of the tables.
     pub(super) fn arrays(&self, nodes: [usize; 3]) -> Vec<TableArray<'_>> {
         let count = self.sigmas.len();
-        let inverse_q = self.inverse_q.iter().flat_map(|row| row[..count].to_vec()).collect();
+        // Rows are as long as the most parts there can be.
+        let inverse_q = match count {
+            PARTS => Cow::Borrowed(self.inverse_q.as_flattened()),
+            _ => Cow::Owned(self.inverse_q.iter().flat_map(|row| row[..count].to_vec()).collect()),
+        };
         let mut all = vec![TableArray {
             name: "inverse_q".into(),
             shape: vec![INTERVALS + 1, count],
-            numbers: Numbers::F64(Cow::Owned(inverse_q)),
+            numbers: Numbers::F64(inverse_q),
         }];
         if !self.shares.is_empty() {
-            let shares = self.shares.iter().flat_map(|shares| shares.0).collect();
             let [thetas, phis, waves] = nodes;
-            all.push(TableArray {
-                name: "along".into(),
-                shape: vec![thetas, phis, waves, PARTS],
-                numbers: Numbers::F32(Cow::Owned(shares)),
-            });
+            let shares = cast_slice::<Shares, f32>(&self.shares);
+            all.push(TableArray::new("along", &[thetas, phis, waves, PARTS], shares));
         }
         all
     }

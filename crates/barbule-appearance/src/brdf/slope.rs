@@ -43,7 +43,8 @@ pub(super) const FARTHEST: f64 = 1e6;
 const PURPOSE: u64 = 0x0073_6c6f_7065;
 
 /// How an instance's slope tells in one incident direction.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub(super) struct Slope {
     /// κ.
     pub(super) steepness: f64,

@@ -10,15 +10,15 @@
 //! Beyond the lowest stored cosines a node is added at grazing: the shape of its neighbour, reflecting what continues the
 //! two lowest nodes linearly.
 
+use bytemuck::{Pod, Zeroable, cast_slice};
 use fearless_simd::{Simd, f32x4, i32x4, prelude::*};
 use rayon::prelude::*;
-use std::borrow::Cow;
 
 mod entry;
 
 use entry::Entry;
 
-use super::arrays::{Arrays, Numbers, TableArray};
+use super::arrays::{Arrays, TableArray};
 use super::halo::Halo;
 use super::material::{FeatherMaterial, LENGTHS, ParameterSet, STEEPEST_FRACTION};
 use super::profile::Areas;
@@ -32,8 +32,8 @@ pub(super) const LOBES: usize = 3;
 
 /// A node in one cache line: by parameter, then by lobe. A load of four at the first parameters reads one number of the
 /// next parameter beside the three lobes'.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(align(64))]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
 pub(super) struct Node(pub(super) [f32; 16]);
 
 /// Where m² begins.
@@ -49,8 +49,8 @@ pub(super) const EXTRAS: usize = 12;
 
 /// Four numbers of a node. What sampling needs: of each mean lobe the factor of its density (with cosψ), and the fraction that
 /// each reflects. Or the shares of the Gaussians along the barbule.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(align(16))]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C, align(16))]
 pub(super) struct Shares(pub(super) [f32; 4]);
 
 /// A lobe that reflects nothing is drawn from all the same, so that there is always something to draw from.
@@ -280,19 +280,13 @@ impl Grid {
 
     pub(super) fn arrays(&self) -> Vec<TableArray<'_>> {
         let [thetas, phis, waves] = self.sizes();
-        let numbers = |slope: &Slope| [slope.steepness, slope.strength, slope.achromatic_inverse_length];
-        let slopes = self.slopes.iter().flat_map(numbers).collect();
         vec![
             TableArray::new("wavelengths_nm", &[waves], &self.wavelengths.places),
             TableArray::new("theta", &[thetas], &self.theta.places),
             TableArray::new("phi", &[phis], &self.phi.places),
             TableArray::new("cos_theta", &[thetas], &self.cos_theta),
             TableArray::new("tangents", &[phis], &self.tangents),
-            TableArray {
-                name: "slopes".into(),
-                shape: vec![thetas, phis, 3],
-                numbers: Numbers::F64(Cow::Owned(slopes)),
-            },
+            TableArray::new("slopes", &[thetas, phis, 3], cast_slice::<Slope, f64>(&self.slopes)),
         ]
     }
 
@@ -514,14 +508,10 @@ impl Table {
     /// The arrays of this set; `prefix` stands before their names.
     pub(super) fn arrays(&self, prefix: &str, sizes: [usize; 3]) -> [TableArray<'_>; 3] {
         let [thetas, phis, waves] = sizes;
-        let flat = |name: &str, width: usize, numbers: Vec<f32>| TableArray {
-            name: format!("{prefix}{name}"),
-            shape: vec![thetas, phis, waves, width],
-            numbers: Numbers::F32(Cow::Owned(numbers)),
-        };
+        let of_nodes = |width: usize| [thetas, phis, waves, width];
         [
-            flat("nodes", 16, self.nodes.iter().flat_map(|node| node.0).collect()),
-            flat("shares", 4, self.shares.iter().flat_map(|shares| shares.0).collect()),
+            TableArray::new(format!("{prefix}nodes"), &of_nodes(16), cast_slice::<Node, f32>(&self.nodes)),
+            TableArray::new(format!("{prefix}shares"), &of_nodes(4), cast_slice::<Shares, f32>(&self.shares)),
             TableArray::new(format!("{prefix}reflected"), &sizes, &self.reflected),
         ]
     }

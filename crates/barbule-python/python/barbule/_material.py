@@ -133,8 +133,8 @@ class Material:
         nm, wi_, u_ = np.asarray(wavelength_nm, float)[..., None], np.asarray(wi, float), np.asarray(u, float)
         shape = np.broadcast_shapes(nm.shape[:-1], _lead(wi_, "wi", 3), _lead(u_, "u", 2))
         count = int(np.prod(shape))
-        rows = [_rows(array, shape) for array in (nm, wi_, u_)]
-        wo, density = self._native.sample_rows(*rows, count, threads)
+        nm, wi_, u_ = (_rows(array, shape) for array in (nm, wi_, u_))
+        wo, density = self._native.sample_rows(nm, wi_, u_, count, threads)
         return wo.reshape(*shape, 3), density.reshape(shape)
 
     def albedo(

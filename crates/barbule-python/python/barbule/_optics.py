@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Union
+from typing import TYPE_CHECKING, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -330,9 +330,9 @@ class Heights:
             progress: True for a bar, False for none, or a function ``(label, done, total)``.
         """
         nm = numbers(wavelengths_nm)
-        directions: Any = [[float(part) for part in np.asarray(given, float)] for given in (wi, wo)]
+        from_, to = ([float(part) for part in np.asarray(given, float)] for given in (wi, wo))
         with watched(progress) as watch:
-            found = self._native.spectrum(nm, *directions, coherence_um, index, threads, watch)
+            found = self._native.spectrum(nm, from_, to, coherence_um, index, threads, watch)
         data = {"f": Quantity(found, ("wavelength",), "BRDF, without the cosine", "1/sr")}
         return labelled(data, {"wavelength": axis_nm(nm)})
 

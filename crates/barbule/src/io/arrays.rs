@@ -132,12 +132,15 @@ impl LabelledArrays {
         let write = |key: &str, bytes: &[u8]| {
             files.write(key, bytes).map_err(|e| failure(path, "cannot be written", &e))
         };
-        let put = |array: &Array, chunk: Option<Vec<u8>>| {
+        let mut arrays = Vec::new();
+        let mut put = |array: Array, chunk: Option<Vec<u8>>| {
             let chunk = chunk.ok_or_else(|| {
                 Error::machine(format!("the array '{}' has other values than its axes say", array.name))
             })?;
             write(&format!("{}/zarr.json", array.name), format!("{:#}\n", array.metadata()).as_bytes())?;
-            write(&array.chunk_path(&[]), &chunk)
+            write(&array.chunk_path(&[]), &chunk)?;
+            arrays.push(array);
+            Ok::<(), Error>(())
         };
         for Coordinate { name, axis, units, meaning, values } in &self.coordinates {
             let along = [(*axis, values.len())];
@@ -145,23 +148,26 @@ impl LabelledArrays {
             match values {
                 Numbers::Floats(values) => {
                     let array = of(DataType::Float64);
-                    put(&array, array.encode(values))?;
+                    let chunk = array.encode(values);
+                    put(array, chunk)?;
                 }
                 Numbers::Counts(values) => {
                     let array = of(DataType::UInt64);
-                    put(&array, array.encode(values))?;
+                    let chunk = array.encode(values);
+                    put(array, chunk)?;
                 }
             }
         }
         for Quantity { name, units, meaning, values } in &self.quantities {
             let array = Array { units, meaning, ..self.array(name, &self.axes, DataType::Float64) };
-            put(&array, array.encode(values))?;
+            let chunk = array.encode(values);
+            put(array, chunk)?;
         }
         let mut attributes = attributes.clone();
         // By CF's convention readers take these for coordinates, whatever they are called.
         let names: Vec<&str> = self.coordinates.iter().map(|c| c.name).collect();
         attributes.insert("coordinates".into(), names.join(" ").into());
-        write("zarr.json", format!("{:#}\n", group_metadata(&attributes)).as_bytes())?;
+        write("zarr.json", format!("{:#}\n", group_metadata(&attributes, arrays.iter())).as_bytes())?;
         files.tidy();
         Ok(())
     }

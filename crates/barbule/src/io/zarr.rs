@@ -127,7 +127,7 @@ impl Array {
             {"name": "bytes", "configuration": {"endian": "little"}},
             {"name": "crc32c"},
         ]);
-        let mut attributes = json!({"meaning": self.meaning});
+        let mut attributes = json!({"long_name": self.meaning});
         if !self.units.is_empty() {
             attributes["units"] = json!(self.units);
         }
@@ -189,9 +189,20 @@ impl Array {
     }
 }
 
-/// The content of a group's `zarr.json`.
-pub(super) fn group_metadata(attributes: &Map<String, Value>) -> Value {
-    json!({"zarr_format": 3, "node_type": "group", "attributes": attributes})
+/// The content of a group's `zarr.json`, with that of its arrays in it, as readers of datasets look for (consolidated metadata
+/// of zarr-python).
+pub(super) fn group_metadata<'a>(
+    attributes: &Map<String, Value>,
+    arrays: impl Iterator<Item = &'a Array>,
+) -> Value {
+    let metadata: Map<String, Value> =
+        arrays.map(|array| (array.name.to_owned(), array.metadata())).collect();
+    json!({
+        "zarr_format": 3,
+        "node_type": "group",
+        "attributes": attributes,
+        "consolidated_metadata": {"kind": "inline", "must_understand": false, "metadata": metadata},
+    })
 }
 
 #[cfg(test)]

@@ -280,7 +280,7 @@ impl Attributes {
             write(&format!("{}/zarr.json", array.name), &array.metadata())?;
         }
         arrays.write_coordinates(&files).map_err(refuse)?;
-        write("zarr.json", &group_metadata(&attributes))?;
+        write("zarr.json", &group_metadata(&attributes, arrays.all()))?;
         files.tidy();
         Ok(())
     }

@@ -1,0 +1,284 @@
+"""What the package is made of, in Rust. Private: `barbule` has the functions that people call."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Watch = Callable[[str, int, int], Any] | None
+_Media = Sequence[tuple[str, str]]
+_Curve = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+def run(arguments: Sequence[str]) -> int: ...
+def version() -> str: ...
+def open(text: str, media: _Media, threads: int | None, progress: _Watch) -> Structure | Material: ...
+def species() -> dict[str, list[str]]:
+    """All species with their variants, the usual one first.
+
+    Example:
+        >>> import barbule
+        >>> "pink" in barbule.species()["starling"]
+        True
+    """
+
+def presets() -> list[tuple[str, str]]: ...
+def film(
+    stack: str,
+    wavelengths_nm: NDArray[np.float64],
+    angles_deg: NDArray[np.float64],
+    media: _Media,
+    threads: int | None,
+    progress: _Watch,
+) -> dict[str, NDArray[Any]]: ...
+def film_gradients(
+    stack: str,
+    wavelengths_nm: NDArray[np.float64],
+    angles_deg: NDArray[np.float64],
+    media: _Media,
+    threads: int | None,
+) -> list[NDArray[np.complex128]]: ...
+def spectra(
+    structure: Structure,
+    wavelengths_nm: NDArray[np.float64],
+    theta_deg: NDArray[np.float64],
+    phi_deg: NDArray[np.float64],
+    instances: int,
+    seed: int,
+    cone_deg: float | None,
+    polarization: Sequence[float],
+    threads: int | None,
+    progress: _Watch,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]: ...
+def far_fields(
+    section: Section,
+    wavelengths_nm: NDArray[np.float64],
+    theta_deg: NDArray[np.float64],
+    phi_deg: NDArray[np.float64],
+    azimuths: int,
+    window: str,
+    solver: str,
+    elements_per_wavelength: float,
+    memory_bytes: int,
+    threads: int | None,
+    progress: _Watch,
+) -> dict[str, Any]: ...
+def crystal(
+    text: str,
+    wavelengths_nm: NDArray[np.float64],
+    theta_deg: float,
+    phi_deg: NDArray[np.float64],
+    solver: str,
+    media: _Media,
+    threads: int | None,
+    progress: _Watch,
+) -> NDArray[np.float64]: ...
+def xyz_of(
+    wavelengths_nm: NDArray[np.float64], reflectance: NDArray[np.float64], illuminant: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.uint8]]: ...
+def delta_e_2000(one: Sequence[float], other: Sequence[float]) -> float: ...
+def characterize(
+    structure: Structure,
+    options: str,
+    halo: bool,
+    sigma: float | None,
+    store: Path | None,
+    cache: Path | None,
+    threads: int | None,
+    progress: _Watch,
+) -> Material: ...
+def simulate(
+    structure: Structure,
+    path: Path,
+    options: str,
+    keep_fields_nm: Sequence[float],
+    shard: tuple[int, int],
+    cache: Path | None,
+    threads: int | None,
+    progress: _Watch,
+) -> tuple[int, int]: ...
+def fit(store: Path, sigma: float | None, threads: int | None, progress: _Watch) -> Material: ...
+@final
+class Structure:
+    """What a barbule is made of: a species, a stack, given sections or a lattice.
+
+    In notebooks its first individual is drawn.
+
+    Example:
+        >>> import barbule
+        >>> barbule.open("mallard").instance(0).width_um
+        40.0
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def width_um(self) -> float: ...
+    @property
+    def count(self) -> int | None: ...
+    @property
+    def is_lower_side(self) -> bool: ...
+    @property
+    def hash(self) -> str: ...
+    def underside(self) -> Structure: ...
+    def instance(self, index: int = 0, seed: int = 1) -> Section: ...
+    def _repr_svg_(self) -> str: ...
+
+@final
+class Section:
+    """A barbule's cross section; lengths in µm.
+
+    Example:
+        >>> import barbule
+        >>> section = barbule.open("starling").instance(0)
+        >>> section.media_at([0.0, 0.0], [5.0, -0.3])[0]
+        'air'
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def width_um(self) -> float: ...
+    @property
+    def boundaries(self) -> list[_Curve]: ...
+    @property
+    def media(self) -> list[str]: ...
+    @property
+    def inclusions(self) -> list[dict[str, Any]]: ...
+    def media_at(
+        self, x_um: Sequence[float] | NDArray[np.floating[Any]], z_um: Sequence[float] | NDArray[np.floating[Any]]
+    ) -> list[str]: ...
+    def json(self) -> str: ...
+    def save(self, path: str | Path) -> None: ...
+    def figure(self, format: str = "svg") -> bytes: ...
+    def _repr_svg_(self) -> str: ...
+
+class Material:
+    @staticmethod
+    def open(
+        text: str,
+        media: _Media,
+        cache: Path | None,
+        seed: int | None,
+        may_compute: bool,
+        reciprocity: str | None,
+        sigma: float | None,
+        polarization: int | None,
+        threads: int | None,
+        progress: _Watch,
+    ) -> Material: ...
+    def eval_rows(
+        self,
+        wavelengths_nm: NDArray[np.float64],
+        wi: NDArray[np.float64],
+        wo: NDArray[np.float64],
+        instance: NDArray[np.uint64] | None,
+        count: int,
+        threads: int | None,
+    ) -> NDArray[np.float32]: ...
+    def pdf_rows(
+        self,
+        wavelengths_nm: NDArray[np.float64],
+        wi: NDArray[np.float64],
+        wo: NDArray[np.float64],
+        count: int,
+        threads: int | None,
+    ) -> NDArray[np.float64]: ...
+    def sample_rows(
+        self,
+        wavelength_nm: NDArray[np.float64],
+        wi: NDArray[np.float64],
+        u: NDArray[np.float64],
+        count: int,
+        threads: int | None,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    def albedo_rows(
+        self, wavelength_nm: NDArray[np.float64], wi: NDArray[np.float64], count: int, threads: int | None
+    ) -> NDArray[np.float64]: ...
+    def tables(self) -> dict[str, NDArray[Any]]: ...
+    def header(self) -> dict[str, Any]: ...
+    def to_bytes(self) -> bytes: ...
+    def save(self, path: Path) -> None: ...
+    def info_json(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def hash(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def wavelengths_nm(self) -> NDArray[np.float64]: ...
+    @property
+    def cos_theta_i(self) -> NDArray[np.float64]: ...
+    @property
+    def cos_phi_i(self) -> NDArray[np.float64]: ...
+    @property
+    def sigma(self) -> float: ...
+    @property
+    def halo_sigmas(self) -> list[float]: ...
+
+@final
+class Scene:
+    @staticmethod
+    def open(text: str, media: _Media, progress: _Watch) -> Scene: ...
+    @staticmethod
+    def parse(toml: str, folder: Path) -> Scene: ...
+    def with_material(self, name: str) -> Scene: ...
+    def toml(self) -> str: ...
+    def render(
+        self,
+        size: Sequence[int],
+        samples: int,
+        noise: float | None,
+        seed: int,
+        spectral_nm: Sequence[float],
+        compositing: bool,
+        media: _Media,
+        cache: Path | None,
+        threads: int | None,
+        progress: _Watch,
+    ) -> Picture: ...
+
+@final
+class Picture:
+    """A rendered picture, drawn in notebooks.
+
+    Example:
+        >>> import barbule
+        >>> picture = barbule.render("starling", size=(16, 12), samples=1)
+        >>> picture.planes()["normal"].shape
+        (12, 16, 3)
+    """
+
+    def rgb(self) -> NDArray[np.uint8]: ...
+    def planes(self) -> dict[str, NDArray[Any]]: ...
+    @property
+    def shape(self) -> tuple[int, int]: ...
+    @property
+    def spectral_nm(self) -> list[float]: ...
+    def save(self, path: str | Path) -> None: ...
+    def _repr_png_(self) -> bytes: ...
+
+@final
+class Heights:
+    @staticmethod
+    def of(height_um: NDArray[np.float64], size_um: Sequence[float]) -> Heights: ...
+    @staticmethod
+    def open(path: Path, pitch_um: float | None, range_um: float | None) -> Heights: ...
+    @staticmethod
+    def sample(name: str, seed: int) -> Heights: ...
+    @property
+    def height_um(self) -> NDArray[np.float64]: ...
+    @property
+    def size_um(self) -> list[float]: ...
+    def spectrum(
+        self,
+        wavelengths_nm: NDArray[np.float64],
+        wi: Sequence[float],
+        wo: Sequence[float],
+        coherence_um: float | None,
+        index: float | None,
+        threads: int | None,
+        progress: _Watch,
+    ) -> NDArray[np.float64]: ...

@@ -1,0 +1,169 @@
+"""Materials: batches, samples, tables, making them, and pictures."""
+
+import json
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import barbule
+
+NM = [450.0, 500.0, 550.0, 600.0, 650.0]
+
+
+def directions(count, seed=1):
+    """Unit vectors over the hemisphere, cosine-weighted."""
+    random = np.random.default_rng(seed)
+    radius, turn = np.sqrt(random.random(count)), 2 * np.pi * random.random(count)
+    return np.stack([radius * np.cos(turn), radius * np.sin(turn), np.sqrt(1 - radius**2)], axis=-1)
+
+
+@pytest.fixture(scope="module")
+def starling():
+    return barbule.Material.load("starling")
+
+
+def test_batches_are_broadcast(starling):
+    wi, wo = directions(5, 1), directions(7, 2)
+    whole = starling.eval(NM, wi[:, None, :], wo, instance=np.arange(5)[:, None])
+    assert whole.shape == (5, 7, 5) and whole.dtype == np.float32
+    for i in range(5):
+        for k in range(7):
+            np.testing.assert_array_equal(whole[i, k], starling.eval(NM, wi[i], wo[k], instance=i))
+    assert starling.eval(550, wi[0], wo[0]).shape == ()
+    assert starling.eval(550, wi, wo[0], threads=1).shape == (5,)
+    own = np.array([NM, NM[::-1]])
+    np.testing.assert_allclose(
+        starling.eval(own, wi[0], wo[0])[1], starling.eval(NM, wi[0], wo[0])[::-1], rtol=1e-6
+    )
+
+
+def test_types_and_strides_do_not_matter(starling):
+    wi, wo = directions(64, 3), directions(64, 4)
+    usual = starling.eval(NM, wi, wo)
+    np.testing.assert_array_equal(usual, starling.eval(NM, np.asfortranarray(wi), np.repeat(wo, 2, axis=0)[::2]))
+    single = starling.eval(np.float32(NM), wi.astype(np.float32), wo.astype(np.float32))
+    np.testing.assert_allclose(single, usual, rtol=1e-3, atol=1e-4)
+    np.testing.assert_array_equal(usual, starling.eval(NM, wi, wo, threads=1))
+
+
+def test_bad_arguments_are_refused(starling):
+    with pytest.raises(barbule.InputError, match="'wi' in row 1 .* unit vectors"):
+        starling.eval(550, [[0, 0, 1], [0, 0, 2]], [0, 0, 1])
+    with pytest.raises(ValueError, match="last axis"):
+        starling.eval(550, [0, 1], [0, 0, 1])
+    with pytest.raises(TypeError, match="whole numbers"):
+        starling.eval(550, [0, 0, 1], [0, 0, 1], instance=1.5)
+    with pytest.raises(ValueError, match="0 or more"):
+        starling.eval(550, [0, 0, 1], [0, 0, 1], instance=-1)
+    assert float(starling.eval(550, [0, 0, 1], [0, 0, -1])) == 0.0
+
+
+def test_samples_follow_their_density_and_carry_the_albedo(starling):
+    """∫ f cosθ dω by samples is the albedo; ∫ pdf dω over the hemisphere is 1."""
+    random = np.random.default_rng(5)
+    wi = np.array([0.2, 0.1, np.sqrt(1 - 0.05)])
+    wo, density = starling.sample(550, wi, random.random((100_000, 2)))
+    np.testing.assert_allclose(density, starling.pdf(550, wi, wo), rtol=1e-9)
+    albedo = float((starling.eval(550, wi, wo) * wo[:, 2] / density).mean())
+    assert albedo == pytest.approx(float(starling.albedo(550, wi)), rel=5e-3)
+    everywhere = directions(400_000, 6)
+    assert float((starling.pdf(550, wi, everywhere) * np.pi / everywhere[:, 2]).mean()) == pytest.approx(1.0, abs=0.02)
+
+
+def test_tables_are_the_materials_own_memory(starling):
+    tables, header = starling.tables(), starling.header()
+    assert header["version"] == 3 and tables["nodes"].shape == (header["thetas"], header["phis"], header["waves"], 16)
+    again = starling.tables()["nodes"]
+    assert tables["nodes"].__array_interface__["data"][0] == again.__array_interface__["data"][0]
+    with pytest.raises(ValueError, match="read-only"):
+        tables["nodes"][0, 0, 0, 0] = 1.0
+    np.testing.assert_array_equal(tables["wavelengths_nm"], starling.wavelengths_nm)
+    kept = barbule.Material.load("starling").tables()["codes"]
+    assert int(np.abs(kept).max()) > 1000  # its owner is gone by now
+
+
+def test_a_material_is_made_saved_and_opened(tmp_path):
+    made = barbule.characterize("starling:pink", thin=10, cache=tmp_path)
+    made.save(tmp_path / "pink.barbule")
+    opened = barbule.open(tmp_path / "pink.barbule")
+    assert isinstance(opened, barbule.Material) and opened.hash == made.hash
+    np.testing.assert_array_equal(opened.eval(NM, [0, 0, 1], [0, 0, 1]), made.eval(NM, [0, 0, 1], [0, 0, 1]))
+    assert made.info["name"] == "starling:pink" and made.source == "memory"
+    with pytest.raises(barbule.InputError, match="not there yet"):
+        barbule.Material.load("air/keratin:320/air", may_compute=False, cache=tmp_path)
+
+
+def test_a_campaign_stops_and_goes_on_to_the_same_bits(tmp_path):
+    seen = []
+
+    def stop(label, done, total):
+        seen.append((label, done, total))
+        if label == "simulating" and done > total // 4:
+            raise KeyboardInterrupt
+
+    options = dict(thin=3, instances=10, seed=3)
+    with pytest.raises(KeyboardInterrupt):
+        barbule.simulate("starling", tmp_path / "s.zarr", **options, progress=stop, threads=1)
+    computed, found = barbule.simulate("starling", tmp_path / "s.zarr", **options)
+    assert computed > 0 and found > 0 and seen
+    whole = barbule.characterize("starling", **options, cache=tmp_path)
+    assert barbule.fit(tmp_path / "s.zarr").to_bytes() == whole.to_bytes()
+    assert barbule.simulate("starling", tmp_path / "s.zarr", **options) == (0, computed + found)
+
+
+def test_stores_open_in_xarray_without_warnings(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("zarr")
+    import warnings
+
+    barbule.simulate("starling", tmp_path / "s.zarr", thin=10)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        store = xarray.open_zarr(tmp_path / "s.zarr")
+    assert store["wavelength"].attrs["units"] == "nm" and store.sizes["wavelength"] == 6
+
+
+def test_long_work_lets_other_threads_run():
+    turns, done = 0, threading.Event()
+
+    def spin():
+        nonlocal turns
+        while not done.is_set():
+            turns += 1
+
+    other = threading.Thread(target=spin)
+    other.start()
+    barbule.spectrum("starling", range(400, 701, 25), [0, 30, 60], instances=20, progress=False)
+    done.set()
+    other.join()
+    assert turns > 10_000
+
+
+def test_pictures_are_arrays(tmp_path):
+    picture = barbule.render("starling", size=(24, 16), samples=2, spectral_nm=[450, 550, 650], compositing=True)
+    planes = picture.planes()
+    assert picture.rgb().shape == (16, 24, 3) and planes["spectrum"].shape == (16, 24, 3)
+    assert planes["albedo"].shape == (16, 24, 3) and np.isfinite(planes["depth_mm"][planes["id"] > 0]).all()
+    again = barbule.render("starling", size=(24, 16), samples=2, threads=1)
+    np.testing.assert_array_equal(picture.rgb(), again.rgb())
+    picture.save(tmp_path / "a.png")
+    assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
+    other = barbule.Scene.parse('preset = "starling"\n[camera]\nwidth_mm = 0.8\n').with_material("starling:green")
+    assert other.render(size=(8, 6), samples=1).shape == (6, 8)
+    assert "starling" in barbule.presets()
+
+
+def test_golden_values_are_those_of_every_back_end():
+    """The values by which every back end is held (`docs/formats/brdf-tables.md`), in double precision."""
+    golden = json.loads((Path(__file__).parents[2] / "barbule/tests/it/data/brdf.json").read_text())
+    nm, name = golden["wavelengths_nm"], golden["instance"]
+    for one in golden["materials"]:
+        material = barbule.Material.load(one["name"].replace("-", ":"))
+        assert material.hash == one["hash"]
+        for light in one["light"]:
+            for key, instance in (("mean", None), ("drawn", name)):
+                expected = np.array(light[key]).T
+                found = material.eval(nm, light["wi"], light["wo"], instance=instance)
+                np.testing.assert_allclose(found, expected, atol=2e-4 * expected.max())

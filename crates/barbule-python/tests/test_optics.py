@@ -1,0 +1,132 @@
+"""Films, spectra, fields, crystals and gratings from Python, against formulas and each other."""
+
+import numpy as np
+import pytest
+
+import barbule
+
+
+def test_a_quarter_wave_film_reflects_what_the_formula_says():
+    """R = ((n₀n₂ − n₁²)/(n₀n₂ + n₁²))² at normal incidence."""
+    found = barbule.film("1/1.38:99.63768115942029/1.52", [550.0])
+    expected = ((1.52 - 1.38**2) / (1.52 + 1.38**2)) ** 2
+    for polarization in ("s", "p"):
+        assert float(found[f"R_{polarization}"][0, 0]) == pytest.approx(expected, rel=1e-12)
+    assert complex(found["r_s"][0, 0]) == pytest.approx(-complex(found["r_p"][0, 0]))
+
+
+def test_light_is_reflected_transmitted_or_absorbed():
+    found = barbule.film("air/6*(melanin:99/keratin:100)/air", range(400, 701, 50), [0, 30, 60, 85])
+    for polarization in ("s", "p"):
+        parts = [np.asarray(found[f"{what}_{polarization}"]) for what in "RTA"]
+        np.testing.assert_allclose(sum(parts), 1.0, atol=1e-12)
+        layers = np.asarray(found[f"A_layer_{polarization}"])
+        assert layers.shape == (12, 4, 7)
+        np.testing.assert_allclose(layers.sum(axis=0), parts[2], atol=1e-12)
+
+
+def test_gradients_are_differences():
+    def stack(thickness):
+        return f"air/keratin:{thickness!r}/melanin:150/1.3"
+
+    nm, angles, step = [420.0, 550.0, 680.0], [0.0, 50.0], 1e-3
+    found = barbule.film(stack(320.0), nm, angles, gradients=True)
+    above, below = (barbule.film(stack(320.0 + sign * step), nm, angles) for sign in (1, -1))
+    for polarization in ("s", "p"):
+        for name, of in (("r", f"dr_dd_{polarization}"), ("R", f"dR_dd_{polarization}")):
+            name = f"{name}_{polarization}"
+            difference = (np.asarray(above[name]) - np.asarray(below[name])) / (2 * step)
+            np.testing.assert_allclose(np.asarray(found[of])[..., 0], difference, atol=1e-9)
+    assert found["dR_dn_s"].shape == (2, 3, 3)
+
+
+def test_lists_ranges_and_strided_singles_are_the_same_numbers():
+    nm = np.arange(400, 701, 10)
+    doubled = np.repeat(nm, 2).astype(np.float32)[::2]
+    films = [barbule.film("air/keratin:500/air", given) for given in (nm, list(nm), range(400, 701, 10), doubled)]
+    for other in films[1:]:
+        np.testing.assert_array_equal(np.asarray(films[0]["R_s"]), np.asarray(other["R_s"]))
+
+
+def test_a_spectrum_is_the_mean_of_its_individuals():
+    found = barbule.spectrum("starling:pink", [450, 550, 650], [0, 40], instances=6, threads=1)
+    individuals = np.asarray(found["individuals"])
+    assert individuals.shape == (6, 2, 3)
+    np.testing.assert_allclose(np.asarray(found["reflectance"]), individuals.mean(axis=0))
+    np.testing.assert_allclose(np.asarray(found["std"]), individuals.std(axis=0, ddof=1))
+    again = barbule.spectrum("starling:pink", [450, 550, 650], [0, 40], instances=6, threads=2)
+    np.testing.assert_array_equal(individuals, np.asarray(again["individuals"]))
+
+
+def test_polarizations_make_unpolarized_light():
+    of = {p: barbule.spectrum("mallard", [500], [45], instances=2, polarization=p) for p in (None, 1, 2)}
+    mean = (np.asarray(of[1]["reflectance"]) + np.asarray(of[2]["reflectance"])) / 2
+    np.testing.assert_allclose(np.asarray(of[None]["reflectance"]), mean, rtol=1e-6)
+
+
+def test_far_fields_carry_what_is_reflected():
+    """∫ intensity dφ is the reflected part, and a flat film's is that of Fresnel's formulas."""
+    section = barbule.open("air/keratin:320/melanin").instance(0)
+    found = barbule.far_fields(section, [532.0], phi_deg=[0.0, 30.0], azimuths=2000)
+    intensity = np.asarray(found["intensity"])[0, 0]
+    total = intensity.sum(axis=-1) * np.pi / 2000
+    np.testing.assert_allclose(total, np.asarray(found["reflected"])[0, 0], rtol=2e-3)
+    film = barbule.film("air/keratin:320/melanin", [532.0], [0.0])
+    assert total[0].mean() == pytest.approx(float(film["R_s"][0, 0]), rel=2e-2)
+
+
+def test_full_waves_see_what_the_fast_simulation_sees():
+    thin = barbule.open("1/1.55:300/1").instance(0)
+    light = dict(phi_deg=[0.0], window="beam", azimuths=720)
+    fast = barbule.far_fields(thin, [600.0], **light)
+    with pytest.warns(barbule.DoubtWarning):
+        full = barbule.far_fields(thin, [600.0], **light, solver="full-wave")
+    np.testing.assert_allclose(np.asarray(fast["reflected"]), np.asarray(full["reflected"]), rtol=0.03)
+    assert np.asarray(full["absorbed_um"]).max() < 1e-3 * np.asarray(full["scattered_um"]).max()
+
+
+def test_three_methods_see_one_crystal():
+    found = [
+        np.asarray(barbule.crystal("mallard", [520.0], [0.0, 30.0], solver=solver)["R"])
+        for solver in ("multipole", "rcwa")
+    ]
+    np.testing.assert_allclose(found[0], found[1], atol=0.01)
+
+
+def test_a_grating_sends_its_first_order_where_the_grating_equation_says():
+    x = np.arange(512) / 512 * 40.0
+    grooves = barbule.Heights.of(np.tile(0.05 * np.sin(2 * np.pi * x / 1.0), (4, 1)), (40.0, 0.4))
+    assert grooves.height_um.shape == (4, 512)
+    sines = np.linspace(0.3, 0.8, 101)
+    f = [
+        float(np.asarray(grooves.spectrum([550.0], [0, 0, 1], [s, 0, np.sqrt(1 - s * s)])["f"])[0])
+        for s in sines
+    ]
+    assert sines[int(np.argmax(f))] == pytest.approx(0.55, abs=0.006)
+
+
+def test_white_is_white():
+    found = barbule.colours(range(380, 781, 5), np.ones((2, 81)))
+    np.testing.assert_allclose(np.asarray(found["xyz"])[:, 1], 1.0, atol=1e-3)
+    assert np.asarray(found["srgb"]).min() >= 253
+    assert barbule.delta_e_2000([0.2, 0.2, 0.2], [0.21, 0.2, 0.2]) > 1.0
+
+
+def test_results_are_datasets_with_units():
+    xarray = pytest.importorskip("xarray")
+    found = barbule.film("air/keratin:595/air", range(400, 701, 10), [0, 45])
+    assert isinstance(found, xarray.Dataset)
+    assert found["wavelength"].attrs["units"] == "nm"
+    assert found["r_s"].dims == ("angle", "wavelength")
+    assert found.barbule.colours().shape == (2, 3)
+    assert found.barbule.reflectance().shape == (2, 31)
+
+
+def test_results_without_xarray_have_the_same_names(monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    found = barbule.film("air/keratin:595/air", [450, 550], [0])
+    assert isinstance(found, barbule.Arrays)
+    assert found["R_s"].dims == ("angle", "wavelength") and found["wavelength"].units == "nm"
+    assert np.asarray(found["R_s"]).shape == (1, 2) and "R_s" in repr(found)
