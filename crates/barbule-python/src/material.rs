@@ -380,6 +380,8 @@ impl Material {
         all.set_item("reciprocity", self.brdf.reciprocity().word())?;
         all.set_item("sigma", header.sigma)?;
         all.set_item("halo", header.halo)?;
+        all.set_item("height_um", header.spectral.height_um)?;
+        all.set_item("achromatic", header.spectral.achromatic)?;
         all.set_item("seed", header.seed)?;
         all.set_item("sets", header.sets)?;
         all.set_item("thetas", header.thetas)?;
