@@ -1,0 +1,955 @@
+"""Feathers in Mitsuba 3: the BSDFs ``barbule`` and ``barbule_film``.
+
+Choose a variant first, then import this module; later variants are served too::
+
+    import mitsuba as mi
+    mi.set_variant("llvm_ad_spectral")
+    import barbule.mitsuba
+    bsdf = mi.load_dict({"type": "barbule", "material": "starling", "instances": "uv", "cells": 40.0})
+
+``barbule`` evaluates the arrays of `barbule.Material.tables` as ``docs/formats/brdf-tables.md`` has it, step by step; numbers of steps below
+are that page's. How it is used stands in ``docs/guide/mitsuba.md``.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import import_module
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import film
+from ._material import Material
+
+try:
+    # Their types depend on the variant that is set, so nothing is known of them here.
+    mi: Any = import_module("mitsuba")
+    dr: Any = import_module("drjit")
+except ImportError as error:
+    raise ImportError("barbule.mitsuba needs Mitsuba 3: pip install mitsuba==3.9.1") from error
+
+Instances = Literal["none", "uv", "face", "prim"]
+
+INSTANCES: tuple[Instances, ...] = ("none", "uv", "face", "prim")
+RECIPROCITY = ("none", "steeper", "mean")
+#: Vacuum wavelengths that Mitsuba's spectral variants draw, nm.
+MITSUBA_NM = (360.0, 830.0)
+
+_MASK = (1 << 64) - 1
+_GOLDEN = 0x9E3779B97F4A7C15
+_MIX = (0xBF58476D1CE4E5B9, 0x94D049BB133111EB)
+_POINTS = 1024
+_BASES = 128
+#: Rows of a base in `codes`: half a period and one.
+_ROWS = 513
+#: Numbers of a node as they are gathered, four at a time: m², R | M, A of both mean lobes | m², R, M, A of the steady part | the others.
+_ORDER = (0, 1, 3, 4, 6, 7, 9, 10, 2, 5, 8, 11, 12, 13, 14, 15)
+_LOBES, _ALIGNED, _STEADY, _REST, _SHARES, _ALONG = range(6)
+#: The largest single below 1.
+_BELOW_1 = 1.0 - 2.0**-24
+
+
+# ---- Parameters and names -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Parameters of a ``barbule``."""
+
+    material: str
+    instances: Instances
+    cells: float
+    reciprocity: Any
+    polarization: Any
+    two_sided: bool
+
+    @classmethod
+    def of(cls, props: Any) -> _Asked:
+        """Read from Mitsuba's properties."""
+        if not props.has_property("material"):
+            raise ValueError("barbule: 'material' is missing: a species, or a .barbule file")
+        polarization = int(props.get("polarization", 0))
+        if polarization not in (0, 1, 2):
+            raise ValueError(f"barbule: 'polarization' is {polarization}; give 1 or 2, or 0 for unpolarized light")
+        asked = cls(
+            str(props["material"]),
+            _one_of(props, "instances", INSTANCES),
+            float(props.get("cells", 1.0)),
+            _one_of(props, "reciprocity", RECIPROCITY),
+            polarization or None,
+            bool(props.get("two_sided", False)),
+        )
+        if not asked.cells > 0.0:
+            raise ValueError(f"barbule: 'cells' is {asked.cells}; give a number over 0")
+        return asked
+
+    def load(self) -> Material:
+        """Its material."""
+        return _material(self.material, self.reciprocity, self.polarization)
+
+    def __str__(self) -> str:
+        return f"Barbule[material = {self.material}, instances = {self.instances}, two_sided = {self.two_sided}]"
+
+
+def _one_of(props: Any, name: str, words: Sequence[str]) -> Any:
+    word = str(props.get(name, words[0]))
+    if word not in words:
+        raise ValueError(f"barbule: '{name}' is '{word}'; there are {', '.join(words)}")
+    return word
+
+
+@lru_cache(maxsize=16)
+def _material(name: str, reciprocity: Any, polarization: Any) -> Material:
+    return Material.load(name, reciprocity=reciprocity, polarization=polarization)
+
+
+def _spectral(material: Material) -> tuple[float, float]:
+    """`height_um` and `achromatic` of the tables' header."""
+    header = material.header()
+    if "height_um" not in header:
+        data = material.to_bytes()
+        size = int.from_bytes(data[:8], "little")
+        header = json.loads(json.loads(data[8 : 8 + size])["__metadata__"]["barbule"])
+    return float(header.get("height_um", 0.0)), float(header.get("achromatic", 0.0))
+
+
+def _refuse_colours() -> None:
+    if not mi.is_spectral:
+        raise ValueError(f"barbule: '{mi.variant()}' is not spectral; choose a variant such as llvm_ad_spectral")
+
+
+def _split_mix(state: Any) -> Any:
+    """One step of SplitMix64 (Steele, Lea & Flood 2014) of ``UInt64``."""
+    state = state + mi.UInt64(_GOLDEN)
+    state = (state ^ (state >> 30)) * mi.UInt64(_MIX[0])
+    state = (state ^ (state >> 27)) * mi.UInt64(_MIX[1])
+    return state ^ (state >> 31)
+
+
+def _split_mix_of(state: int) -> int:
+    """The same of a Python number."""
+    state = (state + _GOLDEN) & _MASK
+    state = ((state ^ (state >> 30)) * _MIX[0]) & _MASK
+    state = ((state ^ (state >> 27)) * _MIX[1]) & _MASK
+    return state ^ (state >> 31)
+
+
+def _named(asked: _Asked, si: Any, active: Any, split_mix: Callable[[Any], Any], whole: Callable[[Any], Any]) -> Any:
+    """The name of the instance at a hit, below 2⁶⁴; None for the mean.
+
+    A cell is named as those of ribbons in the program's own scenes are, ``split_mix(barbule ^ split_mix(cell))``.
+    """
+    if asked.instances == "none":
+        return None
+    if asked.instances == "prim":
+        return whole(si.prim_index)
+    if asked.instances == "uv":
+        u, v = si.uv.x * asked.cells, si.uv.y * asked.cells
+        return split_mix(split_mix(whole(dr.floor(v))) ^ split_mix(whole(dr.floor(u))))
+    # 64 bits in singles, which hold whole numbers below 2²⁴.
+    bits = si.shape.eval_attribute_3("face_inst", si, active)
+    barbule = whole(bits[0]) | (whole(bits[1]) << 22) | (whole(bits[2]) << 44)
+    return split_mix(barbule ^ split_mix(whole(dr.floor(si.uv.x))))
+
+
+# ---- Dr.Jit: the tables -------------------------------------------------------------------------------------------------------------
+
+
+class _Axis:
+    """Nodes of an axis, rising: where a number lies among them (step 2)."""
+
+    def __init__(self, nodes: NDArray[np.float64]) -> None:
+        self.last = len(nodes) - 2
+        if self.last < 0:
+            return
+        gaps = np.diff(nodes)
+        self.first, self.per_gap = float(nodes[0]), float(1.0 / gaps.mean())
+        self.is_even = bool(np.all(np.abs(gaps * self.per_gap - 1.0) < 1e-9))
+        if self.is_even:
+            return
+        # A guess for each of 1024 bins, then a step for each node that a bin may hold.
+        edges = np.linspace(nodes[0], nodes[-1], 1025)
+        guess = np.clip(np.searchsorted(nodes, edges, "right") - 1, 0, self.last)
+        self.per_bin = float(1024.0 / (nodes[-1] - nodes[0]))
+        self.steps = int(np.diff(guess).max())
+        self.guess = _held(mi.UInt32, guess[:-1].astype(np.uint32))
+        self.low = _floats(np.stack([nodes[:-1], 1.0 / gaps], axis=-1))
+
+    def find(self, x: Any) -> tuple[Any, Any]:
+        """The place below x, and the share of the next, 0 to 1."""
+        if self.last < 0:
+            return mi.UInt32(0), mi.Float(0.0)
+        if self.is_even:
+            at = (x - self.first) * self.per_gap
+            low = dr.clip(dr.floor(at), 0.0, self.last)
+            return mi.UInt32(low), dr.clip(at - low, 0.0, 1.0)
+        place = dr.gather(mi.UInt32, self.guess, mi.UInt32(dr.clip((x - self.first) * self.per_bin, 0.0, 1023.0)))
+        for step in range(self.steps + 1):
+            node = dr.gather(mi.Vector2f, self.low, place)
+            share = (x - node.x) * node.y
+            if step < self.steps:
+                place = dr.select((share >= 1.0) & (place < self.last), place + 1, place)
+        return place, dr.clip(share, 0.0, 1.0)
+
+
+@dataclass
+class _Light:
+    """ω_i in its cell (steps 1 and 2); rows, columns: the nearer one first."""
+
+    sign: Any
+    tau: Any
+    y: Any
+    z: Any
+    cos_theta: Any
+    #: Number of the node at the nearer row and column and at the first wavelength, and the steps to the others'.
+    node: Any
+    to_column: Any
+    theta: Any
+    phi: Any
+    c: tuple[Any, Any]
+    t: tuple[Any, Any]
+
+
+@dataclass
+class _Corner:
+    """A node that counts (step 3): its weight, its number, and whether it is in the farther row and column."""
+
+    weight: Any
+    at: Any
+    far_row: Any
+    far_column: Any
+
+    def of(self, mask: Any, pair: tuple[Any, Any]) -> Any:
+        """One of two numbers."""
+        return pair[mask] if isinstance(mask, bool) else dr.select(mask, pair[1], pair[0])
+
+
+@dataclass
+class _View:
+    """ω_o against the columns of the cell (step 4): τ, and of each column e and cosφ'."""
+
+    tau: Any
+    cos_phi: Any
+    e: tuple[Any, Any]
+    cosine: tuple[Any, Any]
+
+
+@dataclass
+class _Across:
+    """What the nodes of a set say together (steps 5 and 10)."""
+
+    mean: Any
+    steady: Any
+    inverse_length: Any
+    gamma: Any
+    fraction: Any
+    fraction_slope: Any
+    density: Any
+    chance: Any
+
+
+@dataclass
+class _Draw:
+    """An instance (step 7)."""
+
+    shift: Any
+    is_backward: Any
+    is_achromatic: Any
+    base: Any
+    height: Any
+    turn: Any
+    own_turn: Any
+    wing: Any
+
+
+class _Tables:
+    """A material's tables on the variant's device, and what follows from them; `header` and `tables` as `Material` has them."""
+
+    def __init__(self, header: Mapping[str, Any], tables: Mapping[str, NDArray[Any]], spectral: tuple[float, float]) -> None:
+        self.height = float(np.float32(spectral[0] / 1.5175))
+        # Of names h' ≫ 48 below this are achromatic.
+        self.achromatic = min(math.ceil(65536.0 * spectral[1]), 65536)
+        self.polarization, self.sets = header["polarization"], int(header["sets"])
+        self.is_marginal, self.is_alike = header["kind"] == "marginal", header["sides"] == "alike"
+        self.reciprocity = header["reciprocity"]
+        if self.reciprocity == "steeper" and not self.is_alike:
+            self.reciprocity = "mean"
+        self.seed = _split_mix_of(int(header["seed"]))
+        self.sigmas = [float(sigma) for sigma in (header["sigma"], *header["halo"]) if sigma > 0.0]
+        self.phis, self.waves = int(header["phis"]), int(header["waves"])
+        self.count = int(header["thetas"]) * self.phis * self.waves
+        self.theta, self.phi = _Axis(tables["theta"]), _Axis(tables["phi"])
+        self.nm = _Axis(tables["wavelengths_nm"])
+        columns = np.stack([tables["phi"] < 0.0, tables["tangents"]], axis=-1)
+        self.columns, self.cosines = _floats(columns), _floats(tables["cos_theta"])
+
+        sets = [""] if self.sets == 1 else ["p1.", "p2."]
+        parts = [[tables[name + "nodes"][..., _ORDER], tables[name + "shares"]] for name in sets]
+        self.has_halo = "along" in tables
+        if self.has_halo:
+            parts = [[*part, tables["along"]] for part in parts]
+        self.width = 6 if self.has_halo else 5
+        self.nodes = _floats(np.concatenate([np.concatenate(part, axis=-1).ravel() for part in parts]))
+
+        inverse_q = tables["inverse_q"]
+        self.q_steps = len(inverse_q) - 1
+        self.inverse_q = _floats(_padded(inverse_q))
+        self.student_steps = len(tables["student"]) - 1
+        self.student = _floats(tables["student"])
+        self.slopes = _floats(_padded(tables["slopes"]))
+        # Two numbers of 16 bits in one of 32: a point of two bases is one load.
+        self.codes = _held(mi.Int32, np.ascontiguousarray(tables["codes"]).view(np.int32))
+        self.rotations, self.wings = _floats(tables["rotations"]), _floats(tables["wings"])
+        self.step_loss = 1.0 - float(tables["autocovariance"][1])
+
+    # -- steps 1 to 5 --
+
+    def _light(self, w: Any) -> _Light:
+        cos_theta = dr.sqrt(dr.fma(w.x, w.x, w.z * w.z))
+        inverse = dr.rcp(dr.fmax(cos_theta, 1e-12))
+        sign = dr.select(w.x < 0.0, -1.0, 1.0) if self.is_alike else mi.Float(1.0)
+        sine, cosine = sign * w.x * inverse, w.z * inverse
+        row, theta = self.theta.find(cos_theta)
+        column, phi = self.phi.find(dr.copysign(1.0 - cosine, sine))
+        low, high = (dr.gather(mi.Vector2f, self.columns, column + k) for k in (0, 1))
+        t, to_column = (low.y, high.y), mi.Int32(self.waves)
+        if not self.is_alike:
+            inwards = low.x > 0.5
+            t = (dr.select(inwards, high.y, low.y), dr.select(inwards, low.y, high.y))
+            column, phi = dr.select(inwards, column + 1, column), dr.select(inwards, 1.0 - phi, phi)
+            to_column = dr.select(inwards, -self.waves, self.waves)
+        c = (dr.gather(mi.Float, self.cosines, row), dr.gather(mi.Float, self.cosines, row + 1))
+        node = (row * self.phis + column) * self.waves
+        tau = _tau(sine, dr.fmax(cosine, 1e-4))
+        return _Light(sign, tau, w.y, w.z, cos_theta, node, mi.Int32(to_column), theta, phi, c, t)
+
+    def _view(self, light: _Light, sine: Any, cosine: Any) -> _View:
+        cosine = dr.fmax(cosine, 1e-8)
+        tau = light.tau * _tau(light.sign * sine, cosine)
+        e = [dr.rsqrt(dr.fma(t, t, tau * tau)) for t in light.t]
+        turned = [2.0 * (tau * e_) * (t * e_) for t, e_ in zip(light.t, e)]
+        return _View(tau, cosine, (e[0], e[1]), (turned[0], turned[1]))
+
+    def _corners(self, light: _Light, nm: Any) -> list[_Corner]:
+        wave, g = self.nm.find(nm)
+        a, b = light.theta, light.phi
+        up_wave = 1 if self.waves > 1 else 0
+        up_row, up_column = self.phis * self.waves, light.to_column
+        high, low = dr.maximum(dr.maximum(a, b), g), dr.minimum(dr.minimum(a, b), g)
+        middle = dr.maximum(dr.minimum(a, b), dr.minimum(dr.maximum(a, b), g))
+        # Which axis is stepped up first and which last; of equal shares λ is first, then θ.
+        row_first, column_first = (a > g) & (a >= b), (b > g) & (b > a)
+        row_last, column_last = (g >= a) & (b > a), (g >= b) & (a >= b)
+        nearest = mi.Int32(light.node + wave)
+        farthest = nearest + up_column + (up_row + up_wave)
+        first = dr.select(row_first, up_row, dr.select(column_first, up_column, up_wave))
+        last = dr.select(row_last, up_row, dr.select(column_last, up_column, up_wave))
+        return [
+            _Corner(1.0 - high, mi.UInt32(nearest), False, False),
+            _Corner(high - middle, mi.UInt32(nearest + first), row_first, column_first),
+            _Corner(middle - low, mi.UInt32(farthest - last), ~row_last, ~column_last),
+            _Corner(low, mi.UInt32(farthest), True, True),
+        ]
+
+    def _row(self, at: Any, number: int, of_set: int = 0) -> Any:
+        return dr.gather(mi.Vector4f, self.nodes, (at + of_set * self.count) * self.width + number)
+
+    def _across(
+        self, of_set: int, light: _Light, corners: list[_Corner], view: _View, instanced: bool, dense: bool, valued: bool
+    ) -> _Across:
+        needs_rest = valued and (instanced or self.sets == 2 or self.polarization is not None)
+        sums = [mi.Float(0.0) for _ in range(8)]
+        for corner in corners:
+            row = [self._row(corner.at, number, of_set) for number in (_LOBES, _ALIGNED)]
+            e, t = corner.of(corner.far_column, view.e), corner.of(corner.far_column, light.t)
+            cosine = corner.of(corner.far_column, view.cosine)
+            z = corner.of(corner.far_row, light.c) * cosine
+            weight, one = corner.weight * cosine, 1.0 - z * z
+            shares = self._row(corner.at, _SHARES, of_set) if dense else None
+            for lobe in (0, 1):
+                m2, r, m, a = row[0][lobe], row[0][2 + lobe], row[1][lobe], row[1][2 + lobe]
+                q = dr.fma(r, dr.square((view.tau - m) * e), m2)
+                per_q2 = weight * dr.rcp(q * q)
+                if valued:
+                    aligned = (view.tau + m) * e * z if self.is_marginal else z
+                    sums[0] += per_q2 * a * aligned * dr.rcp(z + dr.sqrt(dr.fma(m2, one, z * z)))
+                if shares is not None:
+                    sums[6] += per_q2 * shares[lobe] * (t + view.tau * m * dr.rcp(t)) * e
+                    sums[7] += corner.weight * shares[2 + lobe]
+            if instanced:
+                m2, r, m, a = self._row(corner.at, _STEADY, of_set)
+                q = dr.fma(r, dr.square((view.tau - m) * e), m2)
+                sums[1] += corner.weight * a * dr.rcp(q * q)
+            if needs_rest:
+                rest = self._row(corner.at, _REST, of_set)
+                for k in range(4):
+                    sums[2 + k] += corner.weight * rest[k]
+        per_cosine = dr.rcp(view.cos_phi)
+        sums[0] *= per_cosine
+        sums[1] = sums[0] * dr.minimum(sums[1], 1.0)
+        sums[6] *= per_cosine
+        return _Across(*sums)
+
+    # -- step 6 --
+
+    def _parts(self, corners: list[_Corner]) -> list[Any]:
+        """H of each σ."""
+        if not self.has_halo:
+            return [mi.Float(1.0)]
+        total = mi.Vector4f(0.0)
+        for corner in corners:
+            total += corner.weight * self._row(corner.at, _ALONG)
+        return [total[g] for g in range(len(self.sigmas))]
+
+    def _inverse_q(self, cos_theta: Any) -> list[Any]:
+        at = dr.sqrt(dr.minimum(cos_theta, 1.0)) * float(self.q_steps)
+        low = dr.minimum(dr.floor(at), float(self.q_steps - 1))
+        share, k = at - low, mi.UInt32(low)
+        row = [dr.gather(mi.Vector4f, self.inverse_q, k + step) for step in (0, 1)]
+        return [dr.fma(share, row[1][g] - row[0][g], row[0][g]) for g in range(len(self.sigmas))]
+
+    # -- steps 7 and 8 --
+
+    def _draw(self, name: Any, sum_x: Any) -> _Draw:
+        h = _split_mix(mi.UInt64(self.seed) ^ _split_mix(name))
+        more = h * mi.UInt64(_GOLDEN)
+        bits = lambda of, by, mask: mi.UInt32((of >> by) & mask)  # noqa: E731
+        base = mi.Float(bits(h, 0, _BASES - 1)) + mi.Float(bits(more, 40, 255)) * (1.0 / 256.0)
+        is_achromatic = bits(more, 48, 0xFFFF) < self.achromatic
+        turn = [dr.gather(mi.Vector2f, self.rotations, bits(h, by, _POINTS - 1)) for by in (40, 50)]
+        wing = dr.gather(mi.Float, self.wings, dr.select(sum_x < 0.0, bits(h, 8, 255), bits(h, 28, 255)))
+        shift = mi.Int32(bits(h, 16, _POINTS - 1))
+        height = dr.select(is_achromatic, 0.0, self.height)
+        return _Draw(shift, bits(h, 63, 1) == 1, is_achromatic, base, height, turn[0], turn[1], wing)
+
+    def _noise(self, draw: _Draw, x: Any, sum_z: Any, nm: Any) -> tuple[Any, Any]:
+        """q and q' at x, in lengths."""
+        place = dr.fma(512.0, dr.clip(x, -512.0, 512.0), -0.5)
+        low = dr.floor(place)
+        t, k = place - low, mi.Int32(low)
+        layer = dr.minimum(dr.fma(draw.height * sum_z, 2000.0 * math.pi * dr.rcp(nm), draw.base), 32768.0)
+        base = dr.floor(layer)
+        u = layer - base
+        first = (mi.UInt32(base) & (_BASES - 1)) * _ROWS
+        numbers = [mi.Float(0.0) for _ in range(4)]
+        for step, weight in ((0, 1.0 - t), (1, t)):
+            j = dr.select(draw.is_backward, draw.shift - (k + step), draw.shift + (k + step)) & (_POINTS - 1)
+            words = dr.gather(mi.Vector4i, self.codes, first + mi.UInt32(j & (_POINTS // 2 - 1)))
+            is_second_half = j >= _POINTS // 2
+            near, next_ = weight * (1.0 - u), weight * u
+            for pair in (0, 1):
+                here = dr.select(is_second_half, words[1 - pair], words[pair])
+                there = dr.select(is_second_half, words[3 - pair], words[2 + pair])
+                for part, of in ((0, lambda word: (word << 16) >> 16), (1, lambda word: word >> 16)):
+                    at = 2 * pair + part
+                    numbers[at] = dr.fma(near, mi.Float(of(here)), dr.fma(next_, mi.Float(of(there)), numbers[at]))
+        scale = dr.rsqrt((1.0 - 2.0 * t * (1.0 - t) * self.step_loss) * (1.0 - 2.0 * u * (1.0 - u)))
+        a, b, own_a, own_b = (number * scale for number in numbers)
+        turned = lambda by, a, b: mi.Vector2f(a * by.x - b * by.y, a * by.y + b * by.x)  # noqa: E731
+        return turned(draw.turn, a, b), turned(draw.own_turn, own_a, own_b)
+
+    def _slope(self, light: _Light) -> Any:
+        """κ, g and 1/l of achromatic instances."""
+        a, b = light.theta, light.phi
+        high, low = dr.maximum(a, b), dr.minimum(a, b)
+        nearest = mi.Int32(light.node) // self.waves
+        to_column = dr.select(light.to_column < 0, -1, 1)
+        first = dr.select(a >= b, self.phis, to_column)
+        places = [nearest, nearest + first, nearest + to_column + self.phis]
+        at = [dr.gather(mi.Vector4f, self.slopes, mi.UInt32(place)) for place in places]
+        return (1.0 - high) * at[0] + (high - low) * at[1] + low * at[2]
+
+    def _speckled(
+        self, across: _Across, of_set: int, draw: _Draw, slope: Any, sum_: Any, nm: Any
+    ) -> Any:
+        """P of an instance."""
+        inverse_length = dr.select(draw.is_achromatic, slope.z, across.inverse_length)
+        first, own = self._noise(draw, sum_.x * inverse_length, sum_.z, nm)
+        second = across.gamma * first + dr.sqrt(dr.fmax(1.0 - dr.square(across.gamma), 0.0)) * own
+        polarization = of_set + 1 if self.sets == 2 else self.polarization
+        if polarization is not None:
+            value = _speckle(across.mean, across.steady, first if polarization == 1 else second)
+        else:
+            # ½ speckle(2F f̂, 2F s, q) = F speckle(f̂, s, q).
+            one, two = (_speckle(across.mean, across.steady, q) for q in (first, second))
+            value = dr.fma(across.fraction, one - two, two)
+        a = 0.5 * dr.square(slope.x * sum_.x) * dr.rcp(sum_.z) * across.inverse_length
+        a = dr.minimum(a, 1e6)
+        a2 = a * a
+        return value * (1.0 + slope.y * (draw.wing - 1.0) * a2 * dr.rcp(0.2 + 0.2 * a + 0.6 * a2 * a))
+
+    # -- steps 6, 8 to 10 --
+
+    def _one_way(
+        self, wi: Any, wo: Any, nm: Sequence[Any], name: Any, valued: bool, dense: bool
+    ) -> tuple[list[Any], list[Any]]:
+        """f z_o of each wavelength, and each one's density."""
+        light = self._light(wi)
+        cos_o = dr.sqrt(dr.fma(wo.x, wo.x, wo.z * wo.z))
+        inverse = dr.rcp(dr.fmax(cos_o, 1e-12))
+        view = self._view(light, wo.x * inverse, wo.z * inverse)
+        sum_ = wi + wo
+        cosine = light.cos_theta * cos_o - light.y * wo.y
+        sine = dr.fma(light.y, cos_o, wo.y * light.cos_theta)
+        t2 = dr.select(cosine > 0.0, dr.square(sine) / (2.0 + 2.0 * cosine), 0.5 * (1.0 - cosine))
+        spread = [dr.exp(t2 * (-1.0 / sigma**2)) for sigma in self.sigmas]
+        values_along = [e * q for e, q in zip(spread, self._inverse_q(light.cos_theta))] if valued else []
+        density_along = []
+        if dense:
+            below, above = _ends(light.y)
+            root = dr.sqrt(dr.fmax(1.0 - t2, 0.0)) * inverse
+            for sigma, e in zip(self.sigmas, spread):
+                mass = dr.erf(below * (1.0 / sigma)) + dr.erf(above * (1.0 / sigma))
+                density_along.append(e * root / (sigma * math.sqrt(math.pi) * mass))
+        instanced = valued and name is not None
+        draw = self._draw(name, sum_.x) if instanced else None
+        slope = self._slope(light) if instanced else None
+        facet = dr.clip(light.sign * sum_.x * dr.rcp(sum_.z), -1.0, 1.0)
+        values, densities = [], []
+        for wavelength in nm:
+            corners = self._corners(light, wavelength)
+            parts = self._parts(corners)
+            p, density, chance = mi.Float(0.0), mi.Float(0.0), mi.Float(0.0)
+            for of_set in range(self.sets):
+                across = self._across(of_set, light, corners, view, instanced, dense, valued)
+                across.fraction = dr.clip(dr.fma(across.fraction_slope, facet, across.fraction), 0.0, 1.0)
+                polarization = of_set + 1 if self.sets == 2 else self.polarization
+                if polarization is not None:
+                    own = 2.0 * (across.fraction if polarization == 1 else 1.0 - across.fraction)
+                    across.mean, across.steady = across.mean * own, across.steady * own
+                if draw is not None:
+                    p += self._speckled(across, of_set, draw, slope, sum_, wavelength)
+                else:
+                    p += across.mean
+                density, chance = density + across.density, chance + across.chance
+            if valued:
+                values.append(p * _dot(parts, values_along) * (1.0 / self.sets))
+            if dense:
+                densities.append(density * dr.rcp(chance) * _dot(parts, density_along))
+        return values, densities
+
+    def evaluate(
+        self, wi: Any, wo: Any, nm: Sequence[Any], name: Any = None, valued: bool = True, dense: bool = True
+    ) -> tuple[list[Any], Any]:
+        """f cosθ of each wavelength, 1/sr, and the density per sr, the mean over the wavelengths'.
+
+        Args:
+            wi, wo: ``Vector3f`` in the barbule's frame, both above it.
+            nm: Vacuum wavelengths, ``Float`` each.
+            name: Of the instance, ``UInt64``; the mean without.
+            valued, dense: Whether values and the density are wanted.
+        """
+        is_plain = self.reciprocity == "none" or not valued
+        values, densities = self._one_way(wi, wo, nm, name, valued and self.reciprocity != "steeper", dense)
+        if self.reciprocity == "steeper" and valued:
+            across, back = dr.abs(wo.x) * wi.z, dr.abs(wi.x) * wo.z
+            swapped = (across < back) | ((across == back) & (wo.z > wi.z))
+            first, second = dr.select(swapped, wo, wi), dr.select(swapped, wi, wo)
+            values, _ = self._one_way(first, second, nm, name, True, False)
+            scale = wo.z * dr.rcp(second.z)
+            values = [value * scale for value in values]
+        elif not is_plain:
+            back, _ = self._one_way(wo, wi, nm, name, True, False)
+            scale = wo.z * dr.rcp(wi.z)
+            values = [0.5 * dr.fma(there, scale, here) for here, there in zip(values, back)]
+        density = sum(densities, mi.Float(0.0)) * (1.0 / len(nm))
+        return values, density
+
+    # -- steps 11 to 14 --
+
+    def sample(self, wi: Any, nm: Sequence[Any], u: Any, u1: Any, u2: Any) -> Any:
+        """ω_o drawn by the mean of the wavelengths' densities; z ≤ 0 where nothing is drawn.
+
+        The wavelength, the lobe and the σ are drawn with `u`, the azimuth with `u1`, the inclination with `u2`.
+        """
+        light = self._light(wi)
+        place = u * float(len(nm))
+        number = dr.minimum(dr.floor(place), float(len(nm) - 1))
+        rest, wavelength = place - number, nm[0]
+        for k in range(1, len(nm)):
+            wavelength = dr.select(number == float(k), nm[k], wavelength)
+        corners = self._corners(light, wavelength)
+
+        chances = []
+        for of_set in range(self.sets):
+            for corner in corners:
+                shares = self._row(corner.at, _SHARES, of_set)
+                t = corner.of(corner.far_column, light.t)
+                for lobe in (0, 1):
+                    chances.append((corner.weight * shares[2 + lobe], corner.at + of_set * self.count, t, lobe))
+        rest *= sum((chance for chance, *_ in chances), mi.Float(0.0))
+        at, t, is_second = chances[0][1], chances[0][2], mi.Bool(False)
+        left, is_drawn = mi.Float(0.0), mi.Bool(False)
+        for chance, node, node_t, lobe in chances:
+            # Where rounding leaves none, the last one with a chance stays.
+            here = ~is_drawn & (chance > 0.0)
+            at, t = dr.select(here, node, at), dr.select(here, node_t, t)
+            is_second = dr.select(here, lobe == 1, is_second)
+            left = dr.select(here, rest / chance, left)
+            is_drawn |= here & (rest < chance)
+            rest = dr.select(is_drawn, rest, rest - chance)
+        left = dr.clip(left, 0.0, _BELOW_1)
+
+        lobes, aligned = self._row(at, _LOBES), self._row(at, _ALIGNED)
+        m2, m = dr.select(is_second, lobes.y, lobes.x), dr.select(is_second, aligned.y, aligned.x)
+        sin_phi, cos_phi = self._azimuth(m2, m / t, t / light.tau, u1)
+        sin_theta, cos_theta = self._inclination(light, self._parts(corners), left, u2)
+        return mi.Vector3f(cos_theta * light.sign * sin_phi, sin_theta, cos_theta * cos_phi)
+
+    def _azimuth(self, m2: Any, tau_eff: Any, back: Any, u: Any) -> tuple[Any, Any]:
+        half = dr.rsqrt(2.0 + 2.0 * dr.square(tau_eff))
+        sine, cosine = (1.0 - tau_eff) * half, (1.0 + tau_eff) * half
+        low, high = math.sqrt(0.5) * (sine - cosine), math.sqrt(0.5) * (sine + cosine)
+        a = dr.sqrt(m2 / dr.fmax(1.0 - m2, 1e-12))
+        first, last = _student(low / a), _student(high / a)
+        v = dr.lerp(first, last, u)
+        h = dr.select(a > 1000.0, dr.lerp(low, high, u), a * self._student_quantile(v))
+        h = dr.clip(h, low, high)
+        other = dr.sqrt(dr.fmax(1.0 - h * h, 0.0))
+        # τ(φ) of φ/2 = asin h − φ_eff/2.
+        sin_half, cos_half = h * cosine - other * sine, other * cosine + h * sine
+        tau = (cos_half + sin_half) / dr.fmax(cos_half - sin_half, 1e-9) * back
+        scale = dr.rcp(dr.fma(tau, tau, 1.0))
+        return (tau - 1.0) * (tau + 1.0) * scale, 2.0 * tau * scale
+
+    def _student_quantile(self, v: Any) -> Any:
+        s = dr.cbrt(12.0 * math.pi * dr.fmax(0.5 - dr.abs(v), 0.0))
+        # s is (6π)^⅓ where δ = π.
+        gap = (6.0 * math.pi) ** (1.0 / 3.0) / self.student_steps
+        at = s * (1.0 / gap)
+        low = dr.clip(dr.floor(at), 0.0, float(self.student_steps - 1))
+        t, k = dr.clip(at - low, 0.0, 1.0), mi.UInt32(low)
+        here, there = (dr.gather(mi.Vector2f, self.student, k + step) for step in (0, 1))
+        t2, t3 = t * t, t * t * t
+        delta = (2.0 * t3 - 3.0 * t2 + 1.0) * here.x + (3.0 * t2 - 2.0 * t3) * there.x
+        delta += gap * ((t3 - 2.0 * t2 + t) * here.y + (t3 - t2) * there.y)
+        sine, cosine = dr.sincos(0.5 * dr.fmax(delta, 1e-6))
+        return dr.copysign(cosine / sine, v)
+
+    def _inclination(self, light: _Light, parts: list[Any], u: Any, u2: Any) -> tuple[Any, Any]:
+        rest, sigma, is_drawn = u * sum(parts, mi.Float(0.0)), mi.Float(self.sigmas[0]), mi.Bool(False)
+        for part, own in zip(parts, self.sigmas):
+            sigma = dr.select(~is_drawn & (part > 0.0), own, sigma)
+            is_drawn |= rest < part
+            rest = rest - part
+        below, above = _ends(light.y)
+        per_sigma = dr.rcp(sigma)
+        p = dr.lerp(-dr.erf(below * per_sigma), dr.erf(above * per_sigma), u2)
+        t = dr.clip(sigma * dr.erfinv(dr.clip(p, -_BELOW_1, _BELOW_1)), -below, above)
+        sine, cosine = 2.0 * t * dr.sqrt(dr.fmax(1.0 - t * t, 0.0)), 1.0 - 2.0 * t * t
+        return sine * light.cos_theta - cosine * light.y, cosine * light.cos_theta + sine * light.y
+
+
+def _floats(values: NDArray[Any]) -> Any:
+    return _held(mi.Float, np.ascontiguousarray(values, dtype=np.float32))
+
+
+def _held(kind: Any, values: NDArray[Any]) -> Any:
+    """A flat array in memory of Dr.Jit's own.
+
+    As made from NumPy it lies in NumPy's memory, and what is compiled for a load of four numbers depends on where that begins: each process
+    would have other kernels, and find none of them in the cache.
+    """
+    shared = kind(values.ravel())
+    own = dr.gather(kind, shared, dr.arange(mi.UInt32, values.size))
+    dr.eval(own)
+    dr.sync_thread()
+    return own
+
+
+def _padded(values: NDArray[Any]) -> NDArray[Any]:
+    """Rows of four."""
+    return np.concatenate([values, np.zeros((*values.shape[:-1], 4 - values.shape[-1]))], axis=-1)
+
+
+def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    return sum((x * y for x, y in zip(a[1:], b[1:])), a[0] * b[0])
+
+
+def _tau(sine: Any, cosine: Any) -> Any:
+    """τ(φ), without cancellation on either side."""
+    is_left = sine < 0.0
+    return dr.select(is_left, cosine, 1.0 + sine) / dr.select(is_left, 1.0 - sine, cosine)
+
+
+def _ends(y: Any) -> tuple[Any, Any]:
+    return dr.sqrt(dr.fmax(0.5 - 0.5 * y, 0.0)), dr.sqrt(dr.fmax(0.5 + 0.5 * y, 0.0))
+
+
+def _student(x: Any) -> Any:
+    return (x / (1.0 + x * x) + dr.atan(x)) * (1.0 / math.pi)
+
+
+def _speckle(mean: Any, steady: Any, q: Any) -> Any:
+    steady = dr.minimum(steady, mean)
+    half = 0.5 * (mean - steady)
+    return dr.square(dr.sqrt(half) * q.x + dr.sqrt(steady)) + half * dr.square(q.y)
+
+
+# ---- BSDFs --------------------------------------------------------------------------------------------------------------------------
+
+
+def _of_barbule(w: Any, sign: Any) -> Any:
+    """Mitsuba's local direction in the barbule's frame: y along dp_du, z along the normal, x across; the lower side is the upper one
+    turned by 180° about y."""
+    return mi.Vector3f(-w.y * sign, w.x, w.z * sign)
+
+
+def _of_mitsuba(w: Any, sign: Any) -> Any:
+    return mi.Vector3f(w.y, -w.x * sign, w.z * sign)
+
+
+def _spectrum(values: Sequence[Any]) -> Any:
+    """Values of wavelengths as what BSDFs return: of polarized variants a depolarizer."""
+    return mi.depolarizer(mi.UnpolarizedSpectrum(list(values)))
+
+
+def _glossy(bsdf: Any, asked: _Asked) -> Any:
+    flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.Anisotropic | mi.BSDFFlags.FrontSide
+    if asked.two_sided:
+        flags |= mi.BSDFFlags.BackSide
+    bsdf.m_components, bsdf.m_flags = [flags], flags
+
+
+def _jit_class() -> type:
+    """The class of variants that compile."""
+
+    class Barbule(mi.BSDF):  # type: ignore[misc]
+        """A feather's barbules."""
+
+        def __init__(self, props: Any) -> None:
+            mi.BSDF.__init__(self, props)
+            _refuse_colours()
+            self.asked = _Asked.of(props)
+            material = self.asked.load()
+            self.tables = _Tables(material.header(), material.tables(), _spectral(material))
+            _glossy(self, self.asked)
+
+        def _turned(self, si: Any) -> tuple[Any, Any]:
+            sign = dr.select(si.wi.z < 0.0, -1.0, 1.0) if self.asked.two_sided else mi.Float(1.0)
+            return _of_barbule(si.wi, sign), sign
+
+        def _name(self, si: Any, active: Any) -> Any:
+            # Negative cells are two's complements, as in the program's scenes.
+            whole = lambda x: mi.UInt64(mi.Int64(mi.Int32(x)))  # noqa: E731
+            if self.asked.instances == "prim":
+                whole = mi.UInt64
+            return _named(self.asked, si, active, _split_mix, whole)
+
+        def _evaluated(self, ctx: Any, si: Any, wo: Any, active: Any, valued: bool, dense: bool) -> tuple[Any, Any]:
+            if not ctx.is_enabled(mi.BSDFFlags.GlossyReflection):
+                return dr.zeros(mi.Spectrum), mi.Float(0.0)
+            wi, sign = self._turned(si)
+            wo = _of_barbule(wo, sign)
+            active = active & (wi.z > 0.0) & (wo.z > 0.0)
+            name = self._name(si, active) if valued else None
+            values, density = self.tables.evaluate(wi, wo, list(si.wavelengths), name, valued, dense)
+            spectrum = _spectrum(values) if valued else None
+            return dr.select(active, spectrum, 0.0) if valued else None, dr.select(active, density, 0.0)
+
+        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self._evaluated(ctx, si, wo, active, True, False)[0]
+
+        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self._evaluated(ctx, si, wo, active, False, True)[1]
+
+        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+            return self._evaluated(ctx, si, wo, active, True, True)
+
+        def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> tuple[Any, Any]:
+            sampled = dr.zeros(mi.BSDFSample3f)
+            if not ctx.is_enabled(mi.BSDFFlags.GlossyReflection):
+                return sampled, dr.zeros(mi.Spectrum)
+            wi, sign = self._turned(si)
+            active = active & (wi.z > 0.0)
+            wo = self.tables.sample(wi, list(si.wavelengths), sample1, sample2.x, sample2.y)
+            active &= wo.z > 0.0
+            values, density = self.tables.evaluate(wi, wo, list(si.wavelengths), self._name(si, active))
+            active &= density > 0.0
+            sampled.wo = dr.select(active, _of_mitsuba(wo, sign), 0.0)
+            sampled.pdf = dr.select(active, density, 0.0)
+            sampled.eta = 1.0
+            sampled.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
+            sampled.sampled_component = mi.UInt32(0)
+            weight = dr.rcp(density)
+            return sampled, dr.select(active, _spectrum([value * weight for value in values]), 0.0)
+
+        def to_string(self) -> str:
+            return str(self.asked)
+
+    return Barbule
+
+
+def _scalar_class() -> type:
+    """The class of scalar variants: a call of the native module for each direction."""
+
+    class Barbule(mi.BSDF):  # type: ignore[misc]
+        """A feather's barbules."""
+
+        def __init__(self, props: Any) -> None:
+            mi.BSDF.__init__(self, props)
+            _refuse_colours()
+            self.asked = _Asked.of(props)
+            self.material = self.asked.load()
+            _glossy(self, self.asked)
+
+        def _sign(self, si: Any) -> float:
+            return -1.0 if self.asked.two_sided and si.wi.z < 0.0 else 1.0
+
+        def _values(self, si: Any, wi: Any, wo: Any, active: Any) -> NDArray[np.float64]:
+            name = _named(self.asked, si, active, _split_mix_of, lambda x: int(x) & _MASK)
+            instance = None if name is None else np.uint64(name)
+            found = self.material.eval(list(si.wavelengths), wi, wo, instance, threads=1)
+            return found.astype(np.float64) * wo[2]
+
+        def _density(self, si: Any, wi: Any, wo: Any) -> float:
+            return float(self.material.pdf(list(si.wavelengths), wi, wo, threads=1).mean())
+
+        def _seen(self, ctx: Any, si: Any, wo: Any, active: Any) -> tuple[Any, Any] | None:
+            sign = self._sign(si)
+            wi, wo = _unit(_of_barbule(si.wi, sign)), _unit(_of_barbule(wo, sign))
+            is_seen = active and wi[2] > 0.0 and wo[2] > 0.0 and ctx.is_enabled(mi.BSDFFlags.GlossyReflection)
+            return (wi, wo) if is_seen else None
+
+        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            seen = self._seen(ctx, si, wo, active)
+            return dr.zeros(mi.Spectrum) if seen is None else _spectrum(self._values(si, *seen, active).tolist())
+
+        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> float:
+            seen = self._seen(ctx, si, wo, active)
+            return 0.0 if seen is None else self._density(si, *seen)
+
+        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, float]:
+            return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
+
+        def sample(self, ctx: Any, si: Any, sample1: float, sample2: Any, active: Any = True) -> tuple[Any, Any]:
+            sampled, nothing = mi.BSDFSample3f(), dr.zeros(mi.Spectrum)
+            sampled.pdf, sign = 0.0, self._sign(si)
+            wi = _unit(_of_barbule(si.wi, sign))
+            if not (active and wi[2] > 0.0 and ctx.is_enabled(mi.BSDFFlags.GlossyReflection)):
+                return sampled, nothing
+            nm = list(si.wavelengths)
+            wave = min(int(sample1 * len(nm)), len(nm) - 1)
+            u = [min(sample1 * len(nm) - wave, _BELOW_1), min(sample2.x, _BELOW_1)]
+            wo, density = self.material.sample(nm[wave], wi, u, threads=1)
+            if float(density) == 0.0:
+                return sampled, nothing
+            sampled.pdf = self._density(si, wi, wo)
+            sampled.wo = _of_mitsuba(mi.Vector3f(wo), sign)
+            sampled.eta = 1.0
+            sampled.sampled_type = +mi.BSDFFlags.GlossyReflection
+            sampled.sampled_component = 0
+            return sampled, _spectrum((self._values(si, wi, wo, active) / sampled.pdf).tolist())
+
+        def to_string(self) -> str:
+            return str(self.asked)
+
+    return Barbule
+
+
+def _unit(w: Any) -> NDArray[np.float64]:
+    """In double precision, of length 1."""
+    array = np.array([w.x, w.y, w.z], dtype=np.float64)
+    return np.asarray(array / np.linalg.norm(array))
+
+
+class _Reflectance:
+    """A film's reflectance for unpolarized light over cosθ and the wavelength, bilinear."""
+
+    COSINES = 257
+
+    def __init__(self, stack: str) -> None:
+        nm = np.arange(MITSUBA_NM[0], MITSUBA_NM[1] + 1.0)
+        cosines = np.linspace(0.0, 1.0, self.COSINES)
+        found = film(stack, nm, np.degrees(np.arccos(cosines[1:])), progress=False)
+        table = np.ones((self.COSINES, len(nm)))  # at grazing all is reflected
+        table[1:] = 0.5 * (np.asarray(found["R_s"]) + np.asarray(found["R_p"]))
+        self.waves, self.first = len(nm), float(nm[0])
+        self.is_jit = bool(dr.is_jit_v(mi.Float))
+        self.table: Any = _floats(table) if self.is_jit else table.ravel()
+
+    def _at(self, index: Any) -> Any:
+        return dr.gather(mi.Float, self.table, index) if self.is_jit else float(self.table[index])
+
+    def at(self, cosine: Any, nm: Any) -> Any:
+        """R at cosθ and a wavelength, nm."""
+        row, a = self._place(cosine * float(self.COSINES - 1), self.COSINES)
+        wave, b = self._place(nm - self.first, self.waves)
+        index = row * self.waves + wave
+        low = dr.lerp(self._at(index), self._at(index + 1), b)
+        return dr.lerp(low, dr.lerp(self._at(index + self.waves), self._at(index + self.waves + 1), b), a)
+
+    def _place(self, at: Any, count: int) -> tuple[Any, Any]:
+        low = dr.clip(dr.floor(at), 0.0, float(count - 2))
+        return (mi.UInt32(low) if self.is_jit else int(low)), dr.clip(at - low, 0.0, 1.0)
+
+
+def _film_class() -> type:
+    """The class of films, in all spectral variants."""
+
+    class BarbuleFilm(mi.BSDF):  # type: ignore[misc]
+        """A smooth stack of layers: a mirror with the exact reflectance; what is not reflected is absorbed."""
+
+        def __init__(self, props: Any) -> None:
+            mi.BSDF.__init__(self, props)
+            _refuse_colours()
+            if not props.has_property("stack"):
+                raise ValueError("barbule_film: 'stack' is missing, as in air/keratin:595/air")
+            self.stack = str(props["stack"])
+            self.reflectance = _Reflectance(self.stack)
+            flags = mi.BSDFFlags.DeltaReflection | mi.BSDFFlags.FrontSide
+            self.m_components, self.m_flags = [flags], flags
+
+        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return dr.zeros(mi.Spectrum)
+
+        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return mi.Float(0.0)
+
+        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+            return dr.zeros(mi.Spectrum), mi.Float(0.0)
+
+        def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> tuple[Any, Any]:
+            sampled = dr.zeros(mi.BSDFSample3f)
+            if not ctx.is_enabled(mi.BSDFFlags.DeltaReflection):
+                return sampled, dr.zeros(mi.Spectrum)
+            cosine = si.wi.z
+            active = active & (cosine > 0.0)
+            sampled.wo = mi.Vector3f(-si.wi.x, -si.wi.y, cosine)
+            sampled.pdf = dr.select(active, mi.Float(1.0), 0.0)
+            sampled.eta = 1.0
+            sampled.sampled_type = mi.UInt32(+mi.BSDFFlags.DeltaReflection)
+            sampled.sampled_component = mi.UInt32(0)
+            values = _spectrum([self.reflectance.at(cosine, nm) for nm in si.wavelengths])
+            return sampled, dr.select(active, values, dr.zeros(mi.Spectrum))
+
+        def to_string(self) -> str:
+            return f"BarbuleFilm[stack = {self.stack}]"
+
+    return BarbuleFilm
+
+
+_known: set[str] = set()
+
+
+def register() -> None:
+    """Makes ``barbule`` and ``barbule_film`` known to the variant that is set; importing this module does it."""
+    variant = mi.variant()
+    if variant is None:
+        raise ImportError('set a variant before barbule.mitsuba is imported, as in mitsuba.set_variant("llvm_ad_spectral")')
+    if variant in _known:
+        return
+    _known.add(variant)
+    barbule = _jit_class() if dr.is_jit_v(mi.Float) else _scalar_class()
+    mi.register_bsdf("barbule", barbule)
+    mi.register_bsdf("barbule_film", _film_class())
+
+
+register()
+mi.detail.add_variant_callback(lambda before, after: register())
