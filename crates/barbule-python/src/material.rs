@@ -178,15 +178,14 @@ impl<'a> Batch<'a> {
                 .then(|| brdf.prepare(self.lanes(0, first), vector(self.wi.at(0))));
             for (k, to) in chunk.chunks_exact_mut(waves).enumerate() {
                 let at = row + k;
-                let own = match (&one_draw, instance) {
-                    (None, Some(names)) => Some(brdf.instance(names.at(at)[0])),
-                    _ => None,
-                };
-                let draw = one_draw.as_ref().or(own.as_ref());
                 let wo = vector(self.wo.at(at));
+                let name = instance.map(|names| names.at(at)[0]);
                 let found = match &shared {
-                    Some(prepared) => prepared.eval(wo, draw),
-                    None => brdf.prepare(self.lanes(at, first), vector(self.wi.at(at))).eval(wo, draw),
+                    Some(prepared) => {
+                        let own = name.filter(|_| one_draw.is_none()).map(|name| brdf.instance(name));
+                        prepared.eval(wo, one_draw.as_ref().or(own.as_ref()))
+                    }
+                    None => brdf.eval(self.lanes(at, first), vector(self.wi.at(at)), wo, name),
                 };
                 to[first..first + width].copy_from_slice(&found[..width]);
             }

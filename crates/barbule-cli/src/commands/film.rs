@@ -96,14 +96,14 @@ impl Args {
         let stack = read(&self.stack, media.library())?;
         let used: Vec<&str> = (0..stack.layers() + 2).map(|region| stack.medium(region)).collect();
         self.common.say_unused(&self.stack, &media.unused(&used));
-        if media.guesses(&used, self.wavelengths.range_nm().0) {
-            self.common.say_guessed();
-        }
         if let Some(doubt) = stack.doubt() {
             self.common.say(&doubt);
         }
         self.check_memory(&stack)?;
         let found = self.find(&stack)?;
+        if media.guesses(&used, self.wavelengths.range_nm().0) {
+            self.common.say_guessed();
+        }
         let looks = found.looks(peak_range)?;
         let provenance = Provenance::new(&self.common);
         let shown = format!("{} at {} wavelengths", angles(&found.angle_deg), found.mean.at.len());

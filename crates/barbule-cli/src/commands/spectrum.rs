@@ -174,12 +174,12 @@ impl Args {
             .iter()
             .map(|text| self.side.of(structure_arg::parse(text, &self.common)?))
             .collect::<Result<Vec<_>>>()?;
+        let measured = self.measured()?;
+        let all = self.simulate(&structures, measured.as_ref())?;
         let (media, shortest_nm) = (self.common.opening()?.media, self.wavelengths.range_nm().0);
         if structures.iter().any(|one| media.guesses_in(one, self.common.seed, shortest_nm)) {
             self.common.say_guessed();
         }
-        let measured = self.measured()?;
-        let all = self.simulate(&structures, measured.as_ref())?;
         self.write(&all, measured.as_ref())?;
         if self.common.json {
             return print_json(out, &self.document(&all, measured.as_ref()));

@@ -72,7 +72,7 @@ class _Asked:
     @classmethod
     def of(cls, props: Any) -> _Asked:
         """Read from Mitsuba's properties."""
-        if not props.has_property("material"):
+        if "material" not in props:
             raise ValueError("barbule: 'material' is missing: a species, or a .barbule file")
         polarization = int(props.get("polarization", 0))
         if polarization not in (0, 1, 2):
@@ -138,6 +138,11 @@ def _split_mix_of(state: int) -> int:
     state = ((state ^ (state >> 30)) * _MIX[0]) & _MASK
     state = ((state ^ (state >> 27)) * _MIX[1]) & _MASK
     return state ^ (state >> 31)
+
+
+def _whole(x: Any) -> Any:
+    """``UInt64`` of whole numbers: negative ones as two's complements, as in the program's scenes."""
+    return mi.UInt64(mi.Int64(mi.Int32(x)))
 
 
 def _named(asked: _Asked, si: Any, active: Any, split_mix: Callable[[Any], Any], whole: Callable[[Any], Any]) -> Any:
@@ -272,15 +277,16 @@ class _Tables:
     """A material's tables on the variant's device, and what follows from them; `header` and `tables` as `Material` has them."""
 
     def __init__(self, header: Mapping[str, Any], tables: Mapping[str, NDArray[Any]], spectral: tuple[float, float]) -> None:
-        self.height = float(np.float32(spectral[0] / 1.5175))
+        # Opaque, so that materials which differ in nothing else share a kernel.
+        self.height = dr.opaque(mi.Float, spectral[0] / 1.5175)
         # Of names h' ≫ 48 below this are achromatic.
-        self.achromatic = min(math.ceil(65536.0 * spectral[1]), 65536)
+        self.achromatic = dr.opaque(mi.UInt32, min(math.ceil(65536.0 * spectral[1]), 65536))
+        self.seed = dr.opaque(mi.UInt64, _split_mix_of(int(header["seed"])))
         self.polarization, self.sets = header["polarization"], int(header["sets"])
         self.is_marginal, self.is_alike = header["kind"] == "marginal", header["sides"] == "alike"
         self.reciprocity = header["reciprocity"]
         if self.reciprocity == "steeper" and not self.is_alike:
             self.reciprocity = "mean"
-        self.seed = _split_mix_of(int(header["seed"]))
         self.sigmas = [float(sigma) for sigma in (header["sigma"], *header["halo"]) if sigma > 0.0]
         self.phis, self.waves = int(header["phis"]), int(header["waves"])
         self.count = int(header["thetas"]) * self.phis * self.waves
@@ -306,7 +312,7 @@ class _Tables:
         # Two numbers of 16 bits in one of 32: a point of two bases is one load.
         self.codes = _held(mi.Int32, np.ascontiguousarray(tables["codes"]).view(np.int32))
         self.rotations, self.wings = _floats(tables["rotations"]), _floats(tables["wings"])
-        self.step_loss = 1.0 - float(tables["autocovariance"][1])
+        self.step_loss = dr.opaque(mi.Float, 1.0 - float(tables["autocovariance"][1]))
 
     # -- steps 1 to 5 --
 
@@ -417,9 +423,12 @@ class _Tables:
     # -- steps 7 and 8 --
 
     def _draw(self, name: Any, sum_x: Any) -> _Draw:
-        h = _split_mix(mi.UInt64(self.seed) ^ _split_mix(name))
+        h = _split_mix(self.seed ^ _split_mix(name))
         more = h * mi.UInt64(_GOLDEN)
-        bits = lambda of, by, mask: mi.UInt32((of >> by) & mask)  # noqa: E731
+
+        def bits(of: Any, by: int, mask: int) -> Any:
+            return mi.UInt32((of >> by) & mask)
+
         base = mi.Float(bits(h, 0, _BASES - 1)) + mi.Float(bits(more, 40, 255)) * (1.0 / 256.0)
         is_achromatic = bits(more, 48, 0xFFFF) < self.achromatic
         turn = [dr.gather(mi.Vector2f, self.rotations, bits(h, by, _POINTS - 1)) for by in (40, 50)]
@@ -446,13 +455,12 @@ class _Tables:
             for pair in (0, 1):
                 here = dr.select(is_second_half, words[1 - pair], words[pair])
                 there = dr.select(is_second_half, words[3 - pair], words[2 + pair])
-                for part, of in ((0, lambda word: (word << 16) >> 16), (1, lambda word: word >> 16)):
-                    at = 2 * pair + part
-                    numbers[at] = dr.fma(near, mi.Float(of(here)), dr.fma(next_, mi.Float(of(there)), numbers[at]))
+                for at, left in ((2 * pair, 16), (2 * pair + 1, 0)):
+                    code, next_code = (mi.Float((word << left) >> 16) for word in (here, there))
+                    numbers[at] = dr.fma(near, code, dr.fma(next_, next_code, numbers[at]))
         scale = dr.rsqrt((1.0 - 2.0 * t * (1.0 - t) * self.step_loss) * (1.0 - 2.0 * u * (1.0 - u)))
         a, b, own_a, own_b = (number * scale for number in numbers)
-        turned = lambda by, a, b: mi.Vector2f(a * by.x - b * by.y, a * by.y + b * by.x)  # noqa: E731
-        return turned(draw.turn, a, b), turned(draw.own_turn, own_a, own_b)
+        return _rotated(a, b, draw.turn), _rotated(own_a, own_b, draw.own_turn)
 
     def _slope(self, light: _Light) -> Any:
         """κ, g and 1/l of achromatic instances."""
@@ -656,8 +664,8 @@ def _held(kind: Any, values: NDArray[Any]) -> Any:
     As made from NumPy it lies in NumPy's memory, and what is compiled for a load of four numbers depends on where that begins: each process
     would have other kernels, and find none of them in the cache.
     """
-    shared = kind(values.ravel())
-    own = dr.gather(kind, shared, dr.arange(mi.UInt32, values.size))
+    own = dr.empty(kind, values.size)
+    dr.scatter(own, kind(values.ravel()), dr.arange(mi.UInt32, values.size))
     dr.eval(own)
     dr.sync_thread()
     return own
@@ -670,6 +678,10 @@ def _padded(values: NDArray[Any]) -> NDArray[Any]:
 
 def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
     return sum((x * y for x, y in zip(a[1:], b[1:])), a[0] * b[0])
+
+
+def _rotated(a: Any, b: Any, turn: Any) -> Any:
+    return mi.Vector2f(a * turn.x - b * turn.y, a * turn.y + b * turn.x)
 
 
 def _tau(sine: Any, cosine: Any) -> Any:
@@ -736,11 +748,7 @@ def _jit_class() -> type:
             return _of_barbule(si.wi, sign), sign
 
         def _name(self, si: Any, active: Any) -> Any:
-            # Negative cells are two's complements, as in the program's scenes.
-            whole = lambda x: mi.UInt64(mi.Int64(mi.Int32(x)))  # noqa: E731
-            if self.asked.instances == "prim":
-                whole = mi.UInt64
-            return _named(self.asked, si, active, _split_mix, whole)
+            return _named(self.asked, si, active, _split_mix, _whole)
 
         def _evaluated(self, ctx: Any, si: Any, wo: Any, active: Any, valued: bool, dense: bool) -> tuple[Any, Any]:
             if not ctx.is_enabled(mi.BSDFFlags.GlossyReflection):
@@ -806,7 +814,7 @@ def _scalar_class() -> type:
             name = _named(self.asked, si, active, _split_mix_of, lambda x: int(x) & _MASK)
             instance = None if name is None else np.uint64(name)
             found = self.material.eval(list(si.wavelengths), wi, wo, instance, threads=1)
-            return found.astype(np.float64) * wo[2]
+            return np.asarray(found * wo[2], dtype=np.float64)
 
         def _density(self, si: Any, wi: Any, wo: Any) -> float:
             return float(self.material.pdf(list(si.wavelengths), wi, wo, threads=1).mean())
@@ -899,7 +907,7 @@ def _film_class() -> type:
         def __init__(self, props: Any) -> None:
             mi.BSDF.__init__(self, props)
             _refuse_colours()
-            if not props.has_property("stack"):
+            if "stack" not in props:
                 raise ValueError("barbule_film: 'stack' is missing, as in air/keratin:595/air")
             self.stack = str(props["stack"])
             self.reflectance = _Reflectance(self.stack)

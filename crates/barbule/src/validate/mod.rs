@@ -345,6 +345,40 @@ mod tests {
     const BY_FULL_WAVES: [(usize, f64, [f64; 2]); 2] =
         [(0, 550.0, [0.1860, 0.1270]), (1, 550.0, [0.1858, 0.1995])];
 
+    /// The same of five rock doves, their own 20 µm: `barbule validate rock-dove --full-wave --ensemble 5 -o dove`.
+    const DOVES_BY_FULL_WAVES: [(usize, f64, [f64; 2]); 15] = [
+        (0, 448.0, [0.0856, 0.0786]),
+        (0, 544.0, [0.2015, 0.1014]),
+        (0, 640.0, [0.0754, 0.1372]),
+        (1, 448.0, [0.0817, 0.0739]),
+        (1, 544.0, [0.1767, 0.1283]),
+        (1, 640.0, [0.0630, 0.1682]),
+        (2, 448.0, [0.0880, 0.0567]),
+        (2, 544.0, [0.1777, 0.1313]),
+        (2, 640.0, [0.0664, 0.1744]),
+        (3, 448.0, [0.0983, 0.0787]),
+        (3, 544.0, [0.1815, 0.1400]),
+        (3, 640.0, [0.0582, 0.1895]),
+        (4, 448.0, [0.0799, 0.0644]),
+        (4, 544.0, [0.2138, 0.1238]),
+        (4, 640.0, [0.0782, 0.1630]),
+    ];
+
+    #[test]
+    fn doves_reflect_as_full_waves_say() {
+        let structure = Structure::builtin("rock-dove").unwrap();
+        let fast = (FAST.solver)(&Settings::default());
+        let mut errors = Vec::new();
+        for (instance, wavelength_nm, full) in DOVES_BY_FULL_WAVES {
+            let closed = structure.instance(1, instance).unwrap();
+            let closed = closed.closed(Beneath::Absorbing, Ends::Open).unwrap();
+            let found = reflected(&*fast, &closed.fast, wavelength_nm);
+            errors.extend(found.iter().zip(full).map(|(found, full)| found / full - 1.0));
+        }
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        assert!(mean.abs() < 0.03 && errors.iter().all(|error| error.abs() < 0.29), "{mean} {errors:?}");
+    }
+
     #[test]
     fn hummingbirds_reflect_as_full_waves_say() {
         let anna = SpeciesModel::builtin("hummingbird", Some("anna"), Library::builtin()).unwrap();
