@@ -158,11 +158,11 @@ def with_both_sides(header, tables):
 
 def test_both_sides_and_two_sets():
     material = barbule.Material.load("mallard")
-    header, tables, spectral = material.header(), material.tables(), plugin._spectral(material)
+    header, tables = material.header(), material.tables()
     wi, wo = pairs(1000)
     at = [mi.Vector3f(w.T.copy()) for w in (wi, wo)]
     nm = [mi.Float(wavelength) for wavelength in NM]
-    both = plugin._Tables(*with_both_sides(header, tables), spectral)
+    both = plugin._Tables(*with_both_sides(header, tables))
     for name in (None, 11):
         found, density = both.evaluate(*at, nm, None if name is None else mi.UInt64(name))
         check_close(np.array(found).T, material.eval(NM, wi, wo, name) * wo[:, 2:])
@@ -173,7 +173,7 @@ def test_both_sides_and_two_sets():
     nodes[..., 14], nodes[..., 15] = 0.5, 0.0
     for number in ("p1.", "p2."):
         twice[number + "nodes"], twice[number + "shares"] = nodes, tables["shares"]
-    found, density = plugin._Tables({**header, "sets": 2}, twice, spectral).evaluate(*at, nm)
+    found, density = plugin._Tables({**header, "sets": 2}, twice).evaluate(*at, nm)
     check_close(np.array(found).T, material.eval(NM, wi, wo) * wo[:, 2:])
     check_close(np.array(density), material.pdf(NM, wi, wo).mean(axis=-1))
 

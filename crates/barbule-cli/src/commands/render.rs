@@ -228,7 +228,7 @@ impl Args {
                 band.high_nm()
             ));
         }
-        if !sensor.is_human() && f64::from(band.low_nm()) < KERATIN_CLEAR_FROM_NM {
+        if !sensor.is_human() && band.low_nm() < KERATIN_CLEAR_FROM_NM {
             self.common.say_guessed();
         }
     }

@@ -13,7 +13,6 @@ are that page's. How it is used stands in ``docs/guide/mitsuba.md``.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -107,16 +106,6 @@ def _one_of(props: Any, name: str, words: Sequence[str]) -> Any:
 @lru_cache(maxsize=16)
 def _material(name: str, reciprocity: Any, polarization: Any) -> Material:
     return Material.load(name, reciprocity=reciprocity, polarization=polarization)
-
-
-def _spectral(material: Material) -> tuple[float, float]:
-    """`height_um` and `achromatic` of the tables' header."""
-    header = material.header()
-    if "height_um" not in header:
-        data = material.to_bytes()
-        size = int.from_bytes(data[:8], "little")
-        header = json.loads(json.loads(data[8 : 8 + size])["__metadata__"]["barbule"])
-    return float(header.get("height_um", 0.0)), float(header.get("achromatic", 0.0))
 
 
 def _refuse_colours() -> None:
@@ -276,11 +265,11 @@ class _Draw:
 class _Tables:
     """A material's tables on the variant's device, and what follows from them; `header` and `tables` as `Material` has them."""
 
-    def __init__(self, header: Mapping[str, Any], tables: Mapping[str, NDArray[Any]], spectral: tuple[float, float]) -> None:
+    def __init__(self, header: Mapping[str, Any], tables: Mapping[str, NDArray[Any]]) -> None:
         # Opaque, so that materials which differ in nothing else share a kernel.
-        self.height = dr.opaque(mi.Float, spectral[0] / 1.5175)
+        self.height = dr.opaque(mi.Float, header["height_um"] / 1.5175)
         # Of names h' ≫ 48 below this are achromatic.
-        self.achromatic = dr.opaque(mi.UInt32, min(math.ceil(65536.0 * spectral[1]), 65536))
+        self.achromatic = dr.opaque(mi.UInt32, min(math.ceil(65536.0 * header["achromatic"]), 65536))
         self.seed = dr.opaque(mi.UInt64, _split_mix_of(int(header["seed"])))
         self.polarization, self.sets = header["polarization"], int(header["sets"])
         self.is_marginal, self.is_alike = header["kind"] == "marginal", header["sides"] == "alike"
@@ -740,7 +729,7 @@ def _jit_class() -> type:
             _refuse_colours()
             self.asked = _Asked.of(props)
             material = self.asked.load()
-            self.tables = _Tables(material.header(), material.tables(), _spectral(material))
+            self.tables = _Tables(material.header(), material.tables())
             _glossy(self, self.asked)
 
         def _turned(self, si: Any) -> tuple[Any, Any]:
