@@ -152,6 +152,7 @@ def test_pictures_are_arrays(tmp_path):
     assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
     other = barbule.Scene.parse('preset = "starling"\n[camera]\nwidth_mm = 0.8\n').with_material("starling:green")
     assert other.render(size=(8, 6), samples=1).shape == (6, 8)
+    assert "width_mm = 0.8" in other.toml() and "starling:green" in repr(other)
     assert "starling" in barbule.presets()
 
 

@@ -53,6 +53,14 @@ class Scene:
         """The same scene with another material on its barbules: a file, or a structure."""
         return Scene(self._native.with_material(str(name)))
 
+    def toml(self) -> str:
+        """The text of a scene file: every key with its value."""
+        return self._native.toml()
+
+    def __repr__(self) -> str:
+        worn = [line.split('"')[1] for line in self.toml().splitlines() if line.startswith('material = "')]
+        return f"<barbule.Scene of {', '.join(worn) or 'no material'}>"
+
     def render(
         self,
         size: tuple[int, int] = (1280, 800),
