@@ -219,6 +219,9 @@ fn at_once<T: Send>(py: Python<'_>, threads: Option<usize>, work: impl FnOnce() 
     }))
 }
 
+/// Directions `[row, 3]` and densities `[row]`.
+type Drawn<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
+
 #[pymethods]
 impl Material {
     /// Opens a material: a file, or a structure whose material ships, is cached, or is made now.
@@ -296,7 +299,7 @@ impl Material {
         u: PyReadonlyArray2<'py, f64>,
         count: usize,
         threads: Option<usize>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>)> {
+    ) -> PyResult<Drawn<'py>> {
         let [nm, wi, u] = [&wavelength_nm, &wi, &u].map(slice2);
         let (nm, wi, u) = (nm.or_raise(py)?, wi.or_raise(py)?, u.or_raise(py)?);
         let drawn = at_once(py, threads, || {
@@ -347,9 +350,9 @@ impl Material {
         for array in slf.get().brdf.tables().arrays() {
             let (name, shape) = (array.name, array.shape);
             let values = match array.numbers {
-                Numbers::F64(values) => held(slf, &values, &shape)?.into_any(),
-                Numbers::F32(values) => held(slf, &values, &shape)?.into_any(),
-                Numbers::I16(values) => held(slf, &values, &shape)?.into_any(),
+                Numbers::F64(values) => held(slf, values, &shape)?.into_any(),
+                Numbers::F32(values) => held(slf, values, &shape)?.into_any(),
+                Numbers::I16(values) => held(slf, values, &shape)?.into_any(),
             };
             all.set_item(name, values)?;
         }
@@ -449,11 +452,11 @@ impl Material {
 /// A read-only array over numbers that a material holds, or over a copy of those that are computed as they are asked for.
 fn held<'py, T: Element + Copy>(
     owner: &Bound<'py, Material>,
-    values: &Cow<'_, [T]>,
+    values: Cow<'_, [T]>,
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     let array = match values {
-        Cow::Owned(values) => shaped(owner.py(), values.clone(), shape)?,
+        Cow::Owned(values) => shaped(owner.py(), values, shape)?,
         Cow::Borrowed(values) => {
             let view = ArrayViewD::from_shape(IxDyn(shape), values);
             let view = view.map_err(|error| Error::machine(error.to_string())).or_raise(owner.py())?;
