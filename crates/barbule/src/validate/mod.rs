@@ -341,9 +341,13 @@ mod tests {
 
     /// What full waves say that two hummingbirds reflect from 0° and 30°, by wavelength, nm:
     /// `barbule validate hummingbird:anna --full-wave --width 10 --layers 5 --wavelengths 550 --phi 0,30 --instance 0 -o anna`,
-    /// and so with instance 1.
-    const BY_FULL_WAVES: [(usize, f64, [f64; 2]); 2] =
-        [(0, 550.0, [0.1860, 0.1270]), (1, 550.0, [0.1858, 0.1995])];
+    /// and so with instance 1, and at 580 and 620 nm.
+    const BY_FULL_WAVES: [(usize, f64, [f64; 2]); 4] = [
+        (0, 550.0, [0.1860, 0.1270]),
+        (1, 550.0, [0.1858, 0.1995]),
+        (0, 580.0, [0.1892, 0.1996]),
+        (0, 620.0, [0.2608, 0.2921]),
+    ];
 
     /// The same of five rock doves, their own 20 µm: `barbule validate rock-dove --full-wave --ensemble 5 -o dove`.
     const DOVES_BY_FULL_WAVES: [(usize, f64, [f64; 2]); 15] = [
