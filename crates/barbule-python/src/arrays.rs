@@ -37,6 +37,26 @@ pub(crate) fn radians(given: &Floats<'_>) -> Vec<f64> {
     given.as_array().iter().map(|angle| angle.to_radians()).collect()
 }
 
+/// Angles of light from the normal given in degrees, in radians: at least one, all short of grazing.
+pub(crate) fn incidences(name: &str, given: &Floats<'_>) -> Result<Vec<f64>> {
+    let found = radians(given);
+    if found.is_empty() {
+        return Err(Error::input(format!("'{name}' is empty; give at least one angle")));
+    }
+    let bad = given.as_array().iter().copied().find(|angle| !(angle.abs() < 90.0));
+    bad.map_or(Ok(found), |bad| {
+        Err(Error::input(format!("'{name}' holds {bad}; give degrees between -90 and 90")))
+    })
+}
+
+/// Refuses a whole number that is not within 1 and `most`.
+pub(crate) fn check_count(name: &str, count: usize, most: usize) -> Result<()> {
+    if (1..=most).contains(&count) {
+        return Ok(());
+    }
+    Err(Error::input(format!("'{name}' is {count}; give a number from 1 to {most}")))
+}
+
 /// Complex numbers of this shape.
 pub(crate) fn complex<'py>(
     py: Python<'py>,

@@ -10,7 +10,7 @@ use barbule::{Error, Result};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::arrays::{Floats, radians, shaped, wavelengths};
+use crate::arrays::{Floats, incidences, shaped, wavelengths};
 use crate::error::OrRaise as _;
 use crate::opening::Given;
 use crate::work::How;
@@ -32,7 +32,8 @@ pub(crate) fn crystal<'py>(
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let opening = Given { media, ..Given::default() }.opening().or_raise(py)?;
     let solver = solver_of(solver).or_raise(py)?;
-    let (at, phi) = (wavelengths(&wavelengths_nm).or_raise(py)?, radians(&phi_deg));
+    let at = wavelengths(&wavelengths_nm).or_raise(py)?;
+    let phi = incidences("phi_deg", &phi_deg).or_raise(py)?;
     let found = How::new(threads, progress).run(py, |progress: &dyn Progress| {
         let lattice = open::lattice(text, &opening, progress)?;
         sweep(&*solver, &lattice, at.nm(), theta_deg.to_radians(), &phi, progress)

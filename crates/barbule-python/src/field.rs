@@ -8,10 +8,13 @@ use barbule::{Complex64, Error, Result, clock};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Floats, complex, flat, radians, shaped};
+use crate::arrays::{Floats, check_count, complex, incidences, shaped, wavelengths};
 use crate::error::OrRaise as _;
 use crate::structure::Section;
 use crate::work::How;
+
+/// Outgoing azimuths, at most.
+const MOST_AZIMUTHS: usize = 100_000;
 
 /// The far fields of light of each wavelength, inclination and azimuth: `amplitude` `[wavelength, theta_i, phi_i, polarization,
 /// component, phi_o]`, `intensity` and `reflected` of both polarizations, and the azimuths `phi_o` in degrees.
@@ -32,10 +35,11 @@ pub(crate) fn far_fields<'py>(
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
+    check_count("azimuths", azimuths, MOST_AZIMUTHS).or_raise(py)?;
     let light = Illuminations {
-        wavelengths_nm: flat(&wavelengths_nm),
-        theta_i: radians(&theta_deg),
-        phi_i: radians(&phi_deg),
+        wavelengths_nm: wavelengths(&wavelengths_nm).or_raise(py)?.nm().to_vec(),
+        theta_i: incidences("theta_deg", &theta_deg).or_raise(py)?,
+        phi_i: incidences("phi_deg", &phi_deg).or_raise(py)?,
         window: window_of(window).or_raise(py)?,
     };
     let settings = Settings { elements_per_wavelength, memory_bytes, clock: clock::system };

@@ -111,8 +111,10 @@ fn vector(row: &[f64]) -> DVec3 {
 
 /// Refuses directions that are no unit vectors, with the first of them.
 fn check_unit(name: &str, rows: Rows<'_, f64>) -> Result<()> {
-    let bad =
-        rows.values.par_chunks_exact(3).position_first(|w| (vector(w).length_squared() - 1.0).abs() > 1e-3);
+    let bad = rows
+        .values
+        .par_chunks_exact(3)
+        .position_first(|w| !((vector(w).length_squared() - 1.0).abs() <= 1e-3));
     bad.map_or(Ok(()), |row| {
         let [x, y, z] = [0, 1, 2].map(|k| rows.values[3 * row + k]);
         Err(Error::input(format!(
@@ -120,6 +122,15 @@ fn check_unit(name: &str, rows: Rows<'_, f64>) -> Result<()> {
             vector(&[x, y, z]).length()
         )))
     })
+}
+
+/// Refuses no wavelengths, and what is none.
+fn check_nm(nm: &[f64], waves: usize) -> Result<()> {
+    if waves == 0 {
+        return Err(Error::input("'wavelengths_nm' is empty; give at least one"));
+    }
+    let bad = nm.iter().find(|nm| !(**nm > 0.0 && nm.is_finite()));
+    bad.map_or(Ok(()), |bad| Err(Error::input(format!("'wavelengths_nm' holds {bad}; give nm over 0"))))
 }
 
 fn slice<'a, T: Element>(array: &'a PyReadonlyArray1<'_, T>) -> Result<&'a [T]> {
@@ -146,6 +157,7 @@ impl<'a> Batch<'a> {
             wo: Rows::new("wo", wo, 3, count)?,
             count,
         };
+        check_nm(nm, waves)?;
         check_unit("wi", batch.wi)?;
         check_unit("wo", batch.wo)?;
         Ok(batch)

@@ -8,12 +8,12 @@ use barbule::progress::Progress;
 use barbule::render::film::{Film, Pixel};
 use barbule::render::planes::{Bands, Planes};
 use barbule::scene::preset;
-use barbule::{PictureOptions, Result, SceneDescription, Sensor, resolve};
+use barbule::{Error, PictureOptions, Result, SceneDescription, Sensor, resolve};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-use crate::arrays::shaped;
+use crate::arrays::{check_count, shaped};
 use crate::error::OrRaise as _;
 use crate::opening::Given;
 use crate::work::How;
@@ -92,6 +92,11 @@ impl Scene {
         threads: Option<usize>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Picture> {
+        check_count("samples", samples as usize, 1 << 24).or_raise(py)?;
+        if let Some(bad) = noise.filter(|noise| !(*noise > 0.0 && *noise <= 1.0)) {
+            let message = format!("'noise' is {bad}; give a part over 0 and up to 1");
+            return Err(Error::input(message)).or_raise(py);
+        }
         let given = Given { media, cache, seed: Some(seed), may_compute: true };
         let options = PictureOptions { size, samples, noise, seed, ..PictureOptions::default() };
         let choices = Choices { options, spectral_nm, compositing };

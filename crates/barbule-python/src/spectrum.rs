@@ -1,13 +1,17 @@
 //! Reflectance spectra of structures.
 
+use barbule::Error;
 use barbule::campaign::spectrum::{Collect, SpectrumRequest, spectra_and_individuals};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::arrays::{Floats, radians, shaped, wavelengths};
+use crate::arrays::{Floats, check_count, incidences, shaped, wavelengths};
 use crate::error::OrRaise as _;
 use crate::structure::Structure;
 use crate::work::How;
+
+/// Individuals of a spectrum, at most.
+const MOST_INSTANCES: usize = 10_000;
 
 /// Reflected fractions: mean and standard deviation `[direction, wavelength]`, individuals `[instance, direction, wavelength]`, and
 /// whether the simulation is off there, `[direction, wavelength]`.
@@ -36,7 +40,13 @@ pub(crate) fn spectra<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Found<'py>> {
     let at = wavelengths(&wavelengths_nm).or_raise(py)?;
-    let directions: Vec<(f64, f64)> = radians(&theta_deg).into_iter().zip(radians(&phi_deg)).collect();
+    let [theta, phi] = [&theta_deg, &phi_deg].map(|angles| incidences("angles_deg", angles));
+    let directions: Vec<(f64, f64)> = theta.or_raise(py)?.into_iter().zip(phi.or_raise(py)?).collect();
+    check_count("instances", instances, MOST_INSTANCES).or_raise(py)?;
+    if let Some(bad) = cone_deg.filter(|cone| !(*cone > 0.0 && *cone <= 90.0)) {
+        let message = format!("'cone_deg' is {bad}; give degrees over 0 and up to 90");
+        return Err(Error::input(message)).or_raise(py);
+    }
     let request = SpectrumRequest {
         wavelengths: at,
         directions,

@@ -51,6 +51,14 @@ def test_types_and_strides_do_not_matter(starling):
 def test_bad_arguments_are_refused(starling):
     with pytest.raises(barbule.InputError, match="'wi' in row 1 .* unit vectors"):
         starling.eval(550, [[0, 0, 1], [0, 0, 2]], [0, 0, 1])
+    with pytest.raises(barbule.InputError, match="'wi' in row 0 .* unit vectors"):
+        starling.eval(550, [np.nan, 0, 1], [0, 0, 1])
+    for bad, said in (([], "is empty"), ([np.nan], "holds NaN"), ([-5.0], "holds -5")):
+        with pytest.raises(barbule.InputError, match=said):
+            starling.eval(bad, [0, 0, 1], [0, 0, 1])
+    assert starling.eval([550], np.zeros((0, 3)), [0, 0, 1]).shape == (0, 1)
+    with pytest.raises(barbule.InputError, match="'samples' is 0"):
+        barbule.render("starling", size=(8, 6), samples=0)
     with pytest.raises(ValueError, match="last axis"):
         starling.eval(550, [0, 1], [0, 0, 1])
     with pytest.raises(TypeError, match="whole numbers"):

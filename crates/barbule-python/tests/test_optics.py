@@ -58,6 +58,20 @@ def test_a_spectrum_is_the_mean_of_its_individuals():
     np.testing.assert_array_equal(individuals, np.asarray(again["individuals"]))
 
 
+def test_light_that_does_not_come_is_refused():
+    section = barbule.open("starling").instance(0)
+    for call, said in (
+        (lambda: barbule.spectrum("starling", [500], [120]), "between -90 and 90"),
+        (lambda: barbule.spectrum("starling", [500], [0], instances=0), "from 1 to 10000"),
+        (lambda: barbule.spectrum("starling", [500], [0], cone_deg=-5), "'cone_deg' is -5"),
+        (lambda: barbule.far_fields(section, [500], azimuths=0), "'azimuths' is 0"),
+        (lambda: barbule.far_fields(section, [500], phi_deg=[90]), "'phi_deg' holds 90"),
+        (lambda: barbule.crystal("mallard", [500], [95]), "'phi_deg' holds 95"),
+    ):
+        with pytest.raises(barbule.InputError, match=said):
+            call()
+
+
 def test_polarizations_make_unpolarized_light():
     of = {p: barbule.spectrum("mallard", [500], [45], instances=2, polarization=p) for p in (None, 1, 2)}
     mean = (np.asarray(of[1]["reflectance"]) + np.asarray(of[2]["reflectance"])) / 2

@@ -222,7 +222,7 @@ fn near(u: Complex64, depth: f64) -> [Terms; 3] {
     let x = u * depth * depth;
     let zero = Complex64::default();
     let (mut cosine, mut sinc, mut by_cosine, mut by_sinc) = (zero, zero, zero, zero);
-    // (−x)^i/(2i)! and (−x)^i/(2i + 1)!, with x⁻¹ times each as its derivative's term.
+    // (−x)^i/(2i)! and (−x)^i/(2i + 1)!, and the sums of their derivatives by x.
     let mut power = Complex64::from(1.0);
     let mut factorial = 1.0;
     for i in 0..8_u32 {
@@ -254,7 +254,7 @@ mod tests {
     use super::*;
     use crate::film::reflect;
 
-    /// Central differences of [`reflect`] by the thickness or index at `place`; the index's along both axes, which agree.
+    /// Central differences of [`reflect`] by the thickness and by n at `place`.
     fn differences(
         indices: &[Complex64],
         thickness: &[f64],
@@ -303,6 +303,20 @@ mod tests {
                     );
                 };
                 near(found.by_index[place], by_index);
+                // By k, towards absorption alone, since gain is refused: one-sided, of second order.
+                let step = 1e-5;
+                let moved = |steps: f64| {
+                    let mut other = indices.to_vec();
+                    other[place + 1] += c(0.0, steps * step);
+                    reflect(&other, thickness, nm, angle, polarization).unwrap()
+                };
+                let by_k = (moved(1.0) * 4.0 - moved(2.0) - r * 3.0) / (2.0 * step);
+                let found_by_k = found.by_index[place] * Complex64::i();
+                // Where a wave begins to decay the third derivative is large.
+                assert!(
+                    (found_by_k - by_k).norm() < 1e2 * tolerance * (1.0 + by_k.norm()),
+                    "{polarization:?}, place {place}, {angle}, by k: {found_by_k} {by_k}"
+                );
                 if let Some(expected) = by_thickness {
                     near(found.by_thickness[place], expected);
                 }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from os import PathLike
-from pathlib import Path
 from typing import Union
 
 from . import _native
@@ -47,9 +46,7 @@ def open(
     text = str(name)
     with watched(progress) as watch:
         found = _native.open(text, media_of(media), threads, watch)
-    if isinstance(found, _native.Material):
-        return Material.load(Path(text), media=media, threads=threads, progress=progress)
-    return found
+    return Material(found) if isinstance(found, _native.Material) else found
 
 
 def structure_of(given: Structure | Name, media: Mapping[str, Name] | None = None) -> Structure:
