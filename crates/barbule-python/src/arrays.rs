@@ -43,7 +43,7 @@ pub(crate) fn incidences(name: &str, given: &Floats<'_>) -> Result<Vec<f64>> {
     if found.is_empty() {
         return Err(Error::input(format!("'{name}' is empty; give at least one angle")));
     }
-    let bad = given.as_array().iter().copied().find(|angle| !(angle.abs() < 90.0));
+    let bad = given.as_array().iter().copied().find(|angle| !(0.0..90.0).contains(&angle.abs()));
     bad.map_or(Ok(found), |bad| {
         Err(Error::input(format!("'{name}' holds {bad}; give degrees between -90 and 90")))
     })

@@ -114,7 +114,7 @@ fn check_unit(name: &str, rows: Rows<'_, f64>) -> Result<()> {
     let bad = rows
         .values
         .par_chunks_exact(3)
-        .position_first(|w| !((vector(w).length_squared() - 1.0).abs() <= 1e-3));
+        .position_first(|w| !(0.999..=1.001).contains(&vector(w).length_squared()));
     bad.map_or(Ok(()), |row| {
         let [x, y, z] = [0, 1, 2].map(|k| rows.values[3 * row + k]);
         Err(Error::input(format!(
