@@ -1,0 +1,8 @@
+//! Materials and scenes as other programs read them, and how far what these make of them is from what was meant.
+//!
+//! Everything here makes bytes; [`io`](crate::io) writes them. A model of another program that stands for a material is evaluated here as
+//! that program does it, so that its [`Deviation`] can be told before anybody renders.
+
+mod deviation;
+
+pub use deviation::{Deviation, Model};
