@@ -4,5 +4,9 @@
 //! that program does it, so that its [`Deviation`] can be told before anybody renders.
 
 mod deviation;
+pub mod film;
+pub mod gonio;
+pub mod osl;
+pub mod usd;
 
 pub use deviation::{Deviation, Model};
