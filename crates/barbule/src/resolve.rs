@@ -5,13 +5,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options};
-use crate::bsdf::Texture;
+use crate::bsdf::{MeasuredTables, Texture};
 use crate::diffraction::{foretell_sample, sample_powers};
 use crate::io::image::{Meaning, RgbImage, check_ending, decode_picture, foretell_picture};
 use crate::io::measured::{LARGEST_TABLE, Scale, parse_measured};
 use crate::io::{
-    Assets, LARGEST_CURVES, LARGEST_GRATING, LARGEST_INPUT, decode_curves, decode_grating, decode_mesh,
-    foretell_curves, foretell_mesh, hash_bytes,
+    Assets, LARGEST_BSDF, LARGEST_CURVES, LARGEST_GRATING, LARGEST_INPUT, decode_bsdf, decode_curves,
+    decode_grating, decode_mesh, foretell_curves, foretell_mesh, hash_bytes,
 };
 use crate::progress::Progress;
 use crate::scattering::grating::Powers;
@@ -152,6 +152,7 @@ struct Known {
     numbers: Read<Texture>,
     meshes: Read<Mesh>,
     powers: Read<Powers>,
+    measured: Read<MeasuredTables>,
 }
 
 impl Known {
@@ -166,6 +167,7 @@ impl Known {
             Named::Numbers(slot) => from(&self.numbers, slot),
             Named::Mesh(slot) => from(&self.meshes, slot),
             Named::Grating(slot) | Named::Sample(slot) => from(&self.powers, slot),
+            Named::Measured(slot) => from(&self.measured, slot),
             Named::Spectrum(_)
             | Named::Backdrop(_)
             | Named::Sky(..)
@@ -186,6 +188,7 @@ impl Known {
             Named::Numbers(slot) => in_(&mut self.numbers, slot),
             Named::Mesh(slot) => in_(&mut self.meshes, slot),
             Named::Grating(slot) | Named::Sample(slot) => in_(&mut self.powers, slot),
+            Named::Measured(slot) => in_(&mut self.measured, slot),
             Named::Spectrum(_)
             | Named::Backdrop(_)
             | Named::Sky(..)
@@ -222,6 +225,7 @@ pub fn foretell_files(scene: &SceneDescription, assets: &dyn Assets, seed: u64) 
             Named::Mesh(_) => (foretell_mesh(&name, &head, length).map(Holds::Mesh), 2 * length),
             Named::Curves(..) => (Some(Holds::Points(foretell_curves(&head, length))), length),
             Named::Grating(_) => (Some(Holds::Powers(length as f64)), length),
+            Named::Measured(_) => (Some(Holds::Measured(length as f64)), length),
             Named::Spectrum(_) | Named::Sample(_) | Named::Material(_) | Named::Lower(..) => (None, length),
         };
         foreseen.extend(holds.map(|holds| (name, holds)));
@@ -276,6 +280,9 @@ pub fn read_named(
         }
         Named::Grating(slot) => fill(slot, assets, LARGEST_GRATING, |place, bytes| {
             Ok(decode_grating(bytes).map_err(|error| error.in_file(Path::new(place)))?.powers)
+        }),
+        Named::Measured(slot) => fill(slot, assets, LARGEST_BSDF, |place, bytes| {
+            decode_bsdf(bytes).map_err(|error| error.in_file(Path::new(place)))
         }),
         Named::Sample(slot) => {
             let hash = format!("{} {seed}", slot.name);

@@ -20,6 +20,7 @@ mod keratin;
 mod lambertian;
 mod lobes;
 mod map;
+pub mod measured;
 mod microfacet;
 mod reflectance;
 mod relief;
@@ -47,6 +48,7 @@ pub use keratin::Keratin;
 pub use lambertian::{Lambertian, Pictures};
 pub use lobes::Lobes;
 pub use map::SurfaceMap;
+pub use measured::{Measured, MeasuredTables};
 pub use microfacet::FacetRoughness;
 pub use reflectance::Reflectance;
 pub use relief::Relief;
@@ -82,6 +84,8 @@ pub enum Surface {
     ThinFilm(ThinFilm),
     /// A diffraction grating over pigment.
     Grating(Grating),
+    /// Tables of measured light.
+    Measured(Measured),
     /// Others, chosen from place to place.
     Map(SurfaceMap),
 }
@@ -103,6 +107,7 @@ impl Surface {
             Self::RoughDielectric(surface) => surface.bind(hit, wo),
             Self::ThinFilm(surface) => surface.bind(hit, wo, wavelengths),
             Self::Grating(surface) => surface.bind(hit, wo, wavelengths),
+            Self::Measured(surface) => surface.bind(hit, wo, wavelengths),
             Self::Map(map) => map.at(hit.uv).bind_apart(hit, wo, wavelengths),
         }
     }
@@ -140,7 +145,8 @@ impl Surface {
             | Self::Dielectric(_)
             | Self::RoughDielectric(_)
             | Self::ThinFilm(_)
-            | Self::Grating(_) => 1.0,
+            | Self::Grating(_)
+            | Self::Measured(_) => 1.0,
         }
     }
 
@@ -159,7 +165,8 @@ impl Surface {
             | Self::Dielectric(_)
             | Self::RoughDielectric(_)
             | Self::ThinFilm(_)
-            | Self::Grating(_) => true,
+            | Self::Grating(_)
+            | Self::Measured(_) => true,
         }
     }
 }
@@ -184,6 +191,7 @@ enum Model<'a> {
     RoughDielectric(rough_dielectric::Bound),
     ThinFilm(thin_film::Bound<'a>),
     Grating(grating::Bound<'a>),
+    Measured(measured::Bound<'a>),
 }
 
 /// Calls a function that all models have.
@@ -199,6 +207,7 @@ macro_rules! of_model {
             Model::RoughDielectric(model) => model.$function($($argument),*),
             Model::ThinFilm(model) => model.$function($($argument),*),
             Model::Grating(model) => model.$function($($argument),*),
+            Model::Measured(model) => model.$function($($argument),*),
         }
     };
 }

@@ -79,6 +79,8 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
         ("film", Surface::ThinFilm(film())),
         ("grating", Surface::Grating(super::grating::tests::grating())),
         ("rough grating", Surface::Grating(super::grating::tests::rough())),
+        ("measured", Surface::Measured(super::measured::tests::rgl())),
+        ("measured isotropic", Surface::Measured(super::measured::tests::merl())),
         (
             "frosted",
             Surface::RoughDielectric(

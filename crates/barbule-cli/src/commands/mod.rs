@@ -12,6 +12,7 @@ mod characterize;
 mod completions;
 mod crystal;
 mod diffract;
+mod export;
 mod far_field;
 mod feather;
 mod film;
@@ -42,6 +43,8 @@ pub(crate) enum Command {
     Crystal(crystal::Args),
     /// What a heightfield does with light: colours, tables, a material
     Diffract(diffract::Args),
+    /// A material in files of other programs, and how near these come
+    Export(export::Args),
     /// Simulate a whole campaign into a store that survives interruptions
     Simulate(simulate::Args),
     /// Fit a material to a finished store
@@ -78,6 +81,7 @@ impl Command {
             Self::Spectrum(args) => args.run(out),
             Self::Crystal(args) => args.run(out),
             Self::Diffract(args) => args.run(out),
+            Self::Export(args) => args.run(out),
             Self::Simulate(args) => args.run(out),
             Self::Fit(args) => args.run(out),
             Self::Characterize(args) => args.run(out),

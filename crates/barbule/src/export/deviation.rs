@@ -9,10 +9,10 @@ use crate::spectrum::colour::{Illuminant, Observer, Weights, xyz_from_rgb};
 use crate::spectrum::difference::{delta_e_2000, lab};
 use crate::{DVec3, Result};
 
-/// Wavelengths at which both are compared: 400, 420 … 700 nm.
+/// Wavelengths at which both are compared: 403, 422.5 … 695.5 nm, on which no table has its nodes.
 const WAVES: usize = 16;
-const FIRST_NM: f64 = 400.0;
-const STEP_NM: f64 = 20.0;
+const FIRST_NM: f64 = 403.0;
+const STEP_NM: f64 = 19.5;
 
 /// Directions of the viewer: so many, up to this angle from the normal, each with so many directions of light.
 const VIEWS: usize = 512;
@@ -32,7 +32,7 @@ const EVEN: f64 = 0.2;
 /// How far another model is from a material: of f cosθ_o of the mean over its barbules.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deviation {
-    /// ∫|f' − f| cosθ_o over ∫f cosθ_o: over the directions of light, 400 to 700 nm (or R, G, B), and views up to 70° from the normal,
+    /// ∫|f' − f| cosθ_o over ∫f cosθ_o: over the directions of light, 403 to 695 nm (or R, G, B), and views up to 70° from the normal,
     /// all directions of projected area alike.
     pub relative_l1: f64,
     /// The same without the modulus: the share of light that is too much.

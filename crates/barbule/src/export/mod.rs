@@ -3,10 +3,12 @@
 //! Everything here makes bytes; [`io`](crate::io) writes them. A model of another program that stands for a material is evaluated here as
 //! that program does it, so that its [`Deviation`] can be told before anybody renders.
 
+mod bsdf;
 mod deviation;
 pub mod film;
 pub mod gonio;
 pub mod osl;
 pub mod usd;
 
+pub use bsdf::{BsdfTable, Crowding, Flavour};
 pub use deviation::{Deviation, Model};

@@ -3,6 +3,7 @@
 mod arrays;
 mod assets;
 mod brdf_tables;
+mod bsdf;
 mod cache;
 mod container;
 mod curves;
@@ -37,6 +38,7 @@ mod zarr;
 pub use arrays::{Coordinate, LabelledArrays, Numbers, Quantity, check_new_zarr, write_zarr};
 pub use assets::{Assets, Folder, Memory};
 pub use brdf_tables::{decode_tables, encode_tables, read_tables, write_tables};
+pub use bsdf::{LARGEST_BSDF, decode_bsdf, encode_bsdf, rgl_arrays, write_bsdf};
 pub use cache::{CacheFile, delete_file, list_cache};
 pub use curves::{LARGEST_CURVES, curves_text, decode_curves, foretell_curves, parse_curves, read_curves};
 pub use feather::{

@@ -14,7 +14,7 @@ use super::slot::Slot;
 use super::surfaces::NamedSurface;
 use super::{Motion, Moved, SceneDescription};
 use crate::brdf::FeatherBrdf;
-use crate::bsdf::Texture;
+use crate::bsdf::{MeasuredTables, Texture};
 use crate::error::shortened;
 use crate::fields::path_of;
 use crate::scattering::grating::Powers;
@@ -44,6 +44,8 @@ pub enum Named<'a> {
     Numbers(&'a mut Slot<Texture>),
     /// A `.grating` file.
     Grating(&'a mut Slot<Powers>),
+    /// A `.bsdf` or MERL's `.binary`.
+    Measured(&'a mut Slot<MeasuredTables>),
     /// A built-in sample of heights: no file.
     Sample(&'a mut Slot<Powers>),
     /// A material: a name, a structure or a file.
@@ -64,6 +66,7 @@ impl Named<'_> {
             Self::Curves(slot, _) => slot.is_read(),
             Self::Colours(slot) | Self::Numbers(slot) => slot.is_read(),
             Self::Grating(slot) | Self::Sample(slot) => slot.is_read(),
+            Self::Measured(slot) => slot.is_read(),
             Self::Material(slot) => slot.is_read(),
             Self::Lower(_, slot) => slot.is_read(),
         }
@@ -79,6 +82,7 @@ impl Named<'_> {
             Self::Curves(slot, _) => Some(&mut slot.name),
             Self::Colours(slot) | Self::Numbers(slot) => Some(&mut slot.name),
             Self::Grating(slot) => Some(&mut slot.name),
+            Self::Measured(slot) => Some(&mut slot.name),
             Self::Sample(_) | Self::Material(_) | Self::Lower(..) => None,
         }
     }
@@ -244,6 +248,7 @@ impl NamedSurface {
                     add("sample", Named::Sample(slot));
                 }
             }
+            Self::Measured(of) => add("file", Named::Measured(&mut of.file)),
             Self::Barbule(of) => of.named_mut("", &mut add),
             Self::Keratin(_) | Self::Hair(_) | Self::Dielectric(_) | Self::Conductor(_) | Self::Film(_) => {}
         }

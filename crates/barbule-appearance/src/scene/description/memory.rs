@@ -8,7 +8,7 @@ use super::shapes::{SPHERE, nodes};
 use super::slot::Slot;
 use super::surfaces::NamedSurface;
 use super::{LowerSide, SceneDescription};
-use crate::bsdf::{Grating, Texture};
+use crate::bsdf::{Grating, MeasuredTables, Texture};
 use crate::scattering::grating::Powers;
 use crate::scene::geometry::Mesh;
 use crate::scene::memory::PER_PLACE;
@@ -45,6 +45,8 @@ pub enum Holds {
     Points(f64),
     /// Powers of gratings of so many bytes.
     Powers(f64),
+    /// Tables of a measured material in a file of so many bytes.
+    Measured(f64),
 }
 
 /// What the files and samples of a scene hold that are not read yet, by their names.
@@ -90,6 +92,7 @@ impl SceneDescription {
                     let is_keratin = slot.get().is_some_and(|LowerSide(brdf)| brdf.is_none());
                     (6, upper, if is_keratin { 0.0 } else { PER_MATERIAL })
                 }
+                Named::Measured(slot) => (7, slot.name.clone(), measured(slot, foreseen)),
                 Named::Mesh(_) | Named::Curves(..) | Named::Spectrum(_) => continue,
             };
             if seen.insert((kind, name)) {
@@ -155,6 +158,15 @@ fn powers(slot: &Slot<Powers>, foreseen: &Foreseen) -> f64 {
     match (slot.get(), foreseen.get(&slot.name)) {
         (Some(powers), _) => size_of_val(powers.series()) as f64,
         (None, Some(Holds::Powers(bytes))) => *bytes,
+        _ => 0.0,
+    }
+}
+
+/// What is kept of the densities takes three times as much as the file has, values as much.
+fn measured(slot: &Slot<MeasuredTables>, foreseen: &Foreseen) -> f64 {
+    match (slot.get(), foreseen.get(&slot.name)) {
+        (Some(tables), _) => tables.bytes() as f64,
+        (None, Some(Holds::Measured(bytes))) => 2.0 * bytes,
         _ => 0.0,
     }
 }

@@ -38,7 +38,7 @@ pub use sides::Remark;
 pub use sky::{Background, SkyDescription, SkyImage};
 pub use slot::Slot;
 pub use surfaces::{
-    Diffuse, FibreDescription, FilmDescription, Glass, GratingDescription, Metal, NamedSurface,
+    Diffuse, FibreDescription, FilmDescription, Glass, GratingDescription, MeasuredFile, Metal, NamedSurface,
     PigmentedKeratin, RoughMetal, Surfaces, SurfacesByPlace,
 };
 pub use view::{Up, View, ViewProjection};

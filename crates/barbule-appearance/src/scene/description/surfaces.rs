@@ -7,7 +7,8 @@ use super::colour::Colour;
 use super::slot::Slot;
 use crate::bsdf::{
     Absorption, Conductor, Dielectric, FacetRoughness, FibreIndex, Grating, Hair, HairParameters, Keratin,
-    Lambertian, Pictures, Reflectance, Relief, RoughDielectric, Surface, SurfaceMap, Texture, ThinFilm,
+    Lambertian, Measured, MeasuredTables, Pictures, Reflectance, Relief, RoughDielectric, Surface,
+    SurfaceMap, Texture, ThinFilm,
 };
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{FieldValue, Kind, Map, Record, Several, Text, Value, path_of, within, wrong_kind};
@@ -43,6 +44,8 @@ variants! {
         "film": Film(FilmDescription),
         /// A diffraction grating over pigment.
         "grating": Grating(GratingDescription),
+        /// Tables of measured light.
+        "measured": Measured(MeasuredFile),
         /// Others, chosen from place to place.
         "map": Map(SurfacesByPlace),
         /// Barbules of a computed material.
@@ -175,6 +178,15 @@ record! {
         /// Standard deviation of the window of coherence.
         coherence_um: f64 = "coherence_um", within(0.5, 1000), or USUAL_COHERENCE_UM;
         @agree GratingDescription::agree;
+    }
+}
+
+record! {
+    /// A measured material.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct MeasuredFile {
+        /// The file of its tables.
+        file: Slot<MeasuredTables> = "file", Text("the name of an RGL .bsdf or a MERL .binary");
     }
 }
 
@@ -360,6 +372,7 @@ impl NamedSurface {
             Self::Film(of) => Surface::ThinFilm(of.build()?),
             Self::Conductor(of) => Surface::Conductor(of.build()?),
             Self::Grating(of) => Surface::Grating(of.build()?),
+            Self::Measured(of) => Surface::Measured(Measured::new(of.file.value()?.clone())),
             Self::Map(SurfacesByPlace { file, surfaces }) => {
                 let one = |name: &String| match all.0.get(name) {
                     Some(Self::Map(_)) | None => {
