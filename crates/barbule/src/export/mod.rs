@@ -5,6 +5,10 @@
 
 mod bsdf;
 mod deviation;
+pub mod film;
+pub mod gonio;
+pub mod osl;
+pub mod usd;
 
 pub use bsdf::{BsdfTable, Crowding, Flavour};
 pub use deviation::{Deviation, Model};

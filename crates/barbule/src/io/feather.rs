@@ -69,7 +69,7 @@ pub fn foretell_written(path: &Path, barbs: f64, barbules: f64) -> Result<u64> {
         FeatherFormat::Ply => 210.0,
         FeatherFormat::Obj => 420.0,
         FeatherFormat::Gltf => 530.0,
-        FeatherFormat::Usda => 230.0,
+        FeatherFormat::Usda => 240.0,
         FeatherFormat::Pbrt => 350.0,
         FeatherFormat::Curves => 180.0,
     };
@@ -80,13 +80,33 @@ pub fn foretell_written(path: &Path, barbs: f64, barbules: f64) -> Result<u64> {
 const NODES_OF_BARB: f64 = 25.0;
 const NODES_OF_BARBULE: f64 = 7.0;
 
-/// Writes a feather, whole or not at all; `notes` say what made it, in formats that have comments.
+/// What the barbules of a feather look like in USD's preview: the least that every program draws.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UsdLook {
+    /// Linear sRGB of what they reflect of light from everywhere to an eye over them, 0 … 1.
+    pub colour: [f64; 3],
+    /// Roughness r, of which α is r².
+    pub roughness: f64,
+    /// Name of their material.
+    pub material: String,
+    /// BLAKE3 of its file.
+    pub material_hash: String,
+}
+
+/// Writes a feather as USD with what its barbules look like, whole or not at all.
 ///
 /// # Errors
-/// An unknown ending, over 350,000 barbules, or the file cannot be written.
-pub fn write_feather(path: &Path, grown: &Grown, notes: &[(&str, &str)]) -> Result<()> {
-    let format = FeatherFormat::of(path)?;
+/// Another ending than `.usda`, over 350,000 barbules, or the file cannot be written.
+pub fn write_usd(path: &Path, grown: &Grown, look: &UsdLook, notes: &[(&str, &str)]) -> Result<()> {
+    if FeatherFormat::of(path)? != FeatherFormat::Usda {
+        return Err(Error::input("USD is written as text; end the name with .usda").in_file(path));
+    }
     check_writable(path)?;
+    check_barbules(path, grown)?;
+    write_whole(path, &text::usda(grown, Some(look), notes))
+}
+
+fn check_barbules(path: &Path, grown: &Grown) -> Result<()> {
     let barbules = grown.counts().barbules;
     if barbules > MOST_WRITTEN_BARBULES {
         return Err(Error::input(format!(
@@ -94,11 +114,22 @@ pub fn write_feather(path: &Path, grown: &Grown, notes: &[(&str, &str)]) -> Resu
             path.display()
         )));
     }
+    Ok(())
+}
+
+/// Writes a feather, whole or not at all; `notes` say what made it, in formats that have comments.
+///
+/// # Errors
+/// An unknown ending, over 350,000 barbules, or the file cannot be written.
+pub fn write_feather(path: &Path, grown: &Grown, notes: &[(&str, &str)]) -> Result<()> {
+    let format = FeatherFormat::of(path)?;
+    check_writable(path)?;
+    check_barbules(path, grown)?;
     let bytes = match format {
         FeatherFormat::Ply => text::ply(&Part::all(grown), notes),
         FeatherFormat::Obj => text::obj(&Part::all(grown), notes),
         FeatherFormat::Gltf => gltf::encoded(&Part::all(grown), notes)?,
-        FeatherFormat::Usda => text::usda(grown, notes),
+        FeatherFormat::Usda => text::usda(grown, None, notes),
         FeatherFormat::Pbrt => text::pbrt(grown, notes),
         FeatherFormat::Curves => text::curves(grown),
     };

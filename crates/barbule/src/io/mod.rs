@@ -41,7 +41,9 @@ pub use brdf_tables::{decode_tables, encode_tables, read_tables, write_tables};
 pub use bsdf::{LARGEST_BSDF, decode_bsdf, encode_bsdf, rgl_arrays, write_bsdf};
 pub use cache::{CacheFile, delete_file, list_cache};
 pub use curves::{LARGEST_CURVES, curves_text, decode_curves, foretell_curves, parse_curves, read_curves};
-pub use feather::{FeatherFormat, MOST_WRITTEN_BARBULES, foretell_written, write_feather};
+pub use feather::{
+    FeatherFormat, MOST_WRITTEN_BARBULES, UsdLook, foretell_written, write_feather, write_usd,
+};
 pub use grating::{GratingFile, LARGEST_GRATING, decode_grating, read_grating, write_grating};
 pub use heights::{Clean, HeightUnit, HeightsOptions, foretell_heights, read_heights};
 pub use kind::{InputKind, kind_of};

@@ -109,6 +109,39 @@ fn usd_and_pbrt_hold_every_curve() {
     assert_eq!(points.split_whitespace().count(), 3 * (3 * (nodes - 1) + 1));
 }
 
+/// The name of a barbule is told by two numbers, and the material's by text that no quote ends.
+#[test]
+fn usd_tells_barbules_apart_and_what_they_wear() {
+    let folder = tempfile::tempdir().unwrap();
+    let grown = grown(true);
+    let look = UsdLook {
+        colour: [0.1, 0.2, 0.3],
+        roughness: 0.4,
+        material: "a \"b\"".into(),
+        material_hash: "c0ffee".into(),
+    };
+    let path = folder.path().join("a.usda");
+    write_usd(&path, &grown, &look, &[]).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let numbers = |key: &str| -> Vec<i64> {
+        let from = text.find(key).unwrap() + key.len();
+        let list = &text[from + 4..];
+        list[..list.find(']').unwrap()].split(", ").map(|n| n.parse().unwrap()).collect()
+    };
+    let (low, high) = (numbers("primvars:instance_lo"), numbers("primvars:instance_hi"));
+    let all = grown.all_barbules();
+    assert_eq!(low.len(), all.ribbons.len());
+    for ((low, high), ribbon) in low.iter().zip(&high).zip(&all.ribbons) {
+        let name = u64::from(*high as u32) << 32 | u64::from(*low as u32);
+        assert_eq!(name, ribbon.id);
+    }
+    assert!(text.contains("string material = \"a 'b'\"") && text.contains("(0.1, 0.2, 0.3)"));
+    assert_eq!(text.matches("material:binding").count(), 1);
+    assert_eq!(text.matches('{').count(), text.matches('}').count());
+    let message = write_usd(&folder.path().join("a.ply"), &grown, &look, &[]).unwrap_err().to_string();
+    assert!(message.contains(".usda"), "{message}");
+}
+
 #[test]
 fn other_endings_are_refused() {
     let message = write_feather(Path::new("a.stl"), &Grown::default(), &[]).unwrap_err().to_string();

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 
 use glam::Vec3;
 
+use super::UsdLook;
 use super::parts::Part;
 use crate::io::curves_text;
 use crate::scene::feather::Grown;
@@ -122,15 +123,21 @@ pub(super) fn curves(grown: &Grown) -> Vec<u8> {
     curves_text(&all).into_bytes()
 }
 
-/// USD in text: the shaft as a mesh, barbs and barbules as linear curves with widths and normals, which are ribbons.
-pub(super) fn usda(grown: &Grown, notes: &[(&str, &str)]) -> Vec<u8> {
+/// USD in text: the shaft as a mesh, barbs and barbules as linear curves with widths and normals, which are ribbons. Names of barbules are two
+/// integers of 32 bits, the lower first; what they wear, if that is told, is a material of its own.
+pub(super) fn usda(grown: &Grown, look: Option<&UsdLook>, notes: &[(&str, &str)]) -> Vec<u8> {
     let mut text =
         "#usda 1.0\n(\n    defaultPrim = \"Feather\"\n    metersPerUnit = 0.001\n    upAxis = \"Z\"\n)\n\n"
             .to_owned();
     comments(&mut text, "#", notes);
     text += "def Xform \"Feather\"\n{\n";
+    if let Some(look) = look {
+        usd_material(&mut text, look);
+    }
     let shaft = Part::shaft(grown);
-    text += "    def Mesh \"Shaft\"\n    {\n        uniform token subdivisionScheme = \"none\"\n        int[] faceVertexCounts = [";
+    text += "    def Mesh \"Shaft\"\n    {\n        uniform token subdivisionScheme = \"none\"\n";
+    extent(&mut text, shaft.positions.iter().map(|p| (*p, 0.0)));
+    text += "        int[] faceVertexCounts = [";
     listed(&mut text, shaft.triangles.iter().map(|_| 3));
     text += "]\n        int[] faceVertexIndices = [";
     listed(&mut text, shaft.triangles.iter().flatten());
@@ -143,6 +150,7 @@ pub(super) fn usda(grown: &Grown, notes: &[(&str, &str)]) -> Vec<u8> {
     usd_curves(
         &mut text,
         "Barbs",
+        None,
         grown.barbs.curves.iter().map(|curve| curve.count),
         nodes.iter().map(|node| (node.point, node.vane_normal, 2.0 * node.radius)),
     );
@@ -150,9 +158,11 @@ pub(super) fn usda(grown: &Grown, notes: &[(&str, &str)]) -> Vec<u8> {
     if !barbules.ribbons.is_empty() {
         let normals = Part::barbules(barbules).normals;
         let nodes = barbules.ribbon_nodes.iter().zip(normals.chunks_exact(2));
+        let names: Vec<u64> = barbules.ribbons.iter().map(|ribbon| ribbon.id).collect();
         usd_curves(
             &mut text,
             "Barbules",
+            Some((&names, look.is_some())),
             barbules.ribbons.iter().map(|ribbon| ribbon.count),
             nodes.map(|(node, normal)| (node.point, normal[0], 2.0 * node.across.length())),
         );
@@ -161,13 +171,57 @@ pub(super) fn usda(grown: &Grown, notes: &[(&str, &str)]) -> Vec<u8> {
     text.into_bytes()
 }
 
+/// A preview of barbules: a rough mirror of their colour.
+fn usd_material(text: &mut String, look: &UsdLook) {
+    let [r, g, b] = look.colour;
+    let quoted = |text: &str| text.replace('\\', "/").replace('"', "'").replace(['\n', '\r'], " ");
+    let _ = write!(
+        text,
+        r#"    def Material "Barbule" (
+        customData = {{
+            dictionary barbule = {{
+                string material = "{}"
+                string material_hash = "{}"
+            }}
+        }}
+    )
+    {{
+        token outputs:surface.connect = </Feather/Barbule/Preview.outputs:surface>
+
+        def Shader "Preview"
+        {{
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor = ({r}, {g}, {b})
+            float inputs:metallic = 1
+            float inputs:roughness = {}
+            token outputs:surface
+        }}
+    }}
+"#,
+        quoted(&look.material),
+        quoted(&look.material_hash),
+        look.roughness
+    );
+}
+
+/// Curves; barbules have names, and may wear the material.
 fn usd_curves(
     text: &mut String,
     name: &str,
+    barbules: Option<(&[u64], bool)>,
     counts: impl Iterator<Item = u32>,
     nodes: impl Iterator<Item = (Vec3, Vec3, f32)> + Clone,
 ) {
-    let _ = write!(text, "    def BasisCurves \"{name}\"\n    {{\n        uniform token type = \"linear\"\n");
+    let wears = matches!(barbules, Some((_, true)));
+    let schema = if wears { " (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )" } else { "" };
+    let _ = write!(
+        text,
+        "    def BasisCurves \"{name}\"{schema}\n    {{\n        uniform token type = \"linear\"\n"
+    );
+    if wears {
+        *text += "        rel material:binding = </Feather/Barbule>\n";
+    }
+    extent(text, nodes.clone().map(|(point, _, width)| (point, 0.5 * width)));
     *text += "        int[] curveVertexCounts = [";
     listed(text, counts);
     *text += "]\n        point3f[] points = [";
@@ -176,7 +230,29 @@ fn usd_curves(
     tuples(text, nodes.clone().map(|(_, normal, _)| normal));
     *text += "] (interpolation = \"vertex\")\n        float[] widths = [";
     listed(text, nodes.map(|(.., width)| width));
-    *text += "] (interpolation = \"vertex\")\n    }\n";
+    *text += "] (interpolation = \"vertex\")\n";
+    if let Some((names, _)) = barbules {
+        for (half, shift) in [("lo", 0), ("hi", 32)] {
+            let _ = write!(text, "        int[] primvars:instance_{half} = [");
+            // USD has no unsigned numbers of a list: the same 32 bits with a sign.
+            listed(text, names.iter().map(|name| (name >> shift) as u32 as i32));
+            *text += "] (interpolation = \"uniform\")\n";
+        }
+    }
+    *text += "    }\n";
+}
+
+/// The box about points with radii; none of nothing.
+fn extent(text: &mut String, points: impl Iterator<Item = (Vec3, f32)>) {
+    let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for (point, radius) in points {
+        (low, high) = (low.min(point - radius), high.max(point + radius));
+    }
+    if low.is_finite() {
+        *text += "        float3[] extent = [";
+        tuples(text, [low, high].into_iter());
+        *text += "]\n";
+    }
 }
 
 fn listed<T: std::fmt::Display>(text: &mut String, values: impl Iterator<Item = T>) {

@@ -1,0 +1,155 @@
+//! Which facets are most like a material.
+
+use super::facets::{Distribution, Facets};
+use crate::brdf::FeatherBrdf;
+use crate::math::rng::Stream;
+use crate::spectrum::Wavelengths;
+use crate::spectrum::colour::Observer;
+use crate::{DVec3, Result};
+
+/// Two kinds of facets on the same surface, by their shares.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lobes {
+    /// The narrow ones, then those of the rest.
+    pub facets: [Facets; 2],
+    /// Share of the second.
+    pub share: f64,
+}
+
+impl Lobes {
+    /// f cosθ_o in 1/sr of both.
+    pub(super) fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
+        let [first, second] = self.facets.map(|facets| facets.value(wi, wo));
+        first + self.share * (second - first)
+    }
+
+    /// ∫ f cosθ_o dω_o of both, by so many steps of two numbers.
+    pub(super) fn albedo(&self, wi: DVec3, steps: usize) -> f64 {
+        let [first, second] = self.facets.map(|facets| facets.albedo(wi, steps));
+        first + self.share * (second - first)
+    }
+}
+
+/// Views up to this angle from the normal, and of each so many directions of light.
+const MOST_POLAR_DEG: f64 = 70.0;
+const VIEWS: usize = 48;
+const LIGHTS: usize = 48;
+
+/// Share of lights that are drawn over the whole hemisphere.
+const EVEN: f64 = 0.2;
+
+/// Wavelengths that a brightness is made of: 400, 420 … 700 nm.
+pub(super) const WAVES: usize = 16;
+
+pub(super) fn waves() -> [f64; WAVES] {
+    std::array::from_fn(|k| 400.0 + 20.0 * k as f64)
+}
+
+/// α of facets, and the share of the second ones.
+const ALPHAS: [f64; 2] = [0.01, 1.0];
+const MOST_SHARE: f64 = 0.95;
+
+/// Steps of the facets' albedos while they are searched.
+const ALBEDO_STEPS: usize = 10;
+
+/// Steps of the search: of the logarithm of an α and of the share, from the first to the last.
+const FIRST_STEP: f64 = 0.4;
+const LAST_STEP: f64 = 0.01;
+
+/// A view, what it sees of all light in brightness, and random lights: direction, brightness of f cosθ_o, one over the density.
+struct View {
+    wi: DVec3,
+    albedo: f64,
+    lights: Vec<(DVec3, f64, f64)>,
+}
+
+/// The facets whose ∫|f' − f| cosθ_o in brightness is least, where each view sees as much light as of the material.
+///
+/// # Errors
+/// None with the wavelengths that are taken.
+pub(super) fn fitted(brdf: &FeatherBrdf) -> Result<Lobes> {
+    let views = views(brdf)?;
+    use Distribution::{Beckmann, Ggx};
+    let tried = [[Beckmann, Beckmann], [Beckmann, Ggx], [Ggx, Ggx]].map(|kinds| searched(&views, kinds));
+    let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    Ok(best.map_or_else(|| lobes([Beckmann; 2], &START), |(lobes, _)| lobes))
+}
+
+/// Logarithms of α along and across of both, and the share.
+const START: [f64; 5] = [-3.2, -2.0, -2.3, -1.2, 0.3];
+
+fn lobes(kinds: [Distribution; 2], at: &[f64; 5]) -> Lobes {
+    let alpha = |log: f64| libm::exp(log).clamp(ALPHAS[0], ALPHAS[1]);
+    let facets = std::array::from_fn(|k| Facets {
+        distribution: kinds[k],
+        along: alpha(at[2 * k]),
+        across: alpha(at[2 * k + 1]),
+    });
+    Lobes { facets, share: at[4].clamp(0.0, MOST_SHARE) }
+}
+
+/// A search along each number in turn, whose steps are halved where none helps.
+fn searched(views: &[View], kinds: [Distribution; 2]) -> (Lobes, f64) {
+    let cost = |at: &[f64; 5]| cost(views, &lobes(kinds, at));
+    let mut at = START;
+    let (mut least, mut step) = (cost(&at), FIRST_STEP);
+    while step > LAST_STEP {
+        let before = least;
+        for number in 0..at.len() {
+            for sign in [1.0, -1.0] {
+                let mut tried = at;
+                tried[number] += sign * step;
+                let found = cost(&tried);
+                if found < least {
+                    (at, least) = (tried, found);
+                    break;
+                }
+            }
+        }
+        if least >= before {
+            step *= 0.5;
+        }
+    }
+    (lobes(kinds, &at), least)
+}
+
+fn cost(views: &[View], lobes: &Lobes) -> f64 {
+    let of = |view: &View| {
+        let scale = view.albedo / lobes.albedo(view.wi, ALBEDO_STEPS);
+        let off = |(wo, f, over): &(DVec3, f64, f64)| over * (scale * lobes.value(view.wi, *wo) - f).abs();
+        view.lights.iter().map(off).sum::<f64>()
+    };
+    views.iter().map(of).sum()
+}
+
+fn views(brdf: &FeatherBrdf) -> Result<Vec<View>> {
+    let nm = waves();
+    let weights = Observer::default().weights(&Wavelengths::new(nm)?);
+    let mut random = Stream::new(3, &[]);
+    let most = libm::sin(MOST_POLAR_DEG.to_radians());
+    let view = |k: usize| {
+        let radius = most * ((k as f64 + random.unit()) / VIEWS as f64).sqrt();
+        let turn = std::f64::consts::TAU * random.unit();
+        let wi =
+            DVec3::new(radius * libm::cos(turn), radius * libm::sin(turn), (1.0 - radius * radius).sqrt());
+        let prepared = brdf.prepare(nm.map(|nm| nm as f32), wi);
+        let mut lights = Vec::with_capacity(LIGHTS);
+        for light in 0..LIGHTS {
+            let u = [random.unit(), random.unit()];
+            let drawn = if random.unit() < EVEN {
+                let (radius, turn) = (u[0].sqrt(), std::f64::consts::TAU * u[1]);
+                Some(DVec3::new(radius * libm::cos(turn), radius * libm::sin(turn), (1.0 - u[0]).sqrt()))
+            } else {
+                prepared.direction(light % WAVES, u)
+            };
+            let Some(wo) = drawn.filter(|wo| wo.z > 1e-3) else { continue };
+            let mean = prepared.pdfs(wo).iter().sum::<f64>() / WAVES as f64;
+            let density = (1.0 - EVEN) * mean + EVEN * wo.z / std::f64::consts::PI;
+            let f = weights.xyz(&prepared.eval(wo, None).map(|f| f64::from(f) * wo.z))[1];
+            lights.push((wo, f, 1.0 / density));
+        }
+        let albedo = weights.xyz(&nm.map(|nm| brdf.albedo(nm as f32, wi)))[1];
+        View { wi, albedo, lights }
+    };
+    Ok((0..VIEWS).map(view).collect())
+}
