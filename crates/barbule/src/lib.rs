@@ -45,6 +45,7 @@ pub mod campaign;
 pub mod characterize;
 pub mod clock;
 pub mod diffraction;
+pub mod export;
 #[cfg(feature = "figures")]
 pub mod figures;
 pub mod io;

@@ -1,0 +1,3 @@
+//! What other programs read: whole scenes.
+
+pub mod scene;
