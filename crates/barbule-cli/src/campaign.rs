@@ -124,12 +124,8 @@ pub(crate) fn say_given(plan: &Plan, common: &Common) {
 pub(crate) fn units_at_once(plan: &Plan, keep: Keep, results: Results, common: &Common) -> Result<usize> {
     let allowed = common.allowance();
     let Plan { structure, parameters, .. } = plan;
-    if !allowed.asked && !common.verbose {
-        // A closer look takes seconds, and most campaigns are far from the machine's limits.
-        let bound = Demand::bound(structure, parameters, keep, results)?;
-        if bound.bytes(usize::MAX) <= allowed.bytes {
-            return Ok(usize::MAX);
-        }
+    if !common.verbose {
+        return Demand::units_allowed(structure, parameters, keep, results, allowed);
     }
     let demand = Demand::predict(structure, parameters, keep, results, allowed, &Unobserved)?;
     let at_once = demand.units_within(allowed)?;

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use barbule::brdf::fit::FitOptions;
-use barbule::campaign::{Resources, run};
+use barbule::campaign::{Allowance, Demand, Keep, Resources, Results, run};
 use barbule::characterize::{
-    CampaignDescription, CampaignOptions, Execution, Found, Origin, as_filed, characterize as made_of,
+    CampaignDescription, CampaignOptions, Execution, Found, Origin, Plan, as_filed, characterize as made_of,
     material_of,
 };
+use barbule::io::available_memory;
 use barbule::io::store::Store;
 use barbule::{Error, Result};
 use pyo3::prelude::*;
@@ -23,9 +24,20 @@ fn campaign(options: &str) -> Result<CampaignOptions> {
     serde_json::from_str(options).map_err(|error| Error::input(format!("the campaign's options: {error}")))
 }
 
+/// What a campaign may be computed with in so many bytes; in what the machine has left without them.
+fn resources(plan: &Plan, results: Results, memory_bytes: Option<u64>) -> Result<Resources> {
+    let allowed = match memory_bytes {
+        Some(bytes) => Allowance { bytes, asked: true },
+        None => available_memory().map_or(Allowance::UNKNOWN, |bytes| Allowance { bytes, asked: false }),
+    };
+    let units_at_once =
+        Demand::units_allowed(&plan.structure, &plan.parameters, Keep::Statistics, results, allowed)?;
+    Ok(Resources { units_at_once, ..Resources::default() })
+}
+
 /// Simulates a structure and fits its material.
 #[pyfunction]
-#[pyo3(signature = (structure, options, halo, sigma, store, cache, threads, progress))]
+#[pyo3(signature = (structure, options, halo, sigma, store, cache, memory_bytes, threads, progress))]
 #[allow(clippy::too_many_arguments)] // they have names in Python
 pub(crate) fn characterize(
     py: Python<'_>,
@@ -35,6 +47,7 @@ pub(crate) fn characterize(
     sigma: Option<f64>,
     store: Option<PathBuf>,
     cache: Option<PathBuf>,
+    memory_bytes: Option<u64>,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Material> {
@@ -42,8 +55,9 @@ pub(crate) fn characterize(
     let catalog = Given { cache, ..Given::default() }.opening().or_raise(py)?.catalog;
     let usual = FitOptions::default();
     let fitted = FitOptions { halo, sigma: sigma.unwrap_or(usual.sigma), ..usual };
-    let how = Execution { resources: Resources::default(), store: store.as_deref() };
     let found = How::new(threads, progress).run(py, |progress| {
+        let resources = resources(&plan, Results::Gathered, memory_bytes)?;
+        let how = Execution { resources, store: store.as_deref() };
         let made = made_of(&plan, &fitted, &catalog, &how, progress)?;
         let (material, hash) = as_filed(&made.material)?;
         Ok(Found { material, hash, origin: Origin::Memory })
@@ -53,7 +67,7 @@ pub(crate) fn characterize(
 
 /// Fills a campaign's store, or goes on with it; how many units were computed and how many were there.
 #[pyfunction]
-#[pyo3(signature = (structure, path, options, keep_fields_nm, shard, cache, threads, progress))]
+#[pyo3(signature = (structure, path, options, keep_fields_nm, shard, cache, memory_bytes, threads, progress))]
 #[allow(clippy::too_many_arguments)] // they have names in Python
 pub(crate) fn simulate(
     py: Python<'_>,
@@ -63,13 +77,14 @@ pub(crate) fn simulate(
     keep_fields_nm: Vec<f64>,
     shard: (usize, usize),
     cache: Option<PathBuf>,
+    memory_bytes: Option<u64>,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(usize, usize)> {
     let plan = campaign(options).and_then(|options| options.plan(structure.inner.clone())).or_raise(py)?;
     let catalog = Given { cache, ..Given::default() }.opening().or_raise(py)?.catalog;
-    let resources = Resources::default();
     How::new(threads, progress).run(py, |progress| {
+        let resources = resources(&plan, Results::Stored, memory_bytes)?;
         let (number, of) = shard;
         if number >= of {
             return Err(Error::input(format!("'shard' is ({number}, {of}); give (i, n) with i below n")));

@@ -69,3 +69,11 @@ def test_the_package_is_typed():
     assert (package / "py.typed").is_file()
     found = subprocess.run([sys.executable, "-m", "mypy", "--strict", "-p", "barbule"], capture_output=True, text=True)
     assert found.returncode == 0, found.stdout
+
+
+def test_memory_is_a_limit():
+    """Too little is refused before any work, and enough gives the same bits as all."""
+    small = {"wavelengths_nm": [500.0, 600.0], "directions": (2, 2), "instances": 2, "progress": False}
+    with pytest.raises(barbule.InputError, match="memory"):
+        barbule.characterize("starling", memory_bytes=1000, **small)
+    assert barbule.characterize("starling", memory_bytes=1 << 30, **small).hash == barbule.characterize("starling", **small).hash

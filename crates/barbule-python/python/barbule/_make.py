@@ -55,6 +55,7 @@ def characterize(
     store: Union[str, "PathLike[str]", None] = None,
     cache: Union[str, "PathLike[str]", None] = None,
     media: Mapping[str, Name] | None = None,
+    memory_bytes: int | None = None,
     threads: int | None = None,
     progress: ProgressLike = True,
 ) -> Material:
@@ -77,6 +78,7 @@ def characterize(
         store: Folder of the campaign, kept and resumed.
         cache: Folder of computed tables; that of the command line without one.
         media: Media of your own by name, each a file of n and k.
+        memory_bytes: What may be taken at most, by fewer wavelengths at once; what the machine has left without.
         threads: Threads; all cores without a number.
         progress: True for a bar, False for none, or a function ``(label, done, total)``.
 
@@ -90,7 +92,9 @@ def characterize(
     options = _options(wavelengths_nm, directions, instances, tilt_deg, polarized, thin, seed, mirror)
     with watched(progress) as watch:
         return Material(
-            _native.characterize(opened, options, halo, sigma, _path(store), _path(cache), threads, watch)
+            _native.characterize(
+                opened, options, halo, sigma, _path(store), _path(cache), memory_bytes, threads, watch
+            )
         )
 
 
@@ -110,6 +114,7 @@ def simulate(
     shard: tuple[int, int] = (0, 1),
     cache: Union[str, "PathLike[str]", None] = None,
     media: Mapping[str, Name] | None = None,
+    memory_bytes: int | None = None,
     threads: int | None = None,
     progress: ProgressLike = True,
 ) -> tuple[int, int]:
@@ -130,6 +135,7 @@ def simulate(
         shard: ``(i, n)``: the i-th of n parts, for several processes on one store.
         cache: Folder of computed tables; that of the command line without one.
         media: Media of your own by name, each a file of n and k.
+        memory_bytes: What may be taken at most, by fewer wavelengths at once; what the machine has left without.
         threads: Threads; all cores without a number.
         progress: True for a bar, False for none, or a function ``(label, done, total)``.
 
@@ -140,7 +146,7 @@ def simulate(
     options = _options(wavelengths_nm, directions, instances, tilt_deg, polarized, thin, seed, mirror)
     kept = [float(nm) for nm in keep_fields_nm]
     with watched(progress) as watch:
-        return _native.simulate(opened, Path(store), options, kept, shard, _path(cache), threads, watch)
+        return _native.simulate(opened, Path(store), options, kept, shard, _path(cache), memory_bytes, threads, watch)
 
 
 def fit(

@@ -85,6 +85,7 @@ def characterize(
     sigma: float | None,
     store: Path | None,
     cache: Path | None,
+    memory_bytes: int | None,
     threads: int | None,
     progress: _Watch,
 ) -> Material: ...
@@ -95,6 +96,7 @@ def simulate(
     keep_fields_nm: Sequence[float],
     shard: tuple[int, int],
     cache: Path | None,
+    memory_bytes: int | None,
     threads: int | None,
     progress: _Watch,
 ) -> tuple[int, int]: ...

@@ -5,7 +5,7 @@
 //! all of them if there is room, and each keeps the fields of all its instances; with less room fewer run at once.
 
 use crate::math::simd::Width;
-use crate::progress::Progress;
+use crate::progress::{Progress, Unobserved};
 use crate::scattering::directions::AZIMUTH_MARGIN;
 use crate::scattering::statistics::{AZIMUTHS, Axes, GLINTS, LAGS};
 use crate::solve::cost::PROGRAM;
@@ -216,6 +216,27 @@ impl Demand {
     #[must_use]
     pub fn bytes(&self, units: usize) -> u64 {
         self.fixed.saturating_add(self.unit.saturating_mul(units.min(self.most_units) as u64))
+    }
+
+    /// The units that can be in work at once, whatever a campaign needs. A closer look than [`Self::bound`] takes seconds, and most campaigns
+    /// are far from the machine's limits: it is taken where somebody asked for a limit, and where the bound is over it.
+    ///
+    /// # Errors
+    /// An instance cannot be made, or not even one unit can be in work.
+    pub fn units_allowed(
+        structure: &Structure,
+        parameters: &CampaignParameters,
+        keep: Keep,
+        results: Results,
+        allowed: Allowance,
+    ) -> Result<usize> {
+        if !allowed.asked {
+            let bound = Self::bound(structure, parameters, keep, results)?;
+            if bound.bytes(usize::MAX) <= allowed.bytes {
+                return Ok(usize::MAX);
+            }
+        }
+        Self::predict(structure, parameters, keep, results, allowed, &Unobserved)?.units_within(allowed)
     }
 
     /// The units that can be in work at once.
