@@ -60,7 +60,8 @@ impl Facets {
     }
 
     /// f cosθ_o in 1/sr, with masking and shadowing that know of each other.
-    pub(super) fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
+    #[must_use]
+    pub fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
         let h = (wi + wo).normalize();
         let shadowed = 1.0 / (1.0 + self.lambda(wi) + self.lambda(wo));
         self.density(h) * shadowed / (4.0 * wi.z)

@@ -211,8 +211,8 @@ impl OslMaterial {
     }
 }
 
-/// Roughness r of one rough mirror that stands for a material where a format has no more, α being r²: the geometric mean of the narrow
-/// fitted facets.
+/// Roughness r of one rough mirror that stands for a material where a format has no more, α being r²: the geometric mean of
+/// the facets of most light.
 ///
 /// # Errors
 /// None with the wavelengths that are taken.
