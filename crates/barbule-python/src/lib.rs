@@ -35,7 +35,7 @@ mod _native {
     #[pymodule_export]
     use super::make::{characterize, fit, simulate};
     #[pymodule_export]
-    use super::material::Material;
+    use super::material::{Material, keratin_boundary, read_tables};
     #[pymodule_export]
     use super::opening::{open, species};
     #[pymodule_export]

@@ -3,9 +3,10 @@
 use std::borrow::Cow;
 use std::path::PathBuf;
 
-use barbule::brdf::{FeatherBrdf, FeatherMaterial, Numbers, Options, Reciprocity};
+use barbule::brdf::{FeatherBrdf, FeatherMaterial, Numbers, Options, Reciprocity, TableArray};
+use barbule::bsdf::{Keratin, Reflectance};
 use barbule::characterize::{Found, Origin};
-use barbule::io::encode_material;
+use barbule::io::{self, encode_material};
 use barbule::open;
 use barbule::scattering::far_field::Polarization;
 use barbule::scattering::lobe::FitKind;
@@ -373,35 +374,7 @@ impl Material {
 
     /// What the tables mean: the header of `docs/formats/brdf-tables.md`.
     fn header<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let header = self.brdf.tables().header();
-        let all = PyDict::new(py);
-        all.set_item("version", header.version)?;
-        all.set_item(
-            "kind",
-            match header.kind {
-                FitKind::Marginal => "marginal",
-                FitKind::Cone => "cone",
-            },
-        )?;
-        all.set_item(
-            "sides",
-            match header.sides {
-                Sides::Alike => "alike",
-                Sides::Both => "both",
-            },
-        )?;
-        all.set_item("polarization", header.polarization.map(|p| p.index() + 1))?;
-        all.set_item("reciprocity", self.brdf.reciprocity().word())?;
-        all.set_item("sigma", header.sigma)?;
-        all.set_item("halo", header.halo)?;
-        all.set_item("height_um", header.spectral.height_um)?;
-        all.set_item("achromatic", header.spectral.achromatic)?;
-        all.set_item("seed", header.seed)?;
-        all.set_item("sets", header.sets)?;
-        all.set_item("thetas", header.thetas)?;
-        all.set_item("phis", header.phis)?;
-        all.set_item("waves", header.waves)?;
-        Ok(all)
+        header_of(py, &self.brdf)
     }
 
     /// The bytes of its file.
@@ -459,6 +432,65 @@ impl Material {
     fn halo_sigmas(&self) -> Vec<f64> {
         self.brdf.halo_sigmas().to_vec()
     }
+}
+
+/// The header of `docs/formats/brdf-tables.md` by name.
+fn header_of<'py>(py: Python<'py>, brdf: &FeatherBrdf) -> PyResult<Bound<'py, PyDict>> {
+    let header = brdf.tables().header();
+    let all = PyDict::new(py);
+    all.set_item("version", header.version)?;
+    all.set_item(
+        "kind",
+        match header.kind {
+            FitKind::Marginal => "marginal",
+            FitKind::Cone => "cone",
+        },
+    )?;
+    all.set_item(
+        "sides",
+        match header.sides {
+            Sides::Alike => "alike",
+            Sides::Both => "both",
+        },
+    )?;
+    all.set_item("polarization", header.polarization.map(|p| p.index() + 1))?;
+    all.set_item("reciprocity", brdf.reciprocity().word())?;
+    all.set_item("sigma", header.sigma)?;
+    all.set_item("halo", header.halo)?;
+    all.set_item("height_um", header.spectral.height_um)?;
+    all.set_item("achromatic", header.spectral.achromatic)?;
+    all.set_item("seed", header.seed)?;
+    all.set_item("sets", header.sets)?;
+    all.set_item("thetas", header.thetas)?;
+    all.set_item("phis", header.phis)?;
+    all.set_item("waves", header.waves)?;
+    Ok(all)
+}
+
+/// The header and the arrays of a file of tables (`docs/formats/brdf-tables.md`).
+#[pyfunction]
+pub(crate) fn read_tables(py: Python<'_>, path: PathBuf) -> PyResult<(Bound<'_, PyDict>, Bound<'_, PyDict>)> {
+    let brdf = py.detach(|| io::read_tables(&path).map(FeatherBrdf::from_tables)).or_raise(py)?;
+    let all = PyDict::new(py);
+    for TableArray { name, shape, numbers } in brdf.tables().arrays() {
+        let values = match numbers {
+            Numbers::F64(values) => shaped(py, values.into_owned(), &shape)?.into_any(),
+            Numbers::F32(values) => shaped(py, values.into_owned(), &shape)?.into_any(),
+            Numbers::I16(values) => shaped(py, values.into_owned(), &shape)?.into_any(),
+        };
+        all.set_item(name, values)?;
+    }
+    Ok((header_of(py, &brdf)?, all))
+}
+
+/// Of the boundary of keratin of this roughness (GGX α) and index: its directional albedo at cosines that are even from 0 to 1, and its
+/// cosine-weighted mean.
+#[pyfunction]
+pub(crate) fn keratin_boundary(py: Python<'_>, roughness: f64, index: f64) -> PyResult<(Vec<f64>, f64)> {
+    let keratin = Reflectance::new(|_| 0.0).and_then(|black| Keratin::new(roughness, index, black));
+    let keratin = keratin.or_raise(py)?;
+    let (albedo, mean) = keratin.boundary();
+    Ok((albedo.to_vec(), mean))
 }
 
 /// A read-only array over numbers that a material holds, or over a copy of those that are computed as they are asked for.

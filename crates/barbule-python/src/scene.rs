@@ -1,12 +1,15 @@
 //! Scenes and their pictures.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use barbule::export::scene::{ExportOptions, Exported};
 use barbule::io::Folder;
 use barbule::open::{self, material, worn};
 use barbule::progress::Progress;
-use barbule::render::film::{Film, Pixel};
+use barbule::render::film::{Film, Pixel, check_size};
 use barbule::render::planes::{Bands, Planes};
+use barbule::scene::description::ReadyScene;
 use barbule::scene::preset;
 use barbule::{Error, PictureOptions, Result, SceneDescription, Sensor, resolve};
 use numpy::PyArrayDyn;
@@ -102,17 +105,97 @@ impl Scene {
         let choices = Choices { options, spectral_nm, compositing };
         How::new(threads, progress).run(py, |progress| self.picture(&given, &choices, progress))
     }
+
+    /// Writes its files for Mitsuba into a folder; the tree of plugins as JSON.
+    #[pyo3(signature = (folder, size, samples, seed, media, cache, progress))]
+    #[allow(clippy::too_many_arguments)] // they have names in Python
+    fn mitsuba(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        size: [u32; 2],
+        samples: u32,
+        seed: u64,
+        media: Vec<(String, String)>,
+        cache: Option<PathBuf>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<String> {
+        check_count("samples", samples as usize, 1 << 24).or_raise(py)?;
+        check_size(size).or_raise(py)?;
+        let given = Given { media, cache, seed: Some(seed), may_compute: true };
+        let options = ExportOptions { size, samples, seed };
+        How::new(None, progress).run(py, |progress| {
+            let ready = self.ready(&given, progress)?;
+            Exported::new(&ready, options, progress)?.mitsuba_json(&folder)
+        })
+    }
+
+    /// Writes it as a scene file of Mitsuba (`.xml`) or pbrt-v4 (`.pbrt`), whose material `measured` of each name has the file that
+    /// `measured` says.
+    #[pyo3(signature = (path, size, samples, seed, measured, media, cache, progress))]
+    #[allow(clippy::too_many_arguments)] // they have names in Python
+    fn export(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        size: [u32; 2],
+        samples: u32,
+        seed: u64,
+        measured: BTreeMap<String, String>,
+        media: Vec<(String, String)>,
+        cache: Option<PathBuf>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Vec<String>> {
+        check_count("samples", samples as usize, 1 << 24).or_raise(py)?;
+        check_size(size).or_raise(py)?;
+        let is_pbrt = match path.extension().and_then(|end| end.to_str()) {
+            Some("xml") => false,
+            Some("pbrt") => true,
+            _ => {
+                let message =
+                    format!("'{}' ends neither with .xml nor with .pbrt; end it so", path.display());
+                return Err(Error::input(message)).or_raise(py);
+            }
+        };
+        let given = Given { media, cache, seed: Some(seed), may_compute: true };
+        let options = ExportOptions { size, samples, seed };
+        How::new(None, progress).run(py, |progress| {
+            let exported = Exported::new(&self.ready(&given, progress)?, options, progress)?;
+            if is_pbrt {
+                exported.write_pbrt(&path, &mut |name, _| {
+                    measured.get(name).cloned().ok_or_else(|| {
+                        Error::input(format!(
+                            "pbrt's material '{name}' needs a .bsdf file; give 'measured' an entry '{name}'"
+                        ))
+                    })
+                })?;
+            } else {
+                exported.write_mitsuba(&path)?;
+            }
+            Ok(exported.remarks().to_vec())
+        })
+    }
+
+    /// Width and height of its pictures, pixels, where it gives them.
+    #[getter]
+    fn size(&self) -> Option<(u32, u32)> {
+        self.description.size.map(|[width, height]| (width, height))
+    }
 }
 
 impl Scene {
-    fn picture(&self, given: &Given, choices: &Choices, progress: &dyn Progress) -> Result<Picture> {
+    /// The scene with everything that it names.
+    fn ready(&self, given: &Given, progress: &dyn Progress) -> Result<ReadyScene> {
         let opening = given.opening()?;
         let mut dye = |name: &str| {
             let found = material(name, &opening, progress)?;
             worn(&found.material, found.hash)
         };
-        let folder = Folder(self.folder.clone());
-        let scene = resolve(self.description.clone(), &folder, &mut dye, choices.options.seed, progress)?;
+        resolve(self.description.clone(), &Folder(self.folder.clone()), &mut dye, opening.seed, progress)
+    }
+
+    fn picture(&self, given: &Given, choices: &Choices, progress: &dyn Progress) -> Result<Picture> {
+        let scene = self.ready(given, progress)?;
         let sensor = Sensor::human();
         let spectral = Bands::new(&choices.spectral_nm, sensor.band()).map_err(|e| e.at("'spectral_nm'"))?;
         let planes = Planes { sensor, compositing: choices.compositing, spectral };

@@ -34,7 +34,8 @@ if subprocess.run([sys.executable, "-c", PROBE], capture_output=True).returncode
 
 mi.set_variant("llvm_ad_spectral")
 
-import barbule.mitsuba as plugin  # noqa: E402
+import barbule.mitsuba  # noqa: E402
+from barbule.mitsuba import _tables as tables_of  # noqa: E402
 
 BIRDS = Path(__file__).parents[2] / "barbule-birds/birds"
 # The last one has no halo.
@@ -74,11 +75,12 @@ def local(w):
 
 
 def hits(wi, nm, names=0):
-    """Surface interactions seen from `wi` of the barbule's frame."""
+    """Surface interactions seen from `wi` of the barbule's frame; without wavelengths those of rgb variants."""
     count = len(wi)
     si = dr.zeros(mi.SurfaceInteraction3f, count)
     si.wi = local(wi)
-    si.wavelengths = mi.Spectrum(*(mi.Float(values) for values in np.broadcast_to(nm, (count, 4)).T.copy()))
+    if nm is not None:
+        si.wavelengths = mi.Spectrum(*(mi.Float(values) for values in np.broadcast_to(nm, (count, 4)).T.copy()))
     si.prim_index = mi.UInt32(np.broadcast_to(np.uint32(names), count).copy())
     return si
 
@@ -162,7 +164,7 @@ def test_both_sides_and_two_sets():
     wi, wo = pairs(1000)
     at = [mi.Vector3f(w.T.copy()) for w in (wi, wo)]
     nm = [mi.Float(wavelength) for wavelength in NM]
-    both = plugin._Tables(*with_both_sides(header, tables))
+    both = tables_of.Tables(*with_both_sides(header, tables))
     for name in (None, 11):
         found, density = both.evaluate(*at, nm, None if name is None else mi.UInt64(name))
         check_close(np.array(found).T, material.eval(NM, wi, wo, name) * wo[:, 2:])
@@ -173,7 +175,7 @@ def test_both_sides_and_two_sets():
     nodes[..., 14], nodes[..., 15] = 0.5, 0.0
     for number in ("p1.", "p2."):
         twice[number + "nodes"], twice[number + "shares"] = nodes, tables["shares"]
-    found, density = plugin._Tables({**header, "sets": 2}, twice).evaluate(*at, nm)
+    found, density = tables_of.Tables({**header, "sets": 2}, twice).evaluate(*at, nm)
     check_close(np.array(found).T, material.eval(NM, wi, wo) * wo[:, 2:])
     check_close(np.array(density), material.pdf(NM, wi, wo).mean(axis=-1))
 
@@ -182,7 +184,7 @@ def test_uneven_axes():
     nodes = np.array([0.0, 0.001, 0.0015, 0.2, 0.5, 0.55, 1.0])
     x = np.random.default_rng(2).uniform(-0.1, 1.1, 4000)
     x[:1000] *= 0.002
-    place, share = plugin._Axis(nodes).find(mi.Float(x))
+    place, share = tables_of.Axis(nodes).find(mi.Float(x))
     place, share = np.array(place), np.array(share)
     low = np.clip(np.searchsorted(nodes, x, "right") - 1, 0, 5)
     np.testing.assert_allclose(place + share, low + np.clip((x - nodes[low]) / np.diff(nodes)[low], 0, 1), atol=1e-3)
@@ -404,10 +406,49 @@ def test_bad_parameters_are_refused(options, words):
         bsdf(**options)
 
 
-def test_variants_without_spectra_are_refused():
-    mi.set_variant("scalar_rgb")
-    with pytest.raises(Exception, match="'scalar_rgb' is not spectral"):
+def test_variants_without_colours_are_refused():
+    mi.set_variant("scalar_mono")
+    with pytest.raises(Exception, match="'scalar_mono' has no colours"):
         bsdf()
+
+
+@pytest.mark.parametrize("variant_name", ["llvm_ad_rgb", "scalar_rgb"])
+def test_colours_of_rgb_variants_are_those_in_daylight(variant_name):
+    """Linear sRGB in D65, within sRGB: ΔE00 against 61 wavelengths of the native evaluation."""
+    fine, material = np.arange(400.0, 701.0, 5.0), barbule.Material.load("starling")
+    wi, wo = pairs(400)
+    expected = barbule.colours(fine, material.eval(fine, wi, wo, np.arange(400)) * wo[:, 2:])["linear_srgb"].values
+    kept = np.flatnonzero((expected > 0.0).all(axis=1) & (expected.max(axis=1) > 0.02))
+    kept = kept[:20] if variant_name == "scalar_rgb" else kept
+    wi, wo, expected = wi[kept], wo[kept], expected[kept]
+    mi.set_variant(variant_name)
+    feather = bsdf(instances="prim")
+    if variant_name == "llvm_ad_rgb":
+        si = hits(wi, None, kept)
+        found = np.array(feather.eval(mi.BSDFContext(), si, local(wo))).T
+    else:
+        rows = []
+        for i, k in enumerate(kept):
+            si = mi.SurfaceInteraction3f()
+            si.wi, si.prim_index = mi.Vector3f(wi[i, 1], -wi[i, 0], wi[i, 2]), int(k)
+            rows.append(np.array(feather.eval(mi.BSDFContext(), si, mi.Vector3f(wo[i, 1], -wo[i, 0], wo[i, 2]))))
+        found = np.array(rows)
+    # As bright as white at most, as screens show them.
+    scale = 1.0 / np.maximum(expected.max(axis=1, keepdims=True), 1.0)
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    pairs_of_xyz = zip((found * scale) @ to_xyz.T, (expected * scale) @ to_xyz.T)
+    difference = np.array([barbule.delta_e_2000(*pair) for pair in pairs_of_xyz])
+    assert np.median(difference) < 0.5 and np.percentile(difference, 95) < 2.0, np.percentile(difference, [50, 95, 100])
+
+
+def test_barbules_may_lie_along_v():
+    """As on curves of B-splines: what Mitsuba calls t is the barbule's y."""
+    material = barbule.Material.load("starling")
+    wi, wo = pairs(200)
+    si = hits(wi, NM, 2)
+    si.wi = mi.Vector3f(wi.T.copy())
+    values = np.array(bsdf(instances="prim", along="v").eval(mi.BSDFContext(), si, mi.Vector3f(wo.T.copy()))).T
+    check_close(values, material.eval(NM, wi, wo, 2) * wo[:, 2:])
 
 
 def test_a_variant_must_be_set_first():

@@ -5,7 +5,6 @@ use glam::DVec3;
 
 use super::Bsdf;
 use super::feather::BarbuleSurface;
-use super::frame::Frame;
 use super::hit::{Hit, OnRibbon};
 use crate::math::rng::{hash, split_mix, unit_of};
 use crate::spectrum::dense::Lambdas;
@@ -32,9 +31,6 @@ pub struct Layout {
     /// Cells are low arches: slope at their ends, rad. Shades only.
     pub swelling: f64,
 }
-
-/// Texture coordinates whose directions are as near to each other as this, squared, give no frame.
-const LEAST_ANGLE: f64 = 1e-12;
 
 impl Clad {
     /// Barbules laid like this.
@@ -85,7 +81,7 @@ impl Layout {
     /// several each has its own, and begins anywhere in a cell.
     #[must_use]
     pub fn on_barbule(&self, hit: &Hit) -> Hit {
-        let (frame, sign) = frame(hit);
+        let (frame, sign) = hit.texture_frame();
         let [along, across] = [0, 1].map(|k| hit.uv[k] * self.uv_mm[k]);
         let (number, arc) = counted(along, self.length_mm);
         let (row, x, half_width) = if self.width_mm > 0.0 {
@@ -129,22 +125,10 @@ fn counted(place: f64, length: f64) -> (i64, f64) {
     (number as i64, place - number * length)
 }
 
-/// The frame of texture coordinates, and which way across it v grows: 1 to +x, −1 to −x.
-#[inline]
-fn frame(hit: &Hit) -> (Frame, f64) {
-    let [to_u, to_v] = hit.uv_gradients;
-    let along = to_u - to_v * (to_u.dot(to_v) / to_v.length_squared().max(f64::MIN_POSITIVE));
-    if along.length_squared() <= LEAST_ANGLE * to_u.length_squared() {
-        // Where a fibre is seen, its v grows to −x of a ribbon that faces the viewer.
-        return (hit.frame, -1.0);
-    }
-    let frame = Frame::new(hit.frame.z, along.normalize());
-    (frame, if to_v.dot(frame.x) < 0.0 { -1.0 } else { 1.0 })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bsdf::Frame;
     use crate::bsdf::tests::barbule;
 
     const LAYOUT: Layout =

@@ -7,6 +7,9 @@ use super::frame::Frame;
 /// Length over width of a barbule that is one cell.
 const LONG_CELL: f64 = 10.0;
 
+/// Texture coordinates whose directions are as near to each other as this, squared, give no frame.
+const LEAST_ANGLE: f64 = 1e-12;
+
 /// A point of a surface where a ray met it.
 #[derive(Debug, Clone, Copy)]
 pub struct Hit {
@@ -88,6 +91,19 @@ impl Hit {
             let cells = (2.0 * radius_mm / width).max(1.0) * (2.0 * radius_mm / length).max(1.0);
             on.contrast = 1.0 / cells.sqrt();
         }
+    }
+
+    /// The frame of texture coordinates, and which way across it v grows: 1 to +x, −1 to −x.
+    #[inline]
+    pub(super) fn texture_frame(&self) -> (Frame, f64) {
+        let [to_u, to_v] = self.uv_gradients;
+        let along = to_u - to_v * (to_u.dot(to_v) / to_v.length_squared().max(f64::MIN_POSITIVE));
+        if along.length_squared() <= LEAST_ANGLE * to_u.length_squared() {
+            // Where a fibre is seen, its v grows to −x of a ribbon that faces the viewer.
+            return (self.frame, -1.0);
+        }
+        let frame = Frame::new(self.frame.z, along.normalize());
+        (frame, if to_v.dot(frame.x) < 0.0 { -1.0 } else { 1.0 })
     }
 
     /// The side seen from `wo`, a unit vector towards the viewer.

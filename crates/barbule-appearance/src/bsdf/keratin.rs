@@ -67,6 +67,24 @@ impl Keratin {
         Ok(keratin)
     }
 
+    /// GGX α.
+    #[must_use]
+    pub fn roughness(&self) -> f64 {
+        self.ggx.alpha()[0]
+    }
+
+    /// Refractive index.
+    #[must_use]
+    pub fn index(&self) -> f64 {
+        self.index
+    }
+
+    /// The boundary's directional albedo at cosines that are even from 0 to 1, linear between, and its cosine-weighted mean.
+    #[must_use]
+    pub fn boundary(&self) -> (&[f64], f64) {
+        (&self.albedo, self.mean_albedo)
+    }
+
     /// The diffuse body.
     #[must_use]
     pub fn body(&self) -> &Reflectance {

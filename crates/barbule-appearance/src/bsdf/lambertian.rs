@@ -64,6 +64,18 @@ impl Lambertian {
         Ok(Self { reflectance, transmittance: None, paint: Some(paint) })
     }
 
+    /// Its reflectance where that is the same everywhere and nothing passes.
+    #[must_use]
+    pub fn even(&self) -> Option<Reflectance> {
+        let Some(Paint { colour, pictures, .. }) = &self.paint else {
+            return self.transmittance.is_none().then(|| self.reflectance.clone());
+        };
+        match pictures {
+            Pictures { albedo: None, alpha: None, relief: None } => Reflectance::of_colour(*colour).ok(),
+            _ => None,
+        }
+    }
+
     /// See [`super::Surface::opacity`].
     #[inline]
     pub(super) fn opacity(&self, hit: &Hit) -> f64 {

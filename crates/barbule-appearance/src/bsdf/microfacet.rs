@@ -46,6 +46,11 @@ impl Ggx {
         Self { alpha, inverse: alpha.map(|a| 1.0 / a), scale: 1.0 / (PI * alpha[0] * alpha[1]) }
     }
 
+    /// Along x and y.
+    pub(super) fn alpha(&self) -> [f64; 2] {
+        self.alpha
+    }
+
     /// Density of normals, per sr of the projected surface.
     #[inline(always)]
     pub(super) fn distribution(&self, h: DVec3) -> f64 {

@@ -216,7 +216,8 @@ impl Geometry {
     }
 
     /// Where shapes that repeat in it stand in the scene: each of their places in each of the object's.
-    pub(crate) fn places_of<'a>(&'a self, repeated: &'a Self) -> Box<dyn Iterator<Item = Place> + 'a> {
+    #[must_use]
+    pub fn places_of<'a>(&'a self, repeated: &'a Self) -> Box<dyn Iterator<Item = Place> + 'a> {
         match (&self.places[..], &repeated.places[..]) {
             (own, []) => Box::new(own.iter().copied()),
             ([], inner) => Box::new(inner.iter().copied()),

@@ -10,6 +10,7 @@ mod common;
 mod completions;
 mod crystal;
 mod diffract;
+mod export;
 mod far_field;
 mod feather;
 mod figures;

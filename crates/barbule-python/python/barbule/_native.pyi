@@ -154,6 +154,9 @@ class Section:
     def figure(self, format: str = "svg") -> bytes: ...
     def _repr_svg_(self) -> str: ...
 
+def read_tables(path: str | Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]: ...
+def keratin_boundary(roughness: float, index: float) -> tuple[list[float], float]: ...
+
 class Material:
     @staticmethod
     def open(
@@ -226,6 +229,29 @@ class Scene:
     def parse(toml: str, folder: Path) -> Scene: ...
     def with_material(self, name: str) -> Scene: ...
     def toml(self) -> str: ...
+    @property
+    def size(self) -> tuple[int, int] | None: ...
+    def export(
+        self,
+        path: Path,
+        size: Sequence[int],
+        samples: int,
+        seed: int,
+        measured: dict[str, str],
+        media: _Media,
+        cache: Path | None,
+        progress: _Watch,
+    ) -> list[str]: ...
+    def mitsuba(
+        self,
+        folder: Path,
+        size: Sequence[int],
+        samples: int,
+        seed: int,
+        media: _Media,
+        cache: Path | None,
+        progress: _Watch,
+    ) -> str: ...
     def render(
         self,
         size: Sequence[int],

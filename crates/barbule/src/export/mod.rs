@@ -8,6 +8,7 @@ mod deviation;
 pub mod film;
 pub mod gonio;
 pub mod osl;
+pub mod scene;
 pub mod usd;
 
 pub use bsdf::{BsdfTable, Crowding, Flavour};

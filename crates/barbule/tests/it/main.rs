@@ -13,6 +13,7 @@ mod crystal_colours;
 mod crystal_values;
 mod crystals;
 mod errors;
+mod exported;
 mod film;
 mod furnace;
 mod geometry;

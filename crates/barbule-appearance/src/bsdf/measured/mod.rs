@@ -45,7 +45,8 @@ impl MeasuredTables {
     }
 }
 
-/// A surface of a measured material, the same on both sides. The file's x lies along the long axis of what was hit, its z along the normal.
+/// A surface of a measured material, the same on both sides. The file's x lies where texture coordinates' u grows, on
+/// fibres along them; its z along the normal.
 /// Tables are indexed by the viewer's direction. Between wavelengths values are linear, and outside those of the ends; R, G and B stand for
 /// the spectra of [`shares`].
 #[derive(Debug, Clone)]
@@ -61,7 +62,7 @@ impl Measured {
     /// At a hit, seen from `wo`.
     #[inline]
     pub(super) fn bind(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {
-        let side = hit.side(wo);
+        let side = Hit { frame: hit.texture_frame().0, ..*hit }.side(wo);
         let seen = match &*self.0 {
             MeasuredTables::Rgl(rgl) => Seen::Rgl(rgl, rgl.incident(of_file(side.wo))),
             MeasuredTables::Merl(merl) => Seen::Merl(merl),

@@ -1,7 +1,4 @@
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
-
-use glam::DVec3;
 
 use super::*;
 use crate::math::rng::Stream;
@@ -31,7 +28,7 @@ fn arrays() -> RglArrays {
     tabulate(&FINE, Channels::Wavelengths(nm.iter().map(|v| *v as f32).collect()), &wide, &values).unwrap()
 }
 
-pub fn rgl() -> Measured {
+pub(crate) fn rgl() -> Measured {
     Measured::new(Arc::new(MeasuredTables::Rgl(Rgl::new(arrays()).unwrap())))
 }
 
@@ -49,7 +46,7 @@ fn merl_values() -> Vec<f32> {
     values
 }
 
-pub fn merl() -> Measured {
+pub(crate) fn merl() -> Measured {
     Measured::new(Arc::new(MeasuredTables::Merl(Box::new(Merl::new(merl_values()).unwrap()))))
 }
 

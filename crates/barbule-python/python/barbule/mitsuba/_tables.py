@@ -1,48 +1,18 @@
-"""Feathers in Mitsuba 3: the BSDFs ``barbule`` and ``barbule_film``.
-
-Choose a variant first, then import this module; later variants are served too::
-
-    import mitsuba as mi
-    mi.set_variant("llvm_ad_spectral")
-    import barbule.mitsuba
-    bsdf = mi.load_dict({"type": "barbule", "material": "starling", "instances": "uv", "cells": 40.0})
-
-``barbule`` evaluates the arrays of `barbule.Material.tables` as ``docs/formats/brdf-tables.md`` has it, step by step; numbers of steps below
-are that page's. How it is used stands in ``docs/guide/mitsuba.md``.
-"""
+"""A material's tables as ``docs/formats/brdf-tables.md`` evaluates them, step by step, compiled by Dr.Jit; numbers of steps are that
+page's."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from importlib import import_module
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import film
-from ._material import Material
+from ._base import BELOW_1, GOLDEN, dr, floats, held, mi, split_mix, split_mix_of
 
-try:
-    # Their types depend on the variant that is set, so nothing is known of them here.
-    mi: Any = import_module("mitsuba")
-    dr: Any = import_module("drjit")
-except ImportError as error:
-    raise ImportError("barbule.mitsuba needs Mitsuba 3: pip install mitsuba==3.9.1") from error
-
-Instances = Literal["none", "uv", "face", "prim"]
-
-INSTANCES: tuple[Instances, ...] = ("none", "uv", "face", "prim")
-RECIPROCITY = ("none", "steeper", "mean")
-#: Vacuum wavelengths that Mitsuba's spectral variants draw, nm.
-MITSUBA_NM = (360.0, 830.0)
-
-_MASK = (1 << 64) - 1
-_GOLDEN = 0x9E3779B97F4A7C15
-_MIX = (0xBF58476D1CE4E5B9, 0x94D049BB133111EB)
 _POINTS = 1024
 _BASES = 128
 #: Rows of a base in `codes`: half a period and one.
@@ -50,112 +20,9 @@ _ROWS = 513
 #: Numbers of a node as they are gathered, four at a time: m², R | M, A of both mean lobes | m², R, M, A of the steady part | the others.
 _ORDER = (0, 1, 3, 4, 6, 7, 9, 10, 2, 5, 8, 11, 12, 13, 14, 15)
 _LOBES, _ALIGNED, _STEADY, _REST, _SHARES, _ALONG = range(6)
-#: The largest single below 1.
-_BELOW_1 = 1.0 - 2.0**-24
 
 
-# ---- Parameters and names -----------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class _Asked:
-    """Parameters of a ``barbule``."""
-
-    material: str
-    instances: Instances
-    cells: float
-    reciprocity: Any
-    polarization: Any
-    two_sided: bool
-
-    @classmethod
-    def of(cls, props: Any) -> _Asked:
-        """Read from Mitsuba's properties."""
-        if "material" not in props:
-            raise ValueError("barbule: 'material' is missing: a species, or a .barbule file")
-        polarization = int(props.get("polarization", 0))
-        if polarization not in (0, 1, 2):
-            raise ValueError(f"barbule: 'polarization' is {polarization}; give 1 or 2, or 0 for unpolarized light")
-        asked = cls(
-            str(props["material"]),
-            _one_of(props, "instances", INSTANCES),
-            float(props.get("cells", 1.0)),
-            _one_of(props, "reciprocity", RECIPROCITY),
-            polarization or None,
-            bool(props.get("two_sided", False)),
-        )
-        if not asked.cells > 0.0:
-            raise ValueError(f"barbule: 'cells' is {asked.cells}; give a number over 0")
-        return asked
-
-    def load(self) -> Material:
-        """Its material."""
-        return _material(self.material, self.reciprocity, self.polarization)
-
-    def __str__(self) -> str:
-        return f"Barbule[material = {self.material}, instances = {self.instances}, two_sided = {self.two_sided}]"
-
-
-def _one_of(props: Any, name: str, words: Sequence[str]) -> Any:
-    word = str(props.get(name, words[0]))
-    if word not in words:
-        raise ValueError(f"barbule: '{name}' is '{word}'; there are {', '.join(words)}")
-    return word
-
-
-@lru_cache(maxsize=16)
-def _material(name: str, reciprocity: Any, polarization: Any) -> Material:
-    return Material.load(name, reciprocity=reciprocity, polarization=polarization)
-
-
-def _refuse_colours() -> None:
-    if not mi.is_spectral:
-        raise ValueError(f"barbule: '{mi.variant()}' is not spectral; choose a variant such as llvm_ad_spectral")
-
-
-def _split_mix(state: Any) -> Any:
-    """One step of SplitMix64 (Steele, Lea & Flood 2014) of ``UInt64``."""
-    state = state + mi.UInt64(_GOLDEN)
-    state = (state ^ (state >> 30)) * mi.UInt64(_MIX[0])
-    state = (state ^ (state >> 27)) * mi.UInt64(_MIX[1])
-    return state ^ (state >> 31)
-
-
-def _split_mix_of(state: int) -> int:
-    """The same of a Python number."""
-    state = (state + _GOLDEN) & _MASK
-    state = ((state ^ (state >> 30)) * _MIX[0]) & _MASK
-    state = ((state ^ (state >> 27)) * _MIX[1]) & _MASK
-    return state ^ (state >> 31)
-
-
-def _whole(x: Any) -> Any:
-    """``UInt64`` of whole numbers: negative ones as two's complements, as in the program's scenes."""
-    return mi.UInt64(mi.Int64(mi.Int32(x)))
-
-
-def _named(asked: _Asked, si: Any, active: Any, split_mix: Callable[[Any], Any], whole: Callable[[Any], Any]) -> Any:
-    """The name of the instance at a hit, below 2⁶⁴; None for the mean.
-
-    A cell is named as those of ribbons in the program's own scenes are, ``split_mix(barbule ^ split_mix(cell))``.
-    """
-    if asked.instances == "none":
-        return None
-    if asked.instances == "prim":
-        return whole(si.prim_index)
-    if asked.instances == "uv":
-        u, v = si.uv.x * asked.cells, si.uv.y * asked.cells
-        return split_mix(split_mix(whole(dr.floor(v))) ^ split_mix(whole(dr.floor(u))))
-    # 64 bits in singles, which hold whole numbers below 2²⁴.
-    bits = si.shape.eval_attribute_3("face_inst", si, active)
-    barbule = whole(bits[0]) | (whole(bits[1]) << 22) | (whole(bits[2]) << 44)
-    return split_mix(barbule ^ split_mix(whole(dr.floor(si.uv.x))))
-
-
-# ---- Dr.Jit: the tables -------------------------------------------------------------------------------------------------------------
-
-
-class _Axis:
+class Axis:
     """Nodes of an axis, rising: where a number lies among them (step 2)."""
 
     def __init__(self, nodes: NDArray[np.float64]) -> None:
@@ -172,8 +39,8 @@ class _Axis:
         guess = np.clip(np.searchsorted(nodes, edges, "right") - 1, 0, self.last)
         self.per_bin = float(1024.0 / (nodes[-1] - nodes[0]))
         self.steps = int(np.diff(guess).max())
-        self.guess = _held(mi.UInt32, guess[:-1].astype(np.uint32))
-        self.low = _floats(np.stack([nodes[:-1], 1.0 / gaps], axis=-1))
+        self.guess = held(mi.UInt32, guess[:-1].astype(np.uint32))
+        self.low = floats(np.stack([nodes[:-1], 1.0 / gaps], axis=-1))
 
     def find(self, x: Any) -> tuple[Any, Any]:
         """The place below x, and the share of the next, 0 to 1."""
@@ -262,7 +129,7 @@ class _Draw:
     wing: Any
 
 
-class _Tables:
+class Tables:
     """A material's tables on the variant's device, and what follows from them; `header` and `tables` as `Material` has them."""
 
     def __init__(self, header: Mapping[str, Any], tables: Mapping[str, NDArray[Any]]) -> None:
@@ -270,7 +137,7 @@ class _Tables:
         self.height = dr.opaque(mi.Float, header["height_um"] / 1.5175)
         # Of names h' ≫ 48 below this are achromatic.
         self.achromatic = dr.opaque(mi.UInt32, min(math.ceil(65536.0 * header["achromatic"]), 65536))
-        self.seed = dr.opaque(mi.UInt64, _split_mix_of(int(header["seed"])))
+        self.seed = dr.opaque(mi.UInt64, split_mix_of(int(header["seed"])))
         self.polarization, self.sets = header["polarization"], int(header["sets"])
         self.is_marginal, self.is_alike = header["kind"] == "marginal", header["sides"] == "alike"
         self.reciprocity = header["reciprocity"]
@@ -279,10 +146,10 @@ class _Tables:
         self.sigmas = [float(sigma) for sigma in (header["sigma"], *header["halo"]) if sigma > 0.0]
         self.phis, self.waves = int(header["phis"]), int(header["waves"])
         self.count = int(header["thetas"]) * self.phis * self.waves
-        self.theta, self.phi = _Axis(tables["theta"]), _Axis(tables["phi"])
-        self.nm = _Axis(tables["wavelengths_nm"])
+        self.theta, self.phi = Axis(tables["theta"]), Axis(tables["phi"])
+        self.nm = Axis(tables["wavelengths_nm"])
         columns = np.stack([tables["phi"] < 0.0, tables["tangents"]], axis=-1)
-        self.columns, self.cosines = _floats(columns), _floats(tables["cos_theta"])
+        self.columns, self.cosines = floats(columns), floats(tables["cos_theta"])
 
         sets = [""] if self.sets == 1 else ["p1.", "p2."]
         parts = [[tables[name + "nodes"][..., _ORDER], tables[name + "shares"]] for name in sets]
@@ -290,17 +157,17 @@ class _Tables:
         if self.has_halo:
             parts = [[*part, tables["along"]] for part in parts]
         self.width = 6 if self.has_halo else 5
-        self.nodes = _floats(np.concatenate([np.concatenate(part, axis=-1).ravel() for part in parts]))
+        self.nodes = floats(np.concatenate([np.concatenate(part, axis=-1).ravel() for part in parts]))
 
         inverse_q = tables["inverse_q"]
         self.q_steps = len(inverse_q) - 1
-        self.inverse_q = _floats(_padded(inverse_q))
+        self.inverse_q = floats(_padded(inverse_q))
         self.student_steps = len(tables["student"]) - 1
-        self.student = _floats(tables["student"])
-        self.slopes = _floats(_padded(tables["slopes"]))
+        self.student = floats(tables["student"])
+        self.slopes = floats(_padded(tables["slopes"]))
         # Two numbers of 16 bits in one of 32: a point of two bases is one load.
-        self.codes = _held(mi.Int32, np.ascontiguousarray(tables["codes"]).view(np.int32))
-        self.rotations, self.wings = _floats(tables["rotations"]), _floats(tables["wings"])
+        self.codes = held(mi.Int32, np.ascontiguousarray(tables["codes"]).view(np.int32))
+        self.rotations, self.wings = floats(tables["rotations"]), floats(tables["wings"])
         self.step_loss = dr.opaque(mi.Float, 1.0 - float(tables["autocovariance"][1]))
 
     # -- steps 1 to 5 --
@@ -412,8 +279,8 @@ class _Tables:
     # -- steps 7 and 8 --
 
     def _draw(self, name: Any, sum_x: Any) -> _Draw:
-        h = _split_mix(self.seed ^ _split_mix(name))
-        more = h * mi.UInt64(_GOLDEN)
+        h = split_mix(self.seed ^ split_mix(name))
+        more = h * mi.UInt64(GOLDEN)
 
         def bits(of: Any, by: int, mask: int) -> Any:
             return mi.UInt32((of >> by) & mask)
@@ -484,7 +351,7 @@ class _Tables:
     # -- steps 6, 8 to 10 --
 
     def _one_way(
-        self, wi: Any, wo: Any, nm: Sequence[Any], name: Any, valued: bool, dense: bool
+        self, wi: Any, wo: Any, nm: Sequence[Any], name: Any, contrast: Any, valued: bool, dense: bool
     ) -> tuple[list[Any], list[Any]]:
         """f z_o of each wavelength, and each one's density."""
         light = self._light(wi)
@@ -521,7 +388,8 @@ class _Tables:
                     own = 2.0 * (across.fraction if polarization == 1 else 1.0 - across.fraction)
                     across.mean, across.steady = across.mean * own, across.steady * own
                 if draw is not None:
-                    p += self._speckled(across, of_set, draw, slope, sum_, wavelength)
+                    own = self._speckled(across, of_set, draw, slope, sum_, wavelength)
+                    p += own if contrast is None else dr.fma(contrast, own - across.mean, across.mean)
                 else:
                     p += across.mean
                 density, chance = density + across.density, chance + across.chance
@@ -532,7 +400,14 @@ class _Tables:
         return values, densities
 
     def evaluate(
-        self, wi: Any, wo: Any, nm: Sequence[Any], name: Any = None, valued: bool = True, dense: bool = True
+        self,
+        wi: Any,
+        wo: Any,
+        nm: Sequence[Any],
+        name: Any = None,
+        valued: bool = True,
+        dense: bool = True,
+        contrast: Any = None,
     ) -> tuple[list[Any], Any]:
         """f cosθ of each wavelength, 1/sr, and the density per sr, the mean over the wavelengths'.
 
@@ -541,18 +416,19 @@ class _Tables:
             nm: Vacuum wavelengths, ``Float`` each.
             name: Of the instance, ``UInt64``; the mean without.
             valued, dense: Whether values and the density are wanted.
+            contrast: Share of the instance's departure from the mean that is seen; 1 without.
         """
         is_plain = self.reciprocity == "none" or not valued
-        values, densities = self._one_way(wi, wo, nm, name, valued and self.reciprocity != "steeper", dense)
+        values, densities = self._one_way(wi, wo, nm, name, contrast, valued and self.reciprocity != "steeper", dense)
         if self.reciprocity == "steeper" and valued:
             across, back = dr.abs(wo.x) * wi.z, dr.abs(wi.x) * wo.z
             swapped = (across < back) | ((across == back) & (wo.z > wi.z))
             first, second = dr.select(swapped, wo, wi), dr.select(swapped, wi, wo)
-            values, _ = self._one_way(first, second, nm, name, True, False)
+            values, _ = self._one_way(first, second, nm, name, contrast, True, False)
             scale = wo.z * dr.rcp(second.z)
             values = [value * scale for value in values]
         elif not is_plain:
-            back, _ = self._one_way(wo, wi, nm, name, True, False)
+            back, _ = self._one_way(wo, wi, nm, name, contrast, True, False)
             scale = wo.z * dr.rcp(wi.z)
             values = [0.5 * dr.fma(there, scale, here) for here, there in zip(values, back)]
         density = sum(densities, mi.Float(0.0)) * (1.0 / len(nm))
@@ -591,7 +467,7 @@ class _Tables:
             left = dr.select(here, rest / chance, left)
             is_drawn |= here & (rest < chance)
             rest = dr.select(is_drawn, rest, rest - chance)
-        left = dr.clip(left, 0.0, _BELOW_1)
+        left = dr.clip(left, 0.0, BELOW_1)
 
         lobes, aligned = self._row(at, _LOBES), self._row(at, _ALIGNED)
         m2, m = dr.select(is_second, lobes.y, lobes.x), dr.select(is_second, aligned.y, aligned.x)
@@ -638,26 +514,9 @@ class _Tables:
         below, above = _ends(light.y)
         per_sigma = dr.rcp(sigma)
         p = dr.lerp(-dr.erf(below * per_sigma), dr.erf(above * per_sigma), u2)
-        t = dr.clip(sigma * dr.erfinv(dr.clip(p, -_BELOW_1, _BELOW_1)), -below, above)
+        t = dr.clip(sigma * dr.erfinv(dr.clip(p, -BELOW_1, BELOW_1)), -below, above)
         sine, cosine = 2.0 * t * dr.sqrt(dr.fmax(1.0 - t * t, 0.0)), 1.0 - 2.0 * t * t
         return sine * light.cos_theta - cosine * light.y, cosine * light.cos_theta + sine * light.y
-
-
-def _floats(values: NDArray[Any]) -> Any:
-    return _held(mi.Float, np.ascontiguousarray(values, dtype=np.float32))
-
-
-def _held(kind: Any, values: NDArray[Any]) -> Any:
-    """A flat array in memory of Dr.Jit's own.
-
-    As made from NumPy it lies in NumPy's memory, and what is compiled for a load of four numbers depends on where that begins: each process
-    would have other kernels, and find none of them in the cache.
-    """
-    own = dr.empty(kind, values.size)
-    dr.scatter(own, kind(values.ravel()), dr.arange(mi.UInt32, values.size))
-    dr.eval(own)
-    dr.sync_thread()
-    return own
 
 
 def _padded(values: NDArray[Any]) -> NDArray[Any]:
@@ -691,262 +550,3 @@ def _speckle(mean: Any, steady: Any, q: Any) -> Any:
     steady = dr.minimum(steady, mean)
     half = 0.5 * (mean - steady)
     return dr.square(dr.sqrt(half) * q.x + dr.sqrt(steady)) + half * dr.square(q.y)
-
-
-# ---- BSDFs --------------------------------------------------------------------------------------------------------------------------
-
-
-def _of_barbule(w: Any, sign: Any) -> Any:
-    """Mitsuba's local direction in the barbule's frame: y along dp_du, z along the normal, x across; the lower side is the upper one
-    turned by 180° about y."""
-    return mi.Vector3f(-w.y * sign, w.x, w.z * sign)
-
-
-def _of_mitsuba(w: Any, sign: Any) -> Any:
-    return mi.Vector3f(w.y, -w.x * sign, w.z * sign)
-
-
-def _spectrum(values: Sequence[Any]) -> Any:
-    """Values of wavelengths as what BSDFs return: of polarized variants a depolarizer."""
-    return mi.depolarizer(mi.UnpolarizedSpectrum(list(values)))
-
-
-def _glossy(bsdf: Any, asked: _Asked) -> Any:
-    flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.Anisotropic | mi.BSDFFlags.FrontSide
-    if asked.two_sided:
-        flags |= mi.BSDFFlags.BackSide
-    bsdf.m_components, bsdf.m_flags = [flags], flags
-
-
-def _jit_class() -> type:
-    """The class of variants that compile."""
-
-    class Barbule(mi.BSDF):  # type: ignore[misc]
-        """A feather's barbules."""
-
-        def __init__(self, props: Any) -> None:
-            mi.BSDF.__init__(self, props)
-            _refuse_colours()
-            self.asked = _Asked.of(props)
-            material = self.asked.load()
-            self.tables = _Tables(material.header(), material.tables())
-            _glossy(self, self.asked)
-
-        def _turned(self, si: Any) -> tuple[Any, Any]:
-            sign = dr.select(si.wi.z < 0.0, -1.0, 1.0) if self.asked.two_sided else mi.Float(1.0)
-            return _of_barbule(si.wi, sign), sign
-
-        def _name(self, si: Any, active: Any) -> Any:
-            return _named(self.asked, si, active, _split_mix, _whole)
-
-        def _evaluated(self, ctx: Any, si: Any, wo: Any, active: Any, valued: bool, dense: bool) -> tuple[Any, Any]:
-            if not ctx.is_enabled(mi.BSDFFlags.GlossyReflection):
-                return dr.zeros(mi.Spectrum), mi.Float(0.0)
-            wi, sign = self._turned(si)
-            wo = _of_barbule(wo, sign)
-            active = active & (wi.z > 0.0) & (wo.z > 0.0)
-            name = self._name(si, active) if valued else None
-            values, density = self.tables.evaluate(wi, wo, list(si.wavelengths), name, valued, dense)
-            spectrum = _spectrum(values) if valued else None
-            return dr.select(active, spectrum, 0.0) if valued else None, dr.select(active, density, 0.0)
-
-        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self._evaluated(ctx, si, wo, active, True, False)[0]
-
-        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self._evaluated(ctx, si, wo, active, False, True)[1]
-
-        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-            return self._evaluated(ctx, si, wo, active, True, True)
-
-        def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> tuple[Any, Any]:
-            sampled = dr.zeros(mi.BSDFSample3f)
-            if not ctx.is_enabled(mi.BSDFFlags.GlossyReflection):
-                return sampled, dr.zeros(mi.Spectrum)
-            wi, sign = self._turned(si)
-            active = active & (wi.z > 0.0)
-            wo = self.tables.sample(wi, list(si.wavelengths), sample1, sample2.x, sample2.y)
-            active &= wo.z > 0.0
-            values, density = self.tables.evaluate(wi, wo, list(si.wavelengths), self._name(si, active))
-            active &= density > 0.0
-            sampled.wo = dr.select(active, _of_mitsuba(wo, sign), 0.0)
-            sampled.pdf = dr.select(active, density, 0.0)
-            sampled.eta = 1.0
-            sampled.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
-            sampled.sampled_component = mi.UInt32(0)
-            weight = dr.rcp(density)
-            return sampled, dr.select(active, _spectrum([value * weight for value in values]), 0.0)
-
-        def to_string(self) -> str:
-            return str(self.asked)
-
-    return Barbule
-
-
-def _scalar_class() -> type:
-    """The class of scalar variants: a call of the native module for each direction."""
-
-    class Barbule(mi.BSDF):  # type: ignore[misc]
-        """A feather's barbules."""
-
-        def __init__(self, props: Any) -> None:
-            mi.BSDF.__init__(self, props)
-            _refuse_colours()
-            self.asked = _Asked.of(props)
-            self.material = self.asked.load()
-            _glossy(self, self.asked)
-
-        def _sign(self, si: Any) -> float:
-            return -1.0 if self.asked.two_sided and si.wi.z < 0.0 else 1.0
-
-        def _values(self, si: Any, wi: Any, wo: Any, active: Any) -> NDArray[np.float64]:
-            name = _named(self.asked, si, active, _split_mix_of, lambda x: int(x) & _MASK)
-            instance = None if name is None else np.uint64(name)
-            found = self.material.eval(list(si.wavelengths), wi, wo, instance, threads=1)
-            return np.asarray(found * wo[2], dtype=np.float64)
-
-        def _density(self, si: Any, wi: Any, wo: Any) -> float:
-            return float(self.material.pdf(list(si.wavelengths), wi, wo, threads=1).mean())
-
-        def _seen(self, ctx: Any, si: Any, wo: Any, active: Any) -> tuple[Any, Any] | None:
-            sign = self._sign(si)
-            wi, wo = _unit(_of_barbule(si.wi, sign)), _unit(_of_barbule(wo, sign))
-            is_seen = active and wi[2] > 0.0 and wo[2] > 0.0 and ctx.is_enabled(mi.BSDFFlags.GlossyReflection)
-            return (wi, wo) if is_seen else None
-
-        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            seen = self._seen(ctx, si, wo, active)
-            return dr.zeros(mi.Spectrum) if seen is None else _spectrum(self._values(si, *seen, active).tolist())
-
-        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> float:
-            seen = self._seen(ctx, si, wo, active)
-            return 0.0 if seen is None else self._density(si, *seen)
-
-        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, float]:
-            return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
-
-        def sample(self, ctx: Any, si: Any, sample1: float, sample2: Any, active: Any = True) -> tuple[Any, Any]:
-            sampled, nothing = mi.BSDFSample3f(), dr.zeros(mi.Spectrum)
-            sampled.pdf, sign = 0.0, self._sign(si)
-            wi = _unit(_of_barbule(si.wi, sign))
-            if not (active and wi[2] > 0.0 and ctx.is_enabled(mi.BSDFFlags.GlossyReflection)):
-                return sampled, nothing
-            nm = list(si.wavelengths)
-            wave = min(int(sample1 * len(nm)), len(nm) - 1)
-            u = [min(sample1 * len(nm) - wave, _BELOW_1), min(sample2.x, _BELOW_1)]
-            wo, density = self.material.sample(nm[wave], wi, u, threads=1)
-            if float(density) == 0.0:
-                return sampled, nothing
-            sampled.pdf = self._density(si, wi, wo)
-            sampled.wo = _of_mitsuba(mi.Vector3f(wo), sign)
-            sampled.eta = 1.0
-            sampled.sampled_type = +mi.BSDFFlags.GlossyReflection
-            sampled.sampled_component = 0
-            return sampled, _spectrum((self._values(si, wi, wo, active) / sampled.pdf).tolist())
-
-        def to_string(self) -> str:
-            return str(self.asked)
-
-    return Barbule
-
-
-def _unit(w: Any) -> NDArray[np.float64]:
-    """In double precision, of length 1."""
-    array = np.array([w.x, w.y, w.z], dtype=np.float64)
-    return np.asarray(array / np.linalg.norm(array))
-
-
-class _Reflectance:
-    """A film's reflectance for unpolarized light over cosθ and the wavelength, bilinear."""
-
-    COSINES = 257
-
-    def __init__(self, stack: str) -> None:
-        nm = np.arange(MITSUBA_NM[0], MITSUBA_NM[1] + 1.0)
-        cosines = np.linspace(0.0, 1.0, self.COSINES)
-        found = film(stack, nm, np.degrees(np.arccos(cosines[1:])), progress=False)
-        table = np.ones((self.COSINES, len(nm)))  # at grazing all is reflected
-        table[1:] = 0.5 * (np.asarray(found["R_s"]) + np.asarray(found["R_p"]))
-        self.waves, self.first = len(nm), float(nm[0])
-        self.is_jit = bool(dr.is_jit_v(mi.Float))
-        self.table: Any = _floats(table) if self.is_jit else table.ravel()
-
-    def _at(self, index: Any) -> Any:
-        return dr.gather(mi.Float, self.table, index) if self.is_jit else float(self.table[index])
-
-    def at(self, cosine: Any, nm: Any) -> Any:
-        """R at cosθ and a wavelength, nm."""
-        row, a = self._place(cosine * float(self.COSINES - 1), self.COSINES)
-        wave, b = self._place(nm - self.first, self.waves)
-        index = row * self.waves + wave
-        low = dr.lerp(self._at(index), self._at(index + 1), b)
-        return dr.lerp(low, dr.lerp(self._at(index + self.waves), self._at(index + self.waves + 1), b), a)
-
-    def _place(self, at: Any, count: int) -> tuple[Any, Any]:
-        low = dr.clip(dr.floor(at), 0.0, float(count - 2))
-        return (mi.UInt32(low) if self.is_jit else int(low)), dr.clip(at - low, 0.0, 1.0)
-
-
-def _film_class() -> type:
-    """The class of films, in all spectral variants."""
-
-    class BarbuleFilm(mi.BSDF):  # type: ignore[misc]
-        """A smooth stack of layers: a mirror with the exact reflectance; what is not reflected is absorbed."""
-
-        def __init__(self, props: Any) -> None:
-            mi.BSDF.__init__(self, props)
-            _refuse_colours()
-            if "stack" not in props:
-                raise ValueError("barbule_film: 'stack' is missing, as in air/keratin:595/air")
-            self.stack = str(props["stack"])
-            self.reflectance = _Reflectance(self.stack)
-            flags = mi.BSDFFlags.DeltaReflection | mi.BSDFFlags.FrontSide
-            self.m_components, self.m_flags = [flags], flags
-
-        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return dr.zeros(mi.Spectrum)
-
-        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return mi.Float(0.0)
-
-        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-            return dr.zeros(mi.Spectrum), mi.Float(0.0)
-
-        def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> tuple[Any, Any]:
-            sampled = dr.zeros(mi.BSDFSample3f)
-            if not ctx.is_enabled(mi.BSDFFlags.DeltaReflection):
-                return sampled, dr.zeros(mi.Spectrum)
-            cosine = si.wi.z
-            active = active & (cosine > 0.0)
-            sampled.wo = mi.Vector3f(-si.wi.x, -si.wi.y, cosine)
-            sampled.pdf = dr.select(active, mi.Float(1.0), 0.0)
-            sampled.eta = 1.0
-            sampled.sampled_type = mi.UInt32(+mi.BSDFFlags.DeltaReflection)
-            sampled.sampled_component = mi.UInt32(0)
-            values = _spectrum([self.reflectance.at(cosine, nm) for nm in si.wavelengths])
-            return sampled, dr.select(active, values, dr.zeros(mi.Spectrum))
-
-        def to_string(self) -> str:
-            return f"BarbuleFilm[stack = {self.stack}]"
-
-    return BarbuleFilm
-
-
-_known: set[str] = set()
-
-
-def register() -> None:
-    """Makes ``barbule`` and ``barbule_film`` known to the variant that is set; importing this module does it."""
-    variant = mi.variant()
-    if variant is None:
-        raise ImportError('set a variant before barbule.mitsuba is imported, as in mitsuba.set_variant("llvm_ad_spectral")')
-    if variant in _known:
-        return
-    _known.add(variant)
-    barbule = _jit_class() if dr.is_jit_v(mi.Float) else _scalar_class()
-    mi.register_bsdf("barbule", barbule)
-    mi.register_bsdf("barbule_film", _film_class())
-
-
-register()
-mi.detail.add_variant_callback(lambda before, after: register())

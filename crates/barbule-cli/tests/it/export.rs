@@ -1,0 +1,71 @@
+//! `barbule export`: files that other programs read, and what they say of themselves.
+
+use std::path::Path;
+
+use barbule::io::image::{Meaning, decode_picture};
+use serde_json::Value;
+
+fn run_in(folder: &Path, words: &[&str]) -> (i32, String, String) {
+    let output =
+        assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).current_dir(folder).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+/// What is said of a file is true of it, and a scene shows it as bright as the barbules that it was made of.
+#[test]
+fn a_bsdf_comes_back_as_a_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = ["export", "starling", "--to", "bsdf-rgb", "-o", "s.bsdf", "--size", "3", "--json"];
+    let (code, out, message) = run_in(folder.path(), &words);
+    assert_eq!(code, 0, "{message}");
+    let said: Value = serde_json::from_str(&out).unwrap();
+    let number = |key: &str| said[key].as_f64().unwrap();
+    assert_eq!(number("bytes"), std::fs::metadata(folder.path().join("s.bsdf")).unwrap().len() as f64);
+    assert!(number("bytes") < 3e6 && number("relative_l1") < 0.1 && number("delta_e") < 1.0, "{said}");
+    assert!(message.contains("MB") && message.contains("ΔE00"), "{message}");
+
+    let scene = "preset = \"starling\"\nshows_feather = false\nexposure = 0.3\nsize = [48, 48]\n[camera]\nwidth_mm = 4.0\ntarget_mm = [0, 0, 0]\n\
+         [[objects]]\nsphere_mm = 1.5\nsurface = \"it\"\n[surfaces.it]\n";
+    let mean = |name: &str, surface: &str| {
+        let toml = format!("{name}.toml");
+        std::fs::write(folder.path().join(&toml), format!("{scene}{surface}")).unwrap();
+        let picture = format!("{name}.png");
+        let words = ["render", &toml, "--samples", "64", "-o", &picture, "--quiet"];
+        let (code, _, message) = run_in(folder.path(), &words);
+        assert_eq!(code, 0, "{message}");
+        let bytes = std::fs::read(folder.path().join(&picture)).unwrap();
+        let (image, _) = decode_picture(&picture, &bytes, Meaning::Colour).unwrap();
+        image.pixels.iter().flatten().map(|value| f64::from(*value)).sum::<f64>()
+    };
+    let measured = mean("measured", "type = \"measured\"\nfile = \"s.bsdf\"\n");
+    let barbules = mean(
+        "barbules",
+        "type = \"barbule\"\nmaterial = \"starling\"\nuv_mm = [6.0, 3.0]\nwidth_um = 20.0\ncell_um = 20.0\n",
+    );
+    assert!((measured / barbules - 1.0).abs() < 0.08, "{measured} {barbules}");
+}
+
+#[test]
+fn what_cannot_be_exported_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |words: &[&str]| {
+        let (code, _, message) = run_in(folder.path(), words);
+        assert_eq!(code, 2, "{message}");
+        assert!(!folder.path().join("x.bsdf").exists());
+        message
+    };
+    let export =
+        |more: &[&str]| refused(&[&["export", "starling", "-o", "x.bsdf", "--to", "bsdf"], more].concat());
+    assert!(export(&["--size", "0"]).contains("--size 0: give 1 to 2000 MB"));
+    assert!(export(&["--size", "1"]).contains("MB at least"));
+    assert!(export(&["--memory", "100MB"]).contains("a smaller --size"));
+    assert!(
+        refused(&["export", "starlin", "--to", "bsdf", "-o", "x.bsdf"]).contains("did you mean 'starling'")
+    );
+    assert!(refused(&["export", "starling", "--to", "bsfd", "-o", "x.bsdf"]).contains("bsdf"));
+    std::fs::write(folder.path().join("bad.bsdf"), b"tensor_file\0\x01\0\xff\xff").unwrap();
+    let scene = "preset = \"starling\"\nshows_feather = false\n[[objects]]\nsphere_mm = 1.5\nsurface = \"it\"\n[surfaces.it]\ntype = \"measured\"\nfile = \"bad.bsdf\"\n";
+    std::fs::write(folder.path().join("s.toml"), scene).unwrap();
+    assert!(refused(&["render", "s.toml", "-o", "x.png"]).contains("bad.bsdf"));
+}
