@@ -8,6 +8,7 @@ mod colour;
 mod crystal;
 mod diffraction;
 mod error;
+mod export;
 mod field;
 mod film;
 mod make;
@@ -28,6 +29,8 @@ mod _native {
     use super::crystal::crystal;
     #[pymodule_export]
     use super::diffraction::Heights;
+    #[pymodule_export]
+    use super::export::export;
     #[pymodule_export]
     use super::field::far_fields;
     #[pymodule_export]

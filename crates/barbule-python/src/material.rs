@@ -36,7 +36,7 @@ const LANES: usize = 4;
 pub(crate) struct Material {
     pub(crate) material: FeatherMaterial,
     pub(crate) brdf: FeatherBrdf,
-    hash: String,
+    pub(crate) hash: String,
     source: String,
 }
 

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use barbule::campaign::Resources;
 use barbule::characterize::Catalog;
-use barbule::io::read_stack;
-use barbule::open::{Media, Opened, Opening, open as opened_as};
+use barbule::open::{Media, Opened, Opening, open as opened_as, stack};
 use barbule::structure::{SpeciesFile, species_names};
 use barbule::{Result, Stack};
 use pyo3::prelude::*;
@@ -48,12 +47,7 @@ impl Given {
 
     /// A stack of the stack language, or a stack file.
     pub(crate) fn stack(&self, text: &str) -> Result<Stack> {
-        let opening = self.opening()?;
-        let path = Path::new(text);
-        if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml")) {
-            return read_stack(path, opening.media.library());
-        }
-        Stack::parse(text, opening.media.library())
+        stack(text, self.opening()?.media.library())
     }
 }
 

@@ -185,7 +185,7 @@ impl Scene {
 
 impl Scene {
     /// The scene with everything that it names.
-    fn ready(&self, given: &Given, progress: &dyn Progress) -> Result<ReadyScene> {
+    pub(crate) fn ready(&self, given: &Given, progress: &dyn Progress) -> Result<ReadyScene> {
         let opening = given.opening()?;
         let mut dye = |name: &str| {
             let found = material(name, &opening, progress)?;

@@ -4,11 +4,10 @@ mod figure;
 mod tables;
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use barbule::film::{self, Deviations, Ensemble, Sweep};
-use barbule::io::read_stack;
-use barbule::material::Library;
+use barbule::open;
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::stack::Stack;
@@ -93,7 +92,7 @@ impl Args {
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
         let media = self.common.opening()?.media;
-        let stack = read(&self.stack, media.library())?;
+        let stack = open::stack(&self.stack, media.library())?;
         let used: Vec<&str> = (0..stack.layers() + 2).map(|region| stack.medium(region)).collect();
         self.common.say_unused(&self.stack, &media.unused(&used));
         if let Some(doubt) = stack.doubt() {
@@ -204,20 +203,4 @@ fn angles(angle_deg: &[f64]) -> String {
         return format!("{} angles", angle_deg.len());
     }
     angle_deg.iter().map(|angle| format!("{angle}°")).collect::<Vec<_>>().join(", ")
-}
-
-/// A stack from the stack language or, where the text ends in `.toml`, from that file.
-fn read(text: &str, library: &Library) -> Result<Stack> {
-    let path = Path::new(text);
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
-        return read_stack(path, library);
-    }
-    Stack::parse(text, library).map_err(|error| {
-        if path.exists() {
-            return Error::input(format!(
-                "{text}: is not a stack; files with stacks are TOML and end in .toml"
-            ));
-        }
-        error
-    })
 }

@@ -10,6 +10,7 @@ Lengths are µm in structures, nm for films and vacuum wavelengths; angles are d
 from __future__ import annotations
 
 from ._colour import colours, delta_e_2000
+from ._export import Written, export
 from ._make import characterize, fit, simulate
 from ._material import Material
 from ._native import Picture, Section, Structure, species, version
@@ -38,10 +39,12 @@ __all__ = [
     "Scene",
     "Section",
     "Structure",
+    "Written",
     "characterize",
     "colours",
     "crystal",
     "delta_e_2000",
+    "export",
     "far_fields",
     "film",
     "fit",

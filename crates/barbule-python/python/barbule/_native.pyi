@@ -266,6 +266,20 @@ class Scene:
         progress: _Watch,
     ) -> Picture: ...
 
+def export(
+    what: Material | Scene | str,
+    to: str,
+    path: Path,
+    size_mb: float,
+    picture: Sequence[int] | None,
+    samples: int,
+    seed: int,
+    media: _Media,
+    cache: Path | None,
+    threads: int | None,
+    progress: _Watch,
+) -> str: ...
+
 @final
 class Picture:
     """A rendered picture, drawn in notebooks.

@@ -73,6 +73,12 @@ const READ_NM: [f64; 2] = [360.0, 830.0];
 const COLOUR_NM: usize = 32;
 
 impl BsdfTable {
+    /// Values of each pair of directions: wavelengths, or red, green and blue.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.arrays.values.len() / self.arrays.luminance.len()
+    }
+
     /// The nearest to the material that was found among files of at most so many bytes. The same each time; a minute at 100 MB.
     ///
     /// # Errors
@@ -342,8 +348,7 @@ mod tests {
     fn a_measured_surface_is_the_barbules_that_it_was_made_of() {
         let brdf = brdf("mallard");
         let table = BsdfTable::of(&brdf, Flavour::Spectral, 8_000_000, &Unobserved).unwrap();
-        let channels = table.arrays.values.len() / table.arrays.luminance.len();
-        assert!(table.resolution.bytes(channels) <= 8_000_000, "{:?}", table.resolution);
+        assert!(table.resolution.bytes(table.channels()) <= 8_000_000, "{:?}", table.resolution);
         let Deviation { relative_l1, bias, delta_e } = table.deviation;
         assert!(relative_l1 < 0.1 && bias.abs() < 0.02 && delta_e < 2.0, "{:?}", table.deviation);
         let measured = MeasuredTables::Rgl(Rgl::new(table.arrays).unwrap());

@@ -10,6 +10,8 @@ pub mod gonio;
 pub mod osl;
 pub mod scene;
 pub mod usd;
+mod write;
 
 pub use bsdf::{BsdfTable, Crowding, Flavour};
 pub use deviation::{Deviation, Model};
+pub use write::{Format, Needs, Request, Source, Written, export};

@@ -1,6 +1,6 @@
 //! What barbules look like in the preview of USD.
 
-use super::osl::even_roughness;
+use super::osl::{Distribution, Facets, even_roughness};
 use crate::brdf::FeatherBrdf;
 use crate::io::UsdLook;
 use crate::spectrum::Wavelengths;
@@ -22,6 +22,17 @@ pub fn look(brdf: &FeatherBrdf, material: &str, material_hash: &str) -> Result<U
         material: material.to_owned(),
         material_hash: material_hash.to_owned(),
     })
+}
+
+/// Linear sRGB of f cosθ_o in 1/sr as a program draws the preview: a metal of GGX facets, whose colour grows to white at grazing incidence
+/// by Schlick's formula.
+#[must_use]
+pub fn value(look: &UsdLook, wi: DVec3, wo: DVec3) -> [f64; 3] {
+    let alpha = look.roughness * look.roughness;
+    let facets = Facets { distribution: Distribution::Ggx, along: alpha, across: alpha };
+    let grazing = (1.0 - wi.dot((wi + wo).normalize()).clamp(0.0, 1.0)).powi(5);
+    let shape = facets.value(wi, wo);
+    look.colour.map(|colour| (colour + (1.0 - colour) * grazing) * shape)
 }
 
 #[cfg(test)]

@@ -7,6 +7,16 @@ use std::path::Path;
 use super::ledger::note_input;
 use crate::{Error, Result};
 
+/// Bytes of a file, or of all files in a folder; of what is not there none.
+#[must_use]
+pub fn bytes_of(path: &Path) -> u64 {
+    let length = |path: &Path| fs::metadata(path).map_or(0, |of| of.len());
+    match fs::read_dir(path) {
+        Ok(entries) => entries.flatten().map(|entry| length(&entry.path())).sum(),
+        Err(_) => length(path),
+    }
+}
+
 /// The largest input file that is read: 64 MiB.
 pub const LARGEST_INPUT: u64 = 64 << 20;
 

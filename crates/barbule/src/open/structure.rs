@@ -5,11 +5,33 @@ use std::path::Path;
 use super::{Opening, unknown};
 use crate::error::shortened;
 use crate::io::{
-    InputKind, kind_of, read_flat_stack, read_lattice, read_section, read_sections, read_structure_toml,
+    InputKind, kind_of, read_flat_stack, read_lattice, read_section, read_sections, read_stack,
+    read_structure_toml,
 };
+use crate::material::Library;
 use crate::progress::Progress;
+use crate::stack::Stack;
 use crate::structure::{FlatStack, Lattice, Section, Side, SpeciesModel, Structure, species_name};
 use crate::{Error, Result};
+
+/// A stack of the stack language or, where the text ends in `.toml`, of that file.
+///
+/// # Errors
+/// Neither; a medium that is unknown or a layer without sense.
+pub fn stack(text: &str, library: &Library) -> Result<Stack> {
+    let path = Path::new(text);
+    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml")) {
+        return read_stack(path, library);
+    }
+    Stack::parse(text, library).map_err(|error| {
+        if path.exists() {
+            return Error::input(format!(
+                "{text}: is not a stack; files with stacks are TOML and end in .toml"
+            ));
+        }
+        error
+    })
+}
 
 /// Whether a text is the name of a built-in species, or of a variant of one, there or not. Such a name never means a file.
 #[must_use]

@@ -125,6 +125,7 @@ impl Exported {
             (Surface::Barb(_), _) => Err(refused(&part.name, "barbs whose barbules are looked up")),
             (Surface::Hair(_), _) => Err(refused(&part.name, "fibres of hair")),
             (Surface::Grating(_), _) => Err(refused(&part.name, "gratings")),
+            (Surface::Measured(_), _) => Err(refused(&part.name, "measured materials")),
             (Surface::Map(_), _) => Err(refused(&part.name, "maps of surfaces")),
             (
                 Surface::Conductor(_)

@@ -1,0 +1,91 @@
+//! Materials, scenes and films in files of other programs.
+
+use std::path::PathBuf;
+
+use barbule::brdf::{FeatherBrdf, Options};
+use barbule::export::{Format, Needs, Request, Source, export as written};
+use barbule::progress::Progress;
+use barbule::render::film::check_size;
+use barbule::{Error, Result, open};
+use pyo3::prelude::*;
+
+use crate::arrays::check_count;
+use crate::error::OrRaise as _;
+use crate::material::Material;
+use crate::opening::Given;
+use crate::scene::Scene;
+use crate::work::How;
+
+/// What is exported: something that is open, or what people type.
+#[derive(FromPyObject)]
+pub(crate) enum What {
+    Material(Py<Material>),
+    Scene(Py<Scene>),
+    Name(String),
+}
+
+/// Exports; what was written as JSON.
+#[pyfunction]
+#[pyo3(signature = (what, to, path, size_mb, picture, samples, seed, media, cache, threads, progress))]
+#[allow(clippy::too_many_arguments)] // they have names in Python
+pub(crate) fn export(
+    py: Python<'_>,
+    what: What,
+    to: &str,
+    path: PathBuf,
+    size_mb: f64,
+    picture: Option<[u32; 2]>,
+    samples: u32,
+    seed: u64,
+    media: Vec<(String, String)>,
+    cache: Option<PathBuf>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let format = Format::named("'to'", to).or_raise(py)?;
+    if !(1.0..=2000.0).contains(&size_mb) {
+        return Err(Error::input(format!("'size_mb' is {size_mb}; give 1 to 2000"))).or_raise(py);
+    }
+    check_count("samples", samples as usize, 1 << 24).or_raise(py)?;
+    picture.map_or(Ok(()), check_size).or_raise(py)?;
+    let given = Given { media, cache, seed: Some(seed), may_compute: true };
+    let version = ("version", env!("CARGO_PKG_VERSION"));
+    let most_bytes = (size_mb * 1e6) as usize;
+    let make = |source: Source<'_>, notes: &[(&str, &str)], progress: &dyn Progress| {
+        let notes = [&[version], notes].concat();
+        let request = Request { format, path: &path, most_bytes, picture, samples, seed, notes: &notes };
+        written(source, &request, progress).map(|written| written.json().to_string())
+    };
+    How::new(threads, progress).run(py, |progress| match &what {
+        What::Material(material) => {
+            let material = material.get();
+            make(Source::Material(&material.brdf), &[("material_hash", &material.hash)], progress)
+        }
+        What::Scene(scene) => make(Source::Scene(&scene.get().ready(&given, progress)?), &[], progress),
+        What::Name(name) => named(name, format, &given, &make, progress),
+    })
+}
+
+/// Opens what people type, as the format needs it.
+fn named(
+    name: &str,
+    format: Format,
+    given: &Given,
+    make: &dyn Fn(Source<'_>, &[(&str, &str)], &dyn Progress) -> Result<String>,
+    progress: &dyn Progress,
+) -> Result<String> {
+    let opening = given.opening()?;
+    let exported = ("exported", name);
+    match format.needs() {
+        Needs::Material => {
+            let found = open::material(name, &opening, progress)?;
+            let brdf = FeatherBrdf::new(&found.material, Options::default())?;
+            make(Source::Material(&brdf), &[exported, ("material_hash", &found.hash)], progress)
+        }
+        Needs::Scene => make(Source::Scene(&open::scene(name, &opening, progress)?), &[exported], progress),
+        Needs::Stack => {
+            let stack = open::stack(name, opening.media.library())?;
+            make(Source::Stack(&stack, name), &[exported], progress)
+        }
+    }
+}
