@@ -11,9 +11,10 @@ use super::osl::OslMaterial;
 use super::scene::{ExportOptions, Exported};
 use super::{BsdfTable, Deviation, Flavour, Model, usd};
 use crate::brdf::FeatherBrdf;
-use crate::io::image::write_exr;
+use crate::io::image::{encode_exr, write_exr};
 use crate::io::{
-    MOST_WRITTEN_BARBULES, bytes_of, check_writable, encode_bsdf, make_folder, write_usd, write_whole,
+    MOST_WRITTEN_BARBULES, bytes_of, check_writable, encode_bsdf, make_folder, write_together, write_usd,
+    write_whole,
 };
 use crate::progress::Progress;
 use crate::scene::description::{Named, ReadyScene};
@@ -251,9 +252,10 @@ impl Request<'_> {
         check_writable(&table)?;
         let material = OslMaterial::of(brdf, BARBULES, progress)?;
         let (size, planes) = material.planes();
-        write_exr(&table, size, planes, vec![], self.notes, &[])?;
+        let picture = encode_exr(size, planes, vec![], self.notes, &[])?;
         let name = table.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        write_whole(self.path, material.shader(&name, self.notes).as_bytes())?;
+        let shader = material.shader(&name, self.notes);
+        write_together(&[(self.path, shader.as_bytes()), (&table, &picture)])?;
         let values = |view, light| material.value(view, light);
         let deviation = Deviation::of(&Model::Rgb(&values), brdf)?;
         let what = format!("a shader, and its colours of {BARBULES} barbules in {}", table.display());

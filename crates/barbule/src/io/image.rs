@@ -52,8 +52,7 @@ pub fn encode_png(size: [u32; 2], pixels: &[u8], has_alpha: bool, facts: &Facts<
     Ok(bytes)
 }
 
-/// Writes an EXR (ZIP compression) with named planes of 32-bit floats and of 32-bit integers, and text attributes: facts with
-/// `barbule_` before their names, others as they are.
+/// Writes an EXR, see [`encode_exr`].
 ///
 /// # Errors
 /// A plane of another size, or the file cannot be written.
@@ -65,6 +64,22 @@ pub fn write_exr(
     facts: &Facts<'_>,
     others: &Facts<'_>,
 ) -> Result<()> {
+    let bytes = encode_exr(size, floats, counts, facts, others).map_err(|error| error.in_file(path))?;
+    write_whole(path, &bytes)
+}
+
+/// The bytes of an EXR (ZIP compression) with named planes of 32-bit floats and of 32-bit integers, and text attributes: facts with
+/// `barbule_` before their names, others as they are.
+///
+/// # Errors
+/// A plane of another size.
+pub fn encode_exr(
+    size: [u32; 2],
+    floats: Vec<(&str, Vec<f32>)>,
+    counts: Vec<(&str, Vec<u32>)>,
+    facts: &Facts<'_>,
+    others: &Facts<'_>,
+) -> Result<Vec<u8>> {
     let pixels = size[0] as usize * size[1] as usize;
     let floats = floats.into_iter().map(|(name, values)| (name, FlatSamples::F32(values)));
     let counts = counts.into_iter().map(|(name, values)| (name, FlatSamples::U32(values)));
@@ -97,10 +112,10 @@ pub fn write_exr(
     Image::from_layer(layer)
         .write()
         .to_buffered(&mut bytes)
-        .map_err(|e| Error::machine(format!("no EXR ({e})")).in_file(path))?;
+        .map_err(|e| Error::machine(format!("no EXR ({e})")))?;
     let mut bytes = bytes.into_inner();
     sort_attributes(&mut bytes);
-    write_whole(path, &bytes)
+    Ok(bytes)
 }
 
 /// Brings the attributes in the header of an EXR of one part into the order of their names. The library writes those of

@@ -12,6 +12,7 @@ mod colour;
 mod crystal_colours;
 mod crystal_values;
 mod crystals;
+mod documented;
 mod errors;
 mod exported;
 mod film;

@@ -26,7 +26,6 @@ pub(super) fn encoded(film: &OneFilm, name: &str, notes: &[(&str, &str)]) -> Res
         "KHR_materials_iridescence": {
             "iridescenceFactor": 1.0,
             "iridescenceIor": film.index,
-            "iridescenceThicknessMinimum": film.thickness_nm,
             "iridescenceThicknessMaximum": film.thickness_nm,
         },
         "KHR_materials_ior": {"ior": film.base_index},

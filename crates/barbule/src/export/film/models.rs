@@ -141,4 +141,44 @@ mod tests {
             }
         }
     }
+
+    /// A film of 300 nm between air and two bases, at 0°, 45° and 75°: both standards' shader texts, copied out into another language
+    /// statement by statement and run.
+    #[test]
+    fn formulas_give_what_the_standards_own_texts_give() {
+        let expected = [
+            (
+                1.56,
+                1.0,
+                [
+                    ([0.2215, 0.0915, 0.0195], [0.2061, 0.1011, 0.0263]),
+                    ([0.1514, 0.1664, 0.0383], [0.1789, 0.1803, 0.0633]),
+                    ([0.1880, 0.3863, 0.3748], [0.3411, 0.5378, 0.5488]),
+                ],
+            ),
+            (
+                1.5,
+                1.9,
+                [
+                    ([0.0, 0.0344, 0.0940], [0.0, 0.0347, 0.0889]),
+                    ([0.0523, 0.0093, 0.0619], [0.0538, 0.0235, 0.0649]),
+                    ([0.3773, 0.2505, 0.1757], [0.3116, 0.2584, 0.2129]),
+                ],
+            ),
+        ];
+        for (index, base_index, rows) in expected {
+            let film = OneFilm { index, thickness_nm: 300.0, base_index, is_clear: true };
+            for (degrees, (first, second)) in [0.0_f64, 45.0, 75.0].into_iter().zip(rows) {
+                let cosine = libm::cos(degrees.to_radians());
+                for (found, expected) in [(gltf(&film, cosine), first), (openpbr(&film, cosine), second)] {
+                    for c in 0..3 {
+                        assert!(
+                            (found[c] - expected[c]).abs() < 1e-4,
+                            "{film:?} {degrees}: {found:?} {expected:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
 }

@@ -1,5 +1,7 @@
 //! Which facets are most like a material.
 
+use rayon::prelude::*;
+
 use super::facets::{Distribution, Facets};
 use crate::brdf::FeatherBrdf;
 use crate::math::rng::Stream;
@@ -10,9 +12,9 @@ use crate::{DVec3, Result};
 /// Two kinds of facets on the same surface, by their shares.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lobes {
-    /// The narrow ones, then those of the rest.
+    /// Those of most light, then the others.
     pub facets: [Facets; 2],
-    /// Share of the second.
+    /// Share of the second, at most ½.
     pub share: f64,
 }
 
@@ -70,13 +72,24 @@ struct View {
 pub(super) fn fitted(brdf: &FeatherBrdf) -> Result<Lobes> {
     let views = views(brdf)?;
     use Distribution::{Beckmann, Ggx};
-    let tried = [[Beckmann, Beckmann], [Beckmann, Ggx], [Ggx, Ggx]].map(|kinds| searched(&views, kinds));
+    let kinds = [[Beckmann, Beckmann], [Beckmann, Ggx], [Ggx, Ggx]];
+    let tried: Vec<(Lobes, f64)> = kinds
+        .into_par_iter()
+        .flat_map_iter(|kinds| STARTS.iter().map(move |start| (kinds, start)))
+        .map(|(kinds, start)| searched(&views, kinds, start))
+        .collect();
     let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    Ok(best.map_or_else(|| lobes([Beckmann; 2], &START), |(lobes, _)| lobes))
+    let Lobes { facets: [first, second], share } =
+        best.map_or_else(|| lobes(kinds[0], &STARTS[0]), |(lobes, _)| lobes);
+    Ok(if share > 0.5 {
+        Lobes { facets: [second, first], share: 1.0 - share }
+    } else {
+        Lobes { facets: [first, second], share }
+    })
 }
 
-/// Logarithms of α along and across of both, and the share.
-const START: [f64; 5] = [-3.2, -2.0, -2.3, -1.2, 0.3];
+/// Where searches begin: logarithms of α along and across of both facets, and the share. The second are longer across, or a halo.
+const STARTS: [[f64; 5]; 2] = [[-3.0, -2.0, -3.0, -1.2, 0.3], [-3.0, -1.8, -1.6, -1.6, 0.2]];
 
 fn lobes(kinds: [Distribution; 2], at: &[f64; 5]) -> Lobes {
     let alpha = |log: f64| libm::exp(log).clamp(ALPHAS[0], ALPHAS[1]);
@@ -89,9 +102,9 @@ fn lobes(kinds: [Distribution; 2], at: &[f64; 5]) -> Lobes {
 }
 
 /// A search along each number in turn, whose steps are halved where none helps.
-fn searched(views: &[View], kinds: [Distribution; 2]) -> (Lobes, f64) {
+fn searched(views: &[View], kinds: [Distribution; 2], start: &[f64; 5]) -> (Lobes, f64) {
     let cost = |at: &[f64; 5]| cost(views, &lobes(kinds, at));
-    let mut at = START;
+    let mut at = *start;
     let (mut least, mut step) = (cost(&at), FIRST_STEP);
     while step > LAST_STEP {
         let before = least;

@@ -163,7 +163,9 @@ impl OslMaterial {
                 facets.across
             )
         };
-        let (thetas, phis, rows) = (THETAS, PHIS, 1 + barbules);
+        let (phis, rows) = (PHIS, 1 + barbules);
+        // Without barbules there is none to look up.
+        let contrast = if barbules > 0 { 1 } else { 0 };
         format!(
             r#"// Barbules of a simulated feather: colours for each direction of the eye from a table, two kinds of facets.
 {notes}shader barbule(
@@ -174,8 +176,8 @@ impl OslMaterial {
     vector UV = vector(0, 0, 0),
     float CellsAlong = 30,
     float CellsAcross = 60,
-    // 0: all cells have the mean.
-    int Barbules = {barbules},
+    // How much cells differ: 1 as under a lamp that is a point, 0 not at all. Wide lamps and skies even barbules out.
+    float Contrast = {contrast},
     output closure color BSDF = 0)
 {{
     vector Y = Tangent;
@@ -186,19 +188,22 @@ impl OslMaterial {
     if (dot(eye, N) < 0) {{ eye = -eye; }}
     float theta = abs(asin(clamp(dot(eye, Y), -1.0, 1.0)));
     float phi = atan2(dot(eye, X), max(dot(eye, N), 1e-6));
-    float row = 0;
-    if (Barbules > 0) {{
-        row = 1 + min(floor(cellnoise(floor(UV[0] * CellsAlong), floor(UV[1] * CellsAcross)) * Barbules), Barbules - 1);
-    }}
     float column = (0.5 + (phi / M_PI + 0.5) * {last_phi}) / {phis};
-    float line = (row * {thetas} + 0.5 + theta / M_PI_2 * {last_theta}) / {height};
+    float line = (0.5 + theta / M_PI_2 * {last_theta}) / {height};
     color shown = texture(Table, column, line, 0.0, 0.0, 0.0, 0.0, "wrap", "clamp", "interp", "linear");
+    if (Contrast > 0) {{
+        float drawn = cellnoise(floor(UV[0] * CellsAlong), floor(UV[1] * CellsAcross));
+        float row = 1 + min(floor(drawn * {barbules}), {barbules} - 1);
+        color own = texture(Table, column, line + row * {share_of_row:.9}, 0.0, 0.0, 0.0, 0.0, "wrap", "clamp", "interp", "linear");
+        shown += Contrast * (own - shown);
+    }}
     BSDF = shown * ({left:.5} * {one} + {share:.5} * {other});
 }}
 "#,
             last_phi = phis - 1,
-            last_theta = thetas - 1,
-            height = thetas * rows,
+            last_theta = THETAS - 1,
+            height = THETAS * rows,
+            share_of_row = 1.0 / rows as f64,
             left = 1.0 - share,
             one = closure(first),
             other = closure(second),
@@ -206,8 +211,8 @@ impl OslMaterial {
     }
 }
 
-/// Roughness r of one rough mirror that stands for a material where a format has no more, α being r²: the geometric mean of the narrow
-/// fitted facets.
+/// Roughness r of one rough mirror that stands for a material where a format has no more, α being r²: the geometric mean of
+/// the facets of most light.
 ///
 /// # Errors
 /// None with the wavelengths that are taken.
