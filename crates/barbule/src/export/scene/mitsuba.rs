@@ -73,7 +73,7 @@ impl Exported {
             if let Light::Spot(spot) = &lamp.light {
                 files.push((file.clone(), spot_picture(spot)));
             }
-            scene = scene.holding(format!("lamp-{number}"), self.lamp(&lamp.light, file));
+            scene = scene.holding(format!("lamp-{number}"), self.lamp(&lamp.light, file)?);
         }
         if let Some(environment) = &self.environment {
             files.push(("sky.pfm".to_owned(), sky_picture(&environment.sky)));
@@ -174,14 +174,15 @@ impl Exported {
         keratin(&surface.under, plugin, "under")
     }
 
-    fn lamp(&self, light: &Light, picture: String) -> Plugin {
+    fn lamp(&self, light: &Light, picture: String) -> Result<Plugin> {
         let area = |emission: &Emission| {
             Plugin::new(Class::Emitter, "area")
                 .holding("radiance", spectrum(emission.spectrum().values(), white()))
         };
         let shape = |kind: &'static str| Plugin::new(Class::Shape, kind);
-        match light {
-            Light::Sun(Sun { direction, cos_radius, emission }) => {
+        Ok(match light {
+            Light::Sun(sun) => {
+                let Sun { direction, cos_radius, .. } = sun;
                 let distance = FAR * self.reach_mm;
                 let radius = distance * (1.0 - cos_radius * cos_radius).max(0.0).sqrt() / cos_radius;
                 let frame = facing(-*direction);
@@ -189,7 +190,7 @@ impl Exported {
                     [frame.x_axis * radius, frame.y_axis * radius, frame.z_axis],
                     *direction * distance,
                 );
-                shape("disk").with("to_world", to_world).holding("emitter", area(emission))
+                shape("disk").with("to_world", to_world).holding("emitter", area(&self.sun_and_sky(sun)?))
             }
             Light::Rectangle(Rectangle { corner, edge_u, edge_v, emission }) => {
                 let (u, v) = (0.5 * *edge_u, 0.5 * *edge_v);
@@ -218,7 +219,7 @@ impl Exported {
                     .holding("intensity", spectrum(spot.emission.spectrum().values(), white()))
                     .holding("texture", picture)
             }
-        }
+        })
     }
 }
 
@@ -343,17 +344,18 @@ fn spot_picture(spot: &Spot) -> Vec<u8> {
     portable_floats([SIDE; 2], |x, y| {
         let at = |k: usize| widest * (2.0 * (k as f64 + 0.5) / SIDE as f64 - 1.0);
         let direction = facing(spot.axis) * DVec3::new(at(x), at(y), 1.0).normalize();
-        [spot.share(direction) as f32; 3]
+        [spot.share(direction) as f32]
     })
 }
 
-/// A picture of single-precision numbers (PFM), whose rows go from the bottom.
-pub(super) fn portable_floats(
+/// A picture of single-precision numbers (PFM), in colour or grey, whose rows go from the bottom.
+pub(super) fn portable_floats<const CHANNELS: usize>(
     [width, height]: [usize; 2],
-    texel: impl Fn(usize, usize) -> [f32; 3],
+    texel: impl Fn(usize, usize) -> [f32; CHANNELS],
 ) -> Vec<u8> {
-    let mut bytes = format!("PF\n{width} {height}\n-1.0\n").into_bytes();
-    bytes.reserve(12 * width * height);
+    let kind = if CHANNELS == 1 { "Pf" } else { "PF" };
+    let mut bytes = format!("{kind}\n{width} {height}\n-1.0\n").into_bytes();
+    bytes.reserve(4 * CHANNELS * width * height);
     for y in (0..height).rev() {
         for x in 0..width {
             bytes.extend(texel(x, y).into_iter().flat_map(f32::to_le_bytes));

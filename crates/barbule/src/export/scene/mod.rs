@@ -20,9 +20,10 @@ use crate::scene::camera::Camera;
 use crate::scene::description::{
     Background, Detail, DetailLevel, ObjectShape, ReadyScene, SceneDescription, SkyDescription, ViewModel,
 };
+use crate::scene::emission::Emission;
 use crate::scene::feather::Level;
 use crate::scene::geometry::Geometry;
-use crate::scene::light::Lamp;
+use crate::scene::light::{Lamp, Sun};
 use crate::scene::sky::Environment;
 use crate::{Error, Result};
 
@@ -122,6 +123,17 @@ impl Exported {
     #[must_use]
     pub fn remarks(&self) -> &[String] {
         &self.remarks
+    }
+
+    /// What shines where a sun is: other renderers have discs, which hide the sky behind them.
+    fn sun_and_sky(&self, sun: &Sun) -> Result<Emission> {
+        let Some(Environment { sky, .. }) = &self.environment else { return Ok(sun.emission.clone()) };
+        let (row, column) = sky.texel(sun.direction);
+        let texel = sky.texels()[row * sky.size()[0] + column];
+        let behind = |nm: f64| -> f64 {
+            texel.iter().zip(sky.basis()).map(|(weight, basis)| f64::from(*weight) * basis.at(nm)).sum()
+        };
+        Emission::new(|nm| sun.emission.at(nm) + behind(nm))
     }
 
     /// The BRDFs that barbules wear, of the same tables one.

@@ -144,7 +144,13 @@ impl Exported {
     }
 
     fn lamp_text(&self, text: &mut String, light: &Light) -> Result<()> {
-        let emission = light.emission();
+        let behind;
+        let emission = if let Light::Sun(sun) = light {
+            behind = self.sun_and_sky(sun)?;
+            &behind
+        } else {
+            light.emission()
+        };
         let (spectrum, scale) = (spectrum(emission.spectrum().values()), brightness(emission));
         let area =
             format!("  AreaLightSource \"diffuse\" \"spectrum L\" [{spectrum} ] \"float scale\" {scale}\n");
