@@ -107,7 +107,7 @@ impl Scene {
     }
 
     /// Writes its files for Mitsuba into a folder; the tree of plugins as JSON.
-    #[pyo3(signature = (folder, size, samples, seed, media, cache, progress))]
+    #[pyo3(signature = (folder, size, samples, seed, without, media, cache, progress))]
     #[allow(clippy::too_many_arguments)] // they have names in Python
     fn mitsuba(
         &self,
@@ -116,6 +116,7 @@ impl Scene {
         size: [u32; 2],
         samples: u32,
         seed: u64,
+        without: Vec<String>,
         media: Vec<(String, String)>,
         cache: Option<PathBuf>,
         progress: Option<Py<PyAny>>,
@@ -123,7 +124,7 @@ impl Scene {
         check_count("samples", samples as usize, 1 << 24).or_raise(py)?;
         check_size(size).or_raise(py)?;
         let given = Given { media, cache, seed: Some(seed), may_compute: true };
-        let options = ExportOptions { size, samples, seed };
+        let options = ExportOptions { size, samples, seed, without };
         How::new(None, progress).run(py, |progress| {
             let ready = self.ready(&given, progress)?;
             Exported::new(&ready, options, progress)?.mitsuba_json(&folder)
@@ -132,7 +133,7 @@ impl Scene {
 
     /// Writes it as a scene file of Mitsuba (`.xml`) or pbrt-v4 (`.pbrt`), whose material `measured` of each name has the file that
     /// `measured` says.
-    #[pyo3(signature = (path, size, samples, seed, measured, media, cache, progress))]
+    #[pyo3(signature = (path, size, samples, seed, without, measured, media, cache, progress))]
     #[allow(clippy::too_many_arguments)] // they have names in Python
     fn export(
         &self,
@@ -141,6 +142,7 @@ impl Scene {
         size: [u32; 2],
         samples: u32,
         seed: u64,
+        without: Vec<String>,
         measured: BTreeMap<String, String>,
         media: Vec<(String, String)>,
         cache: Option<PathBuf>,
@@ -158,7 +160,7 @@ impl Scene {
             }
         };
         let given = Given { media, cache, seed: Some(seed), may_compute: true };
-        let options = ExportOptions { size, samples, seed };
+        let options = ExportOptions { size, samples, seed, without };
         How::new(None, progress).run(py, |progress| {
             let exported = Exported::new(&self.ready(&given, progress)?, options, progress)?;
             if is_pbrt {

@@ -108,6 +108,7 @@ class Scene:
         size: tuple[int, int] | None = None,
         samples: int = 64,
         seed: int = 1,
+        without: Sequence[str] = (),
         measured: Mapping[str, Union[str, "PathLike[str]"]] | None = None,
         media: Mapping[str, Name] | None = None,
         cache: Union[str, "PathLike[str]", None] = None,
@@ -120,6 +121,7 @@ class Scene:
             size: Width and height, pixels; the scene's own, or 1280 × 800, without.
             samples: Samples per pixel.
             seed: Seed of feather and instances.
+            without: Names of parts that are left out, as the program's mattes call them: ``["down"]``.
             measured: Of pbrt the ``.bsdf`` files of its materials, as seen from the scene file: ``barbule-0``, ``barbule-1`` and so on,
                 one for each BRDF that barbules wear.
             media: Media of your own by name, each a file of n and k.
@@ -134,7 +136,7 @@ class Scene:
         kept = None if cache is None else Path(cache)
         with watched(progress) as watch:
             remarks = self._native.export(
-                Path(path), [wide, high], samples, seed, files, media_of(media), kept, watch
+                Path(path), [wide, high], samples, seed, list(without), files, media_of(media), kept, watch
             )
         for remark in remarks:
             warnings.warn(remark, DoubtWarning, stacklevel=2)
