@@ -10,27 +10,46 @@ use crate::spectrum::colour::Observer;
 use crate::{DVec3, Result};
 
 /// Two kinds of facets on the same surface, by their shares.
+///
+/// Their roughness grows as the eye's azimuth φ does, with powers of 1/cosφ: a barbule spreads light along itself by the same angle
+/// whatever φ is, and normals of mirrors must lean the more for that the more light slants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lobes {
-    /// Those of most light, then the others.
+    /// Those of most light, then the others, as an eye at φ = 0 has them.
     pub facets: [Facets; 2],
     /// Share of the second, at most ½.
     pub share: f64,
+    /// The powers of α along and across.
+    pub growth: [f64; 2],
 }
 
 impl Lobes {
+    /// The facets that an eye in this direction has.
+    fn towards(&self, wi: DVec3) -> [Facets; 2] {
+        let slant = (wi.x.hypot(wi.z) / wi.z.max(1e-6)).min(MOST_SLANT);
+        let [along, across] = self.growth.map(|power| libm::pow(slant, power));
+        self.facets.map(|facets| Facets {
+            along: (facets.along * along).min(ALPHAS[1]),
+            across: (facets.across * across).min(ALPHAS[1]),
+            ..facets
+        })
+    }
+
     /// f cosθ_o in 1/sr of both.
     pub(super) fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
-        let [first, second] = self.facets.map(|facets| facets.value(wi, wo));
+        let [first, second] = self.towards(wi).map(|facets| facets.value(wi, wo));
         first + self.share * (second - first)
     }
 
     /// ∫ f cosθ_o dω_o of both, by so many steps of two numbers.
     pub(super) fn albedo(&self, wi: DVec3, steps: usize) -> f64 {
-        let [first, second] = self.facets.map(|facets| facets.albedo(wi, steps));
+        let [first, second] = self.towards(wi).map(|facets| facets.albedo(wi, steps));
         first + self.share * (second - first)
     }
 }
+
+/// 1/cosφ grows no further than here, at 78°.
+pub(super) const MOST_SLANT: f64 = 5.0;
 
 /// Views up to this angle from the normal, and of each so many directions of light.
 const MOST_POLAR_DEG: f64 = 70.0;
@@ -47,9 +66,10 @@ pub(super) fn waves() -> [f64; WAVES] {
     std::array::from_fn(|k| 400.0 + 20.0 * k as f64)
 }
 
-/// α of facets, and the share of the second ones.
-const ALPHAS: [f64; 2] = [0.01, 1.0];
+/// α of facets, the share of the second ones, and the powers of growth.
+pub(super) const ALPHAS: [f64; 2] = [0.01, 1.0];
 const MOST_SHARE: f64 = 0.95;
+const POWERS: [f64; 2] = [-1.0, 2.0];
 
 /// Steps of the facets' albedos while they are searched.
 const ALBEDO_STEPS: usize = 10;
@@ -79,31 +99,35 @@ pub(super) fn fitted(brdf: &FeatherBrdf) -> Result<Lobes> {
         .map(|(kinds, start)| searched(&views, kinds, start))
         .collect();
     let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    let Lobes { facets: [first, second], share } =
-        best.map_or_else(|| lobes(kinds[0], &STARTS[0]), |(lobes, _)| lobes);
-    Ok(if share > 0.5 {
-        Lobes { facets: [second, first], share: 1.0 - share }
-    } else {
-        Lobes { facets: [first, second], share }
-    })
+    let mut lobes = best.map_or_else(|| lobes(kinds[0], &STARTS[0]), |(lobes, _)| lobes);
+    if lobes.share > 0.5 {
+        lobes.facets.reverse();
+        lobes.share = 1.0 - lobes.share;
+    }
+    Ok(lobes)
 }
 
-/// Where searches begin: logarithms of α along and across of both facets, and the share. The second are longer across, or a halo.
-const STARTS: [[f64; 5]; 2] = [[-3.0, -2.0, -3.0, -1.2, 0.3], [-3.0, -1.8, -1.6, -1.6, 0.2]];
+/// Logarithms of α along and across of both facets, the share, and the powers of growth.
+type Numbers = [f64; 7];
 
-fn lobes(kinds: [Distribution; 2], at: &[f64; 5]) -> Lobes {
+/// Where searches begin. The second facets are longer across, or a halo.
+const STARTS: [Numbers; 2] =
+    [[-3.2, -2.0, -3.2, -1.2, 0.3, 1.0, 0.0], [-3.2, -1.8, -1.6, -1.6, 0.2, 1.0, 0.0]];
+
+fn lobes(kinds: [Distribution; 2], at: &Numbers) -> Lobes {
     let alpha = |log: f64| libm::exp(log).clamp(ALPHAS[0], ALPHAS[1]);
     let facets = std::array::from_fn(|k| Facets {
         distribution: kinds[k],
         along: alpha(at[2 * k]),
         across: alpha(at[2 * k + 1]),
     });
-    Lobes { facets, share: at[4].clamp(0.0, MOST_SHARE) }
+    let growth = [at[5], at[6]].map(|power| power.clamp(POWERS[0], POWERS[1]));
+    Lobes { facets, share: at[4].clamp(0.0, MOST_SHARE), growth }
 }
 
 /// A search along each number in turn, whose steps are halved where none helps.
-fn searched(views: &[View], kinds: [Distribution; 2], start: &[f64; 5]) -> (Lobes, f64) {
-    let cost = |at: &[f64; 5]| cost(views, &lobes(kinds, at));
+fn searched(views: &[View], kinds: [Distribution; 2], start: &Numbers) -> (Lobes, f64) {
+    let cost = |at: &Numbers| cost(views, &lobes(kinds, at));
     let mut at = *start;
     let (mut least, mut step) = (cost(&at), FIRST_STEP);
     while step > LAST_STEP {

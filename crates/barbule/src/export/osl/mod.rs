@@ -21,7 +21,7 @@ use crate::scattering::directions::omega;
 use crate::spectrum::Wavelengths;
 use crate::spectrum::colour::{Observer, into_gamut};
 use crate::{DVec3, Error, Result};
-use fit::{WAVES, waves};
+use fit::{ALPHAS, MOST_SLANT, WAVES, waves};
 
 /// Nodes of the table: longitudes θ from 0° to 90°, of which the sign does not matter, and azimuths φ from −90° to 90°, 7.5° and 5° apart.
 const THETAS: usize = 13;
@@ -157,10 +157,11 @@ impl OslMaterial {
         let barbules = self.barbules;
         let closure = |facets: Facets| {
             format!(
-                "microfacet(\"{}\", N, Y, {:.5}, {:.5}, 0.0, 0)",
+                "microfacet(\"{}\", N, Y, min({:.5} * along, {most}), min({:.5} * across, {most}), 0.0, 0)",
                 facets.distribution.name(),
                 facets.along,
-                facets.across
+                facets.across,
+                most = ALPHAS[1],
             )
         };
         let (phis, rows) = (PHIS, 1 + barbules);
@@ -197,6 +198,9 @@ impl OslMaterial {
         color own = texture(Table, column, line + row * {share_of_row:.9}, 0.0, 0.0, 0.0, 0.0, "wrap", "clamp", "interp", "linear");
         shown += Contrast * (own - shown);
     }}
+    float slant = min(1.0 / max(cos(phi), 1e-6), {MOST_SLANT});
+    float along = pow(slant, {power_along:.4});
+    float across = pow(slant, {power_across:.4});
     BSDF = shown * ({left:.5} * {one} + {share:.5} * {other});
 }}
 "#,
@@ -205,6 +209,8 @@ impl OslMaterial {
             height = THETAS * rows,
             share_of_row = 1.0 / rows as f64,
             left = 1.0 - share,
+            power_along = self.lobes.growth[0],
+            power_across = self.lobes.growth[1],
             one = closure(first),
             other = closure(second),
         )
