@@ -26,7 +26,7 @@ pub(crate) enum What {
 
 /// Exports; what was written as JSON.
 #[pyfunction]
-#[pyo3(signature = (what, to, path, size_mb, picture, samples, seed, media, cache, threads, progress))]
+#[pyo3(signature = (what, to, path, size_mb, picture, samples, without, seed, media, cache, threads, progress))]
 #[allow(clippy::too_many_arguments)] // they have names in Python
 pub(crate) fn export(
     py: Python<'_>,
@@ -36,6 +36,7 @@ pub(crate) fn export(
     size_mb: f64,
     picture: Option<[u32; 2]>,
     samples: u32,
+    without: Vec<String>,
     seed: u64,
     media: Vec<(String, String)>,
     cache: Option<PathBuf>,
@@ -49,7 +50,7 @@ pub(crate) fn export(
     check_count("samples", samples as usize, 1 << 24).or_raise(py)?;
     picture.map_or(Ok(()), check_size).or_raise(py)?;
     let given = Given { media, cache, seed: Some(seed), may_compute: true };
-    let order = Order { format, path, most_bytes: (size_mb * 1e6) as usize, picture, samples, seed };
+    let order = Order { format, path, most_bytes: (size_mb * 1e6) as usize, picture, samples, without, seed };
     How::new(threads, progress).run(py, |progress| match &what {
         What::Material(material) => {
             let material = material.get();
@@ -69,14 +70,15 @@ struct Order {
     most_bytes: usize,
     picture: Option<[u32; 2]>,
     samples: u32,
+    without: Vec<String>,
     seed: u64,
 }
 
 impl Order {
     fn write(&self, source: Source<'_>, notes: &[(&str, &str)], progress: &dyn Progress) -> Result<String> {
         let notes = [&[("version", env!("CARGO_PKG_VERSION"))], notes].concat();
-        let Self { format, ref path, most_bytes, picture, samples, seed } = *self;
-        let request = Request { format, path, most_bytes, picture, samples, seed, notes: &notes };
+        let Self { format, ref path, most_bytes, picture, samples, ref without, seed } = *self;
+        let request = Request { format, path, most_bytes, picture, samples, without, seed, notes: &notes };
         written(source, &request, progress).map(|written| written.json().to_string())
     }
 

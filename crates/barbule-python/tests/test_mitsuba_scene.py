@@ -182,7 +182,7 @@ def test_scene_files_show_the_same(tmp_path):
     """As XML and as a dictionary: the same numbers."""
     opened = barbule.Scene.parse(CLOSE)
     with pytest.warns(barbule.DoubtWarning, match="cut out"):
-        opened.export(tmp_path / "mine.xml", size=(24, 24))
+        barbule.export(opened, "mitsuba", tmp_path / "mine.xml", picture=(24, 24), progress=False)
     from_file = linear(mi.load_file(str(tmp_path / "mine.xml")), 8, seed=5)
     scene = mi.load_dict(barbule.mitsuba.scene(opened, tmp_path / "dict", size=(24, 24), progress=False))
     np.testing.assert_allclose(linear(scene, 8, seed=5), from_file, rtol=1e-3, atol=1e-4)
@@ -197,10 +197,6 @@ def test_what_cannot_be_shown_is_refused(tmp_path):
     assert not [name for name in dove if "down" in name] and dove["sensor"]["film"]["width"] == 16
     with pytest.raises(barbule.InputError, match="over the limit of 350000"):
         barbule.mitsuba.scene("magpie-feather", progress=False)
-    with pytest.raises(barbule.InputError, match="'barbule-0' needs a .bsdf file"):
-        barbule.Scene.load("starling", progress=False).export(tmp_path / "a.pbrt", progress=False)
-    with pytest.raises(barbule.InputError, match="neither with .xml nor with .pbrt"):
-        barbule.Scene.load("starling", progress=False).export(tmp_path / "a.obj", progress=False)
     mi.set_variant("scalar_spectral")
     with pytest.raises(Exception, match="does not compile"):
         mi.load_dict({"type": "barbule_keratin", "roughness": 0.3, "index": 1.5, "reflectance": {"type": "uniform"}})
