@@ -26,7 +26,7 @@ pub(crate) enum What {
 
 /// Exports; what was written as JSON.
 #[pyfunction]
-#[pyo3(signature = (what, to, path, size_mb, picture, samples, seed, media, cache, threads, progress))]
+#[pyo3(signature = (what, to, path, size_mb, picture, samples, without, seed, media, cache, threads, progress))]
 #[allow(clippy::too_many_arguments)] // they have names in Python
 pub(crate) fn export(
     py: Python<'_>,
@@ -36,6 +36,7 @@ pub(crate) fn export(
     size_mb: f64,
     picture: Option<[u32; 2]>,
     samples: u32,
+    without: Vec<String>,
     seed: u64,
     media: Vec<(String, String)>,
     cache: Option<PathBuf>,
@@ -49,43 +50,55 @@ pub(crate) fn export(
     check_count("samples", samples as usize, 1 << 24).or_raise(py)?;
     picture.map_or(Ok(()), check_size).or_raise(py)?;
     let given = Given { media, cache, seed: Some(seed), may_compute: true };
-    let version = ("version", env!("CARGO_PKG_VERSION"));
-    let most_bytes = (size_mb * 1e6) as usize;
-    let make = |source: Source<'_>, notes: &[(&str, &str)], progress: &dyn Progress| {
-        let notes = [&[version], notes].concat();
-        let request = Request { format, path: &path, most_bytes, picture, samples, seed, notes: &notes };
-        written(source, &request, progress).map(|written| written.json().to_string())
-    };
+    let order = Order { format, path, most_bytes: (size_mb * 1e6) as usize, picture, samples, without, seed };
     How::new(threads, progress).run(py, |progress| match &what {
         What::Material(material) => {
             let material = material.get();
-            make(Source::Material(&material.brdf), &[("material_hash", &material.hash)], progress)
+            order.write(Source::Material(&material.brdf), &[("material_hash", &material.hash)], progress)
         }
-        What::Scene(scene) => make(Source::Scene(&scene.get().ready(&given, progress)?), &[], progress),
-        What::Name(name) => named(name, format, &given, &make, progress),
+        What::Scene(scene) => {
+            order.write(Source::Scene(&scene.get().ready(&given, progress)?), &[], progress)
+        }
+        What::Name(name) => order.write_named(name, &given, progress),
     })
 }
 
-/// Opens what people type, as the format needs it.
-fn named(
-    name: &str,
+/// How something is exported.
+struct Order {
     format: Format,
-    given: &Given,
-    make: &dyn Fn(Source<'_>, &[(&str, &str)], &dyn Progress) -> Result<String>,
-    progress: &dyn Progress,
-) -> Result<String> {
-    let opening = given.opening()?;
-    let exported = ("exported", name);
-    match format.needs() {
-        Needs::Material => {
-            let found = open::material(name, &opening, progress)?;
-            let brdf = FeatherBrdf::new(&found.material, Options::default())?;
-            make(Source::Material(&brdf), &[exported, ("material_hash", &found.hash)], progress)
-        }
-        Needs::Scene => make(Source::Scene(&open::scene(name, &opening, progress)?), &[exported], progress),
-        Needs::Stack => {
-            let stack = open::stack(name, opening.media.library())?;
-            make(Source::Stack(&stack, name), &[exported], progress)
+    path: PathBuf,
+    most_bytes: usize,
+    picture: Option<[u32; 2]>,
+    samples: u32,
+    without: Vec<String>,
+    seed: u64,
+}
+
+impl Order {
+    fn write(&self, source: Source<'_>, notes: &[(&str, &str)], progress: &dyn Progress) -> Result<String> {
+        let notes = [&[("version", env!("CARGO_PKG_VERSION"))], notes].concat();
+        let Self { format, ref path, most_bytes, picture, samples, ref without, seed } = *self;
+        let request = Request { format, path, most_bytes, picture, samples, without, seed, notes: &notes };
+        written(source, &request, progress).map(|written| written.json().to_string())
+    }
+
+    /// Opens what people type, as the format needs it.
+    fn write_named(&self, name: &str, given: &Given, progress: &dyn Progress) -> Result<String> {
+        let opening = given.opening()?;
+        let exported = ("exported", name);
+        match self.format.needs() {
+            Needs::Material => {
+                let found = open::material(name, &opening, progress)?;
+                let brdf = FeatherBrdf::new(&found.material, Options::default())?;
+                self.write(Source::Material(&brdf), &[exported, ("material_hash", &found.hash)], progress)
+            }
+            Needs::Scene => {
+                self.write(Source::Scene(&open::scene(name, &opening, progress)?), &[exported], progress)
+            }
+            Needs::Stack => {
+                let stack = open::stack(name, opening.media.library())?;
+                self.write(Source::Stack(&stack, name), &[exported], progress)
+            }
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Scenes and their pictures.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use barbule::export::scene::{ExportOptions, Exported};
@@ -107,7 +106,7 @@ impl Scene {
     }
 
     /// Writes its files for Mitsuba into a folder; the tree of plugins as JSON.
-    #[pyo3(signature = (folder, size, samples, seed, media, cache, progress))]
+    #[pyo3(signature = (folder, size, samples, seed, without, media, cache, progress))]
     #[allow(clippy::too_many_arguments)] // they have names in Python
     fn mitsuba(
         &self,
@@ -116,6 +115,7 @@ impl Scene {
         size: [u32; 2],
         samples: u32,
         seed: u64,
+        without: Vec<String>,
         media: Vec<(String, String)>,
         cache: Option<PathBuf>,
         progress: Option<Py<PyAny>>,
@@ -123,56 +123,10 @@ impl Scene {
         check_count("samples", samples as usize, 1 << 24).or_raise(py)?;
         check_size(size).or_raise(py)?;
         let given = Given { media, cache, seed: Some(seed), may_compute: true };
-        let options = ExportOptions { size, samples, seed };
+        let options = ExportOptions { size, samples, seed, without };
         How::new(None, progress).run(py, |progress| {
             let ready = self.ready(&given, progress)?;
             Exported::new(&ready, options, progress)?.mitsuba_json(&folder)
-        })
-    }
-
-    /// Writes it as a scene file of Mitsuba (`.xml`) or pbrt-v4 (`.pbrt`), whose material `measured` of each name has the file that
-    /// `measured` says.
-    #[pyo3(signature = (path, size, samples, seed, measured, media, cache, progress))]
-    #[allow(clippy::too_many_arguments)] // they have names in Python
-    fn export(
-        &self,
-        py: Python<'_>,
-        path: PathBuf,
-        size: [u32; 2],
-        samples: u32,
-        seed: u64,
-        measured: BTreeMap<String, String>,
-        media: Vec<(String, String)>,
-        cache: Option<PathBuf>,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<Vec<String>> {
-        check_count("samples", samples as usize, 1 << 24).or_raise(py)?;
-        check_size(size).or_raise(py)?;
-        let is_pbrt = match path.extension().and_then(|end| end.to_str()) {
-            Some("xml") => false,
-            Some("pbrt") => true,
-            _ => {
-                let message =
-                    format!("'{}' ends neither with .xml nor with .pbrt; end it so", path.display());
-                return Err(Error::input(message)).or_raise(py);
-            }
-        };
-        let given = Given { media, cache, seed: Some(seed), may_compute: true };
-        let options = ExportOptions { size, samples, seed };
-        How::new(None, progress).run(py, |progress| {
-            let exported = Exported::new(&self.ready(&given, progress)?, options, progress)?;
-            if is_pbrt {
-                exported.write_pbrt(&path, &mut |name, _| {
-                    measured.get(name).cloned().ok_or_else(|| {
-                        Error::input(format!(
-                            "pbrt's material '{name}' needs a .bsdf file; give 'measured' an entry '{name}'"
-                        ))
-                    })
-                })?;
-            } else {
-                exported.write_mitsuba(&path)?;
-            }
-            Ok(exported.remarks().to_vec())
         })
     }
 

@@ -40,16 +40,17 @@ def test_every_format_is_written_and_says_how_near_it_is(tmp_path: Path) -> None
 
 
 def test_what_a_format_cannot_have_is_refused(tmp_path: Path) -> None:
-    for what, to, word in (
-        (barbule.Material.load("starling"), "gltf", "is made of a stack"),
-        (barbule.Scene.load("starling"), "bsdf", "is made of a material"),
-        ("air/2*(keratin:100/air:100)/air", "openpbr", "layers"),
-        ("starling", "bsfd", "bsdf"),
+    for what, to, end, word in (
+        (barbule.Material.load("starling"), "gltf", "x.gltf", "is made of a stack"),
+        (barbule.Scene.load("starling"), "bsdf", "x.bsdf", "is made of a material"),
+        ("air/2*(keratin:100/air:100)/air", "openpbr", "x.mtlx", "layers"),
+        ("starling", "bsfd", "x.bsdf", "bsdf"),
+        ("starling", "pbrt", "x.obj", "end its name with .pbrt"),
     ):
         with pytest.raises(barbule.InputError, match=word):
-            barbule.export(what, to, tmp_path / "x", progress=False)  # type: ignore[arg-type]
+            barbule.export(what, to, tmp_path / end, progress=False)  # type: ignore[arg-type]
     with pytest.raises(barbule.InputError, match="size_mb"):
-        barbule.export("starling", "bsdf", tmp_path / "x", size_mb=0.0)
+        barbule.export("starling", "bsdf", tmp_path / "x.bsdf", size_mb=0.0)
     assert not list(tmp_path.iterdir())
 
 

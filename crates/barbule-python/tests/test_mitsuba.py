@@ -407,8 +407,8 @@ def test_bad_parameters_are_refused(options, words):
 
 
 def test_variants_without_colours_are_refused():
-    mi.set_variant("scalar_mono")
-    with pytest.raises(Exception, match="'scalar_mono' has no colours"):
+    mi.set_variant("llvm_ad_mono")
+    with pytest.raises(Exception, match="'llvm_ad_mono' has no colours"):
         bsdf()
 
 

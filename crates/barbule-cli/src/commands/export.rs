@@ -47,6 +47,9 @@ pub(crate) struct Args {
     /// Most MB of a .bsdf [default: 40]: the more, the nearer it is
     #[arg(long, value_name = "MB")]
     size: Option<f64>,
+    /// Leave out a part of a scene, as mattes call it: shaft, down (repeatable)
+    #[arg(long, value_name = "PART")]
+    without: Vec<String>,
     #[command(flatten)]
     common: Common,
 }
@@ -59,7 +62,7 @@ impl Args {
         let provenance = Provenance::new(&self.common).with("exported", &self.what);
         let request = |notes: &[(&str, &str)], source: Source<'_>| {
             let progress = Terminal::new(&self.common);
-            let Self { to: format, output: path, .. } = self;
+            let Self { to: format, output: path, without, .. } = self;
             export(
                 source,
                 &Request {
@@ -68,6 +71,7 @@ impl Args {
                     most_bytes,
                     picture: None,
                     samples: SAMPLES,
+                    without,
                     seed: self.common.seed,
                     notes,
                 },

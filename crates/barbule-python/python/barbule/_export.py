@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Literal, TypedDict, Union
@@ -47,6 +47,7 @@ def export(
     size_mb: float = 40.0,
     picture: tuple[int, int] | None = None,
     samples: int = 64,
+    without: Sequence[str] = (),
     seed: int = 1,
     media: Mapping[str, Name] | None = None,
     cache: Union[str, "PathLike[str]", None] = None,
@@ -63,6 +64,7 @@ def export(
         size_mb: Most MB of a ``.bsdf``.
         picture: Of scenes width and height, pixels; the scene's own, or 1280 × 800, without.
         samples: Of scenes samples per pixel.
+        without: Of scenes names of parts that are left out, as mattes call them: ``down``, ``shaft``.
         seed: Seed of feathers and their barbules.
         media: Media of your own by name, each a file of n and k.
         cache: Folder of computed materials; that of the command line without one.
@@ -83,7 +85,7 @@ def export(
     kept = None if cache is None else Path(cache)
     with watched(progress) as watch:
         text = _native.export(
-            given, to, Path(path), size_mb, picture, samples, seed, media_of(media), kept, threads, watch
+            given, to, Path(path), size_mb, picture, samples, list(without), seed, media_of(media), kept, threads, watch
         )
     written: Written = json.loads(text)
     for remark in written["remarks"]:

@@ -233,23 +233,13 @@ class Scene:
     def toml(self) -> str: ...
     @property
     def size(self) -> tuple[int, int] | None: ...
-    def export(
-        self,
-        path: Path,
-        size: Sequence[int],
-        samples: int,
-        seed: int,
-        measured: dict[str, str],
-        media: _Media,
-        cache: Path | None,
-        progress: _Watch,
-    ) -> list[str]: ...
     def mitsuba(
         self,
         folder: Path,
         size: Sequence[int],
         samples: int,
         seed: int,
+        without: Sequence[str],
         media: _Media,
         cache: Path | None,
         progress: _Watch,
@@ -275,6 +265,7 @@ def export(
     size_mb: float,
     picture: Sequence[int] | None,
     samples: int,
+    without: list[str],
     seed: int,
     media: _Media,
     cache: Path | None,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -13,7 +12,6 @@ from ._labels import media_of
 from ._native import Picture
 from ._opening import Name
 from ._progress import ProgressLike, watched
-from .errors import DoubtWarning
 
 
 def presets() -> dict[str, str]:
@@ -100,44 +98,6 @@ class Scene:
             return self._native.render(
                 list(size), samples, noise, seed, bands, compositing, media_of(media), folder, threads, watch
             )
-
-    def export(
-        self,
-        path: Union[str, "PathLike[str]"],
-        *,
-        size: tuple[int, int] | None = None,
-        samples: int = 64,
-        seed: int = 1,
-        measured: Mapping[str, Union[str, "PathLike[str]"]] | None = None,
-        media: Mapping[str, Name] | None = None,
-        cache: Union[str, "PathLike[str]", None] = None,
-        progress: ProgressLike = True,
-    ) -> None:
-        """Writes it for another renderer, its files into a folder beside it that is named as it is without the ending.
-
-        Args:
-            path: A scene file of Mitsuba (``.xml``), which needs `barbule.mitsuba` imported to be read, or of pbrt-v4 (``.pbrt``).
-            size: Width and height, pixels; the scene's own, or 1280 × 800, without.
-            samples: Samples per pixel.
-            seed: Seed of feather and instances.
-            measured: Of pbrt the ``.bsdf`` files of its materials, as seen from the scene file: ``barbule-0``, ``barbule-1`` and so on,
-                one for each BRDF that barbules wear.
-            media: Media of your own by name, each a file of n and k.
-            cache: Folder of computed materials; that of the command line without one.
-            progress: True for a bar, False for none, or a function ``(label, done, total)``.
-
-        Raises:
-            InputError: A surface or lamp that the renderer has nothing for, or over 350,000 barbules.
-        """
-        wide, high = size or self._native.size or (1280, 800)
-        files = {name: str(file) for name, file in (measured or {}).items()}
-        kept = None if cache is None else Path(cache)
-        with watched(progress) as watch:
-            remarks = self._native.export(
-                Path(path), [wide, high], samples, seed, files, media_of(media), kept, watch
-            )
-        for remark in remarks:
-            warnings.warn(remark, DoubtWarning, stacklevel=2)
 
 
 def render(

@@ -351,7 +351,7 @@ mod tests {
         assert!(table.resolution.bytes(table.channels()) <= 8_000_000, "{:?}", table.resolution);
         let Deviation { relative_l1, bias, delta_e } = table.deviation;
         assert!(relative_l1 < 0.1 && bias.abs() < 0.02 && delta_e < 2.0, "{:?}", table.deviation);
-        let measured = MeasuredTables::Rgl(Rgl::new(table.arrays).unwrap());
+        let measured = MeasuredTables::Rgl(Box::new(Rgl::new(table.arrays).unwrap()));
         let measured = Surface::Measured(Measured::new(Arc::new(measured)));
         let barbules = BarbuleSurface {
             brdf: Arc::new(brdf),

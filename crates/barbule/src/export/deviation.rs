@@ -42,11 +42,14 @@ pub struct Deviation {
     pub delta_e: f64,
 }
 
+/// Values at wavelengths in nm, for the viewer's direction and the light's.
+pub type SpectralModel<'a> = dyn Fn(&[f64], DVec3, DVec3) -> Vec<f64> + Sync + 'a;
+
 /// A model of another program: f cosθ_o in 1/sr, for the viewer's direction, which is ω_i of the material, and the light's. Both are in the
 /// barbule's frame, above the horizon.
 pub enum Model<'a> {
     /// At each of these wavelengths, nm.
-    Spectral(&'a (dyn Fn(&[f64], DVec3, DVec3) -> Vec<f64> + Sync)),
+    Spectral(&'a SpectralModel<'a>),
     /// Linear sRGB in D65, of which a perfect white has (1, 1, 1) cosθ_o/π.
     Rgb(&'a (dyn Fn(DVec3, DVec3) -> [f64; 3] + Sync)),
 }

@@ -13,5 +13,5 @@ pub mod usd;
 mod write;
 
 pub use bsdf::{BsdfTable, Crowding, Flavour};
-pub use deviation::{Deviation, Model};
+pub use deviation::{Deviation, Model, SpectralModel};
 pub use write::{Format, Needs, Request, Source, Written, export};

@@ -81,6 +81,18 @@ impl Format {
         }
     }
 
+    /// The ending of its files' names, by which other programs know them.
+    #[must_use]
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Mitsuba => "xml",
+            Self::Bsdf | Self::BsdfRgb => "bsdf",
+            Self::Usd => "usda",
+            Self::OpenPbr => "mtlx",
+            Self::Pbrt | Self::Osl | Self::Gltf | Self::Csv | Self::Exr => self.word(),
+        }
+    }
+
     /// Whether it has tables that [`Request::most_bytes`] limits.
     #[must_use]
     pub fn has_size(self) -> bool {
@@ -112,6 +124,8 @@ pub struct Request<'a> {
     pub picture: Option<[u32; 2]>,
     /// Samples per pixel of these pictures.
     pub samples: u32,
+    /// Names of a scene's parts that are left out, as mattes call them.
+    pub without: &'a [String],
     /// Seed of feathers and their barbules.
     pub seed: u64,
     /// What made it, as names and texts, for formats that carry them.
@@ -140,6 +154,7 @@ pub struct Written {
 /// # Errors
 /// A source that the format is not made of, what the format has nothing for, a file that cannot be written, or a stop by `progress`.
 pub fn export(source: Source<'_>, request: &Request<'_>, progress: &dyn Progress) -> Result<Written> {
+    request.check_ending()?;
     check_writable(request.path)?;
     let mut written = match (request.format, source) {
         (Format::Bsdf, Source::Material(brdf)) => request.bsdf(brdf, Flavour::Spectral, progress),
@@ -179,6 +194,15 @@ impl Written {
 }
 
 impl Request<'_> {
+    fn check_ending(&self) -> Result<()> {
+        let ending = self.format.ending();
+        if self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case(ending)) {
+            return Ok(());
+        }
+        Err(Error::input(format!("is to be {}; end its name with .{ending}", self.format.word()))
+            .in_file(self.path))
+    }
+
     fn written(&self, what: String, deviation: Option<Deviation>, details: Value) -> Written {
         Written { files: vec![self.path.to_owned()], bytes: 0, what, deviation, remarks: Vec::new(), details }
     }
@@ -266,7 +290,8 @@ impl Request<'_> {
 
     fn exported(&self, scene: &ReadyScene, progress: &dyn Progress) -> Result<Exported> {
         let size = self.picture.or(scene.size).unwrap_or(ExportOptions::default().size);
-        let options = ExportOptions { size, samples: self.samples, seed: self.seed };
+        let options =
+            ExportOptions { size, samples: self.samples, seed: self.seed, without: self.without.to_vec() };
         Exported::new(scene, options, progress)
     }
 

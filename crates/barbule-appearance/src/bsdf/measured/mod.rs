@@ -29,7 +29,7 @@ static SHARES: LazyLock<[DenseSpectrum; 3]> = LazyLock::new(shares);
 #[derive(Debug, Clone)]
 pub enum MeasuredTables {
     /// Spectral or of R, G and B, isotropic or not.
-    Rgl(Rgl),
+    Rgl(Box<Rgl>),
     /// Of R, G and B, isotropic.
     Merl(Box<Merl>),
 }

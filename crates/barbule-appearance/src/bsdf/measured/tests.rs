@@ -29,7 +29,7 @@ fn arrays() -> RglArrays {
 }
 
 pub(crate) fn rgl() -> Measured {
-    Measured::new(Arc::new(MeasuredTables::Rgl(Rgl::new(arrays()).unwrap())))
+    Measured::new(Arc::new(MeasuredTables::Rgl(Box::new(Rgl::new(arrays()).unwrap()))))
 }
 
 /// A glossy lobe over a grey body as MERL's tables have it.

@@ -202,7 +202,7 @@ mod tests {
     use super::*;
 
     fn warp() -> Warp {
-        let value = |i: usize| ((i * 7919) % 23) as f32 * 0.3 + if i % 5 == 0 { 0.0 } else { 0.2 };
+        let value = |i: usize| ((i * 7919) % 23) as f32 * 0.3 + if i.is_multiple_of(5) { 0.0 } else { 0.2 };
         Warp::new([5, 7], (0..4 * 35).map(value).collect()).unwrap()
     }
 

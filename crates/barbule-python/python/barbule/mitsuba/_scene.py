@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import tempfile
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, Union
@@ -28,6 +28,7 @@ def scene(
     size: tuple[int, int] | None = None,
     samples: int = 64,
     seed: int = 1,
+    without: Sequence[str] = (),
     media: Mapping[str, Name] | None = None,
     cache: Union[str, "PathLike[str]", None] = None,
     progress: ProgressLike = True,
@@ -44,6 +45,7 @@ def scene(
         size: Width and height, pixels; the scene's own, or 1280 × 800, without.
         samples: Samples per pixel.
         seed: Seed of feather and instances: the same as of ``Scene.render`` for the same barbules with the same glints.
+        without: Names of parts that are left out, as the program's mattes call them: ``["down"]``.
         media: Media of your own by name, each a file of n and k.
         cache: Folder of computed materials; that of the command line without one.
         progress: True for a bar, False for none, or a function ``(label, done, total)``.
@@ -59,7 +61,7 @@ def scene(
     wide, high = size or opened._native.size or (1280, 800)
     kept = None if cache is None else Path(cache)
     with watched(progress) as watch:
-        text = opened._native.mitsuba(place, [wide, high], samples, seed, media_of(media), kept, watch)
+        text = opened._native.mitsuba(place, [wide, high], samples, seed, list(without), media_of(media), kept, watch)
     found = json.loads(text)
     for remark in found["remarks"]:
         warnings.warn(remark, DoubtWarning, stacklevel=2)

@@ -113,27 +113,27 @@ impl Exported {
             (Surface::Lambertian(surface), _) => {
                 let reflectance = surface
                     .even()
-                    .ok_or_else(|| refused(&part.name, "pictures or translucency on diffuse surfaces"))?;
+                    .ok_or_else(|| refused(&part.of, "pictures or translucency on diffuse surfaces"))?;
                 let diffuse = Plugin::new(Class::Bsdf, "diffuse")
                     .holding("reflectance", spectrum(reflectance.values(), 1.0));
                 Ok(Plugin::new(Class::Bsdf, "twosided").holding("bsdf", diffuse))
             }
             (Surface::Barbule(_), _) => {
-                Err(refused(&part.name, "translucent barbules, or barbules that are no ribbons"))
+                Err(refused(&part.of, "translucent barbules, or barbules that are no ribbons"))
             }
-            (Surface::Clad(_), _) => Err(refused(&part.name, "meshes and curves that wear barbules")),
-            (Surface::Barb(_), _) => Err(refused(&part.name, "barbs whose barbules are looked up")),
-            (Surface::Hair(_), _) => Err(refused(&part.name, "fibres of hair")),
-            (Surface::Grating(_), _) => Err(refused(&part.name, "gratings")),
-            (Surface::Measured(_), _) => Err(refused(&part.name, "measured materials")),
-            (Surface::Map(_), _) => Err(refused(&part.name, "maps of surfaces")),
+            (Surface::Clad(_), _) => Err(refused(&part.of, "meshes and curves that wear barbules")),
+            (Surface::Barb(_), _) => Err(refused(&part.of, "barbs whose barbules are looked up")),
+            (Surface::Hair(_), _) => Err(refused(&part.of, "fibres of hair")),
+            (Surface::Grating(_), _) => Err(refused(&part.of, "gratings")),
+            (Surface::Measured(_), _) => Err(refused(&part.of, "measured materials")),
+            (Surface::Map(_), _) => Err(refused(&part.of, "maps of surfaces")),
             (
                 Surface::Conductor(_)
                 | Surface::Dielectric(_)
                 | Surface::RoughDielectric(_)
                 | Surface::ThinFilm(_),
                 _,
-            ) => Err(refused(&part.name, "metals, glass and rough films")),
+            ) => Err(refused(&part.of, "metals, glass and rough films")),
         }
     }
 
@@ -206,7 +206,7 @@ impl Exported {
                 .holding("intensity", spectrum(lamp.emission.spectrum().values(), white())),
             Light::Spot(spot) => {
                 let frame = facing(spot.axis);
-                let picture = Plugin::new(Class::Spectrum, "bitmap")
+                let picture = Plugin::new(Class::Texture, "bitmap")
                     .with("filename", Value::File(picture))
                     .with("raw", Value::Flag(true))
                     .with("wrap_mode", Value::Text("clamp".to_owned()));
@@ -224,7 +224,9 @@ impl Exported {
 }
 
 fn refused(part: &str, what: &str) -> Error {
-    Error::input(format!("'{part}' cannot be shown in Mitsuba, which has nothing for {what}; leave it out"))
+    Error::input(format!(
+        "'{part}' cannot be shown in Mitsuba, which has nothing for {what}; leave this part out"
+    ))
 }
 
 /// Factor from radiance here, where white in daylight has 1, to Mitsuba's, so that pictures have the same linear values.

@@ -14,6 +14,7 @@ use glam::Vec3;
 
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::Surface;
+use crate::error::{did_you_mean, shortened};
 use crate::io::{MOST_WRITTEN_BARBULES, encode_tables, make_folder, write_together};
 use crate::progress::Progress;
 use crate::scene::camera::Camera;
@@ -31,7 +32,7 @@ pub use pbrt::MeasuredFiles;
 use shapes::{MeshKind, RibbonKind, stands};
 
 /// How a scene is seen by another renderer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExportOptions {
     /// Width and height, pixels.
     pub size: [u32; 2],
@@ -39,11 +40,13 @@ pub struct ExportOptions {
     pub samples: u32,
     /// Seed of feather and instances.
     pub seed: u64,
+    /// Names of parts that are left out, as mattes call them: `down`, `shaft`.
+    pub without: Vec<String>,
 }
 
 impl Default for ExportOptions {
     fn default() -> Self {
-        Self { size: [1280, 800], samples: 64, seed: 1 }
+        Self { size: [1280, 800], samples: 64, seed: 1, without: Vec::new() }
     }
 }
 
@@ -67,6 +70,8 @@ pub struct Exported {
 struct Part {
     /// As the scene calls it, then its number.
     name: String,
+    /// As the scene calls it.
+    of: String,
     surface: Surface,
     shape: Shape,
 }
@@ -93,6 +98,13 @@ impl Exported {
         let mut remarks = Vec::new();
         let one_by_one = ReadyScene::new(grown_one_by_one(ready, &mut remarks)?)?;
         let names = one_by_one.object_names();
+        if let Some(unknown) = options.without.iter().find(|name| !names.contains(name)) {
+            let near = did_you_mean(unknown, names.iter().map(String::as_str));
+            let (unknown, known) = (shortened(unknown), names.join(", "));
+            return Err(Error::input(format!(
+                "there is no part '{unknown}' to leave out{near} (there are {known})"
+            )));
+        }
         let (objects, _) = one_by_one.objects_watched(options.seed, progress)?;
         let ribbons: usize = objects.iter().map(|object| object.geometry.ribbon_count()).sum();
         if ribbons > MOST_WRITTEN_BARBULES {
@@ -102,7 +114,8 @@ impl Exported {
         let bounds = objects.iter().filter_map(|object| object.geometry.bounds());
         let reach_mm = bounds.map(|[low, high]| reach(low, high)).fold(1e-3, f64::max);
         let mut parts = Vec::new();
-        for (object, name) in objects.into_iter().zip(&names) {
+        let wanted = objects.iter().zip(&names).filter(|(_, name)| !options.without.contains(name));
+        for (object, name) in wanted {
             add_parts(&mut parts, &object.geometry, &object.surface, name);
         }
         remarks.extend(backdrop_remark(&one_by_one));
@@ -234,8 +247,12 @@ fn add_parts(parts: &mut Vec<Part>, geometry: &Geometry, surface: &Surface, name
     let stands = stands(geometry);
     let slug: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
     let mut add = |shape: Shape| {
-        let name = format!("{slug}-{}", parts.len());
-        parts.push(Part { name, surface: surface.clone(), shape });
+        parts.push(Part {
+            name: format!("{slug}-{}", parts.len()),
+            of: name.to_owned(),
+            surface: surface.clone(),
+            shape,
+        });
     };
     for kind in RibbonKind::all(&stands) {
         add(Shape::Ribbons(kind, shapes::ribbons(&stands, kind)));

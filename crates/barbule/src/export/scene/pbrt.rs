@@ -253,8 +253,9 @@ fn own_material(part: &Part, surface: &Surface) -> Result<String> {
             spectrum(values)
         )
     };
-    let refuse =
-        || Error::input(format!("'{}' is of a surface that pbrt has nothing for; leave it out", part.name));
+    let refuse = || {
+        Error::input(format!("'{}' is of a surface that pbrt has nothing for; leave this part out", part.of))
+    };
     match surface {
         Surface::Keratin(keratin) => Ok(coated(keratin)),
         Surface::Lambertian(surface) => surface.even().map(|even| diffuse(even.values())).ok_or_else(refuse),

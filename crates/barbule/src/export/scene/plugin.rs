@@ -17,6 +17,7 @@ pub(super) enum Class {
     Emitter,
     Bsdf,
     Spectrum,
+    Texture,
     /// One that stands elsewhere.
     Reference,
 }
@@ -34,6 +35,7 @@ impl Class {
             Self::Emitter => "emitter",
             Self::Bsdf => "bsdf",
             Self::Spectrum => "spectrum",
+            Self::Texture => "texture",
             Self::Reference => "ref",
         }
     }

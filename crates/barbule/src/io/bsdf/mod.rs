@@ -23,7 +23,7 @@ const MERL_SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 /// Neither, or a damaged one.
 pub fn decode_bsdf(bytes: &[u8]) -> Result<MeasuredTables> {
     if is_tensor_file(bytes) {
-        return Ok(MeasuredTables::Rgl(Rgl::new(rgl_arrays(bytes)?)?));
+        return Ok(MeasuredTables::Rgl(Box::new(Rgl::new(rgl_arrays(bytes)?)?)));
     }
     let head: Vec<usize> =
         bytes.chunks_exact(4).take(3).filter_map(|four| four.try_into().ok()).map(of_u32).collect();
