@@ -8,12 +8,13 @@ mod materialx;
 mod models;
 
 use crate::film::sweep;
+use crate::material::Material;
 use crate::progress::Unobserved;
 use crate::spectrum::Wavelengths;
 use crate::spectrum::colour::{Observer, xyz_from_rgb};
 use crate::spectrum::difference::{delta_e_2000, lab};
 use crate::stack::Stack;
-use crate::{Complex64, Error, Material, Result};
+use crate::{Complex64, Error, Result};
 
 use super::Deviation;
 
@@ -69,7 +70,7 @@ impl OneFilm {
     /// # Errors
     /// Another number of layers than one, a first medium that is not air, or a film whose index at 550 nm is unknown or below 1.
     pub fn of(stack: &Stack) -> Result<Self> {
-        let route = "export the stack with --to mitsuba, whose barbule_film has any layers";
+        let route = "take Mitsuba's BSDF barbule_film, which has any layers";
         if stack.layers() != 1 {
             return Err(Error::input(format!(
                 "the stack has {}, but films of glTF and OpenPBR are one layer; {route}",
@@ -210,7 +211,7 @@ mod tests {
             ("air/0.5:300/air", "index at 550 nm is 0.5"),
         ] {
             let message = OneFilm::of(&stack(text)).unwrap_err().to_string();
-            assert!(message.contains(word) && message.contains("--to mitsuba"), "{message}");
+            assert!(message.contains(word) && message.contains("barbule_film"), "{message}");
         }
     }
 
