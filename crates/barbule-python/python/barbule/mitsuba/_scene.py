@@ -52,7 +52,10 @@ def scene(
 
     Raises:
         InputError: A surface or lamp that Mitsuba has nothing for, or over 350,000 barbules.
+        ValueError: The variant is not spectral.
     """
+    if not mi.is_spectral:
+        raise ValueError(f"scene: '{mi.variant()}' is not spectral; choose a variant such as llvm_ad_spectral")
     opened = name if isinstance(name, Scene) else Scene.load(name, media=media, progress=progress)
     if folder is None:
         _folders.append(tempfile.TemporaryDirectory(prefix="barbule-"))
