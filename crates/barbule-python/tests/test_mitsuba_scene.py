@@ -199,4 +199,4 @@ def test_what_cannot_be_shown_is_refused(tmp_path):
         barbule.mitsuba.scene("magpie-feather", progress=False)
     mi.set_variant("scalar_spectral")
     with pytest.raises(Exception, match="does not compile"):
-        mi.load_dict({"type": "barbule_keratin", "roughness": 0.3, "index": 1.5, "reflectance": {"type": "uniform"}})
+        mi.load_dict({"type": "barbule_keratin", "roughness": 0.3, "index": 1.5, "reflectance": {"type": "uniform", "value": 0.4}})

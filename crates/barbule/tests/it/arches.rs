@@ -11,23 +11,23 @@ use barbule::structure::Structure;
 
 const NM: [f64; 3] = [450.0, 550.0, 650.0];
 const PHI_DEG: [f64; 2] = [45.0, 0.0];
-const INSTANCES: usize = 50;
+const SEED: u64 = 1;
 
 fn simulated(structure: &Structure, instances: usize, places: usize) -> Statistics {
     let cosines = PHI_DEG.map(|phi| phi.to_radians().cos()).to_vec();
     let axes = Axes::new(&Wavelengths::new(NM).unwrap(), vec![1.0], cosines).unwrap();
-    let parameters = CampaignParameters { axes, instances, seed: 1, tilt: 0.0, mirror: false, places };
+    let parameters = CampaignParameters { axes, instances, seed: SEED, tilt: 0.0, mirror: false, places };
     let campaign = Campaign::new(structure, parameters, &Resources::default(), &Unobserved).unwrap();
     statistics(&campaign, &Unobserved).unwrap()
 }
 
-/// Mean over other instances of what whole sections reflect of a plane wave, unpolarized, and the mean of its square, over the
-/// power that falls on them.
-fn whole(structure: &Structure, wavelength_nm: f64, phi_i: f64) -> [Vec<f64>; 2] {
-    let mut sums = [vec![0.0; AZIMUTHS], vec![0.0; AZIMUTHS]];
+/// Mean over the individuals of `simulated` of what their whole sections reflect of a plane wave, unpolarized, over the power that falls
+/// on them. The same individuals, since others would differ by more than the bounds.
+fn whole(structure: &Structure, instances: usize, wavelength_nm: f64, phi_i: f64) -> Vec<f64> {
+    let mut mean = vec![0.0; AZIMUTHS];
     let accuracy = Accuracy { element_um: CAMPAIGN_ELEMENT_UM, ..Accuracy::default() };
-    for instance in 0..INSTANCES {
-        let section = structure.instance(2, instance).unwrap();
+    for instance in 0..instances {
+        let section = structure.instance(SEED, instance).unwrap();
         let lit = Barbule::new(&section, CAMPAIGN_ELEMENT_UM, Window::PlaneWave).unwrap();
         let power = lit.incident_power_um(0.0, phi_i);
         let light = Illumination { wavelength_nm, theta_i: 0.0, phi_i, window: Window::PlaneWave };
@@ -35,12 +35,10 @@ fn whole(structure: &Structure, wavelength_nm: f64, phi_i: f64) -> [Vec<f64>; 2]
         assert_eq!(field.light, IncidentLight::PlaneWave);
         let both = Polarization::BOTH.map(|polarization| field.differential_width_um(polarization));
         for (k, (first, second)) in both[0].iter().zip(&both[1]).enumerate() {
-            let value = 0.5 * (first + second) / power;
-            sums[0][k] += value / INSTANCES as f64;
-            sums[1][k] += value * value / INSTANCES as f64;
+            mean[k] += 0.5 * (first + second) / power / instances as f64;
         }
     }
-    sums
+    mean
 }
 
 fn unpolarized(of: &Statistics, wave: usize, phi: usize) -> Vec<f64> {
@@ -83,15 +81,17 @@ fn a_single_arch_is_lit_at_all_places() {
 
 #[test]
 fn places_of_an_arch_together_are_the_whole_of_it() {
-    for (species, middle_off) in [("rock-dove", 0.4), ("peafowl", 0.25)] {
+    // Individuals of the peafowl are alike, and each takes a crystal's solution.
+    for (species, instances, middle_off, bound) in [("rock-dove", 40, 0.4, 0.04), ("peafowl", 10, 0.25, 0.03)]
+    {
         let structure = Structure::builtin(species).unwrap();
-        assert_eq!(places(&structure, INSTANCES), PLACES);
-        let (all, middle) = (simulated(&structure, INSTANCES, PLACES), simulated(&structure, INSTANCES, 1));
+        assert_eq!(places(&structure, instances), PLACES);
+        let (all, middle) = (simulated(&structure, instances, PLACES), simulated(&structure, instances, 1));
         let mut apart = [0.0f64; 2];
         for (wave, nm) in NM.into_iter().enumerate() {
             for (phi, cosine) in all.axes.cos_phi().iter().enumerate() {
                 let phi_deg = cosine.acos().to_degrees();
-                let [mean, _] = whole(&structure, nm, phi_deg.to_radians());
+                let mean = whole(&structure, instances, nm, phi_deg.to_radians());
                 let [lit, of_middle] =
                     [&all, &middle].map(|of| half_light_deg(&unpolarized(of, wave, phi), phi_deg));
                 let truth = half_light_deg(&mean, phi_deg);
@@ -100,7 +100,7 @@ fn places_of_an_arch_together_are_the_whole_of_it() {
                     "{species} {nm} nm, {phi_deg:.0}°: whole ±{truth:.2}°, places ±{lit:.2}°, middle ±{of_middle:.2}°; reflected {reflected:.3}"
                 );
                 apart = [apart[0].max((lit / truth - 1.0).abs()), apart[1].max(1.0 - of_middle / truth)];
-                assert!((reflected - 1.0).abs() < 0.08, "{species} {nm} {phi_deg}: {reflected}");
+                assert!((reflected - 1.0).abs() < bound, "{species} {nm} {phi_deg}: {reflected}");
             }
         }
         assert!(apart[0] < 0.08 && apart[1] > middle_off, "{species}: {apart:?}");

@@ -20,8 +20,8 @@ use barbule::stack::Stack;
 use glam::DVec3;
 
 use crate::render::{
-    Lights, agreeing, assert_luminance, bright_pixel, camera, fibres, film_of, lamp, scene, sky, square,
-    under_sky,
+    Lights, SLACK, agreeing, assert_luminance, bright_pixel, camera, fibres, film_of, lamp, scene, sky,
+    square, under_sky,
 };
 
 fn grey(value: f64) -> Reflectance {
@@ -164,14 +164,55 @@ fn lamps() -> Vec<(&'static str, Lights)> {
     ]
 }
 
+/// What the techniques of several pictures differ by, in deviations of their noise.
+#[derive(Clone, Default)]
+struct Differences {
+    sums: [f64; 2],
+    slack: [f64; 2],
+    count: f64,
+}
+
+impl Differences {
+    fn add(&mut self, [both, single @ ..]: [(f64, f64); 3]) {
+        for (k, (mean, error)) in single.into_iter().enumerate() {
+            let deviation = error.hypot(both.1);
+            self.sums[k] += (mean - both.0) / deviation;
+            self.slack[k] += SLACK * both.0 / deviation;
+        }
+        self.count += 1.0;
+    }
+
+    /// Four deviations of the sum.
+    fn assert_none(&self, what: &str) {
+        for (sum, slack) in self.sums.iter().zip(self.slack) {
+            let allowed = 4.0 * self.count.sqrt() + slack;
+            assert!(
+                sum.abs() < allowed,
+                "{what}: techniques differ by {sum:.1} in all, {allowed:.1} allowed"
+            );
+        }
+    }
+}
+
+/// A wrong density or weight is that of a material or of a light, so it tells in all pictures of either: summed over them it is found where it
+/// is a third (of a light) or half (of a material) of what a single picture would tell.
 #[test]
 fn techniques_agree_on_every_material_under_every_light() {
+    let names: Vec<&str> = coloured().iter().map(|(name, ..)| *name).collect();
+    let mut of_materials = vec![Differences::default(); names.len()];
     for (light, lights) in lamps() {
-        for (name, surface, geometry) in coloured() {
+        let mut of_light = Differences::default();
+        for ((name, surface, geometry), of_material) in coloured().into_iter().zip(&mut of_materials) {
             let what = format!("{name} under {light}");
-            let means = agreeing(scene(geometry, surface, lights.clone(), camera(0.9, 2.0)), &what);
+            let means = agreeing(scene(geometry, surface, lights.clone(), camera(0.9, 2.0)), 128, &what);
             assert!(means[0].0 > 1e-3, "{what}: {means:?}");
+            of_light.add(means);
+            of_material.add(means);
         }
+        of_light.assert_none(light);
+    }
+    for (name, of_material) in names.into_iter().zip(of_materials) {
+        of_material.assert_none(name);
     }
 }
 

@@ -13,6 +13,7 @@ use barbule::scattering::statistics::{AZIMUTHS, Axes, NOISE_POINTS, Statistics, 
 use barbule::spectrum::Wavelengths;
 use barbule::structure::{SpeciesModel, Structure};
 use num_complex::Complex64;
+use std::sync::OnceLock;
 
 const INSTANCES: usize = 50;
 
@@ -34,6 +35,8 @@ pub(crate) struct Species {
     middle: Ensemble,
     /// Of arches: lit at all places in turn, as materials are made.
     places: Option<Ensemble>,
+    /// Fitted to them, once for all that asks.
+    material: OnceLock<(FeatherMaterial, FitReport)>,
 }
 
 /// Simulated barbules lit in one way.
@@ -53,7 +56,7 @@ pub(crate) fn simulate(name: &'static str) -> Species {
     let usual =
         |places: usize| ensemble(&structure, &[0.1, 0.5, 1.0], &[0.1, 0.35, 0.7, 1.0], INSTANCES, 1, places);
     let (middle, places) = (usual(1), (all > 1).then(|| usual(all)));
-    Species { name, is_arched, structure, middle, places }
+    Species { name, is_arched, structure, middle, places, material: OnceLock::new() }
 }
 
 fn ensemble(
@@ -92,6 +95,11 @@ impl Species {
     /// Lit as materials are made.
     fn lit(&self) -> &Ensemble {
         self.places.as_ref().unwrap_or(&self.middle)
+    }
+
+    /// What is fitted to it as materials are.
+    fn material(&self) -> &(FeatherMaterial, FitReport) {
+        self.material.get_or_init(|| self.lit().fitted(LobeForm::Pair, false))
     }
 
     /// The stronger component's values over instances where the lobe is seen, lit in the middle, `(node, [φ_o][instance])`.
@@ -311,12 +319,10 @@ pub(crate) struct Correlations {
 
 /// Measures [`Correlations`] of a material without what tells wavelengths apart, as it is published, and of one with it.
 pub(crate) fn correlations(species: &Species) -> [Correlations; 2] {
-    let species = species.lit();
-    let published = Statistics { glints: Vec::new(), ..species.statistics.clone() };
-    [&published, &species.statistics].map(|statistics| {
-        let (material, _) = fit(statistics, &FitOptions::default(), &Unobserved).unwrap();
-        correlations_of(species, &material)
-    })
+    let lit = species.lit();
+    let published = Statistics { glints: Vec::new(), ..lit.statistics.clone() };
+    let (published, _) = fit(&published, &FitOptions::default(), &Unobserved).unwrap();
+    [&published, &species.material().0].map(|material| correlations_of(lit, material))
 }
 
 /// Instances that are drawn.
@@ -409,7 +415,7 @@ const WITHIN_DEG: f64 = 1.6;
 /// Measures [`Contrasts`] of a material of the usual number of barbules against so many others.
 pub(crate) fn contrasts(species: &Species, others: usize) -> Contrasts {
     let lit = species.lit();
-    let (material, _) = fit(&lit.statistics, &FitOptions::default(), &Unobserved).unwrap();
+    let (material, _) = species.material();
     let (cosines, noise) = ([[0.5, 1.0].as_slice(), &[0.35, 0.7, 1.0]], material.noise());
     let many = ensemble(&species.structure, cosines[0], cosines[1], others, 2, lit.statistics.places);
     let (axes, azimuths): (_, Vec<f64>) = (&many.statistics.axes, azimuths(AZIMUTHS).collect());
@@ -417,13 +423,17 @@ pub(crate) fn contrasts(species: &Species, others: usize) -> Contrasts {
     for (wave, theta, phi) in (0..18).map(|k| (k / 6, k / 3 % 2, k % 3)) {
         let simulated = many.intensities(wave, theta, phi);
         let few = lit.intensities(wave, theta + 1, phi + 1);
-        let synthesis = Synthesis::new(&material, material.axes.index(wave, theta + 1, phi + 1));
-        let drawn: Vec<Vec<f64>> = (0..10 * DRAWN).map(|name| synthesis.intensity(&noise, name)).collect();
         let phi_deg = axes.phi_i(phi).to_degrees();
         for offset in OFFSETS_DEG.into_iter().filter(|offset| (offset - phi_deg).abs() < 75.0) {
             let near = |phi_o: &f64| (phi_o.to_degrees() + phi_deg - offset).abs() < WITHIN_DEG;
             let places: Vec<usize> = (0..AZIMUTHS).filter(|k| near(&azimuths[*k])).collect();
-            let pair = [contrast(&simulated, &places), contrast(&drawn, &places)];
+            // Drawn where they are compared, and nowhere else.
+            let there: Vec<f64> = places.iter().map(|k| azimuths[*k]).collect();
+            let synthesis = Synthesis::on(material, material.axes.index(wave, theta + 1, phi + 1), &there);
+            let drawn: Vec<Vec<f64>> =
+                (0..10 * DRAWN).map(|name| synthesis.intensity(&noise, name)).collect();
+            let all: Vec<usize> = (0..there.len()).collect();
+            let pair = [contrast(&simulated, &places), contrast(&drawn, &all)];
             let apart = (pair[0] - pair[1]).abs();
             let own = contrast(&few, &places);
             found.sampled += (own - pair[0]).abs();
@@ -560,13 +570,13 @@ const DRAWS: u64 = 8000;
 
 /// Measures [`Synthesized`].
 pub(crate) fn synthesized(species: &Species) -> Synthesized {
+    let (material, report) = species.material();
     let species = species.lit();
-    let (material, report) = species.fitted(LobeForm::Pair, false);
     let count = report.patterns.len() as f64;
     let balance: f64 = report.patterns.iter().map(|p| p.balance).sum();
     let noise = material.noise();
     let node = material.axes.index(1, 2, 3);
-    let synthesis = Synthesis::new(&material, node);
+    let synthesis = Synthesis::new(material, node);
     let step = std::f64::consts::PI / AZIMUTHS as f64;
     let drawn: f64 = (0..DRAWS).map(|n| step * synthesis.intensity(&noise, n).iter().sum::<f64>()).sum();
     let reflected = &species.statistics.reflected[2 * node..2 * node + 2];
@@ -578,7 +588,7 @@ pub(crate) fn synthesized(species: &Species) -> Synthesized {
         correlation: [0, 1]
             .map(|side| patterns().map(|p| p.balance * p.correlation[side]).sum::<f64>() / balance),
         energy: drawn / DRAWS as f64 / (0.5 * (reflected[0] + reflected[1])),
-        lengths: [(0, 3), (2, 3), (0, 2)].map(|(wave, phi)| lengths(species, &material, wave, phi)),
+        lengths: [(0, 3), (2, 3), (0, 2)].map(|(wave, phi)| lengths(species, material, wave, phi)),
         longest_length: report.longest_length[0],
     }
 }
