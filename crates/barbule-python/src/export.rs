@@ -96,7 +96,7 @@ impl Order {
                 self.write(Source::Scene(&open::scene(name, &opening, progress)?), &[exported], progress)
             }
             Needs::Stack => {
-                let stack = open::stack(name, opening.media.library())?;
+                let stack = open::film_stack(name, opening.media.library())?;
                 self.write(Source::Stack(&stack, name), &[exported], progress)
             }
         }

@@ -100,7 +100,7 @@ impl Args {
             }
             Needs::Stack => {
                 let media = self.common.opening()?.media;
-                let stack = open::stack(&self.what, media.library())?;
+                let stack = open::film_stack(&self.what, media.library())?;
                 (None, request(&provenance.notes(), Source::Stack(&stack, &self.what))?)
             }
         };

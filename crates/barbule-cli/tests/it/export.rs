@@ -69,3 +69,38 @@ fn what_cannot_be_exported_is_said() {
     std::fs::write(folder.path().join("s.toml"), scene).unwrap();
     assert!(refused(&["render", "s.toml", "-o", "x.png"]).contains("bad.bsdf"));
 }
+
+/// Films say how far their format is off at each angle; other stacks and barbules are refused with a way out.
+#[test]
+fn films_are_exported_and_barbules_are_told_where_to_go() {
+    let folder = tempfile::tempdir().unwrap();
+    for (format, file) in [("gltf", "film.gltf"), ("openpbr", "film.mtlx")] {
+        let words = ["export", "air/keratin:595/air", "--to", format, "-o", file, "--json"];
+        let (code, out, message) = run_in(folder.path(), &words);
+        assert_eq!(code, 0, "{message}");
+        let document: Value = serde_json::from_str(&out).unwrap();
+        let angles = document["details"]["angles"].as_array().unwrap();
+        assert_eq!(angles.len(), 6);
+        assert!(angles.iter().all(|row| row["delta_e"].as_f64().unwrap() < 10.0), "{document}");
+        assert!(document["delta_e"].as_f64().unwrap() < 6.0 && folder.path().join(file).exists());
+    }
+    for (what, word) in [("starling", "no barbules"), ("air/melanin:99/keratin:100/air", "barbule_film")] {
+        let (code, _, message) = run_in(folder.path(), &["export", what, "--to", "gltf", "-o", "x.gltf"]);
+        assert!(code == 2 && message.contains(word), "{message}");
+    }
+    assert!(!folder.path().join("x.gltf").exists());
+}
+
+/// A shader finds its table beside it, and both say what made them.
+#[test]
+fn a_shader_and_its_table_lie_beside_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = ["export", "starling", "--to", "osl", "-o", "s.osl", "--json"];
+    let (code, out, message) = run_in(folder.path(), &words);
+    assert_eq!(code, 0, "{message}");
+    let document: Value = serde_json::from_str(&out).unwrap();
+    assert!(document["relative_l1"].as_f64().unwrap() < 0.25, "{document}");
+    let shader = std::fs::read_to_string(folder.path().join("s.osl")).unwrap();
+    assert!(shader.contains("string Table = \"s.exr\"") && shader.contains("// material_hash: "), "{shader}");
+    assert!(folder.path().join("s.exr").exists());
+}

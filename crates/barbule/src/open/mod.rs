@@ -36,7 +36,7 @@ use std::path::Path;
 pub use material::{Located, locate, made, material, material_of, worn};
 pub use media::Media;
 pub use scene::{description, folder_of, scene};
-pub use structure::{is_built_in, lattice, lattice_of, stack, structure};
+pub use structure::{film_stack, is_built_in, lattice, lattice_of, stack, structure};
 
 use crate::Result;
 use crate::campaign::Resources;

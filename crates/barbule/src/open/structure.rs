@@ -33,6 +33,21 @@ pub fn stack(text: &str, library: &Library) -> Result<Stack> {
     })
 }
 
+/// As [`stack`], where formats of flat films are made: barbules are told what has them.
+///
+/// # Errors
+/// As there, or the name of a bird or of a material's file.
+pub fn film_stack(text: &str, library: &Library) -> Result<Stack> {
+    let is_material = Path::new(text).extension().is_some_and(|end| end.eq_ignore_ascii_case("barbule"));
+    if is_built_in(text) || is_material {
+        return Err(Error::input(format!(
+            "{}: glTF and OpenPBR have flat films and no barbules; export these as bsdf, osl or mitsuba, or give a stack of one film, as in air/keratin:595/air",
+            shortened(text)
+        )));
+    }
+    stack(text, library)
+}
+
 /// Whether a text is the name of a built-in species, or of a variant of one, there or not. Such a name never means a file.
 #[must_use]
 pub fn is_built_in(text: &str) -> bool {
