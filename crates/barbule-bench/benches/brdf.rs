@@ -71,6 +71,28 @@ fn measure<R>(name: &str, calls: &[Call], mut call: impl FnMut(&Call, u64) -> R)
     println!("{name:45} {:7.1} ns", times[times.len() / 4]);
 }
 
+/// The same of pairs together, as many in a run.
+fn measure_together(name: &str, brdf: &FeatherBrdf, calls: &[Call], has_instances: bool) {
+    let directions: Vec<_> = calls.iter().map(|call| [call.wi, call.wo]).collect();
+    let waves: Vec<_> = calls.iter().map(|call| call.waves).collect();
+    let mut names: Vec<u64> = (0..calls.len() as u64).collect();
+    let mut values = vec![[0.0; 4]; calls.len()];
+    let mut times = Vec::new();
+    for _ in 0..100 {
+        names.iter_mut().for_each(|name| *name += COUNT as u64);
+        for first in (0..calls.len()).step_by(256) {
+            let run = first..calls.len().min(first + 256);
+            let begun = Instant::now();
+            let names = has_instances.then(|| &names[run.clone()]);
+            brdf.eval_all(&directions[run.clone()], &waves[run.clone()], names, &mut values[run.clone()]);
+            black_box(&values);
+            times.push(begun.elapsed().as_secs_f64() * 1e9 / run.len() as f64);
+        }
+    }
+    times.sort_by(f64::total_cmp);
+    println!("{name:45} {:7.1} ns", times[times.len() / 4]);
+}
+
 /// A fibre at the wavelengths of a call; light from its one direction to the other.
 fn measure_hair(name: &str, calls: &[Call], index: FibreIndex, height_over_width: f64) {
     let absorption = Absorption::pigments(0.6, 0.1).expect("pigments");
@@ -122,6 +144,8 @@ fn main() {
     measure("eval of 4 wavelengths, smooth", &calls, |c, _| brdf.eval(c.waves, c.wi, c.wo, None));
     measure("eval of 8 wavelengths with instance", &calls, |c, n| brdf.eval(c.eight(), c.wi, c.wo, Some(n)));
     measure("eval of 8 wavelengths, smooth", &calls, |c, _| brdf.eval(c.eight(), c.wi, c.wo, None));
+    measure_together("eval of 4 wavelengths together, instance", &brdf, &calls, true);
+    measure_together("eval of 4 wavelengths together, smooth", &brdf, &calls, false);
     // What a renderer does: several lights at each point.
     measure("four evaluations of 4 of one hit, instance", &calls, |c, n| towards_four(&brdf, c, n));
     measure("prepare", &calls, |c, _| brdf.prepare(c.waves, c.wi));

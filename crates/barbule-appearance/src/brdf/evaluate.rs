@@ -26,8 +26,8 @@ pub struct FeatherBrdf {
     pub(super) tables: Arc<BrdfTables>,
     pub(super) reciprocity: Reciprocity,
     /// 1/σ² of the Gaussians along the barbule; 0 where there is none.
-    inverse_sigma2: [f64; PARTS],
-    level: Level,
+    pub(super) inverse_sigma2: [f64; PARTS],
+    pub(super) level: Level,
 }
 
 /// A [`FeatherBrdf`] at N wavelengths and one incident direction; N is a multiple of four.
@@ -164,7 +164,7 @@ impl FeatherBrdf {
     }
 
     #[inline(always)]
-    fn cosine(&self) -> Cosine {
+    pub(super) fn cosine(&self) -> Cosine {
         Cosine(if self.tables.kind == FitKind::Marginal { 1.0 } else { 0.0 })
     }
 
@@ -175,11 +175,10 @@ impl FeatherBrdf {
         simd: S,
         set: usize,
         simplices: &Simplices<S>,
-        slope: &Slope,
+        (Pair { slope, facet, .. }, instance): (&Pair, Option<&At<'_>>),
         inverse_nm: f32x4<S>,
-        facet: f32,
-        instance: Option<&At>,
     ) -> f32x4<S> {
+        let facet = *facet;
         let Some(at) = instance else {
             let mean = Mixed::new(simd, &self.tables.sets[set], simplices).mean;
             let Some(polarization) = self.tables.polarization else { return mean };
@@ -247,15 +246,24 @@ fn usable(reciprocity: Reciprocity, tables: &BrdfTables) -> Reciprocity {
 
 /// Whether a direction leaves the surface.
 #[inline(always)]
-fn is_above(w: DVec3) -> bool {
+pub(super) fn is_above(w: DVec3) -> bool {
     w.z > 0.0
 }
 
 /// Wave number times wavelength, (rad/µm) nm.
 const PHASE_NM: f64 = 1000.0 * TAU;
 
+/// What all wavelengths of a pair of directions share beside their simplices.
+pub(super) struct Pair {
+    pub(super) slope: Slope,
+    /// Slope of the facet that mirrors, on the side of the tables, where somebody asks for it.
+    pub(super) facet: f32,
+    /// What each Gaussian along the barbule, z·ω_o and cosφ_o make of f.
+    pub(super) factors: [f32; PARTS],
+}
+
 /// Which instance, and where its noise is looked up but for the length: x_i + x_o.
-struct At<'a> {
+pub(super) struct At<'a> {
     draw: &'a Draw,
     x: f32,
     /// Height phase times the wavelength, (rad/µm) nm.
@@ -263,14 +271,14 @@ struct At<'a> {
     /// b of the module `slope`.
     bend: f64,
     /// Slope t of the facet that mirrors.
-    facet: f64,
+    pub(super) facet: f64,
     /// E − 1 on its side.
     wing: f32,
 }
 
 impl<'a> At<'a> {
     #[inline(always)]
-    fn new(draw: &'a Draw, [wi, wo]: [DVec3; 2]) -> Self {
+    pub(super) fn new(draw: &'a Draw, [wi, wo]: [DVec3; 2]) -> Self {
         let (x, z) = (wi.x + wo.x, wi.z + wo.z);
         let phase_nm = (z * PHASE_NM) as f32;
         let facet = x / z;
@@ -387,7 +395,7 @@ struct Towards {
     /// cosθ_o, and cosθ_o cosφ_o.
     cos_theta: f64,
     z: f64,
-    /// Slope of the facet that mirrors, on the side of the tables, where somebody asks for it.
+    /// See [`Pair`].
     facet: f32,
 }
 
@@ -498,35 +506,33 @@ impl FeatherBrdf {
         towards.facet = if incident.mirrored { -facet } else { facet } as f32;
         let (fours, _) = wavelengths_nm.as_chunks::<4>();
         let (lanes, _) = values.as_chunks_mut::<4>();
+        let pair = Pair { slope: towards.incident.corners.slope, facet: towards.facet, factors };
         if let ([four, ..], [lanes, ..]) = (fours, &mut *lanes) {
-            self.add_four(simd, set, &towards, &factors, instance, four, lanes);
+            self.add_four(simd, set, &self.simplices(simd, &towards, four), (&pair, instance), four, lanes);
         }
         if let ([_, four, ..], [_, lanes, ..]) = (fours, lanes) {
-            self.add_four(simd, set, &towards, &factors, instance, four, lanes);
+            self.add_four(simd, set, &self.simplices(simd, &towards, four), (&pair, instance), four, lanes);
         }
     }
 
     #[inline(always)]
-    fn add_four<S: Simd>(
+    pub(super) fn add_four<S: Simd>(
         &self,
         simd: S,
         set: usize,
-        towards: &Towards,
-        factors: &[f32; PARTS],
-        instance: Option<&At>,
+        simplices: &Simplices<S>,
+        (pair, instance): (&Pair, Option<&At<'_>>),
         four: &[f32; 4],
         lanes: &mut [f32; 4],
     ) {
-        let simplices = self.simplices(simd, towards, four);
         let inverse_nm = f32x4::splat(simd, 1.0) / f32x4::from_slice(simd, four);
-        let slope = &towards.incident.slope;
-        let across = self.across(simd, set, &simplices, slope, inverse_nm, towards.facet, instance);
+        let across = self.across(simd, set, simplices, (pair, instance), inverse_nm);
         let shares = self.tables.longitudinal.shares();
-        let [first, second, third, fourth] = *factors;
+        let [first, second, third, fourth] = pair.factors;
         let value = if shares.is_empty() {
             across * first
         } else {
-            let [a, b, c, d] = parts(simd, shares, &simplices);
+            let [a, b, c, d] = parts(simd, shares, simplices);
             across * ((a * first + b * second) + (c * third + d * fourth))
         };
         *lanes = (f32x4::from_slice(simd, lanes) + value).into();
@@ -589,8 +595,9 @@ impl FeatherBrdf {
 
     #[inline(always)]
     fn simplices<S: Simd>(&self, simd: S, towards: &Towards, four: &[f32; 4]) -> Simplices<S> {
-        let Towards { incident, outgoing, .. } = towards;
-        Simplices::new(simd, &self.tables.grid, incident, outgoing, four, self.cosine())
+        let Towards { incident: Incident { corners, .. }, outgoing, .. } = towards;
+        let shares = corners.shares.map(|share| share as f32);
+        Simplices::new(simd, &self.tables.grid, (&corners.first, shares), outgoing, four, self.cosine())
     }
 }
 

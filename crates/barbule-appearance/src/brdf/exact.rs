@@ -144,7 +144,7 @@ impl ExactBrdf<'_> {
 
     /// f of an instance, S.25, each polarization with its own noise, at x = x_i + x_o and z = z_i + z_o.
     fn speckled(&self, across: &Across, set: usize, part: f64, [x, z]: [f64; 2], draw: &Draw) -> f64 {
-        let slope = self.place.as_ref().map_or(Slope::default(), |(incident, _)| incident.slope);
+        let slope = self.place.as_ref().map_or(Slope::default(), |(incident, _)| incident.corners.slope);
         let at = At {
             x: x * across.inverse_length,
             achromatic_x: x * slope.achromatic_inverse_length,

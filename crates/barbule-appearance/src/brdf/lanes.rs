@@ -34,12 +34,12 @@ pub(super) struct Outgoing {
 impl Outgoing {
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, incident: &Incident, tau: f32, Cosine(with_cosine): Cosine) -> Self {
-        let tangent = f32x4::from_slice(simd, &incident.tangents);
+        let tangent = f32x4::from_slice(simd, &incident.corners.tangents);
         let square = tangent * tangent;
         let level = f32x4::splat(simd, 1.0) / (square + tau * tau);
         let root = level.sqrt();
         let cosine = tangent * level * (2.0 * tau);
-        let z = f32x4::from_slice(simd, &incident.cos_theta) * cosine;
+        let z = f32x4::from_slice(simd, &incident.corners.cos_theta) * cosine;
         let scale = z * cosine * (root * with_cosine + (1.0 - with_cosine));
         let drawn = cosine * root / tangent;
         Self {
@@ -50,6 +50,13 @@ impl Outgoing {
             square: square.into(),
             drawn: drawn.into(),
         }
+    }
+
+    /// Of numbers that are known at each corner; without what densities need.
+    #[inline(always)]
+    pub(super) fn of(tau: f32, level: [f32; 3], z: [f32; 3], scale: [f32; 3]) -> Self {
+        let [level, z, scale] = [level, z, scale].map(|[a, b, c]| [a, b, c, c]);
+        Self { tau, level, z, scale, square: [0.0; 4], drawn: [0.0; 4] }
     }
 }
 
@@ -110,16 +117,15 @@ impl<S: Simd> Simplices<S> {
     pub(super) fn new(
         simd: S,
         grid: &Grid,
-        incident: &Incident,
+        (corners, [larger, smaller]): (&[u32; 3], [f32; 2]),
         outgoing: &Outgoing,
         wavelengths_nm: &[f32; 4],
         cosine: Cosine,
     ) -> Self {
         let (wave, share) = grid.waves_at(simd, wavelengths_nm);
-        let [larger, smaller] = incident.shares.map(|share| share as f32);
         let first = share.simd_ge(f32x4::splat(simd, larger));
         let second = share.simd_ge(f32x4::splat(simd, smaller));
-        let below = incident.first.map(|first| i32x4::splat(simd, first as i32) + wave);
+        let below = corners.map(|first| i32x4::splat(simd, first as i32) + wave);
         let up = grid.next_wave() as i32;
         let at = [
             below[0],

@@ -5,6 +5,7 @@
 //! barbule's frame (x across, y along, z up) and point away from the surface; values are in 1/sr without the cosine.
 
 mod arrays;
+mod batch;
 mod correlation;
 mod evaluate;
 mod exact;

@@ -11,7 +11,7 @@
 //! two lowest nodes linearly.
 
 use bytemuck::{Pod, Zeroable, cast_slice};
-use fearless_simd::{Simd, f32x4, i32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f64x8, i32x4, prelude::*};
 use rayon::prelude::*;
 
 mod entry;
@@ -57,10 +57,10 @@ pub(super) struct Shares(pub(super) [f32; 4]);
 const LEAST_SHARE: f64 = 1e-9;
 
 /// φ_i nearer to grazing count as this cosφ_i.
-const LEAST_COSINE: f64 = 1e-4;
+pub(super) const LEAST_COSINE: f64 = 1e-4;
 
 /// φ_o nearer to grazing count as this cosφ_o.
-const LEAST_OUTGOING: f64 = 1e-8;
+pub(super) const LEAST_OUTGOING: f64 = 1e-8;
 
 /// The largest number in single precision.
 const LARGEST: f64 = f32::MAX as f64;
@@ -147,6 +147,20 @@ impl Axis {
         let share = (at - places[index]) / (places[index + 1] - places[index]);
         (index, share.clamp(0.0, 1.0))
     }
+
+    /// [`find`](Self::find) for eight.
+    #[inline(always)]
+    fn find_eight<S: Simd>(&self, at: f64x8<S>) -> [(usize, f64); 8] {
+        let Some(inverse) = self.inverse_spacing else {
+            let at: [f64; 8] = at.into();
+            return at.map(|at| self.find(at));
+        };
+        let last = (self.places.len() - 2) as f64;
+        let position = ((at - self.places[0]) * inverse).max(0.0).min(last + 1.0);
+        let index = position.floor().min(last);
+        let (index, share): ([f64; 8], [f64; 8]) = (index.into(), (position - index).into());
+        std::array::from_fn(|k| (index[k] as i32 as usize, share[k]))
+    }
 }
 
 /// τ(φ) = tan(φ/2 + π/4) = (1 + sinφ)/cosφ of an azimuth's sine and cosine times anything positive, and that factor: as
@@ -157,12 +171,10 @@ pub(super) fn tangent(sine: f64, cosine: f64, factor: f64) -> [f64; 2] {
     if sine < 0.0 { [cosine, sum] } else { [sum, cosine] }
 }
 
-/// A light's direction in the tables.
-///
-/// Of its cell three corners count: the one below in both axes, the next along the axis with the larger share, the one
-/// above in both. Arrays are over them; their last place repeats the one before.
+/// The corners of a light's cell that count: the one below in both axes, the next along the axis with the larger share, the
+/// one above in both. Arrays are over them; their last place repeats the one before.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Incident {
+pub(super) struct Corners {
     /// Number of each corner's node at the shortest wavelength.
     pub(super) first: [u32; 3],
     /// cosθ_i that each corner's lobes belong to.
@@ -171,21 +183,34 @@ pub(super) struct Incident {
     pub(super) tangents: [f32; 4],
     /// Larger and smaller share.
     pub(super) shares: [f64; 2],
+    /// How slopes tell.
+    pub(super) slope: Slope,
+}
+
+/// A light's direction in the tables.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Incident {
+    pub(super) corners: Corners,
     /// Whether the tables hold the mirror image: x of ω_o changes its sign.
     pub(super) mirrored: bool,
     /// [`tangent`] of the light's own φ_i.
     pub(super) tangent: [f64; 2],
     /// sinθ_i and cosθ_i.
     pub(super) along: [f64; 2],
-    /// How slopes tell.
-    pub(super) slope: Slope,
+}
+
+/// Where eight lights lie in the tables: along both axes the place below and the share of the one above, and cosθ_i.
+pub(super) struct Places {
+    pub(super) theta: [(usize, f64); 8],
+    pub(super) phi: [(usize, f64); 8],
+    pub(super) cos_theta: [f64; 8],
 }
 
 impl Incident {
     /// cosθ and τ(φ) of one of the three corners.
     pub(super) fn corner(&self, corner: u8) -> [f64; 2] {
         let k = usize::from(corner).min(2);
-        [self.cos_theta[k], self.tangents[k]].map(f64::from)
+        [self.corners.cos_theta[k], self.corners.tangents[k]].map(f64::from)
     }
 
     /// τ(φ_i) τ(φ_o) of an azimuth's sine and cosine times the same factor, and that cosine, both kept off the horizon so far
@@ -334,7 +359,32 @@ impl Grid {
         let mirrored = self.sides == Sides::Alike && x < 0.0;
         let sine = if mirrored { -x } else { x };
         let place = (1.0 - cos_phi).copysign(sine);
-        let ((t, wt), (below, wp)) = (self.theta.find(cos_theta), self.phi.find(place));
+        Incident {
+            corners: self.corners(self.theta.find(cos_theta), self.phi.find(place)),
+            mirrored,
+            tangent: tangent(sine, z.max(LEAST_COSINE * cos_theta), cos_theta),
+            along: [y, cos_theta],
+        }
+    }
+
+    /// Where eight lights lie, as of [`Grid::incident`].
+    #[inline(always)]
+    pub(super) fn places<S: Simd>(&self, simd: S, [x, _, z]: &[[f64; 8]; 3]) -> Places {
+        let (x, z) = (f64x8::from_slice(simd, x), f64x8::from_slice(simd, z));
+        let one = f64x8::splat(simd, 1.0);
+        let cos_theta = (x * x + z * z).sqrt().max(1e-9);
+        let cos_phi = (z / cos_theta).min(1.0);
+        let place = (one - cos_phi).copysign(if self.sides == Sides::Alike { one } else { x });
+        Places {
+            theta: self.theta.find_eight(cos_theta),
+            phi: self.phi.find_eight(place),
+            cos_theta: cos_theta.into(),
+        }
+    }
+
+    /// The corners about a place along each axis.
+    #[inline(always)]
+    pub(super) fn corners(&self, (t, wt): (usize, f64), (below, wp): (usize, f64)) -> Corners {
         // From the normal outwards, so that mirror images are mixed alike.
         let (p, outwards, wp) =
             if self.phi.places[below] < 0.0 { (below + 1, below, 1.0 - wp) } else { (below, below + 1, wp) };
@@ -357,14 +407,11 @@ impl Grid {
                 three.achromatic_inverse_length,
             ),
         };
-        Incident {
+        Corners {
             first: [node(cells[0]), node(cells[1]), node(cells[2])],
             cos_theta: [near, if up { far } else { near }, far, far],
             tangents: [inner, if up { inner } else { outer }, outer, outer],
             shares: [larger, smaller],
-            mirrored,
-            tangent: tangent(sine, z.max(LEAST_COSINE * cos_theta), cos_theta),
-            along: [y, cos_theta],
             slope,
         }
     }
@@ -374,7 +421,7 @@ impl Grid {
     pub(super) fn simplex(&self, incident: &Incident, wavelength_nm: f64) -> Simplex {
         let (wave, share) = self.wavelengths.find(wavelength_nm);
         let (wave, up) = (wave as u32, self.next_wave());
-        let [larger, smaller] = incident.shares;
+        let Corners { first: corners, shares: [larger, smaller], .. } = incident.corners;
         // The axes are climbed in the order of their shares: λ first, second or last.
         let (first, second) = (share >= larger, share >= smaller);
         let (a, c) = (share.max(larger), share.min(smaller));
@@ -382,10 +429,10 @@ impl Grid {
         let middle = [u8::from(!first), 2 - u8::from(second)];
         Simplex {
             at: [
-                incident.first[0] + wave,
-                incident.first[usize::from(middle[0])] + wave + up * u32::from(first),
-                incident.first[usize::from(middle[1])] + wave + up * u32::from(second),
-                incident.first[2] + wave + up,
+                corners[0] + wave,
+                corners[usize::from(middle[0])] + wave + up * u32::from(first),
+                corners[usize::from(middle[1])] + wave + up * u32::from(second),
+                corners[2] + wave + up,
             ],
             weight: [(1.0 - a) as f32, (a - b) as f32, (b - c) as f32, c as f32],
             middle,

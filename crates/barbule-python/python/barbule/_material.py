@@ -274,4 +274,6 @@ def _names(instance: ArrayLike) -> NDArray[np.uint64]:
         raise TypeError(f"'instance' holds {names.dtype}; names of barbules are whole numbers")
     if names.dtype.kind == "i" and names.size and int(names.min()) < 0:
         raise ValueError(f"'instance' holds {int(names.min())}; names of barbules are 0 or more")
-    return names.astype(np.uint64, copy=False)
+    # Whole numbers that are not negative have the same bits with a sign and without: no copy.
+    is_alike = names.dtype.itemsize == 8 and names.dtype.isnative
+    return names.view(np.uint64) if is_alike else names.astype(np.uint64)

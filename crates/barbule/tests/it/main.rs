@@ -5,6 +5,7 @@
 mod agreement;
 mod arches;
 mod architecture;
+mod batch;
 mod birds;
 mod brdf;
 mod clad;
