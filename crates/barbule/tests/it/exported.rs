@@ -151,7 +151,9 @@ fn what_other_renderers_cannot_show_is_refused_by_a_sentence() {
     let exported = exported(folder.path(), gold);
     let refused = exported.write_mitsuba(&path).unwrap_err().to_string();
     assert!(
-        refused.contains("'gold' cannot be shown in Mitsuba, which has nothing for metals, glass and rough films"),
+        refused.contains(
+            "'gold' cannot be shown in Mitsuba, which has nothing for metals, glass and rough films"
+        ),
         "{refused}"
     );
     let refused = exported.write_pbrt(&path, &mut |_, _| Ok("x.bsdf".to_owned())).unwrap_err().to_string();
