@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 use serde_json::{Value as Json, json};
 
+use super::pixels::portable_floats;
 use super::plugin::{Class, Plugin, Value};
 use super::shapes::{RibbonKind, curves_text};
 use super::{Exported, NamedBytes, Part, Shape, number_of, table_file, write_all};
@@ -14,7 +15,7 @@ use crate::brdf::FeatherBrdf;
 use crate::bsdf::{BarbuleSurface, Keratin, Surface};
 use crate::scene::camera::{Camera, Projection};
 use crate::scene::emission::Emission;
-use crate::scene::light::{Light, Rectangle, Sphere, Spot, Sun};
+use crate::scene::light::{Light, Rectangle, Sphere, Spot};
 use crate::scene::sky::{Environment, Sky};
 use crate::spectrum::colour::matching;
 use crate::spectrum::dense::SHORTEST_NM;
@@ -24,8 +25,6 @@ use crate::{Error, Result};
 const MITSUBA_NM: [f64; 2] = [360.0, 830.0];
 /// Mitsuba's integral of ȳ: a flat spectrum of 1 has luminance 1.
 const MITSUBA_WHITE: f64 = 106.750_259_399_414;
-/// Discs at infinity stand so many times as far as the scene reaches, so that they have no parallax that is seen.
-const FAR: f64 = 2000.0;
 /// Columns that an environment's picture has at least: Mitsuba mixes neighbouring texels, where skies here are constant in each.
 const SKY_COLUMNS: usize = 1024;
 
@@ -182,13 +181,11 @@ impl Exported {
         let shape = |kind: &'static str| Plugin::new(Class::Shape, kind);
         Ok(match light {
             Light::Sun(sun) => {
-                let Sun { direction, cos_radius, .. } = sun;
-                let distance = FAR * self.reach_mm;
-                let radius = distance * (1.0 - cos_radius * cos_radius).max(0.0).sqrt() / cos_radius;
-                let frame = facing(-*direction);
+                let (direction, [distance, radius]) = (sun.direction, self.disc_mm(sun));
+                let frame = facing(-direction);
                 let to_world = matrix(
                     [frame.x_axis * radius, frame.y_axis * radius, frame.z_axis],
-                    *direction * distance,
+                    direction * distance,
                 );
                 shape("disk").with("to_world", to_world).holding("emitter", area(&self.sun_and_sky(sun)?))
             }
@@ -348,22 +345,6 @@ fn spot_picture(spot: &Spot) -> Vec<u8> {
         let direction = facing(spot.axis) * DVec3::new(at(x), at(y), 1.0).normalize();
         [spot.share(direction) as f32]
     })
-}
-
-/// A picture of single-precision numbers (PFM), in colour or grey, whose rows go from the bottom.
-pub(super) fn portable_floats<const CHANNELS: usize>(
-    [width, height]: [usize; 2],
-    texel: impl Fn(usize, usize) -> [f32; CHANNELS],
-) -> Vec<u8> {
-    let kind = if CHANNELS == 1 { "Pf" } else { "PF" };
-    let mut bytes = format!("{kind}\n{width} {height}\n-1.0\n").into_bytes();
-    bytes.reserve(4 * CHANNELS * width * height);
-    for y in (0..height).rev() {
-        for x in 0..width {
-            bytes.extend(texel(x, y).into_iter().flat_map(f32::to_le_bytes));
-        }
-    }
-    bytes
 }
 
 #[cfg(test)]

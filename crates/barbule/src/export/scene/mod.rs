@@ -4,6 +4,7 @@
 
 mod mitsuba;
 mod pbrt;
+mod pixels;
 mod plugin;
 mod shapes;
 
@@ -30,6 +31,9 @@ use crate::{Error, Result};
 
 pub use pbrt::MeasuredFiles;
 use shapes::{MeshKind, RibbonKind, stands};
+
+/// Discs at infinity stand so many times as far as the scene reaches, so that they have no parallax that is seen.
+const FAR: f64 = 2000.0;
 
 /// How a scene is seen by another renderer.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -136,6 +140,12 @@ impl Exported {
     #[must_use]
     pub fn remarks(&self) -> &[String] {
         &self.remarks
+    }
+
+    /// Distance and radius of the disc that stands for a sun, mm.
+    fn disc_mm(&self, sun: &Sun) -> [f64; 2] {
+        let distance = FAR * self.reach_mm;
+        [distance, distance * (1.0 - sun.cos_radius * sun.cos_radius).max(0.0).sqrt() / sun.cos_radius]
     }
 
     /// What shines where a sun is: other renderers have discs, which hide the sky behind them.

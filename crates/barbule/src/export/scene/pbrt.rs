@@ -8,13 +8,13 @@ use std::path::Path;
 
 use glam::{DMat3, DVec3};
 
-use super::mitsuba::portable_floats;
+use super::pixels::portable_floats;
 use super::{Exported, NamedBytes, Part, Shape, number_of, write_all};
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{Keratin, Surface};
 use crate::scene::camera::Projection;
 use crate::scene::emission::Emission;
-use crate::scene::light::{Light, Rectangle, Sphere, Sun};
+use crate::scene::light::{Light, Rectangle, Sphere};
 use crate::scene::sky::Sky;
 use crate::spectrum::dense::SHORTEST_NM;
 use crate::{Error, Result};
@@ -27,8 +27,6 @@ const STEP_NM: usize = 5;
 const BUCKETS: u32 = 47;
 /// Side of the sky's square picture.
 const SKY_SIDE: usize = 512;
-/// Discs at infinity stand so many times as far as the scene reaches.
-const FAR: f64 = 2000.0;
 
 /// Gives the file of a BRDF as pbrt's material `measured` reads it, as seen from the scene file, by the material's name.
 pub type MeasuredFiles<'a> = &'a mut dyn FnMut(&str, &FeatherBrdf) -> Result<String>;
@@ -155,12 +153,11 @@ impl Exported {
         let area =
             format!("  AreaLightSource \"diffuse\" \"spectrum L\" [{spectrum} ] \"float scale\" {scale}\n");
         match light {
-            Light::Sun(Sun { direction, cos_radius, .. }) => {
-                let distance = FAR * self.reach_mm;
-                let radius = distance * (1.0 - cos_radius * cos_radius).max(0.0).sqrt() / cos_radius;
+            Light::Sun(sun) => {
+                let (direction, [distance, radius]) = (sun.direction, self.disc_mm(sun));
                 let x = direction.any_orthonormal_vector();
-                let turn = DMat3::from_cols(x, x.cross(*direction), -*direction);
-                let place = transform(turn, *direction * distance);
+                let turn = DMat3::from_cols(x, x.cross(direction), -direction);
+                let place = transform(turn, direction * distance);
                 line(
                     text,
                     format_args!(
