@@ -93,10 +93,13 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         ("species", "name") => files(Names::Species, &["toml", "json"]),
         ("keys", "kind") => files(Names::Keys, &[]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
-        ("render" | "lobes" | "brdf" | "export", "material") | ("render", "under") => {
+        ("render" | "lobes" | "brdf", "material") | ("render", "under") => {
             files(Names::Species, &["barbule", "toml", "json"])
         }
-        ("export", "output") => files(Names::None, &["bsdf"]),
+        ("export", "what") => files(Names::Presets, &["barbule", "toml", "json"]),
+        ("export", "output") => {
+            files(Names::None, &["xml", "bsdf", "pbrt", "osl", "usda", "gltf", "mtlx", "csv", "exr"])
+        }
         ("render", "background") => files(Names::None, &["png", "exr", "hdr"]),
         ("render", "output") => files(Names::None, &["png", "jpg", "webp", "exr"]),
         ("render", "sensor") => files(Names::None, &["toml", "csv"]),

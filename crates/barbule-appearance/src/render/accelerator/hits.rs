@@ -77,13 +77,17 @@ fn on_ribbon(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Hit {
     let z = across.cross(along).normalize_or(DVec3::Z);
     let frame = Frame { x: along.cross(z), y: along, z };
     let [a, b, c, d] = primitive.data;
-    let flat = if at.v > 2.0 * u - 1.0 { (b - a).cross(d - a) } else { (d - a).cross(c - a) };
+    // Rays meet two triangles. Where the ribbon tapers u and v are linear in each, and not over both together.
+    let half = 0.5 * (at.v + 1.0);
+    let (flat, position) = if half > u {
+        ((b - a).cross(d - a), a * (1.0 - half) + b * (half - u) + d * u)
+    } else {
+        ((d - a).cross(c - a), a * (1.0 - u) + d * half + c * (u - half))
+    };
     let arc = f64::from(start.arc + (end.arc - start.arc) * u);
     let place = if ribbon.cell > 0.0 { arc / f64::from(ribbon.cell) + f64::from(ribbon.phase) } else { 0.5 };
     let cell = place.floor();
     let frame = frame.pitched(f64::from(ribbon.swelling) * (1.0 - 2.0 * (place - cell)));
-    let (w, half) = (u, 0.5 * (at.v + 1.0));
-    let position = (a * (1.0 - half) + b * half) * (1.0 - w) + (c * (1.0 - half) + d * half) * w;
     Hit {
         position: position.as_dvec3(),
         normal: flat.as_dvec3().normalize_or(z),
@@ -143,7 +147,7 @@ mod tests {
     use crate::math::rng::Stream;
     use crate::render::accelerator::primitive::{collect, meet};
     use crate::scene::Object;
-    use crate::scene::geometry::CurveNode;
+    use crate::scene::geometry::{CurveNode, Ribbon, RibbonNode};
 
     /// The coordinate across a fibre is where its frame sees the viewer: hair takes the ray's offset from the frame. Rays
     /// are in single precision.
@@ -172,5 +176,31 @@ mod tests {
             met += 1;
         }
         assert!(met > 200);
+    }
+
+    /// Places on a ribbon that tapers and is twisted lie on the rays that met it.
+    #[test]
+    fn places_on_a_tapering_ribbon_lie_on_their_rays() {
+        let mut geometry = Geometry::default();
+        let node = |y: f32, across: Vec3| RibbonNode { point: Vec3::new(0.0, y, 0.0), across, arc: y };
+        let nodes = [node(0.0, Vec3::new(0.4, 0.0, 0.0)), node(1.0, Vec3::new(0.1, 0.0, 0.05))];
+        geometry.add_ribbon(&nodes, Ribbon { id: 1, ..Ribbon::default() });
+        let primitives = collect([(0, &geometry)]);
+        let mut stream = Stream::new(62, &[]);
+        let mut met = 0;
+        for _ in 0..2000 {
+            let origin = DVec3::new(stream.uniform(-0.5, 0.5), stream.uniform(-0.1, 1.1), 1.0);
+            let direction =
+                DVec3::new(stream.uniform(-0.3, 0.3), stream.uniform(-0.3, 0.3), -1.0).normalize();
+            let to = |v: DVec3| Vec3A::from(v.as_vec3());
+            let Some(at) = meet(&primitives[0], &Ray::new(to(origin), to(direction), 0.0, 1e30)) else {
+                continue;
+            };
+            let hit = hit(&geometry, &primitives[0], at, origin, direction);
+            let on_ray = origin + direction * f64::from(at.distance);
+            assert!((hit.position - on_ray).length() < 2e-6, "{} {on_ray}", hit.position);
+            met += 1;
+        }
+        assert!(met > 300, "{met}");
     }
 }
