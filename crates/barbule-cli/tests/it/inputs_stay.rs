@@ -20,13 +20,13 @@ const LATTICE: &str = "[lattice]\nperiod = 0.19\nhost = 'chitin'\ncortex = 0.2\n
 const SCENE: &str = "preset = 'starling'\nmaterial = 'made.barbule'\n[background]\nfile = 'bg.png'\n\
     [sky_image]\nfile = 'sky.exr'\n[[lights]]\ntype = 'sun'\nazimuth_deg = 0\nelevation_deg = 50\nstrength = 1\nspectrum = 'lamp.csv'\n\
     [surfaces.a]\ntype = 'diffuse'\nalbedo = 'f-0001.png'\nalpha = 'leaf.png'\nnormal = 'n.png'\n\
-    [surfaces.b]\ntype = 'diffuse'\n[surfaces.scales]\ntype = 'grating'\nfile = 'g.grating'\n\
-    [[objects]]\ncurves = 'c.txt'\nsurface = 'b'\n[[objects]]\nmesh = 'm.gltf'\nsurface = 'a'\n\
+    [surfaces.b]\ntype = 'diffuse'\n[surfaces.scales]\ntype = 'grating'\nfile = 'g.grating'\n[surfaces.paint]\ntype = 'measured'\nfile = 'p.bsdf'\n\
+    [[objects]]\nrectangle_mm = [1, 1]\nsurface = 'paint'\n    [[objects]]\ncurves = 'c.txt'\nsurface = 'b'\n[[objects]]\nmesh = 'm.gltf'\nsurface = 'a'\n\
     [[objects]]\nmesh = 'm.ply'\nsurface = 'scales'\n";
 
 /// Each command that writes with its inputs; then the flags of its outputs, and the files that it reads, under whatever
 /// names. `@` is the folder.
-const LINES: [(&str, &[&str], &[&str]); 23] = [
+const LINES: [(&str, &[&str], &[&str]); 26] = [
     ("film @stack.toml --medium q=@q.csv", &["-o", "--csv"], &["stack.toml", "n.csv", "q.csv"]),
     ("lobes @made.barbule", &["-o"], &["made.barbule"]),
     ("brdf @made.barbule --wi 10,20 --wo 0,0 --wavelength 550", &["-o", "--csv"], &["made.barbule"]),
@@ -59,6 +59,7 @@ const LINES: [(&str, &[&str], &[&str]); 23] = [
             "leaf.png",
             "n.png",
             "g.grating",
+            "p.bsdf",
             "c.txt",
             "m.gltf",
             "x.txt",
@@ -67,6 +68,9 @@ const LINES: [(&str, &[&str], &[&str]); 23] = [
     ),
     ("render @mine.toml --background @bg.png", &["-o"], &["mine.toml", "bg.png"]),
     ("render @s.toml --material @lattice.toml", &["-o"], &["s.toml", "lattice.toml", "n.csv", "x.txt"]),
+    ("export @made.barbule --to bsdf", &["-o"], &["made.barbule"]),
+    ("export @stack.toml --to gltf --medium q=@q.csv", &["-o"], &["stack.toml", "n.csv", "q.csv"]),
+    ("export @s.toml --to mitsuba", &["-o"], &["s.toml", "made.barbule", "c.txt", "m.ply", "p.bsdf"]),
     ("validate @in.json --full-wave", &[], &[]),
     ("bench render", &[], &[]),
 ];
@@ -90,9 +94,18 @@ fn inputs(folder: &Path) {
     write("s.toml", SCENE);
     write("m.gltf", r#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "x.txt", "byteLength": 4}]}"#);
     write("eye.toml", "wavelength_nm = [400, 700]\n[[channels]]\nname = 'L'\nvalues = [1, 1]\n");
-    for name in
-        ["made.barbule", "sky.exr", "lamp.csv", "leaf.png", "n.png", "g.grating", "c.txt", "x.txt", "m.ply"]
-    {
+    for name in [
+        "made.barbule",
+        "sky.exr",
+        "lamp.csv",
+        "leaf.png",
+        "n.png",
+        "g.grating",
+        "p.bsdf",
+        "c.txt",
+        "x.txt",
+        "m.ply",
+    ] {
         write(name, "never looked at");
     }
     for name in ["bg.png", "f-0001.png"] {
