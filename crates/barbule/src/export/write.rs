@@ -13,8 +13,7 @@ use super::{BsdfTable, Deviation, Flavour, Model, usd};
 use crate::brdf::FeatherBrdf;
 use crate::io::image::{encode_exr, write_exr};
 use crate::io::{
-    MOST_WRITTEN_BARBULES, bytes_of, check_writable, encode_bsdf, make_folder, write_together, write_usd,
-    write_whole,
+    MOST_WRITTEN_BARBULES, bytes_of, check_writable, encode_bsdf, write_together, write_usd, write_whole,
 };
 use crate::progress::Progress;
 use crate::scene::description::{Named, ReadyScene};
@@ -313,14 +312,11 @@ impl Request<'_> {
     fn pbrt(&self, scene: &ReadyScene, progress: &dyn Progress) -> Result<Written> {
         let exported = self.exported(scene, progress)?;
         let folder = self.folder();
-        let stem = folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let mut first = None;
-        make_folder(&folder)?;
-        exported.write_pbrt(self.path, &mut |name, brdf| {
+        exported.write_pbrt(self.path, &mut |brdf| {
             let (bytes, table) = self.table(brdf, Flavour::Spectral, progress)?;
-            write_whole(&folder.join(format!("{name}.bsdf")), &bytes)?;
             first.get_or_insert(table.deviation);
-            Ok(format!("{stem}/{name}.bsdf"))
+            Ok(bytes)
         })?;
         let what = format!("a scene, its shapes and tables in {}", folder.display());
         let mut written = self.written(what, first, Value::Null);

@@ -95,14 +95,8 @@ fn pbrt_scenes_are_of_its_grammar_and_name_files_that_are_there() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("starling.pbrt");
     let exported = exported(folder.path(), CLOSE);
-    let mut asked = Vec::new();
-    let mut measured = |name: &str, _: &barbule::FeatherBrdf| {
-        asked.push(name.to_owned());
-        fs::write(folder.path().join("measured.bsdf"), b"").unwrap();
-        Ok("measured.bsdf".to_owned())
-    };
-    exported.write_pbrt(&path, &mut measured).unwrap();
-    assert!(!asked.is_empty() && asked[0] == "barbule-0");
+    exported.write_pbrt(&path, &mut |_| Ok(b"a table".to_vec())).unwrap();
+    assert_eq!(fs::read(folder.path().join("starling/barbule-0.bsdf")).unwrap(), b"a table");
     let mut seen = Vec::new();
     read_pbrt(&path, &mut seen);
     let count = |directive: &str| seen.iter().filter(|one| *one == directive).count();
@@ -112,8 +106,10 @@ fn pbrt_scenes_are_of_its_grammar_and_name_files_that_are_there() {
         assert!(count(directive) >= least, "{directive}: {seen:?}");
     }
     assert!(count("Shape") >= 5 && count("NamedMaterial") >= 4);
-    let refused = exported.write_pbrt(&path, &mut |name, _| Err(barbule::Error::input(format!("no {name}"))));
-    assert_eq!(refused.unwrap_err().to_string(), "no barbule-0");
+    let none = folder.path().join("none.pbrt");
+    let refused = exported.write_pbrt(&none, &mut |_| Err(barbule::Error::input("no table")));
+    assert_eq!(refused.unwrap_err().to_string(), "no table");
+    assert!(!none.exists() && !none.with_extension("").exists());
 }
 
 /// Tags close in the order they open; files are there; nothing is left of a scene that cannot be written.
@@ -156,7 +152,10 @@ fn what_other_renderers_cannot_show_is_refused_by_a_sentence() {
         ),
         "{refused}"
     );
-    let refused = exported.write_pbrt(&path, &mut |_, _| Ok("x.bsdf".to_owned())).unwrap_err().to_string();
+    let refused = exported
+        .write_pbrt(&path, &mut |_| panic!("asked before lamps and surfaces"))
+        .unwrap_err()
+        .to_string();
     assert!(refused.contains("is of a surface that pbrt has nothing for"), "{refused}");
     assert!(!path.exists());
     let whole = scene("magpie-feather", &Opening::default(), &Unobserved).unwrap();

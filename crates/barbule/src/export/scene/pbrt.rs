@@ -1,6 +1,6 @@
 //! A scene as pbrt-v4 reads it: named materials, ribbons and meshes as PLY files, curves, camera, lights and a spectral film.
 //!
-//! Barbules are of pbrt's material `measured`, whose files somebody else writes: the mean of all barbules on both sides.
+//! Barbules are of pbrt's material `measured`: the mean of all barbules on both sides.
 
 use std::f64::consts::FRAC_PI_4;
 use std::fmt::Write as _;
@@ -28,8 +28,8 @@ const BUCKETS: u32 = 47;
 /// Side of the sky's square picture.
 const SKY_SIDE: usize = 512;
 
-/// Gives the file of a BRDF as pbrt's material `measured` reads it, as seen from the scene file, by the material's name.
-pub type MeasuredFiles<'a> = &'a mut dyn FnMut(&str, &FeatherBrdf) -> Result<String>;
+/// Makes the bytes of a BRDF's `.bsdf`, which pbrt's material `measured` reads. It is asked when all else is found to be right.
+pub type MeasuredFiles<'a> = &'a mut dyn FnMut(&FeatherBrdf) -> Result<Vec<u8>>;
 
 impl Exported {
     /// Writes a pbrt-v4 scene file, and its files into a folder beside it that is named as it is without the ending. All appear, or none.
@@ -53,15 +53,12 @@ impl Exported {
         self.view(&mut text, folder);
         text.push_str("WorldBegin\n");
         let brdfs = self.brdfs();
-        for (number, brdf) in brdfs.iter().enumerate() {
-            let name = format!("barbule-{number}");
-            let file = measured(&name, brdf)?;
+        for number in 0..brdfs.len() {
             line(
                 &mut text,
                 format_args!(
-                    "MakeNamedMaterial {} \"string type\" \"measured\" \"string filename\" {}",
-                    quoted(&name),
-                    quoted(&file)
+                    "MakeNamedMaterial \"barbule-{number}\" \"string type\" \"measured\" \"string filename\" {}",
+                    quoted(&format!("{folder}/barbule-{number}.bsdf"))
                 ),
             );
         }
@@ -94,6 +91,9 @@ impl Exported {
             files.push(("sky.pfm".to_owned(), sky_picture(&environment.sky)));
             let place = quoted(&format!("{folder}/sky.pfm"));
             line(&mut text, format_args!("LightSource \"infinite\" \"string filename\" {place}"));
+        }
+        for (number, brdf) in brdfs.iter().enumerate() {
+            files.push((format!("barbule-{number}.bsdf"), measured(brdf)?));
         }
         Ok((text, files))
     }
