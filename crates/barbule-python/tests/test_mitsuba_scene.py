@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import barbule
-from test_mitsuba import mi  # finds a libLLVM, or skips all of this
+from test_mitsuba import mi, split_mix  # finds a libLLVM, or skips all of this
 
 import drjit as dr  # noqa: E402
 
@@ -18,14 +18,6 @@ CLOSE = 'preset = "starling"\n[camera]\nwidth_mm = 0.22\nlens = 0.0\n[window]\nr
 @pytest.fixture(autouse=True)
 def variant():
     mi.set_variant("llvm_ad_spectral")
-
-
-def split_mix(state):
-    mask = 2**64 - 1
-    state = (state + 0x9E3779B97F4A7C15) & mask
-    state = ((state ^ (state >> 30)) * 0xBF58476D1CE4E5B9) & mask
-    state = ((state ^ (state >> 27)) * 0x94D049BB133111EB) & mask
-    return state ^ (state >> 31)
 
 
 def linear(scene, samples, seed=0):

@@ -62,6 +62,22 @@ pub struct Ribbon {
     pub station: f32,
 }
 
+impl RibbonNode {
+    /// The ribbon's direction at the `i`-th of its nodes, not normalized: the mean of the segments beside it, so that frames turn smoothly;
+    /// at the ends they go on turning.
+    #[inline]
+    #[must_use]
+    pub fn tangent(nodes: &[Self], i: usize) -> Vec3 {
+        let last = nodes.len() - 2;
+        let segment = |i: usize| (nodes[i + 1].point - nodes[i].point).normalize_or(Vec3::Y);
+        match i {
+            0 => segment(0) * 1.5 - segment(1.min(last)) * 0.5,
+            i if i > last => segment(last) * 1.5 - segment(last.saturating_sub(1)) * 0.5,
+            i => (segment(i - 1) + segment(i)) * 0.5,
+        }
+    }
+}
+
 /// One point of a round curve.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CurveNode {

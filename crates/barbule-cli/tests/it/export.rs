@@ -43,6 +43,7 @@ fn a_bsdf_comes_back_as_a_surface() {
         "barbules",
         "type = \"barbule\"\nmaterial = \"starling\"\nuv_mm = [6.0, 3.0]\nwidth_um = 20.0\ncell_um = 20.0\n",
     );
+    // The file's own error, and that these barbules are some and not all.
     assert!((measured / barbules - 1.0).abs() < 0.08, "{measured} {barbules}");
 }
 

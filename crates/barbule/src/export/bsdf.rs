@@ -6,7 +6,7 @@
 //! material by measuring what a reader would make of the file.
 
 use crate::brdf::FeatherBrdf;
-use crate::bsdf::measured::{Channels, Resolution, Rgl, RglArrays, tabulate};
+use crate::bsdf::measured::{Channels, Resolution, Rgl, RglArrays, of_barbule, of_file, tabulate};
 use crate::progress::Progress;
 use crate::spectrum::Wavelengths;
 use crate::spectrum::colour::{Illuminant, Observer};
@@ -291,7 +291,6 @@ fn colours(brdf: &FeatherBrdf, resolution: &Resolution, crowding: Crowding) -> R
 /// f cosθ_o in the file's frame.
 fn values(brdf: &FeatherBrdf, nm: &[f64], [w, wo]: [DVec3; 2], to: &mut [f64]) {
     const LANES: usize = 8;
-    let of_barbule = |w: DVec3| DVec3::new(-w.y, w.x, w.z);
     for (to, nm) in to.chunks_mut(LANES).zip(nm.chunks(LANES)) {
         let eight = std::array::from_fn::<f32, LANES, _>(|k| nm[k.min(nm.len() - 1)] as f32);
         let f = brdf.eval(eight, of_barbule(w), of_barbule(wo), None);
@@ -315,11 +314,6 @@ fn with_model<T>(rgl: &Rgl, ask: impl FnOnce(&Model<'_>) -> T) -> T {
         Channels::Wavelengths(_) => ask(&Model::Spectral(&spectral)),
         Channels::Rgb => ask(&Model::Rgb(&rgb)),
     }
-}
-
-/// From the barbule's frame to the file's, whose x is along it.
-fn of_file(w: DVec3) -> DVec3 {
-    DVec3::new(w.y, -w.x, w.z)
 }
 
 #[cfg(test)]

@@ -140,7 +140,7 @@ pub struct Written {
     pub bytes: u64,
     /// What they are, in words.
     pub what: String,
-    /// How far it is from what was exported; none of scenes whose materials are evaluated exactly, or where one colour stands for them.
+    /// How far it is from what was exported; none of scenes whose materials are evaluated exactly.
     pub deviation: Option<Deviation>,
     /// What is lost or shown differently, a sentence each.
     pub remarks: Vec<String>,
@@ -266,12 +266,6 @@ impl Request<'_> {
 
     fn osl(&self, brdf: &FeatherBrdf, progress: &dyn Progress) -> Result<Written> {
         let table = self.path.with_extension("exr");
-        if table == self.path {
-            return Err(Error::input(
-                "is the name of the table that a shader has beside it; end it with .osl",
-            )
-            .in_file(self.path));
-        }
         check_writable(&table)?;
         let material = OslMaterial::of(brdf, BARBULES, progress)?;
         let (size, planes) = material.planes();

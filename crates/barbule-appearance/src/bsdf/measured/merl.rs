@@ -8,8 +8,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
-use super::rgl::{jacobian, normal_of};
+use super::rgl::{jacobian, normal_of, place_of};
 use super::warp::{Nodes, Warp};
+use crate::spectrum::colour::luminance;
 use crate::{Error, Result};
 
 /// Angles of the half vector, of the difference, and azimuths of the difference.
@@ -55,7 +56,7 @@ impl Merl {
                 let wo = 2.0 * cosine * m - w;
                 let is_seen = cosine > 0.0 && wo.z > 0.0;
                 let seen = if is_seen { luminance(f(&values, w, wo)) * wo.z * cosine } else { 0.0 };
-                density.push((seen * jacobian(u[1], libm::acos(m.z.clamp(-1.0, 1.0)))) as f32);
+                density.push((seen * jacobian(u[1])) as f32);
             }
         }
         Ok(Self { values, halves: Warp::new(PLACES, density)? })
@@ -75,11 +76,8 @@ impl Merl {
         if cosine <= 0.0 {
             return 0.0;
         }
-        let theta = libm::atan2(m.x.hypot(m.y), m.z);
-        let phi = libm::atan2(m.y, m.x) - libm::atan2(w.y, w.x);
-        let v = phi / (2.0 * PI) + 0.5;
-        let u = [v - v.floor(), (2.0 * theta / PI).min(1.0).sqrt()];
-        let density = self.halves.density(&nodes(w), u) / (jacobian(u[1], theta) * 4.0 * cosine);
+        let u = place_of(m, libm::atan2(w.y, w.x));
+        let density = self.halves.density(&nodes(w), u) / (jacobian(u[1]) * 4.0 * cosine);
         (1.0 - DIFFUSE) * density + DIFFUSE * wo.z / PI
     }
 
@@ -112,10 +110,6 @@ fn nodes(w: DVec3) -> Nodes {
     let low = (at as usize).min(ANGLES - 2);
     let share = at - low as f64;
     [(low, 1.0 - share), (low + 1, share), (0, 0.0), (0, 0.0)]
-}
-
-fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    crate::spectrum::colour::luminance([r, g, b])
 }
 
 fn f(values: &[f32], w: DVec3, wo: DVec3) -> [f64; 3] {

@@ -72,14 +72,17 @@ impl Measured {
     }
 }
 
-/// From the frame of barbules (y along them) to the file's.
+/// From the frame of barbules (y along them) to the file's, whose x is along them.
 #[inline]
-fn of_file(w: DVec3) -> DVec3 {
+#[must_use]
+pub fn of_file(w: DVec3) -> DVec3 {
     DVec3::new(w.y, -w.x, w.z)
 }
 
+/// From the file's frame to that of barbules.
 #[inline]
-fn to_barbule(w: DVec3) -> DVec3 {
+#[must_use]
+pub fn of_barbule(w: DVec3) -> DVec3 {
     DVec3::new(-w.y, w.x, w.z)
 }
 
@@ -132,7 +135,7 @@ impl Bound<'_> {
             Seen::Rgl(rgl, incident) => rgl.sample(incident, [u[0], u[1]]),
             Seen::Merl(merl) => merl.sample(of_file(wo), u),
         }?;
-        Some((to_barbule(wi), self.lobes()))
+        Some((of_barbule(wi), self.lobes()))
     }
 
     fn spectrum(&self, [r, g, b]: [f64; 3]) -> [f64; WAVES] {

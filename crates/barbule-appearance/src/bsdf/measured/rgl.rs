@@ -262,10 +262,10 @@ impl Rgl {
         if cosine <= 0.0 {
             return None;
         }
-        let (u_m, theta) = place_of(m, incident.phi);
+        let u_m = place_of(m, incident.phi);
         let (u, density) = self.vndf.invert(&incident.nodes, u_m);
         let factor = if self.has_jacobian { self.ndf.at(u_m) / (4.0 * incident.sigma) } else { 1.0 };
-        Some(Place { u, factor, visible: density / (jacobian(u_m[1], theta) * 4.0 * cosine) })
+        Some(Place { u, factor, visible: density / (jacobian(u_m[1]) * 4.0 * cosine) })
     }
 }
 
@@ -284,8 +284,8 @@ impl Grid {
 /// Solid angle per area of the unit square of normals, sr: θ = u² π/2 and φ = (2v − 1)π.
 #[inline]
 #[must_use]
-pub fn jacobian(u_theta: f64, theta: f64) -> f64 {
-    (2.0 * PI * PI * u_theta * libm::sin(theta)).max(1e-6)
+pub fn jacobian(u: f64) -> f64 {
+    (2.0 * PI * PI * u * libm::sin(u * u * FRAC_PI_2)).max(1e-6)
 }
 
 /// The direction of a place (φ, θ) in the unit square, its azimuth counted from `phi`.
@@ -297,12 +297,12 @@ pub fn normal_of([v, u]: [f64; 2], phi: f64) -> DVec3 {
     DVec3::new(sine * libm::cos(phi), sine * libm::sin(phi), libm::cos(theta))
 }
 
-/// The place (φ, θ) of a direction in the unit square, and θ.
+/// The place (φ, θ) of a direction in the unit square, its azimuth counted from `phi`.
 #[inline]
-fn place_of(m: DVec3, phi: f64) -> ([f64; 2], f64) {
+pub(super) fn place_of(m: DVec3, phi: f64) -> [f64; 2] {
     let theta = libm::atan2(m.x.hypot(m.y), m.z);
     let v = (libm::atan2(m.y, m.x) - phi) / TAU + 0.5;
-    ([v - v.floor(), (2.0 * theta / PI).min(1.0).sqrt()], theta)
+    [v - v.floor(), (2.0 * theta / PI).min(1.0).sqrt()]
 }
 
 #[inline]

@@ -70,8 +70,8 @@ pub fn tabulate(
         .into_par_iter()
         .map(|node| {
             let (phi, theta) = (f64::from(phi_i[node / thetas]), f64::from(theta_i[node % thetas]));
-            let w = normal_of([phi / TAU + 0.5, (2.0 * theta / PI).sqrt()], 0.0);
-            Node::new(w, side, (&ndf, sigma.at([phi / TAU + 0.5, (2.0 * theta / PI).sqrt()])), count, values)
+            let place = [phi / TAU + 0.5, (2.0 * theta / PI).sqrt()];
+            Node::new(normal_of(place, 0.0), side, (&ndf, sigma.at(place)), count, values)
         })
         .collect::<Result<_>>()?;
     let mut arrays = RglArrays {
@@ -112,8 +112,7 @@ impl Node {
         channels: usize,
         values: &(dyn Fn(DVec3, DVec3, &mut [f64]) + Sync),
     ) -> Result<Self> {
-        let visible = |m: DVec3, u: f64| jacobian(u, libm::acos(m.z.clamp(-1.0, 1.0))) * w.dot(m).max(0.0);
-        let mut vndf: Vec<f32> = over(ndf.size, |m, u| visible(m, u) as f32);
+        let mut vndf = over(ndf.size, |m, u| (jacobian(u) * w.dot(m).max(0.0)) as f32);
         vndf.iter_mut().zip(&ndf.values).for_each(|(v, d)| *v *= d);
         raise(&mut vndf, VISIBLE_FLOOR);
         let warp = Warp::new(ndf.size, vndf.clone())?;
@@ -136,7 +135,7 @@ impl Node {
             for (channel, value) in seen.iter().enumerate() {
                 table[channel * points + point] = (value * scale) as f32;
             }
-            let per_sr = density / (jacobian(u_m[1], libm::acos(m.z.clamp(-1.0, 1.0))) * 4.0 * cosine);
+            let per_sr = density / (jacobian(u_m[1]) * 4.0 * cosine);
             luminance[point] = (seen.iter().sum::<f64>() / (channels as f64 * per_sr)) as f32;
         }
         raise(&mut luminance, LUMINANCE_FLOOR);
@@ -172,7 +171,7 @@ fn sigma_of(ndf: &Grid) -> Grid {
         let area = weight(place[0], rows) * weight(place[1], columns);
         let u = [place[0] as f64 / (rows - 1) as f64, place[1] as f64 / (columns - 1) as f64];
         let m = normal_of(u, 0.0);
-        normals.push((m, f64::from(*density) * area * jacobian(u[1], libm::acos(m.z.clamp(-1.0, 1.0)))));
+        normals.push((m, f64::from(*density) * area * jacobian(u[1])));
     }
     let of = |w: DVec3| normals.iter().map(|(m, share)| share * w.dot(*m).max(0.0)).sum::<f64>() as f32;
     Grid { size: SIGMA_SIZE, values: over(SIGMA_SIZE, |w, _| of(w)) }

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::primitive::{Kind, Meeting, Primitive};
 use crate::bsdf::{Frame, Hit, OnRibbon};
 use crate::math::rng::split_mix;
-use crate::scene::geometry::Geometry;
+use crate::scene::geometry::{Geometry, RibbonNode};
 
 /// The hit on a primitive of a geometry; its object and place in the hierarchy are the caller's.
 pub(super) fn hit(
@@ -62,16 +62,8 @@ fn on_ribbon(geometry: &Geometry, primitive: &Primitive, at: Meeting) -> Hit {
     let nodes = geometry.nodes_of(ribbon);
     let part = primitive.part as usize;
     let (start, end) = (&nodes[part], &nodes[part + 1]);
-    // Tangents at nodes are means of the segments beside them, so the frame turns smoothly along the ribbon; at its ends it
-    // goes on turning.
-    let last = nodes.len() - 2;
-    let segment = |i: usize| (nodes[i + 1].point - nodes[i].point).normalize_or(Vec3::Y);
-    let tangent = |i: usize| match i {
-        0 => segment(0) * 1.5 - segment(1.min(last)) * 0.5,
-        i if i > last => segment(last) * 1.5 - segment(last.saturating_sub(1)) * 0.5,
-        i => (segment(i - 1) + segment(i)) * 0.5,
-    };
     let u = at.u;
+    let tangent = |i: usize| RibbonNode::tangent(nodes, i);
     let along = tangent(part).lerp(tangent(part + 1), u).as_dvec3().normalize_or(DVec3::Y);
     let across = start.across.normalize_or(Vec3::X).lerp(end.across.normalize_or(Vec3::X), u).as_dvec3();
     let z = across.cross(along).normalize_or(DVec3::Z);
@@ -147,7 +139,7 @@ mod tests {
     use crate::math::rng::Stream;
     use crate::render::accelerator::primitive::{collect, meet};
     use crate::scene::Object;
-    use crate::scene::geometry::{CurveNode, Ribbon, RibbonNode};
+    use crate::scene::geometry::{CurveNode, Ribbon};
 
     /// The coordinate across a fibre is where its frame sees the viewer: hair takes the ray's offset from the frame. Rays
     /// are in single precision.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glam::{Vec2, Vec3};
 
-use crate::scene::geometry::{CurveNode, Geometry, Mesh, Place, Ribbon};
+use crate::scene::geometry::{CurveNode, Geometry, Mesh, Place, Ribbon, RibbonNode};
 
 /// Shapes and where they stand; without a place where they were made.
 pub(super) type Stands<'a> = Vec<(&'a Geometry, Option<Place>)>;
@@ -170,13 +170,6 @@ impl Ply {
     fn ribbon(&mut self, geometry: &Geometry, ribbon: &Ribbon, place: Option<&Place>) {
         let nodes = geometry.nodes_of(ribbon);
         let last = nodes.len() - 2;
-        // As the program's own renderer has them: tangents at nodes are means of the segments beside them, and go on turning at the ends.
-        let segment = |i: usize| (nodes[i + 1].point - nodes[i].point).normalize_or(Vec3::Y);
-        let tangent = |i: usize| match i {
-            0 => segment(0) * 1.5 - segment(1.min(last)) * 0.5,
-            i if i > last => segment(last) * 1.5 - segment(last.saturating_sub(1)) * 0.5,
-            i => (segment(i - 1) + segment(i)) * 0.5,
-        };
         let (from, length) = (nodes[0].arc, (nodes[last + 1].arc - nodes[0].arc).max(f32::MIN_POSITIVE));
         let first = self.count;
         for (i, node) in nodes.iter().enumerate() {
@@ -185,7 +178,7 @@ impl Ply {
             } else {
                 0.25 + 0.5 * (node.arc - from) / length
             };
-            let (along, across) = (tangent(i), node.across.normalize_or(Vec3::X));
+            let (along, across) = (RibbonNode::tangent(nodes, i), node.across.normalize_or(Vec3::X));
             let normal = across.cross(along).normalize_or(Vec3::Z);
             for side in [-1.0, 1.0] {
                 self.vertices.extend(point(node.point + node.across * side, place).to_array());
@@ -255,7 +248,6 @@ impl Ply {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::geometry::RibbonNode;
 
     fn ribbon() -> Geometry {
         let mut geometry = Geometry::default();
