@@ -9,6 +9,7 @@ use super::fields::{Field, Fields};
 use super::look::Look;
 use super::orders::{ANY_STRETCH, Correspondence, LEAST_CORRELATION, Lost, corresponding};
 use super::peaks::Peak;
+use super::residual::Residual;
 use crate::{Error, Result};
 
 /// How far two reflectances agree over the wavelengths that both have.
@@ -35,6 +36,8 @@ pub struct Comparison {
     pub delta_e_2000: Option<f64>,
     /// ΔE*ab of 1976 between the same colours.
     pub delta_e_76: Option<f64>,
+    /// What the difference looks like; none where there is none, or too few wavelengths.
+    pub residual: Option<Residual>,
 }
 
 impl Comparison {
@@ -52,6 +55,7 @@ impl Comparison {
             .zip(simulated.values())
             .filter_map(|(&nm, &value)| measured.value(nm).map(|m| [value, m]))
             .collect();
+        let residual = Residual::of(simulated, measured);
         let both = measured
             .within(simulated.wavelengths().range_nm().into())
             .zip(simulated.within([from, to]))
@@ -96,6 +100,7 @@ impl Comparison {
             rmse_scaled: scale.map(rms),
             delta_e_2000: labs.map(|(s, m)| delta_e_2000(s, m)),
             delta_e_76: labs.map(|(s, m)| delta_e_76(s, m)),
+            residual,
         })
     }
 
@@ -144,6 +149,8 @@ impl Comparison {
         let (s, m) = (&self.simulated, &self.measured);
         let (s_half, m_half) = (s.peak.map(|p| p.half), m.peak.map(|p| p.half));
         let stretch = self.correspondence.and_then(|found| found.stretch);
+        let residual = self.residual.as_ref();
+        let change = residual.map(|residual| residual.change);
         Fields(vec![
             ("common_from_nm", number(Some(self.range_nm[0]))),
             ("common_to_nm", number(Some(self.range_nm[1]))),
@@ -164,6 +171,13 @@ impl Comparison {
             ("rmse_scaled", number(self.rmse_scaled)),
             ("delta_e_2000", number(self.delta_e_2000)),
             ("delta_e_76", number(self.delta_e_76)),
+            ("cause", Field::Word(residual.and_then(Residual::cause).map(str::to_owned))),
+            ("explained", number(residual.map(|r| r.explained))),
+            ("cause_shift", number(change.map(|c| c.shift))),
+            ("cause_level", number(change.map(|c| c.level))),
+            ("cause_broadening_nm", number(change.map(|c| c.broadening_nm))),
+            ("cause_offset", number(change.map(|c| c.offset))),
+            ("cause_note", Field::Note(residual.map(Residual::words))),
             ("shift_note", Field::Note(self.no_shift())),
         ])
     }
@@ -207,6 +221,7 @@ impl Comparison {
             (Some(new), Some(old)) => parts.push(format!("ΔE00 {new:.1} (CIEDE2000), ΔE*ab {old:.1} (1976)")),
             _ => parts.push("no ΔE, since the common range is too short for a colour".into()),
         }
+        parts.extend(self.residual.as_ref().map(Residual::words));
         parts.join(", ")
     }
 }

@@ -17,6 +17,7 @@ pub mod look;
 pub mod orders;
 pub mod peaks;
 pub mod primaries;
+pub mod residual;
 pub mod sensor;
 
 use std::sync::Arc;
