@@ -19,6 +19,7 @@ pub mod peaks;
 pub mod primaries;
 pub mod residual;
 pub mod sensor;
+pub mod spread;
 
 use std::sync::Arc;
 
