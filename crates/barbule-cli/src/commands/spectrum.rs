@@ -40,6 +40,9 @@ const INSTANCES: usize = 50;
 /// Curves that one figure of several structures holds: as many as its legend names.
 const MOST_CURVES: usize = 18;
 
+/// So many files' readings are said without being asked for.
+const FEW_READINGS: usize = 4;
+
 /// Arguments of `barbule spectrum`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -237,12 +240,29 @@ impl Args {
             MeasuredUnit::Fraction => Scale::Fraction,
         });
         let found = read_measurements(&self.measured, self.column.as_deref(), scale)?;
-        found.reading.iter().for_each(|reading| self.common.say(reading));
+        self.say_readings(&found);
         let nothing = Spectrum::new(self.wavelengths.clone(), vec![0.0; self.wavelengths.len()])?;
         for at in &found.angles {
             Comparison::of(&nothing, &at.measured.mean, None).map_err(|e| e.at(self.measured_name()))?;
         }
         Ok(Some(found))
+    }
+
+    /// How files were read; of many the first and at which angles they are, and all where whatever is decided is wanted.
+    fn say_readings(&self, Measurements { reading, angles }: &Measurements) {
+        if self.common.verbose || reading.len() <= FEW_READINGS {
+            reading.iter().for_each(|one| self.common.say(one));
+            return;
+        }
+        self.common.say(&format!(
+            "{}; and {} more (-v says how each was read)",
+            reading[0],
+            counted(reading.len() - 1, "file")
+        ));
+        let said: Vec<String> = angles.iter().filter_map(|at| Some(format!("{}°", at.angle_deg?))).collect();
+        if !said.is_empty() {
+            self.common.say(&format!("measured at {}: {}", counted(said.len(), "angle"), said.join(", ")));
+        }
     }
 
     /// What the measurements are called.
