@@ -1,5 +1,6 @@
 //! `barbule spectrum`: reflectance against wavelength, mean and spread over instances, and the numbers of its colour.
 
+mod intervals;
 mod tables;
 
 use std::fmt::Write as _;
@@ -10,6 +11,7 @@ use barbule::campaign::spectrum::{
     Collect, Grazing, Individuals, Over, Spectra, SpectrumRequest, spectra_and_individuals,
 };
 use barbule::campaign::spectrum_bytes;
+use barbule::confidence::{self, Intervals};
 use barbule::error::{counted, shortened};
 use barbule::figures::{self, Simulated};
 use barbule::io::measured::{AtAngle, Measured, Measurements, Scale, read_measurements};
@@ -50,6 +52,7 @@ const FEW_READINGS: usize = 4;
   barbule spectrum starling --measured examples/measured/starling-back.csv -o both.png
   barbule spectrum starling --measured bird1.csv@0 --measured bird1-tilted.csv@30 -o angles.png
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
+  barbule spectrum starling --intervals --uncertain keratin=0.005 --uncertain cortex_um=2%
   barbule spectrum rock-dove --side below --angle=-30,30
   barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
   barbule spectrum rock-dove --angle 0:60:15 --wavelengths 300:700:4 --peak-range 400:700
@@ -110,6 +113,8 @@ pub(crate) struct Args {
     /// With the spectrum of each random individual, and the standard error, in --csv and --json
     #[arg(long)]
     individuals: bool,
+    #[command(flatten)]
+    sure: intervals::IntervalArgs,
     /// Write the numbers of the colours, one row for each structure and angle, with --measured also those of the
     /// comparison
     #[arg(long, value_name = "F.csv")]
@@ -169,6 +174,8 @@ struct Found {
     looks: Vec<Look>,
     /// One for each angle, with a measurement; none at angles at which nothing was measured.
     comparisons: Vec<Option<Comparison>>,
+    /// One for each angle, where they are asked for.
+    intervals: Option<Vec<Intervals>>,
 }
 
 impl Found {
@@ -351,6 +358,16 @@ impl Args {
         let comparisons = asked.measured.map_or(Ok(Vec::new()), |measured| {
             self.comparisons(&means, &individuals, measured, asked.angles_deg)
         })?;
+        let looks = Look::series(asked.angles_deg, &means, peak_range);
+        let of = |a: usize| (0..individuals.count()).map(|i| individuals.of(i, a).to_vec()).collect();
+        let curves: Vec<Vec<Vec<f64>>> = (0..asked.angles_deg.len()).map(of).collect();
+        let simulated = confidence::Simulated {
+            at: &self.wavelengths,
+            means: &found.mean,
+            curves: &curves,
+            looks: &looks,
+        };
+        let intervals = self.intervals(typed, &request, simulated, progress)?;
         let name = structure.name();
         Ok(Found {
             typed: match structure.side() {
@@ -362,8 +379,9 @@ impl Args {
             spectra: found,
             individuals: self.individuals.then_some(individuals),
             core_fringes: core_fringes.filter(CoreFringes::mislead),
-            looks: Look::series(asked.angles_deg, &means, peak_range),
+            looks,
             comparisons,
+            intervals,
         })
     }
 
@@ -536,6 +554,9 @@ impl Args {
                 };
                 document["individuals"] = json!((0..asked.angles_deg.len()).map(of).collect::<Vec<_>>());
             }
+            if let Some(all) = &found.intervals {
+                document["intervals"] = json!(all.iter().map(intervals::document).collect::<Vec<_>>());
+            }
             if asked.measured.is_some() {
                 document["comparison"] = json!(found.comparisons);
             }
@@ -586,6 +607,9 @@ impl Args {
                 };
                 let words = found.looks[a].words();
                 print(out, &format!("{name}, {}: {words}{flagged}", self.direction_name(*angle)))?;
+                if let Some(found) = found.intervals.as_ref().and_then(|all| all.get(a)) {
+                    print(out, &format!("  {}", intervals::words(found)))?;
+                }
                 if let (Some(Some(comparison)), Some(file)) = (found.comparisons.get(a), &file) {
                     print(out, &format!("  against {file}: {}", comparison.words()))?;
                 }
