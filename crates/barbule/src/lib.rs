@@ -54,6 +54,7 @@ pub mod open;
 pub mod picture;
 #[cfg(feature = "figures")]
 pub mod plot;
+pub mod reading;
 pub mod resolve;
 #[cfg(all(feature = "figures", feature = "full-waves"))]
 pub mod validate;

@@ -1,5 +1,6 @@
 //! `barbule spectrum`: reflectance against wavelength, mean and spread over instances, and the numbers of its colour.
 
+mod instrument;
 mod tables;
 
 use std::fmt::Write as _;
@@ -7,7 +8,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::campaign::spectrum::{
-    Collect, Grazing, Individuals, Over, Spectra, SpectrumRequest, spectra_and_individuals,
+    Collect, Grazing, Individuals, Over, Spectra, SpectrumRequest, reading_bytes, readings_and_individuals,
+    spectra_and_individuals,
 };
 use barbule::campaign::spectrum_bytes;
 use barbule::error::{counted, shortened};
@@ -33,6 +35,7 @@ use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs, csv_cell};
 use crate::structure_arg::SideArg;
 use crate::{sets, structure_arg};
+use instrument::{InstrumentArgs, Row, Subject, front};
 
 /// Random instances unless told otherwise.
 const INSTANCES: usize = 50;
@@ -49,6 +52,7 @@ const MOST_CURVES: usize = 18;
   barbule spectrum rock-dove --side below --angle=-30,30
   barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
   barbule spectrum rock-dove --angle 0:60:15 --wavelengths 300:700:4 --peak-range 400:700
+  barbule spectrum air/keratin:200/air --instrument probe:10 --instrument sphere -o probe.svg
 
 Printed, and in --json under 'look': peak (through several angles that of one order of interference, from the angle \
 nearest to the normal; --json lists all peaks), full width at half maximum (half-way between the peak and the lowest \
@@ -70,6 +74,8 @@ pub(crate) struct Args {
     /// What is collected: hemisphere, or cone:HALF, what falls within HALF degrees of the mirror direction
     #[arg(long, value_name = "hemisphere|cone:HALF", default_value = "hemisphere", value_parser = collect)]
     collect: Collect,
+    #[command(flatten)]
+    instrument: InstrumentArgs,
     /// Incident polarization
     #[arg(long, value_name = "mean|1|2", default_value = "mean", value_parser = polarization)]
     polarization: [f64; 2],
@@ -129,6 +135,9 @@ enum Layout {
     Wide,
     /// A line for each value
     Tidy,
+    /// As spectrometers deliver them: wavelengths, and a column in percent for each curve, or with --individuals for each
+    /// individual of it
+    Spectrometer,
 }
 
 /// Units of measured values.
@@ -169,15 +178,12 @@ impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
         self.check()?;
-        let structures = self
-            .structures
-            .iter()
-            .map(|text| self.side.of(structure_arg::parse(text, &self.common)?))
-            .collect::<Result<Vec<_>>>()?;
+        let structures = self.structures.iter().map(|text| self.subject(text)).collect::<Result<Vec<_>>>()?;
         let measured = self.measured()?;
         let all = self.simulate(&structures, measured.as_ref())?;
         let (media, shortest_nm) = (self.common.opening()?.media, self.wavelengths.range_nm().0);
-        if structures.iter().any(|one| media.guesses_in(one, self.common.seed, shortest_nm)) {
+        let mut known = structures.iter().filter_map(Subject::structure);
+        if known.any(|one| media.guesses_in(one, self.common.seed, shortest_nm)) {
             self.common.say_guessed();
         }
         self.write(&all, measured.as_ref())?;
@@ -199,7 +205,8 @@ impl Args {
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
         check_outputs(None, self.summary.as_deref())?;
-        let curves = self.structures.len() * self.angle.0.len();
+        self.check_instruments()?;
+        let curves = self.structures.len() * self.rows().len();
         if self.figure.output.is_some() && self.structures.len() > 1 && curves > MOST_CURVES {
             return Err(Error::input(format!(
                 "-o: {curves} curves of {} structures do not fit one figure, which holds {MOST_CURVES}; give fewer, or --summary in place of -o",
@@ -223,7 +230,7 @@ impl Args {
         Ok(Some(measured))
     }
 
-    fn simulate(&self, structures: &[Structure], measured: Option<&Measured>) -> Result<Vec<Found>> {
+    fn simulate(&self, structures: &[Subject], measured: Option<&Measured>) -> Result<Vec<Found>> {
         let terminal = Terminal::new(&self.common);
         let label = format!("simulating {} structures", structures.len());
         let several = (structures.len() > 1).then(|| Several::begin(&terminal, &label, structures.len()));
@@ -243,10 +250,20 @@ impl Args {
     fn one(
         &self,
         typed: &str,
-        structure: &Structure,
+        subject: &Subject,
         measured: Option<&Measured>,
         progress: &dyn Progress,
     ) -> Result<Found> {
+        let structure = match subject {
+            Subject::Structure(structure) => structure,
+            Subject::Material(material) => {
+                let mean = self.of_material(typed, material, progress)?;
+                let [std, mirror] =
+                    [0.0, 1.0].map(|value| vec![vec![value; self.wavelengths.len()]; mean.len()]);
+                let spectra = Spectra { mean, std, mirror, beside_white: true };
+                return self.found(typed.to_owned(), &figures::title(material), 1, spectra, measured);
+            }
+        };
         let wanted = self.instances.unwrap_or(INSTANCES);
         let instances = structure.count().map_or(wanted, |given| given.min(wanted));
         if self.instances.is_some_and(|asked| asked > instances) {
@@ -256,6 +273,42 @@ impl Args {
                 if instances == 1 { "is 1 section".to_owned() } else { format!("are {instances} sections") },
                 if instances == 1 { "it is" } else { "all are" },
             ));
+        }
+        let (spectra, individuals) = self.spectra(typed, structure, instances, progress)?;
+        self.say_grazing(&spectra, structure.width_um());
+        let core_fringes = match instances {
+            // What one individual has is no mean's.
+            1 => None,
+            _ => core_fringes(structure, self.common.seed, instances, &self.wavelengths)?,
+        };
+        let typed = match structure.side() {
+            Side::Above => typed.to_owned(),
+            Side::Below => typed.to_owned() + Side::BELOW,
+        };
+        let found = self.found(typed, &structure.name(), instances, spectra, measured)?;
+        Ok(Found {
+            individuals: self.individuals.then_some(individuals),
+            core_fringes: core_fringes.filter(CoreFringes::mislead),
+            ..found
+        })
+    }
+
+    /// All that is reflected or, with instruments, what they read.
+    fn spectra(
+        &self,
+        typed: &str,
+        structure: &Structure,
+        instances: usize,
+        progress: &dyn Progress,
+    ) -> Result<(Spectra, Individuals)> {
+        let fewer = "fewer --wavelengths, angles, --instances or --threads";
+        let mut mounts = self.mounts(typed)?;
+        let vanes = mounts.iter_mut().filter_map(|mount| mount.vane.as_mut());
+        vanes.for_each(|vane| vane.width_um = structure.width_um());
+        if !mounts.is_empty() {
+            let request = self.reading_request(mounts, instances);
+            self.common.check_memory("this spectrum", reading_bytes(structure, &request)?, fewer)?;
+            return readings_and_individuals(structure, &request, progress);
         }
         let direction = |angle: &f64| match self.plane {
             Plane::Across => (0.0, angle.to_radians()),
@@ -269,17 +322,20 @@ impl Args {
             collect: self.collect,
             polarization: self.polarization,
         };
-        let bytes = spectrum_bytes(structure, &request)?;
-        let fewer = "fewer --wavelengths, angles, --instances or --threads";
-        self.common.check_memory("this spectrum", bytes, fewer)?;
-        let (found, individuals) = spectra_and_individuals(structure, &request, progress)?;
-        self.say_grazing(&found, structure.width_um());
-        let core_fringes = match instances {
-            // What one individual has is no mean's.
-            1 => None,
-            _ => core_fringes(structure, self.common.seed, instances, &self.wavelengths)?,
-        };
-        let means = found
+        self.common.check_memory("this spectrum", spectrum_bytes(structure, &request)?, fewer)?;
+        spectra_and_individuals(structure, &request, progress)
+    }
+
+    /// Spectra with the numbers of their colours and of the comparison.
+    fn found(
+        &self,
+        typed: String,
+        name: &str,
+        instances: usize,
+        spectra: Spectra,
+        measured: Option<&Measured>,
+    ) -> Result<Found> {
+        let means = spectra
             .mean
             .iter()
             .map(|mean| Spectrum::new(self.wavelengths.clone(), mean.clone()))
@@ -288,18 +344,14 @@ impl Args {
         let comparisons = measured.map_or(Ok(Vec::new()), |measured| {
             means.iter().map(|mean| Comparison::of(mean, &measured.mean, peak_range)).collect()
         })?;
-        let name = structure.name();
         Ok(Found {
-            typed: match structure.side() {
-                Side::Above => typed.to_owned(),
-                Side::Below => typed.to_owned() + Side::BELOW,
-            },
-            name: name.strip_suffix(":default").unwrap_or(&name).to_owned(),
+            typed,
+            name: name.strip_suffix(":default").unwrap_or(name).to_owned(),
             instances,
-            spectra: found,
-            individuals: self.individuals.then_some(individuals),
-            core_fringes: core_fringes.filter(CoreFringes::mislead),
-            looks: Look::series(&self.angle.0, &means, peak_range),
+            spectra,
+            individuals: None,
+            core_fringes: None,
+            looks: Look::series(&self.law_angles_deg(), &means, peak_range),
             comparisons,
         })
     }
@@ -309,7 +361,7 @@ impl Args {
         if let Some(Over { direction, wavelength, reflected, count }) = found.over() {
             self.common.say(&format!(
                 "at {} and {} nm {:.1} % of the light come back, more than all of it: this structure is beyond what single reflections describe ({count} values are flagged)",
-                self.direction_name(self.angle.0[direction]),
+                self.row_name(&self.rows()[direction]),
                 self.wavelengths[wavelength],
                 100.0 * reflected
             ));
@@ -317,20 +369,22 @@ impl Args {
         let Some(Grazing { direction, wavelength, mirror_fraction, flagged }) = found.grazing() else {
             return;
         };
-        let incidence = self.direction_name(self.angle.0[direction]);
+        let incidence = self.row_name(&self.rows()[direction]);
         let said = grazing(&incidence, self.wavelengths[wavelength], width_um, mirror_fraction);
-        let all = self.angle.0.len() * self.wavelengths.len();
+        let all = found.mean.len() * self.wavelengths.len();
         self.common.say(&format!("{said} ({flagged} of {all} values are flagged)"));
     }
 
     fn write(&self, all: &[Found], measured: Option<&Measured>) -> Result<()> {
         let provenance = Provenance::new(&self.common);
+        let rows = self.rows();
         let shown = |what: &str| {
             let whose = match all {
                 [one] => one.name.clone(),
                 many => format!("{} structures", many.len()),
             };
-            format!("{what} of {whose} at {}", counted(self.angle.0.len(), "angle"))
+            let count = if self.laid(None).is_empty() { "angle" } else { "reading" };
+            format!("{what} of {whose} at {}", counted(rows.len(), count))
         };
         let beside = if measured.is_some() { ", and what was measured" } else { "" };
         if let Some(path) = &self.figure.output {
@@ -338,14 +392,25 @@ impl Args {
             self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
         }
         if let Some(path) = &self.csv {
-            let tables =
-                tables::Tables { all, angles_deg: &self.angle.0, nm: self.wavelengths.nm(), measured };
+            let tables = tables::Tables {
+                all,
+                rows: &rows,
+                names: &rows.iter().map(|row| self.row_name(row)).collect::<Vec<_>>(),
+                nm: self.wavelengths.nm(),
+                measured,
+            };
             let text = match self.csv_layout {
                 Layout::Wide => tables.wide(),
                 Layout::Tidy => tables.tidy(),
+                Layout::Spectrometer => tables.spectrometer(),
             };
             provenance.write_csv(path, &text)?;
             self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
+        }
+        if let Some(path) = &self.instrument.law {
+            let all: Vec<_> = all.iter().map(|found| (found.typed.clone(), &found.looks[..])).collect();
+            provenance.write_figure(path, &self.law_figure(&all)?)?;
+            self.common.wrote(path, "the followed peak against the angle, with its law");
         }
         if let Some(path) = &self.summary {
             provenance.write_csv(path, &self.summary_text(all))?;
@@ -355,13 +420,9 @@ impl Args {
         Ok(())
     }
 
-    fn direction_name(&self, angle: f64) -> String {
-        format!("{} = {angle}°", if self.plane == Plane::Across { "φ" } else { "θ" })
-    }
-
     fn figure(&self, all: &[Found], measured: Option<&Measured>) -> Result<barbule::plot::Drawing> {
         let most = all.iter().map(|found| found.instances).max().unwrap_or(0);
-        let angles: Vec<String> = self.angle.0.iter().map(|angle| self.direction_name(*angle)).collect();
+        let angles: Vec<String> = self.rows().iter().map(|row| self.row_name(row)).collect();
         let title = match (all, &angles[..]) {
             ([one], _) => format!("{}, {}", one.name, counted(one.instances, "instance")),
             (_, [angle]) => format!("{angle}, {}", counted(most, "instance")),
@@ -405,7 +466,9 @@ impl Args {
     }
 
     fn summary_text(&self, all: &[Found]) -> String {
-        let mut text = String::from("structure,angle_deg,instances");
+        let rows = self.rows();
+        let (header, cells) = front(&rows);
+        let mut text = format!("structure,{header}angle_deg,instances");
         let first = all.iter().flat_map(|found| found.looks.first()).next();
         let compared = all.iter().flat_map(|found| found.comparisons.first()).next();
         if let Some(fields) = first.map(Look::fields) {
@@ -415,11 +478,11 @@ impl Args {
             let _ = write!(text, ",{}", fields.csv_header());
         }
         for found in all {
-            for (a, angle) in self.angle.0.iter().enumerate() {
-                let name = csv_cell(&found.typed);
+            for (a, Row { angle_deg, .. }) in rows.iter().enumerate() {
+                let (name, front) = (csv_cell(&found.typed), &cells[a]);
                 let cells = found.looks[a].fields().csv_cells();
                 let flagged = found.flagged(a);
-                let _ = write!(text, "\n{name},{angle},{},{cells},{flagged}", found.instances);
+                let _ = write!(text, "\n{name},{front}{angle_deg},{},{cells},{flagged}", found.instances);
                 if let Some(comparison) = found.comparisons.get(a) {
                     let _ = write!(text, ",{}", comparison.fields().csv_cells());
                 }
@@ -438,7 +501,7 @@ impl Args {
                 (found.instances > 1).then(|| found.spectra.std.iter().map(error).collect::<Vec<_>>());
             let mut document = json!({
                 "structure": found.typed,
-                "angle_deg": self.angle.0,
+                "angle_deg": self.rows().iter().map(|row| row.angle_deg).collect::<Vec<_>>(),
                 "wavelength_nm": self.wavelengths.nm(),
                 "mean": found.spectra.mean,
                 "std": found.spectra.std,
@@ -448,13 +511,14 @@ impl Args {
                 "instances": found.instances,
                 "look": found.looks,
                 "core_note": found.core_fringes.map(|fringes| core_note(&fringes, found.instances)),
-                "order_notes": peak_args::notes(&self.angle.0, &found.looks),
+                "order_notes": peak_args::notes(&self.law_angles_deg(), &found.looks),
             });
+            self.describe(&mut document, &found.looks);
             if let Some(individuals) = &found.individuals {
                 let of = |a: usize| {
                     (0..individuals.count()).map(move |i| individuals.of(i, a)).collect::<Vec<_>>()
                 };
-                document["individuals"] = json!((0..self.angle.0.len()).map(of).collect::<Vec<_>>());
+                document["individuals"] = json!((0..found.spectra.mean.len()).map(of).collect::<Vec<_>>());
             }
             if measured.is_some() {
                 document["comparison"] = json!(found.comparisons);
@@ -482,7 +546,7 @@ impl Args {
     fn print(&self, out: &mut dyn Write, all: &[Found]) -> Result<()> {
         let file = self.measured.as_deref().map(Path::display);
         for found in all {
-            for (a, angle) in self.angle.0.iter().enumerate() {
+            for (a, row) in self.rows().iter().enumerate() {
                 let name = if all.len() > 1 { shortened(&found.typed) } else { found.name.clone() };
                 let flagged = match found.flagged(a) {
                     0 => String::new(),
@@ -493,13 +557,16 @@ impl Args {
                     ),
                 };
                 let words = found.looks[a].words();
-                print(out, &format!("{name}, {}: {words}{flagged}", self.direction_name(*angle)))?;
+                print(out, &format!("{name}, {}: {words}{flagged}", self.row_name(row)))?;
                 if let (Some(comparison), Some(file)) = (found.comparisons.get(a), &file) {
                     print(out, &format!("  against {file}: {}", comparison.words()))?;
                 }
             }
+            if let Ok(law) = self.law(&found.looks) {
+                print(out, &format!("{}: {}", shortened(&found.typed), law.words()))?;
+            }
             let core = found.core_fringes.map(|fringes| core_note(&fringes, found.instances));
-            for note in peak_args::notes(&self.angle.0, &found.looks).into_iter().chain(core) {
+            for note in peak_args::notes(&self.law_angles_deg(), &found.looks).into_iter().chain(core) {
                 let name =
                     if all.len() > 1 { format!("{}: ", shortened(&found.typed)) } else { String::new() };
                 self.common.say(&format!("{name}{note}"));
