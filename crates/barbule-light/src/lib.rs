@@ -10,6 +10,7 @@
 
 pub mod film;
 pub mod fresnel;
+pub mod instrument;
 pub mod material;
 pub mod scattering;
 pub mod spectrum;

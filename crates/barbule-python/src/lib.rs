@@ -46,7 +46,7 @@ mod _native {
     #[pymodule_export]
     use super::scene::{Picture, Scene, presets};
     #[pymodule_export]
-    use super::spectrum::spectra;
+    use super::spectrum::{angle_law, material_readings, readings, spectra};
     #[pymodule_export]
     use super::structure::{Section, Structure};
 }

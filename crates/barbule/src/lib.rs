@@ -55,13 +55,14 @@ pub mod open;
 pub mod picture;
 #[cfg(feature = "figures")]
 pub mod plot;
+pub mod reading;
 pub mod resolve;
 #[cfg(all(feature = "figures", feature = "full-waves"))]
 pub mod validate;
 
 pub use barbule_appearance::{brdf, bsdf, render, scene};
 pub use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};
-pub use barbule_light::{film, fresnel, material, scattering, spectrum, stack};
+pub use barbule_light::{film, fresnel, instrument, material, scattering, spectrum, stack};
 pub use barbule_optics::{solve, structure};
 pub use glam::DVec3;
 pub use progress::Unobserved;

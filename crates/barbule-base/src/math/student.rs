@@ -18,10 +18,10 @@ pub fn quantile(p: f64, degrees: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees).map_or(f64::NAN, |t| t.inverse_cdf(p))
 }
 
-/// The half width of the two-sided interval of 95 % of a mean, in standard errors of this many degrees of freedom.
+/// The half width of the two-sided interval of 95 % of a mean, in standard errors of this many degrees of freedom; infinite of none.
 #[must_use]
 pub fn interval_95(degrees: f64) -> f64 {
-    quantile(0.975, degrees)
+    if degrees > 0.0 { quantile(0.975, degrees) } else { f64::INFINITY }
 }
 
 /// The quantile of the F distribution of `above` and `below` degrees of freedom, for 0 < `p` < 1; not a number of other arguments.

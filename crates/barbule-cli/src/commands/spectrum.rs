@@ -1,61 +1,62 @@
 //! `barbule spectrum`: reflectance against wavelength, mean and spread over instances, and the numbers of its colour.
 
+mod instrument;
 mod intervals;
+mod outputs;
 mod tables;
 
-use std::fmt::Write as _;
 use std::io::Write;
 use std::path::PathBuf;
 
 use barbule::campaign::spectrum::{
-    Collect, Grazing, Individuals, Over, Spectra, SpectrumRequest, spectra_and_individuals,
+    Collect, Grazing, Individuals, Over, Spectra, SpectrumRequest, reading_bytes, readings_and_individuals,
+    spectra_and_individuals,
 };
 use barbule::campaign::spectrum_bytes;
-use barbule::confidence::{self, Intervals};
+use barbule::confidence::Intervals;
 use barbule::error::{counted, shortened};
-use barbule::figures::{self, Simulated};
-use barbule::io::measured::{AtAngle, Measured, Measurements, Scale, read_measurements};
-use barbule::plot::{Band, MeasuredBand};
+use barbule::figures;
+use barbule::io::measured::{Measured, Measurements, Scale, read_measurements};
 use barbule::progress::{Progress, Several};
 use barbule::solve::core_fringes::{CoreFringes, core_fringes};
-use barbule::solve::surface::LARGEST_MIRROR_ERROR;
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{Side, Structure};
 use barbule::{Error, Result};
 use clap::ValueEnum;
-use serde_json::{Value, json};
 
 use crate::campaign::grazing;
-use crate::common::{Common, print, print_json};
+use crate::common::{Common, print_json};
 use crate::figure::FigureArgs;
-use crate::peak_args::{self, PeakArgs};
+use crate::peak_args::PeakArgs;
 use crate::progress::Terminal;
-use crate::provenance::{Provenance, check_outputs, csv_cell};
+use crate::provenance::check_outputs;
 use crate::structure_arg::SideArg;
 use crate::{sets, structure_arg};
+use instrument::{InstrumentArgs, Row, Subject};
 
 /// Random instances unless told otherwise.
 const INSTANCES: usize = 50;
 
-/// Curves that one figure of several structures holds: as many as its legend names.
-const MOST_CURVES: usize = 18;
-
 /// So many files' readings are said without being asked for.
 const FEW_READINGS: usize = 4;
+
+/// Curves that one figure of several structures holds: as many as its legend names.
+const MOST_CURVES: usize = 18;
 
 /// Arguments of `barbule spectrum`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   barbule spectrum starling --angle 0,30,60 -o starling.svg --csv starling.csv
   barbule spectrum starling --measured examples/measured/starling-back.csv -o both.png
-  barbule spectrum starling --measured bird1.csv@0 --measured bird1-tilted.csv@30 -o angles.png
-  barbule spectrum starling rock-dove bronzewing --summary birds.csv
+  barbule spectrum starling --measured examples/measured/from-r.csv --measured examples/measured/starling-back.csv
   barbule spectrum starling --intervals --uncertain keratin=0.005 --uncertain cortex_um=2%
+  barbule spectrum starling rock-dove bronzewing --summary birds.csv
   barbule spectrum rock-dove --side below --angle=-30,30
   barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
   barbule spectrum rock-dove --angle 0:60:15 --wavelengths 300:700:4 --peak-range 400:700
+  barbule spectrum air/keratin:200/air --instrument probe:10 --instrument sphere -o probe.svg
 
 Printed, and in --json under 'look': peak (through several angles that of one order of interference, from the angle \
 nearest to the normal; --json lists all peaks), full width at half maximum (half-way between the peak and the lowest \
@@ -77,6 +78,8 @@ pub(crate) struct Args {
     /// What is collected: hemisphere, or cone:HALF, what falls within HALF degrees of the mirror direction
     #[arg(long, value_name = "hemisphere|cone:HALF", default_value = "hemisphere", value_parser = collect)]
     collect: Collect,
+    #[command(flatten)]
+    instrument: InstrumentArgs,
     /// Incident polarization
     #[arg(long, value_name = "mean|1|2", default_value = "mean", value_parser = polarization)]
     polarization: [f64; 2],
@@ -139,6 +142,9 @@ enum Layout {
     Wide,
     /// A line for each value
     Tidy,
+    /// As spectrometers deliver them: wavelengths, and a column in percent for each curve, or with --individuals for each
+    /// individual of it
+    Spectrometer,
 }
 
 /// Units of measured values.
@@ -153,9 +159,15 @@ enum MeasuredUnit {
 /// What all structures are asked.
 #[derive(Clone, Copy)]
 struct Asked<'a> {
-    /// Angles of incidence, degrees.
-    angles_deg: &'a [f64],
+    rows: &'a [Row],
     measured: Option<&'a Measurements>,
+}
+
+impl<'a> Asked<'a> {
+    /// What was measured at the angle of a row.
+    fn measured_at(self, row: usize) -> Option<&'a Measured> {
+        self.measured?.at(self.rows[row].angle_deg)
+    }
 }
 
 /// A structure with its spectra.
@@ -189,18 +201,15 @@ impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
         self.check()?;
-        let structures = self
-            .structures
-            .iter()
-            .map(|text| self.side.of(structure_arg::parse(text, &self.common)?))
-            .collect::<Result<Vec<_>>>()?;
+        let structures = self.structures.iter().map(|text| self.subject(text)).collect::<Result<Vec<_>>>()?;
         let measured = self.measured()?;
-        let angles = self.angles(measured.as_ref())?;
-        self.check_curves(angles.len())?;
-        let asked = Asked { angles_deg: &angles, measured: measured.as_ref() };
+        let rows = self.rows(&self.angles(measured.as_ref())?);
+        self.check_rows(&rows)?;
+        let asked = Asked { rows: &rows, measured: measured.as_ref() };
         let all = self.simulate(&structures, asked)?;
         let (media, shortest_nm) = (self.common.opening()?.media, self.wavelengths.range_nm().0);
-        if structures.iter().any(|one| media.guesses_in(one, self.common.seed, shortest_nm)) {
+        let mut known = structures.iter().filter_map(Subject::structure);
+        if known.any(|one| media.guesses_in(one, self.common.seed, shortest_nm)) {
             self.common.say_guessed();
         }
         self.write(&all, asked)?;
@@ -225,9 +234,10 @@ impl Args {
         Ok(())
     }
 
-    /// Refuses more curves than a figure holds.
-    fn check_curves(&self, angles: usize) -> Result<()> {
-        let curves = self.structures.len() * angles;
+    /// Refuses rows that cannot be read, and more curves than a figure holds.
+    fn check_rows(&self, rows: &[Row]) -> Result<()> {
+        self.check_instruments(rows)?;
+        let curves = self.structures.len() * rows.len();
         if self.figure.output.is_some() && self.structures.len() > 1 && curves > MOST_CURVES {
             return Err(Error::input(format!(
                 "-o: {curves} curves of {} structures do not fit one figure, which holds {MOST_CURVES}; give fewer, or --summary in place of -o",
@@ -295,7 +305,7 @@ impl Args {
         Ok(asked.0.clone())
     }
 
-    fn simulate(&self, structures: &[Structure], asked: Asked) -> Result<Vec<Found>> {
+    fn simulate(&self, structures: &[Subject], asked: Asked) -> Result<Vec<Found>> {
         let terminal = Terminal::new(&self.common);
         let label = format!("simulating {} structures", structures.len());
         let several = (structures.len() > 1).then(|| Several::begin(&terminal, &label, structures.len()));
@@ -310,13 +320,17 @@ impl Args {
         Ok(all)
     }
 
-    fn one(
-        &self,
-        typed: &str,
-        structure: &Structure,
-        asked: Asked,
-        progress: &dyn Progress,
-    ) -> Result<Found> {
+    fn one(&self, typed: &str, subject: &Subject, asked: Asked, progress: &dyn Progress) -> Result<Found> {
+        let structure = match subject {
+            Subject::Structure(structure) => structure,
+            Subject::Material(material) => {
+                let mean = self.of_material(typed, material, asked.rows, progress)?;
+                let [std, mirror] =
+                    [0.0, 1.0].map(|value| vec![vec![value; self.wavelengths.len()]; mean.len()]);
+                let spectra = Spectra { mean, std, mirror, beside_white: true };
+                return self.found(typed.to_owned(), &figures::title(material), spectra, None, asked);
+            }
+        };
         let wanted = self.instances.unwrap_or(INSTANCES);
         let instances = structure.count().map_or(wanted, |given| given.min(wanted));
         if self.instances.is_some_and(|asked| asked > instances) {
@@ -327,61 +341,90 @@ impl Args {
                 if instances == 1 { "it is" } else { "all are" },
             ));
         }
-        let direction = |angle: &f64| match self.plane {
-            Plane::Across => (0.0, angle.to_radians()),
-            Plane::Along => (angle.to_radians(), 0.0),
-        };
-        let request = SpectrumRequest {
-            wavelengths: self.wavelengths.clone(),
-            directions: asked.angles_deg.iter().map(direction).collect(),
-            instances,
-            seed: self.common.seed,
-            collect: self.collect,
-            polarization: self.polarization,
-        };
-        let bytes = spectrum_bytes(structure, &request)?;
-        let fewer = "fewer --wavelengths, angles, --instances or --threads";
-        self.common.check_memory("this spectrum", bytes, fewer)?;
-        let (found, individuals) = spectra_and_individuals(structure, &request, progress)?;
-        self.say_grazing(&found, structure.width_um(), asked.angles_deg);
+        let (spectra, individuals) = self.spectra(typed, structure, instances, asked.rows, progress)?;
+        self.say_grazing(&spectra, structure.width_um(), asked.rows);
         let core_fringes = match instances {
             // What one individual has is no mean's.
             1 => None,
             _ => core_fringes(structure, self.common.seed, instances, &self.wavelengths)?,
         };
-        let means = found
+        let name = match structure.side() {
+            Side::Above => typed.to_owned(),
+            Side::Below => typed.to_owned() + Side::BELOW,
+        };
+        let found = self.found(name, &structure.name(), spectra, Some(&individuals), asked)?;
+        let intervals = self.intervals(typed, &found, &individuals, asked, progress)?;
+        Ok(Found {
+            intervals,
+            individuals: self.individuals.then_some(individuals),
+            core_fringes: core_fringes.filter(CoreFringes::mislead),
+            ..found
+        })
+    }
+
+    /// All that is reflected or, with instruments, what they read.
+    fn spectra(
+        &self,
+        typed: &str,
+        structure: &Structure,
+        instances: usize,
+        rows: &[Row],
+        progress: &dyn Progress,
+    ) -> Result<(Spectra, Individuals)> {
+        let fewer = "fewer --wavelengths, angles, --instances or --threads";
+        let mut mounts = self.mounts(typed, rows)?;
+        let vanes = mounts.iter_mut().filter_map(|mount| mount.vane.as_mut());
+        vanes.for_each(|vane| vane.width_um = structure.width_um());
+        if !mounts.is_empty() {
+            let request = self.reading_request(mounts, instances);
+            self.common.check_memory("this spectrum", reading_bytes(structure, &request)?, fewer)?;
+            return readings_and_individuals(structure, &request, progress);
+        }
+        let direction = |row: &Row| match self.plane {
+            Plane::Across => (0.0, row.angle_deg.to_radians()),
+            Plane::Along => (row.angle_deg.to_radians(), 0.0),
+        };
+        let request = SpectrumRequest {
+            wavelengths: self.wavelengths.clone(),
+            directions: rows.iter().map(direction).collect(),
+            instances,
+            seed: self.common.seed,
+            collect: self.collect,
+            polarization: self.polarization,
+        };
+        self.common.check_memory("this spectrum", spectrum_bytes(structure, &request)?, fewer)?;
+        spectra_and_individuals(structure, &request, progress)
+    }
+
+    /// Spectra with the numbers of their colours and of the comparison.
+    fn found(
+        &self,
+        typed: String,
+        name: &str,
+        spectra: Spectra,
+        individuals: Option<&Individuals>,
+        asked: Asked,
+    ) -> Result<Found> {
+        let means = spectra
             .mean
             .iter()
             .map(|mean| Spectrum::new(self.wavelengths.clone(), mean.clone()))
             .collect::<Result<Vec<_>>>()?;
         let peak_range = self.peak.within(&self.wavelengths)?;
-        let comparisons = asked.measured.map_or(Ok(Vec::new()), |measured| {
-            self.comparisons(&means, &individuals, measured, asked.angles_deg)
-        })?;
-        let looks = Look::series(asked.angles_deg, &means, peak_range);
-        let of = |a: usize| (0..individuals.count()).map(|i| individuals.of(i, a).to_vec()).collect();
-        let curves: Vec<Vec<Vec<f64>>> = (0..asked.angles_deg.len()).map(of).collect();
-        let simulated = confidence::Simulated {
-            at: &self.wavelengths,
-            means: &found.mean,
-            curves: &curves,
-            looks: &looks,
+        let comparisons = match asked.measured {
+            Some(_) => self.comparisons(&means, individuals, asked)?,
+            None => Vec::new(),
         };
-        let intervals = self.intervals(typed, &request, simulated, progress)?;
-        let name = structure.name();
         Ok(Found {
-            typed: match structure.side() {
-                Side::Above => typed.to_owned(),
-                Side::Below => typed.to_owned() + Side::BELOW,
-            },
-            name: name.strip_suffix(":default").unwrap_or(&name).to_owned(),
-            instances,
-            spectra: found,
-            individuals: self.individuals.then_some(individuals),
-            core_fringes: core_fringes.filter(CoreFringes::mislead),
-            looks,
+            typed,
+            name: name.strip_suffix(":default").unwrap_or(name).to_owned(),
+            instances: individuals.map_or(1, Individuals::count),
+            spectra,
+            individuals: None,
+            core_fringes: None,
+            looks: Look::series(&self.law_angles_deg(asked.rows), &means, peak_range),
             comparisons,
-            intervals,
+            intervals: None,
         })
     }
 
@@ -389,29 +432,31 @@ impl Args {
     fn comparisons(
         &self,
         means: &[Spectrum],
-        individuals: &Individuals,
-        measured: &Measurements,
-        angles_deg: &[f64],
+        individuals: Option<&Individuals>,
+        asked: Asked,
     ) -> Result<Vec<Option<Comparison>>> {
         let peak_range = self.peak.within(&self.wavelengths)?;
-        let compared = |(a, (mean, angle)): (usize, (&Spectrum, &f64))| {
-            let Some(measured) = measured.at(*angle) else { return Ok(None) };
-            let simulated = (0..individuals.count())
-                .map(|i| Spectrum::new(self.wavelengths.clone(), individuals.of(i, a).to_vec()))
-                .collect::<Result<Vec<_>>>()?;
+        let compared = |(a, mean): (usize, &Spectrum)| {
+            let Some(measured) = asked.measured_at(a) else { return Ok(None) };
+            let of = |all: &Individuals| {
+                (0..all.count())
+                    .map(|i| Spectrum::new(self.wavelengths.clone(), all.of(i, a).to_vec()))
+                    .collect::<Result<Vec<_>>>()
+            };
+            let simulated = individuals.map_or(Ok(Vec::new()), of)?;
             let samples: Vec<Spectrum> = measured.samples.iter().map(|s| s.spectrum.clone()).collect();
             let found = Comparison::of(mean, &measured.mean, peak_range)?;
             Ok(Some(found.with_individuals(&simulated, &samples)))
         };
-        means.iter().zip(angles_deg).enumerate().map(compared).collect()
+        means.iter().enumerate().map(compared).collect()
     }
 
     /// Says where light grazes so that the simulation is off, and where more than all of it comes back.
-    fn say_grazing(&self, found: &Spectra, width_um: f64, angles_deg: &[f64]) {
+    fn say_grazing(&self, found: &Spectra, width_um: f64, rows: &[Row]) {
         if let Some(Over { direction, wavelength, reflected, count }) = found.over() {
             self.common.say(&format!(
                 "at {} and {} nm {:.1} % of the light come back, more than all of it: this structure is beyond what single reflections describe ({count} values are flagged)",
-                self.direction_name(angles_deg[direction]),
+                self.row_name(&rows[direction]),
                 self.wavelengths[wavelength],
                 100.0 * reflected
             ));
@@ -419,252 +464,11 @@ impl Args {
         let Some(Grazing { direction, wavelength, mirror_fraction, flagged }) = found.grazing() else {
             return;
         };
-        let incidence = self.direction_name(angles_deg[direction]);
+        let incidence = self.row_name(&rows[direction]);
         let said = grazing(&incidence, self.wavelengths[wavelength], width_um, mirror_fraction);
-        let all = angles_deg.len() * self.wavelengths.len();
+        let all = found.mean.len() * self.wavelengths.len();
         self.common.say(&format!("{said} ({flagged} of {all} values are flagged)"));
     }
-
-    fn write(&self, all: &[Found], asked: Asked) -> Result<()> {
-        let provenance = Provenance::new(&self.common);
-        let shown = |what: &str| {
-            let whose = match all {
-                [one] => one.name.clone(),
-                many => format!("{} structures", many.len()),
-            };
-            format!("{what} of {whose} at {}", counted(asked.angles_deg.len(), "angle"))
-        };
-        let beside = if asked.measured.is_some() { ", and what was measured" } else { "" };
-        if let Some(path) = &self.figure.output {
-            provenance.write_figure(path, &self.figure(all, asked)?)?;
-            self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
-        }
-        if let Some(path) = &self.csv {
-            let tables = tables::Tables {
-                all,
-                angles_deg: asked.angles_deg,
-                nm: self.wavelengths.nm(),
-                measured: asked.measured,
-            };
-            let text = match self.csv_layout {
-                Layout::Wide => tables.wide(),
-                Layout::Tidy => tables.tidy(),
-            };
-            provenance.write_csv(path, &text)?;
-            self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
-        }
-        if let Some(path) = &self.summary {
-            provenance.write_csv(path, &self.summary_text(all, asked.angles_deg))?;
-            let beside = if asked.measured.is_some() { " and of the comparison" } else { "" };
-            self.common.wrote(path, &format!("{}{beside}", shown("numbers of the colour")));
-        }
-        Ok(())
-    }
-
-    fn direction_name(&self, angle: f64) -> String {
-        format!("{} = {angle}°", if self.plane == Plane::Across { "φ" } else { "θ" })
-    }
-
-    fn figure(&self, all: &[Found], asked: Asked) -> Result<barbule::plot::Drawing> {
-        let most = all.iter().map(|found| found.instances).max().unwrap_or(0);
-        let angles: Vec<String> = asked.angles_deg.iter().map(|angle| self.direction_name(*angle)).collect();
-        let title = match (all, &angles[..]) {
-            ([one], _) => format!("{}, {}", one.name, counted(one.instances, "instance")),
-            (_, [angle]) => format!("{angle}, {}", counted(most, "instance")),
-            _ => counted(most, "instance"),
-        };
-        let names: Vec<Vec<String>> = all
-            .iter()
-            .map(|found| match (all.len(), angles.len()) {
-                (1, _) => angles.clone(),
-                (_, 1) => vec![shortened(&found.typed)],
-                _ => angles.iter().map(|angle| format!("{}, {angle}", shortened(&found.typed))).collect(),
-            })
-            .collect();
-        let simulated: Vec<Simulated> = all
-            .iter()
-            .zip(&names)
-            .map(|(found, names)| Simulated {
-                names,
-                spectra: &found.spectra,
-                instances: found.instances,
-                looks: &found.looks,
-            })
-            .collect();
-        let measured: Vec<MeasuredBand> =
-            asked.measured.map_or_else(Vec::new, |measured| bands(measured, asked.angles_deg));
-        let (title, page) = (self.figure.title(figures::heading(&title)), self.figure.page()?);
-        figures::spectra(&title, &self.wavelengths, &simulated, &measured, &page)
-    }
-
-    fn summary_text(&self, all: &[Found], angles_deg: &[f64]) -> String {
-        let mut text = String::from("structure,angle_deg,instances");
-        let first = all.iter().flat_map(|found| found.looks.first()).next();
-        let compared = all.iter().flat_map(|found| found.comparisons.iter().flatten()).next();
-        if let Some(fields) = first.map(Look::fields) {
-            let _ = write!(text, ",{},flagged_wavelengths", fields.csv_header());
-        }
-        if let Some(fields) = compared.map(Comparison::fields) {
-            let _ = write!(text, ",{}", fields.csv_header());
-        }
-        let columns = compared.map_or(0, |comparison| comparison.fields().csv_header().split(',').count());
-        for found in all {
-            for (a, angle) in angles_deg.iter().enumerate() {
-                let name = csv_cell(&found.typed);
-                let cells = found.looks[a].fields().csv_cells();
-                let flagged = found.flagged(a);
-                let _ = write!(text, "\n{name},{angle},{},{cells},{flagged}", found.instances);
-                match found.comparisons.get(a) {
-                    Some(Some(comparison)) => {
-                        let _ = write!(text, ",{}", comparison.fields().csv_cells());
-                    }
-                    Some(None) => text.push_str(&",".repeat(columns)),
-                    None => {}
-                }
-            }
-        }
-        text.push('\n');
-        text
-    }
-
-    fn document(&self, all: &[Found], asked: Asked) -> Value {
-        let of = |found: &Found| {
-            let error = |std: &Vec<f64>| -> Vec<f64> {
-                std.iter().map(|s| s / (found.instances as f64).sqrt()).collect()
-            };
-            let standard_error =
-                (found.instances > 1).then(|| found.spectra.std.iter().map(error).collect::<Vec<_>>());
-            let mut document = json!({
-                "structure": found.typed,
-                "angle_deg": asked.angles_deg,
-                "wavelength_nm": self.wavelengths.nm(),
-                "mean": found.spectra.mean,
-                "std": found.spectra.std,
-                "mirror_fraction": found.spectra.mirror,
-                "flagged": found.spectra.flagged(),
-                "standard_error": standard_error,
-                "instances": found.instances,
-                "look": found.looks,
-                "core_note": found.core_fringes.map(|fringes| core_note(&fringes, found.instances)),
-                "order_notes": peak_args::notes(asked.angles_deg, &found.looks),
-            });
-            if let Some(individuals) = &found.individuals {
-                let of = |a: usize| {
-                    (0..individuals.count()).map(move |i| individuals.of(i, a)).collect::<Vec<_>>()
-                };
-                document["individuals"] = json!((0..asked.angles_deg.len()).map(of).collect::<Vec<_>>());
-            }
-            if let Some(all) = &found.intervals {
-                document["intervals"] = json!(all.iter().map(intervals::document).collect::<Vec<_>>());
-            }
-            if asked.measured.is_some() {
-                document["comparison"] = json!(found.comparisons);
-            }
-            document
-        };
-        let mut document = match all {
-            [one] => of(one),
-            many => json!({ "structures": many.iter().map(of).collect::<Vec<_>>() }),
-        };
-        if let Some(measured) = asked.measured {
-            let peak_range = self.peak.within(&self.wavelengths).ok().flatten();
-            let of = |at: &AtAngle| {
-                let measured = &at.measured;
-                json!({
-                    "reading": measured.reading,
-                    "angle_deg": at.angle_deg,
-                    "samples": measured.samples.iter().map(|sample| &sample.name).collect::<Vec<_>>(),
-                    "wavelength_nm": measured.mean.wavelengths().nm(),
-                    "mean": measured.mean.values(),
-                    "std": measured.std,
-                    "look": Look::with_peak_in(&measured.mean, peak_range),
-                })
-            };
-            document["measured"] = match &measured.angles[..] {
-                [one] => of(one),
-                several => json!({
-                    "reading": measured.reading.join("; "),
-                    "angles": several.iter().map(of).collect::<Vec<_>>(),
-                }),
-            };
-        }
-        document
-    }
-
-    /// The colours, and how they compare, one line each.
-    fn print(&self, out: &mut dyn Write, all: &[Found], asked: Asked) -> Result<()> {
-        let file = asked.measured.map(|_| self.measured_name());
-        for found in all {
-            for (a, angle) in asked.angles_deg.iter().enumerate() {
-                let name = if all.len() > 1 { shortened(&found.typed) } else { found.name.clone() };
-                let flagged = match found.flagged(a) {
-                    0 => String::new(),
-                    count => format!(
-                        ", flagged: off by over {:.0} % at {count} of {}",
-                        100.0 * LARGEST_MIRROR_ERROR,
-                        counted(self.wavelengths.len(), "wavelength")
-                    ),
-                };
-                let words = found.looks[a].words();
-                print(out, &format!("{name}, {}: {words}{flagged}", self.direction_name(*angle)))?;
-                if let Some(found) = found.intervals.as_ref().and_then(|all| all.get(a)) {
-                    print(out, &format!("  {}", intervals::words(found)))?;
-                }
-                if let (Some(Some(comparison)), Some(file)) = (found.comparisons.get(a), &file) {
-                    print(out, &format!("  against {file}: {}", comparison.words()))?;
-                }
-            }
-            let core = found.core_fringes.map(|fringes| core_note(&fringes, found.instances));
-            for note in peak_args::notes(asked.angles_deg, &found.looks).into_iter().chain(core) {
-                let name =
-                    if all.len() > 1 { format!("{}: ", shortened(&found.typed)) } else { String::new() };
-                self.common.say(&format!("{name}{note}"));
-            }
-        }
-        if let Some(note) = all.first().and_then(|found| found.looks[0].colour_note.as_ref()) {
-            self.common.say(note);
-        }
-        Ok(())
-    }
-}
-
-/// What was measured at these angles, each beside its curve, as figures show it.
-fn bands(measured: &Measurements, angles_deg: &[f64]) -> Vec<MeasuredBand> {
-    let of = |(beside, measured): (usize, &Measured)| MeasuredBand {
-        band: Band {
-            name: match &measured.samples[..] {
-                [_] => "measured".into(),
-                many => format!("measured, mean of {}", many.len()),
-            },
-            mean: measured.mean.clone(),
-            std: measured.std.clone(),
-            peak: None,
-        },
-        samples: match &measured.samples[..] {
-            [_] => Vec::new(),
-            many => many.iter().map(|sample| sample.spectrum.clone()).collect(),
-        },
-        beside: Some(beside),
-    };
-    match &measured.angles[..] {
-        [AtAngle { angle_deg: None, measured }] => vec![of((0, measured))],
-        _ => {
-            let at = angles_deg.iter().enumerate();
-            at.filter_map(|(a, angle)| Some((a, measured.at(*angle)?))).map(of).collect()
-        }
-    }
-}
-
-/// What to tell of fringes that look like peaks of the structure.
-fn core_note(fringes: &CoreFringes, instances: usize) -> String {
-    format!(
-        "the core, a film between both sides, makes fringes of ±{:.1} % of the light ({:.0} % of the mean) about {:.0} nm at normal incidence, {:.0} nm from one to the next; the mean of {instances} individuals keeps {:.0} % of them, since their cores are alike: core_spread = 0.1 in the species file, or lower = \"none\", takes them out",
-        100.0 * fringes.amplitude,
-        100.0 * fringes.part,
-        fringes.near_nm,
-        fringes.period_nm,
-        100.0 * fringes.kept
-    )
 }
 
 fn collect(text: &str) -> Result<Collect> {

@@ -18,6 +18,7 @@ mod film;
 mod foreign_keys;
 mod geometry;
 mod inputs_stay;
+mod instruments;
 mod interruptions;
 mod limits;
 mod lobes;

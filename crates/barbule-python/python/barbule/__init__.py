@@ -14,7 +14,7 @@ from ._export import Written, export
 from ._make import characterize, fit, simulate
 from ._material import Material
 from ._native import Picture, Section, Structure, species, version
-from ._optics import Heights, crystal, far_fields, film, spectrum
+from ._optics import AngleLaw, Heights, Interval, angle_law, crystal, far_fields, film, spectrum
 from ._opening import open
 from ._progress import Bar
 from ._labels import Arrays, Axis, Quantity
@@ -24,6 +24,7 @@ from .errors import BarbuleError, DoubtWarning, InputError, MachineError, NotSet
 __version__ = version()
 
 __all__ = [
+    "AngleLaw",
     "Arrays",
     "Axis",
     "Bar",
@@ -31,6 +32,7 @@ __all__ = [
     "DoubtWarning",
     "Heights",
     "InputError",
+    "Interval",
     "MachineError",
     "Material",
     "NotSettledError",
@@ -40,6 +42,7 @@ __all__ = [
     "Section",
     "Structure",
     "Written",
+    "angle_law",
     "characterize",
     "colours",
     "crystal",

@@ -51,6 +51,37 @@ def spectra(
     threads: int | None,
     progress: _Watch,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]: ...
+def readings(
+    structure: Structure,
+    wavelengths_nm: NDArray[np.float64],
+    angles_deg: NDArray[np.float64],
+    instrument: str,
+    along: bool,
+    turn_deg: float,
+    tilt_deg: tuple[float, float],
+    instances: int,
+    seed: int,
+    polarization: Sequence[float],
+    threads: int | None,
+    progress: _Watch,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]: ...
+def material_readings(
+    material: Material,
+    wavelengths_nm: NDArray[np.float64],
+    angles_deg: NDArray[np.float64],
+    instrument: str,
+    along: bool,
+    turn_deg: float,
+    tilt_deg: tuple[float, float],
+    threads: int | None,
+    progress: _Watch,
+) -> NDArray[np.float64]: ...
+
+_Ends = tuple[float, float, float | None]
+
+def angle_law(
+    angles_deg: NDArray[np.float64], peaks_nm: Sequence[float]
+) -> tuple[_Ends, _Ends | None, float, _Ends, _Ends, float]: ...
 def far_fields(
     section: Section,
     wavelengths_nm: NDArray[np.float64],

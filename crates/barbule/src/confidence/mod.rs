@@ -10,7 +10,6 @@ mod uncertain;
 pub use numbers::{Known, Part};
 pub use uncertain::{Amount, Uncertain};
 
-use crate::campaign::spectrum::{SpectrumRequest, spectra_and_individuals};
 use crate::math::rng::Stream;
 use crate::open::Opening;
 use crate::progress::{Progress, Several};
@@ -46,17 +45,19 @@ pub struct Simulated<'a> {
     pub looks: &'a [Look],
 }
 
-/// The intervals of each direction of a spectrum of the structure that `text` names, opened as `open` says; `request` is what it was
-/// simulated with. `progress` hears of two simulations for each uncertain input.
+/// How a structure is simulated as the one was whose intervals are wanted, with the same individuals: means, `[direction][wavelength]`.
+pub type Simulate<'a> = &'a dyn Fn(Structure, &dyn Progress) -> Result<Vec<Vec<f64>>>;
+
+/// The intervals of each direction of a spectrum of the structure that `text` names. `progress` hears of two simulations for each uncertain
+/// input; `seed` is that of the resampling.
 ///
 /// # Errors
-/// An uncertain input that the structure does not have, or that makes no structure once it is moved; as
-/// [`spectra_and_individuals`].
+/// An uncertain input that the structure does not have, or that makes no structure once it is moved; what `simulate` refuses.
 pub fn intervals(
     text: &str,
     opening: &Opening,
-    side: &dyn Fn(Structure) -> Result<Structure>,
-    request: &SpectrumRequest,
+    simulate: Simulate,
+    seed: u64,
     simulated: Simulated,
     uncertain: &[Uncertain],
     progress: &dyn Progress,
@@ -67,17 +68,12 @@ pub fn intervals(
     if !pairs.is_empty() {
         let several = Several::begin(progress, "moving uncertain inputs", 2 * pairs.len());
         for pair in pairs {
-            let [up, down] = pair.map(|moved| {
-                let moved = side(moved.0)?;
-                Ok(spectra_and_individuals(&moved, request, &several.part())?.0.mean)
-            });
+            let [up, down] = pair.map(|moved| simulate(moved.0, &several.part()));
             spectra.push([up?, down?]);
         }
     }
     let directions = 0..simulated.means.len();
-    directions
-        .map(|direction| of_direction(direction, request.seed, simulated, uncertain, &spectra))
-        .collect()
+    directions.map(|direction| of_direction(direction, seed, simulated, uncertain, &spectra)).collect()
 }
 
 /// Each uncertain input moved up and down.

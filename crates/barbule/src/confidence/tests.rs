@@ -1,5 +1,5 @@
 use super::*;
-use crate::campaign::spectrum::{Collect, Individuals, Spectra};
+use crate::campaign::spectrum::{Collect, Individuals, Spectra, SpectrumRequest, spectra_and_individuals};
 use crate::progress::Unobserved;
 
 /// What a structure's spectrum is at normal incidence, and its intervals.
@@ -23,7 +23,10 @@ fn sure(text: &str, instances: usize, uncertain: &[&str]) -> Result<(Vec<Interva
         looks: &looks,
     };
     let uncertain = uncertain.iter().map(|text| Uncertain::parse(text)).collect::<Result<Vec<_>>>()?;
-    let found = intervals(text, &opening, &Ok, &request, simulated, &uncertain, &Unobserved)?;
+    let simulate = |moved: Structure, progress: &dyn Progress| {
+        Ok(spectra_and_individuals(&moved, &request, progress)?.0.mean)
+    };
+    let found = intervals(text, &opening, &simulate, 1, simulated, &uncertain, &Unobserved)?;
     Ok((found, spectra, individuals))
 }
 

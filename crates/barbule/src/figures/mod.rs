@@ -1,5 +1,6 @@
 //! Figures of sections, spectra and materials.
 
+mod angle_law;
 mod diffraction;
 mod far_fields;
 mod lobes;
@@ -9,6 +10,7 @@ mod simulated;
 mod spectrum;
 mod values;
 
+pub use angle_law::{FollowedPeaks, angle_law};
 pub use diffraction::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
 pub use far_fields::{check_far_fields, far_fields};
 pub use lobes::{Hemispheres, ParameterMaps, tiled, title};

@@ -1,13 +1,14 @@
 //! How sure the numbers of a spectrum's colour are.
 
+use barbule::Result;
+use barbule::campaign::spectrum::Individuals;
 use barbule::confidence::{Intervals, Known, Simulated, Uncertain, intervals};
 use barbule::error::counted;
 use barbule::progress::Progress;
 use barbule::structure::Structure;
-use barbule::{Result, campaign::spectrum::SpectrumRequest};
 use serde_json::{Value, json};
 
-use super::Args;
+use super::{Args, Asked, Found};
 
 /// What is asked of the numbers.
 #[derive(Debug, clap::Args)]
@@ -21,27 +22,29 @@ pub(super) struct IntervalArgs {
     uncertain: Vec<Uncertain>,
 }
 
-impl IntervalArgs {
-    pub(super) fn is_asked(&self) -> bool {
-        self.intervals
-    }
-}
-
 impl Args {
     /// The intervals of each angle, if they are asked for.
     pub(super) fn intervals(
         &self,
         typed: &str,
-        request: &SpectrumRequest,
-        simulated: Simulated,
+        found: &Found,
+        individuals: &Individuals,
+        asked: Asked,
         progress: &dyn Progress,
     ) -> Result<Option<Vec<Intervals>>> {
-        if !self.sure.is_asked() {
+        if !self.sure.intervals {
             return Ok(None);
         }
-        let side = |structure: Structure| self.side.of(structure);
-        let opening = self.common.opening()?;
-        intervals(typed, &opening, &side, request, simulated, &self.sure.uncertain, progress).map(Some)
+        let of = |a: usize| (0..individuals.count()).map(|i| individuals.of(i, a).to_vec()).collect();
+        let curves: Vec<Vec<Vec<f64>>> = (0..asked.rows.len()).map(of).collect();
+        let (at, means, looks) = (&self.wavelengths, &found.spectra.mean[..], &found.looks[..]);
+        let simulated = Simulated { at, means, curves: &curves, looks };
+        let simulate = |moved: Structure, progress: &dyn Progress| {
+            let moved = self.side.of(moved)?;
+            Ok(self.spectra(typed, &moved, found.instances, asked.rows, progress)?.0.mean)
+        };
+        let (opening, uncertain) = (self.common.opening()?, &self.sure.uncertain);
+        intervals(typed, &opening, &simulate, self.common.seed, simulated, uncertain, progress).map(Some)
     }
 }
 
