@@ -21,10 +21,13 @@ use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{Side, Structure};
+use barbule::vision::View;
 use barbule::{Error, Result};
 use clap::ValueEnum;
+use clap::builder::ArgPredicate;
 use serde_json::{Value, json};
 
+use crate::bird_args::{BirdArgs, Sight};
 use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
@@ -48,6 +51,7 @@ const MOST_CURVES: usize = 18;
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
   barbule spectrum rock-dove --side below --angle=-30,30
   barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
+  barbule spectrum starling --bird starling --bird peafowl --angle 0,40
   barbule spectrum rock-dove --angle 0:60:15 --wavelengths 300:700:4 --peak-range 400:700
 
 Printed, and in --json under 'look': peak (through several angles that of one order of interference, from the angle \
@@ -78,8 +82,10 @@ pub(crate) struct Args {
     instances: Option<usize>,
     /// Wavelengths in nm (also --wavelength); birds see from 300: 300:700:4
     #[arg(long, alias = "wavelength", value_name = "SET", default_value = "400:694:6",
-        value_parser = sets::wavelength_set)]
+        default_value_if("birds", ArgPredicate::IsPresent, "300:700:4"), value_parser = sets::wavelength_set)]
     wavelengths: Wavelengths,
+    #[command(flatten)]
+    birds: BirdArgs,
     #[command(flatten)]
     peak: PeakArgs,
     /// A measured spectrum to compare with: a table of text (commas, semicolons, tabs or blanks; decimal points or
@@ -156,9 +162,20 @@ struct Found {
     looks: Vec<Look>,
     /// One for each angle, with a measurement.
     comparisons: Vec<Comparison>,
+    /// What each bird that was asked for sees.
+    sights: Vec<Sight>,
+    /// Whether keratin in it is taken to be clear where it is not.
+    has_guess: bool,
 }
 
 impl Found {
+    /// What birds see of the mean at each angle.
+    fn sights(&self, views: &[View], at: &Wavelengths) -> Result<Vec<Sight>> {
+        let means = self.spectra.mean.iter().map(|mean| Spectrum::new(at.clone(), mean.clone()));
+        let means = means.collect::<Result<Vec<_>>>()?;
+        views.iter().map(|view| Sight::of(view, &means)).collect()
+    }
+
     /// At how many wavelengths of an angle light grazes so that the simulation is off.
     fn flagged(&self, angle: usize) -> usize {
         self.spectra.flagged()[angle].iter().filter(|flagged| **flagged).count()
@@ -175,9 +192,14 @@ impl Args {
             .map(|text| self.side.of(structure_arg::parse(text, &self.common)?))
             .collect::<Result<Vec<_>>>()?;
         let measured = self.measured()?;
-        let all = self.simulate(&structures, measured.as_ref())?;
+        let views = self.birds.views(self.wavelengths.range_nm())?;
+        let mut all = self.simulate(&structures, measured.as_ref())?;
         let (media, shortest_nm) = (self.common.opening()?.media, self.wavelengths.range_nm().0);
-        if structures.iter().any(|one| media.guesses_in(one, self.common.seed, shortest_nm)) {
+        for (found, structure) in all.iter_mut().zip(&structures) {
+            found.sights = found.sights(&views, &self.wavelengths)?;
+            found.has_guess = media.guesses_in(structure, self.common.seed, shortest_nm);
+        }
+        if all.iter().any(|found| found.has_guess) {
             self.common.say_guessed();
         }
         self.write(&all, measured.as_ref())?;
@@ -301,6 +323,8 @@ impl Args {
             core_fringes: core_fringes.filter(CoreFringes::mislead),
             looks: Look::series(&self.angle.0, &means, peak_range),
             comparisons,
+            sights: Vec::new(),
+            has_guess: false,
         })
     }
 
@@ -383,6 +407,7 @@ impl Args {
                 spectra: &found.spectra,
                 instances: found.instances,
                 looks: &found.looks,
+                has_guess: found.has_guess,
             })
             .collect();
         let measured = measured.map(|measured| MeasuredBand {
@@ -456,6 +481,9 @@ impl Args {
                 };
                 document["individuals"] = json!((0..self.angle.0.len()).map(of).collect::<Vec<_>>());
             }
+            if !found.sights.is_empty() {
+                document["birds"] = found.sights.iter().map(Sight::document).collect();
+            }
             if measured.is_some() {
                 document["comparison"] = json!(found.comparisons);
             }
@@ -494,6 +522,9 @@ impl Args {
                 };
                 let words = found.looks[a].words();
                 print(out, &format!("{name}, {}: {words}{flagged}", self.direction_name(*angle)))?;
+                for sight in &found.sights {
+                    print(out, &format!("  {}", sight.words(a)))?;
+                }
                 if let (Some(comparison), Some(file)) = (found.comparisons.get(a), &file) {
                     print(out, &format!("  against {file}: {}", comparison.words()))?;
                 }

@@ -8,6 +8,7 @@
 //! `docs/theory/vision.md` has the formulas with their sources.
 
 mod catches;
+mod compared;
 mod discrimination;
 mod eye;
 mod light;
@@ -16,6 +17,7 @@ mod sensor;
 mod tetrahedron;
 
 pub use catches::{Catches, LEAST_SEEN, View};
+pub use compared::{Compared, Differences};
 pub use discrimination::{Noise, Reference, achromatic_difference};
 pub use eye::{Cone, Eye, MOST_CONES};
 pub use light::Light;

@@ -8,6 +8,7 @@ mod segment;
 mod simulated;
 mod spectrum;
 mod values;
+mod vision;
 
 pub use diffraction::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
 pub use far_fields::{check_far_fields, far_fields};
@@ -17,6 +18,7 @@ pub use segment::segment;
 pub use simulated::{FieldPatterns, FitCurves, InstancePatterns, NoiseCurves, statistics_of_fits};
 pub use spectrum::{Simulated, spectra};
 pub use values::{hemisphere_maps, marginals};
+pub use vision::{KERATIN_NOTE, Seen, seen, sensitivities};
 
 /// A structure's name as a heading says it: the only variant of a species goes without its name.
 #[must_use]
