@@ -110,7 +110,7 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
             files(Names::None, &["xml", "bsdf", "pbrt", "osl", "usda", "gltf", "mtlx", "csv", "exr"])
         }
         ("render", "background") => files(Names::None, &["png", "exr", "hdr"]),
-        ("render", "output") => files(Names::None, &["png", "jpg", "webp", "exr"]),
+        ("render", "output" | "human") => files(Names::None, &["png", "jpg", "webp", "exr"]),
         ("render", "sensor") => files(Names::None, &["toml", "csv"]),
         (_, "medium") => Some(Kind { names: Names::None, extensions: TABLES, after: Some('=') }),
         (_, "measured") => files(Names::None, TABLES),

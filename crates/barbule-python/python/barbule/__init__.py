@@ -9,6 +9,7 @@ Lengths are µm in structures, nm for films and vacuum wavelengths; angles are d
 
 from __future__ import annotations
 
+from . import vision
 from ._colour import colours, delta_e_2000
 from ._export import Written, export
 from ._make import characterize, fit, simulate
@@ -19,6 +20,7 @@ from ._opening import open
 from ._progress import Bar
 from ._labels import Arrays, Axis, Quantity
 from ._scene import Scene, presets, render
+from .vision import birds, see
 from .errors import BarbuleError, DoubtWarning, InputError, MachineError, NotSettledError
 
 __version__ = version()
@@ -40,6 +42,7 @@ __all__ = [
     "Section",
     "Structure",
     "Written",
+    "birds",
     "characterize",
     "colours",
     "crystal",
@@ -51,7 +54,9 @@ __all__ = [
     "open",
     "presets",
     "render",
+    "see",
     "simulate",
     "species",
     "spectrum",
+    "vision",
 ]
