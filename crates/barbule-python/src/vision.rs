@@ -87,8 +87,7 @@ pub(crate) fn jnd<'py>(
         );
         return Err(Error::input(message)).or_raise(py);
     }
-    let noise =
-        Noise::new(&ratio, weber, if is_rarest { Reference::Rarest } else { Reference::Longest });
+    let noise = Noise::new(&ratio, weber, if is_rarest { Reference::Rarest } else { Reference::Longest });
     let each = |one: &Catches| {
         rows.iter().map(|other| noise.delta_s(one, other).unwrap_or(f64::NAN)).collect::<Vec<_>>()
     };

@@ -35,9 +35,13 @@ fn birds_are_listed_and_told_with_their_cones_and_sources() {
     let starling = document(folder.path(), &["birds", "Sturnus vulgaris", "-o", "cones.svg"]);
     assert_eq!(starling["wavelength_nm"].as_array().unwrap().len(), 401);
     let cones = starling["cones"].as_array().unwrap();
-    assert_eq!(cones.iter().map(|cone| cone["name"].as_str().unwrap()).collect::<Vec<_>>(), ["UV", "S", "M", "L"]);
+    assert_eq!(
+        cones.iter().map(|cone| cone["name"].as_str().unwrap()).collect::<Vec<_>>(),
+        ["UV", "S", "M", "L"]
+    );
     for cone in cones {
-        let values: Vec<f64> = cone["sensitivity"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+        let values: Vec<f64> =
+            cone["sensitivity"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
         let top = values.iter().copied().fold(0.0, f64::max);
         let at = cone["peak_nm"].as_f64().unwrap() - 300.0;
         assert!((top - 1.0).abs() < 1e-12 && (values[at as usize] - 1.0).abs() < 1e-12);
@@ -55,7 +59,8 @@ fn write_two(folder: &Path) {
         "wl,a\n".to_owned() + &(0..=80).map(row).collect::<String>()
     };
     std::fs::write(folder.join("grey.csv"), table(&|_| 0.2)).unwrap();
-    std::fs::write(folder.join("red.csv"), table(&|nm| 0.2 + 0.1 / (1.0 + ((600.0 - nm) / 10.0).exp()))).unwrap();
+    std::fs::write(folder.join("red.csv"), table(&|nm| 0.2 + 0.1 / (1.0 + ((600.0 - nm) / 10.0).exp())))
+        .unwrap();
     std::fs::write(folder.join("visible.csv"), "wl,a\n400,0.2\n550,0.3\n700,0.2\n").unwrap();
 }
 
@@ -96,15 +101,29 @@ fn nothing_is_invented_below_what_is_known() {
     let folder = tempfile::tempdir().unwrap();
     write_two(folder.path());
     let message = refused(folder.path(), &["see", "visible.csv", "--bird", "starling"]);
-    assert!(message.contains("visible.csv") && message.contains("cone UV") && message.contains("nothing is invented"));
+    assert!(
+        message.contains("visible.csv")
+            && message.contains("cone UV")
+            && message.contains("nothing is invented")
+    );
     assert!(message.contains("--wavelengths 300:700:4"), "{message}");
     let words = ["spectrum", "starling", "--bird", "starling", "--wavelengths", "400:694:6"];
     assert!(refused(folder.path(), &words).contains("known from 400 to 694 nm"));
     let words = ["species", "starling", "--bird", "starling", "--wavelengths", "380:780:10"];
     assert!(refused(folder.path(), &words).contains("cone UV"));
     write_made_up();
-    let words =
-        ["render", "starling", "--material", MADE_UP, "--sensor", "bird:starling", "--size", "8x5", "-o", "x.png"];
+    let words = [
+        "render",
+        "starling",
+        "--material",
+        MADE_UP,
+        "--sensor",
+        "bird:starling",
+        "--size",
+        "8x5",
+        "-o",
+        "x.png",
+    ];
     assert!(refused(folder.path(), &words).contains("nothing is invented outside"));
     for (words, part) in [
         (&["--ratio", "1,2,3"][..], "3 numbers for the 4 classes of cones"),
@@ -123,7 +142,8 @@ fn nothing_is_invented_below_what_is_known() {
 #[test]
 fn spectra_and_species_say_what_birds_see_from_300_nm_on() {
     let folder = tempfile::tempdir().unwrap();
-    let words = ["spectrum", "air/keratin:320/melanin", "--bird", "starling", "--bird", "peafowl", "--angle", "0,50"];
+    let words =
+        ["spectrum", "air/keratin:320/melanin", "--bird", "starling", "--bird", "peafowl", "--angle", "0,50"];
     let seen = document(folder.path(), &[&words[..], &["--instances", "1", "-o", "s.svg"]].concat());
     assert_eq!((&seen["wavelength_nm"][0], &seen["wavelength_nm"][100]), (&300.0.into(), &700.0.into()));
     let birds = seen["birds"].as_array().unwrap();
@@ -147,7 +167,8 @@ fn spectra_and_species_say_what_birds_see_from_300_nm_on() {
 #[test]
 fn a_bird_and_people_see_the_same_paths() {
     let folder = tempfile::tempdir().unwrap();
-    let words = ["render", "starling", "--size", "24x15", "--samples", "2", "--exposure", "1", "--keep-gamut"];
+    let words =
+        ["render", "starling", "--size", "24x15", "--samples", "2", "--exposure", "1", "--keep-gamut"];
     let bird = ["--sensor", "bird:starling", "--human", "human.exr", "-o", "bird.exr"];
     let report = document(folder.path(), &[&words[..], &bird].concat());
     assert_eq!(report[0]["sensor"], "European starling");

@@ -46,7 +46,11 @@ const LINES: [(&str, &[&str], &[&str]); 30] = [
     ("species @mine.toml", &["-o"], &["mine.toml"]),
     ("feather @mine.toml", &["-o"], &["mine.toml"]),
     ("birds @bird.toml", &["-o"], &["bird.toml"]),
-    ("see @r.csv --bird @bird.toml --illuminant @lamp.csv", &["-o", "--csv"], &["r.csv", "bird.toml", "lamp.csv"]),
+    (
+        "see @r.csv --bird @bird.toml --illuminant @lamp.csv",
+        &["-o", "--csv"],
+        &["r.csv", "bird.toml", "lamp.csv"],
+    ),
     ("spectrum @secs --bird @bird.toml", &["-o", "--csv", "--summary"], &["secs/a.json", "bird.toml"]),
     ("render @s.toml --sensor bird:@bird.toml", &["-o", "--human"], &["s.toml", "bird.toml", "made.barbule"]),
     (

@@ -89,17 +89,26 @@ fn of_power(power: impl Fn(f64) -> f64) -> DenseSpectrum {
 /// Power of the CIE's daylight of a correlated colour temperature from 7000 to 25000 K (CIE 15:2004, section 3.1; Judd, MacAdam &
 /// Wyszecki 1964).
 fn daylight(kelvin: f64, nm: f64) -> f64 {
-    let t = 1000.0 / kelvin;
-    let x = 0.237_040 + t * (0.247_48 + t * (1.9018 - t * 2.0064));
-    let y = -3.0 * x * x + 2.87 * x - 0.275;
-    of_chromaticity([x, y], nm)
+    of_components(components(chromaticity(kelvin)), nm)
 }
 
-/// Power of the daylight of a chromaticity: the mean of measurements and their two main variations.
-fn of_chromaticity([x, y]: [f64; 2], nm: f64) -> f64 {
+/// x and y of that daylight.
+fn chromaticity(kelvin: f64) -> [f64; 2] {
+    let t = 1000.0 / kelvin;
+    let x = 0.237_040 + t * (0.247_48 + t * (1.9018 - t * 2.0064));
+    [x, -3.0 * x * x + 2.87 * x - 0.275]
+}
+
+/// How much of its two main variations the daylight of a chromaticity has; rounded as the CIE does.
+fn components([x, y]: [f64; 2]) -> [f64; 2] {
     let m = 0.0241 + 0.2562 * x - 0.7341 * y;
     let first = (-1.3515 - 1.7703 * x + 5.9114 * y) / m;
     let second = (0.0300 - 31.4424 * x + 30.0717 * y) / m;
+    [first, second].map(|part| (1000.0 * part).round() / 1000.0)
+}
+
+/// Power of daylight: the mean of measurements and its two main variations.
+fn of_components([first, second]: [f64; 2], nm: f64) -> f64 {
     let at = ((nm - 300.0) / 10.0).clamp(0.0, 53.0);
     let low = (at as usize).min(52);
     let value = |[mean, one, other]: [f64; 3]| mean + first * one + second * other;
@@ -181,24 +190,25 @@ const DAYLIGHT: [[f64; 3]; 54] = [
 mod tests {
     use super::*;
 
-    /// The CIE's own tables of D50 and D65 follow from the components and those chromaticities: every number of the 54 rows enters twice.
+    /// The CIE's own tables of D50 and D65 follow from the components: every number of the 54 rows enters twice.
     #[test]
     fn daylight_of_two_chromaticities_is_the_cies_own() {
-        for (xy, illuminant) in [([0.3457, 0.3585], Illuminant::D50), ([0.3127, 0.3290], Illuminant::D65)] {
+        let [first, second] = components([0.3127, 0.3290]);
+        assert!((first + 0.296).abs() < 0.01 && (second + 0.688).abs() < 0.01, "{first} {second}");
+        for (parts, illuminant) in [([-1.040, 0.367], Illuminant::D50), ([-0.296, -0.688], Illuminant::D65)] {
             for row in 0..54 {
                 let nm = 300.0 + 10.0 * f64::from(row);
-                let (found, expected) = (of_chromaticity(xy, nm), illuminant.power(nm));
-                assert!((found - expected).abs() < 0.16, "{illuminant:?} {nm}: {found} {expected}");
+                let (found, expected) = (of_components(parts, nm), illuminant.power(nm));
+                assert!((found - expected).abs() < 0.06, "{illuminant:?} {nm}: {found} {expected}");
             }
         }
     }
 
     #[test]
     fn bluer_daylight_has_more_ultraviolet_and_its_chromaticity() {
-        // At 7000 K both laws of the CIE's page meet D70's published chromaticity, 0.3054, 0.3216.
-        let t = 1.0 / 7.0;
-        let x = 0.237_040 + t * (0.247_48 + t * (1.9018 - t * 2.0064));
-        assert!((x - 0.3054).abs() < 1e-4, "{x}");
+        // The published chromaticity of 7000 K, where another law begins.
+        let [x, y] = chromaticity(7000.0);
+        assert!((x - 0.3054).abs() < 1e-4 && (y - 0.3216).abs() < 1e-4, "{x} {y}");
         let [sky, day] = ["sky", "D65"].map(|name| Light::named(name).unwrap().quanta);
         assert!(sky.at(360.0) > 1.5 * day.at(360.0) && sky.at(650.0) < day.at(650.0));
         assert!((sky.at(560.0) - 1.0).abs() < 1e-12 && (day.at(560.0) - 1.0).abs() < 1e-12);

@@ -126,9 +126,15 @@ fn channels(eye: &Eye) -> Result<Vec<Curve>> {
     let human = Sensor::human();
     let eye_of_people = human.channels().iter().map(|curve| Curve {
         name: curve.name.clone(),
-        response: DenseSpectrum::new(|nm| if Band::HUMAN.contains(nm) { curve.response.at(nm) } else { 0.0 }),
+        response: DenseSpectrum::new(|nm| curve.response.at(nm) * share_of_people(nm)),
     });
     Ok(cones.chain(eye_of_people).collect())
+}
+
+/// 1 within the band of the human eye and 0 outside. Where it begins, one half, as integrals over that band alone count it; where it ends,
+/// so does the band of these pictures.
+fn share_of_people(nm: f64) -> f64 {
+    if nm == Band::HUMAN.low_nm() { 0.5 } else { f64::from(u8::from(Band::HUMAN.contains(nm))) }
 }
 
 fn response(cone: &Cone, band: Band) -> Curve {

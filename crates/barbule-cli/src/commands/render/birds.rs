@@ -78,12 +78,7 @@ impl Args {
     }
 
     /// Writes what people see of a finished film of a bird's, if that is asked for.
-    pub(super) fn write_human(
-        &self,
-        description: &ReadyScene,
-        job: &Job<'_>,
-        film: &mut Film,
-    ) -> Result<()> {
+    pub(super) fn write_human(&self, description: &ReadyScene, job: &Job<'_>, film: &mut Film) -> Result<()> {
         let (Some(file), Seer::Bird(eye)) = (job.human, &self.sensor) else { return Ok(()) };
         film.show_by(human_beside(eye)?)?;
         let mut development = development(description, film)?;
