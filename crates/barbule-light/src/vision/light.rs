@@ -193,7 +193,7 @@ mod tests {
     /// The CIE's own tables of D50 and D65 follow from the components: every number of the 54 rows enters twice.
     #[test]
     fn daylight_of_two_chromaticities_is_the_cies_own() {
-        let [first, second] = components([0.3127, 0.3290]);
+        let [first, second] = components([0.312_713, 0.329_118]);
         assert!((first + 0.296).abs() < 0.01 && (second + 0.688).abs() < 0.01, "{first} {second}");
         for (parts, illuminant) in [([-1.040, 0.367], Illuminant::D50), ([-0.296, -0.688], Illuminant::D65)] {
             for row in 0..54 {
