@@ -21,19 +21,21 @@ type OfCone<'py> = (String, f64, f64, String, Bound<'py, PyArrayDyn<f64>>);
 /// A thing that is seen: its name, wavelengths in nm, and reflectance.
 type OfThing<'py> = (String, Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
 
+/// What single cones catch `[row, cone]`, and double ones `[row]`.
+type Caught<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
+
+/// An eye: its name, Latin name, cones, double cones, Weber fractions (single, double) and sources.
+type OfEye<'py> = (String, String, Vec<OfCone<'py>>, Option<OfCone<'py>>, [f64; 2], Vec<String>);
+
 /// The names of the eyes that are built in.
 #[pyfunction]
 pub(crate) fn eye_names() -> Vec<&'static str> {
     open::eye_names().collect()
 }
 
-/// An eye: its name, Latin name, cones, double cones, Weber fractions (single, double) and sources.
+/// An eye by its name, or from a file.
 #[pyfunction]
-#[allow(clippy::type_complexity)] // they have names in Python
-pub(crate) fn eye<'py>(
-    py: Python<'py>,
-    bird: &str,
-) -> PyResult<(String, String, Vec<OfCone<'py>>, Option<OfCone<'py>>, [f64; 2], Vec<String>)> {
+pub(crate) fn eye<'py>(py: Python<'py>, bird: &str) -> PyResult<OfEye<'py>> {
     let Eye { name, latin, sources, cones, double, weber, weber_double } = open::eye(bird).or_raise(py)?;
     let of = |cone: Cone| -> PyResult<OfCone<'py>> {
         let values = cone.sensitivity.values().to_vec();
@@ -52,7 +54,7 @@ pub(crate) fn catches<'py>(
     reflectance: PyReadonlyArray2<'py, f64>,
     bird: &str,
     illuminant: &str,
-) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>)> {
+) -> PyResult<Caught<'py>> {
     let at = wavelengths(&wavelengths_nm).or_raise(py)?;
     let view = open::eye(bird).and_then(|eye| View::new(eye, open::light(illuminant)?)).or_raise(py)?;
     let rows = reflectance.as_array();

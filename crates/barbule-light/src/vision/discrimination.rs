@@ -106,10 +106,9 @@ mod tests {
         for i in 0..n {
             for k in 0..n {
                 if k != i {
-                    let factor = rows[k][i] / rows[i][i];
-                    for j in 0..=n {
-                        rows[k][j] -= factor * rows[i][j];
-                    }
+                    let pivot = rows[i].clone();
+                    let factor = rows[k][i] / pivot[i];
+                    rows[k].iter_mut().zip(&pivot).for_each(|(a, b)| *a -= factor * b);
                 }
             }
         }
@@ -137,7 +136,7 @@ mod tests {
         let n = [1.0, 1.92, 2.68, 2.7, 0.4, 3.0];
         for count in 2..=6 {
             let noise = Noise::new(&n[..count], 0.07, Reference::Longest);
-            let d: Vec<f64> = (0..count).map(|i| (q[i] / other[i] as f64).ln()).collect();
+            let d: Vec<f64> = (0..count).map(|i| f64::ln(q[i] / other[i])).collect();
             let found = noise.delta_s(&catches(&q[..count]), &catches(&other[..count])).unwrap();
             let expected = matrix_form(noise.each(), &d);
             assert!((found / expected - 1.0).abs() < 1e-12, "{count}: {found} {expected}");
