@@ -15,5 +15,6 @@ pub mod material;
 pub mod scattering;
 pub mod spectrum;
 pub mod stack;
+pub mod vision;
 
-use barbule_base::{Complex64, Error, Result, error, identity, math, progress};
+use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};

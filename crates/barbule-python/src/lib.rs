@@ -18,6 +18,7 @@ mod program;
 mod scene;
 mod spectrum;
 mod structure;
+mod vision;
 mod work;
 
 /// What `barbule` is made of. Private: use `barbule`.
@@ -49,4 +50,6 @@ mod _native {
     use super::spectrum::{angle_law, material_readings, readings, spectra};
     #[pymodule_export]
     use super::structure::{Section, Structure};
+    #[pymodule_export]
+    use super::vision::{catches, eye, eye_names, jnd, tetrahedral, things};
 }

@@ -62,7 +62,7 @@ pub mod validate;
 
 pub use barbule_appearance::{brdf, bsdf, render, scene};
 pub use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};
-pub use barbule_light::{film, fresnel, instrument, material, scattering, spectrum, stack};
+pub use barbule_light::{film, fresnel, instrument, material, scattering, spectrum, stack, vision};
 pub use barbule_optics::{solve, structure};
 pub use glam::DVec3;
 pub use progress::Unobserved;

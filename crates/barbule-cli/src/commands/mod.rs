@@ -6,6 +6,7 @@ use barbule::Result;
 use clap::Subcommand;
 
 mod bench;
+mod birds;
 mod brdf;
 mod cache;
 mod characterize;
@@ -21,6 +22,7 @@ mod geometry;
 mod keys;
 mod lobes;
 mod render;
+mod see;
 mod simulate;
 mod species;
 mod spectrum;
@@ -39,6 +41,10 @@ pub(crate) enum Command {
     FarField(far_field::Args),
     /// Reflectance against wavelength, mean and spread over instances
     Spectrum(spectrum::Args),
+    /// Whether a bird tells things apart: catches, just noticeable differences, hues
+    See(see::Args),
+    /// Whose eyes are known, and what their cones answer to
+    Birds(birds::Args),
     /// What a photonic crystal reflects: one point, a map, or the field inside
     Crystal(crystal::Args),
     /// What a heightfield does with light: colours, tables, a material
@@ -79,6 +85,8 @@ impl Command {
             Self::Brdf(args) => args.run(out),
             Self::FarField(args) => args.run(out),
             Self::Spectrum(args) => args.run(out),
+            Self::See(args) => args.run(out),
+            Self::Birds(args) => args.run(out),
             Self::Crystal(args) => args.run(out),
             Self::Diffract(args) => args.run(out),
             Self::Export(args) => args.run(out),

@@ -23,9 +23,12 @@ use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{Side, Structure};
+use barbule::vision::View;
 use barbule::{Error, Result};
 use clap::ValueEnum;
+use clap::builder::ArgPredicate;
 
+use crate::bird_args::{BirdArgs, Sight};
 use crate::campaign::grazing;
 use crate::common::{Common, print_json};
 use crate::figure::FigureArgs;
@@ -55,6 +58,7 @@ const MOST_CURVES: usize = 18;
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
   barbule spectrum rock-dove --side below --angle=-30,30
   barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
+  barbule spectrum starling --bird starling --bird peafowl --angle 0,40
   barbule spectrum rock-dove --angle 0:60:15 --wavelengths 300:700:4 --peak-range 400:700
   barbule spectrum air/keratin:200/air --instrument probe:10 --instrument sphere -o probe.svg
 
@@ -88,8 +92,10 @@ pub(crate) struct Args {
     instances: Option<usize>,
     /// Wavelengths in nm (also --wavelength); birds see from 300: 300:700:4
     #[arg(long, alias = "wavelength", value_name = "SET", default_value = "400:694:6",
-        value_parser = sets::wavelength_set)]
+        default_value_if("birds", ArgPredicate::IsPresent, "300:700:4"), value_parser = sets::wavelength_set)]
     wavelengths: Wavelengths,
+    #[command(flatten)]
+    birds: BirdArgs,
     #[command(flatten)]
     peak: PeakArgs,
     /// A measured spectrum to compare with, a folder of them, or several (repeat the flag): samples of the same angle are individuals;
@@ -188,9 +194,20 @@ struct Found {
     comparisons: Vec<Option<Comparison>>,
     /// One for each angle, where they are asked for.
     intervals: Option<Vec<Intervals>>,
+    /// What each bird that was asked for sees.
+    sights: Vec<Sight>,
+    /// Whether keratin in it is taken to be clear where it is not.
+    has_guess: bool,
 }
 
 impl Found {
+    /// What birds see of the mean at each angle.
+    fn sights(&self, views: &[View], at: &Wavelengths) -> Result<Vec<Sight>> {
+        let means = self.spectra.mean.iter().map(|mean| Spectrum::new(at.clone(), mean.clone()));
+        let means = means.collect::<Result<Vec<_>>>()?;
+        views.iter().map(|view| Sight::of(view, &means)).collect()
+    }
+
     /// At how many wavelengths of an angle light grazes so that the simulation is off.
     fn flagged(&self, angle: usize) -> usize {
         self.spectra.flagged()[angle].iter().filter(|flagged| **flagged).count()
@@ -203,13 +220,19 @@ impl Args {
         self.check()?;
         let structures = self.structures.iter().map(|text| self.subject(text)).collect::<Result<Vec<_>>>()?;
         let measured = self.measured()?;
+        let views = self.birds.views(self.wavelengths.range_nm())?;
         let rows = self.rows(&self.angles(measured.as_ref())?);
         self.check_rows(&rows)?;
         let asked = Asked { rows: &rows, measured: measured.as_ref() };
-        let all = self.simulate(&structures, asked)?;
+        let mut all = self.simulate(&structures, asked)?;
         let (media, shortest_nm) = (self.common.opening()?.media, self.wavelengths.range_nm().0);
-        let mut known = structures.iter().filter_map(Subject::structure);
-        if known.any(|one| media.guesses_in(one, self.common.seed, shortest_nm)) {
+        for (found, subject) in all.iter_mut().zip(&structures) {
+            found.sights = found.sights(&views, &self.wavelengths)?;
+            let structure = subject.structure();
+            found.has_guess =
+                structure.is_some_and(|one| media.guesses_in(one, self.common.seed, shortest_nm));
+        }
+        if all.iter().any(|found| found.has_guess) {
             self.common.say_guessed();
         }
         self.write(&all, asked)?;
@@ -425,6 +448,8 @@ impl Args {
             looks: Look::series(&self.law_angles_deg(asked.rows), &means, peak_range),
             comparisons,
             intervals: None,
+            sights: Vec::new(),
+            has_guess: false,
         })
     }
 

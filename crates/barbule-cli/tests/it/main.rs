@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 mod bench_render;
+mod birds;
 mod brdf;
 mod cache;
 mod campaign;

@@ -9,6 +9,7 @@ Lengths are µm in structures, nm for films and vacuum wavelengths; angles are d
 
 from __future__ import annotations
 
+from . import vision
 from ._colour import colours, delta_e_2000
 from ._export import Written, export
 from ._make import characterize, fit, simulate
@@ -19,6 +20,7 @@ from ._opening import open
 from ._progress import Bar
 from ._labels import Arrays, Axis, Quantity
 from ._scene import Scene, presets, render
+from .vision import birds, see
 from .errors import BarbuleError, DoubtWarning, InputError, MachineError, NotSettledError
 
 __version__ = version()
@@ -43,6 +45,7 @@ __all__ = [
     "Structure",
     "Written",
     "angle_law",
+    "birds",
     "characterize",
     "colours",
     "crystal",
@@ -54,7 +57,9 @@ __all__ = [
     "open",
     "presets",
     "render",
+    "see",
     "simulate",
     "species",
     "spectrum",
+    "vision",
 ]

@@ -82,6 +82,29 @@ _Ends = tuple[float, float, float | None]
 def angle_law(
     angles_deg: NDArray[np.float64], peaks_nm: Sequence[float]
 ) -> tuple[_Ends, _Ends | None, float, _Ends, _Ends, float]: ...
+def eye_names() -> list[str]: ...
+
+_Cone = tuple[str, float, float, str, NDArray[np.float64]]
+
+def eye(bird: str) -> tuple[str, str, list[_Cone], _Cone | None, list[float], list[str]]: ...
+def catches(
+    wavelengths_nm: NDArray[np.float64], reflectance: NDArray[np.float64], bird: str, illuminant: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def jnd(
+    catches: NDArray[np.float64], ratio: NDArray[np.float64], weber: float, is_rarest: bool
+) -> NDArray[np.float64]: ...
+def tetrahedral(catches: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def things(
+    text: str,
+    each_sample: bool,
+    wavelengths_nm: NDArray[np.float64],
+    angle_deg: NDArray[np.float64],
+    instances: int,
+    seed: int,
+    media: _Media,
+    threads: int | None,
+    progress: _Watch,
+) -> list[tuple[str, NDArray[np.float64], NDArray[np.float64]]]: ...
 def far_fields(
     section: Section,
     wavelengths_nm: NDArray[np.float64],

@@ -9,6 +9,7 @@ mod segment;
 mod simulated;
 mod spectrum;
 mod values;
+mod vision;
 
 pub use angle_law::{FollowedPeaks, angle_law};
 pub use diffraction::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
@@ -19,6 +20,7 @@ pub use segment::segment;
 pub use simulated::{FieldPatterns, FitCurves, InstancePatterns, NoiseCurves, statistics_of_fits};
 pub use spectrum::{Simulated, spectra};
 pub use values::{hemisphere_maps, marginals};
+pub use vision::{KERATIN_NOTE, Seen, seen, sensitivities};
 
 /// A structure's name as a heading says it: the only variant of a species goes without its name.
 #[must_use]

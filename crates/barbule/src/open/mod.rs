@@ -30,6 +30,7 @@ mod media;
 mod scene;
 mod structure;
 mod unknown;
+mod vision;
 
 use std::path::Path;
 
@@ -37,6 +38,7 @@ pub use material::{Located, locate, made, material, material_of, worn};
 pub use media::Media;
 pub use scene::{description, folder_of, scene};
 pub use structure::{film_stack, is_built_in, lattice, lattice_of, stack, structure};
+pub use vision::{Simulation, Thing, eye, eye_names, light, things};
 
 use crate::Result;
 use crate::campaign::Resources;

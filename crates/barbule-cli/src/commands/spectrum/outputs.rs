@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 
 use super::instrument::{Row, front};
 use super::{Args, Asked, Found, Layout, intervals, tables};
+use crate::bird_args::Sight;
 use crate::common::print;
 use crate::peak_args;
 use crate::provenance::{Provenance, csv_cell};
@@ -91,6 +92,7 @@ impl Args {
                 spectra: &found.spectra,
                 instances: found.instances,
                 looks: &found.looks,
+                has_guess: found.has_guess,
             })
             .collect();
         let measured = bands(asked);
@@ -158,6 +160,9 @@ impl Args {
                 };
                 document["individuals"] = json!((0..found.spectra.mean.len()).map(of).collect::<Vec<_>>());
             }
+            if !found.sights.is_empty() {
+                document["birds"] = found.sights.iter().map(Sight::document).collect();
+            }
             if let Some(all) = &found.intervals {
                 document["intervals"] = json!(all.iter().map(intervals::document).collect::<Vec<_>>());
             }
@@ -212,6 +217,9 @@ impl Args {
                 };
                 let words = found.looks[a].words();
                 print(out, &format!("{name}, {}: {words}{flagged}", self.row_name(row)))?;
+                for sight in &found.sights {
+                    print(out, &format!("  {}", sight.words(a)))?;
+                }
                 if let Some(found) = found.intervals.as_ref().and_then(|all| all.get(a)) {
                     print(out, &format!("  {}", intervals::words(found)))?;
                 }
