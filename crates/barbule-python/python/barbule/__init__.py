@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from ._colour import colours, delta_e_2000
 from ._export import Written, export
+from ._inverse import Fitted, Size, Solution, fit_structure
 from ._make import characterize, fit, simulate
 from ._material import Material
 from ._native import Picture, Section, Structure, species, version
@@ -29,6 +30,7 @@ __all__ = [
     "Bar",
     "BarbuleError",
     "DoubtWarning",
+    "Fitted",
     "Heights",
     "InputError",
     "MachineError",
@@ -38,6 +40,8 @@ __all__ = [
     "Quantity",
     "Scene",
     "Section",
+    "Size",
+    "Solution",
     "Structure",
     "Written",
     "characterize",
@@ -48,6 +52,7 @@ __all__ = [
     "far_fields",
     "film",
     "fit",
+    "fit_structure",
     "open",
     "presets",
     "render",

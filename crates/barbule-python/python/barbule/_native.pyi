@@ -51,6 +51,27 @@ def spectra(
     threads: int | None,
     progress: _Watch,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]: ...
+def fit_structure(
+    files: Sequence[str],
+    wavelengths_nm: NDArray[np.float64],
+    reflectance: NDArray[np.float64],
+    angles_deg: NDArray[np.float64],
+    model: str,
+    stack: str | None,
+    free: Sequence[str],
+    instrument: str | None,
+    along: bool,
+    range_nm: Sequence[float] | None,
+    column: str | None,
+    fixed: bool,
+    offset: bool,
+    solutions: int,
+    instances: int,
+    seed: int,
+    media: _Media,
+    threads: int | None,
+    progress: _Watch,
+) -> tuple[str, str]: ...
 def far_fields(
     section: Section,
     wavelengths_nm: NDArray[np.float64],

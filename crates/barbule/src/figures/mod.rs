@@ -2,6 +2,7 @@
 
 mod diffraction;
 mod far_fields;
+mod inverse;
 mod lobes;
 mod section;
 mod segment;
@@ -11,6 +12,7 @@ mod values;
 
 pub use diffraction::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
 pub use far_fields::{check_far_fields, far_fields};
+pub use inverse::inverse;
 pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
 pub use section::section;
 pub use segment::segment;

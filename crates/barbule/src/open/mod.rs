@@ -29,6 +29,7 @@ mod material;
 mod media;
 mod scene;
 mod structure;
+mod subject;
 mod unknown;
 
 use std::path::Path;
@@ -36,6 +37,7 @@ use std::path::Path;
 pub use material::{Located, locate, made, material, material_of, worn};
 pub use media::Media;
 pub use scene::{description, folder_of, scene};
+pub use subject::target;
 pub use structure::{film_stack, is_built_in, lattice, lattice_of, stack, structure};
 
 use crate::Result;
