@@ -265,7 +265,7 @@ impl Comparison {
             (Some(new), Some(old)) => parts.push(format!("ΔE00 {new:.1} (CIEDE2000), ΔE*ab {old:.1} (1976)")),
             _ => parts.push("no ΔE, since the common range is too short for a colour".into()),
         }
-        parts.extend(self.residual.as_ref().map(Residual::words));
+        parts.extend(self.residual.as_ref().map(|residual| format!("hint: {}", residual.words())));
         parts.join(", ")
     }
 }

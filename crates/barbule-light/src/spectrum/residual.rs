@@ -63,6 +63,8 @@ const BROADENING_NM: f64 = 3.0;
 const WORTH: f64 = 0.5;
 /// Causes that explain less than this say nothing.
 const LEAST: f64 = 0.5;
+/// More of them would fit anything.
+const MOST_CAUSES: usize = 2;
 
 impl Residual {
     /// Looks for the causes of measured − simulated at the simulated wavelengths that lie within the measured ones; none where
@@ -77,7 +79,7 @@ impl Residual {
         let mut found =
             Self { causes: Vec::new(), change: Change::NONE, explained: 0.0, first_explains: 0.0 };
         let mut left = start;
-        while found.causes.len() < CAUSES.len() {
+        while found.causes.len() < MOST_CAUSES {
             let further = CAUSES.iter().filter(|cause| !found.causes.contains(cause));
             let with = further.filter_map(|&cause| {
                 let causes: Vec<Cause> = found.causes.iter().copied().chain([cause]).collect();
@@ -90,51 +92,49 @@ impl Residual {
             if 1.0 - after / left < worth {
                 break;
             }
-            if found.causes.is_empty() {
+            if causes.len() == 1 {
                 found.first_explains = 1.0 - after / start;
             }
             (found.causes, found.change, left) = (causes, change, after);
             found.explained = 1.0 - left / start;
-            if found.explained > 0.98 {
-                break;
-            }
         }
         Some(found)
     }
 
-    /// One line for people: a hint, and what it stands on.
+    /// One line for people: a hint, and by how much of the squared difference it holds.
     #[must_use]
     pub fn words(&self) -> String {
-        if self.causes.is_empty() {
-            return "the difference is neither a shift nor a level, a width or an offset alone: perhaps another structure".into();
+        let [first, rest @ ..] = &self.causes[..] else {
+            return "neither a shift nor a level, a width or an offset explains half of the difference: perhaps another structure".into();
+        };
+        let percent = |part: f64| format!("{:.0} %", 100.0 * part);
+        let mut text =
+            format!("{} explains {} of the difference", self.word(*first), percent(self.first_explains));
+        if let [second] = rest {
+            text += &format!(", with {} {}", self.word(*second), percent(self.explained));
         }
-        let words: Vec<String> = self.causes.iter().map(|cause| self.word(*cause)).collect();
-        format!("the difference looks like {} ({:.0} % of it)", words.join(", and "), 100.0 * self.explained)
+        text
     }
 
     fn word(&self, cause: Cause) -> String {
         let Change { shift, level, broadening_nm, offset } = self.change;
         match cause {
-            Cause::Shift if shift > 0.0 => {
-                format!("a shift by {:+.1} %, as of thicker layers or a higher index", 100.0 * shift)
-            }
             Cause::Shift => {
-                format!("a shift by {:+.1} %, as of thinner layers or a lower index", 100.0 * shift)
+                let layers = if shift > 0.0 {
+                    "thicker layers or a higher index"
+                } else {
+                    "thinner layers or a lower index"
+                };
+                format!("a shift by {:+.1} % ({layers})", 100.0 * shift)
             }
             Cause::Level => {
-                format!(
-                    "another level, × {level:.2}, as of the instrument's cones, its white or the part of the vane that shows"
-                )
+                format!("a level × {level:.2} (cones, white standard, how much of the vane shows)")
             }
             Cause::Width if broadening_nm > 0.0 => {
-                format!(
-                    "a smoother curve, by {broadening_nm:.0} nm, as of sizes that vary more or of wider cones"
-                )
+                format!("smoothing by {broadening_nm:.0} nm (sizes that vary more, wider cones)")
             }
-            Cause::Width => {
-                format!("a sharper curve, by {:.0} nm, as of sizes that vary less", -broadening_nm)
-            }
-            Cause::Offset => format!("an offset of {:+.1} %, as of gloss or stray light", 100.0 * offset),
+            Cause::Width => format!("sharpening by {:.0} nm (sizes that vary less)", -broadening_nm),
+            Cause::Offset => format!("an offset of {:+.1} % (gloss, stray light)", 100.0 * offset),
         }
     }
 
@@ -189,7 +189,8 @@ impl Tried {
                 for (value, nm) in values.iter_mut().zip(&self.nm) {
                     *value = simulated.held(nm / (1.0 + shift));
                 }
-                let (level, offset) = line(&values, measured, may(Cause::Level), may(Cause::Offset));
+                let line = Line { level: may(Cause::Level), offset: may(Cause::Offset) };
+                let (level, offset) = line.fitted(&values, measured);
                 let squares = |a: f64| a * a;
                 let left: f64 =
                     values.iter().zip(measured).map(|(s, m)| squares(level * s + offset - m)).sum();
@@ -205,20 +206,35 @@ impl Tried {
     }
 }
 
-/// Factor and constant of the least squares of factor · x + constant − y, of which each may be held.
-fn line(x: &[f64], y: &[f64], level: bool, offset: bool) -> (f64, f64) {
-    let count = x.len() as f64;
-    let (mean_x, mean_y) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
-    match (level, offset) {
-        (false, false) => (1.0, 0.0),
-        (false, true) => (1.0, mean_y - mean_x),
-        (true, both) => {
-            let (x0, y0) = if both { (mean_x, mean_y) } else { (0.0, 0.0) };
+/// Which of the two numbers of a straight line may be fitted; otherwise they are 1 and 0.
+struct Line {
+    level: bool,
+    offset: bool,
+}
+
+impl Line {
+    /// Factor and constant of the least squares of factor · x + constant − y, with a constant that leaves neither curve less light than
+    /// none: at most all of the least y, at least minus all of the least x.
+    fn fitted(&self, x: &[f64], y: &[f64]) -> (f64, f64) {
+        let count = x.len() as f64;
+        let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min).max(0.0);
+        let (mean_x, mean_y) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
+        let factor = |x0: f64, y0: f64| {
             let xy: f64 = x.iter().zip(y).map(|(x, y)| (x - x0) * (y - y0)).sum();
             let xx: f64 = x.iter().map(|x| (x - x0) * (x - x0)).sum();
-            let factor = if xx > 0.0 { xy / xx } else { 1.0 };
-            (factor, y0 - factor * x0)
+            if xx > 0.0 { xy / xx } else { 1.0 }
+        };
+        let level = match (self.level, self.offset) {
+            (false, _) => 1.0,
+            (true, false) => return (factor(0.0, 0.0), 0.0),
+            (true, true) => factor(mean_x, mean_y),
+        };
+        if !self.offset {
+            return (level, 0.0);
         }
+        let free = mean_y - level * mean_x;
+        let offset = free.clamp(-least(x), least(y));
+        (if self.level && offset != free { factor(0.0, offset) } else { level }, offset)
     }
 }
 
@@ -286,7 +302,7 @@ mod tests {
         // The other way round the measured curve is the sharper one.
         let sharper = Residual::of(&planted[3].0, &simulated).unwrap();
         assert_eq!(sharper.causes, [Cause::Width]);
-        assert!((sharper.change.broadening_nm + 21.0).abs() < 3.1 && sharper.words().contains("sharper"));
+        assert!((sharper.change.broadening_nm + 21.0).abs() < 3.1 && sharper.words().contains("sharpening"));
     }
 
     #[test]
@@ -295,7 +311,7 @@ mod tests {
         assert_eq!(found.causes, [Cause::Shift, Cause::Level], "{found:?}");
         assert!(found.explained > 0.98 && found.first_explains < found.explained, "{found:?}");
         let words = found.words();
-        assert!(words.contains("a shift by +6.0 %") && words.contains("× 0.80"), "{words}");
+        assert!(words.starts_with("a shift by +6.0 %") && words.contains("× 0.80"), "{words}");
     }
 
     #[test]

@@ -31,8 +31,11 @@ pub struct MeasuredBand {
     pub beside: Option<usize>,
 }
 
+/// Signs of a measured spectrum, at most: more would run into each other.
+const MOST_SIGNS: usize = 30;
+
 /// A chart of reflectance spectra: each with its band, and with its own colour under D65 as two swatches in the
-/// legend, at its true luminance and as bright as a screen can show it. A measured spectrum is dashed and black; several are dotted, each in the
+/// legend, at its true luminance and as bright as a screen can show it. A measured spectrum is dashed and black; several are signs, each in the
 /// colour of the band that it belongs to, and not named again.
 #[must_use]
 pub fn spectra(title: &str, bands: &[Band], measured: &[MeasuredBand]) -> Figure {
@@ -57,8 +60,9 @@ pub fn spectra(title: &str, bands: &[Band], measured: &[MeasuredBand]) -> Figure
         let sample = |s: &Spectrum| Curve { stroke: Some(thin.clone()), ..Curve::line("", points(s)) };
         figure.curves.extend(one.samples.iter().map(sample));
         figure.curves.push(if beside.is_some() {
-            let dotted = Stroke { ink, width: 2.2, dash: vec![1.5, 2.5] };
-            Curve { stroke: Some(dotted), ..Curve::line("", points(&one.band.mean)) }
+            let every = one.band.mean.wavelengths().len().div_ceil(MOST_SIGNS);
+            let some = points(&one.band.mean).into_iter().step_by(every).collect();
+            Curve { stroke: Some(Stroke::solid(ink, 1.0)), ..Curve::points("", some) }
         } else {
             let dashed = Stroke { ink, width: 1.8, dash: vec![6.0, 3.0] };
             Curve { stroke: Some(dashed), ..curve(&one.band) }
@@ -87,13 +91,14 @@ pub fn spectra(title: &str, bands: &[Band], measured: &[MeasuredBand]) -> Figure
     .into();
     let signs = bands.iter().any(|band| band.peak.is_some());
     let signs = signs.then(|| "signs: the peak that is followed through the angles, of one order".to_owned());
-    let dotted = several.then(|| "dotted: measured, in the colour of the curve beside it".to_owned());
+    let beside =
+        several.then(|| "rows of signs: measured, in the colour of the curve beside them".to_owned());
     let notes: Vec<String> = bands
         .iter()
         .find_map(|b| Look::of(&b.mean).colour_note)
         .into_iter()
         .chain(signs)
-        .chain(dotted)
+        .chain(beside)
         .collect();
     figure.footnote = Some(notes.join("; ")).filter(|note| !note.is_empty());
     figure
@@ -156,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn several_measurements_are_dotted_in_the_colours_of_their_curves() {
+    fn several_measurements_are_signs_in_the_colours_of_their_curves() {
         let band =
             |name: &str, value: f64| Band { name: name.into(), mean: flat(value), std: None, peak: None };
         let simulated = [band("0°", 0.3), band("30°", 0.5)];
@@ -167,10 +172,10 @@ mod tests {
         });
         let figure = spectra("t", &simulated, &measured);
         for i in [0, 1] {
-            let stroke = figure.curves[2 + i].stroke.clone().unwrap();
-            assert_eq!((stroke.ink, figure.curves[2 + i].name.as_str()), (figure.stroke(i).ink, ""));
-            assert!(!stroke.dash.is_empty() && stroke.dash != figure.stroke(i).dash);
+            let curve = &figure.curves[2 + i];
+            assert_eq!((figure.stroke(2 + i).ink, curve.name.as_str()), (figure.stroke(i).ink, ""));
+            assert!(curve.points.len() <= MOST_SIGNS && curve.points.len() > 10);
         }
-        assert!(figure.footnote.unwrap().contains("dotted: measured"));
+        assert!(figure.footnote.unwrap().contains("rows of signs: measured"));
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::names::angle_in;
 use super::resample::{Own, brought_to};
 use super::{MOST_NUMBERS, Measured, Sample, Scale, mean, read_measured};
-use crate::error::{counted, shortened};
+use crate::error::shortened;
 use crate::io::whole::failure;
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::{Error, Result};
@@ -116,10 +116,6 @@ pub fn read_measurements(
         )));
     }
     groups.sort_by(|a, b| a.0.unwrap_or(0.0).total_cmp(&b.0.unwrap_or(0.0)));
-    if groups.len() > 1 {
-        let said: Vec<String> = groups.iter().filter_map(|group| Some(format!("{}°", group.0?))).collect();
-        reading.push(format!("measured at {}: {}", counted(groups.len(), "angle"), said.join(", ")));
-    }
     let together = reading.join("; ");
     let angles = groups
         .into_iter()
@@ -309,7 +305,6 @@ mod tests {
         let counts: Vec<_> =
             birds.angles.iter().map(|at| (at.angle_deg, at.measured.samples.len())).collect();
         assert_eq!(counts, [(Some(0.0), 2), (Some(30.0), 1)]);
-        assert!(birds.reading.last().unwrap().ends_with("measured at 2 angles: 0°, 30°"));
     }
 
     #[test]
