@@ -7,7 +7,8 @@ use barbule::instrument::Instrument;
 use barbule::inverse::{Level, Open, Reading, Settings, Simulation};
 use barbule::io::measured::read_measurements;
 use barbule::progress::Progress as _;
-use barbule::{Error, Result, Spectrum, Wavelengths, open};
+use barbule::spectrum::Spectrum;
+use barbule::{Error, Result, Wavelengths, open};
 use pyo3::prelude::*;
 
 use crate::arrays::{Floats, check_count, flat, wavelengths};
@@ -63,8 +64,7 @@ pub(crate) fn fit_structure(
             .and_then(|measured| Reading::of(&measured, instrument.as_ref(), along, range_nm))
     };
     let readings = readings.or_raise(py)?;
-    let settings =
-        Settings { level: if fixed { Level::Fixed } else { Level::Free }, offset, solutions };
+    let settings = Settings { level: if fixed { Level::Fixed } else { Level::Free }, offset, solutions };
     How::new(threads, progress).run(py, |progress| {
         let outcome = target.fit(&readings, &settings, progress)?;
         outcome.fit.doubts.iter().for_each(|doubt| progress.doubt(doubt));

@@ -33,6 +33,8 @@ const LINES: [(&str, &[&str], &[&str]); 27] = [
     ("far-field @in.json --wavelength 550 --theta 0 --phi 0", &["-o", "--csv"], &["in.json", "n.csv"]),
     ("spectrum @secs --measured @r.csv", &["-o", "--csv", "--summary"], &["secs/a.json", "n.csv", "r.csv"]),
     ("spectrum @secs --measured @r.csv@30", &["-o", "--csv", "--summary"], &["r.csv"]),
+    ("fit-structure --model film --measured @r.csv", &["-o", "--picture"], &["r.csv"]),
+    ("fit-structure --model @mine.toml --measured @r.csv", &["-o"], &["mine.toml", "r.csv"]),
     ("spectrum @mine.toml:green", &["-o", "--csv", "--summary"], &["mine.toml"]),
     ("crystal @lattice.toml", &["-o"], &["lattice.toml", "n.csv"]),
     ("diffract @z.txt --pitch 0.1", &["-o"], &["z.txt"]),

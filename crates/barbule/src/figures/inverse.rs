@@ -71,7 +71,8 @@ fn many(above: &mut Figure, below: &mut Figure, fit: &Fit, readings: &[Reading])
         above.curves.push(Curve { stroke: Some(solid), ..Curve::line(reading.name.clone(), points(fitted)) });
         below.curves.push(Curve { stroke: Some(stroke), ..Curve::line("", residual(reading, fitted)) });
     }
-    let sizes: Vec<String> = fit.parameters.iter().zip(&best.sizes).map(|(p, size)| in_words(p, size)).collect();
+    let sizes: Vec<String> =
+        fit.parameters.iter().zip(&best.sizes).map(|(p, size)| in_words(p, size)).collect();
     let more = readings.len().saturating_sub(MOST_READINGS);
     let more = if more > 0 { format!("; {more} further readings are not drawn") } else { String::new() };
     above.footnote = Some(format!("{}; dotted: measured{more}", sizes.join("; ")));

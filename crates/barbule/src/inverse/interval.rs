@@ -1,9 +1,9 @@
 //! Intervals of sizes: how far each may go until the measurement speaks against it, all others following.
 
+use super::Estimate;
 use super::problem::{Left, Problem};
 use super::search::{Found, MOST_STEPS, descend};
 use super::small::inverse;
-use super::Estimate;
 use crate::Result;
 
 /// Trials for each end of an interval.

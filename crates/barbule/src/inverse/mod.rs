@@ -4,8 +4,6 @@
 //! with the interval of each size and with how much worse than the best they fit, since spectra often do not decide between orders of
 //! interference. Method, statistics and their coverage: `docs/theory/inverse.md`.
 
-mod structure;
-mod subject;
 mod interval;
 mod noise;
 mod planar;
@@ -13,29 +11,32 @@ mod problem;
 mod reading;
 mod search;
 mod small;
+mod structure;
+mod subject;
 mod table;
 mod target;
 mod template;
 #[cfg(test)]
 mod tests;
 
+pub use noise::Noise;
+pub use reading::{Beam, Reading};
 pub use structure::{FittedStructure, Simulation, fit_structure};
 pub use subject::{Open, Subject};
 pub use target::{FILM, FILM_NM, LAYER_NM, Outcome, Target, in_words};
-pub use noise::Noise;
-pub use reading::{Beam, Reading};
 
 use rayon::prelude::*;
 
 use crate::error::counted;
 use crate::material::Library;
+use crate::math::student::interval_95;
 use crate::spectrum::Spectrum;
 use crate::{Error, Result};
 use interval::{covariance, interval};
+use noise::{Likeliest, likeliest};
 use planar::Planar;
 use problem::{Nuisance, Problem};
 use search::{Found, MOST_STEPS, descend, distinct, minima};
-use crate::math::student::interval_95;
 use small::as_good_within;
 use template::Template;
 
@@ -241,15 +242,18 @@ fn check(readings: &[Reading], parameters: usize, settings: &Settings) -> Result
 fn fit(model: &dyn Model, readings: &[Reading], settings: &Settings) -> Result<Fit> {
     let nuisance = Nuisance { level: settings.level, offset: settings.offset };
     let mut noise: Vec<Noise> = readings.iter().map(|reading| Noise::independent(scatter(reading))).collect();
+    let mut caution = 1.0;
     let mut found = minima(&Problem::new(model, readings, nuisance, &noise))?;
     found.truncate(MOST_FOLLOWED);
     // Once more where the errors found make another one the best.
     for _ in 0..2 {
-        noise = errors(model, readings, nuisance, &found[0])?;
+        let likely = errors(model, readings, nuisance, &found[0])?;
+        noise = likely.iter().map(|one| one.noise).collect();
+        caution = likely.iter().map(|one| one.caution).sum::<f64>() / likely.len() as f64;
         found = followed(&Problem::new(model, readings, nuisance, &noise), found)?;
     }
     let problem = Problem::new(model, readings, nuisance, &noise);
-    let variance = (found[0].left.squares / problem.freedom()).max(f64::MIN_POSITIVE);
+    let variance = caution * (found[0].left.squares / problem.freedom()).max(f64::MIN_POSITIVE);
     let likely = as_good_within(model.parameters().len(), problem.freedom_of_variance()) * variance;
     let best = found[0].left.squares;
     let as_good = found.iter().take_while(|one| one.left.squares - best <= likely).count();
@@ -274,7 +278,7 @@ fn errors(
     readings: &[Reading],
     nuisance: Nuisance,
     found: &Found,
-) -> Result<Vec<Noise>> {
+) -> Result<Vec<Likeliest>> {
     let samples = found.left.residuals.len();
     let mut values = vec![0.0; samples];
     let mut slopes = vec![vec![0.0; samples]; found.sizes.len()];
@@ -296,21 +300,24 @@ fn errors(
         }
         let without = columns.len();
         columns.extend(slopes.iter().map(|slope| slope[range.clone()].to_vec()));
-        let mut noise = noise::likeliest(reading.nm(), &left, &columns);
-        if noise.sigma == 0.0 {
+        let of = |columns: &[Vec<f64>], sizes| likeliest(reading.nm(), &left, columns, sizes);
+        let found = of(&columns, slopes.len())
             // Sizes on which this reading does not depend.
-            noise = noise::likeliest(reading.nm(), &left, &columns[..without]);
-        }
+            .or_else(|| of(&columns[..without], 0))
+            .unwrap_or(Likeliest { noise: Noise::independent(scatter(reading)), caution: 1.0 });
         let size = reading.mean.values().iter().map(|v| v.abs()).fold(0.0, f64::max);
-        all.push(Noise { sigma: noise.sigma.max(LEAST_ERROR * size).max(f64::MIN_POSITIVE), ..noise });
+        let sigma = found.noise.sigma.max(LEAST_ERROR * size).max(f64::MIN_POSITIVE);
+        all.push(Likeliest { noise: Noise { sigma, ..found.noise }, ..found });
     }
     Ok(all)
 }
 
 /// Least squares under other errors, from those that were found before; the best first.
 fn followed(problem: &Problem, found: Vec<Found>) -> Result<Vec<Found>> {
-    let mut found: Vec<Found> =
-        found.into_par_iter().map(|one| descend(problem, one.sizes, None, MOST_STEPS)).collect::<Result<_>>()?;
+    let mut found: Vec<Found> = found
+        .into_par_iter()
+        .map(|one| descend(problem, one.sizes, None, MOST_STEPS))
+        .collect::<Result<_>>()?;
     found.sort_by(|a, b| a.left.squares.total_cmp(&b.left.squares));
     Ok(distinct(found, &problem.model.steps()))
 }
@@ -319,7 +326,7 @@ fn followed(problem: &Problem, found: Vec<Found>) -> Result<Vec<Found>> {
 struct Weighing<'a> {
     problem: &'a Problem<'a>,
     readings: &'a [Reading],
-    /// The variance of whitened residuals.
+    /// The variance of whitened residuals, and of what is not known of the errors.
     variance: f64,
     /// The sum of squares beyond the best one's up to which the measurement does not decide.
     likely: f64,

@@ -5,7 +5,7 @@
 //! the unit matrix by the innovations of a Kalman filter, in a time proportional to the samples; w and ℓ follow from residuals by
 //! restricted maximum likelihood, which allows for the parameters that were fitted.
 
-use super::small::{cholesky, log_determinant, solve};
+use super::small::{cholesky, inverse, log_determinant, solve};
 
 /// What is known of the errors of one measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,31 +80,66 @@ impl Whitening {
 /// Parts of independent errors that are tried.
 const WHITE: [f64; 6] = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9];
 
+/// The errors of one measurement, and how far they are known.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Likeliest {
+    pub(super) noise: Noise,
+    /// By what the variance of sizes is larger than under these errors, since others are nearly as likely.
+    pub(super) caution: f64,
+}
+
+/// A covariance that was tried.
+struct Tried {
+    noise: Noise,
+    /// −2 times the logarithm of its restricted likelihood.
+    unlikely: f64,
+    /// How many candidates it stands for.
+    times: f64,
+    /// The estimate of each size, and its variance.
+    sizes: Vec<[f64; 2]>,
+}
+
 /// The covariance under which `values` less a combination of `columns` is likeliest, by restricted maximum likelihood
-/// (Patterson and Thompson, Biometrika 58 (1971) 545) over a grid of correlation lengths up to a third of the range.
-/// Columns that others contain must not be among them.
-pub(super) fn likeliest(nm: &[f64], values: &[f64], columns: &[Vec<f64>]) -> Noise {
-    let (count, free) = (nm.len(), columns.len());
+/// (Patterson and Thompson, Biometrika 58 (1971) 545) over a grid of correlation lengths up to a third of the range, and what the others,
+/// each as likely as it is, add to the variance of the sizes: the last `sizes` columns. Columns that others contain must not be
+/// among them.
+pub(super) fn likeliest(nm: &[f64], values: &[f64], columns: &[Vec<f64>], sizes: usize) -> Option<Likeliest> {
+    let count = nm.len();
     let range = nm[count - 1] - nm[0];
     let step = range / (count - 1).max(1) as f64;
     let lengths = (0..).map(|k| step * 0.5 * 2.0_f64.powi(k)).take_while(|length| *length <= range / 3.0);
-    let tried = std::iter::once((0.0, 0.0))
-        .chain(lengths.flat_map(|length| WHITE.map(|white| (length, white))));
-    let mut best = (f64::INFINITY, Noise::independent(0.0));
-    for (correlation_nm, white) in tried {
-        let whitening = Whitening::new(nm, correlation_nm, white);
-        let Some((squares, of_columns)) = left_over(&whitening, values, columns) else { continue };
-        let freedom = (count - free) as f64;
-        let unlikely = freedom * squares.ln() + whitening.log_determinant + of_columns;
-        if unlikely < best.0 {
-            best = (unlikely, Noise { sigma: (squares / freedom).sqrt(), correlation_nm, white });
-        }
-    }
-    best.1
+    let correlated = lengths.flat_map(|length| WHITE.map(|white| (length, white, 1.0)));
+    // Independent errors stand for all parts that are.
+    let grid = std::iter::once((0.0, 0.0, WHITE.len() as f64)).chain(correlated);
+    let tried: Vec<Tried> = grid
+        .filter_map(|(length, white, times)| tried(nm, values, columns, sizes, (length, white, times)))
+        .collect();
+    let best = tried.iter().min_by(|a, b| a.unlikely.total_cmp(&b.unlikely))?;
+    let weights: Vec<f64> =
+        tried.iter().map(|one| one.times * (0.5 * (best.unlikely - one.unlikely)).exp()).collect();
+    let whole: f64 = weights.iter().sum();
+    let mean = |of: &dyn Fn(&Tried) -> f64| -> f64 {
+        tried.iter().zip(&weights).map(|(one, weight)| weight * of(one)).sum::<f64>() / whole
+    };
+    let caution = |k: usize| {
+        let middle = mean(&|one| one.sizes[k][0]);
+        let total = mean(&|one| one.sizes[k][1] + (one.sizes[k][0] - middle).powi(2));
+        total / best.sizes[k][1]
+    };
+    let caution =
+        (0..sizes).map(caution).filter(|ratio| ratio.is_finite()).sum::<f64>() / sizes.max(1) as f64;
+    Some(Likeliest { noise: best.noise, caution: caution.max(1.0) })
 }
 
-/// The sum of squares that whitened columns leave of whitened values, and log |XᵀV⁻¹X|.
-fn left_over(whitening: &Whitening, values: &[f64], columns: &[Vec<f64>]) -> Option<(f64, f64)> {
+/// One covariance; none where the columns are not independent under it.
+fn tried(
+    nm: &[f64],
+    values: &[f64],
+    columns: &[Vec<f64>],
+    sizes: usize,
+    (correlation_nm, white, times): (f64, f64, f64),
+) -> Option<Tried> {
+    let whitening = Whitening::new(nm, correlation_nm, white);
     let whitened = |column: &[f64]| {
         let mut column = column.to_vec();
         whitening.apply(&mut column);
@@ -113,25 +148,29 @@ fn left_over(whitening: &Whitening, values: &[f64], columns: &[Vec<f64>]) -> Opt
     let (values, columns) = (whitened(values), columns.iter().map(|c| whitened(c)).collect::<Vec<_>>());
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let size = columns.len();
-    let matrix: Vec<f64> =
-        columns.iter().flat_map(|a| columns.iter().map(|b| product(a, b))).collect();
-    let right: Vec<f64> = columns.iter().map(|column| product(column, &values)).collect();
+    let matrix: Vec<f64> = columns.iter().flat_map(|a| columns.iter().map(|b| product(a, b))).collect();
     let factor = cholesky(&matrix, size)?;
-    let mut combination = right;
+    let mut combination: Vec<f64> = columns.iter().map(|column| product(column, &values)).collect();
     solve(&factor, &mut combination);
     let residual = |i: usize| {
         let fitted: f64 = columns.iter().zip(&combination).map(|(column, c)| column[i] * c).sum();
         values[i] - fitted
     };
     let squares: f64 = (0..values.len()).map(|i| residual(i).powi(2)).sum();
-    Some((squares, log_determinant(&factor, size)))
+    let freedom = (values.len() - size) as f64;
+    let variance = squares / freedom;
+    let unlikely = freedom * squares.max(f64::MIN_POSITIVE).ln()
+        + whitening.log_determinant
+        + log_determinant(&factor, size);
+    let inverse = inverse(&matrix, size)?;
+    let sizes = (size - sizes..size).map(|k| [combination[k], variance * inverse[k * size + k]]).collect();
+    Some(Tried { noise: Noise { sigma: variance.sqrt(), correlation_nm, white }, unlikely, times, sizes })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::rng::Stream;
-    use crate::inverse::small::inverse;
 
     #[test]
     fn whitening_is_a_factor_of_the_inverse_covariance() {
@@ -182,9 +221,9 @@ mod tests {
                     0.5 + 0.01 * smooth
                 })
                 .collect();
-            found.push(likeliest(&nm, &values, &ones));
+            found.push(likeliest(&nm, &values, &ones, 0).unwrap().noise);
             let white: Vec<f64> = nm.iter().map(|_| 0.01 * stream.normal()).collect();
-            let noise = likeliest(&nm, &white, &ones);
+            let noise = likeliest(&nm, &white, &ones, 0).unwrap().noise;
             assert!((noise.sigma / 0.01 - 1.0).abs() < 0.25, "{noise:?}");
         }
         found.sort_by(|a, b| a.correlation_nm.total_cmp(&b.correlation_nm));

@@ -52,9 +52,9 @@ impl Planar {
                 samples.push(Sample { nm, reading, indices: stack.indices(nm)? });
             }
         }
-        let beams = readings.iter().map(|reading| {
-            reading.beams.iter().map(|beam: &Beam| [beam.angle(), beam.weight]).collect()
-        });
+        let beams = readings
+            .iter()
+            .map(|reading| reading.beams.iter().map(|beam: &Beam| [beam.angle(), beam.weight]).collect());
         let beams = beams.collect();
         let lengths = |stack: &Stack| [stack.thickness_nm().to_vec(), stack.spread_nm().to_vec()];
         let base = lengths(&stack);
@@ -247,7 +247,11 @@ impl Model for Planar {
                             let mut change: Complex64 =
                                 layers.map(|(((mean, deviation), u), by)| by * (mean + deviation * u)).sum();
                             if let Some(by_size) = &index_slopes[k] {
-                                change += by_size.iter().zip(&found.by_index).map(|(n, by)| n * by).sum::<Complex64>();
+                                change += by_size
+                                    .iter()
+                                    .zip(&found.by_index)
+                                    .map(|(n, by)| n * by)
+                                    .sum::<Complex64>();
                             }
                             slope[i] += part * of_power(found.r, change);
                         }

@@ -77,7 +77,8 @@ impl<'a> Problem<'a> {
         nuisance: Nuisance,
         noise: &[Noise],
     ) -> Self {
-        let independent = readings.iter().zip(noise).map(|(r, noise)| noise.independent_samples(r.nm())).sum();
+        let independent =
+            readings.iter().zip(noise).map(|(r, noise)| noise.independent_samples(r.nm())).sum();
         let mut samples = 0;
         let blocks = readings.iter().zip(noise).map(|(reading, noise)| {
             let whitening = Whitening::new(reading.nm(), noise.correlation_nm, noise.white);
@@ -123,8 +124,7 @@ impl<'a> Problem<'a> {
         let mut modelled = vec![0.0; self.samples];
         let mut slopes = vec![vec![0.0; self.samples]; count];
         self.model.slopes(sizes, &mut modelled, &mut slopes)?;
-        let mut left =
-            Left { squares: 0.0, levels: Vec::new(), residuals: vec![0.0; self.samples], slopes };
+        let mut left = Left { squares: 0.0, levels: Vec::new(), residuals: vec![0.0; self.samples], slopes };
         for block in &self.blocks {
             let (basis, squares, residuals, levels) = block.projected(&mut modelled, self.nuisance);
             left.squares += squares;

@@ -68,7 +68,8 @@ impl Reading {
             ))
             .naming(&["range_nm"]));
         };
-        let samples = if samples.len() > 1 { samples.iter().filter_map(within).collect() } else { Vec::new() };
+        let samples =
+            if samples.len() > 1 { samples.iter().filter_map(within).collect() } else { Vec::new() };
         Ok(Self { name, mean, samples, beams })
     }
 

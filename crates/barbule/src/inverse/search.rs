@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::Parameter;
 use super::problem::{Left, Problem};
 use super::small::{cholesky, solve};
-use super::Parameter;
 use crate::Result;
 
 /// Steps of one descent, at most.
@@ -34,8 +34,10 @@ pub(super) fn minima(problem: &Problem) -> Result<Vec<Found>> {
         [one] => along_a_line(problem, one, steps[0])?,
         several => scattered(problem, several, &steps)?,
     };
-    let mut found: Vec<Found> =
-        starts.into_par_iter().map(|start| descend(problem, start, None, FIRST_STEPS)).collect::<Result<_>>()?;
+    let mut found: Vec<Found> = starts
+        .into_par_iter()
+        .map(|start| descend(problem, start, None, FIRST_STEPS))
+        .collect::<Result<_>>()?;
     found.sort_by(|a, b| a.left.squares.total_cmp(&b.left.squares));
     Ok(distinct(found, &steps))
 }
@@ -76,7 +78,8 @@ fn along_a_line(problem: &Problem, parameter: &Parameter, step: f64) -> Result<V
 /// g^(d+1) = g + 1) that lie apart from each other.
 fn scattered(problem: &Problem, parameters: &[Parameter], steps: &[f64]) -> Result<Vec<Vec<f64>>> {
     let golden = (0..60).fold(2.0_f64, |g, _| (1.0 + g).powf(1.0 / (parameters.len() as f64 + 1.0)));
-    let cells: f64 = parameters.iter().zip(steps).map(|(p, step)| ((p.high - p.low) / step).max(1.0)).product();
+    let cells: f64 =
+        parameters.iter().zip(steps).map(|(p, step)| ((p.high - p.low) / step).max(1.0)).product();
     let points = (cells as usize).clamp(POINTS[0], POINTS[1]);
     let at = |k: usize| -> Vec<f64> {
         let place = |(axis, p): (usize, &Parameter)| {
@@ -106,7 +109,12 @@ fn scattered(problem: &Problem, parameters: &[Parameter], steps: &[f64]) -> Resu
 
 /// The least squares that a way downhill leads to (Levenberg and Marquardt) within the range of each size; `held` is a size that
 /// stays as it is.
-pub(super) fn descend(problem: &Problem, start: Vec<f64>, held: Option<usize>, steps: usize) -> Result<Found> {
+pub(super) fn descend(
+    problem: &Problem,
+    start: Vec<f64>,
+    held: Option<usize>,
+    steps: usize,
+) -> Result<Found> {
     let parameters = problem.model.parameters();
     let mut at = Found { left: problem.left(&start)?, sizes: start };
     let mut damping = 1e-3;
@@ -142,19 +150,14 @@ pub(super) fn descend(problem: &Problem, start: Vec<f64>, held: Option<usize>, s
 fn step(at: &Found, parameters: &[Parameter], held: Option<usize>, damping: f64) -> Option<Vec<f64>> {
     let count = at.sizes.len();
     let normal = at.left.normal();
-    let pull: Vec<f64> = at
-        .left
-        .slopes
-        .iter()
-        .map(|slope| super::problem::product(slope, &at.left.residuals))
-        .collect();
+    let pull: Vec<f64> =
+        at.left.slopes.iter().map(|slope| super::problem::product(slope, &at.left.residuals)).collect();
     let outward = |k: usize| {
         let (p, size) = (&parameters[k], at.sizes[k]);
         (size <= p.low && pull[k] < 0.0) || (size >= p.high && pull[k] > 0.0)
     };
-    let free: Vec<usize> = (0..count)
-        .filter(|&k| held != Some(k) && normal[k * count + k] > 0.0 && !outward(k))
-        .collect();
+    let free: Vec<usize> =
+        (0..count).filter(|&k| held != Some(k) && normal[k * count + k] > 0.0 && !outward(k)).collect();
     if free.is_empty() {
         return None;
     }
@@ -162,9 +165,7 @@ fn step(at: &Found, parameters: &[Parameter], held: Option<usize>, damping: f64)
         .iter()
         .flat_map(|&a| {
             let normal = &normal;
-            free.iter().map(move |&b| {
-                normal[a * count + b] * if a == b { 1.0 + damping } else { 1.0 }
-            })
+            free.iter().map(move |&b| normal[a * count + b] * if a == b { 1.0 + damping } else { 1.0 })
         })
         .collect();
     let mut change: Vec<f64> = free.iter().map(|&k| pull[k]).collect();

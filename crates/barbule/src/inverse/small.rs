@@ -7,8 +7,7 @@ pub(super) fn cholesky(matrix: &[f64], size: usize) -> Option<Vec<f64>> {
     let mut factor = matrix.to_vec();
     for row in 0..size {
         for column in 0..=row {
-            let known: f64 =
-                (0..column).map(|k| factor[row * size + k] * factor[column * size + k]).sum();
+            let known: f64 = (0..column).map(|k| factor[row * size + k] * factor[column * size + k]).sum();
             let left = matrix[row * size + column] - known;
             factor[row * size + column] = if row == column {
                 // What is left of the diagonal is a square of a distance: rounding of its parts is not one.

@@ -249,7 +249,9 @@ fn lattice_size(lattice: &Lattice, key: &str) -> Option<f64> {
     match key {
         "period_um" => Some(lattice.period_um),
         "row_pitch_um" => Some(lattice.row_pitch_um),
-        "cortex_um" => Some(lattice.depth_to_center_um + Lattice::depth_under_cortex(0.0, &lattice.rods) * -1.0),
+        "cortex_um" => {
+            Some(lattice.depth_to_center_um + Lattice::depth_under_cortex(0.0, &lattice.rods) * -1.0)
+        }
         "diameter_um" => circle(0),
         "hollow_um" => circle(1),
         _ => None,
@@ -260,8 +262,12 @@ fn set_lattice_size(lattice: &mut Lattice, key: &str, size: f64) {
     let place = match key {
         "period_um" => Some(&mut lattice.period_um),
         "row_pitch_um" => Some(&mut lattice.row_pitch_um),
-        "diameter_um" => lattice.rods.first_mut().and_then(|rod| rod.circles.first_mut()).map(|c| &mut c.diameter_um),
-        "hollow_um" => lattice.rods.first_mut().and_then(|rod| rod.circles.get_mut(1)).map(|c| &mut c.diameter_um),
+        "diameter_um" => {
+            lattice.rods.first_mut().and_then(|rod| rod.circles.first_mut()).map(|c| &mut c.diameter_um)
+        }
+        "hollow_um" => {
+            lattice.rods.first_mut().and_then(|rod| rod.circles.get_mut(1)).map(|c| &mut c.diameter_um)
+        }
         // The depth follows once all rods are known.
         _ => None,
     };

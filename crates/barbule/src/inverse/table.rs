@@ -49,7 +49,8 @@ impl Table {
             // Blocks of this size's nodes, one after the other for each combination of the sizes before it.
             let block = row;
             row /= nodes;
-            values = values.chunks_exact(block).flat_map(|block| chebyshev::coefficients(block, row)).collect();
+            values =
+                values.chunks_exact(block).flat_map(|block| chebyshev::coefficients(block, row)).collect();
         }
         Ok(Self { parameters, nodes, coefficients: values, samples })
     }

@@ -5,13 +5,13 @@ use serde_json::{Map, Value, json};
 use super::structure::{FittedStructure, Simulation, fit_structure};
 use super::subject::{Open, Subject};
 use super::{Beam, Estimate, Fit, Parameter, Reading, Settings, Solution, fit_stack};
-use crate::{Error, Result};
 use crate::error::shortened;
 use crate::instrument::{Incidence, Instrument};
 use crate::io::measured::{AtAngle, Measurements};
 use crate::material::Library;
 use crate::progress::Progress;
 use crate::spectrum::Spectrum;
+use crate::{Error, Result};
 
 /// The stack of a film unless another is given, and where its thickness is looked for, nm.
 pub const FILM: &str = "air/keratin:?/air";
@@ -134,8 +134,7 @@ impl Reading {
             None => vec![Beam { direction: towards(angle), weight: 1.0 }],
             Some(instrument) => {
                 instrument.check(angle).map_err(|error| error.at(&name))?;
-                let beam =
-                    |light: &Incidence| Beam { direction: towards(light.angle), weight: light.weight };
+                let beam = |light: &Incidence| Beam { direction: towards(light.angle), weight: light.weight };
                 instrument.planar(angle).iter().map(beam).collect()
             }
         };

@@ -98,7 +98,8 @@ impl Template {
         template.name(&media);
         // In the middle and at both ends, so that whatever is wrong is said before any work.
         for part in [0.5, 0.0, 1.0] {
-            let sizes: Vec<f64> = template.parameters.iter().map(|p| p.low + part * (p.high - p.low)).collect();
+            let sizes: Vec<f64> =
+                template.parameters.iter().map(|p| p.low + part * (p.high - p.low)).collect();
             template.stack(&sizes, library)?;
         }
         Ok(template)
@@ -116,10 +117,10 @@ impl Template {
                 (Place::Index, true) => "index".to_owned(),
                 (Place::Thickness, false) => format!("{}_nm", media[k]),
                 (Place::Spread, false) => format!("{}_spread_nm", media[k]),
-                (Place::Fraction, false) => "fraction_1".to_owned(),
-                (Place::Index, false) => "index_1".to_owned(),
+                (Place::Fraction, false) => "fraction".to_owned(),
+                (Place::Index, false) => "index".to_owned(),
             };
-            let stem = name.trim_end_matches("_1").to_owned();
+            let stem = name.clone();
             let taken = |name: &str, done: &[Parameter]| done.iter().any(|p| p.name == name);
             let numbered = (2..).map(|n| match stem.strip_suffix("_nm") {
                 Some(medium) => format!("{medium}_{n}_nm"),
@@ -198,7 +199,8 @@ fn range_of(word: &str, place: Place, usual_nm: [f64; 2]) -> Result<[f64; 2]> {
 fn medium_before(text: &str) -> String {
     let item = text.rsplit(['/', '(']).next().unwrap_or_default();
     let medium = item.split(':').next().unwrap_or_default();
-    let name: String = medium.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '-').take(24).collect();
+    let name: String =
+        medium.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '-').take(24).collect();
     if name.is_empty() || name.starts_with(|c: char| c.is_ascii_digit()) { "layer".into() } else { name }
 }
 
@@ -218,10 +220,19 @@ mod tests {
     fn places_are_found_and_named() {
         assert_eq!(names("air/keratin:?/air"), ["thickness_nm"]);
         assert_eq!(names("air/keratin: 200..900 +- ? /melanin"), ["thickness_nm", "spread_nm"]);
-        assert_eq!(names("air/keratin:?±?/melanin:50..100±5%/air"), ["keratin_nm", "spread_nm", "melanin_nm"]);
-        assert_eq!(names("air/5*(melanin:?/keratin:?/melanin:?)/air"), ["melanin_nm", "keratin_nm", "melanin_2_nm"]);
+        assert_eq!(
+            names("air/keratin:?±?/melanin:50..100±5%/air"),
+            ["keratin_nm", "spread_nm", "melanin_nm"]
+        );
+        assert_eq!(
+            names("air/5*(melanin:?/keratin:?/melanin:?)/air"),
+            ["melanin_nm", "keratin_nm", "melanin_2_nm"]
+        );
         assert_eq!(names("air/mix(keratin,air,?):?/1.4..1.7"), ["fraction", "thickness_nm", "index"]);
-        assert_eq!(names("air/1.5..1.6:?/1.5+0.1j:?/1.2..1.3"), ["index", "layer_nm", "layer_2_nm", "index_2"]);
+        assert_eq!(
+            names("air/1.5..1.6:?/1.5+0.1j:?/1.2..1.3"),
+            ["index", "layer_nm", "layer_2_nm", "index_2"]
+        );
         let template = read("air/keratin:200..900±?/mix(keratin,air,0.1..0.2)").unwrap();
         let range = |k: usize| [template.parameters[k].low, template.parameters[k].high];
         assert_eq!([range(0), range(1), range(2)], [[200.0, 900.0], [0.0, 60.0], [0.1, 0.2]]);
@@ -239,7 +250,7 @@ mod tests {
             ("air/keratine:?/air", "did you mean 'keratin'"),
             ("air/7*(1:?/1:?/1:?/1:?/1:?/1:?/1:?)/air", "7 numbers are to be found"),
             ("?/keratin:?/air", "the first medium"),
-            ("air:?", "half-space without thickness"),
+            ("air/keratin:?", "half-space without thickness"),
         ] {
             let message = read(text).unwrap_err().to_string();
             assert!(message.contains(part) && message.len() < 600, "{text}: {message}");

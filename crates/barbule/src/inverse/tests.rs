@@ -29,16 +29,26 @@ fn straight(degrees: f64) -> Vec<Beam> {
 }
 
 /// What a stack reads, by [`response`], which keeps the whole balance and shares no derivative with the fit.
-fn reading(text: &str, nm: &[f64], beams: Vec<Beam>, level: f64, errors: Errors, stream: &mut Stream) -> Reading {
+fn reading(
+    text: &str,
+    nm: &[f64],
+    beams: Vec<Beam>,
+    level: f64,
+    errors: Errors,
+    stream: &mut Stream,
+) -> Reading {
     let stack = Stack::parse(text, &Library::builtin()).unwrap();
     let at = |&nm: &f64| -> f64 {
-        let of = |beam: &Beam, polarization| response(&stack, nm, beam.angle(), polarization).unwrap().reflected;
-        let both = |beam: &Beam| Polarization::BOTH.iter().map(|p| 0.5 * beam.weight * of(beam, *p)).sum::<f64>();
+        let of =
+            |beam: &Beam, polarization| response(&stack, nm, beam.angle(), polarization).unwrap().reflected;
+        let both =
+            |beam: &Beam| Polarization::BOTH.iter().map(|p| 0.5 * beam.weight * of(beam, *p)).sum::<f64>();
         beams.iter().map(both).sum()
     };
     let exact: Vec<f64> = nm.iter().map(at).collect();
     let size = errors.part * exact.iter().sum::<f64>() / exact.len() as f64;
-    let kept = if errors.correlation_nm > 0.0 { (-(nm[1] - nm[0]) / errors.correlation_nm).exp() } else { 0.0 };
+    let kept =
+        if errors.correlation_nm > 0.0 { (-(nm[1] - nm[0]) / errors.correlation_nm).exp() } else { 0.0 };
     let mut error = stream.normal();
     let noisy = exact.iter().map(|value| {
         error = kept * error + (1.0 - kept * kept).sqrt() * stream.normal();
@@ -101,17 +111,21 @@ fn multilayers_are_found_within_their_intervals() {
 /// Of a narrow band and noise several orders fit; the true one is among them, and a wider band decides.
 #[test]
 fn what_a_narrow_band_leaves_open_is_said_and_a_wide_one_decides() {
-    let errors = Errors { part: 0.1, correlation_nm: 0.0 };
+    let errors = Errors { part: 0.15, correlation_nm: 0.0 };
     let of = |nm: &[f64], seed| {
         let text = "air/keratin:1220/air";
         let reading = reading(text, nm, straight(0.0), 0.5, errors, &mut Stream::new(seed, &[3]));
         fitted(FILM, FILM_NM, &[reading], &Settings::default())
     };
-    let narrow = of(&nm(520.0, 580.0, 2.0), 4);
+    let narrow = of(&nm(530.0, 570.0, 2.0), 4);
     let as_good = narrow.solutions.iter().filter(|solution| solution.as_good);
     assert!(as_good.clone().count() > 1);
     assert!(as_good.clone().any(|solution| holds(solution, &[1220.0]) == 1));
-    assert!(narrow.doubts.iter().any(|doubt| doubt.contains("fit as well as each other")), "{:?}", narrow.doubts);
+    assert!(
+        narrow.doubts.iter().any(|doubt| doubt.contains("fit as well as each other")),
+        "{:?}",
+        narrow.doubts
+    );
     let wide = of(&nm(300.0, 700.0, 2.0), 4);
     assert_eq!(wide.solutions.iter().filter(|solution| solution.as_good).count(), 1);
     assert_eq!(holds(&wide.solutions[0], &[1220.0]), 1);
@@ -124,11 +138,10 @@ fn slopes_are_those_of_the_values() {
     let library = Library::builtin();
     let text = "air/keratin:200..400±5..20/3*(melanin:50..150/mix(keratin,air,0.2..0.6):80..90)/1.3..1.6";
     let template = Template::parse(text, LAYER_NM, &library).unwrap();
-    let beams = vec![
-        Beam { direction: (0.2, 0.4), weight: 0.7 },
-        Beam { direction: (0.0, 0.1), weight: 0.4 },
-    ];
-    let reading = reading("air/keratin:300/air", &nm(320.0, 680.0, 40.0), beams, 1.0, QUIET, &mut Stream::new(1, &[]));
+    let beams =
+        vec![Beam { direction: (0.2, 0.4), weight: 0.7 }, Beam { direction: (0.0, 0.1), weight: 0.4 }];
+    let reading =
+        reading("air/keratin:300/air", &nm(320.0, 680.0, 40.0), beams, 1.0, QUIET, &mut Stream::new(1, &[]));
     let model = Planar::new(template, std::slice::from_ref(&reading), &library).unwrap();
     let sizes = [310.0, 12.0, 90.0, 0.35, 85.0, 1.45];
     assert_eq!(model.parameters().len(), sizes.len());
@@ -156,26 +169,26 @@ fn slopes_are_those_of_the_values() {
     }
 }
 
-/// Individuals of a film whose thickness spreads, drawn by the stack language itself, against the quadrature of the fit.
+/// A film whose thickness spreads, by equally likely individuals, against the quadrature of the fit.
 #[test]
 fn spreading_films_are_averaged_as_their_individuals_are() {
-    let library = Library::builtin();
-    let stack = Stack::parse("air/keratin:700±35/air", &library).unwrap();
     let at = nm(300.0, 700.0, 8.0);
-    let count = 3000;
+    let count = 1000;
     let mut mean = vec![0.0; at.len()];
     for k in 0..count {
-        let one = stack.individual(7, k);
+        let deviate = crate::math::normal::quantile((f64::from(k) + 0.5) / f64::from(count));
+        let thickness = 700.0 + 35.0 * deviate.clamp(-3.0, 3.0);
+        let one = Stack::parse(&format!("air/keratin:{thickness}/air"), &Library::builtin()).unwrap();
         for (mean, &nm) in mean.iter_mut().zip(&at) {
-            *mean += response(&one, nm, 0.0, Polarization::S).unwrap().reflected / count as f64;
+            *mean += response(&one, nm, 0.0, Polarization::S).unwrap().reflected / f64::from(count);
         }
     }
     let curve = Spectrum::new(Wavelengths::new(at).unwrap(), mean).unwrap();
     let reading = Reading::new("m", &curve, &[], straight(0.0), None).unwrap();
     let fit = fitted("air/keratin:200..1500±?/air", FILM_NM, &[reading], &Settings::default());
     let [thickness, spread] = [0, 1].map(|k| fit.solutions[0].sizes[k].value);
-    // 3000 draws: standard errors 0.6 and 0.45 nm.
-    assert!((thickness - 700.0).abs() < 2.0 && (spread - 35.0).abs() < 1.5, "{thickness} {spread}");
+    // Beyond ±3 deviations the fit has nobody, and the individuals 0.3 % at these.
+    assert!((thickness - 700.0).abs() < 0.02 && (spread - 35.0).abs() < 0.2, "{thickness} {spread}");
 }
 
 #[test]
@@ -202,7 +215,8 @@ fn angles_instruments_levels_and_offsets_are_taken_together() {
         assert!((level - expected).abs() < 1e-4 && offset.abs() < 1e-5, "{level} {offset}");
     }
     // A parallel beam at the same angle has another thickness: the cone shortens paths.
-    let blind: Vec<Reading> = readings.iter().map(|r| Reading { beams: straight(0.0), ..r.clone() }).collect();
+    let blind: Vec<Reading> =
+        readings.iter().map(|r| Reading { beams: straight(0.0), ..r.clone() }).collect();
     let off = fitted(open, FILM_NM, &blind, &Settings::default()).solutions[0].sizes[0].value;
     assert!(off < 640.0, "{off}");
 }
@@ -239,7 +253,11 @@ fn what_does_not_decide_is_said_or_refused() {
     let reading = Reading::new("m", &curve, &[], straight(0.0), None).unwrap();
     // Only what is thinner than a fringe: nothing in noise says how thin.
     let fit = fitted("air/keratin:5..15/air", FILM_NM, &[reading], &Settings::default());
-    assert!(fit.doubts.iter().any(|d| d.contains("does not decide thickness_nm: every value from 5 to 15")), "{:?}", fit.doubts);
+    assert!(
+        fit.doubts.iter().any(|d| d.contains("does not decide thickness_nm: every value from 5 to 15")),
+        "{:?}",
+        fit.doubts
+    );
     assert!(fit.doubts.iter().any(|d| d.contains("of the variance is explained")), "{:?}", fit.doubts);
 
     let library = Library::builtin();
@@ -297,13 +315,16 @@ fn a_starlings_cortex_is_found() {
     };
     let parameters = subject.parameters(&[]).unwrap();
     assert_eq!(parameters[0].name, "cortex_um");
-    let Subject::Species { model: truth, .. } = subject.with(&parameters, &[0.351]).unwrap() else { panic!() };
+    let Subject::Species { model: truth, .. } = subject.with(&parameters, &[0.351]).unwrap() else {
+        panic!()
+    };
     let truth = crate::structure::Structure::Species(truth);
     let spectra = crate::campaign::spectrum::spectra(&truth, &request, &Unobserved).unwrap();
     let curve = Spectrum::new(at, spectra.mean[0].iter().map(|v| 0.5 * v).collect()).unwrap();
     let reading = Reading::new("m", &curve, &[], straight(0.0), None).unwrap();
     let simulation = Simulation { instances: 4, seed: 1, collect: Collect::Hemisphere };
-    let found = fit_structure(&subject, &[], &simulation, &[reading], &Settings::default(), &Unobserved).unwrap();
+    let found =
+        fit_structure(&subject, &[], &simulation, &[reading], &Settings::default(), &Unobserved).unwrap();
     let size = found.fit.solutions[0].sizes[0];
     // 12 and 4 individuals differ by chance in about 1 % of their thickness.
     assert!((size.value - 0.351).abs() < 0.006, "{size:?}");

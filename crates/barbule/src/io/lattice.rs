@@ -110,7 +110,8 @@ pub(super) fn crystal_json(crystal: &CrystalLayer) -> Value {
 /// # Errors
 /// What TOML cannot write.
 pub fn lattice_toml(lattice: &Lattice) -> Result<String> {
-    let mut table = crystal_json(&CrystalLayer { lattice: lattice.clone(), offset_um: 0.0, regularity: None });
+    let mut table =
+        crystal_json(&CrystalLayer { lattice: lattice.clone(), offset_um: 0.0, regularity: None });
     if let Value::Object(table) = &mut table {
         UNDER_A_TOP.iter().for_each(|key| drop(table.remove(*key)));
     }
@@ -236,7 +237,8 @@ mod tests {
     #[test]
     fn what_is_written_of_a_lattice_is_read_as_the_same() {
         for name in ["mallard", "magpie", "peafowl"] {
-            let lattice = crate::structure::SpeciesModel::builtin(name, None, Library::builtin()).unwrap().lattice();
+            let lattice =
+                crate::structure::SpeciesModel::builtin(name, None, Library::builtin()).unwrap().lattice();
             let lattice = lattice.unwrap();
             let text = lattice_toml(&lattice).unwrap();
             let read = parse(&text, false, Path::new("."), &Library::builtin()).unwrap();

@@ -37,8 +37,8 @@ use std::path::Path;
 pub use material::{Located, locate, made, material, material_of, worn};
 pub use media::Media;
 pub use scene::{description, folder_of, scene};
-pub use subject::target;
 pub use structure::{film_stack, is_built_in, lattice, lattice_of, stack, structure};
+pub use subject::target;
 
 use crate::Result;
 use crate::campaign::Resources;

@@ -58,12 +58,14 @@ fn subject(model: &str, library: &Library) -> Result<Subject> {
     if model == "lattice" {
         // Solid rods of melanin in keratin, as those of ducks.
         let (file, model) = species(SpeciesFile::builtin("mallard")?, None, library.clone())?;
-        return model.lattice().map(|lattice| Subject::Lattice(Box::new(lattice))).ok_or_else(|| {
-            Error::machine(format!("{} has no lattice", file.name))
-        });
+        return model
+            .lattice()
+            .map(|lattice| Subject::Lattice(Box::new(lattice)))
+            .ok_or_else(|| Error::machine(format!("{} has no lattice", file.name)));
     }
     let of = |(file, model)| Subject::Species { file: Box::new(file), model: Box::new(model) };
-    let (name, variant) = model.split_once(':').map_or((model, None), |(name, variant)| (name, Some(variant)));
+    let (name, variant) =
+        model.split_once(':').map_or((model, None), |(name, variant)| (name, Some(variant)));
     if is_built_in(model) {
         return species(SpeciesFile::builtin(name)?, variant, library.clone()).map(of);
     }

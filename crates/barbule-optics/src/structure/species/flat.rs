@@ -78,7 +78,11 @@ impl SpeciesFile {
         self.explained_with(variant, &Map::new())
     }
 
-    fn explained_with(&self, variant: Option<&str>, values: &Map<String, Value>) -> Result<Vec<(String, String)>> {
+    fn explained_with(
+        &self,
+        variant: Option<&str>,
+        values: &Map<String, Value>,
+    ) -> Result<Vec<(String, String)>> {
         let given = self.given(variant)?;
         let lines = given.iter().map(|(key, value)| (key, values.get(key.name).unwrap_or(value)));
         lines.map(|(key, value)| Ok((line(key, value)?, explained(key)))).collect()
