@@ -115,7 +115,7 @@ impl<'a> Problem<'a> {
     pub(super) fn squares(&self, sizes: &[f64]) -> Result<f64> {
         let mut modelled = vec![0.0; self.samples];
         self.model.values(sizes, &mut modelled)?;
-        Ok(self.blocks.iter().map(|block| block.project(&mut modelled, self.nuisance).1).sum())
+        Ok(self.blocks.iter().map(|block| block.projected(&mut modelled, self.nuisance).1).sum())
     }
 
     /// What sizes leave, and how it changes with them.
@@ -164,12 +164,7 @@ impl Block {
         self.start..self.start + self.values.len()
     }
 
-    /// The basis of what is free, and the sum of squares that is left; `modelled` becomes whitened.
-    fn project(&self, modelled: &mut [f64], nuisance: Nuisance) -> (Basis, f64) {
-        let (basis, squares, ..) = self.projected(modelled, nuisance);
-        (basis, squares)
-    }
-
+    /// The basis of what is free, the sum of squares and the residuals that are left, level and offset; `modelled` becomes whitened.
     fn projected(&self, modelled: &mut [f64], nuisance: Nuisance) -> (Basis, f64, Vec<f64>, [f64; 2]) {
         let model = &mut modelled[self.range()];
         model.iter_mut().for_each(|value| *value *= self.per_sigma);

@@ -3,7 +3,7 @@
 use super::reading::Reading;
 use super::subject::{Open, Subject};
 use super::table::{Simulator, Table};
-use super::{Fit, Parameter, Settings, check, fit};
+use super::{Estimate, Fit, Parameter, Settings, check, fit};
 use crate::campaign::spectrum::{Collect, SpectrumRequest, spectra};
 use crate::progress::{Progress, Several};
 use crate::solve::crystal::{Multipole, sweep};
@@ -21,9 +21,11 @@ const NODES_NEAR: [usize; MOST_TABULATED] = [5, 4, 3];
 const FURTHEST_NM: f64 = 10.0;
 /// Tables are made anew about what was found until they are off by less than this part of what the fit leaves.
 const OFF: f64 = 0.2;
-const MOST_REFINED: usize = 2;
-/// Half the width of such a table in parts of the one before, at least.
-const NEAR: f64 = 0.08;
+const MOST_REFINED: usize = 3;
+/// Half the width of the first such table in parts of the whole range, at least, and that of the next in parts of it, once the best
+/// sizes are inside.
+const NEAR: f64 = 0.1;
+const NEARER: f64 = 0.4;
 
 /// How spectra are simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +64,7 @@ pub fn fit_structure(
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<FittedStructure> {
-    let mut parameters = subject.parameters(open)?;
+    let parameters = subject.parameters(open)?;
     if parameters.len() > MOST_TABULATED {
         return Err(Error::input(format!(
             "{} sizes are open, but up to {MOST_TABULATED} can be looked for at once in species and lattices; fix some",
@@ -77,7 +79,7 @@ pub fn fit_structure(
     let table = Table::new(&simulated, parameters.clone(), NODES[sizes - 1], &|| stage.part())?;
     let mut found = fit(&table, readings, settings)?;
     let mut count = whole;
-    let mut table_error = f64::INFINITY;
+    let (mut table_error, mut part) = (f64::INFINITY, NEAR);
     for round in 0..=MOST_REFINED {
         let values: Vec<f64> = found.solutions[0].sizes.iter().map(|size| size.value).collect();
         let exact = simulated.simulate(&values, &stage.part())?;
@@ -86,11 +88,14 @@ pub fn fit_structure(
         if table_error <= OFF * found.solutions[0].rmse || round == MOST_REFINED {
             break;
         }
-        narrow(&mut parameters, &found);
-        let table = Table::new(&simulated, parameters.clone(), NODES_NEAR[sizes - 1], &|| stage.part())?;
+        let about = narrowed(&parameters, &found, part);
+        let table = Table::new(&simulated, about.clone(), NODES_NEAR[sizes - 1], &|| stage.part())?;
         count += near;
         let nearer = fit(&table, readings, &Settings { solutions: 1, ..*settings })?;
-        refine(&mut found, nearer, &parameters);
+        refine(&mut found, nearer, &about);
+        let best = found.solutions[0].sizes.iter().zip(&about);
+        let inside = |(size, p): (&Estimate, &Parameter)| size.value > p.low && size.value < p.high;
+        part *= if best.into_iter().all(inside) { NEARER } else { 1.0 };
     }
     let best: Vec<f64> = found.solutions[0].sizes.iter().map(|size| size.value).collect();
     let best = subject.with(&found.parameters, &best)?;
@@ -111,13 +116,15 @@ fn off(found: &Fit, exact: &[f64]) -> f64 {
     (squares / exact.len() as f64).sqrt()
 }
 
-/// Ranges about the best sizes, within the ranges before.
-fn narrow(parameters: &mut [Parameter], found: &Fit) {
-    for (p, size) in parameters.iter_mut().zip(&found.solutions[0].sizes) {
-        let half = (2.0 * (size.high - size.low)).max(NEAR * (p.high - p.low)).min(0.5 * (p.high - p.low));
+/// Ranges about the best sizes that hold their intervals, half as wide as this part of the whole ones at least, within these.
+fn narrowed(whole: &[Parameter], found: &Fit, part: f64) -> Vec<Parameter> {
+    let about = |(p, size): (&Parameter, &Estimate)| {
+        let range = p.high - p.low;
+        let half = (1.5 * (size.high - size.low)).max(part * range).min(0.5 * range);
         let middle = size.value.clamp(p.low + half, p.high - half);
-        (p.low, p.high) = (middle - half, middle + half);
-    }
+        Parameter { low: middle - half, high: middle + half, ..p.clone() }
+    };
+    whole.iter().zip(&found.solutions[0].sizes).map(about).collect()
 }
 
 /// Puts the best solution of a nearer table in the place of that of the one before; an interval that ends where the nearer table ends

@@ -249,9 +249,7 @@ fn lattice_size(lattice: &Lattice, key: &str) -> Option<f64> {
     match key {
         "period_um" => Some(lattice.period_um),
         "row_pitch_um" => Some(lattice.row_pitch_um),
-        "cortex_um" => {
-            Some(lattice.depth_to_center_um + Lattice::depth_under_cortex(0.0, &lattice.rods) * -1.0)
-        }
+        "cortex_um" => Some(lattice.depth_to_center_um - Lattice::depth_under_cortex(0.0, &lattice.rods)),
         "diameter_um" => circle(0),
         "hollow_um" => circle(1),
         _ => None,

@@ -81,7 +81,7 @@ fn films_are_found_within_their_intervals() {
         let mut stream = Stream::new(1, &[k]);
         let thickness = stream.uniform(80.0, 2500.0);
         let level = stream.uniform(0.3, 1.2);
-        let errors = Errors { part: 0.03, correlation_nm: if k % 2 == 0 { 0.0 } else { 15.0 } };
+        let errors = Errors { part: 0.03, correlation_nm: if k % 4 == 0 { 0.0 } else { 30.0 } };
         let text = format!("air/keratin:{thickness}/air");
         let reading = reading(&text, &nm(300.0, 700.0, 5.0), straight(0.0), level, errors, &mut stream);
         let fit = fitted(FILM, FILM_NM, &[reading], &Settings::default());
