@@ -118,6 +118,9 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         ("film" | "spectrum" | "species" | "birds" | "see" | "lobes" | "crystal" | "far-field", "output") => {
             files(Names::None, FIGURES)
         }
+        ("fit-structure", "model") => files(Names::Species, &["toml"]),
+        ("fit-structure", "output") => files(Names::None, &["toml"]),
+        (_, "picture") => files(Names::None, FIGURES),
         (_, "csv" | "summary") => files(Names::None, &["csv"]),
         _ => None,
     }

@@ -12,7 +12,7 @@ use clap::parser::ValueSource;
 use crate::provenance::{check_table, is_beside, sidecar};
 
 /// Arguments whose values are files to be written.
-pub(crate) const OUTPUTS: [&str; 5] = ["output", "csv", "summary", "law", "human"];
+pub(crate) const OUTPUTS: [&str; 6] = ["output", "csv", "summary", "law", "human", "picture"];
 
 /// Those of them that are tables in text.
 const TABLES: [&str; 2] = ["csv", "summary"];

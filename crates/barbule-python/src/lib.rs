@@ -11,6 +11,7 @@ mod error;
 mod export;
 mod field;
 mod film;
+mod inverse;
 mod make;
 mod material;
 mod opening;
@@ -36,6 +37,8 @@ mod _native {
     use super::field::far_fields;
     #[pymodule_export]
     use super::film::{film, film_gradients};
+    #[pymodule_export]
+    use super::inverse::fit_structure;
     #[pymodule_export]
     use super::make::{characterize, fit, simulate};
     #[pymodule_export]

@@ -49,6 +49,7 @@ pub mod diffraction;
 pub mod export;
 #[cfg(feature = "figures")]
 pub mod figures;
+pub mod inverse;
 pub mod io;
 pub mod keys;
 pub mod open;

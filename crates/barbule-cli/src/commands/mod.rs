@@ -18,6 +18,7 @@ mod far_field;
 mod feather;
 mod film;
 mod fit;
+mod fit_structure;
 mod geometry;
 mod keys;
 mod lobes;
@@ -55,6 +56,8 @@ pub(crate) enum Command {
     Simulate(simulate::Args),
     /// Fit a material to a finished store
     Fit(fit::Args),
+    /// From measured spectra to the sizes of what reflected them
+    FitStructure(fit_structure::Args),
     /// Simulate and fit: from a structure to its material
     Characterize(characterize::Args),
     /// List or clear the materials computed on first use
@@ -92,6 +95,7 @@ impl Command {
             Self::Export(args) => args.run(out),
             Self::Simulate(args) => args.run(out),
             Self::Fit(args) => args.run(out),
+            Self::FitStructure(args) => args.run(out),
             Self::Characterize(args) => args.run(out),
             Self::Cache(args) => args.run(out),
             Self::Geometry(args) => args.run(out),

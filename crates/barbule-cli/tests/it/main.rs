@@ -16,6 +16,7 @@ mod far_field;
 mod feather;
 mod figures;
 mod film;
+mod fit_structure;
 mod foreign_keys;
 mod geometry;
 mod inputs_stay;

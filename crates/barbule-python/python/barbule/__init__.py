@@ -12,6 +12,7 @@ from __future__ import annotations
 from . import vision
 from ._colour import colours, delta_e_2000
 from ._export import Written, export
+from ._inverse import Fitted, Size, Solution, fit_structure
 from ._make import characterize, fit, simulate
 from ._material import Material
 from ._native import Picture, Section, Structure, species, version
@@ -32,6 +33,7 @@ __all__ = [
     "Bar",
     "BarbuleError",
     "DoubtWarning",
+    "Fitted",
     "Heights",
     "InputError",
     "Interval",
@@ -42,6 +44,8 @@ __all__ = [
     "Quantity",
     "Scene",
     "Section",
+    "Size",
+    "Solution",
     "Structure",
     "Written",
     "angle_law",
@@ -54,6 +58,7 @@ __all__ = [
     "far_fields",
     "film",
     "fit",
+    "fit_structure",
     "open",
     "presets",
     "render",

@@ -105,6 +105,27 @@ def things(
     threads: int | None,
     progress: _Watch,
 ) -> list[tuple[str, NDArray[np.float64], NDArray[np.float64]]]: ...
+def fit_structure(
+    files: Sequence[str],
+    wavelengths_nm: NDArray[np.float64],
+    reflectance: NDArray[np.float64],
+    angles_deg: NDArray[np.float64],
+    model: str,
+    stack: str | None,
+    free: Sequence[str],
+    instrument: str | None,
+    along: bool,
+    range_nm: Sequence[float] | None,
+    column: str | None,
+    fixed: bool,
+    offset: bool,
+    solutions: int,
+    instances: int,
+    seed: int,
+    media: _Media,
+    threads: int | None,
+    progress: _Watch,
+) -> tuple[str, str]: ...
 def far_fields(
     section: Section,
     wavelengths_nm: NDArray[np.float64],

@@ -3,6 +3,7 @@
 mod angle_law;
 mod diffraction;
 mod far_fields;
+mod inverse;
 mod lobes;
 mod section;
 mod segment;
@@ -14,6 +15,7 @@ mod vision;
 pub use angle_law::{FollowedPeaks, angle_law};
 pub use diffraction::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
 pub use far_fields::{check_far_fields, far_fields};
+pub use inverse::inverse;
 pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
 pub use section::section;
 pub use segment::segment;

@@ -49,7 +49,7 @@ pub use feather::{
 pub use grating::{GratingFile, LARGEST_GRATING, decode_grating, read_grating, write_grating};
 pub use heights::{Clean, HeightUnit, HeightsOptions, foretell_heights, read_heights};
 pub use kind::{InputKind, kind_of};
-pub use lattice::read_lattice;
+pub use lattice::{lattice_toml, read_lattice};
 pub use ledger::{Ledger, claim_output, note_input};
 pub use machine::{available_memory, peak_memory};
 pub use material::{decode_material, encode_material, read_material, write_material};
