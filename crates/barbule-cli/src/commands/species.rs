@@ -437,8 +437,10 @@ fn figure(entries: &[Entry]) -> Drawing {
         }
         y += 50.0 + line_height * lines(entry) as f64;
     }
+    let count = birds.len();
     for (row, sight) in birds.into_iter().enumerate() {
-        let words = format!("bars {}: {}", row + 1, sight.legend());
+        let number = if count > 1 { format!(" in row {}", row + 1) } else { String::new() };
+        let words = format!("bars{number}: {}", sight.legend());
         drawing.text([20.0, y + 18.0 * row as f64], 13.0, Anchor::Start, words);
     }
     drawing

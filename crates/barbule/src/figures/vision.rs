@@ -11,8 +11,7 @@ const FROM_NM: u32 = 300;
 const TO_NM: u32 = 700;
 
 /// What stands below figures of keratin's reflectance in the ultraviolet.
-pub const KERATIN_NOTE: &str =
-    "hatched: below 350 nm keratin absorbs, how much is not known; it is taken to absorb nothing";
+pub const KERATIN_NOTE: &str = "hatched: below 350 nm keratin absorbs, by an unknown amount that is left out";
 
 /// One thing that is seen.
 #[derive(Debug, Clone, PartialEq)]

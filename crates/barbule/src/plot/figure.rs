@@ -113,7 +113,9 @@ impl Figure {
         let page_width = size.map_or(LABEL_AT + 18.0 + self.size[0] + right, |[width, _]| width);
         let words = Words::new(&self.title, &self.x.label, page_width);
         let note = self.footnote.as_deref().unwrap_or("");
-        let note = text::wrapped(note, SMALL, page_width - 32.0, 4);
+        // Without a page's size notes begin below the plane.
+        let indent = if size.is_some() { 0.0 } else { LABEL_AT };
+        let note = text::wrapped(note, SMALL, page_width - 32.0 - indent, 4);
         let legend_height = if legend.is_beside() { 0.0 } else { legend.height() };
         let below = words.below() + legend_height + NOTE_LINE * note.len() as f64;
         let plane_height = size.map_or(self.size[1], |[_, h]| (h - words.top() - below).max(LEAST[1]));
