@@ -12,7 +12,7 @@ use clap::parser::ValueSource;
 use crate::provenance::{check_table, is_beside, sidecar};
 
 /// Arguments whose values are files to be written.
-pub(crate) const OUTPUTS: [&str; 3] = ["output", "csv", "summary"];
+pub(crate) const OUTPUTS: [&str; 4] = ["output", "csv", "summary", "picture"];
 
 /// Those of them that are tables in text.
 const TABLES: [&str; 2] = ["csv", "summary"];

@@ -18,6 +18,7 @@ mod program;
 mod scene;
 mod spectrum;
 mod structure;
+mod trace;
 mod work;
 
 /// What `barbule` is made of. Private: use `barbule`.
@@ -49,4 +50,6 @@ mod _native {
     use super::spectrum::spectra;
     #[pymodule_export]
     use super::structure::{Section, Structure};
+    #[pymodule_export]
+    use super::trace::{Traced, trace};
 }

@@ -26,7 +26,7 @@ const SCENE: &str = "preset = 'starling'\nmaterial = 'made.barbule'\n[background
 
 /// Each command that writes with its inputs; then the flags of its outputs, and the files that it reads, under whatever
 /// names. `@` is the folder.
-const LINES: [(&str, &[&str], &[&str]); 26] = [
+const LINES: [(&str, &[&str], &[&str]); 27] = [
     ("film @stack.toml --medium q=@q.csv", &["-o", "--csv"], &["stack.toml", "n.csv", "q.csv"]),
     ("lobes @made.barbule", &["-o"], &["made.barbule"]),
     ("brdf @made.barbule --wi 10,20 --wo 0,0 --wavelength 550", &["-o", "--csv"], &["made.barbule"]),
@@ -42,6 +42,7 @@ const LINES: [(&str, &[&str], &[&str]); 26] = [
     ("cache --copy @made.barbule", &["-o"], &["made.barbule"]),
     ("geometry @in.json", &["-o"], &["in.json", "n.csv"]),
     ("geometry @secs", &["-o"], &["secs/a.json", "n.csv"]),
+    ("trace @bg.png --scale 1nm=1px", &["-o", "--picture"], &["bg.png"]),
     ("feather @s.toml --level barbs", &["-o"], &["s.toml", "c.txt", "m.gltf", "x.txt", "made.barbule"]),
     ("species @mine.toml", &["-o"], &["mine.toml"]),
     ("feather @mine.toml", &["-o"], &["mine.toml"]),

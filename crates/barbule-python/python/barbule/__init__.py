@@ -19,6 +19,7 @@ from ._opening import open
 from ._progress import Bar
 from ._labels import Arrays, Axis, Quantity
 from ._scene import Scene, presets, render
+from ._trace import Traced, trace
 from .errors import BarbuleError, DoubtWarning, InputError, MachineError, NotSettledError
 
 __version__ = version()
@@ -39,6 +40,7 @@ __all__ = [
     "Scene",
     "Section",
     "Structure",
+    "Traced",
     "Written",
     "characterize",
     "colours",
@@ -54,4 +56,5 @@ __all__ = [
     "simulate",
     "species",
     "spectrum",
+    "trace",
 ]
