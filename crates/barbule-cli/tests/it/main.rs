@@ -32,4 +32,5 @@ mod robustness;
 mod sides;
 mod species;
 mod spectrum;
+mod trace;
 mod validate;

@@ -148,7 +148,7 @@ fn measured(rods: &[Rod], turn: f64, period: f64, rows: &[Vec<usize>]) -> Option
     }
     let found = normal.solved()?;
     let mean = found[0];
-    if gaps.is_empty() || !(mean > 0.0) {
+    if gaps.is_empty() || mean <= 0.0 {
         return None;
     }
     let beside = numbers.iter().map(|(row, rod, number)| {

@@ -61,8 +61,7 @@ fn left_by_light(seen: &[Seen]) -> f64 {
     let mut normal = Normal::new(TERMS);
     seen.iter().for_each(|s| normal.add(&terms(s.x, s.y), s.value));
     let Some(polynomial) = normal.solved() else { return 0.0 };
-    let at = |s: &Seen| terms(s.x, s.y).iter().zip(&polynomial).map(|(t, p)| t * p).sum::<f64>();
-    seen.iter().map(|s| (s.value - at(s)).powi(2)).sum()
+    seen.iter().map(|s| (s.value - polynomial_at(&polynomial, s.x, s.y)).powi(2)).sum()
 }
 
 impl Light {
@@ -93,10 +92,13 @@ fn terms(x: f64, y: f64) -> [f64; TERMS] {
     [1.0, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y]
 }
 
+fn polynomial_at(polynomial: &[f64], x: f64, y: f64) -> f64 {
+    terms(x, y).iter().zip(polynomial).map(|(t, p)| t * p).sum()
+}
+
+/// The light, whose mean is 1; light that falls to a twentieth of it is no light.
 fn light_at(polynomial: &[f64; TERMS], x: f64, y: f64) -> f64 {
-    let light: f64 = terms(x, y).iter().zip(polynomial).map(|(t, p)| t * p).sum();
-    // Light that falls to a twentieth of its mean is no light.
-    light.max(0.05)
+    polynomial_at(polynomial, x, y).max(0.05)
 }
 
 /// Flattens a smoothed picture. `classes` is how many there are, 2 or 3, if it is known.
@@ -192,9 +194,9 @@ fn settled(seen: &[Seen], start: [f64; TERMS], classes: usize) -> Option<Light> 
     let mut light = None;
     let mut even = vec![0.0; seen.len()];
     for turn in 0..TURNS {
-        let mean =
-            seen.iter().map(|s| light_at(&polynomial, s.x, s.y)).sum::<f64>() / seen.len().max(1) as f64;
-        if !(mean > 0.0) {
+        let sum: f64 = seen.iter().map(|s| polynomial_at(&polynomial, s.x, s.y)).sum();
+        let mean = sum / seen.len().max(1) as f64;
+        if mean <= 0.0 {
             return None;
         }
         polynomial.iter_mut().for_each(|p| *p /= mean);
@@ -226,7 +228,7 @@ fn settled(seen: &[Seen], start: [f64; TERMS], classes: usize) -> Option<Light> 
 fn classed(values: &[f64], classes: usize) -> Option<(Vec<usize>, Vec<f64>, f64)> {
     let mut sorted = values.to_vec();
     let ends = [part(&mut sorted, 0.002), part(&mut sorted, 0.998)];
-    if !(ends[1] - ends[0] > 1e-6) {
+    if ends[1] - ends[0] <= 1e-6 {
         return None;
     }
     let counts = histogram(values.iter().copied(), ends);

@@ -121,8 +121,7 @@ fn decode_tiff(bytes: &[u8]) -> Result<Grey> {
     let values: Vec<f32> = match decoder.read_image().map_err(refuse)? {
         DecodingResult::U8(values) => values.into_iter().map(|v| f32::from(v) / 255.0).collect(),
         DecodingResult::U16(values) => values.into_iter().map(|v| f32::from(v) / 65535.0).collect(),
-        // Only differences count.
-        DecodingResult::F32(values) if !is_inverted => values,
+        DecodingResult::F32(values) if !is_inverted => over_their_range(values),
         _ => return Err(other()),
     };
     if values.len() != size[0] * size[1] * channels {
@@ -134,6 +133,13 @@ fn decode_tiff(bytes: &[u8]) -> Result<Grey> {
         )));
     }
     grey(size, channels, values.into_iter().map(|v| if is_inverted { 1.0 - v } else { v }))
+}
+
+/// Floats in whatever unit, from 0 for the least to 1 for the largest.
+fn over_their_range(values: Vec<f32>) -> Vec<f32> {
+    let (low, high) = values.iter().fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+    let range = (high - low).max(f32::MIN_POSITIVE);
+    values.into_iter().map(|value| (value - low) / range).collect()
 }
 
 fn decode_jpeg(bytes: &[u8]) -> Result<Grey> {

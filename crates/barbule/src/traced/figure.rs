@@ -166,7 +166,9 @@ impl TracedImage {
             }
             _ => words.push(format!("{} regions wholly inside", self.traced.inclusions.len())),
         }
-        words.push("± one standard deviation".into());
+        if self.traced.kind != Kind::Section {
+            words.push("± one standard deviation".into());
+        }
         words
     }
 }

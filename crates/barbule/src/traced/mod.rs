@@ -126,10 +126,9 @@ fn usual_media(classes: usize) -> Vec<String> {
 fn notes(found: &TracedImage, given: &Micrograph) -> Vec<String> {
     let traced = &found.traced;
     let mut notes = Vec::new();
-    let classes = if given.media.is_none() && given.thresholds.is_none() { " found" } else { "" };
+    let decided = if given.media.is_none() && given.thresholds.is_none() { "found" } else { "given" };
     notes.push(format!(
-        "{} of grey{classes}, from bright to dark: {}; thresholds {}",
-        counted(found.media.len(), "class"),
+        "greys {decided}, from bright to dark: {}; thresholds {}",
         found.media.join(", "),
         traced.thresholds.iter().map(|t| format!("{t:.0}")).collect::<Vec<_>>().join(" and ")
     ));
