@@ -18,7 +18,7 @@ use crate::provenance::Provenance;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     barbule trace examples/micrographs/rods.png --scale 200nm=100px -o rods.toml --picture rods.png\n  \
-    barbule trace examples/micrographs/layers.png --scale 500nm=bar -o layers.toml")]
+    barbule trace examples/micrographs/layers.png --scale 200nm=bar -o layers.toml")]
 pub(crate) struct Args {
     /// The micrograph: .png, .tif or .jpg, grey or in colours, 8 or 16 bits
     image: PathBuf,

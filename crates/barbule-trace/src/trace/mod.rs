@@ -93,6 +93,8 @@ pub struct Traced {
     pub cut: usize,
 }
 
+/// What lies in each region is looked for among all.
+const MOST_REGIONS: usize = 10_000;
 /// Layers cover at least this part of the picture.
 const LAYERED: f64 = 0.85;
 /// Layers lie within this angle of the picture's x, radians.
@@ -133,7 +135,7 @@ pub fn trace(picture: &Grey, options: &Options) -> Result<Traced> {
         inclusions: Vec::new(),
         cut: 0,
     };
-    let has_layers = options.kind.is_none_or(|kind| kind == Kind::Layers) && work.layers(&mut traced);
+    let has_layers = options.kind.is_none_or(|kind| kind == Kind::Layers) && work.layers(&mut traced)?;
     if !has_layers {
         work.regions(&mut traced, options.kind)?;
     }
@@ -192,41 +194,52 @@ impl Work<'_> {
     }
 
     /// The regions of a flattened picture.
-    fn map(&self, flat: &Flat) -> Map {
+    ///
+    /// # Errors
+    /// There are too many.
+    fn map(&self, flat: &Flat) -> Result<Map> {
         let mut classes = regions::classes(&flat.grey, self.thresholds);
         regions::without_seams(&mut classes, flat, self.blur);
         let least = (std::f64::consts::PI * (1.5 * self.blur + 1.0).powi(2)).ceil() as usize;
-        Map::of(&mut classes, flat.grey.size(), least)
+        let map = Map::of(&mut classes, flat.grey.size(), least);
+        if map.regions.len() > MOST_REGIONS {
+            return Err(Error::input(format!(
+                "falls into {} regions at these thresholds; at most {MOST_REGIONS} are traced: give a part of it by `crop`, or other `thresholds`",
+                map.regions.len()
+            ))
+            .naming(&["crop", "thresholds"]));
+        }
+        Ok(map)
     }
 
     /// Looks for layers; says whether there are any.
-    fn layers(&self, traced: &mut Traced) -> bool {
+    fn layers(&self, traced: &mut Traced) -> Result<bool> {
         let (turn, _) = layers::direction(&self.flat.grey);
         if turn.abs() > MOST_TILT {
-            return false;
+            return Ok(false);
         }
         let turn = if turn.abs() < LEAST_TILT { 0.0 } else { turn };
-        let Some(level) = layers::levelled(&self.flat.grey, turn) else { return false };
+        let Some(level) = layers::levelled(&self.flat.grey, turn) else { return Ok(false) };
         let flat = Flat { grey: level.grey.clone(), ..self.flat.clone() };
-        let map = self.map(&flat);
+        let map = self.map(&flat)?;
         let mut bands = Bands::of(&flat.grey, &map, &|a, b| self.between(a, b));
         if bands.classes.len() < 3 || bands.covered < LAYERED {
-            return false;
+            return Ok(false);
         }
-        let Some(layers) = bands.layers() else { return false };
+        let Some(layers) = bands.layers() else { return Ok(false) };
         for boundary in &mut bands.boundaries {
             boundary.iter_mut().for_each(|place| *place = level.back(*place));
         }
         traced.turn_deg = turn.to_degrees();
         traced.layers = layers;
         traced.bands = bands;
-        true
+        Ok(true)
     }
 
     /// Rods, their lattice, and everything else as outlines.
     fn regions(&self, traced: &mut Traced, kind: Option<Kind>) -> Result<()> {
         let grey = &self.flat.grey;
-        let map = self.map(self.flat);
+        let map = self.map(self.flat)?;
         if map.regions.len() < 2 {
             return Err(Error::input(
                 "is of one class of grey between its thresholds; set them by `thresholds`, or give a picture with more contrast",

@@ -192,6 +192,9 @@ fn pictures_that_show_nothing_are_refused() {
         assert!(refusal(picture(), &at(bad)).contains("`thresholds`"), "{bad:?}");
     }
     assert!(refusal(picture(), &at(&[254.0])).contains("of one class"));
+    let squares =
+        (0..1 << 20).map(|at| if (at % 1024 / 8 + at / 8192) % 2 == 0 { 0.2 } else { 0.8 }).collect();
+    assert!(refusal(Grey::new(1024, 1024, squares), &usual).contains("regions at these thresholds"));
     let crop = picture().unwrap().part([400, 0, usize::MAX, 40]).unwrap_err();
     assert!(crop.to_string().contains("leaves the picture of 480 × 380"));
 }
