@@ -53,7 +53,7 @@ fn rods() -> barbule::Result<Grey> {
         rows: 4,
         columns: 5,
         turn_deg: 2.0,
-        spread: 0.02,
+        spread: 0.005,
         seed: 3,
     };
     let surface = Shape::Below { height: 14.25, slope: 2.0_f64.to_radians().tan(), bow: 0.0 };
