@@ -3,17 +3,23 @@
 use barbule::Error;
 
 /// Arguments as the library's messages name them, and their flags.
-const FLAGS: [(&str, &str); 13] = [
+const FLAGS: [(&str, &str); 19] = [
     ("cache", "--cache"),
+    ("classes", "--classes"),
     ("column", "--column"),
+    ("cortex_nm", "--cortex"),
+    ("crop", "--crop"),
     ("directions", "--directions"),
     ("elements", "--elements"),
     ("instances", "--instances"),
+    ("kind", "--as"),
     ("media", "--medium"),
     ("memory", "--memory"),
+    ("nm_per_px", "--scale"),
     ("pitch_um", "--pitch"),
     ("range_um", "--range"),
     ("threads", "--threads"),
+    ("thresholds", "--thresholds"),
     ("unit", "--unit"),
     ("wavelengths", "--wavelengths"),
     ("width", "--simd"),

@@ -114,6 +114,9 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         ("render", "sensor") => files(Names::None, &["toml", "csv"]),
         (_, "medium") => Some(Kind { names: Names::None, extensions: TABLES, after: Some('=') }),
         (_, "measured") => files(Names::None, TABLES),
+        ("trace", "image") => files(Names::None, &["png", "tif", "tiff", "jpg", "jpeg"]),
+        ("trace", "output") => files(Names::None, &["json", "toml"]),
+        ("trace", "picture") => files(Names::None, FIGURES),
         ("geometry", "output") => files(Names::None, &["svg", "pdf", "png", "json"]),
         ("film" | "spectrum" | "species" | "birds" | "see" | "lobes" | "crystal" | "far-field", "output") => {
             files(Names::None, FIGURES)

@@ -6,7 +6,6 @@ use barbule::campaign::spectrum::Collect;
 use barbule::instrument::Instrument;
 use barbule::inverse::{Level, Open, Reading, Settings, Simulation};
 use barbule::io::measured::read_measurements;
-use barbule::progress::Progress as _;
 use barbule::spectrum::Spectrum;
 use barbule::{Error, Result, Wavelengths, open};
 use pyo3::prelude::*;

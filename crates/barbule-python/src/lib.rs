@@ -19,6 +19,7 @@ mod program;
 mod scene;
 mod spectrum;
 mod structure;
+mod trace;
 mod vision;
 mod work;
 
@@ -53,6 +54,8 @@ mod _native {
     use super::spectrum::{angle_law, material_readings, readings, spectra};
     #[pymodule_export]
     use super::structure::{Section, Structure};
+    #[pymodule_export]
+    use super::trace::{Traced, trace};
     #[pymodule_export]
     use super::vision::{catches, eye, eye_names, jnd, tetrahedral, things};
 }

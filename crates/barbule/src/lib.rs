@@ -30,8 +30,8 @@
 //!
 //! What people type, files of their own among them, is opened by [`open`]; [`characterize()`] and [`Picture`] do the rest.
 //!
-//! This crate is the façade over four others, each of which compiles alone: what it re-exports from `barbule-base`,
-//! `barbule-light`, `barbule-optics` and `barbule-appearance` is all there is. Modules use each other along the arrows of
+//! This crate is the façade over five others, each of which compiles alone: what it re-exports from `barbule-base`,
+//! `barbule-light`, `barbule-optics`, `barbule-appearance` and `barbule-trace` is all there is. Modules use each other along the arrows of
 //! `ARCHITECTURE.md`, which the compiler holds between crates and a test inside them; [`io`] alone touches files.
 //!
 //! # Conventions
@@ -58,6 +58,7 @@ pub mod picture;
 pub mod plot;
 pub mod reading;
 pub mod resolve;
+pub mod traced;
 #[cfg(all(feature = "figures", feature = "full-waves"))]
 pub mod validate;
 
@@ -65,6 +66,7 @@ pub use barbule_appearance::{brdf, bsdf, render, scene};
 pub use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};
 pub use barbule_light::{film, fresnel, instrument, material, scattering, spectrum, stack, vision};
 pub use barbule_optics::{solve, structure};
+pub use barbule_trace::trace;
 pub use glam::DVec3;
 pub use progress::Unobserved;
 

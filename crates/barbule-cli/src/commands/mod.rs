@@ -27,6 +27,7 @@ mod see;
 mod simulate;
 mod species;
 mod spectrum;
+mod trace;
 mod validate;
 
 /// A command with its arguments.
@@ -64,6 +65,8 @@ pub(crate) enum Command {
     Cache(cache::Args),
     /// A cross section, drawn to scale or as JSON
     Geometry(geometry::Args),
+    /// From a micrograph to a section, a lattice or layers that simulate
+    Trace(trace::Args),
     /// The species that are built in, with their colours
     Species(species::Args),
     /// A feather's geometry in a file, or its measures beside their sources
@@ -99,6 +102,7 @@ impl Command {
             Self::Characterize(args) => args.run(out),
             Self::Cache(args) => args.run(out),
             Self::Geometry(args) => args.run(out),
+            Self::Trace(args) => args.run(out),
             Self::Species(args) => args.run(out),
             Self::Feather(args) => args.run(out),
             Self::Completions(args) => args.run(out),

@@ -45,6 +45,7 @@ const LINES: &[(&str, &[&str], &[&str])] = &[
     ("cache --copy @made.barbule", &["-o"], &["made.barbule"]),
     ("geometry @in.json", &["-o"], &["in.json", "n.csv"]),
     ("geometry @secs", &["-o"], &["secs/a.json", "n.csv"]),
+    ("trace @bg.png --scale 1nm=1px", &["-o", "--picture"], &["bg.png"]),
     ("feather @s.toml --level barbs", &["-o"], &["s.toml", "c.txt", "m.gltf", "x.txt", "made.barbule"]),
     ("species @mine.toml", &["-o"], &["mine.toml"]),
     ("feather @mine.toml", &["-o"], &["mine.toml"]),

@@ -35,4 +35,5 @@ mod robustness;
 mod sides;
 mod species;
 mod spectrum;
+mod trace;
 mod validate;

@@ -21,6 +21,7 @@ from ._opening import open
 from ._progress import Bar
 from ._labels import Arrays, Axis, Quantity
 from ._scene import Scene, presets, render
+from ._trace import Traced, trace
 from .vision import birds, see
 from .errors import BarbuleError, DoubtWarning, InputError, MachineError, NotSettledError
 
@@ -47,6 +48,7 @@ __all__ = [
     "Size",
     "Solution",
     "Structure",
+    "Traced",
     "Written",
     "angle_law",
     "birds",
@@ -66,5 +68,6 @@ __all__ = [
     "simulate",
     "species",
     "spectrum",
+    "trace",
     "vision",
 ]

@@ -17,6 +17,7 @@ pub use diffraction::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
 pub use far_fields::{check_far_fields, far_fields};
 pub use inverse::inverse;
 pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
+pub(crate) use section::scale_bar_of;
 pub use section::section;
 pub use segment::segment;
 pub use simulated::{FieldPatterns, FitCurves, InstancePatterns, NoiseCurves, statistics_of_fits};

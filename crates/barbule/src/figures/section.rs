@@ -346,7 +346,7 @@ fn scale_bar(page: &mut Drawing, view: &View) {
 }
 
 /// A bar of a round length under an area of so many px per µm.
-pub(super) fn scale_bar_of(page: &mut Drawing, [x, y, wide, tall]: [f64; 4], scale: f64) {
+pub(crate) fn scale_bar_of(page: &mut Drawing, [x, y, wide, tall]: [f64; 4], scale: f64) {
     let about = 0.2 * wide / scale;
     let power = 10_f64.powf(about.log10().floor());
     let length = [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|&m| m <= about).unwrap_or(power);

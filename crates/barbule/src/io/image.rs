@@ -288,6 +288,14 @@ fn decode_exr(name: &str, bytes: &[u8]) -> Result<RgbImage> {
     Ok(image.layer_data.channel_data.pixels)
 }
 
+/// The checksum of a chunk of a PNG, its name included.
+#[cfg(test)]
+pub(super) fn png_sum(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |sum, byte| {
+        (0..8).fold(sum ^ u32::from(*byte), |s, _| s >> 1 ^ if s & 1 == 1 { 0xedb8_8320 } else { 0 })
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -368,10 +376,8 @@ mod tests {
         for at in [16, 20] {
             wide[at..at + 4].copy_from_slice(&60_000_u32.to_be_bytes());
         }
-        let sum = wide[12..29].iter().fold(u32::MAX, |sum, byte| {
-            (0..8).fold(sum ^ u32::from(*byte), |s, _| s >> 1 ^ if s & 1 == 1 { 0xedb8_8320 } else { 0 })
-        });
-        wide[29..33].copy_from_slice(&(!sum).to_be_bytes());
+        let sum = png_sum(&wide[12..29]);
+        wide[29..33].copy_from_slice(&sum.to_be_bytes());
         assert!(message(&wide).contains("60000 x 60000"));
         assert!(
             read_picture(&folder.path().join("wall.jpg"), Meaning::Colour)

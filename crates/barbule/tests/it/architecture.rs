@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// The libraries, from the ground up. The programs see only the last one.
 const LIBRARIES: &[&str] =
-    &["barbule-base", "barbule-light", "barbule-optics", "barbule-appearance", "barbule"];
+    &["barbule-base", "barbule-light", "barbule-optics", "barbule-appearance", "barbule-trace", "barbule"];
 
 /// The crate that serves everyone: its modules need no arrow.
 const BASE: &str = "barbule-base";
