@@ -25,6 +25,7 @@ mod identity;
 mod levels;
 mod lights;
 mod measure;
+mod measured_feathers;
 mod objects;
 mod picture;
 mod places;
