@@ -69,7 +69,8 @@ fn teal() -> Result<Figure> {
 
 /// Angle, degrees, peak, nm, its reflectance, and its full width, of the flat lattice lit across its rods.
 fn mallard(angles_deg: &[f64]) -> Result<Vec<[f64; 4]>> {
-    let lattice = SpeciesModel::builtin("mallard", Some("green"), Library::builtin())?.lattice()?;
+    let species = SpeciesModel::builtin("mallard", Some("green"), Library::builtin())?;
+    let lattice = species.lattice().ok_or_else(|| Error::input("the mallard has no lattice"))?;
     let at = Wavelengths::new((0..=60).map(|k| 380.0 + 4.0 * f64::from(k)).collect::<Vec<_>>())?;
     let angles: Vec<f64> = angles_deg.iter().map(|angle| angle.to_radians()).collect();
     let found = sweep(&Multipole::default(), &lattice, at.nm(), 0.0, &angles, &Unobserved)?;
