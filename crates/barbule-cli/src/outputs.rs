@@ -104,7 +104,7 @@ fn values(matches: &ArgMatches, id: &str) -> Vec<OsString> {
     raw.into_iter().flatten().map(OsStr::to_owned).collect()
 }
 
-/// What a word names if it names files: itself, NAME=FILE, FILE:VARIANT.
+/// What a word names if it names files: itself, NAME=FILE, FILE:VARIANT, FILE@ANGLE.
 fn readings(word: &OsStr) -> Vec<PathBuf> {
     let mut found = vec![PathBuf::from(word)];
     if let Some(text) = word.to_str() {
@@ -114,6 +114,7 @@ fn readings(word: &OsStr) -> Vec<PathBuf> {
         }
         found.extend(text.split_once('=').map(|(_, file)| PathBuf::from(file)));
         found.extend(text.rsplit_once(':').map(|(file, _)| PathBuf::from(file)));
+        found.extend(text.rsplit_once('@').map(|(file, _)| PathBuf::from(file)));
     }
     found.retain(|path| path.exists());
     found

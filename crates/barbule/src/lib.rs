@@ -44,6 +44,7 @@
 pub mod campaign;
 pub mod characterize;
 pub mod clock;
+pub mod confidence;
 pub mod diffraction;
 pub mod export;
 #[cfg(feature = "figures")]

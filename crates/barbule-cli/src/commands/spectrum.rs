@@ -1,18 +1,20 @@
 //! `barbule spectrum`: reflectance against wavelength, mean and spread over instances, and the numbers of its colour.
 
+mod intervals;
 mod tables;
 
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use barbule::campaign::spectrum::{
     Collect, Grazing, Individuals, Over, Spectra, SpectrumRequest, spectra_and_individuals,
 };
 use barbule::campaign::spectrum_bytes;
+use barbule::confidence::{self, Intervals};
 use barbule::error::{counted, shortened};
 use barbule::figures::{self, Simulated};
-use barbule::io::measured::{Measured, Scale, read_measured};
+use barbule::io::measured::{AtAngle, Measured, Measurements, Scale, read_measurements};
 use barbule::plot::{Band, MeasuredBand};
 use barbule::progress::{Progress, Several};
 use barbule::solve::core_fringes::{CoreFringes, core_fringes};
@@ -40,12 +42,17 @@ const INSTANCES: usize = 50;
 /// Curves that one figure of several structures holds: as many as its legend names.
 const MOST_CURVES: usize = 18;
 
+/// So many files' readings are said without being asked for.
+const FEW_READINGS: usize = 4;
+
 /// Arguments of `barbule spectrum`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   barbule spectrum starling --angle 0,30,60 -o starling.svg --csv starling.csv
   barbule spectrum starling --measured examples/measured/starling-back.csv -o both.png
+  barbule spectrum starling --measured bird1.csv@0 --measured bird1-tilted.csv@30 -o angles.png
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
+  barbule spectrum starling --intervals --uncertain keratin=0.005 --uncertain cortex_um=2%
   barbule spectrum rock-dove --side below --angle=-30,30
   barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
   barbule spectrum rock-dove --angle 0:60:15 --wavelengths 300:700:4 --peak-range 400:700
@@ -60,10 +67,10 @@ pub(crate) struct Args {
     structures: Vec<String>,
     #[command(flatten)]
     side: SideArg,
-    /// Angles of incidence in degrees (also --angles)
-    #[arg(long, alias = "angles", value_name = "SET", default_value = "0", allow_hyphen_values = true,
+    /// Angles of incidence in degrees (also --angles) [default: those that --measured says, else 0]
+    #[arg(long, alias = "angles", value_name = "SET", allow_hyphen_values = true,
         value_parser = |text: &str| sets::angles("--angle", text))]
-    angle: sets::Angles,
+    angle: Option<sets::Angles>,
     /// The plane in which the angle lies: across the barbule (φ_i) or along it (θ_i)
     #[arg(long, value_enum, default_value_t = Plane::Across)]
     plane: Plane,
@@ -82,11 +89,12 @@ pub(crate) struct Args {
     wavelengths: Wavelengths,
     #[command(flatten)]
     peak: PeakArgs,
-    /// A measured spectrum to compare with: a table of text (commas, semicolons, tabs or blanks; decimal points or
+    /// A measured spectrum to compare with, a folder of them, or several (repeat the flag): samples of the same angle are individuals;
+    /// angles are those behind @, or in names as 30deg, or of a column 'angle'. Read are tables of text (commas, semicolons, tabs or blanks; decimal points or
     /// commas; with names or without; one column per sample, or a line for each wavelength of each sample; parts of 1 or
     /// percent), the text of Ocean Optics, Avantes and similar spectrometers, or JCAMP-DX (.jdx). How it is read is said
-    #[arg(long, value_name = "FILE")]
-    measured: Option<PathBuf>,
+    #[arg(long, value_name = "FILE[@ANGLE]|FOLDER")]
+    measured: Vec<String>,
     /// The column or sample of --measured to use, by name or by number from 1 [default: all samples and their mean]
     #[arg(long, value_name = "NAME|N", requires = "measured")]
     column: Option<String>,
@@ -105,6 +113,8 @@ pub(crate) struct Args {
     /// With the spectrum of each random individual, and the standard error, in --csv and --json
     #[arg(long)]
     individuals: bool,
+    #[command(flatten)]
+    sure: intervals::IntervalArgs,
     /// Write the numbers of the colours, one row for each structure and angle, with --measured also those of the
     /// comparison
     #[arg(long, value_name = "F.csv")]
@@ -140,6 +150,14 @@ enum MeasuredUnit {
     Fraction,
 }
 
+/// What all structures are asked.
+#[derive(Clone, Copy)]
+struct Asked<'a> {
+    /// Angles of incidence, degrees.
+    angles_deg: &'a [f64],
+    measured: Option<&'a Measurements>,
+}
+
 /// A structure with its spectra.
 struct Found {
     /// As it was typed.
@@ -154,8 +172,10 @@ struct Found {
     core_fringes: Option<CoreFringes>,
     /// One for each angle.
     looks: Vec<Look>,
-    /// One for each angle, with a measurement.
-    comparisons: Vec<Comparison>,
+    /// One for each angle, with a measurement; none at angles at which nothing was measured.
+    comparisons: Vec<Option<Comparison>>,
+    /// One for each angle, where they are asked for.
+    intervals: Option<Vec<Intervals>>,
 }
 
 impl Found {
@@ -175,16 +195,19 @@ impl Args {
             .map(|text| self.side.of(structure_arg::parse(text, &self.common)?))
             .collect::<Result<Vec<_>>>()?;
         let measured = self.measured()?;
-        let all = self.simulate(&structures, measured.as_ref())?;
+        let angles = self.angles(measured.as_ref())?;
+        self.check_curves(angles.len())?;
+        let asked = Asked { angles_deg: &angles, measured: measured.as_ref() };
+        let all = self.simulate(&structures, asked)?;
         let (media, shortest_nm) = (self.common.opening()?.media, self.wavelengths.range_nm().0);
         if structures.iter().any(|one| media.guesses_in(one, self.common.seed, shortest_nm)) {
             self.common.say_guessed();
         }
-        self.write(&all, measured.as_ref())?;
+        self.write(&all, asked)?;
         if self.common.json {
-            return print_json(out, &self.document(&all, measured.as_ref()));
+            return print_json(out, &self.document(&all, asked));
         }
-        self.print(out, &all)
+        self.print(out, &all, asked)
     }
 
     /// Refuses before any work what could not be done after it.
@@ -199,7 +222,12 @@ impl Args {
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
         check_outputs(None, self.summary.as_deref())?;
-        let curves = self.structures.len() * self.angle.0.len();
+        Ok(())
+    }
+
+    /// Refuses more curves than a figure holds.
+    fn check_curves(&self, angles: usize) -> Result<()> {
+        let curves = self.structures.len() * angles;
         if self.figure.output.is_some() && self.structures.len() > 1 && curves > MOST_CURVES {
             return Err(Error::input(format!(
                 "-o: {curves} curves of {} structures do not fit one figure, which holds {MOST_CURVES}; give fewer, or --summary in place of -o",
@@ -209,31 +237,73 @@ impl Args {
         Ok(())
     }
 
-    /// Reads the measurement, says how, and refuses one that has nothing in common with the wavelengths.
-    fn measured(&self) -> Result<Option<Measured>> {
-        let Some(path) = &self.measured else { return Ok(None) };
+    /// Reads the measurements, says how, and refuses one that has nothing in common with the wavelengths.
+    fn measured(&self) -> Result<Option<Measurements>> {
+        if self.measured.is_empty() {
+            return Ok(None);
+        }
         let scale = self.measured_unit.map(|unit| match unit {
             MeasuredUnit::Percent => Scale::Percent,
             MeasuredUnit::Fraction => Scale::Fraction,
         });
-        let measured = read_measured(path, self.column.as_deref(), scale)?;
-        self.common.say(&measured.reading);
+        let found = read_measurements(&self.measured, self.column.as_deref(), scale)?;
+        self.say_readings(&found);
         let nothing = Spectrum::new(self.wavelengths.clone(), vec![0.0; self.wavelengths.len()])?;
-        Comparison::of(&nothing, &measured.mean, None).map_err(|e| e.at(path.display()))?;
-        Ok(Some(measured))
+        for at in &found.angles {
+            Comparison::of(&nothing, &at.measured.mean, None).map_err(|e| e.at(self.measured_name()))?;
+        }
+        Ok(Some(found))
     }
 
-    fn simulate(&self, structures: &[Structure], measured: Option<&Measured>) -> Result<Vec<Found>> {
+    /// How files were read; of many the first and at which angles they are, and all where whatever is decided is wanted.
+    fn say_readings(&self, Measurements { reading, angles }: &Measurements) {
+        if self.common.verbose || reading.len() <= FEW_READINGS {
+            reading.iter().for_each(|one| self.common.say(one));
+            return;
+        }
+        self.common.say(&format!(
+            "{}; and {} more (-v says how each was read)",
+            reading[0],
+            counted(reading.len() - 1, "file")
+        ));
+        let said: Vec<String> = angles.iter().filter_map(|at| Some(format!("{}°", at.angle_deg?))).collect();
+        if !said.is_empty() {
+            self.common.say(&format!("measured at {}: {}", counted(said.len(), "angle"), said.join(", ")));
+        }
+    }
+
+    /// What the measurements are called.
+    fn measured_name(&self) -> String {
+        match &self.measured[..] {
+            [one] => one.clone(),
+            several => counted(several.len(), "measurement"),
+        }
+    }
+
+    /// The angles of incidence, degrees: those that are asked for, else those at which was measured.
+    fn angles(&self, measured: Option<&Measurements>) -> Result<Vec<f64>> {
+        let said = measured.and_then(Measurements::angles_deg);
+        let Some(asked) = &self.angle else { return Ok(said.unwrap_or_else(|| vec![0.0])) };
+        let none = measured.is_some_and(|found| asked.0.iter().all(|angle| found.at(*angle).is_none()));
+        if let (true, Some(said)) = (none, said) {
+            let said: Vec<String> = said.iter().map(|angle| format!("{angle}°")).collect();
+            return Err(Error::input(format!(
+                "--angle: none of them was measured, which was at {}; leave --angle out to take those",
+                said.join(", ")
+            )));
+        }
+        Ok(asked.0.clone())
+    }
+
+    fn simulate(&self, structures: &[Structure], asked: Asked) -> Result<Vec<Found>> {
         let terminal = Terminal::new(&self.common);
         let label = format!("simulating {} structures", structures.len());
         let several = (structures.len() > 1).then(|| Several::begin(&terminal, &label, structures.len()));
         let mut all = Vec::with_capacity(structures.len());
         for (typed, structure) in self.structures.iter().zip(structures) {
             let found = match several.as_ref().map(Several::part) {
-                Some(part) => {
-                    self.one(typed, structure, measured, &part).map_err(|e| e.at(shortened(typed)))?
-                }
-                None => self.one(typed, structure, measured, &terminal)?,
+                Some(part) => self.one(typed, structure, asked, &part).map_err(|e| e.at(shortened(typed)))?,
+                None => self.one(typed, structure, asked, &terminal)?,
             };
             all.push(found);
         }
@@ -244,7 +314,7 @@ impl Args {
         &self,
         typed: &str,
         structure: &Structure,
-        measured: Option<&Measured>,
+        asked: Asked,
         progress: &dyn Progress,
     ) -> Result<Found> {
         let wanted = self.instances.unwrap_or(INSTANCES);
@@ -263,7 +333,7 @@ impl Args {
         };
         let request = SpectrumRequest {
             wavelengths: self.wavelengths.clone(),
-            directions: self.angle.0.iter().map(direction).collect(),
+            directions: asked.angles_deg.iter().map(direction).collect(),
             instances,
             seed: self.common.seed,
             collect: self.collect,
@@ -273,7 +343,7 @@ impl Args {
         let fewer = "fewer --wavelengths, angles, --instances or --threads";
         self.common.check_memory("this spectrum", bytes, fewer)?;
         let (found, individuals) = spectra_and_individuals(structure, &request, progress)?;
-        self.say_grazing(&found, structure.width_um());
+        self.say_grazing(&found, structure.width_um(), asked.angles_deg);
         let core_fringes = match instances {
             // What one individual has is no mean's.
             1 => None,
@@ -285,9 +355,19 @@ impl Args {
             .map(|mean| Spectrum::new(self.wavelengths.clone(), mean.clone()))
             .collect::<Result<Vec<_>>>()?;
         let peak_range = self.peak.within(&self.wavelengths)?;
-        let comparisons = measured.map_or(Ok(Vec::new()), |measured| {
-            means.iter().map(|mean| Comparison::of(mean, &measured.mean, peak_range)).collect()
+        let comparisons = asked.measured.map_or(Ok(Vec::new()), |measured| {
+            self.comparisons(&means, &individuals, measured, asked.angles_deg)
         })?;
+        let looks = Look::series(asked.angles_deg, &means, peak_range);
+        let of = |a: usize| (0..individuals.count()).map(|i| individuals.of(i, a).to_vec()).collect();
+        let curves: Vec<Vec<Vec<f64>>> = (0..asked.angles_deg.len()).map(of).collect();
+        let simulated = confidence::Simulated {
+            at: &self.wavelengths,
+            means: &found.mean,
+            curves: &curves,
+            looks: &looks,
+        };
+        let intervals = self.intervals(typed, &request, simulated, progress)?;
         let name = structure.name();
         Ok(Found {
             typed: match structure.side() {
@@ -299,17 +379,39 @@ impl Args {
             spectra: found,
             individuals: self.individuals.then_some(individuals),
             core_fringes: core_fringes.filter(CoreFringes::mislead),
-            looks: Look::series(&self.angle.0, &means, peak_range),
+            looks,
             comparisons,
+            intervals,
         })
     }
 
+    /// Each mean against what was measured at its angle, with how individuals differ.
+    fn comparisons(
+        &self,
+        means: &[Spectrum],
+        individuals: &Individuals,
+        measured: &Measurements,
+        angles_deg: &[f64],
+    ) -> Result<Vec<Option<Comparison>>> {
+        let peak_range = self.peak.within(&self.wavelengths)?;
+        let compared = |(a, (mean, angle)): (usize, (&Spectrum, &f64))| {
+            let Some(measured) = measured.at(*angle) else { return Ok(None) };
+            let simulated = (0..individuals.count())
+                .map(|i| Spectrum::new(self.wavelengths.clone(), individuals.of(i, a).to_vec()))
+                .collect::<Result<Vec<_>>>()?;
+            let samples: Vec<Spectrum> = measured.samples.iter().map(|s| s.spectrum.clone()).collect();
+            let found = Comparison::of(mean, &measured.mean, peak_range)?;
+            Ok(Some(found.with_individuals(&simulated, &samples)))
+        };
+        means.iter().zip(angles_deg).enumerate().map(compared).collect()
+    }
+
     /// Says where light grazes so that the simulation is off, and where more than all of it comes back.
-    fn say_grazing(&self, found: &Spectra, width_um: f64) {
+    fn say_grazing(&self, found: &Spectra, width_um: f64, angles_deg: &[f64]) {
         if let Some(Over { direction, wavelength, reflected, count }) = found.over() {
             self.common.say(&format!(
                 "at {} and {} nm {:.1} % of the light come back, more than all of it: this structure is beyond what single reflections describe ({count} values are flagged)",
-                self.direction_name(self.angle.0[direction]),
+                self.direction_name(angles_deg[direction]),
                 self.wavelengths[wavelength],
                 100.0 * reflected
             ));
@@ -317,29 +419,33 @@ impl Args {
         let Some(Grazing { direction, wavelength, mirror_fraction, flagged }) = found.grazing() else {
             return;
         };
-        let incidence = self.direction_name(self.angle.0[direction]);
+        let incidence = self.direction_name(angles_deg[direction]);
         let said = grazing(&incidence, self.wavelengths[wavelength], width_um, mirror_fraction);
-        let all = self.angle.0.len() * self.wavelengths.len();
+        let all = angles_deg.len() * self.wavelengths.len();
         self.common.say(&format!("{said} ({flagged} of {all} values are flagged)"));
     }
 
-    fn write(&self, all: &[Found], measured: Option<&Measured>) -> Result<()> {
+    fn write(&self, all: &[Found], asked: Asked) -> Result<()> {
         let provenance = Provenance::new(&self.common);
         let shown = |what: &str| {
             let whose = match all {
                 [one] => one.name.clone(),
                 many => format!("{} structures", many.len()),
             };
-            format!("{what} of {whose} at {}", counted(self.angle.0.len(), "angle"))
+            format!("{what} of {whose} at {}", counted(asked.angles_deg.len(), "angle"))
         };
-        let beside = if measured.is_some() { ", and what was measured" } else { "" };
+        let beside = if asked.measured.is_some() { ", and what was measured" } else { "" };
         if let Some(path) = &self.figure.output {
-            provenance.write_figure(path, &self.figure(all, measured)?)?;
+            provenance.write_figure(path, &self.figure(all, asked)?)?;
             self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
         }
         if let Some(path) = &self.csv {
-            let tables =
-                tables::Tables { all, angles_deg: &self.angle.0, nm: self.wavelengths.nm(), measured };
+            let tables = tables::Tables {
+                all,
+                angles_deg: asked.angles_deg,
+                nm: self.wavelengths.nm(),
+                measured: asked.measured,
+            };
             let text = match self.csv_layout {
                 Layout::Wide => tables.wide(),
                 Layout::Tidy => tables.tidy(),
@@ -348,8 +454,8 @@ impl Args {
             self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
         }
         if let Some(path) = &self.summary {
-            provenance.write_csv(path, &self.summary_text(all))?;
-            let beside = if measured.is_some() { " and of the comparison" } else { "" };
+            provenance.write_csv(path, &self.summary_text(all, asked.angles_deg))?;
+            let beside = if asked.measured.is_some() { " and of the comparison" } else { "" };
             self.common.wrote(path, &format!("{}{beside}", shown("numbers of the colour")));
         }
         Ok(())
@@ -359,9 +465,9 @@ impl Args {
         format!("{} = {angle}°", if self.plane == Plane::Across { "φ" } else { "θ" })
     }
 
-    fn figure(&self, all: &[Found], measured: Option<&Measured>) -> Result<barbule::plot::Drawing> {
+    fn figure(&self, all: &[Found], asked: Asked) -> Result<barbule::plot::Drawing> {
         let most = all.iter().map(|found| found.instances).max().unwrap_or(0);
-        let angles: Vec<String> = self.angle.0.iter().map(|angle| self.direction_name(*angle)).collect();
+        let angles: Vec<String> = asked.angles_deg.iter().map(|angle| self.direction_name(*angle)).collect();
         let title = match (all, &angles[..]) {
             ([one], _) => format!("{}, {}", one.name, counted(one.instances, "instance")),
             (_, [angle]) => format!("{angle}, {}", counted(most, "instance")),
@@ -385,43 +491,35 @@ impl Args {
                 looks: &found.looks,
             })
             .collect();
-        let measured = measured.map(|measured| MeasuredBand {
-            band: Band {
-                name: match &measured.samples[..] {
-                    [_] => "measured".into(),
-                    many => format!("measured, mean of {}", many.len()),
-                },
-                mean: measured.mean.clone(),
-                std: measured.std.clone(),
-                peak: None,
-            },
-            samples: match &measured.samples[..] {
-                [_] => Vec::new(),
-                many => many.iter().map(|sample| sample.spectrum.clone()).collect(),
-            },
-        });
+        let measured: Vec<MeasuredBand> =
+            asked.measured.map_or_else(Vec::new, |measured| bands(measured, asked.angles_deg));
         let (title, page) = (self.figure.title(figures::heading(&title)), self.figure.page()?);
-        figures::spectra(&title, &self.wavelengths, &simulated, measured.as_ref(), &page)
+        figures::spectra(&title, &self.wavelengths, &simulated, &measured, &page)
     }
 
-    fn summary_text(&self, all: &[Found]) -> String {
+    fn summary_text(&self, all: &[Found], angles_deg: &[f64]) -> String {
         let mut text = String::from("structure,angle_deg,instances");
         let first = all.iter().flat_map(|found| found.looks.first()).next();
-        let compared = all.iter().flat_map(|found| found.comparisons.first()).next();
+        let compared = all.iter().flat_map(|found| found.comparisons.iter().flatten()).next();
         if let Some(fields) = first.map(Look::fields) {
             let _ = write!(text, ",{},flagged_wavelengths", fields.csv_header());
         }
         if let Some(fields) = compared.map(Comparison::fields) {
             let _ = write!(text, ",{}", fields.csv_header());
         }
+        let columns = compared.map_or(0, |comparison| comparison.fields().csv_header().split(',').count());
         for found in all {
-            for (a, angle) in self.angle.0.iter().enumerate() {
+            for (a, angle) in angles_deg.iter().enumerate() {
                 let name = csv_cell(&found.typed);
                 let cells = found.looks[a].fields().csv_cells();
                 let flagged = found.flagged(a);
                 let _ = write!(text, "\n{name},{angle},{},{cells},{flagged}", found.instances);
-                if let Some(comparison) = found.comparisons.get(a) {
-                    let _ = write!(text, ",{}", comparison.fields().csv_cells());
+                match found.comparisons.get(a) {
+                    Some(Some(comparison)) => {
+                        let _ = write!(text, ",{}", comparison.fields().csv_cells());
+                    }
+                    Some(None) => text.push_str(&",".repeat(columns)),
+                    None => {}
                 }
             }
         }
@@ -429,7 +527,7 @@ impl Args {
         text
     }
 
-    fn document(&self, all: &[Found], measured: Option<&Measured>) -> Value {
+    fn document(&self, all: &[Found], asked: Asked) -> Value {
         let of = |found: &Found| {
             let error = |std: &Vec<f64>| -> Vec<f64> {
                 std.iter().map(|s| s / (found.instances as f64).sqrt()).collect()
@@ -438,7 +536,7 @@ impl Args {
                 (found.instances > 1).then(|| found.spectra.std.iter().map(error).collect::<Vec<_>>());
             let mut document = json!({
                 "structure": found.typed,
-                "angle_deg": self.angle.0,
+                "angle_deg": asked.angles_deg,
                 "wavelength_nm": self.wavelengths.nm(),
                 "mean": found.spectra.mean,
                 "std": found.spectra.std,
@@ -448,15 +546,18 @@ impl Args {
                 "instances": found.instances,
                 "look": found.looks,
                 "core_note": found.core_fringes.map(|fringes| core_note(&fringes, found.instances)),
-                "order_notes": peak_args::notes(&self.angle.0, &found.looks),
+                "order_notes": peak_args::notes(asked.angles_deg, &found.looks),
             });
             if let Some(individuals) = &found.individuals {
                 let of = |a: usize| {
                     (0..individuals.count()).map(move |i| individuals.of(i, a)).collect::<Vec<_>>()
                 };
-                document["individuals"] = json!((0..self.angle.0.len()).map(of).collect::<Vec<_>>());
+                document["individuals"] = json!((0..asked.angles_deg.len()).map(of).collect::<Vec<_>>());
             }
-            if measured.is_some() {
+            if let Some(all) = &found.intervals {
+                document["intervals"] = json!(all.iter().map(intervals::document).collect::<Vec<_>>());
+            }
+            if asked.measured.is_some() {
                 document["comparison"] = json!(found.comparisons);
             }
             document
@@ -465,24 +566,36 @@ impl Args {
             [one] => of(one),
             many => json!({ "structures": many.iter().map(of).collect::<Vec<_>>() }),
         };
-        if let Some(measured) = measured {
-            document["measured"] = json!({
-                "reading": measured.reading,
-                "samples": measured.samples.iter().map(|sample| &sample.name).collect::<Vec<_>>(),
-                "wavelength_nm": measured.mean.wavelengths().nm(),
-                "mean": measured.mean.values(),
-                "std": measured.std,
-                "look": Look::with_peak_in(&measured.mean, self.peak.within(&self.wavelengths).ok().flatten()),
-            });
+        if let Some(measured) = asked.measured {
+            let peak_range = self.peak.within(&self.wavelengths).ok().flatten();
+            let of = |at: &AtAngle| {
+                let measured = &at.measured;
+                json!({
+                    "reading": measured.reading,
+                    "angle_deg": at.angle_deg,
+                    "samples": measured.samples.iter().map(|sample| &sample.name).collect::<Vec<_>>(),
+                    "wavelength_nm": measured.mean.wavelengths().nm(),
+                    "mean": measured.mean.values(),
+                    "std": measured.std,
+                    "look": Look::with_peak_in(&measured.mean, peak_range),
+                })
+            };
+            document["measured"] = match &measured.angles[..] {
+                [one] => of(one),
+                several => json!({
+                    "reading": measured.reading.join("; "),
+                    "angles": several.iter().map(of).collect::<Vec<_>>(),
+                }),
+            };
         }
         document
     }
 
     /// The colours, and how they compare, one line each.
-    fn print(&self, out: &mut dyn Write, all: &[Found]) -> Result<()> {
-        let file = self.measured.as_deref().map(Path::display);
+    fn print(&self, out: &mut dyn Write, all: &[Found], asked: Asked) -> Result<()> {
+        let file = asked.measured.map(|_| self.measured_name());
         for found in all {
-            for (a, angle) in self.angle.0.iter().enumerate() {
+            for (a, angle) in asked.angles_deg.iter().enumerate() {
                 let name = if all.len() > 1 { shortened(&found.typed) } else { found.name.clone() };
                 let flagged = match found.flagged(a) {
                     0 => String::new(),
@@ -494,12 +607,15 @@ impl Args {
                 };
                 let words = found.looks[a].words();
                 print(out, &format!("{name}, {}: {words}{flagged}", self.direction_name(*angle)))?;
-                if let (Some(comparison), Some(file)) = (found.comparisons.get(a), &file) {
+                if let Some(found) = found.intervals.as_ref().and_then(|all| all.get(a)) {
+                    print(out, &format!("  {}", intervals::words(found)))?;
+                }
+                if let (Some(Some(comparison)), Some(file)) = (found.comparisons.get(a), &file) {
                     print(out, &format!("  against {file}: {}", comparison.words()))?;
                 }
             }
             let core = found.core_fringes.map(|fringes| core_note(&fringes, found.instances));
-            for note in peak_args::notes(&self.angle.0, &found.looks).into_iter().chain(core) {
+            for note in peak_args::notes(asked.angles_deg, &found.looks).into_iter().chain(core) {
                 let name =
                     if all.len() > 1 { format!("{}: ", shortened(&found.typed)) } else { String::new() };
                 self.common.say(&format!("{name}{note}"));
@@ -509,6 +625,33 @@ impl Args {
             self.common.say(note);
         }
         Ok(())
+    }
+}
+
+/// What was measured at these angles, each beside its curve, as figures show it.
+fn bands(measured: &Measurements, angles_deg: &[f64]) -> Vec<MeasuredBand> {
+    let of = |(beside, measured): (usize, &Measured)| MeasuredBand {
+        band: Band {
+            name: match &measured.samples[..] {
+                [_] => "measured".into(),
+                many => format!("measured, mean of {}", many.len()),
+            },
+            mean: measured.mean.clone(),
+            std: measured.std.clone(),
+            peak: None,
+        },
+        samples: match &measured.samples[..] {
+            [_] => Vec::new(),
+            many => many.iter().map(|sample| sample.spectrum.clone()).collect(),
+        },
+        beside: Some(beside),
+    };
+    match &measured.angles[..] {
+        [AtAngle { angle_deg: None, measured }] => vec![of((0, measured))],
+        _ => {
+            let at = angles_deg.iter().enumerate();
+            at.filter_map(|(a, angle)| Some((a, measured.at(*angle)?))).map(of).collect()
+        }
     }
 }
 

@@ -26,12 +26,13 @@ const SCENE: &str = "preset = 'starling'\nmaterial = 'made.barbule'\n[background
 
 /// Each command that writes with its inputs; then the flags of its outputs, and the files that it reads, under whatever
 /// names. `@` is the folder.
-const LINES: [(&str, &[&str], &[&str]); 26] = [
+const LINES: [(&str, &[&str], &[&str]); 27] = [
     ("film @stack.toml --medium q=@q.csv", &["-o", "--csv"], &["stack.toml", "n.csv", "q.csv"]),
     ("lobes @made.barbule", &["-o"], &["made.barbule"]),
     ("brdf @made.barbule --wi 10,20 --wo 0,0 --wavelength 550", &["-o", "--csv"], &["made.barbule"]),
     ("far-field @in.json --wavelength 550 --theta 0 --phi 0", &["-o", "--csv"], &["in.json", "n.csv"]),
     ("spectrum @secs --measured @r.csv", &["-o", "--csv", "--summary"], &["secs/a.json", "n.csv", "r.csv"]),
+    ("spectrum @secs --measured @r.csv@30", &["-o", "--csv", "--summary"], &["r.csv"]),
     ("spectrum @mine.toml:green", &["-o", "--csv", "--summary"], &["mine.toml"]),
     ("crystal @lattice.toml", &["-o"], &["lattice.toml", "n.csv"]),
     ("diffract @z.txt --pitch 0.1", &["-o"], &["z.txt"]),

@@ -17,7 +17,9 @@ pub mod look;
 pub mod orders;
 pub mod peaks;
 pub mod primaries;
+pub mod residual;
 pub mod sensor;
+pub mod spread;
 
 use std::sync::Arc;
 

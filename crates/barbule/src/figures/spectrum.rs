@@ -27,7 +27,7 @@ pub fn spectra(
     title: &str,
     at: &Wavelengths,
     simulated: &[Simulated],
-    measured: Option<&MeasuredBand>,
+    measured: &[MeasuredBand],
     page: &Page,
 ) -> Result<Drawing> {
     let mut bands = Vec::new();
