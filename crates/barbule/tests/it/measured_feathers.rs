@@ -346,6 +346,13 @@ fn a_mallards_lattice_has_the_teals_angles_but_not_its_width_and_level() {
     let ours = law(&[[20.0, first.nm], [55.0, last.nm]]);
     println!("indices {:.3} and {:.3}", printed[0], ours[0]);
     assert!((ours[0] - printed[0]).abs() < 0.1, "{ours:?} {printed:?}");
+    // Of all nine peaks that are certain, to 5 nm: the index that the page tells.
+    let series = |row: &Row| Some([row.angle_deg, row.nm?[0]]).filter(|[angle, _]| *angle < 57.0);
+    let nine: Vec<[f64; 2]> = rows.iter().filter_map(series).collect();
+    let [index, normal] = law(&nine);
+    let off =
+        |[angle, nm]: &[f64; 2]| normal * (1.0 - (angle.to_radians().sin() / index).powi(2)).sqrt() - nm;
+    assert!((1.85..1.90).contains(&index) && nine.iter().all(|point| off(point).abs() < 5.5), "{index}");
     let narrower = -beyond("teal-half-width-20", first.half.nm().unwrap());
     assert!((8.0..20.0).contains(&narrower), "{narrower}");
     assert!(beyond("teal-level-20", first.reflectance) < -0.3);
