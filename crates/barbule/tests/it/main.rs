@@ -26,6 +26,7 @@ mod instruments;
 mod levels;
 mod lights;
 mod measure;
+mod measured_feathers;
 mod objects;
 mod picture;
 mod places;
