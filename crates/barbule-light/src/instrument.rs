@@ -143,8 +143,11 @@ impl Instrument {
     /// The axis of an aperture is at or below the sample's horizon.
     pub fn check(&self, turned: f64) -> Result<()> {
         let names = ["lamp", "detector"];
-        let below =
-            self.apertures(turned).into_iter().zip(names).find(|(one, _)| !(one.angle.abs() < FRAC_PI_2));
+        let below = self
+            .apertures(turned)
+            .into_iter()
+            .zip(names)
+            .find(|(one, _)| one.angle.is_nan() || one.angle.abs() >= FRAC_PI_2);
         match below {
             None => Ok(()),
             Some((aperture, name)) => Err(Error::input(format!(

@@ -303,12 +303,22 @@ fn accumulate(fields: &[Complex<f32>], polarization: [f64; 2], sums: &mut Vec<f6
     }
 }
 
-/// The sum up to an azimuth, linear within cells.
+/// The sum up to an azimuth: within cells a cubic whose slopes at their edges are means of both sides, so that apertures may be
+/// narrower than cells.
 fn up_to(sums: &[f64], phi: f64) -> f64 {
     let cells = sums.len() - 1;
     let place = ((phi / PI + 0.5) * cells as f64).clamp(0.0, cells as f64);
     let cell = (place as usize).min(cells - 1);
-    sums[cell] + (place - cell as f64) * (sums[cell + 1] - sums[cell])
+    let t = place - cell as f64;
+    let rise = |cell: usize| sums[cell + 1] - sums[cell];
+    let slope = |edge: usize| 0.5 * (rise(edge.saturating_sub(1)) + rise(edge.min(cells - 1)));
+    let (whole, left, right) = (rise(cell), slope(cell), slope(cell + 1));
+    // Hermite's cubic from 0 to the cell's whole.
+    let (square, cube) = (t * t, t * t * t);
+    sums[cell]
+        + whole * (3.0 * square - 2.0 * cube)
+        + left * (cube - 2.0 * square + t)
+        + right * (cube - square)
 }
 
 /// A planar stack: the materials of all regions and the thicknesses of the layers.
