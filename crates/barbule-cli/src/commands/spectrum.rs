@@ -51,7 +51,7 @@ const MOST_CURVES: usize = 18;
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
   barbule spectrum rock-dove --side below --angle=-30,30
   barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
-  barbule spectrum starling --bird starling --bird peafowl --angle 0,40
+  barbule spectrum starling --angle 0,40 --bird starling --bird peafowl
   barbule spectrum rock-dove --angle 0:60:15 --wavelengths 300:700:4 --peak-range 400:700
 
 Printed, and in --json under 'look': peak (through several angles that of one order of interference, from the angle \
