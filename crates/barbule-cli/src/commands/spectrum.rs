@@ -21,13 +21,12 @@ use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{Side, Structure};
-use barbule::vision::View;
 use barbule::{Error, Result};
 use clap::ValueEnum;
 use clap::builder::ArgPredicate;
 use serde_json::{Value, json};
 
-use crate::bird_args::{BirdArgs, Sight};
+use crate::bird_args::{BirdArgs, Sight, Viewer};
 use crate::campaign::grazing;
 use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
@@ -170,7 +169,7 @@ struct Found {
 
 impl Found {
     /// What birds see of the mean at each angle.
-    fn sights(&self, views: &[View], at: &Wavelengths) -> Result<Vec<Sight>> {
+    fn sights(&self, views: &[Viewer], at: &Wavelengths) -> Result<Vec<Sight>> {
         let means = self.spectra.mean.iter().map(|mean| Spectrum::new(at.clone(), mean.clone()));
         let means = means.collect::<Result<Vec<_>>>()?;
         views.iter().map(|view| Sight::of(view, &means)).collect()

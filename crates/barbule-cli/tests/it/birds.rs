@@ -148,6 +148,7 @@ fn spectra_and_species_say_what_birds_see_from_300_nm_on() {
     assert_eq!((&seen["wavelength_nm"][0], &seen["wavelength_nm"][100]), (&300.0.into(), &700.0.into()));
     let birds = seen["birds"].as_array().unwrap();
     assert_eq!((birds.len(), &birds[1]["illuminant"]), (2, &"D65".into()));
+    assert_eq!((&birds[0]["name"], &birds[0]["title"]), (&"starling".into(), &"European starling".into()));
     assert_eq!(birds[0]["catches"].as_array().unwrap().len(), 2);
     assert_eq!(birds[0]["catches"][1].as_array().unwrap().len(), 4);
     assert!(birds[0]["tetrahedral"][0]["r"].as_f64().unwrap() > 0.01);
