@@ -26,7 +26,7 @@ const SCENE: &str = "preset = 'starling'\nmaterial = 'made.barbule'\n[background
 
 /// Each command that writes with its inputs; then the flags of its outputs, and the files that it reads, under whatever
 /// names. `@` is the folder.
-const LINES: [(&str, &[&str], &[&str]); 30] = [
+const LINES: [(&str, &[&str], &[&str]); 31] = [
     ("film @stack.toml --medium q=@q.csv", &["-o", "--csv"], &["stack.toml", "n.csv", "q.csv"]),
     ("lobes @made.barbule", &["-o"], &["made.barbule"]),
     ("brdf @made.barbule --wi 10,20 --wo 0,0 --wavelength 550", &["-o", "--csv"], &["made.barbule"]),
@@ -52,7 +52,12 @@ const LINES: [(&str, &[&str], &[&str]); 30] = [
         &["r.csv", "bird.toml", "lamp.csv"],
     ),
     ("spectrum @secs --bird @bird.toml", &["-o", "--csv", "--summary"], &["secs/a.json", "bird.toml"]),
-    ("render @s.toml --sensor bird:@bird.toml", &["-o", "--human"], &["s.toml", "bird.toml", "made.barbule"]),
+    ("render @s.toml --sensor bird:@bird.toml", &["-o"], &["s.toml", "bird.toml", "made.barbule"]),
+    (
+        "render @s.toml --sensor bird:@bird.toml -o @o.png",
+        &["--human"],
+        &["s.toml", "bird.toml", "made.barbule"],
+    ),
     (
         "render @s.toml --sensor @eye.toml",
         &["-o"],
