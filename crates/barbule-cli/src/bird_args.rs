@@ -27,17 +27,20 @@ pub(crate) struct BirdArgs {
     illuminant: String,
 }
 
+/// A bird as it was typed, and what it sees by.
+pub(crate) type Viewer = (String, View);
+
 impl BirdArgs {
     /// The birds, of which each must see enough within the wavelengths.
     ///
     /// # Errors
     /// A name or file is no eye or no light, or a cone sees too much outside.
-    pub(crate) fn views(&self, range_nm: (f64, f64)) -> Result<Vec<View>> {
+    pub(crate) fn views(&self, range_nm: (f64, f64)) -> Result<Vec<Viewer>> {
         let view = |name: &String| {
             let view = view(open::eye(name)?, open::light(&self.illuminant)?)?;
             let what = "the reflectance";
             view.check(what, range_nm.into()).map_err(|error| error.followed_by(REACH))?;
-            Ok(view)
+            Ok((name.clone(), view))
         };
         self.birds.iter().map(|name| view(name).map_err(|error: Error| error.at("--bird"))).collect()
     }
@@ -54,6 +57,7 @@ pub(crate) fn view(eye: Eye, light: Light) -> Result<View> {
 /// What a bird sees at each of several angles.
 #[derive(Debug, Clone)]
 pub(crate) struct Sight {
+    typed: String,
     name: String,
     light: String,
     cones: Vec<String>,
@@ -65,8 +69,9 @@ impl Sight {
     ///
     /// # Errors
     /// As [`View::look`].
-    pub(crate) fn of(view: &View, means: &[Spectrum]) -> Result<Self> {
+    pub(crate) fn of((typed, view): &Viewer, means: &[Spectrum]) -> Result<Self> {
         Ok(Self {
+            typed: typed.clone(),
             name: view.eye.name.clone(),
             light: view.light.name.clone(),
             cones: view.eye.cones.iter().map(|cone| cone.name.clone()).collect(),
@@ -78,7 +83,8 @@ impl Sight {
     pub(crate) fn document(&self) -> Value {
         let each = || self.looks.iter();
         json!({
-            "name": self.name,
+            "name": self.typed,
+            "title": self.name,
             "illuminant": self.light,
             "cones": self.cones,
             "catches": each().map(|(catches, _)| &catches.cones).collect::<Vec<_>>(),

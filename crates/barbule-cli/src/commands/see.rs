@@ -31,7 +31,7 @@ const MOST_CURVES: usize = 18;
 /// Arguments of `barbule see`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  barbule see starling starling:pink --bird starling -o both.svg
+  barbule see examples/measured/starling-back.csv 'air/keratin:320/melanin' --bird starling -o both.svg
   barbule see examples/measured/starling-back.csv --samples --bird blue-tit --illuminant forest
   barbule see 'air/keratin:320/melanin' 'air/keratin:330/melanin' --bird average-uvs --ratio 1,2,2,4 --weber 0.1
 

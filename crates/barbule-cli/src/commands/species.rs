@@ -15,12 +15,11 @@ use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{
     DEFAULT_VARIANT, SpeciesFile, Structure, species_name, species_names, species_toml,
 };
-use barbule::vision::View;
 use barbule::{Error, Result, fields};
 use clap::builder::ArgPredicate;
 use serde_json::{Map, Value, json};
 
-use crate::bird_args::{BirdArgs, Sight};
+use crate::bird_args::{BirdArgs, Sight, Viewer};
 use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
 use crate::peak_args::PeakArgs;
@@ -165,7 +164,7 @@ impl Args {
         }
     }
 
-    fn entry(&self, subject: &Subject, views: &[View], progress: &dyn Progress) -> Result<Entry> {
+    fn entry(&self, subject: &Subject, views: &[Viewer], progress: &dyn Progress) -> Result<Entry> {
         let (file, library, wanted) = match subject {
             Subject::Species { file, library, wanted, .. } => (file, library, wanted.as_deref()),
             Subject::Other(structure) => return self.other(structure, views, progress),
@@ -199,7 +198,7 @@ impl Args {
     }
 
     /// What is no species has one look.
-    fn other(&self, structure: &Structure, views: &[View], progress: &dyn Progress) -> Result<Entry> {
+    fn other(&self, structure: &Structure, views: &[Viewer], progress: &dyn Progress) -> Result<Entry> {
         let source = match structure {
             Structure::Sections { sections, .. } => sections.first().map(|section| section.source.clone()),
             Structure::Species(_) | Structure::Stack(_) | Structure::Below(_) => None,
@@ -226,7 +225,7 @@ impl Args {
     fn look(
         &self,
         structure: &Structure,
-        views: &[View],
+        views: &[Viewer],
         progress: &dyn Progress,
     ) -> Result<(Look, Vec<Sight>)> {
         if progress.is_cancelled() {
@@ -262,7 +261,7 @@ impl Args {
         self.look_of(mean, views)
     }
 
-    fn look_of(&self, values: Vec<f64>, views: &[View]) -> Result<(Look, Vec<Sight>)> {
+    fn look_of(&self, values: Vec<f64>, views: &[Viewer]) -> Result<(Look, Vec<Sight>)> {
         let reflectance = [Spectrum::new(self.wavelengths.clone(), values)?];
         let sights = views.iter().map(|view| Sight::of(view, &reflectance)).collect::<Result<_>>()?;
         Ok((Look::with_peak_in(&reflectance[0], self.peak.within(&self.wavelengths)?), sights))

@@ -23,12 +23,11 @@ use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{Side, Structure};
-use barbule::vision::View;
 use barbule::{Error, Result};
 use clap::ValueEnum;
 use clap::builder::ArgPredicate;
 
-use crate::bird_args::{BirdArgs, Sight};
+use crate::bird_args::{BirdArgs, Sight, Viewer};
 use crate::campaign::grazing;
 use crate::common::{Common, print_json};
 use crate::figure::FigureArgs;
@@ -58,7 +57,7 @@ const MOST_CURVES: usize = 18;
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
   barbule spectrum rock-dove --side below --angle=-30,30
   barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
-  barbule spectrum starling --bird starling --bird peafowl --angle 0,40
+  barbule spectrum starling --angle 0,40 --bird starling --bird peafowl
   barbule spectrum rock-dove --angle 0:60:15 --wavelengths 300:700:4 --peak-range 400:700
   barbule spectrum air/keratin:200/air --instrument probe:10 --instrument sphere -o probe.svg
 
@@ -202,7 +201,7 @@ struct Found {
 
 impl Found {
     /// What birds see of the mean at each angle.
-    fn sights(&self, views: &[View], at: &Wavelengths) -> Result<Vec<Sight>> {
+    fn sights(&self, views: &[Viewer], at: &Wavelengths) -> Result<Vec<Sight>> {
         let means = self.spectra.mean.iter().map(|mean| Spectrum::new(at.clone(), mean.clone()));
         let means = means.collect::<Result<Vec<_>>>()?;
         views.iter().map(|view| Sight::of(view, &means)).collect()

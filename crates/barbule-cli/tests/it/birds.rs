@@ -21,7 +21,7 @@ fn document(folder: &Path, words: &[&str]) -> Value {
 
 /// A sentence that refuses.
 fn refused(folder: &Path, words: &[&str]) -> String {
-    let (code, out, message) = run(folder, words);
+    let (code, out, message) = run(folder, &[words, &["--quiet"]].concat());
     assert!(code == 2 && out.is_empty() && message.lines().count() == 1, "{words:?}: {code} {message}");
     assert!(message.len() < 600, "{message}");
     message
@@ -56,12 +56,12 @@ fn birds_are_listed_and_told_with_their_cones_and_sources() {
 fn write_two(folder: &Path) {
     let table = |value: &dyn Fn(f64) -> f64| {
         let row = |i: i32| format!("{},{}\n", 300 + 5 * i, value(f64::from(300 + 5 * i)));
-        "wl,a\n".to_owned() + &(0..=80).map(row).collect::<String>()
+        "wl,patch\n".to_owned() + &(0..=80).map(row).collect::<String>()
     };
     std::fs::write(folder.join("grey.csv"), table(&|_| 0.2)).unwrap();
     std::fs::write(folder.join("red.csv"), table(&|nm| 0.2 + 0.1 / (1.0 + ((600.0 - nm) / 10.0).exp())))
         .unwrap();
-    std::fs::write(folder.join("visible.csv"), "wl,a\n400,0.2\n550,0.3\n700,0.2\n").unwrap();
+    std::fs::write(folder.join("visible.csv"), "wl,patch\n400,0.2\n550,0.3\n700,0.2\n").unwrap();
 }
 
 #[test]
@@ -148,6 +148,7 @@ fn spectra_and_species_say_what_birds_see_from_300_nm_on() {
     assert_eq!((&seen["wavelength_nm"][0], &seen["wavelength_nm"][100]), (&300.0.into(), &700.0.into()));
     let birds = seen["birds"].as_array().unwrap();
     assert_eq!((birds.len(), &birds[1]["illuminant"]), (2, &"D65".into()));
+    assert_eq!((&birds[0]["name"], &birds[0]["title"]), (&"starling".into(), &"European starling".into()));
     assert_eq!(birds[0]["catches"].as_array().unwrap().len(), 2);
     assert_eq!(birds[0]["catches"][1].as_array().unwrap().len(), 4);
     assert!(birds[0]["tetrahedral"][0]["r"].as_f64().unwrap() > 0.01);
@@ -167,8 +168,19 @@ fn spectra_and_species_say_what_birds_see_from_300_nm_on() {
 #[test]
 fn a_bird_and_people_see_the_same_paths() {
     let folder = tempfile::tempdir().unwrap();
-    let words =
-        ["render", "starling", "--size", "24x15", "--samples", "2", "--exposure", "1", "--keep-gamut"];
+    let words = [
+        "render",
+        "starling",
+        "--size",
+        "24x15",
+        "--samples",
+        "2",
+        "--exposure",
+        "1",
+        "--keep-gamut",
+        "--background",
+        "none",
+    ];
     let bird = ["--sensor", "bird:starling", "--human", "human.exr", "-o", "bird.exr"];
     let report = document(folder.path(), &[&words[..], &bird].concat());
     assert_eq!(report[0]["sensor"], "European starling");

@@ -56,7 +56,12 @@ const LINES: &[(&str, &[&str], &[&str])] = &[
         &["r.csv", "bird.toml", "lamp.csv"],
     ),
     ("spectrum @secs --bird @bird.toml", &["-o", "--csv", "--summary"], &["secs/a.json", "bird.toml"]),
-    ("render @s.toml --sensor bird:@bird.toml", &["-o", "--human"], &["s.toml", "bird.toml", "made.barbule"]),
+    ("render @s.toml --sensor bird:@bird.toml", &["-o"], &["s.toml", "bird.toml", "made.barbule"]),
+    (
+        "render @s.toml --sensor bird:@bird.toml -o @o.png",
+        &["--human"],
+        &["s.toml", "bird.toml", "made.barbule"],
+    ),
     (
         "render @s.toml --sensor @eye.toml",
         &["-o"],
