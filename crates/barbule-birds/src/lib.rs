@@ -100,3 +100,24 @@ pub fn materials() -> impl Iterator<Item = (&'static str, &'static [u8])> + Clon
 pub fn material(name: &str) -> Option<&'static [u8]> {
     materials().find(|(known, _)| *known == name).map(|(_, bytes)| bytes)
 }
+
+/// What an eye is made of, as a file: its name, what else it is called, and the text.
+pub type Eye = (&'static str, &'static [&'static str], &'static str);
+
+macro_rules! eyes {
+    ($($name:literal also $also:tt)*) => {
+        /// All eyes, in the order in which they are listed to people.
+        pub static EYES: &[Eye] = &[$(($name, &$also, include_str!(concat!("../eyes/", $name, ".toml")))),*];
+    };
+}
+
+eyes! {
+    "average-uvs" also ["uvs", "avg.uv"]
+    "average-vs" also ["vs", "avg.v"]
+    "starling" also ["sturnus-vulgaris", "european-starling", "star"]
+    "peafowl" also ["pavo-cristatus", "indian-peafowl", "peacock", "pfowl"]
+    "blue-tit" also ["cyanistes-caeruleus", "eurasian-blue-tit", "bluetit"]
+    "pigeon" also ["columba-livia", "rock-dove", "rock-pigeon"]
+    "chicken" also ["gallus-gallus", "domestic-fowl"]
+    "zebra-finch" also ["taeniopygia-guttata"]
+}

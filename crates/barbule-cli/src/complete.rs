@@ -7,8 +7,10 @@ use std::ffi::{OsStr, OsString};
 use std::io;
 use std::path::Path;
 
+use barbule::open::eye_names;
 use barbule::scene::{feather, preset};
 use barbule::structure::{SAMPLES, SpeciesFile, species_names};
+use barbule::vision::Light;
 use clap::Command;
 use clap_complete::CompleteEnv;
 use clap_complete::engine::{
@@ -72,6 +74,10 @@ enum Names {
     Heights,
     /// Kinds of files that have keys.
     Keys,
+    /// Birds that see.
+    Eyes,
+    /// Lights.
+    Lights,
 }
 
 const FIGURES: &[&str] = &["svg", "pdf", "png"];
@@ -82,6 +88,7 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
     let files = |names, extensions| Some(Kind { names, extensions, after: None });
     match (command, argument) {
         ("simulate", "structure") => files(Names::Species, &["toml", "json", "zarr"]),
+        ("see", "structures") => files(Names::Species, &["csv", "txt", "tsv", "jdx", "toml", "json"]),
         (_, "structure" | "structures") => files(Names::Species, &["toml", "json"]),
         ("feather", "feather") => files(Names::Feathers, &["toml"]),
         ("feather", "output") => files(Names::None, &["usda", "ply", "obj", "gltf", "pbrt", "txt"]),
@@ -90,6 +97,8 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         }
         ("diffract", "output") => files(Names::None, &["grating", "svg", "pdf", "png"]),
         ("film", "stack") => files(Names::None, &["toml"]),
+        (_, "bird" | "birds") => files(Names::Eyes, &["toml", "csv"]),
+        (_, "illuminant") => files(Names::Lights, TABLES),
         ("species", "name") => files(Names::Species, &["toml", "json"]),
         ("keys", "kind") => files(Names::Keys, &[]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
@@ -101,17 +110,19 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
             files(Names::None, &["xml", "bsdf", "pbrt", "osl", "usda", "gltf", "mtlx", "csv", "exr"])
         }
         ("render", "background") => files(Names::None, &["png", "exr", "hdr"]),
-        ("render", "output") => files(Names::None, &["png", "jpg", "webp", "exr"]),
+        ("render", "output" | "human") => files(Names::None, &["png", "jpg", "webp", "exr"]),
         ("render", "sensor") => files(Names::None, &["toml", "csv"]),
         (_, "medium") => Some(Kind { names: Names::None, extensions: TABLES, after: Some('=') }),
         (_, "measured") => files(Names::None, TABLES),
         ("trace", "image") => files(Names::None, &["png", "tif", "tiff", "jpg", "jpeg"]),
         ("trace", "output") => files(Names::None, &["json", "toml"]),
-        ("trace", "picture") => files(Names::None, FIGURES),
         ("geometry", "output") => files(Names::None, &["svg", "pdf", "png", "json"]),
-        ("film" | "spectrum" | "species" | "lobes" | "crystal" | "far-field", "output") => {
+        ("film" | "spectrum" | "species" | "birds" | "see" | "lobes" | "crystal" | "far-field", "output") => {
             files(Names::None, FIGURES)
         }
+        ("fit-structure", "model") => files(Names::Species, &["toml"]),
+        ("fit-structure", "output") => files(Names::None, &["toml"]),
+        (_, "picture") => files(Names::None, FIGURES),
         (_, "csv" | "summary") => files(Names::None, &["csv"]),
         _ => None,
     }
@@ -152,6 +163,15 @@ impl Names {
         }
         if self == Self::Keys {
             return starting(barbule::keys::kinds().into_iter(), text, None);
+        }
+        if self == Self::Eyes {
+            return starting(eye_names().map(str::to_owned), text, Some("eye"));
+        }
+        if self == Self::Lights {
+            let lights = Light::NAMES.into_iter();
+            return lights
+                .flat_map(|(name, about)| starting(std::iter::once(name.to_owned()), text, Some(about)))
+                .collect();
         }
         if let Some((species, _)) = text.split_once(':') {
             let Ok(file) = SpeciesFile::builtin(species) else { return Vec::new() };

@@ -4,6 +4,7 @@
 //! codes, output), [`sets`] (sets of numbers) and [`progress`].
 
 mod arguments;
+mod bird_args;
 mod campaign;
 pub mod commands;
 pub mod common;

@@ -12,7 +12,7 @@ use clap::parser::ValueSource;
 use crate::provenance::{check_table, is_beside, sidecar};
 
 /// Arguments whose values are files to be written.
-pub(crate) const OUTPUTS: [&str; 4] = ["output", "csv", "summary", "picture"];
+pub(crate) const OUTPUTS: [&str; 6] = ["output", "csv", "summary", "law", "human", "picture"];
 
 /// Those of them that are tables in text.
 const TABLES: [&str; 2] = ["csv", "summary"];
@@ -104,7 +104,7 @@ fn values(matches: &ArgMatches, id: &str) -> Vec<OsString> {
     raw.into_iter().flatten().map(OsStr::to_owned).collect()
 }
 
-/// What a word names if it names files: itself, NAME=FILE, FILE:VARIANT.
+/// What a word names if it names files: itself, NAME=FILE, FILE:VARIANT, KIND:FILE, FILE@ANGLE.
 fn readings(word: &OsStr) -> Vec<PathBuf> {
     let mut found = vec![PathBuf::from(word)];
     if let Some(text) = word.to_str() {
@@ -114,6 +114,8 @@ fn readings(word: &OsStr) -> Vec<PathBuf> {
         }
         found.extend(text.split_once('=').map(|(_, file)| PathBuf::from(file)));
         found.extend(text.rsplit_once(':').map(|(file, _)| PathBuf::from(file)));
+        found.extend(text.rsplit_once('@').map(|(file, _)| PathBuf::from(file)));
+        found.extend(text.split_once(':').map(|(_, file)| PathBuf::from(file)));
     }
     found.retain(|path| path.exists());
     found

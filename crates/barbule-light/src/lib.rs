@@ -10,9 +10,11 @@
 
 pub mod film;
 pub mod fresnel;
+pub mod instrument;
 pub mod material;
 pub mod scattering;
 pub mod spectrum;
 pub mod stack;
+pub mod vision;
 
-use barbule_base::{Complex64, Error, Result, error, identity, math, progress};
+use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};

@@ -153,6 +153,20 @@ impl Stack {
         self.spread_nm.iter().any(|spread| *spread > 0.0)
     }
 
+    /// The same with another mean thickness of one layer, from 0 at the entry side.
+    ///
+    /// # Errors
+    /// The thickness is negative or over 1 m.
+    ///
+    /// # Panics
+    /// There is no such layer.
+    pub fn with_thickness(&self, layer: usize, nm: f64) -> Result<Self> {
+        let mut stack = self.clone();
+        stack.thickness_nm[layer] =
+            checked_thickness(nm).map_err(|e| e.at(format!("layer {}", layer + 1)))?;
+        Ok(stack)
+    }
+
     /// Individual number `index`, a stack without spread: every layer's thickness is normal about its mean, within ±3
     /// standard deviations and at least a thousandth of the mean. The same seed and index give the same bits everywhere.
     #[must_use]

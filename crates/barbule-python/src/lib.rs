@@ -11,6 +11,7 @@ mod error;
 mod export;
 mod field;
 mod film;
+mod inverse;
 mod make;
 mod material;
 mod opening;
@@ -19,6 +20,7 @@ mod scene;
 mod spectrum;
 mod structure;
 mod trace;
+mod vision;
 mod work;
 
 /// What `barbule` is made of. Private: use `barbule`.
@@ -37,6 +39,8 @@ mod _native {
     #[pymodule_export]
     use super::film::{film, film_gradients};
     #[pymodule_export]
+    use super::inverse::fit_structure;
+    #[pymodule_export]
     use super::make::{characterize, fit, simulate};
     #[pymodule_export]
     use super::material::{Material, keratin_boundary, read_tables};
@@ -47,9 +51,11 @@ mod _native {
     #[pymodule_export]
     use super::scene::{Picture, Scene, presets};
     #[pymodule_export]
-    use super::spectrum::spectra;
+    use super::spectrum::{angle_law, material_readings, readings, spectra};
     #[pymodule_export]
     use super::structure::{Section, Structure};
     #[pymodule_export]
     use super::trace::{Traced, trace};
+    #[pymodule_export]
+    use super::vision::{catches, eye, eye_names, jnd, tetrahedral, things};
 }

@@ -144,3 +144,28 @@ def test_results_without_xarray_have_the_same_names(monkeypatch):
     assert isinstance(found, barbule.Arrays)
     assert found["R_s"].dims == ("angle", "wavelength") and found["wavelength"].units == "nm"
     assert np.asarray(found["R_s"]).shape == (1, 2) and "R_s" in repr(found)
+
+
+def test_instruments_read_structures_and_materials():
+    film = barbule.spectrum("air/1.56:410/air", [450.0, 511.0], [0, 4], instrument="probe:10")
+    mirrored = np.asarray(barbule.film("air/1.56:410/air", [450.0, 511.0])["R_s"])[0]
+    read = np.asarray(film["reflectance"])
+    np.testing.assert_allclose(read[0] * np.sin(np.radians(10)) ** 2, mirrored, rtol=0.02)
+    assert (read[1] < read[0]).all() and film.attrs["reference"] == "white"
+    material = barbule.Material.load("starling")
+    of_material = barbule.spectrum(material, [500.0], instrument="sphere")
+    of_fields = barbule.spectrum("starling", [500.0], instrument="sphere", tilt_deg=1.5, instances=20)
+    np.testing.assert_allclose(np.asarray(of_material["reflectance"]), np.asarray(of_fields["reflectance"]), rtol=0.1)
+    for wrong in ({"instrument": "probe:0"}, {"tilt_deg": 2.0}, {"instrument": "sphere", "cone_deg": 5.0}):
+        with pytest.raises(barbule.InputError):
+            barbule.spectrum("starling", [500.0], instances=1, **wrong)
+
+
+def test_the_law_of_angles_gives_the_index_with_its_interval():
+    angles = np.array([0.0, 20.0, 40.0, 60.0])
+    peaks = 640 * np.sqrt(1 - (np.sin(np.radians(angles)) / 1.5) ** 2) + [0.5, -0.5, -0.5, 0.5]
+    law = barbule.angle_law(angles, peaks)
+    assert law.index is not None and law.index.low < 1.5 < (law.index.high or np.inf)
+    assert law.normal_nm.low < 640 < (law.normal_nm.high or 0) and law.b_nm_per_deg.value > 0
+    with pytest.raises(barbule.InputError, match="needs 3 angles"):
+        barbule.angle_law(angles[:2], peaks[:2])

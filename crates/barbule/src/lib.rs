@@ -44,16 +44,19 @@
 pub mod campaign;
 pub mod characterize;
 pub mod clock;
+pub mod confidence;
 pub mod diffraction;
 pub mod export;
 #[cfg(feature = "figures")]
 pub mod figures;
+pub mod inverse;
 pub mod io;
 pub mod keys;
 pub mod open;
 pub mod picture;
 #[cfg(feature = "figures")]
 pub mod plot;
+pub mod reading;
 pub mod resolve;
 pub mod traced;
 #[cfg(all(feature = "figures", feature = "full-waves"))]
@@ -61,7 +64,7 @@ pub mod validate;
 
 pub use barbule_appearance::{brdf, bsdf, render, scene};
 pub use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};
-pub use barbule_light::{film, fresnel, material, scattering, spectrum, stack};
+pub use barbule_light::{film, fresnel, instrument, material, scattering, spectrum, stack, vision};
 pub use barbule_optics::{solve, structure};
 pub use barbule_trace::trace;
 pub use glam::DVec3;

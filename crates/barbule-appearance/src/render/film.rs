@@ -6,6 +6,7 @@ use super::faults::Faults;
 use super::integrator::{Behind, FirstHit, NO_HIT, Sample};
 use super::planes::{Compositing, Planes};
 use super::response::{Response, Rows, lanes, seen};
+use crate::identity::hash;
 use crate::spectrum::colour::rgb_from_xyz;
 use crate::spectrum::dense::WAVES;
 use crate::spectrum::sensor::{MOST_CHANNELS, Sensor};
@@ -116,6 +117,22 @@ impl Film {
         let tiles = (0..across * down).map(|tile| Tile::new(bounds(size, tile as usize), &planes)).collect();
         let response = Arc::new(Response::new(&planes.sensor));
         Ok(Self { size, planes, response, tiles })
+    }
+
+    /// Shows on a screen what another sensor with the same channels makes of them.
+    ///
+    /// # Errors
+    /// Its channels are others than those that the film was made with.
+    pub fn show_by(&mut self, sensor: Sensor) -> Result<()> {
+        if hash("sensor", &sensor) != hash("sensor", &self.planes.sensor) {
+            return Err(Error::input(format!(
+                "a film of the channels of '{}' cannot be shown by those of '{}'",
+                self.planes.sensor.name(),
+                sensor.name()
+            )));
+        }
+        self.planes.sensor = sensor;
+        Ok(())
     }
 
     /// Who sees it, and what it keeps beside what is seen, normals and depth.

@@ -20,3 +20,4 @@ pub mod simd;
 #[cfg(feature = "full-waves")]
 mod single;
 pub mod spline;
+pub mod student;

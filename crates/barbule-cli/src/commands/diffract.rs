@@ -433,6 +433,7 @@ impl Args {
                 peak: None,
             },
             samples: Vec::new(),
+            beside: None,
         });
         let drawing = diffraction_spectrum(&title, shown, quantity, band.as_ref(), &self.figure.page()?);
         Provenance::new(&self.common).write_figure(path, &drawing)?;

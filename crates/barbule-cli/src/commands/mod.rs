@@ -6,6 +6,7 @@ use barbule::Result;
 use clap::Subcommand;
 
 mod bench;
+mod birds;
 mod brdf;
 mod cache;
 mod characterize;
@@ -17,10 +18,12 @@ mod far_field;
 mod feather;
 mod film;
 mod fit;
+mod fit_structure;
 mod geometry;
 mod keys;
 mod lobes;
 mod render;
+mod see;
 mod simulate;
 mod species;
 mod spectrum;
@@ -40,6 +43,10 @@ pub(crate) enum Command {
     FarField(far_field::Args),
     /// Reflectance against wavelength, mean and spread over instances
     Spectrum(spectrum::Args),
+    /// Whether a bird tells things apart: catches, just noticeable differences, hues
+    See(see::Args),
+    /// Whose eyes are known, and what their cones answer to
+    Birds(birds::Args),
     /// What a photonic crystal reflects: one point, a map, or the field inside
     Crystal(crystal::Args),
     /// What a heightfield does with light: colours, tables, a material
@@ -50,6 +57,8 @@ pub(crate) enum Command {
     Simulate(simulate::Args),
     /// Fit a material to a finished store
     Fit(fit::Args),
+    /// From measured spectra to the sizes of what reflected them
+    FitStructure(fit_structure::Args),
     /// Simulate and fit: from a structure to its material
     Characterize(characterize::Args),
     /// List or clear the materials computed on first use
@@ -82,11 +91,14 @@ impl Command {
             Self::Brdf(args) => args.run(out),
             Self::FarField(args) => args.run(out),
             Self::Spectrum(args) => args.run(out),
+            Self::See(args) => args.run(out),
+            Self::Birds(args) => args.run(out),
             Self::Crystal(args) => args.run(out),
             Self::Diffract(args) => args.run(out),
             Self::Export(args) => args.run(out),
             Self::Simulate(args) => args.run(out),
             Self::Fit(args) => args.run(out),
+            Self::FitStructure(args) => args.run(out),
             Self::Characterize(args) => args.run(out),
             Self::Cache(args) => args.run(out),
             Self::Geometry(args) => args.run(out),

@@ -1,5 +1,6 @@
 //! `barbule render`: a picture of a preset or a scene.
 
+mod birds;
 mod checkpoints;
 mod flags;
 mod noise;
@@ -9,12 +10,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use barbule::brdf::FeatherBrdf;
 use barbule::characterize::thinned;
 use barbule::clock;
 use barbule::error::shortened;
 use barbule::io::{Folder, check_writable};
-use barbule::material::KERATIN_CLEAR_FROM_NM;
 use barbule::open;
 use barbule::picture::{
     Developed, Set, bytes_needed, check_alpha, check_colours, check_kind, development, is_exr,
@@ -32,10 +31,10 @@ use barbule::scene::description::{
     USUAL_ARC_DEG, Under, ViewModel,
 };
 use barbule::scene::preset;
-use barbule::spectrum::sensor::Sensor;
-use barbule::{Error, Result, identity};
+use barbule::{Error, Result};
 
 use self::checkpoints::Checkpoints;
+use self::flags::Seer;
 use self::noise::Noise;
 use crate::common::{Common, path_json, print, print_json};
 use crate::progress::Terminal;
@@ -92,9 +91,15 @@ pub(crate) struct Args {
     /// What is seen behind the feather: sky, none (the picture is cut out), a colour #rrggbb, or a .png, .exr or .hdr
     #[arg(long, value_name = "sky|none|#RRGGBB|FILE", value_parser = flags::background)]
     background: Option<Background>,
-    /// Who sees the picture: human, or a file of what channels answer to light
-    #[arg(long, value_name = "human|FILE", default_value = HUMAN, value_parser = flags::sensor)]
-    sensor: Sensor,
+    /// Who sees the picture: human, a bird in false colours (as `barbule birds` lists it), or a file of what channels answer to light
+    #[arg(long, value_name = "human|bird:NAME|FILE", default_value = HUMAN, value_parser = flags::sensor)]
+    sensor: Seer,
+    /// With --sensor bird:NAME: the cones that red, green and blue show, each the mean of one or several [default: L+UV,M,S+UV]
+    #[arg(long, value_name = "R,G,B")]
+    false_colour: Option<String>,
+    /// With --sensor bird:NAME: also write what people see, from the same paths
+    #[arg(long, value_name = "FILE")]
+    human: Option<PathBuf>,
     /// EXR: planes of radiance about these wavelengths, nm
     #[arg(long, value_name = "SET")]
     spectral: Option<String>,
@@ -146,10 +151,14 @@ impl Args {
         self.frame_descriptions(&description)?;
         check_size(size)?;
         let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
-        files.iter().try_for_each(|file| {
+        let check = |flag: &str, file: &Path| {
             let fits = check_kind(file).and_then(|()| check_alpha(file, &description.background));
-            fits.map_err(|e| e.at("-o")).and_then(|()| check_writable(file))
-        })?;
+            fits.map_err(|e| e.at(flag)).and_then(|()| check_writable(file))
+        };
+        files.iter().try_for_each(|file| check("-o", file))?;
+        (0..self.frames)
+            .filter_map(|frame| self.human_file(frame))
+            .try_for_each(|file| check("--human", &file))?;
         let planes = self.planes()?;
         let mut description = description;
         self.read(&mut description, size, &planes)?;
@@ -159,10 +168,11 @@ impl Args {
         let checkpoints = Checkpoints::new(&self.common, self.resume);
         let (mut reports, mut all_done) = (Vec::new(), true);
         let mut exposure = scene.exposure;
-        for (frame, file) in self.frames_of(&scene)?.into_iter().zip(&files) {
+        for (index, (frame, file)) in (0..).zip(self.frames_of(&scene)?.into_iter().zip(&files)) {
             // A sequence that is exposed by a key is so by that of its first frame: it does not flicker.
             let frame = frame.changed(|scene| scene.exposure = exposure)?;
-            let job = Job { file, size, goal, wardrobe: &wardrobe, planes: &planes };
+            let human = self.human_file(index);
+            let job = Job { file, human: human.as_deref(), size, goal, wardrobe: &wardrobe, planes: &planes };
             let (report, used, ended) = self.picture(&frame, &set, &job, &checkpoints, &terminal)?;
             exposure = Exposure::Factor(used);
             reports.push(report);
@@ -208,29 +218,12 @@ impl Args {
             wardrobe.names.push(name.to_owned());
             wardrobe.hashes.push(hash.clone());
             let worn = open::worn(&material, hash)?;
-            self.say_what_is_held(&worn.brdf);
+            self.check_range(name, &worn.brdf)?;
             Ok(worn)
         };
         let (folder, terminal) = (Folder(self.folder()), Terminal::new(&self.common));
         let scene = resolve(description, &folder, &mut dye, self.common.seed, &terminal)?;
         Ok((scene, wardrobe))
-    }
-
-    /// Says where a sensor sees more than the material's tables hold. To the human eye it is the dim ends of the spectrum.
-    fn say_what_is_held(&self, brdf: &FeatherBrdf) {
-        let (sensor, band) = (&self.sensor, self.sensor.band());
-        let (low, high) = brdf.wavelength_range_nm();
-        if !sensor.is_human() && (band.low_nm() < low || band.high_nm() > high) {
-            self.common.say(&format!(
-                "the sensor '{}' sees {} to {} nm, but the material is known from {low} to {high} nm: its end values are held outside",
-                shortened(sensor.name()),
-                band.low_nm(),
-                band.high_nm()
-            ));
-        }
-        if !sensor.is_human() && band.low_nm() < KERATIN_CLEAR_FROM_NM {
-            self.common.say_guessed();
-        }
     }
 
     /// The scene with the changes that the flags ask for, and whether there are any.
@@ -354,7 +347,7 @@ impl Args {
 
     /// Who sees films, and what they keep beside what is seen, normals and depth.
     fn planes(&self) -> Result<Planes> {
-        let sensor = self.sensor.clone();
+        let sensor = self.seen_by()?;
         self.output.iter().try_for_each(|file| check_colours(file, &sensor).map_err(|e| e.at("-o")))?;
         let compositing = self.output.as_deref().is_some_and(is_exr);
         let nm = match &self.spectral {
@@ -392,7 +385,15 @@ impl Args {
 
     /// The file of a frame: `F.png`, or `F-0007.png` in a sequence.
     fn file(&self, frame: u32) -> PathBuf {
-        let output = self.output.clone().unwrap_or_default();
+        self.numbered(self.output.clone().unwrap_or_default(), frame)
+    }
+
+    /// Likewise of what people see.
+    fn human_file(&self, frame: u32) -> Option<PathBuf> {
+        self.human.clone().map(|file| self.numbered(file, frame))
+    }
+
+    fn numbered(&self, output: PathBuf, frame: u32) -> PathBuf {
         if self.frames == 1 {
             return output;
         }
@@ -465,6 +466,7 @@ impl Args {
         if film.samples() > 0 {
             picture.write(&provenance.notes())?;
             self.common.wrote(job.file, &shown(description, job, &film, noise.as_ref()));
+            self.write_human(description, job, &mut film)?;
             self.say_faults(&film.faults(), description);
         }
         // One picture that is done needs none; those of a sequence are done together.
@@ -562,13 +564,7 @@ impl Args {
             .with("view", format!("{},{},{width_mm}", view.azimuth_deg, view.elevation_deg))
             .with("exposure", exposure.to_string())
             .with("exposure_by", if description.exposure.factor().is_some() { "factor" } else { "key" });
-        let provenance = if self.sensor.is_human() {
-            provenance
-        } else {
-            provenance
-                .with("sensor", self.sensor.name())
-                .with("sensor_hash", identity::hash("sensor", &self.sensor))
-        };
+        let provenance = self.say_sensor(provenance, &job.planes.sensor);
         match job.wardrobe.thinned {
             Some(every) => provenance.with("thinned", every.to_string()),
             None => provenance,
@@ -614,6 +610,8 @@ impl Wardrobe {
 /// One picture to be made.
 struct Job<'a> {
     file: &'a Path,
+    /// What people see goes here.
+    human: Option<&'a Path>,
     size: [u32; 2],
     goal: Goal,
     /// What the barbules wear.

@@ -15,9 +15,12 @@ use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{
     DEFAULT_VARIANT, SpeciesFile, Structure, species_name, species_names, species_toml,
 };
+use barbule::vision::View;
 use barbule::{Error, Result, fields};
+use clap::builder::ArgPredicate;
 use serde_json::{Map, Value, json};
 
+use crate::bird_args::{BirdArgs, Sight};
 use crate::common::{Common, print, print_json};
 use crate::figure::FigureArgs;
 use crate::peak_args::PeakArgs;
@@ -36,7 +39,7 @@ const SWATCHES_ABREAST: usize = 8;
 /// Arguments of `barbule species`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barbule species starling:green --toml > my-starling.toml\n  \
-    barbule species my-starling.toml")]
+    barbule species my-starling.toml\n  barbule species starling --bird starling -o seen.svg")]
 pub(crate) struct Args {
     /// A species or one variant, as in starling or starling:pink, by any of its names; a file of your own; or any other
     /// structure [default: all built-in species]
@@ -47,8 +50,11 @@ pub(crate) struct Args {
     #[arg(long, conflicts_with = "output")]
     toml: bool,
     /// Wavelengths in nm of which colours are made
-    #[arg(long, alias = "wavelength", value_name = "SET", default_value = "380:780:10", value_parser = sets::wavelength_set)]
+    #[arg(long, alias = "wavelength", value_name = "SET", default_value = "380:780:10",
+        default_value_if("birds", ArgPredicate::IsPresent, "300:780:10"), value_parser = sets::wavelength_set)]
     wavelengths: Wavelengths,
+    #[command(flatten)]
+    birds: BirdArgs,
     #[command(flatten)]
     peak: PeakArgs,
     #[command(flatten)]
@@ -80,6 +86,8 @@ struct Entry {
 struct Variant {
     name: String,
     look: Look,
+    /// What each bird that was asked for sees.
+    sights: Vec<Sight>,
     parameters: Map<String, Value>,
     explained: Vec<(String, String)>,
 }
@@ -100,10 +108,13 @@ impl Args {
             Some(name) => vec![self.find(name)?],
             None => species_names().map(|name| self.find(name)).collect::<Result<_>>()?,
         };
+        let views = self.birds.views(self.wavelengths.range_nm())?;
         let progress = Terminal::new(&self.common);
         progress.begin("colours", subjects.iter().map(Subject::colours).sum());
-        let entries =
-            subjects.iter().map(|subject| self.entry(subject, &progress)).collect::<Result<Vec<_>>>()?;
+        let entries = subjects
+            .iter()
+            .map(|subject| self.entry(subject, &views, &progress))
+            .collect::<Result<Vec<_>>>()?;
         drop(progress);
         if let Some(path) = self.figure.path() {
             let drawing = figure(&entries).under(&self.figure.title(""));
@@ -154,15 +165,15 @@ impl Args {
         }
     }
 
-    fn entry(&self, subject: &Subject, progress: &dyn Progress) -> Result<Entry> {
+    fn entry(&self, subject: &Subject, views: &[View], progress: &dyn Progress) -> Result<Entry> {
         let (file, library, wanted) = match subject {
             Subject::Species { file, library, wanted, .. } => (file, library, wanted.as_deref()),
-            Subject::Other(structure) => return self.other(structure, progress),
+            Subject::Other(structure) => return self.other(structure, views, progress),
         };
         let mut variants = Vec::new();
         for name in file.variants().filter(|v| wanted.is_none_or(|w| w == *v)) {
             let model = file.model(Some(name), library.clone())?;
-            let look = self.look(&Structure::Species(Box::new(model)), progress)?;
+            let (look, sights) = self.look(&Structure::Species(Box::new(model)), views, progress)?;
             let parameters = file
                 .given(Some(name))?
                 .into_iter()
@@ -171,6 +182,7 @@ impl Args {
             variants.push(Variant {
                 name: name.to_owned(),
                 look,
+                sights,
                 parameters,
                 explained: file.explained(Some(name))?,
             });
@@ -187,12 +199,12 @@ impl Args {
     }
 
     /// What is no species has one look.
-    fn other(&self, structure: &Structure, progress: &dyn Progress) -> Result<Entry> {
+    fn other(&self, structure: &Structure, views: &[View], progress: &dyn Progress) -> Result<Entry> {
         let source = match structure {
             Structure::Sections { sections, .. } => sections.first().map(|section| section.source.clone()),
             Structure::Species(_) | Structure::Stack(_) | Structure::Below(_) => None,
         };
-        let look = self.look(structure, progress)?;
+        let (look, sights) = self.look(structure, views, progress)?;
         let name = DEFAULT_VARIANT.to_owned();
         let count = structure.count().unwrap_or(1);
         Ok(Entry {
@@ -206,12 +218,17 @@ impl Args {
             source: source.unwrap_or_default(),
             generator: None,
             default: name.clone(),
-            variants: vec![Variant { name, look, parameters: Map::new(), explained: Vec::new() }],
+            variants: vec![Variant { name, look, sights, parameters: Map::new(), explained: Vec::new() }],
         })
     }
 
     /// How a structure looks along the normal of a flat barbule.
-    fn look(&self, structure: &Structure, progress: &dyn Progress) -> Result<Look> {
+    fn look(
+        &self,
+        structure: &Structure,
+        views: &[View],
+        progress: &dyn Progress,
+    ) -> Result<(Look, Vec<Sight>)> {
         if progress.is_cancelled() {
             return Err(Error::interrupted());
         }
@@ -220,7 +237,7 @@ impl Args {
             let found = sweep(&Multipole::default(), &lattice, at.nm(), 0.0, &[0.0], &Unobserved)?;
             let values = found.into_iter().map(|[a, b]| 0.5 * (a + b)).collect();
             progress.advance(1);
-            return self.look_of(values);
+            return self.look_of(values, views);
         }
         let instances = match structure {
             Structure::Species(_) | Structure::Below(_) => INSTANCES,
@@ -242,12 +259,13 @@ impl Args {
             }
         }
         progress.advance(1);
-        self.look_of(mean)
+        self.look_of(mean, views)
     }
 
-    fn look_of(&self, values: Vec<f64>) -> Result<Look> {
-        let reflectance = Spectrum::new(self.wavelengths.clone(), values)?;
-        Ok(Look::with_peak_in(&reflectance, self.peak.within(&self.wavelengths)?))
+    fn look_of(&self, values: Vec<f64>, views: &[View]) -> Result<(Look, Vec<Sight>)> {
+        let reflectance = [Spectrum::new(self.wavelengths.clone(), values)?];
+        let sights = views.iter().map(|view| Sight::of(view, &reflectance)).collect::<Result<_>>()?;
+        Ok((Look::with_peak_in(&reflectance[0], self.peak.within(&self.wavelengths)?), sights))
     }
 }
 
@@ -292,6 +310,9 @@ fn list(out: &mut dyn Write, entries: &[Entry]) -> Result<()> {
         }
         for variant in &entry.variants {
             print(out, &line(variant, variant.name == entry.default, blocks))?;
+            for sight in &variant.sights {
+                print(out, &wrapped("     ", &sight.words(0), 8))?;
+            }
         }
         let [variant] = &entry.variants[..] else { continue };
         print(out, &wrapped(" ", &variant.look.words(), 4))?;
@@ -368,6 +389,9 @@ fn document(entries: &[Entry]) -> Value {
         if let Value::Object(look) = json!(variant.look.fields()) {
             table.extend(look);
         }
+        if !variant.sights.is_empty() {
+            table.insert("birds".into(), variant.sights.iter().map(Sight::document).collect());
+        }
         table.insert("parameters".into(), variant.parameters.clone().into());
         Value::Object(table)
     };
@@ -384,14 +408,17 @@ fn document(entries: &[Entry]) -> Value {
 /// Swatches with their names: large as bright as a screen can show them, below at their own luminance.
 fn figure(entries: &[Entry]) -> Drawing {
     let lines = |entry: &Entry| entry.variants.len().div_ceil(SWATCHES_ABREAST).max(1);
-    let height: usize = entries.iter().map(|entry| 20 + 30 + 80 * lines(entry)).sum();
-    let mut drawing = Drawing::new(1000.0, 20.0 + height as f64);
+    let birds: Vec<&Sight> =
+        entries.iter().find_map(|e| e.variants.first()).map_or(&[][..], |v| &v.sights).iter().collect();
+    let line_height = 80.0 + BARS_HEIGHT * birds.len() as f64;
+    let height: f64 = entries.iter().map(|entry| 50.0 + line_height * lines(entry) as f64).sum();
+    let mut drawing = Drawing::new(1000.0, 20.0 + height + 18.0 * birds.len() as f64);
     let mut y = 20.0;
     for entry in entries {
         drawing.text([20.0, y + 16.0], 16.0, Anchor::Start, entry.title());
         for (i, variant) in entry.variants.iter().enumerate() {
             let x = 20.0 + 120.0 * (i % SWATCHES_ABREAST) as f64;
-            let top = y + 28.0 + 80.0 * (i / SWATCHES_ABREAST) as f64;
+            let top = y + 28.0 + line_height * (i / SWATCHES_ABREAST) as f64;
             let edge = Stroke::solid(Ink::of([120, 120, 120]), 0.8);
             let colour = variant.look.colour;
             let fill = |rgb: Option<[u8; 3]>| rgb.map(Ink::of);
@@ -404,8 +431,32 @@ fn figure(entries: &[Entry]) -> Drawing {
                 _ => variant.name.clone(),
             };
             drawing.text([x + 54.0, top + 67.0], 13.0, Anchor::Middle, words);
+            for (row, sight) in variant.sights.iter().enumerate() {
+                bars(&mut drawing, [x, top + 74.0 + BARS_HEIGHT * row as f64], sight.catches(0));
+            }
         }
-        y += 50.0 + 80.0 * lines(entry) as f64;
+        y += 50.0 + line_height * lines(entry) as f64;
+    }
+    let count = birds.len();
+    for (row, sight) in birds.into_iter().enumerate() {
+        let number = if count > 1 { format!(" in row {}", row + 1) } else { String::new() };
+        let words = format!("bars{number}: {}", sight.legend());
+        drawing.text([20.0, y + 18.0 * row as f64], 13.0, Anchor::Start, words);
     }
     drawing
+}
+
+/// Height that the bars of a bird take, px.
+const BARS_HEIGHT: f64 = 34.0;
+
+/// What each cone catches, as bars from short to long wavelengths over that of the cone that catches most.
+fn bars(drawing: &mut Drawing, [x, top]: [f64; 2], catches: &[f64]) {
+    let most = catches.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let (width, full) = (108.0 / catches.len() as f64, BARS_HEIGHT - 8.0);
+    for (k, q) in catches.iter().enumerate() {
+        let height = full * (q / most).max(0.0);
+        let area = [x + width * k as f64 + 2.0, top + full - height, width - 4.0, height];
+        drawing.rectangle(area, Some(Ink::of([120, 120, 120])), None);
+    }
+    drawing.line([x, top + full], [x + 108.0, top + full], Stroke::solid(Ink::BLACK, 0.8));
 }

@@ -1,41 +1,49 @@
 //! `barbule spectrum`: reflectance against wavelength, mean and spread over instances, and the numbers of its colour.
 
+mod instrument;
+mod intervals;
+mod outputs;
 mod tables;
 
-use std::fmt::Write as _;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use barbule::campaign::spectrum::{
-    Collect, Grazing, Individuals, Over, Spectra, SpectrumRequest, spectra_and_individuals,
+    Collect, Grazing, Individuals, Over, Spectra, SpectrumRequest, reading_bytes, readings_and_individuals,
+    spectra_and_individuals,
 };
 use barbule::campaign::spectrum_bytes;
+use barbule::confidence::Intervals;
 use barbule::error::{counted, shortened};
-use barbule::figures::{self, Simulated};
-use barbule::io::measured::{Measured, Scale, read_measured};
-use barbule::plot::{Band, MeasuredBand};
+use barbule::figures;
+use barbule::io::measured::{Measured, Measurements, Scale, read_measurements};
 use barbule::progress::{Progress, Several};
 use barbule::solve::core_fringes::{CoreFringes, core_fringes};
-use barbule::solve::surface::LARGEST_MIRROR_ERROR;
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{Side, Structure};
+use barbule::vision::View;
 use barbule::{Error, Result};
 use clap::ValueEnum;
-use serde_json::{Value, json};
+use clap::builder::ArgPredicate;
 
+use crate::bird_args::{BirdArgs, Sight};
 use crate::campaign::grazing;
-use crate::common::{Common, print, print_json};
+use crate::common::{Common, print_json};
 use crate::figure::FigureArgs;
-use crate::peak_args::{self, PeakArgs};
+use crate::peak_args::PeakArgs;
 use crate::progress::Terminal;
-use crate::provenance::{Provenance, check_outputs, csv_cell};
+use crate::provenance::check_outputs;
 use crate::structure_arg::SideArg;
 use crate::{sets, structure_arg};
+use instrument::{InstrumentArgs, Row, Subject};
 
 /// Random instances unless told otherwise.
 const INSTANCES: usize = 50;
+
+/// So many files' readings are said without being asked for.
+const FEW_READINGS: usize = 4;
 
 /// Curves that one figure of several structures holds: as many as its legend names.
 const MOST_CURVES: usize = 18;
@@ -45,10 +53,14 @@ const MOST_CURVES: usize = 18;
 #[command(after_help = "Examples:
   barbule spectrum starling --angle 0,30,60 -o starling.svg --csv starling.csv
   barbule spectrum starling --measured examples/measured/starling-back.csv -o both.png
+  barbule spectrum starling --measured examples/measured/from-r.csv --measured examples/measured/starling-back.csv
+  barbule spectrum starling --intervals --uncertain keratin=0.005 --uncertain cortex_um=2%
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
   barbule spectrum rock-dove --side below --angle=-30,30
   barbule spectrum starling --csv birds.csv --csv-layout tidy --individuals
+  barbule spectrum starling --bird starling --bird peafowl --angle 0,40
   barbule spectrum rock-dove --angle 0:60:15 --wavelengths 300:700:4 --peak-range 400:700
+  barbule spectrum air/keratin:200/air --instrument probe:10 --instrument sphere -o probe.svg
 
 Printed, and in --json under 'look': peak (through several angles that of one order of interference, from the angle \
 nearest to the normal; --json lists all peaks), full width at half maximum (half-way between the peak and the lowest \
@@ -60,16 +72,18 @@ pub(crate) struct Args {
     structures: Vec<String>,
     #[command(flatten)]
     side: SideArg,
-    /// Angles of incidence in degrees (also --angles)
-    #[arg(long, alias = "angles", value_name = "SET", default_value = "0", allow_hyphen_values = true,
+    /// Angles of incidence in degrees (also --angles) [default: those that --measured says, else 0]
+    #[arg(long, alias = "angles", value_name = "SET", allow_hyphen_values = true,
         value_parser = |text: &str| sets::angles("--angle", text))]
-    angle: sets::Angles,
+    angle: Option<sets::Angles>,
     /// The plane in which the angle lies: across the barbule (φ_i) or along it (θ_i)
     #[arg(long, value_enum, default_value_t = Plane::Across)]
     plane: Plane,
     /// What is collected: hemisphere, or cone:HALF, what falls within HALF degrees of the mirror direction
     #[arg(long, value_name = "hemisphere|cone:HALF", default_value = "hemisphere", value_parser = collect)]
     collect: Collect,
+    #[command(flatten)]
+    instrument: InstrumentArgs,
     /// Incident polarization
     #[arg(long, value_name = "mean|1|2", default_value = "mean", value_parser = polarization)]
     polarization: [f64; 2],
@@ -78,15 +92,18 @@ pub(crate) struct Args {
     instances: Option<usize>,
     /// Wavelengths in nm (also --wavelength); birds see from 300: 300:700:4
     #[arg(long, alias = "wavelength", value_name = "SET", default_value = "400:694:6",
-        value_parser = sets::wavelength_set)]
+        default_value_if("birds", ArgPredicate::IsPresent, "300:700:4"), value_parser = sets::wavelength_set)]
     wavelengths: Wavelengths,
     #[command(flatten)]
+    birds: BirdArgs,
+    #[command(flatten)]
     peak: PeakArgs,
-    /// A measured spectrum to compare with: a table of text (commas, semicolons, tabs or blanks; decimal points or
+    /// A measured spectrum to compare with, a folder of them, or several (repeat the flag): samples of the same angle are individuals;
+    /// angles are those behind @, or in names as 30deg, or of a column 'angle'. Read are tables of text (commas, semicolons, tabs or blanks; decimal points or
     /// commas; with names or without; one column per sample, or a line for each wavelength of each sample; parts of 1 or
     /// percent), the text of Ocean Optics, Avantes and similar spectrometers, or JCAMP-DX (.jdx). How it is read is said
-    #[arg(long, value_name = "FILE")]
-    measured: Option<PathBuf>,
+    #[arg(long, value_name = "FILE[@ANGLE]|FOLDER")]
+    measured: Vec<String>,
     /// The column or sample of --measured to use, by name or by number from 1 [default: all samples and their mean]
     #[arg(long, value_name = "NAME|N", requires = "measured")]
     column: Option<String>,
@@ -105,6 +122,8 @@ pub(crate) struct Args {
     /// With the spectrum of each random individual, and the standard error, in --csv and --json
     #[arg(long)]
     individuals: bool,
+    #[command(flatten)]
+    sure: intervals::IntervalArgs,
     /// Write the numbers of the colours, one row for each structure and angle, with --measured also those of the
     /// comparison
     #[arg(long, value_name = "F.csv")]
@@ -129,6 +148,9 @@ enum Layout {
     Wide,
     /// A line for each value
     Tidy,
+    /// As spectrometers deliver them: wavelengths, and a column in percent for each curve, or with --individuals for each
+    /// individual of it
+    Spectrometer,
 }
 
 /// Units of measured values.
@@ -138,6 +160,20 @@ enum MeasuredUnit {
     Percent,
     /// 0 to 1
     Fraction,
+}
+
+/// What all structures are asked.
+#[derive(Clone, Copy)]
+struct Asked<'a> {
+    rows: &'a [Row],
+    measured: Option<&'a Measurements>,
+}
+
+impl<'a> Asked<'a> {
+    /// What was measured at the angle of a row.
+    fn measured_at(self, row: usize) -> Option<&'a Measured> {
+        self.measured?.at(self.rows[row].angle_deg)
+    }
 }
 
 /// A structure with its spectra.
@@ -154,11 +190,24 @@ struct Found {
     core_fringes: Option<CoreFringes>,
     /// One for each angle.
     looks: Vec<Look>,
-    /// One for each angle, with a measurement.
-    comparisons: Vec<Comparison>,
+    /// One for each angle, with a measurement; none at angles at which nothing was measured.
+    comparisons: Vec<Option<Comparison>>,
+    /// One for each angle, where they are asked for.
+    intervals: Option<Vec<Intervals>>,
+    /// What each bird that was asked for sees.
+    sights: Vec<Sight>,
+    /// Whether keratin in it is taken to be clear where it is not.
+    has_guess: bool,
 }
 
 impl Found {
+    /// What birds see of the mean at each angle.
+    fn sights(&self, views: &[View], at: &Wavelengths) -> Result<Vec<Sight>> {
+        let means = self.spectra.mean.iter().map(|mean| Spectrum::new(at.clone(), mean.clone()));
+        let means = means.collect::<Result<Vec<_>>>()?;
+        views.iter().map(|view| Sight::of(view, &means)).collect()
+    }
+
     /// At how many wavelengths of an angle light grazes so that the simulation is off.
     fn flagged(&self, angle: usize) -> usize {
         self.spectra.flagged()[angle].iter().filter(|flagged| **flagged).count()
@@ -169,22 +218,28 @@ impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
         self.check()?;
-        let structures = self
-            .structures
-            .iter()
-            .map(|text| self.side.of(structure_arg::parse(text, &self.common)?))
-            .collect::<Result<Vec<_>>>()?;
+        let structures = self.structures.iter().map(|text| self.subject(text)).collect::<Result<Vec<_>>>()?;
         let measured = self.measured()?;
-        let all = self.simulate(&structures, measured.as_ref())?;
+        let views = self.birds.views(self.wavelengths.range_nm())?;
+        let rows = self.rows(&self.angles(measured.as_ref())?);
+        self.check_rows(&rows)?;
+        let asked = Asked { rows: &rows, measured: measured.as_ref() };
+        let mut all = self.simulate(&structures, asked)?;
         let (media, shortest_nm) = (self.common.opening()?.media, self.wavelengths.range_nm().0);
-        if structures.iter().any(|one| media.guesses_in(one, self.common.seed, shortest_nm)) {
+        for (found, subject) in all.iter_mut().zip(&structures) {
+            found.sights = found.sights(&views, &self.wavelengths)?;
+            let structure = subject.structure();
+            found.has_guess =
+                structure.is_some_and(|one| media.guesses_in(one, self.common.seed, shortest_nm));
+        }
+        if all.iter().any(|found| found.has_guess) {
             self.common.say_guessed();
         }
-        self.write(&all, measured.as_ref())?;
+        self.write(&all, asked)?;
         if self.common.json {
-            return print_json(out, &self.document(&all, measured.as_ref()));
+            return print_json(out, &self.document(&all, asked));
         }
-        self.print(out, &all)
+        self.print(out, &all, asked)
     }
 
     /// Refuses before any work what could not be done after it.
@@ -199,7 +254,13 @@ impl Args {
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
         check_outputs(None, self.summary.as_deref())?;
-        let curves = self.structures.len() * self.angle.0.len();
+        Ok(())
+    }
+
+    /// Refuses rows that cannot be read, and more curves than a figure holds.
+    fn check_rows(&self, rows: &[Row]) -> Result<()> {
+        self.check_instruments(rows)?;
+        let curves = self.structures.len() * rows.len();
         if self.figure.output.is_some() && self.structures.len() > 1 && curves > MOST_CURVES {
             return Err(Error::input(format!(
                 "-o: {curves} curves of {} structures do not fit one figure, which holds {MOST_CURVES}; give fewer, or --summary in place of -o",
@@ -209,44 +270,90 @@ impl Args {
         Ok(())
     }
 
-    /// Reads the measurement, says how, and refuses one that has nothing in common with the wavelengths.
-    fn measured(&self) -> Result<Option<Measured>> {
-        let Some(path) = &self.measured else { return Ok(None) };
+    /// Reads the measurements, says how, and refuses one that has nothing in common with the wavelengths.
+    fn measured(&self) -> Result<Option<Measurements>> {
+        if self.measured.is_empty() {
+            return Ok(None);
+        }
         let scale = self.measured_unit.map(|unit| match unit {
             MeasuredUnit::Percent => Scale::Percent,
             MeasuredUnit::Fraction => Scale::Fraction,
         });
-        let measured = read_measured(path, self.column.as_deref(), scale)?;
-        self.common.say(&measured.reading);
+        let found = read_measurements(&self.measured, self.column.as_deref(), scale)?;
+        self.say_readings(&found);
         let nothing = Spectrum::new(self.wavelengths.clone(), vec![0.0; self.wavelengths.len()])?;
-        Comparison::of(&nothing, &measured.mean, None).map_err(|e| e.at(path.display()))?;
-        Ok(Some(measured))
+        for at in &found.angles {
+            Comparison::of(&nothing, &at.measured.mean, None).map_err(|e| e.at(self.measured_name()))?;
+        }
+        Ok(Some(found))
     }
 
-    fn simulate(&self, structures: &[Structure], measured: Option<&Measured>) -> Result<Vec<Found>> {
+    /// How files were read; of many the first and at which angles they are, and all where whatever is decided is wanted.
+    fn say_readings(&self, Measurements { reading, angles }: &Measurements) {
+        if self.common.verbose || reading.len() <= FEW_READINGS {
+            reading.iter().for_each(|one| self.common.say(one));
+            return;
+        }
+        self.common.say(&format!(
+            "{}; and {} more (-v says how each was read)",
+            reading[0],
+            counted(reading.len() - 1, "file")
+        ));
+        let said: Vec<String> = angles.iter().filter_map(|at| Some(format!("{}°", at.angle_deg?))).collect();
+        if !said.is_empty() {
+            self.common.say(&format!("measured at {}: {}", counted(said.len(), "angle"), said.join(", ")));
+        }
+    }
+
+    /// What the measurements are called.
+    fn measured_name(&self) -> String {
+        match &self.measured[..] {
+            [one] => one.clone(),
+            several => counted(several.len(), "measurement"),
+        }
+    }
+
+    /// The angles of incidence, degrees: those that are asked for, else those at which was measured.
+    fn angles(&self, measured: Option<&Measurements>) -> Result<Vec<f64>> {
+        let said = measured.and_then(Measurements::angles_deg);
+        let Some(asked) = &self.angle else { return Ok(said.unwrap_or_else(|| vec![0.0])) };
+        let none = measured.is_some_and(|found| asked.0.iter().all(|angle| found.at(*angle).is_none()));
+        if let (true, Some(said)) = (none, said) {
+            let said: Vec<String> = said.iter().map(|angle| format!("{angle}°")).collect();
+            return Err(Error::input(format!(
+                "--angle: none of them was measured, which was at {}; leave --angle out to take those",
+                said.join(", ")
+            )));
+        }
+        Ok(asked.0.clone())
+    }
+
+    fn simulate(&self, structures: &[Subject], asked: Asked) -> Result<Vec<Found>> {
         let terminal = Terminal::new(&self.common);
         let label = format!("simulating {} structures", structures.len());
         let several = (structures.len() > 1).then(|| Several::begin(&terminal, &label, structures.len()));
         let mut all = Vec::with_capacity(structures.len());
         for (typed, structure) in self.structures.iter().zip(structures) {
             let found = match several.as_ref().map(Several::part) {
-                Some(part) => {
-                    self.one(typed, structure, measured, &part).map_err(|e| e.at(shortened(typed)))?
-                }
-                None => self.one(typed, structure, measured, &terminal)?,
+                Some(part) => self.one(typed, structure, asked, &part).map_err(|e| e.at(shortened(typed)))?,
+                None => self.one(typed, structure, asked, &terminal)?,
             };
             all.push(found);
         }
         Ok(all)
     }
 
-    fn one(
-        &self,
-        typed: &str,
-        structure: &Structure,
-        measured: Option<&Measured>,
-        progress: &dyn Progress,
-    ) -> Result<Found> {
+    fn one(&self, typed: &str, subject: &Subject, asked: Asked, progress: &dyn Progress) -> Result<Found> {
+        let structure = match subject {
+            Subject::Structure(structure) => structure,
+            Subject::Material(material) => {
+                let mean = self.of_material(typed, material, asked.rows, progress)?;
+                let [std, mirror] =
+                    [0.0, 1.0].map(|value| vec![vec![value; self.wavelengths.len()]; mean.len()]);
+                let spectra = Spectra { mean, std, mirror, beside_white: true };
+                return self.found(typed.to_owned(), &figures::title(material), spectra, None, asked);
+            }
+        };
         let wanted = self.instances.unwrap_or(INSTANCES);
         let instances = structure.count().map_or(wanted, |given| given.min(wanted));
         if self.instances.is_some_and(|asked| asked > instances) {
@@ -257,59 +364,124 @@ impl Args {
                 if instances == 1 { "it is" } else { "all are" },
             ));
         }
-        let direction = |angle: &f64| match self.plane {
-            Plane::Across => (0.0, angle.to_radians()),
-            Plane::Along => (angle.to_radians(), 0.0),
-        };
-        let request = SpectrumRequest {
-            wavelengths: self.wavelengths.clone(),
-            directions: self.angle.0.iter().map(direction).collect(),
-            instances,
-            seed: self.common.seed,
-            collect: self.collect,
-            polarization: self.polarization,
-        };
-        let bytes = spectrum_bytes(structure, &request)?;
-        let fewer = "fewer --wavelengths, angles, --instances or --threads";
-        self.common.check_memory("this spectrum", bytes, fewer)?;
-        let (found, individuals) = spectra_and_individuals(structure, &request, progress)?;
-        self.say_grazing(&found, structure.width_um());
+        let (spectra, individuals) = self.spectra(typed, structure, instances, asked.rows, progress)?;
+        self.say_grazing(&spectra, structure.width_um(), asked.rows);
         let core_fringes = match instances {
             // What one individual has is no mean's.
             1 => None,
             _ => core_fringes(structure, self.common.seed, instances, &self.wavelengths)?,
         };
-        let means = found
+        let name = match structure.side() {
+            Side::Above => typed.to_owned(),
+            Side::Below => typed.to_owned() + Side::BELOW,
+        };
+        let found = self.found(name, &structure.name(), spectra, Some(&individuals), asked)?;
+        let intervals = self.intervals(typed, &found, &individuals, asked, progress)?;
+        Ok(Found {
+            intervals,
+            individuals: self.individuals.then_some(individuals),
+            core_fringes: core_fringes.filter(CoreFringes::mislead),
+            ..found
+        })
+    }
+
+    /// All that is reflected or, with instruments, what they read.
+    fn spectra(
+        &self,
+        typed: &str,
+        structure: &Structure,
+        instances: usize,
+        rows: &[Row],
+        progress: &dyn Progress,
+    ) -> Result<(Spectra, Individuals)> {
+        let fewer = "fewer --wavelengths, angles, --instances or --threads";
+        let mut mounts = self.mounts(typed, rows)?;
+        let vanes = mounts.iter_mut().filter_map(|mount| mount.vane.as_mut());
+        vanes.for_each(|vane| vane.width_um = structure.width_um());
+        if !mounts.is_empty() {
+            let request = self.reading_request(mounts, instances);
+            self.common.check_memory("this spectrum", reading_bytes(structure, &request)?, fewer)?;
+            return readings_and_individuals(structure, &request, progress);
+        }
+        let direction = |row: &Row| match self.plane {
+            Plane::Across => (0.0, row.angle_deg.to_radians()),
+            Plane::Along => (row.angle_deg.to_radians(), 0.0),
+        };
+        let request = SpectrumRequest {
+            wavelengths: self.wavelengths.clone(),
+            directions: rows.iter().map(direction).collect(),
+            instances,
+            seed: self.common.seed,
+            collect: self.collect,
+            polarization: self.polarization,
+        };
+        self.common.check_memory("this spectrum", spectrum_bytes(structure, &request)?, fewer)?;
+        spectra_and_individuals(structure, &request, progress)
+    }
+
+    /// Spectra with the numbers of their colours and of the comparison.
+    fn found(
+        &self,
+        typed: String,
+        name: &str,
+        spectra: Spectra,
+        individuals: Option<&Individuals>,
+        asked: Asked,
+    ) -> Result<Found> {
+        let means = spectra
             .mean
             .iter()
             .map(|mean| Spectrum::new(self.wavelengths.clone(), mean.clone()))
             .collect::<Result<Vec<_>>>()?;
         let peak_range = self.peak.within(&self.wavelengths)?;
-        let comparisons = measured.map_or(Ok(Vec::new()), |measured| {
-            means.iter().map(|mean| Comparison::of(mean, &measured.mean, peak_range)).collect()
-        })?;
-        let name = structure.name();
+        let comparisons = match asked.measured {
+            Some(_) => self.comparisons(&means, individuals, asked)?,
+            None => Vec::new(),
+        };
         Ok(Found {
-            typed: match structure.side() {
-                Side::Above => typed.to_owned(),
-                Side::Below => typed.to_owned() + Side::BELOW,
-            },
-            name: name.strip_suffix(":default").unwrap_or(&name).to_owned(),
-            instances,
-            spectra: found,
-            individuals: self.individuals.then_some(individuals),
-            core_fringes: core_fringes.filter(CoreFringes::mislead),
-            looks: Look::series(&self.angle.0, &means, peak_range),
+            typed,
+            name: name.strip_suffix(":default").unwrap_or(name).to_owned(),
+            instances: individuals.map_or(1, Individuals::count),
+            spectra,
+            individuals: None,
+            core_fringes: None,
+            looks: Look::series(&self.law_angles_deg(asked.rows), &means, peak_range),
             comparisons,
+            intervals: None,
+            sights: Vec::new(),
+            has_guess: false,
         })
     }
 
+    /// Each mean against what was measured at its angle, with how individuals differ.
+    fn comparisons(
+        &self,
+        means: &[Spectrum],
+        individuals: Option<&Individuals>,
+        asked: Asked,
+    ) -> Result<Vec<Option<Comparison>>> {
+        let peak_range = self.peak.within(&self.wavelengths)?;
+        let compared = |(a, mean): (usize, &Spectrum)| {
+            let Some(measured) = asked.measured_at(a) else { return Ok(None) };
+            let of = |all: &Individuals| {
+                (0..all.count())
+                    .map(|i| Spectrum::new(self.wavelengths.clone(), all.of(i, a).to_vec()))
+                    .collect::<Result<Vec<_>>>()
+            };
+            let simulated = individuals.map_or(Ok(Vec::new()), of)?;
+            let samples: Vec<Spectrum> = measured.samples.iter().map(|s| s.spectrum.clone()).collect();
+            let found = Comparison::of(mean, &measured.mean, peak_range)?;
+            Ok(Some(found.with_individuals(&simulated, &samples)))
+        };
+        means.iter().enumerate().map(compared).collect()
+    }
+
     /// Says where light grazes so that the simulation is off, and where more than all of it comes back.
-    fn say_grazing(&self, found: &Spectra, width_um: f64) {
+    fn say_grazing(&self, found: &Spectra, width_um: f64, rows: &[Row]) {
         if let Some(Over { direction, wavelength, reflected, count }) = found.over() {
             self.common.say(&format!(
                 "at {} and {} nm {:.1} % of the light come back, more than all of it: this structure is beyond what single reflections describe ({count} values are flagged)",
-                self.direction_name(self.angle.0[direction]),
+                self.row_name(&rows[direction]),
                 self.wavelengths[wavelength],
                 100.0 * reflected
             ));
@@ -317,211 +489,11 @@ impl Args {
         let Some(Grazing { direction, wavelength, mirror_fraction, flagged }) = found.grazing() else {
             return;
         };
-        let incidence = self.direction_name(self.angle.0[direction]);
+        let incidence = self.row_name(&rows[direction]);
         let said = grazing(&incidence, self.wavelengths[wavelength], width_um, mirror_fraction);
-        let all = self.angle.0.len() * self.wavelengths.len();
+        let all = found.mean.len() * self.wavelengths.len();
         self.common.say(&format!("{said} ({flagged} of {all} values are flagged)"));
     }
-
-    fn write(&self, all: &[Found], measured: Option<&Measured>) -> Result<()> {
-        let provenance = Provenance::new(&self.common);
-        let shown = |what: &str| {
-            let whose = match all {
-                [one] => one.name.clone(),
-                many => format!("{} structures", many.len()),
-            };
-            format!("{what} of {whose} at {}", counted(self.angle.0.len(), "angle"))
-        };
-        let beside = if measured.is_some() { ", and what was measured" } else { "" };
-        if let Some(path) = &self.figure.output {
-            provenance.write_figure(path, &self.figure(all, measured)?)?;
-            self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
-        }
-        if let Some(path) = &self.csv {
-            let tables =
-                tables::Tables { all, angles_deg: &self.angle.0, nm: self.wavelengths.nm(), measured };
-            let text = match self.csv_layout {
-                Layout::Wide => tables.wide(),
-                Layout::Tidy => tables.tidy(),
-            };
-            provenance.write_csv(path, &text)?;
-            self.common.wrote(path, &format!("{}{beside}", shown("reflectance")));
-        }
-        if let Some(path) = &self.summary {
-            provenance.write_csv(path, &self.summary_text(all))?;
-            let beside = if measured.is_some() { " and of the comparison" } else { "" };
-            self.common.wrote(path, &format!("{}{beside}", shown("numbers of the colour")));
-        }
-        Ok(())
-    }
-
-    fn direction_name(&self, angle: f64) -> String {
-        format!("{} = {angle}°", if self.plane == Plane::Across { "φ" } else { "θ" })
-    }
-
-    fn figure(&self, all: &[Found], measured: Option<&Measured>) -> Result<barbule::plot::Drawing> {
-        let most = all.iter().map(|found| found.instances).max().unwrap_or(0);
-        let angles: Vec<String> = self.angle.0.iter().map(|angle| self.direction_name(*angle)).collect();
-        let title = match (all, &angles[..]) {
-            ([one], _) => format!("{}, {}", one.name, counted(one.instances, "instance")),
-            (_, [angle]) => format!("{angle}, {}", counted(most, "instance")),
-            _ => counted(most, "instance"),
-        };
-        let names: Vec<Vec<String>> = all
-            .iter()
-            .map(|found| match (all.len(), angles.len()) {
-                (1, _) => angles.clone(),
-                (_, 1) => vec![shortened(&found.typed)],
-                _ => angles.iter().map(|angle| format!("{}, {angle}", shortened(&found.typed))).collect(),
-            })
-            .collect();
-        let simulated: Vec<Simulated> = all
-            .iter()
-            .zip(&names)
-            .map(|(found, names)| Simulated {
-                names,
-                spectra: &found.spectra,
-                instances: found.instances,
-                looks: &found.looks,
-            })
-            .collect();
-        let measured = measured.map(|measured| MeasuredBand {
-            band: Band {
-                name: match &measured.samples[..] {
-                    [_] => "measured".into(),
-                    many => format!("measured, mean of {}", many.len()),
-                },
-                mean: measured.mean.clone(),
-                std: measured.std.clone(),
-                peak: None,
-            },
-            samples: match &measured.samples[..] {
-                [_] => Vec::new(),
-                many => many.iter().map(|sample| sample.spectrum.clone()).collect(),
-            },
-        });
-        let (title, page) = (self.figure.title(figures::heading(&title)), self.figure.page()?);
-        figures::spectra(&title, &self.wavelengths, &simulated, measured.as_ref(), &page)
-    }
-
-    fn summary_text(&self, all: &[Found]) -> String {
-        let mut text = String::from("structure,angle_deg,instances");
-        let first = all.iter().flat_map(|found| found.looks.first()).next();
-        let compared = all.iter().flat_map(|found| found.comparisons.first()).next();
-        if let Some(fields) = first.map(Look::fields) {
-            let _ = write!(text, ",{},flagged_wavelengths", fields.csv_header());
-        }
-        if let Some(fields) = compared.map(Comparison::fields) {
-            let _ = write!(text, ",{}", fields.csv_header());
-        }
-        for found in all {
-            for (a, angle) in self.angle.0.iter().enumerate() {
-                let name = csv_cell(&found.typed);
-                let cells = found.looks[a].fields().csv_cells();
-                let flagged = found.flagged(a);
-                let _ = write!(text, "\n{name},{angle},{},{cells},{flagged}", found.instances);
-                if let Some(comparison) = found.comparisons.get(a) {
-                    let _ = write!(text, ",{}", comparison.fields().csv_cells());
-                }
-            }
-        }
-        text.push('\n');
-        text
-    }
-
-    fn document(&self, all: &[Found], measured: Option<&Measured>) -> Value {
-        let of = |found: &Found| {
-            let error = |std: &Vec<f64>| -> Vec<f64> {
-                std.iter().map(|s| s / (found.instances as f64).sqrt()).collect()
-            };
-            let standard_error =
-                (found.instances > 1).then(|| found.spectra.std.iter().map(error).collect::<Vec<_>>());
-            let mut document = json!({
-                "structure": found.typed,
-                "angle_deg": self.angle.0,
-                "wavelength_nm": self.wavelengths.nm(),
-                "mean": found.spectra.mean,
-                "std": found.spectra.std,
-                "mirror_fraction": found.spectra.mirror,
-                "flagged": found.spectra.flagged(),
-                "standard_error": standard_error,
-                "instances": found.instances,
-                "look": found.looks,
-                "core_note": found.core_fringes.map(|fringes| core_note(&fringes, found.instances)),
-                "order_notes": peak_args::notes(&self.angle.0, &found.looks),
-            });
-            if let Some(individuals) = &found.individuals {
-                let of = |a: usize| {
-                    (0..individuals.count()).map(move |i| individuals.of(i, a)).collect::<Vec<_>>()
-                };
-                document["individuals"] = json!((0..self.angle.0.len()).map(of).collect::<Vec<_>>());
-            }
-            if measured.is_some() {
-                document["comparison"] = json!(found.comparisons);
-            }
-            document
-        };
-        let mut document = match all {
-            [one] => of(one),
-            many => json!({ "structures": many.iter().map(of).collect::<Vec<_>>() }),
-        };
-        if let Some(measured) = measured {
-            document["measured"] = json!({
-                "reading": measured.reading,
-                "samples": measured.samples.iter().map(|sample| &sample.name).collect::<Vec<_>>(),
-                "wavelength_nm": measured.mean.wavelengths().nm(),
-                "mean": measured.mean.values(),
-                "std": measured.std,
-                "look": Look::with_peak_in(&measured.mean, self.peak.within(&self.wavelengths).ok().flatten()),
-            });
-        }
-        document
-    }
-
-    /// The colours, and how they compare, one line each.
-    fn print(&self, out: &mut dyn Write, all: &[Found]) -> Result<()> {
-        let file = self.measured.as_deref().map(Path::display);
-        for found in all {
-            for (a, angle) in self.angle.0.iter().enumerate() {
-                let name = if all.len() > 1 { shortened(&found.typed) } else { found.name.clone() };
-                let flagged = match found.flagged(a) {
-                    0 => String::new(),
-                    count => format!(
-                        ", flagged: off by over {:.0} % at {count} of {}",
-                        100.0 * LARGEST_MIRROR_ERROR,
-                        counted(self.wavelengths.len(), "wavelength")
-                    ),
-                };
-                let words = found.looks[a].words();
-                print(out, &format!("{name}, {}: {words}{flagged}", self.direction_name(*angle)))?;
-                if let (Some(comparison), Some(file)) = (found.comparisons.get(a), &file) {
-                    print(out, &format!("  against {file}: {}", comparison.words()))?;
-                }
-            }
-            let core = found.core_fringes.map(|fringes| core_note(&fringes, found.instances));
-            for note in peak_args::notes(&self.angle.0, &found.looks).into_iter().chain(core) {
-                let name =
-                    if all.len() > 1 { format!("{}: ", shortened(&found.typed)) } else { String::new() };
-                self.common.say(&format!("{name}{note}"));
-            }
-        }
-        if let Some(note) = all.first().and_then(|found| found.looks[0].colour_note.as_ref()) {
-            self.common.say(note);
-        }
-        Ok(())
-    }
-}
-
-/// What to tell of fringes that look like peaks of the structure.
-fn core_note(fringes: &CoreFringes, instances: usize) -> String {
-    format!(
-        "the core, a film between both sides, makes fringes of ±{:.1} % of the light ({:.0} % of the mean) about {:.0} nm at normal incidence, {:.0} nm from one to the next; the mean of {instances} individuals keeps {:.0} % of them, since their cores are alike: core_spread = 0.1 in the species file, or lower = \"none\", takes them out",
-        100.0 * fringes.amplitude,
-        100.0 * fringes.part,
-        fringes.near_nm,
-        fringes.period_nm,
-        100.0 * fringes.kept
-    )
 }
 
 fn collect(text: &str) -> Result<Collect> {

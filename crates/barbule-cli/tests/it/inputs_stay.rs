@@ -26,12 +26,15 @@ const SCENE: &str = "preset = 'starling'\nmaterial = 'made.barbule'\n[background
 
 /// Each command that writes with its inputs; then the flags of its outputs, and the files that it reads, under whatever
 /// names. `@` is the folder.
-const LINES: [(&str, &[&str], &[&str]); 27] = [
+const LINES: &[(&str, &[&str], &[&str])] = &[
     ("film @stack.toml --medium q=@q.csv", &["-o", "--csv"], &["stack.toml", "n.csv", "q.csv"]),
     ("lobes @made.barbule", &["-o"], &["made.barbule"]),
     ("brdf @made.barbule --wi 10,20 --wo 0,0 --wavelength 550", &["-o", "--csv"], &["made.barbule"]),
     ("far-field @in.json --wavelength 550 --theta 0 --phi 0", &["-o", "--csv"], &["in.json", "n.csv"]),
     ("spectrum @secs --measured @r.csv", &["-o", "--csv", "--summary"], &["secs/a.json", "n.csv", "r.csv"]),
+    ("spectrum @secs --measured @r.csv@30", &["-o", "--csv", "--summary"], &["r.csv"]),
+    ("fit-structure --model film --measured @r.csv", &["-o", "--picture"], &["r.csv"]),
+    ("fit-structure --model @mine.toml --measured @r.csv", &["-o"], &["mine.toml", "r.csv"]),
     ("spectrum @mine.toml:green", &["-o", "--csv", "--summary"], &["mine.toml"]),
     ("crystal @lattice.toml", &["-o"], &["lattice.toml", "n.csv"]),
     ("diffract @z.txt --pitch 0.1", &["-o"], &["z.txt"]),
@@ -46,6 +49,14 @@ const LINES: [(&str, &[&str], &[&str]); 27] = [
     ("feather @s.toml --level barbs", &["-o"], &["s.toml", "c.txt", "m.gltf", "x.txt", "made.barbule"]),
     ("species @mine.toml", &["-o"], &["mine.toml"]),
     ("feather @mine.toml", &["-o"], &["mine.toml"]),
+    ("birds @bird.toml", &["-o"], &["bird.toml"]),
+    (
+        "see @r.csv --bird @bird.toml --illuminant @lamp.csv",
+        &["-o", "--csv"],
+        &["r.csv", "bird.toml", "lamp.csv"],
+    ),
+    ("spectrum @secs --bird @bird.toml", &["-o", "--csv", "--summary"], &["secs/a.json", "bird.toml"]),
+    ("render @s.toml --sensor bird:@bird.toml", &["-o", "--human"], &["s.toml", "bird.toml", "made.barbule"]),
     (
         "render @s.toml --sensor @eye.toml",
         &["-o"],
@@ -95,6 +106,7 @@ fn inputs(folder: &Path) {
     write("s.toml", SCENE);
     write("m.gltf", r#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "x.txt", "byteLength": 4}]}"#);
     write("eye.toml", "wavelength_nm = [400, 700]\n[[channels]]\nname = 'L'\nvalues = [1, 1]\n");
+    write("bird.toml", "[[cones]]\nname = 'L'\npigment_nm = 563\n");
     for name in [
         "made.barbule",
         "sky.exr",
@@ -174,7 +186,7 @@ fn no_command_writes_over_any_kind_of_its_inputs() {
 
 #[test]
 fn every_command_that_writes_is_tried() {
-    const WRITTEN: [&str; 6] = ["output", "csv", "summary", "store", "folder", "write_curves"];
+    const WRITTEN: [&str; 7] = ["output", "csv", "summary", "human", "store", "folder", "write_curves"];
     let tried: BTreeSet<&str> =
         LINES.iter().filter_map(|(line, ..)| line.split_whitespace().next()).collect();
     let mut command = barbule_cli::command();

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 mod bench_render;
+mod birds;
 mod brdf;
 mod cache;
 mod campaign;
@@ -15,9 +16,11 @@ mod far_field;
 mod feather;
 mod figures;
 mod film;
+mod fit_structure;
 mod foreign_keys;
 mod geometry;
 mod inputs_stay;
+mod instruments;
 mod interruptions;
 mod limits;
 mod lobes;

@@ -187,6 +187,65 @@ fn the_shift_against_a_measurement_is_that_of_the_peak_that_corresponds() {
     assert!(out.contains("(its highest, 3") && out.contains("is of another order), measured 5"), "{out}");
 }
 
+/// Two birds at two angles: what was measured stands beside what is simulated at the same angle, with the spread of both.
+#[test]
+fn individuals_and_angles_are_compared_each_with_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    // Thicker by 2 and 4 %: 290 and 295.7 nm in place of 284.3.
+    let stack = |nm: f64| format!("air/keratin:{nm}±3/air");
+    let wavelengths = ["--wavelengths", "400:700:5"];
+    std::fs::create_dir(folder.path().join("birds")).unwrap();
+    for (bird, nm) in [("a", 290.0), ("b", 295.7)] {
+        for angle in [0, 40] {
+            let words = ["spectrum", &stack(nm), "--angle", &angle.to_string(), "--instances", "4"];
+            let found = json(folder.path(), &[&words[..], &wavelengths].concat());
+            let values =
+                found["wavelength_nm"].as_array().unwrap().iter().zip(found["mean"][0].as_array().unwrap());
+            let lines: String = values.map(|(nm, value)| format!("{nm},{value}\n")).collect();
+            let path = folder.path().join(format!("birds/{bird}_{angle}deg.csv"));
+            std::fs::write(path, format!("wl,R\n{lines}")).unwrap();
+        }
+    }
+    let model = stack(284.3);
+    let words = [&["spectrum", &model, "--instances", "4", "--measured", "birds"], &wavelengths[..]].concat();
+    let found = json(folder.path(), &words);
+    assert_eq!(found["angle_deg"], serde_json::json!([0.0, 40.0]));
+    let at = &found["measured"]["angles"][1];
+    assert_eq!(
+        (&at["angle_deg"], &at["samples"]),
+        (&40.0.into(), &serde_json::json!(["a_40deg", "b_40deg"]))
+    );
+    for comparison in found["comparison"].as_array().unwrap() {
+        let number = |key: &str| comparison[key].as_f64().unwrap();
+        assert_eq!(
+            (comparison["cause"].as_str(), comparison["measured_individuals"].as_u64()),
+            (Some("shift"), Some(2))
+        );
+        // The mean of both is 3 % thicker, and keratin's index falls a little with the wavelength.
+        assert!((number("cause_shift") - 0.03).abs() < 0.006 && number("explained") > 0.9, "{comparison}");
+        assert!(
+            number("peak_shift_low_nm") < number("peak_shift_nm") && number("measured_peak_std_nm") > 3.0
+        );
+    }
+    let (out, message) = succeed(folder.path(), &[&words[..], &["-o", "f.svg", "--csv", "t.csv"]].concat());
+    assert!(
+        out.contains("a shift by +") && out.contains("thicker layers") && out.contains("95 %: "),
+        "{out}"
+    );
+    assert!(!message.contains("-v says"), "{message}");
+    let svg = std::fs::read_to_string(folder.path().join("f.svg")).unwrap();
+    assert!(svg.contains("rows of signs: measured"));
+    // One angle of those measured, and one that was not.
+    let one = [&words[..], &["--angle", "40,60", "--summary", "s.csv"]].concat();
+    let found = json(folder.path(), &one);
+    assert!(found["comparison"][0].is_object() && found["comparison"][1].is_null());
+    let summary = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
+    let cells: Vec<usize> = summary.lines().map(|line| line.split(',').count()).collect();
+    assert!(cells.iter().all(|count| *count == cells[0]), "{cells:?}");
+    let (code, _, message) = run_in(folder.path(), &[&words[..], &["--angle", "60"]].concat());
+    assert!(code == 2 && message.contains("which was at 0°, 40°; leave --angle out"), "{message}");
+}
+
 #[test]
 fn several_structures_make_one_summary_one_table_and_one_figure() {
     let folder = tempfile::tempdir().unwrap();
@@ -204,7 +263,7 @@ fn several_structures_make_one_summary_one_table_and_one_figure() {
     let summary = read("s.csv");
     let rows: Vec<&str> = summary.lines().collect();
     assert!(rows[0].starts_with("structure,angle_deg,instances,from_nm,to_nm,peak_nm,peak_reflectance,"));
-    assert!(rows[0].ends_with(",rmse,scale,rmse_scaled,delta_e_2000,delta_e_76"));
+    assert!(rows[0].contains(",rmse,scale,rmse_scaled,delta_e_2000,delta_e_76,cause,explained,"));
     assert_eq!(rows.len(), 7);
     assert!(rows[1].starts_with("starling,0,3,400,700,") && rows[4].starts_with("rock-dove,20,3,"));
     assert!(rows[6].starts_with("\"air/mix(keratin,melanin,0.4):300/air\",20,1,"));

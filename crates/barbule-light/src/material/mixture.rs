@@ -59,6 +59,11 @@ pub struct Mixture {
 }
 
 impl Mixture {
+    /// The same with both media's n higher by `by`.
+    pub(super) fn with_higher_index(&self, by: f64) -> Result<Self> {
+        Self::new(self.a.with_higher_index(by)?, self.b.with_higher_index(by)?, self.fraction, self.rule)
+    }
+
     pub(super) fn new(a: Material, b: Material, fraction: f64, rule: Rule) -> Result<Self> {
         if !(0.0..=1.0).contains(&fraction) {
             return Err(Error::input(format!(

@@ -103,6 +103,25 @@ impl Material {
         Mixture::new(a, b, fraction, rule).map(|m| Self::Mixture(Arc::new(m)))
     }
 
+    /// The same medium with n higher by `by` at every wavelength; of a mixture both media.
+    ///
+    /// # Errors
+    /// An index that no medium has.
+    pub fn with_higher_index(&self, by: f64) -> Result<Self> {
+        let higher = |law: &Cauchy| Cauchy { a: law.a + by, ..*law };
+        Ok(match self {
+            Self::Constant(index) => return Self::constant(index + by),
+            Self::Cauchy(law) => Self::Cauchy(higher(law)),
+            Self::AbsorbingCauchy(law, absorption) => Self::AbsorbingCauchy(higher(law), *absorption),
+            Self::Table(table) => {
+                let rows: Vec<(f64, Complex64)> =
+                    table.wavelength_nm.iter().copied().zip(table.index.iter().map(|n| n + by)).collect();
+                Self::Table(Table::new(table.name(), &rows)?.into())
+            }
+            Self::Mixture(mixture) => Self::Mixture(Arc::new(mixture.with_higher_index(by)?)),
+        })
+    }
+
     /// The refractive index n + jk at a vacuum wavelength in nm.
     ///
     /// # Errors

@@ -9,6 +9,8 @@ use super::fields::{Field, Fields};
 use super::look::Look;
 use super::orders::{ANY_STRETCH, Correspondence, LEAST_CORRELATION, Lost, corresponding};
 use super::peaks::Peak;
+use super::residual::Residual;
+use super::spread::{Moments, Spread};
 use crate::{Error, Result};
 
 /// How far two reflectances agree over the wavelengths that both have.
@@ -35,6 +37,10 @@ pub struct Comparison {
     pub delta_e_2000: Option<f64>,
     /// ΔE*ab of 1976 between the same colours.
     pub delta_e_76: Option<f64>,
+    /// What the difference looks like; none where there is none, or too few wavelengths.
+    pub residual: Option<Residual>,
+    /// How individuals differ: the simulated ones, and the measured samples; of one there is no spread.
+    pub spread: [Option<Spread>; 2],
 }
 
 impl Comparison {
@@ -52,6 +58,7 @@ impl Comparison {
             .zip(simulated.values())
             .filter_map(|(&nm, &value)| measured.value(nm).map(|m| [value, m]))
             .collect();
+        let residual = Residual::of(simulated, measured);
         let both = measured
             .within(simulated.wavelengths().range_nm().into())
             .zip(simulated.within([from, to]))
@@ -96,7 +103,30 @@ impl Comparison {
             rmse_scaled: scale.map(rms),
             delta_e_2000: labs.map(|(s, m)| delta_e_2000(s, m)),
             delta_e_76: labs.map(|(s, m)| delta_e_76(s, m)),
+            residual,
+            spread: [None, None],
         })
+    }
+
+    /// The same with how the individuals of both differ, of whose means the comparison is: of each the peak that is nearest to the mean's.
+    #[must_use]
+    pub fn with_individuals(self, simulated: &[Spectrum], measured: &[Spectrum]) -> Self {
+        let of = |curves: &[Spectrum], look: &Look| {
+            let within: Vec<Spectrum> =
+                curves.iter().filter_map(|curve| curve.within(self.range_nm)).collect();
+            Spread::of(&within, look.peak)
+        };
+        Self { spread: [of(simulated, &self.simulated), of(measured, &self.measured)], ..self }
+    }
+
+    /// The 95 % interval of the shift of the peak, nm, from how the individuals of both differ (Welch's t); none where one of the
+    /// two has no spread.
+    #[must_use]
+    pub fn peak_shift_interval_nm(&self) -> Option<[f64; 2]> {
+        let [simulated, measured] = [self.spread[0]?.peak_nm?, self.spread[1]?.peak_nm?];
+        let shift = self.peak_shift_nm()?;
+        let half = simulated.difference_half_width(&measured)?;
+        Some([shift - half, shift + half])
     }
 
     /// The simulated peak that corresponds to the measured one, and that one.
@@ -144,6 +174,12 @@ impl Comparison {
         let (s, m) = (&self.simulated, &self.measured);
         let (s_half, m_half) = (s.peak.map(|p| p.half), m.peak.map(|p| p.half));
         let stretch = self.correspondence.and_then(|found| found.stretch);
+        let interval = self.peak_shift_interval_nm();
+        let std = |whose: usize, what: fn(&Spread) -> Option<Moments>| {
+            number(self.spread[whose].as_ref().and_then(what).map(|moments| moments.std))
+        };
+        let residual = self.residual.as_ref();
+        let change = residual.map(|residual| residual.change);
         Fields(vec![
             ("common_from_nm", number(Some(self.range_nm[0]))),
             ("common_to_nm", number(Some(self.range_nm[1]))),
@@ -157,6 +193,16 @@ impl Comparison {
             ("measured_half_level", number(m_half.map(|h| h.level))),
             ("measured_half_width_nm", number(m_half.and_then(|h| h.nm()))),
             ("peak_shift_nm", number(self.peak_shift_nm())),
+            ("peak_shift_low_nm", number(interval.map(|i| i[0]))),
+            ("peak_shift_high_nm", number(interval.map(|i| i[1]))),
+            ("simulated_individuals", Field::Count(self.spread[0].map_or(0, |s| s.count))),
+            ("simulated_peak_std_nm", std(0, |s| s.peak_nm)),
+            ("simulated_half_width_std_nm", std(0, |s| s.half_width_nm)),
+            ("simulated_peak_reflectance_std", std(0, |s| s.peak_reflectance)),
+            ("measured_individuals", Field::Count(self.spread[1].map_or(0, |s| s.count))),
+            ("measured_peak_std_nm", std(1, |s| s.peak_nm)),
+            ("measured_half_width_std_nm", std(1, |s| s.half_width_nm)),
+            ("measured_peak_reflectance_std", std(1, |s| s.peak_reflectance)),
             ("stretch", number(stretch.map(|stretch| stretch.factor))),
             ("correlation", number(stretch.map(|stretch| stretch.correlation))),
             ("rmse", number(Some(self.rmse))),
@@ -164,6 +210,13 @@ impl Comparison {
             ("rmse_scaled", number(self.rmse_scaled)),
             ("delta_e_2000", number(self.delta_e_2000)),
             ("delta_e_76", number(self.delta_e_76)),
+            ("cause", Field::Word(residual.and_then(Residual::cause).map(str::to_owned))),
+            ("explained", number(residual.map(|r| r.explained))),
+            ("cause_shift", number(change.map(|c| c.shift))),
+            ("cause_level", number(change.map(|c| c.level))),
+            ("cause_broadening_nm", number(change.map(|c| c.broadening_nm))),
+            ("cause_offset", number(change.map(|c| c.offset))),
+            ("cause_note", Field::Note(residual.map(Residual::words))),
             ("shift_note", Field::Note(self.no_shift())),
         ])
     }
@@ -177,7 +230,12 @@ impl Comparison {
             (Some(s), Some(m)) => {
                 let shift = match self.no_shift() {
                     Some(why) => format!("no shift, since {why}"),
-                    None => format!("shift {:+.0} nm", s.nm - m.nm),
+                    None => match self.peak_shift_interval_nm() {
+                        Some([low, high]) => {
+                            format!("shift {:+.0} nm, 95 %: {low:+.0} to {high:+.0}", s.nm - m.nm)
+                        }
+                        None => format!("shift {:+.0} nm", s.nm - m.nm),
+                    },
                 };
                 let higher = self.simulated.highest.filter(|_| self.simulated.highest_is_another());
                 let other = higher.map_or_else(String::new, |higher| {
@@ -207,6 +265,7 @@ impl Comparison {
             (Some(new), Some(old)) => parts.push(format!("ΔE00 {new:.1} (CIEDE2000), ΔE*ab {old:.1} (1976)")),
             _ => parts.push("no ΔE, since the common range is too short for a colour".into()),
         }
+        parts.extend(self.residual.as_ref().map(|residual| format!("hint: {}", residual.words())));
         parts.join(", ")
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! [`Wavelengths`] are a sorted set in nm that is cheap to share; a [`Spectrum`] has one value for each and is linear
 //! between them, a [`dense::DenseSpectrum`] one for each nm. [`colour`] turns reflectances into what an observer sees, [`hue`] says which colour that is, [`look`] gives
-//! all numbers of a colour together, [`peaks`] finds peaks and [`orders`] which of them correspond; [`comparison`] holds a simulated spectrum against a measured one. [`sensor`] is who looks at a
+//! all numbers of a colour together, [`peaks`] finds peaks, [`orders`] which of them correspond and [`angle_law`] how they move with the angle; [`comparison`] holds a simulated spectrum against a measured one. [`sensor`] is who looks at a
 //! picture, [`hero`] which wavelengths its paths have.
 
+pub mod angle_law;
 mod cie;
 pub mod colour;
 pub mod comparison;
@@ -17,7 +18,9 @@ pub mod look;
 pub mod orders;
 pub mod peaks;
 pub mod primaries;
+pub mod residual;
 pub mod sensor;
+pub mod spread;
 
 use std::sync::Arc;
 

@@ -9,29 +9,35 @@ Lengths are µm in structures, nm for films and vacuum wavelengths; angles are d
 
 from __future__ import annotations
 
+from . import vision
 from ._colour import colours, delta_e_2000
 from ._export import Written, export
+from ._inverse import Fitted, Size, Solution, fit_structure
 from ._make import characterize, fit, simulate
 from ._material import Material
 from ._native import Picture, Section, Structure, species, version
-from ._optics import Heights, crystal, far_fields, film, spectrum
+from ._optics import AngleLaw, Heights, Interval, angle_law, crystal, far_fields, film, spectrum
 from ._opening import open
 from ._progress import Bar
 from ._labels import Arrays, Axis, Quantity
 from ._scene import Scene, presets, render
 from ._trace import Traced, trace
+from .vision import birds, see
 from .errors import BarbuleError, DoubtWarning, InputError, MachineError, NotSettledError
 
 __version__ = version()
 
 __all__ = [
+    "AngleLaw",
     "Arrays",
     "Axis",
     "Bar",
     "BarbuleError",
     "DoubtWarning",
+    "Fitted",
     "Heights",
     "InputError",
+    "Interval",
     "MachineError",
     "Material",
     "NotSettledError",
@@ -39,9 +45,13 @@ __all__ = [
     "Quantity",
     "Scene",
     "Section",
+    "Size",
+    "Solution",
     "Structure",
     "Traced",
     "Written",
+    "angle_law",
+    "birds",
     "characterize",
     "colours",
     "crystal",
@@ -50,11 +60,14 @@ __all__ = [
     "far_fields",
     "film",
     "fit",
+    "fit_structure",
     "open",
     "presets",
     "render",
+    "see",
     "simulate",
     "species",
     "spectrum",
     "trace",
+    "vision",
 ]

@@ -51,6 +51,81 @@ def spectra(
     threads: int | None,
     progress: _Watch,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]: ...
+def readings(
+    structure: Structure,
+    wavelengths_nm: NDArray[np.float64],
+    angles_deg: NDArray[np.float64],
+    instrument: str,
+    along: bool,
+    turn_deg: float,
+    tilt_deg: tuple[float, float],
+    instances: int,
+    seed: int,
+    polarization: Sequence[float],
+    threads: int | None,
+    progress: _Watch,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]: ...
+def material_readings(
+    material: Material,
+    wavelengths_nm: NDArray[np.float64],
+    angles_deg: NDArray[np.float64],
+    instrument: str,
+    along: bool,
+    turn_deg: float,
+    tilt_deg: tuple[float, float],
+    threads: int | None,
+    progress: _Watch,
+) -> NDArray[np.float64]: ...
+
+_Ends = tuple[float, float, float | None]
+
+def angle_law(
+    angles_deg: NDArray[np.float64], peaks_nm: Sequence[float]
+) -> tuple[_Ends, _Ends | None, float, _Ends, _Ends, float]: ...
+def eye_names() -> list[str]: ...
+
+_Cone = tuple[str, float, float, str, NDArray[np.float64]]
+
+def eye(bird: str) -> tuple[str, str, list[_Cone], _Cone | None, list[float], list[str]]: ...
+def catches(
+    wavelengths_nm: NDArray[np.float64], reflectance: NDArray[np.float64], bird: str, illuminant: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def jnd(
+    catches: NDArray[np.float64], ratio: NDArray[np.float64], weber: float, is_rarest: bool
+) -> NDArray[np.float64]: ...
+def tetrahedral(catches: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def things(
+    text: str,
+    each_sample: bool,
+    wavelengths_nm: NDArray[np.float64],
+    angle_deg: NDArray[np.float64],
+    instances: int,
+    seed: int,
+    media: _Media,
+    threads: int | None,
+    progress: _Watch,
+) -> list[tuple[str, NDArray[np.float64], NDArray[np.float64]]]: ...
+def fit_structure(
+    files: Sequence[str],
+    wavelengths_nm: NDArray[np.float64],
+    reflectance: NDArray[np.float64],
+    angles_deg: NDArray[np.float64],
+    model: str,
+    stack: str | None,
+    free: Sequence[str],
+    instrument: str | None,
+    along: bool,
+    range_nm: Sequence[float] | None,
+    column: str | None,
+    fixed: bool,
+    offset: bool,
+    solutions: int,
+    instances: int,
+    seed: int,
+    media: _Media,
+    threads: int | None,
+    progress: _Watch,
+) -> tuple[str, str]: ...
 def far_fields(
     section: Section,
     wavelengths_nm: NDArray[np.float64],

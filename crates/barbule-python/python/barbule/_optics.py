@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Union
+from typing import TYPE_CHECKING, Literal, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._labels import Axis, Quantity, axis_nm, labelled, media_of, numbers
+from ._material import Material
 from ._native import Section, Structure
 from ._opening import Name, structure_of
 from ._progress import ProgressLike, watched
+from .errors import InputError
 
 if TYPE_CHECKING:
     import xarray
@@ -94,7 +96,7 @@ def film(
 
 
 def spectrum(
-    structure: Structure | Name,
+    structure: Structure | Material | Name,
     wavelengths_nm: ArrayLike = VISIBLE_NM,
     angles_deg: ArrayLike = 0.0,
     *,
@@ -102,6 +104,9 @@ def spectrum(
     instances: int = 50,
     seed: int = 1,
     cone_deg: float | None = None,
+    instrument: str | None = None,
+    turn_deg: float = 0.0,
+    tilt_deg: float | tuple[float, float] = 0.0,
     polarization: Literal[1, 2] | None = None,
     media: Mapping[str, Name] | None = None,
     threads: int | None = None,
@@ -110,13 +115,17 @@ def spectrum(
     """What barbules reflect over the wavelength: mean, spread and every individual.
 
     Args:
-        structure: A structure, or whatever `barbule.open` opens.
+        structure: A structure, or whatever `barbule.open` opens; with an instrument also a `Material`, whose smooth mean is read.
         wavelengths_nm: Vacuum wavelengths, rising.
-        angles_deg: Angles of the light from the normal.
+        angles_deg: Angles of the light from the normal; of an instrument how far the feather is turned away from its axis.
         plane: Whether the light turns across the barbule or along it.
         instances: Number of random individuals.
         seed: Their seed.
         cone_deg: Only what falls within this angle of the mirror direction; all of it without.
+        instrument: Reading of ``probe:CONE``, ``arms:IN,OUT,CONE``, ``sphere`` or ``microscope:NA`` (degrees, CONE the half angle) beside
+            a perfect white standard, which mirrors may exceed; all that is reflected without.
+        turn_deg: Under an instrument, how far the feather is turned about its own normal.
+        tilt_deg: Under an instrument, standard deviation of barbules' slopes out of the vane and of their turns about their axes, or both.
         polarization: Incident polarization 1 or 2; unpolarized light without.
         media: Media of your own by name, each a file of n and k.
         threads: Threads; all cores without a number.
@@ -124,28 +133,53 @@ def spectrum(
 
     Returns:
         ``reflectance`` and ``std`` over ``[angle, wavelength]``, ``individuals`` over ``[instance, angle, wavelength]``, and ``flagged``: where
-        light grazes so that the simulation is off.
+        light grazes so that the simulation is off. Of a `Material` only ``reflectance``.
 
     Example:
         >>> import barbule
         >>> found = barbule.spectrum("starling", [450, 550, 650], [0, 30], instances=4)
         >>> found["individuals"].shape
         (4, 2, 3)
+        >>> barbule.spectrum("air/keratin:200/air", [500], instrument="probe:10")["reflectance"].shape
+        (1, 1)
     """
-    opened = structure_of(structure, media)
     nm, angles = numbers(wavelengths_nm), numbers(angles_deg)
+    if isinstance(structure, Material):
+        if instrument is None or polarization is not None or cone_deg is not None:
+            raise InputError("a Material is read by an instrument in unpolarized light: give instrument='probe:10' or another alone")
+        with watched(progress) as watch:
+            found = _native.material_readings(
+                structure._native, nm, angles, instrument, plane == "along", turn_deg, _both(tilt_deg), threads, watch
+            )
+        return labelled(
+            {"reflectance": Quantity(found, ("angle", "wavelength"), "reading beside white")},
+            {"angle": Axis(angles, "turn away from the instrument's axis", "degree"), "wavelength": axis_nm(nm)},
+            instrument=instrument,
+            reference="white",
+        )
+    if instrument is None and (turn_deg != 0.0 or _both(tilt_deg) != (0.0, 0.0)):
+        raise InputError("'turn_deg' and 'tilt_deg' belong to an instrument; give one, as in instrument='probe:10'")
+    if instrument is not None and cone_deg is not None:
+        raise InputError("'cone_deg' and 'instrument' both say what is collected; give one of them")
+    opened = structure_of(structure, media)
     nothing = np.zeros_like(angles)
     theta, phi = (nothing, angles) if plane == "across" else (angles, nothing)
     weights = {None: [0.5, 0.5], 1: [1.0, 0.0], 2: [0.0, 1.0]}[polarization]
     with watched(progress) as watch:
-        mean, std, individuals, flagged = _native.spectra(
-            opened, nm, theta, phi, instances, seed, cone_deg, weights, threads, watch
-        )
+        if instrument is None:
+            mean, std, individuals, flagged = _native.spectra(
+                opened, nm, theta, phi, instances, seed, cone_deg, weights, threads, watch
+            )
+        else:
+            mean, std, individuals, flagged = _native.readings(
+                opened, nm, angles, instrument, plane == "along", turn_deg, _both(tilt_deg), instances, seed, weights, threads, watch
+            )
     over = ("angle", "wavelength")
+    what = "reflected fraction" if instrument is None else "reading beside white"
     data = {
-        "reflectance": Quantity(mean, over, "reflected fraction, mean over individuals"),
+        "reflectance": Quantity(mean, over, f"{what}, mean over individuals"),
         "std": Quantity(std, over, "standard deviation of individuals"),
-        "individuals": Quantity(individuals, ("instance", *over), "reflected fraction of each individual"),
+        "individuals": Quantity(individuals, ("instance", *over), f"{what} of each individual"),
         "flagged": Quantity(flagged, over, "whether the simulation is off there"),
     }
     coords = {
@@ -153,7 +187,54 @@ def spectrum(
         "wavelength": axis_nm(nm),
         "instance": Axis(np.arange(individuals.shape[0]), "number of the individual"),
     }
-    return labelled(data, coords, structure=opened.name, seed=seed)
+    read_by = {} if instrument is None else {"instrument": instrument, "reference": "white"}
+    return labelled(data, coords, structure=opened.name, seed=seed, **read_by)
+
+
+def _both(tilt_deg: float | tuple[float, float]) -> tuple[float, float]:
+    return tilt_deg if isinstance(tilt_deg, tuple) else (float(tilt_deg), float(tilt_deg))
+
+
+class Interval(NamedTuple):
+    """A value and its 95 % confidence interval; `high` is None where it has no bound."""
+
+    value: float
+    low: float
+    high: float | None
+
+
+class AngleLaw(NamedTuple):
+    """How a peak moves with the angle: ``λ₀ √(1 − sin²θ/n²)``, and the line ``a − b E`` of the angle ``E = 2θ`` between light and viewer."""
+
+    normal_nm: Interval
+    index: Interval | None
+    rmse_nm: float
+    a_nm: Interval
+    b_nm_per_deg: Interval
+    line_rmse_nm: float
+
+
+def angle_law(angles_deg: ArrayLike, peaks_nm: ArrayLike) -> AngleLaw:
+    """Fits the law of peaks against the angle by least squares, with 95 % intervals (Student's t).
+
+    Args:
+        angles_deg: Angles θ at which the layers are lit, at least three: of arms half the angle between them, else the angle of incidence.
+        peaks_nm: The peak of one order of interference at each.
+
+    Raises:
+        InputError: Fewer than three peaks, or all at one angle.
+
+    Example:
+        >>> import barbule
+        >>> law = barbule.angle_law([0, 20, 40, 60], [640.0, 624.3, 580.2, 525.0])
+        >>> 1.4 < law.index.value < 1.6
+        True
+    """
+    found = _native.angle_law(numbers(angles_deg), [float(nm) for nm in numbers(peaks_nm)])
+    normal, index, rmse, a, b, line_rmse = found
+    return AngleLaw(
+        Interval(*normal), None if index is None else Interval(*index), rmse, Interval(*a), Interval(*b), line_rmse
+    )
 
 
 def far_fields(

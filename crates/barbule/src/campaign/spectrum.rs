@@ -1,4 +1,7 @@
-//! Reflectance spectra of a structure: mean and spread over instances.
+//! Reflectance spectra of a structure: mean and spread over instances; all that is reflected, or what instruments read.
+
+mod mount;
+mod reading;
 
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -14,6 +17,12 @@ use crate::solve::surface::{
 use crate::spectrum::Wavelengths;
 use crate::structure::{Lattice, Structure};
 use crate::{Error, Result};
+
+#[cfg(test)]
+pub(crate) use mount::Beam;
+pub(crate) use mount::Tilted;
+pub use mount::{Mount, Vane};
+pub use reading::{ReadingRequest, reading_bytes, readings_and_individuals};
 
 /// Which part of the reflected light a spectrum collects.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +59,8 @@ pub struct Spectra {
     pub std: Vec<Vec<f64>>,
     /// What a flat perfect mirror as wide would reflect in all by the same formulas: how far off they are there.
     pub mirror: Vec<Vec<f64>>,
+    /// Whether the values are readings beside a white diffuser, which may exceed 1, rather than parts of the light.
+    pub beside_white: bool,
 }
 
 /// Reflected power near grazing incidence, where the simulation makes a perfect mirror reflect what it does not.
@@ -86,15 +97,18 @@ impl Spectra {
     #[must_use]
     pub fn flagged(&self) -> Vec<Vec<bool>> {
         let off = |mirror: &f64| (mirror - 1.0).abs() > LARGEST_MIRROR_ERROR;
+        let over = |reflected: &f64| !self.beside_white && *reflected > ALL_LIGHT;
         let rows = self.mirror.iter().zip(&self.mean);
-        rows.map(|(mirror, mean)| mirror.iter().zip(mean).map(|(m, r)| off(m) || *r > ALL_LIGHT).collect())
-            .collect()
+        rows.map(|(mirror, mean)| mirror.iter().zip(mean).map(|(m, r)| off(m) || over(r)).collect()).collect()
     }
 
     /// Where the simulation reflects more than all light though a mirror would reflect what it should: the largest such value, and
     /// how many there are.
     #[must_use]
     pub fn over(&self) -> Option<Over> {
+        if self.beside_white {
+            return None;
+        }
         let mut found: Option<Over> = None;
         for (direction, (mirror, mean)) in self.mirror.iter().zip(&self.mean).enumerate() {
             for (wavelength, (mirror, reflected)) in mirror.iter().zip(mean).enumerate() {
@@ -169,9 +183,18 @@ pub fn spectra_and_individuals(
     let columns = request.wavelengths.len();
     let individuals =
         Individuals { fractions: fractions(structure, request, progress)?, wavelengths: columns };
-    let count = request.instances as f64;
-    let mut spectra = Spectra { mean: Vec::new(), std: Vec::new(), mirror: Vec::new() };
-    for direction in 0..request.directions.len() {
+    let (mean, std) = moments(&individuals, request.directions.len());
+    let mirror = request.directions.iter().map(|&(theta_i, phi_i)| {
+        let of_mirror = |&nm: &f64| mirror_fraction(structure.width_um(), nm, theta_i, phi_i);
+        request.wavelengths.iter().map(of_mirror).collect()
+    });
+    Ok((Spectra { mean, std, mirror: mirror.collect(), beside_white: false }, individuals))
+}
+
+/// Mean and standard deviation over the instances, `[direction][wavelength]`.
+fn moments(individuals: &Individuals, directions: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+    let (columns, count) = (individuals.wavelengths, individuals.count() as f64);
+    let of = |direction: usize| {
         let values = |wavelength: usize| {
             individuals.fractions.iter().map(move |v| v[direction * columns + wavelength])
         };
@@ -179,13 +202,9 @@ pub fn spectra_and_individuals(
         let std = (0..columns)
             .map(|w| (values(w).map(|v| (v - mean[w]).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt())
             .collect();
-        spectra.mean.push(mean);
-        spectra.std.push(std);
-        let (theta_i, phi_i) = request.directions[direction];
-        let of_mirror = |&nm: &f64| mirror_fraction(structure.width_um(), nm, theta_i, phi_i);
-        spectra.mirror.push(request.wavelengths.iter().map(of_mirror).collect());
-    }
-    Ok((spectra, individuals))
+        (mean, std)
+    };
+    (0..directions).map(of).unzip()
 }
 
 /// Reflected fractions, `[instance][direction · wavelength]`; instances in parallel.
@@ -304,6 +323,7 @@ mod tests {
             mean: vec![vec![0.4, 1.2, 0.9], vec![1.5, 1.3, 1.0]],
             std: vec![vec![0.0; 3]; 2],
             mirror: vec![vec![1.0, 1.0, 1.0], vec![2.0, 1.01, 1.0]],
+            beside_white: false,
         };
         assert_eq!(spectra.flagged(), [[false, true, false], [true, true, false]]);
         assert_eq!(spectra.over(), Some(Over { direction: 1, wavelength: 1, reflected: 1.3, count: 2 }));

@@ -78,7 +78,7 @@ pub fn diffraction_spectrum(
     page: &Page,
 ) -> Drawing {
     let band = Band { name: "simulated".into(), mean: found.clone(), std: None, peak: None };
-    let mut figure = spectra(title, &[band], measured);
+    let mut figure = spectra(title, &[band], measured.map_or(&[], std::slice::from_ref));
     figure.y.label = quantity.into();
     if measured.is_none() {
         figure.legend = String::new();

@@ -1,16 +1,21 @@
 //! Figures of sections, spectra and materials.
 
+mod angle_law;
 mod diffraction;
 mod far_fields;
+mod inverse;
 mod lobes;
 mod section;
 mod segment;
 mod simulated;
 mod spectrum;
 mod values;
+mod vision;
 
+pub use angle_law::{FollowedPeaks, angle_law};
 pub use diffraction::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
 pub use far_fields::{check_far_fields, far_fields};
+pub use inverse::inverse;
 pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
 pub(crate) use section::scale_bar_of;
 pub use section::section;
@@ -18,6 +23,7 @@ pub use segment::segment;
 pub use simulated::{FieldPatterns, FitCurves, InstancePatterns, NoiseCurves, statistics_of_fits};
 pub use spectrum::{Simulated, spectra};
 pub use values::{hemisphere_maps, marginals};
+pub use vision::{KERATIN_NOTE, Seen, seen, sensitivities};
 
 /// A structure's name as a heading says it: the only variant of a species goes without its name.
 #[must_use]

@@ -1,7 +1,9 @@
 //! Reflectance against wavelength.
 
+use super::KERATIN_NOTE;
 use crate::Result;
 use crate::campaign::spectrum::Spectra;
+use crate::material::KERATIN_CLEAR_FROM_NM;
 use crate::plot::{self, Band, Drawing, MeasuredBand, Page};
 use crate::spectrum::look::Look;
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -17,6 +19,8 @@ pub struct Simulated<'a> {
     pub instances: usize,
     /// The numbers of each direction; of several the peak that is followed through them is marked.
     pub looks: &'a [Look],
+    /// Whether it has keratin, which is taken to be clear in the ultraviolet: that part is hatched.
+    pub has_guess: bool,
 }
 
 /// Mean and spread of each direction of each structure at common wavelengths, and measured ones beside them.
@@ -27,7 +31,7 @@ pub fn spectra(
     title: &str,
     at: &Wavelengths,
     simulated: &[Simulated],
-    measured: Option<&MeasuredBand>,
+    measured: &[MeasuredBand],
     page: &Page,
 ) -> Result<Drawing> {
     let mut bands = Vec::new();
@@ -44,5 +48,12 @@ pub fn spectra(
             });
         }
     }
-    Ok(plot::spectra(title, &bands, measured).draw_on(page))
+    let mut figure = plot::spectra(title, &bands, measured);
+    let from_nm = at.range_nm().0;
+    if from_nm < KERATIN_CLEAR_FROM_NM && simulated.iter().any(|of| of.has_guess) {
+        figure.hatched = Some([from_nm, KERATIN_CLEAR_FROM_NM]);
+        let notes = figure.footnote.into_iter().chain([KERATIN_NOTE.to_owned()]);
+        figure.footnote = Some(notes.collect::<Vec<_>>().join("; "));
+    }
+    Ok(figure.draw_on(page))
 }

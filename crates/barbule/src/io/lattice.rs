@@ -105,6 +105,20 @@ pub(super) fn crystal_json(crystal: &CrystalLayer) -> Value {
     out
 }
 
+/// The text of a file of a lattice alone, which [`read_lattice`] reads as the same lattice where the media have their names.
+///
+/// # Errors
+/// What TOML cannot write.
+pub fn lattice_toml(lattice: &Lattice) -> Result<String> {
+    let mut table =
+        crystal_json(&CrystalLayer { lattice: lattice.clone(), offset_um: 0.0, regularity: None });
+    if let Value::Object(table) = &mut table {
+        UNDER_A_TOP.iter().for_each(|key| drop(table.remove(*key)));
+    }
+    toml::to_string(&json!({ "lattice": table }))
+        .map_err(|error| Error::input(format!("the lattice cannot be written as TOML: {error}")))
+}
+
 fn keys() -> Vec<&'static str> {
     KEYS.iter().chain(UNDER_A_TOP).copied().collect()
 }
@@ -218,6 +232,18 @@ mod tests {
         let error = read(&MALLARD.replace(from, to)).unwrap_err();
         assert!(error.is_input() && error.to_string().len() < 600, "{error}");
         error.to_string()
+    }
+
+    #[test]
+    fn what_is_written_of_a_lattice_is_read_as_the_same() {
+        for name in ["mallard", "magpie", "peafowl"] {
+            let lattice =
+                crate::structure::SpeciesModel::builtin(name, None, Library::builtin()).unwrap().lattice();
+            let lattice = lattice.unwrap();
+            let text = lattice_toml(&lattice).unwrap();
+            let read = parse(&text, false, Path::new("."), &Library::builtin()).unwrap();
+            assert_eq!(read.hash(), lattice.hash(), "{text}");
+        }
     }
 
     #[test]

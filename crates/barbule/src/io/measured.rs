@@ -9,6 +9,7 @@ mod long;
 mod names;
 mod resample;
 mod scale;
+mod series;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ mod tests;
 use std::path::Path;
 
 pub(super) use names::position_unit;
+pub use series::{AtAngle, Measurements, read_measurements};
 
 use super::read_at_most;
 pub use super::whole::LARGEST_TABLE;

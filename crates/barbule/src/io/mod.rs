@@ -7,6 +7,7 @@ mod bsdf;
 mod cache;
 mod container;
 mod curves;
+mod eye;
 mod feather;
 mod grating;
 mod heights;
@@ -42,13 +43,14 @@ pub use brdf_tables::{decode_tables, encode_tables, read_tables, write_tables};
 pub use bsdf::{LARGEST_BSDF, decode_bsdf, encode_bsdf, rgl_arrays, write_bsdf};
 pub use cache::{CacheFile, delete_file, list_cache};
 pub use curves::{LARGEST_CURVES, curves_text, decode_curves, foretell_curves, parse_curves, read_curves};
+pub use eye::read_eye;
 pub use feather::{
     FeatherFormat, MOST_WRITTEN_BARBULES, UsdLook, foretell_written, write_feather, write_usd,
 };
 pub use grating::{GratingFile, LARGEST_GRATING, decode_grating, read_grating, write_grating};
 pub use heights::{Clean, HeightUnit, HeightsOptions, foretell_heights, read_heights};
 pub use kind::{InputKind, kind_of};
-pub use lattice::read_lattice;
+pub use lattice::{lattice_toml, read_lattice};
 pub use ledger::{Ledger, claim_output, note_input};
 pub use machine::{available_memory, peak_memory};
 pub use material::{decode_material, encode_material, read_material, write_material};

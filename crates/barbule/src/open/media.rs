@@ -28,6 +28,15 @@ impl Media {
         Ok(())
     }
 
+    /// Makes a medium's n higher by `by` at every wavelength.
+    ///
+    /// # Errors
+    /// There is no such medium, or it would have an index that none has.
+    pub fn shift(&mut self, name: &str, by: f64) -> Result<()> {
+        let shifted = self.library.get(name)?.with_higher_index(by)?;
+        self.library.insert(name, shifted)
+    }
+
     /// All of them by name.
     #[must_use]
     pub fn library(&self) -> &Library {

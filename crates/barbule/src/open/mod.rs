@@ -29,7 +29,9 @@ mod material;
 mod media;
 mod scene;
 mod structure;
+mod subject;
 mod unknown;
+mod vision;
 
 use std::path::Path;
 
@@ -37,6 +39,8 @@ pub use material::{Located, locate, made, material, material_of, worn};
 pub use media::Media;
 pub use scene::{description, folder_of, scene};
 pub use structure::{film_stack, is_built_in, lattice, lattice_of, stack, structure};
+pub use subject::target;
+pub use vision::{Simulation, Thing, eye, eye_names, light, things};
 
 use crate::Result;
 use crate::campaign::Resources;

@@ -1,7 +1,7 @@
 //! Line charts.
 
 use super::axes::{Axis, Frame, MEDIUM, SMALL, Words, covering, is_in_degrees, log_covering};
-use super::drawing::{Anchor, Drawing, Item, Stroke};
+use super::drawing::{Anchor, Drawing, Ink, Item, Stroke};
 use super::legend::Legend;
 use super::{Page, palette, text};
 
@@ -72,6 +72,8 @@ pub struct Figure {
     pub legend: String,
     /// Small print below.
     pub footnote: Option<String>,
+    /// A range of x that is hatched: what is drawn there is doubtful.
+    pub hatched: Option<[f64; 2]>,
     /// Width and height of the plane in px.
     pub size: [f64; 2],
 }
@@ -87,6 +89,7 @@ impl Figure {
             curves: Vec::new(),
             legend: String::new(),
             footnote: None,
+            hatched: None,
             size: SIZE,
         }
     }
@@ -110,7 +113,9 @@ impl Figure {
         let page_width = size.map_or(LABEL_AT + 18.0 + self.size[0] + right, |[width, _]| width);
         let words = Words::new(&self.title, &self.x.label, page_width);
         let note = self.footnote.as_deref().unwrap_or("");
-        let note = text::wrapped(note, SMALL, page_width - 32.0, 4);
+        // Without a page's size notes begin below the plane.
+        let indent = if size.is_some() { 0.0 } else { LABEL_AT };
+        let note = text::wrapped(note, SMALL, page_width - 32.0 - indent, 4);
         let legend_height = if legend.is_beside() { 0.0 } else { legend.height() };
         let below = words.below() + legend_height + NOTE_LINE * note.len() as f64;
         let plane_height = size.map_or(self.size[1], |[_, h]| (h - words.top() - below).max(LEAST[1]));
@@ -121,7 +126,7 @@ impl Figure {
         let mut drawing = Drawing::new((left + plane_width + right).ceil(), top + plane_height + below);
         let frame = self.frame([left, top, plane_width, plane_height]);
         frame.grid(&mut drawing);
-        let mut items = Vec::new();
+        let mut items = self.hatched.map_or_else(Vec::new, |range| hatching(&frame, range));
         for (i, curve) in self.curves.iter().enumerate() {
             band(&mut items, &frame, curve, &self.stroke(i));
         }
@@ -176,6 +181,24 @@ impl Figure {
         let y = self.y.range.unwrap_or_else(|| if logarithmic[1] { log_covering(ys) } else { covering(ys) });
         Frame { area, x, y, logarithmic, degrees: [&self.x, &self.y].map(is_in_degrees) }
     }
+}
+
+/// From one line of a hatching to the next, px.
+const HATCH: f64 = 7.0;
+
+/// Slanting lines over a range of x.
+fn hatching(frame: &Frame, range: [f64; 2]) -> Vec<Item> {
+    let [_, top, _, height] = frame.area;
+    let [left, right] = range.map(|x| frame.place([x.clamp(frame.x[0], frame.x[1]), frame.y[0]])[0]);
+    if right - left < 1.0 {
+        return Vec::new();
+    }
+    let stroke = Stroke::solid(Ink::of([150, 150, 150]), 0.7);
+    let count = ((right - left + height) / HATCH) as usize;
+    let from = |i: usize| left - height + HATCH * i as f64;
+    let runs = (0..=count).map(|i| vec![[from(i), top + height], [from(i) + height, top]]).collect();
+    let lines = Item::Path { runs, closed: false, fill: None, stroke: Some(stroke) };
+    vec![Item::Clip { area: [left, top, right - left, height], items: vec![lines] }]
 }
 
 fn band(items: &mut Vec<Item>, frame: &Frame, curve: &Curve, stroke: &Stroke) {

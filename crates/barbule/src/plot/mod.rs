@@ -18,6 +18,7 @@ mod places;
 mod raster;
 mod spectra;
 mod svg;
+mod tetrahedron;
 pub mod text;
 
 pub use axes::{Axis, ticks};
@@ -28,6 +29,7 @@ pub use page::Page;
 pub use palette::{Map, PALETTE, style};
 pub use raster::encode_png;
 pub use spectra::{Band, MeasuredBand, spectra};
+pub use tetrahedron::Tetrahedron;
 
 use std::path::Path;
 

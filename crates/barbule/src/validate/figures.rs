@@ -119,7 +119,7 @@ impl Ensemble {
         let bands: Vec<Band> = [1, 0].into_iter().filter_map(band).collect();
         let ([from, to], _) = found.beam();
         let of = format!(", φ_i = {:.0}°", found.phi_deg);
-        let mut figure = spectra(&self.title(&of), &bands, None);
+        let mut figure = spectra(&self.title(&of), &bands, &[]);
         figure.y.label = "reflected part of the light".into();
         figure.footnote = Some(format!(
             "light from {from:.0}° to {to:.0}°; power error {} %",

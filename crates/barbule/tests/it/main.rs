@@ -22,6 +22,7 @@ mod geometry;
 mod golden;
 mod gratings;
 mod identity;
+mod instruments;
 mod levels;
 mod lights;
 mod measure;

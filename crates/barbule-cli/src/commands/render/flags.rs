@@ -5,8 +5,10 @@ use std::time::Duration;
 
 use barbule::error::{did_you_mean, shortened};
 use barbule::io::read_sensor;
+use barbule::open;
 use barbule::scene::description::{Background, Bearing, Exposure, Motion, Moved, ViewModel, Waypoint};
 use barbule::spectrum::sensor::Sensor;
+use barbule::vision::Eye;
 use barbule::{Error, Result};
 
 use crate::sets;
@@ -127,20 +129,32 @@ pub(super) fn view_model(text: &str) -> Result<ViewModel> {
     ViewModel::named("detail.view_model", text).map_err(|e| e.at("--view-model"))
 }
 
-/// `human`, or a file of curves.
-pub(super) fn sensor(text: &str) -> Result<Sensor> {
+/// Who sees a picture.
+#[derive(Debug, Clone)]
+pub(super) enum Seer {
+    /// A person, or the channels of a file.
+    Sensor(Sensor),
+    /// A bird.
+    Bird(Box<Eye>),
+}
+
+/// `human`, `bird:` and a bird, or a file of curves.
+pub(super) fn sensor(text: &str) -> Result<Seer> {
     if text == super::HUMAN {
-        return Ok(Sensor::human());
+        return Ok(Seer::Sensor(Sensor::human()));
+    }
+    if let Some(bird) = text.strip_prefix("bird:") {
+        return open::eye(bird).map(|eye| Seer::Bird(Box::new(eye))).map_err(|e| e.at("--sensor"));
     }
     let path = Path::new(text);
     if !path.exists() {
         let near = did_you_mean(text, [super::HUMAN]);
         return Err(Error::input(format!(
-            "--sensor {}: give human, or a file of curves (.csv or .toml) that is there{near}",
+            "--sensor {}: give human, bird:NAME, or a file of curves (.csv or .toml) that is there{near}",
             shortened(text)
         )));
     }
-    read_sensor(path).map_err(|e| e.at("--sensor"))
+    read_sensor(path).map(Seer::Sensor).map_err(|e| e.at("--sensor"))
 }
 
 /// What moves on an arc, as in `light=40`.

@@ -18,7 +18,15 @@ impl SpeciesFile {
     /// # Errors
     /// No such variant, or what the format cannot write.
     pub fn flat_toml(&self, variant: Option<&str>) -> Result<String> {
-        let lines_of_parameters = self.explained(variant)?;
+        self.flat_toml_of(variant, &Map::new())
+    }
+
+    /// The same with other values of some parameters.
+    ///
+    /// # Errors
+    /// As [`Self::flat_toml`].
+    pub fn flat_toml_of(&self, variant: Option<&str>, values: &Map<String, Value>) -> Result<String> {
+        let lines_of_parameters = self.explained_with(variant, values)?;
         let variant = variant.unwrap_or(&self.default);
         let from =
             if variant == DEFAULT_VARIANT { self.name.clone() } else { format!("{}:{variant}", self.name) };
@@ -67,7 +75,17 @@ impl SpeciesFile {
     /// # Errors
     /// No such variant, or what the format cannot write.
     pub fn explained(&self, variant: Option<&str>) -> Result<Vec<(String, String)>> {
-        self.given(variant)?.iter().map(|(key, value)| Ok((line(key, value)?, explained(key)))).collect()
+        self.explained_with(variant, &Map::new())
+    }
+
+    fn explained_with(
+        &self,
+        variant: Option<&str>,
+        values: &Map<String, Value>,
+    ) -> Result<Vec<(String, String)>> {
+        let given = self.given(variant)?;
+        let lines = given.iter().map(|(key, value)| (key, values.get(key.name).unwrap_or(value)));
+        lines.map(|(key, value)| Ok((line(key, value)?, explained(key)))).collect()
     }
 }
 

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use super::columns::{no_such, shortened_list};
-use super::names::{Role, is_bare_quantity, position_unit, role, says_percent, words};
+use super::names::{Role, is_angle, is_bare_quantity, position_unit, role, says_percent, words};
 use super::resample::{Own, brought_to};
 use super::table::{Cell, Separator, Style};
 use super::{Found, MOST_COLUMNS, MOST_ROWS, Unit, lines};
@@ -136,7 +136,8 @@ impl<'a> Long<'a> {
         }
         let is_group = |i: usize| {
             let words = words(&self.names[i]);
-            !words.is_empty() && words.iter().all(|word| GROUPS.contains(&word.as_str()))
+            is_angle(&self.names[i])
+                || !words.is_empty() && words.iter().all(|word| GROUPS.contains(&word.as_str()))
         };
         self.groups = (0..self.names.len()).filter(|&i| mostly(i)).collect();
         let numbered: Vec<usize> =
@@ -172,7 +173,10 @@ impl<'a> Long<'a> {
                 .collect();
             let of: Option<Vec<u64>> = columns
                 .iter()
-                .map(|&i| numbers.get(i).filter(|v| v.fract() == 0.0).map(|v| v.to_bits()))
+                .map(|&i| {
+                    let number = numbers.get(i).filter(|v| v.is_finite());
+                    number.filter(|v| v.fract() == 0.0 || is_angle(&self.names[i])).map(|v| v.to_bits())
+                })
                 .collect();
             let (Some(of), Some(at)) = (of, numbers.get(self.position)) else { return false };
             *samples.entry(of).or_default() += 1;
@@ -320,7 +324,12 @@ impl<'a> Long<'a> {
             }
             rises &= before.is_none_or(|before| position > before);
             before = Some(position);
-            let name = self.telling.iter().map(|&i| cells[i].trim()).collect::<Vec<_>>().join(" ");
+            // Numbers in a column of angles say degrees, as names of columns do.
+            let told = |&i: &usize| match self.style.cell(&cells[i]) {
+                Some(Cell::Number(angle)) if is_angle(&self.names[i]) => format!("{angle}deg"),
+                _ => cells[i].trim().to_owned(),
+            };
+            let name = self.telling.iter().map(told).collect::<Vec<_>>().join(" ");
             let at = *known.entry(name).or_insert_with_key(|name| {
                 groups.push(Group { name: name.trim().to_owned(), points: Vec::new() });
                 groups.len() - 1

@@ -221,3 +221,107 @@ pub(super) fn is_bare_quantity(name: &str, other_samples: &[&str]) -> bool {
     let others = other_samples.iter().any(|other| quantity_letter(&words(other)).is_none());
     !labels && (!others || !name.contains(letter))
 }
+
+/// Words that say that the number behind them is an angle.
+const ANGLES: [&str; 6] = ["angle", "angles", "theta", "phi", "incidence", "tilt"];
+/// Words that say that the number before them is one.
+const DEGREES: [&str; 4] = ["deg", "degree", "degrees", "°"];
+
+/// Whether a column of numbers holds the angle at which each line was measured.
+pub(super) fn is_angle(name: &str) -> bool {
+    let words = words(name);
+    let known = |word: &String| {
+        ANGLES.contains(&word.as_str())
+            || DEGREES.contains(&word.as_str())
+            || ["i", "of"].contains(&word.as_str())
+    };
+    words.iter().any(|word| ANGLES.contains(&word.as_str())) && words.iter().all(known)
+}
+
+/// The angle in degrees that a name says, as `30deg`, `bird 2, 30°`, `theta_15` or `angle=-12.5`; none where it says none, or two.
+pub(super) fn angle_in(name: &str) -> Option<f64> {
+    let parts = parts(&name.to_lowercase());
+    let is = |part: Option<&Part>, known: &[&str]| matches!(part, Some(Part::Word(w)) if known.contains(&w.as_str()));
+    let mut found = parts.iter().enumerate().filter_map(|(i, part)| {
+        let Part::Number(value) = part else { return None };
+        let before = i.checked_sub(1).and_then(|i| parts.get(i));
+        // theta_i 30
+        let before = if is(before, &["i"]) { i.checked_sub(2).and_then(|i| parts.get(i)) } else { before };
+        (is(parts.get(i + 1), &DEGREES) || is(before, &ANGLES)).then_some(*value)
+    });
+    match (found.next(), found.next()) {
+        (Some(angle), None) => Some(angle),
+        _ => None,
+    }
+}
+
+/// A run of letters, or a number.
+#[derive(Debug, PartialEq)]
+enum Part {
+    Word(String),
+    Number(f64),
+}
+
+/// The words and numbers of a name; a `-` is a sign only where nothing but a blank, a `=`, a `(` or the beginning stands before it.
+fn parts(name: &str) -> Vec<Part> {
+    let chars: Vec<char> = name.chars().collect();
+    let mut parts = Vec::new();
+    let mut at = 0;
+    while at < chars.len() {
+        let start = at;
+        let run =
+            |at: usize, holds: fn(char) -> bool| at + chars[at..].iter().take_while(|c| holds(**c)).count();
+        if chars[at].is_ascii_digit() {
+            at = run(at, |c| c.is_ascii_digit());
+            if chars.get(at) == Some(&'.') && chars.get(at + 1).is_some_and(char::is_ascii_digit) {
+                at = run(at + 1, |c| c.is_ascii_digit());
+            }
+            let is_sign = start > 0
+                && chars[start - 1] == '-'
+                && (start == 1 || matches!(chars[start - 2], ' ' | '=' | '(' | '@'));
+            let text: String = chars[start..at].iter().collect();
+            if let Ok(value) = text.parse::<f64>() {
+                parts.push(Part::Number(if is_sign { -value } else { value }));
+            }
+        } else if chars[at].is_alphabetic() || chars[at] == '°' {
+            at = if chars[at] == '°' { at + 1 } else { run(at, char::is_alphabetic) };
+            parts.push(Part::Word(chars[start..at].iter().collect()));
+        } else {
+            at += 1;
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_say_their_angles() {
+        for (name, angle) in [
+            ("30deg", Some(30.0)),
+            ("30°", Some(30.0)),
+            ("bird 2, 12.5 deg", Some(12.5)),
+            ("teal_45degrees", Some(45.0)),
+            ("theta_15", Some(15.0)),
+            ("theta_i=20", Some(20.0)),
+            ("Angle-30", Some(30.0)),
+            ("angle -30", Some(-30.0)),
+            ("phi=-7.5", Some(-7.5)),
+            ("-30deg", Some(-30.0)),
+            ("K12 -30deg", Some(-30.0)),
+            ("bird-30deg", Some(30.0)),
+            ("bird30", None),
+            ("degree", None),
+            ("deg 30", None),
+            ("10deg 20deg", None),
+            ("R", None),
+            ("2024-07-30", None),
+        ] {
+            assert_eq!(angle_in(name), angle, "{name}");
+        }
+        assert!(is_angle("angle_deg") && is_angle("theta_i") && is_angle("Angle of incidence"));
+        assert!(!is_angle("deg") && !is_angle("angle 30") && !is_angle("bird"));
+    }
+}

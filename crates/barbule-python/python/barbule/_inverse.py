@@ -1,0 +1,192 @@
+"""From measured spectra to the sizes of what reflected them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import Any, Literal, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._labels import media_of, numbers
+from ._opening import Name
+from ._progress import ProgressLike, watched
+
+_Files = Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]]]
+
+
+@dataclass(frozen=True)
+class Size:
+    """A size with its 95 % interval."""
+
+    #: The best value.
+    value: float
+    #: The ends of the interval.
+    low: float
+    high: float
+    #: nm, µm, or nothing.
+    unit: str
+    #: Whether the lower and the upper end are those of the range that was searched.
+    open: tuple[bool, bool]
+    #: Standard deviation between samples (individuals); None of fewer than three.
+    between_samples_std: float | None
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Sizes that fit."""
+
+    #: Each size by its name.
+    parameters: dict[str, Size]
+    #: Root mean square of measured − fitted.
+    rmse: float
+    #: The part of the measurement's variance that is fitted.
+    explained: float
+    #: How much worse than the best it fits, Δχ².
+    worse_by: float
+    #: Whether the measurement does not decide, at 95 %, between this and the best.
+    as_good: bool
+    #: What the model is multiplied by for each reading, and what is added.
+    level: NDArray[np.float64]
+    offset: NDArray[np.float64]
+    #: Covariance of the sizes, ``[size, size]``; not a number where nothing depends on them.
+    covariance: NDArray[np.float64]
+    #: The fitted curve of each reading, at its wavelengths.
+    fitted: list[NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """What `fit_structure` found."""
+
+    #: The solutions, the best first.
+    solutions: list[Solution]
+    #: The text of a file of the best one, which `barbule.open` opens once it is saved.
+    toml: str
+    #: What is doubtful, a sentence each.
+    doubts: list[str]
+    #: The readings: name, wavelength_nm, measured, samples, noise.
+    readings: list[dict[str, Any]] = field(repr=False)
+
+    @property
+    def best(self) -> Solution:
+        """The first solution."""
+        return self.solutions[0]
+
+    def save(self, path: Union[str, "PathLike[str]"]) -> None:
+        """Writes the best solution as a stack, species or lattice file (.toml)."""
+        Path(path).write_text(self.toml, encoding="utf-8")
+
+
+def fit_structure(
+    measured: _Files | tuple[ArrayLike, ArrayLike],
+    model: str = "film",
+    *,
+    angles_deg: ArrayLike = 0.0,
+    stack: str | None = None,
+    free: Sequence[str] = (),
+    instrument: str | None = None,
+    plane: Literal["across", "along"] = "across",
+    range_nm: tuple[float, float] | None = None,
+    column: str | None = None,
+    level: Literal["free", "fixed"] = "free",
+    offset: bool = False,
+    solutions: int = 3,
+    instances: int = 8,
+    seed: int = 1,
+    media: Mapping[str, Name] | None = None,
+    threads: int | None = None,
+    progress: ProgressLike = True,
+) -> Fitted:
+    """Finds the sizes with which a model reflects what was measured.
+
+    Args:
+        measured: Files as on the command line (``FILE``, ``FILE@ANGLE`` or a folder; several in a list), or a pair of arrays: wavelengths
+            in nm and reflectances ``[wavelength]``, ``[angle, wavelength]`` or ``[angle, sample, wavelength]``.
+        model: ``film``, ``multilayer``, ``lattice``, a species with or without a variant, or the .toml file of a species or lattice.
+        angles_deg: The angles of arrays; files say theirs.
+        stack: The stack of a film or multilayer, with ``?`` or ``LOW..HIGH`` for what is to be found.
+        free: Sizes of a species or lattice to be found, ``KEY`` or ``KEY=LOW..HIGH``; those that set the colour most without.
+        instrument: What it was measured with, of flat layers: ``probe:CONE``, ``arms:IN,OUT,CONE``, ``sphere``, ``microscope:NA``.
+        plane: Whether angles lie across the barbule or along it.
+        range_nm: The wavelengths that are fitted; all that are measured without.
+        column: The one column or sample of files to use.
+        level: Whether each reading has a factor of its own, or reflectances are absolute.
+        offset: Whether each reading has a constant of its own too.
+        solutions: How many solutions are given at least; those that fit as well as the best always are.
+        instances: Random individuals of a species in each simulated spectrum.
+        seed: Their seed.
+        media: Media of your own by name, each a file of n and k.
+        threads: Threads; all cores without a number.
+        progress: True for a bar, False for none, or a function ``(label, done, total)``.
+
+    Returns:
+        The solutions, the best first, each size with its 95 % interval.
+
+    Raises:
+        InputError: Files, a model or a stack that cannot be read; too few samples for so many sizes.
+
+    Example:
+        >>> import barbule, numpy as np
+        >>> nm = np.arange(400.0, 701.0, 5.0)
+        >>> film = barbule.film("air/keratin:595/air", nm, progress=False)
+        >>> reflectance = 0.5 * (film["R_s"][0] + film["R_p"][0])
+        >>> found = barbule.fit_structure((nm, reflectance), "film", progress=False)
+        >>> round(found.best.parameters["thickness_nm"].value, 2)
+        595.0
+    """
+    files: list[str] = []
+    nm = values = np.zeros(0)
+    angles = numbers(angles_deg)
+    if isinstance(measured, tuple) and len(measured) == 2 and not isinstance(measured[0], (str, PathLike)):
+        nm, values = numbers(measured[0]), np.asarray(measured[1], dtype=float)
+    elif isinstance(measured, (str, PathLike)):
+        files = [str(measured)]
+    else:
+        files = [str(file) for file in measured]
+    with watched(progress) as watch:
+        text, toml = _native.fit_structure(
+            files,
+            nm,
+            values,
+            angles,
+            model,
+            stack,
+            list(free),
+            instrument,
+            plane == "along",
+            None if range_nm is None else list(range_nm),
+            column,
+            level == "fixed",
+            offset,
+            solutions,
+            instances,
+            seed,
+            media_of(media),
+            threads,
+            watch,
+        )
+    document = json.loads(text)
+    return Fitted([_solution(one) for one in document["solutions"]], toml, document["doubts"], document["readings"])
+
+
+def _solution(given: dict[str, Any]) -> Solution:
+    def size(one: dict[str, Any]) -> Size:
+        lower, upper = one["open"]
+        return Size(one["value"], one["low"], one["high"], one["unit"], (lower, upper), one["between_samples_std"])
+
+    arrays = {key: np.asarray(given[key], dtype=float) for key in ("level", "offset", "covariance")}
+    return Solution(
+        parameters={name: size(one) for name, one in given["parameters"].items()},
+        rmse=given["rmse"],
+        explained=given["explained"],
+        worse_by=given["worse_by"],
+        as_good=given["as_good"],
+        fitted=[np.asarray(curve, dtype=float) for curve in given["fitted"]],
+        **arrays,
+    )

@@ -1,0 +1,43 @@
+"""Sizes from spectra, from arrays and from files."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import barbule
+
+STARLING = Path(__file__).parents[3] / "examples/measured/starling-back.csv"
+
+
+def test_a_film_is_found_from_two_angles_and_its_file_is_that_film(tmp_path):
+    nm = np.arange(400.0, 701.0, 5.0)
+    film = barbule.film("air/keratin:612/melanin", nm, [0.0, 40.0], progress=False)
+    reflectance = 0.5 * (np.asarray(film["R_s"]) + np.asarray(film["R_p"]))
+    scaled = reflectance * np.array([[0.4], [0.9]])
+    found = barbule.fit_structure((nm, scaled), stack="air/keratin:?/melanin", angles_deg=[0.0, 40.0], progress=False)
+    size = found.best.parameters["thickness_nm"]
+    assert size.value == pytest.approx(612.0, abs=1e-3)
+    assert size.low <= 612.0 <= size.high
+    np.testing.assert_allclose(found.best.level, [0.4, 0.9], rtol=1e-4)
+    np.testing.assert_allclose(found.best.fitted[1], scaled[1], atol=1e-6)
+    found.save(tmp_path / "film.toml")
+    again = barbule.film(tmp_path / "film.toml", nm, [0.0], progress=False)
+    np.testing.assert_allclose(np.asarray(again["R_s"])[0], np.asarray(film["R_s"])[0], atol=1e-5)
+
+
+def test_files_have_individuals_whose_scatter_is_given():
+    found = barbule.fit_structure(STARLING, stack="air/keratin:?/melanin", progress=False)
+    size = found.best.parameters["thickness_nm"]
+    assert size.low < size.value < size.high
+    assert size.between_samples_std > 0.0
+    assert found.readings[0]["samples"] == 3
+    worse = [one.worse_by for one in found.solutions]
+    assert worse == sorted(worse) and worse[0] == 0.0
+
+
+def test_what_cannot_be_fitted_is_refused():
+    with pytest.raises(barbule.InputError, match="did you mean 'film'"):
+        barbule.fit_structure(STARLING, "flim", progress=False)
+    with pytest.raises(barbule.InputError, match="not as many samples"):
+        barbule.fit_structure(([400.0, 500.0], [0.1, 0.2, 0.3]), progress=False)
