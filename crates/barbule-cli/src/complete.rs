@@ -116,7 +116,6 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         (_, "measured") => files(Names::None, TABLES),
         ("trace", "image") => files(Names::None, &["png", "tif", "tiff", "jpg", "jpeg"]),
         ("trace", "output") => files(Names::None, &["json", "toml"]),
-        ("trace", "picture") => files(Names::None, FIGURES),
         ("geometry", "output") => files(Names::None, &["svg", "pdf", "png", "json"]),
         ("film" | "spectrum" | "species" | "birds" | "see" | "lobes" | "crystal" | "far-field", "output") => {
             files(Names::None, FIGURES)
