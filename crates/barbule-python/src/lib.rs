@@ -14,6 +14,7 @@ mod film;
 mod inverse;
 mod make;
 mod material;
+mod measured;
 mod opening;
 mod program;
 mod scene;
@@ -44,6 +45,8 @@ mod _native {
     use super::make::{characterize, fit, simulate};
     #[pymodule_export]
     use super::material::{Material, keratin_boundary, read_tables};
+    #[pymodule_export]
+    use super::measured::{compare, intervals, measured};
     #[pymodule_export]
     use super::opening::{open, species};
     #[pymodule_export]

@@ -18,7 +18,7 @@ use crate::structure::Structure;
 use crate::work::How;
 
 /// Individuals of a spectrum, at most.
-const MOST_INSTANCES: usize = 10_000;
+pub(crate) const MOST_INSTANCES: usize = 10_000;
 
 /// Reflected fractions: mean and standard deviation `[direction, wavelength]`, individuals `[instance, direction, wavelength]`, and
 /// whether the simulation is off there, `[direction, wavelength]`.

@@ -15,6 +15,7 @@ from ._export import Written, export
 from ._inverse import Fitted, Size, Solution, fit_structure
 from ._make import characterize, fit, simulate
 from ._material import Material
+from ._measured import Measured, compare, intervals, measured
 from ._native import Picture, Section, Structure, species, version
 from ._optics import AngleLaw, Heights, Interval, angle_law, crystal, far_fields, film, spectrum
 from ._opening import open
@@ -40,6 +41,7 @@ __all__ = [
     "Interval",
     "MachineError",
     "Material",
+    "Measured",
     "NotSettledError",
     "Picture",
     "Quantity",
@@ -54,6 +56,7 @@ __all__ = [
     "birds",
     "characterize",
     "colours",
+    "compare",
     "crystal",
     "delta_e_2000",
     "export",
@@ -61,6 +64,8 @@ __all__ = [
     "film",
     "fit",
     "fit_structure",
+    "intervals",
+    "measured",
     "open",
     "presets",
     "render",

@@ -126,6 +126,29 @@ def fit_structure(
     threads: int | None,
     progress: _Watch,
 ) -> tuple[str, str]: ...
+def measured(
+    places: Sequence[str], column: str | None, is_percent: bool | None
+) -> list[tuple[float | None, list[str], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], str]]: ...
+def compare(
+    wavelengths_nm: NDArray[np.float64],
+    mean: NDArray[np.float64],
+    individuals: NDArray[np.float64],
+    measured_nm: NDArray[np.float64],
+    samples: NDArray[np.float64],
+    peak_range_nm: Sequence[float] | None,
+) -> str: ...
+def intervals(
+    text: str,
+    wavelengths_nm: NDArray[np.float64],
+    theta_deg: NDArray[np.float64],
+    phi_deg: NDArray[np.float64],
+    instances: int,
+    seed: int,
+    uncertain: Sequence[str],
+    media: _Media,
+    threads: int | None,
+    progress: _Watch,
+) -> str: ...
 def far_fields(
     section: Section,
     wavelengths_nm: NDArray[np.float64],

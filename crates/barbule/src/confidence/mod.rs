@@ -18,17 +18,19 @@ use crate::spectrum::{Spectrum, Wavelengths};
 use crate::structure::Structure;
 use crate::{Error, Result};
 use numbers::{COUNT, Numbers};
+use serde::Serialize;
 use uncertain::Moved;
 
 /// How often individuals are drawn again.
 const RESAMPLED: usize = 1000;
 
 /// The intervals of one direction.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Intervals {
     /// Of how many individuals the mean is.
     pub individuals: usize,
-    /// The numbers that the mean has.
+    /// The numbers that the mean has; as a document they stand under their names.
+    #[serde(serialize_with = "numbers::by_name")]
     pub numbers: Vec<Known>,
 }
 

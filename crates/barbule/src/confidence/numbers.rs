@@ -1,5 +1,8 @@
 //! The numbers of a colour, and what is known of each.
 
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+
 use crate::math::normal;
 use crate::spectrum::Spectrum;
 use crate::spectrum::colour::D65_WHITE;
@@ -94,9 +97,10 @@ pub struct Part {
 }
 
 /// What is known of a number.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Known {
     /// The number, as in the numbers of colours; `delta_e_2000` is how far the colour may be from the mean's.
+    #[serde(skip)]
     pub name: &'static str,
     /// That of the mean.
     pub value: f64,
@@ -105,13 +109,29 @@ pub struct Known {
     /// Its upper end.
     pub high: f64,
     /// The standard deviation because the individuals are no others; none of one individual.
+    #[serde(rename = "std_of_individuals")]
     pub of_individuals: Option<f64>,
     /// What uncertain inputs contribute.
+    #[serde(rename = "std_of_uncertain", serialize_with = "parts_by_name")]
     pub parts: Vec<Part>,
     /// What is near enough: half an interval.
     pub enough: f64,
     /// How many individuals make their part of the interval that narrow; none of one individual.
     pub individuals_enough: Option<usize>,
+}
+
+/// Numbers under their names.
+pub(super) fn by_name<S: Serializer>(all: &[Known], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(all.len()))?;
+    all.iter().try_for_each(|known| map.serialize_entry(known.name, known))?;
+    map.end()
+}
+
+/// Standard deviations under the names of what makes them.
+fn parts_by_name<S: Serializer>(all: &[Part], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(all.len()))?;
+    all.iter().try_for_each(|part| map.serialize_entry(&part.name, &part.std))?;
+    map.end()
 }
 
 impl Known {

@@ -6,7 +6,6 @@ use barbule::confidence::{Intervals, Known, Simulated, Uncertain, intervals};
 use barbule::error::counted;
 use barbule::progress::Progress;
 use barbule::structure::Structure;
-use serde_json::{Value, json};
 
 use super::{Args, Asked, Found};
 
@@ -48,51 +47,23 @@ impl Args {
     }
 }
 
-/// The intervals of an angle as a document.
-pub(super) fn document(found: &Intervals) -> Value {
-    let of = |known: &Known| {
-        let parts: serde_json::Map<String, Value> =
-            known.parts.iter().map(|part| (part.name.clone(), json!(part.std))).collect();
-        let number = json!({
-            "value": known.value,
-            "low": known.low,
-            "high": known.high,
-            "std_of_individuals": known.of_individuals,
-            "std_of_uncertain": parts,
-            "enough": known.enough,
-            "individuals_enough": known.individuals_enough,
-        });
-        (known.name.to_owned(), number)
-    };
-    json!({
-        "individuals": found.individuals,
-        "numbers": found.numbers.iter().map(of).collect::<serde_json::Map<_, _>>(),
-    })
-}
-
 /// The intervals of an angle in words.
 pub(super) fn words(found: &Intervals) -> String {
     let of = |name: &str| found.numbers.iter().find(|known| known.name == name);
     let percent = |value: f64| format!("{:.1} %", 100.0 * value);
     let nm = |value: f64| format!("{value:.0} nm");
-    let shown: [(&str, &str, &dyn Fn(f64) -> String); 4] = [
-        ("peak_nm", "peak", &nm),
-        ("half_width_nm", "half width", &nm),
-        ("peak_reflectance", "its reflectance", &percent),
-        ("mean_reflectance", "mean", &percent),
+    let part = |name: &str, word: &str, text: &dyn Fn(f64) -> String| {
+        let known = of(name)?;
+        let shown = contributions(known, name == "peak_nm");
+        Some(format!("{word} {} to {}{shown}", text(known.low), text(known.high)))
+    };
+    let shown = [
+        part("peak_nm", "peak", &nm),
+        part("half_width_nm", "half width", &nm),
+        part("peak_reflectance", "its reflectance", &percent),
+        part("mean_reflectance", "mean", &percent),
     ];
-    let mut parts: Vec<String> = shown
-        .iter()
-        .filter_map(|(name, word, text)| {
-            let known = of(name)?;
-            Some(format!(
-                "{word} {} to {}{}",
-                text(known.low),
-                text(known.high),
-                contributions(known, *name == "peak_nm")
-            ))
-        })
-        .collect();
+    let mut parts: Vec<String> = shown.into_iter().flatten().collect();
     parts.extend(of("delta_e_2000").map(|known| format!("colour within ΔE00 {:.1}", known.high)));
     let enough: Vec<String> = [("peak_nm", "the peak to ± 2 nm"), ("delta_e_2000", "the colour to ΔE00 1")]
         .iter()

@@ -164,7 +164,7 @@ impl Args {
                 document["birds"] = found.sights.iter().map(Sight::document).collect();
             }
             if let Some(all) = &found.intervals {
-                document["intervals"] = json!(all.iter().map(intervals::document).collect::<Vec<_>>());
+                document["intervals"] = json!(all);
             }
             if asked.measured.is_some() {
                 document["comparison"] = json!(found.comparisons);

@@ -1,0 +1,157 @@
+"""What was measured beside what is simulated, and how sure simulated numbers are."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any, Literal, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._labels import media_of, numbers
+from ._opening import Name
+from ._optics import VISIBLE_NM
+from ._progress import ProgressLike, watched
+from .errors import InputError
+
+if TYPE_CHECKING:
+    import xarray
+
+_Places = Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]]]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured at one angle: samples at common wavelengths."""
+
+    #: Degrees; None where nothing says any.
+    angle_deg: float | None
+    #: What the samples are called.
+    names: list[str]
+    wavelength_nm: NDArray[np.float64]
+    #: Reflectance as a part of 1, ``[sample, wavelength]``.
+    samples: NDArray[np.float64] = field(repr=False)
+    #: Their mean, ``[wavelength]``.
+    mean: NDArray[np.float64] = field(repr=False)
+    #: How the files were read, in sentences.
+    reading: str = field(repr=False)
+
+
+def measured(places: _Places, *, column: str | int | None = None, percent: bool | None = None) -> list[Measured]:
+    """Reads measured spectra: files, files with an angle behind ``@`` or a folder, as ``barbule spectrum --measured`` does.
+
+    Args:
+        places: One or several of them.
+        column: The column or sample to use, by name or by number from 1; all and their mean without.
+        percent: Whether values are percent; guessed without, and said in ``reading``.
+
+    Returns:
+        One `Measured` for each angle, in the order of the angles.
+
+    Raises:
+        InputError: A file cannot be read, or in two ways.
+    """
+    given = [places] if isinstance(places, (str, PathLike)) else list(places)
+    found = _native.measured([fspath(place) for place in given], None if column is None else str(column), percent)
+    return [Measured(angle, names, nm, samples, mean, reading) for angle, names, nm, samples, mean, reading in found]
+
+
+def compare(
+    simulated: xarray.Dataset,
+    against: _Places | Measured | Sequence[Measured],
+    *,
+    peak_range_nm: tuple[float, float] | None = None,
+) -> list[dict[str, Any] | None]:
+    """Holds simulated spectra against measured ones, angle by angle.
+
+    Args:
+        simulated: What `spectrum` gives.
+        against: What `measured` gives or takes.
+        peak_range_nm: Where the peak is looked for.
+
+    Returns:
+        For each simulated angle the numbers that ``barbule spectrum --measured --json`` has under ``comparison``: peaks, half widths, levels and how
+        they differ between individuals, RMSE, ΔE, and what the difference looks like; None where nothing was measured at that angle.
+
+    Example:
+        >>> import barbule
+        >>> found = barbule.spectrum("starling", range(400, 701, 10), instances=5)
+        >>> barbule.compare(found, "examples/measured/from-r.csv")[0]["delta_e_2000"] < 10  # doctest: +SKIP
+        True
+    """
+    if isinstance(against, Measured):
+        known = [against]
+    elif not isinstance(against, (str, PathLike)) and all(isinstance(one, Measured) for one in against):
+        known = [one for one in against if isinstance(one, Measured)]
+    else:
+        known = measured(against)  # type: ignore[arg-type]
+    if not known:
+        raise InputError("'against' holds no measurement; give at least one")
+    nm = numbers(simulated["wavelength"])
+    found: list[dict[str, Any] | None] = []
+    for index, angle in enumerate(np.atleast_1d(numbers(simulated["angle"]))):
+        one = next((m for m in known if m.angle_deg is None or abs(m.angle_deg - angle) < 0.05), None)
+        if one is None:
+            found.append(None)
+            continue
+        mean = np.atleast_2d(numbers(simulated["reflectance"]))[index]
+        each = numbers(simulated["individuals"])[:, index] if "individuals" in simulated else mean[np.newaxis]
+        text = _native.compare(nm, mean, each, one.wavelength_nm, one.samples, peak_range_nm)
+        found.append(json.loads(text))
+    return found
+
+
+def intervals(
+    structure: Name,
+    wavelengths_nm: ArrayLike = VISIBLE_NM,
+    angles_deg: ArrayLike = 0.0,
+    *,
+    uncertain: Mapping[str, float | str] | None = None,
+    plane: Literal["across", "along"] = "across",
+    instances: int = 50,
+    seed: int = 1,
+    media: Mapping[str, Name] | None = None,
+    threads: int | None = None,
+    progress: ProgressLike = True,
+) -> list[dict[str, Any]]:
+    """How sure the numbers of a colour are: 95 % intervals over individuals, and over sizes and indices that are not known exactly.
+
+    Args:
+        structure: Whatever `barbule.open` opens, but as its text.
+        wavelengths_nm: Vacuum wavelengths, rising.
+        angles_deg: Angles of incidence.
+        uncertain: Standard deviations by name: of media their index (``{"keratin": 0.005}``), of species keys (``{"cortex_um": "2%"}``), of stacks
+            ``layer1`` and so on, nm.
+        plane: Whether the light turns across the barbule or along it.
+        instances: Number of random individuals.
+        seed: Their seed, and that of the resampling.
+        media: Media of your own by name, each a file of n and k.
+        threads: Threads; all cores without a number.
+        progress: True for a bar, False for none, or a function ``(label, done, total)``.
+
+    Returns:
+        For each angle ``individuals`` and ``numbers``: of ``peak_nm``, ``half_width_nm``, ``peak_reflectance``, ``mean_reflectance``, ``luminous_reflectance``,
+        ``x``, ``y`` and ``delta_e_2000`` (how far the colour may be from the mean's) each ``value``, ``low``, ``high``, ``std_of_individuals``,
+        ``std_of_uncertain``, ``enough`` and ``individuals_enough``.
+
+    Example:
+        >>> import barbule
+        >>> found = barbule.intervals("air/keratin:260/air", range(400, 701, 5), uncertain={"layer1": "2%", "keratin": 0.005}, progress=False)
+        >>> peak = found[0]["numbers"]["peak_nm"]
+        >>> peak["low"] < peak["value"] < peak["high"]
+        True
+    """
+    nm, angles = numbers(wavelengths_nm), numbers(angles_deg)
+    nothing = np.zeros_like(angles)
+    theta, phi = (nothing, angles) if plane == "across" else (angles, nothing)
+    texts = [f"{name}={amount}" for name, amount in (uncertain or {}).items()]
+    with watched(progress) as watch:
+        text = _native.intervals(
+            fspath(structure), nm, theta, phi, instances, seed, texts, media_of(media), threads, watch
+        )
+    found: list[dict[str, Any]] = json.loads(text)
+    return found
