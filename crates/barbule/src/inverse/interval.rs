@@ -1,25 +1,14 @@
 //! Intervals of sizes: how far each may go until the measurement speaks against it, all others following.
 
 use super::Estimate;
-use super::problem::{Left, Problem};
+use super::problem::Problem;
 use super::search::{Found, MOST_STEPS, descend};
-use super::small::inverse;
 use crate::Result;
 
 /// Trials for each end of an interval.
 const TRIALS: usize = 12;
 /// An end has been found once the sum of squares there is off by this part of what is wanted.
 const CLOSE: f64 = 2e-3;
-
-/// The covariance of the sizes, row by row, for errors of unit variance times `variance`; infinite where nothing depends on a size.
-pub(super) fn covariance(left: &Left, variance: f64) -> Vec<f64> {
-    let size = left.slopes.len();
-    let scaled = |inverse: Vec<f64>| inverse.into_iter().map(|value| value * variance).collect();
-    inverse(&left.normal(), size).map_or_else(
-        || (0..size * size).map(|k| if k % (size + 1) == 0 { f64::INFINITY } else { 0.0 }).collect(),
-        scaled,
-    )
-}
 
 /// The interval of one size in which the sum of squares, least over all other sizes, stays within `worse` of that of `found`.
 /// `expected` is half its length where the model is linear.

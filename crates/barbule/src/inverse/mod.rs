@@ -32,10 +32,10 @@ use crate::material::Library;
 use crate::math::student::interval_95;
 use crate::spectrum::Spectrum;
 use crate::{Error, Result};
-use interval::{covariance, interval};
-use noise::{Likeliest, likeliest};
+use interval::interval;
+use noise::{Errors, likeliest};
 use planar::Planar;
-use problem::{Nuisance, Problem};
+use problem::{Nuisance, Problem, Sureness};
 use search::{Found, MOST_STEPS, descend, distinct, minima};
 use small::as_good_within;
 use template::Template;
@@ -111,7 +111,7 @@ pub struct Estimate {
 pub struct Solution {
     /// One for each parameter.
     pub sizes: Vec<Estimate>,
-    /// Covariance of the sizes, row by row, where the model is linear about them.
+    /// Covariance of the sizes, row by row, where the model is linear about them; infinite where nothing depends on one.
     pub covariance: Vec<Vec<f64>>,
     /// Standard deviation of each size over the samples of the readings (individuals), to first order; none of fewer than three.
     pub between_samples: Option<Vec<f64>>,
@@ -238,29 +238,29 @@ fn check(readings: &[Reading], parameters: usize, settings: &Settings) -> Result
     Ok(())
 }
 
-/// Searches the sizes of a model, estimates the errors from what the best ones leave, and weighs all least squares under them.
+/// Searches the sizes of a model, estimates the errors from what the best ones leave, and weighs all least squares by them.
 fn fit(model: &dyn Model, readings: &[Reading], settings: &Settings) -> Result<Fit> {
     let nuisance = Nuisance { level: settings.level, offset: settings.offset };
-    let mut noise: Vec<Noise> = readings.iter().map(|reading| Noise::independent(scatter(reading))).collect();
-    let mut caution = 1.0;
-    let mut found = minima(&Problem::new(model, readings, nuisance, &noise))?;
+    let mut weights: Vec<Errors> =
+        readings.iter().map(|reading| Errors::independent(scatter(reading))).collect();
+    let mut found = minima(&Problem::new(model, readings, nuisance, &weights))?;
     found.truncate(MOST_FOLLOWED);
-    // Once more where the errors found make another one the best.
+    found = followed(&Problem::new(model, readings, nuisance, &weights), found)?;
+    // Readings weigh as their errors are small; these follow once more where others became the best.
     for _ in 0..2 {
-        let likely = errors(model, readings, nuisance, &found[0])?;
-        noise = likely.iter().map(|one| one.noise).collect();
-        caution = likely.iter().map(|one| one.caution).sum::<f64>() / likely.len() as f64;
-        found = followed(&Problem::new(model, readings, nuisance, &noise), found)?;
+        weights = errors(model, readings, nuisance, &found[0])?;
+        found = followed(&Problem::new(model, readings, nuisance, &weights), found)?;
     }
-    let problem = Problem::new(model, readings, nuisance, &noise);
-    let variance = caution * (found[0].left.squares / problem.freedom()).max(f64::MIN_POSITIVE);
-    let likely = as_good_within(model.parameters().len(), problem.freedom_of_variance()) * variance;
-    let best = found[0].left.squares;
-    let as_good = found.iter().take_while(|one| one.left.squares - best <= likely).count();
+    let problem = Problem::new(model, readings, nuisance, &weights);
+    let sure = problem.sureness(&found[0].left);
+    let inflation = sure.map_or(1.0, |sure| sure.inflation.into_iter().fold(1.0, f64::max));
+    let likely = as_good_within(model.parameters().len(), problem.freedom_of_variance());
+    let weighing = Weighing { problem: &problem, readings, inflation, likely, best: found[0].left.squares };
+    let as_good = found.iter().take_while(|one| weighing.worse_by(one) <= likely).count();
     found.truncate(as_good.clamp(settings.solutions.max(1), MOST_SOLUTIONS.max(settings.solutions)));
-    let weighing = Weighing { problem: &problem, readings, variance, likely, best };
     let solutions = found.par_iter().map(|one| weighing.solution(one)).collect::<Result<Vec<_>>>()?;
     let doubts = doubts(model.parameters(), &solutions[0], as_good);
+    let noise = weights.iter().map(|errors| errors.likeliest).collect();
     Ok(Fit { parameters: model.parameters().to_vec(), solutions, noise, doubts })
 }
 
@@ -273,12 +273,7 @@ fn scatter(reading: &Reading) -> f64 {
 }
 
 /// The errors of each reading from what sizes leave of it.
-fn errors(
-    model: &dyn Model,
-    readings: &[Reading],
-    nuisance: Nuisance,
-    found: &Found,
-) -> Result<Vec<Likeliest>> {
+fn errors(model: &dyn Model, readings: &[Reading], nuisance: Nuisance, found: &Found) -> Result<Vec<Errors>> {
     let samples = found.left.residuals.len();
     let mut values = vec![0.0; samples];
     let mut slopes = vec![vec![0.0; samples]; found.sizes.len()];
@@ -300,14 +295,17 @@ fn errors(
         }
         let without = columns.len();
         columns.extend(slopes.iter().map(|slope| slope[range.clone()].to_vec()));
-        let of = |columns: &[Vec<f64>], sizes| likeliest(reading.nm(), &left, columns, sizes);
-        let found = of(&columns, slopes.len())
+        let of = |columns: &[Vec<f64>]| likeliest(reading.nm(), &left, columns);
+        let mut found = of(&columns)
             // Sizes on which this reading does not depend.
-            .or_else(|| of(&columns[..without], 0))
-            .unwrap_or(Likeliest { noise: Noise::independent(scatter(reading)), caution: 1.0 });
+            .or_else(|| of(&columns[..without]))
+            .unwrap_or(Errors::independent(scatter(reading)));
         let size = reading.mean.values().iter().map(|v| v.abs()).fold(0.0, f64::max);
-        let sigma = found.noise.sigma.max(LEAST_ERROR * size).max(f64::MIN_POSITIVE);
-        all.push(Likeliest { noise: Noise { sigma, ..found.noise }, ..found });
+        let least = (LEAST_ERROR * size).max(f64::MIN_POSITIVE);
+        if found.likeliest.sigma < least {
+            found = Errors::independent(least);
+        }
+        all.push(found);
     }
     Ok(all)
 }
@@ -326,22 +324,29 @@ fn followed(problem: &Problem, found: Vec<Found>) -> Result<Vec<Found>> {
 struct Weighing<'a> {
     problem: &'a Problem<'a>,
     readings: &'a [Reading],
-    /// The variance of whitened residuals, and of what is not known of the errors.
-    variance: f64,
-    /// The sum of squares beyond the best one's up to which the measurement does not decide.
+    /// By what the best solution's least sure size is less so than under independent errors.
+    inflation: f64,
+    /// Up to which [`Self::worse_by`] the measurement does not decide.
     likely: f64,
     best: f64,
 }
 
 impl Weighing<'_> {
+    /// How much worse than the best sizes fit: Δχ².
+    fn worse_by(&self, found: &Found) -> f64 {
+        (found.left.squares - self.best) / self.inflation
+    }
+
     fn solution(&self, found: &Found) -> Result<Solution> {
         let (count, freedom) = (found.sizes.len(), self.problem.freedom_of_variance());
         let quantile = interval_95(freedom);
-        let covariance = covariance(&found.left, self.variance);
+        let Sureness { covariance, inflation } = self.problem.sureness(&found.left).unwrap_or_else(|| {
+            Sureness { covariance: vec![f64::INFINITY; count * count], inflation: vec![1.0; count] }
+        });
         let mut sizes = Vec::with_capacity(count);
         for size in 0..count {
             let expected = quantile * covariance[size * count + size].sqrt();
-            let worse = quantile * quantile * self.variance;
+            let worse = quantile * quantile * inflation[size];
             sizes.push(interval(self.problem, found, size, worse, expected)?);
         }
         let between_samples = self.between_samples(found);
@@ -360,8 +365,8 @@ impl Weighing<'_> {
             levels: found.left.levels.clone(),
             rmse,
             explained,
-            worse_by: (found.left.squares - self.best) / self.variance,
-            as_good: found.left.squares - self.best <= self.likely,
+            worse_by: self.worse_by(found),
+            as_good: self.worse_by(found) <= self.likely,
             fitted,
         })
     }

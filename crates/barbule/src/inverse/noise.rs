@@ -5,7 +5,7 @@
 //! the unit matrix by the innovations of a Kalman filter, in a time proportional to the samples; w and ℓ follow from residuals by
 //! restricted maximum likelihood, which allows for the parameters that were fitted.
 
-use super::small::{cholesky, inverse, log_determinant, solve};
+use super::small::{cholesky, log_determinant, solve};
 
 /// What is known of the errors of one measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Noise {
 impl Noise {
     /// Independent errors of this standard deviation.
     pub(super) fn independent(sigma: f64) -> Self {
-        Self { sigma, correlation_nm: 0.0, white: 0.0 }
+        Self { sigma, correlation_nm: 0.0, white: 1.0 }
     }
 
     /// As many independent samples tell their variance as well as those at these wavelengths: n/(1 + 2 Σ ρ_k²), with the correlation
@@ -80,12 +80,51 @@ impl Whitening {
 /// Parts of independent errors that are tried.
 const WHITE: [f64; 6] = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9];
 
-/// The errors of one measurement, and how far they are known.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Likeliest {
-    pub(super) noise: Noise,
-    /// By what the variance of sizes is larger than under these errors, since others are nearly as likely.
-    pub(super) caution: f64,
+/// The errors of one measurement: the likeliest, and all that are nearly as likely.
+#[derive(Debug, Clone)]
+pub(super) struct Errors {
+    pub(super) likeliest: Noise,
+    /// Variance (by its probability), correlation length and independent part of each.
+    all: Vec<[f64; 3]>,
+}
+
+/// Covariances less probable than this are left out.
+const IMPROBABLE: f64 = 1e-6;
+
+impl Errors {
+    /// Independent errors of this standard deviation.
+    pub(super) fn independent(sigma: f64) -> Self {
+        Self { likeliest: Noise::independent(sigma), all: vec![[sigma * sigma, 0.0, 1.0]] }
+    }
+
+    /// The covariance, in the mean over all that are likely, times a column of samples at these wavelengths.
+    pub(super) fn covariance_times(&self, nm: &[f64], column: &[f64]) -> Vec<f64> {
+        let mut product = vec![0.0; column.len()];
+        let mut sums = product.clone();
+        for &[variance, length, white] in &self.all {
+            product.iter_mut().zip(column).for_each(|(sum, value)| *sum += variance * white * value);
+            if length <= 0.0 {
+                continue;
+            }
+            // exp(−|λ_i − λ_j|/ℓ) by recursions from both ends.
+            let kept = |i: usize| (-(nm[i + 1] - nm[i]) / length).exp();
+            let mut run = 0.0;
+            for i in 0..column.len() {
+                run = column[i] + if i > 0 { kept(i - 1) * run } else { 0.0 };
+                sums[i] = run;
+            }
+            run = 0.0;
+            for i in (0..column.len()).rev() {
+                sums[i] += run;
+                run = if i > 0 { kept(i - 1) * (run + column[i]) } else { 0.0 };
+            }
+            product
+                .iter_mut()
+                .zip(&sums)
+                .for_each(|(product, sum)| *product += variance * (1.0 - white) * sum);
+        }
+        product
+    }
 }
 
 /// A covariance that was tried.
@@ -95,40 +134,28 @@ struct Tried {
     unlikely: f64,
     /// How many candidates it stands for.
     times: f64,
-    /// The estimate of each size, and its variance.
-    sizes: Vec<[f64; 2]>,
 }
 
 /// The covariance under which `values` less a combination of `columns` is likeliest, by restricted maximum likelihood
-/// (Patterson and Thompson, Biometrika 58 (1971) 545) over a grid of correlation lengths up to a third of the range, and what the others,
-/// each as likely as it is, add to the variance of the sizes: the last `sizes` columns. Columns that others contain must not be
-/// among them.
-pub(super) fn likeliest(nm: &[f64], values: &[f64], columns: &[Vec<f64>], sizes: usize) -> Option<Likeliest> {
+/// (Patterson and Thompson, Biometrika 58 (1971) 545) over a grid of correlation lengths up to a third of the range, and all others, each as
+/// probable as it is likely. Columns that others contain must not be among them.
+pub(super) fn likeliest(nm: &[f64], values: &[f64], columns: &[Vec<f64>]) -> Option<Errors> {
     let count = nm.len();
     let range = nm[count - 1] - nm[0];
     let step = range / (count - 1).max(1) as f64;
     let lengths = (0..).map(|k| step * 0.5 * 2.0_f64.powi(k)).take_while(|length| *length <= range / 3.0);
     let correlated = lengths.flat_map(|length| WHITE.map(|white| (length, white, 1.0)));
     // Independent errors stand for all parts that are.
-    let grid = std::iter::once((0.0, 0.0, WHITE.len() as f64)).chain(correlated);
-    let tried: Vec<Tried> = grid
-        .filter_map(|(length, white, times)| tried(nm, values, columns, sizes, (length, white, times)))
-        .collect();
+    let grid = std::iter::once((0.0, 1.0, WHITE.len() as f64)).chain(correlated);
+    let tried: Vec<Tried> = grid.filter_map(|one| tried(nm, values, columns, one)).collect();
     let best = tried.iter().min_by(|a, b| a.unlikely.total_cmp(&b.unlikely))?;
-    let weights: Vec<f64> =
-        tried.iter().map(|one| one.times * (0.5 * (best.unlikely - one.unlikely)).exp()).collect();
-    let whole: f64 = weights.iter().sum();
-    let mean = |of: &dyn Fn(&Tried) -> f64| -> f64 {
-        tried.iter().zip(&weights).map(|(one, weight)| weight * of(one)).sum::<f64>() / whole
-    };
-    let caution = |k: usize| {
-        let middle = mean(&|one| one.sizes[k][0]);
-        let total = mean(&|one| one.sizes[k][1] + (one.sizes[k][0] - middle).powi(2));
-        total / best.sizes[k][1]
-    };
-    let caution =
-        (0..sizes).map(caution).filter(|ratio| ratio.is_finite()).sum::<f64>() / sizes.max(1) as f64;
-    Some(Likeliest { noise: best.noise, caution: caution.max(1.0) })
+    let probable = |one: &Tried| one.times * (0.5 * (best.unlikely - one.unlikely)).exp();
+    let whole: f64 = tried.iter().map(probable).sum();
+    let all = tried.iter().filter(|one| probable(one) > IMPROBABLE * whole).map(|one| {
+        let Noise { sigma, correlation_nm, white } = one.noise;
+        [sigma * sigma * probable(one) / whole, correlation_nm, white]
+    });
+    Some(Errors { likeliest: best.noise, all: all.collect() })
 }
 
 /// One covariance; none where the columns are not independent under it.
@@ -136,7 +163,6 @@ fn tried(
     nm: &[f64],
     values: &[f64],
     columns: &[Vec<f64>],
-    sizes: usize,
     (correlation_nm, white, times): (f64, f64, f64),
 ) -> Option<Tried> {
     let whitening = Whitening::new(nm, correlation_nm, white);
@@ -162,14 +188,13 @@ fn tried(
     let unlikely = freedom * squares.max(f64::MIN_POSITIVE).ln()
         + whitening.log_determinant
         + log_determinant(&factor, size);
-    let inverse = inverse(&matrix, size)?;
-    let sizes = (size - sizes..size).map(|k| [combination[k], variance * inverse[k * size + k]]).collect();
-    Some(Tried { noise: Noise { sigma: variance.sqrt(), correlation_nm, white }, unlikely, times, sizes })
+    Some(Tried { noise: Noise { sigma: variance.sqrt(), correlation_nm, white }, unlikely, times })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inverse::small::inverse;
     use crate::math::rng::Stream;
 
     #[test]
@@ -186,6 +211,16 @@ mod tests {
             })
             .collect();
         let exact = inverse(&covariance, 5).unwrap();
+        let errors =
+            Errors { likeliest: Noise::independent(1.0), all: vec![[2.0, length, white], [0.5, 0.0, 1.0]] };
+        for column in 0..5 {
+            let unit: Vec<f64> = (0..5).map(|k| f64::from(u8::from(k == column))).collect();
+            let product = errors.covariance_times(&nm, &unit);
+            for row in 0..5 {
+                let expected = 2.0 * covariance[row * 5 + column] + 0.5 * unit[row];
+                assert!((product[row] - expected).abs() < 1e-12, "{row} {column}");
+            }
+        }
         let whitening = Whitening::new(&nm, length, white);
         let columns: Vec<Vec<f64>> = (0..5)
             .map(|k| {
@@ -221,9 +256,9 @@ mod tests {
                     0.5 + 0.01 * smooth
                 })
                 .collect();
-            found.push(likeliest(&nm, &values, &ones, 0).unwrap().noise);
+            found.push(likeliest(&nm, &values, &ones).unwrap().likeliest);
             let white: Vec<f64> = nm.iter().map(|_| 0.01 * stream.normal()).collect();
-            let noise = likeliest(&nm, &white, &ones, 0).unwrap().noise;
+            let noise = likeliest(&nm, &white, &ones).unwrap().likeliest;
             assert!((noise.sigma / 0.01 - 1.0).abs() < 0.25, "{noise:?}");
         }
         found.sort_by(|a, b| a.correlation_nm.total_cmp(&b.correlation_nm));

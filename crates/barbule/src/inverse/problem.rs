@@ -4,9 +4,9 @@
 //! form, and what is left depends on the sizes alone (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, with
 //! the derivative of Kaufman, BIT 15 (1975) 49).
 
-use super::noise::{Noise, Whitening};
+use super::noise::Errors;
 use super::reading::Reading;
-use super::small::{cholesky, solve};
+use super::small::{cholesky, inverse, solve};
 use super::{Level, Model};
 use crate::Result;
 
@@ -27,13 +27,13 @@ impl Nuisance {
     }
 }
 
-/// One reading, whitened.
+/// One reading, in units of its errors.
 struct Block {
     /// Where its samples lie among all.
     start: usize,
     values: Vec<f64>,
     ones: Vec<f64>,
-    whitening: Whitening,
+    nm: Vec<f64>,
     per_sigma: f64,
 }
 
@@ -41,6 +41,7 @@ struct Block {
 pub(super) struct Problem<'a> {
     pub(super) model: &'a dyn Model,
     nuisance: Nuisance,
+    errors: &'a [Errors],
     blocks: Vec<Block>,
     samples: usize,
     /// As many independent samples would tell the errors' variance as well.
@@ -54,9 +55,9 @@ pub(super) struct Left {
     pub(super) squares: f64,
     /// Level and offset of each reading.
     pub(super) levels: Vec<[f64; 2]>,
-    /// Residuals (measured − modelled), whitened and projected.
+    /// Residuals (measured − modelled), projected, in units of the errors.
     pub(super) residuals: Vec<f64>,
-    /// How the modelled values change with each size, whitened and projected, `[size][sample]`.
+    /// How the modelled values change with each size, projected, in units of the errors, `[size][sample]`.
     pub(super) slopes: Vec<Vec<f64>>,
 }
 
@@ -70,36 +71,25 @@ struct Basis {
 }
 
 impl<'a> Problem<'a> {
-    /// Under these errors, one for each reading.
+    /// Each reading weighed by the size of its errors.
     pub(super) fn new(
         model: &'a dyn Model,
         readings: &[Reading],
         nuisance: Nuisance,
-        noise: &[Noise],
+        errors: &'a [Errors],
     ) -> Self {
-        let independent =
-            readings.iter().zip(noise).map(|(r, noise)| noise.independent_samples(r.nm())).sum();
+        let each = || readings.iter().zip(errors);
+        let independent = each().map(|(r, errors)| errors.likeliest.independent_samples(r.nm())).sum();
         let mut samples = 0;
-        let blocks = readings.iter().zip(noise).map(|(reading, noise)| {
-            let whitening = Whitening::new(reading.nm(), noise.correlation_nm, noise.white);
-            let per_sigma = noise.sigma.recip();
-            let whitened = |values: &[f64]| {
-                let mut values: Vec<f64> = values.iter().map(|value| value * per_sigma).collect();
-                whitening.apply(&mut values);
-                values
-            };
-            let (values, ones) = (whitened(reading.mean.values()), whitened(&vec![1.0; reading.nm().len()]));
+        let blocks = each().map(|(reading, errors)| {
+            let per_sigma = errors.likeliest.sigma.recip();
+            let values: Vec<f64> = reading.mean.values().iter().map(|value| value * per_sigma).collect();
             let start = samples;
             samples += values.len();
-            Block { start, values, ones, whitening, per_sigma }
+            Block { start, ones: vec![per_sigma; values.len()], values, nm: reading.nm().to_vec(), per_sigma }
         });
         let blocks = blocks.collect();
-        Self { model, nuisance, blocks, samples, independent }
-    }
-
-    /// How many samples there are, less what is fitted to them.
-    pub(super) fn freedom(&self) -> f64 {
-        self.samples as f64 - self.fitted()
+        Self { model, nuisance, errors, blocks, samples, independent }
     }
 
     /// Degrees of freedom of the variance that is left, whose samples are not independent.
@@ -132,7 +122,6 @@ impl<'a> Problem<'a> {
             for slope in &mut left.slopes {
                 let part = &mut slope[block.range()];
                 part.iter_mut().for_each(|value| *value *= levels[0] * block.per_sigma);
-                block.whitening.apply(part);
                 basis.remove(part);
             }
             left.levels.push(levels);
@@ -143,12 +132,45 @@ impl<'a> Problem<'a> {
     /// What a change of one reading's values would change the sizes by, to first order: the best sizes' own response.
     pub(super) fn response(&self, left: &Left, reading: usize, change: &[f64]) -> Option<Vec<f64>> {
         let block = &self.blocks[reading];
-        let mut change: Vec<f64> = change.iter().map(|value| value * block.per_sigma).collect();
-        block.whitening.apply(&mut change);
+        let change: Vec<f64> = change.iter().map(|value| value * block.per_sigma).collect();
         let mut sizes: Vec<f64> =
             left.slopes.iter().map(|slope| product(&slope[block.range()], &change)).collect();
         solve(&cholesky(&left.normal(), sizes.len())?, &mut sizes);
         Some(sizes)
+    }
+}
+
+/// How sure sizes are.
+pub(super) struct Sureness {
+    /// Their covariance, row by row: (JᵀJ)⁻¹ Jᵀ V J (JᵀJ)⁻¹ for errors of covariance V.
+    pub(super) covariance: Vec<f64>,
+    /// By what the variance of each is larger than for independent errors of the same size.
+    pub(super) inflation: Vec<f64>,
+}
+
+impl Problem<'_> {
+    /// How sure sizes at a least square are, however their errors are correlated; none where nothing depends on one of them.
+    pub(super) fn sureness(&self, left: &Left) -> Option<Sureness> {
+        let count = left.slopes.len();
+        let plain = inverse(&left.normal(), count)?;
+        let mut middle = vec![0.0; count * count];
+        for (block, errors) in self.blocks.iter().zip(self.errors) {
+            for (k, slope) in left.slopes.iter().enumerate() {
+                let spread = errors.covariance_times(&block.nm, &slope[block.range()]);
+                for (j, other) in left.slopes.iter().enumerate() {
+                    middle[j * count + k] +=
+                        block.per_sigma * block.per_sigma * product(&other[block.range()], &spread);
+                }
+            }
+        }
+        let times = |a: &[f64], b: &[f64]| -> Vec<f64> {
+            let element =
+                |at: usize| (0..count).map(|k| a[at / count * count + k] * b[k * count + at % count]).sum();
+            (0..count * count).map(element).collect()
+        };
+        let covariance = times(&times(&plain, &middle), &plain);
+        let inflation = (0..count).map(|k| covariance[k * (count + 1)] / plain[k * (count + 1)]).collect();
+        Some(Sureness { covariance, inflation })
     }
 }
 
@@ -164,11 +186,10 @@ impl Block {
         self.start..self.start + self.values.len()
     }
 
-    /// The basis of what is free, the sum of squares and the residuals that are left, level and offset; `modelled` becomes whitened.
+    /// The basis of what is free, the sum of squares and the residuals that are left, level and offset; `modelled` comes into units of the errors.
     fn projected(&self, modelled: &mut [f64], nuisance: Nuisance) -> (Basis, f64, Vec<f64>, [f64; 2]) {
         let model = &mut modelled[self.range()];
         model.iter_mut().for_each(|value| *value *= self.per_sigma);
-        self.whitening.apply(model);
         let mut residuals = self.values.clone();
         let mut fitted = self.fit(model, nuisance, &mut residuals);
         if fitted.1[0] <= 0.0 {
