@@ -3,7 +3,7 @@
 use barbule::Error;
 
 /// Arguments as the library's messages name them, and their flags.
-const FLAGS: [(&str, &str); 19] = [
+const FLAGS: [(&str, &str); 22] = [
     ("cache", "--cache"),
     ("classes", "--classes"),
     ("column", "--column"),
@@ -12,12 +12,15 @@ const FLAGS: [(&str, &str); 19] = [
     ("directions", "--directions"),
     ("elements", "--elements"),
     ("instances", "--instances"),
+    ("instrument", "--instrument"),
     ("kind", "--as"),
     ("media", "--medium"),
     ("memory", "--memory"),
     ("nm_per_px", "--scale"),
     ("pitch_um", "--pitch"),
+    ("range_nm", "--range"),
     ("range_um", "--range"),
+    ("stack", "--stack"),
     ("threads", "--threads"),
     ("thresholds", "--thresholds"),
     ("unit", "--unit"),

@@ -204,7 +204,7 @@ fn file_name(place: &str) -> String {
 
 /// A range of wavelengths, `FROM:TO`.
 fn range(text: &str) -> Result<[f64; 2]> {
-    let values = text.split_once(':').map(|(from, to)| [from, to].map(|nm| sets::wavelengths(nm)));
+    let values = text.split_once(':').map(|(from, to)| [from, to].map(sets::wavelengths));
     match values {
         Some([Ok(from), Ok(to)]) if from.len() == 1 && to.len() == 1 && from[0] < to[0] => {
             Ok([from[0], to[0]])

@@ -8,7 +8,7 @@ use crate::{Error, Result};
 use super::{Cone, Eye, Light};
 
 /// The part of what each cone catches of white that must lie within a reflectance's wavelengths: nothing is invented outside.
-pub const LEAST_SEEN: f64 = 0.99;
+pub const LEAST_SEEN: f64 = 0.985;
 
 /// An eye in a light, to which it is adapted: white is 1 for each cone (von Kries).
 #[derive(Debug, Clone, PartialEq)]
@@ -85,7 +85,7 @@ impl View {
         [low, high]
     }
 
-    /// Refuses a range of wavelengths, nm, outside which a cone sees more than a hundredth of white.
+    /// Refuses a range of wavelengths, nm, outside which a cone sees more of white than 1.5 %.
     ///
     /// # Errors
     /// It is that; `what` begins the sentence, as in `the reflectance`.
@@ -96,7 +96,7 @@ impl View {
         }
         let [from, to] = self.needed_nm();
         Err(Error::input(format!(
-            "{what} is known from {low} to {high} nm, of which the cone {cone} of {} sees {:.1} % of white ({:.0} % are needed), and nothing is invented outside; give it from {from} to {to} nm or further",
+            "{what} is known from {low} to {high} nm, of which the cone {cone} of {} sees {:.1} % of white ({:.1} % are needed), and nothing is invented outside; give it from {from} to {to} nm or further",
             shortened(&self.eye.name),
             100.0 * part,
             100.0 * LEAST_SEEN
@@ -228,7 +228,7 @@ mod tests {
     fn what_does_not_reach_into_the_ultraviolet_is_refused_with_what_to_do() {
         let message = view("D65").catches(&sampled(400.0, 694.0, 6.0, |_| 0.2)).unwrap_err().to_string();
         assert!(
-            message.contains("the cone UV of a sees 9.") && message.contains("99 % are needed"),
+            message.contains("the cone UV of a sees 9.") && message.contains("98.5 % are needed"),
             "{message}"
         );
         let [low, high] = view("D65").needed_nm();

@@ -81,7 +81,7 @@ def catches(
     """Quanta that cones catch of reflectances, each over those of white in the same light (von Kries).
 
     Args:
-        wavelengths_nm: Vacuum wavelengths ``[W]``, rising; 99 % of what each cone catches of white must lie within.
+        wavelengths_nm: Vacuum wavelengths ``[W]``, rising; 98.5 % of what each cone catches of white must lie within.
         reflectance: ``[..., W]``.
         bird: A name as `birds` lists it, or a file of an eye.
         illuminant: ``D65``, ``forest``, ``sky``, ``ideal``, ``D50``, ``A``, ``E``, a file of power per nm, or ``quanta:FILE``.

@@ -144,6 +144,9 @@ fn refine(found: &mut Fit, nearer: Fit, parameters: &[Parameter]) {
     found.noise = noise;
 }
 
+/// The wavelengths of a reading, nm, and its directions with their weights.
+type Sampled = (Vec<f64>, Vec<(usize, f64)>);
+
 /// Spectra of a subject at the samples of readings.
 struct Simulated<'a> {
     subject: &'a Subject,
@@ -153,8 +156,8 @@ struct Simulated<'a> {
     at: Wavelengths,
     /// Directions, those of one θ_i together.
     directions: Vec<(f64, f64)>,
-    /// For each reading its wavelengths, and its directions with their weights.
-    readings: Vec<(Vec<f64>, Vec<(usize, f64)>)>,
+    /// How each reading samples them.
+    readings: Vec<Sampled>,
 }
 
 impl<'a> Simulated<'a> {

@@ -107,16 +107,15 @@ impl Template {
 
     /// Names the places by what they are and, where several are alike, by their media.
     fn name(&mut self, media: &[String]) {
-        for k in 0..self.places.len() {
-            let place = self.places[k];
+        for (k, (&place, medium)) in self.places.iter().zip(media).enumerate() {
             let alone = self.places.iter().filter(|other| **other == place).count() == 1;
             let name = match (place, alone) {
                 (Place::Thickness, true) => "thickness_nm".to_owned(),
                 (Place::Spread, true) => "spread_nm".to_owned(),
                 (Place::Fraction, true) => "fraction".to_owned(),
                 (Place::Index, true) => "index".to_owned(),
-                (Place::Thickness, false) => format!("{}_nm", media[k]),
-                (Place::Spread, false) => format!("{}_spread_nm", media[k]),
+                (Place::Thickness, false) => format!("{medium}_nm"),
+                (Place::Spread, false) => format!("{medium}_spread_nm"),
                 (Place::Fraction, false) => "fraction".to_owned(),
                 (Place::Index, false) => "index".to_owned(),
             };
