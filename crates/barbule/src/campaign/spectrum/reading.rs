@@ -28,6 +28,10 @@ const LONGITUDE_STEP: f64 = 0.09;
 /// Outgoing azimuths over which neighbours hide alike, rad.
 const HIDING_STEP: f64 = 0.05;
 
+/// Azimuths of the far field in half a cone, at least, and by how much they are made finer at most for it.
+const CELLS_OF_A_CONE: f64 = 4.0;
+const MOST_REFINED: usize = 24;
+
 /// Longitudes of one instrument, at most.
 const MOST_LONGITUDES: usize = 64;
 
@@ -100,6 +104,8 @@ pub fn reading_bytes(structure: &Structure, request: &ReadingRequest) -> Result<
 /// The directions that light comes from, by the specular cones on which it leaves.
 struct Plan {
     cones: Vec<Lit>,
+    /// How much finer outgoing azimuths are than those of spectra, so that cones are a few of them wide.
+    refinement: usize,
 }
 
 /// Light of one |θ|: what falls in at −θ leaves as its mirror image.
@@ -145,7 +151,12 @@ impl Plan {
                 add_apertures(&mut cones, row, mount);
             }
         }
-        Self { cones: cones.into_values().collect() }
+        let apertures = mounts.iter().flat_map(|mount| mount.instrument.apertures(mount.turned));
+        // A sphere lights along its axis.
+        let halves = apertures.map(|one| one.half).filter(|half| *half > 0.0);
+        let cells = halves.fold(PI, f64::min) / (PI / AZIMUTHS as f64);
+        let refinement = ((CELLS_OF_A_CONE / cells).ceil() as usize).clamp(1, MOST_REFINED);
+        Self { cones: cones.into_values().collect(), refinement }
     }
 
     /// A request of spectra with as many directions and the same longitudes: for memory and crystals.
@@ -266,7 +277,8 @@ fn of_barbule(
                 crystal.underside(column, theta, theta_i)
             });
             let underside = orders.as_ref().unwrap_or(&stacks);
-            let grid = Grid { azimuths: AZIMUTHS * cone.refinement(AZIMUTHS), margin: 0, shift: 0.0 };
+            let refinement = cone.refinement(AZIMUTHS) * plan.refinement;
+            let grid = Grid { azimuths: AZIMUTHS * refinement, margin: 0, shift: 0.0 };
             let batches = lit.phis.chunks(DIRECTIONS_AT_ONCE).zip(lit.terms.chunks(DIRECTIONS_AT_ONCE));
             for (phis, terms) in batches {
                 let beam =
