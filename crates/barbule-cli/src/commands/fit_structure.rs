@@ -24,7 +24,7 @@ const INSTANCES: u64 = 8;
 /// Arguments of `barbule fit-structure`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  barbule fit-structure --measured examples/measured/starling-back.csv --model film --stack 'air/keratin:?/melanin'
+  barbule fit-structure --measured examples/measured/starling-back.csv --model film --stack 'air/keratin:?±?/melanin'
   barbule fit-structure --measured examples/measured/starling-back.csv --model starling --instances 4 -o mine.toml
   barbule fit-structure --measured nape.csv@0 nape-30.csv@30 --model film --instrument probe:6 --picture nape.svg
   barbule fit-structure --measured m.csv --model multilayer --stack 'air/keratin:5/6*(melanin:?/keratin:60..140)/keratin'

@@ -259,9 +259,26 @@ fn fit(model: &dyn Model, readings: &[Reading], settings: &Settings) -> Result<F
     let as_good = found.iter().take_while(|one| weighing.worse_by(one) <= likely).count();
     found.truncate(as_good.clamp(settings.solutions.max(1), MOST_SOLUTIONS.max(settings.solutions)));
     let solutions = found.par_iter().map(|one| weighing.solution(one)).collect::<Result<Vec<_>>>()?;
+    let solutions = apart(solutions);
+    let as_good = solutions.iter().filter(|solution| solution.as_good).count();
     let doubts = doubts(model.parameters(), &solutions[0], as_good);
     let noise = weights.iter().map(|errors| errors.likeliest).collect();
     Ok(Fit { parameters: model.parameters().to_vec(), solutions, noise, doubts })
+}
+
+/// Solutions without those that lie within the intervals of a better one: another place of the same valley.
+fn apart(sorted: Vec<Solution>) -> Vec<Solution> {
+    let mut kept: Vec<Solution> = Vec::new();
+    for one in sorted {
+        let within = |other: &Solution| {
+            let mut pairs = one.sizes.iter().zip(&other.sizes);
+            one.as_good && pairs.all(|(size, other)| (other.low..=other.high).contains(&size.value))
+        };
+        if !kept.iter().any(within) {
+            kept.push(one);
+        }
+    }
+    kept
 }
 
 /// How much a reading's values vary: its weight until its errors are known.

@@ -2,8 +2,8 @@
 //!
 //! Their covariance is σ²·(w·δ_ij + (1 − w)·exp(−|λ_i − λ_j|/ℓ)): a part w that differs from sample to sample, as of a detector, and
 //! one with a correlation length ℓ, as of smoothing, of a drifting lamp, and of what a model leaves out. [`Whitening`] turns it into
-//! the unit matrix by the innovations of a Kalman filter, in a time proportional to the samples; w and ℓ follow from residuals by
-//! restricted maximum likelihood, which allows for the parameters that were fitted.
+//! the unit matrix by the innovations of a Kalman filter, in a time proportional to the samples; how likely w and ℓ are follows from
+//! residuals by restricted maximum likelihood, which allows for what was fitted.
 
 use super::small::{cholesky, log_determinant, solve};
 

@@ -44,8 +44,9 @@ impl Planar {
     /// # Errors
     /// A medium has no index at a wavelength, or the entry absorbs.
     pub(super) fn new(template: Template, readings: &[Reading], library: &Library) -> Result<Self> {
-        let lowest: Vec<f64> = template.parameters.iter().map(|p| p.low).collect();
-        let stack = template.stack(&lowest, library)?;
+        // The thickest layers of the least spread, so that each size can be moved alone.
+        let middle = template.sizes(|place| f64::from(u8::from(place == Place::Thickness)));
+        let stack = template.stack(&middle, library)?;
         let mut samples = Vec::new();
         for (reading, of) in readings.iter().enumerate() {
             for &nm in of.nm() {
@@ -60,18 +61,19 @@ impl Planar {
         let base = lengths(&stack);
         let mut by_size = Vec::new();
         for (k, p) in template.parameters.iter().enumerate() {
-            let mut sizes = lowest.clone();
-            sizes[k] = p.high;
+            let mut sizes = middle.clone();
+            sizes[k] = if sizes[k] == p.high { p.low } else { p.high };
+            let moved = sizes[k] - middle[k];
             let changed = lengths(&template.stack(&sizes, library)?);
             let slope = |which: usize| -> Vec<f64> {
-                changed[which].iter().zip(&base[which]).map(|(a, b)| (a - b) / (p.high - p.low)).collect()
+                changed[which].iter().zip(&base[which]).map(|(a, b)| (a - b) / moved).collect()
             };
             by_size.push([slope(0), slope(1)]);
         }
         let base = [0, 1].map(|which| {
-            let slopes = by_size.iter().zip(&lowest);
+            let slopes = by_size.iter().zip(&middle);
             let at_zero = |layer: usize| {
-                let known: f64 = slopes.clone().map(|(slope, low)| slope[which][layer] * low).sum();
+                let known: f64 = slopes.clone().map(|(slope, size)| slope[which][layer] * size).sum();
                 base[which][layer] - known
             };
             (0..base[which].len()).map(at_zero).collect::<Vec<_>>()

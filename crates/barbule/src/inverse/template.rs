@@ -74,6 +74,12 @@ impl Template {
                 )));
             }
             let [low, high] = range_of(word, place, usual_nm).map_err(|e| e.at(shortened(text)))?;
+            // No deviation is larger than the thickness.
+            let thinnest = template.parameters.last().filter(|_| before == '±' && follows(&text[done..from]));
+            let high = match thinnest {
+                Some(thickness) if word == "?" => high.min(thickness.low),
+                _ => high,
+            };
             template.texts.push(text[done..from].to_owned());
             done = to;
             media.push(medium_before(&text[..from]));
@@ -96,12 +102,11 @@ impl Template {
             )));
         }
         template.name(&media);
-        // In the middle and at both ends, so that whatever is wrong is said before any work.
+        // In the middle, at both ends, and with the widest spread of the thinnest layers, so that whatever is wrong is said before any work.
         for part in [0.5, 0.0, 1.0] {
-            let sizes: Vec<f64> =
-                template.parameters.iter().map(|p| p.low + part * (p.high - p.low)).collect();
-            template.stack(&sizes, library)?;
+            template.stack(&template.sizes(|_| part), library)?;
         }
+        template.stack(&template.sizes(|place| f64::from(u8::from(place == Place::Spread))), library)?;
         Ok(template)
     }
 
@@ -129,6 +134,12 @@ impl Template {
             let free = std::iter::once(name).chain(numbered).find(|name| !taken(name, done));
             self.parameters[k].name = free.unwrap_or_default();
         }
+    }
+
+    /// Sizes at these parts of their ranges.
+    pub(super) fn sizes(&self, part: impl Fn(Place) -> f64) -> Vec<f64> {
+        let at = |(place, p): (&Place, &Parameter)| p.low + part(*place) * (p.high - p.low);
+        self.places.iter().zip(&self.parameters).map(at).collect()
     }
 
     /// The stack's text with these numbers.
@@ -167,6 +178,11 @@ fn words(text: &str) -> Vec<(usize, usize, char)> {
     }
     words.extend(start.map(|from| (from, text.len(), before)));
     words
+}
+
+/// Whether nothing but the sign of a deviation stands between a thickness and what follows.
+fn follows(between: &str) -> bool {
+    matches!(between.trim(), "±" | "+-")
 }
 
 fn place_of(before: char, word: &str) -> Option<Place> {
@@ -235,6 +251,7 @@ mod tests {
         let template = read("air/keratin:200..900±?/mix(keratin,air,0.1..0.2)").unwrap();
         let range = |k: usize| [template.parameters[k].low, template.parameters[k].high];
         assert_eq!([range(0), range(1), range(2)], [[200.0, 900.0], [0.0, 60.0], [0.1, 0.2]]);
+        assert_eq!(read("air/keratin:? ± ?/air").unwrap().parameters[1].high, 50.0);
         assert_eq!(template.text(&[321.5, 12.0, 0.15]), "air/keratin:321.5±12/mix(keratin,air,0.15)");
     }
 
@@ -249,6 +266,7 @@ mod tests {
             ("air/keratine:?/air", "did you mean 'keratin'"),
             ("air/7*(1:?/1:?/1:?/1:?/1:?/1:?/1:?)/air", "7 numbers are to be found"),
             ("?/keratin:?/air", "the first medium"),
+            ("air/keratin:20..50±0..30/air", "the spread of 30 nm"),
             ("air/keratin:?", "half-space without thickness"),
         ] {
             let message = read(text).unwrap_err().to_string();
