@@ -246,6 +246,45 @@ fn individuals_and_angles_are_compared_each_with_its_own() {
     assert!(code == 2 && message.contains("which was at 0°, 40°; leave --angle out"), "{message}");
 }
 
+/// Intervals hold what the same structure has of other individuals, and grow with what is uncertain.
+#[test]
+fn intervals_say_how_sure_a_colour_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = [
+        "spectrum",
+        "air/keratin:260±3%/air",
+        "--instances",
+        "12",
+        "--wavelengths",
+        "400:700:5",
+        "--intervals",
+    ];
+    let of = |more: &[&str]| json(folder.path(), &[&words[..], more].concat())["intervals"][0].clone();
+    let (alone, both) = (of(&[]), of(&["--uncertain", "keratin=1%", "--uncertain", "layer1=2%"]));
+    let width = |found: &Value, name: &str| {
+        let number = &found["numbers"][name];
+        let of = |key: &str| number[key].as_f64().unwrap();
+        assert!(of("low") <= of("value") && of("value") <= of("high"), "{number}");
+        of("high") - of("low")
+    };
+    for name in ["peak_nm", "peak_reflectance", "delta_e_2000", "x"] {
+        assert!(width(&both, name) > 1.02 * width(&alone, name), "{name}: {alone} {both}");
+    }
+    let peak = &both["numbers"]["peak_nm"];
+    assert!(peak["std_of_uncertain"]["keratin"].as_f64().unwrap() > 3.0, "{peak}");
+    assert!(peak["individuals_enough"].as_u64().unwrap() >= 2);
+    let other = json(folder.path(), &[&words[..], &["--seed", "2"]].concat());
+    let elsewhere = other["intervals"][0]["numbers"]["peak_nm"]["value"].as_f64().unwrap();
+    let [low, high] = ["low", "high"].map(|end| alone["numbers"]["peak_nm"][end].as_f64().unwrap());
+    // Two means of 12: the difference has √2 of an interval's error.
+    let half = 0.5 * (high - low) * 2f64.sqrt();
+    assert!((elsewhere - 0.5 * (low + high)).abs() < 1.6 * half, "{elsewhere}: {low} {high}");
+    let (out, _) = succeed(folder.path(), &[&words[..], &["--uncertain", "layer1=2%"]].concat());
+    assert!(out.contains("95 % (of the mean of 12 individuals): peak") && out.contains("layer1"), "{out}");
+    let (code, _, message) = run_in(folder.path(), &[&words[..6], &["--uncertain", "layer1=2%"]].concat());
+    assert!(code == 2 && message.contains("--intervals"), "{message}");
+}
+
 #[test]
 fn several_structures_make_one_summary_one_table_and_one_figure() {
     let folder = tempfile::tempdir().unwrap();
