@@ -126,7 +126,7 @@ fn nothing_is_invented_below_what_is_known() {
     ];
     assert!(refused(folder.path(), &words).contains("nothing is invented outside"));
     for (words, part) in [
-        (&["--ratio", "1,2,3"][..], "3 numbers for the 4 classes of cones"),
+        (&["--ratio", "1,2,3"][..], "3 numbers for the 4 cones"),
         (&["--weber", "0"], "--weber 0: give a number over 0"),
         (&["--illuminant", "moon"], "there is no light 'moon'"),
         (&["--angle", "0,30"], "--angle: 2 angles; give one"),

@@ -32,7 +32,6 @@ const LINES: &[(&str, &[&str], &[&str])] = &[
     ("brdf @made.barbule --wi 10,20 --wo 0,0 --wavelength 550", &["-o", "--csv"], &["made.barbule"]),
     ("far-field @in.json --wavelength 550 --theta 0 --phi 0", &["-o", "--csv"], &["in.json", "n.csv"]),
     ("spectrum @secs --measured @r.csv", &["-o", "--csv", "--summary"], &["secs/a.json", "n.csv", "r.csv"]),
-    ("spectrum @secs --measured @r.csv@30", &["-o", "--csv", "--summary"], &["r.csv"]),
     ("fit-structure --model film --measured @r.csv", &["-o", "--picture"], &["r.csv"]),
     ("fit-structure --model @mine.toml --measured @r.csv", &["-o"], &["mine.toml", "r.csv"]),
     ("spectrum @mine.toml:green", &["-o", "--csv", "--summary"], &["mine.toml"]),

@@ -74,6 +74,7 @@ fn an_output_that_is_read_too_is_refused_under_every_name_and_stays_as_it_is() {
         ("geometry in.json -o sub/../in.json", "this command reads it"),
         ("geometry in.json -o hard.json", "this command reads it (as in.json)"),
         ("spectrum in.json --measured m.csv --csv m.csv", "--csv m.csv: would be overwritten"),
+        ("spectrum in.json --measured m.csv@30 --csv m.csv", "--csv m.csv: would be overwritten"),
         ("spectrum in.json --csv n.csv", "this command reads it (as n.csv)"),
         ("film air/q:300/air --medium q=n.csv --csv sub/../n.csv", "this command reads it (as n.csv)"),
         ("film stack.toml --csv n.csv", "this command reads it (as n.csv)"),

@@ -147,7 +147,7 @@ impl Eye {
             return Err(Error::input(format!(
                 "{} for the {} of {} ({}); give one number over 0 for each, as in 1,2,2,4",
                 counted(abundance.len(), "number"),
-                counted(names.len(), "class of cones").replace("coness", "cones"),
+                counted(names.len(), "cone"),
                 shortened(&self.name),
                 names.join(", ")
             )));
