@@ -81,7 +81,7 @@ fn given(
     range_nm: Option<[f64; 2]>,
 ) -> Result<Vec<Reading>> {
     let per_angle = values.len() / angles.len().max(1);
-    if values.is_empty() || per_angle * angles.len() != values.len() || per_angle % at.len() != 0 {
+    if values.is_empty() || per_angle * angles.len() != values.len() || !per_angle.is_multiple_of(at.len()) {
         return Err(Error::input(format!(
             "'reflectance' holds {} numbers, which are not as many samples of {} wavelengths at each of {} angles",
             values.len(),
@@ -89,7 +89,7 @@ fn given(
             angles.len()
         )));
     }
-    if let Some(bad) = angles.iter().find(|angle| !(angle.abs() < 90.0)) {
+    if let Some(bad) = angles.iter().find(|angle| angle.is_nan() || angle.abs() >= 90.0) {
         return Err(Error::input(format!("'angles_deg' holds {bad}; give degrees between -90 and 90")));
     }
     let one = |(angle, values): (&f64, &[f64])| {
