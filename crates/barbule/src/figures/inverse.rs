@@ -1,6 +1,6 @@
 //! Fitted curves over a measurement, and what they leave of it.
 
-use crate::inverse::{Fit, Reading, Solution, in_words};
+use crate::inverse::{Estimate, Fit, Parameter, Reading, Solution, in_words};
 use crate::plot::{Axis, Curve, Drawing, Figure, Ink, Stroke};
 use crate::spectrum::Spectrum;
 
@@ -57,8 +57,7 @@ fn one(above: &mut Figure, below: &mut Figure, fit: &Fit, reading: &Reading) {
         above.curves.push(Curve { stroke: stroke.clone(), ..Curve::line(name, points(fitted)) });
         below.curves.push(Curve { stroke, ..Curve::line("", residual(reading, fitted)) });
     }
-    above.footnote = Some("solutions in their order, ✗: ruled out at 95 %".to_owned())
-        .filter(|_| fit.solutions.iter().take(MOST_DRAWN).any(|solution| !solution.as_good));
+    above.footnote = Some("in brackets: 95 % intervals; ruled out: at 95 %, against the first".to_owned());
 }
 
 fn many(above: &mut Figure, below: &mut Figure, fit: &Fit, readings: &[Reading]) {
@@ -80,8 +79,12 @@ fn many(above: &mut Figure, below: &mut Figure, fit: &Fit, readings: &[Reading])
 
 /// A solution's sizes, shortly.
 fn legend(fit: &Fit, solution: &Solution, place: usize) -> String {
-    let sizes: Vec<String> =
-        fit.parameters.iter().zip(&solution.sizes).map(|(p, size)| in_words(p, size)).collect();
-    let ruled_out = if solution.as_good { "" } else { " ✗" };
-    format!("{}: {}{ruled_out}", place + 1, sizes.join("; "))
+    let size = |(p, size): (&Parameter, &Estimate)| {
+        let digits = size.digits();
+        let Estimate { value, low, high, .. } = *size;
+        format!("{} {value:.digits$} ({low:.digits$}–{high:.digits$})", p.name)
+    };
+    let sizes: Vec<String> = fit.parameters.iter().zip(&solution.sizes).map(size).collect();
+    let ruled_out = if solution.as_good { "" } else { ", ruled out" };
+    format!("{}{ruled_out}: {}", place + 1, sizes.join(", "))
 }

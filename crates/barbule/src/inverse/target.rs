@@ -153,7 +153,7 @@ fn comments(fit: &Fit) -> String {
 /// A size with its interval, as `thickness_nm 643.2 (641.0 to 645.4 nm)`.
 #[must_use]
 pub fn in_words(p: &Parameter, size: &Estimate) -> String {
-    let digits = digits(size);
+    let digits = size.digits();
     let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
     let Estimate { value, low, high, open } = *size;
     let bound = |open: bool| if open { " (end of the range)" } else { "" };
@@ -165,13 +165,16 @@ pub fn in_words(p: &Parameter, size: &Estimate) -> String {
     )
 }
 
-/// Digits behind the point that show an interval to two figures, at most six.
-fn digits(size: &Estimate) -> usize {
-    let width = 0.5 * (size.high - size.low);
-    if width <= 0.0 {
-        return 6;
+impl Estimate {
+    /// Digits behind the point that show its interval to two figures, at most six.
+    #[must_use]
+    pub fn digits(&self) -> usize {
+        let width = 0.5 * (self.high - self.low);
+        if width <= 0.0 {
+            return 6;
+        }
+        (1.0 - width.log10().floor()).clamp(0.0, 6.0) as usize
     }
-    (1.0 - width.log10().floor()).clamp(0.0, 6.0) as usize
 }
 
 impl Outcome {
