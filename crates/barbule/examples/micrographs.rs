@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p barbule --example micrographs -- FOLDER`
 
+#![allow(clippy::print_stdout)] // a program
+
 use std::path::Path;
 
 use barbule::io::write_whole;

@@ -195,7 +195,7 @@ fn arms_of_barbules_are_nearly_reciprocal_and_turned_feathers_have_their_symmetr
         mount("probe:20", 0.0),
     ];
     let found = read(&structure, &[500.0, 600.0], &mounts, 8, [0.5; 2]);
-    for w in 0..2 {
+    for w in [0, 1] {
         let [there, back, about, turned, probe] = [0, 1, 2, 3, 4].map(|k| found[k][w]);
         assert!((there / back - 1.0).abs() < 0.05, "{there} {back}");
         // Turned by half a turn, what was left is right: other individuals, the same mean.
