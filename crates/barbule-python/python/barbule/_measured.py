@@ -93,13 +93,13 @@ def compare(
         raise InputError("'against' holds no measurement; give at least one")
     nm = numbers(simulated["wavelength"])
     found: list[dict[str, Any] | None] = []
-    for index, angle in enumerate(np.atleast_1d(numbers(simulated["angle"]))):
+    for index, angle in enumerate(numbers(simulated["angle"])):
         one = next((m for m in known if m.angle_deg is None or abs(m.angle_deg - angle) < 0.05), None)
         if one is None:
             found.append(None)
             continue
-        mean = np.atleast_2d(numbers(simulated["reflectance"]))[index]
-        each = numbers(simulated["individuals"])[:, index] if "individuals" in simulated else mean[np.newaxis]
+        mean = np.asarray(simulated["reflectance"], float)[index]
+        each = np.asarray(simulated["individuals"], float)[:, index] if "individuals" in simulated else mean[np.newaxis]
         text = _native.compare(nm, mean, each, one.wavelength_nm, one.samples, peak_range_nm)
         found.append(json.loads(text))
     return found

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple, Union
+from typing import TYPE_CHECKING, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -195,7 +196,8 @@ def _both(tilt_deg: float | tuple[float, float]) -> tuple[float, float]:
     return tilt_deg if isinstance(tilt_deg, tuple) else (float(tilt_deg), float(tilt_deg))
 
 
-class Interval(NamedTuple):
+@dataclass(frozen=True)
+class Interval:
     """A value and its 95 % confidence interval; `high` is None where it has no bound."""
 
     value: float
@@ -203,7 +205,8 @@ class Interval(NamedTuple):
     high: float | None
 
 
-class AngleLaw(NamedTuple):
+@dataclass(frozen=True)
+class AngleLaw:
     """How a peak moves with the angle: ``λ₀ √(1 − sin²θ/n²)``, and the line ``a − b E`` of the angle ``E = 2θ`` between light and viewer."""
 
     normal_nm: Interval
