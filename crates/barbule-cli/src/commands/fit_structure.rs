@@ -24,10 +24,10 @@ const INSTANCES: u64 = 8;
 /// Arguments of `barbule fit-structure`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  barbule fit-structure --measured examples/measured/starling-back.csv --model film --stack 'air/keratin:?±?/melanin'
-  barbule fit-structure --measured examples/measured/starling-back.csv --model starling --instances 4 -o mine.toml
-  barbule fit-structure --measured nape.csv@0 nape-30.csv@30 --model film --instrument probe:6 --picture nape.svg
-  barbule fit-structure --measured m.csv --model multilayer --stack 'air/keratin:5/6*(melanin:?/keratin:60..140)/keratin'
+  barbule fit-structure --measured mine.csv --model film --stack 'air/keratin:?±?/melanin'
+  barbule fit-structure --measured mine.csv --model starling --instances 4 -o mine.toml
+  barbule fit-structure --measured mine.csv@0 yours.csv@30 --model film --picture both.svg
+  barbule fit-structure --measured mine.csv --model multilayer --stack 'air/melanin:?/keratin:?/air'
 
 In a stack ? or LOW..HIGH stands for what is to be found: a thickness in nm, its standard deviation between places or \
 individuals (keratin:?±?), the fraction of a mixture (mix(keratin,air,?)), an index (1.4..1.7). What stands in a \

@@ -31,9 +31,9 @@ const MOST_CURVES: usize = 18;
 /// Arguments of `barbule see`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  barbule see examples/measured/starling-back.csv 'air/keratin:320/melanin' --bird starling -o both.svg
-  barbule see examples/measured/starling-back.csv --samples --bird blue-tit --illuminant forest
-  barbule see 'air/keratin:320/melanin' 'air/keratin:330/melanin' --bird average-uvs --ratio 1,2,2,4 --weber 0.1
+  barbule see mine.csv 'air/keratin:320/melanin' --bird starling -o both.svg
+  barbule see mine.csv --samples --bird blue-tit --illuminant forest
+  barbule see mine.csv 'air/keratin:330/melanin' --bird average-uvs --ratio 1,2,2,4
 
 Catches are of quanta, each cone's over those of white in the same light (von Kries). ΔS is in just noticeable \
 differences (receptor noise), once with the Weber fraction that of the longest cones, once that of the rarest; ΔL is by the \

@@ -52,7 +52,7 @@ const MOST_CURVES: usize = 18;
 #[command(after_help = "Examples:
   barbule spectrum starling --angle 0,30,60 -o starling.svg --csv starling.csv
   barbule spectrum starling --measured examples/measured/starling-back.csv -o both.png
-  barbule spectrum starling --measured examples/measured/from-r.csv --measured examples/measured/starling-back.csv
+  barbule spectrum starling --measured mine.csv@0 --measured yours.csv@30 -o angles.png
   barbule spectrum starling --intervals --uncertain keratin=0.005 --uncertain cortex_um=2%
   barbule spectrum starling rock-dove bronzewing --summary birds.csv
   barbule spectrum rock-dove --side below --angle=-30,30
