@@ -2,7 +2,7 @@
 
 use barbule::open;
 use barbule::spectrum::Spectrum;
-use barbule::vision::{Catches, Eye, Light, Tetrahedral, View};
+use barbule::vision::{Catches, Compared, Eye, Light, Tetrahedral, View};
 use barbule::{Error, Result};
 use clap::Args;
 use serde_json::{Value, json};
@@ -62,6 +62,8 @@ pub(crate) struct Sight {
     light: String,
     cones: Vec<String>,
     looks: Vec<(Catches, Option<Tetrahedral>)>,
+    /// Each angle's reflectance beside what was measured there, in this order; empty without measurements.
+    beside: Vec<Option<Compared>>,
 }
 
 impl Sight {
@@ -76,13 +78,32 @@ impl Sight {
             light: view.light.name.clone(),
             cones: view.eye.cones.iter().map(|cone| cone.name.clone()).collect(),
             looks: means.iter().map(|mean| view.look(mean)).collect::<Result<_>>()?,
+            beside: Vec::new(),
         })
+    }
+
+    /// The same beside what was measured at each angle, where something was.
+    ///
+    /// # Errors
+    /// A measurement does not reach where a cone sees.
+    pub(crate) fn beside(
+        mut self,
+        (_, view): &Viewer,
+        means: &[Spectrum],
+        measured: &[Option<&Spectrum>],
+    ) -> Result<Self> {
+        let compared = |(mean, measured): (&Spectrum, &Option<&Spectrum>)| {
+            let pair = measured.map(|measured| view.compare(&[mean.clone(), measured.clone()]));
+            pair.transpose().map_err(|(_, error)| error.at("--measured"))
+        };
+        self.beside = means.iter().zip(measured).map(compared).collect::<Result<_>>()?;
+        Ok(self)
     }
 
     /// For machines: `catches[angle][cone]`, `double[angle]`, `tetrahedral[angle]`.
     pub(crate) fn document(&self) -> Value {
         let each = || self.looks.iter();
-        json!({
+        let mut document = json!({
             "name": self.typed,
             "title": self.name,
             "illuminant": self.light,
@@ -90,13 +111,37 @@ impl Sight {
             "catches": each().map(|(catches, _)| &catches.cones).collect::<Vec<_>>(),
             "double": each().map(|(catches, _)| catches.double).collect::<Vec<_>>(),
             "tetrahedral": each().map(|(_, place)| place.map(tetrahedral_json)).collect::<Vec<_>>(),
-        })
+        });
+        if !self.beside.is_empty() {
+            let of = |found: &Compared| {
+                json!({
+                    "catches": found.catches[1].cones,
+                    "delta_s": found.delta_s[0][1],
+                    "delta_s_rarest": found.delta_s_rarest[0][1],
+                    "delta_l": found.delta_l[0][1],
+                })
+            };
+            document["measured"] =
+                json!(self.beside.iter().map(|one| one.as_ref().map(of)).collect::<Vec<_>>());
+        }
+        document
     }
 
     /// One line for people on an angle.
     pub(crate) fn words(&self, angle: usize) -> String {
         let (catches, place) = &self.looks[angle];
-        format!("{} in {}: {}", self.name, self.light, words(&self.cones, catches, place.as_ref()))
+        let mut text =
+            format!("{} in {}: {}", self.name, self.light, words(&self.cones, catches, place.as_ref()));
+        if let Some(Some(found)) = self.beside.get(angle) {
+            let number = |value: Option<f64>| value.map_or_else(|| "–".into(), |value| format!("{value:.2}"));
+            text += &format!(
+                "; measured is ΔS {} ({} by the rarest cones) and ΔL {} away, in just noticeable differences",
+                number(found.delta_s[0][1]),
+                number(found.delta_s_rarest[0][1]),
+                number(found.delta_l[0][1])
+            );
+        }
+        text
     }
 
     /// What bars of the catches are.

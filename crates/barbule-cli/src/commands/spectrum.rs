@@ -200,11 +200,17 @@ struct Found {
 }
 
 impl Found {
-    /// What birds see of the mean at each angle.
-    fn sights(&self, views: &[Viewer], at: &Wavelengths) -> Result<Vec<Sight>> {
+    /// What birds see of the mean at each angle, and how far it is from what was measured there.
+    fn sights(&self, views: &[Viewer], at: &Wavelengths, asked: Asked) -> Result<Vec<Sight>> {
         let means = self.spectra.mean.iter().map(|mean| Spectrum::new(at.clone(), mean.clone()));
         let means = means.collect::<Result<Vec<_>>>()?;
-        views.iter().map(|view| Sight::of(view, &means)).collect()
+        let known = (0..means.len()).map(|row| asked.measured_at(row).map(|measured| &measured.mean));
+        let measured: Vec<Option<&Spectrum>> = known.collect();
+        let sight = |view: &Viewer| match asked.measured {
+            Some(_) => Sight::of(view, &means)?.beside(view, &means, &measured),
+            None => Sight::of(view, &means),
+        };
+        views.iter().map(sight).collect()
     }
 
     /// At how many wavelengths of an angle light grazes so that the simulation is off.
@@ -220,13 +226,20 @@ impl Args {
         let structures = self.structures.iter().map(|text| self.subject(text)).collect::<Result<Vec<_>>>()?;
         let measured = self.measured()?;
         let views = self.birds.views(self.wavelengths.range_nm())?;
+        // Before any work.
+        for (at, (_, view)) in
+            measured.iter().flat_map(|found| &found.angles).flat_map(|at| views.iter().map(move |v| (at, v)))
+        {
+            let range = at.measured.mean.wavelengths().range_nm();
+            view.check("the measured reflectance", range.into()).map_err(|error| error.at("--measured"))?;
+        }
         let rows = self.rows(&self.angles(measured.as_ref())?);
         self.check_rows(&rows)?;
         let asked = Asked { rows: &rows, measured: measured.as_ref() };
         let mut all = self.simulate(&structures, asked)?;
         let (media, shortest_nm) = (self.common.opening()?.media, self.wavelengths.range_nm().0);
         for (found, subject) in all.iter_mut().zip(&structures) {
-            found.sights = found.sights(&views, &self.wavelengths)?;
+            found.sights = found.sights(&views, &self.wavelengths, asked)?;
             let structure = subject.structure();
             found.has_guess =
                 structure.is_some_and(|one| media.guesses_in(one, self.common.seed, shortest_nm));

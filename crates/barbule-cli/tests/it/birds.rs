@@ -200,3 +200,27 @@ fn a_bird_and_people_see_the_same_paths() {
     let close = |a: &[f32], b: &[f32]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-4 * (1.0 + b.abs()));
     assert!(bird.4.iter().any(|v| *v > 0.0) && close(&bird.1, &bird.4), "green is the cone M");
 }
+
+/// A simulation is no distance from itself, and some from what was measured; a measurement that does not reach is refused.
+#[test]
+fn simulations_are_as_far_from_measurements_as_birds_see() {
+    let folder = tempfile::tempdir().unwrap();
+    write_two(folder.path());
+    let film = ["spectrum", "air/keratin:320/melanin", "--bird", "starling", "--wavelengths", "300:700:5"];
+    let itself = document(folder.path(), &film);
+    let values =
+        itself["wavelength_nm"].as_array().unwrap().iter().zip(itself["mean"][0].as_array().unwrap());
+    let table: String = values.map(|(nm, value)| format!("{nm},{value}\n")).collect();
+    std::fs::write(folder.path().join("same.csv"), format!("wl,R\n{table}")).unwrap();
+    let far = |file: &str| {
+        let found = document(folder.path(), &[&film[..], &["--measured", file]].concat());
+        let one = &found["birds"][0]["measured"][0];
+        (one["delta_s"].as_f64().unwrap(), one["delta_l"].as_f64().unwrap())
+    };
+    let (same, red) = (far("same.csv"), far("red.csv"));
+    assert!(same.0 < 1e-9 && same.1 < 1e-9 && red.0 > 1.0 && red.1 > 1.0, "{same:?} {red:?}");
+    let (_, out, _) = run(folder.path(), &[&film[..], &["--measured", "red.csv"]].concat());
+    assert!(out.contains("; measured is ΔS ") && out.contains("by the rarest cones"), "{out}");
+    let message = refused(folder.path(), &[&film[..], &["--measured", "visible.csv"]].concat());
+    assert!(message.contains("--measured: the measured reflectance is known from 400"), "{message}");
+}
