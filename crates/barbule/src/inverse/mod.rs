@@ -180,7 +180,9 @@ impl FittedStack {
 /// ```
 /// use barbule::inverse::{Beam, Reading, Settings, fit_stack};
 /// use barbule::film::sweep;
-/// use barbule::{Library, Spectrum, Stack, Unobserved, Wavelengths};
+/// use barbule::material::Library;
+/// use barbule::spectrum::Spectrum;
+/// use barbule::{Stack, Unobserved, Wavelengths};
 ///
 /// let library = Library::builtin();
 /// let at = Wavelengths::usual();
