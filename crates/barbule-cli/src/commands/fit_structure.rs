@@ -225,11 +225,15 @@ fn words(outcome: &Outcome) -> Vec<String> {
             (_, true) => format!("fits as well (Δχ² {:.1})", solution.worse_by),
             (_, false) => format!("ruled out at 95 % (Δχ² {:.0})", solution.worse_by),
         };
+        // A model may be further from the measurement than its mean is.
+        let explained = match solution.explained {
+            part if part > 0.0 => format!("{:.1} %", 100.0 * part),
+            _ => "none".to_owned(),
+        };
         lines.push(format!(
-            "{}. {standing}: rmse {:.5}, {:.1} % of the variance explained",
+            "{}. {standing}: rmse {:.5}, {explained} of the variance explained",
             k + 1,
             solution.rmse,
-            100.0 * solution.explained
         ));
         for (j, (p, size)) in outcome.fit.parameters.iter().zip(&solution.sizes).enumerate() {
             let between = solution.between_samples.as_ref().map_or_else(String::new, |std| {

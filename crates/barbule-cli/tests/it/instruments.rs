@@ -41,6 +41,11 @@ fn readings_say_their_instrument_and_its_reference() {
     assert!(out.contains("air/1.56:410/air, probe:10, φ = 4°, turned by 30°: peak "), "{out}");
     let several = json(folder.path(), &format!("{FILM} --instrument sphere --instrument microscope:0.3"));
     assert_eq!(several["instrument"], serde_json::json!(["sphere", "microscope:0.3"]));
+    // What differs between kinds of instruments is not the angle alone, so they follow no law together.
+    let kinds = "--instrument sphere --instrument microscope:0.3 --instrument arms:30,30,5";
+    assert!(json(folder.path(), &format!("{FILM} {kinds} --angle 0,10"))["law"].is_null());
+    let (code, _, message) = run_in(folder.path(), &format!("{FILM} {kinds} --law law.svg"));
+    assert!(code == 2 && message.contains("of several kinds make no series"), "{message}");
 }
 
 #[test]

@@ -191,6 +191,7 @@ impl Args {
                 path.display()
             )));
         }
+        one_kind(rows).map_err(|error| error.at("--law"))?;
         Format::of(path)?;
         barbule::io::check_writable(path)
     }
@@ -205,6 +206,7 @@ impl Args {
 
     /// The law that the followed peaks of a structure obey; why there is none.
     pub(super) fn law(&self, looks: &[Look], rows: &[Row]) -> Result<AngleLaw> {
+        one_kind(rows)?;
         AngleLaw::fit(&self.followed(looks, rows))
     }
 
@@ -266,6 +268,17 @@ impl Args {
             document["masked"] = json!({ "pitch_um": pitch_um, "width_um": width_um, "turn_deg": turn_deg });
         }
     }
+}
+
+/// Refuses rows of several kinds of instruments: what differs between them is not the angle alone.
+fn one_kind(rows: &[Row]) -> Result<()> {
+    let kind = |row: &Row| row.instrument.map(|one| std::mem::discriminant(&one));
+    if rows.windows(2).all(|pair| kind(&pair[0]) == kind(&pair[1])) {
+        return Ok(());
+    }
+    Err(Error::input(
+        "instruments of several kinds make no series of angles; give one of them, or several arms",
+    ))
 }
 
 /// Columns in front of tables where rows differ by more than their angle: the header, and of each row its cells.
