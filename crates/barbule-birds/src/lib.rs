@@ -23,6 +23,8 @@ pub struct Bird {
     pub wing: Option<&'static str>,
     /// Sizes of the feather type NAME where they differ from the type `primary`.
     pub primary: Option<&'static str>,
+    /// Further presets, names and scenes: necks, tails, whole birds.
+    pub presets: &'static [(&'static str, &'static str)],
 }
 
 /// A name and the bytes of the file.
@@ -31,7 +33,7 @@ type Material = (&'static str, &'static [u8]);
 /// Makes the lists of the names, the TOML files and the materials that folders have. Materials are apart from `BIRDS`, so that programs
 /// which never ask for one do not hold them.
 macro_rules! birds {
-    ($($name:literal also $also:tt has [$($file:ident)*] materials [$($material:literal)*])*) => {
+    ($($name:literal also $also:tt has [$($file:ident)*] presets [$($preset:literal)*] materials [$($material:literal)*])*) => {
         /// All birds, in the order in which they are listed to people.
         pub static BIRDS: &[Bird] = &[$(Bird {
             $($file: Some(include_str!(concat!("../birds/", $name, "/", stringify!($file), ".toml"))),)*
@@ -45,6 +47,7 @@ macro_rules! birds {
                 feather: None,
                 wing: None,
                 primary: None,
+                presets: &[$(($preset, include_str!(concat!("../birds/", $name, "/", $preset, ".toml")))),*],
             }
         }),*];
 
@@ -59,34 +62,41 @@ birds! {
     "rock-dove"
         also ["columba-livia", "rock-pigeon", "feral-pigeon", "common-pigeon", "pigeon", "dove"]
         has [species scene feather]
+        presets []
         materials ["forest" "jade" "purple" "sea" "teal" "violet"]
     "starling"
         also ["sturnus-vulgaris", "european-starling", "common-starling"]
         has [species scene feather]
+        presets []
         materials ["green"]
     "bronzewing"
         also ["phaps-chalcoptera", "common-bronzewing", "bronzewing-pigeon"]
         has [species scene feather]
+        presets []
         materials ["green" "red"]
     "hummingbird"
         also ["calypte-anna", "annas-hummingbird", "anna-hummingbird"]
         has [species scene feather]
+        presets []
         materials ["anna"]
     "mallard"
         also ["anas-platyrhynchos", "mallard-duck", "wild-duck", "duck"]
         has [species scene feather]
+        presets []
         materials ["lime" "lime-below"]
     "magpie"
         also ["pica-hudsonia", "black-billed-magpie", "american-magpie"]
         has [species scene feather]
+        presets []
         materials ["violet" "violet-below"]
     "peafowl"
         also ["pavo-cristatus", "indian-peafowl", "blue-peafowl", "common-peafowl", "peacock"]
         has [species scene feather]
+        presets []
         materials ["scaled-blue" "scaled-bronze" "scaled-green" "scaled-turquoise" "scaled-violet" "yellow" "yellow-below"]
-    "osprey" also [] has [wing primary] materials []
-    "turkey-vulture" also [] has [wing primary] materials []
-    "rock-dove-wing" also [] has [wing primary] materials []
+    "osprey" also [] has [wing primary] presets [] materials []
+    "turkey-vulture" also [] has [wing primary] presets [] materials []
+    "rock-dove-wing" also [] has [wing primary] presets [] materials []
 }
 
 /// The shipped materials: name (`species-variant`, as in `starling-green`; `-below` for lower sides that differ from the

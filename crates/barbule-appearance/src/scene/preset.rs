@@ -11,12 +11,13 @@ const GRATINGS: [(&str, &str); 2] = [
     ("diffraction-bench", include_str!("presets/diffraction-bench.toml")),
 ];
 
-/// Close-ups, then whole feathers, then feathers without structural colour, then gratings.
+/// Close-ups, then whole feathers, then many feathers and birds, then feathers without structural colour, then gratings.
 fn presets() -> impl Iterator<Item = (&'static str, &'static str)> + Clone {
     let close_ups = BIRDS.iter().filter_map(|bird| Some((bird.name, bird.scene?)));
     let feathers = BIRDS.iter().filter_map(|bird| Some((bird.feather_name, bird.feather?)));
     let wings = BIRDS.iter().filter_map(|bird| Some((bird.name, bird.wing?)));
-    close_ups.chain(feathers).chain(wings).chain(GRATINGS)
+    let birds = BIRDS.iter().flat_map(|bird| bird.presets.iter().copied());
+    close_ups.chain(feathers).chain(birds).chain(wings).chain(GRATINGS)
 }
 
 /// The presets' names.
