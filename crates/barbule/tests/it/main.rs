@@ -16,6 +16,7 @@ mod crystals;
 mod documented;
 mod errors;
 mod exported;
+mod feather_laws;
 mod film;
 mod furnace;
 mod geometry;

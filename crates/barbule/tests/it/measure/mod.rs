@@ -3,6 +3,7 @@
 pub(crate) mod crystals;
 pub(crate) mod fields;
 pub(crate) mod golden;
+pub(crate) mod laws;
 pub(crate) mod material;
 pub(crate) mod picture;
 pub(crate) mod polarized;
