@@ -92,7 +92,7 @@ birds! {
     "peafowl"
         also ["pavo-cristatus", "indian-peafowl", "blue-peafowl", "common-peafowl", "peacock"]
         has [species scene feather]
-        presets []
+        presets ["peacock" "peacock-film" "peacock-film-2005"]
         materials ["scaled-blue" "scaled-bronze" "scaled-green" "scaled-turquoise" "scaled-violet" "yellow" "yellow-below"]
     "osprey" also [] has [wing primary] presets [] materials []
     "turkey-vulture" also [] has [wing primary] presets [] materials []

@@ -44,15 +44,20 @@ struct Choices {
 
 #[pymethods]
 impl Scene {
-    /// What `barbule render` takes: a preset, a scene file, a material or a structure.
+    /// What `barbule render` takes: a preset, which may have several models, a scene file, a material or a structure.
     #[staticmethod]
-    #[pyo3(signature = (text, media, progress))]
+    #[pyo3(signature = (text, model, media, progress))]
     fn open(
         py: Python<'_>,
         text: &str,
+        model: Option<&str>,
         media: Vec<(String, String)>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
+        let text = match model {
+            Some(model) => &*preset::by_model(text, model).or_raise(py)?,
+            None => text,
+        };
         let opening = Given { media, ..Given::default() }.opening().or_raise(py)?;
         let how = How::new(None, progress);
         let description = how.run(py, |progress| open::description(text, &opening, progress))?;

@@ -8,6 +8,7 @@ pub mod camera;
 pub mod coat;
 pub mod description;
 pub mod emission;
+pub mod eye_maps;
 pub mod faces;
 pub mod feather;
 pub mod geometry;

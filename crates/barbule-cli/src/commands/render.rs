@@ -57,6 +57,10 @@ pub(crate) struct Args {
     /// Print the scene as a file to start from, and draw nothing
     #[arg(long, conflicts_with = "output")]
     toml: bool,
+    /// The scene by another of its models: peacock has film-2005 (as a picture of 2005 had it), film (thin films on every barbule) and
+    /// barbule (simulated crystals)
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
     /// Another material than the scene's
     #[arg(long, value_name = "NAME|FILE|STRUCTURE", long_help = materials::HELP)]
     material: Option<String>,
@@ -228,7 +232,7 @@ impl Args {
 
     /// The scene with the changes that the flags ask for, and whether there are any.
     fn description(&self) -> Result<(SceneDescription, bool)> {
-        let mut description = scene_arg::parse(self.scene(), &self.common)?;
+        let mut description = scene_arg::parse(&self.drawn()?, &self.common)?;
         let original = description.clone();
         if let Some(material) = &self.material {
             description.set_material(material);
@@ -290,6 +294,14 @@ impl Args {
         self.scene.as_deref().unwrap_or_default()
     }
 
+    /// The same, or the preset that shows it by the model that is asked for.
+    fn drawn(&self) -> Result<String> {
+        match &self.model {
+            Some(model) => preset::by_model(self.scene(), model).map_err(|e| e.at("--model")),
+            None => Ok(self.scene().to_owned()),
+        }
+    }
+
     /// Where the files lie that a scene file names.
     fn folder(&self) -> PathBuf {
         Path::new(self.scene()).with_file_name("")
@@ -298,7 +310,7 @@ impl Args {
     /// Prints a preset's own text, with its comments, or that of the scene that the command line describes, whose files are named as seen
     /// from here.
     fn print_toml(&self, mut scene: SceneDescription, is_changed: bool, out: &mut dyn Write) -> Result<()> {
-        if !is_changed && let Ok(text) = preset::toml(self.scene()) {
+        if !is_changed && let Ok(text) = preset::toml(&self.drawn()?) {
             return print(out, text.trim_end());
         }
         let (folder, own) = (self.folder(), self.background.is_some());

@@ -39,10 +39,27 @@ class Scene:
         self._native = native
 
     @classmethod
-    def load(cls, name: Name, *, media: Mapping[str, Name] | None = None, progress: ProgressLike = True) -> Scene:
-        """Opens what ``barbule render`` takes: a preset, a scene file, a material or a structure."""
+    def load(
+        cls,
+        name: Name,
+        *,
+        model: str | None = None,
+        media: Mapping[str, Name] | None = None,
+        progress: ProgressLike = True,
+    ) -> Scene:
+        """Opens what ``barbule render`` takes: a preset, a scene file, a material or a structure.
+
+        Args:
+            name: The preset, file, material or structure.
+            model: One of the models of a preset that has several: of ``peacock`` ``film-2005``, ``film`` or ``barbule``.
+            media: Media of your own by name, each a file of n and k.
+            progress: True for a bar, False for none, or a function ``(label, done, total)``.
+
+        Raises:
+            barbule.InputError: An unknown name, or a model of what has none.
+        """
         with watched(progress) as watch:
-            return cls(_native.Scene.open(str(name), media_of(media), watch))
+            return cls(_native.Scene.open(str(name), model, media_of(media), watch))
 
     @classmethod
     def parse(cls, toml: str, folder: Union[str, "PathLike[str]"] = ".") -> Scene:
@@ -109,12 +126,13 @@ def render(
     seed: int = 1,
     spectral_nm: Sequence[float] = (),
     compositing: bool = False,
+    model: str | None = None,
     media: Mapping[str, Name] | None = None,
     cache: Union[str, "PathLike[str]", None] = None,
     threads: int | None = None,
     progress: ProgressLike = True,
 ) -> Picture:
-    """Renders a scene or a preset; arguments as for `Scene.render`.
+    """Renders a scene or a preset; arguments as for `Scene.render`, and the preset's `model` as for `Scene.load`.
 
     Example:
         >>> import barbule
@@ -122,7 +140,7 @@ def render(
         >>> picture.rgb().shape
         (16, 24, 3)
     """
-    opened = scene if isinstance(scene, Scene) else Scene.load(scene, media=media, progress=progress)
+    opened = scene if isinstance(scene, Scene) else Scene.load(scene, model=model, media=media, progress=progress)
     return opened.render(
         size,
         samples,

@@ -29,6 +29,7 @@ mod lights;
 mod measure;
 mod measured_feathers;
 mod objects;
+mod peacock;
 mod picture;
 mod places;
 mod polarization;

@@ -3,7 +3,7 @@
 use super::barbules::BarbuleClothing;
 use super::detail::{Detail, ViewModel};
 use super::slot::Slot;
-use super::surfaces::{FibreDescription, PigmentedKeratin, no_surface};
+use super::surfaces::{EvenPaint, FibreDescription, FilmDescription, PigmentedKeratin, no_surface};
 use crate::bsdf::{self, Region, Texture, ZonePlan};
 use crate::error::shortened;
 use crate::fields::{Fields, Map, Value, path_of, unknown, within};
@@ -54,6 +54,8 @@ variants! {
         "keratin": Keratin(PigmentedKeratin),
         /// A fibre of hair.
         "hair": Hair(FibreDescription),
+        /// Paint.
+        "diffuse": Paint(EvenPaint),
     }
 }
 
@@ -65,6 +67,10 @@ variants! {
         "barbule": Barbule(BarbuleClothing),
         /// Fibres without structural colour.
         "hair": Hair(FibreDescription),
+        /// Plates with a film of layers.
+        "film": Film(FilmDescription),
+        /// Plates of paint.
+        "diffuse": Paint(EvenPaint),
     }
 }
 
@@ -119,6 +125,20 @@ record! {
         radii_mm: [f64; 2] = "radii_mm", within(0, 2000);
         /// Length along the vane over width.
         stretch: f64 = "stretch", within(0.05, 20), or 1.0;
+        /// How much wider it is on each mm towards the feather's tip, as a share.
+        widening_per_mm: f64 = "widening_per_mm", within(-1, 1), or 0.0;
+        /// A notch on its side towards the feather's base: depth and width; none where the depth is 0.
+        notch_mm: [f64; 2] = "notch_mm", within(0, 2000), or [0.0, 1.0];
+        @agree Ring::agree;
+    }
+}
+
+impl Ring {
+    fn agree(&self, place: &str) -> Result<()> {
+        if self.notch_mm[1] <= 0.0 {
+            return Err(Error::input(format!("{place}.notch_mm[1], the notch's width, is 0; give more")));
+        }
+        Ok(())
     }
 }
 
@@ -146,10 +166,8 @@ impl Zone {
 
     /// Where it is, if no picture says so.
     fn region(&self) -> Region {
-        let ring = self.ring.map(|Ring { centre_mm, radii_mm, stretch }| bsdf::Ring {
-            centre_mm,
-            radii_mm,
-            stretch,
+        let ring = self.ring.map(|Ring { centre_mm, radii_mm, stretch, widening_per_mm, notch_mm }| {
+            bsdf::Ring { centre_mm, radii_mm, stretch, widening_per_mm, notch_mm }
         });
         Region { along: self.along, across: self.across, ring, edge_mm: self.edge_mm }
     }
@@ -246,7 +264,7 @@ impl BarbuleDress {
     fn clothing_mut(&mut self) -> Option<&mut BarbuleClothing> {
         match self {
             Self::Barbule(of) => Some(of),
-            Self::Hair(_) => None,
+            Self::Hair(_) | Self::Film(_) | Self::Paint(_) => None,
         }
     }
 }
@@ -271,7 +289,7 @@ impl Dress {
     pub fn material(&self) -> Option<&str> {
         [&self.distal, &self.proximal].into_iter().find_map(|of| match of {
             BarbuleDress::Barbule(of) => Some(of.material.name.as_str()),
-            BarbuleDress::Hair(_) => None,
+            BarbuleDress::Hair(_) | BarbuleDress::Film(_) | BarbuleDress::Paint(_) => None,
         })
     }
 
@@ -288,7 +306,8 @@ impl Dress {
 
     /// The tables `[surfaces.shaft]` … of a lone feather's file and its keys of the barbules' material, where these can say it.
     pub(super) fn as_parts(&self) -> Option<(Map<String, Value>, Map<String, Value>)> {
-        if self.distal != self.proximal {
+        // What a lone feather's file cannot say stands in the dress of an object.
+        if self.distal != self.proximal || matches!(self.ramus, RamusDress::Paint(_)) {
             return None;
         }
         let Value::Object(mut parts) = crate::fields::Record::table(self) else { return None };
@@ -309,6 +328,7 @@ impl Dress {
                 parts.extend(plain(barbule).map(|table| ("barbule".to_owned(), table)));
                 Some((Map::new(), parts))
             }
+            BarbuleDress::Film(_) | BarbuleDress::Paint(_) => None,
             BarbuleDress::Barbule(of) => {
                 let BarbuleClothing { uv_mm, width_um, length_um, cell_um, .. } =
                     BarbuleClothing::of(&of.material.name);
@@ -424,9 +444,9 @@ fn dress_of(
 /// Which types of surfaces a part may have, and whether that is said in its table.
 const TYPES: [(&str, &[&str], bool); 6] = [
     ("shaft", &["keratin"], false),
-    ("ramus", &["keratin", "hair"], true),
-    ("distal", &["barbule", "hair"], true),
-    ("proximal", &["barbule", "hair"], true),
+    ("ramus", &["keratin", "hair", "diffuse"], true),
+    ("distal", &["barbule", "hair", "film", "diffuse"], true),
+    ("proximal", &["barbule", "hair", "film", "diffuse"], true),
     ("pale", &["keratin"], false),
     ("down", &["hair"], false),
 ];

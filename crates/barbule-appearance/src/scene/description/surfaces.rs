@@ -7,7 +7,7 @@ use super::colour::Colour;
 use super::slot::Slot;
 use crate::bsdf::{
     Absorption, Conductor, Dielectric, FacetRoughness, FibreIndex, Grating, Hair, HairParameters, Keratin,
-    Lambertian, Measured, MeasuredTables, Pictures, Reflectance, Relief, RoughDielectric, Surface,
+    Lambertian, Measured, MeasuredTables, PhaseFilm, Pictures, Reflectance, Relief, RoughDielectric, Surface,
     SurfaceMap, Texture, ThinFilm,
 };
 use crate::error::{did_you_mean, shortened};
@@ -48,6 +48,8 @@ variants! {
         "measured": Measured(MeasuredFile),
         /// Others, chosen from place to place.
         "map": Map(SurfacesByPlace),
+        /// Paint that is iridescent where it is blue, as a picture of 2005 had it.
+        "film-2005": Film2005(FilmOf2005),
         /// Barbules of a computed material.
         "barbule": Barbule(BarbuleClothing),
     }
@@ -70,6 +72,30 @@ record! {
         /// Height where `bump` is white.
         bump_um: Option<f64> = "bump_um", within(-1e5, 1e5);
         @agree Diffuse::agree;
+    }
+}
+
+record! {
+    /// Paint that is iridescent where it is blue: cos² δ of a phase that is taken twice too large.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct FilmOf2005 {
+        /// Thickness of the film.
+        thickness_nm: f64 = "thickness_nm", within(1, 1e5), or 140.0;
+        /// Its refractive index.
+        index: f64 = "index", within(1.01, 3.9), or 1.54;
+        @flat {
+            /// The paint.
+            paint: Diffuse;
+        }
+    }
+}
+
+record! {
+    /// Paint of one colour on barbs and barbules.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct EvenPaint {
+        /// Its colour.
+        colour: Colour = "colour", (), or Colour::WHITE;
     }
 }
 
@@ -267,6 +293,12 @@ impl Diffuse {
     }
 }
 
+impl EvenPaint {
+    pub(super) fn build(&self) -> Result<Lambertian> {
+        Lambertian::painted(self.colour.0.map(decode), Pictures::default())
+    }
+}
+
 impl PigmentedKeratin {
     pub(super) fn build(&self) -> Result<Keratin> {
         Keratin::new(self.roughness, self.index, Reflectance::melanin(self.melanin)?)
@@ -330,7 +362,7 @@ impl FilmDescription {
         stack.map(|_| ()).map_err(|error| error.at(path_of(place, "stack")))
     }
 
-    fn build(&self) -> Result<ThinFilm> {
+    pub(super) fn build(&self) -> Result<ThinFilm> {
         let body = self.colour.map(|colour| Reflectance::of_colour(colour.0.map(decode))).transpose()?;
         ThinFilm::new(&Stack::parse(&self.stack, &Library::builtin())?, self.roughness, body)
     }
@@ -383,6 +415,9 @@ impl NamedSurface {
                 let surfaces = surfaces.iter().map(one).collect::<Result<_>>()?;
                 let map = SurfaceMap::new(Texture::clone(file.value()?), surfaces);
                 Surface::Map(map.map_err(|error| error.at(&file.name))?)
+            }
+            Self::Film2005(FilmOf2005 { thickness_nm, index, paint }) => {
+                Surface::Lambertian(paint.build()?.iridescent(PhaseFilm::new(*thickness_nm, *index)?))
             }
             Self::Barbule(of) => Surface::Clad(Box::new(of.clad()?)),
         })

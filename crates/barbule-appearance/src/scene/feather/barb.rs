@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3, Vec2};
 
+use super::eye::Sway;
 use super::loose::Loose;
 use super::outline::Vane;
 use super::row::{FlatBarb, PATH_STEPS, Row};
@@ -103,11 +104,16 @@ fn raised(feather: &Feather, shaft: &Shaft, side: f64, flat: &FlatBarb) -> Barb 
     let vane = feather.vane_at(side);
     let base = shaft.at(flat.along);
     let loose = Loose::new(&feather.downy, flat, &base, side);
+    let sway = Sway::new(&feather.eye, flat, &base, side);
     let path: Vec<DVec3> = (0..=PATH_STEPS)
         .map(|i| {
             let u = i as f64 / PATH_STEPS as f64;
             let point = on_vane(feather, shaft, side, vane, flat.path[i], flat.under * u * u);
-            loose.as_ref().map_or(point, |loose| loose.moved(point, u, &base))
+            match (&loose, &sway) {
+                (Some(loose), _) => loose.moved(point, u, &base),
+                (None, Some(sway)) => sway.moved(point, u * flat.length),
+                (None, None) => point,
+            }
         })
         .collect();
     let (points, length_mm) = evenly(&path);
