@@ -10,6 +10,7 @@ pub mod description;
 pub mod emission;
 pub mod faces;
 pub mod feather;
+pub mod form;
 pub mod geometry;
 pub mod light;
 pub mod memory;

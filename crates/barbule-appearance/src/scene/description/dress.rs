@@ -36,6 +36,7 @@ const DOWN: FibreDescription = FibreDescription {
     index: None,
     eumelanin: 2.0,
     pheomelanin: 0.0,
+    colour: None,
     height_over_width: 1.0,
 };
 

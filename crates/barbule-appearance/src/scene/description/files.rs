@@ -203,7 +203,7 @@ impl ObjectShape {
                 let further = coat.feathers.iter_mut().flat_map(|kind| kind.dress.clothing_mut());
                 further.for_each(|of| of.named_mut("coat.feathers.", &mut add));
             }
-            Self::Sphere { .. } | Self::Rectangle { .. } | Self::Snake(_) => {}
+            Self::Sphere { .. } | Self::Rectangle { .. } | Self::Snake(_) | Self::Form(_) => {}
         }
     }
 }
