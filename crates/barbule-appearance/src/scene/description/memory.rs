@@ -137,6 +137,7 @@ impl ObjectDescription {
                 let triangles = of.coat.mesh.as_ref().map_or(0.0, |file| corners(file, foreseen)[1]);
                 of.bytes(triangles, width_mm)
             }
+            ObjectShape::Row(of) => of.bytes(self.placements().len(), width_mm),
         };
         shape + self.placements().len() as f64 * PER_PLACE
     }
