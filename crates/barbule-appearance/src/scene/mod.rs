@@ -16,6 +16,7 @@ pub mod light;
 pub mod memory;
 pub mod preset;
 pub mod primaries;
+pub mod rows;
 pub mod sky;
 pub mod snake;
 pub mod spline;

@@ -143,6 +143,7 @@ impl ObjectDescription {
                 let triangles = of.coat.mesh.as_ref().map_or(form.0[1], |file| corners(file, foreseen)[1]);
                 of.bytes(triangles, width_mm) + form.1
             }
+            ObjectShape::Row(of) => of.bytes(self.placements().len(), width_mm),
         };
         shape + self.placements().len() as f64 * PER_PLACE
     }

@@ -7,6 +7,7 @@ use super::coat::{CoatDescription, CoatObject};
 use super::detail::Detail;
 use super::dress::{Dress, FeatherObject, Zone};
 use super::form::FormDescription;
+use super::row::{RowDescription, RowFeather, RowObject};
 use super::shapes::{MOST_SEGMENTS, grow, rectangle, sphere, upwards};
 use super::slot::Slot;
 use super::surfaces::Surfaces;
@@ -30,7 +31,7 @@ const MOST_INSTANCES: usize = 100_000;
 const MOST_POINTS: usize = 1000;
 
 /// Most zones of a feather: as many as an 8-bit grey tells apart, but for the feather's own dress.
-const MOST_ZONES: usize = 255;
+pub(super) const MOST_ZONES: usize = 255;
 
 record! {
     /// Something that stands in a scene, once or several times.
@@ -95,6 +96,8 @@ pub enum ObjectShape {
     Feather(Box<FeatherObject>),
     /// Many feathers on a body.
     Coat(Box<CoatObject>),
+    /// Feathers side by side.
+    Row(Box<RowObject>),
 }
 
 record! {
@@ -114,7 +117,7 @@ record! {
 }
 
 record! {
-    /// The keys of shapes as files have them: one of the first eight says which shape it is.
+    /// The keys of shapes as files have them: one of the first nine says which shape it is.
     #[derive(Debug, Clone, PartialEq)]
     struct ShapeKeys {
         /// A sphere of this radius.
@@ -133,6 +136,8 @@ record! {
         feather: Option<Feather> = "feather", ();
         /// Many feathers on a body, like `feather`.
         coat: Option<CoatDescription> = "coat", ();
+        /// Feathers side by side, like `feather`: a tail, or rows of a wing.
+        row: Option<RowDescription> = "row", ();
         /// How control points make curves; a B-spline where nothing is said.
         basis: Option<Basis> = "basis", ();
         /// The part of the feather that is grown; all of it where nothing is said.
@@ -155,11 +160,15 @@ record! {
 }
 
 /// The keys of which one says what shape an object is.
-const SHAPES: [&str; 8] = ["sphere_mm", "rectangle_mm", "snake", "form", "mesh", "curves", "feather", "coat"];
+const SHAPES: [&str; 9] =
+    ["sphere_mm", "rectangle_mm", "snake", "form", "mesh", "curves", "feather", "coat", "row"];
 
-/// Keys of feathers and coats alone, and of feathers alone.
-const OF_FEATHERS: [&str; 5] = ["detail", "material", "under", "reciprocity", "dress"];
-const OF_FEATHERS_ALONE: [&str; 3] = ["window", "zones", "zone_map"];
+/// Keys of feathers, coats and rows, of feathers and rows, and of feathers alone, with who has them.
+const OF_PLUMAGE: [(&str, &[&str], &str); 3] = [
+    ("feather, coat or row", &["feather", "coat", "row"], "detail material under reciprocity dress"),
+    ("feather or row", &["feather", "row"], "zones zone_map"),
+    ("feather", &["feather"], "window"),
+];
 
 impl ObjectShape {
     fn keys_of(&self) -> ShapeKeys {
@@ -172,6 +181,7 @@ impl ObjectShape {
             curves: None,
             feather: None,
             coat: None,
+            row: None,
             basis: None,
             window: None,
             detail: Detail::default(),
@@ -208,26 +218,29 @@ impl ObjectShape {
                 let CoatObject { coat, feather, detail, dress } = (**of).clone();
                 ShapeKeys { coat: Some(coat), feather: Some(feather), detail, dress: Some(dress), ..none }
             }
+            Self::Row(of) => {
+                let RowObject { row, first, detail } = (**of).clone();
+                let RowFeather { feather, dress, zones, zone_map } = first;
+                let (row, feather, dress) = (Some(row), Some(feather), Some(dress));
+                ShapeKeys { row, feather, detail, dress, zones, zone_map, ..none }
+            }
         }
     }
 
     /// The one shape that keys say.
     fn of_keys(keys: ShapeKeys, fields: &Fields<'_>) -> Result<Self> {
         let given: Vec<&str> = SHAPES.into_iter().filter(|key| fields.get(key).is_some()).collect();
-        let none_of = |others: &[&str]| match others.iter().find(|key| fields.get(key).is_some()) {
-            Some(key) => Err(Error::input(format!(
-                "{} is given, but the object is no {}; leave it out",
-                fields.path(key),
-                if OF_FEATHERS.contains(key) { "feather or coat" } else { "feather" }
-            ))),
-            None => Ok(()),
-        };
-        let is_coat = keys.coat.is_some();
-        if !is_coat && keys.feather.is_none() {
-            none_of(&OF_FEATHERS)?;
-        }
-        if is_coat || keys.feather.is_none() {
-            none_of(&OF_FEATHERS_ALONE)?;
+        // A coat or row may say its feather beside it.
+        let shape =
+            given.iter().find(|key| **key != "feather").or(given.first()).copied().unwrap_or_default();
+        for (who, shapes, keys) in OF_PLUMAGE {
+            let is_given = |key: &&str| fields.get(key).is_some();
+            if let (false, Some(key)) = (shapes.contains(&shape), keys.split(' ').find(is_given)) {
+                return Err(Error::input(format!(
+                    "{} is given, but the object is no {who}; leave it out",
+                    fields.path(key)
+                )));
+            }
         }
         if keys.basis.is_some() && keys.curves.is_none() {
             return Err(Error::input(format!("{} is given, but there are no curves", fields.path("basis"))));
@@ -250,7 +263,7 @@ impl ObjectShape {
             ) => {
                 let window = window.unwrap_or(VaneDisc::WHOLE);
                 let of = FeatherObject { feather, window, detail, dress: dress(of)?, zones, zone_map };
-                of.agree(fields)?;
+                of.agree(fields.place())?;
                 Ok(Self::Feather(Box::new(of)))
             }
             (
@@ -261,6 +274,16 @@ impl ObjectShape {
                 let of = CoatObject { coat, feather, detail, dress: dress(of)? };
                 of.agree(fields.place())?;
                 Ok(Self::Coat(Box::new(of)))
+            }
+            (
+                ["feather", "row"] | ["row"],
+                ShapeKeys { row: Some(row), feather, detail, dress: of, zones, zone_map, .. },
+            ) => {
+                let feather = feather.map_or_else(|| Feather::of_type("covert"), Ok)?;
+                let first = RowFeather { feather, dress: dress(of)?, zones, zone_map };
+                let of = RowObject { row, first, detail };
+                of.agree(fields.place())?;
+                Ok(Self::Row(Box::new(of)))
             }
             _ => Err(Error::input(format!(
                 "{} has {} shapes; give one of {}",
@@ -287,14 +310,16 @@ impl Record for ObjectShape {
 
     fn write_into(&self, table: &mut Map<String, Value>) {
         self.keys_of().write_into(table);
-        if !matches!(self, Self::Feather(_) | Self::Coat(_)) {
+        if !matches!(self, Self::Feather(_) | Self::Coat(_) | Self::Row(_)) {
             table.remove("detail");
         }
     }
 
     fn check(&self, place: &str) -> Result<()> {
-        if let Self::Coat(coat) = self {
-            coat.agree(place)?;
+        match self {
+            Self::Coat(coat) => coat.agree(place)?,
+            Self::Row(row) => row.agree(place)?,
+            _ => {}
         }
         self.keys_of().check(place)
     }
@@ -337,6 +362,7 @@ impl ObjectDescription {
         let kind = match &self.shape {
             ObjectShape::Feather(_) => "feather",
             ObjectShape::Coat(_) => "coat",
+            ObjectShape::Row(_) => "row",
             _ => "",
         };
         self.name.as_deref().or(self.surface.as_deref()).unwrap_or(kind)
@@ -352,10 +378,10 @@ impl ObjectDescription {
         }
     }
 
-    /// Whether it is a feather or a coat, whose parts have surfaces of their own.
+    /// Whether it is a feather, a coat or a row, whose parts have surfaces of their own.
     #[must_use]
     pub fn is_plumage(&self) -> bool {
-        matches!(self.shape, ObjectShape::Feather(_) | ObjectShape::Coat(_))
+        matches!(self.shape, ObjectShape::Feather(_) | ObjectShape::Coat(_) | ObjectShape::Row(_))
     }
 
     /// Where it stands, once for each.
@@ -373,7 +399,7 @@ impl ObjectDescription {
         let path = crate::fields::path_of(place, "surface");
         match (self.is_plumage(), &self.surface) {
             (true, Some(_)) => Err(Error::input(format!(
-                "{path} is given, but the object is a feather or coat; give its dress"
+                "{path} is given, but the object is a feather, coat or row; give its dress"
             ))),
             (false, None) => {
                 Err(Error::input(format!("{path} is missing; give the name of a table [surfaces.NAME]")))
@@ -421,7 +447,7 @@ impl ObjectDescription {
                 let grown = grow(file.value()?, *basis, identity(0)).map_err(|error| error.at(&file.name))?;
                 return Ok(Geometry { places, ..grown });
             }
-            ObjectShape::Feather(_) | ObjectShape::Coat(_) => {
+            ObjectShape::Feather(_) | ObjectShape::Coat(_) | ObjectShape::Row(_) => {
                 return Err(Error::input(format!("the object '{}' has more than one shape", self.label())));
             }
         };
