@@ -26,6 +26,13 @@ impl Texture {
         Ok(Self { size, texels: texels.into() })
     }
 
+    /// The same in a mirror: left is right.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let rows = self.texels.chunks(self.size[0]);
+        Self { size: self.size, texels: rows.flat_map(|row| row.iter().rev().copied()).collect() }
+    }
+
     /// Memory that its values take, however often it is copied.
     #[must_use]
     pub fn bytes(&self) -> usize {

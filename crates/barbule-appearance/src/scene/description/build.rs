@@ -207,10 +207,11 @@ impl SceneDescription {
             let parts = match &object.shape {
                 ObjectShape::Feather(of) => of.part_names(object.width_on_it(self.camera.width_mm)),
                 ObjectShape::Coat(of) => of.part_names(object.width_on_it(self.camera.width_mm)),
+                ObjectShape::Row(of) => of.part_names(object.width_on_it(self.camera.width_mm)),
                 _ => return vec![object.label().to_owned()],
             };
             match object.label() {
-                "feather" | "coat" => parts,
+                "feather" | "coat" | "row" => parts,
                 label => parts.into_iter().map(|part| format!("{label} {part}")).collect::<Vec<_>>(),
             }
         });
@@ -249,6 +250,7 @@ impl ObjectDescription {
                 Ok((parts.into_iter().map(placed).collect(), counts))
             }
             ObjectShape::Coat(of) => of.parts(&self.place, width_mm, seed, progress),
+            ObjectShape::Row(of) => of.parts(self.placements(), width_mm, (seed, index), progress),
             _ => Ok((Vec::new(), Counts::default())),
         }
     }
@@ -256,7 +258,7 @@ impl ObjectDescription {
 
 impl Geometry {
     /// The same at several places; where it stands at places of its own, at those of each.
-    fn placed_at(self, places: &[Place]) -> Self {
+    pub(super) fn placed_at(self, places: &[Place]) -> Self {
         let all = match self.places.is_empty() {
             true => places.to_vec(),
             false => places.iter().flat_map(|outer| self.places.iter().map(|own| own.then(outer))).collect(),

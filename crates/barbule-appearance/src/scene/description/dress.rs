@@ -6,7 +6,7 @@ use super::slot::Slot;
 use super::surfaces::{EvenPaint, FibreDescription, FilmDescription, PigmentedKeratin, no_surface};
 use crate::bsdf::{self, Region, Texture, ZonePlan};
 use crate::error::shortened;
-use crate::fields::{Fields, Map, Value, path_of, unknown, within};
+use crate::fields::{Map, Value, path_of, unknown, within};
 use crate::scene::feather::{Feather, Level, VaneDisc};
 use crate::scene::memory::Rami;
 use crate::{Error, Result, record, variants};
@@ -36,6 +36,7 @@ const DOWN: FibreDescription = FibreDescription {
     index: None,
     eumelanin: 2.0,
     pheomelanin: 0.0,
+    colour: None,
     height_over_width: 1.0,
 };
 
@@ -185,7 +186,7 @@ impl Zone {
 
 impl FeatherObject {
     /// Refuses zones that change what parts are, and not only what they are made of, and a map without zones.
-    pub(super) fn agree(&self, fields: &Fields<'_>) -> Result<()> {
+    pub(super) fn agree(&self, place: &str) -> Result<()> {
         let own = [self.dress.ramus.word(), self.dress.distal.word(), self.dress.proximal.word()];
         for (i, zone) in self.zones.iter().enumerate() {
             for ((key, kind), own) in
@@ -194,7 +195,7 @@ impl FeatherObject {
                 if kind != own {
                     return Err(Error::input(format!(
                         "{}[{i}].{key} is of type '{kind}', but the feather's own is '{own}'; give the same type",
-                        fields.path("zones")
+                        path_of(place, "zones")
                     )));
                 }
             }
@@ -202,7 +203,7 @@ impl FeatherObject {
         if self.zone_map.is_some() && self.zones.is_empty() {
             return Err(Error::input(format!(
                 "{} is given, but there are no zones",
-                fields.path("zone_map")
+                path_of(place, "zone_map")
             )));
         }
         Ok(())
@@ -210,6 +211,25 @@ impl FeatherObject {
 }
 
 impl FeatherObject {
+    /// The same with the places of its zones, and not what they wear, in a mirror: left is right.
+    ///
+    /// # Errors
+    /// A map that is not read.
+    pub(super) fn with_zones_mirrored(mut self) -> Result<Self> {
+        for zone in &mut self.zones {
+            let [low, high] = zone.across;
+            zone.across = [-high, -low];
+            if let Some(ring) = &mut zone.ring {
+                ring.centre_mm[0] = -ring.centre_mm[0];
+            }
+        }
+        if let Some(map) = &mut self.zone_map {
+            let (mirrored, hash) = (map.value()?.mirrored(), format!("{} mirrored", map.hash()));
+            map.fill(mirrored, hash);
+        }
+        Ok(self)
+    }
+
     /// Memory that it takes while it grows and its hierarchy is built, bytes, at most and about; `width_mm`: of the picture, on it.
     pub(super) fn bytes(&self, width_mm: f64) -> f64 {
         let copies = if self.detail.view_model == ViewModel::Both { 2.0 } else { 1.0 };
@@ -397,7 +417,7 @@ pub(super) fn of_parts(of_material: Map<String, Value>, mut parts: Map<String, V
 pub(super) fn dressed(object: &Value, surfaces: &Map<String, Value>, place: &str) -> Result<Value> {
     let Value::Object(object) = object else { return Ok(object.clone()) };
     let mut object = object.clone();
-    let is_plumage = object.contains_key("feather") || object.contains_key("coat");
+    let is_plumage = ["feather", "coat", "row"].into_iter().any(|key| object.contains_key(key));
     if let (true, Some(dress)) = (is_plumage, dress_of(&object, "dress", surfaces, place)?) {
         object.retain(|key, _| !OF_MATERIAL.contains(&key.as_str()));
         object.insert("dress".to_owned(), dress);
@@ -409,13 +429,14 @@ pub(super) fn dressed(object: &Value, surfaces: &Map<String, Value>, place: &str
         let zones = zones.collect::<Result<Vec<_>>>()?;
         object.insert("zones".to_owned(), zones.into());
     }
-    if let Some(Value::Array(kinds)) = object.get("coat").and_then(|coat| coat.get("feathers")) {
-        let path = format!("{}.feathers", path_of(place, "coat"));
+    for shape in ["coat", "row"] {
+        let Some(Value::Array(kinds)) = object.get(shape).and_then(|of| of.get("feathers")) else { continue };
+        let path = format!("{}.feathers", path_of(place, shape));
         let kinds =
             kinds.iter().enumerate().map(|(i, kind)| dressed(kind, surfaces, &format!("{path}[{i}]")));
         let kinds = kinds.collect::<Result<Vec<_>>>()?;
-        if let Some(Value::Object(coat)) = object.get_mut("coat") {
-            coat.insert("feathers".to_owned(), kinds.into());
+        if let Some(Value::Object(of)) = object.get_mut(shape) {
+            of.insert("feathers".to_owned(), kinds.into());
         }
     }
     Ok(Value::Object(object))

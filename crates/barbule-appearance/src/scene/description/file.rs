@@ -312,7 +312,7 @@ fn take_lone(
         fields.get("zones").map_or(Ok(Vec::new()), |zones| Vec::of_value(zones, "zones", &up_to(255)))?;
     let zone_map = fields.text("zone_map")?.map(Slot::new);
     let of = FeatherObject { feather, window, detail, dress, zones, zone_map };
-    of.agree(&fields)?;
+    of.agree("")?;
     Ok(Some(ObjectDescription::here("feather", ObjectShape::Feather(Box::new(of)))))
 }
 

@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use super::barbules::{BarbuleClothing, LowerSide, Under};
 use super::coat::CoatObject;
-use super::dress::FeatherObject;
+use super::dress::{FeatherObject, Zone};
 use super::lights::LightColour;
 use super::objects::ObjectShape;
+use super::row::RowFeather;
 use super::sky::{Background, SkyDescription};
 use super::slot::Slot;
 use super::surfaces::{FilmOf2005, NamedSurface};
@@ -204,7 +205,19 @@ impl ObjectShape {
                 let further = coat.feathers.iter_mut().flat_map(|kind| kind.dress.clothing_mut());
                 further.for_each(|of| of.named_mut("coat.feathers.", &mut add));
             }
-            Self::Sphere { .. } | Self::Rectangle { .. } | Self::Snake(_) => {}
+            Self::Row(of) => {
+                let further = of.row.feathers.iter_mut().map(|kind| ("row.feathers.", kind));
+                for (table, kind) in std::iter::once(("", &mut of.first)).chain(further) {
+                    let RowFeather { dress, zones, zone_map, .. } = kind;
+                    if let Some(slot) = zone_map {
+                        add(&format!("{table}zone_map"), Named::Numbers(slot));
+                    }
+                    dress.clothing_mut().for_each(|of| of.named_mut(table, &mut add));
+                    let zones = zones.iter_mut().flat_map(Zone::clothing_mut);
+                    zones.for_each(|of| of.named_mut(&format!("{table}zones."), &mut add));
+                }
+            }
+            Self::Sphere { .. } | Self::Rectangle { .. } | Self::Snake(_) | Self::Form(_) => {}
         }
     }
 }

@@ -11,10 +11,12 @@ mod detail;
 mod dress;
 mod file;
 mod files;
+mod form;
 mod lights;
 mod memory;
 mod objects;
 mod parts;
+mod row;
 mod sequence;
 mod shapes;
 mod sides;
@@ -24,15 +26,17 @@ mod surfaces;
 mod view;
 
 pub use barbules::{BarbuleClothing, LowerSide, Under};
-pub use coat::{CoatDescription, CoatFeather, CoatObject, GuideDescription};
+pub use coat::{BareDescription, CoatDescription, CoatFeather, CoatObject, GuideDescription};
 pub use colour::{Colour, parse_colour};
 pub use detail::{Detail, DetailLevel, ViewModel};
 pub use dress::{BarbuleDress, Dress, FeatherObject, RamusDress, Ring, Zone};
 pub use file::scene_keys;
 pub use files::{Named, ReadyScene};
+pub use form::{FormDescription, PartDescription};
 pub use lights::{KeyLight, LightColour, LightDescription, LightShape};
 pub use memory::{Foreseen, Holds};
 pub use objects::{ObjectDescription, ObjectShape, Placement, SnakeShape};
+pub use row::{RowDescription, RowFeather, RowObject, StationDescription};
 pub use sequence::{Motion, Moved, USUAL_ARC_DEG, Waypoint};
 pub use sides::Remark;
 pub use sky::{Background, SkyDescription, SkyImage};
@@ -244,12 +248,13 @@ impl SceneDescription {
         (0..self.objects.len()).map(place).collect()
     }
 
-    /// The first feather, or that of the first coat.
+    /// The first feather, or that of the first coat or row.
     #[must_use]
     pub fn feather(&self) -> Option<&Feather> {
         self.objects.iter().find_map(|object| match &object.shape {
             ObjectShape::Feather(of) => Some(&of.feather),
             ObjectShape::Coat(of) => Some(&of.feather),
+            ObjectShape::Row(of) => Some(&of.first.feather),
             _ => None,
         })
     }
@@ -276,6 +281,7 @@ impl SceneDescription {
         self.objects.iter_mut().find_map(|object| match &mut object.shape {
             ObjectShape::Feather(of) => Some(&mut of.dress),
             ObjectShape::Coat(of) => Some(&mut of.dress),
+            ObjectShape::Row(of) => Some(&mut of.first.dress),
             _ => None,
         })
     }
@@ -285,6 +291,7 @@ impl SceneDescription {
         self.objects.iter_mut().find_map(|object| match &mut object.shape {
             ObjectShape::Feather(of) => Some(&mut of.detail),
             ObjectShape::Coat(of) => Some(&mut of.detail),
+            ObjectShape::Row(of) => Some(&mut of.detail),
             _ => None,
         })
     }
@@ -295,6 +302,7 @@ impl SceneDescription {
         self.objects.iter().find_map(|object| match &object.shape {
             ObjectShape::Feather(of) => of.dress.material(),
             ObjectShape::Coat(of) => of.dress.material(),
+            ObjectShape::Row(of) => of.first.dress.material(),
             _ => None,
         })
     }

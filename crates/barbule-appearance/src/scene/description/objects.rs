@@ -6,6 +6,8 @@ use super::barbules::Under;
 use super::coat::{CoatDescription, CoatObject};
 use super::detail::Detail;
 use super::dress::{Dress, FeatherObject, Zone};
+use super::form::FormDescription;
+use super::row::{RowDescription, RowFeather, RowObject};
 use super::shapes::{MOST_SEGMENTS, grow, rectangle, sphere, upwards};
 use super::slot::Slot;
 use super::surfaces::Surfaces;
@@ -14,6 +16,7 @@ use crate::bsdf::Texture;
 use crate::fields::{Fields, Key, Map, Record, Several, Text, Value, up_to, within};
 use crate::identity::Hasher;
 use crate::math::rng::hash;
+use crate::progress::Unobserved;
 use crate::scene::feather::{Feather, VaneDisc};
 use crate::scene::geometry::{Geometry, Mesh, Place};
 use crate::scene::snake::Snake;
@@ -28,7 +31,7 @@ const MOST_INSTANCES: usize = 100_000;
 const MOST_POINTS: usize = 1000;
 
 /// Most zones of a feather: as many as an 8-bit grey tells apart, but for the feather's own dress.
-const MOST_ZONES: usize = 255;
+pub(super) const MOST_ZONES: usize = 255;
 
 record! {
     /// Something that stands in a scene, once or several times.
@@ -78,6 +81,8 @@ pub enum ObjectShape {
     },
     /// The scales of a snake's body.
     Snake(SnakeShape),
+    /// A body that the program makes.
+    Form(Box<FormDescription>),
     /// A mesh from a file, in mm.
     Mesh(Slot<Mesh>),
     /// Round curves from a file, in mm.
@@ -91,6 +96,8 @@ pub enum ObjectShape {
     Feather(Box<FeatherObject>),
     /// Many feathers on a body.
     Coat(Box<CoatObject>),
+    /// Feathers side by side.
+    Row(Box<RowObject>),
 }
 
 record! {
@@ -110,7 +117,7 @@ record! {
 }
 
 record! {
-    /// The keys of shapes as files have them: one of the first seven says which shape it is.
+    /// The keys of shapes as files have them: one of the first nine says which shape it is.
     #[derive(Debug, Clone, PartialEq)]
     struct ShapeKeys {
         /// A sphere of this radius.
@@ -119,6 +126,8 @@ record! {
         rectangle_mm: Option<[f64; 2]> = "rectangle_mm", within(1e-3, 1e5);
         /// The scales of a snake's body.
         snake: Option<SnakeShape> = "snake", ();
+        /// A body of ellipsoids and tubes that melt into each other.
+        form: Option<FormDescription> = "form", ();
         /// A mesh, in mm.
         mesh: Option<Slot<Mesh>> = "mesh", Text("the name of a .ply, .obj, .gltf or .glb");
         /// Round curves, in mm.
@@ -127,6 +136,8 @@ record! {
         feather: Option<Feather> = "feather", ();
         /// Many feathers on a body, like `feather`.
         coat: Option<CoatDescription> = "coat", ();
+        /// Feathers side by side, like `feather`: a tail, or rows of a wing.
+        row: Option<RowDescription> = "row", ();
         /// How control points make curves; a B-spline where nothing is said.
         basis: Option<Basis> = "basis", ();
         /// The part of the feather that is grown; all of it where nothing is said.
@@ -149,11 +160,15 @@ record! {
 }
 
 /// The keys of which one says what shape an object is.
-const SHAPES: [&str; 7] = ["sphere_mm", "rectangle_mm", "snake", "mesh", "curves", "feather", "coat"];
+const SHAPES: [&str; 9] =
+    ["sphere_mm", "rectangle_mm", "snake", "form", "mesh", "curves", "feather", "coat", "row"];
 
-/// Keys of feathers and coats alone, and of feathers alone.
-const OF_FEATHERS: [&str; 5] = ["detail", "material", "under", "reciprocity", "dress"];
-const OF_FEATHERS_ALONE: [&str; 3] = ["window", "zones", "zone_map"];
+/// Keys of feathers, coats and rows, of feathers and rows, and of feathers alone, with who has them.
+const OF_PLUMAGE: [(&str, &[&str], &str); 3] = [
+    ("feather, coat or row", &["feather", "coat", "row"], "detail material under reciprocity dress"),
+    ("feather or row", &["feather", "row"], "zones zone_map"),
+    ("feather", &["feather"], "window"),
+];
 
 impl ObjectShape {
     fn keys_of(&self) -> ShapeKeys {
@@ -161,10 +176,12 @@ impl ObjectShape {
             sphere_mm: None,
             rectangle_mm: None,
             snake: None,
+            form: None,
             mesh: None,
             curves: None,
             feather: None,
             coat: None,
+            row: None,
             basis: None,
             window: None,
             detail: Detail::default(),
@@ -179,6 +196,7 @@ impl ObjectShape {
             Self::Sphere { radius_mm } => ShapeKeys { sphere_mm: Some(*radius_mm), ..none },
             Self::Rectangle { size_mm } => ShapeKeys { rectangle_mm: Some(*size_mm), ..none },
             Self::Snake(snake) => ShapeKeys { snake: Some(snake.clone()), ..none },
+            Self::Form(form) => ShapeKeys { form: Some((**form).clone()), ..none },
             Self::Mesh(file) => ShapeKeys { mesh: Some(file.clone()), ..none },
             Self::Curves { file, basis } => {
                 ShapeKeys { curves: Some(file.clone()), basis: Some(*basis), ..none }
@@ -200,26 +218,29 @@ impl ObjectShape {
                 let CoatObject { coat, feather, detail, dress } = (**of).clone();
                 ShapeKeys { coat: Some(coat), feather: Some(feather), detail, dress: Some(dress), ..none }
             }
+            Self::Row(of) => {
+                let RowObject { row, first, detail } = (**of).clone();
+                let RowFeather { feather, dress, zones, zone_map } = first;
+                let (row, feather, dress) = (Some(row), Some(feather), Some(dress));
+                ShapeKeys { row, feather, detail, dress, zones, zone_map, ..none }
+            }
         }
     }
 
     /// The one shape that keys say.
     fn of_keys(keys: ShapeKeys, fields: &Fields<'_>) -> Result<Self> {
         let given: Vec<&str> = SHAPES.into_iter().filter(|key| fields.get(key).is_some()).collect();
-        let none_of = |others: &[&str]| match others.iter().find(|key| fields.get(key).is_some()) {
-            Some(key) => Err(Error::input(format!(
-                "{} is given, but the object is no {}; leave it out",
-                fields.path(key),
-                if OF_FEATHERS.contains(key) { "feather or coat" } else { "feather" }
-            ))),
-            None => Ok(()),
-        };
-        let is_coat = keys.coat.is_some();
-        if !is_coat && keys.feather.is_none() {
-            none_of(&OF_FEATHERS)?;
-        }
-        if is_coat || keys.feather.is_none() {
-            none_of(&OF_FEATHERS_ALONE)?;
+        // A coat or row may say its feather beside it.
+        let shape =
+            given.iter().find(|key| **key != "feather").or(given.first()).copied().unwrap_or_default();
+        for (who, shapes, keys) in OF_PLUMAGE {
+            let is_given = |key: &&str| fields.get(key).is_some();
+            if let (false, Some(key)) = (shapes.contains(&shape), keys.split(' ').find(is_given)) {
+                return Err(Error::input(format!(
+                    "{} is given, but the object is no {who}; leave it out",
+                    fields.path(key)
+                )));
+            }
         }
         if keys.basis.is_some() && keys.curves.is_none() {
             return Err(Error::input(format!("{} is given, but there are no curves", fields.path("basis"))));
@@ -231,6 +252,7 @@ impl ObjectShape {
                 Ok(Self::Rectangle { size_mm })
             }
             (["snake"], ShapeKeys { snake: Some(snake), .. }) => Ok(Self::Snake(snake)),
+            (["form"], ShapeKeys { form: Some(form), .. }) => Ok(Self::Form(Box::new(form))),
             (["mesh"], ShapeKeys { mesh: Some(file), .. }) => Ok(Self::Mesh(file)),
             (["curves"], ShapeKeys { curves: Some(file), basis, .. }) => {
                 Ok(Self::Curves { file, basis: basis.unwrap_or(Basis::BSpline) })
@@ -241,7 +263,7 @@ impl ObjectShape {
             ) => {
                 let window = window.unwrap_or(VaneDisc::WHOLE);
                 let of = FeatherObject { feather, window, detail, dress: dress(of)?, zones, zone_map };
-                of.agree(fields)?;
+                of.agree(fields.place())?;
                 Ok(Self::Feather(Box::new(of)))
             }
             (
@@ -252,6 +274,16 @@ impl ObjectShape {
                 let of = CoatObject { coat, feather, detail, dress: dress(of)? };
                 of.agree(fields.place())?;
                 Ok(Self::Coat(Box::new(of)))
+            }
+            (
+                ["feather", "row"] | ["row"],
+                ShapeKeys { row: Some(row), feather, detail, dress: of, zones, zone_map, .. },
+            ) => {
+                let feather = feather.map_or_else(|| Feather::of_type("covert"), Ok)?;
+                let first = RowFeather { feather, dress: dress(of)?, zones, zone_map };
+                let of = RowObject { row, first, detail };
+                of.agree(fields.place())?;
+                Ok(Self::Row(Box::new(of)))
             }
             _ => Err(Error::input(format!(
                 "{} has {} shapes; give one of {}",
@@ -278,14 +310,16 @@ impl Record for ObjectShape {
 
     fn write_into(&self, table: &mut Map<String, Value>) {
         self.keys_of().write_into(table);
-        if !matches!(self, Self::Feather(_) | Self::Coat(_)) {
+        if !matches!(self, Self::Feather(_) | Self::Coat(_) | Self::Row(_)) {
             table.remove("detail");
         }
     }
 
     fn check(&self, place: &str) -> Result<()> {
-        if let Self::Coat(coat) = self {
-            coat.agree(place)?;
+        match self {
+            Self::Coat(coat) => coat.agree(place)?,
+            Self::Row(row) => row.agree(place)?,
+            _ => {}
         }
         self.keys_of().check(place)
     }
@@ -328,6 +362,7 @@ impl ObjectDescription {
         let kind = match &self.shape {
             ObjectShape::Feather(_) => "feather",
             ObjectShape::Coat(_) => "coat",
+            ObjectShape::Row(_) => "row",
             _ => "",
         };
         self.name.as_deref().or(self.surface.as_deref()).unwrap_or(kind)
@@ -343,10 +378,10 @@ impl ObjectDescription {
         }
     }
 
-    /// Whether it is a feather or a coat, whose parts have surfaces of their own.
+    /// Whether it is a feather, a coat or a row, whose parts have surfaces of their own.
     #[must_use]
     pub fn is_plumage(&self) -> bool {
-        matches!(self.shape, ObjectShape::Feather(_) | ObjectShape::Coat(_))
+        matches!(self.shape, ObjectShape::Feather(_) | ObjectShape::Coat(_) | ObjectShape::Row(_))
     }
 
     /// Where it stands, once for each.
@@ -364,7 +399,7 @@ impl ObjectDescription {
         let path = crate::fields::path_of(place, "surface");
         match (self.is_plumage(), &self.surface) {
             (true, Some(_)) => Err(Error::input(format!(
-                "{path} is given, but the object is a feather or coat; give its dress"
+                "{path} is given, but the object is a feather, coat or row; give its dress"
             ))),
             (false, None) => {
                 Err(Error::input(format!("{path} is missing; give the name of a table [surfaces.NAME]")))
@@ -403,12 +438,16 @@ impl ObjectDescription {
                 let meshes = vec![Mesh { id: identity(0), ..snake.snake().mesh(identity(0)) }];
                 return Ok(Geometry { meshes, places, ..Geometry::default() });
             }
+            ObjectShape::Form(form) => {
+                made = form.mesh(&Unobserved)?;
+                &made
+            }
             ObjectShape::Mesh(file) => file.value()?.as_ref(),
             ObjectShape::Curves { file, basis } => {
                 let grown = grow(file.value()?, *basis, identity(0)).map_err(|error| error.at(&file.name))?;
                 return Ok(Geometry { places, ..grown });
             }
-            ObjectShape::Feather(_) | ObjectShape::Coat(_) => {
+            ObjectShape::Feather(_) | ObjectShape::Coat(_) | ObjectShape::Row(_) => {
                 return Err(Error::input(format!("the object '{}' has more than one shape", self.label())));
             }
         };

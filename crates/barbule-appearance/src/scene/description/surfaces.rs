@@ -19,6 +19,9 @@ use crate::spectrum::colour::decode;
 use crate::stack::Stack;
 use crate::{Error, Result, record, variants, words};
 
+/// Least reflectance of a colour of fibres.
+const DARKEST: f64 = 0.002;
+
 /// Most surfaces of a map: as many as an 8-bit grey tells apart.
 const MOST_MAPPED: usize = 256;
 
@@ -128,8 +131,11 @@ record! {
         eumelanin: f64 = "eumelanin", within(0, 1e3), or 0.0;
         /// Concentration of pheomelanin.
         pheomelanin: f64 = "pheomelanin", within(0, 1e3), or 0.0;
+        /// In place of both, what colour a mass of such fibres has.
+        colour: Option<Colour> = "colour", ();
         /// Height of the section, along the vane's normal, over its width.
         height_over_width: f64 = "height_over_width", within(0.1, 10), or 1.0;
+        @agree FibreDescription::agree;
     }
 }
 
@@ -306,13 +312,34 @@ impl PigmentedKeratin {
 }
 
 impl FibreDescription {
+    fn agree(&self, place: &str) -> Result<()> {
+        if self.colour.is_some() && (self.eumelanin > 0.0 || self.pheomelanin > 0.0) {
+            return Err(Error::input(format!(
+                "{} is given beside eumelanin or pheomelanin; give a colour, or pigments",
+                path_of(place, "colour")
+            )));
+        }
+        Ok(())
+    }
+
+    /// A colour is at least [`DARKEST`]: nothing that absorbs everything has a depth.
+    fn absorption(&self) -> Result<Absorption> {
+        match self.colour {
+            None => Absorption::pigments(self.eumelanin, self.pheomelanin),
+            Some(colour) => {
+                let light = colour.0.map(|value| decode(value).max(DARKEST));
+                Absorption::of_reflectance(&Reflectance::of_colour(light)?, self.azimuthal_roughness)
+            }
+        }
+    }
+
     pub(super) fn build(&self) -> Result<Hair> {
         Hair::new(HairParameters {
             longitudinal_roughness: self.longitudinal_roughness,
             azimuthal_roughness: self.azimuthal_roughness,
             scale_tilt: self.scale_tilt_deg.to_radians(),
             index: self.index.map_or(FibreIndex::Keratin, FibreIndex::Constant),
-            absorption: Absorption::pigments(self.eumelanin, self.pheomelanin)?,
+            absorption: self.absorption()?,
             height_over_width: self.height_over_width,
         })
     }

@@ -16,7 +16,8 @@ fn feather(name: &str) -> Feather {
 }
 
 fn species() -> impl Iterator<Item = (&'static str, Feather)> {
-    preset::names().filter_map(|name| Some((name, *SceneDescription::named(name).unwrap().feather()?)))
+    preset::names()
+        .filter_map(|name| Some((name, SceneDescription::named(name).unwrap().lone_feather()?.feather)))
 }
 
 /// The feathers of all presets and all types.

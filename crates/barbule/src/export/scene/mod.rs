@@ -208,9 +208,9 @@ fn grown_one_by_one(ready: &ReadyScene, remarks: &mut Vec<String>) -> Result<Sce
     let width_mm = scene.camera.width_mm;
     for object in &mut scene.objects {
         match &mut object.shape {
-            ObjectShape::Coat(_) => {
+            ObjectShape::Coat(_) | ObjectShape::Row(_) => {
                 return Err(Error::input(
-                    "coats are not written for other renderers: their barbules are too many; write a feather of it",
+                    "coats and rows are not written for other renderers: their barbules are too many; write a feather of it",
                 ));
             }
             ObjectShape::Feather(of) => {

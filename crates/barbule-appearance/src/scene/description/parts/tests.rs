@@ -114,6 +114,7 @@ fn made_of([eumelanin, pheomelanin]: [f64; 2], zone: Zone) -> Zone {
         index: Some(1.55),
         eumelanin,
         pheomelanin,
+        colour: None,
         height_over_width: 1.0,
     };
     let side = Some(BarbuleDress::Hair(fibre));
