@@ -250,7 +250,7 @@ impl LightColour {
         }
     }
     /// As bright to the eye as daylight of radiance 1.
-    fn emission(&self) -> Result<Emission> {
+    pub(super) fn emission(&self) -> Result<Emission> {
         let emission = match self {
             Self::Illuminant("D65") => return Ok(Emission::daylight()),
             Self::Illuminant(name) => {

@@ -8,6 +8,7 @@ mod build;
 mod coat;
 mod colour;
 mod detail;
+mod develop;
 mod dress;
 mod file;
 mod files;
@@ -29,6 +30,7 @@ pub use barbules::{BarbuleClothing, LowerSide, Under};
 pub use coat::{BareDescription, CoatDescription, CoatFeather, CoatObject, GuideDescription};
 pub use colour::{Colour, parse_colour};
 pub use detail::{Detail, DetailLevel, ViewModel};
+pub use develop::{ToldLamp, Tone, ToneWord, WhiteBalance};
 pub use dress::{BarbuleDress, Dress, FeatherObject, RamusDress, Ring, Zone};
 pub use file::scene_keys;
 pub use files::{Named, ReadyScene};
@@ -66,6 +68,10 @@ record! {
         /// Factor from radiance to the picture's linear values, or "auto": so that its middle is that of a grey card and highlights keep their
         /// colours, with stops more or less as in "auto-1.5".
         exposure: Exposure = "exposure", (), or Exposure::AUTO;
+        /// The curve from linear values to the screen's.
+        tone: Tone = "tone", (), or Tone::default();
+        /// Which light looks white: none for daylight, auto for that of lamps and sky together, or a colour temperature in K.
+        white_balance: WhiteBalance = "white_balance", (), or WhiteBalance::None;
         /// Most scatterings of a light path.
         scatterings: u32 = "scatterings", within(1, 1000), or 5;
         /// By how much the objects are turned about the picture's upward direction, counter-clockwise seen from above.
