@@ -229,6 +229,7 @@ impl LightColour {
                 format!("sRGB #{r:02x}{g:02x}{b:02x}")
             }
             Self::Table(slot) => shortened(&slot.name).to_owned(),
+            Self::Glassner([r, g, b]) => format!("Glassner's R, G, B {r}, {g}, {b}"),
         }
     }
 }
