@@ -211,3 +211,14 @@ def test_golden_values_are_those_of_every_back_end():
                 expected = np.array(light[key]).T
                 found = material.eval(nm, light["wi"], light["wo"], instance=instance)
                 np.testing.assert_allclose(found, expected, atol=2e-4 * expected.max())
+
+
+def test_a_peacock_is_drawn_by_its_models():
+    flat = barbule.render("peacock", model="film-2005", size=(12, 15), samples=1)
+    assert flat.rgb().shape == (15, 12, 3)
+    tubes = barbule.Scene.load("peacock", model="film-2005")
+    assert "film-2005" in tubes.toml() and "film-2005" not in barbule.Scene.load("peacock").toml()
+    with pytest.raises(barbule.InputError, match="has no models"):
+        barbule.render("starling", model="film", size=(8, 6), samples=1)
+    with pytest.raises(barbule.InputError, match="did you mean 'film'"):
+        barbule.Scene.load("peacock", model="flim")

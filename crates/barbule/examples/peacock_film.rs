@@ -22,7 +22,7 @@ fn main() -> Result<()> {
     );
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     for angle_deg in [0.0, 30.0, 45.0, 60.0] {
-        let measure::Row { peak_nm, colour, highest, film_colour, correlation, ratio, .. } =
+        let measure::Row { peak_nm, colour, highest, film_colour, correlation, ratio } =
             measure::row(angle_deg)?;
         println!(
             "| {angle_deg}° | {peak_nm} | {colour:?} | {highest:.3} | {film_colour:?} | {correlation:.2} | {ratio:.1} |"

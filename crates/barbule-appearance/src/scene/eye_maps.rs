@@ -37,7 +37,7 @@ const RINGS: [(f64, [u8; 3]); 7] = [
 /// The heart about which the rings lie, mm: wider towards the tip, with a notch towards the base.
 #[must_use]
 pub fn heart() -> Ring {
-    Ring { stretch: 1.1, widening_per_mm: 0.005, notch_mm: [3.0, 3.0], ..Ring::disc([0.0; 2], 6.0) }
+    Ring { stretch: 1.1, widening_per_mm: 0.005, notch_mm: [4.5, 2.8], ..Ring::disc([0.0; 2], 6.0) }
 }
 
 /// Whether a name is one of these pictures, or meant to be.

@@ -49,13 +49,11 @@ pub enum Substance {
 }
 
 impl Substance {
-    /// What it is called, as part of a sentence.
-    fn kind(&self) -> &'static str {
+    /// What shape it has, as part of a sentence.
+    fn shape(&self) -> &'static str {
         match self {
-            Self::Plate(_) => "plates",
+            Self::Plate(_) | Self::Film(_) | Self::Paint(_) => "plates",
             Self::Keratin(_) => "keratin",
-            Self::Film(_) => "films",
-            Self::Paint(_) => "paint",
             Self::Fibre(_) => "fibres",
         }
     }

@@ -175,7 +175,7 @@ impl Zone {
 
     /// What it changes: the rami, the barbules on both sides.
     fn kinds(&self) -> [Option<(&'static str, &'static str)>; 3] {
-        let barbules = |key, dress: &Option<BarbuleDress>| dress.as_ref().map(|of| (key, of.word()));
+        let barbules = |key, dress: &Option<BarbuleDress>| dress.as_ref().map(|of| (key, plates(of.word())));
         [
             self.ramus.as_ref().map(|of| ("ramus", of.word())),
             barbules("distal", &self.distal),
@@ -184,10 +184,16 @@ impl Zone {
     }
 }
 
+/// The type of barbules, that of plates for all that are plates: zones may mix these.
+fn plates(word: &'static str) -> &'static str {
+    if matches!(word, "film" | "diffuse") { "barbule" } else { word }
+}
+
 impl FeatherObject {
     /// Refuses zones that change what parts are, and not only what they are made of, and a map without zones.
     pub(super) fn agree(&self, place: &str) -> Result<()> {
-        let own = [self.dress.ramus.word(), self.dress.distal.word(), self.dress.proximal.word()];
+        let own =
+            [self.dress.ramus.word(), plates(self.dress.distal.word()), plates(self.dress.proximal.word())];
         for (i, zone) in self.zones.iter().enumerate() {
             for ((key, kind), own) in
                 zone.kinds().into_iter().zip(own).filter_map(|(of, own)| Some((of?, own)))

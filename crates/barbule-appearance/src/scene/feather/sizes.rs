@@ -114,6 +114,8 @@ record! {
         wave: f64 = "wave_share", within(0, 1);
         /// Length of the waves, mm.
         wavelength_mm: f64 = "wavelength_mm", within(0.1, 1000);
+        /// How much shorter barbules are at the ends of free barbs than where these are hooked, as a share.
+        thinning: f64 = "thinning_share", within(0, 0.95);
     }
 }
 

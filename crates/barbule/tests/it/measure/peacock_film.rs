@@ -9,33 +9,32 @@ use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::stack::Stack;
 
 /// Keratin by Zi et al. 2003, and the thickness that was taken for a film's.
-pub const INDEX: f64 = 1.54;
-pub const THICKNESS_NM: f64 = 140.0;
+pub(crate) const INDEX: f64 = 1.54;
+pub(crate) const THICKNESS_NM: f64 = 140.0;
 /// The film as it would be.
-pub const STACK: &str = "air/1.54:140/air";
+pub(crate) const STACK: &str = "air/1.54:140/air";
 
 /// Both at one angle, over 400 to 700 nm.
-pub struct Row {
-    pub angle_deg: f64,
+pub(crate) struct Row {
     /// Where cos² δ is highest, nm; its colour.
-    pub peak_nm: f64,
-    pub colour: [u8; 3],
+    pub(crate) peak_nm: f64,
+    pub(crate) colour: [u8; 3],
     /// Highest reflectance of the film, and its colour.
-    pub highest: f64,
-    pub film_colour: [u8; 3],
+    pub(crate) highest: f64,
+    pub(crate) film_colour: [u8; 3],
     /// Correlation of the two, and the ratio of their means.
-    pub correlation: f64,
-    pub ratio: f64,
+    pub(crate) correlation: f64,
+    pub(crate) ratio: f64,
 }
 
 /// cos²(δ/2) times four times the reflectance of one boundary, beside the film at normal incidence.
-pub struct Halved {
-    pub correlation: f64,
-    pub absolute: f64,
-    pub relative: f64,
+pub(crate) struct Halved {
+    pub(crate) correlation: f64,
+    pub(crate) absolute: f64,
+    pub(crate) relative: f64,
 }
 
-pub fn row(angle_deg: f64) -> Result<Row> {
+pub(crate) fn row(angle_deg: f64) -> Result<Row> {
     let phase = PhaseFilm::new(THICKNESS_NM, INDEX)?;
     let cosine = angle_deg.to_radians().cos();
     let taken: Vec<f64> = nm().map(|nm| phase.reflectance(nm, cosine)).collect();
@@ -43,7 +42,6 @@ pub fn row(angle_deg: f64) -> Result<Row> {
     let highest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let peak = taken.iter().position(|r| *r == highest(&taken)).unwrap_or_default();
     Ok(Row {
-        angle_deg,
         peak_nm: nm().nth(peak).unwrap_or_default(),
         colour: hue(&taken)?,
         highest: highest(&film),
@@ -53,7 +51,7 @@ pub fn row(angle_deg: f64) -> Result<Row> {
     })
 }
 
-pub fn halved() -> Result<Halved> {
+pub(crate) fn halved() -> Result<Halved> {
     let exact = film(0.0)?;
     let boundary = ((INDEX - 1.0) / (INDEX + 1.0)).powi(2);
     let two_beams = |nm: f64| {
@@ -74,7 +72,7 @@ fn nm() -> impl Iterator<Item = f64> {
 }
 
 /// What the film reflects of unpolarized light.
-pub fn film(angle_deg: f64) -> Result<Vec<f64>> {
+pub(crate) fn film(angle_deg: f64) -> Result<Vec<f64>> {
     let stack = Stack::parse(STACK, &Library::builtin())?;
     let of = |nm: f64, polarization| response(&stack, nm, angle_deg.to_radians(), polarization);
     nm().map(|nm| Ok(0.5 * (of(nm, Polarization::S)?.reflected + of(nm, Polarization::P)?.reflected)))

@@ -63,7 +63,13 @@ fn zones(edge_mm: f64) -> Vec<Zone> {
         distal: None,
         proximal: None,
     };
-    let disc = Ring { centre_mm: [1.7, MIDDLE_MM + 1.0], radii_mm: [0.0, 1.2], stretch: 1.3 };
+    let disc = Ring {
+        centre_mm: [1.7, MIDDLE_MM + 1.0],
+        radii_mm: [0.0, 1.2],
+        stretch: 1.3,
+        widening_per_mm: 0.0,
+        notch_mm: [0.0, 1.0],
+    };
     vec![Zone { along: [0.0, (MIDDLE_MM - 1.0) / VANE_MM], ..all.clone() }, Zone { ring: Some(disc), ..all }]
 }
 
@@ -169,10 +175,14 @@ fn rings_of_an_eye_hold_their_materials_on_barbs_of_both_sides() {
     let of = scene.lone_feather().unwrap();
     let worn = |zone: usize| match zone {
         0 => of.dress.material().unwrap().to_owned(),
-        zone => match &of.zones[zone - 1].distal {
-            Some(BarbuleDress::Barbule(of)) => of.material.name.clone(),
-            other => panic!("{other:?}"),
-        },
+        zone => {
+            let worn = [&of.zones[zone - 1].distal, &of.zones[zone - 1].proximal];
+            let named = |dress: &Option<BarbuleDress>| match dress {
+                Some(BarbuleDress::Barbule(of)) => Some(of.material.name.clone()),
+                _ => None,
+            };
+            worn.into_iter().find_map(named).unwrap()
+        }
     };
     let zones = of.feather.zones(of.zone_plan().unwrap().unwrap()).unwrap();
     let (shape, eye, shaft) = (of.feather.barbs, of.feather.eye, of.feather.shaft);
@@ -180,9 +190,9 @@ fn rings_of_an_eye_hold_their_materials_on_barbs_of_both_sides() {
     let middle = shaft.length_mm * (1.0 - shaft.calamus) - eye.middle_mm;
     // From the heart outwards: outer radius, depth of the notch, and what is there.
     let rings = [
-        (6.0, 3.0, "peafowl:scaled-violet"),
-        (7.2, 3.0, "peafowl:scaled-blue"),
-        (11.0, 1.5, "peafowl:scaled-turquoise"),
+        (6.0, 4.5, "peafowl:scaled-violet"),
+        (7.2, 4.5, "peafowl:scaled-blue"),
+        (11.0, 2.0, "peafowl:scaled-turquoise"),
         (18.0, 0.0, "peafowl:scaled-bronze"),
         (20.0, 0.0, "peafowl"),
         (24.0, 0.0, "peafowl:scaled-green"),
@@ -206,7 +216,8 @@ fn rings_of_an_eye_hold_their_materials_on_barbs_of_both_sides() {
                 let wide = x / (1.0 + 0.005 * y);
                 let plain = (wide * wide + y * y / 1.21).sqrt();
                 if y < 0.0 && notch > 0.0 {
-                    plain + notch * (-y / notch).min(1.0) * (-x * x / 9.0).exp()
+                    let width = if notch > 4.0 { 2.8 } else { 3.0 };
+                    plain + notch * (-y / notch).min(1.0) * (-x * x / (width * width)).exp()
                 } else {
                     plain
                 }
