@@ -431,7 +431,9 @@ impl CoatObject {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::description::{Foreseen, SceneDescription};
+    use crate::scene::coat::Stand;
+    use crate::scene::description::{Foreseen, ObjectShape, SceneDescription};
+    use crate::scene::faces::Facing;
 
     fn scene(text: &str) -> Result<SceneDescription> {
         SceneDescription::parse(&format!("preset = 'osprey'\n{text}"))
@@ -460,6 +462,38 @@ mod tests {
         let few = super::tests::scene(one).unwrap();
         let (objects, _) = few.clone().wearing(None).unwrap().objects(3).unwrap();
         assert_eq!(objects.len(), few.object_names().len());
+    }
+
+    /// The birds that ship, with a twentieth of their feathers on a coarser skin: every part of them is there, feathers grow on closed
+    /// skins and in no bare place, and each tract has its own size.
+    #[test]
+    fn birds_wear_their_coats() {
+        for (name, kinds) in
+            [("mallard-head", 3), ("hummingbird-gorget", 3), ("starling-bird", 3), ("dove-bird", 5)]
+        {
+            let mut scene = SceneDescription::named(name).unwrap();
+            for object in &mut scene.objects {
+                if let ObjectShape::Coat(of) = &mut object.shape {
+                    of.coat.density_per_cm2 = of.coat.density_per_cm2.map(|density| density / 20.0);
+                    of.coat.variants = 1;
+                    let form = of.coat.form.as_mut().unwrap();
+                    form.resolution_mm *= 2.0;
+                    assert!(!Facing::of_mesh(&form.mesh(&Unobserved).unwrap()).is_open, "{name}");
+                }
+            }
+            let laid = scene.laid_coats(1).unwrap().remove(0);
+            let stands = &laid.stands;
+            assert!((100..2000).contains(&stands.len()), "{name}: {}", stands.len());
+            assert!((0..kinds).all(|kind| stands.iter().any(|stand| stand.kind == kind)), "{name}");
+            let sizes = || stands.iter().map(|stand| stand.size);
+            let [least, most] = [sizes().fold(f64::MAX, f64::min), sizes().fold(0.0, f64::max)];
+            assert!(most / least > 3.0, "{name}: {least} {most}");
+            let ObjectShape::Coat(of) = &scene.objects[0].shape else { panic!() };
+            for bare in &of.coat.bare {
+                let far = |stand: &Stand| (stand.spot.point - DVec3::from(bare.position_mm)).length();
+                assert!(stands.iter().all(|stand| far(stand) >= bare.radius_mm), "{name}");
+            }
+        }
     }
 
     #[test]
