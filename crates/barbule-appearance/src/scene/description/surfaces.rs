@@ -102,6 +102,8 @@ record! {
         eumelanin: f64 = "eumelanin", within(0, 1e3), or 0.0;
         /// Concentration of pheomelanin.
         pheomelanin: f64 = "pheomelanin", within(0, 1e3), or 0.0;
+        /// Colour of a closed vane of such fibres on white in even light, in place of the pigments.
+        colour: Option<Colour> = "colour", ();
         /// Height of the section, along the vane's normal, over its width.
         height_over_width: f64 = "height_over_width", within(0.1, 10), or 1.0;
     }
@@ -273,16 +275,38 @@ impl PigmentedKeratin {
     }
 }
 
+/// Fibres over a place of a vane where no feather is known: those of contour feathers.
+const USUAL_COVER: f64 = 1.2;
+
 impl FibreDescription {
+    /// The same of a colour in place of its pigments.
+    pub(super) fn with_colour(&self, colour: Colour) -> Self {
+        Self { colour: Some(colour), eumelanin: 0.0, pheomelanin: 0.0, ..*self }
+    }
+
     pub(super) fn build(&self) -> Result<Hair> {
+        self.build_on(USUAL_COVER)
+    }
+
+    /// A fibre of a vane with so many fibres over a place.
+    pub(super) fn build_on(&self, cover: f64) -> Result<Hair> {
         Hair::new(HairParameters {
             longitudinal_roughness: self.longitudinal_roughness,
             azimuthal_roughness: self.azimuthal_roughness,
             scale_tilt: self.scale_tilt_deg.to_radians(),
             index: self.index.map_or(FibreIndex::Keratin, FibreIndex::Constant),
-            absorption: Absorption::pigments(self.eumelanin, self.pheomelanin)?,
+            absorption: self.absorption(cover)?,
             height_over_width: self.height_over_width,
         })
+    }
+}
+
+impl FibreDescription {
+    pub(super) fn absorption(&self, cover: f64) -> Result<Absorption> {
+        match self.colour {
+            Some(Colour(colour)) => Absorption::of_vane(&Reflectance::of_colour(colour.map(decode))?, cover),
+            None => Absorption::pigments(self.eumelanin, self.pheomelanin),
+        }
     }
 }
 
