@@ -62,7 +62,7 @@ birds! {
     "rock-dove"
         also ["columba-livia", "rock-pigeon", "feral-pigeon", "common-pigeon", "pigeon", "dove"]
         has [species scene feather]
-        presets ["dove-bird"]
+        presets ["rock-dove-neck" "dove-bird"]
         materials ["forest" "jade" "purple" "sea" "teal" "violet"]
     "starling"
         also ["sturnus-vulgaris", "european-starling", "common-starling"]
@@ -72,7 +72,7 @@ birds! {
     "bronzewing"
         also ["phaps-chalcoptera", "common-bronzewing", "bronzewing-pigeon"]
         has [species scene feather]
-        presets []
+        presets ["bronzewing-wing"]
         materials ["green" "red"]
     "hummingbird"
         also ["calypte-anna", "annas-hummingbird", "anna-hummingbird"]
@@ -87,7 +87,7 @@ birds! {
     "magpie"
         also ["pica-hudsonia", "black-billed-magpie", "american-magpie"]
         has [species scene feather]
-        presets []
+        presets ["magpie-tail"]
         materials ["violet" "violet-below"]
     "peafowl"
         also ["pavo-cristatus", "indian-peafowl", "blue-peafowl", "common-peafowl", "peacock"]

@@ -7,8 +7,8 @@ use crate::{Error, Result};
 /// A picture whose values are linear between the middles of its texels and repeat beyond its edges. A copy costs nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
-    size: [usize; 2],
-    texels: Arc<[[f32; 3]]>,
+    pub(super) size: [usize; 2],
+    pub(super) texels: Arc<[[f32; 3]]>,
 }
 
 impl Texture {

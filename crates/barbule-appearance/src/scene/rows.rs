@@ -63,7 +63,7 @@ pub struct FeatherRow {
     /// How far each lies under its neighbour, along its normal, mm.
     pub clearance_mm: f64,
     /// By how much each is rolled about its chord, so that its edge lies over the feather beneath and under the one above, rad. The
-    /// topmost one is not.
+    /// topmost one lies flat, the others lower by what their raised edge rises.
     pub roll: f64,
     /// Whether the mirror image in the plane x = 0 stands beside it, half a clearance lower, so that feathers of both sides do not
     /// lie in each other.
@@ -120,11 +120,10 @@ impl FeatherRow {
     #[must_use]
     pub fn lay(&self, feathers: &[Feather], seed: u64) -> LaidRow {
         let sides = if self.mirror { 2 } else { 1 };
-        let longest_mm = feathers.iter().map(|feather| feather.shaft.length_mm).fold(0.0, f64::max);
         let mut laid = LaidRow { variants: Vec::new(), stands: Vec::with_capacity(sides * self.count) };
         for side in 0..sides {
             let stands: Vec<RowStand> =
-                (0..self.count).map(|index| self.stand(index, side == 1, longest_mm, seed)).collect();
+                (0..self.count).map(|index| self.stand(index, side == 1, feathers, seed)).collect();
             for kind in 0..feathers.len() {
                 let own: Vec<usize> = (0..self.count).filter(|&i| stands[i].station.kind == kind).collect();
                 let groups = self.variants.min(own.len());
@@ -150,7 +149,7 @@ impl FeatherRow {
     }
 
     /// One of its feathers; its variant is not known yet.
-    fn stand(&self, index: usize, is_mirrored: bool, longest_mm: f64, seed: u64) -> RowStand {
+    fn stand(&self, index: usize, is_mirrored: bool, feathers: &[Feather], seed: u64) -> RowStand {
         let share = if self.count > 1 { index as f64 / (self.count - 1) as f64 } else { 0.0 };
         let mut station = self.at(share);
         let mut stream = Stream::new(seed, &[STAND, index as u64, u64::from(is_mirrored)]);
@@ -162,11 +161,17 @@ impl FeatherRow {
             Over::First => index,
             Over::Last => self.count - 1 - index,
         };
-        let lower = beneath as f64 + if is_mirrored { 0.5 } else { 0.0 };
-        station.position_mm -= station.normal * (lower * self.clearance_mm);
+        let is_topmost = beneath == 0;
+        let roll = if is_topmost { 0.0 } else { self.roll };
+        // Beside the topmost, which lies flat, the raised edge of the others is as high as it would be without a roll.
+        let sunk =
+            libm::sin(roll) * station.scale * half_width_mm(feathers.get(station.kind), station.widths);
+        let lower = self.clearance_mm * (beneath as f64 + if is_mirrored { 0.5 } else { 0.0 });
+        station.position_mm -= station.normal * (lower + sunk);
+        let longest_mm = feathers.iter().map(|feather| feather.shaft.length_mm).fold(0.0, f64::max);
         let raised = if self.over == Over::First { 1.0 } else { -1.0 };
-        let roll = if beneath == 0 { 0.0 } else { raised * self.roll };
-        RowStand { station, index, roll: roll * self.towards_end(share, longest_mm), is_mirrored, variant: 0 }
+        let roll = raised * roll * self.towards_end(share, longest_mm);
+        RowStand { station, index, roll, is_mirrored, variant: 0 }
     }
 
     /// What the row is like at a share of it, 0 to 1, with unit vectors at right angles.
@@ -210,6 +215,14 @@ impl FeatherRow {
         let Station { direction, normal, .. } = self.at(share);
         if (middle(high) - middle(low)).dot(direction.cross(normal)) < 0.0 { -1.0 } else { 1.0 }
     }
+}
+
+/// The wider vane of a feather whose vanes are so much wider than said.
+fn half_width_mm(feather: Option<&Feather>, [leading, trailing]: [f64; 2]) -> f64 {
+    let of = |Feather { barbs, .. }: &Feather| {
+        f64::max(barbs.leading_half_width_mm * leading, barbs.trailing_half_width_mm * trailing)
+    };
+    feather.map_or(0.0, of)
 }
 
 /// Sizes between stations fall no lower than this share.

@@ -25,6 +25,21 @@ const EUMELANIN: (f64, f64) = (0.697, 3.33);
 /// Pheomelanin, likewise.
 const PHEOMELANIN: (f64, f64) = (0.4, 4.75);
 
+/// Vanes of n fibres over a place in the mean, of optical depth d, on white and evenly lit: what is not gloss falls by the factor
+/// exp(−a n^b d^0.95/(1 + √d/2)), within 0.02 for vanes of contour feathers, coverts and primaries (docs/theory/hair.md).
+const VANE_SCALE: f64 = 2.45;
+const VANE_POWER: f64 = 0.835;
+/// What black vanes reflect.
+const VANE_GLOSS: f64 = 0.021;
+/// Deeper absorption changes nothing that is seen.
+const VANE_MOST: f64 = 8.0;
+/// Halvings of that until nothing is left.
+const VANE_HALVINGS: u32 = 44;
+
+fn vane_depth(depth: f64) -> f64 {
+    libm::pow(depth, 0.95) / (1.0 + 0.5 * depth.sqrt())
+}
+
 impl Absorption {
     /// From the optical depth of one radius as a function of the wavelength in nm.
     ///
@@ -84,6 +99,31 @@ impl Absorption {
         Self::new(|w| {
             let root = libm::log(reflectance.at(w)) / scale;
             root * root
+        })
+    }
+
+    /// What makes closed vanes of such fibres, on white in even light, reflect this: the fit of `docs/theory/hair.md` to rendered
+    /// vanes of three types. `cover`: how many fibres lie over a place of the vane in the mean.
+    ///
+    /// # Errors
+    /// A cover that is not over 0.
+    pub fn of_vane(reflectance: &Reflectance, cover: f64) -> Result<Self> {
+        if !(cover > 0.0 && cover.is_finite()) {
+            return Err(Error::input(format!(
+                "a vane with {cover} fibres over a place: give a number over 0"
+            )));
+        }
+        let layers = VANE_SCALE * libm::pow(cover, VANE_POWER);
+        let [pale, dark] = [0.0, VANE_MOST].map(|depth| vane_depth(depth) * layers);
+        Self::new(|w| {
+            let through = ((reflectance.at(w) - VANE_GLOSS) / (1.0 - VANE_GLOSS)).max(f64::MIN_POSITIVE);
+            let wanted = (-libm::log(through)).clamp(pale, dark) / layers;
+            let (mut low, mut high) = (0.0, VANE_MOST);
+            for _ in 0..VANE_HALVINGS {
+                let middle = 0.5 * (low + high);
+                if vane_depth(middle) < wanted { low = middle } else { high = middle }
+            }
+            0.5 * (low + high)
         })
     }
 

@@ -288,12 +288,6 @@ impl CoatObject {
     /// Refuses a coat of what does not stand on a body.
     pub(super) fn agree(&self, place: &str) -> Result<()> {
         let path = |key: &str| crate::fields::path_of(place, key);
-        if self.detail.level == DetailLevel::Barbs {
-            return Err(Error::input(format!(
-                "{} is 'barbs', but a coat's feathers are surfaces, envelopes or barbules; give 'vane'",
-                path("detail.level")
-            )));
-        }
         if self.detail.view_model == ViewModel::Both {
             return Err(Error::input(format!(
                 "{} is both, but [coat] has no second coat beside it; give substructure or fibre",
@@ -384,6 +378,7 @@ impl CoatObject {
             dress: further.map_or(&self.dress, |kind| &kind.dress).clone(),
             zones: Vec::new(),
             zone_map: None,
+            albedo: None,
         }
     }
 
@@ -392,17 +387,19 @@ impl CoatObject {
         let feathers = self.coat.count.unwrap_or(MOST_FEATHERS);
         let detail = self.detail_on_body(width_mm);
         let further = self.coat.feathers.iter().map(|kind| kind.feather);
+        let mut most_places = PARTS as f64;
         let variants: f64 = std::iter::once(self.feather)
             .chain(further)
             .enumerate()
             .map(|(kind, feather)| {
                 let one = self.one(kind, feather, detail);
                 let shown = one.shown_bytes(width_mm);
+                most_places = most_places.max(one.places(width_mm));
                 // Each variant makes what its vanes show, but all of a kind show the first one's.
                 self.coat.variants as f64 * (one.bytes(width_mm) - shown) + 2.0 * shown
             })
             .sum();
-        (feathers * PARTS) as f64 * PER_PLACE
+        feathers as f64 * most_places * PER_PLACE
             + (triangles + MOST_TRIANGLES as f64) * PER_BODY_TRIANGLE
             + variants
     }

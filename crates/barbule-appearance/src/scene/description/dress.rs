@@ -1,7 +1,8 @@
 //! Feathers of a scene: what their parts are made of, and where on the vane that is something else.
 
+use super::albedo;
 use super::barbules::BarbuleClothing;
-use super::detail::{Detail, ViewModel};
+use super::detail::{Detail, DetailLevel, ViewModel};
 use super::slot::Slot;
 use super::surfaces::{EvenPaint, FibreDescription, FilmDescription, PigmentedKeratin, no_surface};
 use crate::bsdf::{self, Region, Texture, ZonePlan};
@@ -26,6 +27,8 @@ pub struct FeatherObject {
     pub zones: Vec<Zone>,
     /// A picture that says which zone is where.
     pub zone_map: Option<Slot<Texture>>,
+    /// A picture of the vane that its fibres take their colours from.
+    pub albedo: Option<Slot<Texture>>,
 }
 
 /// Down where nothing is said: grey.
@@ -157,6 +160,12 @@ impl Zone {
         Ok(())
     }
 
+    /// All of the vane, as the feather itself is dressed.
+    pub(super) fn everywhere() -> Self {
+        let (along, across) = ([0.0, 1.0], [-1.0, 1.0]);
+        Self { along, across, ring: None, edge_mm: 0.0, ramus: None, distal: None, proximal: None }
+    }
+
     /// Its barbules that wear a material.
     pub(super) fn clothing_mut(&mut self) -> impl Iterator<Item = &mut BarbuleClothing> {
         [self.distal.as_mut(), self.proximal.as_mut()]
@@ -190,17 +199,21 @@ fn plates(word: &'static str) -> &'static str {
 }
 
 impl FeatherObject {
-    /// Refuses zones that change what parts are, and not only what they are made of, and a map without zones.
+    /// Refuses a map without zones and, where barbs are envelopes on which parts are looked up, zones that change what parts are and not only
+    /// what they are made of.
     pub(super) fn agree(&self, place: &str) -> Result<()> {
+        let is_looked_up =
+            self.detail.level == DetailLevel::Envelopes || self.detail.view_model != ViewModel::Grown;
+        let looked_up = if is_looked_up { &self.zones[..] } else { &[] };
         let own =
             [self.dress.ramus.word(), plates(self.dress.distal.word()), plates(self.dress.proximal.word())];
-        for (i, zone) in self.zones.iter().enumerate() {
+        for (i, zone) in looked_up.iter().enumerate() {
             for ((key, kind), own) in
                 zone.kinds().into_iter().zip(own).filter_map(|(of, own)| Some((of?, own)))
             {
                 if kind != own {
                     return Err(Error::input(format!(
-                        "{}[{i}].{key} is of type '{kind}', but the feather's own is '{own}'; give the same type",
+                        "{}[{i}].{key} is of type '{kind}', but the feather's own is '{own}', which envelopes cannot mix; give the same type or another detail.level",
                         path_of(place, "zones")
                     )));
                 }
@@ -212,7 +225,7 @@ impl FeatherObject {
                 path_of(place, "zone_map")
             )));
         }
-        Ok(())
+        self.agree_on_albedo(place)
     }
 }
 
@@ -229,7 +242,7 @@ impl FeatherObject {
                 ring.centre_mm[0] = -ring.centre_mm[0];
             }
         }
-        if let Some(map) = &mut self.zone_map {
+        for map in self.zone_map.iter_mut().chain(&mut self.albedo) {
             let (mirrored, hash) = (map.value()?.mirrored(), format!("{} mirrored", map.hash()));
             map.fill(mirrored, hash);
         }
@@ -255,13 +268,18 @@ impl FeatherObject {
         }
     }
 
+    /// How many zones it has, or will have by its picture.
+    pub(super) fn zone_count(&self) -> usize {
+        self.albedo.as_ref().map_or(self.zones.len(), albedo::zones)
+    }
+
     fn rami(&self) -> Rami {
         if matches!(self.dress.ramus, RamusDress::Hair(_)) { Rami::Fibres } else { Rami::Meshes }
     }
 
     /// Sorts of places that its vanes show.
     fn layers(&self) -> usize {
-        1 + self.zones.len() + usize::from(self.feather.pattern.pattern().is_some())
+        1 + self.zone_count() + usize::from(self.feather.pattern.pattern().is_some())
     }
 
     /// Where its zones lie; nothing where there are none.

@@ -46,6 +46,8 @@ record! {
         zones: Vec<Zone> = "zones", up_to(255), or Vec::new();
         /// A grey picture of the zones over the vane.
         zone_map: Option<Slot<crate::bsdf::Texture>> = "zone_map", Text("a grey .png");
+        /// A picture of the vane that its fibres take their colours from.
+        albedo: Option<Slot<crate::bsdf::Texture>> = "albedo", Text("the name of a .png, .exr or .hdr");
     }
 }
 
@@ -273,7 +275,7 @@ fn take_lone(
     let of_material: Map<String, Value> = of_material.collect();
     let (feather, coat) = (take("feather"), take("coat"));
     let (window, detail) = (take("window"), take("detail"));
-    let (zones, zone_map) = (take("zones"), take("zone_map"));
+    let (zones, zone_map, albedo) = (take("zones"), take("zone_map"), take("albedo"));
     let shows =
         take("shows_feather").map_or(Ok(true), |value| bool::of_value(&value, "shows_feather", &()))?;
     if !shows {
@@ -306,12 +308,14 @@ fn take_lone(
     let mut zoned = Map::new();
     zoned.extend(zones.map(|zones| ("zones".to_owned(), zones)));
     zoned.extend(zone_map.map(|map| ("zone_map".to_owned(), map)));
+    zoned.extend(albedo.map(|picture| ("albedo".to_owned(), picture)));
     let zoned = dressed(&Value::Object(zoned), named, "")?;
-    let fields = Fields::new(&zoned, "", &["zones", "zone_map"])?;
+    let fields = Fields::new(&zoned, "", &["zones", "zone_map", "albedo"])?;
     let zones =
         fields.get("zones").map_or(Ok(Vec::new()), |zones| Vec::of_value(zones, "zones", &up_to(255)))?;
     let zone_map = fields.text("zone_map")?.map(Slot::new);
-    let of = FeatherObject { feather, window, detail, dress, zones, zone_map };
+    let albedo = fields.text("albedo")?.map(Slot::new);
+    let of = FeatherObject { feather, window, detail, dress, zones, zone_map, albedo };
     of.agree("")?;
     Ok(Some(ObjectDescription::here("feather", ObjectShape::Feather(Box::new(of)))))
 }
@@ -347,7 +351,9 @@ fn lone_table(object: &ObjectDescription) -> Option<Map<String, Value>> {
             let mut table = Map::new();
             table.insert("window".to_owned(), of.window.table());
             table.extend(of.zones.to_value(&up_to(255)).map(|zones| ("zones".to_owned(), zones)));
-            table.extend(of.zone_map.as_ref().map(|map| ("zone_map".to_owned(), map.name.as_str().into())));
+            let pictures = [("zone_map", &of.zone_map), ("albedo", &of.albedo)];
+            let named = pictures.into_iter().filter_map(|(key, slot)| Some((key, slot.as_ref()?)));
+            table.extend(named.map(|(key, slot)| (key.to_owned(), slot.name.as_str().into())));
             table.insert("feather".to_owned(), of.feather.table());
             table.insert("detail".to_owned(), of.detail.table());
             (&of.dress, table)

@@ -184,9 +184,12 @@ impl ObjectShape {
             Self::Mesh(slot) => add("mesh", Named::Mesh(slot)),
             Self::Curves { file, basis } => add("curves", Named::Curves(file, *basis)),
             Self::Feather(of) => {
-                let FeatherObject { dress, zones, zone_map, .. } = &mut **of;
+                let FeatherObject { dress, zones, zone_map, albedo, .. } = &mut **of;
                 if let Some(slot) = zone_map {
                     add("zone_map", Named::Numbers(slot));
+                }
+                if let Some(slot) = albedo {
+                    add("albedo", Named::Colours(slot));
                 }
                 dress.clothing_mut().for_each(|of| of.named_mut("", &mut add));
                 for zone in zones {
@@ -208,9 +211,12 @@ impl ObjectShape {
             Self::Row(of) => {
                 let further = of.row.feathers.iter_mut().map(|kind| ("row.feathers.", kind));
                 for (table, kind) in std::iter::once(("", &mut of.first)).chain(further) {
-                    let RowFeather { dress, zones, zone_map, .. } = kind;
+                    let RowFeather { dress, zones, zone_map, albedo, .. } = kind;
                     if let Some(slot) = zone_map {
                         add(&format!("{table}zone_map"), Named::Numbers(slot));
+                    }
+                    if let Some(slot) = albedo {
+                        add(&format!("{table}albedo"), Named::Colours(slot));
                     }
                     dress.clothing_mut().for_each(|of| of.named_mut(table, &mut add));
                     let zones = zones.iter_mut().flat_map(Zone::clothing_mut);

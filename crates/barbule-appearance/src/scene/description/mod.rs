@@ -3,6 +3,7 @@
 //! Every table is a record whose keys are defined once, where its type is (`fields::record`). Presets are such files, which a user's
 //! file may change (`docs/guide/render.md`). As in files, angles are degrees here.
 
+mod albedo;
 mod barbules;
 mod build;
 mod coat;

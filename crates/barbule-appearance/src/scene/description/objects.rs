@@ -156,6 +156,8 @@ record! {
         zones: Vec<Zone> = "zones", up_to(MOST_ZONES), or Vec::new();
         /// A grey picture over the vane, its left edge at the left and its tip above: pixels of value i (of 255) are the i-th zone.
         zone_map: Option<Slot<Texture>> = "zone_map", Text("a grey .png");
+        /// A picture of the vane, its left edge at the left and its tip above, that its fibres take their colours from.
+        albedo: Option<Slot<Texture>> = "albedo", Text("the name of a .png, .exr or .hdr");
     }
 }
 
@@ -166,7 +168,7 @@ const SHAPES: [&str; 9] =
 /// Keys of feathers, coats and rows, of feathers and rows, and of feathers alone, with who has them.
 const OF_PLUMAGE: [(&str, &[&str], &str); 3] = [
     ("feather, coat or row", &["feather", "coat", "row"], "detail material under reciprocity dress"),
-    ("feather or row", &["feather", "row"], "zones zone_map"),
+    ("feather or row", &["feather", "row"], "zones zone_map albedo"),
     ("feather", &["feather"], "window"),
 ];
 
@@ -191,6 +193,7 @@ impl ObjectShape {
             dress: None,
             zones: Vec::new(),
             zone_map: None,
+            albedo: None,
         };
         match self {
             Self::Sphere { radius_mm } => ShapeKeys { sphere_mm: Some(*radius_mm), ..none },
@@ -202,7 +205,8 @@ impl ObjectShape {
                 ShapeKeys { curves: Some(file.clone()), basis: Some(*basis), ..none }
             }
             Self::Feather(of) => {
-                let FeatherObject { feather, window, detail, dress, zones, zone_map } = (**of).clone();
+                let FeatherObject { feather, window, detail, dress, zones, zone_map, albedo } =
+                    (**of).clone();
                 let dress = Some(dress);
                 ShapeKeys {
                     feather: Some(feather),
@@ -211,6 +215,7 @@ impl ObjectShape {
                     dress,
                     zones,
                     zone_map,
+                    albedo,
                     ..none
                 }
             }
@@ -220,9 +225,9 @@ impl ObjectShape {
             }
             Self::Row(of) => {
                 let RowObject { row, first, detail } = (**of).clone();
-                let RowFeather { feather, dress, zones, zone_map } = first;
+                let RowFeather { feather, dress, zones, zone_map, albedo } = first;
                 let (row, feather, dress) = (Some(row), Some(feather), Some(dress));
-                ShapeKeys { row, feather, detail, dress, zones, zone_map, ..none }
+                ShapeKeys { row, feather, detail, dress, zones, zone_map, albedo, ..none }
             }
         }
     }
@@ -231,9 +236,9 @@ impl ObjectShape {
     fn of_keys(keys: ShapeKeys, fields: &Fields<'_>) -> Result<Self> {
         let given: Vec<&str> = SHAPES.into_iter().filter(|key| fields.get(key).is_some()).collect();
         // A coat or row may say its feather beside it.
-        let shape =
-            given.iter().find(|key| **key != "feather").or(given.first()).copied().unwrap_or_default();
-        for (who, shapes, keys) in OF_PLUMAGE {
+        let beside: Vec<&str> = given.iter().copied().filter(|key| *key != "feather").collect();
+        let shape = beside.first().or(given.first()).copied().unwrap_or_default();
+        for (who, shapes, keys) in OF_PLUMAGE.into_iter().filter(|_| beside.len() < 2) {
             let is_given = |key: &&str| fields.get(key).is_some();
             if let (false, Some(key)) = (shapes.contains(&shape), keys.split(' ').find(is_given)) {
                 return Err(Error::input(format!(
@@ -259,10 +264,13 @@ impl ObjectShape {
             }
             (
                 ["feather"],
-                ShapeKeys { feather: Some(feather), window, detail, dress: of, zones, zone_map, .. },
+                ShapeKeys {
+                    feather: Some(feather), window, detail, dress: of, zones, zone_map, albedo, ..
+                },
             ) => {
                 let window = window.unwrap_or(VaneDisc::WHOLE);
-                let of = FeatherObject { feather, window, detail, dress: dress(of)?, zones, zone_map };
+                let dress = dress(of)?;
+                let of = FeatherObject { feather, window, detail, dress, zones, zone_map, albedo };
                 of.agree(fields.place())?;
                 Ok(Self::Feather(Box::new(of)))
             }
@@ -277,10 +285,10 @@ impl ObjectShape {
             }
             (
                 ["feather", "row"] | ["row"],
-                ShapeKeys { row: Some(row), feather, detail, dress: of, zones, zone_map, .. },
+                ShapeKeys { row: Some(row), feather, detail, dress: of, zones, zone_map, albedo, .. },
             ) => {
                 let feather = feather.map_or_else(|| Feather::of_type("covert"), Ok)?;
-                let first = RowFeather { feather, dress: dress(of)?, zones, zone_map };
+                let first = RowFeather { feather, dress: dress(of)?, zones, zone_map, albedo };
                 let of = RowObject { row, first, detail };
                 of.agree(fields.place())?;
                 Ok(Self::Row(Box::new(of)))

@@ -36,6 +36,9 @@ impl FeatherObject {
         seed: u64,
         progress: &dyn Progress,
     ) -> Result<(Vec<Object>, Counts)> {
+        if let Some(coloured) = self.coloured()? {
+            return coloured.parts(width_mm, seed, progress);
+        }
         let level = self.level(width_mm);
         let zones = self.zone_plan()?.map(|plan| self.feather.zones(plan)).transpose()?;
         let names = (seed, hash(seed, &[1]));
@@ -44,7 +47,9 @@ impl FeatherObject {
         let substances = Substances::new(self, self.feather.markings(zones.as_ref()))?;
         let shaft = (grown.shaft.clone(), Surface::Keratin(self.dress.shaft.build()?));
         let parts = match level {
-            Level::Barbules | Level::Barbs => [vec![shaft], substances.one_by_one(grown)].concat(),
+            Level::Barbules | Level::Barbs => {
+                [vec![shaft], substances.one_by_one(grown, Mark::Zone(0))].concat()
+            }
             Level::Vane => [vec![shaft], substances.sheets(&grown, seed)?].concat(),
             Level::Envelopes => match self.detail.view_model {
                 ViewModel::Fibre => [vec![shaft], substances.looked_up(&grown, BarbModel::Fibre)?].concat(),
@@ -82,7 +87,7 @@ impl FeatherObject {
             (Level::Envelopes, ViewModel::Both) => [barbs, barbs].concat(),
             (Level::Envelopes, _) => barbs.to_vec(),
         };
-        let zones = if matches!(level, Level::Barbules | Level::Barbs) { self.zones.len() } else { 0 };
+        let zones = if matches!(level, Level::Barbules | Level::Barbs) { self.zone_count() } else { 0 };
         let parts = ["barbs", "distal barbules", "proximal barbules"];
         let zoned = (1..=zones).flat_map(|zone| parts.map(|part| format!("zone {zone} {part}")));
         names.into_iter().map(str::to_owned).chain(zoned).collect()
@@ -122,14 +127,15 @@ type Part = (Geometry, Surface);
 impl<'a> Substances<'a> {
     fn new(of: &'a FeatherObject, markings: Markings) -> Result<Self> {
         let (feather, dress) = (&of.feather, &of.dress);
+        let cover = feather.cover();
         let barbule = |dress: &BarbuleDress, shape: &BarbuleShape| match dress {
-            BarbuleDress::Hair(fibre) => Ok::<_, Error>(Substance::Fibre(fibre.build()?)),
+            BarbuleDress::Hair(fibre) => Ok::<_, Error>(Substance::Fibre(fibre.build_on(cover)?)),
             BarbuleDress::Barbule(of) => Ok(Substance::Plate(of.barbules(shape.cells(&feather.disorder))?)),
             BarbuleDress::Film(film) => Ok(Substance::Film(film.build()?)),
             BarbuleDress::Paint(paint) => Ok(Substance::Paint(paint.build()?)),
         };
         let of_ramus = |dress: &RamusDress| match dress {
-            RamusDress::Hair(fibre) => Ok::<_, Error>(Substance::Fibre(fibre.build()?)),
+            RamusDress::Hair(fibre) => Ok::<_, Error>(Substance::Fibre(fibre.build_on(cover)?)),
             RamusDress::Keratin(keratin) => Ok(Substance::Keratin(keratin.build()?)),
             RamusDress::Paint(paint) => Ok(Substance::Paint(paint.build()?)),
         };
@@ -140,7 +146,9 @@ impl<'a> Substances<'a> {
         let pale_fibre = |fibre: &FibreDescription| {
             let [eumelanin, pheomelanin] =
                 [fibre.eumelanin, fibre.pheomelanin].map(|pigment| pigment * feather.pattern.pale_pigment);
-            Ok::<_, Error>(Surface::Hair(FibreDescription { eumelanin, pheomelanin, ..*fibre }.build()?))
+            Ok::<_, Error>(Surface::Hair(
+                FibreDescription { eumelanin, pheomelanin, ..*fibre }.build_on(cover)?,
+            ))
         };
         let pale_ramus = match &dress.ramus {
             RamusDress::Hair(fibre) => pale_fibre(fibre)?,
@@ -160,7 +168,6 @@ impl<'a> Substances<'a> {
             })
         };
         let zones = of.zones.iter().map(zone).collect::<Result<Vec<_>>>()?;
-        markings.check(&zones, [&ramus, &barbules[0], &barbules[1]])?;
         let down = dress.down.build()?;
         Ok(Self { of, ramus, barbules, pale, markings, zones, pale_ramus, pale_barbule, down })
     }
@@ -187,8 +194,8 @@ impl<'a> Substances<'a> {
         }
     }
 
-    /// Rami and barbules as they were grown, those of zones last.
-    fn one_by_one(&self, grown: Grown) -> Vec<Part> {
+    /// Rami and barbules as they were grown, those of zones last; what is marked by none is as where `mark` is.
+    fn one_by_one(&self, grown: Grown, mark: Mark) -> Vec<Part> {
         let rami = |meshes: Geometry, fibres: Geometry, surface: Surface| {
             (if let Surface::Hair(_) = surface { fibres } else { meshes }, surface)
         };
@@ -196,7 +203,7 @@ impl<'a> Substances<'a> {
             (if let Surface::Hair(_) = surface { row.ribbons_as_curves() } else { row }, surface)
         };
         let [dark, pale] = grown.fibres;
-        let [ramus, of_distal, of_proximal] = self.surfaces(Mark::Zone(0));
+        let [ramus, of_distal, of_proximal] = self.surfaces(mark);
         let [distal, proximal] = grown.barbules;
         let mut parts = vec![
             rami(grown.rami, dark, ramus),
@@ -218,17 +225,18 @@ impl<'a> Substances<'a> {
     /// A vane's swatch where something marks the vane.
     fn layer(&self, swatch: Swatch, mark: Mark) -> Layer {
         let Swatch { grown, half_width_mm, along_mm } = swatch;
-        let mut parts = self.one_by_one(grown);
-        // Rami and rows of barbules.
-        for (part, surface) in [0, 2, 3].into_iter().zip(self.surfaces(mark)) {
-            parts[part].1 = surface;
-        }
+        let parts = self.one_by_one(grown, mark);
         let objects = parts.into_iter().map(|(geometry, surface)| Object { geometry, surface });
         Layer { objects: objects.collect(), across_mm: [-half_width_mm, half_width_mm], along_mm }
     }
 
     /// The barbs left and right of the shaft, those of the downy part last.
     fn looked_up(&self, grown: &Grown, model: BarbModel) -> Result<Vec<Part>> {
+        Ok([self.vane_looked_up(grown, model)?, self.down_looked_up(grown)?].concat())
+    }
+
+    /// The barbs of the closed vane.
+    fn vane_looked_up(&self, grown: &Grown, model: BarbModel) -> Result<Vec<Part>> {
         let feather = &self.of.feather;
         let row = |shape: &BarbuleShape| shape.row(&feather.disorder);
         let rows = [&feather.distal, &feather.proximal].map(row);
@@ -252,23 +260,19 @@ impl<'a> Substances<'a> {
                 pale: self.pale.clone(),
             },
         };
+        vane.on(&grown.envelopes, model)
+    }
+
+    /// Those of the downy part, which is nothing like one fibre as wide as its barbules reach.
+    fn down_looked_up(&self, grown: &Grown) -> Result<Vec<Part>> {
+        let feather = &self.of.feather;
         let down = Substance::Fibre(self.down.clone());
-        let barbule = (row(&feather.downy.barbules()), down.clone());
+        let barbule = (feather.downy.barbules().row(&feather.disorder), down.clone());
         let half_width = 0.5e-3 * feather.downy.ramus_width_um;
         let ramus = Ramus { substance: down, half_width, height: 1.0 };
         let plain = BarbDress { markings: Markings::default(), zones: Vec::new(), pale: self.pale.clone() };
         let downy = Barbs { ramus, rows: [barbule.clone(), barbule], dress: plain };
-        // Down is nothing like one fibre as wide as its barbules reach.
-        let sides =
-            [(model, &vane, &grown.envelopes), (BarbModel::Substructure, &downy, &grown.downy_envelopes)];
-        let parts = sides.into_iter().flat_map(|(model, barbs, envelopes)| {
-            envelopes.iter().zip([-1.0, 1.0]).map(move |(geometry, barb_side)| {
-                let Barbs { ramus, rows, dress } = barbs.clone();
-                let barb = BarbSurface::new(model, ramus, rows, tip_side(barb_side), dress)?;
-                Ok((geometry.clone(), Surface::Barb(Box::new(barb))))
-            })
-        });
-        parts.collect()
+        downy.on(&grown.downy_envelopes, BarbModel::Substructure)
     }
 }
 
@@ -289,17 +293,28 @@ impl Substances<'_> {
             // What is met is the window's; the sheet has no light of its own.
             Ok((Geometry { window, ..geometry.clone() }, self.pale_ramus.clone()))
         });
-        let down = self.looked_up(grown, BarbModel::Substructure)?.into_iter().skip(2);
-        vanes.chain(down.map(Ok)).collect()
+        vanes.chain(self.down_looked_up(grown)?.into_iter().map(Ok)).collect()
     }
 }
 
 /// What barbs of one kind are made of.
-#[derive(Clone)]
 struct Barbs {
     ramus: Ramus,
     rows: [(Row, Substance); 2],
     dress: BarbDress,
+}
+
+impl Barbs {
+    /// They on envelopes left and right of the shaft.
+    fn on(&self, envelopes: &[Geometry; 2], model: BarbModel) -> Result<Vec<Part>> {
+        let parts = envelopes.iter().zip([-1.0, 1.0]).map(|(geometry, barb_side)| {
+            let Self { ramus, rows, dress } = self;
+            let barb =
+                BarbSurface::new(model, ramus.clone(), rows.clone(), tip_side(barb_side), dress.clone())?;
+            Ok((geometry.clone(), Surface::Barb(Box::new(barb))))
+        });
+        parts.collect()
+    }
 }
 
 #[cfg(test)]

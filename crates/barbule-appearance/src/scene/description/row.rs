@@ -107,6 +107,8 @@ record! {
         zones: Vec<Zone> = "zones", up_to(MOST_ZONES), or Vec::new();
         /// A grey picture over the vane: pixels of value i (of 255) are the i-th zone.
         zone_map: Option<Slot<Texture>> = "zone_map", Text("a grey .png");
+        /// A picture of its vane that its fibres take their colours from.
+        albedo: Option<Slot<Texture>> = "albedo", Text("the name of a .png, .exr or .hdr");
         @agree RowFeather::agree;
     }
 }
@@ -145,8 +147,8 @@ impl RowFeather {
 
     /// One of these feathers, with sizes of its own.
     fn one(&self, feather: Feather, detail: Detail) -> FeatherObject {
-        let Self { dress, zones, zone_map, .. } = self.clone();
-        FeatherObject { feather, window: window(&feather), detail, dress, zones, zone_map }
+        let Self { dress, zones, zone_map, albedo, .. } = self.clone();
+        FeatherObject { feather, window: window(&feather), detail, dress, zones, zone_map, albedo }
     }
 }
 
@@ -250,7 +252,7 @@ impl RowObject {
         let grown = laid.variants.iter().enumerate().map(|(variant, RowVariant { kind, feather })| {
             let one = kinds[*kind].one(*feather, self.detail);
             let many = laid.stands.iter().filter(|stand| stand.variant == variant).count() * places;
-            let parts = (PARTS + 3 * one.zones.len()) as f64 + one.places(width_mm);
+            let parts = (PARTS + 3 * one.zone_count()) as f64 + one.places(width_mm);
             one.bytes(width_mm) + many as f64 * parts * PER_PLACE
         });
         grown.sum()

@@ -133,6 +133,8 @@ record! {
         pheomelanin: f64 = "pheomelanin", within(0, 1e3), or 0.0;
         /// In place of both, what colour a mass of such fibres has.
         colour: Option<Colour> = "colour", ();
+        /// In place of that, what a closed vane of such fibres has on white in even light.
+        vane_colour: Option<Colour> = "vane_colour", ();
         /// Height of the section, along the vane's normal, over its width.
         height_over_width: f64 = "height_over_width", within(0.1, 10), or 1.0;
         @agree FibreDescription::agree;
@@ -311,37 +313,60 @@ impl PigmentedKeratin {
     }
 }
 
+/// Fibres over a place of a vane where no feather is known: those of contour feathers.
+const USUAL_COVER: f64 = 1.2;
+
 impl FibreDescription {
     fn agree(&self, place: &str) -> Result<()> {
-        if self.colour.is_some() && (self.eumelanin > 0.0 || self.pheomelanin > 0.0) {
+        let given = [
+            ("colour", self.colour.is_some()),
+            ("vane_colour", self.vane_colour.is_some()),
+            ("eumelanin", self.eumelanin > 0.0),
+            ("pheomelanin", self.pheomelanin > 0.0),
+        ];
+        let given: Vec<&str> = given.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key).collect();
+        if given.len() > 1 && given[0] != "eumelanin" {
             return Err(Error::input(format!(
-                "{} is given beside eumelanin or pheomelanin; give a colour, or pigments",
-                path_of(place, "colour")
+                "{} is given beside {}; give one colour, or pigments",
+                path_of(place, given[0]),
+                given[1]
             )));
         }
         Ok(())
     }
 
-    /// A colour is at least [`DARKEST`]: nothing that absorbs everything has a depth.
-    fn absorption(&self) -> Result<Absorption> {
-        match self.colour {
-            None => Absorption::pigments(self.eumelanin, self.pheomelanin),
-            Some(colour) => {
-                let light = colour.0.map(|value| decode(value).max(DARKEST));
-                Absorption::of_reflectance(&Reflectance::of_colour(light)?, self.azimuthal_roughness)
-            }
-        }
+    /// The same of the colour of a closed vane in place of what else colours it.
+    pub(super) fn with_vane_colour(&self, colour: Colour) -> Self {
+        Self { colour: None, vane_colour: Some(colour), eumelanin: 0.0, pheomelanin: 0.0, ..*self }
+    }
     }
 
     pub(super) fn build(&self) -> Result<Hair> {
+        self.build_on(USUAL_COVER)
+    }
+
+    /// A fibre of a vane with so many fibres over a place.
+    pub(super) fn build_on(&self, cover: f64) -> Result<Hair> {
         Hair::new(HairParameters {
             longitudinal_roughness: self.longitudinal_roughness,
             azimuthal_roughness: self.azimuthal_roughness,
             scale_tilt: self.scale_tilt_deg.to_radians(),
             index: self.index.map_or(FibreIndex::Keratin, FibreIndex::Constant),
-            absorption: self.absorption()?,
+            absorption: self.absorption(cover)?,
             height_over_width: self.height_over_width,
         })
+    }
+
+    /// A mass of fibres is at least [`DARKEST`]: nothing that absorbs everything has a depth.
+    pub(super) fn absorption(&self, cover: f64) -> Result<Absorption> {
+        match (self.vane_colour, self.colour) {
+            (Some(vane), _) => Absorption::of_vane(&Reflectance::of_colour(vane.0.map(decode))?, cover),
+            (None, Some(mass)) => {
+                let light = mass.0.map(|value| decode(value).max(DARKEST));
+                Absorption::of_reflectance(&Reflectance::of_colour(light)?, self.azimuthal_roughness)
+            }
+            (None, None) => Absorption::pigments(self.eumelanin, self.pheomelanin),
+        }
     }
 }
 

@@ -2,10 +2,13 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Barb, Feather, Grown, Level, Shaft, Vane, VaneDisc};
+use super::{Barb, BarbuleShape, Feather, Grown, Level, Shaft, Vane, VaneDisc};
 use crate::Result;
+use crate::bsdf::ramus_taper;
 use crate::progress::Progress;
 
+/// Mean length of the barbules along a barb over the greatest.
+const MEAN_LENGTH: f64 = 0.86;
 /// Cells of the grid on which coverage is counted, along either side.
 const CELLS: usize = 512;
 /// Where on the vane coverage is counted, as a share of its length.
@@ -136,6 +139,15 @@ impl Feather {
             mean_barb_mm: mean(&lengths),
             longest_barb_mm: lengths.iter().copied().fold(0.0, f64::max),
         }
+    }
+
+    /// How many fibres lie over a place of the closed vane in the mean, rami and barbules, by their sizes alone: a barbule is 0.86 of its
+    /// greatest length in the mean over a barb.
+    #[must_use]
+    pub fn cover(&self) -> f64 {
+        let row = |shape: &BarbuleShape| MEAN_LENGTH * shape.length_um * shape.width_um / shape.spacing_um;
+        let ramus = ramus_taper(0.5) * self.barbs.width_um;
+        (ramus + row(&self.distal) + row(&self.proximal)) / self.barbs.spacing_um
     }
 
     /// Share of the closed vane that a ray along its normal meets: rami and barbules, projected onto the vane beside the

@@ -1,4 +1,5 @@
 use super::*;
+use crate::scene::feather::BarbShape;
 
 /// A feather that bends every way.
 fn bent() -> Feather {
@@ -58,7 +59,18 @@ fn feathers_are_as_many_as_said_and_their_tips_lie_where_they_point() {
             let said = row.at(share);
             assert!((tip - root).normalize().dot(said.direction) > 1.0 - 1e-12);
             let beneath = if over == Over::First { index } else { 5 - index } as f64;
-            assert!((root - said.position_mm + said.normal * 0.2 * beneath).length() < 1e-12);
+            let sunk = match beneath == 0.0 {
+                true => 0.0,
+                false => {
+                    let BarbShape {
+                        leading_half_width_mm: leading, trailing_half_width_mm: trailing, ..
+                    } = bent().barbs;
+                    libm::sin(0.06)
+                        * said.scale
+                        * f64::max(leading * said.widths[0], trailing * said.widths[1])
+                }
+            };
+            assert!((root - said.position_mm + said.normal * (0.2 * beneath + sunk)).length() < 1e-12);
             // Straight from one station to the other.
             let position = DVec3::new(1.0 + 6.0 * share, share, -share);
             let scale = 1.0 - 0.3 * share;
