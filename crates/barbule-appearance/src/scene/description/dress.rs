@@ -40,6 +40,7 @@ const DOWN: FibreDescription = FibreDescription {
     eumelanin: 2.0,
     pheomelanin: 0.0,
     colour: None,
+    vane_colour: None,
     height_over_width: 1.0,
 };
 

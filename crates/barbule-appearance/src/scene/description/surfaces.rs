@@ -339,7 +339,6 @@ impl FibreDescription {
     pub(super) fn with_vane_colour(&self, colour: Colour) -> Self {
         Self { colour: None, vane_colour: Some(colour), eumelanin: 0.0, pheomelanin: 0.0, ..*self }
     }
-    }
 
     pub(super) fn build(&self) -> Result<Hair> {
         self.build_on(USUAL_COVER)
