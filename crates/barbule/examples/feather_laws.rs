@@ -46,13 +46,23 @@ fn draw(figure: &Figure, path: &Path) -> Result<()> {
     write_whole(path, &figure.draw().encode(Format::of(path)?, &[])?)
 }
 
+/// Poses at an angle between light and viewer in which a feather shows at least half of its most, of turns by 5° about some axes.
+fn beam(patch: &Patch, between_deg: f64) -> Vec<Pose> {
+    let turns = (-9..=13).map(|k| 5.0 * f64::from(k));
+    let poses = |&roll_deg| turns.clone().map(move |turn_deg| Pose { between_deg, turn_deg, roll_deg });
+    let poses: Vec<_> = ROLLS_DEG.iter().flat_map(poses).collect();
+    let heights: Vec<_> = poses.iter().map(|&pose| height(&patch.lit(pose, None, SAMPLES[0]))).collect();
+    let most = heights.iter().copied().fold(0.0, f64::max);
+    poses.into_iter().zip(heights).filter(|(_, height)| *height >= 0.5 * most).map(|(pose, _)| pose).collect()
+}
+
 /// Peaks against the angle in all poses that show the beam; prints the law, how far poses of one angle differ, and what is left of the
 /// modulation under a sky.
 fn peak_of(preset: &str, range_nm: [f64; 2]) -> Result<Vec<[f64; 2]>> {
     let patch = Patch::of(preset, 1.0);
     let (mut points, mut apart, mut worst, mut deepest) = (vec![], 0.0, 0.0_f64, 0.0_f64);
     for between_deg in BETWEEN_DEG {
-        let poses = patch.beam(between_deg, &ROLLS_DEG, SAMPLES[0]);
+        let poses = beam(&patch, between_deg);
         let spectra: Vec<_> = poses.iter().map(|&pose| patch.lit(pose, None, SAMPLES[1])).collect();
         deepest = spectra.iter().map(modulation).fold(deepest, f64::max);
         let found: Vec<_> = spectra.iter().map(|spectrum| peak_nm(spectrum, range_nm)).collect();

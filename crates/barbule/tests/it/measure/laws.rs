@@ -64,24 +64,6 @@ impl Patch {
         Spectrum::new(seen.wavelengths().clone(), over).unwrap()
     }
 
-    /// Poses at an angle between light and viewer in which the feather shows at least half of its most, of turns by 5° about the
-    /// axes of `rolls_deg`.
-    pub(crate) fn beam(&self, between_deg: f64, rolls_deg: &[f64], samples: u32) -> Vec<Pose> {
-        let turns = (-9..=13).map(|k| 5.0 * f64::from(k));
-        let poses: Vec<_> = rolls_deg
-            .iter()
-            .flat_map(|&roll_deg| turns.clone().map(move |turn_deg| Pose { between_deg, turn_deg, roll_deg }))
-            .collect();
-        let heights: Vec<_> = poses.iter().map(|&pose| height(&self.lit(pose, None, samples))).collect();
-        let most = heights.iter().copied().fold(0.0, f64::max);
-        poses
-            .into_iter()
-            .zip(heights)
-            .filter(|(_, height)| *height >= 0.5 * most)
-            .map(|(pose, _)| pose)
-            .collect()
-    }
-
     fn seen(&self, pose: Pose, sky: &str, lamp: &str, part: Option<&str>, samples: u32) -> Spectrum {
         let scene = self.posed(pose, sky, lamp);
         let nm: Vec<f64> = (0..BANDS).map(|k| 400.0 + 10.0 * f64::from(k)).collect();
