@@ -62,12 +62,12 @@ birds! {
     "rock-dove"
         also ["columba-livia", "rock-pigeon", "feral-pigeon", "common-pigeon", "pigeon", "dove"]
         has [species scene feather]
-        presets ["rock-dove-neck"]
+        presets ["rock-dove-neck" "dove-bird"]
         materials ["forest" "jade" "purple" "sea" "teal" "violet"]
     "starling"
         also ["sturnus-vulgaris", "european-starling", "common-starling"]
         has [species scene feather]
-        presets []
+        presets ["starling-bird"]
         materials ["green"]
     "bronzewing"
         also ["phaps-chalcoptera", "common-bronzewing", "bronzewing-pigeon"]
@@ -77,12 +77,12 @@ birds! {
     "hummingbird"
         also ["calypte-anna", "annas-hummingbird", "anna-hummingbird"]
         has [species scene feather]
-        presets []
+        presets ["hummingbird-gorget"]
         materials ["anna"]
     "mallard"
         also ["anas-platyrhynchos", "mallard-duck", "wild-duck", "duck"]
         has [species scene feather]
-        presets []
+        presets ["mallard-head"]
         materials ["lime" "lime-below"]
     "magpie"
         also ["pica-hudsonia", "black-billed-magpie", "american-magpie"]
@@ -92,7 +92,7 @@ birds! {
     "peafowl"
         also ["pavo-cristatus", "indian-peafowl", "blue-peafowl", "common-peafowl", "peacock"]
         has [species scene feather]
-        presets []
+        presets ["peacock" "peacock-film" "peacock-film-2005"]
         materials ["scaled-blue" "scaled-bronze" "scaled-green" "scaled-turquoise" "scaled-violet" "yellow" "yellow-below"]
     "osprey" also [] has [wing primary] presets [] materials []
     "turkey-vulture" also [] has [wing primary] presets [] materials []

@@ -78,6 +78,8 @@ enum Names {
     Eyes,
     /// Lights.
     Lights,
+    /// Models of presets that have several.
+    Models,
 }
 
 const FIGURES: &[&str] = &["svg", "pdf", "png"];
@@ -101,6 +103,7 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         (_, "illuminant") => files(Names::Lights, TABLES),
         ("species", "name") => files(Names::Species, &["toml", "json"]),
         ("keys", "kind") => files(Names::Keys, &[]),
+        ("render", "model") => files(Names::Models, &[]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
         ("render" | "lobes" | "brdf", "material") | ("render", "under") => {
             files(Names::Species, &["barbule", "toml", "json"])
@@ -166,6 +169,9 @@ impl Names {
         }
         if self == Self::Eyes {
             return starting(eye_names().map(str::to_owned), text, Some("eye"));
+        }
+        if self == Self::Models {
+            return starting(preset::models().map(str::to_owned), text, Some("model"));
         }
         if self == Self::Lights {
             let lights = Light::NAMES.into_iter();

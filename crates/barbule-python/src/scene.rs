@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use barbule::export::scene::{ExportOptions, Exported};
 use barbule::io::Folder;
 use barbule::open::{self, material, worn};
+use barbule::picture::{Denoise, Quality};
 use barbule::progress::Progress;
 use barbule::render::film::{Film, Pixel, check_size};
 use barbule::render::planes::{Bands, Planes};
-use barbule::scene::description::ReadyScene;
+use barbule::scene::description::{ReadyScene, ToldLamp, Tone, ToneWord, WhiteBalance};
 use barbule::scene::preset;
 use barbule::{Error, PictureOptions, Result, SceneDescription, Sensor, resolve};
 use numpy::PyArrayDyn;
@@ -44,15 +45,20 @@ struct Choices {
 
 #[pymethods]
 impl Scene {
-    /// What `barbule render` takes: a preset, a scene file, a material or a structure.
+    /// What `barbule render` takes: a preset, which may have several models, a scene file, a material or a structure.
     #[staticmethod]
-    #[pyo3(signature = (text, media, progress))]
+    #[pyo3(signature = (text, model, media, progress))]
     fn open(
         py: Python<'_>,
         text: &str,
+        model: Option<&str>,
         media: Vec<(String, String)>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
+        let text = match model {
+            Some(model) => &*preset::by_model(text, model).or_raise(py)?,
+            None => text,
+        };
         let opening = Given { media, ..Given::default() }.opening().or_raise(py)?;
         let how = How::new(None, progress);
         let description = how.run(py, |progress| open::description(text, &opening, progress))?;
@@ -78,31 +84,47 @@ impl Scene {
     }
 
     /// Renders it.
-    #[pyo3(signature = (size, samples, noise, seed, spectral_nm, compositing, media, cache, threads, progress))]
+    #[pyo3(signature = (size, samples, noise, quality, seed, spectral_nm, compositing, denoise, library, tone, white_balance, media, cache, threads, progress))]
     #[allow(clippy::too_many_arguments)] // they have names in Python
     fn render(
         &self,
         py: Python<'_>,
         size: [u32; 2],
-        samples: u32,
+        samples: Option<u32>,
         noise: Option<f64>,
+        quality: Option<&str>,
         seed: u64,
         spectral_nm: Vec<f64>,
         compositing: bool,
+        denoise: bool,
+        library: Option<PathBuf>,
+        tone: Option<&str>,
+        white_balance: Option<&str>,
         media: Vec<(String, String)>,
         cache: Option<PathBuf>,
         threads: Option<usize>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Picture> {
-        check_count("samples", samples as usize, 1 << 24).or_raise(py)?;
+        check_count("samples", samples.unwrap_or(1) as usize, 1 << 24).or_raise(py)?;
         if let Some(bad) = noise.filter(|noise| !(*noise > 0.0 && *noise <= 1.0)) {
             let message = format!("'noise' is {bad}; give a part over 0 and up to 1");
             return Err(Error::input(message)).or_raise(py);
         }
+        let quality = quality.map(|word| Quality::named("'quality'", word)).transpose().or_raise(py)?;
+        let (samples, noise) = match quality {
+            Some(quality) => quality.with(samples, noise),
+            None => (samples.unwrap_or(if noise.is_some() { 4096 } else { 16 }), noise),
+        };
         let given = Given { media, cache, seed: Some(seed), may_compute: true };
-        let options = PictureOptions { size, samples, noise, seed, ..PictureOptions::default() };
+        let denoise = match (denoise, library) {
+            (false, _) => Denoise::No,
+            (true, None) => Denoise::BySystem,
+            (true, Some(file)) => Denoise::By(file),
+        };
+        let options = PictureOptions { size, samples, noise, seed, denoise, ..PictureOptions::default() };
         let choices = Choices { options, spectral_nm, compositing };
-        How::new(threads, progress).run(py, |progress| self.picture(&given, &choices, progress))
+        let developed = self.developed(tone, white_balance).or_raise(py)?;
+        How::new(threads, progress).run(py, |progress| developed.picture(&given, &choices, progress))
     }
 
     /// Writes its files for Mitsuba into a folder; the tree of plugins as JSON.
@@ -148,13 +170,26 @@ impl Scene {
         resolve(self.description.clone(), &Folder(self.folder.clone()), &mut dye, opening.seed, progress)
     }
 
+    /// The same scene with another tone or white, where they are given.
+    fn developed(&self, tone: Option<&str>, white_balance: Option<&str>) -> Result<Self> {
+        let mut description = self.description.clone();
+        if let Some(word) = tone {
+            description.tone = Tone(ToneWord::named("'tone'", word)?);
+        }
+        if let Some(text) = white_balance {
+            description.white_balance = WhiteBalance::parse(text).map_err(|e| e.at("'white_balance'"))?;
+        }
+        Ok(Self { description, folder: self.folder.clone() })
+    }
+
     fn picture(&self, given: &Given, choices: &Choices, progress: &dyn Progress) -> Result<Picture> {
         let scene = self.ready(given, progress)?;
         let sensor = Sensor::human();
         let spectral = Bands::new(&choices.spectral_nm, sensor.band()).map_err(|e| e.at("'spectral_nm'"))?;
         let planes = Planes { sensor, compositing: choices.compositing, spectral };
         let options = PictureOptions { planes, ..choices.options.clone() };
-        Ok(Picture { inner: barbule::Picture::of(&scene, &options, progress)? })
+        let lamps = scene.told_lamps()?;
+        Ok(Picture { inner: barbule::Picture::of(&scene, &options, progress)?, lamps })
     }
 }
 
@@ -162,6 +197,7 @@ impl Scene {
 #[pyclass(frozen, module = "barbule._native")]
 pub(crate) struct Picture {
     inner: barbule::Picture,
+    lamps: Vec<ToldLamp>,
 }
 
 impl Picture {
@@ -204,6 +240,9 @@ impl Picture {
         let [width, height] = self.size();
         let linear = film.linear_srgb().concat();
         all.set_item("linear_srgb", shaped(py, linear, &[height, width, 3])?)?;
+        if let Some(smooth) = self.inner.denoised() {
+            all.set_item("denoised_xyz", shaped(py, smooth.concat(), &[height, width, 3])?)?;
+        }
         all.set_item("alpha", self.plane(py, |film, x, y| vec![film.alpha(x, y) as f32], true)?)?;
         let normal = |film: &Film, x, y| {
             let pixel = film.pixel(x, y);
@@ -238,6 +277,13 @@ impl Picture {
     fn shape(&self) -> (usize, usize) {
         let [width, height] = self.size();
         (height, width)
+    }
+
+    /// The scene's lights that shine: name, illuminant and correlated colour temperature, K.
+    #[getter]
+    fn lamps(&self) -> Vec<(String, String, Option<f64>)> {
+        let told = |lamp: &ToldLamp| (lamp.name.clone(), lamp.illuminant.clone(), lamp.cct_k);
+        self.lamps.iter().map(told).collect()
     }
 
     /// Wavelengths of the plane `spectrum`, nm.

@@ -164,6 +164,41 @@ def test_pictures_are_arrays(tmp_path):
     assert "starling" in barbule.presets()
 
 
+def test_pictures_have_tone_white_and_quality():
+    ball = """
+sky = 1.0
+[camera]
+azimuth_deg = 0.0
+elevation_deg = 80.0
+width_mm = 3.0
+[[lights]]
+type = "sun"
+azimuth_deg = 0.0
+elevation_deg = 80.0
+strength = 4.0
+illuminant = "A"
+[surfaces.white]
+type = "diffuse"
+colour = "#ffffff"
+[[objects]]
+surface = "white"
+sphere_mm = 1.0
+"""
+    scene = barbule.Scene.parse(ball)
+    warm = scene.render((16, 16), quality="draft", progress=False)
+    assert [(name, light, round(kelvin)) for name, light, kelvin in warm.lamps][0][:2] == ("lights[0]", "A")
+    neutral = scene.render((16, 16), quality="draft", white_balance="auto", progress=False)
+    film = scene.render((16, 16), quality="draft", tone="filmic", progress=False)
+    ratio = [picture.rgb()[8, 8, 2] / picture.rgb()[8, 8, 0] for picture in (warm, neutral)]
+    assert ratio[0] < 0.8 and abs(ratio[1] - 1) < 0.06
+    assert not np.array_equal(film.rgb(), warm.rgb())
+    np.testing.assert_array_equal(film.planes()["xyz"], neutral.planes()["xyz"])
+    with pytest.raises(barbule.InputError, match="did you mean 'final'"):
+        scene.render((8, 8), quality="fnal", progress=False)
+    with pytest.raises(barbule.InputError, match="Open Image Denoise"):
+        scene.render((8, 8), denoise="/nowhere/libOpenImageDenoise.so.2", progress=False)
+
+
 def test_golden_values_are_those_of_every_back_end():
     """The values by which every back end is held (`docs/formats/brdf-tables.md`), in double precision."""
     golden = json.loads((Path(__file__).parents[2] / "barbule/tests/it/data/brdf.json").read_text())
@@ -176,3 +211,14 @@ def test_golden_values_are_those_of_every_back_end():
                 expected = np.array(light[key]).T
                 found = material.eval(nm, light["wi"], light["wo"], instance=instance)
                 np.testing.assert_allclose(found, expected, atol=2e-4 * expected.max())
+
+
+def test_a_peacock_is_drawn_by_its_models():
+    flat = barbule.render("peacock", model="film-2005", size=(12, 15), samples=1)
+    assert flat.rgb().shape == (15, 12, 3)
+    tubes = barbule.Scene.load("peacock", model="film-2005")
+    assert "film-2005" in tubes.toml() and "film-2005" not in barbule.Scene.load("peacock").toml()
+    with pytest.raises(barbule.InputError, match="has no models"):
+        barbule.render("starling", model="film", size=(8, 6), samples=1)
+    with pytest.raises(barbule.InputError, match="did you mean 'film'"):
+        barbule.Scene.load("peacock", model="flim")

@@ -1,6 +1,12 @@
 //! From a scene and a material to a picture in a file: what `barbule render` does, as library calls.
 
-use std::path::Path;
+mod denoise;
+mod quality;
+
+use std::path::{Path, PathBuf};
+
+pub use denoise::Cleaner;
+pub use quality::Quality;
 
 use crate::error::shortened;
 use crate::io::hash_bytes;
@@ -102,11 +108,40 @@ pub struct PictureOptions {
     pub seed: u64,
     /// Who sees it, and what else pixels keep.
     pub planes: Planes,
+    /// Whether its noise is taken away.
+    pub denoise: Denoise,
+}
+
+/// Whether and by what a picture's noise is taken away.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Denoise {
+    /// It stays.
+    #[default]
+    No,
+    /// By the Open Image Denoise that the system has.
+    BySystem,
+    /// By that in a file.
+    By(PathBuf),
+}
+
+impl Denoise {
+    /// What takes it away, if anything does.
+    ///
+    /// # Errors
+    /// As [`Cleaner::load`].
+    pub fn cleaner(&self) -> Result<Option<Cleaner>> {
+        match self {
+            Self::No => Ok(None),
+            Self::BySystem => Cleaner::load(None).map(Some),
+            Self::By(file) => Cleaner::load(Some(file)).map(Some),
+        }
+    }
 }
 
 impl Default for PictureOptions {
     fn default() -> Self {
-        Self { size: [1280, 800], samples: 16, noise: None, seed: 1, planes: Planes::default() }
+        let (planes, denoise) = (Planes::default(), Denoise::default());
+        Self { size: [1280, 800], samples: 16, noise: None, seed: 1, planes, denoise }
     }
 }
 
@@ -122,19 +157,28 @@ impl Picture {
     /// Renders a scene of which everything is read, as `barbule render` does.
     ///
     /// # Errors
-    /// A number of scene or options out of range, or a stop by `progress`.
+    /// A number of scene or options out of range, a denoiser that is not there, or a stop by `progress`.
     pub fn of(scene: &ReadyScene, options: &PictureOptions, progress: &dyn Progress) -> Result<Self> {
-        let PictureOptions { size, samples, noise, seed, ref planes } = *options;
+        let PictureOptions { size, samples, noise, seed, ref planes, ref denoise } = *options;
+        let cleaner = denoise.cleaner()?;
         let set = Set::new(scene, seed, progress)?;
-        let mut film = Film::with(size, planes.clone())?;
+        let compositing = planes.compositing || cleaner.is_some();
+        let mut film = Film::with(size, Planes { compositing, ..planes.clone() })?;
         let goal = Goal { noise, ..Goal::samples(samples) };
         match set.render(scene, &mut film, seed, goal, progress, &mut |_| Ok(()))? {
             Ended::Stopped => Err(Error::interrupted()),
             Ended::Done | Ended::OutOfTime => {
-                let development = development(scene, &film)?;
+                let mut development = development(scene, &film)?;
+                development.denoised = cleaner.map(|cleaner| cleaner.clean(&film)).transpose()?;
                 Ok(Self { film, development, objects: scene.object_names() })
             }
         }
+    }
+
+    /// CIE XYZ of its pixels without noise, row by row, where that was taken away.
+    #[must_use]
+    pub fn denoised(&self) -> Option<&[[f32; 3]]> {
+        self.development.denoised.as_deref()
     }
 
     /// The film: what the sensor's channels saw, normals, depth and identities per pixel.
@@ -172,13 +216,19 @@ impl Picture {
     }
 }
 
-/// How a scene's film is developed: by the scene's exposure, or by what it shows where that gives none, before its background.
+/// How a scene's film is developed: by the scene's exposure, or by what it shows where that gives none, before its background, with the scene's tone and
+/// white.
 ///
 /// # Errors
-/// None for a scene of which everything is read.
+/// A white of lights that shine nowhere from above.
 pub fn development(scene: &ReadyScene, film: &Film) -> Result<Development> {
     let exposure = scene.exposure.or_by(|| exposure::automatic(film));
-    Ok(Development { backdrop: scene.backdrop()?, ..Development::exposed(exposure) })
+    Ok(Development {
+        backdrop: scene.backdrop()?,
+        tone: scene.tone.0,
+        balance: scene.white_balance.matrix(scene)?,
+        ..Development::exposed(exposure)
+    })
 }
 
 /// The program that renders nothing, bytes.

@@ -19,6 +19,7 @@ use crate::scene::backdrop::BackdropPicture;
 use crate::scene::description::{
     Foreseen, Holds, LowerSide, Named, ReadyScene, Remark, SceneDescription, Slot, Under,
 };
+use crate::scene::eye_maps;
 use crate::scene::geometry::Mesh;
 use crate::scene::sky::Sky;
 use crate::{Error, Result};
@@ -268,6 +269,11 @@ pub fn read_named(
                 Sky::image(width, height, pixels, strength, turn_deg)
             },
         ),
+        Named::Colours(slot) | Named::Numbers(slot) if eye_maps::is_made(&slot.name) => {
+            let (picture, hash) = eye_maps::made(&slot.name)?;
+            slot.fill(picture, hash);
+            Ok(())
+        }
         Named::Colours(slot) => fill_picture(slot, assets, Meaning::Colour, texture),
         Named::Numbers(slot) => fill_picture(slot, assets, Meaning::Number, texture),
         Named::Mesh(slot) => {

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::hit::Hit;
 use super::lobes::Lobes;
+use super::phase_film::PhaseFilm;
 use super::reflectance::Reflectance;
 use super::relief::Relief;
 use super::texture::Texture;
@@ -31,6 +32,8 @@ struct Paint {
     colour: [f64; 3],
     pictures: Pictures,
     basis: [DenseSpectrum; 3],
+    /// What it shows where its colour is blue.
+    film: Option<PhaseFilm>,
 }
 
 /// Pictures on a surface.
@@ -60,18 +63,27 @@ impl Lambertian {
             return Err(Error::input("a surface's colour must lie between 0 and 1"));
         }
         let reflectance = Reflectance::new(|_| 0.0)?;
-        let paint = Paint { colour, pictures, basis: shares() };
+        let paint = Paint { colour, pictures, basis: shares(), film: None };
         Ok(Self { reflectance, transmittance: None, paint: Some(paint) })
+    }
+
+    /// The same paint with a film where it is blue; without paint nothing is.
+    #[must_use]
+    pub fn iridescent(mut self, film: PhaseFilm) -> Self {
+        self.paint.iter_mut().for_each(|paint| paint.film = Some(film));
+        self
     }
 
     /// Its reflectance where that is the same everywhere and nothing passes.
     #[must_use]
     pub fn even(&self) -> Option<Reflectance> {
-        let Some(Paint { colour, pictures, .. }) = &self.paint else {
+        let Some(Paint { colour, pictures, film, .. }) = &self.paint else {
             return self.transmittance.is_none().then(|| self.reflectance.clone());
         };
         match pictures {
-            Pictures { albedo: None, alpha: None, relief: None } => Reflectance::of_colour(*colour).ok(),
+            Pictures { albedo: None, alpha: None, relief: None } if film.is_none() => {
+                Reflectance::of_colour(*colour).ok()
+            }
             _ => None,
         }
     }
@@ -111,29 +123,33 @@ impl Lambertian {
             let (r, t) = (self.reflectance.mean(), transmittance.mean());
             if r + t > 0.0 { r / (r + t) } else { 1.0 }
         });
+        let relief = self.paint.as_ref().and_then(|paint| paint.pictures.relief.as_ref());
+        let side = relief.map_or_else(|| hit.side(wo), |relief| relief.bent(hit).side(wo));
         let reflected = self
             .paint
             .as_ref()
-            .map_or_else(|| f(&self.reflectance), |paint| paint.reflected(hit, wavelengths));
+            .map_or_else(|| f(&self.reflectance), |paint| paint.reflected(hit, side.wo.z, wavelengths));
         let bound = Bound { reflected, transmitted, reflected_share };
-        let relief = self.paint.as_ref().and_then(|paint| paint.pictures.relief.as_ref());
-        let side = relief.map_or_else(|| hit.side(wo), |relief| relief.bent(hit).side(wo));
         Bsdf::new(Model::Lambertian(bound), side)
     }
 }
 
 impl Paint {
-    /// 1/sr, at a hit.
+    /// 1/sr, at a hit that is seen under this cosine.
     #[inline]
-    fn reflected(&self, hit: &Hit, wavelengths: Lambdas) -> [f64; WAVES] {
+    fn reflected(&self, hit: &Hit, cosine: f64, wavelengths: Lambdas) -> [f64; WAVES] {
         let picture = self.pictures.albedo.as_ref().map_or([1.0; 3], |texture| texture.at(hit.uv));
-        let mut f = [0.0; WAVES];
-        for ((colour, picture), basis) in self.colour.iter().zip(picture).zip(&self.basis) {
-            for (f, share) in f.iter_mut().zip(basis.at_each(wavelengths)) {
-                *f += colour * picture * share / PI;
+        let colour: [f64; 3] = std::array::from_fn(|c| self.colour[c] * picture[c]);
+        let mut albedo = [0.0; WAVES];
+        for (colour, basis) in colour.iter().zip(&self.basis) {
+            for (albedo, share) in albedo.iter_mut().zip(basis.at_each(wavelengths)) {
+                *albedo += colour * share;
             }
         }
-        f
+        if let Some(film) = &self.film {
+            albedo = film.over(albedo, colour, cosine, wavelengths);
+        }
+        albedo.map(|albedo| albedo / PI)
     }
 }
 
@@ -216,6 +232,30 @@ mod tests {
         assert!((at([0.5, 0.5, 1.0]) - 0.8).abs() < 1e-6);
         assert!((at([leaning, 0.5, leaning]) - 1.4 * std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-6);
         assert!((at([0.5, leaning, leaning]) - 0.8 * std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-6);
+    }
+
+    /// Where a picture is blue the film's own formula at the viewer's angle, at every wavelength; elsewhere the picture.
+    #[test]
+    fn blue_paint_shows_the_film_of_2005() {
+        let picture = Texture::new([2, 1], vec![[0.02, 0.02, 0.5], [0.4, 0.2, 0.1]]).unwrap();
+        let pictures = Pictures { albedo: Some(picture), ..Pictures::default() };
+        let plain = Lambertian::painted([1.0; 3], pictures).unwrap();
+        let film = plain.clone().iridescent(PhaseFilm::new(140.0, 1.54).unwrap());
+        let waves = Lambdas::new([400.0, 431.2, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0]);
+        for angle in [0.0_f64, 0.4, 1.1] {
+            let wo = DVec3::new(0.0, angle.sin(), angle.cos());
+            let wi = DVec3::new(0.3, 0.2, 0.9).normalize();
+            let f = |surface: &Lambertian, u: f64| {
+                surface.bind(&Hit { uv: [u, 0.5], ..Hit::default() }, wo, waves).eval(wi).f
+            };
+            for (found, nm) in f(&film, 0.25).into_iter().zip(waves.nm()) {
+                let delta = 4.0 * PI * 140.0 / nm * (1.54 * 1.54 - angle.sin() * angle.sin()).sqrt() + PI;
+                assert!((found * PI - delta.cos().powi(2)).abs() < 1e-12, "{nm} {angle}");
+            }
+            assert_eq!(f(&film, 0.75), f(&plain, 0.75));
+            assert_ne!(f(&film, 0.25), f(&plain, 0.25));
+        }
+        assert!(film.even().is_none());
     }
 
     #[test]

@@ -3,22 +3,22 @@
 //! Layout, little-endian: `BARBFILM`, version (u32), width and height (u32), 32 bytes that name the scene and its
 //! settings; of each tile its sample count, how many samples were left out and of the first of them
 //! sample, column, row, and its object's index and 1 (0: none) (u32), the channels, alpha and weight of its pixels and of a border of one (f64), of each pixel
-//! luminance, squares, normal, depth (f64), hits and identity (u32); where the film keeps them of each pixel the albedo's channels (f64)
+//! luminance, squares, normal, depth (f64), hits and identity (u32), and of eight runs of its samples the luminance (f32); where the film keeps them of each pixel the albedo's channels and its own (f64)
 //! and of six shapes identity, object and hits (u32), and of each pixel with the border its radiance in each band (f64); and a BLAKE3
 //! checksum of all before it. Channels are X, Y, Z of the human eye, and of other sensors eight, those that they lack 0.
 
 use super::faults::{Fault, Faults};
-use super::film::{Film, Pixel, TILE, bordered, stride};
+use super::film::{Film, Pixel, RUNS, TILE, bordered, stride};
 use super::planes::{COVERS, Compositing, Cover, Planes};
 use super::response::lanes;
 use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
 
 const MAGIC: &[u8; 8] = b"BARBFILM";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 const TILE_HEAD: usize = 6 * 4;
 const HEAD: usize = 8 + 3 * 4 + 32;
-const PIXEL: usize = 6 * 8 + 2 * 4;
+const PIXEL: usize = 6 * 8 + 2 * 4 + RUNS * 4;
 const COVERED: usize = COVERS * 3 * 4;
 const SUM: usize = 32;
 
@@ -43,7 +43,7 @@ pub fn name(scene: &impl Identify, seed: u64, program: &str, planes: &Planes) ->
 pub fn bytes(size: [u32; 2], planes: &Planes) -> u64 {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     let tiles = u64::from(size[0].div_ceil(TILE)) * u64::from(size[1].div_ceil(TILE));
-    let pixel = PIXEL + if planes.compositing { COVERED + lanes(&planes.sensor) * 8 } else { 0 };
+    let pixel = PIXEL + if planes.compositing { COVERED + 2 * lanes(&planes.sensor) * 8 } else { 0 };
     let sums = (stride(&planes.sensor) + planes.spectral.nm().len()) * 8;
     (HEAD + SUM) as u64 + TILE_HEAD as u64 * tiles + bordered(size) * sums as u64 + pixels * pixel as u64
 }
@@ -70,16 +70,20 @@ pub fn write(film: &Film, name: &[u8; 32]) -> Vec<u8> {
             to.extend_from_slice(&value.to_le_bytes());
         }
         for pixel in &tile.pixels {
-            let Pixel { luminance, squares, normal, depth, hits, id } = pixel;
+            let Pixel { luminance, squares, normal, depth, hits, id, runs } = pixel;
             for value in [luminance, squares].into_iter().chain(normal).chain([depth]) {
                 to.extend_from_slice(&value.to_le_bytes());
             }
             to.extend_from_slice(&hits.to_le_bytes());
             to.extend_from_slice(&id.to_le_bytes());
+            for run in runs {
+                to.extend_from_slice(&run.to_le_bytes());
+            }
         }
-        let albedos = tile.albedo.chunks_exact(lanes(&film.planes().sensor));
-        for (Compositing { covers }, albedo) in tile.compositing.iter().zip(albedos) {
-            for value in albedo {
+        let lanes = lanes(&film.planes().sensor);
+        let channels = tile.albedo.chunks_exact(lanes).zip(tile.own.chunks_exact(lanes));
+        for (Compositing { covers }, (albedo, own)) in tile.compositing.iter().zip(channels) {
+            for value in albedo.iter().chain(own) {
                 to.extend_from_slice(&value.to_le_bytes());
             }
             for word in covers.iter().flat_map(|cover| [cover.id, cover.object, cover.hits]) {
@@ -140,10 +144,12 @@ pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2], planes: Planes) -> Re
                 depth: words.number(),
                 hits: words.count(),
                 id: words.count(),
+                runs: std::array::from_fn(|_| f32::from_le_bytes(words.take())),
             };
         }
-        for (compositing, albedo) in tile.compositing.iter_mut().zip(tile.albedo.chunks_exact_mut(lanes)) {
-            albedo.fill_with(|| words.number());
+        let channels = tile.albedo.chunks_exact_mut(lanes).zip(tile.own.chunks_exact_mut(lanes));
+        for (compositing, (albedo, own)) in tile.compositing.iter_mut().zip(channels) {
+            albedo.iter_mut().chain(own).for_each(|value| *value = words.number());
             let mut cover = || Cover { id: words.count(), object: words.count(), hits: words.count() };
             *compositing = Compositing { covers: std::array::from_fn(|_| cover()) };
         }
@@ -199,9 +205,11 @@ mod tests {
         film.tiles[1].faults.add(Fault { pixel: [33, 2], sample: 7, object: Some(0) });
         film.tiles[1].sums[35..40].copy_from_slice(&[0.1, 0.2, 0.3, 0.4, 0.5]);
         film.tiles[0].albedo[27..30].copy_from_slice(&[0.6, 0.5, 0.4]);
+        film.tiles[0].own[27..30].copy_from_slice(&[0.3, 0.2, 0.1]);
         film.tiles[0].compositing[9].covers[2] = Cover { id: 5, object: 2, hits: 4 };
         film.tiles[1].spectra[11] = 0.125;
-        film.tiles[0].pixels[5] = Pixel { luminance: 0.2, squares: 0.7, hits: 3, id: 9, ..Pixel::default() };
+        film.tiles[0].pixels[5] =
+            Pixel { luminance: 0.2, squares: 0.7, hits: 3, id: 9, runs: [0.5; RUNS], ..Pixel::default() };
         film
     }
 

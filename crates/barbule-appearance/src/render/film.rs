@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::faults::Faults;
+use super::faults::{Fault, Faults};
 use super::integrator::{Behind, FirstHit, NO_HIT, Sample};
 use super::planes::{Compositing, Planes};
 use super::response::{Response, Rows, lanes, seen};
@@ -31,6 +31,20 @@ pub struct Pixel {
     pub hits: u32,
     /// Identity of the object that the first sample hit, 0 for none.
     pub id: u32,
+    /// Luminances Y of the samples in runs of equal length, at most this many: 8 samples each, twice as many whenever all are full.
+    pub runs: [f32; RUNS],
+}
+
+/// Runs of samples that a pixel tells apart.
+pub const RUNS: usize = 8;
+
+/// Samples of a run at first: as many as lie one in each eighth of every dimension.
+const SHORTEST_RUN: u32 = 8;
+
+/// Samples of a run when this sample is added: the least power of 2 of which all up to it are in [`RUNS`].
+#[inline(always)]
+fn run_length(sample: u32) -> u32 {
+    SHORTEST_RUN << (u32::BITS - (sample / (SHORTEST_RUN * RUNS as u32)).leading_zeros())
 }
 
 /// A tile's share of the picture: each of its samples adds to the four pixels whose tents it lies in, also to those just
@@ -50,6 +64,8 @@ pub(super) struct Tile {
     pub(super) compositing: Vec<Compositing>,
     /// Likewise the sums of the albedos of first hits as the sensor's channels see them.
     pub(super) albedo: Vec<f64>,
+    /// Likewise the sums of the sensor's channels, of the pixel's own samples alone.
+    pub(super) own: Vec<f64>,
     /// Radiance in the film's bands, pixel by pixel as in `sums`.
     pub(super) spectra: Vec<f64>,
 }
@@ -58,7 +74,7 @@ pub(super) struct Tile {
 #[must_use]
 pub fn bytes_per_pixel(planes: &Planes) -> usize {
     let albedo = lanes(&planes.sensor) * size_of::<f64>();
-    let compositing = if planes.compositing { size_of::<Compositing>() + albedo } else { 0 };
+    let compositing = if planes.compositing { size_of::<Compositing>() + 2 * albedo } else { 0 };
     let bordered = stride(&planes.sensor) * size_of::<f64>() + size_of_val(planes.spectral.nm());
     2 * (size_of::<Pixel>() + compositing + bordered * 9 / 8)
 }
@@ -273,6 +289,35 @@ impl Film {
         Some(sums.take(sensor.channels().len()).map(|(sum, white)| sum / count / white).collect())
     }
 
+    /// CIE XYZ of a pixel's own samples alone, where the film keeps it: its noise has nothing in common with that of its neighbours, as denoisers want
+    /// it.
+    #[must_use]
+    pub fn own_xyz(&self, x: u32, y: u32) -> Option<[f64; 3]> {
+        let tile = self.tile_at(x, y);
+        let [x0, y0, x1, _] = self.bounds(tile);
+        let (sensor, count) = (&self.planes.sensor, f64::from(self.count(x, y).max(1)));
+        let at = ((y - y0) * (x1 - x0) + x - x0) as usize * lanes(sensor);
+        let sums = self.tiles[tile].own.get(at..at + lanes(sensor))?;
+        let mut seen = [0.0; MOST_CHANNELS];
+        seen.iter_mut().zip(sums).for_each(|(mean, sum)| *mean = sum / count);
+        Some(sensor.xyz(&seen))
+    }
+
+    /// Variance of the mean Y of a pixel's own samples: as of independent ones, times how much less than that all pixels' runs of samples
+    /// scatter together.
+    #[must_use]
+    pub fn own_variances(&self) -> Vec<f64> {
+        let [width, height] = self.size;
+        let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let of = |(x, y): (u32, u32)| (self.pixel(x, y), self.count(x, y));
+        let (runs, samples) = places().map(of).fold((0.0, 0.0), |(runs, samples), (pixel, count)| {
+            let error = pixel.error(count);
+            (runs + error * error, samples + pixel.variance(count))
+        });
+        let share = if samples > 0.0 { (runs / samples).min(1.0) } else { 1.0 };
+        places().map(of).map(|(pixel, count)| share * pixel.variance(count)).collect()
+    }
+
     /// Variance of a pixel's mean Y, as of independent samples.
     #[must_use]
     pub fn variance(&self, x: u32, y: u32) -> f64 {
@@ -351,6 +396,7 @@ impl Tile {
             pixels: vec![Pixel::default(); own],
             compositing: vec![Compositing::default(); kept],
             albedo: vec![0.0; kept * lanes(&planes.sensor)],
+            own: vec![0.0; kept * lanes(&planes.sensor)],
             spectra: vec![0.0; bordered * planes.spectral.nm().len()],
         }
     }
@@ -360,13 +406,12 @@ impl Tile {
     pub(super) fn noise(&self) -> f64 {
         let tent = SQUARE_INSIDE + 2.0 * SQUARE_BESIDE;
         let count = f64::from(self.count.max(1));
-        let error = |pixel: &Pixel| {
-            tent * pixel.variance(self.count).sqrt() / ((pixel.luminance / count).max(0.0) + 0.05)
-        };
+        let error =
+            |pixel: &Pixel| tent * pixel.error(self.count) / ((pixel.luminance / count).max(0.0) + 0.05);
         self.pixels.iter().map(error).sum::<f64>() / self.pixels.len() as f64
     }
 
-    /// Adds a sample of the pixel at `x`, `y` from the tile's corner, `width` that of the tile.
+    /// Adds a sample, of this number, of the pixel at `x`, `y` from the tile's corner, `width` that of the tile.
     #[inline(always)]
     pub(super) fn add(
         &mut self,
@@ -374,17 +419,17 @@ impl Tile {
         width: u32,
         (planes, response): (&Planes, &Response),
         sample: &Sample,
-        is_first: bool,
+        number: u32,
     ) {
         match &response.rows {
             Rows::Eye(rows) => {
-                self.add_seen(place, width, (planes, response), sample, is_first, |over_pdf| {
+                self.add_seen(place, width, (planes, response), sample, number, |over_pdf| {
                     let [x, y, z, _] = seen(rows, over_pdf, &sample.hero);
                     [x, y, z]
                 });
             }
             Rows::Any(rows) => {
-                self.add_seen(place, width, (planes, response), sample, is_first, |over_pdf| {
+                self.add_seen(place, width, (planes, response), sample, number, |over_pdf| {
                     seen(rows, over_pdf, &sample.hero)
                 });
             }
@@ -399,7 +444,7 @@ impl Tile {
         width: u32,
         (planes, response): (&Planes, &Response),
         sample: &Sample,
-        is_first: bool,
+        number: u32,
         see: impl Fn(&[f64; WAVES]) -> [f64; LANES],
     ) {
         let channels = see(&sample.radiance);
@@ -412,7 +457,8 @@ impl Tile {
             }
         });
         let own = (y * width + x) as usize;
-        self.pixels[own].add(&sample.first, response.brightness(&channels), is_first);
+        self.pixels[own].add(&sample.first, response.brightness(&channels), number);
+        self.add_own(own, &channels);
         if let Some(compositing) = self.compositing.get_mut(own)
             && sample.first.id != 0
         {
@@ -432,10 +478,27 @@ impl Tile {
         width: u32,
         response: &Response,
         sample: &Behind<LANES>,
+        number: u32,
     ) {
         let Behind { channels, alpha, offset } = *sample;
         self.each_tent([x, y], width, offset, |tile, at, weight| tile.sum(at, weight, &channels, alpha));
-        self.pixels[(y * width + x) as usize].add(&NO_HIT, response.brightness(&channels), false);
+        let own = (y * width + x) as usize;
+        self.pixels[own].add(&NO_HIT, response.brightness(&channels), number);
+        self.add_own(own, &channels);
+    }
+
+    /// Adds to what a pixel sees of its own, where the film keeps it.
+    #[inline(always)]
+    fn add_own<const LANES: usize>(&mut self, own: usize, channels: &[f64; LANES]) {
+        if let Some(sums) = self.own.get_mut(own * LANES..(own + 1) * LANES) {
+            sums.iter_mut().zip(channels).for_each(|(sum, value)| *sum += value);
+        }
+    }
+
+    /// Leaves out a sample of this number, which counts as black.
+    pub(super) fn leave_out(&mut self, [x, y]: [u32; 2], width: u32, number: u32, fault: Fault) {
+        self.faults.add(fault);
+        self.pixels[(y * width + x) as usize].run(number);
     }
 
     #[inline(always)]
@@ -473,9 +536,11 @@ impl Tile {
 
 impl Pixel {
     #[inline(always)]
-    fn add(&mut self, first: &FirstHit, luminance: f64, is_first: bool) {
+    fn add(&mut self, first: &FirstHit, luminance: f64, number: u32) {
         self.luminance += luminance;
         self.squares += luminance * luminance;
+        let run = self.run(number);
+        self.runs[run] += luminance as f32;
         if first.id != 0 {
             for (sum, value) in self.normal.iter_mut().zip(first.normal.to_array()) {
                 *sum += value;
@@ -483,9 +548,42 @@ impl Pixel {
             self.depth += first.depth;
             self.hits += 1;
         }
-        if is_first {
+        if number == 0 {
             self.id = first.id;
         }
+    }
+
+    /// The run that a sample of this number is in. Where all are full, pairs become one.
+    #[inline(always)]
+    fn run(&mut self, number: u32) -> usize {
+        let length = run_length(number);
+        if number > 0 && length != run_length(number - 1) {
+            self.runs =
+                std::array::from_fn(
+                    |k| {
+                        if 2 * k < RUNS { self.runs[2 * k] + self.runs[2 * k + 1] } else { 0.0 }
+                    },
+                );
+        }
+        (number / length) as usize
+    }
+
+    /// Standard error of the mean Y after `count` samples, from how far the means of its runs scatter. Samples of a run are spread evenly over all that
+    /// they are drawn for, and so is a part of their noise gone that [`Pixel::variance`] counts. Of so few runs the root of the variance is too
+    /// small in the mean by (4n − 4)/(4n − 3), which is made up for (of normal means; Gurland & Tripathi 1971). Before the second run as of independent
+    /// samples.
+    fn error(&self, count: u32) -> f64 {
+        let length = run_length(count.saturating_sub(1));
+        let full = (count / length) as usize;
+        if full < 2 {
+            return self.variance(count).sqrt();
+        }
+        let (runs, n) = (&self.runs[..full], full as f64);
+        let mean = runs.iter().map(|sum| f64::from(*sum)).sum::<f64>() / n;
+        let squares: f64 = runs.iter().map(|sum| (f64::from(*sum) - mean) * (f64::from(*sum) - mean)).sum();
+        // Of sums over `length` samples; the mean is over all of `count`.
+        let variance = squares / (n - 1.0) / (f64::from(length) * f64::from(count));
+        variance.sqrt() * (4.0 * n - 3.0) / (4.0 * n - 4.0)
     }
 
     /// Variance of the mean Y after `count` samples; 0 before the second.
@@ -537,7 +635,7 @@ mod tests {
                     let rays = [0; 2];
                     let sample = Sample { radiance: [value; WAVES], hero, first, offset, alpha: 0.5, rays };
                     let Film { planes, response, tiles, .. } = &mut film;
-                    tiles[tile].add([x - x0, y - y0], x1 - x0, (planes, response), &sample, at == 0);
+                    tiles[tile].add([x - x0, y - y0], x1 - x0, (planes, response), &sample, at);
                 }
             }
             film.tiles[tile].count = repeats * side * side;
@@ -571,10 +669,10 @@ mod tests {
             let [x0, y0, x1, y1] = film.bounds(tile);
             film.tiles[tile].count = 1 + tile as u32;
             for (x, y) in (x0..x1).flat_map(|x| (y0..y1).map(move |y| (x - x0, y - y0))) {
-                for _ in 0..=tile {
+                for number in 0..=tile as u32 {
                     sample.offset = [stream.unit(), stream.unit()];
                     let Film { planes, response, tiles, .. } = &mut film;
-                    tiles[tile].add([x, y], x1 - x0, (planes, response), &sample, false);
+                    tiles[tile].add([x, y], x1 - x0, (planes, response), &sample, number);
                 }
             }
         }
@@ -598,6 +696,37 @@ mod tests {
         }
         assert!(seen.iter().all(|s| *s == 1));
         assert!(Film::new([0, 5]).is_err() && Film::new([20_000, 5]).is_err());
+    }
+
+    /// Numbers that alternate within each run, or are independent, in every count of runs: the error of the mean is that of the runs' means.
+    #[test]
+    fn the_error_of_a_mean_is_that_of_the_means_of_runs() {
+        let mut stream = crate::math::rng::Stream::new(11, &[]);
+        for count in [16, 24, 64, 72, 128, 200, 512, 1000] {
+            let (mut even, mut independent) = (0.0, 0.0);
+            for _ in 0..400 {
+                let (mut runs, mut scattered) = (Pixel::default(), Pixel::default());
+                for number in 0..count {
+                    let away = if number % 2 == 0 { 1.0 } else { -1.0 };
+                    runs.add(&NO_HIT, 3.0 + away, number);
+                    scattered.add(&NO_HIT, 3.0 + stream.normal(), number);
+                }
+                even += runs.error(count) / 400.0;
+                independent += scattered.error(count) / 400.0;
+                assert!(
+                    (scattered.runs.iter().map(|v| f64::from(*v)).sum::<f64>() / scattered.luminance - 1.0)
+                        .abs()
+                        < 1e-5
+                );
+            }
+            let expected = 1.0 / f64::from(count).sqrt();
+            // 400 means of as few as one degree of freedom: 0.04.
+            assert!((independent / expected - 1.0).abs() < 0.12, "{count}: {independent} {expected}");
+            assert!(even < 1e-3 * expected, "{count}: {even}");
+        }
+        let mut few = Pixel::default();
+        (0..8).for_each(|number| few.add(&NO_HIT, f64::from(number), number));
+        assert_eq!(few.error(8), few.variance(8).sqrt());
     }
 
     #[test]

@@ -1,10 +1,13 @@
 //! A film as a picture: bytes for a PNG, channels for an EXR.
 
+use std::sync::Arc;
+
 use super::cryptomatte::{By, matte};
 use super::film::Film;
 use super::planes::Channel;
 use super::tone;
 use crate::scene::backdrop::Backdrop;
+use crate::scene::description::ToneWord;
 use crate::spectrum::colour::{into_gamut, rgb_from_xyz};
 use crate::spectrum::sensor::Sensor;
 
@@ -17,13 +20,42 @@ pub struct Development {
     pub backdrop: Backdrop,
     /// Whether an EXR's R, G and B stay negative where a colour lies outside sRGB.
     pub keeps_gamut: bool,
+    /// The curve from linear values to the screen's.
+    pub tone: ToneWord,
+    /// What linear sRGB is multiplied with before exposure so that another light than daylight looks white; an EXR stays as it is.
+    pub balance: Option<[[f64; 3]; 3]>,
+    /// CIE XYZ of the pixels, row by row, in place of the film's own: what is left of it without noise.
+    pub denoised: Option<Arc<[[f32; 3]]>>,
 }
 
 impl Development {
     /// With this exposure, in front of the sky.
     #[must_use]
     pub fn exposed(exposure: f64) -> Self {
-        Self { exposure, backdrop: Backdrop::Sky, keeps_gamut: false }
+        Self {
+            exposure,
+            backdrop: Backdrop::Sky,
+            keeps_gamut: false,
+            tone: ToneWord::Plain,
+            balance: None,
+            denoised: None,
+        }
+    }
+
+    /// CIE XYZ of a pixel, without its noise where that was taken away.
+    fn xyz(&self, film: &Film, x: u32, y: u32) -> [f64; 3] {
+        match &self.denoised {
+            Some(pixels) => pixels[y as usize * film.size()[0] as usize + x as usize].map(f64::from),
+            None => film.xyz(x, y),
+        }
+    }
+
+    /// Linear sRGB as its light is to look.
+    fn balanced(&self, rgb: [f64; 3]) -> [f64; 3] {
+        match &self.balance {
+            Some(matrix) => matrix.map(|row| row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2]),
+            None => rgb,
+        }
     }
 
     /// Linear sRGB (1 is the screen's white) behind a pixel after exposure and tone curve; nothing where the film has its
@@ -35,7 +67,11 @@ impl Development {
             Backdrop::Picture(picture) => {
                 let linear = picture.behind(x, y, size);
                 let is_radiance = picture.is_radiance();
-                Some(if is_radiance { tone::shown(linear.map(|v| v * self.exposure)) } else { linear })
+                Some(if is_radiance {
+                    tone::shown(self.tone, self.balanced(linear).map(|v| v * self.exposure))
+                } else {
+                    linear
+                })
             }
         }
     }
@@ -70,20 +106,21 @@ pub fn bytes(film: &Film, development: &Development) -> Bytes {
     let mut values = Vec::with_capacity(size[0] as usize * size[1] as usize * if has_alpha { 4 } else { 3 });
     for (x, y) in places(size) {
         // As radiance is summed up, in single precision.
-        let rgb = rgb_from_xyz(film.xyz(x, y)).map(|v| f64::from(v as f32) * development.exposure);
+        let rgb = rgb_from_xyz(development.xyz(film, x, y)).map(|v| f64::from(v as f32));
+        let rgb = development.balanced(rgb).map(|v| v * development.exposure);
         let alpha = film.alpha(x, y).clamp(0.0, 1.0);
         let full = if alpha > 0.0 { rgb.map(|v| v / alpha) } else { rgb };
         match development.shown_behind(x, y, size) {
             Some(behind) => {
-                let front = tone::shown(full);
+                let front = tone::shown(development.tone, full);
                 let mixed = std::array::from_fn(|k| front[k] * alpha + behind[k] * (1.0 - alpha));
                 values.extend(tone::encoded(mixed));
             }
             None if has_alpha => {
-                values.extend(tone::to_bytes(full));
+                values.extend(tone::to_bytes(development.tone, full));
                 values.push((255.0 * alpha + 0.5) as u8);
             }
-            None => values.extend(tone::to_bytes(rgb)),
+            None => values.extend(tone::to_bytes(development.tone, rgb)),
         }
     }
     Bytes { values, has_alpha }
@@ -105,7 +142,7 @@ pub struct Planes {
 
 /// Linear sRGB and XYZ (both without exposure, multiplied with alpha), alpha, normal, depth in mm, variance of the luminance's
 /// mean, sample count and identities; where the film keeps them albedo, mattes and spectral bands. Of other sensors than the human
-/// eye their channels in place of XYZ, and sRGB where they have colours. `objects`: names of the scene's objects.
+/// eye their channels in place of XYZ, and sRGB where they have colours. Without noise are sRGB alone; what it was taken from stands beside it. `objects`: names of the scene's objects.
 #[must_use]
 pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Planes {
     let (size, sensor) = (film.size(), &film.planes().sensor);
@@ -122,11 +159,9 @@ pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Pla
     };
     let own: Vec<String> = sensor.channels().iter().map(|curve| channel_name(sensor, &curve.name)).collect();
     let own: Vec<&str> = own.iter().map(String::as_str).collect();
+    let inside = |rgb| if development.keeps_gamut { rgb } else { into_gamut(rgb) };
     let colours = |x, y| {
-        let (mut rgb, alpha) = (rgb_from_xyz(film.xyz(x, y)), film.alpha(x, y));
-        if !development.keeps_gamut {
-            rgb = into_gamut(rgb);
-        }
+        let (rgb, alpha) = (inside(rgb_from_xyz(development.xyz(film, x, y))), film.alpha(x, y));
         match development.radiance_behind(x, y, size) {
             Some(behind) => (0..3).map(|k| rgb[k] + behind[k] * (1.0 - alpha)).chain([1.0]).collect(),
             None => rgb.into_iter().chain([alpha]).collect(),
@@ -136,6 +171,9 @@ pub fn planes(film: &Film, development: &Development, objects: &[String]) -> Pla
         add(&["R", "G", "B", "A"], &colours);
     } else {
         add(&["A"], &|x, y| vec![film.alpha(x, y)]);
+    }
+    if development.denoised.is_some() {
+        add(&["noisy.R", "noisy.G", "noisy.B"], &|x, y| inside(rgb_from_xyz(film.xyz(x, y))).into());
     }
     add(&own, &|x, y| film.channels(x, y));
     let hits = |x, y| f64::from(film.pixel(x, y).hits.max(1));

@@ -218,9 +218,9 @@ fn grow<S: Simd>(
             if follows {
                 let seen = integrator.seen(&view, shot, density);
                 if is_possible(&seen.radiance) {
-                    tile.add(place, x1 - x0, (planes, response), &seen, sample == 0);
+                    tile.add(place, x1 - x0, (planes, response), &seen, sample);
                 } else {
-                    tile.faults.add(Fault::new([x, y], sample, &seen.first));
+                    tile.leave_out(place, x1 - x0, sample, Fault::new([x, y], sample, &seen.first));
                 }
             } else if let Rows::Eye(_) = response.rows {
                 let behind = integrator.behind::<EYE>(&view, shot, glow);
@@ -246,9 +246,9 @@ fn add_behind<const LANES: usize>(
     behind: &Behind<LANES>,
 ) {
     if behind.channels.iter().all(|value| value.is_finite()) {
-        tile.add_behind(place, width, response, behind);
+        tile.add_behind(place, width, response, behind, sample);
     } else {
-        tile.faults.add(Fault::new(pixel, sample, &NO_HIT));
+        tile.leave_out(place, width, sample, Fault::new(pixel, sample, &NO_HIT));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Spectra of lights.
 
-use crate::spectrum::colour::{Illuminant, matching};
+use crate::spectrum::colour::{D65_WHITE, Illuminant, matching};
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
 use crate::spectrum::sensor::Band;
 use crate::{Error, Result};
@@ -40,14 +40,26 @@ impl Emission {
     /// How bright it is to the eye: the integral with ȳ over 380 to 720 nm, nm.
     #[must_use]
     pub fn luminance(&self) -> f64 {
+        self.xyz()[1]
+    }
+
+    /// The integrals with x̄, ȳ and z̄ over 380 to 720 nm, nm.
+    #[must_use]
+    pub fn xyz(&self) -> [f64; 3] {
         let band = Band::HUMAN;
         let values = band.each_nm().zip(band.of(&self.spectrum));
-        values
-            .map(|(nm, value)| {
-                let weight = if nm == band.low_nm() || nm == band.high_nm() { 0.5 } else { 1.0 };
-                weight * value * matching(nm)[1]
-            })
-            .sum()
+        values.fold([0.0; 3], |sum, (nm, value)| {
+            let weight = if nm == band.low_nm() || nm == band.high_nm() { 0.5 } else { 1.0 };
+            let matching = matching(nm);
+            std::array::from_fn(|c| sum[c] + weight * value * matching[c])
+        })
+    }
+
+    /// X, Y, Z as pictures have them: daylight has exactly sRGB's white.
+    #[must_use]
+    pub fn pictured(&self) -> [f64; 3] {
+        let (own, daylight) = (self.xyz(), Self::daylight().xyz());
+        std::array::from_fn(|c| own[c] / daylight[c] * D65_WHITE[c])
     }
 
     /// At every nanometre.

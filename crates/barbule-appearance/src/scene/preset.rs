@@ -37,6 +37,36 @@ pub fn toml(name: &str) -> Result<&'static str> {
     })
 }
 
+/// Presets that exist by several models, with their names: that of 2005, of films, and that of the preset itself, the last.
+const MODELS: [(&str, [&str; 3]); 1] = [("peacock", ["film-2005", "film", "barbule"])];
+
+/// The models of all presets that have several.
+pub fn models() -> impl Iterator<Item = &'static str> + Clone {
+    MODELS.into_iter().flat_map(|(_, models)| models)
+}
+
+/// The name of the preset that shows a scene by one of its models.
+///
+/// # Errors
+/// No preset of this name has models, or not this one.
+pub fn by_model(scene: &str, model: &str) -> Result<String> {
+    let Some((name, models)) = MODELS.into_iter().find(|(name, _)| *name == scene) else {
+        let known = MODELS.map(|(name, models)| format!("{name} ({})", models.join(", "))).join(", ");
+        return Err(Error::input(format!(
+            "'{}' has no models; the presets that have are {known}",
+            shortened(scene)
+        )));
+    };
+    match models.into_iter().find(|known| *known == model) {
+        Some(known) if known == models[2] => Ok(name.to_owned()),
+        Some(known) => Ok(format!("{name}-{known}")),
+        None => {
+            let (near, known) = (did_you_mean(model, models), models.join(", "));
+            Err(Error::input(format!("{name} has no model '{}'{near} (known are {known})", shortened(model))))
+        }
+    }
+}
+
 /// What a preset shows: the first sentence of its file's first comment.
 ///
 /// # Errors

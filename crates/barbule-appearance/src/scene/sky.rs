@@ -143,6 +143,24 @@ impl Sky {
         &self.basis
     }
 
+    /// Irradiance over π that a surface facing the map's zenith gets, as weights of the spectra.
+    #[must_use]
+    pub fn irradiance(&self) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for row in 0..self.height {
+            // ∫ cosθ dω between the row's polar angles over its columns; below the horizon there is none.
+            let [above, below] =
+                [row, row + 1].map(|edge| (PI * edge as f64 / self.height as f64).cos().max(0.0));
+            let share = (above * above - below * below) / self.width as f64;
+            for texel in &self.texels[row * self.width..][..self.width] {
+                for (sum, weight) in sum.iter_mut().zip(texel) {
+                    *sum += share * f64::from(*weight);
+                }
+            }
+        }
+        sum
+    }
+
     /// Radiance from a direction.
     #[must_use]
     pub fn radiance(&self, direction: DVec3, wavelengths: Lambdas) -> [f64; WAVES] {

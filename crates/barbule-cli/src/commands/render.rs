@@ -3,6 +3,7 @@
 mod birds;
 mod checkpoints;
 mod flags;
+mod lamps;
 mod noise;
 mod presets;
 
@@ -16,7 +17,8 @@ use barbule::error::shortened;
 use barbule::io::{Folder, check_writable};
 use barbule::open;
 use barbule::picture::{
-    Developed, Set, bytes_needed, check_alpha, check_colours, check_kind, development, is_exr,
+    Cleaner, Denoise, Developed, Quality, Set, bytes_needed, check_alpha, check_colours, check_kind,
+    development, is_exr,
 };
 use barbule::progress::Progress as _;
 use barbule::render::checkpoint;
@@ -27,8 +29,8 @@ use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND, TimeLimit};
 use barbule::resolve::{foretell_files, read_files, read_named, resolve};
 use barbule::scene::description::{
-    Background, Bearing, Exposure, Foreseen, Motion, Moved, Named, ReadyScene, SceneDescription,
-    USUAL_ARC_DEG, Under, ViewModel,
+    Background, Bearing, Exposure, Foreseen, Motion, Moved, Named, ReadyScene, SceneDescription, Tone,
+    ToneWord, USUAL_ARC_DEG, Under, ViewModel, WhiteBalance,
 };
 use barbule::scene::preset;
 use barbule::{Error, Result};
@@ -57,6 +59,10 @@ pub(crate) struct Args {
     /// Print the scene as a file to start from, and draw nothing
     #[arg(long, conflicts_with = "output")]
     toml: bool,
+    /// The scene by another of its models: peacock has film-2005 (as a picture of 2005 had it), film (thin films on every barbule) and
+    /// barbule (simulated crystals)
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
     /// Another material than the scene's
     #[arg(long, value_name = "NAME|FILE|STRUCTURE", long_help = materials::HELP)]
     material: Option<String>,
@@ -69,6 +75,9 @@ pub(crate) struct Args {
     /// Most samples per pixel [default: 16; 4096 with --noise or --time]
     #[arg(long, value_name = "N")]
     samples: Option<u32>,
+    /// Samples and noise by a word: draft (8 samples), good (noise below 4 %) or final (below 1 %); --samples and --noise hold beside it
+    #[arg(long, value_name = "draft|good|final", value_parser = flags::quality)]
+    quality: Option<Quality>,
     /// Stop after this time, as in 30s, 5m or 1h
     #[arg(long, value_name = "TIME", value_parser = flags::duration)]
     time: Option<Duration>,
@@ -85,6 +94,15 @@ pub(crate) struct Args {
     /// stops darker; +1: by a stop brighter than the scene says
     #[arg(long, value_name = "X|auto|STOPS", allow_hyphen_values = true, value_parser = flags::exposure)]
     exposure: Option<flags::Exposed>,
+    /// Take the noise away with Open Image Denoise, that of the system or that of a file; glints stay, and an EXR keeps what it was taken from
+    #[arg(long, value_name = "LIBRARY", num_args = 0..=1, require_equals = true)]
+    denoise: Option<Option<PathBuf>>,
+    /// The curve from light to the screen: plain, or filmic with more contrast and highlights that turn white
+    #[arg(long, value_name = "plain|filmic", value_parser = flags::tone)]
+    tone: Option<ToneWord>,
+    /// Which light looks white: none for daylight, auto for that of lamps and sky together, or a colour temperature in K
+    #[arg(long, value_name = "none|auto|K", value_parser = flags::white_balance)]
+    white_balance: Option<WhiteBalance>,
     /// How barbs are seen: with their rami and barbules, as one fibre each, or both side by side
     #[arg(long, value_name = "substructure|fibre|both", value_parser = flags::view_model)]
     view_model: Option<ViewModel>,
@@ -160,6 +178,7 @@ impl Args {
             .filter_map(|frame| self.human_file(frame))
             .try_for_each(|file| check("--human", &file))?;
         let planes = self.planes()?;
+        let cleaner = self.cleaner()?;
         let mut description = description;
         self.read(&mut description, size, &planes)?;
         let (scene, wardrobe) = self.ready(description)?;
@@ -172,7 +191,8 @@ impl Args {
             // A sequence that is exposed by a key is so by that of its first frame: it does not flicker.
             let frame = frame.changed(|scene| scene.exposure = exposure)?;
             let human = self.human_file(index);
-            let job = Job { file, human: human.as_deref(), size, goal, wardrobe: &wardrobe, planes: &planes };
+            let (human, cleaner) = (human.as_deref(), cleaner.as_ref());
+            let job = Job { file, human, size, goal, wardrobe: &wardrobe, planes: &planes, cleaner };
             let (report, used, ended) = self.picture(&frame, &set, &job, &checkpoints, &terminal)?;
             exposure = Exposure::Factor(used);
             reports.push(report);
@@ -228,7 +248,7 @@ impl Args {
 
     /// The scene with the changes that the flags ask for, and whether there are any.
     fn description(&self) -> Result<(SceneDescription, bool)> {
-        let mut description = scene_arg::parse(self.scene(), &self.common)?;
+        let mut description = scene_arg::parse(&self.drawn()?, &self.common)?;
         let original = description.clone();
         if let Some(material) = &self.material {
             description.set_material(material);
@@ -259,6 +279,8 @@ impl Args {
             description.exposure = exposure.of(description.exposure);
             description.check().map_err(|e| e.at("--exposure"))?;
         }
+        description.tone = self.tone.map_or(description.tone, Tone);
+        description.white_balance = self.white_balance.unwrap_or(description.white_balance);
         if self.toml {
             description.size = self.size.or(description.size);
         }
@@ -290,6 +312,14 @@ impl Args {
         self.scene.as_deref().unwrap_or_default()
     }
 
+    /// The same, or the preset that shows it by the model that is asked for.
+    fn drawn(&self) -> Result<String> {
+        match &self.model {
+            Some(model) => preset::by_model(self.scene(), model).map_err(|e| e.at("--model")),
+            None => Ok(self.scene().to_owned()),
+        }
+    }
+
     /// Where the files lie that a scene file names.
     fn folder(&self) -> PathBuf {
         Path::new(self.scene()).with_file_name("")
@@ -298,7 +328,7 @@ impl Args {
     /// Prints a preset's own text, with its comments, or that of the scene that the command line describes, whose files are named as seen
     /// from here.
     fn print_toml(&self, mut scene: SceneDescription, is_changed: bool, out: &mut dyn Write) -> Result<()> {
-        if !is_changed && let Ok(text) = preset::toml(self.scene()) {
+        if !is_changed && let Ok(text) = preset::toml(&self.drawn()?) {
             return print(out, text.trim_end());
         }
         let (folder, own) = (self.folder(), self.background.is_some());
@@ -349,9 +379,9 @@ impl Args {
     fn planes(&self) -> Result<Planes> {
         let sensor = self.seen_by()?;
         self.output.iter().try_for_each(|file| check_colours(file, &sensor).map_err(|e| e.at("-o")))?;
-        let compositing = self.output.as_deref().is_some_and(is_exr);
+        let is_exr = self.output.as_deref().is_some_and(is_exr);
         let nm = match &self.spectral {
-            Some(_) if !compositing => {
+            Some(_) if !is_exr => {
                 return Err(Error::input(
                     "--spectral: only an EXR has spectral planes; end the name with .exr",
                 ));
@@ -359,12 +389,33 @@ impl Args {
             Some(set) => sets::parse("--spectral", set)?,
             None => Vec::new(),
         };
-        if self.keep_gamut && !compositing {
+        if self.keep_gamut && !is_exr {
             self.common
                 .idle("--keep-gamut", "only an EXR keeps colours outside sRGB; end the name with .exr");
         }
+        let of_screens = [("--tone", self.tone.is_some()), ("--white-balance", self.white_balance.is_some())];
+        for (flag, _) in of_screens.iter().filter(|(_, is_given)| *is_given && is_exr) {
+            self.common.idle(flag, "an EXR holds light as it is; write .png, .jpg or .webp");
+        }
         let spectral = Bands::new(&nm, sensor.band()).map_err(|e| e.at("--spectral"))?;
-        Ok(Planes { sensor, compositing, spectral })
+        // A denoiser asks for albedo.
+        Ok(Planes { sensor, compositing: is_exr || self.denoise.is_some(), spectral })
+    }
+
+    /// What takes the noise away, if anything is to.
+    fn cleaner(&self) -> Result<Option<Cleaner>> {
+        let denoise = match &self.denoise {
+            None => Denoise::No,
+            Some(None) => Denoise::BySystem,
+            Some(Some(file)) => Denoise::By(file.clone()),
+        };
+        let is_human = matches!(&self.sensor, Seer::Sensor(sensor) if sensor.is_human());
+        if denoise != Denoise::No && !is_human {
+            return Err(Error::input(
+                "--denoise: only pictures that people see are denoised; leave out --sensor",
+            ));
+        }
+        denoise.cleaner().map_err(|error| error.at("--denoise"))
     }
 
     fn goal(&self) -> Result<Goal> {
@@ -374,13 +425,17 @@ impl Args {
             return Err(Error::input(format!("--noise {noise}: give percent, over 0 and up to 100")));
         }
         let open_ended = self.time.is_some() || self.noise.is_some();
-        let samples = self.samples.unwrap_or(if open_ended { 4096 } else { 16 });
+        let percent = self.noise.map(|percent| percent / 100.0);
+        let (samples, noise) = match self.quality {
+            Some(quality) => quality.with(self.samples, percent),
+            None => (self.samples.unwrap_or(if open_ended { 4096 } else { 16 }), percent),
+        };
         if !(1..=1 << 24).contains(&samples) {
             return Err(Error::input(format!("--samples {samples}: give 1 to 16777216")));
         }
         let round = if self.preview.is_some() { 1 } else { ROUND };
         let time = self.time.map(|most| TimeLimit { most, clock: clock::system });
-        Ok(Goal { samples, noise: self.noise.map(|percent| percent / 100.0), time, round })
+        Ok(Goal { samples, noise, time, round })
     }
 
     /// The file of a frame: `F.png`, or `F-0007.png` in a sequence.
@@ -446,10 +501,9 @@ impl Args {
         let ended = set.render(description, &mut film, seed, job.goal, terminal, &mut |film| {
             kept.now_and_then(film);
             if self.preview.is_some_and(|every| last_seen.elapsed() >= every) {
-                let shown =
-                    self.developed(description, job, film, None).and_then(|(picture, provenance, _)| {
-                        picture.write(&provenance.with("preview", "yes").notes())
-                    });
+                let shown = self.developed(description, job, film, (None, None)).and_then(
+                    |(picture, provenance, _)| picture.write(&provenance.with("preview", "yes").notes()),
+                );
                 if let Err(error) = shown
                     && !std::mem::replace(&mut said, true)
                 {
@@ -461,11 +515,13 @@ impl Args {
         })?;
         let seconds = begun.elapsed().as_secs_f64();
         let noise = job.goal.noise.map(|target| Noise::of(&film, target, &job.goal, ended));
-        let (picture, provenance, exposure) = self.developed(description, job, &film, noise.as_ref())?;
+        let (picture, provenance, exposure) =
+            self.developed(description, job, &film, (noise.as_ref(), job.cleaner))?;
         let provenance = provenance.with("pixel_hash", picture.pixel_hash());
         if film.samples() > 0 {
             picture.write(&provenance.notes())?;
-            self.common.wrote(job.file, &shown(description, job, &film, noise.as_ref()));
+            let lamps = lamps::line(&description.told_lamps()?);
+            self.common.wrote(job.file, &shown(description, job, (&film, &lamps), noise.as_ref()));
             self.write_human(description, job, &mut film)?;
             self.say_faults(&film.faults(), description);
         }
@@ -491,6 +547,7 @@ impl Args {
         {
             report.extend(notes);
             report.extend(noise.iter().flat_map(Noise::json));
+            report.insert("lamps".to_owned(), lamps::json(&description.told_lamps()?));
         }
         Ok((report, exposure, ended))
     }
@@ -514,10 +571,11 @@ impl Args {
         description: &ReadyScene,
         job: &Job<'a>,
         film: &Film,
-        noise: Option<&Noise>,
+        (noise, cleaner): (Option<&Noise>, Option<&Cleaner>),
     ) -> Result<(Developed<'a>, Provenance, f64)> {
         let mut development = development(description, film)?;
         development.keeps_gamut = self.keep_gamut;
+        development.denoised = cleaner.map(|cleaner| cleaner.clean(film)).transpose()?;
         let exposure = development.exposure;
         let picture = Developed::new(job.file, film, &development, &description.object_names())?;
         let provenance = self.provenance(description, job, film, exposure);
@@ -525,6 +583,11 @@ impl Args {
             Some(noise) => provenance.with("noise", noise.to_string()),
             None => provenance,
         };
+        let provenance = match cleaner {
+            Some(cleaner) => provenance.with("denoised_by", cleaner.name()),
+            None => provenance,
+        };
+        let provenance = provenance.with("lamps", lamps::words(&description.told_lamps()?));
         Ok((picture, provenance, exposure))
     }
 
@@ -563,7 +626,13 @@ impl Args {
             .with("light", format!("{},{}", light.azimuth_deg, light.elevation_deg))
             .with("view", format!("{},{},{width_mm}", view.azimuth_deg, view.elevation_deg))
             .with("exposure", exposure.to_string())
-            .with("exposure_by", if description.exposure.factor().is_some() { "factor" } else { "key" });
+            .with("exposure_by", if description.exposure.factor().is_some() { "factor" } else { "key" })
+            .with("tone", description.tone.0.word())
+            .with("white_balance", description.white_balance.to_string());
+        let provenance = match self.quality {
+            Some(quality) => provenance.with("quality", quality.word()),
+            None => provenance,
+        };
         let provenance = self.say_sensor(provenance, &job.planes.sensor);
         match job.wardrobe.thinned {
             Some(every) => provenance.with("thinned", every.to_string()),
@@ -573,7 +642,12 @@ impl Args {
 }
 
 /// What a picture shows, in a line.
-fn shown(description: &SceneDescription, job: &Job<'_>, film: &Film, noise: Option<&Noise>) -> String {
+fn shown(
+    description: &SceneDescription,
+    job: &Job<'_>,
+    (film, lamps): (&Film, &str),
+    noise: Option<&Noise>,
+) -> String {
     let mut parts = Vec::new();
     if !job.wardrobe.names.is_empty() {
         let thinned = if job.wardrobe.thinned.is_some() { " (thinned)" } else { "" };
@@ -587,6 +661,8 @@ fn shown(description: &SceneDescription, job: &Job<'_>, film: &Film, noise: Opti
     let [width, height] = job.size;
     parts.push(format!("{width} x {height} pixels, {:.1} samples each", job.samples(film)));
     parts.extend(noise.map(|noise| format!("noise {noise}")));
+    parts.extend(job.cleaner.map(|cleaner| format!("denoised by {}", cleaner.name())));
+    parts.push(lamps.to_owned());
     parts.join(", ")
 }
 
@@ -618,6 +694,8 @@ struct Job<'a> {
     wardrobe: &'a Wardrobe,
     /// What the film keeps.
     planes: &'a Planes,
+    /// What takes its noise away at the end.
+    cleaner: Option<&'a Cleaner>,
 }
 
 impl Job<'_> {

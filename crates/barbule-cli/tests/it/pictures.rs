@@ -138,8 +138,137 @@ fn a_key_light_that_does_not_shine_stands_nowhere() {
     std::fs::write(folder.path().join("s.toml"), ball("type = 'diffuse'")).unwrap();
     let (said, _) = render(folder.path(), &["s.toml", "-o", "a.png", "--light", "60,40"]);
     assert!(said.contains("--light has no effect here: the scene's key light has strength 0"), "{said}");
-    assert!(said.contains("wrote a.png: 48 x 36 pixels, 4.0 samples each\n"), "{said}");
+    assert!(said.contains("wrote a.png: 48 x 36 pixels, 4.0 samples each, lit by image 650"), "{said}");
     let (said, _) =
         render(folder.path(), &["starling", "--material", MADE_UP, "-o", "a.png", "--light", "60,40"]);
     assert!(said.contains("light 60,40, 48 x 36 pixels") && !said.contains("no effect"), "{said}");
+}
+
+/// A white card that lies in the light of a tungsten lamp, as a preset of its own.
+const CARD: &str = "exposure = 0.3\nsky = 0\n[camera]\nazimuth_deg = 0\nelevation_deg = 80\nwidth_mm = 3\n[[lights]]\ntype = 'sun'\nazimuth_deg = 0\n\
+    elevation_deg = 90\nstrength = 2\nilluminant = 'A'\n[surfaces.of]\ntype = 'diffuse'\ncolour = '#ffffff'\n[[objects]]\nrectangle_mm = [9, 9]\nsurface = 'of'\n";
+
+/// The card in the lamp's white is neutral: ΔE00 below 1, by that of the lamp as by its temperature, and orange without.
+#[test]
+fn a_white_card_is_white_by_the_balance_of_its_lamp() {
+    use barbule::spectrum::colour::{D65_WHITE, decode, xyz_from_rgb};
+    use barbule::spectrum::difference::{delta_e_2000, lab};
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("s.toml"), CARD).unwrap();
+    let seen = |more: &[&str]| {
+        let (said, report) = render(folder.path(), &[&["s.toml", "-o", "a.png"], more].concat());
+        assert!(said.contains("lit by A 285"), "{said}");
+        let bytes = std::fs::read(folder.path().join("a.png")).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut rgb).unwrap();
+        let at = 3 * (18 * 48 + 24);
+        let linear: [f64; 3] = std::array::from_fn(|k| decode(f64::from(rgb[at + k]) / 255.0));
+        let shown = lab(xyz_from_rgb(linear), D65_WHITE);
+        (delta_e_2000(shown, [shown[0], 0.0, 0.0]), report)
+    };
+    let (orange, report) = seen(&[]);
+    assert_eq!(report["lamps"][0]["name"], "lights[0]");
+    assert_eq!((&report["lamps"][0]["illuminant"], &report["white_balance"]), (&"A".into(), &"none".into()));
+    assert!((report["lamps"][0]["cct_k"].as_f64().unwrap() - 2856.0).abs() < 10.0, "{report}");
+    let (auto, report) = seen(&["--white-balance", "auto"]);
+    assert_eq!(report["white_balance"], "auto");
+    let (by_number, _) = seen(&["--white-balance", "2856"]);
+    let (film, report) = seen(&["--white-balance", "auto", "--tone", "filmic"]);
+    assert_eq!(report["tone"], "filmic");
+    println!(
+        "ΔE00 of the card: {orange:.1} as it is, {auto:.2} by auto, {by_number:.2} by 2856 K, {film:.2} on film"
+    );
+    assert!(
+        orange > 15.0 && auto < 1.0 && by_number < 1.0 && film < 1.0,
+        "{orange} {auto} {by_number} {film}"
+    );
+}
+
+/// Qualities set samples and noise; what is given beside them holds.
+#[test]
+fn qualities_are_samples_and_noise_in_a_word() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("s.toml"), CARD).unwrap();
+    let draw = |words: &[&str]| {
+        let output = assert_cmd::cargo::cargo_bin_cmd!("barbule")
+            .args(["render", "s.toml", "-o", "a.png", "--size", "16x12", "--json"])
+            .args(words)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        (
+            output.status.code(),
+            said,
+            serde_json::from_slice::<Vec<Value>>(&output.stdout).ok().map(|all| all[0].clone()),
+        )
+    };
+    let (_, _, draft) = draw(&["--quality", "draft"]);
+    let draft = draft.unwrap();
+    assert_eq!(
+        (&draft["samples"], &draft["quality"], draft.get("noise_target_percent")),
+        (&"8.0".into(), &"draft".into(), None)
+    );
+    let (_, said, good) = draw(&["--quality", "good"]);
+    let good = good.unwrap();
+    assert_eq!(
+        (&good["noise_target_percent"], &good["noise_reached"]),
+        (&4.into(), &true.into()),
+        "{said} {good}"
+    );
+    let (_, _, both) = draw(&["--quality", "final", "--samples", "3"]);
+    assert_eq!(both.unwrap()["paths"], 3 * 16 * 12);
+    let (code, said, _) = draw(&["--quality", "fnal"]);
+    assert!(code == Some(2) && said.contains("did you mean 'final'"), "{said}");
+}
+
+/// Without the library one sentence says how to install it, before anything is drawn; with it the light stays and the noise goes.
+#[test]
+fn noise_is_taken_away_where_the_library_is() {
+    use barbule::io::image::read_exr;
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("s.toml"), ball("type = 'diffuse'")).unwrap();
+    std::fs::write(folder.path().join("sky.hdr"), sky(true)).unwrap();
+    let draw = |name: &str, samples: &str, more: &[&str]| {
+        assert_cmd::cargo::cargo_bin_cmd!("barbule")
+            .args(["render", "s.toml", "--size", "160x120", "--samples", samples, "-o", name])
+            .args(more)
+            .current_dir(folder.path())
+            .output()
+            .unwrap()
+    };
+    let run = draw("no.exr", "4", &["--denoise=nowhere/libOpenImageDenoise.so.2"]);
+    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    assert_eq!(run.status.code(), Some(2));
+    assert!(
+        said.contains("--denoise: nowhere/libOpenImageDenoise.so.2") && said.trim().lines().count() == 1,
+        "{said}"
+    );
+    assert!(!folder.path().join("no.exr").exists());
+    let run = draw("clean.exr", "4", &["--denoise"]);
+    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    if run.status.code() == Some(2) {
+        println!("Open Image Denoise is not installed here: only what is said without it is tested");
+        assert!(said.contains("is not installed; install it (Debian") && said.len() < 600, "{said}");
+        return;
+    }
+    assert!(run.status.success() && said.contains("denoised by Open Image Denoise "), "{said}");
+    assert!(
+        draw("noisy.exr", "4", &[]).status.success() && draw("reference.exr", "256", &[]).status.success()
+    );
+    let [clean, noisy, reference] = ["clean", "noisy", "reference"]
+        .map(|name| read_exr(&folder.path().join(format!("{name}.exr"))).unwrap().pixels);
+    let (mut mean, mut squares) = ([0.0; 2], [0.0; 2]);
+    for (place, image) in [clean, noisy].iter().enumerate() {
+        for (own, known) in image.iter().zip(&reference) {
+            let away = f64::from(own[1]) - f64::from(known[1]);
+            mean[place] += f64::from(own[1]);
+            squares[place] += away * away;
+        }
+    }
+    let known: f64 = reference.iter().map(|pixel| f64::from(pixel[1])).sum();
+    let fallen = (squares[1] / squares[0]).sqrt();
+    println!("RMSE falls by {fallen:.2}, mean {:.4}", mean[0] / known);
+    assert!(fallen > 1.5 && (mean[0] / known - 1.0).abs() < 0.01, "{fallen} {}", mean[0] / known);
 }

@@ -142,14 +142,23 @@ impl Observer {
 
     /// XYZ under this light → linear sRGB, where `white` (XYZ of a perfect white) becomes (1, 1, 1).
     fn rgb_matrix(self, white: [f64; 3]) -> [[f64; 3]; 3] {
-        let from = times(&BRADFORD, white);
-        let to = times(&BRADFORD, D65_WHITE);
-        let mut scaled = BRADFORD;
-        for (row, ratio) in scaled.iter_mut().zip((0..3).map(|c| to[c] / from[c])) {
-            *row = row.map(|v| v * ratio);
-        }
-        product(&XYZ_TO_RGB, &product(&inverse(&BRADFORD), &scaled))
+        product(&XYZ_TO_RGB, &adapted(white, D65_WHITE))
     }
+}
+
+/// X, Y, Z as they look under the white `to` from those seen under the white `from`: von Kries' adaptation in the Bradford space.
+fn adapted(from: [f64; 3], to: [f64; 3]) -> [[f64; 3]; 3] {
+    let (from, to) = (times(&BRADFORD, from), times(&BRADFORD, to));
+    let mut scaled = BRADFORD;
+    for (row, ratio) in scaled.iter_mut().zip((0..3).map(|c| to[c] / from[c])) {
+        *row = row.map(|v| v * ratio);
+    }
+    product(&inverse(&BRADFORD), &scaled)
+}
+
+/// The same of linear sRGB.
+pub(super) fn adaptation(from: [f64; 3], to: [f64; 3]) -> [[f64; 3]; 3] {
+    product(&XYZ_TO_RGB, &product(&adapted(from, to), &inverse(&XYZ_TO_RGB)))
 }
 
 impl Weights {

@@ -3,7 +3,7 @@
 //! [`Wavelengths`] are a sorted set in nm that is cheap to share; a [`Spectrum`] has one value for each and is linear
 //! between them, a [`dense::DenseSpectrum`] one for each nm. [`colour`] turns reflectances into what an observer sees, [`hue`] says which colour that is, [`look`] gives
 //! all numbers of a colour together, [`peaks`] finds peaks, [`orders`] which of them correspond and [`angle_law`] how they move with the angle; [`comparison`] holds a simulated spectrum against a measured one. [`sensor`] is who looks at a
-//! picture, [`hero`] which wavelengths its paths have.
+//! picture, [`hero`] which wavelengths its paths have; [`temperature`] says which white a light is; [`glassner`] are spectra as pictures of 2005 had them.
 
 pub mod angle_law;
 mod cie;
@@ -12,6 +12,7 @@ pub mod comparison;
 pub mod dense;
 pub mod difference;
 pub mod fields;
+pub mod glassner;
 pub mod hero;
 pub mod hue;
 pub mod look;
@@ -21,6 +22,7 @@ pub mod primaries;
 pub mod residual;
 pub mod sensor;
 pub mod spread;
+pub mod temperature;
 
 use std::sync::Arc;
 

@@ -324,7 +324,7 @@ class Material:
 @final
 class Scene:
     @staticmethod
-    def open(text: str, media: _Media, progress: _Watch) -> Scene: ...
+    def open(text: str, model: str | None, media: _Media, progress: _Watch) -> Scene: ...
     @staticmethod
     def parse(toml: str, folder: Path) -> Scene: ...
     def with_material(self, name: str) -> Scene: ...
@@ -345,11 +345,16 @@ class Scene:
     def render(
         self,
         size: Sequence[int],
-        samples: int,
+        samples: int | None,
         noise: float | None,
+        quality: str | None,
         seed: int,
         spectral_nm: Sequence[float],
         compositing: bool,
+        denoise: bool,
+        library: Path | None,
+        tone: str | None,
+        white_balance: str | None,
         media: _Media,
         cache: Path | None,
         threads: int | None,
@@ -388,6 +393,8 @@ class Picture:
     def shape(self) -> tuple[int, int]: ...
     @property
     def spectral_nm(self) -> list[float]: ...
+    @property
+    def lamps(self) -> list[tuple[str, str, float | None]]: ...
     def save(self, path: str | Path) -> None: ...
     def _repr_png_(self) -> bytes: ...
 

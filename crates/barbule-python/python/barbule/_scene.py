@@ -39,10 +39,27 @@ class Scene:
         self._native = native
 
     @classmethod
-    def load(cls, name: Name, *, media: Mapping[str, Name] | None = None, progress: ProgressLike = True) -> Scene:
-        """Opens what ``barbule render`` takes: a preset, a scene file, a material or a structure."""
+    def load(
+        cls,
+        name: Name,
+        *,
+        model: str | None = None,
+        media: Mapping[str, Name] | None = None,
+        progress: ProgressLike = True,
+    ) -> Scene:
+        """Opens what ``barbule render`` takes: a preset, a scene file, a material or a structure.
+
+        Args:
+            name: The preset, file, material or structure.
+            model: One of the models of a preset that has several: of ``peacock`` ``film-2005``, ``film`` or ``barbule``.
+            media: Media of your own by name, each a file of n and k.
+            progress: True for a bar, False for none, or a function ``(label, done, total)``.
+
+        Raises:
+            barbule.InputError: An unknown name, or a model of what has none.
+        """
         with watched(progress) as watch:
-            return cls(_native.Scene.open(str(name), media_of(media), watch))
+            return cls(_native.Scene.open(str(name), model, media_of(media), watch))
 
     @classmethod
     def parse(cls, toml: str, folder: Union[str, "PathLike[str]"] = ".") -> Scene:
@@ -64,12 +81,16 @@ class Scene:
     def render(
         self,
         size: tuple[int, int] = (1280, 800),
-        samples: int = 16,
+        samples: int | None = None,
         *,
         noise: float | None = None,
+        quality: str | None = None,
         seed: int = 1,
         spectral_nm: Sequence[float] = (),
         compositing: bool = False,
+        denoise: Union[bool, str, "PathLike[str]"] = False,
+        tone: str | None = None,
+        white_balance: Union[str, float, None] = None,
         media: Mapping[str, Name] | None = None,
         cache: Union[str, "PathLike[str]", None] = None,
         threads: int | None = None,
@@ -79,42 +100,68 @@ class Scene:
 
         Args:
             size: Width and height, pixels.
-            samples: Samples per pixel; the most, where `noise` is given.
+            samples: Samples per pixel; the most, where `noise` is given. 16, or 4096 with `noise`.
             noise: Ends tiles whose relative standard error is below this.
+            quality: Samples and noise by a word: ``"draft"``, ``"good"`` or ``"final"``; `samples` and `noise` hold beside it.
             seed: Seed of feather, individuals and samples.
             spectral_nm: Wavelengths about which radiance itself is kept (plane ``spectrum``).
             compositing: Whether the albedo of first hits is kept.
+            denoise: True takes the noise away with the system's Open Image Denoise, a path with that library (plane
+                ``denoised_xyz``; ``xyz`` stays as it was sampled).
+            tone: ``"plain"`` or ``"filmic"`` in place of the scene's.
+            white_balance: ``"none"``, ``"auto"`` or a colour temperature in K in place of the scene's.
             media: Media of your own by name, each a file of n and k.
             cache: Folder of computed materials; that of the command line without one.
             threads: Threads; all cores without a number.
             progress: True for a bar, False for none, or a function ``(label, done, total)``.
 
         Returns:
-            A picture: ``rgb()``, ``planes()``, ``save(path)``.
+            A picture: ``rgb()``, ``planes()``, ``save(path)``, ``lamps``.
         """
         bands = [float(nm) for nm in spectral_nm]
         folder = None if cache is None else Path(cache)
+        library = None if isinstance(denoise, bool) else Path(denoise)
+        white = None if white_balance is None else str(white_balance)
         with watched(progress) as watch:
             return self._native.render(
-                list(size), samples, noise, seed, bands, compositing, media_of(media), folder, threads, watch
+                list(size),
+                samples,
+                noise,
+                quality,
+                seed,
+                bands,
+                compositing,
+                denoise is not False,
+                library,
+                tone,
+                white,
+                media_of(media),
+                folder,
+                threads,
+                watch,
             )
 
 
 def render(
     scene: Scene | Name,
     size: tuple[int, int] = (1280, 800),
-    samples: int = 16,
+    samples: int | None = None,
     *,
     noise: float | None = None,
+    quality: str | None = None,
     seed: int = 1,
     spectral_nm: Sequence[float] = (),
     compositing: bool = False,
+    model: str | None = None,
+    denoise: Union[bool, str, "PathLike[str]"] = False,
+    tone: str | None = None,
+    white_balance: Union[str, float, None] = None,
     media: Mapping[str, Name] | None = None,
     cache: Union[str, "PathLike[str]", None] = None,
     threads: int | None = None,
     progress: ProgressLike = True,
 ) -> Picture:
-    """Renders a scene or a preset; arguments as for `Scene.render`.
+    """Renders a scene or a preset; arguments as for `Scene.render`, and the preset's `model` as for `Scene.load`.
 
     Example:
         >>> import barbule
@@ -122,14 +169,18 @@ def render(
         >>> picture.rgb().shape
         (16, 24, 3)
     """
-    opened = scene if isinstance(scene, Scene) else Scene.load(scene, media=media, progress=progress)
+    opened = scene if isinstance(scene, Scene) else Scene.load(scene, model=model, media=media, progress=progress)
     return opened.render(
         size,
         samples,
         noise=noise,
+        quality=quality,
         seed=seed,
         spectral_nm=spectral_nm,
         compositing=compositing,
+        denoise=denoise,
+        tone=tone,
+        white_balance=white_balance,
         media=media,
         cache=cache,
         threads=threads,

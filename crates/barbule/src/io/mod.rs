@@ -7,6 +7,7 @@ mod bsdf;
 mod cache;
 mod container;
 mod curves;
+mod denoiser;
 mod eye;
 mod feather;
 mod grating;
@@ -43,6 +44,7 @@ pub use brdf_tables::{decode_tables, encode_tables, read_tables, write_tables};
 pub use bsdf::{LARGEST_BSDF, decode_bsdf, encode_bsdf, rgl_arrays, write_bsdf};
 pub use cache::{CacheFile, delete_file, list_cache};
 pub use curves::{LARGEST_CURVES, curves_text, decode_curves, foretell_curves, parse_curves, read_curves};
+pub use denoiser::{Denoiser, Noisy, Plane};
 pub use eye::read_eye;
 pub use feather::{
     FeatherFormat, MOST_WRITTEN_BARBULES, UsdLook, foretell_written, write_feather, write_usd,

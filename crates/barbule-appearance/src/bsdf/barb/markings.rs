@@ -77,8 +77,8 @@ impl Markings {
             for ((part, worn), own) in PARTS.into_iter().zip([&dress.ramus, distal, proximal]).zip(own) {
                 let Some(worn) = worn else { continue };
                 let place = format!("the {part} of zone {}", index + 1);
-                if worn.kind() != own.kind() {
-                    let (worn, own) = (worn.kind(), own.kind());
+                if worn.shape() != own.shape() {
+                    let (worn, own) = (worn.shape(), own.shape());
                     return Err(Error::input(format!(
                         "{place} are {worn} where the feather's own are {own}; give {own}"
                     )));

@@ -27,6 +27,8 @@ use super::frame::Frame;
 use super::hair::{FibreSection, Hair};
 use super::hit::{Hit, OnRibbon};
 use super::keratin::Keratin;
+use super::lambertian::Lambertian;
+use super::thin_film::ThinFilm;
 use crate::Result;
 use crate::math::rng::hash;
 use crate::spectrum::dense::Lambdas;
@@ -38,15 +40,19 @@ pub enum Substance {
     Plate(BarbuleSurface),
     /// Keratin: a tube that no light passes, or a plate of it.
     Keratin(Keratin),
+    /// A plate with a film of layers on it.
+    Film(ThinFilm),
+    /// Paint: a tube or a plate.
+    Paint(Lambertian),
     /// A fibre that light passes.
     Fibre(Hair),
 }
 
 impl Substance {
-    /// What it is called, as part of a sentence.
-    fn kind(&self) -> &'static str {
+    /// What shape it has, as part of a sentence.
+    fn shape(&self) -> &'static str {
         match self {
-            Self::Plate(_) => "plates",
+            Self::Plate(_) | Self::Film(_) | Self::Paint(_) => "plates",
             Self::Keratin(_) => "keratin",
             Self::Fibre(_) => "fibres",
         }
@@ -55,7 +61,7 @@ impl Substance {
     /// Height over width of a fibre's section; nothing of what is none.
     fn roundness(&self) -> Option<f64> {
         match self {
-            Self::Plate(_) | Self::Keratin(_) => None,
+            Self::Plate(_) | Self::Keratin(_) | Self::Film(_) | Self::Paint(_) => None,
             Self::Fibre(hair) => Some(hair.height_over_width()),
         }
     }
@@ -213,6 +219,8 @@ impl BarbSurface {
         match zone.unwrap_or(&self.ramus.substance) {
             Substance::Plate(plate) => plate.bind(&met(), wo, wavelengths),
             Substance::Keratin(keratin) => keratin.bind(&met(), wo, wavelengths),
+            Substance::Film(film) => film.bind(&met(), wo, wavelengths),
+            Substance::Paint(paint) => paint.bind(&met(), wo, wavelengths),
             Substance::Fibre(hair) => {
                 let pigment = self.pigment(mark);
                 let section = FibreSection { axis: tangent, up: normal, offset: -offset, pigment };
@@ -275,9 +283,13 @@ impl BarbSurface {
         let mark = self.mark(hit, hit.uv[0], met.id);
         let zone = self.zone(mark).and_then(|zone| zone.barbules[which].as_ref());
         let bsdf = match zone.unwrap_or(substance) {
-            Substance::Plate(_) if mark == Mark::Pale => self.dress.pale.bind(&place, wo, wavelengths),
+            Substance::Plate(_) | Substance::Film(_) | Substance::Paint(_) if mark == Mark::Pale => {
+                self.dress.pale.bind(&place, wo, wavelengths)
+            }
             Substance::Plate(surface) => surface.bind(&place, wo, wavelengths),
             Substance::Keratin(keratin) => keratin.bind(&place, wo, wavelengths),
+            Substance::Film(film) => film.bind(&place, wo, wavelengths),
+            Substance::Paint(paint) => paint.bind(&place, wo, wavelengths),
             Substance::Fibre(hair) => {
                 let pigment = self.pigment(mark);
                 let section = FibreSection { axis: along, up: plate, offset: side * met.across, pigment };

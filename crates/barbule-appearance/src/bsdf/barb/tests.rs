@@ -206,7 +206,7 @@ fn slats_shade_each_other() {
 /// 10 mm of vane, 5 mm wide on either side, with barbs in this direction.
 fn vane(direction: [f64; 2]) -> FlatVane {
     let barbs = [[StraightBarb { start_mm: 0.0, direction }; STATIONS]; 2];
-    FlatVane { base_mm: 0.0, length_mm: 10.0, half_widths_mm: [5.0; 2], barbs }
+    FlatVane { base_mm: 0.0, length_mm: 10.0, stations_mm: [0.0, 10.0], half_widths_mm: [5.0; 2], barbs }
 }
 
 /// What is pale is so in every zone, and zones wear only what has the form of the feather's own.

@@ -29,7 +29,9 @@ pub struct FlatVane {
     pub length_mm: f64,
     /// Largest widths left and right of the shaft, mm.
     pub half_widths_mm: [f64; 2],
-    /// Barbs left and right of it, at even steps from the vanes' base to their tip.
+    /// From where to where barbs are told, mm along the shaft from the vanes' base; before and after they are as there.
+    pub stations_mm: [f64; 2],
+    /// Barbs left and right of it, at even steps between these.
     pub barbs: [[StraightBarb; STATIONS]; 2],
 }
 
@@ -55,6 +57,19 @@ pub struct Ring {
     pub radii_mm: [f64; 2],
     /// Its length along the shaft over its width.
     pub stretch: f64,
+    /// How much wider it is on each mm towards the feather's tip, as a share: hearts and eggs.
+    pub widening_per_mm: f64,
+    /// A notch on its side towards the feather's base: depth and width, mm; none where the depth is 0.
+    pub notch_mm: [f64; 2],
+}
+
+impl Ring {
+    /// A disc without notch.
+    #[must_use]
+    pub fn disc(centre_mm: [f64; 2], radius_mm: f64) -> Self {
+        let (radii_mm, notch_mm) = ([0.0, radius_mm], [0.0, 1.0]);
+        Self { centre_mm, radii_mm, stretch: 1.0, widening_per_mm: 0.0, notch_mm }
+    }
 }
 
 /// How zones lie.
@@ -143,7 +158,8 @@ impl FlatVane {
     fn place(&self, side: f64, station_mm: f64, arc_mm: f64) -> [f64; 2] {
         let barbs = &self.barbs[usize::from(side > 0.0)];
         let from_base = station_mm - self.base_mm;
-        let at = (from_base / self.length_mm).clamp(0.0, 1.0) * (STATIONS - 1) as f64;
+        let [first, last] = self.stations_mm;
+        let at = ((from_base - first) / (last - first)).clamp(0.0, 1.0) * (STATIONS - 1) as f64;
         let index = (at as usize).min(STATIONS - 2);
         let (before, after, rest) = (&barbs[index], &barbs[index + 1], at - index as f64);
         let mix = |a: f64, b: f64| a + (b - a) * rest;
@@ -174,7 +190,15 @@ impl Region {
         check_range("along", *along, [0.0, 1.0])?;
         check_range("across", *across, [-1.0, 1.0])?;
         check_edge(*edge_mm)?;
-        let Some(Ring { centre_mm, radii_mm, stretch }) = ring else { return Ok(()) };
+        let Some(Ring { centre_mm, radii_mm, stretch, widening_per_mm, notch_mm: [depth, width] }) = ring
+        else {
+            return Ok(());
+        };
+        if !(widening_per_mm.abs() <= 1.0 && (0.0..=MOST_MM).contains(depth) && *width > 0.0) {
+            return Err(Error::input(format!(
+                "widening_per_mm is {widening_per_mm} and notch_mm [{depth}, {width}]; give -1 to 1, a depth of 0 or more and a width over 0"
+            )));
+        }
         check_range("radii_mm", *radii_mm, [0.0, MOST_MM])?;
         if !centre_mm.iter().all(|at| at.abs() <= MOST_MM) {
             let [right, along] = centre_mm;
@@ -196,6 +220,8 @@ impl Region {
 const MOST_MM: f64 = 2000.0;
 /// Rings are at most so much wider than long, and so much longer than wide.
 const LEAST_STRETCH: f64 = 0.01;
+/// A ring that narrows towards one side is at least so wide there, over its width in the middle.
+const LEAST_WIDE: f64 = 0.2;
 
 fn check_range(key: &str, [low, high]: [f64; 2], [least, most]: [f64; 2]) -> Result<()> {
     if least <= low && low < high && high <= most {
@@ -214,12 +240,21 @@ fn check_edge(edge_mm: f64) -> Result<()> {
 }
 
 impl Ring {
-    /// Distance of a place from its middle, as wide rings count, mm.
+    /// Distance of a place from its middle, as rings count that are so wide there, mm: ρ = √((x/(1 + g y))² + (y/s)²) + n e^(−(x/w)²), the
+    /// last towards the base alone, where it sets in over n.
     #[inline]
-    fn radius(&self, place: [f64; 2]) -> f64 {
+    #[must_use]
+    pub fn radius(&self, place: [f64; 2]) -> f64 {
         let [right, along] = [0, 1].map(|k| place[k] - self.centre_mm[k]);
-        let along = along / self.stretch;
-        (right * right + along * along).sqrt()
+        let wide = right / (1.0 + self.widening_per_mm * along).max(LEAST_WIDE);
+        let high = along / self.stretch;
+        let radius = (wide * wide + high * high).sqrt();
+        let [depth, width] = self.notch_mm;
+        if depth <= 0.0 || along >= 0.0 {
+            return radius;
+        }
+        let at = right / width;
+        radius + depth * (-along / depth).min(1.0) * libm::exp(-at * at)
     }
 }
 
@@ -233,7 +268,13 @@ mod tests {
         let left = StraightBarb { start_mm: 1.0, direction: [1.0, 0.0] };
         let right = StraightBarb { start_mm: 0.0, direction: [half, half] };
         let barbs = [[left; STATIONS], [right; STATIONS]];
-        FlatVane { base_mm: 10.0, length_mm: 100.0, half_widths_mm: [10.0, 20.0], barbs }
+        FlatVane {
+            base_mm: 10.0,
+            length_mm: 100.0,
+            stations_mm: [0.0, 100.0],
+            half_widths_mm: [10.0, 20.0],
+            barbs,
+        }
     }
 
     const ALL: Region = Region { along: [0.0, 1.0], across: [-1.0, 1.0], ring: None, edge_mm: 0.0 };
@@ -262,7 +303,7 @@ mod tests {
 
     #[test]
     fn bands_and_rings_hold_what_lies_in_them_and_the_last_wins() {
-        let disc = Ring { centre_mm: [-5.0, 40.0], radii_mm: [0.0, 2.0], stretch: 2.0 };
+        let disc = Ring { stretch: 2.0, ..Ring::disc([-5.0, 40.0], 2.0) };
         let ring = Ring { radii_mm: [2.0, 3.0], ..disc };
         let zones = zones(&[
             Region { along: [0.2, 0.6], ..ALL },
@@ -350,7 +391,7 @@ mod tests {
 
     #[test]
     fn limits_out_of_order_are_refused() {
-        let ring = Ring { centre_mm: [0.0; 2], radii_mm: [0.0, 2.0], stretch: 1.0 };
+        let ring = Ring::disc([0.0; 2], 2.0);
         let of_ring = |ring| Region { ring: Some(ring), ..ALL };
         for (region, expected) in [
             (Region { along: [0.5, 0.5], ..ALL }, "zone 2: along is [0.5, 0.5]"),

@@ -1,4 +1,4 @@
-//! Which way feathers lie: directions of guides, spread harmonically over the body.
+//! Which way feathers lie, how large they are and how far they stand off: what guides say, spread harmonically over the body.
 
 use glam::DVec3;
 
@@ -23,52 +23,102 @@ pub struct Guide {
     pub direction: [f64; 3],
     /// Which of a coat's feathers grow near it.
     pub kind: usize,
+    /// Factor to their size; over 0.
+    pub size: f64,
+    /// Angle between the skin and their base, degrees; the coat's where none is given.
+    pub erection_deg: Option<f64>,
 }
 
-/// At each of a body's corners a vector that is harmonic where no guide is.
+impl Guide {
+    /// A guide for the coat's own feathers as they are, towards the tail.
+    pub const PLAIN: Self =
+        Self { position_mm: [0.0; 3], direction: [0.0, -1.0, 0.0], kind: 0, size: 1.0, erection_deg: None };
+}
+
+/// At each of a body's corners values that are harmonic where no guide is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
     vectors: Vec<DVec3>,
+    stature: Stature,
+}
+
+/// The logarithm of the feathers' size and their erection, degrees.
+#[derive(Debug, Clone, PartialEq)]
+enum Stature {
+    Everywhere([f64; 2]),
+    /// At each corner; the third coordinate is 0.
+    Corners(Vec<DVec3>),
 }
 
 impl Field {
     /// The vectors whose coordinates solve Laplace's equation on the surface (cotangent weights; Pinkall & Polthier 1993) with
-    /// those of the guides within `reach_mm` of them; the same everywhere where there is one guide.
+    /// those of the guides within `reach_mm`, times the guide's size, of them; the same everywhere where there is one guide. So do the
+    /// logarithm of their size, and their erection, which is `erection_deg` where a guide says nothing.
     ///
     /// # Errors
     /// A stop by `progress`.
-    pub fn new(body: &Body, guides: &[Guide], reach_mm: f64, progress: &dyn Progress) -> Result<Self> {
+    pub fn new(
+        body: &Body,
+        guides: &[Guide],
+        (reach_mm, erection_deg): (f64, f64),
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let directions: Vec<DVec3> =
             guides.iter().map(|g| DVec3::from(g.direction).normalize_or(DVec3::NEG_Y)).collect();
+        let statures: Vec<DVec3> = guides
+            .iter()
+            .map(|g| DVec3::new(libm::log(g.size), g.erection_deg.unwrap_or(erection_deg), 0.0))
+            .collect();
+        let first = statures.first().copied().unwrap_or(DVec3::new(0.0, erection_deg, 0.0));
+        let everywhere = Stature::Everywhere([first.x, first.y]);
         if directions.len() < 2 {
-            let everywhere = directions.first().copied().unwrap_or(DVec3::NEG_Y);
-            return Ok(Self { vectors: vec![everywhere; body.points.len()] });
+            let direction = directions.first().copied().unwrap_or(DVec3::NEG_Y);
+            return Ok(Self { vectors: vec![direction; body.points.len()], stature: everywhere });
         }
         let distance = |point: DVec3, guide: &Guide| (point - DVec3::from(guide.position_mm)).length();
         let nearest = |point: DVec3| {
             let all = guides.iter().map(|guide| distance(point, guide)).enumerate();
             all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
         };
-        let mut fixed: Vec<Option<DVec3>> = (body.points.iter())
+        // Of each corner the nearest guide, and whether it holds there.
+        let mut of_corner: Vec<(usize, bool)> = (body.points.iter())
             .map(|&point| {
-                Some(nearest(point)).filter(|(_, far)| *far <= reach_mm).map(|(i, _)| directions[i])
+                let (index, far) = nearest(point);
+                (index, far <= reach_mm * guides[index].size)
             })
             .collect();
-        for (guide, direction) in guides.iter().zip(&directions) {
+        for (index, guide) in guides.iter().enumerate() {
             let all = body.points.iter().map(|&point| distance(point, guide)).enumerate();
             if let Some((corner, _)) = all.min_by(|a, b| a.1.total_cmp(&b.1)) {
-                fixed[corner] = Some(*direction);
+                of_corner[corner] = (index, true);
             }
         }
         // Parts of a body without a guide keep what they begin with: that of the nearest one.
-        let start = body
-            .points
-            .iter()
-            .zip(&fixed)
-            .map(|(&point, fixed)| fixed.unwrap_or_else(|| directions[nearest(point).0]));
-        let start: Vec<DVec3> = start.collect();
-        let is_free: Vec<bool> = fixed.iter().map(Option::is_none).collect();
-        Ok(Self { vectors: Laplacian::new(body).solve(start, &is_free, progress)? })
+        let is_free: Vec<bool> = of_corner.iter().map(|(_, is_fixed)| !is_fixed).collect();
+        let laplacian = Laplacian::new(body);
+        let solved = |of: &[DVec3]| {
+            laplacian.solve(of_corner.iter().map(|(index, _)| of[*index]).collect(), &is_free, progress)
+        };
+        let vectors = solved(&directions)?;
+        let stature = match statures.iter().all(|own| *own == first) {
+            true => everywhere,
+            false => Stature::Corners(solved(&statures)?),
+        };
+        Ok(Self { vectors, stature })
+    }
+
+    /// Factor to the size of feathers, and their erection, degrees, at a place of a triangle.
+    #[must_use]
+    pub fn stature(&self, body: &Body, triangle: u32, weights: [f64; 3]) -> [f64; 2] {
+        let [log, erection_deg] = match &self.stature {
+            Stature::Everywhere(same) => *same,
+            Stature::Corners(all) => {
+                let corners = body.triangles[triangle as usize];
+                let own: DVec3 = (0..3).map(|k| all[corners[k] as usize] * weights[k]).sum();
+                [own.x, own.y]
+            }
+        };
+        [libm::exp(log), erection_deg]
     }
 
     /// The direction at a point of the surface: the vector there as far as it lies in the surface; any where it stands on it.
@@ -176,13 +226,16 @@ mod tests {
     use crate::progress::Unobserved;
     use crate::scene::geometry::Place;
 
-    const UP: Guide = Guide { position_mm: [0.0, 0.0, 10.0], direction: [3.0, 0.0, 0.0], kind: 0 };
+    const UP: Guide =
+        Guide { position_mm: [0.0, 0.0, 10.0], direction: [3.0, 0.0, 0.0], size: 0.5, ..Guide::PLAIN };
 
     /// One guide: its direction laid onto the sphere, which is that of the meridians about it.
     #[test]
     fn one_guide_gives_meridians() {
         let body = Body::ellipsoid([10.0; 3], &Place::HERE, 0.8);
-        let field = Field::new(&body, &[UP], 1.0, &Unobserved).unwrap();
+        let field = Field::new(&body, &[UP], (1.0, 8.0), &Unobserved).unwrap();
+        let [size, erection_deg] = field.stature(&body, 7, [0.2, 0.5, 0.3]);
+        assert!((size - 0.5).abs() < 1e-15 && erection_deg == 8.0);
         for triangle in 0..body.triangles.len() as u32 {
             let spot = body.spot(triangle, [0.2, 0.5, 0.3]);
             let n = spot.point.normalize();
@@ -198,17 +251,27 @@ mod tests {
     #[test]
     fn two_guides_are_joined_harmonically() {
         let body = Body::ellipsoid([10.0; 3], &Place::HERE, 0.4);
-        let down = Guide { position_mm: [0.0, 0.0, -10.0], direction: [0.0, 1.0, 0.0], kind: 0 };
-        let field = Field::new(&body, &[UP, down], 4.0, &Unobserved).unwrap();
+        let down = Guide {
+            position_mm: [0.0, 0.0, -10.0],
+            direction: [0.0, 1.0, 0.0],
+            size: 0.5,
+            erection_deg: Some(20.0),
+            ..Guide::PLAIN
+        };
+        let field = Field::new(&body, &[UP, down], (8.0, 8.0), &Unobserved).unwrap();
         // A chord of 4 mm.
         let rim = 2.0 * libm::asin(0.2);
         let lean = |theta: f64| libm::log(libm::tan(0.5 * theta));
         let mut worst: f64 = 0.0;
-        for (point, vector) in body.points.iter().zip(&field.vectors) {
+        let Stature::Corners(statures) = &field.stature else { panic!() };
+        for ((point, vector), stature) in body.points.iter().zip(&field.vectors).zip(statures) {
             let theta = libm::acos((point.z / 10.0).clamp(-1.0, 1.0)).clamp(rim, std::f64::consts::PI - rim);
             let share = 0.5 * (1.0 - lean(theta) / lean(rim));
             let expected = DVec3::X * (1.0 - share) + DVec3::Y * share;
             worst = worst.max((*vector - expected).length());
+            // Erection is harmonic as directions are, from 8 to 20 degrees; sizes are alike.
+            worst = worst.max((stature.y - 8.0 - 12.0 * expected.y).abs() / 12.0);
+            assert!((stature.x - libm::log(0.5)).abs() < 1e-6);
         }
         // The caps end at corners, up to half an edge from the circle; that edge is 5 % of the radius.
         assert!(worst < 0.04, "{worst}");

@@ -21,12 +21,9 @@ const FINEST: f64 = 0.25;
 /// Most times that a feather is lifted, and the least angle, rad.
 const MOST_LIFTS: u32 = 8;
 const LEAST_LIFT: f64 = 5e-4;
-/// By how much it is lifted at most, rad: where feathers run together, as at the tail's end, they cut through each other
-/// rather than pile up, for a pile lifts all that lie over it.
-const MOST_LIFTED: f64 = 0.2;
 
 /// Size of the cells in which the height of a coat of feathers of these lengths is kept, mm.
-pub(super) fn cell_mm(shortest_mm: f64, longest_mm: f64) -> f64 {
+pub(super) fn cell_mm([shortest_mm, longest_mm]: [f64; 2]) -> f64 {
     CELL * shortest_mm.max(FINEST * longest_mm)
 }
 
@@ -38,16 +35,21 @@ pub(super) fn cell_mm(shortest_mm: f64, longest_mm: f64) -> f64 {
 /// # Errors
 /// A stop by `progress`.
 pub(super) fn order(stands: &[Stand], length_mm: f64, progress: &dyn Progress) -> Result<Vec<u32>> {
-    let largest = stands.iter().map(|stand| stand.scale).fold(0.0, f64::max);
-    let reach = 1.1 * length_mm * largest;
+    let largest = |of: &dyn Fn(&Stand) -> f64| stands.iter().map(of).fold(0.0, f64::max);
+    let reach = 1.1 * length_mm * largest(&|stand| stand.scale);
+    let largest_size = largest(&|stand| stand.size);
     let near = Near::new(stands.iter().map(|stand| stand.spot.point), reach);
     // Side by side in memory: in a crowd that is most of the time.
-    let at: Vec<[DVec3; 2]> = stands.iter().map(|stand| [stand.spot.point, stand.along]).collect();
+    let at: Vec<([DVec3; 2], f64)> = stands
+        .iter()
+        .map(|stand| ([stand.spot.point, stand.along], reach * stand.size / largest_size))
+        .collect();
     // Of two the one that is nearer the tail lies beneath.
     let lies_over = |upper: u32, lower: u32| {
-        let ([point, along], [other, other_along]) = (at[upper as usize], at[lower as usize]);
+        let (([point, along], own), ([other, other_along], others)) =
+            (at[upper as usize], at[lower as usize]);
         let apart = other - point;
-        apart.length() < reach && apart.dot(other_along + along) > 0.0
+        apart.length() < own.max(others) && apart.dot(other_along + along) > 0.0
     };
     progress.begin("ordering the coat's feathers", 2 * stands.len() as u64);
     let mut missing: Vec<u32> = (0..at.len() as u32)
@@ -56,7 +58,7 @@ pub(super) fn order(stands: &[Stand], length_mm: f64, progress: &dyn Progress) -
             go_on(progress)?;
             progress.advance(1);
             let mut beneath = 0;
-            near.visit(at[index as usize][0], |other| {
+            near.visit(at[index as usize].0[0], |other| {
                 beneath += u32::from(other != index && lies_over(index, other));
             });
             Ok(beneath)
@@ -73,7 +75,7 @@ pub(super) fn order(stands: &[Stand], length_mm: f64, progress: &dyn Progress) -
         let Some(index) = free.pop().map(|Reverse(index)| index).or_else(fewest) else { break };
         missing[index as usize] = LAID;
         order.push(index);
-        near.visit(at[index as usize][0], |upper| {
+        near.visit(at[index as usize].0[0], |upper| {
             let count = &mut missing[upper as usize];
             if *count != LAID && lies_over(upper, index) {
                 *count -= 1;
@@ -111,7 +113,19 @@ impl Heights {
     }
 }
 
-/// Turns each feather about its base until its test points are `clearance_mm` over those beneath and out of the body.
+/// How far feathers are lifted off each other.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lifting {
+    /// Cells in which heights are kept, mm.
+    pub(super) cell_mm: f64,
+    /// How far over those beneath a feather of size 1 lies, mm.
+    pub(super) clearance_mm: f64,
+    /// By how much one is lifted at most, rad: where feathers run together, as at the tail's end, they cut through each other rather
+    /// than pile up, for a pile lifts all that lie over it.
+    pub(super) most: f64,
+}
+
+/// Turns each feather about its base until its test points are clear of those beneath and out of the body.
 ///
 /// # Errors
 /// A stop by `progress`.
@@ -119,8 +133,7 @@ pub(super) fn lift(
     body: &Body,
     stands: &mut [Stand],
     (order, shapes): (&[u32], &[Shape]),
-    cell_mm: f64,
-    clearance_mm: f64,
+    Lifting { cell_mm, clearance_mm, most: most_lifted }: Lifting,
     progress: &dyn Progress,
 ) -> Result<()> {
     let mut heights = Heights { cells: HashMap::new(), cell_mm };
@@ -131,9 +144,9 @@ pub(super) fn lift(
         let stand = &mut stands[index as usize];
         let shape = &shapes[stand.variant];
         let begin = body.triangles[stand.spot.triangle as usize][0];
-        let most = stand.erection + MOST_LIFTED;
+        let most = stand.erection + most_lifted;
         for _ in 0..MOST_LIFTS {
-            let need = missing(body, &heights, stand, &shape.tests, clearance_mm);
+            let need = missing(body, &heights, stand, &shape.tests, clearance_mm * stand.size);
             if need < LEAST_LIFT || stand.erection >= most {
                 break;
             }
@@ -182,7 +195,7 @@ mod tests {
                 let point = DVec3::new(10.0 * stream.unit(), 10.0 * stream.unit(), 0.0);
                 let along = DVec3::new(stream.normal(), 3.0 + stream.normal(), 0.0).normalize();
                 let spot = Spot { point, normal: DVec3::Z, triangle: 0, weights: [1.0, 0.0, 0.0] };
-                Stand { spot, along, erection: 0.1, scale: 1.0, kind: 0, variant: 0 }
+                Stand { spot, along, erection: 0.1, scale: 1.0, size: 1.0, kind: 0, variant: 0 }
             })
             .collect()
     }

@@ -17,7 +17,7 @@ use glam::{DMat3, DVec3};
 
 use self::body::{Body, Spot};
 use self::field::{Field, Guide};
-use self::follicles::Region;
+use self::follicles::{Area, Bare, Ground, Region};
 use self::kinds::Kinds;
 use super::feather::{Feather, Shaft, VaneDisc};
 use super::geometry::Place;
@@ -38,6 +38,10 @@ const SETTLED: f64 = 0.6;
 const MIXED: f64 = 0.3;
 /// Share of their spread that barbs of the downy part keep under the feathers above.
 const PRESSED: f64 = 0.25;
+/// By how much a feather is lifted at most where nothing is said, rad.
+pub const MOST_LIFT: f64 = 0.2;
+/// Least size of a feather before a bare place, over that of its neighbours.
+const SHORTEST: f64 = 0.15;
 /// Names of random streams and variants.
 const STAND: u64 = 0x73_7461;
 const VARIANT: u64 = 0x7661_7269;
@@ -49,6 +53,8 @@ pub struct Coat {
     pub number: Number,
     /// Where they grow; everywhere where nothing is said.
     pub region: Option<Region>,
+    /// Places without feathers, which those about them do not reach into.
+    pub bare: Vec<Bare>,
     /// Which way they lie.
     pub guides: Vec<Guide>,
     /// Angle between the skin and a feather's base, degrees, and its standard deviation.
@@ -61,8 +67,10 @@ pub struct Coat {
     pub size_jitter: f64,
     /// How many are grown of each kind; each stands at many places.
     pub variants: usize,
-    /// How far over the feathers beneath they lie, mm.
+    /// How far over the feathers beneath one of size 1 lies, mm.
     pub clearance_mm: f64,
+    /// By how much one is lifted at most for that, rad.
+    pub most_lift: f64,
     /// 0: bent as the feather says; 1: bent as the body is.
     pub hug: f64,
 }
@@ -72,7 +80,7 @@ pub struct Coat {
 pub enum Number {
     /// So many.
     Count(usize),
-    /// So many on a cm² of the body.
+    /// So many on a cm² of the body, where guides leave them their size.
     PerCm2(f64),
 }
 
@@ -87,6 +95,8 @@ pub struct Stand {
     pub erection: f64,
     /// Factor to its lengths.
     pub scale: f64,
+    /// The size that guides ask for there, without the differences between neighbours.
+    pub size: f64,
     /// Which of the coat's kinds it is.
     pub kind: usize,
     /// Which of the coat's feathers it is.
@@ -184,16 +194,21 @@ impl Coat {
         if feathers.is_empty() {
             return Err(Error::input("the coat has no feather; give one kind at least"));
         }
-        let [shortest, longest] = lengths_mm(feathers);
-        let area_mm2 = follicles::area(&body, self.region);
-        let count = self.count(area_mm2)?;
-        let spots = follicles::scattered(&body, self.region, area_mm2, count, seed, progress)?;
+        let [_, longest] = lengths_mm(feathers);
+        let field = Field::new(&body, &self.guides, (0.5 * longest, self.erection_deg), progress)?;
+        let varies = self.sizes() != [1.0; 2];
+        let ground =
+            Ground { body: &body, region: self.region, bare: &self.bare, field: varies.then_some(&field) };
+        let area = follicles::area(ground);
+        let spots = follicles::scattered(ground, area, self.count(area)?, seed, progress)?;
         let kinds = kinds.of(&body, &spots, &self.guides, feathers.len(), seed)?;
-        let mut stands = self.stands(&body, (&spots, &kinds), longest, seed, progress)?;
+        let mut stands = self.stands(&body, &field, (&spots, &kinds), feathers, seed);
         let variants = self.bent(&body, &mut stands, feathers, seed, progress)?;
         // A bent feather has turned from its y axis by the point where it leaves the skin.
         stands.iter_mut().for_each(|stand| stand.erection -= heading(&variants[stand.variant].feather));
-        let step_mm = lay::cell_mm(shortest, longest);
+        let cell_mm = self.cell_mm(feathers);
+        // Points of the largest feathers stand as dense as cells.
+        let step_mm = cell_mm / self.sizes()[1];
         let shapes = variants
             .iter()
             .enumerate()
@@ -203,21 +218,40 @@ impl Coat {
             .collect::<Result<Vec<_>>>()?;
         let before = stands.clone();
         let order = lay::order(&stands, longest, progress)?;
-        lay::lift(&body, &mut stands, (&order, &shapes), step_mm, self.clearance_mm, progress)?;
+        let lifting = lay::Lifting { cell_mm, clearance_mm: self.clearance_mm, most: self.most_lift };
+        lay::lift(&body, &mut stands, (&order, &shapes), lifting, progress)?;
         let was_inside_out = body.was_inside_out;
-        Ok(Laid { body, area_mm2, was_inside_out, variants, stands, before, order, shapes })
+        Ok(Laid { body, area_mm2: area.mm2, was_inside_out, variants, stands, before, order, shapes })
     }
 
-    fn count(&self, area_mm2: f64) -> Result<usize> {
+    /// The least and the largest size that guides ask for, 1 among them.
+    #[must_use]
+    pub fn sizes(&self) -> [f64; 2] {
+        let all = || self.guides.iter().map(|guide| guide.size);
+        [all().fold(1.0, f64::min), all().fold(1.0, f64::max)]
+    }
+
+    /// Longest edges that a body has under its feathers, mm.
+    #[must_use]
+    pub fn edge_mm(&self, feathers: &[Feather]) -> f64 {
+        edge_mm(feathers) * self.sizes()[0]
+    }
+
+    fn cell_mm(&self, feathers: &[Feather]) -> f64 {
+        let ([shortest, longest], [least, largest]) = (lengths_mm(feathers), self.sizes());
+        lay::cell_mm([shortest * least, longest * largest])
+    }
+
+    fn count(&self, area: Area) -> Result<usize> {
         match self.number {
             Number::Count(count) => Ok(count),
             Number::PerCm2(density) => {
-                let count = (0.01 * area_mm2 * density).round();
+                let count = (0.01 * area.felt_mm2 * density).round();
                 if !(1.0..=MOST_FEATHERS as f64).contains(&count) {
                     return Err(Error::input(format!(
                         "coat.density_per_cm2 makes {count} feathers on {:.4} cm², but there must be 1 to {MOST_FEATHERS}; \
                          give another density",
-                        0.01 * area_mm2
+                        0.01 * area.mm2
                     )));
                 }
                 Ok(count as usize)
@@ -229,23 +263,31 @@ impl Coat {
     fn stands(
         &self,
         body: &Body,
+        field: &Field,
         (spots, kinds): (&[Spot], &[usize]),
-        longest_mm: f64,
+        feathers: &[Feather],
         seed: u64,
-        progress: &dyn Progress,
-    ) -> Result<Vec<Stand>> {
-        let field = Field::new(body, &self.guides, 0.5 * longest_mm, progress)?;
+    ) -> Vec<Stand> {
         let stand = |(index, (spot, &kind)): (u64, (&Spot, &usize))| {
             let mut stream = Stream::new(seed, &[STAND, index]);
             let mut jitter = |spread: f64| spread * stream.normal().clamp(-2.5, 2.5);
             let along = field.at(body, spot);
             let turn = jitter(self.turn_jitter_deg).to_radians();
             let along = along * libm::cos(turn) + spot.normal.cross(along) * libm::sin(turn);
-            let erection = (self.erection_deg + jitter(self.erection_jitter_deg)).max(0.0).to_radians();
-            let scale = (1.0 + jitter(self.size_jitter)).max(0.2);
-            Stand { spot: *spot, along, erection, scale, kind, variant: 0 }
+            let [size, erection_deg] = field.stature(body, spot.triangle, spot.weights);
+            let erection = (erection_deg + jitter(self.erection_jitter_deg)).max(0.0).to_radians();
+            let scale = size * (1.0 + jitter(self.size_jitter)).max(0.2);
+            let scale = scale.min(self.room(spot, along, &feathers[kind])).max(SHORTEST * size);
+            Stand { spot: *spot, along, erection, scale, size, kind, variant: 0 }
         };
-        Ok((0..).zip(spots.iter().zip(kinds)).map(stand).collect())
+        (0..).zip(spots.iter().zip(kinds)).map(stand).collect()
+    }
+
+    /// The size at which a feather's tip reaches the next bare place ahead of it.
+    fn room(&self, spot: &Spot, along: DVec3, feather: &Feather) -> f64 {
+        let length = feather.shaft.length_mm - window(feather).along_mm;
+        let ahead = self.bare.iter().filter_map(|bare| bare.ahead_mm(spot.point, along));
+        ahead.fold(f64::INFINITY, f64::min) / length
     }
 
     /// The variants of all kinds, each bent as the body is where it stands; which one each feather is is set here.

@@ -5,13 +5,15 @@ fn coat(count: usize) -> Coat {
     Coat {
         number: Number::Count(count),
         region: None,
-        guides: vec![Guide { position_mm: [0.0; 3], direction: [0.0, -1.0, 0.0], kind: 0 }],
+        bare: Vec::new(),
+        guides: vec![Guide::PLAIN],
         erection_deg: 8.0,
         erection_jitter_deg: 0.5,
         turn_jitter_deg: 3.0,
         size_jitter: 0.05,
         variants: 4,
         clearance_mm: 0.1,
+        most_lift: MOST_LIFT,
         hug: 1.0,
     }
 }
@@ -130,7 +132,7 @@ fn two() -> [Feather; 2] {
 }
 
 fn guided() -> Coat {
-    let guide = |y: f64, kind| Guide { position_mm: [0.0, y, 0.0], direction: [0.0, -1.0, 0.0], kind };
+    let guide = |y: f64, kind| Guide { position_mm: [0.0, y, 0.0], kind, ..Guide::PLAIN };
     Coat { guides: vec![guide(90.0, 1), guide(-90.0, 0)], ..coat(500) }
 }
 
@@ -209,6 +211,40 @@ fn kinds_that_are_not_there_are_refused() {
     let bare = Body::mesh(&egg().skin(1), &Place::HERE, 4.0).unwrap();
     let refused = coat(5).lay(bare, &two(), Kinds::Map(&map), 7).unwrap_err().to_string();
     assert!(refused.contains("needs texture coordinates"), "{refused}");
+}
+
+/// Feathers of a third of the size about the head lie over each other as those of one size do, shorter still before a bare place, which
+/// none reaches into along its shaft.
+#[test]
+fn sizes_vary_from_tract_to_tract() {
+    let guide = |y: f64, size| Guide { position_mm: [0.0, y, 0.0], size, ..Guide::PLAIN };
+    let region = Some(Region { low: [-100.0, -65.0, -100.0], high: [100.0, 65.0, 100.0] });
+    let bare = vec![Bare { position_mm: [60.0, 0.0, 0.0], radius_mm: 12.0 }];
+    let coat = Coat { region, bare, guides: vec![guide(90.0, 0.33), guide(-90.0, 1.0)], ..coat(900) };
+    let feathers = [contour()];
+    let body = Body::ellipsoid([60.0, 90.0, 60.0], &Place::HERE, coat.edge_mm(&feathers));
+    let laid = coat.lay(body, &feathers, SHARP, 7).unwrap();
+    let mean = |of: &dyn Fn(&&Stand) -> bool| {
+        let some: Vec<f64> = laid.stands.iter().filter(of).map(|stand| stand.scale).collect();
+        some.iter().sum::<f64>() / some.len() as f64
+    };
+    let [head, tail] = [mean(&|s| s.spot.point.y > 50.0), mean(&|s| s.spot.point.y < -50.0)];
+    assert!(head < 0.5 && tail > 0.8, "{head} {tail}");
+    let length = contour().shaft.length_mm - window(&contour()).along_mm;
+    let middle = DVec3::X * 60.0;
+    let mut shortened = 0;
+    for stand in &laid.before {
+        assert!((stand.spot.point - middle).length() >= 12.0);
+        if stand.scale > SHORTEST * stand.size {
+            let reaches = |t: f64| (stand.spot.point + stand.along * t - middle).length() < 11.99;
+            assert!(!(0..=40).any(|i| reaches(stand.scale * length * f64::from(i) / 40.0)));
+        }
+        shortened += usize::from(stand.scale < 0.8 * stand.size);
+    }
+    assert!(shortened > 10, "{shortened}");
+    let [before, after] = laid.buried();
+    println!("buried: {before:.4} before, {after:.4} after; {} feathers", laid.stands.len());
+    assert!(before > 0.02 && after < 0.006, "{before} {after}");
 }
 
 /// A sphere whose faces look inwards bears its feathers outside.

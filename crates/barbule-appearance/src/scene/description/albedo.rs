@@ -3,7 +3,6 @@
 //! The picture's colours are gathered into a few, each the colour of a zone, so that feathers show them at every level of detail. Fibres absorb
 //! what makes vanes of them look like that ([`Absorption::of_vane`](crate::bsdf::Absorption::of_vane)).
 
-use super::barbules::BarbuleClothing;
 use super::colour::Colour;
 use super::dress::{BarbuleDress, FeatherObject, RamusDress, Zone};
 use super::slot::Slot;
@@ -56,14 +55,14 @@ impl FeatherObject {
 
     /// A zone of which rami and barbules have a colour.
     fn zone_of(&self, colour: Colour) -> Zone {
-        let of = |fibre: &FibreDescription| fibre.with_colour(colour);
+        let of = |fibre: &FibreDescription| fibre.with_vane_colour(colour);
         let barbule = |dress: &BarbuleDress| match dress {
             BarbuleDress::Hair(fibre) => BarbuleDress::Hair(of(fibre)),
-            BarbuleDress::Barbule(plates) => BarbuleDress::Barbule(BarbuleClothing::clone(plates)),
+            plates => plates.clone(),
         };
         let ramus = match &self.dress.ramus {
             RamusDress::Hair(fibre) => RamusDress::Hair(of(fibre)),
-            RamusDress::Keratin(keratin) => RamusDress::Keratin(*keratin),
+            other => other.clone(),
         };
         let [distal, proximal] = [&self.dress.distal, &self.dress.proximal].map(barbule);
         Zone { ramus: Some(ramus), distal: Some(distal), proximal: Some(proximal), ..Zone::everywhere() }

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::colour::Colour;
 use super::detail::{Detail, DetailLevel, ViewModel};
 use super::dress::Dress;
+use super::form::FormDescription;
 use super::objects::Placement;
 use super::slot::Slot;
 use crate::bsdf::{Lambertian, NumberMap, Pictures, Surface, Texture};
@@ -16,9 +17,9 @@ use crate::progress::{Progress, Unobserved};
 use crate::scene::Object;
 use crate::scene::coat::body::{Body, MOST_TRIANGLES};
 use crate::scene::coat::field::Guide;
-use crate::scene::coat::follicles::Region;
+use crate::scene::coat::follicles::{Bare, Region};
 use crate::scene::coat::kinds::Kinds;
-use crate::scene::coat::{Coat, Laid, MOST_FEATHERS, Number, Variant, edge_mm, seed_of, window};
+use crate::scene::coat::{Coat, Laid, MOST_FEATHERS, MOST_LIFT, Number, Variant, seed_of, window};
 use crate::scene::faces::{outwards, turned_round};
 use crate::scene::feather::{Counts, Feather, Level};
 use crate::scene::geometry::{Geometry, Mesh, Place};
@@ -31,6 +32,7 @@ use crate::{Error, Result, record};
 const MOST_VARIANTS: u8 = 64;
 const MOST_GUIDES: usize = 1000;
 const MOST_KINDS: usize = 254;
+const MOST_BARE: usize = 200;
 
 /// Skin where no colour is given: dark grey.
 const SKIN: Colour = Colour([0.1, 0.09, 0.085]);
@@ -63,6 +65,8 @@ record! {
     pub struct CoatDescription {
         /// Half axes of an ellipsoid that it grows on.
         ellipsoid_mm: Option<[f64; 3]> = "ellipsoid_mm", within(0.1, 1e4);
+        /// A body that it grows on, made of ellipsoids and tubes.
+        form: Option<FormDescription> = "form", ();
         /// A mesh that it grows on, in mm.
         mesh: Option<Slot<Mesh>> = "mesh", Text("the name of a .ply, .obj, .gltf or .glb");
         /// Whether they grow on the other side of an open mesh than that to which its faces look; of a closed one they grow outwards.
@@ -73,6 +77,8 @@ record! {
         density_per_cm2: Option<f64> = "density_per_cm2", within(1e-3, 1e5);
         /// Two corners of a box outside which none grow.
         within_mm: Option<Vec<[f64; 3]>> = "within_mm", Several { least: 0, most: 64, of: within(-1e6, 1e6) };
+        /// Places where none grow, and which those about them do not reach into.
+        bare: Vec<BareDescription> = "bare", up_to(MOST_BARE), or Vec::new();
         /// Directions in which they lie; down the picture where nothing is said.
         guides: Vec<GuideDescription> = "guides", Several { least: 1, most: MOST_GUIDES, of: () }, or vec![DOWN];
         /// Angle between the skin and a feather's base.
@@ -87,6 +93,8 @@ record! {
         variants: usize = "variants", within(1, MOST_VARIANTS), or 16;
         /// How far over the feathers beneath they lie.
         clearance_mm: f64 = "clearance_mm", within(0, 2), or 0.1;
+        /// By how much one is lifted at most so that it does.
+        most_lift_deg: Option<f64> = "most_lift_deg", within(0, 60);
         /// 0: bent as the feather says; 1: bent as the body is.
         hug: f64 = "hug", within(0, 1), or 1.0;
         /// Colour of the skin.
@@ -111,7 +119,22 @@ record! {
         direction: [f64; 3] = "direction", within(-1e6, 1e6);
         /// Which kind of feather grows about there.
         kind: usize = "kind", within(0, 254), or 0;
+        /// Factor to their size there; between guides it changes evenly, and follicles stand as near as it asks for.
+        size: f64 = "size", within(0.02, 50), or 1.0;
+        /// Angle between the skin and their base there; the coat's where nothing is said.
+        erection_deg: Option<f64> = "erection_deg", within(0, 60);
         @agree GuideDescription::agree;
+    }
+}
+
+record! {
+    /// A ball in which no feather grows.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct BareDescription {
+        /// Its middle.
+        position_mm: [f64; 3] = "position_mm", within(-1e6, 1e6);
+        /// Its radius.
+        radius_mm: f64 = "radius_mm", within(1e-3, 1e6);
     }
 }
 
@@ -127,8 +150,13 @@ record! {
 }
 
 /// Where nothing is said feathers lie down the picture.
-const DOWN: GuideDescription =
-    GuideDescription { position_mm: [0.0; 3], direction: [0.0, -1.0, 0.0], kind: 0 };
+const DOWN: GuideDescription = GuideDescription {
+    position_mm: [0.0; 3],
+    direction: [0.0, -1.0, 0.0],
+    kind: 0,
+    size: 1.0,
+    erection_deg: None,
+};
 
 impl GuideDescription {
     fn agree(&self, place: &str) -> Result<()> {
@@ -144,10 +172,12 @@ impl CoatDescription {
         let both = |a: &str, b: &str| {
             Err(Error::input(format!("{place}.{a} and {place}.{b} are both given; leave one out")))
         };
-        match (&self.ellipsoid_mm, &self.mesh) {
-            (Some(_), Some(_)) => return both("ellipsoid_mm", "mesh"),
-            (None, None) => {
-                return Err(Error::input(format!("[{place}] has no body; give ellipsoid_mm or mesh")));
+        match (&self.ellipsoid_mm, &self.form, &self.mesh) {
+            (Some(_), Some(_), _) => return both("ellipsoid_mm", "form"),
+            (Some(_), _, Some(_)) => return both("ellipsoid_mm", "mesh"),
+            (_, Some(_), Some(_)) => return both("form", "mesh"),
+            (None, None, None) => {
+                return Err(Error::input(format!("[{place}] has no body; give ellipsoid_mm, form or mesh")));
             }
             _ => {}
         }
@@ -196,14 +226,16 @@ impl CoatDescription {
     }
 
     fn coat(&self) -> Coat {
-        let guide = |&GuideDescription { position_mm, direction, kind }: &GuideDescription| Guide {
-            position_mm,
-            direction,
-            kind,
-        };
+        let guide =
+            |&GuideDescription { position_mm, direction, kind, size, erection_deg }: &GuideDescription| {
+                Guide { position_mm, direction, kind, size, erection_deg }
+            };
+        let bare =
+            |&BareDescription { position_mm, radius_mm }: &BareDescription| Bare { position_mm, radius_mm };
         Coat {
             number: self.number(),
             region: self.region(),
+            bare: self.bare.iter().map(bare).collect(),
             guides: self.guides.iter().map(guide).collect(),
             erection_deg: self.erection_deg,
             erection_jitter_deg: self.erection_jitter_deg,
@@ -211,19 +243,30 @@ impl CoatDescription {
             size_jitter: self.size_jitter,
             variants: self.variants,
             clearance_mm: self.clearance_mm,
+            most_lift: self.most_lift_deg.map_or(MOST_LIFT, f64::to_radians),
             hug: self.hug,
         }
     }
 
-    fn grown_on(&self, placement: &Placement, edge_mm: f64) -> Result<(Body, Geometry)> {
+    fn grown_on(
+        &self,
+        placement: &Placement,
+        edge_mm: f64,
+        progress: &dyn Progress,
+    ) -> Result<(Body, Geometry)> {
         let place = placement.place(COAT);
-        match (&self.ellipsoid_mm, &self.mesh) {
-            (Some(radii_mm), _) => {
+        match (&self.ellipsoid_mm, &self.form, &self.mesh) {
+            (Some(radii_mm), ..) => {
                 let body = Body::ellipsoid(*radii_mm, &place, edge_mm);
                 let skin = Geometry { meshes: vec![body.skin(COAT)], ..Geometry::default() };
                 Ok((body, skin))
             }
-            (None, Some(mesh)) => {
+            (None, Some(form), _) => {
+                let mesh = Mesh { id: COAT, ..form.mesh(progress)? };
+                let body = Body::mesh(&mesh, &place, edge_mm).map_err(|error| error.at("coat.form"))?;
+                Ok((body, Geometry { meshes: vec![mesh], places: vec![place], ..Geometry::default() }))
+            }
+            (None, None, Some(mesh)) => {
                 let mesh = mesh.value()?;
                 let turned;
                 let sided = if self.other_side {
@@ -236,7 +279,7 @@ impl CoatDescription {
                 let meshes = vec![Mesh { id: COAT, ..outwards(sided.clone()) }];
                 Ok((body, Geometry { meshes, places: vec![place], ..Geometry::default() }))
             }
-            (None, None) => Err(Error::input("[coat] has no body; give ellipsoid_mm or mesh")),
+            (None, None, None) => Err(Error::input("[coat] has no body; give ellipsoid_mm, form or mesh")),
         }
     }
 }
@@ -258,7 +301,8 @@ impl CoatObject {
     fn laid_on(&self, place: &Placement, seed: u64, progress: &dyn Progress) -> Result<(Laid, Geometry)> {
         let further = self.coat.feathers.iter().map(|kind| kind.feather);
         let feathers: Vec<Feather> = std::iter::once(self.feather).chain(further).collect();
-        let (body, skin) = self.coat.grown_on(place, edge_mm(&feathers))?;
+        let coat = self.coat.coat();
+        let (body, skin) = self.coat.grown_on(place, coat.edge_mm(&feathers), progress)?;
         let map = self.coat.map.as_ref().map(|slot| {
             let map = NumberMap::new(Texture::clone(slot.value()?), feathers.len(), "kinds of feathers");
             map.map_err(|error| error.at(&slot.name))
@@ -268,7 +312,7 @@ impl CoatObject {
             Some(map) => Kinds::Map(map),
             None => Kinds::Guides { mix_mm: self.coat.mix_mm },
         };
-        Ok((self.coat.coat().lay_watched(body, &feathers, kinds, seed, progress)?, skin))
+        Ok((coat.lay_watched(body, &feathers, kinds, seed, progress)?, skin))
     }
 
     /// The coat as it is laid.
@@ -384,7 +428,9 @@ impl CoatObject {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::description::{Foreseen, SceneDescription};
+    use crate::scene::coat::Stand;
+    use crate::scene::description::{Foreseen, ObjectShape, SceneDescription};
+    use crate::scene::faces::Facing;
 
     fn scene(text: &str) -> Result<SceneDescription> {
         SceneDescription::parse(&format!("preset = 'osprey'\n{text}"))
@@ -415,11 +461,43 @@ mod tests {
         assert_eq!(objects.len(), few.object_names().len());
     }
 
+    /// The birds that ship, with a twentieth of their feathers on a coarser skin: every part of them is there, feathers grow on closed
+    /// skins and in no bare place, and each tract has its own size.
+    #[test]
+    fn birds_wear_their_coats() {
+        for (name, kinds) in
+            [("mallard-head", 3), ("hummingbird-gorget", 3), ("starling-bird", 3), ("dove-bird", 5)]
+        {
+            let mut scene = SceneDescription::named(name).unwrap();
+            for object in &mut scene.objects {
+                if let ObjectShape::Coat(of) = &mut object.shape {
+                    of.coat.density_per_cm2 = of.coat.density_per_cm2.map(|density| density / 20.0);
+                    of.coat.variants = 1;
+                    let form = of.coat.form.as_mut().unwrap();
+                    form.resolution_mm *= 2.0;
+                    assert!(!Facing::of_mesh(&form.mesh(&Unobserved).unwrap()).is_open, "{name}");
+                }
+            }
+            let laid = scene.laid_coats(1).unwrap().remove(0);
+            let stands = &laid.stands;
+            assert!((100..2000).contains(&stands.len()), "{name}: {}", stands.len());
+            assert!((0..kinds).all(|kind| stands.iter().any(|stand| stand.kind == kind)), "{name}");
+            let sizes = || stands.iter().map(|stand| stand.size);
+            let [least, most] = [sizes().fold(f64::MAX, f64::min), sizes().fold(0.0, f64::max)];
+            assert!(most / least > 3.0, "{name}: {least} {most}");
+            let ObjectShape::Coat(of) = &scene.objects[0].shape else { panic!() };
+            for bare in &of.coat.bare {
+                let far = |stand: &Stand| (stand.spot.point - DVec3::from(bare.position_mm)).length();
+                assert!(stands.iter().all(|stand| far(stand) >= bare.radius_mm), "{name}");
+            }
+        }
+    }
+
     #[test]
     fn bad_coats_are_refused_by_key() {
         let message = |text: &str| scene(text).unwrap_err().to_string();
         let coat = |text: &str| message(&format!("[coat]\nellipsoid_mm = [9, 9, 9]\n{text}"));
-        assert_eq!(message("[coat]\ncount = 5"), "[coat] has no body; give ellipsoid_mm or mesh");
+        assert_eq!(message("[coat]\ncount = 5"), "[coat] has no body; give ellipsoid_mm, form or mesh");
         assert!(coat("mesh = 'a.ply'\ncount = 5").contains("both given"));
         assert!(
             message("[coat]\nellipsoid_mm = [9, 9]\ncount = 5")
@@ -447,7 +525,7 @@ mod tests {
         let built = |text: &str| scene(text).unwrap().laid_coats(1).unwrap_err().to_string();
         assert_eq!(built("[coat]\nmesh = 'a.ply'\ncount = 5"), "'a.ply' is not read");
         let far = "[coat]\nellipsoid_mm = [9, 9, 9]\ncount = 5\nwithin_mm = [[20, 0, 0], [30, 1, 1]]";
-        assert!(built(far).contains("hardly any of the body's surface"));
+        assert!(built(far).contains("leave hardly any of the body's surface"));
         let dense = "[coat]\nellipsoid_mm = [900, 900, 900]\ndensity_per_cm2 = 99";
         assert!(built(dense).contains("coat.density_per_cm2 makes"));
     }

@@ -71,6 +71,8 @@ impl Detail {
             _ if self.view_model != ViewModel::Grown => Level::Envelopes,
             DetailLevel::Barbules => Level::Barbules,
             DetailLevel::Barbs => Level::Barbs,
+            // Barbs that stand apart are no surface.
+            DetailLevel::Vane if feather.eye.is_there() => Level::Barbs,
             DetailLevel::Vane => Level::Vane,
             DetailLevel::Envelopes => Level::Envelopes,
             DetailLevel::Auto => {
@@ -78,7 +80,7 @@ impl Detail {
                 let is_resolved = PIXEL * width_mm < RESOLVES * 1e-3 * finest;
                 let many = feather.barbules_in(window) > MOST_GROWN;
                 let shows_barbs = PIXEL * width_mm < 1e-3 * BARBS * feather.barbs.spacing_um;
-                match (is_resolved && !many, shows_barbs) {
+                match (is_resolved && !many, shows_barbs || feather.eye.is_there()) {
                     (true, _) => Level::Barbules,
                     (false, true) => Level::Barbs,
                     (false, false) => Level::Vane,

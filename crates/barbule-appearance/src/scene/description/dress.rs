@@ -4,7 +4,7 @@ use super::albedo;
 use super::barbules::BarbuleClothing;
 use super::detail::{Detail, DetailLevel, ViewModel};
 use super::slot::Slot;
-use super::surfaces::{FibreDescription, PigmentedKeratin, no_surface};
+use super::surfaces::{EvenPaint, FibreDescription, FilmDescription, PigmentedKeratin, no_surface};
 use crate::bsdf::{self, Region, Texture, ZonePlan};
 use crate::error::shortened;
 use crate::fields::{Map, Value, path_of, unknown, within};
@@ -40,6 +40,7 @@ const DOWN: FibreDescription = FibreDescription {
     eumelanin: 2.0,
     pheomelanin: 0.0,
     colour: None,
+    vane_colour: None,
     height_over_width: 1.0,
 };
 
@@ -58,6 +59,8 @@ variants! {
         "keratin": Keratin(PigmentedKeratin),
         /// A fibre of hair.
         "hair": Hair(FibreDescription),
+        /// Paint.
+        "diffuse": Paint(EvenPaint),
     }
 }
 
@@ -69,6 +72,10 @@ variants! {
         "barbule": Barbule(BarbuleClothing),
         /// Fibres without structural colour.
         "hair": Hair(FibreDescription),
+        /// Plates with a film of layers.
+        "film": Film(FilmDescription),
+        /// Plates of paint.
+        "diffuse": Paint(EvenPaint),
     }
 }
 
@@ -123,6 +130,20 @@ record! {
         radii_mm: [f64; 2] = "radii_mm", within(0, 2000);
         /// Length along the vane over width.
         stretch: f64 = "stretch", within(0.05, 20), or 1.0;
+        /// How much wider it is on each mm towards the feather's tip, as a share.
+        widening_per_mm: f64 = "widening_per_mm", within(-1, 1), or 0.0;
+        /// A notch on its side towards the feather's base: depth and width; none where the depth is 0.
+        notch_mm: [f64; 2] = "notch_mm", within(0, 2000), or [0.0, 1.0];
+        @agree Ring::agree;
+    }
+}
+
+impl Ring {
+    fn agree(&self, place: &str) -> Result<()> {
+        if self.notch_mm[1] <= 0.0 {
+            return Err(Error::input(format!("{place}.notch_mm[1], the notch's width, is 0; give more")));
+        }
+        Ok(())
     }
 }
 
@@ -156,23 +177,26 @@ impl Zone {
 
     /// Where it is, if no picture says so.
     fn region(&self) -> Region {
-        let ring = self.ring.map(|Ring { centre_mm, radii_mm, stretch }| bsdf::Ring {
-            centre_mm,
-            radii_mm,
-            stretch,
+        let ring = self.ring.map(|Ring { centre_mm, radii_mm, stretch, widening_per_mm, notch_mm }| {
+            bsdf::Ring { centre_mm, radii_mm, stretch, widening_per_mm, notch_mm }
         });
         Region { along: self.along, across: self.across, ring, edge_mm: self.edge_mm }
     }
 
     /// What it changes: the rami, the barbules on both sides.
     fn kinds(&self) -> [Option<(&'static str, &'static str)>; 3] {
-        let barbules = |key, dress: &Option<BarbuleDress>| dress.as_ref().map(|of| (key, of.word()));
+        let barbules = |key, dress: &Option<BarbuleDress>| dress.as_ref().map(|of| (key, plates(of.word())));
         [
             self.ramus.as_ref().map(|of| ("ramus", of.word())),
             barbules("distal", &self.distal),
             barbules("proximal", &self.proximal),
         ]
     }
+}
+
+/// The type of barbules, that of plates for all that are plates: zones may mix these.
+fn plates(word: &'static str) -> &'static str {
+    if matches!(word, "film" | "diffuse") { "barbule" } else { word }
 }
 
 impl FeatherObject {
@@ -182,7 +206,8 @@ impl FeatherObject {
         let is_looked_up =
             self.detail.level == DetailLevel::Envelopes || self.detail.view_model != ViewModel::Grown;
         let looked_up = if is_looked_up { &self.zones[..] } else { &[] };
-        let own = [self.dress.ramus.word(), self.dress.distal.word(), self.dress.proximal.word()];
+        let own =
+            [self.dress.ramus.word(), plates(self.dress.distal.word()), plates(self.dress.proximal.word())];
         for (i, zone) in looked_up.iter().enumerate() {
             for ((key, kind), own) in
                 zone.kinds().into_iter().zip(own).filter_map(|(of, own)| Some((of?, own)))
@@ -284,7 +309,7 @@ impl BarbuleDress {
     fn clothing_mut(&mut self) -> Option<&mut BarbuleClothing> {
         match self {
             Self::Barbule(of) => Some(of),
-            Self::Hair(_) => None,
+            Self::Hair(_) | Self::Film(_) | Self::Paint(_) => None,
         }
     }
 }
@@ -309,7 +334,7 @@ impl Dress {
     pub fn material(&self) -> Option<&str> {
         [&self.distal, &self.proximal].into_iter().find_map(|of| match of {
             BarbuleDress::Barbule(of) => Some(of.material.name.as_str()),
-            BarbuleDress::Hair(_) => None,
+            BarbuleDress::Hair(_) | BarbuleDress::Film(_) | BarbuleDress::Paint(_) => None,
         })
     }
 
@@ -326,7 +351,8 @@ impl Dress {
 
     /// The tables `[surfaces.shaft]` … of a lone feather's file and its keys of the barbules' material, where these can say it.
     pub(super) fn as_parts(&self) -> Option<(Map<String, Value>, Map<String, Value>)> {
-        if self.distal != self.proximal {
+        // What a lone feather's file cannot say stands in the dress of an object.
+        if self.distal != self.proximal || matches!(self.ramus, RamusDress::Paint(_)) {
             return None;
         }
         let Value::Object(mut parts) = crate::fields::Record::table(self) else { return None };
@@ -347,6 +373,7 @@ impl Dress {
                 parts.extend(plain(barbule).map(|table| ("barbule".to_owned(), table)));
                 Some((Map::new(), parts))
             }
+            BarbuleDress::Film(_) | BarbuleDress::Paint(_) => None,
             BarbuleDress::Barbule(of) => {
                 let BarbuleClothing { uv_mm, width_um, length_um, cell_um, .. } =
                     BarbuleClothing::of(&of.material.name);
@@ -463,9 +490,9 @@ fn dress_of(
 /// Which types of surfaces a part may have, and whether that is said in its table.
 const TYPES: [(&str, &[&str], bool); 6] = [
     ("shaft", &["keratin"], false),
-    ("ramus", &["keratin", "hair"], true),
-    ("distal", &["barbule", "hair"], true),
-    ("proximal", &["barbule", "hair"], true),
+    ("ramus", &["keratin", "hair", "diffuse"], true),
+    ("distal", &["barbule", "hair", "film", "diffuse"], true),
+    ("proximal", &["barbule", "hair", "film", "diffuse"], true),
     ("pale", &["keratin"], false),
     ("down", &["hair"], false),
 ];

@@ -12,7 +12,7 @@ use super::objects::ObjectShape;
 use super::row::RowFeather;
 use super::sky::{Background, SkyDescription};
 use super::slot::Slot;
-use super::surfaces::NamedSurface;
+use super::surfaces::{FilmOf2005, NamedSurface};
 use super::{Motion, Moved, SceneDescription};
 use crate::brdf::FeatherBrdf;
 use crate::bsdf::{MeasuredTables, Texture};
@@ -20,6 +20,7 @@ use crate::error::shortened;
 use crate::fields::path_of;
 use crate::scattering::grating::Powers;
 use crate::scene::backdrop::BackdropPicture;
+use crate::scene::eye_maps::is_made;
 use crate::scene::geometry::Mesh;
 use crate::scene::sky::Sky;
 use crate::scene::spline::{Basis, ControlCurve};
@@ -73,7 +74,7 @@ impl Named<'_> {
         }
     }
 
-    /// The name of a file; nothing of a sample or a material, which may be something else.
+    /// The name of a file; nothing of a sample or a material, which may be something else, nor of pictures that are made by rule.
     pub fn file(&mut self) -> Option<&mut String> {
         match self {
             Self::Spectrum(slot) => Some(&mut slot.name),
@@ -81,7 +82,7 @@ impl Named<'_> {
             Self::Sky(slot, _) => Some(&mut slot.name),
             Self::Mesh(slot) => Some(&mut slot.name),
             Self::Curves(slot, _) => Some(&mut slot.name),
-            Self::Colours(slot) | Self::Numbers(slot) => Some(&mut slot.name),
+            Self::Colours(slot) | Self::Numbers(slot) => Some(&mut slot.name).filter(|name| !is_made(name)),
             Self::Grating(slot) => Some(&mut slot.name),
             Self::Measured(slot) => Some(&mut slot.name),
             Self::Sample(_) | Self::Material(_) | Self::Lower(..) => None,
@@ -222,7 +223,7 @@ impl ObjectShape {
                     zones.for_each(|of| of.named_mut(&format!("{table}zones."), &mut add));
                 }
             }
-            Self::Sphere { .. } | Self::Rectangle { .. } | Self::Snake(_) => {}
+            Self::Sphere { .. } | Self::Rectangle { .. } | Self::Snake(_) | Self::Form(_) => {}
         }
     }
 }
@@ -246,7 +247,7 @@ impl NamedSurface {
     fn named_mut<'a>(&'a mut self, place: &str, named: &mut Vec<(String, Named<'a>)>) {
         let mut add = |key: &str, one: Named<'a>| named.push((path_of(place, key), one));
         match self {
-            Self::Diffuse(of) => {
+            Self::Diffuse(of) | Self::Film2005(FilmOf2005 { paint: of, .. }) => {
                 if let Some(slot) = &mut of.albedo {
                     add("albedo", Named::Colours(slot));
                 }

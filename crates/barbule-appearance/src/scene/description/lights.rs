@@ -14,6 +14,7 @@ use crate::scene::light::{Light, Point, Rectangle, Sphere, Spot, Sun, disc_radia
 use crate::scene::primaries::primaries;
 use crate::spectrum::Spectrum;
 use crate::spectrum::colour::{Illuminant, decode};
+use crate::spectrum::glassner::Glassner;
 use crate::spectrum::sensor::Band;
 use crate::{Error, Result, record, variants};
 
@@ -219,6 +220,8 @@ pub enum LightColour {
     Rgb([f64; 3]),
     /// A table of wavelengths in nm and relative powers.
     Table(Slot<Spectrum>),
+    /// Linear R, G and B by Glassner's three functions, as in pictures of 2005; 0 where these are negative.
+    Glassner([f64; 3]),
 }
 
 record! {
@@ -231,20 +234,23 @@ record! {
         colour: Option<Colour> = "colour", ();
         /// A table of wavelengths in nm and relative powers.
         spectrum: Option<Slot<Spectrum>> = "spectrum", Text("the name of a file of wavelengths and powers");
+        /// Linear R, G and B by Glassner's three functions, as in pictures of 2005; 0 where these are negative.
+        glassner: Option<[f64; 3]> = "glassner", within(0, 1);
     }
 }
 
 impl LightColour {
     fn keys_of(&self) -> ColourKeys {
-        let none = ColourKeys { illuminant: None, colour: None, spectrum: None };
+        let none = ColourKeys { illuminant: None, colour: None, spectrum: None, glassner: None };
         match self {
             Self::Illuminant(name) => ColourKeys { illuminant: Some((*name).to_owned()), ..none },
             Self::Rgb(rgb) => ColourKeys { colour: Some(Colour(*rgb)), ..none },
             Self::Table(spectrum) => ColourKeys { spectrum: Some(spectrum.clone()), ..none },
+            Self::Glassner(rgb) => ColourKeys { glassner: Some(*rgb), ..none },
         }
     }
     /// As bright to the eye as daylight of radiance 1.
-    fn emission(&self) -> Result<Emission> {
+    pub(super) fn emission(&self) -> Result<Emission> {
         let emission = match self {
             Self::Illuminant("D65") => return Ok(Emission::daylight()),
             Self::Illuminant(name) => {
@@ -254,6 +260,10 @@ impl LightColour {
             Self::Rgb(rgb) => {
                 let (rgb, basis) = (rgb.map(decode), primaries()?);
                 Emission::new(|nm| rgb.iter().zip(&basis).map(|(weight, one)| weight * one.at(nm)).sum())?
+            }
+            Self::Glassner(rgb) => {
+                let functions = Glassner::of_2005();
+                Emission::new(|nm| if nm < 360.0 { 0.0 } else { functions.value(*rgb, nm).max(0.0) })?
             }
             Self::Table(slot) => {
                 let table = slot.value()?;
@@ -277,7 +287,7 @@ impl Record for LightColour {
     }
 
     fn read_fields(fields: &Fields<'_>) -> Result<Self> {
-        let given: Vec<&str> = ["illuminant", "colour", "spectrum"]
+        let given: Vec<&str> = ["illuminant", "colour", "spectrum", "glassner"]
             .into_iter()
             .filter(|key| fields.get(key).is_some())
             .collect();
@@ -295,6 +305,10 @@ impl Record for LightColour {
             ))),
             ColourKeys { colour: Some(Colour(rgb)), .. } => Ok(Self::Rgb(rgb)),
             ColourKeys { spectrum: Some(spectrum), .. } => Ok(Self::Table(spectrum)),
+            ColourKeys { glassner: Some(rgb), .. } if rgb.iter().all(|v| *v == 0.0) => Err(Error::input(
+                format!("{} is black; a lamp that is off has strength = 0", fields.path("glassner")),
+            )),
+            ColourKeys { glassner: Some(rgb), .. } => Ok(Self::Glassner(rgb)),
             ColourKeys { illuminant, .. } => {
                 let name = illuminant.as_deref().unwrap_or("D65");
                 let found = Illuminant::named(name).map_err(|error| error.at(fields.path("illuminant")))?;

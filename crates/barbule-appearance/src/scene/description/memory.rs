@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::files::Named;
+use super::form::FormDescription;
 use super::objects::{ObjectDescription, ObjectShape};
 use super::shapes::{SPHERE, nodes};
 use super::slot::Slot;
@@ -115,6 +116,10 @@ impl ObjectDescription {
             }
             ObjectShape::Rectangle { .. } => mesh([4.0, 2.0]),
             ObjectShape::Snake(snake) => mesh(snake.snake().size().map(|count| count as f64)),
+            ObjectShape::Form(form) => {
+                let (size, grid) = form.size();
+                mesh(size) + grid
+            }
             ObjectShape::Mesh(file) => mesh(corners(file, foreseen)),
             ObjectShape::Curves { file, basis } => match file.get() {
                 Some(curves) => {
@@ -134,8 +139,9 @@ impl ObjectDescription {
                 of.bytes(width_mm) + repeated * PER_PLACE
             }
             ObjectShape::Coat(of) => {
-                let triangles = of.coat.mesh.as_ref().map_or(0.0, |file| corners(file, foreseen)[1]);
-                of.bytes(triangles, width_mm)
+                let form = of.coat.form.as_ref().map_or(([0.0; 2], 0.0), FormDescription::size);
+                let triangles = of.coat.mesh.as_ref().map_or(form.0[1], |file| corners(file, foreseen)[1]);
+                of.bytes(triangles, width_mm) + form.1
             }
             ObjectShape::Row(of) => of.bytes(self.placements().len(), width_mm),
         };

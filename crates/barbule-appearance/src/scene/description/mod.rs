@@ -9,9 +9,11 @@ mod build;
 mod coat;
 mod colour;
 mod detail;
+mod develop;
 mod dress;
 mod file;
 mod files;
+mod form;
 mod lights;
 mod memory;
 mod objects;
@@ -26,12 +28,14 @@ mod surfaces;
 mod view;
 
 pub use barbules::{BarbuleClothing, LowerSide, Under};
-pub use coat::{CoatDescription, CoatFeather, CoatObject, GuideDescription};
+pub use coat::{BareDescription, CoatDescription, CoatFeather, CoatObject, GuideDescription};
 pub use colour::{Colour, parse_colour};
 pub use detail::{Detail, DetailLevel, ViewModel};
+pub use develop::{ToldLamp, Tone, ToneWord, WhiteBalance};
 pub use dress::{BarbuleDress, Dress, FeatherObject, RamusDress, Ring, Zone};
 pub use file::scene_keys;
 pub use files::{Named, ReadyScene};
+pub use form::{FormDescription, PartDescription};
 pub use lights::{KeyLight, LightColour, LightDescription, LightShape};
 pub use memory::{Foreseen, Holds};
 pub use objects::{ObjectDescription, ObjectShape, Placement, SnakeShape};
@@ -65,6 +69,10 @@ record! {
         /// Factor from radiance to the picture's linear values, or "auto": so that its middle is that of a grey card and highlights keep their
         /// colours, with stops more or less as in "auto-1.5".
         exposure: Exposure = "exposure", (), or Exposure::AUTO;
+        /// The curve from linear values to the screen's.
+        tone: Tone = "tone", (), or Tone::default();
+        /// Which light looks white: none for daylight, auto for that of lamps and sky together, or a colour temperature in K.
+        white_balance: WhiteBalance = "white_balance", (), or WhiteBalance::None;
         /// Most scatterings of a light path.
         scatterings: u32 = "scatterings", within(1, 1000), or 5;
         /// By how much the objects are turned about the picture's upward direction, counter-clockwise seen from above.

@@ -6,6 +6,7 @@ use super::barbules::Under;
 use super::coat::{CoatDescription, CoatObject};
 use super::detail::Detail;
 use super::dress::{Dress, FeatherObject, Zone};
+use super::form::FormDescription;
 use super::row::{RowDescription, RowFeather, RowObject};
 use super::shapes::{MOST_SEGMENTS, grow, rectangle, sphere, upwards};
 use super::slot::Slot;
@@ -15,6 +16,7 @@ use crate::bsdf::Texture;
 use crate::fields::{Fields, Key, Map, Record, Several, Text, Value, up_to, within};
 use crate::identity::Hasher;
 use crate::math::rng::hash;
+use crate::progress::Unobserved;
 use crate::scene::feather::{Feather, VaneDisc};
 use crate::scene::geometry::{Geometry, Mesh, Place};
 use crate::scene::snake::Snake;
@@ -79,6 +81,8 @@ pub enum ObjectShape {
     },
     /// The scales of a snake's body.
     Snake(SnakeShape),
+    /// A body that the program makes.
+    Form(Box<FormDescription>),
     /// A mesh from a file, in mm.
     Mesh(Slot<Mesh>),
     /// Round curves from a file, in mm.
@@ -113,7 +117,7 @@ record! {
 }
 
 record! {
-    /// The keys of shapes as files have them: one of the first eight says which shape it is.
+    /// The keys of shapes as files have them: one of the first nine says which shape it is.
     #[derive(Debug, Clone, PartialEq)]
     struct ShapeKeys {
         /// A sphere of this radius.
@@ -122,6 +126,8 @@ record! {
         rectangle_mm: Option<[f64; 2]> = "rectangle_mm", within(1e-3, 1e5);
         /// The scales of a snake's body.
         snake: Option<SnakeShape> = "snake", ();
+        /// A body of ellipsoids and tubes that melt into each other.
+        form: Option<FormDescription> = "form", ();
         /// A mesh, in mm.
         mesh: Option<Slot<Mesh>> = "mesh", Text("the name of a .ply, .obj, .gltf or .glb");
         /// Round curves, in mm.
@@ -156,7 +162,8 @@ record! {
 }
 
 /// The keys of which one says what shape an object is.
-const SHAPES: [&str; 8] = ["sphere_mm", "rectangle_mm", "snake", "mesh", "curves", "feather", "coat", "row"];
+const SHAPES: [&str; 9] =
+    ["sphere_mm", "rectangle_mm", "snake", "form", "mesh", "curves", "feather", "coat", "row"];
 
 /// Keys of feathers, coats and rows, of feathers and rows, and of feathers alone, with who has them.
 const OF_PLUMAGE: [(&str, &[&str], &str); 3] = [
@@ -171,6 +178,7 @@ impl ObjectShape {
             sphere_mm: None,
             rectangle_mm: None,
             snake: None,
+            form: None,
             mesh: None,
             curves: None,
             feather: None,
@@ -191,6 +199,7 @@ impl ObjectShape {
             Self::Sphere { radius_mm } => ShapeKeys { sphere_mm: Some(*radius_mm), ..none },
             Self::Rectangle { size_mm } => ShapeKeys { rectangle_mm: Some(*size_mm), ..none },
             Self::Snake(snake) => ShapeKeys { snake: Some(snake.clone()), ..none },
+            Self::Form(form) => ShapeKeys { form: Some((**form).clone()), ..none },
             Self::Mesh(file) => ShapeKeys { mesh: Some(file.clone()), ..none },
             Self::Curves { file, basis } => {
                 ShapeKeys { curves: Some(file.clone()), basis: Some(*basis), ..none }
@@ -248,6 +257,7 @@ impl ObjectShape {
                 Ok(Self::Rectangle { size_mm })
             }
             (["snake"], ShapeKeys { snake: Some(snake), .. }) => Ok(Self::Snake(snake)),
+            (["form"], ShapeKeys { form: Some(form), .. }) => Ok(Self::Form(Box::new(form))),
             (["mesh"], ShapeKeys { mesh: Some(file), .. }) => Ok(Self::Mesh(file)),
             (["curves"], ShapeKeys { curves: Some(file), basis, .. }) => {
                 Ok(Self::Curves { file, basis: basis.unwrap_or(Basis::BSpline) })
@@ -435,6 +445,10 @@ impl ObjectDescription {
             ObjectShape::Snake(snake) => {
                 let meshes = vec![Mesh { id: identity(0), ..snake.snake().mesh(identity(0)) }];
                 return Ok(Geometry { meshes, places, ..Geometry::default() });
+            }
+            ObjectShape::Form(form) => {
+                made = form.mesh(&Unobserved)?;
+                &made
             }
             ObjectShape::Mesh(file) => file.value()?.as_ref(),
             ObjectShape::Curves { file, basis } => {

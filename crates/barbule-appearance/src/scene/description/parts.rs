@@ -131,10 +131,13 @@ impl<'a> Substances<'a> {
         let barbule = |dress: &BarbuleDress, shape: &BarbuleShape| match dress {
             BarbuleDress::Hair(fibre) => Ok::<_, Error>(Substance::Fibre(fibre.build_on(cover)?)),
             BarbuleDress::Barbule(of) => Ok(Substance::Plate(of.barbules(shape.cells(&feather.disorder))?)),
+            BarbuleDress::Film(film) => Ok(Substance::Film(film.build()?)),
+            BarbuleDress::Paint(paint) => Ok(Substance::Paint(paint.build()?)),
         };
         let of_ramus = |dress: &RamusDress| match dress {
             RamusDress::Hair(fibre) => Ok::<_, Error>(Substance::Fibre(fibre.build_on(cover)?)),
             RamusDress::Keratin(keratin) => Ok(Substance::Keratin(keratin.build()?)),
+            RamusDress::Paint(paint) => Ok(Substance::Paint(paint.build()?)),
         };
         let ramus = of_ramus(&dress.ramus)?;
         let barbules =
@@ -149,7 +152,7 @@ impl<'a> Substances<'a> {
         };
         let pale_ramus = match &dress.ramus {
             RamusDress::Hair(fibre) => pale_fibre(fibre)?,
-            RamusDress::Keratin(_) => Surface::Keratin(pale.clone()),
+            RamusDress::Keratin(_) | RamusDress::Paint(_) => Surface::Keratin(pale.clone()),
         };
         let pale_barbule = match (&dress.distal, &dress.proximal) {
             (BarbuleDress::Hair(fibre), _) | (_, BarbuleDress::Hair(fibre)) => pale_fibre(fibre)?,
@@ -175,6 +178,8 @@ impl<'a> Substances<'a> {
             Substance::Fibre(hair) => Surface::Hair(hair.clone()),
             Substance::Keratin(keratin) => Surface::Keratin(keratin.clone()),
             Substance::Plate(plate) => Surface::Barbule(plate.clone()),
+            Substance::Film(film) => Surface::ThinFilm(film.clone()),
+            Substance::Paint(paint) => Surface::Lambertian(paint.clone()),
         };
         let [distal, proximal] = &self.barbules;
         let own = [&self.ramus, distal, proximal];

@@ -7,7 +7,7 @@ use super::colour::Colour;
 use super::slot::Slot;
 use crate::bsdf::{
     Absorption, Conductor, Dielectric, FacetRoughness, FibreIndex, Grating, Hair, HairParameters, Keratin,
-    Lambertian, Measured, MeasuredTables, Pictures, Reflectance, Relief, RoughDielectric, Surface,
+    Lambertian, Measured, MeasuredTables, PhaseFilm, Pictures, Reflectance, Relief, RoughDielectric, Surface,
     SurfaceMap, Texture, ThinFilm,
 };
 use crate::error::{did_you_mean, shortened};
@@ -18,6 +18,9 @@ use crate::scattering::grating::Powers;
 use crate::spectrum::colour::decode;
 use crate::stack::Stack;
 use crate::{Error, Result, record, variants, words};
+
+/// Least reflectance of a colour of fibres.
+const DARKEST: f64 = 0.002;
 
 /// Most surfaces of a map: as many as an 8-bit grey tells apart.
 const MOST_MAPPED: usize = 256;
@@ -48,6 +51,8 @@ variants! {
         "measured": Measured(MeasuredFile),
         /// Others, chosen from place to place.
         "map": Map(SurfacesByPlace),
+        /// Paint that is iridescent where it is blue, as a picture of 2005 had it.
+        "film-2005": Film2005(FilmOf2005),
         /// Barbules of a computed material.
         "barbule": Barbule(BarbuleClothing),
     }
@@ -70,6 +75,30 @@ record! {
         /// Height where `bump` is white.
         bump_um: Option<f64> = "bump_um", within(-1e5, 1e5);
         @agree Diffuse::agree;
+    }
+}
+
+record! {
+    /// Paint that is iridescent where it is blue: cos² δ of a phase that is taken twice too large.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct FilmOf2005 {
+        /// Thickness of the film.
+        thickness_nm: f64 = "thickness_nm", within(1, 1e5), or 140.0;
+        /// Its refractive index.
+        index: f64 = "index", within(1.01, 3.9), or 1.54;
+        @flat {
+            /// The paint.
+            paint: Diffuse;
+        }
+    }
+}
+
+record! {
+    /// Paint of one colour on barbs and barbules.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct EvenPaint {
+        /// Its colour.
+        colour: Colour = "colour", (), or Colour::WHITE;
     }
 }
 
@@ -102,10 +131,13 @@ record! {
         eumelanin: f64 = "eumelanin", within(0, 1e3), or 0.0;
         /// Concentration of pheomelanin.
         pheomelanin: f64 = "pheomelanin", within(0, 1e3), or 0.0;
-        /// Colour of a closed vane of such fibres on white in even light, in place of the pigments.
+        /// In place of both, what colour a mass of such fibres has.
         colour: Option<Colour> = "colour", ();
+        /// In place of that, what a closed vane of such fibres has on white in even light.
+        vane_colour: Option<Colour> = "vane_colour", ();
         /// Height of the section, along the vane's normal, over its width.
         height_over_width: f64 = "height_over_width", within(0.1, 10), or 1.0;
+        @agree FibreDescription::agree;
     }
 }
 
@@ -269,6 +301,12 @@ impl Diffuse {
     }
 }
 
+impl EvenPaint {
+    pub(super) fn build(&self) -> Result<Lambertian> {
+        Lambertian::painted(self.colour.0.map(decode), Pictures::default())
+    }
+}
+
 impl PigmentedKeratin {
     pub(super) fn build(&self) -> Result<Keratin> {
         Keratin::new(self.roughness, self.index, Reflectance::melanin(self.melanin)?)
@@ -279,9 +317,27 @@ impl PigmentedKeratin {
 const USUAL_COVER: f64 = 1.2;
 
 impl FibreDescription {
-    /// The same of a colour in place of its pigments.
-    pub(super) fn with_colour(&self, colour: Colour) -> Self {
-        Self { colour: Some(colour), eumelanin: 0.0, pheomelanin: 0.0, ..*self }
+    fn agree(&self, place: &str) -> Result<()> {
+        let given = [
+            ("colour", self.colour.is_some()),
+            ("vane_colour", self.vane_colour.is_some()),
+            ("eumelanin", self.eumelanin > 0.0),
+            ("pheomelanin", self.pheomelanin > 0.0),
+        ];
+        let given: Vec<&str> = given.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key).collect();
+        if given.len() > 1 && given[0] != "eumelanin" {
+            return Err(Error::input(format!(
+                "{} is given beside {}; give one colour, or pigments",
+                path_of(place, given[0]),
+                given[1]
+            )));
+        }
+        Ok(())
+    }
+
+    /// The same of the colour of a closed vane in place of what else colours it.
+    pub(super) fn with_vane_colour(&self, colour: Colour) -> Self {
+        Self { colour: None, vane_colour: Some(colour), eumelanin: 0.0, pheomelanin: 0.0, ..*self }
     }
 
     pub(super) fn build(&self) -> Result<Hair> {
@@ -299,13 +355,16 @@ impl FibreDescription {
             height_over_width: self.height_over_width,
         })
     }
-}
 
-impl FibreDescription {
+    /// A mass of fibres is at least [`DARKEST`]: nothing that absorbs everything has a depth.
     pub(super) fn absorption(&self, cover: f64) -> Result<Absorption> {
-        match self.colour {
-            Some(Colour(colour)) => Absorption::of_vane(&Reflectance::of_colour(colour.map(decode))?, cover),
-            None => Absorption::pigments(self.eumelanin, self.pheomelanin),
+        match (self.vane_colour, self.colour) {
+            (Some(vane), _) => Absorption::of_vane(&Reflectance::of_colour(vane.0.map(decode))?, cover),
+            (None, Some(mass)) => {
+                let light = mass.0.map(|value| decode(value).max(DARKEST));
+                Absorption::of_reflectance(&Reflectance::of_colour(light)?, self.azimuthal_roughness)
+            }
+            (None, None) => Absorption::pigments(self.eumelanin, self.pheomelanin),
         }
     }
 }
@@ -354,7 +413,7 @@ impl FilmDescription {
         stack.map(|_| ()).map_err(|error| error.at(path_of(place, "stack")))
     }
 
-    fn build(&self) -> Result<ThinFilm> {
+    pub(super) fn build(&self) -> Result<ThinFilm> {
         let body = self.colour.map(|colour| Reflectance::of_colour(colour.0.map(decode))).transpose()?;
         ThinFilm::new(&Stack::parse(&self.stack, &Library::builtin())?, self.roughness, body)
     }
@@ -407,6 +466,9 @@ impl NamedSurface {
                 let surfaces = surfaces.iter().map(one).collect::<Result<_>>()?;
                 let map = SurfaceMap::new(Texture::clone(file.value()?), surfaces);
                 Surface::Map(map.map_err(|error| error.at(&file.name))?)
+            }
+            Self::Film2005(FilmOf2005 { thickness_nm, index, paint }) => {
+                Surface::Lambertian(paint.build()?.iridescent(PhaseFilm::new(*thickness_nm, *index)?))
             }
             Self::Barbule(of) => Surface::Clad(Box::new(of.clad()?)),
         })

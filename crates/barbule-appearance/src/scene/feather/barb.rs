@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3, Vec2};
 
+use super::eye::Sway;
 use super::loose::Loose;
 use super::outline::Vane;
 use super::row::{FlatBarb, PATH_STEPS, Row};
@@ -51,6 +52,10 @@ pub struct Barb {
     pub is_tuft: bool,
     /// Whether nothing holds its distal and its proximal barbules: it is loose, or the vane gapes there.
     pub is_free: [bool; 2],
+    /// Up to where on it neighbours hold it, mm; infinite where it has no free end beyond an eye.
+    pub hooked_mm: f64,
+    /// How much shorter barbules are at its free end, as a share.
+    pub thinning: f64,
 }
 
 /// All barbs of one side whose bases can reach into a window; seed and identity name the draws.
@@ -103,11 +108,16 @@ fn raised(feather: &Feather, shaft: &Shaft, side: f64, flat: &FlatBarb) -> Barb 
     let vane = feather.vane_at(side);
     let base = shaft.at(flat.along);
     let loose = Loose::new(&feather.downy, flat, &base, side);
+    let sway = Sway::new(&feather.eye, flat, &base, side);
     let path: Vec<DVec3> = (0..=PATH_STEPS)
         .map(|i| {
             let u = i as f64 / PATH_STEPS as f64;
             let point = on_vane(feather, shaft, side, vane, flat.path[i], flat.under * u * u);
-            loose.as_ref().map_or(point, |loose| loose.moved(point, u, &base))
+            match (&loose, &sway) {
+                (Some(loose), _) => loose.moved(point, u, &base),
+                (None, Some(sway)) => sway.moved(point, u * flat.length),
+                (None, None) => point,
+            }
         })
         .collect();
     let (points, length_mm) = evenly(&path);
@@ -136,6 +146,8 @@ fn raised(feather: &Feather, shaft: &Shaft, side: f64, flat: &FlatBarb) -> Barb 
         is_loose: flat.looseness > 0.0,
         is_tuft: flat.is_tuft,
         is_free: flat.is_free,
+        hooked_mm: flat.hooked_mm,
+        thinning: feather.eye.thinning,
     }
 }
 
@@ -219,6 +231,8 @@ impl Barb {
             is_loose: false,
             is_tuft: false,
             is_free: [false; 2],
+            hooked_mm: f64::INFINITY,
+            thinning: 0.0,
         }
     }
 
@@ -236,6 +250,14 @@ impl Barb {
         let rest = position - index as f64;
         let mix = |v: &[DVec3]| v[index].lerp(v[index + 1], rest);
         (mix(&self.points), mix(&self.tangents).normalize(), mix(&self.normals).normalize())
+    }
+
+    /// Length of its barbules at an arc length, mm, over that where it is hooked.
+    pub(super) fn fullness(&self, along_mm: f64) -> f64 {
+        if along_mm <= self.hooked_mm || self.length_mm <= self.hooked_mm {
+            return 1.0;
+        }
+        1.0 - self.thinning * ((along_mm - self.hooked_mm) / (self.length_mm - self.hooked_mm)).min(1.0)
     }
 
     /// Half the width of the ramus at a share of its length, mm.

@@ -82,7 +82,7 @@ pub(super) fn along(
             continue;
         }
         let root = Root::on(barb, along, which, roll).moved(-origin);
-        root.grow(&mut nodes, row, row.length_at(along / barb.length_mm), &mut stream);
+        root.grow(&mut nodes, row, barb.fullness(along) * row.length_at(along / barb.length_mm), &mut stream);
         let ribbon = ribbon(row, id, &mut stream);
         let mark = barb.mark(markings, along, id);
         grown.barbules_at(barb.is_loose, which, mark).add_ribbon(&nodes, ribbon);

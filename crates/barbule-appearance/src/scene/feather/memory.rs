@@ -6,6 +6,7 @@
 
 use super::outline::Vane;
 use super::row::{BORDER, LEAST_SINE, MOST_IN_TUFT};
+use super::shaft::Shaft;
 use super::{Feather, Level, VaneDisc, stretch, swatch};
 use crate::scene::memory::{IN_PIECES, PER_PLACE, REPEATED, Rami, per_segment};
 
@@ -63,28 +64,33 @@ impl Feather {
     #[must_use]
     pub fn census(&self, window: VaneDisc) -> Census {
         let (shape, downy) = (&self.barbs, &self.downy);
-        let spacing_mm = 1e-3 * shape.spacing_um;
+        let (spacing_mm, shaft) = (1e-3 * shape.spacing_um, Shaft::new(&self.shaft));
         let first = self.shaft.length_mm * self.shaft.calamus;
         let vane_mm = self.shaft.length_mm - first;
         // Barbs of both kinds alternate at the border.
         let loose_to = if downy.share >= 1.0 { 1.0 } else { downy.share * (1.0 + 0.5 * BORDER) };
         let own_mm = if loose_to > 0.0 { downy.barb_length_mm } else { 0.0 };
-        let (mut laid_out, mut raised) = ([0.0_f64; 2], [0.0; 2]);
+        let (mut laid_out, mut raised, mut with_eye_mm) = ([0.0_f64; 2], [0.0; 2], 0.0);
         for (vane, laid_out) in Vane::BOTH.into_iter().zip(&mut laid_out) {
             let step = vane_mm / f64::from(PARTS);
             for part in 0..PARTS {
                 let t = (f64::from(part) + 0.5) / f64::from(PARTS);
-                let sine = libm::sin(shape.insertion(vane, t)).max(LEAST_SINE);
-                let barbs = step * sine / spacing_mm;
+                let angle = self.insertion(vane, t);
+                let sine = libm::sin(angle).max(LEAST_SINE);
+                let barbs = step * sine / self.spacing_mm(t);
                 *laid_out += barbs;
-                let reach = (1.3 * shape.half_width_mm(vane) / sine).max(own_mm);
                 let along = first + t * vane_mm;
+                let of_eye = self.reach(&shaft, [0.0, along], angle).map(|[length, _]| 1.1 * length);
+                let reach = of_eye.unwrap_or(1.3 * shape.half_width_mm(vane) / sine).max(own_mm);
                 let reaches = |radius: f64| {
                     along + step > window.along_mm - reach - radius
                         && along - step < window.along_mm + 1.2 * radius
                 };
                 if window.radius_mm.is_none_or(reaches) {
                     raised[usize::from(t < loose_to)] += barbs;
+                    if t >= loose_to {
+                        with_eye_mm += barbs * of_eye.unwrap_or_default();
+                    }
                 }
             }
             *laid_out += MOST_IN_TUFT as f64;
@@ -93,7 +99,11 @@ impl Feather {
         // So many barbs cross a disc on either side of the shaft.
         let crossing = window.radius_mm.map_or(f64::INFINITY, |radius| 4.0 * (radius / spacing_mm + 1.0));
         // Barbs that lean, and a shaft that is bent, bring some more into it.
-        let closed = (LEANING * self.vane_area_in(window)).min(self.vane_area().min(disc)) / spacing_mm;
+        let closed = if self.eye.is_there() {
+            with_eye_mm + 2.0 * MOST_IN_TUFT as f64 * (self.eye.half_length_mm + self.eye.fringe_mm)
+        } else {
+            (LEANING * self.vane_area_in(window)).min(self.vane_area().min(disc)) / spacing_mm
+        };
         let closed_mm = if downy.share < 1.0 { closed } else { 0.0 };
         let loose_mm = match own_mm {
             own if own > 0.0 => (1.15 * own * raised[1]).min(2.5 * disc / spacing_mm),

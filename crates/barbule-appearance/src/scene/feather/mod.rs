@@ -6,6 +6,7 @@
 mod barb;
 mod barbule;
 mod envelope;
+mod eye;
 mod flat;
 mod grown;
 mod loose;
@@ -34,7 +35,9 @@ pub use memory::Census;
 pub use outline::Vane;
 pub use shaft::{Shaft, Station};
 pub use sheet::SheetBarbs;
-pub use sizes::{BarbShape, BarbuleShape, Disorder, DownyShape, PatternShape, ShaftShape, SplitShape};
+pub use sizes::{
+    BarbShape, BarbuleShape, Disorder, DownyShape, EyeShape, PatternShape, ShaftShape, SplitShape,
+};
 pub use swatch::Swatch;
 pub(in crate::scene) use tables::layered;
 pub use tables::{Feather, LeadingSide};
@@ -327,6 +330,9 @@ impl Feather {
 
     /// About how long all barbs in a window are, mm: those that fill its area at their spacing.
     fn barbs_mm_in(&self, window: VaneDisc) -> f64 {
+        if self.eye.is_there() {
+            return self.census(window).barbs_mm.iter().sum();
+        }
         let disc = window.radius_mm.map_or(f64::INFINITY, |radius| std::f64::consts::PI * radius * radius);
         self.vane_area().min(disc) * 1e3 / self.barbs.spacing_um
     }

@@ -49,6 +49,8 @@ pub(super) struct FlatBarb {
     pub is_free: [bool; 2],
     /// How far it slides under its neighbours at its end, mm.
     pub under: f64,
+    /// Up to where on it neighbours hold it, mm: everywhere where it has no end outside of an eye.
+    pub hooked_mm: f64,
 }
 
 /// Everything that names and shapes the barbs of one side.
@@ -98,10 +100,10 @@ impl Row<'_> {
         let barbs = &self.feather.barbs;
         let [first, tip] = self.shaft.vane_range();
         let last = tip - barbs.tuft * (tip - first);
-        let spacing = 1e-3 * barbs.spacing_um;
         let step = |s: f64| {
-            let angle = barbs.insertion(self.vane, self.shaft.vane(s));
-            (angle, spacing / libm::sin(angle).max(LEAST_SINE))
+            let t = self.shaft.vane(s);
+            let angle = self.feather.insertion(self.vane, t);
+            (angle, self.feather.spacing_mm(t) / libm::sin(angle).max(LEAST_SINE))
         };
         // Left and right do not stand opposite each other.
         let mut s = first + step(first).1 * Stream::new(self.name, &[0]).unit();
@@ -122,8 +124,12 @@ impl Row<'_> {
         if last >= tip {
             return;
         }
-        let angle = barbs.insertion(self.vane, self.shaft.vane(last));
-        let length = self.length(last, &self.bend(angle, 0.0, 0.0, 1.0));
+        let t = self.shaft.vane(last);
+        let angle = self.feather.insertion(self.vane, t);
+        let length = match self.reach(last, angle) {
+            Some([length, _]) => length,
+            None => self.length(last, &self.bend([angle, self.feather.turn_of(angle, t)], 0.0, 0.0, 1.0)),
+        };
         let arc = length * angle / (1e-3 * barbs.spacing_um);
         let count = (libm::round(arc) as usize).min(MOST_IN_TUFT);
         for k in 1..=count {
@@ -140,7 +146,7 @@ impl Row<'_> {
         let (feather, disorder) = (self.feather, &self.feather.disorder);
         let id = hash(self.name, &[1, index as u64]);
         let mut stream = Stream::new(id, &[]);
-        let spacing = 1e-3 * feather.barbs.spacing_um;
+        let spacing = feather.spacing_mm(self.shaft.vane(base.along).clamp(0.0, 1.0));
         let along = base.along + disorder.barb_spacing * spacing * stream.normal();
         let t = self.shaft.vane(along).clamp(0.0, 1.0);
         // Neighbours hold each other: angles and waves drift together, the less the closer they stand at their ends.
@@ -150,16 +156,18 @@ impl Row<'_> {
         let angle = (base.angle + calm * disorder.barb_angle * drift(0)).clamp(0.01, 1.55);
         let looseness = self.looseness(t, stream.unit());
         let (wave, phase) = (calm * disorder.barb_wave * drift(1), drift(2));
-        let whole = match feather.downy.barb_length_mm {
-            length if looseness > 0.0 && length > 0.0 => length,
-            _ => self.length(along, &self.bend(angle, wave, phase, 1.0)),
+        let turn = [angle, feather.turn_of(angle, t)];
+        let (whole, hooked_mm) = match (feather.downy.barb_length_mm, self.reach(along, angle)) {
+            (length, _) if looseness > 0.0 && length > 0.0 => (length, f64::INFINITY),
+            (_, Some([length, hooked])) => (length, if looseness > 0.0 { f64::INFINITY } else { hooked }),
+            _ => (self.length(along, &self.bend(turn, wave, phase, 1.0)), f64::INFINITY),
         };
         let worn = disorder.wear * noise::fractal(hash(self.name, &[3]), 25.0 * t);
         let grown = (1.0 + disorder.barb_length * stream.normal()) * (1.0 - worn);
         let end = disorder.barb_end * spacing * stream.normal();
         let length = (whole * grown + end).max(SHORTEST_MM);
         // A longer barb goes on where a shorter one ends: it does not bend otherwise, which would lead it across.
-        let bend = self.bend(angle, wave, phase, length / whole);
+        let bend = self.bend(turn, wave, phase, length / whole);
         let x = BASE_SHARE * self.shaft.radius(along);
         let path = bend.map(|unit| DVec2::new(x, along) + unit * whole);
         FlatBarb {
@@ -171,8 +179,9 @@ impl Row<'_> {
             path,
             looseness,
             is_tuft: base.is_tuft,
-            is_free: [looseness > 0.0; 2],
+            is_free: [looseness > 0.0 || hooked_mm == 0.0; 2],
             under: 0.0,
+            hooked_mm,
         }
     }
 
@@ -190,10 +199,15 @@ impl Row<'_> {
         }
     }
 
-    /// The path of a barb of length 1 from the origin: it turns towards the tip evenly, and waves; `extent`:
+    /// Length of a barb of a feather with an eye, and up to where it is hooked, mm; nothing where there is no eye.
+    fn reach(&self, along: f64, angle: f64) -> Option<[f64; 2]> {
+        let start = BASE_SHARE * self.shaft.radius(along);
+        self.feather.reach(self.shaft, [start, along], angle)
+    }
+
+    /// The path of a barb of length 1 from the origin, by its angle and its turn: it turns towards the tip evenly, and waves; `extent`:
     /// how much of it there is, and more than 1 of its continuation.
-    fn bend(&self, angle: f64, wave: f64, phase: f64, extent: f64) -> [DVec2; PATH_STEPS + 1] {
-        let curl = self.feather.barbs.curl_at(angle);
+    fn bend(&self, [angle, curl]: [f64; 2], wave: f64, phase: f64, extent: f64) -> [DVec2; PATH_STEPS + 1] {
         let step = extent / PATH_STEPS as f64;
         let mut path = [DVec2::ZERO; PATH_STEPS + 1];
         for i in 0..PATH_STEPS {

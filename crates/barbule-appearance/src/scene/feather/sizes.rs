@@ -87,6 +87,39 @@ record! {
 }
 
 record! {
+    /// An eye, as on a peafowl's train: a zipped disc near the tip, and barbs that stand apart below it.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct EyeShape {
+        /// Length of the shaft, up to its tip, from which the barbs of the eye leave, mm; 0: there is no eye.
+        length_mm: f64 = "length_mm", within(0, 2000);
+        /// How far its middle lies before the shaft's tip, mm.
+        middle_mm: f64 = "middle_mm", within(-500, 500);
+        /// Half its width, mm.
+        half_width_mm: f64 = "half_width_mm", within(0.05, 500);
+        /// Half its length along the shaft, mm.
+        half_length_mm: f64 = "half_length_mm", within(0.05, 500);
+        /// How far its barbs reach beyond it, mm.
+        fringe_mm: f64 = "fringe_mm", within(0, 500);
+        /// Length of the shaft over which barbs come to stand apart, mm.
+        border_mm: f64 = "border_mm", within(0.1, 2000);
+        /// Distance between neighbours below it, perpendicular to them, µm.
+        loose_spacing_um: f64 = "loose_spacing_um", within(5, 50000);
+        /// Length of the barbs below it, mm.
+        loose_length_mm: f64 = "loose_length_mm", within(0.05, 500);
+        /// How much a barb below it turns back, away from the feather's tip, from its base to its end, rad.
+        hang: f64 = "hang_deg", degrees(-180, 180);
+        /// Standard deviation of the angle by which free barbs leave the vane's plane, rad.
+        spread: f64 = "spread_deg", degrees(0, 60);
+        /// How far free barbs wave, over their length.
+        wave: f64 = "wave_share", within(0, 1);
+        /// Length of the waves, mm.
+        wavelength_mm: f64 = "wavelength_mm", within(0.1, 1000);
+        /// How much shorter barbules are at the ends of free barbs than where these are hooked, as a share.
+        thinning: f64 = "thinning_share", within(0, 0.95);
+    }
+}
+
+record! {
     /// The barbules on one side of the barbs.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct BarbuleShape {

@@ -91,7 +91,7 @@ impl Stretches {
                 id,
             };
             let share = (along / barb.length_mm).clamp(0.0, 1.0);
-            let longest = self.row.length_at(share) / self.row.length;
+            let longest = barb.fullness(along) * self.row.length_at(share) / self.row.length;
             let mark = barb.mark(markings, along, id);
             self.pick(longest, id).places.entry(mark).or_default().push(place);
         }

@@ -2,7 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::sizes::{BarbShape, BarbuleShape, Disorder, DownyShape, PatternShape, ShaftShape, SplitShape};
+use super::sizes::{
+    BarbShape, BarbuleShape, Disorder, DownyShape, EyeShape, PatternShape, ShaftShape, SplitShape,
+};
 use super::types;
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{Fields, Key, Kind, Map, Record, Text, Value, path_of};
@@ -60,12 +62,15 @@ record! {
         disorder: Disorder = "disorder", ();
         /// Where it is dark.
         pattern: PatternShape = "pattern", ();
+        /// An eye near the tip, with loose barbs below it.
+        eye: EyeShape = "eye", ();
         @prepare written_out, short_keys;
     }
 }
 
 /// Tables of a feather, in the order of its parts.
-const TABLES: [&str; 8] = ["shaft", "barbs", "distal", "proximal", "downy", "splits", "disorder", "pattern"];
+const TABLES: [&str; 9] =
+    ["shaft", "barbs", "distal", "proximal", "downy", "splits", "disorder", "pattern", "eye"];
 
 impl Feather {
     /// A feather by the name of a type or of a bird's feather that is shipped.
@@ -195,6 +200,7 @@ fn keys_of(table: &str) -> Vec<&'static str> {
         "downy" => DownyShape::keys(),
         "splits" => SplitShape::keys(),
         "pattern" => PatternShape::keys(),
+        "eye" => EyeShape::keys(),
         _ => Disorder::keys(),
     };
     let also = BOTH_VANES.iter().map(|(both, _)| *both).filter(|_| table == "barbs");

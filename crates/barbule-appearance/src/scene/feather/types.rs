@@ -12,7 +12,7 @@ use crate::scene::preset;
 type Feather = (&'static str, Option<&'static str>, &'static str);
 
 /// The types; a contour feather gives every size.
-const TYPES: [Feather; 7] = [
+const TYPES: [Feather; 8] = [
     ("contour", None, include_str!("types/contour.toml")),
     ("primary", Some("contour"), include_str!("types/primary.toml")),
     ("secondary", Some("primary"), include_str!("types/secondary.toml")),
@@ -20,6 +20,7 @@ const TYPES: [Feather; 7] = [
     ("covert", Some("contour"), include_str!("types/covert.toml")),
     ("semiplume", Some("contour"), include_str!("types/semiplume.toml")),
     ("down", Some("semiplume"), include_str!("types/down.toml")),
+    ("train", Some("contour"), include_str!("types/train.toml")),
 ];
 
 /// The types, then single birds' feathers.

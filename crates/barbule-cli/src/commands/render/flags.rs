@@ -6,7 +6,10 @@ use std::time::Duration;
 use barbule::error::{did_you_mean, shortened};
 use barbule::io::read_sensor;
 use barbule::open;
-use barbule::scene::description::{Background, Bearing, Exposure, Motion, Moved, ViewModel, Waypoint};
+use barbule::picture::Quality;
+use barbule::scene::description::{
+    Background, Bearing, Exposure, Motion, Moved, ToneWord, ViewModel, Waypoint, WhiteBalance,
+};
 use barbule::spectrum::sensor::Sensor;
 use barbule::vision::Eye;
 use barbule::{Error, Result};
@@ -122,6 +125,21 @@ pub(super) fn exposure(text: &str) -> Result<Exposed> {
 /// `sky`, `none`, `#rrggbb` or a picture.
 pub(super) fn background(text: &str) -> Result<Background> {
     Background::parse(text).map_err(|e| e.at("--background"))
+}
+
+/// Samples and noise by a word.
+pub(super) fn quality(text: &str) -> Result<Quality> {
+    Quality::named("--quality", text)
+}
+
+/// The curve from light to the screen.
+pub(super) fn tone(text: &str) -> Result<ToneWord> {
+    ToneWord::named("--tone", text)
+}
+
+/// Which light looks white.
+pub(super) fn white_balance(text: &str) -> Result<WhiteBalance> {
+    WhiteBalance::parse(text).map_err(|e| e.at("--white-balance"))
 }
 
 /// How barbs are seen.

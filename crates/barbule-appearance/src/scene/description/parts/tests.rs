@@ -66,7 +66,13 @@ fn zones(edge_mm: f64) -> Vec<Zone> {
         distal: None,
         proximal: None,
     };
-    let disc = Ring { centre_mm: [1.7, MIDDLE_MM + 1.0], radii_mm: [0.0, 1.2], stretch: 1.3 };
+    let disc = Ring {
+        centre_mm: [1.7, MIDDLE_MM + 1.0],
+        radii_mm: [0.0, 1.2],
+        stretch: 1.3,
+        widening_per_mm: 0.0,
+        notch_mm: [0.0, 1.0],
+    };
     vec![Zone { along: [0.0, (MIDDLE_MM - 1.0) / VANE_MM], ..all.clone() }, Zone { ring: Some(disc), ..all }]
 }
 
@@ -173,6 +179,78 @@ fn zones_lie_in_the_same_places_at_every_level() {
     }
 }
 
+/// Rings of a peacock's eye lie on barbs left and right where their radii say, by straight barbs and rings written out again.
+#[test]
+fn rings_of_an_eye_hold_their_materials_on_barbs_of_both_sides() {
+    let scene = SceneDescription::named("peacock").unwrap();
+    let of = scene.lone_feather().unwrap();
+    let worn = |zone: usize| match zone {
+        0 => of.dress.material().unwrap().to_owned(),
+        zone => {
+            let worn = [&of.zones[zone - 1].distal, &of.zones[zone - 1].proximal];
+            let named = |dress: &Option<BarbuleDress>| match dress {
+                Some(BarbuleDress::Barbule(of)) => Some(of.material.name.clone()),
+                _ => None,
+            };
+            worn.into_iter().find_map(named).unwrap()
+        }
+    };
+    let zones = of.feather.zones(of.zone_plan().unwrap().unwrap()).unwrap();
+    let (shape, eye, shaft) = (of.feather.barbs, of.feather.eye, of.feather.shaft);
+    let smooth = |x: f64| x.clamp(0.0, 1.0).powi(2) * (3.0 - 2.0 * x.clamp(0.0, 1.0));
+    let middle = shaft.length_mm * (1.0 - shaft.calamus) - eye.middle_mm;
+    // From the heart outwards: outer radius, depth of the notch, and what is there.
+    let rings = [
+        (6.0, 4.5, "peafowl:scaled-violet"),
+        (7.2, 4.5, "peafowl:scaled-blue"),
+        (11.0, 2.0, "peafowl:scaled-turquoise"),
+        (18.0, 0.0, "peafowl:scaled-bronze"),
+        (20.0, 0.0, "peafowl"),
+        (24.0, 0.0, "peafowl:scaled-green"),
+        (f64::INFINITY, 0.0, "peafowl"),
+    ];
+    // Draws stray by less than this.
+    let clear = 0.2 * 6.0_f64.sqrt() * std::f64::consts::SQRT_2 * 1.1;
+    let mut held = [[0; 7]; 2];
+    for before in [50.0, 38.0, 26.0, 14.0, 6.0] {
+        let station = shaft.length_mm - before;
+        let fan = smooth(1.0 - before / eye.length_mm);
+        let angle = shape.leading_base_angle + (shape.leading_tip_angle - shape.leading_base_angle) * fan;
+        let straight = angle - 0.375 * shape.curl.min(0.6 * angle);
+        let radius = (shaft.radius_mm * (before / shaft.length_mm / (1.0 - shaft.calamus)).powf(shaft.taper))
+            .max(shaft.tip_radius_mm);
+        for step in 0..700 {
+            let arc = 0.1 * f64::from(step);
+            let x = 0.75 * radius + arc * straight.sin();
+            let y = eye.middle_mm - before + arc * straight.cos();
+            let rho = |notch: f64| {
+                let wide = x / (1.0 + 0.005 * y);
+                let plain = (wide * wide + y * y / 1.21).sqrt();
+                if y < 0.0 && notch > 0.0 {
+                    let width = if notch > 4.0 { 2.8 } else { 3.0 };
+                    plain + notch * (-y / notch).min(1.0) * (-x * x / (width * width)).exp()
+                } else {
+                    plain
+                }
+            };
+            // Too near to a border to tell; in the notch distances grow faster than the radius.
+            if rings.iter().any(|(outer, notch, _)| (rho(*notch) - outer).abs() < 2.0 * clear) {
+                continue;
+            }
+            let ring = rings.iter().position(|(outer, notch, _)| rho(*notch) < *outer).unwrap();
+            for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
+                for name in 0..3 {
+                    let zone = zones.at(side, station, arc, hash(name, &[step as u64]));
+                    assert_eq!(worn(zone), rings[ring].2, "{before} {arc} {x} {y}");
+                    held[k][ring] += 1;
+                }
+            }
+        }
+    }
+    println!("{held:?} about {middle}");
+    assert!(held[0] == held[1] && [0, 2, 3, 5, 6].into_iter().all(|ring| held[0][ring] > 20), "{held:?}");
+}
+
 /// Plates on a feather of fibres, as iridescent patches are, where parts stand there one by one, in the feather or in what its sheets
 /// show; envelopes refuse them.
 #[test]
@@ -221,7 +299,7 @@ fn vanes_on_white_look_like_their_scan() {
             "preset = 'osprey'\nalbedo = 'scan.png'\nlights = []\nsky = 1.0\nsky_horizon = 1.0\nsky_below = 1.0\nscatterings = 60\n\
              [light]\nstrength = 0.0\n[window]\nalong_mm = 110.0\nwhole = true\n[detail]\nlevel = 'vane'\n[feather]\ntype = 'primary'\n\
              [camera]\nprojection = 'orthographic'\nlens = 0.0\nazimuth_deg = 180.0\nelevation_deg = 90.0\nwidth_mm = 1.5\n\
-             target_mm = [{}, 0.0, 0.0]\n[surfaces.hair]\ncolour = '#ffffff'\n[surfaces.barbule]\ncolour = '#ffffff'",
+             target_mm = [{}, 0.0, 0.0]\n[surfaces.hair]\nvane_colour = '#ffffff'\n[surfaces.barbule]\nvane_colour = '#ffffff'",
             4.0 * side
         );
         let mut scene = SceneDescription::parse(&text).unwrap();

@@ -1,0 +1,58 @@
+//! The laws of Osorio & Ham (2002, *J. exp. Biol.* 205, 2017) on rendered feathers. Poses are those in which the feathers show their beam,
+//! as `crates/barbule/examples/feather_laws.rs` finds them; it has more of them, and more feathers.
+
+use barbule::spectrum::angle_law::AngleLaw;
+
+use crate::measure::laws::{Patch, Pose, beam_and_white, height, modulation, peak_nm};
+
+const fn pose(between_deg: f64, roll_deg: f64, turn_deg: f64) -> Pose {
+    Pose { between_deg, turn_deg, roll_deg }
+}
+
+/// For a fixed viewer the peak's wavelength does not depend on how the feather is turned, only on the angle E between light and viewer, and
+/// falls with it as that of layers does; under light from everywhere the modulation is smaller.
+#[test]
+fn a_starlings_peak_depends_on_the_angle_between_light_and_viewer_alone() {
+    let patch = Patch::of("starling", 1.0);
+    let (mut means, mut deepest) = (vec![], 0.0_f64);
+    for (between, poses) in [
+        (10.0, [(45.0, 15.0), (90.0, 10.0), (90.0, 20.0)]),
+        (40.0, [(45.0, 30.0), (90.0, 25.0), (90.0, 35.0)]),
+        (70.0, [(45.0, 50.0), (90.0, 40.0), (90.0, 50.0)]),
+    ] {
+        let spectra = poses.map(|(roll, turn)| patch.lit(pose(between, roll, turn), None, 32));
+        let peaks = spectra.each_ref().map(|spectrum| peak_nm(spectrum, [450.0, 620.0]));
+        let mean = peaks.iter().sum::<f64>() / 3.0;
+        println!("E = {between}°: {peaks:.1?}");
+        assert!(peaks.iter().all(|nm| (nm - mean).abs() < 6.0), "{peaks:?}");
+        means.push((0.5 * f64::to_radians(between), mean));
+        deepest = spectra.iter().map(modulation).fold(deepest, f64::max);
+    }
+    let law = AngleLaw::fit(&means).unwrap();
+    println!("{:.1} nm at the normal, n = {:.2?}, rms {:.1} nm", law.normal_nm.value, law.index, law.rmse_nm);
+    let slope = law.line.b_nm_per_deg.value;
+    assert!((0.3..0.7).contains(&slope) && law.rmse_nm < 2.5, "{means:?}");
+    let sky = modulation(&patch.under_sky(pose(0.0, 0.0, 0.0), 32));
+    println!("modulation {deepest:.3}, under a sky {sky:.3}");
+    assert!(sky < 0.95 * deepest, "{sky} under a sky, {deepest} under a lamp");
+}
+
+/// The white gloss of a hummingbird's barbs and the coloured beam of its barbules are two mirrors: each stays where it is on the feather,
+/// far from the other, whatever the angle between light and viewer.
+#[test]
+fn a_hummingbirds_gloss_is_beside_its_coloured_beam() {
+    let patch = Patch::of("hummingbird", 0.35);
+    let found = [10.0, 50.0].map(|between| {
+        let at = |beyond: f64, part| patch.lit(pose(between, 0.0, 0.5 * between + beyond), part, 16);
+        let turns = |range: std::ops::RangeInclusive<i32>| range.map(|k| 5.0 * f64::from(k));
+        let beams = turns(-7..=0).map(|turn| (turn, at(turn, None)));
+        let (beam_at, beam) = beams.max_by(|a, b| height(&a.1).total_cmp(&height(&b.1))).unwrap();
+        let white = |turn| (turn, beam_and_white(&at(turn, Some("barbs")), &beam)[1]);
+        let (gloss_at, _) = turns(-2..=8).map(white).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        println!("E = {between}°: beam at {beam_at}°, gloss at {gloss_at}° from the vane's mirror position");
+        (beam_at, gloss_at)
+    });
+    for (beam_at, gloss_at) in found {
+        assert!((-30.0..=-10.0).contains(&beam_at) && (10.0..=40.0).contains(&gloss_at), "{found:?}");
+    }
+}
