@@ -107,9 +107,11 @@ fn stations_are_met_and_passed_smoothly() {
 /// Where two neighbours overlap, all of the upper one's vane is over the lower one's, and their shafts do not meet.
 #[test]
 fn neighbours_do_not_cut_through_each_other() {
+    let level =
+        |x: f64, direction: [f64; 3]| Station { normal: DVec3::Z, ..station([x, 0.0, 0.0], direction) };
     let wing = FeatherRow {
         count: 9,
-        stations: vec![station([0.0; 3], [0.2, -1.0, 0.0]), station([40.0, 0.0, 0.0], [-0.1, -1.0, 0.1])],
+        stations: vec![level(0.0, [0.2, -1.0, 0.0]), level(40.0, [-0.1, -1.0, 0.0])],
         clearance_mm: 0.05,
         ..fan()
     };
