@@ -13,7 +13,7 @@ use crate::{Error, Result};
 /// The library gets linear light of each pixel's own samples (the tent of a finished pixel shares samples with its neighbours, and what neighbours share it
 /// takes for texture), with the first hits' albedo and normals, both of which it cleans first. It also takes for noise what is as small as a pixel: glints. What the
 /// samples themselves are sure of therefore stays: a pixel is d + w (n − d), d without and n with noise, both through the tent, of which the share w = max(0, 1 − σ²/s²) is
-/// that of James & Stein (*Estimation with quadratic loss*, 1961), σ² the variance of the pixel's luminance and s² the square of its distance from d. A pixel with one
+/// that of James & Stein (*Estimation with quadratic loss*, 1961), σ² the variance of the pixel's luminance or of those about it, whichever is larger, and s² the square of its distance from d. A pixel with one
 /// bright sample, a firefly, differs from d by its own standard error and goes, but its light stays: what is taken from pixels is given back to those about
 /// them, in proportion to d.
 pub struct Cleaner {
@@ -64,7 +64,11 @@ impl Cleaner {
         let smooth = through_tent(&smooth, size);
         let noisy: Vec<[f64; 3]> = places().map(|(x, y)| film.xyz(x, y)).collect();
         let evenness = film.evenness();
-        let variances: Vec<f64> = places().map(|(x, y)| evenness * film.variance(x, y)).collect();
+        let own: Vec<f64> = places().map(|(x, y)| evenness * film.variance(x, y)).collect();
+        // Where no sample met what is bright, none knows that there is something: the neighbours do.
+        let mut variances = own.clone();
+        spread(&mut variances, size, 1);
+        variances.iter_mut().zip(own).for_each(|(about, own)| *about = about.max(own));
         Ok(kept(&noisy, &variances, &smooth, size))
     }
 }
@@ -104,7 +108,7 @@ fn kept(noisy: &[[f64; 3]], variances: &[f64], smooth: &[[f64; 3]], size: [usize
     let replaced = |picture: &[[f64; 3]]| {
         let mut light: Vec<f64> =
             picture.iter().zip(&shares).map(|(xyz, share)| (1.0 - share) * xyz[1]).collect();
-        (0..3).for_each(|_| spread(&mut light, size));
+        (0..3).for_each(|_| spread(&mut light, size, REACH));
         light
     };
     let (taken, given) = (replaced(noisy), replaced(smooth));
@@ -120,19 +124,19 @@ fn kept(noisy: &[[f64; 3]], variances: &[f64], smooth: &[[f64; 3]], size: [usize
 /// How far light is given back, pixels, in each of three steps.
 const REACH: usize = 6;
 
-/// Each value becomes the mean of those at most [`REACH`] rows and columns away, of which those beyond an edge are the edge's, so that the sum of an even
+/// Each value becomes the mean of those at most `reach` rows and columns away, of which those beyond an edge are the edge's, so that the sum of an even
 /// picture stays.
-fn spread(values: &mut [f64], [width, height]: [usize; 2]) {
+fn spread(values: &mut [f64], [width, height]: [usize; 2], reach: usize) {
     let mut line = Vec::with_capacity(width.max(height));
     let mut along = |first: usize, step: usize, count: usize| {
         line.clear();
         line.extend((0..count).map(|k| values[first + k * step]));
-        let at = |k: usize| line[k.saturating_sub(REACH).min(count - 1)];
-        // The sum about the place before the first one, whose window goes from −REACH − 1 to REACH − 1.
-        let mut sum: f64 = (0..=2 * REACH).map(|k| at(k.saturating_sub(1))).sum();
+        let at = |k: usize| line[k.saturating_sub(reach).min(count - 1)];
+        // The sum about the place before the first one, whose window goes from −reach − 1 to reach − 1.
+        let mut sum: f64 = (0..=2 * reach).map(|k| at(k.saturating_sub(1))).sum();
         for k in 0..count {
-            sum += at(k + 2 * REACH) - if k == 0 { at(0) } else { at(k - 1) };
-            values[first + k * step] = (sum / (2 * REACH + 1) as f64).max(0.0);
+            sum += at(k + 2 * reach) - if k == 0 { at(0) } else { at(k - 1) };
+            values[first + k * step] = (sum / (2 * reach + 1) as f64).max(0.0);
         }
     };
     (0..height).for_each(|row| along(row * width, 1, width));
@@ -162,11 +166,11 @@ mod tests {
     fn light_that_is_spread_keeps_its_sum() {
         let size = [40, 30];
         let mut even = vec![2.0; 1200];
-        spread(&mut even, size);
+        spread(&mut even, size, REACH);
         assert!(even.iter().all(|v| (v - 2.0).abs() < 1e-12));
         let mut point = vec![0.0; 1200];
         point[15 * 40 + 20] = 1.0;
-        spread(&mut point, size);
+        spread(&mut point, size, REACH);
         assert!((point.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         let (inside, outside) = (point[9 * 40 + 26], point[9 * 40 + 27]);
         assert!((inside - 1.0 / 169.0).abs() < 1e-12 && outside.abs() < 1e-12, "{inside} {outside}");
