@@ -13,6 +13,7 @@ pub mod film;
 pub mod integrator;
 pub mod light;
 pub mod picture;
+mod pixel;
 pub mod planes;
 mod response;
 pub mod run;

@@ -6,7 +6,7 @@ use super::cryptomatte::{By, matte};
 use super::film::Film;
 use super::planes::Channel;
 use super::tone;
-use crate::scene::backdrop::Backdrop;
+use crate::scene::backdrop::{Backdrop, gradient};
 use crate::scene::description::ToneWord;
 use crate::spectrum::colour::{into_gamut, rgb_from_xyz};
 use crate::spectrum::sensor::Sensor;
@@ -64,6 +64,7 @@ impl Development {
         match &self.backdrop {
             Backdrop::Sky | Backdrop::None => None,
             Backdrop::Colour(colour) => Some(*colour),
+            Backdrop::Gradient(colours) => Some(gradient(colours, y, size[1])),
             Backdrop::Picture(picture) => {
                 let linear = picture.behind(x, y, size);
                 let is_radiance = picture.is_radiance();
@@ -81,6 +82,7 @@ impl Development {
         match &self.backdrop {
             Backdrop::Sky | Backdrop::None => None,
             Backdrop::Colour(colour) => Some(colour.map(|v| v / self.exposure)),
+            Backdrop::Gradient(colours) => Some(gradient(colours, y, size[1]).map(|v| v / self.exposure)),
             Backdrop::Picture(picture) => {
                 let scale = if picture.is_radiance() { 1.0 } else { 1.0 / self.exposure };
                 Some(picture.behind(x, y, size).map(|v| v * scale))

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::spectrum::colour::decode;
 use crate::{Error, Result};
 
 /// Behind the scene.
@@ -14,8 +15,24 @@ pub enum Backdrop {
     None,
     /// One colour on the screen: linear sRGB, 0 … 1, whatever the exposure.
     Colour([f64; 3]),
+    /// Colours from the picture's upper edge to its lower one, evenly apart: sRGB, 0 … 1, whatever the exposure.
+    Gradient(Vec<[f64; 3]>),
     /// A picture.
     Picture(BackdropPicture),
+}
+
+/// Linear sRGB of a gradient in this row of a picture so many rows high: the colours mixed as a screen has them, in even steps to the eye.
+#[must_use]
+pub fn gradient(colours: &[[f64; 3]], row: u32, height: u32) -> [f64; 3] {
+    let last = colours.len().saturating_sub(1);
+    let at = (f64::from(row) + 0.5) / f64::from(height.max(1)) * last as f64;
+    let low = (at as usize).min(last.saturating_sub(1));
+    match (colours.get(low), colours.get(low + 1)) {
+        (Some(above), Some(below)) => {
+            std::array::from_fn(|k| decode(above[k] + (below[k] - above[k]) * (at - low as f64)))
+        }
+        (one, _) => one.map_or([0.0; 3], |colour| colour.map(decode)),
+    }
 }
 
 /// A picture behind a scene, scaled until it fills the frame, its middle in the frame's middle. A copy costs nothing.
@@ -80,6 +97,16 @@ impl BackdropPicture {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gradients_go_from_edge_to_edge() {
+        let colours = [[0.0; 3], [0.5; 3], [1.0; 3]];
+        let encoded = |row| crate::spectrum::colour::encode(gradient(&colours, row, 100)[1]);
+        for (row, expected) in [(0, 0.005), (24, 0.245), (50, 0.505), (99, 0.995)] {
+            assert!((encoded(row) - expected).abs() < 1e-9, "{row}: {}", encoded(row));
+        }
+        assert_eq!(gradient(&colours[2..], 7, 9), [1.0; 3]);
+    }
 
     #[test]
     fn pictures_fill_the_frame_from_their_middle() {

@@ -165,9 +165,10 @@ impl Functions {
         /// # Safety
         /// The function has the type `T`.
         unsafe fn symbol<T: Copy>(library: &Library, names: [&CStr; 2]) -> Option<T> {
-            // SAFETY: as the caller promises.
             names.iter().find_map(|name| {
-                unsafe { library.get::<T>(name.to_bytes_with_nul()) }.ok().map(|found| *found)
+                // SAFETY: as the caller promises.
+                let found = unsafe { library.get::<T>(name.to_bytes_with_nul()) };
+                found.ok().map(|found| *found)
             })
         }
         let same = |name| [name, name];

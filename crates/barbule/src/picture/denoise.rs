@@ -12,9 +12,10 @@ use crate::{Error, Result};
 ///
 /// The library gets linear light of each pixel's own samples (the tent of a finished pixel shares samples with its neighbours, and what neighbours share it
 /// takes for texture), with the first hits' albedo and normals, both of which it cleans first. It also takes for noise what is as small as a pixel: glints. What the
-/// samples themselves are sure of therefore stays: a pixel is d + w (n − d), d without and n with noise, of which the share w = max(0, 1 − σ²/s²) is
-/// that of James & Stein (*Estimation with quadratic loss*, 1961), σ² the variance of the pixel's luminance and s² the square of its distance from d. A pixel with one
-/// bright sample, a firefly, differs from d by its own standard error and goes.
+/// samples themselves are sure of therefore stays: a pixel is d + w (n − d), d without and n with noise, both through the tent, of which the share w = max(0, 1 − σ²/s²) is
+/// that of James & Stein (*Estimation with quadratic loss*, 1961), σ² the variance of the pixel's luminance or of those about it, whichever is larger, and s² the square of its distance from d. A pixel with one
+/// bright sample, a firefly, differs from d by its own standard error and goes, but its light stays: what is taken from pixels is given back to those about
+/// them, in proportion to d.
 pub struct Cleaner {
     denoiser: Denoiser,
 }
@@ -47,9 +48,9 @@ impl Cleaner {
         let size = film.size().map(|side| side as usize);
         let threads = rayon::current_num_threads();
         let single = |values: [f64; 3]| values.map(|value| value as f32);
-        let noisy: Vec<[f64; 3]> = places().map(|(x, y)| film.own_xyz(x, y).unwrap_or_default()).collect();
-        let inside = |xyz: &[f64; 3]| single(rgb_from_xyz(*xyz).map(|v| v.max(0.0)));
-        let colour: Vec<[f32; 3]> = noisy.iter().map(inside).collect();
+        let own = |(x, y)| film.own_xyz(x, y).unwrap_or_default();
+        let inside = |xyz: [f64; 3]| single(rgb_from_xyz(xyz).map(|v| v.max(0.0)));
+        let colour: Vec<[f32; 3]> = places().map(own).map(inside).collect();
         let albedo: Vec<[f32; 3]> = places().map(|(x, y)| single(albedo(film, x, y))).collect();
         let normal: Vec<[f32; 3]> = places().map(|(x, y)| single(normal(film, x, y))).collect();
         let run = |noisy: &Noisy<'_>| self.denoiser.denoise(noisy, threads);
@@ -60,20 +61,86 @@ impl Cleaner {
         };
         let (albedo, normal) = (alone(&albedo, true)?, alone(&normal, false)?);
         let smooth = run(&Noisy { size, colour: &colour, albedo: &albedo, normal: &normal, is_clean: true })?;
-        Ok(kept(&noisy, &film.own_variances(), &smooth))
+        let smooth = through_tent(&smooth, size);
+        let noisy: Vec<[f64; 3]> = places().map(|(x, y)| film.xyz(x, y)).collect();
+        let evenness = film.evenness();
+        let own: Vec<f64> = places().map(|(x, y)| evenness * film.variance(x, y)).collect();
+        // Where no sample met what is bright, none knows that there is something: the neighbours do.
+        let mut variances = own.clone();
+        spread(&mut variances, size, 1);
+        variances.iter_mut().zip(own).for_each(|(about, own)| *about = about.max(own));
+        Ok(kept(&noisy, &variances, &smooth, size))
     }
 }
 
-/// CIE XYZ of the smooth picture, in linear sRGB, with what the noisy one, in XYZ, is sure of by its variances.
-fn kept(noisy: &[[f64; 3]], variances: &[f64], smooth: &[[f32; 3]]) -> Arc<[[f32; 3]]> {
-    let each = noisy.iter().zip(variances).zip(smooth);
-    each.map(|((noisy, variance), smooth)| {
-        let smooth = xyz_from_rgb(smooth.map(f64::from));
+/// CIE XYZ of a picture in linear sRGB, each pixel with what of its neighbours lies in its tent.
+fn through_tent(picture: &[[f32; 3]], [width, height]: [usize; 2]) -> Vec<[f64; 3]> {
+    // Of a tent of half width 1 three quarters lie in the pixel; what lies outside the picture does not count.
+    let near = |at: usize, side: usize| {
+        let before = at.checked_sub(1).map(|before| (before, 0.125));
+        let after = (at + 1 < side).then_some((at + 1, 0.125));
+        before.into_iter().chain([(at, 0.75)]).chain(after)
+    };
+    let pixel = |at: usize| {
+        let (mut sum, mut weight) = ([0.0; 3], 0.0);
+        for (row, tall) in near(at / width, height) {
+            for (column, wide) in near(at % width, width) {
+                let share = tall * wide;
+                weight += share;
+                for (sum, value) in sum.iter_mut().zip(picture[row * width + column]) {
+                    *sum += share * f64::from(value);
+                }
+            }
+        }
+        xyz_from_rgb(sum.map(|value| value / weight))
+    };
+    (0..picture.len()).map(pixel).collect()
+}
+
+/// The smooth picture with what the noisy one is sure of by its variances, both in CIE XYZ; with the noisy one's light.
+fn kept(noisy: &[[f64; 3]], variances: &[f64], smooth: &[[f64; 3]], size: [usize; 2]) -> Arc<[[f32; 3]]> {
+    let share = |((noisy, variance), smooth): ((&[f64; 3], &f64), &[f64; 3])| {
         let away = noisy[1] - smooth[1];
-        let share = if away == 0.0 { 0.0 } else { (1.0 - variance / (away * away)).max(0.0) };
-        std::array::from_fn(|c| (smooth[c] + share * (noisy[c] - smooth[c])) as f32)
-    })
-    .collect()
+        if away == 0.0 { 0.0 } else { (1.0 - variance / (away * away)).max(0.0) }
+    };
+    let shares: Vec<f64> = noisy.iter().zip(variances).zip(smooth).map(share).collect();
+    // The light of what is replaced, and of what replaces it.
+    let replaced = |picture: &[[f64; 3]]| {
+        let mut light: Vec<f64> =
+            picture.iter().zip(&shares).map(|(xyz, share)| (1.0 - share) * xyz[1]).collect();
+        (0..3).for_each(|_| spread(&mut light, size, REACH));
+        light
+    };
+    let (taken, given) = (replaced(noisy), replaced(smooth));
+    let pixel = |at: usize| {
+        let gain = if given[at] > 0.0 { taken[at] / given[at] } else { 1.0 };
+        std::array::from_fn(|c| {
+            (shares[at] * noisy[at][c] + (1.0 - shares[at]) * gain * smooth[at][c]) as f32
+        })
+    };
+    (0..noisy.len()).map(pixel).collect()
+}
+
+/// How far light is given back, pixels, in each of three steps.
+const REACH: usize = 6;
+
+/// Each value becomes the mean of those at most `reach` rows and columns away, of which those beyond an edge are the edge's, so that the sum of an even
+/// picture stays.
+fn spread(values: &mut [f64], [width, height]: [usize; 2], reach: usize) {
+    let mut line = Vec::with_capacity(width.max(height));
+    let mut along = |first: usize, step: usize, count: usize| {
+        line.clear();
+        line.extend((0..count).map(|k| values[first + k * step]));
+        let at = |k: usize| line[k.saturating_sub(reach).min(count - 1)];
+        // The sum about the place before the first one, whose window goes from −reach − 1 to reach − 1.
+        let mut sum: f64 = (0..=2 * reach).map(|k| at(k.saturating_sub(1))).sum();
+        for k in 0..count {
+            sum += at(k + 2 * reach) - if k == 0 { at(0) } else { at(k - 1) };
+            values[first + k * step] = (sum / (2 * reach + 1) as f64).max(0.0);
+        }
+    };
+    (0..height).for_each(|row| along(row * width, 1, width));
+    (0..width).for_each(|column| along(column, width, height));
 }
 
 /// Linear sRGB of the share of light that the first hits scatter, 0 … 1.
@@ -88,4 +155,41 @@ fn albedo(film: &Film, x: u32, y: u32) -> [f64; 3] {
 fn normal(film: &Film, x: u32, y: u32) -> [f64; 3] {
     let pixel = film.pixel(x, y);
     pixel.normal.map(|sum| sum / f64::from(pixel.hits.max(1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An even picture stays, and a point becomes a square of the same sum.
+    #[test]
+    fn light_that_is_spread_keeps_its_sum() {
+        let size = [40, 30];
+        let mut even = vec![2.0; 1200];
+        spread(&mut even, size, REACH);
+        assert!(even.iter().all(|v| (v - 2.0).abs() < 1e-12));
+        let mut point = vec![0.0; 1200];
+        point[15 * 40 + 20] = 1.0;
+        spread(&mut point, size, REACH);
+        assert!((point.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        let (inside, outside) = (point[9 * 40 + 26], point[9 * 40 + 27]);
+        assert!((inside - 1.0 / 169.0).abs() < 1e-12 && outside.abs() < 1e-12, "{inside} {outside}");
+    }
+
+    /// A firefly, whose standard error is its own height, goes with its light kept about it; a glint that all samples saw stays.
+    #[test]
+    fn glints_stay_and_fireflies_are_spread() {
+        let size = [64, 64];
+        let smooth = vec![[1.0; 3]; 4096];
+        let (mut noisy, mut variances) = (smooth.clone(), vec![1e-4; 4096]);
+        let (firefly, glint) = (20 * 64 + 20, 40 * 64 + 40);
+        (noisy[firefly], variances[firefly]) = ([101.0; 3], 100.0 * 100.0);
+        (noisy[glint], variances[glint]) = ([101.0; 3], 1.0);
+        let clean = kept(&noisy, &variances, &smooth, size);
+        assert!(clean[firefly][1] < 2.0 && (clean[glint][1] - 101.0).abs() < 0.1, "{:?}", clean[firefly]);
+        let sum = |pixels: &mut dyn Iterator<Item = f64>| pixels.sum::<f64>();
+        let (before, after) =
+            (sum(&mut noisy.iter().map(|v| v[1])), sum(&mut clean.iter().map(|v| f64::from(v[1]))));
+        assert!((after / before - 1.0).abs() < 5e-3, "{before} {after}");
+    }
 }

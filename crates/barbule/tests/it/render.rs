@@ -180,6 +180,35 @@ fn white_hair_vanishes_in_a_white_furnace() {
     assert_luminance(&film, 1.0, "hair");
 }
 
+/// What a film tells of its noise is how far pictures of other samples scatter about their mean, with some to spare; independent samples would scatter
+/// farther by half.
+#[test]
+fn noise_is_how_far_pictures_of_other_samples_scatter() {
+    let brown = hair(Absorption::pigments(0.3, 0.1).unwrap());
+    let ready = Ready::new(scene(fibres(), brown, under_sky(sky(1.0)), camera(1.0, 3.0)));
+    let integrator = ready.integrator(4, Technique::Both);
+    let films: Vec<Film> = (1..=8)
+        .map(|seed| {
+            let mut film = Film::new([32, 32]).unwrap();
+            run(&integrator, &mut film, seed, goal(64), &Unobserved, &mut |_| Ok(())).unwrap();
+            film
+        })
+        .collect();
+    let (mut scatter, mut independent) = (0.0, 0.0);
+    for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x, y))) {
+        let seen: Vec<f64> = films.iter().map(|film| film.xyz(x, y)[1]).collect();
+        let mean = seen.iter().sum::<f64>() / 8.0;
+        let variance = seen.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / 7.0;
+        // The root of a variance of seven degrees of freedom is too small by 27/28 in the mean.
+        scatter += variance.sqrt() * 29.0 / 28.0 / (mean + 0.05) / 1024.0;
+        independent += films[0].variance(x, y).sqrt() / (mean + 0.05) / 1024.0;
+    }
+    let told = films.iter().filter_map(Film::noise).sum::<f64>() / 8.0;
+    println!("scatter {scatter:.4}, told {told:.4}, as of independent samples {independent:.4}");
+    assert!(told > 0.95 * scatter && told < 1.3 * scatter, "{told} {scatter}");
+    assert!(independent > 1.4 * scatter, "{independent} {scatter}");
+}
+
 /// Light sampling, directions of the model and both together find the same brightness of pigmented hair.
 #[test]
 fn techniques_agree_on_hair() {

@@ -125,6 +125,7 @@ impl ReadyScene {
             Background::Sky => Backdrop::Sky,
             Background::None => Backdrop::None,
             Background::Colour(colour) => Backdrop::Colour(colour.map(decode)),
+            Background::Gradient(colours) => Backdrop::Gradient(colours.clone()),
             Background::Picture(slot) => Backdrop::Picture(slot.value()?.as_ref().clone()),
         })
     }

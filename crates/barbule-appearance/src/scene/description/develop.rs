@@ -36,7 +36,7 @@ impl FieldValue for Tone {
     }
 
     fn to_value(&self, (): &()) -> Option<Value> {
-        (*self != Self::default()).then(|| self.0.word().into())
+        Some(self.0.word().into())
     }
 
     fn check_value(&self, _: &str, (): &()) -> Result<()> {
@@ -121,7 +121,7 @@ impl FieldValue for WhiteBalance {
 
     fn to_value(&self, (): &()) -> Option<Value> {
         match self {
-            Self::None => None,
+            Self::None => Some("none".into()),
             Self::Auto => Some("auto".into()),
             Self::Kelvin(kelvin) => Some(Value::from(*kelvin)),
         }

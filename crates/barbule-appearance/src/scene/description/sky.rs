@@ -4,7 +4,7 @@ use super::MOST_TURN_DEG;
 use super::colour::{Colour, parse_colour};
 use super::slot::Slot;
 use crate::error::{did_you_mean, shortened};
-use crate::fields::{FieldValue, Fields, Key, Kind, Map, Record, Text, Value, within};
+use crate::fields::{FieldValue, Fields, Key, Kind, Map, Record, Several, Text, Value, within};
 use crate::identity::Hasher;
 use crate::scene::backdrop::BackdropPicture;
 use crate::scene::sky::Sky;
@@ -141,9 +141,14 @@ pub enum Background {
     None,
     /// A colour on the screen: sRGB, 0 … 1.
     Colour([f64; 3]),
+    /// Colours on the screen from the upper edge to the lower one: sRGB, 0 … 1.
+    Gradient(Vec<[f64; 3]>),
     /// A picture.
     Picture(Slot<BackdropPicture>),
 }
+
+/// Most colours of a gradient.
+const MOST_COLOURS: usize = 16;
 
 record! {
     /// The table `[background]`.
@@ -151,8 +156,18 @@ record! {
     struct BackgroundKeys {
         /// A colour on the screen.
         colour: Option<Colour> = "colour", ();
+        /// Colours on the screen from the upper edge to the lower one.
+        gradient: Vec<Colour> = "gradient", Several { least: 2, most: MOST_COLOURS, of: () }, or Vec::new();
         /// A picture.
         file: Option<Slot<BackdropPicture>> = "file", Text("the name of a .png, .exr or .hdr");
+    }
+}
+
+impl BackgroundKeys {
+    /// The gradient, if there is one.
+    fn many(&self) -> Option<Background> {
+        let colours: Vec<[f64; 3]> = self.gradient.iter().map(|Colour(colour)| *colour).collect();
+        (!colours.is_empty()).then_some(Background::Gradient(colours))
     }
 }
 
@@ -189,36 +204,50 @@ impl FieldValue for Background {
                 let near = did_you_mean(word, ["sky", "none"]);
                 let word = shortened(word);
                 Err(Error::input(format!(
-                    "{path} is '{word}'{near}; give \"sky\", \"none\", or the table [{path}] with colour or file"
+                    "{path} is '{word}'{near}; give \"sky\", \"none\", or the table [{path}] with colour, gradient or file"
                 )))
             }
-            table => match BackgroundKeys::read(table, path)? {
-                BackgroundKeys { colour: Some(Colour(colour)), file: None } => Ok(Self::Colour(colour)),
-                BackgroundKeys { colour: None, file: Some(file) } => Ok(Self::Picture(file)),
-                BackgroundKeys { colour: Some(_), file: Some(_) } => {
-                    Err(Error::input(format!("{path}.colour and {path}.file are both given; leave one out")))
+            table => {
+                let keys = BackgroundKeys::read(table, path)?;
+                let given = [
+                    ("colour", keys.colour.map(|Colour(colour)| Self::Colour(colour))),
+                    ("gradient", keys.many()),
+                    ("file", keys.file.map(Self::Picture)),
+                ];
+                let mut given = given.into_iter().filter_map(|(key, one)| Some((key, one?)));
+                match (given.next(), given.next()) {
+                    (Some((_, background)), None) => Ok(background),
+                    (Some((one, _)), Some((other, _))) => Err(Error::input(format!(
+                        "{path}.{one} and {path}.{other} are both given; leave one out"
+                    ))),
+                    (None, _) => {
+                        Err(Error::input(format!("[{path}] is empty; give colour, gradient or file")))
+                    }
                 }
-                BackgroundKeys { colour: None, file: None } => {
-                    Err(Error::input(format!("[{path}] is empty; give colour or file")))
-                }
-            },
+            }
         }
     }
 
     fn to_value(&self, (): &()) -> Option<Value> {
+        let none = BackgroundKeys { colour: None, gradient: Vec::new(), file: None };
         match self {
             Self::Sky => None,
             Self::None => Some("none".into()),
-            Self::Colour(colour) => {
-                Some(BackgroundKeys { colour: Some(Colour(*colour)), file: None }.table())
+            Self::Colour(colour) => Some(BackgroundKeys { colour: Some(Colour(*colour)), ..none }.table()),
+            Self::Gradient(colours) => {
+                let gradient = colours.iter().copied().map(Colour).collect();
+                Some(BackgroundKeys { gradient, ..none }.table())
             }
-            Self::Picture(file) => Some(BackgroundKeys { colour: None, file: Some(file.clone()) }.table()),
+            Self::Picture(file) => Some(BackgroundKeys { file: Some(file.clone()), ..none }.table()),
         }
     }
 
     fn check_value(&self, path: &str, (): &()) -> Result<()> {
         match self {
             Self::Colour(colour) => Colour(*colour).check_value(path, &()),
+            Self::Gradient(colours) => {
+                colours.iter().try_for_each(|colour| Colour(*colour).check_value(path, &()))
+            }
             Self::Sky | Self::None | Self::Picture(_) => Ok(()),
         }
     }

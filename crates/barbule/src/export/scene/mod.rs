@@ -245,7 +245,7 @@ fn backdrop_remark(scene: &SceneDescription) -> Option<String> {
     );
     let behind = match scene.background {
         Background::Sky | Background::None => None,
-        Background::Colour(_) | Background::Picture(_) => {
+        Background::Colour(_) | Background::Gradient(_) | Background::Picture(_) => {
             Some("the picture is cut out (alpha); what the scene has behind it is not written")
         }
     };

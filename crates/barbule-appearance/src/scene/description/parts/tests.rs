@@ -132,6 +132,7 @@ fn made_of([eumelanin, pheomelanin]: [f64; 2], zone: Zone) -> Zone {
         eumelanin,
         pheomelanin,
         colour: None,
+        vane_colour: None,
         height_over_width: 1.0,
     };
     let side = Some(BarbuleDress::Hair(fibre));
