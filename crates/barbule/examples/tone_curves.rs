@@ -1,5 +1,7 @@
 //! Prints and draws the tone curves of `docs/theory/rendering.md`: `tone_curves docs/figures/tone.svg`.
 
+#![allow(clippy::print_stdout)] // a program
+
 use std::path::Path;
 
 use barbule::io::write_whole;

@@ -124,7 +124,7 @@ impl FeatherRow {
         for side in 0..sides {
             let stands: Vec<RowStand> =
                 (0..self.count).map(|index| self.stand(index, side == 1, feathers, seed)).collect();
-            for kind in 0..feathers.len() {
+            for (kind, of_kind) in feathers.iter().enumerate() {
                 let own: Vec<usize> = (0..self.count).filter(|&i| stands[i].station.kind == kind).collect();
                 let groups = self.variants.min(own.len());
                 let group = |rank: usize| rank * groups / own.len();
@@ -138,7 +138,7 @@ impl FeatherRow {
                         members.iter().map(|&i| stands[i].station.widths[vane]).sum::<f64>()
                             / members.len() as f64
                     };
-                    let feather = shaped(&feathers[kind], [mean(0), mean(1)], side == 1);
+                    let feather = shaped(of_kind, [mean(0), mean(1)], side == 1);
                     laid.variants.push(RowVariant { kind, feather });
                     laid.stands.extend(members.iter().map(|&i| RowStand { variant: number, ..stands[i] }));
                 }
