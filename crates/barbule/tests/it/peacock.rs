@@ -40,7 +40,7 @@ fn the_film_of_2005_departs_from_a_film_as_was_computed_beforehand() {
     assert!((halved.relative - 0.09).abs() < 0.005, "{}", halved.relative);
 }
 
-/// The mean wavelength of the light of 384 to 461 nm from a patch of the pupil, nm: straight on, and at 60°, each in the mirror of a wide
+/// The mean wavelength of the light of 384 to 439 nm from a patch of the pupil, nm: straight on, and at 60°, each in the mirror of a wide
 /// white lamp.
 fn pupil_nm(model: &str) -> [f64; 2] {
     let name = preset::by_model("peacock", model).unwrap();
@@ -70,7 +70,7 @@ fn pupil_nm(model: &str) -> [f64; 2] {
             worn(&found.material, found.hash)
         };
         let ready = resolve::resolve(description, &Folder::default(), &mut dye, 1, &Unobserved).unwrap();
-        let nm: Vec<f64> = (0..8).map(|k| 384.0 + 11.0 * f64::from(k)).collect();
+        let nm: Vec<f64> = (0..6).map(|k| 384.0 + 11.0 * f64::from(k)).collect();
         let sensor = Sensor::human();
         let spectral = Bands::new(&nm, sensor.band()).unwrap();
         let planes = Planes { sensor, compositing: false, spectral };
