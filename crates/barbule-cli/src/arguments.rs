@@ -3,12 +3,13 @@
 use barbule::Error;
 
 /// Arguments as the library's messages name them, and their flags.
-const FLAGS: [(&str, &str); 22] = [
+const FLAGS: [(&str, &str); 23] = [
     ("cache", "--cache"),
     ("classes", "--classes"),
     ("column", "--column"),
     ("cortex_nm", "--cortex"),
     ("crop", "--crop"),
+    ("denoise", "--denoise"),
     ("directions", "--directions"),
     ("elements", "--elements"),
     ("instances", "--instances"),

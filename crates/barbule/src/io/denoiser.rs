@@ -98,7 +98,8 @@ impl Denoiser {
                 .ok_or_else(Self::missing)?,
         };
         let functions = Functions::of(&library).ok_or_else(|| {
-            Error::input("the library that is there is no Open Image Denoise of version 1 or 2; give its file, as in --denoise=/opt/oidn/lib/libOpenImageDenoise.so.2")
+            Error::input("the library that is there is no Open Image Denoise of version 1 or 2; give its file (libOpenImageDenoise.so.2) as `denoise`")
+                .naming(&["denoise"])
         })?;
         let mut denoiser = Self { functions, version: 0, _library: library };
         let device = Device::new(&functions, 1)?;
@@ -110,9 +111,10 @@ impl Denoiser {
     /// How it is installed.
     fn missing() -> Error {
         Error::input(format!(
-            "Open Image Denoise ({}) is not installed; install it (Debian and Ubuntu: libopenimagedenoise-dev or libopenimagedenoise2, Fedora: oidn, Arch: openimagedenoise, Homebrew: open-image-denoise, else from openimagedenoise.org), or name its file, as in --denoise=/opt/oidn/lib/libOpenImageDenoise.so.2",
+            "Open Image Denoise ({}) is not installed; install it (Debian and Ubuntu: libopenimagedenoise-dev or libopenimagedenoise2, Fedora: oidn, Arch: openimagedenoise, Homebrew: open-image-denoise, else from openimagedenoise.org), or give its file (libOpenImageDenoise.so.2) as `denoise`",
             NAMES[0]
         ))
+        .naming(&["denoise"])
     }
 
     /// Its version, as in 2.3.1.
@@ -229,7 +231,8 @@ impl<'a> Device<'a> {
 
     /// Why there is no device.
     fn failure(&self) -> Error {
-        Error::machine("Open Image Denoise makes no device on this processor; render without --denoise")
+        Error::machine("Open Image Denoise makes no device on this processor; render without `denoise`")
+            .naming(&["denoise"])
     }
 }
 

@@ -37,7 +37,8 @@ fn every_folder_is_listed_with_every_file() {
         let texts = held.into_iter().filter(|(_, text)| text.is_some()).map(|(name, _)| name.to_owned());
         let own =
             materials().map(|(stem, _)| format!("{stem}.barbule")).filter(|file| folder.join(file).exists());
-        let mut expected: Vec<_> = texts.chain(own).collect();
+        let further = bird.presets.iter().map(|(name, _)| format!("{name}.toml"));
+        let mut expected: Vec<_> = texts.chain(further).chain(own).collect();
         expected.sort();
         assert_eq!(files(&folder), expected, "{}", bird.name);
         assert!(bird.notes.starts_with("# "), "{}: notes.md begins with its title", bird.name);
