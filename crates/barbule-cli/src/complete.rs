@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn species_variants_presets_and_values_complete() {
-        assert_eq!(after("barbule render st"), ["starling", "starling-feather"]);
+        assert_eq!(after("barbule render st"), ["starling", "starling-feather", "starling-bird"]);
         let pink = after("barbule characterize starling:p");
         assert!(pink.contains(&"starling:pink".to_owned()), "{pink:?}");
         let all = after("barbule spectrum ");

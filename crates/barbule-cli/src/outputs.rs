@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     /// Arguments whose values are files or folders that are read.
-    const INPUTS: [&str; 4] = ["curves", "image", "measured", "store"];
+    const INPUTS: [&str; 5] = ["curves", "denoise", "image", "measured", "store"];
 
     #[test]
     fn of_every_path_argument_it_is_known_whether_it_is_written() {

@@ -112,6 +112,6 @@ mod tests {
         let plates = SceneDescription::parse("preset = 'starling-feather'\nalbedo = 'a.png'").unwrap_err();
         assert!(plates.to_string().contains("albedo colours fibres"), "{plates}");
         let number = message("albedo = 3");
-        assert!(number.contains("albedo is a number, but must be a text"), "{number}");
+        assert!(number.contains("albedo is the number 3, but must be a text"), "{number}");
     }
 }

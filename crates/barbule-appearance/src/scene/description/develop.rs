@@ -240,8 +240,8 @@ mod tests {
     use crate::scene::description::SceneDescription;
 
     fn scene(text: &str) -> SceneDescription {
-        let shape = "shows_feather = false\n[camera]\nazimuth_deg = 180\nelevation_deg = 80\nwidth_mm = 10\n";
-        SceneDescription::parse(&format!("{text}\n{shape}")).unwrap()
+        let camera = "[camera]\nazimuth_deg = 180\nelevation_deg = 80\nwidth_mm = 10\n";
+        SceneDescription::parse(&format!("shows_feather = false\n{text}\n{camera}")).unwrap()
     }
 
     #[test]

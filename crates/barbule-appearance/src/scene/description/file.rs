@@ -462,7 +462,7 @@ mod tests {
         let refused = |text: &str| {
             SceneDescription::parse(&format!("preset = 'starling'\n{text}")).unwrap_err().to_string()
         };
-        assert!(refused("ground = { beneath_mm = 2 }").contains("did you mean 'below_mm'"));
+        assert!(refused("ground = { belw_mm = 2 }").contains("did you mean 'below_mm'"));
         assert!(
             refused("ground = {}\n[surfaces.ground]\ntype = 'diffuse'\ncolour = '#ffffff'")
                 .contains("both given")

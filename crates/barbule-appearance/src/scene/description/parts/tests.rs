@@ -300,7 +300,7 @@ fn vanes_on_white_look_like_their_scan() {
             "preset = 'osprey'\nalbedo = 'scan.png'\nlights = []\nsky = 1.0\nsky_horizon = 1.0\nsky_below = 1.0\nscatterings = 60\n\
              [light]\nstrength = 0.0\n[window]\nalong_mm = 110.0\nwhole = true\n[detail]\nlevel = 'vane'\n[feather]\ntype = 'primary'\n\
              [camera]\nprojection = 'orthographic'\nlens = 0.0\nazimuth_deg = 180.0\nelevation_deg = 90.0\nwidth_mm = 1.5\n\
-             target_mm = [{}, 0.0, 0.0]\n[surfaces.hair]\nvane_colour = '#ffffff'\n[surfaces.barbule]\nvane_colour = '#ffffff'",
+             target_mm = [{}, 0.0, 0.0]\n[surfaces.hair]\neumelanin = 0\npheomelanin = 0\n[surfaces.barbule]\neumelanin = 0\npheomelanin = 0",
             4.0 * side
         );
         let mut scene = SceneDescription::parse(&text).unwrap();
