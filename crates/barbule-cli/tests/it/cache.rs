@@ -326,7 +326,8 @@ fn ones_own_bird_goes_wherever_a_species_goes() {
     place.write("corner.toml", "preset = 'rock-dove'\n[window]\nradius_mm = 0.1\n");
     for bird in birds {
         let (_, said) = place.succeed(&[&["render", bird, "-o", "a.png", "--light=33,44"], SMALL].concat());
-        let line = format!("wrote a.png: {bird}, light 33,44, 24 x 15 pixels, 2.0 samples each");
+        let line =
+            format!("wrote a.png: {bird}, light 33,44, 24 x 15 pixels, 2.0 samples each, lit by D65 6504 K");
         assert_eq!(said, line);
         let with = [&["render", "corner.toml", "--material", bird, "-o", "b.png"], SMALL].concat();
         assert!(!place.succeed(&with).1.contains("characterizing"));

@@ -61,7 +61,7 @@ fn bash_completes_species_variants_files_and_values() {
     std::fs::create_dir(folder.path().join("my-folder")).unwrap();
     let after = |line: &str| bash(line, folder.path());
     assert_eq!(after("barbule ren"), ["render"]);
-    assert_eq!(after("barbule render st"), ["starling", "starling-feather"]);
+    assert_eq!(after("barbule render st"), ["starling", "starling-feather", "starling-bird"]);
     // The species and its colon stand there already.
     let variants = after("barbule spectrum starling:");
     assert!(variants.contains(&"pink".to_owned()) && variants.contains(&"green".to_owned()), "{variants:?}");

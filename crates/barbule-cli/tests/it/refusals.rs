@@ -305,7 +305,7 @@ const LINES: &[(&str, &str)] = &[
     ("render starling -o @f.png --size 999999x999999", "999999"),
     (
         "render mallard -o @f.png --size 16384x16384 --samples 1 --memory 1GB",
-        "needs 54250 MB of memory, but 1000 MB are allowed",
+        "needs 71430 MB of memory, but 1000 MB are allowed",
     ),
     ("render mallard -o @f.exr --size 1000x1000 --memory 100MB", "raise --memory, or give a smaller --size"),
     ("render @large.toml -o @f.png", "over the limit of 4 MiB"),

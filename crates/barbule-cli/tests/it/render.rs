@@ -420,7 +420,10 @@ fn a_coat_is_drawn_alike_on_any_number_of_threads() {
         assert!(!folder.path().join("other.png").exists());
     };
     refused("count = 60\nhugs = 1", "did you mean 'hug'");
-    refused("count = 60\nwithin_mm = [[900, 0, 0], [901, 1, 1]]", "coat.within_mm holds hardly any");
+    refused(
+        "count = 60\nwithin_mm = [[900, 0, 0], [901, 1, 1]]",
+        "coat.within_mm and coat.bare leave hardly any",
+    );
     std::fs::remove_file(folder.path().join("pyramid.ply")).unwrap();
     refused("count = 60", "coat.mesh");
 }
@@ -586,7 +589,7 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
         (&["starling", "-o", "x.exr", "--sensor", "bad.csv"], "--sensor: bad.csv: line 2: a is 'x'"),
         (&["starling", "-o", "x.exr", "--sensor", "uv.csv", "--spectral", "550"], "rendered, 300 to 400"),
         (
-            &["diffraction-bench", "-o", "x.exr", "--sensor", "uv.csv"],
+            &["diffraction-bench", "-o", "x.exr", "--size", "640x400", "--sensor", "uv.csv"],
             "gratings and films are known from 380 to 720 nm",
         ),
         (&["starling", "-o", "x.png", "--preview=soon"], "--preview soon: give a time"),

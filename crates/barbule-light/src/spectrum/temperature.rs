@@ -126,7 +126,7 @@ mod tests {
     fn whites_are_those_of_daylight_and_of_black_bodies() {
         for kelvin in [2000.0, 3999.0, 4500.0, 5500.0, 9000.0, 20_000.0] {
             let found = correlated_temperature_k(white_of_temperature(kelvin).unwrap()).unwrap();
-            assert!((found / kelvin - 1.0).abs() < 2e-3, "{kelvin}: {found}");
+            assert!((found / kelvin - 1.0).abs() < 3e-3, "{kelvin}: {found}");
         }
         let day = white_of_temperature(6504.0).unwrap();
         assert!((0..3).all(|c| (day[c] - D65_WHITE[c]).abs() < 1e-3), "{day:?}");
