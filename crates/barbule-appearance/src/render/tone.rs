@@ -7,7 +7,7 @@
 //!    *Plain*: m is kept up to 0.6 and above it becomes 1 − 0.4 exp(−(m − 0.6)/0.4); the others
 //!    keep their ratio to it, so hue stays. Glints far over white (m > 1) lose saturation, as on film: a share
 //!    1 − 1/(1 + ((m − 1)/3)²) of the colour is replaced by its largest component.
-//!    *Filmic*: [`filmic`].
+//!    *Filmic*: `filmic`.
 //! 4. The sRGB transfer curve, rounded to the nearest of 256 steps.
 
 use crate::scene::description::ToneWord;

@@ -142,30 +142,30 @@ mod tests {
         assert!(r > 1.15 && g < 0.97 && (0.85..0.95).contains(&b), "{r} {g} {b}");
     }
 
-    /// What was computed beforehand by another program: condition numbers 6.2 and 8.4, and how far below 0 spectra go over Glassner's range.
+    /// Beside the same from another table of the eye: the analytic fits of Wyman, Sloan & Shirley (2013), which differ from the CIE's by
+    /// some percent, computed by another program. Condition numbers, and how far spectra of screens' colours go below 0 and over 1.
     #[test]
     fn spectra_of_saturated_colours_are_negative_in_places() {
         let glassner = Glassner::new([380.0, 780.0], Waves::SineFirst);
         let numbers = [condition(glassner.looks()), condition(Glassner::of_2005().looks())];
         assert!(
-            (numbers[0] / 6.2 - 1.0).abs() < 0.03 && (numbers[1] / 8.4 - 1.0).abs() < 0.03,
+            (numbers[0] / 6.16 - 1.0).abs() < 0.03 && (numbers[1] / 8.43 - 1.0).abs() < 0.03,
             "{numbers:?}"
         );
         let swapped = condition(Glassner::new([380.0, 780.0], Waves::CosineFirst).looks());
         assert!((swapped - numbers[0]).abs() < 1e-9, "{swapped}");
         for (rgb, least, most) in [
-            ([1.0, 0.0, 0.0], -0.18, Some(1.22)),
-            ([0.0, 0.0, 1.0], -0.09, Some(1.38)),
-            ([0.1, 0.3, 0.8], 0.17, Some(0.87)),
-            ([0.0, 1.0, 0.0], -1.34, None),
-            ([0.2, 0.5, 0.2], -0.20, None),
+            ([1.0, 0.0, 0.0], -0.149, 1.118),
+            ([0.0, 0.0, 1.0], -0.107, 1.441),
+            ([0.1, 0.3, 0.8], 0.132, 0.914),
+            ([0.0, 1.0, 0.0], -1.418, 1.024),
+            ([0.2, 0.5, 0.2], -0.257, 0.520),
         ] {
             let values: Vec<f64> = glassner.wavelengths().map(|nm| glassner.value(rgb, nm)).collect();
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            println!("{rgb:?} {low} {high}");
-            let is_highest = most.is_none_or(|most: f64| (high - most).abs() < 0.01);
-            assert!((low - least).abs() < 0.01 && is_highest, "{rgb:?} {low} {high}");
+            println!("{rgb:?} {low:.3} {high:.3}");
+            assert!((low - least).abs() < 0.04 && (high - most).abs() < 0.04, "{rgb:?} {low} {high}");
         }
     }
 }
