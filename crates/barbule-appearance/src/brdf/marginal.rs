@@ -267,7 +267,7 @@ mod tests {
         let of = |wi: DVec3, instance: Option<u64>| {
             reflected_fractions(&brdf, &[500.0], wi, instance, &Unobserved).unwrap()[0]
         };
-        let count = 2000;
+        let count = 800;
         let phi: Vec<f64> = azimuths(count).collect();
         for (theta, phi_i) in [(0.0_f64, 0.0_f64), (40.0, 30.0), (10.0, -75.0)] {
             let wi = omega(theta.to_radians(), phi_i.to_radians());
@@ -283,7 +283,7 @@ mod tests {
         }
         let grazing = omega(0.0, f64::to_radians(89.99));
         let mean = of(grazing, None);
-        let drawn = (0..20).map(|k| of(grazing, Some(k))).sum::<f64>() / 20.0;
+        let drawn = (0..8).map(|k| of(grazing, Some(k))).sum::<f64>() / 8.0;
         // Single ones scatter by about as much as they are: three standard errors.
         assert!((drawn / mean - 1.0).abs() < 0.7, "{drawn} {mean}");
     }
