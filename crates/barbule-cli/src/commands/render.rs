@@ -264,6 +264,7 @@ impl Args {
             description.camera.bearing = bearing;
             description.camera.position = None;
             description.camera.width_mm = width_mm.unwrap_or(description.camera.width_mm);
+            description.uncover();
             description.check().map_err(|e| e.at("--view"))?;
         }
         if let (Some(view_model), Some(detail)) = (self.view_model, description.detail_mut()) {

@@ -5,9 +5,9 @@
 
 use super::barbules::Under;
 use super::coat::{CoatDescription, CoatObject};
-use super::colour::Colour;
 use super::detail::Detail;
 use super::dress::{Dress, FeatherObject, OF_MATERIAL, PARTS, Zone, dressed, of_parts};
+use super::ground::{self, Ground};
 use super::objects::{ObjectDescription, ObjectShape, Placement};
 use super::slot::Slot;
 use super::{SceneDescription, objects};
@@ -15,7 +15,7 @@ use crate::brdf::Reciprocity;
 use crate::error::{did_you_mean, shortened};
 use crate::fields::{
     FieldValue as _, Fields, Key, Map, Record as _, Text, Value, at_line, canonical, in_toml, parse_toml,
-    up_to, within, wrong_kind,
+    up_to, wrong_kind,
 };
 use crate::scene::feather::{self, Feather, VaneDisc};
 use crate::scene::preset;
@@ -51,46 +51,6 @@ record! {
         zone_map: Option<Slot<crate::bsdf::Texture>> = "zone_map", Text("a grey .png");
         /// A picture of the vane that its fibres take their colours from.
         albedo: Option<Slot<crate::bsdf::Texture>> = "albedo", Text("the name of a .png, .exr or .hdr");
-    }
-}
-
-record! {
-    /// A matt square beneath a scene, in the plane z = −`below_mm`: sugar for a rectangle among the objects and its surface, both named ground.
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    pub(super) struct Ground {
-        /// How far beneath the plane z = 0, the vane of a feather, it lies.
-        below_mm: f64 = "below_mm", within(1e-3, 1e4), or 5.0;
-        /// What a screen shows of it in even daylight.
-        colour: Colour = "colour", (), or Colour([0.5; 3]);
-        /// Its sides.
-        size_mm: f64 = "size_mm", within(1e-2, 1e5), or 1000.0;
-    }
-}
-
-/// Its name as an object and as a surface.
-const GROUND: &str = "ground";
-
-/// Puts the ground of a file's keys among its objects and surfaces.
-fn spread_ground(layer: &mut Map<String, Value>) -> Result<()> {
-    let Some(table) = layer.remove(GROUND) else { return Ok(()) };
-    let Ground { below_mm, colour, size_mm } = Ground::read(&table, GROUND)?;
-    let object = serde_json::json!({
-        "name": GROUND, "surface": GROUND, "rectangle_mm": [size_mm, size_mm], "translate_mm": [0.0, 0.0, -below_mm]
-    });
-    match layer.entry("objects").or_insert_with(|| Value::Array(Vec::new())) {
-        Value::Array(objects) => objects.push(object),
-        other => return Err(wrong_kind(other, "objects", "a list of tables")),
-    }
-    let surface = serde_json::json!({ "type": "diffuse", "colour": colour.0 });
-    match layer.entry("surfaces").or_insert_with(|| Value::Object(Map::new())) {
-        Value::Object(surfaces) if surfaces.contains_key(GROUND) => {
-            Err(Error::input("ground and [surfaces.ground] are both given; leave one out"))
-        }
-        Value::Object(surfaces) => {
-            surfaces.insert(GROUND.to_owned(), surface);
-            Ok(())
-        }
-        other => Err(wrong_kind(other, "surfaces", "a table of tables")),
     }
 }
 
@@ -206,6 +166,7 @@ fn over(mut own: Map<String, Value>, mut base: Map<String, Value>) -> Map<String
         base.remove("sky");
         base.remove("sky_image");
     }
+    ground::leave(&own, &mut base);
     // How far a window reaches is said by one of two keys.
     if let (Some(Value::Object(own)), Some(Value::Object(base))) =
         (own.get_mut("window"), base.get_mut("window"))
@@ -267,7 +228,7 @@ fn merged(own: Value, base: Value) -> Value {
 /// The scene of a file's keys.
 fn of_layer(mut layer: Map<String, Value>) -> Result<SceneDescription> {
     layer.remove("preset");
-    spread_ground(&mut layer)?;
+    ground::spread(&mut layer)?;
     let named = match layer.get("surfaces") {
         Some(Value::Object(tables)) => tables.clone(),
         _ => Map::new(),
@@ -440,7 +401,7 @@ fn or_a_preset(error: Error) -> Error {
 mod tests {
     use super::*;
     use crate::identity::hash;
-    use crate::scene::description::{Background, RamusDress, SkyDescription};
+    use crate::scene::description::{RamusDress, SkyDescription};
 
     #[test]
     fn a_scene_is_a_preset_with_changes() {
@@ -479,30 +440,6 @@ mod tests {
             ..own
         };
         assert_eq!(ball, body);
-    }
-
-    #[test]
-    fn a_ground_is_a_rectangle_and_a_gradient_is_behind() {
-        let text = "preset = 'starling'\nground = { below_mm = 2, colour = '#808080' }\nbackground = { gradient = ['#000000', '#ffffff'] }\n";
-        let scene = SceneDescription::parse(text).unwrap();
-        let ground = scene.objects.last().unwrap();
-        assert_eq!((ground.label(), ground.place.translate_mm), ("ground", [0.0, 0.0, -2.0]));
-        assert_eq!(ground.shape, ObjectShape::Rectangle { size_mm: [1000.0; 2] });
-        assert_eq!(scene.background, Background::Gradient(vec![[0.0; 3], [1.0; 3]]));
-        assert_eq!(SceneDescription::parse(&scene.to_toml().unwrap()).unwrap(), scene);
-        let refused = |text: &str| {
-            SceneDescription::parse(&format!("preset = 'starling'\n{text}")).unwrap_err().to_string()
-        };
-        assert!(refused("ground = { belw_mm = 2 }").contains("did you mean 'below_mm'"));
-        assert!(
-            refused("ground = {}\n[surfaces.ground]\ntype = 'diffuse'\ncolour = '#ffffff'")
-                .contains("both given")
-        );
-        assert!(refused("background = { gradient = ['#000000'] }").contains("background.gradient"));
-        assert!(
-            refused("background = { gradient = ['#000', '#fff'], colour = '#ffffff' }")
-                .contains("background")
-        );
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod dress;
 mod file;
 mod files;
 mod form;
+mod ground;
 mod lights;
 mod memory;
 mod objects;
@@ -326,6 +327,13 @@ impl SceneDescription {
 
     fn clothing_mut(&mut self) -> impl Iterator<Item = &mut BarbuleClothing> {
         self.dress_mut().into_iter().flat_map(Dress::clothing_mut)
+    }
+
+    /// Takes the ground away from beneath a lone feather that the camera looks up at: it would see nothing else.
+    pub fn uncover(&mut self) {
+        if self.lone_feather().is_some() && self.camera.bearing.elevation_deg < 0.0 {
+            self.objects.retain(|object| !object.is_ground());
+        }
     }
 
     /// Whether the key light shines from behind the vane of a lone feather, as the camera sees it.

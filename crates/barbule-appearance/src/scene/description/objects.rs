@@ -7,6 +7,7 @@ use super::coat::{CoatDescription, CoatObject};
 use super::detail::Detail;
 use super::dress::{Dress, FeatherObject, Zone};
 use super::form::FormDescription;
+use super::ground::GROUND;
 use super::row::{RowDescription, RowFeather, RowObject};
 use super::shapes::{MOST_SEGMENTS, grow, rectangle, sphere, upwards};
 use super::slot::Slot;
@@ -362,6 +363,12 @@ impl ObjectDescription {
     pub fn here(name: &str, shape: ObjectShape) -> Self {
         let name = Some(name.to_owned());
         Self { name, surface: None, instances: Vec::new(), shape, place: Placement::HERE }
+    }
+
+    /// Whether it is the ground of a scene, which stands for its key `ground`.
+    #[must_use]
+    pub fn is_ground(&self) -> bool {
+        matches!(self.shape, ObjectShape::Rectangle { .. }) && self.label() == GROUND
     }
 
     /// What mattes call it.
