@@ -22,7 +22,9 @@ use crate::render::planes::{COVERS, Planes};
 use crate::render::run::{Ended, Goal, run};
 use crate::render::stage::Stage;
 use crate::scene::backdrop::Backdrop;
-use crate::scene::description::{Background, Exposure, ReadyScene, SceneDescription};
+use crate::scene::description::{
+    Background, Exposure, LightShape, ReadyScene, SceneDescription, Tone, ToneWord,
+};
 use crate::scene::feather::{Counts, Feather};
 use crate::scene::preset;
 use crate::scene::sky::Environment;
@@ -383,8 +385,9 @@ pub fn is_exr(path: &Path) -> bool {
     extension(path) == "exr"
 }
 
-/// The scene that shows a material in which no scene is named: the preset of this name where there is one, else the `usual` one, exposed
-/// by what it shows, since its own exposure is for another bird; with a feather of one's own where there is such, in the same part of its vane.
+/// The scene that shows a material in which no scene is named: the preset of this name where there is one, else the `usual` one, in
+/// softer light, on film, before a gradient and exposed by what it shows, since its own light and exposure are for another bird; with a feather
+/// of one's own where there is such, in the same part of its vane and on no ground.
 ///
 /// # Errors
 /// There is no preset of the usual name, or one is no scene; never for those built in.
@@ -392,13 +395,36 @@ pub fn scene_for(own: Option<&str>, usual: &str, feather: Option<Feather>) -> Re
     let own = own.filter(|own| preset::names().any(|name| name == *own));
     let mut scene = SceneDescription::named(own.unwrap_or(usual))?;
     if own.is_none() {
-        scene.exposure = Exposure::AUTO;
+        in_the_studio(&mut scene);
+    }
+    if feather.is_some() {
+        scene.leave_ground();
     }
     if let (Some(feather), Some(shown)) = (feather, scene.lone_feather_mut()) {
         shown.window.along_mm *= feather.shaft.length_mm / shown.feather.shaft.length_mm;
         shown.feather = feather;
     }
     Ok(scene)
+}
+
+/// Least angular radius of the lamps of a scene that shows what nobody has lit: barbules of which it is not known where they mirror are seen
+/// by large lamps.
+const SOFT_DEG: f64 = 8.0;
+
+/// The colours behind such a scene, from the upper edge down.
+const BEHIND: [[f64; 3]; 2] = [[0.42, 0.44, 0.46], [0.16, 0.17, 0.18]];
+
+/// Large soft lamps, film, an exposure by a key and a gradient behind.
+fn in_the_studio(scene: &mut SceneDescription) {
+    scene.exposure = Exposure::AUTO;
+    scene.tone = Tone(ToneWord::Filmic);
+    scene.background = Background::Gradient(BEHIND.to_vec());
+    scene.light.radius_deg = scene.light.radius_deg.max(SOFT_DEG);
+    for light in &mut scene.lights {
+        if let LightShape::Sun(sun) = &mut light.shape {
+            sun.radius_deg = sun.radius_deg.max(SOFT_DEG);
+        }
+    }
 }
 
 fn extension(path: &Path) -> String {
@@ -439,15 +465,27 @@ mod tests {
     #[test]
     fn a_bird_of_ones_own_is_shown_as_the_nearest_preset() {
         let named = |name: &str| SceneDescription::named(name).unwrap();
-        let exposed = |name: &str| SceneDescription { exposure: Exposure::AUTO, ..named(name) };
+        let shown = |usual: &str, own: Option<&str>| {
+            let (scene, preset) = (scene_for(own, usual, None).unwrap(), named(usual));
+            assert_eq!((&scene.objects, &scene.camera), (&preset.objects, &preset.camera));
+            assert_eq!((scene.exposure, scene.tone), (Exposure::AUTO, Tone(ToneWord::Filmic)));
+            assert_eq!(scene.light.bearing, preset.light.bearing);
+            assert!(preset.light.radius_deg < SOFT_DEG && scene.light.radius_deg == SOFT_DEG);
+            assert_eq!(scene.lights.len(), preset.lights.len());
+            let is_soft =
+                |light: &LightShape| matches!(light, LightShape::Sun(sun) if sun.radius_deg == SOFT_DEG);
+            assert!(scene.lights.iter().all(|light| is_soft(&light.shape)));
+        };
         assert_eq!(scene_for(Some("magpie"), "starling", None).unwrap(), named("magpie"));
-        assert_eq!(scene_for(Some("swallow"), "mallard", None).unwrap(), exposed("mallard"));
-        assert_eq!(scene_for(None, "rock-dove", None).unwrap(), exposed("rock-dove"));
+        shown("mallard", Some("swallow"));
+        shown("rock-dove", None);
         let lone = |scene: &SceneDescription| scene.lone_feather().unwrap().clone();
         let (mut feather, starling) = (lone(&named("peafowl")).feather, lone(&named("starling")));
         feather.shaft.length_mm = 2.0 * starling.feather.shaft.length_mm;
         let scene = scene_for(Some("starling"), "mallard", Some(feather)).unwrap();
         assert_eq!((lone(&scene).feather, &scene.camera), (feather, &named("starling").camera));
         assert_eq!(lone(&scene).window.along_mm, 2.0 * starling.window.along_mm);
+        let whole = scene_for(Some("starling-feather"), "mallard", Some(lone(&scene).feather)).unwrap();
+        assert_eq!(whole.objects.len(), 1, "another feather would stick in the preset's ground");
     }
 }

@@ -1,6 +1,7 @@
 //! The ground of a scene file: what it stands for, and when a preset's is left.
 
 use super::colour::Colour;
+use super::{LightShape, ObjectDescription, SceneDescription};
 use crate::fields::{Map, Record as _, Value, within, wrong_kind};
 use crate::{Error, Result, record};
 
@@ -48,6 +49,16 @@ pub(super) fn leave(own: &Map<String, Value>, base: &mut Map<String, Value>) {
     }
 }
 
+impl SceneDescription {
+    /// Takes its ground away, with the lamps that stand about what lay there: all but suns. A scene without a ground stays as it is.
+    pub fn leave_ground(&mut self) {
+        if self.objects.iter().any(ObjectDescription::is_ground) {
+            self.objects.retain(|object| !object.is_ground());
+            self.lights.retain(|light| matches!(light.shape, LightShape::Sun(_)));
+        }
+    }
+}
+
 /// Puts the ground of a file's keys among its objects and surfaces.
 pub(super) fn spread(layer: &mut Map<String, Value>) -> Result<()> {
     let Some(table) = layer.remove(GROUND) else { return Ok(()) };
@@ -75,8 +86,9 @@ pub(super) fn spread(layer: &mut Map<String, Value>) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use crate::scene::description::objects::{ObjectDescription, ObjectShape};
-    use crate::scene::description::{Background, SceneDescription};
+    use super::*;
+    use crate::scene::description::Background;
+    use crate::scene::description::objects::ObjectShape;
 
     #[test]
     fn a_ground_is_a_rectangle_and_a_gradient_is_behind() {
@@ -131,6 +143,7 @@ mod tests {
         from_beneath.camera.bearing.elevation_deg = -60.0;
         from_beneath.uncover();
         assert!(!has_ground(&from_beneath) && from_beneath.objects.len() + 1 == whole.objects.len());
+        assert_eq!(from_beneath.lights, whole.lights[1..]);
         let mut from_above = whole.clone();
         from_above.uncover();
         assert_eq!(from_above, whole);

@@ -332,7 +332,7 @@ impl SceneDescription {
     /// Takes the ground away from beneath a lone feather that the camera looks up at: it would see nothing else.
     pub fn uncover(&mut self) {
         if self.lone_feather().is_some() && self.camera.bearing.elevation_deg < 0.0 {
-            self.objects.retain(|object| !object.is_ground());
+            self.leave_ground();
         }
     }
 
