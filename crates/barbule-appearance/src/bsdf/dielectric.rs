@@ -36,6 +36,9 @@ impl Dielectric {
     }
 }
 
+/// How often the fainter of both directions is drawn at least.
+const LEAST_DRAWN: f64 = 0.1;
+
 /// Seen from one side.
 pub(super) struct Bound {
     /// Index beyond the boundary over that on the viewer's side.
@@ -54,10 +57,18 @@ impl Bound {
         ([0.0; WAVES], [0.0; WAVES])
     }
 
-    /// The mirror direction or the refracted one, in proportion to what goes there.
+    /// What goes into the mirror direction, and how often that is drawn: at least [`LEAST_DRAWN`] of the times, and so often the other
+    /// one where that can be, or a lamp's faint image is noise.
+    #[inline]
+    fn reflected(&self, wo: DVec3) -> (f64, f64) {
+        let share = fresnel(wo.z, self.index);
+        (share, if share < 1.0 { share.clamp(LEAST_DRAWN, 1.0 - LEAST_DRAWN) } else { 1.0 })
+    }
+
+    /// The mirror direction or the refracted one.
     #[inline]
     pub(super) fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<(DVec3, Lobes)> {
-        if u[2] < fresnel(wo.z, self.index) {
+        if u[2] < self.reflected(wo).1 {
             return Some((DVec3::new(-wo.x, -wo.y, wo.z), Lobes::REFLECTION.and(Lobes::DELTA)));
         }
         // Snell's law; beyond the critical angle all is reflected.
@@ -74,19 +85,19 @@ impl Bound {
         let drawn = |frame: super::Frame| {
             let wo = frame.to_local(towards);
             let (local, lobes) = self.sample(wo, u)?;
-            Some((frame.to_world(local).normalize(), lobes, fresnel(wo.z, self.index)))
+            Some((frame.to_world(local).normalize(), lobes, self.reflected(wo)))
         };
-        let (wi, lobes, reflected) = drawn(side.frame)
+        let (wi, lobes, (reflected, drawn_often)) = drawn(side.frame)
             .filter(|(wi, lobes, _)| leaves(*wi, *lobes))
             .or_else(|| drawn(super::Frame::new(side.normal, side.frame.y)))?;
         // Radiance is concentrated in a denser medium by the square of the index; the viewer sees it on the way out.
-        let (share, scale) = if lobes.has(Lobes::REFLECTION) {
-            (reflected, 1.0)
+        let (share, chance, scale) = if lobes.has(Lobes::REFLECTION) {
+            (reflected, drawn_often, 1.0)
         } else {
-            (1.0 - reflected, 1.0 / (self.index * self.index))
+            (1.0 - reflected, 1.0 - drawn_often, 1.0 / (self.index * self.index))
         };
         let cosine = wi.dot(side.normal).abs().max(1e-12);
-        let evaluation = Evaluation { f: [share * scale / cosine; WAVES], pdf: [share; WAVES], cosine };
+        let evaluation = Evaluation { f: [share * scale / cosine; WAVES], pdf: [chance; WAVES], cosine };
         (share > 0.0).then_some(BsdfSample { wi, evaluation, lobes })
     }
 }
@@ -109,7 +120,9 @@ mod tests {
             let reflected = fresnel(polar.cos(), eta);
             let mirror = bsdf.sample([0.5, 0.5, 0.0]).unwrap();
             assert!((mirror.wi - DVec3::new(-wo.x, 0.0, wo.z)).length() < 1e-12);
-            assert!((mirror.evaluation.pdf[0] - reflected).abs() < 1e-12);
+            let value = |s: &BsdfSample| s.evaluation.f[0] * s.evaluation.cosine;
+            assert!((value(&mirror) - reflected).abs() < 1e-12);
+            assert!(mirror.evaluation.pdf[0] >= reflected.max(LEAST_DRAWN));
             let beyond = bsdf.sample([0.5, 0.5, 0.999_999]);
             if polar.sin() > eta {
                 assert!(reflected == 1.0 && beyond.is_some_and(|s| s.lobes.has(Lobes::REFLECTION)));
@@ -117,8 +130,7 @@ mod tests {
             }
             let beyond = beyond.unwrap();
             assert!((beyond.wi.x * eta + wo.x).abs() < 1e-12 && beyond.wi.z * wo.z < 0.0);
-            let weight = beyond.evaluation.f[3] * beyond.evaluation.cosine / beyond.evaluation.pdf[3];
-            assert!((weight * eta * eta - 1.0).abs() < 1e-12);
+            assert!((value(&mirror) + value(&beyond) * eta * eta - 1.0).abs() < 1e-12);
             assert!((mirror.evaluation.pdf[0] + beyond.evaluation.pdf[0] - 1.0).abs() < 1e-12);
             assert!(bsdf.eval(beyond.wi).f == [0.0; WAVES]);
         }

@@ -1,4 +1,5 @@
-//! Pictures of a peacock's eye for a flat disk, made by rule: colours, relief and outline.
+//! Pictures made by rule: of a peacock's eye for a flat disk its colours, relief and outline, and of a bird's own eye an iris for a flat
+//! square behind its cornea, with the pupil's hole.
 //!
 //! Rings are those of the flat vane, about the middle of the eye; barbs fan out from a place of the rachis below it. Scenes name the
 //! pictures `eye:colour`, `eye:bump` and `eye:alpha` where they could name files.
@@ -46,8 +47,14 @@ pub fn is_made(name: &str) -> bool {
     name.starts_with(PREFIX)
 }
 
-/// The names of these pictures.
+/// The names of a peacock's.
 pub const NAMES: [&str; 3] = ["eye:colour", "eye:bump", "eye:alpha"];
+/// The names of an iris's: how bright its parts are, to be multiplied with its colour, and where it is.
+pub const IRIS: [&str; 2] = ["eye:iris", "eye:pupil"];
+/// Radius of the pupil over the iris's.
+pub const PUPIL: f64 = 0.43;
+/// Strands of an iris and of their bundles, and how much each sort of them varies.
+const STRANDS: [(u64, f64); 3] = [(23, 0.16), (79, 0.3), (211, 0.34)];
 
 /// The picture of a name, and a text that changes whenever it does.
 ///
@@ -58,9 +65,12 @@ pub fn made(name: &str) -> Result<(Texture, String)> {
         "eye:colour" => colour,
         "eye:bump" => bump,
         "eye:alpha" => alpha,
+        "eye:iris" => |x, y| iris([x, y].map(|mm| 2.0 * mm / SIDE_MM)),
+        "eye:pupil" => |x, y| pupil([x, y].map(|mm| 2.0 * mm / SIDE_MM)),
         _ => {
-            let near = did_you_mean(name, NAMES);
-            let known = NAMES.join(", ");
+            let known = [&NAMES[..], &IRIS[..]].concat();
+            let near = did_you_mean(name, known.iter().copied());
+            let known = known.join(", ");
             return Err(Error::input(format!("there is no picture '{name}'{near} (known are {known})")));
         }
     };
@@ -104,6 +114,41 @@ fn alpha(x: f64, y: f64) -> [f32; 3] {
     [if radius < border { 1.0 } else { 0.0 }; 3]
 }
 
+/// Smooth noise around a circle of so many strands, 0 to 1; `which` tells several apart.
+fn around(turns: f64, strands: u64, which: u64) -> f64 {
+    let place = (turns - libm::floor(turns)) * strands as f64;
+    let first = libm::floor(place);
+    let of = |k: u64| unit_of(hash(0x6972_6973, &[which, (first as u64 + k) % strands]));
+    let share = place - first;
+    let eased = share * share * (3.0 - 2.0 * share);
+    of(0) + eased * (of(1) - of(0))
+}
+
+/// From 0 at `low` to 1 at `high`.
+fn eased(value: f64, low: f64, high: f64) -> f64 {
+    let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
+    share * share * (3.0 - 2.0 * share)
+}
+
+/// How bright an iris is at a place in units of its radius: wavy strands from pupil to rim, darker at both.
+fn iris([x, y]: [f64; 2]) -> [f32; 3] {
+    let radius = (x * x + y * y).sqrt();
+    let turns = libm::atan2(y, x) / std::f64::consts::TAU;
+    let bent = turns + 0.006 * libm::sin(19.0 * radius + 5.0 * around(turns, 9, 3));
+    let strands: f64 =
+        (0..).zip(STRANDS).map(|(which, (count, share))| share * around(bent, count, which)).sum();
+    let most: f64 = STRANDS.iter().map(|(_, share)| share).sum();
+    let within = 0.45 + 0.55 * eased(radius, PUPIL, PUPIL + 0.12);
+    let rim = 1.0 - 0.72 * eased(radius, 0.8, 1.0);
+    [((1.0 - most + strands) * within * rim) as f32; 3]
+}
+
+/// 1 where an iris is, 0 in the pupil and beyond the rim.
+fn pupil([x, y]: [f64; 2]) -> [f32; 3] {
+    let radius = (x * x + y * y).sqrt();
+    [if (PUPIL..1.0).contains(&radius) { 1.0 } else { 0.0 }; 3]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,5 +186,32 @@ mod tests {
             .collect();
         assert!(border.iter().any(|a| *a < 0.5) && border.iter().any(|a| *a > 0.5));
         assert!(made("eye:color").unwrap_err().to_string().contains("did you mean 'eye:colour'"));
+    }
+
+    /// Strands vary around the iris, not along themselves; it is darker at the pupil and at the rim, and absent in the hole and beyond.
+    #[test]
+    fn an_iris_has_strands_and_a_hole() {
+        let [shade, alpha] = IRIS.map(|name| made(name).unwrap().0);
+        let place = |radius: f64, turns: f64| {
+            let angle = std::f64::consts::TAU * turns;
+            [0.5 * SIDE_MM * radius * angle.cos(), 0.5 * SIDE_MM * radius * angle.sin()]
+        };
+        for (radius, there) in
+            [(0.0, 0.0), (PUPIL - 0.02, 0.0), (PUPIL + 0.02, 1.0), (0.98, 1.0), (1.02, 0.0)]
+        {
+            assert_eq!(at(&alpha, place(radius, 0.1))[0], there, "{radius}");
+        }
+        let ring = |radius: f64| -> Vec<f64> {
+            (0..720).map(|k| at(&shade, place(radius, f64::from(k) / 720.0))[0]).collect()
+        };
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let [inner, middle, outer] = [PUPIL + 0.01, 0.65, 0.97].map(ring);
+        assert!(mean(&middle) > 1.4 * mean(&inner) && mean(&middle) > 2.0 * mean(&outer));
+        assert!(middle.iter().all(|v| (0.15..=1.0).contains(v)));
+        let apart =
+            |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>() / a.len() as f64;
+        let turned: Vec<f64> = (0..720).map(|k| middle[(k + 7) % 720]).collect();
+        assert!(apart(&middle, &turned) > 2.0 * apart(&middle, &ring(0.655)), "strands lie around");
+        assert!(made("eye:irs").unwrap_err().to_string().contains("did you mean 'eye:iris'"));
     }
 }

@@ -16,6 +16,7 @@ use barbule::render::run::{Goal, run};
 use barbule::render::stage::Stage;
 use barbule::resolve::read_files;
 use barbule::scene::emission::Emission;
+use barbule::scene::eye_maps;
 use barbule::scene::sky::{Environment, Sky};
 use barbule::spectrum::dense::Lambdas;
 use glam::DVec3;
@@ -83,6 +84,54 @@ fn glass_vanishes_in_a_white_furnace() {
             assert!(mean < 0.9);
         }
     }
+}
+
+/// An eye from its front: an iris 1.9 mm behind a cornea of radius 4.1 mm, whose pupil has a radius of 1 mm.
+fn eye(iris: &str, pupil: &str) -> SceneDescription {
+    let side = 2.0 / eye_maps::PUPIL;
+    let text = format!(
+        "projection = 'orthographic'\n[surfaces.cornea]\ntype = 'dielectric'\nindex = 1.336\n[surfaces.iris]\ntype = 'diffuse'\n\
+         colour = '#ffffff'\n{iris}\n[surfaces.pupil]\ntype = 'diffuse'\ncolour = '{pupil}'\n\
+         [[objects]]\nsurface = 'cornea'\nsphere_mm = 4.1\n\
+         [[objects]]\nsurface = 'iris'\nrectangle_mm = [{side}, {side}]\ntranslate_mm = [0, 0, 2.2]\n\
+         [[objects]]\nsurface = 'pupil'\nrectangle_mm = [3, 3]\ntranslate_mm = [0, 0, 2.1]\n"
+    );
+    scene_in(Path::new(""), &text)
+}
+
+/// Pupils look larger through corneas: as large as Snell's law has it for rays that come in side by side, in the plane of one of them,
+/// which is near Gauss' magnification 1/(1 − d (1 − 1/n)/r).
+#[test]
+fn corneas_magnify_pupils() {
+    let film = furnace_of(&eye("alpha = 'eye:pupil'", "#000000"), 60, 64);
+    let (radius, depth, index) = (4.1_f64, 1.9, 1.336_f64);
+    // Where a ray beside the axis meets the iris's plane.
+    let meets = |beside: f64| {
+        let (normal, sag) = ((beside / radius).asin(), radius - (radius * radius - beside * beside).sqrt());
+        beside - (depth - sag) * (normal - (beside / radius / index).asin()).tan()
+    };
+    let (mut low, mut high) = (1.0, 1.5);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if meets(middle) < 1.0 { low = middle } else { high = middle }
+    }
+    let paraxial = 1.0 / (1.0 - depth * (1.0 - 1.0 / index) / radius);
+    assert!((low / paraxial - 1.0).abs() < 0.02, "{low} {paraxial}");
+    // Area of what is dark, with the cornea's own reflection in its middle.
+    let values = luminances(&film);
+    let (dark, pale) = (film.xyz(12, 8)[1], film.xyz(1, 8)[1]);
+    let share = values.iter().filter(|value| **value < 0.5 * (dark + pale)).count();
+    let partly: f64 = values.iter().map(|value| ((pale - value) / (pale - dark)).clamp(0.0, 1.0)).sum();
+    let seen = (partly * (4.0 / 24.0) * (4.0 / 24.0) / std::f64::consts::PI).sqrt();
+    assert!((seen / low - 1.0).abs() < 0.02 && share > 100, "{seen} {low}");
+}
+
+/// White eyes neither give nor take light: iris, pupil and cornea vanish.
+#[test]
+fn white_eyes_vanish_in_a_white_furnace() {
+    let values = luminances(&furnace_of(&eye("", "#ffffff"), 300, 64));
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    assert!((mean - 1.0).abs() < 5e-3, "{mean}");
 }
 
 /// Frosted glass takes only what a second facet of its surface would send on: little where it is nearly smooth.

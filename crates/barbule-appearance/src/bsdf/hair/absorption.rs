@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
+use super::FibreIndex;
 use crate::bsdf::reflectance::Reflectance;
+use crate::fresnel::fresnel;
 use crate::material::ExponentialAbsorption;
 use crate::spectrum::dense::{DenseSpectrum, Lambdas, WAVES};
 use crate::{Error, Result};
@@ -25,19 +27,39 @@ const EUMELANIN: (f64, f64) = (0.697, 3.33);
 /// Pheomelanin, likewise.
 const PHEOMELANIN: (f64, f64) = (0.4, 4.75);
 
-/// Vanes of n fibres over a place in the mean, of optical depth d, on white and evenly lit: what is not gloss falls by the factor
-/// exp(−a n^b d^0.95/(1 + √d/2)), within 0.02 for vanes of contour feathers, coverts and primaries (docs/theory/hair.md).
-const VANE_SCALE: f64 = 2.45;
-const VANE_POWER: f64 = 0.835;
-/// What black vanes reflect.
-const VANE_GLOSS: f64 = 0.021;
+/// Vanes of n fibres over a place in the mean, of optical depth d, evenly lit from all sides: of what is not gloss their covered part
+/// keeps exp(−a nᵇ d/(1 + c n √d)), within 0.026 for vanes of contour feathers, coverts, primaries, secondaries and tails
+/// (docs/theory/hair.md).
+const VANE_SCALE: f64 = 2.95;
+const VANE_POWER: f64 = 1.11;
+const VANE_BEND: f64 = 0.734;
+/// What of their surfaces' reflection fibres of closed vanes show; the rest of it meets other fibres. A lone fibre shows all.
+const VANE_OPEN: f64 = 0.4;
+/// Places across a fibre at which its surface's reflection is taken.
+const ACROSS: u32 = 64;
 /// Deeper absorption changes nothing that is seen.
 const VANE_MOST: f64 = 8.0;
 /// Halvings of that until nothing is left.
 const VANE_HALVINGS: u32 = 44;
 
-fn vane_depth(depth: f64) -> f64 {
-    libm::pow(depth, 0.95) / (1.0 + 0.5 * depth.sqrt())
+fn vane_depth(depth: f64, cover: f64) -> f64 {
+    VANE_SCALE * libm::pow(cover, VANE_POWER) * depth / (1.0 + VANE_BEND * cover * depth.sqrt())
+}
+
+/// What surfaces of a round fibre of this index reflect of even light, seen across: Fresnel's reflectance in the mean over the width, 7.6 %
+/// for 1.56.
+fn surface_reflectance(index: f64) -> f64 {
+    let places = f64::from(ACROSS);
+    let at = |k: u32| {
+        let offset = (f64::from(k) + 0.5) / places;
+        fresnel((1.0 - offset * offset).sqrt(), index)
+    };
+    (0..ACROSS).map(at).sum::<f64>() / places
+}
+
+/// What the covered part of a vane of black fibres reflects of light that is the same from everywhere.
+fn vane_gloss(cover: f64, index: f64) -> f64 {
+    surface_reflectance(index) * (VANE_OPEN + (1.0 - VANE_OPEN) * libm::exp(-cover))
 }
 
 impl Absorption {
@@ -103,25 +125,28 @@ impl Absorption {
     }
 
     /// What makes closed vanes of such fibres, on white in even light, reflect this: the fit of `docs/theory/hair.md` to rendered
-    /// vanes of three types. `cover`: how many fibres lie over a place of the vane in the mean.
+    /// vanes of five types. Gaps of the vane are no part of it.
+    ///
+    /// - `cover`: how many fibres lie over a place of the vane in the mean
+    /// - `index`: the fibres', whose surfaces alone black vanes show
     ///
     /// # Errors
     /// A cover that is not over 0.
-    pub fn of_vane(reflectance: &Reflectance, cover: f64) -> Result<Self> {
+    pub fn of_vane(reflectance: &Reflectance, cover: f64, index: FibreIndex) -> Result<Self> {
         if !(cover > 0.0 && cover.is_finite()) {
             return Err(Error::input(format!(
                 "a vane with {cover} fibres over a place: give a number over 0"
             )));
         }
-        let layers = VANE_SCALE * libm::pow(cover, VANE_POWER);
-        let [pale, dark] = [0.0, VANE_MOST].map(|depth| vane_depth(depth) * layers);
+        let most = vane_depth(VANE_MOST, cover);
         Self::new(|w| {
-            let through = ((reflectance.at(w) - VANE_GLOSS) / (1.0 - VANE_GLOSS)).max(f64::MIN_POSITIVE);
-            let wanted = (-libm::log(through)).clamp(pale, dark) / layers;
+            let gloss = vane_gloss(cover, index.at(w));
+            let through = ((reflectance.at(w) - gloss) / (1.0 - gloss)).max(f64::MIN_POSITIVE);
+            let wanted = (-libm::log(through)).clamp(0.0, most);
             let (mut low, mut high) = (0.0, VANE_MOST);
             for _ in 0..VANE_HALVINGS {
                 let middle = 0.5 * (low + high);
-                if vane_depth(middle) < wanted { low = middle } else { high = middle }
+                if vane_depth(middle, cover) < wanted { low = middle } else { high = middle }
             }
             0.5 * (low + high)
         })
@@ -162,6 +187,39 @@ mod tests {
     fn pure_melanin_absorbs_what_the_literature_says() {
         assert!((Absorption::melanin(1.0, 1.0).unwrap().at(550.0) - 1.67).abs() < 0.005);
         assert!((Absorption::melanin(0.25, 8.0).unwrap().at(550.0) - 3.34).abs() < 0.01);
+    }
+
+    /// A vane's gloss is that of its surfaces: all of a lone fibre's, which black hair seen across keeps (the mean over a round fibre's
+    /// width of Fresnel's reflectance, by a rule of another kind), and less of it the more of them lie over each other. What is
+    /// no brighter is black.
+    #[test]
+    fn vanes_are_no_darker_than_their_surfaces() {
+        // With h = sin γ the mean is ∫ F cos γ dγ, by Simpson's rule.
+        let steps = 400;
+        let turn = |k: i32| 0.5 * PI * f64::from(k) / f64::from(steps);
+        let part = |k: i32| fresnel(turn(k).cos(), 1.56) * turn(k).cos();
+        let weight = |k: i32| if k == 0 || k == steps { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
+        let simpson = (0..=steps).map(|k| weight(k) * part(k)).sum::<f64>() * turn(1) / 3.0;
+        assert!(
+            (surface_reflectance(1.56) - simpson).abs() < 1e-4,
+            "{} {simpson}",
+            surface_reflectance(1.56)
+        );
+        assert!((vane_gloss(1e-9, 1.56) / simpson - 1.0).abs() < 2e-3);
+        let index = FibreIndex::Constant(1.56);
+        let depth = |reflectance: f64, cover: f64| {
+            let even = Reflectance::new(|_| reflectance).unwrap();
+            Absorption::of_vane(&even, cover, index).unwrap().at(550.0)
+        };
+        for cover in [0.3, 1.2, 2.6] {
+            let gloss = vane_gloss(cover, 1.56);
+            assert!((depth(0.999 * gloss, cover) - VANE_MOST).abs() < 1e-6 && depth(1.0, cover) < 1e-6);
+            // Thinner vanes need more pigment for the same colour.
+            assert!(depth(0.3, cover) > 1.5 * depth(0.3, 2.0 * cover));
+            let back = gloss + (1.0 - gloss) * libm::exp(-vane_depth(depth(0.3, cover), cover));
+            assert!((back - 0.3).abs() < 1e-9, "{cover}: {back}");
+        }
+        assert!(Absorption::of_vane(&Reflectance::new(|_| 0.5).unwrap(), 0.0, index).is_err());
     }
 
     #[test]

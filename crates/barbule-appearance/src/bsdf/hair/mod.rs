@@ -48,6 +48,16 @@ pub enum FibreIndex {
     Keratin,
 }
 
+impl FibreIndex {
+    /// At a wavelength, nm.
+    fn at(self, wavelength_nm: f64) -> f64 {
+        match self {
+            Self::Constant(index) => index,
+            Self::Keratin => Cauchy::KERATIN.n(wavelength_nm),
+        }
+    }
+}
+
 /// What makes a fibre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HairParameters {

@@ -218,25 +218,25 @@ fn kinds_that_are_not_there_are_refused() {
 #[test]
 fn sizes_vary_from_tract_to_tract() {
     let guide = |y: f64, size| Guide { position_mm: [0.0, y, 0.0], size, ..Guide::PLAIN };
-    let region = Some(Region { low: [-100.0, -65.0, -100.0], high: [100.0, 65.0, 100.0] });
-    let bare = vec![Bare { position_mm: [60.0, 0.0, 0.0], radius_mm: 12.0 }];
-    let coat = Coat { region, bare, guides: vec![guide(90.0, 0.33), guide(-90.0, 1.0)], ..coat(900) };
+    let region = Some(Region { low: [-100.0, -50.0, -100.0], high: [100.0, 50.0, 100.0] });
+    let bare = vec![Bare { position_mm: [46.0, 0.0, 0.0], radius_mm: 10.0 }];
+    let coat = Coat { region, bare, guides: vec![guide(70.0, 0.33), guide(-70.0, 1.0)], ..coat(540) };
     let feathers = [contour()];
-    let body = Body::ellipsoid([60.0, 90.0, 60.0], &Place::HERE, coat.edge_mm(&feathers));
+    let body = Body::ellipsoid([46.0, 70.0, 46.0], &Place::HERE, coat.edge_mm(&feathers));
     let laid = coat.lay(body, &feathers, SHARP, 7).unwrap();
     let mean = |of: &dyn Fn(&&Stand) -> bool| {
         let some: Vec<f64> = laid.stands.iter().filter(of).map(|stand| stand.scale).collect();
         some.iter().sum::<f64>() / some.len() as f64
     };
-    let [head, tail] = [mean(&|s| s.spot.point.y > 50.0), mean(&|s| s.spot.point.y < -50.0)];
+    let [head, tail] = [mean(&|s| s.spot.point.y > 38.0), mean(&|s| s.spot.point.y < -38.0)];
     assert!(head < 0.6 && tail > 0.7, "{head} {tail}");
     let length = contour().shaft.length_mm - window(&contour()).along_mm;
-    let middle = DVec3::X * 60.0;
+    let middle = DVec3::X * 46.0;
     let mut shortened = 0;
     for stand in &laid.before {
-        assert!((stand.spot.point - middle).length() >= 12.0);
+        assert!((stand.spot.point - middle).length() >= 10.0);
         if stand.scale > SHORTEST * stand.size {
-            let reaches = |t: f64| (stand.spot.point + stand.along * t - middle).length() < 11.99;
+            let reaches = |t: f64| (stand.spot.point + stand.along * t - middle).length() < 9.99;
             assert!(!(0..=40).any(|i| reaches(stand.scale * length * f64::from(i) / 40.0)));
         }
         shortened += usize::from(stand.scale < 0.8 * stand.size);

@@ -182,13 +182,21 @@ fn over(mut own: Map<String, Value>, mut base: Map<String, Value>) -> Map<String
             own.remove("whole");
         }
     }
+    // A coat grows on one body, and its feathers are counted in one way.
+    if let (Some(Value::Object(own)), Some(Value::Object(base))) = (own.get("coat"), base.get_mut("coat")) {
+        for either in [&["ellipsoid_mm", "form", "mesh"][..], &["count", "density_per_cm2"]] {
+            if either.iter().any(|key| own.contains_key(*key)) {
+                either.iter().for_each(|key| _ = base.remove(*key));
+            }
+        }
+    }
     if let Some(feather) = feather::layered(own.remove("feather"), base.remove("feather")) {
         own.insert("feather".to_owned(), feather);
     }
     for (key, value) in base {
         let both = match (own.remove(&key), value) {
             (Some(own), base)
-                if ["light", "camera", "window", "detail", "surfaces"].contains(&key.as_str()) =>
+                if ["light", "camera", "window", "detail", "surfaces", "coat"].contains(&key.as_str()) =>
             {
                 merged(own, base)
             }
@@ -409,6 +417,29 @@ mod tests {
         assert_ne!(identity(&scene), identity(&starling));
         let other = SceneDescription::parse(&text.replace("azimuth ", "azimuth_deg ")).unwrap();
         assert_eq!(identity(&other), identity(&scene));
+    }
+
+    /// A bird's coat changes key by key, but for its body.
+    #[test]
+    fn a_coat_is_a_presets_with_changes() {
+        let coat = |text: &str| {
+            let scene = SceneDescription::parse(&format!("preset = 'starling-bird'\n{text}")).unwrap();
+            match &scene.objects[0].shape {
+                ObjectShape::Coat(of) => of.coat.clone(),
+                other => panic!("{other:?}"),
+            }
+        };
+        let own = coat("");
+        assert_eq!(coat("[coat]\nvariants = 2"), CoatDescription { variants: 2, ..own.clone() });
+        let ball = coat("[coat]\nellipsoid_mm = [20, 30, 20]\ncount = 9");
+        let body = CoatDescription {
+            ellipsoid_mm: Some([20.0, 30.0, 20.0]),
+            form: None,
+            count: Some(9),
+            density_per_cm2: None,
+            ..own
+        };
+        assert_eq!(ball, body);
     }
 
     #[test]

@@ -350,16 +350,22 @@ impl FibreDescription {
             longitudinal_roughness: self.longitudinal_roughness,
             azimuthal_roughness: self.azimuthal_roughness,
             scale_tilt: self.scale_tilt_deg.to_radians(),
-            index: self.index.map_or(FibreIndex::Keratin, FibreIndex::Constant),
+            index: self.fibre_index(),
             absorption: self.absorption(cover)?,
             height_over_width: self.height_over_width,
         })
     }
 
+    fn fibre_index(&self) -> FibreIndex {
+        self.index.map_or(FibreIndex::Keratin, FibreIndex::Constant)
+    }
+
     /// A mass of fibres is at least [`DARKEST`]: nothing that absorbs everything has a depth.
     pub(super) fn absorption(&self, cover: f64) -> Result<Absorption> {
         match (self.vane_colour, self.colour) {
-            (Some(vane), _) => Absorption::of_vane(&Reflectance::of_colour(vane.0.map(decode))?, cover),
+            (Some(vane), _) => {
+                Absorption::of_vane(&Reflectance::of_colour(vane.0.map(decode))?, cover, self.fibre_index())
+            }
             (None, Some(mass)) => {
                 let light = mass.0.map(|value| decode(value).max(DARKEST));
                 Absorption::of_reflectance(&Reflectance::of_colour(light)?, self.azimuthal_roughness)

@@ -10,8 +10,9 @@ use barbule::spectrum::sensor::Sensor;
 use barbule::vision::{FalseColour, Light, View, false_colour, human_beside};
 use barbule::{Error, Result, identity};
 
+use super::Args;
 use super::flags::Seer;
-use super::{Args, Job};
+use super::job::Job;
 use crate::provenance::Provenance;
 
 impl Args {

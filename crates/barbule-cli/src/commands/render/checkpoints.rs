@@ -9,7 +9,7 @@ use barbule::render::checkpoint;
 use barbule::render::film::Film;
 use barbule::{Error, Result};
 
-use super::Job;
+use super::job::Job;
 use crate::common::Common;
 
 /// How often a checkpoint is written.
