@@ -281,6 +281,9 @@ impl Args {
         }
         if let Some(background) = &self.background {
             description.background = background.clone();
+            if self.is_preset() {
+                description.leave_ground();
+            }
             if let (Background::Picture(slot), false) = (&mut description.background, self.toml) {
                 // It lies where the command runs, not where the scene does.
                 read_named(
@@ -313,6 +316,12 @@ impl Args {
             Some(model) => preset::by_model(self.scene(), model).map_err(|e| e.at("--model")),
             None => Ok(self.scene().to_owned()),
         }
+    }
+
+    /// Whether what is drawn is a preset, not a file of the user's.
+    fn is_preset(&self) -> bool {
+        let (scene, _) = self.scene().split_once(':').unwrap_or((self.scene(), ""));
+        preset::names().any(|name| name == scene)
     }
 
     /// Where the files lie that a scene file names.

@@ -24,12 +24,13 @@ record! {
 pub(super) const GROUND: &str = "ground";
 
 /// Whether a file changes what lies on the ground of the preset that it changes: another shape would stick in it, a body or other objects
-/// stand elsewhere, and a camera beneath would see nothing else.
+/// stand elsewhere, a camera beneath would see nothing else, and what is
+/// said to be behind would not be seen.
 fn leaves_ground(own: &Map<String, Value>) -> bool {
     let inner = |table: &str, key: &str| own.get(table).and_then(|table| table.get(key));
     let is_beneath =
         inner("camera", "elevation_deg").and_then(Value::as_f64).is_some_and(|angle| angle < 0.0);
-    ["coat", "objects", "shows_feather"].iter().any(|key| own.contains_key(*key))
+    ["coat", "objects", "shows_feather", "background"].iter().any(|key| own.contains_key(*key))
         || inner("surfaces", GROUND).is_some()
         || own.get("feather").is_some_and(Value::is_string)
         || ["type", "shaft"].iter().any(|key| inner("feather", key).is_some())
@@ -127,6 +128,7 @@ mod tests {
             assert!(has_ground(&scene) && scene.lights == whole.lights, "{kept}");
         }
         for gone in [
+            "background = 'none'",
             "feather = 'tail'",
             "[feather.shaft]\nlength_mm = 40",
             "[camera]\nelevation_deg = -60",
