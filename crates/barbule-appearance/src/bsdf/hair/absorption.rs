@@ -1,6 +1,6 @@
 //! What a fibre absorbs: optical depth of one radius, by wavelength.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::FibreIndex;
 use crate::bsdf::reflectance::Reflectance;
@@ -49,12 +49,13 @@ fn vane_depth(depth: f64, cover: f64) -> f64 {
 /// What surfaces of a round fibre of this index reflect of even light, seen across: Fresnel's reflectance in the mean over the width, 7.6 %
 /// for 1.56.
 fn surface_reflectance(index: f64) -> f64 {
-    let places = f64::from(ACROSS);
+    // By the angle γ at which the place's normal leans, for which its offset is sin γ: at the edge F rises like a root of the offset.
+    let step = FRAC_PI_2 / f64::from(ACROSS);
     let at = |k: u32| {
-        let offset = (f64::from(k) + 0.5) / places;
-        fresnel((1.0 - offset * offset).sqrt(), index)
+        let cosine = libm::cos((f64::from(k) + 0.5) * step);
+        fresnel(cosine, index) * cosine
     };
-    (0..ACROSS).map(at).sum::<f64>() / places
+    (0..ACROSS).map(at).sum::<f64>() * step
 }
 
 /// What the covered part of a vane of black fibres reflects of light that is the same from everywhere.

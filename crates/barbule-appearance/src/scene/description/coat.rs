@@ -465,16 +465,20 @@ mod tests {
     /// skins and in no bare place, and each tract has its own size.
     #[test]
     fn birds_wear_their_coats() {
-        for (name, kinds) in
-            [("mallard-head", 3), ("hummingbird-gorget", 3), ("starling-bird", 3), ("dove-bird", 5)]
-        {
+        // Bodies in coarser steps, but for the dove, whose eyes' sockets would break through them.
+        for (name, kinds, coarser) in [
+            ("mallard-head", 3, 2.0),
+            ("hummingbird-gorget", 3, 2.0),
+            ("starling-bird", 3, 1.5),
+            ("dove-bird", 5, 1.0),
+        ] {
             let mut scene = SceneDescription::named(name).unwrap();
             for object in &mut scene.objects {
                 if let ObjectShape::Coat(of) = &mut object.shape {
                     of.coat.density_per_cm2 = of.coat.density_per_cm2.map(|density| density / 20.0);
                     of.coat.variants = 1;
                     let form = of.coat.form.as_mut().unwrap();
-                    form.resolution_mm *= 2.0;
+                    form.resolution_mm *= coarser;
                     assert!(!Facing::of_mesh(&form.mesh(&Unobserved).unwrap()).is_open, "{name}");
                 }
             }

@@ -135,7 +135,8 @@ fn written_out<'a>(table: &'a Value, place: &str) -> Result<Cow<'a, Value>> {
 #[must_use]
 pub(in crate::scene) fn layered(own: Option<Value>, base: Option<Value>) -> Option<Value> {
     match (own, base) {
-        (Some(own), Some(base)) if own.get("type").is_none() => {
+        // A type's name, or a table with one, is a feather of its own.
+        (Some(own), Some(base)) if own.is_object() && own.get("type").is_none() => {
             // A base that is in error is refused where it is read.
             let base = both_vanes(&base, "feather").unwrap_or(base);
             Some(over(own, base))
