@@ -48,12 +48,12 @@ pub fn marginals(
     instance: Option<u64>,
     progress: &dyn Progress,
 ) -> Result<Vec<Marginal>> {
-    marginals_to(TOLERANCE, brdf, wavelengths_nm, wi, phi_o, instance, progress)
+    marginals_by(&Rule::fine(), brdf, wavelengths_nm, wi, phi_o, instance, progress)
 }
 
-/// The same to some tolerance.
-fn marginals_to(
-    tolerance: f64,
+/// The same, summed by a rule.
+fn marginals_by(
+    rule: &Rule,
     brdf: &FeatherBrdf,
     wavelengths_nm: &[f64],
     wi: DVec3,
@@ -63,7 +63,6 @@ fn marginals_to(
 ) -> Result<Vec<Marginal>> {
     progress.begin("marginals", wavelengths_nm.len() as u64);
     let draw = instance.map(|instance| brdf.noise().draw(instance));
-    let rule = Rule { nodes: gauss_legendre(if tolerance < ROUGH { 8 } else { 3 }), tolerance };
     let cos_i = wi.x.hypot(wi.z);
     wavelengths_nm
         .iter()
@@ -76,7 +75,7 @@ fn marginals_to(
                 let smooth = exact.across([phi.sin(), phi.cos()], 1.0, None);
                 let f = match &draw {
                     None => smooth.f / cos_i,
-                    Some(draw) => Meridian { exact: &exact, phi, draw, rule: &rule }.integral(),
+                    Some(draw) => Meridian { exact: &exact, phi, draw, rule }.integral(),
                 };
                 Ok((f, smooth.steady / cos_i))
             });
@@ -113,19 +112,28 @@ pub fn reflected_fractions(
     // dφ_o = dv / cosh v.
     let scale = STEP * wi.x.hypot(wi.z);
     let sum = |row: Marginal| row.f.iter().zip(&nodes).map(|(f, &v)| f / libm::cosh(v)).sum::<f64>() * scale;
-    let rows = marginals_to(ROUGH, brdf, wavelengths_nm, wi, &phi_o, instance, progress)?;
+    let rows = marginals_by(&Rule::rough(), brdf, wavelengths_nm, wi, &phi_o, instance, progress)?;
     Ok(rows.into_iter().map(sum).collect())
 }
 
 /// How a meridian is summed.
 struct Rule {
-    /// Nodes and weights on \[0, 1\]: eight, or three of a rough sum, whose pieces are small already.
+    /// Nodes and weights on \[0, 1\].
     nodes: Vec<(f64, f64)>,
     /// What halving may change in the end, as a part of the whole.
     tolerance: f64,
 }
 
 impl Rule {
+    fn fine() -> Self {
+        Self { nodes: gauss_legendre(8), tolerance: TOLERANCE }
+    }
+
+    /// With fewer nodes, since the noise's points cut a meridian into small pieces anyway.
+    fn rough() -> Self {
+        Self { nodes: gauss_legendre(3), tolerance: ROUGH }
+    }
+
     fn over(&self, f: &impl Fn(f64) -> f64, [a, b]: [f64; 2]) -> f64 {
         (b - a) * self.nodes.iter().map(|&(u, w)| w * f(a + (b - a) * u)).sum::<f64>()
     }
@@ -301,7 +309,7 @@ mod tests {
         let grazing = omega(0.0, f64::to_radians(89.99));
         let mean = of(grazing, None);
         let drawn = (0..8).map(|k| of(grazing, Some(k))).sum::<f64>() / 8.0;
-        // Single ones scatter by about as much as they are: three standard errors.
+        // Single ones scatter by about as much as they are: two standard errors of eight.
         assert!((drawn / mean - 1.0).abs() < 0.7, "{drawn} {mean}");
     }
 }

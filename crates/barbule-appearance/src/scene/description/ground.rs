@@ -24,8 +24,8 @@ record! {
 pub(super) const GROUND: &str = "ground";
 
 /// Whether a file changes what lies on the ground of the preset that it changes: another shape would stick in it, a body or other objects
-/// stand elsewhere, a camera beneath would see nothing else, and what is
-/// said to be behind would not be seen.
+/// stand elsewhere, a camera beneath would see nothing else, and a
+/// background would not be seen.
 fn leaves_ground(own: &Map<String, Value>) -> bool {
     let inner = |table: &str, key: &str| own.get(table).and_then(|table| table.get(key));
     let is_beneath =
