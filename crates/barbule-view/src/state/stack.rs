@@ -117,6 +117,12 @@ impl StackSizes {
         &self.name
     }
 
+    /// Whether it names media that its own file brings.
+    #[must_use]
+    pub fn has_own_media(&self) -> bool {
+        !self.materials.is_empty()
+    }
+
     /// The stack as it is.
     #[must_use]
     pub fn stack(&self) -> &Stack {

@@ -204,6 +204,9 @@ impl Light {
 }
 
 impl Camera {
+    /// How far it stands from its target, over the width of the picture there: as far as cameras of scenes do.
+    pub const DISTANCE: f64 = 4.0;
+
     /// The camera of a window that was just opened.
     #[must_use]
     pub fn usual() -> Self {
