@@ -25,7 +25,8 @@ impl Curves {
     /// Numbers of values do not fit, or a value is not finite.
     pub fn new(at: Wavelengths, angle: Vec<f64>, reflected: Vec<f64>, std: Option<Vec<f64>>) -> Result<Self> {
         let count = at.len() * angle.len();
-        let wrong = [Some(&reflected), std.as_ref()].into_iter().flatten().find(|values| values.len() != count);
+        let wrong =
+            [Some(&reflected), std.as_ref()].into_iter().flatten().find(|values| values.len() != count);
         if let Some(values) = wrong {
             return Err(Error::machine(format!(
                 "{} values do not fit {} wavelengths and {} angles",
@@ -44,9 +45,8 @@ impl Curves {
     pub fn spectrum(&self, angle: usize) -> Result<Spectrum> {
         let columns = self.at.len();
         let row = self.reflected.get(angle * columns..(angle + 1) * columns);
-        let row = row.ok_or_else(|| {
-            Error::machine(format!("there is no angle {angle} among {}", self.angle.len()))
-        })?;
+        let row = row
+            .ok_or_else(|| Error::machine(format!("there is no angle {angle} among {}", self.angle.len())))?;
         Spectrum::new(self.at.clone(), row.to_vec())
     }
 
@@ -86,7 +86,10 @@ mod tests {
         let curves = Curves::new(at.clone(), angle.clone(), vec![0.1, 0.2, 0.3, 0.4], None).unwrap();
         assert_eq!(curves.spectrum(1).unwrap().values(), [0.3, 0.4]);
         assert!(curves.spectrum(2).is_err());
-        assert_eq!(curves.csv(), "angle_deg,wavelength_nm,mean\n0,400,0.1\n0,500,0.2\n30,400,0.3\n30,500,0.4\n");
+        assert_eq!(
+            curves.csv(),
+            "angle_deg,wavelength_nm,mean\n0,400,0.1\n0,500,0.2\n30,400,0.3\n30,500,0.4\n"
+        );
         let spread = Curves { std: Some(vec![0.01; 4]), ..curves };
         assert!(spread.csv().starts_with("angle_deg,wavelength_nm,mean,std\n0,400,0.1,0.01\n"));
         assert!(Curves::new(at, angle, vec![0.1; 3], None).is_err());

@@ -72,7 +72,11 @@ mod tests {
         let curves = film(&job, &Unobserved).unwrap();
         let of = |k: usize| {
             let stack = job.stack.individual(3, k);
-            Polarization::BOTH.map(|p| response(&stack, job.at[7], 0.6, p).unwrap().reflected).iter().sum::<f64>() / 2.0
+            Polarization::BOTH
+                .map(|p| response(&stack, job.at[7], 0.6, p).unwrap().reflected)
+                .iter()
+                .sum::<f64>()
+                / 2.0
         };
         let mean = (0..9).map(of).sum::<f64>() / 9.0;
         let std = ((0..9).map(|k| (of(k) - mean).powi(2)).sum::<f64>() / 8.0).sqrt();

@@ -98,7 +98,12 @@ fn colour(job: &IndividualJob, section: &Section, progress: &dyn Progress) -> Re
 }
 
 /// What a section scatters of light through a window as wide as usual.
-fn lobe(section: &Section, wavelength_nm: f64, [theta_i, phi_i]: [f64; 2], progress: &dyn Progress) -> Result<Lobe> {
+fn lobe(
+    section: &Section,
+    wavelength_nm: f64,
+    [theta_i, phi_i]: [f64; 2],
+    progress: &dyn Progress,
+) -> Result<Lobe> {
     let light = Illumination { wavelength_nm, theta_i, phi_i, window: Window::Gaussian };
     let far = far_field_observed(section, &light, AZIMUTHS, &Accuracy::default(), progress)?;
     let [first, second] = Polarization::BOTH.map(|polarization| far.per_radian(polarization));
@@ -153,7 +158,8 @@ mod tests {
         let sum: f64 = lobe.intensity.iter().sum::<f64>() * step;
         assert!((sum / lobe.reflected - 1.0).abs() < 0.02, "{sum} {}", lobe.reflected);
         // Mirrored light leaves to the other side.
-        let brightest = (0..AZIMUTHS).max_by(|&i, &j| lobe.intensity[i].total_cmp(&lobe.intensity[j])).unwrap();
+        let brightest =
+            (0..AZIMUTHS).max_by(|&i, &j| lobe.intensity[i].total_cmp(&lobe.intensity[j])).unwrap();
         assert!((lobe.azimuth[brightest] + 0.4).abs() < 0.3, "{}", lobe.azimuth[brightest]);
     }
 
@@ -168,7 +174,8 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_refused_and_what_is_not_wanted_stops() {
-        let one = IndividualJob { structure: Structure::flat("air/keratin:300/air").unwrap(), ..job("starling") };
+        let one =
+            IndividualJob { structure: Structure::flat("air/keratin:300/air").unwrap(), ..job("starling") };
         let refused = individual(&one, &Unobserved, &mut |_| {}).unwrap_err().to_string();
         assert!(refused.contains("there is no instance 3"), "{refused}");
         let progress = Shared::default();

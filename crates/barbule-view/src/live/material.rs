@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use barbule::Result;
 use barbule::brdf::fit::FitOptions;
-use barbule::characterize::{CampaignOptions, Catalog, Execution, Found, Origin, Plan, as_filed, characterize};
+use barbule::characterize::{
+    CampaignOptions, Catalog, Execution, Found, Origin, Plan, as_filed, characterize,
+};
 use barbule::open::{Located, Opening, made, material_of};
 use barbule::progress::Progress;
 use barbule::structure::Structure;
@@ -55,7 +57,11 @@ pub fn expected_seconds(job: &MaterialJob, cores: usize) -> Result<Option<[f64; 
 ///
 /// # Errors
 /// As [`characterize`], or a stop by `progress`.
-pub fn material(job: &MaterialJob, progress: &dyn Progress, found: &mut dyn FnMut(MaterialFound)) -> Result<()> {
+pub fn material(
+    job: &MaterialJob,
+    progress: &dyn Progress,
+    found: &mut dyn FnMut(MaterialFound),
+) -> Result<()> {
     let plan = match material_of(job.structure.clone(), &job.opening)? {
         Located::There(there) => {
             found(MaterialFound { found: Arc::new(*there), thinned: None });
@@ -115,8 +121,15 @@ mod tests {
         material(&job, &Unobserved, &mut |one| all.push(one)).unwrap();
         assert_eq!((all.len(), all[0].thinned), (1, Some(THIN)));
         assert_eq!(thinned(&all[0].found.material), Some(THIN));
-        let plan = CampaignOptions { thin: Some(THIN), ..CampaignOptions::default() }.plan(job.structure).unwrap();
-        let own = characterize(&plan, &FitOptions::default(), &Catalog::default(), &Execution::default(), &Unobserved);
+        let plan =
+            CampaignOptions { thin: Some(THIN), ..CampaignOptions::default() }.plan(job.structure).unwrap();
+        let own = characterize(
+            &plan,
+            &FitOptions::default(),
+            &Catalog::default(),
+            &Execution::default(),
+            &Unobserved,
+        );
         assert_eq!(as_filed(&own.unwrap().material).unwrap().1, all[0].found.hash);
     }
 
@@ -124,7 +137,8 @@ mod tests {
     fn whoever_watches_stops_it() {
         let progress = Shared::default();
         progress.cancel();
-        let refused = material(&job("air/keratin:320/melanin"), &progress, &mut |_| panic!("nothing is found"));
+        let refused =
+            material(&job("air/keratin:320/melanin"), &progress, &mut |_| panic!("nothing is found"));
         assert!(refused.unwrap_err().is_interrupted());
     }
 }

@@ -123,7 +123,10 @@ mod tests {
         assert_eq!((first.individuals, first.curves.at.nm()), (2, &[450.0, 550.0, 650.0][..]));
         let whole = &found[found.len() - 1];
         let own = spectra(&job.structure, &job.request((9, &job.at)), &Unobserved).unwrap();
-        assert_eq!((&whole.curves.reflected, whole.curves.std.as_ref()), (&own.mean.concat(), Some(&own.std.concat())));
+        assert_eq!(
+            (&whole.curves.reflected, whole.curves.std.as_ref()),
+            (&own.mean.concat(), Some(&own.std.concat()))
+        );
         assert!(whole.is_whole && whole.individuals == 9);
         // Each earlier one is that of its own individuals.
         let early = spectra(&job.structure, &job.request((2, &first.curves.at)), &Unobserved).unwrap();

@@ -1,10 +1,10 @@
 //! What people and birds see of a reflectance, in numbers and as a colour on the screen.
 
+use barbule::Result;
 use barbule::open;
 use barbule::spectrum::colour::{Illuminant, Observer, display};
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::vision::{Catches, Light, View};
-use barbule::Result;
 
 use crate::state::Seer;
 

@@ -67,7 +67,9 @@ impl Worker {
         let thread = std::thread::Builder::new()
             .name("live".to_owned())
             .spawn(move || work(&own, &tell, &wake))
-            .map_err(|error| Error::machine(format!("the thread that computes cannot be started: {error}")))?;
+            .map_err(|error| {
+                Error::machine(format!("the thread that computes cannot be started: {error}"))
+            })?;
         Ok(Self { desk, told, thread: Some(thread) })
     }
 
@@ -135,7 +137,8 @@ fn work(desk: &Desk, tell: &Sender<(u64, Update)>, wake: &dyn Fn()) {
                 wake();
             }
         };
-        let done = catch_unwind(AssertUnwindSafe(|| run(&job, &*progress, &mut |found| send(Update::Found(found)))));
+        let done =
+            catch_unwind(AssertUnwindSafe(|| run(&job, &*progress, &mut |found| send(Update::Found(found)))));
         desk.state().running = None;
         match done {
             Ok(Ok(())) => send(Update::Done),

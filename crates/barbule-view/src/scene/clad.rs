@@ -211,7 +211,8 @@ mod tests {
             })
             .sum();
         assert!((area / (1.6 * 1.2) - 1.0).abs() < 1e-3, "{area}");
-        let turned = Vec3::from(shape.vertices[0].normal).angle_between(shape.vertices[shape.vertices.len() - 1].normal.into());
+        let turned = Vec3::from(shape.vertices[0].normal)
+            .angle_between(shape.vertices[shape.vertices.len() - 1].normal.into());
         assert!((f64::from(turned) - Bend::USUAL.angle).abs() < 1e-4);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("vane.obj");

@@ -14,7 +14,13 @@ use super::{Part, Shape, Vertex};
 
 /// Adds the envelopes of the barbs on one side of the shaft (−1: left, 1: right), of every `stride`-th of their nodes. `rows`: the
 /// barbules towards the feather's tip, and the others.
-pub(super) fn add(shape: &mut Shape, envelopes: &Geometry, side: f64, rows: [&BarbuleShape; 2], stride: usize) {
+pub(super) fn add(
+    shape: &mut Shape,
+    envelopes: &Geometry,
+    side: f64,
+    rows: [&BarbuleShape; 2],
+    stride: usize,
+) {
     for ribbon in &envelopes.ribbons {
         let nodes = envelopes.nodes_of(ribbon);
         for (row, part) in rows.into_iter().zip([Part::Distal, Part::Proximal]) {

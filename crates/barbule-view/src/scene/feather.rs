@@ -66,7 +66,9 @@ pub fn feather(request: &FeatherRequest<'_>, progress: &dyn Progress) -> Result<
 
 /// Barbules one by one, if they fit.
 fn barbules(grown: &Grown, most: usize) -> Option<(Shape, FeatherDetail)> {
-    let fixed = meshed(&grown.shaft) + meshed(&grown.rami) + grown.zones.iter().map(|z| meshed(&z.rami)).sum::<usize>();
+    let fixed = meshed(&grown.shaft)
+        + meshed(&grown.rami)
+        + grown.zones.iter().map(|z| meshed(&z.rami)).sum::<usize>();
     let rows = || rows_of(grown).map(|(geometry, _)| geometry);
     let stride = STRIDES
         .into_iter()
@@ -167,7 +169,9 @@ mod tests {
     fn larger_parts_are_drawn_more_coarsely_and_never_with_too_many_triangles() {
         let feather = Feather::of_type("contour").unwrap();
         let mut details = Vec::new();
-        for (radius, most) in [(Some(1.0), 300_000), (Some(1.0), 100_000), (Some(1.0), 30_000), (None, 300_000)] {
+        for (radius, most) in
+            [(Some(1.0), 300_000), (Some(1.0), 100_000), (Some(1.0), 30_000), (None, 300_000)]
+        {
             let request = FeatherRequest { most_triangles: most, ..request(&feather, radius) };
             let (shape, detail) = super::feather(&request, &Unobserved).unwrap();
             shape.check().unwrap();
@@ -178,7 +182,10 @@ mod tests {
         assert!(matches!(details[3], FeatherDetail::Barbs { .. }), "{details:?}");
         let few = FeatherRequest { most_triangles: 10, ..request(&feather, Some(1.0)) };
         let refused = super::feather(&few, &Unobserved).unwrap_err().to_string();
-        assert!(refused.contains("over 10 triangles") && refused.contains("show a smaller part"), "{refused}");
+        assert!(
+            refused.contains("over 10 triangles") && refused.contains("show a smaller part"),
+            "{refused}"
+        );
     }
 
     #[test]

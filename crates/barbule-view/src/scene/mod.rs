@@ -158,7 +158,9 @@ impl Shape {
         };
         match self.vertices.iter().position(|vertex| !is_sound(vertex)) {
             None => Ok(()),
-            Some(at) => refuse(format!("vertex {at} has a vector that is no unit vector, or a number that is not finite")),
+            Some(at) => refuse(format!(
+                "vertex {at} has a vector that is no unit vector, or a number that is not finite"
+            )),
         }
     }
 

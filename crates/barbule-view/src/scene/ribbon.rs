@@ -82,7 +82,8 @@ fn add_fibre(shape: &mut Shape, geometry: &Geometry, curve: &Curve, part: u32, s
         let along = (nodes[after].point - nodes[before].point).normalize_or(Vec3::Y);
         let node = &nodes[at];
         let normal = if node.vane_normal == Vec3::ZERO { Vec3::Z } else { node.vane_normal };
-        let vertex = Vertex { half_width_mm: node.radius, part, ..Vertex::at(node.point, normal, along, curve.id) };
+        let vertex =
+            Vertex { half_width_mm: node.radius, part, ..Vertex::at(node.point, normal, along, curve.id) };
         let across = along.cross(normal).normalize_or(Vec3::X) * node.radius;
         for side in [-1.0_f32, 1.0] {
             let position_mm = (node.point + across * side).into();
@@ -192,7 +193,11 @@ mod tests {
         shape.check().unwrap();
         assert_eq!(shape.triangles.len(), 4);
         assert!(shape.vertices.iter().all(|v| v.position_mm[1].abs() == 0.1 && v.normal == [0.0, 0.0, 1.0]));
-        let mesh = Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], triangles: vec![[0, 1, 2]], ..Mesh::default() };
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
         add_mesh(&mut shape, &mesh, 5, 1);
         shape.check().unwrap();
         assert_eq!(shape.vertices[6].normal, [0.0, 0.0, 1.0]);

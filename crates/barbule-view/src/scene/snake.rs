@@ -37,18 +37,23 @@ pub fn snake() -> Result<Shape> {
 
 /// The same patches of every `stride`-th of their columns and rows: a patch is a grid whose texture coordinates go from edge to edge.
 fn of_every(mesh: &Mesh, stride: usize) -> Result<Mesh> {
-    let irregular = || Error::machine("the scales of the snake are no grids of vertices, so they cannot be thinned");
+    let irregular =
+        || Error::machine("the scales of the snake are no grids of vertices, so they cannot be thinned");
     let columns = mesh.uvs.iter().take_while(|uv| uv.y == mesh.uvs[0].y).count();
-    let is_new = |row: usize| mesh.uvs.get(row * columns).is_none_or(|uv| uv.y <= mesh.uvs[(row - 1) * columns].y);
+    let is_new =
+        |row: usize| mesh.uvs.get(row * columns).is_none_or(|uv| uv.y <= mesh.uvs[(row - 1) * columns].y);
     let rows = if columns > 1 { (1..).find(|&row| is_new(row)).unwrap_or(0) } else { 0 };
     if rows < 2 || mesh.positions.len() % (rows * columns) != 0 {
         return Err(irregular());
     }
-    let (of_columns, of_rows): (Vec<_>, Vec<_>) = (kept(columns, stride).collect(), kept(rows, stride).collect());
+    let (of_columns, of_rows): (Vec<_>, Vec<_>) =
+        (kept(columns, stride).collect(), kept(rows, stride).collect());
     let mut thinned = Mesh { id: mesh.id, ..Mesh::default() };
     for patch in (0..mesh.positions.len()).step_by(rows * columns) {
         let first = thinned.positions.len() as u32;
-        for at in of_rows.iter().flat_map(|row| of_columns.iter().map(move |column| patch + row * columns + column)) {
+        for at in
+            of_rows.iter().flat_map(|row| of_columns.iter().map(move |column| patch + row * columns + column))
+        {
             thinned.positions.push(mesh.positions[at]);
             thinned.normals.push(mesh.normals[at]);
             thinned.tangents.push(mesh.tangents[at]);
@@ -83,7 +88,10 @@ mod tests {
         };
         let [low, high] = bounds(&mut mesh.positions.iter().copied());
         let [own_low, own_high] = shape.bounds_mm().unwrap();
-        assert!(low.distance(own_low) < 0.5 && high.distance(own_high) < 0.5, "{low} {own_low} {high} {own_high}");
+        assert!(
+            low.distance(own_low) < 0.5 && high.distance(own_high) < 0.5,
+            "{low} {own_low} {high} {own_high}"
+        );
         // Faces look where normals do, but for slivers at the tips.
         let against = shape.triangles.iter().filter(|corners| {
             let [a, b, c] = corners.map(|corner| Vec3::from(shape.vertices[corner as usize].position_mm));

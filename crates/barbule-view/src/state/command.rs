@@ -46,9 +46,11 @@ impl Figure {
             What::Grating(Grating::Sample(_)) => &[Self::Diffraction],
             What::Grating(Grating::File(_)) | What::Scene(_) => &[],
             What::Material(_, None) => &[Self::Lobes],
-            What::Material(_, Some(_)) | What::Species(_) | What::Stack(_) | What::Lattice(..) | What::Sections(_) => {
-                &[Self::Spectrum, Self::FarField, Self::Section, Self::Lobes]
-            }
+            What::Material(_, Some(_))
+            | What::Species(_)
+            | What::Stack(_)
+            | What::Lattice(..)
+            | What::Sections(_) => &[Self::Spectrum, Self::FarField, Self::Section, Self::Lobes],
         }
     }
 
@@ -108,7 +110,8 @@ impl Command {
         if typed != SCENE_FILE {
             let (light, camera) = (&scene.light.bearing, &scene.camera.bearing);
             let light = format!("--light={},{}", light.azimuth_deg, light.elevation_deg);
-            let from = format!("--view={},{},{}", camera.azimuth_deg, camera.elevation_deg, scene.camera.width_mm);
+            let from =
+                format!("--view={},{},{}", camera.azimuth_deg, camera.elevation_deg, scene.camera.width_mm);
             command = command.with(&[&light, &from]);
         }
         if let Seer::Bird(_) = view.eye {
@@ -219,7 +222,10 @@ mod tests {
         let line = |text: &str, figure, file: &str| {
             Command::figure(&opened(text), &view, figure, file).unwrap().line()
         };
-        assert_eq!(line("starling:pink", Figure::Spectrum, "s.svg"), "barbule spectrum starling:pink --angle=-30 -o s.svg");
+        assert_eq!(
+            line("starling:pink", Figure::Spectrum, "s.svg"),
+            "barbule spectrum starling:pink --angle=-30 -o s.svg"
+        );
         assert_eq!(
             line("air/6*(melanin:99/keratin:100)/keratin", Figure::Spectrum, "s.csv"),
             "barbule film 'air/6*(melanin:99/keratin:100)/keratin' --angles=30 --csv s.csv"
@@ -239,7 +245,10 @@ mod tests {
         let mut moved = opened("starling");
         moved.put(&BTreeMap::from([("cortex_um".to_owned(), 0.2)])).unwrap();
         let command = Command::figure(&moved, &view, Figure::Lobes, "l.svg").unwrap();
-        assert_eq!((command.line().as_str(), command.files.len()), ("barbule lobes my-starling.toml -o l.svg", 1));
+        assert_eq!(
+            (command.line().as_str(), command.files.len()),
+            ("barbule lobes my-starling.toml -o l.svg", 1)
+        );
         let refused = Command::figure(&opened("snake"), &view, Figure::Spectrum, "s.svg").unwrap_err();
         assert_eq!(refused.to_string(), "there is no spectrum of a scene");
     }
@@ -247,7 +256,10 @@ mod tests {
     #[test]
     fn words_are_quoted_as_shells_read_them() {
         assert_eq!(quoted("air/keratin:300/air"), "air/keratin:300/air");
-        assert_eq!((quoted("a b"), quoted("it's"), quoted("")), ("'a b'".into(), "'it'\\''s'".into(), "''".into()));
+        assert_eq!(
+            (quoted("a b"), quoted("it's"), quoted("")),
+            ("'a b'".into(), "'it'\\''s'".into(), "''".into())
+        );
         assert_eq!(quoted("keratin:5±1"), "'keratin:5±1'");
     }
 }

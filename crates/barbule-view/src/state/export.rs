@@ -59,7 +59,9 @@ impl Export {
     pub fn of(subject: &Subject) -> Vec<Self> {
         let has = |export: &Self| match export {
             Self::Picture | Self::Scene | Self::State => true,
-            Self::Table | Self::Figure => Figure::of(subject).iter().any(|figure| *figure == Figure::Spectrum),
+            Self::Table | Self::Figure => {
+                Figure::of(subject).iter().any(|figure| *figure == Figure::Spectrum)
+            }
             Self::Species => matches!(subject.what(), What::Species(_) | What::Material(_, Some(_))),
         };
         Self::ALL.into_iter().filter(has).collect()
@@ -122,7 +124,10 @@ mod tests {
     #[test]
     fn names_of_files_follow_from_what_is_open() {
         assert_eq!(Export::Picture.file_name(&opened("starling:pink")), "starling-pink.png");
-        assert_eq!(Export::Table.file_name(&opened("air/keratin:300/air")), "air-keratin-300-air-spectrum.csv");
+        assert_eq!(
+            Export::Table.file_name(&opened("air/keratin:300/air")),
+            "air-keratin-300-air-spectrum.csv"
+        );
         assert_eq!(Export::State.file_name(&opened("rock-dove (below)")), "rock-dove-green-below-view.toml");
     }
 
@@ -133,6 +138,12 @@ mod tests {
             Export::Picture.check(Path::new("a/b.gif")).unwrap_err().to_string(),
             "a/b.gif: pictures are written as .png; name it a/b.png"
         );
-        assert!(Export::Figure.check(Path::new("a")).unwrap_err().to_string().contains(".svg, .pdf, .png; name it a.svg"));
+        assert!(
+            Export::Figure
+                .check(Path::new("a"))
+                .unwrap_err()
+                .to_string()
+                .contains(".svg, .pdf, .png; name it a.svg")
+        );
     }
 }

@@ -265,7 +265,8 @@ impl State {
     /// Sizes of what is open that differ from those of what is pinned, where both have them: the slider, and the pinned value.
     #[must_use]
     pub fn differences(&self) -> Vec<(Slider, f64)> {
-        let pinned: BTreeMap<String, f64> = self.pinned.iter().flat_map(Subject::sliders).map(|s| (s.key, s.value)).collect();
+        let pinned: BTreeMap<String, f64> =
+            self.pinned.iter().flat_map(Subject::sliders).map(|s| (s.key, s.value)).collect();
         let own = self.subject.sliders().into_iter();
         own.filter_map(|slider| {
             let other = *pinned.get(&slider.key)?;
@@ -368,7 +369,9 @@ fn first_camera(
     Ok(match mode {
         Mode::Sphere => Camera { width_mm: 2.0 * ROOM * SPHERE_MM, elevation_deg: 20.0, ..usual },
         Mode::Vane => Camera { width_mm: ROOM * Bend::USUAL.size_mm[0], elevation_deg: 70.0, ..usual },
-        Mode::Snake => Camera { width_mm: SNAKE_MM, elevation_deg: 42.0, target_mm: [0.0, 0.0, 14.0], ..usual },
+        Mode::Snake => {
+            Camera { width_mm: SNAKE_MM, elevation_deg: 42.0, target_mm: [0.0, 0.0, 14.0], ..usual }
+        }
         Mode::Feather | Mode::Scene => {
             let scene = scene_of(subject, view, opening, progress)?;
             Camera {
@@ -382,7 +385,12 @@ fn first_camera(
 }
 
 /// The scene that suits something, as it is: its preset's or the view's.
-fn scene_of(subject: &Subject, view: &View, opening: &Opening, progress: &dyn Progress) -> Result<SceneDescription> {
+fn scene_of(
+    subject: &Subject,
+    view: &View,
+    opening: &Opening,
+    progress: &dyn Progress,
+) -> Result<SceneDescription> {
     match (&view.preset, subject.what()) {
         (Some(preset), _) => SceneDescription::named(preset).map_err(|error| error.at("preset")),
         (None, What::Scene(scene)) => Ok(scene.as_ref().clone()),

@@ -6,9 +6,7 @@ use barbule::error::shortened;
 use barbule::fields::{Record as _, Value};
 use barbule::open::{self, Opening};
 use barbule::progress::Progress;
-use barbule::scene::description::{
-    Bearing, KeyLight, SceneDescription, SkyDescription, View as SceneView,
-};
+use barbule::scene::description::{Bearing, KeyLight, SceneDescription, SkyDescription, View as SceneView};
 use barbule::structure::Side;
 use barbule::{Error, Result};
 use serde_json::json;
@@ -99,7 +97,9 @@ impl Subject {
         let typed = self.typed()?;
         let mut files: Vec<NeededFile> = typed.iter().filter_map(|typed| typed.file.clone()).collect();
         let scene = match view.mode {
-            Mode::Sphere => object(&json!({ "sphere_mm": SPHERE_MM }), self.skin(&typed, sphere_uv())?, view)?,
+            Mode::Sphere => {
+                object(&json!({ "sphere_mm": SPHERE_MM }), self.skin(&typed, sphere_uv())?, view)?
+            }
             Mode::Vane => {
                 files.push(NeededFile { name: VANE_FILE.into(), text: vane_obj(&Bend::USUAL)? });
                 let [width, length] = Bend::USUAL.size_mm;
@@ -128,10 +128,12 @@ impl Subject {
         if let Some(typed) = typed {
             scene.set_material(&typed.name);
         }
-        let bearing = Bearing { azimuth_deg: view.light.azimuth_deg, elevation_deg: view.light.elevation_deg };
+        let bearing =
+            Bearing { azimuth_deg: view.light.azimuth_deg, elevation_deg: view.light.elevation_deg };
         if view.mode == Mode::Feather {
             scene.lights.clear();
-            scene.light = KeyLight { radius_deg: view.light.radius_deg, strength: view.light.strength, bearing };
+            scene.light =
+                KeyLight { radius_deg: view.light.radius_deg, strength: view.light.strength, bearing };
             scene.sky = SkyDescription::Gradient { zenith: view.light.sky, horizon: 1.0, below: 1.0 };
             scene.camera = SceneView::read(&camera_table(&view.camera), "camera")?;
         } else {
@@ -149,7 +151,8 @@ impl Subject {
         match (typed, self.what()) {
             (Some(typed), _) => {
                 let [width_um, length_um, cell_um] =
-                    [BARBULE_LAYOUT.width_mm, BARBULE_LAYOUT.length_mm, BARBULE_LAYOUT.cell_mm].map(|mm| 1e3 * mm);
+                    [BARBULE_LAYOUT.width_mm, BARBULE_LAYOUT.length_mm, BARBULE_LAYOUT.cell_mm]
+                        .map(|mm| 1e3 * mm);
                 Ok(json!({
                     "type": "barbule", "material": typed.name, "uv_mm": uv_mm,
                     "width_um": width_um, "length_um": length_um, "cell_um": cell_um,
@@ -238,7 +241,8 @@ fn camera_table(camera: &Camera) -> Value {
 
 /// A name as a file's: letters, digits and - alone.
 fn plain(name: &str) -> String {
-    let stem = Path::new(name).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let stem =
+        Path::new(name).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let plain: String =
         stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).take(60).collect();
     let plain = plain.trim_matches('-').trim_start_matches("my-").to_owned();
@@ -263,7 +267,9 @@ mod tests {
     #[test]
     fn the_renderers_camera_is_the_windows() {
         let subject = opened("starling");
-        for (azimuth_deg, elevation_deg) in [(180.0, 90.0), (180.0, 61.0), (77.0, 30.0), (300.0, 0.0), (20.0, -40.0), (250.0, -75.0)] {
+        for (azimuth_deg, elevation_deg) in
+            [(180.0, 90.0), (180.0, 61.0), (77.0, 30.0), (300.0, 0.0), (20.0, -40.0), (250.0, -75.0)]
+        {
             let camera = Camera { azimuth_deg, elevation_deg, width_mm: 3.0, target_mm: [0.5, 1.0, 0.2] };
             for mode in [Mode::Sphere, Mode::Feather] {
                 let view = View { mode, camera, ..View::default() };
@@ -274,14 +280,24 @@ mod tests {
                 let towards = back.normalize();
                 let right = (-towards).cross(made.up).normalize();
                 assert!(towards.distance(own.towards) < 1e-9 && made.target.distance(own.target_mm) < 1e-12);
-                assert!(right.distance(own.right) < 1e-9, "{azimuth_deg} {elevation_deg}: {right} {}", own.right);
+                assert!(
+                    right.distance(own.right) < 1e-9,
+                    "{azimuth_deg} {elevation_deg}: {right} {}",
+                    own.right
+                );
             }
         }
     }
 
     #[test]
     fn every_mode_of_every_kind_is_a_scene_with_the_views_light() {
-        for text in ["starling", "air/keratin:300/melanin", "xenopeltis", "starling-feather", "rock-dove:green (below)"] {
+        for text in [
+            "starling",
+            "air/keratin:300/melanin",
+            "xenopeltis",
+            "starling-feather",
+            "rock-dove:green (below)",
+        ] {
             let subject = opened(text);
             for &mode in subject.modes() {
                 let light = Light { azimuth_deg: 90.0, elevation_deg: 0.0, ..Light::usual() };
@@ -290,7 +306,11 @@ mod tests {
                 assert!(scene.light.bearing.direction().distance(DVec3::X) < 1e-12, "{text} {mode:?}");
                 assert_eq!(files.iter().any(|file| file.name == VANE_FILE), mode == Mode::Vane);
                 // Its file is read as it.
-                assert_eq!(SceneDescription::parse(&scene.to_toml().unwrap()).unwrap(), scene, "{text} {mode:?}");
+                assert_eq!(
+                    SceneDescription::parse(&scene.to_toml().unwrap()).unwrap(),
+                    scene,
+                    "{text} {mode:?}"
+                );
             }
         }
     }
@@ -312,8 +332,16 @@ mod tests {
         assert_eq!(opened("rock-dove (below)").typed().unwrap().unwrap().name, "rock-dove (below)");
         for (subject, view, words) in [
             (opened("snake"), view, "a scene is not shown as a feather; choose scene"),
-            (opened("starling"), View { mode: Mode::Snake, ..View::default() }, "a species is not shown as a snake; choose sphere"),
-            (opened("starling"), View { preset: Some("magpy".into()), ..View::default() }, "preset: there is no preset 'magpy', did you mean 'magpie'?"),
+            (
+                opened("starling"),
+                View { mode: Mode::Snake, ..View::default() },
+                "a species is not shown as a snake; choose sphere",
+            ),
+            (
+                opened("starling"),
+                View { preset: Some("magpy".into()), ..View::default() },
+                "preset: there is no preset 'magpy', did you mean 'magpie'?",
+            ),
         ] {
             let refused = subject.scene(&view, &Opening::default(), &Unobserved).unwrap_err().to_string();
             assert!(refused.contains(words), "{refused}");
@@ -322,6 +350,9 @@ mod tests {
 
     #[test]
     fn names_of_files_are_plain() {
-        assert_eq!((plain("a/b c.toml"), plain("my-starling"), plain("//")), ("b-c".into(), "starling".into(), "structure".into()));
+        assert_eq!(
+            (plain("a/b c.toml"), plain("my-starling"), plain("//")),
+            ("b-c".into(), "starling".into(), "structure".into())
+        );
     }
 }

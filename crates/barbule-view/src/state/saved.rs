@@ -33,7 +33,8 @@ impl FieldValue for Moved {
     }
 
     fn to_value(&self, (): &()) -> Option<Value> {
-        let table: Map<String, Value> = self.0.iter().map(|(key, value)| (key.clone(), (*value).into())).collect();
+        let table: Map<String, Value> =
+            self.0.iter().map(|(key, value)| (key.clone(), (*value).into())).collect();
         (!table.is_empty()).then_some(Value::Object(table))
     }
 
@@ -169,22 +170,37 @@ mod tests {
         assert_eq!(Saved::parse(&text).unwrap(), saved());
         assert!(Saved::is_meant(&text) && !Saved::is_meant("preset = 'starling'"));
         let least = Saved::parse("barbule_view = 1\nopen = 'starling'\n").unwrap();
-        assert_eq!((least.subject.open.as_str(), least.view, least.pinned), ("starling", View::default(), None));
+        assert_eq!(
+            (least.subject.open.as_str(), least.view, least.pinned),
+            ("starling", View::default(), None)
+        );
     }
 
     #[test]
     fn files_that_do_not_fit_are_refused_in_a_sentence() {
         for (text, words) in [
-            ("barbule_view = 2\nopen = 'starling'", "barbule_view is 2, but this version reads format 1 only"),
+            (
+                "barbule_view = 2\nopen = 'starling'",
+                "barbule_view is 2, but this version reads format 1 only",
+            ),
             ("barbule_view = 'x'\nopen = 'starling'", "barbule_view is \"x\", but this version"),
             ("preset = 'starling'", "is no saved viewer, which begins with barbule_view = 1"),
             ("barbule_view = 1", "open is missing; give what is looked at"),
             ("barbule_view = 1\nopen = 3", "open is the number 3, but must be a text in quotes"),
             ("barbule_view = 1\nopen = 'a'\nveiw = 1", "unknown key 'veiw', did you mean 'view'?"),
-            ("barbule_view = 1\nopen = 'a'\n[sizes]\ncortex_um = 'x'", "sizes.cortex_um is the text 'x', but must be a number"),
-            ("barbule_view = 1\nopen = 'a'\nsizes = 3", "sizes is the number 3, but must be a table of numbers"),
+            (
+                "barbule_view = 1\nopen = 'a'\n[sizes]\ncortex_um = 'x'",
+                "sizes.cortex_um is the text 'x', but must be a number",
+            ),
+            (
+                "barbule_view = 1\nopen = 'a'\nsizes = 3",
+                "sizes is the number 3, but must be a table of numbers",
+            ),
             ("barbule_view = 1\nopen = 'a'\n[view]\nmode = 'x'", "view.mode is 'x'"),
-            ("barbule_view = 1\nopen = 'a'\n[view.light]\nradius_deg = 0", "view.light.radius_deg is 0, outside 0.1 to 60"),
+            (
+                "barbule_view = 1\nopen = 'a'\n[view.light]\nradius_deg = 0",
+                "view.light.radius_deg is 0, outside 0.1 to 60",
+            ),
             ("barbule_view = 1\nopen = 'a'\n[pinned]\nsizes = {}", "pinned.open is missing"),
             ("barbule_view = = 1", "line 1"),
         ] {

@@ -119,7 +119,8 @@ impl SpeciesSizes {
             .filter(|(name, value)| self.parameters.get(*name) != Some(value))
             .map(|(name, value)| (name.as_str(), value.clone()))
             .collect();
-        let model = self.original.with_parameters(&changes).map_err(|error| error.at(self.original.title()))?;
+        let model =
+            self.original.with_parameters(&changes).map_err(|error| error.at(self.original.title()))?;
         (self.model, self.moved) = (model, kept);
         Ok(())
     }

@@ -147,7 +147,10 @@ impl StackSizes {
     /// The key of each number: what it is, and which of its like.
     fn keys(&self) -> impl Iterator<Item = String> {
         let like = |index: usize| {
-            self.places[..index].iter().filter(|place| place.what.key() == self.places[index].what.key()).count()
+            self.places[..index]
+                .iter()
+                .filter(|place| place.what.key() == self.places[index].what.key())
+                .count()
         };
         (0..self.places.len()).map(move |index| format!("{}[{}]", self.places[index].what.key(), like(index)))
     }
@@ -376,7 +379,8 @@ mod tests {
 
     #[test]
     fn every_number_of_a_stack_is_a_slider() {
-        let sizes = opened("air / 6*( melanin:99±5% / mix(keratin,air,0.25): 100 +- 3 ) /1.56+0.02j:30/keratin");
+        let sizes =
+            opened("air / 6*( melanin:99±5% / mix(keratin,air,0.25): 100 +- 3 ) /1.56+0.02j:30/keratin");
         let expected = [
             ("count[0]", 6.0),
             ("thickness_nm[0]", 99.0),
@@ -388,7 +392,10 @@ mod tests {
         ];
         assert_eq!(keys(&sizes), expected.map(|(key, value)| (key.to_owned(), value)));
         let sliders = sizes.sliders();
-        assert_eq!((sliders[1].name.as_str(), sliders[1].unit, sliders[1].range), ("1: melanin", "nm", [0.0, 1000.0]));
+        assert_eq!(
+            (sliders[1].name.as_str(), sliders[1].unit, sliders[1].range),
+            ("1: melanin", "nm", [0.0, 1000.0])
+        );
         assert_eq!(sliders[4].name, "2: mix(keratin,air,0.25)");
         assert_eq!((sliders[5].range, sliders[5].unit), ([0.0, 100.0], "nm"));
         assert!(sliders[0].whole && sliders[0].range == [1.0, 40.0]);
@@ -428,8 +435,16 @@ mod tests {
         let before = sizes.text();
         for (key, value, words) in [
             ("thicknes_nm[0]", 50.0, "has no size 'thicknes_nm[0]', did you mean 'thickness_nm[0]'?"),
-            ("thickness_nm[0]", -5.0, "thickness_nm[0] of air/3*(melanin:99±5/keratin:100)/keratin is -5 nm; give from 0 to 1000 nm"),
-            ("count[0]", 2.5, "count[0] of air/3*(melanin:99±5/keratin:100)/keratin is 2.5; give a whole number from 1 to 40"),
+            (
+                "thickness_nm[0]",
+                -5.0,
+                "thickness_nm[0] of air/3*(melanin:99±5/keratin:100)/keratin is -5 nm; give from 0 to 1000 nm",
+            ),
+            (
+                "count[0]",
+                2.5,
+                "count[0] of air/3*(melanin:99±5/keratin:100)/keratin is 2.5; give a whole number from 1 to 40",
+            ),
             ("thickness_nm[0]", f64::NAN, "is NaN nm; give"),
             // Thinner than its own deviation.
             ("thickness_nm[0]", 2.0, "the spread of 5 nm is not usable"),

@@ -188,9 +188,7 @@ impl Subject {
         };
         match self.side {
             Side::Above => Ok(Some(upper)),
-            Side::Below => {
-                upper.underside().map(Some).map_err(|error| error.at(shortened(&self.text)))
-            }
+            Side::Below => upper.underside().map(Some).map_err(|error| error.at(shortened(&self.text))),
         }
     }
 
@@ -215,9 +213,11 @@ impl Subject {
         match self.what {
             What::Grating(_) => &[Mode::Sphere, Mode::Snake],
             What::Scene(_) => &[Mode::Scene],
-            What::Stack(_) | What::Lattice(..) | What::Sections(_) | What::Material(..) | What::Species(_) => {
-                &[Mode::Sphere, Mode::Vane, Mode::Feather, Mode::Scene]
-            }
+            What::Stack(_)
+            | What::Lattice(..)
+            | What::Sections(_)
+            | What::Material(..)
+            | What::Species(_) => &[Mode::Sphere, Mode::Vane, Mode::Feather, Mode::Scene],
         }
     }
 }
@@ -373,7 +373,10 @@ mod tests {
             (&other.to_string_lossy(), "is no structure"),
         ] {
             let refused = opened(text).unwrap_err();
-            assert!(refused.to_string().contains(words) && !refused.to_string().contains('\n'), "{text}: {refused}");
+            assert!(
+                refused.to_string().contains(words) && !refused.to_string().contains('\n'),
+                "{text}: {refused}"
+            );
         }
     }
 
@@ -384,11 +387,17 @@ mod tests {
         starling.put(&moved).unwrap();
         assert_eq!((starling.moved(), starling.title()), (moved.clone(), "starling:green, changed".into()));
         let Structure::Species(model) = starling.structure().unwrap().unwrap() else { panic!() };
-        assert_ne!(model, SpeciesFile::builtin("starling").unwrap().model(None, Library::builtin()).unwrap().into());
+        assert_ne!(
+            model,
+            SpeciesFile::builtin("starling").unwrap().model(None, Library::builtin()).unwrap().into()
+        );
         let mut scene = opened("starling-feather").unwrap();
         assert!(scene.put(&BTreeMap::new()).is_ok() && scene.structure().unwrap().is_none());
         let refused = scene.put(&moved).unwrap_err().to_string();
-        assert!(refused.contains("a scene without sizes of its own, so 'cortex_um' cannot be moved"), "{refused}");
+        assert!(
+            refused.contains("a scene without sizes of its own, so 'cortex_um' cannot be moved"),
+            "{refused}"
+        );
     }
 
     #[test]

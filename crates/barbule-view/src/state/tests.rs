@@ -44,7 +44,9 @@ fn every_change_is_undone_and_done_again() {
     assert_eq!((state.view().light.azimuth_deg, cortex(&state)), (340.0, 0.28));
     assert!(state.undo().unwrap());
     assert_eq!((cortex(&state), state.undo().unwrap()), (first, false));
-    assert!(state.redo().unwrap() && state.redo().unwrap() && state.redo().unwrap() && !state.redo().unwrap());
+    assert!(
+        state.redo().unwrap() && state.redo().unwrap() && state.redo().unwrap() && !state.redo().unwrap()
+    );
     assert_eq!((state.view().mode, cortex(&state)), (Mode::Sphere, 0.28));
     state.reset_sizes().unwrap();
     assert_eq!((cortex(&state), state.steps()), (first, [4, 0]));
@@ -108,15 +110,30 @@ fn a_viewer_is_saved_and_opened_again_as_it_was() {
     assert_eq!(again.pinned().unwrap().text(), "starling:pink");
     assert_eq!(again.saved(), state.saved());
     for (text, words) in [
-        ("barbule_view = 1\nopen = 'starlign'", "open: there is no preset, species or file 'starlign', did you mean 'starling'?"),
-        ("barbule_view = 1\nopen = 'starling'\n[sizes]\ncortex_um = 99", "open: sizes: starling:green: parameters.cortex_um is 99, outside"),
-        ("barbule_view = 1\nopen = 'air/keratin:300/air'\n[sizes]\ncortex_um = 0.3", "has no size 'cortex_um'"),
-        ("barbule_view = 1\nopen = 'snake'\n[view]\nmode = 'vane'", "view.mode is vane, but a scene is shown as scene"),
+        (
+            "barbule_view = 1\nopen = 'starlign'",
+            "open: there is no preset, species or file 'starlign', did you mean 'starling'?",
+        ),
+        (
+            "barbule_view = 1\nopen = 'starling'\n[sizes]\ncortex_um = 99",
+            "open: sizes: starling:green: parameters.cortex_um is 99, outside",
+        ),
+        (
+            "barbule_view = 1\nopen = 'air/keratin:300/air'\n[sizes]\ncortex_um = 0.3",
+            "has no size 'cortex_um'",
+        ),
+        (
+            "barbule_view = 1\nopen = 'snake'\n[view]\nmode = 'vane'",
+            "view.mode is vane, but a scene is shown as scene",
+        ),
         ("barbule_view = 3\nopen = 'starling'", "barbule_view is 3, but this version reads format 1 only"),
     ] {
         std::fs::write(&file, text).unwrap();
         let refused = State::open(&file, &Opening::default(), &Unobserved).unwrap_err();
-        assert!(refused.to_string().contains(words) && refused.to_string().contains("view.toml"), "{refused}");
+        assert!(
+            refused.to_string().contains(words) && refused.to_string().contains("view.toml"),
+            "{refused}"
+        );
     }
 }
 

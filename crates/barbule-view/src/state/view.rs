@@ -336,7 +336,10 @@ mod tests {
             (serde_json::json!({"mode": "spher"}), "mode is 'spher', did you mean 'sphere'?"),
             (serde_json::json!({"eye": "bird:starlin"}), "did you mean 'starling'?"),
             (serde_json::json!({"eye": 3}), "eye is the number 3, but must be a text in quotes"),
-            (serde_json::json!({"light": {"azimuth": 3}}), "light: unknown key 'azimuth', did you mean 'azimuth_deg'?"),
+            (
+                serde_json::json!({"light": {"azimuth": 3}}),
+                "light: unknown key 'azimuth', did you mean 'azimuth_deg'?",
+            ),
             (serde_json::json!({"camera": {"width_mm": 0}}), "camera.width_mm is 0, outside 0.05 to 2000"),
             (serde_json::json!({"individual": 1.5}), "individual is 1.5, but must be a whole number"),
         ] {
