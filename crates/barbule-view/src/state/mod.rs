@@ -1,6 +1,8 @@
 //! What a viewer's window shows, without the window: what is open and what was moved in it, how it is looked at, what is pinned
 //! beside it, and every change to be undone.
 
+mod beside;
+mod catalogue;
 mod command;
 mod export;
 mod history;
@@ -15,13 +17,17 @@ mod view;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use barbule::error::shortened;
 use barbule::io::read_text;
 use barbule::open::{self, Opening};
 use barbule::progress::Progress;
 use barbule::scene::description::SceneDescription;
+use barbule::scene::feather::{Feather, VaneDisc};
 use barbule::structure::Structure;
 use barbule::{Error, Result};
 
+pub use beside::Beside;
+pub use catalogue::{Entry, catalogue};
 pub use command::{Command, Figure};
 pub use export::Export;
 pub use history::History;
@@ -51,12 +57,22 @@ pub struct Setting {
     pub view: View,
 }
 
+/// What became of a file that was dropped onto the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dropped {
+    /// It is open now, in place of what was.
+    Opened,
+    /// It is a measured spectrum, drawn beside what is computed.
+    Measured,
+}
+
 /// A viewer without its window.
 #[derive(Debug, Clone)]
 pub struct State {
     subject: Subject,
     view: View,
     pinned: Option<Subject>,
+    beside: Vec<Beside>,
     history: History<Setting>,
     opening: Opening,
 }
@@ -78,7 +94,12 @@ impl State {
         }
         let subject = Subject::open(text, opening, progress)?;
         let view = first_view(&subject, opening, progress)?;
-        Ok(Self { subject, view, pinned: None, history: History::new(MOST_STEPS), opening: opening.clone() })
+        Ok(Self::new(subject, view, opening))
+    }
+
+    fn new(subject: Subject, view: View, opening: &Opening) -> Self {
+        let (history, opening) = (History::new(MOST_STEPS), opening.clone());
+        Self { subject, view, pinned: None, beside: Vec::new(), history, opening }
     }
 
     /// A viewer as it was saved.
@@ -93,9 +114,10 @@ impl State {
         };
         let subject = opened(&saved.subject).map_err(|error| error.at("open"))?;
         let pinned = saved.pinned.as_ref().map(opened).transpose().map_err(|error| error.at("pinned"))?;
-        let view = saved.view.clone();
-        check_mode(&subject, &view)?;
-        Ok(Self { subject, view, pinned, history: History::new(MOST_STEPS), opening: opening.clone() })
+        check_mode(&subject, &saved.view)?;
+        let beside = saved.measured.iter().map(|file| Beside::read(file)).collect::<Result<_>>();
+        let beside = beside.map_err(|error| error.at("measured"))?;
+        Ok(Self { pinned, beside, ..Self::new(subject, saved.view.clone(), opening) })
     }
 
     /// What a file keeps of it.
@@ -108,6 +130,7 @@ impl State {
         Saved {
             version: FORMAT,
             subject: kept(&self.subject),
+            measured: self.beside.iter().map(|one| named_from_anywhere(one.file())).collect(),
             pinned: self.pinned.as_ref().map(kept),
             view: self.view.clone(),
         }
@@ -129,6 +152,61 @@ impl State {
     #[must_use]
     pub fn pinned(&self) -> Option<&Subject> {
         self.pinned.as_ref()
+    }
+
+    /// Measured spectra that are drawn beside it.
+    #[must_use]
+    pub fn beside(&self) -> &[Beside] {
+        &self.beside
+    }
+
+    /// Takes a file that was dropped onto the window: a measured spectrum is drawn beside what is computed, everything else is opened in
+    /// place of what is open, which keeps what is pinned and measured.
+    ///
+    /// # Errors
+    /// It cannot be read as either, or there are as many measured spectra as can be told apart; then nothing has changed.
+    pub fn drop_file(&mut self, path: &Path, progress: &dyn Progress) -> Result<Dropped> {
+        let file = path.to_string_lossy();
+        if !Beside::is_meant(path)? {
+            let opened = Self::open(&file, &self.opening, progress)?;
+            let pinned = opened.pinned.clone().or_else(|| self.pinned.take());
+            let mut beside = std::mem::take(&mut self.beside);
+            if !opened.beside.is_empty() {
+                beside.clone_from(&opened.beside);
+            }
+            *self = Self { pinned, beside, ..opened };
+            return Ok(Dropped::Opened);
+        }
+        if self.beside.len() >= Beside::MOST {
+            return Err(Error::input(format!(
+                "{}: {} measured spectra are shown, as many as can be told apart; take one away",
+                shortened(&file),
+                Beside::MOST
+            )));
+        }
+        self.beside.push(Beside::read(&file)?);
+        Ok(Dropped::Measured)
+    }
+
+    /// Takes a measured spectrum away, by its place among them.
+    pub fn take_away(&mut self, index: usize) {
+        if index < self.beside.len() {
+            self.beside.remove(index);
+        }
+    }
+
+    /// The feather that it is shown on as a feather, and the part of that which is grown.
+    ///
+    /// # Errors
+    /// Its scene shows no lone feather.
+    pub fn feather(&self, progress: &dyn Progress) -> Result<(Feather, VaneDisc)> {
+        let scene = scene_of(&self.subject, &self.view, &self.opening, progress)?;
+        scene.lone_feather().map(|of| (of.feather, of.window)).ok_or_else(|| {
+            Error::input(format!(
+                "the scene of {} shows no feather by itself; choose a preset that does, as starling-feather",
+                shortened(self.subject.text())
+            ))
+        })
     }
 
     /// Media, cache and seed.

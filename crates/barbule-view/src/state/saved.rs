@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use barbule::fields::{
-    FieldValue, Kind, Map, Record, Text, Value, in_toml, number, parse_toml, path_of, within, wrong_kind,
+    FieldValue, Kind, Map, Record, Several, Text, Value, in_toml, number, parse_toml, path_of, within,
+    wrong_kind,
 };
 use barbule::identity::Hasher;
 use barbule::structure::Side;
 use barbule::{Error, Result, open};
 use barbule_base::record;
 
+use super::beside::Beside;
 use super::view::View;
 
 /// Version of the format.
@@ -71,6 +73,9 @@ record! {
     pub struct Saved {
         /// Version of the format.
         version: usize = "barbule_view", within(FORMAT as f64, FORMAT as f64);
+        /// Files of measured spectra that are drawn beside it.
+        measured: Vec<String> = "measured",
+            Several { least: 0, most: Beside::MOST, of: Text("the name of a file") }, or Vec::new();
         /// What is pinned beside it.
         pinned: Option<Kept> = "pinned", ();
         /// How it is looked at.
@@ -159,6 +164,7 @@ mod tests {
         Saved {
             version: FORMAT,
             subject: Kept { open: "starling:pink".into(), sizes },
+            measured: vec!["a.csv".into()],
             pinned: Some(Kept { open: "air/keratin:300/air".into(), sizes: Moved::default() }),
             view,
         }

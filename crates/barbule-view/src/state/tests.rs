@@ -147,3 +147,50 @@ fn texts_are_those_of_what_is_open() {
     let refused = opened("snake").text_of(Export::Species, &Unobserved).unwrap_err().to_string();
     assert_eq!(refused, "of a scene no species are written as text");
 }
+
+#[test]
+fn dropped_files_are_opened_or_drawn_beside() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let mut state = opened("starling");
+    state.pin();
+    let measured = file("back.csv", "wl,R\n400,10\n500,30\n600,20\n700,20\n");
+    assert_eq!(state.drop_file(&measured, &Unobserved).unwrap(), Dropped::Measured);
+    assert_eq!(state.beside()[0].name(), "back");
+    let stack = file("stack.toml", "stack = 'air/keratin:300/melanin'");
+    assert_eq!(state.drop_file(&stack, &Unobserved).unwrap(), Dropped::Opened);
+    assert_eq!((state.subject().kind(), state.beside().len()), ("stack", 1));
+    assert_eq!(state.pinned().unwrap().text(), "starling");
+    // It is saved and read again.
+    let saved = file("view.toml", &state.text_of(Export::State, &Unobserved).unwrap());
+    let again = opened(&saved.to_string_lossy());
+    assert_eq!((again.beside().len(), again.saved()), (1, state.saved()));
+    for (path, words) in [
+        (file("b.txt", "no numbers"), "b.txt"),
+        (folder.path().join("none.csv"), "none.csv"),
+        (file("bad.toml", "stack = 'air'"), "bad.toml"),
+    ] {
+        let refused = state.drop_file(&path, &Unobserved).unwrap_err();
+        assert!(refused.to_string().contains(words), "{refused}");
+        assert_eq!((state.subject().kind(), state.beside().len()), ("stack", 1));
+    }
+    for _ in 1..Beside::MOST {
+        state.drop_file(&measured, &Unobserved).unwrap();
+    }
+    let refused = state.drop_file(&measured, &Unobserved).unwrap_err().to_string();
+    assert!(refused.contains("8 measured spectra are shown"), "{refused}");
+    state.take_away(0);
+    assert_eq!(state.beside().len(), Beside::MOST - 1);
+}
+
+#[test]
+fn a_feathers_window_is_that_of_its_preset() {
+    let (feather, window) = opened("starling").feather(&Unobserved).unwrap();
+    assert_eq!((window.along_mm, window.radius_mm, feather.shaft.length_mm), (25.0, Some(2.5), 30.0));
+    let refused = opened("snake").feather(&Unobserved).unwrap_err().to_string();
+    assert!(refused.contains("shows no feather by itself"), "{refused}");
+}
