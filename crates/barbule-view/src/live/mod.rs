@@ -6,6 +6,7 @@
 
 mod curves;
 mod film;
+mod hemisphere;
 mod individual;
 mod material;
 mod mean;
@@ -18,6 +19,7 @@ use barbule::progress::Progress;
 
 pub use curves::Curves;
 pub use film::{FilmJob, film};
+pub use hemisphere::{Hemisphere, HemisphereJob, direction_at, hemisphere, lobe_spectrum, place_of};
 pub use individual::{Individual, IndividualJob, Lobe, individual};
 pub use material::{MaterialFound, MaterialJob, expected_seconds, material};
 pub use mean::{MeanFound, MeanJob, mean, stages};
@@ -32,6 +34,8 @@ pub enum Job {
     Film(FilmJob),
     /// One individual: its section, its colour along the normal, what it scatters.
     Individual(Box<IndividualJob>),
+    /// A material's lobe.
+    Hemisphere(Box<HemisphereJob>),
     /// The mean over individuals.
     Mean(Box<MeanJob>),
     /// The material.
@@ -45,6 +49,8 @@ pub enum Found {
     Film(Curves),
     /// An individual, first without and then with what it scatters.
     Individual(Box<Individual>),
+    /// A material's lobe; all there is.
+    Hemisphere(Hemisphere),
     /// A mean, over more individuals and wavelengths each time.
     Mean(MeanFound),
     /// A material, a coarse one and then perhaps the whole one.
@@ -59,6 +65,7 @@ pub fn run(job: &Job, progress: &dyn Progress, found: &mut dyn FnMut(Found)) -> 
     match job {
         Job::Film(job) => film(job, progress).map(|curves| found(Found::Film(curves))),
         Job::Individual(job) => individual(job, progress, &mut |one| found(Found::Individual(Box::new(one)))),
+        Job::Hemisphere(job) => hemisphere(job, progress).map(|lobe| found(Found::Hemisphere(lobe))),
         Job::Mean(job) => mean(job, progress, &mut |mean| found(Found::Mean(mean))),
         Job::Material(job) => material(job, progress, &mut |made| found(Found::Material(made))),
     }
