@@ -131,7 +131,7 @@ impl Drop for Worker {
 /// The thread's life: waits for a job, does it, tells what comes of it.
 fn work(desk: &Desk, tell: &Sender<(u64, Update)>, wake: &dyn Fn()) {
     while let Some((number, job, progress)) = taken(desk) {
-        let mut send = |update: Update| {
+        let send = |update: Update| {
             // Nobody listens once the owner is gone.
             if tell.send((number, update)).is_ok() {
                 wake();

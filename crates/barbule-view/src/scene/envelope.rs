@@ -7,7 +7,6 @@
 use barbule_appearance::scene::feather::{BarbuleShape, tip_side};
 use barbule_appearance::scene::geometry::{Geometry, Ribbon, RibbonNode};
 use barbule_base::math::rng::hash;
-use glam::Vec3;
 
 use super::ribbon::{frame, kept, strip, strip_triangles};
 use super::{Part, Shape, Vertex};
@@ -77,6 +76,7 @@ mod tests {
     use super::*;
     use crate::scene::Naming;
     use barbule_appearance::scene::feather::{Feather, Level, VaneDisc};
+    use glam::Vec3;
 
     #[test]
     fn barbules_lean_outwards_to_either_side_of_every_barb() {
