@@ -94,12 +94,13 @@ mod tests {
                 let [p, q, r] = [a, b, c].map(|v| Vec3::from(v.position_mm));
                 // Upper sides face the viewer.
                 assert!((q - p).cross(r - p).dot(a.normal.into()) > -1e-6);
-                // Of a vertex on an edge its barbule leads away from the barb.
-                let [middle, edge] = if a.place[1] == 0.0 { [a, b] } else { [b, a] };
-                if middle.place[1] == 0.0 && edge.place[1] != 0.0 {
-                    let outwards = Vec3::from(edge.position_mm) - Vec3::from(middle.position_mm);
-                    assert!(outwards.dot(edge.tangent.into()) > 0.0);
-                }
+            }
+            // From the barb's middle to the edge is where its barbules lead.
+            for pair in shape.vertices.chunks_exact(2) {
+                let [middle, edge] =
+                    if pair[0].place[1] == 0.0 { [pair[0], pair[1]] } else { [pair[1], pair[0]] };
+                let outwards = Vec3::from(edge.position_mm) - Vec3::from(middle.position_mm);
+                assert!(middle.place[1] == 0.0 && outwards.dot(edge.tangent.into()) > 0.0);
             }
         }
     }

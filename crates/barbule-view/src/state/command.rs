@@ -231,8 +231,8 @@ mod tests {
             "barbule film 'air/6*(melanin:99/keratin:100)/keratin' --angles=30 --csv s.csv"
         );
         assert_eq!(
-            line("rock-dove:green (below)", Figure::Section, "s.svg"),
-            "barbule geometry 'rock-dove:green (below)' --instance 3 -o s.svg"
+            line("rock-dove:forest (below)", Figure::Section, "s.svg"),
+            "barbule geometry 'rock-dove:forest (below)' --instance 3 -o s.svg"
         );
         assert_eq!(
             line("magpie", Figure::FarField, "f.png"),

@@ -128,7 +128,7 @@ mod tests {
             Export::Table.file_name(&opened("air/keratin:300/air")),
             "air-keratin-300-air-spectrum.csv"
         );
-        assert_eq!(Export::State.file_name(&opened("rock-dove (below)")), "rock-dove-green-below-view.toml");
+        assert_eq!(Export::State.file_name(&opened("rock-dove (below)")), "rock-dove-forest-below-view.toml");
     }
 
     #[test]

@@ -296,7 +296,7 @@ mod tests {
             "air/keratin:300/melanin",
             "xenopeltis",
             "starling-feather",
-            "rock-dove:green (below)",
+            "rock-dove:forest (below)",
         ] {
             let subject = opened(text);
             for &mode in subject.modes() {

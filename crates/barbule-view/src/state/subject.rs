@@ -15,7 +15,7 @@ use barbule::progress::Progress;
 use barbule::scene::description::SceneDescription;
 use barbule::scene::preset;
 use barbule::stack::Stack;
-use barbule::structure::{Lattice, SAMPLES, Side, SpeciesFile, Structure, species_name};
+use barbule::structure::{Lattice, SAMPLES, Side, SpeciesFile, Structure, species_name, species_names};
 use barbule::{Error, Result};
 
 use super::slider::Slider;
@@ -62,7 +62,7 @@ pub enum Grating {
 impl Subject {
     /// Opens what people type: a material or grating by its file; a species, built in or of a file, and a variant of it; a stack, as
     /// text or of a file; sections and lattices by their files; a scene by its file; a preset that no species is called; a sample of
-    /// heights. ` (below)` behind a structure is its lower side. Built-in names come before files.
+    /// heights. A preset's name is the preset, unless it is a species' own. ` (below)` behind a structure is its lower side. Built-in names come before files.
     ///
     /// # Errors
     /// None of these (the nearest is offered), or a file that is damaged.
@@ -243,14 +243,19 @@ fn what(text: &str, opening: &Opening, progress: &dyn Progress) -> Result<What> 
     if let Some(sample) = SAMPLES.into_iter().find(|sample| *sample == text) {
         return Ok(What::Grating(Grating::Sample(sample)));
     }
+    let name = text.split_once(':').map_or(text, |(name, _)| name);
+    let is_preset = |name: &str| preset::names().any(|known| known == name);
+    // Some presets are called as people also call a bird.
+    if !species_names().any(|species| species == name) && is_preset(text) {
+        return scene(text, opening, progress);
+    }
     if is_built_in {
-        let (name, variant) = text.split_once(':').map_or((text, None), |(name, v)| (name, Some(v)));
+        let variant = text.split_once(':').map(|(_, variant)| variant);
         let file = SpeciesFile::builtin(species_name(name)?)?;
         let sizes = SpeciesSizes::of_file(file, variant, opening.media.library().clone())?;
         return Ok(What::Species(Box::new(sizes)));
     }
-    let preset_of = text.split_once(':').map_or(text, |(name, _)| name);
-    if preset::names().any(|name| name == preset_of) {
+    if is_preset(name) {
         return scene(text, opening, progress);
     }
     if path.exists() {
@@ -402,9 +407,9 @@ mod tests {
 
     #[test]
     fn lower_sides_are_structures_and_their_stacks_no_films() {
-        let below = opened("rock-dove:green (below)").unwrap();
-        assert_eq!(below.title(), "rock-dove:green (below)");
-        assert_eq!(below.structure().unwrap().unwrap().name(), "rock-dove:green (below)");
+        let below = opened("rock-dove:forest (below)").unwrap();
+        assert_eq!(below.title(), "rock-dove:forest (below)");
+        assert_eq!(below.structure().unwrap().unwrap().name(), "rock-dove:forest (below)");
         let stack = "air/keratin:300/air";
         assert!(opened(stack).unwrap().stack().is_some());
         assert!(opened(&format!("{stack} (below)")).unwrap().stack().is_none());
