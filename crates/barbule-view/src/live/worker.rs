@@ -190,7 +190,7 @@ mod tests {
     /// A job that takes minutes.
     fn long() -> Job {
         Job::Mean(Box::new(MeanJob {
-            structure: Structure::builtin("hummingbird").unwrap(),
+            structure: Structure::builtin("starling").unwrap(),
             at: Wavelengths::usual(),
             angle: (0..40).map(|k| 0.02 * f64::from(k)).collect(),
             individuals: 2000,
