@@ -1,0 +1,5 @@
+//! The viewer from outside.
+
+mod feather;
+mod questions;
+mod tone;

@@ -1,0 +1,39 @@
+//! What the screen shows, by the shader and by the renderer.
+
+use barbule_appearance::brdf::fixtures::example;
+use barbule_appearance::brdf::{BrdfTables, Options};
+use barbule_appearance::render::tone::shown;
+use barbule_appearance::scene::description::ToneWord;
+use barbule_base::math::rng::Stream;
+use barbule_view::gpu::Question;
+
+use crate::questions::Shaders;
+
+/// A quarter of a step of eight bits; the roots and powers of single precision leave 1e-4.
+const TONE_ERROR: f64 = 1e-3;
+
+/// Colours over sixteen stops, some outside sRGB.
+#[test]
+fn the_shader_shows_what_the_renderer_shows() {
+    for shaders in Shaders::all() {
+        let loaded = shaders.load(&BrdfTables::new(&example(3), Options::default()).unwrap(), 3);
+        let mut stream = Stream::new(5, &[]);
+        let mut questions = Vec::new();
+        for k in 0..400 {
+            let scale = 2.0_f64.powf(stream.uniform(-8.0, 8.0));
+            let rgb = [0; 3].map(|_| (scale * stream.uniform(-0.1, 1.0)) as f32);
+            questions.push(Question::Tone { rgb, is_film: k % 2 == 0 });
+        }
+        questions.extend([0.0, 0.18, 0.6, 1.0, 30.0].map(|v| Question::Tone { rgb: [v; 3], is_film: true }));
+        let mut worst = 0.0_f64;
+        for (question, answer) in questions.iter().zip(shaders.ask(&loaded, &questions)) {
+            let Question::Tone { rgb, is_film } = question else { continue };
+            let tone = if *is_film { ToneWord::Filmic } else { ToneWord::Plain };
+            for (expected, found) in shown(tone, rgb.map(f64::from)).into_iter().zip(answer.rgb()) {
+                worst = worst.max((expected - found).abs());
+            }
+        }
+        println!("{}: {worst:.1e}", shaders.gpu);
+        assert!(worst < TONE_ERROR, "{worst}");
+    }
+}
