@@ -1,4 +1,4 @@
-//! At which wavelengths a picture is worked out, and what each gives of its colour: for `shaders/colour.wgsl`.
+//! At which wavelengths a picture is worked out, and what each gives of its colour: for `shaders/waves.wgsl`.
 
 use std::f64::consts::PI;
 

@@ -4,18 +4,30 @@ use glam::DVec3;
 
 use super::colour::WavesOnGpu;
 use super::device::{Gpu, NUMBERS, texture_type};
+use super::grating::Grating;
 use super::offscreen::Target;
-use super::shaders;
+use super::shaders::{FEATHER, GRATING, TONE, WAVES};
 use super::tables::{Feather, WIDTH};
 use crate::Result;
 
 /// Questions of a row.
 const COLUMNS: u32 = WIDTH / 2;
 
-/// What is asked.
+/// Which shader is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shader {
+    /// A feather's; bound are its wavelengths and its tables.
+    Feather,
+    /// A grating's; bound are its wavelengths and its tables.
+    Grating,
+    /// The screen's tones; nothing is bound.
+    Tone,
+}
+
+/// What is asked, and what the three numbers of the answer are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Question {
-    /// [`Answer::values`] at a wavelength, nm, in vacuum; of an instance or of the smooth mean.
+    /// f, 1/sr; of a feather also its steady part, 1/sr, and what it reflects of all light from ω_i.
     Values {
         /// Vacuum wavelength, nm.
         wavelength_nm: f32,
@@ -44,51 +56,52 @@ pub enum Question {
     },
 }
 
-/// Three numbers of a shader.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Answer([f32; 3]);
-
-impl Answer {
-    /// f and its steady part, 1/sr, and what is reflected of all light from ω_i.
-    #[must_use]
-    pub fn values(self) -> [f64; 3] {
-        self.0.map(f64::from)
-    }
-
-    /// Of questions about colours: linear sRGB.
-    #[must_use]
-    pub fn rgb(self) -> [f64; 3] {
-        self.values()
-    }
-}
-
-/// The shaders, ready to be asked.
+/// A shader, ready to be asked.
 #[derive(Debug, Clone)]
 pub struct Probe {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
 }
 
+impl Shader {
+    /// All of its source.
+    fn source(self) -> String {
+        let probe = include_str!("shaders/probe.wgsl");
+        match self {
+            Self::Feather => [WAVES, FEATHER, probe, include_str!("shaders/probe_feather.wgsl")].concat(),
+            Self::Grating => [WAVES, GRATING, probe, include_str!("shaders/probe_grating.wgsl")].concat(),
+            Self::Tone => [TONE, probe, include_str!("shaders/probe_tone.wgsl")].concat(),
+        }
+    }
+
+    /// What it binds before the questions.
+    fn layouts(self, gpu: &Gpu) -> [Option<wgpu::BindGroupLayout>; 2] {
+        match self {
+            Self::Feather => [Some(WavesOnGpu::layout(gpu)), Some(Feather::layout(gpu))],
+            Self::Grating => [Some(WavesOnGpu::layout(gpu)), Some(Grating::layout(gpu))],
+            Self::Tone => [None, None],
+        }
+    }
+}
+
 impl Probe {
-    /// Compiles the shaders.
+    /// Compiles a shader.
     ///
     /// # Errors
-    /// The driver refuses them.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
-        let layout = gpu
-            .layout("questions", &[texture_type(NUMBERS), texture_type(wgpu::TextureSampleType::Uint)]);
-        let source = [shaders::FEATHER, shaders::COLOUR, shaders::TONE, shaders::PROBE].concat();
-        let pipeline = gpu.checked("the shader of a feather's values", || {
+    /// The driver refuses it.
+    pub fn new(gpu: &Gpu, shader: Shader) -> Result<Self> {
+        let questions = [texture_type(NUMBERS), texture_type(wgpu::TextureSampleType::Uint)];
+        let layout = gpu.layout("questions", &questions);
+        let [first, second] = shader.layouts(gpu);
+        let pipeline = gpu.checked("a shader", || {
             let device = gpu.device();
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some("probe"),
-                source: wgpu::ShaderSource::Wgsl(source.into()),
+                source: wgpu::ShaderSource::Wgsl(shader.source().into()),
             });
-            let groups = [WavesOnGpu::layout(gpu), Feather::layout(gpu), layout.clone()];
-            let groups: Vec<_> = groups.iter().map(Some).collect();
             let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("probe"),
-                bind_group_layouts: &groups,
+                bind_group_layouts: &[first.as_ref(), second.as_ref(), Some(&layout)],
                 immediate_size: 0,
             });
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -116,44 +129,43 @@ impl Probe {
         Ok(Self { pipeline, layout })
     }
 
-    /// The answers, in the order of the questions. Directions are rounded to single precision before anything else.
+    /// The answers, in the order of the questions. Directions are rounded to single precision before anything else. `bound`
+    /// are the groups that the shader needs, as [`Shader`] says.
     ///
     /// # Errors
     /// The adapter was lost, or has too few texels for so many questions.
     pub fn ask(
         &self,
         gpu: &Gpu,
-        waves: &WavesOnGpu,
-        feather: &Feather,
+        bound: &[&wgpu::BindGroup],
         questions: &[Question],
-    ) -> Result<Vec<Answer>> {
+    ) -> Result<Vec<[f64; 3]>> {
         if questions.is_empty() {
             return Ok(Vec::new());
         }
         let rows = questions.len().div_ceil(COLUMNS as usize) as u32;
         let target = Target::new(gpu, [COLUMNS, rows], wgpu::TextureFormat::Rgba32Float)?;
-        let directions: Vec<[f32; 4]> = questions.iter().flat_map(|question| question.texels()).collect();
+        let directions: Vec<[f32; 4]> = questions.iter().flat_map(Question::texels).collect();
         let names: Vec<[u32; 4]> = questions.iter().map(Question::name).collect();
         let group = gpu.checked("the questions", || {
-            let float = wgpu::TextureFormat::Rgba32Float;
-            let directions = gpu.texture("directions", float, WIDTH, &directions);
+            let format = wgpu::TextureFormat::Rgba32Float;
+            let directions = gpu.texture("directions", format, WIDTH, &directions);
             let names = gpu.texture("names", wgpu::TextureFormat::Rgba32Uint, COLUMNS, &names);
-            gpu.bound("questions", &self.layout, &[
-                wgpu::BindingResource::TextureView(&directions),
-                wgpu::BindingResource::TextureView(&names),
-            ])
+            let both = [&directions, &names].map(wgpu::BindingResource::TextureView);
+            gpu.bound("questions", &self.layout, &both)
         })?;
         target.draw(gpu, |pass| {
             pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, waves.group(), &[]);
-            pass.set_bind_group(1, feather.group(), &[]);
+            for (number, group) in (0..).zip(bound) {
+                pass.set_bind_group(number, *group, &[]);
+            }
             pass.set_bind_group(2, &group, &[]);
             pass.draw(0..3, 0..1);
         })?;
         let bytes = target.read(gpu)?;
         let answer = |texel: &[u8; 16]| {
             let [a, b, c, _] = bytemuck::pod_read_unaligned::<[f32; 4]>(texel);
-            Answer([a, b, c])
+            [a, b, c].map(f64::from)
         };
         Ok(bytes.as_chunks().0.iter().take(questions.len()).map(answer).collect())
     }
@@ -174,16 +186,16 @@ impl Question {
         }
     }
 
-    /// The instance's name in two words, whether there is one, and what is asked.
+    /// The instance's name in two words, whether there is one, and whether a colour is asked.
     fn name(&self) -> [u32; 4] {
-        let words = |instance: &Option<u64>, kind: u32| match instance {
-            Some(name) => [*name as u32, (name >> 32) as u32, 1, kind],
-            None => [0, 0, 0, kind],
+        let words = |instance: &Option<u64>, is_colour: u32| match instance {
+            Some(name) => [*name as u32, (name >> 32) as u32, 1, is_colour],
+            None => [0, 0, 0, is_colour],
         };
         match self {
             Self::Values { instance, .. } => words(instance, 0),
             Self::Colour { instance, .. } => words(instance, 1),
-            Self::Tone { .. } => [0, 0, 0, 2],
+            Self::Tone { .. } => [0; 4],
         }
     }
 }

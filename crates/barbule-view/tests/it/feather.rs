@@ -6,11 +6,11 @@ use barbule_base::math::rng::Stream;
 use barbule_light::scattering::far_field::Polarization;
 use barbule_light::scattering::lobe::FitKind;
 use barbule_light::scattering::statistics::Sides;
-use barbule_view::gpu::Question;
+use barbule_view::gpu::{Question, Shader};
 use glam::DVec3;
 use serde::Deserialize;
 
-use crate::questions::{Loaded, Shaders};
+use crate::questions::{Asking, Loaded};
 
 /// Errors over the largest value of one wavelength and incident direction: what a back end is held to.
 const AGREES: f64 = 1e-3;
@@ -37,7 +37,7 @@ fn direction(theta: f64, phi: f64) -> DVec3 {
 
 impl Asked<'_> {
     /// Largest errors of f, s and (of the mean) f alone, over the peak of the mean for the light.
-    fn errors(&self, shaders: &Shaders, loaded: &Loaded) -> [f64; 3] {
+    fn errors(&self, asking: &Asking, loaded: &Loaded) -> [f64; 3] {
         let mut questions = Vec::new();
         for (wavelength_nm, wi, all) in &self.light {
             for wo in all {
@@ -47,7 +47,7 @@ impl Asked<'_> {
                 }
             }
         }
-        let mut answers = shaders.ask(loaded, &questions).into_iter();
+        let mut answers = asking.ask(loaded, &questions).into_iter();
         let mut worst = [0.0_f64; 3];
         for (nm, wi, all) in &self.light {
             let nm = f64::from(*nm);
@@ -56,7 +56,7 @@ impl Asked<'_> {
             for wo in all {
                 for instance in &self.instances {
                     let expected = self.plain.values(nm, *wi, *wo, *instance);
-                    let [f, steady, _] = answers.next().unwrap().values();
+                    let [f, steady, _] = answers.next().unwrap();
                     let error = (expected.f - f).abs();
                     apart[0] = apart[0].max(error);
                     apart[1] = apart[1].max((expected.steady - steady).abs());
@@ -103,26 +103,26 @@ fn shipped(name: &str) -> FeatherMaterial {
     barbule::io::decode_material(barbule_birds::material(name).unwrap()).unwrap()
 }
 
-fn assert_agrees(shaders: &Shaders, what: &str, material: &FeatherMaterial, options: Options, count: usize) {
+fn assert_agrees(asking: &Asking, what: &str, material: &FeatherMaterial, options: Options, count: usize) {
     let tables = BrdfTables::new(material, options).unwrap();
-    let loaded = shaders.load(&tables, 16);
+    let loaded = asking.feather(&tables, 16);
     let plain = PlainBrdf::new(&tables);
     let mut stream = Stream::new(3, &[]);
     // The mean, and names of few and of many bits.
     let names = (0..count as u64).map(|k| Some(if k % 2 == 0 { k } else { stream.bits() }));
     let instances = std::iter::once(None).chain(names).collect();
     let asked = Asked { plain: &plain, light: light(material.axes.wavelengths_nm(), 24), instances };
-    let [f, steady, mean] = asked.errors(shaders, &loaded);
-    println!("{} {what}: instances {f:.1e}, steady {steady:.1e}, mean {mean:.1e}", shaders.gpu);
+    let [f, steady, mean] = asked.errors(asking, &loaded);
+    println!("{} {what}: instances {f:.1e}, steady {steady:.1e}, mean {mean:.1e}", asking.gpu);
     assert!(f < AGREES && steady < AGREES && mean < MEAN_AGREES, "{what}: {f} {steady} {mean}");
 }
 
 /// Two hundred barbules of each.
 #[test]
 fn the_shader_agrees_with_the_plain_evaluation_of_shipped_materials() {
-    for shaders in Shaders::all() {
+    for asking in Asking::all(Shader::Feather) {
         for name in ["starling-green", "hummingbird-anna"] {
-            assert_agrees(&shaders, name, &shipped(name), Options::default(), 200);
+            assert_agrees(&asking, name, &shipped(name), Options::default(), 200);
         }
     }
 }
@@ -149,9 +149,9 @@ fn the_shader_agrees_in_every_mode() {
             (of_both(), Options { reciprocity: Reciprocity::Steeper, ..Options::default() }),
         ),
     ];
-    for shaders in Shaders::all() {
+    for asking in Asking::all(Shader::Feather) {
         for (what, (material, options)) in &modes {
-            assert_agrees(&shaders, what, material, *options, 20);
+            assert_agrees(&asking, what, material, *options, 20);
         }
     }
 }
@@ -203,8 +203,8 @@ fn the_shader_reflects_what_the_tables_reflect() {
     let material = shipped("starling-green");
     let tables = BrdfTables::new(&material, Options::default()).unwrap();
     let brdf = barbule_appearance::brdf::FeatherBrdf::from_tables(tables.clone());
-    for shaders in Shaders::all() {
-        let loaded = shaders.load(&tables, 16);
+    for asking in Asking::all(Shader::Feather) {
+        let loaded = asking.feather(&tables, 16);
         let light = light(material.axes.wavelengths_nm(), 40);
         let ask = |(wavelength_nm, wi, _): &(f32, DVec3, Vec<DVec3>)| Question::Values {
             wavelength_nm: *wavelength_nm,
@@ -213,9 +213,9 @@ fn the_shader_reflects_what_the_tables_reflect() {
             instance: None,
         };
         let questions: Vec<_> = light.iter().map(ask).collect();
-        for ((nm, wi, _), answer) in light.iter().zip(shaders.ask(&loaded, &questions)) {
+        for ((nm, wi, _), answer) in light.iter().zip(asking.ask(&loaded, &questions)) {
             let expected = brdf.exact(f64::from(*nm), *wi).reflected();
-            let [.., found] = answer.values();
+            let [.., found] = answer;
             assert!((found - expected).abs() < MEAN_AGREES, "{wi} at {nm} nm: {found}, {expected}");
         }
     }
@@ -227,9 +227,9 @@ fn colours_are_those_of_the_wavelengths() {
     let material = shipped("hummingbird-anna");
     let tables = BrdfTables::new(&material, Options::default()).unwrap();
     let plain = PlainBrdf::new(&tables);
-    for shaders in Shaders::all() {
+    for asking in Asking::all(Shader::Feather) {
         for waves in [12, 50] {
-            let loaded = shaders.load(&tables, waves);
+            let loaded = asking.feather(&tables, waves);
             let light = light(material.axes.wavelengths_nm(), 8);
             let mut questions = Vec::new();
             let mut expected = Vec::new();
@@ -241,8 +241,8 @@ fn colours_are_those_of_the_wavelengths() {
                 }
             }
             let peak = expected.iter().flatten().fold(0.0_f64, |peak, v| peak.max(*v));
-            for (answer, expected) in shaders.ask(&loaded, &questions).into_iter().zip(&expected) {
-                for (found, expected) in answer.rgb().into_iter().zip(expected) {
+            for (answer, expected) in asking.ask(&loaded, &questions).into_iter().zip(&expected) {
+                for (found, expected) in answer.into_iter().zip(expected) {
                     assert!((found - expected).abs() < AGREES * peak, "{found} {expected} of {peak}");
                 }
             }
@@ -276,10 +276,10 @@ struct GoldenLight {
 fn the_shader_agrees_with_the_golden_values() {
     let golden: Golden =
         serde_json::from_str(include_str!("../../../barbule/tests/it/data/brdf.json")).unwrap();
-    for shaders in Shaders::all() {
+    for asking in Asking::all(Shader::Feather) {
         for material in &golden.materials {
             let tables = BrdfTables::new(&shipped(&material.name), Options::default()).unwrap();
-            let loaded = shaders.load(&tables, 16);
+            let loaded = asking.feather(&tables, 16);
             let mut worst = [0.0_f64; 2];
             for light in &material.light {
                 for (wave, nm) in golden.wavelengths_nm.iter().enumerate() {
@@ -292,18 +292,18 @@ fn the_shader_agrees_with_the_golden_values() {
                     let both = [None, Some(golden.instance)];
                     let questions: Vec<_> =
                         both.iter().flat_map(|name| light.wo.iter().map(|wo| ask((wo, *name)))).collect();
-                    let answers = shaders.ask(&loaded, &questions);
+                    let answers = asking.ask(&loaded, &questions);
                     let peak = light.mean[wave].iter().fold(0.0_f64, |peak, v| peak.max(*v));
                     let expected = [&light.mean[wave], &light.drawn[wave]];
                     for (kind, expected) in expected.into_iter().enumerate() {
                         let found = &answers[kind * light.wo.len()..];
                         for (expected, found) in expected.iter().zip(found) {
-                            worst[kind] = worst[kind].max((expected - found.values()[0]).abs() / peak);
+                            worst[kind] = worst[kind].max((expected - found[0]).abs() / peak);
                         }
                     }
                 }
             }
-            println!("{} {}: mean {:.1e}, instance {:.1e}", shaders.gpu, material.name, worst[0], worst[1]);
+            println!("{} {}: mean {:.1e}, instance {:.1e}", asking.gpu, material.name, worst[0], worst[1]);
             assert!(worst[0] < MEAN_AGREES && worst[1] < AGREES, "{}: {worst:?}", material.name);
         }
     }

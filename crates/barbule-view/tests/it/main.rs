@@ -1,5 +1,6 @@
 //! The viewer from outside.
 
 mod feather;
+mod grating;
 mod questions;
 mod tone;

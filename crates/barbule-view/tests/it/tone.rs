@@ -1,13 +1,11 @@
 //! What the screen shows, by the shader and by the renderer.
 
-use barbule_appearance::brdf::fixtures::example;
-use barbule_appearance::brdf::{BrdfTables, Options};
 use barbule_appearance::render::tone::shown;
 use barbule_appearance::scene::description::ToneWord;
 use barbule_base::math::rng::Stream;
-use barbule_view::gpu::Question;
+use barbule_view::gpu::{Question, Shader};
 
-use crate::questions::Shaders;
+use crate::questions::Asking;
 
 /// A quarter of a step of eight bits; the roots and powers of single precision leave 1e-4.
 const TONE_ERROR: f64 = 1e-3;
@@ -15,8 +13,7 @@ const TONE_ERROR: f64 = 1e-3;
 /// Colours over sixteen stops, some outside sRGB.
 #[test]
 fn the_shader_shows_what_the_renderer_shows() {
-    for shaders in Shaders::all() {
-        let loaded = shaders.load(&BrdfTables::new(&example(3), Options::default()).unwrap(), 3);
+    for asking in Asking::all(Shader::Tone) {
         let mut stream = Stream::new(5, &[]);
         let mut questions = Vec::new();
         for k in 0..400 {
@@ -26,14 +23,14 @@ fn the_shader_shows_what_the_renderer_shows() {
         }
         questions.extend([0.0, 0.18, 0.6, 1.0, 30.0].map(|v| Question::Tone { rgb: [v; 3], is_film: true }));
         let mut worst = 0.0_f64;
-        for (question, answer) in questions.iter().zip(shaders.ask(&loaded, &questions)) {
+        for (question, answer) in questions.iter().zip(asking.ask_bound(&[], &questions)) {
             let Question::Tone { rgb, is_film } = question else { continue };
             let tone = if *is_film { ToneWord::Filmic } else { ToneWord::Plain };
-            for (expected, found) in shown(tone, rgb.map(f64::from)).into_iter().zip(answer.rgb()) {
+            for (expected, found) in shown(tone, rgb.map(f64::from)).into_iter().zip(answer) {
                 worst = worst.max((expected - found).abs());
             }
         }
-        println!("{}: {worst:.1e}", shaders.gpu);
+        println!("{}: {worst:.1e}", asking.gpu);
         assert!(worst < TONE_ERROR, "{worst}");
     }
 }

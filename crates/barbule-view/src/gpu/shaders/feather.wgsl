@@ -1,5 +1,5 @@
 // A feather's BRDF from its tables alone, in single precision: docs/formats/brdf-tables.md, whose steps are named here.
-// Its reference is `PlainBrdf` of barbule-appearance.
+// Its reference is `PlainBrdf` of barbule-appearance. Goes with waves.wgsl.
 //
 // Directions have length 1 in the barbule's frame (x across, y along, z up) and point away from it; angles are in rad,
 // wavelengths in nm, values in 1/sr without the cosine. What does not depend on the wavelength is worked out once for a pair
@@ -472,4 +472,37 @@ fn feather_albedo(light: FeatherLight, wave: FeatherWave) -> f32 {
         }
     }
     return sum / f32(feather.sizes.w);
+}
+
+// Colours -----------------------------------------------------------------------------------------------------------
+
+fn feather_wave_of(number: u32) -> FeatherWave {
+    let wave = waves.all[number];
+    return FeatherWave(u32(wave.place.x), wave.place.y, wave.parts.w);
+}
+
+// Linear sRGB of f, 1/sr: a perfect white has 1/π in each channel.
+fn feather_colour(wi: vec3f, wo: vec3f, draw: FeatherDraw) -> vec3f {
+    let seen = feather_seen(wi, wo);
+    var sum = vec3f(0.0);
+    if !seen.is_up {
+        return sum;
+    }
+    for (var k = 0u; k < waves.count.x; k++) {
+        sum += waves.all[k].parts.xyz * feather_values(seen, feather_wave_of(k), draw).x;
+    }
+    return sum;
+}
+
+// Linear sRGB of all that is reflected of light from ω_i: by reciprocity, the colour towards ω_i under an even sky.
+fn feather_albedo_colour(wi: vec3f) -> vec3f {
+    var sum = vec3f(0.0);
+    if wi.z <= 0.0 {
+        return sum;
+    }
+    let light = feather_light(wi);
+    for (var k = 0u; k < waves.count.x; k++) {
+        sum += waves.all[k].parts.xyz * feather_albedo(light, feather_wave_of(k));
+    }
+    return sum;
 }

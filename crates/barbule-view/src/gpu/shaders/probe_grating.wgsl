@@ -1,0 +1,11 @@
+@fragment
+fn fs_probe(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    let question = probe_question(pixel);
+    let wi = question.first.xyz;
+    let wo = question.second.xyz;
+    if question.name.w == 1u {
+        return vec4f(grating_colour(wi, wo), 1.0);
+    }
+    let nm = question.first.w;
+    return vec4f(grating_value(grating_seen(wi, wo), nm, 6283.185307179586 / nm), 0.0, 0.0, 1.0);
+}
