@@ -137,14 +137,25 @@ impl Gpu {
         }
     }
 
-    /// A bind group's layout, of its entries in order; all are of fragment shaders.
+    /// A bind group's layout, of its entries in order; all are of fragment shaders alone.
     #[must_use]
     pub(super) fn layout(&self, label: &str, entries: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+        self.layout_for(label, wgpu::ShaderStages::FRAGMENT, entries)
+    }
+
+    /// The same of the stages that read it.
+    #[must_use]
+    pub(super) fn layout_for(
+        &self,
+        label: &str,
+        visibility: wgpu::ShaderStages,
+        entries: &[wgpu::BindingType],
+    ) -> wgpu::BindGroupLayout {
         let entries: Vec<_> = (0..)
             .zip(entries)
             .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
                 binding,
-                visibility: wgpu::ShaderStages::FRAGMENT,
+                visibility,
                 ty: *ty,
                 count: None,
             })

@@ -1,7 +1,7 @@
 //! What the graphics card does, without a window: devices, materials as textures, shaders, pictures read back.
 //!
 //! ```text
-//! device ◄── tables, grating, colour ◄── probe
+//! device ◄── tables, grating, colour ◄── probe, surface ──► film
 //!    ▲                                    │
 //!    └──────────── offscreen ◄────────────┘
 //! ```
@@ -10,20 +10,25 @@
 //! are read by `textureLoad`, there are no storage buffers and no samplers. Shaders bind the wavelengths of the picture as
 //! group 0 ([`Waves`]), a material as group 1 ([`Feather`] or [`Grating`]); group 2 is the pass's own.
 //!
+//! [`Surfaces`] draws meshes of barbules onto a [`Film`], linear sRGB in half precision, which a [`Developer`] shows.
 //! [`Probe`] asks the shaders for values one by one, and so holds them against their references.
 
 mod colour;
 mod device;
+mod film;
 mod grating;
 mod offscreen;
 mod probe;
+mod surface;
 mod tables;
 
 pub use colour::{MOST_WAVES, Waves, WavesOnGpu};
 pub use device::{Api, Gpu};
+pub use film::{Developer, Exposure, Film};
 pub use grating::{Grating, PackedGrating};
 pub use offscreen::Target;
 pub use probe::{Probe, Question, Shader};
+pub use surface::{Cells, Eye, Keratins, Mesh, Surfaces, View};
 pub use tables::{Feather, PackedTables};
 
 /// Shaders in WGSL, to be put together in one module with a pass's own.
@@ -36,4 +41,10 @@ pub mod shaders {
     pub const GRATING: &str = include_str!("shaders/grating.wgsl");
     /// From linear sRGB to what a screen shows; stands alone.
     pub const TONE: &str = include_str!("shaders/tone.wgsl");
+    /// Pigmented keratin; stands alone.
+    pub const KERATIN: &str = include_str!("shaders/keratin.wgsl");
+    /// Meshes under a lamp and an even sky: group 2. Goes with [`WAVES`], [`FEATHER`] and [`KERATIN`].
+    pub(super) const SURFACE: &str = include_str!("shaders/surface.wgsl");
+    /// The development of a film. Goes with [`TONE`].
+    pub(super) const DEVELOP: &str = include_str!("shaders/develop.wgsl");
 }
