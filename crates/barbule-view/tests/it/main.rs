@@ -2,5 +2,6 @@
 
 mod feather;
 mod grating;
+mod picture;
 mod questions;
 mod tone;
