@@ -5,6 +5,7 @@
 
 use barbule_appearance::bsdf;
 use barbule_appearance::bsdf::GratingTables;
+use barbule_light::fresnel::fresnel;
 use bytemuck::{Pod, Zeroable};
 
 use super::device::{Gpu, NUMBERS, UNIFORM, texture_type};
@@ -23,6 +24,7 @@ struct Header {
     steps: [f32; 4],
     optics: [f32; 4],
     rho: [f32; 4],
+    mean: [f32; 4],
 }
 
 /// A grating's tables in the order in which the texture holds them.
@@ -96,7 +98,18 @@ fn packed(tables: &GratingTables<'_>, quads: usize, starts: [usize; 2]) -> Heade
         steps: single([1.0 / x, 1.0 / y, deviation(x), deviation(y)]),
         optics: single([2.0 / tables.kappa_most_per_um, tables.scale, tables.index, tables.reach]),
         rho: single([tables.lowest, band.low_nm(), between, waves as f64]),
+        mean: single([mean_reflectance(tables.index), 0.0, 0.0, 0.0]),
     }
+}
+
+/// ∫ R(θ) 2 cosθ sinθ dθ of a boundary, by the midpoint rule: what it reflects of even light.
+fn mean_reflectance(index: f64) -> f64 {
+    let steps = 1000;
+    let term = |k: i32| {
+        let cosine = (f64::from(k) + 0.5) / f64::from(steps);
+        2.0 * cosine * fresnel(cosine, index)
+    };
+    (0..steps).map(term).sum::<f64>() / f64::from(steps)
 }
 
 impl Grating {
@@ -128,5 +141,16 @@ impl Grating {
     #[must_use]
     pub fn group(&self) -> &wgpu::BindGroup {
         &self.group
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of n = 1.5: 0.0918, as tables of diffuse reflectance have it.
+    #[test]
+    fn a_boundary_reflects_nine_hundredths_of_even_light() {
+        assert!((mean_reflectance(1.5) - 0.0918).abs() < 1e-4, "{}", mean_reflectance(1.5));
     }
 }

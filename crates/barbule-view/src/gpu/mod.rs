@@ -28,7 +28,7 @@ pub use film::{Developer, Exposure, Film};
 pub use grating::{Grating, PackedGrating};
 pub use offscreen::Target;
 pub use probe::{Probe, Question, Shader};
-pub use surface::{Cells, Eye, Keratins, Mesh, Surfaces, View};
+pub use surface::{Cells, Coat, Eye, Keratins, Mesh, Surfaces, View};
 pub use tables::{Feather, PackedTables};
 
 /// Shaders in WGSL, to be put together in one module with a pass's own.
@@ -43,8 +43,12 @@ pub mod shaders {
     pub const TONE: &str = include_str!("shaders/tone.wgsl");
     /// Pigmented keratin; stands alone.
     pub const KERATIN: &str = include_str!("shaders/keratin.wgsl");
-    /// Meshes under a lamp and an even sky: group 2. Goes with [`WAVES`], [`FEATHER`] and [`KERATIN`].
+    /// Meshes under a lamp and an even sky: group 2. Goes with [`KERATIN`] and one of the next two.
     pub(super) const SURFACE: &str = include_str!("shaders/surface.wgsl");
+    /// Of barbules, barbs and shafts. Goes with [`FEATHER`].
+    pub(super) const SURFACE_FEATHER: &str = include_str!("shaders/surface_feather.wgsl");
+    /// Of gratings. Goes with [`GRATING`].
+    pub(super) const SURFACE_GRATING: &str = include_str!("shaders/surface_grating.wgsl");
     /// The development of a film. Goes with [`TONE`].
     pub(super) const DEVELOP: &str = include_str!("shaders/develop.wgsl");
 }

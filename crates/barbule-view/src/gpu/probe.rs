@@ -27,7 +27,7 @@ pub enum Shader {
 /// What is asked, and what the three numbers of the answer are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Question {
-    /// f, 1/sr; of a feather also its steady part, 1/sr, and what it reflects of all light from ω_i.
+    /// f, 1/sr, of a feather its steady part, 1/sr, and what is reflected of all light from ω_i.
     Values {
         /// Vacuum wavelength, nm.
         wavelength_nm: f32,

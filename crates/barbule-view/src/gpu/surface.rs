@@ -1,4 +1,4 @@
-//! Meshes under a lamp and an even sky: `shaders/surface.wgsl`.
+//! Meshes under a lamp and an even sky: `shaders/surface.wgsl` and those that go with it.
 
 use barbule_appearance::bsdf;
 use barbule_light::spectrum::Wavelengths;
@@ -9,7 +9,8 @@ use glam::{Mat4, Vec3};
 use super::colour::WavesOnGpu;
 use super::device::{Gpu, UNIFORM};
 use super::film::{DEPTH, Film, LIGHT, SAMPLES};
-use super::shaders::{FEATHER, KERATIN, SURFACE, WAVES};
+use super::grating::Grating;
+use super::shaders::{FEATHER, GRATING, KERATIN, SURFACE, SURFACE_FEATHER, SURFACE_GRATING, WAVES};
 use super::tables::Feather;
 use crate::{Error, Result};
 
@@ -180,29 +181,44 @@ pub struct Keratins<'a> {
     pub shaft: &'a bsdf::Keratin,
 }
 
+/// What upper sides are made of.
+#[derive(Debug, Clone, Copy)]
+pub enum Coat<'a> {
+    /// Barbules.
+    Feather(&'a Feather),
+    /// A grating.
+    Grating(&'a Grating),
+}
+
 /// Draws meshes.
 #[derive(Debug, Clone)]
 pub struct Surfaces {
-    pipeline: wgpu::RenderPipeline,
+    feather: wgpu::RenderPipeline,
+    grating: wgpu::RenderPipeline,
     view: wgpu::Buffer,
     keratins: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
 impl Surfaces {
-    /// Compiles the shader.
+    /// Compiles the shaders.
     ///
     /// # Errors
-    /// The driver refuses it.
+    /// The driver refuses one.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let layout = gpu.layout_for("view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM, UNIFORM]);
-        let source = [WAVES, FEATHER, KERATIN, SURFACE].concat();
-        let pipeline = gpu.checked("the shader of surfaces", || pipeline(gpu, &layout, source))?;
+        let of = |material: &wgpu::BindGroupLayout, sources: [&str; 2]| {
+            let [first, last] = sources;
+            let source = [WAVES, first, KERATIN, SURFACE, last].concat();
+            gpu.checked("the shader of surfaces", || pipeline(gpu, material, &layout, source))
+        };
+        let feather = of(&Feather::layout(gpu), [FEATHER, SURFACE_FEATHER])?;
+        let grating = of(&Grating::layout(gpu), [GRATING, SURFACE_GRATING])?;
         let view = gpu.uniform("view", bytemuck::bytes_of(&ViewUniform::zeroed()));
         let keratins = gpu.uniform("keratins", bytemuck::bytes_of(&[KeratinUniform::zeroed(); 3]));
         let both = [view.as_entire_binding(), keratins.as_entire_binding()];
         let group = gpu.bound("view", &layout, &both);
-        Ok(Self { pipeline, view, keratins, group })
+        Ok(Self { feather, grating, view, keratins, group })
     }
 
     /// Another view, from the next frame on.
@@ -221,19 +237,23 @@ impl Surfaces {
         Ok(())
     }
 
-    /// One frame: a mesh of barbules on a film, which is empty before it.
+    /// One frame: a mesh on a film, which is empty before it.
     pub fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         film: &Film,
         mesh: &Mesh,
         waves: &WavesOnGpu,
-        feather: &Feather,
+        coat: Coat<'_>,
     ) {
+        let (pipeline, material) = match coat {
+            Coat::Feather(feather) => (&self.feather, feather.group()),
+            Coat::Grating(grating) => (&self.grating, grating.group()),
+        };
         let mut pass = film.begin(encoder);
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, waves.group(), &[]);
-        pass.set_bind_group(1, feather.group(), &[]);
+        pass.set_bind_group(1, material, &[]);
         pass.set_bind_group(2, &self.group, &[]);
         pass.set_vertex_buffer(0, mesh.corners.slice(..));
         pass.set_index_buffer(mesh.triangles.slice(..), wgpu::IndexFormat::Uint32);
@@ -241,16 +261,21 @@ impl Surfaces {
     }
 }
 
-fn pipeline(gpu: &Gpu, view: &wgpu::BindGroupLayout, source: String) -> wgpu::RenderPipeline {
+fn pipeline(
+    gpu: &Gpu,
+    material: &wgpu::BindGroupLayout,
+    view: &wgpu::BindGroupLayout,
+    source: String,
+) -> wgpu::RenderPipeline {
     let device = gpu.device();
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("surfaces"),
         source: wgpu::ShaderSource::Wgsl(source.into()),
     });
-    let (waves, feather) = (WavesOnGpu::layout(gpu), Feather::layout(gpu));
+    let waves = WavesOnGpu::layout(gpu);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("surfaces"),
-        bind_group_layouts: &[Some(&waves), Some(&feather), Some(view)],
+        bind_group_layouts: &[Some(&waves), Some(material), Some(view)],
         immediate_size: 0,
     });
     let corners = wgpu::VertexBufferLayout {
@@ -269,7 +294,7 @@ fn pipeline(gpu: &Gpu, view: &wgpu::BindGroupLayout, source: String) -> wgpu::Re
         },
         fragment: Some(wgpu::FragmentState {
             module: &module,
-            entry_point: Some("fs_feather"),
+            entry_point: Some("fs_surface"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(LIGHT.into())],
         }),

@@ -107,3 +107,33 @@ fn colours_are_those_of_the_wavelengths() {
         }
     }
 }
+
+/// What the orders reflect counts as if each were reflected as the mirror direction is: held against the integral of the renderer's
+/// values, over the whole.
+const ALBEDO_AGREES: f64 = 0.05;
+
+#[test]
+fn what_is_reflected_is_nearly_the_integral() {
+    let grating = Grating::new(&powers(4.0, 3), 1.0, 1.5, [0.4, 0.4, 0.4]).unwrap();
+    let surface = Surface::Grating(grating.clone());
+    for asking in Asking::all(Shader::Grating) {
+        let loaded = asking.grating(&grating, 16);
+        for polar in [0.1, 0.6, 1.0_f64] {
+            let wi = DVec3::new(0.6 * polar.sin(), 0.8 * polar.sin(), polar.cos()).as_vec3().as_dvec3();
+            let question = Question::Values { wavelength_nm: 550.0, wi, wo: DVec3::Z, instance: None };
+            let [.., found] = asking.ask(&loaded, &[question])[0];
+            let bsdf = surface.bind(&Hit::default(), wi, Lambdas::splat(550.0));
+            let (steps, mut sum) = (400, 0.0);
+            for (i, j) in (0..steps).flat_map(|i| (0..steps).map(move |j| (i, j))) {
+                let at = |k: i32| 2.0 * (f64::from(k) + 0.5) / f64::from(steps) - 1.0;
+                let up = 1.0 - at(i) * at(i) - at(j) * at(j);
+                if up > 0.0 {
+                    let wo = DVec3::new(at(i), at(j), up.sqrt());
+                    sum += bsdf.eval(wo).f[0] * 4.0 / f64::from(steps * steps);
+                }
+            }
+            println!("{} {polar}: {found}, {sum}", asking.gpu);
+            assert!((found / sum - 1.0).abs() < ALBEDO_AGREES, "{polar}: {found} {sum}");
+        }
+    }
+}

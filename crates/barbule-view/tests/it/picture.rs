@@ -9,7 +9,7 @@ use barbule_light::spectrum::Wavelengths;
 use barbule_light::spectrum::colour::Observer;
 use barbule_light::spectrum::dense::Lambdas;
 use barbule_view::gpu::{
-    Cells, Developer, Exposure, Eye, Feather, Film, Gpu, Keratins, Mesh, PackedTables, Surfaces, Target,
+    Cells, Coat, Developer, Exposure, Eye, Feather, Film, Gpu, Keratins, Mesh, PackedTables, Surfaces, Target,
     View, Waves, WavesOnGpu,
 };
 use bytemuck::{Pod, Zeroable};
@@ -104,7 +104,7 @@ impl Frame {
         developer.expose(gpu, exposure);
         let waves = WavesOnGpu::new(gpu, &self.waves);
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.surfaces.draw(&mut encoder, &film, &self.mesh[mesh], &waves, &self.feather);
+        self.surfaces.draw(&mut encoder, &film, &self.mesh[mesh], &waves, Coat::Feather(&self.feather));
         gpu.queue().submit([encoder.finish()]);
         let loaded = developer.load(gpu, &film);
         target.draw(gpu, |pass| developer.develop(pass, &loaded)).unwrap();

@@ -14,6 +14,8 @@ struct GratingHeader {
     optics: vec4f,
     // Of ρ: smallest cosθ, shortest wavelength and nm from one to the next; how many wavelengths.
     rho: vec4f,
+    // What the boundary reflects of even light; the rest is unused.
+    mean: vec4f,
 }
 
 @group(1) @binding(0) var<uniform> grating: GratingHeader;
@@ -187,6 +189,14 @@ fn grating_value(seen: GratingSeen, nm: f32, number: f32) -> f32 {
     return seen.mirrored * power / (um * um * safe) + grating_pigment(nm) * seen.through;
 }
 
+// What is reflected of all light from ω_i at a wavelength, nm. Of the orders' light as if each were reflected as the mirror
+// direction's is.
+fn grating_albedo(w: vec3f, nm: f32) -> f32 {
+    let mirrored = grating_fresnel(w.z);
+    let orders = mirrored * min(grating_rho(nm, w), 1.0);
+    return orders + (1.0 - mirrored) * (1.0 - grating.mean.x) * grating_pigment(nm);
+}
+
 // Linear sRGB of f, 1/sr: a perfect white has 1/π in each channel.
 fn grating_colour(wi: vec3f, wo: vec3f) -> vec3f {
     let seen = grating_seen(wi, wo);
@@ -194,6 +204,16 @@ fn grating_colour(wi: vec3f, wo: vec3f) -> vec3f {
     for (var k = 0u; k < waves.count.x; k++) {
         let wave = waves.all[k];
         sum += wave.parts.xyz * grating_value(seen, wave.place.z, wave.parts.w);
+    }
+    return sum;
+}
+
+// Linear sRGB of all that is reflected of light from ω_i.
+fn grating_albedo_colour(w: vec3f) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var k = 0u; k < waves.count.x; k++) {
+        let wave = waves.all[k];
+        sum += wave.parts.xyz * grating_albedo(w, wave.place.z);
     }
     return sum;
 }

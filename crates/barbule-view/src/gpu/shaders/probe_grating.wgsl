@@ -7,5 +7,6 @@ fn fs_probe(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
         return vec4f(grating_colour(wi, wo), 1.0);
     }
     let nm = question.first.w;
-    return vec4f(grating_value(grating_seen(wi, wo), nm, 6283.185307179586 / nm), 0.0, 0.0, 1.0);
+    let f = grating_value(grating_seen(wi, wo), nm, 6283.185307179586 / nm);
+    return vec4f(f, 0.0, grating_albedo(wi, nm), 1.0);
 }
