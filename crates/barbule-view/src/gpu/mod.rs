@@ -28,7 +28,7 @@ pub use film::{Developer, Exposure, Film};
 pub use grating::{Grating, PackedGrating};
 pub use offscreen::Target;
 pub use probe::{Probe, Question, Shader};
-pub use surface::{Cells, Coat, Eye, Keratins, Mesh, Surfaces, View};
+pub use surface::{Cells, Coat, Dress, Eye, Mesh, Surfaces, View};
 pub use tables::{Feather, PackedTables};
 
 /// Shaders in WGSL, to be put together in one module with a pass's own.

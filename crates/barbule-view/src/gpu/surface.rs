@@ -170,15 +170,39 @@ impl KeratinUniform {
     }
 }
 
-/// What is beside the barbules' upper sides.
+/// What is beside the barbules' BRDF.
 #[derive(Debug, Clone, Copy)]
-pub struct Keratins<'a> {
-    /// Their undersides.
+pub struct Dress<'a> {
+    /// How barbules differ from place to place.
+    pub cells: bsdf::Cells,
+    /// Their undersides, and the walls between cells.
     pub under: &'a bsdf::Keratin,
     /// Rami.
     pub ramus: &'a bsdf::Keratin,
     /// Shafts.
     pub shaft: &'a bsdf::Keratin,
+}
+
+/// `Dress` of the shader.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+struct DressUniform {
+    keratins: [KeratinUniform; 3],
+    cells: [f32; 4],
+    arch: [f32; 4],
+}
+
+impl DressUniform {
+    fn new(dress: &Dress<'_>, observer: Observer) -> Result<Self> {
+        let of = |keratin: &bsdf::Keratin| KeratinUniform::new(keratin, observer);
+        let bsdf::Cells { size, barbule_size, wall_mm, arch } = dress.cells;
+        let arch = arch.map_or([0.0; 4], |arch| [arch.low.sin(), arch.high.sin(), arch.blur, 1.0]);
+        Ok(Self {
+            keratins: [of(dress.under)?, of(dress.ramus)?, of(dress.shaft)?],
+            cells: [size, barbule_size, wall_mm, 0.0].map(|v| v as f32),
+            arch: arch.map(|v| v as f32),
+        })
+    }
 }
 
 /// What upper sides are made of.
@@ -196,7 +220,7 @@ pub struct Surfaces {
     feather: wgpu::RenderPipeline,
     grating: wgpu::RenderPipeline,
     view: wgpu::Buffer,
-    keratins: wgpu::Buffer,
+    dress: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
@@ -215,10 +239,10 @@ impl Surfaces {
         let feather = of(&Feather::layout(gpu), [FEATHER, SURFACE_FEATHER])?;
         let grating = of(&Grating::layout(gpu), [GRATING, SURFACE_GRATING])?;
         let view = gpu.uniform("view", bytemuck::bytes_of(&ViewUniform::zeroed()));
-        let keratins = gpu.uniform("keratins", bytemuck::bytes_of(&[KeratinUniform::zeroed(); 3]));
-        let both = [view.as_entire_binding(), keratins.as_entire_binding()];
+        let dress = gpu.uniform("dress", bytemuck::bytes_of(&DressUniform::zeroed()));
+        let both = [view.as_entire_binding(), dress.as_entire_binding()];
         let group = gpu.bound("view", &layout, &both);
-        Ok(Self { feather, grating, view, keratins, group })
+        Ok(Self { feather, grating, view, dress, group })
     }
 
     /// Another view, from the next frame on.
@@ -226,14 +250,13 @@ impl Surfaces {
         gpu.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(&view.uniform()));
     }
 
-    /// Other keratin, as an observer sees it.
+    /// Other cells and keratin, as an observer sees it, from the next frame on.
     ///
     /// # Errors
     /// None, as long as wavelengths rise.
-    pub fn dress(&self, gpu: &Gpu, keratins: &Keratins<'_>, observer: Observer) -> Result<()> {
-        let of = |keratin: &bsdf::Keratin| KeratinUniform::new(keratin, observer);
-        let all = [of(keratins.under)?, of(keratins.ramus)?, of(keratins.shaft)?];
-        gpu.queue().write_buffer(&self.keratins, 0, bytemuck::bytes_of(&all));
+    pub fn dress(&self, gpu: &Gpu, dress: &Dress<'_>, observer: Observer) -> Result<()> {
+        let uniform = DressUniform::new(dress, observer)?;
+        gpu.queue().write_buffer(&self.dress, 0, bytemuck::bytes_of(&uniform));
         Ok(())
     }
 

@@ -2,14 +2,14 @@
 
 use barbule_appearance::brdf::fixtures::example;
 use barbule_appearance::brdf::{BrdfTables, FeatherBrdf, Options, PlainBrdf};
-use barbule_appearance::bsdf::{Hit, Keratin, Layout, Reflectance};
+use barbule_appearance::bsdf::{self, Arch, BarbuleSurface, Clad, Hit, Keratin, Layout, Reflectance, Surface};
 use barbule_appearance::render::tone::to_bytes;
 use barbule_appearance::scene::description::ToneWord;
 use barbule_light::spectrum::Wavelengths;
 use barbule_light::spectrum::colour::Observer;
 use barbule_light::spectrum::dense::Lambdas;
 use barbule_view::gpu::{
-    Cells, Coat, Developer, Exposure, Eye, Feather, Film, Gpu, Keratins, Mesh, PackedTables, Surfaces, Target,
+    Cells, Coat, Developer, Dress, Exposure, Eye, Feather, Film, Gpu, Mesh, PackedTables, Surfaces, Target,
     View, Waves, WavesOnGpu,
 };
 use bytemuck::{Pod, Zeroable};
@@ -68,6 +68,10 @@ fn keratin() -> Keratin {
     Keratin::new(0.3, 1.56, Reflectance::of_colour([0.3, 0.15, 0.05]).unwrap()).unwrap()
 }
 
+fn dress(keratin: &Keratin, cells: bsdf::Cells) -> Dress<'_> {
+    Dress { cells, under: keratin, ramus: keratin, shaft: keratin }
+}
+
 impl Frame {
     fn new() -> Option<Self> {
         let gpu = match Gpu::new(None) {
@@ -81,8 +85,8 @@ impl Frame {
         let packed = PackedTables::new(&tables, gpu.most_texels_along()).unwrap();
         let surfaces = Surfaces::new(&gpu).unwrap();
         let keratin = keratin();
-        let all = Keratins { under: &keratin, ramus: &keratin, shaft: &keratin };
-        surfaces.dress(&gpu, &all, Observer::default()).unwrap();
+        let dress = dress(&keratin, bsdf::Cells::default());
+        surfaces.dress(&gpu, &dress, Observer::default()).unwrap();
         Some(Self {
             mesh: meshes(&gpu),
             waves: Waves::new(packed.wavelengths_nm(), Observer::default(), 16).unwrap(),
@@ -178,6 +182,56 @@ fn pixels_show_the_renderers_individuals() {
         assert_near(found, light, &format!("{} row {row} column {column}", frame.gpu));
     }
     assert!(names.len() >= 12, "{} individuals", names.len());
+}
+
+/// Walls are keratin, sizes differ and cross-sections are arches as the renderer has them: its own surface at the pixels' middles.
+#[test]
+fn pixels_show_walls_sizes_and_arches() {
+    let Some(frame) = Frame::new() else { return };
+    let keratin = keratin();
+    let arch = Some(Arch { low: -0.9, high: 0.7, blur: 0.3 });
+    let cells = bsdf::Cells { size: 0.03, barbule_size: 0.02, wall_mm: 0.006, arch };
+    frame.surfaces.dress(&frame.gpu, &dress(&keratin, cells), Observer::default()).unwrap();
+    let view = View { sky: [0.0; 3], ..view(Vec3::new(0.1, 0.05, 1.0), Vec3::new(-0.25, -0.1, 1.0)) };
+    let pixels = frame.drawn(&view, 0, &EXPOSURE);
+    let barbule = BarbuleSurface {
+        brdf: FeatherBrdf::from_tables(frame.tables.clone()).into(),
+        instances: true,
+        below: None,
+        under: keratin.clone(),
+        cells,
+        opacity: 1.0,
+    };
+    let surface = Surface::Clad(Box::new(Clad::new(barbule, LAYOUT).unwrap()));
+    let Eye::Towards(to_eye) = view.eye else { panic!("the eye is far away") };
+    let (wo, wi) = (to_eye.as_dvec3(), view.to_lamp.as_dvec3());
+    // Half a pixel.
+    let footprint = 0.5 * SIDE_MM / f64::from(SIZE);
+    let shone = |column: i32, row: i32| -> [f64; 3] {
+        let [u, v] = [DVec3::Y, DVec3::X].map(|axis| axis / SIDE_MM);
+        let hit = Hit { uv: uv(column, row), uv_gradients: [u, v], id: NAME, footprint, ..Hit::default() };
+        let of = |nm: &f64| surface.bind(&hit, wo, Lambdas::splat(*nm)).eval(wi).f[0];
+        let values: Vec<f64> = frame.waves.nm().iter().map(of).collect();
+        frame.waves.linear_rgb(&values).map(|v| std::f64::consts::PI * wi.z * v)
+    };
+    let mut checked = 0;
+    for (row, column) in (1..SIZE as i32 - 1).flat_map(|row| (1..SIZE as i32 - 1).map(move |k| (row, k))) {
+        let is_wall = |row: i32| {
+            let hit = Hit { uv: uv(column, row), uv_gradients: [DVec3::Y, DVec3::X], id: NAME, ..Hit::default() };
+            let place = LAYOUT.on_barbule(&hit).ribbon.place;
+            place.min(1.0 - place) * LAYOUT.cell_mm < 0.5 * cells.wall_mm
+        };
+        let name = instance(uv(column, row));
+        let about = [(1, 1), (1, -1), (-1, 1), (-1, -1)];
+        let is_edge = about.iter().any(|(c, r)| instance(uv(column + c, row + r)) != name);
+        if is_edge || (-1..=1).any(|k| is_wall(row + k) != is_wall(row)) || (row + column) % 5 != 0 {
+            continue;
+        }
+        let found = pixels[(row * SIZE as i32 + column) as usize];
+        assert_near(found, shone(column, row), &format!("{} row {row} column {column}", frame.gpu));
+        checked += 1;
+    }
+    assert!(checked > 100, "{checked}");
 }
 
 /// Without contrast all is the mean; with no lamp and no sky, black; beside the mesh, what is behind.

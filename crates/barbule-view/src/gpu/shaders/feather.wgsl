@@ -476,33 +476,38 @@ fn feather_albedo(light: FeatherLight, wave: FeatherWave) -> f32 {
 
 // Colours -----------------------------------------------------------------------------------------------------------
 
-fn feather_wave_of(number: u32) -> FeatherWave {
+// A wavelength of the picture, where the nanostructure is larger than the material's by a factor: it scatters longer waves the
+// same way.
+fn feather_wave_of(number: u32, size: f32) -> FeatherWave {
     let wave = waves.all[number];
+    if size != 1.0 {
+        return feather_wave(wave.place.z / size);
+    }
     return FeatherWave(u32(wave.place.x), wave.place.y, wave.parts.w);
 }
 
 // Linear sRGB of f, 1/sr: a perfect white has 1/π in each channel.
-fn feather_colour(wi: vec3f, wo: vec3f, draw: FeatherDraw) -> vec3f {
+fn feather_colour(wi: vec3f, wo: vec3f, draw: FeatherDraw, size: f32) -> vec3f {
     let seen = feather_seen(wi, wo);
     var sum = vec3f(0.0);
     if !seen.is_up {
         return sum;
     }
     for (var k = 0u; k < waves.count.x; k++) {
-        sum += waves.all[k].parts.xyz * feather_values(seen, feather_wave_of(k), draw).x;
+        sum += waves.all[k].parts.xyz * feather_values(seen, feather_wave_of(k, size), draw).x;
     }
     return sum;
 }
 
 // Linear sRGB of all that is reflected of light from ω_i: by reciprocity, the colour towards ω_i under an even sky.
-fn feather_albedo_colour(wi: vec3f) -> vec3f {
+fn feather_albedo_colour(wi: vec3f, size: f32) -> vec3f {
     var sum = vec3f(0.0);
     if wi.z <= 0.0 {
         return sum;
     }
     let light = feather_light(wi);
     for (var k = 0u; k < waves.count.x; k++) {
-        sum += waves.all[k].parts.xyz * feather_albedo(light, feather_wave_of(k));
+        sum += waves.all[k].parts.xyz * feather_albedo(light, feather_wave_of(k, size));
     }
     return sum;
 }

@@ -8,7 +8,7 @@ fn fs_probe(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
         draw = feather_draw(question.name.xy);
     }
     if question.name.w == 1u {
-        return vec4f(feather_colour(wi, wo, draw), 1.0);
+        return vec4f(feather_colour(wi, wo, draw, 1.0), 1.0);
     }
     let wave = feather_wave(question.first.w);
     let values = feather_values(feather_seen(wi, wo), wave, draw);

@@ -21,12 +21,17 @@ struct View {
 
 @group(2) @binding(0) var<uniform> view: View;
 
-struct Keratins {
-    // Undersides of barbules, rami, shafts.
-    all: array<Keratin, 3>,
+struct Dress {
+    // Keratin of barbules' undersides and walls, of rami, of shafts.
+    keratins: array<Keratin, 3>,
+    // Deviation of the nanostructure's size from cell to cell and from barbule to barbule, as shares; length of the walls between
+    // cells, mm.
+    cells: vec4f,
+    // Of barbules that are arches: sines of the slopes at both edges, blur over half the width; 1 if they are.
+    arch: vec4f,
 }
 
-@group(2) @binding(1) var<uniform> keratins: Keratins;
+@group(2) @binding(1) var<uniform> dress: Dress;
 
 struct Corner {
     @location(0) position: vec3f,

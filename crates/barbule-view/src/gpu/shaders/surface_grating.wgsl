@@ -7,6 +7,6 @@ fn fs_surface(surface: Surface, @builtin(front_facing) is_front: bool) -> @locat
         let f = grating_colour(local.to_eye, local.to_lamp);
         return light_of(local, f, grating_albedo_colour(local.to_eye));
     }
-    let f = keratin_colour(keratins.all[0], local.to_eye, local.to_lamp);
-    return light_of(local, f, keratin_albedo_colour(keratins.all[0], local.to_eye));
+    let f = keratin_colour(dress.keratins[0], local.to_eye, local.to_lamp);
+    return light_of(local, f, keratin_albedo_colour(dress.keratins[0], local.to_eye));
 }
