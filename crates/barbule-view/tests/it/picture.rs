@@ -188,7 +188,8 @@ fn pixels_show_the_renderers_individuals() {
 #[test]
 fn pixels_show_walls_sizes_and_arches() {
     let Some(frame) = Frame::new() else { return };
-    let keratin = keratin();
+    // Grey, so that its colour is the same by any wavelengths.
+    let keratin = Keratin::new(0.3, 1.56, Reflectance::of_colour([0.2; 3]).unwrap()).unwrap();
     let arch = Some(Arch { low: -0.9, high: 0.7, blur: 0.3 });
     let cells = bsdf::Cells { size: 0.03, barbule_size: 0.02, wall_mm: 0.006, arch };
     frame.surfaces.dress(&frame.gpu, &dress(&keratin, cells), Observer::default()).unwrap();
