@@ -13,6 +13,9 @@ use crate::Result;
 /// Questions of a row.
 const COLUMNS: u32 = WIDTH / 2;
 
+/// The bits of an answer's numbers: not every adapter draws into single precision.
+const ANSWERS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+
 /// Which shader is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shader {
@@ -117,7 +120,7 @@ impl Probe {
                     module: &module,
                     entry_point: Some("fs_probe"),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(wgpu::TextureFormat::Rgba32Float.into())],
+                    targets: &[Some(ANSWERS.into())],
                 }),
                 primitive: wgpu::PrimitiveState::default(),
                 depth_stencil: None,
@@ -144,7 +147,7 @@ impl Probe {
             return Ok(Vec::new());
         }
         let rows = questions.len().div_ceil(COLUMNS as usize) as u32;
-        let target = Target::new(gpu, [COLUMNS, rows], wgpu::TextureFormat::Rgba32Float)?;
+        let target = Target::new(gpu, [COLUMNS, rows], ANSWERS)?;
         let directions: Vec<[f32; 4]> = questions.iter().flat_map(Question::texels).collect();
         let names: Vec<[u32; 4]> = questions.iter().map(Question::name).collect();
         let group = gpu.checked("the questions", || {

@@ -1,5 +1,6 @@
 // Values one by one, each pixel one of a list: how the shaders are held against their references. Goes with one of
-// probe_feather.wgsl, probe_grating.wgsl and probe_tone.wgsl.
+// probe_feather.wgsl, probe_grating.wgsl and probe_tone.wgsl. Numbers are drawn as their bits: not every adapter draws into
+// single precision.
 
 // ω_i with λ in nm, then ω_o; two texels for each question.
 @group(2) @binding(0) var probe_directions: texture_2d<f32>;

@@ -1,5 +1,5 @@
 @fragment
-fn fs_probe(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+fn fs_probe(@builtin(position) pixel: vec4f) -> @location(0) vec4u {
     let question = probe_question(pixel);
     let wi = question.first.xyz;
     let wo = question.second.xyz;
@@ -8,7 +8,7 @@ fn fs_probe(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
         draw = feather_draw(question.name.xy);
     }
     if question.name.w == 1u {
-        return vec4f(feather_colour(wi, wo, draw, 1.0), 1.0);
+        return bitcast<vec4u>(vec4f(feather_colour(wi, wo, draw, 1.0), 1.0));
     }
     let wave = feather_wave(question.first.w);
     let values = feather_values(feather_seen(wi, wo), wave, draw);
@@ -16,5 +16,5 @@ fn fs_probe(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     if wi.z > 0.0 {
         albedo = feather_albedo(feather_light(wi), wave);
     }
-    return vec4f(values, albedo, 1.0);
+    return bitcast<vec4u>(vec4f(values, albedo, 1.0));
 }
