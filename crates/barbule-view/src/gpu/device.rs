@@ -153,12 +153,7 @@ impl Gpu {
     ) -> wgpu::BindGroupLayout {
         let entries: Vec<_> = (0..)
             .zip(entries)
-            .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
-                binding,
-                visibility,
-                ty: *ty,
-                count: None,
-            })
+            .map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty: *ty, count: None })
             .collect();
         self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(label),

@@ -236,11 +236,15 @@ impl Feather {
             let float = wgpu::TextureFormat::Rgba32Float;
             let numbers = gpu.texture("feather numbers", float, WIDTH, &tables.numbers);
             let codes = gpu.texture("feather codes", wgpu::TextureFormat::Rgba16Sint, WIDTH, &tables.codes);
-            gpu.bound("feather", &Self::layout(gpu), &[
-                header.as_entire_binding(),
-                wgpu::BindingResource::TextureView(&numbers),
-                wgpu::BindingResource::TextureView(&codes),
-            ])
+            gpu.bound(
+                "feather",
+                &Self::layout(gpu),
+                &[
+                    header.as_entire_binding(),
+                    wgpu::BindingResource::TextureView(&numbers),
+                    wgpu::BindingResource::TextureView(&codes),
+                ],
+            )
         })?;
         Ok(Self { group })
     }
@@ -283,11 +287,10 @@ mod tests {
         assert_eq!(at(header.starts[3], 4)[..3], floats("slopes")[12..15]);
         let gaussians = header.noise[2] as usize;
         assert_eq!(at(header.more[0], 4096)[..gaussians], floats("inverse_q")[4096 * gaussians..]);
-        assert_eq!(at(header.more[1], 255)[..3], [
-            floats("rotations")[510],
-            floats("rotations")[511],
-            floats("wings")[255]
-        ]);
+        assert_eq!(
+            at(header.more[1], 255)[..3],
+            [floats("rotations")[510], floats("rotations")[511], floats("wings")[255]]
+        );
         let last = plain.thetas * plain.phis * plain.waves - 1;
         let node = header.more[2] as usize + 5 * last;
         assert_eq!(packed.numbers[node + 3], floats("nodes")[16 * last + 12..]);

@@ -238,7 +238,8 @@ fn colours_are_those_of_the_wavelengths() {
                 for (wo, instance) in all.iter().flat_map(|wo| [(wo, None), (wo, Some(7))]) {
                     questions.push(Question::Colour { wi: *wi, wo: *wo, instance });
                     let of = |nm: &f64| plain.values(*nm, *wi, *wo, instance).f;
-                    expected.push(loaded.waves.linear_rgb(&loaded.waves.nm().iter().map(of).collect::<Vec<_>>()));
+                    expected
+                        .push(loaded.waves.linear_rgb(&loaded.waves.nm().iter().map(of).collect::<Vec<_>>()));
                 }
             }
             let peak = expected.iter().flatten().fold(0.0_f64, |peak, v| peak.max(*v));

@@ -2,7 +2,9 @@
 
 use barbule_appearance::brdf::fixtures::example;
 use barbule_appearance::brdf::{BrdfTables, FeatherBrdf, Options, PlainBrdf};
-use barbule_appearance::bsdf::{self, Arch, BarbuleSurface, Clad, Hit, Keratin, Layout, Reflectance, Surface};
+use barbule_appearance::bsdf::{
+    self, Arch, BarbuleSurface, Clad, Hit, Keratin, Layout, Reflectance, Surface,
+};
 use barbule_appearance::render::tone::to_bytes;
 use barbule_appearance::scene::description::ToneWord;
 use barbule_light::spectrum::Wavelengths;
@@ -175,9 +177,8 @@ fn pixels_show_the_renderers_individuals() {
         }
         let of = |nm: &f64| plain.values(*nm, wi, wo, Some(name)).f;
         let f = frame.waves.linear_rgb(&nm.iter().map(of).collect::<Vec<_>>());
-        let light = std::array::from_fn(|c| {
-            std::f64::consts::PI * wo.z * f[c] + f64::from(view.sky[c]) * albedo[c]
-        });
+        let light =
+            std::array::from_fn(|c| std::f64::consts::PI * wo.z * f[c] + f64::from(view.sky[c]) * albedo[c]);
         let found = pixels[(row * SIZE as i32 + column) as usize];
         assert_near(found, light, &format!("{} row {row} column {column}", frame.gpu));
     }
@@ -218,7 +219,8 @@ fn pixels_show_walls_sizes_and_arches() {
     let mut checked = 0;
     for (row, column) in (1..SIZE as i32 - 1).flat_map(|row| (1..SIZE as i32 - 1).map(move |k| (row, k))) {
         let is_wall = |row: i32| {
-            let hit = Hit { uv: uv(column, row), uv_gradients: [DVec3::Y, DVec3::X], id: NAME, ..Hit::default() };
+            let hit =
+                Hit { uv: uv(column, row), uv_gradients: [DVec3::Y, DVec3::X], id: NAME, ..Hit::default() };
             let place = LAYOUT.on_barbule(&hit).ribbon.place;
             place.min(1.0 - place) * LAYOUT.cell_mm < 0.5 * cells.wall_mm
         };
@@ -269,16 +271,16 @@ fn undersides_are_keratin() {
     let boundary = boundary[low] + (boundary[low + 1] - boundary[low]) * (at - low as f64);
     let of = |nm: &f64| boundary + (1.0 - boundary) * keratin.body().at(*nm);
     let albedo = weights.linear_rgb(&wavelengths.nm().iter().map(of).collect::<Vec<_>>());
-    let light = std::array::from_fn(|c| {
-        std::f64::consts::PI * wo.z * f[c] + f64::from(view.sky[c]) * albedo[c]
-    });
+    let light =
+        std::array::from_fn(|c| std::f64::consts::PI * wo.z * f[c] + f64::from(view.sky[c]) * albedo[c]);
     assert_near(pixels[(SIZE * SIZE / 2 + SIZE / 2) as usize], light, "underside");
 }
 
 #[test]
 fn meshes_that_are_none_are_refused() {
     let Some(frame) = Frame::new() else { return };
-    let refused = |bytes: &[u8], faces: &[[u32; 3]]| Mesh::new(&frame.gpu, bytes, faces).unwrap_err().to_string();
+    let refused =
+        |bytes: &[u8], faces: &[[u32; 3]]| Mesh::new(&frame.gpu, bytes, faces).unwrap_err().to_string();
     assert!(refused(&[0; 65], &[]).contains("its corners have 65 bytes"));
     assert!(refused(&[0; 128], &[[0, 1, 2]]).contains("corner 2 of 2 does not exist"));
 }
