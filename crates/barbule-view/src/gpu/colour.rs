@@ -12,6 +12,9 @@ use crate::{Error, Result};
 /// More wavelengths a picture does not have.
 pub const MOST_WAVES: usize = 64;
 
+/// What people see, nm: beyond, about a thousandth of a white's X, Y or Z lies on either side.
+const SEEN_NM: std::ops::RangeInclusive<f64> = 390.0..=720.0;
+
 /// `Wave` of the shader.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -44,8 +47,9 @@ pub struct WavesOnGpu {
 }
 
 impl Waves {
-    /// At most `most` of the tables' own wavelengths, nm, evenly among them from the first to the last, as an observer sees
-    /// them: a spectrum is linear between those that are taken, and its colour that of the trapezoidal rule at 1 nm.
+    /// At most `most` of the tables' own wavelengths, nm, evenly among those that people see from the first to the last, as an
+    /// observer sees them: a spectrum is linear between those that are taken, held beyond, and its colour that of the trapezoidal
+    /// rule at 1 nm.
     ///
     /// # Errors
     /// `most` is not from 2 to [`MOST_WAVES`], or the wavelengths do not rise.
@@ -53,9 +57,15 @@ impl Waves {
         if !(2..=MOST_WAVES).contains(&most) {
             return Err(Error::input(format!("a picture of {most} wavelengths; give 2 to {MOST_WAVES}")));
         }
-        let (all, count) = (tables_nm.len(), most.min(tables_nm.len()));
+        let first = tables_nm.iter().position(|nm| SEEN_NM.contains(nm)).unwrap_or(0);
+        // Of tables that nobody sees, or that are of one visible wavelength, all are taken.
+        let (first, all) = match tables_nm.iter().filter(|nm| SEEN_NM.contains(*nm)).count() {
+            0 | 1 => (0, tables_nm.len()),
+            seen => (first, seen),
+        };
+        let count = most.min(all);
         // Rounded to the nearest.
-        let at = |k: usize| (2 * k * (all - 1) + count - 1) / (2 * (count - 1).max(1));
+        let at = |k: usize| first + (2 * k * (all - 1) + count - 1) / (2 * (count - 1).max(1));
         let places: Vec<usize> = (0..count).map(at).collect();
         let nm: Vec<f64> = places.iter().map(|place| tables_nm[*place]).collect();
         let weights = observer.weights(&Wavelengths::new(nm.as_slice())?);
@@ -132,6 +142,20 @@ mod tests {
             let white = waves.linear_rgb(&vec![1.0; waves.nm().len()]);
             assert!(white.iter().all(|v| (v - 1.0).abs() < 1e-9), "{white:?}");
         }
+    }
+
+    /// Tables reach into the ultraviolet for birds' sake.
+    #[test]
+    fn wavelengths_that_nobody_sees_are_left_out() {
+        let tables: Vec<f64> = (0..51).map(|k| 300.0 + 8.0 * f64::from(k)).collect();
+        let waves = Waves::new(&tables, Observer::default(), 16).unwrap();
+        assert_eq!(
+            [waves.nm()[0], *waves.nm().last().unwrap(), waves.nm().len() as f64],
+            [396.0, 700.0, 16.0]
+        );
+        assert_eq!(waves.uniform.all[0].place[0], 12.0);
+        let dark = Waves::new(&[310.0, 330.0, 350.0], Observer::default(), 16).unwrap();
+        assert_eq!(dark.nm().len(), 3);
     }
 
     #[test]
