@@ -1,14 +1,18 @@
-//! The viewer of feathers: what its window shows, computes and remembers.
+//! The window in which Barbule's structures, materials and feathers are looked at.
 //!
 //! ```text
 //! state ──► live          what is open and how it is looked at ──► what is computed of it, beside the window
 //!   │
 //!   └─────► scene         meshes of what is shown, with the names that the renderer gives their parts
+//!
+//! gpu                     draws, with wgpu and without any window: materials are textures that shaders evaluate, wavelength by wavelength
 //! ```
 //!
-//! No module here draws or opens a window; everything is tested without one. Angles are radians inside and degrees where people
-//! read them, lengths of scenes mm, of structures µm, of films and of wavelengths nm.
+//! Angles are radians inside and degrees where people read them, lengths of scenes mm, of structures µm, of films and of wavelengths nm.
 
+pub mod gpu;
 pub mod live;
 pub mod scene;
 pub mod state;
+
+use barbule_base::{Error, Result};

@@ -43,7 +43,7 @@ pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use feather::{Arch, BarbuleSurface, Cells};
 pub use frame::Frame;
-pub use grating::Grating;
+pub use grating::{Grating, GratingTables};
 pub use hair::{Absorption, FibreIndex, FibreSection, Hair, HairParameters};
 pub use hit::{Hit, OnRibbon, Side};
 pub use keratin::Keratin;

@@ -14,6 +14,7 @@
 //! mends that and stays reciprocal. It is never boosted where ρ < 1: the rest is in orders that do not leave.
 
 mod places;
+mod tables;
 #[cfg(test)]
 pub(super) mod tests;
 
@@ -23,6 +24,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use places::{MOST_TERMS, Places, SHARE_OF_WINDOW, of_powers};
 use rayon::prelude::*;
+pub use tables::GratingTables;
 
 use super::hit::Hit;
 use super::lobes::Lobes;

@@ -14,7 +14,7 @@ use super::Grating;
 use crate::scattering::grating::{Orders, Powers};
 
 /// The window counts up to so many standard deviations along an axis.
-const REACH: f64 = 3.5;
+pub(super) const REACH: f64 = 3.5;
 /// erf(REACH/√2): what the window holds along an axis.
 const WITHIN: f64 = 0.999_534_741_841_929;
 /// A table's narrower one up to so many: as large as a table is, more cost little.
@@ -151,6 +151,18 @@ impl Places {
         }
     }
 
+    /// Standard deviation of the Gaussian by which each place is spread, 1/µm; none of tents.
+    pub(super) fn deviation(&self) -> Option<f64> {
+        match self.spread {
+            Spread::Tents => None,
+            Spread::Window(deviation) => Some(deviation),
+        }
+    }
+
+    pub(super) fn terms(&self) -> usize {
+        self.terms
+    }
+
     /// What a sum is multiplied by so that nothing is lost where the window ends.
     pub(super) fn kept(&self) -> f64 {
         match self.spread {
@@ -173,7 +185,7 @@ impl Places {
     }
 
     #[inline]
-    fn series(&self) -> &[f32] {
+    pub(super) fn series(&self) -> &[f32] {
         match &self.series {
             Series::OfOrders(powers) => powers.series(),
             Series::Smoothed(series) => series,

@@ -1,0 +1,193 @@
+//! Light in linear sRGB with four samples a pixel, and its development: `shaders/develop.wgsl`.
+
+use barbule_appearance::scene::description::ToneWord;
+use bytemuck::{Pod, Zeroable};
+
+use super::device::{Gpu, NUMBERS, UNIFORM, texture_type};
+use super::shaders::{DEVELOP, TONE};
+use crate::{Error, Result};
+
+/// Samples of a pixel.
+pub(super) const SAMPLES: u32 = 4;
+/// What light is kept as: half precision, premultiplied by how much of the pixel is covered.
+pub(super) const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// What depths are kept as.
+pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
+
+/// A picture before its development.
+#[derive(Debug, Clone)]
+pub struct Film {
+    samples: wgpu::TextureView,
+    light: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    size: [u32; 2],
+}
+
+impl Film {
+    /// A film of this many columns and rows.
+    ///
+    /// # Errors
+    /// It is larger than the adapter's textures, or the adapter does not draw with half precision and four samples.
+    pub fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Self> {
+        let most = gpu.most_texels_along();
+        if width == 0 || height == 0 || width > most || height > most {
+            return Err(Error::input(format!(
+                "the picture has {width} × {height} pixels; give 1 to {most} columns and rows, which is what {gpu} has"
+            )));
+        }
+        gpu.checked("the film", || {
+            let texture = |label: &str, format, sample_count, usage| {
+                let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
+                    label: Some(label),
+                    size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                    mip_level_count: 1,
+                    sample_count,
+                    dimension: wgpu::TextureDimension::D2,
+                    format,
+                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+                    view_formats: &[],
+                });
+                texture.create_view(&wgpu::TextureViewDescriptor::default())
+            };
+            let none = wgpu::TextureUsages::empty();
+            Self {
+                samples: texture("samples", LIGHT, SAMPLES, none),
+                light: texture("light", LIGHT, 1, wgpu::TextureUsages::TEXTURE_BINDING),
+                depth: texture("depth", DEPTH, SAMPLES, none),
+                size: [width, height],
+            }
+        })
+    }
+
+    /// Columns and rows.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// A pass over the film, which is empty before it.
+    pub(super) fn begin<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {
+        let colour = wgpu::RenderPassColorAttachment {
+            view: &self.samples,
+            depth_slice: None,
+            resolve_target: Some(&self.light),
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                store: wgpu::StoreOp::Discard,
+            },
+        };
+        let depth = wgpu::RenderPassDepthStencilAttachment {
+            view: &self.depth,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(1.0),
+                store: wgpu::StoreOp::Discard,
+            }),
+            stencil_ops: None,
+        };
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("surfaces"),
+            color_attachments: &[Some(colour)],
+            depth_stencil_attachment: Some(depth),
+            ..wgpu::RenderPassDescriptor::default()
+        })
+    }
+}
+
+/// How light is shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exposure {
+    /// Stops: each doubles the light.
+    pub stops: f32,
+    /// The curve.
+    pub tone: ToneWord,
+    /// Linear sRGB behind what is drawn, before the exposure.
+    pub behind: [f32; 3],
+}
+
+/// `Develop` of the shader.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+struct DevelopUniform {
+    how: [f32; 4],
+    behind: [f32; 4],
+}
+
+/// Develops films.
+#[derive(Debug, Clone)]
+pub struct Developer {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    uniform: wgpu::Buffer,
+    encodes: bool,
+}
+
+impl Developer {
+    /// For pictures of a format: where it is one of sRGB, the target applies the transfer curve itself.
+    ///
+    /// # Errors
+    /// The driver refuses the shader.
+    pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Result<Self> {
+        let layout = gpu.layout("develop", &[UNIFORM, texture_type(NUMBERS)]);
+        let pipeline = gpu.checked("the shader of the film", || pipeline(gpu, &layout, format))?;
+        let uniform = gpu.uniform("develop", bytemuck::bytes_of(&DevelopUniform::zeroed()));
+        Ok(Self { pipeline, layout, uniform, encodes: format.is_srgb() })
+    }
+
+    /// The film as a group to be bound; for as long as this film is shown.
+    #[must_use]
+    pub fn load(&self, gpu: &Gpu, film: &Film) -> wgpu::BindGroup {
+        let light = wgpu::BindingResource::TextureView(&film.light);
+        gpu.bound("develop", &self.layout, &[self.uniform.as_entire_binding(), light])
+    }
+
+    /// Another exposure, from the next frame on.
+    pub fn expose(&self, gpu: &Gpu, exposure: &Exposure) {
+        let is_film = f32::from(u8::from(exposure.tone == ToneWord::Filmic));
+        let encodes = f32::from(u8::from(self.encodes));
+        let [r, g, b] = exposure.behind;
+        let uniform =
+            DevelopUniform { how: [exposure.stops.exp2(), is_film, encodes, 0.0], behind: [r, g, b, 0.0] };
+        gpu.queue().write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+    }
+
+    /// Shows a loaded film in a pass, over all of its viewport.
+    pub fn develop(&self, pass: &mut wgpu::RenderPass<'_>, film: &wgpu::BindGroup) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, film, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+fn pipeline(gpu: &Gpu, layout: &wgpu::BindGroupLayout, format: wgpu::TextureFormat) -> wgpu::RenderPipeline {
+    let device = gpu.device();
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("develop"),
+        source: wgpu::ShaderSource::Wgsl([TONE, DEVELOP].concat().into()),
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("develop"),
+        bind_group_layouts: &[Some(layout)],
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("develop"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vs_develop"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fs_develop"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(format.into())],
+        }),
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        multiview_mask: None,
+        cache: None,
+    })
+}

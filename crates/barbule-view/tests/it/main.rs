@@ -1,0 +1,7 @@
+//! The viewer from outside.
+
+mod feather;
+mod grating;
+mod picture;
+mod questions;
+mod tone;
