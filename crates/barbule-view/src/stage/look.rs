@@ -1,7 +1,7 @@
 //! How a stage is looked at.
 
 use barbule_appearance::scene::description::ToneWord;
-use glam::{DVec3, Mat4, Vec3};
+use glam::{DMat3, DVec3, Mat4, Vec3};
 
 use super::Jitter;
 use crate::gpu::{Cells, Exposure, Eye, View};
@@ -56,7 +56,8 @@ impl Look {
     #[must_use]
     pub fn clip_from_scene(&self, [width, height]: [u32; 2], radius_mm: f64) -> Mat4 {
         let eye = self.eye_mm();
-        let view = Mat4::look_to_rh(eye.as_vec3(), (-self.towards).as_vec3(), self.up.as_vec3());
+        let turn = DMat3::from_cols(self.up.cross(self.towards), self.up, self.towards).transpose();
+        let view = Mat4::from_mat3(turn.as_mat3()) * Mat4::from_translation(-eye.as_vec3());
         let away = self.distance * self.width_mm;
         let far = eye.length() + radius_mm;
         let near = (eye.length() - radius_mm).max(0.05 * away);

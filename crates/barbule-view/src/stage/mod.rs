@@ -15,8 +15,8 @@ pub use look::Look;
 pub use show::{Coat, Show, Wear};
 
 use crate::gpu::{
-    self, Cells, Developer, Dress, Exposure, Feather, Film, Gpu, Grating, Layers, LoadedFilm, MOST_WAVES,
-    Mesh, PackedGrating, PackedLayers, PackedTables, Sight, Surfaces, Trim, Waves, WavesOnGpu,
+    self, Cells, Developer, Dress, Feather, Film, Gpu, Grating, Layers, LoadedFilm, MOST_WAVES, Mesh,
+    PackedGrating, PackedLayers, PackedTables, Sight, Surfaces, Trim, Waves, WavesOnGpu,
 };
 use crate::scene::{Naming, Shape};
 use crate::{Error, Result};
