@@ -14,6 +14,7 @@
 pub mod gpu;
 pub mod live;
 pub mod scene;
+pub mod show;
 pub mod stage;
 pub mod state;
 

@@ -10,6 +10,7 @@ mod hemisphere;
 mod individual;
 mod material;
 mod mean;
+mod show;
 mod sight;
 #[cfg(not(target_arch = "wasm32"))]
 mod worker;
@@ -17,12 +18,15 @@ mod worker;
 use barbule::Result;
 use barbule::progress::Progress;
 
+use crate::stage::Show;
+
 pub use curves::Curves;
 pub use film::{FilmJob, film};
 pub use hemisphere::{Hemisphere, HemisphereJob, direction_at, hemisphere, lobe_spectrum, place_of};
 pub use individual::{Individual, IndividualJob, Lobe, individual};
 pub use material::{MaterialFound, MaterialJob, expected_seconds, material};
 pub use mean::{MeanFound, MeanJob, mean, stages};
+pub use show::{ShowJob, show};
 pub use sight::{Sight, Viewer};
 #[cfg(not(target_arch = "wasm32"))]
 pub use worker::{Update, Worker};
@@ -40,6 +44,8 @@ pub enum Job {
     Mean(Box<MeanJob>),
     /// The material.
     Material(Box<MaterialJob>),
+    /// What the picture shows.
+    Show(Box<ShowJob>),
 }
 
 /// Something that was computed.
@@ -55,6 +61,8 @@ pub enum Found {
     Mean(MeanFound),
     /// A material, a coarse one and then perhaps the whole one.
     Material(MaterialFound),
+    /// What the picture shows, as far as it is known.
+    Show(Box<Show>),
 }
 
 /// Does a job, and hands over what is found as soon as it is.
@@ -68,5 +76,6 @@ pub fn run(job: &Job, progress: &dyn Progress, found: &mut dyn FnMut(Found)) -> 
         Job::Hemisphere(job) => hemisphere(job, progress).map(|lobe| found(Found::Hemisphere(lobe))),
         Job::Mean(job) => mean(job, progress, &mut |mean| found(Found::Mean(mean))),
         Job::Material(job) => material(job, progress, &mut |made| found(Found::Material(made))),
+        Job::Show(job) => show(job, progress, &mut |made| found(Found::Show(Box::new(made)))),
     }
 }
