@@ -106,7 +106,7 @@ pub struct News {
     /// What went wrong.
     pub errors: Vec<Error>,
     /// Something else to be drawn.
-    pub show: Option<Box<crate::show::Show>>,
+    pub show: Option<Box<crate::stage::Show>>,
 }
 
 /// What is computed at the moment.

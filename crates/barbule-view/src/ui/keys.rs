@@ -146,8 +146,8 @@ pub(super) const ROWS: &[Row] = &[
         shortcuts: &[plain(Key::C)],
         wish: |_| Wish::Do(Action::CopyCommand),
     },
-    Row { keys: "Shift+Left", does: "moves the light to the left", shortcuts: &[shift(Key::ArrowLeft)], wish: |_| light([1.0, 0.0]) },
-    Row { keys: "Shift+Right", does: "moves the light to the right", shortcuts: &[shift(Key::ArrowRight)], wish: |_| light([-1.0, 0.0]) },
+    Row { keys: "Shift+Left", does: "moves the light to the left", shortcuts: &[shift(Key::ArrowLeft)], wish: |_| light([-1.0, 0.0]) },
+    Row { keys: "Shift+Right", does: "moves the light to the right", shortcuts: &[shift(Key::ArrowRight)], wish: |_| light([1.0, 0.0]) },
     Row { keys: "Shift+Up", does: "moves the light up", shortcuts: &[shift(Key::ArrowUp)], wish: |_| light([0.0, 1.0]) },
     Row { keys: "Shift+Down", does: "moves the light down", shortcuts: &[shift(Key::ArrowDown)], wish: |_| light([0.0, -1.0]) },
     Row { keys: "Left", does: "turns the camera to the left", shortcuts: &[plain(Key::ArrowLeft)], wish: |_| orbit([1.0, 0.0]) },
@@ -203,7 +203,7 @@ fn orbit(steps: [f64; 2]) -> Wish {
 }
 
 fn light(steps: [f64; 2]) -> Wish {
-    look("light", move |view| view.light = view.light.moved(steps.map(|step| STEP_DEG * step)))
+    Wish::Do(super::picture::move_light(steps.map(|step| STEP_DEG * step)))
 }
 
 /// What the keys that were pressed ask for. While somebody types, letters and arrows are theirs.
