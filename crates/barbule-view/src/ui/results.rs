@@ -1,5 +1,9 @@
 //! What has been computed of what is open and of what is pinned, as far as it is there.
 
+use std::sync::Arc;
+
+use barbule::brdf::FeatherBrdf;
+
 use crate::live::{Curves, Hemisphere, Individual, MaterialFound};
 
 /// Of what is open, and of what is pinned beside it.
@@ -25,6 +29,8 @@ pub struct Of {
     pub individual: Option<Individual>,
     /// The material.
     pub material: Option<MaterialFound>,
+    /// The material, ready to be evaluated.
+    pub brdf: Option<Arc<FeatherBrdf>>,
     /// The material's lobe over the hemisphere.
     pub hemisphere: Option<Hemisphere>,
 }
