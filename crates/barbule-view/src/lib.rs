@@ -11,10 +11,12 @@
 //!
 //! Angles are radians inside and degrees where people read them, lengths of scenes mm, of structures µm, of films and of wavelengths nm.
 
+pub mod arguments;
 pub mod gpu;
 pub mod live;
 pub mod scene;
 pub mod stage;
 pub mod state;
+pub mod ui;
 
 use barbule_base::{Error, Result};
