@@ -4,14 +4,17 @@
 //! [`run`] does one [`Job`] and tells what it finds as it goes; a [`Worker`] does that on a thread of its own, the newest job first
 //! and alone. Results are plain numbers in arrays.
 
+mod compared;
 mod curves;
 mod film;
 mod hemisphere;
 mod individual;
 mod material;
 mod mean;
+mod raster;
 mod show;
 mod sight;
+mod strips;
 #[cfg(not(target_arch = "wasm32"))]
 mod worker;
 
@@ -20,14 +23,19 @@ use barbule::progress::Progress;
 
 use crate::stage::Show;
 
+pub use compared::{Compared, Told};
 pub use curves::Curves;
 pub use film::{FilmJob, film};
-pub use hemisphere::{Hemisphere, HemisphereJob, direction_at, hemisphere, lobe_spectrum, place_of};
+pub use hemisphere::{
+    Hemisphere, HemisphereJob, direction_at, hemisphere, lit_across, lobe_spectrum, place_of, radius_of,
+};
 pub use individual::{Individual, IndividualJob, Lobe, individual};
 pub use material::{MaterialFound, MaterialJob, expected_seconds, material};
 pub use mean::{MeanFound, MeanJob, mean, stages};
+pub use raster::{Entry, Hatch, Legend, Raster, Window, extent, first_window, raster};
 pub use show::{ShowJob, show};
 pub use sight::{Sight, Viewer};
+pub use strips::{AngleSeen, along_angles, reaches, spectral_srgb};
 #[cfg(not(target_arch = "wasm32"))]
 pub use worker::{Update, Worker};
 

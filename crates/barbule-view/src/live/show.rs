@@ -221,6 +221,14 @@ impl ShowJob {
         self.material.is_none() && !matches!(self.view.mode, Mode::Scene) && self.subject.kind() != "scene"
     }
 
+    /// The scene that the renderer draws of it, with all that it names.
+    ///
+    /// # Errors
+    /// Something that it names is not there.
+    pub fn scene(&self, progress: &dyn Progress) -> Result<ReadyScene> {
+        self.ready(&|_| {}, progress)
+    }
+
     /// The scene with all that it names; what is open is in its own material, where there is one.
     fn ready(&self, change: &dyn Fn(&mut SceneDescription), progress: &dyn Progress) -> Result<ReadyScene> {
         let (mut description, _) = self.subject.scene(&self.view, &self.opening, progress)?;

@@ -62,6 +62,7 @@ struct Act {
 struct Worn {
     coat: OnGpu,
     waves: Vec<WavesOnGpu>,
+    most_waves: usize,
     dress: Dress,
 }
 
@@ -219,6 +220,13 @@ impl Stage {
         }
     }
 
+    /// At how many wavelengths a frame is drawn, where that is most.
+    #[must_use]
+    pub fn waves_of_a_frame(&self) -> usize {
+        let of = |act: &Act| act.wears.iter().map(|worn| worn.most_waves).max().unwrap_or(0);
+        self.act.as_ref().map_or(0, of)
+    }
+
     /// Memory of tables and meshes on the adapter, bytes.
     #[must_use]
     pub fn bytes(&self) -> u64 {
@@ -286,11 +294,12 @@ impl Loader<'_> {
                 self.bytes += packed.bytes() as u64;
                 (OnGpu::Layers(Layers::new(self.gpu, &packed)?), reflected.nm.clone())
             }
-            Coat::Keratin => return Ok(Worn { coat: OnGpu::Keratin, waves: Vec::new(), dress }),
+            Coat::Keratin => return Ok(Worn { coat: OnGpu::Keratin, waves: Vec::new(), most_waves: 0, dress }),
         };
         let turns = Waves::turns(&nm, self.sight, self.most_waves)?;
+        let most_waves = turns.iter().map(|waves| waves.nm().len()).max().unwrap_or(0);
         let waves = turns.iter().map(|waves| WavesOnGpu::new(self.gpu, waves)).collect();
-        Ok(Worn { coat, waves, dress })
+        Ok(Worn { coat, waves, most_waves, dress })
     }
 
     fn feather(
