@@ -16,5 +16,7 @@ pub mod live;
 pub mod scene;
 pub mod stage;
 pub mod state;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod ui;
 
 use barbule_base::{Error, Result};
