@@ -86,7 +86,8 @@ fn window(arguments: &Arguments, start: Start) -> Result<()> {
         .with_icon(look::icon())
         .with_inner_size(size)
         .with_min_inner_size(LEAST_SIZE);
-    let options = eframe::NativeOptions { viewport, persist_window: false, ..eframe::NativeOptions::default() };
+    let options =
+        eframe::NativeOptions { viewport, persist_window: false, ..eframe::NativeOptions::default() };
     let create = move |context: &eframe::CreationContext<'_>| {
         let adapter = context.wgpu_render_state.as_ref().map(adapter);
         let app = App::new(&context.egui_ctx, adapter, start)?;
