@@ -77,9 +77,7 @@ impl Finder {
         let response = ui.add(text).on_hover_text(
             "A species (starling:green), a stack (air/keratin:595/air), a preset, or a file. Type to search.",
         );
-        response.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::WidgetType::TextEdit, true, "Open a species, stack, preset or file")
-        });
+        let response = response.accessible_name("Open");
         if std::mem::take(&mut self.wants_focus) {
             response.request_focus();
         }

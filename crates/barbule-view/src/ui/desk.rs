@@ -102,7 +102,7 @@ struct ShowOf {
 
 /// What has become known since the last look.
 #[derive(Default)]
-pub struct News {
+pub(super) struct News {
     /// What went wrong.
     pub errors: Vec<Error>,
     /// Something else to be drawn.
@@ -111,7 +111,7 @@ pub struct News {
 
 /// What is computed at the moment.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Busy {
+pub(super) struct Busy {
     /// Of what kind of result, as in `material`.
     pub what: &'static str,
     /// What is done, in the words of who does it.
@@ -123,7 +123,7 @@ pub struct Busy {
 }
 
 /// The workers, and what they were asked for.
-pub struct Desk {
+pub(super) struct Desk {
     own: Benches,
     pinned: Benches,
     show: Bench<ShowOf>,
@@ -158,7 +158,7 @@ impl Desk {
     ///
     /// # Errors
     /// The system gives no thread.
-    pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Result<Self> {
+    pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Result<Self> {
         let wake: Wake = Arc::new(wake);
         Ok(Self {
             own: Benches::new(&wake)?,
@@ -169,7 +169,7 @@ impl Desk {
     }
 
     /// Asks for whatever has changed, takes what was found, and says what else is new.
-    pub fn follow(&mut self, state: &State, effort: Effort, results: &mut Results) -> News {
+    pub(super) fn follow(&mut self, state: &State, effort: Effort, results: &mut Results) -> News {
         let mut news = News::default();
         let (view, opening) = (state.view(), state.opening());
         let sides = [
@@ -228,7 +228,7 @@ impl Desk {
     ///
     /// # Errors
     /// There is no structure that it could be made of.
-    pub fn make_material(&mut self, state: &State, whole: bool) -> Result<()> {
+    pub(super) fn make_material(&mut self, state: &State, whole: bool) -> Result<()> {
         let Some(structure) = state.structure()? else {
             return Err(Error::input(format!(
                 "of a {} no material is made; open a species, a stack or sections",
@@ -241,7 +241,7 @@ impl Desk {
     }
 
     /// Stops everything; what was found stays.
-    pub fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.own.stop();
         self.pinned.stop();
         self.show.stop();
@@ -249,24 +249,18 @@ impl Desk {
 
     /// Whether something is computed.
     #[must_use]
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.own.is_busy() || self.pinned.is_busy() || self.show.is_open()
     }
 
     /// Whether the picture shows what is open as it is now, rather than as it was before.
     #[must_use]
-    pub fn is_drawn(&self, subject: &Subject) -> bool {
+    pub(super) fn is_drawn(&self, subject: &Subject) -> bool {
         self.drawn.as_ref() == Some(&Who::of(subject))
     }
 
-    /// Whether a material is looked for or made.
-    #[must_use]
-    pub fn is_making_material(&self) -> bool {
-        self.own.material.is_open()
-    }
-
     /// What takes longest of what is computed; `now` is the window's clock, s.
-    pub fn busy(&mut self, now: f64) -> Option<Busy> {
+    pub(super) fn busy(&mut self, now: f64) -> Option<Busy> {
         let Self { own, pinned, show, .. } = self;
         let all: [(&'static str, Option<Pace>); 7] = [
             ("material", own.material.pace(now)),

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use barbule::Unobserved;
 use barbule::error::shortened;
-use barbule::io::{encode_png, read_own, write_together, write_whole};
+use barbule::io::image::write_png;
+use barbule::io::{read_own, write_together, write_whole};
 use barbule::plot::{self, Band, Format, MeasuredBand, Page};
 use barbule::spectrum::Spectrum;
 use eframe::egui::{self, Context, Key};
@@ -126,9 +127,7 @@ pub(super) fn write_picture(path: &Path, state: &State, pixels: &Pixels) -> Resu
     let command = command.unwrap_or_default();
     let facts = [("Title", state.subject().title()), ("Comment", command)];
     let facts: Vec<(&str, &str)> = facts.iter().map(|(name, text)| (*name, text.as_str())).collect();
-    let bytes = encode_png(pixels.size, &pixels.bytes, pixels.has_alpha, &facts)
-        .map_err(|error| error.in_file(path))?;
-    write_whole(path, &bytes)
+    write_png(path, pixels.size, &pixels.bytes, pixels.has_alpha, &facts)
 }
 
 /// Writes everything that is not the picture.

@@ -321,7 +321,7 @@ impl App {
             }
         }
         if ctx.input(|input| !input.raw.hovered_files.is_empty()) {
-            egui::Area::new("drop".into())
+            egui::Area::new(egui::Id::unique("drop"))
                 .order(egui::Order::Foreground)
                 .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
                 .show(ctx, |ui| {

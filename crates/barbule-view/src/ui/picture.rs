@@ -10,7 +10,7 @@ use super::action::Action;
 use super::look::BEHIND;
 use crate::gpu::{Gpu, Target};
 use crate::stage::{Look, Show, Stage};
-use crate::state::{Camera, State};
+use crate::state::State;
 use crate::{Error, Result, show};
 
 /// Degrees that the camera or the light turns for a point of the pointer's way: half a turn over 400 points.
@@ -170,7 +170,7 @@ pub(super) fn picture(
 ) {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "picture"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "picture"));
     memory.rect = Some(rect);
     ui.painter().rect_filled(rect, 0.0, BEHIND);
     let size = (rect.size() * ui.ctx().pixels_per_point()).round().clamp(Vec2::ZERO, Vec2::splat(MOST_PIXELS));
@@ -274,12 +274,6 @@ fn zoom(factor: f64, actions: &mut Vec<Action>) {
     if factor.is_finite() && factor > 0.0 && factor != 1.0 {
         actions.push(Action::look("zoom", move |view| view.camera = view.camera.zoomed(1.0 / factor)));
     }
-}
-
-/// The camera in words, for the status line: `camera 180°, 60°, 30 mm wide`.
-pub(super) fn camera_words(camera: &Camera) -> String {
-    let Camera { azimuth_deg, elevation_deg, width_mm, .. } = camera;
-    format!("camera {azimuth_deg:.0}°, {elevation_deg:.0}°, {width_mm:.3} mm wide")
 }
 
 #[cfg(test)]
