@@ -14,5 +14,6 @@ pub mod gpu;
 pub mod live;
 pub mod scene;
 pub mod state;
+pub mod ui;
 
 use barbule_base::{Error, Result};

@@ -12,6 +12,8 @@ mod material;
 mod mean;
 mod sight;
 #[cfg(not(target_arch = "wasm32"))]
+pub mod trace;
+#[cfg(not(target_arch = "wasm32"))]
 mod worker;
 
 use barbule::Result;
