@@ -5,7 +5,8 @@
 //!   │
 //!   └─────► scene         meshes of what is shown, with the names that the renderer gives their parts
 //!
-//! gpu                     draws, with wgpu and without any window: materials are textures that shaders evaluate, wavelength by wavelength
+//! stage ──► gpu, scene    one shape in what it wears, drawn in real time ──► with wgpu and without any window: materials are textures
+//!                         that shaders evaluate, wavelength by wavelength
 //! ```
 //!
 //! Angles are radians inside and degrees where people read them, lengths of scenes mm, of structures µm, of films and of wavelengths nm.
@@ -13,6 +14,7 @@
 pub mod gpu;
 pub mod live;
 pub mod scene;
+pub mod stage;
 pub mod state;
 pub mod ui;
 
