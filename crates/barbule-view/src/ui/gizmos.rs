@@ -58,11 +58,8 @@ pub fn dome_place(direction: DVec3, frame: &Frame) -> [f64; 2] {
 #[must_use]
 pub fn dome_direction([x, y]: [f64; 2], frame: &Frame) -> DVec3 {
     let radius = x.hypot(y);
-    let (sine, side) = if radius <= 1.0 {
-        (radius, 1.0)
-    } else {
-        ((1.0 - (radius - 1.0) / COLLAR).max(0.0), -1.0)
-    };
+    let (sine, side) =
+        if radius <= 1.0 { (radius, 1.0) } else { ((1.0 - (radius - 1.0) / COLLAR).max(0.0), -1.0) };
     let [right, up] = if radius > 0.0 { [x * sine / radius, y * sine / radius] } else { [0.0; 2] };
     let towards = side * (1.0 - sine * sine).max(0.0).sqrt();
     (frame.right * right + frame.up * up + frame.towards * towards).normalize()
@@ -122,8 +119,10 @@ pub fn seen(ui: &Ui, state: &State) -> Seen {
     if view.mode != Mode::Scene {
         return own;
     }
-    let (id, of) =
-        (Id::new("the scene's camera"), (state.subject().text().to_owned(), view.preset.clone(), view.camera));
+    let (id, of) = (
+        Id::new("the scene's camera"),
+        (state.subject().text().to_owned(), view.preset.clone(), view.camera),
+    );
     if let Some(known) = ui.data(|data| data.get_temp::<Known>(id)).filter(|known| known.of == of) {
         return known.seen;
     }
@@ -183,9 +182,9 @@ fn lamp(ui: &Ui, rect: Rect, frame: &Frame, light: Light, actions: &mut Vec<Acti
         }
     }
     draw_lamp(ui, middle, frame, &light, response.hovered() || response.dragged());
-    response
-        .on_hover_cursor(CursorIcon::Grab)
-        .on_hover_text(format!("{words}\ndrag the sun; the wheel changes its radius; in the collar it stands behind"))
+    response.on_hover_cursor(CursorIcon::Grab).on_hover_text(format!(
+        "{words}\ndrag the sun; the wheel changes its radius; in the collar it stands behind"
+    ))
 }
 
 fn draw_lamp(ui: &Ui, middle: Pos2, frame: &Frame, light: &Light, is_active: bool) {

@@ -18,8 +18,8 @@ use barbule::spectrum::sensor::Sensor;
 use barbule::vision::{FalseColour, false_colour};
 use barbule::{DVec3, Result, Unobserved};
 use eframe::egui::{
-    Color32, ColorImage, Context, CursorIcon, PointerButton, Pos2, Rect, Response, Role, Sense, TextureHandle,
-    TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Color32, ColorImage, Context, CursorIcon, PointerButton, Pos2, Rect, Response, Role, Sense,
+    TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 use super::Action;
@@ -120,7 +120,9 @@ impl Traced {
                     );
                     match &mut self.texture {
                         Some(texture) => texture.set(image, TextureOptions::LINEAR),
-                        None => self.texture = Some(ctx.load_texture("traced", image, TextureOptions::LINEAR)),
+                        None => {
+                            self.texture = Some(ctx.load_texture("traced", image, TextureOptions::LINEAR))
+                        }
                     }
                     self.picture = Some(picture);
                 }
@@ -365,9 +367,8 @@ fn zoomed(
     actions: &mut Vec<Action>,
 ) {
     let Some(pointer) = response.hover_pos().filter(|_| response.contains_pointer()) else { return };
-    let (pinched, scrolled) = ui.input_mut(|input| {
-        (f64::from(input.zoom_delta()), std::mem::take(&mut input.smooth_scroll_delta).y)
-    });
+    let (pinched, scrolled) = ui
+        .input_mut(|input| (f64::from(input.zoom_delta()), std::mem::take(&mut input.smooth_scroll_delta).y));
     let factor = (-ZOOM_PER_POINT * f64::from(scrolled)).exp() / pinched.max(1e-3);
     if (factor - 1.0).abs() < 1e-9 {
         return;

@@ -52,7 +52,10 @@ pub(super) fn life(desk: &Desk) {
             Err(_) => {
                 drop(state);
                 room = Darkroom::default();
-                desk.fail(number, Error::machine("developing the picture ended unexpectedly; move something to try again"));
+                desk.fail(
+                    number,
+                    Error::machine("developing the picture ended unexpectedly; move something to try again"),
+                );
             }
         }
     }
@@ -125,7 +128,8 @@ impl Darkroom {
     /// The exposure that holds, where the one that was found last does: a picture does not flicker while a camera moves.
     fn held(&self, negative: &Negative) -> Option<f64> {
         let (found, scene) = (self.found.as_ref()?, &negative.scene);
-        let is_alike = found.set == negative.set && found.lamps.0 == scene.light && found.lamps.1 == scene.lights;
+        let is_alike =
+            found.set == negative.set && found.lamps.0 == scene.light && found.lamps.1 == scene.lights;
         (negative.holds_exposure && scene.exposure.factor().is_none() && is_alike).then_some(found.exposure)
     }
 
@@ -151,7 +155,11 @@ fn depths(film: &Film) -> Vec<f32> {
     let [width, height] = film.size();
     let depth = |(x, y): (u32, u32)| {
         let (pixel, count) = (film.pixel(x, y), film.count(x, y));
-        if pixel.hits == 0 || 2 * pixel.hits < count { 0.0 } else { (pixel.depth / f64::from(pixel.hits)) as f32 }
+        if pixel.hits == 0 || 2 * pixel.hits < count {
+            0.0
+        } else {
+            (pixel.depth / f64::from(pixel.hits)) as f32
+        }
     };
     (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(depth).collect()
 }

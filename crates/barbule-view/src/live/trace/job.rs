@@ -21,7 +21,8 @@ use barbule::{Error, Result};
 use crate::live::{MaterialJob, material};
 
 /// What of a scene takes less memory.
-const SMALLER: &str = "a coarser detail.level, fewer variants of a coat, smaller meshes, or a smaller picture";
+const SMALLER: &str =
+    "a coarser detail.level, fewer variants of a coat, smaller meshes, or a smaller picture";
 
 /// A picture to be traced.
 #[derive(Debug, Clone)]
@@ -205,7 +206,9 @@ impl TraceJob {
         let mut made = None;
         material(&job, progress, &mut |found| made = Some(found))?;
         let found = made.ok_or_else(|| {
-            Error::input(format!("the material {name} is not there yet; make it first, or let it be computed"))
+            Error::input(format!(
+                "the material {name} is not there yet; make it first, or let it be computed"
+            ))
         })?;
         Ok((open::worn(&found.found.material, found.found.hash.clone())?, found.thinned))
     }

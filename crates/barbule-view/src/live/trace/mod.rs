@@ -227,7 +227,8 @@ impl Tracer {
         let thread = |name: &str, life: fn(&Desk)| {
             let own = Arc::clone(&desk);
             let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || life(&own));
-            thread.map_err(|error| Error::machine(format!("the thread that traces cannot be started: {error}")))
+            thread
+                .map_err(|error| Error::machine(format!("the thread that traces cannot be started: {error}")))
         };
         // A picture that is being developed is nobody's any more once the owner is gone: that thread is not waited for.
         thread("developing", darkroom::life)?;
@@ -360,7 +361,10 @@ fn life(desk: &Desk) {
                 drop(state);
                 // What it left may be half made.
                 studio = Studio::default();
-                desk.fail(number, Error::machine("tracing the picture ended unexpectedly; move something to try again"));
+                desk.fail(
+                    number,
+                    Error::machine("tracing the picture ended unexpectedly; move something to try again"),
+                );
             }
         }
     }

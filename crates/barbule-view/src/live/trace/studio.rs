@@ -72,7 +72,13 @@ impl Studio {
     /// # Errors
     /// Something that the scene names is not there or does not fit into memory, a number out of range, or a stop by `progress` or for
     /// a pause.
-    pub(super) fn trace(&mut self, number: u64, job: &TraceJob, progress: &Shared, desk: &Desk) -> Result<()> {
+    pub(super) fn trace(
+        &mut self,
+        number: u64,
+        job: &TraceJob,
+        progress: &Shared,
+        desk: &Desk,
+    ) -> Result<()> {
         if !self.kept.as_ref().is_some_and(|kept| kept.stand.serves(job)) {
             self.grow(job, progress)?;
         }

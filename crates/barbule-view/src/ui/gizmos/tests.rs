@@ -6,9 +6,9 @@ use egui_kittest::kittest::Queryable as _;
 
 fn frames() -> impl Iterator<Item = Frame> {
     let bearings = [(180.0, 90.0), (180.0, 30.0), (40.0, -20.0), (300.0, 0.0)];
-    bearings.into_iter().map(|(azimuth_deg, elevation_deg)| {
-        Camera { azimuth_deg, elevation_deg, ..Camera::usual() }.frame()
-    })
+    bearings
+        .into_iter()
+        .map(|(azimuth_deg, elevation_deg)| Camera { azimuth_deg, elevation_deg, ..Camera::usual() }.frame())
 }
 
 /// Of the antipode of the camera alone the place is not one, but a circle.
@@ -41,7 +41,9 @@ fn directions_have_their_bearings() {
     }
     assert_eq!(bearing_of(DVec3::Z, 7.0), [7.0, 90.0]);
     let camera = Camera { azimuth_deg: 33.0, ..Camera::usual() };
-    for (direction, expected) in [(DVec3::Z, [33.0, 90.0]), (DVec3::X, [90.0, 0.0]), (-DVec3::Y, [180.0, 0.0])] {
+    for (direction, expected) in
+        [(DVec3::Z, [33.0, 90.0]), (DVec3::X, [90.0, 0.0]), (-DVec3::Y, [180.0, 0.0])]
+    {
         let looks = along(camera, direction);
         assert_eq!([looks.azimuth_deg, looks.elevation_deg], expected);
         assert!(looks.frame().towards.distance(direction) < 1e-12);

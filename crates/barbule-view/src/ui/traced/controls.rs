@@ -50,11 +50,12 @@ fn pause(ui: &mut Ui, memory: &mut Traced) {
 
 fn samples(ui: &mut Ui, memory: &mut Traced) {
     let chosen = &mut memory.settings.samples;
-    let list = ComboBox::from_id_salt("samples").selected_text(format!("{chosen} samples")).show_ui(ui, |ui| {
-        for samples in SAMPLES {
-            ui.selectable_value(chosen, samples, samples.to_string());
-        }
-    });
+    let list =
+        ComboBox::from_id_salt("samples").selected_text(format!("{chosen} samples")).show_ui(ui, |ui| {
+            for samples in SAMPLES {
+                ui.selectable_value(chosen, samples, samples.to_string());
+            }
+        });
     list.response.on_hover_text("samples per pixel; what is there is kept where more are asked for");
 }
 
@@ -88,7 +89,9 @@ fn zoom(ui: &mut Ui, camera: Camera, memory: &mut Traced, actions: &mut Vec<Acti
         .clamping(SliderClamping::Never)
         .suffix(" mm")
         .text("wide");
-    let response = ui.add(slider).on_hover_text("width of the picture at its target: a double click in the picture says at what");
+    let response = ui
+        .add(slider)
+        .on_hover_text("width of the picture at its target: a double click in the picture says at what");
     if response.changed() && width_mm > 0.0 {
         memory.flight = None;
         actions.push(Action::look("camera", move |view| {
@@ -112,7 +115,11 @@ fn fly(ui: &mut Ui, state: &State, memory: &mut Traced, actions: &mut Vec<Action
     let middle = memory.picture.as_ref().and_then(|picture| picture.place([0.5; 2]));
     let end = flight::end(state, middle);
     let hint = "flies from here to the barbules, in some seconds";
-    if ui.add_enabled(camera.width_mm > 1.5 * end.width_mm, Button::new("Fly to barbules")).on_hover_text(hint).clicked() {
+    if ui
+        .add_enabled(camera.width_mm > 1.5 * end.width_mm, Button::new("Fly to barbules"))
+        .on_hover_text(hint)
+        .clicked()
+    {
         (memory.origin, memory.flight) = (Some(camera), Some(Flight::new(camera, end)));
     }
     if let Some(origin) = memory.origin.filter(|origin| *origin != camera)
@@ -145,7 +152,10 @@ pub(super) fn told(ui: &mut Ui, memory: &mut Traced) {
         if let Some(every) = memory.picture.as_ref().and_then(|picture| picture.thinned) {
             ui.label(format!("· coarse material, every {every}th wavelength and direction"));
             asks_for_whole = !memory.settings.whole
-                && ui.button("Make it whole").on_hover_text("simulates the whole material, which takes minutes").clicked();
+                && ui
+                    .button("Make it whole")
+                    .on_hover_text("simulates the whole material, which takes minutes")
+                    .clicked();
         }
         for note in &memory.notes {
             ui.colored_label(ERROR, note);

@@ -42,7 +42,8 @@ impl Flight {
         let width_mm = from.width_mm * (to.width_mm / from.width_mm).powf(eased);
         let way = from.width_mm - to.width_mm;
         // Where widths differ, the target's distance from the end shrinks as they do.
-        let left = if way.abs() > 1e-6 * from.width_mm { (width_mm - to.width_mm) / way } else { 1.0 - eased };
+        let left =
+            if way.abs() > 1e-6 * from.width_mm { (width_mm - to.width_mm) / way } else { 1.0 - eased };
         let (start, end) = (DVec3::from(from.target_mm), DVec3::from(to.target_mm));
         let turn = (to.azimuth_deg - from.azimuth_deg + 180.0).rem_euclid(360.0) - 180.0;
         Camera {
