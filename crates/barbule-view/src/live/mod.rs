@@ -16,6 +16,8 @@ mod show;
 mod sight;
 mod strips;
 #[cfg(not(target_arch = "wasm32"))]
+pub mod trace;
+#[cfg(not(target_arch = "wasm32"))]
 mod worker;
 
 use barbule::Result;
