@@ -294,7 +294,9 @@ impl Loader<'_> {
                 self.bytes += packed.bytes() as u64;
                 (OnGpu::Layers(Layers::new(self.gpu, &packed)?), reflected.nm.clone())
             }
-            Coat::Keratin => return Ok(Worn { coat: OnGpu::Keratin, waves: Vec::new(), most_waves: 0, dress }),
+            Coat::Keratin => {
+                return Ok(Worn { coat: OnGpu::Keratin, waves: Vec::new(), most_waves: 0, dress });
+            }
         };
         let turns = Waves::turns(&nm, self.sight, self.most_waves)?;
         let most_waves = turns.iter().map(|waves| waves.nm().len()).max().unwrap_or(0);
