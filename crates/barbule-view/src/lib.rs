@@ -11,12 +11,14 @@
 //!
 //! Angles are radians inside and degrees where people read them, lengths of scenes mm, of structures µm, of films and of wavelengths nm.
 
+pub mod arguments;
 pub mod gpu;
+pub mod headless;
 pub mod live;
 pub mod scene;
+pub mod show;
 pub mod stage;
 pub mod state;
-#[cfg(not(target_arch = "wasm32"))]
 pub mod ui;
 
 use barbule_base::{Error, Result};
