@@ -8,9 +8,9 @@ use barbule::characterize::Catalog;
 use barbule::open::Opening;
 use barbule::spectrum::Wavelengths;
 use barbule::structure::Structure;
-use eframe::egui::{Pos2, Rect, Role, Ui, vec2};
+use eframe::egui::{Event, Modifiers, PointerButton, Pos2, Rect, Role, Ui, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{By, Queryable as _};
+use egui_kittest::kittest::{AccessKitNode, By, NodeT as _, Queryable as _};
 
 use super::Memory;
 use crate::live::{
@@ -22,6 +22,8 @@ use crate::ui::{Action, Of, Results};
 /// One of the views.
 type Pane = fn(&mut Ui, &State, &Results, &mut Memory, &mut Vec<Action>);
 
+/// Frames follow each other so fast that two presses are a double click, s.
+const STEP_S: f32 = 0.02;
 const FILM: &str = "air/6*(melanin:99/keratin:100)/keratin";
 const OTHER: &str = "air/6*(melanin:99/keratin:140)/keratin";
 
@@ -69,7 +71,7 @@ impl App {
                 }
             }
         };
-        Harness::builder().with_size(vec2(size[0], size[1])).build_ui_state(draw, self)
+        Harness::builder().with_size(vec2(size[0], size[1])).with_step_dt(STEP_S).build_ui_state(draw, self)
     }
 }
 
@@ -127,9 +129,8 @@ fn has(harness: &Harness<'_, App>, words: &str) -> bool {
 }
 
 fn rect(harness: &Harness<'_, App>, role: Role, label: &str) -> Rect {
-    let named =
-        |node: &egui_kittest::kittest::AccessKitNode<'_>| node.label().is_some_and(|own| own.contains(label));
-    harness.get_by(By::new().role(role).predicate(named)).rect()
+    let named = |node: &AccessKitNode<'_>| node.label().is_some_and(|own| own.contains(label));
+    harness.get(By::new().role(role).predicate(named)).rect()
 }
 
 fn drag(harness: &mut Harness<'_, App>, [from, to]: [Pos2; 2]) {
@@ -143,14 +144,14 @@ fn drag(harness: &mut Harness<'_, App>, [from, to]: [Pos2; 2]) {
 }
 
 fn double_click(harness: &mut Harness<'_, App>, at: Pos2) {
-    for _ in 0..2 {
-        harness.hover_at(at);
-        harness.drag_at(at);
-        harness.event(eframe::egui::Event::PointerButton {
+    harness.hover_at(at);
+    harness.step();
+    for pressed in [true, false, true, false] {
+        harness.event(Event::PointerButton {
             pos: at,
-            button: eframe::egui::PointerButton::Primary,
-            pressed: false,
-            modifiers: eframe::egui::Modifiers::NONE,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
         });
         harness.step();
     }
@@ -176,7 +177,7 @@ fn a_slider_that_is_dragged_moves_its_size_and_a_double_click_puts_it_back() {
 }
 
 fn rect_of_label(harness: &Harness<'_, App>, words: &str) -> Rect {
-    harness.get_by(By::new().role(Role::Label).label(words).include_labels()).rect()
+    harness.get(By::new().role(Role::Label).label(words).include_labels()).rect()
 }
 
 #[test]
@@ -309,7 +310,7 @@ fn the_lobe_is_touched_and_a_click_keeps_the_place() {
     assert!(!has(&harness, "towards -30° across"), "it stays");
     harness.get_by_label("choose what is white").click();
     harness.run_steps(2);
-    assert!(harness.query_by(By::new().role(Role::Slider).label("what is white")).is_some());
+    assert!(harness.query(By::new().role(Role::Slider).label("what is white")).is_some());
     harness.get_by_label("mean over individuals").click();
     harness.run_steps(2);
     assert_eq!(harness.state().done, ["Look(shown)", "Settle"]);
@@ -334,8 +335,8 @@ fn the_section_has_its_media_and_is_looked_at_from_nearer() {
         assert!(has(&harness, words), "{words}");
     }
     let wide = |harness: &Harness<'_, App>| {
-        let images = harness.get_all_by(By::new().role(Role::Image));
-        images.filter_map(|node| node.accesskit_node_label()).next().unwrap_or_default()
+        let images = harness.get_all(By::new().role(Role::Image));
+        images.filter_map(|node| node.accesskit_node().label()).next().unwrap_or_default()
     };
     let before = wide(&harness);
     harness.get_by_label("+").click();
