@@ -117,7 +117,9 @@ pub fn read(words: impl IntoIterator<Item = OsString>) -> Result<Given> {
     };
     let arguments = Arguments::from_arg_matches(&matches).map_err(|error| Error::input(unclear(&error)))?;
     if arguments.frames.is_some() && !arguments.is_headless() {
-        return Err(Error::input("--frames counts frames without a window; give --screenshot or --bench too"));
+        return Err(Error::input(
+            "--frames counts frames without a window; give --screenshot or --bench too",
+        ));
     }
     Ok(Given::Arguments(Box::new(arguments)))
 }
@@ -243,11 +245,15 @@ fn unclear(error: &clap::Error) -> String {
         return format!("unexpected argument '{}'{rest}", shortened(given));
     }
     let text = error.render().to_string();
-    let lines = text.lines().map(str::trim).take_while(|line| {
-        !line.starts_with("Usage:") && !line.starts_with("For more information")
-    });
+    let lines = text
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
     let joined = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
-    format!("{}; --help says what can be given", joined.trim_start_matches("error: ").trim_end_matches(['.', ' ']))
+    format!(
+        "{}; --help says what can be given",
+        joined.trim_start_matches("error: ").trim_end_matches(['.', ' '])
+    )
 }
 
 #[cfg(test)]
@@ -274,7 +280,10 @@ mod tests {
         let view = state.view();
         assert_eq!((state.subject().text(), view.mode, view.shown), ("magpie", Mode::Sphere, Shown::Mean));
         assert_eq!((view.light.azimuth_deg, view.light.elevation_deg), (-20.0, 40.0));
-        assert_eq!((view.camera.azimuth_deg, view.camera.elevation_deg, view.camera.width_mm), (90.0, -5.0, 3.0));
+        assert_eq!(
+            (view.camera.azimuth_deg, view.camera.elevation_deg, view.camera.width_mm),
+            (90.0, -5.0, 3.0)
+        );
         assert_eq!(view.eye, Seer::Bird("starling".into()));
         let request = given("--screenshot a.png --size 64x48").unwrap().request(state);
         assert_eq!((request.size, request.frames), ([64, 48], None));

@@ -98,7 +98,8 @@ impl Finder {
         if up {
             self.at = self.at.and_then(|at| at.checked_sub(1));
         }
-        let chosen = self.list(ui, &response).or_else(|| (enter && response.lost_focus()).then(|| self.typed()));
+        let chosen =
+            self.list(ui, &response).or_else(|| (enter && response.lost_focus()).then(|| self.typed()));
         if let Some(name) = chosen.filter(|name| !name.is_empty()) {
             self.text.clear();
             self.is_open = false;
@@ -150,7 +151,8 @@ impl Finder {
             });
         // The box itself is no elsewhere.
         let is_elsewhere = response.lost_focus() && !ui.ctx().is_pointer_over_egui() && chosen.is_none();
-        self.is_open = is_open && !is_elsewhere && (chosen.is_some() || response.has_focus() || at_list(ui, response));
+        self.is_open =
+            is_open && !is_elsewhere && (chosen.is_some() || response.has_focus() || at_list(ui, response));
         chosen
     }
 }
@@ -199,9 +201,10 @@ fn modes(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         };
         let is_chosen = state.view().mode == *mode;
         let button = Button::selectable(is_chosen, *word);
-        let response = ui.add_enabled(can.contains(mode), button).on_hover_text(format!("{about} ({number})"));
-        let response = response
-            .on_disabled_hover_text(format!("a {} is not shown so", state.subject().kind()));
+        let response =
+            ui.add_enabled(can.contains(mode), button).on_hover_text(format!("{about} ({number})"));
+        let response =
+            response.on_disabled_hover_text(format!("a {} is not shown so", state.subject().kind()));
         if response.clicked() && !is_chosen {
             actions.push(Action::Choose(*mode));
         }
@@ -263,7 +266,8 @@ fn changes(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         }
     }
     let pin = if is_pinned { RichText::new("Unpin").color(ACCENT) } else { RichText::new("Pin") };
-    let about = if is_pinned { "takes the pinned one away (P)" } else { "pins it as it is, to compare with (P)" };
+    let about =
+        if is_pinned { "takes the pinned one away (P)" } else { "pins it as it is, to compare with (P)" };
     if ui.button(pin).on_hover_text(about).clicked() {
         actions.push(if is_pinned { Action::Unpin } else { Action::Pin });
     }

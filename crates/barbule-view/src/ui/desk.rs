@@ -160,12 +160,7 @@ impl Desk {
     /// The system gives no thread.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Result<Self> {
         let wake: Wake = Arc::new(wake);
-        Ok(Self {
-            own: Benches::new(&wake)?,
-            pinned: Benches::new(&wake)?,
-            show: bench(&wake)?,
-            drawn: None,
-        })
+        Ok(Self { own: Benches::new(&wake)?, pinned: Benches::new(&wake)?, show: bench(&wake)?, drawn: None })
     }
 
     /// Asks for whatever has changed, takes what was found, and says what else is new.
@@ -314,11 +309,7 @@ impl Benches {
 
     fn is_busy(&self) -> bool {
         let Self { curves, individual, material, lobe, prepared, .. } = self;
-        prepared.is_some()
-            || curves.is_open()
-            || individual.is_open()
-            || material.is_open()
-            || lobe.is_open()
+        prepared.is_some() || curves.is_open() || individual.is_open() || material.is_open() || lobe.is_open()
     }
 
     /// Asks for whatever depends on something that has changed. All are asked for, also where one cannot be.
@@ -521,12 +512,7 @@ impl Benches {
 }
 
 /// Reflectance of films at all angles at once; of everything else the mean, first at the view's angle alone.
-fn curves_job(
-    subject: &Subject,
-    order: &Order,
-    at: Wavelengths,
-    at_all_angles: bool,
-) -> Result<Option<Job>> {
+fn curves_job(subject: &Subject, order: &Order, at: Wavelengths, at_all_angles: bool) -> Result<Option<Job>> {
     let (individuals, seed) = (order.effort.individuals, order.opening.seed);
     let own = order.view.angle_deg;
     if let Some(stack) = subject.stack() {

@@ -61,9 +61,12 @@ impl Asking {
         let mut is_open = true;
         let mut answer = Answer::Waits;
         let title = format!("Write {}", self.export.name());
-        egui::Window::new(title).open(&mut is_open).collapsible(false).resizable(false).default_width(360.0).show(
-            ctx,
-            |ui| {
+        egui::Window::new(title)
+            .open(&mut is_open)
+            .collapsible(false)
+            .resizable(false)
+            .default_width(360.0)
+            .show(ctx, |ui| {
                 let label = ui.label("Name of the file");
                 let text = egui::TextEdit::singleline(&mut self.name).desired_width(320.0).char_limit(1000);
                 let typed = ui.add(text).labelled_by(label.id);
@@ -88,8 +91,7 @@ impl Asking {
                         answer = Answer::Leaves;
                     }
                 });
-            },
-        );
+            });
         if is_open { answer } else { Answer::Leaves }
     }
 }
@@ -153,9 +155,7 @@ pub(super) fn write(path: &Path, export: Export, state: &State, results: &Result
             all.extend(beside.iter().zip(&files).map(|(path, file)| (path.as_path(), file.text.as_bytes())));
             write_together(&all)
         }
-        Export::Species | Export::State => {
-            write_whole(path, state.text_of(export, &Unobserved)?.as_bytes())
-        }
+        Export::Species | Export::State => write_whole(path, state.text_of(export, &Unobserved)?.as_bytes()),
     }
 }
 
@@ -172,8 +172,7 @@ fn figure(state: &State, results: &Results) -> Result<plot::Drawing> {
     }
     let measured = state.beside().iter().map(|beside| {
         let found = beside.measured();
-        let band =
-            Band { name: beside.name(), mean: found.mean.clone(), std: found.std.clone(), peak: None };
+        let band = Band { name: beside.name(), mean: found.mean.clone(), std: found.std.clone(), peak: None };
         MeasuredBand { band, samples: Vec::new(), beside: None }
     });
     let measured: Vec<MeasuredBand> = measured.collect();
@@ -262,10 +261,16 @@ mod tests {
             let path = folder.path().join(name);
             write(&path, export, &state, &results()).map(|()| std::fs::read(&path).unwrap())
         };
-        assert!(written(Export::Table, "a.csv").unwrap().starts_with(b"angle_deg,wavelength_nm,mean\n0,400,0.1"));
+        assert!(
+            written(Export::Table, "a.csv").unwrap().starts_with(b"angle_deg,wavelength_nm,mean\n0,400,0.1")
+        );
         assert!(written(Export::Figure, "a.svg").unwrap().starts_with(b"<"));
         assert!(written(Export::Figure, "a.pdf").unwrap().starts_with(b"%PDF"));
-        assert!(String::from_utf8(written(Export::Species, "s.toml").unwrap()).unwrap().contains("cortex_um = 0.2"));
+        assert!(
+            String::from_utf8(written(Export::Species, "s.toml").unwrap())
+                .unwrap()
+                .contains("cortex_um = 0.2")
+        );
         let again = written(Export::State, "view.toml").unwrap();
         assert!(String::from_utf8(again).unwrap().contains("barbule_view = 1"));
         // A scene brings the species that it names.

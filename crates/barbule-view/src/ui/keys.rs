@@ -77,15 +77,30 @@ pub(super) const ROWS: &[Row] = &[
         shortcuts: &[ctrl(Key::S)],
         wish: |_| Wish::Do(Action::Export(crate::state::Export::State)),
     },
-    Row { keys: "1", does: "shows it on a sphere", shortcuts: &[plain(Key::Num1)], wish: |_| mode(Mode::Sphere) },
+    Row {
+        keys: "1",
+        does: "shows it on a sphere",
+        shortcuts: &[plain(Key::Num1)],
+        wish: |_| mode(Mode::Sphere),
+    },
     Row {
         keys: "2",
         does: "shows it as a bent piece of vane",
         shortcuts: &[plain(Key::Num2)],
         wish: |_| mode(Mode::Vane),
     },
-    Row { keys: "3", does: "shows it as a feather", shortcuts: &[plain(Key::Num3)], wish: |_| mode(Mode::Feather) },
-    Row { keys: "4", does: "shows it on a snake", shortcuts: &[plain(Key::Num4)], wish: |_| mode(Mode::Snake) },
+    Row {
+        keys: "3",
+        does: "shows it as a feather",
+        shortcuts: &[plain(Key::Num3)],
+        wish: |_| mode(Mode::Feather),
+    },
+    Row {
+        keys: "4",
+        does: "shows it on a snake",
+        shortcuts: &[plain(Key::Num4)],
+        wish: |_| mode(Mode::Snake),
+    },
     Row {
         keys: "5",
         does: "traces its scene by the renderer",
@@ -146,14 +161,54 @@ pub(super) const ROWS: &[Row] = &[
         shortcuts: &[plain(Key::C)],
         wish: |_| Wish::Do(Action::CopyCommand),
     },
-    Row { keys: "Shift+Left", does: "moves the light to the left", shortcuts: &[shift(Key::ArrowLeft)], wish: |_| light([-1.0, 0.0]) },
-    Row { keys: "Shift+Right", does: "moves the light to the right", shortcuts: &[shift(Key::ArrowRight)], wish: |_| light([1.0, 0.0]) },
-    Row { keys: "Shift+Up", does: "moves the light up", shortcuts: &[shift(Key::ArrowUp)], wish: |_| light([0.0, 1.0]) },
-    Row { keys: "Shift+Down", does: "moves the light down", shortcuts: &[shift(Key::ArrowDown)], wish: |_| light([0.0, -1.0]) },
-    Row { keys: "Left", does: "turns the camera to the left", shortcuts: &[plain(Key::ArrowLeft)], wish: |_| orbit([1.0, 0.0]) },
-    Row { keys: "Right", does: "turns the camera to the right", shortcuts: &[plain(Key::ArrowRight)], wish: |_| orbit([-1.0, 0.0]) },
-    Row { keys: "Up", does: "turns the camera up", shortcuts: &[plain(Key::ArrowUp)], wish: |_| orbit([0.0, 1.0]) },
-    Row { keys: "Down", does: "turns the camera down", shortcuts: &[plain(Key::ArrowDown)], wish: |_| orbit([0.0, -1.0]) },
+    Row {
+        keys: "Shift+Left",
+        does: "moves the light to the left",
+        shortcuts: &[shift(Key::ArrowLeft)],
+        wish: |_| light([-1.0, 0.0]),
+    },
+    Row {
+        keys: "Shift+Right",
+        does: "moves the light to the right",
+        shortcuts: &[shift(Key::ArrowRight)],
+        wish: |_| light([1.0, 0.0]),
+    },
+    Row {
+        keys: "Shift+Up",
+        does: "moves the light up",
+        shortcuts: &[shift(Key::ArrowUp)],
+        wish: |_| light([0.0, 1.0]),
+    },
+    Row {
+        keys: "Shift+Down",
+        does: "moves the light down",
+        shortcuts: &[shift(Key::ArrowDown)],
+        wish: |_| light([0.0, -1.0]),
+    },
+    Row {
+        keys: "Left",
+        does: "turns the camera to the left",
+        shortcuts: &[plain(Key::ArrowLeft)],
+        wish: |_| orbit([1.0, 0.0]),
+    },
+    Row {
+        keys: "Right",
+        does: "turns the camera to the right",
+        shortcuts: &[plain(Key::ArrowRight)],
+        wish: |_| orbit([-1.0, 0.0]),
+    },
+    Row {
+        keys: "Up",
+        does: "turns the camera up",
+        shortcuts: &[plain(Key::ArrowUp)],
+        wish: |_| orbit([0.0, 1.0]),
+    },
+    Row {
+        keys: "Down",
+        does: "turns the camera down",
+        shortcuts: &[plain(Key::ArrowDown)],
+        wish: |_| orbit([0.0, -1.0]),
+    },
     Row {
         keys: "+",
         does: "comes nearer",
@@ -211,7 +266,8 @@ pub(super) fn pressed(ctx: &egui::Context, state: &State) -> Vec<Wish> {
     let is_typing = ctx.egui_wants_keyboard_input();
     ctx.input_mut(|input| {
         let free = |shortcut: &&KeyboardShortcut| !(is_typing && is_of_text(shortcut));
-        let is_pressed = |row: &&Row| row.shortcuts.iter().filter(free).any(|one| input.consume_shortcut(one));
+        let is_pressed =
+            |row: &&Row| row.shortcuts.iter().filter(free).any(|one| input.consume_shortcut(one));
         ROWS.iter().filter(is_pressed).map(|row| (row.wish)(state)).collect()
     })
 }

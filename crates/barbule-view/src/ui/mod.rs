@@ -292,11 +292,15 @@ impl App {
                 ui.set_max_width((place.width() - 40.0).max(120.0));
                 ui.label(words);
                 ui.horizontal_wrapped(|ui| {
-                    let coarse = ui.button("Make a coarse one").on_hover_text("every 5th wavelength and direction (M)");
+                    let coarse = ui
+                        .button("Make a coarse one")
+                        .on_hover_text("every 5th wavelength and direction (M)");
                     if coarse.clicked() {
                         actions.push(Action::MakeMaterial { whole: false });
                     }
-                    let whole = ui.button("Make the whole one").on_hover_text("in minutes; kept in the cache (Shift+M)");
+                    let whole = ui
+                        .button("Make the whole one")
+                        .on_hover_text("in minutes; kept in the cache (Shift+M)");
                     if whole.clicked() {
                         actions.push(Action::MakeMaterial { whole: true });
                     }
@@ -326,7 +330,9 @@ impl App {
                 .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
                 .show(ctx, |ui| {
                     Frame::popup(ui.style()).inner_margin(24.0).show(ui, |ui| {
-                        ui.heading("Drop it to open it; a measured spectrum is drawn beside what is computed");
+                        ui.heading(
+                            "Drop it to open it; a measured spectrum is drawn beside what is computed",
+                        );
                     });
                 });
         }
@@ -418,7 +424,8 @@ impl App {
 
     /// Esc: what is in front closes, else what is computed stops.
     fn leave(&mut self, actions: &mut Vec<Action>) {
-        let was_open = self.finder.leave() | self.asking.take().is_some() | std::mem::take(&mut self.has_help);
+        let was_open =
+            self.finder.leave() | self.asking.take().is_some() | std::mem::take(&mut self.has_help);
         if !was_open && self.message.take().is_none() {
             actions.push(Action::Stop);
         }
@@ -511,3 +518,6 @@ pub type Farewell = Arc<Mutex<Option<Error>>>;
 pub fn said(farewell: &Farewell) -> Option<Error> {
     farewell.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
+
+#[cfg(test)]
+mod tests;

@@ -150,12 +150,7 @@ impl CallbackTrait for Drawn {
         Vec::new()
     }
 
-    fn paint(
-        &self,
-        _: egui::PaintCallbackInfo,
-        pass: &mut wgpu::RenderPass<'static>,
-        _: &CallbackResources,
-    ) {
+    fn paint(&self, _: egui::PaintCallbackInfo, pass: &mut wgpu::RenderPass<'static>, _: &CallbackResources) {
         self.shared.stage().paint(pass);
     }
 }
@@ -173,7 +168,8 @@ pub(super) fn picture(
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "picture"));
     memory.rect = Some(rect);
     ui.painter().rect_filled(rect, 0.0, BEHIND);
-    let size = (rect.size() * ui.ctx().pixels_per_point()).round().clamp(Vec2::ZERO, Vec2::splat(MOST_PIXELS));
+    let size =
+        (rect.size() * ui.ctx().pixels_per_point()).round().clamp(Vec2::ZERO, Vec2::splat(MOST_PIXELS));
     memory.size_px = [size.x as u32, size.y as u32];
     let is_seen = memory.size_px.iter().all(|side| *side > 0);
     match shared {

@@ -70,10 +70,7 @@ pub fn usual_file(variable: impl Fn(&str) -> Option<PathBuf>) -> Option<PathBuf>
 
 /// The folder `barbule` below the first of these variables that is set and an absolute path, and what stands behind its name.
 #[must_use]
-pub fn usual_folder(
-    places: &[(&str, &str)],
-    variable: impl Fn(&str) -> Option<PathBuf>,
-) -> Option<PathBuf> {
+pub fn usual_folder(places: &[(&str, &str)], variable: impl Fn(&str) -> Option<PathBuf>) -> Option<PathBuf> {
     places.iter().find_map(|(name, below)| {
         let base = variable(name).filter(|path| path.is_absolute())?;
         Some(base.join(below).join("barbule"))
